@@ -1,0 +1,58 @@
+# How every target of Roomwise is compiled, and the two functions that declare a module and its tests.
+
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin)
+
+# One code generation for every target (x86-64 baseline): a translation unit that wants more chooses at run
+# time. Mixed -march flags change Eigen's alignment from one target to the next and corrupt memory.
+# -ffp-contract=off: the same seed gives the same bits whichever way the compiler would have fused.
+add_compile_options(-Wall -Wextra -Wconversion -Wshadow -Werror -ffp-contract=off)
+if(CMAKE_BUILD_TYPE STREQUAL "Release")
+  add_compile_options(-O3)
+endif()
+
+if(ROOMWISE_SANITIZE)
+  add_compile_options(-fsanitize=${ROOMWISE_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+  add_link_options(-fsanitize=${ROOMWISE_SANITIZE})
+endif()
+
+find_program(CCACHE ccache)
+if(CCACHE)
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE})
+endif()
+
+# roomwise_module(NAME SOURCES a.cpp ... [LINKS target ...] [PRIVATE_LINKS target ...])
+# declares the library roomwise_NAME (alias Roomwise::NAME); a module of headers alone gives no SOURCES.
+function(roomwise_module name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINKS;PRIVATE_LINKS" ${ARGN})
+  if(ARG_SOURCES)
+    add_library(roomwise_${name} STATIC ${ARG_SOURCES})
+    set(visibility PUBLIC)
+    target_link_libraries(roomwise_${name} PRIVATE ${ARG_PRIVATE_LINKS})
+  else()
+    add_library(roomwise_${name} INTERFACE)
+    set(visibility INTERFACE)
+  endif()
+  add_library(Roomwise::${name} ALIAS roomwise_${name})
+  target_include_directories(roomwise_${name} ${visibility}
+    $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:include>)
+  target_link_libraries(roomwise_${name} ${visibility} ${ARG_LINKS})
+  set_property(GLOBAL APPEND PROPERTY ROOMWISE_MODULES roomwise_${name})
+endfunction()
+
+# roomwise_test(NAME SOURCES a_test.cpp ... LINKS target ...)
+# declares the test program NAME_test; each GoogleTest case becomes a CTest of its own.
+function(roomwise_test name)
+  if(NOT ROOMWISE_BUILD_TESTS)
+    return()
+  endif()
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINKS" ${ARGN})
+  add_executable(${name}_test ${ARG_SOURCES})
+  target_link_libraries(${name}_test PRIVATE ${ARG_LINKS} Roomwise::testing GTest::gmock_main)
+  gtest_discover_tests(${name}_test TEST_PREFIX ${name}. DISCOVERY_TIMEOUT 60
+    PROPERTIES SKIP_REGULAR_EXPRESSION "\\[  SKIPPED \\]" TIMEOUT 300)
+endfunction()
+include(GoogleTest)

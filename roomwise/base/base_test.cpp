@@ -1,0 +1,112 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <fstream>
+#include <numeric>
+
+#include "roomwise/base/file.h"
+#include "roomwise/base/random.h"
+#include "roomwise/base/stage_clock.h"
+#include "roomwise/base/testing.h"
+#include "roomwise/base/thread_pool.h"
+#include "roomwise/base/timestamp.h"
+
+namespace roomwise {
+namespace {
+
+TEST(Timestamp, KeepsEveryNanosecond) {
+  EXPECT_EQ(parse_timestamp("1305031229.528748").value(), 1305031229528748000);
+  EXPECT_EQ(parse_timestamp("1305031229.123456789").value(), 1305031229123456789);
+  EXPECT_EQ(parse_timestamp("0").value(), 0);
+  EXPECT_EQ(parse_timestamp("-0.25").value(), -250'000'000);
+  EXPECT_EQ(format_timestamp(1305031229528748000), "1305031229.528748");
+  EXPECT_EQ(format_timestamp(1305031229123456789), "1305031229.123456789");
+  EXPECT_EQ(format_timestamp(-250'000'000), "-0.250000");
+}
+
+TEST(Timestamp, RefusesWhatIsNoTime) {
+  for (const char* text :
+       {"", "nan", "inf", "abc", "1.2.3", "1e9", "12x", "-", ".", "99999999999999"}) {
+    EXPECT_FALSE(parse_timestamp(text).has_value()) << text;
+  }
+}
+
+TEST(RandomStream, IsTheSameEverywhereAndSplitsByKey) {
+  RandomStream first(7, {1, 2});
+  RandomStream again(7, {1, 2});
+  RandomStream other(7, {2, 1});
+  const std::uint64_t value = first.next();
+  EXPECT_EQ(value, again.next());
+  EXPECT_NE(value, other.next());
+  EXPECT_EQ(RandomStream(0).next(), 5987356902031041503ULL)
+      << "the sequence is part of what a seed means";
+}
+
+TEST(RandomStream, IsUniformAndNormal) {
+  RandomStream random(1);
+  constexpr int kDraws = 60'000;
+  std::array<int, 6> faces{};
+  double sum = 0;
+  double squares = 0;
+  for (int i = 0; i < kDraws; ++i) {
+    ++faces[random.index(6)];
+    const double x = random.normal();
+    sum += x;
+    squares += x * x;
+  }
+  for (const int count : faces) EXPECT_NEAR(count, kDraws / 6, 400);
+  EXPECT_NEAR(sum / kDraws, 0, 0.02);
+  EXPECT_NEAR(squares / kDraws, 1, 0.03);
+}
+
+TEST(ThreadPool, DoesEverythingOnce) {
+  for (const std::size_t threads : {1U, 2U, 5U}) {
+    ThreadPool pool(threads);
+    std::vector<int> done(1000, 0);
+    pool.parallel_for(done.size(), [&](std::size_t i) { done[i] += 1; });
+    EXPECT_TRUE(std::ranges::all_of(done, [](int n) { return n == 1; }));
+    EXPECT_EQ(pool.submit([] { return 42; }).get(), 42);
+  }
+}
+
+TEST(ThreadPool, CarriesExceptionsToTheCallerAfterAllWorkIsDone) {
+  ThreadPool pool(2);
+  std::atomic<int> done = 0;
+  const auto body = [&](std::size_t i) {
+    if (i == 0) throw std::runtime_error("no");
+    ++done;
+  };
+  EXPECT_THROW(pool.parallel_for(50, body), std::runtime_error);
+  EXPECT_EQ(done, 49);
+}
+
+TEST(StageClock, SumsCalls) {
+  StageClock clock;
+  clock.add("features", 0.5, 0.25);
+  clock.add("features", 0.5, 0.25);
+  const auto stages = clock.stages();
+  EXPECT_EQ(stages.at("features").calls, 2U);
+  EXPECT_DOUBLE_EQ(stages.at("features").wall_s, 1.0);
+  EXPECT_DOUBLE_EQ(stages.at("features").cpu_s, 0.5);
+}
+
+TEST(File, WritesWholeOrNotAtAll) {
+  const testing::ScratchFolder folder;
+  ASSERT_OK(write_file(folder / "a", "first"));
+  ASSERT_OK(write_file(folder / "a", "second"));
+  EXPECT_EQ(read_text_file(folder / "a").value(), "second");
+  EXPECT_ERROR(write_file(folder / "none" / "a", "x"), "none/a");
+  EXPECT_ERROR(read_file(folder / "missing"), "missing: cannot be opened");
+  EXPECT_ERROR(read_file(folder.path()), "is a folder");
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1);
+}
+
+TEST(File, HashesAsPublished) {
+  EXPECT_EQ(sha256_hex({}), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
+}
+
+}  // namespace
+}  // namespace roomwise

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <fmt/format.h>
+
+#include <string>
+#include <tl/expected.hpp>
+#include <utility>
+
+namespace roomwise {
+
+// Why something that can fail in normal use failed. The message is one line that names the file,
+// line, frame or field that is wrong and how to mend it: "fr1/rgb.txt:3: 'abc' is not a time stamp;
+// expected seconds, for example 1305031229.528748".
+struct Error {
+  std::string message;
+
+  // The same error seen from further out: "CONTEXT: message".
+  Error in(std::string_view context) && { return Error{fmt::format("{}: {}", context, message)}; }
+};
+
+// A value, or the Error that says why there is none. (tl::expected has the interface of C++23's
+// std::expected, which Debian 12's clang, and with it clang-tidy and libFuzzer, cannot compile.)
+template <typename T>
+using Expected = tl::expected<T, Error>;
+using Unexpected = tl::unexpected<Error>;
+
+// return fail("{}: no such file", path);
+template <typename... Args>
+[[nodiscard]] Unexpected fail(fmt::format_string<Args...> format, Args&&... args) {
+  return Unexpected(Error{fmt::format(format, std::forward<Args>(args)...)});
+}
+
+}  // namespace roomwise
+
+#define ROOMWISE_CONCAT_(a, b) a##b
+#define ROOMWISE_CONCAT(a, b) ROOMWISE_CONCAT_(a, b)
+
+// ROOMWISE_TRY(auto image, decode(bytes));  declares image, or returns decode's error to the
+// caller.
+#define ROOMWISE_TRY(declaration, expression) \
+  ROOMWISE_TRY_(ROOMWISE_CONCAT(expected_, __LINE__), declaration, expression)
+#define ROOMWISE_TRY_(temporary, declaration, expression)                      \
+  auto temporary = (expression);                                               \
+  if (!temporary) return ::roomwise::Unexpected(std::move(temporary).error()); \
+  declaration = std::move(*temporary)
+
+// ROOMWISE_CHECK_OK(file.write(bytes));  returns the error of an Expected<void> to the caller.
+#define ROOMWISE_CHECK_OK(expression)                            \
+  do {                                                           \
+    if (auto status_ = (expression); !status_)                   \
+      return ::roomwise::Unexpected(std::move(status_).error()); \
+  } while (false)

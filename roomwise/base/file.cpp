@@ -1,0 +1,93 @@
+#include "roomwise/base/file.h"
+
+#include <fcntl.h>
+#include <openssl/evp.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+
+namespace roomwise {
+namespace {
+
+// Closes the descriptor when it goes out of scope.
+struct Descriptor {
+  int value = -1;
+  ~Descriptor() {
+    if (value >= 0) ::close(value);
+  }
+};
+
+template <typename Container>
+Expected<Container> read_whole(const std::filesystem::path& path) {
+  const Descriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC)};
+  if (file.value < 0) return fail("{}: cannot be opened: {}", path.string(), std::strerror(errno));
+  struct stat status {};
+  if (::fstat(file.value, &status) != 0) {
+    return fail("{}: cannot be read: {}", path.string(), std::strerror(errno));
+  }
+  if (S_ISDIR(status.st_mode)) return fail("{}: is a folder; expected a file", path.string());
+  Container content(static_cast<std::size_t>(status.st_size), 0);
+  std::size_t filled = 0;
+  for (;;) {
+    if (filled == content.size()) content.resize(content.size() + 4096);  // pipes, files that grow
+    const ssize_t got = ::read(file.value, content.data() + filled, content.size() - filled);
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) return fail("{}: cannot be read: {}", path.string(), std::strerror(errno));
+    if (got == 0) break;
+    filled += static_cast<std::size_t>(got);
+  }
+  content.resize(filled);
+  return content;
+}
+
+}  // namespace
+
+Expected<Bytes> read_file(const std::filesystem::path& path) {
+  return read_whole<Bytes>(path);
+}
+
+Expected<std::string> read_text_file(const std::filesystem::path& path) {
+  return read_whole<std::string>(path);
+}
+
+Expected<void> write_file(const std::filesystem::path& path, std::span<const std::uint8_t> bytes) {
+  std::filesystem::path partial = path;
+  partial += fmt::format(".partial-{}", ::getpid());
+  const auto failed = [&](const char* what) {
+    const int error = errno;
+    ::unlink(partial.c_str());
+    return fail("{}: {}: {}", path.string(), what, std::strerror(error));
+  };
+  Descriptor file{::open(partial.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644)};
+  if (file.value < 0) return failed("cannot be written");
+  std::size_t written = 0;
+  while (written < bytes.size()) {
+    const ssize_t put = ::write(file.value, bytes.data() + written, bytes.size() - written);
+    if (put < 0 && errno == EINTR) continue;
+    if (put < 0) return failed("cannot be written");
+    written += static_cast<std::size_t>(put);
+  }
+  if (::fsync(file.value) != 0) return failed("cannot be flushed to the disk");
+  if (::close(std::exchange(file.value, -1)) != 0) return failed("cannot be closed");
+  if (::rename(partial.c_str(), path.c_str()) != 0) return failed("cannot be put in place");
+  return {};
+}
+
+Expected<void> write_file(const std::filesystem::path& path, std::string_view text) {
+  return write_file(path,
+                    std::span(reinterpret_cast<const std::uint8_t*>(text.data()), text.size()));
+}
+
+std::string sha256_hex(std::span<const std::uint8_t> bytes) {
+  std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
+  unsigned int length = 0;
+  EVP_Digest(bytes.data(), bytes.size(), digest.data(), &length, EVP_sha256(), nullptr);
+  std::string hex;
+  for (unsigned int i = 0; i < length; ++i) hex += fmt::format("{:02x}", digest[i]);
+  return hex;
+}
+
+}  // namespace roomwise

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "roomwise/base/expected.h"
+
+namespace roomwise {
+
+using Bytes = std::vector<std::uint8_t>;
+
+// The whole file. Fails, naming it, where it is missing, a folder, or unreadable.
+[[nodiscard]] Expected<Bytes> read_file(const std::filesystem::path& path);
+[[nodiscard]] Expected<std::string> read_text_file(const std::filesystem::path& path);
+
+// Writes beside `path`, flushes to the disk and renames, so that the file is whole or unchanged
+// whatever happens (killed process, full disk).
+[[nodiscard]] Expected<void> write_file(const std::filesystem::path& path,
+                                        std::span<const std::uint8_t> bytes);
+[[nodiscard]] Expected<void> write_file(const std::filesystem::path& path, std::string_view text);
+
+// Lower-case hexadecimal SHA-256.
+[[nodiscard]] std::string sha256_hex(std::span<const std::uint8_t> bytes);
+
+}  // namespace roomwise

@@ -1,0 +1,85 @@
+#include "roomwise/geometry/pinhole_camera.h"
+
+#include <array>
+#include <cmath>
+#include <tuple>
+#include <utility>
+
+namespace roomwise::geometry {
+namespace {
+
+// Distorts a point of the plane z = 1.
+Eigen::Vector2d distort(const LensDistortion& lens, const Eigen::Vector2d& p) {
+  const double r2 = p.squaredNorm();
+  const double radial = 1 + r2 * (lens.k1 + r2 * (lens.k2 + r2 * lens.k3));
+  return {p.x() * radial + 2 * lens.p1 * p.x() * p.y() + lens.p2 * (r2 + 2 * p.x() * p.x()),
+          p.y() * radial + lens.p1 * (r2 + 2 * p.y() * p.y()) + 2 * lens.p2 * p.x() * p.y()};
+}
+
+auto tie(const PinholeCamera& c) {
+  return std::tie(c.fx, c.fy, c.cx, c.cy, c.width, c.height, c.distortion.k1, c.distortion.k2,
+                  c.distortion.p1, c.distortion.p2, c.distortion.k3, c.depth_units_per_metre);
+}
+
+}  // namespace
+
+Expected<void> PinholeCamera::validate() const {
+  const auto positive = [](double value) { return std::isfinite(value) && value > 0; };
+  if (!positive(fx) || !positive(fy))
+    return fail("focal lengths fx = {}, fy = {} must be positive", fx, fy);
+  if (!std::isfinite(cx) || !std::isfinite(cy))
+    return fail("cx = {}, cy = {} must be finite", cx, cy);
+  if (width <= 0 || height <= 0) return fail("image size {}x{} must be positive", width, height);
+  if (!positive(depth_units_per_metre)) {
+    return fail("depth_units_per_metre = {} must be positive", depth_units_per_metre);
+  }
+  for (const double k :
+       {distortion.k1, distortion.k2, distortion.p1, distortion.p2, distortion.k3}) {
+    if (!std::isfinite(k)) return fail("distortion values must be finite, found {}", k);
+  }
+  return {};
+}
+
+Eigen::Vector2d PinholeCamera::project(const Eigen::Vector3d& point_camera) const {
+  if (distortion.is_none()) return project_undistorted(point_camera);
+  const Eigen::Vector2d p = distort(distortion, point_camera.head<2>() / point_camera.z());
+  return {fx * p.x() + cx, fy * p.y() + cy};
+}
+
+Eigen::Vector2d PinholeCamera::undistort(const Eigen::Vector2d& pixel) const {
+  if (distortion.is_none()) return pixel;
+  const Eigen::Vector2d distorted((pixel.x() - cx) / fx, (pixel.y() - cy) / fy);
+  // The fixed point converges in a handful of steps for lenses like the Kinect's; far outside the
+  // image it may not, and the last value is then as good as any.
+  constexpr int kMostSteps = 30;
+  constexpr double kConverged = 1e-12;
+  Eigen::Vector2d p = distorted;
+  for (int step = 0; step < kMostSteps; ++step) {
+    const Eigen::Vector2d error = distorted - distort(distortion, p);
+    p += error;
+    if (error.squaredNorm() < kConverged * kConverged) break;
+  }
+  return {fx * p.x() + cx, fy * p.y() + cy};
+}
+
+bool operator==(const PinholeCamera& a, const PinholeCamera& b) {
+  return tie(a) == tie(b);
+}
+
+Expected<PinholeCamera> camera_preset(std::string_view name) {
+  static const std::array<std::pair<std::string_view, PinholeCamera>, 5> kPresets{{
+      {"fr1",
+       {517.3, 516.5, 318.6, 255.3, 640, 480, {0.2624, -0.9531, -0.0054, 0.0026, 1.1633}, 5000}},
+      {"fr2",
+       {520.9, 521.0, 325.1, 249.7, 640, 480, {0.2312, -0.7849, -0.0033, -0.0001, 0.9172}, 5000}},
+      {"fr3", {535.4, 539.2, 320.1, 247.6, 640, 480, {}, 5000}},
+      {"kinect-v1", {525.0, 525.0, 319.5, 239.5, 640, 480, {}, 1000}},
+      {"xtion", {525.0, 525.0, 319.5, 239.5, 640, 480, {}, 1000}},
+  }};
+  for (const auto& [preset, camera] : kPresets) {
+    if (preset == name) return camera;
+  }
+  return fail("'{}' is not a camera preset; there are fr1, fr2, fr3, kinect-v1 and xtion", name);
+}
+
+}  // namespace roomwise::geometry

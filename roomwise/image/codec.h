@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "roomwise/base/file.h"
+#include "roomwise/image/image.h"
+
+namespace roomwise::image {
+
+// Pictures with more pixels are refused before any memory is taken (a decompression bomb, not a
+// photo).
+constexpr std::int64_t kMostPixels = 100'000'000;
+
+// Decodes a JPEG or PNG (told apart by its first bytes) to 8-bit RGB: grey is spread, an alpha
+// channel is blended over black, and the orientation that a phone writes into a JPEG's Exif is
+// applied. A truncated or damaged file is an error, never a half-grey picture.
+[[nodiscard]] Expected<ColorImage> decode_color(std::span<const std::uint8_t> bytes);
+
+// Decodes a 16-bit greyscale PNG. Any other picture is an error that says what was found.
+[[nodiscard]] Expected<DepthImage> decode_depth(std::span<const std::uint8_t> bytes);
+
+// The same from a file; errors name it.
+[[nodiscard]] Expected<ColorImage> read_color(const std::filesystem::path& path);
+[[nodiscard]] Expected<DepthImage> read_depth(const std::filesystem::path& path);
+
+// quality: 1 to 100.
+[[nodiscard]] Bytes encode_jpeg(const ColorImage& image, int quality);
+[[nodiscard]] Bytes encode_png(const ColorImage& image);
+[[nodiscard]] Bytes encode_png(const DepthImage& image);
+
+}  // namespace roomwise::image

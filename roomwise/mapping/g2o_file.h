@@ -1,0 +1,15 @@
+#pragma once
+
+#include <filesystem>
+
+#include "roomwise/mapping/pose_graph.h"
+
+namespace roomwise::mapping {
+
+// g2o's text format: VERTEX_SE3:QUAT, EDGE_SE3:QUAT and FIX lines (FIX must name the lowest node or
+// be absent, since that one is held still anyway). Fails, naming the line, on other vertex or edge
+// types, missing or not-finite numbers, a node given twice, an edge to a node that is not there.
+[[nodiscard]] Expected<PoseGraph> read_g2o(const std::filesystem::path& path);
+[[nodiscard]] Expected<void> write_g2o(const std::filesystem::path& path, const PoseGraph& graph);
+
+}  // namespace roomwise::mapping
