@@ -45,8 +45,10 @@ template <typename... Args>
   declaration = std::move(*temporary)
 
 // ROOMWISE_CHECK_OK(file.write(bytes));  returns the error of an Expected<void> to the caller.
-#define ROOMWISE_CHECK_OK(expression)                            \
-  do {                                                           \
-    if (auto status_ = (expression); !status_)                   \
-      return ::roomwise::Unexpected(std::move(status_).error()); \
+#define ROOMWISE_CHECK_OK(expression) \
+  ROOMWISE_CHECK_OK_(ROOMWISE_CONCAT(status_, __LINE__), expression)
+#define ROOMWISE_CHECK_OK_(temporary, expression)                  \
+  do {                                                             \
+    if (auto temporary = (expression); !temporary)                 \
+      return ::roomwise::Unexpected(std::move(temporary).error()); \
   } while (false)

@@ -18,6 +18,9 @@ struct Keypoint {
   float size_px = 0;            // diameter of the described neighbourhood
   float angle_rad = 0;          // orientation, from x to y
   float response = 0;           // strength; comparable within one kind of feature
+  // SURF: a light blob on dark ground (the sign of the Laplacian). Light and dark blobs never
+  // match. The other kinds leave it false.
+  bool bright = false;
 };
 
 // A row a key-point. Real descriptors (SURF, SIFT) have unit length and are compared by Euclidean

@@ -12,6 +12,10 @@ namespace roomwise::image {
 // photo).
 constexpr std::int64_t kMostPixels = 100'000'000;
 
+// What the first bytes say a file is.
+[[nodiscard]] bool is_jpeg(std::span<const std::uint8_t> bytes);
+[[nodiscard]] bool is_png(std::span<const std::uint8_t> bytes);
+
 // Decodes a JPEG or PNG (told apart by its first bytes) to 8-bit RGB: grey is spread, an alpha
 // channel is blended over black, and the orientation that a phone writes into a JPEG's Exif is
 // applied. A truncated or damaged file is an error, never a half-grey picture.
@@ -24,7 +28,8 @@ constexpr std::int64_t kMostPixels = 100'000'000;
 [[nodiscard]] Expected<ColorImage> read_color(const std::filesystem::path& path);
 [[nodiscard]] Expected<DepthImage> read_depth(const std::filesystem::path& path);
 
-// quality: 1 to 100.
+// quality: 1 to 100. The image must have pixels, for a JPEG at most 65,500 a side. A depth image is
+// packed for speed: a live camera's frames are stored as they come.
 [[nodiscard]] Bytes encode_jpeg(const ColorImage& image, int quality);
 [[nodiscard]] Bytes encode_png(const ColorImage& image);
 [[nodiscard]] Bytes encode_png(const DepthImage& image);

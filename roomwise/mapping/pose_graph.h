@@ -30,17 +30,17 @@ struct PoseGraph {
   std::vector<PoseGraphEdge> edges;
 };
 
-// F(x): the sum of e^T Omega e over all edges, without robust kernels.
+// F(x): the sum of e^T Omega e over all edges, without robust kernels. Every edge's nodes must be
+// there.
 [[nodiscard]] double pose_graph_error(const PoseGraph& graph);
 
 struct PoseGraphOptions {
   int most_iterations = 100;
-  double relative_tolerance =
-      1e-9;  // stops when an iteration lowers F by less than this part of it
+  // Stops when an iteration lowers F by less than this part of it.
+  double relative_tolerance = 1e-9;
   // e^T Omega e of a loop closure above which it counts less and less (Cauchy's kernel); 0: no
   // kernel.
   double loop_kernel = 0;
-  int threads = 1;  // the result does not depend on it
 
   [[nodiscard]] Expected<void> validate() const;
 };
@@ -52,9 +52,12 @@ struct PoseGraphReport {
   bool converged = false;
 };
 
-// Moves the poses to a minimum of F with the lowest-numbered node of each connected part held
-// still. Fails, naming node or edge, on an edge to a node that is not there, poses or information
-// that are not finite, information that is not symmetric positive semi-definite.
+// Moves the poses to a minimum of F (Levenberg and Marquardt's method, sparse Cholesky
+// factorisation) with the lowest-numbered node of each connected part held still. Runs on one
+// thread, so that the same graph gives the same bits. Fails, naming node or edge and leaving the
+// graph as it was, on an edge to a node that is not there or to itself, poses or information that
+// are not finite, quaternions not of unit length, information that is not symmetric positive
+// semi-definite.
 [[nodiscard]] Expected<PoseGraphReport> optimize(PoseGraph& graph,
                                                  const PoseGraphOptions& options = {});
 

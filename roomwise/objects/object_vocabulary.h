@@ -3,6 +3,7 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -19,7 +20,8 @@ class ObjectVocabulary {
   // Bed, lamp, wardrobe, microwave, stove, fridge and toilet seat with their ImageNet labels.
   [[nodiscard]] static ObjectVocabulary standard();
 
-  // Adds labels to an object, making it if it is new. A label means one object only.
+  // Adds labels to an object, making it if it is new. A label means one object only. On an error
+  // nothing is changed.
   [[nodiscard]] Expected<void> add(const std::string& object,
                                    const std::vector<std::string>& labels);
   // Removes the object with its labels; fails if it is not there.
@@ -34,5 +36,15 @@ class ObjectVocabulary {
  private:
   std::map<std::string, std::set<std::string>> objects_;
 };
+
+// Whether two texts name one label of a network. ImageNet's labels list synonyms ("studio couch,
+// day bed"): the names before the first comma must agree and, where both texts go on, the rest too
+// ("crane" alone fits "crane, bird"); letter case and spaces around a comma's sides do not count.
+[[nodiscard]] bool same_label(std::string_view a, std::string_view b);
+
+// The network's own spelling of a label. Fails with the labels that contain the text where the
+// network has none of this name.
+[[nodiscard]] Expected<std::string> find_label(std::span<const std::string> labels,
+                                               std::string_view wanted);
 
 }  // namespace roomwise::objects

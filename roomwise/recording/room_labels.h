@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "roomwise/base/expected.h"
@@ -22,8 +23,13 @@ struct RoomRange {
   friend bool operator==(const RoomRange&, const RoomRange&) = default;
 };
 
+// Fails where rooms.txt could not give the name back: it is words divided by single blanks, none of
+// which begins with '#'.
+[[nodiscard]] Expected<void> validate_room_name(std::string_view name);
+
 // Which room each frame of a recording shows: rooms.txt, a line a range, "first_frame last_frame
-// room visit", '#' begins a comment. Ranges do not overlap and stand in the order of frames.
+// room visit", '#' begins a comment; a name may have several words. Ranges do not overlap and stand
+// in the order of frames.
 class RoomLabels {
  public:
   // Fails, naming the range, where ranges overlap, run backwards or have no name.

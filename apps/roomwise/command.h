@@ -1,0 +1,54 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "interrupt.h"
+#include "roomwise/base/expected.h"
+#include "roomwise/base/thread_pool.h"
+#include "terminal_progress.h"
+
+namespace roomwise::app {
+
+// Keeps its members in the order of writing, so that output reads as it was meant.
+using Json = nlohmann::ordered_json;
+
+// What a command found, in both forms: lines for people, and JSON for machines (--json). The frame
+// prints one of them on standard output; nothing else is ever written there.
+struct Answer {
+  std::string text;  // lines, each with its line end
+  Json json;
+};
+
+// What every command is given: the options that all commands share, and the means to report.
+struct Context {
+  bool json = false;
+  std::filesystem::path json_file;  // where the JSON is written too; empty: nowhere
+  std::uint64_t seed = 0;
+  std::size_t threads = ThreadPool::default_size();
+  TerminalProgress progress{interrupt_requested};
+  // The body of the command on the command line; set while it is read, run afterwards.
+  std::function<Expected<Answer>()> chosen;
+};
+
+// Declares the command NAME under `parent`, with the options that every command has (--json,
+// --json-file, --seed, --threads) and `example` at the foot of its --help. The caller adds the command's own
+// options to what is returned. `body` runs once the whole command line has been read; its error
+// becomes "roomwise: MESSAGE" on standard error and exit code 1.
+CLI::App* add_command(CLI::App& parent, Context& context, const std::string& name,
+                      const std::string& description, const std::string& example,
+                      std::function<Expected<Answer>()> body);
+
+// Declares NAME as a word that only groups commands: "rooms" of "rooms learn".
+CLI::App* add_group(CLI::App& parent, const std::string& name, const std::string& description,
+                    const std::string& example);
+
+// Reads the command line, runs the command and prints its answer. Returns the exit code: 0, 1 where
+// the work failed, 2 where the command line is wrong.
+int run(CLI::App& app, Context& context, int argc, const char* const* argv);
+
+}  // namespace roomwise::app

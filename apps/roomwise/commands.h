@@ -1,0 +1,19 @@
+#pragma once
+
+#include "command.h"
+
+// Every command of the program, one file each.
+namespace roomwise::app {
+
+void add_info_command(CLI::App& app, Context& context);
+void add_record_command(CLI::App& app, Context& context);
+void add_optimize_command(CLI::App& app, Context& context);
+void add_concepts_commands(CLI::App& app, Context& context);
+void add_objects_commands(CLI::App& app, Context& context);
+void add_eval_commands(CLI::App& app, Context& context);
+void add_export_commands(CLI::App& app, Context& context);
+void add_map_command(CLI::App& app, Context& context);
+void add_rooms_commands(CLI::App& app, Context& context);
+void add_report_command(CLI::App& app, Context& context);
+
+}  // namespace roomwise::app

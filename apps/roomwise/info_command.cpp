@@ -1,0 +1,198 @@
+#include <filesystem>
+#include <fstream>
+#include <memory>
+
+#include "commands.h"
+#include "roomwise/home/home.h"
+#include "roomwise/image/codec.h"
+#include "roomwise/mapping/g2o_file.h"
+#include "roomwise/network/onnx_classifier.h"
+#include "roomwise/recording/association.h"
+#include "roomwise/recording/camera_file.h"
+#include "roomwise/recording/room_labels.h"
+#include "roomwise/recording/tum_recording.h"
+
+namespace roomwise::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  fs::path path;
+  bool digest = false;
+  bool verify = false;
+};
+
+// Lines "name: value" for people, members for machines.
+class Facts {
+ public:
+  explicit Facts(const fs::path& path, const std::string& kind) {
+    answer_.text = fmt::format("{}: {}\n", path.string(), kind);
+    answer_.json = {{"path", path.string()}, {"kind", kind}};
+  }
+  template <typename Value>
+  void add(const std::string& name, const Value& value) {
+    answer_.text += fmt::format("  {:<20} {}\n", name, value);
+    answer_.json[key(name)] = value;
+  }
+  [[nodiscard]] Answer answer() && { return std::move(answer_); }
+
+ private:
+  // "key-frames" becomes "keyframes", "loop closures" "loop_closures".
+  static std::string key(std::string name) {
+    std::erase(name, '-');
+    std::ranges::replace(name, ' ', '_');
+    return name;
+  }
+  Answer answer_;
+};
+
+Expected<Answer> describe_home(const Options& options) {
+  ROOMWISE_TRY(const home::Home home, home::Home::open_read_only(options.path));
+  if (options.verify) ROOMWISE_CHECK_OK(home.verify());
+  ROOMWISE_TRY(const auto recordings, home.recordings());
+  ROOMWISE_TRY(const auto keyframes, home.keyframes());
+  ROOMWISE_TRY(const auto edges, home.edges());
+  ROOMWISE_TRY(const auto objects, home.objects());
+  ROOMWISE_TRY(const auto rooms, home.rooms());
+  ROOMWISE_TRY(const auto networks, home.networks());
+  ROOMWISE_TRY(const auto classifier, home.room_classifier());
+
+  Facts facts(options.path, "home");
+  std::vector<std::string> recording_names, room_names, network_names;
+  std::size_t frames = 0, placed = 0;
+  for (const home::StoredRecording& stored : recordings) {
+    recording_names.push_back(stored.recording.name + (stored.finished ? "" : " (unfinished)"));
+    ROOMWISE_TRY(const auto of_recording, home.frames(stored.id));
+    frames += of_recording.size();
+    placed += static_cast<std::size_t>(std::ranges::count_if(
+        of_recording, [](const home::Frame& frame) { return frame.place.has_value(); }));
+  }
+  for (const rooms::Room& room : rooms) room_names.push_back(room.name);
+  for (const auto& [id, network] : networks) network_names.push_back(network.name);
+
+  facts.add("recordings", fmt::format("{}", fmt::join(recording_names, ", ")));
+  facts.add("frames", frames);
+  facts.add("frames placed", placed);
+  facts.add("key-frames", keyframes.size());
+  facts.add("edges", edges.size());
+  facts.add("loop closures", std::ranges::count_if(edges, &mapping::PoseGraphEdge::is_loop));
+  facts.add("objects", objects.size());
+  facts.add("rooms", fmt::format("{}", fmt::join(room_names, ", ")));
+  facts.add("networks", fmt::format("{}", fmt::join(network_names, ", ")));
+  facts.add("rooms learned with", classifier ? classifier->network_name : "");
+  if (options.verify) facts.add("verified", true);
+  if (options.digest) {
+    ROOMWISE_TRY(const std::string digest, home.content_digest());
+    facts.add("content sha256", digest);
+  }
+  return std::move(facts).answer();
+}
+
+Expected<Answer> describe_recording(const fs::path& folder) {
+  ROOMWISE_TRY(const auto colors, recording::ImageList::open(folder, "rgb.txt"));
+  ROOMWISE_TRY(const auto depths, recording::ImageList::open(folder, "depth.txt"));
+  const auto frames = recording::associate(colors.timestamps_ns(), depths.timestamps_ns(),
+                                           recording::TumOptions{}.tolerance_ns);
+  Facts facts(folder, "recording");
+  facts.add("colour images", colors.size());
+  facts.add("depth images", depths.size());
+  facts.add("frames", frames.size());
+  const TimestampNs length_ns = colors.timestamps_ns().back() - colors.timestamps_ns().front();
+  facts.add("seconds", static_cast<double>(length_ns) * kSecondsPerNs);
+  if (fs::exists(folder / "camera.txt")) {
+    ROOMWISE_TRY(const auto camera, recording::read_camera(folder / "camera.txt"));
+    facts.add("camera", fmt::format("{}x{}, fx {:g} fy {:g} cx {:g} cy {:g}", camera.width,
+                                    camera.height, camera.fx, camera.fy, camera.cx, camera.cy));
+  } else {
+    facts.add("camera", "not given (no camera.txt; use --camera)");
+  }
+  if (fs::exists(folder / "rooms.txt")) {
+    ROOMWISE_TRY(const auto labels, recording::RoomLabels::read(folder / "rooms.txt"));
+    std::set<std::string> rooms;
+    for (const recording::RoomRange& range : labels.ranges()) rooms.insert(range.room);
+    facts.add("rooms", fmt::format("{}", fmt::join(rooms, ", ")));
+  }
+  facts.add("ground truth", fs::exists(folder / "groundtruth.txt"));
+  return std::move(facts).answer();
+}
+
+Expected<Answer> describe_pose_graph(const fs::path& path) {
+  ROOMWISE_TRY(const mapping::PoseGraph graph, mapping::read_g2o(path));
+  Facts facts(path, "pose graph");
+  facts.add("poses", graph.world_from_node.size());
+  facts.add("edges", graph.edges.size());
+  facts.add("loop closures", std::ranges::count_if(graph.edges, &mapping::PoseGraphEdge::is_loop));
+  facts.add("F", mapping::pose_graph_error(graph));
+  return std::move(facts).answer();
+}
+
+Expected<Answer> describe_network(const fs::path& path) {
+  ROOMWISE_TRY(const auto network, network::OnnxClassifier::load(path));
+  const network::ModelCard& card = network->card();
+  Facts facts(path, "network");
+  facts.add("name", network->name());
+  facts.add("input", fmt::format("{}x{}", card.input_width_px, card.input_height_px));
+  facts.add("features", network->feature_size());
+  facts.add("labels", network->labels().size());
+  facts.add("license", card.license);
+  facts.add("sha256", network->fingerprint());
+  return std::move(facts).answer();
+}
+
+Expected<Answer> describe_picture(const fs::path& path) {
+  ROOMWISE_TRY(const Bytes bytes, read_file(path));
+  if (const auto depth = image::decode_depth(bytes)) {
+    Facts facts(path, "depth image");
+    facts.add("width", depth->width());
+    facts.add("height", depth->height());
+    const auto measured = std::ranges::count_if(depth->pixels(), [](auto d) { return d != 0; });
+    facts.add("measured", static_cast<double>(measured) /
+                              static_cast<double>(depth->pixels().size()));
+    return std::move(facts).answer();
+  }
+  ROOMWISE_TRY(const image::ColorImage color, image::read_color(path));
+  Facts facts(path, "picture");
+  facts.add("width", color.width());
+  facts.add("height", color.height());
+  return std::move(facts).answer();
+}
+
+std::string first_bytes(const fs::path& path) {
+  std::string bytes(16, '\0');
+  std::ifstream(path, std::ios::binary).read(bytes.data(), std::ssize(bytes));
+  return bytes;
+}
+
+Expected<Answer> run(const Options& options) {
+  const fs::path& path = options.path;
+  if (!fs::exists(path)) return fail("{}: there is no such file or folder", path.string());
+  if (fs::is_directory(path)) return describe_recording(path);
+  if (path.extension() == ".g2o") return describe_pose_graph(path);
+  if (path.extension() == ".onnx") return describe_network(path);
+  const std::string bytes = first_bytes(path);
+  if (bytes.starts_with("\x89PNG") || bytes.starts_with("\xff\xd8\xff")) {
+    return describe_picture(path);
+  }
+  if (bytes.starts_with("SQLite format 3") || path.extension() == ".home") {
+    return describe_home(options);
+  }
+  return fail("{}: is not known; expected a home, a recording's folder, .g2o, .onnx, PNG or JPEG",
+              path.string());
+}
+
+}  // namespace
+
+void add_info_command(CLI::App& app, Context& context) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = add_command(
+      app, context, "info",
+      "Say what a file is and holds: a home, a recording, a pose graph, a network, a picture",
+      "roomwise info my.home", [options] { return run(*options); });
+  command->add_option("FILE", options->path, "File or folder")->required();
+  command->add_flag("--digest", options->digest,
+                    "Of a home: SHA-256 of its content (equal for homes that hold the same)");
+  command->add_flag("--verify", options->verify, "Of a home: read all of it and find any damage");
+}
+
+}  // namespace roomwise::app

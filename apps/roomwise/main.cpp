@@ -1,0 +1,28 @@
+#include "commands.h"
+
+int main(int argc, char** argv) {
+  using namespace roomwise::app;
+
+  CLI::App app("Turns RGB-D recordings of a home into a map with rooms and objects.", "roomwise");
+  app.set_version_flag("--version", ROOMWISE_VERSION);
+  app.require_subcommand(1);
+  app.footer(
+      "Example:\n"
+      "  roomwise map RECORDING --home my.home\n"
+      "Every command explains itself: roomwise COMMAND --help");
+
+  catch_interrupts();
+  Context context;
+
+  add_info_command(app, context);
+  add_record_command(app, context);
+  add_map_command(app, context);
+  add_rooms_commands(app, context);
+  add_optimize_command(app, context);
+  add_concepts_commands(app, context);
+  add_objects_commands(app, context);
+  add_eval_commands(app, context);
+  add_export_commands(app, context);
+  add_report_command(app, context);
+  return run(app, context, argc, argv);
+}

@@ -1,0 +1,190 @@
+#include <filesystem>
+#include <memory>
+#include <opencv2/core.hpp>
+
+#include "commands.h"
+#include "networks.h"
+#include "roomwise/pipeline/map_recording.h"
+#include "roomwise/pipeline/room_learning.h"
+#include "roomwise/recording/camera_file.h"
+#include "roomwise/recording/tum_recording.h"
+
+namespace roomwise::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  fs::path recording;
+  fs::path home;
+  bool resume = false;
+  std::string camera;
+  std::string features = "surf";
+  pipeline::MapSettings settings;
+  NetworkOptions networks;
+  fs::path trajectory;
+};
+
+Expected<home::Home> open_home(const Options& options) {
+  if (!fs::exists(options.home)) return pipeline::create_home(options.home);
+  if (options.resume) return home::Home::open(options.home);
+  return fail("{}: exists already; give --resume to go on with it, or another name",
+              options.home.string());
+}
+
+// The settings of a home that is gone on with are its own.
+Expected<pipeline::MapSettings> choose_settings(const Options& options, std::uint64_t seed,
+                                                const home::Home& home) {
+  ROOMWISE_TRY(const auto stored, home.settings());
+  if (const auto own = stored.find("map"); own != stored.end())
+    return pipeline::map_settings_from_json(own->second);
+  pipeline::MapSettings settings = options.settings;
+  ROOMWISE_TRY(settings.features, features::parse_feature_kind(options.features));
+  settings.mapper.seed = seed;
+  return settings;
+}
+
+Expected<std::unique_ptr<recording::TumRecording>> open_recording(const Options& options,
+                                                                  const home::Home& home) {
+  recording::TumOptions tum;
+  ROOMWISE_TRY(const auto stored, home.recordings());
+  if (!options.camera.empty()) {
+    ROOMWISE_TRY(tum.camera, recording::resolve_camera(options.camera));
+  } else if (!stored.empty()) {
+    tum.camera = stored.back().recording.camera;
+  }
+  return recording::TumRecording::open(options.recording, tum);
+}
+
+// A recording that says its rooms itself needs no --labels later.
+Expected<void> name_rooms_of_recording(home::Home& home, const fs::path& recording) {
+  const fs::path file = recording / "rooms.txt";
+  if (!fs::exists(file)) return {};
+  ROOMWISE_TRY(const recording::RoomLabels labels, recording::RoomLabels::read(file));
+  ROOMWISE_TRY(const auto stored, home.recordings());
+  return pipeline::name_rooms(home, stored.back().id, labels);
+}
+
+std::string to_text(const pipeline::MapSummary& summary, const Options& options,
+                    bool has_networks) {
+  if (!summary.finished) {
+    return fmt::format(
+        "interrupted after {} frames, {} key-frames; go on with: roomwise map {} --home {} "
+        "--resume\n",
+        summary.frames, summary.keyframes, options.recording.string(), options.home.string());
+  }
+  std::string text = fmt::format(
+      "frames      {} of {} have a place on the map\n"
+      "key-frames  {}\n"
+      "loops       {} ({} contradicted the others and were left out)\n"
+      "pieces      {}\n"
+      "pose graph  F {:.6g} -> {:.6g}\n",
+      summary.placed, summary.frames, summary.keyframes, summary.loops, summary.rejected_loops,
+      summary.pieces, summary.graph_error_before, summary.graph_error_after);
+  text +=
+      has_networks
+          ? fmt::format("objects     {}\n", summary.objects)
+          : "objects     none: no network was given, nothing can be named; give --network FILE\n";
+  return text;
+}
+
+Expected<Answer> run(const Options& options, Context& context) {
+  cv::setNumThreads(1);  // the threads are ours
+  ROOMWISE_TRY(const pipeline::Networks networks, load_networks(options.networks));
+  if (options.trajectory.empty() == false && fs::is_directory(options.trajectory)) {
+    return fail("{}: is a folder; --trajectory needs a file", options.trajectory.string());
+  }
+  // The recording is looked at before a home is made: a wrong path leaves nothing behind.
+  if (!fs::exists(options.home)) {
+    recording::TumOptions tum;
+    if (!options.camera.empty()) {
+      ROOMWISE_TRY(tum.camera, recording::resolve_camera(options.camera));
+    }
+    ROOMWISE_CHECK_OK(recording::TumRecording::open(options.recording, tum));
+    ROOMWISE_CHECK_OK(features::parse_feature_kind(options.features));
+    ROOMWISE_CHECK_OK(options.settings.validate());
+  }
+  ROOMWISE_TRY(home::Home home, open_home(options));
+  ROOMWISE_TRY(const std::unique_ptr<recording::TumRecording> source,
+               open_recording(options, home));
+  ROOMWISE_TRY(const pipeline::MapSettings settings, choose_settings(options, context.seed, home));
+
+  ThreadPool pool(context.threads);
+  StageClock clock;
+  pipeline::RunContext run{pool, context.progress, clock};
+  const home::Recording recording{source->info().name, options.recording.string(),
+                                  source->info().camera, source->info().frame_count};
+  auto mapped = pipeline::map_recording(*source, recording, home, networks, settings, run);
+  if (!mapped) {
+    return Unexpected(Error{mapped.error().message +
+                            "; what was mapped before is kept: mend it and add --resume"});
+  }
+  ROOMWISE_CHECK_OK(name_rooms_of_recording(home, options.recording));
+  if (!options.trajectory.empty()) {
+    ROOMWISE_TRY(const recording::Trajectory trajectory, pipeline::stored_trajectory(home));
+    ROOMWISE_CHECK_OK(recording::write_trajectory(options.trajectory, trajectory));
+  }
+
+  const pipeline::MapSummary& summary = *mapped;
+  Answer answer;
+  answer.text = to_text(summary, options, !networks.empty());
+  answer.json = {{"finished", summary.finished},
+                 {"frames", summary.frames},
+                 {"placed", summary.placed},
+                 {"keyframes", summary.keyframes},
+                 {"loops", summary.loops},
+                 {"rejected_loops", summary.rejected_loops},
+                 {"pieces", summary.pieces},
+                 {"f_before", summary.graph_error_before},
+                 {"f_after", summary.graph_error_after},
+                 {"objects", summary.objects},
+                 {"home", options.home.string()}};
+  for (const auto& [name, stage] : clock.stages()) {
+    answer.json["stages"][name] = {
+        {"calls", stage.calls}, {"wall_s", stage.wall_s}, {"cpu_s", stage.cpu_s}};
+  }
+  answer.json["cpu_s"] = process_cpu_time_s();
+  return answer;
+}
+
+}  // namespace
+
+void add_map_command(CLI::App& app, Context& context) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command =
+      add_command(app, context, "map",
+                  "Turn a recording into a home: map, key-frames, what networks see in them",
+                  "roomwise map office_walk --home office.home",
+                  [options, &context] { return run(*options, context); });
+  command->add_option("RECORDING", options->recording, "Folder in TUM's format")->required();
+  command
+      ->add_option("--home", options->home, "Home file to make (or, with --resume, to go on with)")
+      ->required();
+  CLI::Option* resume = command->add_flag(
+      "--resume", options->resume, "Go on with a run that was stopped, with its own settings");
+  command->add_option(
+      "--camera", options->camera,
+      "fr1, fr2, fr3, kinect-v1, xtion, or a camera.txt; default: the recording's own");
+  const auto setting = [&](const std::string& name, auto& value, const std::string& description) {
+    command->add_option(name, value, description)->capture_default_str()->excludes(resume);
+  };
+  setting("--method", options->settings.method,
+          "paper: key-frames, PnP with RANSAC, random loop closure");
+  setting("--features", options->features, "surf, sift or orb");
+  setting("--keypoints", options->settings.most_keypoints, "Most key-points a frame");
+  setting("--keyframe-translation", options->settings.mapper.keyframe_translation_m,
+          "A key-frame after this much motion, m");
+  setting("--keyframe-rotation", options->settings.mapper.keyframe_rotation_rad,
+          "A key-frame after this much turning, rad");
+  setting("--loop-neighbors", options->settings.mapper.loops.neighbors,
+          "Key-frames before the last that each new one is compared with");
+  setting("--loop-random", options->settings.mapper.loops.random,
+          "Earlier key-frames, drawn at random, that each new one is compared with");
+  setting("--object-score", options->settings.objects.least_score,
+          "Least score of an object, 0 to 1");
+  add_network_options(*command, options->networks);
+  command->add_option("--trajectory", options->trajectory,
+                      "Also write the trajectory there, in TUM's format");
+}
+
+}  // namespace roomwise::app

@@ -1,0 +1,194 @@
+#include <poll.h>
+#include <unistd.h>
+
+#include <deque>
+#include <filesystem>
+#include <memory>
+
+#include "commands.h"
+#include "roomwise/recording/camera_file.h"
+#include "roomwise/recording/openni2_source.h"
+#include "roomwise/recording/room_labels.h"
+#include "roomwise/recording/tum_recording.h"
+#include "roomwise/recording/tum_writer.h"
+
+namespace roomwise::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  std::string source;
+  fs::path output;
+  std::string camera;  // preset or file; empty: what the source says
+  std::string room;
+  std::optional<std::uint64_t> frames;
+  std::optional<double> seconds;
+};
+
+// "openni2" or "openni2:URI".
+std::optional<std::string> openni2_uri(const std::string& source) {
+  const std::string prefix = "openni2";
+  if (source == prefix) return "";
+  if (source.starts_with(prefix + ":")) return source.substr(prefix.size() + 1);
+  return std::nullopt;
+}
+
+Expected<std::unique_ptr<recording::FrameSource>> open_source(const Options& options) {
+  std::optional<geometry::PinholeCamera> camera;
+  if (!options.camera.empty()) {
+    ROOMWISE_TRY(camera, recording::resolve_camera(options.camera));
+  }
+  if (const auto uri = openni2_uri(options.source)) {
+    return recording::OpenNi2Source::open({.uri = *uri, .camera = camera});
+  }
+  return recording::TumRecording::open(options.source, {.camera = camera});
+}
+
+// The lines that the user types while the recording runs, without waiting for them.
+class TypedLines {
+ public:
+  // Only a person at a terminal types rooms; a pipe or a file on standard input is left alone.
+  TypedLines() : open_(::isatty(STDIN_FILENO) == 1) {}
+
+  std::optional<std::string> next() {
+    while (open_ && ready()) read_some();
+    const std::size_t end = typed_.find('\n');
+    if (end == std::string::npos) return std::nullopt;
+    std::string line = typed_.substr(0, end);
+    typed_.erase(0, end + 1);
+    return line;
+  }
+
+ private:
+  static bool ready() {
+    pollfd input{STDIN_FILENO, POLLIN, 0};
+    return ::poll(&input, 1, 0) > 0;
+  }
+  void read_some() {
+    char buffer[256];
+    const ssize_t got = ::read(STDIN_FILENO, buffer, sizeof buffer);
+    if (got <= 0) {
+      open_ = false;
+    } else {
+      typed_.append(buffer, static_cast<std::size_t>(got));
+    }
+  }
+
+  bool open_;
+  std::string typed_;
+};
+
+// Which room the frames show: what the user types, after --room, after what the copied recording's
+// own rooms.txt says.
+class CurrentRoom {
+ public:
+  static Expected<CurrentRoom> start(const Options& options) {
+    CurrentRoom current;
+    if (!options.room.empty()) current.room_ = options.room;
+    const fs::path labels = fs::path(options.source) / "rooms.txt";
+    if (options.room.empty() && !openni2_uri(options.source) && fs::exists(labels)) {
+      ROOMWISE_TRY(current.labels_, recording::RoomLabels::read(labels));
+    }
+    return current;
+  }
+
+  std::optional<std::string> at(std::uint64_t frame) {
+    while (auto line = typed_.next()) {
+      labels_.reset();
+      room_ = line->empty() ? std::nullopt : std::optional(*line);
+    }
+    if (!labels_) return room_;
+    const recording::RoomRange* range = labels_->find(frame);
+    return range == nullptr ? std::nullopt : std::optional(range->room);
+  }
+
+ private:
+  TypedLines typed_;
+  std::optional<std::string> room_;
+  std::optional<recording::RoomLabels> labels_;
+};
+
+// The number of frames to come, as far as it can be known.
+std::optional<std::uint64_t> expected_frames(const Options& options,
+                                             std::optional<std::uint64_t> in_source) {
+  if (!options.frames || !in_source) return options.frames ? options.frames : in_source;
+  return std::min(*options.frames, *in_source);
+}
+
+Expected<void> copy_frames(recording::FrameSource& source, recording::TumWriter& writer,
+                           const Options& options, Progress& progress) {
+  ROOMWISE_TRY(CurrentRoom current, CurrentRoom::start(options));
+  std::optional<TimestampNs> first_ns;
+  while (!progress.interrupted() && writer.frames_written() != options.frames) {
+    ROOMWISE_TRY(const std::optional<image::RgbdFrame> frame, source.next());
+    if (!frame) break;
+    if (!first_ns) first_ns = frame->timestamp_ns;
+    const double elapsed_s =
+        static_cast<double>(frame->timestamp_ns - *first_ns) * kSecondsPerNs;
+    if (options.seconds && elapsed_s > *options.seconds) break;
+    const std::optional<std::string> room = current.at(frame->index);
+    ROOMWISE_CHECK_OK(writer.name_room(room));
+    ROOMWISE_CHECK_OK(writer.write(*frame));
+    progress.advance(writer.frames_written(), room ? "room " + *room : "");
+  }
+  return {};
+}
+
+// A copy of a recording keeps its ground truth.
+Expected<void> copy_ground_truth(const Options& options) {
+  const fs::path truth = fs::path(options.source) / "groundtruth.txt";
+  if (openni2_uri(options.source) || !fs::exists(truth)) return {};
+  std::error_code error;
+  fs::copy_file(truth, options.output / "groundtruth.txt", error);
+  if (error) return fail("{}: cannot be copied: {}", truth.string(), error.message());
+  return {};
+}
+
+Expected<Answer> run(const Options& options, Context& context) {
+  ROOMWISE_TRY(const std::unique_ptr<recording::FrameSource> source, open_source(options));
+  ROOMWISE_TRY(const std::unique_ptr<recording::TumWriter> writer,
+               recording::TumWriter::create(options.output, source->info().camera));
+  context.progress.begin("recording", expected_frames(options, source->info().frame_count));
+  // What was recorded until an error is kept: the writer is closed in any case.
+  const Expected<void> copied = copy_frames(*source, *writer, options, context.progress);
+  context.progress.end();
+  ROOMWISE_CHECK_OK(writer->close());
+  ROOMWISE_CHECK_OK(copied);
+  ROOMWISE_CHECK_OK(copy_ground_truth(options));
+
+  Answer answer;
+  answer.text = fmt::format("recorded {} frames from {} to {}\n", writer->frames_written(),
+                            source->info().name, options.output.string());
+  answer.json = {{"frames", writer->frames_written()},
+                 {"source", source->info().name},
+                 {"output", options.output.string()}};
+  return answer;
+}
+
+}  // namespace
+
+void add_record_command(CLI::App& app, Context& context) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = add_command(
+      app, context, "record",
+      "Record from a depth camera, or copy a recording, to a folder in TUM's format.\n"
+      "On a terminal, type a room's name and Enter when you walk into it (Enter alone: no room); "
+      "Ctrl-C ends the recording.",
+      "roomwise record --source openni2 -o walk --room corridor",
+      [options, &context] { return run(*options, context); });
+  command
+      ->add_option("--source", options->source,
+                   "openni2 (the first camera found), openni2:URI (one camera, or an .oni file), or "
+                   "the folder of a recording")
+      ->required();
+  command->add_option("-o,--output", options->output, "Folder to write; new or empty")->required();
+  command->add_option("--room", options->room, "The room that the recording starts in");
+  command->add_option("--camera", options->camera,
+                      "Camera, instead of what the source says: fr1, fr2, fr3, kinect-v1, xtion, or "
+                      "a camera.txt");
+  command->add_option("--frames", options->frames, "Stop after so many frames");
+  command->add_option("--seconds", options->seconds, "Stop after so long, s of the frames' time");
+}
+
+}  // namespace roomwise::app

@@ -1,0 +1,83 @@
+#include <filesystem>
+#include <memory>
+
+#include "commands.h"
+#include "roomwise/base/file.h"
+#include "roomwise/pipeline/home_report.h"
+
+namespace roomwise::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  fs::path home;
+  fs::path output;
+  fs::path truth;
+  fs::path evaluation;
+};
+
+// What rooms eval --json printed.
+Expected<std::vector<evaluation::ReportContent::Recognition>> read_evaluation(
+    const fs::path& file) {
+  ROOMWISE_TRY(const std::string text, read_text_file(file));
+  std::vector<evaluation::ReportContent::Recognition> results;
+  try {
+    const auto json = nlohmann::json::parse(text);
+    for (const auto& [key, rule] :
+         {std::pair("single", "one picture"), std::pair("pair", "two pictures")}) {
+      const auto& values = json.at(key);
+      auto& result = results.emplace_back();
+      result.rule = rule;
+      result.precision = {values.at("correct"), values.at("n")};
+      result.ms = values.at("ms");
+      if (!values.contains("confusion")) continue;
+      for (const auto& [truth, answers] : values.at("confusion").items()) {
+        for (const auto& [answer, count] : answers.items()) {
+          for (std::uint64_t i = 0; i < count.get<std::uint64_t>(); ++i)
+            result.confusion.add(truth, answer);
+        }
+      }
+    }
+  } catch (const nlohmann::json::exception& error) {
+    return fail("{}: is not what rooms eval --json prints: {}", file.string(), error.what());
+  }
+  return results;
+}
+
+Expected<Answer> run(const Options& options, Context& context) {
+  ROOMWISE_TRY(const home::Home home, home::Home::open_read_only(options.home));
+  pipeline::ReportExtras extras;
+  extras.name = options.home.stem().string();
+  if (!options.truth.empty()) {
+    ROOMWISE_TRY(extras.truth, recording::read_trajectory(options.truth));
+  }
+  if (!options.evaluation.empty()) {
+    ROOMWISE_TRY(extras.recognition, read_evaluation(options.evaluation));
+  }
+  ThreadPool pool(context.threads);
+  StageClock clock;
+  pipeline::RunContext run{pool, context.progress, clock};
+  ROOMWISE_TRY(const evaluation::ReportContent content,
+               pipeline::report_content(home, extras, run));
+  ROOMWISE_CHECK_OK(write_file(options.output, evaluation::render_report(content)));
+  return Answer{fmt::format("wrote {}\n", options.output.string()),
+                {{"output", options.output.string()}}};
+}
+
+}  // namespace
+
+void add_report_command(CLI::App& app, Context& context) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = add_command(app, context, "report", "Write one web page that shows a home",
+                                  "roomwise report my.home -o my.html",
+                                  [options, &context] { return run(*options, context); });
+  command->add_option("HOME", options->home, "Home file")->required();
+  command->add_option("-o,--output", options->output, "Page to write (.html)")->required();
+  command->add_option("--truth", options->truth,
+                      "True trajectory (groundtruth.txt), for the error plot");
+  command->add_option("--evaluation", options->evaluation,
+                      "What rooms eval --json printed, for the tables");
+}
+
+}  // namespace roomwise::app

@@ -1,0 +1,29 @@
+# cmake --install: the program, the library with its headers, and the package that find_package(Roomwise) finds.
+# Included when all modules are declared.
+include(GNUInstallDirs)
+include(CMakePackageConfigHelpers)
+
+set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/Roomwise)
+
+get_property(modules GLOBAL PROPERTY ROOMWISE_MODULES)
+foreach(module ${modules})
+  string(REPLACE roomwise_ "" name ${module})
+  set_target_properties(${module} PROPERTIES EXPORT_NAME ${name})
+endforeach()
+install(TARGETS ${modules} EXPORT RoomwiseTargets)
+install(TARGETS roomwise)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/roomwise DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
+  FILES_MATCHING PATTERN "*.h" PATTERN testing.h EXCLUDE)
+
+install(EXPORT RoomwiseTargets NAMESPACE Roomwise:: DESTINATION ${package_dir})
+configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/RoomwiseConfig.cmake.in
+  ${PROJECT_BINARY_DIR}/RoomwiseConfig.cmake INSTALL_DESTINATION ${package_dir})
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/RoomwiseConfigVersion.cmake
+  COMPATIBILITY SameMinorVersion)
+install(FILES
+  ${PROJECT_BINARY_DIR}/RoomwiseConfig.cmake
+  ${PROJECT_BINARY_DIR}/RoomwiseConfigVersion.cmake
+  ${CMAKE_CURRENT_LIST_DIR}/FindOpenCVModules.cmake
+  ${CMAKE_CURRENT_LIST_DIR}/FindOpenNI2.cmake
+  DESTINATION ${package_dir})
+install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})

@@ -1,0 +1,58 @@
+# What ./test and ./demo share, to be sourced: the missing system packages, the build, the way to real data.
+# Expects $root, the folder of the checkout.
+
+heading() { printf '\n== %s\n' "$*"; }
+stop() { printf '%s: %s\n' "$(basename "$0")" "$*" >&2; exit 1; }
+
+# Installs the packages of cmake/packages.txt that are missing. Quick and without network when none is.
+install_missing_packages() {
+  if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
+    echo "This is no Debian system: the packages of cmake/packages.txt are taken to be installed." >&2
+    return
+  fi
+  local wanted installed missing
+  wanted=$(sed -e 's/#.*//' -e '/^[[:space:]]*$/d' "$root/cmake/packages.txt" | awk '{print $1}' | sort -u)
+  # shellcheck disable=SC2086  # a list of names
+  installed=$(dpkg-query -W -f='${db:Status-Status} ${Package}\n' $wanted 2>/dev/null |
+    awk '$1 == "installed" {print $2}' | sort -u)
+  missing=$(comm -23 <(echo "$wanted") <(echo "$installed") | tr '\n' ' ')
+  [ -n "${missing// /}" ] || return 0
+
+  local as_root=()
+  if [ "$(id -u)" -ne 0 ]; then
+    command -v sudo >/dev/null ||
+      stop "packages are missing and there is no sudo; run as root: apt-get install --no-install-recommends $missing"
+    as_root=(sudo)
+  fi
+  heading "Installing $missing"
+  # shellcheck disable=SC2086
+  apt-get install --simulate --no-install-recommends $missing >/dev/null 2>&1 || "${as_root[@]}" apt-get update
+  # shellcheck disable=SC2086
+  apt_install $missing || { "${as_root[@]}" apt-get update && apt_install $missing; } ||
+    stop "packages could not be installed; try: apt-get install --no-install-recommends $missing"
+}
+apt_install() {
+  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install --yes --no-install-recommends "$@"
+}
+
+# build PRESET [TARGET ...]: configures and builds with every processor.
+build() {
+  local preset=$1
+  shift
+  mkdir -p "$root/build"
+  cmake --preset "$preset" >"$root/build/configure-$preset.log" 2>&1 ||
+    { cat "$root/build/configure-$preset.log" >&2; stop "cmake --preset $preset failed"; }
+  cmake --build --preset "$preset" --parallel "$(nproc)" ${1:+--target "$@"}
+}
+
+# Real recordings and networks, where they lie beside the checkout and nothing else was said.
+find_real_data() {
+  if [ -z "${ROOMWISE_DATA:-}" ] && [ -d "$root/../shared/data" ]; then
+    ROOMWISE_DATA=$(cd "$root/../shared/data" && pwd)
+    export ROOMWISE_DATA
+  fi
+  if [ -z "${ROOMWISE_MODELS:-}" ] && [ -d "$root/../shared/models" ]; then
+    ROOMWISE_MODELS=$(cd "$root/../shared/models" && pwd)
+    export ROOMWISE_MODELS
+  fi
+}

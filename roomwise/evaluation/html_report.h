@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "roomwise/evaluation/confusion_matrix.h"
+#include "roomwise/evaluation/map_drawing.h"
+#include "roomwise/evaluation/trajectory_error.h"
+
+namespace roomwise::evaluation {
+
+// What a report says about a home, as plain values. A part that is empty or absent is left out of
+// the page, or the page says that there is nothing.
+struct ReportContent {
+  struct Figure {
+    std::string name;   // "Key-frames"
+    std::string value;  // "212"
+  };
+  struct Stage {
+    std::string name;
+    std::uint64_t calls = 0;
+    double wall_s = 0;
+    double cpu_s = 0;
+  };
+  struct Object {
+    MapObject object;
+    double score = 0;             // of the network, 0 to 1, in the picture below
+    std::uint64_t sightings = 0;  // key-frames in which it was recognised
+    std::string room;             // empty: not known
+    image::ColorImage picture;    // the key-frame with the highest score; empty: none
+  };
+  struct Room {
+    std::string name;
+    std::string type;  // "bedroom"; empty: not given
+    std::uint64_t key_frames = 0;
+    std::string recognition;  // how it is recognised; empty: not learned
+  };
+  struct Recognition {
+    std::string rule;  // "one frame", "two frames"
+    Proportion precision;
+    double ms = 0;  // per answer
+    ConfusionMatrix confusion;
+  };
+
+  std::string home;                   // its name, the page's title
+  std::vector<std::string> warnings;  // what the reader must know before trusting the rest
+  std::vector<Figure> summary;
+  std::optional<TopView> map;
+  std::vector<MapKeyFrame> key_frames;  // in the order of the walk
+  std::vector<Room> rooms;
+  std::vector<Object> objects;
+  std::vector<Recognition> recognition;
+  std::optional<AbsoluteTrajectoryError> trajectory_error;
+  std::optional<Eigen::Vector3d> truth_up;  // up in the frame of the true trajectory, for its plot
+  std::vector<Stage> stages;
+};
+
+// One page of HTML that needs nothing else: no scripts, no requests, styles and pictures inside. It
+// is written for everybody (WCAG 2.2 AA): headings in order, tables with captions, texts for
+// pictures, light and dark by the reader's choice, and it fits a phone.
+[[nodiscard]] std::string render_report(const ReportContent& content);
+
+}  // namespace roomwise::evaluation

@@ -1,0 +1,33 @@
+#pragma once
+
+#include "roomwise/features/feature_extractor.h"
+
+namespace roomwise::features {
+
+// SIFT (Lowe 2004) by OpenCV, 128 values of unit length, as RootSIFT (Arandjelovic and Zisserman,
+// "Three things everyone should know to improve object retrieval", CVPR 2012), which gives slightly
+// more correct matches than the plain values. size_px is the side of the descriptor's window.
+class SiftExtractor final : public FeatureExtractor {
+ public:
+  // At most so many key-points a picture, the strongest; 0 keeps all. A negative number is a
+  // programming error (std::invalid_argument).
+  explicit SiftExtractor(int most_keypoints);
+  [[nodiscard]] Features extract(const image::GrayImage& image) const override;
+
+ private:
+  int most_keypoints_;
+};
+
+// ORB (Rublee et al. 2011) by OpenCV, 32 bytes. size_px is the side of the described patch.
+class OrbExtractor final : public FeatureExtractor {
+ public:
+  // At most so many key-points a picture, shared out over the scales and then by strength; at least
+  // 1 (ORB has no way to keep all). Less is a programming error (std::invalid_argument).
+  explicit OrbExtractor(int most_keypoints);
+  [[nodiscard]] Features extract(const image::GrayImage& image) const override;
+
+ private:
+  int most_keypoints_;
+};
+
+}  // namespace roomwise::features

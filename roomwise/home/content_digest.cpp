@@ -1,0 +1,68 @@
+#include "roomwise/home/content_digest.h"
+
+#include <algorithm>
+#include <bit>
+#include <vector>
+
+#include "roomwise/base/file.h"
+#include "roomwise/home/schema.h"
+
+namespace roomwise::home {
+namespace {
+
+void append_number(Bytes& bytes, std::uint64_t number) {
+  for (int shift = 56; shift >= 0; shift -= 8) {
+    bytes.push_back(static_cast<std::uint8_t>(number >> shift));
+  }
+}
+
+// One value so that no two different values look alike: its type, its length, its bytes.
+void append_value(Bytes& bytes, const Statement& row, int column) {
+  const int type = sqlite3_column_type(row.handle(), column);
+  bytes.push_back(static_cast<std::uint8_t>(type));
+  if (type == SQLITE_INTEGER) {
+    append_number(bytes, row.column<std::uint64_t>(column));
+  } else if (type == SQLITE_FLOAT) {
+    append_number(bytes, std::bit_cast<std::uint64_t>(row.column<double>(column)));
+  } else if (type != SQLITE_NULL) {
+    const auto value = row.column<Bytes>(column);
+    append_number(bytes, value.size());
+    bytes.insert(bytes.end(), value.begin(), value.end());
+  }
+}
+
+// The columns of a table by name, joined for a SELECT.
+Expected<std::string> columns_by_name(const Database& database, std::string_view table) {
+  return database.get<std::string>(
+      "SELECT group_concat(name, ', ') FROM (SELECT name FROM pragma_table_info(?) ORDER BY name)",
+      table);
+}
+
+// The digest of a table is that of its columns' names and its rows' digests, sorted.
+Expected<std::string> table_digest(const Database& database, std::string_view table) {
+  ROOMWISE_TRY(const std::string columns, columns_by_name(database, table));
+  std::vector<std::string> rows;
+  const auto add_row = [&](const Statement& row) {
+    Bytes bytes;
+    for (int i = 0; i < sqlite3_column_count(row.handle()); ++i) append_value(bytes, row, i);
+    rows.push_back(sha256_hex(bytes));
+  };
+  ROOMWISE_CHECK_OK(database.for_each(fmt::format("SELECT {} FROM {}", columns, table), add_row));
+  std::ranges::sort(rows);
+  const std::string text = fmt::format("{}\n{}\n", columns, fmt::join(rows, "\n"));
+  return sha256_hex(Bytes(text.begin(), text.end()));
+}
+
+}  // namespace
+
+Expected<std::string> content_digest(const Database& database) {
+  std::string digests;
+  for (const Table& table : tables()) {
+    if (!table.in_digest) continue;
+    ROOMWISE_TRY(const std::string digest, table_digest(database, table.name));
+    digests += fmt::format("{} {}\n", table.name, digest);
+  }
+  return sha256_hex(Bytes(digests.begin(), digests.end()));
+}
+
+}  // namespace roomwise::home

@@ -1,0 +1,273 @@
+#include "roomwise/home/home.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+
+#include "roomwise/home/content_digest.h"
+#include "roomwise/home/schema.h"
+
+namespace roomwise::home {
+namespace {
+
+int newest_version() {
+  return migrations().back().version;
+}
+
+// A file beside the home that holds a part of it that is not in the one file yet.
+bool has_part_beside(const std::string& file, const char* suffix) {
+  std::error_code error;
+  const auto size = std::filesystem::file_size(file + suffix, error);
+  return !error && size > 0;
+}
+
+Expected<void> check_version(const std::string& file, int version) {
+  if (version <= newest_version()) return {};
+  return fail(
+      "{}: was written by a newer Roomwise (home version {}; this one knows up to {}); "
+      "update Roomwise",
+      file, version, newest_version());
+}
+
+// Refuses what is no home by its first bytes, so that SQLite need not touch it.
+Expected<void> check_header(const Database& database) {
+  const std::string& file = database.file();
+  ROOMWISE_TRY(const DatabaseHeader header, database.header());
+  if (header.file_bytes == 0) {
+    return fail(
+        "{}: is empty, perhaps left by a run that was stopped as it began; delete it and "
+        "make the home anew",
+        file);
+  }
+  if (!header.is_sqlite) {
+    return fail(
+        "{}: is no home file (not a SQLite database); give a file that 'roomwise map' wrote", file);
+  }
+  if (header.application_id != kApplicationId) {
+    return fail(
+        "{}: is a SQLite database, but not a home of Roomwise; give a file that 'roomwise "
+        "map' wrote",
+        file);
+  }
+  ROOMWISE_CHECK_OK(check_version(file, header.user_version));
+  // A write-ahead log or a journal may make it whole.
+  if (header.file_bytes < header.expected_bytes && !has_part_beside(file, "-wal") &&
+      !has_part_beside(file, "-journal")) {
+    return fail("{}: is truncated: {} of {} bytes are there; copy it again", file,
+                header.file_bytes, header.expected_bytes);
+  }
+  return {};
+}
+
+// Once SQLite has read it, write-ahead log and all.
+Expected<int> checked_version(const Database& database) {
+  ROOMWISE_TRY(const std::int64_t application, database.get<std::int64_t>("PRAGMA application_id"));
+  ROOMWISE_TRY(const int version, database.get<int>("PRAGMA user_version"));
+  if (application != kApplicationId || version < 1) {
+    return fail("{}: is no home, or was never completed; delete it and make the home anew",
+                database.file());
+  }
+  ROOMWISE_CHECK_OK(check_version(database.file(), version));
+  return version;
+}
+
+// Runs one of SQLite's checks, which answers with 'ok' or with lines of complaint.
+Expected<void> run_check(const Database& database, const std::string& pragma) {
+  ROOMWISE_TRY(const std::string answer, database.get<std::string>(pragma));
+  if (answer == "ok") return {};
+  return fail(
+      "{0}: is damaged ({1}); put back a copy of it, or save what can be read with: sqlite3 "
+      "{0} .recover",
+      database.file(), answer.substr(0, answer.find('\n')));
+}
+
+Expected<void> check_all_but_images(const Database& database) {
+  std::vector<std::string> checks;
+  ROOMWISE_CHECK_OK(database.for_each(
+      "SELECT printf('PRAGMA quick_check(\"%w\")', name) FROM sqlite_schema "
+      "WHERE type = 'table' AND name != 'keyframe_images'",
+      [&](const Statement& row) { checks.push_back(row.column<std::string>(0)); }));
+  for (const std::string& check : checks) ROOMWISE_CHECK_OK(run_check(database, check));
+  return {};
+}
+
+Expected<void> configure(Database& database) {
+  return database.run_script(
+      "PRAGMA foreign_keys = ON;"
+      "PRAGMA trusted_schema = OFF;"    // a home from elsewhere cannot make SQLite run functions
+      "PRAGMA cell_size_check = ON;");  // finds damage sooner
+}
+
+// A write-ahead log while the home is written, so that others can read it meanwhile.
+Expected<void> begin_writing(Database& database) {
+  ROOMWISE_TRY(const std::string mode, database.get<std::string>("PRAGMA journal_mode = WAL"));
+  if (mode != "wal") {
+    return fail(
+        "{}: its disk cannot hold a home that is written (no write-ahead log); put it on a "
+        "local disk",
+        database.file());
+  }
+  return database.run_script(
+      "PRAGMA synchronous = FULL;"    // a commit waits for the disk, so a power cut takes nothing
+      "PRAGMA secure_delete = ON;");  // what is removed is overwritten
+}
+
+// Puts the write-ahead log into the one file, which then needs no other file and can be read from a
+// medium that cannot be written. Where a reader holds it, the log stays and is still part of the
+// home.
+void end_writing(Database& database) {
+  sqlite3_busy_timeout(database.handle(), 0);
+  if (!database.run("PRAGMA journal_mode = DELETE")) {
+    (void)database.run("PRAGMA wal_checkpoint(TRUNCATE)");
+  }
+}
+
+void set_checkpoint_on_close(Database& database, bool on) {
+  sqlite3_db_config(database.handle(), SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, on ? 0 : 1, nullptr);
+}
+
+Expected<void> make_empty_file(const std::filesystem::path& path) {
+  const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
+  if (file < 0 && errno == EEXIST) {
+    return fail("{}: exists already; choose another name, or go on with it by --resume",
+                path.string());
+  }
+  if (file < 0) {
+    return fail("{}: cannot be made: {}; check its folder", path.string(), std::strerror(errno));
+  }
+  ::close(file);
+  return {};
+}
+
+Expected<Database> open_for_reading(const std::filesystem::path& path) {
+  ROOMWISE_TRY(Database database, Database::open(path, Database::Access::kReadOnly));
+  ROOMWISE_CHECK_OK(check_header(database));
+  auto version = database.get<int>("PRAGMA user_version");
+  if (version) return database;
+  // A home that was not closed wants files beside it, which a read-only medium cannot make.
+  const int code = sqlite3_errcode(database.handle()) & 0xff;
+  if (code != SQLITE_CANTOPEN && code != SQLITE_READONLY) {
+    return Unexpected(std::move(version).error());
+  }
+  for (const char* suffix : {"-wal", "-journal"}) {
+    if (!has_part_beside(database.file(), suffix)) continue;
+    return fail(
+        "{0}: was not closed, and its folder cannot be written; copy {0} and {0}{1} to a folder "
+        "that can",
+        database.file(), suffix);
+  }
+  return Database::open(path, Database::Access::kImmutable);
+}
+
+}  // namespace
+
+Expected<Home> Home::create(const std::filesystem::path& path) {
+  ROOMWISE_CHECK_OK(make_empty_file(path));
+  const auto make = [&]() -> Expected<Home> {
+    ROOMWISE_TRY(Database database, Database::open(path, Database::Access::kReadWrite));
+    ROOMWISE_TRY(WriterLock lock, WriterLock::take(path));
+    ROOMWISE_CHECK_OK(configure(database));
+    ROOMWISE_CHECK_OK(migrate(database, migrations()));
+    ROOMWISE_CHECK_OK(begin_writing(database));
+    return Home(std::move(lock), std::move(database));
+  };
+  Expected<Home> home = make();
+  if (!home) ::unlink(path.c_str());
+  return home;
+}
+
+Expected<Home> Home::open(const std::filesystem::path& path) {
+  ROOMWISE_TRY(Database database, Database::open(path, Database::Access::kReadWrite));
+  ROOMWISE_CHECK_OK(check_header(database));
+  ROOMWISE_TRY(WriterLock lock, WriterLock::take(path));
+  // Until all is found well, closing must not carry a log into the file.
+  set_checkpoint_on_close(database, false);
+  ROOMWISE_CHECK_OK(configure(database));
+  ROOMWISE_CHECK_OK(checked_version(database));
+  ROOMWISE_CHECK_OK(check_all_but_images(database));
+  set_checkpoint_on_close(database, true);
+  ROOMWISE_CHECK_OK(migrate(database, migrations()));
+  ROOMWISE_CHECK_OK(check_tables(database));
+  ROOMWISE_CHECK_OK(begin_writing(database));
+  return Home(std::move(lock), std::move(database));
+}
+
+Expected<Home> Home::open_read_only(const std::filesystem::path& path) {
+  ROOMWISE_TRY(Database database, open_for_reading(path));
+  ROOMWISE_CHECK_OK(configure(database));
+  ROOMWISE_TRY(const int version, checked_version(database));
+  if (version < newest_version()) {
+    return fail(
+        "{}: was written by an older Roomwise (home version {}, now {}); bring it up to date "
+        "by a command that writes, such as 'roomwise map --resume'",
+        database.file(), version, newest_version());
+  }
+  ROOMWISE_CHECK_OK(check_tables(database));
+  return Home(std::nullopt, std::move(database));
+}
+
+Home::~Home() {
+  if (lock_ && database_.handle() != nullptr) end_writing(database_);
+}
+
+Expected<void> Home::atomically(const std::function<Expected<void>()>& work) {
+  ROOMWISE_TRY(Transaction transaction, Transaction::begin(database_));
+  ROOMWISE_CHECK_OK(work());
+  return transaction.commit();
+}
+
+Expected<void> Home::put_setting(std::string_view key, std::string_view value) {
+  return database_.run("INSERT OR REPLACE INTO settings (key, value) VALUES (?, ?)", key, value);
+}
+
+Expected<std::map<std::string, std::string>> Home::settings() const {
+  std::map<std::string, std::string> settings;
+  ROOMWISE_CHECK_OK(
+      database_.for_each("SELECT key, value FROM settings", [&](const Statement& row) {
+        settings[row.column<std::string>(0)] = row.column<std::string>(1);
+      }));
+  return settings;
+}
+
+Expected<void> Home::add_stage_timings(const std::map<std::string, StageClock::Stage>& stages) {
+  return atomically([&]() -> Expected<void> {
+    for (const auto& [name, stage] : stages) {
+      ROOMWISE_CHECK_OK(database_.run(
+          "INSERT INTO stage_timings (stage, calls, wall_s, cpu_s) VALUES (?, ?, ?, ?) "
+          "ON CONFLICT (stage) DO UPDATE SET calls = calls + excluded.calls, "
+          "wall_s = wall_s + excluded.wall_s, cpu_s = cpu_s + excluded.cpu_s",
+          name, stage.calls, stage.wall_s, stage.cpu_s));
+    }
+    return {};
+  });
+}
+
+Expected<std::map<std::string, StageClock::Stage>> Home::stage_timings() const {
+  std::map<std::string, StageClock::Stage> stages;
+  ROOMWISE_CHECK_OK(database_.for_each(
+      "SELECT stage, calls, wall_s, cpu_s FROM stage_timings", [&](const Statement& row) {
+        stages[row.column<std::string>(0)] = {.calls = row.column<std::uint64_t>(1),
+                                              .wall_s = row.column<double>(2),
+                                              .cpu_s = row.column<double>(3)};
+      }));
+  return stages;
+}
+
+Expected<std::string> Home::content_digest() const {
+  return home::content_digest(database_);
+}
+
+Expected<void> Home::verify() const {
+  ROOMWISE_CHECK_OK(run_check(database_, "PRAGMA integrity_check"));
+  ROOMWISE_TRY(const auto table,
+               database_.find<std::string>("SELECT \"table\" FROM pragma_foreign_key_check"));
+  if (!table) return {};
+  return fail(
+      "{}: is damaged: a row of table '{}' belongs to one that is not there; put back a copy "
+      "of it",
+      file(), *table);
+}
+
+}  // namespace roomwise::home

@@ -1,0 +1,253 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "roomwise/base/expected.h"
+#include "roomwise/base/file.h"
+#include "roomwise/base/stage_clock.h"
+#include "roomwise/base/timestamp.h"
+#include "roomwise/geometry/pinhole_camera.h"
+#include "roomwise/geometry/rigid_transform.h"
+#include "roomwise/home/database.h"
+#include "roomwise/home/writer_lock.h"
+#include "roomwise/mapping/pose_graph.h"
+#include "roomwise/network/classifier.h"
+#include "roomwise/objects/object_map.h"
+#include "roomwise/recording/room_labels.h"
+#include "roomwise/rooms/concepts.h"
+#include "roomwise/rooms/two_frame_rule.h"
+
+namespace roomwise::home {
+
+using RecordingId = std::int64_t;
+using KeyframeId = std::uint64_t;  // 0, 1, 2, ... in the order of time
+using NetworkId = std::int64_t;
+
+// A walk through the home with an RGB-D camera.
+struct Recording {
+  std::string name;
+  std::string folder;  // where it is read from, as the user gave it
+  geometry::PinholeCamera camera;
+  std::optional<std::uint64_t> frame_count;  // RGB-D frames in all; absent for a live camera
+};
+
+struct StoredRecording {
+  RecordingId id = 0;
+  Recording recording;
+  // Frames below this index are stored; an interrupted run goes on from here.
+  std::uint64_t next_frame_index = 0;
+  bool finished = false;  // all its frames are stored and its map is optimised
+};
+
+struct KeyframePose {
+  geometry::RigidTransform world_from_keyframe;
+  // Poses of one piece of the map share a world; the largest piece is 0.
+  std::uint64_t piece = 0;
+};
+
+struct Keyframe {
+  KeyframeId id = 0;
+  RecordingId recording = 0;
+  std::uint64_t frame_index = 0;  // RgbdFrame::index
+  TimestampNs timestamp_ns = 0;
+  KeyframePose pose;
+};
+
+// As the camera or the recording gave them.
+struct KeyframeImages {
+  Bytes color;  // JPEG or PNG
+  Bytes depth;  // 16-bit PNG
+
+  friend bool operator==(const KeyframeImages&, const KeyframeImages&) = default;
+};
+
+// Where a frame was taken: relative to a key-frame, whose pose may still change.
+struct FramePlace {
+  KeyframeId keyframe = 0;
+  geometry::RigidTransform keyframe_from_camera;
+};
+
+struct Frame {
+  std::uint64_t index = 0;  // RgbdFrame::index
+  TimestampNs timestamp_ns = 0;
+  std::optional<FramePlace> place;
+  std::string no_pose_reason;  // where there is no place
+};
+
+// A network that has looked at key-frames.
+struct Network {
+  std::string name;
+  std::string fingerprint;          // SHA-256 of the weights file
+  std::vector<std::string> labels;  // empty for a network that serves features only
+  std::size_t feature_size = 0;
+
+  friend bool operator==(const Network&, const Network&) = default;
+};
+
+// A key-frame in the making, with all that is known of it at once.
+struct NewKeyframe {
+  KeyframeId id = 0;  // the next free one: Home::next_keyframe_id()
+  std::uint64_t frame_index = 0;
+  TimestampNs timestamp_ns = 0;
+  KeyframePose pose;
+  KeyframeImages images;
+  std::vector<std::pair<NetworkId, network::Prediction>> predictions;
+  std::vector<objects::Sighting> sightings;
+};
+
+// What mapping adds between two commits.
+struct Step {
+  RecordingId recording = 0;
+  std::vector<NewKeyframe> keyframes;         // in the order of their ids
+  std::vector<mapping::PoseGraphEdge> edges;  // between key-frames of this step and earlier ones
+  std::vector<Frame> frames;                  // since the last step, in the order of their indices
+  std::uint64_t next_frame_index = 0;         // above the index of every frame so far
+};
+
+// A learned room classifier: the bytes of rooms::RoomClassifier.
+struct RoomClassifierRecord {
+  std::string network_name;
+  std::string network_fingerprint;  // it means something to the features of this network only
+  Bytes classifier;
+  std::string report_json;  // how it was learned and how well it does
+
+  friend bool operator==(const RoomClassifierRecord&, const RoomClassifierRecord&) = default;
+};
+
+// A home: one file, a SQLite database, that holds what was mapped and learned. It stores and finds,
+// and knows no algorithm.
+//
+// Every function that writes does so in one transaction: all of it or, on an error, nothing. A
+// program that is killed at any moment loses only what it had not committed. After a power cut the
+// same holds, since each commit waits until the disk has it (SQLite's synchronous=FULL), as far as
+// the disk itself tells the truth. While a home is written its newest part lies beside it in
+// NAME-wal, with NAME-shm and NAME-lock; closing it puts all into the one file again. After a kill
+// these stay, belong to the home, and are tidied by the next program that opens it for writing.
+//
+// One program writes at a time; others may read meanwhile, and each call of a reader sees one state
+// of the home. Doubles come back to the bit, except that -0.0 becomes 0.0. Errors name the file.
+// Not thread-safe.
+class Home {
+ public:
+  // A new, empty home. Fails where the file exists.
+  [[nodiscard]] static Expected<Home> create(const std::filesystem::path& path);
+  // For reading and writing. A home of an older version is brought to the present one first.
+  // Refuses, without changing anything: what is no home, a home of a newer version, a truncated or
+  // damaged file, a home that another process writes. (Only the images are not checked for damage,
+  // which would take long; verify() does it.)
+  [[nodiscard]] static Expected<Home> open(const std::filesystem::path& path);
+  // For reading; also while another process writes, and on a medium that cannot be written.
+  [[nodiscard]] static Expected<Home> open_read_only(const std::filesystem::path& path);
+  Home(Home&&) = default;
+  Home& operator=(Home&&) = delete;
+  ~Home();
+
+  // Runs work(), which calls functions of this home, as one transaction: all that it writes is
+  // kept, or nothing where it fails.
+  [[nodiscard]] Expected<void> atomically(const std::function<Expected<void>()>& work);
+
+  // ---- settings: with what the map was made ----
+  [[nodiscard]] Expected<void> put_setting(std::string_view key, std::string_view value);
+  [[nodiscard]] Expected<std::map<std::string, std::string>> settings() const;
+
+  // ---- recordings and the map ----
+  [[nodiscard]] Expected<RecordingId> add_recording(const Recording& recording);
+  [[nodiscard]] Expected<std::vector<StoredRecording>> recordings() const;  // as they were added
+  // Adds what was mapped since the last step. Fails where it does not continue what is stored.
+  [[nodiscard]] Expected<void> commit_step(const Step& step);
+  // Marks that all its frames are stored and its map is optimised.
+  [[nodiscard]] Expected<void> finish_recording(RecordingId id);
+  // Removes the recording and all that came from it; frames of other recordings that were placed by
+  // its key-frames lose their place. What was learned from it stays learned.
+  [[nodiscard]] Expected<void> remove_recording(RecordingId id);
+
+  [[nodiscard]] Expected<KeyframeId> next_keyframe_id() const;
+  [[nodiscard]] Expected<std::vector<Keyframe>> keyframes() const;  // by id
+  [[nodiscard]] Expected<KeyframeImages> images(KeyframeId id) const;
+  [[nodiscard]] Expected<std::vector<Frame>> frames(RecordingId id) const;    // by index
+  [[nodiscard]] Expected<std::vector<mapping::PoseGraphEdge>> edges() const;  // as they were added
+  // New poses for key-frames that are there; the others keep theirs.
+  [[nodiscard]] Expected<void> replace_poses(const std::map<KeyframeId, KeyframePose>& poses);
+
+  // ---- what networks see ----
+  // The network's id; adds it if it is new. Known by its fingerprint.
+  [[nodiscard]] Expected<NetworkId> add_network(const Network& network);
+  [[nodiscard]] Expected<std::map<NetworkId, Network>> networks() const;
+  [[nodiscard]] Expected<void> put_prediction(KeyframeId keyframe, NetworkId network,
+                                              const network::Prediction& prediction);
+  [[nodiscard]] Expected<std::optional<network::Prediction>> prediction(KeyframeId keyframe,
+                                                                        NetworkId network) const;
+  // Of every key-frame that the network has looked at.
+  [[nodiscard]] Expected<std::map<KeyframeId, network::Prediction>> predictions(
+      NetworkId network) const;
+
+  // ---- objects ----
+  // These take the place of the key-frame's earlier sightings.
+  [[nodiscard]] Expected<void> put_sightings(KeyframeId keyframe,
+                                             std::span<const objects::Sighting> sightings);
+  // Best first (by name where equal); key-frames without sightings are left out.
+  [[nodiscard]] Expected<std::map<KeyframeId, std::vector<objects::Sighting>>> sightings() const;
+  [[nodiscard]] Expected<void> replace_objects(std::span<const objects::MapObject> objects);
+  [[nodiscard]] Expected<std::vector<objects::MapObject>> objects() const;  // in the order given
+
+  // ---- rooms ----
+  // Fails where a room type has an object that the vocabulary does not know.
+  [[nodiscard]] Expected<void> replace_concepts(const rooms::Concepts& concepts);
+  [[nodiscard]] Expected<rooms::Concepts> concepts() const;
+  // Fails where a room that ranges of frames belong to would go.
+  [[nodiscard]] Expected<void> replace_rooms(std::span<const rooms::Room> rooms);
+  [[nodiscard]] Expected<std::vector<rooms::Room>> rooms() const;  // by name
+  // Fails where ranges overlap or name a room that this home does not have.
+  [[nodiscard]] Expected<void> replace_room_ranges(RecordingId id,
+                                                   const std::vector<recording::RoomRange>& ranges);
+  [[nodiscard]] Expected<recording::RoomLabels> room_ranges(RecordingId id) const;
+  // Takes the place of an earlier one for the same network and becomes the newest.
+  [[nodiscard]] Expected<void> put_room_classifier(const RoomClassifierRecord& classifier);
+  // The newest; absent where nothing was learned yet.
+  [[nodiscard]] Expected<std::optional<RoomClassifierRecord>> room_classifier() const;
+  // In which room the classifier believes each key-frame to be; takes the place of all earlier
+  // ones.
+  [[nodiscard]] Expected<void> replace_keyframe_rooms(
+      const std::map<KeyframeId, std::vector<rooms::RoomScore>>& rooms);
+  // Best first (by name where equal).
+  [[nodiscard]] Expected<std::map<KeyframeId, std::vector<rooms::RoomScore>>> keyframe_rooms()
+      const;
+
+  // ---- times: all that differs between two runs of one seed ----
+  // Adds to the times of earlier runs.
+  [[nodiscard]] Expected<void> add_stage_timings(
+      const std::map<std::string, StageClock::Stage>& stages);
+  [[nodiscard]] Expected<std::map<std::string, StageClock::Stage>> stage_timings() const;
+
+  // ---- the file ----
+  // SHA-256 over all content but the times: equal for homes that hold the same, however they were
+  // written.
+  [[nodiscard]] Expected<std::string> content_digest() const;
+  // Reads the whole file, images too, and fails at the first damage.
+  [[nodiscard]] Expected<void> verify() const;
+  // For looking at the file by SQL.
+  [[nodiscard]] Database& database() { return database_; }
+  [[nodiscard]] const std::string& file() const { return database_.file(); }
+
+ private:
+  Home(std::optional<WriterLock> lock, Database database)
+      : lock_(std::move(lock)), database_(std::move(database)) {}
+
+  [[nodiscard]] Expected<void> insert_keyframe(RecordingId recording, const NewKeyframe& keyframe);
+  [[nodiscard]] Expected<void> insert_edge(const mapping::PoseGraphEdge& edge);
+  [[nodiscard]] Expected<void> insert_frame(RecordingId recording, const Frame& frame);
+
+  std::optional<WriterLock> lock_;  // outlives the database; empty for a reader
+  Database database_;
+};
+
+}  // namespace roomwise::home

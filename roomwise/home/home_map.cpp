@@ -1,0 +1,312 @@
+// The part of Home that stores recordings and the map: key-frames, frames, pose graph.
+
+#include <nlohmann/json.hpp>
+
+#include "roomwise/home/home.h"
+#include "roomwise/home/stored_values.h"
+
+namespace roomwise::home {
+namespace {
+
+using geometry::Matrix6d;
+
+constexpr std::size_t kUpperTriangleSize = 21;
+
+// Row by row; the numbers come back to the bit.
+std::string upper_triangle_json(const Matrix6d& information) {
+  nlohmann::json numbers = nlohmann::json::array();
+  for (int row = 0; row < 6; ++row) {
+    for (int column = row; column < 6; ++column) numbers.push_back(information(row, column));
+  }
+  return numbers.dump();
+}
+
+std::optional<Matrix6d> from_upper_triangle_json(const std::string& text) {
+  const auto numbers = nlohmann::json::parse(text, nullptr, /*allow_exceptions=*/false);
+  if (!numbers.is_array() || numbers.size() != kUpperTriangleSize) return std::nullopt;
+  Matrix6d information;
+  std::size_t next = 0;
+  for (int row = 0; row < 6; ++row) {
+    for (int column = row; column < 6; ++column) {
+      const auto& number = numbers[next++];
+      if (!number.is_number()) return std::nullopt;
+      information(row, column) = information(column, row) = number.get<double>();
+    }
+  }
+  return information;
+}
+
+// But for rounding; only the upper triangle is kept.
+bool is_symmetric(const Matrix6d& m) {
+  const Matrix6d difference = m - m.transpose();
+  return (difference.array().abs() <= 1e-9 * m.array().abs()).all();
+}
+
+// What is wrong with the order of a step's frames, which must continue what is stored.
+Expected<void> check_frame_order(const std::string& file, const Step& step,
+                                 std::uint64_t stored_below) {
+  std::uint64_t least = stored_below;
+  for (const Frame& frame : step.frames) {
+    if (frame.index < least) {
+      return fail("{}: frame {} is stored already or out of order; expected {} or later", file,
+                  frame.index, least);
+    }
+    least = frame.index + 1;
+  }
+  if (step.next_frame_index < least) {
+    return fail("{}: the next frame is said to be {}, but frames below {} are stored", file,
+                step.next_frame_index, least);
+  }
+  return {};
+}
+
+Frame read_frame(const Statement& row) {
+  Frame frame{.index = row.column<std::uint64_t>(0),
+              .timestamp_ns = row.column<TimestampNs>(1),
+              .place = {},
+              .no_pose_reason = row.column<std::string>(10)};
+  if (const auto keyframe = row.column<std::optional<KeyframeId>>(2)) {
+    frame.place = FramePlace{*keyframe, pose_column(row, 3)};
+  }
+  return frame;
+}
+
+StoredRecording read_recording(const Statement& row) {
+  const geometry::PinholeCamera camera{
+      .fx = row.column<double>(3),
+      .fy = row.column<double>(4),
+      .cx = row.column<double>(5),
+      .cy = row.column<double>(6),
+      .width = row.column<int>(7),
+      .height = row.column<int>(8),
+      .distortion = {row.column<double>(9), row.column<double>(10), row.column<double>(11),
+                     row.column<double>(12), row.column<double>(13)},
+      .depth_units_per_metre = row.column<double>(14)};
+  return {.id = row.column<RecordingId>(0),
+          .recording = {.name = row.column<std::string>(1),
+                        .folder = row.column<std::string>(2),
+                        .camera = camera,
+                        .frame_count = row.column<std::optional<std::uint64_t>>(15)},
+          .next_frame_index = row.column<std::uint64_t>(16),
+          .finished = row.column<bool>(17)};
+}
+
+}  // namespace
+
+Expected<RecordingId> Home::add_recording(const Recording& recording) {
+  const geometry::PinholeCamera& camera = recording.camera;
+  if (auto valid = camera.validate(); !valid) {
+    return Unexpected(std::move(valid).error().in(
+        fmt::format("{}: camera of recording '{}'", file(), recording.name)));
+  }
+  const geometry::LensDistortion& lens = camera.distortion;
+  return database_.insert(
+      "INSERT INTO recordings (name, folder, fx_px, fy_px, cx_px, cy_px, width_px, height_px, "
+      "distortion_k1, distortion_k2, distortion_p1, distortion_p2, distortion_k3, "
+      "depth_units_per_metre, frame_count, next_frame_index, finished) "
+      "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, 0, 0)",
+      recording.name, recording.folder, camera.fx, camera.fy, camera.cx, camera.cy, camera.width,
+      camera.height, lens.k1, lens.k2, lens.p1, lens.p2, lens.k3, camera.depth_units_per_metre,
+      recording.frame_count);
+}
+
+Expected<std::vector<StoredRecording>> Home::recordings() const {
+  std::vector<StoredRecording> recordings;
+  ROOMWISE_CHECK_OK(database_.for_each(
+      "SELECT recording_id, name, folder, fx_px, fy_px, cx_px, cy_px, width_px, height_px, "
+      "distortion_k1, distortion_k2, distortion_p1, distortion_p2, distortion_k3, "
+      "depth_units_per_metre, frame_count, next_frame_index, finished "
+      "FROM recordings ORDER BY recording_id",
+      [&](const Statement& row) { recordings.push_back(read_recording(row)); }));
+  return recordings;
+}
+
+Expected<void> Home::commit_step(const Step& step) {
+  const auto write = [&]() -> Expected<void> {
+    ROOMWISE_TRY(
+        const auto stored_below,
+        database_.find<std::uint64_t>(
+            "SELECT next_frame_index FROM recordings WHERE recording_id = ?", step.recording));
+    if (!stored_below) return fail("{}: has no recording {}", file(), step.recording);
+    ROOMWISE_CHECK_OK(check_frame_order(file(), step, *stored_below));
+    for (const NewKeyframe& keyframe : step.keyframes) {
+      ROOMWISE_CHECK_OK(insert_keyframe(step.recording, keyframe));
+    }
+    for (const mapping::PoseGraphEdge& edge : step.edges) ROOMWISE_CHECK_OK(insert_edge(edge));
+    for (const Frame& frame : step.frames) {
+      ROOMWISE_CHECK_OK(insert_frame(step.recording, frame));
+    }
+    return database_.run("UPDATE recordings SET next_frame_index = ? WHERE recording_id = ?",
+                         step.next_frame_index, step.recording);
+  };
+  return atomically(write);
+}
+
+Expected<void> Home::insert_keyframe(RecordingId recording, const NewKeyframe& keyframe) {
+  ROOMWISE_TRY(const KeyframeId next, next_keyframe_id());
+  if (keyframe.id != next) {
+    return fail("{}: the next key-frame must have the number {}, not {}", file(), next,
+                keyframe.id);
+  }
+  if (!keyframe.pose.world_from_keyframe.is_finite()) {
+    return fail("{}: the pose of key-frame {} is not finite", file(), keyframe.id);
+  }
+  if (keyframe.images.color.empty() || keyframe.images.depth.empty()) {
+    return fail("{}: key-frame {} comes without its encoded colour or depth image", file(),
+                keyframe.id);
+  }
+  ROOMWISE_CHECK_OK(database_.run(
+      "INSERT INTO keyframes (keyframe_id, recording_id, frame_index, timestamp_ns, tx_m, ty_m, "
+      "tz_m, qx, qy, qz, qw, piece) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+      keyframe.id, recording, keyframe.frame_index, keyframe.timestamp_ns,
+      to_numbers(keyframe.pose.world_from_keyframe), keyframe.pose.piece));
+  ROOMWISE_CHECK_OK(
+      database_.run("INSERT INTO keyframe_images (keyframe_id, color, depth) VALUES (?, ?, ?)",
+                    keyframe.id, keyframe.images.color, keyframe.images.depth));
+  for (const auto& [network, prediction] : keyframe.predictions) {
+    ROOMWISE_CHECK_OK(put_prediction(keyframe.id, network, prediction));
+  }
+  return put_sightings(keyframe.id, keyframe.sightings);
+}
+
+Expected<void> Home::insert_edge(const mapping::PoseGraphEdge& edge) {
+  const Matrix6d& information = edge.information;
+  if (!edge.from_from_to.is_finite() || !information.allFinite() || !is_symmetric(information)) {
+    return fail(
+        "{}: the edge from key-frame {} to {} is not finite, or its information is not "
+        "symmetric",
+        file(), edge.from, edge.to);
+  }
+  return database_.run(
+      "INSERT INTO pose_graph_edges (from_keyframe_id, to_keyframe_id, tx_m, ty_m, tz_m, qx, qy, "
+      "qz, qw, information_upper, is_loop) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+      edge.from, edge.to, to_numbers(edge.from_from_to), upper_triangle_json(information),
+      edge.is_loop);
+}
+
+Expected<void> Home::insert_frame(RecordingId recording, const Frame& frame) {
+  std::optional<KeyframeId> keyframe;
+  std::optional<PoseNumbers> pose;
+  std::optional<std::string> reason;
+  if (frame.place) {
+    if (!frame.place->keyframe_from_camera.is_finite()) {
+      return fail("{}: the pose of frame {} is not finite", file(), frame.index);
+    }
+    keyframe = frame.place->keyframe;
+    pose = to_numbers(frame.place->keyframe_from_camera);
+  } else {
+    reason = frame.no_pose_reason;
+  }
+  return database_.run(
+      "INSERT INTO frames (recording_id, frame_index, timestamp_ns, keyframe_id, tx_m, ty_m, tz_m, "
+      "qx, qy, qz, qw, no_pose_reason) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+      recording, frame.index, frame.timestamp_ns, keyframe, pose, reason);
+}
+
+Expected<void> Home::finish_recording(RecordingId id) {
+  ROOMWISE_CHECK_OK(database_.run("UPDATE recordings SET finished = 1 WHERE recording_id = ?", id));
+  if (sqlite3_changes(database_.handle()) == 0) return fail("{}: has no recording {}", file(), id);
+  return {};
+}
+
+Expected<void> Home::remove_recording(RecordingId id) {
+  return atomically([&]() -> Expected<void> {
+    ROOMWISE_CHECK_OK(database_.run(
+        "UPDATE frames SET keyframe_id = NULL, tx_m = NULL, ty_m = NULL, tz_m = NULL, qx = NULL, "
+        "qy = NULL, qz = NULL, qw = NULL, "
+        "no_pose_reason = 'its key-frame was removed with the recording it came from' "
+        "WHERE keyframe_id IN (SELECT keyframe_id FROM keyframes WHERE recording_id = ?)",
+        id));
+    ROOMWISE_CHECK_OK(database_.run("DELETE FROM recordings WHERE recording_id = ?", id));
+    if (sqlite3_changes(database_.handle()) == 0) {
+      return fail("{}: has no recording {}", file(), id);
+    }
+    return {};
+  });
+}
+
+Expected<KeyframeId> Home::next_keyframe_id() const {
+  return database_.get<KeyframeId>("SELECT coalesce(max(keyframe_id) + 1, 0) FROM keyframes");
+}
+
+Expected<std::vector<Keyframe>> Home::keyframes() const {
+  std::vector<Keyframe> keyframes;
+  const auto read = [&](const Statement& row) {
+    keyframes.push_back({.id = row.column<KeyframeId>(0),
+                         .recording = row.column<RecordingId>(1),
+                         .frame_index = row.column<std::uint64_t>(2),
+                         .timestamp_ns = row.column<TimestampNs>(3),
+                         .pose = {.world_from_keyframe = pose_column(row, 4),
+                                  .piece = row.column<std::uint64_t>(11)}});
+  };
+  ROOMWISE_CHECK_OK(database_.for_each(
+      "SELECT keyframe_id, recording_id, frame_index, timestamp_ns, tx_m, ty_m, tz_m, qx, qy, qz, "
+      "qw, piece FROM keyframes ORDER BY keyframe_id",
+      read));
+  return keyframes;
+}
+
+Expected<KeyframeImages> Home::images(KeyframeId id) const {
+  std::optional<KeyframeImages> images;
+  ROOMWISE_CHECK_OK(database_.for_each(
+      "SELECT color, depth FROM keyframe_images WHERE keyframe_id = ?",
+      [&](const Statement& row) {
+        images = KeyframeImages{row.column<Bytes>(0), row.column<Bytes>(1)};
+      },
+      id));
+  if (!images) return fail("{}: has no key-frame {}", file(), id);
+  return *std::move(images);
+}
+
+Expected<std::vector<Frame>> Home::frames(RecordingId id) const {
+  std::vector<Frame> frames;
+  ROOMWISE_CHECK_OK(database_.for_each(
+      "SELECT frame_index, timestamp_ns, keyframe_id, tx_m, ty_m, tz_m, qx, qy, qz, qw, "
+      "no_pose_reason FROM frames WHERE recording_id = ? ORDER BY frame_index",
+      [&](const Statement& row) { frames.push_back(read_frame(row)); }, id));
+  return frames;
+}
+
+Expected<std::vector<mapping::PoseGraphEdge>> Home::edges() const {
+  std::vector<mapping::PoseGraphEdge> edges;
+  const auto read = [&](const Statement& row) -> Expected<void> {
+    const auto information = from_upper_triangle_json(row.column<std::string>(10));
+    if (!information) {
+      return fail(
+          "{}: is damaged: the information of pose-graph edge {} is not {} numbers; put back "
+          "a copy of it",
+          file(), row.column<std::int64_t>(0), kUpperTriangleSize);
+    }
+    edges.push_back({.from = row.column<KeyframeId>(1),
+                     .to = row.column<KeyframeId>(2),
+                     .from_from_to = pose_column(row, 3),
+                     .information = *information,
+                     .is_loop = row.column<bool>(11)});
+    return {};
+  };
+  ROOMWISE_CHECK_OK(database_.for_each(
+      "SELECT edge_id, from_keyframe_id, to_keyframe_id, tx_m, ty_m, tz_m, qx, qy, qz, qw, "
+      "information_upper, is_loop FROM pose_graph_edges ORDER BY edge_id",
+      read));
+  return edges;
+}
+
+Expected<void> Home::replace_poses(const std::map<KeyframeId, KeyframePose>& poses) {
+  return atomically([&]() -> Expected<void> {
+    for (const auto& [id, pose] : poses) {
+      if (!pose.world_from_keyframe.is_finite()) {
+        return fail("{}: the new pose of key-frame {} is not finite", file(), id);
+      }
+      ROOMWISE_CHECK_OK(
+          database_.run("UPDATE keyframes SET (tx_m, ty_m, tz_m, qx, qy, qz, qw, piece) = "
+                        "(?, ?, ?, ?, ?, ?, ?, ?) WHERE keyframe_id = ?",
+                        to_numbers(pose.world_from_keyframe), pose.piece, id));
+      if (sqlite3_changes(database_.handle()) == 0) {
+        return fail("{}: has no key-frame {}", file(), id);
+      }
+    }
+    return {};
+  });
+}
+
+}  // namespace roomwise::home

@@ -1,0 +1,353 @@
+// The part of Home that stores what key-frames and rooms mean: networks, objects, concepts, rooms.
+
+#include <nlohmann/json.hpp>
+
+#include "roomwise/home/home.h"
+#include "roomwise/home/stored_values.h"
+
+namespace roomwise::home {
+namespace {
+
+Expected<std::string> labels_to_json(const Network& network) {
+  try {
+    return nlohmann::json(network.labels).dump();
+  } catch (const nlohmann::json::exception&) {
+    return fail("network {}: a label is not UTF-8 text", network.name);
+  }
+}
+
+std::optional<std::vector<std::string>> labels_from_json(const std::string& text) {
+  const auto json = nlohmann::json::parse(text, nullptr, /*allow_exceptions=*/false);
+  if (!json.is_array()) return std::nullopt;
+  std::vector<std::string> labels;
+  for (const auto& label : json) {
+    if (!label.is_string()) return std::nullopt;
+    labels.push_back(label.get<std::string>());
+  }
+  return labels;
+}
+
+// A point in the three columns from `first` on, which are NULL together.
+std::optional<Eigen::Vector3d> point_column(const Statement& row, int first) {
+  if (!row.column<std::optional<double>>(first)) return std::nullopt;
+  const auto [x, y, z] = row.columns<3>(first);
+  return Eigen::Vector3d(x, y, z);
+}
+
+}  // namespace
+
+Expected<NetworkId> Home::add_network(const Network& network) {
+  ROOMWISE_TRY(const auto stored, networks());
+  for (const auto& [id, other] : stored) {
+    if (other.fingerprint != network.fingerprint) continue;
+    if (other == network) return id;
+    return fail(
+        "{}: knows the network {} by another name, other labels or another feature size (as "
+        "{}); give it as it was when the home was made",
+        file(), network.name, other.name);
+  }
+  ROOMWISE_TRY(const std::string labels, labels_to_json(network));
+  return database_.insert(
+      "INSERT INTO networks (name, fingerprint, labels, feature_size) VALUES (?, ?, ?, ?)",
+      network.name, network.fingerprint, labels, network.feature_size);
+}
+
+Expected<std::map<NetworkId, Network>> Home::networks() const {
+  std::map<NetworkId, Network> networks;
+  const auto read = [&](const Statement& row) -> Expected<void> {
+    auto labels = labels_from_json(row.column<std::string>(3));
+    if (!labels) {
+      return fail(
+          "{}: is damaged: the labels of network {} are not a list of texts; put back a copy "
+          "of it",
+          file(), row.column<std::string>(1));
+    }
+    networks[row.column<NetworkId>(0)] = {.name = row.column<std::string>(1),
+                                          .fingerprint = row.column<std::string>(2),
+                                          .labels = *std::move(labels),
+                                          .feature_size = row.column<std::size_t>(4)};
+    return {};
+  };
+  ROOMWISE_CHECK_OK(database_.for_each(
+      "SELECT network_id, name, fingerprint, labels, feature_size FROM networks", read));
+  return networks;
+}
+
+Expected<void> Home::put_prediction(KeyframeId keyframe, NetworkId network,
+                                    const network::Prediction& prediction) {
+  ROOMWISE_TRY(const auto feature_size,
+               database_.find<std::size_t>("SELECT feature_size FROM networks WHERE network_id = ?",
+                                           network));
+  if (!feature_size) return fail("{}: has no network {}", file(), network);
+  if (prediction.features.size() != *feature_size) {
+    return fail("{}: a prediction for key-frame {} has {} features, but its network gives {}",
+                file(), keyframe, prediction.features.size(), *feature_size);
+  }
+  return database_.run(
+      "INSERT OR REPLACE INTO keyframe_predictions (keyframe_id, network_id, features, scores) "
+      "VALUES (?, ?, ?, ?)",
+      keyframe, network, to_blob(prediction.features), to_blob(prediction.scores));
+}
+
+Expected<std::optional<network::Prediction>> Home::prediction(KeyframeId keyframe,
+                                                              NetworkId network) const {
+  std::optional<network::Prediction> prediction;
+  ROOMWISE_CHECK_OK(database_.for_each(
+      "SELECT features, scores FROM keyframe_predictions WHERE keyframe_id = ? AND network_id = ?",
+      [&](const Statement& row) {
+        prediction = {to_floats(row.column<Bytes>(0)), to_floats(row.column<Bytes>(1))};
+      },
+      keyframe, network));
+  return prediction;
+}
+
+Expected<std::map<KeyframeId, network::Prediction>> Home::predictions(NetworkId network) const {
+  std::map<KeyframeId, network::Prediction> predictions;
+  ROOMWISE_CHECK_OK(database_.for_each(
+      "SELECT keyframe_id, features, scores FROM keyframe_predictions WHERE network_id = ?",
+      [&](const Statement& row) {
+        predictions[row.column<KeyframeId>(0)] = {to_floats(row.column<Bytes>(1)),
+                                                  to_floats(row.column<Bytes>(2))};
+      },
+      network));
+  return predictions;
+}
+
+Expected<void> Home::put_sightings(KeyframeId keyframe,
+                                   std::span<const objects::Sighting> sightings) {
+  return atomically([&]() -> Expected<void> {
+    ROOMWISE_CHECK_OK(
+        database_.run("DELETE FROM keyframe_sightings WHERE keyframe_id = ?", keyframe));
+    for (const objects::Sighting& sighting : sightings) {
+      ROOMWISE_CHECK_OK(database_.run(
+          "INSERT INTO keyframe_sightings (keyframe_id, object, score) VALUES (?, ?, ?)", keyframe,
+          sighting.object, sighting.score));
+    }
+    return {};
+  });
+}
+
+Expected<std::map<KeyframeId, std::vector<objects::Sighting>>> Home::sightings() const {
+  std::map<KeyframeId, std::vector<objects::Sighting>> sightings;
+  ROOMWISE_CHECK_OK(
+      database_.for_each("SELECT keyframe_id, object, score FROM keyframe_sightings "
+                         "ORDER BY keyframe_id, score DESC, object",
+                         [&](const Statement& row) {
+                           sightings[row.column<KeyframeId>(0)].push_back(
+                               {row.column<std::string>(1), row.column<double>(2)});
+                         }));
+  return sightings;
+}
+
+Expected<void> Home::replace_objects(std::span<const objects::MapObject> objects) {
+  return atomically([&]() -> Expected<void> {
+    ROOMWISE_CHECK_OK(database_.run("DELETE FROM objects"));
+    for (const objects::MapObject& object : objects) {
+      std::optional<std::array<double, 3>> position;
+      if (const auto& p = object.position_keyframe) {
+        if (!p->allFinite()) {
+          return fail("{}: the position of object '{}' is not finite", file(), object.name);
+        }
+        position = {p->x(), p->y(), p->z()};
+      }
+      ROOMWISE_CHECK_OK(
+          database_.run("INSERT INTO objects (name, keyframe_id, score, sightings, x_m, y_m, z_m) "
+                        "VALUES (?, ?, ?, ?, ?, ?, ?)",
+                        object.name, object.keyframe_id, object.score, object.sightings, position));
+    }
+    return {};
+  });
+}
+
+Expected<std::vector<objects::MapObject>> Home::objects() const {
+  std::vector<objects::MapObject> objects;
+  ROOMWISE_CHECK_OK(database_.for_each(
+      "SELECT name, keyframe_id, score, sightings, x_m, y_m, z_m FROM objects ORDER BY object_id",
+      [&](const Statement& row) {
+        objects.push_back({.name = row.column<std::string>(0),
+                           .keyframe_id = row.column<KeyframeId>(1),
+                           .score = row.column<double>(2),
+                           .sightings = row.column<int>(3),
+                           .position_keyframe = point_column(row, 4)});
+      }));
+  return objects;
+}
+
+Expected<void> Home::replace_concepts(const rooms::Concepts& concepts) {
+  return atomically([&]() -> Expected<void> {
+    ROOMWISE_CHECK_OK(database_.run_script(
+        "DELETE FROM has_a; DELETE FROM room_types; DELETE FROM object_labels; "
+        "DELETE FROM object_kinds;"));
+    const auto& vocabulary = concepts.vocabulary.objects();
+    for (const auto& [object, labels] : vocabulary) {
+      ROOMWISE_CHECK_OK(database_.run("INSERT INTO object_kinds (object) VALUES (?)", object));
+      for (const std::string& label : labels) {
+        ROOMWISE_CHECK_OK(database_.run("INSERT INTO object_labels (label, object) VALUES (?, ?)",
+                                        label, object));
+      }
+    }
+    for (const auto& [room_type, objects] : concepts.objects_of_room_type) {
+      ROOMWISE_CHECK_OK(database_.run("INSERT INTO room_types (room_type) VALUES (?)", room_type));
+      for (const std::string& object : objects) {
+        if (!vocabulary.contains(object)) {
+          return fail(
+              "{}: room type '{}' is said to have a '{}', which is no known object; add the "
+              "object first",
+              file(), room_type, object);
+        }
+        ROOMWISE_CHECK_OK(database_.run("INSERT INTO has_a (room_type, object) VALUES (?, ?)",
+                                        room_type, object));
+      }
+    }
+    return {};
+  });
+}
+
+Expected<rooms::Concepts> Home::concepts() const {
+  std::map<std::string, std::vector<std::string>> labels;
+  ROOMWISE_CHECK_OK(database_.for_each(
+      "SELECT object, label FROM object_kinds LEFT JOIN object_labels USING (object)",
+      [&](const Statement& row) {
+        auto& of_object = labels[row.column<std::string>(0)];
+        if (auto label = row.column<std::optional<std::string>>(1)) {
+          of_object.push_back(*std::move(label));
+        }
+      }));
+  rooms::Concepts concepts;
+  for (const auto& [object, of_object] : labels) {
+    if (auto added = concepts.vocabulary.add(object, of_object); !added) {
+      return Unexpected(std::move(added).error().in(file()));
+    }
+  }
+  ROOMWISE_CHECK_OK(database_.for_each(
+      "SELECT room_type, object FROM room_types LEFT JOIN has_a USING (room_type)",
+      [&](const Statement& row) {
+        auto& objects = concepts.objects_of_room_type[row.column<std::string>(0)];
+        if (auto object = row.column<std::optional<std::string>>(1)) {
+          objects.insert(*std::move(object));
+        }
+      }));
+  return concepts;
+}
+
+Expected<void> Home::replace_rooms(std::span<const rooms::Room> rooms) {
+  return atomically([&]() -> Expected<void> {
+    // Rooms that ranges belong to may be missing until the new ones are in.
+    ROOMWISE_CHECK_OK(database_.run("PRAGMA defer_foreign_keys = ON"));
+    ROOMWISE_CHECK_OK(database_.run("DELETE FROM rooms"));
+    for (const rooms::Room& room : rooms) {
+      ROOMWISE_CHECK_OK(recording::validate_room_name(room.name));
+      ROOMWISE_CHECK_OK(
+          database_.run("INSERT INTO rooms (room, room_type) VALUES (?, ?)", room.name, room.type));
+    }
+    ROOMWISE_TRY(const auto orphan,
+                 database_.find<std::string>("SELECT room FROM room_ranges WHERE room NOT IN "
+                                             "(SELECT room FROM rooms) ORDER BY room"));
+    if (!orphan) return {};
+    return fail(
+        "{}: room '{}' cannot go, since frames of a recording belong to it; name their rooms "
+        "anew first",
+        file(), *orphan);
+  });
+}
+
+Expected<std::vector<rooms::Room>> Home::rooms() const {
+  std::vector<rooms::Room> rooms;
+  ROOMWISE_CHECK_OK(database_.for_each(
+      "SELECT room, room_type FROM rooms ORDER BY room", [&](const Statement& row) {
+        rooms.push_back({row.column<std::string>(0), row.column<std::string>(1)});
+      }));
+  return rooms;
+}
+
+Expected<void> Home::replace_room_ranges(RecordingId id,
+                                         const std::vector<recording::RoomRange>& ranges) {
+  ROOMWISE_TRY(const auto labels, recording::RoomLabels::from_ranges(ranges));
+  return atomically([&]() -> Expected<void> {
+    ROOMWISE_CHECK_OK(database_.run("DELETE FROM room_ranges WHERE recording_id = ?", id));
+    for (const recording::RoomRange& range : labels.ranges()) {
+      ROOMWISE_TRY(const bool known,
+                   database_.get<bool>("SELECT count(*) FROM rooms WHERE room = ?", range.room));
+      if (!known) {
+        return fail(
+            "{}: frames {} to {} are said to show '{}', which is no room of this home; add "
+            "the room first",
+            file(), range.first_frame, range.last_frame, range.room);
+      }
+      ROOMWISE_CHECK_OK(
+          database_.run("INSERT INTO room_ranges (recording_id, first_frame_index, "
+                        "last_frame_index, room, visit) "
+                        "VALUES (?, ?, ?, ?, ?)",
+                        id, range.first_frame, range.last_frame, range.room, range.visit));
+    }
+    return {};
+  });
+}
+
+Expected<recording::RoomLabels> Home::room_ranges(RecordingId id) const {
+  std::vector<recording::RoomRange> ranges;
+  ROOMWISE_CHECK_OK(database_.for_each(
+      "SELECT first_frame_index, last_frame_index, room, visit FROM room_ranges "
+      "WHERE recording_id = ? ORDER BY first_frame_index",
+      [&](const Statement& row) {
+        ranges.push_back({row.column<std::uint64_t>(0), row.column<std::uint64_t>(1),
+                          row.column<std::string>(2), row.column<int>(3)});
+      },
+      id));
+  auto labels = recording::RoomLabels::from_ranges(std::move(ranges));
+  if (!labels) return Unexpected(std::move(labels).error().in(file()));
+  return labels;
+}
+
+Expected<void> Home::put_room_classifier(const RoomClassifierRecord& classifier) {
+  return atomically([&]() -> Expected<void> {
+    ROOMWISE_CHECK_OK(database_.run("DELETE FROM room_classifiers WHERE network_fingerprint = ?",
+                                    classifier.network_fingerprint));
+    return database_.run(
+        "INSERT INTO room_classifiers (network_name, network_fingerprint, classifier, report) "
+        "VALUES (?, ?, ?, ?)",
+        classifier.network_name, classifier.network_fingerprint, classifier.classifier,
+        classifier.report_json);
+  });
+}
+
+Expected<std::optional<RoomClassifierRecord>> Home::room_classifier() const {
+  std::optional<RoomClassifierRecord> newest;
+  ROOMWISE_CHECK_OK(database_.for_each(
+      "SELECT network_name, network_fingerprint, classifier, report FROM room_classifiers "
+      "ORDER BY classifier_id DESC LIMIT 1",
+      [&](const Statement& row) {
+        newest = RoomClassifierRecord{row.column<std::string>(0), row.column<std::string>(1),
+                                      row.column<Bytes>(2), row.column<std::string>(3)};
+      }));
+  return newest;
+}
+
+Expected<void> Home::replace_keyframe_rooms(
+    const std::map<KeyframeId, std::vector<rooms::RoomScore>>& rooms) {
+  return atomically([&]() -> Expected<void> {
+    ROOMWISE_CHECK_OK(database_.run("DELETE FROM keyframe_rooms"));
+    for (const auto& [keyframe, scores] : rooms) {
+      for (const rooms::RoomScore& score : scores) {
+        ROOMWISE_CHECK_OK(
+            database_.run("INSERT INTO keyframe_rooms (keyframe_id, room, score) VALUES (?, ?, ?)",
+                          keyframe, score.room, score.score));
+      }
+    }
+    return {};
+  });
+}
+
+Expected<std::map<KeyframeId, std::vector<rooms::RoomScore>>> Home::keyframe_rooms() const {
+  std::map<KeyframeId, std::vector<rooms::RoomScore>> rooms;
+  ROOMWISE_CHECK_OK(
+      database_.for_each("SELECT keyframe_id, room, score FROM keyframe_rooms "
+                         "ORDER BY keyframe_id, score DESC, room",
+                         [&](const Statement& row) {
+                           rooms[row.column<KeyframeId>(0)].push_back(
+                               {row.column<std::string>(1), row.column<double>(2)});
+                         }));
+  return rooms;
+}
+
+}  // namespace roomwise::home

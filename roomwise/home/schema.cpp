@@ -1,0 +1,295 @@
+#include "roomwise/home/schema.h"
+
+#include <array>
+#include <map>
+#include <set>
+#include <string>
+
+namespace roomwise::home {
+namespace {
+
+// Poses are seven columns: the translation in metres (tx_m, ty_m, tz_m) and the unit quaternion
+// (qx, qy, qz, qw) of a_from_b, which takes points of frame b to frame a.
+constexpr const char* kVersion1 = R"sql(
+PRAGMA application_id = 0x526d7773;
+
+CREATE TABLE settings (
+  -- With what the map was made (method, features, seed, options), so that a later run goes on alike.
+  key TEXT NOT NULL PRIMARY KEY,
+  value TEXT NOT NULL
+) STRICT;
+
+CREATE TABLE recordings (
+  -- A walk through the home with an RGB-D camera.
+  recording_id INTEGER PRIMARY KEY,
+  name TEXT NOT NULL,
+  folder TEXT NOT NULL,                -- where it was read from, as the user gave it
+  fx_px REAL NOT NULL,                 -- the camera: focal lengths
+  fy_px REAL NOT NULL,
+  cx_px REAL NOT NULL,                 -- principal point; pixel (0, 0) is the centre of the top left one
+  cy_px REAL NOT NULL,
+  width_px INTEGER NOT NULL,
+  height_px INTEGER NOT NULL,
+  distortion_k1 REAL NOT NULL,         -- Brown's lens distortion
+  distortion_k2 REAL NOT NULL,
+  distortion_p1 REAL NOT NULL,
+  distortion_p2 REAL NOT NULL,
+  distortion_k3 REAL NOT NULL,
+  depth_units_per_metre REAL NOT NULL,
+  frame_count INTEGER,                 -- RGB-D frames in all; NULL for a live camera
+  next_frame_index INTEGER NOT NULL,   -- frames below this one are stored; mapping goes on here
+  finished INTEGER NOT NULL CHECK (finished IN (0, 1))
+) STRICT;
+
+CREATE TABLE keyframes (
+  -- Frames that the map keeps, in the order of time.
+  keyframe_id INTEGER PRIMARY KEY,
+  recording_id INTEGER NOT NULL REFERENCES recordings ON DELETE CASCADE,
+  frame_index INTEGER NOT NULL,        -- the colour image's place in the recording, from 0
+  timestamp_ns INTEGER NOT NULL,
+  tx_m REAL NOT NULL,                  -- world_from_keyframe: the camera's pose in the world
+  ty_m REAL NOT NULL,
+  tz_m REAL NOT NULL,
+  qx REAL NOT NULL,
+  qy REAL NOT NULL,
+  qz REAL NOT NULL,
+  qw REAL NOT NULL,
+  piece INTEGER NOT NULL,              -- poses of one piece of the map share a world; 0 is the largest
+  UNIQUE (recording_id, frame_index)
+) STRICT;
+
+CREATE TABLE keyframe_images (
+  -- The images of a key-frame as the camera or the recording gave them.
+  keyframe_id INTEGER PRIMARY KEY REFERENCES keyframes ON DELETE CASCADE,
+  color BLOB NOT NULL,                 -- JPEG or PNG
+  depth BLOB NOT NULL                  -- 16-bit PNG; see recordings.depth_units_per_metre
+) STRICT;
+
+CREATE TABLE frames (
+  -- Every frame of a recording: where it was taken, or why that is not known.
+  recording_id INTEGER NOT NULL REFERENCES recordings ON DELETE CASCADE,
+  frame_index INTEGER NOT NULL,
+  timestamp_ns INTEGER NOT NULL,
+  keyframe_id INTEGER REFERENCES keyframes,
+  tx_m REAL,                           -- keyframe_from_camera: the camera's pose in the key-frame
+  ty_m REAL,
+  tz_m REAL,
+  qx REAL,
+  qy REAL,
+  qz REAL,
+  qw REAL,
+  no_pose_reason TEXT,
+  PRIMARY KEY (recording_id, frame_index),
+  CHECK ((keyframe_id IS NULL) = (no_pose_reason IS NOT NULL)),
+  CHECK ((keyframe_id IS NULL) = (tx_m + ty_m + tz_m + qx + qy + qz + qw IS NULL))
+) STRICT;
+CREATE INDEX frames_by_keyframe ON frames (keyframe_id);
+
+CREATE TABLE pose_graph_edges (
+  -- Measurements of one key-frame's pose relative to another's, in the order in which they were made.
+  edge_id INTEGER PRIMARY KEY,
+  from_keyframe_id INTEGER NOT NULL REFERENCES keyframes ON DELETE CASCADE,
+  to_keyframe_id INTEGER NOT NULL REFERENCES keyframes ON DELETE CASCADE,
+  tx_m REAL NOT NULL,                  -- from_from_to
+  ty_m REAL NOT NULL,
+  tz_m REAL NOT NULL,
+  qx REAL NOT NULL,
+  qy REAL NOT NULL,
+  qz REAL NOT NULL,
+  qw REAL NOT NULL,
+  information_upper TEXT NOT NULL,     -- JSON: upper triangle of the 6x6 inverse covariance, row by row,
+                                       -- in the order x, y, z (m), qx, qy, qz
+  is_loop INTEGER NOT NULL CHECK (is_loop IN (0, 1))
+) STRICT;
+CREATE INDEX pose_graph_edges_by_from ON pose_graph_edges (from_keyframe_id);
+CREATE INDEX pose_graph_edges_by_to ON pose_graph_edges (to_keyframe_id);
+
+CREATE TABLE networks (
+  -- The neural networks that have looked at key-frames.
+  network_id INTEGER PRIMARY KEY,
+  name TEXT NOT NULL,
+  fingerprint TEXT NOT NULL UNIQUE,    -- SHA-256 of the weights file
+  labels TEXT NOT NULL,                -- JSON array; empty for a network that serves features only
+  feature_size INTEGER NOT NULL
+) STRICT;
+
+CREATE TABLE keyframe_predictions (
+  -- What a network sees in a key-frame.
+  keyframe_id INTEGER NOT NULL REFERENCES keyframes ON DELETE CASCADE,
+  network_id INTEGER NOT NULL REFERENCES networks,
+  features BLOB NOT NULL,              -- 32-bit floats, little-endian, networks.feature_size of them
+  scores BLOB NOT NULL,                -- the same: probability of each of networks.labels, or none
+  PRIMARY KEY (keyframe_id, network_id)
+) STRICT;
+
+CREATE TABLE keyframe_sightings (
+  -- Objects that were seen in a key-frame.
+  keyframe_id INTEGER NOT NULL REFERENCES keyframes ON DELETE CASCADE,
+  object TEXT NOT NULL,
+  score REAL NOT NULL,                 -- probability, 0 to 1
+  PRIMARY KEY (keyframe_id, object)
+) STRICT;
+
+CREATE TABLE keyframe_rooms (
+  -- In which room the learned classifier believes a key-frame to be.
+  keyframe_id INTEGER NOT NULL REFERENCES keyframes ON DELETE CASCADE,
+  room TEXT NOT NULL,
+  score REAL NOT NULL,                 -- probability, 0 to 1
+  PRIMARY KEY (keyframe_id, room)
+) STRICT;
+
+CREATE TABLE objects (
+  -- The objects of the home. Their places follow their key-frame when its pose changes.
+  object_id INTEGER PRIMARY KEY,
+  name TEXT NOT NULL,
+  keyframe_id INTEGER NOT NULL REFERENCES keyframes ON DELETE CASCADE,  -- saw it best
+  score REAL NOT NULL,                 -- there; probability, 0 to 1
+  sightings INTEGER NOT NULL,          -- number of key-frames that saw it
+  x_m REAL,                            -- position in the key-frame's camera frame (right, down, forward);
+  y_m REAL,                            -- NULL where its depth is not known
+  z_m REAL,
+  CHECK ((x_m IS NULL) = (y_m IS NULL) AND (y_m IS NULL) = (z_m IS NULL))
+) STRICT;
+
+CREATE TABLE room_types (
+  -- Concepts: the kinds of rooms there are.
+  room_type TEXT NOT NULL PRIMARY KEY
+) STRICT;
+
+CREATE TABLE object_kinds (
+  -- Concepts: the kinds of objects that count.
+  object TEXT NOT NULL PRIMARY KEY
+) STRICT;
+
+CREATE TABLE object_labels (
+  -- Concepts: which labels of a network mean an object.
+  label TEXT NOT NULL PRIMARY KEY,
+  object TEXT NOT NULL REFERENCES object_kinds
+) STRICT;
+
+CREATE TABLE has_a (
+  -- Concepts: a room of this type has such an object.
+  room_type TEXT NOT NULL REFERENCES room_types,
+  object TEXT NOT NULL REFERENCES object_kinds,
+  PRIMARY KEY (room_type, object)
+) STRICT;
+
+CREATE TABLE rooms (
+  -- The rooms of this home, as its people call them.
+  room TEXT NOT NULL PRIMARY KEY,
+  room_type TEXT NOT NULL
+) STRICT;
+
+CREATE TABLE room_ranges (
+  -- Which frames of a recording were taken in which room.
+  recording_id INTEGER NOT NULL REFERENCES recordings ON DELETE CASCADE,
+  first_frame_index INTEGER NOT NULL,
+  last_frame_index INTEGER NOT NULL,   -- included
+  room TEXT NOT NULL REFERENCES rooms,
+  visit INTEGER NOT NULL,              -- 1 for the first time in the room, 2 for the next, ...
+  PRIMARY KEY (recording_id, first_frame_index)
+) STRICT;
+
+CREATE TABLE room_classifiers (
+  -- What was learned: from the features of a network to the rooms of this home.
+  classifier_id INTEGER PRIMARY KEY,   -- the highest is the newest
+  network_name TEXT NOT NULL,
+  network_fingerprint TEXT NOT NULL UNIQUE,
+  classifier BLOB NOT NULL,
+  report TEXT NOT NULL                 -- JSON: how it was learned and how well it does
+) STRICT;
+
+CREATE TABLE stage_timings (
+  -- How long the stages took, summed over threads and runs.
+  stage TEXT NOT NULL PRIMARY KEY,
+  calls INTEGER NOT NULL,
+  wall_s REAL NOT NULL,
+  cpu_s REAL NOT NULL
+) STRICT;
+)sql";
+
+constexpr std::array kMigrations = {Migration{1, kVersion1}};
+
+constexpr std::array kTables = {
+    Table{"settings"},
+    Table{"recordings"},
+    Table{"keyframes"},
+    Table{"keyframe_images"},
+    Table{"frames"},
+    Table{"pose_graph_edges"},
+    Table{"networks"},
+    Table{"keyframe_predictions"},
+    Table{"keyframe_sightings"},
+    Table{"keyframe_rooms"},
+    Table{"objects"},
+    Table{"room_types"},
+    Table{"object_kinds"},
+    Table{"object_labels"},
+    Table{"has_a"},
+    Table{"rooms"},
+    Table{"room_ranges"},
+    Table{"room_classifiers"},
+    Table{"stage_timings", /*in_digest=*/false},
+};
+
+// The columns of each table, by name.
+Expected<std::map<std::string, std::set<std::string>>> columns_of(const Database& database) {
+  std::map<std::string, std::set<std::string>> columns;
+  ROOMWISE_CHECK_OK(
+      database.for_each("SELECT m.name, c.name FROM sqlite_schema m, pragma_table_info(m.name) c "
+                        "WHERE m.type = 'table'",
+                        [&](const Statement& row) {
+                          columns[row.column<std::string>(0)].insert(row.column<std::string>(1));
+                        }));
+  return columns;
+}
+
+}  // namespace
+
+std::span<const Migration> migrations() {
+  return kMigrations;
+}
+
+std::span<const Table> tables() {
+  return kTables;
+}
+
+Expected<void> migrate(Database& database, std::span<const Migration> migrations) {
+  for (const Migration& migration : migrations) {
+    ROOMWISE_TRY(Transaction transaction, Transaction::begin(database));
+    ROOMWISE_TRY(const int version, database.get<int>("PRAGMA user_version"));
+    if (version >= migration.version) continue;
+    const std::string set_version = fmt::format("PRAGMA user_version = {}", migration.version);
+    for (const std::string& sql : {std::string(migration.sql), set_version}) {
+      if (auto done = database.run_script(sql); !done) {
+        return Unexpected(std::move(done).error().in(
+            fmt::format("bringing the home from version {} to {}", version, migration.version)));
+      }
+    }
+    ROOMWISE_CHECK_OK(transaction.commit());
+  }
+  return {};
+}
+
+Expected<void> check_tables(const Database& database) {
+  ROOMWISE_TRY(Database model, Database::in_memory());
+  ROOMWISE_CHECK_OK(migrate(model, migrations()));
+  ROOMWISE_TRY(const auto expected, columns_of(model));
+  ROOMWISE_TRY(const auto found, columns_of(database));
+  for (const auto& [table, columns] : expected) {
+    const auto at = found.find(table);
+    if (at == found.end()) {
+      return fail("{}: is damaged: it has no table '{}'; put back a copy of it", database.file(),
+                  table);
+    }
+    for (const std::string& column : columns) {
+      if (!at->second.contains(column)) {
+        return fail("{}: is damaged: its table '{}' has no column '{}'; put back a copy of it",
+                    database.file(), table, column);
+      }
+    }
+  }
+  return {};
+}
+
+}  // namespace roomwise::home

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include "roomwise/home/database.h"
+
+// The tables of a home file and how older files become newer ones. The SQL stands in schema.cpp and
+// nowhere else; its comments are part of the file, and any SQLite browser shows them.
+namespace roomwise::home {
+
+// Bytes 68 to 71 of every home ("Rmws"), by which it is known from other databases.
+constexpr std::uint32_t kApplicationId = 0x526d7773;
+
+// What makes a home of version `version` from one of version - 1. Version 0 is an empty database.
+// A migration that stands here is never changed again: homes of its version exist.
+struct Migration {
+  int version = 0;
+  const char* sql = nullptr;
+};
+// In order; the last one's version is the one that this program reads and writes.
+[[nodiscard]] std::span<const Migration> migrations();
+
+struct Table {
+  std::string_view name;
+  // Whether the content digest covers it. Only what may differ between two runs of one seed is
+  // exempt.
+  bool in_digest = true;
+};
+// Every table of a home.
+[[nodiscard]] std::span<const Table> tables();
+
+// Brings the database to the version of the last migration: each step is one transaction, so a
+// failed or killed migration leaves the version before it, whole.
+[[nodiscard]] Expected<void> migrate(Database& database, std::span<const Migration> migrations);
+
+// Fails, naming it, where a table or a column of the newest version is missing.
+[[nodiscard]] Expected<void> check_tables(const Database& database);
+
+}  // namespace roomwise::home

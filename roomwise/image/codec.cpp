@@ -1,0 +1,41 @@
+#include "roomwise/image/codec.h"
+
+#include "roomwise/image/jpeg.h"
+#include "roomwise/image/png.h"
+
+namespace roomwise::image {
+namespace {
+
+template <typename Decode>
+auto read_decoded(const std::filesystem::path& path, Decode decode)
+    -> decltype(decode(std::span<const std::uint8_t>())) {
+  ROOMWISE_TRY(const Bytes bytes, read_file(path));
+  auto image = decode(bytes);
+  if (!image) return Unexpected(std::move(image).error().in(path.string()));
+  return image;
+}
+
+}  // namespace
+
+Expected<ColorImage> decode_color(std::span<const std::uint8_t> bytes) {
+  if (bytes.empty()) return fail("is empty; expected a JPEG or PNG picture");
+  if (is_jpeg(bytes)) return decode_jpeg(bytes);
+  if (is_png(bytes)) return decode_png_color(bytes);
+  return fail("is neither a JPEG nor a PNG picture; convert it to one of them");
+}
+
+Expected<DepthImage> decode_depth(std::span<const std::uint8_t> bytes) {
+  if (is_png(bytes)) return decode_png_depth(bytes);
+  const char* found = bytes.empty() ? "empty" : is_jpeg(bytes) ? "a JPEG" : "not a PNG";
+  return fail("is {}; a depth image must be a 16-bit greyscale PNG", found);
+}
+
+Expected<ColorImage> read_color(const std::filesystem::path& path) {
+  return read_decoded(path, decode_color);
+}
+
+Expected<DepthImage> read_depth(const std::filesystem::path& path) {
+  return read_decoded(path, decode_depth);
+}
+
+}  // namespace roomwise::image

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "roomwise/base/expected.h"
+#include "roomwise/image/image.h"
+
+// The PNG half of codec.h (libpng); callers use codec.h.
+namespace roomwise::image {
+
+[[nodiscard]] Expected<ColorImage> decode_png_color(std::span<const std::uint8_t> bytes);
+[[nodiscard]] Expected<DepthImage> decode_png_depth(std::span<const std::uint8_t> bytes);
+
+}  // namespace roomwise::image

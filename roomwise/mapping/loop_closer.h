@@ -1,0 +1,48 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "roomwise/mapping/keyframe.h"
+#include "roomwise/mapping/pose_graph.h"
+#include "roomwise/motion/motion_estimator.h"
+
+namespace roomwise::mapping {
+
+struct LoopOptions {
+  int neighbors = 3;  // key-frames just before the last one that are tried, always
+  int random = 5;     // further key-frames drawn at random
+  int explored = 2;   // neighbours on either side of a random hit that are tried after it
+  // A key-frame's chance to be drawn falls with its place in time: the first is this many times as
+  // likely as the newest. Earlier ones are preferred, since they take away more drift.
+  double earliest_preference = 4.0;
+  int least_inliers = 30;  // a loop must be surer than a step of the odometry
+  double least_inlier_ratio = 0.25;
+
+  [[nodiscard]] Expected<void> validate() const;
+};
+
+// The key-frames that a new one (`keyframes.back()`) is compared with, after the paper: several
+// before the last, then some drawn at random with a preference for earlier ones. The last key-frame
+// itself is left to the odometry.
+struct LoopCandidates {
+  std::vector<KeyframeId> neighbors;
+  std::vector<KeyframeId> random;
+};
+[[nodiscard]] LoopCandidates draw_loop_candidates(std::size_t keyframe_count,
+                                                  const LoopOptions& options, RandomStream random);
+
+// Edges from earlier key-frames to the newest: one for every neighbour that matches; where a random
+// one matches, the key-frames around it are explored and the one from which the camera moved least
+// is taken. The result depends on `seed`, the key-frames and nothing else.
+[[nodiscard]] std::vector<PoseGraphEdge> close_loops(std::span<const Keyframe> keyframes,
+                                                     const geometry::PinholeCamera& camera,
+                                                     const motion::MotionOptions& motion_options,
+                                                     const LoopOptions& options,
+                                                     std::uint64_t seed);
+
+// The edge between two key-frames that estimate_motion found.
+[[nodiscard]] PoseGraphEdge edge_from_motion(KeyframeId from, KeyframeId to,
+                                             const motion::RefinedPose& pose, bool is_loop);
+
+}  // namespace roomwise::mapping

@@ -1,0 +1,77 @@
+#include "roomwise/mapping/loop_closer.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "roomwise/base/testing.h"
+
+namespace roomwise::mapping {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+TEST(DrawLoopCandidates, TakesTheNeighboursAndDrawsFromTheRest) {
+  LoopOptions options;
+  options.neighbors = 3;
+  options.random = 4;
+  const LoopCandidates candidates = draw_loop_candidates(20, options, RandomStream(1));
+  EXPECT_THAT(candidates.neighbors, ElementsAre(17, 16, 15))
+      << "19 is the newest, 18 belongs to the odometry";
+  EXPECT_EQ(candidates.random.size(), 4U);
+  const std::set<KeyframeId> distinct(candidates.random.begin(), candidates.random.end());
+  EXPECT_EQ(distinct.size(), 4U);
+  EXPECT_LT(*distinct.rbegin(), 15U);
+}
+
+TEST(DrawLoopCandidates, TriesAllWhereThereAreFew) {
+  LoopOptions options;
+  options.neighbors = 2;
+  options.random = 10;
+  const LoopCandidates candidates = draw_loop_candidates(6, options, RandomStream(1));
+  EXPECT_THAT(candidates.neighbors, ElementsAre(3, 2));
+  EXPECT_EQ(std::set<KeyframeId>(candidates.random.begin(), candidates.random.end()),
+            (std::set<KeyframeId>{0, 1}));
+  EXPECT_THAT(draw_loop_candidates(2, options, RandomStream(1)).neighbors, IsEmpty());
+}
+
+TEST(DrawLoopCandidates, PrefersEarlierKeyframes) {
+  LoopOptions options;
+  options.neighbors = 0;
+  options.random = 1;
+  options.earliest_preference = 4;
+  int early = 0;
+  constexpr int kDraws = 4000;
+  for (int i = 0; i < kDraws; ++i) {
+    const auto drawn =
+        draw_loop_candidates(102, options, RandomStream(1, {static_cast<std::uint64_t>(i)}));
+    early += drawn.random.at(0) < 50;
+  }
+  // Weights fall linearly from 4 to 1: the earlier half holds (4 + 2.5) / (4 + 2.5 + 2.5 + 1) of
+  // them.
+  EXPECT_NEAR(early / static_cast<double>(kDraws), 0.65, 0.03);
+}
+
+TEST(LoopOptions, SaysWhichFieldIsWrong) {
+  LoopOptions options;
+  EXPECT_OK(options.validate());
+  options.earliest_preference = 0.5;
+  EXPECT_ERROR(options.validate(), "earliest_preference");
+}
+
+TEST(EdgeFromMotion, NeverClaimsMoreThanTheSystematicErrorAllows) {
+  motion::RefinedPose pose;
+  pose.information = 1e12 * geometry::Matrix6d::Identity();
+  const PoseGraphEdge edge = edge_from_motion(3, 4, pose, false);
+  EXPECT_LT(edge.information(0, 0), 1 / (0.0039 * 0.0039));
+  pose.information = geometry::Matrix6d::Identity();
+  EXPECT_NEAR(edge_from_motion(3, 4, pose, false).information(0, 0), 1, 1e-3)
+      << "weak measurements stay as they are";
+  pose.information.setZero();
+  EXPECT_TRUE(edge_from_motion(3, 4, pose, false).information.isZero());
+}
+
+}  // namespace
+}  // namespace roomwise::mapping

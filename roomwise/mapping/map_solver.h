@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "roomwise/mapping/keyframe.h"
+#include "roomwise/mapping/mapper.h"
+#include "roomwise/mapping/pose_graph.h"
+
+namespace roomwise::mapping {
+
+struct MapSolverOptions {
+  PoseGraphOptions graph;
+  // A wrong loop must not bend the map: a loop whose e^T Omega e exceeds this after a robust
+  // optimisation is left out of the final one.
+  double most_loop_error = 200.0;
+
+  [[nodiscard]] Expected<void> validate() const;
+};
+
+// Where the key-frames are, once all measurements agree as well as they can.
+struct MapSolution {
+  // By key-frame id. The world is the first key-frame's camera frame in piece 0; each other piece
+  // that no loop joined to it lies in a world of its own.
+  std::vector<geometry::RigidTransform> world_from_keyframe;
+  // By key-frame id: its piece, 0 for the largest (by key-frames), then by size.
+  std::vector<std::size_t> piece;
+  std::size_t pieces = 0;
+  std::size_t rejected_loops = 0;
+  PoseGraphReport report;
+};
+
+// The pose graph of a map: starts from the spanning tree of odometry, then loops, and minimises
+// F(x) = sum of e^T Omega e (section "pose graph" of the paper, as in g2o).
+[[nodiscard]] Expected<MapSolution> solve_map(std::size_t keyframe_count,
+                                              std::span<const PoseGraphEdge> edges,
+                                              const MapSolverOptions& options = {});
+
+}  // namespace roomwise::mapping

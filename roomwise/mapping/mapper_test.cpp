@@ -1,0 +1,221 @@
+#include "roomwise/mapping/mapper.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "roomwise/base/testing.h"
+#include "roomwise/mapping/map_solver.h"
+
+namespace roomwise::mapping {
+namespace {
+
+using geometry::RigidTransform;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+const geometry::PinholeCamera kCamera = geometry::camera_preset("fr3").value();
+
+// A room of points on the walls of a cylinder, each with a descriptor of its own: what a camera at
+// a pose sees, with noise. Stands in for images, so that mapping is tested alone.
+class RoomOfPoints {
+ public:
+  explicit RoomOfPoints(std::uint64_t seed) : seed_(seed) {
+    RandomStream random(seed);
+    for (int i = 0; i < kPoints; ++i) {
+      const double angle = 2 * std::numbers::pi * random.uniform();
+      points_.emplace_back(3 * std::sin(angle), 2 * random.uniform() - 1, 3 * std::cos(angle));
+      descriptors_.row(i) = Eigen::RowVectorXf::NullaryExpr(
+          64, [&](Eigen::Index) { return static_cast<float>(random.normal()); });
+      descriptors_.row(i).normalize();
+    }
+  }
+
+  [[nodiscard]] motion::MeasuredFeatures seen_from(const RigidTransform& world_from_camera,
+                                                   std::uint64_t frame) const {
+    RandomStream random(seed_, {frame});
+    motion::MeasuredFeatures seen;
+    std::vector<int> ids;
+    for (int i = 0; i < kPoints; ++i) {
+      const Eigen::Vector3d point =
+          world_from_camera.inverse() * points_[static_cast<std::size_t>(i)];
+      if (point.z() < 0.5) continue;
+      const Eigen::Vector2d pixel = kCamera.project_undistorted(point);
+      if (pixel.x() < 0 || pixel.y() < 0 || pixel.x() > 639 || pixel.y() > 479) continue;
+      const Eigen::Vector2d noisy = pixel + 0.5 * Eigen::Vector2d(random.normal(), random.normal());
+      ids.push_back(i);
+      seen.pixels.push_back(noisy);
+      seen.points.push_back(
+          kCamera.unproject_undistorted(noisy, point.z() * (1 + 0.003 * random.normal())));
+      seen.features.keypoints.emplace_back();
+    }
+    features::RealDescriptors descriptors(static_cast<Eigen::Index>(ids.size()), 64);
+    for (std::size_t k = 0; k < ids.size(); ++k) {
+      descriptors.row(static_cast<Eigen::Index>(k)) = descriptors_.row(ids[k]);
+    }
+    seen.features.descriptors = descriptors;
+    return seen;
+  }
+
+ private:
+  static constexpr int kPoints = 1500;
+  std::uint64_t seed_;
+  std::vector<Eigen::Vector3d> points_;
+  features::RealDescriptors descriptors_{kPoints, 64};
+};
+
+// Turning about the vertical with a little sway: frame i of a walk that looks around the room.
+RigidTransform pose_at(int frame, double step_rad = 0.06) {
+  const double angle = step_rad * frame;
+  return {Eigen::Quaterniond(Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitY())),
+          {0.4 * std::sin(angle), 0.05 * std::sin(3 * angle), 0.4 * std::cos(angle) - 0.4}};
+}
+
+motion::MeasuredFeatures nothing_seen() {
+  motion::MeasuredFeatures nothing;
+  nothing.features.descriptors = features::RealDescriptors(0, 64);
+  return nothing;
+}
+
+class MapperTest : public ::testing::Test {
+ protected:
+  static void add(Mapper& mapper, int frame) {
+    mapper.add_frame(static_cast<std::uint64_t>(frame), frame * 33'000'000LL,
+                     kRoom.seen_from(pose_at(frame), static_cast<std::uint64_t>(frame)));
+  }
+  static double worst_error_m(const Mapper& mapper, const MapSolution& solution) {
+    double worst = 0;
+    for (const MappedFrame& frame : mapper.frames()) {
+      if (!frame.place) continue;
+      const RigidTransform pose =
+          solution.world_from_keyframe[frame.place->keyframe] * frame.place->keyframe_from_camera;
+      worst = std::max(
+          worst,
+          (pose.translation - pose_at(static_cast<int>(frame.frame_index)).translation).norm());
+    }
+    return worst;
+  }
+  static inline const RoomOfPoints kRoom{1};
+};
+
+TEST_F(MapperTest, MapsAFullTurnAndClosesTheLoop) {
+  Mapper mapper(kCamera, {});
+  for (int frame = 0; frame < 120; ++frame) add(mapper, frame);
+  for (const MappedFrame& frame : mapper.frames()) {
+    EXPECT_TRUE(frame.place.has_value()) << frame.frame_index << ": " << frame.why_unplaced;
+  }
+  // A turn of 0.14 rad is substantial: every third frame of 0.06 rad.
+  EXPECT_NEAR(static_cast<double>(mapper.keyframes().size()), 40, 8);
+  const auto far_loops = std::ranges::count_if(mapper.edges(), [](const PoseGraphEdge& edge) {
+    return edge.is_loop && edge.to > edge.from + 25;
+  });
+  EXPECT_GT(far_loops, 0) << "the turn ends where it began";
+  const auto solution = solve_map(mapper.keyframes().size(), mapper.edges());
+  ASSERT_OK(solution);
+  EXPECT_EQ(solution->pieces, 1U);
+  EXPECT_LT(worst_error_m(mapper, *solution), 0.02);
+}
+
+TEST_F(MapperTest, SurvivesAShortBlackout) {
+  Mapper mapper(kCamera, {});
+  for (int frame = 0; frame < 20; ++frame) add(mapper, frame);
+  mapper.add_frame(20, 20 * 33'000'000LL, nothing_seen());
+  for (int frame = 21; frame < 30; ++frame) add(mapper, frame);
+  EXPECT_FALSE(mapper.frames()[20].place.has_value());
+  EXPECT_THAT(mapper.frames()[20].why_unplaced, HasSubstr("too few features"));
+  EXPECT_TRUE(mapper.frames()[21].place.has_value());
+  EXPECT_EQ(solve_map(mapper.keyframes().size(), mapper.edges())->pieces, 1U);
+}
+
+TEST_F(MapperTest, KeepsTheFrameBeforeAGapAsABridge) {
+  // The step from 1 to 3 is small, but too large from 0: only frame 1, no key-frame by its own
+  // motion, links them.
+  MapperOptions options;
+  options.keyframe_rotation_rad = 1.0;
+  options.keyframe_translation_m = 5;
+  options.motion.most_rotation_rad = 0.5;
+  Mapper mapper(kCamera, options);
+  const auto add_at = [&](std::uint64_t index, int angle_frame) {
+    mapper.add_frame(index, static_cast<TimestampNs>(index),
+                     kRoom.seen_from(pose_at(angle_frame), index));
+  };
+  add_at(0, 0);
+  add_at(1, 5);
+  EXPECT_EQ(mapper.keyframes().size(), 1U);
+  add_at(2, 11);  // 0.66 rad from frame 0, 0.36 rad from frame 1
+  ASSERT_EQ(mapper.keyframes().size(), 2U);
+  EXPECT_EQ(mapper.keyframes()[1].frame_index, 1U);
+  ASSERT_TRUE(mapper.frames()[2].place.has_value());
+  EXPECT_EQ(mapper.frames()[2].place->keyframe, 1U);
+}
+
+TEST_F(MapperTest, GoesOnInANewPieceAndJoinsItWhenTheyMeet) {
+  const RoomOfPoints other_room(2);
+  MapperOptions options;
+  options.loops.random = 30;
+  Mapper mapper(kCamera, options);
+  for (int frame = 0; frame < 20; ++frame) add(mapper, frame);
+  for (int frame = 20; frame < 40; ++frame) {
+    mapper.add_frame(static_cast<std::uint64_t>(frame), frame * 33'000'000LL,
+                     other_room.seen_from(pose_at(frame), static_cast<std::uint64_t>(frame)));
+  }
+  const auto apart = solve_map(mapper.keyframes().size(), mapper.edges());
+  ASSERT_OK(apart);
+  EXPECT_EQ(apart->pieces, 2U);
+  EXPECT_FALSE(mapper.frames()[20].place.has_value());
+  EXPECT_TRUE(mapper.frames()[39].place.has_value()) << "mapping went on";
+
+  for (int frame = 40; frame < 50; ++frame)
+    add(mapper, frame - 40);  // back in the first room: recognised
+  EXPECT_TRUE(mapper.frames().back().place.has_value());
+  EXPECT_LT(mapper.frames()[42].place->keyframe, mapper.keyframes().size());
+}
+
+TEST_F(MapperTest, RestoredAtAKeyframeGoesOnAsIfNeverStopped) {
+  Mapper whole(kCamera, {});
+  for (int frame = 0; frame < 60; ++frame) add(whole, frame);
+
+  Mapper first(kCamera, {});
+  int frame = 0;
+  while (first.keyframes().size() < 10) add(first, frame++);
+  ASSERT_EQ(first.keyframes().back().frame_index, static_cast<std::uint64_t>(frame - 1));
+  Mapper second(kCamera, {});
+  second.restore(first.keyframes(), first.edges(), first.frames());
+  for (; frame < 60; ++frame) add(second, frame);
+
+  ASSERT_EQ(second.edges().size(), whole.edges().size());
+  for (std::size_t i = 0; i < whole.edges().size(); ++i) {
+    EXPECT_EQ(second.edges()[i].from_from_to.translation,
+              whole.edges()[i].from_from_to.translation);
+    EXPECT_EQ(second.edges()[i].information, whole.edges()[i].information);
+  }
+}
+
+TEST(SolveMap, LeavesOutAWrongLoop) {
+  // Ten steps of a metre; one loop claims that the last is where the first is.
+  std::vector<PoseGraphEdge> edges;
+  const geometry::Matrix6d information = 1e4 * geometry::Matrix6d::Identity();
+  for (NodeId i = 0; i < 10; ++i) {
+    edges.push_back({i, i + 1, {Eigen::Quaterniond::Identity(), {1, 0, 0}}, information, false});
+    if (i > 0)
+      edges.push_back(
+          {i - 1, i + 1, {Eigen::Quaterniond::Identity(), {2, 0, 0}}, information, true});
+  }
+  edges.push_back({0, 10, RigidTransform::identity(), information, true});
+  const auto solution = solve_map(11, edges);
+  ASSERT_OK(solution);
+  EXPECT_EQ(solution->rejected_loops, 1U);
+  EXPECT_NEAR(solution->world_from_keyframe[10].translation.x(), 10, 1e-6);
+}
+
+TEST(SolveMap, RefusesAnEdgeToNowhere) {
+  EXPECT_ERROR(
+      solve_map(2, std::vector<PoseGraphEdge>{{0, 2, {}, geometry::Matrix6d::Identity(), false}}),
+      "map of 2 key-frames");
+  EXPECT_THAT(solve_map(0, {})->world_from_keyframe, IsEmpty());
+}
+
+}  // namespace
+}  // namespace roomwise::mapping

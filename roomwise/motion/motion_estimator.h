@@ -1,0 +1,57 @@
+#pragma once
+
+#include <string>
+
+#include "roomwise/base/random.h"
+#include "roomwise/features/matcher.h"
+#include "roomwise/motion/measured_features.h"
+#include "roomwise/motion/pose_refinement.h"
+
+namespace roomwise::motion {
+
+struct MotionOptions {
+  features::MatchOptions matching;
+  int least_features = 20;
+  int least_matches = 15;  // of points with depth
+  int least_inliers = 12;
+  double least_inlier_ratio = 0.15;  // of the matches
+  double inlier_px = 3.0;            // a match further from its prediction is an outlier
+  int most_iterations = 500;         // of RANSAC
+  double confidence = 0.999;         // stops when a better pose is less probable than 1 minus this
+  double most_translation_m = 3.0;   // between the two frames
+  double most_rotation_rad = 1.6;
+  ResidualModel residuals;
+
+  [[nodiscard]] Expected<void> validate() const;
+};
+
+enum class MotionStatus {
+  kFound,
+  kTooFewFeatures,
+  kTooFewMatches,
+  kTooFewInliers,
+  kMotionTooLarge,
+};
+[[nodiscard]] std::string_view to_string(MotionStatus status);  // "found", "too few matches", ...
+
+// Where the current frame is relative to the reference, or why that is not known.
+struct MotionOutcome {
+  MotionStatus status = MotionStatus::kTooFewFeatures;
+  int features = 0;  // in the frame that has fewer
+  int matches = 0;   // of reference points with depth
+  int inliers = 0;
+  RefinedPose pose;  // only meaningful when found
+
+  [[nodiscard]] bool found() const { return status == MotionStatus::kFound; }
+  // "too few inliers (9 of 214 matches)".
+  [[nodiscard]] std::string describe() const;
+};
+
+// The paper's tracking: match the current frame's features with the reference's, solve PnP on the
+// reference's 3-D points inside RANSAC, and refine the sum of squared distances on the inliers.
+[[nodiscard]] MotionOutcome estimate_motion(const MeasuredFeatures& reference,
+                                            const MeasuredFeatures& current,
+                                            const geometry::PinholeCamera& camera,
+                                            const MotionOptions& options, RandomStream random);
+
+}  // namespace roomwise::motion

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+
+#include "roomwise/geometry/pinhole_camera.h"
+#include "roomwise/geometry/rigid_transform.h"
+
+namespace roomwise::motion {
+
+// A point of the reference frame and where the current frame sees it.
+struct PointObservation {
+  Eigen::Vector3d point_reference;  // m
+  Eigen::Vector2d pixel_current;    // undistorted
+  double depth_current_m = 0;       // as measured by the current frame; 0: not measured
+};
+
+// How far an observation is from its prediction. Depth is compared as a structured-light camera
+// measures it, as disparity d = stereo_px_m / z, whose error is about the same at every distance.
+struct ResidualModel {
+  double pixel_sigma_px = 1.0;
+  // Focal length times baseline of the depth camera, px m (a Kinect: about 525 px times 0.075 m).
+  double stereo_px_m = 40.0;
+  double disparity_sigma_px = 1.0;
+};
+
+// (du, dv, dd) / sigma at a pose; dd is 0 where no depth was measured. A point behind the camera
+// gives an infinite residual.
+[[nodiscard]] Eigen::Vector3d residual(const PointObservation& observation,
+                                       const geometry::RigidTransform& current_from_reference,
+                                       const geometry::PinholeCamera& camera,
+                                       const ResidualModel& model);
+
+struct RefinedPose {
+  geometry::RigidTransform reference_from_current;
+  // Inverse covariance of the pose in the order and the parameters of mapping/pose_graph.h's edge
+  // error (x, y, z, qx, qy, qz of the current frame), from the curvature at the minimum.
+  geometry::Matrix6d information = geometry::Matrix6d::Zero();
+  double rms = 0;  // root mean square of |residual| over the observations, in sigmas
+};
+
+// Minimises the sum of squared residuals (Huber's kernel at 2 sigma) by Levenberg and Marquardt's
+// method. At least three observations.
+[[nodiscard]] RefinedPose refine_pose(std::span<const PointObservation> observations,
+                                      const geometry::RigidTransform& reference_from_current,
+                                      const geometry::PinholeCamera& camera,
+                                      const ResidualModel& model);
+
+}  // namespace roomwise::motion

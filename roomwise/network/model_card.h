@@ -1,0 +1,58 @@
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "roomwise/base/expected.h"
+
+namespace roomwise::network {
+
+// How a picture of any shape is brought to the network's input size.
+enum class PictureFit {
+  kStretch,     // width and height scaled apart
+  kCenterCrop,  // the largest centred part of the input's proportions
+};
+enum class ColorOrder { kRgb, kBgr };
+
+// What a weights file does not say about itself: how a picture is put in, and what comes out. A
+// value of the input is (x - mean) * scale, x the 8-bit colour value.
+//
+// Written as JSON; everything but "input" may be left out:
+//   { "name": "my-network",
+//     "input": { "width": 224, "height": 224, "colors": "rgb", "fit": "stretch" },
+//     "mean": [127.5, 127.5, 127.5], "scale": [0.0078, 0.0078, 0.0078],
+//     "outputs": { "features": "pool5", "scores": "prob", "softmax": false },
+//     "labels": "labels.txt", "license": "Apache-2.0", "source": "where it came from" }
+// "features" may be a list of names.
+struct ModelCard {
+  std::string name;  // the weights file's name without its ending where the card gives none
+  int input_width_px = 0;
+  int input_height_px = 0;
+  ColorOrder color_order = ColorOrder::kRgb;
+  PictureFit fit = PictureFit::kStretch;
+  std::array<float, 3> mean{0, 0, 0};  // in the order of color_order
+  std::array<float, 3> scale{1, 1, 1};
+  // Names of ONNX outputs or nodes. Where both are empty, the network's only output gives the
+  // scores if there are labels and the features if there are none; where only the features' are
+  // empty, the scores serve as features too. Feature maps are averaged over the picture; several
+  // outputs are each scaled to length 1, so that they count the same, and joined.
+  std::vector<std::string> features_outputs;
+  std::string scores_output;
+  bool scores_need_softmax = false;  // the scores are not yet probabilities
+  std::string labels_file;           // beside the weights; empty: the network names nothing
+  std::string license;
+  std::string source;
+
+  // Fails, naming `origin` (the card's file) and the field, on anything missing, unknown or out of
+  // range.
+  [[nodiscard]] static Expected<ModelCard> parse(std::string_view json, const std::string& origin);
+};
+
+// The card of a network: NAME.card.json beside NAME.onnx, else the card of this name that Roomwise
+// brings along (models/*.card.json). Fails where there is neither, saying what to write and where.
+[[nodiscard]] Expected<ModelCard> find_model_card(const std::filesystem::path& weights);
+
+}  // namespace roomwise::network

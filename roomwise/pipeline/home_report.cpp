@@ -1,0 +1,195 @@
+#include "roomwise/pipeline/home_report.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "roomwise/image/codec.h"
+#include "roomwise/image/resample.h"
+#include "roomwise/pipeline/map_cloud.h"
+#include "roomwise/pipeline/map_recording.h"
+
+namespace roomwise::pipeline {
+namespace {
+
+using evaluation::ReportContent;
+
+constexpr double kVoxelSize_m = 0.02;
+constexpr int kPictureWidth_px = 480;
+
+// Everything of the home that the report is made from, read once.
+struct Stored {
+  std::vector<home::StoredRecording> recordings;
+  std::vector<home::Keyframe> keyframes;
+  std::vector<mapping::PoseGraphEdge> edges;
+  std::vector<objects::MapObject> objects;
+  std::vector<rooms::Room> rooms;
+  std::map<home::KeyframeId, std::vector<rooms::RoomScore>> keyframe_rooms;
+  std::map<home::RecordingId, recording::RoomLabels> labels;
+  std::optional<home::RoomClassifierRecord> classifier;
+  std::uint64_t frames = 0;
+  std::uint64_t placed = 0;
+};
+
+Expected<Stored> read(const home::Home& home) {
+  Stored stored;
+  ROOMWISE_TRY(stored.recordings, home.recordings());
+  ROOMWISE_TRY(stored.keyframes, home.keyframes());
+  ROOMWISE_TRY(stored.edges, home.edges());
+  ROOMWISE_TRY(stored.objects, home.objects());
+  ROOMWISE_TRY(stored.rooms, home.rooms());
+  ROOMWISE_TRY(stored.keyframe_rooms, home.keyframe_rooms());
+  ROOMWISE_TRY(stored.classifier, home.room_classifier());
+  for (const home::StoredRecording& recording : stored.recordings) {
+    ROOMWISE_TRY(stored.labels[recording.id], home.room_ranges(recording.id));
+    ROOMWISE_TRY(const auto frames, home.frames(recording.id));
+    stored.frames += frames.size();
+    stored.placed +=
+        static_cast<std::uint64_t>(std::ranges::count_if(frames, [&](const home::Frame& frame) {
+          return frame.place && stored.keyframes[frame.place->keyframe].pose.piece == 0;
+        }));
+  }
+  return stored;
+}
+
+// The room of a key-frame: as a person named it, else as the classifier believes.
+std::string room_of(const Stored& stored, const home::Keyframe& keyframe) {
+  if (const auto* range = stored.labels.at(keyframe.recording).find(keyframe.frame_index))
+    return range->room;
+  const auto believed = stored.keyframe_rooms.find(keyframe.id);
+  return believed == stored.keyframe_rooms.end() ? "" : believed->second.front().room;
+}
+
+double path_length_m(std::span<const recording::StampedPose> trajectory) {
+  double length_m = 0;
+  for (std::size_t i = 1; i < trajectory.size(); ++i) {
+    length_m += (trajectory[i].world_from_camera.translation -
+                 trajectory[i - 1].world_from_camera.translation)
+                    .norm();
+  }
+  return length_m;
+}
+
+std::vector<ReportContent::Figure> summary(const Stored& stored, double path_m) {
+  const auto loops =
+      std::ranges::count_if(stored.edges, [](const auto& edge) { return edge.is_loop; });
+  std::vector<ReportContent::Figure> figures;
+  for (const home::StoredRecording& recording : stored.recordings) {
+    figures.push_back({"Recording", recording.recording.name});
+  }
+  figures.push_back({"Frames", fmt::format("{}", stored.frames)});
+  figures.push_back({"Frames with a place on the map", fmt::format("{}", stored.placed)});
+  figures.push_back({"Key-frames", fmt::format("{}", stored.keyframes.size())});
+  figures.push_back({"Loop closures", fmt::format("{}", loops)});
+  figures.push_back({"Length of the walk", fmt::format("{:.1f} m", path_m)});
+  figures.push_back({"Objects", fmt::format("{}", stored.objects.size())});
+  figures.push_back({"Rooms", fmt::format("{}", stored.rooms.size())});
+  return figures;
+}
+
+Expected<std::vector<ReportContent::Object>> report_objects(const home::Home& home,
+                                                            const Stored& stored) {
+  std::vector<ReportContent::Object> objects;
+  for (const objects::MapObject& object : stored.objects) {
+    const home::Keyframe& keyframe = stored.keyframes[object.keyframe_id];
+    ROOMWISE_TRY(const home::KeyframeImages images, home.images(keyframe.id));
+    ROOMWISE_TRY(const image::ColorImage picture, image::decode_color(images.color));
+    const int height_px = std::max(1, picture.height() * kPictureWidth_px / picture.width());
+    // Without depth at the centre, the place from which it was seen stands in.
+    const Eigen::Vector3d place = keyframe.pose.world_from_keyframe *
+                                  object.position_keyframe.value_or(Eigen::Vector3d::Zero());
+    objects.push_back({{object.name, place},
+                       object.score,
+                       static_cast<std::uint64_t>(object.sightings),
+                       room_of(stored, keyframe),
+                       image::resize(picture, kPictureWidth_px, height_px)});
+  }
+  return objects;
+}
+
+Expected<std::vector<ReportContent::Room>> report_rooms(const Stored& stored) {
+  nlohmann::json learned;
+  if (stored.classifier)
+    learned = nlohmann::json::parse(stored.classifier->report_json, nullptr, false);
+  std::vector<ReportContent::Room> rooms;
+  for (const rooms::Room& room : stored.rooms) {
+    ReportContent::Room& entry = rooms.emplace_back();
+    entry.name = room.name;
+    entry.type = room.type;
+    entry.key_frames = static_cast<std::uint64_t>(
+        std::ranges::count_if(stored.keyframes, [&](const home::Keyframe& keyframe) {
+          const auto* range = stored.labels.at(keyframe.recording).find(keyframe.frame_index);
+          return range != nullptr && range->room == room.name;
+        }));
+    if (!learned.is_object()) continue;
+    for (const auto& one : learned.value("rooms", nlohmann::json::array())) {
+      if (one.value("room", "") != room.name) continue;
+      entry.recognition =
+          fmt::format("learned from {} pictures; {} of them named rightly while held out",
+                      one.value("pictures", 0), one.value("held_out_correct", 0));
+    }
+  }
+  return rooms;
+}
+
+std::vector<std::string> warnings(const Stored& stored, const mapping::UpDirection& up) {
+  std::vector<std::string> warnings;
+  for (const home::StoredRecording& recording : stored.recordings) {
+    if (!recording.finished) {
+      warnings.push_back(fmt::format(
+          "The recording {} was not mapped to its end; go on with roomwise map --resume.",
+          recording.recording.name));
+    }
+  }
+  const auto apart =
+      std::ranges::count_if(stored.keyframes, [](const auto& k) { return k.pose.piece != 0; });
+  if (apart > 0) {
+    warnings.push_back(
+        fmt::format("{} key-frames could not be joined to the map and are not shown on it. Walk "
+                    "through there again, slowly, "
+                    "beginning in a place that is on the map.",
+                    apart));
+  }
+  if (!stored.keyframes.empty() && up.support == 0) {
+    warnings.emplace_back(
+        "No floor or other level surface was found: the map is drawn along the camera's own up "
+        "direction.");
+  }
+  return warnings;
+}
+
+}  // namespace
+
+Expected<ReportContent> report_content(const home::Home& home, const ReportExtras& extras,
+                                       RunContext& run) {
+  ROOMWISE_TRY(const Stored stored, read(home));
+  ROOMWISE_TRY(const recording::Trajectory trajectory, stored_trajectory(home));
+  ROOMWISE_TRY(const MapCloud map, build_map_cloud(home, kVoxelSize_m, run));
+
+  ReportContent content;
+  content.home = extras.name;
+  content.warnings = warnings(stored, map.up);
+  content.summary = summary(stored, path_length_m(trajectory));
+  content.recognition = extras.recognition;
+  std::vector<Eigen::Vector3d> cameras;
+  for (const home::Keyframe& keyframe : stored.keyframes) {
+    if (keyframe.pose.piece != 0) continue;
+    cameras.push_back(keyframe.pose.world_from_keyframe.translation);
+    content.key_frames.push_back({cameras.back(), room_of(stored, keyframe)});
+  }
+  if (map.cloud.size() > 0 && !cameras.empty()) {
+    ROOMWISE_TRY(content.map, evaluation::render_top_view(map.cloud, cameras, map.up.up_world));
+  }
+  ROOMWISE_TRY(content.objects, report_objects(home, stored));
+  ROOMWISE_TRY(content.rooms, report_rooms(stored));
+  if (extras.truth) {
+    ROOMWISE_TRY(content.trajectory_error,
+                 evaluation::absolute_trajectory_error(*extras.truth, trajectory));
+    content.truth_up = content.trajectory_error->truth_from_estimate.rotation * map.up.up_world;
+  }
+  ROOMWISE_TRY(const auto stages, home.stage_timings());
+  for (const auto& [name, stage] : stages)
+    content.stages.push_back({name, stage.calls, stage.wall_s, stage.cpu_s});
+  return content;
+}
+
+}  // namespace roomwise::pipeline

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "roomwise/home/home.h"
+#include "roomwise/pipeline/keyframe_observer.h"
+#include "roomwise/pipeline/map_settings.h"
+#include "roomwise/pipeline/run_context.h"
+#include "roomwise/recording/frame_source.h"
+#include "roomwise/recording/trajectory_file.h"
+
+namespace roomwise::pipeline {
+
+struct MapSummary {
+  std::uint64_t frames = 0;
+  std::uint64_t placed = 0;  // frames that have a pose in the map's largest piece
+  std::uint64_t keyframes = 0;
+  std::uint64_t loops = 0;
+  std::uint64_t rejected_loops = 0;
+  std::uint64_t pieces = 0;
+  std::uint64_t objects = 0;
+  double graph_error_before = 0;  // F of the pose graph
+  double graph_error_after = 0;
+  bool finished =
+      false;  // false: interrupted, or the recording gave an error; the home goes on from there
+};
+
+// The main job: frames -> key-frames -> loops -> pose graph -> objects, all into a home. A home
+// that holds an unfinished recording is gone on with, exactly as if it had never been stopped; its
+// settings must then be the home's own. A home with a finished recording is an error. Networks may
+// be empty: then nothing is named or learned. On an error of the source (a damaged image)
+// everything before it is in the home.
+[[nodiscard]] Expected<MapSummary> map_recording(recording::FrameSource& source,
+                                                 const home::Recording& recording, home::Home& home,
+                                                 const Networks& networks,
+                                                 const MapSettings& settings, RunContext& run);
+
+// Optimises the pose graph of all that is stored and moves the key-frames.
+[[nodiscard]] Expected<mapping::MapSolution> solve_stored_map(
+    home::Home& home, const mapping::MapSolverOptions& options);
+
+// Applies the rules of objects/ to what the networks saw, with the home's concepts and the poses as
+// they are now: after mapping, after optimising, after editing the concepts. The number of objects.
+[[nodiscard]] Expected<std::uint64_t> update_objects(home::Home& home,
+                                                     const objects::ObjectRules& rules);
+
+// The poses of all frames that the largest piece of the map places, in the order of time.
+[[nodiscard]] Expected<recording::Trajectory> stored_trajectory(const home::Home& home);
+
+}  // namespace roomwise::pipeline

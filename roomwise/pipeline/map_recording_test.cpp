@@ -1,0 +1,274 @@
+#include "roomwise/pipeline/map_recording.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <csignal>
+
+#include "roomwise/base/testing.h"
+#include "roomwise/evaluation/trajectory_error.h"
+#include "roomwise/pipeline/home_report.h"
+#include "roomwise/pipeline/map_cloud.h"
+#include "roomwise/pipeline/room_learning.h"
+#include "roomwise/pipeline/room_recognizer.h"
+#include "roomwise/pipeline/synthetic_walk.h"
+
+namespace roomwise::pipeline {
+namespace {
+
+using testing::ColorNetwork;
+using ::testing::HasSubstr;
+using testing::SyntheticWalk;
+
+class MapRecording : public ::testing::Test {
+ protected:
+  static constexpr int kFrames = 45;
+
+  // Maps a walk into the home file; the networks are two, one that names and one that does not.
+  Expected<MapSummary> map(const std::filesystem::path& file, SyntheticWalk& walk,
+                           std::size_t threads, Progress* progress = nullptr) {
+    ROOMWISE_TRY(home::Home home,
+                 std::filesystem::exists(file) ? home::Home::open(file) : create_home(file));
+    Networks networks;
+    networks.push_back(std::make_unique<ColorNetwork>());
+    networks.push_back(
+        std::make_unique<ColorNetwork>(std::vector<std::string>{"studio couch", "wolf"}));
+    ThreadPool pool(threads);
+    StageClock clock;
+    RunContext run{pool, progress != nullptr ? *progress : silent_, clock};
+    return map_recording(walk,
+                         {walk.info().name, "made up", walk.info().camera, walk.info().frame_count},
+                         home, networks, settings_, run);
+  }
+  static std::string digest(const std::filesystem::path& file) {
+    return home::Home::open_read_only(file)->content_digest().value();
+  }
+
+  roomwise::testing::ScratchFolder folder_;
+  MapSettings settings_;
+  SilentProgress silent_;
+};
+
+TEST_F(MapRecording, MapsAWalkIntoAHome) {
+  SyntheticWalk walk(kFrames);
+  const auto summary = map(folder_ / "a.home", walk, 2);
+  ASSERT_OK(summary);
+  EXPECT_TRUE(summary->finished);
+  EXPECT_EQ(summary->frames, static_cast<std::uint64_t>(kFrames));
+  EXPECT_EQ(summary->placed, static_cast<std::uint64_t>(kFrames));
+  EXPECT_EQ(summary->pieces, 1U);
+  EXPECT_GT(summary->keyframes, 10U);
+
+  const home::Home home = *home::Home::open_read_only(folder_ / "a.home");
+  const auto trajectory = stored_trajectory(home);
+  ASSERT_OK(trajectory);
+  const auto error = evaluation::absolute_trajectory_error(walk.truth(), *trajectory);
+  ASSERT_OK(error);
+  EXPECT_LT(error->error_m.rmse, 0.015);
+
+  // Every key-frame was seen by both networks; "studio couch" means bed.
+  EXPECT_EQ(home.predictions(1)->size(), summary->keyframes);
+  EXPECT_EQ(home.predictions(2)->size(), summary->keyframes);
+  ASSERT_EQ(summary->objects, home.objects()->size());
+  ASSERT_GT(summary->objects, 0U);
+  EXPECT_EQ(home.objects()->front().name, "bed");
+}
+
+TEST_F(MapRecording, GivesTheSameHomeAtAnyNumberOfThreads) {
+  SyntheticWalk one(kFrames);
+  SyntheticWalk three(kFrames);
+  ASSERT_OK(map(folder_ / "one.home", one, 1));
+  ASSERT_OK(map(folder_ / "three.home", three, 3));
+  EXPECT_EQ(digest(folder_ / "one.home"), digest(folder_ / "three.home"));
+
+  SyntheticWalk other(kFrames);
+  settings_.mapper.seed = 99;
+  ASSERT_OK(map(folder_ / "other.home", other, 1));
+  EXPECT_NE(digest(folder_ / "one.home"), digest(folder_ / "other.home"))
+      << "the digest sees the map";
+}
+
+// Stops as a user does, after so many frames.
+class InterruptAfter final : public Progress {
+ public:
+  explicit InterruptAfter(std::uint64_t frames) : frames_(frames) {}
+  void begin(std::string_view, std::optional<std::uint64_t>) override {}
+  void advance(std::uint64_t done, std::string_view) override { done_ = done; }
+  void end() override {}
+  [[nodiscard]] bool interrupted() const override { return done_ >= frames_; }
+
+ private:
+  std::uint64_t frames_;
+  std::uint64_t done_ = 0;
+};
+
+TEST_F(MapRecording, InterruptedAndResumedEndsAsIfNeverStopped) {
+  SyntheticWalk whole(kFrames);
+  ASSERT_OK(map(folder_ / "whole.home", whole, 2));
+
+  SyntheticWalk first(kFrames);
+  InterruptAfter interrupt(20);
+  const auto stopped = map(folder_ / "resumed.home", first, 2, &interrupt);
+  ASSERT_OK(stopped);
+  EXPECT_FALSE(stopped->finished);
+  SyntheticWalk second(kFrames);
+  const auto resumed = map(folder_ / "resumed.home", second, 2);
+  ASSERT_OK(resumed);
+  EXPECT_TRUE(resumed->finished);
+  EXPECT_EQ(digest(folder_ / "resumed.home"), digest(folder_ / "whole.home"));
+}
+
+// A source that kills its process at a frame, as the power or the kernel would.
+class KillingSource final : public recording::FrameSource {
+ public:
+  KillingSource(SyntheticWalk& walk, int at) : walk_(walk), at_(at) {}
+  [[nodiscard]] const recording::SourceInfo& info() const override { return walk_.info(); }
+  void skip_before(std::uint64_t index) override { walk_.skip_before(index); }
+  [[nodiscard]] Expected<std::optional<image::RgbdFrame>> next() override {
+    if (at_-- == 0) std::raise(SIGKILL);
+    return walk_.next();
+  }
+
+ private:
+  SyntheticWalk& walk_;
+  int at_;
+};
+
+TEST_F(MapRecording, KilledAndResumedEndsAsIfNeverStopped) {
+  SyntheticWalk whole(kFrames);
+  ASSERT_OK(map(folder_ / "whole.home", whole, 2));
+
+  const pid_t child = fork();
+  if (child == 0) {
+    SyntheticWalk walk(kFrames);
+    KillingSource source(walk, 25);
+    ThreadPool pool(2);
+    StageClock clock;
+    RunContext run{pool, silent_, clock};
+    home::Home home = *create_home(folder_ / "killed.home");
+    Networks networks;
+    networks.push_back(std::make_unique<ColorNetwork>());
+    networks.push_back(
+        std::make_unique<ColorNetwork>(std::vector<std::string>{"studio couch", "wolf"}));
+    (void)map_recording(source,
+                        {walk.info().name, "made up", walk.info().camera, walk.info().frame_count},
+                        home, networks, settings_, run);
+    _exit(0);
+  }
+  int status = 0;
+  ASSERT_EQ(waitpid(child, &status, 0), child);
+  ASSERT_TRUE(WIFSIGNALED(status));
+  {
+    const auto left = home::Home::open_read_only(folder_ / "killed.home");
+    ASSERT_OK(left);
+    EXPECT_GT(left->keyframes()->size(), 5U);
+  }
+  SyntheticWalk rest(kFrames);
+  ASSERT_OK(map(folder_ / "killed.home", rest, 2));
+  EXPECT_EQ(digest(folder_ / "killed.home"), digest(folder_ / "whole.home"));
+}
+
+TEST_F(MapRecording, KeepsWhatCameBeforeADamagedFrame) {
+  SyntheticWalk damaged(kFrames);
+  damaged.fail_at = 20;
+  EXPECT_ERROR(map(folder_ / "a.home", damaged, 2), "frame 20 is damaged");
+  SyntheticWalk mended(kFrames);
+  const auto summary = map(folder_ / "a.home", mended, 2);
+  ASSERT_OK(summary);
+  EXPECT_EQ(summary->frames, static_cast<std::uint64_t>(kFrames));
+}
+
+TEST_F(MapRecording, RefusesAFinishedHomeAndOtherSettings) {
+  SyntheticWalk walk(12);
+  InterruptAfter interrupt(6);
+  ASSERT_OK(map(folder_ / "a.home", walk, 1, &interrupt));
+  settings_.most_keypoints = 700;
+  SyntheticWalk other(12);
+  EXPECT_ERROR(map(folder_ / "a.home", other, 1), "other settings");
+  settings_.most_keypoints = MapSettings{}.most_keypoints;
+  ASSERT_OK(map(folder_ / "a.home", other, 1));
+  EXPECT_ERROR(map(folder_ / "a.home", other, 1), "finished map");
+}
+
+TEST_F(MapRecording, LearnsAndRecognisesItsRooms) {
+  SyntheticWalk walk(100);
+  ASSERT_OK(map(folder_ / "a.home", walk, 2));
+  home::Home home = *home::Home::open(folder_ / "a.home");
+  const auto labels =
+      recording::RoomLabels::from_ranges({{0, 30, "bedroom", 1}, {31, 70, "kitchen", 1}});
+  ASSERT_OK(name_rooms(home, 1, *labels));
+  ASSERT_OK(learn_rooms_from_keyframes(home, 1, {}, {}));
+  EXPECT_EQ(home.keyframe_rooms()->size(), home.keyframes()->size())
+      << "every key-frame has a room";
+
+  Networks networks;
+  networks.push_back(std::make_unique<ColorNetwork>());
+  const auto recognizer = RoomRecognizer::create(home, networks);
+  ASSERT_OK(recognizer);
+  SyntheticWalk again(100);
+  again.skip_before(15);
+  const image::ColorImage in_bedroom = again.next().value()->color;
+  again.skip_before(50);
+  const image::ColorImage in_kitchen = again.next().value()->color;
+  EXPECT_EQ(recognizer->recognize(in_bedroom, std::nullopt)->room, "bedroom");
+  EXPECT_EQ(recognizer->recognize(in_kitchen, std::nullopt)->room, "kitchen");
+  EXPECT_EQ(recognizer->recognize(in_kitchen, in_kitchen)->reason, rooms::Reason::kFramesAgree);
+
+  Networks others;
+  others.push_back(std::make_unique<ColorNetwork>(std::vector<std::string>{"a", "b"}));
+  EXPECT_ERROR(RoomRecognizer::create(home, others), "give that file by --network");
+  EXPECT_ERROR(learn_rooms_from_keyframes(home, 1, {.visits = {}, .rooms = {"attic"}}, {}),
+               "no room 'attic'");
+}
+
+TEST_F(MapRecording, BuildsTheCloudOfTheRoom) {
+  SyntheticWalk walk(kFrames);
+  ASSERT_OK(map(folder_ / "a.home", walk, 2));
+  ThreadPool pool(2);
+  StageClock clock;
+  RunContext run{pool, silent_, clock};
+  const auto cloud = build_map_cloud(*home::Home::open_read_only(folder_ / "a.home"), 0.05, run);
+  ASSERT_OK(cloud);
+  ASSERT_GT(cloud->cloud.size(), 1000U);
+  // Every point lies on a wall of the box, whose middle is where the walk began.
+  std::size_t on_wall = 0;
+  for (const Eigen::Vector3f& point : cloud->cloud.points) {
+    const Eigen::Array3f from_wall = (point.array().abs() - Eigen::Array3f(2.4F, 1.4F, 2.1F)).abs();
+    on_wall += from_wall.minCoeff() < 0.06F ? 1 : 0;
+  }
+  EXPECT_GT(static_cast<double>(on_wall), 0.95 * static_cast<double>(cloud->cloud.size()));
+  EXPECT_LT(std::acos(-cloud->up.up_world.y()), 0.03) << "the floor is level";
+}
+
+TEST_F(MapRecording, ReportsTheHome) {
+  SyntheticWalk walk(kFrames);
+  ASSERT_OK(map(folder_ / "a.home", walk, 2));
+  ThreadPool pool(2);
+  StageClock clock;
+  RunContext run{pool, silent_, clock};
+  ReportExtras extras;
+  extras.name = "a";
+  extras.truth = walk.truth();
+  const auto content = report_content(*home::Home::open_read_only(folder_ / "a.home"), extras, run);
+  ASSERT_OK(content);
+  EXPECT_TRUE(content->map.has_value());
+  EXPECT_TRUE(content->trajectory_error.has_value());
+  EXPECT_FALSE(content->objects.empty());
+  EXPECT_FALSE(content->stages.empty());
+}
+
+TEST(MapSettings, SurviveTheHome) {
+  MapSettings settings;
+  settings.features = features::FeatureKind::kOrb;
+  settings.mapper.seed = 12345678901234ULL;
+  settings.mapper.keyframe_translation_m = 0.1 + 0.2;  // no short decimal
+  const auto again = map_settings_from_json(to_json(settings));
+  ASSERT_OK(again);
+  EXPECT_EQ(to_json(*again), to_json(settings));
+  EXPECT_EQ(again->mapper.keyframe_translation_m, 0.1 + 0.2);
+  EXPECT_ERROR(map_settings_from_json("{}"), "cannot be read");
+}
+
+}  // namespace
+}  // namespace roomwise::pipeline

@@ -1,0 +1,51 @@
+#include "roomwise/pipeline/map_settings.h"
+
+#include <nlohmann/json.hpp>
+
+namespace roomwise::pipeline {
+
+Expected<void> MapSettings::validate() const {
+  if (method != "paper") return fail("'{}' is not a mapping method; there is paper", method);
+  if (most_keypoints < 50) return fail("most_keypoints = {} must be at least 50", most_keypoints);
+  ROOMWISE_CHECK_OK(mapper.validate());
+  ROOMWISE_CHECK_OK(solver.validate());
+  return objects.validate();
+}
+
+std::string to_json(const MapSettings& settings) {
+  return nlohmann::ordered_json{
+      {"method", settings.method},
+      {"features", features::to_string(settings.features)},
+      {"most_keypoints", settings.most_keypoints},
+      {"keyframe_translation_m", settings.mapper.keyframe_translation_m},
+      {"keyframe_rotation_rad", settings.mapper.keyframe_rotation_rad},
+      {"loop_neighbors", settings.mapper.loops.neighbors},
+      {"loop_random", settings.mapper.loops.random},
+      {"object_score", settings.objects.least_score},
+      {"seed", settings.mapper.seed},
+  }
+      .dump();
+}
+
+Expected<MapSettings> map_settings_from_json(std::string_view json) {
+  MapSettings settings;
+  try {
+    const auto values = nlohmann::json::parse(json);
+    ROOMWISE_TRY(settings.features,
+                 features::parse_feature_kind(values.at("features").get<std::string>()));
+    values.at("method").get_to(settings.method);
+    values.at("most_keypoints").get_to(settings.most_keypoints);
+    values.at("keyframe_translation_m").get_to(settings.mapper.keyframe_translation_m);
+    values.at("keyframe_rotation_rad").get_to(settings.mapper.keyframe_rotation_rad);
+    values.at("loop_neighbors").get_to(settings.mapper.loops.neighbors);
+    values.at("loop_random").get_to(settings.mapper.loops.random);
+    values.at("object_score").get_to(settings.objects.least_score);
+    values.at("seed").get_to(settings.mapper.seed);
+  } catch (const nlohmann::json::exception& error) {
+    return fail("the map's settings cannot be read: {}", error.what());
+  }
+  ROOMWISE_CHECK_OK(settings.validate());
+  return settings;
+}
+
+}  // namespace roomwise::pipeline

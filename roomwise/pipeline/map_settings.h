@@ -1,0 +1,32 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "roomwise/base/expected.h"
+#include "roomwise/features/feature_extractor.h"
+#include "roomwise/mapping/map_solver.h"
+#include "roomwise/mapping/mapper.h"
+#include "roomwise/motion/measured_features.h"
+#include "roomwise/objects/object_map.h"
+
+namespace roomwise::pipeline {
+
+// With what a map is made. A home keeps them, so that an interrupted run goes on with the same.
+struct MapSettings {
+  std::string method = "paper";  // the only one so far
+  features::FeatureKind features = features::FeatureKind::kSurf;
+  int most_keypoints = 1000;  // a frame
+  motion::DepthRange depth;
+  mapping::MapperOptions mapper;
+  mapping::MapSolverOptions solver;
+  objects::ObjectRules objects;
+
+  [[nodiscard]] Expected<void> validate() const;
+};
+
+// The settings that the command line offers, as JSON; the others have their defaults.
+[[nodiscard]] std::string to_json(const MapSettings& settings);
+[[nodiscard]] Expected<MapSettings> map_settings_from_json(std::string_view json);
+
+}  // namespace roomwise::pipeline

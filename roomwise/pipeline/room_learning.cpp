@@ -1,0 +1,185 @@
+#include "roomwise/pipeline/room_learning.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "roomwise/image/codec.h"
+#include "roomwise/pipeline/predict_pictures.h"
+
+namespace roomwise::pipeline {
+namespace {
+
+std::string to_json(const rooms::LearningReport& report) {
+  nlohmann::ordered_json json;
+  for (const auto& room : report.rooms) {
+    json["rooms"].push_back({{"room", room.room},
+                             {"pictures", room.pictures},
+                             {"held_out_correct", room.held_out_correct}});
+  }
+  json["held_out"] = report.held_out;
+  json["held_out_precision"] = report.held_out_precision;
+  json["weight_decay"] = report.weight_decay;
+  json["warnings"] = report.warnings;
+  return json.dump();
+}
+
+// Adds rooms that the home does not have yet.
+Expected<void> add_rooms(home::Home& home, const std::set<std::string>& names) {
+  ROOMWISE_TRY(std::vector<rooms::Room> rooms, home.rooms());
+  for (const std::string& name : names) {
+    if (std::ranges::count(rooms, name, &rooms::Room::name) == 0) rooms.push_back({name, name});
+  }
+  return home.replace_rooms(rooms);
+}
+
+// Stores the classifier, and in which room it believes every key-frame to be.
+Expected<void> store(home::Home& home, const rooms::LearnedRooms& learned) {
+  const rooms::RoomClassifier& classifier = learned.classifier;
+  ROOMWISE_CHECK_OK(
+      home.put_room_classifier({classifier.network().name, classifier.network().fingerprint,
+                                classifier.to_bytes(), to_json(learned.report)}));
+  std::map<home::KeyframeId, std::vector<rooms::RoomScore>> rooms_of;
+  ROOMWISE_TRY(const auto networks, home.networks());
+  for (const auto& [id, network] : networks) {
+    if (network.fingerprint != classifier.network().fingerprint) continue;
+    ROOMWISE_TRY(const auto predictions, home.predictions(id));
+    for (const auto& [keyframe, prediction] : predictions) {
+      ROOMWISE_TRY(rooms_of[keyframe], classifier.scores(prediction.features));
+    }
+  }
+  return home.replace_keyframe_rooms(rooms_of);
+}
+
+// As features_network(), among those that have looked at the home's key-frames.
+Expected<home::NetworkId> stored_features_network(const home::Home& home) {
+  ROOMWISE_TRY(const auto networks, home.networks());
+  if (networks.empty()) {
+    return fail(
+        "{}: no network has looked at its key-frames; map the recording with --network FILE",
+        home.file());
+  }
+  const auto nameless =
+      std::ranges::find_if(networks, [](const auto& entry) { return entry.second.labels.empty(); });
+  return nameless != networks.end() ? nameless->first : networks.begin()->first;
+}
+
+}  // namespace
+
+Expected<home::Home> create_home(const std::filesystem::path& path) {
+  ROOMWISE_TRY(home::Home home, home::Home::create(path));
+  ROOMWISE_CHECK_OK(home.replace_concepts(rooms::Concepts::standard()));
+  return home;
+}
+
+Expected<void> name_rooms(home::Home& home, home::RecordingId recording,
+                          const recording::RoomLabels& labels) {
+  std::set<std::string> names;
+  for (const recording::RoomRange& range : labels.ranges()) names.insert(range.room);
+  return home.atomically([&]() -> Expected<void> {
+    ROOMWISE_CHECK_OK(add_rooms(home, names));
+    return home.replace_room_ranges(recording, labels.ranges());
+  });
+}
+
+Expected<rooms::LearningReport> learn_rooms_from_keyframes(home::Home& home,
+                                                           home::RecordingId recording,
+                                                           const RoomSelection& selection,
+                                                           const rooms::LearningOptions& options) {
+  ROOMWISE_TRY(const recording::RoomLabels labels, home.room_ranges(recording));
+  if (labels.ranges().empty()) {
+    return fail(
+        "{}: its recording's rooms are not named; give --labels rooms.txt or use rooms name",
+        home.file());
+  }
+  ROOMWISE_CHECK_OK(selection.check_against(labels));
+  ROOMWISE_TRY(const home::NetworkId network_id, stored_features_network(home));
+  ROOMWISE_TRY(const auto networks, home.networks());
+  ROOMWISE_TRY(const auto predictions, home.predictions(network_id));
+  ROOMWISE_TRY(const auto keyframes, home.keyframes());
+
+  std::vector<rooms::RoomSample> samples;
+  for (const home::Keyframe& keyframe : keyframes) {
+    if (keyframe.recording != recording) continue;
+    const recording::RoomRange* range = labels.find(keyframe.frame_index);
+    const auto prediction = predictions.find(keyframe.id);
+    if (range == nullptr || !selection.contains(*range) || prediction == predictions.end())
+      continue;
+    samples.push_back(
+        {prediction->second.features, range->room, static_cast<std::uint64_t>(range->visit)});
+  }
+  const home::Network& network = networks.at(network_id);
+  ROOMWISE_TRY(const rooms::LearnedRooms learned,
+               rooms::learn_rooms(samples, {network.name, network.fingerprint}, options));
+  ROOMWISE_CHECK_OK(home.atomically([&] { return store(home, learned); }));
+  return learned.report;
+}
+
+Expected<std::vector<RoomPhoto>> list_room_photos(const std::filesystem::path& folder) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  std::vector<RoomPhoto> photos;
+  for (fs::directory_iterator room(folder, error), end; !error && room != end;
+       room.increment(error)) {
+    if (!room->is_directory()) continue;
+    for (fs::directory_iterator file(room->path(), error); !error && file != end;
+         file.increment(error)) {
+      std::string extension = file->path().extension().string();
+      std::ranges::transform(extension, extension.begin(), [](char c) {
+        return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c;
+      });
+      if (extension == ".jpg" || extension == ".jpeg" || extension == ".png") {
+        photos.push_back({file->path(), room->path().filename().string()});
+      }
+    }
+    if (error) break;
+  }
+  if (error) return fail("{}: cannot be read: {}", folder.string(), error.message());
+  if (photos.empty()) {
+    return fail("{}: holds no photos; expected one folder a room with .jpg or .png files in it",
+                folder.string());
+  }
+  std::ranges::sort(photos, {},
+                    [](const RoomPhoto& photo) { return std::tie(photo.room, photo.path); });
+  return photos;
+}
+
+Expected<rooms::LearningReport> learn_rooms_from_photos(home::Home& home,
+                                                        const std::filesystem::path& folder,
+                                                        const network::Classifier& network,
+                                                        const rooms::LearningOptions& options,
+                                                        RunContext& run) {
+  ROOMWISE_TRY(const std::vector<RoomPhoto> photos, list_room_photos(folder));
+  ROOMWISE_TRY(const auto predictions,
+               predict_pictures(
+                   photos.size(), [&](std::size_t i) { return image::read_color(photos[i].path); },
+                   network, "looking at photos", run));
+  std::vector<rooms::RoomSample> samples;
+  std::set<std::string> names;
+  for (std::size_t i = 0; i < photos.size(); ++i) {
+    samples.push_back({predictions[i].prediction.features, photos[i].room, 0});
+    names.insert(photos[i].room);
+  }
+  ROOMWISE_TRY(const rooms::LearnedRooms learned,
+               rooms::learn_rooms(samples, {network.name(), network.fingerprint()}, options));
+  ROOMWISE_CHECK_OK(home.atomically([&]() -> Expected<void> {
+    ROOMWISE_CHECK_OK(add_rooms(home, names));
+    return store(home, learned);
+  }));
+  return learned.report;
+}
+
+Expected<const network::Classifier*> features_network(const Networks& networks) {
+  if (networks.empty()) return fail("no network is given; give --network FILE");
+  const auto nameless =
+      std::ranges::find_if(networks, [](const auto& network) { return network->labels().empty(); });
+  return nameless != networks.end() ? nameless->get() : networks.front().get();
+}
+
+const network::Classifier* naming_network(const Networks& networks) {
+  const auto naming = std::ranges::find_if(
+      networks, [](const auto& network) { return !network->labels().empty(); });
+  return naming != networks.end() ? naming->get() : nullptr;
+}
+
+}  // namespace roomwise::pipeline

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <filesystem>
+
+#include "roomwise/home/home.h"
+#include "roomwise/pipeline/keyframe_observer.h"
+#include "roomwise/pipeline/room_selection.h"
+#include "roomwise/pipeline/run_context.h"
+#include "roomwise/rooms/room_learner.h"
+
+namespace roomwise::pipeline {
+
+// Makes a new home that begins with the paper's concepts.
+[[nodiscard]] Expected<home::Home> create_home(const std::filesystem::path& path);
+
+// Names the rooms of the home's recording: its frames' ranges, and the rooms that they mention. A
+// new room's type is its name ("kitchen" is a kitchen) until the user says otherwise.
+[[nodiscard]] Expected<void> name_rooms(home::Home& home, home::RecordingId recording,
+                                        const recording::RoomLabels& labels);
+
+// Learns the rooms from the key-frames of a recording that lie in the selected ranges, on what a
+// features network saw in them; stores the classifier and what it says of every key-frame.
+[[nodiscard]] Expected<rooms::LearningReport> learn_rooms_from_keyframes(
+    home::Home& home, home::RecordingId recording, const RoomSelection& selection,
+    const rooms::LearningOptions& options);
+
+// A picture and the room that it shows.
+struct RoomPhoto {
+  std::filesystem::path path;
+  std::string room;
+};
+// The JPEG and PNG files of a folder that has one folder a room, by room and name. Fails where
+// there are none.
+[[nodiscard]] Expected<std::vector<RoomPhoto>> list_room_photos(
+    const std::filesystem::path& folder);
+
+// The same from plain photos, for a home without a recording. The photos themselves are not kept.
+[[nodiscard]] Expected<rooms::LearningReport> learn_rooms_from_photos(
+    home::Home& home, const std::filesystem::path& folder, const network::Classifier& network,
+    const rooms::LearningOptions& options, RunContext& run);
+
+// The network on whose features rooms are learned: one that serves features only is preferred to
+// one that names things. Fails where there is none.
+[[nodiscard]] Expected<const network::Classifier*> features_network(const Networks& networks);
+// The one that names things, or nullptr.
+[[nodiscard]] const network::Classifier* naming_network(const Networks& networks);
+
+}  // namespace roomwise::pipeline

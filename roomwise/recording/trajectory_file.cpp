@@ -1,0 +1,71 @@
+#include "roomwise/recording/trajectory_file.h"
+
+#include <array>
+
+#include "roomwise/base/file.h"
+#include "roomwise/recording/data_lines.h"
+
+namespace roomwise::recording {
+namespace {
+
+constexpr std::string_view kLayout = "timestamp tx ty tz qx qy qz qw";
+constexpr std::array<std::string_view, 7> kNames{"tx", "ty", "tz", "qx", "qy", "qz", "qw"};
+
+Expected<StampedPose> parse_pose(std::span<const std::string_view> words) {
+  if (words.size() != kNames.size() + 1) {
+    return fail("{} values, expected {}", words.size(), kLayout);
+  }
+  StampedPose pose;
+  ROOMWISE_TRY(pose.timestamp_ns, parse_timestamp(words[0]));
+  std::array<double, kNames.size()> values{};
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const auto value = parse_number<double>(words[i + 1]);
+    if (!value) {
+      return fail("{} = '{}' is not a finite number; expected {}", kNames[i], words[i + 1],
+                  kLayout);
+    }
+    values[i] = *value;
+  }
+  const Eigen::Quaterniond rotation(values[6], values[3], values[4], values[5]);
+  constexpr double kShortest = 1e-6;  // below this the direction is rounding
+  if (!std::isfinite(rotation.norm()) || rotation.norm() < kShortest) {
+    return fail("the quaternion {} {} {} {} has no usable length", words[4], words[5], words[6],
+                words[7]);
+  }
+  pose.world_from_camera = {rotation.normalized(), {values[0], values[1], values[2]}};
+  return pose;
+}
+
+}  // namespace
+
+Expected<Trajectory> read_trajectory(const std::filesystem::path& path) {
+  ROOMWISE_TRY(const std::string text, read_text_file(path));
+  Trajectory trajectory;
+  for (const DataLine& line : data_lines(text)) {
+    const std::string place = fmt::format("{}:{}", path.string(), line.number);
+    auto pose = parse_pose(line.words);
+    if (!pose) return Unexpected(std::move(pose).error().in(place));
+    if (!trajectory.empty() && pose->timestamp_ns <= trajectory.back().timestamp_ns) {
+      return fail("{}: the time {} does not increase; sort the lines by time, each time once",
+                  place, line.words[0]);
+    }
+    trajectory.push_back(*pose);
+  }
+  if (trajectory.empty()) return fail("{}: holds no pose; expected {}", path.string(), kLayout);
+  return trajectory;
+}
+
+Expected<void> write_trajectory(const std::filesystem::path& path,
+                                std::span<const StampedPose> trajectory) {
+  std::string text = fmt::format("# {}\n", kLayout);
+  for (const auto& [timestamp_ns, pose] : trajectory) {
+    const auto& t = pose.translation;
+    const auto& q = pose.rotation;
+    text += fmt::format("{} {:.9f} {:.9f} {:.9f} {:.9f} {:.9f} {:.9f} {:.9f}\n",
+                        format_timestamp(timestamp_ns), t.x(), t.y(), t.z(), q.x(), q.y(), q.z(),
+                        q.w());
+  }
+  return write_file(path, text);
+}
+
+}  // namespace roomwise::recording

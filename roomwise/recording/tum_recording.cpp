@@ -1,0 +1,196 @@
+#include "roomwise/recording/tum_recording.h"
+
+#include <algorithm>
+
+#include "roomwise/image/codec.h"
+#include "roomwise/recording/camera_file.h"
+#include "roomwise/recording/data_lines.h"
+
+namespace roomwise::recording {
+namespace {
+
+constexpr const char* kColorList = "rgb.txt";
+constexpr const char* kDepthList = "depth.txt";
+constexpr const char* kCameraFile = "camera.txt";
+constexpr std::string_view kExample = "1305031229.528748 rgb/1305031229.528748.png";
+
+struct ListedImage {
+  TimestampNs timestamp_ns = 0;
+  std::filesystem::path file;  // relative to the folder
+};
+
+Expected<ListedImage> parse_listed_image(const DataLine& line) {
+  if (line.words.size() != 2) {
+    return fail("{} words, expected a time stamp and a file such as {}", line.words.size(),
+                kExample);
+  }
+  ListedImage image;
+  ROOMWISE_TRY(image.timestamp_ns, parse_timestamp(line.words[0]));
+  image.file = line.words[1];
+  const bool goes_up = std::ranges::find(image.file, "..") != image.file.end();
+  if (image.file.is_absolute() || goes_up) {
+    return fail("'{}' lies outside the recording; give a file inside its folder", line.words[1]);
+  }
+  return image;
+}
+
+// The folder's own name, also of "." and "recordings/home/".
+std::string name_of(const std::filesystem::path& folder) {
+  const auto path = (std::filesystem::absolute(folder) / "").lexically_normal();
+  return path.parent_path().filename().string();
+}
+
+Expected<geometry::PinholeCamera> camera_of(const std::filesystem::path& folder,
+                                            const TumOptions& options) {
+  if (options.camera) return *options.camera;
+  const auto file = folder / kCameraFile;
+  std::error_code ignored;
+  if (std::filesystem::exists(file, ignored)) return read_camera(file);
+  return fail(
+      "{}: has no {}, so its camera is unknown; give --camera fr1|fr2|fr3|kinect-v1|xtion or the "
+      "path of a camera file",
+      folder.string(), kCameraFile);
+}
+
+std::string span_of(const ImageList& list) {
+  return fmt::format("{} to {} s", format_timestamp(list.timestamps_ns().front()),
+                     format_timestamp(list.timestamps_ns().back()));
+}
+
+}  // namespace
+
+Expected<ImageList> ImageList::open(const std::filesystem::path& folder,
+                                    const std::filesystem::path& list_name) {
+  std::error_code ignored;
+  if (!std::filesystem::is_directory(folder, ignored)) {
+    return fail("{}: is no folder; give the folder of a recording, with {} and {}", folder.string(),
+                kColorList, kDepthList);
+  }
+  ImageList list;
+  list.list_path_ = folder / list_name;
+  if (!std::filesystem::exists(list.list_path_, ignored)) {
+    return fail("{}: is missing; a recording is a folder with {} and {}", list.list_path_.string(),
+                kColorList, kDepthList);
+  }
+  ROOMWISE_TRY(const std::string text, read_text_file(list.list_path_));
+  for (const DataLine& line : data_lines(text)) {
+    const std::string place = fmt::format("{}:{}", list.list_path_.string(), line.number);
+    auto image = parse_listed_image(line);
+    const bool torn = !line.complete &&
+                      (!image || !std::filesystem::is_regular_file(folder / image->file, ignored));
+    if (torn) break;
+    if (!image) return Unexpected(std::move(image).error().in(place));
+    if (list.size() > 0 && image->timestamp_ns <= list.timestamps_ns_.back()) {
+      return fail("{}: the time {} does not increase; sort the lines by time, each time once",
+                  place, line.words[0]);
+    }
+    list.timestamps_ns_.push_back(image->timestamp_ns);
+    list.paths_.push_back(folder / image->file);
+    list.lines_.push_back(line.number);
+  }
+  if (list.size() == 0) {
+    return fail("{}: lists no image; expected lines such as {}", list.list_path_.string(),
+                kExample);
+  }
+  return list;
+}
+
+std::string ImageList::place(std::size_t entry) const {
+  return fmt::format("{}:{}", list_path_.string(), lines_[entry]);
+}
+
+Expected<Bytes> ImageList::read(std::size_t entry) const {
+  auto bytes = read_file(path(entry));
+  if (!bytes) {
+    return fail("{}: {}; restore the image or take its line out of the list", place(entry),
+                bytes.error().message);
+  }
+  return bytes;
+}
+
+Expected<image::ColorImage> ImageList::read_color(std::size_t entry) const {
+  ROOMWISE_TRY(const Bytes bytes, read(entry));
+  auto picture = image::decode_color(bytes);
+  if (!picture) {
+    return Unexpected(std::move(picture).error().in(describe(entry)));
+  }
+  return picture;
+}
+
+std::string ImageList::describe(std::size_t entry) const {
+  return fmt::format("{}: {}", place(entry), path(entry).string());
+}
+
+Expected<void> TumOptions::validate() const {
+  if (tolerance_ns <= 0) return fail("tolerance_ns = {} must be positive", tolerance_ns);
+  if (camera) ROOMWISE_CHECK_OK(camera->validate());
+  return {};
+}
+
+TumRecording::TumRecording(SourceInfo info, ImageList colors, ImageList depths,
+                           std::vector<Association> associations)
+    : info_(std::move(info)),
+      colors_(std::move(colors)),
+      depths_(std::move(depths)),
+      associations_(std::move(associations)) {}
+
+Expected<std::unique_ptr<TumRecording>> TumRecording::open(const std::filesystem::path& folder,
+                                                           const TumOptions& options) {
+  ROOMWISE_CHECK_OK(options.validate());
+  ROOMWISE_TRY(ImageList colors, ImageList::open(folder, kColorList));
+  ROOMWISE_TRY(ImageList depths, ImageList::open(folder, kDepthList));
+  ROOMWISE_TRY(const geometry::PinholeCamera camera, camera_of(folder, options));
+  auto associations =
+      associate(colors.timestamps_ns(), depths.timestamps_ns(), options.tolerance_ns);
+  if (associations.empty()) {
+    return fail(
+        "{}: no image of {} ({}) has one of {} ({}) within {} s; the lists must belong to one "
+        "recording",
+        folder.string(), kColorList, span_of(colors), kDepthList, span_of(depths),
+        static_cast<double>(options.tolerance_ns) * kSecondsPerNs);
+  }
+  SourceInfo info{name_of(folder), camera, associations.size()};
+  return std::unique_ptr<TumRecording>(new TumRecording(
+      std::move(info), std::move(colors), std::move(depths), std::move(associations)));
+}
+
+Expected<std::optional<image::RgbdFrame>> TumRecording::next() {
+  if (position_ == associations_.size()) return std::optional<image::RgbdFrame>();
+  const Association& association = associations_[position_++];
+  info_.frame_count = associations_.size() - position_;
+  return read_frame(association);
+}
+
+void TumRecording::skip_before(std::uint64_t index) {
+  while (position_ < associations_.size() && associations_[position_].first < index) ++position_;
+  info_.frame_count = associations_.size() - position_;
+}
+
+Expected<image::RgbdFrame> TumRecording::read_frame(const Association& association) const {
+  const auto [color_entry, depth_entry] = association;
+  image::RgbdFrame frame;
+  frame.index = color_entry;
+  frame.timestamp_ns = colors_.timestamps_ns()[color_entry];
+  ROOMWISE_TRY(frame.encoded_color, colors_.read(color_entry));
+  ROOMWISE_TRY(frame.encoded_depth, depths_.read(depth_entry));
+
+  auto color = image::decode_color(frame.encoded_color);
+  if (!color) return Unexpected(std::move(color).error().in(colors_.describe(color_entry)));
+  auto depth = image::decode_depth(frame.encoded_depth);
+  if (!depth) return Unexpected(std::move(depth).error().in(depths_.describe(depth_entry)));
+  if (color->width() != info_.camera.width || color->height() != info_.camera.height) {
+    return fail("{}: has {}x{} pixels, the camera {}x{}; give the camera that took it",
+                colors_.describe(color_entry), color->width(), color->height(), info_.camera.width,
+                info_.camera.height);
+  }
+  if (depth->width() != color->width() || depth->height() != color->height()) {
+    return fail("{}: has {}x{} pixels, its colour image {}x{}; depth must be registered to colour",
+                depths_.describe(depth_entry), depth->width(), depth->height(), color->width(),
+                color->height());
+  }
+  frame.color = *std::move(color);
+  frame.depth = *std::move(depth);
+  return frame;
+}
+
+}  // namespace roomwise::recording

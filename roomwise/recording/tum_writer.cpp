@@ -1,0 +1,235 @@
+#include "roomwise/recording/tum_writer.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <utility>
+
+#include "roomwise/image/codec.h"
+#include "roomwise/recording/camera_file.h"
+
+namespace roomwise::recording {
+namespace {
+
+constexpr int kJpegQuality = 95;
+
+// A new file that is written as it grows. Not write_file(), which waits for the disk: a camera does
+// not wait, and a killed recording needs only what the system took over.
+class NewFile {
+ public:
+  explicit NewFile(std::filesystem::path path)
+      : path_(std::move(path)),
+        descriptor_(
+            ::open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_APPEND | O_CLOEXEC, 0644)) {}
+  ~NewFile() {
+    if (descriptor_ >= 0) ::close(descriptor_);
+  }
+  NewFile(const NewFile&) = delete;
+  NewFile& operator=(const NewFile&) = delete;
+
+  // All of the bytes, or none.
+  [[nodiscard]] Expected<void> append(std::span<const std::uint8_t> bytes) {
+    if (descriptor_ < 0) return failed(open_error_);
+    std::size_t written = 0;
+    while (written < bytes.size()) {
+      const ssize_t put = ::write(descriptor_, bytes.data() + written, bytes.size() - written);
+      if (put < 0 && errno == EINTR) continue;
+      if (put < 0) {
+        auto error = failed(errno);
+        cut_to(size_);
+        return error;
+      }
+      written += static_cast<std::size_t>(put);
+    }
+    size_ += written;
+    return {};
+  }
+  [[nodiscard]] Expected<void> append(std::string_view text) {
+    return append(std::span(reinterpret_cast<const std::uint8_t*>(text.data()), text.size()));
+  }
+
+  [[nodiscard]] std::size_t size() const { return size_; }
+  void cut_to(std::size_t size) {
+    if (::ftruncate(descriptor_, static_cast<off_t>(size)) == 0) size_ = size;
+  }
+
+  [[nodiscard]] Expected<void> flush_to_disk() {
+    if (::fsync(descriptor_) != 0) return failed(errno);
+    return {};
+  }
+
+ private:
+  [[nodiscard]] Unexpected failed(int error) const {
+    const char* mend = error == ENOSPC || error == EDQUOT || error == EFBIG
+                           ? "; what was recorded before is kept, free some space to go on"
+                           : "";
+    return fail("{}: cannot be written: {}{}", path_.string(), std::strerror(error), mend);
+  }
+
+  std::filesystem::path path_;
+  int descriptor_;
+  int open_error_;
+  std::size_t size_ = 0;
+};
+
+Expected<void> write_new_file(const std::filesystem::path& path,
+                              std::span<const std::uint8_t> bytes) {
+  return NewFile(path).append(bytes);
+}
+
+Expected<void> make_empty_folder(const std::filesystem::path& folder) {
+  std::error_code error;
+  for (const auto& part : {folder, folder / "rgb", folder / "depth"}) {
+    if (part == folder && std::filesystem::exists(folder, error) &&
+        !std::filesystem::is_empty(folder, error)) {
+      return fail("{}: is there and not empty; give a new folder for the recording",
+                  folder.string());
+    }
+    if (!std::filesystem::create_directories(part, error) && error) {
+      return fail("{}: cannot be made: {}", part.string(), error.message());
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+// rgb.txt or depth.txt, and the images in it.
+class TumWriter::List {
+ public:
+  List(std::filesystem::path folder, std::string name)
+      : folder_(std::move(folder)), name_(std::move(name)), file_(folder_ / (name_ + ".txt")) {}
+
+  [[nodiscard]] Expected<void> begin() { return file_.append("# timestamp filename\n"); }
+
+  // Writes the image, then its line.
+  [[nodiscard]] Expected<void> add(TimestampNs timestamp_ns, std::span<const std::uint8_t> bytes) {
+    const std::string time = format_timestamp(timestamp_ns);
+    const std::string image =
+        fmt::format("{}/{}.{}", name_, time, image::is_jpeg(bytes) ? "jpg" : "png");
+    last_image_ = folder_ / image;
+    size_before_last_ = file_.size();
+    auto written = write_new_file(last_image_, bytes);
+    if (written) written = file_.append(fmt::format("{} {}\n", time, image));
+    if (!written) take_back();
+    return written;
+  }
+
+  // Takes back the image added last.
+  void take_back() {
+    file_.cut_to(size_before_last_);
+    std::error_code ignored;
+    std::filesystem::remove(last_image_, ignored);
+  }
+
+  [[nodiscard]] Expected<void> flush_to_disk() { return file_.flush_to_disk(); }
+
+ private:
+  std::filesystem::path folder_;
+  std::string name_;
+  NewFile file_;
+  std::filesystem::path last_image_;
+  std::size_t size_before_last_ = 0;
+};
+
+TumWriter::TumWriter(std::filesystem::path folder, const geometry::PinholeCamera& camera)
+    : folder_(std::move(folder)),
+      camera_(camera),
+      color_list_(std::make_unique<List>(folder_, "rgb")),
+      depth_list_(std::make_unique<List>(folder_, "depth")) {}
+
+Expected<std::unique_ptr<TumWriter>> TumWriter::create(const std::filesystem::path& folder,
+                                                       const geometry::PinholeCamera& camera) {
+  ROOMWISE_CHECK_OK(camera.validate());
+  ROOMWISE_CHECK_OK(make_empty_folder(folder));
+  ROOMWISE_CHECK_OK(write_camera(folder / "camera.txt", camera));
+  std::unique_ptr<TumWriter> writer(new TumWriter(folder, camera));
+  ROOMWISE_CHECK_OK(writer->color_list_->begin());
+  ROOMWISE_CHECK_OK(writer->depth_list_->begin());
+  return writer;
+}
+
+TumWriter::~TumWriter() {
+  std::ignore = close();
+}
+
+Expected<void> TumWriter::check(const image::RgbdFrame& frame) const {
+  if (color_list_ == nullptr) return fail("{}: the recording is closed", folder_.string());
+  if (frames_ > 0 && frame.timestamp_ns <= last_timestamp_ns_) {
+    return fail("{}: the frame's time {} does not increase (the last was {})", folder_.string(),
+                format_timestamp(frame.timestamp_ns), format_timestamp(last_timestamp_ns_));
+  }
+  const auto has_size = [&](const auto& picture) {
+    return picture.width() == camera_.width && picture.height() == camera_.height;
+  };
+  if (!has_size(frame.color) || !has_size(frame.depth)) {
+    return fail("{}: the frame has {}x{} colour and {}x{} depth pixels, the camera {}x{}",
+                folder_.string(), frame.color.width(), frame.color.height(), frame.depth.width(),
+                frame.depth.height(), camera_.width, camera_.height);
+  }
+  const Bytes& color = frame.encoded_color;
+  const Bytes& depth = frame.encoded_depth;
+  if ((!color.empty() && !image::is_jpeg(color) && !image::is_png(color)) ||
+      (!depth.empty() && !image::is_png(depth))) {
+    return fail("{}: the frame's encoded images are not JPEG or PNG and PNG", folder_.string());
+  }
+  return {};
+}
+
+Expected<void> TumWriter::write(const image::RgbdFrame& frame) {
+  ROOMWISE_CHECK_OK(check(frame));
+  ROOMWISE_CHECK_OK(depth_list_->add(frame.timestamp_ns, frame.encoded_depth.empty()
+                                                             ? image::encode_png(frame.depth)
+                                                             : frame.encoded_depth));
+  auto color_added =
+      color_list_->add(frame.timestamp_ns, frame.encoded_color.empty()
+                                               ? image::encode_jpeg(frame.color, kJpegQuality)
+                                               : frame.encoded_color);
+  if (!color_added) {
+    depth_list_->take_back();
+    return color_added;
+  }
+  note_room_of_next_frame();
+  ++frames_;
+  last_timestamp_ns_ = frame.timestamp_ns;
+  return {};
+}
+
+void TumWriter::note_room_of_next_frame() {
+  if (!room_) return;
+  const bool stays =
+      !rooms_.empty() && rooms_.back().room == *room_ && rooms_.back().last_frame + 1 == frames_;
+  if (stays) {
+    rooms_.back().last_frame = frames_;
+    return;
+  }
+  const auto visits = std::ranges::count(rooms_, *room_, &RoomRange::room);
+  rooms_.push_back({frames_, frames_, *room_, static_cast<int>(visits) + 1});
+}
+
+Expected<void> TumWriter::name_room(std::optional<std::string> room) {
+  if (color_list_ == nullptr) return fail("{}: the recording is closed", folder_.string());
+  if (room) ROOMWISE_CHECK_OK(validate_room_name(*room));
+  room_ = std::move(room);
+  return write_rooms();
+}
+
+Expected<void> TumWriter::write_rooms() const {
+  if (rooms_.empty()) return {};
+  ROOMWISE_TRY(const RoomLabels labels, RoomLabels::from_ranges(rooms_));
+  return labels.write(folder_ / "rooms.txt");
+}
+
+Expected<void> TumWriter::close() {
+  if (color_list_ == nullptr) return {};
+  const auto colors = std::exchange(color_list_, nullptr);
+  const auto depths = std::exchange(depth_list_, nullptr);
+  ROOMWISE_CHECK_OK(write_rooms());
+  ROOMWISE_CHECK_OK(depths->flush_to_disk());
+  return colors->flush_to_disk();
+}
+
+}  // namespace roomwise::recording

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "roomwise/recording/frame_source.h"
+#include "roomwise/recording/room_labels.h"
+
+namespace roomwise::recording {
+
+// Writes a recording that TumRecording reads: rgb/, depth/, rgb.txt, depth.txt, camera.txt and,
+// where rooms were named, rooms.txt. Frames are numbered from 0 as they come.
+//
+// A frame's images are written before its lines, and each line in one piece, rgb.txt last: a killed
+// recording can be read up to its last whole frame. When the disk is full, write() fails, takes
+// back the frame in hand, and what was written before stays valid.
+class TumWriter final : public FrameSink {
+ public:
+  // Makes the folder; one that exists must be empty.
+  [[nodiscard]] static Expected<std::unique_ptr<TumWriter>> create(
+      const std::filesystem::path& folder, const geometry::PinholeCamera& camera);
+
+  ~TumWriter() override;  // closes; call close() to learn whether that worked
+  TumWriter(const TumWriter&) = delete;
+  TumWriter& operator=(const TumWriter&) = delete;
+
+  // Stores the frame's encoded images as they are; raw ones as JPEG of quality 95 and 16-bit PNG.
+  // Fails where the time does not increase.
+  [[nodiscard]] Expected<void> write(const image::RgbdFrame& frame) override;
+  [[nodiscard]] Expected<void> close() override;
+
+  // From the next frame on the recording shows `room` (absent: no named room). Each time a room is
+  // entered begins its next visit; naming the room that one is in already changes nothing.
+  // rooms.txt is brought up to date here and by close().
+  [[nodiscard]] Expected<void> name_room(std::optional<std::string> room);
+
+  [[nodiscard]] std::uint64_t frames_written() const { return frames_; }
+
+ private:
+  class List;
+
+  TumWriter(std::filesystem::path folder, const geometry::PinholeCamera& camera);
+  [[nodiscard]] Expected<void> check(const image::RgbdFrame& frame) const;
+  [[nodiscard]] Expected<void> write_rooms() const;
+  void note_room_of_next_frame();
+
+  std::filesystem::path folder_;
+  geometry::PinholeCamera camera_;
+  std::unique_ptr<List> color_list_, depth_list_;  // null once closed
+  std::uint64_t frames_ = 0;
+  TimestampNs last_timestamp_ns_ = 0;
+  std::optional<std::string> room_;  // that the next frame shows
+  std::vector<RoomRange> rooms_;     // of the frames written
+};
+
+}  // namespace roomwise::recording

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "roomwise/base/expected.h"
+#include "roomwise/rooms/room_classifier.h"
+
+namespace roomwise::rooms {
+
+// A picture of a known room.
+struct RoomSample {
+  std::vector<float> features;  // as the network gives them
+  std::string room;
+  // The recording or visit it was taken on. The samples of one room and group stand in the order of
+  // time: neighbours show nearly the same.
+  std::uint64_t group = 0;
+};
+
+struct LearningOptions {
+  // Rounds of the held-out test: each holds out another 1/folds of every room.
+  int folds = 5;
+  // The weight decays that the held-out test chooses from (SoftmaxOptions::weight_decay).
+  std::vector<double> weight_decays = {3e-5, 1e-4, 3e-4, 1e-3};
+  std::size_t least_pictures = 5;         // a room with fewer is an error
+  std::size_t comfortable_pictures = 20;  // a room with fewer gives a warning
+
+  [[nodiscard]] Expected<void> validate() const;
+};
+
+struct LearningReport {
+  struct RoomCount {
+    std::string room;
+    std::size_t pictures = 0;
+    std::size_t held_out_correct = 0;  // of its pictures, each held out once
+
+    friend bool operator==(const RoomCount&, const RoomCount&) = default;
+  };
+  std::vector<RoomCount> rooms;  // by name
+  std::size_t held_out = 0;      // pictures tested while held out
+  double held_out_precision = 0;
+  double weight_decay = 0;  // the chosen one
+  std::vector<std::string> warnings;
+};
+
+struct LearnedRooms {
+  RoomClassifier classifier;
+  LearningReport report;
+};
+
+// Learns to tell the rooms of a home apart. Rooms weigh the same however many pictures each has.
+//
+// The held-out test: the pictures of a room on a visit are cut into `folds` blocks that follow each
+// other, and in each round one block of every room is held out (not single pictures, whose
+// neighbours on the walk are nearly the same and would make the test too easy). Of the weight
+// decays whose precision on what was held out is within one standard error of the best, the
+// strongest is chosen, and the classifier then learns from every picture.
+//
+// Rooms are sorted by name, so that the order of the samples' rooms does not count. Fails where
+// there are fewer than two rooms, a room has fewer than least_pictures, or features differ in
+// number or are not finite.
+[[nodiscard]] Expected<LearnedRooms> learn_rooms(std::span<const RoomSample> samples,
+                                                 const NetworkIdentity& network,
+                                                 const LearningOptions& options = {});
+
+}  // namespace roomwise::rooms

@@ -1,0 +1,132 @@
+#include "roomwise/rooms/softmax_regression.h"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <limits>
+
+#include "roomwise/base/random.h"
+#include "roomwise/base/testing.h"
+
+namespace roomwise::rooms {
+namespace {
+
+using ::testing::HasSubstr;
+
+// `count` points of each class around its own corner.
+Eigen::MatrixXf clouds(const std::vector<Eigen::Vector2f>& centers, int count, float spread,
+                       std::vector<int>& labels) {
+  RandomStream random(7);
+  Eigen::MatrixXf samples(static_cast<Eigen::Index>(centers.size()) * count, 2);
+  labels.clear();
+  for (Eigen::Index i = 0; i < samples.rows(); ++i) {
+    const auto label = static_cast<std::size_t>(i / count);
+    labels.push_back(static_cast<int>(label));
+    const Eigen::Vector2d noise(random.normal(), random.normal());
+    samples.row(i) = (centers[label] + spread * noise.cast<float>()).transpose();
+  }
+  return samples;
+}
+
+TEST(SoftmaxRegression, ReachesTheKnownMinimumOfASmallProblem) {
+  // Two classes at +1 and -1 in one dimension: the weights are +-w with w the root of
+  // decay * w = 1 / (1 + exp(2 w)), found here by bisection.
+  Eigen::MatrixXf samples(2, 1);
+  samples << 1, -1;
+  SoftmaxOptions options;
+  options.weight_decay = 0.01;
+  options.gradient_tolerance = 1e-9;
+  const auto regression = SoftmaxRegression::train(samples, std::vector<int>{0, 1}, 2, options);
+  ASSERT_OK(regression);
+  double low = 0;
+  double high = 10;
+  for (int i = 0; i < 60; ++i) {
+    const double w = (low + high) / 2;
+    const double gradient = options.weight_decay * w - 1 / (1 + std::exp(2 * w));
+    (gradient < 0 ? low : high) = w;
+  }
+  EXPECT_NEAR(regression->weights()(0, 0), low, 1e-5);
+  EXPECT_NEAR(regression->weights()(1, 0), -low, 1e-5);
+  EXPECT_NEAR(regression->biases()[0], regression->biases()[1], 1e-6);
+  Eigen::VectorXf sample(1);
+  sample << 1;
+  EXPECT_NEAR(regression->probabilities(sample)[0], 1 / (1 + std::exp(-2 * low)), 1e-6);
+}
+
+TEST(SoftmaxRegression, SeparatesSeparableClasses) {
+  std::vector<int> labels;
+  const auto samples = clouds({{0, 0}, {5, 0}, {0, 5}}, 30, 0.5F, labels);
+  const auto regression = SoftmaxRegression::train(samples, labels, 3, {});
+  ASSERT_OK(regression);
+  for (Eigen::Index i = 0; i < samples.rows(); ++i) {
+    const Eigen::VectorXf probabilities = regression->probabilities(samples.row(i));
+    EXPECT_NEAR(probabilities.sum(), 1, 1e-5);
+    Eigen::Index best = 0;
+    probabilities.maxCoeff(&best);
+    EXPECT_EQ(best, labels[static_cast<std::size_t>(i)]);
+  }
+}
+
+TEST(SoftmaxRegression, ClassesWeighTheSameHoweverManySamplesEachHas) {
+  // The same samples, those of class 1 given nine times: nothing may change.
+  std::vector<int> labels;
+  const auto samples = clouds({{0, 0}, {1, 0}}, 20, 1, labels);
+  Eigen::MatrixXf unbalanced(20 + 9 * 20, 2);
+  unbalanced << samples.topRows(20), samples.bottomRows(20).replicate(9, 1);
+  std::vector<int> unbalanced_labels(20, 0);
+  unbalanced_labels.resize(200, 1);
+  SoftmaxOptions options;
+  options.gradient_tolerance = 1e-8;
+  const auto even = SoftmaxRegression::train(samples, labels, 2, options);
+  const auto uneven = SoftmaxRegression::train(unbalanced, unbalanced_labels, 2, options);
+  ASSERT_OK(even);
+  ASSERT_OK(uneven);
+  EXPECT_TRUE(even->weights().isApprox(uneven->weights(), 1e-4F));
+  EXPECT_TRUE(even->biases().isApprox(uneven->biases(), 1e-4F));
+}
+
+TEST(SoftmaxRegression, WeightDecayKeepsTheWeightsSmall) {
+  std::vector<int> labels;
+  const auto samples = clouds({{0, 0}, {3, 0}}, 20, 0.5F, labels);
+  SoftmaxOptions weak;
+  weak.weight_decay = 1e-4;
+  SoftmaxOptions strong;
+  strong.weight_decay = 1;
+  EXPECT_GT(SoftmaxRegression::train(samples, labels, 2, weak)->weights().norm(),
+            10 * SoftmaxRegression::train(samples, labels, 2, strong)->weights().norm());
+}
+
+TEST(SoftmaxRegression, IsTheSameEveryTime) {
+  std::vector<int> labels;
+  const auto samples = clouds({{0, 0}, {1, 0}, {0, 1}}, 25, 1, labels);
+  const auto first = SoftmaxRegression::train(samples, labels, 3, {});
+  const auto second = SoftmaxRegression::train(samples, labels, 3, {});
+  EXPECT_EQ(first->weights(), second->weights());
+  EXPECT_EQ(first->biases(), second->biases());
+}
+
+TEST(SoftmaxRegression, LargeLogitsDoNotOverflow) {
+  Eigen::MatrixXf weights(2, 1);
+  weights << 1e4F, -1e4F;
+  const SoftmaxRegression regression(weights, Eigen::VectorXf::Zero(2));
+  Eigen::VectorXf sample(1);
+  sample << 1;
+  EXPECT_FLOAT_EQ(regression.probabilities(sample)[0], 1);
+  EXPECT_FLOAT_EQ(regression.probabilities(sample)[1], 0);
+}
+
+TEST(SoftmaxRegression, RefusesWhatCannotBeLearned) {
+  Eigen::MatrixXf samples = Eigen::MatrixXf::Zero(3, 2);
+  const std::vector<int> labels = {0, 1, 0};
+  EXPECT_ERROR(SoftmaxRegression::train(samples, labels, 3, {}), "class 2 has no sample");
+  EXPECT_ERROR(SoftmaxRegression::train(samples, labels, 1, {}), "sample 1 has the label 1");
+  EXPECT_ERROR(SoftmaxRegression::train(samples, std::vector<int>{0, 1}, 2, {}), "3 samples but 2");
+  samples(1, 1) = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_ERROR(SoftmaxRegression::train(samples, labels, 2, {}), "sample 1 holds a value");
+  SoftmaxOptions options;
+  options.weight_decay = -1;
+  EXPECT_ERROR(SoftmaxRegression::train(samples, labels, 2, options), "weight_decay");
+}
+
+}  // namespace
+}  // namespace roomwise::rooms

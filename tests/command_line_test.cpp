@@ -1,0 +1,137 @@
+// The program as its users meet it: what it prints, where, and its exit code.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "roomwise/base/file.h"
+#include "roomwise/base/testing.h"
+#include "run_program.h"
+
+namespace roomwise {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+using ::testing::StartsWith;
+using testing::ProgramResult;
+using testing::run_roomwise;
+using testing::ScratchFolder;
+using Words = std::vector<std::string>;
+
+// A failure is one line on standard error that begins with the program's name, and nothing else.
+void expect_failure(const ProgramResult& result, int exit_code, const std::string& text) {
+  EXPECT_EQ(result.exit_code, exit_code);
+  EXPECT_THAT(result.output, IsEmpty());
+  EXPECT_THAT(result.errors, StartsWith("roomwise: "));
+  EXPECT_THAT(result.errors, HasSubstr(text));
+  EXPECT_EQ(std::ranges::count(result.errors, '\n'), 1) << result.errors;
+}
+
+// The words under "Subcommands:" of a --help.
+Words subcommands_in(const std::string& help) {
+  Words names;
+  bool listed = false;
+  std::istringstream lines(help);
+  for (std::string line; std::getline(lines, line);) {
+    if (line == "Subcommands:") {
+      listed = true;
+    } else if (line.empty()) {
+      listed = false;
+    } else if (listed && line.starts_with("  ") && line[2] != ' ') {
+      names.push_back(line.substr(2, line.find(' ', 2) - 2));
+    }
+  }
+  return names;
+}
+
+// Asks `command` and all commands under it for help.
+void expect_helpful(const Words& command, std::vector<Words>& found) {
+  Words arguments = command;
+  arguments.emplace_back("--help");
+  const ProgramResult help = run_roomwise(arguments);
+  const std::string name = ::testing::PrintToString(command);
+  EXPECT_EQ(help.exit_code, 0) << name;
+  EXPECT_THAT(help.errors, IsEmpty()) << name;
+  EXPECT_THAT(help.output, HasSubstr("Example:\n  roomwise")) << name;
+  const Words subcommands = subcommands_in(help.output);
+  if (subcommands.empty()) {
+    for (const char* shared : {"--json", "--seed", "--threads"}) {
+      EXPECT_THAT(help.output, HasSubstr(shared)) << name;
+    }
+    found.push_back(command);
+  }
+  for (const std::string& subcommand : subcommands) {
+    Words next = command;
+    next.push_back(subcommand);
+    expect_helpful(next, found);
+  }
+}
+
+TEST(CommandLine, EveryCommandHasHelpWithAnExampleAndTheSharedOptions) {
+  std::vector<Words> commands;
+  expect_helpful({}, commands);
+  EXPECT_THAT(commands, ::testing::IsSupersetOf({Words{"optimize"}, Words{"record"},
+                                                 Words{"eval", "trajectory"}, Words{"info"},
+                                                 Words{"export", "ply"}, Words{"concepts", "add"},
+                                                 Words{"objects", "list"}}));
+}
+
+TEST(CommandLine, WrongUsageIsExitCodeTwo) {
+  expect_failure(run_roomwise({}), 2, "roomwise --help");
+  expect_failure(run_roomwise({"dance"}), 2, "dance");
+  expect_failure(run_roomwise({"optimize", "--fast"}), 2, "roomwise optimize --help");
+  expect_failure(run_roomwise({"optimize", "in.g2o"}), 2, "--output");
+  expect_failure(run_roomwise({"eval"}), 2, "roomwise eval --help");
+  expect_failure(run_roomwise({"info", "x", "--threads", "0"}), 2, "--threads");
+  expect_failure(run_roomwise({"info", "x", "--seed", "-1"}), 2, "--seed");
+}
+
+TEST(CommandLine, TellsItsVersion) {
+  const ProgramResult version = run_roomwise({"--version"});
+  EXPECT_EQ(version.exit_code, 0);
+  EXPECT_THAT(version.output, ::testing::MatchesRegex("[0-9]+\\.[0-9]+\\.[0-9]+\n"));
+}
+
+// Two poses that the odometry and a second measurement place at 1 m and at 1.2 m: F is least in the
+// middle, where each is 0.1 m off.
+constexpr const char* kTwoPoses =
+    "VERTEX_SE3:QUAT 0 0 0 0 0 0 0 1\n"
+    "VERTEX_SE3:QUAT 1 1 0 0 0 0 0 1\n"
+    "EDGE_SE3:QUAT 0 1 1 0 0 0 0 0 1 1 0 0 0 0 0 1 0 0 0 0 1 0 0 0 1 0 0 1 0 1\n"
+    "EDGE_SE3:QUAT 0 1 1.2 0 0 0 0 0 1 1 0 0 0 0 0 1 0 0 0 0 1 0 0 0 1 0 0 1 0 1\n";
+
+TEST(Optimize, PrintsTheErrorBeforeAndAfterAndWritesTheGraph) {
+  const ScratchFolder folder;
+  ASSERT_OK(write_file(folder / "in.g2o", kTwoPoses));
+  const ProgramResult result =
+      run_roomwise({"optimize", folder / "in.g2o", "-o", folder / "out.g2o", "--json"});
+  ASSERT_EQ(result.exit_code, 0) << result.errors;
+  const auto json = nlohmann::json::parse(result.output);
+  EXPECT_NEAR(json.at("f_before").get<double>(), 0.04, 1e-9);
+  EXPECT_NEAR(json.at("f_after").get<double>(), 0.02, 1e-6);
+
+  const ProgramResult again =
+      run_roomwise({"optimize", folder / "out.g2o", "-o", folder / "out.g2o"});
+  EXPECT_EQ(again.exit_code, 0);
+  EXPECT_THAT(again.output, HasSubstr("F before 0.02\n"));
+}
+
+TEST(Optimize, NamesTheFileThatIsWrong) {
+  const ScratchFolder folder;
+  expect_failure(run_roomwise({"optimize", folder / "absent.g2o", "-o", folder / "out.g2o"}), 1,
+                 "absent.g2o");
+  ASSERT_OK(write_file(folder / "in.g2o", "VERTEX_SE3:QUAT 0 0 0\n"));
+  expect_failure(run_roomwise({"optimize", folder / "in.g2o", "-o", folder / "out.g2o"}), 1,
+                 "in.g2o:1");
+  ASSERT_OK(write_file(folder / "in.g2o", kTwoPoses));
+  expect_failure(run_roomwise({"optimize", folder / "in.g2o", "-o", folder / "no" / "out.g2o"}), 1,
+                 "out.g2o");
+}
+
+}  // namespace
+}  // namespace roomwise

@@ -1,0 +1,142 @@
+// From a recording to a home and what is made of it, command by command.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "made_up_recording.h"
+#include "roomwise/base/file.h"
+#include "roomwise/base/testing.h"
+#include "run_program.h"
+
+namespace roomwise {
+namespace {
+
+using ::testing::HasSubstr;
+using nlohmann::json;
+using testing::ProgramResult;
+using testing::run_roomwise;
+using testing::ScratchFolder;
+
+// Runs a command that must succeed and returns what it prints with --json.
+json result_of(std::vector<std::string> arguments) {
+  arguments.emplace_back("--json");
+  const ProgramResult result = run_roomwise(arguments);
+  EXPECT_EQ(result.exit_code, 0) << result.errors;
+  return result.exit_code == 0 ? json::parse(result.output) : json();
+}
+
+// A home mapped from a made-up recording; all tests look at the same one.
+class HomeCommandsTest : public ::testing::Test {
+ protected:
+  static constexpr int kFrames = 24;
+
+  static void SetUpTestSuite() {
+    folder_ = std::make_unique<ScratchFolder>();
+    testing::write_made_up_recording(*folder_ / "walk", kFrames);
+    mapped_ = result_of({"map", path("walk"), "--home", path("my.home")});
+  }
+  static void TearDownTestSuite() { folder_.reset(); }
+  static std::string path(const std::string& name) { return *folder_ / name; }
+
+  inline static std::unique_ptr<ScratchFolder> folder_;
+  inline static json mapped_;
+};
+
+TEST_F(HomeCommandsTest, MapPlacesEveryFrameWhereTheCameraWas) {
+  EXPECT_EQ(mapped_.at("frames"), kFrames);
+  EXPECT_EQ(mapped_.at("placed"), kFrames);
+  const json exported =
+      result_of({"export", "tum", "--home", path("my.home"), "-o", path("trajectory.txt")});
+  EXPECT_EQ(exported.at("poses"), kFrames);
+  const json error = result_of({"eval", "trajectory", "--truth", path("walk"), "--estimate",
+                                path("trajectory.txt"), "--plot", path("plot.svg")});
+  EXPECT_EQ(error.at("pairs"), kFrames);
+  EXPECT_LT(error.at("ate_rmse_m").get<double>(), 0.01);
+  EXPECT_THAT(read_text_file(path("plot.svg")).value(), HasSubstr("<svg"));
+}
+
+TEST_F(HomeCommandsTest, ExportWritesTheCloudAndThePoseGraph) {
+  const json ply = result_of({"export", "ply", "--home", path("my.home"), "-o", path("my.ply")});
+  EXPECT_GT(ply.at("points").get<int>(), 1000);
+  EXPECT_THAT(read_text_file(path("my.ply")).value(), HasSubstr("element vertex"));
+  const json graph = result_of({"export", "g2o", "--home", path("my.home"), "-o", path("my.g2o")});
+  EXPECT_EQ(graph.at("poses"), mapped_.at("keyframes"));
+  const json info = result_of({"info", path("my.g2o")});
+  EXPECT_EQ(info.at("poses"), mapped_.at("keyframes"));
+}
+
+TEST_F(HomeCommandsTest, InfoSaysWhatAFileIs) {
+  const json home = result_of({"info", path("my.home"), "--digest", "--verify"});
+  EXPECT_EQ(home.at("kind"), "home");
+  EXPECT_EQ(home.at("frames"), kFrames);
+  EXPECT_EQ(home.at("keyframes"), mapped_.at("keyframes"));
+  EXPECT_EQ(home.at("content_sha256").get<std::string>().size(), 64U);
+  const json walk = result_of({"info", path("walk")});
+  EXPECT_EQ(walk.at("kind"), "recording");
+  EXPECT_EQ(walk.at("frames"), kFrames);
+  EXPECT_EQ(walk.at("rooms"), "hall, kitchen");
+  ASSERT_OK(write_file(path("notes.txt"), "buy milk"));
+  const ProgramResult unknown = run_roomwise({"info", path("notes.txt")});
+  EXPECT_EQ(unknown.exit_code, 1);
+  EXPECT_THAT(unknown.errors, HasSubstr("notes.txt"));
+}
+
+TEST_F(HomeCommandsTest, ConceptsAreEdited) {
+  std::filesystem::copy_file(path("my.home"), path("concepts.home"));
+  const std::string home = path("concepts.home");
+  json concepts = result_of({"concepts", "add", "--home", home, "--object", "bathtub", "--label",
+                             "tub", "--label", "bathtub", "--room-type", "bathroom"});
+  EXPECT_EQ(concepts.at("objects").at("bathtub"), json({"bathtub", "tub"}));
+  EXPECT_EQ(concepts.at("room_types").at("bathroom"), json({"bathtub"}));
+
+  concepts = result_of(
+      {"concepts", "remove", "--home", home, "--object", "bathtub", "--room-type", "bathroom"});
+  EXPECT_TRUE(concepts.at("objects").contains("bathtub"));
+  EXPECT_EQ(concepts.at("room_types").at("bathroom"), json::array());
+  result_of({"concepts", "remove", "--home", home, "--object", "bathtub", "--label", "tub"});
+  concepts = result_of({"concepts", "list", "--home", home});
+  EXPECT_EQ(concepts.at("objects").at("bathtub"), json({"bathtub"}));
+  result_of({"concepts", "remove", "--home", home, "--object", "bathtub"});
+  result_of({"concepts", "remove", "--home", home, "--room-type", "bathroom"});
+  EXPECT_EQ(result_of({"concepts", "list", "--home", home}), result_of({"concepts", "list"}));
+
+  EXPECT_EQ(run_roomwise({"concepts", "remove", "--home", home, "--object", "unicorn"}).exit_code,
+            1);
+  EXPECT_EQ(run_roomwise({"concepts", "add", "--home", home}).exit_code, 2);
+}
+
+TEST_F(HomeCommandsTest, ObjectsOfAHomeWithoutANetworkAreNone) {
+  EXPECT_EQ(result_of({"objects", "list", "--home", path("my.home")}),
+            json({{"objects", json::array()}}));
+}
+
+TEST_F(HomeCommandsTest, RecordCopiesARecordingWithItsRoomsAndTruth) {
+  const json recorded = result_of(
+      {"record", "--source", path("walk"), "-o", path("copy"), "--frames", "20", "--threads", "1"});
+  EXPECT_EQ(recorded.at("frames"), 20);
+  const auto text = [](const std::string& file) { return read_text_file(file).value(); };
+  EXPECT_EQ(text(path("copy/groundtruth.txt")), text(path("walk/groundtruth.txt")));
+  EXPECT_THAT(text(path("copy/rooms.txt")), HasSubstr("0 11 hall 1\n12 19 kitchen 1\n"));
+  const json copied = result_of({"info", path("copy")});
+  EXPECT_EQ(copied.at("frames"), 20);
+}
+
+TEST_F(HomeCommandsTest, RecordNamesTheRoomItStartsIn) {
+  result_of({"record", "--source", path("walk"), "-o", path("named"), "--room", "my room",
+             "--seconds", "0.5"});
+  EXPECT_THAT(read_text_file(path("named/rooms.txt")).value(), HasSubstr("my room"));
+  EXPECT_EQ(result_of({"info", path("named")}).at("frames"), 6);
+}
+
+TEST_F(HomeCommandsTest, JsonFileHoldsTheSameAsJson) {
+  const ProgramResult result =
+      run_roomwise({"info", path("walk"), "--json", "--json-file", path("info.json")});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_EQ(read_text_file(path("info.json")).value(), result.output);
+}
+
+}  // namespace
+}  // namespace roomwise

@@ -1,0 +1,76 @@
+#include "made_up_recording.h"
+
+#include <cmath>
+
+#include "roomwise/base/random.h"
+#include "roomwise/recording/trajectory_file.h"
+#include "roomwise/recording/tum_writer.h"
+
+namespace roomwise::testing {
+namespace {
+
+constexpr double kWallDistance_m = 2.0;
+constexpr int kPatternCell_px = 6;
+constexpr TimestampNs kFramePeriod_ns = 100'000'000;
+
+geometry::PinholeCamera made_up_camera() {
+  geometry::PinholeCamera camera;
+  camera.fx = camera.fy = 300;
+  camera.cx = 159.5;
+  camera.cy = 119.5;
+  camera.width = 320;
+  camera.height = 240;
+  return camera;
+}
+
+// How far the wall has moved through the picture in the n-th frame, whole pixels.
+struct Shift {
+  int x = 0;
+  int y = 0;
+};
+Shift shift_at(int frame) {
+  return {3 * frame, static_cast<int>(std::lround(20 * std::sin(0.2 * frame)))};
+}
+
+// The wall's brightness is the same wherever it is seen from.
+std::uint8_t wall_at(int x, int y) {
+  const auto cell = [](int v) { return static_cast<std::uint64_t>(v / kPatternCell_px + 1000); };
+  return static_cast<std::uint8_t>(RandomStream(1, {cell(x), cell(y)}).index(256));
+}
+
+image::ColorImage picture_of_wall(const geometry::PinholeCamera& camera, Shift shift) {
+  image::ColorImage picture(camera.width, camera.height);
+  for (int y = 0; y < camera.height; ++y) {
+    for (int x = 0; x < camera.width; ++x) {
+      const std::uint8_t gray = wall_at(x + shift.x + 600, y + shift.y + 600);
+      picture.at(x, y) = {gray, gray, gray};
+    }
+  }
+  return picture;
+}
+
+}  // namespace
+
+void write_made_up_recording(const std::filesystem::path& folder, int frames) {
+  const geometry::PinholeCamera camera = made_up_camera();
+  auto writer = recording::TumWriter::create(folder, camera).value();
+  recording::Trajectory truth;
+  const auto depth = static_cast<std::uint16_t>(kWallDistance_m * camera.depth_units_per_metre);
+  for (int i = 0; i < frames; ++i) {
+    const Shift shift = shift_at(i);
+    image::RgbdFrame frame;
+    frame.index = static_cast<std::uint64_t>(i);
+    frame.timestamp_ns = (i + 1) * kFramePeriod_ns;
+    frame.color = picture_of_wall(camera, shift);
+    frame.depth = image::DepthImage(camera.width, camera.height, depth);
+    writer->name_room(i < frames / 2 ? "hall" : "kitchen").value();
+    writer->write(frame).value();
+    const Eigen::Vector3d place(shift.x * kWallDistance_m / camera.fx,
+                                shift.y * kWallDistance_m / camera.fy, 0);
+    truth.push_back({frame.timestamp_ns, {Eigen::Quaterniond::Identity(), place}});
+  }
+  writer->close().value();
+  recording::write_trajectory(folder / "groundtruth.txt", truth).value();
+}
+
+}  // namespace roomwise::testing

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace roomwise::testing {
+
+struct ProgramResult {
+  int exit_code = -1;  // 128 + the signal's number where a signal ended it
+  std::string output;  // standard output
+  std::string errors;  // standard error
+};
+
+// Runs build/.../bin/roomwise with these arguments and waits for its end. Its standard input is
+// empty, and ROOMWISE_MODELS names a folder without networks.
+ProgramResult run_roomwise(const std::vector<std::string>& arguments);
+
+}  // namespace roomwise::testing
