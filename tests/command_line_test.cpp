@@ -17,10 +17,10 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
-using ::testing::StartsWith;
 using testing::ProgramResult;
 using testing::run_roomwise;
 using testing::ScratchFolder;
+using ::testing::StartsWith;
 using Words = std::vector<std::string>;
 
 // A failure is one line on standard error that begins with the program's name, and nothing else.
@@ -75,10 +75,10 @@ void expect_helpful(const Words& command, std::vector<Words>& found) {
 TEST(CommandLine, EveryCommandHasHelpWithAnExampleAndTheSharedOptions) {
   std::vector<Words> commands;
   expect_helpful({}, commands);
-  EXPECT_THAT(commands, ::testing::IsSupersetOf({Words{"optimize"}, Words{"record"},
-                                                 Words{"eval", "trajectory"}, Words{"info"},
-                                                 Words{"export", "ply"}, Words{"concepts", "add"},
-                                                 Words{"objects", "list"}}));
+  EXPECT_THAT(commands,
+              ::testing::IsSupersetOf(
+                  {Words{"optimize"}, Words{"record"}, Words{"eval", "trajectory"}, Words{"info"},
+                   Words{"export", "ply"}, Words{"concepts", "add"}, Words{"objects", "list"}}));
 }
 
 TEST(CommandLine, WrongUsageIsExitCodeTwo) {

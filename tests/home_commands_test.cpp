@@ -14,8 +14,8 @@
 namespace roomwise {
 namespace {
 
-using ::testing::HasSubstr;
 using nlohmann::json;
+using ::testing::HasSubstr;
 using testing::ProgramResult;
 using testing::run_roomwise;
 using testing::ScratchFolder;
@@ -35,7 +35,7 @@ class HomeCommandsTest : public ::testing::Test {
 
   static void SetUpTestSuite() {
     folder_ = std::make_unique<ScratchFolder>();
-    testing::write_made_up_recording(*folder_ / "walk", kFrames);
+    EXPECT_OK(testing::write_made_up_recording(*folder_ / "walk", kFrames));
     mapped_ = result_of({"map", path("walk"), "--home", path("my.home")});
   }
   static void TearDownTestSuite() { folder_.reset(); }

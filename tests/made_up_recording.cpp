@@ -51,9 +51,9 @@ image::ColorImage picture_of_wall(const geometry::PinholeCamera& camera, Shift s
 
 }  // namespace
 
-void write_made_up_recording(const std::filesystem::path& folder, int frames) {
+Expected<void> write_made_up_recording(const std::filesystem::path& folder, int frames) {
   const geometry::PinholeCamera camera = made_up_camera();
-  auto writer = recording::TumWriter::create(folder, camera).value();
+  ROOMWISE_TRY(const auto writer, recording::TumWriter::create(folder, camera));
   recording::Trajectory truth;
   const auto depth = static_cast<std::uint16_t>(kWallDistance_m * camera.depth_units_per_metre);
   for (int i = 0; i < frames; ++i) {
@@ -63,14 +63,14 @@ void write_made_up_recording(const std::filesystem::path& folder, int frames) {
     frame.timestamp_ns = (i + 1) * kFramePeriod_ns;
     frame.color = picture_of_wall(camera, shift);
     frame.depth = image::DepthImage(camera.width, camera.height, depth);
-    writer->name_room(i < frames / 2 ? "hall" : "kitchen").value();
-    writer->write(frame).value();
+    ROOMWISE_CHECK_OK(writer->name_room(i < frames / 2 ? "hall" : "kitchen"));
+    ROOMWISE_CHECK_OK(writer->write(frame));
     const Eigen::Vector3d place(shift.x * kWallDistance_m / camera.fx,
                                 shift.y * kWallDistance_m / camera.fy, 0);
     truth.push_back({frame.timestamp_ns, {Eigen::Quaterniond::Identity(), place}});
   }
-  writer->close().value();
-  recording::write_trajectory(folder / "groundtruth.txt", truth).value();
+  ROOMWISE_CHECK_OK(writer->close());
+  return recording::write_trajectory(folder / "groundtruth.txt", truth);
 }
 
 }  // namespace roomwise::testing

@@ -48,8 +48,8 @@ ProgramResult run_roomwise(const std::vector<std::string>& arguments) {
   posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, output.c_str(), O_WRONLY | O_CREAT, 0600);
   posix_spawn_file_actions_addopen(&files, STDERR_FILENO, errors.c_str(), O_WRONLY | O_CREAT, 0600);
   pid_t child = -1;
-  const int spawned = posix_spawn(&child, program.c_str(), &files, nullptr, argv.data(),
-                                  environment.data());
+  const int spawned =
+      posix_spawn(&child, program.c_str(), &files, nullptr, argv.data(), environment.data());
   posix_spawn_file_actions_destroy(&files);
   if (spawned != 0) std::abort();
 

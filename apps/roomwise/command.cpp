@@ -24,6 +24,16 @@ std::string reached_command(const CLI::App& app) {
   return path;
 }
 
+// What is wrong with the command line. A word that nothing takes is named first: it explains better
+// than what CLI11 misses instead of it.
+std::string describe(const CLI::App& app, const CLI::ParseError& error) {
+  const std::vector<std::string> unknown = app.remaining(true);
+  if (unknown.empty() || unknown.front() == "--") return error.what();
+  const bool is_option = unknown.front().starts_with('-');
+  return fmt::format("'{}' is not {}", unknown.front(),
+                     is_option ? "an option here" : "expected here");
+}
+
 // CLI11's messages may run over several lines; an error is one.
 std::string on_one_line(std::string message) {
   while (!message.empty() && message.back() == '\n') message.pop_back();
@@ -80,6 +90,7 @@ CLI::App* add_command(CLI::App& parent, Context& context, const std::string& nam
       ->type_name("FILE");
   command->add_option("--seed", context.seed, "Seed of everything random; same seed, same result")
       ->type_name("N")
+      ->check(CLI::NonNegativeNumber.description(""))
       ->capture_default_str();
   command->add_option("--threads", context.threads, "Threads to use (default: all processors)")
       ->type_name("N")
@@ -103,8 +114,8 @@ int run(CLI::App& app, Context& context, int argc, const char* const* argv) {
   } catch (const CLI::Success& help_or_version) {
     return app.exit(help_or_version);
   } catch (const CLI::ParseError& error) {
-    std::cerr << "roomwise: " << on_one_line(error.what()) << "; run '" << reached_command(app)
-              << " --help' to see how it is used\n";
+    std::cerr << "roomwise: " << on_one_line(describe(app, error)) << "; run '"
+              << reached_command(app) << " --help' to see how it is used\n";
     return kUsage;
   }
   const Expected<Answer> answer = carry_out(context.chosen);

@@ -36,9 +36,9 @@ struct Context {
 };
 
 // Declares the command NAME under `parent`, with the options that every command has (--json,
-// --json-file, --seed, --threads) and `example` at the foot of its --help. The caller adds the command's own
-// options to what is returned. `body` runs once the whole command line has been read; its error
-// becomes "roomwise: MESSAGE" on standard error and exit code 1.
+// --json-file, --seed, --threads) and `example` at the foot of its --help. The caller adds the
+// command's own options to what is returned. `body` runs once the whole command line has been read;
+// its error becomes "roomwise: MESSAGE" on standard error and exit code 1.
 CLI::App* add_command(CLI::App& parent, Context& context, const std::string& name,
                       const std::string& description, const std::string& example,
                       std::function<Expected<Answer>()> body);

@@ -99,7 +99,8 @@ Expected<void> remove(Concepts& concepts, const Options& options) {
   }
   std::set<std::string> kept = object->second;
   for (const std::string& label : options.labels) {
-    if (std::erase_if(kept, [&](const auto& own) { return objects::same_label(own, label); }) == 0) {
+    if (std::erase_if(kept, [&](const auto& own) { return objects::same_label(own, label); }) ==
+        0) {
       return fail("'{}' does not mean '{}'", label, options.object);
     }
   }
@@ -150,9 +151,9 @@ void add_concept_options(CLI::App& command, Options& options) {
 }  // namespace
 
 void add_concepts_commands(CLI::App& app, Context& context) {
-  CLI::App* group = add_group(app, "concepts",
-                              "The objects and room types that count, and which room has which",
-                              "roomwise concepts list --home my.home");
+  CLI::App* group =
+      add_group(app, "concepts", "The objects and room types that count, and which room has which",
+                "roomwise concepts list --home my.home");
   auto options = std::make_shared<Options>();
 
   CLI::App* list_command = add_command(
@@ -164,11 +165,11 @@ void add_concepts_commands(CLI::App& app, Context& context) {
       *group, context, "add", "Add an object, labels of it, or a room type that has it",
       "roomwise concepts add --home my.home --object bathtub --label tub --room-type bathroom",
       [options] { return edit(*options, true); });
-  CLI::App* remove_command = add_command(
-      *group, context, "remove",
-      "Remove an object, a room type, or (both given) the object from the room type",
-      "roomwise concepts remove --home my.home --object lamp --room-type bedroom",
-      [options] { return edit(*options, false); });
+  CLI::App* remove_command =
+      add_command(*group, context, "remove",
+                  "Remove an object, a room type, or (both given) the object from the room type",
+                  "roomwise concepts remove --home my.home --object lamp --room-type bedroom",
+                  [options] { return edit(*options, false); });
   for (CLI::App* command : {add_command_, remove_command}) {
     add_concept_options(*command, *options);
     command->final_callback([options] {

@@ -33,8 +33,8 @@ Json to_json(const ErrorStatistics& error) {
           {"std", error.std},   {"min", error.min},   {"max", error.max}};
 }
 
-Answer describe(const AbsoluteTrajectoryError& absolute, const Expected<RelativePoseError>& relative,
-                double delta_s) {
+Answer describe(const AbsoluteTrajectoryError& absolute,
+                const Expected<RelativePoseError>& relative, double delta_s) {
   Answer answer;
   const ErrorStatistics& error_m = absolute.error_m;
   answer.text = fmt::format(
@@ -49,9 +49,9 @@ Answer describe(const AbsoluteTrajectoryError& absolute, const Expected<Relative
                  {"best_scale", absolute.best_scale},
                  {"scaled_ate_rmse_m", absolute.scaled_rmse_m}};
   if (relative) {
-    answer.text += fmt::format("RPE over {:g} s: {:.4f} m RMSE, {:.3f} degrees RMSE ({} pairs)\n",
-                               delta_s, relative->translation_m.rmse, relative->rotation_deg.rmse,
-                               relative->count);
+    answer.text +=
+        fmt::format("RPE over {:g} s: {:.4f} m RMSE, {:.3f} degrees RMSE ({} pairs)\n", delta_s,
+                    relative->translation_m.rmse, relative->rotation_deg.rmse, relative->count);
     answer.json["rpe"] = {{"delta_s", delta_s},
                           {"count", relative->count},
                           {"translation_m", to_json(relative->translation_m)},
@@ -113,8 +113,7 @@ void add_eval_commands(CLI::App& app, Context& context) {
       ->check(CLI::NonNegativeNumber.description(""))
       ->capture_default_str();
   command
-      ->add_option("--delta", options->delta_s,
-                   "Over how long the relative error is measured, s")
+      ->add_option("--delta", options->delta_s, "Over how long the relative error is measured, s")
       ->check(CLI::PositiveNumber.description(""))
       ->capture_default_str();
 }

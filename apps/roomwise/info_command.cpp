@@ -147,8 +147,8 @@ Expected<Answer> describe_picture(const fs::path& path) {
     facts.add("width", depth->width());
     facts.add("height", depth->height());
     const auto measured = std::ranges::count_if(depth->pixels(), [](auto d) { return d != 0; });
-    facts.add("measured", static_cast<double>(measured) /
-                              static_cast<double>(depth->pixels().size()));
+    facts.add("measured",
+              static_cast<double>(measured) / static_cast<double>(depth->pixels().size()));
     return std::move(facts).answer();
   }
   ROOMWISE_TRY(const image::ColorImage color, image::read_color(path));

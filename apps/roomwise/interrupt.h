@@ -2,8 +2,8 @@
 
 namespace roomwise::app {
 
-// From now on the first Ctrl-C (SIGINT) or SIGTERM only asks the work to stop, which then saves what
-// it has; a second one ends the program at once.
+// From now on the first Ctrl-C (SIGINT) or SIGTERM only asks the work to stop, which then saves
+// what it has; a second one ends the program at once.
 void catch_interrupts();
 
 // True once the user asked to stop.

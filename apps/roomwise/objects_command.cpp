@@ -38,13 +38,13 @@ Expected<std::vector<PlacedObject>> placed_objects(const home::Home& home) {
 
 std::string describe(const PlacedObject& entry) {
   const auto& position = entry.position_world;
-  return fmt::format(
-      "{:<16} {:.2f}  in {} key-frames, best {} (frame {})  {}{}\n", entry.object.name,
-      entry.object.score, entry.object.sightings, entry.object.keyframe_id,
-      entry.keyframe.frame_index,
-      position ? fmt::format("at {:.2f} {:.2f} {:.2f} m", position->x(), position->y(), position->z())
-               : "place not known",
-      entry.room.empty() ? "" : ", " + entry.room);
+  return fmt::format("{:<16} {:.2f}  in {} key-frames, best {} (frame {})  {}{}\n",
+                     entry.object.name, entry.object.score, entry.object.sightings,
+                     entry.object.keyframe_id, entry.keyframe.frame_index,
+                     position ? fmt::format("at {:.2f} {:.2f} {:.2f} m", position->x(),
+                                            position->y(), position->z())
+                              : "place not known",
+                     entry.room.empty() ? "" : ", " + entry.room);
 }
 
 Json to_json(const PlacedObject& entry) {
@@ -79,10 +79,9 @@ void add_objects_commands(CLI::App& app, Context& context) {
   CLI::App* group = add_group(app, "objects", "The objects that were found in a home",
                               "roomwise objects list --home my.home");
   auto home = std::make_shared<std::filesystem::path>();
-  CLI::App* command = add_command(*group, context, "list",
-                                  "List the objects with score, place and the room they stand in",
-                                  "roomwise objects list --home my.home --json",
-                                  [home] { return list(*home); });
+  CLI::App* command = add_command(
+      *group, context, "list", "List the objects with score, place and the room they stand in",
+      "roomwise objects list --home my.home --json", [home] { return list(*home); });
   command->add_option("--home", *home, "Home file")->required();
 }
 

@@ -28,12 +28,9 @@ Expected<Answer> run(const Options& options) {
       "wrote {}\n",
       graph.world_from_node.size(), graph.edges.size(), report.error_before, report.error_after,
       report.iterations, report.converged ? "" : ", not converged", options.output.string());
-  answer.json = {{"poses", graph.world_from_node.size()},
-                 {"edges", graph.edges.size()},
-                 {"f_before", report.error_before},
-                 {"f_after", report.error_after},
-                 {"iterations", report.iterations},
-                 {"converged", report.converged},
+  answer.json = {{"poses", graph.world_from_node.size()}, {"edges", graph.edges.size()},
+                 {"f_before", report.error_before},       {"f_after", report.error_after},
+                 {"iterations", report.iterations},       {"converged", report.converged},
                  {"output", options.output.string()}};
   return answer;
 }
@@ -44,8 +41,7 @@ void add_optimize_command(CLI::App& app, Context& context) {
   auto options = std::make_shared<Options>();
   CLI::App* command = add_command(
       app, context, "optimize", "Optimise the pose graph of a .g2o file; print F before and after",
-      "roomwise optimize sphere2500.g2o -o optimised.g2o",
-      [options] { return run(*options); });
+      "roomwise optimize sphere2500.g2o -o optimised.g2o", [options] { return run(*options); });
   command->add_option("IN", options->input, "Pose graph to read (.g2o, SE3)")->required();
   command->add_option("-o,--output", options->output, "Where to write it optimised")->required();
   command

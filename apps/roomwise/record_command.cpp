@@ -124,8 +124,7 @@ Expected<void> copy_frames(recording::FrameSource& source, recording::TumWriter&
     ROOMWISE_TRY(const std::optional<image::RgbdFrame> frame, source.next());
     if (!frame) break;
     if (!first_ns) first_ns = frame->timestamp_ns;
-    const double elapsed_s =
-        static_cast<double>(frame->timestamp_ns - *first_ns) * kSecondsPerNs;
+    const double elapsed_s = static_cast<double>(frame->timestamp_ns - *first_ns) * kSecondsPerNs;
     if (options.seconds && elapsed_s > *options.seconds) break;
     const std::optional<std::string> room = current.at(frame->index);
     ROOMWISE_CHECK_OK(writer.name_room(room));
@@ -178,17 +177,21 @@ void add_record_command(CLI::App& app, Context& context) {
       "roomwise record --source openni2 -o walk --room corridor",
       [options, &context] { return run(*options, context); });
   command
-      ->add_option("--source", options->source,
-                   "openni2 (the first camera found), openni2:URI (one camera, or an .oni file), or "
-                   "the folder of a recording")
+      ->add_option(
+          "--source", options->source,
+          "openni2 (the first camera found), openni2:URI (one camera, or an .oni file), or "
+          "the folder of a recording")
       ->required();
   command->add_option("-o,--output", options->output, "Folder to write; new or empty")->required();
   command->add_option("--room", options->room, "The room that the recording starts in");
-  command->add_option("--camera", options->camera,
-                      "Camera, instead of what the source says: fr1, fr2, fr3, kinect-v1, xtion, or "
-                      "a camera.txt");
-  command->add_option("--frames", options->frames, "Stop after so many frames");
-  command->add_option("--seconds", options->seconds, "Stop after so long, s of the frames' time");
+  command->add_option(
+      "--camera", options->camera,
+      "Camera, instead of what the source says: fr1, fr2, fr3, kinect-v1, xtion, or "
+      "a camera.txt");
+  command->add_option("--frames", options->frames, "Stop after so many frames")
+      ->check(CLI::NonNegativeNumber.description(""));
+  command->add_option("--seconds", options->seconds, "Stop after so long, s of the frames' time")
+      ->check(CLI::NonNegativeNumber.description(""));
 }
 
 }  // namespace roomwise::app

@@ -76,9 +76,9 @@ class TerminalProgress final : public Progress {
   std::string note_;
   TimeLeft time_left_;
   TimeLeft::Time started_;
-  TimeLeft::Time shown_;     // when the last line was written
-  int shown_percent_ = 0;    // what it said
-  bool line_open_ = false;   // on a terminal: the cursor stands in the progress line
+  TimeLeft::Time shown_;    // when the last line was written
+  int shown_percent_ = 0;   // what it said
+  bool line_open_ = false;  // on a terminal: the cursor stands in the progress line
 };
 
 }  // namespace roomwise::app

@@ -127,8 +127,9 @@ TEST_F(TerminalProgressTest, WritesAPlainLineEveryTenSecondsOfSlowOrEndlessWork)
     progress->advance(done, "room kitchen");
   }
   progress->end();
-  EXPECT_THAT(written_, ElementsAre("recording: 10, room kitchen\n", "recording: 20, room kitchen\n",
-                                    "recording: 25 in 0:25, room kitchen\n"));
+  EXPECT_THAT(written_,
+              ElementsAre("recording: 10, room kitchen\n", "recording: 20, room kitchen\n",
+                          "recording: 25 in 0:25, room kitchen\n"));
 }
 
 TEST_F(TerminalProgressTest, DoesNotFloodALogWithQuickWork) {

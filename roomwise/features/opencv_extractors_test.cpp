@@ -20,6 +20,14 @@ using testing::textured_picture;
 
 constexpr double kPi = std::numbers::pi;
 
+// As the pipeline does at its start: OpenCV starts no threads of its own. (The thread sanitizer
+// cannot see into those and would report races.)
+class OneOpenCvThread : public ::testing::Environment {
+  void SetUp() override { cv::setNumThreads(1); }
+};
+[[maybe_unused]] const auto* const kOneOpenCvThread =
+    ::testing::AddGlobalTestEnvironment(new OneOpenCvThread);
+
 const FeatureKind kAllKinds[] = {FeatureKind::kSurf, FeatureKind::kSift, FeatureKind::kOrb};
 
 bool same(const Features& a, const Features& b) {

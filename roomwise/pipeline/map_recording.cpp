@@ -99,12 +99,11 @@ Expected<void> restore(mapping::Mapper& mapper, const home::Home& home, home::Re
   return {};
 }
 
-// A frame's images as they are stored: what the camera gave, else encoded without loss of depth.
+// A frame's images as they are stored: what the camera gave, else encoded without loss, since a
+// resumed run finds its features in them again.
 home::KeyframeImages images_of(const image::RgbdFrame& frame) {
-  constexpr int kQuality = 95;
-  return {
-      frame.encoded_color.empty() ? image::encode_jpeg(frame.color, kQuality) : frame.encoded_color,
-      frame.encoded_depth.empty() ? image::encode_png(frame.depth) : frame.encoded_depth};
+  return {frame.encoded_color.empty() ? image::encode_png(frame.color) : frame.encoded_color,
+          frame.encoded_depth.empty() ? image::encode_png(frame.depth) : frame.encoded_depth};
 }
 
 // Writes what the mapper adds into the home, up to each new key-frame: a run that goes on from

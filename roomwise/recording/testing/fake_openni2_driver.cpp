@@ -175,8 +175,7 @@ class FakeDevice final : public oni::driver::DeviceBase {
     return ONI_STATUS_OK;
   }
   oni::driver::StreamBase* createStream(OniSensorType sensor) override {
-    const bool no_depth = sensor == ONI_SENSOR_DEPTH && uri_ == "fake:no-depth-frames";
-    return new FakeStream(sensor, begin_, no_depth);
+    return new FakeStream(sensor, begin_, uri_ == "fake:silent");
   }
   void destroyStream(oni::driver::StreamBase* stream) override { delete stream; }
 

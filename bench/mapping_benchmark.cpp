@@ -1,0 +1,183 @@
+// Maps real recordings with several seeds and kinds of features, and prints how good and how dear
+// that is:
+//   mapping_benchmark [SEEDS] [FEATURES ...]        for example: mapping_benchmark 5 surf orb
+// Each run is a process of its own, so that its processor time and peak memory are its own.
+// Recordings are looked for in ROOMWISE_DATA. No networks: this measures mapping alone.
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+#include <filesystem>
+#include <opencv2/core.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "roomwise/evaluation/trajectory_error.h"
+#include "roomwise/pipeline/map_recording.h"
+#include "roomwise/pipeline/room_learning.h"
+#include "roomwise/recording/tum_recording.h"
+
+namespace {
+
+using namespace roomwise;
+namespace fs = std::filesystem;
+
+struct Task {
+  std::string recording;
+  std::optional<geometry::PinholeCamera> camera;
+};
+
+// What a run sends to its parent: plain numbers.
+struct Run {
+  double frames = 0;
+  double placed = 0;
+  double ate_m = 0;
+  double rpe_m = 0;
+  double keyframes = 0;
+  double loops = 0;
+  double features_cpu_ms = 0;  // per frame, as the next two
+  double tracking_cpu_ms = 0;
+  double all_cpu_ms = 0;
+  double wall_s = 0;
+  double peak_mb = 0;
+};
+
+Expected<Run> map_once(const fs::path& folder, const Task& task, features::FeatureKind kind,
+                       std::uint64_t seed) {
+  ROOMWISE_TRY(const auto source, recording::TumRecording::open(folder, {.camera = task.camera}));
+  const fs::path file =
+      fs::temp_directory_path() / fmt::format("roomwise-benchmark-{}.home", getpid());
+  pipeline::MapSettings settings;
+  settings.features = kind;
+  settings.mapper.seed = seed;
+  Run result;
+  {
+    ROOMWISE_TRY(home::Home home, pipeline::create_home(file));
+    ThreadPool pool(ThreadPool::default_size());
+    SilentProgress silent;
+    StageClock clock;
+    pipeline::RunContext run{pool, silent, clock};
+    const auto start = std::chrono::steady_clock::now();
+    ROOMWISE_TRY(const pipeline::MapSummary summary,
+                 pipeline::map_recording(
+                     *source, {task.recording, folder.string(), source->info().camera, {}}, home,
+                     {}, settings, run));
+    result.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    ROOMWISE_TRY(const recording::Trajectory estimate, pipeline::stored_trajectory(home));
+    ROOMWISE_TRY(const recording::Trajectory truth,
+                 recording::read_trajectory(folder / "groundtruth.txt"));
+    ROOMWISE_TRY(const auto ate, evaluation::absolute_trajectory_error(truth, estimate));
+    ROOMWISE_TRY(const auto rpe, evaluation::relative_pose_error(truth, estimate));
+    result.frames = static_cast<double>(summary.frames);
+    result.placed = static_cast<double>(summary.placed);
+    result.keyframes = static_cast<double>(summary.keyframes);
+    result.loops = static_cast<double>(summary.loops);
+    result.ate_m = ate.error_m.rmse;
+    result.rpe_m = rpe.translation_m.rmse;
+    const auto stages = clock.stages();
+    const auto per_frame_ms = [&](double seconds) { return 1000 * seconds / result.frames; };
+    result.features_cpu_ms = per_frame_ms(stages.at("features").cpu_s);
+    result.tracking_cpu_ms = per_frame_ms(stages.at("tracking and loops").cpu_s);
+    result.all_cpu_ms = per_frame_ms(process_cpu_time_s());
+  }
+  fs::remove(file);
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  result.peak_mb = static_cast<double>(usage.ru_maxrss) / 1024;
+  return result;
+}
+
+// Runs in a child process.
+std::optional<Run> map_apart(const fs::path& folder, const Task& task, features::FeatureKind kind,
+                             std::uint64_t seed) {
+  std::array<int, 2> pipe_ends{};
+  if (pipe(pipe_ends.data()) != 0) return std::nullopt;
+  const pid_t child = fork();
+  if (child == 0) {
+    const Expected<Run> run = map_once(folder, task, kind, seed);
+    if (!run) {
+      fmt::print(stderr, "{}\n", run.error().message);
+      _exit(1);
+    }
+    _exit(write(pipe_ends[1], &*run, sizeof *run) == sizeof *run ? 0 : 1);
+  }
+  close(pipe_ends[1]);
+  Run run;
+  const bool whole = read(pipe_ends[0], &run, sizeof run) == sizeof run;
+  close(pipe_ends[0]);
+  waitpid(child, nullptr, 0);
+  return whole ? std::optional(run) : std::nullopt;
+}
+
+std::string median_and_range(const std::vector<Run>& runs, double Run::*field, int decimals) {
+  std::vector<double> values;
+  for (const Run& run : runs) values.push_back(run.*field);
+  std::ranges::sort(values);
+  if (values.front() == values.back()) return fmt::format("{:.{}f}", values.front(), decimals);
+  return fmt::format("{:.{}f} ({:.{}f} to {:.{}f})", values[values.size() / 2], decimals,
+                     values.front(), decimals, values.back(), decimals);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  cv::setNumThreads(1);
+  const char* data = std::getenv("ROOMWISE_DATA");
+  if (data == nullptr) {
+    fmt::print(stderr, "set ROOMWISE_DATA to the folder of the recordings\n");
+    return 1;
+  }
+  const int seeds = argc > 1 ? std::atoi(argv[1]) : 5;
+  std::vector<std::string> kinds(argv + std::min(argc, 2), argv + argc);
+  if (kinds.empty()) kinds = {"surf", "sift", "orb"};
+  if (seeds < 1) {
+    fmt::print(stderr, "'{}' is no number of seeds\n", argv[1]);
+    return 2;
+  }
+
+  const std::vector<Task> tasks{
+      {"rgbd_dataset_freiburg1_rpy", geometry::camera_preset("fr1").value()},
+      {"office_walk", std::nullopt}};
+  fmt::print("Median (range) of {} seeds, {} threads.\n\n", seeds, ThreadPool::default_size());
+  fmt::print(
+      "| recording | features | frames with a pose | ATE RMSE, m | RPE over 1 s, m | key-frames | "
+      "loops | "
+      "features CPU-ms | tracking and loops CPU-ms | all CPU-ms a frame | wall s | peak MB |\n"
+      "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n");
+  for (const Task& task : tasks) {
+    const fs::path folder = fs::path(data) / task.recording;
+    if (!fs::exists(folder)) {
+      fmt::print(stderr, "{}: not there, left out\n", folder.string());
+      continue;
+    }
+    for (const std::string& name : kinds) {
+      const auto kind = features::parse_feature_kind(name);
+      if (!kind) {
+        fmt::print(stderr, "{}\n", kind.error().message);
+        return 2;
+      }
+      std::vector<Run> runs;
+      for (int seed = 1; seed <= seeds; ++seed) {
+        const auto run = map_apart(folder, task, *kind, static_cast<std::uint64_t>(seed));
+        if (!run) return 1;
+        runs.push_back(*run);
+      }
+      fmt::print("| {} | {} | {} of {:.0f} | {} | {} | {} | {} | {} | {} | {} | {} | {} |\n",
+                 task.recording, name, median_and_range(runs, &Run::placed, 0), runs.front().frames,
+                 median_and_range(runs, &Run::ate_m, 4), median_and_range(runs, &Run::rpe_m, 4),
+                 median_and_range(runs, &Run::keyframes, 0), median_and_range(runs, &Run::loops, 0),
+                 median_and_range(runs, &Run::features_cpu_ms, 1),
+                 median_and_range(runs, &Run::tracking_cpu_ms, 1),
+                 median_and_range(runs, &Run::all_cpu_ms, 1),
+                 median_and_range(runs, &Run::wall_s, 1), median_and_range(runs, &Run::peak_mb, 0));
+      std::fflush(stdout);
+    }
+  }
+  return 0;
+}
