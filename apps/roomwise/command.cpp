@@ -69,6 +69,18 @@ Expected<Answer> carry_out(const std::function<Expected<Answer>()>& body) {
   }
 }
 
+// CLI11's own checks of ranges name the largest double there is. What is no number at all is left to
+// the conversion that follows.
+CLI::Validator number_that(bool (*is_right)(double), const std::string& demand) {
+  return CLI::Validator(
+      [is_right, demand](const std::string& text) {
+        double value = 0;
+        const bool is_number = CLI::detail::lexical_cast(text, value);
+        return is_number && !is_right(value) ? fmt::format("{} {}", text, demand) : std::string();
+      },
+      "");
+}
+
 // An option that may be repeated takes one value each time: "--network a.onnx walk" must not take
 // the recording for a second network.
 void take_one_value_at_a_time(CLI::App& app) {
@@ -90,7 +102,7 @@ CLI::App* add_command(CLI::App& parent, Context& context, const std::string& nam
       ->type_name("FILE");
   command->add_option("--seed", context.seed, "Seed of everything random; same seed, same result")
       ->type_name("N")
-      ->check(CLI::NonNegativeNumber.description(""))
+      ->check(not_negative())
       ->capture_default_str();
   command->add_option("--threads", context.threads, "Threads to use (default: all processors)")
       ->type_name("N")
@@ -105,6 +117,14 @@ CLI::App* add_group(CLI::App& parent, const std::string& name, const std::string
   group->require_subcommand(1);
   group->footer("Example:\n  " + example);
   return group;
+}
+
+CLI::Validator not_negative() {
+  return number_that([](double value) { return value >= 0; }, "must not be negative");
+}
+
+CLI::Validator positive() {
+  return number_that([](double value) { return value > 0; }, "must be positive");
 }
 
 int run(CLI::App& app, Context& context, int argc, const char* const* argv) {

@@ -47,6 +47,10 @@ CLI::App* add_command(CLI::App& parent, Context& context, const std::string& nam
 CLI::App* add_group(CLI::App& parent, const std::string& name, const std::string& description,
                     const std::string& example);
 
+// Checks for numbers on the command line.
+CLI::Validator not_negative();
+CLI::Validator positive();
+
 // Reads the command line, runs the command and prints its answer. Returns the exit code: 0, 1 where
 // the work failed, 2 where the command line is wrong.
 int run(CLI::App& app, Context& context, int argc, const char* const* argv);

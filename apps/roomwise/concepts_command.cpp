@@ -172,7 +172,7 @@ void add_concepts_commands(CLI::App& app, Context& context) {
                   [options] { return edit(*options, false); });
   for (CLI::App* command : {add_command_, remove_command}) {
     add_concept_options(*command, *options);
-    command->final_callback([options] {
+    command->parse_complete_callback([options] {
       if (options->object.empty() && options->room_types.empty()) {
         throw CLI::RequiredError("--object or --room-type");
       }

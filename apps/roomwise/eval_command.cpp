@@ -110,11 +110,11 @@ void add_eval_commands(CLI::App& app, Context& context) {
   command
       ->add_option("--max-difference", options->most_time_difference_s,
                    "Farthest that two poses of a pair lie apart in time, s")
-      ->check(CLI::NonNegativeNumber.description(""))
+      ->check(not_negative())
       ->capture_default_str();
   command
       ->add_option("--delta", options->delta_s, "Over how long the relative error is measured, s")
-      ->check(CLI::PositiveNumber.description(""))
+      ->check(positive())
       ->capture_default_str();
 }
 

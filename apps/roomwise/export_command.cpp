@@ -75,7 +75,7 @@ void add_export_commands(CLI::App& app, Context& context) {
                               [options, &context] { return export_ply(*options, context); });
   add_files(*ply, *options);
   ply->add_option("--voxel", options->voxel_size_m, "One point a voxel of this size, m")
-      ->check(CLI::PositiveNumber.description(""))
+      ->check(positive())
       ->capture_default_str();
 
   CLI::App* tum = add_command(*group, context, "tum",

@@ -116,8 +116,11 @@ Expected<Answer> run(const Options& options, Context& context) {
                                   source->info().camera, source->info().frame_count};
   auto mapped = pipeline::map_recording(*source, recording, home, networks, settings, run);
   if (!mapped) {
-    return Unexpected(Error{mapped.error().message +
-                            "; what was mapped before is kept: mend it and add --resume"});
+    ROOMWISE_TRY(const auto kept, home.keyframes());
+    const bool can_go_on = !kept.empty() && !home.recordings()->back().finished;
+    return can_go_on ? fail("{}; what was mapped before is kept: go on with --resume",
+                            mapped.error().message)
+                     : Unexpected(std::move(mapped).error());
   }
   ROOMWISE_CHECK_OK(name_rooms_of_recording(home, options.recording));
   if (!options.trajectory.empty()) {

@@ -189,9 +189,9 @@ void add_record_command(CLI::App& app, Context& context) {
       "Camera, instead of what the source says: fr1, fr2, fr3, kinect-v1, xtion, or "
       "a camera.txt");
   command->add_option("--frames", options->frames, "Stop after so many frames")
-      ->check(CLI::NonNegativeNumber.description(""));
+      ->check(not_negative());
   command->add_option("--seconds", options->seconds, "Stop after so long, s of the frames' time")
-      ->check(CLI::NonNegativeNumber.description(""));
+      ->check(not_negative());
 }
 
 }  // namespace roomwise::app

@@ -30,7 +30,12 @@ mapping::MappedFrame mapped_frame(const home::Frame& frame) {
 // The recording in the home: the unfinished one that is there, or a new one.
 Expected<home::StoredRecording> begin_or_resume(home::Home& home, const home::Recording& recording,
                                                 const MapSettings& settings) {
-  ROOMWISE_TRY(const auto stored, home.recordings());
+  ROOMWISE_TRY(auto stored, home.recordings());
+  // A recording of which nothing was mapped begins anew, perhaps with the right camera now.
+  if (!stored.empty() && !stored.back().finished && stored.back().next_frame_index == 0) {
+    ROOMWISE_CHECK_OK(home.remove_recording(stored.back().id));
+    stored.pop_back();
+  }
   if (stored.empty()) {
     ROOMWISE_CHECK_OK(home.put_setting("map", to_json(settings)));
     ROOMWISE_TRY(const home::RecordingId id, home.add_recording(recording));
@@ -42,8 +47,8 @@ Expected<home::StoredRecording> begin_or_resume(home::Home& home, const home::Re
                 last.recording.name);
   }
   if (!(last.recording.camera == recording.camera)) {
-    return fail("{}: its recording {} was begun with another camera", home.file(),
-                last.recording.name);
+    return fail("{}: its recording {} was begun with another camera; choose another home file",
+                home.file(), last.recording.name);
   }
   ROOMWISE_TRY(const auto all_settings, home.settings());
   if (const auto own = all_settings.find("map");

@@ -179,6 +179,15 @@ TEST_F(MapRecording, KeepsWhatCameBeforeADamagedFrame) {
   EXPECT_EQ(summary->frames, static_cast<std::uint64_t>(kFrames));
 }
 
+TEST_F(MapRecording, BeginsAnewWhereNothingWasMapped) {
+  SyntheticWalk unreadable(kFrames);
+  unreadable.fail_at = 0;
+  EXPECT_ERROR(map(folder_ / "a.home", unreadable, 1), "frame 0 is damaged");
+  settings_.most_keypoints = 700;  // as a user would who found the mistake
+  SyntheticWalk mended(12);
+  ASSERT_OK(map(folder_ / "a.home", mended, 1));
+}
+
 TEST_F(MapRecording, RefusesAFinishedHomeAndOtherSettings) {
   SyntheticWalk walk(12);
   InterruptAfter interrupt(6);

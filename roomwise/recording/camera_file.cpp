@@ -1,6 +1,7 @@
 #include "roomwise/recording/camera_file.h"
 
 #include <array>
+#include <span>
 
 #include "roomwise/base/file.h"
 #include "roomwise/recording/data_lines.h"

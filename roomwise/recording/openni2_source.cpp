@@ -136,6 +136,7 @@ class OpenNi2Source::Session {
   [[nodiscard]] Expected<void> configure_camera();
   [[nodiscard]] Expected<void> choose_mode(Stream& stream,
                                            std::span<const openni::PixelFormat> formats);
+  [[nodiscard]] Expected<void> check_streams() const;
   [[nodiscard]] Expected<geometry::PinholeCamera> camera_of_streams() const;
 
   [[nodiscard]] Expected<void> read_any(Clock::time_point deadline);
@@ -161,6 +162,7 @@ Expected<void> OpenNi2Source::Session::open() {
   ROOMWISE_CHECK_OK(open_device());
   for (Stream* stream : {&color_, &depth_}) ROOMWISE_CHECK_OK(create_stream(*stream));
   ROOMWISE_CHECK_OK(device_.isFile() ? configure_file() : configure_camera());
+  ROOMWISE_CHECK_OK(check_streams());
   ROOMWISE_TRY(info_.camera, camera_of_streams());
   for (Stream* stream : {&color_, &depth_}) {
     if (stream->stream.start() != openni::STATUS_OK) {
@@ -176,9 +178,8 @@ Expected<void> OpenNi2Source::Session::open_device() {
   if (device_.open(any ? openni::ANY_DEVICE : options_.uri.c_str()) != openni::STATUS_OK) {
     if (any) {
       return fail(
-          "OpenNI 2 finds no camera ({}); plug in an Asus Xtion or a Kinect v1 and see that you "
-          "may "
-          "use it (udev rules)",
+          "OpenNI 2 finds no camera ({}); plug one in, and see that its driver is there and "
+          "that you may use it (udev rules)",
           openni_reason());
     }
     return fail("{}: OpenNI 2 opens no such device or recording ({})", options_.uri,
@@ -200,12 +201,14 @@ Expected<void> OpenNi2Source::Session::create_stream(Stream& stream) {
   return {};
 }
 
-// A recording is read frame by frame, as fast as it is asked for, once.
+// A recording is read frame by frame, as fast as it is asked for, once. It is set to repeat itself
+// nevertheless, and left before it does (read_any): a player that is at its end without repeating
+// goes round in circles through its list of streams, and crashes when they are closed.
 Expected<void> OpenNi2Source::Session::configure_file() {
   constexpr float kOnDemand = -1;
   openni::PlaybackControl& playback = *device_.getPlaybackControl();
   if (playback.setSpeed(kOnDemand) != openni::STATUS_OK ||
-      playback.setRepeatEnabled(false) != openni::STATUS_OK) {
+      playback.setRepeatEnabled(true) != openni::STATUS_OK) {
     return fail("{}: cannot be played frame by frame: {}", info_.name, openni_reason());
   }
   for (Stream* stream : {&color_, &depth_}) {
@@ -224,9 +227,8 @@ Expected<void> OpenNi2Source::Session::configure_camera() {
   const auto registration = openni::IMAGE_REGISTRATION_DEPTH_TO_COLOR;
   if (!device_.isImageRegistrationModeSupported(registration) ||
       device_.setImageRegistrationMode(registration) != openni::STATUS_OK) {
-    return fail(
-        "{}: cannot register its depth to its colour ({}); use an Asus Xtion or a Kinect v1",
-        info_.name, openni_reason());
+    return fail("{}: cannot register its depth to its colour; use an Asus Xtion or a Kinect v1",
+                info_.name);
   }
   for (Stream* stream : {&color_, &depth_}) stream->stream.setMirroringEnabled(false);
   // Where the device cannot, frames are still paired by their times.
@@ -248,26 +250,31 @@ Expected<void> OpenNi2Source::Session::choose_mode(Stream& stream,
   return {};
 }
 
-// Checks what the streams will give, and says how their pixels see.
-Expected<geometry::PinholeCamera> OpenNi2Source::Session::camera_of_streams() const {
+// What the streams will give must be what next() takes.
+Expected<void> OpenNi2Source::Session::check_streams() const {
   const openni::VideoMode color = color_.stream.getVideoMode();
   const openni::VideoMode depth = depth_.stream.getVideoMode();
-  const int width = color.getResolutionX();
-  const int height = color.getResolutionY();
   if (std::ranges::find(kColorFormats, color.getPixelFormat()) == std::end(kColorFormats)) {
     return fail("{}: its colour is not 8-bit RGB; record it so", info_.name);
   }
   if (std::ranges::find(kDepthFormats, depth.getPixelFormat()) == std::end(kDepthFormats)) {
     return fail("{}: its depth is not in millimetres or tenths of them; record it so", info_.name);
   }
-  if (depth.getResolutionX() != width || depth.getResolutionY() != height) {
+  if (depth.getResolutionX() != color.getResolutionX() ||
+      depth.getResolutionY() != color.getResolutionY()) {
     return fail("{}: has {}x{} colour and {}x{} depth pixels; record both in one size", info_.name,
-                width, height, depth.getResolutionX(), depth.getResolutionY());
+                color.getResolutionX(), color.getResolutionY(), depth.getResolutionX(),
+                depth.getResolutionY());
   }
   if (color_.stream.getMirroringEnabled() || depth_.stream.getMirroringEnabled()) {
     return fail("{}: its pictures are mirrored; record them with mirroring off", info_.name);
   }
+  return {};
+}
 
+Expected<geometry::PinholeCamera> OpenNi2Source::Session::camera_of_streams() const {
+  const int width = color_.stream.getVideoMode().getResolutionX();
+  const int height = color_.stream.getVideoMode().getResolutionY();
   geometry::PinholeCamera camera;
   if (options_.camera) {
     camera = *options_.camera;
@@ -288,7 +295,8 @@ Expected<geometry::PinholeCamera> OpenNi2Source::Session::camera_of_streams() co
     camera.cx = (width - 1) / 2.0;
     camera.cy = (height - 1) / 2.0;
   }
-  const bool millimetres = depth.getPixelFormat() == openni::PIXEL_FORMAT_DEPTH_1_MM;
+  const bool millimetres =
+      depth_.stream.getVideoMode().getPixelFormat() == openni::PIXEL_FORMAT_DEPTH_1_MM;
   camera.depth_units_per_metre = millimetres ? 1000 : 10'000;
   ROOMWISE_CHECK_OK(camera.validate());
   return camera;
@@ -337,6 +345,10 @@ Expected<void> OpenNi2Source::Session::read_any(Clock::time_point deadline) {
   openni::VideoFrameRef frame;
   if (stream.stream.readFrame(&frame) != openni::STATUS_OK || !frame.isValid()) {
     return fail("{}: cannot read a {} frame: {}", info_.name, stream.name, openni_reason());
+  }
+  if (device_.isFile() && frame.getFrameIndex() <= stream.frames_passed) {
+    stream.frames_passed = stream.frames_in_file;  // fewer than it promised: it began again
+    return {};
   }
   stream.frames_passed = frame.getFrameIndex();
   stream.waiting.push_back(frame);

@@ -24,6 +24,8 @@ struct OpenNi2Options {
 // colour and depth at 640x480, 30 frames a second, depth registered to colour, not mirrored, time
 // stamps of the device. The two streams are synchronised by the device where it can; in any case a
 // frame is a colour and a depth image at most half a frame period apart. Frames are raw pixels.
+// OpenNI's own drivers know the Xtion; on Linux the first Kinect needs libfreenect's driver beside
+// them.
 //
 // An .oni recording gives the streams as they were recorded (it must have been recorded with
 // registration on; the file does not say) and ends; a live camera never does. OpenNI's recorder

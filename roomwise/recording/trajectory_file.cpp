@@ -1,6 +1,7 @@
 #include "roomwise/recording/trajectory_file.h"
 
 #include <array>
+#include <cmath>
 
 #include "roomwise/base/file.h"
 #include "roomwise/recording/data_lines.h"

@@ -3,9 +3,11 @@
 #include <fcntl.h>
 #include <unistd.h>
 
-#include <array>
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <span>
+#include <tuple>
 #include <utility>
 
 #include "roomwise/image/codec.h"
