@@ -13,7 +13,10 @@ endforeach()
 install(TARGETS ${modules} EXPORT RoomwiseTargets)
 install(TARGETS roomwise)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/roomwise DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
-  FILES_MATCHING PATTERN "*.h" PATTERN testing.h EXCLUDE)
+  FILES_MATCHING PATTERN "*.h"
+  # What only the tests use.
+  PATTERN testing EXCLUDE PATTERN testing.h EXCLUDE PATTERN "test_*.h" EXCLUDE PATTERN "sample_*.h" EXCLUDE
+  PATTERN "synthetic_*.h" EXCLUDE)
 
 install(EXPORT RoomwiseTargets NAMESPACE Roomwise:: DESTINATION ${package_dir})
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/RoomwiseConfig.cmake.in

@@ -12,8 +12,9 @@ install_missing_packages() {
   fi
   local wanted installed missing
   wanted=$(sed -e 's/#.*//' -e '/^[[:space:]]*$/d' "$root/cmake/packages.txt" | awk '{print $1}' | sort -u)
+  # dpkg-query fails where one of them is not known to it, and tells of the others all the same.
   # shellcheck disable=SC2086  # a list of names
-  installed=$(dpkg-query -W -f='${db:Status-Status} ${Package}\n' $wanted 2>/dev/null |
+  installed=$({ dpkg-query -W -f='${db:Status-Status} ${Package}\n' $wanted 2>/dev/null || true; } |
     awk '$1 == "installed" {print $2}' | sort -u)
   missing=$(comm -23 <(echo "$wanted") <(echo "$installed") | tr '\n' ' ')
   [ -n "${missing// /}" ] || return 0
