@@ -1,5 +1,6 @@
 # What ./test and ./demo share, to be sourced: the missing system packages, the build, the way to real data.
 # Expects $root, the folder of the checkout.
+# shellcheck shell=bash disable=SC2154
 
 heading() { printf '\n== %s\n' "$*"; }
 stop() { printf '%s: %s\n' "$(basename "$0")" "$*" >&2; exit 1; }
@@ -26,12 +27,16 @@ install_missing_packages() {
     as_root=(sudo)
   fi
   heading "Installing $missing"
+  mkdir -p "$root/build"
+  local log=$root/build/packages.log
   # shellcheck disable=SC2086
-  apt-get install --simulate --no-install-recommends $missing >/dev/null 2>&1 || "${as_root[@]}" apt-get update
-  # shellcheck disable=SC2086
-  apt_install $missing || { "${as_root[@]}" apt-get update && apt_install $missing; } ||
+  apt_install $missing >"$log" 2>&1 ||
+    { "${as_root[@]}" apt-get update >"$log" 2>&1 && apt_install $missing >>"$log" 2>&1; } || {
+    tail -n 20 "$log" >&2
     stop "packages could not be installed; try: apt-get install --no-install-recommends $missing"
+  }
 }
+# Lists of packages that are old or not there yet make it fail; it is tried again with new ones.
 apt_install() {
   "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install --yes --no-install-recommends "$@"
 }
@@ -46,14 +51,18 @@ build() {
   cmake --build --preset "$preset" --parallel "$(nproc)" ${1:+--target "$@"}
 }
 
-# Real recordings and networks, where they lie beside the checkout and nothing else was said.
+# Real recordings and networks: where the caller says (relative to where the script was called), else beside the
+# checkout.
 find_real_data() {
-  if [ -z "${ROOMWISE_DATA:-}" ] && [ -d "$root/../shared/data" ]; then
-    ROOMWISE_DATA=$(cd "$root/../shared/data" && pwd)
-    export ROOMWISE_DATA
+  find_folder ROOMWISE_DATA ../shared/data
+  find_folder ROOMWISE_MODELS ../shared/models
+}
+find_folder() {
+  local variable=$1 folder=${!1:-}
+  if [ -z "$folder" ]; then
+    folder=$root/$2
+  elif [ "${folder#/}" = "$folder" ]; then
+    folder=${OLDPWD:-$root}/$folder
   fi
-  if [ -z "${ROOMWISE_MODELS:-}" ] && [ -d "$root/../shared/models" ]; then
-    ROOMWISE_MODELS=$(cd "$root/../shared/models" && pwd)
-    export ROOMWISE_MODELS
-  fi
+  if [ -d "$folder" ]; then export "$variable=$(cd "$folder" && pwd)"; fi
 }

@@ -69,8 +69,8 @@ Expected<Answer> carry_out(const std::function<Expected<Answer>()>& body) {
   }
 }
 
-// CLI11's own checks of ranges name the largest double there is. What is no number at all is left to
-// the conversion that follows.
+// CLI11's own checks of ranges name the largest double there is. What is no number at all is left
+// to the conversion that follows.
 CLI::Validator number_that(bool (*is_right)(double), const std::string& demand) {
   return CLI::Validator(
       [is_right, demand](const std::string& text) {

@@ -4,6 +4,7 @@
 #include "commands.h"
 #include "roomwise/home/home.h"
 #include "roomwise/mapping/g2o_file.h"
+#include "roomwise/mapping/map_solver.h"
 #include "roomwise/mapping/ply_file.h"
 #include "roomwise/pipeline/map_cloud.h"
 #include "roomwise/pipeline/map_recording.h"
@@ -44,7 +45,8 @@ Expected<Answer> export_tum(const Options& options) {
   return wrote(options.output, "poses", trajectory.size());
 }
 
-// Pieces of the map that no loop joined are parts of the one graph without an edge between them.
+// Without the loops that the map left out. Pieces that no loop joined are parts of the one graph
+// without an edge between them.
 Expected<Answer> export_g2o(const Options& options) {
   ROOMWISE_TRY(const home::Home home, home::Home::open_read_only(options.home));
   mapping::PoseGraph graph;
@@ -53,6 +55,8 @@ Expected<Answer> export_g2o(const Options& options) {
     graph.world_from_node[keyframe.id] = keyframe.pose.world_from_keyframe;
   }
   ROOMWISE_TRY(graph.edges, home.edges());
+  std::erase_if(graph.edges,
+                [&](const auto& edge) { return mapping::is_contradicted(graph, edge); });
   ROOMWISE_CHECK_OK(mapping::write_g2o(options.output, graph));
   return wrote(options.output, "poses", graph.world_from_node.size());
 }

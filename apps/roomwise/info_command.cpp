@@ -6,6 +6,7 @@
 #include "roomwise/home/home.h"
 #include "roomwise/image/codec.h"
 #include "roomwise/mapping/g2o_file.h"
+#include "roomwise/mapping/loop_closer.h"
 #include "roomwise/network/onnx_classifier.h"
 #include "roomwise/recording/association.h"
 #include "roomwise/recording/camera_file.h"
@@ -76,7 +77,7 @@ Expected<Answer> describe_home(const Options& options) {
   facts.add("frames placed", placed);
   facts.add("key-frames", keyframes.size());
   facts.add("edges", edges.size());
-  facts.add("loop closures", std::ranges::count_if(edges, &mapping::PoseGraphEdge::is_loop));
+  facts.add("returns to a place", std::ranges::count_if(edges, mapping::is_return));
   facts.add("objects", objects.size());
   facts.add("rooms", fmt::format("{}", fmt::join(room_names, ", ")));
   facts.add("networks", fmt::format("{}", fmt::join(network_names, ", ")));
@@ -122,7 +123,7 @@ Expected<Answer> describe_pose_graph(const fs::path& path) {
   Facts facts(path, "pose graph");
   facts.add("poses", graph.world_from_node.size());
   facts.add("edges", graph.edges.size());
-  facts.add("loop closures", std::ranges::count_if(graph.edges, &mapping::PoseGraphEdge::is_loop));
+  facts.add("returns to a place", std::ranges::count_if(graph.edges, mapping::is_return));
   facts.add("F", mapping::pose_graph_error(graph));
   return std::move(facts).answer();
 }

@@ -57,30 +57,31 @@ Expected<std::unique_ptr<recording::TumRecording>> open_recording(const Options&
 }
 
 // A recording that says its rooms itself needs no --labels later.
-Expected<void> name_rooms_of_recording(home::Home& home, const fs::path& recording) {
+Expected<std::optional<recording::RoomLabels>> rooms_of_recording(const fs::path& recording) {
   const fs::path file = recording / "rooms.txt";
-  if (!fs::exists(file)) return {};
-  ROOMWISE_TRY(const recording::RoomLabels labels, recording::RoomLabels::read(file));
+  if (!fs::exists(file)) return std::nullopt;
+  ROOMWISE_TRY(recording::RoomLabels labels, recording::RoomLabels::read(file));
+  return labels;
+}
+
+// What a person named since is kept.
+Expected<void> name_rooms_if_unnamed(home::Home& home, const recording::RoomLabels& labels) {
   ROOMWISE_TRY(const auto stored, home.recordings());
+  ROOMWISE_TRY(const recording::RoomLabels named, home.room_ranges(stored.back().id));
+  if (!named.ranges().empty()) return {};
   return pipeline::name_rooms(home, stored.back().id, labels);
 }
 
-std::string to_text(const pipeline::MapSummary& summary, const Options& options,
-                    bool has_networks) {
-  if (!summary.finished) {
-    return fmt::format(
-        "interrupted after {} frames, {} key-frames; go on with: roomwise map {} --home {} "
-        "--resume\n",
-        summary.frames, summary.keyframes, options.recording.string(), options.home.string());
-  }
+std::string to_text(const pipeline::MapSummary& summary, bool has_networks) {
   std::string text = fmt::format(
       "frames      {} of {} have a place on the map\n"
       "key-frames  {}\n"
-      "loops       {} ({} contradicted the others and were left out)\n"
+      "edges       {} ({} contradicted the others and were left out)\n"
+      "returns     {} to a place seen more than ten key-frames before\n"
       "pieces      {}\n"
       "pose graph  F {:.6g} -> {:.6g}\n",
-      summary.placed, summary.frames, summary.keyframes, summary.loops, summary.rejected_loops,
-      summary.pieces, summary.graph_error_before, summary.graph_error_after);
+      summary.placed, summary.frames, summary.keyframes, summary.edges, summary.rejected_loops,
+      summary.loops, summary.pieces, summary.graph_error_before, summary.graph_error_after);
   text +=
       has_networks
           ? fmt::format("objects     {}\n", summary.objects)
@@ -91,10 +92,11 @@ std::string to_text(const pipeline::MapSummary& summary, const Options& options,
 Expected<Answer> run(const Options& options, Context& context) {
   cv::setNumThreads(1);  // the threads are ours
   ROOMWISE_TRY(const pipeline::Networks networks, load_networks(options.networks));
-  if (options.trajectory.empty() == false && fs::is_directory(options.trajectory)) {
+  if (!options.trajectory.empty() && fs::is_directory(options.trajectory)) {
     return fail("{}: is a folder; --trajectory needs a file", options.trajectory.string());
   }
   // The recording is looked at before a home is made: a wrong path leaves nothing behind.
+  ROOMWISE_TRY(const auto labels, rooms_of_recording(options.recording));
   if (!fs::exists(options.home)) {
     recording::TumOptions tum;
     if (!options.camera.empty()) {
@@ -115,26 +117,27 @@ Expected<Answer> run(const Options& options, Context& context) {
   const home::Recording recording{source->info().name, options.recording.string(),
                                   source->info().camera, source->info().frame_count};
   auto mapped = pipeline::map_recording(*source, recording, home, networks, settings, run);
-  if (!mapped) {
-    ROOMWISE_TRY(const auto kept, home.keyframes());
-    const bool can_go_on = !kept.empty() && !home.recordings()->back().finished;
-    return can_go_on ? fail("{}; what was mapped before is kept: go on with --resume",
-                            mapped.error().message)
-                     : Unexpected(std::move(mapped).error());
+  if (!mapped) return Unexpected(std::move(mapped).error());
+  const pipeline::MapSummary& summary = *mapped;
+  if (!summary.finished) {
+    return fail(
+        "interrupted after {} frames, {} key-frames; go on with: roomwise map {} --home {} "
+        "--resume",
+        summary.frames, summary.keyframes, options.recording.string(), options.home.string());
   }
-  ROOMWISE_CHECK_OK(name_rooms_of_recording(home, options.recording));
+  if (labels) ROOMWISE_CHECK_OK(name_rooms_if_unnamed(home, *labels));
   if (!options.trajectory.empty()) {
     ROOMWISE_TRY(const recording::Trajectory trajectory, pipeline::stored_trajectory(home));
     ROOMWISE_CHECK_OK(recording::write_trajectory(options.trajectory, trajectory));
   }
 
-  const pipeline::MapSummary& summary = *mapped;
   Answer answer;
-  answer.text = to_text(summary, options, !networks.empty());
+  answer.text = to_text(summary, !networks.empty());
   answer.json = {{"finished", summary.finished},
                  {"frames", summary.frames},
                  {"placed", summary.placed},
                  {"keyframes", summary.keyframes},
+                 {"edges", summary.edges},
                  {"loops", summary.loops},
                  {"rejected_loops", summary.rejected_loops},
                  {"pieces", summary.pieces},

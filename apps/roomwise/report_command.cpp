@@ -34,8 +34,7 @@ Expected<std::vector<evaluation::ReportContent::Recognition>> read_evaluation(
       if (!values.contains("confusion")) continue;
       for (const auto& [truth, answers] : values.at("confusion").items()) {
         for (const auto& [answer, count] : answers.items()) {
-          for (std::uint64_t i = 0; i < count.get<std::uint64_t>(); ++i)
-            result.confusion.add(truth, answer);
+          result.confusion.add(truth, answer, count.get_ref<const std::uint64_t&>());
         }
       }
     }

@@ -1,7 +1,10 @@
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <opencv2/core.hpp>
+#include <set>
 
 #include "commands.h"
 #include "networks.h"
@@ -295,12 +298,18 @@ Expected<Answer> evaluate(const EvalOptions& options, Context& context) {
   ROOMWISE_TRY(const auto recognizer, pipeline::RoomRecognizer::create(home, networks));
   std::optional<recording::ImageList> colors;
   std::vector<pipeline::LabelledPicture> pictures;
+  std::set<std::string> rooms_there;
   if (!options.photos.empty()) {
+    ROOMWISE_TRY(const auto photos, pipeline::list_room_photos(options.photos));
+    for (const pipeline::RoomPhoto& photo : photos) rooms_there.insert(photo.room);
     ROOMWISE_TRY(pictures, pipeline::select_photos(options.photos, recognizer.rooms()));
   } else {
     const fs::path file = options.labels.empty() ? options.recording / "rooms.txt" : options.labels;
     ROOMWISE_TRY(const recording::RoomLabels labels, recording::RoomLabels::read(file));
     ROOMWISE_TRY(const pipeline::RoomSelection rooms, parse(options.selection));
+    for (const recording::RoomRange& range : labels.ranges()) {
+      if (rooms.contains(range)) rooms_there.insert(range.room);
+    }
     ROOMWISE_TRY(colors, recording::ImageList::open(options.recording, "rgb.txt"));
     ROOMWISE_TRY(pictures, pipeline::select_frames(*colors, labels, {rooms, options.margin},
                                                    recognizer.rooms()));
@@ -310,8 +319,15 @@ Expected<Answer> evaluate(const EvalOptions& options, Context& context) {
   pipeline::RunContext run{pool, context.progress, clock};
   ROOMWISE_TRY(const pipeline::RoomEvaluation result,
                pipeline::evaluate_rooms(pictures, recognizer, options.pair_step, run));
-  return Answer{to_text("one picture", result.single) + to_text("two pictures", result.pair),
-                {{"single", to_json(result.single)}, {"pair", to_json(result.pair)}}};
+  for (const std::string& room : recognizer.rooms()) rooms_there.erase(room);
+  const std::string left_out = rooms_there.empty() ? ""
+                                                   : fmt::format("left out, never learned: {}\n",
+                                                                 fmt::join(rooms_there, ", "));
+  return Answer{
+      to_text("one picture", result.single) + to_text("two pictures", result.pair) + left_out,
+      {{"single", to_json(result.single)},
+       {"pair", to_json(result.pair)},
+       {"left_out", rooms_there}}};
 }
 
 void add_home_option(CLI::App& command, fs::path& home) {
@@ -350,12 +366,17 @@ void add_rooms_commands(CLI::App& app, Context& context) {
     add_home_option(*command, options->home);
     CLI::Option* labels = command->add_option(
         "--labels", options->labels, "rooms.txt of the recording; default: as named before");
-    command->add_option("--photos", options->photos, "Folder with one folder of photos a room")
-        ->excludes(labels);
+    CLI::Option* photos =
+        command->add_option("--photos", options->photos, "Folder with one folder of photos a room");
     add_selection_options(*command, options->selection);
+    photos->excludes(labels)
+        ->excludes(command->get_option("--visits"))
+        ->excludes(command->get_option("--rooms"));
     // --labels is the rooms' here, so the networks' own labels come from their cards.
-    command->add_option("--network", options->networks.files,
-                        "ONNX network to learn on, with --photos");
+    command
+        ->add_option("--network", options->networks.files,
+                     "ONNX network to learn on, with --photos")
+        ->needs(photos);
   }
   {
     auto options = std::make_shared<RecognizeOptions>();
@@ -379,8 +400,8 @@ void add_rooms_commands(CLI::App& app, Context& context) {
     command->add_option("--recording", options->recording, "Folder in TUM's format");
     command->add_option("--labels", options->labels,
                         "Its rooms.txt; default: the one in the folder");
-    command->add_option("--photos", options->photos,
-                        "Or: a folder with one folder of photos a room");
+    CLI::Option* photos = command->add_option("--photos", options->photos,
+                                              "Or: a folder with one folder of photos a room");
     add_selection_options(*command, options->selection);
     command
         ->add_option(
@@ -390,6 +411,10 @@ void add_rooms_commands(CLI::App& app, Context& context) {
     command
         ->add_option("--pair-step", options->pair_step, "Frames between the two pictures of a pair")
         ->capture_default_str();
+    for (const char* of_recording :
+         {"--recording", "--labels", "--visits", "--rooms", "--margin"}) {
+      photos->excludes(command->get_option(of_recording));
+    }
     command->add_option("--network", options->networks.files, "ONNX networks; default: as for map");
   }
 }

@@ -107,13 +107,14 @@ void TerminalProgress::advance(std::uint64_t done, std::string_view note) {
   const TimeLeft::Time now = clock_();
   time_left_.update(now, done);
   const auto since_shown = now - shown_;
+  const bool all_done = total_ && done_ >= *total_;
   if (output_.is_terminal) {
     if (since_shown < kBetweenBars) return;
     show_bar();
   } else {
     const bool tenth_done = total_ && percent() - shown_percent_ >= kPercentBetweenLines;
     const auto wait = tenth_done ? kShortestBetweenLines : kLongestBetweenLines;
-    if (since_shown < wait) return;
+    if (since_shown < wait || all_done) return;  // end() says that all is done
     show_line();
   }
   shown_ = now;
@@ -121,6 +122,7 @@ void TerminalProgress::advance(std::uint64_t done, std::string_view note) {
 }
 
 void TerminalProgress::end() {
+  if (total_ == 0 && !line_open_) return;  // there was nothing to do
   const double elapsed_s = duration<double>(clock_() - started_).count();
   std::string line = fmt::format("{}: {} in {}", work_, done_, format_duration(elapsed_s));
   if (!note_.empty()) line += ", " + note_;

@@ -132,6 +132,17 @@ TEST_F(TerminalProgressTest, WritesAPlainLineEveryTenSecondsOfSlowOrEndlessWork)
                           "recording: 25 in 0:25, room kitchen\n"));
 }
 
+TEST_F(TerminalProgressTest, SaysOnceInALogThatAllIsDone) {
+  auto progress = make(false);
+  progress->begin("mapping", 2);
+  now_ += seconds(20);
+  progress->advance(2, "");
+  progress->end();
+  progress->begin("loading", 0);
+  progress->end();
+  EXPECT_THAT(written_, ElementsAre("mapping: 2 in 0:20\n"));
+}
+
 TEST_F(TerminalProgressTest, DoesNotFloodALogWithQuickWork) {
   auto progress = make(false);
   progress->begin("mapping", 100);

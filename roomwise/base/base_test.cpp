@@ -99,9 +99,17 @@ TEST(File, WritesWholeOrNotAtAll) {
   ASSERT_OK(write_file(folder / "a", "second"));
   EXPECT_EQ(read_text_file(folder / "a").value(), "second");
   EXPECT_ERROR(write_file(folder / "none" / "a", "x"), "none/a");
+  EXPECT_ERROR(write_file(folder.path(), "x"), folder.path().string());
   EXPECT_ERROR(read_file(folder / "missing"), "missing: cannot be opened");
   EXPECT_ERROR(read_file(folder.path()), "is a folder");
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1);
+}
+
+TEST(File, WritesIntoADeviceInsteadOfReplacingIt) {
+  const roomwise::testing::ScratchFolder folder;
+  std::filesystem::create_symlink("/dev/null", folder / "device");
+  EXPECT_OK(write_file(folder / "device", "x"));
+  EXPECT_TRUE(std::filesystem::is_character_file(folder / "device"));
 }
 
 TEST(File, HashesAsPublished) {

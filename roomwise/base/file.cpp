@@ -43,6 +43,26 @@ Expected<Container> read_whole(const std::filesystem::path& path) {
   return content;
 }
 
+// False, with errno, where not all could be written.
+bool write_whole(int file, std::span<const std::uint8_t> bytes) {
+  while (!bytes.empty()) {
+    const ssize_t put = ::write(file, bytes.data(), bytes.size());
+    if (put < 0 && errno == EINTR) continue;
+    if (put < 0) return false;
+    bytes = bytes.subspan(static_cast<std::size_t>(put));
+  }
+  return true;
+}
+
+// A device or a pipe (/dev/stdout) takes the bytes; it must not be replaced by a file.
+Expected<void> write_into(const std::filesystem::path& path, std::span<const std::uint8_t> bytes) {
+  const Descriptor file{::open(path.c_str(), O_WRONLY | O_CLOEXEC)};
+  if (file.value < 0 || !write_whole(file.value, bytes)) {
+    return fail("{}: cannot be written: {}", path.string(), std::strerror(errno));
+  }
+  return {};
+}
+
 }  // namespace
 
 Expected<Bytes> read_file(const std::filesystem::path& path) {
@@ -54,6 +74,10 @@ Expected<std::string> read_text_file(const std::filesystem::path& path) {
 }
 
 Expected<void> write_file(const std::filesystem::path& path, std::span<const std::uint8_t> bytes) {
+  struct stat status {};
+  if (::stat(path.c_str(), &status) == 0 && !S_ISREG(status.st_mode)) {
+    return write_into(path, bytes);
+  }
   std::filesystem::path partial = path;
   partial += fmt::format(".partial-{}", ::getpid());
   const auto failed = [&](const char* what) {
@@ -63,13 +87,7 @@ Expected<void> write_file(const std::filesystem::path& path, std::span<const std
   };
   Descriptor file{::open(partial.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644)};
   if (file.value < 0) return failed("cannot be written");
-  std::size_t written = 0;
-  while (written < bytes.size()) {
-    const ssize_t put = ::write(file.value, bytes.data() + written, bytes.size() - written);
-    if (put < 0 && errno == EINTR) continue;
-    if (put < 0) return failed("cannot be written");
-    written += static_cast<std::size_t>(put);
-  }
+  if (!write_whole(file.value, bytes)) return failed("cannot be written");
   if (::fsync(file.value) != 0) return failed("cannot be flushed to the disk");
   if (::close(std::exchange(file.value, -1)) != 0) return failed("cannot be closed");
   if (::rename(partial.c_str(), path.c_str()) != 0) return failed("cannot be put in place");

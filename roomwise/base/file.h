@@ -19,7 +19,7 @@ using Bytes = std::vector<std::uint8_t>;
 [[nodiscard]] Expected<std::string> read_text_file(const std::filesystem::path& path);
 
 // Writes beside `path`, flushes to the disk and renames, so that the file is whole or unchanged
-// whatever happens (killed process, full disk).
+// whatever happens (killed process, full disk). A device or a pipe is written to as it is.
 [[nodiscard]] Expected<void> write_file(const std::filesystem::path& path,
                                         std::span<const std::uint8_t> bytes);
 [[nodiscard]] Expected<void> write_file(const std::filesystem::path& path, std::string_view text);

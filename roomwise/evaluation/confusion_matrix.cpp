@@ -4,8 +4,9 @@
 
 namespace roomwise::evaluation {
 
-void ConfusionMatrix::add(const std::string& truth, const std::string& answer) {
-  ++counts_[truth][answer];
+void ConfusionMatrix::add(const std::string& truth, const std::string& answer,
+                          std::uint64_t times) {
+  counts_[truth][answer] += times;
 }
 
 std::vector<std::string> ConfusionMatrix::rooms() const {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <map>
 #include <string>
 #include <vector>
@@ -11,7 +12,7 @@ namespace roomwise::evaluation {
 // Which rooms were taken for which.
 class ConfusionMatrix {
  public:
-  void add(const std::string& truth, const std::string& answer);
+  void add(const std::string& truth, const std::string& answer, std::uint64_t times = 1);
 
   // Every room that was the truth or an answer, in the order of their names.
   [[nodiscard]] std::vector<std::string> rooms() const;

@@ -115,6 +115,12 @@ std::vector<PoseGraphEdge> close_loops(std::span<const Keyframe> keyframes,
   return result;
 }
 
+bool is_return(const PoseGraphEdge& edge) {
+  constexpr NodeId kNeighborhood = 10;
+  return edge.is_loop &&
+         std::max(edge.from, edge.to) - std::min(edge.from, edge.to) > kNeighborhood;
+}
+
 PoseGraphEdge edge_from_motion(KeyframeId from, KeyframeId to, const motion::RefinedPose& pose,
                                bool is_loop) {
   geometry::Vector6d systematic;

@@ -41,6 +41,10 @@ struct LoopCandidates {
                                                      const LoopOptions& options,
                                                      std::uint64_t seed);
 
+// Whether the edge is a return to a place that was left, and not one between neighbours on the
+// walk: its key-frames are more than ten apart.
+[[nodiscard]] bool is_return(const PoseGraphEdge& edge);
+
 // The edge between two key-frames that estimate_motion found.
 [[nodiscard]] PoseGraphEdge edge_from_motion(KeyframeId from, KeyframeId to,
                                              const motion::RefinedPose& pose, bool is_loop);

@@ -54,6 +54,13 @@ TEST(DrawLoopCandidates, PrefersEarlierKeyframes) {
   EXPECT_NEAR(early / static_cast<double>(kDraws), 0.65, 0.03);
 }
 
+TEST(IsReturn, TellsAReturnFromANeighbour) {
+  const geometry::Matrix6d information = geometry::Matrix6d::Identity();
+  EXPECT_TRUE(is_return({2, 40, {}, information, true}));
+  EXPECT_FALSE(is_return({37, 40, {}, information, true}));
+  EXPECT_FALSE(is_return({2, 40, {}, information, false}));
+}
+
 TEST(LoopOptions, SaysWhichFieldIsWrong) {
   LoopOptions options;
   EXPECT_OK(options.validate());

@@ -1,6 +1,7 @@
 #include "roomwise/mapping/map_solver.h"
 
 #include <algorithm>
+#include <map>
 #include <numeric>
 
 namespace roomwise::mapping {
@@ -102,6 +103,11 @@ Expected<void> MapSolverOptions::validate() const {
   return {};
 }
 
+bool is_contradicted(const PoseGraph& graph, const PoseGraphEdge& edge,
+                     const MapSolverOptions& options) {
+  return edge.is_loop && edge_error(graph, edge) > options.most_loop_error;
+}
+
 Expected<MapSolution> solve_map(std::size_t keyframe_count, std::span<const PoseGraphEdge> edges,
                                 const MapSolverOptions& options) {
   ROOMWISE_CHECK_OK(options.validate());
@@ -123,13 +129,21 @@ Expected<MapSolution> solve_map(std::size_t keyframe_count, std::span<const Pose
   robust.loop_kernel = options.most_loop_error / 4;
   ROOMWISE_TRY(const PoseGraphReport first, optimize(graph, robust));
   solution.rejected_loops = std::erase_if(graph.edges, [&](const PoseGraphEdge& edge) {
-    return edge.is_loop && edge_error(graph, edge) > options.most_loop_error;
+    return is_contradicted(graph, edge, options);
   });
   solution.piece = pieces_by_size(keyframe_count, graph.edges, solution.pieces);
   ROOMWISE_TRY(solution.report, optimize(graph, options.graph));
+  solution.report.error_before = first.error_before;
   solution.report.iterations += first.iterations;
 
-  for (const auto& [id, pose] : graph.world_from_node) solution.world_from_keyframe.push_back(pose);
+  // The world of each piece is its first key-frame, also where leaving out a loop split it off.
+  std::map<std::size_t, RigidTransform> first_from_world;
+  for (const auto& [id, pose] : graph.world_from_node) {
+    const auto [anchor, is_first] =
+        first_from_world.try_emplace(solution.piece[id], pose.inverse());
+    solution.world_from_keyframe.push_back(is_first ? RigidTransform::identity()
+                                                    : anchor->second * pose);
+  }
   return solution;
 }
 

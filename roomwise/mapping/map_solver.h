@@ -21,8 +21,8 @@ struct MapSolverOptions {
 
 // Where the key-frames are, once all measurements agree as well as they can.
 struct MapSolution {
-  // By key-frame id. The world is the first key-frame's camera frame in piece 0; each other piece
-  // that no loop joined to it lies in a world of its own.
+  // By key-frame id. Each piece lies in a world of its own, its first key-frame's camera
+  // frame.
   std::vector<geometry::RigidTransform> world_from_keyframe;
   // By key-frame id: its piece, 0 for the largest (by key-frames), then by size.
   std::vector<std::size_t> piece;
@@ -30,6 +30,11 @@ struct MapSolution {
   std::size_t rejected_loops = 0;
   PoseGraphReport report;
 };
+
+// Whether a loop's error at these poses is more than a map accepts: solve_map() left it out, or
+// would.
+[[nodiscard]] bool is_contradicted(const PoseGraph& graph, const PoseGraphEdge& edge,
+                                   const MapSolverOptions& options = {});
 
 // The pose graph of a map: starts from the spanning tree of odometry, then loops, and minimises
 // F(x) = sum of e^T Omega e (section "pose graph" of the paper, as in g2o).

@@ -64,14 +64,16 @@ MapStep Mapper::add_frame(std::uint64_t frame_index, TimestampNs timestamp_ns,
   }
 
   frames_lost_ = 0;
+  // Recognised from an older key-frame: that may be wrong, as any loop may.
+  const bool is_recognized = reference != keyframes_.back().id;
   const geometry::RigidTransform& motion = outcome.pose.reference_from_current;
-  const PoseGraphEdge edge = edge_from_motion(reference, keyframes_.size(), outcome.pose, false);
+  const PoseGraphEdge edge =
+      edge_from_motion(reference, keyframes_.size(), outcome.pose, is_recognized);
   frames_[position].place = FramePlace{reference, motion};
   const bool is_substantial = motion.distance_m() >= options_.keyframe_translation_m ||
                               motion.angle_rad() >= options_.keyframe_rotation_rad;
-  // A frame recognised from an older key-frame becomes one itself: the next frame is located
-  // against it.
-  if (is_substantial || reference != keyframes_.back().id) {
+  // A recognised frame becomes a key-frame itself: the next frame is located against it.
+  if (is_substantial || is_recognized) {
     previous_.reset();
     add_keyframe(position, std::move(features), edge, step);
   } else {
@@ -96,7 +98,10 @@ void Mapper::recognize(std::uint64_t frame_index, const motion::MeasuredFeatures
   ids.insert(ids.end(), candidates.random.begin(), candidates.random.end());
   for (const KeyframeId id : ids) {
     const motion::MotionOutcome attempt = locate(keyframes_[id], frame_index, features);
-    if (!attempt.found() || attempt.inliers < options_.loops.least_inliers) continue;
+    if (!attempt.found() || attempt.inliers < options_.loops.least_inliers ||
+        attempt.inliers < options_.loops.least_inlier_ratio * attempt.matches) {
+      continue;
+    }
     if (outcome.found() && attempt.inliers <= outcome.inliers) continue;
     reference = id;
     outcome = attempt;
@@ -110,17 +115,16 @@ void Mapper::begin_piece(std::size_t frame_position, motion::MeasuredFeatures fe
 }
 
 void Mapper::add_keyframe(std::size_t frame_position, motion::MeasuredFeatures features,
-                          const std::optional<PoseGraphEdge>& odometry, MapStep& step) {
+                          const std::optional<PoseGraphEdge>& link, MapStep& step) {
   MappedFrame& frame = frames_[frame_position];
   const KeyframeId id = keyframes_.size();
   keyframes_.push_back({id, frame.frame_index, frame.timestamp_ns, std::move(features)});
   frame.place = FramePlace{id, geometry::RigidTransform::identity()};
   frame.why_unplaced.clear();
-  if (odometry) edges_.push_back(*odometry);
+  if (link) edges_.push_back(*link);
   for (const PoseGraphEdge& loop :
        close_loops(keyframes_, camera_, options_.motion, options_.loops, options_.seed)) {
-    const bool is_odometry = odometry && loop.from == odometry->from;
-    if (!is_odometry) edges_.push_back(loop);
+    if (!link || loop.from != link->from) edges_.push_back(loop);
   }
   step.new_keyframes.push_back(id);
 }

@@ -84,7 +84,7 @@ class Mapper {
                  KeyframeId& reference, motion::MotionOutcome& outcome) const;
   void begin_piece(std::size_t frame_position, motion::MeasuredFeatures features, MapStep& step);
   void add_keyframe(std::size_t frame_position, motion::MeasuredFeatures features,
-                    const std::optional<PoseGraphEdge>& odometry, MapStep& step);
+                    const std::optional<PoseGraphEdge>& link, MapStep& step);
 
   geometry::PinholeCamera camera_;
   MapperOptions options_;

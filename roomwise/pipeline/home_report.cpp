@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <ranges>
 
 #include "roomwise/image/codec.h"
 #include "roomwise/image/resample.h"
+#include "roomwise/mapping/loop_closer.h"
 #include "roomwise/pipeline/map_cloud.h"
 #include "roomwise/pipeline/map_recording.h"
 
@@ -19,7 +21,7 @@ constexpr int kPictureWidth_px = 480;
 // Everything of the home that the report is made from, read once.
 struct Stored {
   std::vector<home::StoredRecording> recordings;
-  std::vector<home::Keyframe> keyframes;
+  std::map<home::KeyframeId, home::Keyframe> keyframes;
   std::vector<mapping::PoseGraphEdge> edges;
   std::vector<objects::MapObject> objects;
   std::vector<rooms::Room> rooms;
@@ -33,7 +35,8 @@ struct Stored {
 Expected<Stored> read(const home::Home& home) {
   Stored stored;
   ROOMWISE_TRY(stored.recordings, home.recordings());
-  ROOMWISE_TRY(stored.keyframes, home.keyframes());
+  ROOMWISE_TRY(const auto keyframes, home.keyframes());
+  for (const home::Keyframe& keyframe : keyframes) stored.keyframes[keyframe.id] = keyframe;
   ROOMWISE_TRY(stored.edges, home.edges());
   ROOMWISE_TRY(stored.objects, home.objects());
   ROOMWISE_TRY(stored.rooms, home.rooms());
@@ -45,7 +48,7 @@ Expected<Stored> read(const home::Home& home) {
     stored.frames += frames.size();
     stored.placed +=
         static_cast<std::uint64_t>(std::ranges::count_if(frames, [&](const home::Frame& frame) {
-          return frame.place && stored.keyframes[frame.place->keyframe].pose.piece == 0;
+          return frame.place && stored.keyframes.at(frame.place->keyframe).pose.piece == 0;
         }));
   }
   return stored;
@@ -70,8 +73,7 @@ double path_length_m(std::span<const recording::StampedPose> trajectory) {
 }
 
 std::vector<ReportContent::Figure> summary(const Stored& stored, double path_m) {
-  const auto loops =
-      std::ranges::count_if(stored.edges, [](const auto& edge) { return edge.is_loop; });
+  const auto loops = std::ranges::count_if(stored.edges, mapping::is_return);
   std::vector<ReportContent::Figure> figures;
   for (const home::StoredRecording& recording : stored.recordings) {
     figures.push_back({"Recording", recording.recording.name});
@@ -79,7 +81,8 @@ std::vector<ReportContent::Figure> summary(const Stored& stored, double path_m) 
   figures.push_back({"Frames", fmt::format("{}", stored.frames)});
   figures.push_back({"Frames with a place on the map", fmt::format("{}", stored.placed)});
   figures.push_back({"Key-frames", fmt::format("{}", stored.keyframes.size())});
-  figures.push_back({"Loop closures", fmt::format("{}", loops)});
+  figures.push_back({"Edges of the pose graph", fmt::format("{}", stored.edges.size())});
+  figures.push_back({"Returns to a place", fmt::format("{}", loops)});
   figures.push_back({"Length of the walk", fmt::format("{:.1f} m", path_m)});
   figures.push_back({"Objects", fmt::format("{}", stored.objects.size())});
   figures.push_back({"Rooms", fmt::format("{}", stored.rooms.size())});
@@ -90,7 +93,8 @@ Expected<std::vector<ReportContent::Object>> report_objects(const home::Home& ho
                                                             const Stored& stored) {
   std::vector<ReportContent::Object> objects;
   for (const objects::MapObject& object : stored.objects) {
-    const home::Keyframe& keyframe = stored.keyframes[object.keyframe_id];
+    const home::Keyframe& keyframe = stored.keyframes.at(object.keyframe_id);
+    if (keyframe.pose.piece != 0) continue;  // nobody knows where on this map it is
     ROOMWISE_TRY(const home::KeyframeImages images, home.images(keyframe.id));
     ROOMWISE_TRY(const image::ColorImage picture, image::decode_color(images.color));
     const int height_px = std::max(1, picture.height() * kPictureWidth_px / picture.width());
@@ -115,8 +119,8 @@ Expected<std::vector<ReportContent::Room>> report_rooms(const Stored& stored) {
     ReportContent::Room& entry = rooms.emplace_back();
     entry.name = room.name;
     entry.type = room.type;
-    entry.key_frames = static_cast<std::uint64_t>(
-        std::ranges::count_if(stored.keyframes, [&](const home::Keyframe& keyframe) {
+    entry.key_frames = static_cast<std::uint64_t>(std::ranges::count_if(
+        stored.keyframes | std::views::values, [&](const home::Keyframe& keyframe) {
           const auto* range = stored.labels.at(keyframe.recording).find(keyframe.frame_index);
           return range != nullptr && range->room == room.name;
         }));
@@ -140,8 +144,8 @@ std::vector<std::string> warnings(const Stored& stored, const mapping::UpDirecti
           recording.recording.name));
     }
   }
-  const auto apart =
-      std::ranges::count_if(stored.keyframes, [](const auto& k) { return k.pose.piece != 0; });
+  const auto apart = std::ranges::count_if(stored.keyframes | std::views::values,
+                                           [](const auto& k) { return k.pose.piece != 0; });
   if (apart > 0) {
     warnings.push_back(
         fmt::format("{} key-frames could not be joined to the map and are not shown on it. Walk "
@@ -171,7 +175,7 @@ Expected<ReportContent> report_content(const home::Home& home, const ReportExtra
   content.summary = summary(stored, path_length_m(trajectory));
   content.recognition = extras.recognition;
   std::vector<Eigen::Vector3d> cameras;
-  for (const home::Keyframe& keyframe : stored.keyframes) {
+  for (const home::Keyframe& keyframe : stored.keyframes | std::views::values) {
     if (keyframe.pose.piece != 0) continue;
     cameras.push_back(keyframe.pose.world_from_keyframe.translation);
     content.key_frames.push_back({cameras.back(), room_of(stored, keyframe)});

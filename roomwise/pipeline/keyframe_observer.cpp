@@ -37,7 +37,7 @@ Expected<void> KeyframeObserver::observe(home::KeyframeId keyframe,
   return {};
 }
 
-Expected<void> KeyframeObserver::observe_missing() {
+Expected<bool> KeyframeObserver::observe_missing() {
   std::vector<std::map<home::KeyframeId, network::Prediction>> seen;
   for (const home::NetworkId id : ids_) {
     ROOMWISE_TRY(auto predictions, home_->predictions(id));
@@ -45,7 +45,12 @@ Expected<void> KeyframeObserver::observe_missing() {
   }
   ROOMWISE_TRY(const auto keyframes, home_->keyframes());
   run_->progress.begin("looking at key-frames", keyframes.size());
-  for (std::size_t k = 0; k < keyframes.size() && !run_->progress.interrupted(); ++k) {
+  bool seen_all = true;
+  for (std::size_t k = 0; k < keyframes.size(); ++k) {
+    if (run_->progress.interrupted()) {
+      seen_all = false;
+      break;
+    }
     const home::KeyframeId id = keyframes[k].id;
     std::shared_ptr<const image::ColorImage> color;
     for (std::size_t i = 0; i < networks_->size(); ++i) {
@@ -61,7 +66,8 @@ Expected<void> KeyframeObserver::observe_missing() {
     run_->progress.advance(k + 1, "");
   }
   run_->progress.end();
-  return finish();
+  ROOMWISE_CHECK_OK(finish());
+  return seen_all;
 }
 
 Expected<void> KeyframeObserver::finish() {

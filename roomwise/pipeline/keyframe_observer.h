@@ -30,7 +30,8 @@ class KeyframeObserver {
   [[nodiscard]] Expected<void> observe(home::KeyframeId keyframe,
                                        std::shared_ptr<const image::ColorImage> color);
   // Shows every stored key-frame to the networks that have not seen it yet, and waits for all.
-  [[nodiscard]] Expected<void> observe_missing();
+  // False where the user interrupted before all were seen.
+  [[nodiscard]] Expected<bool> observe_missing();
   // Waits for the work under way and stores it.
   [[nodiscard]] Expected<void> finish();
 

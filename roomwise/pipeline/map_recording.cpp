@@ -12,6 +12,13 @@ namespace {
 
 using geometry::RigidTransform;
 
+std::map<home::KeyframeId, home::KeyframePose> poses_by_id(
+    std::span<const home::Keyframe> keyframes) {
+  std::map<home::KeyframeId, home::KeyframePose> poses;
+  for (const home::Keyframe& keyframe : keyframes) poses[keyframe.id] = keyframe.pose;
+  return poses;
+}
+
 home::Frame stored_frame(const mapping::MappedFrame& frame) {
   home::Frame stored{frame.frame_index, frame.timestamp_ns, std::nullopt, frame.why_unplaced};
   if (frame.place)
@@ -115,12 +122,13 @@ home::KeyframeImages images_of(const image::RgbdFrame& frame) {
 // there sees the mapper in the state it had.
 class MapWriter {
  public:
-  MapWriter(home::Home& home, home::RecordingId recording, const mapping::Mapper& mapper)
-      : home_(home),
-        recording_(recording),
-        mapper_(mapper),
-        edges_written_(mapper.edges().size()),
-        frames_written_(mapper.frames().size()) {}
+  static Expected<MapWriter> create(home::Home& home, home::RecordingId recording,
+                                    const mapping::Mapper& mapper) {
+    MapWriter writer(home, recording, mapper);
+    ROOMWISE_TRY(const auto stored, home.keyframes());
+    for (const home::Keyframe& keyframe : stored) writer.poses_.push_back(keyframe.pose);
+    return writer;
+  }
 
   // `frame_of` gives the images of the step's key-frames, by frame index.
   Expected<void> write(const mapping::MapStep& step,
@@ -129,10 +137,11 @@ class MapWriter {
     stored.recording = recording_;
     for (const mapping::KeyframeId id : step.new_keyframes) {
       const mapping::Keyframe& keyframe = mapper_.keyframes()[id];
+      poses_.push_back(first_pose(id));
       stored.keyframes.push_back({id,
                                   keyframe.frame_index,
                                   keyframe.timestamp_ns,
-                                  {},
+                                  poses_.back(),
                                   images_of(frame_of(keyframe.frame_index)),
                                   {},
                                   {}});
@@ -156,6 +165,27 @@ class MapWriter {
   }
 
  private:
+  MapWriter(home::Home& home, home::RecordingId recording, const mapping::Mapper& mapper)
+      : home_(home),
+        recording_(recording),
+        mapper_(mapper),
+        edges_written_(mapper.edges().size()),
+        frames_written_(mapper.frames().size()) {}
+
+  // Where the next key-frame is as far as is known before the map is solved: along its first edge
+  // to an earlier one, or in a new piece of the map. A home that was left unfinished shows its map
+  // so.
+  home::KeyframePose first_pose(mapping::KeyframeId id) const {
+    for (std::size_t i = edges_written_; i < mapper_.edges().size(); ++i) {
+      const mapping::PoseGraphEdge& edge = mapper_.edges()[i];
+      if (edge.to != id) continue;
+      return {poses_[edge.from].world_from_keyframe * edge.from_from_to, poses_[edge.from].piece};
+    }
+    std::uint64_t pieces = 0;
+    for (const home::KeyframePose& pose : poses_) pieces = std::max(pieces, pose.piece + 1);
+    return {RigidTransform::identity(), pieces};
+  }
+
   void add_frames_before(std::uint64_t index, home::Step& step) {
     while (frames_written_ < mapper_.frames().size() &&
            mapper_.frames()[frames_written_].frame_index < index) {
@@ -168,6 +198,7 @@ class MapWriter {
   const mapping::Mapper& mapper_;
   std::size_t edges_written_;
   std::size_t frames_written_;
+  std::vector<home::KeyframePose> poses_;  // of the key-frames in the home, by id
 };
 
 // Takes frames from the source until it ends, fails, or the user interrupts.
@@ -221,13 +252,18 @@ Expected<MapSummary> map_recording(recording::FrameSource& source, const home::R
   mapping::Mapper mapper(camera, settings.mapper);
   ROOMWISE_CHECK_OK(restore(mapper, home, stored.id, camera, *extractor, settings, run));
   source.skip_before(stored.next_frame_index);
-  MapWriter writer(home, stored.id, mapper);
+  ROOMWISE_TRY(MapWriter writer, MapWriter::create(home, stored.id, mapper));
   ROOMWISE_TRY(KeyframeObserver observer, KeyframeObserver::create(home, networks, run));
 
   MapSummary summary;
   Expected<bool> at_end = map_frames(source, *extractor, settings, mapper, writer, observer, run);
   ROOMWISE_CHECK_OK(observer.finish());
-  if (!at_end) return Unexpected(std::move(at_end).error());
+  if (!at_end) {
+    return mapper.keyframes().empty()
+               ? Unexpected(std::move(at_end).error())
+               : fail("{}; the {} key-frames before it are kept: resume the map to go on",
+                      at_end.error().message, mapper.keyframes().size());
+  }
   summary.finished = *at_end;
 
   if (summary.finished) {
@@ -236,7 +272,9 @@ Expected<MapSummary> map_recording(recording::FrameSource& source, const home::R
                   recording.name);
     }
     ROOMWISE_CHECK_OK(writer.write_rest());
-    ROOMWISE_CHECK_OK(observer.observe_missing());
+    ROOMWISE_TRY(summary.finished, observer.observe_missing());
+  }
+  if (summary.finished) {
     const auto timing = run.clock.measure("optimisation");
     ROOMWISE_TRY(const mapping::MapSolution solution, solve_stored_map(home, settings.solver));
     summary.rejected_loops = solution.rejected_loops;
@@ -252,8 +290,9 @@ Expected<MapSummary> map_recording(recording::FrameSource& source, const home::R
   ROOMWISE_CHECK_OK(home.add_stage_timings(run.clock.stages()));
   summary.frames = mapper.frames().size();
   summary.keyframes = mapper.keyframes().size();
-  summary.loops = static_cast<std::uint64_t>(
-      std::ranges::count_if(mapper.edges(), [](const auto& edge) { return edge.is_loop; }));
+  summary.loops =
+      static_cast<std::uint64_t>(std::ranges::count_if(mapper.edges(), mapping::is_return));
+  summary.edges = mapper.edges().size();
   return summary;
 }
 
@@ -302,9 +341,17 @@ Expected<std::uint64_t> update_objects(home::Home& home, const objects::ObjectRu
         std::ranges::find(recordings, keyframe.recording, &home::StoredRecording::id);
     view.center_point = objects::center_point(depth, recording->recording.camera);
   }
-  const std::vector<objects::MapObject> found = objects::confirm_objects(
-      views, rules,
-      [&](std::uint64_t keyframe_id) { return keyframes[keyframe_id].pose.world_from_keyframe; });
+  // Pieces of the map that nothing joined have nothing to do with each other.
+  std::map<std::uint64_t, std::vector<objects::KeyframeView>> views_of_piece;
+  for (std::size_t i = 0; i < keyframes.size(); ++i)
+    views_of_piece[keyframes[i].pose.piece].push_back(views[i]);
+  const std::map<home::KeyframeId, home::KeyframePose> poses = poses_by_id(keyframes);
+  std::vector<objects::MapObject> found;
+  for (const auto& [piece, views_there] : views_of_piece) {
+    const auto there = objects::confirm_objects(
+        views_there, rules, [&](std::uint64_t id) { return poses.at(id).world_from_keyframe; });
+    found.insert(found.end(), there.begin(), there.end());
+  }
   ROOMWISE_CHECK_OK(home.atomically([&]() -> Expected<void> {
     for (const objects::KeyframeView& view : views) {
       ROOMWISE_CHECK_OK(home.put_sightings(view.keyframe_id, view.sightings));
@@ -317,13 +364,14 @@ Expected<std::uint64_t> update_objects(home::Home& home, const objects::ObjectRu
 Expected<recording::Trajectory> stored_trajectory(const home::Home& home) {
   ROOMWISE_TRY(const auto keyframes, home.keyframes());
   ROOMWISE_TRY(const auto recordings, home.recordings());
+  const std::map<home::KeyframeId, home::KeyframePose> poses = poses_by_id(keyframes);
   recording::Trajectory trajectory;
   for (const home::StoredRecording& recording : recordings) {
     ROOMWISE_TRY(const auto frames, home.frames(recording.id));
     for (const home::Frame& frame : frames) {
-      if (!frame.place || keyframes[frame.place->keyframe].pose.piece != 0) continue;
+      if (!frame.place || poses.at(frame.place->keyframe).piece != 0) continue;
       trajectory.push_back(
-          {frame.timestamp_ns, keyframes[frame.place->keyframe].pose.world_from_keyframe *
+          {frame.timestamp_ns, poses.at(frame.place->keyframe).world_from_keyframe *
                                    frame.place->keyframe_from_camera});
     }
   }

@@ -17,8 +17,9 @@ struct MapSummary {
   std::uint64_t frames = 0;
   std::uint64_t placed = 0;  // frames that have a pose in the map's largest piece
   std::uint64_t keyframes = 0;
-  std::uint64_t loops = 0;
-  std::uint64_t rejected_loops = 0;
+  std::uint64_t edges = 0;  // of the pose graph
+  std::uint64_t loops = 0;  // returns to a place that was left: edges over more than ten key-frames
+  std::uint64_t rejected_loops = 0;  // edges that contradicted the others and were left out
   std::uint64_t pieces = 0;
   std::uint64_t objects = 0;
   double graph_error_before = 0;  // F of the pose graph

@@ -119,6 +119,34 @@ TEST_F(MapRecording, InterruptedAndResumedEndsAsIfNeverStopped) {
   EXPECT_EQ(digest(folder_ / "resumed.home"), digest(folder_ / "whole.home"));
 }
 
+// The user stops while the networks look at the key-frames of a walk that is mapped to its end.
+class InterruptWhileLooking final : public Progress {
+ public:
+  void begin(std::string_view work, std::optional<std::uint64_t>) override {
+    looking_ = work == "looking at key-frames";
+  }
+  void advance(std::uint64_t, std::string_view) override {}
+  void end() override {}
+  [[nodiscard]] bool interrupted() const override { return looking_; }
+
+ private:
+  bool looking_ = false;
+};
+
+TEST_F(MapRecording, IsNotFinishedUntilTheNetworksHaveSeenAll) {
+  SyntheticWalk walk(kFrames);
+  InterruptWhileLooking interrupt;
+  const auto stopped = map(folder_ / "a.home", walk, 2, &interrupt);
+  ASSERT_OK(stopped);
+  EXPECT_FALSE(stopped->finished);
+  SyntheticWalk again(kFrames);
+  const auto resumed = map(folder_ / "a.home", again, 2);
+  ASSERT_OK(resumed);
+  EXPECT_TRUE(resumed->finished);
+  const home::Home home = *home::Home::open_read_only(folder_ / "a.home");
+  EXPECT_EQ(home.predictions(1)->size(), home.keyframes()->size());
+}
+
 // A source that kills its process at a frame, as the power or the kernel would.
 class KillingSource final : public recording::FrameSource {
  public:
@@ -173,6 +201,10 @@ TEST_F(MapRecording, KeepsWhatCameBeforeADamagedFrame) {
   SyntheticWalk damaged(kFrames);
   damaged.fail_at = 20;
   EXPECT_ERROR(map(folder_ / "a.home", damaged, 2), "frame 20 is damaged");
+  // What is there is a map already, if not an optimised one.
+  const auto part = stored_trajectory(*home::Home::open_read_only(folder_ / "a.home"));
+  ASSERT_OK(part);
+  EXPECT_LT(evaluation::absolute_trajectory_error(damaged.truth(), *part)->error_m.rmse, 0.03);
   SyntheticWalk mended(kFrames);
   const auto summary = map(folder_ / "a.home", mended, 2);
   ASSERT_OK(summary);

@@ -46,6 +46,9 @@ Expected<std::vector<LabelledPicture>> select_frames(const recording::ImageList&
                                                      const FrameSelection& selection,
                                                      const std::vector<std::string>& learned) {
   ROOMWISE_CHECK_OK(selection.rooms.check_against(labels));
+  for (const std::string& room : selection.rooms.rooms) {
+    if (!is_learned(room, learned)) return fail("the room '{}' was never learned", room);
+  }
   std::vector<LabelledPicture> pictures;
   for (std::size_t r = 0; r < labels.ranges().size(); ++r) {
     const recording::RoomRange& range = labels.ranges()[r];

@@ -39,7 +39,7 @@ struct FrameSelection {
 };
 
 // The frames of a labelled recording that are selected, every colour image, with depth or not.
-// Rooms that were not learned are left out.
+// Rooms that were not learned are left out; selecting one by name is an error.
 [[nodiscard]] Expected<std::vector<LabelledPicture>> select_frames(
     const recording::ImageList& colors, const recording::RoomLabels& labels,
     const FrameSelection& selection, const std::vector<std::string>& learned);

@@ -25,7 +25,8 @@ class NewFile {
   explicit NewFile(std::filesystem::path path)
       : path_(std::move(path)),
         descriptor_(
-            ::open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_APPEND | O_CLOEXEC, 0644)) {}
+            ::open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_APPEND | O_CLOEXEC, 0644)),
+        open_error_(descriptor_ < 0 ? errno : 0) {}
   ~NewFile() {
     if (descriptor_ >= 0) ::close(descriptor_);
   }
