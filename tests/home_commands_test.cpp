@@ -16,17 +16,11 @@ namespace {
 
 using nlohmann::json;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using testing::ProgramResult;
+using testing::result_of;
 using testing::run_roomwise;
 using testing::ScratchFolder;
-
-// Runs a command that must succeed and returns what it prints with --json.
-json result_of(std::vector<std::string> arguments) {
-  arguments.emplace_back("--json");
-  const ProgramResult result = run_roomwise(arguments);
-  EXPECT_EQ(result.exit_code, 0) << result.errors;
-  return result.exit_code == 0 ? json::parse(result.output) : json();
-}
 
 // A home mapped from a made-up recording; all tests look at the same one.
 class HomeCommandsTest : public ::testing::Test {
@@ -66,6 +60,40 @@ TEST_F(HomeCommandsTest, ExportWritesTheCloudAndThePoseGraph) {
   EXPECT_EQ(graph.at("poses"), mapped_.at("keyframes"));
   const json info = result_of({"info", path("my.g2o")});
   EXPECT_EQ(info.at("poses"), mapped_.at("keyframes"));
+}
+
+TEST_F(HomeCommandsTest, MapWritesTheTrajectoryThatExportWrites) {
+  result_of({"map", path("walk"), "--home", path("again.home"), "--trajectory", path("a.txt"),
+             "--threads", "1"});
+  result_of({"export", "tum", "--home", path("again.home"), "-o", path("b.txt")});
+  EXPECT_EQ(read_text_file(path("a.txt")).value(), read_text_file(path("b.txt")).value());
+  const auto digest = [](const std::string& home) {
+    return result_of({"info", home, "--digest"}).at("content_sha256");
+  };
+  EXPECT_EQ(digest(path("again.home")), digest(path("my.home"))) << "at another number of threads";
+}
+
+TEST_F(HomeCommandsTest, OptimizeLeavesAnOptimisedHomeWhereItIs) {
+  std::filesystem::copy_file(path("my.home"), path("optimised.home"));
+  const json optimised = result_of({"optimize", "--home", path("optimised.home")});
+  EXPECT_EQ(optimised.at("poses"), mapped_.at("keyframes"));
+  EXPECT_EQ(optimised.at("f_after"), mapped_.at("f_after"));
+  EXPECT_EQ(run_roomwise({"optimize", "--home", path("absent.home")}).exit_code, 1);
+  EXPECT_EQ(
+      run_roomwise({"optimize", "--home", path("my.home"), "in.g2o", "-o", "out.g2o"}).exit_code,
+      2);
+}
+
+TEST_F(HomeCommandsTest, ReportShowsTheHomeOnOnePage) {
+  result_of(
+      {"report", path("my.home"), "-o", path("my.html"), "--truth", path("walk/groundtruth.txt")});
+  const std::string page = read_text_file(path("my.html")).value();
+  EXPECT_THAT(page, HasSubstr("<!DOCTYPE html>"));
+  EXPECT_THAT(page, HasSubstr("hall"));
+  EXPECT_THAT(page, HasSubstr("kitchen"));
+  for (const char* outside : {"src=\"http", "href=\"http", "src=\"/"}) {
+    EXPECT_THAT(page, Not(HasSubstr(outside))) << "the page needs nothing else";
+  }
 }
 
 TEST_F(HomeCommandsTest, InfoSaysWhatAFileIs) {

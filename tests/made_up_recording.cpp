@@ -38,12 +38,18 @@ std::uint8_t wall_at(int x, int y) {
   return static_cast<std::uint8_t>(RandomStream(1, {cell(x), cell(y)}).index(256));
 }
 
-image::ColorImage picture_of_wall(const geometry::PinholeCamera& camera, Shift shift) {
+// The hall's light is warm, the kitchen's cold.
+Rgb8 lit(std::uint8_t gray, bool is_hall) {
+  const auto dimmed = static_cast<std::uint8_t>(gray * 3 / 4);
+  return is_hall ? Rgb8{gray, gray, dimmed} : Rgb8{dimmed, gray, gray};
+}
+
+image::ColorImage picture_of_wall(const geometry::PinholeCamera& camera, Shift shift,
+                                  bool is_hall) {
   image::ColorImage picture(camera.width, camera.height);
   for (int y = 0; y < camera.height; ++y) {
     for (int x = 0; x < camera.width; ++x) {
-      const std::uint8_t gray = wall_at(x + shift.x + 600, y + shift.y + 600);
-      picture.at(x, y) = {gray, gray, gray};
+      picture.at(x, y) = lit(wall_at(x + shift.x + 600, y + shift.y + 600), is_hall);
     }
   }
   return picture;
@@ -61,9 +67,10 @@ Expected<void> write_made_up_recording(const std::filesystem::path& folder, int 
     image::RgbdFrame frame;
     frame.index = static_cast<std::uint64_t>(i);
     frame.timestamp_ns = (i + 1) * kFramePeriod_ns;
-    frame.color = picture_of_wall(camera, shift);
+    const bool is_hall = i < frames / 2;
+    frame.color = picture_of_wall(camera, shift, is_hall);
     frame.depth = image::DepthImage(camera.width, camera.height, depth);
-    ROOMWISE_CHECK_OK(writer->name_room(i < frames / 2 ? "hall" : "kitchen"));
+    ROOMWISE_CHECK_OK(writer->name_room(is_hall ? "hall" : "kitchen"));
     ROOMWISE_CHECK_OK(writer->write(frame));
     const Eigen::Vector3d place(shift.x * kWallDistance_m / camera.fx,
                                 shift.y * kWallDistance_m / camera.fy, 0);

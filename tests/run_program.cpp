@@ -62,4 +62,11 @@ ProgramResult run_roomwise(const std::vector<std::string>& arguments) {
   return result;
 }
 
+nlohmann::json result_of(std::vector<std::string> arguments) {
+  arguments.emplace_back("--json");
+  const ProgramResult result = run_roomwise(arguments);
+  EXPECT_EQ(result.exit_code, 0) << result.errors;
+  return result.exit_code == 0 ? nlohmann::json::parse(result.output) : nlohmann::json();
+}
+
 }  // namespace roomwise::testing

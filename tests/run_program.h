@@ -1,5 +1,6 @@
 #pragma once
 
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -14,5 +15,8 @@ struct ProgramResult {
 // Runs build/.../bin/roomwise with these arguments and waits for its end. Its standard input is
 // empty, and ROOMWISE_MODELS names a folder without networks.
 ProgramResult run_roomwise(const std::vector<std::string>& arguments);
+
+// Runs a command that must succeed and returns what it prints with --json.
+nlohmann::json result_of(std::vector<std::string> arguments);
 
 }  // namespace roomwise::testing

@@ -3,8 +3,8 @@
 
 #include "commands.h"
 #include "roomwise/home/home.h"
-#include "roomwise/pipeline/map_recording.h"
 #include "roomwise/pipeline/map_settings.h"
+#include "roomwise/pipeline/stored_map.h"
 
 namespace roomwise::app {
 namespace {
@@ -115,15 +115,10 @@ Expected<void> remove(Concepts& concepts, const Options& options) {
 
 // What the networks saw stays the same; which of it counts does not.
 Expected<void> replace_concepts(home::Home& home, const Concepts& concepts) {
-  ROOMWISE_TRY(const auto settings, home.settings());
-  objects::ObjectRules rules;
-  if (const auto map = settings.find("map"); map != settings.end()) {
-    ROOMWISE_TRY(const pipeline::MapSettings map_settings,
-                 pipeline::map_settings_from_json(map->second));
-    rules = map_settings.objects;
-  }
+  ROOMWISE_TRY(const auto settings, pipeline::stored_map_settings(home));
+  const objects::ObjectRules rules = settings ? settings->objects : objects::ObjectRules{};
   ROOMWISE_CHECK_OK(home.replace_concepts(concepts));
-  ROOMWISE_TRY([[maybe_unused]] const std::uint64_t objects, pipeline::update_objects(home, rules));
+  ROOMWISE_CHECK_OK(pipeline::update_objects(home, rules));
   return {};
 }
 

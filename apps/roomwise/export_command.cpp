@@ -7,7 +7,7 @@
 #include "roomwise/mapping/map_solver.h"
 #include "roomwise/mapping/ply_file.h"
 #include "roomwise/pipeline/map_cloud.h"
-#include "roomwise/pipeline/map_recording.h"
+#include "roomwise/pipeline/stored_map.h"
 
 namespace roomwise::app {
 namespace {

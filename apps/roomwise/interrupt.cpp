@@ -14,8 +14,6 @@ extern "C" void request_interrupt(int) {
   requested.store(true);
 }
 
-}  // namespace
-
 void catch_interrupts() {
   struct sigaction action {};
   action.sa_handler = request_interrupt;
@@ -27,7 +25,10 @@ void catch_interrupts() {
   sigaction(SIGTERM, &action, nullptr);
 }
 
+}  // namespace
+
 bool interrupt_requested() {
+  [[maybe_unused]] static const bool catching = (catch_interrupts(), true);
   return requested.load();
 }
 

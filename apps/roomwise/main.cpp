@@ -11,7 +11,6 @@ int main(int argc, char** argv) {
       "  roomwise map RECORDING --home my.home\n"
       "Every command explains itself: roomwise COMMAND --help");
 
-  catch_interrupts();
   Context context;
 
   add_info_command(app, context);

@@ -6,6 +6,7 @@
 #include "networks.h"
 #include "roomwise/pipeline/map_recording.h"
 #include "roomwise/pipeline/room_learning.h"
+#include "roomwise/pipeline/stored_map.h"
 #include "roomwise/recording/camera_file.h"
 #include "roomwise/recording/tum_recording.h"
 
@@ -35,9 +36,8 @@ Expected<home::Home> open_home(const Options& options) {
 // The settings of a home that is gone on with are its own.
 Expected<pipeline::MapSettings> choose_settings(const Options& options, std::uint64_t seed,
                                                 const home::Home& home) {
-  ROOMWISE_TRY(const auto stored, home.settings());
-  if (const auto own = stored.find("map"); own != stored.end())
-    return pipeline::map_settings_from_json(own->second);
+  ROOMWISE_TRY(const auto stored, pipeline::stored_map_settings(home));
+  if (stored) return *stored;
   pipeline::MapSettings settings = options.settings;
   ROOMWISE_TRY(settings.features, features::parse_feature_kind(options.features));
   settings.mapper.seed = seed;

@@ -4,6 +4,8 @@
 #include "commands.h"
 #include "roomwise/mapping/g2o_file.h"
 #include "roomwise/mapping/pose_graph.h"
+#include "roomwise/pipeline/map_settings.h"
+#include "roomwise/pipeline/stored_map.h"
 
 namespace roomwise::app {
 namespace {
@@ -11,27 +13,55 @@ namespace {
 struct Options {
   std::filesystem::path input;
   std::filesystem::path output;
-  mapping::PoseGraphOptions optimization;
+  std::filesystem::path home;
+  mapping::PoseGraphOptions graph;
 };
 
-Expected<Answer> run(const Options& options) {
-  ROOMWISE_TRY(mapping::PoseGraph graph, mapping::read_g2o(options.input));
-  ROOMWISE_TRY(const mapping::PoseGraphReport report,
-               mapping::optimize(graph, options.optimization));
-  ROOMWISE_CHECK_OK(mapping::write_g2o(options.output, graph));
-
+Answer answer_of(const mapping::PoseGraphReport& report, std::size_t poses, std::size_t edges) {
   Answer answer;
   answer.text = fmt::format(
       "{} poses, {} edges\n"
       "F before {:.6g}\n"
-      "F after  {:.6g} ({} iterations{})\n"
-      "wrote {}\n",
-      graph.world_from_node.size(), graph.edges.size(), report.error_before, report.error_after,
-      report.iterations, report.converged ? "" : ", not converged", options.output.string());
-  answer.json = {{"poses", graph.world_from_node.size()}, {"edges", graph.edges.size()},
-                 {"f_before", report.error_before},       {"f_after", report.error_after},
-                 {"iterations", report.iterations},       {"converged", report.converged},
-                 {"output", options.output.string()}};
+      "F after  {:.6g} ({} iterations{})\n",
+      poses, edges, report.error_before, report.error_after, report.iterations,
+      report.converged ? "" : ", not converged");
+  answer.json = {{"poses", poses},
+                 {"edges", edges},
+                 {"f_before", report.error_before},
+                 {"f_after", report.error_after},
+                 {"iterations", report.iterations},
+                 {"converged", report.converged}};
+  return answer;
+}
+
+Expected<Answer> optimize_file(const Options& options) {
+  ROOMWISE_TRY(mapping::PoseGraph graph, mapping::read_g2o(options.input));
+  ROOMWISE_TRY(const mapping::PoseGraphReport report, mapping::optimize(graph, options.graph));
+  ROOMWISE_CHECK_OK(mapping::write_g2o(options.output, graph));
+  Answer answer = answer_of(report, graph.world_from_node.size(), graph.edges.size());
+  answer.text += fmt::format("wrote {}\n", options.output.string());
+  answer.json["output"] = options.output.string();
+  return answer;
+}
+
+// The key-frames move, and what was seen from them moves with them.
+Expected<Answer> optimize_home(const Options& options) {
+  ROOMWISE_TRY(home::Home home, home::Home::open(options.home));
+  ROOMWISE_TRY(auto settings, pipeline::stored_map_settings(home));
+  if (!settings) {
+    return fail("{}: has no map to optimise; make one with: roomwise map", options.home.string());
+  }
+  settings->solver.graph = options.graph;
+  ROOMWISE_TRY(const mapping::MapSolution solution,
+               pipeline::solve_stored_map(home, settings->solver));
+  ROOMWISE_TRY(const std::uint64_t objects, pipeline::update_objects(home, settings->objects));
+  ROOMWISE_TRY(const auto edges, home.edges());
+  Answer answer = answer_of(solution.report, solution.world_from_keyframe.size(), edges.size());
+  answer.text +=
+      fmt::format("loops left out  {}\nobjects         {}\n", solution.rejected_loops, objects);
+  answer.json["rejected_loops"] = solution.rejected_loops;
+  answer.json["objects"] = objects;
+  answer.json["home"] = options.home.string();
   return answer;
 }
 
@@ -40,12 +70,23 @@ Expected<Answer> run(const Options& options) {
 void add_optimize_command(CLI::App& app, Context& context) {
   auto options = std::make_shared<Options>();
   CLI::App* command = add_command(
-      app, context, "optimize", "Optimise the pose graph of a .g2o file; print F before and after",
-      "roomwise optimize sphere2500.g2o -o optimised.g2o", [options] { return run(*options); });
-  command->add_option("IN", options->input, "Pose graph to read (.g2o, SE3)")->required();
-  command->add_option("-o,--output", options->output, "Where to write it optimised")->required();
+      app, context, "optimize",
+      "Optimise a pose graph, of a .g2o file or of a home; print F before and after",
+      "roomwise optimize sphere2500.g2o -o optimised.g2o\n"
+      "  roomwise optimize --home my.home",
+      [options] {
+        return options->home.empty() ? optimize_file(*options) : optimize_home(*options);
+      });
+  CLI::Option_group* graph = command->add_option_group("Pose graph");
+  CLI::Option* input = graph->add_option("IN", options->input, "Pose graph to read (.g2o, SE3)");
+  graph->add_option("--home", options->home, "Home whose key-frames are to move");
+  graph->require_option(1);
+  CLI::Option* output =
+      command->add_option("-o,--output", options->output, "Where to write IN optimised");
+  input->needs(output);
+  output->needs(input);
   command
-      ->add_option("--loop-kernel", options->optimization.loop_kernel,
+      ->add_option("--loop-kernel", options->graph.loop_kernel,
                    "e^T Omega e of a loop closure above which it counts less and less; 0: never")
       ->capture_default_str();
 }

@@ -31,15 +31,16 @@ void append_value(Bytes& bytes, const Statement& row, int column) {
   }
 }
 
-// The columns of a table by name, joined for a SELECT.
-Expected<std::string> columns_by_name(const Database& database, std::string_view table) {
+// The columns that the digest covers by name, joined for a SELECT.
+Expected<std::string> columns_by_name(const Database& database, const Table& table) {
   return database.get<std::string>(
-      "SELECT group_concat(name, ', ') FROM (SELECT name FROM pragma_table_info(?) ORDER BY name)",
-      table);
+      "SELECT group_concat(name, ', ') FROM "
+      "(SELECT name FROM pragma_table_info(?) WHERE name <> ? ORDER BY name)",
+      table.name, table.column_outside_digest);
 }
 
 // The digest of a table is that of its columns' names and its rows' digests, sorted.
-Expected<std::string> table_digest(const Database& database, std::string_view table) {
+Expected<std::string> table_digest(const Database& database, const Table& table) {
   ROOMWISE_TRY(const std::string columns, columns_by_name(database, table));
   std::vector<std::string> rows;
   const auto add_row = [&](const Statement& row) {
@@ -47,7 +48,8 @@ Expected<std::string> table_digest(const Database& database, std::string_view ta
     for (int i = 0; i < sqlite3_column_count(row.handle()); ++i) append_value(bytes, row, i);
     rows.push_back(sha256_hex(bytes));
   };
-  ROOMWISE_CHECK_OK(database.for_each(fmt::format("SELECT {} FROM {}", columns, table), add_row));
+  ROOMWISE_CHECK_OK(
+      database.for_each(fmt::format("SELECT {} FROM {}", columns, table.name), add_row));
   std::ranges::sort(rows);
   const std::string text = fmt::format("{}\n{}\n", columns, fmt::join(rows, "\n"));
   return sha256_hex(Bytes(text.begin(), text.end()));
@@ -59,7 +61,7 @@ Expected<std::string> content_digest(const Database& database) {
   std::string digests;
   for (const Table& table : tables()) {
     if (!table.in_digest) continue;
-    ROOMWISE_TRY(const std::string digest, table_digest(database, table.name));
+    ROOMWISE_TRY(const std::string digest, table_digest(database, table));
     digests += fmt::format("{} {}\n", table.name, digest);
   }
   return sha256_hex(Bytes(digests.begin(), digests.end()));

@@ -212,7 +212,7 @@ constexpr std::array kMigrations = {Migration{1, kVersion1}};
 
 constexpr std::array kTables = {
     Table{"settings"},
-    Table{"recordings"},
+    Table{"recordings", /*in_digest=*/true, /*column_outside_digest=*/"folder"},
     Table{"keyframes"},
     Table{"keyframe_images"},
     Table{"frames"},

@@ -24,9 +24,9 @@ struct Migration {
 
 struct Table {
   std::string_view name;
-  // Whether the content digest covers it. Only what may differ between two runs of one seed is
-  // exempt.
+  // What the content digest leaves out: only what may differ between two runs of one seed.
   bool in_digest = true;
+  std::string_view column_outside_digest = {};
 };
 // Every table of a home.
 [[nodiscard]] std::span<const Table> tables();

@@ -93,7 +93,10 @@ TEST_F(FilledHome, ExplainsItsTables) {
 
 // A table or column of the future cannot be forgotten: each is tried.
 TEST_F(FilledHome, DigestSeesEveryColumnOfEveryTableThatIsNotExempt) {
-  const std::set<std::string> exempt{"stage_timings"};
+  // Two runs of one seed may differ in how long they took and where they read from.
+  const auto is_exempt = [](const std::string& table, const std::string& column) {
+    return table == "stage_timings" || (table == "recordings" && column == "folder");
+  };
   const std::string digest = content_digest(database()).value();
   ASSERT_OK(database().run("PRAGMA foreign_keys = OFF"));
   for (const std::string& table : table_names()) {
@@ -112,7 +115,7 @@ TEST_F(FilledHome, DigestSeesEveryColumnOfEveryTableThatIsNotExempt) {
       ASSERT_OK(database().run("PRAGMA ignore_check_constraints = ON"));
       ASSERT_OK(database().run(change));
       EXPECT_EQ(sqlite3_changes(database().handle()), 1) << change;
-      EXPECT_EQ(content_digest(database()).value() == digest, exempt.contains(table))
+      EXPECT_EQ(content_digest(database()).value() == digest, is_exempt(table, column))
           << table << "." << column;
       ASSERT_OK(database().run_script("ROLLBACK TO before; RELEASE before"));
     }

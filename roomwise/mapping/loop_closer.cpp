@@ -26,6 +26,9 @@ Expected<void> LoopOptions::validate() const {
     return fail("earliest_preference = {} must be at least 1", earliest_preference);
   }
   if (least_inliers < 4) return fail("least_inliers = {} must be at least 4", least_inliers);
+  if (!(least_inlier_ratio >= 0 && least_inlier_ratio <= 1)) {
+    return fail("least_inlier_ratio = {} must be between 0 and 1", least_inlier_ratio);
+  }
   return {};
 }
 

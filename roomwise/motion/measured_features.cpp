@@ -32,6 +32,13 @@ double depth_around(const image::DepthImage& depth, const geometry::PinholeCamer
 
 }  // namespace
 
+Expected<void> DepthRange::validate() const {
+  if (!(farthest_m > 0)) return fail("farthest_m = {} must be positive", farthest_m);
+  if (!(most_relative_spread > 0))
+    return fail("most_relative_spread = {} must be positive", most_relative_spread);
+  return {};
+}
+
 MeasuredFeatures measure_features(features::Features features, const image::DepthImage& depth,
                                   const geometry::PinholeCamera& camera, const DepthRange& range) {
   MeasuredFeatures measured;

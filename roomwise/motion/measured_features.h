@@ -26,6 +26,8 @@ struct DepthRange {
   // Around a key-point the depths may differ by this part of the distance; more is the edge of a
   // thing, where depth and colour do not belong together.
   double most_relative_spread = 0.05;
+
+  [[nodiscard]] Expected<void> validate() const;
 };
 
 // Depth at a key-point is the median of the measured pixels among the 3x3 around it.

@@ -125,6 +125,10 @@ Expected<void> MotionOptions::validate() const {
     return fail("least_matches = {} must not be below least_inliers = {}", least_matches,
                 least_inliers);
   }
+  if (least_features < 0) return fail("least_features = {} must not be negative", least_features);
+  if (!(least_inlier_ratio >= 0 && least_inlier_ratio <= 1)) {
+    return fail("least_inlier_ratio = {} must be between 0 and 1", least_inlier_ratio);
+  }
   if (!(inlier_px > 0)) return fail("inlier_px = {} must be positive", inlier_px);
   if (most_iterations < 1) return fail("most_iterations = {} must be at least 1", most_iterations);
   if (!(confidence > 0 && confidence < 1))

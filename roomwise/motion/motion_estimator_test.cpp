@@ -108,6 +108,11 @@ TEST(MotionOptions, SaysWhichFieldIsWrong) {
   options = {};
   options.least_matches = 3;
   EXPECT_ERROR(options.validate(), "least_matches");
+  options = {};
+  options.least_inlier_ratio = 1.5;
+  EXPECT_ERROR(options.validate(), "least_inlier_ratio");
+  EXPECT_ERROR(DepthRange{.farthest_m = -1}.validate(), "farthest_m");
+  EXPECT_ERROR(DepthRange{.most_relative_spread = NAN}.validate(), "most_relative_spread");
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "roomwise/image/codec.h"
 #include "roomwise/network/model_card.h"
 #include "roomwise/network/onnx_classifier.h"
+#include "roomwise/network/tiny_network.h"
 
 namespace roomwise::network {
 namespace {
@@ -20,51 +21,11 @@ using roomwise::testing::ScratchFolder;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-// Just enough of protobuf's wire format to write small ONNX files by hand.
-std::string varint(std::uint64_t value) {
-  std::string bytes;
-  for (; value >= 0x80; value >>= 7) bytes.push_back(static_cast<char>((value & 0x7f) | 0x80));
-  bytes.push_back(static_cast<char>(value));
-  return bytes;
-}
-std::string field(int number, std::uint64_t value) {
-  return varint(static_cast<std::uint64_t>(number) << 3) + varint(value);
-}
-std::string field(int number, const std::string& bytes) {
-  return varint(static_cast<std::uint64_t>(number) << 3 | 2) + varint(bytes.size()) + bytes;
-}
-
-// ValueInfoProto of a float tensor.
-std::string tensor_info(const std::string& name, const std::vector<std::uint64_t>& shape) {
-  std::string dimensions;
-  for (const std::uint64_t size : shape) dimensions += field(1, field(1, size));
-  return field(1, name) + field(2, field(1, field(1, 1) + field(2, dimensions)));
-}
-// NodeProto without attributes.
-std::string node(const std::string& operation, const std::string& input,
-                 const std::string& output) {
-  return field(1, input) + field(2, output) + field(3, output + "_node") + field(4, operation);
-}
-struct TinyOutput {
-  std::string name;
-  std::vector<std::uint64_t> shape;
-};
-// ModelProto: nodes in a row from "picture" to the outputs.
-std::string onnx(const std::vector<std::string>& nodes, const std::vector<std::uint64_t>& input,
-                 const std::vector<TinyOutput>& outputs) {
-  std::string graph;
-  for (const std::string& text : nodes) graph += field(1, text);
-  graph += field(2, std::string("tiny")) + field(11, tensor_info("picture", input));
-  for (const TinyOutput& output : outputs)
-    graph += field(12, tensor_info(output.name, output.shape));
-  return field(1, 7) + field(7, graph) + field(8, field(1, std::string()) + field(2, 11));
-}
-
-// A network of three scores: the mean of each colour plane as it is put in.
-std::string mean_color_network() {
-  return onnx({node("GlobalAveragePool", "picture", "pooled"), node("Flatten", "pooled", "means")},
-              {1, 3, 4, 6}, {{"means", {1, 3}}});
-}
+using testing::field;
+using testing::mean_color_network;
+using testing::node;
+using testing::onnx;
+using testing::tensor_info;
 
 class OnnxClassifierTest : public ::testing::Test {
  protected:

@@ -8,7 +8,7 @@
 #include "roomwise/image/resample.h"
 #include "roomwise/mapping/loop_closer.h"
 #include "roomwise/pipeline/map_cloud.h"
-#include "roomwise/pipeline/map_recording.h"
+#include "roomwise/pipeline/stored_map.h"
 
 namespace roomwise::pipeline {
 namespace {

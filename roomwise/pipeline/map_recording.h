@@ -1,15 +1,12 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
-#include <vector>
 
 #include "roomwise/home/home.h"
 #include "roomwise/pipeline/keyframe_observer.h"
 #include "roomwise/pipeline/map_settings.h"
 #include "roomwise/pipeline/run_context.h"
 #include "roomwise/recording/frame_source.h"
-#include "roomwise/recording/trajectory_file.h"
 
 namespace roomwise::pipeline {
 
@@ -37,17 +34,5 @@ struct MapSummary {
                                                  const home::Recording& recording, home::Home& home,
                                                  const Networks& networks,
                                                  const MapSettings& settings, RunContext& run);
-
-// Optimises the pose graph of all that is stored and moves the key-frames.
-[[nodiscard]] Expected<mapping::MapSolution> solve_stored_map(
-    home::Home& home, const mapping::MapSolverOptions& options);
-
-// Applies the rules of objects/ to what the networks saw, with the home's concepts and the poses as
-// they are now: after mapping, after optimising, after editing the concepts. The number of objects.
-[[nodiscard]] Expected<std::uint64_t> update_objects(home::Home& home,
-                                                     const objects::ObjectRules& rules);
-
-// The poses of all frames that the largest piece of the map places, in the order of time.
-[[nodiscard]] Expected<recording::Trajectory> stored_trajectory(const home::Home& home);
 
 }  // namespace roomwise::pipeline

@@ -12,6 +12,7 @@
 #include "roomwise/pipeline/map_cloud.h"
 #include "roomwise/pipeline/room_learning.h"
 #include "roomwise/pipeline/room_recognizer.h"
+#include "roomwise/pipeline/stored_map.h"
 #include "roomwise/pipeline/synthetic_walk.h"
 
 namespace roomwise::pipeline {
@@ -26,7 +27,7 @@ class MapRecording : public ::testing::Test {
   static constexpr int kFrames = 45;
 
   // Maps a walk into the home file; the networks are two, one that names and one that does not.
-  Expected<MapSummary> map(const std::filesystem::path& file, SyntheticWalk& walk,
+  Expected<MapSummary> map(const std::filesystem::path& file, recording::FrameSource& walk,
                            std::size_t threads, Progress* progress = nullptr) {
     ROOMWISE_TRY(home::Home home,
                  std::filesystem::exists(file) ? home::Home::open(file) : create_home(file));
@@ -171,17 +172,7 @@ TEST_F(MapRecording, KilledAndResumedEndsAsIfNeverStopped) {
   if (child == 0) {
     SyntheticWalk walk(kFrames);
     KillingSource source(walk, 25);
-    ThreadPool pool(2);
-    StageClock clock;
-    RunContext run{pool, silent_, clock};
-    home::Home home = *create_home(folder_ / "killed.home");
-    Networks networks;
-    networks.push_back(std::make_unique<ColorNetwork>());
-    networks.push_back(
-        std::make_unique<ColorNetwork>(std::vector<std::string>{"studio couch", "wolf"}));
-    (void)map_recording(source,
-                        {walk.info().name, "made up", walk.info().camera, walk.info().frame_count},
-                        home, networks, settings_, run);
+    (void)map(folder_ / "killed.home", source, 2);
     _exit(0);
   }
   int status = 0;

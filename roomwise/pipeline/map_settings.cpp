@@ -1,12 +1,19 @@
 #include "roomwise/pipeline/map_settings.h"
 
 #include <nlohmann/json.hpp>
+#include <utility>
 
 namespace roomwise::pipeline {
+namespace {
+
+constexpr const char* kSettingsKey = "map";
+
+}  // namespace
 
 Expected<void> MapSettings::validate() const {
   if (method != "paper") return fail("'{}' is not a mapping method; there is paper", method);
   if (most_keypoints < 50) return fail("most_keypoints = {} must be at least 50", most_keypoints);
+  ROOMWISE_CHECK_OK(depth.validate());
   ROOMWISE_CHECK_OK(mapper.validate());
   ROOMWISE_CHECK_OK(solver.validate());
   return objects.validate();
@@ -46,6 +53,19 @@ Expected<MapSettings> map_settings_from_json(std::string_view json) {
   }
   ROOMWISE_CHECK_OK(settings.validate());
   return settings;
+}
+
+Expected<void> store_map_settings(home::Home& home, const MapSettings& settings) {
+  return home.put_setting(kSettingsKey, to_json(settings));
+}
+
+Expected<std::optional<MapSettings>> stored_map_settings(const home::Home& home) {
+  ROOMWISE_TRY(const auto stored, home.settings());
+  const auto own = stored.find(kSettingsKey);
+  if (own == stored.end()) return std::nullopt;
+  auto settings = map_settings_from_json(own->second);
+  if (!settings) return Unexpected(std::move(settings).error().in(home.file()));
+  return *std::move(settings);
 }
 
 }  // namespace roomwise::pipeline

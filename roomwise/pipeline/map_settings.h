@@ -1,10 +1,12 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 
 #include "roomwise/base/expected.h"
 #include "roomwise/features/feature_extractor.h"
+#include "roomwise/home/home.h"
 #include "roomwise/mapping/map_solver.h"
 #include "roomwise/mapping/mapper.h"
 #include "roomwise/motion/measured_features.h"
@@ -28,5 +30,9 @@ struct MapSettings {
 // The settings that the command line offers, as JSON; the others have their defaults.
 [[nodiscard]] std::string to_json(const MapSettings& settings);
 [[nodiscard]] Expected<MapSettings> map_settings_from_json(std::string_view json);
+
+// Those that a home keeps of its map; nothing where no map was begun.
+[[nodiscard]] Expected<void> store_map_settings(home::Home& home, const MapSettings& settings);
+[[nodiscard]] Expected<std::optional<MapSettings>> stored_map_settings(const home::Home& home);
 
 }  // namespace roomwise::pipeline

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "roomwise/features/feature_extractor.h"
+#include "roomwise/home/home.h"
+#include "roomwise/image/rgbd_frame.h"
+#include "roomwise/mapping/mapper.h"
+#include "roomwise/pipeline/map_settings.h"
+#include "roomwise/pipeline/run_context.h"
+
+// How a mapper's state goes into a home and comes back. Features are not stored: they are found
+// again in the stored images, which are those that the camera gave.
+namespace roomwise::pipeline {
+
+// Gives the mapper of a run that goes on what the home holds of it.
+[[nodiscard]] Expected<void> restore_mapper(mapping::Mapper& mapper, const home::Home& home,
+                                            home::RecordingId recording,
+                                            const geometry::PinholeCamera& camera,
+                                            const features::FeatureExtractor& extractor,
+                                            const motion::DepthRange& depth, RunContext& run);
+
+// Writes what the mapper adds into the home, up to each new key-frame: a run that goes on from
+// there sees the mapper in the state it had. The home and the mapper must outlive it.
+class MapWriter {
+ public:
+  // The mapper must hold what the home holds.
+  [[nodiscard]] static Expected<MapWriter> create(home::Home& home, home::RecordingId recording,
+                                                  const mapping::Mapper& mapper);
+
+  // A step that made key-frames; `frame_of` gives their images, by frame index.
+  [[nodiscard]] Expected<void> write(
+      const mapping::MapStep& step,
+      const std::function<const image::RgbdFrame&(std::uint64_t)>& frame_of);
+
+  // The frames after the last key-frame, when the recording has ended.
+  [[nodiscard]] Expected<void> write_rest();
+
+ private:
+  MapWriter(home::Home& home, home::RecordingId recording, const mapping::Mapper& mapper);
+
+  // Where the next key-frame is as far as is known before the map is solved: along its first edge
+  // to an earlier one, or in a new piece of the map. A home that was left unfinished shows its map
+  // so.
+  [[nodiscard]] home::KeyframePose first_pose(mapping::KeyframeId id) const;
+  void add_frames_before(std::uint64_t index, home::Step& step);
+
+  home::Home& home_;
+  home::RecordingId recording_;
+  const mapping::Mapper& mapper_;
+  std::size_t edges_written_;
+  std::size_t frames_written_;
+  std::vector<home::KeyframePose> poses_;  // of the key-frames in the home, by id
+};
+
+}  // namespace roomwise::pipeline

@@ -1,0 +1,133 @@
+// Rooms, command by command, with a network that sees nothing but a picture's mean colour.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "made_up_recording.h"
+#include "roomwise/base/file.h"
+#include "roomwise/base/testing.h"
+#include "roomwise/image/codec.h"
+#include "roomwise/network/tiny_network.h"
+#include "run_program.h"
+
+namespace roomwise {
+namespace {
+
+using nlohmann::json;
+using ::testing::HasSubstr;
+using testing::ProgramResult;
+using testing::result_of;
+using testing::run_roomwise;
+using testing::ScratchFolder;
+
+class RoomCommandsTest : public ::testing::Test {
+ protected:
+  static constexpr int kFrames = 48;
+
+  static void SetUpTestSuite() {
+    folder_ = std::make_unique<ScratchFolder>();
+    EXPECT_OK(testing::write_made_up_recording(path("walk"), kFrames));
+    EXPECT_OK(write_file(path("colors.onnx"), testing::mean_color_network()));
+    EXPECT_OK(write_file(path("colors.card.json"), R"({"input": {"width": 6, "height": 4}})"));
+    result_of({"map", path("walk"), "--home", path("mapped.home"), "--network", path("colors.onnx"),
+               "--keyframe-translation", "0.02"});
+  }
+  static void TearDownTestSuite() { folder_.reset(); }
+  static std::string path(const std::string& name) { return *folder_ / name; }
+
+  // A copy of the mapped home for a test that changes it.
+  static std::string copy_of_home(const std::string& name) {
+    std::filesystem::copy_file(path("mapped.home"), path(name));
+    return path(name);
+  }
+  // One folder a room, each with pictures of about one colour.
+  static void write_photos(const std::string& folder) {
+    const std::vector<std::pair<std::string, Rgb8>> rooms{
+        {"attic", {200, 60, 60}}, {"cellar", {60, 200, 60}}, {"garage", {60, 60, 200}}};
+    for (const auto& [room, color] : rooms) {
+      std::filesystem::create_directories(path(folder + "/" + room));
+      for (int i = 0; i < 6; ++i) {
+        const auto shade = static_cast<std::uint8_t>(10 * i);
+        const image::ColorImage photo(12, 8, {color.r, color.g, shade});
+        EXPECT_OK(write_file(path(fmt::format("{}/{}/{}.png", folder, room, i)),
+                             image::encode_png(photo)));
+      }
+    }
+  }
+
+  inline static std::unique_ptr<ScratchFolder> folder_;
+};
+
+TEST_F(RoomCommandsTest, RoomsOfAWalkAreLearnedEvaluatedAndRecognised) {
+  const std::string home = copy_of_home("learned.home");
+  const json learned = result_of({"rooms", "learn", "--home", home});
+  ASSERT_EQ(learned.at("rooms").size(), 2U);
+  EXPECT_EQ(learned.at("rooms")[0].at("room"), "hall");
+
+  const json result = result_of({"rooms", "eval", "--home", home, "--recording", path("walk"),
+                                 "--margin", "3", "--network", path("colors.onnx")});
+  EXPECT_EQ(result.at("single").at("n"), kFrames - 12) << "three frames at four ends of ranges";
+  EXPECT_EQ(result.at("single").at("precision"), 1.0);
+  EXPECT_EQ(result.at("pair").at("precision"), 1.0);
+  EXPECT_TRUE(result.at("pair").contains("ms"));
+
+  const auto recognize = [&](const std::string& first, const std::string& second) {
+    return result_of({"rooms", "recognize", "--home", home, path("walk/rgb/" + first),
+                      path("walk/rgb/" + second), "--network", path("colors.onnx")});
+  };
+  const auto color_files = [] {
+    std::vector<std::string> names;
+    for (const auto& entry : std::filesystem::directory_iterator(path("walk/rgb")))
+      names.push_back(entry.path().filename());
+    std::ranges::sort(names);
+    return names;
+  }();
+  const json hall = recognize(color_files.front(), color_files[1]);
+  EXPECT_EQ(hall.at("room"), "hall");
+  EXPECT_EQ(hall.at("how"), "frames agree");
+  EXPECT_EQ(recognize(color_files[40], color_files[41]).at("room"), "kitchen");
+  EXPECT_THAT(recognize(color_files.front(), color_files.back()).at("how"), "higher score");
+}
+
+TEST_F(RoomCommandsTest, RoomsAreNamedByFramesAndByTime) {
+  const std::string home = copy_of_home("named.home");
+  json rooms = result_of(
+      {"rooms", "name", "--home", home, "--frames", "0-9=porch", "--times", "1.5-4.7=loft"});
+  EXPECT_THAT(rooms.at("rooms").dump(), HasSubstr("porch"));
+  EXPECT_THAT(rooms.at("rooms").dump(), HasSubstr("loft"));
+  rooms = result_of({"rooms", "name", "--home", home, "--types", "loft=bedroom"});
+  EXPECT_THAT(rooms.at("rooms").dump(), HasSubstr(R"({"name":"loft","type":"bedroom"})"));
+  const ProgramResult wrong =
+      run_roomwise({"rooms", "name", "--home", home, "--frames", "9 to 12 is the porch"});
+  EXPECT_EQ(wrong.exit_code, 1);
+  EXPECT_THAT(wrong.errors, HasSubstr("FIRST-LAST=ROOM"));
+}
+
+TEST_F(RoomCommandsTest, RoomsAreLearnedFromPhotosAlone) {
+  write_photos("photos");
+  const std::string home = path("photos.home");
+  result_of({"rooms", "learn", "--home", home, "--photos", path("photos"), "--network",
+             path("colors.onnx")});
+  const json result = result_of({"rooms", "eval", "--home", home, "--photos", path("photos"),
+                                 "--network", path("colors.onnx")});
+  EXPECT_EQ(result.at("single").at("n"), 18);
+  EXPECT_EQ(result.at("single").at("precision"), 1.0);
+}
+
+TEST_F(RoomCommandsTest, WhatCannotBeAnsweredIsSaidInOneLine) {
+  const ProgramResult unlearned =
+      run_roomwise({"rooms", "recognize", "--home", path("mapped.home"), path("walk/rgb.txt"),
+                    "--network", path("colors.onnx")});
+  EXPECT_EQ(unlearned.exit_code, 1);
+  EXPECT_THAT(unlearned.errors, HasSubstr("rooms learn"));
+  const ProgramResult nothing =
+      run_roomwise({"rooms", "learn", "--home", path("new.home"), "--photos", path("walk/rgb"),
+                    "--network", path("colors.onnx")});
+  EXPECT_EQ(nothing.exit_code, 1);
+  EXPECT_FALSE(std::filesystem::exists(path("new.home"))) << "a mistake makes no home";
+}
+
+}  // namespace
+}  // namespace roomwise
