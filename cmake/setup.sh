@@ -61,8 +61,10 @@ find_folder() {
   local variable=$1 folder=${!1:-}
   if [ -z "$folder" ]; then
     folder=$root/$2
+    [ -d "$folder" ] || return 0
   elif [ "${folder#/}" = "$folder" ]; then
     folder=${OLDPWD:-$root}/$folder
   fi
-  if [ -d "$folder" ]; then export "$variable=$(cd "$folder" && pwd)"; fi
+  [ -d "$folder" ] || stop "$variable=${!variable} is no folder; give one that exists, or leave $variable unset"
+  export "$variable=$(cd "$folder" && pwd)"
 }

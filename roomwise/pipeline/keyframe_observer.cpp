@@ -38,6 +38,7 @@ Expected<void> KeyframeObserver::observe(home::KeyframeId keyframe,
 }
 
 Expected<bool> KeyframeObserver::observe_missing() {
+  if (networks_->empty()) return true;
   std::vector<std::map<home::KeyframeId, network::Prediction>> seen;
   for (const home::NetworkId id : ids_) {
     ROOMWISE_TRY(auto predictions, home_->predictions(id));
