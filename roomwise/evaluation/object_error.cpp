@@ -1,0 +1,82 @@
+#include "roomwise/evaluation/object_error.h"
+
+#include <algorithm>
+#include <tuple>
+
+namespace roomwise::evaluation {
+namespace {
+
+// The value that `share` of them do not exceed.
+double quantile(std::vector<double> values, double share) {
+  if (values.empty()) return 0;
+  std::ranges::sort(values);
+  const double place = std::clamp(share, 0.0, 1.0) * static_cast<double>(values.size() - 1);
+  const auto below = static_cast<std::size_t>(place);
+  const std::size_t above = std::min(below + 1, values.size() - 1);
+  const double part = place - static_cast<double>(below);
+  return (1 - part) * values[below] + part * values[above];
+}
+
+// All pairs that may belong together, the closest first.
+std::vector<ObjectMatch> candidates(std::span<const TrueObject> truth,
+                                    std::span<const FoundObject> found, double most_distance_m) {
+  std::vector<ObjectMatch> pairs;
+  for (std::size_t t = 0; t < truth.size(); ++t) {
+    for (std::size_t f = 0; f < found.size(); ++f) {
+      if (truth[t].kind != found[f].kind) continue;
+      const double from_box_m = truth[t].box.distance_m(found[f].position);
+      if (from_box_m > most_distance_m) continue;
+      const double from_center_m = (truth[t].box.center() - found[f].position).norm();
+      pairs.push_back({t, f, from_box_m, from_center_m});
+    }
+  }
+  std::ranges::sort(pairs, {}, [](const ObjectMatch& pair) {
+    return std::tuple(pair.from_box_m, pair.from_center_m, pair.truth, pair.found);
+  });
+  return pairs;
+}
+
+}  // namespace
+
+double ObjectErrors::from_box_quantile_m(double share) const {
+  std::vector<double> values;
+  for (const ObjectMatch& match : matches) values.push_back(match.from_box_m);
+  return quantile(std::move(values), share);
+}
+
+double ObjectErrors::from_center_quantile_m(double share) const {
+  std::vector<double> values;
+  for (const ObjectMatch& match : matches) values.push_back(match.from_center_m);
+  return quantile(std::move(values), share);
+}
+
+Expected<ObjectErrors> object_errors(std::span<const TrueObject> truth,
+                                     std::span<const FoundObject> found, double most_distance_m) {
+  if (!(most_distance_m > 0)) {
+    return fail("most_distance_m = {} must be positive", most_distance_m);
+  }
+  ObjectErrors errors;
+  std::vector<bool> truth_used(truth.size()), found_used(found.size());
+  for (const ObjectMatch& pair : candidates(truth, found, most_distance_m)) {
+    if (truth_used[pair.truth] || found_used[pair.found]) continue;
+    truth_used[pair.truth] = found_used[pair.found] = true;
+    errors.matches.push_back(pair);
+  }
+  std::ranges::sort(errors.matches, {}, &ObjectMatch::truth);
+
+  for (std::size_t t = 0; t < truth.size(); ++t) {
+    ObjectCounts& counts = errors.by_kind[truth[t].kind];
+    ++(truth_used[t] ? counts.matched : counts.missed);
+  }
+  for (std::size_t f = 0; f < found.size(); ++f) {
+    if (!found_used[f]) ++errors.by_kind[found[f].kind].wrong;
+  }
+  for (const auto& [kind, counts] : errors.by_kind) {
+    errors.all.matched += counts.matched;
+    errors.all.missed += counts.missed;
+    errors.all.wrong += counts.wrong;
+  }
+  return errors;
+}
+
+}  // namespace roomwise::evaluation
