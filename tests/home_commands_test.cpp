@@ -78,6 +78,7 @@ TEST_F(HomeCommandsTest, OptimizeLeavesAnOptimisedHomeWhereItIs) {
   const json optimised = result_of({"optimize", "--home", path("optimised.home")});
   EXPECT_EQ(optimised.at("poses"), mapped_.at("keyframes"));
   EXPECT_EQ(optimised.at("f_after"), mapped_.at("f_after"));
+  EXPECT_NEAR(optimised.at("f_before").get<double>(), mapped_.at("f_after").get<double>(), 1e-6);
   EXPECT_EQ(run_roomwise({"optimize", "--home", path("absent.home")}).exit_code, 1);
   EXPECT_EQ(
       run_roomwise({"optimize", "--home", path("my.home"), "in.g2o", "-o", "out.g2o"}).exit_code,
@@ -94,6 +95,27 @@ TEST_F(HomeCommandsTest, ReportShowsTheHomeOnOnePage) {
   for (const char* outside : {"src=\"http", "href=\"http", "src=\"/"}) {
     EXPECT_THAT(page, Not(HasSubstr(outside))) << "the page needs nothing else";
   }
+}
+
+TEST_F(HomeCommandsTest, NoCommandWritesOverAHome) {
+  const std::string before = result_of({"info", path("my.home"), "--digest"}).dump();
+  for (const std::vector<std::string>& command : std::vector<std::vector<std::string>>{
+           {"export", "ply", "--home", path("my.home"), "-o", path("my.home")},
+           {"report", path("my.home"), "-o", path("my.home")},
+           {"info", path("walk"), "--json-file", path("my.home")}}) {
+    const ProgramResult refused = run_roomwise(command);
+    EXPECT_EQ(refused.exit_code, 1);
+    EXPECT_THAT(refused.errors, HasSubstr("not overwritten"));
+  }
+  EXPECT_EQ(result_of({"info", path("my.home"), "--digest"}).dump(), before);
+}
+
+TEST_F(HomeCommandsTest, AMistakeAtTheFirstTryLeavesNoHome) {
+  // The pictures are smaller than this camera's.
+  const ProgramResult wrong =
+      run_roomwise({"map", path("walk"), "--home", path("tried.home"), "--camera", "fr1"});
+  EXPECT_EQ(wrong.exit_code, 1);
+  EXPECT_FALSE(std::filesystem::exists(path("tried.home")));
 }
 
 TEST_F(HomeCommandsTest, InfoSaysWhatAFileIs) {

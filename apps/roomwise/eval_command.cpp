@@ -2,6 +2,7 @@
 #include <memory>
 
 #include "commands.h"
+#include "paths.h"
 #include "roomwise/base/file.h"
 #include "roomwise/evaluation/trajectory_error.h"
 #include "roomwise/evaluation/trajectory_plot.h"
@@ -22,11 +23,6 @@ struct Options {
   double most_time_difference_s = 0.02;
   double delta_s = 1;
 };
-
-// The file itself, or the ground truth of a recording's folder.
-fs::path truth_file(const fs::path& truth) {
-  return fs::is_directory(truth) ? truth / "groundtruth.txt" : truth;
-}
 
 Json to_json(const ErrorStatistics& error) {
   return {{"rmse", error.rmse}, {"mean", error.mean}, {"median", error.median},
@@ -79,8 +75,9 @@ Expected<Answer> run(const Options& options) {
       {.delta = options.delta_s, .most_time_difference_s = options.most_time_difference_s});
   Answer answer = describe(*absolute, relative, options.delta_s);
   if (!options.plot.empty()) {
-    const auto plot =
-        evaluation::plot_trajectory(*absolute, {.title = options.estimate.filename().string()});
+    const auto plot = evaluation::plot_trajectory(
+        *absolute,
+        {.title = options.estimate.filename().string(), .up = evaluation::axis_nearest_up(truth)});
     ROOMWISE_CHECK_OK(write_file(options.plot, plot.file()));
     answer.text += fmt::format("wrote {}\n", options.plot.string());
     answer.json["plot"] = options.plot.string();

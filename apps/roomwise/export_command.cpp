@@ -7,6 +7,7 @@
 #include "roomwise/mapping/map_solver.h"
 #include "roomwise/mapping/ply_file.h"
 #include "roomwise/pipeline/map_cloud.h"
+#include "roomwise/pipeline/map_settings.h"
 #include "roomwise/pipeline/stored_map.h"
 
 namespace roomwise::app {
@@ -49,14 +50,10 @@ Expected<Answer> export_tum(const Options& options) {
 // without an edge between them.
 Expected<Answer> export_g2o(const Options& options) {
   ROOMWISE_TRY(const home::Home home, home::Home::open_read_only(options.home));
-  mapping::PoseGraph graph;
-  ROOMWISE_TRY(const std::vector<home::Keyframe> keyframes, home.keyframes());
-  for (const home::Keyframe& keyframe : keyframes) {
-    graph.world_from_node[keyframe.id] = keyframe.pose.world_from_keyframe;
-  }
-  ROOMWISE_TRY(graph.edges, home.edges());
-  std::erase_if(graph.edges,
-                [&](const auto& edge) { return mapping::is_contradicted(graph, edge); });
+  ROOMWISE_TRY(const auto settings, pipeline::stored_map_settings(home));
+  ROOMWISE_TRY(
+      const mapping::PoseGraph graph,
+      pipeline::stored_pose_graph(home, settings ? settings->solver : mapping::MapSolverOptions{}));
   ROOMWISE_CHECK_OK(mapping::write_g2o(options.output, graph));
   return wrote(options.output, "poses", graph.world_from_node.size());
 }

@@ -100,7 +100,7 @@ Expected<Answer> describe_recording(const fs::path& folder) {
   facts.add("depth images", depths.size());
   facts.add("frames", frames.size());
   const TimestampNs length_ns = colors.timestamps_ns().back() - colors.timestamps_ns().front();
-  facts.add("seconds", static_cast<double>(length_ns) * kSecondsPerNs);
+  facts.add("seconds", std::round(static_cast<double>(length_ns) * kSecondsPerNs * 1000) / 1000);
   if (fs::exists(folder / "camera.txt")) {
     ROOMWISE_TRY(const auto camera, recording::read_camera(folder / "camera.txt"));
     facts.add("camera", fmt::format("{}x{}, fx {:g} fy {:g} cx {:g} cy {:g}", camera.width,
@@ -175,7 +175,7 @@ Expected<Answer> run(const Options& options) {
   if (bytes.starts_with("\x89PNG") || bytes.starts_with("\xff\xd8\xff")) {
     return describe_picture(path);
   }
-  if (bytes.starts_with("SQLite format 3") || path.extension() == ".home") {
+  if (is_database(path) || path.extension() == ".home") {
     return describe_home(options);
   }
   return fail("{}: is not known; expected a home, a recording's folder, .g2o, .onnx, PNG or JPEG",

@@ -4,6 +4,7 @@
 
 #include "commands.h"
 #include "networks.h"
+#include "paths.h"
 #include "roomwise/pipeline/map_recording.h"
 #include "roomwise/pipeline/room_learning.h"
 #include "roomwise/pipeline/stored_map.h"
@@ -89,9 +90,27 @@ std::string to_text(const pipeline::MapSummary& summary, bool has_networks) {
   return text;
 }
 
-Expected<Answer> run(const Options& options, Context& context) {
+// A home that this run made and that holds nothing is taken away again: the next try, with the
+// mistake mended, is a first try too.
+void remove_empty_home(const fs::path& path) {
+  const auto is_empty = [&] {
+    const auto home = home::Home::open_read_only(path);
+    if (!home) return false;
+    const auto keyframes = home->keyframes();
+    return keyframes && keyframes->empty();
+  };
+  std::error_code ignored;
+  if (is_empty()) fs::remove(path, ignored);
+}
+
+Expected<Answer> map(const Options& options, Context& context) {
   cv::setNumThreads(1);  // the threads are ours
   ROOMWISE_TRY(const pipeline::Networks networks, load_networks(options.networks));
+  if (networks.empty()) {
+    context.progress.note(
+        "no network was given: nothing in this home will be named and its rooms cannot be learned; "
+        "give --network FILE or set ROOMWISE_MODELS");
+  }
   if (!options.trajectory.empty() && fs::is_directory(options.trajectory)) {
     return fail("{}: is a folder; --trajectory needs a file", options.trajectory.string());
   }
@@ -123,7 +142,7 @@ Expected<Answer> run(const Options& options, Context& context) {
     return fail(
         "interrupted after {} frames, {} key-frames; go on with: roomwise map {} --home {} "
         "--resume",
-        summary.frames, summary.keyframes, options.recording.string(), options.home.string());
+        summary.frames, summary.keyframes, shell_word(options.recording), shell_word(options.home));
   }
   if (labels) ROOMWISE_CHECK_OK(name_rooms_if_unnamed(home, *labels));
   if (!options.trajectory.empty()) {
@@ -153,6 +172,13 @@ Expected<Answer> run(const Options& options, Context& context) {
   return answer;
 }
 
+Expected<Answer> run(const Options& options, Context& context) {
+  const bool is_new = !fs::exists(options.home);
+  Expected<Answer> answer = map(options, context);
+  if (!answer && is_new) remove_empty_home(options.home);
+  return answer;
+}
+
 }  // namespace
 
 void add_map_command(CLI::App& app, Context& context) {
@@ -168,6 +194,7 @@ void add_map_command(CLI::App& app, Context& context) {
       ->required();
   CLI::Option* resume = command->add_flag(
       "--resume", options->resume, "Go on with a run that was stopped, with its own settings");
+  command->get_option("--seed")->excludes(resume);
   command->add_option(
       "--camera", options->camera,
       "fr1, fr2, fr3, kinect-v1, xtion, or a camera.txt; default: the recording's own");

@@ -18,7 +18,9 @@ Expected<std::vector<fs::path>> list_networks(const fs::path& folder) {
     if (entry->path().extension() == ".onnx" && network::find_model_card(entry->path()))
       files.push_back(entry->path());
   }
-  if (error) return fail("{}: cannot be read: {}", folder.string(), error.message());
+  if (error)
+    return fail("{}: the folder of networks (ROOMWISE_MODELS) cannot be read: {}", folder.string(),
+                error.message());
   std::ranges::sort(files);
   return files;
 }

@@ -2,6 +2,7 @@
 #include <memory>
 
 #include "commands.h"
+#include "roomwise/base/file.h"
 #include "roomwise/mapping/g2o_file.h"
 #include "roomwise/mapping/pose_graph.h"
 #include "roomwise/pipeline/map_settings.h"
@@ -35,6 +36,9 @@ Answer answer_of(const mapping::PoseGraphReport& report, std::size_t poses, std:
 }
 
 Expected<Answer> optimize_file(const Options& options) {
+  if (is_database(options.input)) {
+    return fail("{}: is a home; give it as --home", options.input.string());
+  }
   ROOMWISE_TRY(mapping::PoseGraph graph, mapping::read_g2o(options.input));
   ROOMWISE_TRY(const mapping::PoseGraphReport report, mapping::optimize(graph, options.graph));
   ROOMWISE_CHECK_OK(mapping::write_g2o(options.output, graph));
@@ -52,11 +56,16 @@ Expected<Answer> optimize_home(const Options& options) {
     return fail("{}: has no map to optimise; make one with: roomwise map", options.home.string());
   }
   settings->solver.graph = options.graph;
+  ROOMWISE_TRY(const mapping::PoseGraph before,
+               pipeline::stored_pose_graph(home, settings->solver));
+  const double error_before = mapping::pose_graph_error(before);
   ROOMWISE_TRY(const mapping::MapSolution solution,
                pipeline::solve_stored_map(home, settings->solver));
   ROOMWISE_TRY(const std::uint64_t objects, pipeline::update_objects(home, settings->objects));
   ROOMWISE_TRY(const auto edges, home.edges());
-  Answer answer = answer_of(solution.report, solution.world_from_keyframe.size(), edges.size());
+  mapping::PoseGraphReport report = solution.report;
+  report.error_before = error_before;
+  Answer answer = answer_of(report, solution.world_from_keyframe.size(), edges.size());
   answer.text +=
       fmt::format("loops left out  {}\nobjects         {}\n", solution.rejected_loops, objects);
   answer.json["rejected_loops"] = solution.rejected_loops;

@@ -2,6 +2,7 @@
 #include <memory>
 
 #include "commands.h"
+#include "paths.h"
 #include "roomwise/base/file.h"
 #include "roomwise/pipeline/home_report.h"
 
@@ -49,7 +50,7 @@ Expected<Answer> run(const Options& options, Context& context) {
   pipeline::ReportExtras extras;
   extras.name = options.home.stem().string();
   if (!options.truth.empty()) {
-    ROOMWISE_TRY(extras.truth, recording::read_trajectory(options.truth));
+    ROOMWISE_TRY(extras.truth, recording::read_trajectory(truth_file(options.truth)));
   }
   if (!options.evaluation.empty()) {
     ROOMWISE_TRY(extras.recognition, read_evaluation(options.evaluation));
@@ -74,7 +75,7 @@ void add_report_command(CLI::App& app, Context& context) {
   command->add_option("HOME", options->home, "Home file")->required();
   command->add_option("-o,--output", options->output, "Page to write (.html)")->required();
   command->add_option("--truth", options->truth,
-                      "True trajectory (groundtruth.txt), for the error plot");
+                      "True trajectory (TUM), or the recording's folder, for the error plot");
   command->add_option("--evaluation", options->evaluation,
                       "What rooms eval --json printed, for the tables");
 }

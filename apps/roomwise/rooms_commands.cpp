@@ -91,6 +91,9 @@ Expected<recording::RoomLabels> parse_ranges(const NameOptions& options,
     ROOMWISE_TRY(const NamedSpan span, parse_span(text));
     ROOMWISE_TRY(const std::uint64_t first, parse_frame(span.first));
     ROOMWISE_TRY(const std::uint64_t last, parse_frame(span.last));
+    if (!frames.empty() && last > frames.back().index) {
+      return fail("'{}': the recording ends with frame {}", text, frames.back().index);
+    }
     ranges.push_back({first, last, span.room, 1});
   }
   for (const std::string& text : options.times) {

@@ -135,6 +135,11 @@ bool TerminalProgress::interrupted() const {
   return interrupted_();
 }
 
+void TerminalProgress::note(std::string_view text) {
+  finish_line();
+  output_.write(fmt::format("note: {}\n", text));
+}
+
 void TerminalProgress::finish_line() {
   if (line_open_) output_.write("\n");
   line_open_ = false;

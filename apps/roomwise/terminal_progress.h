@@ -57,6 +57,9 @@ class TerminalProgress final : public Progress {
   void end() override;
   [[nodiscard]] bool interrupted() const override;
 
+  // A line of its own that the user should read.
+  void note(std::string_view text);
+
   // Leaves the line that is being written over, if there is one.
   void finish_line();
 

@@ -73,10 +73,22 @@ Expected<std::string> read_text_file(const std::filesystem::path& path) {
   return read_whole<std::string>(path);
 }
 
+bool is_database(const std::filesystem::path& path) {
+  constexpr std::string_view kMagic("SQLite format 3\0", 16);
+  std::array<char, kMagic.size()> first{};
+  const Descriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)};
+  return file.value >= 0 && ::read(file.value, first.data(), first.size()) == std::ssize(first) &&
+         std::string_view(first.data(), first.size()) == kMagic;
+}
+
 Expected<void> write_file(const std::filesystem::path& path, std::span<const std::uint8_t> bytes) {
   struct stat status {};
   if (::stat(path.c_str(), &status) == 0 && !S_ISREG(status.st_mode)) {
     return write_into(path, bytes);
+  }
+  if (is_database(path)) {
+    return fail("{}: is a home or another database and is not overwritten; choose another name",
+                path.string());
   }
   std::filesystem::path partial = path;
   partial += fmt::format(".partial-{}", ::getpid());

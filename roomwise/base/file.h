@@ -18,8 +18,13 @@ using Bytes = std::vector<std::uint8_t>;
 [[nodiscard]] Expected<Bytes> read_file(const std::filesystem::path& path);
 [[nodiscard]] Expected<std::string> read_text_file(const std::filesystem::path& path);
 
+// Whether it is an SQLite database, as a home is, by its first bytes. False where it cannot be
+// read.
+[[nodiscard]] bool is_database(const std::filesystem::path& path);
+
 // Writes beside `path`, flushes to the disk and renames, so that the file is whole or unchanged
-// whatever happens (killed process, full disk). A device or a pipe is written to as it is.
+// whatever happens (killed process, full disk). A device or a pipe is written to as it is; a
+// database is never overwritten: a slip of the hand must not cost a home.
 [[nodiscard]] Expected<void> write_file(const std::filesystem::path& path,
                                         std::span<const std::uint8_t> bytes);
 [[nodiscard]] Expected<void> write_file(const std::filesystem::path& path, std::string_view text);

@@ -221,7 +221,7 @@ SvgDrawing draw_map(const TopView& view, std::span<const MapKeyFrame> key_frames
       (legend.empty() ? ruler_start.y() : legend.back().place.y()) + kLegendRow - 10;
 
   SvgDrawing drawing(picture_size.x(), bottom,
-                     fmt::format("Map from above with {} key-frames, {} rooms and {} objects",
+                     fmt::format("Map from above: {} key-frames, {} named rooms, objects: {}",
                                  key_frames.size(), styles.named().size(), objects.size()));
   drawing.rectangle({0, 0}, drawing.size(), "class=\"map-paper\"");
   drawing.picture({0, 0}, picture_size, jpeg_address(view.picture, kJpegQuality));

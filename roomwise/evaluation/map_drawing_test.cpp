@@ -81,7 +81,7 @@ TEST(MapDrawing, NumbersObjectsAndNamesThemWhereThereIsRoom) {
 TEST(MapDrawing, HoldsItsPicture) {
   const std::string svg = draw_map(plain_view(), kWalk, {}).element();
   EXPECT_THAT(svg, HasSubstr("href=\"data:image/jpeg;base64,"));
-  EXPECT_THAT(svg, HasSubstr("Map from above with 6 key-frames, 2 rooms and 0 objects"));
+  EXPECT_THAT(svg, HasSubstr("Map from above: 6 key-frames, 2 named rooms, objects: 0"));
   EXPECT_THAT(svg, Not(HasSubstr("nan")));
 }
 

@@ -83,6 +83,18 @@ void draw_legend(SvgDrawing& drawing, double x, double y) {
 
 }  // namespace
 
+std::optional<Vector3d> axis_nearest_up(std::span<const recording::StampedPose> trajectory) {
+  if (trajectory.empty()) return std::nullopt;
+  Vector3d sum = Vector3d::Zero();
+  for (const recording::StampedPose& pose : trajectory)
+    sum -= pose.world_from_camera.rotation * Vector3d::UnitY();  // y is down in a picture
+  int axis = 0;
+  const double along = sum.cwiseAbs().maxCoeff(&axis);
+  constexpr double kLeastShare = 0.7;  // 45 degrees
+  if (along < kLeastShare * static_cast<double>(trajectory.size())) return std::nullopt;
+  return Vector3d::Unit(axis) * (sum[axis] > 0 ? 1.0 : -1.0);
+}
+
 SvgDrawing plot_trajectory(const AbsoluteTrajectoryError& error,
                            const TrajectoryPlotOptions& options) {
   const Plane plane =

@@ -16,6 +16,11 @@ struct TrajectoryPlotOptions {
   double width_px = 760;  // of the whole drawing; its height follows the trajectory's
 };
 
+// The axis of a trajectory's frame, with its sign, that is up for cameras held upright: the one
+// nearest to the mean direction up in the pictures. Absent where none is clearly that.
+[[nodiscard]] std::optional<Eigen::Vector3d> axis_nearest_up(
+    std::span<const recording::StampedPose> trajectory);
+
 // The plot of the TUM RGB-D benchmark: the truth in black, the estimate in blue, and in red the
 // difference of each pair.
 [[nodiscard]] SvgDrawing plot_trajectory(const AbsoluteTrajectoryError& error,

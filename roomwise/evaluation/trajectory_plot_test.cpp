@@ -90,5 +90,29 @@ TEST(TrajectoryPlot, ACameraThatStoodStillIsDrawnToo) {
   EXPECT_THAT(plot_trajectory(still).element(), Not(HasSubstr("nan")));
 }
 
+TEST(TrajectoryPlot, KnowsUpByHowTheCameraIsHeld) {
+  // A camera that looks along x of a frame with z up, a little downwards, to all sides.
+  recording::Trajectory upright;
+  for (int i = 0; i < 8; ++i) {
+    const Eigen::Quaterniond world_from_level(
+        (Eigen::Matrix3d() << 0, 0, 1, -1, 0, 0, 0, -1, 0).finished());
+    const Eigen::AngleAxisd turn(0.7 * i, Eigen::Vector3d::UnitZ());
+    const Eigen::AngleAxisd pitch(-0.3, Eigen::Vector3d::UnitX());
+    upright.push_back({i, {turn * world_from_level * pitch, Eigen::Vector3d::Zero()}});
+  }
+  EXPECT_EQ(axis_nearest_up(upright), Eigen::Vector3d(0, 0, 1));
+  // Without any turn the camera's own frame has y down.
+  EXPECT_EQ(axis_nearest_up(recording::Trajectory{{0, {}}}), Eigen::Vector3d(0, -1, 0));
+  // A camera that rolls over has no up.
+  recording::Trajectory rolling;
+  for (int i = 0; i < 4; ++i) {
+    rolling.push_back(
+        {i,
+         {Eigen::Quaterniond(Eigen::AngleAxisd(std::numbers::pi / 2 * i, Eigen::Vector3d::UnitZ())),
+          Eigen::Vector3d::Zero()}});
+  }
+  EXPECT_EQ(axis_nearest_up(rolling), std::nullopt);
+}
+
 }  // namespace
 }  // namespace roomwise::evaluation

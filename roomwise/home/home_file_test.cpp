@@ -179,6 +179,7 @@ TEST_F(HomeFile, FindsDamageInAnyPage) {
     std::fill(damaged.begin() + static_cast<std::ptrdiff_t>(begin),
               damaged.begin() + static_cast<std::ptrdiff_t>((page + 1) * kPage),
               std::uint8_t{0xa5});
+    std::filesystem::remove(path_);  // write_file() would refuse to replace a home
     ASSERT_OK(write_file(path_, damaged));
     if (auto reader = Home::open_read_only(path_)) {
       EXPECT_FALSE(reader->verify()) << "page " << page;

@@ -40,6 +40,24 @@ Expected<home::StoredRecording> begin_or_resume(home::Home& home, const home::Re
   return last;
 }
 
+// A map goes on with the frames of the recording that it was begun with: the newest key-frame's
+// frame must be there, taken at the same time.
+Expected<void> go_to_next_frame(recording::FrameSource& source, const home::Home& home,
+                                const home::StoredRecording& stored) {
+  ROOMWISE_TRY(const auto keyframes, home.keyframes());
+  if (!keyframes.empty()) {
+    source.skip_before(keyframes.back().frame_index);
+    ROOMWISE_TRY(const auto frame, source.next());
+    if (!frame || frame->index != keyframes.back().frame_index ||
+        frame->timestamp_ns != keyframes.back().timestamp_ns) {
+      return fail("{}: holds the unfinished map of {}, and {} is another recording; give that one",
+                  home.file(), stored.recording.name, source.info().name);
+    }
+  }
+  source.skip_before(stored.next_frame_index);
+  return {};
+}
+
 // Takes frames from the source until it ends, fails, or the user interrupts.
 Expected<bool> map_frames(recording::FrameSource& source,
                           const features::FeatureExtractor& extractor, const MapSettings& settings,
@@ -86,12 +104,12 @@ Expected<MapSummary> map_recording(recording::FrameSource& source, const home::R
                                    const MapSettings& settings, RunContext& run) {
   ROOMWISE_CHECK_OK(settings.validate());
   ROOMWISE_TRY(const home::StoredRecording stored, begin_or_resume(home, recording, settings));
+  ROOMWISE_CHECK_OK(go_to_next_frame(source, home, stored));
   const geometry::PinholeCamera& camera = source.info().camera;
   const auto extractor = features::make_extractor(settings.features, settings.most_keypoints);
   mapping::Mapper mapper(camera, settings.mapper);
   ROOMWISE_CHECK_OK(
       restore_mapper(mapper, home, stored.id, camera, *extractor, settings.depth, run));
-  source.skip_before(stored.next_frame_index);
   ROOMWISE_TRY(MapWriter writer, MapWriter::create(home, stored.id, mapper));
   ROOMWISE_TRY(KeyframeObserver observer, KeyframeObserver::create(home, networks, run));
 

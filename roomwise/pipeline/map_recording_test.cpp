@@ -223,6 +223,19 @@ TEST_F(MapRecording, RefusesAFinishedHomeAndOtherSettings) {
   EXPECT_ERROR(map(folder_ / "a.home", other, 1), "finished map");
 }
 
+TEST_F(MapRecording, RefusesToGoOnWithAnotherRecording) {
+  SyntheticWalk walk(kFrames);
+  InterruptAfter interrupt(20);
+  ASSERT_OK(map(folder_ / "a.home", walk, 1, &interrupt));
+  const std::string before = digest(folder_ / "a.home");
+  SyntheticWalk later(kFrames);
+  later.begins_ns = 5'000'000'000;
+  EXPECT_ERROR(map(folder_ / "a.home", later, 1), "is another recording");
+  SyntheticWalk shorter(4);
+  EXPECT_ERROR(map(folder_ / "a.home", shorter, 1), "is another recording");
+  EXPECT_EQ(digest(folder_ / "a.home"), before);
+}
+
 TEST_F(MapRecording, LearnsAndRecognisesItsRooms) {
   SyntheticWalk walk(100);
   ASSERT_OK(map(folder_ / "a.home", walk, 2));

@@ -15,8 +15,10 @@ Expected<RoomRecognizer> RoomRecognizer::create(const home::Home& home, const Ne
     return network->fingerprint() == record->network_fingerprint;
   });
   if (same == networks.end()) {
-    return fail("{}: its rooms were learned with the network {}; give that file by --network",
-                home.file(), record->network_name);
+    return fail(
+        "{}: its rooms were learned with the network {}; give that file by --network, or its "
+        "folder as ROOMWISE_MODELS",
+        home.file(), record->network_name);
   }
   ROOMWISE_TRY(rooms::Concepts concepts, home.concepts());
   ROOMWISE_TRY(std::vector<rooms::Room> rooms, home.rooms());

@@ -30,6 +30,20 @@ Expected<mapping::MapSolution> solve_stored_map(home::Home& home,
   return solution;
 }
 
+Expected<mapping::PoseGraph> stored_pose_graph(const home::Home& home,
+                                               const mapping::MapSolverOptions& options) {
+  ROOMWISE_TRY(const auto keyframes, home.keyframes());
+  mapping::PoseGraph graph;
+  for (const home::Keyframe& keyframe : keyframes) {
+    graph.world_from_node[keyframe.id] = keyframe.pose.world_from_keyframe;
+  }
+  ROOMWISE_TRY(graph.edges, home.edges());
+  std::erase_if(graph.edges, [&](const mapping::PoseGraphEdge& edge) {
+    return mapping::is_contradicted(graph, edge, options);
+  });
+  return graph;
+}
+
 Expected<std::uint64_t> update_objects(home::Home& home, const objects::ObjectRules& rules) {
   ROOMWISE_CHECK_OK(rules.validate());
   ROOMWISE_TRY(const rooms::Concepts concepts, home.concepts());

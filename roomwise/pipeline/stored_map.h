@@ -14,6 +14,11 @@ namespace roomwise::pipeline {
 [[nodiscard]] Expected<mapping::MapSolution> solve_stored_map(
     home::Home& home, const mapping::MapSolverOptions& options);
 
+// The pose graph as the map is now: without the loops that contradict it (solve_map() left them
+// out).
+[[nodiscard]] Expected<mapping::PoseGraph> stored_pose_graph(
+    const home::Home& home, const mapping::MapSolverOptions& options);
+
 // Applies the rules of objects/ to what the networks saw, with the home's concepts and the poses as
 // they are now: after mapping, after optimising, after editing the concepts. The number of objects.
 [[nodiscard]] Expected<std::uint64_t> update_objects(home::Home& home,

@@ -26,7 +26,7 @@ class SyntheticWalk final : public recording::FrameSource {
 
   [[nodiscard]] const recording::SourceInfo& info() const override { return info_; }
   void skip_before(std::uint64_t index) override {
-    next_ = static_cast<int>(index);
+    next_ = std::min(static_cast<int>(index), frames_);
     info_.frame_count = static_cast<std::uint64_t>(frames_ - next_);
   }
   [[nodiscard]] Expected<std::optional<image::RgbdFrame>> next() override {
@@ -52,9 +52,10 @@ class SyntheticWalk final : public recording::FrameSource {
   }
 
   int fail_at = -1;  // the frame at which next() gives an error
+  TimestampNs begins_ns = 1'000'000'000;
 
  private:
-  static TimestampNs timestamp_ns(int frame) { return 1'000'000'000 + frame * 33'333'333LL; }
+  TimestampNs timestamp_ns(int frame) const { return begins_ns + frame * 33'333'333LL; }
 
   // The colour of a wall at (u, v), m: blocks of three sizes, each with a shade of its own.
   static Rgb8 mosaic(int wall, double u, double v) {

@@ -1,0 +1,24 @@
+#include "paths.h"
+
+#include <algorithm>
+#include <cctype>
+
+namespace roomwise::app {
+
+std::filesystem::path truth_file(const std::filesystem::path& truth) {
+  return std::filesystem::is_directory(truth) ? truth / "groundtruth.txt" : truth;
+}
+
+std::string shell_word(const std::filesystem::path& path) {
+  const std::string text = path.string();
+  const auto is_plain = [](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) != 0 ||
+           std::string_view("/._-+=:,@").find(c) != std::string_view::npos;
+  };
+  if (!text.empty() && std::ranges::all_of(text, is_plain)) return text;
+  std::string quoted = "'";
+  for (const char c : text) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return quoted + "'";
+}
+
+}  // namespace roomwise::app
