@@ -1,0 +1,11 @@
+#pragma once
+
+#include "roomwise/simulation/fittings.h"
+
+namespace roomwise::simulation {
+
+// A door's frame and threshold, and its leaf, panelled on both sides, turned about its hinge.
+// All doors of a home are of one `style`.
+void add_door(Fittings& fittings, const Door& door, float wall_thickness_m, std::uint32_t style);
+
+}  // namespace roomwise::simulation

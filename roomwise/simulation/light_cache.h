@@ -1,0 +1,23 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "roomwise/base/expected.h"
+#include "roomwise/simulation/emitters.h"
+#include "roomwise/simulation/light_bake.h"
+
+namespace roomwise::simulation {
+
+// Tells the baked light of one scene from that of any other: a digest of all that it depends on.
+[[nodiscard]] std::string light_key(const Scene& scene, const Emitters& emitters, double effort);
+
+// The light that was stored under this key; nothing where there is no such file or it is damaged or
+// holds another key's.
+[[nodiscard]] std::optional<BakedLight> read_light(const std::filesystem::path& path,
+                                                   const std::string& key, const Scene& scene);
+[[nodiscard]] Expected<void> write_light(const std::filesystem::path& path, const std::string& key,
+                                         const BakedLight& light);
+
+}  // namespace roomwise::simulation

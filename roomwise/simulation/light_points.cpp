@@ -1,0 +1,313 @@
+#include "roomwise/simulation/light_points.h"
+
+#include <algorithm>
+#include <cmath>
+#include <unordered_map>
+
+#include "roomwise/simulation/color_math.h"
+#include "roomwise/simulation/noise.h"
+#include "roomwise/simulation/sampling.h"
+
+namespace roomwise::simulation {
+namespace {
+
+constexpr float kCell = 0.06F;    // m: light is gathered about this densely
+constexpr float kReach = 0.078F;  // m, of blending
+constexpr float kPlane = 0.02F;   // m: parallel planes further apart have points of their own
+constexpr float kGap = 1e-3F;
+constexpr float kBuried = 0.05F;  // m: how far an open place sees at least
+
+int bin(float coordinate) {
+  return static_cast<int>(std::lround(1.3F * coordinate));
+}
+
+std::array<int, 3> cell_of(const Eigen::Vector3f& position) {
+  return {floor_to_int(position.x() / kCell), floor_to_int(position.y() / kCell),
+          floor_to_int(position.z() / kCell)};
+}
+
+std::uint64_t cell_key(std::uint16_t object, const std::array<int, 3>& cell) {
+  std::uint64_t key = object;
+  for (const int index : cell) {
+    key = (key << 16) | (static_cast<std::uint64_t>(index + 32768) & 0xffffU);
+  }
+  return key;
+}
+
+Eigen::Vector3f illuminance(const Flux& flux, const Eigen::Vector3f& normal) {
+  return (normal.transpose() * flux).transpose().cwiseMax(0.0F);
+}
+
+// Which points are taken for one: same object, cell and facing, and about the same plane.
+struct PlaceKey {
+  std::uint64_t cell;
+  std::int32_t facing, plane;
+  bool operator==(const PlaceKey&) const = default;
+};
+struct PlaceKeyHash {
+  std::size_t operator()(const PlaceKey& key) const {
+    return key.cell * 0x9e3779b97f4a7c15ULL + static_cast<std::uint64_t>(key.facing) * 0x85ebca6bU +
+           static_cast<std::uint64_t>(key.plane) * 0xc2b2ae35U;
+  }
+};
+
+Eigen::Vector3f middle_of(const Scene& scene, const SceneTriangle& triangle) {
+  const auto [a, b, c] = triangle.corners;
+  return (scene.positions()[a] + scene.positions()[b] + scene.positions()[c]) / 3;
+}
+
+LightPoint point_at(const SceneTriangle& triangle, const Eigen::Vector3f& position, int side) {
+  const Eigen::Vector3f normal = side == 0 ? triangle.normal : Eigen::Vector3f(-triangle.normal);
+  return {position + kGap * normal, normal, 1};
+}
+
+PlaceKey key_of(std::uint16_t object, const LightPoint& point) {
+  const Eigen::Vector3f& normal = point.normal;
+  return {cell_key(object, cell_of(point.position)),
+          bin(normal.x()) * 9 + bin(normal.y()) * 3 + bin(normal.z()),
+          floor_to_int(normal.dot(point.position) / kPlane)};
+}
+
+}  // namespace
+
+float openness_of(const RayCaster& rays, const LightPoint& point, std::uint32_t seed) {
+  const TangentAxes axes(point.normal);
+  const EvenPoints points(seed);
+  int open = 0;
+  for (int ray = 0; ray < kOpennessRays; ++ray) {
+    const Eigen::Vector3f direction = cosine_direction(point.normal, axes, points.at(ray));
+    open += rays.is_blocked(point.position, direction, 0, kBuried) ? 0 : 1;
+  }
+  return static_cast<float>(open) / kOpennessRays;
+}
+
+CornerPoints::CornerPoints(const Scene& scene, ThreadPool& pool)
+    : scene_(scene), corners_(scene.positions().size()) {
+  note_corners();
+  measure_openness(pool);
+  place_points();
+  index_cells();
+}
+
+void CornerPoints::note_corners() {
+  for (const SceneTriangle& triangle : scene_.triangles()) {
+    if (triangle.patch >= 0) continue;
+    const auto& positions = scene_.positions();
+    const Eigen::Vector3f middle = middle_of(scene_, triangle);
+    for (const std::uint32_t corner : triangle.corners) {
+      if (corners_[corner].is_used) continue;
+      const Eigen::Vector3f inwards = middle - positions[corner];
+      const float step = std::min(0.3F, 0.006F / std::max(1e-6F, inwards.norm()));
+      corners_[corner] = {true,
+                          triangle.object,
+                          triangle.normal,
+                          positions[corner] + step * inwards,
+                          {kNone, kNone}};
+    }
+  }
+}
+
+Eigen::Vector3f CornerPoints::corner_normal(std::uint32_t corner, int side) const {
+  Eigen::Vector3f normal = scene_.normals()[corner];
+  if (normal.dot(corners_[corner].plane_normal) < 0) normal = -normal;
+  return side == 0 ? normal : Eigen::Vector3f(-normal);
+}
+
+void CornerPoints::measure_openness(ThreadPool& pool) {
+  constexpr std::size_t kChunk = 4096;
+  const auto& triangles = scene_.triangles();
+  for (auto& list : openness_) list.assign(triangles.size(), 0);
+  pool.parallel_for((triangles.size() + kChunk - 1) / kChunk, [&](std::size_t chunk) {
+    for (std::size_t i = chunk * kChunk; i < std::min((chunk + 1) * kChunk, triangles.size());
+         ++i) {
+      if (triangles[i].patch >= 0) continue;
+      for (const int side : {0, 1}) {
+        openness_[static_cast<std::size_t>(side)][i] = openness_of(
+            scene_.rays(), point_at(triangles[i], middle_of(scene_, triangles[i]), side),
+            static_cast<std::uint32_t>(i));
+      }
+    }
+  });
+  rays_ += 2 * triangles.size() * kOpennessRays;
+}
+
+std::uint32_t CornerPoints::add_point(std::uint16_t object, const LightPoint& point) {
+  points_.push_back(point);
+  point_object_.push_back(object);
+  return static_cast<std::uint32_t>(points_.size() - 1);
+}
+
+// Triangles' middles first: they lie off the creases where surfaces meet. Among them first those in
+// the open, so that what lies close behind a visible surface is not taken for it. Then what is near
+// corners and has no point yet.
+void CornerPoints::place_points() {
+  std::unordered_map<PlaceKey, std::uint32_t, PlaceKeyHash> chosen;
+  const auto& triangles = scene_.triangles();
+  for (auto& list : point_of_) list.assign(triangles.size(), kNone);
+  const auto place_middle = [&](std::size_t i, std::size_t side) {
+    LightPoint point =
+        point_at(triangles[i], middle_of(scene_, triangles[i]), static_cast<int>(side));
+    point.openness = openness_[side][i];
+    const auto [entry, is_new] = chosen.try_emplace(key_of(triangles[i].object, point), 0);
+    if (is_new) entry->second = add_point(triangles[i].object, point);
+    point_of_[side][i] = entry->second;
+    for (const std::uint32_t corner : triangles[i].corners) {
+      Corner& at = corners_[corner];
+      const bool is_turned = at.plane_normal.dot(triangles[i].normal) < 0;
+      at.own_point[is_turned ? 1 - side : side] = entry->second;
+    }
+  };
+  float most = 2;
+  for (const float least : {0.7F, kLeastOpenness}) {
+    for (std::size_t i = 0; i < triangles.size(); ++i) {
+      if (triangles[i].patch >= 0) continue;
+      for (const std::size_t side : {std::size_t{0}, std::size_t{1}}) {
+        const float open = openness_[side][i];
+        if (open >= least && open < most) place_middle(i, side);
+      }
+    }
+    most = least;
+  }
+  for (const SceneTriangle& triangle : triangles) {
+    if (triangle.patch >= 0) continue;
+    const Eigen::Vector3f middle = middle_of(scene_, triangle);
+    for (const std::uint32_t corner : triangle.corners) {
+      const Eigen::Vector3f& position = scene_.positions()[corner];
+      if ((position - middle).norm() < kCell / 2) continue;
+      for (const int side : {0, 1}) {
+        LightPoint point = point_at(triangle, position + 0.25F * (middle - position), side);
+        const PlaceKey key = key_of(triangle.object, point);
+        if (chosen.contains(key)) continue;
+        point.openness = openness_of(scene_.rays(), point, corner);
+        rays_ += kOpennessRays;
+        if (point.openness >= kLeastOpenness)
+          chosen.emplace(key, add_point(triangle.object, point));
+      }
+    }
+  }
+}
+
+// Sorts the points by cell, so that those of one lie together in memory.
+void CornerPoints::index_cells() {
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> order;
+  for (std::uint32_t i = 0; i < points_.size(); ++i) {
+    order.emplace_back(cell_key(point_object_[i], cell_of(points_[i].position)), i);
+  }
+  std::sort(order.begin(), order.end());
+  std::vector<LightPoint> points;
+  std::vector<std::uint16_t> objects;
+  std::vector<std::uint32_t> new_index(points_.size());
+  for (const auto& [key, point] : order) {
+    const auto index = static_cast<std::uint32_t>(points.size());
+    if (cells_.empty() || cells_.back().key != key) cells_.push_back({key, index, 0});
+    ++cells_.back().count;
+    new_index[point] = index;
+    points.push_back(points_[point]);
+    objects.push_back(point_object_[point]);
+  }
+  points_ = std::move(points);
+  point_object_ = std::move(objects);
+  const auto renumber = [&](std::uint32_t& point) {
+    if (point != kNone) point = new_index[point];
+  };
+  for (auto& list : point_of_) std::for_each(list.begin(), list.end(), renumber);
+  for (Corner& corner : corners_) {
+    std::for_each(corner.own_point.begin(), corner.own_point.end(), renumber);
+  }
+  // The key begins with the object.
+  for (std::uint32_t cell = 0; cell < cells_.size(); ++cell) {
+    while (first_cell_.size() <= cells_[cell].key >> 48U) first_cell_.push_back(cell);
+  }
+  first_cell_.resize(65537, static_cast<std::uint32_t>(cells_.size()));
+}
+
+Eigen::Vector3f CornerPoints::at_middle(const std::vector<Flux>& fluxes, std::uint32_t triangle,
+                                        int side) const {
+  const std::uint32_t point = point_of_[static_cast<std::size_t>(side)][triangle];
+  if (point == kNone) return Eigen::Vector3f::Zero();
+  const Eigen::Vector3f& normal = scene_.triangles()[triangle].normal;
+  return illuminance(fluxes[point], side == 0 ? normal : Eigen::Vector3f(-normal));
+}
+
+// Calls visit(index) for the points of an object in the cells around a place. Cells that follow one
+// another in z do so in the list too.
+template <typename Visit>
+void CornerPoints::visit_around(std::uint16_t object, const Eigen::Vector3f& position,
+                                const Visit& visit) const {
+  const CellIndex low = cell_of(position - Eigen::Vector3f::Constant(kReach));
+  const CellIndex high = cell_of(position + Eigen::Vector3f::Constant(kReach));
+  const auto first = cells_.begin() + first_cell_[object];
+  const auto last = cells_.begin() + first_cell_[object + 1U];
+  for (int x = low[0]; x <= high[0]; ++x) {
+    for (int y = low[1]; y <= high[1]; ++y) {
+      const std::uint64_t last_key = cell_key(object, {x, y, high[2]});
+      auto cell = std::lower_bound(
+          first, last, cell_key(object, {x, y, low[2]}),
+          [](const Cell& candidate, std::uint64_t wanted) { return candidate.key < wanted; });
+      for (; cell != last && cell->key <= last_key; ++cell) {
+        for (std::uint32_t i = cell->first; i < cell->first + cell->count; ++i) visit(i);
+      }
+    }
+  }
+}
+
+// How much a point tells about the light at a place that faces along `normal`: it should be near,
+// face alike, and lie in the same plane, since the light on another shelf is another.
+float CornerPoints::weight_of(const LightPoint& point, float facing,
+                              const Eigen::Vector3f& position,
+                              const Eigen::Vector3f& normal) const {
+  constexpr float kLeastFacing = 0.55F;
+  if (facing < kLeastFacing) return 0;
+  const Eigen::Vector3f offset = point.position - position;
+  const float beside = normal.dot(offset);
+  const float squared = (offset.squaredNorm() + 50 * beside * beside) / (kReach * kReach);
+  if (squared >= 1) return 0;
+  const float near = 1 - squared, alike = facing - kLeastFacing + 0.05F;
+  return near * near * alike * alike * point.openness * point.openness;
+}
+
+std::array<Eigen::Vector3f, 2> CornerPoints::at_corner(const std::vector<Flux>& fluxes,
+                                                       std::uint32_t corner) const {
+  std::array<Eigen::Vector3f, 2> light{Eigen::Vector3f::Zero(), Eigen::Vector3f::Zero()};
+  const Corner& at = corners_[corner];
+  if (!at.is_used) return light;
+  const std::array<Eigen::Vector3f, 2> normals{corner_normal(corner, 0), corner_normal(corner, 1)};
+  std::array<float, 2> weights{};
+  visit_around(at.object, at.inside, [&](std::uint32_t index) {
+    const float facing = normals[0].dot(points_[index].normal);
+    const std::size_t side = facing >= 0 ? 0 : 1;
+    const float weight = weight_of(points_[index], std::abs(facing), at.inside, normals[side]);
+    if (weight <= 0) return;
+    light[side] += weight * illuminance(fluxes[index], normals[side]);
+    weights[side] += weight;
+  });
+  for (const std::size_t side : {std::size_t{0}, std::size_t{1}}) {
+    if (weights[side] > 1e-5F) {
+      light[side] /= weights[side];
+    } else if (at.own_point[side] != kNone) {
+      light[side] = illuminance(fluxes[at.own_point[side]], normals[side]);
+    }
+  }
+  return light;
+}
+
+Flux CornerPoints::smoothed(const std::vector<Flux>& fluxes, std::size_t point,
+                            float tolerance) const {
+  const LightPoint& at = points_[point];
+  const float here = luminance(illuminance(fluxes[point], at.normal));
+  Flux sum = 1e-6F * fluxes[point];
+  float weights = 1e-6F;
+  visit_around(point_object_[point], at.position, [&](std::uint32_t index) {
+    const float weight =
+        weight_of(points_[index], at.normal.dot(points_[index].normal), at.position, at.normal);
+    if (weight <= 0) return;
+    const float there = luminance(illuminance(fluxes[index], at.normal));
+    const float difference = (there - here) / (tolerance * (here + there) + 1e-6F);
+    const float alike = weight * std::exp(-difference * difference);
+    sum += alike * fluxes[index];
+    weights += alike;
+  });
+  return sum / weights;
+}
+
+}  // namespace roomwise::simulation

@@ -1,0 +1,198 @@
+#include "roomwise/simulation/simulate_recording.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "roomwise/base/file.h"
+#include "roomwise/base/testing.h"
+#include "roomwise/recording/room_labels.h"
+#include "roomwise/recording/trajectory_file.h"
+#include "roomwise/recording/tum_recording.h"
+#include "roomwise/simulation/ground_truth.h"
+#include "roomwise/simulation/simulation_file.h"
+#include "roomwise/simulation/true_surfaces.h"
+
+namespace roomwise::simulation {
+namespace {
+
+using roomwise::testing::ScratchFolder;
+
+// A short walk through a very small home.
+SimulationOptions short_walk() {
+  SimulationOptions options;
+  options.home = HomeOptions{3, {RoomKind::kToilet}};
+  options.walk.frames_per_second = 1;
+  options.walk.most_frames = 12;
+  options.camera.width = 80;
+  options.camera.height = 60;
+  options.camera.fx = options.camera.fy = 66;
+  options.camera.cx = 39.5;
+  options.camera.cy = 29.5;
+  options.render.samples_per_pixel = 1;
+  options.render.bake_effort = 0.02;
+  return options;
+}
+
+class SimulateRecording : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    auto opened = FurnitureCatalogue::open();
+    ASSERT_OK(opened);
+    catalogue_ = *std::move(opened);
+  }
+  Expected<SimulationSummary> simulate(const SimulationOptions& options, const std::string& name,
+                                       std::size_t threads, Progress* progress = nullptr) {
+    ThreadPool pool(threads);
+    SilentProgress silent;
+    StageClock clock;
+    return simulate_recording(options, *catalogue_, folder_ / name, pool,
+                              progress != nullptr ? *progress : silent, clock);
+  }
+  // Every file below a folder and its bytes.
+  std::map<std::string, Bytes> contents(const std::string& name) {
+    std::map<std::string, Bytes> contents;
+    const std::filesystem::path root = folder_ / name;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(root)) {
+      if (entry.is_regular_file()) {
+        contents[std::filesystem::relative(entry.path(), root)] = read_file(entry.path()).value();
+      }
+    }
+    return contents;
+  }
+
+  ScratchFolder folder_;
+  std::optional<FurnitureCatalogue> catalogue_;
+};
+
+TEST_F(SimulateRecording, GivesTheSameBytesAtAnyNumberOfThreads) {
+  ASSERT_OK(simulate(short_walk(), "one", 1));
+  ASSERT_OK(simulate(short_walk(), "three", 3));
+  const auto one = contents("one");
+  EXPECT_EQ(one.size(), 12U + 12U + 9U) << "pictures, and what tells of them";
+  EXPECT_EQ(one, contents("three"));
+  SimulationOptions other = short_walk();
+  other.sensor.seed = 1;
+  ASSERT_OK(simulate(other, "other", 3));
+  EXPECT_NE(one, contents("other"));
+}
+
+TEST_F(SimulateRecording, IsARecordingThatEveryReaderReads) {
+  const auto summary = simulate(short_walk(), "walk", 2);
+  ASSERT_OK(summary);
+  EXPECT_TRUE(summary->finished);
+  const std::filesystem::path walk = folder_ / "walk";
+  const auto recording = recording::TumRecording::open(walk, {});
+  ASSERT_OK(recording);
+  EXPECT_EQ((*recording)->info().frame_count, 12U);
+  EXPECT_EQ(recording::read_trajectory(walk / "groundtruth.txt")->size(), 12U);
+  const auto rooms = recording::RoomLabels::read(walk / "rooms.txt");
+  ASSERT_OK(rooms);
+  EXPECT_NE(rooms->find(0), nullptr);
+  const auto plan = read_floor_plan(walk / "floorplan.json");
+  ASSERT_OK(plan);
+  EXPECT_EQ(plan->rooms.size(), 2U) << "a hall leads to it";
+  const auto objects = read_objects_truth(walk / "objects.json");
+  ASSERT_OK(objects);
+  EXPECT_EQ(objects->size(), summary->objects);
+  EXPECT_TRUE(std::ranges::any_of(*objects, [](const ObjectTruth& o) { return !o.seen.empty(); }));
+  EXPECT_THAT(read_text_file(walk / "credits.txt").value(), ::testing::HasSubstr("license"));
+}
+
+TEST_F(SimulateRecording, ExactDepthLiesOnTheTrueSurfaces) {
+  SimulationOptions options = short_walk();
+  options.sensor = SensorOptions::ideal();
+  options.camera.distortion = {0.1, -0.05, 0.001, 0.002, 0};
+  ASSERT_OK(simulate(options, "walk", 2));
+  const auto home = make_home(options, *catalogue_);
+  ASSERT_OK(home);
+  const auto surfaces =
+      TrueSurfaces::create(*home, [&](const std::string& id) { return catalogue_->load(id); });
+  ASSERT_OK(surfaces);
+  const auto truth = recording::read_trajectory(folder_ / "walk" / "groundtruth.txt").value();
+  const auto recording = recording::TumRecording::open(folder_ / "walk", {}).value();
+  std::size_t points = 0;
+  for (const recording::StampedPose& pose : truth) {
+    const auto frame = recording->next().value();
+    ASSERT_TRUE(frame.has_value());
+    EXPECT_EQ(frame->timestamp_ns, pose.timestamp_ns);
+    for (int y = 2; y < options.camera.height; y += 7) {
+      for (int x = 2; x < options.camera.width; x += 7) {
+        const double depth_m = frame->depth.at(x, y) / options.camera.depth_units_per_metre;
+        if (depth_m == 0) continue;  // out of the window
+        const Eigen::Vector3d point =
+            pose.world_from_camera * options.camera.unproject({x, y}, depth_m);
+        EXPECT_LT(surfaces->distance_m(point.cast<float>(), 1), 0.001) << x << ", " << y;
+        ++points;
+      }
+    }
+  }
+  EXPECT_GT(points, 500U);
+}
+
+// Stops the walk after some frames.
+class InterruptDrawing final : public Progress {
+ public:
+  void begin(std::string_view work, std::optional<std::uint64_t>) override {
+    drawing_ = work == "drawing the walk";
+    done_ = 0;
+  }
+  void advance(std::uint64_t done, std::string_view) override { done_ = done; }
+  void end() override {}
+  [[nodiscard]] bool interrupted() const override { return drawing_ && done_ >= 5; }
+
+ private:
+  bool drawing_ = false;
+  std::uint64_t done_ = 0;
+};
+
+TEST_F(SimulateRecording, InterruptedKeepsWhatWasDrawnAndIsNotTakenForWhole) {
+  InterruptDrawing interrupt;
+  const auto summary = simulate(short_walk(), "walk", 2, &interrupt);
+  ASSERT_OK(summary);
+  EXPECT_FALSE(summary->finished);
+  const std::filesystem::path walk = folder_ / "walk";
+  EXPECT_EQ(recording::read_trajectory(walk / "groundtruth.txt")->size(), summary->frames);
+  EXPECT_EQ((*recording::TumRecording::open(walk, {}))->info().frame_count, summary->frames);
+  EXPECT_FALSE(is_made_with(walk, short_walk()));
+}
+
+TEST_F(SimulateRecording, RefusesAFolderThatIsNotEmpty) {
+  ASSERT_OK(write_file(folder_ / "mine.txt", "mine"));
+  EXPECT_ERROR(simulate(short_walk(), ".", 1), "empty");
+  SimulationOptions wrong = short_walk();
+  wrong.walk.frames_per_second = 0;
+  EXPECT_ERROR(simulate(wrong, "walk", 1), "frames_per_second");
+}
+
+TEST(SimulationFile, TellsOfWhatARecordingIsMade) {
+  const ScratchFolder folder;
+  SimulationOptions options = short_walk();
+  options.home = HomeOptions{12345678901234567890ULL, {RoomKind::kKitchen, RoomKind::kHall}};
+  options.scenario = Scenario::kMovedNight;
+  options.walk.rooms = {"kitchen"};
+  options.walk.jitter = 0.1 + 0.2;  // no short decimal
+  options.sensor.edge_jitter = false;
+  ASSERT_OK(write_simulation(folder / "simulation.json", options));
+  const auto again = read_simulation(folder / "simulation.json");
+  ASSERT_OK(again);
+  EXPECT_EQ(again->home->seed, options.home->seed);
+  EXPECT_EQ(again->home->rooms, options.home->rooms);
+  EXPECT_EQ(again->scenario, options.scenario);
+  EXPECT_EQ(again->walk.rooms, options.walk.rooms);
+  EXPECT_EQ(again->walk.jitter, options.walk.jitter);
+  EXPECT_FALSE(again->sensor.edge_jitter);
+  EXPECT_EQ(again->camera, options.camera);
+  EXPECT_TRUE(is_made_with(folder.path(), options));
+  options.sensor.edge_jitter = true;
+  EXPECT_FALSE(is_made_with(folder.path(), options));
+
+  ASSERT_OK(write_file(folder / "simulation.json", R"({"home": "reference"})"));
+  EXPECT_ERROR(read_simulation(folder / "simulation.json"), "simulation.json");
+  ASSERT_OK(write_file(folder / "simulation.json", "buy milk"));
+  EXPECT_ERROR(read_simulation(folder / "simulation.json"), "does not describe a simulation");
+}
+
+}  // namespace
+}  // namespace roomwise::simulation

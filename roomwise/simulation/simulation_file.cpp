@@ -1,0 +1,142 @@
+#include "roomwise/simulation/simulation_file.h"
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+
+#include "roomwise/base/file.h"
+#include "roomwise/simulation/home_geometry.h"
+
+namespace roomwise::simulation {
+namespace {
+
+using nlohmann::ordered_json;
+
+// One list of fields serves writing and reading: a visitor is called with each name and value.
+template <typename Walk, typename Visit>
+void visit_walk(Walk& walk, const Visit& visit) {
+  visit("seed", walk.seed);
+  visit("frames_per_second", walk.frames_per_second);
+  visit("camera_height_m", walk.camera_height_m);
+  visit("walking_speed_m_s", walk.walking_speed_m_s);
+  visit("most_turning_rad_s", walk.most_turning_rad_s);
+  visit("jitter", walk.jitter);
+  visit("fast_turns", walk.fast_turns);
+  visit("rooms", walk.rooms);
+  visit("most_frames", walk.most_frames);
+}
+
+template <typename Camera, typename Visit>
+void visit_camera(Camera& camera, const Visit& visit) {
+  visit("fx_px", camera.fx);
+  visit("fy_px", camera.fy);
+  visit("cx_px", camera.cx);
+  visit("cy_px", camera.cy);
+  visit("width_px", camera.width);
+  visit("height_px", camera.height);
+  visit("k1", camera.distortion.k1);
+  visit("k2", camera.distortion.k2);
+  visit("p1", camera.distortion.p1);
+  visit("p2", camera.distortion.p2);
+  visit("k3", camera.distortion.k3);
+  visit("depth_units_per_metre", camera.depth_units_per_metre);
+}
+
+template <typename Render, typename Visit>
+void visit_render(Render& render, const Visit& visit) {
+  visit("samples_per_pixel", render.samples_per_pixel);
+  visit("bake_effort", render.bake_effort);
+}
+
+template <typename Sensor, typename Visit>
+void visit_sensor(Sensor& sensor, const Visit& visit) {
+  visit("seed", sensor.seed);
+  visit("auto_exposure", sensor.auto_exposure);
+  visit("exposure", sensor.exposure);
+  visit("exposure_errors", sensor.exposure_errors);
+  visit("auto_white_balance", sensor.auto_white_balance);
+  visit("white_balance_errors", sensor.white_balance_errors);
+  visit("soft_shoulder", sensor.soft_shoulder);
+  visit("motion_blur", sensor.motion_blur);
+  visit("color_noise", sensor.color_noise);
+  visit("unamplified_radiance", sensor.unamplified_radiance);
+  visit("most_amplification", sensor.most_amplification);
+  visit("depth_noise", sensor.depth_noise);
+  visit("depth_noise_m", sensor.depth_noise_m);
+  visit("depth_quantization", sensor.depth_quantization);
+  visit("projector_shadow", sensor.projector_shadow);
+  visit("lost_surfaces", sensor.lost_surfaces);
+  visit("edge_jitter", sensor.edge_jitter);
+  visit("limited_range", sensor.limited_range);
+  visit("nearest_m", sensor.nearest_m);
+  visit("farthest_m", sensor.farthest_m);
+}
+
+ordered_json to_json(const SimulationOptions& options) {
+  ordered_json json;
+  json["home"] = "reference";
+  if (options.home) {
+    std::vector<std::string> rooms;
+    for (const RoomKind kind : options.home->rooms) rooms.emplace_back(name_of(kind));
+    json["home"] = {{"seed", options.home->seed}, {"rooms", rooms}};
+  }
+  json["scenario"] = name_of(options.scenario);
+  json["scenario_seed"] = options.scenario_seed;
+  const auto writer = [&](const char* part) {
+    return [&json, part](const char* name, const auto& value) { json[part][name] = value; };
+  };
+  visit_walk(options.walk, writer("walk"));
+  visit_camera(options.camera, writer("camera"));
+  visit_render(options.render, writer("render"));
+  visit_sensor(options.sensor, writer("sensor"));
+  return json;
+}
+
+// Throws nlohmann's exceptions, which name the field.
+Expected<SimulationOptions> from_json(const ordered_json& json) {
+  SimulationOptions options;
+  if (const auto& home = json.at("home"); home != "reference") {
+    options.home = HomeOptions{home.at("seed"), {}};
+    for (const std::string name : home.at("rooms")) {
+      ROOMWISE_TRY(const RoomKind kind, parse_room_kind(name));
+      options.home->rooms.push_back(kind);
+    }
+  }
+  ROOMWISE_TRY(options.scenario, parse_scenario(json.at("scenario").get<std::string>()));
+  json.at("scenario_seed").get_to(options.scenario_seed);
+  const auto reader = [&](const char* part) {
+    return
+        [&fields = json.at(part)](const char* name, auto& value) { fields.at(name).get_to(value); };
+  };
+  visit_walk(options.walk, reader("walk"));
+  visit_camera(options.camera, reader("camera"));
+  visit_render(options.render, reader("render"));
+  visit_sensor(options.sensor, reader("sensor"));
+  ROOMWISE_CHECK_OK(options.validate());
+  return options;
+}
+
+}  // namespace
+
+Expected<void> write_simulation(const std::filesystem::path& path,
+                                const SimulationOptions& options) {
+  return write_file(path, to_json(options).dump(2) + "\n");
+}
+
+Expected<SimulationOptions> read_simulation(const std::filesystem::path& path) {
+  ROOMWISE_TRY(const std::string text, read_text_file(path));
+  try {
+    auto options = from_json(ordered_json::parse(text));
+    if (!options) return Unexpected(std::move(options).error().in(path.string()));
+    return options;
+  } catch (const nlohmann::json::exception& error) {
+    return fail("{}: does not describe a simulation: {}", path.string(), error.what());
+  }
+}
+
+bool is_made_with(const std::filesystem::path& folder, const SimulationOptions& options) {
+  const auto made = read_simulation(folder / "simulation.json");
+  return made && to_json(*made) == to_json(options);
+}
+
+}  // namespace roomwise::simulation

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "roomwise/base/expected.h"
+#include "roomwise/simulation/home_model.h"
+#include "roomwise/simulation/renderer.h"
+#include "roomwise/simulation/scene.h"
+
+namespace roomwise::simulation {
+
+// The surfaces of a made-up home, to measure a map against.
+class TrueSurfaces {
+ public:
+  // Fails where a model cannot be read.
+  [[nodiscard]] static Expected<TrueSurfaces> create(const HomeModel& home, const MeshLoader& load);
+
+  // From a point of the world frame to the nearest surface, m; infinity where it is further than
+  // `most_m`. May be called from several threads.
+  [[nodiscard]] double distance_m(const Eigen::Vector3f& point_world, double most_m) const {
+    return static_cast<double>(
+        scene_.rays().nearest_distance(point_world, static_cast<float>(most_m)));
+  }
+
+ private:
+  explicit TrueSurfaces(Scene scene) : scene_(std::move(scene)) {}
+
+  Scene scene_;
+};
+
+}  // namespace roomwise::simulation
