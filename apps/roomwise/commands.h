@@ -11,9 +11,11 @@ void add_optimize_command(CLI::App& app, Context& context);
 void add_concepts_commands(CLI::App& app, Context& context);
 void add_objects_commands(CLI::App& app, Context& context);
 void add_eval_commands(CLI::App& app, Context& context);
+void add_home_evaluations(CLI::App& group, Context& context);  // of "eval"
 void add_export_commands(CLI::App& app, Context& context);
 void add_map_command(CLI::App& app, Context& context);
 void add_rooms_commands(CLI::App& app, Context& context);
 void add_report_command(CLI::App& app, Context& context);
+void add_simulate_command(CLI::App& app, Context& context);
 
 }  // namespace roomwise::app

@@ -113,6 +113,7 @@ void add_eval_commands(CLI::App& app, Context& context) {
       ->add_option("--delta", options->delta_s, "Over how long the relative error is measured, s")
       ->check(positive())
       ->capture_default_str();
+  add_home_evaluations(*group, context);
 }
 
 }  // namespace roomwise::app

@@ -14,6 +14,9 @@
 #include "roomwise/pipeline/room_recognizer.h"
 #include "roomwise/pipeline/stored_map.h"
 #include "roomwise/pipeline/synthetic_walk.h"
+#include "roomwise/pipeline/truth_evaluation.h"
+#include "roomwise/recording/trajectory_file.h"
+#include "roomwise/simulation/ground_truth.h"
 
 namespace roomwise::pipeline {
 namespace {
@@ -301,6 +304,46 @@ TEST_F(MapRecording, ReportsTheHome) {
   EXPECT_TRUE(content->trajectory_error.has_value());
   EXPECT_FALSE(content->objects.empty());
   EXPECT_FALSE(content->stages.empty());
+}
+
+TEST_F(MapRecording, IsComparedWithWhatIsThere) {
+  SyntheticWalk walk(kFrames);
+  ASSERT_OK(map(folder_ / "a.home", walk, 2));
+  const home::Home home = *home::Home::open_read_only(folder_ / "a.home");
+  const objects::MapObject bed = home.objects()->front();
+  ASSERT_EQ(bed.name, "bed");
+  const Eigen::Vector3d place =
+      home.keyframes()->at(bed.keyframe_id).pose.world_from_keyframe * *bed.position_keyframe;
+
+  // The truth lies elsewhere and is turned: the map is moved onto it.
+  const geometry::RigidTransform truth_from_walk{
+      Eigen::Quaterniond(Eigen::AngleAxisd(1.2, Eigen::Vector3d::UnitX())), {5, -3, 2}};
+  recording::Trajectory truth = walk.truth();
+  for (recording::StampedPose& pose : truth)
+    pose.world_from_camera = truth_from_walk * pose.world_from_camera;
+  ASSERT_OK(recording::write_trajectory(folder_ / "groundtruth.txt", truth));
+  const auto thing = [&](const char* label, const Eigen::Vector3d& center, bool is_seen) {
+    simulation::ObjectTruth object;
+    object.name = object.label = object.kind = label;
+    object.center_m = center;
+    object.size_m = {0.4, 0.4, 0.4};
+    if (is_seen) object.seen.push_back({0, 100, 0.1});
+    return object;
+  };
+  const std::vector<simulation::ObjectTruth> things{
+      thing("bed", truth_from_walk * place + Eigen::Vector3d(0, 0.3, 0), true),
+      thing("lamp", {0, 0, 0}, true), thing("fridge", {1, 0, 0}, false),
+      thing("sofa", {2, 0, 0}, true)};
+  ASSERT_OK(simulation::write_objects_truth(folder_ / "objects.json", things));
+
+  const auto result = evaluate_objects(home, folder_.path(), 1.0);
+  ASSERT_OK(result);
+  EXPECT_EQ(result->truth.size(), 2U) << "the fridge was never shown, a sofa has no name here";
+  EXPECT_EQ(result->errors.by_kind.at("bed").matched, 1U);
+  EXPECT_EQ(result->errors.by_kind.at("lamp").missed, 1U);
+  EXPECT_NEAR(result->errors.from_center_quantile_m(0.5), 0.3, 0.03);
+  EXPECT_NEAR(result->errors.from_box_quantile_m(0.5), 0.1, 0.03);
+  EXPECT_ERROR(evaluate_objects(home, folder_ / "nowhere", 1.0), "objects.json");
 }
 
 TEST(MapSettings, SurviveTheHome) {

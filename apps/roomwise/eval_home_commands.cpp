@@ -1,0 +1,113 @@
+#include <filesystem>
+#include <memory>
+
+#include "commands.h"
+#include "roomwise/pipeline/truth_evaluation.h"
+
+namespace roomwise::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  fs::path home;
+  fs::path truth;
+  double most_distance_m = 1.0;
+  double voxel_size_m = 0.02;
+  fs::path furniture = "/usr/share/sweethome3d/furniture";
+};
+
+Json to_json(const evaluation::ObjectCounts& counts) {
+  return {{"found", counts.matched}, {"missed", counts.missed}, {"false", counts.wrong}};
+}
+
+Expected<Answer> evaluate_objects(const Options& options) {
+  ROOMWISE_TRY(const home::Home home, home::Home::open_read_only(options.home));
+  ROOMWISE_TRY(const pipeline::ObjectEvaluation result,
+               pipeline::evaluate_objects(home, options.truth, options.most_distance_m));
+  const evaluation::ObjectErrors& errors = result.errors;
+  Answer answer;
+  answer.text = fmt::format("{:<16} {:>5} {:>6} {:>5}\n", "object", "found", "missed", "false");
+  const auto add_row = [&](const std::string& name, const evaluation::ObjectCounts& counts) {
+    answer.text += fmt::format("{:<16} {:>5} {:>6} {:>5}\n", name, counts.matched, counts.missed,
+                               counts.wrong);
+  };
+  for (const auto& [kind, counts] : errors.by_kind) add_row(kind, counts);
+  add_row("all", errors.all);
+  if (!errors.matches.empty()) {
+    answer.text += fmt::format(
+        "from the thing's surface: median {:.2f} m, 90 % within {:.2f} m\n"
+        "from its middle:          median {:.2f} m, 90 % within {:.2f} m\n",
+        errors.from_box_quantile_m(0.5), errors.from_box_quantile_m(0.9),
+        errors.from_center_quantile_m(0.5), errors.from_center_quantile_m(0.9));
+  }
+  if (result.without_place > 0) {
+    answer.text += fmt::format("found without a place: {}\n", result.without_place);
+  }
+  answer.json = to_json(errors.all);
+  answer.json["without_place"] = result.without_place;
+  answer.json["from_surface_m"] = {{"median", errors.from_box_quantile_m(0.5)},
+                                   {"p90", errors.from_box_quantile_m(0.9)}};
+  answer.json["from_middle_m"] = {{"median", errors.from_center_quantile_m(0.5)},
+                                  {"p90", errors.from_center_quantile_m(0.9)}};
+  for (const auto& [kind, counts] : errors.by_kind) answer.json["objects"][kind] = to_json(counts);
+  return answer;
+}
+
+Expected<Answer> evaluate_map(const Options& options, Context& context) {
+  ROOMWISE_TRY(const home::Home home, home::Home::open_read_only(options.home));
+  ThreadPool pool(context.threads);
+  StageClock clock;
+  pipeline::RunContext run{pool, context.progress, clock};
+  ROOMWISE_TRY(
+      const evaluation::CloudError error,
+      pipeline::evaluate_map(home, options.truth, options.furniture, options.voxel_size_m, run));
+  const double far = static_cast<double>(error.far_points) / static_cast<double>(error.points);
+  Answer answer;
+  answer.text = fmt::format(
+      "{} points\n"
+      "from the surface: median {:.4f} m, RMSE {:.4f} m\n"
+      "within 1 cm {:.1f} %, within 5 cm {:.1f} %, nothing within half a metre {:.2f} %\n",
+      error.points, error.distance_m.median, error.distance_m.rmse, 100 * error.within_1cm,
+      100 * error.within_5cm, 100 * far);
+  answer.json = {{"points", error.points},          {"median_m", error.distance_m.median},
+                 {"rmse_m", error.distance_m.rmse}, {"within_1cm", error.within_1cm},
+                 {"within_5cm", error.within_5cm},  {"far", far}};
+  return answer;
+}
+
+void add_files(CLI::App& command, Options& options) {
+  command.add_option("--home", options.home, "Home mapped from the recording")->required();
+  command.add_option("--truth", options.truth, "Simulated recording")->required();
+}
+
+}  // namespace
+
+void add_home_evaluations(CLI::App& group, Context& context) {
+  auto options = std::make_shared<Options>();
+  CLI::App* objects = add_command(
+      group, context, "objects",
+      "The objects of a home against the truth of a simulated recording: found, missed, false, and "
+      "how far from where they are",
+      "roomwise eval objects --home flat.home --truth flat",
+      [options] { return evaluate_objects(*options); });
+  add_files(*objects, *options);
+  objects
+      ->add_option("--max-distance", options->most_distance_m,
+                   "Farthest that a found thing lies from the true one, m")
+      ->check(positive())
+      ->capture_default_str();
+
+  CLI::App* map = add_command(group, context, "map",
+                              "The points of a map against the surfaces of a simulated home",
+                              "roomwise eval map --home flat.home --truth flat",
+                              [options, &context] { return evaluate_map(*options, context); });
+  add_files(*map, *options);
+  map->add_option("--voxel", options->voxel_size_m, "One point a voxel of this size, m")
+      ->check(positive())
+      ->capture_default_str();
+  map->add_option("--furniture", options->furniture, "Folder of the furniture's .sh3f archives")
+      ->capture_default_str();
+}
+
+}  // namespace roomwise::app
