@@ -20,8 +20,8 @@
 
 #include "roomwise/evaluation/trajectory_error.h"
 #include "roomwise/pipeline/map_recording.h"
-#include "roomwise/pipeline/stored_map.h"
 #include "roomwise/pipeline/room_learning.h"
+#include "roomwise/pipeline/stored_map.h"
 #include "roomwise/recording/tum_recording.h"
 
 namespace {
