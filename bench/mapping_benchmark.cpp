@@ -150,7 +150,7 @@ int main(int argc, char** argv) {
   fmt::print("Median (range) of {} seeds, {} threads.\n\n", seeds, ThreadPool::default_size());
   fmt::print(
       "| recording | features | frames with a pose | ATE RMSE, m | RPE over 1 s, m | key-frames | "
-      "loops | "
+      "edges | returns | "
       "features CPU-ms | tracking and loops CPU-ms | all CPU-ms a frame | wall s | peak MB |\n"
       "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n");
   for (const Task& task : tasks) {
