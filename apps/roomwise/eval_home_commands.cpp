@@ -2,6 +2,7 @@
 #include <memory>
 
 #include "commands.h"
+#include "paths.h"
 #include "roomwise/pipeline/truth_evaluation.h"
 
 namespace roomwise::app {
@@ -14,7 +15,7 @@ struct Options {
   fs::path truth;
   double most_distance_m = 1.0;
   double voxel_size_m = 0.02;
-  fs::path furniture = "/usr/share/sweethome3d/furniture";
+  fs::path furniture = kFurnitureFolder;
 };
 
 Json to_json(const evaluation::ObjectCounts& counts) {

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "commands.h"
+#include "paths.h"
 #include "roomwise/recording/camera_file.h"
 #include "roomwise/simulation/home_geometry.h"
 #include "roomwise/simulation/simulate_recording.h"
@@ -23,7 +24,7 @@ struct Options {
   std::optional<std::uint64_t> scenario_seed, walk_seed;
   std::string camera;
   std::vector<std::string> without;
-  std::string furniture = "/usr/share/sweethome3d/furniture";
+  fs::path furniture = kFurnitureFolder;
   fs::path output;
   bool keep = false;
   SimulationOptions simulation;
