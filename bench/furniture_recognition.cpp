@@ -1,6 +1,7 @@
 // Whether networks believe the furniture of made-up homes: views of single pieces in their rooms,
 // of the paper's seven kinds, named by MobileNetV2 and found by NanoDet-Plus:
 //   furniture_recognition [HOMES]      default: 20, those of the seeds from 1, by day
+// Homes are of a bedroom, a kitchen, a toilet and a hall unless --rooms names others.
 // The networks lie in --models or ROOMWISE_MODELS. Beside the ideal picture, the same view through
 // the sensor's faults and the blur of a moving hand. Same figures on every run, at any number of
 // threads.
@@ -22,6 +23,7 @@
 #include "roomwise/image/resample.h"
 #include "roomwise/network/onnx_classifier.h"
 #include "roomwise/objects/object_vocabulary.h"
+#include "roomwise/simulation/home_geometry.h"
 #include "roomwise/simulation/simulate_recording.h"
 
 namespace {
@@ -34,6 +36,7 @@ using simulation::RenderedFrame;
 
 struct Options {
   std::uint64_t homes = 20;
+  std::vector<std::string> rooms{"bedroom", "kitchen", "toilet"};  // a hall is added
   std::filesystem::path models;
   std::filesystem::path pictures;     // empty: none are written
   std::filesystem::path light_cache;  // a folder; empty: light is baked anew
@@ -211,7 +214,12 @@ class Recognition {
   }
 
   Expected<void> look_around(std::uint64_t seed) {
-    ROOMWISE_TRY(const HomeModel home, simulation::generate_home({seed, {}}, catalogue_));
+    simulation::HomeOptions home_options{seed, {}};
+    for (const std::string& room : options_.rooms) {
+      ROOMWISE_TRY(const simulation::RoomKind kind, simulation::parse_room_kind(room));
+      home_options.rooms.push_back(kind);
+    }
+    ROOMWISE_TRY(const HomeModel home, simulation::generate_home(home_options, catalogue_));
     simulation::RenderOptions render;
     render.bake_effort = options_.bake_effort;
     if (!options_.light_cache.empty()) {
@@ -407,6 +415,9 @@ int main(int argc, char** argv) {
   CLI::App app{"Whether networks believe the furniture of made-up homes"};
   Options options;
   app.add_option("homes", options.homes, "How many; seeds from 1")->capture_default_str();
+  app.add_option("--rooms", options.rooms, "Of every home, separated by commas")
+      ->delimiter(',')
+      ->capture_default_str();
   app.add_option("--models", options.models, "Folder of the networks; default: ROOMWISE_MODELS");
   app.add_option("--views", options.views, "Of a piece, at most")->capture_default_str();
   app.add_option("--bake-effort", options.bake_effort, "Rays of the light's bake; 1: as usual")
