@@ -3,12 +3,16 @@
 #include <tiny_obj_loader.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <numbers>
+#include <numeric>
+#include <span>
 #include <sstream>
 #include <unordered_map>
 
+#include "roomwise/simulation/polygon_triangulation.h"
 #include "roomwise/simulation/surface_materials.h"
 
 namespace roomwise::simulation {
@@ -59,17 +63,66 @@ struct Model {
   std::vector<tinyobj::material_t> materials;
 };
 
-Expected<Model> parse(const ModelFolder& folder, const std::string& obj_name) {
-  ROOMWISE_TRY(const Bytes bytes, folder.read(obj_name));
-  std::istringstream stream = stream_of(bytes);
-  FolderMaterials reader(folder);
+// False where a corner is no point of the model.
+bool add_polygon(std::span<const tinyobj::index_t> indices, int material, Model& model) {
+  std::vector<Eigen::Vector3f> corners;
+  for (const tinyobj::index_t& index : indices) {
+    if (index.vertex_index < 0 ||
+        static_cast<std::size_t>(index.vertex_index) >= model.positions.size()) {
+      return false;
+    }
+    corners.push_back(model.positions[static_cast<std::size_t>(index.vertex_index)]);
+  }
+  for (const auto& triangle : triangulate(corners)) {
+    Face face;
+    for (std::size_t corner = 0; corner < 3; ++corner) {
+      const tinyobj::index_t& index = indices[triangle[corner]];
+      face.corners[corner] = {static_cast<std::uint32_t>(index.vertex_index), index.normal_index,
+                              index.texcoord_index};
+    }
+    face.material = material;
+    model.faces.push_back(face);
+  }
+  return true;
+}
+
+// What tinyobjloader makes of an OBJ.
+struct ObjFile {
   tinyobj::attrib_t numbers;
   std::vector<tinyobj::shape_t> shapes;
+  std::vector<tinyobj::material_t> materials;
+};
+
+Expected<ObjFile> read_obj(const Bytes& bytes, const ModelFolder& folder,
+                           const std::string& obj_name, bool cut_into_triangles) {
+  std::istringstream stream = stream_of(bytes);
+  FolderMaterials reader(folder);
   std::string warning, error;
-  Model model;
-  if (!tinyobj::LoadObj(&numbers, &shapes, &model.materials, &warning, &error, &stream, &reader)) {
+  ObjFile file;
+  if (!tinyobj::LoadObj(&file.numbers, &file.shapes, &file.materials, &warning, &error, &stream,
+                        &reader, cut_into_triangles)) {
     return fail("{}: not a model in the OBJ format: {}", obj_name, error);
   }
+  return file;
+}
+
+// Whether the counts of the faces' corners are right: they end at 255.
+bool counts_are_right(const tinyobj::shape_t& shape) {
+  const auto& counts = shape.mesh.num_face_vertices;
+  return std::accumulate(counts.begin(), counts.end(), std::size_t{0}) == shape.mesh.indices.size();
+}
+
+Expected<Model> parse(const ModelFolder& folder, const std::string& obj_name) {
+  ROOMWISE_TRY(const Bytes bytes, folder.read(obj_name));
+  // tinyobjloader's own cutting leaves out parts of concave polygons, so that it is left to it only
+  // where a polygon is too large to be had whole.
+  ROOMWISE_TRY(ObjFile file, read_obj(bytes, folder, obj_name, false));
+  if (!std::ranges::all_of(file.shapes, counts_are_right)) {
+    ROOMWISE_TRY(file, read_obj(bytes, folder, obj_name, true));
+  }
+  Model model;
+  model.materials = std::move(file.materials);
+  const tinyobj::attrib_t& numbers = file.numbers;
   for (std::size_t i = 0; i + 2 < numbers.vertices.size(); i += 3) {
     model.positions.emplace_back(numbers.vertices[i], numbers.vertices[i + 1],
                                  numbers.vertices[i + 2]);
@@ -80,21 +133,14 @@ Expected<Model> parse(const ModelFolder& folder, const std::string& obj_name) {
   for (std::size_t i = 0; i + 1 < numbers.texcoords.size(); i += 2) {
     model.texture_coordinates.emplace_back(numbers.texcoords[i], numbers.texcoords[i + 1]);
   }
-  for (const tinyobj::shape_t& shape : shapes) {
-    const auto& indices = shape.mesh.indices;
-    for (std::size_t i = 0; i + 2 < indices.size(); i += 3) {
-      Face face;
-      for (std::size_t corner = 0; corner < 3; ++corner) {
-        const tinyobj::index_t& index = indices[i + corner];
-        if (index.vertex_index < 0 ||
-            static_cast<std::size_t>(index.vertex_index) >= model.positions.size()) {
-          return fail("{}: a face names a point that the file does not hold", obj_name);
-        }
-        face.corners[corner] = {static_cast<std::uint32_t>(index.vertex_index), index.normal_index,
-                                index.texcoord_index};
+  for (const tinyobj::shape_t& shape : file.shapes) {
+    std::span<const tinyobj::index_t> left(shape.mesh.indices);
+    for (std::size_t i = 0; i < shape.mesh.num_face_vertices.size(); ++i) {
+      const std::size_t corners = shape.mesh.num_face_vertices[i];
+      if (!add_polygon(left.first(corners), shape.mesh.material_ids[i], model)) {
+        return fail("{}: a face names a point that the file does not hold", obj_name);
       }
-      face.material = shape.mesh.material_ids[i / 3];
-      model.faces.push_back(face);
+      left = left.subspan(corners);
     }
   }
   return model;

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include <Eigen/Geometry>
+#include <cmath>
 #include <map>
 
 #include "roomwise/base/testing.h"
@@ -73,6 +74,41 @@ TEST(MeshLoader, KeepsCreasesWhereTheFileHasNoNormals) {
     EXPECT_TRUE(normal.cwiseAbs().maxCoeff() > 0.999F) << normal.transpose();
   }
   EXPECT_EQ(mesh->positions.size(), 8U) << "the two corners of the crease are there twice";
+}
+
+// The area of all triangles; faces that lie apart from each other or overlap show in it.
+double area_of(const TriangleMesh& mesh) {
+  double area = 0;
+  for (const auto& [corners, material] : mesh.triangles) {
+    const Eigen::Vector3f a = mesh.positions[corners[0]];
+    area += 0.5 * (mesh.positions[corners[1]] - a).cross(mesh.positions[corners[2]] - a).norm();
+  }
+  return area;
+}
+
+TEST(MeshLoader, CoversConcaveFaces) {
+  // A U of seven squares.
+  const auto mesh = Folder()
+                        .add("model.obj",
+                             "v 0 0 0\nv 3 0 0\nv 3 3 0\nv 2 3 0\nv 2 1 0\nv 1 1 0\nv 1 3 0\n"
+                             "v 0 3 0\nf 1 2 3 4 5 6 7 8\n")
+                        .load({.size_m = {3, 3, 1}});
+  ASSERT_OK(mesh);
+  EXPECT_EQ(mesh->triangles.size(), 6U);
+  EXPECT_NEAR(area_of(*mesh), 7, 1e-5);
+}
+
+TEST(MeshLoader, ReadsFacesOfVeryManyCorners) {
+  constexpr int kCorners = 300;
+  std::string points, face = "f";
+  for (int i = 0; i < kCorners; ++i) {
+    const double angle = i * 2 * 3.14159265358979 / kCorners;
+    points += fmt::format("v {} {} 0\n", std::cos(angle), std::sin(angle));
+    face += fmt::format(" {}", i + 1);
+  }
+  const auto mesh = Folder().add("model.obj", points + face + "\n").load({.size_m = {2, 2, 1}});
+  ASSERT_OK(mesh);
+  EXPECT_NEAR(area_of(*mesh), 3.14159, 0.01);
 }
 
 TEST(MeshLoader, SmoothsFacesThatNearlyContinueEachOther) {
