@@ -227,8 +227,22 @@ void RoomFurnisher::on_top(const FurnitureModel& model, std::size_t anchor,
         base.world_from_object * Eigen::Vector3d(place.x(), place.y(), base_model->top_m);
     PlacedObject object = make(model, bottom, yaw_of(base.world_from_object) + turn);
     object.stands_on = anchor;
+    if (stands_before_front(object)) continue;
     out.push_back({-static_cast<double>(i), std::move(object)});
   }
+}
+
+bool RoomFurnisher::stands_before_front(const PlacedObject& object) const {
+  const Footprint footprint = footprint_of(object);
+  return std::ranges::any_of(home_.objects, [&](const PlacedObject& other) {
+    if (other.stands_on != object.stands_on || other.kind != "microwave") return false;
+    Footprint door = footprint_of(other);
+    const double depth = door.half_size.y();
+    constexpr double kReach = 0.6;  // as far as a worktop goes
+    door.center += facing(door.yaw_rad) * (depth + kReach / 2);
+    door.half_size.y() = kReach / 2;
+    return overlap_on_floor(footprint, door, 0);
+  });
 }
 
 void RoomFurnisher::under_windows(const FurnitureModel& model, std::vector<Candidate>& out) {

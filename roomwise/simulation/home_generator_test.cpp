@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 
 #include "roomwise/base/testing.h"
@@ -92,6 +93,26 @@ TEST(GenerateHome, EveryRoomHasACeilingLightAndEveryLampItsOwn) {
     ASSERT_NE(light, home->lights.end());
     EXPECT_TRUE(footprint_of(home->objects[i]).contains(light->position.head<2>()));
   }
+}
+
+TEST(GenerateHome, NothingStandsBeforeAMicrowavesDoor) {
+  std::size_t neighbours = 0;
+  for (std::uint64_t seed = 0; seed < 30; ++seed) {
+    const auto home = generate_home({seed, {RoomKind::kKitchen}}, models());
+    ASSERT_OK(home);
+    for (const PlacedObject& microwave : home->objects) {
+      if (microwave.kind != "microwave") continue;
+      for (const PlacedObject& other : home->objects) {
+        if (other.stands_on != microwave.stands_on || other.name == microwave.name) continue;
+        ++neighbours;
+        const Eigen::Vector3d place =
+            microwave.world_from_object.inverse() * other.world_from_object.translation;
+        EXPECT_FALSE(place.y() < 0 && std::abs(place.x()) < microwave.size_m.x() / 2)
+            << seed << ": " << other.name;
+      }
+    }
+  }
+  EXPECT_GT(neighbours, 0U);
 }
 
 TEST(GenerateHome, LeavesOutKindsWithoutModels) {

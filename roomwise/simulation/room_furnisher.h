@@ -84,6 +84,8 @@ class RoomFurnisher {
   void around(const FurnitureModel& model, const Footprint& base, std::vector<Candidate>& out);
   void on_floor(const FurnitureModel& model, const Footprint& base, std::vector<Candidate>& out);
   void on_top(const FurnitureModel& model, std::size_t anchor, std::vector<Candidate>& out);
+  // Whether a thing on a surface stands in the way of a microwave's door.
+  [[nodiscard]] bool stands_before_front(const PlacedObject& object) const;
   void under_windows(const FurnitureModel& model, std::vector<Candidate>& out);
   [[nodiscard]] PlacedObject make(const FurnitureModel& model, const Eigen::Vector3d& bottom,
                                   double yaw_rad) const;
