@@ -40,7 +40,7 @@ struct Options {
   std::filesystem::path models;
   std::filesystem::path pictures;     // empty: none are written
   std::filesystem::path light_cache;  // a folder; empty: light is baked anew
-  double bake_effort = 0.3;
+  double bake_effort = 0.5;
   std::size_t views = 3;  // of a piece, at most
 };
 
