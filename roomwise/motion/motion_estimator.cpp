@@ -152,6 +152,12 @@ std::string_view to_string(MotionStatus status) {
       return "too few inliers";
     case MotionStatus::kMotionTooLarge:
       return "motion too large";
+    case MotionStatus::kContradicted:
+      return "the depth images contradict the pose";
+    case MotionStatus::kNothingInCommon:
+      return "nothing in common";
+    case MotionStatus::kSurprising:
+      return "the motion is not what was foreseen";
   }
   return "unknown";
 }
@@ -170,6 +176,11 @@ std::string MotionOutcome::describe() const {
       return fmt::format("motion too large ({:.2f} m, {:.0f} degrees)",
                          pose.reference_from_current.distance_m(),
                          pose.reference_from_current.angle_rad() * 180 / EIGEN_PI);
+    case MotionStatus::kNothingInCommon:
+      return std::string(to_string(status));
+    case MotionStatus::kContradicted:
+    case MotionStatus::kSurprising:
+      return fmt::format("{} ({} inliers of {} matches)", to_string(status), inliers, matches);
   }
   return "unknown";
 }

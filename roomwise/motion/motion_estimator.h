@@ -31,6 +31,9 @@ enum class MotionStatus {
   kTooFewMatches,
   kTooFewInliers,
   kMotionTooLarge,
+  kContradicted,     // by the depth images
+  kNothingInCommon,  // views that do not overlap
+  kSurprising,       // too far from what was foreseen for so few inliers
 };
 [[nodiscard]] std::string_view to_string(MotionStatus status);  // "found", "too few matches", ...
 

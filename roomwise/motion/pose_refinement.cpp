@@ -1,6 +1,7 @@
 #include "roomwise/motion/pose_refinement.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <cmath>
 #include <limits>
 
@@ -80,16 +81,6 @@ NormalEquations linearize(std::span<const PointObservation> observations,
   return equations;
 }
 
-// From (omega, v) to (translation, vector part of the quaternion), where the latter is omega / 2.
-Matrix6d edge_information(const Matrix6d& hessian) {
-  Matrix6d information;
-  information.topLeftCorner<3, 3>() = hessian.bottomRightCorner<3, 3>();
-  information.topRightCorner<3, 3>() = 2 * hessian.bottomLeftCorner<3, 3>();
-  information.bottomLeftCorner<3, 3>() = 2 * hessian.topRightCorner<3, 3>();
-  information.bottomRightCorner<3, 3>() = 4 * hessian.topLeftCorner<3, 3>();
-  return information;
-}
-
 }  // namespace
 
 Eigen::Vector3d residual(const PointObservation& observation,
@@ -106,6 +97,35 @@ Eigen::Vector3d residual(const PointObservation& observation,
           : 0.0;
   return {pixel.x() / model.pixel_sigma_px, pixel.y() / model.pixel_sigma_px,
           disparity / model.disparity_sigma_px};
+}
+
+Matrix6d edge_information(const Matrix6d& hessian) {
+  Matrix6d information;
+  information.topLeftCorner<3, 3>() = hessian.bottomRightCorner<3, 3>();
+  information.topRightCorner<3, 3>() = 2 * hessian.bottomLeftCorner<3, 3>();
+  information.bottomLeftCorner<3, 3>() = 2 * hessian.topRightCorner<3, 3>();
+  information.bottomRightCorner<3, 3>() = 4 * hessian.topLeftCorner<3, 3>();
+  return information;
+}
+
+Matrix6d twist_information(const Matrix6d& information) {
+  Matrix6d hessian;
+  hessian.topLeftCorner<3, 3>() = 0.25 * information.bottomRightCorner<3, 3>();
+  hessian.topRightCorner<3, 3>() = 0.5 * information.bottomLeftCorner<3, 3>();
+  hessian.bottomLeftCorner<3, 3>() = 0.5 * information.topRightCorner<3, 3>();
+  hessian.bottomRightCorner<3, 3>() = information.topLeftCorner<3, 3>();
+  return hessian;
+}
+
+Matrix6d with_systematic_error(const Matrix6d& information, double translation_sigma_m,
+                               double half_angle_sigma) {
+  Vector6d systematic;
+  systematic.head<3>().setConstant(translation_sigma_m * translation_sigma_m);
+  systematic.tail<3>().setConstant(half_angle_sigma * half_angle_sigma);
+  // (I^-1 + S)^-1 = (I S + 1)^-1 I, which needs no inverse of a curvature that may be singular.
+  const Matrix6d mixed = information * systematic.asDiagonal() + Matrix6d::Identity();
+  const Matrix6d weakened = mixed.partialPivLu().solve(information);
+  return 0.5 * (weakened + weakened.transpose());
 }
 
 RefinedPose refine_pose(std::span<const PointObservation> observations,

@@ -39,6 +39,17 @@ struct RefinedPose {
   double rms = 0;  // root mean square of |residual| over the observations, in sigmas
 };
 
+// From the curvature by a twist (omega, v) of the current frame to the information of an edge in
+// (x, y, z, qx, qy, qz), where the quaternion's vector part is omega / 2; and back.
+[[nodiscard]] geometry::Matrix6d edge_information(const geometry::Matrix6d& hessian);
+[[nodiscard]] geometry::Matrix6d twist_information(const geometry::Matrix6d& information);
+
+// The information when errors that the residuals do not show, independent and of these sizes, are
+// added to the covariance: hundreds of inliers must not claim micrometres.
+[[nodiscard]] geometry::Matrix6d with_systematic_error(const geometry::Matrix6d& information,
+                                                       double translation_sigma_m,
+                                                       double half_angle_sigma);
+
 // Minimises the sum of squared residuals (Huber's kernel at 2 sigma) by Levenberg and Marquardt's
 // method. At least three observations.
 [[nodiscard]] RefinedPose refine_pose(std::span<const PointObservation> observations,

@@ -1,0 +1,113 @@
+#include "roomwise/motion/frame_locator.h"
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+#include <utility>
+
+namespace roomwise::motion {
+namespace {
+
+bool is_sure(const ViewAlignment& alignment, const PosePrior& prior,
+             const LocatorOptions& options) {
+  if (!alignment.found || alignment.is_ambiguous || alignment.pose.rms > options.sure_rms ||
+      alignment.agreement.overlap < options.sure_overlap ||
+      alignment.agreement.agreeing < options.sure_agreeing ||
+      surprise(alignment.pose.reference_from_current, prior) > options.sure_surprise) {
+    return false;
+  }
+  const Eigen::SelfAdjointEigenSolver<geometry::Matrix6d> solver(alignment.seen_information,
+                                                                 Eigen::EigenvaluesOnly);
+  return solver.eigenvalues()[0] >= 1 / (options.sure_sigma * options.sure_sigma);
+}
+
+MotionOutcome found_by_views(const ViewAlignment& alignment) {
+  MotionOutcome outcome;
+  outcome.status = MotionStatus::kFound;
+  outcome.pose = alignment.pose;
+  return outcome;
+}
+
+// What features say, as a prior for the alignment of views: their own uncertainty, and what their
+// residuals do not show.
+PosePrior prior_from(const RefinedPose& pose) {
+  constexpr double kTranslation_m = 0.01;
+  constexpr double kHalfAngle = 0.5 * 0.005;
+  return {pose.reference_from_current,
+          with_systematic_error(pose.information, kTranslation_m, kHalfAngle)};
+}
+
+}  // namespace
+
+Expected<void> LocatorOptions::validate() const {
+  ROOMWISE_CHECK_OK(features.validate());
+  ROOMWISE_CHECK_OK(views.validate());
+  if (!(sure_rms > 0) || !(most_rms >= sure_rms)) {
+    return fail("sure_rms = {} must be positive and not above most_rms = {}", sure_rms, most_rms);
+  }
+  if (!(sure_sigma > 0)) return fail("sure_sigma = {} must be positive", sure_sigma);
+  if (!(sure_surprise > 0) || !(most_surprise >= sure_surprise)) {
+    return fail("sure_surprise = {} must be positive and not above most_surprise = {}",
+                sure_surprise, most_surprise);
+  }
+  for (const auto& [name, share] :
+       {std::pair("sure_overlap", sure_overlap), std::pair("sure_agreeing", sure_agreeing)}) {
+    if (!(share >= 0 && share <= 1)) return fail("{} = {} must be between 0 and 1", name, share);
+  }
+  if (surprising_inliers < 0) {
+    return fail("surprising_inliers = {} must not be negative", surprising_inliers);
+  }
+  return {};
+}
+
+MotionOutcome locate_frame(const FrameMeasurements& reference, const FrameMeasurements& current,
+                           const std::optional<PosePrior>& prior,
+                           const geometry::PinholeCamera& camera, const LocatorOptions& options,
+                           RandomStream random) {
+  const auto fits = [&](const ViewAlignment& alignment) {
+    return alignment.found && alignment.pose.rms <= options.most_rms;
+  };
+  const auto is_surprising = [&](const RefinedPose& pose) {
+    return prior && surprise(pose.reference_from_current, *prior) > options.most_surprise;
+  };
+  if (reference.view().empty() || current.view().empty()) {
+    return estimate_motion(reference.features(), current.features(), camera, options.features,
+                           random);
+  }
+  std::optional<ViewAlignment> predicted;
+  if (prior) {
+    predicted = align_views(reference.view(), current.view(), *prior, options.views);
+    if (is_surprising(predicted->pose)) predicted->found = false;
+    if (!options.rests_on_prior) predicted->pose.information = predicted->seen_information;
+    if (is_sure(*predicted, *prior, options)) return found_by_views(*predicted);
+  }
+
+  MotionOutcome outcome =
+      estimate_motion(reference.features(), current.features(), camera, options.features, random);
+  if (outcome.found() && is_surprising(outcome.pose) &&
+      outcome.inliers < options.surprising_inliers) {
+    outcome.status = MotionStatus::kSurprising;
+  } else if (outcome.found()) {
+    const ViewAlignment refined =
+        align_views(reference.view(), current.view(), prior_from(outcome.pose), options.views);
+    if (fits(refined)) {
+      outcome.pose = refined.pose;
+      return outcome;
+    }
+    const ViewAgreement agreement =
+        compare_views(reference.view(), current.view(), outcome.pose.reference_from_current);
+    if (agreement.agreeing >= options.views.least_agreeing &&
+        agreement.seen_through <= options.views.most_seen_through) {
+      return outcome;
+    }
+    outcome.status = MotionStatus::kContradicted;
+  }
+  if (options.rests_on_prior && predicted && !predicted->is_ambiguous && fits(*predicted)) {
+    // Not sure, so believed less: a bare wall fits in many places.
+    constexpr double kSigmas = 7;
+    outcome = found_by_views(*predicted);
+    outcome.pose.information /= kSigmas * kSigmas;
+  }
+  return outcome;
+}
+
+}  // namespace roomwise::motion
