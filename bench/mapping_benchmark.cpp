@@ -1,6 +1,6 @@
-// Maps real recordings with several seeds and kinds of features, and prints how good and how dear
-// that is:
-//   mapping_benchmark [SEEDS] [FEATURES ...]        for example: mapping_benchmark 5 surf orb
+// Maps real recordings with several seeds, methods and kinds of features, and prints how good and
+// how dear that is:
+//   mapping_benchmark [SEEDS] [METHOD:FEATURES ...]   for example: mapping_benchmark 5 paper:orb
 // Each run is a process of its own, so that its processor time and peak memory are its own.
 // Recordings are looked for in ROOMWISE_DATA. No networks: this measures mapping alone.
 
@@ -44,19 +44,35 @@ struct Run {
   double edges = 0;            // of the pose graph
   double returns = 0;          // edges to a place seen more than ten key-frames before
   double features_cpu_ms = 0;  // per frame, as the next two
-  double tracking_cpu_ms = 0;
+  double views_cpu_ms = 0;
+  double tracking_cpu_ms = 0;  // with features that are found on the way
   double all_cpu_ms = 0;
   double wall_s = 0;
   double peak_mb = 0;
 };
 
-Expected<Run> map_once(const fs::path& folder, const Task& task, features::FeatureKind kind,
+struct Way {
+  mapping::MappingMethod method;
+  features::FeatureKind features;
+};
+
+// "paper:surf".
+Expected<Way> parse_way(std::string_view text) {
+  const std::size_t colon = text.find(':');
+  if (colon == std::string_view::npos) return fail("'{}' is not METHOD:FEATURES", text);
+  ROOMWISE_TRY(const auto method, mapping::parse_mapping_method(text.substr(0, colon)));
+  ROOMWISE_TRY(const auto features, features::parse_feature_kind(text.substr(colon + 1)));
+  return Way{method, features};
+}
+
+Expected<Run> map_once(const fs::path& folder, const Task& task, const Way& way,
                        std::uint64_t seed) {
   ROOMWISE_TRY(const auto source, recording::TumRecording::open(folder, {.camera = task.camera}));
   const fs::path file =
       fs::temp_directory_path() / fmt::format("roomwise-benchmark-{}.home", getpid());
   pipeline::MapSettings settings;
-  settings.features = kind;
+  settings.features = way.features;
+  settings.mapper = mapping::MapperOptions::of(way.method);
   settings.mapper.seed = seed;
   Run result;
   {
@@ -85,8 +101,13 @@ Expected<Run> map_once(const fs::path& folder, const Task& task, features::Featu
     result.rpe_m = rpe.translation_m.rmse;
     const auto stages = clock.stages();
     const auto per_frame_ms = [&](double seconds) { return 1000 * seconds / result.frames; };
-    result.features_cpu_ms = per_frame_ms(stages.at("features").cpu_s);
-    result.tracking_cpu_ms = per_frame_ms(stages.at("tracking and loops").cpu_s);
+    const auto cpu_ms = [&](const std::string& stage) {
+      const auto found = stages.find(stage);
+      return found == stages.end() ? 0 : per_frame_ms(found->second.cpu_s);
+    };
+    result.features_cpu_ms = cpu_ms("features");
+    result.views_cpu_ms = cpu_ms("views");
+    result.tracking_cpu_ms = cpu_ms("tracking and loops");
     result.all_cpu_ms = per_frame_ms(process_cpu_time_s());
   }
   fs::remove(file);
@@ -97,13 +118,13 @@ Expected<Run> map_once(const fs::path& folder, const Task& task, features::Featu
 }
 
 // Runs in a child process.
-std::optional<Run> map_apart(const fs::path& folder, const Task& task, features::FeatureKind kind,
+std::optional<Run> map_apart(const fs::path& folder, const Task& task, const Way& way,
                              std::uint64_t seed) {
   std::array<int, 2> pipe_ends{};
   if (pipe(pipe_ends.data()) != 0) return std::nullopt;
   const pid_t child = fork();
   if (child == 0) {
-    const Expected<Run> run = map_once(folder, task, kind, seed);
+    const Expected<Run> run = map_once(folder, task, way, seed);
     if (!run) {
       fmt::print(stderr, "{}\n", run.error().message);
       _exit(1);
@@ -137,8 +158,20 @@ int main(int argc, char** argv) {
     return 1;
   }
   const int seeds = argc > 1 ? std::atoi(argv[1]) : 5;
-  std::vector<std::string> kinds(argv + std::min(argc, 2), argv + argc);
-  if (kinds.empty()) kinds = {"surf", "sift", "orb"};
+  std::vector<std::string> names(argv + std::min(argc, 2), argv + argc);
+  if (names.empty()) {
+    names = {"combined:surf", "combined:sift", "combined:orb",
+             "paper:surf",    "paper:sift",    "paper:orb"};
+  }
+  std::vector<Way> ways;
+  for (const std::string& name : names) {
+    const auto way = parse_way(name);
+    if (!way) {
+      fmt::print(stderr, "{}\n", way.error().message);
+      return 2;
+    }
+    ways.push_back(*way);
+  }
   if (seeds < 1) {
     fmt::print(stderr, "'{}' is no number of seeds\n", argv[1]);
     return 2;
@@ -149,37 +182,35 @@ int main(int argc, char** argv) {
       {"office_walk", std::nullopt}};
   fmt::print("Median (range) of {} seeds, {} threads.\n\n", seeds, ThreadPool::default_size());
   fmt::print(
-      "| recording | features | frames with a pose | ATE RMSE, m | RPE over 1 s, m | key-frames | "
+      "| recording | method | frames with a pose | ATE RMSE, m | RPE over 1 s, m | key-frames | "
       "edges | returns | "
-      "features CPU-ms | tracking and loops CPU-ms | all CPU-ms a frame | wall s | peak MB |\n"
-      "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n");
+      "features CPU-ms | views CPU-ms | tracking and loops CPU-ms | all CPU-ms a frame | wall s | "
+      "peak MB |\n"
+      "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n");
   for (const Task& task : tasks) {
     const fs::path folder = fs::path(data) / task.recording;
     if (!fs::exists(folder)) {
       fmt::print(stderr, "{}: not there, left out\n", folder.string());
       continue;
     }
-    for (const std::string& name : kinds) {
-      const auto kind = features::parse_feature_kind(name);
-      if (!kind) {
-        fmt::print(stderr, "{}\n", kind.error().message);
-        return 2;
-      }
+    for (std::size_t i = 0; i < ways.size(); ++i) {
       std::vector<Run> runs;
       for (int seed = 1; seed <= seeds; ++seed) {
-        const auto run = map_apart(folder, task, *kind, static_cast<std::uint64_t>(seed));
+        const auto run = map_apart(folder, task, ways[i], static_cast<std::uint64_t>(seed));
         if (!run) return 1;
         runs.push_back(*run);
       }
-      fmt::print("| {} | {} | {} of {:.0f} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} |\n",
-                 task.recording, name, median_and_range(runs, &Run::placed, 0), runs.front().frames,
-                 median_and_range(runs, &Run::ate_m, 4), median_and_range(runs, &Run::rpe_m, 4),
-                 median_and_range(runs, &Run::keyframes, 0), median_and_range(runs, &Run::edges, 0),
-                 median_and_range(runs, &Run::returns, 0),
-                 median_and_range(runs, &Run::features_cpu_ms, 1),
-                 median_and_range(runs, &Run::tracking_cpu_ms, 1),
-                 median_and_range(runs, &Run::all_cpu_ms, 1),
-                 median_and_range(runs, &Run::wall_s, 1), median_and_range(runs, &Run::peak_mb, 0));
+      fmt::print(
+          "| {} | {} | {} of {:.0f} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} |\n",
+          task.recording, names[i], median_and_range(runs, &Run::placed, 0), runs.front().frames,
+          median_and_range(runs, &Run::ate_m, 4), median_and_range(runs, &Run::rpe_m, 4),
+          median_and_range(runs, &Run::keyframes, 0), median_and_range(runs, &Run::edges, 0),
+          median_and_range(runs, &Run::returns, 0),
+          median_and_range(runs, &Run::features_cpu_ms, 1),
+          median_and_range(runs, &Run::views_cpu_ms, 1),
+          median_and_range(runs, &Run::tracking_cpu_ms, 1),
+          median_and_range(runs, &Run::all_cpu_ms, 1), median_and_range(runs, &Run::wall_s, 1),
+          median_and_range(runs, &Run::peak_mb, 0));
       std::fflush(stdout);
     }
   }

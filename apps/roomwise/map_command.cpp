@@ -22,6 +22,8 @@ struct Options {
   bool resume = false;
   std::string camera;
   std::string features = "surf";
+  std::string method = "combined";
+  std::optional<int> loop_random, loop_similar;  // default: the method's own
   pipeline::MapSettings settings;
   NetworkOptions networks;
   fs::path trajectory;
@@ -34,13 +36,25 @@ Expected<home::Home> open_home(const Options& options) {
               options.home.string());
 }
 
+// Those that the options ask for.
+Expected<pipeline::MapSettings> new_settings(const Options& options) {
+  pipeline::MapSettings settings = options.settings;
+  ROOMWISE_TRY(settings.features, features::parse_feature_kind(options.features));
+  ROOMWISE_TRY(settings.mapper.method, mapping::parse_mapping_method(options.method));
+  settings.mapper.loops = mapping::MapperOptions::of(settings.mapper.method).loops;
+  settings.mapper.loops.neighbors = options.settings.mapper.loops.neighbors;
+  settings.mapper.loops.random = options.loop_random.value_or(settings.mapper.loops.random);
+  settings.mapper.loops.similar = options.loop_similar.value_or(settings.mapper.loops.similar);
+  ROOMWISE_CHECK_OK(settings.validate());
+  return settings;
+}
+
 // The settings of a home that is gone on with are its own.
 Expected<pipeline::MapSettings> choose_settings(const Options& options, std::uint64_t seed,
                                                 const home::Home& home) {
   ROOMWISE_TRY(const auto stored, pipeline::stored_map_settings(home));
   if (stored) return *stored;
-  pipeline::MapSettings settings = options.settings;
-  ROOMWISE_TRY(settings.features, features::parse_feature_kind(options.features));
+  ROOMWISE_TRY(pipeline::MapSettings settings, new_settings(options));
   settings.mapper.seed = seed;
   return settings;
 }
@@ -122,8 +136,7 @@ Expected<Answer> map(const Options& options, Context& context) {
       ROOMWISE_TRY(tum.camera, recording::resolve_camera(options.camera));
     }
     ROOMWISE_CHECK_OK(recording::TumRecording::open(options.recording, tum));
-    ROOMWISE_CHECK_OK(features::parse_feature_kind(options.features));
-    ROOMWISE_CHECK_OK(options.settings.validate());
+    ROOMWISE_CHECK_OK(new_settings(options));
   }
   ROOMWISE_TRY(home::Home home, open_home(options));
   ROOMWISE_TRY(const std::unique_ptr<recording::TumRecording> source,
@@ -201,8 +214,9 @@ void add_map_command(CLI::App& app, Context& context) {
   const auto setting = [&](const std::string& name, auto& value, const std::string& description) {
     command->add_option(name, value, description)->capture_default_str()->excludes(resume);
   };
-  setting("--method", options->settings.method,
-          "paper: key-frames, PnP with RANSAC, random loop closure");
+  setting("--method", options->method,
+          "combined: whole views and features, each checking the other; paper: PnP with RANSAC on "
+          "features alone");
   setting("--features", options->features, "surf, sift or orb");
   setting("--keypoints", options->settings.most_keypoints, "Most key-points a frame");
   setting("--keyframe-translation", options->settings.mapper.keyframe_translation_m,
@@ -211,8 +225,16 @@ void add_map_command(CLI::App& app, Context& context) {
           "A key-frame after this much turning, rad");
   setting("--loop-neighbors", options->settings.mapper.loops.neighbors,
           "Key-frames before the last that each new one is compared with");
-  setting("--loop-random", options->settings.mapper.loops.random,
-          "Earlier key-frames, drawn at random, that each new one is compared with");
+  command
+      ->add_option("--loop-random", options->loop_random,
+                   "Earlier key-frames, drawn at random, that each new one is compared with "
+                   "[combined: 2, paper: 5]")
+      ->excludes(resume);
+  command
+      ->add_option("--loop-similar", options->loop_similar,
+                   "Earlier key-frames that look most like it, that each new one is compared with "
+                   "[combined: 3, paper: 0]")
+      ->excludes(resume);
   setting("--object-score", options->settings.objects.least_score,
           "Least score of an object, 0 to 1");
   add_network_options(*command, options->networks);

@@ -4,7 +4,7 @@
 
 #include "roomwise/base/timestamp.h"
 #include "roomwise/geometry/rigid_transform.h"
-#include "roomwise/motion/measured_features.h"
+#include "roomwise/motion/frame_measurements.h"
 
 namespace roomwise::mapping {
 
@@ -16,7 +16,7 @@ struct Keyframe {
   KeyframeId id = 0;
   std::uint64_t frame_index = 0;  // RgbdFrame::index
   TimestampNs timestamp_ns = 0;
-  motion::MeasuredFeatures features;
+  motion::FrameMeasurements measurements;
 };
 
 }  // namespace roomwise::mapping

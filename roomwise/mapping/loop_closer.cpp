@@ -1,6 +1,5 @@
 #include "roomwise/mapping/loop_closer.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -10,17 +9,16 @@ namespace roomwise::mapping {
 namespace {
 
 // What no residual at the key-points shows: colour and depth a little out of step, calibration,
-// rolling shutter. Added to each edge's covariance so that hundreds of inliers do not claim
-// micrometres.
+// rolling shutter.
 constexpr double kSystematicTranslation_m = 0.004;
 constexpr double kSystematicHalfAngle = 0.5 * 0.003;
 
 }  // namespace
 
 Expected<void> LoopOptions::validate() const {
-  if (neighbors < 0 || random < 0 || explored < 0) {
-    return fail("neighbors = {}, random = {} and explored = {} must not be negative", neighbors,
-                random, explored);
+  if (neighbors < 0 || random < 0 || similar < 0 || explored < 0) {
+    return fail("neighbors = {}, random = {}, similar = {} and explored = {} must not be negative",
+                neighbors, random, similar, explored);
   }
   if (!(earliest_preference >= 1)) {
     return fail("earliest_preference = {} must be at least 1", earliest_preference);
@@ -61,26 +59,21 @@ LoopCandidates draw_loop_candidates(std::size_t keyframe_count, const LoopOption
 }
 
 std::vector<PoseGraphEdge> close_loops(std::span<const Keyframe> keyframes,
-                                       const geometry::PinholeCamera& camera,
-                                       const motion::MotionOptions& motion_options,
-                                       const LoopOptions& options, std::uint64_t seed) {
+                                       const LoopOptions& options,
+                                       std::span<const KeyframeId> similar,
+                                       const CompareKeyframes& compare_frames, std::uint64_t seed) {
   if (keyframes.empty()) return {};
   const Keyframe& newest = keyframes.back();
-  motion::MotionOptions strict = motion_options;
-  strict.least_inliers = std::max(strict.least_inliers, options.least_inliers);
-  strict.least_matches = std::max(strict.least_matches, options.least_inliers);
-  strict.least_inlier_ratio = std::max(strict.least_inlier_ratio, options.least_inlier_ratio);
 
   // Each key-frame is compared once, however many ways lead to it.
   std::map<KeyframeId, motion::MotionOutcome> compared;
   const auto compare = [&](KeyframeId id) -> const motion::MotionOutcome& {
     auto found = compared.find(id);
     if (found == compared.end()) {
-      found = compared
-                  .emplace(id, motion::estimate_motion(
-                                   keyframes[id].features, newest.features, camera, strict,
-                                   RandomStream(seed, {newest.frame_index, id})))
-                  .first;
+      found =
+          compared
+              .emplace(id, compare_frames(keyframes[id], newest.measurements, newest.frame_index))
+              .first;
     }
     return found->second;
   };
@@ -98,6 +91,9 @@ std::vector<PoseGraphEdge> close_loops(std::span<const Keyframe> keyframes,
     edges.emplace(id, edge_from_motion(id, newest.id, compare(id).pose, true));
   };
   for (const KeyframeId id : candidates.neighbors) {
+    if (compare(id).found()) add_edge(id);
+  }
+  for (const KeyframeId id : similar) {
     if (compare(id).found()) add_edge(id);
   }
   for (const KeyframeId hit : candidates.random) {
@@ -126,15 +122,10 @@ bool is_return(const PoseGraphEdge& edge) {
 
 PoseGraphEdge edge_from_motion(KeyframeId from, KeyframeId to, const motion::RefinedPose& pose,
                                bool is_loop) {
-  geometry::Vector6d systematic;
-  systematic.head<3>().setConstant(kSystematicTranslation_m * kSystematicTranslation_m);
-  systematic.tail<3>().setConstant(kSystematicHalfAngle * kSystematicHalfAngle);
-  // (I^-1 + S)^-1 = (I S + 1)^-1 I, which needs no inverse of a curvature that may be singular.
-  const geometry::Matrix6d mixed =
-      pose.information * systematic.asDiagonal() + geometry::Matrix6d::Identity();
-  geometry::Matrix6d information = mixed.partialPivLu().solve(pose.information);
-  information = (0.5 * (information + information.transpose())).eval();
-  return {from, to, pose.reference_from_current, information, is_loop};
+  return {from, to, pose.reference_from_current,
+          motion::with_systematic_error(pose.information, kSystematicTranslation_m,
+                                        kSystematicHalfAngle),
+          is_loop};
 }
 
 }  // namespace roomwise::mapping

@@ -1,17 +1,19 @@
 #pragma once
 
+#include <functional>
 #include <span>
 #include <vector>
 
 #include "roomwise/mapping/keyframe.h"
 #include "roomwise/mapping/pose_graph.h"
-#include "roomwise/motion/motion_estimator.h"
+#include "roomwise/motion/frame_locator.h"
 
 namespace roomwise::mapping {
 
 struct LoopOptions {
   int neighbors = 3;  // key-frames just before the last one that are tried, always
-  int random = 5;     // further key-frames drawn at random
+  int random = 2;     // further key-frames drawn at random
+  int similar = 3;    // further key-frames that look most like it, by an index
   int explored = 2;   // neighbours on either side of a random hit that are tried after it
   // A key-frame's chance to be drawn falls with its place in time: the first is this many times as
   // likely as the newest. Earlier ones are preferred, since they take away more drift.
@@ -32,13 +34,18 @@ struct LoopCandidates {
 [[nodiscard]] LoopCandidates draw_loop_candidates(std::size_t keyframe_count,
                                                   const LoopOptions& options, RandomStream random);
 
-// Edges from earlier key-frames to the newest: one for every neighbour that matches; where a random
-// one matches, the key-frames around it are explored and the one from which the camera moved least
-// is taken. The result depends on `seed`, the key-frames and nothing else.
+// Where a frame is relative to a key-frame, or why that is not known.
+using CompareKeyframes = std::function<motion::MotionOutcome(
+    const Keyframe& reference, const motion::FrameMeasurements& current,
+    std::uint64_t frame_index)>;
+
+// Edges from earlier key-frames to the newest: one for every neighbour and every `similar` one that
+// matches; where a random one matches, the key-frames around it are explored and the one from which
+// the camera moved least is taken. The result depends on `seed`, the key-frames and nothing else.
 [[nodiscard]] std::vector<PoseGraphEdge> close_loops(std::span<const Keyframe> keyframes,
-                                                     const geometry::PinholeCamera& camera,
-                                                     const motion::MotionOptions& motion_options,
                                                      const LoopOptions& options,
+                                                     std::span<const KeyframeId> similar,
+                                                     const CompareKeyframes& compare,
                                                      std::uint64_t seed);
 
 // Whether the edge is a return to a place that was left, and not one between neighbours on the

@@ -3,7 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <map>
 #include <set>
+#include <vector>
 
 #include "roomwise/base/testing.h"
 
@@ -54,6 +56,64 @@ TEST(DrawLoopCandidates, PrefersEarlierKeyframes) {
   EXPECT_NEAR(early / static_cast<double>(kDraws), 0.65, 0.03);
 }
 
+class CloseLoops : public ::testing::Test {
+ protected:
+  CloseLoops() {
+    for (KeyframeId id = 0; id < 40; ++id)
+      keyframes_.push_back({id, 10 * id, 0, motion::MeasuredFeatures{}});
+    options_.neighbors = 2;
+    options_.random = 0;
+    options_.explored = 0;
+  }
+  // Compares by a table of distances; key-frames that are not in it do not match.
+  std::vector<KeyframeId> linked(const std::vector<KeyframeId>& similar) {
+    compared_.clear();
+    const auto compare = [this](const Keyframe& reference, const motion::FrameMeasurements&,
+                                std::uint64_t frame_index) {
+      EXPECT_EQ(frame_index, 390U) << "the newest";
+      compared_.push_back(reference.id);
+      motion::MotionOutcome outcome;
+      const auto match = matching_.find(reference.id);
+      if (match == matching_.end()) return outcome;
+      outcome.status = motion::MotionStatus::kFound;
+      outcome.pose.reference_from_current.translation.x() = match->second;
+      return outcome;
+    };
+    std::vector<KeyframeId> from;
+    for (const PoseGraphEdge& edge : close_loops(keyframes_, options_, similar, compare, 1)) {
+      EXPECT_EQ(edge.to, 39U);
+      EXPECT_TRUE(edge.is_loop);
+      EXPECT_EQ(edge.from_from_to.translation.x(), matching_.at(edge.from));
+      from.push_back(edge.from);
+    }
+    return from;
+  }
+  std::vector<Keyframe> keyframes_;
+  LoopOptions options_;
+  std::map<KeyframeId, double> matching_;
+  std::vector<KeyframeId> compared_;
+};
+
+TEST_F(CloseLoops, LinksEveryNeighbourAndSimilarKeyframeThatMatches) {
+  matching_ = {{37, 0.1}, {12, 0.2}, {5, 0.3}, {20, 0.4}};
+  EXPECT_THAT(linked({12, 9, 5}), ElementsAre(5, 12, 37));
+  EXPECT_THAT(compared_, ::testing::UnorderedElementsAre(37, 36, 12, 9, 5));
+}
+
+TEST_F(CloseLoops, ComparesEachKeyframeOnce) {
+  matching_ = {{37, 0.1}};
+  EXPECT_THAT(linked({37, 36, 37}), ElementsAre(37));
+  EXPECT_THAT(compared_, ElementsAre(37, 36));
+}
+
+TEST_F(CloseLoops, ExploresAroundARandomHitForTheNearest) {
+  options_.neighbors = 0;
+  options_.random = 37;  // all but the last two, in some order
+  options_.explored = 1;
+  matching_ = {{10, 0.5}, {11, 0.2}, {30, 0.4}};
+  EXPECT_THAT(linked({}), ElementsAre(11, 30));
+}
+
 TEST(IsReturn, TellsAReturnFromANeighbour) {
   const geometry::Matrix6d information = geometry::Matrix6d::Identity();
   EXPECT_TRUE(is_return({2, 40, {}, information, true}));
@@ -66,6 +126,9 @@ TEST(LoopOptions, SaysWhichFieldIsWrong) {
   EXPECT_OK(options.validate());
   options.earliest_preference = 0.5;
   EXPECT_ERROR(options.validate(), "earliest_preference");
+  options = {};
+  options.similar = -1;
+  EXPECT_ERROR(options.validate(), "similar = -1");
 }
 
 TEST(EdgeFromMotion, NeverClaimsMoreThanTheSystematicErrorAllows) {

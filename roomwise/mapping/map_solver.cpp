@@ -1,6 +1,8 @@
 #include "roomwise/mapping/map_solver.h"
 
+#include <Eigen/LU>
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <numeric>
 
@@ -33,20 +35,83 @@ class DisjointSets {
   std::vector<std::size_t> parent_;
 };
 
-// Poses along the spanning tree of the edges, in which odometry comes before loops; the first
+// How unsure an edge claims to be.
+struct Spread {
+  double translation_m = 0;
+  double rotation_rad = 0;
+};
+
+Spread spread_of(const PoseGraphEdge& edge) {
+  // What the edge does not determine at all counts as very unsure.
+  constexpr double kLeastInformation = 1e-6;
+  const geometry::Matrix6d covariance =
+      (edge.information + kLeastInformation * geometry::Matrix6d::Identity()).inverse();
+  return {std::sqrt(covariance.topLeftCorner<3, 3>().trace()),
+          2 * std::sqrt(covariance.bottomRightCorner<3, 3>().trace())};
+}
+
+struct Step {
+  std::size_t to;
+  RigidTransform from_from_to;
+  Spread spread = {};
+};
+using StepsFrom = std::vector<std::vector<Step>>;  // by key-frame id
+
+void add_both_ways(StepsFrom& steps, const PoseGraphEdge& edge) {
+  const Spread spread = spread_of(edge);
+  steps[edge.from].push_back({edge.to, edge.from_from_to, spread});
+  steps[edge.to].push_back({edge.from, edge.from_from_to.inverse(), spread});
+}
+
+// What the triangles of edges say of each edge: those in which going round leads back count for it,
+// the others against.
+std::vector<int> triangle_votes(std::size_t count, std::span<const PoseGraphEdge> edges) {
+  // Give or take what the edges themselves claim to be unsure of.
+  constexpr double kClosed_m = 0.05;
+  constexpr double kClosed_rad = 0.03;
+  constexpr double kSigmas = 2;
+  StepsFrom steps(count);
+  for (const PoseGraphEdge& edge : edges) add_both_ways(steps, edge);
+  for (std::vector<Step>& from : steps) std::ranges::stable_sort(from, {}, &Step::to);
+  std::vector<int> votes;
+  for (const PoseGraphEdge& edge : edges) {
+    int& vote = votes.emplace_back(0);
+    const Spread own = spread_of(edge);
+    // Both lists are sorted: a walk along them finds the common neighbours.
+    auto b = steps[edge.to].begin();
+    for (const Step& a : steps[edge.from]) {
+      while (b != steps[edge.to].end() && b->to < a.to) ++b;
+      if (b == steps[edge.to].end()) break;
+      if (b->to != a.to || a.to == edge.from || a.to == edge.to) continue;
+      const RigidTransform around =
+          a.from_from_to * b->from_from_to.inverse() * edge.from_from_to.inverse();
+      const double unsure_m =
+          std::hypot(own.translation_m, a.spread.translation_m, b->spread.translation_m);
+      const double unsure_rad =
+          std::hypot(own.rotation_rad, a.spread.rotation_rad, b->spread.rotation_rad);
+      vote += around.distance_m() < kClosed_m + kSigmas * unsure_m &&
+                      around.angle_rad() < kClosed_rad + kSigmas * unsure_rad
+                  ? 1
+                  : -1;
+    }
+  }
+  return votes;
+}
+
+// Poses along a spanning tree of the edges: first those for which triangles vote, then those that
+// are in none, last those that others contradict, and in each odometry before loops. The first
 // key-frame of each piece is at the origin.
-std::vector<RigidTransform> initial_poses(std::size_t count, std::span<const PoseGraphEdge> edges) {
-  struct Step {
-    std::size_t to;
-    RigidTransform from_from_to;
-  };
-  std::vector<std::vector<Step>> tree(count);
+std::vector<RigidTransform> initial_poses(std::size_t count, std::span<const PoseGraphEdge> edges,
+                                          const std::vector<int>& votes) {
+  StepsFrom tree(count);
   DisjointSets joined(count);
-  for (const bool loops : {false, true}) {
-    for (const PoseGraphEdge& edge : edges) {
-      if (edge.is_loop != loops || !joined.join(edge.from, edge.to)) continue;
-      tree[edge.from].push_back({edge.to, edge.from_from_to});
-      tree[edge.to].push_back({edge.from, edge.from_from_to.inverse()});
+  for (const int sign : {1, 0, -1}) {
+    for (const bool loops : {false, true}) {
+      for (std::size_t i = 0; i < edges.size(); ++i) {
+        const PoseGraphEdge& edge = edges[i];
+        if (edge.is_loop != loops || (votes[i] > 0) - (votes[i] < 0) != sign) continue;
+        if (joined.join(edge.from, edge.to)) add_both_ways(tree, edge);
+      }
     }
   }
   std::vector<RigidTransform> poses(count);
@@ -89,6 +154,16 @@ std::vector<std::size_t> pieces_by_size(std::size_t count, std::span<const PoseG
   return piece;
 }
 
+// A step that most triangles contradict is no surer than a loop.
+std::vector<PoseGraphEdge> doubt_steps(std::span<const PoseGraphEdge> edges,
+                                       const std::vector<int>& votes) {
+  std::vector<PoseGraphEdge> doubted(edges.begin(), edges.end());
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    if (votes[i] < 0) doubted[i].is_loop = true;
+  }
+  return doubted;
+}
+
 double edge_error(const PoseGraph& graph, const PoseGraphEdge& edge) {
   return pose_graph_error({{{edge.from, graph.world_from_node.at(edge.from)},
                             {edge.to, graph.world_from_node.at(edge.to)}},
@@ -108,6 +183,11 @@ bool is_contradicted(const PoseGraph& graph, const PoseGraphEdge& edge,
   return edge.is_loop && edge_error(graph, edge) > options.most_loop_error;
 }
 
+std::vector<PoseGraphEdge> doubt_steps(std::size_t keyframe_count,
+                                       std::span<const PoseGraphEdge> edges) {
+  return doubt_steps(edges, triangle_votes(keyframe_count, edges));
+}
+
 Expected<MapSolution> solve_map(std::size_t keyframe_count, std::span<const PoseGraphEdge> edges,
                                 const MapSolverOptions& options) {
   ROOMWISE_CHECK_OK(options.validate());
@@ -119,9 +199,10 @@ Expected<MapSolution> solve_map(std::size_t keyframe_count, std::span<const Pose
                   keyframe_count);
     }
   }
+  const std::vector<int> votes = triangle_votes(keyframe_count, edges);
   PoseGraph graph;
-  graph.edges.assign(edges.begin(), edges.end());
-  const std::vector<RigidTransform> start = initial_poses(keyframe_count, edges);
+  graph.edges = doubt_steps(edges, votes);
+  const std::vector<RigidTransform> start = initial_poses(keyframe_count, edges, votes);
   for (std::size_t id = 0; id < keyframe_count; ++id) graph.world_from_node[id] = start[id];
 
   // First robustly, to see which loops contradict the rest; then without those, as least squares.

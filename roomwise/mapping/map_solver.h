@@ -27,12 +27,17 @@ struct MapSolution {
   // By key-frame id: its piece, 0 for the largest (by key-frames), then by size.
   std::vector<std::size_t> piece;
   std::size_t pieces = 0;
-  std::size_t rejected_loops = 0;
+  std::size_t rejected_loops = 0;  // and steps, where triangles made them doubtful
   PoseGraphReport report;
 };
 
-// Whether a loop's error at these poses is more than a map accepts: solve_map() left it out, or
-// would.
+// The edges as solve_map() takes them: a step that most triangles of edges contradict is no surer
+// than a loop, and becomes one. All edges must be between key-frames below the count.
+[[nodiscard]] std::vector<PoseGraphEdge> doubt_steps(std::size_t keyframe_count,
+                                                     std::span<const PoseGraphEdge> edges);
+
+// Whether a loop's error (after doubt_steps()) at these poses is more than a map accepts:
+// solve_map() left it out, or would.
 [[nodiscard]] bool is_contradicted(const PoseGraph& graph, const PoseGraphEdge& edge,
                                    const MapSolverOptions& options = {});
 

@@ -4,15 +4,24 @@
 #include <string>
 #include <vector>
 
+#include "roomwise/mapping/appearance_index.h"
 #include "roomwise/mapping/keyframe.h"
 #include "roomwise/mapping/loop_closer.h"
 #include "roomwise/mapping/pose_graph.h"
-#include "roomwise/motion/motion_estimator.h"
+#include "roomwise/motion/frame_locator.h"
 
 namespace roomwise::mapping {
 
+enum class MappingMethod {
+  kPaper,     // features alone, frame against key-frame
+  kCombined,  // whole views where the motion can be foreseen, features where not, each checked
+};
+[[nodiscard]] Expected<MappingMethod> parse_mapping_method(std::string_view name);
+[[nodiscard]] std::string_view to_string(MappingMethod method);  // "paper", "combined"
+
 struct MapperOptions {
-  motion::MotionOptions motion;
+  MappingMethod method = MappingMethod::kCombined;
+  motion::LocatorOptions locator;
   // The motion is substantial, and the frame becomes a key-frame, from here on.
   double keyframe_translation_m = 0.12;
   double keyframe_rotation_rad = 0.14;
@@ -21,6 +30,8 @@ struct MapperOptions {
   int frames_until_new_piece = 5;
   std::uint64_t seed = 1;
 
+  // The defaults of a method: the paper's draws all its far loop candidates at random.
+  [[nodiscard]] static MapperOptions of(MappingMethod method);
   [[nodiscard]] Expected<void> validate() const;
 };
 
@@ -44,8 +55,8 @@ struct MapStep {
   std::vector<KeyframeId> new_keyframes;
 };
 
-// The paper's mapping: each frame is located against the last key-frame; a substantial motion makes
-// it a key-frame, which is then compared with earlier ones to close loops; the pose graph is
+// Mapping after the paper: each frame is located against the last key-frame; a substantial motion
+// makes it a key-frame, which is then compared with earlier ones to close loops; the pose graph is
 // optimised on demand.
 //
 // Key-frames that are connected by edges make a piece. When tracking is lost and no key-frame is
@@ -63,8 +74,9 @@ class Mapper {
   void restore(std::vector<Keyframe> keyframes, std::vector<PoseGraphEdge> edges,
                std::vector<MappedFrame> frames);
 
+  // Frames must come in the order of time. The combined method needs their views.
   MapStep add_frame(std::uint64_t frame_index, TimestampNs timestamp_ns,
-                    motion::MeasuredFeatures features);
+                    motion::FrameMeasurements measurements);
 
   [[nodiscard]] const std::vector<Keyframe>& keyframes() const { return keyframes_; }
   [[nodiscard]] const std::vector<PoseGraphEdge>& edges() const { return edges_; }
@@ -73,17 +85,33 @@ class Mapper {
  private:
   struct PreviousFrame {
     std::size_t position = 0;  // in frames_
-    motion::MeasuredFeatures features;
+    motion::FrameMeasurements measurements;
     PoseGraphEdge edge;  // from the last key-frame, should it become a key-frame
   };
 
-  motion::MotionOutcome locate(const Keyframe& reference, std::uint64_t frame_index,
-                               const motion::MeasuredFeatures& features) const;
+  // Where the frame at `position` will be relative to the last key-frame if the camera goes on as
+  // it moved last; nothing where it was lost for long.
+  [[nodiscard]] std::optional<motion::PosePrior> foresee(std::size_t position) const;
+  // A placed frame relative to the last key-frame, if it was placed against that or the one before.
+  [[nodiscard]] std::optional<geometry::RigidTransform> from_last_keyframe(
+      const MappedFrame& frame) const;
+  [[nodiscard]] bool can_begin(const motion::FrameMeasurements& measurements) const;
+  [[nodiscard]] motion::MotionOutcome track(std::size_t position,
+                                            const motion::FrameMeasurements& current) const;
+  // A key-frame a little before the newest: where the newest is along the steps between them.
+  [[nodiscard]] std::optional<geometry::RigidTransform> along_steps(KeyframeId from) const;
+  [[nodiscard]] std::vector<KeyframeId> similar_keyframes(
+      const motion::FrameMeasurements& measurements, KeyframeId before) const;
+  // With any key-frame, as loops are.
+  [[nodiscard]] motion::MotionOutcome compare(const Keyframe& reference,
+                                              const motion::FrameMeasurements& current,
+                                              std::uint64_t frame_index) const;
   // Looks for the frame among earlier key-frames; on success sets reference and outcome.
-  void recognize(std::uint64_t frame_index, const motion::MeasuredFeatures& features,
+  void recognize(std::uint64_t frame_index, const motion::FrameMeasurements& current,
                  KeyframeId& reference, motion::MotionOutcome& outcome) const;
-  void begin_piece(std::size_t frame_position, motion::MeasuredFeatures features, MapStep& step);
-  void add_keyframe(std::size_t frame_position, motion::MeasuredFeatures features,
+  void begin_piece(std::size_t frame_position, motion::FrameMeasurements measurements,
+                   MapStep& step);
+  void add_keyframe(std::size_t frame_position, motion::FrameMeasurements measurements,
                     const std::optional<PoseGraphEdge>& link, MapStep& step);
 
   geometry::PinholeCamera camera_;
@@ -93,6 +121,7 @@ class Mapper {
   std::vector<MappedFrame> frames_;
   std::optional<PreviousFrame> previous_;  // the frame before, if it was placed and is no key-frame
   int frames_lost_ = 0;
+  AppearanceIndex index_;  // of all key-frames, where the method looks for similar ones
 };
 
 }  // namespace roomwise::mapping

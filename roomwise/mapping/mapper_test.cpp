@@ -8,25 +8,28 @@
 
 #include "roomwise/base/testing.h"
 #include "roomwise/mapping/map_solver.h"
+#include "roomwise/motion/test_scenes.h"
 
 namespace roomwise::mapping {
 namespace {
 
 using geometry::RigidTransform;
 using ::testing::HasSubstr;
-using ::testing::IsEmpty;
 
 const geometry::PinholeCamera kCamera = geometry::camera_preset("fr3").value();
 
 // A room of points on the walls of a cylinder, each with a descriptor of its own: what a camera at
-// a pose sees, with noise. Stands in for images, so that mapping is tested alone.
+// a pose sees, with noise. Stands in for images, so that mapping is tested alone. The combined
+// method's views show the same walls.
 class RoomOfPoints {
  public:
-  explicit RoomOfPoints(std::uint64_t seed) : seed_(seed) {
+  explicit RoomOfPoints(std::uint64_t seed, double radius_m = 3)
+      : seed_(seed), radius_m_(radius_m) {
     RandomStream random(seed);
     for (int i = 0; i < kPoints; ++i) {
       const double angle = 2 * std::numbers::pi * random.uniform();
-      points_.emplace_back(3 * std::sin(angle), 2 * random.uniform() - 1, 3 * std::cos(angle));
+      points_.emplace_back(radius_m * std::sin(angle), 2 * random.uniform() - 1,
+                           radius_m * std::cos(angle));
       descriptors_.row(i) = Eigen::RowVectorXf::NullaryExpr(
           64, [&](Eigen::Index) { return static_cast<float>(random.normal()); });
       descriptors_.row(i).normalize();
@@ -58,10 +61,21 @@ class RoomOfPoints {
     seen.features.descriptors = descriptors;
     return seen;
   }
+  [[nodiscard]] motion::SmallView view_from(const RigidTransform& world_from_camera) const {
+    const auto walls = [this](const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) {
+      const double a = direction.x() * direction.x() + direction.z() * direction.z();
+      const double b = origin.x() * direction.x() + origin.z() * direction.z();
+      const double c = origin.x() * origin.x() + origin.z() * origin.z() - radius_m_ * radius_m_;
+      const double length = (-b + std::sqrt(b * b - a * c)) / a;
+      return motion::testing::Sight{length, motion::testing::marbled(origin + length * direction)};
+    };
+    return motion::testing::view_of(walls, world_from_camera);
+  }
 
  private:
   static constexpr int kPoints = 1500;
   std::uint64_t seed_;
+  double radius_m_;
   std::vector<Eigen::Vector3d> points_;
   features::RealDescriptors descriptors_{kPoints, 64};
 };
@@ -81,6 +95,12 @@ motion::MeasuredFeatures nothing_seen() {
 
 class MapperTest : public ::testing::Test {
  protected:
+  // Features stand alone here, without views.
+  static MapperOptions paper() {
+    MapperOptions options;
+    options.method = MappingMethod::kPaper;
+    return options;
+  }
   static void add(Mapper& mapper, int frame) {
     mapper.add_frame(static_cast<std::uint64_t>(frame), frame * 33'000'000LL,
                      kRoom.seen_from(pose_at(frame), static_cast<std::uint64_t>(frame)));
@@ -101,7 +121,7 @@ class MapperTest : public ::testing::Test {
 };
 
 TEST_F(MapperTest, MapsAFullTurnAndClosesTheLoop) {
-  Mapper mapper(kCamera, {});
+  Mapper mapper(kCamera, paper());
   for (int frame = 0; frame < 120; ++frame) add(mapper, frame);
   for (const MappedFrame& frame : mapper.frames()) {
     EXPECT_TRUE(frame.place.has_value()) << frame.frame_index << ": " << frame.why_unplaced;
@@ -119,7 +139,7 @@ TEST_F(MapperTest, MapsAFullTurnAndClosesTheLoop) {
 }
 
 TEST_F(MapperTest, SurvivesAShortBlackout) {
-  Mapper mapper(kCamera, {});
+  Mapper mapper(kCamera, paper());
   for (int frame = 0; frame < 20; ++frame) add(mapper, frame);
   mapper.add_frame(20, 20 * 33'000'000LL, nothing_seen());
   for (int frame = 21; frame < 30; ++frame) add(mapper, frame);
@@ -132,10 +152,10 @@ TEST_F(MapperTest, SurvivesAShortBlackout) {
 TEST_F(MapperTest, KeepsTheFrameBeforeAGapAsABridge) {
   // The step from 1 to 3 is small, but too large from 0: only frame 1, no key-frame by its own
   // motion, links them.
-  MapperOptions options;
+  MapperOptions options = paper();
   options.keyframe_rotation_rad = 1.0;
   options.keyframe_translation_m = 5;
-  options.motion.most_rotation_rad = 0.5;
+  options.locator.features.most_rotation_rad = 0.5;
   Mapper mapper(kCamera, options);
   const auto add_at = [&](std::uint64_t index, int angle_frame) {
     mapper.add_frame(index, static_cast<TimestampNs>(index),
@@ -153,7 +173,7 @@ TEST_F(MapperTest, KeepsTheFrameBeforeAGapAsABridge) {
 
 TEST_F(MapperTest, GoesOnInANewPieceAndJoinsItWhenTheyMeet) {
   const RoomOfPoints other_room(2);
-  MapperOptions options;
+  MapperOptions options = paper();
   options.loops.random = 30;
   Mapper mapper(kCamera, options);
   for (int frame = 0; frame < 20; ++frame) add(mapper, frame);
@@ -178,14 +198,14 @@ TEST_F(MapperTest, GoesOnInANewPieceAndJoinsItWhenTheyMeet) {
 }
 
 TEST_F(MapperTest, RestoredAtAKeyframeGoesOnAsIfNeverStopped) {
-  Mapper whole(kCamera, {});
+  Mapper whole(kCamera, paper());
   for (int frame = 0; frame < 60; ++frame) add(whole, frame);
 
-  Mapper first(kCamera, {});
+  Mapper first(kCamera, paper());
   int frame = 0;
   while (first.keyframes().size() < 10) add(first, frame++);
   ASSERT_EQ(first.keyframes().back().frame_index, static_cast<std::uint64_t>(frame - 1));
-  Mapper second(kCamera, {});
+  Mapper second(kCamera, paper());
   second.restore(first.keyframes(), first.edges(), first.frames());
   for (; frame < 60; ++frame) add(second, frame);
 
@@ -197,28 +217,105 @@ TEST_F(MapperTest, RestoredAtAKeyframeGoesOnAsIfNeverStopped) {
   }
 }
 
-TEST(SolveMap, LeavesOutAWrongLoop) {
-  // Ten steps of a metre; one loop claims that the last is where the first is.
-  std::vector<PoseGraphEdge> edges;
-  const geometry::Matrix6d information = 1e4 * geometry::Matrix6d::Identity();
-  for (NodeId i = 0; i < 10; ++i) {
-    edges.push_back({i, i + 1, {Eigen::Quaterniond::Identity(), {1, 0, 0}}, information, false});
-    if (i > 0)
-      edges.push_back(
-          {i - 1, i + 1, {Eigen::Quaterniond::Identity(), {2, 0, 0}}, information, true});
+class CombinedMapperTest : public MapperTest {
+ protected:
+  enum class Shows { kAll, kViewOnly, kNothing };
+  motion::FrameMeasurements measure(int frame, Shows shows = Shows::kAll) {
+    motion::SmallView view = kSmallRoom.view_from(pose_at(frame));
+    if (shows == Shows::kNothing) {
+      for (motion::ViewLevel& level : view.levels) std::ranges::fill(level.depth.pixels(), 0);
+    }
+    return {std::move(view), [this, frame, shows] {
+              ++frames_asked_for_features_;
+              return shows == Shows::kAll
+                         ? kSmallRoom.seen_from(pose_at(frame), static_cast<std::uint64_t>(frame))
+                         : nothing_seen();
+            }};
   }
-  edges.push_back({0, 10, RigidTransform::identity(), information, true});
-  const auto solution = solve_map(11, edges);
+  void add(Mapper& mapper, int frame, Shows shows = Shows::kAll) {
+    mapper.add_frame(static_cast<std::uint64_t>(frame), frame * 33'000'000LL,
+                     measure(frame, shows));
+  }
+  static inline const RoomOfPoints kSmallRoom{1, 1.5};
+  std::size_t frames_asked_for_features_ = 0;
+};
+
+TEST_F(CombinedMapperTest, MapsAFullTurnWithFewFeatures) {
+  Mapper mapper(kCamera, {});
+  for (int frame = 0; frame < 115; ++frame) add(mapper, frame);
+  for (const MappedFrame& frame : mapper.frames()) {
+    EXPECT_TRUE(frame.place.has_value()) << frame.frame_index << ": " << frame.why_unplaced;
+  }
+  EXPECT_LT(frames_asked_for_features_, 60U) << "key-frames and those in doubt, not all";
+  const auto far_loops = std::ranges::count_if(mapper.edges(), [](const PoseGraphEdge& edge) {
+    return edge.is_loop && edge.to > edge.from + 25;
+  });
+  EXPECT_GT(far_loops, 0) << "the turn ends where it began";
+  const auto solution = solve_map(mapper.keyframes().size(), mapper.edges());
   ASSERT_OK(solution);
-  EXPECT_EQ(solution->rejected_loops, 1U);
-  EXPECT_NEAR(solution->world_from_keyframe[10].translation.x(), 10, 1e-6);
+  EXPECT_EQ(solution->pieces, 1U);
+  EXPECT_LT(worst_error_m(mapper, *solution), 0.02);
 }
 
-TEST(SolveMap, RefusesAnEdgeToNowhere) {
-  EXPECT_ERROR(
-      solve_map(2, std::vector<PoseGraphEdge>{{0, 2, {}, geometry::Matrix6d::Identity(), false}}),
-      "map of 2 key-frames");
-  EXPECT_THAT(solve_map(0, {})->world_from_keyframe, IsEmpty());
+TEST_F(CombinedMapperTest, ViewsCarryItThroughFramesWithoutFeatures) {
+  Mapper mapper(kCamera, {});
+  for (int frame = 0; frame < 10; ++frame) add(mapper, frame);
+  for (int frame = 10; frame < 16; ++frame) add(mapper, frame, Shows::kViewOnly);
+  for (int frame = 16; frame < 24; ++frame) add(mapper, frame);
+  for (const MappedFrame& frame : mapper.frames()) {
+    EXPECT_TRUE(frame.place.has_value()) << frame.frame_index << ": " << frame.why_unplaced;
+  }
+  const auto solution = solve_map(mapper.keyframes().size(), mapper.edges());
+  ASSERT_OK(solution);
+  EXPECT_EQ(solution->pieces, 1U);
+  EXPECT_LT(worst_error_m(mapper, *solution), 0.03);
+}
+
+TEST_F(CombinedMapperTest, SurvivesAShortBlackout) {
+  Mapper mapper(kCamera, {});
+  for (int frame = 0; frame < 10; ++frame) add(mapper, frame);
+  for (int frame = 10; frame < 13; ++frame) add(mapper, frame, Shows::kNothing);
+  for (int frame = 13; frame < 20; ++frame) add(mapper, frame);
+  for (const MappedFrame& frame : mapper.frames()) {
+    const bool is_dark = frame.frame_index >= 10 && frame.frame_index < 13;
+    EXPECT_EQ(frame.place.has_value(), !is_dark) << frame.frame_index;
+  }
+  const auto solution = solve_map(mapper.keyframes().size(), mapper.edges());
+  ASSERT_OK(solution);
+  EXPECT_EQ(solution->pieces, 1U);
+  EXPECT_LT(worst_error_m(mapper, *solution), 0.02);
+}
+
+TEST_F(CombinedMapperTest, RestoredAtAKeyframeGoesOnAsIfNeverStopped) {
+  Mapper whole(kCamera, {});
+  for (int frame = 0; frame < 30; ++frame) add(whole, frame);
+
+  Mapper first(kCamera, {});
+  int frame = 0;
+  while (first.keyframes().size() < 5) add(first, frame++);
+  ASSERT_EQ(first.keyframes().back().frame_index, static_cast<std::uint64_t>(frame - 1));
+  Mapper second(kCamera, {});
+  second.restore(first.keyframes(), first.edges(), first.frames());
+  for (; frame < 30; ++frame) add(second, frame);
+
+  ASSERT_EQ(second.edges().size(), whole.edges().size());
+  for (std::size_t i = 0; i < whole.edges().size(); ++i) {
+    EXPECT_EQ(second.edges()[i].from_from_to.translation,
+              whole.edges()[i].from_from_to.translation);
+    EXPECT_EQ(second.edges()[i].information, whole.edges()[i].information);
+  }
+}
+
+TEST(MappingMethod, IsReadByItsName) {
+  for (const MappingMethod method : {MappingMethod::kPaper, MappingMethod::kCombined}) {
+    const auto parsed = parse_mapping_method(to_string(method));
+    ASSERT_OK(parsed);
+    EXPECT_EQ(*parsed, method);
+  }
+  EXPECT_EQ(to_string(MappingMethod::kPaper), "paper");
+  EXPECT_EQ(to_string(MappingMethod::kCombined), "combined");
+  EXPECT_ERROR(parse_mapping_method("Paper"), "'Paper' is not a mapping method");
+  EXPECT_ERROR(parse_mapping_method(""), "there are combined and paper");
 }
 
 }  // namespace

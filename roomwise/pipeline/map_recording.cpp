@@ -63,7 +63,7 @@ Expected<bool> map_frames(recording::FrameSource& source,
                           const features::FeatureExtractor& extractor, const MapSettings& settings,
                           mapping::Mapper& mapper, MapWriter& writer, KeyframeObserver& observer,
                           RunContext& run) {
-  MeasuredFrameReader reader(source, extractor, settings.depth, run);
+  MeasuredFrameReader reader(source, extractor, settings, run);
   std::shared_ptr<const image::RgbdFrame> previous;
   run.progress.begin("mapping", source.info().frame_count);
   for (std::uint64_t done = 1; !run.progress.interrupted(); ++done) {
@@ -75,7 +75,7 @@ Expected<bool> map_frames(recording::FrameSource& source,
     const std::shared_ptr<const image::RgbdFrame> frame = std::move(next->frame);
     const mapping::MapStep step = [&] {
       const auto timing = run.clock.measure("tracking and loops");
-      return mapper.add_frame(frame->index, frame->timestamp_ns, std::move(next->features));
+      return mapper.add_frame(frame->index, frame->timestamp_ns, std::move(next->measurements));
     }();
     if (!step.new_keyframes.empty()) {
       const auto frame_of = [&](std::uint64_t index) -> const image::RgbdFrame& {
@@ -108,8 +108,7 @@ Expected<MapSummary> map_recording(recording::FrameSource& source, const home::R
   const geometry::PinholeCamera& camera = source.info().camera;
   const auto extractor = features::make_extractor(settings.features, settings.most_keypoints);
   mapping::Mapper mapper(camera, settings.mapper);
-  ROOMWISE_CHECK_OK(
-      restore_mapper(mapper, home, stored.id, camera, *extractor, settings.depth, run));
+  ROOMWISE_CHECK_OK(restore_mapper(mapper, home, stored.id, camera, *extractor, settings, run));
   ROOMWISE_TRY(MapWriter writer, MapWriter::create(home, stored.id, mapper));
   ROOMWISE_TRY(KeyframeObserver observer, KeyframeObserver::create(home, networks, run));
 

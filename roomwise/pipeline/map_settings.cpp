@@ -11,7 +11,6 @@ constexpr const char* kSettingsKey = "map";
 }  // namespace
 
 Expected<void> MapSettings::validate() const {
-  if (method != "paper") return fail("'{}' is not a mapping method; there is paper", method);
   if (most_keypoints < 50) return fail("most_keypoints = {} must be at least 50", most_keypoints);
   ROOMWISE_CHECK_OK(depth.validate());
   ROOMWISE_CHECK_OK(mapper.validate());
@@ -21,13 +20,14 @@ Expected<void> MapSettings::validate() const {
 
 std::string to_json(const MapSettings& settings) {
   return nlohmann::ordered_json{
-      {"method", settings.method},
+      {"method", mapping::to_string(settings.mapper.method)},
       {"features", features::to_string(settings.features)},
       {"most_keypoints", settings.most_keypoints},
       {"keyframe_translation_m", settings.mapper.keyframe_translation_m},
       {"keyframe_rotation_rad", settings.mapper.keyframe_rotation_rad},
       {"loop_neighbors", settings.mapper.loops.neighbors},
       {"loop_random", settings.mapper.loops.random},
+      {"loop_similar", settings.mapper.loops.similar},
       {"object_score", settings.objects.least_score},
       {"seed", settings.mapper.seed},
   }
@@ -40,12 +40,14 @@ Expected<MapSettings> map_settings_from_json(std::string_view json) {
     const auto values = nlohmann::json::parse(json);
     ROOMWISE_TRY(settings.features,
                  features::parse_feature_kind(values.at("features").get<std::string>()));
-    values.at("method").get_to(settings.method);
+    ROOMWISE_TRY(settings.mapper.method,
+                 mapping::parse_mapping_method(values.at("method").get<std::string>()));
     values.at("most_keypoints").get_to(settings.most_keypoints);
     values.at("keyframe_translation_m").get_to(settings.mapper.keyframe_translation_m);
     values.at("keyframe_rotation_rad").get_to(settings.mapper.keyframe_rotation_rad);
     values.at("loop_neighbors").get_to(settings.mapper.loops.neighbors);
     values.at("loop_random").get_to(settings.mapper.loops.random);
+    settings.mapper.loops.similar = values.value("loop_similar", 0);  // older homes have none
     values.at("object_score").get_to(settings.objects.least_score);
     values.at("seed").get_to(settings.mapper.seed);
   } catch (const nlohmann::json::exception& error) {

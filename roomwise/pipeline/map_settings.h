@@ -16,7 +16,6 @@ namespace roomwise::pipeline {
 
 // With what a map is made. A home keeps them, so that an interrupted run goes on with the same.
 struct MapSettings {
-  std::string method = "paper";  // the only one so far
   features::FeatureKind features = features::FeatureKind::kSurf;
   int most_keypoints = 1000;  // a frame
   motion::DepthRange depth;

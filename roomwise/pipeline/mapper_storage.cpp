@@ -31,13 +31,13 @@ home::KeyframeImages images_of(const image::RgbdFrame& frame) {
           frame.encoded_depth.empty() ? image::encode_png(frame.depth) : frame.encoded_depth};
 }
 
-Expected<motion::MeasuredFeatures> measure_stored(const home::KeyframeImages& images,
-                                                  const geometry::PinholeCamera& camera,
-                                                  const features::FeatureExtractor& extractor,
-                                                  const motion::DepthRange& range) {
+Expected<motion::FrameMeasurements> measure_stored(const home::KeyframeImages& images,
+                                                   const geometry::PinholeCamera& camera,
+                                                   const features::FeatureExtractor& extractor,
+                                                   const MapSettings& settings) {
   ROOMWISE_TRY(const image::ColorImage color, image::decode_color(images.color));
   ROOMWISE_TRY(const image::DepthImage depth, image::decode_depth(images.depth));
-  return measure_frame(color, depth, camera, extractor, range);
+  return measure_frame(color, depth, camera, extractor, settings);
 }
 
 }  // namespace
@@ -45,7 +45,7 @@ Expected<motion::MeasuredFeatures> measure_stored(const home::KeyframeImages& im
 Expected<void> restore_mapper(mapping::Mapper& mapper, const home::Home& home,
                               home::RecordingId recording, const geometry::PinholeCamera& camera,
                               const features::FeatureExtractor& extractor,
-                              const motion::DepthRange& depth, RunContext& run) {
+                              const MapSettings& settings, RunContext& run) {
   ROOMWISE_TRY(const auto stored, home.keyframes());
   std::vector<mapping::Keyframe> keyframes;
   run.progress.begin("loading the map", stored.size());
@@ -58,18 +58,19 @@ Expected<void> restore_mapper(mapping::Mapper& mapper, const home::Home& home,
       ROOMWISE_TRY(home::KeyframeImages one, home.images(stored[i].id));
       images.push_back(std::move(one));
     }
-    std::vector<Expected<motion::MeasuredFeatures>> measured(images.size());
+    std::vector<Expected<motion::FrameMeasurements>> measured(images.size(), fail("not measured"));
     run.pool.parallel_for(images.size(), [&](std::size_t i) {
-      measured[i] = measure_stored(images[i], camera, extractor, depth);
+      measured[i] = measure_stored(images[i], camera, extractor, settings);
     });
     for (std::size_t i = first; i < end; ++i) {
-      auto& features = measured[i - first];
-      if (!features) {
-        return Unexpected(std::move(features).error().in(
-            fmt::format("{}: key-frame {}", home.file(), stored[i].id)));
+      auto& measurements = measured[i - first];
+      if (!measurements) {
+        return Unexpected(std::move(measurements)
+                              .error()
+                              .in(fmt::format("{}: key-frame {}", home.file(), stored[i].id)));
       }
       keyframes.push_back(
-          {stored[i].id, stored[i].frame_index, stored[i].timestamp_ns, *std::move(features)});
+          {stored[i].id, stored[i].frame_index, stored[i].timestamp_ns, *std::move(measurements)});
     }
     run.progress.advance(end, "");
   }

@@ -19,7 +19,7 @@ namespace roomwise::pipeline {
                                             home::RecordingId recording,
                                             const geometry::PinholeCamera& camera,
                                             const features::FeatureExtractor& extractor,
-                                            const motion::DepthRange& depth, RunContext& run);
+                                            const MapSettings& settings, RunContext& run);
 
 // Writes what the mapper adds into the home, up to each new key-frame: a run that goes on from
 // there sees the mapper in the state it had. The home and the mapper must outlive it.

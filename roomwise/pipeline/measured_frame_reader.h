@@ -6,7 +6,8 @@
 #include <optional>
 
 #include "roomwise/features/feature_extractor.h"
-#include "roomwise/motion/measured_features.h"
+#include "roomwise/motion/frame_measurements.h"
+#include "roomwise/pipeline/map_settings.h"
 #include "roomwise/pipeline/run_context.h"
 #include "roomwise/recording/frame_source.h"
 
@@ -14,15 +15,16 @@ namespace roomwise::pipeline {
 
 struct MeasuredFrame {
   std::shared_ptr<const image::RgbdFrame> frame;
-  motion::MeasuredFeatures features;
+  motion::FrameMeasurements measurements;
 };
 
-// Reads frames and finds their features a little ahead of the one who asks, on the pool's threads.
-// The frames come in the source's order.
+// Reads frames and measures them a little ahead of the one who asks, on the pool's threads: their
+// features where the method needs those of all frames, else their views; their features are then
+// found when they are asked for. The frames come in the source's order.
 class MeasuredFrameReader {
  public:
   MeasuredFrameReader(recording::FrameSource& source, const features::FeatureExtractor& extractor,
-                      const motion::DepthRange& depth, RunContext& run);
+                      const MapSettings& settings, RunContext& run);
   ~MeasuredFrameReader();  // waits for the work under way
   MeasuredFrameReader(const MeasuredFrameReader&) = delete;
   MeasuredFrameReader& operator=(const MeasuredFrameReader&) = delete;
@@ -34,24 +36,26 @@ class MeasuredFrameReader {
  private:
   struct Ahead {
     std::shared_ptr<const image::RgbdFrame> frame;
-    std::future<motion::MeasuredFeatures> features;
+    std::future<motion::FrameMeasurements> measurements;
   };
   void read_ahead();
+  [[nodiscard]] motion::FrameMeasurements measure(
+      const std::shared_ptr<const image::RgbdFrame>& frame) const;
 
   recording::FrameSource& source_;
   const features::FeatureExtractor& extractor_;
-  motion::DepthRange depth_;
+  const MapSettings& settings_;
   RunContext& run_;
   std::deque<Ahead> ahead_;
   std::optional<Error> error_;
   bool at_end_ = false;
 };
 
-// The features of one frame, as the reader finds them.
-[[nodiscard]] motion::MeasuredFeatures measure_frame(const image::ColorImage& color,
-                                                     const image::DepthImage& depth_image,
-                                                     const geometry::PinholeCamera& camera,
-                                                     const features::FeatureExtractor& extractor,
-                                                     const motion::DepthRange& depth);
+// What the reader measures in one frame, its features too.
+[[nodiscard]] motion::FrameMeasurements measure_frame(const image::ColorImage& color,
+                                                      const image::DepthImage& depth,
+                                                      const geometry::PinholeCamera& camera,
+                                                      const features::FeatureExtractor& extractor,
+                                                      const MapSettings& settings);
 
 }  // namespace roomwise::pipeline

@@ -37,7 +37,8 @@ Expected<mapping::PoseGraph> stored_pose_graph(const home::Home& home,
   for (const home::Keyframe& keyframe : keyframes) {
     graph.world_from_node[keyframe.id] = keyframe.pose.world_from_keyframe;
   }
-  ROOMWISE_TRY(graph.edges, home.edges());
+  ROOMWISE_TRY(const auto edges, home.edges());
+  graph.edges = mapping::doubt_steps(keyframes.size(), edges);
   std::erase_if(graph.edges, [&](const mapping::PoseGraphEdge& edge) {
     return mapping::is_contradicted(graph, edge, options);
   });
