@@ -88,6 +88,9 @@ Expected<SimulationOptions> complete(const Options& options, std::uint64_t seed)
   simulated.walk.seed = options.walk_seed.value_or(seed);
   simulated.sensor.seed = simulated.walk.seed;
   ROOMWISE_CHECK_OK(switch_off(options.without, simulated.sensor));
+  // A fixed exposure is right where an automatic one needs no amplification.
+  constexpr double kMidGrey = 0.18;
+  simulated.sensor.exposure = kMidGrey / simulated.sensor.unamplified_radiance;
   if (!options.camera.empty()) {
     ROOMWISE_TRY(simulated.camera, recording::resolve_camera(options.camera));
   }
@@ -165,7 +168,8 @@ void add_simulate_command(CLI::App& app, Context& context) {
       ->check(not_negative());
   command->add_option("--walk-seed", options->walk_seed, "Which walk; default: --seed")
       ->check(not_negative());
-  command->add_option("--frames", simulated.walk.most_frames, "At most so many frames");
+  command->add_option("--frames", simulated.walk.most_frames, "At most so many frames")
+      ->check(positive());
   command->add_option("--fps", simulated.walk.frames_per_second, "Frames a second")
       ->check(positive())
       ->capture_default_str();

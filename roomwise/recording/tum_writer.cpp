@@ -216,6 +216,7 @@ void TumWriter::note_room_of_next_frame() {
 Expected<void> TumWriter::name_room(std::optional<std::string> room) {
   if (color_list_ == nullptr) return fail("{}: the recording is closed", folder_.string());
   if (room) ROOMWISE_CHECK_OK(validate_room_name(*room));
+  if (room == room_) return {};
   room_ = std::move(room);
   return write_rooms();
 }

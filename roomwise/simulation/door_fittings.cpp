@@ -128,9 +128,9 @@ void add_door(Fittings& fittings, const Door& door, float wall_thickness_m, std:
   const auto half_width = static_cast<float>(door.opening.width_m / 2);
   const auto top = static_cast<float>(door.opening.top_m);
   const std::uint32_t paint =
-      fittings.add_look(Appearance::plain(linear_from_srgb(door.color), 0.035F, 60));
+      fittings.add_look(Appearance::plain(linear_from_srgb(door.color), 0.035F, 25));
   const std::uint32_t threshold =
-      fittings.add_look(Appearance::plain(Eigen::Vector3f(0.25F, 0.19F, 0.13F), 0.05F, 60));
+      fittings.add_look(Appearance::plain(Eigen::Vector3f(0.25F, 0.19F, 0.13F), 0.05F, 30));
   add_frame(fittings, axes, half_width, top, wall_thickness_m, paint);
   fittings.add_quad(axes.at(-half_width, -wall_thickness_m / 2 - 0.012F, 0.002F),
                     2 * half_width * axes.along, (wall_thickness_m + 0.024F) * axes.across,

@@ -114,8 +114,11 @@ Expected<SimulationSummary> simulate_recording(const SimulationOptions& options,
 
   WalkRecorder recorder(options, home, *renderer, sensor, *writer, pool, clock);
   progress.begin("drawing the walk", walk.size());
+  // The frames before one that cannot be written keep their truth.
+  Expected<void> recorded;
   for (std::size_t i = 0; i < walk.size() && !progress.interrupted(); ++i) {
-    ROOMWISE_CHECK_OK(recorder.record(walk[i], i));
+    recorded = recorder.record(walk[i], i);
+    if (!recorded) break;
     progress.advance(i + 1, home.rooms[walk[i].room].name);
   }
   progress.end();
@@ -127,6 +130,7 @@ Expected<SimulationSummary> simulate_recording(const SimulationOptions& options,
   ROOMWISE_CHECK_OK(write_floor_plan(folder / "floorplan.json", home));
   ROOMWISE_TRY(const std::string credits, credits_of(home, catalogue));
   ROOMWISE_CHECK_OK(write_file(folder / "credits.txt", credits));
+  ROOMWISE_CHECK_OK(recorded);
 
   SimulationSummary summary;
   summary.frames = truth.size();

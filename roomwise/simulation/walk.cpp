@@ -13,6 +13,7 @@
 namespace roomwise::simulation {
 namespace {
 
+constexpr double kMostFramesPerSecond = 1000;
 constexpr double kShutter = 0.02;      // seconds open
 constexpr double kStepRate = 1.8;      // steps a second at walking speed
 constexpr double kBob = 0.015;         // m, up and down with each step
@@ -112,8 +113,9 @@ class HandHeldCamera {
 
 Expected<void> WalkOptions::validate() const {
   const auto positive = [](double value) { return std::isfinite(value) && value > 0; };
-  if (!positive(frames_per_second)) {
-    return fail("frames_per_second = {} must be positive", frames_per_second);
+  if (!(frames_per_second > 0 && frames_per_second <= kMostFramesPerSecond)) {
+    return fail("frames_per_second = {} must be positive and at most {}", frames_per_second,
+                kMostFramesPerSecond);
   }
   if (!(camera_height_m >= 0.5 && camera_height_m <= 1.8)) {
     return fail("camera_height_m = {} must be from 0.5 to 1.8", camera_height_m);
