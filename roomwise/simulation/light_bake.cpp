@@ -1,10 +1,12 @@
 #include "roomwise/simulation/light_bake.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <functional>
 #include <numbers>
+#include <span>
 
 #include "roomwise/base/stage_clock.h"
 #include "roomwise/simulation/color_math.h"
@@ -20,6 +22,7 @@ constexpr float kGap = 1e-3F;
 constexpr int kFirstBounceRays = 20, kLastBounceRays = 56;
 // Indirect light brighter than this many times the home's mean is cut: no bright specks.
 constexpr float kBrightest = 12;
+constexpr std::size_t kChunk = 512;  // points that one thread takes at a time
 
 // The radiance that surfaces send out, as gathering rays find it: a value a texel, and one a side
 // of every other triangle.
@@ -69,6 +72,11 @@ class Baker {
   [[nodiscard]] const LightPoint& point(std::size_t index) const {
     return index < texels_.size() ? texels_[index] : corners_.points()[index - texels_.size()];
   }
+  // Calls visit(round, from, to) for ranges that make up 0 to count, in parallel, and so again in
+  // every round once the one before is done.
+  Expected<void> in_chunks(
+      std::string_view work, int rounds, std::size_t count,
+      const std::function<void(int round, std::size_t from, std::size_t to)>& visit);
   // Calls gather(index, rays) for every point and keeps what it returns.
   Expected<std::vector<Flux>> at_all_points(
       std::string_view work,
@@ -80,11 +88,10 @@ class Baker {
                                           std::uint64_t& rays) const;
   [[nodiscard]] std::vector<Eigen::Vector3f> texel_light(const std::vector<Flux>& fluxes) const;
   [[nodiscard]] Radiosity radiosity_of(const std::vector<Flux>& fluxes) const;
-  [[nodiscard]] BakedLight finish(const std::vector<Flux>& direct,
-                                  const std::vector<Flux>& indirect) const;
-  // The corner points' part of fluxes, smoothed.
-  [[nodiscard]] std::vector<Flux> smoothed(const std::vector<Flux>& fluxes, int rounds,
-                                           float tolerance) const;
+  Expected<BakedLight> finish(const std::vector<Flux>& direct, const std::vector<Flux>& indirect);
+  // The corner points' part of both, each smoothed, together.
+  Expected<std::vector<Flux>> smoothed_sum(const std::vector<Flux>& direct,
+                                           const std::vector<Flux>& indirect);
   void let_shades_glow(BakedLight& light) const;
 
   const Scene& scene_;
@@ -98,28 +105,39 @@ class Baker {
   std::atomic<std::uint64_t> rays_ = 0;
 };
 
-Expected<std::vector<Flux>> Baker::at_all_points(
-    std::string_view work, const std::function<Flux(std::size_t, std::uint64_t&)>& gather) {
-  constexpr std::size_t kChunk = 512, kChunksPerReport = 32;
-  std::vector<Flux> fluxes(point_count());
-  progress_.begin(work, point_count());
-  const std::size_t chunks = (point_count() + kChunk - 1) / kChunk;
-  for (std::size_t first = 0; first < chunks; first += kChunksPerReport) {
-    if (progress_.interrupted()) {
-      progress_.end();
-      return fail("the light was not baked to its end: interrupted");
-    }
-    pool_.parallel_for(std::min(kChunksPerReport, chunks - first), [&](std::size_t chunk) {
-      const std::size_t from = (first + chunk) * kChunk;
-      std::uint64_t rays = 0;
-      for (std::size_t i = from; i < std::min(from + kChunk, point_count()); ++i) {
-        fluxes[i] = gather(i, rays);
+Expected<void> Baker::in_chunks(std::string_view work, int rounds, std::size_t count,
+                                const std::function<void(int, std::size_t, std::size_t)>& visit) {
+  constexpr std::size_t kChunksPerReport = 32;
+  progress_.begin(work, static_cast<std::size_t>(rounds) * count);
+  const std::size_t chunks = (count + kChunk - 1) / kChunk;
+  for (int round = 0; round < rounds; ++round) {
+    for (std::size_t first = 0; first < chunks; first += kChunksPerReport) {
+      if (progress_.interrupted()) {
+        progress_.end();
+        return fail("the light was not baked to its end: interrupted");
       }
-      rays_ += rays;
-    });
-    progress_.advance(std::min((first + kChunksPerReport) * kChunk, point_count()), "");
+      pool_.parallel_for(std::min(kChunksPerReport, chunks - first), [&](std::size_t chunk) {
+        const std::size_t from = (first + chunk) * kChunk;
+        visit(round, from, std::min(from + kChunk, count));
+      });
+      progress_.advance(static_cast<std::size_t>(round) * count +
+                            std::min((first + kChunksPerReport) * kChunk, count),
+                        "");
+    }
   }
   progress_.end();
+  return {};
+}
+
+Expected<std::vector<Flux>> Baker::at_all_points(
+    std::string_view work, const std::function<Flux(std::size_t, std::uint64_t&)>& gather) {
+  std::vector<Flux> fluxes(point_count());
+  ROOMWISE_CHECK_OK(
+      in_chunks(work, 1, point_count(), [&](int /*round*/, std::size_t from, std::size_t to) {
+        std::uint64_t rays = 0;
+        for (std::size_t i = from; i < to; ++i) fluxes[i] = gather(i, rays);
+        rays_ += rays;
+      }));
   return fluxes;
 }
 
@@ -228,25 +246,66 @@ void Baker::let_shades_glow(BakedLight& light) const {
   }
 }
 
-std::vector<Flux> Baker::smoothed(const std::vector<Flux>& fluxes, int rounds,
-                                  float tolerance) const {
-  constexpr std::size_t kChunk = 1024;
-  std::vector<Flux> noisy(fluxes.begin() + static_cast<std::ptrdiff_t>(texels_.size()),
-                          fluxes.end());
-  std::vector<Flux> smooth(noisy.size());
-  for (int round = 0; round < rounds; ++round) {
-    pool_.parallel_for((noisy.size() + kChunk - 1) / kChunk, [&](std::size_t chunk) {
-      for (std::size_t i = chunk * kChunk; i < std::min((chunk + 1) * kChunk, noisy.size()); ++i) {
-        smooth[i] = corners_.smoothed(noisy, i, tolerance);
-      }
-    });
-    noisy.swap(smooth);
-  }
-  return noisy;
+Expected<std::vector<Flux>> Baker::smoothed_sum(const std::vector<Flux>& direct,
+                                                const std::vector<Flux>& indirect) {
+  constexpr int kRounds = 3, kDirectRounds = 2;
+  constexpr float kDirectTolerance = 0.1F, kIndirectTolerance = 0.2F;
+  // Which points are neighbors is found in the first round and kept for the others.
+  struct Chunk {
+    std::vector<CornerPoints::Neighbor> neighbors;
+    std::array<std::uint32_t, kChunk + 1> first{};  // of each point, and the end
+  };
+  const std::size_t count = corners_.points().size();
+  const auto texels = static_cast<std::ptrdiff_t>(texels_.size());
+  // A round reads one of each pair and writes the other.
+  std::array<std::vector<Flux>, 2> directs, indirects;
+  directs[0].assign(direct.begin() + texels, direct.end());
+  indirects[0].assign(indirect.begin() + texels, indirect.end());
+  directs[1].resize(count);
+  indirects[1].resize(count);
+  std::vector<Chunk> chunks((count + kChunk - 1) / kChunk);
+  ROOMWISE_CHECK_OK(in_chunks(
+      "smoothing the light", kRounds, count, [&](int round, std::size_t from, std::size_t to) {
+        Chunk& chunk = chunks[from / kChunk];
+        if (round == 0) {
+          for (std::size_t i = from; i < to; ++i) {
+            corners_.find_neighbors(i, chunk.neighbors);
+            chunk.first[i - from + 1] = static_cast<std::uint32_t>(chunk.neighbors.size());
+          }
+          chunk.neighbors.shrink_to_fit();
+        }
+        const std::size_t source = round % 2 == 0 ? 0 : 1;
+        for (std::size_t i = from; i < to; ++i) {
+          const std::uint32_t first = chunk.first[i - from], end = chunk.first[i - from + 1];
+          const auto neighbors =
+              std::span<const CornerPoints::Neighbor>(chunk.neighbors).subspan(first, end - first);
+          indirects[1 - source][i] =
+              corners_.smoothed(indirects[source], i, neighbors, kIndirectTolerance);
+          if (round < kDirectRounds) {
+            directs[1 - source][i] =
+                corners_.smoothed(directs[source], i, neighbors, kDirectTolerance);
+          }
+        }
+      }));
+  return sum_of(std::move(indirects[kRounds % 2]), directs[kDirectRounds % 2]);
 }
 
-BakedLight Baker::finish(const std::vector<Flux>& direct, const std::vector<Flux>& indirect) const {
+Expected<BakedLight> Baker::finish(const std::vector<Flux>& direct,
+                                   const std::vector<Flux>& indirect) {
+  ROOMWISE_TRY(const std::vector<Flux> sum, smoothed_sum(direct, indirect));
   BakedLight light;
+  const std::size_t count = scene_.positions().size();
+  for (auto& values : light.corners) values.resize(count);
+  ROOMWISE_CHECK_OK(in_chunks(
+      "blending the light", 1, count, [&](int /*round*/, std::size_t from, std::size_t to) {
+        for (std::size_t i = from; i < to; ++i) {
+          const auto sides = corners_.at_corner(sum, static_cast<std::uint32_t>(i));
+          light.corners[0][i] = sides[0];
+          light.corners[1][i] = sides[1];
+        }
+      }));
+  let_shades_glow(light);
+
   light.texels = texel_light(direct);
   fill_buried_texels(scene_, is_buried_, light.texels);
   filter_texels(scene_, Smoothness::kDirect, pool_, light.texels);
@@ -254,21 +313,6 @@ BakedLight Baker::finish(const std::vector<Flux>& direct, const std::vector<Flux
   fill_buried_texels(scene_, is_buried_, bounced);
   filter_texels(scene_, Smoothness::kBounced, pool_, bounced);
   for (std::size_t i = 0; i < bounced.size(); ++i) light.texels[i] += bounced[i];
-
-  const std::vector<Flux> smooth_direct = smoothed(direct, 2, 0.1F);
-  std::vector<Flux> sum = smoothed(indirect, 3, 0.2F);
-  for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += smooth_direct[i];
-  const std::size_t count = scene_.positions().size();
-  for (auto& values : light.corners) values.resize(count);
-  constexpr std::size_t kChunk = 2048;
-  pool_.parallel_for((count + kChunk - 1) / kChunk, [&](std::size_t chunk) {
-    for (std::size_t i = chunk * kChunk; i < std::min((chunk + 1) * kChunk, count); ++i) {
-      const auto sides = corners_.at_corner(sum, static_cast<std::uint32_t>(i));
-      light.corners[0][i] = sides[0];
-      light.corners[1][i] = sides[1];
-    }
-  });
-  let_shades_glow(light);
   return light;
 }
 
@@ -299,7 +343,7 @@ Expected<BakedLight> Baker::bake(BakeStatistics& statistics) {
                  return all[i].isZero(0) ? Flux(Flux::Zero())
                                          : gather(i, twice_lit, rays_of(kLastBounceRays), rays);
                }));
-  BakedLight light = finish(direct, sum_of(sun, indirect));
+  ROOMWISE_TRY(BakedLight light, finish(direct, sum_of(sun, indirect)));
   statistics.rays += rays_;
   statistics.points += point_count();
   return light;

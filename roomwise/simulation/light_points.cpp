@@ -291,22 +291,33 @@ std::array<Eigen::Vector3f, 2> CornerPoints::at_corner(const std::vector<Flux>& 
   return light;
 }
 
-Flux CornerPoints::smoothed(const std::vector<Flux>& fluxes, std::size_t point,
-                            float tolerance) const {
+void CornerPoints::find_neighbors(std::size_t point, std::vector<Neighbor>& neighbors) const {
   const LightPoint& at = points_[point];
-  const float here = luminance(illuminance(fluxes[point], at.normal));
-  Flux sum = 1e-6F * fluxes[point];
-  float weights = 1e-6F;
   visit_around(point_object_[point], at.position, [&](std::uint32_t index) {
     const float weight =
         weight_of(points_[index], at.normal.dot(points_[index].normal), at.position, at.normal);
-    if (weight <= 0) return;
-    const float there = luminance(illuminance(fluxes[index], at.normal));
-    const float difference = (there - here) / (tolerance * (here + there) + 1e-6F);
-    const float alike = weight * std::exp(-difference * difference);
-    sum += alike * fluxes[index];
-    weights += alike;
+    if (weight > 0) neighbors.push_back({index, weight});
   });
+}
+
+Flux CornerPoints::smoothed(const std::vector<Flux>& fluxes, std::size_t point,
+                            std::span<const Neighbor> neighbors, float tolerance) const {
+  // exp(-x) is 0 in single precision from here on.
+  constexpr float kVanishes = 104;
+  const Eigen::Vector3f& normal = points_[point].normal;
+  const float here = luminance(illuminance(fluxes[point], normal));
+  Flux sum = 1e-6F * fluxes[point];
+  float weights = 1e-6F;
+  for (const Neighbor& neighbor : neighbors) {
+    const Flux& flux = fluxes[neighbor.point];
+    const float there = luminance(illuminance(flux, normal));
+    const float difference = (there - here) / (tolerance * (here + there) + 1e-6F);
+    const float squared = difference * difference;
+    if (squared > kVanishes) continue;
+    const float alike = neighbor.weight * std::exp(-squared);
+    sum += alike * flux;
+    weights += alike;
+  }
   return sum / weights;
 }
 

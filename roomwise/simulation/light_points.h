@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "roomwise/base/thread_pool.h"
@@ -41,9 +42,16 @@ class CornerPoints {
   // The illuminance at a corner with the corner's own normal, front and back.
   [[nodiscard]] std::array<Eigen::Vector3f, 2> at_corner(const std::vector<Flux>& fluxes,
                                                          std::uint32_t corner) const;
-  // A point's light with its noise averaged away over the points around that differ little.
+  // A point near another, and how much its light tells about the other's by their places alone.
+  struct Neighbor {
+    std::uint32_t point;
+    float weight;
+  };
+  // Appends a point's neighbors, itself among them.
+  void find_neighbors(std::size_t point, std::vector<Neighbor>& neighbors) const;
+  // A point's light with its noise averaged away over the neighbors whose light differs little.
   [[nodiscard]] Flux smoothed(const std::vector<Flux>& fluxes, std::size_t point,
-                              float tolerance) const;
+                              std::span<const Neighbor> neighbors, float tolerance) const;
 
  private:
   static constexpr std::uint32_t kNone = ~0U;
