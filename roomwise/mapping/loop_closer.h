@@ -52,7 +52,7 @@ using CompareKeyframes = std::function<motion::MotionOutcome(
 // walk: its key-frames are more than ten apart.
 [[nodiscard]] bool is_return(const PoseGraphEdge& edge);
 
-// The edge between two key-frames that estimate_motion found.
+// The edge between two key-frames from the motion that was found between them.
 [[nodiscard]] PoseGraphEdge edge_from_motion(KeyframeId from, KeyframeId to,
                                              const motion::RefinedPose& pose, bool is_loop);
 

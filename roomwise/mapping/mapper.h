@@ -55,9 +55,9 @@ struct MapStep {
   std::vector<KeyframeId> new_keyframes;
 };
 
-// Mapping after the paper: each frame is located against the last key-frame; a substantial motion
-// makes it a key-frame, which is then compared with earlier ones to close loops; the pose graph is
-// optimised on demand.
+// Mapping after the paper: each frame is located against the last key-frame, by the chosen method;
+// a substantial motion makes it a key-frame, which is then compared with earlier ones to close
+// loops; the pose graph is optimised on demand.
 //
 // Key-frames that are connected by edges make a piece. When tracking is lost and no key-frame is
 // recognised, mapping goes on in a new piece; a loop closure joins pieces by itself, since it is an
@@ -74,7 +74,8 @@ class Mapper {
   void restore(std::vector<Keyframe> keyframes, std::vector<PoseGraphEdge> edges,
                std::vector<MappedFrame> frames);
 
-  // Frames must come in the order of time. The combined method needs their views.
+  // Frames must come in the order of time. The combined method gains nothing over the paper's for
+  // frames without views.
   MapStep add_frame(std::uint64_t frame_index, TimestampNs timestamp_ns,
                     motion::FrameMeasurements measurements);
 
@@ -100,9 +101,11 @@ class Mapper {
                                             const motion::FrameMeasurements& current) const;
   // A key-frame a little before the newest: where the newest is along the steps between them.
   [[nodiscard]] std::optional<geometry::RigidTransform> along_steps(KeyframeId from) const;
+  // Those with an id below `before` that look most like it, best first.
   [[nodiscard]] std::vector<KeyframeId> similar_keyframes(
       const motion::FrameMeasurements& measurements, KeyframeId before) const;
-  // With any key-frame, as loops are.
+  // The frame against any key-frame, as loops are compared: surer than a step must be, and without
+  // resting on what the map holds already.
   [[nodiscard]] motion::MotionOutcome compare(const Keyframe& reference,
                                               const motion::FrameMeasurements& current,
                                               std::uint64_t frame_index) const;

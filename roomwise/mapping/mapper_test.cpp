@@ -96,11 +96,7 @@ motion::MeasuredFeatures nothing_seen() {
 class MapperTest : public ::testing::Test {
  protected:
   // Features stand alone here, without views.
-  static MapperOptions paper() {
-    MapperOptions options;
-    options.method = MappingMethod::kPaper;
-    return options;
-  }
+  static MapperOptions paper() { return MapperOptions::of(MappingMethod::kPaper); }
   static void add(Mapper& mapper, int frame) {
     mapper.add_frame(static_cast<std::uint64_t>(frame), frame * 33'000'000LL,
                      kRoom.seen_from(pose_at(frame), static_cast<std::uint64_t>(frame)));
@@ -117,25 +113,42 @@ class MapperTest : public ::testing::Test {
     }
     return worst;
   }
+  static void expect_all_placed(const Mapper& mapper) {
+    for (const MappedFrame& frame : mapper.frames()) {
+      EXPECT_TRUE(frame.place.has_value()) << frame.frame_index << ": " << frame.why_unplaced;
+    }
+  }
+  static void expect_one_piece_within(const Mapper& mapper, double most_error_m) {
+    const auto solution = solve_map(mapper.keyframes().size(), mapper.edges());
+    ASSERT_OK(solution);
+    EXPECT_EQ(solution->pieces, 1U);
+    EXPECT_LT(worst_error_m(mapper, *solution), most_error_m);
+  }
+  static void expect_a_loop_over(const Mapper& mapper, KeyframeId keyframes) {
+    EXPECT_TRUE(std::ranges::any_of(
+        mapper.edges(),
+        [&](const PoseGraphEdge& edge) { return edge.is_loop && edge.to > edge.from + keyframes; }))
+        << "no loop over " << keyframes << " key-frames";
+  }
+  static void expect_same_edges(const Mapper& mapper, const Mapper& expected) {
+    ASSERT_EQ(mapper.edges().size(), expected.edges().size());
+    for (std::size_t i = 0; i < expected.edges().size(); ++i) {
+      EXPECT_EQ(mapper.edges()[i].from_from_to.translation,
+                expected.edges()[i].from_from_to.translation);
+      EXPECT_EQ(mapper.edges()[i].information, expected.edges()[i].information);
+    }
+  }
   static inline const RoomOfPoints kRoom{1};
 };
 
 TEST_F(MapperTest, MapsAFullTurnAndClosesTheLoop) {
   Mapper mapper(kCamera, paper());
   for (int frame = 0; frame < 120; ++frame) add(mapper, frame);
-  for (const MappedFrame& frame : mapper.frames()) {
-    EXPECT_TRUE(frame.place.has_value()) << frame.frame_index << ": " << frame.why_unplaced;
-  }
+  expect_all_placed(mapper);
   // A turn of 0.14 rad is substantial: every third frame of 0.06 rad.
   EXPECT_NEAR(static_cast<double>(mapper.keyframes().size()), 40, 8);
-  const auto far_loops = std::ranges::count_if(mapper.edges(), [](const PoseGraphEdge& edge) {
-    return edge.is_loop && edge.to > edge.from + 25;
-  });
-  EXPECT_GT(far_loops, 0) << "the turn ends where it began";
-  const auto solution = solve_map(mapper.keyframes().size(), mapper.edges());
-  ASSERT_OK(solution);
-  EXPECT_EQ(solution->pieces, 1U);
-  EXPECT_LT(worst_error_m(mapper, *solution), 0.02);
+  expect_a_loop_over(mapper, 25);  // the turn ends where it began
+  expect_one_piece_within(mapper, 0.02);
 }
 
 TEST_F(MapperTest, SurvivesAShortBlackout) {
@@ -209,12 +222,7 @@ TEST_F(MapperTest, RestoredAtAKeyframeGoesOnAsIfNeverStopped) {
   second.restore(first.keyframes(), first.edges(), first.frames());
   for (; frame < 60; ++frame) add(second, frame);
 
-  ASSERT_EQ(second.edges().size(), whole.edges().size());
-  for (std::size_t i = 0; i < whole.edges().size(); ++i) {
-    EXPECT_EQ(second.edges()[i].from_from_to.translation,
-              whole.edges()[i].from_from_to.translation);
-    EXPECT_EQ(second.edges()[i].information, whole.edges()[i].information);
-  }
+  expect_same_edges(second, whole);
 }
 
 class CombinedMapperTest : public MapperTest {
@@ -243,18 +251,10 @@ class CombinedMapperTest : public MapperTest {
 TEST_F(CombinedMapperTest, MapsAFullTurnWithFewFeatures) {
   Mapper mapper(kCamera, {});
   for (int frame = 0; frame < 115; ++frame) add(mapper, frame);
-  for (const MappedFrame& frame : mapper.frames()) {
-    EXPECT_TRUE(frame.place.has_value()) << frame.frame_index << ": " << frame.why_unplaced;
-  }
+  expect_all_placed(mapper);
   EXPECT_LT(frames_asked_for_features_, 60U) << "key-frames and those in doubt, not all";
-  const auto far_loops = std::ranges::count_if(mapper.edges(), [](const PoseGraphEdge& edge) {
-    return edge.is_loop && edge.to > edge.from + 25;
-  });
-  EXPECT_GT(far_loops, 0) << "the turn ends where it began";
-  const auto solution = solve_map(mapper.keyframes().size(), mapper.edges());
-  ASSERT_OK(solution);
-  EXPECT_EQ(solution->pieces, 1U);
-  EXPECT_LT(worst_error_m(mapper, *solution), 0.02);
+  expect_a_loop_over(mapper, 25);  // the turn ends where it began
+  expect_one_piece_within(mapper, 0.02);
 }
 
 TEST_F(CombinedMapperTest, ViewsCarryItThroughFramesWithoutFeatures) {
@@ -262,13 +262,8 @@ TEST_F(CombinedMapperTest, ViewsCarryItThroughFramesWithoutFeatures) {
   for (int frame = 0; frame < 10; ++frame) add(mapper, frame);
   for (int frame = 10; frame < 16; ++frame) add(mapper, frame, Shows::kViewOnly);
   for (int frame = 16; frame < 24; ++frame) add(mapper, frame);
-  for (const MappedFrame& frame : mapper.frames()) {
-    EXPECT_TRUE(frame.place.has_value()) << frame.frame_index << ": " << frame.why_unplaced;
-  }
-  const auto solution = solve_map(mapper.keyframes().size(), mapper.edges());
-  ASSERT_OK(solution);
-  EXPECT_EQ(solution->pieces, 1U);
-  EXPECT_LT(worst_error_m(mapper, *solution), 0.03);
+  expect_all_placed(mapper);
+  expect_one_piece_within(mapper, 0.03);
 }
 
 TEST_F(CombinedMapperTest, SurvivesAShortBlackout) {
@@ -280,10 +275,7 @@ TEST_F(CombinedMapperTest, SurvivesAShortBlackout) {
     const bool is_dark = frame.frame_index >= 10 && frame.frame_index < 13;
     EXPECT_EQ(frame.place.has_value(), !is_dark) << frame.frame_index;
   }
-  const auto solution = solve_map(mapper.keyframes().size(), mapper.edges());
-  ASSERT_OK(solution);
-  EXPECT_EQ(solution->pieces, 1U);
-  EXPECT_LT(worst_error_m(mapper, *solution), 0.02);
+  expect_one_piece_within(mapper, 0.02);
 }
 
 TEST_F(CombinedMapperTest, RestoredAtAKeyframeGoesOnAsIfNeverStopped) {
@@ -298,12 +290,7 @@ TEST_F(CombinedMapperTest, RestoredAtAKeyframeGoesOnAsIfNeverStopped) {
   second.restore(first.keyframes(), first.edges(), first.frames());
   for (; frame < 30; ++frame) add(second, frame);
 
-  ASSERT_EQ(second.edges().size(), whole.edges().size());
-  for (std::size_t i = 0; i < whole.edges().size(); ++i) {
-    EXPECT_EQ(second.edges()[i].from_from_to.translation,
-              whole.edges()[i].from_from_to.translation);
-    EXPECT_EQ(second.edges()[i].information, whole.edges()[i].information);
-  }
+  expect_same_edges(second, whole);
 }
 
 TEST(MappingMethod, IsReadByItsName) {

@@ -3,7 +3,6 @@
 #include "roomwise/image/resample.h"
 
 namespace roomwise::pipeline {
-
 namespace {
 
 motion::MeasuredFeatures find_features(const image::GrayImage& gray, const image::DepthImage& depth,
