@@ -89,6 +89,10 @@ TEST(CommandLine, WrongUsageIsExitCodeTwo) {
   expect_failure(run_roomwise({"eval"}), 2, "roomwise eval --help");
   expect_failure(run_roomwise({"info", "x", "--threads", "0"}), 2, "--threads");
   expect_failure(run_roomwise({"info", "x", "--seed", "-1"}), 2, "--seed");
+  for (const char* wrong : {"--method=nope", "--features=nope", "--loop-similar=-1",
+                            "--keyframe-translation=0", "--object-score=2"}) {
+    expect_failure(run_roomwise({"map", "walk", "--home", "a.home", wrong}), 2, "map --help");
+  }
 }
 
 TEST(CommandLine, TellsItsVersion) {

@@ -212,31 +212,39 @@ void add_map_command(CLI::App& app, Context& context) {
       "--camera", options->camera,
       "fr1, fr2, fr3, kinect-v1, xtion, or a camera.txt; default: the recording's own");
   const auto setting = [&](const std::string& name, auto& value, const std::string& description) {
-    command->add_option(name, value, description)->capture_default_str()->excludes(resume);
+    return command->add_option(name, value, description)->capture_default_str()->excludes(resume);
   };
   setting("--method", options->method,
           "combined: whole views and features, each checking the other; paper: PnP with RANSAC on "
-          "features alone");
-  setting("--features", options->features, "surf, sift or orb");
+          "features alone")
+      ->check(CLI::IsMember({"combined", "paper"}));
+  setting("--features", options->features, "surf, sift or orb")
+      ->check(CLI::IsMember({"surf", "sift", "orb"}));
   setting("--keypoints", options->settings.most_keypoints, "Most key-points a frame");
   setting("--keyframe-translation", options->settings.mapper.keyframe_translation_m,
-          "A key-frame after this much motion, m");
+          "A key-frame after this much motion, m")
+      ->check(positive());
   setting("--keyframe-rotation", options->settings.mapper.keyframe_rotation_rad,
-          "A key-frame after this much turning, rad");
+          "A key-frame after this much turning, rad")
+      ->check(positive());
   setting("--loop-neighbors", options->settings.mapper.loops.neighbors,
-          "Key-frames before the last that each new one is compared with");
+          "Key-frames before the last that each new one is compared with")
+      ->check(not_negative());
   command
       ->add_option("--loop-random", options->loop_random,
                    "Earlier key-frames, drawn at random, that each new one is compared with "
                    "[combined: 2, paper: 5]")
+      ->check(not_negative())
       ->excludes(resume);
   command
       ->add_option("--loop-similar", options->loop_similar,
                    "Earlier key-frames that look most like it, that each new one is compared with "
                    "[combined: 3, paper: 0]")
+      ->check(not_negative())
       ->excludes(resume);
   setting("--object-score", options->settings.objects.least_score,
-          "Least score of an object, 0 to 1");
+          "Least score of an object, 0 to 1")
+      ->check(CLI::Range(0.0, 1.0));
   add_network_options(*command, options->networks);
   command->add_option("--trajectory", options->trajectory,
                       "Also write the trajectory there, in TUM's format");
