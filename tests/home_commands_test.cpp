@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
@@ -34,6 +35,14 @@ class HomeCommandsTest : public ::testing::Test {
   }
   static void TearDownTestSuite() { folder_.reset(); }
   static std::string path(const std::string& name) { return *folder_ / name; }
+  // By name.
+  static std::string first_file(const std::string& folder) {
+    std::vector<std::string> names;
+    for (const auto& entry : std::filesystem::directory_iterator(path(folder))) {
+      names.push_back(entry.path().filename());
+    }
+    return *std::ranges::min_element(names);
+  }
 
   inline static std::unique_ptr<ScratchFolder> folder_;
   inline static json mapped_;
@@ -95,6 +104,51 @@ TEST_F(HomeCommandsTest, ReportShowsTheHomeOnOnePage) {
   for (const char* outside : {"src=\"http", "href=\"http", "src=\"/"}) {
     EXPECT_THAT(page, Not(HasSubstr(outside))) << "the page needs nothing else";
   }
+}
+
+TEST_F(HomeCommandsTest, LocateSaysWhereAPictureWasTaken) {
+  const std::string picture = path("walk/rgb/") + first_file("walk/rgb");
+  const std::string depth = path("walk/depth/") + first_file("walk/depth");
+  const json found = result_of(
+      {"locate", "--home", path("my.home"), picture, picture, "--depth", depth, "--depth", depth});
+  EXPECT_EQ(found.at("found"), true);
+  // The map's world is the first key-frame's camera.
+  for (const json& coordinate : found.at("position_m")) {
+    EXPECT_NEAR(coordinate.get<double>(), 0, 0.01);
+  }
+  EXPECT_LT(found.at("position_sigma_m").get<double>(), 0.05);
+  EXPECT_EQ(found.at("room"), "hall");
+  EXPECT_EQ(result_of({"locate", "--home", path("my.home"), picture}).at("room"), "hall");
+
+  const ProgramResult uneven =
+      run_roomwise({"locate", "--home", path("my.home"), picture, picture, "--depth", depth});
+  EXPECT_EQ(uneven.exit_code, 1);
+  EXPECT_THAT(uneven.errors, HasSubstr("a depth image for every picture or none"));
+  const ProgramResult other_camera =
+      run_roomwise({"locate", "--home", path("my.home"), picture, "--camera", "fr1"});
+  EXPECT_EQ(other_camera.exit_code, 1);
+  EXPECT_THAT(other_camera.errors, HasSubstr("the camera takes 640x480"));
+  EXPECT_EQ(run_roomwise({"locate", "--home", path("absent.home"), picture}).exit_code, 1);
+}
+
+TEST_F(HomeCommandsTest, EvalLocalizerAsksForTheFramesOfAVisit) {
+  // As if the walk were walked again.
+  const std::vector<std::string> command{"eval",    "localizer",  "--home",  path("my.home"),
+                                         "--truth", path("walk"), "--visit", path("walk")};
+  const json every = result_of(command);
+  EXPECT_EQ(every.at("questions"), kFrames);
+  EXPECT_EQ(every.at("near"), 1);
+  EXPECT_EQ(every.at("wrong"), 0);
+  EXPECT_LT(every.at("median_error_m").get<double>(), 0.01);
+  auto fewer = command;
+  fewer.insert(fewer.end(), {"--every", "4", "--without-depth"});
+  EXPECT_EQ(result_of(fewer).at("questions"), kFrames / 4);
+  auto pairs = command;
+  pairs.insert(pairs.end(), {"--pairs", "--near", "1e-9"});
+  const json strict = result_of(pairs);
+  EXPECT_EQ(strict.at("questions"), kFrames - 1) << "the first has none before it";
+  EXPECT_EQ(strict.at("near"), 0);
+  EXPECT_EQ(strict.at("further_off"), 1);
 }
 
 TEST_F(HomeCommandsTest, NoCommandWritesOverAHome) {

@@ -17,6 +17,7 @@ int main(int argc, char** argv) {
   add_record_command(app, context);
   add_simulate_command(app, context);
   add_map_command(app, context);
+  add_locate_command(app, context);
   add_rooms_commands(app, context);
   add_optimize_command(app, context);
   add_concepts_commands(app, context);

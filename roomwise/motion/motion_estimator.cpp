@@ -72,6 +72,17 @@ std::array<std::size_t, 3> draw_three(RandomStream& random, std::size_t count) {
   return drawn;
 }
 
+// Whether two points are about as far apart as the current frame measured them; true where it did
+// not. Depth errors grow with the square of the distance.
+bool is_as_long(const PointObservation& a, const Eigen::Vector3d& ray_a, const PointObservation& b,
+                const Eigen::Vector3d& ray_b) {
+  const double za = a.depth_current_m, zb = b.depth_current_m;
+  if (za <= 0 || zb <= 0) return true;
+  const double now_m = (ray_a * (za / ray_a.z()) - ray_b * (zb / ray_b.z())).norm();
+  const double then_m = (a.point_reference - b.point_reference).norm();
+  return std::abs(now_m - then_m) <= 0.03 + 0.015 * (za * za + zb * zb);
+}
+
 Hypothesis solve_pnp_ransac(std::span<const PointObservation> observations,
                             const PinholeCamera& camera, const MotionOptions& options,
                             RandomStream& random) {
@@ -84,6 +95,12 @@ Hypothesis solve_pnp_ransac(std::span<const PointObservation> observations,
   double needed = options.most_iterations;
   for (int iteration = 0; iteration < needed; ++iteration) {
     const auto [i, j, k] = draw_three(random, observations.size());
+    if (options.compares_lengths &&
+        !(is_as_long(observations[i], rays[i], observations[j], rays[j]) &&
+          is_as_long(observations[i], rays[i], observations[k], rays[k]) &&
+          is_as_long(observations[j], rays[j], observations[k], rays[k]))) {
+      continue;
+    }
     const std::array points{observations[i].point_reference, observations[j].point_reference,
                             observations[k].point_reference};
     for (const RigidTransform& pose : solve_p3p(points, {rays[i], rays[j], rays[k]})) {
@@ -185,18 +202,14 @@ std::string MotionOutcome::describe() const {
   return "unknown";
 }
 
-MotionOutcome estimate_motion(const MeasuredFeatures& reference, const MeasuredFeatures& current,
-                              const PinholeCamera& camera, const MotionOptions& options,
-                              RandomStream random) {
+MotionOutcome motion_from_matches(std::span<const PointObservation> observations,
+                                  const PinholeCamera& camera, const MotionOptions& options,
+                                  RandomStream random) {
   MotionOutcome outcome;
   const auto stop = [&outcome](MotionStatus status) {
     outcome.status = status;
     return outcome;
   };
-  outcome.features = static_cast<int>(std::min(reference.size(), current.size()));
-  if (outcome.features < options.least_features) return stop(MotionStatus::kTooFewFeatures);
-
-  const std::vector<PointObservation> observations = observe(reference, current, options.matching);
   outcome.matches = static_cast<int>(observations.size());
   if (outcome.matches < options.least_matches) return stop(MotionStatus::kTooFewMatches);
 
@@ -226,6 +239,19 @@ MotionOutcome estimate_motion(const MeasuredFeatures& reference, const MeasuredF
     return stop(MotionStatus::kMotionTooLarge);
   }
   return stop(MotionStatus::kFound);
+}
+
+MotionOutcome estimate_motion(const MeasuredFeatures& reference, const MeasuredFeatures& current,
+                              const PinholeCamera& camera, const MotionOptions& options,
+                              RandomStream random) {
+  const int features = static_cast<int>(std::min(reference.size(), current.size()));
+  MotionOutcome outcome;
+  if (features >= options.least_features) {
+    outcome = motion_from_matches(observe(reference, current, options.matching), camera, options,
+                                  random);
+  }
+  outcome.features = features;
+  return outcome;
 }
 
 }  // namespace roomwise::motion

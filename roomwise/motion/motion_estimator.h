@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <string>
 
 #include "roomwise/base/random.h"
@@ -20,6 +21,10 @@ struct MotionOptions {
   double confidence = 0.999;         // stops when a better pose is less probable than 1 minus this
   double most_translation_m = 3.0;   // between the two frames
   double most_rotation_rad = 1.6;
+  // Samples of RANSAC whose points lie at other distances from each other in the current frame's
+  // depth image than in the reference are passed over unsolved: finds poses among many more
+  // outliers at the same cost.
+  bool compares_lengths = false;
   ResidualModel residuals;
 
   [[nodiscard]] Expected<void> validate() const;
@@ -49,6 +54,12 @@ struct MotionOutcome {
   // "too few inliers (9 of 214 matches)".
   [[nodiscard]] std::string describe() const;
 };
+
+// PnP inside RANSAC on matches of the reference's points with the current frame's pixels, wherever
+// they come from, and refinement on the inliers. `camera` is the current frame's.
+[[nodiscard]] MotionOutcome motion_from_matches(std::span<const PointObservation> observations,
+                                                const geometry::PinholeCamera& camera,
+                                                const MotionOptions& options, RandomStream random);
 
 // The paper's tracking: match the current frame's features with the reference's, solve PnP on the
 // reference's 3-D points inside RANSAC, and refine the sum of squared distances on the inliers.

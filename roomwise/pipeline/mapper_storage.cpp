@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "roomwise/image/codec.h"
-#include "roomwise/pipeline/measured_frame_reader.h"
+#include "roomwise/pipeline/stored_keyframes.h"
 
 namespace roomwise::pipeline {
 namespace {
@@ -31,15 +31,6 @@ home::KeyframeImages images_of(const image::RgbdFrame& frame) {
           frame.encoded_depth.empty() ? image::encode_png(frame.depth) : frame.encoded_depth};
 }
 
-Expected<motion::FrameMeasurements> measure_stored(const home::KeyframeImages& images,
-                                                   const geometry::PinholeCamera& camera,
-                                                   const features::FeatureExtractor& extractor,
-                                                   const MapSettings& settings) {
-  ROOMWISE_TRY(const image::ColorImage color, image::decode_color(images.color));
-  ROOMWISE_TRY(const image::DepthImage depth, image::decode_depth(images.depth));
-  return measure_frame(color, depth, camera, extractor, settings);
-}
-
 }  // namespace
 
 Expected<void> restore_mapper(mapping::Mapper& mapper, const home::Home& home,
@@ -47,34 +38,8 @@ Expected<void> restore_mapper(mapping::Mapper& mapper, const home::Home& home,
                               const features::FeatureExtractor& extractor,
                               const MapSettings& settings, RunContext& run) {
   ROOMWISE_TRY(const auto stored, home.keyframes());
-  std::vector<mapping::Keyframe> keyframes;
-  run.progress.begin("loading the map", stored.size());
-  // In blocks: reading is the database's, finding features the threads' work.
-  const std::size_t block = 4 * run.pool.size();
-  for (std::size_t first = 0; first < stored.size(); first += block) {
-    const std::size_t end = std::min(stored.size(), first + block);
-    std::vector<home::KeyframeImages> images;
-    for (std::size_t i = first; i < end; ++i) {
-      ROOMWISE_TRY(home::KeyframeImages one, home.images(stored[i].id));
-      images.push_back(std::move(one));
-    }
-    std::vector<Expected<motion::FrameMeasurements>> measured(images.size(), fail("not measured"));
-    run.pool.parallel_for(images.size(), [&](std::size_t i) {
-      measured[i] = measure_stored(images[i], camera, extractor, settings);
-    });
-    for (std::size_t i = first; i < end; ++i) {
-      auto& measurements = measured[i - first];
-      if (!measurements) {
-        return Unexpected(std::move(measurements)
-                              .error()
-                              .in(fmt::format("{}: key-frame {}", home.file(), stored[i].id)));
-      }
-      keyframes.push_back(
-          {stored[i].id, stored[i].frame_index, stored[i].timestamp_ns, *std::move(measurements)});
-    }
-    run.progress.advance(end, "");
-  }
-  run.progress.end();
+  ROOMWISE_TRY(std::vector<mapping::Keyframe> keyframes,
+               measure_keyframes(home, stored, camera, extractor, settings, run));
   ROOMWISE_TRY(auto edges, home.edges());
   ROOMWISE_TRY(const auto frames, home.frames(recording));
   std::vector<mapping::MappedFrame> mapped;

@@ -16,16 +16,6 @@ namespace {
 
 constexpr double kFarFromEverything_m = 0.5;
 
-Expected<geometry::RigidTransform> truth_from_map(const home::Home& home,
-                                                  const std::filesystem::path& recording) {
-  const std::filesystem::path file = recording / "groundtruth.txt";
-  ROOMWISE_TRY(const recording::Trajectory truth, recording::read_trajectory(file));
-  ROOMWISE_TRY(const recording::Trajectory estimate, stored_trajectory(home));
-  const auto error = evaluation::absolute_trajectory_error(truth, estimate);
-  if (!error) return fail("{} and {}: {}", home.file(), file.string(), error.error().message);
-  return error->truth_from_estimate;
-}
-
 // What is called so by the home and was shown by the walk.
 std::vector<evaluation::TrueObject> nameable(const std::vector<simulation::ObjectTruth>& objects,
                                              const rooms::Concepts& concepts) {
@@ -39,6 +29,16 @@ std::vector<evaluation::TrueObject> nameable(const std::vector<simulation::Objec
 }
 
 }  // namespace
+
+Expected<geometry::RigidTransform> truth_from_map(const home::Home& home,
+                                                  const std::filesystem::path& recording) {
+  const std::filesystem::path file = recording / "groundtruth.txt";
+  ROOMWISE_TRY(const recording::Trajectory truth, recording::read_trajectory(file));
+  ROOMWISE_TRY(const recording::Trajectory estimate, stored_trajectory(home));
+  const auto error = evaluation::absolute_trajectory_error(truth, estimate);
+  if (!error) return fail("{} and {}: {}", home.file(), file.string(), error.error().message);
+  return error->truth_from_estimate;
+}
 
 Expected<ObjectEvaluation> evaluate_objects(const home::Home& home,
                                             const std::filesystem::path& recording,

@@ -7,9 +7,13 @@
 #include "roomwise/home/home.h"
 #include "roomwise/pipeline/run_context.h"
 
-// A home against the truth of the simulated recording that it was mapped from. The map has a world
-// of its own: it is moved onto the truth's as its trajectory fits best.
+// A home against the truth of the simulated recording that it was mapped from.
 namespace roomwise::pipeline {
+
+// The map has a world of its own: this moves it onto that of the recording's groundtruth.txt as its
+// trajectory fits best.
+[[nodiscard]] Expected<geometry::RigidTransform> truth_from_map(
+    const home::Home& home, const std::filesystem::path& recording);
 
 struct ObjectEvaluation {
   std::vector<evaluation::TrueObject> truth;   // what the home can name and the walk showed

@@ -1,0 +1,166 @@
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <opencv2/core/utility.hpp>
+#include <vector>
+
+#include "commands.h"
+#include "roomwise/evaluation/proportion.h"
+#include "roomwise/pipeline/localization_evaluation.h"
+
+namespace roomwise::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kDegrees = 180 / static_cast<double>(EIGEN_PI);
+
+struct Options {
+  fs::path home;
+  fs::path truth;
+  fs::path visit;
+  pipeline::LocalizationEvaluationOptions trials;
+  bool without_depth = false;
+  double near_m = 0.10;
+  double near_degrees = 5;
+  double far_m = 0.5;
+  double far_degrees = 20;
+};
+
+double quantile(std::vector<double> values, double share) {
+  if (values.empty()) return 0;
+  const auto place =
+      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), place, values.end());
+  return *place;
+}
+
+Json to_json(const pipeline::LocalizationTrial& trial) {
+  const mapping::Localization& found = trial.answer;
+  Json json = {{"frame", trial.frame_index},
+               {"status", to_string(found.status)},
+               {"matches", found.matches},
+               {"inliers", found.inliers}};
+  if (found.has_pose()) {
+    json["error_m"] = trial.error_m;
+    json["error_degrees"] = kDegrees * trial.error_rad;
+    json["position_sigma_m"] = found.position_sigma_m();
+    json["rotation_sigma_degrees"] = kDegrees * found.rotation_sigma_rad();
+    json["keyframe"] = found.keyframe;
+    json["witnesses"] = found.witnesses;
+    json["support"] = found.support;
+    json["overlap"] = found.agreement.overlap;
+    json["agreeing"] = found.agreement.agreeing;
+  }
+  return json;
+}
+
+// All trials as figures.
+Answer describe(const std::vector<pipeline::LocalizationTrial>& trials, const Options& options) {
+  evaluation::Proportion near, beside, far, silent;
+  std::vector<double> errors_m, errors_degrees, cpu_ms;
+  std::map<std::string, int> reasons;
+  Json frames = Json::array();
+  for (const pipeline::LocalizationTrial& trial : trials) {
+    const bool found = trial.answer.found();
+    const double degrees = kDegrees * trial.error_rad;
+    const bool is_near = trial.error_m <= options.near_m && degrees <= options.near_degrees;
+    const bool is_far = trial.error_m > options.far_m || degrees > options.far_degrees;
+    near.add(found && is_near);
+    beside.add(found && !is_near && !is_far);
+    far.add(found && is_far);
+    silent.add(!found);
+    if (found) {
+      errors_m.push_back(trial.error_m);
+      errors_degrees.push_back(degrees);
+    } else {
+      ++reasons[std::string(to_string(trial.answer.status))];
+    }
+    cpu_ms.push_back(1000 * trial.cpu_s);
+    frames.push_back(to_json(trial));
+  }
+  const auto row = [](const std::string& what, const evaluation::Proportion& share) {
+    return fmt::format("{:<32} {:5.1f} % ({} of {})\n", what, 100 * share.value(), share.successes,
+                       share.n);
+  };
+  Answer answer;
+  answer.text =
+      row(fmt::format("within {:g} m and {:g} degrees", options.near_m, options.near_degrees),
+          near) +
+      row("further off", beside) +
+      row(fmt::format("wrong: over {:g} m or {:g} degrees", options.far_m, options.far_degrees),
+          far) +
+      row("no answer", silent);
+  for (const auto& [reason, count] : reasons) {
+    answer.text += fmt::format("  {}: {}\n", reason, count);
+  }
+  answer.text += fmt::format(
+      "error of the answers: median {:.3f} m and {:.2f} degrees, 95 % within {:.3f} m and {:.2f} "
+      "degrees\n"
+      "processor time a question: median {:.0f} ms, 95 % within {:.0f} ms\n",
+      quantile(errors_m, 0.5), quantile(errors_degrees, 0.5), quantile(errors_m, 0.95),
+      quantile(errors_degrees, 0.95), quantile(cpu_ms, 0.5), quantile(cpu_ms, 0.95));
+  answer.json = {{"questions", trials.size()},
+                 {"near", near.value()},
+                 {"further_off", beside.value()},
+                 {"wrong", far.value()},
+                 {"no_answer", silent.value()},
+                 {"reasons", reasons},
+                 {"median_error_m", quantile(errors_m, 0.5)},
+                 {"median_error_degrees", quantile(errors_degrees, 0.5)},
+                 {"median_cpu_ms", quantile(cpu_ms, 0.5)},
+                 {"frames", std::move(frames)}};
+  return answer;
+}
+
+Expected<Answer> evaluate(const Options& options, Context& context) {
+  cv::setNumThreads(1);
+  ROOMWISE_TRY(const home::Home home, home::Home::open_read_only(options.home));
+  ThreadPool pool(context.threads);
+  StageClock clock;
+  pipeline::RunContext run{pool, context.progress, clock};
+  mapping::LocalizerOptions localizer;
+  localizer.seed = context.seed;
+  pipeline::LocalizationEvaluationOptions trials = options.trials;
+  trials.with_depth = !options.without_depth;
+  ROOMWISE_TRY(const auto result, pipeline::evaluate_localization(
+                                      home, options.truth, options.visit, localizer, trials, run));
+  if (result.empty()) {
+    return fail("{}: no frame has a true pose within 0.02 s", options.visit.string());
+  }
+  return describe(result, options);
+}
+
+}  // namespace
+
+void add_localizer_evaluation(CLI::App& group, Context& context) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command =
+      add_command(group, context, "localizer",
+                  "Where the frames of another walk through the same home are taken to be",
+                  "roomwise eval localizer --home flat.home --truth flat-day --visit flat-night",
+                  [options, &context] { return evaluate(*options, context); });
+  command->add_option("--home", options->home, "Home mapped from the recording")->required();
+  command->add_option("--truth", options->truth, "Recording that was mapped, with groundtruth.txt")
+      ->required();
+  command
+      ->add_option("--visit", options->visit,
+                   "Recording of another walk, its groundtruth.txt in the same world")
+      ->required();
+  command->add_option("--every", options->trials.every, "Ask of every so manieth frame")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_flag("--without-depth", options->without_depth, "Localise by colour alone");
+  command->add_flag("--pairs", options->trials.pairs,
+                    "Two pictures a question: a frame and the one before it");
+  const auto add_limit = [&](const char* name, double& value, const char* meaning) {
+    command->add_option(name, value, meaning)->check(positive())->capture_default_str();
+  };
+  add_limit("--near", options->near_m, "An answer is right within this, m");
+  add_limit("--near-degrees", options->near_degrees, "and this, degrees");
+  add_limit("--far", options->far_m, "An answer is wrong beyond this, m");
+  add_limit("--far-degrees", options->far_degrees, "or this, degrees");
+}
+
+}  // namespace roomwise::app

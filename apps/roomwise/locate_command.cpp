@@ -1,0 +1,136 @@
+#include <filesystem>
+#include <memory>
+#include <opencv2/core/utility.hpp>
+#include <vector>
+
+#include "commands.h"
+#include "roomwise/image/codec.h"
+#include "roomwise/pipeline/home_localizer.h"
+#include "roomwise/recording/camera_file.h"
+
+namespace roomwise::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  fs::path home;
+  std::vector<fs::path> pictures;
+  std::vector<fs::path> depths;
+  std::string camera;
+};
+
+Expected<pipeline::PictureToLocate> read_picture(const Options& options, std::size_t i,
+                                                 const geometry::PinholeCamera& camera) {
+  pipeline::PictureToLocate picture;
+  picture.camera = camera;
+  ROOMWISE_TRY(picture.color, image::read_color(options.pictures[i]));
+  if (i < options.depths.size()) {
+    ROOMWISE_TRY(picture.depth, image::read_depth(options.depths[i]));
+  }
+  return picture;
+}
+
+// The room as the helper named it where the key-frame was taken; empty where that is not known.
+Expected<std::string> room_of(const home::Home& home, home::KeyframeId id) {
+  ROOMWISE_TRY(const auto keyframes, home.keyframes());
+  const home::Keyframe& keyframe = keyframes.at(id);
+  ROOMWISE_TRY(const recording::RoomLabels labels, home.room_ranges(keyframe.recording));
+  const recording::RoomRange* const range = labels.find(keyframe.frame_index);
+  return range == nullptr ? std::string() : range->room;
+}
+
+Expected<Answer> describe(const home::Home& home, const mapping::Localization& found) {
+  Answer answer;
+  answer.json = {{"found", found.found()}, {"status", to_string(found.status)}};
+  if (!found.found()) {
+    answer.text = fmt::format("not known: {}\n", to_string(found.status));
+    return answer;
+  }
+  ROOMWISE_TRY(const std::string room, room_of(home, found.keyframe));
+  constexpr double kDegrees = 180 / static_cast<double>(EIGEN_PI);
+  const Eigen::Vector3d& position = found.world_from_camera.translation;
+  const Eigen::Quaterniond& rotation = found.world_from_camera.rotation;
+  const double sigma_m = found.position_sigma_m();
+  const double sigma_degrees = kDegrees * found.rotation_sigma_rad();
+  const std::string how = found.witnesses > 0
+                              ? fmt::format("by the shape of {} key-frames", found.witnesses)
+                              : fmt::format("by {} features", found.inliers);
+  answer.text = fmt::format(
+      "at {:.2f} {:.2f} {:.2f} m, give or take {:.2f} m and {:.1f} degrees{}\n"
+      "{}, like key-frame {}\n",
+      position.x(), position.y(), position.z(), sigma_m, sigma_degrees,
+      room.empty() ? "" : ", where the map shows the " + room, how, found.keyframe);
+  answer.json["position_m"] = {position.x(), position.y(), position.z()};
+  answer.json["rotation_xyzw"] = {rotation.x(), rotation.y(), rotation.z(), rotation.w()};
+  answer.json["position_sigma_m"] = sigma_m;
+  answer.json["rotation_sigma_degrees"] = sigma_degrees;
+  answer.json["inliers"] = found.inliers;
+  answer.json["witnesses"] = found.witnesses;
+  answer.json["keyframe"] = found.keyframe;
+  answer.json["room"] = room.empty() ? Json(nullptr) : Json(room);
+  return answer;
+}
+
+Expected<Answer> locate(const Options& options, Context& context) {
+  cv::setNumThreads(1);
+  if (!options.depths.empty() && options.depths.size() != options.pictures.size()) {
+    return fail("{} pictures and {} depth images; give a depth image for every picture or none",
+                options.pictures.size(), options.depths.size());
+  }
+  ROOMWISE_TRY(const home::Home home, home::Home::open_read_only(options.home));
+  ROOMWISE_TRY(const auto recordings, home.recordings());
+  if (recordings.empty()) return fail("{}: the home holds no recording", home.file());
+  geometry::PinholeCamera camera = recordings.front().recording.camera;
+  if (!options.camera.empty()) {
+    ROOMWISE_TRY(camera, recording::resolve_camera(options.camera));
+  }
+  // Before the map is loaded, which takes a moment.
+  std::vector<pipeline::PictureToLocate> pictures;
+  for (std::size_t i = 0; i < options.pictures.size(); ++i) {
+    ROOMWISE_TRY(pipeline::PictureToLocate picture, read_picture(options, i, camera));
+    pictures.push_back(std::move(picture));
+  }
+  ThreadPool pool(context.threads);
+  StageClock clock;
+  pipeline::RunContext run{pool, context.progress, clock};
+  mapping::LocalizerOptions localizer;
+  localizer.seed = context.seed;
+  ROOMWISE_TRY(const auto localizing, pipeline::HomeLocalizer::create(home, localizer, run));
+  std::vector<motion::FrameMeasurements> measured;
+  for (std::size_t i = 0; i < pictures.size(); ++i) {
+    auto one = localizing.measure(pictures[i]);
+    if (!one) return Unexpected(std::move(one).error().in(options.pictures[i].string()));
+    measured.push_back(*std::move(one));
+  }
+  const mapping::Localizer& where = localizing.localizer();
+  return describe(home, measured.size() == 1
+                            ? where.locate({measured[0], camera})
+                            : where.locate({measured[0], camera}, {measured[1], camera}));
+}
+
+}  // namespace
+
+void add_locate_command(CLI::App& app, Context& context) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command =
+      add_command(app, context, "locate", "Where on a home's map one picture, or two, were taken",
+                  "roomwise locate --home my.home now.jpg --depth now-depth.png",
+                  [options, &context] { return locate(*options, context); });
+  command->add_option("--home", options->home, "Home with a map")->required();
+  command
+      ->add_option("picture", options->pictures,
+                   "A picture, or two taken shortly after one another: the second's place")
+      ->required()
+      ->expected(1, 2);
+  command
+      ->add_option("--depth", options->depths,
+                   "The picture's depth image (16-bit PNG, registered to it), one for each; "
+                   "without it far fewer pictures have an answer")
+      ->expected(1, 2);
+  command->add_option("--camera", options->camera,
+                      "Of the pictures: fr1, fr2, fr3, kinect-v1, xtion, or a camera.txt; default: "
+                      "that of the home's recording");
+}
+
+}  // namespace roomwise::app

@@ -1,0 +1,316 @@
+#include "roomwise/mapping/localizer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <utility>
+
+namespace roomwise::mapping {
+namespace {
+
+using geometry::RigidTransform;
+
+// What neither inliers nor depth images show: the map's own error between key-frames, colour and
+// depth out of step.
+constexpr double kSystematicTranslation_m = 0.01;
+constexpr double kSystematicHalfAngle = 0.5 * 0.005;
+
+geometry::Matrix6d with_systematic_error(const geometry::Matrix6d& information) {
+  return motion::with_systematic_error(information, kSystematicTranslation_m, kSystematicHalfAngle);
+}
+
+// What speaks for a pose found by shape: that its alignment fits, that the key-frames around agree
+// with it, and that several lead to it, of which each further one says less. The form was chosen on
+// walks through simulated homes (docs/benchmarks.md).
+double support(const motion::ViewAgreement& agreement, double rms, int witnesses) {
+  constexpr double kUnconvinced = 0.6;  // what is left of a doubt after one witness more
+  const double fit = 1 / std::max(0.5, rms);
+  return fit * agreement.overlap * std::pow(agreement.agreeing, 4) *
+         (1 - std::pow(kUnconvinced, witnesses));
+}
+
+}  // namespace
+
+Localizer::Localizer(const LocalizerOptions& options)
+    : options_(options), appearances_(options.seed) {}
+
+void Localizer::add(Keyframe keyframe, const RigidTransform& world_from_keyframe) {
+  appearances_.add(keyframes_.size(), keyframe.measurements.features().features);
+  if (!keyframe.measurements.view().empty()) depths_.add(keyframe.measurements.view());
+  keyframes_.push_back({std::move(keyframe), world_from_keyframe});
+}
+
+bool Localizer::may_show_the_same(const RigidTransform& a, const RigidTransform& b) const {
+  const RigidTransform apart = a.inverse() * b;
+  return apart.distance_m() <= options_.place_m && apart.angle_rad() <= options_.place_rad;
+}
+
+bool Localizer::is_same(const RigidTransform& a, const RigidTransform& b) const {
+  const RigidTransform apart = a.inverse() * b;
+  return apart.distance_m() <= options_.same_m && apart.angle_rad() <= options_.same_rad;
+}
+
+// The key-frames from which nearly the same is seen as from a pose, the nearest first; a metre
+// counts as a radian.
+std::vector<const Localizer::Placed*> Localizer::nearest(const RigidTransform& pose) const {
+  constexpr std::size_t kMost = 4;
+  std::vector<std::pair<double, const Placed*>> near;
+  for (const Placed& keyframe : keyframes_) {
+    if (!may_show_the_same(keyframe.world_from_keyframe, pose)) continue;
+    const RigidTransform apart = keyframe.world_from_keyframe.inverse() * pose;
+    near.emplace_back(apart.distance_m() + apart.angle_rad(), &keyframe);
+  }
+  std::ranges::stable_sort(near, {}, [](const auto& one) { return one.first; });
+  near.resize(std::min(near.size(), kMost));
+  std::vector<const Placed*> keyframes;
+  for (const auto& [distance, keyframe] : near) keyframes.push_back(keyframe);
+  return keyframes;
+}
+
+motion::ViewAgreement Localizer::agreement_around(const Query& query,
+                                                  const RigidTransform& pose) const {
+  motion::ViewAgreement around;
+  double overlaps = 0;
+  for (const Placed* keyframe : nearest(pose)) {
+    const motion::ViewAgreement one =
+        motion::compare_views(keyframe->keyframe.measurements.view(), query.measurements.view(),
+                              keyframe->world_from_keyframe.inverse() * pose);
+    around.overlap = std::max(around.overlap, one.overlap);
+    around.agreeing += one.overlap * one.agreeing;
+    around.seen_through += one.overlap * one.seen_through;
+    around.in_front += one.overlap * one.in_front;
+    overlaps += one.overlap;
+  }
+  if (overlaps > 0) {
+    around.agreeing /= overlaps;
+    around.seen_through /= overlaps;
+    around.in_front /= overlaps;
+  }
+  return around;
+}
+
+bool Localizer::is_known_well(const Localization& found) const {
+  return found.position_sigma_m() <= options_.most_position_sigma_m &&
+         found.rotation_sigma_rad() <= options_.most_rotation_sigma_rad;
+}
+
+std::vector<Localizer::Place> Localizer::similar_places(
+    const motion::FrameMeasurements& picture) const {
+  std::vector<Place> places;
+  for (const AppearanceIndex::Hit& hit :
+       appearances_.find(picture.features().features, keyframes_.size(), options_.similar)) {
+    const RigidTransform& pose = keyframes_[hit.id].world_from_keyframe;
+    const auto known = std::ranges::find_if(places, [&](const Place& place) {
+      return may_show_the_same(keyframes_[place.members.front()].world_from_keyframe, pose);
+    });
+    Place& place = known == places.end() ? places.emplace_back() : *known;
+    place.members.push_back(hit.id);
+    place.votes += hit.votes;
+  }
+  std::ranges::stable_sort(places, std::ranges::greater(), &Place::votes);
+  places.resize(std::min(places.size(), options_.places));
+  for (Place& place : places) {
+    place.members.resize(std::min(place.members.size(), options_.together));
+  }
+  return places;
+}
+
+// The points of a place in the frame of its first key-frame. Of the points that one feature of the
+// picture matches in several key-frames the most similar counts: the same point seen twice is no
+// second inlier.
+std::vector<motion::PointObservation> Localizer::match(const Place& place,
+                                                       const Query& query) const {
+  struct Best {
+    float distance = std::numeric_limits<float>::infinity();
+    Eigen::Vector3d point = Eigen::Vector3d::Zero();
+  };
+  const motion::MeasuredFeatures& picture = query.measurements.features();
+  std::vector<Best> best(picture.size());
+  const RigidTransform first_from_world =
+      keyframes_[place.members.front()].world_from_keyframe.inverse();
+  for (const std::size_t member : place.members) {
+    const motion::MeasuredFeatures& seen = keyframes_[member].keyframe.measurements.features();
+    const RigidTransform first_from_member =
+        first_from_world * keyframes_[member].world_from_keyframe;
+    for (const features::Match& match :
+         features::match_features(picture.features, seen.features, options_.features.matching)) {
+      if (!seen.has_point(match.train) || match.distance >= best[match.query].distance) continue;
+      best[match.query] = {match.distance, first_from_member * seen.points[match.train]};
+    }
+  }
+  std::vector<motion::PointObservation> observations;
+  for (std::size_t i = 0; i < best.size(); ++i) {
+    if (std::isinf(best[i].distance)) continue;
+    observations.push_back({best[i].point, picture.pixels[i], picture.points[i].z()});
+  }
+  return observations;
+}
+
+// The picture's pose by the points of one place.
+Localization Localizer::locate_in(const Place& place, const Query& query) const {
+  Localization here;
+  const Placed& first = keyframes_[place.members.front()];
+  const motion::MotionOutcome outcome =
+      motion::motion_from_matches(match(place, query), query.camera, options_.features,
+                                  RandomStream(options_.seed, {first.keyframe.id}));
+  here.keyframe = first.keyframe.id;
+  here.matches = outcome.matches;
+  here.inliers = outcome.inliers;
+  if (!outcome.found()) {
+    here.status = LocalizationStatus::kNoMotion;
+    return here;
+  }
+  here.world_from_camera = first.world_from_keyframe * outcome.pose.reference_from_current;
+  here.information = with_systematic_error(outcome.pose.information);
+  if (!query.measurements.view().empty()) refine(query, here);
+
+  const motion::ViewAgreement& agreement = here.agreement;
+  const bool is_seen_around = agreement.overlap >= options_.views.least_overlap;
+  if (is_seen_around && (agreement.agreeing < options_.views.least_agreeing ||
+                         agreement.seen_through > options_.views.most_seen_through)) {
+    here.status = LocalizationStatus::kContradicted;
+  } else if (here.inliers < options_.sure_inliers &&
+             !(agreement.overlap >= options_.sure_overlap &&
+               agreement.agreeing >= options_.sure_agreeing)) {
+    here.status = LocalizationStatus::kDoubtful;
+  } else {
+    here.status = is_known_well(here) ? LocalizationStatus::kFound : LocalizationStatus::kVague;
+  }
+  return here;
+}
+
+// Aligns the picture as a whole with the key-frame around it that shows most of the same.
+void Localizer::refine(const Query& query, Localization& found) const {
+  const Placed* best = nullptr;
+  double most = 0;
+  for (const Placed* candidate : nearest(found.world_from_camera)) {
+    const motion::ViewAgreement agreement =
+        motion::compare_views(candidate->keyframe.measurements.view(), query.measurements.view(),
+                              candidate->world_from_keyframe.inverse() * found.world_from_camera);
+    const double shared = agreement.overlap * agreement.agreeing;
+    if (shared <= most) continue;
+    most = shared;
+    best = candidate;
+  }
+  if (best != nullptr) {
+    const motion::PosePrior prior{best->world_from_keyframe.inverse() * found.world_from_camera,
+                                  found.information};
+    const motion::ViewAlignment aligned = motion::align_views(
+        best->keyframe.measurements.view(), query.measurements.view(), prior, options_.views);
+    if (aligned.found) {
+      found.keyframe = best->keyframe.id;
+      found.world_from_camera = best->world_from_keyframe * aligned.pose.reference_from_current;
+      found.information = with_systematic_error(aligned.pose.information);
+    }
+  }
+  found.agreement = agreement_around(query, found.world_from_camera);
+}
+
+// The best of what the similar places say.
+Localization Localizer::by_features(const Query& query) const {
+  std::vector<Localization> answers;
+  for (const Place& place : similar_places(query.measurements)) {
+    answers.push_back(locate_in(place, query));
+  }
+  if (answers.empty()) return {};
+  std::ranges::stable_sort(answers, [](const Localization& a, const Localization& b) {
+    return std::pair(a.status, a.inliers) > std::pair(b.status, b.inliers);
+  });
+  Localization best = answers.front();
+  for (const Localization& other : answers) {
+    // Twin rooms: nothing but more inliers tells them apart.
+    if (best.found() && other.found() &&
+        !is_same(other.world_from_camera, best.world_from_camera) &&
+        best.inliers < options_.clearly_more_inliers * other.inliers) {
+      best.status = LocalizationStatus::kAmbiguous;
+    }
+  }
+  return best;
+}
+
+// The different poses to which alignments with the key-frames lead whose depth images look most
+// like the picture's.
+std::vector<Localization> Localizer::align_shapes(const Query& query) const {
+  struct Aligned {
+    Localization pose;
+    double rms = 0;
+  };
+  std::vector<Aligned> found;
+  const motion::SmallView& view = query.measurements.view();
+  for (const DepthIndex::Hit& hit : depths_.find(view, options_.similar_shapes)) {
+    const Placed& keyframe = keyframes_[hit.index];
+    const auto prior = motion::PosePrior::around(hit.indexed_from_asked, options_.shape_sigma_m,
+                                                 options_.shape_sigma_rad);
+    const motion::ViewAlignment aligned =
+        motion::align_views(keyframe.keyframe.measurements.view(), view, prior, options_.views);
+    if (!aligned.found) continue;
+    const RigidTransform pose = keyframe.world_from_keyframe * aligned.pose.reference_from_current;
+    auto known = std::ranges::find_if(
+        found, [&](const Aligned& one) { return is_same(one.pose.world_from_camera, pose); });
+    if (known == found.end()) {
+      known = found.insert(found.end(), Aligned{{}, std::numeric_limits<double>::infinity()});
+    }
+    ++known->pose.witnesses;
+    if (aligned.pose.rms >= known->rms) continue;
+    known->rms = aligned.pose.rms;
+    known->pose.keyframe = keyframe.keyframe.id;
+    known->pose.world_from_camera = pose;
+    known->pose.information = with_systematic_error(aligned.seen_information);
+  }
+  std::vector<Localization> poses;
+  for (Aligned& one : found) {
+    one.pose.agreement = agreement_around(query, one.pose.world_from_camera);
+    one.pose.support = support(one.pose.agreement, one.rms, one.pose.witnesses);
+    poses.push_back(one.pose);
+  }
+  return poses;
+}
+
+Localization Localizer::by_shape(const Query& query) const {
+  std::vector<Localization> poses = align_shapes(query);
+  if (poses.empty()) return {};
+  std::ranges::stable_sort(poses, std::ranges::greater(), &Localization::support);
+  Localization best = poses.front();
+  if (best.support < options_.sure_support) {
+    best.status = LocalizationStatus::kDoubtful;
+  } else if (poses.size() > 1 && poses[1].support > options_.most_rival_share * best.support) {
+    best.status = LocalizationStatus::kAmbiguous;
+  } else {
+    best.status = is_known_well(best) ? LocalizationStatus::kFound : LocalizationStatus::kVague;
+  }
+  return best;
+}
+
+Localization Localizer::locate(const Query& query) const {
+  const Localization answer = by_features(query);
+  if (answer.found() || query.measurements.view().empty()) return answer;
+  Localization shape = by_shape(query);
+  shape.matches = answer.matches;
+  shape.inliers = answer.inliers;
+  return shape.status > answer.status ? shape : answer;
+}
+
+Localization Localizer::locate(const Query& first, const Query& second) const {
+  const Localization earlier = locate(first);
+  Localization later = locate(second);
+  if (!earlier.has_pose()) return later;
+  motion::LocatorOptions options;
+  options.features = options_.features;
+  const motion::MotionOutcome motion =
+      motion::locate_frame(first.measurements, second.measurements, std::nullopt, second.camera,
+                           options, RandomStream(options_.seed, {~0ULL}));
+  if (!motion.found()) return later;  // nothing binds them: each stands alone
+  Localization foretold = earlier;
+  foretold.world_from_camera = earlier.world_from_camera * motion.pose.reference_from_current;
+  if (later.has_pose() && is_same(foretold.world_from_camera, later.world_from_camera)) {
+    if (is_known_well(later)) later.status = LocalizationStatus::kFound;
+    return later;
+  }
+  if (!earlier.found()) return later;
+  if (!later.found()) return foretold;
+  later.status = LocalizationStatus::kAmbiguous;
+  return later;
+}
+
+}  // namespace roomwise::mapping

@@ -1,0 +1,306 @@
+#include "roomwise/mapping/localizer.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "roomwise/base/testing.h"
+#include "roomwise/motion/test_scenes.h"
+
+namespace roomwise::mapping {
+namespace {
+
+using geometry::RigidTransform;
+using motion::FrameMeasurements;
+using motion::MeasuredFeatures;
+using motion::SmallView;
+using motion::testing::box_room;
+using motion::testing::kCamera;
+using motion::testing::marbled;
+using motion::testing::moved;
+using motion::testing::plain;
+using motion::testing::Scene;
+using motion::testing::Sight;
+using motion::testing::Texture;
+using motion::testing::view_of;
+using motion::testing::wall;
+
+// The box room with a cupboard, without which it looks the same from in front and from behind.
+Scene furnished_room(const Texture& texture = marbled) {
+  return [=, room = box_room(texture)](const Eigen::Vector3d& origin,
+                                       const Eigen::Vector3d& direction) {
+    Sight sight = room(origin, direction);
+    const Eigen::Vector3d low(0.5, -0.4, 1.1), high(1.6, 1.1, 1.8);
+    const Eigen::Array3d a = (low - origin).array() / direction.array();
+    const Eigen::Array3d b = (high - origin).array() / direction.array();
+    const double enters = a.min(b).maxCoeff(), leaves = a.max(b).minCoeff();
+    if (enters > 0 && enters < leaves && enters < sight.ray_lengths) {
+      sight = {enters, texture(origin + enters * direction)};
+    }
+    return sight;
+  };
+}
+
+// Points on a scene's surfaces that every camera recognises by their descriptors.
+class Landmarks {
+ public:
+  Landmarks(const Scene& scene, int count, std::uint64_t seed) {
+    RandomStream random(seed);
+    descriptors_ = features::RealDescriptors::NullaryExpr(
+        count, 64, [&](Eigen::Index, Eigen::Index) { return static_cast<float>(random.normal()); });
+    descriptors_.rowwise().normalize();
+    for (int i = 0; i < count; ++i) {
+      const Eigen::Vector3d direction(random.normal(), random.normal(), random.normal());
+      points_.push_back(scene({0, 0, 0}, direction).ray_lengths * direction);
+    }
+  }
+
+  // What a camera in a room sees of them; the room may stand elsewhere in the world.
+  [[nodiscard]] MeasuredFeatures seen_from(const RigidTransform& room_from_camera,
+                                           double noise_px = 0.3, bool has_depth = true) const {
+    MeasuredFeatures seen;
+    std::vector<Eigen::Index> rows;
+    RandomStream random(static_cast<std::uint64_t>(1e6 * room_from_camera.angle_rad()));
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+      const Eigen::Vector3d point = room_from_camera.inverse() * points_[i];
+      if (!(point.z() > 0.3)) continue;
+      const Eigen::Vector2d noise(random.normal(), random.normal());
+      const Eigen::Vector2d pixel = kCamera.project_undistorted(point) + noise_px * noise;
+      if (!(pixel.minCoeff() >= 0 && pixel.x() < 639 && pixel.y() < 479)) continue;
+      rows.push_back(static_cast<Eigen::Index>(i));
+      seen.pixels.push_back(pixel);
+      seen.points.push_back(has_depth ? point : Eigen::Vector3d(0, 0, 0));
+      seen.features.keypoints.emplace_back();
+    }
+    seen.features.descriptors = features::RealDescriptors(descriptors_(rows, Eigen::all));
+    return seen;
+  }
+
+ private:
+  std::vector<Eigen::Vector3d> points_;
+  features::RealDescriptors descriptors_;
+};
+
+// What shows the features of both.
+MeasuredFeatures joined(MeasuredFeatures all, const MeasuredFeatures& more) {
+  auto& rows = std::get<features::RealDescriptors>(all.features.descriptors);
+  const auto& more_rows = std::get<features::RealDescriptors>(more.features.descriptors);
+  features::RealDescriptors both(rows.rows() + more_rows.rows(), 64);
+  both << rows, more_rows;
+  rows = both;
+  all.pixels.insert(all.pixels.end(), more.pixels.begin(), more.pixels.end());
+  all.points.insert(all.points.end(), more.points.begin(), more.points.end());
+  all.features.keypoints.resize(all.points.size());
+  return all;
+}
+
+MeasuredFeatures no_features() {
+  MeasuredFeatures none;
+  none.features.descriptors = features::RealDescriptors(0, 64);
+  return none;
+}
+
+constexpr int kLandmarks = 3000;  // of which a picture shows some two hundred
+
+class LocalizerTest : public ::testing::Test {
+ protected:
+  // Key-frames that look all around from near the middle of the room.
+  static void look_around(Localizer& localizer, const Landmarks& landmarks, bool with_views,
+                          const RigidTransform& world_from_room = {}) {
+    for (int i = 0; i < 48; ++i) {
+      const RigidTransform room_from_keyframe =
+          moved({0, i * std::numbers::pi / 24, 0}, {0.1 * std::sin(i), 0, 0.1 * std::cos(i)});
+      localizer.add({localizer.size(),
+                     localizer.size(),
+                     0,
+                     {landmarks.seen_from(room_from_keyframe),
+                      with_views ? view_of(furnished_room(), room_from_keyframe) : SmallView()}},
+                    world_from_room * room_from_keyframe);
+    }
+  }
+  static void expect_there(const Localization& found, const RigidTransform& truth, double most_m,
+                           double most_rad) {
+    ASSERT_TRUE(found.found()) << to_string(found.status) << ", " << found.inliers << " of "
+                               << found.matches << " matches, support " << found.support;
+    const RigidTransform error = truth.inverse() * found.world_from_camera;
+    EXPECT_LT(error.distance_m(), most_m);
+    EXPECT_LT(error.angle_rad(), most_rad);
+  }
+
+  const Landmarks landmarks_{furnished_room(), kLandmarks, 1};
+  const RigidTransform pose_ = moved({0.05, 0.9, -0.03}, {0.25, 0.05, -0.2});
+  const SmallView view_ = view_of(furnished_room(), pose_);
+};
+
+TEST_F(LocalizerTest, FeaturesTellThePose) {
+  Localizer localizer({});
+  look_around(localizer, landmarks_, false);
+  const Localization found = localizer.locate({landmarks_.seen_from(pose_), kCamera});
+  expect_there(found, pose_, 0.01, 0.005);
+  EXPECT_GT(found.inliers, 40);
+  EXPECT_EQ(found.witnesses, 0);
+  EXPECT_LT(found.position_sigma_m(), 0.03);
+  EXPECT_LT(found.rotation_sigma_rad(), 0.02);
+}
+
+TEST_F(LocalizerTest, ADepthImageIsNotNeeded) {
+  Localizer localizer({});
+  look_around(localizer, landmarks_, true);
+  expect_there(localizer.locate({landmarks_.seen_from(pose_, 0.3, false), kCamera}), pose_, 0.02,
+               0.01);
+}
+
+TEST_F(LocalizerTest, MostOfWhatWasThereMayHaveMoved) {
+  Localizer localizer({});
+  look_around(localizer, landmarks_, true);
+  // Nine of ten features are now elsewhere, and lie as deep there as they did.
+  MeasuredFeatures seen = landmarks_.seen_from(pose_);
+  RandomStream random(5);
+  int left = 0;
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    if (i % 10 == 0) {
+      ++left;
+      continue;
+    }
+    seen.pixels[i] = {639 * random.uniform(), 479 * random.uniform()};
+    seen.points[i] = kCamera.unproject_undistorted(seen.pixels[i], seen.points[i].z());
+  }
+  ASSERT_GE(left, 12);
+  const Localization found = localizer.locate({{seen, view_}, kCamera});
+  expect_there(found, pose_, 0.02, 0.01);
+  EXPECT_LE(found.inliers, left + 3);
+}
+
+TEST_F(LocalizerTest, WithoutFeaturesTheShapeTells) {
+  Localizer localizer({});
+  look_around(localizer, landmarks_, true);
+  const Localization found = localizer.locate({{no_features(), view_}, kCamera});
+  expect_there(found, pose_, 0.02, 0.01);
+  EXPECT_GE(found.witnesses, 2);
+  EXPECT_EQ(found.inliers, 0);
+}
+
+TEST_F(LocalizerTest, TheShapeIsTheSameInAnotherLight) {
+  Localizer localizer({});
+  look_around(localizer, landmarks_, true);
+  const Texture dim = [](const Eigen::Vector3d& p) { return 30 + 0.2 * marbled(p); };
+  expect_there(localizer.locate({{no_features(), view_of(furnished_room(dim), pose_)}, kCamera}),
+               pose_, 0.03, 0.015);
+}
+
+TEST_F(LocalizerTest, ABareWallIsNoAnswer) {
+  Localizer localizer({});
+  for (int i = 0; i < 12; ++i) {
+    const RigidTransform keyframe = moved({0, 0, 0}, {0.3 * i, 0, 0});
+    localizer.add({localizer.size(), 0, 0, {no_features(), view_of(wall(2), keyframe)}}, keyframe);
+  }
+  const Localization found =
+      localizer.locate({{no_features(), view_of(wall(2), moved({0, 0, 0}, {1.6, 0, 0}))}, kCamera});
+  EXPECT_FALSE(found.found());
+}
+
+TEST_F(LocalizerTest, APictureOfElsewhereIsNoAnswer) {
+  Localizer localizer({});
+  look_around(localizer, landmarks_, true);
+  const Landmarks others(furnished_room(), kLandmarks, 2);
+  EXPECT_FALSE(localizer.locate({others.seen_from(pose_), kCamera}).found());
+  // A wall at a slant, nearer than any in the room.
+  const SmallView near_wall = view_of(wall(0.7, marbled), moved({0.3, 0.4, 0}, {0, 0, 0}));
+  EXPECT_FALSE(localizer.locate({{others.seen_from(pose_), near_wall}, kCamera}).found());
+}
+
+TEST_F(LocalizerTest, APosterOfTheRoomIsContradictedByItsDepth) {
+  Localizer localizer({});
+  look_around(localizer, landmarks_, true);
+  MeasuredFeatures flat = landmarks_.seen_from(pose_, 0.3, false);
+  const Localization found =
+      localizer.locate({{flat, view_of(wall(0.7), moved({0, 0, 0}, {0, 0, 0}))}, kCamera});
+  EXPECT_FALSE(found.found());
+  EXPECT_GT(found.inliers, 40);
+}
+
+TEST_F(LocalizerTest, TwinRoomsAreAmbiguous) {
+  Localizer localizer({});
+  look_around(localizer, landmarks_, true);
+  const Localization alone = localizer.locate({{landmarks_.seen_from(pose_), view_}, kCamera});
+  expect_there(alone, pose_, 0.01, 0.005);
+  look_around(localizer, landmarks_, true, moved({0, 0, 0}, {10, 0, 0}));
+  EXPECT_EQ(localizer.locate({{landmarks_.seen_from(pose_), view_}, kCamera}).status,
+            LocalizationStatus::kAmbiguous);
+  EXPECT_EQ(localizer.locate({{no_features(), view_}, kCamera}).status,
+            LocalizationStatus::kAmbiguous)
+      << "by shape";
+}
+
+TEST_F(LocalizerTest, AnEmptyMapKnowsNothing) {
+  const Localizer localizer({});
+  EXPECT_EQ(localizer.locate({{landmarks_.seen_from(pose_), view_}, kCamera}).status,
+            LocalizationStatus::kNothingSimilar);
+}
+
+TEST_F(LocalizerTest, TwoPicturesTellTheSecondsPlace) {
+  Localizer localizer({});
+  look_around(localizer, landmarks_, true);
+  const RigidTransform motion = moved({0.01, 0.1, 0}, {0.05, 0, 0.04});
+  const FrameMeasurements first{landmarks_.seen_from(pose_), view_};
+  const RigidTransform second_pose = pose_ * motion;
+  const FrameMeasurements second{landmarks_.seen_from(second_pose),
+                                 view_of(furnished_room(), second_pose)};
+  expect_there(localizer.locate({first, kCamera}, {second, kCamera}), second_pose, 0.01, 0.005);
+
+  // Landmarks that only the two pictures show bind the second to the first.
+  const Landmarks new_things(furnished_room(), kLandmarks, 3);
+  const FrameMeasurements unknown{new_things.seen_from(second_pose)};
+  EXPECT_FALSE(localizer.locate({unknown, kCamera}).found());
+  const FrameMeasurements known{joined(landmarks_.seen_from(pose_), new_things.seen_from(pose_)),
+                                view_};
+  expect_there(localizer.locate({known, kCamera}, {unknown, kCamera}), second_pose, 0.03, 0.02);
+}
+
+TEST_F(LocalizerTest, TwoPicturesThatContradictEachOtherAreNoAnswer) {
+  Localizer localizer({});
+  look_around(localizer, landmarks_, true);
+  // Two rooms ten metres apart; between the pictures the camera hardly moved.
+  const Landmarks others(furnished_room(), kLandmarks, 2), common(furnished_room(), kLandmarks, 3);
+  look_around(localizer, others, true, moved({0, 0, 0}, {10, 0, 0}));
+  const auto showing = [&](const Landmarks& landmarks) {
+    return joined(landmarks.seen_from(pose_), common.seen_from(pose_));
+  };
+  const FrameMeasurements here{showing(landmarks_)}, there{showing(others)};
+  ASSERT_TRUE(localizer.locate({here, kCamera}).found());
+  ASSERT_TRUE(localizer.locate({there, kCamera}).found());
+  EXPECT_EQ(localizer.locate({here, kCamera}, {there, kCamera}).status,
+            LocalizationStatus::kAmbiguous);
+}
+
+TEST_F(LocalizerTest, SameBitsTwice) {
+  Localizer first({}), second({});
+  look_around(first, landmarks_, true);
+  look_around(second, landmarks_, true);
+  const FrameMeasurements picture{landmarks_.seen_from(pose_, 1), view_};
+  const Localization a = first.locate({picture, kCamera}), b = second.locate({picture, kCamera});
+  ASSERT_TRUE(a.found());
+  EXPECT_EQ(a.world_from_camera.translation, b.world_from_camera.translation);
+  EXPECT_EQ(a.information, b.information);
+}
+
+TEST(LocalizerOptions, AreChecked) {
+  EXPECT_OK(LocalizerOptions().validate());
+  LocalizerOptions options;
+  options.places = 0;
+  EXPECT_ERROR(options.validate(), "places");
+  options = {};
+  options.sure_agreeing = 1.5;
+  EXPECT_ERROR(options.validate(), "sure_agreeing");
+  options = {};
+  options.same_m = std::nan("");
+  EXPECT_ERROR(options.validate(), "same_m");
+  options = {};
+  options.clearly_more_inliers = 0.5;
+  EXPECT_ERROR(options.validate(), "clearly_more_inliers");
+}
+
+}  // namespace
+}  // namespace roomwise::mapping

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "roomwise/features/feature_extractor.h"
+#include "roomwise/home/home.h"
+#include "roomwise/mapping/keyframe.h"
+#include "roomwise/pipeline/map_settings.h"
+#include "roomwise/pipeline/run_context.h"
+
+namespace roomwise::pipeline {
+
+// What mapping took from key-frames, found again in their stored images.
+[[nodiscard]] Expected<std::vector<mapping::Keyframe>> measure_keyframes(
+    const home::Home& home, std::span<const home::Keyframe> keyframes,
+    const geometry::PinholeCamera& camera, const features::FeatureExtractor& extractor,
+    const MapSettings& settings, RunContext& run);
+
+}  // namespace roomwise::pipeline
