@@ -12,20 +12,6 @@ namespace {
 using geometry::PinholeCamera;
 using geometry::RigidTransform;
 
-// The matches whose reference point has depth.
-std::vector<PointObservation> observe(const MeasuredFeatures& reference,
-                                      const MeasuredFeatures& current,
-                                      const features::MatchOptions& options) {
-  std::vector<PointObservation> observations;
-  for (const features::Match& match :
-       features::match_features(current.features, reference.features, options)) {
-    if (!reference.has_point(match.train)) continue;
-    observations.push_back({reference.points[match.train], current.pixels[match.query],
-                            current.points[match.query].z()});
-  }
-  return observations;
-}
-
 double reprojection_error2_px2(const PointObservation& observation,
                                const RigidTransform& current_from_reference,
                                const PinholeCamera& camera) {
@@ -185,7 +171,20 @@ std::string MotionOutcome::describe() const {
   return "unknown";
 }
 
-MotionOutcome estimate_motion(const MeasuredFeatures& reference, const MeasuredFeatures& current,
+std::vector<PointObservation> match_points(const MeasuredFeatures& reference,
+                                           const MeasuredFeatures& current,
+                                           const features::MatchOptions& options) {
+  std::vector<PointObservation> observations;
+  for (const features::Match& match :
+       features::match_features(current.features, reference.features, options)) {
+    if (!reference.has_point(match.train)) continue;
+    observations.push_back({reference.points[match.train], current.pixels[match.query],
+                            current.points[match.query].z()});
+  }
+  return observations;
+}
+
+MotionOutcome estimate_motion(std::span<const PointObservation> observations,
                               const PinholeCamera& camera, const MotionOptions& options,
                               RandomStream random) {
   MotionOutcome outcome;
@@ -193,10 +192,6 @@ MotionOutcome estimate_motion(const MeasuredFeatures& reference, const MeasuredF
     outcome.status = status;
     return outcome;
   };
-  outcome.features = static_cast<int>(std::min(reference.size(), current.size()));
-  if (outcome.features < options.least_features) return stop(MotionStatus::kTooFewFeatures);
-
-  const std::vector<PointObservation> observations = observe(reference, current, options.matching);
   outcome.matches = static_cast<int>(observations.size());
   if (outcome.matches < options.least_matches) return stop(MotionStatus::kTooFewMatches);
 
@@ -226,6 +221,19 @@ MotionOutcome estimate_motion(const MeasuredFeatures& reference, const MeasuredF
     return stop(MotionStatus::kMotionTooLarge);
   }
   return stop(MotionStatus::kFound);
+}
+
+MotionOutcome estimate_motion(const MeasuredFeatures& reference, const MeasuredFeatures& current,
+                              const PinholeCamera& camera, const MotionOptions& options,
+                              RandomStream random) {
+  MotionOutcome outcome;
+  const int features = static_cast<int>(std::min(reference.size(), current.size()));
+  if (features >= options.least_features) {
+    outcome = estimate_motion(match_points(reference, current, options.matching), camera, options,
+                              random);
+  }
+  outcome.features = features;
+  return outcome;
 }
 
 }  // namespace roomwise::motion

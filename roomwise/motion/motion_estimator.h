@@ -1,6 +1,8 @@
 #pragma once
 
+#include <span>
 #include <string>
+#include <vector>
 
 #include "roomwise/base/random.h"
 #include "roomwise/features/matcher.h"
@@ -49,6 +51,17 @@ struct MotionOutcome {
   // "too few inliers (9 of 214 matches)".
   [[nodiscard]] std::string describe() const;
 };
+
+// The paper's PnP with RANSAC on matched points, refined on the inliers. The outcome's `features`
+// are left at 0.
+[[nodiscard]] MotionOutcome estimate_motion(std::span<const PointObservation> observations,
+                                            const geometry::PinholeCamera& camera,
+                                            const MotionOptions& options, RandomStream random);
+
+// The matches between two frames whose reference point has depth.
+[[nodiscard]] std::vector<PointObservation> match_points(const MeasuredFeatures& reference,
+                                                         const MeasuredFeatures& current,
+                                                         const features::MatchOptions& options);
 
 // The paper's tracking: match the current frame's features with the reference's, solve PnP on the
 // reference's 3-D points inside RANSAC, and refine the sum of squared distances on the inliers.
