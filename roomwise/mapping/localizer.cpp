@@ -152,8 +152,8 @@ Localization Localizer::locate_in(const Place& place, const Query& query) const 
   Localization here;
   const Placed& first = keyframes_[place.members.front()];
   const motion::MotionOutcome outcome =
-      motion::motion_from_matches(match(place, query), query.camera, options_.features,
-                                  RandomStream(options_.seed, {first.keyframe.id}));
+      motion::estimate_motion(match(place, query), query.camera, options_.features,
+                              RandomStream(options_.seed, {first.keyframe.id}));
   here.keyframe = first.keyframe.id;
   here.matches = outcome.matches;
   here.inliers = outcome.inliers;

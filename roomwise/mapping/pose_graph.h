@@ -36,7 +36,8 @@ struct PoseGraph {
 
 struct PoseGraphOptions {
   int most_iterations = 100;
-  // Stops when an iteration lowers F by less than this part of it.
+  // Stops when an iteration lowers F by less than this part of it, or when the gradient promises no
+  // more than that.
   double relative_tolerance = 1e-9;
   // e^T Omega e of a loop closure above which it counts less and less (Cauchy's kernel); 0: no
   // kernel.
@@ -53,11 +54,12 @@ struct PoseGraphReport {
 };
 
 // Moves the poses to a minimum of F (Levenberg and Marquardt's method, sparse Cholesky
-// factorisation) with the lowest-numbered node of each connected part held still. Runs on one
-// thread, so that the same graph gives the same bits. Fails, naming node or edge and leaving the
-// graph as it was, on an edge to a node that is not there or to itself, poses or information that
-// are not finite, quaternions not of unit length, information that is not symmetric positive
-// semi-definite.
+// factorisation: see pose_graph_solver.h and block_cholesky.h) with the lowest-numbered node of
+// each connected part held still. Runs on one thread and calls no BLAS, so that the same graph
+// gives the same bits. Fails, naming node or edge and leaving the graph as it was, on an edge to a
+// node that is not there or to itself, poses or information that are not finite, quaternions not of
+// unit length, information that is not symmetric positive semi-definite. Where `most_iterations`
+// did not suffice, the poses are the best so far and the report says so.
 [[nodiscard]] Expected<PoseGraphReport> optimize(PoseGraph& graph,
                                                  const PoseGraphOptions& options = {});
 

@@ -12,20 +12,6 @@ namespace {
 using geometry::PinholeCamera;
 using geometry::RigidTransform;
 
-// The matches whose reference point has depth.
-std::vector<PointObservation> observe(const MeasuredFeatures& reference,
-                                      const MeasuredFeatures& current,
-                                      const features::MatchOptions& options) {
-  std::vector<PointObservation> observations;
-  for (const features::Match& match :
-       features::match_features(current.features, reference.features, options)) {
-    if (!reference.has_point(match.train)) continue;
-    observations.push_back({reference.points[match.train], current.pixels[match.query],
-                            current.points[match.query].z()});
-  }
-  return observations;
-}
-
 double reprojection_error2_px2(const PointObservation& observation,
                                const RigidTransform& current_from_reference,
                                const PinholeCamera& camera) {
@@ -202,9 +188,22 @@ std::string MotionOutcome::describe() const {
   return "unknown";
 }
 
-MotionOutcome motion_from_matches(std::span<const PointObservation> observations,
-                                  const PinholeCamera& camera, const MotionOptions& options,
-                                  RandomStream random) {
+std::vector<PointObservation> match_points(const MeasuredFeatures& reference,
+                                           const MeasuredFeatures& current,
+                                           const features::MatchOptions& options) {
+  std::vector<PointObservation> observations;
+  for (const features::Match& match :
+       features::match_features(current.features, reference.features, options)) {
+    if (!reference.has_point(match.train)) continue;
+    observations.push_back({reference.points[match.train], current.pixels[match.query],
+                            current.points[match.query].z()});
+  }
+  return observations;
+}
+
+MotionOutcome estimate_motion(std::span<const PointObservation> observations,
+                              const PinholeCamera& camera, const MotionOptions& options,
+                              RandomStream random) {
   MotionOutcome outcome;
   const auto stop = [&outcome](MotionStatus status) {
     outcome.status = status;
@@ -244,11 +243,11 @@ MotionOutcome motion_from_matches(std::span<const PointObservation> observations
 MotionOutcome estimate_motion(const MeasuredFeatures& reference, const MeasuredFeatures& current,
                               const PinholeCamera& camera, const MotionOptions& options,
                               RandomStream random) {
-  const int features = static_cast<int>(std::min(reference.size(), current.size()));
   MotionOutcome outcome;
+  const int features = static_cast<int>(std::min(reference.size(), current.size()));
   if (features >= options.least_features) {
-    outcome = motion_from_matches(observe(reference, current, options.matching), camera, options,
-                                  random);
+    outcome = estimate_motion(match_points(reference, current, options.matching), camera, options,
+                              random);
   }
   outcome.features = features;
   return outcome;

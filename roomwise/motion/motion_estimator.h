@@ -2,6 +2,7 @@
 
 #include <span>
 #include <string>
+#include <vector>
 
 #include "roomwise/base/random.h"
 #include "roomwise/features/matcher.h"
@@ -55,11 +56,16 @@ struct MotionOutcome {
   [[nodiscard]] std::string describe() const;
 };
 
-// PnP inside RANSAC on matches of the reference's points with the current frame's pixels, wherever
-// they come from, and refinement on the inliers. `camera` is the current frame's.
-[[nodiscard]] MotionOutcome motion_from_matches(std::span<const PointObservation> observations,
-                                                const geometry::PinholeCamera& camera,
-                                                const MotionOptions& options, RandomStream random);
+// The paper's PnP with RANSAC on matched points, refined on the inliers. The outcome's `features`
+// are left at 0.
+[[nodiscard]] MotionOutcome estimate_motion(std::span<const PointObservation> observations,
+                                            const geometry::PinholeCamera& camera,
+                                            const MotionOptions& options, RandomStream random);
+
+// The matches between two frames whose reference point has depth.
+[[nodiscard]] std::vector<PointObservation> match_points(const MeasuredFeatures& reference,
+                                                         const MeasuredFeatures& current,
+                                                         const features::MatchOptions& options);
 
 // The paper's tracking: match the current frame's features with the reference's, solve PnP on the
 // reference's 3-D points inside RANSAC, and refine the sum of squared distances on the inliers.

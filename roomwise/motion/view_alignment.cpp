@@ -48,7 +48,8 @@ class LevelAlignment {
 
   // Gauss and Newton's method from where the state is; false where it has no solution.
   bool refine(SearchState& state, int most_iterations, double least_step) const {
-    state.exposure = linearize_at(state).exposure;
+    state.exposure =
+        find_exposure(points_, current_, state.current_from_reference, most_step_m_, options_);
     for (int iteration = 0; iteration < most_iterations; ++iteration) {
       state.equations = linearize_at(state);
       state.exposure = state.equations.exposure;

@@ -65,6 +65,8 @@ class RowSums {
   std::array<Row8, 7> sums_{};
 };
 
+// With `only_exposure` the rows of errors are left out, and with them most of the work.
+template <bool only_exposure>
 [[gnu::always_inline]] inline NormalEquations sum_rows(const std::vector<SurfacePoint>& points,
                                                        const ViewLevel& current,
                                                        const RigidTransform& current_from_reference,
@@ -127,7 +129,7 @@ class RowSums {
         block_squares += error * error;
         ++measured;
       };
-      if (surface.has_normal) {
+      if (!only_exposure && surface.has_normal) {
         // The error along the ray counts as far as the surface faces it.
         const float facing = std::abs(normal.dot(q)) / q.norm();
         const float scale = 1 / (sigma * std::max(facing, 0.3F));
@@ -139,6 +141,7 @@ class RowSums {
       rr += surface.gray * surface.gray;
       rc += surface.gray * seen[0];
       ++pairs;
+      if constexpr (only_exposure) continue;
       // On a plain surface noise would pass for something seen.
       const float slope2 = seen[1] * seen[1] + seen[2] * seen[2];
       if (slope2 < least_slope2) continue;
@@ -181,13 +184,30 @@ class RowSums {
 
 #if defined(__x86_64__)
 // The same code, eight numbers at a time: the same bits.
+template <bool only_exposure>
 __attribute__((target("avx2"))) NormalEquations sum_rows_avx2(
     const std::vector<SurfacePoint>& points, const ViewLevel& current,
     const RigidTransform& current_from_reference, const Exposure& exposure, double most_step_m,
     const ViewAlignmentOptions& options) {
-  return sum_rows(points, current, current_from_reference, exposure, most_step_m, options);
+  return sum_rows<only_exposure>(points, current, current_from_reference, exposure, most_step_m,
+                                 options);
 }
 #endif
+
+template <bool only_exposure>
+NormalEquations sum_rows_quickly(const std::vector<SurfacePoint>& points, const ViewLevel& current,
+                                 const RigidTransform& current_from_reference,
+                                 const Exposure& exposure, double most_step_m,
+                                 const ViewAlignmentOptions& options) {
+#if defined(__x86_64__)
+  if (__builtin_cpu_supports("avx2")) {
+    return sum_rows_avx2<only_exposure>(points, current, current_from_reference, exposure,
+                                        most_step_m, options);
+  }
+#endif
+  return sum_rows<only_exposure>(points, current, current_from_reference, exposure, most_step_m,
+                                 options);
+}
 
 }  // namespace
 
@@ -231,11 +251,15 @@ std::vector<SurfacePoint> surface_points(const ViewLevel& view, int stride) {
 NormalEquations linearize(const std::vector<SurfacePoint>& points, const ViewLevel& current,
                           const RigidTransform& current_from_reference, const Exposure& exposure,
                           double most_step_m, const ViewAlignmentOptions& options) {
-#if defined(__x86_64__)
-  if (__builtin_cpu_supports("avx2"))
-    return sum_rows_avx2(points, current, current_from_reference, exposure, most_step_m, options);
-#endif
-  return sum_rows(points, current, current_from_reference, exposure, most_step_m, options);
+  return sum_rows_quickly<false>(points, current, current_from_reference, exposure, most_step_m,
+                                 options);
+}
+
+Exposure find_exposure(const std::vector<SurfacePoint>& points, const ViewLevel& current,
+                       const RigidTransform& current_from_reference, double most_step_m,
+                       const ViewAlignmentOptions& options) {
+  return sum_rows_quickly<true>(points, current, current_from_reference, {}, most_step_m, options)
+      .exposure;
 }
 
 }  // namespace roomwise::motion

@@ -46,4 +46,10 @@ struct NormalEquations {
                                         const Exposure& exposure, double most_step_m,
                                         const ViewAlignmentOptions& options);
 
+// What linearize() would say of the exposure, for less.
+[[nodiscard]] Exposure find_exposure(const std::vector<SurfacePoint>& points,
+                                     const ViewLevel& current,
+                                     const geometry::RigidTransform& current_from_reference,
+                                     double most_step_m, const ViewAlignmentOptions& options);
+
 }  // namespace roomwise::motion

@@ -1,0 +1,122 @@
+// Optimises public pose graphs by Roomwise's solver and by Ceres, and prints what that costs:
+//   optimization_benchmark [RUNS]
+// Graphs are looked for in ROOMWISE_DATA/pose_graphs. Reading the file is not counted; checking it,
+// building the problem and planning the elimination are.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdlib>
+#include <ctime>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "roomwise/mapping/g2o_file.h"
+#include "roomwise/mapping/testing/ceres_pose_graph.h"
+
+namespace {
+
+using namespace roomwise;
+
+struct Run {
+  double error = 0;
+  double iterations = 0;
+  double cpu_ms = 0;
+  double wall_ms = 0;
+};
+
+struct Way {
+  std::string name;
+  std::function<int(mapping::PoseGraph&)> optimize;  // the number of iterations
+};
+
+int by_roomwise(mapping::PoseGraph& graph) {
+  const auto report = mapping::optimize(graph);
+  if (!report) {
+    fmt::print(stderr, "{}\n", report.error().message);
+    std::exit(1);
+  }
+  return report->iterations;
+}
+
+Way by_ceres(std::string name, const ceres::Solver::Options& options) {
+  return {std::move(name), [options](mapping::PoseGraph& graph) {
+            const auto summary = mapping::testing::optimize_with_ceres(graph, 0, options);
+            return static_cast<int>(summary.iterations.size()) - 1;
+          }};
+}
+
+std::vector<Way> ways() {
+  std::vector<Way> result{{"Roomwise (1 thread)", by_roomwise}};
+  for (const int threads : {1, 2}) {
+    ceres::Solver::Options defaults;
+    defaults.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
+    defaults.num_threads = threads;
+    defaults.logging_type = ceres::SILENT;
+    result.push_back(
+        by_ceres(fmt::format("Ceres, default limits, {} thread(s)", threads), defaults));
+    ceres::Solver::Options thorough = defaults;
+    thorough.max_num_iterations = 100;
+    thorough.function_tolerance = 1e-9;
+    thorough.gradient_tolerance = 1e-12;
+    thorough.parameter_tolerance = 1e-12;
+    result.push_back(
+        by_ceres(fmt::format("Ceres, Roomwise's limits, {} thread(s)", threads), thorough));
+  }
+  return result;
+}
+
+Run run_once(const mapping::PoseGraph& start, const Way& way) {
+  mapping::PoseGraph graph = start;
+  const std::clock_t cpu = std::clock();
+  const auto wall = std::chrono::steady_clock::now();
+  Run run;
+  run.iterations = way.optimize(graph);
+  run.cpu_ms = 1000.0 * static_cast<double>(std::clock() - cpu) / CLOCKS_PER_SEC;
+  run.wall_ms =
+      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - wall).count();
+  run.error = mapping::pose_graph_error(graph);
+  return run;
+}
+
+std::string median_and_range(const std::vector<Run>& runs, double Run::*field) {
+  std::vector<double> values;
+  for (const Run& run : runs) values.push_back(run.*field);
+  std::ranges::sort(values);
+  return fmt::format("{:.1f} ({:.1f} to {:.1f})", values[values.size() / 2], values.front(),
+                     values.back());
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const char* data = std::getenv("ROOMWISE_DATA");
+  const int runs = argc > 1 ? std::atoi(argv[1]) : 5;
+  if (data == nullptr || runs < 1) {
+    fmt::print(stderr, "usage: ROOMWISE_DATA=FOLDER optimization_benchmark [RUNS]\n");
+    return 2;
+  }
+  fmt::print("Median (range) of {} runs.\n\n", runs);
+  fmt::print("| graph | solver | F | iterations | CPU-ms | wall ms |\n");
+  fmt::print("| --- | --- | --- | --- | --- | --- |\n");
+  for (const char* name : {"sphere2500", "parking-garage", "smallGrid3D"}) {
+    const auto graph = mapping::read_g2o(std::filesystem::path(data) / "pose_graphs" /
+                                         fmt::format("{}.g2o", name));
+    if (!graph) {
+      fmt::print(stderr, "{}\n", graph.error().message);
+      return 1;
+    }
+    for (const Way& way : ways()) {
+      std::vector<Run> results;
+      for (int i = 0; i < runs; ++i) results.push_back(run_once(*graph, way));
+      fmt::print("| {} | {} | {:.8g} | {:.0f} | {} | {} |\n", name, way.name, results.front().error,
+                 results.front().iterations, median_and_range(results, &Run::cpu_ms),
+                 median_and_range(results, &Run::wall_ms));
+      std::fflush(stdout);
+    }
+  }
+  return 0;
+}
