@@ -1,76 +1,57 @@
-// How long features take: extraction of about as many key-points by each kind, and matching beside
-// OpenCV's own matcher. The picture is the first of fr1/rpy where ROOMWISE_DATA has it, otherwise a
-// synthetic texture of the same size.
+// What features cost on real pictures of ROOMWISE_DATA: extraction of about 1,000 key-points by
+// each method, one row a picture, and matching beside OpenCV's own matcher. How well they match is
+// measured by feature_matching_scores.
 
 #include <benchmark/benchmark.h>
+#include <fmt/format.h>
 
-#include <cstdlib>
-#include <filesystem>
+#include <cstdio>
+#include <opencv2/core.hpp>
 #include <opencv2/features2d.hpp>
 #include <string>
 #include <vector>
 
+#include "feature_methods.h"
+#include "feature_pictures.h"
 #include "roomwise/features/matcher.h"
 #include "roomwise/features/test_pictures.h"
-#include "roomwise/image/codec.h"
-#include "roomwise/image/resample.h"
 
-namespace roomwise::features {
 namespace {
 
+using namespace roomwise;
+using namespace roomwise::features;
+
 constexpr int kMostKeypoints = 1000;
+constexpr int kPicturesARecording = 4;
 
-struct Subject {
-  image::GrayImage picture;
-  std::string name;
-};
-
-Subject load_subject() {
-  const std::string name = "rgbd_dataset_freiburg1_rpy/rgb/1305031229.528748.jpg";
-  if (const char* data = std::getenv("ROOMWISE_DATA"); data != nullptr) {
-    if (auto picture = image::read_color(std::filesystem::path(data) / name)) {
-      return {image::to_gray(*picture), name};
-    }
-  }
-  return {testing::textured_picture(640, 480, 1), "synthetic texture"};
-}
-
-const Subject& subject() {
-  static const Subject loaded = load_subject();
-  return loaded;
-}
-
-const image::GrayImage& picture() {
-  return subject().picture;
-}
-
-// The picture as the camera might see it a moment later.
-const image::GrayImage& next_picture() {
-  static const image::GrayImage warped = testing::warp(picture(), 3, 1.03, 0.5).picture;
-  return warped;
-}
-
-void extract(benchmark::State& state, FeatureKind kind) {
-  cv::setNumThreads(1);
-  const auto extractor = make_extractor(kind, kMostKeypoints);
+void extract(benchmark::State& state, const FeatureExtractor& extractor,
+             const image::GrayImage& picture) {
   std::size_t keypoints = 0;
   for (auto _ : state) {
-    const Features features = extractor->extract(picture());
+    const Features features = extractor.extract(picture);
     benchmark::DoNotOptimize(keypoints = features.size());
   }
-  state.SetLabel(subject().name);
   state.counters["keypoints"] = static_cast<double>(keypoints);
 }
 
-void match(benchmark::State& state, FeatureKind kind) {
-  cv::setNumThreads(1);
-  const auto extractor = make_extractor(kind, kMostKeypoints);
-  const Features query = extractor->extract(picture());
-  const Features train = extractor->extract(next_picture());
+// A picture and what the camera might see a moment later.
+struct Pair {
+  Features query, train;
+};
+
+Pair extract_pair(const FeatureExtractor& extractor, const image::GrayImage& picture) {
+  return {extractor.extract(picture),
+          extractor.extract(testing::warp(picture, 3, 1.03, 0.5).picture)};
+}
+
+void match(benchmark::State& state, const FeatureExtractor& extractor,
+           const image::GrayImage& picture) {
+  const Pair pair = extract_pair(extractor, picture);
   std::size_t matches = 0;
   for (auto _ : state) {
-    benchmark::DoNotOptimize(matches = match_features(query, train).size());
+    benchmark::DoNotOptimize(matches = match_features(pair.query, pair.train).size());
   }
+  state.counters["keypoints"] = static_cast<double>(pair.query.size());
   state.counters["matches"] = static_cast<double>(matches);
 }
 
@@ -90,30 +71,52 @@ cv::Mat as_rows(const Features& features) {
 
 // The same work by OpenCV: the two nearest in one direction and the nearest in the other, for the
 // ratio test and the mutual check.
-void match_by_opencv(benchmark::State& state, FeatureKind kind) {
-  cv::setNumThreads(1);
-  const auto extractor = make_extractor(kind, kMostKeypoints);
-  const cv::Mat query = as_rows(extractor->extract(picture()));
-  const cv::Mat train = as_rows(extractor->extract(next_picture()));
-  const cv::BFMatcher matcher(kind == FeatureKind::kOrb ? cv::NORM_HAMMING : cv::NORM_L2);
+void match_by_opencv(benchmark::State& state, const FeatureExtractor& extractor,
+                     const image::GrayImage& picture) {
+  const Pair pair = extract_pair(extractor, picture);
+  const cv::Mat query = as_rows(pair.query), train = as_rows(pair.train);
+  const cv::BFMatcher matcher(query.type() == CV_8U ? cv::NORM_HAMMING : cv::NORM_L2);
   for (auto _ : state) {
     std::vector<std::vector<cv::DMatch>> forward, backward;
     matcher.knnMatch(query, train, forward, 2);
     matcher.knnMatch(train, query, backward, 1);
     benchmark::DoNotOptimize(forward.size() + backward.size());
   }
+  state.counters["keypoints"] = static_cast<double>(pair.query.size());
 }
 
-#define ROOMWISE_BENCHMARK_KINDS(function)                                              \
-  BENCHMARK_CAPTURE(function, surf, FeatureKind::kSurf)->Unit(benchmark::kMillisecond); \
-  BENCHMARK_CAPTURE(function, sift, FeatureKind::kSift)->Unit(benchmark::kMillisecond); \
-  BENCHMARK_CAPTURE(function, orb, FeatureKind::kOrb)->Unit(benchmark::kMillisecond)
+using Measure = void (*)(benchmark::State&, const FeatureExtractor&, const image::GrayImage&);
 
-ROOMWISE_BENCHMARK_KINDS(extract);
-ROOMWISE_BENCHMARK_KINDS(match);
-ROOMWISE_BENCHMARK_KINDS(match_by_opencv);
+void measure(const std::string& name, Measure function, const bench::FeatureMethod& method,
+             const std::vector<image::GrayImage>& pictures) {
+  for (std::size_t i = 0; i < pictures.size(); ++i) {
+    benchmark::RegisterBenchmark(
+        fmt::format("{}/{}/picture{}", name, method.name, i + 1).c_str(),
+        [&method, function, &picture = pictures[i]](benchmark::State& state) {
+          function(state, *method.extractor, picture);
+        })
+        ->Unit(benchmark::kMillisecond);
+  }
+}
 
 }  // namespace
-}  // namespace roomwise::features
 
-BENCHMARK_MAIN();
+int main(int argc, char** argv) {
+  benchmark::Initialize(&argc, argv);
+  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
+  cv::setNumThreads(1);
+  const auto pictures = bench::load_feature_pictures(kPicturesARecording);
+  if (!pictures) {
+    fmt::print(stderr, "{}\n", pictures.error().message);
+    return 1;
+  }
+  const auto methods = bench::feature_methods(kMostKeypoints);
+  for (const auto& method : methods) measure("extract", extract, method, *pictures);
+  for (const auto& method : methods) {
+    if (method.name == "surf-portable" || method.name == "dlib-surf") continue;
+    measure("match", match, method, *pictures);
+    measure("match_by_opencv", match_by_opencv, method, *pictures);
+  }
+  benchmark::RunSpecifiedBenchmarks();
+  return 0;
+}

@@ -4,21 +4,72 @@
 
 namespace roomwise::features {
 
-IntegralImage::IntegralImage(const image::GrayImage& image)
-    : width_(image.width()),
-      height_(image.height()),
-      stride_(static_cast<std::size_t>(width_) + 1),
-      sums_(stride_ * (static_cast<std::size_t>(height_) + 1)) {
-  for (int y = 0; y < height_; ++y) {
-    const std::uint8_t* pixels = image.row(y).data();
-    const std::uint32_t* above = row(y);
-    std::uint32_t* below = sums_.data() + (static_cast<std::size_t>(y) + 1) * stride_;
-    std::uint32_t sum_of_row = 0;
-    for (int x = 0; x < width_; ++x) {
-      sum_of_row += pixels[x];
-      below[x + 1] = above[x + 1] + sum_of_row;
-    }
+namespace {
+
+// Row `below` of the sums from the one above it, from column `first` of the picture on.
+template <typename Pixel>
+void add_row(const Pixel* pixels, int first, int width, std::uint32_t sum_of_row,
+             const std::uint32_t* above, std::uint32_t* __restrict below) {
+  for (int x = first; x < width; ++x) {
+    sum_of_row += pixels[x];
+    below[x + 1] = above[x + 1] + sum_of_row;
   }
+}
+
+#if defined(__x86_64__)
+// The same, eight columns at a time: each lane takes up those before it in three steps.
+__attribute__((target("avx2"))) void add_row_avx2(const std::uint16_t* pixels, int width,
+                                                  const std::uint32_t* above,
+                                                  std::uint32_t* __restrict below) {
+  using Pixels = std::uint16_t __attribute__((vector_size(16)));
+  const Int8 zero{};
+  Int8 sum_before{};
+  int x = 0;
+  for (; x + 8 <= width; x += 8) {
+    Pixels loaded;
+    Int8 over;
+    load(pixels + x, loaded);
+    load(above + x + 1, over);
+    Int8 sum = __builtin_convertvector(loaded, Int8);
+    sum += __builtin_shufflevector(zero, sum, 0, 8, 9, 10, 11, 12, 13, 14);
+    sum += __builtin_shufflevector(zero, sum, 0, 0, 8, 9, 10, 11, 12, 13);
+    sum += __builtin_shufflevector(zero, sum, 0, 0, 0, 0, 8, 9, 10, 11);
+    sum += sum_before;
+    sum_before = __builtin_shufflevector(sum, sum, 7, 7, 7, 7, 7, 7, 7, 7);
+    store(over + sum, below + x + 1);
+  }
+  add_row(pixels, x, width, static_cast<std::uint32_t>(sum_before[0]), above, below);
+}
+#endif
+
+}  // namespace
+
+IntegralImage::IntegralImage(const image::GrayImage& image) {
+  reset(image.width(), image.height());
+  for (int y = 0; y < height_; ++y) {
+    add_row(image.row(y).data(), 0, width_, 0, row(y), sums_.data() + offset(y + 1));
+  }
+}
+
+void IntegralImage::reset(int width, int height) {
+  width_ = width;
+  height_ = height;
+  stride_ = static_cast<std::size_t>(width) + 1;
+  sums_.resize(offset(height + 1) + kReadable);
+  std::fill_n(sums_.begin(), stride_, 0U);
+  for (int y = 1; y <= height; ++y) sums_[offset(y)] = 0;
+}
+
+void IntegralImage::set_row(int y, std::span<const std::uint16_t> pixels,
+                            [[maybe_unused]] Simd simd) {
+  std::uint32_t* below = sums_.data() + offset(y + 1);
+#if defined(__x86_64__)
+  if (simd == Simd::kAvx2) {
+    add_row_avx2(pixels.data(), width_, row(y), below);
+    return;
+  }
+#endif
+  add_row(pixels.data(), 0, width_, 0, row(y), below);
 }
 
 std::uint32_t IntegralImage::box_sum(int left, int top, int right, int bottom) const {

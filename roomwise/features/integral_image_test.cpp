@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <vector>
 
 #include "roomwise/base/random.h"
 
@@ -46,6 +47,27 @@ TEST(IntegralImage, RowsStartAtZeroAndEndAtTheWhole) {
   EXPECT_EQ(integral.row(2)[0], 0U);
   EXPECT_EQ(integral.row(1)[2], 2U * 255);
   EXPECT_EQ(integral.row(2)[3], 6U * 255);
+}
+
+TEST(IntegralImage, RowByRowIsTheSame) {
+  RandomStream random(2);
+  for (int width = 1; width < 40; ++width) {
+    image::GrayImage picture(width, 5);
+    for (auto& pixel : picture.pixels()) pixel = static_cast<std::uint8_t>(random.index(256));
+    const IntegralImage expected(picture);
+    for (const Simd simd : {Simd::kPortable, best_simd()}) {
+      IntegralImage integral;
+      integral.reset(50, 9);  // what was there before does not matter
+      integral.reset(width, 5);
+      for (int y = 0; y < 5; ++y) {
+        const std::vector<std::uint16_t> row(picture.row(y).begin(), picture.row(y).end());
+        integral.set_row(y, row, simd);
+      }
+      for (int y = 0; y <= 5; ++y) {
+        ASSERT_TRUE(std::equal(expected.row(y), expected.row(y) + width + 1, integral.row(y)));
+      }
+    }
+  }
 }
 
 TEST(IntegralImage, AnEmptyPictureHasEmptyBoxes) {

@@ -77,7 +77,8 @@ void root_of_histogram(const float* histogram, float* values, int count) {
 
 }  // namespace
 
-SiftExtractor::SiftExtractor(int most_keypoints) : most_keypoints_(most_keypoints) {
+SiftExtractor::SiftExtractor(int most_keypoints, double contrast_threshold)
+    : most_keypoints_(most_keypoints), contrast_threshold_(contrast_threshold) {
   if (most_keypoints < 0) throw std::invalid_argument("SiftExtractor: negative most_keypoints");
 }
 
@@ -85,7 +86,8 @@ Features SiftExtractor::extract(const image::GrayImage& image) const {
   constexpr int kValues = 128;
   Features features{{}, RealDescriptors(0, kValues)};
   if (image.empty()) return features;
-  const Detections found = detect(*cv::SIFT::create(most_keypoints_), image);
+  const Detections found =
+      detect(*cv::SIFT::create(most_keypoints_, 3, contrast_threshold_), image);
   const auto order = strongest_first(found.keypoints, static_cast<std::size_t>(most_keypoints_));
   RealDescriptors descriptors(order.size(), kValues);
   for (std::size_t i = 0; i < order.size(); ++i) {
@@ -102,7 +104,8 @@ Features SiftExtractor::extract(const image::GrayImage& image) const {
   return features;
 }
 
-OrbExtractor::OrbExtractor(int most_keypoints) : most_keypoints_(most_keypoints) {
+OrbExtractor::OrbExtractor(int most_keypoints, int corner_threshold)
+    : most_keypoints_(most_keypoints), corner_threshold_(corner_threshold) {
   if (most_keypoints < 1) throw std::invalid_argument("OrbExtractor: most_keypoints below 1");
 }
 
@@ -112,7 +115,9 @@ Features OrbExtractor::extract(const image::GrayImage& image) const {
   Features features{{}, BinaryDescriptors(0, kBytes)};
   // OpenCV fails on pictures whose pyramid ends at nothing.
   if (std::min(image.width(), image.height()) <= 2 * kBorderPx) return features;
-  const Detections found = detect(*cv::ORB::create(most_keypoints_), image);
+  const Detections found = detect(*cv::ORB::create(most_keypoints_, 1.2F, 8, kBorderPx, 0, 2,
+                                                   cv::ORB::HARRIS_SCORE, 31, corner_threshold_),
+                                  image);
   const auto order = strongest_first(found.keypoints, static_cast<std::size_t>(most_keypoints_));
   BinaryDescriptors descriptors(order.size(), kBytes);
   for (std::size_t i = 0; i < order.size(); ++i) {

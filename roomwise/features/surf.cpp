@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <stdexcept>
+#include <tuple>
 
-#include "roomwise/features/integral_image.h"
 #include "roomwise/features/keypoint_selection.h"
 #include "roomwise/features/surf_detector.h"
+#include "roomwise/features/surf_pyramid.h"
 
 namespace roomwise::features {
 
@@ -14,13 +16,7 @@ Expected<void> SurfOptions::validate() const {
   if (!(hessian_threshold >= 0 && std::isfinite(hessian_threshold))) {
     return fail("SURF's hessian_threshold is {}; it must be at least 0", hessian_threshold);
   }
-  if (octaves < 1 || octaves > 5) return fail("SURF's octaves are {}; give 1 to 5", octaves);
-  if (intervals < 3 || intervals > 8) {
-    return fail("SURF's intervals are {}; give 3 to 8", intervals);
-  }
-  if (initial_step < 1 || initial_step > 16) {
-    return fail("SURF's initial_step is {} px; give 1 to 16", initial_step);
-  }
+  if (octaves < 1 || octaves > 6) return fail("SURF's octaves are {}; give 1 to 6", octaves);
   if (!(most_edge_ratio == 0 || (most_edge_ratio >= 1 && std::isfinite(most_edge_ratio)))) {
     return fail("SURF's most_edge_ratio is {}; give 0 (no limit), or 1 or more", most_edge_ratio);
   }
@@ -33,46 +29,104 @@ Expected<void> SurfOptions::validate() const {
   return {};
 }
 
-SurfExtractor::SurfExtractor(const SurfOptions& options) : options_(options) {
+namespace {
+
+// From top to bottom, small ones first: what lies side by side is read from memory once.
+void sort_by_place(const std::vector<Keypoint>& keypoints, std::vector<std::size_t>& order) {
+  order.resize(keypoints.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  const auto key = [&](std::size_t i) {
+    constexpr float kOctave = 64;  // px: about where the pyramid's second level takes over
+    return std::tuple(keypoints[i].size_px > kOctave, keypoints[i].position_px.y(), i);
+  };
+  std::ranges::sort(order, {}, key);
+}
+
+}  // namespace
+
+struct SurfExtractor::Workspace {
+  SurfPyramid pyramid;
+  SurfDetector detector;
+  std::vector<Blob> blobs;
+  std::vector<Keypoint> keypoints;
+  KeypointSelection selection;
+  std::vector<std::size_t> order;
+};
+
+// A workspace that no other thread has meanwhile.
+class SurfExtractor::Lease {
+ public:
+  explicit Lease(const SurfExtractor& extractor) : extractor_(extractor) {
+    const std::lock_guard lock(extractor_.mutex_);
+    if (!extractor_.idle_.empty()) {
+      workspace_ = std::move(extractor_.idle_.back());
+      extractor_.idle_.pop_back();
+    } else {
+      workspace_ = std::make_unique<Workspace>();
+    }
+  }
+  ~Lease() {
+    const std::lock_guard lock(extractor_.mutex_);
+    extractor_.idle_.push_back(std::move(workspace_));
+  }
+  Lease(const Lease&) = delete;
+  Lease& operator=(const Lease&) = delete;
+  Workspace& operator*() const { return *workspace_; }
+
+ private:
+  const SurfExtractor& extractor_;
+  std::unique_ptr<Workspace> workspace_;
+};
+
+SurfExtractor::SurfExtractor(const SurfOptions& options, Simd simd)
+    : options_(options), simd_(simd), descriptor_(simd) {
   if (const auto valid = options.validate(); !valid) {
     throw std::invalid_argument(valid.error().message);
   }
+  if (!is_supported(simd)) {
+    throw std::invalid_argument("SurfExtractor: this processor lacks the instructions");
+  }
 }
 
+SurfExtractor::~SurfExtractor() = default;
+
 Features SurfExtractor::extract(const image::GrayImage& image) const {
-  constexpr float kWindow = 20;  // side of the descriptor's window over the scale
-  const IntegralImage integral(image);
-  std::vector<Keypoint> keypoints;
-  for (const Blob& blob : find_blobs(integral, options_)) {
+  constexpr float kWindow = 20;  // size_px over the scale
+  const Lease lease(*this);
+  auto& [pyramid, detector, blobs, keypoints, selection, order] = *lease;
+  pyramid.build(image, options_.octaves, options_.doubled, simd_);
+  blobs.clear();
+  for (const SurfLevel& level : pyramid.levels()) {
+    detector.find_blobs(level, options_, simd_, blobs);
+  }
+  keypoints.clear();
+  for (const Blob& blob : blobs) {
     Keypoint& keypoint = keypoints.emplace_back();
     keypoint.position_px = blob.position_px;
     keypoint.size_px = kWindow * blob.scale;
     keypoint.response = blob.response;
     keypoint.bright = blob.bright;
   }
-  if (options_.most_keypoints > 0) {
-    const auto most = static_cast<std::size_t>(options_.most_keypoints);
-    keypoints = select_keypoints(std::move(keypoints), most, image.width(), image.height(),
-                                 options_.spread_cells);
-  } else {
-    sort_strongest_first(keypoints);
-  }
+  selection.select(keypoints, static_cast<std::size_t>(options_.most_keypoints), image.width(),
+                   image.height(), options_.spread_cells);
 
   RealDescriptors descriptors(keypoints.size(), SurfDescriptor::kValues);
-  for (std::size_t i = 0; i < keypoints.size(); ++i) {
+  sort_by_place(keypoints, order);
+  for (const std::size_t i : order) {
     Keypoint& keypoint = keypoints[i];
-    const float x_px = keypoint.position_px.x();
-    const float y_px = keypoint.position_px.y();
-    const float scale = keypoint.size_px / kWindow;
+    const SurfLevel& level = pyramid.level_of_scale(keypoint.size_px / kWindow);
+    const float x = level.from_picture(keypoint.position_px.x());
+    const float y = level.from_picture(keypoint.position_px.y());
+    const float scale = keypoint.size_px / kWindow / level.pixel_px;
     if (!options_.upright) {
-      keypoint.angle_rad = descriptor_.orientation_rad(integral, x_px, y_px, scale);
+      keypoint.angle_rad = descriptor_.orientation_rad(level.integral, x, y, scale);
     }
     descriptor_.describe(
-        integral, x_px, y_px, scale, keypoint.angle_rad,
+        level.integral, x, y, scale, keypoint.angle_rad,
         std::span<float, SurfDescriptor::kValues>(
             descriptors.row(static_cast<Eigen::Index>(i)).data(), SurfDescriptor::kValues));
   }
-  return {std::move(keypoints), std::move(descriptors)};
+  return {keypoints, std::move(descriptors)};
 }
 
 }  // namespace roomwise::features

@@ -1,6 +1,11 @@
 #pragma once
 
+#include <memory>
+#include <mutex>
+#include <vector>
+
 #include "roomwise/features/feature_extractor.h"
+#include "roomwise/features/simd.h"
 #include "roomwise/features/surf_descriptor.h"
 
 namespace roomwise::features {
@@ -12,16 +17,13 @@ struct SurfOptions {
   // filters normalised by their area; grey levels squared. Kept low, since most_keypoints then
   // takes the strongest.
   double hessian_threshold = 1;
-  // Number of octaves; each doubles the step of the filter sizes. 1 to 5.
-  int octaves = 4;
-  // Filter sizes an octave: 4 gives 9, 15, 21, 27 px, then 15, 27, 39, 51, then 27, 51, 75, 99.
-  // 3 to 8.
-  int intervals = 4;
-  // Distance between the places where the first octave is sampled, px; it doubles with each octave.
-  int initial_step = 1;
-  // Greatest ratio of the two principal curvatures (Lowe 2004, section 4.1). Not in the paper: box
-  // filters take a slanted straight edge for a row of blobs, which slide along it from picture to
-  // picture. At least 1; 0 keeps them, as the paper does.
+  // Number of octaves, each at half the size of the one before. 1 to 6.
+  int octaves = 5;
+  // The first octave looks at the picture at double its size, where it finds blobs half as large.
+  bool doubled = true;
+  // Greatest ratio of the two principal curvatures (Lowe 2004, section 4.1). Not in the paper:
+  // along an edge or a bar places slide from picture to picture. At least 1; 0 keeps them, as the
+  // paper does.
   double most_edge_ratio = 8;
   // U-SURF: no orientation, every angle is 0. For cameras that are held upright.
   bool upright = false;
@@ -36,17 +38,27 @@ struct SurfOptions {
 };
 
 // Our own SURF with 64 values. Positions are those of the scale space's maxima (no half-pixel
-// shift); size_px is the side of the descriptor's window, 20 s, where s is the scale of the paper
-// (1.2 for the filter of 9 px); response is the determinant of the Hessian.
+// shift); size_px is 20 s, the side of the paper's window (ours is 24 s wide and fades), where s is
+// the scale of the paper (1.2 for the filter of 9 px); response is the determinant of the Hessian.
+// Beyond what it returns, extract() takes no memory once it has seen a picture of the size.
 class SurfExtractor final : public FeatureExtractor {
  public:
-  // The options must be valid; others are a programming error (std::invalid_argument).
-  explicit SurfExtractor(const SurfOptions& options);
+  // The options must be valid and the processor have the instructions; others are a programming
+  // error (std::invalid_argument).
+  explicit SurfExtractor(const SurfOptions& options, Simd simd = best_simd());
+  ~SurfExtractor() override;
   [[nodiscard]] Features extract(const image::GrayImage& image) const override;
 
  private:
+  // The memory that one call needs. It is kept for later calls, as many as there were at once.
+  struct Workspace;
+  class Lease;
+
   SurfOptions options_;
+  Simd simd_;
   SurfDescriptor descriptor_;
+  mutable std::mutex mutex_;
+  mutable std::vector<std::unique_ptr<Workspace>> idle_;  // guarded by mutex_
 };
 
 }  // namespace roomwise::features

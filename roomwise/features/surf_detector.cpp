@@ -2,227 +2,52 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <cstring>
 #include <limits>
 #include <optional>
+
+#include "roomwise/features/surf_rows.h"
 
 namespace roomwise::features {
 namespace {
 
 // Box filters approximate a Gaussian of sigma 1.2 by 9 px.
 constexpr float kScalePerFilterPx = 1.2F / 9;
-// Balances the box approximation of the mixed derivative (section 3.2, eq. 3).
-constexpr float kMixedWeight = 0.9F;
 
 // The measures of the three box filters of one size, px from the centre. The lobes of the paper
 // are `lobe` wide; a 9 px filter has lobes of 3.
 struct BoxFilter {
-  explicit BoxFilter(int size_px)
-      : size(size_px), lobe(size_px / 3), margin(size_px / 2), half_lobe(lobe / 2) {}
+  // layer counts from 0.
+  constexpr explicit BoxFilter(int layer)
+      : size(9 + kStep * layer), lobe(size / 3), margin(size / 2), half_lobe(lobe / 2) {}
+  static constexpr int kStep = 6;  // from one layer to the next
   int size, lobe, margin, half_lobe;
 };
+constexpr int kLargestMargin = BoxFilter(static_cast<int>(kSurfLayers) - 1).margin;
 
-struct SecondDerivatives {
-  std::int32_t xx, yy, xy;
-};
+// Rows are worked on strip by strip, so that the rows of the integral image that the filters span
+// stay in the processor's nearest cache.
+constexpr int kStripSamples = 160;
 
-// Differences of the integral image's rows around row y. The three filters are sums of boxes that
-// share rows, so what lies between the rows is taken once for all columns; each filter then needs
-// only differences along one row.
-class FilterRows {
- public:
-  explicit FilterRows(int width)
-      : columns_(static_cast<std::size_t>(width) + 1), values_(3 * columns_) {}
+static_assert(IntegralImage::kReadable >= 2 * kSurfRowSlack);
 
-  std::uint32_t* xx() { return values_.data(); }
-  std::uint32_t* yy() { return values_.data() + columns_; }
-  std::uint32_t* xy() { return values_.data() + 2 * columns_; }
-  [[nodiscard]] std::size_t columns() const { return columns_; }
-
- private:
-  std::size_t columns_;
-  std::vector<std::uint32_t> values_;
-};
-
-[[gnu::always_inline]] inline void difference_rows(const IntegralImage& integral,
-                                                   const BoxFilter& filter, int y,
-                                                   FilterRows& rows) {
-  const std::uint32_t* xx_top = integral.row(y - filter.lobe + 1);
-  const std::uint32_t* xx_bottom = integral.row(y + filter.lobe);
-  const std::uint32_t* yy_top = integral.row(y - filter.margin);
-  const std::uint32_t* yy_middle_top = integral.row(y - filter.half_lobe);
-  const std::uint32_t* yy_middle_bottom = integral.row(y + filter.half_lobe + 1);
-  const std::uint32_t* yy_bottom = integral.row(y + filter.margin + 1);
-  const std::uint32_t* above_top = integral.row(y - filter.lobe);
-  const std::uint32_t* above_bottom = integral.row(y);
-  const std::uint32_t* below_top = integral.row(y + 1);
-  const std::uint32_t* below_bottom = integral.row(y + filter.lobe + 1);
-  std::uint32_t* __restrict xx = rows.xx();
-  std::uint32_t* __restrict yy = rows.yy();
-  std::uint32_t* __restrict xy = rows.xy();
-  const std::size_t columns = rows.columns();
-  for (std::size_t x = 0; x < columns; ++x) {
-    xx[x] = xx_bottom[x] - xx_top[x];
-    yy[x] = yy_bottom[x] - yy_top[x] - 3 * (yy_middle_bottom[x] - yy_middle_top[x]);
-    xy[x] = (above_bottom[x] - above_top[x]) - (below_bottom[x] - below_top[x]);
-  }
-}
-
-// Sums are modulo 2^32, the derivatives themselves fit: at most 2/9 of the filter's pixels times
-// 255 on either side of zero.
-[[gnu::always_inline]] inline SecondDerivatives derivatives_at(const std::uint32_t* xx,
-                                                               const std::uint32_t* yy,
-                                                               const std::uint32_t* xy,
-                                                               const BoxFilter& filter, int x) {
-  const std::uint32_t whole = xx[x + filter.margin + 1] - xx[x - filter.margin];
-  const std::uint32_t middle = xx[x + filter.half_lobe + 1] - xx[x - filter.half_lobe];
-  return {static_cast<std::int32_t>(whole - 3 * middle),
-          static_cast<std::int32_t>(yy[x + filter.lobe] - yy[x - filter.lobe + 1]),
-          static_cast<std::int32_t>((xy[x] - xy[x - filter.lobe]) -
-                                    (xy[x + filter.lobe + 1] - xy[x + 1]))};
-}
-
-// responses[i] becomes the determinant of the Hessian at column first + i * step of row y.
-[[gnu::always_inline]] inline void respond_along_row(const IntegralImage& integral,
-                                                     const BoxFilter& filter, int y, int first,
-                                                     int step, int count, FilterRows& rows,
-                                                     float* __restrict responses) {
-  difference_rows(integral, filter, y, rows);
-  const std::uint32_t* xx = rows.xx();
-  const std::uint32_t* yy = rows.yy();
-  const std::uint32_t* xy = rows.xy();
-  const float per_area = 1 / static_cast<float>(filter.size * filter.size);
-  const auto determinant = [&](int x) {
-    const SecondDerivatives sum = derivatives_at(xx, yy, xy, filter, x);
-    const float dxx = static_cast<float>(sum.xx) * per_area;
-    const float dyy = static_cast<float>(sum.yy) * per_area;
-    const float dxy = static_cast<float>(sum.xy) * per_area * kMixedWeight;
-    return dxx * dyy - dxy * dxy;
-  };
-  if (step == 1) {  // a loop of its own, since the compiler turns it into SIMD
-    for (int i = 0; i < count; ++i) responses[i] = determinant(first + i);
-  } else {
-    for (int i = 0; i < count; ++i) responses[i] = determinant(first + i * step);
-  }
-}
-
-// The same code for two kinds of processor; without fused multiplications both give the same bits.
-void respond_baseline(const IntegralImage& integral, const BoxFilter& filter, int y, int first,
-                      int step, int count, FilterRows& rows, float* responses) {
-  respond_along_row(integral, filter, y, first, step, count, rows, responses);
-}
-
-#if defined(__x86_64__)
-__attribute__((target("avx2"))) void respond_avx2(const IntegralImage& integral,
-                                                  const BoxFilter& filter, int y, int first,
-                                                  int step, int count, FilterRows& rows,
-                                                  float* responses) {
-  respond_along_row(integral, filter, y, first, step, count, rows, responses);
-}
-#endif
-
-auto best_respond() {
-#if defined(__x86_64__)
-  if (__builtin_cpu_supports("avx2")) return &respond_avx2;
-#endif
-  return &respond_baseline;
-}
-
-// The determinant sampled every `step` px with one filter. Zero where the filter leaves the
-// picture: the columns and rows outside [first, end).
-struct ResponseLayer {
-  BoxFilter filter;
-  int step;
-  int columns, rows;
-  int first;  // of both, in samples
-  int end_column, end_row;
-  std::vector<float> responses;
-
-  [[nodiscard]] const float* row(int y) const {
-    return responses.data() + static_cast<std::ptrdiff_t>(y) * columns;
-  }
-};
-
-ResponseLayer empty_layer(const IntegralImage& integral, const BoxFilter& filter, int step) {
-  const int columns = (integral.width() + step - 1) / step;
-  const int rows = (integral.height() + step - 1) / step;
-  const int first = (filter.margin + step - 1) / step;
-  const auto end = [&](int extent) {
-    return std::max(first, (extent - filter.margin - 1) / step + 1);
-  };
-  return {filter,
-          step,
-          columns,
-          rows,
-          first,
-          end(integral.width()),
-          end(integral.height()),
-          std::vector<float>(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows))};
-}
-
-ResponseLayer compute_layer(const IntegralImage& integral, const BoxFilter& filter, int step) {
-  ResponseLayer layer = empty_layer(integral, filter, step);
-  const auto respond = best_respond();
-  FilterRows rows(integral.width());
-  for (int y = layer.first; y < layer.end_row; ++y) {
-    respond(integral, filter, y * step, layer.first * step, step, layer.end_column - layer.first,
-            rows,
-            layer.responses.data() + static_cast<std::ptrdiff_t>(y) * layer.columns + layer.first);
-  }
-  return layer;
-}
-
-// Every second sample of a layer of the octave before, which has a filter of the same size.
-ResponseLayer halve_layer(const IntegralImage& integral, const ResponseLayer& fine) {
-  ResponseLayer layer = empty_layer(integral, fine.filter, 2 * fine.step);
-  for (int y = layer.first; y < layer.end_row; ++y) {
-    const float* from = fine.row(2 * y);
-    float* to = layer.responses.data() + static_cast<std::ptrdiff_t>(y) * layer.columns;
-    for (int x = layer.first; x < layer.end_column; ++x) to[x] = from[2 * x];
-  }
-  return layer;
-}
-
-using Octave = std::vector<ResponseLayer>;
-
-// octave and interval count from 1, as in the paper.
-int filter_size_px(int octave, int interval) {
-  return 3 * ((1 << octave) * interval + 1);
-}
-
-Octave compute_octave(const IntegralImage& integral, const SurfOptions& options, int octave,
-                      const Octave& previous) {
-  Octave layers;
-  const int step = options.initial_step << (octave - 1);
-  for (int interval = 1; interval <= options.intervals; ++interval) {
-    const bool known = octave > 1 && 2 * interval <= options.intervals;
-    if (known) {
-      layers.push_back(halve_layer(integral, previous[static_cast<std::size_t>(2 * interval - 1)]));
-    } else {
-      layers.push_back(compute_layer(integral, BoxFilter(filter_size_px(octave, interval)), step));
-    }
-  }
-  return layers;
-}
-
-// Three layers of an octave that follow each other in scale.
+// Three layers that follow each other in scale.
 struct Neighbourhood {
-  const ResponseLayer& finer;
-  const ResponseLayer& middle;
-  const ResponseLayer& coarser;
+  const ThreeRows& finer;
+  const ThreeRows& middle;
+  const ThreeRows& coarser;
 };
 
 // At least every neighbour, and more than those before it, so that of equal neighbours exactly one
 // is taken (a blob centred between two pixels).
-bool is_maximum(const Neighbourhood& layers, int x, int y) {
-  const float value = layers.middle.row(y)[x];
-  for (int v = y - 1; v <= y + 1; ++v) {
-    const float* finer = layers.finer.row(v);
-    const float* middle = layers.middle.row(v);
-    const float* coarser = layers.coarser.row(v);
+bool is_maximum(const Neighbourhood& layers, int x) {
+  const float value = layers.middle[1][x];
+  for (std::size_t row = 0; row < 3; ++row) {
     for (int u = x - 1; u <= x + 1; ++u) {
-      if (finer[u] >= value || coarser[u] > value) return false;
-      const bool before = v < y || (v == y && u < x);
-      if (before ? middle[u] >= value : middle[u] > value) return false;
+      if (layers.finer[row][u] >= value || layers.coarser[row][u] > value) return false;
+      const bool before = row == 0 || (row == 1 && u < x);
+      const float beside = layers.middle[row][u];
+      if (before ? beside >= value : beside > value) return false;
     }
   }
   return true;
@@ -234,12 +59,10 @@ struct Refinement {
 };
 
 // The maximum of the quadratic through the 27 neighbours (Brown and Lowe 2002).
-std::optional<Refinement> refine(const Neighbourhood& layers, int x, int y) {
+std::optional<Refinement> refine(const Neighbourhood& layers, int x) {
   const auto value = [&](int dx, int dy, int layer) -> double {
-    const ResponseLayer& from = layer < 0   ? layers.finer
-                                : layer > 0 ? layers.coarser
-                                            : layers.middle;
-    return from.row(y + dy)[x + dx];
+    const ThreeRows& from = layer < 0 ? layers.finer : layer > 0 ? layers.coarser : layers.middle;
+    return static_cast<double>(from[static_cast<std::size_t>(dy + 1)][x + dx]);
   };
   const double centre = value(0, 0, 0);
   const Eigen::Vector3d gradient((value(1, 0, 0) - value(-1, 0, 0)) / 2,
@@ -271,7 +94,8 @@ float laplacian(const IntegralImage& integral, const BoxFilter& filter, int x, i
   const int across = filter.lobe - 1;
   const std::int64_t dxx = box(filter.margin, across) - 3 * box(filter.half_lobe, across);
   const std::int64_t dyy = box(across, filter.margin) - 3 * box(across, filter.half_lobe);
-  return static_cast<float>(dxx + dyy) / static_cast<float>(filter.size * filter.size);
+  return static_cast<float>(dxx + dyy) /
+         (SurfLevel::kUnits * static_cast<float>(filter.size * filter.size));
 }
 
 // For principal curvatures of ratio r, trace^2 / determinant is (r + 1)^2 / r (Lowe 2004, 4.1).
@@ -281,45 +105,156 @@ float most_squared_trace_over_determinant(const SurfOptions& options) {
   return (ratio + 1) * (ratio + 1) / ratio;
 }
 
-void find_maxima(const IntegralImage& integral, const Neighbourhood& layers,
-                 const SurfOptions& options, std::vector<Blob>& blobs) {
-  const auto threshold = static_cast<float>(options.hessian_threshold);
-  const float most_trace_ratio = most_squared_trace_over_determinant(options);
-  const ResponseLayer& middle = layers.middle;
-  const ResponseLayer& coarser = layers.coarser;
-  for (int y = coarser.first + 1; y < coarser.end_row - 1; ++y) {
-    const float* responses = middle.row(y);
-    for (int x = coarser.first + 1; x < coarser.end_column - 1; ++x) {
-      if (responses[x] < threshold || !is_maximum(layers, x, y)) continue;
-      const float trace = laplacian(integral, middle.filter, x * middle.step, y * middle.step);
-      if (trace * trace > most_trace_ratio * responses[x]) continue;
-      const auto refined = refine(layers, x, y);
-      if (!refined) continue;
-      const Eigen::Vector2d place =
-          (Eigen::Vector2d(x, y) + refined->offset.head<2>()) * middle.step;
-      const double size =
-          middle.filter.size + refined->offset.z() * (coarser.filter.size - middle.filter.size);
-      blobs.push_back({place.cast<float>(), static_cast<float>(size) * kScalePerFilterPx,
-                       static_cast<float>(refined->value), trace < 0});
-    }
-  }
+// The first marked column from x on, or `end`.
+int next_mark(const std::int32_t* marks, int x, int end) {
+  const auto bytes = static_cast<std::size_t>(end - x) * sizeof *marks;
+  const void* found = std::memchr(marks + x, 0xff, bytes);
+  if (found == nullptr) return end;
+  const auto before = static_cast<const char*>(found) - reinterpret_cast<const char*>(marks);
+  return static_cast<int>(before / static_cast<std::ptrdiff_t>(sizeof *marks));
 }
 
 }  // namespace
 
-std::vector<Blob> find_blobs(const IntegralImage& integral, const SurfOptions& options) {
-  std::vector<Blob> blobs;
-  Octave previous;
-  for (int number = 1; number <= options.octaves; ++number) {
-    const int largest = filter_size_px(number, options.intervals);
-    if (largest > std::min(integral.width(), integral.height())) break;
-    Octave octave = compute_octave(integral, options, number, previous);
-    for (std::size_t i = 1; i + 1 < octave.size(); ++i) {
-      find_maxima(integral, {octave[i - 1], octave[i], octave[i + 1]}, options, blobs);
-    }
-    previous = std::move(octave);
+// One search of a level. Samples are `step` pixels apart in both directions: 1 or 2. Every second
+// column is read by eights from rows that were split into even and odd ones.
+class SurfDetector::Search {
+ public:
+  Search(SurfDetector& memory, const SurfLevel& level, const SurfOptions& options, Simd simd,
+         std::vector<Blob>& blobs)
+      : kernels_(surf_row_kernels(simd)),
+        level_(level),
+        threshold_(static_cast<float>(options.hessian_threshold)),
+        most_trace_ratio_(most_squared_trace_over_determinant(options)),
+        shift_(level.pixel_px < 1 ? 1 : 0),
+        stride_(static_cast<std::size_t>(level.integral.width() >> shift_) + 1 + kSurfRowSlack),
+        blobs_(blobs) {
+    const auto take = [&](auto& values, std::size_t rows) {
+      values.resize(rows * stride_);
+      return values.data();
+    };
+    split_ = take(memory.split_, 2 * kSplitRows);
+    differences_ = take(memory.differences_, 6);
+    responses_ = take(memory.responses_, 3 * kSurfLayers);
+    highest_ = take(memory.highest_, 2);
+    marks_ = take(memory.marks_, 2);
   }
-  return blobs;
+
+  void run() {
+    const auto samples = [&](int extent) { return ((extent - kLargestMargin - 1) >> shift_) + 1; };
+    const int columns = samples(level_.integral.width());
+    const int rows = samples(level_.integral.height());
+    const int first = (kLargestMargin + shift_) >> shift_;
+    // A maximum has neighbours on both sides, by which strips overlap.
+    for (int left = first; left + 2 < columns; left += kStripSamples) {
+      search_strip({left, std::min(left + kStripSamples + 2, columns)}, {first, rows});
+    }
+  }
+
+ private:
+  // Enough for what the largest filter spans; a power of two.
+  static constexpr int kSplitRows = 32;
+  static_assert(kSplitRows >= 2 * kLargestMargin + 2);
+
+  void search_strip(const Samples& columns, const Samples& rows) {
+    int split_end = (rows.first << shift_) - kLargestMargin;
+    const MarkRows marks{{highest_, highest_ + stride_}, {marks_, marks_ + stride_}};
+    const auto responses = [&](std::size_t layer, int row) {
+      return responses_ + (3 * layer + static_cast<std::size_t>(row % 3)) * stride_;
+    };
+    for (int row = rows.first; row < rows.end; ++row) {
+      const int y = row << shift_;
+      for (; shift_ > 0 && split_end <= y + kLargestMargin + 1; ++split_end) {
+        kernels_.split(level_.integral.row(split_end), reach(columns, kLargestMargin),
+                       split_row(split_end, 0), split_row(split_end, 1));
+      }
+      LayerRows layers;
+      for (std::size_t layer = 0; layer < kSurfLayers; ++layer) {
+        respond(BoxFilter(static_cast<int>(layer)), y, columns, responses(layer, row));
+        layers[layer] = {responses(layer, row + 1), responses(layer, row + 2),
+                         responses(layer, row)};
+      }
+      if (row < rows.first + 2) continue;
+      kernels_.mark(layers, columns, threshold_, marks);
+      find_maxima(layers, 1, row - 1, columns, marks.marks[0]);
+      find_maxima(layers, 2, row - 1, columns, marks.marks[1]);
+    }
+  }
+
+  std::uint32_t* split_row(int y, int odd) const {
+    return split_ + static_cast<std::size_t>(2 * (y % kSplitRows) + odd) * stride_;
+  }
+  // The samples that filters at these reach, in split rows where rows are split.
+  [[nodiscard]] Samples reach(const Samples& samples, int margin) const {
+    return {samples.first + (-margin >> shift_), samples.end + ((margin + 1) >> shift_)};
+  }
+
+  void respond(const BoxFilter& filter, int y, const Samples& columns, float* responses) const {
+    for (int odd = 0; odd <= shift_; ++odd) {
+      const auto row = [&](int by) -> const std::uint32_t* {
+        return shift_ > 0 ? split_row(y + by, odd) : level_.integral.row(y + by);
+      };
+      const FilterRows rows{{row(1 - filter.lobe), row(filter.lobe)},
+                            {row(-filter.margin), row(-filter.half_lobe), row(filter.half_lobe + 1),
+                             row(filter.margin + 1)},
+                            {row(-filter.lobe), row(0), row(1), row(filter.lobe + 1)}};
+      kernels_.difference(rows, reach(columns, filter.margin),
+                          {difference(0, odd), difference(1, odd), difference(2, odd)});
+    }
+    const auto column = [&](std::size_t derivative, int by) -> const std::uint32_t* {
+      return difference(derivative, by & shift_) + (by >> shift_);
+    };
+    const FilterColumns around{
+        {column(1, 1 - filter.lobe), column(1, filter.lobe)},
+        {column(0, -filter.margin), column(0, -filter.half_lobe), column(0, filter.half_lobe + 1),
+         column(0, filter.margin + 1)},
+        {column(2, -filter.lobe), column(2, 0), column(2, 1), column(2, filter.lobe + 1)}};
+    const float per_area = 1 / (SurfLevel::kUnits * static_cast<float>(filter.size * filter.size));
+    kernels_.respond(around, per_area, columns, responses);
+  }
+
+  [[nodiscard]] std::uint32_t* difference(std::size_t derivative, int odd) const {
+    return differences_ + (2 * derivative + static_cast<std::size_t>(odd)) * stride_;
+  }
+
+  // Keeps the maxima among the marked places of the middle row.
+  void find_maxima(const LayerRows& rows, std::size_t layer, int row, const Samples& columns,
+                   const std::int32_t* marks) {
+    const Neighbourhood layers{rows[layer - 1], rows[layer], rows[layer + 1]};
+    const BoxFilter filter(static_cast<int>(layer));
+    const int end = columns.end - 1;
+    for (int i = columns.first + 1; (i = next_mark(marks, i, end)) < end; ++i) {
+      if (!is_maximum(layers, i)) continue;
+      const float trace = laplacian(level_.integral, filter, i << shift_, row << shift_);
+      if (trace * trace > most_trace_ratio_ * layers.middle[1][i]) continue;
+      const auto refined = refine(layers, i);
+      if (!refined) continue;
+      const double step = 1 << shift_;
+      const double size = filter.size + refined->offset.z() * BoxFilter::kStep;
+      blobs_.push_back({{level_.to_picture(static_cast<float>(step * (i + refined->offset.x()))),
+                         level_.to_picture(static_cast<float>(step * (row + refined->offset.y())))},
+                        static_cast<float>(size) * kScalePerFilterPx * level_.pixel_px,
+                        static_cast<float>(refined->value),
+                        trace < 0});
+    }
+  }
+
+  const SurfRowKernels& kernels_;
+  const SurfLevel& level_;
+  float threshold_, most_trace_ratio_;
+  int shift_;           // log2 of the step
+  std::size_t stride_;  // from one row to the next, of all that follow
+  std::uint32_t *split_, *differences_;
+  float *responses_, *highest_;
+  std::int32_t* marks_;
+  std::vector<Blob>& blobs_;
+};
+
+void SurfDetector::find_blobs(const SurfLevel& level, const SurfOptions& options, Simd simd,
+                              std::vector<Blob>& blobs) {
+  constexpr int kLeastExtent = 2 * kLargestMargin + 3;
+  if (std::min(level.integral.width(), level.integral.height()) < kLeastExtent) return;
+  Search(*this, level, options, simd, blobs).run();
 }
 
 }  // namespace roomwise::features

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "roomwise/features/simd.h"
+
+namespace roomwise::features {
+
+// The inner loops of SurfDetector: what it does along one row of a picture.
+
+inline constexpr std::size_t kSurfLayers = 4;
+
+// The samples [first, end) of a row.
+struct Samples {
+  int first, end;
+};
+
+using ThreeRows = std::array<const float*, 3>;  // that follow each other
+using LayerRows = std::array<ThreeRows, kSurfLayers>;
+
+// Of the two layers in the middle: the greatest response of each column around, and which
+// responses may be maxima.
+struct MarkRows {
+  std::array<float*, 2> highest;
+  std::array<std::int32_t*, 2> marks;
+};
+
+// Rows of numbers are worked on eight at a time, so that they are read and written up to seven
+// beyond their end, and have room for it.
+inline constexpr std::size_t kSurfRowSlack = 8;
+
+// The three filters are sums of boxes that share rows, so what lies between the rows is taken once
+// for all columns; each filter then needs only differences along one row.
+struct FilterRows {
+  std::array<const std::uint32_t*, 2> xx;  // from top to bottom
+  std::array<const std::uint32_t*, 4> yy, xy;
+};
+struct Differences {
+  std::uint32_t *xx, *yy, *xy;
+};
+
+// The differences at the columns around each sample that bound the boxes, from left to right.
+struct FilterColumns {
+  std::array<const std::uint32_t*, 2> yy;
+  std::array<const std::uint32_t*, 4> xx, xy;
+};
+
+// The same code for each kind of processor; without fused multiplications all give the same bits.
+struct SurfRowKernels {
+  // Columns 2 i of a row go to even[i], columns 2 i + 1 to odd[i].
+  void (*split)(const std::uint32_t* row, const Samples&, std::uint32_t* even, std::uint32_t* odd);
+  void (*difference)(const FilterRows&, const Samples&, const Differences&);
+  // responses[i] becomes the determinant of the Hessian at sample i; per_area makes intensities of
+  // the filters' sums.
+  void (*respond)(const FilterColumns&, float per_area, const Samples&, float* responses);
+  // Marks what may be maxima in the middle one of three rows: all bits or none of marks[k][i] for
+  // sample i of layer k + 1.
+  void (*mark)(const LayerRows&, const Samples&, float threshold, const MarkRows&);
+};
+[[nodiscard]] const SurfRowKernels& surf_row_kernels(Simd simd);
+
+}  // namespace roomwise::features
