@@ -1,0 +1,146 @@
+// Maps a recording again and again, ended at random moments and taken up again, until the map is
+// complete, and compares it with one that was never interrupted:
+//   interruption_check INTERRUPTIONS RECORDING [SEED]
+// Every second end is a kill, the others are Ctrl-C. Prints what happened; exit code 1 where a home
+// was damaged, differs, or the program ended otherwise than it was ended.
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "roomwise/base/random.h"
+#include "roomwise/home/home.h"
+
+namespace {
+
+using namespace roomwise;
+namespace fs = std::filesystem;
+using std::chrono::duration;
+
+class Program {
+ public:
+  explicit Program(std::vector<std::string> arguments) {
+    static const std::string program =
+        (fs::read_symlink("/proc/self/exe").parent_path() / "roomwise").string();
+    arguments.insert(arguments.begin(), program);
+    std::vector<char*> argv;
+    for (std::string& word : arguments) argv.push_back(word.data());
+    argv.push_back(nullptr);
+    posix_spawn_file_actions_t files;
+    posix_spawn_file_actions_init(&files);
+    for (const int stream : {STDOUT_FILENO, STDERR_FILENO}) {
+      posix_spawn_file_actions_addopen(&files, stream, "/dev/null", O_WRONLY, 0);
+    }
+    if (posix_spawn(&process_, program.c_str(), &files, nullptr, argv.data(), environ) != 0) {
+      fmt::print(stderr, "{} cannot be started\n", program);
+      std::exit(1);
+    }
+    posix_spawn_file_actions_destroy(&files);
+  }
+  void send(int signal) const { kill(process_, signal); }
+  // The exit code, or 128 and the signal that ended it.
+  [[nodiscard]] int wait() const {
+    int status = 0;
+    waitpid(process_, &status, 0);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  }
+
+ private:
+  pid_t process_ = -1;
+};
+
+struct Check {
+  fs::path recording;
+  std::string seed;
+  fs::path home = fs::temp_directory_path() / fmt::format("interruption-check-{}.home", getpid());
+
+  [[nodiscard]] Program map() const {
+    if (has_map()) {
+      return Program({"map", recording.string(), "--home", home.string(), "--resume"});
+    }
+    remove();
+    return Program({"map", recording.string(), "--home", home.string(), "--seed", seed});
+  }
+  // Whether the home knows its recording; before that there is nothing to go on from.
+  [[nodiscard]] bool has_map() const {
+    if (!fs::exists(home)) return false;
+    const auto opened = home::Home::open_read_only(home);
+    return opened && opened->recordings() && !opened->recordings()->empty();
+  }
+  // The digest of a sound home; empty, with a word about it, where it is damaged.
+  [[nodiscard]] std::string digest() const {
+    const auto opened = home::Home::open(home);
+    const auto sound = opened ? opened->verify() : tl::unexpected(opened.error());
+    if (!sound) {
+      fmt::print("DAMAGED: {}\n", sound.error().message);
+      return {};
+    }
+    return opened->content_digest().value_or("");
+  }
+  void remove() const {
+    for (const char* suffix : {"", "-wal", "-shm", "-lock"}) {
+      fs::remove(home.string() + suffix);
+    }
+  }
+};
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc < 3) {
+    fmt::print(stderr, "interruption_check INTERRUPTIONS RECORDING [SEED]\n");
+    return 2;
+  }
+  const int wanted = std::atoi(argv[1]);
+  const Check check{argv[2], argc > 3 ? argv[3] : "1"};
+  const auto start = std::chrono::steady_clock::now();
+  if (check.map().wait() != 0) {
+    fmt::print(stderr, "{} cannot be mapped\n", check.recording.string());
+    return 1;
+  }
+  const double whole_s = duration<double>(std::chrono::steady_clock::now() - start).count();
+  const std::string expected = check.digest();
+  check.remove();
+
+  RandomStream random(std::strtoull(check.seed.c_str(), nullptr, 10), {0x1207});
+  int interrupted = 0, maps = 0, faults = 0;
+  while (interrupted < wanted) {
+    const Program program = check.map();
+    // Short against the whole, so that most maps are ended several times.
+    std::this_thread::sleep_for(duration<double>(0.5 * whole_s * random.uniform()));
+    const int signal = interrupted % 2 == 0 ? SIGKILL : SIGINT;
+    program.send(signal);
+    const int code = program.wait();
+    if (code == 0) {
+      ++maps;
+      if (check.digest() != expected) {
+        fmt::print("DIFFERENT: map {} after {} interruptions\n", maps, interrupted);
+        ++faults;
+      }
+      check.remove();
+      continue;
+    }
+    ++interrupted;
+    if (code != 1 && code != 128 + signal) {
+      fmt::print("CRASHED: exit code {} after signal {}\n", code, signal);
+      ++faults;
+    }
+    if (check.has_map() && check.digest().empty()) ++faults;
+  }
+  check.remove();
+  fmt::print(
+      "{} interruptions, {} maps completed in between, {} faults (an uninterrupted map takes "
+      "{:.1f} s)\n",
+      interrupted, maps, faults, whole_s);
+  return faults == 0 && !expected.empty() ? 0 : 1;
+}
