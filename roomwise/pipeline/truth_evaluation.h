@@ -11,6 +11,10 @@
 // of its own: it is moved onto the truth's as its trajectory fits best.
 namespace roomwise::pipeline {
 
+// Moves the map's world onto the frame of the recording's groundtruth.txt.
+[[nodiscard]] Expected<geometry::RigidTransform> truth_from_map(
+    const home::Home& home, const std::filesystem::path& recording);
+
 struct ObjectEvaluation {
   std::vector<evaluation::TrueObject> truth;   // what the home can name and the walk showed
   std::vector<evaluation::FoundObject> found;  // in the truth's frame
@@ -24,11 +28,43 @@ struct ObjectEvaluation {
                                                           const std::filesystem::path& recording,
                                                           double most_distance_m);
 
+// As what a map is measured.
+enum class MapSurface {
+  kCloud,  // averaged points of the key-frames
+  kMesh,   // vertices of the fused surface
+};
+struct MapEvaluationOptions {
+  MapSurface surface = MapSurface::kCloud;
+  double voxel_size_m = 0.02;
+  // The key-frames at their true poses, where they are known within 0.02 s: what is left are the
+  // sensor's errors and those of joining.
+  bool at_true_poses = false;
+};
+
 // The map's points against the surfaces of the home that simulation.json describes. Furniture is
 // read from the folder of its archives.
 [[nodiscard]] Expected<evaluation::CloudError> evaluate_map(const home::Home& home,
                                                             const std::filesystem::path& recording,
                                                             const std::filesystem::path& furniture,
-                                                            double voxel_size_m, RunContext& run);
+                                                            const MapEvaluationOptions& options,
+                                                            RunContext& run);
+
+// Where a person may stand, by the map and in truth.
+struct FloorEvaluation {
+  double true_m2 = 0;   // free in truth
+  double found_m2 = 0;  // free by the map
+  double both_m2 = 0;
+  // Of what is free by the one the share that is, in the other, at most a cell off.
+  double precision_within_cell = 0, recall_within_cell = 0;
+  double floor_error_m = 0;   // the level frame's floor under the truth's middle, upwards
+  double tilt_error_rad = 0;  // between the level frame's up and the truth's
+  [[nodiscard]] double precision() const { return found_m2 > 0 ? both_m2 / found_m2 : 0; }
+  [[nodiscard]] double recall() const { return true_m2 > 0 ? both_m2 / true_m2 : 0; }
+};
+
+// The map's floor grid against the free space of floorplan.json, for a person of the radius there.
+[[nodiscard]] Expected<FloorEvaluation> evaluate_floor(const home::Home& home,
+                                                       const std::filesystem::path& recording,
+                                                       RunContext& run);
 
 }  // namespace roomwise::pipeline
