@@ -18,16 +18,29 @@ struct Column {
   int in_the_way = 0;  // vertices of the surface between step and person's height
   int floor = 0;       // vertices of the floor
   int empty = 0;       // cells seen empty between step and person's height
+  int empty_low = 0;   // of these, the low ones
 };
 
 // A single vertex may be a flaw of the map; what passes through a cell leaves several.
 constexpr int kFewestVertices = 2;
 constexpr double kFloorBelow_m = 0.1;  // the map may sag by so much
 
-FloorCell state_of(const Column& column, int cells_of_a_person, double least_empty) {
+constexpr double kLow_m = 0.5;
+
+// Of cells whose middles lie between two heights.
+int cells_between(double low_m, double high_m, double cell_m) {
+  return static_cast<int>(std::floor(high_m / cell_m - 0.5) - std::floor(low_m / cell_m - 0.5));
+}
+
+FloorCell state_of(const Column& column, const FloorGridOptions& options) {
   if (column.in_the_way >= kFewestVertices) return FloorCell::kOccupied;
-  const bool is_empty = column.empty >= least_empty * cells_of_a_person;
-  return column.floor > 0 || is_empty ? FloorCell::kFree : FloorCell::kUnknown;
+  if (column.floor > 0) return FloorCell::kFree;
+  const auto is_seen = [&](int empty, double up_to_m) {
+    return empty >= options.least_empty * cells_between(options.step_m, up_to_m, options.cell_m);
+  };
+  const bool is_empty =
+      is_seen(column.empty, options.person_height_m) && is_seen(column.empty_low, kLow_m);
+  return is_empty ? FloorCell::kFree : FloorCell::kUnknown;
 }
 
 }  // namespace
@@ -35,8 +48,9 @@ FloorCell state_of(const Column& column, int cells_of_a_person, double least_emp
 Expected<void> FloorGridOptions::validate() const {
   if (!(cell_m >= 0.01 && cell_m <= 0.5)) return fail("cell_m is {}; expected 0.01 to 0.5", cell_m);
   if (!(step_m > 0)) return fail("step_m is {}; expected more than 0", step_m);
-  if (!(person_height_m > step_m + cell_m)) {
-    return fail("person_height_m is {}; expected more than a step and a cell", person_height_m);
+  if (!(person_height_m > kLow_m && person_height_m > step_m + cell_m)) {
+    return fail("person_height_m is {}; expected more than {}, and than a step and a cell",
+                person_height_m, kLow_m);
   }
   if (!(least_empty > 0 && least_empty <= 1)) {
     return fail("least_empty is {}; expected more than 0, at most 1", least_empty);
@@ -111,17 +125,16 @@ Expected<FloorGrid> make_floor_grid(const TriangleMesh& mesh_level,
   }
   for (const OccupancyCell& cell : cells) {
     const double middle_m = (cell.cell.z() + 0.5) * options.cell_m;
-    const bool is_in_reach = middle_m > options.step_m && middle_m < options.person_height_m;
-    if (!cell.is_occupied && is_in_reach) ++column_at(cell.cell.head<2>()).empty;
+    if (cell.is_occupied || middle_m <= options.step_m) continue;
+    Column& column = column_at(cell.cell.head<2>());
+    column.empty += middle_m <= options.person_height_m ? 1 : 0;
+    column.empty_low += middle_m <= kLow_m ? 1 : 0;
   }
 
-  const int cells_of_a_person =
-      static_cast<int>((options.person_height_m - options.step_m) / options.cell_m);
   image::Image<FloorCell> states(columns.width(), columns.height());
   for (int row = 0; row < columns.height(); ++row) {
     for (int column = 0; column < columns.width(); ++column) {
-      states.at(column, row) =
-          state_of(columns.at(column, row), cells_of_a_person, options.least_empty);
+      states.at(column, row) = state_of(columns.at(column, row), options);
     }
   }
   return FloorGrid(bounds.min().cast<double>() * options.cell_m, options.cell_m, std::move(states));

@@ -19,7 +19,8 @@ struct FloorGridOptions {
   double cell_m = 0.05;
   double person_height_m = 1.9;  // what hangs higher is in nobody's way
   double step_m = 0.06;          // what lies lower is floor, a threshold or a carpet
-  // Without a look at its floor a column of space is free if that share of it is seen empty.
+  // Where the floor itself was not seen, the space above it must have been seen empty: that share
+  // of it, and of its lowest half metre, where a box would stand.
   double least_empty = 0.6;
 
   [[nodiscard]] Expected<void> validate() const;
@@ -71,8 +72,9 @@ class FloorGrid {
 };
 
 // Occupied: the surface passes between step and person's height. Free, otherwise: the floor was
-// seen, or enough of the space above it was seen empty. `cells` is the occupancy at the grid's
-// cell size; mesh and cells in the level frame. Fails where there is neither surface nor cell.
+// seen, or enough of the space above it was seen empty (see least_empty). `cells` is the occupancy
+// at the grid's cell size; mesh and cells in the level frame. Fails where there is neither surface
+// nor cell.
 [[nodiscard]] Expected<FloorGrid> make_floor_grid(const TriangleMesh& mesh_level,
                                                   std::span<const OccupancyCell> cells,
                                                   const FloorGridOptions& options = {});
