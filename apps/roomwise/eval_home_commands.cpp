@@ -87,23 +87,24 @@ Expected<Answer> evaluate_floor(const Options& options, Context& context) {
   pipeline::RunContext run{pool, context.progress, clock};
   ROOMWISE_TRY(const pipeline::FloorEvaluation result,
                pipeline::evaluate_floor(home, options.truth, run));
-  const double tilt_deg = result.tilt_error_rad * 180 / std::numbers::pi;
+  const evaluation::FloorError& error = result.error;
+  const double tilt_deg = result.tilt_rad * 180 / std::numbers::pi;
   Answer answer;
   answer.text = fmt::format(
       "where a person may stand: {:.1f} m2 in truth, {:.1f} m2 by the map, {:.1f} m2 by both\n"
       "precision {:.3f}, recall {:.3f}; a cell aside counted as right: {:.3f}, {:.3f}\n"
-      "floor {:+.3f} m too high, tilted by {:.2f} degrees\n",
-      result.true_m2, result.found_m2, result.both_m2, result.precision(), result.recall(),
-      result.precision_within_cell, result.recall_within_cell, result.floor_error_m, tilt_deg);
-  answer.json = {{"true_m2", result.true_m2},
-                 {"found_m2", result.found_m2},
-                 {"both_m2", result.both_m2},
-                 {"precision", result.precision()},
-                 {"recall", result.recall()},
-                 {"precision_within_cell", result.precision_within_cell},
-                 {"recall_within_cell", result.recall_within_cell},
-                 {"floor_error_m", result.floor_error_m},
-                 {"tilt_error_deg", tilt_deg}};
+      "the floor lies {:+.3f} m above the true one, tilted by {:.2f} degrees\n",
+      error.true_m2, error.found_m2, error.both_m2, error.precision, error.recall,
+      error.precision_within_cell, error.recall_within_cell, result.floor_above_truth_m, tilt_deg);
+  answer.json = {{"true_m2", error.true_m2},
+                 {"found_m2", error.found_m2},
+                 {"both_m2", error.both_m2},
+                 {"precision", error.precision},
+                 {"recall", error.recall},
+                 {"precision_within_cell", error.precision_within_cell},
+                 {"recall_within_cell", error.recall_within_cell},
+                 {"floor_above_truth_m", result.floor_above_truth_m},
+                 {"tilt_deg", tilt_deg}};
   return answer;
 }
 

@@ -12,20 +12,9 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-// Which cells of the truth's raster are free.
-using Free = image::Image<std::uint8_t>;
-
-bool is_free_near(const Free& free, int column, int row) {
-  for (int dy = -1; dy <= 1; ++dy) {
-    for (int dx = -1; dx <= 1; ++dx) {
-      if (free.contains(column + dx, row + dy) && free.at(column + dx, row + dy) != 0) return true;
-    }
-  }
-  return false;
-}
-
-Free true_cells(const simulation::FreeSpaceTruth& truth) {
-  Free free(static_cast<int>(truth.rows.front().size()), static_cast<int>(truth.rows.size()));
+evaluation::StandingRoom true_cells(const simulation::FreeSpaceTruth& truth) {
+  evaluation::StandingRoom free(static_cast<int>(truth.rows.front().size()),
+                                static_cast<int>(truth.rows.size()));
   for (int row = 0; row < free.height(); ++row) {
     const std::string& cells = truth.rows[static_cast<std::size_t>(row)];
     for (int column = 0; column < free.width(); ++column) {
@@ -37,9 +26,11 @@ Free true_cells(const simulation::FreeSpaceTruth& truth) {
 }
 
 // What the map says of the middles of the truth's cells.
-Free found_cells(const simulation::FreeSpaceTruth& truth, const fusion::FloorGrid& grid,
-                 const geometry::RigidTransform& level_from_truth, int columns, int rows) {
-  Free free(columns, rows);
+evaluation::StandingRoom found_cells(const simulation::FreeSpaceTruth& truth,
+                                     const fusion::FloorGrid& grid,
+                                     const geometry::RigidTransform& level_from_truth, int columns,
+                                     int rows) {
+  evaluation::StandingRoom free(columns, rows);
   for (int row = 0; row < rows; ++row) {
     for (int column = 0; column < columns; ++column) {
       const Vector2d middle = truth.origin_m + truth.cell_m * Vector2d(column + 0.5, row + 0.5);
@@ -66,35 +57,16 @@ Expected<FloorEvaluation> evaluate_floor(const home::Home& home,
   const geometry::RigidTransform level_from_truth =
       map.frame.level_from_world * truth_from_world.inverse();
 
-  const Free is_true = true_cells(truth);
-  const Free is_found =
+  const evaluation::StandingRoom is_true = true_cells(truth);
+  const evaluation::StandingRoom is_found =
       found_cells(truth, grid, level_from_truth, is_true.width(), is_true.height());
-  std::size_t true_count = 0, found_count = 0, both = 0, found_near = 0, true_near = 0;
-  for (int row = 0; row < is_true.height(); ++row) {
-    for (int column = 0; column < is_true.width(); ++column) {
-      const bool t = is_true.at(column, row) != 0, f = is_found.at(column, row) != 0;
-      true_count += t ? 1 : 0;
-      found_count += f ? 1 : 0;
-      both += t && f ? 1 : 0;
-      found_near += f && is_free_near(is_true, column, row) ? 1 : 0;
-      true_near += t && is_free_near(is_found, column, row) ? 1 : 0;
-    }
-  }
-  const auto share = [](std::size_t part, std::size_t whole) {
-    return whole == 0 ? 0 : static_cast<double>(part) / static_cast<double>(whole);
-  };
   FloorEvaluation result;
-  const double cell_m2 = truth.cell_m * truth.cell_m;
-  result.true_m2 = static_cast<double>(true_count) * cell_m2;
-  result.found_m2 = static_cast<double>(found_count) * cell_m2;
-  result.both_m2 = static_cast<double>(both) * cell_m2;
-  result.precision_within_cell = share(found_near, found_count);
-  result.recall_within_cell = share(true_near, true_count);
+  ROOMWISE_TRY(result.error, evaluation::floor_error(is_true, is_found, truth.cell_m));
   const Vector2d middle =
       truth.origin_m + truth.cell_m / 2 * Vector2d(is_true.width(), is_true.height());
-  result.floor_error_m = -(level_from_truth * Vector3d(middle.x(), middle.y(), 0)).z();
+  result.floor_above_truth_m = -(level_from_truth * Vector3d(middle.x(), middle.y(), 0)).z();
   const Vector3d up = level_from_truth.rotation * Vector3d::UnitZ();
-  result.tilt_error_rad = std::atan2(up.head<2>().norm(), up.z());
+  result.tilt_rad = std::atan2(up.head<2>().norm(), up.z());
   return result;
 }
 

@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "roomwise/evaluation/cloud_error.h"
+#include "roomwise/evaluation/floor_error.h"
 #include "roomwise/evaluation/object_error.h"
 #include "roomwise/home/home.h"
 #include "roomwise/pipeline/run_context.h"
@@ -49,17 +50,10 @@ struct MapEvaluationOptions {
                                                             const MapEvaluationOptions& options,
                                                             RunContext& run);
 
-// Where a person may stand, by the map and in truth.
 struct FloorEvaluation {
-  double true_m2 = 0;   // free in truth
-  double found_m2 = 0;  // free by the map
-  double both_m2 = 0;
-  // Of what is free by the one the share that is, in the other, at most a cell off.
-  double precision_within_cell = 0, recall_within_cell = 0;
-  double floor_error_m = 0;   // the level frame's floor under the truth's middle, upwards
-  double tilt_error_rad = 0;  // between the level frame's up and the truth's
-  [[nodiscard]] double precision() const { return found_m2 > 0 ? both_m2 / found_m2 : 0; }
-  [[nodiscard]] double recall() const { return true_m2 > 0 ? both_m2 / true_m2 : 0; }
+  evaluation::FloorError error;
+  double floor_above_truth_m = 0;  // of the level frame, in the truth's middle
+  double tilt_rad = 0;             // between the level frame's up and the truth's
 };
 
 // The map's floor grid against the free space of floorplan.json, for a person of the radius there.
