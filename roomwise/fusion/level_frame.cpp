@@ -19,6 +19,18 @@ struct Plane {
   double offset_m = 0;                  // normal . p = offset_m
 };
 
+// Of a triangle whose corners agree; where the noise of far measurements makes waves they do not,
+// and of enough waves a few face any direction.
+std::optional<Vector3d> flat_normal(const TriangleMesh& mesh,
+                                    const std::array<std::uint32_t, 3>& triangle) {
+  constexpr float kLeastCosine = 0.98F;  // 11 degrees
+  const Eigen::Vector3f& a = mesh.normals[triangle[0]];
+  const Eigen::Vector3f& b = mesh.normals[triangle[1]];
+  const Eigen::Vector3f& c = mesh.normals[triangle[2]];
+  if (std::min({a.dot(b), b.dot(c), c.dot(a)}) < kLeastCosine) return std::nullopt;
+  return Vector3d((a + b + c).cast<double>().normalized());
+}
+
 // The places of vertices that face up.
 std::vector<Vector3d> level_vertices(const TriangleMesh& mesh, const Vector3d& up) {
   constexpr double kLeastCosine = 0.95;  // 18 degrees: noise, ramps, a map that is bent
@@ -107,8 +119,8 @@ LevelFrame find_level_frame(const TriangleMesh& mesh_world,
                             std::span<const RigidTransform> world_from_cameras) {
   mapping::UpDirectionEstimator estimator;
   for (const RigidTransform& camera : world_from_cameras) estimator.add_camera(camera);
-  for (const Eigen::Vector3f& normal : mesh_world.normals) {
-    estimator.add_normal(normal.cast<double>());
+  for (const auto& triangle : mesh_world.triangles) {
+    if (const auto normal = flat_normal(mesh_world, triangle)) estimator.add_normal(*normal);
   }
   const mapping::UpDirection up = estimator.estimate();
   LevelFrame frame;
