@@ -100,6 +100,18 @@ TEST_F(HomeCommandsTest, ExportOfAFloorNeedsAFloor) {
   EXPECT_FALSE(std::filesystem::exists(path("floor.pgm")));
 }
 
+TEST_F(HomeCommandsTest, OnlyASimulatedHomeHasATrueFloor) {
+  const ProgramResult none =
+      run_roomwise({"eval", "floor", "--home", path("my.home"), "--truth", path("walk")});
+  EXPECT_EQ(none.exit_code, 1);
+  EXPECT_THAT(none.errors, HasSubstr("floorplan.json"));
+  EXPECT_EQ(run_roomwise({"eval", "floor", "--home", path("my.home")}).exit_code, 2);
+  EXPECT_EQ(run_roomwise({"eval", "map", "--home", path("my.home"), "--truth", path("walk"),
+                          "--surface", "fog"})
+                .exit_code,
+            2);
+}
+
 TEST_F(HomeCommandsTest, ExportSaysWhatIsWrong) {
   const std::string home = path("my.home");
   for (const std::vector<std::string>& usage :
