@@ -71,6 +71,84 @@ TEST_F(HomeCommandsTest, ExportWritesTheCloudAndThePoseGraph) {
   EXPECT_EQ(info.at("poses"), mapped_.at("keyframes"));
 }
 
+TEST_F(HomeCommandsTest, ExportWritesTheSurface) {
+  const std::string home = path("my.home");
+  const json mesh =
+      result_of({"export", "ply", "--surface", "mesh", "--home", home, "-o", path("mesh.ply")});
+  EXPECT_GT(mesh.at("triangles").get<int>(), 1000);
+  EXPECT_THAT(read_text_file(path("mesh.ply")).value(), HasSubstr("element face"));
+  const json glb = result_of({"export", "glb", "--home", home, "-o", path("my.glb")});
+  EXPECT_EQ(glb.at("triangles"), mesh.at("triangles"));
+  EXPECT_EQ(glb.at("floor_found"), false) << "there is only a wall";
+  EXPECT_EQ(glb.at("level_from_world").at("quaternion_xyzw").size(), 4U);
+  EXPECT_THAT(read_text_file(path("my.glb")).value(), ::testing::StartsWith("glTF"));
+  result_of({"export", "glb", "--home", home, "-o", path("again.glb"), "--threads", "1"});
+  EXPECT_TRUE(read_file(path("again.glb")).value() == read_file(path("my.glb")).value())
+      << "at another number of threads";
+}
+
+TEST_F(HomeCommandsTest, ExportWritesForRobots) {
+  const std::string home = path("my.home");
+  const json pcd = result_of({"export", "pcd", "--home", home, "-o", path("my.pcd")});
+  EXPECT_THAT(read_text_file(path("my.pcd")).value(),
+              HasSubstr("POINTS " + pcd.at("points").dump() + "\nDATA binary\n"));
+  const json octomap = result_of({"export", "octomap", "--home", home, "-o", path("my.bt")});
+  EXPECT_GT(octomap.at("occupied").get<int>(), 100);
+  EXPECT_GT(octomap.at("free").get<int>(), octomap.at("occupied").get<int>());
+  EXPECT_THAT(read_text_file(path("my.bt")).value(),
+              ::testing::StartsWith("# Octomap OcTree binary file\n"));
+}
+
+TEST_F(HomeCommandsTest, ExportOfAFloorNeedsAFloor) {
+  const std::string home = path("my.home");
+  const ProgramResult none =
+      run_roomwise({"export", "floor", "--home", home, "-o", path("floor.yaml")});
+  EXPECT_EQ(none.exit_code, 1);
+  EXPECT_THAT(none.errors, HasSubstr("my.home: the map shows no floor"));
+  EXPECT_FALSE(std::filesystem::exists(path("floor.yaml")));
+  EXPECT_FALSE(std::filesystem::exists(path("floor.pgm")));
+}
+
+TEST_F(HomeCommandsTest, OnlyASimulatedHomeHasATrueFloor) {
+  const ProgramResult none =
+      run_roomwise({"eval", "floor", "--home", path("my.home"), "--truth", path("walk")});
+  EXPECT_EQ(none.exit_code, 1);
+  EXPECT_THAT(none.errors, HasSubstr("floorplan.json"));
+  EXPECT_EQ(run_roomwise({"eval", "floor", "--home", path("my.home")}).exit_code, 2);
+  EXPECT_EQ(run_roomwise({"eval", "map", "--home", path("my.home"), "--truth", path("walk"),
+                          "--surface", "fog"})
+                .exit_code,
+            2);
+}
+
+TEST_F(HomeCommandsTest, ExportSaysWhatIsWrong) {
+  const std::string home = path("my.home");
+  for (const std::vector<std::string>& usage :
+       std::vector<std::vector<std::string>>{{"ply", "-o", path("x.ply"), "--surface", "fog"},
+                                             {"glb", "-o", path("x.glb"), "--voxel", "0"},
+                                             {"glb"},
+                                             {"octomap", "-o", path("x.bt"), "--cell", "-1"},
+                                             {"floor", "-o", path("x.pgm")}}) {
+    std::vector<std::string> command{"export", usage.front(), "--home", home};
+    command.insert(command.end(), usage.begin() + 1, usage.end());
+    EXPECT_EQ(run_roomwise(command).exit_code, 2) << usage.front();
+  }
+  const auto error_of = [&](std::vector<std::string> command) {
+    command.insert(command.begin(), "export");
+    const ProgramResult result = run_roomwise(command);
+    EXPECT_EQ(result.exit_code, 1);
+    return result.errors;
+  };
+  EXPECT_THAT(error_of({"glb", "--home", path("absent.home"), "-o", path("x.glb")}),
+              HasSubstr("absent.home"));
+  EXPECT_THAT(error_of({"octomap", "--home", home, "-o", path("no/x.bt")}), HasSubstr("x.bt"));
+  EXPECT_THAT(error_of({"glb", "--home", home, "-o", path("x.glb"), "--voxel", "5"}),
+              HasSubstr("voxel_size_m"));
+  EXPECT_THAT(error_of({"floor", "--home", home, "-o", path("x.yaml"), "--height", "0.1"}),
+              HasSubstr("person_height_m"));
+  EXPECT_THAT(error_of({"glb", "--home", home, "-o", "/dev/full"}), HasSubstr("/dev/full"));
+}
+
 TEST_F(HomeCommandsTest, MapWritesTheTrajectoryThatExportWrites) {
   result_of({"map", path("walk"), "--home", path("again.home"), "--trajectory", path("a.txt"),
              "--threads", "1"});
@@ -155,6 +233,7 @@ TEST_F(HomeCommandsTest, NoCommandWritesOverAHome) {
   const std::string before = result_of({"info", path("my.home"), "--digest"}).dump();
   for (const std::vector<std::string>& command : std::vector<std::vector<std::string>>{
            {"export", "ply", "--home", path("my.home"), "-o", path("my.home")},
+           {"export", "glb", "--home", path("my.home"), "-o", path("my.home")},
            {"report", path("my.home"), "-o", path("my.home")},
            {"info", path("walk"), "--json-file", path("my.home")}}) {
     const ProgramResult refused = run_roomwise(command);

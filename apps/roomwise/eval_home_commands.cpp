@@ -1,5 +1,6 @@
 #include <filesystem>
 #include <memory>
+#include <numbers>
 
 #include "commands.h"
 #include "paths.h"
@@ -14,7 +15,8 @@ struct Options {
   fs::path home;
   fs::path truth;
   double most_distance_m = 1.0;
-  double voxel_size_m = 0.02;
+  std::string surface = "cloud";
+  pipeline::MapEvaluationOptions map;
   fs::path furniture = kFurnitureFolder;
 };
 
@@ -60,9 +62,10 @@ Expected<Answer> evaluate_map(const Options& options, Context& context) {
   ThreadPool pool(context.threads);
   StageClock clock;
   pipeline::RunContext run{pool, context.progress, clock};
-  ROOMWISE_TRY(
-      const evaluation::CloudError error,
-      pipeline::evaluate_map(home, options.truth, options.furniture, options.voxel_size_m, run));
+  pipeline::MapEvaluationOptions map = options.map;
+  if (options.surface == "mesh") map.surface = pipeline::MapSurface::kMesh;
+  ROOMWISE_TRY(const evaluation::CloudError error,
+               pipeline::evaluate_map(home, options.truth, options.furniture, map, run));
   const double far = static_cast<double>(error.far_points) / static_cast<double>(error.points);
   Answer answer;
   answer.text = fmt::format(
@@ -74,6 +77,34 @@ Expected<Answer> evaluate_map(const Options& options, Context& context) {
   answer.json = {{"points", error.points},          {"median_m", error.distance_m.median},
                  {"rmse_m", error.distance_m.rmse}, {"within_1cm", error.within_1cm},
                  {"within_5cm", error.within_5cm},  {"far", far}};
+  return answer;
+}
+
+Expected<Answer> evaluate_floor(const Options& options, Context& context) {
+  ROOMWISE_TRY(const home::Home home, home::Home::open_read_only(options.home));
+  ThreadPool pool(context.threads);
+  StageClock clock;
+  pipeline::RunContext run{pool, context.progress, clock};
+  ROOMWISE_TRY(const pipeline::FloorEvaluation result,
+               pipeline::evaluate_floor(home, options.truth, run));
+  const evaluation::FloorError& error = result.error;
+  const double tilt_deg = result.tilt_rad * 180 / std::numbers::pi;
+  Answer answer;
+  answer.text = fmt::format(
+      "where a person may stand: {:.1f} m2 in truth, {:.1f} m2 by the map, {:.1f} m2 by both\n"
+      "precision {:.3f}, recall {:.3f}; a cell aside counted as right: {:.3f}, {:.3f}\n"
+      "the floor lies {:+.3f} m above the true one, tilted by {:.2f} degrees\n",
+      error.true_m2, error.found_m2, error.both_m2, error.precision, error.recall,
+      error.precision_within_cell, error.recall_within_cell, result.floor_above_truth_m, tilt_deg);
+  answer.json = {{"true_m2", error.true_m2},
+                 {"found_m2", error.found_m2},
+                 {"both_m2", error.both_m2},
+                 {"precision", error.precision},
+                 {"recall", error.recall},
+                 {"precision_within_cell", error.precision_within_cell},
+                 {"recall_within_cell", error.recall_within_cell},
+                 {"floor_above_truth_m", result.floor_above_truth_m},
+                 {"tilt_deg", tilt_deg}};
   return answer;
 }
 
@@ -100,15 +131,29 @@ void add_home_evaluations(CLI::App& group, Context& context) {
       ->capture_default_str();
 
   CLI::App* map = add_command(group, context, "map",
-                              "The points of a map against the surfaces of a simulated home",
+                              "The points of a map, or its fused surface, against the surfaces of "
+                              "a simulated home",
                               "roomwise eval map --home flat.home --truth flat",
                               [options, &context] { return evaluate_map(*options, context); });
   add_files(*map, *options);
-  map->add_option("--voxel", options->voxel_size_m, "One point a voxel of this size, m")
+  map->add_option("--surface", options->surface,
+                  "cloud: averaged points; mesh: vertices of the fused surface")
+      ->check(CLI::IsMember({"cloud", "mesh"}))
+      ->capture_default_str();
+  map->add_option("--voxel", options->map.voxel_size_m, "Size of the voxels, m")
       ->check(positive())
       ->capture_default_str();
+  map->add_flag("--true-poses", options->map.at_true_poses,
+                "Put the key-frames where they were in truth");
   map->add_option("--furniture", options->furniture, "Folder of the furniture's .sh3f archives")
       ->capture_default_str();
+
+  CLI::App* floor = add_command(
+      group, context, "floor",
+      "Where a map says that a person may stand against the free space of a simulated home",
+      "roomwise eval floor --home flat.home --truth flat",
+      [options, &context] { return evaluate_floor(*options, context); });
+  add_files(*floor, *options);
 }
 
 }  // namespace roomwise::app

@@ -121,15 +121,19 @@ UpDirectionEstimator::UpDirectionEstimator(const UpDirectionOptions& options) : 
 void UpDirectionEstimator::add(const geometry::RigidTransform& world_from_camera,
                                const image::DepthImage& depth,
                                const geometry::PinholeCamera& camera) {
-  camera_up_sum_ += world_from_camera.rotation * -Vector3d::UnitY();
+  add_camera(world_from_camera);
   const int step = std::max(1, depth.width() / options_.grid_columns);
   const int reach = step;
   for (int y = reach; y + reach < depth.height(); y += step) {
     for (int x = reach; x + reach < depth.width(); x += step) {
       const auto normal = surface_normal(depth, camera, x, y, reach, options_.most_depth_m);
-      if (normal) normals_world_.push_back(world_from_camera.rotation * *normal);
+      if (normal) add_normal(world_from_camera.rotation * *normal);
     }
   }
+}
+
+void UpDirectionEstimator::add_camera(const geometry::RigidTransform& world_from_camera) {
+  camera_up_sum_ += world_from_camera.rotation * -Vector3d::UnitY();
 }
 
 UpDirection UpDirectionEstimator::estimate() const {

@@ -32,7 +32,8 @@ struct UpDirection {
 // Finds the direction up of a mapped home, whose world frame is tilted as its first camera was: the
 // direction that most floors, tables and ceilings face, near to where the cameras' up points. Every
 // normal votes in a plane across the mean up of the cameras; the normals about the fullest place
-// are averaged. Takes one key-frame after the other and keeps only its normals.
+// are averaged. Takes one key-frame after the other and keeps only its normals; or the cameras and
+// the normals of the map's surface, where there is one.
 class UpDirectionEstimator {
  public:
   explicit UpDirectionEstimator(const UpDirectionOptions& options = {});
@@ -40,6 +41,8 @@ class UpDirectionEstimator {
   // The depth image must have the camera's size.
   void add(const geometry::RigidTransform& world_from_camera, const image::DepthImage& depth,
            const geometry::PinholeCamera& camera);
+  void add_camera(const geometry::RigidTransform& world_from_camera);
+  void add_normal(const Eigen::Vector3d& normal_world) { normals_world_.push_back(normal_world); }
   [[nodiscard]] UpDirection estimate() const;
 
  private:

@@ -1,8 +1,8 @@
 #include "roomwise/pipeline/home_localizer.h"
 
-#include <map>
 #include <utility>
 
+#include "roomwise/pipeline/keyframe_images.h"
 #include "roomwise/pipeline/measured_frame_reader.h"
 #include "roomwise/pipeline/stored_keyframes.h"
 
@@ -19,11 +19,7 @@ Expected<HomeLocalizer> HomeLocalizer::create(const home::Home& home,
   ROOMWISE_CHECK_OK(options.validate());
   ROOMWISE_TRY(auto settings, stored_map_settings(home));
   ROOMWISE_TRY(const auto recordings, home.recordings());
-  ROOMWISE_TRY(const auto stored, home.keyframes());
-  std::vector<home::Keyframe> placed;
-  for (const home::Keyframe& keyframe : stored) {
-    if (keyframe.pose.piece == 0) placed.push_back(keyframe);
-  }
+  ROOMWISE_TRY(const auto placed, map_keyframes(home));
   if (!settings || recordings.empty() || placed.empty()) {
     return fail("{}: the home has no map yet; make one with roomwise map", home.file());
   }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <span>
+
 #include "roomwise/geometry/point_cloud.h"
 #include "roomwise/home/home.h"
 #include "roomwise/mapping/up_direction.h"
@@ -15,5 +17,9 @@ struct MapCloud {
 };
 [[nodiscard]] Expected<MapCloud> build_map_cloud(const home::Home& home, double voxel_size_m,
                                                  RunContext& run);
+// Of these key-frames, at the poses given with them.
+[[nodiscard]] Expected<MapCloud> build_map_cloud(const home::Home& home,
+                                                 std::span<const home::Keyframe> keyframes,
+                                                 double voxel_size_m, RunContext& run);
 
 }  // namespace roomwise::pipeline

@@ -1,9 +1,14 @@
 #include "roomwise/pipeline/truth_evaluation.h"
 
 #include <algorithm>
+#include <cstdlib>
+#include <span>
 #include <utility>
+#include <vector>
 
 #include "roomwise/evaluation/trajectory_error.h"
+#include "roomwise/pipeline/dense_map.h"
+#include "roomwise/pipeline/keyframe_images.h"
 #include "roomwise/pipeline/map_cloud.h"
 #include "roomwise/pipeline/stored_map.h"
 #include "roomwise/recording/trajectory_file.h"
@@ -26,6 +31,38 @@ std::vector<evaluation::TrueObject> nameable(const std::vector<simulation::Objec
     truth.push_back({object.label, {{turn, object.center_m}, object.size_m}});
   }
   return truth;
+}
+
+// The key-frames whose true pose is known, in the truth's frame.
+Expected<std::vector<home::Keyframe>> at_true_poses(std::vector<home::Keyframe> keyframes,
+                                                    const std::filesystem::path& recording) {
+  constexpr TimestampNs kMostApart_ns = 20'000'000;
+  const std::filesystem::path file = recording / "groundtruth.txt";
+  ROOMWISE_TRY(const recording::Trajectory truth, recording::read_trajectory(file));
+  std::vector<home::Keyframe> placed;
+  for (home::Keyframe& keyframe : keyframes) {
+    const auto nearest = std::ranges::min_element(truth, {}, [&](const auto& pose) {
+      return std::abs(pose.timestamp_ns - keyframe.timestamp_ns);
+    });
+    if (nearest == truth.end()) break;
+    if (std::abs(nearest->timestamp_ns - keyframe.timestamp_ns) > kMostApart_ns) continue;
+    keyframe.pose.world_from_keyframe = nearest->world_from_camera;
+    placed.push_back(keyframe);
+  }
+  if (placed.empty()) return fail("{}: has no pose at the time of a key-frame", file.string());
+  return placed;
+}
+
+Expected<std::vector<Eigen::Vector3f>> surface_points(const home::Home& home,
+                                                      std::span<const home::Keyframe> keyframes,
+                                                      const MapEvaluationOptions& options,
+                                                      RunContext& run) {
+  if (options.surface == MapSurface::kCloud) {
+    ROOMWISE_TRY(MapCloud map, build_map_cloud(home, keyframes, options.voxel_size_m, run));
+    return std::move(map.cloud.points);
+  }
+  ROOMWISE_TRY(const DenseMap map, build_dense_map(home, keyframes, options.voxel_size_m, run));
+  return extract_mesh(map.field(), fusion::MeshOptions{}, run.pool).vertices;
 }
 
 }  // namespace
@@ -68,16 +105,23 @@ Expected<ObjectEvaluation> evaluate_objects(const home::Home& home,
 Expected<evaluation::CloudError> evaluate_map(const home::Home& home,
                                               const std::filesystem::path& recording,
                                               const std::filesystem::path& furniture,
-                                              double voxel_size_m, RunContext& run) {
+                                              const MapEvaluationOptions& options,
+                                              RunContext& run) {
   ROOMWISE_TRY(const auto made_up, simulation::read_simulation(recording / "simulation.json"));
   ROOMWISE_TRY(const auto catalogue, simulation::FurnitureCatalogue::open(furniture));
   ROOMWISE_TRY(const simulation::HomeModel model, simulation::make_home(made_up, catalogue));
   const auto load = [&](const std::string& id) { return catalogue.load(id); };
   ROOMWISE_TRY(const auto surfaces, simulation::TrueSurfaces::create(model, load));
-  ROOMWISE_TRY(const geometry::RigidTransform truth_from_world, truth_from_map(home, recording));
-  ROOMWISE_TRY(const MapCloud map, build_map_cloud(home, voxel_size_m, run));
+  ROOMWISE_TRY(auto keyframes, map_keyframes(home));
+  geometry::RigidTransform truth_from_world;
+  if (options.at_true_poses) {
+    ROOMWISE_TRY(keyframes, at_true_poses(std::move(keyframes), recording));
+  } else {
+    ROOMWISE_TRY(truth_from_world, truth_from_map(home, recording));
+  }
+  ROOMWISE_TRY(const std::vector<Eigen::Vector3f> points,
+               surface_points(home, keyframes, options, run));
 
-  const std::vector<Eigen::Vector3f>& points = map.cloud.points;
   std::vector<double> distances_m(points.size());
   constexpr std::size_t kBlock = 4096;
   run.pool.parallel_for((points.size() + kBlock - 1) / kBlock, [&](std::size_t block) {

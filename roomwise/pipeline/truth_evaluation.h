@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "roomwise/evaluation/cloud_error.h"
+#include "roomwise/evaluation/floor_error.h"
 #include "roomwise/evaluation/object_error.h"
 #include "roomwise/home/home.h"
 #include "roomwise/pipeline/run_context.h"
@@ -28,11 +29,36 @@ struct ObjectEvaluation {
                                                           const std::filesystem::path& recording,
                                                           double most_distance_m);
 
+// As what a map is measured.
+enum class MapSurface {
+  kCloud,  // averaged points of the key-frames
+  kMesh,   // vertices of the fused surface
+};
+struct MapEvaluationOptions {
+  MapSurface surface = MapSurface::kCloud;
+  double voxel_size_m = 0.02;
+  // The key-frames at their true poses, where they are known within 0.02 s: what is left are the
+  // sensor's errors and those of joining.
+  bool at_true_poses = false;
+};
+
 // The map's points against the surfaces of the home that simulation.json describes. Furniture is
 // read from the folder of its archives.
 [[nodiscard]] Expected<evaluation::CloudError> evaluate_map(const home::Home& home,
                                                             const std::filesystem::path& recording,
                                                             const std::filesystem::path& furniture,
-                                                            double voxel_size_m, RunContext& run);
+                                                            const MapEvaluationOptions& options,
+                                                            RunContext& run);
+
+struct FloorEvaluation {
+  evaluation::FloorError error;
+  double floor_above_truth_m = 0;  // of the level frame, in the truth's middle
+  double tilt_rad = 0;             // between the level frame's up and the truth's
+};
+
+// The map's floor grid against the free space of floorplan.json, for a person of the radius there.
+[[nodiscard]] Expected<FloorEvaluation> evaluate_floor(const home::Home& home,
+                                                       const std::filesystem::path& recording,
+                                                       RunContext& run);
 
 }  // namespace roomwise::pipeline

@@ -7,48 +7,14 @@
 #include <queue>
 #include <utility>
 
+#include "roomwise/geometry/distance_transform.h"
+
 namespace roomwise::simulation {
 namespace {
 
-constexpr double kFar = 1e9;
+constexpr double kFar = geometry::kFarFromAll;
 // Clearance beyond which a way gets no better.
 constexpr double kComfortable = 0.5;
-
-// Squared distances along one line of cells to the nearest cell, where `line` holds what each cell
-// has from the other direction: the lower envelope of parabolas.
-void transform_line(std::vector<double>& line) {
-  const int count = static_cast<int>(line.size());
-  std::vector<int> lowest(line.size());
-  std::vector<double> from(line.size() + 1);
-  const auto at = [&](int i) { return line[static_cast<std::size_t>(i)]; };
-  const auto meeting = [&](int a, int b) {
-    return (at(b) + static_cast<double>(b) * b - at(a) - static_cast<double>(a) * a) /
-           (2.0 * (b - a));
-  };
-  int parabolas = 0;
-  from[0] = -kFar;
-  from[1] = kFar;
-  for (int i = 1; i < count; ++i) {
-    double start = meeting(lowest[static_cast<std::size_t>(parabolas)], i);
-    while (start <= from[static_cast<std::size_t>(parabolas)]) {
-      --parabolas;
-      start = meeting(lowest[static_cast<std::size_t>(parabolas)], i);
-    }
-    ++parabolas;
-    lowest[static_cast<std::size_t>(parabolas)] = i;
-    from[static_cast<std::size_t>(parabolas)] = start;
-    from[static_cast<std::size_t>(parabolas) + 1] = kFar;
-  }
-  std::vector<double> result(line.size());
-  int parabola = 0;
-  for (int i = 0; i < count; ++i) {
-    while (from[static_cast<std::size_t>(parabola) + 1] < i) ++parabola;
-    const int source = lowest[static_cast<std::size_t>(parabola)];
-    result[static_cast<std::size_t>(i)] =
-        static_cast<double>(i - source) * (i - source) + at(source);
-  }
-  line = std::move(result);
-}
 
 Rectangle bounds_of(std::span<const Rectangle> floors) {
   Rectangle bounds = floors.front();
@@ -118,28 +84,12 @@ void FreeSpace::measure_clearance(std::span<const Rectangle> floors,
       if (solid.contains(middle)) cell = 0;
     });
   }
-  std::vector<double> line(static_cast<std::size_t>(rows_));
-  for (int column = 0; column < columns_; ++column) {
-    for (int row = 0; row < rows_; ++row) {
-      line[static_cast<std::size_t>(row)] = squared[index(column, row)];
-    }
-    transform_line(line);
-    for (int row = 0; row < rows_; ++row) {
-      squared[index(column, row)] = line[static_cast<std::size_t>(row)];
-    }
-  }
-  line.resize(static_cast<std::size_t>(columns_));
-  clearance_m_.resize(cells);
-  for (int row = 0; row < rows_; ++row) {
-    std::copy_n(squared.begin() + static_cast<std::ptrdiff_t>(index(0, row)), columns_,
-                line.begin());
-    transform_line(line);
-    for (int column = 0; column < columns_; ++column) {
-      // Between the middles of two cells less half a cell: to the other's near edge.
-      const double cells_apart = std::sqrt(line[static_cast<std::size_t>(column)]);
-      clearance_m_[index(column, row)] =
-          static_cast<float>(std::max(0.0, cells_apart - 0.5) * kCellSize);
-    }
+  squared = geometry::squared_distances(std::move(squared), columns_, rows_);
+  clearance_m_.reserve(cells);
+  for (const double cells_apart_squared : squared) {
+    // Between the middles of two cells less half a cell: to the other's near edge.
+    const double cells_apart = std::sqrt(cells_apart_squared);
+    clearance_m_.push_back(static_cast<float>(std::max(0.0, cells_apart - 0.5) * kCellSize));
   }
 }
 

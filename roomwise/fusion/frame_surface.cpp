@@ -1,0 +1,203 @@
+#include "roomwise/fusion/frame_surface.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "roomwise/image/rgbd_frame.h"
+
+namespace roomwise::fusion {
+namespace {
+
+using Eigen::Vector2f;
+using Eigen::Vector3f;
+using InverseDepth = image::Image<float>;  // 1/m; 0 where nothing was measured
+
+struct Offset {
+  int x, y;
+};
+// One of each pair of pixels about the middle. The first four are its neighbours.
+constexpr std::size_t kNearestPairs = 4;
+constexpr std::array<Offset, 16> kPairs{{{1, 0},
+                                         {0, 1},
+                                         {1, 1},
+                                         {1, -1},
+                                         {2, 0},
+                                         {4, 0},
+                                         {-4, 2},
+                                         {-2, 2},
+                                         {0, 2},
+                                         {2, 2},
+                                         {4, 2},
+                                         {-4, 4},
+                                         {-2, 4},
+                                         {0, 4},
+                                         {2, 4},
+                                         {4, 4}}};
+
+// The inverse depth about a pixel: value + slope . (offset in pixels).
+struct LocalPlane {
+  float value = 0;
+  Vector2f slope = Vector2f::Zero();
+  bool is_outline = false;
+};
+
+// How far the middle of a pair may lie off the line between its two ends: three sigmas of
+// a + b - 2 c.
+float most_bend(const SurfaceOptions& options) {
+  return static_cast<float>(3 * std::sqrt(6.0) * options.depth_noise_at_1m_m);
+}
+
+// `ridge` holds the slope near 0 where few pairs tell of it: the square of noise over what slope is
+// likely.
+LocalPlane fit_plane(const InverseDepth& inverse, int x, int y, float bend, float ridge) {
+  LocalPlane plane;
+  const float middle = inverse.at(x, y);
+  float sum = middle, count = 1;
+  float xx = ridge, xy = 0, yy = ridge, xv = 0, yv = 0;
+  for (std::size_t i = 0; i < kPairs.size(); ++i) {
+    const auto [dx, dy] = kPairs[i];
+    float ahead = 0, behind = 0;
+    if (inverse.contains(x + dx, y + dy) && inverse.contains(x - dx, y - dy)) {
+      ahead = inverse.at(x + dx, y + dy);
+      behind = inverse.at(x - dx, y - dy);
+    }
+    const bool agrees = ahead > 0 && behind > 0 && std::abs(ahead + behind - 2 * middle) < bend;
+    if (!agrees) {
+      if (i < kNearestPairs) {
+        plane.is_outline = true;
+        return plane;
+      }
+      continue;
+    }
+    const auto fx = static_cast<float>(dx), fy = static_cast<float>(dy);
+    sum += ahead + behind;
+    count += 2;
+    xx += 2 * fx * fx;
+    xy += 2 * fx * fy;
+    yy += 2 * fy * fy;
+    xv += fx * (ahead - behind);
+    yv += fy * (ahead - behind);
+  }
+  const float determinant = xx * yy - xy * xy;
+  plane.value = sum / count;
+  plane.slope = Vector2f(yy * xv - xy * yv, xx * yv - xy * xv) / determinant;
+  return plane;
+}
+
+// The largest value within `reach` pixels in x, or in y.
+InverseDepth largest_about(const InverseDepth& values, int reach, bool along_x) {
+  InverseDepth largest(values.width(), values.height());
+  for (int y = 0; y < values.height(); ++y) {
+    for (int x = 0; x < values.width(); ++x) {
+      float most = 0;
+      for (int d = -reach; d <= reach; ++d) {
+        const int nx = along_x ? std::clamp(x + d, 0, values.width() - 1) : x;
+        const int ny = along_x ? y : std::clamp(y + d, 0, values.height() - 1);
+        most = std::max(most, values.at(nx, ny));
+      }
+      largest.at(x, y) = most;
+    }
+  }
+  return largest;
+}
+
+PixelTable make_pixel_table(const geometry::PinholeCamera& camera) {
+  PixelTable table;
+  if (camera.distortion.is_none()) return table;
+  table.reserve(static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height));
+  for (int y = 0; y < camera.height; ++y) {
+    for (int x = 0; x < camera.width; ++x) {
+      const Eigen::Vector2d real = camera.project(camera.unproject_undistorted({x, y}, 1.0));
+      const long rx = std::lround(real.x()), ry = std::lround(real.y());
+      const bool inside = rx >= 0 && ry >= 0 && rx < camera.width && ry < camera.height;
+      table.push_back(inside ? static_cast<std::int32_t>(ry * camera.width + rx) : -1);
+    }
+  }
+  return table;
+}
+
+std::uint8_t weight_at(double depth_m, double cosine, const SurfaceOptions& options) {
+  const double noise_m = options.depth_noise_at_1m_m * depth_m * depth_m;
+  const double common2 = options.common_noise_m * options.common_noise_m;
+  const double share = common2 / (common2 + noise_m * noise_m) * cosine;
+  return static_cast<std::uint8_t>(
+      std::clamp(std::lround(kMostPixelWeight * share), 1L, static_cast<long>(kMostPixelWeight)));
+}
+
+}  // namespace
+
+Expected<void> SurfaceOptions::validate() const {
+  if (!(farthest_m > 0)) return fail("farthest_m is {}; expected more than 0", farthest_m);
+  if (!(depth_noise_at_1m_m > 0)) {
+    return fail("depth_noise_at_1m_m is {}; expected more than 0", depth_noise_at_1m_m);
+  }
+  if (!(common_noise_m > 0))
+    return fail("common_noise_m is {}; expected more than 0", common_noise_m);
+  if (!(least_cosine >= 0 && least_cosine < 1)) {
+    return fail("least_cosine is {}; expected 0 or more and less than 1", least_cosine);
+  }
+  return {};
+}
+
+FrameSurfaceMaker::FrameSurfaceMaker(const geometry::PinholeCamera& camera,
+                                     const SurfaceOptions& options)
+    : camera_(camera),
+      options_(options),
+      real_from_ideal_(std::make_shared<const PixelTable>(make_pixel_table(camera))) {
+  for (int y = 0; y < camera.height; ++y) {
+    for (int x = 0; x < camera.width; ++x) {
+      rays_.emplace_back(camera.unproject({x, y}, 1.0).head<2>().cast<float>());
+    }
+  }
+}
+
+FrameSurface FrameSurfaceMaker::make(const image::ColorImage& color,
+                                     const image::DepthImage& depth) const {
+  InverseDepth inverse(camera_.width, camera_.height);
+  for (int y = 0; y < camera_.height; ++y) {
+    for (int x = 0; x < camera_.width; ++x) {
+      const double z_m = image::depth_m(depth, camera_, x, y);
+      inverse.at(x, y) = z_m > 0 ? static_cast<float>(1 / z_m) : 0.0F;
+    }
+  }
+  // A thing that is a few pixels wide must not be taken for empty space between two of them.
+  constexpr int kOutlineReach_px = 2;
+  const InverseDepth nearest = largest_about(largest_about(inverse, kOutlineReach_px, true),
+                                             kOutlineReach_px, /*along_x=*/false);
+
+  FrameSurface frame{camera_, real_from_ideal_, {camera_.width, camera_.height}, options_};
+  const float bend = most_bend(options_);
+  const auto least_inverse = static_cast<float>(1 / options_.farthest_m);
+  const Vector2f focal(static_cast<float>(camera_.fx), static_cast<float>(camera_.fy));
+  std::size_t index = 0;
+  for (int y = 0; y < camera_.height; ++y) {
+    for (int x = 0; x < camera_.width; ++x, ++index) {
+      const float middle = inverse.at(x, y);
+      if (middle <= 0) continue;
+      SurfacePixel& pixel = frame.pixels.at(x, y);
+      pixel.color = color.at(x, y);
+      pixel.empty_to_m = 1 / std::max(nearest.at(x, y), least_inverse);
+      pixel.weight = weight_at(pixel.empty_to_m, 1, options_);
+      if (middle < least_inverse) continue;
+      // A slope of 45 degrees is likely.
+      const float ridge_root =
+          static_cast<float>(options_.depth_noise_at_1m_m) * focal.x() / middle;
+      const LocalPlane plane = fit_plane(inverse, x, y, bend, ridge_root * ridge_root);
+      if (plane.is_outline) continue;
+      // q = n . (ray, 1) on the plane n . p = 1, with q the inverse depth.
+      const Vector2f across = plane.slope.cwiseProduct(focal);
+      const Vector3f scaled(across.x(), across.y(), plane.value - across.dot(rays_[index]));
+      const float length = scaled.norm();
+      const float cosine =
+          plane.value / length / Vector3f(rays_[index].x(), rays_[index].y(), 1).norm();
+      if (!(cosine >= static_cast<float>(options_.least_cosine))) continue;
+      pixel.normal = scaled / length;
+      pixel.offset_m = 1 / length;
+      pixel.weight = weight_at(1 / static_cast<double>(plane.value), cosine, options_);
+    }
+  }
+  return frame;
+}
+
+}  // namespace roomwise::fusion

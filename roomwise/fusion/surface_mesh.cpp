@@ -1,0 +1,322 @@
+#include "roomwise/fusion/surface_mesh.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <unordered_map>
+
+#include "roomwise/fusion/marching_cubes.h"
+
+namespace roomwise::fusion {
+namespace {
+
+using Eigen::Vector3f;
+using Eigen::Vector3i;
+
+// The voxels of a block with those around it: two more on the far sides for the cubes at the
+// block's end and their gradients, one more on the near sides.
+constexpr int kBefore = 1;
+constexpr int kSide = kBefore + kBlockSide + 2;
+constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
+
+struct Neighbourhood {
+  std::array<float, static_cast<std::size_t>(kSide* kSide* kSide)> distance_m;
+  std::array<const VoxelBlock*, 27> blocks;
+
+  static std::size_t index(const Vector3i& voxel) {
+    const Vector3i v = voxel.array() + kBefore;
+    return static_cast<std::size_t>((v.z() * kSide + v.y()) * kSide + v.x());
+  }
+  // Of a voxel counted from the block's first.
+  [[nodiscard]] float at(const Vector3i& voxel) const { return distance_m[index(voxel)]; }
+};
+
+// The block (of the 27) along an axis, and the voxel in it.
+int block_along(int voxel) {
+  return (voxel >> 3) + 1;
+}
+std::size_t block_slot(const Vector3i& voxel) {
+  return static_cast<std::size_t>((block_along(voxel.z()) * 3 + block_along(voxel.y())) * 3 +
+                                  block_along(voxel.x()));
+}
+std::size_t voxel_slot(const Vector3i& voxel) {
+  return DistanceField::offset_of(voxel.unaryExpr([](int v) { return v & (kBlockSide - 1); }));
+}
+
+void fill(Neighbourhood& around, const DistanceField& field, const Vector3i& block,
+          std::uint32_t least_weight) {
+  for (int i = 0; i < 27; ++i) {
+    const Vector3i offset(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1);
+    around.blocks[static_cast<std::size_t>(i)] = field.find(block + offset);
+  }
+  for (int z = -kBefore; z < kSide - kBefore; ++z) {
+    for (int y = -kBefore; y < kSide - kBefore; ++y) {
+      for (int x = -kBefore; x < kSide - kBefore; ++x) {
+        const Vector3i voxel(x, y, z);
+        const VoxelBlock* there = around.blocks[block_slot(voxel)];
+        float& distance_m = around.distance_m[Neighbourhood::index(voxel)];
+        distance_m = kUnknown;
+        if (there == nullptr) continue;
+        const Voxel& content = there->voxels[voxel_slot(voxel)];
+        if (content.weight < least_weight) continue;
+        distance_m = static_cast<float>(field.sample(content).distance_m);
+      }
+    }
+  }
+}
+
+// The slope of the distance along an axis, from both neighbours or from the one that is known.
+float slope(const Neighbourhood& around, const Vector3i& voxel, int axis) {
+  const Vector3i step = Vector3i::Unit(axis);
+  const float here = around.at(voxel);
+  const float ahead = around.at(voxel + step) - here;
+  const float behind = here - around.at(voxel - step);
+  if (std::isnan(ahead)) return std::isnan(behind) ? 0.0F : behind;
+  return std::isnan(behind) ? ahead : 0.5F * (ahead + behind);
+}
+
+Vector3f gradient(const Neighbourhood& around, const Vector3i& voxel) {
+  return {slope(around, voxel, 0), slope(around, voxel, 1), slope(around, voxel, 2)};
+}
+
+// The mean colour at a voxel, and whether there is one.
+std::pair<Vector3f, bool> color_at(const Neighbourhood& around, const Vector3i& voxel) {
+  const VoxelBlock* block = around.blocks[block_slot(voxel)];
+  if (block->colors == nullptr) return {Vector3f::Zero(), false};
+  const ColorSum& sum = (*block->colors)[voxel_slot(voxel)];
+  if (sum.weight == 0) return {Vector3f::Zero(), false};
+  const auto channel = [&](std::uint32_t value) {
+    return static_cast<float>(static_cast<double>(value) / sum.weight);
+  };
+  return {{channel(sum.r), channel(sum.g), channel(sum.b)}, true};
+}
+
+Rgb8 rounded(const Vector3f& color) {
+  const auto channel = [](float value) {
+    return static_cast<std::uint8_t>(std::clamp(value + 0.5F, 0.0F, 255.0F));
+  };
+  return {channel(color.x()), channel(color.y()), channel(color.z())};
+}
+
+// Names a vertex in the whole field: the voxel at the lower end of its edge, and the edge's axis.
+struct EdgeKey {
+  DistanceField::Key block = 0;
+  std::uint32_t edge = 0;  // 3 * offset of the voxel + axis
+
+  friend bool operator==(const EdgeKey&, const EdgeKey&) = default;
+};
+struct EdgeKeyHash {
+  std::size_t operator()(const EdgeKey& key) const {
+    std::uint64_t mixed = key.block * 0x9E3779B97F4A7C15U + key.edge;
+    mixed ^= mixed >> 32;
+    return static_cast<std::size_t>(mixed * 0xD6E8FEB86659FD93U);
+  }
+};
+
+// The surface in one block's cubes; triangles count its own vertices.
+struct BlockMesh {
+  TriangleMesh mesh;
+  std::vector<EdgeKey> keys;  // of the vertices
+};
+
+class BlockMesher {
+ public:
+  BlockMesher(const DistanceField& field, std::uint32_t least_weight)
+      : field_(field), least_weight_(least_weight) {}
+
+  [[nodiscard]] BlockMesh mesh(const Vector3i& block) {
+    block_ = block;
+    result_ = {};
+    vertex_at_.fill(kNoVertex);
+    fill(around_, field_, block, least_weight_);
+    for (int z = 0; z < kBlockSide; ++z) {
+      for (int y = 0; y < kBlockSide; ++y) {
+        for (int x = 0; x < kBlockSide; ++x) add_cube({x, y, z});
+      }
+    }
+    return std::move(result_);
+  }
+
+ private:
+  static constexpr std::uint32_t kNoVertex = std::numeric_limits<std::uint32_t>::max();
+  static constexpr int kCorners = kBlockSide + 1;  // a side
+
+  static Vector3i corner(const Vector3i& cube, int i) {
+    return cube + Vector3i(i & 1, i >> 1 & 1, i >> 2 & 1);
+  }
+
+  void add_cube(const Vector3i& cube) {
+    unsigned inside = 0;
+    for (int i = 0; i < kCubeCorners; ++i) {
+      const float distance_m = around_.at(corner(cube, i));
+      if (std::isnan(distance_m)) return;
+      if (distance_m < 0) inside |= 1U << i;
+    }
+    for (const auto& triangle : cube_triangles()[inside]) {
+      std::array<std::uint32_t, 3> corners{};
+      for (std::size_t i = 0; i < 3; ++i) corners[i] = vertex(cube, cube_edges()[triangle[i]]);
+      result_.mesh.triangles.push_back(corners);
+    }
+  }
+
+  std::uint32_t vertex(const Vector3i& cube, const CubeEdge& edge) {
+    const Vector3i from = corner(cube, edge.from), to = corner(cube, edge.to);
+    const int place = (from.z() * kCorners + from.y()) * kCorners + from.x();
+    std::uint32_t& known = vertex_at_[static_cast<std::size_t>(3 * place + edge.axis)];
+    if (known != kNoVertex) return known;
+    known = static_cast<std::uint32_t>(result_.mesh.vertices.size());
+
+    const float a = around_.at(from), b = around_.at(to);
+    const float share = a / (a - b);  // of the way from `from` to `to`; their signs differ
+    const Vector3f voxel =
+        (kBlockSide * block_ + from).cast<float>() + share * (to - from).cast<float>();
+    result_.mesh.vertices.emplace_back(static_cast<float>(field_.voxel_size_m()) * voxel);
+    const Vector3f normal = (1 - share) * gradient(around_, from) + share * gradient(around_, to);
+    result_.mesh.normals.push_back(
+        normal.norm() > 0 ? Vector3f(normal.normalized())
+                          : Vector3f((a < b ? 1.0F : -1.0F) * (to - from).cast<float>()));
+    const auto [color_a, has_a] = color_at(around_, from);
+    const auto [color_b, has_b] = color_at(around_, to);
+    const float share_b = !has_a ? 1.0F : !has_b ? 0.0F : share;
+    result_.mesh.colors.push_back(rounded((1 - share_b) * color_a + share_b * color_b));
+
+    const Vector3i block_offset = from.unaryExpr([](int v) { return v >> 3; });
+    result_.keys.push_back(
+        {DistanceField::key_of(block_ + block_offset),
+         static_cast<std::uint32_t>(3 * voxel_slot(from)) + static_cast<std::uint32_t>(edge.axis)});
+    return known;
+  }
+
+  const DistanceField& field_;
+  std::uint32_t least_weight_;
+  Vector3i block_ = Vector3i::Zero();
+  Neighbourhood around_;
+  std::array<std::uint32_t, static_cast<std::size_t>(3 * kCorners * kCorners * kCorners)>
+      vertex_at_{};
+  BlockMesh result_;
+};
+
+// Joins the blocks' surfaces: a vertex that two of them have becomes one.
+class MeshJoiner {
+ public:
+  void add(const BlockMesh& block) {
+    std::vector<std::uint32_t> joined;
+    joined.reserve(block.keys.size());
+    for (std::size_t i = 0; i < block.keys.size(); ++i) {
+      const auto next = static_cast<std::uint32_t>(mesh_.vertices.size());
+      const auto [found, is_new] = vertex_of_.try_emplace(block.keys[i], next);
+      if (is_new) {
+        mesh_.vertices.push_back(block.mesh.vertices[i]);
+        mesh_.normals.push_back(block.mesh.normals[i]);
+        mesh_.colors.push_back(block.mesh.colors[i]);
+      }
+      joined.push_back(found->second);
+    }
+    for (const auto& [a, b, c] : block.mesh.triangles) {
+      mesh_.triangles.push_back({joined[a], joined[b], joined[c]});
+    }
+  }
+  TriangleMesh finish() { return std::move(mesh_); }
+
+ private:
+  TriangleMesh mesh_;
+  std::unordered_map<EdgeKey, std::uint32_t, EdgeKeyHash> vertex_of_;
+};
+
+// Which vertices hang together: each one's representative.
+class Pieces {
+ public:
+  explicit Pieces(std::size_t count) : parent_(count) {
+    for (std::size_t i = 0; i < count; ++i) parent_[i] = static_cast<std::uint32_t>(i);
+  }
+  std::uint32_t of(std::uint32_t vertex) {
+    while (parent_[vertex] != vertex) {
+      parent_[vertex] = parent_[parent_[vertex]];
+      vertex = parent_[vertex];
+    }
+    return vertex;
+  }
+  void join(std::uint32_t a, std::uint32_t b) {
+    a = of(a);
+    b = of(b);
+    parent_[std::max(a, b)] = std::min(a, b);
+  }
+
+ private:
+  std::vector<std::uint32_t> parent_;
+};
+
+double area_m2(const TriangleMesh& mesh, const std::array<std::uint32_t, 3>& triangle) {
+  const Eigen::Vector3d a = mesh.vertices[triangle[0]].cast<double>();
+  const Eigen::Vector3d b = mesh.vertices[triangle[1]].cast<double>();
+  const Eigen::Vector3d c = mesh.vertices[triangle[2]].cast<double>();
+  return 0.5 * (b - a).cross(c - a).norm();
+}
+
+}  // namespace
+
+Expected<void> MeshOptions::validate() const {
+  if (least_weight < 1) return fail("least_weight is {}; expected 1 or more", least_weight);
+  if (!(least_piece_m2 >= 0)) {
+    return fail("least_piece_m2 is {}; expected 0 or more", least_piece_m2);
+  }
+  return {};
+}
+
+TriangleMesh extract_mesh(const DistanceField& field, const MeshOptions& options,
+                          ThreadPool& pool) {
+  const std::vector<Vector3i> blocks = field.blocks();
+  MeshJoiner joiner;
+  // Blocks' surfaces wait to be joined in the order of the blocks, not all at once.
+  constexpr std::size_t kBlocksATask = 128;
+  const std::size_t blocks_a_round = kBlocksATask * 4 * pool.size();
+  for (std::size_t first = 0; first < blocks.size(); first += blocks_a_round) {
+    const std::size_t count = std::min(blocks_a_round, blocks.size() - first);
+    std::vector<BlockMesh> meshes(count);
+    pool.parallel_for((count + kBlocksATask - 1) / kBlocksATask, [&](std::size_t task) {
+      BlockMesher mesher(field, options.least_weight);
+      const std::size_t end = std::min(count, (task + 1) * kBlocksATask);
+      for (std::size_t i = task * kBlocksATask; i < end; ++i) {
+        meshes[i] = mesher.mesh(blocks[first + i]);
+      }
+    });
+    for (const BlockMesh& mesh : meshes) joiner.add(mesh);
+  }
+  TriangleMesh mesh = joiner.finish();
+  return options.least_piece_m2 > 0 ? without_small_pieces(mesh, options.least_piece_m2)
+                                    : std::move(mesh);
+}
+
+TriangleMesh without_small_pieces(const TriangleMesh& mesh, double least_piece_m2) {
+  Pieces pieces(mesh.vertices.size());
+  for (const auto& [a, b, c] : mesh.triangles) {
+    pieces.join(a, b);
+    pieces.join(a, c);
+  }
+  std::vector<double> piece_m2(mesh.vertices.size(), 0.0);
+  for (const auto& triangle : mesh.triangles) {
+    piece_m2[pieces.of(triangle[0])] += area_m2(mesh, triangle);
+  }
+  constexpr std::uint32_t kLeftOut = std::numeric_limits<std::uint32_t>::max();
+  std::vector<std::uint32_t> kept(mesh.vertices.size(), kLeftOut);
+  TriangleMesh result;
+  for (const auto& triangle : mesh.triangles) {
+    if (piece_m2[pieces.of(triangle[0])] < least_piece_m2) continue;
+    std::array<std::uint32_t, 3> corners{};
+    for (std::size_t i = 0; i < 3; ++i) {
+      std::uint32_t& place = kept[triangle[i]];
+      if (place == kLeftOut) {
+        place = static_cast<std::uint32_t>(result.vertices.size());
+        result.vertices.push_back(mesh.vertices[triangle[i]]);
+        result.normals.push_back(mesh.normals[triangle[i]]);
+        result.colors.push_back(mesh.colors[triangle[i]]);
+      }
+      corners[i] = place;
+    }
+    result.triangles.push_back(corners);
+  }
+  return result;
+}
+
+}  // namespace roomwise::fusion
