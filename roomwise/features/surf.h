@@ -16,7 +16,7 @@ struct SurfOptions {
   // Least determinant of the Hessian that makes a key-point, for intensities from 0 to 255 and box
   // filters normalised by their area; grey levels squared. Kept low, since most_keypoints then
   // takes the strongest.
-  double hessian_threshold = 1;
+  double hessian_threshold = 0.3;
   // Number of octaves, each at half the size of the one before. 1 to 6.
   int octaves = 5;
   // The first octave looks at the picture at double its size, where it finds blobs half as large.

@@ -19,7 +19,7 @@ constexpr std::array<std::string_view, 7> kReferenceKinds{
 // Models of the seven that networks know from all sides.
 constexpr std::array<std::string_view, 7> kReferenceModels{
     "blendswap-cc-0/bed1",       "scopia/little_lamp1",        "blendswap-cc-by/wardrobe2",
-    "blendswap-cc-by/microwave", "blendswap-cc-by/largeStove", "blendswap-cc-0/largeFridge",
+    "blendswap-cc-by/microwave", "blendswap-cc-by/largeStove", "blendswap-cc-0/refrigerator",
     "blendswap-cc-0/toiletsUnit"};
 
 // What would be taken for one of the seven.
