@@ -29,11 +29,13 @@ LocalizerOptions::LocalizerOptions() {
   features.least_inlier_ratio = 0.06;
   features.most_iterations = 2000;
   views.gray_sigma = 20;
+  shape_views.gray_sigma = 200;
 }
 
 Expected<void> LocalizerOptions::validate() const {
   ROOMWISE_CHECK_OK(features.validate());
   ROOMWISE_CHECK_OK(views.validate());
+  ROOMWISE_CHECK_OK(shape_views.validate());
   if (similar < 1 || places < 1 || together < 1) {
     return fail("similar = {}, places = {} and together = {} must be at least 1", similar, places,
                 together);
@@ -47,6 +49,7 @@ Expected<void> LocalizerOptions::validate() const {
   if (!(clearly_more_inliers >= 1)) {
     return fail("clearly_more_inliers = {} must be at least 1", clearly_more_inliers);
   }
+  if (!(least_hold >= 0)) return fail("least_hold = {} must not be negative", least_hold);
   for (const auto& [name, value] :
        {std::pair("place_m", place_m), std::pair("place_rad", place_rad),
         std::pair("shape_sigma_m", shape_sigma_m), std::pair("shape_sigma_rad", shape_sigma_rad),
@@ -67,6 +70,8 @@ std::string_view to_string(LocalizationStatus status) {
       return "too little of it is on the map";
     case LocalizationStatus::kContradicted:
       return "the depth images contradict the pose";
+    case LocalizationStatus::kPlain:
+      return "a bare wall is the same in many places";
     case LocalizationStatus::kDoubtful:
       return "too little speaks for the pose";
     case LocalizationStatus::kVague:

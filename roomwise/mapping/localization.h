@@ -31,6 +31,10 @@ struct LocalizerOptions {
   // How far from such a key-frame the picture may have been taken, m and rad (standard deviation).
   double shape_sigma_m = 0.3;
   double shape_sigma_rad = 0.2;
+  motion::ViewAlignmentOptions shape_views;  // brightness hardly counts
+  // A picture is too plain where the mean square of its surfaces' normals along some direction is
+  // below this: it could slide along a wall that way.
+  double least_hold = 0.001;
   // Less support (Localization::support) leaves a doubt; and so does another pose with more than
   // this share of it.
   double sure_support = 1.0;
@@ -54,6 +58,7 @@ enum class LocalizationStatus {
   kNothingSimilar,  // no key-frame looks like it
   kNoMotion,        // too little of it is on the map
   kContradicted,    // by the depth images
+  kPlain,           // features say nothing, and its shape is that of a bare wall
   kDoubtful,        // a pose, but too little speaks for it
   kVague,           // a pose, but not known well enough
   kAmbiguous,       // two poses, and nearly as much speaks for the one as for the other

@@ -1,10 +1,13 @@
 #include "roomwise/mapping/localizer.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>
 #include <utility>
+
+#include "roomwise/motion/view_linearization.h"
 
 namespace roomwise::mapping {
 namespace {
@@ -18,6 +21,22 @@ constexpr double kSystematicHalfAngle = 0.5 * 0.005;
 
 geometry::Matrix6d with_systematic_error(const geometry::Matrix6d& information) {
   return motion::with_systematic_error(information, kSystematicTranslation_m, kSystematicHalfAngle);
+}
+
+// How well a view's surfaces hold a camera in place along the direction in which they do least: the
+// mean square of the normals' component along it; 1/3 at most. 0 before a wall, but for noise.
+double least_hold(const motion::SmallView& view) {
+  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+  double count = 0;
+  for (const motion::SurfacePoint& point : motion::surface_points(view.levels.back(), 1)) {
+    if (!point.has_normal) continue;
+    const Eigen::Vector3d normal = point.normal.cast<double>();
+    sum += normal * normal.transpose();
+    ++count;
+  }
+  if (count == 0) return 0;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(sum / count, Eigen::EigenvaluesOnly);
+  return solver.eigenvalues()[0];
 }
 
 // What speaks for a pose found by shape: that its alignment fits, that the key-frames around agree
@@ -242,8 +261,8 @@ std::vector<Localization> Localizer::align_shapes(const Query& query) const {
     const Placed& keyframe = keyframes_[hit.index];
     const auto prior = motion::PosePrior::around(hit.indexed_from_asked, options_.shape_sigma_m,
                                                  options_.shape_sigma_rad);
-    const motion::ViewAlignment aligned =
-        motion::align_views(keyframe.keyframe.measurements.view(), view, prior, options_.views);
+    const motion::ViewAlignment aligned = motion::align_views(keyframe.keyframe.measurements.view(),
+                                                              view, prior, options_.shape_views);
     if (!aligned.found) continue;
     const RigidTransform pose = keyframe.world_from_keyframe * aligned.pose.reference_from_current;
     auto known = std::ranges::find_if(
@@ -268,6 +287,11 @@ std::vector<Localization> Localizer::align_shapes(const Query& query) const {
 }
 
 Localization Localizer::by_shape(const Query& query) const {
+  if (least_hold(query.measurements.view()) < options_.least_hold) {
+    Localization wall;
+    wall.status = LocalizationStatus::kPlain;
+    return wall;
+  }
   std::vector<Localization> poses = align_shapes(query);
   if (poses.empty()) return {};
   std::ranges::stable_sort(poses, std::ranges::greater(), &Localization::support);
