@@ -144,6 +144,10 @@ TEST_F(HomeCommandsTest, ExportSaysWhatIsWrong) {
   EXPECT_THAT(error_of({"octomap", "--home", home, "-o", path("no/x.bt")}), HasSubstr("x.bt"));
   EXPECT_THAT(error_of({"glb", "--home", home, "-o", path("x.glb"), "--voxel", "5"}),
               HasSubstr("voxel_size_m"));
+  EXPECT_THAT(error_of({"octomap", "--home", home, "-o", path("x.bt"), "--cell", "0.5"}),
+              HasSubstr("cells of 0.5 m do not go with voxels of 0.02 m"));
+  EXPECT_THAT(error_of({"floor", "--home", home, "-o", path("x.yaml"), "--cell", "0.02"}),
+              HasSubstr("cells of 0.02 m"));
   EXPECT_THAT(error_of({"floor", "--home", home, "-o", path("x.yaml"), "--height", "0.1"}),
               HasSubstr("person_height_m"));
   EXPECT_THAT(error_of({"glb", "--home", home, "-o", "/dev/full"}), HasSubstr("/dev/full"));

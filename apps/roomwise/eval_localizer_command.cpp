@@ -95,27 +95,36 @@ Answer describe(const std::vector<pipeline::LocalizationTrial>& trials, const Op
   for (const auto& [reason, count] : reasons) {
     answer.text += fmt::format("  {}: {}\n", reason, count);
   }
-  answer.text += fmt::format(
-      "error of the answers: median {:.3f} m and {:.2f} degrees, 95 % within {:.3f} m and {:.2f} "
-      "degrees\n"
-      "processor time a question: median {:.0f} ms, 95 % within {:.0f} ms\n",
-      quantile(errors_m, 0.5), quantile(errors_degrees, 0.5), quantile(errors_m, 0.95),
-      quantile(errors_degrees, 0.95), quantile(cpu_ms, 0.5), quantile(cpu_ms, 0.95));
+  if (!errors_m.empty())
+    answer.text += fmt::format(
+        "error of the answers: median {:.3f} m and {:.2f} degrees, 95 % within {:.3f} m and {:.2f} "
+        "degrees\n",
+        quantile(errors_m, 0.5), quantile(errors_degrees, 0.5), quantile(errors_m, 0.95),
+        quantile(errors_degrees, 0.95));
+  answer.text += fmt::format("processor time a question: median {:.0f} ms, 95 % within {:.0f} ms\n",
+                             quantile(cpu_ms, 0.5), quantile(cpu_ms, 0.95));
   answer.json = {{"questions", trials.size()},
                  {"near", near.value()},
                  {"further_off", beside.value()},
                  {"wrong", far.value()},
                  {"no_answer", silent.value()},
                  {"reasons", reasons},
-                 {"median_error_m", quantile(errors_m, 0.5)},
-                 {"median_error_degrees", quantile(errors_degrees, 0.5)},
+                 {"median_error_m", Json(nullptr)},
+                 {"median_error_degrees", Json(nullptr)},
                  {"median_cpu_ms", quantile(cpu_ms, 0.5)},
                  {"frames", std::move(frames)}};
+  if (!errors_m.empty()) {
+    answer.json["median_error_m"] = quantile(errors_m, 0.5);
+    answer.json["median_error_degrees"] = quantile(errors_degrees, 0.5);
+  }
   return answer;
 }
 
 Expected<Answer> evaluate(const Options& options, Context& context) {
   cv::setNumThreads(1);
+  if (options.near_m > options.far_m || options.near_degrees > options.far_degrees) {
+    return fail("--near must not be above --far, nor --near-degrees above --far-degrees");
+  }
   ROOMWISE_TRY(const home::Home home, home::Home::open_read_only(options.home));
   ThreadPool pool(context.threads);
   StageClock clock;
@@ -127,7 +136,10 @@ Expected<Answer> evaluate(const Options& options, Context& context) {
   ROOMWISE_TRY(const auto result, pipeline::evaluate_localization(
                                       home, options.truth, options.visit, localizer, trials, run));
   if (result.empty()) {
-    return fail("{}: no frame has a true pose within 0.02 s", options.visit.string());
+    return fail(
+        "{}: there is nothing to ask: no frame that --every (and --pairs) leaves has a true pose "
+        "within 0.02 s",
+        options.visit.string());
   }
   return describe(result, options);
 }

@@ -41,7 +41,11 @@ Expected<pipeline::MapCloud> build_cloud(const Options& options, Context& contex
   ThreadPool pool(context.threads);
   StageClock clock;
   pipeline::RunContext run{pool, context.progress, clock};
-  return pipeline::build_map_cloud(home, options.voxel_size_m, run);
+  ROOMWISE_TRY(pipeline::MapCloud map, pipeline::build_map_cloud(home, options.voxel_size_m, run));
+  if (map.cloud.size() == 0) {
+    return fail("{}: the home has no map yet; make one with roomwise map", home.file());
+  }
+  return map;
 }
 
 Expected<pipeline::LevelMap> build_surface(const Options& options, Context& context,
@@ -104,11 +108,12 @@ Expected<Answer> export_glb(const Options& options, Context& context) {
 }
 
 Expected<Answer> export_octomap(const Options& options, Context& context) {
+  ROOMWISE_CHECK_OK(pipeline::validate_cell(options.cell_m, options.voxel_size_m));
   ThreadPool pool(context.threads);
   ROOMWISE_TRY(const pipeline::LevelMap map, build_surface(options, context, pool));
   StageClock clock;
   pipeline::RunContext run{pool, context.progress, clock};
-  const auto cells = pipeline::occupancy_of(map, options.cell_m, run);
+  ROOMWISE_TRY(const auto cells, pipeline::occupancy_of(map, options.cell_m, run));
   ROOMWISE_CHECK_OK(fusion::write_octomap(options.output, cells, options.cell_m));
   const auto occupied = std::ranges::count(cells, true, &fusion::OccupancyCell::is_occupied);
   Answer answer;
@@ -125,6 +130,7 @@ Expected<Answer> export_floor(const Options& options, Context& context) {
   fusion::FloorGridOptions floor = options.floor;
   floor.cell_m = options.cell_m;
   ROOMWISE_CHECK_OK(floor.validate());
+  ROOMWISE_CHECK_OK(pipeline::validate_cell(options.cell_m, options.voxel_size_m));
   ThreadPool pool(context.threads);
   ROOMWISE_TRY(const pipeline::LevelMap map, build_surface(options, context, pool));
   StageClock clock;

@@ -36,9 +36,10 @@ Expected<void> LocalizerOptions::validate() const {
   ROOMWISE_CHECK_OK(features.validate());
   ROOMWISE_CHECK_OK(views.validate());
   ROOMWISE_CHECK_OK(shape_views.validate());
-  if (similar < 1 || places < 1 || together < 1) {
-    return fail("similar = {}, places = {} and together = {} must be at least 1", similar, places,
-                together);
+  if (similar < 1 || places < 1 || together < 1 || similar_shapes < 1) {
+    return fail(
+        "similar = {}, places = {}, together = {} and similar_shapes = {} must be at least 1",
+        similar, places, together, similar_shapes);
   }
   if (sure_inliers < 0) return fail("sure_inliers = {} must not be negative", sure_inliers);
   for (const auto& [name, share] :

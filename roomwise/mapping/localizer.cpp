@@ -109,6 +109,26 @@ motion::ViewAgreement Localizer::agreement_around(const Query& query,
   return around;
 }
 
+// Only where the key-frames around see enough of the same to say so.
+bool Localizer::is_contradicted(const motion::ViewAgreement& agreement) const {
+  return agreement.overlap >= options_.views.least_overlap &&
+         (agreement.agreeing < options_.views.least_agreeing ||
+          agreement.seen_through > options_.views.most_seen_through);
+}
+
+// Depth images are compared pixel by pixel, so they must be of cameras alike.
+bool Localizer::can_compare_shapes(const Query& query) const {
+  const motion::SmallView& view = query.measurements.view();
+  if (view.empty() || keyframes_.empty()) return false;
+  const motion::SmallView& known = keyframes_.front().keyframe.measurements.view();
+  if (known.empty()) return false;
+  const geometry::PinholeCamera& a = view.levels.back().camera;
+  const geometry::PinholeCamera& b = known.levels.back().camera;
+  constexpr double kAlike = 0.02;
+  return a.width == b.width && a.height == b.height && std::abs(a.fx / b.fx - 1) < kAlike &&
+         std::abs(a.fy / b.fy - 1) < kAlike;
+}
+
 bool Localizer::is_known_well(const Localization& found) const {
   return found.position_sigma_m() <= options_.most_position_sigma_m &&
          found.rotation_sigma_rad() <= options_.most_rotation_sigma_rad;
@@ -185,9 +205,7 @@ Localization Localizer::locate_in(const Place& place, const Query& query) const 
   if (!query.measurements.view().empty()) refine(query, here);
 
   const motion::ViewAgreement& agreement = here.agreement;
-  const bool is_seen_around = agreement.overlap >= options_.views.least_overlap;
-  if (is_seen_around && (agreement.agreeing < options_.views.least_agreeing ||
-                         agreement.seen_through > options_.views.most_seen_through)) {
+  if (is_contradicted(agreement)) {
     here.status = LocalizationStatus::kContradicted;
   } else if (here.inliers < options_.sure_inliers &&
              !(agreement.overlap >= options_.sure_overlap &&
@@ -239,7 +257,7 @@ Localization Localizer::by_features(const Query& query) const {
   Localization best = answers.front();
   for (const Localization& other : answers) {
     // Twin rooms: nothing but more inliers tells them apart.
-    if (best.found() && other.found() &&
+    if (best.found() && other.has_pose() &&
         !is_same(other.world_from_camera, best.world_from_camera) &&
         best.inliers < options_.clearly_more_inliers * other.inliers) {
       best.status = LocalizationStatus::kAmbiguous;
@@ -306,9 +324,39 @@ Localization Localizer::by_shape(const Query& query) const {
   return best;
 }
 
+// The second picture's place by the first one's and the motion between them, with the uncertainty
+// of both.
+Localization Localizer::carry_on(const Localization& earlier, const motion::RefinedPose& motion,
+                                 const Query& second) const {
+  Localization carried = earlier;
+  carried.world_from_camera = earlier.world_from_camera * motion.reference_from_current;
+  // An error of the first camera's pose, as a twist (omega, v), is this one of the second's.
+  const RigidTransform second_from_first = motion.reference_from_current.inverse();
+  const Eigen::Matrix3d rotation = second_from_first.rotation_matrix();
+  geometry::Matrix6d adjoint = geometry::Matrix6d::Zero();
+  adjoint.topLeftCorner<3, 3>() = adjoint.bottomRightCorner<3, 3>() = rotation;
+  for (int axis = 0; axis < 3; ++axis) {
+    adjoint.block<3, 1>(3, axis) = second_from_first.translation.cross(rotation.col(axis));
+  }
+  const geometry::Matrix6d first = motion::twist_information(earlier.information).inverse();
+  const geometry::Matrix6d between =
+      motion::twist_information(with_systematic_error(motion.information)).inverse();
+  carried.information =
+      motion::edge_information((adjoint * first * adjoint.transpose() + between).inverse());
+  if (!second.measurements.view().empty()) {
+    carried.agreement = agreement_around(second, carried.world_from_camera);
+  }
+  if (is_contradicted(carried.agreement)) {
+    carried.status = LocalizationStatus::kContradicted;
+  } else if (carried.found() && !is_known_well(carried)) {
+    carried.status = LocalizationStatus::kVague;
+  }
+  return carried;
+}
+
 Localization Localizer::locate(const Query& query) const {
   const Localization answer = by_features(query);
-  if (answer.found() || query.measurements.view().empty()) return answer;
+  if (answer.found() || !can_compare_shapes(query)) return answer;
   Localization shape = by_shape(query);
   shape.matches = answer.matches;
   shape.inliers = answer.inliers;
@@ -325,14 +373,18 @@ Localization Localizer::locate(const Query& first, const Query& second) const {
       motion::locate_frame(first.measurements, second.measurements, std::nullopt, second.camera,
                            options, RandomStream(options_.seed, {~0ULL}));
   if (!motion.found()) return later;  // nothing binds them: each stands alone
-  Localization foretold = earlier;
-  foretold.world_from_camera = earlier.world_from_camera * motion.pose.reference_from_current;
-  if (later.has_pose() && is_same(foretold.world_from_camera, later.world_from_camera)) {
-    if (is_known_well(later)) later.status = LocalizationStatus::kFound;
+  const Localization carried = carry_on(earlier, motion.pose, second);
+  if (later.has_pose() && is_same(carried.world_from_camera, later.world_from_camera)) {
+    // Where a picture alone leaves two places open, the motion fits both.
+    const bool one_is_open = earlier.status == LocalizationStatus::kAmbiguous ||
+                             later.status == LocalizationStatus::kAmbiguous;
+    if ((earlier.found() || !one_is_open) && is_known_well(later)) {
+      later.status = LocalizationStatus::kFound;
+    }
     return later;
   }
   if (!earlier.found()) return later;
-  if (!later.found()) return foretold;
+  if (!later.found()) return carried;
   later.status = LocalizationStatus::kAmbiguous;
   return later;
 }

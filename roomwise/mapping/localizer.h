@@ -21,10 +21,10 @@ struct Query {
 // First by features: the key-frames that look most like the picture (AppearanceIndex) and stand
 // together are a place, whose points are matched with the picture together and give its pose by
 // PnP in RANSAC; the picture is then aligned as a whole with a key-frame, and the depth images of
-// those around must agree. Where that gives no answer, by shape, if the picture has depth: the
-// picture is aligned with the key-frames whose depth images look most like its own (DepthIndex);
-// poses to which several lead, and that those around agree with, are believed, unless another has
-// nearly as much support, as in front of a bare wall.
+// those around must agree. Where that gives no answer, by shape, if the picture has depth
+// and its camera is like the map's: the picture is aligned with the key-frames whose depth images
+// look most like its own (DepthIndex); poses to which several lead, and that those around agree
+// with, are believed, unless another has nearly as much support, as in front of a bare wall.
 //
 // It says no where too little speaks for a pose, since a wrong answer is worse than none. Same map,
 // options and picture, same bits. May be asked from several threads at once.
@@ -61,7 +61,9 @@ class Localizer {
   [[nodiscard]] std::vector<const Placed*> nearest(const geometry::RigidTransform& pose) const;
   [[nodiscard]] motion::ViewAgreement agreement_around(const Query& query,
                                                        const geometry::RigidTransform& pose) const;
+  [[nodiscard]] bool is_contradicted(const motion::ViewAgreement& agreement) const;
   [[nodiscard]] bool is_known_well(const Localization& found) const;
+  [[nodiscard]] bool can_compare_shapes(const Query& query) const;
 
   [[nodiscard]] std::vector<Place> similar_places(const motion::FrameMeasurements& picture) const;
   [[nodiscard]] std::vector<motion::PointObservation> match(const Place& place,
@@ -72,6 +74,8 @@ class Localizer {
 
   [[nodiscard]] std::vector<Localization> align_shapes(const Query& query) const;
   [[nodiscard]] Localization by_shape(const Query& query) const;
+  [[nodiscard]] Localization carry_on(const Localization& earlier,
+                                      const motion::RefinedPose& motion, const Query& second) const;
 
   LocalizerOptions options_;
   std::vector<Placed> keyframes_;

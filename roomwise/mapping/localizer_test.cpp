@@ -46,14 +46,18 @@ Scene furnished_room(const Texture& texture = marbled) {
 // Points on a scene's surfaces that every camera recognises by their descriptors.
 class Landmarks {
  public:
-  Landmarks(const Scene& scene, int count, std::uint64_t seed) {
+  // With `without_every` n the n-th, 2n-th ... are left out.
+  Landmarks(const Scene& scene, int count, std::uint64_t seed, int without_every = 0) {
     RandomStream random(seed);
     descriptors_ = features::RealDescriptors::NullaryExpr(
         count, 64, [&](Eigen::Index, Eigen::Index) { return static_cast<float>(random.normal()); });
     descriptors_.rowwise().normalize();
     for (int i = 0; i < count; ++i) {
       const Eigen::Vector3d direction(random.normal(), random.normal(), random.normal());
-      points_.push_back(scene({0, 0, 0}, direction).ray_lengths * direction);
+      const bool is_left_out = without_every > 0 && i % without_every == 0;
+      points_.push_back(is_left_out
+                            ? Eigen::Vector3d(0, 0, 1e6)  // too far to be seen as one
+                            : Eigen::Vector3d(scene({0, 0, 0}, direction).ray_lengths * direction));
     }
   }
 
@@ -234,6 +238,38 @@ TEST_F(LocalizerTest, TwinRoomsAreAmbiguous) {
   EXPECT_EQ(localizer.locate({{no_features(), view_}, kCamera}).status,
             LocalizationStatus::kAmbiguous)
       << "by shape";
+
+  // Two pictures that both show the twins leave it open, though their motion fits.
+  const RigidTransform next = pose_ * moved({0, 0.1, 0}, {0.05, 0, 0});
+  const FrameMeasurements first{landmarks_.seen_from(pose_), view_};
+  const FrameMeasurements second{landmarks_.seen_from(next), view_of(furnished_room(), next)};
+  EXPECT_EQ(localizer.locate({first, kCamera}, {second, kCamera}).status,
+            LocalizationStatus::kAmbiguous);
+}
+
+TEST_F(LocalizerTest, ATwinOfNearlyAsManyInliersIsARival) {
+  Localizer localizer({});
+  look_around(localizer, landmarks_, false);
+  // The twin shows four fifths of the landmarks, and is not sure by itself.
+  const RigidTransform twin = moved({0, 0, 0}, {10, 0, 0});
+  MeasuredFeatures seen = landmarks_.seen_from(pose_);
+  LocalizerOptions strict;
+  const int inliers = localizer.locate({seen, kCamera}).inliers;
+  strict.sure_inliers = inliers - 1;
+  const Landmarks fewer(furnished_room(), kLandmarks, 1, 5);
+  Localizer doubled(strict);
+  look_around(doubled, landmarks_, false);
+  ASSERT_TRUE(doubled.locate({seen, kCamera}).found());
+  look_around(doubled, fewer, false, twin);
+  EXPECT_EQ(doubled.locate({seen, kCamera}).status, LocalizationStatus::kAmbiguous);
+}
+
+TEST_F(LocalizerTest, AnotherCamerasDepthImageIsNotComparedByShape) {
+  Localizer localizer({});
+  look_around(localizer, landmarks_, true);
+  SmallView other = view_;
+  for (motion::ViewLevel& level : other.levels) level.camera.fx *= 1.2;
+  EXPECT_FALSE(localizer.locate({{no_features(), other}, kCamera}).found());
 }
 
 TEST_F(LocalizerTest, AnEmptyMapKnowsNothing) {

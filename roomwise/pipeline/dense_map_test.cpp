@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "roomwise/base/testing.h"
 #include "roomwise/fusion/test_scenes.h"
 #include "roomwise/image/codec.h"
@@ -99,6 +101,24 @@ TEST_F(DenseMapTest, NamesTheKeyframeThatIsDamaged) {
   ASSERT_OK(
       home_->database().run("UPDATE keyframe_images SET depth = x'00' WHERE keyframe_id = 3"));
   EXPECT_ERROR(build_dense_map(*home_, keyframes(), 0.02, run_), "a.home: key-frame 3");
+}
+
+TEST_F(DenseMapTest, NamesTheKeyframeWhoseImageHasAnotherSize) {
+  ASSERT_OK(home_->database().run("UPDATE recordings SET width_px = width_px + 1"));
+  EXPECT_ERROR(build_dense_map(*home_, keyframes(), 0.02, run_), "its camera takes");
+}
+
+TEST_F(DenseMapTest, AHomeWithoutAMapIsRefused) {
+  const auto empty = home::Home::create(folder_ / "empty.home");
+  ASSERT_OK(empty);
+  EXPECT_ERROR(build_level_map(*empty, 0.02, run_), "empty.home: the home has no map yet");
+}
+
+TEST_F(DenseMapTest, CellsMustGoWithTheVoxels) {
+  EXPECT_OK(validate_cell(0.05, 0.02));
+  EXPECT_ERROR(validate_cell(0.01, 0.02), "0.04 to 0.16");
+  EXPECT_ERROR(validate_cell(0.2, 0.02), "0.04 to 0.16");
+  EXPECT_ERROR(validate_cell(std::nan(""), 0.02), "0.04 to 0.16");
 }
 
 TEST_F(DenseMapTest, KnowsWhereAPersonMayStand) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <map>
 #include <span>
 #include <string_view>
 #include <utility>
@@ -16,7 +17,12 @@ struct DecodedImages {
   image::ColorImage color;
   image::DepthImage depth;
 };
-[[nodiscard]] Expected<DecodedImages> decode(const home::KeyframeImages& images);
+// Fails where an image is damaged or not of the camera's size.
+[[nodiscard]] Expected<DecodedImages> decode(const home::KeyframeImages& images,
+                                             const geometry::PinholeCamera& camera);
+// The camera of every recording.
+[[nodiscard]] Expected<std::map<home::RecordingId, geometry::PinholeCamera>> recording_cameras(
+    const home::Home& home);
 
 // The key-frames of the largest piece of the map, by id.
 [[nodiscard]] Expected<std::vector<home::Keyframe>> map_keyframes(const home::Home& home);
@@ -30,6 +36,7 @@ template <typename Make, typename Take>
                                                std::string_view work, RunContext& run,
                                                const Make& make, const Take& take) {
   using Made = std::invoke_result_t<Make, const home::Keyframe&, const DecodedImages&>;
+  ROOMWISE_TRY(const auto cameras, recording_cameras(home));
   run.progress.begin(work, keyframes.size());
   const std::size_t block = 2 * run.pool.size();
   for (std::size_t first = 0; first < keyframes.size(); first += block) {
@@ -42,8 +49,10 @@ template <typename Make, typename Take>
     }
     std::vector<Expected<Made>> made(now.size(), fail("not made yet"));
     run.pool.parallel_for(now.size(), [&](std::size_t i) {
-      made[i] = decode(images[i]).map(
-          [&](const DecodedImages& decoded) { return make(now[i], decoded); });
+      made[i] =
+          decode(images[i], cameras.at(now[i].recording)).map([&](const DecodedImages& decoded) {
+            return make(now[i], decoded);
+          });
     });
     for (std::size_t i = 0; i < now.size(); ++i) {
       if (!made[i]) {

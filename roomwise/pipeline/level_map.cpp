@@ -6,8 +6,12 @@ namespace roomwise::pipeline {
 
 Expected<LevelMap> build_level_map(const home::Home& home, double voxel_size_m, RunContext& run) {
   ROOMWISE_TRY(const auto keyframes, map_keyframes(home));
+  if (keyframes.empty()) {
+    return fail("{}: the home has no map yet; make one with roomwise map", home.file());
+  }
   ROOMWISE_TRY(DenseMap dense, build_dense_map(home, keyframes, voxel_size_m, run));
   fusion::TriangleMesh mesh = extract_mesh(dense.field(), fusion::MeshOptions{}, run.pool);
+  if (run.progress.interrupted()) return fail("interrupted while the surface was extracted");
   std::vector<geometry::RigidTransform> cameras;
   for (const home::Keyframe& keyframe : keyframes) {
     cameras.push_back(keyframe.pose.world_from_keyframe);
@@ -16,8 +20,20 @@ Expected<LevelMap> build_level_map(const home::Home& home, double voxel_size_m, 
   return LevelMap{std::move(dense), std::move(mesh), frame};
 }
 
-std::vector<fusion::OccupancyCell> occupancy_of(const LevelMap& map, double cell_m,
-                                                RunContext& run) {
+Expected<void> validate_cell(double cell_m, double voxel_size_m) {
+  // The field knows distances up to the truncation; a free cell's middle is half a cell from all.
+  const double least_m = 2 * voxel_size_m;
+  const double most_m = 2 * fusion::FieldOptions{}.truncation_voxels * voxel_size_m;
+  if (cell_m >= least_m && cell_m <= most_m) return {};
+  return fail(
+      "cells of {:g} m do not go with voxels of {:g} m; give cells of {:g} to {:g} m, or other "
+      "voxels",
+      cell_m, voxel_size_m, least_m, most_m);
+}
+
+Expected<std::vector<fusion::OccupancyCell>> occupancy_of(const LevelMap& map, double cell_m,
+                                                          RunContext& run) {
+  ROOMWISE_CHECK_OK(validate_cell(cell_m, map.dense.field().voxel_size_m()));
   return fusion::occupancy_cells(map.dense.field(), map.mesh_world, map.frame.level_from_world,
                                  cell_m, run.pool);
 }
@@ -29,8 +45,9 @@ Expected<fusion::FloorGrid> floor_grid_of(const LevelMap& map,
   if (!map.frame.has_floor) {
     return fail("the map shows no floor; walk with the camera tilted down a little");
   }
+  ROOMWISE_TRY(const auto cells, occupancy_of(map, options.cell_m, run));
   return fusion::make_floor_grid(fusion::transformed(map.frame.level_from_world, map.mesh_world),
-                                 occupancy_of(map, options.cell_m, run), options);
+                                 cells, options);
 }
 
 }  // namespace roomwise::pipeline

@@ -67,6 +67,7 @@ Expected<std::vector<LocalizationTrial>> evaluate_localization(
     const home::Home& home, const std::filesystem::path& mapped_recording,
     const std::filesystem::path& visit, const mapping::LocalizerOptions& localizer,
     const LocalizationEvaluationOptions& options, RunContext& run) {
+  if (options.every < 1) return fail("every = {} must be at least 1", options.every);
   ROOMWISE_TRY(const RigidTransform truth_from_world, truth_from_map(home, mapped_recording));
   ROOMWISE_TRY(const auto recording, recording::TumRecording::open(visit));
   ROOMWISE_TRY(const recording::Trajectory truth,
