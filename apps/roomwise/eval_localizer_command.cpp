@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -7,12 +6,15 @@
 
 #include "commands.h"
 #include "roomwise/evaluation/proportion.h"
+#include "roomwise/evaluation/quantile.h"
 #include "roomwise/pipeline/localization_evaluation.h"
 
 namespace roomwise::app {
 namespace {
 
 namespace fs = std::filesystem;
+
+using evaluation::quantile;
 
 constexpr double kDegrees = 180 / static_cast<double>(EIGEN_PI);
 
@@ -27,14 +29,6 @@ struct Options {
   double far_m = 0.5;
   double far_degrees = 20;
 };
-
-double quantile(std::vector<double> values, double share) {
-  if (values.empty()) return 0;
-  const auto place =
-      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), place, values.end());
-  return *place;
-}
 
 Json to_json(const pipeline::LocalizationTrial& trial) {
   const mapping::Localization& found = trial.answer;

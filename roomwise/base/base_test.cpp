@@ -7,6 +7,7 @@
 #include <fstream>
 #include <numeric>
 
+#include "roomwise/base/disjoint_sets.h"
 #include "roomwise/base/file.h"
 #include "roomwise/base/random.h"
 #include "roomwise/base/stage_clock.h"
@@ -16,6 +17,17 @@
 
 namespace roomwise {
 namespace {
+
+TEST(DisjointSets, AreKnownByTheirLowestElement) {
+  DisjointSets sets(6);
+  EXPECT_TRUE(sets.join(5, 3));
+  EXPECT_TRUE(sets.join(3, 1));
+  EXPECT_FALSE(sets.join(1, 5)) << "they were together";
+  EXPECT_TRUE(sets.join(4, 2));
+  for (const std::size_t element : {1, 3, 5}) EXPECT_EQ(sets.find(element), 1U);
+  for (const std::size_t element : {2, 4}) EXPECT_EQ(sets.find(element), 2U);
+  EXPECT_EQ(sets.find(0), 0U);
+}
 
 TEST(Timestamp, KeepsEveryNanosecond) {
   EXPECT_EQ(parse_timestamp("1305031229.528748").value(), 1305031229528748000);

@@ -6,6 +6,7 @@
 #include <limits>
 #include <unordered_map>
 
+#include "roomwise/base/disjoint_sets.h"
 #include "roomwise/fusion/marching_cubes.h"
 
 namespace roomwise::fusion {
@@ -224,29 +225,6 @@ class MeshJoiner {
   std::unordered_map<EdgeKey, std::uint32_t, EdgeKeyHash> vertex_of_;
 };
 
-// Which vertices hang together: each one's representative.
-class Pieces {
- public:
-  explicit Pieces(std::size_t count) : parent_(count) {
-    for (std::size_t i = 0; i < count; ++i) parent_[i] = static_cast<std::uint32_t>(i);
-  }
-  std::uint32_t of(std::uint32_t vertex) {
-    while (parent_[vertex] != vertex) {
-      parent_[vertex] = parent_[parent_[vertex]];
-      vertex = parent_[vertex];
-    }
-    return vertex;
-  }
-  void join(std::uint32_t a, std::uint32_t b) {
-    a = of(a);
-    b = of(b);
-    parent_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<std::uint32_t> parent_;
-};
-
 double area_m2(const TriangleMesh& mesh, const std::array<std::uint32_t, 3>& triangle) {
   const Eigen::Vector3d a = mesh.vertices[triangle[0]].cast<double>();
   const Eigen::Vector3d b = mesh.vertices[triangle[1]].cast<double>();
@@ -289,20 +267,20 @@ TriangleMesh extract_mesh(const DistanceField& field, const MeshOptions& options
 }
 
 TriangleMesh without_small_pieces(const TriangleMesh& mesh, double least_piece_m2) {
-  Pieces pieces(mesh.vertices.size());
+  DisjointSets pieces(mesh.vertices.size());  // vertices that hang together
   for (const auto& [a, b, c] : mesh.triangles) {
     pieces.join(a, b);
     pieces.join(a, c);
   }
   std::vector<double> piece_m2(mesh.vertices.size(), 0.0);
   for (const auto& triangle : mesh.triangles) {
-    piece_m2[pieces.of(triangle[0])] += area_m2(mesh, triangle);
+    piece_m2[pieces.find(triangle[0])] += area_m2(mesh, triangle);
   }
   constexpr std::uint32_t kLeftOut = std::numeric_limits<std::uint32_t>::max();
   std::vector<std::uint32_t> kept(mesh.vertices.size(), kLeftOut);
   TriangleMesh result;
   for (const auto& triangle : mesh.triangles) {
-    if (piece_m2[pieces.of(triangle[0])] < least_piece_m2) continue;
+    if (piece_m2[pieces.find(triangle[0])] < least_piece_m2) continue;
     std::array<std::uint32_t, 3> corners{};
     for (std::size_t i = 0; i < 3; ++i) {
       std::uint32_t& place = kept[triangle[i]];

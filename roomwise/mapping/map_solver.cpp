@@ -4,36 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numeric>
+
+#include "roomwise/base/disjoint_sets.h"
 
 namespace roomwise::mapping {
 namespace {
 
 using geometry::RigidTransform;
-
-class DisjointSets {
- public:
-  explicit DisjointSets(std::size_t count) : parent_(count) {
-    std::iota(parent_.begin(), parent_.end(), 0U);
-  }
-
-  std::size_t find(std::size_t element) {
-    while (parent_[element] != element) {
-      parent_[element] = parent_[parent_[element]];
-      element = parent_[element];
-    }
-    return element;
-  }
-  // Whether they were apart. The lower root stays, so that a set is known by its first element.
-  bool join(std::size_t a, std::size_t b) {
-    const auto [low, high] = std::minmax({find(a), find(b)});
-    parent_[high] = low;
-    return low != high;
-  }
-
- private:
-  std::vector<std::size_t> parent_;
-};
 
 // How unsure an edge claims to be.
 struct Spread {
