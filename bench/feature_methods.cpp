@@ -13,7 +13,7 @@ std::vector<FeatureMethod> feature_methods(int most_keypoints) {
   const features::SurfOptions options{.hessian_threshold = 0.1, .most_keypoints = most_keypoints};
   methods.push_back({"surf", std::make_unique<features::SurfExtractor>(options)});
   methods.push_back({"surf-portable", std::make_unique<features::SurfExtractor>(
-                                          options, features::Simd::kPortable)});
+                                          options, Simd::kPortable)});
 #if defined(ROOMWISE_HAS_DLIB)
   methods.push_back({"dlib-surf", std::make_unique<DlibSurfExtractor>(most_keypoints)});
 #endif

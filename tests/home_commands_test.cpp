@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
@@ -162,6 +163,21 @@ TEST_F(HomeCommandsTest, MapWritesTheTrajectoryThatExportWrites) {
     return result_of({"info", home, "--digest"}).at("content_sha256");
   };
   EXPECT_EQ(digest(path("again.home")), digest(path("my.home"))) << "at another number of threads";
+}
+
+TEST_F(HomeCommandsTest, AnyProcessorMakesTheSameMap) {
+  const auto map_with = [&](const char* instructions, const std::string& home) {
+    ::setenv("ROOMWISE_SIMD", instructions, 1);
+    const ProgramResult result = run_roomwise({"map", path("walk"), "--home", home});
+    ::unsetenv("ROOMWISE_SIMD");
+    return result;
+  };
+  EXPECT_EQ(map_with("portable", path("portable.home")).exit_code, 0);
+  EXPECT_EQ(result_of({"info", path("portable.home"), "--digest"}).at("content_sha256"),
+            result_of({"info", path("my.home"), "--digest"}).at("content_sha256"));
+  const ProgramResult refused = map_with("mmx", path("refused.home"));
+  EXPECT_EQ(refused.exit_code, 1);
+  EXPECT_THAT(refused.errors, HasSubstr("ROOMWISE_SIMD is 'mmx'"));
 }
 
 TEST_F(HomeCommandsTest, OptimizeLeavesAnOptimisedHomeWhereItIs) {

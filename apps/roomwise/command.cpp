@@ -4,6 +4,7 @@
 #include <new>
 
 #include "roomwise/base/file.h"
+#include "roomwise/base/simd.h"
 
 namespace roomwise::app {
 namespace {
@@ -138,6 +139,7 @@ int run(CLI::App& app, Context& context, int argc, const char* const* argv) {
               << reached_command(app) << " --help' to see how it is used\n";
     return kUsage;
   }
+  if (const auto simd = simd_of_environment(); !simd) return print_failure(simd.error().message);
   const Expected<Answer> answer = carry_out(context.chosen);
   context.progress.finish_line();
   if (!answer) return print_failure(on_one_line(answer.error().message));

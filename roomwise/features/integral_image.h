@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "roomwise/features/simd.h"
+#include "roomwise/base/simd.h"
 #include "roomwise/image/image.h"
 
 namespace roomwise::features {

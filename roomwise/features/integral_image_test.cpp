@@ -55,7 +55,7 @@ TEST(IntegralImage, RowByRowIsTheSame) {
     image::GrayImage picture(width, 5);
     for (auto& pixel : picture.pixels()) pixel = static_cast<std::uint8_t>(random.index(256));
     const IntegralImage expected(picture);
-    for (const Simd simd : {Simd::kPortable, best_simd()}) {
+    for (const Simd simd : {Simd::kPortable, process_simd()}) {
       IntegralImage integral;
       integral.reset(50, 9);  // what was there before does not matter
       integral.reset(width, 5);

@@ -7,16 +7,23 @@
 #include <limits>
 #include <stdexcept>
 
+#include "roomwise/features/whole_descriptors.h"
+
 namespace roomwise::features {
 namespace {
 
-// Closeness orders neighbours: more is nearer. It is the scalar product of real descriptors of unit
-// length, and minus the Hamming distance of binary ones.
-constexpr float kFar = -std::numeric_limits<float>::infinity();
+// Closeness orders neighbours: more is nearer. It is minus the squared distance of real
+// descriptors, in units of WholeDescriptors, and minus the Hamming distance of binary ones.
+constexpr std::int32_t kFar = std::numeric_limits<std::int32_t>::min();
+constexpr std::size_t kLanes = 8;
+
+constexpr std::size_t to_whole_lanes(std::size_t count) {
+  return (count + kLanes - 1) / kLanes * kLanes;
+}
 
 struct Nearest {
-  float closeness = kFar;
-  float second_closeness = kFar;
+  std::int32_t closeness = kFar;
+  std::int32_t second_closeness = kFar;
   std::uint32_t train = 0;
 };
 
@@ -25,34 +32,42 @@ struct Nearest {
 class NeighbourTable {
  public:
   NeighbourTable(std::size_t queries, std::size_t trains)
-      : nearest_(queries), train_closeness_(trains, kFar), train_nearest_(trains, 0) {}
+      : nearest_(queries),
+        train_closeness_(to_whole_lanes(trains), kFar),
+        train_nearest_(to_whole_lanes(trains), 0) {}
 
-  [[gnu::always_inline]] inline void add_row(std::uint32_t query, const float* closeness) {
-    const std::size_t count = train_closeness_.size();
-    Nearest nearest;
-    for (std::size_t t = 0; t < count; ++t) {
-      if (closeness[t] <= nearest.second_closeness) continue;
-      if (closeness[t] > nearest.closeness) {
-        nearest.second_closeness = nearest.closeness;
-        nearest.closeness = closeness[t];
-        nearest.train = static_cast<std::uint32_t>(t);
-      } else {
-        nearest.second_closeness = closeness[t];
-      }
+  // What fills a row up to whole lanes must be kFar.
+  [[gnu::always_inline]] inline void add_row(std::uint32_t query, const std::int32_t* closeness) {
+    const auto here = static_cast<std::int32_t>(query);
+    Int8 first = Int8{} + kFar, second = first, where{}, train{0, 1, 2, 3, 4, 5, 6, 7};
+    for (std::size_t t = 0; t < train_closeness_.size(); t += kLanes, train += kLanes) {
+      Int8 now, best, best_query;
+      load(closeness + t, now);
+      const Int8 lower = now > first ? first : now;
+      second = lower > second ? lower : second;
+      where = now > first ? train : where;
+      first = now > first ? now : first;
+      load(train_closeness_.data() + t, best);
+      load(train_nearest_.data() + t, best_query);
+      store(now > best ? Int8{} + here : best_query, train_nearest_.data() + t);
+      store(now > best ? now : best, train_closeness_.data() + t);
     }
-    nearest_[query] = nearest;
-    float* __restrict best = train_closeness_.data();
-    std::uint32_t* __restrict best_query = train_nearest_.data();
-    for (std::size_t t = 0; t < count; ++t) {
-      const bool nearer = closeness[t] > best[t];
-      best[t] = nearer ? closeness[t] : best[t];
-      best_query[t] = nearer ? query : best_query[t];
+    Nearest& nearest = nearest_[query];
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+      const auto at = static_cast<std::uint32_t>(where[lane]);
+      nearest.second_closeness = std::max(
+          {nearest.second_closeness, second[lane], std::min(first[lane], nearest.closeness)});
+      if (first[lane] > nearest.closeness ||
+          (first[lane] == nearest.closeness && at < nearest.train)) {
+        nearest.closeness = first[lane];
+        nearest.train = at;
+      }
     }
   }
 
   [[nodiscard]] const Nearest& nearest(std::uint32_t query) const { return nearest_[query]; }
   [[nodiscard]] bool is_mutual(std::uint32_t query) const {
-    return train_nearest_[nearest_[query].train] == query;
+    return train_nearest_[nearest_[query].train] == static_cast<std::int32_t>(query);
   }
   [[nodiscard]] std::uint32_t queries() const {
     return static_cast<std::uint32_t>(nearest_.size());
@@ -60,23 +75,56 @@ class NeighbourTable {
 
  private:
   std::vector<Nearest> nearest_;
-  std::vector<float> train_closeness_;
-  std::vector<std::uint32_t> train_nearest_;
+  std::vector<std::int32_t> train_closeness_;
+  std::vector<std::int32_t> train_nearest_;
 };
 
-NeighbourTable compare(const RealDescriptors& query, const RealDescriptors& train) {
-  constexpr Eigen::Index kBlock = 64;  // queries at a time; the products stay in the cache
-  NeighbourTable table(static_cast<std::size_t>(query.rows()),
-                       static_cast<std::size_t>(train.rows()));
-  RealDescriptors products(kBlock, train.rows());
-  for (Eigen::Index first = 0; first < query.rows(); first += kBlock) {
-    const Eigen::Index count = std::min(kBlock, query.rows() - first);
-    products.topRows(count).noalias() = query.middleRows(first, count) * train.transpose();
-    for (Eigen::Index i = 0; i < count; ++i) {
-      table.add_row(static_cast<std::uint32_t>(first + i), products.row(i).data());
+[[gnu::always_inline]] inline void compare_blocks(const WholeDescriptors& query,
+                                                  const WholeDescriptors& train,
+                                                  BlockProducts multiply, NeighbourTable& table) {
+  constexpr std::size_t kBlock = WholeDescriptors::kBlock;
+  static_assert(kBlock % kLanes == 0);
+  const std::size_t stride = train.blocks() * kBlock;
+  std::vector<std::int32_t> rows(kBlock * stride);  // products, then closenesses
+  for (std::size_t first = 0; first < query.size(); first += kBlock) {
+    for (std::size_t t = 0; t < train.blocks(); ++t) {
+      multiply(query.block(first / kBlock), train.block(t), query.pairs(), rows.data() + t * kBlock,
+               stride);
+    }
+    for (std::size_t q = first; q < std::min(first + kBlock, query.size()); ++q) {
+      std::int32_t* row = rows.data() + (q - first) * stride;
+      const std::int32_t squared_length = query.squared_lengths()[q];
+      for (std::size_t t = 0; t < stride; ++t)
+        row[t] = 2 * row[t] - squared_length - train.squared_lengths()[t];
+      std::fill(row + train.size(), row + stride, kFar);
+      table.add_row(static_cast<std::uint32_t>(q), row);
     }
   }
+}
+
+#if defined(__x86_64__)
+__attribute__((target("avx2"))) void compare_blocks_avx2(const WholeDescriptors& query,
+                                                         const WholeDescriptors& train,
+                                                         NeighbourTable& table) {
+  compare_blocks(query, train, block_products(Simd::kAvx2), table);
+}
+#endif
+
+NeighbourTable compare(const WholeDescriptors& query, const WholeDescriptors& train,
+                       [[maybe_unused]] Simd simd) {
+  NeighbourTable table(query.size(), train.size());
+#if defined(__x86_64__)
+  if (simd == Simd::kAvx2) {
+    compare_blocks_avx2(query, train, table);
+    return table;
+  }
+#endif
+  compare_blocks(query, train, block_products(Simd::kPortable), table);
   return table;
+}
+
+float distance_of_real(std::int32_t closeness) {
+  return std::sqrt(-static_cast<float>(closeness)) / WholeDescriptors::kUnit;
 }
 
 using Words = Eigen::Matrix<std::uint64_t, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
@@ -94,63 +142,56 @@ Words to_words(const BinaryDescriptors& descriptors) {
 
 [[gnu::always_inline]] inline void compare_words(const Words& query, const Words& train,
                                                  NeighbourTable& table) {
-  std::vector<float> closeness(static_cast<std::size_t>(train.rows()));
+  std::vector<std::int32_t> closeness(to_whole_lanes(static_cast<std::size_t>(train.rows())), kFar);
   for (Eigen::Index q = 0; q < query.rows(); ++q) {
     const std::uint64_t* a = query.data() + q * query.cols();
     for (Eigen::Index t = 0; t < train.rows(); ++t) {
       const std::uint64_t* b = train.data() + t * train.cols();
       int distance = 0;
       for (Eigen::Index w = 0; w < query.cols(); ++w) distance += std::popcount(a[w] ^ b[w]);
-      closeness[static_cast<std::size_t>(t)] = static_cast<float>(-distance);
+      closeness[static_cast<std::size_t>(t)] = -distance;
     }
     table.add_row(static_cast<std::uint32_t>(q), closeness.data());
   }
 }
 
 #if defined(__x86_64__)
-// The same code where the processor counts bits by an instruction.
-__attribute__((target("popcnt"))) void compare_words_popcnt(const Words& query, const Words& train,
-                                                            NeighbourTable& table) {
+// The same code where the processor counts bits by an instruction, as all with AVX2 do.
+__attribute__((target("avx2,popcnt"))) void compare_words_avx2(const Words& query,
+                                                               const Words& train,
+                                                               NeighbourTable& table) {
   compare_words(query, train, table);
 }
 #endif
 
-NeighbourTable compare(const BinaryDescriptors& query, const BinaryDescriptors& train) {
+NeighbourTable compare(const Words& query, const Words& train, [[maybe_unused]] Simd simd) {
   NeighbourTable table(static_cast<std::size_t>(query.rows()),
                        static_cast<std::size_t>(train.rows()));
 #if defined(__x86_64__)
-  if (__builtin_cpu_supports("popcnt")) {
-    compare_words_popcnt(to_words(query), to_words(train), table);
+  if (simd == Simd::kAvx2) {
+    compare_words_avx2(query, train, table);
     return table;
   }
 #endif
-  compare_words(to_words(query), to_words(train), table);
+  compare_words(query, train, table);
   return table;
 }
 
-float distance_of(float closeness, const RealDescriptors&) {
-  return std::sqrt(std::max(0.0F, 2 - 2 * closeness));
-}
-float distance_of(float closeness, const BinaryDescriptors&) {
-  return -closeness;
+float distance_of_binary(std::int32_t closeness) {
+  return -static_cast<float>(closeness);
 }
 
-template <typename Descriptors>
-std::vector<Match> match_descriptors(const Descriptors& query, const Descriptors& train,
-                                     const MatchOptions& options) {
-  if (query.rows() == 0 || train.rows() == 0) return {};
-  if (query.cols() != train.cols()) {
-    throw std::invalid_argument("match_features: descriptors of different length");
-  }
-  const NeighbourTable table = compare(query, train);
+// The pairs that pass the tests, in the order of query.
+std::vector<Match> take_matches(const NeighbourTable& table, const MatchOptions& options,
+                                float (*distance_of)(std::int32_t)) {
   const auto ratio = static_cast<float>(options.most_distance_ratio);
   std::vector<Match> matches;
   for (std::uint32_t q = 0; q < table.queries(); ++q) {
     const Nearest& nearest = table.nearest(q);
-    const float distance = distance_of(nearest.closeness, query);
+    const float distance = distance_of(nearest.closeness);
     if (ratio < 1) {
       if (nearest.second_closeness == kFar) continue;
-      if (!(distance < ratio * distance_of(nearest.second_closeness, query))) continue;
+      if (!(distance < ratio * distance_of(nearest.second_closeness))) continue;
     }
     if (options.mutual && !table.is_mutual(q)) continue;
     matches.push_back({q, nearest.train, distance});
@@ -158,40 +199,33 @@ std::vector<Match> match_descriptors(const Descriptors& query, const Descriptors
   return matches;
 }
 
-// The key-points of one polarity, and where they stand among all.
-struct Polarity {
+std::vector<std::uint32_t> of_polarity(const Features& features, bool bright) {
   std::vector<std::uint32_t> indices;
-  RealDescriptors descriptors;
-};
-
-Polarity take_polarity(const Features& features, bool bright) {
-  const auto& all = std::get<RealDescriptors>(features.descriptors);
-  Polarity part;
   for (std::uint32_t i = 0; i < features.size(); ++i) {
-    if (features.keypoints[i].bright == bright) part.indices.push_back(i);
+    if (features.keypoints[i].bright == bright) indices.push_back(i);
   }
-  part.descriptors.resize(static_cast<Eigen::Index>(part.indices.size()), all.cols());
-  for (std::size_t i = 0; i < part.indices.size(); ++i) {
-    part.descriptors.row(static_cast<Eigen::Index>(i)) = all.row(part.indices[i]);
-  }
-  return part;
+  return indices;
 }
 
 // Light and dark blobs apart: half the comparisons or less, and no wrong match between them.
 std::vector<Match> match_real(const Features& query, const Features& train,
-                              const MatchOptions& options) {
+                              const MatchOptions& options, Simd simd) {
   std::vector<Match> matches;
   for (const bool bright : {false, true}) {
-    const Polarity queries = take_polarity(query, bright);
-    const Polarity trains = take_polarity(train, bright);
-    for (const Match& match : match_descriptors(queries.descriptors, trains.descriptors, options)) {
-      matches.push_back(
-          {queries.indices[match.query], trains.indices[match.train], match.distance});
-    }
+    const auto queries = of_polarity(query, bright), trains = of_polarity(train, bright);
+    if (queries.empty() || trains.empty()) continue;
+    const NeighbourTable table =
+        compare(WholeDescriptors(std::get<RealDescriptors>(query.descriptors), queries),
+                WholeDescriptors(std::get<RealDescriptors>(train.descriptors), trains), simd);
+    for (const Match& match : take_matches(table, options, distance_of_real))
+      matches.push_back({queries[match.query], trains[match.train], match.distance});
   }
-  std::sort(matches.begin(), matches.end(),
-            [](const Match& a, const Match& b) { return a.query < b.query; });
+  std::ranges::sort(matches, {}, &Match::query);
   return matches;
+}
+
+Eigen::Index descriptor_length(const Features& features) {
+  return std::visit([](const auto& rows) { return rows.cols(); }, features.descriptors);
 }
 
 }  // namespace
@@ -205,18 +239,23 @@ Expected<void> MatchOptions::validate() const {
 }
 
 std::vector<Match> match_features(const Features& query, const Features& train,
-                                  const MatchOptions& options) {
+                                  const MatchOptions& options, Simd simd) {
   if (const auto valid = options.validate(); !valid) {
     throw std::invalid_argument(valid.error().message);
   }
   if (query.descriptors.index() != train.descriptors.index()) {
     throw std::invalid_argument("match_features: real against binary descriptors");
   }
-  if (std::holds_alternative<RealDescriptors>(query.descriptors)) {
-    return match_real(query, train, options);
+  if (query.size() == 0 || train.size() == 0) return {};
+  if (descriptor_length(query) != descriptor_length(train)) {
+    throw std::invalid_argument("match_features: descriptors of different length");
   }
-  return match_descriptors(std::get<BinaryDescriptors>(query.descriptors),
-                           std::get<BinaryDescriptors>(train.descriptors), options);
+  if (std::holds_alternative<RealDescriptors>(query.descriptors)) {
+    return match_real(query, train, options, simd);
+  }
+  return take_matches(compare(to_words(std::get<BinaryDescriptors>(query.descriptors)),
+                              to_words(std::get<BinaryDescriptors>(train.descriptors)), simd),
+                      options, distance_of_binary);
 }
 
 }  // namespace roomwise::features

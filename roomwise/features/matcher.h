@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "roomwise/base/expected.h"
+#include "roomwise/base/simd.h"
 #include "roomwise/features/feature_extractor.h"
 
 namespace roomwise::features {
@@ -31,8 +32,10 @@ struct Match {
 // The ratio test can only be passed where there is a second nearest: a feature with a single
 // candidate has no match (unless the test is off), nor has one whose two nearest are equally near.
 // No features on either side give no matches. Descriptors of two kinds or lengths, or options that
-// are not valid, are a programming error (std::invalid_argument).
+// are not valid, are a programming error (std::invalid_argument). Real descriptors are compared in
+// whole numbers (WholeDescriptors): the same bits whatever instructions the processor has.
 [[nodiscard]] std::vector<Match> match_features(const Features& query, const Features& train,
-                                                const MatchOptions& options = {});
+                                                const MatchOptions& options = {},
+                                                Simd simd = process_simd());
 
 }  // namespace roomwise::features

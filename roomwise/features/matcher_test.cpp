@@ -138,6 +138,33 @@ TEST(MatchFeatures, EqualsPlainLoopsOnRealDescriptors) {
   }
 }
 
+TEST(MatchFeatures, AnOddNumberOfValuesIsComparedToTheLast) {
+  Features query = random_real(2, 3, 1, false);
+  std::get<RealDescriptors>(query.descriptors) << 0.6F, 0, 0.8F, 0.6F, 0, -0.8F;
+  Features train = query;
+  std::get<RealDescriptors>(train.descriptors).colwise().reverseInPlace();
+  expect_same(match_features(query, train), {{0, 1, 0}, {1, 0, 0}});
+}
+
+void expect_same_with_all_instructions(const Features& query, const Features& train) {
+  const auto portable = match_features(query, train, {}, Simd::kPortable);
+  const auto best = match_features(query, train, {}, process_simd());
+  ASSERT_GT(portable.size(), 20U);
+  ASSERT_EQ(best.size(), portable.size());
+  for (std::size_t i = 0; i < best.size(); ++i) {
+    EXPECT_EQ(best[i].query, portable[i].query);
+    EXPECT_EQ(best[i].train, portable[i].train);
+    EXPECT_EQ(best[i].distance, portable[i].distance);
+  }
+}
+
+TEST(MatchFeatures, AllInstructionsGiveTheSameBits) {
+  const Features real = random_real(203, 64, 11, true);
+  expect_same_with_all_instructions(real, disturbed(real, 331, 0.5F, 12));
+  const Features binary = random_binary(90, 61, 13);
+  expect_same_with_all_instructions(binary, binary);
+}
+
 TEST(MatchFeatures, EqualsPlainLoopsOnBinaryDescriptors) {
   for (const Eigen::Index bytes : {32, 5, 61}) {  // also lengths that are no whole words
     const Features query = random_binary(90, bytes, 1);

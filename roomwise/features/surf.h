@@ -4,8 +4,8 @@
 #include <mutex>
 #include <vector>
 
+#include "roomwise/base/simd.h"
 #include "roomwise/features/feature_extractor.h"
-#include "roomwise/features/simd.h"
 #include "roomwise/features/surf_descriptor.h"
 
 namespace roomwise::features {
@@ -45,7 +45,7 @@ class SurfExtractor final : public FeatureExtractor {
  public:
   // The options must be valid and the processor have the instructions; others are a programming
   // error (std::invalid_argument).
-  explicit SurfExtractor(const SurfOptions& options, Simd simd = best_simd());
+  explicit SurfExtractor(const SurfOptions& options, Simd simd = process_simd());
   ~SurfExtractor() override;
   [[nodiscard]] Features extract(const image::GrayImage& image) const override;
 

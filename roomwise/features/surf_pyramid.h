@@ -3,8 +3,8 @@
 #include <span>
 #include <vector>
 
+#include "roomwise/base/simd.h"
 #include "roomwise/features/integral_image.h"
-#include "roomwise/features/simd.h"
 
 namespace roomwise::features {
 

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "roomwise/features/simd.h"
+#include "roomwise/base/simd.h"
 
 namespace roomwise::features {
 

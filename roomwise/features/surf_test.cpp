@@ -78,9 +78,9 @@ void expect_equal(const Features& a, const Features& b) {
 
 TEST(Surf, GivesTheSameBitsOnEveryProcessor) {
   // Where there is no AVX2 the portable one is all there is.
-  ASSERT_EQ(best_simd(), is_supported(Simd::kAvx2) ? Simd::kAvx2 : Simd::kPortable);
+  ASSERT_EQ(process_simd(), is_supported(Simd::kAvx2) ? Simd::kAvx2 : Simd::kPortable);
   const SurfOptions options{.hessian_threshold = 0, .most_keypoints = 0};
-  const SurfExtractor portable(options, Simd::kPortable), best(options, best_simd());
+  const SurfExtractor portable(options, Simd::kPortable), best(options, process_simd());
   // Widths of every remainder by eight, and more than one strip.
   for (int i = 0; i < 9; ++i) {
     const auto picture = textured_picture(330 + i, 200 - i, static_cast<std::uint64_t>(i));

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "roomwise/base/simd.h"
+
 namespace roomwise::mapping {
 namespace {
 
@@ -103,14 +105,14 @@ template <std::size_t Lanes, std::size_t Numbers>
 
 bool eliminate(const Panel& panel) {
 #if defined(__x86_64__)
-  if (__builtin_cpu_supports("avx2")) return eliminate_avx2(panel);
+  if (process_simd() == Simd::kAvx2) return eliminate_avx2(panel);
 #endif
   return eliminate_any(panel);
 }
 
 void subtract_products(const Panel& panel, std::size_t blocks, double* left) {
 #if defined(__x86_64__)
-  if (__builtin_cpu_supports("avx2")) return subtract_products_avx2(panel, blocks, left);
+  if (process_simd() == Simd::kAvx2) return subtract_products_avx2(panel, blocks, left);
 #endif
   subtract_products_any(panel, blocks, left);
 }

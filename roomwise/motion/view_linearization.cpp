@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "roomwise/base/simd.h"
+
 namespace roomwise::motion {
 namespace {
 
@@ -200,7 +202,7 @@ NormalEquations sum_rows_quickly(const std::vector<SurfacePoint>& points, const 
                                  const Exposure& exposure, double most_step_m,
                                  const ViewAlignmentOptions& options) {
 #if defined(__x86_64__)
-  if (__builtin_cpu_supports("avx2")) {
+  if (process_simd() == Simd::kAvx2) {
     return sum_rows_avx2<only_exposure>(points, current, current_from_reference, exposure,
                                         most_step_m, options);
   }

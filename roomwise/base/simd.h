@@ -3,22 +3,23 @@
 #include <cstdint>
 #include <cstring>
 
-namespace roomwise::features {
+#include "roomwise/base/expected.h"
+
+namespace roomwise {
 
 // Instructions to compute with. Each kind gives the same bits.
 enum class Simd { kPortable, kAvx2 };
 
 // Whether this processor has them.
-[[nodiscard]] inline bool is_supported([[maybe_unused]] Simd simd) {
-#if defined(__x86_64__)
-  if (simd == Simd::kAvx2) return __builtin_cpu_supports("avx2") != 0;
-#endif
-  return simd == Simd::kPortable;
-}
+[[nodiscard]] bool is_supported(Simd simd);
 
-[[nodiscard]] inline Simd best_simd() {
-  return is_supported(Simd::kAvx2) ? Simd::kAvx2 : Simd::kPortable;
-}
+// The instructions of this process: what the environment's ROOMWISE_SIMD names ("portable" or
+// "avx2"), or the best that the processor has. An error where it names others, or ones that the
+// processor lacks.
+[[nodiscard]] Expected<Simd> simd_of_environment();
+
+// The same for all code of the process, looked up once; where the environment is wrong, the best.
+[[nodiscard]] Simd process_simd();
 
 // Eight numbers at a time, as GCC and Clang translate them for any processor. Handed over by
 // reference, since by value they would travel differently with and without AVX.
@@ -37,4 +38,4 @@ template <typename Number, typename Vector>
   std::memcpy(to, &from, sizeof from);
 }
 
-}  // namespace roomwise::features
+}  // namespace roomwise
