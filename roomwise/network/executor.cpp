@@ -48,8 +48,8 @@ Expected<void> check_input(const Tensor& tensor, const GraphInput& input) {
   }
   ROOMWISE_CHECK_OK(check_size(tensor.shape));
   if (tensor.values.size() != count_of(tensor.shape)) {
-    return fail("the input \"{}\" has {} values for the shape {}", input.name,
-                tensor.values.size(), shape_text(tensor.shape));
+    return fail("the input \"{}\" has {} values for the shape {}", input.name, tensor.values.size(),
+                shape_text(tensor.shape));
   }
   return {};
 }

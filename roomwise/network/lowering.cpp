@@ -168,8 +168,8 @@ Expected<Program> Lowering::run(std::span<const Shape> input_shapes,
     values_[graph_.inputs[i].name] = program_.inputs.back();
   }
   for (const Node& node : graph_.nodes) ROOMWISE_CHECK_OK(lower_node(node));
-  for (const std::string& name : outputs.empty() ? std::span<const std::string>(graph_.outputs)
-                                                 : outputs) {
+  for (const std::string& name :
+       outputs.empty() ? std::span<const std::string>(graph_.outputs) : outputs) {
     ROOMWISE_TRY(const ValueId output, find_output(name));
     if (constant(output) != nullptr && constant(output)->is_integer) {
       return fail("the output \"{}\" holds whole numbers", name);

@@ -186,9 +186,8 @@ Expected<void> lower_batch_normalization(Lowering& lowering, const Node& node) {
     scale.floats.push_back(static_cast<float>(factor));
     shift.floats.push_back(static_cast<float>(shifts[i] - means[i] * factor));
   }
-  ROOMWISE_TRY(const ValueId scaled,
-               lowering.arithmetic(Operator::kMultiply, input,
-                                   lowering.add_constant(std::move(scale))));
+  ROOMWISE_TRY(const ValueId scaled, lowering.arithmetic(Operator::kMultiply, input,
+                                                         lowering.add_constant(std::move(scale))));
   ROOMWISE_TRY(const ValueId output, lowering.arithmetic(Operator::kAdd, scaled,
                                                          lowering.add_constant(std::move(shift))));
   lowering.set_output(node, 0, output);

@@ -60,8 +60,7 @@ Expected<ResizeRule> rule_of(const Lowering& lowering, const Node& node) {
   }
   rule.is_linear = mode == "linear";
   const bool old = lowering.opset() < 11;  // before these attributes
-  rule.coordinates =
-      old ? "asymmetric" : node.text("coordinate_transformation_mode", "half_pixel");
+  rule.coordinates = old ? "asymmetric" : node.text("coordinate_transformation_mode", "half_pixel");
   rule.nearest = old ? "floor" : node.text("nearest_mode", "round_prefer_floor");
   for (const char* known : {"asymmetric", "align_corners", "pytorch_half_pixel", "half_pixel"}) {
     if (rule.coordinates == known) return rule;
@@ -114,8 +113,7 @@ Expected<void> lower_resize(Lowering& lowering, const Node& node) {
   Resampling resampling;
   resampling.rows = taps_of(rule, shape[2], size.shape[2], size.scales[2]);
   resampling.columns = taps_of(rule, shape[3], size.shape[3], size.scales[3]);
-  ROOMWISE_TRY(const ValueId output,
-               lowering.add(std::move(resampling), {input}, size.shape));
+  ROOMWISE_TRY(const ValueId output, lowering.add(std::move(resampling), {input}, size.shape));
   lowering.set_output(node, 0, output);
   return {};
 }

@@ -158,8 +158,7 @@ Expected<void> lower_concat(Lowering& lowering, const Node& node) {
     if (part.size() != shape.size())
       return fail("cannot join {} to {}", shape_text(part), shape_text(shape));
     const std::int64_t size = std::exchange(part[axis], shape[axis]);
-    if (part != shape)
-      return fail("cannot join {} to {}", shape_text(part), shape_text(shape));
+    if (part != shape) return fail("cannot join {} to {}", shape_text(part), shape_text(shape));
     shape[axis] += size;
     ROOMWISE_CHECK_OK(check_size(shape));
     for (std::size_t i = 0; i < static_cast<std::size_t>(size); ++i)
@@ -228,8 +227,8 @@ Expected<void> lower_split(Lowering& lowering, const Node& node) {
   std::int64_t begin = 0;
   for (std::size_t i = 0; i < sizes.size(); ++i) {
     if (sizes[i] < 0 || sizes[i] > shape[axis] - begin) break;
-    const auto part = range(static_cast<std::size_t>(begin),
-                            static_cast<std::size_t>(begin + sizes[i]));
+    const auto part =
+        range(static_cast<std::size_t>(begin), static_cast<std::size_t>(begin + sizes[i]));
     ROOMWISE_TRY(const ValueId output, lowering.pick(input, axis, part));
     lowering.set_output(node, i, output);
     begin += sizes[i];

@@ -223,9 +223,8 @@ Expected<std::unique_ptr<OnnxClassifier>> OnnxClassifier::load(
   if (outputs.scores) options.outputs.push_back(*outputs.scores);
   ROOMWISE_TRY(auto executor,
                Executor::create(std::move(graph), std::move(options)).map_error(in_file));
-  auto implementation =
-      std::make_unique<Implementation>(std::move(card), std::move(names), sha256_hex(onnx),
-                                       std::move(outputs), std::move(executor));
+  auto implementation = std::make_unique<Implementation>(
+      std::move(card), std::move(names), sha256_hex(onnx), std::move(outputs), std::move(executor));
   ROOMWISE_CHECK_OK(implementation->probe().map_error(in_file));
   return std::unique_ptr<OnnxClassifier>(new OnnxClassifier(std::move(implementation)));
 }

@@ -9,8 +9,8 @@
 
 namespace roomwise::network {
 
-// A convolutional network read from an ONNX file and run by our executor (executor.h) on the calling
-// thread. What the file does not say stands in its model card (model_card.h).
+// A convolutional network read from an ONNX file and run by our executor (executor.h) on the
+// calling thread. What the file does not say stands in its model card (model_card.h).
 //
 // Threads that predict at the same time share the weights; each has memory of its own for what
 // comes between the layers (1 to 10 MB), made when needed and kept.
@@ -18,8 +18,9 @@ class OnnxClassifier final : public Classifier {
  public:
   // labels: a text file, one label a line in the order of the network's scores; absent: the one
   // that the card names (which must be there), if any. Fails where the file is missing, is no ONNX
-  // network or one with operators that are not supported, does not take colour pictures of the card's size, gives no output of the card's
-  // names, or has another number of scores than there are labels.
+  // network or one with operators that are not supported, does not take colour pictures of the
+  // card's size, gives no output of the card's names, or has another number of scores than there
+  // are labels.
   [[nodiscard]] static Expected<std::unique_ptr<OnnxClassifier>> load(
       const std::filesystem::path& weights,
       const std::optional<std::filesystem::path>& labels = std::nullopt);

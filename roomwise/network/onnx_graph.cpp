@@ -41,7 +41,8 @@ float float_from_half(std::uint16_t half) {
   const int exponent = (half >> 10) & 31;
   const auto fraction = static_cast<float>(half & 1023);
   if (exponent == 31) {
-    return sign * (fraction > 0 ? std::bit_cast<float>(0x7FC00000) : std::bit_cast<float>(0x7F800000));
+    return sign *
+           (fraction > 0 ? std::bit_cast<float>(0x7FC00000) : std::bit_cast<float>(0x7F800000));
   }
   const float significand = exponent == 0 ? fraction / 1024 : 1 + fraction / 1024;
   return sign * std::ldexp(significand, exponent == 0 ? -14 : exponent - 15);
@@ -125,8 +126,7 @@ Expected<std::pair<std::string, ConstantPointer>> read_tensor(Span message) {
   auto constant = std::make_shared<Constant>();
   ROOMWISE_TRY(const TensorFields tensor, read_tensor_fields(message, *constant));
   if (tensor.external) return fail("keeps the tensor \"{}\" in another file", tensor.name);
-  constant->is_integer =
-      tensor.type == kInt64 || tensor.type == kInt32 || tensor.type == kBool;
+  constant->is_integer = tensor.type == kInt64 || tensor.type == kInt32 || tensor.type == kBool;
   if (!tensor.raw.empty()) {
     constant->floats.clear();
     constant->integers.clear();
@@ -246,8 +246,10 @@ Expected<void> read_graph(Span message, OnnxGraph& graph) {
       case 11:
       case 12: {
         ROOMWISE_TRY(GraphInput value, read_value_info(field.bytes));
-        if (field.number == 12) graph.outputs.push_back(std::move(value.name));
-        else inputs.push_back(std::move(value));
+        if (field.number == 12)
+          graph.outputs.push_back(std::move(value.name));
+        else
+          inputs.push_back(std::move(value));
         break;
       }
       default:

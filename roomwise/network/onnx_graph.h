@@ -40,8 +40,8 @@ struct Attribute {
 
 struct Node {
   std::string name;
-  std::string operation;  // "Conv"
-  std::string domain;     // empty: ONNX's own operators
+  std::string operation;            // "Conv"
+  std::string domain;               // empty: ONNX's own operators
   std::vector<std::string> inputs;  // names of values; an empty name is an input left out
   std::vector<std::string> outputs;
   std::map<std::string, Attribute> attributes;

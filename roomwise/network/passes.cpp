@@ -41,17 +41,13 @@ struct ZeroPads {
 std::optional<ZeroPads> zero_pads_of(const Program& program, const Layer& layer) {
   const AxisGather* gather = layer.as<AxisGather>();
   if (gather == nullptr || layer.inputs.size() != 1 || gather->fill != 0 ||
-      (gather->axis != 2 && gather->axis != 3) ||
-      program.values[layer.output].shape.size() != 4) {
+      (gather->axis != 2 && gather->axis != 3) || program.values[layer.output].shape.size() != 4) {
     return std::nullopt;
   }
-  const auto is_fill = [](const AxisGather::Pick& pick) {
-    return pick.input == AxisGather::kFill;
-  };
+  const auto is_fill = [](const AxisGather::Pick& pick) { return pick.input == AxisGather::kFill; };
   const auto& picks = gather->picks;
   const auto first = std::ranges::find_if_not(picks, is_fill);
-  const auto size =
-      static_cast<std::size_t>(program.values[layer.inputs[0]].shape[gather->axis]);
+  const auto size = static_cast<std::size_t>(program.values[layer.inputs[0]].shape[gather->axis]);
   const auto before = static_cast<std::size_t>(first - picks.begin());
   if (picks.size() < before + size) return std::nullopt;
   for (std::size_t i = 0; i < picks.size(); ++i) {

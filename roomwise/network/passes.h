@@ -7,13 +7,13 @@ namespace roomwise::network {
 // What is done to a program before it is planned. Each leaves what comes out as it was, but for
 // rounding; each can be left out, which the tests do.
 struct PassOptions {
-  bool folds_constants = true;     // floating-point arithmetic on weights (lowering.h)
-  bool folds_padding = true;       // zeros put around a picture become the convolution's own pads
-  bool folds_scales = true;        // batch normalisation becomes part of weights and biases
-  bool fuses_activations = true;   // into convolutions; and x * sigmoid(x) into one function
-  bool fuses_residuals = true;     // sums become part of a convolution
-  bool combines_gathers = true;    // chains of joins, splits and channel shuffles become one
-  bool joins_in_place = true;      // what is joined is written where it is wanted (plan.h)
+  bool folds_constants = true;    // floating-point arithmetic on weights (lowering.h)
+  bool folds_padding = true;      // zeros put around a picture become the convolution's own pads
+  bool folds_scales = true;       // batch normalisation becomes part of weights and biases
+  bool fuses_activations = true;  // into convolutions; and x * sigmoid(x) into one function
+  bool fuses_residuals = true;    // sums become part of a convolution
+  bool combines_gathers = true;   // chains of joins, splits and channel shuffles become one
+  bool joins_in_place = true;     // what is joined is written where it is wanted (plan.h)
 };
 
 [[nodiscard]] Program run_passes(Program program, const PassOptions& options);

@@ -76,12 +76,13 @@ Kernel gather_kernel(const AxisGather& gather, std::vector<BlockedShape> inputs,
       continue;
     }
     const BlockedShape& from = inputs[pick.input];
-    sources.push_back({pick.input, from.blocks() * from.block * from.inner,
-                       pick.index / from.block * from.block * from.inner + pick.index % from.block});
+    sources.push_back(
+        {pick.input, from.blocks() * from.block * from.inner,
+         pick.index / from.block * from.block * from.inner + pick.index % from.block});
   }
   const std::size_t block = output.block, places = output.inner;
-  return [sources, output, block, places, fill = gather.fill](
-             std::span<const float* const> from, float* to) {
+  return [sources, output, block, places, fill = gather.fill](std::span<const float* const> from,
+                                                              float* to) {
     std::vector<Run> runs;
     for (std::size_t outer = 0; outer < output.outer; ++outer) {
       for (std::size_t begin = 0; begin < output.blocks() * block; begin += block) {
@@ -127,8 +128,8 @@ Kernel resampling_kernel(const Resampling& resampling, const Shape& shape, std::
         const float* lower = from + row.second * width * block;
         for (const Resampling::Tap& column : resampling.columns) {
           const float right = column.weight_of_second, down = row.weight_of_second;
-          const float weights[] = {(1 - down) * (1 - right), (1 - down) * right,
-                                   down * (1 - right), down * right};
+          const float weights[] = {(1 - down) * (1 - right), (1 - down) * right, down * (1 - right),
+                                   down * right};
           const float* corners[] = {upper + column.first * block, upper + column.second * block,
                                     lower + column.first * block, lower + column.second * block};
           for (std::size_t i = 0; i < block; ++i) {

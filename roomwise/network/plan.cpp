@@ -32,9 +32,9 @@ PlanRun::PlanRun(std::shared_ptr<const Plan> plan)
 }
 
 float* PlanRun::data(const Place& place) const {
-  std::byte* begin = place.is_constant ? static_cast<std::byte*>(
-                                             plan_->constants[place.index].get_data_handle())
-                                       : memory_.get() + plan_->memory.offsets[place.index];
+  std::byte* begin = place.is_constant
+                         ? static_cast<std::byte*>(plan_->constants[place.index].get_data_handle())
+                         : memory_.get() + plan_->memory.offsets[place.index];
   return reinterpret_cast<float*>(begin + place.offset);
 }
 
@@ -57,7 +57,8 @@ std::vector<std::vector<float>> PlanRun::run(std::span<const std::span<const flo
     }
     sources.clear();
     for (const Step::Operand& operand : step.operands) sources.push_back(data(operand.value.place));
-    step.kernel(std::span(sources).first(sources.size() - 1), data(step.operands.back().value.place));
+    step.kernel(std::span(sources).first(sources.size() - 1),
+                data(step.operands.back().value.place));
   }
   stream_.wait();
   std::vector<std::vector<float>> outputs;

@@ -178,8 +178,7 @@ void PlanBuilder::copy(const Located& from, const Located& to) {
 
 void PlanBuilder::add_primitive(const dnnl::primitive& primitive, const Layout& scratchpad,
                                 std::vector<Step::Operand> operands) {
-  if (scratchpad.get_size() > 0)
-    operands.push_back({DNNL_ARG_SCRATCHPAD, new_buffer(scratchpad)});
+  if (scratchpad.get_size() > 0) operands.push_back({DNNL_ARG_SCRATCHPAD, new_buffer(scratchpad)});
   plan_->steps.push_back({primitive, nullptr, std::move(operands)});
 }
 

@@ -69,11 +69,11 @@ class PlanBuilder {
   std::size_t block_;
   std::shared_ptr<Plan> plan_ = std::make_shared<Plan>();
   dnnl::stream stream_;
-  std::vector<std::optional<Located>> located_;       // by value, as it was made
-  std::map<ValueId, std::vector<Located>> reordered_;  // the same in further layouts
-  std::vector<std::size_t> last_use_;                  // by value: the last layer that reads it
-  std::vector<bool> shares_memory_;                    // by value: with another value
-  std::vector<std::optional<Join>> joins_;             // by value
+  std::vector<std::optional<Located>> located_;          // by value, as it was made
+  std::map<ValueId, std::vector<Located>> reordered_;    // the same in further layouts
+  std::vector<std::size_t> last_use_;                    // by value: the last layer that reads it
+  std::vector<bool> shares_memory_;                      // by value: with another value
+  std::vector<std::optional<Join>> joins_;               // by value
   std::map<ValueId, std::optional<Place>> join_places_;  // by target; set when first needed
   std::vector<Buffer> buffers_;
   std::size_t layer_ = 0;  // in work

@@ -127,18 +127,17 @@ void PlanBuilder::plan_layer(const Layer& layer, const Convolution& convolution)
   const Shape& from = shape(layer.inputs[0]);
   // A picture of three colours is taken as it is.
   const bool is_picture = convolution.groups == 1 && from[1] <= 3;
-  const auto description =
-      choose_convolution(convolution, is_picture ? plain(from) : blocked(from),
-                         blocked(shape(layer.output)), plan_->engine);
+  const auto description = choose_convolution(convolution, is_picture ? plain(from) : blocked(from),
+                                              blocked(shape(layer.output)), plan_->engine);
   std::vector<Step::Operand> operands;
   const memory::dims weights = weight_dims(convolution);
-  const memory given = constant_memory(plain(Shape(weights.begin(), weights.end())),
-                                       convolution.weights->floats);
+  const memory given =
+      constant_memory(plain(Shape(weights.begin(), weights.end())), convolution.weights->floats);
   operands.push_back(
       {DNNL_ARG_WEIGHTS, add_constant(reordered(given, description.weights_desc()))});
   if (!convolution.bias.empty()) {
-    operands.push_back({DNNL_ARG_BIAS, add_constant(constant_memory(description.bias_desc(),
-                                                                    convolution.bias))});
+    operands.push_back(
+        {DNNL_ARG_BIAS, add_constant(constant_memory(description.bias_desc(), convolution.bias))});
   }
   operands.push_back({DNNL_ARG_SRC, in_layout(layer.inputs[0], description.src_desc())});
   const Located output = convolution.adds_residual
@@ -154,9 +153,9 @@ void PlanBuilder::plan_layer(const Layer& layer, const Convolution& convolution)
 Located PlanBuilder::residual_in_place(const Layer& layer, const Layout& layout) {
   const ValueId value = layer.inputs[1];
   const Located residual = in_layout(value, layout);
-  const bool is_free = last_use_[value] == layer_ && layer.inputs[0] != value && !shares_memory_[value] && !joins_[value] &&
-                       !joins_[layer.output] && !join_places_.contains(value) &&
-                       !residual.place.is_constant;
+  const bool is_free = last_use_[value] == layer_ && layer.inputs[0] != value &&
+                       !shares_memory_[value] && !joins_[value] && !joins_[layer.output] &&
+                       !join_places_.contains(value) && !residual.place.is_constant;
   if (is_free) {
     located_[layer.output] = residual;
     return residual;
@@ -224,9 +223,9 @@ void PlanBuilder::plan_layer(const Layer& layer, const AxisGather& gather) {
     gather_in_place(layer);
     return;
   }
-  const bool in_blocks =
-      gather.axis == 1 &&
-      std::ranges::any_of(layer.inputs, [&](ValueId input) { return is_blocked(input); });
+  const bool in_blocks = gather.axis == 1 && std::ranges::any_of(layer.inputs, [&](ValueId input) {
+                           return is_blocked(input);
+                         });
   const auto layout = [&](ValueId value) {
     return in_blocks ? blocked(shape(value)) : plain(shape(value));
   };
@@ -266,9 +265,8 @@ void PlanBuilder::plan_layer(const Layer& layer, const MatrixProduct& product) {
   const Layout bias = product.bias.empty() ? Layout() : plain(bias_shape);
   const dnnl::matmul::primitive_desc description({of_a, of_b, bias, result}, attributes(),
                                                  plan_->engine);
-  std::vector<Step::Operand> operands{
-      {DNNL_ARG_SRC, in_layout(a, of_a)},
-      {DNNL_ARG_WEIGHTS, in_layout(b, description.weights_desc())}};
+  std::vector<Step::Operand> operands{{DNNL_ARG_SRC, in_layout(a, of_a)},
+                                      {DNNL_ARG_WEIGHTS, in_layout(b, description.weights_desc())}};
   if (!product.bias.empty())
     operands.push_back({DNNL_ARG_BIAS, add_constant(constant_memory(bias, product.bias))});
   operands.push_back({DNNL_ARG_DST, place_output(layer.output, result)});
@@ -307,8 +305,7 @@ void PlanBuilder::plan_layer(const Layer& layer, const Permutation& permutation)
   const Located input = in_layout(from, plain(shape(from)));
   const Located output = place_output(layer.output, plain(shape(layer.output)));
   std::vector<int> places(permutation.axes.size());
-  for (std::size_t i = 0; i < places.size(); ++i)
-    places[permutation.axes[i]] = static_cast<int>(i);
+  for (std::size_t i = 0; i < places.size(); ++i) places[permutation.axes[i]] = static_cast<int>(i);
   copy({input.place, input.layout.permute_axes(places)}, output);
 }
 

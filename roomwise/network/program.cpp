@@ -14,7 +14,8 @@ Expected<void> check_size(const Shape& shape) {
   constexpr std::int64_t kMostValues = std::int64_t{1} << 28;
   std::int64_t count = 1;
   for (const std::int64_t size : shape) {
-    if (size < 0 || size > kMostValues || (count *= std::max<std::int64_t>(size, 1)) > kMostValues) {
+    if (size < 0 || size > kMostValues ||
+        (count *= std::max<std::int64_t>(size, 1)) > kMostValues) {
       return fail("gives a value of the impossible shape {}", shape_text(shape));
     }
   }

@@ -23,8 +23,8 @@ struct Value {
 // An element-wise function.
 struct Activation {
   enum class Function {
-    kRelu,       // x, and alpha * x below zero
-    kClip,       // between alpha and beta
+    kRelu,  // x, and alpha * x below zero
+    kClip,  // between alpha and beta
     kSigmoid,
     kTanh,
     kExp,
@@ -141,7 +141,8 @@ struct Program {
 };
 
 [[nodiscard]] std::size_t count_of(const Shape& shape);
-// Fails where a value of this shape would be larger than anything that a network needs (a gigabyte).
+// Fails where a value of this shape would be larger than anything that a network needs (a
+// gigabyte).
 [[nodiscard]] Expected<void> check_size(const Shape& shape);
 // The shape that two shapes broadcast to. Fails where they do not.
 [[nodiscard]] Expected<Shape> broadcast(const Shape& a, const Shape& b);
