@@ -3,12 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <mutex>
-#include <opencv2/dnn.hpp>
 
 #include "roomwise/base/file.h"
-#include "roomwise/image/resample.h"
+#include "roomwise/network/executor.h"
 #include "roomwise/network/onnx_classifier.h"
+#include "roomwise/network/picture_input.h"
 
 namespace roomwise::bench {
 namespace {
@@ -18,10 +17,15 @@ constexpr std::size_t kBins = 8;
 constexpr std::size_t kSides = 4;
 constexpr float kSameThing = 0.6F;  // of one label and overlapping more: one thing
 
-// Of blue, green and red: the network takes them in this order.
-constexpr std::array kMean{103.53F, 116.28F, 123.675F};
-constexpr std::array kDeviation{57.375F, 57.12F, 58.395F};
-constexpr std::array<std::uint8_t Rgb8::*, 3> kChannels{&Rgb8::b, &Rgb8::g, &Rgb8::r};
+// The picture is stretched to the input's size, as the network was trained.
+network::ModelCard card() {
+  network::ModelCard card;
+  card.input_width_px = card.input_height_px = kNanoDetSide;
+  card.color_order = network::ColorOrder::kBgr;
+  card.mean = {103.53F, 116.28F, 123.675F};
+  card.scale = {1 / 57.375F, 1 / 57.12F, 1 / 58.395F};
+  return card;
+}
 
 int cells_of(int stride) {
   return (kNanoDetSide + stride - 1) / stride;
@@ -61,21 +65,6 @@ std::vector<Detection> without_repeats(std::vector<Detection> found) {
     if (!repeats) kept.push_back(detection);
   }
   return kept;
-}
-
-// The picture stretched to the input's size, as the network was trained.
-cv::Mat input_of(const image::ColorImage& image) {
-  const image::ColorImage fitted = image::resize(image, kNanoDetSide, kNanoDetSide);
-  const int shape[] = {1, 3, kNanoDetSide, kNanoDetSide};
-  cv::Mat input(4, shape, CV_32F);
-  for (std::size_t channel = 0; channel < kChannels.size(); ++channel) {
-    float* value = input.ptr<float>(0, static_cast<int>(channel));
-    for (const Rgb8 pixel : fitted.pixels()) {
-      *value++ =
-          (static_cast<float>(pixel.*kChannels[channel]) - kMean[channel]) / kDeviation[channel];
-    }
-  }
-  return input;
 }
 
 }  // namespace
@@ -122,66 +111,33 @@ std::vector<Detection> decode_nanodet(std::span<const float> rows, std::size_t l
   return without_repeats(std::move(found));
 }
 
-// OpenCV's network runs one picture at a time.
-struct NanoDet::Instances {
-  Bytes onnx;
-  std::mutex mutex;
-  std::vector<cv::dnn::Net> idle;
-
-  cv::dnn::Net take() {
-    {
-      const std::scoped_lock lock(mutex);
-      if (!idle.empty()) {
-        cv::dnn::Net net = std::move(idle.back());
-        idle.pop_back();
-        return net;
-      }
-    }
-    cv::dnn::Net net =
-        cv::dnn::readNetFromONNX(reinterpret_cast<const char*>(onnx.data()), onnx.size());
-    net.setPreferableBackend(cv::dnn::DNN_BACKEND_OPENCV);
-    net.setPreferableTarget(cv::dnn::DNN_TARGET_CPU);
-    return net;
-  }
-  void put_back(cv::dnn::Net net) {
-    const std::scoped_lock lock(mutex);
-    idle.push_back(std::move(net));
-  }
-};
-
-NanoDet::NanoDet(std::vector<std::string> labels, std::unique_ptr<Instances> instances)
-    : labels_(std::move(labels)), instances_(std::move(instances)) {}
-NanoDet::~NanoDet() = default;
+NanoDet::NanoDet(std::vector<std::string> labels, std::unique_ptr<network::Executor> executor)
+    : labels_(std::move(labels)), executor_(std::move(executor)) {}
 
 Expected<std::unique_ptr<NanoDet>> NanoDet::load(const std::filesystem::path& weights,
                                                  const std::filesystem::path& labels) {
+  const auto in_file = [&](Error error) { return std::move(error).in(weights.string()); };
   ROOMWISE_TRY(std::vector<std::string> names, network::read_labels(labels));
-  auto instances = std::make_unique<Instances>();
-  ROOMWISE_TRY(instances->onnx, read_file(weights));
-  std::unique_ptr<NanoDet> detector(new NanoDet(std::move(names), std::move(instances)));
+  ROOMWISE_TRY(const Bytes onnx, read_file(weights));
+  ROOMWISE_TRY(network::OnnxGraph graph, network::read_onnx_graph(onnx).map_error(in_file));
+  ROOMWISE_TRY(auto executor, network::Executor::create(std::move(graph)).map_error(in_file));
+  std::unique_ptr<NanoDet> detector(new NanoDet(std::move(names), std::move(executor)));
   ROOMWISE_CHECK_OK(
-      detector->detect(image::ColorImage(kNanoDetSide, kNanoDetSide), 1)
-          .map_error([&](Error error) { return std::move(error).in(weights.string()); }));
+      detector->detect(image::ColorImage(kNanoDetSide, kNanoDetSide), 1).map_error(in_file));
   return detector;
 }
 
 Expected<std::vector<Detection>> NanoDet::detect(const image::ColorImage& image,
                                                  float least_score) const {
-  std::vector<Detection> found;
-  try {
-    cv::dnn::Net net = instances_->take();
-    net.setInput(input_of(image));
-    const cv::Mat rows = net.forward();
-    const std::size_t expected = nanodet_anchors() * (labels_.size() + kSides * kBins);
-    if (rows.total() != expected) {
-      return fail("is no NanoDet-Plus of {} labels: gives {} values, not {}", labels_.size(),
-                  rows.total(), expected);
-    }
-    found = decode_nanodet({rows.ptr<float>(), rows.total()}, labels_.size(), least_score);
-    instances_->put_back(std::move(net));
-  } catch (const cv::Exception& exception) {
-    return fail("OpenCV cannot run the network: {}", exception.err);
+  const network::Tensor input = network::picture_input(image, card());
+  ROOMWISE_TRY(const std::vector<network::Tensor> outputs, executor_->run({&input, 1}));
+  const std::vector<float>& rows = outputs.front().values;
+  const std::size_t expected = nanodet_anchors() * (labels_.size() + kSides * kBins);
+  if (rows.size() != expected) {
+    return fail("is no NanoDet-Plus of {} labels: gives {} values, not {}", labels_.size(),
+                rows.size(), expected);
   }
+  std::vector<Detection> found = decode_nanodet(rows, labels_.size(), least_score);
   const float across = static_cast<float>(image.width()) / kNanoDetSide;
   const float down = static_cast<float>(image.height()) / kNanoDetSide;
   for (Detection& detection : found) {

@@ -8,6 +8,7 @@
 
 #include "roomwise/base/expected.h"
 #include "roomwise/image/image.h"
+#include "roomwise/network/executor.h"
 
 namespace roomwise::bench {
 
@@ -41,7 +42,6 @@ class NanoDet {
   // The weights as ONNX, and a text file with one label a line.
   [[nodiscard]] static Expected<std::unique_ptr<NanoDet>> load(const std::filesystem::path& weights,
                                                                const std::filesystem::path& labels);
-  ~NanoDet();
 
   [[nodiscard]] const std::vector<std::string>& labels() const { return labels_; }
   // What scores more than `least_score`, best first.
@@ -49,11 +49,10 @@ class NanoDet {
                                                         float least_score) const;
 
  private:
-  struct Instances;
-  NanoDet(std::vector<std::string> labels, std::unique_ptr<Instances> instances);
+  NanoDet(std::vector<std::string> labels, std::unique_ptr<network::Executor> executor);
 
   std::vector<std::string> labels_;
-  std::unique_ptr<Instances> instances_;
+  std::unique_ptr<network::Executor> executor_;
 };
 
 }  // namespace roomwise::bench
