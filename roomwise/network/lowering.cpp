@@ -128,7 +128,8 @@ Expected<void> Lowering::lower_node(const Node& node) {
       fmt::format("node \"{}\" ({}, opset {})", node_, node.operation, graph_.opset);
   const auto in_node = [&](Error error) { return std::move(error).in(who); };
   if (node.domain.empty() || node.domain == "ai.onnx") {
-    for (const OperatorTable* table : {&layer_operators(), &shape_operators()}) {
+    for (const OperatorTable* table :
+         {&layer_operators(), &product_operators(), &shape_operators(), &constant_operators()}) {
       if (const auto found = table->find(node.operation); found != table->end()) {
         return found->second(*this, node).map_error(in_node);
       }

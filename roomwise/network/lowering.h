@@ -71,10 +71,14 @@ class Lowering {
 
 using LowerNode = Expected<void> (*)(Lowering&, const Node&);
 using OperatorTable = std::map<std::string, LowerNode>;
-// Convolutions, pooling, products, element-wise functions.
+// Convolutions, pooling, element-wise functions.
 [[nodiscard]] const OperatorTable& layer_operators();
-// What moves, reshapes and picks values; what works on shapes.
+// Products of matrices, and softmax.
+[[nodiscard]] const OperatorTable& product_operators();
+// What moves, reshapes and picks values.
 [[nodiscard]] const OperatorTable& shape_operators();
+// What is known beforehand: constants, shapes, casts; and what does nothing.
+[[nodiscard]] const OperatorTable& constant_operators();
 
 // Another height and width (Resize, Upsample).
 [[nodiscard]] Expected<void> lower_resize(Lowering& lowering, const Node& node);
