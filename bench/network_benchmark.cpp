@@ -255,10 +255,7 @@ int main(int argc, char** argv) {
   Subject inception{"inception-2015-12-05-trunk.onnx", {}, false};
   inception.card = need(find_model_card(models / inception.file));
   Subject nanodet{"nanodet-plus-m-416.onnx", {}, false};
-  nanodet.card.input_width_px = nanodet.card.input_height_px = 416;
-  nanodet.card.color_order = ColorOrder::kBgr;
-  nanodet.card.mean = {103.53F, 116.28F, 123.675F};
-  nanodet.card.scale = {1 / 57.375F, 1 / 57.12F, 1 / 58.395F};
+  nanodet.card = need(find_model_card(models / nanodet.file));
   const std::array subjects{mobilenet, nanodet, inception};
   for (const Subject& subject : subjects) measure_start(subject, models, rounds);
   for (const Subject& subject : subjects) measure(subject, models, photos, rounds);

@@ -40,10 +40,6 @@ class OnnxClassifier final : public Classifier {
   std::unique_ptr<Implementation> implementation_;
 };
 
-// One label a line; the last line may lack its end. Labels may repeat (ImageNet has two cranes).
-// Fails on an empty file and on an empty line.
-[[nodiscard]] Expected<std::vector<std::string>> read_labels(const std::filesystem::path& path);
-
 // Where networks are looked for unless the user says otherwise: ROOMWISE_MODELS if it is set, else
 // ../shared/models from the current folder if that is a folder, else nowhere.
 [[nodiscard]] std::optional<std::filesystem::path> default_model_folder();
