@@ -15,12 +15,12 @@
 #include <opencv2/core/utility.hpp>
 #include <optional>
 
-#include "nanodet.h"
 #include "piece_views.h"
 #include "roomwise/base/file.h"
 #include "roomwise/evaluation/proportion.h"
 #include "roomwise/image/codec.h"
 #include "roomwise/image/resample.h"
+#include "roomwise/network/detector.h"
 #include "roomwise/network/onnx_classifier.h"
 #include "roomwise/objects/object_vocabulary.h"
 #include "roomwise/simulation/home_geometry.h"
@@ -29,8 +29,8 @@
 namespace {
 
 using namespace roomwise;
-using bench::PixelBox;
 using evaluation::Proportion;
+using network::PixelBox;
 using simulation::HomeModel;
 using simulation::RenderedFrame;
 
@@ -74,7 +74,7 @@ struct Picture {
 
 struct Verdict {
   std::vector<std::string> center, tight;  // the best labels
-  std::vector<bench::Detection> found;
+  std::vector<network::Detection> found;
   float best_overlap = 0;  // of what was found of the right class
 };
 
@@ -87,7 +87,7 @@ using Tallies = std::array<Tally, 2>;
 
 struct Networks {
   std::unique_ptr<network::OnnxClassifier> classifier;
-  std::unique_ptr<bench::NanoDet> detector;
+  std::unique_ptr<network::Detector> detector;
 };
 
 PixelBox box_of(const image::Image<std::uint16_t>& objects, std::size_t object) {
@@ -144,12 +144,12 @@ Expected<Verdict> judge(const Networks& networks, const Picture& picture) {
   ROOMWISE_TRY(verdict.tight,
                best_labels(*networks.classifier, tight_crop(picture.image, picture.box)));
   ROOMWISE_TRY(verdict.found, networks.detector->detect(picture.image, kLeastScore));
-  for (const bench::Detection& detection : verdict.found) {
+  for (const network::Detection& detection : verdict.found) {
     if (networks.detector->labels()[detection.label] != kKinds[picture.kind].detector_label) {
       continue;
     }
-    verdict.best_overlap =
-        std::max(verdict.best_overlap, bench::intersection_over_union(detection.box, picture.box));
+    verdict.best_overlap = std::max(verdict.best_overlap,
+                                    network::intersection_over_union(detection.box, picture.box));
   }
   return verdict;
 }
@@ -204,8 +204,8 @@ class Recognition {
     Networks networks;
     ROOMWISE_TRY(networks.classifier,
                  network::OnnxClassifier::load(options.models / "mobilenet-v2-imagenet.onnx"));
-    ROOMWISE_TRY(networks.detector, bench::NanoDet::load(options.models / "nanodet-plus-m-416.onnx",
-                                                         options.models / "coco-labels-80.txt"));
+    ROOMWISE_TRY(networks.detector,
+                 network::Detector::load(options.models / "nanodet-plus-m-416.onnx"));
     for (const std::filesystem::path& folder : {options.pictures, options.light_cache}) {
       if (!folder.empty()) std::filesystem::create_directories(folder);
     }
@@ -305,7 +305,7 @@ class Recognition {
     const Kind& kind = kKinds[picture.kind];
     const std::string name = picture.name + (picture.is_ideal ? ".jpg" : "-sensor.jpg");
     std::string found;
-    for (const bench::Detection& detection : verdict.found) {
+    for (const network::Detection& detection : verdict.found) {
       found +=
           fmt::format(" {} {:.2f}", networks_.detector->labels()[detection.label], detection.score);
     }

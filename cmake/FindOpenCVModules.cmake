@@ -1,5 +1,6 @@
 # Debian ships OpenCV's CMake package only with the whole of libopencv-dev. The single modules that Roomwise
-# uses are found here and imported as OpenCV::core, OpenCV::imgproc, OpenCV::features2d, OpenCV::calib3d, OpenCV::dnn.
+# uses are found here and imported as OpenCV::core, OpenCV::imgproc, OpenCV::features2d, OpenCV::calib3d, and, where
+# it is installed, OpenCV::dnn, which only tests and benchmarks want.
 include(FindPackageHandleStandardArgs)
 
 find_path(OpenCVModules_INCLUDE_DIR opencv2/core.hpp PATH_SUFFIXES opencv4)
@@ -12,7 +13,9 @@ set(_needs_dnn imgproc)
 set(_libraries "")
 foreach(_module ${_modules})
   find_library(OpenCVModules_${_module}_LIBRARY opencv_${_module})
-  list(APPEND _libraries OpenCVModules_${_module}_LIBRARY)
+  if(NOT _module STREQUAL dnn)
+    list(APPEND _libraries OpenCVModules_${_module}_LIBRARY)
+  endif()
 endforeach()
 if(OpenCVModules_INCLUDE_DIR)
   file(STRINGS ${OpenCVModules_INCLUDE_DIR}/opencv2/core/version.hpp _lines REGEX "#define CV_VERSION_(MAJOR|MINOR)")
@@ -22,7 +25,7 @@ find_package_handle_standard_args(OpenCVModules
   REQUIRED_VARS OpenCVModules_INCLUDE_DIR ${_libraries} VERSION_VAR OpenCVModules_VERSION)
 if(OpenCVModules_FOUND)
   foreach(_module ${_modules})
-    if(NOT TARGET OpenCV::${_module})
+    if(NOT TARGET OpenCV::${_module} AND OpenCVModules_${_module}_LIBRARY)
       add_library(OpenCV::${_module} UNKNOWN IMPORTED)
       set_target_properties(OpenCV::${_module} PROPERTIES
         IMPORTED_LOCATION ${OpenCVModules_${_module}_LIBRARY}

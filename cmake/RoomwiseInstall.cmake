@@ -27,6 +27,7 @@ install(FILES
   ${PROJECT_BINARY_DIR}/RoomwiseConfig.cmake
   ${PROJECT_BINARY_DIR}/RoomwiseConfigVersion.cmake
   ${CMAKE_CURRENT_LIST_DIR}/FindLibZip.cmake
+  ${CMAKE_CURRENT_LIST_DIR}/FindOneDNN.cmake
   ${CMAKE_CURRENT_LIST_DIR}/FindOpenCVModules.cmake
   ${CMAKE_CURRENT_LIST_DIR}/FindOpenNI2.cmake
   DESTINATION ${package_dir})

@@ -7,6 +7,7 @@
 #include "roomwise/image/codec.h"
 #include "roomwise/mapping/g2o_file.h"
 #include "roomwise/mapping/loop_closer.h"
+#include "roomwise/network/detector.h"
 #include "roomwise/network/onnx_classifier.h"
 #include "roomwise/recording/association.h"
 #include "roomwise/recording/camera_file.h"
@@ -128,7 +129,21 @@ Expected<Answer> describe_pose_graph(const fs::path& path) {
   return std::move(facts).answer();
 }
 
+Expected<Answer> describe_detector(const fs::path& path) {
+  ROOMWISE_TRY(const auto detector, network::Detector::load(path));
+  const network::ModelCard& card = detector->card();
+  Facts facts(path, "network that finds things");
+  facts.add("name", card.name);
+  facts.add("input", fmt::format("{}x{}", card.input_width_px, card.input_height_px));
+  facts.add("labels", detector->labels().size());
+  facts.add("license", card.license);
+  facts.add("sha256", detector->fingerprint());
+  return std::move(facts).answer();
+}
+
 Expected<Answer> describe_network(const fs::path& path) {
+  const auto found_card = network::find_model_card(path);
+  if (found_card && found_card->task == network::Task::kNanoDetPlus) return describe_detector(path);
   ROOMWISE_TRY(const auto network, network::OnnxClassifier::load(path));
   const network::ModelCard& card = network->card();
   Facts facts(path, "network");

@@ -9,14 +9,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The networks of a folder that have a card, by name.
+// The networks of a folder that look at whole pictures, by their cards; by name.
 Expected<std::vector<fs::path>> list_networks(const fs::path& folder) {
   std::vector<fs::path> files;
   std::error_code error;
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
        entry.increment(error)) {
-    if (entry->path().extension() == ".onnx" && network::find_model_card(entry->path()))
-      files.push_back(entry->path());
+    if (entry->path().extension() != ".onnx") continue;
+    const auto card = network::find_model_card(entry->path());
+    if (card && card->task == network::Task::kClassify) files.push_back(entry->path());
   }
   if (error)
     return fail("{}: the folder of networks (ROOMWISE_MODELS) cannot be read: {}", folder.string(),

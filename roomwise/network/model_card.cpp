@@ -114,7 +114,7 @@ Expected<ModelCard> ModelCard::parse(std::string_view json, const std::string& o
   }
   const Fields card(root, origin + ": ");
   ROOMWISE_CHECK_OK(card.expect_only(
-      {"name", "input", "mean", "scale", "outputs", "labels", "license", "source"}));
+      {"name", "task", "input", "mean", "scale", "outputs", "labels", "license", "source"}));
   ROOMWISE_TRY(const Json input_object, card.object("input"));
   ROOMWISE_TRY(const Json outputs_object, card.object("outputs"));
   const Fields input(input_object, origin + ": input.");
@@ -124,6 +124,8 @@ Expected<ModelCard> ModelCard::parse(std::string_view json, const std::string& o
 
   ModelCard result;
   ROOMWISE_TRY(result.name, card.text("name", ""));
+  ROOMWISE_TRY(result.task, card.choice<Task>("task", {{"classify", Task::kClassify},
+                                                       {"nanodet-plus", Task::kNanoDetPlus}}));
   ROOMWISE_TRY(result.input_width_px, input.side_px("width"));
   ROOMWISE_TRY(result.input_height_px, input.side_px("height"));
   ROOMWISE_TRY(result.color_order, input.choice<ColorOrder>("colors", {{"rgb", ColorOrder::kRgb},
@@ -132,6 +134,10 @@ Expected<ModelCard> ModelCard::parse(std::string_view json, const std::string& o
                                                             {"crop", PictureFit::kCenterCrop}}));
   ROOMWISE_TRY(result.mean, card.per_channel("mean", result.mean));
   ROOMWISE_TRY(result.scale, card.per_channel("scale", result.scale));
+  if (result.task != Task::kClassify && result.fit != PictureFit::kStretch) {
+    return fail("{}: input.fit: a network that finds things takes the whole picture: \"stretch\"",
+                origin);
+  }
   ROOMWISE_TRY(result.features_outputs, outputs.texts("features"));
   ROOMWISE_TRY(result.scores_output, outputs.text("scores", ""));
   ROOMWISE_TRY(result.scores_need_softmax, outputs.flag("softmax", false));

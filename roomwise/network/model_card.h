@@ -16,19 +16,25 @@ enum class PictureFit {
   kCenterCrop,  // the largest centred part of the input's proportions
 };
 enum class ColorOrder { kRgb, kBgr };
+// What a network is for.
+enum class Task {
+  kClassify,     // looks at whole pictures: features, and scores of labels (OnnxClassifier)
+  kNanoDetPlus,  // finds things in a picture (Detector)
+};
 
 // What a weights file does not say about itself: how a picture is put in, and what comes out. A
 // value of the input is (x - mean) * scale, x the 8-bit colour value.
 //
 // Written as JSON; everything but "input" may be left out:
-//   { "name": "my-network",
+//   { "name": "my-network", "task": "classify",
 //     "input": { "width": 224, "height": 224, "colors": "rgb", "fit": "stretch" },
 //     "mean": [127.5, 127.5, 127.5], "scale": [0.0078, 0.0078, 0.0078],
 //     "outputs": { "features": "pool5", "scores": "prob", "softmax": false },
 //     "labels": "labels.txt", "license": "Apache-2.0", "source": "where it came from" }
-// "features" may be a list of names.
+// "features" may be a list of names; "task" may be "nanodet-plus".
 struct ModelCard {
   std::string name;  // the weights file's name without its ending where the card gives none
+  Task task = Task::kClassify;
   int input_width_px = 0;
   int input_height_px = 0;
   ColorOrder color_order = ColorOrder::kRgb;

@@ -10,6 +10,7 @@
 #include "roomwise/base/thread_pool.h"
 #include "roomwise/image/codec.h"
 #include "roomwise/network/model_card.h"
+#include "roomwise/network/network_file.h"
 #include "roomwise/network/onnx_classifier.h"
 #include "roomwise/network/tiny_network.h"
 
@@ -253,6 +254,11 @@ TEST(ModelCard, NamesTheFieldThatIsWrong) {
                "scales: unknown field");
   EXPECT_ERROR(parse(R"({"input": {"width": 5, "height": 5}, "outputs": {"softmax": 1}})"),
                "outputs.softmax");
+  EXPECT_ERROR(parse(R"({"task": "dream", "input": {"width": 5, "height": 5}})"),
+               "task: expected \"classify\" or \"nanodet-plus\", not \"dream\"");
+  EXPECT_ERROR(parse(R"({"task": "nanodet-plus",
+                         "input": {"width": 5, "height": 5, "fit": "crop"}})"),
+               "input.fit");
 }
 
 TEST(ModelCard, BesideTheWeightsWinsOverTheBuiltIn) {

@@ -9,17 +9,18 @@
 
 namespace roomwise::network {
 
-// A convolutional network read from an ONNX file and run by OpenCV's DNN module. What the file does
-// not say stands in its model card (model_card.h).
+// A convolutional network read from an ONNX file and run by our executor (executor.h) on the
+// calling thread. What the file does not say stands in its model card (model_card.h).
 //
-// Each thread that predicts at the same time as others holds an instance of the network of its own
-// (the weights again: 50 MB for the Inception trunk); instances are made when needed and kept.
+// Threads that predict at the same time share the weights; each has memory of its own for what
+// comes between the layers (1 to 10 MB), made when needed and kept.
 class OnnxClassifier final : public Classifier {
  public:
   // labels: a text file, one label a line in the order of the network's scores; absent: the one
   // that the card names (which must be there), if any. Fails where the file is missing, is no ONNX
-  // network, does not take colour pictures of the card's size, gives no output of the card's
-  // names, or has another number of scores than there are labels.
+  // network or one with operators that are not supported, does not take colour pictures of the
+  // card's size, gives no output of the card's names, or has another number of scores than there
+  // are labels.
   [[nodiscard]] static Expected<std::unique_ptr<OnnxClassifier>> load(
       const std::filesystem::path& weights,
       const std::optional<std::filesystem::path>& labels = std::nullopt);
@@ -38,10 +39,6 @@ class OnnxClassifier final : public Classifier {
   explicit OnnxClassifier(std::unique_ptr<Implementation> implementation);
   std::unique_ptr<Implementation> implementation_;
 };
-
-// One label a line; the last line may lack its end. Labels may repeat (ImageNet has two cranes).
-// Fails on an empty file and on an empty line.
-[[nodiscard]] Expected<std::vector<std::string>> read_labels(const std::filesystem::path& path);
 
 // Where networks are looked for unless the user says otherwise: ROOMWISE_MODELS if it is set, else
 // ../shared/models from the current folder if that is a folder, else nowhere.

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "roomwise/base/testing.h"
-#include "roomwise/network/onnx_classifier.h"
+#include "roomwise/network/network_file.h"
 
 namespace roomwise::objects {
 namespace {

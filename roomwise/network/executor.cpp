@@ -1,0 +1,152 @@
+#include "roomwise/network/executor.h"
+
+#include <algorithm>
+#include <map>
+#include <mutex>
+
+#include "roomwise/base/thread_pool.h"
+#include "roomwise/network/lowering.h"
+#include "roomwise/network/plan.h"
+
+namespace roomwise::network {
+namespace {
+
+// A plan and the runs of it that nobody is in.
+struct SharedPlan {
+  std::shared_ptr<const Plan> plan;
+  std::mutex mutex;
+  std::vector<std::unique_ptr<PlanRun>> idle;
+
+  std::unique_ptr<PlanRun> take() {
+    {
+      const std::scoped_lock lock(mutex);
+      if (!idle.empty()) {
+        auto run = std::move(idle.back());
+        idle.pop_back();
+        return run;
+      }
+    }
+    return std::make_unique<PlanRun>(plan);
+  }
+  void put_back(std::unique_ptr<PlanRun> run) {
+    const std::scoped_lock lock(mutex);
+    idle.push_back(std::move(run));
+  }
+};
+
+bool has_free_size(const GraphInput& input) {
+  return input.shape.empty() || std::ranges::count(input.shape, GraphInput::kFree) > 0;
+}
+
+Expected<void> check_input(const Tensor& tensor, const GraphInput& input) {
+  const auto fits = [](std::int64_t given, std::int64_t wanted) {
+    return given >= 0 && (wanted == GraphInput::kFree || given == wanted);
+  };
+  if (!input.shape.empty() && !std::ranges::equal(tensor.shape, input.shape, fits)) {
+    return fail("the input \"{}\" takes {}, not {}", input.name, shape_text(input.shape),
+                shape_text(tensor.shape));
+  }
+  ROOMWISE_CHECK_OK(check_size(tensor.shape));
+  if (tensor.values.size() != count_of(tensor.shape)) {
+    return fail("the input \"{}\" has {} values for the shape {}", input.name, tensor.values.size(),
+                shape_text(tensor.shape));
+  }
+  return {};
+}
+
+}  // namespace
+
+class Executor::Implementation {
+ public:
+  Implementation(OnnxGraph graph, ExecutorOptions options)
+      : inputs_(graph.inputs), graph_(std::move(graph)), options_(std::move(options)) {}
+
+  // Where all sizes are known there is one plan, and the weights as the file has them may go.
+  Expected<void> plan_fixed_sizes() {
+    if (std::ranges::any_of(inputs_, has_free_size)) return {};
+    std::vector<Shape> shapes;
+    for (const GraphInput& input : inputs_) shapes.push_back(input.shape);
+    ROOMWISE_CHECK_OK(plan_for(shapes));
+    graph_ = {};
+    return {};
+  }
+
+  [[nodiscard]] const std::vector<GraphInput>& inputs() const { return inputs_; }
+
+  Expected<std::vector<Tensor>> run(std::span<const Tensor> inputs) {
+    if (inputs.size() != inputs_.size()) {
+      return fail("the network has {} inputs, not {}", inputs_.size(), inputs.size());
+    }
+    std::vector<Shape> shapes;
+    std::vector<std::span<const float>> values;
+    for (std::size_t i = 0; i < inputs.size(); ++i) {
+      ROOMWISE_CHECK_OK(check_input(inputs[i], inputs_[i]));
+      shapes.push_back(inputs[i].shape);
+      values.emplace_back(inputs[i].values);
+    }
+    ROOMWISE_TRY(const std::shared_ptr<SharedPlan> shared, plan_for(shapes));
+    auto run = shared->take();
+    std::vector<std::vector<float>> results = run->run(values);
+    shared->put_back(std::move(run));
+    std::vector<Tensor> outputs;
+    for (std::size_t i = 0; i < results.size(); ++i)
+      outputs.push_back({shared->plan->output_shapes[i], std::move(results[i])});
+    return outputs;
+  }
+
+ private:
+  Expected<std::shared_ptr<SharedPlan>> plan_for(const std::vector<Shape>& shapes) {
+    const std::scoped_lock lock(mutex_);
+    if (const auto found = plans_.find(shapes); found != plans_.end()) return found->second;
+    ROOMWISE_TRY(Program program,
+                 lower(graph_, shapes, options_.outputs, options_.passes.folds_constants));
+    program = run_passes(std::move(program), options_.passes);
+    auto shared = std::make_shared<SharedPlan>();
+    ROOMWISE_TRY(shared->plan, make_plan(program, options_.passes.joins_in_place));
+    plans_.insert({shapes, shared});
+    return shared;
+  }
+
+  std::vector<GraphInput> inputs_;
+  OnnxGraph graph_;
+  ExecutorOptions options_;
+  std::mutex mutex_;
+  std::map<std::vector<Shape>, std::shared_ptr<SharedPlan>> plans_;
+};
+
+Executor::Executor(std::unique_ptr<Implementation> implementation)
+    : implementation_(std::move(implementation)) {}
+Executor::~Executor() = default;
+
+Expected<std::unique_ptr<Executor>> Executor::create(OnnxGraph graph, ExecutorOptions options) {
+  auto implementation = std::make_unique<Implementation>(std::move(graph), std::move(options));
+  ROOMWISE_CHECK_OK(implementation->plan_fixed_sizes());
+  return std::unique_ptr<Executor>(new Executor(std::move(implementation)));
+}
+
+const std::vector<GraphInput>& Executor::inputs() const {
+  return implementation_->inputs();
+}
+
+Expected<std::vector<Tensor>> Executor::run(std::span<const Tensor> inputs) const {
+  return implementation_->run(inputs);
+}
+
+Expected<std::vector<std::vector<Tensor>>> Executor::run_batch(std::span<const Tensor> batch,
+                                                               std::size_t threads) const {
+  std::vector<Expected<std::vector<Tensor>>> results(batch.size());
+  const auto run_one = [&](std::size_t i) { results[i] = run(batch.subspan(i, 1)); };
+  if (threads <= 1 || batch.size() <= 1) {
+    for (std::size_t i = 0; i < batch.size(); ++i) run_one(i);
+  } else {
+    ThreadPool(std::min(threads, batch.size())).parallel_for(batch.size(), run_one);
+  }
+  std::vector<std::vector<Tensor>> outputs;
+  for (auto& result : results) {
+    ROOMWISE_TRY(std::vector<Tensor> output, std::move(result));
+    outputs.push_back(std::move(output));
+  }
+  return outputs;
+}
+
+}  // namespace roomwise::network

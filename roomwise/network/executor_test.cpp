@@ -1,0 +1,155 @@
+#include "roomwise/network/executor.h"
+
+#include <gmock/gmock.h>
+
+#include <future>
+
+#include "roomwise/base/file.h"
+#include "roomwise/base/thread_pool.h"
+#include "roomwise/network/testing/tiny_runs.h"
+
+namespace roomwise::network {
+namespace {
+
+using namespace testing;
+using roomwise::testing::find_model;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+// Free in batch, height and width.
+TinyGraph free_graph() {
+  return {{layer("Conv", {"picture", "w"}, {"c"}), layer("Relu", {"c"}, {"r"}),
+           layer("GlobalAveragePool", {"r"}, {"pooled"}), layer("Flatten", {"pooled"}, {"out"})},
+          {random_weights("w", {20, 3, 3, 3}, 1)},
+          {0, 3, 0, 0},
+          {{"out", {}}}};
+}
+
+TEST(Executor, TakesTheSizesThatTheFileLeavesOpen) {
+  const auto executor = load(onnx(free_graph()));
+  ASSERT_OK(executor);
+  EXPECT_THAT((*executor)->inputs()[0].shape, ElementsAre(-1, 3, -1, -1));
+  for (const Shape& shape : {Shape{1, 3, 8, 8}, Shape{1, 3, 5, 9}, Shape{4, 3, 8, 8}}) {
+    const Tensor input = random_tensor(shape);
+    const auto outputs = (*executor)->run({&input, 1});
+    ASSERT_OK(outputs);
+    EXPECT_THAT(outputs->front().shape, ElementsAre(shape[0], 20));
+  }
+}
+
+TEST(Executor, ABatchGivesWhatItsPicturesGive) {
+  const auto executor = load(onnx(free_graph()));
+  ASSERT_OK(executor);
+  for (const std::int64_t size : {2, 5, 16}) {
+    Tensor batch{{size, 3, 8, 8}, {}};
+    std::vector<Tensor> pictures;
+    for (std::int64_t i = 0; i < size; ++i) {
+      pictures.push_back(random_tensor({1, 3, 8, 8}, static_cast<std::uint64_t>(i) + 1));
+      batch.values.insert(batch.values.end(), pictures.back().values.begin(),
+                          pictures.back().values.end());
+    }
+    const auto together = (*executor)->run({&batch, 1});
+    ASSERT_OK(together);
+    std::vector<float> singles;
+    for (const Tensor& picture : pictures) {
+      const auto alone = (*executor)->run({&picture, 1});
+      ASSERT_OK(alone);
+      singles.insert(singles.end(), alone->front().values.begin(), alone->front().values.end());
+    }
+    EXPECT_LT(relative_error(together->front().values, singles), 1e-5);
+    for (const std::size_t threads : {1U, 3U}) {
+      const auto apart = (*executor)->run_batch(pictures, threads);
+      ASSERT_OK(apart);
+      std::vector<float> joined;
+      for (const auto& outputs : *apart)
+        joined.insert(joined.end(), outputs[0].values.begin(), outputs[0].values.end());
+      EXPECT_EQ(joined, singles) << threads << " threads";
+    }
+  }
+}
+
+TEST(Executor, NamesWhatDoesNotFit) {
+  const auto executor = load(onnx(free_graph()));
+  ASSERT_OK(executor);
+  const Tensor gray = random_tensor({1, 1, 8, 8});
+  EXPECT_ERROR((*executor)->run({&gray, 1}), "input \"picture\" takes ?x3x?x?, not 1x1x8x8");
+  const Tensor small = random_tensor({1, 3, 2, 2});
+  EXPECT_ERROR((*executor)->run({&small, 1}), "(Conv, opset 11): its window of 3 is larger");
+  Tensor torn = random_tensor({1, 3, 8, 8});
+  torn.values.pop_back();
+  EXPECT_ERROR((*executor)->run({&torn, 1}), "has 191 values for the shape 1x3x8x8");
+  EXPECT_ERROR((*executor)->run({}), "has 1 inputs, not 0");
+  ExecutorOptions options;
+  options.outputs = {"pool5"};
+  TinyGraph fixed = free_graph();
+  fixed.input = {1, 3, 8, 8};
+  EXPECT_ERROR(load(onnx(fixed), options),
+               "no output or node named \"pool5\"; its outputs are out");
+}
+
+class RealNetwork : public ::testing::TestWithParam<const char*> {};
+
+Tensor random_picture(const OnnxGraph& graph) {
+  return random_tensor(graph.inputs.front().shape, 11);
+}
+
+TEST_P(RealNetwork, GivesWhatOpenCvGives) {
+  const auto file = find_model(GetParam());
+  ROOMWISE_REQUIRE_FILE(file);
+  const auto bytes = read_file(*file);
+  ASSERT_OK(bytes);
+  auto graph = read_onnx_graph(*bytes);
+  ASSERT_OK(graph);
+  const Tensor input = random_picture(*graph);
+  const auto executor = Executor::create(std::move(*graph));
+  ASSERT_OK(executor);
+  const auto outputs = (*executor)->run({&input, 1});
+  ASSERT_OK(outputs);
+  EXPECT_LT(relative_error(outputs->front().values, OpenCvNetwork(*bytes).run(input)), 1e-4);
+}
+
+TEST_P(RealNetwork, GivesTheSameWithoutPasses) {
+  const auto file = find_model(GetParam());
+  ROOMWISE_REQUIRE_FILE(file);
+  const auto bytes = read_file(*file);
+  ASSERT_OK(bytes);
+  const auto graph = read_onnx_graph(*bytes);
+  ASSERT_OK(graph);
+  const Tensor input = random_picture(*graph);
+  const auto outputs_with = [&](const PassOptions& passes) {
+    const auto executor = Executor::create(*graph, {{}, passes});
+    EXPECT_TRUE(executor.has_value()) << executor.error().message;
+    return (*executor)->run({&input, 1})->front().values;
+  };
+  const PassOptions none{false, false, false, false, false, false, false};
+  EXPECT_LT(relative_error(outputs_with({}), outputs_with(none)), 1e-5);
+}
+
+TEST_P(RealNetwork, GivesTheSameBitsFromSeveralThreads) {
+  const auto file = find_model(GetParam());
+  ROOMWISE_REQUIRE_FILE(file);
+  const auto bytes = read_file(*file);
+  ASSERT_OK(bytes);
+  auto graph = read_onnx_graph(*bytes);
+  ASSERT_OK(graph);
+  const std::vector<Tensor> pictures(5, random_picture(*graph));
+  const auto executor = Executor::create(std::move(*graph));
+  ASSERT_OK(executor);
+  const auto alone = (*executor)->run(std::span(pictures).first(1));
+  ASSERT_OK(alone);
+  const auto together = (*executor)->run_batch(pictures, 3);
+  ASSERT_OK(together);
+  for (const auto& outputs : *together) EXPECT_EQ(outputs[0].values, alone->front().values);
+}
+
+INSTANTIATE_TEST_SUITE_P(Models, RealNetwork,
+                         ::testing::Values("mobilenet-v2-imagenet.onnx", "nanodet-plus-m-416.onnx",
+                                           "inception-2015-12-05-trunk.onnx"),
+                         [](const auto& each) {
+                           std::string name = each.param;
+                           std::erase_if(name, [](char c) { return std::isalnum(c) == 0; });
+                           return name;
+                         });
+
+}  // namespace
+}  // namespace roomwise::network

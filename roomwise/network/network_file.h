@@ -1,0 +1,31 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "roomwise/network/model_card.h"
+#include "roomwise/network/onnx_graph.h"
+
+namespace roomwise::network {
+
+// A network as its files say it: the weights, the card, the labels.
+struct NetworkFile {
+  ModelCard card;
+  std::vector<std::string> labels;  // empty: it names nothing
+  OnnxGraph graph;                  // its input is of the card's size
+  std::string fingerprint;          // SHA-256 of the weights file
+};
+
+// labels: a text file, one label a line; absent: the one that the card names, if any. Fails where a
+// file is missing or is not what it should be, and where the network does not take colour pictures
+// of the card's size.
+[[nodiscard]] Expected<NetworkFile> read_network_file(
+    const std::filesystem::path& weights, const std::optional<std::filesystem::path>& labels);
+
+// One label a line; the last line may lack its end. Labels may repeat (ImageNet has two cranes).
+// Fails on an empty file and on an empty line.
+[[nodiscard]] Expected<std::vector<std::string>> read_labels(const std::filesystem::path& path);
+
+}  // namespace roomwise::network

@@ -1,0 +1,109 @@
+#include "roomwise/network/onnx_graph.h"
+
+#include <gmock/gmock.h>
+
+#include "roomwise/network/protobuf_fields.h"
+#include "roomwise/network/testing/tiny_runs.h"
+
+namespace roomwise::network {
+namespace {
+
+using namespace testing;
+using roomwise::testing::field;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+TinyGraph small_graph() {
+  return {{layer("Conv", {"picture", "w", "b"}, {"c"}, {attribute("pads", {1, 1, 1, 1})}),
+           layer("LeakyRelu", {"c"}, {"r"}, {attribute("alpha", 0.25F)}),
+           layer("Reshape", {"r", "shape"}, {"out"})},
+          {random_weights("w", {2, 3, 3, 3}, 1), random_weights("b", {2}, 2),
+           tensor("shape", {2}, std::vector<std::int64_t>{1, -1})},
+          {1, 3, 4, 5},
+          {{"out", {1, 40}}}};
+}
+
+TEST(OnnxGraph, IsReadWhole) {
+  const std::string file = onnx(small_graph());
+  const auto graph = read_onnx_graph(bytes_of(file));
+  ASSERT_OK(graph);
+  EXPECT_EQ(graph->opset, 11);
+  ASSERT_EQ(graph->nodes.size(), 3u);
+  const Node& convolution = graph->nodes[0];
+  EXPECT_EQ(convolution.name, "c_node");
+  EXPECT_EQ(convolution.operation, "Conv");
+  EXPECT_THAT(convolution.inputs, ElementsAre("picture", "w", "b"));
+  EXPECT_THAT(convolution.outputs, ElementsAre("c"));
+  EXPECT_THAT(convolution.integers("pads", {}), ElementsAre(1, 1, 1, 1));
+  EXPECT_THAT(convolution.integers("strides", {7}), ElementsAre(7));
+  EXPECT_FLOAT_EQ(graph->nodes[1].number("alpha", 0), 0.25F);
+  ASSERT_EQ(graph->inputs.size(), 1u);
+  EXPECT_EQ(graph->inputs[0].name, "picture");
+  EXPECT_THAT(graph->inputs[0].shape, ElementsAre(1, 3, 4, 5));
+  EXPECT_THAT(graph->outputs, ElementsAre("out"));
+  EXPECT_THAT(graph->constants.at("w")->shape, ElementsAre(2, 3, 3, 3));
+  EXPECT_EQ(graph->constants.at("w")->floats, random_values(54, 1));
+  EXPECT_THAT(graph->constants.at("shape")->integers, ElementsAre(1, -1));
+}
+
+TEST(OnnxGraph, RefusesATensorThatIsNotAsLargeAsItsShape) {
+  TinyGraph graph = small_graph();
+  graph.constants[1] = tensor("b", {3}, std::vector<float>{1, 2});
+  const std::string file = onnx(graph);
+  EXPECT_ERROR(read_onnx_graph(bytes_of(file)), "\"b\" of 2 values, not of the 3 of its shape 3");
+  graph.constants[1] = tensor("b", {1 << 20, 1 << 20, 1 << 20}, std::vector<float>{1});
+  const std::string huge = onnx(graph);
+  EXPECT_ERROR(read_onnx_graph(bytes_of(huge)), "impossible shape");
+}
+
+TEST(OnnxGraph, RefusesATensorInAnotherFile) {
+  TinyGraph graph = small_graph();
+  graph.constants[1] += field(14, 1);
+  const std::string file = onnx(graph);
+  EXPECT_ERROR(read_onnx_graph(bytes_of(file)), "keeps the tensor \"b\" in another file");
+}
+
+TEST(OnnxGraph, RefusesWhatIsNoNetwork) {
+  EXPECT_ERROR(read_onnx_graph({}), "no ONNX network");
+  EXPECT_ERROR(read_onnx_graph(bytes_of("garbage, and more of it")), "no ONNX network");
+}
+
+TEST(OnnxGraph, EveryTruncationIsAnErrorOrAnotherNetwork) {
+  const std::string whole = onnx(small_graph());
+  for (std::size_t kept = 0; kept < whole.size(); ++kept) {
+    EXPECT_FALSE(load(whole.substr(0, kept)).has_value()) << kept;
+  }
+}
+
+// Whatever the bytes say, there is a network or an error, but no crash and no endless memory.
+TEST(OnnxGraph, SurvivesDamage) {
+  const std::string whole = onnx(small_graph());
+  RandomStream random(7);
+  int refused = 0;
+  for (int round = 0; round < 3000; ++round) {
+    std::string damaged = whole;
+    for (std::uint64_t i = 0; i <= random.index(4); ++i) {
+      damaged[random.index(damaged.size())] = static_cast<char>(random.index(256));
+    }
+    const auto graph = read_onnx_graph(bytes_of(damaged));
+    if (!graph) {
+      ++refused;
+      continue;
+    }
+    // A picture may have become so large that running it would take long: small ones are run.
+    std::size_t size = 1;
+    for (const std::int64_t side : graph->inputs[0].shape)
+      size *= static_cast<std::size_t>(std::clamp<std::int64_t>(side, 1, 1 << 20));
+    if (size > 1 << 16 || !Executor::create(*graph)) ++refused;
+  }
+  EXPECT_GT(refused, 100);
+  EXPECT_LT(refused, 3000);
+}
+
+TEST(Protobuf, RefusesNumbersWithoutEnd) {
+  EXPECT_FALSE(protobuf_fields(bytes_of(std::string(12, '\xff'))).has_value());
+  EXPECT_FALSE(protobuf_fields(bytes_of("\x0a\xff\xff\xff\xff\x0f")).has_value());
+}
+
+}  // namespace
+}  // namespace roomwise::network
