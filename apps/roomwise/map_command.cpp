@@ -47,8 +47,8 @@ Expected<pipeline::MapSettings> new_settings(const Options& options) {
   settings.mapper.loops.neighbors = options.settings.mapper.loops.neighbors;
   settings.mapper.loops.random = options.loop_random.value_or(settings.mapper.loops.random);
   settings.mapper.loops.similar = options.loop_similar.value_or(settings.mapper.loops.similar);
-  settings.mapper.reuse_nearer_than =
-      options.reuse.value_or(mapping::MapperOptions::of(settings.mapper.method).reuse_nearer_than);
+  settings.mapper.reuse = mapping::MapperOptions::of(settings.mapper.method).reuse;
+  settings.mapper.reuse.nearer_than = options.reuse.value_or(settings.mapper.reuse.nearer_than);
   ROOMWISE_CHECK_OK(settings.validate());
   return settings;
 }

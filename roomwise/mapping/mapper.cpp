@@ -24,44 +24,6 @@ constexpr std::size_t kLeastFramesKept = 4;
 
 }  // namespace
 
-MapperOptions MapperOptions::of(MappingMethod method) {
-  MapperOptions options;
-  options.method = method;
-  if (method == MappingMethod::kPaper) {
-    options.loops.random = 5;
-    options.loops.similar = 0;
-    options.reuse_nearer_than = 0;
-  }
-  return options;
-}
-
-Expected<void> MapperOptions::validate() const {
-  ROOMWISE_CHECK_OK(locator.validate());
-  ROOMWISE_CHECK_OK(loops.validate());
-  if (!(keyframe_translation_m > 0) || !(keyframe_rotation_rad > 0)) {
-    return fail("keyframe_translation_m = {} and keyframe_rotation_rad = {} must be positive",
-                keyframe_translation_m, keyframe_rotation_rad);
-  }
-  if (!(reuse_nearer_than >= 0 && reuse_nearer_than <= 1)) {
-    return fail("reuse_nearer_than = {} must be between 0 and 1", reuse_nearer_than);
-  }
-  if (frames_until_new_piece < 1) {
-    return fail("frames_until_new_piece = {} must be at least 1", frames_until_new_piece);
-  }
-  return {};
-}
-
-Expected<MappingMethod> parse_mapping_method(std::string_view name) {
-  for (const MappingMethod method : {MappingMethod::kPaper, MappingMethod::kCombined}) {
-    if (name == to_string(method)) return method;
-  }
-  return fail("'{}' is not a mapping method; there are combined and paper", name);
-}
-
-std::string_view to_string(MappingMethod method) {
-  return method == MappingMethod::kPaper ? "paper" : "combined";
-}
-
 Mapper::Mapper(const geometry::PinholeCamera& camera, const MapperOptions& options,
                WorkingSet working_set)
     : camera_(camera), options_(options), store_(std::move(working_set)), index_(options.seed) {}
@@ -302,7 +264,7 @@ Expected<void> Mapper::recognize(const motion::FrameMeasurements& current, Keyfr
 
 Expected<std::optional<Mapper::KnownPlace>> Mapper::find_known(
     const motion::FrameMeasurements& current, const RigidTransform& motion) {
-  if (options_.reuse_nearer_than == 0) return std::nullopt;
+  if (options_.reuse.nearer_than == 0) return std::nullopt;
   struct Candidate {
     KeyframeId id = 0;
     RigidTransform keyframe_from_camera;
@@ -312,7 +274,7 @@ Expected<std::optional<Mapper::KnownPlace>> Mapper::find_known(
   for (const KeyframeGraph::Nearby& nearby : graph_.around(trail_.back())) {
     const RigidTransform pose = nearby.keyframe_from_nearby.inverse() * motion;
     const double far = substance(pose);
-    if (far < options_.reuse_nearer_than + kWaySlack) candidates.push_back({nearby.id, pose, far});
+    if (far < options_.reuse.nearer_than + kWaySlack) candidates.push_back({nearby.id, pose, far});
   }
   std::ranges::stable_sort(candidates, {}, &Candidate::substance);
   if (candidates.size() > kMostKnownTried) candidates.resize(kMostKnownTried);
@@ -321,8 +283,12 @@ Expected<std::optional<Mapper::KnownPlace>> Mapper::find_known(
         motion::PosePrior::around(candidate.keyframe_from_camera, kStepsSigma_m, kStepsSigma_rad);
     ROOMWISE_TRY(const motion::MotionOutcome outcome,
                  compare(candidate.id, current, frames_.back().frame_index, prior));
-    if (!outcome.found()) continue;
-    if (substance(outcome.pose.reference_from_current) >= options_.reuse_nearer_than) continue;
+    // Without features there were no matches to look at.
+    const bool is_sure = outcome.matches == 0;
+    const bool is_old =
+        candidate.id + static_cast<KeyframeId>(options_.reuse.least_age) < keyframes_.size();
+    if (!outcome.found() || !(is_sure || is_old)) continue;
+    if (substance(outcome.pose.reference_from_current) >= options_.reuse.nearer_than) continue;
     return KnownPlace{candidate.id, outcome.pose};
   }
   return std::nullopt;

@@ -9,38 +9,11 @@
 #include "roomwise/mapping/appearance_index.h"
 #include "roomwise/mapping/keyframe.h"
 #include "roomwise/mapping/keyframe_graph.h"
-#include "roomwise/mapping/loop_closer.h"
+#include "roomwise/mapping/mapper_options.h"
 #include "roomwise/mapping/measurement_store.h"
 #include "roomwise/mapping/motion_forecast.h"
-#include "roomwise/motion/frame_locator.h"
 
 namespace roomwise::mapping {
-
-enum class MappingMethod {
-  kPaper,     // features alone, frame against key-frame
-  kCombined,  // whole views where the motion can be foreseen, features where not, each checked
-};
-[[nodiscard]] Expected<MappingMethod> parse_mapping_method(std::string_view name);
-[[nodiscard]] std::string_view to_string(MappingMethod method);  // "paper", "combined"
-
-struct MapperOptions {
-  MappingMethod method = MappingMethod::kCombined;
-  motion::LocatorOptions locator;
-  // The motion is substantial, and the frame becomes a key-frame, from here on.
-  double keyframe_translation_m = 0.12;
-  double keyframe_rotation_rad = 0.14;
-  LoopOptions loops;
-  // An earlier key-frame is gone on from, and no new one made, where the camera came back to it by
-  // less than this part of the motion that makes a key-frame; 0: never.
-  double reuse_nearer_than = 0.7;
-  // After so many frames in a row that match nothing, mapping goes on in a new piece.
-  int frames_until_new_piece = 5;
-  std::uint64_t seed = 1;
-
-  // The defaults of a method: the paper's draws all its far loop candidates at random.
-  [[nodiscard]] static MapperOptions of(MappingMethod method);
-  [[nodiscard]] Expected<void> validate() const;
-};
 
 // Where a frame is: relative to a key-frame, whose pose may still change.
 struct FramePlace {

@@ -254,6 +254,11 @@ class CombinedMapperTest : public MapperTest {
                          : nothing_seen();
             }};
   }
+  static MapperOptions reuses_all() {
+    MapperOptions options;
+    options.reuse.least_age = 0;
+    return options;
+  }
   // The frame's place in a walk to and fro over the first frames of the turn.
   static int to_and_fro(int index, int frames = 25) {
     const int within = index % (2 * frames);
@@ -332,7 +337,7 @@ TEST_F(CombinedMapperTest, RestoredAtAKeyframeGoesOnAsIfNeverStopped) {
 }
 
 TEST_F(CombinedMapperTest, GoesOnFromKeyframesThatItKnows) {
-  Mapper mapper(kCamera, {});
+  Mapper mapper(kCamera, reuses_all());
   for (int i = 0; i < 25; ++i) add_at(mapper, i, to_and_fro(i));
   const std::size_t keyframes = mapper.keyframes().size();
   EXPECT_GT(keyframes, 7U);
@@ -356,7 +361,7 @@ TEST_F(CombinedMapperTest, GoesOnFromKeyframesThatItKnows) {
   }
 
   MapperOptions never;
-  never.reuse_nearer_than = 0;
+  never.reuse.nearer_than = 0;
   Mapper without(kCamera, never);
   for (int i = 0; i < 100; ++i) add_at(without, i, to_and_fro(i));
   EXPECT_GT(without.keyframes().size(), 3 * keyframes);
@@ -364,17 +369,17 @@ TEST_F(CombinedMapperTest, GoesOnFromKeyframesThatItKnows) {
 
 TEST_F(CombinedMapperTest, RestoredOnKnownGroundGoesOnAsIfNeverStopped) {
   constexpr int kFrames = 90;
-  Mapper whole(kCamera, {});
+  Mapper whole(kCamera, reuses_all());
   for (int i = 0; i < kFrames; ++i) add_at(whole, i, to_and_fro(i));
 
-  Mapper first(kCamera, {});
+  Mapper first(kCamera, reuses_all());
   int next = 0;
   for (MapStep step; next < 45 || !step.is_checkpoint || !step.new_keyframes.empty(); ++next) {
     ASSERT_LT(next, 70) << "no key-frame was gone on from";
     step = add_at(first, next, to_and_fro(next));
   }
   ASSERT_NE(first.frames().back().place->keyframe, first.keyframes().back().id);
-  Mapper second(kCamera, {});
+  Mapper second(kCamera, reuses_all());
   restore(second, first);
   for (; next < kFrames; ++next) add_at(second, next, to_and_fro(next));
 
@@ -384,9 +389,9 @@ TEST_F(CombinedMapperTest, RestoredOnKnownGroundGoesOnAsIfNeverStopped) {
 
 TEST_F(CombinedMapperTest, IsTheSameWhateverStaysInMemory) {
   roomwise::testing::ScratchFolder folder;
-  Mapper all_in_memory(kCamera, {});
-  Mapper nearly_none(kCamera, {}, {1, folder.path()});
-  for (int i = 0; i < 60; ++i) {
+  Mapper all_in_memory(kCamera, reuses_all());
+  Mapper nearly_none(kCamera, reuses_all(), {1, folder.path()});
+  for (int i = 0; i < 45; ++i) {
     add_at(all_in_memory, i, to_and_fro(i));
     add_at(nearly_none, i, to_and_fro(i));
   }
@@ -395,16 +400,25 @@ TEST_F(CombinedMapperTest, IsTheSameWhateverStaysInMemory) {
 }
 
 TEST_F(CombinedMapperTest, GoesOnWhenFramesAreReleased) {
-  Mapper keeps(kCamera, {});
-  Mapper releases(kCamera, {});
-  for (int i = 0; i < 60; ++i) {
+  Mapper keeps(kCamera, reuses_all());
+  Mapper releases(kCamera, reuses_all());
+  for (int i = 0; i < 45; ++i) {
     add_at(keeps, i, to_and_fro(i));
     add_at(releases, i, to_and_fro(i));
     releases.release_frames(0);
     EXPECT_LT(releases.frames().size(), 6U);
   }
-  EXPECT_EQ(releases.frame_count(), 60U);
+  EXPECT_EQ(releases.frame_count(), 45U);
   expect_same_edges(releases, keeps);
+}
+
+TEST(MapperOptions, SaysWhichFieldIsWrong) {
+  MapperOptions options;
+  EXPECT_OK(options.validate());
+  options.reuse.nearer_than = 1.5;
+  EXPECT_ERROR(options.validate(), "nearer_than = 1.5");
+  options.reuse = {.nearer_than = 0.5, .least_age = -1};
+  EXPECT_ERROR(options.validate(), "least_age = -1");
 }
 
 TEST(MappingMethod, IsReadByItsName) {

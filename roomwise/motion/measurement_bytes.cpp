@@ -56,6 +56,14 @@ class Reader {
     is_short_ = true;
     return 0;
   }
+  // How long the rows are that follow; 0 where there cannot be as many so long.
+  [[nodiscard]] std::size_t get_columns(std::size_t rows, std::size_t bytes_each) {
+    constexpr std::uint64_t kMost = 65536;
+    const auto columns = get<std::uint64_t>();
+    if (columns <= kMost && columns * rows * bytes_each <= rest_.size()) return columns;
+    is_short_ = true;
+    return 0;
+  }
   [[nodiscard]] bool is_whole() const { return !is_short_ && rest_.empty(); }
 
  private:
@@ -101,8 +109,7 @@ void put_features(Writer& writer, const MeasuredFeatures& measured) {
 
 template <typename Descriptors>
 Descriptors get_descriptors(Reader& reader, std::size_t count) {
-  const std::size_t columns =
-      reader.get_count(std::max<std::size_t>(count, 1) * sizeof(typename Descriptors::Scalar));
+  const std::size_t columns = reader.get_columns(count, sizeof(typename Descriptors::Scalar));
   Descriptors descriptors(static_cast<Eigen::Index>(count), static_cast<Eigen::Index>(columns));
   reader.get(descriptors.data(), static_cast<std::size_t>(descriptors.size()));
   return descriptors;

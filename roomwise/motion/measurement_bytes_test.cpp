@@ -1,5 +1,6 @@
 #include "roomwise/motion/measurement_bytes.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "roomwise/base/random.h"
@@ -25,12 +26,15 @@ MeasuredFeatures made_up_features(std::size_t count, bool is_real) {
   }
   const auto rows = static_cast<Eigen::Index>(count);
   if (is_real) {
-    measured.features.descriptors = features::RealDescriptors::NullaryExpr(
-        rows, 64, [&](Eigen::Index, Eigen::Index) { return static_cast<float>(random.normal()); });
+    measured.features.descriptors = features::RealDescriptors(
+        features::RealDescriptors::NullaryExpr(rows, 64, [&](Eigen::Index, Eigen::Index) {
+          return static_cast<float>(random.normal());
+        }));
   } else {
-    measured.features.descriptors = features::BinaryDescriptors::NullaryExpr(
-        rows, 32,
-        [&](Eigen::Index, Eigen::Index) { return static_cast<std::uint8_t>(random.index(256)); });
+    measured.features.descriptors = features::BinaryDescriptors(
+        features::BinaryDescriptors::NullaryExpr(rows, 32, [&](Eigen::Index, Eigen::Index) {
+          return static_cast<std::uint8_t>(random.index(256));
+        }));
   }
   return measured;
 }

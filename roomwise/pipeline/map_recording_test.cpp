@@ -154,6 +154,7 @@ class ToAndFro final : public recording::FrameSource {
 };
 
 TEST_F(MapRecording, LapsThroughAKnownRoomAddNothing) {
+  settings_.mapper.reuse.least_age = 0;
   constexpr int kLap = 30;
   ToAndFro one(kLap, 1);
   ToAndFro four(kLap, 4);
@@ -168,6 +169,7 @@ TEST_F(MapRecording, LapsThroughAKnownRoomAddNothing) {
 }
 
 TEST_F(MapRecording, IsTheSameMapWhateverStaysInMemory) {
+  settings_.mapper.reuse.least_age = 0;
   ToAndFro large(30, 3);
   ToAndFro small(30, 3);
   ASSERT_OK(map(folder_ / "large.home", large, 2));
@@ -177,6 +179,7 @@ TEST_F(MapRecording, IsTheSameMapWhateverStaysInMemory) {
 }
 
 TEST_F(MapRecording, ResumedOnKnownGroundWithLittleMemoryEndsAsIfNeverStopped) {
+  settings_.mapper.reuse.least_age = 0;
   ToAndFro whole(30, 3);
   ASSERT_OK(map(folder_ / "whole.home", whole, 1));
   working_set_bytes_ = 1;
