@@ -90,7 +90,7 @@ TEST(CommandLine, WrongUsageIsExitCodeTwo) {
   expect_failure(run_roomwise({"info", "x", "--threads", "0"}), 2, "--threads");
   expect_failure(run_roomwise({"info", "x", "--seed", "-1"}), 2, "--seed");
   for (const char* wrong : {"--method=nope", "--features=nope", "--loop-similar=-1",
-                            "--keyframe-translation=0", "--object-score=2"}) {
+                            "--keyframe-reuse=2", "--keyframe-translation=0", "--object-score=2"}) {
     expect_failure(run_roomwise({"map", "walk", "--home", "a.home", wrong}), 2, "map --help");
   }
 }

@@ -24,6 +24,8 @@ struct Options {
   std::string features = "surf";
   std::string method = "combined";
   std::optional<int> loop_random, loop_similar;  // default: the method's own
+  std::optional<double> reuse;                   // likewise
+  std::size_t working_set_mb = 128;
   pipeline::MapSettings settings;
   NetworkOptions networks;
   fs::path trajectory;
@@ -45,6 +47,8 @@ Expected<pipeline::MapSettings> new_settings(const Options& options) {
   settings.mapper.loops.neighbors = options.settings.mapper.loops.neighbors;
   settings.mapper.loops.random = options.loop_random.value_or(settings.mapper.loops.random);
   settings.mapper.loops.similar = options.loop_similar.value_or(settings.mapper.loops.similar);
+  settings.mapper.reuse = mapping::MapperOptions::of(settings.mapper.method).reuse;
+  settings.mapper.reuse.nearer_than = options.reuse.value_or(settings.mapper.reuse.nearer_than);
   ROOMWISE_CHECK_OK(settings.validate());
   return settings;
 }
@@ -145,7 +149,7 @@ Expected<Answer> map(const Options& options, Context& context) {
 
   ThreadPool pool(context.threads);
   StageClock clock;
-  pipeline::RunContext run{pool, context.progress, clock};
+  pipeline::RunContext run{pool, context.progress, clock, options.working_set_mb << 20U};
   const home::Recording recording{source->info().name, options.recording.string(),
                                   source->info().camera, source->info().frame_count};
   auto mapped = pipeline::map_recording(*source, recording, home, networks, settings, run);
@@ -242,6 +246,18 @@ void add_map_command(CLI::App& app, Context& context) {
                    "[combined: 3, paper: 0]")
       ->check(not_negative())
       ->excludes(resume);
+  command
+      ->add_option(
+          "--keyframe-reuse", options->reuse,
+          "Go on from an earlier key-frame where the camera is nearer to it than this part "
+          "of a key-frame's motion; 0: never [combined: 0.7, paper: 0]")
+      ->check(CLI::Range(0.0, 1.0))
+      ->excludes(resume);
+  command
+      ->add_option("--working-set", options->working_set_mb,
+                   "Memory for what was measured in key-frames, MB; the others wait in a scratch "
+                   "file beside the home. Changes no result")
+      ->capture_default_str();
   setting("--object-score", options->settings.objects.least_score,
           "Least score of an object, 0 to 1")
       ->check(CLI::Range(0.0, 1.0));

@@ -1,5 +1,6 @@
 #include "roomwise/mapping/loop_closer.h"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -30,18 +31,16 @@ Expected<void> LoopOptions::validate() const {
   return {};
 }
 
-LoopCandidates draw_loop_candidates(std::size_t keyframe_count, const LoopOptions& options,
-                                    RandomStream random) {
-  LoopCandidates candidates;
-  if (keyframe_count < 3) return candidates;
-  // Ids below `older` are neither the newest, nor the last before it, nor its neighbours.
-  std::size_t older = keyframe_count - 2;
-  for (int i = 0; i < options.neighbors && older > 0; ++i) candidates.neighbors.push_back(--older);
+std::vector<KeyframeId> draw_loop_candidates(std::size_t keyframe_count, const LoopOptions& options,
+                                             RandomStream random) {
+  std::vector<KeyframeId> drawn;
+  const std::size_t not_drawn = 2 + static_cast<std::size_t>(options.neighbors);
+  if (keyframe_count <= not_drawn) return drawn;
 
   // The chance falls linearly with time. Drawn without repetition: in a home of few key-frames, all
   // are tried.
-  std::vector<KeyframeId> pool(older);
-  for (std::size_t id = 0; id < older; ++id) pool[id] = id;
+  std::vector<KeyframeId> pool(keyframe_count - not_drawn);
+  for (std::size_t id = 0; id < pool.size(); ++id) pool[id] = id;
   const auto weight = [&](KeyframeId id) {
     const double age = 1 - static_cast<double>(id) / static_cast<double>(keyframe_count);
     return 1 + (options.earliest_preference - 1) * age;
@@ -52,30 +51,27 @@ LoopCandidates draw_loop_candidates(std::size_t keyframe_count, const LoopOption
     double rest = random.uniform() * total;
     std::size_t chosen = 0;
     while (chosen + 1 < pool.size() && rest >= weight(pool[chosen])) rest -= weight(pool[chosen++]);
-    candidates.random.push_back(pool[chosen]);
+    drawn.push_back(pool[chosen]);
     pool.erase(pool.begin() + static_cast<std::ptrdiff_t>(chosen));
   }
-  return candidates;
+  return drawn;
 }
 
-std::vector<PoseGraphEdge> close_loops(std::span<const Keyframe> keyframes,
-                                       const LoopOptions& options,
-                                       std::span<const KeyframeId> similar,
-                                       const CompareKeyframes& compare_frames, std::uint64_t seed) {
-  if (keyframes.empty()) return {};
-  const Keyframe& newest = keyframes.back();
-
+Expected<std::vector<PoseGraphEdge>> close_loops(const KeyframeStamp& newest,
+                                                 const LoopOptions& options,
+                                                 std::span<const KeyframeId> neighbors,
+                                                 std::span<const KeyframeId> similar,
+                                                 const CompareKeyframes& compare_frames,
+                                                 std::uint64_t seed) {
   // Each key-frame is compared once, however many ways lead to it.
   std::map<KeyframeId, motion::MotionOutcome> compared;
-  const auto compare = [&](KeyframeId id) -> const motion::MotionOutcome& {
-    auto found = compared.find(id);
-    if (found == compared.end()) {
-      found =
-          compared
-              .emplace(id, compare_frames(keyframes[id], newest.measurements, newest.frame_index))
-              .first;
+  const auto compare = [&](KeyframeId id) -> Expected<const motion::MotionOutcome*> {
+    auto known = compared.find(id);
+    if (known == compared.end()) {
+      ROOMWISE_TRY(motion::MotionOutcome outcome, compare_frames(id));
+      known = compared.emplace(id, std::move(outcome)).first;
     }
-    return found->second;
+    return &known->second;
   };
   // The transformation distance by which the paper prefers one hit to another: a metre counts as a
   // radian.
@@ -83,31 +79,32 @@ std::vector<PoseGraphEdge> close_loops(std::span<const Keyframe> keyframes,
     const geometry::RigidTransform& motion = outcome.pose.reference_from_current;
     return motion.distance_m() + motion.angle_rad();
   };
-
-  const LoopCandidates candidates = draw_loop_candidates(
-      keyframes.size(), options, RandomStream(seed, {newest.frame_index, ~0ULL}));
   std::map<KeyframeId, PoseGraphEdge> edges;
-  const auto add_edge = [&](KeyframeId id) {
-    edges.emplace(id, edge_from_motion(id, newest.id, compare(id).pose, true));
+  const auto add_edge = [&](KeyframeId id, const motion::MotionOutcome& outcome) {
+    edges.emplace(id, edge_from_motion(id, newest.id, outcome.pose, true));
   };
-  for (const KeyframeId id : candidates.neighbors) {
-    if (compare(id).found()) add_edge(id);
-  }
-  for (const KeyframeId id : similar) {
-    if (compare(id).found()) add_edge(id);
-  }
-  for (const KeyframeId hit : candidates.random) {
-    if (!compare(hit).found()) continue;
-    KeyframeId best = hit;
-    const KeyframeId first =
-        hit - std::min<KeyframeId>(hit, static_cast<KeyframeId>(options.explored));
-    // The newest and the last before it are no loop.
-    const KeyframeId end = std::min<KeyframeId>(hit + static_cast<KeyframeId>(options.explored) + 1,
-                                                keyframes.size() - 2);
-    for (KeyframeId id = first; id < end; ++id) {
-      if (compare(id).found() && distance(compare(id)) < distance(compare(best))) best = id;
+
+  for (const auto& ids : {neighbors, similar}) {
+    for (const KeyframeId id : ids) {
+      ROOMWISE_TRY(const motion::MotionOutcome* outcome, compare(id));
+      if (outcome->found()) add_edge(id, *outcome);
     }
-    add_edge(best);
+  }
+  for (const KeyframeId hit : draw_loop_candidates(
+           newest.id + 1, options, RandomStream(seed, {newest.frame_index, ~0ULL}))) {
+    ROOMWISE_TRY(const motion::MotionOutcome* best, compare(hit));
+    if (!best->found()) continue;
+    KeyframeId best_id = hit;
+    const auto explored = static_cast<KeyframeId>(options.explored);
+    // The newest and the last before it are no loop.
+    const KeyframeId end = std::min<KeyframeId>(hit + explored + 1, newest.id - 1);
+    for (KeyframeId id = hit - std::min(hit, explored); id < end; ++id) {
+      ROOMWISE_TRY(const motion::MotionOutcome* outcome, compare(id));
+      if (!outcome->found() || distance(*outcome) >= distance(*best)) continue;
+      best = outcome;
+      best_id = id;
+    }
+    add_edge(best_id, *best);
   }
   std::vector<PoseGraphEdge> result;
   for (auto& [id, edge] : edges) result.push_back(edge);
@@ -126,6 +123,31 @@ PoseGraphEdge edge_from_motion(KeyframeId from, KeyframeId to, const motion::Ref
           motion::with_systematic_error(pose.information, kSystematicTranslation_m,
                                         kSystematicHalfAngle),
           is_loop};
+}
+
+PoseGraphEdge edge_through_frame(KeyframeId from, const motion::RefinedPose& in_from, KeyframeId to,
+                                 const motion::RefinedPose& in_to) {
+  // With errors a and b of the frame's poses A and B, A a (B b)^-1 = A B^-1 (B a b^-1 B^-1): the
+  // covariances add, and are carried from the frame to `to` (the adjoint, to first order, where the
+  // rotation's part is half an angle).
+  const geometry::RigidTransform& to_from_frame = in_to.reference_from_current;
+  const Eigen::Matrix3d turn = to_from_frame.rotation.toRotationMatrix();
+  geometry::Matrix6d carry = geometry::Matrix6d::Zero();
+  carry.topLeftCorner<3, 3>() = turn;
+  carry.bottomRightCorner<3, 3>() = turn;
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    carry.topRightCorner<3, 3>().col(i) = 2 * to_from_frame.translation.cross(turn.col(i));
+  }
+  // What neither pose determines stays nearly undetermined.
+  constexpr double kLeastInformation = 1e-6;
+  const geometry::Matrix6d least = kLeastInformation * geometry::Matrix6d::Identity();
+  const geometry::Matrix6d covariance =
+      (in_from.information + least).inverse() + (in_to.information + least).inverse();
+  const geometry::Matrix6d inverse = (carry * covariance * carry.transpose()).inverse();
+  motion::RefinedPose between;
+  between.reference_from_current = in_from.reference_from_current * to_from_frame.inverse();
+  between.information = 0.5 * (inverse + inverse.transpose());
+  return edge_from_motion(from, to, between, true);
 }
 
 }  // namespace roomwise::mapping

@@ -24,29 +24,24 @@ struct LoopOptions {
   [[nodiscard]] Expected<void> validate() const;
 };
 
-// The key-frames that a new one (`keyframes.back()`) is compared with, after the paper: several
-// before the last, then some drawn at random with a preference for earlier ones. The last key-frame
-// itself is left to the odometry.
-struct LoopCandidates {
-  std::vector<KeyframeId> neighbors;
-  std::vector<KeyframeId> random;
-};
-[[nodiscard]] LoopCandidates draw_loop_candidates(std::size_t keyframe_count,
-                                                  const LoopOptions& options, RandomStream random);
+// Drawn at random with a preference for earlier ones, which take away more drift: the further
+// key-frames that a new one is compared with when there are so many, itself included. Neither the
+// last nor the neighbours before it are among them.
+[[nodiscard]] std::vector<KeyframeId> draw_loop_candidates(std::size_t keyframe_count,
+                                                           const LoopOptions& options,
+                                                           RandomStream random);
 
-// Where a frame is relative to a key-frame, or why that is not known.
-using CompareKeyframes = std::function<motion::MotionOutcome(
-    const Keyframe& reference, const motion::FrameMeasurements& current,
-    std::uint64_t frame_index)>;
+// Where the newest key-frame is relative to an earlier one, or why that is not known.
+using CompareKeyframes = std::function<Expected<motion::MotionOutcome>(KeyframeId reference)>;
 
-// Edges from earlier key-frames to the newest: one for every neighbour and every `similar` one that
-// matches; where a random one matches, the key-frames around it are explored and the one from which
-// the camera moved least is taken. The result depends on `seed`, the key-frames and nothing else.
-[[nodiscard]] std::vector<PoseGraphEdge> close_loops(std::span<const Keyframe> keyframes,
-                                                     const LoopOptions& options,
-                                                     std::span<const KeyframeId> similar,
-                                                     const CompareKeyframes& compare,
-                                                     std::uint64_t seed);
+// Edges from earlier key-frames to the newest, after the paper: one for every neighbour (those of
+// the walk before the last key-frame, which is left to the odometry) and every `similar` one that
+// matches; then some are drawn at random, and where one matches, the key-frames around it are
+// explored and the one from which the camera moved least is taken. The result depends on `seed`,
+// the key-frames and nothing else. Fails where a comparison does.
+[[nodiscard]] Expected<std::vector<PoseGraphEdge>> close_loops(
+    const KeyframeStamp& newest, const LoopOptions& options, std::span<const KeyframeId> neighbors,
+    std::span<const KeyframeId> similar, const CompareKeyframes& compare, std::uint64_t seed);
 
 // Whether the edge is a return to a place that was left, and not one between neighbours on the
 // walk: its key-frames are more than ten apart.
@@ -55,5 +50,10 @@ using CompareKeyframes = std::function<motion::MotionOutcome(
 // The edge between two key-frames from the motion that was found between them.
 [[nodiscard]] PoseGraphEdge edge_from_motion(KeyframeId from, KeyframeId to,
                                              const motion::RefinedPose& pose, bool is_loop);
+
+// The edge between two key-frames from one frame that was located against both: a loop, since that
+// a place was known again may be wrong.
+[[nodiscard]] PoseGraphEdge edge_through_frame(KeyframeId from, const motion::RefinedPose& in_from,
+                                               KeyframeId to, const motion::RefinedPose& in_to);
 
 }  // namespace roomwise::mapping

@@ -3,8 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <map>
+#include <optional>
 #include <set>
+#include <string>
 #include <vector>
 
 #include "roomwise/base/testing.h"
@@ -15,28 +18,25 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-TEST(DrawLoopCandidates, TakesTheNeighboursAndDrawsFromTheRest) {
+TEST(DrawLoopCandidates, DrawsFromThoseBeforeTheNeighbours) {
   LoopOptions options;
   options.neighbors = 3;
   options.random = 4;
-  const LoopCandidates candidates = draw_loop_candidates(20, options, RandomStream(1));
-  EXPECT_THAT(candidates.neighbors, ElementsAre(17, 16, 15))
-      << "19 is the newest, 18 belongs to the odometry";
-  EXPECT_EQ(candidates.random.size(), 4U);
-  const std::set<KeyframeId> distinct(candidates.random.begin(), candidates.random.end());
+  const std::vector<KeyframeId> drawn = draw_loop_candidates(20, options, RandomStream(1));
+  EXPECT_EQ(drawn.size(), 4U);
+  const std::set<KeyframeId> distinct(drawn.begin(), drawn.end());
   EXPECT_EQ(distinct.size(), 4U);
-  EXPECT_LT(*distinct.rbegin(), 15U);
+  EXPECT_LT(*distinct.rbegin(), 15U) << "19 is the newest, 18 belongs to the odometry";
 }
 
-TEST(DrawLoopCandidates, TriesAllWhereThereAreFew) {
+TEST(DrawLoopCandidates, DrawsAllWhereThereAreFew) {
   LoopOptions options;
   options.neighbors = 2;
   options.random = 10;
-  const LoopCandidates candidates = draw_loop_candidates(6, options, RandomStream(1));
-  EXPECT_THAT(candidates.neighbors, ElementsAre(3, 2));
-  EXPECT_EQ(std::set<KeyframeId>(candidates.random.begin(), candidates.random.end()),
-            (std::set<KeyframeId>{0, 1}));
-  EXPECT_THAT(draw_loop_candidates(2, options, RandomStream(1)).neighbors, IsEmpty());
+  const std::vector<KeyframeId> drawn = draw_loop_candidates(6, options, RandomStream(1));
+  EXPECT_EQ(std::set<KeyframeId>(drawn.begin(), drawn.end()), (std::set<KeyframeId>{0, 1}));
+  EXPECT_THAT(draw_loop_candidates(4, options, RandomStream(1)), IsEmpty());
+  EXPECT_THAT(draw_loop_candidates(1, options, RandomStream(1)), IsEmpty());
 }
 
 TEST(DrawLoopCandidates, PrefersEarlierKeyframes) {
@@ -49,7 +49,7 @@ TEST(DrawLoopCandidates, PrefersEarlierKeyframes) {
   for (int i = 0; i < kDraws; ++i) {
     const auto drawn =
         draw_loop_candidates(102, options, RandomStream(1, {static_cast<std::uint64_t>(i)}));
-    early += drawn.random.at(0) < 50;
+    early += drawn.at(0) < 50;
   }
   // Weights fall linearly from 4 to 1: the earlier half holds (4 + 2.5) / (4 + 2.5 + 2.5 + 1) of
   // them.
@@ -59,28 +59,28 @@ TEST(DrawLoopCandidates, PrefersEarlierKeyframes) {
 class CloseLoops : public ::testing::Test {
  protected:
   CloseLoops() {
-    for (KeyframeId id = 0; id < 40; ++id)
-      keyframes_.push_back({id, 10 * id, 0, motion::MeasuredFeatures{}});
     options_.neighbors = 2;
     options_.random = 0;
     options_.explored = 0;
   }
   // Compares by a table of distances; key-frames that are not in it do not match.
-  std::vector<KeyframeId> linked(const std::vector<KeyframeId>& similar) {
+  std::vector<KeyframeId> linked(const std::vector<KeyframeId>& neighbors,
+                                 const std::vector<KeyframeId>& similar) {
     compared_.clear();
-    const auto compare = [this](const Keyframe& reference, const motion::FrameMeasurements&,
-                                std::uint64_t frame_index) {
-      EXPECT_EQ(frame_index, 390U) << "the newest";
-      compared_.push_back(reference.id);
+    const auto compare = [this](KeyframeId reference) -> Expected<motion::MotionOutcome> {
+      if (reference == unreadable_) return fail("{} cannot be read", reference);
+      compared_.push_back(reference);
       motion::MotionOutcome outcome;
-      const auto match = matching_.find(reference.id);
+      const auto match = matching_.find(reference);
       if (match == matching_.end()) return outcome;
       outcome.status = motion::MotionStatus::kFound;
       outcome.pose.reference_from_current.translation.x() = match->second;
       return outcome;
     };
+    const auto edges = close_loops({39, 390, 0}, options_, neighbors, similar, compare, 1);
+    error_ = edges ? "" : edges.error().message;
     std::vector<KeyframeId> from;
-    for (const PoseGraphEdge& edge : close_loops(keyframes_, options_, similar, compare, 1)) {
+    for (const PoseGraphEdge& edge : edges.value_or(std::vector<PoseGraphEdge>())) {
       EXPECT_EQ(edge.to, 39U);
       EXPECT_TRUE(edge.is_loop);
       EXPECT_EQ(edge.from_from_to.translation.x(), matching_.at(edge.from));
@@ -88,21 +88,22 @@ class CloseLoops : public ::testing::Test {
     }
     return from;
   }
-  std::vector<Keyframe> keyframes_;
   LoopOptions options_;
   std::map<KeyframeId, double> matching_;
+  std::optional<KeyframeId> unreadable_;
   std::vector<KeyframeId> compared_;
+  std::string error_;
 };
 
 TEST_F(CloseLoops, LinksEveryNeighbourAndSimilarKeyframeThatMatches) {
   matching_ = {{37, 0.1}, {12, 0.2}, {5, 0.3}, {20, 0.4}};
-  EXPECT_THAT(linked({12, 9, 5}), ElementsAre(5, 12, 37));
+  EXPECT_THAT(linked({37, 36}, {12, 9, 5}), ElementsAre(5, 12, 37));
   EXPECT_THAT(compared_, ::testing::UnorderedElementsAre(37, 36, 12, 9, 5));
 }
 
 TEST_F(CloseLoops, ComparesEachKeyframeOnce) {
   matching_ = {{37, 0.1}};
-  EXPECT_THAT(linked({37, 36, 37}), ElementsAre(37));
+  EXPECT_THAT(linked({37, 36}, {37, 36, 37}), ElementsAre(37));
   EXPECT_THAT(compared_, ElementsAre(37, 36));
 }
 
@@ -111,7 +112,14 @@ TEST_F(CloseLoops, ExploresAroundARandomHitForTheNearest) {
   options_.random = 37;  // all but the last two, in some order
   options_.explored = 1;
   matching_ = {{10, 0.5}, {11, 0.2}, {30, 0.4}};
-  EXPECT_THAT(linked({}), ElementsAre(11, 30));
+  EXPECT_THAT(linked({}, {}), ElementsAre(11, 30));
+}
+
+TEST_F(CloseLoops, PassesOnWhyAComparisonFailed) {
+  matching_ = {{37, 0.1}, {36, 0.2}};
+  unreadable_ = 36;
+  EXPECT_THAT(linked({37, 36}, {}), IsEmpty());
+  EXPECT_EQ(error_, "36 cannot be read");
 }
 
 TEST(IsReturn, TellsAReturnFromANeighbour) {
@@ -141,6 +149,51 @@ TEST(EdgeFromMotion, NeverClaimsMoreThanTheSystematicErrorAllows) {
       << "weak measurements stay as they are";
   pose.information.setZero();
   EXPECT_TRUE(edge_from_motion(3, 4, pose, false).information.isZero());
+}
+
+TEST(EdgeThroughFrame, LeadsFromOneKeyframeToTheOther) {
+  motion::RefinedPose in_from;
+  in_from.reference_from_current = {
+      Eigen::Quaterniond(Eigen::AngleAxisd(0.4, Eigen::Vector3d(1, 2, 3).normalized())),
+      {0.1, -0.2, 0.3}};
+  motion::RefinedPose in_to;
+  in_to.reference_from_current = {
+      Eigen::Quaterniond(Eigen::AngleAxisd(-0.7, Eigen::Vector3d(2, 0, 1).normalized())),
+      {1.5, 0.4, -0.6}};
+  // The frame's pose in `from` is uncertain, that in `to` nearly certain.
+  Eigen::Matrix<double, 6, 1> sigma;
+  sigma << 0.02, 0.03, 0.05, 0.01, 0.02, 0.03;
+  in_from.information = sigma.array().pow(-2).matrix().asDiagonal();
+  in_to.information = 1e10 * geometry::Matrix6d::Identity();
+  const PoseGraphEdge edge = edge_through_frame(3, in_from, 8, in_to);
+  EXPECT_EQ(edge.from, 3U);
+  EXPECT_EQ(edge.to, 8U);
+  EXPECT_TRUE(edge.is_loop);
+  const geometry::RigidTransform way =
+      in_from.reference_from_current * in_to.reference_from_current.inverse();
+  EXPECT_LT((edge.from_from_to.inverse() * way).distance_m(), 1e-12);
+
+  // The covariance it claims is the one that the frame's errors give, drawn at random.
+  RandomStream random(5);
+  geometry::Matrix6d covariance = geometry::Matrix6d::Zero();
+  constexpr int kDraws = 20000;
+  for (int i = 0; i < kDraws; ++i) {
+    const auto draw = [&](int k) { return sigma[k] * random.normal(); };
+    const Eigen::Vector3d shift(draw(0), draw(1), draw(2));
+    const Eigen::Vector3d half_turn(draw(3), draw(4), draw(5));
+    const geometry::RigidTransform error{
+        Eigen::Quaterniond(std::sqrt(1 - half_turn.squaredNorm()), half_turn.x(), half_turn.y(),
+                           half_turn.z()),
+        shift};
+    const geometry::RigidTransform wrong =
+        in_from.reference_from_current * error * in_to.reference_from_current.inverse();
+    const geometry::RigidTransform difference = edge.from_from_to.inverse() * wrong;
+    Eigen::Matrix<double, 6, 1> e;
+    e << difference.translation, difference.rotation.vec();
+    covariance += e * e.transpose() / kDraws;
+  }
+  const geometry::Matrix6d claimed = edge.information.inverse();
+  EXPECT_LT((claimed - covariance).norm(), 0.05 * covariance.norm());
 }
 
 }  // namespace

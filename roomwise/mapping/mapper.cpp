@@ -8,127 +8,108 @@ namespace {
 
 using geometry::RigidTransform;
 
-// How far a hand-held camera's motion is from one of constant velocity.
-constexpr double kTranslationSigma_m = 0.02;
-constexpr double kTranslationSigma_m_s = 0.4;
-constexpr double kRotationSigma_rad = 0.05;
-constexpr double kRotationSigma_rad_s = 0.5;
-constexpr double kMostExtrapolation = 3;
 // How far a few steps between key-frames may have drifted.
 constexpr double kStepsSigma_m = 0.03;
 constexpr double kStepsSigma_rad = 0.03;
 // Key-frames younger than these are neighbours on the walk, not similar places.
 constexpr KeyframeId kNeighbors = 5;
-
-// The motion of `ratio` times as long.
-RigidTransform scaled(const RigidTransform& motion, double ratio) {
-  const Eigen::AngleAxisd turn(motion.rotation);
-  return {Eigen::Quaterniond(Eigen::AngleAxisd(ratio * turn.angle(), turn.axis())),
-          ratio * motion.translation};
-}
+// By how much of a key-frame's motion the way along edges to a known place may be wrong, and how
+// many places are tried.
+constexpr double kWaySlack = 0.2;
+constexpr int kMostKnownTried = 2;
+// So often a run can be taken up again, also where nothing happens.
+constexpr int kMostFramesToCheckpoint = 300;
+// Motion is foreseen from frames as far back as this.
+constexpr std::size_t kLeastFramesKept = 4;
 
 }  // namespace
 
-MapperOptions MapperOptions::of(MappingMethod method) {
-  MapperOptions options;
-  options.method = method;
-  if (method == MappingMethod::kPaper) {
-    options.loops.random = 5;
-    options.loops.similar = 0;
-  }
-  return options;
+Mapper::Mapper(const geometry::PinholeCamera& camera, const MapperOptions& options,
+               WorkingSet working_set)
+    : camera_(camera), options_(options), store_(std::move(working_set)), index_(options.seed) {}
+
+Expected<void> Mapper::restore_keyframe(Keyframe keyframe) {
+  if (options_.loops.similar > 0)
+    index_.add(keyframe.id, keyframe.measurements.features().features);
+  keyframes_.push_back({keyframe.id, keyframe.frame_index, keyframe.timestamp_ns});
+  return store_.add(std::move(keyframe.measurements));
 }
 
-Expected<void> MapperOptions::validate() const {
-  ROOMWISE_CHECK_OK(locator.validate());
-  ROOMWISE_CHECK_OK(loops.validate());
-  if (!(keyframe_translation_m > 0) || !(keyframe_rotation_rad > 0)) {
-    return fail("keyframe_translation_m = {} and keyframe_rotation_rad = {} must be positive",
-                keyframe_translation_m, keyframe_rotation_rad);
-  }
-  if (frames_until_new_piece < 1) {
-    return fail("frames_until_new_piece = {} must be at least 1", frames_until_new_piece);
-  }
-  return {};
-}
-
-Expected<MappingMethod> parse_mapping_method(std::string_view name) {
-  for (const MappingMethod method : {MappingMethod::kPaper, MappingMethod::kCombined}) {
-    if (name == to_string(method)) return method;
-  }
-  return fail("'{}' is not a mapping method; there are combined and paper", name);
-}
-
-std::string_view to_string(MappingMethod method) {
-  return method == MappingMethod::kPaper ? "paper" : "combined";
-}
-
-Mapper::Mapper(const geometry::PinholeCamera& camera, const MapperOptions& options)
-    : camera_(camera), options_(options), index_(options.seed) {}
-
-void Mapper::restore(std::vector<Keyframe> keyframes, std::vector<PoseGraphEdge> edges,
-                     std::vector<MappedFrame> frames) {
-  keyframes_ = std::move(keyframes);
-  edges_ = std::move(edges);
-  frames_ = std::move(frames);
-  previous_.reset();
-  frames_lost_ = 0;
-  index_ = AppearanceIndex(options_.seed);
-  if (options_.loops.similar > 0) {
-    for (const Keyframe& keyframe : keyframes_)
-      index_.add(keyframe.id, keyframe.measurements.features().features);
+void Mapper::restore(std::span<const PoseGraphEdge> edges, std::span<const MappedFrame> frames) {
+  for (const PoseGraphEdge& edge : edges) graph_.add(edge);
+  for (const MappedFrame& frame : frames) {
+    if (frame.place) set_reference(frame.place->keyframe);
+    frames_lost_ = frame.place ? 0 : frames_lost_ + 1;
+    frames_.push_back(frame);
   }
 }
 
-MapStep Mapper::add_frame(std::uint64_t frame_index, TimestampNs timestamp_ns,
-                          motion::FrameMeasurements measurements) {
+void Mapper::release_frames(std::size_t keep) {
+  while (frames_.size() > std::max(keep, kLeastFramesKept)) {
+    frames_.pop_front();
+    ++released_;
+  }
+}
+
+Expected<MapStep> Mapper::add_frame(std::uint64_t frame_index, TimestampNs timestamp_ns,
+                                    motion::FrameMeasurements measurements) {
   MapStep step;
-  const std::size_t position = frames_.size();
   frames_.push_back({frame_index, timestamp_ns, std::nullopt, {}});
+  const std::size_t position = frames_.size() - 1;
   if (keyframes_.empty()) {
     if (!can_begin(measurements)) {
       frames_[position].why_unplaced = to_string(motion::MotionStatus::kTooFewFeatures);
       return step;
     }
-    begin_piece(position, std::move(measurements), step);
+    ROOMWISE_CHECK_OK(add_keyframe(position, std::move(measurements), std::nullopt, step));
     return step;
   }
+  const bool is_checkpoint_due = ++frames_since_checkpoint_ >= kMostFramesToCheckpoint;
 
-  motion::MotionOutcome outcome = track(position, measurements);
+  ROOMWISE_TRY(motion::MotionOutcome outcome, track(measurements));
   if (!outcome.found() && previous_) {
     // The frame before still matched: as a key-frame it bridges the gap.
-    PreviousFrame bridge = std::move(*previous_);
-    previous_.reset();
-    add_keyframe(bridge.position, std::move(bridge.measurements), bridge.edge, step);
-    outcome = track(position, measurements);
+    PreviousFrame bridge = *std::exchange(previous_, std::nullopt);
+    ROOMWISE_CHECK_OK(
+        add_keyframe(position - 1, std::move(bridge.measurements), bridge.edge, step));
+    ROOMWISE_TRY(outcome, track(measurements));
   }
-  KeyframeId reference = keyframes_.back().id;
-  if (!outcome.found()) recognize(frame_index, measurements, reference, outcome);
+  KeyframeId reference = trail_.back();
+  if (!outcome.found()) ROOMWISE_CHECK_OK(recognize(measurements, reference, outcome));
   if (!outcome.found()) {
     previous_.reset();
     frames_[position].why_unplaced = outcome.describe();
     if (++frames_lost_ >= options_.frames_until_new_piece && can_begin(measurements)) {
-      begin_piece(position, std::move(measurements), step);
+      ROOMWISE_CHECK_OK(add_keyframe(position, std::move(measurements), std::nullopt, step));
+    } else if (is_checkpoint_due) {
+      reach_checkpoint(step);
     }
     return step;
   }
 
   frames_lost_ = 0;
   // Recognised from an older key-frame: that may be wrong, as any loop may.
-  const bool is_recognized = reference != keyframes_.back().id;
-  const geometry::RigidTransform& motion = outcome.pose.reference_from_current;
+  const bool is_recognized = reference != trail_.back();
+  const RigidTransform& motion = outcome.pose.reference_from_current;
   const PoseGraphEdge edge =
       edge_from_motion(reference, keyframes_.size(), outcome.pose, is_recognized);
   frames_[position].place = FramePlace{reference, motion};
-  const bool is_substantial = motion.distance_m() >= options_.keyframe_translation_m ||
-                              motion.angle_rad() >= options_.keyframe_rotation_rad;
   // A recognised frame becomes a key-frame itself: the next frame is located against it.
-  if (is_substantial || is_recognized) {
-    previous_.reset();
-    add_keyframe(position, std::move(measurements), edge, step);
-  } else {
-    previous_ = PreviousFrame{position, std::move(measurements), edge};
+  if (!is_recognized && !is_substantial(motion)) {
+    previous_ = PreviousFrame{std::move(measurements), edge};
+    if (is_checkpoint_due) reach_checkpoint(step);
+    return step;
   }
+  previous_.reset();
+  if (!is_recognized) {
+    ROOMWISE_TRY(const std::optional<KnownPlace> known, find_known(measurements, motion));
+    if (known) {
+      go_on_from(*known, outcome.pose);
+      reach_checkpoint(step);
+      return step;
+    }
+  }
+  ROOMWISE_CHECK_OK(add_keyframe(position, std::move(measurements), edge, step));
   return step;
 }
 
@@ -137,166 +118,163 @@ bool Mapper::can_begin(const motion::FrameMeasurements& measurements) const {
          options_.locator.features.least_features;
 }
 
-std::optional<RigidTransform> Mapper::from_last_keyframe(const MappedFrame& frame) const {
+double Mapper::substance(const RigidTransform& motion) const {
+  return std::max(motion.distance_m() / options_.keyframe_translation_m,
+                  motion.angle_rad() / options_.keyframe_rotation_rad);
+}
+
+bool Mapper::is_substantial(const RigidTransform& motion) const {
+  return motion.distance_m() >= options_.keyframe_translation_m ||
+         motion.angle_rad() >= options_.keyframe_rotation_rad;
+}
+
+void Mapper::set_reference(KeyframeId id) {
+  if (!trail_.empty() && trail_.back() == id) return;
+  trail_.push_back(id);
+  const std::size_t needed =
+      2 + std::max<std::size_t>(static_cast<std::size_t>(options_.loops.neighbors), kNeighbors);
+  if (trail_.size() > needed) trail_.pop_front();
+}
+
+void Mapper::reach_checkpoint(MapStep& step) {
+  previous_.reset();
+  frames_since_checkpoint_ = 0;
+  step.is_checkpoint = true;
+}
+
+std::optional<StampedPlace> Mapper::from_reference(const MappedFrame& frame) const {
   if (!frame.place) return std::nullopt;
-  const KeyframeId last = keyframes_.back().id;
-  if (frame.place->keyframe == last) return frame.place->keyframe_from_camera;
-  for (auto edge = edges_.rbegin(); edge != edges_.rend() && edge->to == last; ++edge) {
-    if (edge->from == frame.place->keyframe)
-      return edge->from_from_to.inverse() * frame.place->keyframe_from_camera;
+  const FramePlace& place = *frame.place;
+  if (place.keyframe == trail_.back())
+    return StampedPlace{place.keyframe_from_camera, frame.timestamp_ns};
+  const auto way = graph_.between(trail_.back(), place.keyframe);
+  if (!way) return std::nullopt;
+  return StampedPlace{*way * place.keyframe_from_camera, frame.timestamp_ns};
+}
+
+std::optional<motion::PosePrior> Mapper::foresee() const {
+  // The last placed frame: the one before or, at most, the one before that.
+  const std::size_t position = frames_.size() - 1;
+  std::size_t last = position;
+  if (last > 1 && !frames_[last - 1].place) --last;
+  const auto newer = from_reference(frames_[last - 1]);
+  if (!newer) return std::nullopt;
+  const auto older = last >= 2 ? from_reference(frames_[last - 2]) : std::nullopt;
+  return forecast_motion(older, *newer, frames_[position].timestamp_ns);
+}
+
+Mapper::Outcome Mapper::track(const motion::FrameMeasurements& current) {
+  const KeyframeId reference = trail_.back();
+  ROOMWISE_TRY(const SharedMeasurements measured, store_.get(reference));
+  const RandomStream random(options_.seed, {frames_.back().frame_index, reference});
+  if (options_.method == MappingMethod::kPaper) {
+    return motion::estimate_motion(measured->features(), current.features(), camera_,
+                                   options_.locator.features, random);
+  }
+  return motion::locate_frame(*measured, current, foresee(), camera_, options_.locator, random);
+}
+
+std::vector<KeyframeId> Mapper::neighbors(std::size_t passed_over) const {
+  // The same key-frame may have been the reference several times.
+  std::vector<KeyframeId> distinct;
+  const std::size_t most = passed_over + static_cast<std::size_t>(options_.loops.neighbors);
+  for (auto id = trail_.rbegin(); id != trail_.rend() && distinct.size() < most; ++id) {
+    if (std::ranges::find(distinct, *id) == distinct.end()) distinct.push_back(*id);
+  }
+  distinct.erase(distinct.begin(), distinct.begin() + static_cast<std::ptrdiff_t>(
+                                                          std::min(passed_over, distinct.size())));
+  return distinct;
+}
+
+std::optional<RigidTransform> Mapper::along_steps(KeyframeId from) const {
+  RigidTransform from_newest;
+  for (std::size_t back = 1; back < std::min<std::size_t>(trail_.size(), kNeighbors); ++back) {
+    const KeyframeId at = trail_[trail_.size() - 1 - back];
+    const auto step = graph_.between(at, trail_[trail_.size() - back]);
+    if (!step) return std::nullopt;  // a piece begins there
+    from_newest = *step * from_newest;
+    if (at == from) return from_newest;
   }
   return std::nullopt;
 }
 
-std::optional<motion::PosePrior> Mapper::foresee(std::size_t position) const {
-  // The last placed frame: the one before or, at most, the one before that.
-  std::size_t last = position;
-  if (last > 1 && !frames_[last - 1].place) --last;
-  if (!frames_[last - 1].place) return std::nullopt;
-  const MappedFrame& newer = frames_[last - 1];
-  const auto pose = from_last_keyframe(newer);
-  if (!pose) return std::nullopt;
-  const auto seconds = [](TimestampNs from, TimestampNs to) {
-    return static_cast<double>(to - from) * kSecondsPerNs;
+Expected<std::optional<Mapper::KnownPlace>> Mapper::find_known(
+    const motion::FrameMeasurements& current, const RigidTransform& motion) {
+  if (options_.reuse.nearer_than == 0) return std::nullopt;
+  struct Candidate {
+    KeyframeId id = 0;
+    RigidTransform keyframe_from_camera;
+    double substance = 0;
   };
-  const double ahead_s = seconds(newer.timestamp_ns, frames_[position].timestamp_ns);
-  // How far a person's movement can differ from what is foreseen.
-  double translation_m = kTranslationSigma_m + kTranslationSigma_m_s * ahead_s;
-  double rotation_rad = kRotationSigma_rad + kRotationSigma_rad_s * ahead_s;
-  if (last >= 2) {
-    const MappedFrame& older = frames_[last - 2];
-    const double behind_s = seconds(older.timestamp_ns, newer.timestamp_ns);
-    const auto before = from_last_keyframe(older);
-    if (before && behind_s > 0) {
-      const RigidTransform step = before->inverse() * *pose;
-      const double ratio = std::min(ahead_s / behind_s, kMostExtrapolation);
-      motion::PosePrior prior =
-          motion::PosePrior::around(*pose * scaled(step, ratio), translation_m, rotation_rad);
-      prior.other_start = *pose;
-      return prior;
-    }
+  std::vector<Candidate> candidates;
+  for (const KeyframeGraph::Nearby& nearby : graph_.around(trail_.back())) {
+    const RigidTransform pose = nearby.keyframe_from_nearby.inverse() * motion;
+    const double far = substance(pose);
+    if (far < options_.reuse.nearer_than + kWaySlack) candidates.push_back({nearby.id, pose, far});
   }
-  return motion::PosePrior::around(*pose, 2 * translation_m, 2 * rotation_rad);
+  std::ranges::stable_sort(candidates, {}, &Candidate::substance);
+  if (candidates.size() > kMostKnownTried) candidates.resize(kMostKnownTried);
+  for (const Candidate& candidate : candidates) {
+    const auto prior =
+        motion::PosePrior::around(candidate.keyframe_from_camera, kStepsSigma_m, kStepsSigma_rad);
+    ROOMWISE_TRY(const motion::MotionOutcome outcome,
+                 compare(candidate.id, current, frames_.back().frame_index, prior));
+    // Without features there were no matches to look at.
+    const bool is_sure = outcome.matches == 0;
+    const bool is_old =
+        candidate.id + static_cast<KeyframeId>(options_.reuse.least_age) < keyframes_.size();
+    if (!outcome.found() || !(is_sure || is_old)) continue;
+    if (substance(outcome.pose.reference_from_current) >= options_.reuse.nearer_than) continue;
+    return KnownPlace{candidate.id, outcome.pose};
+  }
+  return std::nullopt;
 }
 
-motion::MotionOutcome Mapper::track(std::size_t position,
-                                    const motion::FrameMeasurements& current) const {
-  const Keyframe& reference = keyframes_.back();
-  const RandomStream random(options_.seed, {frames_[position].frame_index, reference.id});
-  if (options_.method == MappingMethod::kPaper) {
-    return motion::estimate_motion(reference.measurements.features(), current.features(), camera_,
-                                   options_.locator.features, random);
+void Mapper::go_on_from(const KnownPlace& known, const motion::RefinedPose& in_reference) {
+  const KeyframeId reference = trail_.back();
+  if (!graph_.between(reference, known.keyframe)) {
+    const bool goes_back = known.keyframe < reference;
+    graph_.add(goes_back ? edge_through_frame(known.keyframe, known.pose, reference, in_reference)
+                         : edge_through_frame(reference, in_reference, known.keyframe, known.pose));
   }
-  return motion::locate_frame(reference.measurements, current, foresee(position), camera_,
-                              options_.locator, random);
+  set_reference(known.keyframe);
+  frames_.back().place = FramePlace{known.keyframe, known.pose.reference_from_current};
 }
 
-std::optional<RigidTransform> Mapper::along_steps(KeyframeId from) const {
-  RigidTransform from_last;
-  KeyframeId at = keyframes_.back().id;
-  for (auto edge = edges_.rbegin(); edge != edges_.rend() && at != from; ++edge) {
-    if (edge->to < at) return std::nullopt;  // a piece begins there
-    if (edge->is_loop || edge->to != at) continue;
-    if (edge->from + 1 != at) return std::nullopt;
-    from_last = edge->from_from_to * from_last;
-    at = edge->from;
-  }
-  if (at != from) return std::nullopt;
-  return from_last;
-}
-
-std::vector<KeyframeId> Mapper::similar_keyframes(const motion::FrameMeasurements& measurements,
-                                                  KeyframeId before) const {
-  std::vector<KeyframeId> similar;
-  if (options_.loops.similar == 0) return similar;
-  for (const AppearanceIndex::Hit& hit :
-       index_.find(measurements.features().features, before,
-                   static_cast<std::size_t>(options_.loops.similar))) {
-    similar.push_back(hit.id);
-  }
-  return similar;
-}
-
-motion::MotionOutcome Mapper::compare(const Keyframe& reference,
-                                      const motion::FrameMeasurements& current,
-                                      std::uint64_t frame_index) const {
-  // A loop must be surer than a step of the odometry.
-  motion::LocatorOptions strict = options_.locator;
-  strict.rests_on_prior = false;
-  motion::MotionOptions& features = strict.features;
-  features.least_inliers = std::max(features.least_inliers, options_.loops.least_inliers);
-  features.least_matches = std::max(features.least_matches, options_.loops.least_inliers);
-  features.least_inlier_ratio =
-      std::max(features.least_inlier_ratio, options_.loops.least_inlier_ratio);
-  const RandomStream random(options_.seed, {frame_index, reference.id});
-  if (options_.method == MappingMethod::kPaper) {
-    return motion::estimate_motion(reference.measurements.features(), current.features(), camera_,
-                                   features, random);
-  }
-  // Where the steps between two neighbours are known, so is nearly where they are.
-  std::optional<motion::PosePrior> prior;
-  if (frame_index == keyframes_.back().frame_index &&
-      reference.id + kNeighbors > keyframes_.back().id) {
-    if (const auto steps = along_steps(reference.id)) {
-      prior = motion::PosePrior::around(*steps, kStepsSigma_m, kStepsSigma_rad);
-      const double overlap =
-          motion::compare_views(reference.measurements.view(), current.view(), *steps).overlap;
-      if (overlap < strict.views.least_overlap) {
-        motion::MotionOutcome nothing;
-        nothing.status = motion::MotionStatus::kNothingInCommon;
-        return nothing;
-      }
-    }
-  }
-  return motion::locate_frame(reference.measurements, current, prior, camera_, strict, random);
-}
-
-void Mapper::recognize(std::uint64_t frame_index, const motion::FrameMeasurements& current,
-                       KeyframeId& reference, motion::MotionOutcome& outcome) const {
-  // Being lost, any key-frame may be the one: the candidates of a loop closure, as if this frame
-  // were a key-frame.
-  const LoopCandidates candidates = draw_loop_candidates(
-      keyframes_.size() + 1, options_.loops, RandomStream(options_.seed, {frame_index, ~1ULL}));
-  std::vector<KeyframeId> ids = candidates.neighbors;
-  const std::vector<KeyframeId> similar = similar_keyframes(current, keyframes_.size());
-  ids.insert(ids.end(), similar.begin(), similar.end());
-  ids.insert(ids.end(), candidates.random.begin(), candidates.random.end());
-  for (const KeyframeId id : ids) {
-    const motion::MotionOutcome attempt = compare(keyframes_[id], current, frame_index);
-    if (!attempt.found()) continue;
-    if (outcome.found() && attempt.inliers <= outcome.inliers) continue;
-    reference = id;
-    outcome = attempt;
-  }
-}
-
-void Mapper::begin_piece(std::size_t frame_position, motion::FrameMeasurements measurements,
-                         MapStep& step) {
-  frames_lost_ = 0;
-  add_keyframe(frame_position, std::move(measurements), std::nullopt, step);
-}
-
-void Mapper::add_keyframe(std::size_t frame_position, motion::FrameMeasurements measurements,
-                          const std::optional<PoseGraphEdge>& link, MapStep& step) {
+Expected<void> Mapper::add_keyframe(std::size_t frame_position,
+                                    motion::FrameMeasurements measurements,
+                                    const std::optional<PoseGraphEdge>& link, MapStep& step) {
   MappedFrame& frame = frames_[frame_position];
-  const KeyframeId id = keyframes_.size();
-  keyframes_.push_back({id, frame.frame_index, frame.timestamp_ns, std::move(measurements)});
-  frame.place = FramePlace{id, geometry::RigidTransform::identity()};
+  const KeyframeStamp newest{keyframes_.size(), frame.frame_index, frame.timestamp_ns};
+  frames_lost_ = 0;
+  frame.place = FramePlace{newest.id, RigidTransform::identity()};
   frame.why_unplaced.clear();
-  if (link) edges_.push_back(*link);
-  // Found now at the latest: a key-frame does not hold on to its images.
-  const features::Features& features = keyframes_.back().measurements.features().features;
-  const auto compare_frames =
-      [this](const Keyframe& reference, const motion::FrameMeasurements& current,
-             std::uint64_t frame_index) { return compare(reference, current, frame_index); };
+  keyframes_.push_back(newest);
+  // Finds its features now at the latest: a key-frame does not hold on to its images.
+  ROOMWISE_CHECK_OK(store_.add(std::move(measurements)));
+  ROOMWISE_TRY(const SharedMeasurements measured, store_.get(newest.id));
+  set_reference(newest.id);
+  if (link) graph_.add(*link);
+  const auto compare_newest = [&](KeyframeId reference) {
+    // Where the steps between two neighbours are known, so is nearly where they are.
+    std::optional<motion::PosePrior> prior;
+    if (const auto steps = along_steps(reference))
+      prior = motion::PosePrior::around(*steps, kStepsSigma_m, kStepsSigma_rad);
+    return compare(reference, *measured, newest.frame_index, prior);
+  };
   const std::vector<KeyframeId> similar =
-      similar_keyframes(keyframes_.back().measurements, id - std::min(id, kNeighbors));
-  for (const PoseGraphEdge& loop :
-       close_loops(keyframes_, options_.loops, similar, compare_frames, options_.seed)) {
-    if (!link || loop.from != link->from) edges_.push_back(loop);
+      similar_keyframes(*measured, newest.id - std::min(newest.id, kNeighbors));
+  ROOMWISE_TRY(
+      const std::vector<PoseGraphEdge> loops,
+      close_loops(newest, options_.loops, neighbors(2), similar, compare_newest, options_.seed));
+  for (const PoseGraphEdge& loop : loops) {
+    if (!link || loop.from != link->from) graph_.add(loop);
   }
-  if (options_.loops.similar > 0) index_.add(id, features);
-  step.new_keyframes.push_back(id);
+  if (options_.loops.similar > 0) index_.add(newest.id, measured->features().features);
+  step.new_keyframes.push_back(newest.id);
+  step.is_checkpoint = frame_position + 1 == frames_.size();
+  frames_since_checkpoint_ = static_cast<int>(frames_.size() - 1 - frame_position);
+  return {};
 }
 
 }  // namespace roomwise::mapping

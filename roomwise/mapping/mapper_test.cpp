@@ -5,6 +5,8 @@
 
 #include <cmath>
 #include <numbers>
+#include <set>
+#include <utility>
 
 #include "roomwise/base/testing.h"
 #include "roomwise/mapping/map_solver.h"
@@ -98,8 +100,8 @@ class MapperTest : public ::testing::Test {
   // Features stand alone here, without views.
   static MapperOptions paper() { return MapperOptions::of(MappingMethod::kPaper); }
   static void add(Mapper& mapper, int frame) {
-    mapper.add_frame(static_cast<std::uint64_t>(frame), frame * 33'000'000LL,
-                     kRoom.seen_from(pose_at(frame), static_cast<std::uint64_t>(frame)));
+    ASSERT_OK(mapper.add_frame(static_cast<std::uint64_t>(frame), frame * 33'000'000LL,
+                               kRoom.seen_from(pose_at(frame), static_cast<std::uint64_t>(frame))));
   }
   static double worst_error_m(const Mapper& mapper, const MapSolution& solution) {
     double worst = 0;
@@ -138,6 +140,17 @@ class MapperTest : public ::testing::Test {
       EXPECT_EQ(mapper.edges()[i].information, expected.edges()[i].information);
     }
   }
+  // As if all that the one mapped had been stored.
+  static void restore(Mapper& mapper, Mapper& from) {
+    for (const KeyframeStamp& keyframe : from.keyframes()) {
+      const auto measurements = from.measurements(keyframe.id);
+      ASSERT_OK(measurements);
+      ASSERT_OK(mapper.restore_keyframe(
+          {keyframe.id, keyframe.frame_index, keyframe.timestamp_ns, **measurements}));
+    }
+    mapper.restore(from.edges(),
+                   std::vector<MappedFrame>(from.frames().begin(), from.frames().end()));
+  }
   static inline const RoomOfPoints kRoom{1};
 };
 
@@ -154,7 +167,7 @@ TEST_F(MapperTest, MapsAFullTurnAndClosesTheLoop) {
 TEST_F(MapperTest, SurvivesAShortBlackout) {
   Mapper mapper(kCamera, paper());
   for (int frame = 0; frame < 20; ++frame) add(mapper, frame);
-  mapper.add_frame(20, 20 * 33'000'000LL, nothing_seen());
+  ASSERT_OK(mapper.add_frame(20, 20 * 33'000'000LL, nothing_seen()));
   for (int frame = 21; frame < 30; ++frame) add(mapper, frame);
   EXPECT_FALSE(mapper.frames()[20].place.has_value());
   EXPECT_THAT(mapper.frames()[20].why_unplaced, HasSubstr("too few features"));
@@ -171,8 +184,8 @@ TEST_F(MapperTest, KeepsTheFrameBeforeAGapAsABridge) {
   options.locator.features.most_rotation_rad = 0.5;
   Mapper mapper(kCamera, options);
   const auto add_at = [&](std::uint64_t index, int angle_frame) {
-    mapper.add_frame(index, static_cast<TimestampNs>(index),
-                     kRoom.seen_from(pose_at(angle_frame), index));
+    ASSERT_OK(mapper.add_frame(index, static_cast<TimestampNs>(index),
+                               kRoom.seen_from(pose_at(angle_frame), index)));
   };
   add_at(0, 0);
   add_at(1, 5);
@@ -191,8 +204,9 @@ TEST_F(MapperTest, GoesOnInANewPieceAndJoinsItWhenTheyMeet) {
   Mapper mapper(kCamera, options);
   for (int frame = 0; frame < 20; ++frame) add(mapper, frame);
   for (int frame = 20; frame < 40; ++frame) {
-    mapper.add_frame(static_cast<std::uint64_t>(frame), frame * 33'000'000LL,
-                     other_room.seen_from(pose_at(frame), static_cast<std::uint64_t>(frame)));
+    ASSERT_OK(
+        mapper.add_frame(static_cast<std::uint64_t>(frame), frame * 33'000'000LL,
+                         other_room.seen_from(pose_at(frame), static_cast<std::uint64_t>(frame))));
   }
   const auto apart = solve_map(mapper.keyframes().size(), mapper.edges());
   ASSERT_OK(apart);
@@ -219,7 +233,7 @@ TEST_F(MapperTest, RestoredAtAKeyframeGoesOnAsIfNeverStopped) {
   while (first.keyframes().size() < 10) add(first, frame++);
   ASSERT_EQ(first.keyframes().back().frame_index, static_cast<std::uint64_t>(frame - 1));
   Mapper second(kCamera, paper());
-  second.restore(first.keyframes(), first.edges(), first.frames());
+  restore(second, first);
   for (; frame < 60; ++frame) add(second, frame);
 
   expect_same_edges(second, whole);
@@ -240,9 +254,38 @@ class CombinedMapperTest : public MapperTest {
                          : nothing_seen();
             }};
   }
+  static MapperOptions reuses_all() {
+    MapperOptions options;
+    options.reuse.least_age = 0;
+    return options;
+  }
+  // The frame's place in a walk to and fro over the first frames of the turn.
+  static int to_and_fro(int index, int frames = 25) {
+    const int within = index % (2 * frames);
+    return within < frames ? within : 2 * frames - 1 - within;
+  }
+  MapStep add_at(Mapper& mapper, int index, int frame) {
+    const auto step =
+        mapper.add_frame(static_cast<std::uint64_t>(index), index * 33'000'000LL, measure(frame));
+    EXPECT_OK(step);
+    return step.value_or(MapStep());
+  }
+  static void expect_same_frames(const Mapper& mapper, const Mapper& expected) {
+    ASSERT_EQ(mapper.frames().size(), expected.frames().size());
+    for (std::size_t i = 0; i < expected.frames().size(); ++i) {
+      const auto& place = mapper.frames()[i].place;
+      const auto& expected_place = expected.frames()[i].place;
+      ASSERT_EQ(place.has_value(), expected_place.has_value()) << i;
+      if (!place) continue;
+      EXPECT_EQ(place->keyframe, expected_place->keyframe) << i;
+      EXPECT_EQ(place->keyframe_from_camera.translation,
+                expected_place->keyframe_from_camera.translation)
+          << i;
+    }
+  }
   void add(Mapper& mapper, int frame, Shows shows = Shows::kAll) {
-    mapper.add_frame(static_cast<std::uint64_t>(frame), frame * 33'000'000LL,
-                     measure(frame, shows));
+    ASSERT_OK(mapper.add_frame(static_cast<std::uint64_t>(frame), frame * 33'000'000LL,
+                               measure(frame, shows)));
   }
   static inline const RoomOfPoints kSmallRoom{1, 1.5};
   std::size_t frames_asked_for_features_ = 0;
@@ -287,10 +330,95 @@ TEST_F(CombinedMapperTest, RestoredAtAKeyframeGoesOnAsIfNeverStopped) {
   while (first.keyframes().size() < 5) add(first, frame++);
   ASSERT_EQ(first.keyframes().back().frame_index, static_cast<std::uint64_t>(frame - 1));
   Mapper second(kCamera, {});
-  second.restore(first.keyframes(), first.edges(), first.frames());
+  restore(second, first);
   for (; frame < 30; ++frame) add(second, frame);
 
   expect_same_edges(second, whole);
+}
+
+TEST_F(CombinedMapperTest, GoesOnFromKeyframesThatItKnows) {
+  Mapper mapper(kCamera, reuses_all());
+  for (int i = 0; i < 25; ++i) add_at(mapper, i, to_and_fro(i));
+  const std::size_t keyframes = mapper.keyframes().size();
+  EXPECT_GT(keyframes, 7U);
+  for (int i = 25; i < 100; ++i) add_at(mapper, i, to_and_fro(i));
+  EXPECT_LE(mapper.keyframes().size(), keyframes + 1) << "three more ways over the same ground";
+  expect_all_placed(mapper);
+  // Every pair of key-frames is joined once at most.
+  std::set<std::pair<KeyframeId, KeyframeId>> pairs;
+  for (const PoseGraphEdge& edge : mapper.edges()) {
+    EXPECT_LT(edge.from, edge.to);
+    EXPECT_TRUE(pairs.emplace(edge.from, edge.to).second) << edge.from << " to " << edge.to;
+  }
+  const auto solution = solve_map(mapper.keyframes().size(), mapper.edges());
+  ASSERT_OK(solution);
+  EXPECT_EQ(solution->pieces, 1U);
+  for (const MappedFrame& frame : mapper.frames()) {
+    const RigidTransform pose =
+        solution->world_from_keyframe[frame.place->keyframe] * frame.place->keyframe_from_camera;
+    const RigidTransform truth = pose_at(to_and_fro(static_cast<int>(frame.frame_index)));
+    EXPECT_LT((pose.translation - truth.translation).norm(), 0.02) << frame.frame_index;
+  }
+
+  MapperOptions never;
+  never.reuse.nearer_than = 0;
+  Mapper without(kCamera, never);
+  for (int i = 0; i < 100; ++i) add_at(without, i, to_and_fro(i));
+  EXPECT_GT(without.keyframes().size(), 3 * keyframes);
+}
+
+TEST_F(CombinedMapperTest, RestoredOnKnownGroundGoesOnAsIfNeverStopped) {
+  constexpr int kFrames = 90;
+  Mapper whole(kCamera, reuses_all());
+  for (int i = 0; i < kFrames; ++i) add_at(whole, i, to_and_fro(i));
+
+  Mapper first(kCamera, reuses_all());
+  int next = 0;
+  for (MapStep step; next < 45 || !step.is_checkpoint || !step.new_keyframes.empty(); ++next) {
+    ASSERT_LT(next, 70) << "no key-frame was gone on from";
+    step = add_at(first, next, to_and_fro(next));
+  }
+  ASSERT_NE(first.frames().back().place->keyframe, first.keyframes().back().id);
+  Mapper second(kCamera, reuses_all());
+  restore(second, first);
+  for (; next < kFrames; ++next) add_at(second, next, to_and_fro(next));
+
+  expect_same_edges(second, whole);
+  expect_same_frames(second, whole);
+}
+
+TEST_F(CombinedMapperTest, IsTheSameWhateverStaysInMemory) {
+  roomwise::testing::ScratchFolder folder;
+  Mapper all_in_memory(kCamera, reuses_all());
+  Mapper nearly_none(kCamera, reuses_all(), {1, folder.path()});
+  for (int i = 0; i < 45; ++i) {
+    add_at(all_in_memory, i, to_and_fro(i));
+    add_at(nearly_none, i, to_and_fro(i));
+  }
+  expect_same_edges(nearly_none, all_in_memory);
+  expect_same_frames(nearly_none, all_in_memory);
+}
+
+TEST_F(CombinedMapperTest, GoesOnWhenFramesAreReleased) {
+  Mapper keeps(kCamera, reuses_all());
+  Mapper releases(kCamera, reuses_all());
+  for (int i = 0; i < 45; ++i) {
+    add_at(keeps, i, to_and_fro(i));
+    add_at(releases, i, to_and_fro(i));
+    releases.release_frames(0);
+    EXPECT_LT(releases.frames().size(), 6U);
+  }
+  EXPECT_EQ(releases.frame_count(), 45U);
+  expect_same_edges(releases, keeps);
+}
+
+TEST(MapperOptions, SaysWhichFieldIsWrong) {
+  MapperOptions options;
+  EXPECT_OK(options.validate());
+  options.reuse.nearer_than = 1.5;
+  EXPECT_ERROR(options.validate(), "nearer_than = 1.5");
+  options.reuse = {.nearer_than = 0.5, .least_age = -1};
+  EXPECT_ERROR(options.validate(), "least_age = -1");
 }
 
 TEST(MappingMethod, IsReadByItsName) {

@@ -57,11 +57,12 @@ std::vector<std::optional<double>> scores_along(std::span<const KeyframeView> vi
 
 // Rule 3. Windows that confirm the object and overlap are one run: one pass of the camera.
 std::vector<Run> confirmed_runs(std::span<const std::optional<double>> scores,
-                                const ObjectRules& rules) {
+                                std::span<const KeyframeView> views, const ObjectRules& rules) {
   std::vector<Run> runs;
   const auto window = static_cast<std::size_t>(rules.window);
   for (std::size_t first = 0; first < scores.size(); ++first) {
-    const std::size_t end = std::min(first + window, scores.size());
+    std::size_t end = first + 1;
+    while (end < std::min(first + window, scores.size()) && views[end].is_continuous) ++end;
     const auto seen = std::count_if(scores.begin() + static_cast<std::ptrdiff_t>(first),
                                     scores.begin() + static_cast<std::ptrdiff_t>(end),
                                     [](const auto& score) { return score.has_value(); });
@@ -165,7 +166,7 @@ std::vector<MapObject> confirm_objects(
   for (const std::string& name : names) {
     const auto scores = scores_along(views, name, rules.least_score);
     std::vector<MapObject> of_name;
-    for (const Run& run : confirmed_runs(scores, rules)) {
+    for (const Run& run : confirmed_runs(scores, views, rules)) {
       of_name.push_back(object_of_run(run, name, scores, views));
     }
     of_name = merge_close(std::move(of_name), rules.same_object_distance_m, world_from_keyframe);

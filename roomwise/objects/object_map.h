@@ -36,9 +36,10 @@ struct Sighting {
                                                 std::size_t most);
 
 // What one key-frame contributes. Key-frames come in the order of time; "continuous" means
-// neighbours in it.
+// neighbours in it, unless the walk led over known ground in between.
 struct KeyframeView {
   std::uint64_t keyframe_id = 0;
+  bool is_continuous = true;  // with the one before
   std::vector<Sighting> sightings;
   // The point that the image centre sees, in the key-frame's camera frame, m; absent without depth
   // there.
@@ -47,7 +48,7 @@ struct KeyframeView {
 
 struct ObjectRules {
   double least_score = 0.3;  // rule 1: the score passes this threshold
-  // Rule 3: seen in at least `least_sightings` of `window` key-frames in a row.
+  // Rule 3: seen in at least `least_sightings` of `window` continuous key-frames in a row.
   int window = 4;
   int least_sightings = 4;
   // Two confirmed sightings of one name closer than this are one object, m.

@@ -85,6 +85,17 @@ TEST_F(ConfirmObjectsTest, ThreeInARowOrFourWithAGapDoNot) {
   EXPECT_THAT(confirm(), IsEmpty());
 }
 
+TEST_F(ConfirmObjectsTest, KnownGroundInBetweenEndsARow) {
+  see_stove({0.5, 0.5, 0.5, 0.5, 0.5, 0.5}, here_);
+  views_[3].is_continuous = false;  // three here, three elsewhere
+  EXPECT_THAT(confirm(), IsEmpty());
+  views_[3].is_continuous = true;
+  views_[2].is_continuous = false;  // two here, four elsewhere
+  const auto objects = confirm();
+  ASSERT_EQ(objects.size(), 1u);
+  EXPECT_EQ(objects[0].sightings, 4);
+}
+
 TEST_F(ConfirmObjectsTest, AWiderWindowForgivesAGap) {
   see_stove({0.5, 0.5, 0, 0.5, 0.5}, here_);
   ObjectRules rules;

@@ -1,6 +1,7 @@
 #include "roomwise/pipeline/map_recording.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <utility>
 
 #include "roomwise/pipeline/mapper_storage.h"
@@ -73,22 +74,19 @@ Expected<bool> map_frames(recording::FrameSource& source,
       return true;
     }
     const std::shared_ptr<const image::RgbdFrame> frame = std::move(next->frame);
-    const mapping::MapStep step = [&] {
+    ROOMWISE_TRY(const mapping::MapStep step, [&] {
       const auto timing = run.clock.measure("tracking and loops");
       return mapper.add_frame(frame->index, frame->timestamp_ns, std::move(next->measurements));
-    }();
-    if (!step.new_keyframes.empty()) {
-      const auto frame_of = [&](std::uint64_t index) -> const image::RgbdFrame& {
+    }());
+    {
+      const auto timing = run.clock.measure("store");
+      ROOMWISE_CHECK_OK(writer.write(step, [&](std::uint64_t index) -> const image::RgbdFrame& {
         return index == frame->index ? *frame : *previous;
-      };
-      {
-        const auto timing = run.clock.measure("store");
-        ROOMWISE_CHECK_OK(writer.write(step, frame_of));
-      }
-      for (const mapping::KeyframeId id : step.new_keyframes) {
-        const auto& owner = mapper.keyframes()[id].frame_index == frame->index ? frame : previous;
-        ROOMWISE_CHECK_OK(observer.observe(id, {owner, &owner->color}));
-      }
+      }));
+    }
+    for (const mapping::KeyframeId id : step.new_keyframes) {
+      const auto& owner = mapper.keyframes()[id].frame_index == frame->index ? frame : previous;
+      ROOMWISE_CHECK_OK(observer.observe(id, {owner, &owner->color}));
     }
     previous = frame;
     run.progress.advance(done, fmt::format("{} key-frames", mapper.keyframes().size()));
@@ -107,7 +105,8 @@ Expected<MapSummary> map_recording(recording::FrameSource& source, const home::R
   ROOMWISE_CHECK_OK(go_to_next_frame(source, home, stored));
   const geometry::PinholeCamera& camera = source.info().camera;
   const auto extractor = features::make_extractor(settings.features, settings.most_keypoints);
-  mapping::Mapper mapper(camera, settings.mapper);
+  const std::filesystem::path folder = std::filesystem::absolute(home.file()).parent_path();
+  mapping::Mapper mapper(camera, settings.mapper, {run.working_set_bytes, folder});
   ROOMWISE_CHECK_OK(restore_mapper(mapper, home, stored.id, camera, *extractor, settings, run));
   ROOMWISE_TRY(MapWriter writer, MapWriter::create(home, stored.id, mapper));
   ROOMWISE_TRY(KeyframeObserver observer, KeyframeObserver::create(home, networks, run));
@@ -138,14 +137,13 @@ Expected<MapSummary> map_recording(recording::FrameSource& source, const home::R
     summary.pieces = solution.pieces;
     summary.graph_error_before = solution.report.error_before;
     summary.graph_error_after = solution.report.error_after;
-    for (const mapping::MappedFrame& frame : mapper.frames()) {
-      if (frame.place && solution.piece[frame.place->keyframe] == 0) ++summary.placed;
-    }
+    ROOMWISE_TRY(const recording::Trajectory trajectory, stored_trajectory(home));
+    summary.placed = trajectory.size();
     ROOMWISE_TRY(summary.objects, update_objects(home, settings.objects));
     ROOMWISE_CHECK_OK(home.finish_recording(stored.id));
   }
   ROOMWISE_CHECK_OK(home.add_stage_timings(run.clock.stages()));
-  summary.frames = mapper.frames().size();
+  summary.frames = mapper.frame_count();
   summary.keyframes = mapper.keyframes().size();
   summary.loops =
       static_cast<std::uint64_t>(std::ranges::count_if(mapper.edges(), mapping::is_return));

@@ -40,7 +40,7 @@ class MapRecording : public ::testing::Test {
         std::make_unique<ColorNetwork>(std::vector<std::string>{"studio couch", "wolf"}));
     ThreadPool pool(threads);
     StageClock clock;
-    RunContext run{pool, progress != nullptr ? *progress : silent_, clock};
+    RunContext run{pool, progress != nullptr ? *progress : silent_, clock, working_set_bytes_};
     return map_recording(walk,
                          {walk.info().name, "made up", walk.info().camera, walk.info().frame_count},
                          home, networks, settings_, run);
@@ -51,6 +51,7 @@ class MapRecording : public ::testing::Test {
 
   roomwise::testing::ScratchFolder folder_;
   MapSettings settings_;
+  std::size_t working_set_bytes_ = std::size_t{128} << 20U;
   SilentProgress silent_;
 };
 
@@ -120,6 +121,79 @@ TEST_F(MapRecording, InterruptedAndResumedEndsAsIfNeverStopped) {
   const auto resumed = map(folder_ / "resumed.home", second, 2);
   ASSERT_OK(resumed);
   EXPECT_TRUE(resumed->finished);
+  EXPECT_EQ(digest(folder_ / "resumed.home"), digest(folder_ / "whole.home"));
+}
+
+// Plays a walk to and fro, the frames numbered on.
+class ToAndFro final : public recording::FrameSource {
+ public:
+  ToAndFro(int frames, int laps) : frames_(frames), laps_(laps), walk_(frames) {
+    info_ = walk_.info();
+    info_.frame_count = static_cast<std::uint64_t>(frames * laps);
+  }
+  [[nodiscard]] const recording::SourceInfo& info() const override { return info_; }
+  void skip_before(std::uint64_t index) override { next_ = static_cast<int>(index); }
+  [[nodiscard]] Expected<std::optional<image::RgbdFrame>> next() override {
+    if (next_ == frames_ * laps_) return std::nullopt;
+    const int within = next_ % frames_;
+    const bool is_back = next_ / frames_ % 2 == 1;
+    walk_.skip_before(static_cast<std::uint64_t>(is_back ? frames_ - 1 - within : within));
+    auto frame = walk_.next();
+    (*frame)->index = static_cast<std::uint64_t>(next_);
+    (*frame)->timestamp_ns = walk_.begins_ns + next_ * 33'333'333LL;
+    ++next_;
+    return frame;
+  }
+
+ private:
+  int frames_;
+  int laps_;
+  int next_ = 0;
+  SyntheticWalk walk_;
+  recording::SourceInfo info_;
+};
+
+TEST_F(MapRecording, LapsThroughAKnownRoomAddNothing) {
+  settings_.mapper.reuse.least_age = 0;
+  constexpr int kLap = 30;
+  ToAndFro one(kLap, 1);
+  ToAndFro four(kLap, 4);
+  const auto first = map(folder_ / "one.home", one, 2);
+  const auto all = map(folder_ / "four.home", four, 2);
+  ASSERT_OK(first);
+  ASSERT_OK(all);
+  EXPECT_EQ(all->frames, static_cast<std::uint64_t>(4 * kLap));
+  EXPECT_EQ(all->placed, all->frames);
+  EXPECT_LE(all->keyframes, first->keyframes + 1);
+  EXPECT_LE(all->edges, first->edges + 2 * first->keyframes);
+}
+
+TEST_F(MapRecording, IsTheSameMapWhateverStaysInMemory) {
+  settings_.mapper.reuse.least_age = 0;
+  ToAndFro large(30, 3);
+  ToAndFro small(30, 3);
+  ASSERT_OK(map(folder_ / "large.home", large, 2));
+  working_set_bytes_ = 1;
+  ASSERT_OK(map(folder_ / "small.home", small, 2));
+  EXPECT_EQ(digest(folder_ / "small.home"), digest(folder_ / "large.home"));
+}
+
+TEST_F(MapRecording, ResumedOnKnownGroundWithLittleMemoryEndsAsIfNeverStopped) {
+  settings_.mapper.reuse.least_age = 0;
+  ToAndFro whole(30, 3);
+  ASSERT_OK(map(folder_ / "whole.home", whole, 1));
+  working_set_bytes_ = 1;
+  ToAndFro first(30, 3);
+  InterruptAfter interrupt(75);
+  ASSERT_OK(map(folder_ / "resumed.home", first, 2, &interrupt));
+  {
+    // Frames are stored also where no key-frame was made.
+    const auto home = home::Home::open_read_only(folder_ / "resumed.home");
+    EXPECT_GT(home->recordings()->back().next_frame_index,
+              home->keyframes()->back().frame_index + 10);
+  }
+  ToAndFro second(30, 3);
+  ASSERT_OK(map(folder_ / "resumed.home", second, 2));
   EXPECT_EQ(digest(folder_ / "resumed.home"), digest(folder_ / "whole.home"));
 }
 

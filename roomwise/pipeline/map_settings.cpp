@@ -28,6 +28,8 @@ std::string to_json(const MapSettings& settings) {
       {"loop_neighbors", settings.mapper.loops.neighbors},
       {"loop_random", settings.mapper.loops.random},
       {"loop_similar", settings.mapper.loops.similar},
+      {"keyframe_reuse", settings.mapper.reuse.nearer_than},
+      {"keyframe_reuse_age", settings.mapper.reuse.least_age},
       {"object_score", settings.objects.least_score},
       {"seed", settings.mapper.seed},
   }
@@ -48,6 +50,9 @@ Expected<MapSettings> map_settings_from_json(std::string_view json) {
     values.at("loop_neighbors").get_to(settings.mapper.loops.neighbors);
     values.at("loop_random").get_to(settings.mapper.loops.random);
     settings.mapper.loops.similar = values.value("loop_similar", 0);  // older homes have none
+    mapping::ReuseOptions& reuse = settings.mapper.reuse;
+    reuse.nearer_than = values.value("keyframe_reuse", 0.0);  // likewise
+    reuse.least_age = values.value("keyframe_reuse_age", reuse.least_age);
     values.at("object_score").get_to(settings.objects.least_score);
     values.at("seed").get_to(settings.mapper.seed);
   } catch (const nlohmann::json::exception& error) {

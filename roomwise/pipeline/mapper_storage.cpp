@@ -24,6 +24,9 @@ mapping::MappedFrame mapped_frame(const home::Frame& frame) {
   return mapped;
 }
 
+// A commit waits for the disk: where no key-frame is made, so many frames share one.
+constexpr std::uint64_t kFramesACommit = 30;
+
 // As the camera gave them, else encoded without loss: a resumed run finds its features in them
 // again.
 home::KeyframeImages images_of(const image::RgbdFrame& frame) {
@@ -38,61 +41,78 @@ Expected<void> restore_mapper(mapping::Mapper& mapper, const home::Home& home,
                               const features::FeatureExtractor& extractor,
                               const MapSettings& settings, RunContext& run) {
   ROOMWISE_TRY(const auto stored, home.keyframes());
-  ROOMWISE_TRY(std::vector<mapping::Keyframe> keyframes,
-               measure_keyframes(home, stored, camera, extractor, settings, run));
-  ROOMWISE_TRY(auto edges, home.edges());
+  const auto take = [&](mapping::Keyframe keyframe) {
+    return mapper.restore_keyframe(std::move(keyframe));
+  };
+  ROOMWISE_CHECK_OK(measure_each_keyframe(home, stored, camera, extractor, settings, run, take));
+  ROOMWISE_TRY(const auto edges, home.edges());
   ROOMWISE_TRY(const auto frames, home.frames(recording));
   std::vector<mapping::MappedFrame> mapped;
   std::ranges::transform(frames, std::back_inserter(mapped), mapped_frame);
-  mapper.restore(std::move(keyframes), std::move(edges), std::move(mapped));
+  mapper.restore(edges, mapped);
   return {};
 }
 
-MapWriter::MapWriter(home::Home& home, home::RecordingId recording, const mapping::Mapper& mapper)
+MapWriter::MapWriter(home::Home& home, home::RecordingId recording, mapping::Mapper& mapper)
     : home_(home),
       recording_(recording),
       mapper_(mapper),
       edges_written_(mapper.edges().size()),
-      frames_written_(mapper.frames().size()) {}
+      frames_written_(mapper.frame_count()) {}
 
 Expected<MapWriter> MapWriter::create(home::Home& home, home::RecordingId recording,
-                                      const mapping::Mapper& mapper) {
+                                      mapping::Mapper& mapper) {
   MapWriter writer(home, recording, mapper);
   ROOMWISE_TRY(const auto stored, home.keyframes());
   for (const home::Keyframe& keyframe : stored) writer.poses_.push_back(keyframe.pose);
+  mapper.release_frames(0);
   return writer;
 }
 
 Expected<void> MapWriter::write(
     const mapping::MapStep& step,
     const std::function<const image::RgbdFrame&(std::uint64_t)>& frame_of) {
-  home::Step stored;
-  stored.recording = recording_;
+  const std::uint64_t waiting = mapper_.frame_count() - frames_written_;
+  if (step.new_keyframes.empty() && (!step.is_checkpoint || waiting < kFramesACommit)) return {};
+  std::vector<home::NewKeyframe> keyframes;
   for (const mapping::KeyframeId id : step.new_keyframes) {
-    const mapping::Keyframe& keyframe = mapper_.keyframes()[id];
+    const mapping::KeyframeStamp& keyframe = mapper_.keyframes()[id];
     poses_.push_back(first_pose(id));
-    stored.keyframes.push_back({id,
-                                keyframe.frame_index,
-                                keyframe.timestamp_ns,
-                                poses_.back(),
-                                images_of(frame_of(keyframe.frame_index)),
-                                {},
-                                {}});
-    stored.next_frame_index = keyframe.frame_index + 1;
+    keyframes.push_back({id,
+                         keyframe.frame_index,
+                         keyframe.timestamp_ns,
+                         poses_.back(),
+                         images_of(frame_of(keyframe.frame_index)),
+                         {},
+                         {}});
   }
-  for (; edges_written_ < mapper_.edges().size(); ++edges_written_) {
-    stored.edges.push_back(mapper_.edges()[edges_written_]);
-  }
-  add_frames_before(stored.next_frame_index, stored);
-  return home_.commit_step(stored);
+  const std::uint64_t newest =
+      step.is_checkpoint ? mapper_.frames().back().frame_index : keyframes.back().frame_index;
+  return commit(std::move(keyframes), newest + 1);
 }
 
 Expected<void> MapWriter::write_rest() {
-  home::Step stored;
-  stored.recording = recording_;
-  if (!mapper_.frames().empty()) stored.next_frame_index = mapper_.frames().back().frame_index + 1;
-  add_frames_before(stored.next_frame_index, stored);
-  return home_.commit_step(stored);
+  if (mapper_.frames().empty()) return commit({}, 0);
+  return commit({}, mapper_.frames().back().frame_index + 1);
+}
+
+Expected<void> MapWriter::commit(std::vector<home::NewKeyframe> keyframes,
+                                 std::uint64_t next_frame_index) {
+  home::Step step;
+  step.recording = recording_;
+  step.keyframes = std::move(keyframes);
+  step.next_frame_index = next_frame_index;
+  for (; edges_written_ < mapper_.edges().size(); ++edges_written_) {
+    step.edges.push_back(mapper_.edges()[edges_written_]);
+  }
+  const std::uint64_t first = mapper_.frame_count() - mapper_.frames().size();
+  for (; frames_written_ < mapper_.frame_count(); ++frames_written_) {
+    const mapping::MappedFrame& frame = mapper_.frames()[frames_written_ - first];
+    if (frame.frame_index >= next_frame_index) break;
+    step.frames.push_back(stored_frame(frame));
+  }
+  mapper_.release_frames(mapper_.frame_count() - frames_written_);
+  return home_.commit_step(step);
 }
 
 home::KeyframePose MapWriter::first_pose(mapping::KeyframeId id) const {
@@ -104,13 +124,6 @@ home::KeyframePose MapWriter::first_pose(mapping::KeyframeId id) const {
   std::uint64_t pieces = 0;
   for (const home::KeyframePose& pose : poses_) pieces = std::max(pieces, pose.piece + 1);
   return {geometry::RigidTransform::identity(), pieces};
-}
-
-void MapWriter::add_frames_before(std::uint64_t index, home::Step& step) {
-  while (frames_written_ < mapper_.frames().size() &&
-         mapper_.frames()[frames_written_].frame_index < index) {
-    step.frames.push_back(stored_frame(mapper_.frames()[frames_written_++]));
-  }
 }
 
 }  // namespace roomwise::pipeline

@@ -21,15 +21,16 @@ namespace roomwise::pipeline {
                                             const features::FeatureExtractor& extractor,
                                             const MapSettings& settings, RunContext& run);
 
-// Writes what the mapper adds into the home, up to each new key-frame: a run that goes on from
-// there sees the mapper in the state it had. The home and the mapper must outlive it.
+// Writes what the mapper adds into the home, up to each new key-frame, and where none is made, up
+// to a checkpoint now and then: a run that goes on from there sees the mapper in the state it had.
+// Frames that are written are released. The home and the mapper must outlive it.
 class MapWriter {
  public:
   // The mapper must hold what the home holds.
   [[nodiscard]] static Expected<MapWriter> create(home::Home& home, home::RecordingId recording,
-                                                  const mapping::Mapper& mapper);
+                                                  mapping::Mapper& mapper);
 
-  // A step that made key-frames; `frame_of` gives their images, by frame index.
+  // After each step; `frame_of` gives the images of its key-frames, by frame index.
   [[nodiscard]] Expected<void> write(
       const mapping::MapStep& step,
       const std::function<const image::RgbdFrame&(std::uint64_t)>& frame_of);
@@ -38,19 +39,21 @@ class MapWriter {
   [[nodiscard]] Expected<void> write_rest();
 
  private:
-  MapWriter(home::Home& home, home::RecordingId recording, const mapping::Mapper& mapper);
+  MapWriter(home::Home& home, home::RecordingId recording, mapping::Mapper& mapper);
 
   // Where the next key-frame is as far as is known before the map is solved: along its first edge
   // to an earlier one, or in a new piece of the map. A home that was left unfinished shows its map
   // so.
   [[nodiscard]] home::KeyframePose first_pose(mapping::KeyframeId id) const;
-  void add_frames_before(std::uint64_t index, home::Step& step);
+  // All that is not written yet, up to the frame before this index, with these key-frames.
+  [[nodiscard]] Expected<void> commit(std::vector<home::NewKeyframe> keyframes,
+                                      std::uint64_t next_frame_index);
 
   home::Home& home_;
   home::RecordingId recording_;
-  const mapping::Mapper& mapper_;
+  mapping::Mapper& mapper_;
   std::size_t edges_written_;
-  std::size_t frames_written_;
+  std::uint64_t frames_written_;           // of all that the mapper was given
   std::vector<home::KeyframePose> poses_;  // of the key-frames in the home, by id
 };
 

@@ -9,11 +9,14 @@
 namespace roomwise::pipeline {
 
 // What every long piece of work is given besides its inputs: threads, a place to tell how far it
-// is, a clock. None of it changes a result.
+// is, a clock, memory. None of it changes a result.
 struct RunContext {
   ThreadPool& pool;
   Progress& progress;
   StageClock& clock;
+  // What a map that is being made may keep of its key-frames in memory, about 0.4 MB each; the
+  // others wait in a scratch file beside the home.
+  std::size_t working_set_bytes = std::size_t{128} << 20U;
 };
 
 }  // namespace roomwise::pipeline

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -11,7 +12,18 @@
 
 namespace roomwise::pipeline {
 
-// What mapping took from key-frames, found again in their stored images.
+// Takes a key-frame, which may fail.
+using TakeKeyframe = std::function<Expected<void>(mapping::Keyframe)>;
+
+// What mapping took from key-frames, found again in their stored images; they are handed over one
+// by one, in the order given.
+[[nodiscard]] Expected<void> measure_each_keyframe(const home::Home& home,
+                                                   std::span<const home::Keyframe> keyframes,
+                                                   const geometry::PinholeCamera& camera,
+                                                   const features::FeatureExtractor& extractor,
+                                                   const MapSettings& settings, RunContext& run,
+                                                   const TakeKeyframe& take);
+// The same, all together.
 [[nodiscard]] Expected<std::vector<mapping::Keyframe>> measure_keyframes(
     const home::Home& home, std::span<const home::Keyframe> keyframes,
     const geometry::PinholeCamera& camera, const features::FeatureExtractor& extractor,

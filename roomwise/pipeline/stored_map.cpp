@@ -1,6 +1,7 @@
 #include "roomwise/pipeline/stored_map.h"
 
 #include <algorithm>
+#include <set>
 
 #include "roomwise/image/codec.h"
 #include "roomwise/objects/center_point.h"
@@ -13,6 +14,16 @@ std::map<home::KeyframeId, home::KeyframePose> poses_by_id(
   std::map<home::KeyframeId, home::KeyframePose> poses;
   for (const home::Keyframe& keyframe : keyframes) poses[keyframe.id] = keyframe.pose;
   return poses;
+}
+
+// Those before which the walk went on from an earlier key-frame than the last: their first step
+// leads to that one.
+std::set<home::KeyframeId> after_known_ground(std::span<const mapping::PoseGraphEdge> edges) {
+  std::set<home::KeyframeId> after;
+  for (const mapping::PoseGraphEdge& edge : edges) {
+    if (!edge.is_loop && edge.from + 1 != edge.to) after.insert(edge.to);
+  }
+  return after;
 }
 
 }  // namespace
@@ -62,10 +73,14 @@ Expected<std::uint64_t> update_objects(home::Home& home, const objects::ObjectRu
     break;
   }
 
+  ROOMWISE_TRY(const auto edges, home.edges());
+  const std::set<home::KeyframeId> not_continuous = after_known_ground(edges);
+
   std::vector<objects::KeyframeView> views;
   for (const home::Keyframe& keyframe : keyframes) {
     objects::KeyframeView& view = views.emplace_back();
     view.keyframe_id = keyframe.id;
+    view.is_continuous = !not_continuous.contains(keyframe.id);
     if (const auto found = predictions.find(keyframe.id); found != predictions.end()) {
       view.sightings = objects::sightings_in(found->second.scores, labels, concepts.vocabulary,
                                              rules.least_score);
