@@ -23,6 +23,7 @@ struct Options {
   std::string camera;
   std::string features = "surf";
   std::string method = "combined";
+  bool no_bundle_adjustment = false;
   std::optional<int> loop_random, loop_similar;  // default: the method's own
   pipeline::MapSettings settings;
   NetworkOptions networks;
@@ -41,6 +42,7 @@ Expected<pipeline::MapSettings> new_settings(const Options& options) {
   pipeline::MapSettings settings = options.settings;
   ROOMWISE_TRY(settings.features, features::parse_feature_kind(options.features));
   ROOMWISE_TRY(settings.mapper.method, mapping::parse_mapping_method(options.method));
+  settings.bundle_adjustment = !options.no_bundle_adjustment;
   settings.mapper.loops = mapping::MapperOptions::of(settings.mapper.method).loops;
   settings.mapper.loops.neighbors = options.settings.mapper.loops.neighbors;
   settings.mapper.loops.random = options.loop_random.value_or(settings.mapper.loops.random);
@@ -97,6 +99,10 @@ std::string to_text(const pipeline::MapSummary& summary, bool has_networks) {
       "pose graph  F {:.6g} -> {:.6g}\n",
       summary.placed, summary.frames, summary.keyframes, summary.edges, summary.rejected_loops,
       summary.loops, summary.pieces, summary.graph_error_before, summary.graph_error_after);
+  if (summary.landmarks > 0) {
+    text += fmt::format("landmarks   {}, seen {} times; rolling shutter {:.1f} ms\n",
+                        summary.landmarks, summary.landmark_views, 1000 * summary.readout_s);
+  }
   text +=
       has_networks
           ? fmt::format("objects     {}\n", summary.objects)
@@ -175,6 +181,9 @@ Expected<Answer> map(const Options& options, Context& context) {
                  {"pieces", summary.pieces},
                  {"f_before", summary.graph_error_before},
                  {"f_after", summary.graph_error_after},
+                 {"landmarks", summary.landmarks},
+                 {"landmark_views", summary.landmark_views},
+                 {"readout_s", summary.readout_s},
                  {"objects", summary.objects},
                  {"home", options.home.string()}};
   for (const auto& [name, stage] : clock.stages()) {
@@ -241,6 +250,11 @@ void add_map_command(CLI::App& app, Context& context) {
                    "Earlier key-frames that look most like it, that each new one is compared with "
                    "[combined: 3, paper: 0]")
       ->check(not_negative())
+      ->excludes(resume);
+  command
+      ->add_flag("--no-bundle-adjustment", options->no_bundle_adjustment,
+                 "Leave the map as the pose graph says: no landmarks, no rolling shutter (so does "
+                 "--method paper)")
       ->excludes(resume);
   setting("--object-score", options->settings.objects.least_score,
           "Least score of an object, 0 to 1")

@@ -15,6 +15,7 @@ Expected<void> MapSettings::validate() const {
   ROOMWISE_CHECK_OK(depth.validate());
   ROOMWISE_CHECK_OK(mapper.validate());
   ROOMWISE_CHECK_OK(solver.validate());
+  ROOMWISE_CHECK_OK(refinement.validate());
   return objects.validate();
 }
 
@@ -28,6 +29,7 @@ std::string to_json(const MapSettings& settings) {
       {"loop_neighbors", settings.mapper.loops.neighbors},
       {"loop_random", settings.mapper.loops.random},
       {"loop_similar", settings.mapper.loops.similar},
+      {"bundle_adjustment", settings.adjusts_bundle()},
       {"object_score", settings.objects.least_score},
       {"seed", settings.mapper.seed},
   }
@@ -47,7 +49,8 @@ Expected<MapSettings> map_settings_from_json(std::string_view json) {
     values.at("keyframe_rotation_rad").get_to(settings.mapper.keyframe_rotation_rad);
     values.at("loop_neighbors").get_to(settings.mapper.loops.neighbors);
     values.at("loop_random").get_to(settings.mapper.loops.random);
-    settings.mapper.loops.similar = values.value("loop_similar", 0);  // older homes have none
+    settings.mapper.loops.similar = values.value("loop_similar", 0);        // older homes have none
+    settings.bundle_adjustment = values.value("bundle_adjustment", false);  // nor that
     values.at("object_score").get_to(settings.objects.least_score);
     values.at("seed").get_to(settings.mapper.seed);
   } catch (const nlohmann::json::exception& error) {
