@@ -98,6 +98,7 @@ Expected<BundleReport> adjust_bundle(Bundle& bundle, const BundleOptions& option
   constexpr double kFirstDamping = 1e-6;
   constexpr double kLeastDamping = 1e-9;
   constexpr double kMostDamping = 1e9;
+  constexpr double kRounding = 1e-10;  // steps of cameras that are so small, m and rad, are none
   ROOMWISE_CHECK_OK(options.validate());
   ROOMWISE_CHECK_OK(check(bundle));
   BundleReport report;
@@ -119,11 +120,12 @@ Expected<BundleReport> adjust_bundle(Bundle& bundle, const BundleOptions& option
       damping *= 10;
       continue;
     }
+    const bool is_no_step = step->cameras.lpNorm<Eigen::Infinity>() <= kRounding;
     Bundle next = stepped(bundle, *step);
     const double changed = bundle_cost(next, options);
     if (changed <= current) {
       const double ratio = step->foreseen > 0 ? (current - changed) / step->foreseen : 1;
-      report.converged = current - changed <= options.relative_tolerance * current;
+      report.converged = is_no_step || current - changed <= options.relative_tolerance * current;
       damping *= std::clamp(1 - std::pow(2 * ratio - 1, 3), 0.1, 2.0);
       damping = std::max(damping, kLeastDamping);
       growth = 2;
@@ -131,8 +133,8 @@ Expected<BundleReport> adjust_bundle(Bundle& bundle, const BundleOptions& option
       current = changed;
       moved_on = true;
     } else {
-      report.converged =
-          step->foreseen <= options.relative_tolerance * current && damping <= kFirstDamping;
+      report.converged = is_no_step || (step->foreseen <= options.relative_tolerance * current &&
+                                        damping <= kFirstDamping);
       damping *= growth;
       growth *= 2;
     }

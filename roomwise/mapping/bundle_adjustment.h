@@ -31,9 +31,9 @@ struct BundleOptions {
   // The readout time of a rolling shutter is found together with all else, from no more than the
   // expectation that it is of this size, s; 0: it is left as it is.
   double readout_sigma_s = 0.03;
-  int most_iterations = 20;
+  int most_iterations = 10;
   // Stops when an iteration lowers the cost by less than this part of it.
-  double relative_tolerance = 1e-5;
+  double relative_tolerance = 1e-3;
 
   [[nodiscard]] Expected<void> validate() const;
 };

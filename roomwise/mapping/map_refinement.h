@@ -13,7 +13,7 @@ namespace roomwise::mapping {
 struct RefinementOptions {
   LandmarkOptions landmarks;
   BundleOptions bundle;
-  motion::ResidualModel residuals{.pixel_sigma_px = 1.5, .disparity_sigma_px = 1.5};
+  motion::ResidualModel residuals;
   double most_sigmas = 6;  // a view further from its landmark is culled
   int rounds = 2;          // of adjusting and culling
 
