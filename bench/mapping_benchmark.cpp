@@ -1,6 +1,8 @@
 // Maps real recordings with several seeds, methods and kinds of features, and prints how good and
 // how dear that is:
-//   mapping_benchmark [SEEDS] [METHOD:FEATURES ...]   for example: mapping_benchmark 5 paper:orb
+//   mapping_benchmark [SEEDS] [METHOD:FEATURES[:graph] ...]   for example: mapping_benchmark 5
+//   paper:orb
+// With ":graph" the map is left as the pose graph says, without bundle adjustment.
 // Each run is a process of its own, so that its processor time and peak memory are its own.
 // Recordings are looked for in ROOMWISE_DATA. No networks: this measures mapping alone.
 
@@ -46,6 +48,7 @@ struct Run {
   double features_cpu_ms = 0;  // per frame, as the next two
   double views_cpu_ms = 0;
   double tracking_cpu_ms = 0;  // with features that are found on the way
+  double solving_cpu_ms = 0;   // the pose graph and the bundle, at the end
   double all_cpu_ms = 0;
   double wall_s = 0;
   double peak_mb = 0;
@@ -54,15 +57,19 @@ struct Run {
 struct Way {
   mapping::MappingMethod method;
   features::FeatureKind features;
+  bool bundle_adjustment = true;
 };
 
-// "paper:surf".
+// "paper:surf"; "combined:surf:graph" stops at the pose graph.
 Expected<Way> parse_way(std::string_view text) {
+  constexpr std::string_view kGraph = ":graph";
+  const bool stops_at_graph = text.ends_with(kGraph);
+  if (stops_at_graph) text.remove_suffix(kGraph.size());
   const std::size_t colon = text.find(':');
   if (colon == std::string_view::npos) return fail("'{}' is not METHOD:FEATURES", text);
   ROOMWISE_TRY(const auto method, mapping::parse_mapping_method(text.substr(0, colon)));
   ROOMWISE_TRY(const auto features, features::parse_feature_kind(text.substr(colon + 1)));
-  return Way{method, features};
+  return Way{method, features, !stops_at_graph};
 }
 
 Expected<Run> map_once(const fs::path& folder, const Task& task, const Way& way,
@@ -74,6 +81,7 @@ Expected<Run> map_once(const fs::path& folder, const Task& task, const Way& way,
   settings.features = way.features;
   settings.mapper = mapping::MapperOptions::of(way.method);
   settings.mapper.seed = seed;
+  settings.bundle_adjustment = way.bundle_adjustment;
   Run result;
   {
     ROOMWISE_TRY(home::Home home, pipeline::create_home(file));
@@ -108,6 +116,7 @@ Expected<Run> map_once(const fs::path& folder, const Task& task, const Way& way,
     result.features_cpu_ms = cpu_ms("features");
     result.views_cpu_ms = cpu_ms("views");
     result.tracking_cpu_ms = cpu_ms("tracking and loops");
+    result.solving_cpu_ms = cpu_ms("optimisation");
     result.all_cpu_ms = per_frame_ms(process_cpu_time_s());
   }
   fs::remove(file);
@@ -184,9 +193,11 @@ int main(int argc, char** argv) {
   fmt::print(
       "| recording | method | frames with a pose | ATE RMSE, m | RPE over 1 s, m | key-frames | "
       "edges | returns | "
-      "features CPU-ms | views CPU-ms | tracking and loops CPU-ms | all CPU-ms a frame | wall s | "
+      "features CPU-ms | views CPU-ms | tracking and loops CPU-ms | solving CPU-ms | all CPU-ms a "
+      "frame | wall s | "
       "peak MB |\n"
-      "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n");
+      "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- "
+      "|\n");
   for (const Task& task : tasks) {
     const fs::path folder = fs::path(data) / task.recording;
     if (!fs::exists(folder)) {
@@ -201,7 +212,8 @@ int main(int argc, char** argv) {
         runs.push_back(*run);
       }
       fmt::print(
-          "| {} | {} | {} of {:.0f} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} |\n",
+          "| {} | {} | {} of {:.0f} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} "
+          "|\n",
           task.recording, names[i], median_and_range(runs, &Run::placed, 0), runs.front().frames,
           median_and_range(runs, &Run::ate_m, 4), median_and_range(runs, &Run::rpe_m, 4),
           median_and_range(runs, &Run::keyframes, 0), median_and_range(runs, &Run::edges, 0),
@@ -209,6 +221,7 @@ int main(int argc, char** argv) {
           median_and_range(runs, &Run::features_cpu_ms, 1),
           median_and_range(runs, &Run::views_cpu_ms, 1),
           median_and_range(runs, &Run::tracking_cpu_ms, 1),
+          median_and_range(runs, &Run::solving_cpu_ms, 1),
           median_and_range(runs, &Run::all_cpu_ms, 1), median_and_range(runs, &Run::wall_s, 1),
           median_and_range(runs, &Run::peak_mb, 0));
       std::fflush(stdout);

@@ -23,6 +23,7 @@ struct Options {
   std::string camera;
   std::string features = "surf";
   std::string method = "combined";
+  bool no_bundle_adjustment = false;
   std::optional<int> loop_random, loop_similar;  // default: the method's own
   std::optional<double> reuse;                   // likewise
   std::size_t working_set_mb = 128;
@@ -43,6 +44,7 @@ Expected<pipeline::MapSettings> new_settings(const Options& options) {
   pipeline::MapSettings settings = options.settings;
   ROOMWISE_TRY(settings.features, features::parse_feature_kind(options.features));
   ROOMWISE_TRY(settings.mapper.method, mapping::parse_mapping_method(options.method));
+  settings.bundle_adjustment = !options.no_bundle_adjustment;
   settings.mapper.loops = mapping::MapperOptions::of(settings.mapper.method).loops;
   settings.mapper.loops.neighbors = options.settings.mapper.loops.neighbors;
   settings.mapper.loops.random = options.loop_random.value_or(settings.mapper.loops.random);
@@ -101,6 +103,10 @@ std::string to_text(const pipeline::MapSummary& summary, bool has_networks) {
       "pose graph  F {:.6g} -> {:.6g}\n",
       summary.placed, summary.frames, summary.keyframes, summary.edges, summary.rejected_loops,
       summary.loops, summary.pieces, summary.graph_error_before, summary.graph_error_after);
+  if (summary.landmarks > 0) {
+    text += fmt::format("landmarks   {}, seen {} times; rolling shutter {:.1f} ms\n",
+                        summary.landmarks, summary.landmark_views, 1000 * summary.readout_s);
+  }
   text +=
       has_networks
           ? fmt::format("objects     {}\n", summary.objects)
@@ -179,6 +185,9 @@ Expected<Answer> map(const Options& options, Context& context) {
                  {"pieces", summary.pieces},
                  {"f_before", summary.graph_error_before},
                  {"f_after", summary.graph_error_after},
+                 {"landmarks", summary.landmarks},
+                 {"landmark_views", summary.landmark_views},
+                 {"readout_s", summary.readout_s},
                  {"objects", summary.objects},
                  {"home", options.home.string()}};
   for (const auto& [name, stage] : clock.stages()) {
@@ -258,6 +267,10 @@ void add_map_command(CLI::App& app, Context& context) {
                    "Memory for what was measured in key-frames, MB; the others wait in a scratch "
                    "file beside the home. Changes no result")
       ->capture_default_str();
+  ->add_flag("--no-bundle-adjustment", options->no_bundle_adjustment,
+             "Leave the map as the pose graph says: no landmarks, no rolling shutter (so does "
+             "--method paper)")
+      ->excludes(resume);
   setting("--object-score", options->settings.objects.least_score,
           "Least score of an object, 0 to 1")
       ->check(CLI::Range(0.0, 1.0));

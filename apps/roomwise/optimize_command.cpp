@@ -1,11 +1,13 @@
 #include <filesystem>
 #include <memory>
+#include <opencv2/core.hpp>
 
 #include "commands.h"
 #include "roomwise/base/file.h"
 #include "roomwise/mapping/g2o_file.h"
 #include "roomwise/mapping/pose_graph.h"
 #include "roomwise/pipeline/map_settings.h"
+#include "roomwise/pipeline/stored_keyframes.h"
 #include "roomwise/pipeline/stored_map.h"
 
 namespace roomwise::app {
@@ -49,7 +51,7 @@ Expected<Answer> optimize_file(const Options& options) {
 }
 
 // The key-frames move, and what was seen from them moves with them.
-Expected<Answer> optimize_home(const Options& options) {
+Expected<Answer> optimize_home(const Options& options, Context& context) {
   ROOMWISE_TRY(home::Home home, home::Home::open(options.home));
   ROOMWISE_TRY(auto settings, pipeline::stored_map_settings(home));
   if (!settings) {
@@ -59,8 +61,14 @@ Expected<Answer> optimize_home(const Options& options) {
   ROOMWISE_TRY(const mapping::PoseGraph before,
                pipeline::stored_pose_graph(home, settings->solver));
   const double error_before = mapping::pose_graph_error(before);
-  ROOMWISE_TRY(const mapping::MapSolution solution,
-               pipeline::solve_stored_map(home, settings->solver));
+  ThreadPool pool(context.threads);
+  cv::setNumThreads(1);  // the threads are ours
+  StageClock clock;
+  pipeline::RunContext run{pool, context.progress, clock};
+  const auto features = [&] { return pipeline::stored_keyframe_features(home, *settings, run); };
+  ROOMWISE_TRY(const pipeline::SolvedMap solved,
+               pipeline::solve_stored_map(home, *settings, features));
+  const mapping::MapSolution& solution = solved.solution;
   ROOMWISE_TRY(const std::uint64_t objects, pipeline::update_objects(home, settings->objects));
   ROOMWISE_TRY(const auto edges, home.edges());
   mapping::PoseGraphReport report = solution.report;
@@ -68,6 +76,14 @@ Expected<Answer> optimize_home(const Options& options) {
   Answer answer = answer_of(report, solution.world_from_keyframe.size(), edges.size());
   answer.text +=
       fmt::format("loops left out  {}\nobjects         {}\n", solution.rejected_loops, objects);
+  if (solved.refinement) {
+    answer.text += fmt::format("landmarks       {}, seen {} times; rolling shutter {:.1f} ms\n",
+                               solved.refinement->landmarks, solved.refinement->views,
+                               1000 * solved.refinement->readout_s);
+    answer.json["landmarks"] = solved.refinement->landmarks;
+    answer.json["landmark_views"] = solved.refinement->views;
+    answer.json["readout_s"] = solved.refinement->readout_s;
+  }
   answer.json["rejected_loops"] = solution.rejected_loops;
   answer.json["objects"] = objects;
   answer.json["home"] = options.home.string();
@@ -83,8 +99,8 @@ void add_optimize_command(CLI::App& app, Context& context) {
       "Optimise a pose graph, of a .g2o file or of a home; print F before and after",
       "roomwise optimize sphere2500.g2o -o optimised.g2o\n"
       "  roomwise optimize --home my.home",
-      [options] {
-        return options->home.empty() ? optimize_file(*options) : optimize_home(*options);
+      [options, &context] {
+        return options->home.empty() ? optimize_file(*options) : optimize_home(*options, context);
       });
   CLI::Option_group* graph = command->add_option_group("Pose graph");
   CLI::Option* input = graph->add_option("IN", options->input, "Pose graph to read (.g2o, SE3)");

@@ -95,6 +95,18 @@ Expected<bool> map_frames(recording::FrameSource& source,
   return false;
 }
 
+// What landmarks are found by, one key-frame after the other.
+Expected<std::vector<mapping::KeyframeFeatures>> landmark_features(
+    mapping::Mapper& mapper, const geometry::PinholeCamera& camera, const MapSettings& settings) {
+  std::vector<mapping::KeyframeFeatures> features;
+  for (mapping::KeyframeId id = 0; id < mapper.keyframes().size(); ++id) {
+    ROOMWISE_TRY(const auto measurements, mapper.measurements(id));
+    features.push_back(mapping::keyframe_features(measurements->features(), camera,
+                                                  settings.refinement.landmarks));
+  }
+  return features;
+}
+
 }  // namespace
 
 Expected<MapSummary> map_recording(recording::FrameSource& source, const home::Recording& recording,
@@ -132,7 +144,14 @@ Expected<MapSummary> map_recording(recording::FrameSource& source, const home::R
   }
   if (summary.finished) {
     const auto timing = run.clock.measure("optimisation");
-    ROOMWISE_TRY(const mapping::MapSolution solution, solve_stored_map(home, settings.solver));
+    const auto features = [&] { return landmark_features(mapper, camera, settings); };
+    ROOMWISE_TRY(const SolvedMap solved, solve_stored_map(home, settings, features));
+    const mapping::MapSolution& solution = solved.solution;
+    if (solved.refinement) {
+      summary.landmarks = solved.refinement->landmarks;
+      summary.landmark_views = solved.refinement->views;
+      summary.readout_s = solved.refinement->readout_s;
+    }
     summary.rejected_loops = solution.rejected_loops;
     summary.pieces = solution.pieces;
     summary.graph_error_before = solution.report.error_before;

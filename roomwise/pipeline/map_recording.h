@@ -21,6 +21,10 @@ struct MapSummary {
   std::uint64_t objects = 0;
   double graph_error_before = 0;  // F of the pose graph
   double graph_error_after = 0;
+  // Where the bundle was adjusted; else 0.
+  std::uint64_t landmarks = 0;
+  std::uint64_t landmark_views = 0;
+  double readout_s = 0;  // of the camera's rolling shutter
   bool finished =
       false;  // false: interrupted, or the recording gave an error; the home goes on from there
 };

@@ -12,6 +12,7 @@
 #include "roomwise/pipeline/map_cloud.h"
 #include "roomwise/pipeline/room_learning.h"
 #include "roomwise/pipeline/room_recognizer.h"
+#include "roomwise/pipeline/stored_keyframes.h"
 #include "roomwise/pipeline/stored_map.h"
 #include "roomwise/pipeline/synthetic_walk.h"
 #include "roomwise/pipeline/truth_evaluation.h"
@@ -92,6 +93,45 @@ TEST_F(MapRecording, GivesTheSameHomeAtAnyNumberOfThreads) {
   ASSERT_OK(map(folder_ / "other.home", other, 1));
   EXPECT_NE(digest(folder_ / "one.home"), digest(folder_ / "other.home"))
       << "the digest sees the map";
+}
+
+TEST_F(MapRecording, AdjustsTheBundleUnlessToldNotTo) {
+  const auto error_m = [&](const char* name) {
+    SyntheticWalk walk(kFrames);
+    const auto summary = map(folder_ / name, walk, 2);
+    EXPECT_OK(summary);
+    EXPECT_EQ(summary->landmarks > 0, settings_.adjusts_bundle());
+    EXPECT_EQ(summary->landmark_views >= 2 * summary->landmarks, true);
+    EXPECT_LT(std::abs(summary->readout_s), 0.003) << "the walk exposes all rows at once";
+    const auto trajectory = stored_trajectory(*home::Home::open_read_only(folder_ / name));
+    return evaluation::absolute_trajectory_error(walk.truth(), trajectory.value())->error_m.rmse;
+  };
+  const double adjusted = error_m("adjusted.home");
+  settings_.bundle_adjustment = false;
+  EXPECT_LT(adjusted, error_m("graph.home"));
+  settings_.bundle_adjustment = true;
+  settings_.mapper = mapping::MapperOptions::of(mapping::MappingMethod::kPaper);
+  EXPECT_FALSE(settings_.adjusts_bundle());
+  error_m("paper.home");
+}
+
+TEST_F(MapRecording, OptimisingAgainFindsTheSameMap) {
+  SyntheticWalk walk(kFrames);
+  ASSERT_OK(map(folder_ / "a.home", walk, 2));
+  const std::string before = digest(folder_ / "a.home");
+  {
+    home::Home home = *home::Home::open(folder_ / "a.home");
+    const auto poses = home.keyframes().value();
+    std::map<home::KeyframeId, home::KeyframePose> away;
+    for (const home::Keyframe& keyframe : poses) away[keyframe.id] = {{}, keyframe.pose.piece};
+    ASSERT_OK(home.replace_poses(away));
+    ThreadPool pool(3);
+    StageClock clock;
+    RunContext run{pool, silent_, clock};
+    ASSERT_OK(solve_stored_map(home, settings_,
+                               [&] { return stored_keyframe_features(home, settings_, run); }));
+  }
+  EXPECT_EQ(digest(folder_ / "a.home"), before) << "from features found again in stored images";
 }
 
 // Stops as a user does, after so many frames.
@@ -429,6 +469,15 @@ TEST(MapSettings, SurviveTheHome) {
   ASSERT_OK(again);
   EXPECT_EQ(to_json(*again), to_json(settings));
   EXPECT_EQ(again->mapper.keyframe_translation_m, 0.1 + 0.2);
+  EXPECT_TRUE(again->bundle_adjustment);
+  settings.bundle_adjustment = false;
+  EXPECT_FALSE(map_settings_from_json(to_json(settings))->bundle_adjustment);
+  // Homes from before there was bundle adjustment do not begin with it.
+  std::string older = to_json(settings);
+  const std::string key = "\"bundle_adjustment\":false,";
+  ASSERT_THAT(older, HasSubstr(key));
+  older.erase(older.find(key), key.size());
+  EXPECT_FALSE(map_settings_from_json(older)->bundle_adjustment);
   EXPECT_ERROR(map_settings_from_json("{}"), "cannot be read");
 }
 

@@ -15,6 +15,7 @@ Expected<void> MapSettings::validate() const {
   ROOMWISE_CHECK_OK(depth.validate());
   ROOMWISE_CHECK_OK(mapper.validate());
   ROOMWISE_CHECK_OK(solver.validate());
+  ROOMWISE_CHECK_OK(refinement.validate());
   return objects.validate();
 }
 
@@ -30,6 +31,7 @@ std::string to_json(const MapSettings& settings) {
       {"loop_similar", settings.mapper.loops.similar},
       {"keyframe_reuse", settings.mapper.reuse.nearer_than},
       {"keyframe_reuse_age", settings.mapper.reuse.least_age},
+      {"bundle_adjustment", settings.adjusts_bundle()},
       {"object_score", settings.objects.least_score},
       {"seed", settings.mapper.seed},
   }
@@ -53,6 +55,7 @@ Expected<MapSettings> map_settings_from_json(std::string_view json) {
     mapping::ReuseOptions& reuse = settings.mapper.reuse;
     reuse.nearer_than = values.value("keyframe_reuse", 0.0);  // likewise
     reuse.least_age = values.value("keyframe_reuse_age", reuse.least_age);
+    settings.bundle_adjustment = values.value("bundle_adjustment", false);  // nor that
     values.at("object_score").get_to(settings.objects.least_score);
     values.at("seed").get_to(settings.mapper.seed);
   } catch (const nlohmann::json::exception& error) {

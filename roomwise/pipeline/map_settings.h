@@ -7,6 +7,7 @@
 #include "roomwise/base/expected.h"
 #include "roomwise/features/feature_extractor.h"
 #include "roomwise/home/home.h"
+#include "roomwise/mapping/map_refinement.h"
 #include "roomwise/mapping/map_solver.h"
 #include "roomwise/mapping/mapper.h"
 #include "roomwise/motion/measured_features.h"
@@ -21,9 +22,16 @@ struct MapSettings {
   motion::DepthRange depth;
   mapping::MapperOptions mapper;
   mapping::MapSolverOptions solver;
+  // Landmarks and bundle adjustment at the end, and frames between key-frames by the motion of a
+  // hand. The paper's method has neither.
+  bool bundle_adjustment = true;
+  mapping::RefinementOptions refinement;
   objects::ObjectRules objects;
 
   [[nodiscard]] Expected<void> validate() const;
+  [[nodiscard]] bool adjusts_bundle() const {
+    return bundle_adjustment && mapper.method != mapping::MappingMethod::kPaper;
+  }
 };
 
 // The settings that the command line offers, as JSON; the others have their defaults.

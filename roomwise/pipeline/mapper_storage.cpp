@@ -16,14 +16,6 @@ home::Frame stored_frame(const mapping::MappedFrame& frame) {
   return stored;
 }
 
-mapping::MappedFrame mapped_frame(const home::Frame& frame) {
-  mapping::MappedFrame mapped{frame.index, frame.timestamp_ns, std::nullopt, frame.no_pose_reason};
-  if (frame.place) {
-    mapped.place = mapping::FramePlace{frame.place->keyframe, frame.place->keyframe_from_camera};
-  }
-  return mapped;
-}
-
 // A commit waits for the disk: where no key-frame is made, so many frames share one.
 constexpr std::uint64_t kFramesACommit = 30;
 
@@ -35,6 +27,14 @@ home::KeyframeImages images_of(const image::RgbdFrame& frame) {
 }
 
 }  // namespace
+
+mapping::MappedFrame mapped_frame(const home::Frame& frame) {
+  mapping::MappedFrame mapped{frame.index, frame.timestamp_ns, std::nullopt, frame.no_pose_reason};
+  if (frame.place) {
+    mapped.place = mapping::FramePlace{frame.place->keyframe, frame.place->keyframe_from_camera};
+  }
+  return mapped;
+}
 
 Expected<void> restore_mapper(mapping::Mapper& mapper, const home::Home& home,
                               home::RecordingId recording, const geometry::PinholeCamera& camera,

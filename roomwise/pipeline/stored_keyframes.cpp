@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "roomwise/image/resample.h"
 #include "roomwise/pipeline/keyframe_images.h"
 #include "roomwise/pipeline/measured_frame_reader.h"
 
@@ -35,6 +36,29 @@ Expected<std::vector<mapping::Keyframe>> measure_keyframes(
   };
   ROOMWISE_CHECK_OK(measure_each_keyframe(home, keyframes, camera, extractor, settings, run, keep));
   return measured;
+}
+
+Expected<std::vector<mapping::KeyframeFeatures>> stored_keyframe_features(
+    const home::Home& home, const MapSettings& settings, RunContext& run) {
+  ROOMWISE_TRY(const auto keyframes, home.keyframes());
+  ROOMWISE_TRY(const auto cameras, recording_cameras(home));
+  const auto extractor = features::make_extractor(settings.features, settings.most_keypoints);
+  std::vector<mapping::KeyframeFeatures> found;
+  const auto measure = [&](const home::Keyframe& keyframe, const DecodedImages& images) {
+    const geometry::PinholeCamera& camera = cameras.at(keyframe.recording);
+    return mapping::keyframe_features(
+        motion::measure_features(extractor->extract(image::to_gray(images.color)), images.depth,
+                                 camera, settings.depth),
+        camera, settings.refinement.landmarks);
+  };
+  const auto keep = [&](const home::Keyframe&,
+                        mapping::KeyframeFeatures features) -> Expected<void> {
+    found.push_back(std::move(features));
+    return {};
+  };
+  ROOMWISE_CHECK_OK(
+      for_each_keyframe(home, keyframes, "finding features again", run, measure, keep));
+  return found;
 }
 
 }  // namespace roomwise::pipeline

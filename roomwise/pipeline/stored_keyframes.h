@@ -7,6 +7,7 @@
 #include "roomwise/features/feature_extractor.h"
 #include "roomwise/home/home.h"
 #include "roomwise/mapping/keyframe.h"
+#include "roomwise/mapping/landmarks.h"
 #include "roomwise/pipeline/map_settings.h"
 #include "roomwise/pipeline/run_context.h"
 
@@ -28,5 +29,9 @@ using TakeKeyframe = std::function<Expected<void>(mapping::Keyframe)>;
     const home::Home& home, std::span<const home::Keyframe> keyframes,
     const geometry::PinholeCamera& camera, const features::FeatureExtractor& extractor,
     const MapSettings& settings, RunContext& run);
+
+// What landmarks are found by, found again in all stored key-frames, by id.
+[[nodiscard]] Expected<std::vector<mapping::KeyframeFeatures>> stored_keyframe_features(
+    const home::Home& home, const MapSettings& settings, RunContext& run);
 
 }  // namespace roomwise::pipeline

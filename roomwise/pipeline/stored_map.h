@@ -1,18 +1,32 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <optional>
+#include <vector>
 
 #include "roomwise/home/home.h"
+#include "roomwise/mapping/map_refinement.h"
 #include "roomwise/mapping/map_solver.h"
 #include "roomwise/objects/object_map.h"
+#include "roomwise/pipeline/map_settings.h"
 #include "roomwise/recording/trajectory_file.h"
 
 // What follows from the measurements that a home holds, and can be computed anew at any time.
 namespace roomwise::pipeline {
 
-// Optimises the pose graph of all that is stored and moves the key-frames.
-[[nodiscard]] Expected<mapping::MapSolution> solve_stored_map(
-    home::Home& home, const mapping::MapSolverOptions& options);
+struct SolvedMap {
+  mapping::MapSolution solution;  // of the pose graph
+  // Where the settings adjust the bundle: the key-frames are where this puts them.
+  std::optional<mapping::MapRefinement> refinement;
+};
+
+// Optimises the pose graph of all that is stored, adjusts the bundle where the settings say so, and
+// moves the key-frames. `find_features` gives what landmarks are found by, of all key-frames by id;
+// it is asked only where they are needed.
+[[nodiscard]] Expected<SolvedMap> solve_stored_map(
+    home::Home& home, const MapSettings& settings,
+    const std::function<Expected<std::vector<mapping::KeyframeFeatures>>()>& find_features);
 
 // The pose graph as the map is now: without the loops that contradict it (solve_map() left them
 // out).
@@ -24,7 +38,9 @@ namespace roomwise::pipeline {
 [[nodiscard]] Expected<std::uint64_t> update_objects(home::Home& home,
                                                      const objects::ObjectRules& rules);
 
-// The poses of all frames that the largest piece of the map places, in the order of time.
+// The poses of all frames that the largest piece of the map places, in the order of time: along the
+// key-frames that they hang on and, where the map's settings adjust the bundle, as the key-frames
+// around and the motion of a hand say (mapping::frame_poses, mapping::smooth_frames).
 [[nodiscard]] Expected<recording::Trajectory> stored_trajectory(const home::Home& home);
 
 }  // namespace roomwise::pipeline

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "roomwise/geometry/rigid_transform.h"
+#include "roomwise/mapping/mapper.h"
+#include "roomwise/mapping/pose_graph.h"
+
+namespace roomwise::mapping {
+
+// Where frames are, once their key-frames have been moved. A frame between two key-frames was
+// measured from the first, as the second was: what the solved poses say otherwise of the second
+// grows from one to the other in the course of time. Nothing for frames without a place.
+// `keyframe_times` are by id, and frames in the order of time.
+[[nodiscard]] std::vector<std::optional<geometry::RigidTransform>> frame_poses(
+    std::span<const MappedFrame> frames,
+    std::span<const geometry::RigidTransform> world_from_keyframe,
+    std::span<const TimestampNs> keyframe_times, std::span<const PoseGraphEdge> edges);
+
+// How each key-frame's camera moved while it took its picture: a twist in its own frame (rad/s,
+// m/s) from the poses of the frames before and after. Zero where frames are too far apart in time
+// to tell.
+[[nodiscard]] std::vector<geometry::Vector6d> keyframe_motions(
+    std::span<const MappedFrame> frames,
+    std::span<const std::optional<geometry::RigidTransform>> world_from_frame,
+    std::span<const TimestampNs> keyframe_times);
+
+}  // namespace roomwise::mapping

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "roomwise/mapping/bundle_adjustment.h"
+#include "roomwise/mapping/landmarks.h"
+#include "roomwise/mapping/map_solver.h"
+#include "roomwise/mapping/mapper.h"
+
+namespace roomwise::mapping {
+
+struct RefinementOptions {
+  LandmarkOptions landmarks;
+  BundleOptions bundle;
+  motion::ResidualModel residuals;
+  double most_sigmas = 6;  // a view further from its landmark is culled
+  int rounds = 2;          // of adjusting and culling
+
+  [[nodiscard]] Expected<void> validate() const;
+};
+
+// What a map is refined from, besides its solution.
+struct RefinementInputs {
+  std::span<const PoseGraphEdge> edges;         // those that the solution was found from
+  std::span<const KeyframeFeatures> features;   // by key-frame id
+  std::span<const TimestampNs> keyframe_times;  // by key-frame id
+  std::span<const MappedFrame> frames;          // in the order of time
+  geometry::PinholeCamera camera;
+};
+
+struct MapRefinement {
+  // By key-frame id; the first of each piece stays where it was.
+  std::vector<geometry::RigidTransform> world_from_keyframe;
+  std::size_t landmarks = 0;
+  std::size_t views = 0;
+  double readout_s = 0;  // of the camera's rolling shutter
+  int iterations = 0;
+};
+
+// Bundle adjustment of a solved map: landmarks that covisible key-frames see, with depth as
+// disparity, together with the edges of the pose graph (without those that contradict it), which
+// hold what bare walls tell. The readout time of a rolling shutter is found with the rest; edges,
+// whose views were aligned as if exposed at once, are believed less the more the motions of their
+// two key-frames differ.
+[[nodiscard]] Expected<MapRefinement> refine_map(const MapSolution& solution,
+                                                 const RefinementInputs& inputs,
+                                                 const MapSolverOptions& solver,
+                                                 const RefinementOptions& options = {});
+
+}  // namespace roomwise::mapping
