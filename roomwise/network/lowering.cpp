@@ -170,11 +170,12 @@ Expected<Program> Lowering::run(std::span<const Shape> input_shapes,
     program_.inputs.push_back(program_.values.size() - 1);
     values_[graph_.inputs[i].name] = program_.inputs.back();
   }
+  // A small file can ask for more than any memory holds.
+  std::size_t most_written = std::size_t{1} << 24;
+  for (const auto& [name, constant] : graph_.constants) most_written += 4 * constant->size();
   for (const Node& node : graph_.nodes) {
     ROOMWISE_CHECK_OK(lower_node(node));
-    // A small file can ask for more than any memory holds.
-    constexpr std::size_t kMostWritten = std::size_t{1} << 26;
-    if (written_ > kMostWritten) return fail("asks for more constants than any network needs");
+    if (written_ > most_written) return fail("asks for more constants than any network needs");
   }
   for (const std::string& name :
        outputs.empty() ? std::span<const std::string>(graph_.outputs) : outputs) {

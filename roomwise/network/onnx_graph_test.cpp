@@ -103,7 +103,7 @@ TEST(OnnxGraph, SurvivesDamage) {
 // A few bytes that ask for terabytes.
 TEST(OnnxGraph, RefusesToGrowWithoutEnd) {
   TinyGraph graph{
-      {}, {tensor("size", {1}, std::vector<std::int64_t>{1 << 24})}, {1, 3}, {{"picture", {1, 3}}}};
+      {}, {tensor("size", {1}, std::vector<std::int64_t>{1 << 22})}, {1, 3}, {{"picture", {1, 3}}}};
   for (int i = 0; i < 1000; ++i) {
     graph.nodes.push_back(layer("ConstantOfShape", {"size"}, {"c" + std::to_string(i)}));
   }
@@ -114,7 +114,7 @@ TEST(OnnxGraph, RefusesToGrowWithoutEnd) {
     const std::string from = "c" + std::to_string(i), to = "c" + std::to_string(i + 1);
     graph.nodes.push_back(layer("Concat", {from, from}, {to}, {attribute("axis", 0)}));
   }
-  EXPECT_ERROR(load(onnx(graph)), "(Concat, opset 11): gives a value of the impossible shape");
+  EXPECT_ERROR(load(onnx(graph)), "more constants than any network needs");
 }
 
 TEST(Protobuf, RefusesNumbersWithoutEnd) {
