@@ -8,7 +8,6 @@
 #include "roomwise/base/file.h"
 #include "roomwise/base/testing.h"
 #include "roomwise/image/codec.h"
-#include "roomwise/image/resample.h"
 #include "roomwise/network/onnx_classifier.h"
 #include "roomwise/network/tiny_network.h"
 
@@ -101,21 +100,30 @@ TEST(Detector, RefusesOtherNetworks) {
   EXPECT_ERROR(OnnxClassifier::load(weights), "looks for things in pictures");
 }
 
-TEST(Detector, FindsTheElephant) {
+// Boxes around things in two photos, measured by eye.
+TEST(Detector, FindsThingsWhereTheyAre) {
   const auto weights = find_model("nanodet-plus-m-416.onnx");
   ROOMWISE_REQUIRE_FILE(weights);
   const auto photos = find_data("object_photos");
   ROOMWISE_REQUIRE_FILE(photos);
   const auto detector = Detector::load(*weights);
   ASSERT_OK(detector);
-  const auto photo = image::read_color(*photos / "n02504458_African_elephant.jpg");
-  ASSERT_OK(photo);
-  const auto found = (*detector)->detect(*photo, 0.4F);
-  ASSERT_OK(found);
-  for (auto& d : *found)
-    printf("%dx%d %s %g %g %g %g %g\n", photo->width(), photo->height(),
-           (*detector)->labels()[d.label].c_str(), d.score, d.box.left, d.box.top, d.box.right,
-           d.box.bottom);
+  struct Seen {
+    const char* photo;
+    const char* label;
+    PixelBox box;
+  };
+  for (const Seen& seen : {Seen{"n04447861_toilet_seat.jpg", "toilet", {28, 68, 249, 312}},
+                           Seen{"n02099601_golden_retriever.jpg", "dog", {42, 117, 210, 390}}}) {
+    const auto photo = image::read_color(*photos / seen.photo);
+    ASSERT_OK(photo);
+    const auto found = (*detector)->detect(*photo, 0.4F);
+    ASSERT_OK(found);
+    ASSERT_EQ(found->size(), 1u) << seen.photo;
+    EXPECT_EQ((*detector)->labels()[found->front().label], seen.label);
+    EXPECT_GT(intersection_over_union(found->front().box, seen.box), 0.85F) << seen.photo;
+  }
+  EXPECT_ERROR((*detector)->detect(image::ColorImage(), 0.4F), "no pixels");
 }
 
 }  // namespace

@@ -49,6 +49,7 @@ Expected<ValueId> Lowering::add(decltype(Layer::operation) operation, std::vecto
     }
   }
   if (count_of(output_shape) == 0) return fail("gives an empty value");
+  if (const auto* gather = std::get_if<AxisGather>(&operation)) written_ += gather->picks.size();
   program_.values.push_back({std::move(output_shape), nullptr});
   const ValueId output = program_.values.size() - 1;
   program_.layers.push_back({std::move(operation), std::move(inputs), output, node_});
@@ -56,6 +57,7 @@ Expected<ValueId> Lowering::add(decltype(Layer::operation) operation, std::vecto
 }
 
 ValueId Lowering::add_constant(Constant constant) {
+  written_ += constant.size();
   Shape shape = constant.shape;
   program_.values.push_back(
       {std::move(shape), std::make_shared<const Constant>(std::move(constant))});
@@ -168,7 +170,13 @@ Expected<Program> Lowering::run(std::span<const Shape> input_shapes,
     program_.inputs.push_back(program_.values.size() - 1);
     values_[graph_.inputs[i].name] = program_.inputs.back();
   }
-  for (const Node& node : graph_.nodes) ROOMWISE_CHECK_OK(lower_node(node));
+  // A small file can ask for more than any memory holds.
+  std::size_t most_written = std::size_t{1} << 24;
+  for (const auto& [name, constant] : graph_.constants) most_written += 4 * constant->size();
+  for (const Node& node : graph_.nodes) {
+    ROOMWISE_CHECK_OK(lower_node(node));
+    if (written_ > most_written) return fail("asks for more constants than any network needs");
+  }
   for (const std::string& name :
        outputs.empty() ? std::span<const std::string>(graph_.outputs) : outputs) {
     ROOMWISE_TRY(const ValueId output, find_output(name));

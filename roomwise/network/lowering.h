@@ -64,6 +64,7 @@ class Lowering {
 
   const OnnxGraph& graph_;
   bool fold_constants_;
+  std::size_t written_ = 0;  // numbers and slices that were written down so far
   Program program_;
   std::map<std::string, ValueId> values_;
   std::string node_;

@@ -100,6 +100,23 @@ TEST(OnnxGraph, SurvivesDamage) {
   EXPECT_LT(refused, 3000);
 }
 
+// A few bytes that ask for terabytes.
+TEST(OnnxGraph, RefusesToGrowWithoutEnd) {
+  TinyGraph graph{
+      {}, {tensor("size", {1}, std::vector<std::int64_t>{1 << 22})}, {1, 3}, {{"picture", {1, 3}}}};
+  for (int i = 0; i < 1000; ++i) {
+    graph.nodes.push_back(layer("ConstantOfShape", {"size"}, {"c" + std::to_string(i)}));
+  }
+  EXPECT_ERROR(load(onnx(graph)), "more constants than any network needs");
+  graph.nodes = {layer("Identity", {"one"}, {"c0"})};
+  graph.constants.push_back(tensor("one", {2}, std::vector<float>{1, 2}));
+  for (int i = 0; i < 60; ++i) {
+    const std::string from = "c" + std::to_string(i), to = "c" + std::to_string(i + 1);
+    graph.nodes.push_back(layer("Concat", {from, from}, {to}, {attribute("axis", 0)}));
+  }
+  EXPECT_ERROR(load(onnx(graph)), "more constants than any network needs");
+}
+
 TEST(Protobuf, RefusesNumbersWithoutEnd) {
   EXPECT_FALSE(protobuf_fields(bytes_of(std::string(12, '\xff'))).has_value());
   EXPECT_FALSE(protobuf_fields(bytes_of("\x0a\xff\xff\xff\xff\x0f")).has_value());

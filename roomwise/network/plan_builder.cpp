@@ -211,7 +211,13 @@ void PlanBuilder::plan_memory_of_steps() {
 Expected<std::shared_ptr<const Plan>> make_plan(const Program& program, bool joins_in_place) {
   PlanBuilder builder(program, joins_in_place);
   try {
-    return builder.build();
+    std::shared_ptr<const Plan> plan = builder.build();
+    constexpr std::size_t kMostBytes = std::size_t{1} << 32;
+    if (plan->memory.bytes > kMostBytes) {
+      return fail("a run would take {} MB of memory; at most {} are given",
+                  plan->memory.bytes >> 20, kMostBytes >> 20);
+    }
+    return plan;
   } catch (const dnnl::error& error) {
     return fail("node \"{}\": oneDNN cannot run it: {}", builder.node(), error.what());
   }

@@ -11,7 +11,7 @@ std::size_t count_of(const Shape& shape) {
 }
 
 Expected<void> check_size(const Shape& shape) {
-  constexpr std::int64_t kMostValues = std::int64_t{1} << 28;
+  constexpr std::int64_t kMostValues = std::int64_t{1} << 26;
   std::int64_t count = 1;
   for (const std::int64_t size : shape) {
     if (size < 0 || size > kMostValues ||
