@@ -12,7 +12,7 @@ namespace roomwise::simulation {
 namespace {
 
 // To be changed whenever the bake gives other light for the same scene.
-constexpr std::string_view kFormat = "roomwise baked light 2\n";
+constexpr std::string_view kFormat = "roomwise baked light 3\n";
 constexpr std::size_t kDigestLength = 64;
 
 template <typename Value>

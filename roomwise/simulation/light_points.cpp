@@ -11,9 +11,8 @@
 namespace roomwise::simulation {
 namespace {
 
-constexpr float kCell = 0.06F;    // m: light is gathered about this densely
-constexpr float kReach = 0.078F;  // m, of blending
-constexpr float kPlane = 0.02F;   // m: parallel planes further apart have points of their own
+constexpr float kCell = 0.06F;   // m: light is gathered about this densely
+constexpr float kPlane = 0.02F;  // m: parallel planes further apart have points of their own
 constexpr float kGap = 1e-3F;
 constexpr float kBuried = 0.05F;  // m: how far an open place sees at least
 
@@ -86,7 +85,7 @@ CornerPoints::CornerPoints(const Scene& scene, ThreadPool& pool)
   note_corners();
   measure_openness(pool);
   place_points();
-  index_cells();
+  index_points();
 }
 
 void CornerPoints::note_corners() {
@@ -107,10 +106,9 @@ void CornerPoints::note_corners() {
   }
 }
 
-Eigen::Vector3f CornerPoints::corner_normal(std::uint32_t corner, int side) const {
-  Eigen::Vector3f normal = scene_.normals()[corner];
-  if (normal.dot(corners_[corner].plane_normal) < 0) normal = -normal;
-  return side == 0 ? normal : Eigen::Vector3f(-normal);
+Eigen::Vector3f CornerPoints::corner_normal(std::uint32_t corner) const {
+  const Eigen::Vector3f& normal = scene_.normals()[corner];
+  return normal.dot(corners_[corner].plane_normal) < 0 ? Eigen::Vector3f(-normal) : normal;
 }
 
 void CornerPoints::measure_openness(ThreadPool& pool) {
@@ -187,21 +185,13 @@ void CornerPoints::place_points() {
   }
 }
 
-// Sorts the points by cell, so that those of one lie together in memory.
-void CornerPoints::index_cells() {
-  std::vector<std::pair<std::uint64_t, std::uint32_t>> order;
-  for (std::uint32_t i = 0; i < points_.size(); ++i) {
-    order.emplace_back(cell_key(point_object_[i], cell_of(points_[i].position)), i);
-  }
-  std::sort(order.begin(), order.end());
+void CornerPoints::index_points() {
+  const std::vector<std::uint32_t> order = LightPointIndex::order_of(points_, point_object_);
   std::vector<LightPoint> points;
   std::vector<std::uint16_t> objects;
   std::vector<std::uint32_t> new_index(points_.size());
-  for (const auto& [key, point] : order) {
-    const auto index = static_cast<std::uint32_t>(points.size());
-    if (cells_.empty() || cells_.back().key != key) cells_.push_back({key, index, 0});
-    ++cells_.back().count;
-    new_index[point] = index;
+  for (const std::uint32_t point : order) {
+    new_index[point] = static_cast<std::uint32_t>(points.size());
     points.push_back(points_[point]);
     objects.push_back(point_object_[point]);
   }
@@ -214,11 +204,7 @@ void CornerPoints::index_cells() {
   for (Corner& corner : corners_) {
     std::for_each(corner.own_point.begin(), corner.own_point.end(), renumber);
   }
-  // The key begins with the object.
-  for (std::uint32_t cell = 0; cell < cells_.size(); ++cell) {
-    while (first_cell_.size() <= cells_[cell].key >> 48U) first_cell_.push_back(cell);
-  }
-  first_cell_.resize(65537, static_cast<std::uint32_t>(cells_.size()));
+  index_ = LightPointIndex(points_, point_object_);
 }
 
 Eigen::Vector3f CornerPoints::at_middle(const std::vector<Flux>& fluxes, std::uint32_t triangle,
@@ -229,96 +215,20 @@ Eigen::Vector3f CornerPoints::at_middle(const std::vector<Flux>& fluxes, std::ui
   return illuminance(fluxes[point], side == 0 ? normal : Eigen::Vector3f(-normal));
 }
 
-// Calls visit(index) for the points of an object in the cells around a place. Cells that follow one
-// another in z do so in the list too.
-template <typename Visit>
-void CornerPoints::visit_around(std::uint16_t object, const Eigen::Vector3f& position,
-                                const Visit& visit) const {
-  const CellIndex low = cell_of(position - Eigen::Vector3f::Constant(kReach));
-  const CellIndex high = cell_of(position + Eigen::Vector3f::Constant(kReach));
-  const auto first = cells_.begin() + first_cell_[object];
-  const auto last = cells_.begin() + first_cell_[object + 1U];
-  for (int x = low[0]; x <= high[0]; ++x) {
-    for (int y = low[1]; y <= high[1]; ++y) {
-      const std::uint64_t last_key = cell_key(object, {x, y, high[2]});
-      auto cell = std::lower_bound(
-          first, last, cell_key(object, {x, y, low[2]}),
-          [](const Cell& candidate, std::uint64_t wanted) { return candidate.key < wanted; });
-      for (; cell != last && cell->key <= last_key; ++cell) {
-        for (std::uint32_t i = cell->first; i < cell->first + cell->count; ++i) visit(i);
-      }
-    }
-  }
-}
-
-// How much a point tells about the light at a place that faces along `normal`: it should be near,
-// face alike, and lie in the same plane, since the light on another shelf is another.
-float CornerPoints::weight_of(const LightPoint& point, float facing,
-                              const Eigen::Vector3f& position,
-                              const Eigen::Vector3f& normal) const {
-  constexpr float kLeastFacing = 0.55F;
-  if (facing < kLeastFacing) return 0;
-  const Eigen::Vector3f offset = point.position - position;
-  const float beside = normal.dot(offset);
-  const float squared = (offset.squaredNorm() + 50 * beside * beside) / (kReach * kReach);
-  if (squared >= 1) return 0;
-  const float near = 1 - squared, alike = facing - kLeastFacing + 0.05F;
-  return near * near * alike * alike * point.openness * point.openness;
-}
-
-std::array<Eigen::Vector3f, 2> CornerPoints::at_corner(const std::vector<Flux>& fluxes,
-                                                       std::uint32_t corner) const {
-  std::array<Eigen::Vector3f, 2> light{Eigen::Vector3f::Zero(), Eigen::Vector3f::Zero()};
-  const Corner& at = corners_[corner];
-  if (!at.is_used) return light;
-  const std::array<Eigen::Vector3f, 2> normals{corner_normal(corner, 0), corner_normal(corner, 1)};
-  std::array<float, 2> weights{};
-  visit_around(at.object, at.inside, [&](std::uint32_t index) {
-    const float facing = normals[0].dot(points_[index].normal);
-    const std::size_t side = facing >= 0 ? 0 : 1;
-    const float weight = weight_of(points_[index], std::abs(facing), at.inside, normals[side]);
-    if (weight <= 0) return;
-    light[side] += weight * illuminance(fluxes[index], normals[side]);
-    weights[side] += weight;
-  });
-  for (const std::size_t side : {std::size_t{0}, std::size_t{1}}) {
-    if (weights[side] > 1e-5F) {
-      light[side] /= weights[side];
-    } else if (at.own_point[side] != kNone) {
-      light[side] = illuminance(fluxes[at.own_point[side]], normals[side]);
-    }
-  }
-  return light;
-}
-
-void CornerPoints::find_neighbors(std::size_t point, std::vector<Neighbor>& neighbors) const {
+void CornerPoints::find_neighbors(std::size_t point,
+                                  std::vector<LightPointIndex::Neighbor>& neighbors) const {
   const LightPoint& at = points_[point];
-  visit_around(point_object_[point], at.position, [&](std::uint32_t index) {
-    const float weight =
-        weight_of(points_[index], at.normal.dot(points_[index].normal), at.position, at.normal);
-    if (weight > 0) neighbors.push_back({index, weight});
-  });
+  index_.find(point_object_[point], at.position, at.normal, neighbors);
 }
 
-Flux CornerPoints::smoothed(const std::vector<Flux>& fluxes, std::size_t point,
-                            std::span<const Neighbor> neighbors, float tolerance) const {
-  // exp(-x) is 0 in single precision from here on.
-  constexpr float kVanishes = 104;
-  const Eigen::Vector3f& normal = points_[point].normal;
-  const float here = luminance(illuminance(fluxes[point], normal));
-  Flux sum = 1e-6F * fluxes[point];
-  float weights = 1e-6F;
-  for (const Neighbor& neighbor : neighbors) {
-    const Flux& flux = fluxes[neighbor.point];
-    const float there = luminance(illuminance(flux, normal));
-    const float difference = (there - here) / (tolerance * (here + there) + 1e-6F);
-    const float squared = difference * difference;
-    if (squared > kVanishes) continue;
-    const float alike = neighbor.weight * std::exp(-squared);
-    sum += alike * flux;
-    weights += alike;
-  }
-  return sum / weights;
+bool CornerPoints::find_sources(std::uint32_t corner, CornerSources& sources) const {
+  const Corner& at = corners_[corner];
+  if (!at.is_used) return false;
+  sources.neighbors.clear();
+  sources.normal = corner_normal(corner);
+  sources.own_point = at.own_point;
+  index_.find(at.object, at.inside, sources.normal, sources.neighbors);
+  return true;
 }
 
 }  // namespace roomwise::simulation
