@@ -57,10 +57,14 @@ class Baker {
         }
       }
     }
-    for (std::size_t i = 0; i < texels_.size(); ++i) {
-      const float openness = openness_of(scene.rays(), texels_[i], static_cast<std::uint32_t>(i));
-      is_buried_.push_back(openness < kLeastOpenness);
-    }
+    is_buried_.resize(texels_.size());
+    pool.parallel_for((texels_.size() + kChunk - 1) / kChunk, [&](std::size_t chunk) {
+      for (std::size_t i = chunk * kChunk; i < std::min((chunk + 1) * kChunk, texels_.size());
+           ++i) {
+        is_buried_[i] =
+            openness_of(scene.rays(), texels_[i], static_cast<std::uint32_t>(i)) < kLeastOpenness;
+      }
+    });
     rays_ += texels_.size() * kOpennessRays;
   }
 
@@ -98,7 +102,7 @@ class Baker {
   ThreadPool& pool_;
   Progress& progress_;
   std::vector<LightPoint> texels_;
-  std::vector<bool> is_buried_;  // a texel a place
+  std::vector<std::uint8_t> is_buried_;  // a texel a place; bytes, to be written by many threads
   CornerPoints corners_;
   std::atomic<std::uint64_t> rays_ = 0;
 };
