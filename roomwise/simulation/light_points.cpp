@@ -1,8 +1,9 @@
 #include "roomwise/simulation/light_points.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
-#include <unordered_map>
+#include <unordered_set>
 
 #include "roomwise/simulation/color_math.h"
 #include "roomwise/simulation/noise.h"
@@ -37,12 +38,6 @@ Eigen::Vector3f illuminance(const Flux& flux, const Eigen::Vector3f& normal) {
   return (normal.transpose() * flux).transpose().cwiseMax(0.0F);
 }
 
-// Which points are taken for one: same object, cell and facing, and about the same plane.
-struct PlaceKey {
-  std::uint64_t cell;
-  std::int32_t facing, plane;
-  bool operator==(const PlaceKey&) const = default;
-};
 struct PlaceKeyHash {
   std::size_t operator()(const PlaceKey& key) const {
     return key.cell * 0x9e3779b97f4a7c15ULL + static_cast<std::uint64_t>(key.facing) * 0x85ebca6bU +
@@ -83,8 +78,7 @@ float openness_of(const RayCaster& rays, const LightPoint& point, std::uint32_t 
 CornerPoints::CornerPoints(const Scene& scene, ThreadPool& pool)
     : scene_(scene), corners_(scene.positions().size()) {
   note_corners();
-  measure_openness(pool);
-  place_points();
+  place_points(pool);
   index_points();
 }
 
@@ -111,22 +105,37 @@ Eigen::Vector3f CornerPoints::corner_normal(std::uint32_t corner) const {
   return normal.dot(corners_[corner].plane_normal) < 0 ? Eigen::Vector3f(-normal) : normal;
 }
 
-void CornerPoints::measure_openness(ThreadPool& pool) {
-  constexpr std::size_t kChunk = 4096;
+// The sides of all triangles outside patches, those of one place together.
+std::vector<CornerPoints::Side> CornerPoints::sides_by_place() const {
   const auto& triangles = scene_.triangles();
-  for (auto& list : openness_) list.assign(triangles.size(), 0);
-  pool.parallel_for((triangles.size() + kChunk - 1) / kChunk, [&](std::size_t chunk) {
-    for (std::size_t i = chunk * kChunk; i < std::min((chunk + 1) * kChunk, triangles.size());
-         ++i) {
-      if (triangles[i].patch >= 0) continue;
-      for (const int side : {0, 1}) {
-        openness_[static_cast<std::size_t>(side)][i] = openness_of(
-            scene_.rays(), point_at(triangles[i], middle_of(scene_, triangles[i]), side),
-            static_cast<std::uint32_t>(i));
-      }
+  std::vector<Side> sides;
+  sides.reserve(2 * triangles.size());
+  for (std::uint32_t i = 0; i < triangles.size(); ++i) {
+    if (triangles[i].patch >= 0) continue;
+    const Eigen::Vector3f middle = middle_of(scene_, triangles[i]);
+    for (const int side : {0, 1}) {
+      sides.push_back({key_of(triangles[i].object, point_at(triangles[i], middle, side)), i, side});
     }
-  });
-  rays_ += 2 * triangles.size() * kOpennessRays;
+  }
+  std::ranges::sort(sides);
+  return sides;
+}
+
+// The first side of a place whose middle lies in the open, or else the first that is not buried, so
+// that what lies close behind a visible surface is not taken for it.
+std::optional<LightPoint> CornerPoints::point_of_place(std::span<const Side> sides,
+                                                       std::uint64_t& rays) const {
+  constexpr float kOpen = 0.7F;
+  std::optional<LightPoint> second;
+  for (const Side& side : sides) {
+    const SceneTriangle& triangle = scene_.triangles()[side.triangle];
+    LightPoint point = point_at(triangle, middle_of(scene_, triangle), side.side);
+    point.openness = openness_of(scene_.rays(), point, side.triangle);
+    rays += kOpennessRays;
+    if (point.openness >= kOpen) return point;
+    if (!second && point.openness >= kLeastOpenness) second = point;
+  }
+  return second;
 }
 
 std::uint32_t CornerPoints::add_point(std::uint16_t object, const LightPoint& point) {
@@ -135,36 +144,49 @@ std::uint32_t CornerPoints::add_point(std::uint16_t object, const LightPoint& po
   return static_cast<std::uint32_t>(points_.size() - 1);
 }
 
-// Triangles' middles first: they lie off the creases where surfaces meet. Among them first those in
-// the open, so that what lies close behind a visible surface is not taken for it. Then what is near
-// corners and has no point yet.
-void CornerPoints::place_points() {
-  std::unordered_map<PlaceKey, std::uint32_t, PlaceKeyHash> chosen;
+// Triangles' middles first: they lie off the creases where surfaces meet. Then what is near corners
+// and has no point yet.
+void CornerPoints::place_points(ThreadPool& pool) {
+  const std::vector<Side> sides = sides_by_place();
+  std::vector<std::size_t> first;  // of every place, and the end
+  for (std::size_t i = 0; i < sides.size(); ++i) {
+    if (i == 0 || sides[i].place != sides[i - 1].place) first.push_back(i);
+  }
+  const std::size_t places = first.size();
+  first.push_back(sides.size());
+  const auto sides_of = [&](std::size_t place) {
+    return std::span(sides).subspan(first[place], first[place + 1] - first[place]);
+  };
+
+  constexpr std::size_t kChunk = 1024;
+  std::vector<std::optional<LightPoint>> points(places);
+  std::atomic<std::uint64_t> traced = 0;
+  pool.parallel_for((places + kChunk - 1) / kChunk, [&](std::size_t chunk) {
+    std::uint64_t rays = 0;
+    for (std::size_t i = chunk * kChunk; i < std::min((chunk + 1) * kChunk, places); ++i) {
+      points[i] = point_of_place(sides_of(i), rays);
+    }
+    traced += rays;
+  });
+  rays_ += traced;
+
   const auto& triangles = scene_.triangles();
   for (auto& list : point_of_) list.assign(triangles.size(), kNone);
-  const auto place_middle = [&](std::size_t i, std::size_t side) {
-    LightPoint point =
-        point_at(triangles[i], middle_of(scene_, triangles[i]), static_cast<int>(side));
-    point.openness = openness_[side][i];
-    const auto [entry, is_new] = chosen.try_emplace(key_of(triangles[i].object, point), 0);
-    if (is_new) entry->second = add_point(triangles[i].object, point);
-    point_of_[side][i] = entry->second;
-    for (const std::uint32_t corner : triangles[i].corners) {
-      Corner& at = corners_[corner];
-      const bool is_turned = at.plane_normal.dot(triangles[i].normal) < 0;
-      at.own_point[is_turned ? 1 - side : side] = entry->second;
-    }
-  };
-  float most = 2;
-  for (const float least : {0.7F, kLeastOpenness}) {
-    for (std::size_t i = 0; i < triangles.size(); ++i) {
-      if (triangles[i].patch >= 0) continue;
-      for (const std::size_t side : {std::size_t{0}, std::size_t{1}}) {
-        const float open = openness_[side][i];
-        if (open >= least && open < most) place_middle(i, side);
+  std::unordered_set<PlaceKey, PlaceKeyHash> taken;
+  for (std::size_t i = 0; i < places; ++i) {
+    if (!points[i]) continue;
+    const SceneTriangle& any = triangles[sides_of(i).front().triangle];
+    const std::uint32_t point = add_point(any.object, *points[i]);
+    taken.insert(sides_of(i).front().place);
+    for (const Side& side : sides_of(i)) {
+      const auto face = static_cast<std::size_t>(side.side);
+      point_of_[face][side.triangle] = point;
+      for (const std::uint32_t corner : triangles[side.triangle].corners) {
+        Corner& at = corners_[corner];
+        const bool is_turned = at.plane_normal.dot(triangles[side.triangle].normal) < 0;
+        at.own_point[is_turned ? 1 - face : face] = point;
       }
     }
-    most = least;
   }
   for (const SceneTriangle& triangle : triangles) {
     if (triangle.patch >= 0) continue;
@@ -175,11 +197,12 @@ void CornerPoints::place_points() {
       for (const int side : {0, 1}) {
         LightPoint point = point_at(triangle, position + 0.25F * (middle - position), side);
         const PlaceKey key = key_of(triangle.object, point);
-        if (chosen.contains(key)) continue;
+        if (taken.contains(key)) continue;
         point.openness = openness_of(scene_.rays(), point, corner);
         rays_ += kOpennessRays;
-        if (point.openness >= kLeastOpenness)
-          chosen.emplace(key, add_point(triangle.object, point));
+        if (point.openness < kLeastOpenness) continue;
+        taken.insert(key);
+        add_point(triangle.object, point);
       }
     }
   }

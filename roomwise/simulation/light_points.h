@@ -2,7 +2,10 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <compare>
 #include <cstdint>
+#include <optional>
+#include <span>
 #include <vector>
 
 #include "roomwise/base/thread_pool.h"
@@ -17,6 +20,13 @@ namespace roomwise::simulation {
 [[nodiscard]] float openness_of(const RayCaster& rays, const LightPoint& point, std::uint32_t seed);
 constexpr int kOpennessRays = 12;
 constexpr float kLeastOpenness = 0.25F;
+
+// Which points are taken for one: same object, cell and facing, and about the same plane.
+struct PlaceKey {
+  std::uint64_t cell;
+  std::int32_t facing, plane;
+  auto operator<=>(const PlaceKey&) const = default;
+};
 
 // The points of furniture and fittings. They are spread evenly over all triangles, on both sides,
 // but not where another surface lies right on them: what is buried is never seen, and its darkness
@@ -59,14 +69,22 @@ class CornerPoints {
   };
   [[nodiscard]] Eigen::Vector3f corner_normal(std::uint32_t corner) const;
   void note_corners();
-  void measure_openness(ThreadPool& pool);
-  void place_points();
+  // One side of a triangle, and the place that its middle is taken for.
+  struct Side {
+    PlaceKey place;
+    std::uint32_t triangle;
+    int side;  // 0 front, 1 back
+    auto operator<=>(const Side&) const = default;
+  };
+  [[nodiscard]] std::vector<Side> sides_by_place() const;
+  [[nodiscard]] std::optional<LightPoint> point_of_place(std::span<const Side> sides,
+                                                         std::uint64_t& rays) const;
+  void place_points(ThreadPool& pool);
   std::uint32_t add_point(std::uint16_t object, const LightPoint& point);
   void index_points();
 
   const Scene& scene_;
   std::vector<Corner> corners_;                         // by index of position
-  std::array<std::vector<float>, 2> openness_;          // of a triangle's middle
   std::array<std::vector<std::uint32_t>, 2> point_of_;  // of a triangle's middle
   std::vector<LightPoint> points_;
   std::vector<std::uint16_t> point_object_;
