@@ -54,7 +54,7 @@ TEST(LightPointIndex, FindsWhatLookingAtAllPointsFinds) {
   const LightPointIndex index(sorted, sorted_objects);
 
   std::size_t all = 0;
-  for (std::size_t i = 0; i < sorted.size(); i += 29) {
+  for (std::size_t i = 0; i < sorted.size(); i += 11) {
     const Eigen::Vector3f& position = sorted[i].position;
     const Eigen::Vector3f& normal = sorted[i].normal;
     std::vector<LightPointIndex::Neighbor> found;
@@ -71,7 +71,7 @@ TEST(LightPointIndex, FindsWhatLookingAtAllPointsFinds) {
       all += std::abs(expected) > 1e-3F ? 1 : 0;
     }
   }
-  EXPECT_GT(all, 2000U) << "the test looks at something";
+  EXPECT_GT(all, 1000U) << "the test looks at something";
   std::vector<LightPointIndex::Neighbor> none;
   index.find(1, sorted.front().position, sorted.front().normal, none);
   index.find(900, sorted.front().position, sorted.front().normal, none);
