@@ -1,5 +1,6 @@
 #include "arguments.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <array>
