@@ -18,8 +18,10 @@
 #include <opencv2/imgproc.hpp>
 #include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "arguments.h"
 #include "feature_methods.h"
 #include "feature_pictures.h"
 #include "roomwise/features/matcher.h"
@@ -248,22 +250,27 @@ void print_table(const std::vector<bench::FeatureMethod>& methods,
 
 int main(int argc, char** argv) {
   cv::setNumThreads(1);
-  const int a_recording = argc > 1 ? std::atoi(argv[1]) : 4;
-  if (a_recording < 1) {
-    fmt::print(stderr, "'{}' is no number of pictures\n", argv[1]);
+  const auto a_recording =
+      argc > 1 ? bench::parse_count(argv[1], "feature_matching_scores [PICTURES [METHOD ...]]")
+               : Expected<int>(4);
+  if (!a_recording) {
+    fmt::print(stderr, "{}\n", a_recording.error().message);
     return 2;
   }
   const std::set<std::string> wanted(argv + std::min(argc, 2), argv + argc);
   auto methods = bench::feature_methods(kMostKeypoints);
+  for (const std::string& name : wanted) {
+    if (std::ranges::none_of(methods, [&](const auto& method) { return method.name == name; })) {
+      fmt::print(stderr, "'{}' is no method; give surf, surf-portable, dlib-surf, sift or orb\n",
+                 name);
+      return 2;
+    }
+  }
   std::erase_if(methods, [&](const auto& method) {
     // Both of ours give the same bits.
     return wanted.empty() ? method.name == "surf-portable" : !wanted.contains(method.name);
   });
-  if (methods.empty()) {
-    fmt::print(stderr, "none of these is a method; give surf, dlib-surf, sift or orb\n");
-    return 2;
-  }
-  const auto pictures = bench::load_feature_pictures(a_recording);
+  const auto pictures = bench::load_feature_pictures(*a_recording);
   if (!pictures) {
     fmt::print(stderr, "{}\n", pictures.error().message);
     return 1;

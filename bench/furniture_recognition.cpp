@@ -414,7 +414,9 @@ Expected<void> run(Options options) {
 int main(int argc, char** argv) {
   CLI::App app{"Whether networks believe the furniture of made-up homes"};
   Options options;
-  app.add_option("homes", options.homes, "How many; seeds from 1")->capture_default_str();
+  app.add_option("homes", options.homes, "How many; seeds from 1")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
   app.add_option("--rooms", options.rooms, "Of every home, separated by commas")
       ->delimiter(',')
       ->capture_default_str();

@@ -5,10 +5,10 @@
 #include <fmt/format.h>
 
 #include <cstdint>
-#include <cstdlib>
 #include <string>
 #include <vector>
 
+#include "arguments.h"
 #include "roomwise/simulation/home_checks.h"
 #include "roomwise/simulation/home_generator.h"
 #include "roomwise/simulation/scenario.h"
@@ -36,14 +36,18 @@ std::vector<std::string> faults_of(std::uint64_t seed, simulation::Scenario scen
 }  // namespace
 
 int main(int argc, char** argv) {
-  const std::uint64_t homes = argc > 1 ? std::strtoull(argv[1], nullptr, 10) : 200;
+  const auto homes = bench::only_count(argc, argv, 200, "homes_check [HOMES]");
+  if (!homes) {
+    fmt::print(stderr, "{}\n", homes.error().message);
+    return 2;
+  }
   const auto catalogue = simulation::FurnitureCatalogue::open();
   if (!catalogue) {
     fmt::print(stderr, "{}\n", catalogue.error().message);
     return 1;
   }
   std::uint64_t faulty = 0;
-  for (std::uint64_t seed = 0; seed < homes; ++seed) {
+  for (std::uint64_t seed = 0; seed < static_cast<std::uint64_t>(*homes); ++seed) {
     for (const auto scenario : {simulation::Scenario::kDay, simulation::Scenario::kMoved}) {
       const auto faults = faults_of(seed, scenario, *catalogue);
       const char* name = scenario == simulation::Scenario::kDay ? "day" : "moved";
@@ -51,6 +55,6 @@ int main(int argc, char** argv) {
       faulty += faults.empty() ? 0 : 1;
     }
   }
-  fmt::print("{} homes by day and moved: {} with faults\n", homes, faulty);
+  fmt::print("{} homes by day and moved: {} with faults\n", *homes, faulty);
   return faulty == 0 ? 0 : 1;
 }

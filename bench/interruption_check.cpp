@@ -15,9 +15,11 @@
 #include <cstdlib>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <thread>
 #include <vector>
 
+#include "arguments.h"
 #include "roomwise/base/file.h"
 #include "roomwise/base/random.h"
 #include "roomwise/home/home.h"
@@ -105,11 +107,19 @@ struct Check {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc < 3) {
-    fmt::print(stderr, "interruption_check INTERRUPTIONS RECORDING [SEED]\n");
+  constexpr std::string_view kUsage = "interruption_check INTERRUPTIONS RECORDING [SEED]";
+  if (argc < 3 || argc > 4) {
+    fmt::print(stderr, "usage: {}\n", kUsage);
     return 2;
   }
-  const int wanted = std::atoi(argv[1]);
+  const auto given = bench::parse_count(argv[1], kUsage);
+  const auto seed = argc > 3 ? bench::parse_count(argv[3], kUsage) : Expected<int>(1);
+  for (const auto& number : {given, seed}) {
+    if (number) continue;
+    fmt::print(stderr, "{}\n", number.error().message);
+    return 2;
+  }
+  const int wanted = *given;
   const Check check{argv[2], argc > 3 ? argv[3] : "1"};
   const auto start = std::chrono::steady_clock::now();
   if (check.map().wait() != 0) {

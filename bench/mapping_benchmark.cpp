@@ -18,8 +18,10 @@
 #include <opencv2/core.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "arguments.h"
 #include "roomwise/evaluation/trajectory_error.h"
 #include "roomwise/pipeline/map_recording.h"
 #include "roomwise/pipeline/room_learning.h"
@@ -166,7 +168,13 @@ int main(int argc, char** argv) {
     fmt::print(stderr, "set ROOMWISE_DATA to the folder of the recordings\n");
     return 1;
   }
-  const int seeds = argc > 1 ? std::atoi(argv[1]) : 5;
+  const auto given = argc > 1 ? bench::parse_count(argv[1], "mapping_benchmark [SEEDS [WAY ...]]")
+                              : Expected<int>(5);
+  if (!given) {
+    fmt::print(stderr, "{}\n", given.error().message);
+    return 2;
+  }
+  const int seeds = *given;
   std::vector<std::string> names(argv + std::min(argc, 2), argv + argc);
   if (names.empty()) {
     names = {"combined:surf", "combined:sift", "combined:orb",
@@ -180,10 +188,6 @@ int main(int argc, char** argv) {
       return 2;
     }
     ways.push_back(*way);
-  }
-  if (seeds < 1) {
-    fmt::print(stderr, "'{}' is no number of seeds\n", argv[1]);
-    return 2;
   }
 
   const std::vector<Task> tasks{

@@ -210,7 +210,11 @@ void print_row(const Trials& trials, const Way& way) {
 
 }  // namespace
 
-int main() {
+int main(int argc, char** argv) {
+  if (argc > 1) {
+    fmt::print(stderr, "'{}' is one argument too many; usage: motion_benchmark\n", argv[1]);
+    return 2;
+  }
   cv::setNumThreads(1);
   std::vector<Trials> all;
   for (const double outliers : {0.2, 0.5, 0.7}) all.push_back(made_up_trials(outliers));

@@ -12,8 +12,10 @@
 #include <filesystem>
 #include <functional>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "arguments.h"
 #include "roomwise/mapping/g2o_file.h"
 #include "roomwise/mapping/testing/ceres_pose_graph.h"
 
@@ -94,11 +96,17 @@ std::string median_and_range(const std::vector<Run>& runs, double Run::*field) {
 
 int main(int argc, char** argv) {
   const char* data = std::getenv("ROOMWISE_DATA");
-  const int runs = argc > 1 ? std::atoi(argv[1]) : 5;
-  if (data == nullptr || runs < 1) {
-    fmt::print(stderr, "usage: ROOMWISE_DATA=FOLDER optimization_benchmark [RUNS]\n");
+  constexpr std::string_view kUsage = "ROOMWISE_DATA=FOLDER optimization_benchmark [RUNS]";
+  const auto given = bench::only_count(argc, argv, 5, kUsage);
+  if (!given) {
+    fmt::print(stderr, "{}\n", given.error().message);
     return 2;
   }
+  if (data == nullptr) {
+    fmt::print(stderr, "usage: {}\n", kUsage);
+    return 2;
+  }
+  const int runs = *given;
   fmt::print("Median (range) of {} runs.\n\n", runs);
   fmt::print("| graph | solver | F | iterations | CPU-ms | wall ms |\n");
   fmt::print("| --- | --- | --- | --- | --- | --- |\n");

@@ -6,9 +6,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <vector>
 
+#include "arguments.h"
 #include "roomwise/base/stage_clock.h"
 #include "roomwise/simulation/simulate_recording.h"
 
@@ -66,9 +66,13 @@ Expected<void> measure(Figures& figures) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  const int runs = argc > 1 ? std::max(1, std::atoi(argv[1])) : 3;
+  const auto runs = bench::only_count(argc, argv, 3, "simulation_benchmark [RUNS]");
+  if (!runs) {
+    fmt::print(stderr, "{}\n", runs.error().message);
+    return 2;
+  }
   Figures figures;
-  for (int run = 0; run < runs; ++run) {
+  for (int run = 0; run < *runs; ++run) {
     if (const auto measured = measure(figures); !measured) {
       fmt::print(stderr, "{}\n", measured.error().message);
       return 1;

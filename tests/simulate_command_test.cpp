@@ -68,6 +68,9 @@ TEST(Simulate, SaysWhatItDoesNotKnow) {
   EXPECT_THAT(error_of({"--rooms", "ballroom"}), HasSubstr("ballroom"));
   EXPECT_THAT(error_of({"--without", "colour"}), HasSubstr("motion-blur"));
   EXPECT_THAT(error_of({"--furniture", folder / "none"}), HasSubstr("sweethome3d-furniture"));
+  EXPECT_THAT(error_of({"--rooms", "toilet", "--light-cache", folder / "none/flat.light"}),
+              HasSubstr("none/flat.light"))
+      << "before anything is baked";
   EXPECT_FALSE(std::filesystem::exists(folder / "walk"));
 }
 

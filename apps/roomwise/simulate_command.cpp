@@ -7,8 +7,8 @@
 #include "paths.h"
 #include "roomwise/recording/camera_file.h"
 #include "roomwise/simulation/home_geometry.h"
+#include "roomwise/simulation/recording_folder.h"
 #include "roomwise/simulation/simulate_recording.h"
-#include "roomwise/simulation/simulation_file.h"
 
 namespace roomwise::app {
 namespace {
@@ -99,19 +99,23 @@ Expected<SimulationOptions> complete(const Options& options, std::uint64_t seed)
 
 Expected<Answer> run(const Options& options, Context& context) {
   ROOMWISE_TRY(const SimulationOptions simulated, complete(options, context.seed));
-  if (options.keep && simulation::is_made_with(options.output, simulated)) {
-    return Answer{fmt::format("{} is there already\n", options.output.string()),
-                  {{"output", options.output.string()}, {"kept", true}}};
-  }
   ROOMWISE_TRY(const auto catalogue, simulation::FurnitureCatalogue::open(options.furniture));
+  if (options.keep) {
+    ROOMWISE_TRY(const bool is_made,
+                 simulation::is_made_already(options.output, simulated, catalogue));
+    if (is_made) {
+      return Answer{fmt::format("{} is there already\n", options.output.string()),
+                    {{"output", options.output.string()}, {"kept", true}}};
+    }
+  }
   ThreadPool pool(context.threads);
   StageClock clock;
   ROOMWISE_TRY(
       const simulation::SimulationSummary summary,
       simulate_recording(simulated, catalogue, options.output, pool, context.progress, clock));
   if (!summary.finished) {
-    return fail("interrupted after {} frames; {} holds them", summary.frames,
-                options.output.string());
+    return fail("interrupted after {} frames; {} holds them, and the same command begins it anew",
+                summary.frames, options.output.string());
   }
   Answer answer;
   answer.text = fmt::format(

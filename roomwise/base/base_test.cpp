@@ -117,6 +117,21 @@ TEST(File, WritesWholeOrNotAtAll) {
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1);
 }
 
+TEST(File, WhetherItCanBeWrittenIsToldWithoutWriting) {
+  const testing::ScratchFolder folder;
+  EXPECT_OK(check_can_write(folder / "new"));
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+  ASSERT_OK(write_file(folder / "old", "content"));
+  EXPECT_OK(check_can_write(folder / "old"));
+  EXPECT_EQ(read_text_file(folder / "old").value(), "content");
+  EXPECT_OK(check_can_write("/dev/null"));
+  EXPECT_ERROR(check_can_write(folder.path()), "is a folder");
+  EXPECT_ERROR(check_can_write(folder / "none/new"), "none/new");
+  EXPECT_ERROR(check_can_write(folder / "old/new"), "old/new");
+  ASSERT_OK(write_file(folder / "my.home", std::string_view("SQLite format 3\0", 16)));
+  EXPECT_ERROR(check_can_write(folder / "my.home"), "not overwritten");
+}
+
 TEST(File, WritesIntoADeviceInsteadOfReplacingIt) {
   const roomwise::testing::ScratchFolder folder;
   std::filesystem::create_symlink("/dev/null", folder / "device");

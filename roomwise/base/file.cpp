@@ -63,6 +63,17 @@ Expected<void> write_into(const std::filesystem::path& path, std::span<const std
   return {};
 }
 
+Unexpected refuse_database(const std::filesystem::path& path) {
+  return fail("{}: is a home or another database and is not overwritten; choose another name",
+              path.string());
+}
+
+// What write_file() writes before it renames.
+std::filesystem::path partial_of(std::filesystem::path path) {
+  path += fmt::format(".partial-{}", ::getpid());
+  return path;
+}
+
 }  // namespace
 
 Expected<Bytes> read_file(const std::filesystem::path& path) {
@@ -81,17 +92,27 @@ bool is_database(const std::filesystem::path& path) {
          std::string_view(first.data(), first.size()) == kMagic;
 }
 
+Expected<void> check_can_write(const std::filesystem::path& path) {
+  struct stat status {};
+  if (::stat(path.c_str(), &status) == 0) {
+    if (S_ISDIR(status.st_mode)) return fail("{}: is a folder; name a file", path.string());
+    if (is_database(path)) return refuse_database(path);
+    if (!S_ISREG(status.st_mode)) return {};
+  }
+  const std::filesystem::path partial = partial_of(path);
+  const Descriptor file{::open(partial.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644)};
+  if (file.value < 0) return fail("{}: cannot be written: {}", path.string(), std::strerror(errno));
+  ::unlink(partial.c_str());
+  return {};
+}
+
 Expected<void> write_file(const std::filesystem::path& path, std::span<const std::uint8_t> bytes) {
   struct stat status {};
   if (::stat(path.c_str(), &status) == 0 && !S_ISREG(status.st_mode)) {
     return write_into(path, bytes);
   }
-  if (is_database(path)) {
-    return fail("{}: is a home or another database and is not overwritten; choose another name",
-                path.string());
-  }
-  std::filesystem::path partial = path;
-  partial += fmt::format(".partial-{}", ::getpid());
+  if (is_database(path)) return refuse_database(path);
+  const std::filesystem::path partial = partial_of(path);
   const auto failed = [&](const char* what) {
     const int error = errno;
     ::unlink(partial.c_str());

@@ -29,6 +29,10 @@ using Bytes = std::vector<std::uint8_t>;
                                         std::span<const std::uint8_t> bytes);
 [[nodiscard]] Expected<void> write_file(const std::filesystem::path& path, std::string_view text);
 
+// Fails where write_file() would, short of a full disk, and leaves everything as it is: to be asked
+// before long work.
+[[nodiscard]] Expected<void> check_can_write(const std::filesystem::path& path);
+
 // Lower-case hexadecimal SHA-256.
 [[nodiscard]] std::string sha256_hex(std::span<const std::uint8_t> bytes);
 

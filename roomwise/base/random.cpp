@@ -1,6 +1,5 @@
 #include "roomwise/base/random.h"
 
-#include <bit>
 #include <cmath>
 #include <numbers>
 
@@ -21,30 +20,6 @@ RandomStream::RandomStream(std::uint64_t seed, std::initializer_list<std::uint64
   std::uint64_t mix = seed;
   for (const std::uint64_t part : key) mix = splitmix64(mix) ^ (part + 0x632be59bd9b4e019ULL);
   for (std::uint64_t& word : state_) word = splitmix64(mix);
-}
-
-std::uint64_t RandomStream::next() {
-  const std::uint64_t result = std::rotl(state_[0] + state_[3], 23) + state_[0];
-  const std::uint64_t shifted = state_[1] << 17;
-  state_[2] ^= state_[0];
-  state_[3] ^= state_[1];
-  state_[1] ^= state_[2];
-  state_[0] ^= state_[3];
-  state_[2] ^= shifted;
-  state_[3] = std::rotl(state_[3], 45);
-  return result;
-}
-
-double RandomStream::uniform() {
-  return static_cast<double>(next() >> 11) * 0x1.0p-53;
-}
-
-std::uint64_t RandomStream::index(std::uint64_t count) {
-  // Rejection of the last incomplete block keeps every index equally likely.
-  const std::uint64_t limit = max() - max() % count;
-  std::uint64_t value = next();
-  while (value >= limit) value = next();
-  return value % count;
 }
 
 double RandomStream::normal() {

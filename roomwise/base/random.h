@@ -1,5 +1,6 @@
 #pragma once
 
+#include <bit>
 #include <cstdint>
 #include <initializer_list>
 
@@ -12,11 +13,27 @@ class RandomStream {
  public:
   explicit RandomStream(std::uint64_t seed, std::initializer_list<std::uint64_t> key = {});
 
-  std::uint64_t next();
+  std::uint64_t next() {
+    const std::uint64_t result = std::rotl(state_[0] + state_[3], 23) + state_[0];
+    const std::uint64_t shifted = state_[1] << 17;
+    state_[2] ^= state_[0];
+    state_[3] ^= state_[1];
+    state_[1] ^= state_[2];
+    state_[0] ^= state_[3];
+    state_[2] ^= shifted;
+    state_[3] = std::rotl(state_[3], 45);
+    return result;
+  }
   // Uniform in [0, 1).
-  double uniform();
+  double uniform() { return static_cast<double>(next() >> 11) * 0x1.0p-53; }
   // Uniform in [0, count); count must be positive.
-  std::uint64_t index(std::uint64_t count);
+  std::uint64_t index(std::uint64_t count) {
+    // Rejection of the last incomplete block keeps every index equally likely.
+    const std::uint64_t limit = max() - max() % count;
+    std::uint64_t value = next();
+    while (value >= limit) value = next();
+    return value % count;
+  }
   // Standard normal.
   double normal();
 

@@ -45,6 +45,7 @@ evaluation::StandingRoom found_cells(const simulation::FreeSpaceTruth& truth,
 
 Expected<FloorEvaluation> evaluate_floor(const home::Home& home,
                                          const std::filesystem::path& recording, RunContext& run) {
+  ROOMWISE_CHECK_OK(check_mapped_from(home, recording));
   ROOMWISE_TRY(const simulation::FloorPlanTruth plan,
                simulation::read_floor_plan(recording / "floorplan.json"));
   const simulation::FreeSpaceTruth& truth = plan.free_space;

@@ -12,6 +12,7 @@
 #include "roomwise/pipeline/map_cloud.h"
 #include "roomwise/pipeline/stored_map.h"
 #include "roomwise/recording/trajectory_file.h"
+#include "roomwise/recording/tum_recording.h"
 #include "roomwise/simulation/ground_truth.h"
 #include "roomwise/simulation/simulation_file.h"
 #include "roomwise/simulation/true_surfaces.h"
@@ -67,6 +68,25 @@ Expected<std::vector<Eigen::Vector3f>> surface_points(const home::Home& home,
 
 }  // namespace
 
+Expected<void> check_mapped_from(const home::Home& home, const std::filesystem::path& recording) {
+  ROOMWISE_TRY(const auto keyframes, home.keyframes());
+  if (keyframes.empty()) return {};
+  ROOMWISE_TRY(const auto pictures, recording::ImageList::open(recording, "rgb.txt"));
+  for (const home::Keyframe* keyframe : {&keyframes.front(), &keyframes.back()}) {
+    ROOMWISE_TRY(const home::KeyframeImages images, home.images(keyframe->id));
+    const std::uint64_t picture = keyframe->frame_index;
+    if (picture < pictures.size()) {
+      ROOMWISE_TRY(const Bytes bytes, pictures.read(picture));
+      if (bytes == images.color) continue;
+    }
+    return fail(
+        "{} was not mapped from {}: its key-frame {} is no picture of it; give the recording that "
+        "was mapped",
+        home.file(), recording.string(), keyframe->id);
+  }
+  return {};
+}
+
 Expected<geometry::RigidTransform> truth_from_map(const home::Home& home,
                                                   const std::filesystem::path& recording) {
   const std::filesystem::path file = recording / "groundtruth.txt";
@@ -80,6 +100,7 @@ Expected<geometry::RigidTransform> truth_from_map(const home::Home& home,
 Expected<ObjectEvaluation> evaluate_objects(const home::Home& home,
                                             const std::filesystem::path& recording,
                                             double most_distance_m) {
+  ROOMWISE_CHECK_OK(check_mapped_from(home, recording));
   ROOMWISE_TRY(const auto true_objects, simulation::read_objects_truth(recording / "objects.json"));
   ROOMWISE_TRY(const geometry::RigidTransform truth_from_world, truth_from_map(home, recording));
   ROOMWISE_TRY(const rooms::Concepts concepts, home.concepts());
@@ -107,11 +128,19 @@ Expected<evaluation::CloudError> evaluate_map(const home::Home& home,
                                               const std::filesystem::path& furniture,
                                               const MapEvaluationOptions& options,
                                               RunContext& run) {
-  ROOMWISE_TRY(const auto made_up, simulation::read_simulation(recording / "simulation.json"));
+  ROOMWISE_CHECK_OK(check_mapped_from(home, recording));
+  const std::filesystem::path made_of = recording / "simulation.json";
+  ROOMWISE_TRY(const auto made, simulation::read_simulation(made_of));
   ROOMWISE_TRY(const auto catalogue, simulation::FurnitureCatalogue::open(furniture));
-  ROOMWISE_TRY(const simulation::HomeModel model, simulation::make_home(made_up, catalogue));
+  ROOMWISE_TRY(const simulation::HomeModel model, simulation::make_home(made.options, catalogue));
   const auto load = [&](const std::string& id) { return catalogue.load(id); };
   ROOMWISE_TRY(const auto surfaces, simulation::TrueSurfaces::create(model, load));
+  if (surfaces.digest() != made.scene_sha256) {
+    return fail(
+        "{}: tells of another home than this program, with this furniture, makes of its "
+        "description; make the recording anew, and map it again",
+        made_of.string());
+  }
   ROOMWISE_TRY(auto keyframes, map_keyframes(home));
   geometry::RigidTransform truth_from_world;
   if (options.at_true_poses) {

@@ -11,6 +11,11 @@
 // A home against the truth of the simulated recording that it was mapped from.
 namespace roomwise::pipeline {
 
+// Fails where the home was mapped from another recording: its first and last key-frame must be
+// pictures of this one.
+[[nodiscard]] Expected<void> check_mapped_from(const home::Home& home,
+                                               const std::filesystem::path& recording);
+
 // The map has a world of its own: this moves it onto that of the recording's groundtruth.txt as its
 // trajectory fits best.
 [[nodiscard]] Expected<geometry::RigidTransform> truth_from_map(
@@ -43,7 +48,8 @@ struct MapEvaluationOptions {
 };
 
 // The map's points against the surfaces of the home that simulation.json describes. Furniture is
-// read from the folder of its archives.
+// read from the folder of its archives. Fails where this program makes another home of that
+// description than the one that made the recording.
 [[nodiscard]] Expected<evaluation::CloudError> evaluate_map(const home::Home& home,
                                                             const std::filesystem::path& recording,
                                                             const std::filesystem::path& furniture,

@@ -100,6 +100,14 @@ Expected<void> make_empty_folder(const std::filesystem::path& folder) {
 
 }  // namespace
 
+image::RgbdFrame encode_images(image::RgbdFrame frame) {
+  if (frame.encoded_depth.empty()) frame.encoded_depth = image::encode_png(frame.depth);
+  if (frame.encoded_color.empty()) {
+    frame.encoded_color = image::encode_jpeg(frame.color, kJpegQuality);
+  }
+  return frame;
+}
+
 // rgb.txt or depth.txt, and the images in it.
 class TumWriter::List {
  public:

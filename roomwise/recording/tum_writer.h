@@ -12,6 +12,10 @@
 
 namespace roomwise::recording {
 
+// The frame with its images as TumWriter stores raw ones: JPEG of quality 95 and 16-bit PNG. A
+// writer that is given such frames has nothing left to encode.
+[[nodiscard]] image::RgbdFrame encode_images(image::RgbdFrame frame);
+
 // Writes a recording that TumRecording reads: rgb/, depth/, rgb.txt, depth.txt, camera.txt and,
 // where rooms were named, rooms.txt. Frames are numbered from 0 as they come.
 //
@@ -28,7 +32,7 @@ class TumWriter final : public FrameSink {
   TumWriter(const TumWriter&) = delete;
   TumWriter& operator=(const TumWriter&) = delete;
 
-  // Stores the frame's encoded images as they are; raw ones as JPEG of quality 95 and 16-bit PNG.
+  // Stores the frame's encoded images as they are; raw ones as encode_images() does.
   // Fails where the time does not increase.
   [[nodiscard]] Expected<void> write(const image::RgbdFrame& frame) override;
   [[nodiscard]] Expected<void> close() override;

@@ -52,9 +52,11 @@ class Measurement {
     RandomStream random(options_.seed, {index_, static_cast<std::uint64_t>(y), kPixelStream});
     std::vector<bool> is_shadowed(measured.size(), false);
     if (options_.projector_shadow) is_shadowed = shadow_of_row(y);
+    std::vector<bool> is_edge(measured.size(), false);
+    if (options_.edge_jitter) is_edge = edges_of_row(y);
     for (int x = 0; x < camera_.width; ++x) {
       const Eigen::Vector2i seen =
-          options_.edge_jitter ? jittered({x, y}, random) : Eigen::Vector2i(x, y);
+          is_edge[static_cast<std::size_t>(x)] ? jittered({x, y}, random) : Eigen::Vector2i(x, y);
       const float exact_m = frame_.depth_m.at(seen.x(), seen.y());
       const bool is_lost = exact_m <= 0 || depth_at(x, y) <= 0 ||
                            is_shadowed[static_cast<std::size_t>(x)] ||
@@ -90,21 +92,30 @@ class Measurement {
     return is_shadowed;
   }
 
-  [[nodiscard]] bool is_at_edge(const Eigen::Vector2i& pixel) const {
-    const float depth_m = depth_at(pixel.x(), pixel.y());
-    for (int y = std::max(0, pixel.y() - 1); y <= std::min(camera_.height - 1, pixel.y() + 1);
-         ++y) {
-      for (int x = std::max(0, pixel.x() - 1); x <= std::min(camera_.width - 1, pixel.x() + 1);
-           ++x) {
-        if (std::abs(depth_at(x, y) - depth_m) > kEdgeShare * depth_m) return true;
+  // Where the depth of a row's pixels jumps to that of one of their eight neighbours.
+  [[nodiscard]] std::vector<bool> edges_of_row(int y) const {
+    const auto width = static_cast<std::size_t>(camera_.width);
+    std::vector<float> least(width, std::numeric_limits<float>::infinity()), most(width, 0);
+    for (int row = std::max(0, y - 1); row <= std::min(camera_.height - 1, y + 1); ++row) {
+      const std::span<const float> depths = frame_.depth_m.row(row);
+      for (std::size_t x = 0; x < width; ++x) {
+        least[x] = std::min(least[x], depths[x]);
+        most[x] = std::max(most[x], depths[x]);
       }
     }
-    return false;
+    std::vector<bool> is_edge(width);
+    for (std::size_t x = 0; x < width; ++x) {
+      const std::size_t left = x > 0 ? x - 1 : x, right = std::min(x + 1, width - 1);
+      const float depth_m = frame_.depth_m.row(y)[x];
+      const float nearest = std::min({least[left], least[x], least[right]});
+      const float farthest = std::max({most[left], most[x], most[right]});
+      is_edge[x] = std::max(farthest - depth_m, depth_m - nearest) > kEdgeShare * depth_m;
+    }
+    return is_edge;
   }
 
-  // The pixel whose depth is found at a pixel: another one near edges.
+  // The pixel whose depth is found at a pixel near an edge.
   [[nodiscard]] Eigen::Vector2i jittered(const Eigen::Vector2i& pixel, RandomStream& random) const {
-    if (!is_at_edge(pixel)) return pixel;
     const Eigen::Vector2d jitter(random.normal(), random.normal());
     const Eigen::Vector2i moved =
         pixel + (kEdgeJitter_px * jitter).array().round().matrix().cast<int>();

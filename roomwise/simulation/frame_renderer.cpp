@@ -1,8 +1,10 @@
 #include "roomwise/simulation/frame_renderer.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
+#include <span>
 
 #include "roomwise/simulation/color_math.h"
 #include "roomwise/simulation/sampling.h"
@@ -13,14 +15,33 @@ namespace {
 constexpr float kFarthest = 200;  // m along the optical axis
 constexpr int kTile = 32;         // px
 
-void for_all_pixels(int width, int height, ThreadPool& pool,
-                    const std::function<void(int x, int y)>& visit) {
+// A block's rays go about the same way and are traced together.
+constexpr int kBlock = 4;  // px
+static_assert(kTile % kBlock == 0 && kBlock * kBlock <= RayCaster::kBundle);
+
+// The pixels of a block, row after row; fewer at the image's edges.
+struct Block {
+  std::array<Eigen::Vector2i, RayCaster::kBundle> pixels;
+  std::size_t count = 0;
+};
+
+void for_all_blocks(int width, int height, ThreadPool& pool,
+                    const std::function<void(const Block& block)>& visit) {
   const int columns = (width + kTile - 1) / kTile, rows = (height + kTile - 1) / kTile;
+  const auto block_at = [&](int left, int top) {
+    Block block;
+    for (int y = top; y < std::min(top + kBlock, height); ++y) {
+      for (int x = left; x < std::min(left + kBlock, width); ++x) {
+        block.pixels[block.count++] = {x, y};
+      }
+    }
+    return block;
+  };
   pool.parallel_for(static_cast<std::size_t>(columns * rows), [&](std::size_t tile) {
     const int left = static_cast<int>(tile) % columns * kTile;
     const int top = static_cast<int>(tile) / columns * kTile;
-    for (int y = top; y < std::min(top + kTile, height); ++y) {
-      for (int x = left; x < std::min(left + kTile, width); ++x) visit(x, y);
+    for (int y = top; y < std::min(top + kTile, height); y += kBlock) {
+      for (int x = left; x < std::min(left + kTile, width); x += kBlock) visit(block_at(x, y));
     }
   });
 }
@@ -76,17 +97,32 @@ RenderedFrame FrameRenderer::render(ThreadPool& pool) {
                       image::Image<float>(width, height), image::Image<float>(width, height),
                       image::Image<float>(width, height),
                       image::Image<std::uint16_t>(width, height)};
-  for_all_pixels(width, height, pool, [&](int x, int y) { look_through_center(x, y, frame); });
-  for_all_pixels(width, height, pool,
-                 [&](int x, int y) { frame.radiance.at(x, y) = radiance(x, y); });
+  for_all_blocks(width, height, pool, [&](const Block& block) {
+    const auto hits = first_hits(std::span(block.pixels).first(block.count), 0);
+    for (std::size_t i = 0; i < block.count; ++i) {
+      look_through_center(block.pixels[i].x(), block.pixels[i].y(), hits[i], frame);
+    }
+  });
+  for_all_blocks(width, height, pool, [&](const Block& block) {
+    shade(std::span(block.pixels).first(block.count), frame);
+  });
   return frame;
 }
 
+// What the rays of one sample of some pixels meet.
+FrameRenderer::Hits FrameRenderer::first_hits(std::span<const Eigen::Vector2i> pixels,
+                                              int sample) const {
+  RayCaster::Bundle bundle;
+  for (const Eigen::Vector2i& pixel : pixels) {
+    bundle.add(ray_of(pixel.x(), pixel.y(), sample).direction, kFarthest);
+  }
+  return scene_.rays().first_hits(origin_, bundle);
+}
+
 // What the depth camera and the truth need, of the first thing that is not looked through.
-void FrameRenderer::look_through_center(int x, int y, RenderedFrame& frame) {
+void FrameRenderer::look_through_center(int x, int y, std::optional<RayHit> hit,
+                                        RenderedFrame& frame) {
   const ViewRay ray = ray_of(x, y, 0);
-  std::optional<RayHit> hit = scene_.rays().first_hit(ray.origin, ray.direction, 0, kFarthest,
-                                                      RayCaster::Meets::kEverything);
   Center& center = centers_.at(x, y);
   center.hit = hit;
   while (hit) {
@@ -141,31 +177,47 @@ bool FrameRenderer::is_even(int x, int y) const {
          continues(x, y, x, y + 1);
 }
 
-Eigen::Vector3f FrameRenderer::radiance(int x, int y) const {
-  const Center& center = centers_.at(x, y);
-  ViewRay middle = ray_of(x, y, 0);
-  if (samples_ == 1 || is_even(x, y)) {
-    middle.in_sun = center.in_sun;
-    return shading_.radiance(middle, center.hit);
-  }
+void FrameRenderer::shade(std::span<const Eigen::Vector2i> pixels, RenderedFrame& frame) const {
   // Glaring samples count for less: a picture that is too bright for its edge with one part of a
   // pixel is so with the whole, and edges of windows and sunlight would be jagged.
   constexpr float kGlaring = 60;  // cd/m^2
-  Eigen::Vector3f sum = Eigen::Vector3f::Zero();
-  float weights = 0;
-  const auto add = [&](const Eigen::Vector3f& sample) {
-    const float weight = 1 / (1 + luminance(sample) / kGlaring);
-    sum += weight * sample;
-    weights += weight;
+  struct Mean {
+    Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+    float weights = 0;
+
+    void add(const Eigen::Vector3f& sample) {
+      const float weight = 1 / (1 + luminance(sample) / kGlaring);
+      sum += weight * sample;
+      weights += weight;
+    }
   };
-  add(shading_.radiance(middle, center.hit));
-  for (int sample = 1; sample < samples_; ++sample) {
-    ViewRay ray = ray_of(x, y, sample);
-    ray.faintest_mirror = 0.1F;  // along edges nobody misses the mirror image in a tile
-    add(shading_.radiance(ray, scene_.rays().first_hit(ray.origin, ray.direction, 0, kFarthest,
-                                                       RayCaster::Meets::kEverything)));
+  std::array<Mean, RayCaster::kBundle> means;
+  std::array<Eigen::Vector2i, RayCaster::kBundle> uneven;
+  std::size_t count = 0;
+  for (const Eigen::Vector2i& pixel : pixels) {
+    const Center& center = centers_.at(pixel.x(), pixel.y());
+    ViewRay middle = ray_of(pixel.x(), pixel.y(), 0);
+    if (samples_ == 1 || is_even(pixel.x(), pixel.y())) {
+      middle.in_sun = center.in_sun;
+      frame.radiance.at(pixel.x(), pixel.y()) = shading_.radiance(middle, center.hit);
+    } else {
+      means[count].add(shading_.radiance(middle, center.hit));
+      uneven[count++] = pixel;
+    }
   }
-  return sum / weights;
+  if (count == 0) return;
+  const auto several = std::span(uneven).first(count);
+  for (int sample = 1; sample < samples_; ++sample) {
+    const Hits hits = first_hits(several, sample);
+    for (std::size_t i = 0; i < count; ++i) {
+      ViewRay ray = ray_of(several[i].x(), several[i].y(), sample);
+      ray.faintest_mirror = 0.1F;  // along edges nobody misses the mirror image in a tile
+      means[i].add(shading_.radiance(ray, hits[i]));
+    }
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    frame.radiance.at(several[i].x(), several[i].y()) = means[i].sum / means[i].weights;
+  }
 }
 
 }  // namespace roomwise::simulation

@@ -1,8 +1,10 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "roomwise/base/thread_pool.h"
@@ -44,12 +46,14 @@ class FrameRenderer {
 
  private:
   [[nodiscard]] ViewRay ray_of(int x, int y, int sample) const;
-  void look_through_center(int x, int y, RenderedFrame& frame);
+  using Hits = std::array<std::optional<RayHit>, RayCaster::kBundle>;
+  [[nodiscard]] Hits first_hits(std::span<const Eigen::Vector2i> pixels, int sample) const;
+  void look_through_center(int x, int y, std::optional<RayHit> hit, RenderedFrame& frame);
   void note_surface(const ViewRay& ray, const RayHit& hit, int x, int y,
                     RenderedFrame& frame) const;
   [[nodiscard]] bool is_even(int x, int y) const;
   [[nodiscard]] bool continues(int x, int y, int other_x, int other_y) const;
-  [[nodiscard]] Eigen::Vector3f radiance(int x, int y) const;
+  void shade(std::span<const Eigen::Vector2i> pixels, RenderedFrame& frame) const;
 
   struct Center {
     std::optional<RayHit> hit;

@@ -10,6 +10,7 @@
 
 #include "roomwise/base/stage_clock.h"
 #include "roomwise/simulation/color_math.h"
+#include "roomwise/simulation/corner_light.h"
 #include "roomwise/simulation/light_filter.h"
 #include "roomwise/simulation/light_points.h"
 #include "roomwise/simulation/sampling.h"
@@ -22,7 +23,7 @@ constexpr float kGap = 1e-3F;
 constexpr int kFirstBounceRays = 20, kLastBounceRays = 56;
 // Indirect light brighter than this many times the home's mean is cut: no bright specks.
 constexpr float kBrightest = 12;
-constexpr std::size_t kChunk = 512;  // points that one thread takes at a time
+constexpr std::size_t kChunk = CornerLight::kChunk;  // points that one thread takes at a time
 
 // The radiance that surfaces send out, as gathering rays find it: a value a texel, and one a side
 // of every other triangle.
@@ -56,10 +57,14 @@ class Baker {
         }
       }
     }
-    for (std::size_t i = 0; i < texels_.size(); ++i) {
-      const float openness = openness_of(scene.rays(), texels_[i], static_cast<std::uint32_t>(i));
-      is_buried_.push_back(openness < kLeastOpenness);
-    }
+    is_buried_.resize(texels_.size());
+    pool.parallel_for((texels_.size() + kChunk - 1) / kChunk, [&](std::size_t chunk) {
+      for (std::size_t i = chunk * kChunk; i < std::min((chunk + 1) * kChunk, texels_.size());
+           ++i) {
+        is_buried_[i] =
+            openness_of(scene.rays(), texels_[i], static_cast<std::uint32_t>(i)) < kLeastOpenness;
+      }
+    });
     rays_ += texels_.size() * kOpennessRays;
   }
 
@@ -89,9 +94,6 @@ class Baker {
   [[nodiscard]] std::vector<Eigen::Vector3f> texel_light(const std::vector<Flux>& fluxes) const;
   [[nodiscard]] Radiosity radiosity_of(const std::vector<Flux>& fluxes) const;
   Expected<BakedLight> finish(const std::vector<Flux>& direct, const std::vector<Flux>& indirect);
-  // The corner points' part of both, each smoothed, together.
-  Expected<std::vector<Flux>> smoothed_sum(const std::vector<Flux>& direct,
-                                           const std::vector<Flux>& indirect);
   void let_shades_glow(BakedLight& light) const;
 
   const Scene& scene_;
@@ -100,7 +102,7 @@ class Baker {
   ThreadPool& pool_;
   Progress& progress_;
   std::vector<LightPoint> texels_;
-  std::vector<bool> is_buried_;  // a texel a place
+  std::vector<std::uint8_t> is_buried_;  // a texel a place; bytes, to be written by many threads
   CornerPoints corners_;
   std::atomic<std::uint64_t> rays_ = 0;
 };
@@ -246,64 +248,20 @@ void Baker::let_shades_glow(BakedLight& light) const {
   }
 }
 
-Expected<std::vector<Flux>> Baker::smoothed_sum(const std::vector<Flux>& direct,
-                                                const std::vector<Flux>& indirect) {
-  constexpr int kRounds = 3, kDirectRounds = 2;
-  constexpr float kDirectTolerance = 0.1F, kIndirectTolerance = 0.2F;
-  // Which points are neighbors is found in the first round and kept for the others.
-  struct Chunk {
-    std::vector<CornerPoints::Neighbor> neighbors;
-    std::array<std::uint32_t, kChunk + 1> first{};  // of each point, and the end
-  };
-  const std::size_t count = corners_.points().size();
-  const auto texels = static_cast<std::ptrdiff_t>(texels_.size());
-  // A round reads one of each pair and writes the other.
-  std::array<std::vector<Flux>, 2> directs, indirects;
-  directs[0].assign(direct.begin() + texels, direct.end());
-  indirects[0].assign(indirect.begin() + texels, indirect.end());
-  directs[1].resize(count);
-  indirects[1].resize(count);
-  std::vector<Chunk> chunks((count + kChunk - 1) / kChunk);
-  ROOMWISE_CHECK_OK(in_chunks(
-      "smoothing the light", kRounds, count, [&](int round, std::size_t from, std::size_t to) {
-        Chunk& chunk = chunks[from / kChunk];
-        if (round == 0) {
-          for (std::size_t i = from; i < to; ++i) {
-            corners_.find_neighbors(i, chunk.neighbors);
-            chunk.first[i - from + 1] = static_cast<std::uint32_t>(chunk.neighbors.size());
-          }
-          chunk.neighbors.shrink_to_fit();
-        }
-        const std::size_t source = round % 2 == 0 ? 0 : 1;
-        for (std::size_t i = from; i < to; ++i) {
-          const std::uint32_t first = chunk.first[i - from], end = chunk.first[i - from + 1];
-          const auto neighbors =
-              std::span<const CornerPoints::Neighbor>(chunk.neighbors).subspan(first, end - first);
-          indirects[1 - source][i] =
-              corners_.smoothed(indirects[source], i, neighbors, kIndirectTolerance);
-          if (round < kDirectRounds) {
-            directs[1 - source][i] =
-                corners_.smoothed(directs[source], i, neighbors, kDirectTolerance);
-          }
-        }
-      }));
-  return sum_of(std::move(indirects[kRounds % 2]), directs[kDirectRounds % 2]);
-}
-
 Expected<BakedLight> Baker::finish(const std::vector<Flux>& direct,
                                    const std::vector<Flux>& indirect) {
-  ROOMWISE_TRY(const std::vector<Flux> sum, smoothed_sum(direct, indirect));
   BakedLight light;
-  const std::size_t count = scene_.positions().size();
-  for (auto& values : light.corners) values.resize(count);
+  const std::size_t corners = scene_.positions().size();
+  for (auto& values : light.corners) values.resize(corners);
+  CornerLight corner_light(corners_, std::span(direct).subspan(texels_.size()),
+                           std::span(indirect).subspan(texels_.size()));
   ROOMWISE_CHECK_OK(in_chunks(
-      "blending the light", 1, count, [&](int /*round*/, std::size_t from, std::size_t to) {
-        for (std::size_t i = from; i < to; ++i) {
-          const auto sides = corners_.at_corner(sum, static_cast<std::uint32_t>(i));
-          light.corners[0][i] = sides[0];
-          light.corners[1][i] = sides[1];
-        }
-      }));
+      "smoothing the light", CornerLight::kRounds, corners_.points().size(),
+      [&](int round, std::size_t from, std::size_t to) { corner_light.smooth(round, from, to); }));
+  ROOMWISE_CHECK_OK(in_chunks("blending the light", 1, corners,
+                              [&](int /*round*/, std::size_t from, std::size_t to) {
+                                corner_light.blend(from, to, light.corners);
+                              }));
   let_shades_glow(light);
 
   light.texels = texel_light(direct);

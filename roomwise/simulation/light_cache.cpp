@@ -12,7 +12,7 @@ namespace roomwise::simulation {
 namespace {
 
 // To be changed whenever the bake gives other light for the same scene.
-constexpr std::string_view kFormat = "roomwise baked light 2\n";
+constexpr std::string_view kFormat = "roomwise baked light 3\n";
 constexpr std::size_t kDigestLength = 64;
 
 template <typename Value>
@@ -54,10 +54,8 @@ void append_outside(Bytes& bytes, const Outside& outside) {
 
 }  // namespace
 
-std::string light_key(const Scene& scene, const Emitters& emitters, double effort) {
+std::string scene_digest(const Scene& scene, const Emitters& emitters) {
   Bytes bytes;
-  append(bytes, kFormat);
-  append(bytes, effort);
   append(bytes, scene.positions());
   append(bytes, scene.normals());
   append(bytes, scene.opaque_count());
@@ -75,6 +73,14 @@ std::string light_key(const Scene& scene, const Emitters& emitters, double effor
     append(bytes, emitter.room);
   }
   append_outside(bytes, scene.outside());
+  return sha256_hex(bytes);
+}
+
+std::string light_key(const std::string& scene_digest, double effort) {
+  Bytes bytes;
+  append(bytes, kFormat);
+  append(bytes, effort);
+  append(bytes, scene_digest);
   return sha256_hex(bytes);
 }
 

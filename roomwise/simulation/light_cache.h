@@ -10,8 +10,10 @@
 
 namespace roomwise::simulation {
 
-// Tells the baked light of one scene from that of any other: a digest of all that it depends on.
-[[nodiscard]] std::string light_key(const Scene& scene, const Emitters& emitters, double effort);
+// Tells one scene from any other: a digest of its shapes, its mean colours and its light.
+[[nodiscard]] std::string scene_digest(const Scene& scene, const Emitters& emitters);
+// Tells the baked light of one scene from that of any other.
+[[nodiscard]] std::string light_key(const std::string& scene_digest, double effort);
 
 // The light that was stored under this key; nothing where there is no such file or it is damaged or
 // holds another key's.

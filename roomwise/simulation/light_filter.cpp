@@ -80,16 +80,16 @@ class PatchFilter {
 
 }  // namespace
 
-void fill_buried_texels(const Scene& scene, std::vector<bool> is_buried,
+void fill_buried_texels(const Scene& scene, std::vector<std::uint8_t> is_buried,
                         std::vector<Eigen::Vector3f>& texels) {
   constexpr int kRounds = 2;  // a texel further in each
   for (int round = 0; round < kRounds; ++round) {
-    std::vector<bool> still_buried = is_buried;
+    std::vector<std::uint8_t> still_buried = is_buried;
     for (const Patch& patch : scene.patches()) {
       for (int row = 0; row < patch.rows; ++row) {
         for (int column = 0; column < patch.columns; ++column) {
           const std::size_t here = patch.texel_index(column, row);
-          if (!is_buried[here]) continue;
+          if (is_buried[here] == 0) continue;
           Eigen::Vector3f sum = Eigen::Vector3f::Zero();
           float count = 0;
           for (const auto& [x, y] : {std::pair{column - 1, row},
@@ -98,13 +98,13 @@ void fill_buried_texels(const Scene& scene, std::vector<bool> is_buried,
                                      {column, row + 1}}) {
             if (x < 0 || y < 0 || x >= patch.columns || y >= patch.rows) continue;
             const std::size_t there = patch.texel_index(x, y);
-            if (is_buried[there] || patch.is_hole[there - patch.first_texel]) continue;
+            if (is_buried[there] != 0 || patch.is_hole[there - patch.first_texel]) continue;
             sum += texels[there];
             count += 1;
           }
           if (count <= 0) continue;
           texels[here] = sum / count;
-          still_buried[here] = false;
+          still_buried[here] = 0;
         }
       }
     }

@@ -14,7 +14,7 @@ namespace roomwise::simulation {
 enum class Smoothness { kDirect, kBounced };
 // is_buried: a texel a place; nobody sees those, and they take the light of open ones beside them,
 // so that their darkness does not show along skirting boards and frames.
-void fill_buried_texels(const Scene& scene, std::vector<bool> is_buried,
+void fill_buried_texels(const Scene& scene, std::vector<std::uint8_t> is_buried,
                         std::vector<Eigen::Vector3f>& texels);
 void filter_texels(const Scene& scene, Smoothness smoothness, ThreadPool& pool,
                    std::vector<Eigen::Vector3f>& texels);

@@ -1,8 +1,9 @@
 #include "roomwise/simulation/light_points.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
-#include <unordered_map>
+#include <unordered_set>
 
 #include "roomwise/simulation/color_math.h"
 #include "roomwise/simulation/noise.h"
@@ -11,9 +12,8 @@
 namespace roomwise::simulation {
 namespace {
 
-constexpr float kCell = 0.06F;    // m: light is gathered about this densely
-constexpr float kReach = 0.078F;  // m, of blending
-constexpr float kPlane = 0.02F;   // m: parallel planes further apart have points of their own
+constexpr float kCell = 0.06F;   // m: light is gathered about this densely
+constexpr float kPlane = 0.02F;  // m: parallel planes further apart have points of their own
 constexpr float kGap = 1e-3F;
 constexpr float kBuried = 0.05F;  // m: how far an open place sees at least
 
@@ -38,12 +38,6 @@ Eigen::Vector3f illuminance(const Flux& flux, const Eigen::Vector3f& normal) {
   return (normal.transpose() * flux).transpose().cwiseMax(0.0F);
 }
 
-// Which points are taken for one: same object, cell and facing, and about the same plane.
-struct PlaceKey {
-  std::uint64_t cell;
-  std::int32_t facing, plane;
-  bool operator==(const PlaceKey&) const = default;
-};
 struct PlaceKeyHash {
   std::size_t operator()(const PlaceKey& key) const {
     return key.cell * 0x9e3779b97f4a7c15ULL + static_cast<std::uint64_t>(key.facing) * 0x85ebca6bU +
@@ -84,9 +78,8 @@ float openness_of(const RayCaster& rays, const LightPoint& point, std::uint32_t 
 CornerPoints::CornerPoints(const Scene& scene, ThreadPool& pool)
     : scene_(scene), corners_(scene.positions().size()) {
   note_corners();
-  measure_openness(pool);
-  place_points();
-  index_cells();
+  place_points(pool);
+  index_points();
 }
 
 void CornerPoints::note_corners() {
@@ -107,28 +100,42 @@ void CornerPoints::note_corners() {
   }
 }
 
-Eigen::Vector3f CornerPoints::corner_normal(std::uint32_t corner, int side) const {
-  Eigen::Vector3f normal = scene_.normals()[corner];
-  if (normal.dot(corners_[corner].plane_normal) < 0) normal = -normal;
-  return side == 0 ? normal : Eigen::Vector3f(-normal);
+Eigen::Vector3f CornerPoints::corner_normal(std::uint32_t corner) const {
+  const Eigen::Vector3f& normal = scene_.normals()[corner];
+  return normal.dot(corners_[corner].plane_normal) < 0 ? Eigen::Vector3f(-normal) : normal;
 }
 
-void CornerPoints::measure_openness(ThreadPool& pool) {
-  constexpr std::size_t kChunk = 4096;
+// The sides of all triangles outside patches, those of one place together.
+std::vector<CornerPoints::Side> CornerPoints::sides_by_place() const {
   const auto& triangles = scene_.triangles();
-  for (auto& list : openness_) list.assign(triangles.size(), 0);
-  pool.parallel_for((triangles.size() + kChunk - 1) / kChunk, [&](std::size_t chunk) {
-    for (std::size_t i = chunk * kChunk; i < std::min((chunk + 1) * kChunk, triangles.size());
-         ++i) {
-      if (triangles[i].patch >= 0) continue;
-      for (const int side : {0, 1}) {
-        openness_[static_cast<std::size_t>(side)][i] = openness_of(
-            scene_.rays(), point_at(triangles[i], middle_of(scene_, triangles[i]), side),
-            static_cast<std::uint32_t>(i));
-      }
+  std::vector<Side> sides;
+  sides.reserve(2 * triangles.size());
+  for (std::uint32_t i = 0; i < triangles.size(); ++i) {
+    if (triangles[i].patch >= 0) continue;
+    const Eigen::Vector3f middle = middle_of(scene_, triangles[i]);
+    for (const int side : {0, 1}) {
+      sides.push_back({key_of(triangles[i].object, point_at(triangles[i], middle, side)), i, side});
     }
-  });
-  rays_ += 2 * triangles.size() * kOpennessRays;
+  }
+  std::ranges::sort(sides);
+  return sides;
+}
+
+// The first side of a place whose middle lies in the open, or else the first that is not buried, so
+// that what lies close behind a visible surface is not taken for it.
+std::optional<LightPoint> CornerPoints::point_of_place(std::span<const Side> sides,
+                                                       std::uint64_t& rays) const {
+  constexpr float kOpen = 0.7F;
+  std::optional<LightPoint> second;
+  for (const Side& side : sides) {
+    const SceneTriangle& triangle = scene_.triangles()[side.triangle];
+    LightPoint point = point_at(triangle, middle_of(scene_, triangle), side.side);
+    point.openness = openness_of(scene_.rays(), point, side.triangle);
+    rays += kOpennessRays;
+    if (point.openness >= kOpen) return point;
+    if (!second && point.openness >= kLeastOpenness) second = point;
+  }
+  return second;
 }
 
 std::uint32_t CornerPoints::add_point(std::uint16_t object, const LightPoint& point) {
@@ -137,36 +144,49 @@ std::uint32_t CornerPoints::add_point(std::uint16_t object, const LightPoint& po
   return static_cast<std::uint32_t>(points_.size() - 1);
 }
 
-// Triangles' middles first: they lie off the creases where surfaces meet. Among them first those in
-// the open, so that what lies close behind a visible surface is not taken for it. Then what is near
-// corners and has no point yet.
-void CornerPoints::place_points() {
-  std::unordered_map<PlaceKey, std::uint32_t, PlaceKeyHash> chosen;
+// Triangles' middles first: they lie off the creases where surfaces meet. Then what is near corners
+// and has no point yet.
+void CornerPoints::place_points(ThreadPool& pool) {
+  const std::vector<Side> sides = sides_by_place();
+  std::vector<std::size_t> first;  // of every place, and the end
+  for (std::size_t i = 0; i < sides.size(); ++i) {
+    if (i == 0 || sides[i].place != sides[i - 1].place) first.push_back(i);
+  }
+  const std::size_t places = first.size();
+  first.push_back(sides.size());
+  const auto sides_of = [&](std::size_t place) {
+    return std::span(sides).subspan(first[place], first[place + 1] - first[place]);
+  };
+
+  constexpr std::size_t kChunk = 1024;
+  std::vector<std::optional<LightPoint>> points(places);
+  std::atomic<std::uint64_t> traced = 0;
+  pool.parallel_for((places + kChunk - 1) / kChunk, [&](std::size_t chunk) {
+    std::uint64_t rays = 0;
+    for (std::size_t i = chunk * kChunk; i < std::min((chunk + 1) * kChunk, places); ++i) {
+      points[i] = point_of_place(sides_of(i), rays);
+    }
+    traced += rays;
+  });
+  rays_ += traced;
+
   const auto& triangles = scene_.triangles();
   for (auto& list : point_of_) list.assign(triangles.size(), kNone);
-  const auto place_middle = [&](std::size_t i, std::size_t side) {
-    LightPoint point =
-        point_at(triangles[i], middle_of(scene_, triangles[i]), static_cast<int>(side));
-    point.openness = openness_[side][i];
-    const auto [entry, is_new] = chosen.try_emplace(key_of(triangles[i].object, point), 0);
-    if (is_new) entry->second = add_point(triangles[i].object, point);
-    point_of_[side][i] = entry->second;
-    for (const std::uint32_t corner : triangles[i].corners) {
-      Corner& at = corners_[corner];
-      const bool is_turned = at.plane_normal.dot(triangles[i].normal) < 0;
-      at.own_point[is_turned ? 1 - side : side] = entry->second;
-    }
-  };
-  float most = 2;
-  for (const float least : {0.7F, kLeastOpenness}) {
-    for (std::size_t i = 0; i < triangles.size(); ++i) {
-      if (triangles[i].patch >= 0) continue;
-      for (const std::size_t side : {std::size_t{0}, std::size_t{1}}) {
-        const float open = openness_[side][i];
-        if (open >= least && open < most) place_middle(i, side);
+  std::unordered_set<PlaceKey, PlaceKeyHash> taken;
+  for (std::size_t i = 0; i < places; ++i) {
+    if (!points[i]) continue;
+    const SceneTriangle& any = triangles[sides_of(i).front().triangle];
+    const std::uint32_t point = add_point(any.object, *points[i]);
+    taken.insert(sides_of(i).front().place);
+    for (const Side& side : sides_of(i)) {
+      const auto face = static_cast<std::size_t>(side.side);
+      point_of_[face][side.triangle] = point;
+      for (const std::uint32_t corner : triangles[side.triangle].corners) {
+        Corner& at = corners_[corner];
+        const bool is_turned = at.plane_normal.dot(triangles[side.triangle].normal) < 0;
+        at.own_point[is_turned ? 1 - face : face] = point;
       }
     }
-    most = least;
   }
   for (const SceneTriangle& triangle : triangles) {
     if (triangle.patch >= 0) continue;
@@ -177,31 +197,24 @@ void CornerPoints::place_points() {
       for (const int side : {0, 1}) {
         LightPoint point = point_at(triangle, position + 0.25F * (middle - position), side);
         const PlaceKey key = key_of(triangle.object, point);
-        if (chosen.contains(key)) continue;
+        if (taken.contains(key)) continue;
         point.openness = openness_of(scene_.rays(), point, corner);
         rays_ += kOpennessRays;
-        if (point.openness >= kLeastOpenness)
-          chosen.emplace(key, add_point(triangle.object, point));
+        if (point.openness < kLeastOpenness) continue;
+        taken.insert(key);
+        add_point(triangle.object, point);
       }
     }
   }
 }
 
-// Sorts the points by cell, so that those of one lie together in memory.
-void CornerPoints::index_cells() {
-  std::vector<std::pair<std::uint64_t, std::uint32_t>> order;
-  for (std::uint32_t i = 0; i < points_.size(); ++i) {
-    order.emplace_back(cell_key(point_object_[i], cell_of(points_[i].position)), i);
-  }
-  std::sort(order.begin(), order.end());
+void CornerPoints::index_points() {
+  const std::vector<std::uint32_t> order = LightPointIndex::order_of(points_, point_object_);
   std::vector<LightPoint> points;
   std::vector<std::uint16_t> objects;
   std::vector<std::uint32_t> new_index(points_.size());
-  for (const auto& [key, point] : order) {
-    const auto index = static_cast<std::uint32_t>(points.size());
-    if (cells_.empty() || cells_.back().key != key) cells_.push_back({key, index, 0});
-    ++cells_.back().count;
-    new_index[point] = index;
+  for (const std::uint32_t point : order) {
+    new_index[point] = static_cast<std::uint32_t>(points.size());
     points.push_back(points_[point]);
     objects.push_back(point_object_[point]);
   }
@@ -214,11 +227,7 @@ void CornerPoints::index_cells() {
   for (Corner& corner : corners_) {
     std::for_each(corner.own_point.begin(), corner.own_point.end(), renumber);
   }
-  // The key begins with the object.
-  for (std::uint32_t cell = 0; cell < cells_.size(); ++cell) {
-    while (first_cell_.size() <= cells_[cell].key >> 48U) first_cell_.push_back(cell);
-  }
-  first_cell_.resize(65537, static_cast<std::uint32_t>(cells_.size()));
+  index_ = LightPointIndex(points_, point_object_);
 }
 
 Eigen::Vector3f CornerPoints::at_middle(const std::vector<Flux>& fluxes, std::uint32_t triangle,
@@ -229,96 +238,20 @@ Eigen::Vector3f CornerPoints::at_middle(const std::vector<Flux>& fluxes, std::ui
   return illuminance(fluxes[point], side == 0 ? normal : Eigen::Vector3f(-normal));
 }
 
-// Calls visit(index) for the points of an object in the cells around a place. Cells that follow one
-// another in z do so in the list too.
-template <typename Visit>
-void CornerPoints::visit_around(std::uint16_t object, const Eigen::Vector3f& position,
-                                const Visit& visit) const {
-  const CellIndex low = cell_of(position - Eigen::Vector3f::Constant(kReach));
-  const CellIndex high = cell_of(position + Eigen::Vector3f::Constant(kReach));
-  const auto first = cells_.begin() + first_cell_[object];
-  const auto last = cells_.begin() + first_cell_[object + 1U];
-  for (int x = low[0]; x <= high[0]; ++x) {
-    for (int y = low[1]; y <= high[1]; ++y) {
-      const std::uint64_t last_key = cell_key(object, {x, y, high[2]});
-      auto cell = std::lower_bound(
-          first, last, cell_key(object, {x, y, low[2]}),
-          [](const Cell& candidate, std::uint64_t wanted) { return candidate.key < wanted; });
-      for (; cell != last && cell->key <= last_key; ++cell) {
-        for (std::uint32_t i = cell->first; i < cell->first + cell->count; ++i) visit(i);
-      }
-    }
-  }
-}
-
-// How much a point tells about the light at a place that faces along `normal`: it should be near,
-// face alike, and lie in the same plane, since the light on another shelf is another.
-float CornerPoints::weight_of(const LightPoint& point, float facing,
-                              const Eigen::Vector3f& position,
-                              const Eigen::Vector3f& normal) const {
-  constexpr float kLeastFacing = 0.55F;
-  if (facing < kLeastFacing) return 0;
-  const Eigen::Vector3f offset = point.position - position;
-  const float beside = normal.dot(offset);
-  const float squared = (offset.squaredNorm() + 50 * beside * beside) / (kReach * kReach);
-  if (squared >= 1) return 0;
-  const float near = 1 - squared, alike = facing - kLeastFacing + 0.05F;
-  return near * near * alike * alike * point.openness * point.openness;
-}
-
-std::array<Eigen::Vector3f, 2> CornerPoints::at_corner(const std::vector<Flux>& fluxes,
-                                                       std::uint32_t corner) const {
-  std::array<Eigen::Vector3f, 2> light{Eigen::Vector3f::Zero(), Eigen::Vector3f::Zero()};
-  const Corner& at = corners_[corner];
-  if (!at.is_used) return light;
-  const std::array<Eigen::Vector3f, 2> normals{corner_normal(corner, 0), corner_normal(corner, 1)};
-  std::array<float, 2> weights{};
-  visit_around(at.object, at.inside, [&](std::uint32_t index) {
-    const float facing = normals[0].dot(points_[index].normal);
-    const std::size_t side = facing >= 0 ? 0 : 1;
-    const float weight = weight_of(points_[index], std::abs(facing), at.inside, normals[side]);
-    if (weight <= 0) return;
-    light[side] += weight * illuminance(fluxes[index], normals[side]);
-    weights[side] += weight;
-  });
-  for (const std::size_t side : {std::size_t{0}, std::size_t{1}}) {
-    if (weights[side] > 1e-5F) {
-      light[side] /= weights[side];
-    } else if (at.own_point[side] != kNone) {
-      light[side] = illuminance(fluxes[at.own_point[side]], normals[side]);
-    }
-  }
-  return light;
-}
-
-void CornerPoints::find_neighbors(std::size_t point, std::vector<Neighbor>& neighbors) const {
+void CornerPoints::find_neighbors(std::size_t point,
+                                  std::vector<LightPointIndex::Neighbor>& neighbors) const {
   const LightPoint& at = points_[point];
-  visit_around(point_object_[point], at.position, [&](std::uint32_t index) {
-    const float weight =
-        weight_of(points_[index], at.normal.dot(points_[index].normal), at.position, at.normal);
-    if (weight > 0) neighbors.push_back({index, weight});
-  });
+  index_.find(point_object_[point], at.position, at.normal, neighbors);
 }
 
-Flux CornerPoints::smoothed(const std::vector<Flux>& fluxes, std::size_t point,
-                            std::span<const Neighbor> neighbors, float tolerance) const {
-  // exp(-x) is 0 in single precision from here on.
-  constexpr float kVanishes = 104;
-  const Eigen::Vector3f& normal = points_[point].normal;
-  const float here = luminance(illuminance(fluxes[point], normal));
-  Flux sum = 1e-6F * fluxes[point];
-  float weights = 1e-6F;
-  for (const Neighbor& neighbor : neighbors) {
-    const Flux& flux = fluxes[neighbor.point];
-    const float there = luminance(illuminance(flux, normal));
-    const float difference = (there - here) / (tolerance * (here + there) + 1e-6F);
-    const float squared = difference * difference;
-    if (squared > kVanishes) continue;
-    const float alike = neighbor.weight * std::exp(-squared);
-    sum += alike * flux;
-    weights += alike;
-  }
-  return sum / weights;
+bool CornerPoints::find_sources(std::uint32_t corner, CornerSources& sources) const {
+  const Corner& at = corners_[corner];
+  if (!at.is_used) return false;
+  sources.neighbors.clear();
+  sources.normal = corner_normal(corner);
+  sources.own_point = at.own_point;
+  index_.find(at.object, at.inside, sources.normal, sources.neighbors);
+  return true;
 }
 
 }  // namespace roomwise::simulation

@@ -27,9 +27,10 @@ class MotionBlur {
                                  const WalkPose& pose) const;
   [[nodiscard]] Eigen::Vector2f shift(const Motion& motion, const Eigen::Vector2f& ray,
                                       float depth_m) const;
-  [[nodiscard]] Eigen::Vector3f interpolated(const Eigen::Vector2f& pixel) const;
+  [[nodiscard]] Eigen::Vector4f interpolated(const Eigen::Vector2f& pixel) const;
 
   const RenderedFrame& frame_;
+  image::Image<Eigen::Vector4f> radiance_;  // the frame's, and a 0: four numbers at a time
   const image::Image<Eigen::Vector2f>& rays_;
   Eigen::Vector2f focal_px_;
   Motion open_, close_;

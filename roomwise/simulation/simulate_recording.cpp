@@ -1,6 +1,10 @@
 #include "roomwise/simulation/simulate_recording.h"
 
+#include <future>
+#include <memory>
+#include <optional>
 #include <set>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -8,8 +12,8 @@
 #include "roomwise/recording/trajectory_file.h"
 #include "roomwise/recording/tum_writer.h"
 #include "roomwise/simulation/ground_truth.h"
+#include "roomwise/simulation/recording_folder.h"
 #include "roomwise/simulation/scenario.h"
-#include "roomwise/simulation/simulation_file.h"
 
 namespace roomwise::simulation {
 namespace {
@@ -31,20 +35,34 @@ class WalkRecorder {
         sightings_(home.objects.size()) {}
 
   Expected<void> record(const WalkPose& pose, std::uint64_t index) {
-    const RenderedFrame seen = [&] {
+    RenderedFrame seen = [&] {
       const auto timing = clock_.measure("render");
       return renderer_.render(options_.camera, pose.world_from_camera, pool_);
     }();
-    const image::RgbdFrame frame = [&] {
+    image::RgbdFrame frame = [&] {
       const auto timing = clock_.measure("sensor");
       const ColorSettings settings = exposure_.next(seen, pose.timestamp_ns, index);
       return sensor_.capture(seen, pose, index, settings, pool_);
     }();
+    ROOMWISE_CHECK_OK(finish());
+    // Its images are encoded while the next frame is drawn.
+    auto raw = std::make_shared<image::RgbdFrame>(std::move(frame));
+    pending_.emplace(Pending{pose, index, std::move(seen.object), pool_.submit([raw] {
+                               return recording::encode_images(std::move(*raw));
+                             })});
+    return {};
+  }
+
+  // Writes the frame that was recorded last.
+  Expected<void> finish() {
+    if (!pending_) return {};
     const auto timing = clock_.measure("write");
-    ROOMWISE_CHECK_OK(writer_.name_room(home_.rooms[pose.room].name));
+    Pending written = *std::exchange(pending_, std::nullopt);
+    const image::RgbdFrame frame = written.encoded.get();
+    ROOMWISE_CHECK_OK(writer_.name_room(home_.rooms[written.pose.room].name));
     ROOMWISE_CHECK_OK(writer_.write(frame));
-    sightings_.add(index, seen.object);
-    trajectory_.push_back({pose.timestamp_ns, pose.world_from_camera});
+    sightings_.add(written.index, written.object);
+    trajectory_.push_back({written.pose.timestamp_ns, written.pose.world_from_camera});
     return {};
   }
 
@@ -60,6 +78,14 @@ class WalkRecorder {
   recording::TumWriter& writer_;
   ThreadPool& pool_;
   StageClock& clock_;
+  // The frame that is to be written next.
+  struct Pending {
+    WalkPose pose;
+    std::uint64_t index = 0;
+    image::Image<std::uint16_t> object;
+    std::future<image::RgbdFrame> encoded;
+  };
+  std::optional<Pending> pending_;
   recording::Trajectory trajectory_;
   SightingCounter sightings_;
 };
@@ -107,12 +133,22 @@ Expected<SimulationSummary> simulate_recording(const SimulationOptions& options,
   ROOMWISE_TRY(const HomeModel home, make_home(options, catalogue));
   ROOMWISE_TRY(const std::vector<WalkPose> walk, plan_walk(home, options.walk));
   ROOMWISE_TRY(const Sensor sensor, Sensor::create(options.camera, options.sensor));
-  // Before the long work, which a folder that is not empty would waste.
-  ROOMWISE_TRY(const auto writer, recording::TumWriter::create(folder, options.camera));
-  ROOMWISE_TRY(const auto renderer,
-               Renderer::create(home, catalogue, options.render, pool, progress));
+  // Before the long work, which a folder that cannot be written or is not empty would waste.
+  const bool is_new = !std::filesystem::exists(folder);
+  ROOMWISE_CHECK_OK(remove_unfinished(folder, options));
+  ROOMWISE_TRY(auto writer, recording::TumWriter::create(folder, options.camera));
+  ROOMWISE_CHECK_OK(mark_unfinished(folder, options));
+  auto renderer = Renderer::create(home, catalogue, options.render, pool, progress);
+  if (!renderer) {
+    // Nothing was drawn: the folder is left as it was found.
+    writer.reset();
+    ROOMWISE_CHECK_OK(remove_unfinished(folder, options));
+    std::error_code ignored;
+    if (is_new) std::filesystem::remove(folder, ignored);
+    return Unexpected(std::move(renderer).error());
+  }
 
-  WalkRecorder recorder(options, home, *renderer, sensor, *writer, pool, clock);
+  WalkRecorder recorder(options, home, **renderer, sensor, *writer, pool, clock);
   progress.begin("drawing the walk", walk.size());
   // The frames before one that cannot be written keep their truth.
   Expected<void> recorded;
@@ -121,6 +157,7 @@ Expected<SimulationSummary> simulate_recording(const SimulationOptions& options,
     if (!recorded) break;
     progress.advance(i + 1, home.rooms[walk[i].room].name);
   }
+  if (recorded) recorded = recorder.finish();
   progress.end();
   ROOMWISE_CHECK_OK(writer->close());
   const recording::Trajectory& truth = recorder.trajectory();
@@ -140,11 +177,10 @@ Expected<SimulationSummary> simulate_recording(const SimulationOptions& options,
           : static_cast<double>(truth.back().timestamp_ns - truth.front().timestamp_ns) / 1e9;
   summary.rooms = home.rooms.size();
   summary.objects = home.objects.size();
-  summary.bake = renderer->bake_statistics();
+  summary.bake = (*renderer)->bake_statistics();
   summary.finished = truth.size() == walk.size();
-  // Last: it stands for a recording that is whole.
   if (summary.finished) {
-    ROOMWISE_CHECK_OK(write_simulation(folder / "simulation.json", options));
+    ROOMWISE_CHECK_OK(mark_finished(folder, options, (*renderer)->scene_digest()));
   }
   return summary;
 }

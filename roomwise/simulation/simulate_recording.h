@@ -48,8 +48,9 @@ struct SimulationSummary {
 // Writes the recording in TUM's layout: rgb/, depth/, rgb.txt, depth.txt, camera.txt,
 // groundtruth.txt, rooms.txt, and what only a made-up home can tell: objects.json (every thing, its
 // box, in which frames it is seen), floorplan.json (walls, doors, free space), simulation.json (of
-// what it is made), credits.txt (who made the furniture). The folder must be empty or not exist.
-// When the user interrupts, what was drawn is kept with its truth.
+// what it is made), credits.txt (who made the furniture). The folder must be empty, not exist,
+// or hold an unfinished recording of the same options, which is begun anew. When the user
+// interrupts, what was drawn is kept with its truth; before the first frame nothing is left behind.
 [[nodiscard]] Expected<SimulationSummary> simulate_recording(const SimulationOptions& options,
                                                              const FurnitureCatalogue& catalogue,
                                                              const std::filesystem::path& folder,

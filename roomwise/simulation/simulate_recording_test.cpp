@@ -10,7 +10,9 @@
 #include "roomwise/recording/room_labels.h"
 #include "roomwise/recording/trajectory_file.h"
 #include "roomwise/recording/tum_recording.h"
+#include "roomwise/recording/tum_writer.h"
 #include "roomwise/simulation/ground_truth.h"
+#include "roomwise/simulation/recording_folder.h"
 #include "roomwise/simulation/simulation_file.h"
 #include "roomwise/simulation/true_surfaces.h"
 
@@ -155,7 +157,86 @@ TEST_F(SimulateRecording, InterruptedKeepsWhatWasDrawnAndIsNotTakenForWhole) {
   const std::filesystem::path walk = folder_ / "walk";
   EXPECT_EQ(recording::read_trajectory(walk / "groundtruth.txt")->size(), summary->frames);
   EXPECT_EQ((*recording::TumRecording::open(walk, {}))->info().frame_count, summary->frames);
-  EXPECT_FALSE(is_made_with(walk, short_walk()));
+  EXPECT_FALSE(std::filesystem::exists(walk / "simulation.json"));
+
+  // Another walk does not take its place; the same one is begun anew and gives what it always
+  // gives.
+  SimulationOptions other = short_walk();
+  other.walk.seed = 9;
+  EXPECT_ERROR(simulate(other, "walk", 2), "unfinished recording of other options");
+  ASSERT_OK(write_file(walk / "rgb" / "mine.txt", "mine"));
+  EXPECT_ERROR(simulate(short_walk(), "walk", 2), "mine.txt");
+  std::filesystem::remove(walk / "rgb" / "mine.txt");
+  EXPECT_EQ(contents("walk").count("groundtruth.txt"), 1U) << "nothing was removed";
+  EXPECT_TRUE(std::filesystem::exists(walk / "rgb.txt"));
+  ASSERT_OK(write_file(walk / "rooms.txt.partial-17", ""));  // of a killed process
+  const auto again = simulate(short_walk(), "walk", 2);
+  ASSERT_OK(again);
+  EXPECT_TRUE(again->finished);
+  ASSERT_OK(simulate(short_walk(), "whole", 2));
+  EXPECT_EQ(contents("walk"), contents("whole"));
+}
+
+// Is interrupted from the beginning, and notes what was begun.
+class InterruptAtOnce final : public Progress {
+ public:
+  void begin(std::string_view work, std::optional<std::uint64_t>) override {
+    works.emplace_back(work);
+  }
+  void advance(std::uint64_t, std::string_view) override {}
+  void end() override {}
+  [[nodiscard]] bool interrupted() const override { return true; }
+
+  std::vector<std::string> works;
+};
+
+TEST_F(SimulateRecording, InterruptedBeforeTheFirstFrameLeavesNothing) {
+  InterruptAtOnce interrupt;
+  EXPECT_ERROR(simulate(short_walk(), "walk", 2, &interrupt), "interrupted");
+  EXPECT_FALSE(interrupt.works.empty());
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "walk"));
+  std::filesystem::create_directory(folder_ / "empty");
+  EXPECT_ERROR(simulate(short_walk(), "empty", 2, &interrupt), "interrupted");
+  EXPECT_TRUE(std::filesystem::is_empty(folder_ / "empty")) << "it was the user's";
+}
+
+TEST_F(SimulateRecording, KilledBeforeTheFirstFrameMakesRoomForAnyOther) {
+  const std::filesystem::path walk = folder_ / "walk";
+  ASSERT_OK(recording::TumWriter::create(walk, short_walk().camera));
+  ASSERT_OK(mark_unfinished(walk, short_walk()));
+  SimulationOptions other = short_walk();
+  other.walk.most_frames = 2;
+  ASSERT_OK(simulate(other, "walk", 2));
+  EXPECT_FALSE(std::filesystem::exists(walk / "unfinished.json"));
+}
+
+TEST_F(SimulateRecording, WhatCannotBeWrittenIsNoticedBeforeTheBake) {
+  ASSERT_OK(write_file(folder_ / "file", "a file"));
+  InterruptAtOnce progress;
+  SimulationOptions options = short_walk();
+  options.render.light_cache = folder_ / "none/flat.light";
+  EXPECT_ERROR(simulate(options, "walk", 2, &progress), "none/flat.light");
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "walk"));
+  options.render.light_cache = folder_.path();
+  EXPECT_ERROR(simulate(options, "walk", 2, &progress), "is a folder");
+  EXPECT_ERROR(simulate(short_walk(), "file/walk", 2, &progress), "file/walk");
+  EXPECT_TRUE(progress.works.empty()) << "nothing was begun";
+}
+
+TEST_F(SimulateRecording, IsKeptAsLongAsTheProgramMakesTheSameHome) {
+  const std::filesystem::path walk = folder_ / "walk";
+  EXPECT_FALSE(is_made_already(walk, short_walk(), *catalogue_).value());
+  ASSERT_OK(simulate(short_walk(), "walk", 2));
+  EXPECT_TRUE(is_made_already(walk, short_walk(), *catalogue_).value());
+  SimulationOptions other = short_walk();
+  other.sensor.edge_jitter = false;
+  EXPECT_FALSE(is_made_already(walk, other, *catalogue_).value());
+  // As if made by a program that furnished the home otherwise.
+  auto made = read_simulation(walk / "simulation.json").value();
+  EXPECT_EQ(made.scene_sha256.size(), 64U);
+  made.scene_sha256[0] = made.scene_sha256[0] == '0' ? '1' : '0';
+  ASSERT_OK(write_simulation(walk / "simulation.json", made));
+  EXPECT_ERROR(is_made_already(walk, short_walk(), *catalogue_), "another version of the program");
 }
 
 TEST_F(SimulateRecording, RefusesAFolderThatIsNotEmpty) {
@@ -174,9 +255,11 @@ TEST(SimulationFile, TellsOfWhatARecordingIsMade) {
   options.walk.rooms = {"kitchen"};
   options.walk.jitter = 0.1 + 0.2;  // no short decimal
   options.sensor.edge_jitter = false;
-  ASSERT_OK(write_simulation(folder / "simulation.json", options));
-  const auto again = read_simulation(folder / "simulation.json");
-  ASSERT_OK(again);
+  ASSERT_OK(write_simulation(folder / "simulation.json", {options, "abc"}));
+  const auto made = read_simulation(folder / "simulation.json");
+  ASSERT_OK(made);
+  EXPECT_EQ(made->scene_sha256, "abc");
+  const SimulationOptions* again = &made->options;
   EXPECT_EQ(again->home->seed, options.home->seed);
   EXPECT_EQ(again->home->rooms, options.home->rooms);
   EXPECT_EQ(again->scenario, options.scenario);
@@ -184,9 +267,11 @@ TEST(SimulationFile, TellsOfWhatARecordingIsMade) {
   EXPECT_EQ(again->walk.jitter, options.walk.jitter);
   EXPECT_FALSE(again->sensor.edge_jitter);
   EXPECT_EQ(again->camera, options.camera);
-  EXPECT_TRUE(is_made_with(folder.path(), options));
+  EXPECT_TRUE(are_alike(*again, options));
+  options.render.light_cache = "elsewhere";
+  EXPECT_TRUE(are_alike(*again, options));
   options.sensor.edge_jitter = true;
-  EXPECT_FALSE(is_made_with(folder.path(), options));
+  EXPECT_FALSE(are_alike(*again, options));
 
   ASSERT_OK(write_file(folder / "simulation.json", R"({"home": "reference"})"));
   EXPECT_ERROR(read_simulation(folder / "simulation.json"), "simulation.json");

@@ -118,25 +118,28 @@ Expected<SimulationOptions> from_json(const ordered_json& json) {
 
 }  // namespace
 
-Expected<void> write_simulation(const std::filesystem::path& path,
-                                const SimulationOptions& options) {
-  return write_file(path, to_json(options).dump(2) + "\n");
+Expected<void> write_simulation(const std::filesystem::path& path, const MadeRecording& made) {
+  ordered_json json = to_json(made.options);
+  json["scene_sha256"] = made.scene_sha256;
+  return write_file(path, json.dump(2) + "\n");
 }
 
-Expected<SimulationOptions> read_simulation(const std::filesystem::path& path) {
+Expected<MadeRecording> read_simulation(const std::filesystem::path& path) {
   ROOMWISE_TRY(const std::string text, read_text_file(path));
   try {
-    auto options = from_json(ordered_json::parse(text));
+    const auto json = ordered_json::parse(text);
+    auto options = from_json(json);
     if (!options) return Unexpected(std::move(options).error().in(path.string()));
-    return options;
+    return MadeRecording{*std::move(options), json.at("scene_sha256").get<std::string>()};
   } catch (const nlohmann::json::exception& error) {
-    return fail("{}: does not describe a simulation: {}", path.string(), error.what());
+    return fail(
+        "{}: does not describe a simulation as this version does: {}; make the recording anew",
+        path.string(), error.what());
   }
 }
 
-bool is_made_with(const std::filesystem::path& folder, const SimulationOptions& options) {
-  const auto made = read_simulation(folder / "simulation.json");
-  return made && to_json(*made) == to_json(options);
+bool are_alike(const SimulationOptions& a, const SimulationOptions& b) {
+  return to_json(a) == to_json(b);
 }
 
 }  // namespace roomwise::simulation

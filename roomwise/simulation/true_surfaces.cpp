@@ -2,14 +2,17 @@
 
 #include <utility>
 
+#include "roomwise/simulation/emitters.h"
 #include "roomwise/simulation/home_meshes.h"
+#include "roomwise/simulation/light_cache.h"
 
 namespace roomwise::simulation {
 
 Expected<TrueSurfaces> TrueSurfaces::create(const HomeModel& home, const MeshLoader& load) {
   ROOMWISE_TRY(const auto meshes, load_meshes(home, load));
   ROOMWISE_TRY(Scene scene, Scene::build(home, meshes));
-  return TrueSurfaces(std::move(scene));
+  std::string digest = scene_digest(scene, Emitters(home, scene, 1));
+  return TrueSurfaces(std::move(scene), std::move(digest));
 }
 
 }  // namespace roomwise::simulation

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <string>
+#include <utility>
 
 #include "roomwise/base/expected.h"
 #include "roomwise/simulation/home_model.h"
@@ -15,6 +17,8 @@ class TrueSurfaces {
   // Fails where a model cannot be read.
   [[nodiscard]] static Expected<TrueSurfaces> create(const HomeModel& home, const MeshLoader& load);
 
+  // Of the home's shapes and light, as a recording's simulation.json names it.
+  [[nodiscard]] const std::string& digest() const { return digest_; }
   // From a point of the world frame to the nearest surface, m; infinity where it is further than
   // `most_m`. May be called from several threads.
   [[nodiscard]] double distance_m(const Eigen::Vector3f& point_world, double most_m) const {
@@ -23,9 +27,11 @@ class TrueSurfaces {
   }
 
  private:
-  explicit TrueSurfaces(Scene scene) : scene_(std::move(scene)) {}
+  TrueSurfaces(Scene scene, std::string digest)
+      : scene_(std::move(scene)), digest_(std::move(digest)) {}
 
   Scene scene_;
+  std::string digest_;
 };
 
 }  // namespace roomwise::simulation
