@@ -27,7 +27,8 @@ void take_descriptor(const features::RealDescriptors& all, Eigen::Index from,
 }
 void take_descriptor(const features::BinaryDescriptors& all, Eigen::Index from,
                      KeyframeFeatures& taken, Eigen::Index to) {
-  const float entry = 1 / std::sqrt(static_cast<float>(8 * all.cols()));
+  // Of half the length: alike bits differ about as much as alike real descriptors.
+  const float entry = 0.5F / std::sqrt(static_cast<float>(8 * all.cols()));
   for (Eigen::Index bit = 0; bit < 8 * all.cols(); ++bit) {
     const bool is_set = ((all(from, bit / 8) >> (bit % 8)) & 1) != 0;
     taken.descriptors(to, bit) = in_eight_bits(is_set ? entry : -entry);

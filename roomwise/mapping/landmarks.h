@@ -27,7 +27,8 @@ struct LandmarkOptions {
 };
 
 // A key-frame's strongest features, made small: what landmarks are found by. Descriptors are taken
-// for vectors of unit length (the bits of binary ones for plus and minus) in 8-bit numbers.
+// for vectors of unit length (the bits of binary ones for plus and minus, of half that) in 8-bit
+// numbers.
 struct KeyframeFeatures {
   std::vector<LandmarkView> views;      // LandmarkView::camera is left at 0
   std::vector<Eigen::Vector3d> points;  // in the camera frame, m; z = 0: no depth
