@@ -1,7 +1,9 @@
 #include "roomwise/mapping/mapper.h"
 
 #include <algorithm>
+#include <set>
 #include <utility>
+#include <vector>
 
 namespace roomwise::mapping {
 namespace {
@@ -17,10 +19,27 @@ constexpr KeyframeId kNeighbors = 5;
 // many places are tried.
 constexpr double kWaySlack = 0.2;
 constexpr int kMostKnownTried = 2;
+// A piece of the map makes new key-frames also on known ground until it has so many: only new ones
+// find the loops that join it with the others.
+constexpr std::size_t kGrownPiece = 100;
 // So often a run can be taken up again, also where nothing happens.
 constexpr int kMostFramesToCheckpoint = 300;
 // Motion is foreseen from frames as far back as this.
 constexpr std::size_t kLeastFramesKept = 4;
+
+// Whether edges lead from the key-frame to so many, itself included.
+bool is_joined_with(const KeyframeGraph& graph, KeyframeId keyframe, std::size_t count) {
+  std::vector<KeyframeId> open{keyframe};
+  std::set<KeyframeId> reached{keyframe};
+  while (!open.empty() && reached.size() < count) {
+    const KeyframeId from = open.back();
+    open.pop_back();
+    for (const KeyframeGraph::Nearby& nearby : graph.around(from)) {
+      if (reached.insert(nearby.id).second) open.push_back(nearby.id);
+    }
+  }
+  return reached.size() >= count;
+}
 
 }  // namespace
 
@@ -201,6 +220,8 @@ std::optional<RigidTransform> Mapper::along_steps(KeyframeId from) const {
 Expected<std::optional<Mapper::KnownPlace>> Mapper::find_known(
     const motion::FrameMeasurements& current, const RigidTransform& motion) {
   if (options_.reuse.nearer_than == 0) return std::nullopt;
+  if (!is_joined_with(graph_, trail_.back(), std::min(keyframes_.size(), kGrownPiece)))
+    return std::nullopt;
   struct Candidate {
     KeyframeId id = 0;
     RigidTransform keyframe_from_camera;
