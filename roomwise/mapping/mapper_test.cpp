@@ -368,7 +368,7 @@ TEST_F(CombinedMapperTest, GoesOnFromKeyframesThatItKnows) {
 }
 
 TEST_F(CombinedMapperTest, ASmallPieceApartMakesNewKeyframesThatMayJoinIt) {
-  const RoomOfPoints other_room(2, 1.5);
+  const RoomOfPoints other_room(2, 2.5);
   Mapper mapper(kCamera, reuses_all());
   for (int i = 0; i < 10; ++i) add_at(mapper, i, to_and_fro(i));
   std::size_t keyframes_in_other = 0;
