@@ -259,7 +259,7 @@ void add_map_command(CLI::App& app, Context& context) {
       ->add_option(
           "--keyframe-reuse", options->reuse,
           "Go on from an earlier key-frame where the camera is nearer to it than this part "
-          "of a key-frame's motion; 0: never [combined: 0.7, paper: 0]")
+          "of a key-frame's motion, once the map has 600; 0: never [combined: 0.7, paper: 0]")
       ->check(CLI::Range(0.0, 1.0))
       ->excludes(resume);
   command

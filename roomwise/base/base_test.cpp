@@ -10,6 +10,7 @@
 #include "roomwise/base/disjoint_sets.h"
 #include "roomwise/base/file.h"
 #include "roomwise/base/random.h"
+#include "roomwise/base/scratch_file.h"
 #include "roomwise/base/stage_clock.h"
 #include "roomwise/base/testing.h"
 #include "roomwise/base/thread_pool.h"
@@ -27,6 +28,26 @@ TEST(DisjointSets, AreKnownByTheirLowestElement) {
   for (const std::size_t element : {1, 3, 5}) EXPECT_EQ(sets.find(element), 1U);
   for (const std::size_t element : {2, 4}) EXPECT_EQ(sets.find(element), 2U);
   EXPECT_EQ(sets.find(0), 0U);
+}
+
+TEST(ScratchFile, GivesBackWhatWasAppendedAndLeavesNothing) {
+  const roomwise::testing::ScratchFolder folder;
+  {
+    auto scratch = ScratchFile::create(folder.path());
+    ASSERT_OK(scratch);
+    const Bytes first{1, 2, 3};
+    const Bytes second(100'000, 7);
+    const auto first_at = scratch->append(first);
+    const auto second_at = scratch->append(second);
+    ASSERT_OK(first_at);
+    ASSERT_OK(second_at);
+    ScratchFile moved = *std::move(scratch);
+    EXPECT_EQ(moved.read(*second_at, second.size()).value(), second);
+    EXPECT_EQ(moved.read(*first_at, first.size()).value(), first);
+    EXPECT_ERROR(moved.read(*second_at, second.size() + 1), "it ends before");
+    EXPECT_TRUE(std::filesystem::is_empty(folder.path())) << "it has no name";
+  }
+  EXPECT_ERROR(ScratchFile::create(folder / "nowhere"), "no scratch file can be made there");
 }
 
 TEST(Timestamp, KeepsEveryNanosecond) {

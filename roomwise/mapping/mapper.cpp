@@ -1,7 +1,9 @@
 #include "roomwise/mapping/mapper.h"
 
 #include <algorithm>
+#include <set>
 #include <utility>
+#include <vector>
 
 namespace roomwise::mapping {
 namespace {
@@ -17,10 +19,30 @@ constexpr KeyframeId kNeighbors = 5;
 // many places are tried.
 constexpr double kWaySlack = 0.2;
 constexpr int kMostKnownTried = 2;
+// A piece of the map makes new key-frames also on known ground until it has so many: only new ones
+// find the loops that join it with the others.
+constexpr std::size_t kGrownPiece = 100;
+// Nothing is gone on from before the map has so many key-frames, in ReuseOptions::least_age: while
+// it is small, each new one costs little and makes it more exact, on known ground too.
+constexpr std::size_t kLargeMap_ages = 15;
 // So often a run can be taken up again, also where nothing happens.
 constexpr int kMostFramesToCheckpoint = 300;
 // Motion is foreseen from frames as far back as this.
 constexpr std::size_t kLeastFramesKept = 4;
+
+// Whether edges lead from the key-frame to so many, itself included.
+bool is_joined_with(const KeyframeGraph& graph, KeyframeId keyframe, std::size_t count) {
+  std::vector<KeyframeId> open{keyframe};
+  std::set<KeyframeId> reached{keyframe};
+  while (!open.empty() && reached.size() < count) {
+    const KeyframeId from = open.back();
+    open.pop_back();
+    for (const KeyframeGraph::Nearby& nearby : graph.around(from)) {
+      if (reached.insert(nearby.id).second) open.push_back(nearby.id);
+    }
+  }
+  return reached.size() >= count;
+}
 
 }  // namespace
 
@@ -201,6 +223,10 @@ std::optional<RigidTransform> Mapper::along_steps(KeyframeId from) const {
 Expected<std::optional<Mapper::KnownPlace>> Mapper::find_known(
     const motion::FrameMeasurements& current, const RigidTransform& motion) {
   if (options_.reuse.nearer_than == 0) return std::nullopt;
+  const auto least_age = static_cast<std::size_t>(options_.reuse.least_age);
+  if (keyframes_.size() < kLargeMap_ages * least_age) return std::nullopt;
+  if (!is_joined_with(graph_, trail_.back(), std::min(keyframes_.size(), kGrownPiece)))
+    return std::nullopt;
   struct Candidate {
     KeyframeId id = 0;
     RigidTransform keyframe_from_camera;
@@ -221,8 +247,7 @@ Expected<std::optional<Mapper::KnownPlace>> Mapper::find_known(
                  compare(candidate.id, current, frames_.back().frame_index, prior));
     // Without features there were no matches to look at.
     const bool is_sure = outcome.matches == 0;
-    const bool is_old =
-        candidate.id + static_cast<KeyframeId>(options_.reuse.least_age) < keyframes_.size();
+    const bool is_old = candidate.id + least_age < keyframes_.size();
     if (!outcome.found() || !(is_sure || is_old)) continue;
     if (substance(outcome.pose.reference_from_current) >= options_.reuse.nearer_than) continue;
     return KnownPlace{candidate.id, outcome.pose};

@@ -20,7 +20,7 @@ struct ReuseOptions {
   // The camera is nearer to it than this part of the motion that makes a key-frame; 0: never.
   double nearer_than = 0.7;
   // One of the newest so many is gone on from only where whole views leave no doubt, an older one
-  // also by its features: what was left a moment ago is rather measured anew, for exactness.
+  // also by its features; none before the map has 15 times as many: new ones make it more exact.
   int least_age = 40;
 
   [[nodiscard]] Expected<void> validate() const;

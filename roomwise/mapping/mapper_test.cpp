@@ -367,6 +367,23 @@ TEST_F(CombinedMapperTest, GoesOnFromKeyframesThatItKnows) {
   EXPECT_GT(without.keyframes().size(), 3 * keyframes);
 }
 
+TEST_F(CombinedMapperTest, ASmallPieceApartMakesNewKeyframesThatMayJoinIt) {
+  const RoomOfPoints other_room(2, 2.5);
+  Mapper mapper(kCamera, reuses_all());
+  for (int i = 0; i < 10; ++i) add_at(mapper, i, to_and_fro(i));
+  std::size_t keyframes_in_other = 0;
+  for (int i = 10; i < 70; ++i) {
+    const RigidTransform pose = pose_at(to_and_fro(i, 15));
+    const auto seen = [&, i] { return other_room.seen_from(pose, static_cast<std::uint64_t>(i)); };
+    const auto step = mapper.add_frame(static_cast<std::uint64_t>(i), i * 33'000'000LL,
+                                       {other_room.view_from(pose), seen});
+    ASSERT_OK(step);
+    keyframes_in_other += step->new_keyframes.size();
+  }
+  ASSERT_EQ(solve_map(mapper.keyframes().size(), mapper.edges())->pieces, 2U);
+  EXPECT_GT(keyframes_in_other, 12U) << "four ways over the same ground, each with its own";
+}
+
 TEST_F(CombinedMapperTest, RestoredOnKnownGroundGoesOnAsIfNeverStopped) {
   constexpr int kFrames = 90;
   Mapper whole(kCamera, reuses_all());
