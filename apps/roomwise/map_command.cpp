@@ -267,9 +267,10 @@ void add_map_command(CLI::App& app, Context& context) {
                    "Memory for what was measured in key-frames, MB; the others wait in a scratch "
                    "file beside the home. Changes no result")
       ->capture_default_str();
-  ->add_flag("--no-bundle-adjustment", options->no_bundle_adjustment,
-             "Leave the map as the pose graph says: no landmarks, no rolling shutter (so does "
-             "--method paper)")
+  command
+      ->add_flag("--no-bundle-adjustment", options->no_bundle_adjustment,
+                 "Leave the map as the pose graph says: no landmarks, no rolling shutter (so does "
+                 "--method paper)")
       ->excludes(resume);
   setting("--object-score", options->settings.objects.least_score,
           "Least score of an object, 0 to 1")
