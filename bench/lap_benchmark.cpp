@@ -11,13 +11,14 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <opencv2/core.hpp>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "arguments.h"
 #include "roomwise/base/random.h"
 #include "roomwise/evaluation/trajectory_error.h"
 #include "roomwise/pipeline/map_recording.h"
@@ -220,28 +221,37 @@ Expected<void> map_laps(const Task& task, const fs::path& file) {
   return {};
 }
 
+Expected<Task> read_task(std::span<const char* const> arguments) {
+  constexpr std::string_view kUsage =
+      "lap_benchmark RECORDING [FRAMES] [SEED] [CAMERA] [WORKING_SET_MB]";
+  if (arguments.empty() || arguments.size() > 5) return fail("usage: {}", kUsage);
+  Task task{.folder = arguments[0], .tum = {}};
+  const auto take_count = [&](std::size_t place, auto& count) -> Expected<void> {
+    if (arguments.size() <= place) return {};
+    ROOMWISE_TRY(const int value, bench::parse_count(arguments[place], kUsage));
+    count = static_cast<std::size_t>(value);
+    return {};
+  };
+  ROOMWISE_CHECK_OK(take_count(1, task.frames));
+  ROOMWISE_CHECK_OK(take_count(2, task.seed));
+  ROOMWISE_CHECK_OK(take_count(4, task.working_set_mb));
+  if (arguments.size() > 3 && std::string_view(arguments[3]) != "own") {
+    ROOMWISE_TRY(task.tum.camera, geometry::camera_preset(arguments[3]));
+  }
+  return task;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   cv::setNumThreads(1);
-  if (argc < 2) {
-    fmt::print(stderr, "lap_benchmark RECORDING [FRAMES] [SEED] [CAMERA] [WORKING_SET_MB]\n");
+  const auto task = read_task({argv + 1, static_cast<std::size_t>(argc - 1)});
+  if (!task) {
+    fmt::print(stderr, "lap_benchmark: {}\n", task.error().message);
     return 2;
   }
-  Task task{.folder = argv[1], .tum = {}};
-  if (argc > 2) task.frames = std::strtoull(argv[2], nullptr, 10);
-  if (argc > 3) task.seed = std::strtoull(argv[3], nullptr, 10);
-  if (argc > 5) task.working_set_mb = std::strtoull(argv[5], nullptr, 10);
-  if (argc > 4 && std::string_view(argv[4]) != "own") {
-    const auto camera = geometry::camera_preset(argv[4]);
-    if (!camera) {
-      fmt::print(stderr, "{}\n", camera.error().message);
-      return 2;
-    }
-    task.tum.camera = *camera;
-  }
   const fs::path file = fs::temp_directory_path() / fmt::format("lap-benchmark-{}.home", getpid());
-  const auto mapped = map_laps(task, file);
+  const auto mapped = map_laps(*task, file);
   fs::remove(file);
   if (!mapped) fmt::print(stderr, "{}\n", mapped.error().message);
   return mapped ? 0 : 1;

@@ -5,6 +5,7 @@
 #include "commands.h"
 #include "networks.h"
 #include "paths.h"
+#include "readout.h"
 #include "roomwise/pipeline/map_recording.h"
 #include "roomwise/pipeline/room_learning.h"
 #include "roomwise/pipeline/stored_map.h"
@@ -104,8 +105,8 @@ std::string to_text(const pipeline::MapSummary& summary, bool has_networks) {
       summary.placed, summary.frames, summary.keyframes, summary.edges, summary.rejected_loops,
       summary.loops, summary.pieces, summary.graph_error_before, summary.graph_error_after);
   if (summary.landmarks > 0) {
-    text += fmt::format("landmarks   {}, seen {} times; rolling shutter {:.1f} ms\n",
-                        summary.landmarks, summary.landmark_views, 1000 * summary.readout_s);
+    text += fmt::format("landmarks   {}, seen {} times; rolling shutter {}\n", summary.landmarks,
+                        summary.landmark_views, readout_text(summary.readout_s));
   }
   text +=
       has_networks
@@ -187,7 +188,7 @@ Expected<Answer> map(const Options& options, Context& context) {
                  {"f_after", summary.graph_error_after},
                  {"landmarks", summary.landmarks},
                  {"landmark_views", summary.landmark_views},
-                 {"readout_s", summary.readout_s},
+                 {"readout_s", readout_json(summary.readout_s)},
                  {"objects", summary.objects},
                  {"home", options.home.string()}};
   for (const auto& [name, stage] : clock.stages()) {

@@ -3,6 +3,7 @@
 #include <opencv2/core.hpp>
 
 #include "commands.h"
+#include "readout.h"
 #include "roomwise/base/file.h"
 #include "roomwise/mapping/g2o_file.h"
 #include "roomwise/mapping/pose_graph.h"
@@ -77,12 +78,12 @@ Expected<Answer> optimize_home(const Options& options, Context& context) {
   answer.text +=
       fmt::format("loops left out  {}\nobjects         {}\n", solution.rejected_loops, objects);
   if (solved.refinement) {
-    answer.text += fmt::format("landmarks       {}, seen {} times; rolling shutter {:.1f} ms\n",
+    answer.text += fmt::format("landmarks       {}, seen {} times; rolling shutter {}\n",
                                solved.refinement->landmarks, solved.refinement->views,
-                               1000 * solved.refinement->readout_s);
+                               readout_text(solved.refinement->readout_s));
     answer.json["landmarks"] = solved.refinement->landmarks;
     answer.json["landmark_views"] = solved.refinement->views;
-    answer.json["readout_s"] = solved.refinement->readout_s;
+    answer.json["readout_s"] = readout_json(solved.refinement->readout_s);
   }
   answer.json["rejected_loops"] = solution.rejected_loops;
   answer.json["objects"] = objects;

@@ -1,5 +1,6 @@
 #include "roomwise/base/scratch_file.h"
 
+#include <fcntl.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -10,12 +11,20 @@
 namespace roomwise {
 
 Expected<ScratchFile> ScratchFile::create(const std::filesystem::path& folder) {
-  std::string name = (folder / ".roomwise-scratch-XXXXXX").string();
-  const int descriptor = mkstemp(name.data());
+  // Without a name from the start, where the file system can do that.
+  int descriptor = open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
+  if (descriptor < 0 && (errno == EOPNOTSUPP || errno == EISDIR || errno == EINVAL)) {
+    std::string name = (folder / ".roomwise-scratch-XXXXXX").string();
+    descriptor = mkostemp(name.data(), O_CLOEXEC);
+    if (descriptor >= 0 && unlink(name.c_str()) != 0) {
+      const int why = errno;
+      close(descriptor);
+      return fail("{}: cannot be removed: {}", name, std::strerror(why));
+    }
+  }
   if (descriptor < 0) {
     return fail("{}: no scratch file can be made there: {}", folder.string(), std::strerror(errno));
   }
-  unlink(name.c_str());
   return ScratchFile(folder, descriptor);
 }
 

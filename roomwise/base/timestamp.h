@@ -12,6 +12,9 @@ namespace roomwise {
 using TimestampNs = std::int64_t;
 
 constexpr double kSecondsPerNs = 1e-9;
+[[nodiscard]] constexpr double seconds_between(TimestampNs from, TimestampNs to) {
+  return static_cast<double>(to - from) * kSecondsPerNs;
+}
 
 // Reads seconds with any number of decimals ("1305031229.528748", "-0.5"), exactly to the
 // nanosecond. Fails on anything else, NaN, infinity and what does not fit (about +-292 years).

@@ -3,15 +3,10 @@
 #include <cmath>
 
 namespace roomwise::geometry {
-namespace {
 
 Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
-  Eigen::Matrix3d m;
-  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-  return m;
+  return Eigen::Matrix3d{{0, -v.z(), v.y()}, {v.z(), 0, -v.x()}, {-v.y(), v.x(), 0}};
 }
-
-}  // namespace
 
 RigidTransform RigidTransform::exp(const Vector6d& twist) {
   const Eigen::Vector3d omega = twist.head<3>();

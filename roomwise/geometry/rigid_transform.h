@@ -45,4 +45,7 @@ struct RigidTransform {
   }
 };
 
+// The matrix that takes w to v x w.
+[[nodiscard]] Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v);
+
 }  // namespace roomwise::geometry

@@ -17,11 +17,6 @@ Eigen::Quaterniond remaining_turn(const RigidTransform& from_from_to,
   return turn;
 }
 
-// v x, as a matrix.
-Eigen::Matrix3d cross(const Eigen::Vector3d& v) {
-  return Eigen::Matrix3d{{0, -v.z(), v.y()}, {v.z(), 0, -v.x()}, {-v.y(), v.x(), 0}};
-}
-
 }  // namespace
 
 Vector6d edge_error(const RigidTransform& from_from_to, const RigidTransform& world_from_from,
@@ -47,12 +42,13 @@ EdgeJacobians edge_jacobians(const RigidTransform& from_from_to,
   // Of a product of quaternions q (1, r / 2) the vector part changes by (w + v x) r / 2; of
   // (1, r / 2) q by (w - v x) r / 2.
   const Eigen::Matrix3d w = turn.w() * Eigen::Matrix3d::Identity();
-  const Eigen::Matrix3d v = cross(turn.vec());
+  const Eigen::Matrix3d v = geometry::cross_matrix(turn.vec());
   EdgeJacobians jacobians;
   jacobians.by_to << measured_back * from_from_world, Eigen::Matrix3d::Zero(),
       Eigen::Matrix3d::Zero(), 0.5 * (w + v);
-  jacobians.by_from << -measured_back * from_from_world, measured_back * cross(estimated),
-      Eigen::Matrix3d::Zero(), -0.5 * (w - v) * measured_back;
+  jacobians.by_from << -measured_back * from_from_world,
+      measured_back * geometry::cross_matrix(estimated), Eigen::Matrix3d::Zero(),
+      -0.5 * (w - v) * measured_back;
   return jacobians;
 }
 

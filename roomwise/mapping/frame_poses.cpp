@@ -14,41 +14,40 @@ RigidTransform part_of(const RigidTransform& motion, double share) {
   return {Eigen::Quaterniond::Identity().slerp(share, motion.rotation), share * motion.translation};
 }
 
-double seconds(TimestampNs from, TimestampNs to) {
-  return static_cast<double>(to - from) * kSecondsPerNs;
-}
-
-// By key-frame: how the next one was measured from it, if it was.
-std::vector<std::optional<RigidTransform>> steps_to_next(std::size_t count,
+// By key-frame: how the next one was measured from it, if it was and lies in the same piece.
+std::vector<std::optional<RigidTransform>> steps_to_next(std::span<const std::size_t> piece,
                                                          std::span<const PoseGraphEdge> edges) {
-  std::vector<std::optional<RigidTransform>> steps(count);
+  std::vector<std::optional<RigidTransform>> steps(piece.size());
   for (const PoseGraphEdge& edge : edges) {
-    if (edge.to == edge.from + 1 && !edge.is_loop && !steps[edge.from])
+    if (edge.to == edge.from + 1 && !edge.is_loop && piece[edge.from] == piece[edge.to] &&
+        !steps[edge.from]) {
       steps[edge.from] = edge.from_from_to;
+    }
   }
   return steps;
 }
 
 }  // namespace
 
-std::vector<std::optional<RigidTransform>> frame_poses(
-    std::span<const MappedFrame> frames, std::span<const RigidTransform> world_from_keyframe,
-    std::span<const TimestampNs> keyframe_times, std::span<const PoseGraphEdge> edges) {
-  const auto steps = steps_to_next(world_from_keyframe.size(), edges);
+std::vector<std::optional<RigidTransform>> frame_poses(std::span<const MappedFrame> frames,
+                                                       const SolvedKeyframes& keyframes,
+                                                       std::span<const PoseGraphEdge> edges) {
+  const auto& [world_from_keyframe, times_ns, piece] = keyframes;
+  const auto steps = steps_to_next(piece, edges);
   std::vector<std::optional<RigidTransform>> poses;
   for (const MappedFrame& frame : frames) {
     auto& pose = poses.emplace_back();
     if (!frame.place) continue;
     const KeyframeId id = frame.place->keyframe;
     pose = world_from_keyframe[id] * frame.place->keyframe_from_camera;
-    if (!steps[id] || frame.timestamp_ns <= keyframe_times[id] ||
-        frame.timestamp_ns >= keyframe_times[id + 1]) {
+    if (!steps[id] || frame.timestamp_ns <= times_ns[id] ||
+        frame.timestamp_ns >= times_ns[id + 1]) {
       continue;
     }
     const RigidTransform correction =
         (world_from_keyframe[id] * *steps[id]).inverse() * world_from_keyframe[id + 1];
-    const double share = seconds(keyframe_times[id], frame.timestamp_ns) /
-                         seconds(keyframe_times[id], keyframe_times[id + 1]);
+    const double share = seconds_between(times_ns[id], frame.timestamp_ns) /
+                         seconds_between(times_ns[id], times_ns[id + 1]);
     pose = *pose * part_of(correction, share);
   }
   return poses;
@@ -57,22 +56,26 @@ std::vector<std::optional<RigidTransform>> frame_poses(
 std::vector<Vector6d> keyframe_motions(
     std::span<const MappedFrame> frames,
     std::span<const std::optional<RigidTransform>> world_from_frame,
-    std::span<const TimestampNs> keyframe_times) {
-  // Within this time a hand's motion is nearly steady.
-  constexpr double kMost_s = 0.11;
+    const SolvedKeyframes& keyframes) {
   std::map<TimestampNs, std::size_t> frame_at;
   for (std::size_t i = 0; i < frames.size(); ++i) frame_at[frames[i].timestamp_ns] = i;
+  const auto is_of_piece = [&](std::size_t i, std::size_t piece) {
+    return world_from_frame[i] && frames[i].place &&
+           keyframes.piece[frames[i].place->keyframe] == piece;
+  };
   std::vector<Vector6d> motions;
-  for (const TimestampNs time : keyframe_times) {
+  for (std::size_t id = 0; id < keyframes.timestamps_ns.size(); ++id) {
+    const std::size_t piece = keyframes.piece[id];
     Vector6d& motion = motions.emplace_back(Vector6d::Zero());
-    const auto found = frame_at.find(time);
-    if (found == frame_at.end() || !world_from_frame[found->second]) continue;
+    const auto found = frame_at.find(keyframes.timestamps_ns[id]);
+    if (found == frame_at.end() || !is_of_piece(found->second, piece)) continue;
     std::size_t before = found->second;
     std::size_t after = before;
-    if (before > 0 && world_from_frame[before - 1]) --before;
-    if (after + 1 < frames.size() && world_from_frame[after + 1]) ++after;
-    const double duration_s = seconds(frames[before].timestamp_ns, frames[after].timestamp_ns);
-    if (!(duration_s > 0) || duration_s > kMost_s) continue;
+    if (before > 0 && is_of_piece(before - 1, piece)) --before;
+    if (after + 1 < frames.size() && is_of_piece(after + 1, piece)) ++after;
+    const double duration_s =
+        seconds_between(frames[before].timestamp_ns, frames[after].timestamp_ns);
+    if (!(duration_s > 0) || duration_s > kSteadyHand_s) continue;
     const RigidTransform step = world_from_frame[before]->inverse() * *world_from_frame[after];
     const Eigen::AngleAxisd turn(step.rotation);
     motion << turn.angle() * turn.axis(), step.translation;

@@ -10,21 +10,30 @@
 
 namespace roomwise::mapping {
 
+// Within this time a hand's motion is nearly steady, or is sped up steadily.
+inline constexpr double kSteadyHand_s = 0.11;
+
+// Key-frames of a solved map, by id.
+struct SolvedKeyframes {
+  std::span<const geometry::RigidTransform> world_from_keyframe;
+  std::span<const TimestampNs> timestamps_ns;
+  std::span<const std::size_t> piece;  // each has a world of its own
+};
+
 // Where frames are, once their key-frames have been moved. A frame between two key-frames was
 // measured from the first, as the second was: what the solved poses say otherwise of the second
 // grows from one to the other in the course of time. Nothing for frames without a place.
-// `keyframe_times` are by id, and frames in the order of time.
+// `edges` are those that agree with the solution, frames in the order of time.
 [[nodiscard]] std::vector<std::optional<geometry::RigidTransform>> frame_poses(
-    std::span<const MappedFrame> frames,
-    std::span<const geometry::RigidTransform> world_from_keyframe,
-    std::span<const TimestampNs> keyframe_times, std::span<const PoseGraphEdge> edges);
+    std::span<const MappedFrame> frames, const SolvedKeyframes& keyframes,
+    std::span<const PoseGraphEdge> edges);
 
 // How each key-frame's camera moved while it took its picture: a twist in its own frame (rad/s,
-// m/s) from the poses of the frames before and after. Zero where frames are too far apart in time
-// to tell.
+// m/s) from the poses of the frames before and after. Zero where frames of its piece are too far
+// apart in time to tell.
 [[nodiscard]] std::vector<geometry::Vector6d> keyframe_motions(
     std::span<const MappedFrame> frames,
     std::span<const std::optional<geometry::RigidTransform>> world_from_frame,
-    std::span<const TimestampNs> keyframe_times);
+    const SolvedKeyframes& keyframes);
 
 }  // namespace roomwise::mapping

@@ -25,13 +25,17 @@ struct Walk {
                                   frame(2, 0, along(0.2)), frame(3, 0, along(0.3)),
                                   frame(4, 1, along(0))};
   std::vector<TimestampNs> times{0, 4 * kFrame_ns};
+  std::vector<std::size_t> piece{0, 0};
   std::vector<PoseGraphEdge> edges{{0, 1, along(0.4), Matrix6d::Identity(), false}};
+
+  [[nodiscard]] auto poses(const std::vector<RigidTransform>& solved) const {
+    return frame_poses(frames, {solved, times, piece}, edges);
+  }
 };
 
 TEST(FramePoses, AreAsMeasuredWhereTheKeyframesAre) {
   const Walk walk;
-  const auto poses =
-      frame_poses(walk.frames, std::vector{along(1), along(1.4)}, walk.times, walk.edges);
+  const auto poses = walk.poses({along(1), along(1.4)});
   for (std::size_t i = 0; i < 5; ++i)
     EXPECT_NEAR(poses[i]->translation.x(), 1 + 0.1 * static_cast<double>(i), 1e-12);
 }
@@ -41,7 +45,7 @@ TEST(FramePoses, FollowBothKeyframesInTheCourseOfTime) {
   const std::vector<RigidTransform> solved{
       along(0),
       {Eigen::Quaterniond(Eigen::AngleAxisd(0.04, Eigen::Vector3d::UnitZ())), {0.4, 0.02, 0}}};
-  const auto poses = frame_poses(walk.frames, solved, walk.times, walk.edges);
+  const auto poses = walk.poses(solved);
   for (std::size_t i = 0; i < 5; ++i) {
     const double share = static_cast<double>(i) / 4;
     EXPECT_NEAR(poses[i]->translation.y(), 0.02 * share, 1e-12);
@@ -49,14 +53,21 @@ TEST(FramePoses, FollowBothKeyframesInTheCourseOfTime) {
   }
   // Without a step between the two nothing says so.
   walk.edges[0].is_loop = true;
-  EXPECT_EQ(frame_poses(walk.frames, solved, walk.times, walk.edges)[2]->translation.y(), 0);
+  EXPECT_EQ(walk.poses(solved)[2]->translation.y(), 0);
+}
+
+TEST(FramePoses, AreNotDrawnTowardsAnotherPiecesWorld) {
+  Walk walk;
+  walk.piece = {0, 1};
+  const auto poses = walk.poses({along(0), along(50)});
+  for (std::size_t i = 0; i < 4; ++i)
+    EXPECT_NEAR(poses[i]->translation.x(), 0.1 * static_cast<double>(i), 1e-12);
 }
 
 TEST(FramePoses, LeaveFramesWithoutAPlaceOut) {
   Walk walk;
   walk.frames[2].place.reset();
-  const auto poses =
-      frame_poses(walk.frames, std::vector{along(0), along(0.4)}, walk.times, walk.edges);
+  const auto poses = walk.poses({along(0), along(0.4)});
   EXPECT_FALSE(poses[2].has_value());
   EXPECT_TRUE(poses[3].has_value());
 }
@@ -72,13 +83,25 @@ TEST(KeyframeMotions, AreThoseBetweenTheFramesAround) {
         RigidTransform::exp(static_cast<double>(i) * kFrame_ns * kSecondsPerNs * motion));
   }
   const std::vector<TimestampNs> times{2 * kFrame_ns, 4 * kFrame_ns};
-  const auto motions = keyframe_motions(frames, poses, times);
+  const std::vector<std::size_t> piece{0, 0};
+  const auto motions = keyframe_motions(frames, poses, {{}, times, piece});
   for (const Vector6d& found : motions) EXPECT_LT((found - motion).norm(), 0.03);
 
   // Three frames a second tell no motion, nor does a frame alone.
   for (MappedFrame& each : frames) each.timestamp_ns *= 10;
-  EXPECT_EQ(keyframe_motions(frames, poses, std::vector{20 * kFrame_ns})[0], Vector6d::Zero());
-  EXPECT_EQ(keyframe_motions({}, {}, times)[0], Vector6d::Zero());
+  const std::vector<TimestampNs> later{20 * kFrame_ns, 40 * kFrame_ns};
+  EXPECT_EQ(keyframe_motions(frames, poses, {{}, later, piece})[0], Vector6d::Zero());
+  EXPECT_EQ(keyframe_motions({}, {}, {{}, times, piece})[0], Vector6d::Zero());
+}
+
+TEST(KeyframeMotions, AreNoJumpsBetweenWorlds) {
+  const std::vector<MappedFrame> frames{frame(0, 0, {}), frame(1, 0, along(0.01)), frame(2, 1, {})};
+  const std::vector<std::optional<RigidTransform>> poses{along(0), along(0.01), along(50)};
+  const std::vector<TimestampNs> times{kFrame_ns, 2 * kFrame_ns};
+  const std::vector<std::size_t> piece{0, 1};
+  const auto motions = keyframe_motions(frames, poses, {{}, times, piece});
+  EXPECT_NEAR(motions[0].tail<3>().x(), 0.01 / 0.03, 1e-9);
+  EXPECT_EQ(motions[1], Vector6d::Zero());
 }
 
 }  // namespace

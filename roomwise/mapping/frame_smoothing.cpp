@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <array>
 
+#include "roomwise/mapping/frame_poses.h"
+
 namespace roomwise::mapping {
 namespace {
 
@@ -37,7 +39,7 @@ struct Accelerations {
 };
 
 double seconds(const PlacedFrame& from, const PlacedFrame& to) {
-  return static_cast<double>(to.timestamp_ns - from.timestamp_ns) * kSecondsPerNs;
+  return seconds_between(from.timestamp_ns, to.timestamp_ns);
 }
 
 double median(std::vector<double> values) {
@@ -77,9 +79,6 @@ std::optional<Accelerations> usual_accelerations(std::span<const PlacedFrame> fr
   return Accelerations{median(translations) / kMedianNorm, median(rotations) / kMedianNorm};
 }
 
-// Further apart in time, a hand's motion is not one that is sped up steadily.
-constexpr double kMost_s = 0.11;
-
 std::vector<Triple> find_triples(std::span<const PlacedFrame> frames) {
   std::vector<Triple> triples;
   for (std::size_t i = 1; i + 1 < frames.size(); ++i) {
@@ -89,7 +88,7 @@ std::vector<Triple> find_triples(std::span<const PlacedFrame> frames) {
     }
     const double before_s = seconds(frames[i - 1], frames[i]);
     const double after_s = seconds(frames[i], frames[i + 1]);
-    if (!(before_s > 0) || !(after_s > 0) || before_s + after_s > kMost_s) continue;
+    if (!(before_s > 0) || !(after_s > 0) || before_s + after_s > kSteadyHand_s) continue;
     triples.push_back({static_cast<Eigen::Index>(i), after_s / (before_s + after_s),
                        before_s / (before_s + after_s), 0.5 * before_s * after_s});
   }

@@ -14,11 +14,6 @@ RigidTransform middle_from_row(const LandmarkView& view, const MovingCamera& cam
   return RigidTransform::exp(view.row * model.readout_s * camera.motion);
 }
 
-// v x, as a matrix.
-Eigen::Matrix3d cross(const Eigen::Vector3d& v) {
-  return Eigen::Matrix3d{{0, -v.z(), v.y()}, {v.z(), 0, -v.x()}, {-v.y(), v.x(), 0}};
-}
-
 }  // namespace
 
 Eigen::Vector3d landmark_error(const LandmarkView& view, const Eigen::Vector3d& point_world,
@@ -55,7 +50,7 @@ LandmarkJacobians landmark_jacobians(const LandmarkView& view, const Eigen::Vect
   LandmarkJacobians jacobians;
   jacobians.by_point = by_middle * middle_from_world;
   // Turning the camera by r about its own axes moves the point by point x r.
-  jacobians.by_pose << -jacobians.by_point, by_middle * cross(middle);
+  jacobians.by_pose << -jacobians.by_point, by_middle * geometry::cross_matrix(middle);
   const Eigen::Vector3d speed = -(camera.motion.head<3>().cross(point) + camera.motion.tail<3>());
   jacobians.by_readout = view.row * (by_seen * speed);
   return jacobians;

@@ -60,6 +60,7 @@ class Refiner {
           const MapSolverOptions& solver, const RefinementOptions& options)
       : inputs_(inputs),
         options_(options),
+        piece_(solution.piece),
         places_(places_of(solution)),
         edges_(agreeing_edges(solution, inputs.edges, solver)),
         poses_(solution.world_from_keyframe) {
@@ -87,7 +88,7 @@ class Refiner {
         poses_[id] = bundle_.cameras[places_[id]].world_from_camera;
     }
     refinement.world_from_keyframe = poses_;
-    refinement.readout_s = bundle_.model.readout_s;
+    if (knows_motion_) refinement.readout_s = bundle_.model.readout_s;
     refinement.landmarks = bundle_.landmarks.size();
     for (const Landmark& landmark : bundle_.landmarks) refinement.views += landmark.views.size();
     return refinement;
@@ -96,8 +97,10 @@ class Refiner {
  private:
   // The cameras as the poses are now, with the motions that follow from them.
   void take_poses() {
-    const auto frames = frame_poses(inputs_.frames, poses_, inputs_.keyframe_times, inputs_.edges);
-    const auto motions = keyframe_motions(inputs_.frames, frames, inputs_.keyframe_times);
+    const SolvedKeyframes keyframes{poses_, inputs_.keyframe_times, piece_};
+    const auto frames = frame_poses(inputs_.frames, keyframes, edges_);
+    const auto motions = keyframe_motions(inputs_.frames, frames, keyframes);
+    knows_motion_ = std::ranges::any_of(motions, [](const Vector6d& m) { return !m.isZero(); });
     for (std::size_t id = 0; id < poses_.size(); ++id)
       bundle_.cameras[places_[id]] = {poses_[id], motions[id]};
     bundle_.edges.clear();
@@ -111,7 +114,9 @@ class Refiner {
 
   const RefinementInputs& inputs_;
   const RefinementOptions& options_;
-  std::vector<std::uint32_t> places_;  // by key-frame id: its camera's place in the bundle
+  std::span<const std::size_t> piece_;  // by key-frame id
+  bool knows_motion_ = false;           // of any key-frame
+  std::vector<std::uint32_t> places_;   // by key-frame id: its camera's place in the bundle
   std::vector<PoseGraphEdge> edges_;
   std::vector<RigidTransform> poses_;  // by key-frame id
   Bundle bundle_;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -34,7 +35,9 @@ struct MapRefinement {
   std::vector<geometry::RigidTransform> world_from_keyframe;
   std::size_t landmarks = 0;
   std::size_t views = 0;
-  double readout_s = 0;  // of the camera's rolling shutter
+  // Of the camera's rolling shutter; nothing where no frame is near enough in time to another for
+  // the camera's motion to be known.
+  std::optional<double> readout_s;
   int iterations = 0;
 };
 

@@ -22,20 +22,16 @@ RigidTransform scaled(const RigidTransform& motion, double ratio) {
           ratio * motion.translation};
 }
 
-double seconds(TimestampNs from, TimestampNs to) {
-  return static_cast<double>(to - from) * kSecondsPerNs;
-}
-
 }  // namespace
 
 motion::PosePrior forecast_motion(const std::optional<StampedPlace>& older,
                                   const StampedPlace& newer, TimestampNs later_ns) {
-  const double ahead_s = seconds(newer.timestamp_ns, later_ns);
+  const double ahead_s = seconds_between(newer.timestamp_ns, later_ns);
   // How far a person's movement can differ from what is foreseen.
   const double translation_m = kTranslationSigma_m + kTranslationSigma_m_s * ahead_s;
   const double rotation_rad = kRotationSigma_rad + kRotationSigma_rad_s * ahead_s;
   const RigidTransform& pose = newer.keyframe_from_camera;
-  const double behind_s = older ? seconds(older->timestamp_ns, newer.timestamp_ns) : 0;
+  const double behind_s = older ? seconds_between(older->timestamp_ns, newer.timestamp_ns) : 0;
   if (behind_s > 0) {
     const RigidTransform step = older->keyframe_from_camera.inverse() * pose;
     const double ratio = std::min(ahead_s / behind_s, kMostExtrapolation);

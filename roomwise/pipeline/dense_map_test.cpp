@@ -10,6 +10,7 @@
 #include "roomwise/image/codec.h"
 #include "roomwise/pipeline/keyframe_images.h"
 #include "roomwise/pipeline/level_map.h"
+#include "roomwise/pipeline/synthetic_walk.h"
 #include "roomwise/pipeline/truth_evaluation.h"
 
 namespace roomwise::pipeline {
@@ -135,6 +136,7 @@ TEST_F(DenseMapTest, KnowsWhereAPersonMayStand) {
                     "doors": [], "windows": [], "free_space": {"origin": [0, 0], "cell": 0.05,
                     "person_radius": 0.25, "rows": [)" +
                        rows + "]}}")));
+  testing::write_mapped_pictures(*home_, folder_.path());
   const auto floor = evaluate_floor(*home_, folder_.path(), run_);
   ASSERT_OK(floor);
   EXPECT_NEAR(floor->error.true_m2, 2.5 * 3.5, 1e-9);

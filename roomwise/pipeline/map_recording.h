@@ -24,7 +24,7 @@ struct MapSummary {
   // Where the bundle was adjusted; else 0.
   std::uint64_t landmarks = 0;
   std::uint64_t landmark_views = 0;
-  double readout_s = 0;  // of the camera's rolling shutter
+  std::optional<double> readout_s;  // of the camera's rolling shutter, where frames tell it
   bool finished =
       false;  // false: interrupted, or the recording gave an error; the home goes on from there
 };

@@ -102,7 +102,8 @@ TEST_F(MapRecording, AdjustsTheBundleUnlessToldNotTo) {
     EXPECT_OK(summary);
     EXPECT_EQ(summary->landmarks > 0, settings_.adjusts_bundle());
     EXPECT_GE(summary->landmark_views, 2 * summary->landmarks);
-    EXPECT_LT(std::abs(summary->readout_s), 0.003) << "the walk exposes all rows at once";
+    EXPECT_LT(std::abs(summary->readout_s.value_or(0)), 0.003)
+        << "the walk exposes all rows at once";
     const auto trajectory = stored_trajectory(*home::Home::open_read_only(folder_ / name));
     return evaluation::absolute_trajectory_error(walk.truth(), trajectory.value())->error_m.rmse;
   };
@@ -451,6 +452,7 @@ TEST_F(MapRecording, IsComparedWithWhatIsThere) {
       thing("sofa", {2, 0, 0}, true)};
   ASSERT_OK(simulation::write_objects_truth(folder_ / "objects.json", things));
 
+  write_mapped_pictures(home, folder_.path());
   const auto result = evaluate_objects(home, folder_.path(), 1.0);
   ASSERT_OK(result);
   EXPECT_EQ(result->truth.size(), 2U) << "the fridge was never shown, a sofa has no name here";
@@ -458,7 +460,9 @@ TEST_F(MapRecording, IsComparedWithWhatIsThere) {
   EXPECT_EQ(result->errors.by_kind.at("lamp").missed, 1U);
   EXPECT_NEAR(result->errors.from_center_quantile_m(0.5), 0.3, 0.03);
   EXPECT_NEAR(result->errors.from_box_quantile_m(0.5), 0.1, 0.03);
-  EXPECT_ERROR(evaluate_objects(home, folder_ / "nowhere", 1.0), "objects.json");
+  std::filesystem::remove(folder_ / "objects.json");
+  EXPECT_ERROR(evaluate_objects(home, folder_.path(), 1.0), "objects.json");
+  EXPECT_ERROR(evaluate_objects(home, folder_ / "nowhere", 1.0), "nowhere: is no folder");
 }
 
 TEST(MapSettings, SurviveTheHome) {

@@ -180,17 +180,20 @@ Expected<recording::Trajectory> stored_trajectory(const home::Home& home) {
   std::vector<geometry::RigidTransform> world_from_keyframe;
   for (const home::Keyframe& keyframe : keyframes)
     world_from_keyframe.push_back(keyframe.pose.world_from_keyframe);
+  const std::vector<TimestampNs> times_ns = times_of(keyframes);
+  std::vector<std::size_t> piece;
+  for (const home::Keyframe& keyframe : keyframes) piece.push_back(keyframe.pose.piece);
   // Without bundle adjustment a frame is where it was found from its key-frame.
   const bool is_adjusted = settings && settings->adjusts_bundle();
   std::vector<mapping::PoseGraphEdge> edges;
   if (is_adjusted) {
-    ROOMWISE_TRY(edges, home.edges());
+    ROOMWISE_TRY(mapping::PoseGraph graph, stored_pose_graph(home, settings->solver));
+    edges = std::move(graph.edges);
   }
   recording::Trajectory trajectory;
   for (const home::StoredRecording& recording : recordings) {
     ROOMWISE_TRY(const auto frames, mapped_frames(home, recording.id));
-    const auto poses =
-        mapping::frame_poses(frames, world_from_keyframe, times_of(keyframes), edges);
+    const auto poses = mapping::frame_poses(frames, {world_from_keyframe, times_ns, piece}, edges);
     std::vector<mapping::PlacedFrame> placed = place_frames(frames, poses, keyframes);
     if (is_adjusted) mapping::smooth_frames(placed);
     for (const mapping::PlacedFrame& frame : placed) {

@@ -1,12 +1,19 @@
 #pragma once
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <functional>
 #include <numbers>
 #include <string>
 #include <vector>
 
+#include "roomwise/base/file.h"
 #include "roomwise/base/random.h"
+#include "roomwise/base/testing.h"
+#include "roomwise/home/home.h"
 #include "roomwise/network/classifier.h"
 #include "roomwise/recording/frame_source.h"
 #include "roomwise/recording/trajectory_file.h"
@@ -142,5 +149,19 @@ class ColorNetwork final : public network::Classifier {
   std::vector<std::string> labels_;
   std::string fingerprint_ = labels_.empty() ? "c0102" : "c0103";
 };
+
+// The pictures of a home's key-frames, listed as in the recording that it was mapped from.
+inline void write_mapped_pictures(const home::Home& home, const std::filesystem::path& folder) {
+  std::string list;
+  for (const home::Keyframe& keyframe : home.keyframes().value()) {
+    for (std::size_t next = static_cast<std::size_t>(std::ranges::count(list, '\n'));
+         next <= keyframe.frame_index; ++next) {
+      list += fmt::format("{0}.0 {0}.png\n", next);
+    }
+    const auto picture = folder / fmt::format("{}.png", keyframe.frame_index);
+    EXPECT_OK(write_file(picture, home.images(keyframe.id).value().color));
+  }
+  EXPECT_OK(write_file(folder / "rgb.txt", std::string_view(list)));
+}
 
 }  // namespace roomwise::pipeline::testing
