@@ -231,7 +231,12 @@ fs::path folder_of(const char* variable) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  const int rounds = need(bench::only_count(argc, argv, 9, "network_benchmark [ROUNDS]"));
+  const auto given = bench::only_count(argc, argv, 9, "network_benchmark [ROUNDS]");
+  if (!given) {
+    fmt::print(stderr, "{}\n", given.error().message);
+    return 2;
+  }
+  const int rounds = *given;
   cpu_set_t one;
   CPU_ZERO(&one);
   CPU_SET(sched_getcpu(), &one);

@@ -7,8 +7,8 @@
 
 namespace roomwise::bench {
 
-// Memory of this process that lies in the machine's, in MB of 2^20 bytes as everywhere here; as
-// proc(5) tells it. NaN where that is not to be had.
+// How much of the machine's memory this process takes, as proc(5) tells it, in MB of 2^20 bytes
+// like the commands' working sets. NaN where the system does not say.
 inline double resident_mb() {
   std::ifstream statm("/proc/self/statm");
   double pages = 0;
