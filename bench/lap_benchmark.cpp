@@ -12,13 +12,13 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <opencv2/core.hpp>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "arguments.h"
+#include "resident_memory.h"
 #include "roomwise/base/random.h"
 #include "roomwise/evaluation/trajectory_error.h"
 #include "roomwise/pipeline/map_recording.h"
@@ -32,15 +32,6 @@ using namespace roomwise;
 namespace fs = std::filesystem;
 
 constexpr std::uint64_t kThousand = 1000;
-
-double resident_mb() {
-  std::ifstream statm("/proc/self/statm");
-  double pages = 0;
-  double resident_pages = 0;
-  statm >> pages >> resident_pages;
-  constexpr double kPage_mb = 4096.0 / (1 << 20);
-  return resident_pages * kPage_mb;
-}
 
 // Frames 0 to n-1, then n-1 to 0, and so on: the motion stays continuous, the time goes on.
 class Laps final : public recording::FrameSource {
@@ -157,7 +148,7 @@ class EachThousand final : public Progress {
     const auto home = home::Home::open_read_only(home_);
     const std::size_t keyframes = home ? home->keyframes()->size() : 0;
     const std::size_t edges = home ? home->edges()->size() : 0;
-    fmt::print("| {} | {:.1f} | {:.0f} | {} | {} |\n", done, cpu_ms_.back(), resident_mb(),
+    fmt::print("| {} | {:.1f} | {:.0f} | {} | {} |\n", done, cpu_ms_.back(), bench::resident_mb(),
                keyframes, edges);
     std::fflush(stdout);
     begin_s_ = cpu_s();
@@ -213,7 +204,7 @@ Expected<void> map_laps(const Task& task, const fs::path& file) {
     fmt::print("; ATE RMSE {:.4f} m", error.error_m.rmse);
   }
   malloc_trim(0);  // what is free goes back to the system
-  fmt::print("; {:.0f} MB resident now that the map is dropped\n", resident_mb());
+  fmt::print("; {:.0f} MB resident now that the map is dropped\n", bench::resident_mb());
   for (const auto& [name, stage] : clock.stages()) {
     fmt::print("{}: {:.1f} CPU-ms a frame\n", name,
                1000 * stage.cpu_s / static_cast<double>(summary.frames));

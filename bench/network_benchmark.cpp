@@ -12,10 +12,11 @@
 #include <array>
 #include <cstdlib>
 #include <ctime>
-#include <fstream>
 #include <functional>
 
+#include "arguments.h"
 #include "fma_peak.h"
+#include "resident_memory.h"
 #include "roomwise/base/file.h"
 #include "roomwise/image/codec.h"
 #include "roomwise/network/lowering.h"
@@ -50,13 +51,6 @@ Value need(Expected<Value> value) {
 
 double cpu_ms() {
   return 1000.0 * static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
-}
-
-double resident_mb() {
-  std::ifstream file("/proc/self/statm");
-  double all = 0, resident = 0;
-  file >> all >> resident;
-  return resident * static_cast<double>(sysconf(_SC_PAGESIZE)) / 1e6;
 }
 
 // CPU-ms of one call.
@@ -107,9 +101,9 @@ StartUp start_up(const std::function<void()>& first_result) {
   if (pipe(ends) != 0) std::abort();
   const pid_t child = fork();
   if (child == 0) {
-    const double before_mb = resident_mb(), before_ms = cpu_ms();
+    const double before_mb = bench::resident_mb(), before_ms = cpu_ms();
     first_result();
-    const StartUp needed{cpu_ms() - before_ms, resident_mb() - before_mb};
+    const StartUp needed{cpu_ms() - before_ms, bench::resident_mb() - before_mb};
     if (write(ends[1], &needed, sizeof needed) != sizeof needed) std::_Exit(1);
     std::_Exit(0);
   }
@@ -237,7 +231,12 @@ fs::path folder_of(const char* variable) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  const int rounds = argc > 1 ? std::max(1, std::atoi(argv[1])) : 9;
+  const auto given = bench::only_count(argc, argv, 9, "network_benchmark [ROUNDS]");
+  if (!given) {
+    fmt::print(stderr, "{}\n", given.error().message);
+    return 2;
+  }
+  const int rounds = *given;
   cpu_set_t one;
   CPU_ZERO(&one);
   CPU_SET(sched_getcpu(), &one);

@@ -72,14 +72,14 @@ TEST(RefineMap, IsBetterThanThePoseGraph) {
   EXPECT_GT(refined->views, 3 * refined->landmarks);
   EXPECT_LT(map.worst_error_m(refined->world_from_keyframe),
             0.3 * map.worst_error_m(map.solution().world_from_keyframe));
-  EXPECT_LT(std::abs(refined->readout_s), 0.001);
+  EXPECT_LT(std::abs(refined->readout_s.value()), 0.001);
 }
 
 TEST(RefineMap, FindsARollingShutter) {
   const Map map({.landmarks = 600, .noise_sigmas = 0.3, .readout_s = 0.02}, 0.002);
   const auto refined = map.refined();
   ASSERT_OK(refined);
-  EXPECT_NEAR(refined->readout_s, 0.02, 0.002);
+  EXPECT_NEAR(refined->readout_s.value(), 0.02, 0.002);
   EXPECT_LT(map.worst_error_m(refined->world_from_keyframe), 0.01);
 }
 

@@ -30,20 +30,6 @@ void with_numbers(const Constant& from, Constant& to, const Function& function) 
   }
 }
 
-float apply(Arithmetic::Operator operation, float a, float b) {
-  switch (operation) {
-    case Arithmetic::Operator::kAdd:
-      return a + b;
-    case Arithmetic::Operator::kSubtract:
-      return a - b;
-    case Arithmetic::Operator::kMultiply:
-      return a * b;
-    case Arithmetic::Operator::kDivide:
-      return a / b;
-  }
-  return 0;
-}
-
 // As whole numbers of two's complement do, without undefined overflow.
 std::int64_t apply(Arithmetic::Operator operation, std::int64_t a, std::int64_t b) {
   const auto x = static_cast<std::uint64_t>(a);

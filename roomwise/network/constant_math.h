@@ -18,6 +18,20 @@ namespace roomwise::network {
 [[nodiscard]] Expected<Constant> compute(Arithmetic::Operator operation, const Constant& a,
                                          const Constant& b);
 
+inline float apply(Arithmetic::Operator operation, float a, float b) {
+  switch (operation) {
+    case Arithmetic::Operator::kAdd:
+      return a + b;
+    case Arithmetic::Operator::kSubtract:
+      return a - b;
+    case Arithmetic::Operator::kMultiply:
+      return a * b;
+    case Arithmetic::Operator::kDivide:
+      return a / b;
+  }
+  return 0;
+}
+
 // For every place of `shape`, row by row, the place in a tensor of `strides` (0: broadcast).
 [[nodiscard]] std::vector<std::size_t> offsets(const Shape& shape,
                                                std::span<const std::size_t> strides);

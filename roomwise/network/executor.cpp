@@ -1,6 +1,7 @@
 #include "roomwise/network/executor.h"
 
 #include <algorithm>
+#include <future>
 #include <map>
 #include <mutex>
 
@@ -54,6 +55,18 @@ Expected<void> check_input(const Tensor& tensor, const GraphInput& input) {
   return {};
 }
 
+// What the work gives; what oneDNN or a lack of memory throws is an error too.
+template <typename Value, typename Work>
+Expected<Value> guarded(const Work& work) {
+  try {
+    return work();
+  } catch (const std::bad_alloc&) {
+    return fail("there is not enough memory to run the network on inputs of this size");
+  } catch (const dnnl::error& error) {
+    return fail("oneDNN cannot run the network: {}", error.what());
+  }
+}
+
 }  // namespace
 
 class Executor::Implementation {
@@ -74,6 +87,13 @@ class Executor::Implementation {
   [[nodiscard]] const std::vector<GraphInput>& inputs() const { return inputs_; }
 
   Expected<std::vector<Tensor>> run(std::span<const Tensor> inputs) {
+    return guarded<std::vector<Tensor>>([&] { return run_unguarded(inputs); });
+  }
+
+ private:
+  using SharedPlanPointer = std::shared_ptr<SharedPlan>;
+
+  Expected<std::vector<Tensor>> run_unguarded(std::span<const Tensor> inputs) {
     if (inputs.size() != inputs_.size()) {
       return fail("the network has {} inputs, not {}", inputs_.size(), inputs.size());
     }
@@ -84,7 +104,7 @@ class Executor::Implementation {
       shapes.push_back(inputs[i].shape);
       values.emplace_back(inputs[i].values);
     }
-    ROOMWISE_TRY(const std::shared_ptr<SharedPlan> shared, plan_for(shapes));
+    ROOMWISE_TRY(const SharedPlanPointer shared, plan_for(shapes));
     auto run = shared->take();
     std::vector<std::vector<float>> results = run->run(values);
     shared->put_back(std::move(run));
@@ -94,16 +114,37 @@ class Executor::Implementation {
     return outputs;
   }
 
- private:
-  Expected<std::shared_ptr<SharedPlan>> plan_for(const std::vector<Shape>& shapes) {
-    const std::scoped_lock lock(mutex_);
-    if (const auto found = plans_.find(shapes); found != plans_.end()) return found->second;
+  // Made by the first that asks; who asks meanwhile waits for it, but not for other sizes. One that
+  // fails is not kept: sizes that do not fit must not fill the memory.
+  Expected<SharedPlanPointer> plan_for(const std::vector<Shape>& shapes) {
+    std::promise<Expected<SharedPlanPointer>> promise;
+    std::shared_future<Expected<SharedPlanPointer>> planned;
+    bool is_first = false;
+    {
+      const std::scoped_lock lock(mutex_);
+      const auto [entry, is_new] = plans_.try_emplace(shapes);
+      if (is_new) entry->second = promise.get_future().share();
+      planned = entry->second;
+      is_first = is_new;
+    }
+    if (is_first) {
+      Expected<SharedPlanPointer> made =
+          guarded<SharedPlanPointer>([&] { return new_plan(shapes); });
+      if (!made) {
+        const std::scoped_lock lock(mutex_);
+        plans_.erase(shapes);
+      }
+      promise.set_value(std::move(made));
+    }
+    return planned.get();
+  }
+
+  [[nodiscard]] Expected<SharedPlanPointer> new_plan(const std::vector<Shape>& shapes) const {
     ROOMWISE_TRY(Program program,
                  lower(graph_, shapes, options_.outputs, options_.passes.folds_constants));
     program = run_passes(std::move(program), options_.passes);
     auto shared = std::make_shared<SharedPlan>();
     ROOMWISE_TRY(shared->plan, make_plan(program, options_.passes.joins_in_place));
-    plans_.insert({shapes, shared});
     return shared;
   }
 
@@ -111,7 +152,7 @@ class Executor::Implementation {
   OnnxGraph graph_;
   ExecutorOptions options_;
   std::mutex mutex_;
-  std::map<std::vector<Shape>, std::shared_ptr<SharedPlan>> plans_;
+  std::map<std::vector<Shape>, std::shared_future<Expected<SharedPlanPointer>>> plans_;
 };
 
 Executor::Executor(std::unique_ptr<Implementation> implementation)

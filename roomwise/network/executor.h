@@ -41,7 +41,8 @@ class Executor {
   [[nodiscard]] const std::vector<GraphInput>& inputs() const;
 
   // One tensor an input, in the order of inputs(); gives one an output. The first run with other
-  // shapes makes a plan for them, which is kept. Fails where shapes do not fit the network.
+  // shapes makes a plan for them, which is kept. Fails where shapes do not fit the network, and
+  // where there is not enough memory.
   [[nodiscard]] Expected<std::vector<Tensor>> run(std::span<const Tensor> inputs) const;
 
   // Of a network with one input: each tensor is an input of its own. As run() one by one, to the

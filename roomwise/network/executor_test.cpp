@@ -1,8 +1,13 @@
 #include "roomwise/network/executor.h"
 
 #include <gmock/gmock.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
-#include <future>
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <mutex>
 
 #include "roomwise/base/file.h"
 #include "roomwise/base/thread_pool.h"
@@ -13,6 +18,7 @@ namespace {
 
 using namespace testing;
 using roomwise::testing::find_model;
+using ::testing::Each;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
@@ -66,6 +72,66 @@ TEST(Executor, ABatchGivesWhatItsPicturesGive) {
       EXPECT_EQ(joined, singles) << threads << " threads";
     }
   }
+}
+
+// Sizes that nobody has asked for yet, several at once and each by several threads.
+TEST(Executor, TakesNewSizesFromSeveralThreads) {
+  const auto executor = load(onnx(free_graph()));
+  ASSERT_OK(executor);
+  std::vector<Tensor> pictures;
+  for (std::uint64_t i = 0; i < 24; ++i)
+    pictures.push_back(random_tensor({1, 3, 5, 4 + static_cast<std::int64_t>(i % 6)}, i + 1));
+  const auto together = (*executor)->run_batch(pictures, 4);
+  ASSERT_OK(together);
+  const auto alone = load(onnx(free_graph()));
+  ASSERT_OK(alone);
+  for (std::size_t i = 0; i < pictures.size(); ++i) {
+    const auto expected = (*alone)->run({&pictures[i], 1});
+    ASSERT_OK(expected);
+    EXPECT_EQ((*together)[i][0].values, expected->front().values) << i;
+  }
+}
+
+// Sizes that do not fit are refused to each that asks, and those that do fit go on.
+TEST(Executor, RefusesNewSizesToSeveralThreads) {
+  const auto executor = load(onnx(free_graph()));
+  ASSERT_OK(executor);
+  std::vector<bool> is_right(24, false);
+  std::mutex mutex;
+  ThreadPool(4).parallel_for(is_right.size(), [&](std::size_t i) {
+    const bool fits = i % 3 == 0;
+    const Tensor picture = random_tensor({1, 3, fits ? 6 : 2, 4});
+    const auto outputs = (*executor)->run({&picture, 1});
+    const std::scoped_lock lock(mutex);
+    is_right[i] = outputs.has_value() == fits;
+  });
+  EXPECT_THAT(is_right, Each(true));
+}
+
+TEST(Executor, TooLittleMemoryIsAnError) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "sanitizers end the program themselves";
+#endif
+  // A run takes a quarter of a gigabyte.
+  const auto executor = load(onnx(TinyGraph{
+      {layer("Resize", {"picture", "", "scales"}, {"large"}, {attribute("mode", "nearest")}),
+       layer("ReduceMean", {"large"}, {"out"}, {attribute("axes", {3})})},
+      {tensor("scales", {4}, std::vector<float>{1, 1, 8192, 8192})},
+      {1, 1, 1, 1},
+      {{"out", {}}}}));
+  ASSERT_OK(executor);
+  const auto run_in_little = [&] {
+    std::size_t pages = 0;
+    std::ifstream("/proc/self/statm") >> pages;
+    const auto now = pages * static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+    const rlimit little{now + (std::size_t{64} << 20), RLIM_INFINITY};
+    if (pages == 0 || setrlimit(RLIMIT_AS, &little) != 0) std::_Exit(2);
+    const Tensor picture{{1, 1, 1, 1}, {2}};
+    const auto outputs = (*executor)->run({&picture, 1});
+    if (!outputs) std::fputs(outputs.error().message.c_str(), stderr);
+    std::_Exit(outputs ? 0 : 1);
+  };
+  EXPECT_EXIT(run_in_little(), ::testing::ExitedWithCode(1), "not enough memory");
 }
 
 TEST(Executor, NamesWhatDoesNotFit) {

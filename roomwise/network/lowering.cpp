@@ -199,4 +199,15 @@ Expected<std::size_t> axis_of(std::int64_t axis, std::size_t rank) {
   return static_cast<std::size_t>(axis < 0 ? axis + size : axis);
 }
 
+Expected<std::vector<std::size_t>> axes_of(std::span<const std::int64_t> axes, std::size_t rank) {
+  std::vector<std::size_t> named;
+  for (const std::int64_t axis : axes) {
+    ROOMWISE_TRY(const std::size_t place, axis_of(axis, rank));
+    if (std::ranges::find(named, place) != named.end())
+      return fail("names the axis {} twice", place);
+    named.push_back(place);
+  }
+  return named;
+}
+
 }  // namespace roomwise::network

@@ -86,5 +86,8 @@ using OperatorTable = std::map<std::string, LowerNode>;
 
 // The axis that a possibly negative number names. Fails where there is no such axis.
 [[nodiscard]] Expected<std::size_t> axis_of(std::int64_t axis, std::size_t rank);
+// The same for several numbers, which must name different axes.
+[[nodiscard]] Expected<std::vector<std::size_t>> axes_of(std::span<const std::int64_t> axes,
+                                                         std::size_t rank);
 
 }  // namespace roomwise::network

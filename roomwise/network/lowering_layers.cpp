@@ -41,6 +41,10 @@ Expected<Window> window_of(const Node& node, const Shape& shape,
   window.pads_begin = {pads[0], pads[1]};
   window.pads_end = {pads[2], pads[3]};
   const std::string automatic = node.text("auto_pad", "NOTSET");
+  constexpr std::array kKnown{"NOTSET", "VALID", "SAME_UPPER", "SAME_LOWER"};
+  if (std::ranges::find(kKnown, automatic) == kKnown.end()) {
+    return fail("its auto_pad \"{}\" is none of {}", automatic, fmt::join(kKnown, ", "));
+  }
   if (automatic == "VALID") window.pads_begin = window.pads_end = {0, 0};
   for (std::size_t i = 0; i < 2 && automatic.starts_with("SAME"); ++i) {
     const std::int64_t size = shape[2 + i];
@@ -111,7 +115,13 @@ Expected<void> lower_pooling(Lowering& lowering, const Node& node) {
   ROOMWISE_TRY(const ValueId input, lowering.input(node, 0));
   const Shape shape = lowering.shape(input);
   Pooling pooling;
+  if (node.find("kernel_shape") == nullptr) return fail("lacks its kernel_shape");
   ROOMWISE_TRY(pooling.window, window_of(node, shape, {1, 1}));
+  // oneDNN knows the window's size alone, and takes some of these as if they were not dilated.
+  if (pooling.window.dilations != std::array<std::int64_t, 2>{1, 1}) {
+    return fail("its dilations of {} are not supported; 1 is",
+                fmt::join(pooling.window.dilations, " and "));
+  }
   const bool ceil = node.integer("ceil_mode", 0) != 0;
   if (node.operation == "AveragePool") {
     const bool counts_pads = node.integer("count_include_pad", 0) != 0;
@@ -141,10 +151,7 @@ Expected<void> lower_mean(Lowering& lowering, const Node& node) {
     for (std::size_t axis = 2; axis < shape.size(); ++axis) axes.push_back(axis);
   } else {
     keeps = node.integer("keepdims", 1) != 0;
-    for (const std::int64_t axis : node.integers("axes", {})) {
-      ROOMWISE_TRY(const std::size_t named, axis_of(axis, shape.size()));
-      axes.push_back(named);
-    }
+    ROOMWISE_TRY(axes, axes_of(node.integers("axes", {}), shape.size()));
     for (std::size_t axis = 0; axis < shape.size() && node.find("axes") == nullptr; ++axis)
       axes.push_back(axis);
   }

@@ -74,7 +74,7 @@ Expected<void> lower_gemm(Lowering& lowering, const Node& node) {
     ROOMWISE_TRY(const ValueId c, lowering.input(node, 2));
     ROOMWISE_TRY(added, scaled(lowering, c, node.number("beta", 1)));
     const ConstantPointer& known = lowering.constant(*added);
-    if (known != nullptr && known->shape == Shape{lowering.shape(b).back()}) {
+    if (known != nullptr && !known->is_integer && known->shape == Shape{lowering.shape(b).back()}) {
       bias = known->floats;
       added.reset();
     }

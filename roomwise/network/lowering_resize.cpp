@@ -62,10 +62,16 @@ Expected<ResizeRule> rule_of(const Lowering& lowering, const Node& node) {
   const bool old = lowering.opset() < 11;  // before these attributes
   rule.coordinates = old ? "asymmetric" : node.text("coordinate_transformation_mode", "half_pixel");
   rule.nearest = old ? "floor" : node.text("nearest_mode", "round_prefer_floor");
-  for (const char* known : {"asymmetric", "align_corners", "pytorch_half_pixel", "half_pixel"}) {
-    if (rule.coordinates == known) return rule;
+  constexpr std::array kCoordinates{"asymmetric", "align_corners", "pytorch_half_pixel",
+                                    "half_pixel"};
+  if (std::ranges::find(kCoordinates, rule.coordinates) == kCoordinates.end()) {
+    return fail("its coordinate_transformation_mode \"{}\" is not supported", rule.coordinates);
   }
-  return fail("its coordinate_transformation_mode \"{}\" is not supported", rule.coordinates);
+  constexpr std::array kNearest{"round_prefer_floor", "round_prefer_ceil", "floor", "ceil"};
+  if (std::ranges::find(kNearest, rule.nearest) == kNearest.end()) {
+    return fail("its nearest_mode \"{}\" is none of {}", rule.nearest, fmt::join(kNearest, ", "));
+  }
+  return rule;
 }
 
 struct NewSize {

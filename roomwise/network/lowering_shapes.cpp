@@ -25,6 +25,7 @@ Expected<std::vector<std::int64_t>> integers_of(const Lowering& lowering, const 
 Expected<void> lower_gather(Lowering& lowering, const Node& node) {
   ROOMWISE_TRY(const ValueId input, lowering.input(node, 0));
   ROOMWISE_TRY(const ConstantPointer indices, lowering.constant_input(node, 1));
+  if (!indices->is_integer) return fail("its indices are no whole numbers");
   const Shape shape = lowering.shape(input);
   ROOMWISE_TRY(const std::size_t axis, axis_of(node.integer("axis", 0), shape.size()));
   std::vector<std::size_t> picks;
@@ -98,23 +99,28 @@ Expected<std::vector<std::size_t>> slice(std::int64_t start, std::int64_t end, s
 
 Expected<void> lower_slice(Lowering& lowering, const Node& node) {
   ROOMWISE_TRY(ValueId value, lowering.input(node, 0));
-  ROOMWISE_TRY(const auto starts, integers_of(lowering, node, 1, "starts"));
-  ROOMWISE_TRY(const auto ends, integers_of(lowering, node, 2, "ends"));
-  ROOMWISE_TRY(auto axes, integers_of(lowering, node, 3, "axes"));
-  ROOMWISE_TRY(auto steps, integers_of(lowering, node, 4, "steps"));
-  for (std::size_t i = 0; axes.size() < starts.size() && i < starts.size(); ++i)
-    axes.push_back(static_cast<std::int64_t>(i));
-  if (steps.empty()) steps.assign(starts.size(), 1);
+  const std::size_t rank = lowering.shape(value).size();
+  ROOMWISE_TRY(const auto starts, lowering.integers_input(node, 1));
+  ROOMWISE_TRY(const auto ends, lowering.integers_input(node, 2));
+  std::vector<std::size_t> axes = range(0, starts.size());
+  if (lowering.has_input(node, 3)) {
+    ROOMWISE_TRY(const auto named, lowering.integers_input(node, 3));
+    ROOMWISE_TRY(axes, axes_of(named, rank));
+  }
+  std::vector<std::int64_t> steps(starts.size(), 1);
+  if (lowering.has_input(node, 4)) {
+    ROOMWISE_TRY(steps, lowering.integers_input(node, 4));
+  }
   if (ends.size() != starts.size() || axes.size() != starts.size() ||
       steps.size() != starts.size()) {
     return fail("its starts, ends, axes and steps are not of one number");
   }
+  if (starts.size() > rank) return fail("slices {} axes of {}", starts.size(), rank);
   for (std::size_t i = 0; i < starts.size(); ++i) {
-    const Shape shape = lowering.shape(value);
-    ROOMWISE_TRY(const std::size_t axis, axis_of(axes[i], shape.size()));
-    ROOMWISE_TRY(const auto kept, slice(starts[i], ends[i], steps[i], shape[axis]));
-    if (kept.size() == static_cast<std::size_t>(shape[axis]) && steps[i] > 0) continue;
-    ROOMWISE_TRY(value, lowering.pick(value, axis, kept));
+    const std::int64_t size = lowering.shape(value)[axes[i]];
+    ROOMWISE_TRY(const auto kept, slice(starts[i], ends[i], steps[i], size));
+    if (kept.size() == static_cast<std::size_t>(size) && steps[i] > 0) continue;
+    ROOMWISE_TRY(value, lowering.pick(value, axes[i], kept));
   }
   lowering.set_output(node, 0, value);
   return {};
@@ -221,12 +227,12 @@ Expected<void> lower_flatten(Lowering& lowering, const Node& node) {
 Expected<void> lower_squeeze(Lowering& lowering, const Node& node) {
   ROOMWISE_TRY(const ValueId input, lowering.input(node, 0));
   const Shape shape = lowering.shape(input);
-  ROOMWISE_TRY(const auto axes, integers_of(lowering, node, 1, "axes"));
+  ROOMWISE_TRY(const auto given, integers_of(lowering, node, 1, "axes"));
+  ROOMWISE_TRY(const auto axes, axes_of(given, shape.size()));
   std::vector<bool> drops(shape.size(), false);
-  for (const std::int64_t axis : axes) {
-    ROOMWISE_TRY(const std::size_t named, axis_of(axis, shape.size()));
-    if (shape[named] != 1) return fail("the axis {} of {} is not 1", axis, shape_text(shape));
-    drops[named] = true;
+  for (const std::size_t axis : axes) {
+    if (shape[axis] != 1) return fail("the axis {} of {} is not 1", axis, shape_text(shape));
+    drops[axis] = true;
   }
   Shape squeezed;
   for (std::size_t i = 0; i < shape.size(); ++i) {
@@ -239,14 +245,11 @@ Expected<void> lower_squeeze(Lowering& lowering, const Node& node) {
 
 Expected<void> lower_unsqueeze(Lowering& lowering, const Node& node) {
   ROOMWISE_TRY(const ValueId input, lowering.input(node, 0));
-  ROOMWISE_TRY(const auto axes, integers_of(lowering, node, 1, "axes"));
   const Shape shape = lowering.shape(input);
+  ROOMWISE_TRY(const auto given, integers_of(lowering, node, 1, "axes"));
+  ROOMWISE_TRY(const auto axes, axes_of(given, shape.size() + given.size()));
   std::vector<bool> is_new(shape.size() + axes.size(), false);
-  for (const std::int64_t axis : axes) {
-    ROOMWISE_TRY(const std::size_t named, axis_of(axis, is_new.size()));
-    if (is_new[named]) return fail("names an axis twice");
-    is_new[named] = true;
-  }
+  for (const std::size_t axis : axes) is_new[axis] = true;
   Shape wider;
   for (std::size_t i = 0, old = 0; i < is_new.size(); ++i)
     wider.push_back(is_new[i] ? 1 : shape[old++]);
@@ -261,15 +264,9 @@ Expected<void> lower_transpose(Lowering& lowering, const Node& node) {
   std::vector<std::size_t> axes = range(0, shape.size());
   std::ranges::reverse(axes);
   if (node.find("perm") != nullptr) {
-    axes.clear();
-    for (const std::int64_t axis : node.integers("perm", {})) {
-      ROOMWISE_TRY(const std::size_t named, axis_of(axis, shape.size()));
-      axes.push_back(named);
-    }
+    ROOMWISE_TRY(axes, axes_of(node.integers("perm", {}), shape.size()));
+    if (axes.size() != shape.size()) return fail("its axes are no permutation");
   }
-  std::vector<std::size_t> sorted = axes;
-  std::ranges::sort(sorted);
-  if (sorted != range(0, shape.size())) return fail("its axes are no permutation");
   Shape moved;
   for (const std::size_t axis : axes) moved.push_back(shape[axis]);
   if (lowering.constant(input) != nullptr) {

@@ -79,6 +79,10 @@ TEST(Operators, SameLowerPutsTheOddPadFirst) {
                {attribute("auto_pad", "SAME_LOWER"), attribute("kernel_shape", Integers{1, 2})},
                {"w"}, {tensor("w", {1, 1, 1, 2}, std::vector<float>{1, 10})});
   EXPECT_THAT(values_of(graph, {1, 2, 3, 4}), ElementsAre(10, 21, 32, 43));
+  EXPECT_ERROR(load(onnx(one_node(
+                   "MaxPool", {1, 1, 4, 4},
+                   {attribute("auto_pad", "SAME"), attribute("kernel_shape", Integers{2, 2})}))),
+               "its auto_pad \"SAME\" is none of NOTSET, ");
 }
 
 TEST(Operators, Pooling) {
@@ -92,6 +96,18 @@ TEST(Operators, Pooling) {
   counting.push_back(attribute("count_include_pad", 1));
   const TinyGraph corner = one_node("AveragePool", {1, 1, 1, 1}, counting);
   EXPECT_THAT(values_of(corner, {9}), ElementsAre(1));
+  EXPECT_ERROR(load(onnx(one_node("MaxPool", {1, 1, 4, 4}))), "lacks its kernel_shape");
+}
+
+// Without dilation a window of 2 gives as many outputs, but others.
+TEST(Operators, PoolingWithDilationIsRefused) {
+  for (const char* operation : {"MaxPool", "AveragePool"}) {
+    EXPECT_ERROR(load(onnx(one_node(operation, {1, 1, 9, 9},
+                                    {attribute("kernel_shape", Integers{2, 2}),
+                                     attribute("dilations", Integers{2, 2}),
+                                     attribute("strides", Integers{2, 2})}))),
+                 "its dilations of 2 and 2 are not supported");
+  }
 }
 
 TEST(Operators, PoolingThatRoundsUp) {
@@ -110,6 +126,10 @@ TEST(Operators, Means) {
   const TinyGraph channels = one_node("ReduceMean", {1, 2, 2}, {attribute("axes", Integers{1})});
   EXPECT_THAT(values_of(channels, {1, 2, 3, 4}), ElementsAre(2, 3));
   EXPECT_THAT(shape_of(channels), ElementsAre(1, 1, 2));
+  for (const Integers& axes : {Integers{1, 1}, Integers{1, -3}}) {
+    EXPECT_ERROR(load(onnx(one_node("ReduceMean", {1, 2, 2, 2}, {attribute("axes", axes)}))),
+                 "names the axis 1 twice");
+  }
 }
 
 TEST(Operators, ElementwiseFunctions) {
@@ -160,6 +180,17 @@ TEST(Operators, ArithmeticBroadcasts) {
               ElementsAre(0, 0, 2, 2, 4, 4, 6, 6));
   EXPECT_THAT(values_of(with("Div", {1, 1, 2, 1}, {1, 2}), picture),
               ElementsAre(1, 2, 1.5, 2, 5, 6, 3.5, 4));
+  // Both grow, along different axes.
+  TinyGraph both{{layer("Sub", {"c", "picture"}, {"out"})},
+                 {tensor("c", {2, 1, 2}, std::vector<float>{10, 20, 30, 40})},
+                 {2, 1},
+                 {{"out", {}}}};
+  EXPECT_THAT(values_of(both, {1, 2}), ElementsAre(9, 19, 8, 18, 29, 39, 28, 38));
+  TinyGraph single{{layer("Div", {"c", "picture"}, {"out"})},
+                   {tensor("c", {}, std::vector<float>{12})},
+                   {1, 3},
+                   {{"out", {}}}};
+  EXPECT_THAT(values_of(single, {1, 2, 3}), ElementsAre(12, 6, 4));
   // The constant is the larger one, and stands first.
   TinyGraph grows{{layer("Sub", {"c", "picture"}, {"out"})},
                   {tensor("c", {2, 2}, std::vector<float>{10, 20, 30, 40})},
@@ -190,6 +221,10 @@ TEST(Operators, Products) {
   const TinyGraph batches =
       one_node("MatMul", {2, 1, 2}, {}, {"w"}, {tensor("w", {2, 1}, std::vector<float>{1, 10})});
   EXPECT_THAT(values_of(batches, {1, 2, 3, 4}), ElementsAre(21, 43));
+  const TinyGraph whole =
+      one_node("Gemm", {1, 2}, {}, {"w", "b"},
+               {tensor("w", {2, 2}, std::vector<float>(4, 1)), tensor("b", {2}, Integers{5, 6})});
+  EXPECT_ERROR(load(onnx(whole)), "works on whole numbers");
 }
 
 TEST(Operators, SoftmaxOfOldAndNew) {
@@ -239,6 +274,17 @@ TEST(Operators, Slices) {
   EXPECT_THAT(values_of(slice({-1}, {-1000}, {3}, {-3}), picture),
               ElementsAre(3, 0, 7, 4, 11, 8, 15, 12));
   EXPECT_ERROR(load(onnx(slice({0}, {1}, {3}, {0}))), "its step is 0");
+  EXPECT_ERROR(load(onnx(slice({0, 0}, {1, 1}, {2}, {1, 1}))), "are not of one number");
+  EXPECT_ERROR(load(onnx(slice({0, 0}, {1, 1}, {2, 3}, {1}))), "are not of one number");
+  EXPECT_ERROR(load(onnx(slice({0, 0}, {1, 1}, {2, -2}, {1, 1}))), "names the axis 2 twice");
+  const auto of_first_axes = [](std::uint64_t axes) {
+    const Integers begins(axes, 1), ends(axes, 2);
+    return one_node("Slice", {2, 2}, {}, {"s", "e"},
+                    {tensor("s", {static_cast<std::int64_t>(axes)}, begins),
+                     tensor("e", {static_cast<std::int64_t>(axes)}, ends)});
+  };
+  EXPECT_THAT(values_of(of_first_axes(2), {1, 2, 3, 4}), ElementsAre(4));
+  EXPECT_ERROR(load(onnx(of_first_axes(3))), "slices 3 axes of 2");
 }
 
 TEST(Operators, Pads) {
@@ -260,6 +306,12 @@ TEST(Operators, Reshapes) {
   EXPECT_THAT(shape_of(one_node("Flatten", {2, 3, 4}, {attribute("axis", 2)})), ElementsAre(6, 4));
   EXPECT_THAT(shape_of(one_node("Squeeze", {1, 3, 1}, {attribute("axes", Integers{-1})})),
               ElementsAre(1, 3));
+  EXPECT_ERROR(load(onnx(one_node("Squeeze", {1, 3, 1}, {attribute("axes", Integers{2, -1})}))),
+               "names the axis 2 twice");
+  EXPECT_ERROR(load(onnx(one_node("Unsqueeze", {3}, {attribute("axes", Integers{0, -3})}))),
+               "names the axis 0 twice");
+  EXPECT_ERROR(load(onnx(one_node("Transpose", {2, 3}, {attribute("perm", Integers{0, 0})}))),
+               "names the axis 0 twice");
   EXPECT_THAT(shape_of(one_node("Unsqueeze", {3}, {attribute("axes", Integers{0, 2})})),
               ElementsAre(1, 3, 1));
   const TinyGraph transpose =
@@ -289,6 +341,9 @@ TEST(Operators, GatherPicksFromPictures) {
   const TinyGraph graph = one_node("Gather", {1, 3, 2}, {attribute("axis", 1)}, {"i"},
                                    {tensor("i", {2}, Integers{-1, 0})});
   EXPECT_THAT(values_of(graph, {1, 2, 3, 4, 5, 6}), ElementsAre(5, 6, 1, 2));
+  EXPECT_ERROR(load(onnx(one_node("Gather", {1, 3, 2}, {}, {"i"},
+                                  {tensor("i", {1}, std::vector<float>{0})}))),
+               "its indices are no whole numbers");
 }
 
 TEST(Operators, Resizes) {
@@ -317,6 +372,10 @@ TEST(Operators, Resizes) {
       {attribute("mode", "linear"), attribute("coordinate_transformation_mode", "align_corners")},
       {"", "", "sizes"}, {tensor("sizes", {4}, Integers{1, 1, 1, 5})});
   EXPECT_THAT(values_of(corners, {0, 4}), ElementsAre(0, 1, 2, 3, 4));
+  EXPECT_ERROR(
+      load(onnx(one_node("Resize", {1, 1, 1, 2}, {attribute("nearest_mode", "round")},
+                         {"", "", "sizes"}, {tensor("sizes", {4}, Integers{1, 1, 1, 5})}))),
+      "its nearest_mode \"round\" is none of round_prefer_floor, ");
 }
 
 TEST(Operators, ErrorsNameNodeOperatorAndOpset) {

@@ -41,18 +41,25 @@ void gather_block(std::span<const Run> runs, float* to, std::size_t places, std:
   }
 }
 
-float apply(Arithmetic::Operator operation, float a, float b) {
-  switch (operation) {
-    case Arithmetic::Operator::kAdd:
-      return a + b;
-    case Arithmetic::Operator::kSubtract:
-      return a - b;
-    case Arithmetic::Operator::kMultiply:
-      return a * b;
-    case Arithmetic::Operator::kDivide:
-      return a / b;
+// An output's shape, and how far apart neighbours along its axes lie in two operands.
+struct Broadcast {
+  Shape shape;
+  std::vector<std::size_t> strides_of_a, strides_of_b;
+};
+
+// Writes the slice of an output that begins at `to`, from one axis on; gives its end.
+float* apply_along(const Broadcast& along, std::size_t axis, Arithmetic::Operator operation,
+                   const float* a, const float* b, float* to) {
+  const auto size = static_cast<std::size_t>(along.shape[axis]);
+  const std::size_t step_of_a = along.strides_of_a[axis], step_of_b = along.strides_of_b[axis];
+  if (axis + 1 == along.shape.size()) {
+    for (std::size_t i = 0; i < size; ++i)
+      to[i] = apply(operation, a[i * step_of_a], b[i * step_of_b]);
+    return to + size;
   }
-  return 0;
+  for (std::size_t i = 0; i < size; ++i)
+    to = apply_along(along, axis + 1, operation, a + i * step_of_a, b + i * step_of_b, to);
+  return to;
 }
 
 }  // namespace
@@ -145,17 +152,19 @@ Kernel resampling_kernel(const Resampling& resampling, const Shape& shape, std::
 
 Kernel arithmetic_kernel(Arithmetic::Operator operation, const Shape& a, const Shape& b,
                          const Shape& output) {
-  return [operation, of_a = offsets(output, broadcast_strides(a, output)),
-          of_b = offsets(output, broadcast_strides(b, output))](
-             std::span<const float* const> inputs, float* to) {
-    for (std::size_t i = 0; i < of_a.size(); ++i)
-      to[i] = apply(operation, inputs[0][of_a[i]], inputs[1][of_b[i]]);
+  const Shape shape = output.empty() ? Shape{1} : output;  // a single number is a row too
+  const Broadcast along{shape, broadcast_strides(a, shape), broadcast_strides(b, shape)};
+  return [operation, along](std::span<const float* const> inputs, float* to) {
+    apply_along(along, 0, operation, inputs[0], inputs[1], to);
   };
 }
 
 Kernel mean_kernel(const Mean& mean, const Shape& shape) {
   Shape kept = shape, averaged(shape.size(), 1);
-  for (const std::size_t axis : mean.axes) std::swap(kept[axis], averaged[axis]);
+  for (const std::size_t axis : mean.axes) {
+    kept[axis] = 1;
+    averaged[axis] = shape[axis];
+  }
   const std::vector<std::size_t> strides = broadcast_strides(shape, shape);
   return [starts = offsets(kept, strides), steps = offsets(averaged, strides)](
              std::span<const float* const> inputs, float* to) {

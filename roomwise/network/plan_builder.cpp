@@ -13,17 +13,18 @@ memory::dims dims_of(const Shape& shape) {
   return shape.empty() ? memory::dims{1} : memory::dims(shape.begin(), shape.end());
 }
 
-// As many channels as a register holds numbers: what oneDNN's own kernels are written for.
-std::size_t block_of_this_processor() {
-  return dnnl::get_effective_cpu_isa() >= dnnl::cpu_isa::avx512_core ? 16 : 8;
-}
-
 }  // namespace
+
+std::size_t channels_in_block(dnnl::cpu_isa isa) {
+  // Sets of bits, not steps of a ladder: AVX2 with VNNI is a larger number than AVX-512.
+  constexpr auto kAvx512 = static_cast<unsigned>(dnnl::cpu_isa::avx512_core);
+  return (static_cast<unsigned>(isa) & kAvx512) == kAvx512 ? 16 : 8;
+}
 
 PlanBuilder::PlanBuilder(const Program& program, bool joins_in_place)
     : program_(program),
       joins_in_place_(joins_in_place),
-      block_(block_of_this_processor()),
+      block_(channels_in_block(dnnl::get_effective_cpu_isa())),
       stream_(plan_->engine),
       located_(program.values.size()),
       last_use_(program.values.size(), 0),
@@ -209,9 +210,10 @@ void PlanBuilder::plan_memory_of_steps() {
 }
 
 Expected<std::shared_ptr<const Plan>> make_plan(const Program& program, bool joins_in_place) {
-  PlanBuilder builder(program, joins_in_place);
+  std::optional<PlanBuilder> builder;
   try {
-    std::shared_ptr<const Plan> plan = builder.build();
+    builder.emplace(program, joins_in_place);
+    std::shared_ptr<const Plan> plan = builder->build();
     constexpr std::size_t kMostBytes = std::size_t{1} << 32;
     if (plan->memory.bytes > kMostBytes) {
       return fail("a run would take {} MB of memory; at most {} are given",
@@ -219,7 +221,8 @@ Expected<std::shared_ptr<const Plan>> make_plan(const Program& program, bool joi
     }
     return plan;
   } catch (const dnnl::error& error) {
-    return fail("node \"{}\": oneDNN cannot run it: {}", builder.node(), error.what());
+    return fail("node \"{}\": oneDNN cannot run it: {}", builder ? builder->node() : "",
+                error.what());
   }
 }
 

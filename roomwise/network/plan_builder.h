@@ -7,6 +7,10 @@
 
 namespace roomwise::network {
 
+// As many channels as a register of the processor holds numbers: what oneDNN's own kernels are
+// written for.
+[[nodiscard]] std::size_t channels_in_block(dnnl::cpu_isa isa);
+
 // Makes a plan layer by layer. Feature maps (batch x channels x height x width) are kept in blocks
 // of channels as wide as the processor's registers, all else row by row; what a primitive wants
 // otherwise is reordered, once for each layout.
