@@ -452,7 +452,7 @@ TEST_F(MapRecording, IsComparedWithWhatIsThere) {
       thing("sofa", {2, 0, 0}, true)};
   ASSERT_OK(simulation::write_objects_truth(folder_ / "objects.json", things));
 
-  write_mapped_pictures(home, folder_.path());
+  testing::write_mapped_pictures(home, folder_.path());
   const auto result = evaluate_objects(home, folder_.path(), 1.0);
   ASSERT_OK(result);
   EXPECT_EQ(result->truth.size(), 2U) << "the fridge was never shown, a sofa has no name here";

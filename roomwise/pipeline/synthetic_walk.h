@@ -153,7 +153,8 @@ class ColorNetwork final : public network::Classifier {
 // The pictures of a home's key-frames, listed as in the recording that it was mapped from.
 inline void write_mapped_pictures(const home::Home& home, const std::filesystem::path& folder) {
   std::string list;
-  for (const home::Keyframe& keyframe : home.keyframes().value()) {
+  const std::vector<home::Keyframe> keyframes = home.keyframes().value();
+  for (const home::Keyframe& keyframe : keyframes) {
     for (std::size_t next = static_cast<std::size_t>(std::ranges::count(list, '\n'));
          next <= keyframe.frame_index; ++next) {
       list += fmt::format("{0}.0 {0}.png\n", next);
