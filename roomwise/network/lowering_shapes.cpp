@@ -182,6 +182,14 @@ Expected<void> lower_pad(Lowering& lowering, const Node& node) {
   return {};
 }
 
+// The node's output is its input in another shape.
+Expected<void> put_reshaped(Lowering& lowering, const Node& node, ValueId input,
+                            const Shape& shape) {
+  ROOMWISE_TRY(const ValueId output, lowering.reshape(input, shape));
+  lowering.set_output(node, 0, output);
+  return {};
+}
+
 Expected<void> lower_reshape(Lowering& lowering, const Node& node) {
   ROOMWISE_TRY(const ValueId input, lowering.input(node, 0));
   ROOMWISE_TRY(Shape wanted, lowering.integers_input(node, 1));
@@ -204,9 +212,7 @@ Expected<void> lower_reshape(Lowering& lowering, const Node& node) {
     if (rest == 0) return fail("cannot bring {} into an empty shape", shape_text(shape));
     wanted[*open] = static_cast<std::int64_t>(count_of(shape) / rest);
   }
-  ROOMWISE_TRY(const ValueId output, lowering.reshape(input, wanted));
-  lowering.set_output(node, 0, output);
-  return {};
+  return put_reshaped(lowering, node, input, wanted);
 }
 
 Expected<void> lower_flatten(Lowering& lowering, const Node& node) {
@@ -219,9 +225,7 @@ Expected<void> lower_flatten(Lowering& lowering, const Node& node) {
   Shape flat{1, 1};
   for (std::size_t i = 0; i < shape.size(); ++i)
     flat[static_cast<std::int64_t>(i) < axis ? 0 : 1] *= shape[i];
-  ROOMWISE_TRY(const ValueId output, lowering.reshape(input, flat));
-  lowering.set_output(node, 0, output);
-  return {};
+  return put_reshaped(lowering, node, input, flat);
 }
 
 Expected<void> lower_squeeze(Lowering& lowering, const Node& node) {
@@ -238,9 +242,7 @@ Expected<void> lower_squeeze(Lowering& lowering, const Node& node) {
   for (std::size_t i = 0; i < shape.size(); ++i) {
     if (!(axes.empty() ? shape[i] == 1 : drops[i])) squeezed.push_back(shape[i]);
   }
-  ROOMWISE_TRY(const ValueId output, lowering.reshape(input, squeezed));
-  lowering.set_output(node, 0, output);
-  return {};
+  return put_reshaped(lowering, node, input, squeezed);
 }
 
 Expected<void> lower_unsqueeze(Lowering& lowering, const Node& node) {
@@ -253,9 +255,7 @@ Expected<void> lower_unsqueeze(Lowering& lowering, const Node& node) {
   Shape wider;
   for (std::size_t i = 0, old = 0; i < is_new.size(); ++i)
     wider.push_back(is_new[i] ? 1 : shape[old++]);
-  ROOMWISE_TRY(const ValueId output, lowering.reshape(input, wider));
-  lowering.set_output(node, 0, output);
-  return {};
+  return put_reshaped(lowering, node, input, wider);
 }
 
 Expected<void> lower_transpose(Lowering& lowering, const Node& node) {
