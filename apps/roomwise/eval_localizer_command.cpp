@@ -43,6 +43,7 @@ Json to_json(const pipeline::LocalizationTrial& trial) {
     json["rotation_sigma_degrees"] = kDegrees * found.rotation_sigma_rad();
     json["keyframe"] = found.keyframe;
     json["witnesses"] = found.witnesses;
+    json["likeness"] = found.likeness;
     json["support"] = found.support;
     json["overlap"] = found.agreement.overlap;
     json["agreeing"] = found.agreement.agreeing;

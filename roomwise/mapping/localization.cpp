@@ -44,7 +44,8 @@ Expected<void> LocalizerOptions::validate() const {
   if (sure_inliers < 0) return fail("sure_inliers = {} must not be negative", sure_inliers);
   for (const auto& [name, share] :
        {std::pair("sure_overlap", sure_overlap), std::pair("sure_agreeing", sure_agreeing),
-        std::pair("most_rival_share", most_rival_share)}) {
+        std::pair("most_rival_share", most_rival_share),
+        std::pair("sure_likeness", sure_likeness)}) {
     if (!(share >= 0 && share <= 1)) return fail("{} = {} must be between 0 and 1", name, share);
   }
   if (!(clearly_more_inliers >= 1)) {

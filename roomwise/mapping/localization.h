@@ -26,19 +26,21 @@ struct LocalizerOptions {
   // Of two poses from different places the one with this many times the inliers is taken.
   double clearly_more_inliers = 1.5;
 
-  // ---- by shape, where features say nothing ----
+  // ---- by shape and pattern, where features say nothing ----
   std::size_t similar_shapes = 20;  // key-frames whose depth images look most like the picture's
   // How far from such a key-frame the picture may have been taken, m and rad (standard deviation).
   double shape_sigma_m = 0.3;
   double shape_sigma_rad = 0.2;
   motion::ViewAlignmentOptions shape_views;  // brightness hardly counts
-  // A picture is too plain where the mean square of its surfaces' normals along some direction is
-  // below this: it could slide along a wall that way.
-  double least_hold = 0.001;
   // Less support (Localization::support) leaves a doubt; and so does another pose with more than
   // this share of it.
-  double sure_support = 1.0;
+  double sure_support = 0.6;
   double most_rival_share = 0.6;
+  // A pattern as much like the map's (Localization::likeness) says that the picture did not slide
+  // along a wall. Without it the surfaces must hold the picture in place: the mean square of their
+  // normals along each direction is not below this.
+  double sure_likeness = 0.25;
+  double least_hold = 0.001;
 
   // ---- both ----
   // Light is another on another day, so brightness says less than between the frames of a walk.
@@ -58,7 +60,7 @@ enum class LocalizationStatus {
   kNothingSimilar,  // no key-frame looks like it
   kNoMotion,        // too little of it is on the map
   kContradicted,    // by the depth images
-  kPlain,           // features say nothing, and its shape is that of a bare wall
+  kPlain,           // features and patterns say nothing, and its shape is that of a bare wall
   kDoubtful,        // a pose, but too little speaks for it
   kVague,           // a pose, but not known well enough
   kAmbiguous,       // two poses, and nearly as much speaks for the one as for the other
@@ -78,8 +80,9 @@ struct Localization {
   geometry::Matrix6d information = geometry::Matrix6d::Zero();
   // With the key-frames around the pose: the largest overlap, the shares of all that overlaps.
   motion::ViewAgreement agreement;
-  int witnesses = 0;   // by shape: key-frames whose alignment led there
-  double support = 0;  // by shape: what speaks for the pose; 2 at most
+  int witnesses = 0;    // by shape: key-frames whose alignment led there
+  double likeness = 0;  // by shape: of its pattern and theirs around the pose, -1 to 1
+  double support = 0;   // by shape: what speaks for the pose; 3 at most
 
   [[nodiscard]] bool found() const { return status == LocalizationStatus::kFound; }
   // Found, or with something against it.

@@ -16,8 +16,8 @@ using geometry::RigidTransform;
 
 // What neither inliers nor depth images show: the map's own error between key-frames, colour and
 // depth out of step.
-constexpr double kSystematicTranslation_m = 0.01;
-constexpr double kSystematicHalfAngle = 0.5 * 0.005;
+constexpr double kSystematicTranslation_m = 0.02;
+constexpr double kSystematicHalfAngle = 0.5 * 0.006;
 
 geometry::Matrix6d with_systematic_error(const geometry::Matrix6d& information) {
   return motion::with_systematic_error(information, kSystematicTranslation_m, kSystematicHalfAngle);
@@ -40,13 +40,13 @@ double least_hold(const motion::SmallView& view) {
 }
 
 // What speaks for a pose found by shape: that its alignment fits, that the key-frames around agree
-// with it, and that several lead to it, of which each further one says less. The form was chosen on
-// walks through simulated homes (docs/benchmarks.md).
-double support(const motion::ViewAgreement& agreement, double rms, int witnesses) {
+// with it in depth and pattern, and that several lead to it, of which each further one says less.
+// The form was chosen on walks through simulated homes (docs/benchmarks.md).
+double support(const Localization& pose, double rms) {
   constexpr double kUnconvinced = 0.6;  // what is left of a doubt after one witness more
   const double fit = 1 / std::max(0.5, rms);
-  return fit * agreement.overlap * std::pow(agreement.agreeing, 4) *
-         (1 - std::pow(kUnconvinced, witnesses));
+  return fit * pose.agreement.overlap * std::pow(pose.agreement.agreeing, 4) *
+         (1 - std::pow(kUnconvinced, pose.witnesses)) * (0.5 + std::max(0.0, pose.likeness));
 }
 
 }  // namespace
@@ -57,7 +57,8 @@ Localizer::Localizer(const LocalizerOptions& options)
 void Localizer::add(Keyframe keyframe, const RigidTransform& world_from_keyframe) {
   appearances_.add(keyframes_.size(), keyframe.measurements.features().features);
   if (!keyframe.measurements.view().empty()) depths_.add(keyframe.measurements.view());
-  keyframes_.push_back({std::move(keyframe), world_from_keyframe});
+  motion::ViewPattern pattern = motion::ViewPattern::of(keyframe.measurements.view());
+  keyframes_.push_back({std::move(keyframe), std::move(pattern), world_from_keyframe});
 }
 
 bool Localizer::may_show_the_same(const RigidTransform& a, const RigidTransform& b) const {
@@ -107,6 +108,17 @@ motion::ViewAgreement Localizer::agreement_around(const Query& query,
     around.in_front /= overlaps;
   }
   return around;
+}
+
+double Localizer::likeness_around(const Query& query, const motion::ViewPattern& pattern,
+                                  const RigidTransform& pose) const {
+  motion::PatternLikeness likeness;
+  for (const Placed* keyframe : nearest(pose)) {
+    likeness += motion::compare_patterns(keyframe->keyframe.measurements.view(), keyframe->pattern,
+                                         query.measurements.view(), pattern,
+                                         keyframe->world_from_keyframe.inverse() * pose);
+  }
+  return likeness.value();
 }
 
 // Only where the key-frames around see enough of the same to say so.
@@ -295,26 +307,27 @@ std::vector<Localization> Localizer::align_shapes(const Query& query) const {
     known->pose.world_from_camera = pose;
     known->pose.information = with_systematic_error(aligned.seen_information);
   }
+  const auto pattern = motion::ViewPattern::of(view);
   std::vector<Localization> poses;
   for (Aligned& one : found) {
     one.pose.agreement = agreement_around(query, one.pose.world_from_camera);
-    one.pose.support = support(one.pose.agreement, one.rms, one.pose.witnesses);
+    one.pose.likeness = likeness_around(query, pattern, one.pose.world_from_camera);
+    one.pose.support = support(one.pose, one.rms);
     poses.push_back(one.pose);
   }
   return poses;
 }
 
 Localization Localizer::by_shape(const Query& query) const {
-  if (least_hold(query.measurements.view()) < options_.least_hold) {
-    Localization wall;
-    wall.status = LocalizationStatus::kPlain;
-    return wall;
-  }
   std::vector<Localization> poses = align_shapes(query);
   if (poses.empty()) return {};
   std::ranges::stable_sort(poses, std::ranges::greater(), &Localization::support);
   Localization best = poses.front();
-  if (best.support < options_.sure_support) {
+  const bool may_have_slid = best.likeness < options_.sure_likeness &&
+                             least_hold(query.measurements.view()) < options_.least_hold;
+  if (may_have_slid) {
+    best.status = LocalizationStatus::kPlain;
+  } else if (best.support < options_.sure_support) {
     best.status = LocalizationStatus::kDoubtful;
   } else if (poses.size() > 1 && poses[1].support > options_.most_rival_share * best.support) {
     best.status = LocalizationStatus::kAmbiguous;

@@ -6,6 +6,7 @@
 #include "roomwise/mapping/depth_index.h"
 #include "roomwise/mapping/keyframe.h"
 #include "roomwise/mapping/localization.h"
+#include "roomwise/motion/view_pattern.h"
 
 namespace roomwise::mapping {
 
@@ -24,7 +25,8 @@ struct Query {
 // those around must agree. Where that gives no answer, by shape, if the picture has depth
 // and its camera is like the map's: the picture is aligned with the key-frames whose depth images
 // look most like its own (DepthIndex); poses to which several lead, and that those around agree
-// with, are believed, unless another has nearly as much support, as in front of a bare wall.
+// with in depth and in the pattern on their surfaces (ViewPattern), are believed, unless another
+// has nearly as much support, as in front of a bare wall.
 //
 // It says no where too little speaks for a pose, since a wrong answer is worse than none. Same map,
 // options and picture, same bits. May be asked from several threads at once.
@@ -47,6 +49,7 @@ class Localizer {
  private:
   struct Placed {
     Keyframe keyframe;
+    motion::ViewPattern pattern;
     geometry::RigidTransform world_from_keyframe;
   };
   // Key-frames that show one place, by their index; the first looks most like the picture.
@@ -61,6 +64,8 @@ class Localizer {
   [[nodiscard]] std::vector<const Placed*> nearest(const geometry::RigidTransform& pose) const;
   [[nodiscard]] motion::ViewAgreement agreement_around(const Query& query,
                                                        const geometry::RigidTransform& pose) const;
+  [[nodiscard]] double likeness_around(const Query& query, const motion::ViewPattern& pattern,
+                                       const geometry::RigidTransform& pose) const;
   [[nodiscard]] bool is_contradicted(const motion::ViewAgreement& agreement) const;
   [[nodiscard]] bool is_known_well(const Localization& found) const;
   [[nodiscard]] bool can_compare_shapes(const Query& query) const;

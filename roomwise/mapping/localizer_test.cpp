@@ -207,6 +207,32 @@ TEST_F(LocalizerTest, ABareWallIsNoAnswer) {
   EXPECT_FALSE(found.has_pose());
 }
 
+TEST_F(LocalizerTest, WhatIsPaintedOnAWallTellsWhereAlongIt) {
+  // By day it was mapped, at night the lamp is at one end.
+  const Texture night = [](const Eigen::Vector3d& p) { return (0.15 + 0.1 * p.x()) * marbled(p); };
+  Localizer localizer({});
+  for (int i = 0; i < 12; ++i) {
+    const RigidTransform keyframe = moved({0, 0, 0}, {0.3 * i, 0, 0});
+    localizer.add({localizer.size(), 0, 0, {no_features(), view_of(wall(2, marbled), keyframe)}},
+                  keyframe);
+  }
+  const RigidTransform there = moved({0.02, 0.03, 0}, {1.55, 0, 0.1});
+  const Localization same =
+      localizer.locate({{no_features(), view_of(wall(2, marbled), there)}, kCamera});
+  EXPECT_GT(same.likeness, 0.8);
+  const Localization dark =
+      localizer.locate({{no_features(), view_of(wall(2, night), there)}, kCamera});
+  EXPECT_GT(dark.likeness, 0.4);
+  // Another wall of the same shape.
+  const Texture other = [](const Eigen::Vector3d& p) {
+    return marbled({-p.y(), 0.7 * p.x(), 3 * p.z()});
+  };
+  const Localization elsewhere =
+      localizer.locate({{no_features(), view_of(wall(2, other), there)}, kCamera});
+  EXPECT_LT(elsewhere.likeness, LocalizerOptions{}.sure_likeness);
+  EXPECT_EQ(elsewhere.status, LocalizationStatus::kPlain);
+}
+
 TEST_F(LocalizerTest, APictureOfElsewhereIsNoAnswer) {
   Localizer localizer({});
   look_around(localizer, landmarks_, true);

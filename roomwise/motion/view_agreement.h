@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cmath>
+
 #include "roomwise/geometry/rigid_transform.h"
 #include "roomwise/motion/small_view.h"
 
@@ -17,5 +19,49 @@ struct ViewAgreement {
 // Compares the depths of the second level. An empty view has nothing in common with any.
 [[nodiscard]] ViewAgreement compare_views(const SmallView& reference, const SmallView& current,
                                           const geometry::RigidTransform& reference_from_current);
+
+// The level at which views are compared: fine enough, and quick. The view must not be empty.
+[[nodiscard]] const ViewLevel& compared_level(const SmallView& view);
+
+// Depths at this distance that differ by no more are the same surface.
+[[nodiscard]] inline double same_surface_m(double distance_m) {
+  return 0.02 + 0.015 * distance_m * distance_m;
+}
+
+// A measured pixel of the reference and the pixel of the current view in which its point would be
+// seen.
+struct Counterpart {
+  int x = 0, y = 0;         // of the reference
+  Eigen::Vector3d point;    // in the current camera's frame
+  int column = 0, row = 0;  // of the current view, not at its border
+};
+
+// Calls `take` for all of them; returns how many pixels the reference measured. Pixels at the
+// reference's border are left out.
+template <typename Take>
+std::size_t for_each_counterpart(const ViewLevel& reference, const ViewLevel& current,
+                                 const geometry::RigidTransform& reference_from_current,
+                                 const Take& take) {
+  const geometry::RigidTransform current_from_reference = reference_from_current.inverse();
+  const geometry::PinholeCamera& camera = current.camera;
+  std::size_t measured = 0;
+  for (int y = 1; y + 1 < reference.depth.height(); ++y) {
+    for (int x = 1; x + 1 < reference.depth.width(); ++x) {
+      if (reference.depth.at(x, y) == 0) continue;
+      ++measured;
+      const Eigen::Vector3d point =
+          current_from_reference *
+          reference.camera.unproject_undistorted(
+              {x, y}, reference.depth.at(x, y) / reference.camera.depth_units_per_metre);
+      if (!(point.z() > 0.1)) continue;
+      const Eigen::Vector2d pixel = camera.project_undistorted(point);
+      const int column = static_cast<int>(std::lround(pixel.x()));
+      const int row = static_cast<int>(std::lround(pixel.y()));
+      if (column < 1 || row < 1 || column + 1 >= camera.width || row + 1 >= camera.height) continue;
+      take(Counterpart{x, y, point, column, row});
+    }
+  }
+  return measured;
+}
 
 }  // namespace roomwise::motion
