@@ -68,7 +68,8 @@ Expected<Answer> optimize_home(const Options& options, Context& context) {
   pipeline::RunContext run{pool, context.progress, clock};
   const auto features = [&] { return pipeline::stored_keyframe_features(home, *settings, run); };
   ROOMWISE_TRY(const pipeline::SolvedMap solved,
-               pipeline::solve_stored_map(home, *settings, features));
+               pipeline::solve_stored_map(home, *settings, features, context.progress));
+  if (!solved.finished) return fail("interrupted; {} is as it was", options.home.string());
   const mapping::MapSolution& solution = solved.solution;
   ROOMWISE_TRY(const std::uint64_t objects, pipeline::update_objects(home, settings->objects));
   ROOMWISE_TRY(const auto edges, home.edges());

@@ -94,7 +94,8 @@ double bundle_cost(const Bundle& bundle, const BundleOptions& options) {
 }
 
 // The damping is Nielsen's, as in pose_graph_solver.
-Expected<BundleReport> adjust_bundle(Bundle& bundle, const BundleOptions& options) {
+Expected<BundleReport> adjust_bundle(Bundle& bundle, const BundleOptions& options,
+                                     const std::function<bool()>& goes_on) {
   constexpr double kFirstDamping = 1e-6;
   constexpr double kLeastDamping = 1e-9;
   constexpr double kMostDamping = 1e9;
@@ -113,6 +114,10 @@ Expected<BundleReport> adjust_bundle(Bundle& bundle, const BundleOptions& option
   bool moved_on = true;
   while (!report.converged && report.iterations < options.most_iterations &&
          damping <= kMostDamping) {
+    if (!goes_on()) {
+      report.interrupted = true;
+      break;
+    }
     ++report.iterations;
     if (std::exchange(moved_on, false)) system.linearize();
     const auto step = system.solve(damping);

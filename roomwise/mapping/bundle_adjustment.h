@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <functional>
 #include <vector>
 
 #include "roomwise/base/expected.h"
@@ -43,6 +44,7 @@ struct BundleReport {
   double cost_after = 0;
   int iterations = 0;
   bool converged = false;
+  bool interrupted = false;
 };
 
 // The sum of Cauchy's costs of all views, of e^T Omega e of all edges, and of the readout time's.
@@ -52,10 +54,12 @@ struct BundleReport {
 // Levenberg and Marquardt's method: landmarks are eliminated (Schur's complement), what stays is
 // solved by BlockCholesky (Triggs et al., "Bundle adjustment - a modern synthesis", 2000). Runs on
 // one thread and calls no BLAS: same bundle, same bits. Views of points behind their camera must be
-// taken out before (cull_views()). Fails on a view of a camera or an edge to one that is not there,
-// two views of one camera, numbers that are not finite.
-[[nodiscard]] Expected<BundleReport> adjust_bundle(Bundle& bundle,
-                                                   const BundleOptions& options = {});
+// taken out before (cull_views()). `goes_on` is asked before each iteration, and the first no ends
+// the work where it is. Fails on a view of a camera or an edge to one that is not there, two views
+// of one camera, numbers that are not finite.
+[[nodiscard]] Expected<BundleReport> adjust_bundle(
+    Bundle& bundle, const BundleOptions& options = {},
+    const std::function<bool()>& goes_on = [] { return true; });
 
 // Takes out views whose residual is larger than so many sigmas, and landmarks that are left with
 // fewer than `least_views`. The number of views taken out.

@@ -57,9 +57,10 @@ PoseGraphEdge loosened(const PoseGraphEdge& edge, std::span<const Vector6d> moti
 class Refiner {
  public:
   Refiner(const MapSolution& solution, const RefinementInputs& inputs,
-          const MapSolverOptions& solver, const RefinementOptions& options)
+          const MapSolverOptions& solver, const RefinementOptions& options, Progress& progress)
       : inputs_(inputs),
         options_(options),
+        progress_(progress),
         piece_(solution.piece),
         places_(places_of(solution)),
         edges_(agreeing_edges(solution, inputs.edges, solver)),
@@ -79,11 +80,20 @@ class Refiner {
     // At first the poses still err, and what is wrong is further off than that.
     constexpr double kFirstSigmas = 10;
     MapRefinement refinement;
+    int done = 0;
+    const auto goes_on = [&] {
+      progress_.advance(static_cast<std::uint64_t>(done++), "");
+      return !progress_.interrupted();
+    };
     for (int round = 0; round < options_.rounds; ++round) {
       take_poses();
       cull_views(bundle_, (round == 0 ? kFirstSigmas : 1) * options_.most_sigmas);
-      ROOMWISE_TRY(const BundleReport report, adjust_bundle(bundle_, options_.bundle));
+      ROOMWISE_TRY(const BundleReport report, adjust_bundle(bundle_, options_.bundle, goes_on));
       refinement.iterations += report.iterations;
+      if (report.interrupted) {
+        refinement.finished = false;
+        return refinement;
+      }
       for (std::size_t id = 0; id < poses_.size(); ++id)
         poses_[id] = bundle_.cameras[places_[id]].world_from_camera;
     }
@@ -114,6 +124,7 @@ class Refiner {
 
   const RefinementInputs& inputs_;
   const RefinementOptions& options_;
+  Progress& progress_;
   std::span<const std::size_t> piece_;  // by key-frame id
   bool knows_motion_ = false;           // of any key-frame
   std::vector<std::uint32_t> places_;   // by key-frame id: its camera's place in the bundle
@@ -139,8 +150,8 @@ Expected<void> RefinementOptions::validate() const {
 }
 
 Expected<MapRefinement> refine_map(const MapSolution& solution, const RefinementInputs& inputs,
-                                   const MapSolverOptions& solver,
-                                   const RefinementOptions& options) {
+                                   const MapSolverOptions& solver, const RefinementOptions& options,
+                                   Progress& progress) {
   ROOMWISE_CHECK_OK(options.validate());
   const std::size_t count = solution.world_from_keyframe.size();
   if (inputs.features.size() != count || inputs.keyframe_times.size() != count) {
@@ -148,7 +159,11 @@ Expected<MapRefinement> refine_map(const MapSolution& solution, const Refinement
                 inputs.keyframe_times.size(), count);
   }
   if (count == 0) return MapRefinement{};
-  return Refiner(solution, inputs, solver, options).run();
+  progress.begin("adjusting landmarks",
+                 static_cast<std::uint64_t>(options.rounds * options.bundle.most_iterations));
+  auto refinement = Refiner(solution, inputs, solver, options, progress).run();
+  progress.end();
+  return refinement;
 }
 
 }  // namespace roomwise::mapping

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "roomwise/base/progress.h"
 #include "roomwise/mapping/bundle_adjustment.h"
 #include "roomwise/mapping/landmarks.h"
 #include "roomwise/mapping/map_solver.h"
@@ -39,6 +40,7 @@ struct MapRefinement {
   // the camera's motion to be known.
   std::optional<double> readout_s;
   int iterations = 0;
+  bool finished = true;  // not interrupted; else the rest means nothing
 };
 
 // Bundle adjustment of a solved map: landmarks that covisible key-frames see, with depth as
@@ -49,6 +51,7 @@ struct MapRefinement {
 [[nodiscard]] Expected<MapRefinement> refine_map(const MapSolution& solution,
                                                  const RefinementInputs& inputs,
                                                  const MapSolverOptions& solver,
-                                                 const RefinementOptions& options = {});
+                                                 const RefinementOptions& options,
+                                                 Progress& progress);
 
 }  // namespace roomwise::mapping

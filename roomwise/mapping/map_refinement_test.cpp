@@ -44,7 +44,8 @@ struct Map {
 
   [[nodiscard]] MapSolution solution() const { return solve_map(times.size(), edges).value(); }
   [[nodiscard]] Expected<MapRefinement> refined() const {
-    return refine_map(solution(), {edges, features, times, frames, camera}, {});
+    SilentProgress silent;
+    return refine_map(solution(), {edges, features, times, frames, camera}, {}, {}, silent);
   }
   [[nodiscard]] double worst_error_m(const std::vector<RigidTransform>& poses) const {
     const auto truth = testing::poses_of(scene.truth());

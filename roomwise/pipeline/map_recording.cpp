@@ -142,10 +142,15 @@ Expected<MapSummary> map_recording(recording::FrameSource& source, const home::R
     ROOMWISE_CHECK_OK(writer.write_rest());
     ROOMWISE_TRY(summary.finished, observer.observe_missing());
   }
+  SolvedMap solved;
   if (summary.finished) {
     const auto timing = run.clock.measure("optimisation");
     const auto features = [&] { return landmark_features(mapper, camera, settings); };
-    ROOMWISE_TRY(const SolvedMap solved, solve_stored_map(home, settings, features));
+    ROOMWISE_TRY(solved, solve_stored_map(home, settings, features, run.progress));
+    summary.finished = solved.finished;
+  }
+  if (summary.finished) {
+    const auto timing = run.clock.measure("optimisation");
     const mapping::MapSolution& solution = solved.solution;
     if (solved.refinement) {
       summary.landmarks = solved.refinement->landmarks;

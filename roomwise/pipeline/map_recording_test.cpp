@@ -130,8 +130,8 @@ TEST_F(MapRecording, OptimisingAgainFindsTheSameMap) {
     ThreadPool pool(3);
     StageClock clock;
     RunContext run{pool, silent_, clock};
-    ASSERT_OK(solve_stored_map(home, settings_,
-                               [&] { return stored_keyframe_features(home, settings_, run); }));
+    ASSERT_OK(solve_stored_map(
+        home, settings_, [&] { return stored_keyframe_features(home, settings_, run); }, silent_));
   }
   EXPECT_EQ(digest(folder_ / "a.home"), before) << "from features found again in stored images";
 }
@@ -239,23 +239,25 @@ TEST_F(MapRecording, ResumedOnKnownGroundWithLittleMemoryEndsAsIfNeverStopped) {
   EXPECT_EQ(digest(folder_ / "resumed.home"), digest(folder_ / "whole.home"));
 }
 
-// The user stops while the networks look at the key-frames of a walk that is mapped to its end.
-class InterruptWhileLooking final : public Progress {
+// The user stops as soon as a piece of work begins.
+class InterruptDuring final : public Progress {
  public:
+  explicit InterruptDuring(std::string_view work) : work_(work) {}
   void begin(std::string_view work, std::optional<std::uint64_t>) override {
-    looking_ = work == "looking at key-frames";
+    has_begun_ = has_begun_ || work == work_;
   }
   void advance(std::uint64_t, std::string_view) override {}
   void end() override {}
-  [[nodiscard]] bool interrupted() const override { return looking_; }
+  [[nodiscard]] bool interrupted() const override { return has_begun_; }
 
  private:
-  bool looking_ = false;
+  std::string_view work_;
+  bool has_begun_ = false;
 };
 
 TEST_F(MapRecording, IsNotFinishedUntilTheNetworksHaveSeenAll) {
   SyntheticWalk walk(kFrames);
-  InterruptWhileLooking interrupt;
+  InterruptDuring interrupt("looking at key-frames");
   const auto stopped = map(folder_ / "a.home", walk, 2, &interrupt);
   ASSERT_OK(stopped);
   EXPECT_FALSE(stopped->finished);
@@ -265,6 +267,33 @@ TEST_F(MapRecording, IsNotFinishedUntilTheNetworksHaveSeenAll) {
   EXPECT_TRUE(resumed->finished);
   const home::Home home = *home::Home::open_read_only(folder_ / "a.home");
   EXPECT_EQ(home.predictions(1)->size(), home.keyframes()->size());
+}
+
+TEST_F(MapRecording, InterruptedWhileLandmarksAreAdjustedMovesNothing) {
+  SyntheticWalk whole(kFrames);
+  ASSERT_OK(map(folder_ / "whole.home", whole, 2));
+  SyntheticWalk first(kFrames);
+  InterruptDuring interrupt("adjusting landmarks");
+  const auto stopped = map(folder_ / "resumed.home", first, 2, &interrupt);
+  ASSERT_OK(stopped);
+  EXPECT_FALSE(stopped->finished);
+  SyntheticWalk second(kFrames);
+  const auto resumed = map(folder_ / "resumed.home", second, 2);
+  ASSERT_OK(resumed);
+  EXPECT_TRUE(resumed->finished);
+  EXPECT_EQ(digest(folder_ / "resumed.home"), digest(folder_ / "whole.home"));
+
+  // Optimised again, and stopped.
+  home::Home home = *home::Home::open(folder_ / "resumed.home");
+  InterruptDuring again("adjusting landmarks");
+  ThreadPool pool(2);
+  StageClock clock;
+  RunContext run{pool, again, clock};
+  const auto solved = solve_stored_map(
+      home, settings_, [&] { return stored_keyframe_features(home, settings_, run); }, again);
+  ASSERT_OK(solved);
+  EXPECT_FALSE(solved->finished);
+  EXPECT_EQ(digest(folder_ / "resumed.home"), digest(folder_ / "whole.home"));
 }
 
 // A source that kills its process at a frame, as the power or the kernel would.

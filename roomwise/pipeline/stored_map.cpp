@@ -48,7 +48,7 @@ Expected<mapping::MapRefinement> refine(const home::Home& home,
                                         std::span<const mapping::PoseGraphEdge> edges,
                                         const mapping::MapSolution& solution,
                                         std::span<const mapping::KeyframeFeatures> features,
-                                        const MapSettings& settings) {
+                                        const MapSettings& settings, Progress& progress) {
   ROOMWISE_TRY(const auto recordings, home.recordings());
   std::vector<mapping::MappedFrame> frames;
   for (const home::StoredRecording& recording : recordings) {
@@ -60,7 +60,7 @@ Expected<mapping::MapRefinement> refine(const home::Home& home,
   }
   return mapping::refine_map(
       solution, {edges, features, times_of(keyframes), frames, recordings.front().recording.camera},
-      settings.solver, settings.refinement);
+      settings.solver, settings.refinement, progress);
 }
 
 // Where the frames of one recording are, those of other pieces than the largest left out.
@@ -83,7 +83,8 @@ std::vector<mapping::PlacedFrame> place_frames(
 
 Expected<SolvedMap> solve_stored_map(
     home::Home& home, const MapSettings& settings,
-    const std::function<Expected<std::vector<mapping::KeyframeFeatures>>()>& find_features) {
+    const std::function<Expected<std::vector<mapping::KeyframeFeatures>>()>& find_features,
+    Progress& progress) {
   ROOMWISE_TRY(const auto keyframes, home.keyframes());
   ROOMWISE_TRY(const auto edges, home.edges());
   SolvedMap solved;
@@ -91,7 +92,9 @@ Expected<SolvedMap> solve_stored_map(
   if (settings.adjusts_bundle() && !keyframes.empty()) {
     ROOMWISE_TRY(const auto features, find_features());
     ROOMWISE_TRY(solved.refinement,
-                 refine(home, keyframes, edges, solved.solution, features, settings));
+                 refine(home, keyframes, edges, solved.solution, features, settings, progress));
+    solved.finished = solved.refinement->finished;
+    if (!solved.finished) return solved;
   }
   const auto& solution_poses = solved.refinement ? solved.refinement->world_from_keyframe
                                                  : solved.solution.world_from_keyframe;

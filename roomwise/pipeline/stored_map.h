@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "roomwise/base/progress.h"
 #include "roomwise/home/home.h"
 #include "roomwise/mapping/map_refinement.h"
 #include "roomwise/mapping/map_solver.h"
@@ -19,6 +20,7 @@ struct SolvedMap {
   mapping::MapSolution solution;  // of the pose graph
   // Where the settings adjust the bundle: the key-frames are where this puts them.
   std::optional<mapping::MapRefinement> refinement;
+  bool finished = true;  // not interrupted; else nothing was moved
 };
 
 // Optimises the pose graph of all that is stored, adjusts the bundle where the settings say so, and
@@ -26,7 +28,8 @@ struct SolvedMap {
 // it is asked only where they are needed.
 [[nodiscard]] Expected<SolvedMap> solve_stored_map(
     home::Home& home, const MapSettings& settings,
-    const std::function<Expected<std::vector<mapping::KeyframeFeatures>>()>& find_features);
+    const std::function<Expected<std::vector<mapping::KeyframeFeatures>>()>& find_features,
+    Progress& progress);
 
 // The pose graph as the map is now: without the loops that contradict it (solve_map() left them
 // out).
