@@ -1,6 +1,7 @@
 #include "roomwise/network/training/head.h"
 
 #include <algorithm>
+#include <optional>
 #include <set>
 
 #include "roomwise/base/random.h"
@@ -22,6 +23,8 @@ void drop_unneeded(OnnxGraph& graph) {
   std::ranges::reverse(kept);
   graph.nodes = std::move(kept);
   std::erase_if(graph.constants, [&](const auto& entry) { return !needed.contains(entry.first); });
+  std::erase_if(graph.output_shapes,
+                [&](const auto& entry) { return !needed.contains(entry.first); });
 }
 
 // The value that `name` means: itself, or the first output of the node of that name.
@@ -39,8 +42,10 @@ Expected<std::string> value_named(const OnnxGraph& graph, const std::string& nam
 // No value or constant is called so yet.
 std::string unused(const OnnxGraph& graph, std::string name) {
   const auto taken = [&] {
-    return graph.constants.contains(name) || std::ranges::any_of(graph.nodes, [&](const Node& node) {
-             return node.name == name || std::ranges::find(node.outputs, name) != node.outputs.end();
+    return graph.constants.contains(name) ||
+           std::ranges::any_of(graph.nodes, [&](const Node& node) {
+             return node.name == name ||
+                    std::ranges::find(node.outputs, name) != node.outputs.end();
            });
   };
   while (taken()) name += "_";
@@ -60,8 +65,8 @@ std::string add_node(OnnxGraph& graph, const std::string& operation,
 std::string add_constant(OnnxGraph& graph, const std::string& name, Shape shape,
                          std::vector<float> values) {
   std::string added = unused(graph, name);
-  graph.constants[added] = std::make_shared<const Constant>(
-      Constant{std::move(shape), false, std::move(values), {}});
+  graph.constants[added] =
+      std::make_shared<const Constant>(Constant{std::move(shape), false, std::move(values), {}});
   return added;
 }
 
@@ -77,12 +82,47 @@ Expected<Shape> shape_of(const OnnxGraph& graph, const std::string& value) {
   return program.values[program.outputs.front()].shape;
 }
 
+// What the last layer of the second head is given, where there is one.
+std::optional<std::string> input_of_aux_head(const OnnxGraph& graph) {
+  for (const Node& node : graph.nodes) {
+    if (node.operation != "Gemm" || node.outputs.empty()) continue;
+    const std::string& name = node.outputs.front();
+    if (std::ranges::find(graph.outputs, name) == graph.outputs.end()) continue;
+    if (name.starts_with("aux") || name.starts_with("Aux")) return node.inputs.front();
+  }
+  return std::nullopt;
+}
+
+// A Gemm of `outputs` on a list of `inputs` numbers.
+std::string add_linear(OnnxGraph& graph, const std::string& from, const std::string& name,
+                       std::int64_t inputs, std::size_t outputs, RandomStream random) {
+  constexpr double kSpread = 0.01;
+  const auto rows = static_cast<std::int64_t>(outputs);
+  std::vector<float> weights(static_cast<std::size_t>(inputs) * outputs);
+  for (float& weight : weights) weight = static_cast<float>(kSpread * random.normal());
+  const std::string of_weights =
+      add_constant(graph, name + ".weight", {rows, inputs}, std::move(weights));
+  const std::string of_biases =
+      add_constant(graph, name + ".bias", {rows}, std::vector<float>(outputs, 0.0F));
+  const std::string added = add_node(graph, "Gemm", {from, of_weights, of_biases}, name);
+  graph.nodes.back().attributes["transB"] = Attribute(std::int64_t{1});
+  return added;
+}
+
 }  // namespace
+
+OnnxGraph reduced_to(OnnxGraph graph, const std::string& output) {
+  graph.outputs = {output};
+  drop_unneeded(graph);
+  return graph;
+}
 
 Expected<NewHead> with_new_head(OnnxGraph graph, const std::string& features, std::size_t classes,
                                 std::uint64_t seed) {
   ROOMWISE_TRY(std::string value, value_named(graph, features));
+  const std::optional<std::string> aux = input_of_aux_head(graph);
   graph.outputs = {value};
+  if (aux) graph.outputs.push_back(*aux);
   drop_unneeded(graph);
   ROOMWISE_TRY(const Shape shape, shape_of(graph, value));
   if (shape.size() != 2 && shape.size() != 4)
@@ -91,19 +131,17 @@ Expected<NewHead> with_new_head(OnnxGraph graph, const std::string& features, st
   const bool is_map = shape.size() == 4 && shape[2] * shape[3] > 1;
   if (is_map) value = add_node(graph, "GlobalAveragePool", {value}, "head_pool");
   if (shape.size() == 4) value = add_node(graph, "Flatten", {value}, "head_features");
-  constexpr double kSpread = 0.01;
-  RandomStream random(seed);
-  const auto inputs = shape[1], outputs = static_cast<std::int64_t>(classes);
-  std::vector<float> weights(static_cast<std::size_t>(inputs * outputs));
-  for (float& weight : weights) weight = static_cast<float>(kSpread * random.normal());
-  const std::string of_weights =
-      add_constant(graph, "head_weights", {outputs, inputs}, std::move(weights));
-  const std::string of_biases =
-      add_constant(graph, "head_biases", {outputs}, std::vector<float>(classes, 0.0F));
-  const std::string logits = add_node(graph, "Gemm", {value, of_weights, of_biases}, "logits");
-  graph.nodes.back().attributes["transB"].integer = 1;
-  graph.outputs = {logits};
-  return NewHead{std::move(graph), logits};
+  NewHead head;
+  head.logits = add_linear(graph, value, "logits", shape[1], classes, RandomStream(seed, {0}));
+  graph.outputs = {head.logits};
+  if (aux) {
+    ROOMWISE_TRY(const Shape of_aux, shape_of(graph, *aux));
+    head.aux_logits =
+        add_linear(graph, *aux, "aux_logits", of_aux[1], classes, RandomStream(seed, {1}));
+    graph.outputs.push_back(head.aux_logits);
+  }
+  head.graph = std::move(graph);
+  return head;
 }
 
 std::string before_softmax(const OnnxGraph& graph, const std::string& value) {

@@ -20,6 +20,15 @@ Expected<Operation> make_identity(const Node&, std::int64_t) {
   return [](const Values& in, bool) -> Values { return {in[0]}; };
 }
 
+// Drops values by libtorch's random numbers while the network learns.
+Expected<Operation> make_dropout(const Node& node, std::int64_t opset) {
+  const auto attribute = static_cast<double>(node.number("ratio", 0.5F));
+  return [=](const Values& in, bool learning) -> Values {
+    const bool given = opset >= 12 && in.size() > 1 && in[1].defined();
+    return {at::dropout(in[0], given ? in[1].item<double>() : attribute, learning)};
+  };
+}
+
 Expected<Operation> make_concat(const Node& node, std::int64_t) {
   const std::int64_t axis = node.integer("axis", 1);
   return [=](const Values& in, bool) -> Values { return {at::cat(in, axis)}; };
@@ -174,7 +183,7 @@ std::vector<std::int64_t> integers_of(const at::Tensor& tensor) {
 const OperatorTable& shape_operators() {
   static const OperatorTable table = {
       {"Identity", make_identity},
-      {"Dropout", make_identity},
+      {"Dropout", make_dropout},
       {"Concat", make_concat},
       {"Flatten", make_flatten},
       {"Reshape", make_reshape},

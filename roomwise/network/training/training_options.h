@@ -18,9 +18,9 @@ struct LearningRate {
   };
   double base = 0.01;
   Schedule schedule = Schedule::kCosine;
-  std::int64_t decay_every = 1000;   // of kSteps
-  double decay = 0.5;                // of kSteps
-  std::int64_t warm_up_steps = 0;    // of the first steps: rises evenly to what it would be
+  std::int64_t decay_every = 1000;  // of kSteps
+  double decay = 0.5;               // of kSteps
+  std::int64_t warm_up_steps = 0;   // of the first steps: rises evenly to what it would be
 
   // At step `step` of `steps`, counted from 0.
   [[nodiscard]] double at(std::int64_t step, std::int64_t steps) const;
@@ -40,10 +40,10 @@ struct TrainingOptions {
   LearningRate rate;
   Optimizer optimizer = Optimizer::kSgd;
   double momentum = 0.9;
-  double weight_decay = 4e-5;      // of weights, not of biases and batch norms
-  double label_smoothing = 0.1;    // of the certainty this share is spread over all classes
-  double aux_weight = 0.4;         // of the loss of a second head, where there is one
-  std::string from;                // TrainableGraphOptions::from
+  double weight_decay = 4e-5;    // of weights, not of biases and batch norms
+  double label_smoothing = 0.1;  // of the certainty this share is spread over all classes
+  double aux_weight = 0.4;       // of the loss of a second head, where there is one
+  std::string from;              // TrainableGraphOptions::from
   AugmentationOptions augmentation = kNoAugmentation;
   std::int64_t evaluate_every = 100;    // steps; and after the last
   std::int64_t checkpoint_every = 100;  // steps

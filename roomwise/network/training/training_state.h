@@ -2,9 +2,9 @@
 
 #include <ATen/core/Tensor.h>
 
+#include <torch/optim/optimizer.h>
 #include <memory>
 #include <optional>
-#include <torch/optim/optimizer.h>
 
 #include "roomwise/base/file.h"
 #include "roomwise/network/training/trainable_graph.h"

@@ -30,7 +30,7 @@ inline Node node(const std::string& operation, std::vector<std::string> inputs,
   made.operation = operation;
   made.inputs = std::move(inputs);
   made.outputs = {output};
-  for (const auto& [name, integers] : lists) made.attributes[name].integers = integers;
+  for (const auto& [name, integers] : lists) made.attributes[name] = Attribute(integers);
   return made;
 }
 
