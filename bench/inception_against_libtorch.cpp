@@ -12,6 +12,7 @@
 #include <sched.h>
 #include <torch/csrc/jit/api/module.h>
 #include <torch/csrc/jit/frontend/tracer.h>
+#include <torch/version.h>
 
 #include <algorithm>
 #include <cstdlib>
