@@ -28,7 +28,7 @@ using namespace roomwise::network;
 using namespace roomwise::network::training;
 
 constexpr std::size_t kClasses = 10;
-constexpr int kSteps = 3;  // timed, after one that is not
+constexpr int kSteps = 2;  // timed, after one that is not
 
 struct Subject {
   std::string name;

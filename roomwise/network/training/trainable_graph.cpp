@@ -51,6 +51,11 @@ Roles roles_of(const std::string& operation) {
   return {};
 }
 
+// Channels last: libtorch's convolutions, those of single channels above all, are quicker so.
+at::Tensor with_layout(const at::Tensor& tensor) {
+  return tensor.dim() == 4 ? tensor.contiguous(at::MemoryFormat::ChannelsLast) : tensor;
+}
+
 // The values that the outputs hang on.
 std::set<std::string> needed_values(const OnnxGraph& graph,
                                     const std::vector<std::string>& outputs) {
@@ -91,7 +96,7 @@ struct TrainableGraph::Builder {
     for (const auto& [name, constant] : made.graph_.constants) {
       place_of(name);
       at::Tensor tensor = tensor_of(*constant);
-      if (!constant->is_integer) tensor = tensor.to(options.device);
+      if (!constant->is_integer) tensor = with_layout(tensor).to(options.device);
       made.constants_.push_back(std::move(tensor));
     }
   }
@@ -181,7 +186,7 @@ Expected<TrainableGraph> TrainableGraph::create(OnnxGraph graph,
 Expected<Values> TrainableGraph::forward(const at::Tensor& batch, bool learning) const {
   std::vector<at::Tensor> values = constants_;
   values.resize(value_count_);
-  values[input_] = batch;
+  values[input_] = with_layout(batch);
   for (const Step& step : steps_) {
     Values inputs;
     for (const auto& input : step.inputs) inputs.push_back(input ? values[*input] : at::Tensor());
