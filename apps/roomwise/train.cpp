@@ -180,7 +180,7 @@ Expected<Answer> train_network(TrainRequest request, Context& context) {
   ROOMWISE_CHECK_OK(files.prepare());
   TrainingOptions& options = request.options;
   options.checkpoint = files.checkpoint;
-  if (request.is_augmented) options.augmentation = {};
+  if (!request.keeps_pictures) options.augmentation = {};
   options.augmentation.mirror = request.mirrors;
   if (!options.resume && fs::exists(files.checkpoint)) {
     return fail("{}: a training was stopped here; go on with --resume, or remove this file",

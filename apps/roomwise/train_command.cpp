@@ -85,7 +85,7 @@ void add_course_options(CLI::App& command, TrainingOptions& options) {
 
 void add_run_options(CLI::App& command, TrainRequest& request) {
   TrainingOptions& options = request.options;
-  command.add_flag("!--no-augmentation", request.is_augmented,
+  command.add_flag("--no-augmentation", request.keeps_pictures,
                    "Pictures as they are, not varied in light and direction");
   command.add_flag("--mirror", request.mirrors, "Every second picture is mirrored");
   const auto add = [&](const char* name, auto& value, const char* meaning) {

@@ -21,7 +21,7 @@ struct TrainRequest {
   std::string features;  // empty: those of the network's card
   std::string name;      // of the new network; empty: the old one's and "-trained"
   std::filesystem::path output;
-  bool is_augmented = true;
+  bool keeps_pictures = false;  // as they are: no augmentation
   bool mirrors = false;
   network::training::TrainingOptions options;
 };
