@@ -4,6 +4,7 @@
 #include <ATen/core/grad_mode.h>
 
 #include <charconv>
+#include <chrono>
 #include <cstdlib>
 #include <torch/csrc/distributed/c10d/ProcessGroupGloo.hpp>
 #include <torch/csrc/distributed/c10d/TCPStore.hpp>
@@ -145,6 +146,7 @@ Expected<std::unique_ptr<Processes>> Processes::join(const ProcessPlace& place, 
     c10d::TCPStoreOptions options;
     options.port = place.port;
     options.isServer = place.rank == 0;
+    options.timeout = std::chrono::minutes(30);  // as Gloo's own
     options.numWorkers = static_cast<std::size_t>(place.count);
     const auto store = c10::make_intrusive<c10d::TCPStore>(place.address, options);
     return std::make_unique<Group>(place, make_group(store, place, on_gpu), on_gpu);

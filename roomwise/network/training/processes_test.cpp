@@ -5,10 +5,12 @@
 #include <arpa/inet.h>
 #include <gmock/gmock.h>
 #include <netinet/in.h>
+#include <sys/prctl.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <csignal>
 #include <cstring>
 
 #include "roomwise/base/testing.h"
@@ -112,6 +114,7 @@ int free_port() {
 pid_t start_worker(int rank, int port, const std::filesystem::path& output) {
   const pid_t child = fork();
   if (child != 0) return child;
+  prctl(PR_SET_PDEATHSIG, SIGKILL);  // it would wait for the other long after this test's end
   setenv("MASTER_ADDR", "127.0.0.1", 1);
   setenv("MASTER_PORT", std::to_string(port).c_str(), 1);
   setenv("RANK", std::to_string(rank).c_str(), 1);

@@ -138,7 +138,9 @@ class Training {
   Expected<void> average_with_others(const at::Tensor& told) {
     std::vector<at::Tensor> shared{told};
     for (const GraphTensor& parameter : graph_->parameters()) {
-      if (parameter.trained) shared.push_back(parameter.tensor.grad());
+      // One that no output hangs on has none, in any process.
+      const at::Tensor& gradient = parameter.tensor.grad();
+      if (parameter.trained && gradient.defined()) shared.push_back(gradient);
     }
     for (const GraphTensor& statistic : graph_->statistics()) {
       if (statistic.trained) shared.push_back(statistic.tensor);

@@ -174,7 +174,8 @@ TEST(Train, KeepsTheBestStep) {
   options.steps = result->best_step;
   const auto shorter = train_alone(task, options);
   ASSERT_OK(shorter);
-  if (shorter->best_step == result->best_step) expect_same_weights(shorter->graph, result->graph);
+  ASSERT_EQ(shorter->best_step, result->best_step);
+  expect_same_weights(shorter->graph, result->graph);
 }
 
 TEST(Train, LearnsBySecondHeadsToo) {
