@@ -43,10 +43,10 @@ class TrainCommandTest : public ::testing::Test {
   [[nodiscard]] std::string path(const std::string& name) const { return folder_ / name; }
 
   // With further arguments.
-  [[nodiscard]] testing::ProgramResult train(std::vector<std::string> arguments) const {
-    std::vector<std::string> all{"train",   path("photos"), "--network", path("colors.onnx"),
-                                 "--steps", "60",           "--batch",   "6",
-                                 "--out",   path("out"),    "--threads", "1"};
+  [[nodiscard]] testing::ProgramResult train(const std::string& output,
+                                             const std::vector<std::string>& arguments) const {
+    std::vector<std::string> all{"train", path("photos"), "--network", path("colors.onnx"),
+                                 "--out", path(output),   "--threads", "1"};
     all.insert(all.end(), arguments.begin(), arguments.end());
     return run_roomwise(all);
   }
@@ -57,8 +57,9 @@ class TrainCommandTest : public ::testing::Test {
 #ifdef ROOMWISE_HAS_TRAINING
 
 TEST_F(TrainCommandTest, MakesANetworkThatNamesTheClasses) {
-  const auto result = train({"--learning-rate", "1", "--name", "rooms", "--no-augmentation",
-                             "--evaluate-every", "20", "--json"});
+  const auto result =
+      train("out", {"--learning-rate", "1", "--steps", "60", "--batch", "6", "--name", "rooms",
+                    "--no-augmentation", "--evaluate-every", "20", "--json"});
   ASSERT_EQ(result.exit_code, 0) << result.errors;
   const auto json = nlohmann::json::parse(result.output);
   EXPECT_THAT(json.at("classes"), ElementsAre("attic", "cellar", "garage"));
@@ -81,12 +82,37 @@ TEST_F(TrainCommandTest, MakesANetworkThatNamesTheClasses) {
   EXPECT_GT(seen->scores[1], 0.5F);
 }
 
+TEST_F(TrainCommandTest, GoesOnWhereItStopped) {
+  std::vector<std::string> options{
+      "--batch",          "1", "--steps", "20", "--held-out-share", "0", "--checkpoint-every", "1",
+      "--evaluate-every", "7"};
+  ASSERT_EQ(train("whole", options).exit_code, 0);
+  // A picture that cannot be read ends the training somewhere in its first epoch.
+  const std::string picture = path("photos/cellar/3.png");
+  const auto bytes = read_file(picture);
+  ASSERT_OK(bytes);
+  ASSERT_OK(write_file(picture, "torn"));
+  const auto stopped = train("parts", options);
+  EXPECT_EQ(stopped.exit_code, 1);
+  EXPECT_THAT(stopped.errors, HasSubstr("cellar/3.png"));
+  ASSERT_OK(write_file(picture, *bytes));
+  EXPECT_THAT(train("parts", options).errors,
+              HasSubstr("go on with --resume, or remove this file"));
+  options.push_back("--resume");
+  const auto resumed = train("parts", options);
+  ASSERT_EQ(resumed.exit_code, 0) << resumed.errors;
+  EXPECT_EQ(read_file(path("parts/colors-trained.onnx")).value(),
+            read_file(path("whole/colors-trained.onnx")).value());
+}
+
 TEST_F(TrainCommandTest, SaysWhatIsWrong) {
-  EXPECT_THAT(train({"--momentum", "2"}).errors, HasSubstr("momentum is 2; expected a number"));
-  EXPECT_THAT(train({"--from-block", "conv9"}).errors, HasSubstr("no node or block \"conv9\""));
-  EXPECT_THAT(train({"--features", "pool"}).errors, HasSubstr("named \"pool\""));
-  EXPECT_THAT(train({"--held-out", path("out")}).errors, HasSubstr("out: cannot be read"));
-  const auto resumed = train({"--resume"});
+  EXPECT_THAT(train("out", {"--momentum", "2"}).errors,
+              HasSubstr("momentum is 2; expected a number"));
+  EXPECT_THAT(train("out", {"--from-block", "conv9"}).errors,
+              HasSubstr("no node or block \"conv9\""));
+  EXPECT_THAT(train("out", {"--features", "pool"}).errors, HasSubstr("named \"pool\""));
+  EXPECT_THAT(train("out", {"--held-out", path("no")}).errors, HasSubstr("no: cannot be read"));
+  const auto resumed = train("out", {"--resume"});
   EXPECT_EQ(resumed.exit_code, 1);
   EXPECT_THAT(resumed.errors, HasSubstr("colors-trained.checkpoint"));
 }
@@ -94,7 +120,7 @@ TEST_F(TrainCommandTest, SaysWhatIsWrong) {
 #else
 
 TEST_F(TrainCommandTest, SaysThatThisBuildCannot) {
-  const auto result = train({});
+  const auto result = train("out", {});
   EXPECT_EQ(result.exit_code, 1);
   EXPECT_THAT(result.errors,
               HasSubstr("install libtorch-dev, libgloo-dev and libopenblas0-pthread"));

@@ -163,7 +163,6 @@ Expected<std::unique_ptr<Processes>> join_processes(Device device) {
 }  // namespace
 
 Expected<Answer> train_network(TrainRequest request, Context& context) {
-  ROOMWISE_CHECK_OK(request.options.validate());
   ROOMWISE_TRY(const Data data,
                request.home.empty() ? data_of_folder(request) : data_of_home(request));
   ROOMWISE_TRY(network::NetworkFile file,
@@ -177,11 +176,12 @@ Expected<Answer> train_network(TrainRequest request, Context& context) {
 
   const std::string name = request.name.empty() ? file.card.name + "-trained" : request.name;
   const TrainedFiles files(request.output, name);
-  ROOMWISE_CHECK_OK(files.prepare());
   TrainingOptions& options = request.options;
   options.checkpoint = files.checkpoint;
   if (!request.keeps_pictures) options.augmentation = {};
   options.augmentation.mirror = request.mirrors;
+  ROOMWISE_CHECK_OK(options.validate());
+  ROOMWISE_CHECK_OK(files.prepare());
   if (!options.resume && fs::exists(files.checkpoint)) {
     return fail("{}: a training was stopped here; go on with --resume, or remove this file",
                 files.checkpoint.string());
