@@ -5,6 +5,7 @@
 
 #include <filesystem>
 
+#include "made_up_recording.h"
 #include "roomwise/base/file.h"
 #include "roomwise/base/random.h"
 #include "roomwise/base/testing.h"
@@ -103,6 +104,24 @@ TEST_F(TrainCommandTest, GoesOnWhereItStopped) {
   ASSERT_EQ(resumed.exit_code, 0) << resumed.errors;
   EXPECT_EQ(read_file(path("parts/colors-trained.onnx")).value(),
             read_file(path("whole/colors-trained.onnx")).value());
+}
+
+TEST_F(TrainCommandTest, LearnsTheRoomsOfAHome) {
+  ASSERT_OK(testing::write_made_up_recording(path("walk"), 12));
+  const std::string home = path("mapped.home");
+  testing::result_of(
+      {"map", path("walk"), "--home", home, "--keyframe-translation", "0.02", "--threads", "1"});
+  testing::result_of(
+      {"rooms", "name", "--home", home, "--frames", "0-5=hall", "--frames", "6-11=kitchen"});
+  const auto json = testing::result_of({"train", "--home", home, "--network", path("colors.onnx"),
+                                        "--out", path("out"), "--steps", "2", "--batch", "2",
+                                        "--held-out-visits", "1", "--threads", "1"});
+  EXPECT_THAT(json.at("classes"), ElementsAre("hall", "kitchen"));
+  EXPECT_GT(json.at("pictures"), 1);
+  EXPECT_EQ(json.at("held_out"), json.at("pictures"));
+  const auto visits = run_roomwise({"train", "--home", home, "--network", path("colors.onnx"),
+                                    "--out", path("out"), "--visits", "2"});
+  EXPECT_THAT(visits.errors, HasSubstr("no pictures to train on"));
 }
 
 TEST_F(TrainCommandTest, SaysWhatIsWrong) {
