@@ -136,6 +136,7 @@ Expected<Operation> make_gemm(const Node& node, std::int64_t) {
   const auto alpha = static_cast<double>(node.number("alpha", 1));
   const auto beta = static_cast<double>(node.number("beta", 1));
   return [=](const Values& in, bool) -> Values {
+    TORCH_CHECK(in.size() >= 2, "expected two inputs");
     const at::Tensor a = turns_a ? in[0].t() : in[0];
     const at::Tensor b = turns_b ? in[1].t() : in[1];
     if (in.size() > 2 && in[2].defined()) return {at::addmm(in[2], a, b, beta, alpha)};
@@ -144,7 +145,10 @@ Expected<Operation> make_gemm(const Node& node, std::int64_t) {
 }
 
 Expected<Operation> make_matmul(const Node&, std::int64_t) {
-  return [](const Values& in, bool) -> Values { return {at::matmul(in[0], in[1])}; };
+  return [](const Values& in, bool) -> Values {
+    TORCH_CHECK(in.size() == 2, "expected two inputs");
+    return {at::matmul(in[0], in[1])};
+  };
 }
 
 Expected<Operation> make_softmax(const Node& node, std::int64_t opset) {

@@ -74,8 +74,8 @@ struct TrainableGraph::Builder {
   TrainableGraph& made;
   const TrainableGraphOptions& options;
   std::map<std::string, std::size_t> places = {};
-  std::map<std::string, std::string> same_as =
-      {};  // an Identity's output: the initialiser behind it
+  // An Identity's output: the initialiser behind it.
+  std::map<std::string, std::string> same_as = {};
   std::map<std::string, GraphTensor> parameters = {}, statistics = {};
   std::vector<std::string> parameter_order = {}, statistic_order = {};
 
@@ -232,12 +232,13 @@ Expected<std::size_t> first_trained_node(const OnnxGraph& graph, const std::stri
 }
 
 at::Tensor tensor_of(const Constant& constant) {
+  // from_blob() takes what may be written to; clone() only reads it.
   if (constant.is_integer) {
-    auto integers = constant.integers;
-    return at::from_blob(integers.data(), constant.shape, at::kLong).clone();
+    auto* integers = const_cast<std::int64_t*>(constant.integers.data());
+    return at::from_blob(integers, constant.shape, at::kLong).clone();
   }
-  auto floats = constant.floats;
-  return at::from_blob(floats.data(), constant.shape, at::kFloat).clone();
+  auto* floats = const_cast<float*>(constant.floats.data());
+  return at::from_blob(floats, constant.shape, at::kFloat).clone();
 }
 
 Constant constant_of(const at::Tensor& tensor) {

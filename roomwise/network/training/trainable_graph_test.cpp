@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 
 #include "roomwise/base/testing.h"
+#include "roomwise/network/inception_v3.h"
 #include "roomwise/network/network_file.h"
 #include "roomwise/network/testing/tiny_runs.h"
 #include "roomwise/network/training/testing/small_networks.h"
@@ -52,6 +53,13 @@ TEST(TrainableGraph, GivesWhatTheExecutorGivesForRealNetworks) {
     ASSERT_OK(file);
     EXPECT_LT(difference(file->graph, file->graph.inputs.front().shape), 1e-4) << name;
   }
+}
+
+TEST(TrainableGraph, GivesWhatTheExecutorGivesForInception) {
+  InceptionOptions options;
+  options.classes = 10;
+  options.side_px = 75;
+  EXPECT_LT(difference(inception_v3(options), {1, 3, 75, 75}), 1e-4);
 }
 
 TEST(TrainableGraph, TakesBatches) {
