@@ -14,6 +14,8 @@ install(TARGETS ${modules} EXPORT RoomwiseTargets)
 install(TARGETS roomwise)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/roomwise DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
   FILES_MATCHING PATTERN "*.h"
+  # Training needs libtorch, which users of the library need not have.
+  PATTERN training EXCLUDE
   # What only the tests use.
   PATTERN testing EXCLUDE PATTERN testing.h EXCLUDE PATTERN "test_*.h" EXCLUDE PATTERN "sample_*.h" EXCLUDE
   PATTERN "synthetic_*.h" EXCLUDE)

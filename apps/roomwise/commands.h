@@ -11,7 +11,7 @@ void add_optimize_command(CLI::App& app, Context& context);
 void add_concepts_commands(CLI::App& app, Context& context);
 void add_objects_commands(CLI::App& app, Context& context);
 void add_eval_commands(CLI::App& app, Context& context);
-void add_home_evaluations(CLI::App& group, Context& context);  // of "eval"
+void add_home_evaluations(CLI::App& group, Context& context);      // of "eval"
 void add_localizer_evaluation(CLI::App& group, Context& context);  // of "eval"
 void add_locate_command(CLI::App& app, Context& context);
 void add_export_commands(CLI::App& app, Context& context);
@@ -19,5 +19,6 @@ void add_map_command(CLI::App& app, Context& context);
 void add_rooms_commands(CLI::App& app, Context& context);
 void add_report_command(CLI::App& app, Context& context);
 void add_simulate_command(CLI::App& app, Context& context);
+void add_train_command(CLI::App& app, Context& context);
 
 }  // namespace roomwise::app
