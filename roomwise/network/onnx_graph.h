@@ -29,7 +29,27 @@ struct Constant {
 };
 using ConstantPointer = std::shared_ptr<const Constant>;
 
+// The field that its kind names is set. A kind without use here is read as none.
 struct Attribute {
+  // AttributeProto.AttributeType
+  enum class Kind {
+    kNone = 0,
+    kNumber = 1,
+    kInteger = 2,
+    kText = 3,
+    kTensor = 4,
+    kNumbers = 6,
+    kIntegers = 7
+  };
+
+  Attribute() = default;
+  explicit Attribute(std::int64_t value) : kind(Kind::kInteger), integer(value) {}
+  explicit Attribute(float value) : kind(Kind::kNumber), number(value) {}
+  explicit Attribute(std::string value) : kind(Kind::kText), text(std::move(value)) {}
+  explicit Attribute(std::vector<std::int64_t> values)
+      : kind(Kind::kIntegers), integers(std::move(values)) {}
+
+  Kind kind = Kind::kNone;
   std::int64_t integer = 0;
   float number = 0;
   std::string text;
@@ -69,6 +89,7 @@ struct OnnxGraph {
   std::map<std::string, ConstantPointer> constants;  // initializers, by name
   std::vector<GraphInput> inputs;                    // without those that the file fills itself
   std::vector<std::string> outputs;
+  std::map<std::string, Shape> output_shapes;  // by name, where they are stated
 };
 
 // Reads an ONNX file (IR version 3 and later). Fails where the bytes are no ONNX file, end too

@@ -141,6 +141,7 @@ Expected<std::pair<std::string, ConstantPointer>> read_tensor(Span message) {
 }
 
 Expected<std::pair<std::string, Attribute>> read_attribute(Span message) {
+  using Kind = Attribute::Kind;
   std::string name;
   Attribute attribute;
   ROOMWISE_TRY(const auto fields, protobuf_fields(message));
@@ -152,27 +153,39 @@ Expected<std::pair<std::string, Attribute>> read_attribute(Span message) {
       case 2:
       case 7: {
         const auto numbers = numbers_of<float>(field.bytes);
+        attribute.kind = field.number == 2 ? Kind::kNumber : Kind::kNumbers;
         if (field.number == 2 && !numbers.empty()) attribute.number = numbers.front();
         if (field.number == 7)
           attribute.numbers.insert(attribute.numbers.end(), numbers.begin(), numbers.end());
         break;
       }
       case 3:
+        attribute.kind = Kind::kInteger;
         attribute.integer = field.integer();
         break;
       case 4:
+        attribute.kind = Kind::kText;
         attribute.text = field.text();
         break;
       case 5: {
         ROOMWISE_TRY(auto tensor, read_tensor(field.bytes));
+        attribute.kind = Kind::kTensor;
         attribute.tensor = std::move(tensor.second);
         break;
       }
       case 8: {
         ROOMWISE_TRY(const auto integers, protobuf_integers(field));
+        attribute.kind = Kind::kIntegers;
         attribute.integers.insert(attribute.integers.end(), integers.begin(), integers.end());
         break;
       }
+      case 20:  // the type, without which an empty list would be nothing
+        if (attribute.kind != Kind::kNone) break;
+        for (const Kind kind :
+             {Kind::kNumber, Kind::kInteger, Kind::kText, Kind::kNumbers, Kind::kIntegers}) {
+          if (field.value == static_cast<std::uint64_t>(kind)) attribute.kind = kind;
+        }
+        break;
       default:
         break;
     }
@@ -246,10 +259,12 @@ Expected<void> read_graph(Span message, OnnxGraph& graph) {
       case 11:
       case 12: {
         ROOMWISE_TRY(GraphInput value, read_value_info(field.bytes));
-        if (field.number == 12)
-          graph.outputs.push_back(std::move(value.name));
-        else
+        if (field.number == 11) {
           inputs.push_back(std::move(value));
+          break;
+        }
+        graph.outputs.push_back(value.name);
+        if (!value.shape.empty()) graph.output_shapes.insert({value.name, std::move(value.shape)});
         break;
       }
       default:
