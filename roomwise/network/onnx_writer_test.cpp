@@ -121,8 +121,9 @@ TEST(OnnxWriter, RefusesWhatNoFileMayBe) {
   EXPECT_ERROR(write_onnx_graph(graph), "\"tensor\" of node \"n\" lacks its tensor");
 }
 
-// All that the builder knows, in one network, but for relu6 (OpenCV 4.6 wants its limits as
-// attributes, as they were before opset 11).
+// All that the builder knows, in one network, but for what OpenCV 4.6 does not take: relu6 (it
+// wants the limits as attributes, as they were before opset 11) and products that repeat sizes
+// of 1.
 OnnxGraph all_layers() {
   GraphBuilder builder({7, false});
   auto x = builder.input("picture", {1, 3, 17, 13});
@@ -132,12 +133,14 @@ OnnxGraph all_layers() {
   a = builder.relu(a, "a");
   auto gate = builder.global_average_pool(a, "gate.mean");
   gate = builder.hard_sigmoid(builder.convolution(gate, "gate.conv", {12}), "gate");
-  a = builder.add(builder.multiply(a, gate, "gated"), x, "sum");
+  const auto flat_gate = builder.flatten(gate, "gate.flat");
+  a = builder.add(a, x, "sum");
   const auto b = builder.average_pool(builder.relu(a, "b.relu"), "b", {{3, 3}, {1, 1}, {1, 1}});
   const auto c = builder.max_pool(builder.sigmoid(x, "c.sigmoid"), "c", {{3, 3}, {1, 1}, {1, 1}});
   x = builder.concat(std::array{a, b, c}, "joined");
   EXPECT_EQ(builder.shape(x), (Shape{1, 36, 9, 11}));
   x = builder.flatten(builder.max_pool(x, "pool", {{3, 3}, {2, 2}, {0, 0}}), "flat");
+  x = builder.concat(std::array{x, flat_gate}, "with gate");
   x = builder.linear(builder.dropout(x, "dropout", 0.2F), "fc", 10);
   builder.output(builder.softmax(x, "scores"));
   return builder.take();
@@ -158,6 +161,22 @@ TEST(OnnxWriter, OpenCvReadsItToo) {
   EXPECT_LT(
       relative_error(outputs->front().values, OpenCvNetwork(as_by_pytorch(*bytes)).run(input)),
       1e-5);
+}
+
+TEST(OnnxWriter, KeepsProductsThatRepeatSizes) {
+  GraphBuilder builder;
+  const auto picture = builder.input("x", {1, 2, 1, 2});
+  builder.output(builder.multiply(picture, builder.global_average_pool(picture, "mean"), "gated"));
+  const auto bytes = write_onnx_graph(builder.take());
+  ASSERT_OK(bytes);
+  auto graph = read_onnx_graph(*bytes);
+  ASSERT_OK(graph);
+  const auto executor = Executor::create(std::move(*graph));
+  ASSERT_OK(executor);
+  const Tensor input{{1, 2, 1, 2}, {1, 3, -1, 5}};
+  const auto outputs = (*executor)->run({&input, 1});
+  ASSERT_OK(outputs);
+  EXPECT_THAT(outputs->front().values, ::testing::ElementsAre(2, 6, -2, 10));
 }
 
 TEST(OnnxWriter, KeepsTheLimitsOfRelu6) {
