@@ -144,7 +144,8 @@ class Executor::Implementation {
                  lower(graph_, shapes, options_.outputs, options_.passes.folds_constants));
     program = run_passes(std::move(program), options_.passes);
     auto shared = std::make_shared<SharedPlan>();
-    ROOMWISE_TRY(shared->plan, make_plan(program, options_.passes.joins_in_place));
+    ROOMWISE_TRY(shared->plan, make_plan(program, {options_.passes.joins_in_place,
+                                                   options_.passes.uses_winograd}));
     return shared;
   }
 

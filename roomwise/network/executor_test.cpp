@@ -187,8 +187,9 @@ TEST_P(RealNetwork, GivesTheSameWithoutPasses) {
     EXPECT_TRUE(executor.has_value()) << executor.error().message;
     return (*executor)->run({&input, 1})->front().values;
   };
-  const PassOptions none{false, false, false, false, false, false, false};
-  EXPECT_LT(relative_error(outputs_with({}), outputs_with(none)), 1e-5);
+  const PassOptions none{false, false, false, false, false, false, false, false, false};
+  // Winograd's way rounds otherwise.
+  EXPECT_LT(relative_error(outputs_with({}), outputs_with(none)), 3e-5);
 }
 
 TEST_P(RealNetwork, GivesTheSameBitsFromSeveralThreads) {

@@ -50,9 +50,14 @@ struct Plan {
   std::vector<Shape> output_shapes;
 };
 
+struct PlanOptions {
+  bool joins_in_place = true;  // what is joined is written where it is wanted
+  bool uses_winograd = true;   // for 3x3 convolutions, where that is faster
+};
+
 // Fails where oneDNN refuses a layer, naming its node.
 [[nodiscard]] Expected<std::shared_ptr<const Plan>> make_plan(const Program& program,
-                                                              bool joins_in_place);
+                                                              const PlanOptions& options);
 
 // The memory of one run at a time of a plan.
 class PlanRun {

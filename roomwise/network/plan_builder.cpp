@@ -21,9 +21,9 @@ std::size_t channels_in_block(dnnl::cpu_isa isa) {
   return (static_cast<unsigned>(isa) & kAvx512) == kAvx512 ? 16 : 8;
 }
 
-PlanBuilder::PlanBuilder(const Program& program, bool joins_in_place)
+PlanBuilder::PlanBuilder(const Program& program, const PlanOptions& options)
     : program_(program),
-      joins_in_place_(joins_in_place),
+      options_(options),
       block_(channels_in_block(dnnl::get_effective_cpu_isa())),
       stream_(plan_->engine),
       located_(program.values.size()),
@@ -42,7 +42,7 @@ std::shared_ptr<const Plan> PlanBuilder::build() {
     for (const ValueId input : program_.layers[i].inputs) last_use_[input] = i;
   }
   for (const ValueId output : program_.outputs) last_use_[output] = program_.layers.size();
-  if (joins_in_place_) plan_joins();
+  if (options_.joins_in_place) plan_joins();
   for (layer_ = 0; layer_ < program_.layers.size(); ++layer_) {
     const Layer& layer = program_.layers[layer_];
     std::visit([&](const auto& operation) { plan_layer(layer, operation); }, layer.operation);
@@ -209,10 +209,11 @@ void PlanBuilder::plan_memory_of_steps() {
   plan_->memory = plan_memory(buffers_);
 }
 
-Expected<std::shared_ptr<const Plan>> make_plan(const Program& program, bool joins_in_place) {
+Expected<std::shared_ptr<const Plan>> make_plan(const Program& program,
+                                                const PlanOptions& options) {
   std::optional<PlanBuilder> builder;
   try {
-    builder.emplace(program, joins_in_place);
+    builder.emplace(program, options);
     std::shared_ptr<const Plan> plan = builder->build();
     constexpr std::size_t kMostBytes = std::size_t{1} << 32;
     if (plan->memory.bytes > kMostBytes) {

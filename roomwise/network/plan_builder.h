@@ -16,7 +16,7 @@ namespace roomwise::network {
 // otherwise is reordered, once for each layout.
 class PlanBuilder {
  public:
-  PlanBuilder(const Program& program, bool joins_in_place);
+  PlanBuilder(const Program& program, const PlanOptions& options);
   [[nodiscard]] std::shared_ptr<const Plan> build();
   // The node in work.
   [[nodiscard]] std::string node() const;
@@ -69,7 +69,7 @@ class PlanBuilder {
   void plan_memory_of_steps();
 
   const Program& program_;
-  bool joins_in_place_;
+  PlanOptions options_;
   std::size_t block_;
   std::shared_ptr<Plan> plan_ = std::make_shared<Plan>();
   dnnl::stream stream_;

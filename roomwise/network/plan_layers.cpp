@@ -1,5 +1,6 @@
 // How each kind of layer becomes calls of oneDNN, or of our own kernels.
 #include <algorithm>
+#include <optional>
 
 #include "roomwise/network/plan_builder.h"
 
@@ -73,7 +74,7 @@ memory::dims weight_dims(const Convolution& convolution) {
 }
 
 dnnl::convolution_forward::primitive_desc convolution_in(const Convolution& convolution,
-                                                         const memory::desc& from,
+                                                         algorithm way, const memory::desc& from,
                                                          const memory::desc& to,
                                                          const dnnl::engine& engine) {
   const Window& window = convolution.window;
@@ -82,29 +83,55 @@ dnnl::convolution_forward::primitive_desc convolution_in(const Convolution& conv
   const auto outputs = convolution.weights->shape[0];
   const memory::desc bias = convolution.bias.empty() ? memory::desc() : any_layout({outputs});
   const dnnl::convolution_forward::desc description(
-      prop_kind::forward_inference, algorithm::convolution_direct, from,
-      any_layout(weight_dims(convolution)), bias, to, dims(window.strides), dilations,
-      dims(window.pads_begin), dims(window.pads_end));
+      prop_kind::forward_inference, way, from, any_layout(weight_dims(convolution)), bias, to,
+      dims(window.strides), dilations, dims(window.pads_begin), dims(window.pads_end));
   return {description, attributes_of(convolution), engine};
+}
+
+// Whether Winograd's way (tiles of 2x2 places, 2.25 times fewer multiplications) is the faster one:
+// as measured (docs/benchmarks.md), which says it by the shape alone, so that the choice, and with
+// it the bits, are the same on every machine that has both.
+bool suits_winograd(const Convolution& convolution, const memory::desc& to) {
+  constexpr std::int64_t kLeastChannels = 32, kLeastOutputs = 48, kLeastSide = 12;
+  using Pair = std::array<std::int64_t, 2>;
+  const Window& window = convolution.window;
+  const Shape& weights = convolution.weights->shape;
+  return convolution.groups == 1 && window.kernel == Pair{3, 3} && window.strides == Pair{1, 1} &&
+         window.dilations == Pair{1, 1} && weights[0] >= kLeastOutputs &&
+         weights[1] >= kLeastChannels && to.dims()[2] >= kLeastSide && to.dims()[3] >= kLeastSide;
+}
+
+using ConvolutionWay = dnnl::convolution_forward::primitive_desc;
+
+// In these layouts; absent where oneDNN has no fast way for them.
+std::optional<ConvolutionWay> fast_convolution(const Convolution& convolution, algorithm way,
+                                               const memory::desc& from, const memory::desc& to,
+                                               const dnnl::engine& engine) {
+  try {
+    auto description = convolution_in(convolution, way, from, to, engine);
+    const std::string name = description.impl_info_str();
+    if (name.find("ref") == std::string::npos && name.find("gemm") == std::string::npos)
+      return description;
+  } catch (const dnnl::error&) {
+    // oneDNN has no way at all in these layouts.
+  }
+  return std::nullopt;
 }
 
 // In the layouts of feature maps where oneDNN has a fast way for them, else in those that it
 // chooses.
-dnnl::convolution_forward::primitive_desc choose_convolution(const Convolution& convolution,
-                                                             const memory::desc& from,
-                                                             const memory::desc& to,
-                                                             const dnnl::engine& engine) {
-  const auto is_fast = [](const dnnl::convolution_forward::primitive_desc& description) {
-    const std::string way = description.impl_info_str();
-    return way.find("ref") == std::string::npos && way.find("gemm") == std::string::npos;
-  };
-  try {
-    auto usual = convolution_in(convolution, from, to, engine);
-    if (is_fast(usual)) return usual;
-  } catch (const dnnl::error&) {
-    // oneDNN has no way in these layouts.
+ConvolutionWay choose_convolution(const Convolution& convolution, bool may_use_winograd,
+                                  const memory::desc& from, const memory::desc& to,
+                                  const dnnl::engine& engine) {
+  if (may_use_winograd && suits_winograd(convolution, to)) {
+    if (auto found =
+            fast_convolution(convolution, algorithm::convolution_winograd, from, to, engine))
+      return *found;
   }
-  return convolution_in(convolution, any_layout(from.dims()), any_layout(to.dims()), engine);
+  if (auto found = fast_convolution(convolution, algorithm::convolution_direct, from, to, engine))
+    return *found;
+  return convolution_in(convolution, algorithm::convolution_direct, any_layout(from.dims()),
+                        any_layout(to.dims()), engine);
 }
 
 algorithm algorithm_of(Arithmetic::Operator operation) {
@@ -127,7 +154,8 @@ void PlanBuilder::plan_layer(const Layer& layer, const Convolution& convolution)
   const Shape& from = shape(layer.inputs[0]);
   // A picture of three colours is taken as it is.
   const bool is_picture = convolution.groups == 1 && from[1] <= 3;
-  const auto description = choose_convolution(convolution, is_picture ? plain(from) : blocked(from),
+  const auto description = choose_convolution(convolution, options_.uses_winograd,
+                                              is_picture ? plain(from) : blocked(from),
                                               blocked(shape(layer.output)), plan_->engine);
   std::vector<Step::Operand> operands;
   const memory::dims weights = weight_dims(convolution);
