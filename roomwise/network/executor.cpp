@@ -144,8 +144,9 @@ class Executor::Implementation {
                  lower(graph_, shapes, options_.outputs, options_.passes.folds_constants));
     program = run_passes(std::move(program), options_.passes);
     auto shared = std::make_shared<SharedPlan>();
-    ROOMWISE_TRY(shared->plan, make_plan(program, {options_.passes.joins_in_place,
-                                                   options_.passes.uses_winograd}));
+    const PassOptions& passes = options_.passes;
+    ROOMWISE_TRY(shared->plan, make_plan(program, {passes.joins_in_place, passes.uses_winograd,
+                                                   options_.threads_per_input}));
     return shared;
   }
 
@@ -161,6 +162,11 @@ Executor::Executor(std::unique_ptr<Implementation> implementation)
 Executor::~Executor() = default;
 
 Expected<std::unique_ptr<Executor>> Executor::create(OnnxGraph graph, ExecutorOptions options) {
+  constexpr std::size_t kMostThreads = 64;
+  if (options.threads_per_input < 1 || options.threads_per_input > kMostThreads) {
+    return fail("{} threads cannot share the work on an input; 1 to {} can",
+                options.threads_per_input, kMostThreads);
+  }
   auto implementation = std::make_unique<Implementation>(std::move(graph), std::move(options));
   ROOMWISE_CHECK_OK(implementation->plan_fixed_sizes());
   return std::unique_ptr<Executor>(new Executor(std::move(implementation)));

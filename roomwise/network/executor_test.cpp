@@ -209,6 +209,25 @@ TEST_P(RealNetwork, GivesTheSameBitsFromSeveralThreads) {
   for (const auto& outputs : *together) EXPECT_EQ(outputs[0].values, alone->front().values);
 }
 
+TEST_P(RealNetwork, GivesTheSameBitsWhereThreadsShareAPicture) {
+  const auto file = find_model(GetParam());
+  ROOMWISE_REQUIRE_FILE(file);
+  const auto bytes = read_file(*file);
+  ASSERT_OK(bytes);
+  const auto graph = read_onnx_graph(*bytes);
+  ASSERT_OK(graph);
+  const Tensor input = random_picture(*graph);
+  const auto outputs_of = [&](std::size_t threads) {
+    ExecutorOptions options;
+    options.threads_per_input = threads;
+    const auto executor = Executor::create(*graph, options);
+    EXPECT_TRUE(executor.has_value()) << executor.error().message;
+    return (*executor)->run({&input, 1})->front().values;
+  };
+  const auto alone = outputs_of(1);
+  for (const std::size_t threads : {2U, 3U, 4U}) EXPECT_EQ(outputs_of(threads), alone) << threads;
+}
+
 INSTANTIATE_TEST_SUITE_P(Models, RealNetwork,
                          ::testing::Values("mobilenet-v2-imagenet.onnx", "nanodet-plus-m-416.onnx",
                                            "inception-2015-12-05-trunk.onnx"),

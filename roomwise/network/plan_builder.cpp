@@ -32,7 +32,8 @@ PlanBuilder::PlanBuilder(const Program& program, const PlanOptions& options)
       joins_(program.values.size()) {}
 
 std::shared_ptr<const Plan> PlanBuilder::build() {
-  const OneThread one_thread;
+  const WorkingThreads threads(options_.threads);
+  plan_->threads = options_.threads;
   for (const ValueId input : program_.inputs) {
     located_[input] = new_buffer(plain(shape(input)));
     plan_->inputs.push_back(*located_[input]);
