@@ -26,6 +26,9 @@ struct ExecutorOptions {
   // each thread that calls, and wait by turning round in place: for a caller that wants one answer
   // soon and has idle processors.
   std::size_t threads_per_input = 1;
+  // Inputs as the network will get them, of a network with one: then convolutions are worked out in
+  // 8 bits (quantization.h), for inputs of this shape only. Empty: in 32-bit floats.
+  std::vector<Tensor> calibration;
 };
 
 // Runs one ONNX network by oneDNN. All functions may be called from several threads at once: they

@@ -183,7 +183,9 @@ TEST_P(RealNetwork, GivesTheSameWithoutPasses) {
   ASSERT_OK(graph);
   const Tensor input = random_picture(*graph);
   const auto outputs_with = [&](const PassOptions& passes) {
-    const auto executor = Executor::create(*graph, {{}, passes});
+    ExecutorOptions options;
+    options.passes = passes;
+    const auto executor = Executor::create(*graph, options);
     EXPECT_TRUE(executor.has_value()) << executor.error().message;
     return (*executor)->run({&input, 1})->front().values;
   };

@@ -104,15 +104,16 @@ bool PlanBuilder::is_blocked(ValueId value) {
   return shape(value).size() == 4 && located(value).layout == blocked(shape(value));
 }
 
-memory PlanBuilder::constant_memory(const Layout& layout, const std::vector<float>& data) {
+memory PlanBuilder::constant_memory(const Layout& layout, const std::vector<float>& data) const {
   const memory result(layout, plan_->engine);
   std::memcpy(result.get_data_handle(), data.data(), data.size() * sizeof(float));
   return result;
 }
 
-memory PlanBuilder::reordered(memory from, const Layout& layout) {
+memory PlanBuilder::reordered(memory from, const Layout& layout,
+                              const dnnl::primitive_attr& attributes) {
   memory to(layout, plan_->engine);
-  dnnl::reorder(from, to).execute(stream_, from, to);
+  dnnl::reorder(from, to, attributes).execute(stream_, from, to);
   stream_.wait();
   return to;
 }
@@ -141,10 +142,24 @@ Located PlanBuilder::in_layout(ValueId value, const Layout& layout) {
     result = add_constant(reordered(plan_->constants[present.place.index], layout));
   } else {
     result = new_buffer(layout);
-    copy(present, result);
+    copy(present, result, scale_between(value, present.layout, layout));
   }
   reordered_[value].push_back(result);
   return result;
+}
+
+Located PlanBuilder::in_floats(ValueId value) {
+  const Located present = located(value);
+  return present.layout.data_type() == memory::data_type::f32
+             ? present
+             : in_layout(value, usual(shape(value)));
+}
+
+float PlanBuilder::scale_between(ValueId value, const Layout& from, const Layout& to) const {
+  const bool from_floats = from.data_type() == memory::data_type::f32;
+  if (from_floats == (to.data_type() == memory::data_type::f32)) return 1;
+  const float step = program_.values[value].eight_bits->step;
+  return from_floats ? 1 / step : step;
 }
 
 Located PlanBuilder::new_buffer(const Layout& layout) {
@@ -171,9 +186,11 @@ Place PlanBuilder::place_of_join(ValueId target) {
   return *place;
 }
 
-void PlanBuilder::copy(const Located& from, const Located& to) {
+void PlanBuilder::copy(const Located& from, const Located& to, float scale) {
+  dnnl::primitive_attr attributes;
+  if (scale != 1) attributes.set_output_scales(0, {scale});
   const dnnl::reorder::primitive_desc description(plan_->engine, from.layout, plan_->engine,
-                                                  to.layout);
+                                                  to.layout, attributes);
   add_primitive(dnnl::reorder(description), description.scratchpad_desc(),
                 {{DNNL_ARG_FROM, from}, {DNNL_ARG_TO, to}});
 }
