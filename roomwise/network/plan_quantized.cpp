@@ -66,15 +66,13 @@ PlanBuilder::Layout PlanBuilder::in_eight_bits(ValueId value) const {
       memory::format_tag::nhwc};
 }
 
-// In 8 bits where its value is, else in floats, channels last too.
+// In 8 bits where its value is, else in floats, channels last too. What may be negative, as sums
+// and what goes into them, stays exact: it is rounded only where a convolution looks at it.
 PlanBuilder::Layout PlanBuilder::quantized_output(const Layer& layer,
                                                   const Convolution& convolution) const {
-  const auto& of_output = program_.values[layer.output].eight_bits;
-  // What is added to must be in the same form.
-  const auto& of_residual = program_.values[layer.inputs.back()].eight_bits;
-  const bool fits = !convolution.adds_residual ||
-                    (of_residual && of_output && of_residual->is_signed == of_output->is_signed);
-  if (of_output && fits) return in_eight_bits(layer.output);
+  const auto& wanted = program_.values[layer.output].eight_bits;
+  if (wanted && !wanted->is_signed && !convolution.adds_residual)
+    return in_eight_bits(layer.output);
   const Shape& dims = shape(layer.output);
   return {{dims.begin(), dims.end()}, memory::data_type::f32, memory::format_tag::nhwc};
 }
@@ -85,8 +83,7 @@ bool PlanBuilder::plan_in_eight_bits(const Layer& layer, const Convolution& conv
   const Layout output = quantized_output(layer, convolution);
   const bool gives_bytes = output.data_type() != memory::data_type::f32;
   const float output_step = gives_bytes ? program_.values[layer.output].eight_bits->step : 1;
-  const bool scales_at_once =
-      !convolution.adds_residual && std::ranges::all_of(convolution.activations, keeps_scale);
+  const bool scales_at_once = std::ranges::all_of(convolution.activations, keeps_scale);
 
   const auto most = most_weight_in_eight_bits(dnnl::get_effective_cpu_isa());
   const std::vector<float> steps = weight_steps(convolution, most);
@@ -98,8 +95,7 @@ bool PlanBuilder::plan_in_eight_bits(const Layer& layer, const Convolution& conv
     if (!convolution.bias.empty()) bias.push_back(convolution.bias[i] / step);
   }
   dnnl::post_ops after;
-  if (convolution.adds_residual)
-    after.append_sum(gives_bytes ? program_.values[layer.inputs[1]].eight_bits->step : 1);
+  if (convolution.adds_residual) after.append_sum(1);
   append_activations(after, convolution.activations);
   if (!scales_at_once && gives_bytes)
     after.append_eltwise(1, dnnl::algorithm::eltwise_linear, 1 / output_step, 0);

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <numeric>
 
 #include "roomwise/base/disjoint_sets.h"
 #include "roomwise/network/executor.h"
@@ -61,8 +61,8 @@ Expected<std::vector<ValueRange>> measure_ranges(const Program& program,
   watched.outputs.push_back(program.inputs.front());
   ROOMWISE_TRY(auto plan, make_plan(watched, {}));
   PlanRun run(std::move(plan));
-  constexpr float kLargest = std::numeric_limits<float>::max();
-  std::vector<ValueRange> ranges(program.values.size(), {kLargest, -kLargest});
+  std::vector<ValueRange> ranges(program.values.size()), extremes(program.values.size());
+  const auto share = 1 / static_cast<float>(inputs.size());
   for (const Tensor& input : inputs) {
     if (input.shape != program.values[program.inputs.front()].shape) {
       return fail("8 bits were measured on inputs of {}, not {}", shape_text(input.shape),
@@ -73,8 +73,15 @@ Expected<std::vector<ValueRange>> measure_ranges(const Program& program,
     for (std::size_t i = 0; i < outputs.size(); ++i) {
       ValueRange& range = ranges[watched.outputs[i]];
       const auto [least, most] = std::ranges::minmax(outputs[i]);
-      range = {std::min(range.least, least), std::max(range.most, most)};
+      range.least += share * least;
+      range.most += share * most;
+      ValueRange& extreme = extremes[watched.outputs[i]];
+      extreme = {std::min(extreme.least, least), std::max(extreme.most, most)};
     }
+  }
+  for (std::size_t i = 0; i < ranges.size(); ++i) {
+    ranges[i].least = std::midpoint(ranges[i].least, extremes[i].least);
+    ranges[i].most = std::midpoint(ranges[i].most, extremes[i].most);
   }
   return ranges;
 }

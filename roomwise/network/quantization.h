@@ -9,7 +9,8 @@ namespace roomwise::network {
 // Numbers in a shape, row by row.
 struct Tensor;
 
-// Between what a value's numbers were seen to lie.
+// The least and the largest number of a value: each halfway between the mean of some inputs and the
+// most of any, so that what few of them reach is cut off and the others are rounded less.
 struct ValueRange {
   float least = 0;
   float most = 0;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "roomwise/network/checked_quantization.h"
 #include "roomwise/network/graph_builder.h"
 #include "roomwise/network/lowering.h"
 #include "roomwise/network/plan_builder.h"
@@ -155,6 +156,33 @@ TEST(Quantization, WeightsAreOfSevenBitsWithoutVnni) {
   EXPECT_EQ(most_weight_in_eight_bits(cpu_isa::avx2_vnni), 127);
   EXPECT_EQ(most_weight_in_eight_bits(cpu_isa::avx512_core_vnni), 127);
   EXPECT_EQ(most_weight_in_eight_bits(cpu_isa::avx512_core_amx), 127);
+}
+
+TEST(Quantization, IsUsedOnlyWhereItIsNearEnough) {
+  const OnnxGraph graph = branched_graph();
+  ExecutorOptions options;
+  options.calibration = some_pictures();
+  const std::vector<Tensor> held_out{random_tensor({1, 3, 20, 18}, 8),
+                                     random_tensor({1, 3, 20, 18}, 9)};
+  const std::array<std::size_t, 1> scores{0};
+  const auto near = checked_quantization(graph, options, held_out, scores, {0.99, 0.0});
+  ASSERT_OK(near);
+  EXPECT_TRUE(near->report.is_used) << near->report.reason;
+  const auto far = checked_quantization(graph, options, held_out, scores, {0.9999999, 0.0});
+  ASSERT_OK(far);
+  EXPECT_FALSE(far->report.is_used);
+  EXPECT_THAT(far->report.reason, ::testing::HasSubstr("below 0.9999999"));
+  const auto exact = Executor::create(graph);
+  ASSERT_OK(exact);
+  const auto expected = (*exact)->run(std::span(held_out).first(1));
+  const auto outputs = far->executor->run(std::span(held_out).first(1));
+  const auto rounded = near->executor->run(std::span(held_out).first(1));
+  ASSERT_OK(expected);
+  ASSERT_OK(outputs);
+  ASSERT_OK(rounded);
+  EXPECT_EQ(outputs->front().values, expected->front().values);
+  EXPECT_NE(rounded->front().values, expected->front().values);
+  EXPECT_ERROR(checked_quantization(graph, options, {}, scores), "others to be checked on");
 }
 
 TEST(Quantization, NeedsInputsOfOneShape) {
