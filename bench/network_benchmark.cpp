@@ -1,5 +1,6 @@
 // Runs the networks of ROOMWISE_MODELS by Roomwise and by OpenCV's DNN module on the photos of
-// ROOMWISE_DATA/object_photos, on one thread on one processor, and prints what that costs:
+// ROOMWISE_DATA/object_photos, on one thread on one processor, and prints what that costs; then in
+// 8 bits (on these and some of room_photos), and by two threads that share a picture:
 //   network_benchmark [ROUNDS]
 // A round times each way in turn, so that a busy machine is unfair to neither.
 
@@ -10,6 +11,7 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cstdlib>
 #include <ctime>
 #include <functional>
@@ -19,7 +21,10 @@
 #include "resident_memory.h"
 #include "roomwise/base/file.h"
 #include "roomwise/image/codec.h"
+#include "roomwise/network/checked_quantization.h"
+#include "roomwise/network/inception_v3.h"
 #include "roomwise/network/lowering.h"
+#include "roomwise/network/onnx_writer.h"
 #include "roomwise/network/picture_input.h"
 #include "roomwise/network/testing/opencv_network.h"
 
@@ -37,6 +42,7 @@ struct Subject {
   std::string file;
   ModelCard card;  // how pictures are put in
   bool names_things = false;
+  Bytes made = {};  // its bytes, where it is no file but a network of our own
 };
 
 // A value, or the end of the program with the error.
@@ -141,6 +147,95 @@ Tensor joined(std::span<const Tensor> pictures) {
   return batch;
 }
 
+Bytes bytes_of(const Subject& subject, const fs::path& models) {
+  return subject.made.empty() ? need(read_file(models / subject.file)) : subject.made;
+}
+
+// Inception-v3 of our own with random weights. OpenCV counts the padding's zeros in means, as this
+// network does, only in files that say that PyTorch wrote them; of two makers the last one counts.
+Subject own_inception(const fs::path& models) {
+  Subject subject{"Inception-v3 of our own, random weights", {}, true};
+  subject.card = need(find_model_card(models / "inception_v3_google-0cc3c7bd.pth"));
+  subject.made = need(write_onnx_graph(inception_v3()));
+  constexpr std::string_view kMaker = "\x12\x07pytorch";
+  subject.made.insert(subject.made.end(), kMaker.begin(), kMaker.end());
+  return subject;
+}
+
+void hold_to_one_processor() {
+  cpu_set_t one;
+  CPU_ZERO(&one);
+  CPU_SET(sched_getcpu(), &one);
+  sched_setaffinity(0, sizeof one, &one);
+}
+
+// In 8 bits, measured on every fourth picture and checked on the others.
+void measure_eight_bits(const Subject& subject, const fs::path& models,
+                        std::span<const fs::path> pictures, int rounds) {
+  const OnnxGraph graph = need(read_onnx_graph(bytes_of(subject, models)));
+  ExecutorOptions in_floats;
+  in_floats.outputs = subject.card.features_outputs;
+  if (!subject.card.scores_output.empty()) in_floats.outputs.push_back(subject.card.scores_output);
+  ExecutorOptions options = in_floats;
+  std::vector<Tensor> held_out;
+  for (std::size_t i = 0; i < pictures.size(); ++i) {
+    Tensor input = picture_input(need(image::read_color(pictures[i])), subject.card);
+    (i % 4 == 0 ? options.calibration : held_out).push_back(std::move(input));
+  }
+  std::vector<std::size_t> scores;
+  if (subject.names_things) scores.push_back(options.outputs.size() - 1);
+  // Whether it would be kept is asked first; what it costs, in any case.
+  const CheckedExecutor checked = need(checked_quantization(graph, options, held_out, scores));
+  const auto exact = need(Executor::create(graph, in_floats));
+  const auto rounded = need(Executor::create(graph, options));
+  std::vector<double> exact_ms, rounded_ms, ratios;
+  for (int round = 0; round < rounds; ++round) {
+    exact_ms.push_back(time_of([&] { (void)need(exact->run(std::span(held_out).first(1))); }));
+    rounded_ms.push_back(time_of([&] { (void)need(rounded->run(std::span(held_out).first(1))); }));
+    ratios.push_back(rounded_ms.back() / exact_ms.back());
+  }
+  fmt::print("{}: in 8 bits ({} pictures to measure on, {} to check)\n", subject.file,
+             options.calibration.size(), held_out.size());
+  fmt::print("  CPU-ms {} beside {}: {}\n", text_of(summary_of(rounded_ms)),
+             text_of(summary_of(exact_ms)), text_of(summary_of(ratios)));
+  const QuantizationReport& report = checked.report;
+  for (std::size_t i = 0; i < options.outputs.size(); ++i) {
+    fmt::print("  {}: cosine {:.4f} in the mean, {:.4f} at worst; largest at one place {:.1f} %\n",
+               options.outputs[i], report.mean_cosine[i], report.least_cosine[i],
+               100 * report.agreement[i]);
+  }
+  fmt::print("  {}\n", report.is_used ? "kept" : "not kept: " + report.reason);
+}
+
+// Wall time of one picture by one thread and by two that share it; means nothing on a busy machine,
+// where threads that wait for each other do so for very long.
+void measure_two_threads(const Subject& subject, const fs::path& models, int rounds) {
+  const OnnxGraph graph = need(read_onnx_graph(bytes_of(subject, models)));
+  const ModelCard& card = subject.card;
+  Tensor input{{1, 3, card.input_height_px, card.input_width_px}, {}};
+  input.values.resize(count_of(input.shape), 0.25F);
+  ExecutorOptions options;
+  const auto alone = need(Executor::create(graph, options));
+  options.threads_per_input = 2;
+  const auto together = need(Executor::create(graph, options));
+  const auto wall_ms = [&](const Executor& executor) {
+    const auto begin = std::chrono::steady_clock::now();
+    (void)need(executor.run({&input, 1}));
+    const std::chrono::duration<double, std::milli> taken =
+        std::chrono::steady_clock::now() - begin;
+    return taken.count();
+  };
+  std::vector<double> of_one, of_two;
+  for (int call = 0; call < 5 * rounds; ++call) {
+    of_one.push_back(wall_ms(*alone));
+    of_two.push_back(wall_ms(*together));
+  }
+  const Summary one = summary_of(of_one), two = summary_of(of_two);
+  fmt::print("{}: wall ms by one thread {}, by two {}; least / least {:.2f}, medians {:.2f}\n",
+             subject.file, text_of(one), text_of(two), one.least / two.least,
+             one.median / two.median);
+}
+
 // Before anything else, since memory that was used once counts as a child's from its beginning.
 void measure_start(const Subject& subject, const fs::path& models, int rounds) {
   const auto side = [](int pixels) { return static_cast<std::size_t>(pixels); };
@@ -173,7 +268,7 @@ void measure_start(const Subject& subject, const fs::path& models, int rounds) {
 
 void measure(const Subject& subject, const fs::path& models, std::span<const fs::path> photos,
              int rounds) {
-  const Bytes bytes = need(read_file(models / subject.file));
+  const Bytes bytes = bytes_of(subject, models);
   std::vector<Tensor> inputs;
   for (const fs::path& photo : photos)
     inputs.push_back(picture_input(need(image::read_color(photo)), subject.card));
@@ -228,6 +323,16 @@ fs::path folder_of(const char* variable) {
   return folder;
 }
 
+std::vector<fs::path> every_sixth_of(const fs::path& folder) {
+  std::vector<fs::path> photos, some;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    if (entry.path().extension() == ".jpg") photos.push_back(entry.path());
+  }
+  std::ranges::sort(photos);
+  for (std::size_t i = 0; i < photos.size(); i += 6) some.push_back(photos[i]);
+  return some;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -237,10 +342,9 @@ int main(int argc, char** argv) {
     return 2;
   }
   const int rounds = *given;
-  cpu_set_t one;
-  CPU_ZERO(&one);
-  CPU_SET(sched_getcpu(), &one);
-  sched_setaffinity(0, sizeof one, &one);
+  cpu_set_t all;
+  sched_getaffinity(0, sizeof all, &all);
+  hold_to_one_processor();
 
   const fs::path models = folder_of("ROOMWISE_MODELS");
   std::vector<fs::path> photos;
@@ -258,5 +362,16 @@ int main(int argc, char** argv) {
   const std::array subjects{mobilenet, nanodet, inception};
   for (const Subject& subject : subjects) measure_start(subject, models, rounds);
   for (const Subject& subject : subjects) measure(subject, models, photos, rounds);
+  const Subject own = own_inception(models);
+  measure(own, models, photos, rounds);
+
+  std::vector<fs::path> pictures = photos;
+  for (const fs::path& photo : every_sixth_of(folder_of("ROOMWISE_DATA") / "room_photos"))
+    pictures.push_back(photo);
+  for (const Subject& subject : {mobilenet, inception, own})
+    measure_eight_bits(subject, models, pictures, rounds);
+  sched_setaffinity(0, sizeof all, &all);
+  for (const Subject& subject : {mobilenet, nanodet, inception, own})
+    measure_two_threads(subject, models, rounds);
   return 0;
 }

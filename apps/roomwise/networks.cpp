@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "roomwise/network/network_file.h"
 #include "roomwise/network/onnx_classifier.h"
 
 namespace roomwise::app {
@@ -15,7 +16,7 @@ Expected<std::vector<fs::path>> list_networks(const fs::path& folder) {
   std::error_code error;
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
        entry.increment(error)) {
-    if (entry->path().extension() != ".onnx") continue;
+    if (!network::has_ending_of_network(entry->path())) continue;
     const auto card = network::find_model_card(entry->path());
     if (card && card->task == network::Task::kClassify) files.push_back(entry->path());
   }
@@ -30,8 +31,8 @@ Expected<std::vector<fs::path>> list_networks(const fs::path& folder) {
 
 void add_network_options(CLI::App& command, NetworkOptions& options) {
   command.add_option("--network", options.files,
-                     "ONNX network, with its card NAME.card.json beside it; may be given several "
-                     "times. Without it: "
+                     "ONNX network, or weights (.pth, .safetensors) of a known one, with its card "
+                     "NAME.card.json beside it; may be given several times. Without it: "
                      "those of ROOMWISE_MODELS, else of ../shared/models");
   command.add_option("--labels", options.labels,
                      "What the last --network can name, a label a line, in place of the card's");

@@ -8,6 +8,7 @@
 #include "roomwise/base/thread_pool.h"
 #include "roomwise/network/lowering.h"
 #include "roomwise/network/plan.h"
+#include "roomwise/network/quantization.h"
 
 namespace roomwise::network {
 namespace {
@@ -81,6 +82,7 @@ class Executor::Implementation {
     for (const GraphInput& input : inputs_) shapes.push_back(input.shape);
     ROOMWISE_CHECK_OK(plan_for(shapes));
     graph_ = {};
+    options_.calibration = {};
     return {};
   }
 
@@ -142,9 +144,18 @@ class Executor::Implementation {
   [[nodiscard]] Expected<SharedPlanPointer> new_plan(const std::vector<Shape>& shapes) const {
     ROOMWISE_TRY(Program program,
                  lower(graph_, shapes, options_.outputs, options_.passes.folds_constants));
-    program = run_passes(std::move(program), options_.passes);
+    PassOptions passes = options_.passes;
+    const bool in_eight_bits = !options_.calibration.empty();
+    // In 8 bits a mean costs little, and would round what the convolution adds up.
+    if (in_eight_bits) passes.swaps_means = false;
+    program = run_passes(std::move(program), passes);
+    if (in_eight_bits) {
+      ROOMWISE_TRY(const auto ranges, measure_ranges(program, options_.calibration));
+      quantize(program, ranges);
+    }
     auto shared = std::make_shared<SharedPlan>();
-    ROOMWISE_TRY(shared->plan, make_plan(program, options_.passes.joins_in_place));
+    ROOMWISE_TRY(shared->plan, make_plan(program, {passes.joins_in_place, passes.uses_winograd,
+                                                   options_.threads_per_input}));
     return shared;
   }
 
@@ -160,6 +171,11 @@ Executor::Executor(std::unique_ptr<Implementation> implementation)
 Executor::~Executor() = default;
 
 Expected<std::unique_ptr<Executor>> Executor::create(OnnxGraph graph, ExecutorOptions options) {
+  constexpr std::size_t kMostThreads = 64;
+  if (options.threads_per_input < 1 || options.threads_per_input > kMostThreads) {
+    return fail("{} threads cannot share the work on an input; 1 to {} can",
+                options.threads_per_input, kMostThreads);
+  }
   auto implementation = std::make_unique<Implementation>(std::move(graph), std::move(options));
   ROOMWISE_CHECK_OK(implementation->plan_fixed_sizes());
   return std::unique_ptr<Executor>(new Executor(std::move(implementation)));

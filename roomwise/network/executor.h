@@ -22,6 +22,13 @@ struct ExecutorOptions {
   // output). Empty: the network's own outputs.
   std::vector<std::string> outputs;
   PassOptions passes;
+  // How many threads share the work on one input (1 to 64). More than one start at the first run of
+  // each thread that calls, and wait by turning round in place: for a caller that wants one answer
+  // soon and has idle processors.
+  std::size_t threads_per_input = 1;
+  // Inputs as the network will get them, of a network with one: then convolutions are worked out in
+  // 8 bits (quantization.h), for inputs of this shape only. Empty: in 32-bit floats.
+  std::vector<Tensor> calibration;
 };
 
 // Runs one ONNX network by oneDNN. All functions may be called from several threads at once: they

@@ -2,7 +2,10 @@
 
 #include <gmock/gmock.h>
 
+#include "roomwise/base/file.h"
+#include "roomwise/network/onnx_classifier.h"
 #include "roomwise/network/onnx_writer.h"
+#include "roomwise/network/safetensors.h"
 #include "roomwise/network/testing/tiny_runs.h"
 
 namespace roomwise::network {
@@ -89,6 +92,31 @@ TEST(InceptionV3, GivesWhatOpenCvGives) {
   EXPECT_LT(
       relative_error(outputs->front().values, OpenCvNetwork(as_by_pytorch(*file)).run(picture)),
       1e-4);
+}
+
+// As torchvision's file would be: weights alone, a card beside them, labels with a class too many.
+TEST(InceptionV3, IsLoadedFromWeightsAlone) {
+  const roomwise::testing::ScratchFolder folder;
+  InceptionOptions options;
+  options.classes = 3;
+  options.has_auxiliary_head = true;
+  const OnnxGraph graph = inception_v3(options);
+  Weights weights;
+  for (const std::string& name : parameters_of(graph)) weights[name] = graph.constants.at(name);
+  ASSERT_OK(write_file(folder / "mine.safetensors", write_safetensors(weights)));
+  ASSERT_OK(write_file(folder / "labels.txt", std::string_view("background\none\ntwo\nthree\n")));
+  const std::string card = R"({"input": {"width": 299, "height": 299}, "labels": "labels.txt",
+      "mean": [127.5, 127.5, 127.5], "scale": [0.0078, 0.0078, 0.0078],
+      "outputs": {"features": "features", "scores": "fc", "softmax": true})";
+  ASSERT_OK(write_file(folder / "mine.card.json", std::string_view(card + "}")));
+  EXPECT_ERROR(OnnxClassifier::load(folder / "mine.safetensors"), "say in its card of which");
+  ASSERT_OK(write_file(
+      folder / "mine.card.json",
+      std::string_view(card + R"(, "first_label": 1, "architecture": "inception-v3"})")));
+  const auto classifier = OnnxClassifier::load(folder / "mine.safetensors");
+  ASSERT_OK(classifier);
+  EXPECT_THAT((*classifier)->labels(), ::testing::ElementsAre("one", "two", "three"));
+  EXPECT_EQ((*classifier)->feature_size(), 2048u);
 }
 
 TEST(InceptionV3, GivesBothHeadsForAnyBatch) {

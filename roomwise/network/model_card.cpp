@@ -65,6 +65,16 @@ class Fields {
     return value->get<int>();
   }
 
+  // The number of a line, from 0; 0 where it is absent.
+  [[nodiscard]] Expected<int> line(const char* key) const {
+    constexpr int kMostLines = 1 << 20;
+    if (!object_.contains(key)) return 0;
+    const Json& value = object_.at(key);
+    if (!value.is_number_integer() || value < 0 || value > kMostLines)
+      return fail("{}{}: expected the number of a line, from 0", where_, key);
+    return value.get<int>();
+  }
+
   [[nodiscard]] Expected<std::array<float, 3>> per_channel(const char* key,
                                                            std::array<float, 3> otherwise) const {
     if (!object_.contains(key)) return otherwise;
@@ -113,8 +123,8 @@ Expected<ModelCard> ModelCard::parse(std::string_view json, const std::string& o
     return fail("{}: is not JSON; expected a model card, {{ \"input\": {{ ... }}, ... }}", origin);
   }
   const Fields card(root, origin + ": ");
-  ROOMWISE_CHECK_OK(card.expect_only(
-      {"name", "task", "input", "mean", "scale", "outputs", "labels", "license", "source"}));
+  ROOMWISE_CHECK_OK(card.expect_only({"name", "task", "input", "mean", "scale", "outputs", "labels",
+                                      "first_label", "architecture", "license", "source"}));
   ROOMWISE_TRY(const Json input_object, card.object("input"));
   ROOMWISE_TRY(const Json outputs_object, card.object("outputs"));
   const Fields input(input_object, origin + ": input.");
@@ -142,6 +152,11 @@ Expected<ModelCard> ModelCard::parse(std::string_view json, const std::string& o
   ROOMWISE_TRY(result.scores_output, outputs.text("scores", ""));
   ROOMWISE_TRY(result.scores_need_softmax, outputs.flag("softmax", false));
   ROOMWISE_TRY(result.labels_file, card.text("labels", ""));
+  ROOMWISE_TRY(result.first_label, card.line("first_label"));
+  ROOMWISE_TRY(
+      result.architecture,
+      card.choice<Architecture>("architecture", {{"own", Architecture::kOwn},
+                                                 {"inception-v3", Architecture::kInceptionV3}}));
   ROOMWISE_TRY(result.license, card.text("license", ""));
   ROOMWISE_TRY(result.source, card.text("source", ""));
   return result;

@@ -22,6 +22,12 @@ enum class Task {
   kNanoDetPlus,  // finds things in a picture (Detector)
 };
 
+// Which network the weights are of.
+enum class Architecture {
+  kOwn,          // that of the ONNX file that holds them
+  kInceptionV3,  // torchvision's (inception_v3.h); its outputs are "features" and "fc"
+};
+
 // What a weights file does not say about itself: how a picture is put in, and what comes out. A
 // value of the input is (x - mean) * scale, x the 8-bit colour value.
 //
@@ -30,8 +36,10 @@ enum class Task {
 //     "input": { "width": 224, "height": 224, "colors": "rgb", "fit": "stretch" },
 //     "mean": [127.5, 127.5, 127.5], "scale": [0.0078, 0.0078, 0.0078],
 //     "outputs": { "features": "pool5", "scores": "prob", "softmax": false },
-//     "labels": "labels.txt", "license": "Apache-2.0", "source": "where it came from" }
-// "features" may be a list of names; "task" may be "nanodet-plus".
+//     "labels": "labels.txt", "first_label": 0,
+//     "license": "Apache-2.0", "source": "where it came from" }
+// "features" may be a list of names; "task" may be "nanodet-plus". Weights without their network
+// (.pth, .safetensors) are of an "architecture": "inception-v3".
 struct ModelCard {
   std::string name;  // the weights file's name without its ending where the card gives none
   Task task = Task::kClassify;
@@ -49,6 +57,8 @@ struct ModelCard {
   std::string scores_output;
   bool scores_need_softmax = false;  // the scores are not yet probabilities
   std::string labels_file;           // beside the weights; empty: the network names nothing
+  int first_label = 0;  // of the labels' file: those before it are of classes that it does not know
+  Architecture architecture = Architecture::kOwn;
   std::string license;
   std::string source;
 
@@ -57,8 +67,9 @@ struct ModelCard {
   [[nodiscard]] static Expected<ModelCard> parse(std::string_view json, const std::string& origin);
 };
 
-// The card of a network: NAME.card.json beside NAME.onnx, else the card of this name that Roomwise
-// brings along (models/*.card.json). Fails where there is neither, saying what to write and where.
+// The card of a network: NAME.card.json beside NAME.onnx (or .pth, .safetensors), else the card of
+// this name that Roomwise brings along (models/*.card.json). Fails where there is neither, saying
+// what to write and where.
 [[nodiscard]] Expected<ModelCard> find_model_card(const std::filesystem::path& weights);
 
 }  // namespace roomwise::network

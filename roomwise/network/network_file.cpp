@@ -3,6 +3,9 @@
 #include <algorithm>
 
 #include "roomwise/base/file.h"
+#include "roomwise/network/inception_v3.h"
+#include "roomwise/network/safetensors.h"
+#include "roomwise/network/torch_checkpoint_reader.h"
 
 namespace roomwise::network {
 namespace {
@@ -42,7 +45,48 @@ Expected<std::vector<std::string>> labels_for(const ModelCard& card,
   return read_labels(beside);
 }
 
+// Without the first ones, which the card says to leave out.
+Expected<std::vector<std::string>> known_labels(const ModelCard& card,
+                                                std::vector<std::string> all) {
+  const auto unknown = static_cast<std::size_t>(card.first_label);
+  if (unknown > 0 && unknown >= all.size()) {
+    return fail("first_label: the labels begin with line {}, but there are only {}", unknown,
+                all.size());
+  }
+  all.erase(all.begin(), all.begin() + card.first_label);
+  return all;
+}
+
+// As many classes as the weights' last layer has.
+Expected<OnnxGraph> inception_from(const Weights& weights) {
+  InceptionOptions options;
+  const auto last = weights.find("fc.weight");
+  if (last != weights.end() && last->second->shape.size() == 2 && last->second->shape[0] > 0)
+    options.classes = last->second->shape[0];
+  OnnxGraph graph = inception_v3(options);
+  ROOMWISE_CHECK_OK(apply_weights(graph, weights));
+  return graph;
+}
+
+Expected<OnnxGraph> graph_of(const ModelCard& card, std::span<const std::uint8_t> bytes) {
+  if (card.architecture == Architecture::kInceptionV3) {
+    ROOMWISE_TRY(const Weights weights, read_weights(bytes));
+    return inception_from(weights);
+  }
+  if (is_torch_checkpoint(bytes) || is_safetensors(bytes)) {
+    return fail(
+        "holds weights alone; say in its card of which network they are: \"architecture\": "
+        "\"inception-v3\"");
+  }
+  return read_onnx_graph(bytes);
+}
+
 }  // namespace
+
+bool has_ending_of_network(const std::filesystem::path& file) {
+  const std::filesystem::path ending = file.extension();
+  return ending == ".onnx" || ending == ".pth" || ending == ".safetensors";
+}
 
 Expected<std::vector<std::string>> read_labels(const std::filesystem::path& path) {
   ROOMWISE_TRY(const std::string text, read_text_file(path));
@@ -65,12 +109,13 @@ Expected<NetworkFile> read_network_file(const std::filesystem::path& weights,
                                         const std::optional<std::filesystem::path>& labels) {
   const auto in_file = [&](Error error) { return std::move(error).in(weights.string()); };
   NetworkFile file;
-  ROOMWISE_TRY(const Bytes onnx, read_file(weights));
+  ROOMWISE_TRY(const Bytes bytes, read_file(weights));
   ROOMWISE_TRY(file.card, find_model_card(weights));
-  ROOMWISE_TRY(file.labels, labels_for(file.card, weights, labels));
-  ROOMWISE_TRY(file.graph, read_onnx_graph(onnx).map_error(in_file));
+  ROOMWISE_TRY(auto all_labels, labels_for(file.card, weights, labels));
+  ROOMWISE_TRY(file.labels, known_labels(file.card, std::move(all_labels)).map_error(in_file));
+  ROOMWISE_TRY(file.graph, graph_of(file.card, bytes).map_error(in_file));
   ROOMWISE_CHECK_OK(fix_input(file.graph, file.card).map_error(in_file));
-  file.fingerprint = sha256_hex(onnx);
+  file.fingerprint = sha256_hex(bytes);
   return file;
 }
 

@@ -18,6 +18,10 @@ struct NetworkFile {
   std::string fingerprint;          // SHA-256 of the weights file
 };
 
+// Whether it ends as files of networks, or of weights alone, do: .onnx, .pth, .safetensors.
+[[nodiscard]] bool has_ending_of_network(const std::filesystem::path& file);
+
+// weights: an ONNX file, or weights alone (weights_file.h) of the network that the card names.
 // labels: a text file, one label a line; absent: the one that the card names, if any. Fails where a
 // file is missing or is not what it should be, and where the network does not take colour pictures
 // of the card's size.

@@ -219,6 +219,7 @@ TEST(ModelCard, IsReadWhole) {
   const auto card = ModelCard::parse(
       R"({"name": "n", "input": {"width": 8, "height": 9, "colors": "bgr", "fit": "crop"},
           "mean": [1, 2, 3], "scale": [4, 5, 6], "labels": "l.txt", "license": "MIT", "source": "s",
+          "first_label": 1, "architecture": "inception-v3",
           "outputs": {"features": ["f", "g"], "scores": "p", "softmax": true}})",
       "here");
   ASSERT_OK(card);
@@ -233,6 +234,8 @@ TEST(ModelCard, IsReadWhole) {
   EXPECT_EQ(card->scores_output, "p");
   EXPECT_TRUE(card->scores_need_softmax);
   EXPECT_EQ(card->labels_file, "l.txt");
+  EXPECT_EQ(card->first_label, 1);
+  EXPECT_EQ(card->architecture, Architecture::kInceptionV3);
   EXPECT_EQ(card->license, "MIT");
   EXPECT_EQ(card->source, "s");
 }
@@ -259,6 +262,17 @@ TEST(ModelCard, NamesTheFieldThatIsWrong) {
   EXPECT_ERROR(parse(R"({"task": "nanodet-plus",
                          "input": {"width": 5, "height": 5, "fit": "crop"}})"),
                "input.fit");
+  EXPECT_ERROR(parse(R"({"input": {"width": 5, "height": 5}, "first_label": -1})"), "first_label");
+  EXPECT_ERROR(parse(R"({"input": {"width": 5, "height": 5}, "architecture": "vgg"})"),
+               "architecture: expected \"own\" or \"inception-v3\", not \"vgg\"");
+}
+
+// That of torchvision's weights, which a user puts beside the labels of 1001 classes.
+TEST(ModelCard, OfTorchvisionsInceptionIsBroughtAlong) {
+  const auto card = find_model_card("nowhere/inception_v3_google-0cc3c7bd.pth");
+  ASSERT_OK(card);
+  EXPECT_EQ(card->architecture, Architecture::kInceptionV3);
+  EXPECT_EQ(card->first_label, 1);
 }
 
 TEST(ModelCard, BesideTheWeightsWinsOverTheBuiltIn) {

@@ -9,8 +9,9 @@
 
 namespace roomwise::network {
 
-// A convolutional network read from an ONNX file and run by our executor (executor.h) on the
-// calling thread. What the file does not say stands in its model card (model_card.h).
+// A convolutional network read from an ONNX file, or from a file of weights for a network of our
+// own (network_file.h), and run by our executor (executor.h) on the calling thread. What the file
+// does not say stands in its model card (model_card.h).
 //
 // Threads that predict at the same time share the weights; each has memory of its own for what
 // comes between the layers (1 to 10 MB), made when needed and kept.

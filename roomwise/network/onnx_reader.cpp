@@ -1,10 +1,9 @@
 #include "roomwise/network/onnx_graph.h"
 
-#include <bit>
-#include <cmath>
 #include <cstring>
 #include <functional>
 
+#include "roomwise/network/number_formats.h"
 #include "roomwise/network/protobuf_fields.h"
 
 namespace roomwise::network {
@@ -12,22 +11,16 @@ namespace {
 
 using Span = std::span<const std::uint8_t>;
 
-// Tensors of more values than this are no network's: four gigabytes.
-constexpr std::int64_t kMostValues = std::int64_t{1} << 30;
-
 // TensorProto.DataType
-enum DataType { kFloat = 1, kInt32 = 6, kInt64 = 7, kBool = 9, kFloat16 = 10, kDouble = 11 };
-
-Expected<std::int64_t> count_of(const Shape& shape) {
-  std::int64_t count = 1;
-  for (const std::int64_t size : shape) {
-    if (size < 0 || (size > 0 && count > kMostValues / size)) {
-      return fail("has a tensor of the impossible shape {}", shape_text(shape));
-    }
-    count *= size;
-  }
-  return count;
-}
+enum DataType {
+  kFloat = 1,
+  kInt32 = 6,
+  kInt64 = 7,
+  kBool = 9,
+  kFloat16 = 10,
+  kDouble = 11,
+  kBrainFloat16 = 16
+};
 
 template <typename Number>
 std::vector<Number> numbers_of(Span bytes) {
@@ -36,44 +29,24 @@ std::vector<Number> numbers_of(Span bytes) {
   return numbers;
 }
 
-float float_from_half(std::uint16_t half) {
-  const float sign = (half & 0x8000) != 0 ? -1.0F : 1.0F;
-  const int exponent = (half >> 10) & 31;
-  const auto fraction = static_cast<float>(half & 1023);
-  if (exponent == 31) {
-    return sign *
-           (fraction > 0 ? std::bit_cast<float>(0x7FC00000) : std::bit_cast<float>(0x7F800000));
-  }
-  const float significand = exponent == 0 ? fraction / 1024 : 1 + fraction / 1024;
-  return sign * std::ldexp(significand, exponent == 0 ? -14 : exponent - 15);
-}
-
-// The numbers of a tensor whose data are given as raw bytes, little end first.
-Expected<void> read_raw(std::uint64_t type, Span raw, Constant& constant) {
+std::optional<NumberFormat> format_of(std::uint64_t type) {
   switch (type) {
     case kFloat:
-      constant.floats = numbers_of<float>(raw);
-      return {};
+      return NumberFormat::kFloat;
     case kFloat16:
-      for (const std::uint16_t half : numbers_of<std::uint16_t>(raw))
-        constant.floats.push_back(float_from_half(half));
-      return {};
+      return NumberFormat::kHalf;
+    case kBrainFloat16:
+      return NumberFormat::kBrainFloat;
     case kDouble:
-      for (const double value : numbers_of<double>(raw))
-        constant.floats.push_back(static_cast<float>(value));
-      return {};
+      return NumberFormat::kDouble;
     case kInt64:
-      constant.integers = numbers_of<std::int64_t>(raw);
-      return {};
+      return NumberFormat::kInteger64;
     case kInt32:
-      for (const std::int32_t value : numbers_of<std::int32_t>(raw))
-        constant.integers.push_back(value);
-      return {};
+      return NumberFormat::kInteger32;
     case kBool:
-      constant.integers.assign(raw.begin(), raw.end());
-      return {};
+      return NumberFormat::kTruth;
     default:
-      return fail("has a tensor of the type {}; floats and integers are understood", type);
+      return std::nullopt;
   }
 }
 
@@ -128,14 +101,23 @@ Expected<std::pair<std::string, ConstantPointer>> read_tensor(Span message) {
   if (tensor.external) return fail("keeps the tensor \"{}\" in another file", tensor.name);
   constant->is_integer = tensor.type == kInt64 || tensor.type == kInt32 || tensor.type == kBool;
   if (!tensor.raw.empty()) {
-    constant->floats.clear();
-    constant->integers.clear();
-    ROOMWISE_CHECK_OK(read_raw(tensor.type, tensor.raw, *constant));
+    const auto format = format_of(tensor.type);
+    if (!format) {
+      return fail("has a tensor \"{}\" of the type {}; floats and integers are understood",
+                  tensor.name, tensor.type);
+    }
+    Shape shape = std::move(constant->shape);
+    *constant = numbers_from(*format, tensor.raw);
+    constant->shape = std::move(shape);
   }
-  ROOMWISE_TRY(const std::int64_t count, count_of(constant->shape));
-  if (static_cast<std::size_t>(count) != constant->size()) {
+  const auto count = values_of(constant->shape);
+  if (!count) {
+    return fail("has a tensor \"{}\" of the impossible shape {}", tensor.name,
+                shape_text(constant->shape));
+  }
+  if (*count != constant->size()) {
     return fail("has a tensor \"{}\" of {} values, not of the {} of its shape {}", tensor.name,
-                constant->size(), count, shape_text(constant->shape));
+                constant->size(), *count, shape_text(constant->shape));
   }
   return std::pair(tensor.name, ConstantPointer(std::move(constant)));
 }

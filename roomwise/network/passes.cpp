@@ -234,6 +234,60 @@ void fuse_residuals(Program& program) {
   }
 }
 
+// A mean that keeps the size and a 1x1 convolution are both linear, so either may come first; the
+// mean costs less on the convolution's outputs, where those are fewer. What is not linear (the
+// bias, where the padding's zeros count, and the activations) stays behind both.
+void swap_means(Program& program) {
+  const Window point;
+  for (std::size_t i = 0; i < program.layers.size(); ++i) {
+    const Convolution* convolution = program.layers[i].as<Convolution>();
+    if (convolution == nullptr || convolution->groups != 1 || convolution->adds_residual ||
+        convolution->window.kernel != point.kernel ||
+        convolution->window.strides != point.strides ||
+        convolution->window.pads_begin != point.pads_begin ||
+        convolution->window.pads_end != point.pads_end) {
+      continue;
+    }
+    const Layer given = program.layers[i];
+    const Links links(program);
+    Layer* mean = links.only_for_this<Pooling>(program, given.inputs[0]);
+    const Shape wanted = program.values[given.output].shape;
+    if (mean == nullptr || mean->as<Pooling>()->kind == Pooling::Kind::kMaximum) continue;
+    const Shape& before = program.values[mean->inputs[0]].shape;
+    if (before[2] != wanted[2] || before[3] != wanted[3] || wanted[1] >= before[1]) continue;
+
+    Layer swapped = *mean;
+    std::vector<Layer> behind;
+    ValueId last = 0;
+    const auto add = [&](auto operation, std::vector<ValueId> inputs) {
+      program.values.push_back({wanted, nullptr});
+      last = program.values.size() - 1;
+      behind.push_back({std::move(operation), std::move(inputs), last, given.node});
+    };
+    Convolution linear = *convolution;
+    linear.activations.clear();
+    Constant bias;
+    if (swapped.as<Pooling>()->kind == Pooling::Kind::kMeanWithPadding) {
+      bias.floats = std::exchange(linear.bias, {});
+      bias.shape = {1, wanted[1], 1, 1};
+    }
+    program.values.push_back({wanted, nullptr});
+    const ValueId sums = program.values.size() - 1;
+    *mean = {std::move(linear), {swapped.inputs[0]}, sums, given.node};
+    add(*swapped.as<Pooling>(), {sums});
+    if (!bias.floats.empty()) {
+      program.values.push_back({bias.shape, std::make_shared<const Constant>(bias)});
+      add(Arithmetic{Arithmetic::Operator::kAdd}, {last, program.values.size() - 1});
+    }
+    for (const Activation& activation : given.as<Convolution>()->activations)
+      add(activation, {last});
+    behind.back().output = given.output;
+    const auto place =
+        program.layers.erase(program.layers.begin() + static_cast<std::ptrdiff_t>(i));
+    program.layers.insert(place, behind.begin(), behind.end());
+  }
+}
+
 void remove_unused(Program& program) {
   std::vector<std::size_t> uses = count_uses(program);
   std::vector<Layer> kept;
@@ -256,6 +310,7 @@ Program run_passes(Program program, const PassOptions& options) {
   // Sums first: an activation behind one then follows it into the convolution.
   if (options.fuses_residuals) fuse_residuals(program);
   if (options.fuses_activations) fuse_activations(program);
+  if (options.swaps_means) swap_means(program);
   return program;
 }
 

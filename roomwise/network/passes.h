@@ -13,7 +13,9 @@ struct PassOptions {
   bool fuses_activations = true;  // into convolutions; and x * sigmoid(x) into one function
   bool fuses_residuals = true;    // sums become part of a convolution
   bool combines_gathers = true;   // chains of joins, splits and channel shuffles become one
+  bool swaps_means = true;        // a 1x1 convolution comes before a mean, on fewer channels
   bool joins_in_place = true;     // what is joined is written where it is wanted (plan.h)
+  bool uses_winograd = true;      // for 3x3 convolutions (plan.h)
 };
 
 [[nodiscard]] Program run_passes(Program program, const PassOptions& options);
@@ -24,6 +26,7 @@ void fold_scales(Program& program);
 void fuse_activations(Program& program);
 void fuse_residuals(Program& program);
 void combine_gathers(Program& program);
+void swap_means(Program& program);
 // Takes out the layers whose results nobody uses.
 void remove_unused(Program& program);
 

@@ -68,7 +68,8 @@ const std::vector<std::pair<const char*, bool PassOptions::*>> kPasses = {
     {"constants", &PassOptions::folds_constants}, {"padding", &PassOptions::folds_padding},
     {"scales", &PassOptions::folds_scales},       {"activations", &PassOptions::fuses_activations},
     {"residuals", &PassOptions::fuses_residuals}, {"gathers", &PassOptions::combines_gathers},
-    {"joins", &PassOptions::joins_in_place}};
+    {"means", &PassOptions::swaps_means},         {"joins", &PassOptions::joins_in_place},
+    {"Winograd", &PassOptions::uses_winograd}};
 
 PassOptions no_passes() {
   PassOptions none;
@@ -106,11 +107,40 @@ TEST(Passes, LeaveWhatComesOutAsItWas) {
 TEST(Passes, TakeLayersAway) {
   const TinyGraph graph = busy_graph();
   for (const auto& [name, pass] : kPasses) {
-    if (pass == &PassOptions::joins_in_place) continue;  // of the plan, not of the program
+    // The last two are of the plan, not of the program.
+    if (pass == &PassOptions::swaps_means || pass == &PassOptions::joins_in_place ||
+        pass == &PassOptions::uses_winograd) {
+      continue;
+    }
     PassOptions one = no_passes();
     one.*pass = true;
     EXPECT_LT(program_of(graph, one).layers.size(), program_of(graph, no_passes()).layers.size())
         << name;
+  }
+}
+
+// A mean (with or without the padding's zeros) of many channels, then few outputs.
+TEST(Passes, SwapsMeansSoThatTheyAreOfFewChannels) {
+  for (const int counts_padding : {0, 1}) {
+    const TinyGraph graph{
+        {layer("AveragePool", {"picture"}, {"m"},
+               {attribute("kernel_shape", {3, 3}), attribute("pads", {1, 1, 1, 1}),
+                attribute("count_include_pad", counts_padding)}),
+         layer("Conv", {"m", "w", "b"}, {"c"}), layer("Relu", {"c"}, {"out"})},
+        {random_weights("w", {5, 24, 1, 1}, 1), random_weights("b", {5}, 2)},
+        {1, 24, 7, 6},
+        {{"out", {1, 5, 7, 6}}}};
+    const Program program = program_of(graph, {});
+    ASSERT_NE(program.layers[0].as<Convolution>(), nullptr);
+    ASSERT_NE(program.layers[1].as<Pooling>(), nullptr);
+    EXPECT_EQ(program.values[program.layers[1].output].shape[1], 5);
+    const Tensor input = random_tensor(input_shape(graph));
+    ExecutorOptions unswapped;
+    unswapped.passes.swaps_means = false;
+    const auto outputs = run(onnx(graph), input), expected = run(onnx(graph), input, unswapped);
+    ASSERT_OK(outputs);
+    ASSERT_OK(expected);
+    EXPECT_LT(relative_error(outputs->front().values, expected->front().values), 1e-5);
   }
 }
 

@@ -8,10 +8,10 @@
 
 namespace roomwise::network {
 
-OneThread::OneThread() : before_(omp_get_max_threads()) {
-  omp_set_num_threads(1);
+WorkingThreads::WorkingThreads(std::size_t count) : before_(omp_get_max_threads()) {
+  omp_set_num_threads(static_cast<int>(count));
 }
-OneThread::~OneThread() {
+WorkingThreads::~WorkingThreads() {
   omp_set_num_threads(before_);
 }
 
@@ -44,7 +44,7 @@ std::vector<float> PlanRun::read(const Located& value) const {
 }
 
 std::vector<std::vector<float>> PlanRun::run(std::span<const std::span<const float>> inputs) {
-  const OneThread one_thread;
+  const WorkingThreads threads(plan_->threads);
   for (std::size_t i = 0; i < inputs.size(); ++i) {
     std::memcpy(data(plan_->inputs[i].place), inputs[i].data(), inputs[i].size_bytes());
   }

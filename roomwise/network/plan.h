@@ -38,7 +38,7 @@ struct Step {
   std::vector<Operand> operands;
 };
 
-// How a program is run by oneDNN on one thread, in layouts of its choosing: primitives made,
+// How a program is run by oneDNN on so many threads, in layouts of its choosing: primitives made,
 // weights packed, memory laid out. Made once and shared by all runs; it does not change.
 struct Plan {
   dnnl::engine engine{dnnl::engine::kind::cpu, 0};
@@ -48,18 +48,26 @@ struct Plan {
   std::vector<Located> inputs;   // row by row
   std::vector<Located> outputs;  // row by row
   std::vector<Shape> output_shapes;
+  std::size_t threads = 1;
+};
+
+struct PlanOptions {
+  bool joins_in_place = true;  // what is joined is written where it is wanted
+  bool uses_winograd = true;   // for 3x3 convolutions, where that is faster
+  std::size_t threads = 1;     // that share the work of one picture
 };
 
 // Fails where oneDNN refuses a layer, naming its node.
 [[nodiscard]] Expected<std::shared_ptr<const Plan>> make_plan(const Program& program,
-                                                              bool joins_in_place);
+                                                              const PlanOptions& options);
 
 // The memory of one run at a time of a plan.
 class PlanRun {
  public:
   explicit PlanRun(std::shared_ptr<const Plan> plan);
 
-  // inputs: one each, of the plan's sizes. Works on the calling thread alone.
+  // inputs: one each, of the plan's sizes. Works on the calling thread, and on others of OpenMP
+  // where the plan is for several.
   [[nodiscard]] std::vector<std::vector<float>> run(std::span<const std::span<const float>> inputs);
 
   [[nodiscard]] std::size_t bytes() const { return plan_->memory.bytes; }
@@ -77,14 +85,14 @@ class PlanRun {
   std::vector<std::unordered_map<int, dnnl::memory>> arguments_;  // a step each
 };
 
-// While it lives, oneDNN works on the calling thread alone: its OpenMP would start threads of its
-// own besides ours, and share work out by their number, which changes the last bits.
-class OneThread {
+// While it lives, oneDNN works on so many threads for the calling one. Left alone it would start as
+// many as there are processors, besides our own.
+class WorkingThreads {
  public:
-  OneThread();
-  ~OneThread();
-  OneThread(const OneThread&) = delete;
-  OneThread& operator=(const OneThread&) = delete;
+  explicit WorkingThreads(std::size_t count);
+  ~WorkingThreads();
+  WorkingThreads(const WorkingThreads&) = delete;
+  WorkingThreads& operator=(const WorkingThreads&) = delete;
 
  private:
   int before_;

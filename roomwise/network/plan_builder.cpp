@@ -21,9 +21,9 @@ std::size_t channels_in_block(dnnl::cpu_isa isa) {
   return (static_cast<unsigned>(isa) & kAvx512) == kAvx512 ? 16 : 8;
 }
 
-PlanBuilder::PlanBuilder(const Program& program, bool joins_in_place)
+PlanBuilder::PlanBuilder(const Program& program, const PlanOptions& options)
     : program_(program),
-      joins_in_place_(joins_in_place),
+      options_(options),
       block_(channels_in_block(dnnl::get_effective_cpu_isa())),
       stream_(plan_->engine),
       located_(program.values.size()),
@@ -32,7 +32,8 @@ PlanBuilder::PlanBuilder(const Program& program, bool joins_in_place)
       joins_(program.values.size()) {}
 
 std::shared_ptr<const Plan> PlanBuilder::build() {
-  const OneThread one_thread;
+  const WorkingThreads threads(options_.threads);
+  plan_->threads = options_.threads;
   for (const ValueId input : program_.inputs) {
     located_[input] = new_buffer(plain(shape(input)));
     plan_->inputs.push_back(*located_[input]);
@@ -42,7 +43,7 @@ std::shared_ptr<const Plan> PlanBuilder::build() {
     for (const ValueId input : program_.layers[i].inputs) last_use_[input] = i;
   }
   for (const ValueId output : program_.outputs) last_use_[output] = program_.layers.size();
-  if (joins_in_place_) plan_joins();
+  if (options_.joins_in_place) plan_joins();
   for (layer_ = 0; layer_ < program_.layers.size(); ++layer_) {
     const Layer& layer = program_.layers[layer_];
     std::visit([&](const auto& operation) { plan_layer(layer, operation); }, layer.operation);
@@ -103,15 +104,16 @@ bool PlanBuilder::is_blocked(ValueId value) {
   return shape(value).size() == 4 && located(value).layout == blocked(shape(value));
 }
 
-memory PlanBuilder::constant_memory(const Layout& layout, const std::vector<float>& data) {
+memory PlanBuilder::constant_memory(const Layout& layout, const std::vector<float>& data) const {
   const memory result(layout, plan_->engine);
   std::memcpy(result.get_data_handle(), data.data(), data.size() * sizeof(float));
   return result;
 }
 
-memory PlanBuilder::reordered(memory from, const Layout& layout) {
+memory PlanBuilder::reordered(memory from, const Layout& layout,
+                              const dnnl::primitive_attr& attributes) {
   memory to(layout, plan_->engine);
-  dnnl::reorder(from, to).execute(stream_, from, to);
+  dnnl::reorder(from, to, attributes).execute(stream_, from, to);
   stream_.wait();
   return to;
 }
@@ -140,10 +142,24 @@ Located PlanBuilder::in_layout(ValueId value, const Layout& layout) {
     result = add_constant(reordered(plan_->constants[present.place.index], layout));
   } else {
     result = new_buffer(layout);
-    copy(present, result);
+    copy(present, result, scale_between(value, present.layout, layout));
   }
   reordered_[value].push_back(result);
   return result;
+}
+
+Located PlanBuilder::in_floats(ValueId value) {
+  const Located present = located(value);
+  return present.layout.data_type() == memory::data_type::f32
+             ? present
+             : in_layout(value, usual(shape(value)));
+}
+
+float PlanBuilder::scale_between(ValueId value, const Layout& from, const Layout& to) const {
+  const bool from_floats = from.data_type() == memory::data_type::f32;
+  if (from_floats == (to.data_type() == memory::data_type::f32)) return 1;
+  const float step = program_.values[value].eight_bits->step;
+  return from_floats ? 1 / step : step;
 }
 
 Located PlanBuilder::new_buffer(const Layout& layout) {
@@ -170,9 +186,11 @@ Place PlanBuilder::place_of_join(ValueId target) {
   return *place;
 }
 
-void PlanBuilder::copy(const Located& from, const Located& to) {
+void PlanBuilder::copy(const Located& from, const Located& to, float scale) {
+  dnnl::primitive_attr attributes;
+  if (scale != 1) attributes.set_output_scales(0, {scale});
   const dnnl::reorder::primitive_desc description(plan_->engine, from.layout, plan_->engine,
-                                                  to.layout);
+                                                  to.layout, attributes);
   add_primitive(dnnl::reorder(description), description.scratchpad_desc(),
                 {{DNNL_ARG_FROM, from}, {DNNL_ARG_TO, to}});
 }
@@ -209,10 +227,11 @@ void PlanBuilder::plan_memory_of_steps() {
   plan_->memory = plan_memory(buffers_);
 }
 
-Expected<std::shared_ptr<const Plan>> make_plan(const Program& program, bool joins_in_place) {
+Expected<std::shared_ptr<const Plan>> make_plan(const Program& program,
+                                                const PlanOptions& options) {
   std::optional<PlanBuilder> builder;
   try {
-    builder.emplace(program, joins_in_place);
+    builder.emplace(program, options);
     std::shared_ptr<const Plan> plan = builder->build();
     constexpr std::size_t kMostBytes = std::size_t{1} << 32;
     if (plan->memory.bytes > kMostBytes) {

@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "roomwise/network/plan_builder.h"
+#include "roomwise/network/plan_primitives.h"
 
 namespace roomwise::network {
 namespace {
@@ -9,103 +10,6 @@ namespace {
 using dnnl::algorithm;
 using dnnl::memory;
 using dnnl::prop_kind;
-
-struct Elementwise {
-  algorithm function;
-  float alpha;
-  float beta;
-};
-
-Elementwise elementwise_of(const Activation& activation) {
-  const auto [function, alpha, beta] = activation;
-  switch (function) {
-    case Activation::Function::kRelu:
-      return {algorithm::eltwise_relu, alpha, 0};
-    case Activation::Function::kClip:
-      return {algorithm::eltwise_clip, alpha, beta};
-    case Activation::Function::kSigmoid:
-      return {algorithm::eltwise_logistic, 0, 0};
-    case Activation::Function::kTanh:
-      return {algorithm::eltwise_tanh, 0, 0};
-    case Activation::Function::kExp:
-      return {algorithm::eltwise_exp, 0, 0};
-    case Activation::Function::kLinear:
-      return {algorithm::eltwise_linear, alpha, beta};
-    case Activation::Function::kSwish:
-      return {algorithm::eltwise_swish, 1, 0};
-    case Activation::Function::kHardSwish:
-      return {algorithm::eltwise_hardswish, 0, 0};
-  }
-  return {algorithm::eltwise_relu, 0, 0};
-}
-
-// The memory that a primitive works in is part of the plan's: primitives are shared by threads.
-dnnl::primitive_attr attributes() {
-  dnnl::primitive_attr attributes;
-  attributes.set_scratchpad_mode(dnnl::scratchpad_mode::user);
-  return attributes;
-}
-
-dnnl::primitive_attr attributes_of(const Convolution& convolution) {
-  dnnl::post_ops after;
-  if (convolution.adds_residual) after.append_sum(1);
-  for (const Activation& activation : convolution.activations) {
-    const auto [function, alpha, beta] = elementwise_of(activation);
-    after.append_eltwise(1, function, alpha, beta);
-  }
-  dnnl::primitive_attr result = attributes();
-  result.set_post_ops(after);
-  return result;
-}
-
-memory::dims dims(const std::array<std::int64_t, 2>& pair) {
-  return {pair[0], pair[1]};
-}
-
-memory::desc any_layout(const memory::dims& dims) {
-  return {dims, memory::data_type::f32, memory::format_tag::any};
-}
-
-memory::dims weight_dims(const Convolution& convolution) {
-  const Shape& shape = convolution.weights->shape;
-  if (convolution.groups == 1) return {shape.begin(), shape.end()};
-  return {convolution.groups, shape[0] / convolution.groups, shape[1], shape[2], shape[3]};
-}
-
-dnnl::convolution_forward::primitive_desc convolution_in(const Convolution& convolution,
-                                                         const memory::desc& from,
-                                                         const memory::desc& to,
-                                                         const dnnl::engine& engine) {
-  const Window& window = convolution.window;
-  // oneDNN counts the places between a window's places.
-  const memory::dims dilations{window.dilations[0] - 1, window.dilations[1] - 1};
-  const auto outputs = convolution.weights->shape[0];
-  const memory::desc bias = convolution.bias.empty() ? memory::desc() : any_layout({outputs});
-  const dnnl::convolution_forward::desc description(
-      prop_kind::forward_inference, algorithm::convolution_direct, from,
-      any_layout(weight_dims(convolution)), bias, to, dims(window.strides), dilations,
-      dims(window.pads_begin), dims(window.pads_end));
-  return {description, attributes_of(convolution), engine};
-}
-
-// In the layouts of feature maps where oneDNN has a fast way for them, else in those that it
-// chooses.
-dnnl::convolution_forward::primitive_desc choose_convolution(const Convolution& convolution,
-                                                             const memory::desc& from,
-                                                             const memory::desc& to,
-                                                             const dnnl::engine& engine) {
-  const auto is_fast = [](const dnnl::convolution_forward::primitive_desc& description) {
-    const std::string way = description.impl_info_str();
-    return way.find("ref") == std::string::npos && way.find("gemm") == std::string::npos;
-  };
-  try {
-    auto usual = convolution_in(convolution, from, to, engine);
-    if (is_fast(usual)) return usual;
-  } catch (const dnnl::error&) {
-    // oneDNN has no way in these layouts.
-  }
-  return convolution_in(convolution, any_layout(from.dims()), any_layout(to.dims()), engine);
-}
 
 algorithm algorithm_of(Arithmetic::Operator operation) {
   switch (operation) {
@@ -124,17 +28,16 @@ algorithm algorithm_of(Arithmetic::Operator operation) {
 }  // namespace
 
 void PlanBuilder::plan_layer(const Layer& layer, const Convolution& convolution) {
+  if (plan_in_eight_bits(layer, convolution)) return;
   const Shape& from = shape(layer.inputs[0]);
   // A picture of three colours is taken as it is.
   const bool is_picture = convolution.groups == 1 && from[1] <= 3;
-  const auto description = choose_convolution(convolution, is_picture ? plain(from) : blocked(from),
+  const auto description = choose_convolution(convolution, options_.uses_winograd,
+                                              is_picture ? plain(from) : blocked(from),
                                               blocked(shape(layer.output)), plan_->engine);
   std::vector<Step::Operand> operands;
-  const memory::dims weights = weight_dims(convolution);
-  const memory given =
-      constant_memory(plain(Shape(weights.begin(), weights.end())), convolution.weights->floats);
-  operands.push_back(
-      {DNNL_ARG_WEIGHTS, add_constant(reordered(given, description.weights_desc()))});
+  operands.push_back({DNNL_ARG_WEIGHTS, add_constant(reordered(given_weights(convolution),
+                                                               description.weights_desc()))});
   if (!convolution.bias.empty()) {
     operands.push_back(
         {DNNL_ARG_BIAS, add_constant(constant_memory(description.bias_desc(), convolution.bias))});
@@ -146,6 +49,11 @@ void PlanBuilder::plan_layer(const Layer& layer, const Convolution& convolution)
   operands.push_back({DNNL_ARG_DST, output});
   add_primitive(dnnl::convolution_forward(description), description.scratchpad_desc(),
                 std::move(operands));
+}
+
+dnnl::memory PlanBuilder::given_weights(const Convolution& convolution) const {
+  const memory::dims weights = weight_dims(convolution);
+  return constant_memory(plain(Shape(weights.begin(), weights.end())), convolution.weights->floats);
 }
 
 // oneDNN adds to what lies where it writes. That is the residual itself where nobody reads it
@@ -161,7 +69,7 @@ Located PlanBuilder::residual_in_place(const Layer& layer, const Layout& layout)
     return residual;
   }
   const Located output = place_output(layer.output, layout);
-  copy(residual, output);
+  copy(residual, output, 1);
   return output;
 }
 
@@ -171,11 +79,16 @@ void PlanBuilder::plan_layer(const Layer& layer, const Pooling& pooling) {
                         : pooling.kind == Pooling::Kind::kMean
                             ? algorithm::pooling_avg_exclude_padding
                             : algorithm::pooling_avg_include_padding;
-  const Located input = in_layout(layer.inputs[0], blocked(shape(layer.inputs[0])));
+  const bool in_bytes = hands_on_eight_bits(layer);
+  const auto layout = [&](ValueId value) {
+    return in_bytes ? in_eight_bits(value) : blocked(shape(value));
+  };
+  const Located input = in_layout(layer.inputs[0], layout(layer.inputs[0]));
   const dnnl::pooling_forward::primitive_desc description(
-      {prop_kind::forward_inference, way, input.layout, blocked(shape(layer.output)),
-       dims(window.strides), dims(window.kernel), dims(window.pads_begin), dims(window.pads_end)},
-      attributes(), plan_->engine);
+      {prop_kind::forward_inference, way, input.layout, layout(layer.output),
+       dims_of(window.strides), dims_of(window.kernel), dims_of(window.pads_begin),
+       dims_of(window.pads_end)},
+      user_scratchpad(), plan_->engine);
   const Located output = place_output(layer.output, description.dst_desc());
   add_primitive(dnnl::pooling_forward(description), description.scratchpad_desc(),
                 {{DNNL_ARG_SRC, input}, {DNNL_ARG_DST, output}});
@@ -183,9 +96,9 @@ void PlanBuilder::plan_layer(const Layer& layer, const Pooling& pooling) {
 
 void PlanBuilder::plan_layer(const Layer& layer, const Activation& activation) {
   const auto [function, alpha, beta] = elementwise_of(activation);
-  const Located input = located(layer.inputs[0]);
+  const Located input = in_floats(layer.inputs[0]);
   const dnnl::eltwise_forward::primitive_desc description(
-      {prop_kind::forward_inference, function, input.layout, alpha, beta}, attributes(),
+      {prop_kind::forward_inference, function, input.layout, alpha, beta}, user_scratchpad(),
       plan_->engine);
   const Located output = place_output(layer.output, description.dst_desc());
   add_primitive(dnnl::eltwise_forward(description), description.scratchpad_desc(),
@@ -211,7 +124,7 @@ void PlanBuilder::plan_layer(const Layer& layer, const Arithmetic& arithmetic) {
   const bool blocks_of_b = in_blocks && shape(b)[1] != 1;
   const Located of_b = in_layout(b, blocks_of_b ? blocked(shape(b)) : plain(shape(b)));
   const dnnl::binary::primitive_desc description(
-      {algorithm_of(operation), of_a.layout, of_b.layout, of_a.layout}, attributes(),
+      {algorithm_of(operation), of_a.layout, of_b.layout, of_a.layout}, user_scratchpad(),
       plan_->engine);
   const Located output = place_output(layer.output, of_a.layout);
   add_primitive(dnnl::binary(description), description.scratchpad_desc(),
@@ -219,6 +132,10 @@ void PlanBuilder::plan_layer(const Layer& layer, const Arithmetic& arithmetic) {
 }
 
 void PlanBuilder::plan_layer(const Layer& layer, const AxisGather& gather) {
+  if (hands_on_eight_bits(layer)) {
+    join_in_eight_bits(layer);
+    return;
+  }
   if (join_places_.contains(layer.output)) {
     gather_in_place(layer);
     return;
@@ -250,7 +167,8 @@ void PlanBuilder::gather_in_place(const Layer& layer) {
   for (const ValueId input : layer.inputs) {
     const Located wanted{part, usual(shape(input))};
     const Located present = located(input);
-    if (!(present.place == wanted.place && present.layout == wanted.layout)) copy(present, wanted);
+    if (!(present.place == wanted.place && present.layout == wanted.layout))
+      copy(present, wanted, scale_between(input, present.layout, wanted.layout));
     part.offset += count_of(shape(input)) * sizeof(float);
   }
 }
@@ -263,7 +181,7 @@ void PlanBuilder::plan_layer(const Layer& layer, const MatrixProduct& product) {
   Shape bias_shape(shape(layer.output).size(), 1);
   bias_shape.back() = shape(layer.output).back();
   const Layout bias = product.bias.empty() ? Layout() : plain(bias_shape);
-  const dnnl::matmul::primitive_desc description({of_a, of_b, bias, result}, attributes(),
+  const dnnl::matmul::primitive_desc description({of_a, of_b, bias, result}, user_scratchpad(),
                                                  plan_->engine);
   std::vector<Step::Operand> operands{{DNNL_ARG_SRC, in_layout(a, of_a)},
                                       {DNNL_ARG_WEIGHTS, in_layout(b, description.weights_desc())}};
@@ -276,8 +194,8 @@ void PlanBuilder::plan_layer(const Layer& layer, const MatrixProduct& product) {
 void PlanBuilder::plan_layer(const Layer& layer, const Softmax& softmax) {
   const Located input = in_layout(layer.inputs[0], plain(shape(layer.inputs[0])));
   const dnnl::softmax_forward::primitive_desc description(
-      {prop_kind::forward_inference, input.layout, static_cast<int>(softmax.axis)}, attributes(),
-      plan_->engine);
+      {prop_kind::forward_inference, input.layout, static_cast<int>(softmax.axis)},
+      user_scratchpad(), plan_->engine);
   const Located output = place_output(layer.output, input.layout);
   add_primitive(dnnl::softmax_forward(description), description.scratchpad_desc(),
                 {{DNNL_ARG_SRC, input}, {DNNL_ARG_DST, output}});
@@ -306,7 +224,7 @@ void PlanBuilder::plan_layer(const Layer& layer, const Permutation& permutation)
   const Located output = place_output(layer.output, plain(shape(layer.output)));
   std::vector<int> places(permutation.axes.size());
   for (std::size_t i = 0; i < places.size(); ++i) places[permutation.axes[i]] = static_cast<int>(i);
-  copy({input.place, input.layout.permute_axes(places)}, output);
+  copy({input.place, input.layout.permute_axes(places)}, output, 1);
 }
 
 void PlanBuilder::plan_layer(const Layer& layer, const Mean& mean) {

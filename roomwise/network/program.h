@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -15,9 +16,16 @@ namespace roomwise::network {
 
 using ValueId = std::size_t;
 
+// A number is held as the whole number nearest to number / step: 0 to 255, or -127 to 127.
+struct EightBits {
+  float step = 1;
+  bool is_signed = false;
+};
+
 struct Value {
   Shape shape;
-  ConstantPointer constant;  // absent: computed, or an input
+  ConstantPointer constant = nullptr;                  // absent: computed, or an input
+  std::optional<EightBits> eight_bits = std::nullopt;  // absent: 32-bit floats (quantization.h)
 };
 
 // An element-wise function.

@@ -1,0 +1,92 @@
+#include "roomwise/network/checked_quantization.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace roomwise::network {
+namespace {
+
+// 1 for two that are nothing but zeros, 0 where only one is.
+double cosine(std::span<const float> a, std::span<const float> b) {
+  double product = 0, of_a = 0, of_b = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    const double x = a[i], y = b[i];
+    product += x * y;
+    of_a += x * x;
+    of_b += y * y;
+  }
+  if (of_a == 0 || of_b == 0) return of_a == of_b ? 1 : 0;
+  return product / std::sqrt(of_a * of_b);
+}
+
+std::ptrdiff_t place_of_largest(const std::vector<float>& values) {
+  return std::ranges::max_element(values) - values.begin();
+}
+
+Expected<QuantizationReport> compare(const Executor& exact, const Executor& rounded,
+                                     std::span<const Tensor> inputs) {
+  QuantizationReport report;
+  const double share = 1 / static_cast<double>(inputs.size());
+  for (const Tensor& input : inputs) {
+    ROOMWISE_TRY(const auto expected, exact.run({&input, 1}));
+    ROOMWISE_TRY(const auto outputs, rounded.run({&input, 1}));
+    report.mean_cosine.resize(outputs.size(), 0);
+    report.least_cosine.resize(outputs.size(), 1);
+    report.agreement.resize(outputs.size(), 0);
+    for (std::size_t i = 0; i < outputs.size(); ++i) {
+      const double near = cosine(outputs[i].values, expected[i].values);
+      report.mean_cosine[i] += share * near;
+      report.least_cosine[i] = std::min(report.least_cosine[i], near);
+      const bool agree =
+          place_of_largest(outputs[i].values) == place_of_largest(expected[i].values);
+      report.agreement[i] += agree ? share : 0;
+    }
+  }
+  return report;
+}
+
+std::string reason_against(const QuantizationReport& report, std::span<const std::size_t> scores,
+                           const QuantizationLimits& limits) {
+  for (std::size_t i = 0; i < report.mean_cosine.size(); ++i) {
+    if (!(report.mean_cosine[i] >= limits.least_cosine)) {
+      return fmt::format("output {} in 8 bits has a cosine of {:.4f} with that in floats, below {}",
+                         i, report.mean_cosine[i], limits.least_cosine);
+    }
+  }
+  // Sums of shares may lack a little of 1.
+  constexpr double kRounding = 1e-9;
+  for (const std::size_t i : scores) {
+    if (!(report.agreement[i] + kRounding >= limits.least_agreement)) {
+      return fmt::format(
+          "output {} in 8 bits has its largest number where floats have it for {:.1f} % "
+          "of the inputs, below {:.1f} %",
+          i, 100 * report.agreement[i], 100 * limits.least_agreement);
+    }
+  }
+  return "";
+}
+
+}  // namespace
+
+Expected<CheckedExecutor> checked_quantization(const OnnxGraph& graph,
+                                               const ExecutorOptions& options,
+                                               std::span<const Tensor> held_out,
+                                               std::span<const std::size_t> scores,
+                                               const QuantizationLimits& limits) {
+  if (options.calibration.empty() || held_out.empty())
+    return fail("8 bits need inputs to measure on, and others to be checked on");
+  ExecutorOptions in_floats = options;
+  in_floats.calibration.clear();
+  ROOMWISE_TRY(auto exact, Executor::create(graph, in_floats));
+  ROOMWISE_TRY(auto rounded, Executor::create(graph, options));
+  ROOMWISE_TRY(QuantizationReport report, compare(*exact, *rounded, held_out));
+  for (const std::size_t i : scores) {
+    if (i >= report.agreement.size())
+      return fail("there is no output {} among {}", i, report.agreement.size());
+  }
+  report.reason = reason_against(report, scores, limits);
+  report.is_used = report.reason.empty();
+  return CheckedExecutor{report.is_used ? std::move(rounded) : std::move(exact), std::move(report)};
+}
+
+}  // namespace roomwise::network

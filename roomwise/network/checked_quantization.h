@@ -1,0 +1,37 @@
+#pragma once
+
+#include "roomwise/network/executor.h"
+
+namespace roomwise::network {
+
+// How near a network in 8 bits must come to the one in floats to be used, on inputs that its steps
+// were not measured on.
+struct QuantizationLimits {
+  double least_cosine = 0.99;     // of every output, in the mean of the inputs
+  double least_agreement = 0.98;  // of the largest number's place, for outputs that are scores
+};
+
+// What a network in 8 bits gives beside the one in floats.
+struct QuantizationReport {
+  std::vector<double> mean_cosine;   // an output each
+  std::vector<double> least_cosine;  // the same, of the worst input
+  std::vector<double> agreement;     // part of the inputs whose largest number is at one place
+  bool is_used = false;
+  std::string reason;  // why it is not used; empty: it is
+};
+
+struct CheckedExecutor {
+  std::unique_ptr<Executor> executor;
+  QuantizationReport report;
+};
+
+// The network in 8 bits, measured on options.calibration, where it is near enough on `held_out`;
+// else in floats, with the reason. scores: which of the outputs' largest numbers must agree, by
+// their places. Fails where either network cannot be run, or there are no held-out inputs.
+[[nodiscard]] Expected<CheckedExecutor> checked_quantization(const OnnxGraph& graph,
+                                                             const ExecutorOptions& options,
+                                                             std::span<const Tensor> held_out,
+                                                             std::span<const std::size_t> scores,
+                                                             const QuantizationLimits& limits = {});
+
+}  // namespace roomwise::network

@@ -1,0 +1,110 @@
+#include "roomwise/network/quantization.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "roomwise/base/disjoint_sets.h"
+#include "roomwise/network/executor.h"
+#include "roomwise/network/plan.h"
+
+namespace roomwise::network {
+namespace {
+
+constexpr std::int64_t kMostColors = 3;
+
+// Whether the layer hands 8-bit numbers on as they are: maxima, small means, joined channels.
+bool hands_on(const Program& program, const Layer& layer) {
+  if (program.values[layer.output].shape.size() != 4) return false;
+  if (const Pooling* pooling = layer.as<Pooling>()) {
+    // The mean of a whole picture is a feature, and not to be rounded.
+    const Shape& shape = program.values[layer.output].shape;
+    return pooling->kind == Pooling::Kind::kMaximum || shape[2] * shape[3] > 1;
+  }
+  const AxisGather* gather = layer.as<AxisGather>();
+  return gather != nullptr && gather->axis == 1 && joins_whole_inputs(program, layer);
+}
+
+// By value: whether a convolution in 8 bits looks at it, or what is handed on to one.
+std::vector<bool> values_for_convolutions(const Program& program) {
+  std::vector<bool> wanted(program.values.size(), false);
+  for (auto layer = program.layers.rbegin(); layer != program.layers.rend(); ++layer) {
+    const ValueId first = layer->inputs.front();
+    if (layer->as<Convolution>() != nullptr && program.values[first].shape[1] > kMostColors) {
+      wanted[first] = true;
+    } else if (wanted[layer->output] && hands_on(program, *layer)) {
+      for (const ValueId input : layer->inputs) wanted[input] = true;
+    }
+  }
+  for (std::size_t i = 0; i < wanted.size(); ++i)
+    wanted[i] = wanted[i] && program.values[i].constant == nullptr;
+  return wanted;
+}
+
+EightBits eight_bits_for(const ValueRange& range) {
+  const bool is_signed = range.least < 0;
+  const float largest = std::max(std::abs(range.least), std::abs(range.most));
+  const float step = largest / (is_signed ? 127.0F : 255.0F);
+  return {step > 0 ? step : 1, is_signed};
+}
+
+}  // namespace
+
+Expected<std::vector<ValueRange>> measure_ranges(const Program& program,
+                                                 std::span<const Tensor> inputs) {
+  if (inputs.empty() || program.inputs.size() != 1) {
+    return fail("a network of one input, and some inputs to look at, are needed for 8 bits");
+  }
+  Program watched = program;
+  watched.outputs.clear();
+  for (const Layer& layer : program.layers) watched.outputs.push_back(layer.output);
+  watched.outputs.push_back(program.inputs.front());
+  ROOMWISE_TRY(auto plan, make_plan(watched, {}));
+  PlanRun run(std::move(plan));
+  std::vector<ValueRange> ranges(program.values.size()), extremes(program.values.size());
+  const auto share = 1 / static_cast<float>(inputs.size());
+  for (const Tensor& input : inputs) {
+    if (input.shape != program.values[program.inputs.front()].shape) {
+      return fail("8 bits were measured on inputs of {}, not {}", shape_text(input.shape),
+                  shape_text(program.values[program.inputs.front()].shape));
+    }
+    const std::span<const float> values = input.values;
+    const auto outputs = run.run({&values, 1});
+    for (std::size_t i = 0; i < outputs.size(); ++i) {
+      ValueRange& range = ranges[watched.outputs[i]];
+      const auto [least, most] = std::ranges::minmax(outputs[i]);
+      range.least += share * least;
+      range.most += share * most;
+      ValueRange& extreme = extremes[watched.outputs[i]];
+      extreme = {std::min(extreme.least, least), std::max(extreme.most, most)};
+    }
+  }
+  for (std::size_t i = 0; i < ranges.size(); ++i) {
+    ranges[i].least = std::midpoint(ranges[i].least, extremes[i].least);
+    ranges[i].most = std::midpoint(ranges[i].most, extremes[i].most);
+  }
+  return ranges;
+}
+
+void quantize(Program& program, std::span<const ValueRange> ranges) {
+  const std::vector<bool> wanted = values_for_convolutions(program);
+  DisjointSets together(program.values.size());
+  for (const Layer& layer : program.layers) {
+    if (!wanted[layer.output] || !hands_on(program, layer)) continue;
+    for (const ValueId input : layer.inputs) {
+      if (wanted[input]) together.join(input, layer.output);
+    }
+  }
+  std::vector<ValueRange> of_set(program.values.size(), {0, 0});
+  for (ValueId value = 0; value < wanted.size(); ++value) {
+    if (!wanted[value]) continue;
+    ValueRange& range = of_set[together.find(value)];
+    range = {std::min(range.least, ranges[value].least), std::max(range.most, ranges[value].most)};
+  }
+  for (ValueId value = 0; value < wanted.size(); ++value) {
+    if (wanted[value])
+      program.values[value].eight_bits = eight_bits_for(of_set[together.find(value)]);
+  }
+}
+
+}  // namespace roomwise::network

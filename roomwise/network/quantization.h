@@ -1,0 +1,32 @@
+#pragma once
+
+#include <span>
+
+#include "roomwise/network/program.h"
+
+namespace roomwise::network {
+
+// Numbers in a shape, row by row.
+struct Tensor;
+
+// The least and the largest number of a value: each halfway between the mean of some inputs and the
+// most of any, so that what few of them reach is cut off and the others are rounded less.
+struct ValueRange {
+  float least = 0;
+  float most = 0;
+};
+
+// What every value of the program is on these inputs of its only input, each of its shape. Fails
+// where there is none, or the program cannot be run.
+[[nodiscard]] Expected<std::vector<ValueRange>> measure_ranges(const Program& program,
+                                                               std::span<const Tensor> inputs);
+
+// Says which values are held in 8 bits (Value::eight_bits) by what was measured: what convolutions
+// look at, and what is pooled or joined into that, with one step for all that share memory so. The
+// plan then works these convolutions out in whole numbers: inputs in 8 bits, weights in 8 bits with
+// a step an output channel, sums in 32 bits, as post-training quantisation does (R. Krishnamoorthi,
+// "Quantizing deep convolutional networks for efficient inference", 2018). The picture itself, and
+// all other layers, stay 32-bit floats.
+void quantize(Program& program, std::span<const ValueRange> ranges);
+
+}  // namespace roomwise::network

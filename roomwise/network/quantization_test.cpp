@@ -1,0 +1,196 @@
+#include "roomwise/network/quantization.h"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <cstdlib>
+
+#include "roomwise/network/checked_quantization.h"
+#include "roomwise/network/graph_builder.h"
+#include "roomwise/network/lowering.h"
+#include "roomwise/network/plan_builder.h"
+#include "roomwise/network/testing/tiny_runs.h"
+
+namespace roomwise::network {
+namespace {
+
+using namespace testing;
+
+double cosine(std::span<const float> a, std::span<const float> b) {
+  double product = 0, of_a = 0, of_b = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    product += static_cast<double>(a[i]) * b[i];
+    of_a += static_cast<double>(a[i]) * a[i];
+    of_b += static_cast<double>(b[i]) * b[i];
+  }
+  return product / std::sqrt(of_a * of_b);
+}
+
+// Branches that are joined, a mean, a maximum, a sum, a depthwise convolution, and activations
+// that keep the scale and that do not.
+OnnxGraph branched_graph() {
+  GraphBuilder builder({5, false});
+  auto x = builder.input("picture", {1, 3, 20, 18});
+  x = builder.relu(builder.convolution(x, "stem", {16, {3, 3}, {2, 2}, {1, 1}}), "stem.relu");
+  const auto a = builder.relu(builder.convolution(x, "a", {24, {3, 3}, {1, 1}, {1, 1}}), "a.relu");
+  const auto mean = builder.average_pool(x, "mean", {{3, 3}, {1, 1}, {1, 1}});
+  const auto b = builder.relu6(builder.convolution(mean, "b", {8, {1, 1}, {1, 1}, {0, 0}, 1, true}),
+                               "b.relu6");
+  const auto c = builder.max_pool(x, "c", {{3, 3}, {1, 1}, {1, 1}});
+  x = builder.concat(std::array{a, b, c}, "joined");
+  auto y = builder.hard_swish(builder.convolution(x, "deep", {48, {3, 3}, {1, 1}, {1, 1}, 48}),
+                              "deep.swish");
+  y = builder.convolution(y, "linear", {48});
+  x = builder.add(y, x, "sum");
+  x = builder.relu(builder.convolution(x, "last", {40}), "last.relu");
+  builder.output(builder.flatten(builder.global_average_pool(x, "pool"), "features"));
+  return builder.take();
+}
+
+std::vector<Tensor> some_pictures() {
+  std::vector<Tensor> pictures;
+  for (std::uint64_t seed = 1; seed < 5; ++seed)
+    pictures.push_back(random_tensor({1, 3, 20, 18}, seed));
+  return pictures;
+}
+
+TEST(Quantization, HoldsWhatConvolutionsLookAtInEightBits) {
+  const OnnxGraph graph = branched_graph();
+  const Shape shape{1, 3, 20, 18};
+  auto program = lower(graph, {&shape, 1}, {});
+  ASSERT_OK(program);
+  *program = run_passes(*program, {});
+  const std::vector<Tensor> pictures = some_pictures();
+  const auto ranges = measure_ranges(*program, pictures);
+  ASSERT_OK(ranges);
+  quantize(*program, *ranges);
+  EXPECT_FALSE(program->values[program->inputs[0]].eight_bits.has_value());
+  std::size_t convolutions = 0, joins = 0;
+  for (const Layer& layer : program->layers) {
+    const auto& of_input = program->values[layer.inputs[0]].eight_bits;
+    if (layer.as<Convolution>() != nullptr) convolutions += of_input ? 1 : 0;
+    if (layer.as<AxisGather>() == nullptr) continue;
+    ++joins;
+    const auto& of_output = program->values[layer.output].eight_bits;
+    ASSERT_TRUE(of_output.has_value());
+    EXPECT_FALSE(of_output->is_signed);
+    for (const ValueId input : layer.inputs) {
+      ASSERT_TRUE(program->values[input].eight_bits.has_value());
+      EXPECT_EQ(program->values[input].eight_bits->step, of_output->step);
+    }
+  }
+  EXPECT_EQ(convolutions, 5u) << "all but the one that looks at the picture";
+  EXPECT_EQ(joins, 1u);
+}
+
+void expect_close_in_eight_bits() {
+  const OnnxGraph graph = branched_graph();
+  ExecutorOptions options;
+  options.calibration = some_pictures();
+  const auto exact = Executor::create(graph), rounded = Executor::create(graph, options);
+  ASSERT_OK(exact);
+  ASSERT_OK(rounded);
+  const Tensor picture = random_tensor({1, 3, 20, 18}, 77);
+  const auto expected = (*exact)->run({&picture, 1}), outputs = (*rounded)->run({&picture, 1});
+  ASSERT_OK(expected);
+  ASSERT_OK(outputs);
+  EXPECT_NE(outputs->front().values, expected->front().values) << "nothing is in 8 bits";
+  EXPECT_GT(cosine(outputs->front().values, expected->front().values), 0.998);
+  const auto again = (*rounded)->run({&picture, 1});
+  ASSERT_OK(again);
+  EXPECT_EQ(again->front().values, outputs->front().values);
+}
+
+TEST(Quantization, GivesNearlyTheSame) {
+  expect_close_in_eight_bits();
+}
+
+// The largest inputs and the largest weights, all of one sign: two products of 255 and 127 do not
+// fit into 16 bits, in which processors without VNNI add them up.
+void expect_no_overflow() {
+  Constant ones;
+  ones.shape = {16, 32, 3, 3};
+  ones.floats.assign(count_of(ones.shape), 1.0F);
+  GraphBuilder builder;
+  auto x = builder.input("picture", {1, 32, 8, 8});
+  x = builder.convolution(x, "c", {16, {3, 3}});
+  builder.output(x);
+  OnnxGraph graph = builder.take();
+  graph.constants["c.weight"] = std::make_shared<const Constant>(ones);
+  const Tensor bright{{1, 32, 8, 8}, std::vector<float>(32 * 64, 1.0F)};
+  ExecutorOptions options;
+  options.calibration = {bright};
+  const auto executor = Executor::create(graph, options);
+  ASSERT_OK(executor);
+  const auto outputs = (*executor)->run({&bright, 1});
+  ASSERT_OK(outputs);
+  for (const float value : outputs->front().values) EXPECT_NEAR(value, 288, 0.5);
+}
+
+TEST(Quantization, DoesNotOverflow) {
+  expect_no_overflow();
+}
+
+// oneDNN reads which instructions it may use when it is first used: in a process of its own.
+TEST(Quantization, IsAsGoodWithoutVnni) {
+  if (const char* held_to = std::getenv("DNNL_MAX_CPU_ISA");
+      held_to != nullptr && std::string(held_to) == "AVX2") {
+    GTEST_SKIP() << "all tests run so";
+  }
+  const auto run_held_to_avx2 = [] {
+    const std::string self = std::filesystem::read_symlink("/proc/self/exe").string();
+    const std::string command =
+        "DNNL_MAX_CPU_ISA=AVX2 '" + self +
+        "' --gtest_filter=Quantization.GivesNearlyTheSame:Quantization.DoesNotOverflow:"
+        "Quantization.WeightsAreOfSevenBitsWithoutVnni > /dev/null";
+    return std::system(command.c_str());
+  };
+  EXPECT_EQ(run_held_to_avx2(), 0);
+}
+
+TEST(Quantization, WeightsAreOfSevenBitsWithoutVnni) {
+  using dnnl::cpu_isa;
+  EXPECT_EQ(most_weight_in_eight_bits(cpu_isa::sse41), 63);
+  EXPECT_EQ(most_weight_in_eight_bits(cpu_isa::avx2), 63);
+  EXPECT_EQ(most_weight_in_eight_bits(cpu_isa::avx512_core), 63);
+  EXPECT_EQ(most_weight_in_eight_bits(cpu_isa::avx2_vnni), 127);
+  EXPECT_EQ(most_weight_in_eight_bits(cpu_isa::avx512_core_vnni), 127);
+  EXPECT_EQ(most_weight_in_eight_bits(cpu_isa::avx512_core_amx), 127);
+}
+
+TEST(Quantization, IsUsedOnlyWhereItIsNearEnough) {
+  const OnnxGraph graph = branched_graph();
+  ExecutorOptions options;
+  options.calibration = some_pictures();
+  const std::vector<Tensor> held_out{random_tensor({1, 3, 20, 18}, 8),
+                                     random_tensor({1, 3, 20, 18}, 9)};
+  const std::array<std::size_t, 1> scores{0};
+  const auto near = checked_quantization(graph, options, held_out, scores, {0.99, 0.0});
+  ASSERT_OK(near);
+  EXPECT_TRUE(near->report.is_used) << near->report.reason;
+  const auto far = checked_quantization(graph, options, held_out, scores, {0.9999999, 0.0});
+  ASSERT_OK(far);
+  EXPECT_FALSE(far->report.is_used);
+  EXPECT_THAT(far->report.reason, ::testing::HasSubstr("below 0.9999999"));
+  const auto exact = Executor::create(graph);
+  ASSERT_OK(exact);
+  const auto expected = (*exact)->run(std::span(held_out).first(1));
+  const auto outputs = far->executor->run(std::span(held_out).first(1));
+  const auto rounded = near->executor->run(std::span(held_out).first(1));
+  ASSERT_OK(expected);
+  ASSERT_OK(outputs);
+  ASSERT_OK(rounded);
+  EXPECT_EQ(outputs->front().values, expected->front().values);
+  EXPECT_NE(rounded->front().values, expected->front().values);
+  EXPECT_ERROR(checked_quantization(graph, options, {}, scores), "others to be checked on");
+}
+
+TEST(Quantization, NeedsInputsOfOneShape) {
+  ExecutorOptions options;
+  options.calibration = {random_tensor({1, 3, 8, 8})};
+  const auto executor = Executor::create(branched_graph(), options);
+  EXPECT_ERROR(executor, "8 bits were measured on inputs of 1x3x8x8, not 1x3x20x18");
+}
+
+}  // namespace
+}  // namespace roomwise::network
