@@ -25,5 +25,6 @@ int main(int argc, char** argv) {
   add_eval_commands(app, context);
   add_export_commands(app, context);
   add_report_command(app, context);
+  add_networks_commands(app, context);
   return run(app, context, argc, argv);
 }
