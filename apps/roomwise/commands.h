@@ -11,13 +11,14 @@ void add_optimize_command(CLI::App& app, Context& context);
 void add_concepts_commands(CLI::App& app, Context& context);
 void add_objects_commands(CLI::App& app, Context& context);
 void add_eval_commands(CLI::App& app, Context& context);
-void add_home_evaluations(CLI::App& group, Context& context);  // of "eval"
+void add_home_evaluations(CLI::App& group, Context& context);      // of "eval"
 void add_localizer_evaluation(CLI::App& group, Context& context);  // of "eval"
 void add_locate_command(CLI::App& app, Context& context);
 void add_export_commands(CLI::App& app, Context& context);
 void add_map_command(CLI::App& app, Context& context);
 void add_rooms_commands(CLI::App& app, Context& context);
 void add_networks_commands(CLI::App& app, Context& context);
+void add_networks_looks(CLI::App& group, Context& context);  // of "networks"
 void add_report_command(CLI::App& app, Context& context);
 void add_simulate_command(CLI::App& app, Context& context);
 

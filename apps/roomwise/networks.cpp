@@ -66,6 +66,35 @@ Expected<std::vector<fs::path>> usable_networks() {
   return usable;
 }
 
+const network::CatalogueEntry* find_catalogue_entry(const std::string& name) {
+  const auto& entries = network::catalogue();
+  const auto found = std::ranges::find_if(entries, [&](const network::CatalogueEntry& entry) {
+    return entry.name == name || entry.file == name;
+  });
+  return found == entries.end() ? nullptr : &*found;
+}
+
+std::optional<fs::path> find_in_folders(const std::string& file) {
+  std::error_code ignored;
+  for (const fs::path& folder : network_folders()) {
+    if (fs::is_regular_file(folder / file, ignored)) return folder / file;
+  }
+  return std::nullopt;
+}
+
+Expected<fs::path> find_network_file(const std::string& name) {
+  std::error_code ignored;
+  if (const network::CatalogueEntry* entry = find_catalogue_entry(name)) {
+    if (const auto file = find_in_folders(entry->file)) return *file;
+    return fail("{}: is not here yet; fetch it by 'roomwise networks pull {}'", name, entry->name);
+  }
+  for (const std::string& file : {name, name + ".onnx"}) {
+    if (const auto found = find_in_folders(file)) return *found;
+  }
+  if (fs::is_regular_file(name, ignored)) return name;
+  return fail("{}: no such network; 'roomwise networks list' names those that there are", name);
+}
+
 void add_network_options(CLI::App& command, NetworkOptions& options) {
   command.add_option("--network", options.files,
                      "ONNX network, with its card NAME.card.json beside it; may be given several "
