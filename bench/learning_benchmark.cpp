@@ -4,12 +4,16 @@
 //
 //   learning_benchmark [PHOTOS_PER_ROOM] [VARIANTS]
 
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <map>
 
 #include "arguments.h"
+#include "roomwise/base/random.h"
 #include "roomwise/network/onnx_classifier.h"
 #include "roomwise/pipeline/room_learning.h"
 

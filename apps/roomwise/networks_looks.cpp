@@ -139,7 +139,7 @@ Expected<Answer> bench(const std::string& name, int runs) {
   } else {
     ROOMWISE_TRY(std::shared_ptr<network::Detector> loaded, network::Detector::load(file));
     look = [loaded, &picture]() -> Expected<void> {
-      ROOMWISE_TRY(const auto things, loaded->detect(picture));
+      ROOMWISE_TRY(const auto things, loaded->detect(picture, 0.5F));
       return {};
     };
   }
