@@ -21,6 +21,14 @@ if(ROOMWISE_SANITIZE)
   add_link_options(-fsanitize=${ROOMWISE_SANITIZE})
 endif()
 
+# Everything is compiled so that libFuzzer sees which branches are taken (clang only; preset "fuzz").
+option(ROOMWISE_FUZZ "Build the fuzz targets for libFuzzer" OFF)
+if(ROOMWISE_FUZZ)
+  add_compile_options(-fsanitize=fuzzer-no-link,address,undefined -fno-omit-frame-pointer
+    -fno-sanitize-recover=all)
+  add_link_options(-fsanitize=address,undefined)
+endif()
+
 find_program(CCACHE ccache)
 if(CCACHE)
   set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE})

@@ -15,11 +15,15 @@ namespace roomwise::testing {
 namespace {
 
 // This program's environment, but without the machine's networks: a test names the ones it needs.
-std::vector<char*> environment_without_networks(std::string& models) {
+std::vector<char*> environment_without_networks(std::string& models, std::string& data) {
   std::vector<char*> variables;
   for (char** variable = environ; *variable != nullptr; ++variable) {
-    if (std::strncmp(*variable, "ROOMWISE_MODELS=", 16) != 0) variables.push_back(*variable);
+    if (std::strncmp(*variable, "ROOMWISE_MODELS=", 16) != 0 &&
+        std::strncmp(*variable, "XDG_DATA_HOME=", 14) != 0) {
+      variables.push_back(*variable);
+    }
   }
+  variables.push_back(data.data());
   variables.push_back(models.data());
   variables.push_back(nullptr);
   return variables;
@@ -27,7 +31,8 @@ std::vector<char*> environment_without_networks(std::string& models) {
 
 }  // namespace
 
-ProgramResult run_roomwise(const std::vector<std::string>& arguments) {
+ProgramResult run_roomwise(const std::vector<std::string>& arguments,
+                           const std::string& data_folder) {
   const ScratchFolder folder;
   const std::string output = folder / "output";
   const std::string errors = folder / "errors";
@@ -40,7 +45,9 @@ ProgramResult run_roomwise(const std::vector<std::string>& arguments) {
 
   const ScratchFolder no_networks;
   std::string models = "ROOMWISE_MODELS=" + no_networks.path().string();
-  const std::vector<char*> environment = environment_without_networks(models);
+  std::string data =
+      "XDG_DATA_HOME=" + (data_folder.empty() ? no_networks.path().string() : data_folder);
+  const std::vector<char*> environment = environment_without_networks(models, data);
 
   posix_spawn_file_actions_t files;
   posix_spawn_file_actions_init(&files);
@@ -62,9 +69,9 @@ ProgramResult run_roomwise(const std::vector<std::string>& arguments) {
   return result;
 }
 
-nlohmann::json result_of(std::vector<std::string> arguments) {
+nlohmann::json result_of(std::vector<std::string> arguments, const std::string& data_folder) {
   arguments.emplace_back("--json");
-  const ProgramResult result = run_roomwise(arguments);
+  const ProgramResult result = run_roomwise(arguments, data_folder);
   EXPECT_EQ(result.exit_code, 0) << result.errors;
   return result.exit_code == 0 ? nlohmann::json::parse(result.output) : nlohmann::json();
 }

@@ -17,6 +17,8 @@ void add_locate_command(CLI::App& app, Context& context);
 void add_export_commands(CLI::App& app, Context& context);
 void add_map_command(CLI::App& app, Context& context);
 void add_rooms_commands(CLI::App& app, Context& context);
+void add_networks_commands(CLI::App& app, Context& context);
+void add_networks_looks(CLI::App& group, Context& context);  // of "networks"
 void add_report_command(CLI::App& app, Context& context);
 void add_simulate_command(CLI::App& app, Context& context);
 void add_train_command(CLI::App& app, Context& context);

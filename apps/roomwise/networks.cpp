@@ -1,6 +1,7 @@
 #include "networks.h"
 
 #include <algorithm>
+#include <cstdlib>
 
 #include "roomwise/network/network_file.h"
 #include "roomwise/network/onnx_classifier.h"
@@ -21,19 +22,86 @@ Expected<std::vector<fs::path>> list_networks(const fs::path& folder) {
     if (card && card->task == network::Task::kClassify) files.push_back(entry->path());
   }
   if (error)
-    return fail("{}: the folder of networks (ROOMWISE_MODELS) cannot be read: {}", folder.string(),
-                error.message());
+    return fail("{}: the folder of networks cannot be read: {}", folder.string(), error.message());
   std::ranges::sort(files);
   return files;
 }
 
 }  // namespace
 
+Expected<fs::path> own_network_folder() {
+  const auto variable = [](const char* name) -> fs::path {
+    const char* value = std::getenv(name);
+    return value == nullptr ? "" : value;
+  };
+  // A path that is not absolute is to be taken for none (XDG Base Directory Specification).
+  fs::path data = variable("XDG_DATA_HOME");
+  if (!data.is_absolute() && variable("HOME").is_absolute()) {
+    data = variable("HOME") / ".local" / "share";
+  }
+  if (!data.is_absolute()) {
+    return fail("neither XDG_DATA_HOME nor HOME names a folder to keep networks in; give --to");
+  }
+  return data / "roomwise" / "networks";
+}
+
+std::vector<fs::path> network_folders() {
+  std::vector<fs::path> folders;
+  if (const auto folder = network::default_model_folder()) folders.push_back(*folder);
+  const auto own = own_network_folder();
+  std::error_code ignored;
+  if (own && fs::is_directory(*own, ignored)) folders.push_back(*own);
+  return folders;
+}
+
+Expected<std::vector<fs::path>> usable_networks() {
+  std::vector<fs::path> usable;
+  for (const fs::path& folder : network_folders()) {
+    ROOMWISE_TRY(const auto files, list_networks(folder));
+    for (const fs::path& file : files) {
+      const bool hidden = std::ranges::any_of(
+          usable, [&](const fs::path& other) { return other.filename() == file.filename(); });
+      if (!hidden) usable.push_back(file);
+    }
+  }
+  return usable;
+}
+
+const network::CatalogueEntry* find_catalogue_entry(const std::string& name) {
+  const auto& entries = network::catalogue();
+  const auto found = std::ranges::find_if(entries, [&](const network::CatalogueEntry& entry) {
+    return entry.name == name || entry.file == name;
+  });
+  return found == entries.end() ? nullptr : &*found;
+}
+
+std::optional<fs::path> find_in_folders(const std::string& file) {
+  std::error_code ignored;
+  for (const fs::path& folder : network_folders()) {
+    if (fs::is_regular_file(folder / file, ignored)) return folder / file;
+  }
+  return std::nullopt;
+}
+
+Expected<fs::path> find_network_file(const std::string& name) {
+  std::error_code ignored;
+  if (const network::CatalogueEntry* entry = find_catalogue_entry(name)) {
+    if (const auto file = find_in_folders(entry->file)) return *file;
+    return fail("{}: is not here yet; fetch it by 'roomwise networks pull {}'", name, entry->name);
+  }
+  for (const std::string& file : {name, name + ".onnx"}) {
+    if (const auto found = find_in_folders(file)) return *found;
+  }
+  if (fs::is_regular_file(name, ignored)) return name;
+  return fail("{}: no such network; 'roomwise networks list' names those that there are", name);
+}
+
 void add_network_options(CLI::App& command, NetworkOptions& options) {
   command.add_option("--network", options.files,
                      "ONNX network, or weights (.pth, .safetensors) of a known one, with its card "
                      "NAME.card.json beside it; may be given several times. Without it: "
-                     "those of ROOMWISE_MODELS, else of ../shared/models");
+                     "those of ROOMWISE_MODELS, else of ../shared/models, and those of the "
+                     "user's own folder (roomwise networks list)");
   command.add_option("--labels", options.labels,
                      "What the last --network can name, a label a line, in place of the card's");
 }
@@ -43,9 +111,7 @@ Expected<pipeline::Networks> load_networks(const NetworkOptions& options) {
     return fail("--labels says what a --network can name; give that too");
   std::vector<fs::path> files = options.files;
   if (files.empty()) {
-    if (const auto folder = network::default_model_folder()) {
-      ROOMWISE_TRY(files, list_networks(*folder));
-    }
+    ROOMWISE_TRY(files, usable_networks());
   }
   pipeline::Networks networks;
   for (std::size_t i = 0; i < files.size(); ++i) {

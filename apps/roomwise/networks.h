@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "roomwise/network/catalogue.h"
 #include "roomwise/pipeline/keyframe_observer.h"
 
 namespace roomwise::app {
@@ -18,8 +19,30 @@ struct NetworkOptions {
 // Declares --network (any number) and --labels.
 void add_network_options(CLI::App& command, NetworkOptions& options);
 
-// Loads them; where none is named, those of the default model folder that Roomwise has a card for.
+// Loads them; where none is named, those of the folders of networks that Roomwise has a card for.
 // May be none.
 [[nodiscard]] Expected<pipeline::Networks> load_networks(const NetworkOptions& options);
+
+// Where "networks pull" puts files: $XDG_DATA_HOME/roomwise/networks, else
+// ~/.local/share/roomwise/networks. Fails where neither is known.
+[[nodiscard]] Expected<std::filesystem::path> own_network_folder();
+
+// Where networks are looked for, the first that has a file first: the default model folder
+// (ROOMWISE_MODELS), then the user's own. Only folders that are there.
+[[nodiscard]] std::vector<std::filesystem::path> network_folders();
+
+// The networks of those folders that look at whole pictures, by their cards: those that
+// load_networks() takes. In the order of folders, by name.
+[[nodiscard]] Expected<std::vector<std::filesystem::path>> usable_networks();
+
+// The entry of the catalogue of this name, or of a file of this name; or nullptr.
+[[nodiscard]] const network::CatalogueEntry* find_catalogue_entry(const std::string& name);
+
+// FILE in the first folder of networks that has it.
+[[nodiscard]] std::optional<std::filesystem::path> find_in_folders(const std::string& file);
+
+// A network's file by what the user calls it: a name of the catalogue, a file of the folders of
+// networks with or without its ending, or a path. Fails where it is not here, saying how to get it.
+[[nodiscard]] Expected<std::filesystem::path> find_network_file(const std::string& name);
 
 }  // namespace roomwise::app

@@ -9,6 +9,7 @@
 #include "commands.h"
 #include "networks.h"
 #include "roomwise/image/codec.h"
+#include "roomwise/pipeline/picture_features.h"
 #include "roomwise/pipeline/room_evaluation.h"
 #include "roomwise/pipeline/room_learning.h"
 #include "roomwise/pipeline/room_recognizer.h"
@@ -165,6 +166,7 @@ struct LearnOptions {
   fs::path labels;
   fs::path photos;
   SelectionOptions selection;
+  int augment = 0;
   NetworkOptions networks;
 };
 
@@ -177,10 +179,11 @@ Expected<rooms::LearningReport> learn_photos(const LearnOptions& options, Contex
   ThreadPool pool(context.threads);
   StageClock clock;
   pipeline::RunContext run{pool, context.progress, clock};
-  return pipeline::learn_rooms_from_photos(home, options.photos, *network, {}, run);
+  return pipeline::learn_rooms_from_photos(home, options.photos, *network, {{}, options.augment},
+                                           run);
 }
 
-Expected<rooms::LearningReport> learn_keyframes(const LearnOptions& options) {
+Expected<rooms::LearningReport> learn_keyframes(const LearnOptions& options, Context& context) {
   ROOMWISE_TRY(home::Home home, home::Home::open(options.home));
   ROOMWISE_TRY(const home::RecordingId recording, only_recording(home));
   if (!options.labels.empty()) {
@@ -188,13 +191,22 @@ Expected<rooms::LearningReport> learn_keyframes(const LearnOptions& options) {
     ROOMWISE_CHECK_OK(pipeline::name_rooms(home, recording, labels));
   }
   ROOMWISE_TRY(const pipeline::RoomSelection selection, parse(options.selection));
-  return pipeline::learn_rooms_from_keyframes(home, recording, selection, {});
+  pipeline::Networks networks;  // what they saw in the key-frames themselves is stored
+  if (options.augment > 0) {
+    ROOMWISE_TRY(networks, load_networks(options.networks));
+  }
+  ThreadPool pool(context.threads);
+  StageClock clock;
+  pipeline::RunContext run{pool, context.progress, clock};
+  return pipeline::learn_rooms_from_keyframes(home, recording, selection, {{}, options.augment},
+                                              networks, run);
 }
 
 Expected<Answer> learn(const LearnOptions& options, Context& context) {
   cv::setNumThreads(1);
-  ROOMWISE_TRY(const rooms::LearningReport report,
-               options.photos.empty() ? learn_keyframes(options) : learn_photos(options, context));
+  ROOMWISE_TRY(const rooms::LearningReport report, options.photos.empty()
+                                                       ? learn_keyframes(options, context)
+                                                       : learn_photos(options, context));
   Answer answer;
   answer.json["rooms"] = Json::array();
   for (const auto& room : report.rooms) {
@@ -375,11 +387,16 @@ void add_rooms_commands(CLI::App& app, Context& context) {
     photos->excludes(labels)
         ->excludes(command->get_option("--visits"))
         ->excludes(command->get_option("--rooms"));
-    // --labels is the rooms' here, so the networks' own labels come from their cards.
     command
-        ->add_option("--network", options->networks.files,
-                     "ONNX network to learn on, with --photos")
-        ->needs(photos);
+        ->add_option("--augment", options->augment,
+                     "Learn from so many varied pictures beside each one: other light, held "
+                     "differently. What a network makes of them is kept in the home")
+        ->check(CLI::Range(0, pipeline::kMostVariants))
+        ->capture_default_str();
+    // --labels is the rooms' here, so the networks' own labels come from their cards.
+    command->add_option("--network", options->networks.files,
+                        "ONNX network to learn on, with --photos; with --augment the one that has "
+                        "looked at the key-frames. Default: as for map");
   }
   {
     auto options = std::make_shared<RecognizeOptions>();

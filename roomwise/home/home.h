@@ -123,6 +123,16 @@ struct RoomClassifierRecord {
   friend bool operator==(const RoomClassifierRecord&, const RoomClassifierRecord&) = default;
 };
 
+// What a network makes of a picture or of a variant of it.
+struct PictureFeatures {
+  std::string picture_digest;          // SHA-256 of the picture's file
+  int variant = 0;                     // 0 is the picture itself
+  std::optional<KeyframeId> keyframe;  // whose picture it is; absent for a photo
+  std::vector<float> features;
+
+  friend bool operator==(const PictureFeatures&, const PictureFeatures&) = default;
+};
+
 // A home: one file, a SQLite database, that holds what was mapped and learned. It stores and finds,
 // and knows no algorithm.
 //
@@ -221,6 +231,16 @@ class Home {
   // Best first (by name where equal).
   [[nodiscard]] Expected<std::map<KeyframeId, std::vector<rooms::RoomScore>>> keyframe_rooms()
       const;
+
+  // ---- features of pictures that rooms were learned from ----
+  // Those of one network and one way to vary pictures take the place of all others; they go with
+  // their key-frame.
+  [[nodiscard]] Expected<void> replace_picture_features(const std::string& network_fingerprint,
+                                                        const std::string& variation,
+                                                        std::span<const PictureFeatures> features);
+  // By digest and variant; none where others are stored.
+  [[nodiscard]] Expected<std::vector<PictureFeatures>> picture_features(
+      const std::string& network_fingerprint, const std::string& variation) const;
 
   // ---- times: all that differs between two runs of one seed ----
   // Adds to the times of earlier runs.

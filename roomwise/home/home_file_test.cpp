@@ -75,7 +75,7 @@ TEST_F(HomeFile, IsKnownByItsFirstBytes) {
   const Database database = Database::open(path_, Database::Access::kReadOnly).value();
   const auto header = database.header().value();
   EXPECT_EQ(header.application_id, kApplicationId);
-  EXPECT_EQ(header.user_version, 1);
+  EXPECT_EQ(header.user_version, 2);
 }
 
 TEST_F(HomeFile, IsNotMadeOverAnotherFile) {
@@ -124,15 +124,15 @@ TEST_F(HomeFile, RefusesTheDatabaseOfAnotherProgram) {
 
 TEST_F(HomeFile, RefusesANewerVersion) {
   make();
-  run_sql("PRAGMA user_version = 2");
-  expect_refused("newer Roomwise (home version 2; this one knows up to 1); update Roomwise");
+  run_sql("PRAGMA user_version = 3");
+  expect_refused("newer Roomwise (home version 3; this one knows up to 2); update Roomwise");
 }
 
 TEST_F(HomeFile, RefusesANewerVersionThatIsOnlyInTheLog) {
   make();
   const int status = testing::run_in_child([&] {
     Database database = Database::open(path_, Database::Access::kReadWrite).value();
-    if (!database.run_script("PRAGMA journal_mode = WAL; PRAGMA user_version = 2")) return 1;
+    if (!database.run_script("PRAGMA journal_mode = WAL; PRAGMA user_version = 3")) return 1;
     return ::kill(::getpid(), SIGKILL);
   });
   ASSERT_TRUE(WIFSIGNALED(status));

@@ -323,6 +323,37 @@ Expected<std::optional<RoomClassifierRecord>> Home::room_classifier() const {
   return newest;
 }
 
+Expected<void> Home::replace_picture_features(const std::string& network_fingerprint,
+                                              const std::string& variation,
+                                              std::span<const PictureFeatures> features) {
+  return atomically([&]() -> Expected<void> {
+    ROOMWISE_CHECK_OK(database_.run("DELETE FROM picture_features"));
+    for (const PictureFeatures& of_picture : features) {
+      ROOMWISE_CHECK_OK(database_.run(
+          "INSERT INTO picture_features (picture_digest, network_fingerprint, variation, variant, "
+          "keyframe_id, features) VALUES (?, ?, ?, ?, ?, ?)",
+          of_picture.picture_digest, network_fingerprint, variation, of_picture.variant,
+          of_picture.keyframe, to_blob(of_picture.features)));
+    }
+    return {};
+  });
+}
+
+Expected<std::vector<PictureFeatures>> Home::picture_features(
+    const std::string& network_fingerprint, const std::string& variation) const {
+  std::vector<PictureFeatures> features;
+  ROOMWISE_CHECK_OK(database_.for_each(
+      "SELECT picture_digest, variant, keyframe_id, features FROM picture_features "
+      "WHERE network_fingerprint = ? AND variation = ? ORDER BY picture_digest, variant",
+      [&](const Statement& row) {
+        features.push_back({row.column<std::string>(0), row.column<int>(1),
+                            row.column<std::optional<KeyframeId>>(2),
+                            to_floats(row.column<Bytes>(3))});
+      },
+      network_fingerprint, variation));
+  return features;
+}
+
 Expected<void> Home::replace_keyframe_rooms(
     const std::map<KeyframeId, std::vector<rooms::RoomScore>>& rooms) {
   return atomically([&]() -> Expected<void> {

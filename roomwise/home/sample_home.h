@@ -108,6 +108,10 @@ inline void fill(Home& home) {
   ROOMWISE_MUST(home.replace_room_ranges(1, {{0, 4, "kitchen", 1}, {5, 9, "Anna's room", 1}}));
   ROOMWISE_MUST(home.put_room_classifier({"net", "c0ffee", {1, 2, 0, 3}, R"({"held_out":0.9})"}));
   ROOMWISE_MUST(home.replace_keyframe_rooms({{0, {{"kitchen", 0.8}, {"Anna's room", 0.2}}}}));
+  ROOMWISE_MUST(home.replace_picture_features(
+      "c0ffee", "1: 0.8",
+      std::vector<PictureFeatures>{{"abc", 0, 0, {0.25F, -3}},
+                                   {"def", 2, std::nullopt, {0.5F, 1}}}));
   ROOMWISE_MUST(home.add_stage_timings({{"features", {4, 0.5, 0.4}}}));
 }
 

@@ -208,7 +208,22 @@ CREATE TABLE stage_timings (
 ) STRICT;
 )sql";
 
-constexpr std::array kMigrations = {Migration{1, kVersion1}};
+constexpr const char* kVersion2 = R"sql(
+CREATE TABLE picture_features (
+  -- What a network makes of the pictures that rooms were last learned from, and of varied ones, so that
+  -- learning from them again needs no network. It follows from the pictures and can be deleted.
+  picture_digest TEXT NOT NULL,        -- SHA-256 of the picture's file
+  network_fingerprint TEXT NOT NULL,
+  variation TEXT NOT NULL,             -- how pictures are varied
+  variant INTEGER NOT NULL,            -- 0 is the picture itself
+  keyframe_id INTEGER REFERENCES keyframes ON DELETE CASCADE,  -- whose picture it is; NULL for a photo
+  features BLOB NOT NULL,              -- 32-bit floats, little-endian
+  PRIMARY KEY (picture_digest, network_fingerprint, variation, variant)
+) STRICT;
+CREATE INDEX picture_features_by_keyframe ON picture_features (keyframe_id);
+)sql";
+
+constexpr std::array kMigrations = {Migration{1, kVersion1}, Migration{2, kVersion2}};
 
 constexpr std::array kTables = {
     Table{"settings"},
@@ -229,6 +244,7 @@ constexpr std::array kTables = {
     Table{"rooms"},
     Table{"room_ranges"},
     Table{"room_classifiers"},
+    Table{"picture_features", /*in_digest=*/false},
     Table{"stage_timings", /*in_digest=*/false},
 };
 

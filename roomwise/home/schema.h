@@ -24,7 +24,8 @@ struct Migration {
 
 struct Table {
   std::string_view name;
-  // What the content digest leaves out: only what may differ between two runs of one seed.
+  // What the content digest leaves out: only what may differ between two runs of one seed, or
+  // follows from the rest.
   bool in_digest = true;
   std::string_view column_outside_digest = {};
 };

@@ -135,6 +135,13 @@ Expected<void> AugmentationOptions::validate() const {
   return check_range("tilt_deg", tilt_deg, 0, 30);
 }
 
+std::string AugmentationOptions::key() const {
+  // The number is to be raised when the same options give other pictures.
+  return fmt::format("1: {} {} {} {} {} {} {} {} {} {} {}", exposure_stops, lamp_mired, tint_stops,
+                     blur, noise, gamma_stops, least_side, roll_deg, pan_deg, tilt_deg,
+                     mirror ? 1 : 0);
+}
+
 PictureVariation draw_variation(const AugmentationOptions& options, RandomStream& random) {
   const auto either_side = [&](double most) { return most * (2 * random.uniform() - 1); };
   PictureVariation variation;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 
 #include "roomwise/base/expected.h"
 #include "roomwise/base/random.h"
@@ -56,6 +57,9 @@ struct AugmentationOptions {
 
   // Fails, naming the option, on what is not finite or beyond what a picture bears.
   [[nodiscard]] Expected<void> validate() const;
+  // A text that tells these options, and what this version of the code makes of them, from others:
+  // what was computed from varied pictures is good for the same text.
+  [[nodiscard]] std::string key() const;
 
   friend bool operator==(const AugmentationOptions&, const AugmentationOptions&) = default;
 };

@@ -236,6 +236,14 @@ TEST(Augmentation, DrawsWithinItsOptions) {
   EXPECT_NEAR(mirrored, 500, 60);
 }
 
+TEST(Augmentation, TheKeyTellsOptionsApart) {
+  AugmentationOptions options;
+  EXPECT_EQ(options.key(), AugmentationOptions{}.key());
+  options.mirror = true;
+  EXPECT_NE(options.key(), AugmentationOptions{}.key());
+  EXPECT_NE(kNoAugmentation.key(), AugmentationOptions{}.key());
+}
+
 TEST(Augmentation, RefusesWhatAPictureDoesNotBear) {
   EXPECT_OK(AugmentationOptions{}.validate());
   EXPECT_OK(kNoAugmentation.validate());

@@ -12,5 +12,7 @@ struct BuiltInCard {
 
 // The cards in models/, compiled in by the build.
 [[nodiscard]] std::span<const BuiltInCard> built_in_cards();
+// models/catalogue.json, likewise.
+[[nodiscard]] std::string_view built_in_catalogue();
 
 }  // namespace roomwise::network

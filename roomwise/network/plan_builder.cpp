@@ -106,7 +106,10 @@ bool PlanBuilder::is_blocked(ValueId value) {
 
 memory PlanBuilder::constant_memory(const Layout& layout, const std::vector<float>& data) const {
   const memory result(layout, plan_->engine);
-  std::memcpy(result.get_data_handle(), data.data(), data.size() * sizeof(float));
+  // A constant may hold no numbers, and then has no address.
+  if (!data.empty()) {
+    std::memcpy(result.get_data_handle(), data.data(), data.size() * sizeof(float));
+  }
   return result;
 }
 

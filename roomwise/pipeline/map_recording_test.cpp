@@ -391,7 +391,10 @@ TEST_F(MapRecording, LearnsAndRecognisesItsRooms) {
   const auto labels =
       recording::RoomLabels::from_ranges({{0, 30, "bedroom", 1}, {31, 70, "kitchen", 1}});
   ASSERT_OK(name_rooms(home, 1, *labels));
-  ASSERT_OK(learn_rooms_from_keyframes(home, 1, {}, {}));
+  ThreadPool pool(2);
+  StageClock clock;
+  RunContext run{pool, silent_, clock};
+  ASSERT_OK(learn_rooms_from_keyframes(home, 1, {}, {}, {}, run));
   EXPECT_EQ(home.keyframe_rooms()->size(), home.keyframes()->size())
       << "every key-frame has a room";
 
@@ -411,8 +414,19 @@ TEST_F(MapRecording, LearnsAndRecognisesItsRooms) {
   Networks others;
   others.push_back(std::make_unique<ColorNetwork>(std::vector<std::string>{"a", "b"}));
   EXPECT_ERROR(RoomRecognizer::create(home, others), "give that file by --network");
-  EXPECT_ERROR(learn_rooms_from_keyframes(home, 1, {.visits = {}, .rooms = {"attic"}}, {}),
+  EXPECT_ERROR(learn_rooms_from_keyframes(home, 1, {.visits = {}, .rooms = {"attic"}}, {}, {}, run),
                "no room 'attic'");
+  EXPECT_ERROR(learn_rooms_from_keyframes(home, 1, {}, {{}, 2}, others, run),
+               "give its file by --network");
+
+  // With varied pictures; what the network made of them goes with its key-frames.
+  ASSERT_OK(learn_rooms_from_keyframes(home, 1, {}, {{}, 2}, networks, run));
+  const auto kept = [&] {
+    return home.database().get<int>("SELECT count(*) FROM picture_features").value();
+  };
+  EXPECT_GT(kept(), 10);
+  ASSERT_OK(home.remove_recording(1));
+  EXPECT_EQ(kept(), 0);
 }
 
 TEST_F(MapRecording, BuildsTheCloudOfTheRoom) {

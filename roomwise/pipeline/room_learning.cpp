@@ -5,7 +5,7 @@
 #include <set>
 
 #include "roomwise/image/codec.h"
-#include "roomwise/pipeline/predict_pictures.h"
+#include "roomwise/pipeline/picture_features.h"
 
 namespace roomwise::pipeline {
 namespace {
@@ -64,6 +64,38 @@ Expected<home::NetworkId> stored_features_network(const home::Home& home) {
   return nameless != networks.end() ? nameless->first : networks.begin()->first;
 }
 
+// Gives each sample, a key-frame's, the features of variants of its picture.
+Expected<void> add_variants(home::Home& home, const home::Network& network,
+                            std::span<const home::KeyframeId> keyframes,
+                            std::span<rooms::RoomSample> samples, int variants,
+                            const Networks& networks, RunContext& run) {
+  const auto same = std::ranges::find_if(
+      networks, [&](const auto& loaded) { return loaded->fingerprint() == network.fingerprint; });
+  if (same == networks.end()) {
+    return fail(
+        "{}: varied pictures are to be shown to the network {}, which has looked at the "
+        "key-frames; "
+        "give its file by --network",
+        home.file(), network.name);
+  }
+  const PictureSource source{keyframes.size(),
+                             [&](std::size_t i) -> Expected<Bytes> {
+                               ROOMWISE_TRY(auto images, home.images(keyframes[i]));
+                               return std::move(images.color);
+                             },
+                             [&](std::size_t i) { return keyframes[i]; }};
+  ROOMWISE_TRY(auto features, picture_features(home, source, **same, {1, variants}, run));
+  for (std::size_t i = 0; i < samples.size(); ++i) samples[i].variants = std::move(features[i]);
+  return {};
+}
+
+Expected<rooms::LearnedRooms> learn(std::span<const rooms::RoomSample> samples,
+                                    const rooms::NetworkIdentity& network,
+                                    const RoomLearning& learning, RunContext& run) {
+  const auto timing = run.clock.measure("softmax");
+  return rooms::learn_rooms(samples, network, learning.options, &run.pool);
+}
+
 }  // namespace
 
 Expected<home::Home> create_home(const std::filesystem::path& path) {
@@ -82,10 +114,9 @@ Expected<void> name_rooms(home::Home& home, home::RecordingId recording,
   });
 }
 
-Expected<rooms::LearningReport> learn_rooms_from_keyframes(home::Home& home,
-                                                           home::RecordingId recording,
-                                                           const RoomSelection& selection,
-                                                           const rooms::LearningOptions& options) {
+Expected<rooms::LearningReport> learn_rooms_from_keyframes(
+    home::Home& home, home::RecordingId recording, const RoomSelection& selection,
+    const RoomLearning& learning, const Networks& networks, RunContext& run) {
   ROOMWISE_TRY(const recording::RoomLabels labels, home.room_ranges(recording));
   if (labels.ranges().empty()) {
     return fail(
@@ -94,11 +125,12 @@ Expected<rooms::LearningReport> learn_rooms_from_keyframes(home::Home& home,
   }
   ROOMWISE_CHECK_OK(selection.check_against(labels));
   ROOMWISE_TRY(const home::NetworkId network_id, stored_features_network(home));
-  ROOMWISE_TRY(const auto networks, home.networks());
+  ROOMWISE_TRY(const auto stored_networks, home.networks());
   ROOMWISE_TRY(const auto predictions, home.predictions(network_id));
   ROOMWISE_TRY(const auto keyframes, home.keyframes());
 
   std::vector<rooms::RoomSample> samples;
+  std::vector<home::KeyframeId> ids;  // of the samples
   for (const home::Keyframe& keyframe : keyframes) {
     if (keyframe.recording != recording) continue;
     const recording::RoomRange* range = labels.find(keyframe.frame_index);
@@ -107,10 +139,14 @@ Expected<rooms::LearningReport> learn_rooms_from_keyframes(home::Home& home,
       continue;
     samples.push_back(
         {prediction->second.features, range->room, static_cast<std::uint64_t>(range->visit)});
+    ids.push_back(keyframe.id);
   }
-  const home::Network& network = networks.at(network_id);
+  const home::Network& network = stored_networks.at(network_id);
+  if (learning.variants > 0) {
+    ROOMWISE_CHECK_OK(add_variants(home, network, ids, samples, learning.variants, networks, run));
+  }
   ROOMWISE_TRY(const rooms::LearnedRooms learned,
-               rooms::learn_rooms(samples, {network.name, network.fingerprint}, options));
+               learn(samples, {network.name, network.fingerprint}, learning, run));
   ROOMWISE_CHECK_OK(home.atomically([&] { return store(home, learned); }));
   return learned.report;
 }
@@ -147,21 +183,23 @@ Expected<std::vector<RoomPhoto>> list_room_photos(const std::filesystem::path& f
 Expected<rooms::LearningReport> learn_rooms_from_photos(home::Home& home,
                                                         const std::filesystem::path& folder,
                                                         const network::Classifier& network,
-                                                        const rooms::LearningOptions& options,
+                                                        const RoomLearning& learning,
                                                         RunContext& run) {
   ROOMWISE_TRY(const std::vector<RoomPhoto> photos, list_room_photos(folder));
-  ROOMWISE_TRY(const auto predictions,
-               predict_pictures(
-                   photos.size(), [&](std::size_t i) { return image::read_color(photos[i].path); },
-                   network, "looking at photos", run));
+  const PictureSource source{photos.size(),
+                             [&](std::size_t i) { return read_file(photos[i].path); }};
+  ROOMWISE_TRY(auto features, picture_features(home, source, network, {0, learning.variants}, run));
   std::vector<rooms::RoomSample> samples;
   std::set<std::string> names;
   for (std::size_t i = 0; i < photos.size(); ++i) {
-    samples.push_back({predictions[i].prediction.features, photos[i].room, 0});
+    rooms::RoomSample& sample =
+        samples.emplace_back(rooms::RoomSample{std::move(features[i].front()), photos[i].room});
+    sample.variants.assign(std::make_move_iterator(features[i].begin() + 1),
+                           std::make_move_iterator(features[i].end()));
     names.insert(photos[i].room);
   }
   ROOMWISE_TRY(const rooms::LearnedRooms learned,
-               rooms::learn_rooms(samples, {network.name(), network.fingerprint()}, options));
+               learn(samples, {network.name(), network.fingerprint()}, learning, run));
   ROOMWISE_CHECK_OK(home.atomically([&]() -> Expected<void> {
     ROOMWISE_CHECK_OK(add_rooms(home, names));
     return store(home, learned);

@@ -18,11 +18,20 @@ namespace roomwise::pipeline {
 [[nodiscard]] Expected<void> name_rooms(home::Home& home, home::RecordingId recording,
                                         const recording::RoomLabels& labels);
 
+// How rooms are learned.
+struct RoomLearning {
+  rooms::LearningOptions options = {};
+  // Of each picture so many varied ones are learned from beside it (network/augmentation.h), at
+  // most kMostVariants.
+  int variants = 0;
+};
+
 // Learns the rooms from the key-frames of a recording that lie in the selected ranges, on what a
-// features network saw in them; stores the classifier and what it says of every key-frame.
+// features network saw in them; stores the classifier and what it says of every key-frame. With
+// variants, that network must be among `networks`, to look at them.
 [[nodiscard]] Expected<rooms::LearningReport> learn_rooms_from_keyframes(
     home::Home& home, home::RecordingId recording, const RoomSelection& selection,
-    const rooms::LearningOptions& options);
+    const RoomLearning& learning, const Networks& networks, RunContext& run);
 
 // A picture and the room that it shows.
 struct RoomPhoto {
@@ -37,7 +46,7 @@ struct RoomPhoto {
 // The same from plain photos, for a home without a recording. The photos themselves are not kept.
 [[nodiscard]] Expected<rooms::LearningReport> learn_rooms_from_photos(
     home::Home& home, const std::filesystem::path& folder, const network::Classifier& network,
-    const rooms::LearningOptions& options, RunContext& run);
+    const RoomLearning& learning, RunContext& run);
 
 // The network on whose features rooms are learned: one that serves features only is preferred to
 // one that names things. Fails where there is none.

@@ -1,36 +1,52 @@
 #include "roomwise/rooms/room_learner.h"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <numeric>
 #include <optional>
 
+#include "roomwise/rooms/softmax_trainer.h"
+
 namespace roomwise::rooms {
 namespace {
 
-// The pictures as the regression takes them.
+// Of the gradient in the held-out test, where only the highest probability counts.
+constexpr double kHeldOutTolerance = 1e-4;
+
+// The pictures and their variants as the regression takes them.
 struct TrainingSet {
   std::vector<std::string> rooms;  // by name; a label is an index of it
-  Eigen::MatrixXf samples;         // one a row
+  Eigen::MatrixXf samples;         // one a row: each picture, followed by its variants
   std::vector<int> labels;
-  std::vector<int> folds;  // the round that holds the sample out
+  std::vector<int> folds;             // the round that holds the sample out
+  std::vector<std::size_t> pictures;  // the rows that are no variants
 
   [[nodiscard]] int classes() const { return static_cast<int>(rooms.size()); }
 };
+
+Expected<void> check_features(std::span<const float> features, std::size_t expected,
+                              const std::string& whose) {
+  if (features.empty() || features.size() != expected) {
+    return fail("{} has {} features, the first has {}; take all from the same network", whose,
+                features.size(), expected);
+  }
+  if (!std::ranges::all_of(features, [](float value) { return std::isfinite(value); })) {
+    return fail("{} has features that are not finite", whose);
+  }
+  return {};
+}
 
 Expected<void> check_samples(std::span<const RoomSample> samples) {
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const RoomSample& sample = samples[i];
     if (sample.room.empty()) return fail("picture {} names no room", i);
-    if (sample.features.empty() || sample.features.size() != samples.front().features.size()) {
-      return fail(
-          "picture {} ({}) has {} features, the first has {}; take all from the same network", i,
-          sample.room, sample.features.size(), samples.front().features.size());
-    }
-    if (!std::ranges::all_of(sample.features, [](float value) { return std::isfinite(value); })) {
-      return fail("picture {} ({}) has features that are not finite", i, sample.room);
+    const std::string whose = fmt::format("picture {} ({})", i, sample.room);
+    const std::size_t expected = samples.front().features.size();
+    ROOMWISE_CHECK_OK(check_features(sample.features, expected, whose));
+    for (const auto& variant : sample.variants) {
+      ROOMWISE_CHECK_OK(check_features(variant, expected, "a variant of " + whose));
     }
   }
   return {};
@@ -82,34 +98,23 @@ TrainingSet make_training_set(std::span<const RoomSample> samples, std::vector<s
                               int folds) {
   TrainingSet set;
   set.rooms = std::move(rooms);
-  set.samples.resize(static_cast<Eigen::Index>(samples.size()),
+  std::size_t rows = samples.size();
+  for (const RoomSample& sample : samples) rows += sample.variants.size();
+  set.samples.resize(static_cast<Eigen::Index>(rows),
                      static_cast<Eigen::Index>(samples.front().features.size()));
+  const std::vector<int> fold_of = block_folds(samples, folds);
   for (std::size_t i = 0; i < samples.size(); ++i) {
-    set.samples.row(static_cast<Eigen::Index>(i)) = unit_length(samples[i].features);
     const auto room = std::ranges::lower_bound(set.rooms, samples[i].room);
-    set.labels.push_back(static_cast<int>(room - set.rooms.begin()));
+    const auto add = [&](std::span<const float> features) {
+      set.samples.row(static_cast<Eigen::Index>(set.labels.size())) = unit_length(features);
+      set.labels.push_back(static_cast<int>(room - set.rooms.begin()));
+      set.folds.push_back(fold_of[i]);
+    };
+    set.pictures.push_back(set.labels.size());
+    add(samples[i].features);
+    for (const auto& variant : samples[i].variants) add(variant);
   }
-  set.folds = block_folds(samples, folds);
   return set;
-}
-
-// With fewer samples than features, the best weights lie in the space that the samples span: the
-// same regression in coordinates of that space is the same problem with far fewer unknowns.
-// samples^T = basis * coordinates^T.
-struct SampleSpace {
-  Eigen::MatrixXf basis;        // features x dimensions, orthonormal columns
-  Eigen::MatrixXf coordinates;  // samples x dimensions
-};
-
-SampleSpace span_of(const Eigen::MatrixXf& samples) {
-  const Eigen::Index count = samples.rows();
-  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(samples.transpose().cast<double>());
-  SampleSpace space;
-  space.basis =
-      (qr.householderQ() * Eigen::MatrixXd::Identity(samples.cols(), count)).cast<float>();
-  const Eigen::MatrixXd triangle = qr.matrixQR().topRows(count).triangularView<Eigen::Upper>();
-  space.coordinates = triangle.transpose().cast<float>();
-  return space;
 }
 
 // What the held-out test of one weight decay gave.
@@ -130,38 +135,50 @@ struct HeldOutTest {
   }
 };
 
-// Trains without a fold and adds the results on it to `test`.
-Expected<void> test_fold(const TrainingSet& set, int fold, const SoftmaxOptions& options,
-                         HeldOutTest& test) {
-  std::vector<Eigen::Index> kept;
-  std::vector<int> labels;
-  for (std::size_t i = 0; i < set.folds.size(); ++i) {
-    if (set.folds[i] == fold) continue;
-    kept.push_back(static_cast<Eigen::Index>(i));
-    labels.push_back(set.labels[i]);
+// For each fold, what is learned from while it is held out.
+std::vector<std::vector<bool>> parts_without_folds(const TrainingSet& set, int folds) {
+  std::vector<std::vector<bool>> parts;
+  for (int fold = 0; fold < folds; ++fold) {
+    auto& part = parts.emplace_back();
+    for (const int of_sample : set.folds) part.push_back(of_sample != fold);
   }
-  ROOMWISE_TRY(
-      const SoftmaxRegression regression,
-      SoftmaxRegression::train(set.samples(kept, Eigen::all), labels, set.classes(), options));
-  for (std::size_t i = 0; i < set.folds.size(); ++i) {
-    if (set.folds[i] != fold) continue;
-    Eigen::Index best = 0;
-    regression.probabilities(set.samples.row(static_cast<Eigen::Index>(i))).maxCoeff(&best);
-    ++test.tested;
-    if (best == set.labels[i]) ++test.correct[static_cast<std::size_t>(best)];
-  }
-  return {};
+  return parts;
 }
 
-Expected<HeldOutTest> held_out_test(const TrainingSet& set, int folds, double weight_decay) {
-  SoftmaxOptions options;
-  options.weight_decay = weight_decay;
+// regressions[i] was learned without fold i.
+HeldOutTest test_held_out(const TrainingSet& set, std::span<const SoftmaxRegression> regressions) {
   HeldOutTest test;
   test.correct.assign(set.rooms.size(), 0);
-  for (int fold = 0; fold < folds; ++fold) {
-    ROOMWISE_CHECK_OK(test_fold(set, fold, options, test));
+  for (const std::size_t picture : set.pictures) {
+    const SoftmaxRegression& regression = regressions[static_cast<std::size_t>(set.folds[picture])];
+    Eigen::Index best = 0;
+    regression.probabilities(set.samples.row(static_cast<Eigen::Index>(picture))).maxCoeff(&best);
+    ++test.tested;
+    if (best == set.labels[picture]) ++test.correct[static_cast<std::size_t>(best)];
   }
   return test;
+}
+
+// One test for each weight decay, in the order of the options. All rounds of one decay learn at
+// once, and what they learn is where the next weaker one begins.
+Expected<std::vector<HeldOutTest>> held_out_tests(const TrainingSet& set,
+                                                  const SoftmaxTrainer& trainer,
+                                                  const LearningOptions& options) {
+  std::vector<std::size_t> strongest_first(options.weight_decays.size());
+  std::iota(strongest_first.begin(), strongest_first.end(), 0);
+  std::ranges::stable_sort(strongest_first, std::greater(),
+                           [&](std::size_t i) { return options.weight_decays[i]; });
+  const auto parts = parts_without_folds(set, options.folds);
+  std::vector<HeldOutTest> tests(options.weight_decays.size());
+  std::vector<SoftmaxRegression> regressions;
+  for (const std::size_t i : strongest_first) {
+    SoftmaxOptions softmax;
+    softmax.weight_decay = options.weight_decays[i];
+    softmax.gradient_tolerance = kHeldOutTolerance;
+    ROOMWISE_TRY(regressions, trainer.train(parts, softmax, regressions));
+    tests[i] = test_held_out(set, regressions);
+  }
+  return tests;
 }
 
 // The strongest weight decay whose precision is within a standard error of the best one (the
@@ -182,7 +199,9 @@ LearningReport make_report(const TrainingSet& set, const HeldOutTest& test, doub
                            const LearningOptions& options) {
   LearningReport report;
   std::vector<std::size_t> pictures(set.rooms.size(), 0);
-  for (const int label : set.labels) ++pictures[static_cast<std::size_t>(label)];
+  for (const std::size_t picture : set.pictures) {
+    ++pictures[static_cast<std::size_t>(set.labels[picture])];
+  }
   for (std::size_t room = 0; room < set.rooms.size(); ++room) {
     report.rooms.push_back({set.rooms[room], pictures[room], test.correct[room]});
     if (pictures[room] < options.comfortable_pictures) {
@@ -215,34 +234,24 @@ Expected<void> LearningOptions::validate() const {
 }
 
 Expected<LearnedRooms> learn_rooms(std::span<const RoomSample> samples,
-                                   const NetworkIdentity& network, const LearningOptions& options) {
+                                   const NetworkIdentity& network, const LearningOptions& options,
+                                   ThreadPool* pool) {
   ROOMWISE_CHECK_OK(options.validate());
   ROOMWISE_CHECK_OK(check_samples(samples));
   ROOMWISE_TRY(std::vector<std::string> rooms, rooms_of(samples, options));
-  TrainingSet set = make_training_set(samples, std::move(rooms), options.folds);
-  Eigen::MatrixXf basis;  // empty where the samples are left as they are
-  if (set.samples.rows() < set.samples.cols()) {
-    SampleSpace space = span_of(set.samples);
-    basis = std::move(space.basis);
-    set.samples = std::move(space.coordinates);
-  }
-
-  std::vector<HeldOutTest> tests;
-  for (const double weight_decay : options.weight_decays) {
-    ROOMWISE_TRY(HeldOutTest test, held_out_test(set, options.folds, weight_decay));
-    tests.push_back(std::move(test));
-  }
+  const TrainingSet set = make_training_set(samples, std::move(rooms), options.folds);
+  ROOMWISE_TRY(const SoftmaxTrainer trainer,
+               SoftmaxTrainer::create(set.samples, set.labels, set.classes(), pool));
+  ROOMWISE_TRY(const auto tests, held_out_tests(set, trainer, options));
   const std::size_t chosen = choose(options.weight_decays, tests);
 
   SoftmaxOptions best;
   best.weight_decay = options.weight_decays[chosen];
-  ROOMWISE_TRY(SoftmaxRegression regression,
-               SoftmaxRegression::train(set.samples, set.labels, set.classes(), best));
-  if (basis.size() != 0) {
-    regression = SoftmaxRegression(regression.weights() * basis.transpose(), regression.biases());
-  }
+  const std::vector<bool> all(set.labels.size(), true);
+  ROOMWISE_TRY(auto trained, trainer.train(std::span(&all, 1), best));
   LearningReport report = make_report(set, tests[chosen], best.weight_decay, options);
-  return LearnedRooms{RoomClassifier(network, set.rooms, std::move(regression)), std::move(report)};
+  return LearnedRooms{RoomClassifier(network, set.rooms, std::move(trained.front())),
+                      std::move(report)};
 }
 
 }  // namespace roomwise::rooms

@@ -17,6 +17,9 @@ struct RoomSample {
   // The recording or visit it was taken on. The samples of one room and group stand in the order of
   // time: neighbours show nearly the same.
   std::uint64_t group = 0;
+  // The same of varied pictures of it (network/augmentation.h). They are learned from beside the
+  // picture, and held out with it; the held-out test looks at the picture itself alone.
+  std::vector<std::vector<float>> variants = {};
 };
 
 struct LearningOptions {
@@ -60,9 +63,10 @@ struct LearnedRooms {
 //
 // Rooms are sorted by name, so that the order of the samples' rooms does not count. Fails where
 // there are fewer than two rooms, a room has fewer than least_pictures, or features differ in
-// number or are not finite.
+// number or are not finite. The same bits at any number of threads of `pool`, which may be absent.
 [[nodiscard]] Expected<LearnedRooms> learn_rooms(std::span<const RoomSample> samples,
                                                  const NetworkIdentity& network,
-                                                 const LearningOptions& options = {});
+                                                 const LearningOptions& options = {},
+                                                 ThreadPool* pool = nullptr);
 
 }  // namespace roomwise::rooms

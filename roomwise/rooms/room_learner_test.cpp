@@ -181,5 +181,48 @@ TEST(LearningOptions, NamesTheFieldThatIsWrong) {
   EXPECT_ERROR(options.validate(), "least_pictures");
 }
 
+// Variants that give the answer away, of another room's looks: held out with their picture they
+// cannot help its test; and they must not be tested themselves.
+TEST(LearnRooms, VariantsAreHeldOutWithTheirPicture) {
+  RandomStream random(6);
+  std::vector<RoomSample> samples;
+  for (int i = 0; i < 100; ++i) {
+    RoomSample sample{std::vector<float>(200, 0), i % 2 == 0 ? "bath" : "hall"};
+    for (float& value : sample.features) value = static_cast<float>(random.normal());
+    sample.variants.assign(3, sample.features);
+    samples.push_back(sample);
+  }
+  const auto learned = learn_rooms(samples, kNetwork);
+  ASSERT_OK(learned);
+  EXPECT_EQ(learned->report.held_out, 100u);
+  EXPECT_EQ(learned->report.rooms.front().pictures, 50u);
+  EXPECT_LT(learned->report.held_out_precision, 0.7);
+}
+
+TEST(LearnRooms, VariantsAreLearnedFrom) {
+  // By day the rooms differ in axes 0 and 1; in the variants, by night, in axes 4 and 5.
+  std::vector<RoomSample> samples;
+  add_pictures(samples, "bath", 0, 30, 0.05);
+  add_pictures(samples, "hall", 1, 30, 0.05);
+  const std::vector<float> night{0, 0, 0, 0, 1, 0, 0, 0};
+  std::vector<RoomSample> varied = samples;
+  for (RoomSample& sample : varied) {
+    sample.variants = {std::vector<float>(8, 0)};
+    sample.variants.front()[sample.room == "bath" ? 4 : 5] = 1;
+  }
+  const auto scores = learn_rooms(varied, kNetwork)->classifier.scores(night);
+  EXPECT_EQ(scores->front().room, "bath");
+  EXPECT_GT(scores->front().score, 0.9);
+  varied[3].variants.front().pop_back();
+  EXPECT_ERROR(learn_rooms(varied, kNetwork), "a variant of picture 3 (bath) has 7 features");
+}
+
+TEST(LearnRooms, TheNumberOfThreadsChangesNoBit) {
+  const auto samples = home(0.5);
+  ThreadPool pool(3);
+  EXPECT_EQ(learn_rooms(samples, kNetwork, {}, &pool)->classifier.to_bytes(),
+            learn_rooms(samples, kNetwork)->classifier.to_bytes());
+}
+
 }  // namespace
 }  // namespace roomwise::rooms

@@ -1,5 +1,6 @@
 #include "roomwise/rooms/softmax_regression.h"
 
+#include <ceres/ceres.h>
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -64,6 +65,89 @@ TEST(SoftmaxRegression, SeparatesSeparableClasses) {
     Eigen::Index best = 0;
     probabilities.maxCoeff(&best);
     EXPECT_EQ(best, labels[static_cast<std::size_t>(i)]);
+  }
+}
+
+// The loss as its definition says, for Ceres. Parameters: weights class by class, then biases.
+class DefinedLoss final : public ceres::FirstOrderFunction {
+ public:
+  DefinedLoss(Eigen::MatrixXd samples, std::vector<int> labels, int classes, double weight_decay)
+      : samples_(std::move(samples)),
+        labels_(std::move(labels)),
+        classes_(classes),
+        weight_decay_(weight_decay) {}
+  [[nodiscard]] int NumParameters() const override {
+    return classes_ * (static_cast<int>(samples_.cols()) + 1);
+  }
+  bool Evaluate(const double* parameters, double* cost, double* gradient) const override {
+    const Eigen::Index features = samples_.cols();
+    const Eigen::Map<const Eigen::MatrixXd> weights(parameters, features, classes_);
+    const Eigen::Map<const Eigen::VectorXd> biases(parameters + weights.size(), classes_);
+    Eigen::VectorXd sums = Eigen::VectorXd::Zero(NumParameters());
+    Eigen::Map<Eigen::MatrixXd>(sums.data(), features, classes_) = weight_decay_ * weights;
+    *cost = weight_decay_ / 2 * weights.squaredNorm();
+    for (Eigen::Index i = 0; i < samples_.rows(); ++i) {
+      const int label = labels_[static_cast<std::size_t>(i)];
+      const double weight =
+          1.0 / (classes_ * static_cast<double>(std::count(labels_.begin(), labels_.end(), label)));
+      const Eigen::VectorXd logits = weights.transpose() * samples_.row(i).transpose() + biases;
+      const Eigen::VectorXd p = logits.array().exp() / logits.array().exp().sum();
+      *cost -= weight * std::log(p[label]);
+      for (int k = 0; k < classes_; ++k) {
+        const double residual = weight * (p[k] - (k == label ? 1 : 0));
+        sums.segment(k * features, features) += residual * samples_.row(i).transpose();
+        sums[weights.size() + k] += residual;
+      }
+    }
+    if (gradient != nullptr) Eigen::Map<Eigen::VectorXd>(gradient, sums.size()) = sums;
+    return true;
+  }
+
+ private:
+  Eigen::MatrixXd samples_;
+  std::vector<int> labels_;
+  int classes_;
+  double weight_decay_;
+};
+
+TEST(SoftmaxRegression, FindsTheMinimumThatCeresFinds) {
+  // Features as networks give them: none below zero, of length 1, far from the origin.
+  RandomStream random(11);
+  std::vector<int> labels;
+  Eigen::MatrixXf samples(150, 60);
+  for (Eigen::Index i = 0; i < samples.rows(); ++i) {
+    labels.push_back(static_cast<int>(i % 5 == 0 ? 0 : i % 3));
+    for (Eigen::Index k = 0; k < samples.cols(); ++k) {
+      samples(i, k) = static_cast<float>(std::abs(1 + 0.5 * random.normal()) +
+                                         (k % 7 == labels.back() ? 0.3 : 0));
+    }
+    samples.row(i).normalize();
+  }
+  SoftmaxOptions options;
+  options.weight_decay = 1e-3;
+  options.gradient_tolerance = 1e-6;
+  const auto ours = SoftmaxRegression::train(samples, labels, 3, options);
+  ASSERT_OK(ours);
+
+  ceres::GradientProblem problem(new DefinedLoss(samples.cast<double>(), labels, 3, 1e-3));
+  Eigen::VectorXd parameters = Eigen::VectorXd::Zero(problem.NumParameters());
+  ceres::GradientProblemSolver::Options solver;
+  solver.max_num_iterations = 2000;
+  solver.gradient_tolerance = 1e-10;
+  solver.function_tolerance = 0;
+  solver.parameter_tolerance = 0;
+  solver.logging_type = ceres::SILENT;
+  ceres::GradientProblemSolver::Summary summary;
+  ceres::Solve(solver, problem, parameters.data(), &summary);
+  const Eigen::MatrixXf weights =
+      Eigen::Map<Eigen::MatrixXd>(parameters.data(), samples.cols(), 3).transpose().cast<float>();
+  EXPECT_LT((ours->weights() - weights).norm(), 2e-3F * weights.norm());
+  const SoftmaxRegression theirs(weights, parameters.tail(3).cast<float>());
+  for (Eigen::Index i = 0; i < samples.rows(); ++i) {
+    EXPECT_LT((ours->probabilities(samples.row(i)) - theirs.probabilities(samples.row(i)))
+                  .cwiseAbs()
+                  .maxCoeff(),
+              1e-3F);
   }
 }
 

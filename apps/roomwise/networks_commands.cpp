@@ -1,0 +1,246 @@
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+#include "commands.h"
+#include "networks.h"
+#include "roomwise/base/file.h"
+#include "roomwise/download/https_download.h"
+#include "roomwise/network/catalogue.h"
+#include "roomwise/network/model_card.h"
+
+namespace roomwise::app {
+namespace {
+
+namespace fs = std::filesystem;
+using download::ExpectedFile;
+using download::FetchedFile;
+using network::CatalogueEntry;
+
+// FILE.sha256 beside a file, as sha256sum writes it: what was fetched once.
+fs::path record_of(const fs::path& file) {
+  return file.string() + ".sha256";
+}
+
+std::string recorded_digest(const fs::path& file) {
+  const auto text = read_text_file(record_of(file));
+  if (!text) return {};
+  const std::string digest = text->substr(0, text->find(' '));
+  return digest.size() == 64 && download::is_digest_begin(digest) ? digest : std::string();
+}
+
+// ---- networks list ----
+
+std::string what_for(const fs::path& file) {
+  const auto card = network::find_model_card(file);
+  if (!card) return "no card";
+  if (card->task != network::Task::kClassify) return "finds things";
+  return card->labels_file.empty() ? "features" : "features and names";
+}
+
+Expected<Answer> list() {
+  Answer answer;
+  answer.json = {{"folders", Json::array()}, {"here", Json::array()}, {"known", Json::array()}};
+  ROOMWISE_TRY(const auto usable, usable_networks());
+  for (const fs::path& folder : network_folders()) {
+    answer.json["folders"].push_back(folder.string());
+    answer.text += fmt::format("In {}:\n", folder.string());
+    std::vector<fs::path> files;
+    std::error_code ignored;
+    for (const auto& entry : fs::directory_iterator(folder, ignored)) {
+      const std::string ending = entry.path().extension().string();
+      if (ending == ".onnx" || ending == ".pth" || ending == ".safetensors") {
+        files.push_back(entry.path());
+      }
+    }
+    std::ranges::sort(files);
+    for (const fs::path& file : files) {
+      const bool used = std::ranges::find(usable, file) != usable.end();
+      const std::string purpose = what_for(file);
+      answer.text += fmt::format("  {:44} {:20} {}\n", file.filename().string(), purpose,
+                                 used ? "used by default" : "");
+      answer.json["here"].push_back(
+          {{"file", file.string()}, {"for", purpose}, {"used_by_default", used}});
+    }
+  }
+  answer.text += "Published (roomwise networks pull NAME):\n";
+  for (const CatalogueEntry& entry : network::catalogue()) {
+    const auto file = find_in_folders(entry.file);
+    answer.text += fmt::format("  {:28} {:10} {}\n", entry.name, file ? "here" : "", entry.about);
+    answer.json["known"].push_back({{"name", entry.name},
+                                    {"file", entry.file},
+                                    {"address", entry.address},
+                                    {"sha256_begin", entry.sha256_begin},
+                                    {"license", entry.license},
+                                    {"about", entry.about},
+                                    {"installed", file ? Json(file->string()) : Json()}});
+    if (entry.bytes) answer.json["known"].back()["bytes"] = *entry.bytes;
+  }
+  return answer;
+}
+
+// ---- networks pull ----
+
+struct PullOptions {
+  std::string name;
+  fs::path to;
+  std::string from;
+  std::string sha256;
+  fs::path certificates;
+};
+
+// Fetches an entry's file from where the user says, or from its publisher.
+Expected<FetchedFile> fetch(const CatalogueEntry& entry, const PullOptions& options,
+                            const fs::path& target, const ExpectedFile& expected,
+                            Context& context) {
+  const std::string& from = options.from;
+  if (from.empty() || from.find("://") != std::string::npos) {
+    std::string url = from.empty() ? entry.address : from;
+    if (url.ends_with('/')) url += entry.file;  // a mirror
+    download::DownloadOptions download_options;
+    download_options.certificates = options.certificates;
+    return download::download(url, target, expected, context.progress, download_options);
+  }
+  std::error_code ignored;
+  const fs::path source =
+      fs::is_directory(from, ignored) ? from / fs::path(entry.file) : fs::path(from);
+  return download::copy_checked(source, target, expected);
+}
+
+Expected<Answer> pull(const PullOptions& options, Context& context) {
+  const CatalogueEntry* entry = find_catalogue_entry(options.name);
+  if (entry == nullptr) {
+    return fail("{}: is not in the catalogue; 'roomwise networks list' names what is",
+                options.name);
+  }
+  if (!options.sha256.empty() &&
+      (options.sha256.size() != 64 || !download::is_digest_begin(options.sha256))) {
+    return fail("--sha256 is not a digest: expected 64 lower-case hexadecimal digits");
+  }
+  fs::path folder = options.to;
+  if (folder.empty()) {
+    ROOMWISE_TRY(folder, own_network_folder());
+  }
+  const fs::path target = folder / entry->file;
+  // What the user says of the digest counts more than what the catalogue has from others.
+  const bool own_digest = !options.sha256.empty();
+  const ExpectedFile expected{own_digest ? std::nullopt : entry->bytes,
+                              own_digest ? options.sha256 : entry->sha256_begin};
+  Expected<FetchedFile> fetched = download::check_file(target, expected);
+  const bool was_here = fetched.has_value() && (!expected.sha256_begin.empty() ||
+                                                fetched->sha256 == recorded_digest(target));
+  if (!was_here) {
+    fetched = fetch(*entry, options, target, expected, context);
+    if (!fetched) return Unexpected(std::move(fetched).error());
+    ROOMWISE_CHECK_OK(
+        write_file(record_of(target), fmt::format("{}  {}\n", fetched->sha256, entry->file)));
+  }
+  Answer answer;
+  answer.text = fmt::format("{}: {} bytes, {}\n", target.string(), fetched->bytes,
+                            was_here ? "was here already" : "fetched");
+  answer.text += fmt::format("SHA-256 {}\n", fetched->sha256);
+  std::string checked_by = own_digest ? "--sha256" : entry->digest_from;
+  if (checked_by.empty()) {
+    answer.text +=
+        "warning: nobody has published its digest, so that only the connection vouches for it; "
+        "compare it with that of a copy you trust. It is recorded for 'networks verify'\n";
+  } else {
+    answer.text +=
+        fmt::format("checked: {} digits, from {}\n", expected.sha256_begin.size(), checked_by);
+  }
+  answer.text += fmt::format("licence: {}\n", entry->license);
+  answer.json = {{"file", target.string()},
+                 {"bytes", fetched->bytes},
+                 {"sha256", fetched->sha256},
+                 {"digits_checked", expected.sha256_begin.size()},
+                 {"digest_from", checked_by},
+                 {"was_here", was_here},
+                 {"resumed_from", fetched->resumed_from},
+                 {"license", entry->license}};
+  return answer;
+}
+
+// ---- networks verify ----
+
+struct VerifyOptions {
+  std::vector<std::string> names;
+};
+
+// The files to check: those named, or all of the catalogue that are here.
+Expected<std::vector<fs::path>> files_to_verify(const VerifyOptions& options) {
+  std::vector<fs::path> files;
+  for (const std::string& name : options.names) {
+    ROOMWISE_TRY(fs::path file, find_network_file(name));
+    files.push_back(std::move(file));
+  }
+  if (!options.names.empty()) return files;
+  for (const CatalogueEntry& entry : network::catalogue()) {
+    if (auto file = find_in_folders(entry.file)) files.push_back(*std::move(file));
+  }
+  if (files.empty()) return fail("no network of the catalogue is here; name one, or pull one");
+  return files;
+}
+
+Expected<Answer> verify(const VerifyOptions& options) {
+  ROOMWISE_TRY(const auto files, files_to_verify(options));
+  Answer answer;
+  answer.json = Json::array();
+  std::vector<std::string> wrong;
+  for (const fs::path& file : files) {
+    const CatalogueEntry* entry = find_catalogue_entry(file.filename().string());
+    const std::string recorded = recorded_digest(file);
+    ExpectedFile expected{entry != nullptr ? entry->bytes : std::nullopt,
+                          entry != nullptr ? entry->sha256_begin : ""};
+    // What was fetched once says more than the first digits, if it agrees with them.
+    if (recorded.starts_with(expected.sha256_begin)) expected.sha256_begin = recorded;
+    const auto checked = download::check_file(file, expected);
+    if (!checked) wrong.push_back(checked.error().message);
+    const std::string state = !checked ? "WRONG"
+                              : expected.sha256_begin.empty()
+                                  ? "nothing is known to compare with"
+                                  : fmt::format("right ({} digits)", expected.sha256_begin.size());
+    answer.text += fmt::format("{}: {}\n", file.string(), state);
+    answer.json.push_back({{"file", file.string()},
+                           {"right", checked.has_value()},
+                           {"digits_checked", expected.sha256_begin.size()}});
+    if (checked) answer.json.back()["sha256"] = checked->sha256;
+  }
+  if (!wrong.empty()) return fail("{}; delete it and pull it again", fmt::join(wrong, "; "));
+  return answer;
+}
+
+}  // namespace
+
+void add_networks_commands(CLI::App& app, Context& context) {
+  CLI::App* group =
+      add_group(app, "networks", "Fetch, check and look at networks", "roomwise networks list");
+  add_command(*group, context, "list", "Networks that are here, and published ones",
+              "roomwise networks list", [] { return list(); });
+  {
+    auto options = std::make_shared<PullOptions>();
+    CLI::App* command = add_command(*group, context, "pull", "Fetch a published network",
+                                    "roomwise networks pull yolox-nano",
+                                    [options, &context] { return pull(*options, context); });
+    command->add_option("NAME", options->name, "As 'networks list' names it")->required();
+    command->add_option("--to", options->to, "Folder to put it in; default: the user's own");
+    command->add_option(
+        "--from", options->from,
+        "Take it from this file, folder, https address, or mirror (an https address "
+        "that ends in /)");
+    command->add_option("--sha256", options->sha256,
+                        "Its digest, from whom you trust; takes the place of the catalogue's");
+    command->add_option("--certificates", options->certificates,
+                        "Trust the certificates of this PEM file in place of the system's");
+  }
+  {
+    auto options = std::make_shared<VerifyOptions>();
+    CLI::App* command =
+        add_command(*group, context, "verify", "Check the files of networks again",
+                    "roomwise networks verify", [options] { return verify(*options); });
+    command->add_option("NAMES", options->names, "Default: all of the catalogue that are here");
+  }
+  add_networks_looks(*group, context);
+}
+
+}  // namespace roomwise::app

@@ -1,0 +1,117 @@
+// Writes the seeds of the fuzz targets: small files of every kind, made here.
+
+#include <cstdio>
+#include <filesystem>
+
+#include "roomwise/base/file.h"
+#include "roomwise/network/built_in_cards.h"
+#include "roomwise/network/tiny_network.h"
+
+namespace {
+
+namespace fs = std::filesystem;
+using namespace roomwise::testing;
+using Numbers = std::vector<std::int64_t>;
+using Weights = std::vector<float>;
+
+struct Seed {
+  std::string name;
+  std::string bytes;
+};
+
+// A network of one layer and what it needs beside its picture.
+Seed one_layer(const std::string& operation, const std::vector<std::string>& more_inputs,
+               const std::vector<std::string>& attributes,
+               const std::vector<std::string>& constants, std::uint64_t opset = 13) {
+  std::vector<std::string> inputs{"picture"};
+  inputs.insert(inputs.end(), more_inputs.begin(), more_inputs.end());
+  return {operation + ".onnx", onnx(TinyGraph{{layer(operation, inputs, {"out"}, attributes)},
+                                              constants,
+                                              {1, 3, 4, 6},
+                                              {{"out", {1}}},
+                                              opset})};
+}
+
+std::vector<Seed> onnx_seeds() {
+  const Weights weights(2 * 3 * 3 * 3, 0.1F);
+  std::vector<Seed> seeds{
+      {"mean.onnx", mean_color_network()},
+      {"empty.onnx", onnx({}, {1, 3, 4, 6}, {{"picture", {1, 3, 4, 6}}})},
+      one_layer("Conv", {"w", "b"},
+                {attribute("kernel_shape", Numbers{3, 3}), attribute("pads", Numbers{1, 1, 1, 1}),
+                 attribute("strides", Numbers{2, 1})},
+                {tensor("w", {2, 3, 3, 3}, weights), tensor("b", {2}, Weights{1, 2})}),
+      one_layer("BatchNormalization", {"s", "b", "m", "v"}, {attribute("epsilon", 1e-3F)},
+                {tensor("s", {3}, Weights{1, 2, 3}), tensor("b", {3}, Weights{1, 2, 3}),
+                 tensor("m", {3}, Weights{1, 2, 3}), tensor("v", {3}, Weights{1, 2, 3})}),
+      one_layer("MaxPool", {},
+                {attribute("kernel_shape", Numbers{2, 2}), attribute("strides", Numbers{2, 2}),
+                 attribute("ceil_mode", 1)},
+                {}),
+      one_layer("AveragePool", {},
+                {attribute("kernel_shape", Numbers{3, 3}), attribute("pads", Numbers{1, 1, 1, 1}),
+                 attribute("count_include_pad", 1)},
+                {}),
+      one_layer("Transpose", {}, {attribute("perm", Numbers{0, 2, 3, 1})}, {}),
+      one_layer("Softmax", {}, {attribute("axis", 1)}, {}),
+      one_layer("Reshape", {"to"}, {}, {tensor("to", {3}, Numbers{0, -1, 6})}),
+      one_layer("Slice", {"b", "e", "a", "s"}, {},
+                {tensor("b", {1}, Numbers{3}), tensor("e", {1}, Numbers{-100}),
+                 tensor("a", {1}, Numbers{2}), tensor("s", {1}, Numbers{-2})}),
+      one_layer("Pad", {"p"}, {attribute("mode", "constant")},
+                {tensor("p", {8}, Numbers{0, 0, 1, 2, 0, 0, 3, 0})}),
+      one_layer("Resize", {"", "s"}, {attribute("mode", "nearest")},
+                {tensor("s", {4}, Weights{1, 1, 2, 2})}),
+      one_layer("MatMul", {"w"}, {}, {tensor("w", {6, 2}, Weights(12, 0.5F))}),
+      one_layer("Concat", {"picture"}, {attribute("axis", 1)}, {}),
+      one_layer("Unsqueeze", {"a"}, {}, {tensor("a", {1}, Numbers{0})}),
+      one_layer("ReduceMean", {}, {attribute("axes", Numbers{2, 3}), attribute("keepdims", 0)}, {}),
+      one_layer("Gather", {"i"}, {attribute("axis", 1)}, {tensor("i", {2}, Numbers{2, 0})}),
+      one_layer("Clip", {"low", "high"}, {},
+                {tensor("low", {}, Weights{0}), tensor("high", {}, Weights{6})})};
+  for (const char* operation : {"Relu", "Sigmoid", "HardSwish", "Flatten", "Shape", "Identity"}) {
+    seeds.push_back(one_layer(operation, {}, {}, {}));
+  }
+  for (const char* operation : {"Add", "Mul", "Div", "Sub"}) {
+    seeds.push_back(one_layer(operation, {"c"}, {}, {tensor("c", {3, 1, 1}, Weights{1, 2, 3})}));
+  }
+  return seeds;
+}
+
+std::vector<Seed> card_seeds() {
+  std::vector<Seed> seeds;
+  for (const auto& card : roomwise::network::built_in_cards()) {
+    seeds.push_back({std::string(card.network) + ".json", std::string(card.json)});
+  }
+  return seeds;
+}
+
+roomwise::Expected<void> write(const fs::path& folder, const std::vector<Seed>& seeds) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  for (const Seed& seed : seeds) {
+    ROOMWISE_CHECK_OK(roomwise::write_file(folder / seed.name, seed.bytes));
+  }
+  std::printf("%zu files in %s\n", seeds.size(), folder.c_str());
+  return {};
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc != 2) {
+    std::fprintf(stderr, "usage: %s FOLDER\n", argv[0]);
+    return 2;
+  }
+  const fs::path corpus = argv[1];
+  const std::vector<Seed> list{
+      {"catalogue.json", std::string(roomwise::network::built_in_catalogue())}};
+  for (const auto& written :
+       {write(corpus / "onnx", onnx_seeds()), write(corpus / "model_card", card_seeds()),
+        write(corpus / "catalogue", list)}) {
+    if (written) continue;
+    std::fprintf(stderr, "%s\n", written.error().message.c_str());
+    return 1;
+  }
+  return 0;
+}

@@ -1,0 +1,355 @@
+#include "roomwise/download/https_download.h"
+
+#include <curl/curl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cstdio>
+#include <memory>
+#include <optional>
+
+#include "roomwise/base/file.h"
+
+namespace roomwise::download {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Closer {
+  void operator()(std::FILE* file) const { std::fclose(file); }
+  void operator()(CURL* curl) const { curl_easy_cleanup(curl); }
+  void operator()(curl_slist* list) const { curl_slist_free_all(list); }
+};
+using File = std::unique_ptr<std::FILE, Closer>;
+
+fs::path part_of(const fs::path& target) {
+  return target.string() + ".part";
+}
+fs::path etag_file_of(const fs::path& target) {
+  return target.string() + ".part.etag";
+}
+
+void remove_part(const fs::path& target) {
+  std::error_code ignored;
+  fs::remove(part_of(target), ignored);
+  fs::remove(etag_file_of(target), ignored);
+}
+
+// What an earlier try left: only with an ETag, and from the same address, can it be gone on from.
+struct Rest {
+  std::uint64_t bytes = 0;
+  std::string etag;
+};
+
+Rest find_rest(const std::string& url, const fs::path& target) {
+  std::error_code error;
+  const std::uint64_t bytes = fs::file_size(part_of(target), error);
+  const auto text = read_text_file(etag_file_of(target));
+  if (error || bytes == 0 || !text) return {};
+  const std::size_t line = text->find('\n');
+  if (line == std::string::npos || text->substr(0, line) != url) return {};
+  return {bytes, text->substr(line + 1)};
+}
+
+std::optional<std::uint64_t> number(std::string_view text) {
+  std::uint64_t value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+// One request and what comes back. Its callbacks are C's; what goes wrong in them is kept in
+// `problem` and ends the transfer.
+class Transfer {
+ public:
+  Transfer(const std::string& url, const fs::path& target, const ExpectedFile& expected,
+           Progress& progress, const DownloadOptions& options, Rest rest)
+      : url_(url),
+        target_(target),
+        expected_(expected),
+        progress_(progress),
+        options_(options),
+        rest_(std::move(rest)) {}
+
+  // Gives the number of bytes that were there before.
+  Expected<std::uint64_t> run() {
+    const std::unique_ptr<CURL, Closer> curl(curl_easy_init());
+    if (!curl) return fail("{}: libcurl cannot be set up", url_);
+    curl_ = curl.get();
+    const auto headers = set_up();
+    progress_.begin("fetching " + target_.filename().string(), expected_.bytes);
+    const CURLcode code = curl_easy_perform(curl_);
+    progress_.end();
+    long status = 0;
+    curl_easy_getinfo(curl_, CURLINFO_RESPONSE_CODE, &status);
+    status_ = status;
+    if (file_ && (std::fflush(file_.get()) != 0 || ::fsync(::fileno(file_.get())) != 0)) {
+      return fail("{}: cannot be written; is the disk full?", part_of(target_).string());
+    }
+    file_.reset();
+    if (!problem_.empty()) return Unexpected(Error{problem_});
+    if (code != CURLE_OK) return describe(code);
+    if (!begun_) ROOMWISE_CHECK_OK(begin_body());  // an empty file
+    return resumed_from_;
+  }
+
+  // The server has nothing after what is here: the file became shorter, or all is here.
+  [[nodiscard]] bool range_was_refused() const { return status_ == 416; }
+
+ private:
+  std::unique_ptr<curl_slist, Closer> set_up() {
+    std::unique_ptr<curl_slist, Closer> headers;
+    curl_easy_setopt(curl_, CURLOPT_URL, url_.c_str());
+    curl_easy_setopt(curl_, CURLOPT_PROTOCOLS_STR, "https");
+    curl_easy_setopt(curl_, CURLOPT_REDIR_PROTOCOLS_STR, "https");
+    curl_easy_setopt(curl_, CURLOPT_FOLLOWLOCATION, 1L);
+    curl_easy_setopt(curl_, CURLOPT_MAXREDIRS, 8L);
+    curl_easy_setopt(curl_, CURLOPT_SSLVERSION, static_cast<long>(CURL_SSLVERSION_TLSv1_2));
+    curl_easy_setopt(curl_, CURLOPT_FAILONERROR, 1L);
+    curl_easy_setopt(curl_, CURLOPT_NOSIGNAL, 1L);
+    curl_easy_setopt(curl_, CURLOPT_USERAGENT, "roomwise");
+    curl_easy_setopt(curl_, CURLOPT_ERRORBUFFER, message_);
+    curl_easy_setopt(curl_, CURLOPT_CONNECTTIMEOUT, static_cast<long>(options_.connect_timeout_s));
+    curl_easy_setopt(curl_, CURLOPT_LOW_SPEED_LIMIT, 1024L);
+    curl_easy_setopt(curl_, CURLOPT_LOW_SPEED_TIME, static_cast<long>(options_.stall_timeout_s));
+    if (!options_.certificates.empty()) {
+      curl_easy_setopt(curl_, CURLOPT_CAINFO, options_.certificates.c_str());
+    }
+    if (rest_.bytes > 0) {
+      const std::string if_range = "If-Range: " + rest_.etag;
+      headers.reset(curl_slist_append(nullptr, if_range.c_str()));
+      curl_easy_setopt(curl_, CURLOPT_HTTPHEADER, headers.get());
+      curl_easy_setopt(curl_, CURLOPT_RANGE, fmt::format("{}-", rest_.bytes).c_str());
+    }
+    curl_easy_setopt(curl_, CURLOPT_HEADERFUNCTION, &Transfer::on_header);
+    curl_easy_setopt(curl_, CURLOPT_HEADERDATA, this);
+    curl_easy_setopt(curl_, CURLOPT_WRITEFUNCTION, &Transfer::on_body);
+    curl_easy_setopt(curl_, CURLOPT_WRITEDATA, this);
+    curl_easy_setopt(curl_, CURLOPT_NOPROGRESS, 0L);
+    curl_easy_setopt(curl_, CURLOPT_XFERINFOFUNCTION, &Transfer::on_progress);
+    curl_easy_setopt(curl_, CURLOPT_XFERINFODATA, this);
+    return headers;
+  }
+
+  static std::size_t on_header(char* text, std::size_t, std::size_t size, void* self) {
+    static_cast<Transfer*>(self)->take_header({text, size});
+    return size;
+  }
+  static std::size_t on_body(char* bytes, std::size_t, std::size_t size, void* self) {
+    return static_cast<Transfer*>(self)->take_body(bytes, size) ? size : 0;
+  }
+  static int on_progress(void* self, curl_off_t, curl_off_t, curl_off_t, curl_off_t) {
+    auto& transfer = *static_cast<Transfer*>(self);
+    if (!transfer.progress_.interrupted()) return 0;
+    transfer.problem_ = fmt::format(
+        "{}: interrupted; what has come stays in {}, and the same command goes on from there",
+        transfer.url_, part_of(transfer.target_).string());
+    return 1;
+  }
+
+  void take_header(std::string_view line) {
+    while (!line.empty() && (line.back() == '\r' || line.back() == '\n')) line.remove_suffix(1);
+    if (line.starts_with("HTTP/")) {  // of the next answer, after a redirection
+      etag_.clear();
+      first_byte_.reset();
+      return;
+    }
+    const std::size_t colon = line.find(':');
+    if (colon == std::string_view::npos) return;
+    std::string name(line.substr(0, colon));
+    std::ranges::transform(name, name.begin(), [](unsigned char c) {
+      return static_cast<char>(c >= 'A' && c <= 'Z' ? c + 32 : c);
+    });
+    std::string_view value = line.substr(colon + 1);
+    while (value.starts_with(' ')) value.remove_prefix(1);
+    // A weak one ("W/...") says only that two files mean the same.
+    if (name == "etag" && value.starts_with('"')) etag_ = value;
+    if (name == "content-range" && value.starts_with("bytes ")) {
+      first_byte_ = number(value.substr(6, value.find('-') - 6));
+    }
+  }
+
+  // Before the first byte of the answer's body: opens the file where it goes on.
+  Expected<void> begin_body() {
+    begun_ = true;
+    long status = 0;
+    curl_easy_getinfo(curl_, CURLINFO_RESPONSE_CODE, &status);
+    if (status != 200 && status != 206) {
+      return fail("{}: the server answers {}, which is no file", url_, status);
+    }
+    if (status == 206 && (rest_.bytes == 0 || first_byte_ != rest_.bytes)) {
+      remove_part(target_);
+      return fail("{}: the server sends another part of the file than was asked for; try again",
+                  url_);
+    }
+    resumed_from_ = status == 206 ? rest_.bytes : 0;
+    received_ = resumed_from_;
+    ROOMWISE_CHECK_OK(check_announced_size());
+    file_.reset(std::fopen(part_of(target_).c_str(), status == 206 ? "ab" : "wb"));
+    if (!file_) return fail("{}: cannot be written", part_of(target_).string());
+    if (etag_.empty()) {
+      std::error_code ignored;
+      fs::remove(etag_file_of(target_), ignored);
+      return {};
+    }
+    return write_file(etag_file_of(target_), url_ + "\n" + etag_);
+  }
+
+  Expected<void> check_announced_size() {
+    curl_off_t announced = -1;
+    curl_easy_getinfo(curl_, CURLINFO_CONTENT_LENGTH_DOWNLOAD_T, &announced);
+    if (announced < 0) return {};
+    const std::uint64_t whole = resumed_from_ + static_cast<std::uint64_t>(announced);
+    if (expected_.bytes && whole != *expected_.bytes) {
+      return fail("{}: the server has {} bytes; expected {}; it is another file", url_, whole,
+                  *expected_.bytes);
+    }
+    if (whole > options_.most_bytes) return too_large();
+    return {};
+  }
+
+  Unexpected too_large() const {
+    return fail("{}: the file is larger than {} bytes, the most that is fetched", url_,
+                std::min(options_.most_bytes, expected_.bytes.value_or(options_.most_bytes)));
+  }
+
+  bool take_body(const char* bytes, std::size_t size) {
+    const auto taken = [&]() -> Expected<void> {
+      if (!begun_) ROOMWISE_CHECK_OK(begin_body());
+      received_ += size;
+      if (received_ > expected_.bytes.value_or(options_.most_bytes) ||
+          received_ > options_.most_bytes) {
+        return too_large();
+      }
+      if (std::fwrite(bytes, 1, size, file_.get()) != size) {
+        return fail("{}: cannot be written; is the disk full?", part_of(target_).string());
+      }
+      progress_.advance(received_, "");
+      return {};
+    }();
+    if (!taken) problem_ = taken.error().message;
+    return taken.has_value();
+  }
+
+  Unexpected describe(CURLcode code) const {
+    const char* why = message_[0] != '\0' ? message_ : curl_easy_strerror(code);
+    if (code == CURLE_OPERATION_TIMEDOUT || code == CURLE_PARTIAL_FILE ||
+        code == CURLE_RECV_ERROR) {
+      return fail(
+          "{}: the connection broke or stalled after {} bytes ({}); try again: it goes on "
+          "from there if the server lets it",
+          url_, received_, why);
+    }
+    if (code == CURLE_UNSUPPORTED_PROTOCOL) {
+      return fail("{}: leads to an address that is not https ({}); nothing is fetched from there",
+                  url_, why);
+    }
+    return fail("{}: cannot be fetched: {}", url_, why);
+  }
+
+  const std::string& url_;
+  const fs::path& target_;
+  const ExpectedFile& expected_;
+  Progress& progress_;
+  const DownloadOptions& options_;
+  Rest rest_;
+  CURL* curl_ = nullptr;
+  char message_[CURL_ERROR_SIZE] = {};
+  std::string problem_;
+  long status_ = 0;
+  bool begun_ = false;
+  std::string etag_;
+  std::optional<std::uint64_t> first_byte_;  // of a part
+  std::uint64_t resumed_from_ = 0;
+  std::uint64_t received_ = 0;
+  File file_;
+};
+
+// Checks TARGET.part and gives it its name; deletes it where it is not as expected.
+Expected<FetchedFile> accept(const fs::path& target, const ExpectedFile& expected) {
+  auto checked = check_file(part_of(target), expected);
+  if (!checked) {
+    remove_part(target);
+    return checked;
+  }
+  std::error_code error;
+  fs::rename(part_of(target), target, error);
+  if (error) return fail("{}: cannot be put in place: {}", target.string(), error.message());
+  remove_part(target);  // what is left of it: the ETag
+  return checked;
+}
+
+Expected<void> make_folder_of(const fs::path& target) {
+  std::error_code error;
+  fs::create_directories(target.parent_path(), error);
+  if (error) return fail("{}: cannot be made: {}", target.parent_path().string(), error.message());
+  return {};
+}
+
+}  // namespace
+
+Expected<void> DownloadOptions::validate() const {
+  if (most_bytes == 0) return fail("most_bytes is 0; expected more");
+  if (connect_timeout_s < 1)
+    return fail("connect_timeout_s is {}; expected 1 or more", connect_timeout_s);
+  if (stall_timeout_s < 1)
+    return fail("stall_timeout_s is {}; expected 1 or more", stall_timeout_s);
+  return {};
+}
+
+bool is_digest_begin(std::string_view text) {
+  return text.size() <= 64 && std::ranges::all_of(text, [](char c) {
+           return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f');
+         });
+}
+
+Expected<FetchedFile> check_file(const fs::path& file, const ExpectedFile& expected) {
+  ROOMWISE_TRY(const Bytes bytes, read_file(file));
+  FetchedFile found{bytes.size(), sha256_hex(bytes)};
+  if (expected.bytes && found.bytes != *expected.bytes) {
+    return fail("{}: has {} bytes; expected {}", file.string(), found.bytes, *expected.bytes);
+  }
+  if (!found.sha256.starts_with(expected.sha256_begin)) {
+    return fail("{}: is not the file that was published: its SHA-256 is {}; expected {}{}",
+                file.string(), found.sha256, expected.sha256_begin,
+                expected.sha256_begin.size() < 64 ? "..." : "");
+  }
+  return found;
+}
+
+Expected<FetchedFile> copy_checked(const fs::path& source, const fs::path& target,
+                                   const ExpectedFile& expected) {
+  ROOMWISE_TRY(const FetchedFile checked, check_file(source, expected));
+  ROOMWISE_TRY(const Bytes bytes, read_file(source));
+  ROOMWISE_CHECK_OK(make_folder_of(target));
+  ROOMWISE_CHECK_OK(write_file(target, bytes));
+  return checked;
+}
+
+Expected<FetchedFile> download(const std::string& url, const fs::path& target,
+                               const ExpectedFile& expected, Progress& progress,
+                               const DownloadOptions& options) {
+  ROOMWISE_CHECK_OK(options.validate());
+  if (!url.starts_with("https://")) {
+    return fail("{}: is not an https address; nothing is fetched unprotected", url);
+  }
+  static const CURLcode kReady = curl_global_init(CURL_GLOBAL_DEFAULT);
+  if (kReady != CURLE_OK) return fail("libcurl cannot be set up: {}", curl_easy_strerror(kReady));
+  ROOMWISE_CHECK_OK(make_folder_of(target));
+
+  const Rest rest = find_rest(url, target);
+  Transfer transfer(url, target, expected, progress, options, rest);
+  Expected<std::uint64_t> resumed = transfer.run();
+  if (!resumed && rest.bytes > 0 && transfer.range_was_refused()) {
+    remove_part(target);
+    Transfer anew(url, target, expected, progress, options, {});
+    resumed = anew.run();
+  }
+  if (!resumed) return Unexpected(std::move(resumed).error());
+  ROOMWISE_TRY(FetchedFile fetched, accept(target, expected));
+  fetched.resumed_from = *resumed;
+  return fetched;
+}
+
+}  // namespace roomwise::download

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <deque>
+
+namespace roomwise::rooms {
+
+// Finds the minimum of a smooth convex function by L-BFGS (Liu and Nocedal, 1989) with steps that
+// are halved until they lead down. It asks and is told, so that several minima can be looked for
+// with one evaluation of all at a time:
+//
+//   Minimizer minimizer(start, tolerance);
+//   while (!minimizer.done()) minimizer.tell(f(minimizer.place()), gradient(minimizer.place()));
+class Minimizer {
+ public:
+  // Done when the largest element of the gradient is below the tolerance, or where no step leads
+  // down any more, since the function is not more exact.
+  Minimizer(Eigen::VectorXd start, double gradient_tolerance)
+      : place_(std::move(start)), gradient_tolerance_(gradient_tolerance) {}
+
+  // Where the function is to be evaluated next.
+  [[nodiscard]] const Eigen::VectorXd& place() const { return place_; }
+  // The lowest place so far; the start before anything was told.
+  [[nodiscard]] const Eigen::VectorXd& lowest() const { return begun_ ? best_ : place_; }
+  [[nodiscard]] bool done() const { return done_; }
+  // The function at place().
+  void tell(double value, const Eigen::VectorXd& gradient);
+
+ private:
+  struct Change {
+    Eigen::VectorXd place;
+    Eigen::VectorXd gradient;
+    double product = 0;  // of the two
+  };
+  // The gradient multiplied by what the changes say of the inverse of the second derivatives.
+  [[nodiscard]] Eigen::VectorXd downwards() const;
+  void begin_step(const Eigen::VectorXd& direction);
+
+  Eigen::VectorXd place_;
+  double gradient_tolerance_;
+  bool done_ = false;
+  bool begun_ = false;
+  // The lowest place, and the step from it that is being tried.
+  Eigen::VectorXd best_;
+  Eigen::VectorXd gradient_;
+  double value_ = 0;
+  Eigen::VectorXd step_;
+  double share_ = 1;  // of the step
+  std::deque<Change> changes_;
+};
+
+}  // namespace roomwise::rooms

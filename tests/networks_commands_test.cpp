@@ -1,0 +1,124 @@
+// Networks, command by command, fetched from a server of the test's own.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "roomwise/base/file.h"
+#include "roomwise/base/testing.h"
+#include "roomwise/download/test_server.h"
+#include "roomwise/network/tiny_network.h"
+#include "run_program.h"
+
+namespace roomwise {
+namespace {
+
+using download::testing::Reply;
+using download::testing::Request;
+using download::testing::TestServer;
+using nlohmann::json;
+using ::testing::HasSubstr;
+using testing::ProgramResult;
+using testing::result_of;
+using testing::run_roomwise;
+
+std::string sha256_of(const std::string& text) {
+  return sha256_hex(Bytes(text.begin(), text.end()));
+}
+
+class NetworksCommandsTest : public ::testing::Test {
+ protected:
+  NetworksCommandsTest() { server_.write_certificate(path("trusted.pem")); }
+  [[nodiscard]] std::string path(const std::string& name) const { return folder_ / name; }
+  // With the user's own networks in this test's folder.
+  json ask(const std::vector<std::string>& arguments) {
+    return result_of(arguments, folder_.path());
+  }
+  ProgramResult run(const std::vector<std::string>& arguments) {
+    return run_roomwise(arguments, folder_.path());
+  }
+  // `pull` from the test's server as a mirror.
+  std::vector<std::string> pull(const std::string& name, std::vector<std::string> more = {}) {
+    std::vector<std::string> words{"networks",         "pull",           name,
+                                   "--from",           server_.url("/"), "--certificates",
+                                   path("trusted.pem")};
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+  }
+
+  testing::ScratchFolder folder_;
+  const std::string network_ = testing::mean_color_network();
+  TestServer server_{[this](const Request&) {
+    return Reply{fmt::format("HTTP/1.1 200 OK\r\nContent-Length: {}\r\nConnection: close\r\n\r\n{}",
+                             network_.size(), network_)};
+  }};
+  // Of the catalogue, without a published digest.
+  const std::string file_ = path("roomwise/networks/resnet50-v1-12.onnx");
+};
+
+TEST_F(NetworksCommandsTest, APublishedNetworkIsFetchedAndFound) {
+  const json pulled = ask(pull("resnet50-v1-onnx"));
+  EXPECT_EQ(pulled["file"], file_);
+  EXPECT_EQ(pulled["sha256"], sha256_of(network_));
+  EXPECT_EQ(pulled["digits_checked"], 0);
+  EXPECT_EQ(read_text_file(file_).value(), network_);
+  EXPECT_EQ(server_.requests().back().path(), "/resnet50-v1-12.onnx");
+  EXPECT_TRUE(ask(pull("resnet50-v1-onnx"))["was_here"]);
+  EXPECT_EQ(server_.requests().size(), 1u);
+
+  EXPECT_EQ(ask({"networks", "verify"})[0]["digits_checked"], 64) << "as it was recorded";
+  for (const json& known : ask({"networks", "list"})["known"]) {
+    EXPECT_EQ(known["installed"].is_null(), known["name"] != "resnet50-v1-onnx");
+  }
+  // Without a card it cannot be used; with one, commands take it by default.
+  EXPECT_FALSE(ask({"networks", "list"})["here"][0]["used_by_default"]);
+  ASSERT_OK(write_file(path("roomwise/networks/resnet50-v1-12.card.json"),
+                       R"({"input": {"width": 6, "height": 4}})"));
+  EXPECT_TRUE(ask({"networks", "list"})["here"][0]["used_by_default"]);
+  const json info = ask({"networks", "info", "resnet50-v1-onnx"});
+  EXPECT_EQ(info["inputs"][0]["shape"], "1x3x4x6");
+  EXPECT_EQ(info["layers"]["GlobalAveragePool"], 1);
+  EXPECT_EQ(info["parameters"], 0);
+  EXPECT_GT(ask({"networks", "bench", "resnet50-v1-onnx", "--runs", "3"})["memory_mb"], 0);
+
+  ASSERT_OK(write_file(file_, network_ + "x"));
+  EXPECT_THAT(run({"networks", "verify"}).errors, HasSubstr("is not the file"));
+}
+
+TEST_F(NetworksCommandsTest, WhatIsNotAsPublishedIsRefused) {
+  const ProgramResult other = run(pull("yolox-nano"));
+  EXPECT_EQ(other.exit_code, 1);
+  EXPECT_THAT(other.errors, HasSubstr("expected 3659407; it is another file"));
+  const std::string digest = sha256_of("another file");
+  EXPECT_THAT(run(pull("resnet50-v1-onnx", {"--sha256", digest})).errors,
+              HasSubstr("expected " + digest));
+  EXPECT_THAT(run(pull("resnet18-torchvision")).errors, HasSubstr("expected f37072fd..."));
+  EXPECT_THAT(run(pull("resnet50-v1-onnx", {"--sha256", "12"})).errors, HasSubstr("64 lower-case"));
+  EXPECT_FALSE(std::filesystem::exists(file_));
+  EXPECT_EQ(ask(pull("resnet50-v1-onnx", {"--sha256", sha256_of(network_)}))["digits_checked"], 64);
+}
+
+TEST_F(NetworksCommandsTest, AFileOrAFolderServesToo) {
+  ASSERT_OK(write_file(path("resnet50-v1-12.onnx"), network_));
+  for (const std::string& from : {path("resnet50-v1-12.onnx"), folder_.path().string()}) {
+    const std::string to = path("to" + std::to_string(from.size()));
+    ask({"networks", "pull", "resnet50-v1-onnx", "--from", from, "--to", to});
+    EXPECT_EQ(read_text_file(to + "/resnet50-v1-12.onnx").value(), network_);
+  }
+  EXPECT_TRUE(server_.requests().empty());
+  EXPECT_THAT(run({"networks", "pull", "resnet50-v1-onnx", "--from", "http://localhost/"}).errors,
+              HasSubstr("not an https address"));
+}
+
+TEST_F(NetworksCommandsTest, NamesThatMeanNothingAreSaidSo) {
+  EXPECT_THAT(run({"networks", "pull", "inception"}).errors, HasSubstr("not in the catalogue"));
+  EXPECT_THAT(run({"networks", "info", "inception"}).errors, HasSubstr("no such network"));
+  EXPECT_THAT(run({"networks", "bench", "yolox-nano"}).errors,
+              HasSubstr("networks pull yolox-nano"));
+  EXPECT_FALSE(ask({"networks", "info", "yolox-nano"})["installed"]);
+  EXPECT_THAT(run({"networks", "verify"}).errors, HasSubstr("no network of the catalogue is here"));
+}
+
+}  // namespace
+}  // namespace roomwise
