@@ -89,7 +89,7 @@ Expected<fs::path> find_network_file(const std::string& name) {
     if (const auto file = find_in_folders(entry->file)) return *file;
     return fail("{}: is not here yet; fetch it by 'roomwise networks pull {}'", name, entry->name);
   }
-  for (const std::string& file : {name, name + ".onnx"}) {
+  for (const std::string& file : {name, name + ".onnx", name + ".safetensors", name + ".pth"}) {
     if (const auto found = find_in_folders(file)) return *found;
   }
   if (fs::is_regular_file(name, ignored)) return name;
