@@ -5,6 +5,8 @@
 
 #include "roomwise/base/file.h"
 #include "roomwise/network/built_in_cards.h"
+#include "roomwise/network/safetensors.h"
+#include "roomwise/network/testing/torch_checkpoint.h"
 #include "roomwise/network/tiny_network.h"
 
 namespace {
@@ -13,6 +15,7 @@ namespace fs = std::filesystem;
 using namespace roomwise::testing;
 using Numbers = std::vector<std::int64_t>;
 using Weights = std::vector<float>;
+namespace saved = roomwise::network::testing;
 
 struct Seed {
   std::string name;
@@ -86,6 +89,32 @@ std::vector<Seed> card_seeds() {
   return seeds;
 }
 
+std::string text_of(const roomwise::Bytes& bytes) {
+  return {bytes.begin(), bytes.end()};
+}
+
+std::vector<Seed> weights_seeds() {
+  const saved::SavedTensor matrix{{2, 3}, {3, 1}, "0", "FloatStorage", 6};
+  const saved::SavedTensor turned{{3, 2}, {1, 3}, "0", "FloatStorage", 6};
+  const saved::SavedTensor halves{{4}, {1}, "1", "HalfStorage", 4};
+  const saved::SavedTensor count{{}, {}, "2", "LongStorage", 1};
+  const std::string pickle = saved::whole_pickle(saved::state_dict(
+      {{"w", matrix}, {"w.turned", turned}, {"h", halves}, {"num_batches_tracked", count}}));
+  const std::map<std::string, std::string> storages{{"0", saved::raw(Weights{1, 2, 3, 4, 5, 6})},
+                                                    {"1", std::string(8, '\x3c')},
+                                                    {"2", saved::raw(Numbers{7})}};
+  roomwise::network::Constant constant;
+  constant.shape = {2, 2};
+  constant.floats = {1, 2, 3, 4};
+  const roomwise::network::Weights tensors{
+      {"a", std::make_shared<const roomwise::network::Constant>(constant)}};
+  return {{"checkpoint.pth", text_of(saved::checkpoint(pickle, storages))},
+          {"packed.pth", text_of(saved::checkpoint(pickle, storages, true))},
+          {"some.safetensors", text_of(roomwise::network::write_safetensors(tensors))},
+          {"none.safetensors", text_of(roomwise::network::write_safetensors({}))},
+          {"mean.onnx", mean_color_network()}};
+}
+
 roomwise::Expected<void> write(const fs::path& folder, const std::vector<Seed>& seeds) {
   std::error_code error;
   fs::create_directories(folder, error);
@@ -108,7 +137,7 @@ int main(int argc, char** argv) {
       {"catalogue.json", std::string(roomwise::network::built_in_catalogue())}};
   for (const auto& written :
        {write(corpus / "onnx", onnx_seeds()), write(corpus / "model_card", card_seeds()),
-        write(corpus / "catalogue", list)}) {
+        write(corpus / "catalogue", list), write(corpus / "weights", weights_seeds())}) {
     if (written) continue;
     std::fprintf(stderr, "%s\n", written.error().message.c_str());
     return 1;

@@ -2,15 +2,15 @@
 
 #include <zip.h>
 
+#include <cstdlib>
 #include <map>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "roomwise/base/file.h"
-#include "roomwise/base/testing.h"
 
-// Checkpoints as torch.save() writes them, made by hand, for tests.
+// Checkpoints as torch.save() writes them, made by hand, for tests and as seeds of fuzzing.
 namespace roomwise::network::testing {
 
 // Little end first.
@@ -72,17 +72,25 @@ inline std::string whole_pickle(const std::string& object) {
 
 // A zip archive of these files; not packed, as PyTorch writes it, or packed.
 inline Bytes zip_archive(const std::map<std::string, std::string>& files, bool packs = false) {
-  const roomwise::testing::ScratchFolder folder;
-  const std::string path = (folder / "archive.zip").string();
-  zip_t* archive = zip_open(path.c_str(), ZIP_CREATE, nullptr);
+  zip_source_t* memory = zip_source_buffer_create(nullptr, 0, 0, nullptr);
+  zip_source_keep(memory);
+  zip_t* archive = zip_open_from_source(memory, ZIP_TRUNCATE, nullptr);
   for (const auto& [name, text] : files) {
     zip_source_t* source = zip_source_buffer(archive, text.data(), text.size(), 0);
     const auto index = zip_file_add(archive, name.c_str(), source, 0);
     zip_set_file_compression(archive, static_cast<zip_uint64_t>(index),
                              packs ? ZIP_CM_DEFLATE : ZIP_CM_STORE, 0);
+    // So that the same files give the same bytes.
+    zip_file_set_mtime(archive, static_cast<zip_uint64_t>(index), 946'684'800, 0);
   }
-  zip_close(archive);
-  return *read_file(path);
+  if (zip_close(archive) != 0 || zip_source_open(memory) != 0) std::abort();
+  zip_source_seek(memory, 0, SEEK_END);
+  Bytes bytes(static_cast<std::size_t>(zip_source_tell(memory)));
+  zip_source_seek(memory, 0, SEEK_SET);
+  zip_source_read(memory, bytes.data(), bytes.size());
+  zip_source_close(memory);
+  zip_source_free(memory);
+  return bytes;
 }
 
 // A checkpoint of this pickle and these storages (by key).
