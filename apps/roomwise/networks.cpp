@@ -1,6 +1,9 @@
 #include "networks.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cstdio>
 #include <cstdlib>
 
 #include "roomwise/network/network_file.h"
@@ -110,15 +113,23 @@ Expected<pipeline::Networks> load_networks(const NetworkOptions& options) {
   if (options.labels && options.files.empty())
     return fail("--labels says what a --network can name; give that too");
   std::vector<fs::path> files = options.files;
-  if (files.empty()) {
+  const bool are_defaults = files.empty();
+  if (are_defaults) {
     ROOMWISE_TRY(files, usable_networks());
   }
   pipeline::Networks networks;
   for (std::size_t i = 0; i < files.size(); ++i) {
     const bool takes_labels = options.labels && i + 1 == files.size();
-    ROOMWISE_TRY(auto loaded, network::OnnxClassifier::load(
-                                  files[i], takes_labels ? options.labels : std::nullopt));
-    networks.push_back(std::move(loaded));
+    auto loaded =
+        network::OnnxClassifier::load(files[i], takes_labels ? options.labels : std::nullopt);
+    if (loaded) {
+      networks.push_back(*std::move(loaded));
+    } else if (are_defaults) {
+      // One that nobody asked for must not end work that the others can do.
+      fmt::print(stderr, "left out: {}\n", loaded.error().message);
+    } else {
+      return Unexpected(std::move(loaded).error());
+    }
   }
   return networks;
 }

@@ -19,6 +19,17 @@ double cosine(std::span<const float> a, std::span<const float> b) {
   return product / std::sqrt(of_a * of_b);
 }
 
+double relative_error(std::span<const float> a, std::span<const float> exact) {
+  double difference = 0, length = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    const double x = a[i], y = exact[i];
+    difference += (x - y) * (x - y);
+    length += y * y;
+  }
+  if (length == 0) return difference == 0 ? 0 : 1;
+  return std::sqrt(difference / length);
+}
+
 std::ptrdiff_t place_of_largest(const std::vector<float>& values) {
   return std::ranges::max_element(values) - values.begin();
 }
@@ -32,11 +43,13 @@ Expected<QuantizationReport> compare(const Executor& exact, const Executor& roun
     ROOMWISE_TRY(const auto outputs, rounded.run({&input, 1}));
     report.mean_cosine.resize(outputs.size(), 0);
     report.least_cosine.resize(outputs.size(), 1);
+    report.mean_error.resize(outputs.size(), 0);
     report.agreement.resize(outputs.size(), 0);
     for (std::size_t i = 0; i < outputs.size(); ++i) {
       const double near = cosine(outputs[i].values, expected[i].values);
       report.mean_cosine[i] += share * near;
       report.least_cosine[i] = std::min(report.least_cosine[i], near);
+      report.mean_error[i] += share * relative_error(outputs[i].values, expected[i].values);
       const bool agree =
           place_of_largest(outputs[i].values) == place_of_largest(expected[i].values);
       report.agreement[i] += agree ? share : 0;
@@ -51,6 +64,10 @@ std::string reason_against(const QuantizationReport& report, std::span<const std
     if (!(report.mean_cosine[i] >= limits.least_cosine)) {
       return fmt::format("output {} in 8 bits has a cosine of {:.4f} with that in floats, below {}",
                          i, report.mean_cosine[i], limits.least_cosine);
+    }
+    if (!(report.mean_error[i] <= limits.most_error)) {
+      return fmt::format("output {} in 8 bits is {:.2f} of its length off that in floats, over {}",
+                         i, report.mean_error[i], limits.most_error);
     }
   }
   // Sums of shares may lack a little of 1.

@@ -9,12 +9,16 @@ namespace roomwise::network {
 struct QuantizationLimits {
   double least_cosine = 0.99;     // of every output, in the mean of the inputs
   double least_agreement = 0.98;  // of the largest number's place, for outputs that are scores
+  // The length of the difference over that of what floats give, in the mean of the inputs: a wrong
+  // scale is no matter to the other two.
+  double most_error = 0.3;
 };
 
 // What a network in 8 bits gives beside the one in floats.
 struct QuantizationReport {
   std::vector<double> mean_cosine;   // an output each
   std::vector<double> least_cosine;  // the same, of the worst input
+  std::vector<double> mean_error;    // length of the difference, over that of the output in floats
   std::vector<double> agreement;     // part of the inputs whose largest number is at one place
   bool is_used = false;
   std::string reason;  // why it is not used; empty: it is

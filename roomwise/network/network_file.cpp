@@ -61,8 +61,13 @@ Expected<std::vector<std::string>> known_labels(const ModelCard& card,
 Expected<OnnxGraph> inception_from(const Weights& weights) {
   InceptionOptions options;
   const auto last = weights.find("fc.weight");
-  if (last != weights.end() && last->second->shape.size() == 2 && last->second->shape[0] > 0)
-    options.classes = last->second->shape[0];
+  if (last != weights.end()) {
+    const Shape& shape = last->second->shape;
+    constexpr std::int64_t kFeatures = 2048;
+    if (shape.size() != 2 || shape[0] < 1 || shape[1] != kFeatures)
+      return fail("its \"fc.weight\" is {}, not classes x {}", shape_text(shape), kFeatures);
+    options.classes = shape[0];
+  }
   OnnxGraph graph = inception_v3(options);
   ROOMWISE_CHECK_OK(apply_weights(graph, weights));
   return graph;

@@ -90,7 +90,7 @@ std::optional<std::size_t> values_of(const Shape& shape) {
   constexpr std::int64_t kMostValues = std::int64_t{1} << 30;
   std::int64_t count = 1;
   for (const std::int64_t size : shape) {
-    if (size < 0 || (size > 0 && count > kMostValues / size)) return std::nullopt;
+    if (size < 0 || size > kMostValues || (size > 0 && count > kMostValues / size)) return std::nullopt;
     count *= size;
   }
   return static_cast<std::size_t>(count);

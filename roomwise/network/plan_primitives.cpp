@@ -1,5 +1,7 @@
 #include "roomwise/network/plan_primitives.h"
 
+#include <algorithm>
+
 namespace roomwise::network {
 
 using dnnl::algorithm;
@@ -73,15 +75,19 @@ ConvolutionDescription convolution_in(const Convolution& convolution, const Conv
 }
 
 // Whether Winograd's way (tiles of 2x2 places, 2.25 times fewer multiplications) is the faster one:
-// as measured (docs/benchmarks.md), which says it by the shape alone, so that the choice, and with
-// it the bits, are the same on every machine that has both.
+// as measured (docs/benchmarks.md), which says it by the shape alone. oneDNN picks its tiles by the
+// number of threads too, but for single pictures, whole blocks of channels and pads of at most 1;
+// so for these only, and the bits are the same at any number of threads.
 bool suits_winograd(const Convolution& convolution, const memory::desc& to) {
-  constexpr std::int64_t kLeastChannels = 32, kLeastOutputs = 48, kLeastSide = 12;
+  constexpr std::int64_t kLeastChannels = 32, kLeastOutputs = 48, kLeastSide = 12, kBlock = 16;
   using Pair = std::array<std::int64_t, 2>;
   const Window& window = convolution.window;
   const Shape& weights = convolution.weights->shape;
+  const std::int64_t most_pad =
+      std::max(std::ranges::max(window.pads_begin), std::ranges::max(window.pads_end));
   return convolution.groups == 1 && window.kernel == Pair{3, 3} && window.strides == Pair{1, 1} &&
-         window.dilations == Pair{1, 1} && weights[0] >= kLeastOutputs &&
+         window.dilations == Pair{1, 1} && to.dims()[0] == 1 && most_pad <= 1 &&
+         weights[0] % kBlock == 0 && weights[1] % kBlock == 0 && weights[0] >= kLeastOutputs &&
          weights[1] >= kLeastChannels && to.dims()[2] >= kLeastSide && to.dims()[3] >= kLeastSide;
 }
 

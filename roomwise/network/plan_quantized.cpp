@@ -5,6 +5,7 @@
 
 #include "roomwise/network/plan_builder.h"
 #include "roomwise/network/plan_primitives.h"
+#include "roomwise/network/quantization.h"
 
 namespace roomwise::network {
 namespace {
@@ -126,11 +127,13 @@ bool PlanBuilder::plan_in_eight_bits(const Layer& layer, const Convolution& conv
   return true;
 }
 
+// Convolutions may look at a layer's input and at its output with steps of their own.
 bool PlanBuilder::hands_on_eight_bits(const Layer& layer) const {
-  const auto is_in_bytes = [&](ValueId value) {
-    return program_.values[value].eight_bits.has_value();
-  };
-  return is_in_bytes(layer.output) && std::ranges::all_of(layer.inputs, is_in_bytes);
+  const auto& step = program_.values[layer.output].eight_bits;
+  return step && can_hand_on(program_, layer) &&
+         std::ranges::all_of(layer.inputs, [&](ValueId input) {
+           return program_.values[input].eight_bits == step;
+         });
 }
 
 void PlanBuilder::join_in_eight_bits(const Layer& layer) {

@@ -20,6 +20,8 @@ using ValueId = std::size_t;
 struct EightBits {
   float step = 1;
   bool is_signed = false;
+
+  friend bool operator==(const EightBits&, const EightBits&) = default;
 };
 
 struct Value {

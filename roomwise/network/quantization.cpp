@@ -13,18 +13,6 @@ namespace {
 
 constexpr std::int64_t kMostColors = 3;
 
-// Whether the layer hands 8-bit numbers on as they are: maxima, small means, joined channels.
-bool hands_on(const Program& program, const Layer& layer) {
-  if (program.values[layer.output].shape.size() != 4) return false;
-  if (const Pooling* pooling = layer.as<Pooling>()) {
-    // The mean of a whole picture is a feature, and not to be rounded.
-    const Shape& shape = program.values[layer.output].shape;
-    return pooling->kind == Pooling::Kind::kMaximum || shape[2] * shape[3] > 1;
-  }
-  const AxisGather* gather = layer.as<AxisGather>();
-  return gather != nullptr && gather->axis == 1 && joins_whole_inputs(program, layer);
-}
-
 // By value: whether a convolution in 8 bits looks at it, or what is handed on to one.
 std::vector<bool> values_for_convolutions(const Program& program) {
   std::vector<bool> wanted(program.values.size(), false);
@@ -32,7 +20,7 @@ std::vector<bool> values_for_convolutions(const Program& program) {
     const ValueId first = layer->inputs.front();
     if (layer->as<Convolution>() != nullptr && program.values[first].shape[1] > kMostColors) {
       wanted[first] = true;
-    } else if (wanted[layer->output] && hands_on(program, *layer)) {
+    } else if (wanted[layer->output] && can_hand_on(program, *layer)) {
       for (const ValueId input : layer->inputs) wanted[input] = true;
     }
   }
@@ -49,6 +37,17 @@ EightBits eight_bits_for(const ValueRange& range) {
 }
 
 }  // namespace
+
+bool can_hand_on(const Program& program, const Layer& layer) {
+  if (program.values[layer.output].shape.size() != 4) return false;
+  if (const Pooling* pooling = layer.as<Pooling>()) {
+    // The mean of a whole picture is a feature, and not to be rounded.
+    const Shape& shape = program.values[layer.output].shape;
+    return pooling->kind == Pooling::Kind::kMaximum || shape[2] * shape[3] > 1;
+  }
+  const AxisGather* gather = layer.as<AxisGather>();
+  return gather != nullptr && gather->axis == 1 && joins_whole_inputs(program, layer);
+}
 
 Expected<std::vector<ValueRange>> measure_ranges(const Program& program,
                                                  std::span<const Tensor> inputs) {
@@ -90,7 +89,7 @@ void quantize(Program& program, std::span<const ValueRange> ranges) {
   const std::vector<bool> wanted = values_for_convolutions(program);
   DisjointSets together(program.values.size());
   for (const Layer& layer : program.layers) {
-    if (!wanted[layer.output] || !hands_on(program, layer)) continue;
+    if (!wanted[layer.output] || !can_hand_on(program, layer)) continue;
     for (const ValueId input : layer.inputs) {
       if (wanted[input]) together.join(input, layer.output);
     }

@@ -21,6 +21,10 @@ struct ValueRange {
 [[nodiscard]] Expected<std::vector<ValueRange>> measure_ranges(const Program& program,
                                                                std::span<const Tensor> inputs);
 
+// Whether the layer can hand 8-bit numbers on as they are, from values of one step: maxima, small
+// means, channels of whole values joined.
+[[nodiscard]] bool can_hand_on(const Program& program, const Layer& layer);
+
 // Says which values are held in 8 bits (Value::eight_bits) by what was measured: what convolutions
 // look at, and what is pooled or joined into that, with one step for all that share memory so. The
 // plan then works these convolutions out in whole numbers: inputs in 8 bits, weights in 8 bits with

@@ -8,6 +8,7 @@
 #include "roomwise/network/checked_quantization.h"
 #include "roomwise/network/graph_builder.h"
 #include "roomwise/network/lowering.h"
+#include "roomwise/network/onnx_graph.h"
 #include "roomwise/network/plan_builder.h"
 #include "roomwise/network/testing/tiny_runs.h"
 
@@ -183,6 +184,69 @@ TEST(Quantization, IsUsedOnlyWhereItIsNearEnough) {
   EXPECT_EQ(outputs->front().values, expected->front().values);
   EXPECT_NE(rounded->front().values, expected->front().values);
   EXPECT_ERROR(checked_quantization(graph, options, {}, scores), "others to be checked on");
+}
+
+double relative_error(std::span<const float> a, std::span<const float> exact) {
+  double difference = 0, length = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    difference += std::pow(static_cast<double>(a[i]) - exact[i], 2);
+    length += std::pow(static_cast<double>(exact[i]), 2);
+  }
+  return std::sqrt(difference / length);
+}
+
+// Outputs in 8 bits are near those in floats, in size too.
+void expect_near(const std::string& file) {
+  const auto graph =
+      read_onnx_graph(std::span(reinterpret_cast<const std::uint8_t*>(file.data()), file.size()));
+  ASSERT_OK(graph);
+  ExecutorOptions options;
+  options.calibration = some_pictures();
+  const auto exact = Executor::create(*graph);
+  const auto rounded = Executor::create(*graph, options);
+  ASSERT_OK(exact);
+  ASSERT_OK(rounded);
+  const Tensor picture = random_tensor({1, 3, 20, 18}, 8);
+  const auto expected = (*exact)->run({&picture, 1});
+  const auto outputs = (*rounded)->run({&picture, 1});
+  ASSERT_OK(expected);
+  ASSERT_OK(outputs);
+  for (std::size_t i = 0; i < outputs->size(); ++i)
+    EXPECT_LT(relative_error((*outputs)[i].values, (*expected)[i].values), 0.1) << "output " << i;
+}
+
+const std::string kPads = attribute("pads", std::vector<std::int64_t>{1, 1, 1, 1});
+
+// A half of a value that a convolution looks at goes on by itself, and is joined again.
+TEST(Quantization, HalvesOfWhatIsInEightBitsAreTakenFromFloats) {
+  const auto numbers = [](const char* name, std::int64_t value) {
+    return tensor(name, {1}, std::vector<std::int64_t>{value});
+  };
+  expect_near(onnx(TinyGraph{
+      {layer("Conv", {"picture", "w1"}, {"c1"}, {kPads}), layer("Relu", {"c1"}, {"x"}, {}),
+       layer("Slice", {"x", "begin", "end", "axis"}, {"half"}, {}),
+       layer("Conv", {"half", "w2"}, {"c2"}, {kPads}), layer("Relu", {"c2"}, {"m"}, {}),
+       layer("Concat", {"x", "half", "m"}, {"joined"}, {attribute("axis", 1)}),
+       layer("Conv", {"joined", "w3"}, {"out"}, {}), layer("Conv", {"x", "w4"}, {"other"}, {})},
+      {random_weights("w1", {32, 3, 3, 3}, 1), random_weights("w2", {16, 16, 3, 3}, 2),
+       random_weights("w3", {24, 64, 1, 1}, 3), random_weights("w4", {8, 32, 1, 1}, 4),
+       numbers("begin", 16), numbers("end", 32), numbers("axis", 1)},
+      {1, 3, 20, 18},
+      {{"out", {1, 24, 20, 18}}, {"other", {1, 8, 20, 18}}},
+      13}));
+}
+
+// As squeeze-and-excite does: the mean has a step of its own.
+TEST(Quantization, TheMeanOfAPictureIsNotReadWithThePicturesStep) {
+  expect_near(onnx(TinyGraph{
+      {layer("Conv", {"picture", "w1"}, {"c1"}, {kPads}), layer("Relu", {"c1"}, {"x"}, {}),
+       layer("GlobalAveragePool", {"x"}, {"mean"}, {}), layer("Conv", {"mean", "w2"}, {"out"}, {}),
+       layer("Conv", {"x", "w3"}, {"other"}, {})},
+      {random_weights("w1", {32, 3, 3, 3}, 1), random_weights("w2", {8, 32, 1, 1}, 2),
+       random_weights("w3", {8, 32, 1, 1}, 3)},
+      {1, 3, 20, 18},
+      {{"out", {1, 8, 1, 1}}, {"other", {1, 8, 20, 18}}},
+      13}));
 }
 
 TEST(Quantization, NeedsInputsOfOneShape) {

@@ -240,7 +240,7 @@ class CheckpointReader {
     }
     if (*count > 0 && last >= numbers)
       return fail("it ends at the number {} of a storage of {}", last, numbers);
-    if (is_row_by_row(shape, strides)) {
+    if (*count == 0 || is_row_by_row(shape, strides)) {
       const Span all =
           *count > 0 ? Span(storage.bytes).subspan(offset * each, *count * each) : Span();
       return with_shape(numbers_from(storage.format, all), shape);
