@@ -99,6 +99,26 @@ TEST_F(NetworksCommandsTest, WhatIsNotAsPublishedIsRefused) {
   EXPECT_EQ(ask(pull("resnet50-v1-onnx", {"--sha256", sha256_of(network_)}))["digits_checked"], 64);
 }
 
+TEST_F(NetworksCommandsTest, WhatTheUserVouchedForStaysRight) {
+  // The catalogue has other digits of one, and another length of the other.
+  for (const std::string name : {"resnet18-torchvision", "yolox-nano"}) {
+    const json pulled = ask(pull(name, {"--sha256", sha256_of(network_)}));
+    const json verified = ask({"networks", "verify", name})[0];
+    EXPECT_TRUE(verified["right"]);
+    EXPECT_EQ(verified["digits_checked"], 64);
+    EXPECT_EQ(verified["vouched"], "given by the user");
+    ASSERT_OK(write_file(pulled["file"].get<std::string>(), network_ + "x"));
+    EXPECT_THAT(run({"networks", "verify", name}).errors, HasSubstr("is not the file"));
+  }
+  // One that was put there by hand is vouched for later.
+  const std::string by_hand = path("roomwise/networks/yolox_nano.onnx");
+  ASSERT_OK(write_file(by_hand, network_));
+  std::filesystem::remove(by_hand + ".sha256");
+  EXPECT_THAT(run({"networks", "verify", "yolox-nano"}).errors, HasSubstr("expected 3659407"));
+  EXPECT_TRUE(ask(pull("yolox-nano", {"--sha256", sha256_of(network_)}))["was_here"]);
+  EXPECT_TRUE(ask({"networks", "verify", "yolox-nano"})[0]["right"]);
+}
+
 TEST_F(NetworksCommandsTest, AFileOrAFolderServesToo) {
   ASSERT_OK(write_file(path("resnet50-v1-12.onnx"), network_));
   for (const std::string& from : {path("resnet50-v1-12.onnx"), folder_.path().string()}) {

@@ -18,16 +18,35 @@ using download::ExpectedFile;
 using download::FetchedFile;
 using network::CatalogueEntry;
 
-// FILE.sha256 beside a file, as sha256sum writes it: what was fetched once.
+// What FILE.sha256 says of a file that was fetched: its digest as sha256sum writes it, and in a
+// comment who vouched for that.
+struct Record {
+  std::string sha256;  // empty where there is no record
+  std::string vouched;
+
+  [[nodiscard]] bool by_user() const { return vouched == kByUser; }
+  static constexpr const char* kByUser = "given by the user";
+};
+
 fs::path record_of(const fs::path& file) {
   return file.string() + ".sha256";
 }
 
-std::string recorded_digest(const fs::path& file) {
+Record read_record(const fs::path& file) {
   const auto text = read_text_file(record_of(file));
   if (!text) return {};
-  const std::string digest = text->substr(0, text->find(' '));
-  return digest.size() == 64 && download::is_digest_begin(digest) ? digest : std::string();
+  Record record{text->substr(0, text->find(' ')), ""};
+  if (record.sha256.size() != 64 || !download::is_digest_begin(record.sha256)) return {};
+  if (const std::size_t comment = text->find("\n# "); comment != std::string::npos) {
+    const std::size_t begin = comment + 3;
+    record.vouched = text->substr(begin, text->find('\n', begin) - begin);
+  }
+  return record;
+}
+
+Expected<void> write_record(const fs::path& file, const Record& record) {
+  return write_file(record_of(file), fmt::format("{}  {}\n# {}\n", record.sha256,
+                                                 file.filename().string(), record.vouched));
 }
 
 // ---- networks list ----
@@ -93,19 +112,20 @@ struct PullOptions {
 // Fetches an entry's file from where the user says, or from its publisher.
 Expected<FetchedFile> fetch(const CatalogueEntry& entry, const PullOptions& options,
                             const fs::path& target, const ExpectedFile& expected,
-                            Context& context) {
+                            const download::BeforeNaming& before_naming, Context& context) {
   const std::string& from = options.from;
   if (from.empty() || from.find("://") != std::string::npos) {
     std::string url = from.empty() ? entry.address : from;
     if (url.ends_with('/')) url += entry.file;  // a mirror
     download::DownloadOptions download_options;
     download_options.certificates = options.certificates;
+    download_options.before_naming = before_naming;
     return download::download(url, target, expected, context.progress, download_options);
   }
   std::error_code ignored;
   const fs::path source =
       fs::is_directory(from, ignored) ? from / fs::path(entry.file) : fs::path(from);
-  return download::copy_checked(source, target, expected);
+  return download::copy_checked(source, target, expected, before_naming);
 }
 
 Expected<Answer> pull(const PullOptions& options, Context& context) {
@@ -127,14 +147,20 @@ Expected<Answer> pull(const PullOptions& options, Context& context) {
   const bool own_digest = !options.sha256.empty();
   const ExpectedFile expected{own_digest ? std::nullopt : entry->bytes,
                               own_digest ? options.sha256 : entry->sha256_begin};
+  // The record comes before the file: 'networks verify' must never call a right file wrong.
+  const auto keep_record = [&](const FetchedFile& file) {
+    const std::string from = entry->digest_from.empty() ? "nobody" : entry->digest_from;
+    return write_record(target, {file.sha256, own_digest ? Record::kByUser : from});
+  };
   Expected<FetchedFile> fetched = download::check_file(target, expected);
-  const bool was_here = fetched.has_value() && (!expected.sha256_begin.empty() ||
-                                                fetched->sha256 == recorded_digest(target));
+  const Record record = read_record(target);
+  const bool recorded = fetched.has_value() && fetched->sha256 == record.sha256;
+  const bool was_here = fetched.has_value() && (!expected.sha256_begin.empty() || recorded);
   if (!was_here) {
-    fetched = fetch(*entry, options, target, expected, context);
+    fetched = fetch(*entry, options, target, expected, keep_record, context);
     if (!fetched) return Unexpected(std::move(fetched).error());
-    ROOMWISE_CHECK_OK(
-        write_file(record_of(target), fmt::format("{}  {}\n", fetched->sha256, entry->file)));
+  } else if (!recorded || own_digest) {
+    ROOMWISE_CHECK_OK(keep_record(*fetched));
   }
   Answer answer;
   answer.text = fmt::format("{}: {} bytes, {}\n", target.string(), fetched->bytes,
@@ -189,11 +215,11 @@ Expected<Answer> verify(const VerifyOptions& options) {
   std::vector<std::string> wrong;
   for (const fs::path& file : files) {
     const CatalogueEntry* entry = find_catalogue_entry(file.filename().string());
-    const std::string recorded = recorded_digest(file);
-    ExpectedFile expected{entry != nullptr ? entry->bytes : std::nullopt,
-                          entry != nullptr ? entry->sha256_begin : ""};
+    const Record record = read_record(file);
+    ExpectedFile expected;
+    if (entry != nullptr && !record.by_user()) expected = {entry->bytes, entry->sha256_begin};
     // What was fetched once says more than the first digits, if it agrees with them.
-    if (recorded.starts_with(expected.sha256_begin)) expected.sha256_begin = recorded;
+    if (record.sha256.starts_with(expected.sha256_begin)) expected.sha256_begin = record.sha256;
     const auto checked = download::check_file(file, expected);
     if (!checked) wrong.push_back(checked.error().message);
     const std::string state = !checked ? "WRONG"
@@ -203,7 +229,8 @@ Expected<Answer> verify(const VerifyOptions& options) {
     answer.text += fmt::format("{}: {}\n", file.string(), state);
     answer.json.push_back({{"file", file.string()},
                            {"right", checked.has_value()},
-                           {"digits_checked", expected.sha256_begin.size()}});
+                           {"digits_checked", expected.sha256_begin.size()},
+                           {"vouched", record.vouched}});
     if (checked) answer.json.back()["sha256"] = checked->sha256;
   }
   if (!wrong.empty()) return fail("{}; delete it and pull it again", fmt::join(wrong, "; "));

@@ -1,15 +1,11 @@
 #include "roomwise/download/https_download.h"
 
 #include <curl/curl.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <charconv>
-#include <cstdio>
 #include <memory>
 #include <optional>
-
-#include "roomwise/base/file.h"
 
 namespace roomwise::download {
 namespace {
@@ -17,39 +13,21 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Closer {
-  void operator()(std::FILE* file) const { std::fclose(file); }
   void operator()(CURL* curl) const { curl_easy_cleanup(curl); }
   void operator()(curl_slist* list) const { curl_slist_free_all(list); }
 };
-using File = std::unique_ptr<std::FILE, Closer>;
-
-fs::path part_of(const fs::path& target) {
-  return target.string() + ".part";
-}
-fs::path etag_file_of(const fs::path& target) {
-  return target.string() + ".part.etag";
-}
-
-void remove_part(const fs::path& target) {
-  std::error_code ignored;
-  fs::remove(part_of(target), ignored);
-  fs::remove(etag_file_of(target), ignored);
-}
-
 // What an earlier try left: only with an ETag, and from the same address, can it be gone on from.
 struct Rest {
   std::uint64_t bytes = 0;
   std::string etag;
 };
 
-Rest find_rest(const std::string& url, const fs::path& target) {
-  std::error_code error;
-  const std::uint64_t bytes = fs::file_size(part_of(target), error);
-  const auto text = read_text_file(etag_file_of(target));
-  if (error || bytes == 0 || !text) return {};
-  const std::size_t line = text->find('\n');
-  if (line == std::string::npos || text->substr(0, line) != url) return {};
-  return {bytes, text->substr(line + 1)};
+Expected<Rest> find_rest(const std::string& url, const PartFile& part) {
+  ROOMWISE_TRY(const std::uint64_t bytes, part.bytes());
+  const std::string origin = part.origin();
+  const std::size_t line = origin.find('\n');
+  if (bytes == 0 || line == std::string::npos || origin.substr(0, line) != url) return Rest{};
+  return Rest{bytes, origin.substr(line + 1)};
 }
 
 std::optional<std::uint64_t> number(std::string_view text) {
@@ -59,14 +37,35 @@ std::optional<std::uint64_t> number(std::string_view text) {
   return value;
 }
 
+// What "Content-Range: bytes FIRST-LAST/WHOLE" says of an answer.
+struct Range {
+  std::uint64_t first = 0;
+  std::uint64_t whole = 0;  // bytes of the file
+};
+
+// Nothing where it says no such thing. Without the length of the file ("/*") nobody could tell
+// whether the answer is the rest of it.
+std::optional<Range> parse_range(std::string_view text) {
+  if (!text.starts_with("bytes ")) return std::nullopt;
+  text.remove_prefix(6);
+  const std::size_t dash = text.find('-');
+  const std::size_t slash = text.find('/');
+  if (slash == std::string_view::npos || dash > slash) return std::nullopt;
+  const auto first = number(text.substr(0, dash));
+  const auto last = number(text.substr(dash + 1, slash - dash - 1));
+  const auto whole = number(text.substr(slash + 1));
+  if (!first || !last || !whole || *last < *first || *last >= *whole) return std::nullopt;
+  return Range{*first, *whole};
+}
+
 // One request and what comes back. Its callbacks are C's; what goes wrong in them is kept in
 // `problem` and ends the transfer.
 class Transfer {
  public:
-  Transfer(const std::string& url, const fs::path& target, const ExpectedFile& expected,
-           Progress& progress, const DownloadOptions& options, Rest rest)
+  Transfer(const std::string& url, PartFile& part, const ExpectedFile& expected, Progress& progress,
+           const DownloadOptions& options, Rest rest)
       : url_(url),
-        target_(target),
+        part_(part),
         expected_(expected),
         progress_(progress),
         options_(options),
@@ -78,19 +77,23 @@ class Transfer {
     if (!curl) return fail("{}: libcurl cannot be set up", url_);
     curl_ = curl.get();
     const auto headers = set_up();
-    progress_.begin("fetching " + target_.filename().string(), expected_.bytes);
+    progress_.begin("fetching " + part_.path().stem().string(), expected_.bytes);
     const CURLcode code = curl_easy_perform(curl_);
     progress_.end();
     long status = 0;
     curl_easy_getinfo(curl_, CURLINFO_RESPONSE_CODE, &status);
     status_ = status;
-    if (file_ && (std::fflush(file_.get()) != 0 || ::fsync(::fileno(file_.get())) != 0)) {
-      return fail("{}: cannot be written; is the disk full?", part_of(target_).string());
-    }
-    file_.reset();
+    ROOMWISE_CHECK_OK(part_.flush_to_disk());
     if (!problem_.empty()) return Unexpected(Error{problem_});
     if (code != CURLE_OK) return describe(code);
     if (!begun_) ROOMWISE_CHECK_OK(begin_body());  // an empty file
+    if (range_ && received_ < range_->whole) {
+      return fail(
+          "{}: the server has sent no more than the first {} of {} bytes so far; try again: it "
+          "goes "
+          "on from there",
+          url_, received_, range_->whole);
+    }
     return resumed_from_;
   }
 
@@ -115,6 +118,7 @@ class Transfer {
     curl_easy_setopt(curl_, CURLOPT_LOW_SPEED_TIME, static_cast<long>(options_.stall_timeout_s));
     if (!options_.certificates.empty()) {
       curl_easy_setopt(curl_, CURLOPT_CAINFO, options_.certificates.c_str());
+      curl_easy_setopt(curl_, CURLOPT_CAPATH, nullptr);  // else the system's folder counts too
     }
     if (rest_.bytes > 0) {
       const std::string if_range = "If-Range: " + rest_.etag;
@@ -144,7 +148,7 @@ class Transfer {
     if (!transfer.progress_.interrupted()) return 0;
     transfer.problem_ = fmt::format(
         "{}: interrupted; what has come stays in {}, and the same command goes on from there",
-        transfer.url_, part_of(transfer.target_).string());
+        transfer.url_, transfer.part_.path().string());
     return 1;
   }
 
@@ -152,7 +156,7 @@ class Transfer {
     while (!line.empty() && (line.back() == '\r' || line.back() == '\n')) line.remove_suffix(1);
     if (line.starts_with("HTTP/")) {  // of the next answer, after a redirection
       etag_.clear();
-      first_byte_.reset();
+      range_.reset();
       return;
     }
     const std::size_t colon = line.find(':');
@@ -165,9 +169,7 @@ class Transfer {
     while (value.starts_with(' ')) value.remove_prefix(1);
     // A weak one ("W/...") says only that two files mean the same.
     if (name == "etag" && value.starts_with('"')) etag_ = value;
-    if (name == "content-range" && value.starts_with("bytes ")) {
-      first_byte_ = number(value.substr(6, value.find('-') - 6));
-    }
+    if (name == "content-range") range_ = parse_range(value);
   }
 
   // Before the first byte of the answer's body: opens the file where it goes on.
@@ -178,30 +180,28 @@ class Transfer {
     if (status != 200 && status != 206) {
       return fail("{}: the server answers {}, which is no file", url_, status);
     }
-    if (status == 206 && (rest_.bytes == 0 || first_byte_ != rest_.bytes)) {
-      remove_part(target_);
+    if (status == 200) {
+      range_.reset();
+    } else if (rest_.bytes == 0 || !range_ || range_->first != rest_.bytes) {
+      part_.remove();
       return fail("{}: the server sends another part of the file than was asked for; try again",
                   url_);
     }
-    resumed_from_ = status == 206 ? rest_.bytes : 0;
+    resumed_from_ = range_ ? rest_.bytes : 0;
     received_ = resumed_from_;
     ROOMWISE_CHECK_OK(check_announced_size());
-    file_.reset(std::fopen(part_of(target_).c_str(), status == 206 ? "ab" : "wb"));
-    if (!file_) return fail("{}: cannot be written", part_of(target_).string());
-    if (etag_.empty()) {
-      std::error_code ignored;
-      fs::remove(etag_file_of(target_), ignored);
-      return {};
-    }
-    return write_file(etag_file_of(target_), url_ + "\n" + etag_);
+    if (range_) return {};  // of the same file, so that its ETag stays as it is
+    ROOMWISE_CHECK_OK(part_.clear());
+    return part_.set_origin(etag_.empty() ? "" : url_ + "\n" + etag_);
   }
 
   Expected<void> check_announced_size() {
     curl_off_t announced = -1;
     curl_easy_getinfo(curl_, CURLINFO_CONTENT_LENGTH_DOWNLOAD_T, &announced);
-    if (announced < 0) return {};
-    const std::uint64_t whole = resumed_from_ + static_cast<std::uint64_t>(announced);
+    if (!range_ && announced < 0) return {};
+    const std::uint64_t whole = range_ ? range_->whole : static_cast<std::uint64_t>(announced);
     if (expected_.bytes && whole != *expected_.bytes) {
+      part_.remove();
       return fail("{}: the server has {} bytes; expected {}; it is another file", url_, whole,
                   *expected_.bytes);
     }
@@ -209,7 +209,8 @@ class Transfer {
     return {};
   }
 
-  Unexpected too_large() const {
+  Unexpected too_large() {
+    part_.remove();
     return fail("{}: the file is larger than {} bytes, the most that is fetched", url_,
                 std::min(options_.most_bytes, expected_.bytes.value_or(options_.most_bytes)));
   }
@@ -222,9 +223,12 @@ class Transfer {
           received_ > options_.most_bytes) {
         return too_large();
       }
-      if (std::fwrite(bytes, 1, size, file_.get()) != size) {
-        return fail("{}: cannot be written; is the disk full?", part_of(target_).string());
+      if (range_ && received_ > range_->whole) {
+        part_.remove();
+        return fail("{}: the server sends more than the {} bytes that it has announced", url_,
+                    range_->whole);
       }
+      ROOMWISE_CHECK_OK(part_.append({reinterpret_cast<const std::uint8_t*>(bytes), size}));
       progress_.advance(received_, "");
       return {};
     }();
@@ -249,7 +253,7 @@ class Transfer {
   }
 
   const std::string& url_;
-  const fs::path& target_;
+  PartFile& part_;
   const ExpectedFile& expected_;
   Progress& progress_;
   const DownloadOptions& options_;
@@ -260,32 +264,10 @@ class Transfer {
   long status_ = 0;
   bool begun_ = false;
   std::string etag_;
-  std::optional<std::uint64_t> first_byte_;  // of a part
+  std::optional<Range> range_;  // where the answer is a part of the file
   std::uint64_t resumed_from_ = 0;
   std::uint64_t received_ = 0;
-  File file_;
 };
-
-// Checks TARGET.part and gives it its name; deletes it where it is not as expected.
-Expected<FetchedFile> accept(const fs::path& target, const ExpectedFile& expected) {
-  auto checked = check_file(part_of(target), expected);
-  if (!checked) {
-    remove_part(target);
-    return checked;
-  }
-  std::error_code error;
-  fs::rename(part_of(target), target, error);
-  if (error) return fail("{}: cannot be put in place: {}", target.string(), error.message());
-  remove_part(target);  // what is left of it: the ETag
-  return checked;
-}
-
-Expected<void> make_folder_of(const fs::path& target) {
-  std::error_code error;
-  fs::create_directories(target.parent_path(), error);
-  if (error) return fail("{}: cannot be made: {}", target.parent_path().string(), error.message());
-  return {};
-}
 
 }  // namespace
 
@@ -298,35 +280,6 @@ Expected<void> DownloadOptions::validate() const {
   return {};
 }
 
-bool is_digest_begin(std::string_view text) {
-  return text.size() <= 64 && std::ranges::all_of(text, [](char c) {
-           return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f');
-         });
-}
-
-Expected<FetchedFile> check_file(const fs::path& file, const ExpectedFile& expected) {
-  ROOMWISE_TRY(const Bytes bytes, read_file(file));
-  FetchedFile found{bytes.size(), sha256_hex(bytes)};
-  if (expected.bytes && found.bytes != *expected.bytes) {
-    return fail("{}: has {} bytes; expected {}", file.string(), found.bytes, *expected.bytes);
-  }
-  if (!found.sha256.starts_with(expected.sha256_begin)) {
-    return fail("{}: is not the file that was published: its SHA-256 is {}; expected {}{}",
-                file.string(), found.sha256, expected.sha256_begin,
-                expected.sha256_begin.size() < 64 ? "..." : "");
-  }
-  return found;
-}
-
-Expected<FetchedFile> copy_checked(const fs::path& source, const fs::path& target,
-                                   const ExpectedFile& expected) {
-  ROOMWISE_TRY(const FetchedFile checked, check_file(source, expected));
-  ROOMWISE_TRY(const Bytes bytes, read_file(source));
-  ROOMWISE_CHECK_OK(make_folder_of(target));
-  ROOMWISE_CHECK_OK(write_file(target, bytes));
-  return checked;
-}
-
 Expected<FetchedFile> download(const std::string& url, const fs::path& target,
                                const ExpectedFile& expected, Progress& progress,
                                const DownloadOptions& options) {
@@ -336,18 +289,18 @@ Expected<FetchedFile> download(const std::string& url, const fs::path& target,
   }
   static const CURLcode kReady = curl_global_init(CURL_GLOBAL_DEFAULT);
   if (kReady != CURLE_OK) return fail("libcurl cannot be set up: {}", curl_easy_strerror(kReady));
-  ROOMWISE_CHECK_OK(make_folder_of(target));
 
-  const Rest rest = find_rest(url, target);
-  Transfer transfer(url, target, expected, progress, options, rest);
+  ROOMWISE_TRY(PartFile part, PartFile::open(target));
+  ROOMWISE_TRY(const Rest rest, find_rest(url, part));
+  Transfer transfer(url, part, expected, progress, options, rest);
   Expected<std::uint64_t> resumed = transfer.run();
   if (!resumed && rest.bytes > 0 && transfer.range_was_refused()) {
-    remove_part(target);
-    Transfer anew(url, target, expected, progress, options, {});
+    ROOMWISE_CHECK_OK(part.clear());
+    Transfer anew(url, part, expected, progress, options, {});
     resumed = anew.run();
   }
   if (!resumed) return Unexpected(std::move(resumed).error());
-  ROOMWISE_TRY(FetchedFile fetched, accept(target, expected));
+  ROOMWISE_TRY(FetchedFile fetched, part.accept(expected, options.before_naming));
   fetched.resumed_from = *resumed;
   return fetched;
 }

@@ -151,6 +151,55 @@ TEST_F(DownloadTest, RefusesAnotherPartThanItAskedFor) {
   EXPECT_EQ(read_text_file(target_).value(), file_);
 }
 
+TEST_F(DownloadTest, AShorterAnswerThanTheRestIsNotTheWholeFile) {
+  std::atomic<int> tries = 0;
+  const TestServer server([&](const Request& request) {
+    Reply reply = serve(request, file_, "\"1\"");
+    ++tries;
+    if (tries == 1) reply.bytes.resize(100'000);
+    if (tries != 2) return reply;
+    const std::size_t first = std::stoul(request.value("Range").substr(6));
+    return Reply{
+        fmt::format("HTTP/1.1 206 Partial Content\r\nContent-Length: 1000\r\nContent-Range: bytes "
+                    "{}-{}/200000\r\nConnection: close\r\n\r\n{}",
+                    first, first + 999, file_.substr(first, 1000))};
+  });
+  expected_ = {};  // nothing else would tell
+  EXPECT_ERROR(get(server), "try again");
+  const auto had = std::filesystem::file_size(folder_ / "networks/net.onnx.part");
+  EXPECT_ERROR(get(server), fmt::format("first {} of 200000 bytes", had + 1000));
+  EXPECT_FALSE(exists("networks/net.onnx"));
+  const auto fetched = get(server);
+  ASSERT_OK(fetched);
+  EXPECT_EQ(fetched->resumed_from, had + 1000);
+  EXPECT_EQ(read_text_file(target_).value(), file_);
+}
+
+TEST_F(DownloadTest, APartOfAFileOfUnknownLengthIsRefused) {
+  std::atomic<int> tries = 0;
+  const TestServer server([&](const Request& request) {
+    Reply reply = serve(request, file_, "\"1\"");
+    if (++tries == 1) reply.bytes.resize(100'000);
+    if (tries == 2) reply.bytes.replace(reply.bytes.find("/200000"), 7, "/*");
+    return reply;
+  });
+  EXPECT_ERROR(get(server), "try again");
+  EXPECT_ERROR(get(server), "another part of the file");
+  ASSERT_OK(get(server));
+}
+
+TEST_F(DownloadTest, TwoDoNotWriteTheSamePart) {
+  std::string second;
+  const TestServer server([&](const Request& request) {
+    const auto fetched = download("https://127.0.0.1:9/", target_, expected_, progress_);
+    if (!fetched) second = fetched.error().message;
+    return serve(request, file_, "\"1\"");
+  });
+  ASSERT_OK(get(server));
+  EXPECT_THAT(second, HasSubstr("another program is fetching it"));
+  EXPECT_EQ(read_text_file(target_).value(), file_);
+}
+
 TEST_F(DownloadTest, BeginsAnewWhereNothingIsLeftToFetch) {
   std::atomic<int> tries = 0;
   const TestServer server([&](const Request& request) {
@@ -202,6 +251,7 @@ TEST_F(DownloadTest, RefusesAnotherLength) {
     return Reply{"HTTP/1.1 200 OK\r\nConnection: close\r\n\r\n" + file_ + file_};
   });
   EXPECT_ERROR(get(endless), "larger than 200000 bytes");
+  EXPECT_FALSE(exists("networks/net.onnx.part"));
   expected_ = {};
   options_.most_bytes = 150'000;
   EXPECT_ERROR(get(endless), "larger than 150000 bytes");
@@ -213,6 +263,21 @@ TEST_F(DownloadTest, RefusesAnotherLength) {
   expected_ = {200'000, sha256_of(file_)};
   EXPECT_ERROR(get(silent), "expected 200000");
   EXPECT_FALSE(exists("networks/net.onnx"));
+}
+
+TEST_F(DownloadTest, KeepsNoPartOfAFileOfAnotherLength) {
+  std::atomic<int> tries = 0;
+  const TestServer server([&](const Request& request) {
+    Reply reply = serve(request, file_, "\"1\"");
+    if (++tries == 1) reply.bytes.resize(100'000);
+    return reply;
+  });
+  EXPECT_ERROR(get(server), "try again");
+  EXPECT_TRUE(exists("networks/net.onnx.part"));
+  expected_.bytes = 150'000;
+  EXPECT_ERROR(get(server), "200000 bytes; expected 150000");
+  EXPECT_FALSE(exists("networks/net.onnx.part"));
+  EXPECT_FALSE(exists("networks/net.onnx.part.etag"));
 }
 
 TEST_F(DownloadTest, FollowsToHttpsOnly) {
