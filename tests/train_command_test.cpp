@@ -181,9 +181,10 @@ TEST_F(TrainCommandTest, RefusesOptionsOfOtherPictures) {
   };
   refuses({"train", path("photos"), "--visits", "1"}, "--visits requires --home");
   refuses({"train", path("photos"), "--held-out-visits", "1"}, "--held-out-visits requires --home");
-  refuses({"train", "--home", path("a.home"), "--held-out", path("photos")}, "--held-out excludes");
+  refuses({"train", "--home", path("a.home"), "--held-out", path("photos")},
+          "--home excludes --held-out");
   refuses({"train", "--home", path("a.home"), "--held-out-share", "0.1"},
-          "--held-out-share excludes");
+          "--home excludes --held-out-share");
   refuses({"train", path("photos"), "--held-out", path("photos"), "--held-out-share", "0.1"},
           "--held-out-share");
 }
