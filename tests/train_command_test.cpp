@@ -72,6 +72,7 @@ TEST_F(TrainCommandTest, MakesANetworkThatNamesTheClasses) {
   const auto page = read_text_file(path("out/rooms.training.html"));
   ASSERT_OK(page);
   EXPECT_THAT(*page, HasSubstr("Held-out precision against steps"));
+  EXPECT_THAT(*page, HasSubstr("chosen on the held-out pictures themselves"));
 
   // It is used as any other network.
   const auto network = network::OnnxClassifier::load(path("out/rooms.onnx"));
@@ -111,17 +112,32 @@ TEST_F(TrainCommandTest, LearnsTheRoomsOfAHome) {
   const std::string home = path("mapped.home");
   testing::result_of(
       {"map", path("walk"), "--home", home, "--keyframe-translation", "0.02", "--threads", "1"});
-  testing::result_of(
-      {"rooms", "name", "--home", home, "--frames", "0-5=hall", "--frames", "6-11=kitchen"});
-  const auto json = testing::result_of({"train", "--home", home, "--network", path("colors.onnx"),
-                                        "--out", path("out"), "--steps", "2", "--batch", "2",
-                                        "--held-out-visits", "1", "--threads", "1"});
-  EXPECT_THAT(json.at("classes"), ElementsAre("hall", "kitchen"));
-  EXPECT_GT(json.at("pictures"), 1);
-  EXPECT_EQ(json.at("held_out"), json.at("pictures"));
-  const auto visits = run_roomwise({"train", "--home", home, "--network", path("colors.onnx"),
-                                    "--out", path("out"), "--visits", "2"});
-  EXPECT_THAT(visits.errors, HasSubstr("no pictures to train on"));
+  testing::result_of({"rooms", "name", "--home", home, "--frames", "0-2=hall", "--frames",
+                      "3-5=kitchen", "--frames", "6-8=hall", "--frames", "9-11=kitchen"});
+  std::vector<std::string> command{
+      "train",   "--home", home,      "--network", path("colors.onnx"), "--out", path("out"),
+      "--steps", "2",      "--batch", "2",         "--threads",         "1"};
+  const auto with = [&](const std::vector<std::string>& options) {
+    std::vector<std::string> all = command;
+    all.insert(all.end(), options.begin(), options.end());
+    return all;
+  };
+  const auto all = testing::result_of(command);
+  EXPECT_THAT(all.at("classes"), ElementsAre("hall", "kitchen"));
+  EXPECT_EQ(all.at("held_out"), 0);
+  // What is held out is not trained on.
+  const auto json = testing::result_of(with({"--held-out-visits", "2-"}));
+  const int pictures = json.at("pictures"), held_out = json.at("held_out");
+  EXPECT_GT(pictures, 0);
+  EXPECT_GT(held_out, 0);
+  EXPECT_EQ(pictures + held_out, all.at("pictures"));
+  EXPECT_THAT(run_roomwise(with({"--visits", "1-2", "--held-out-visits", "2-"})).errors,
+              HasSubstr("is both to be trained on and held out"));
+  EXPECT_THAT(run_roomwise(with({"--visits", "7"})).errors, HasSubstr("in the visits 7"));
+  EXPECT_THAT(run_roomwise(with({"--held-out-visits", "3-"})).errors,
+              HasSubstr("in the visits 3-"));
+  EXPECT_THAT(run_roomwise(with({"--held-out-visits", "1-"})).errors,
+              HasSubstr("no pictures to train on"));
 }
 
 TEST_F(TrainCommandTest, SaysWhatIsWrong) {
@@ -153,6 +169,24 @@ TEST_F(TrainCommandTest, WantsPictures) {
   EXPECT_EQ(result.exit_code, 1);
   EXPECT_THAT(result.errors, HasSubstr("give a FOLDER of classes or --home HOME"));
   EXPECT_EQ(run_roomwise({"train", "--schedule", "steep"}).exit_code, 2);
+}
+
+TEST_F(TrainCommandTest, RefusesOptionsOfOtherPictures) {
+  const std::vector<std::string> to{"--network", path("colors.onnx"), "--out", path("out")};
+  const auto refuses = [&](std::vector<std::string> arguments, const char* why) {
+    arguments.insert(arguments.end(), to.begin(), to.end());
+    const auto result = run_roomwise(arguments);
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_THAT(result.errors, HasSubstr(why));
+  };
+  refuses({"train", path("photos"), "--visits", "1"}, "--visits requires --home");
+  refuses({"train", path("photos"), "--held-out-visits", "1"}, "--held-out-visits requires --home");
+  refuses({"train", "--home", path("a.home"), "--held-out", path("photos")},
+          "--home excludes --held-out");
+  refuses({"train", "--home", path("a.home"), "--held-out-share", "0.1"},
+          "--home excludes --held-out-share");
+  refuses({"train", path("photos"), "--held-out", path("photos"), "--held-out-share", "0.1"},
+          "--held-out-share");
 }
 
 }  // namespace

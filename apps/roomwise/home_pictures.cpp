@@ -7,8 +7,7 @@
 
 namespace roomwise::app {
 
-Expected<HomePictures> HomePictures::read(const home::Home& home,
-                                          const pipeline::RoomSelection& selection) {
+Expected<HomePictures> HomePictures::read(const home::Home& home, const Selects& selects) {
   HomePictures data;
   data.file_ = home.file();
   ROOMWISE_TRY(const auto recordings, home.recordings());
@@ -21,13 +20,12 @@ Expected<HomePictures> HomePictures::read(const home::Home& home,
     return fail("{}: has {} named rooms; name two at least with roomwise rooms name", data.file_,
                 rooms.size());
   }
-  ROOMWISE_CHECK_OK(selection.check_against(labels));
   data.rooms_.assign(rooms.begin(), rooms.end());
   ROOMWISE_TRY(const auto keyframes, home.keyframes());
   for (const home::Keyframe& keyframe : keyframes) {
     if (keyframe.recording != recording) continue;
     const recording::RoomRange* range = labels.find(keyframe.frame_index);
-    if (range == nullptr || !selection.contains(*range)) continue;
+    if (range == nullptr || !selects(*range)) continue;
     ROOMWISE_TRY(home::KeyframeImages images, home.images(keyframe.id));
     const auto room = std::ranges::find(data.rooms_, range->room) - data.rooms_.begin();
     data.pictures_.push_back(
@@ -36,9 +34,13 @@ Expected<HomePictures> HomePictures::read(const home::Home& home,
   return data;
 }
 
+std::string HomePictures::name(std::size_t i) const {
+  return fmt::format("key-frame {}", pictures_[i].keyframe);
+}
+
 Expected<image::ColorImage> HomePictures::picture(std::size_t i) const {
   return image::decode_color(pictures_[i].color).map_error([&](Error error) {
-    return std::move(error).in(fmt::format("{}: key-frame {}", file_, pictures_[i].keyframe));
+    return std::move(error).in(fmt::format("{}: {}", file_, name(i)));
   });
 }
 

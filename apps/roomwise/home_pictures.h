@@ -1,22 +1,24 @@
 #pragma once
 
+#include <functional>
+
 #include "roomwise/home/home.h"
 #include "roomwise/network/training/training_data.h"
-#include "roomwise/pipeline/room_selection.h"
 
 namespace roomwise::app {
 
 // A home's key-frames in named ranges, by room. Holds their encoded pictures in memory.
 class HomePictures final : public network::training::TrainingData {
  public:
-  // Of the home's last recording; classes are all its rooms, whatever is selected. Fails where no
-  // room is named.
-  [[nodiscard]] static Expected<HomePictures> read(const home::Home& home,
-                                                   const pipeline::RoomSelection& selection);
+  using Selects = std::function<bool(const recording::RoomRange&)>;
+  // Of the home's last recording; classes are all its rooms, whatever is selected. Fails where
+  // fewer than two rooms are named.
+  [[nodiscard]] static Expected<HomePictures> read(const home::Home& home, const Selects& selects);
 
   [[nodiscard]] std::size_t size() const override { return pictures_.size(); }
   [[nodiscard]] const std::vector<std::string>& classes() const override { return rooms_; }
   [[nodiscard]] std::size_t label(std::size_t i) const override { return pictures_[i].room; }
+  [[nodiscard]] std::string name(std::size_t i) const override;
   [[nodiscard]] Expected<image::ColorImage> picture(std::size_t i) const override;
 
  private:

@@ -2,12 +2,14 @@
 #include <cmath>
 #include <ctime>
 #include <memory>
+#include <set>
 
 #include "home_pictures.h"
 #include "roomwise/network/network_file.h"
 #include "roomwise/network/training/head.h"
 #include "roomwise/network/training/processes.h"
 #include "roomwise/network/training/trainer.h"
+#include "roomwise/pipeline/room_selection.h"
 #include "train_command.h"
 #include "trained_files.h"
 
@@ -23,12 +25,41 @@ struct Data {
   std::unique_ptr<TrainingData> training, held_out;
 };
 
-Expected<pipeline::RoomSelection> selection_of(const std::string& visits) {
+// The key-frames of these visits. Fails where there are none.
+Expected<HomePictures> pictures_of_visits(const home::Home& home, const std::string& visits) {
   pipeline::RoomSelection selection;
-  if (!visits.empty()) {
-    ROOMWISE_TRY(selection.visits, pipeline::parse_visits(visits));
+  ROOMWISE_TRY(selection.visits, pipeline::parse_visits(visits));
+  ROOMWISE_TRY(HomePictures pictures, HomePictures::read(home, [&](const auto& range) {
+                 return selection.contains(range);
+               }));
+  if (pictures.size() == 0) {
+    return fail("{}: no room has a key-frame in the visits {}; see roomwise rooms list",
+                home.file(), visits);
   }
-  return selection;
+  return pictures;
+}
+
+// The key-frames in named ranges, but for those of some visits, if any are given.
+Expected<HomePictures> pictures_of_other_visits(const home::Home& home, const std::string& visits) {
+  pipeline::RoomSelection left_out;
+  if (!visits.empty()) {
+    ROOMWISE_TRY(left_out.visits, pipeline::parse_visits(visits));
+  }
+  return HomePictures::read(home, [&](const recording::RoomRange& range) {
+    return visits.empty() || !left_out.contains(range);
+  });
+}
+
+// What a network was trained on says nothing about how it does on other pictures.
+Expected<void> check_apart(const TrainingData& training, const TrainingData& held_out) {
+  std::set<std::string> names;
+  for (std::size_t i = 0; i < training.size(); ++i) names.insert(training.name(i));
+  for (std::size_t i = 0; i < held_out.size(); ++i) {
+    if (!names.contains(held_out.name(i))) continue;
+    return fail("{} is both to be trained on and held out; name other --visits or none",
+                held_out.name(i));
+  }
+  return {};
 }
 
 template <typename Part>
@@ -39,15 +70,16 @@ std::unique_ptr<TrainingData> owned(Part part) {
 Expected<Data> data_of_home(const TrainRequest& request) {
   Data data;
   ROOMWISE_TRY(const home::Home home, home::Home::open_read_only(request.home));
-  ROOMWISE_TRY(const auto visits, selection_of(request.visits));
-  ROOMWISE_TRY(HomePictures training, HomePictures::read(home, visits));
+  ROOMWISE_TRY(HomePictures training, request.visits.empty()
+                                          ? pictures_of_other_visits(home, request.held_out_visits)
+                                          : pictures_of_visits(home, request.visits));
   data.training = owned(std::move(training));
   if (request.held_out_visits.empty()) {
     data.held_out = owned(DataPart(*data.training, {}));
     return data;
   }
-  ROOMWISE_TRY(const auto held_out_visits, selection_of(request.held_out_visits));
-  ROOMWISE_TRY(HomePictures held_out, HomePictures::read(home, held_out_visits));
+  ROOMWISE_TRY(HomePictures held_out, pictures_of_visits(home, request.held_out_visits));
+  ROOMWISE_CHECK_OK(check_apart(*data.training, held_out));
   data.held_out = owned(std::move(held_out));
   return data;
 }
@@ -93,7 +125,11 @@ evaluation::TrainingReportContent report_of(const TrainRequest& request,
                                data.training->classes().size(), source.filename().string(),
                                data.held_out->size())},
       {"Steps", fmt::format("{} of {} pictures", result.steps, request.options.batch)},
-      {"Best step", std::to_string(result.best_step)}};
+      {"Best step", data.held_out->size() == 0
+                        ? std::to_string(result.best_step)
+                        : fmt::format("{}, chosen on the held-out pictures themselves, which "
+                                      "flatters their figures a little",
+                                      result.best_step)}};
   for (const CurvePoint& point : result.curve) {
     content.points.push_back({static_cast<double>(point.step), point.cross_entropy,
                               point.held_out_cross_entropy, point.held_out_precision});
@@ -119,8 +155,11 @@ Answer answer_of(const TrainingResult& result, const Data& data, const TrainedFi
     answer.text =
         fmt::format("best after {} steps: cross-entropy {:.4f}", point.step, point.cross_entropy);
     if (data.held_out->size() > 0) {
-      answer.text += fmt::format(", of {} held out {:.4f}, precision {:.4f}", data.held_out->size(),
-                                 point.held_out_cross_entropy, point.held_out_precision);
+      answer.text += fmt::format(
+          ", of {} held out {:.4f}, precision {:.4f}\n(a little flattered: the best step was "
+          "chosen "
+          "on the held-out pictures themselves)",
+          data.held_out->size(), point.held_out_cross_entropy, point.held_out_precision);
     }
     answer.text += "\n";
   }
@@ -182,7 +221,10 @@ Expected<Answer> train_network(TrainRequest request, Context& context) {
   options.augmentation.mirror = request.mirrors;
   ROOMWISE_CHECK_OK(options.validate());
   ROOMWISE_CHECK_OK(files.prepare());
-  if (!options.resume && fs::exists(files.checkpoint)) {
+  std::error_code error;
+  const bool was_stopped = fs::exists(files.checkpoint, error);
+  if (error) return fail("{}: cannot be looked at: {}", files.checkpoint.string(), error.message());
+  if (!options.resume && was_stopped) {
     return fail("{}: a training was stopped here; go on with --resume, or remove this file",
                 files.checkpoint.string());
   }
@@ -200,7 +242,8 @@ Expected<Answer> train_network(TrainRequest request, Context& context) {
   const network::ModelCard card = card_of(file.card, task, features, name, files);
   ROOMWISE_CHECK_OK(files.write(result.graph, card, data.training->classes(),
                                 report_of(request, result, data, name)));
-  fs::remove(files.checkpoint);
+  fs::remove(files.checkpoint, error);
+  if (error) return fail("{}: cannot be removed: {}", files.checkpoint.string(), error.message());
   return answer_of(result, data, files, static_cast<double>(std::clock()) / CLOCKS_PER_SEC);
 }
 

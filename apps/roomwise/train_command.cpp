@@ -20,19 +20,29 @@ CLI::Validator one_of(const std::map<std::string, Value>& words) {
 void add_data_options(CLI::App& command, TrainRequest& request) {
   CLI::Option* folder =
       command.add_option("FOLDER", request.folder, "Folder with one folder of pictures a class");
+  CLI::Option* home =
+      command
+          .add_option("--home", request.home,
+                      "Home whose rooms are the classes, shown by its key-frames in named ranges")
+          ->excludes(folder);
   command
-      .add_option("--home", request.home,
-                  "Home whose rooms are the classes, shown by its key-frames in named ranges")
-      ->excludes(folder);
-  command.add_option("--visits", request.visits,
-                     "Of --home: visits of a room to train on (1, 2- or 1-3); default: all");
-  command.add_option("--held-out-visits", request.held_out_visits,
-                     "Of --home: visits that are held out; default: none");
-  command.add_option("--held-out", request.held_out,
-                     "Folder of the same classes to find the best step by");
+      .add_option("--visits", request.visits,
+                  "Of --home: visits of a room to train on (1, 2- or 1-3); default: all that are "
+                  "not held out")
+      ->needs(home);
+  command
+      .add_option("--held-out-visits", request.held_out_visits,
+                  "Of --home: visits that are held out; default: none")
+      ->needs(home);
+  CLI::Option* held_out = command
+                              .add_option("--held-out", request.held_out,
+                                          "Folder of the same classes to find the best step by")
+                              ->excludes(home);
   command
       .add_option("--held-out-share", request.held_out_share,
                   "Share of each class of FOLDER that is held out instead")
+      ->excludes(home)
+      ->excludes(held_out)
       ->check(CLI::Range(0.0, 0.9).description(""))
       ->capture_default_str();
 }

@@ -11,9 +11,9 @@ namespace roomwise::app {
 
 // What "train" was asked for.
 struct TrainRequest {
-  std::filesystem::path folder;    // of classes; or else
-  std::filesystem::path home;      // whose named key-frames show its rooms
-  std::string visits;              // of the home's rooms, to train on; empty: all others
+  std::filesystem::path folder;  // of classes; or else
+  std::filesystem::path home;    // whose named key-frames show its rooms
+  std::string visits;  // of the home's rooms, to train on; empty: all that are not held out
   std::string held_out_visits;     // empty: none is held out
   std::filesystem::path held_out;  // folder of classes that is not trained on
   double held_out_share = 0.2;     // of the folder, where there is no other

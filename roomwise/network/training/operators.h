@@ -26,6 +26,9 @@ using OperatorTable = std::map<std::string, MakeOperation>;
 
 // Convolutions, pooling, batch normalisation, products, element-wise functions.
 [[nodiscard]] const OperatorTable& layer_operators();
+// Reshape for values that do not hang on the network's input: their first size is no batch.
+[[nodiscard]] Operation reshape_of_constant();
+
 // What moves, reshapes and picks values.
 [[nodiscard]] const OperatorTable& shape_operators();
 

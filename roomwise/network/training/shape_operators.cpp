@@ -43,14 +43,20 @@ Expected<Operation> make_flatten(const Node& node, std::int64_t) {
   };
 }
 
+// The sizes that a Reshape gives its first input.
+std::vector<std::int64_t> wanted_sizes(const Values& in) {
+  TORCH_CHECK(in.size() == 2, "expected two inputs");
+  std::vector<std::int64_t> sizes = integers_of(in[1]);
+  for (std::size_t i = 0; i < sizes.size(); ++i) {
+    if (sizes[i] == 0) sizes[i] = in[0].size(static_cast<std::int64_t>(i));
+  }
+  return sizes;
+}
+
 // A file that fixes the batch at 1 says 1 where another batch is meant.
 Expected<Operation> make_reshape(const Node&, std::int64_t) {
   return [](const Values& in, bool) -> Values {
-    TORCH_CHECK(in.size() == 2, "expected two inputs");
-    std::vector<std::int64_t> sizes = integers_of(in[1]);
-    for (std::size_t i = 0; i < sizes.size(); ++i) {
-      if (sizes[i] == 0) sizes[i] = in[0].size(static_cast<std::int64_t>(i));
-    }
+    std::vector<std::int64_t> sizes = wanted_sizes(in);
     const bool batches = in[0].dim() > 0 && in[0].size(0) > 1 && !sizes.empty() && sizes[0] == 1;
     if (batches && in[0].is_floating_point()) sizes[0] = in[0].size(0);
     return {in[0].reshape(sizes)};
@@ -178,6 +184,10 @@ std::vector<std::int64_t> integers_of(const at::Tensor& tensor) {
   const at::Tensor flat = tensor.to(at::kCPU, at::kLong).contiguous();
   const auto* values = flat.data_ptr<std::int64_t>();
   return {values, values + flat.numel()};
+}
+
+Operation reshape_of_constant() {
+  return [](const Values& in, bool) -> Values { return {in[0].reshape(wanted_sizes(in))}; };
 }
 
 const OperatorTable& shape_operators() {

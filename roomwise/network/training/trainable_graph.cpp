@@ -76,6 +76,7 @@ struct TrainableGraph::Builder {
   std::map<std::string, std::size_t> places = {};
   // An Identity's output: the initialiser behind it.
   std::map<std::string, std::string> same_as = {};
+  std::set<std::string> of_input = {};  // values that hang on the network's input
   std::map<std::string, GraphTensor> parameters = {}, statistics = {};
   std::vector<std::string> parameter_order = {}, statistic_order = {};
 
@@ -126,6 +127,11 @@ struct TrainableGraph::Builder {
       step.inputs.push_back(input.empty() ? std::nullopt : std::optional(place_of(input)));
     }
     if (step.inputs.empty() || node.outputs.empty()) return fail("{}: lacks its input", step.who);
+    const auto is_of_input = [&](const std::string& value) { return of_input.contains(value); };
+    if (std::ranges::any_of(node.inputs, is_of_input))
+      of_input.insert(node.outputs.begin(), node.outputs.end());
+    if (node.operation == "Reshape" && !is_of_input(node.inputs[0]))
+      step.operation = reshape_of_constant();
     if (node.operation == "Identity") {
       if (const auto name = initialiser(node.inputs[0])) same_as[node.outputs[0]] = *name;
     }
@@ -167,6 +173,7 @@ Expected<TrainableGraph> TrainableGraph::create(OnnxGraph graph,
   Builder builder{made, options};
   builder.add_constants();
   made.input_ = builder.place_of(made.graph_.inputs.front().name);
+  builder.of_input.insert(made.graph_.inputs.front().name);
   const auto& outputs = options.outputs.empty() ? made.graph_.outputs : options.outputs;
   const std::set<std::string> needed = needed_values(made.graph_, outputs);
   for (std::size_t i = 0; i < made.graph_.nodes.size(); ++i) {

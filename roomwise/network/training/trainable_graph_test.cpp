@@ -134,6 +134,25 @@ TEST(TrainableGraph, TrainsConstantsBehindNodes) {
   EXPECT_LT(difference(graph, {1, 3, 16, 16}), 1e-5);
 }
 
+// A file for single pictures says 1 of the batch, but also of constants, where it means 1.
+TEST(TrainableGraph, ReshapesBatchesButNotConstants) {
+  OnnxGraph graph;
+  graph.opset = 13;
+  graph.inputs = {{"picture", {1, 3, 2, 2}}};
+  graph.constants["table"] = testing::random_constant({4, 3}, 1, 0, 2);
+  graph.constants["sizes"] = std::make_shared<const Constant>(Constant{{2}, true, {}, {1, 12}});
+  graph.nodes = {node("Reshape", {"picture", "sizes"}, "flat"),
+                 node("Reshape", {"table", "sizes"}, "row"), node("Add", {"flat", "row"}, "sum")};
+  graph.outputs = {"sum"};
+  const auto trainable = TrainableGraph::create(graph);
+  ASSERT_OK(trainable);
+  const auto sums = trainable->forward(at::zeros({2, 3, 2, 2}), false);
+  ASSERT_OK(sums);
+  ASSERT_EQ(sums->front().sizes(), (std::vector<std::int64_t>{2, 12}));
+  const auto& table = graph.constants.at("table")->floats;
+  for (const std::int64_t i : {0, 1}) EXPECT_EQ(constant_of(sums->front()[i]).floats, table);
+}
+
 TEST(TrainableGraph, SaysWhatItCannotTrain) {
   OnnxGraph graph = small_network();
   graph.nodes.push_back(node("LSTM", {"features"}, "state"));

@@ -37,6 +37,14 @@ bool is_better(const CurvePoint& point, const std::optional<CurvePoint>& best) {
   return point.held_out_cross_entropy < best->held_out_cross_entropy;
 }
 
+// How many pictures, and a digest of what they are called and of their classes.
+std::string described(const TrainingData& data) {
+  std::string names;
+  for (std::size_t i = 0; i < data.size(); ++i)
+    names += fmt::format("{} {}\n", data.label(i), data.name(i));
+  return fmt::format("{} {}", data.size(), sha256_hex(Bytes(names.begin(), names.end())));
+}
+
 class Training {
  public:
   Training(const TrainingTask& task, const TrainingOptions& options, Processes& processes,
@@ -82,20 +90,37 @@ class Training {
     ROOMWISE_TRY(graph_, TrainableGraph::create(task_.graph, of_graph));
     state_ = begin_training(*graph_, options_);
     if (state_.tensors.empty()) return fail("no layer is trained; train from an earlier one");
-    ROOMWISE_TRY(fingerprint_, fingerprint());
+    ROOMWISE_TRY(const std::string what, description());
+    ROOMWISE_CHECK_OK(check_same_as_others(what));
+    fingerprint_ = fmt::format("{}threads {}\n", what, options_.threads);
     if (options_.resume) ROOMWISE_CHECK_OK(read_checkpoint());
     return {};
   }
 
-  // What the training is: options, weights, data.
-  Expected<std::string> fingerprint() const {
+  // What the training is, alike in all processes: options, weights, data.
+  Expected<std::string> description() const {
     ROOMWISE_TRY(const Bytes onnx, write_onnx_graph(task_.graph));
-    const std::size_t held_out = task_.held_out == nullptr ? 0 : task_.held_out->size();
+    const ModelCard& card = task_.card;
     return fmt::format(
-        "{}processes {}\nthreads {}\nclasses {}\npictures {}, held out {}\nnetwork {}\n",
-        options_.fingerprint(), processes_.count(), options_.threads,
-        fmt::join(task_.training->classes(), ", "), task_.training->size(), held_out,
+        "{}processes {}\nclasses {}\npictures {}\nheld out {}\n"
+        "input {} x {} colors {} fit {} mean {} scale {}\nnetwork {}\n",
+        options_.fingerprint(), processes_.count(), fmt::join(task_.training->classes(), ", "),
+        described(*task_.training), task_.held_out == nullptr ? "0" : described(*task_.held_out),
+        card.input_width_px, card.input_height_px, static_cast<int>(card.color_order),
+        static_cast<int>(card.fit), fmt::join(card.mean, " "), fmt::join(card.scale, " "),
         sha256_hex(onnx));
+  }
+
+  // Processes that train different things would average what does not belong together.
+  Expected<void> check_same_as_others(const std::string& what) {
+    const std::string mine = fmt::format("{}resume {}\n", what, options_.resume);
+    ROOMWISE_TRY(const Bytes told, processes_.broadcast(Bytes(mine.begin(), mine.end())));
+    const std::string first(told.begin(), told.end());
+    if (first == mine) return {};
+    return fail(
+        "the process of rank 0 trains otherwise than this one of rank {}: {}; give all of them the "
+        "same options, network and pictures",
+        processes_.rank(), first_difference(first, mine));
   }
 
   // Gives whether any of the processes was interrupted.
@@ -220,8 +245,8 @@ Expected<TrainingResult> train(const TrainingTask& task, const TrainingOptions& 
                                Processes& processes, Progress& progress) {
   try {
     return Training(task, options, processes, progress).run();
-  } catch (const c10::Error& error) {
-    return fail("libtorch failed: {}", first_line(error));
+  } catch (const std::exception& error) {  // libtorch's, or no memory
+    return fail("the training failed: {}", first_line(error));
   }
 }
 

@@ -136,6 +136,17 @@ TEST(Train, EndsWhenInterruptedAndGoesOn) {
   options.rate.base *= 2;
   EXPECT_ERROR(train_alone(task, options), "is of another training: \"learning rate 0.003 ");
   options.rate.base /= 2;
+  // As many other pictures, and pictures put in otherwise.
+  const SmallData other_data(20, 99);
+  TrainingTask other = task;
+  other.training = &other_data;
+  EXPECT_ERROR(train_alone(other, options), "is of another training: \"pictures 20 ");
+  other = task;
+  other.held_out = &other_data;
+  EXPECT_ERROR(train_alone(other, options), "is of another training: \"held out 8 ");
+  other = task;
+  other.card.scale[1] *= 2;
+  EXPECT_ERROR(train_alone(other, options), "is of another training: \"input 16 x 16 ");
   Bytes bytes = *read_file(options.checkpoint);
   bytes.resize(bytes.size() / 2);
   ASSERT_OK(write_file(options.checkpoint, bytes));
@@ -205,6 +216,41 @@ TEST(Train, LearnsBySecondHeadsToo) {
   EXPECT_FALSE(with->graph.constants.contains("aux_logits.weight"));
 }
 
+// One of two processes, of which the other says what this one says, or what it is given.
+class OneOfTwo final : public Processes {
+ public:
+  explicit OneOfTwo(int rank, Bytes first = {}) : first_(std::move(first)), rank_(rank) {}
+  [[nodiscard]] int rank() const override { return rank_; }
+  [[nodiscard]] int count() const override { return 2; }
+  [[nodiscard]] Expected<void> average(std::span<const at::Tensor>) override { return {}; }
+  [[nodiscard]] Expected<Bytes> broadcast(Bytes bytes) override {
+    if (rank_ == 0) first_ = std::move(bytes);
+    return first_;
+  }
+  [[nodiscard]] const Bytes& first() const { return first_; }
+
+ private:
+  Bytes first_;
+  int rank_;
+};
+
+TEST(Train, IsTheSameInAllProcesses) {
+  const SmallData data(20), other_data(20, 6);
+  TrainingTask task = small_task(data);
+  TrainingOptions options = small_options(1);
+  SilentProgress silent;
+  OneOfTwo rank_0(0);
+  ASSERT_OK(train(task, options, rank_0, silent));
+  OneOfTwo rank_1(1, rank_0.first());
+  options.threads = 2;  // each as its machine has
+  EXPECT_OK(train(task, options, rank_1, silent));
+  options.seed = 9;
+  EXPECT_ERROR(train(task, options, rank_1, silent), "\"seed 0\", not \"seed 9\"");
+  options.seed = 0;
+  task.training = &other_data;
+  EXPECT_ERROR(train(task, options, rank_1, silent), "rank 1: \"pictures 20 ");
+}
+
 TEST(Train, SaysWhatIsWrong) {
   SmallData data(16);
   TrainingTask task = small_task(data);
@@ -224,6 +270,8 @@ TEST(Train, SaysWhatIsWrong) {
   options = small_options(3);
   data.unreadable = 5;
   EXPECT_ERROR(train_alone(task, options), "picture 5 is torn");
+  data.throwing = 5;
+  EXPECT_ERROR(train_alone(task, options), "the training failed: no memory for a picture");
   const SmallData nothing(0);
   task.training = &nothing;
   EXPECT_ERROR(train_alone(task, options), "no pictures");

@@ -19,13 +19,14 @@ bool is_picture(const fs::path& path) {
   return extension == ".jpg" || extension == ".jpeg" || extension == ".png";
 }
 
-// What stands in a folder, by name.
+// What stands in a folder, by name, but for what is hidden.
 Expected<std::vector<fs::path>> entries_of(const fs::path& folder) {
   std::error_code error;
   std::vector<fs::path> entries;
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
-       entry.increment(error))
-    entries.push_back(entry->path());
+       entry.increment(error)) {
+    if (!entry->path().filename().string().starts_with('.')) entries.push_back(entry->path());
+  }
   if (error) return fail("{}: cannot be read: {}", folder.string(), error.message());
   std::ranges::sort(entries);
   return entries;
@@ -55,6 +56,10 @@ Expected<PictureFolder> PictureFolder::open(const fs::path& folder) {
   return data;
 }
 
+std::string PictureFolder::name(std::size_t i) const {
+  return fmt::format("{}/{}", classes_[files_[i].label], files_[i].path.filename().string());
+}
+
 Expected<image::ColorImage> PictureFolder::picture(std::size_t i) const {
   return image::read_color(files_[i].path);
 }
@@ -71,8 +76,8 @@ DataSplit split_data(const TrainingData& data, double held_out_share, std::uint6
       std::swap(of_class[i - 1], of_class[random.index(i)]);
     const double wanted = held_out_share * static_cast<double>(of_class.size());
     auto count = static_cast<std::size_t>(std::lround(wanted));
-    if (held_out_share > 0 && of_class.size() > 1)
-      count = std::clamp<std::size_t>(count, 1, of_class.size() - 1);
+    if (held_out_share > 0) count = std::max<std::size_t>(count, 1);
+    count = std::min(count, std::max<std::size_t>(of_class.size(), 1) - 1);
     const auto end = of_class.begin() + static_cast<std::ptrdiff_t>(count);
     held_out.insert(held_out.end(), of_class.begin(), end);
     training.insert(training.end(), end, of_class.end());

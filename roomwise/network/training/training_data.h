@@ -19,11 +19,14 @@ class TrainingData {
   [[nodiscard]] virtual const std::vector<std::string>& classes() const = 0;
   // The class of picture i: a number below classes().size().
   [[nodiscard]] virtual std::size_t label(std::size_t i) const = 0;
+  // What picture i is called: tells it from all others, wherever the data lies.
+  [[nodiscard]] virtual std::string name(std::size_t i) const = 0;
   [[nodiscard]] virtual Expected<image::ColorImage> picture(std::size_t i) const = 0;
 };
 
 // A folder with one folder a class, named after it, with .jpg, .jpeg and .png files in it. Classes
-// and files are in the order of their names. Pictures are read when they are asked for.
+// and files are in the order of their names; what is hidden (.thumbnails) is none. Pictures are
+// read when they are asked for.
 class PictureFolder final : public TrainingData {
  public:
   // Fails where the folder cannot be read, and where there are fewer than two classes with a
@@ -33,6 +36,8 @@ class PictureFolder final : public TrainingData {
   [[nodiscard]] std::size_t size() const override { return files_.size(); }
   [[nodiscard]] const std::vector<std::string>& classes() const override { return classes_; }
   [[nodiscard]] std::size_t label(std::size_t i) const override { return files_[i].label; }
+  // CLASS/FILE
+  [[nodiscard]] std::string name(std::size_t i) const override;
   [[nodiscard]] Expected<image::ColorImage> picture(std::size_t i) const override;
 
  private:
@@ -55,6 +60,7 @@ class DataPart final : public TrainingData {
     return whole_->classes();
   }
   [[nodiscard]] std::size_t label(std::size_t i) const override { return whole_->label(kept_[i]); }
+  [[nodiscard]] std::string name(std::size_t i) const override { return whole_->name(kept_[i]); }
   [[nodiscard]] Expected<image::ColorImage> picture(std::size_t i) const override {
     return whole_->picture(kept_[i]);
   }
@@ -67,8 +73,8 @@ class DataPart final : public TrainingData {
 struct DataSplit {
   DataPart training, held_out;
 };
-// Holds this share of the pictures of each class out, drawn by `seed`; of a class with more than
-// one picture, at least one stays in each part where the share is above 0.
+// Holds this share of the pictures of each class out, drawn by `seed`; where the share is
+// above 0, at least one, but for the last one of a class, which stays to be trained on.
 [[nodiscard]] DataSplit split_data(const TrainingData& data, double held_out_share,
                                    std::uint64_t seed);
 

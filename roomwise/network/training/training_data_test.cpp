@@ -32,12 +32,15 @@ TEST(PictureFolder, HasAClassAFolder) {
   EXPECT_ERROR(PictureFolder::open(folder.path()), "pictures of 1 classes");
   put("bath/3.png", 2);
   ASSERT_OK(write_file(folder / "bath/notes.txt", "no picture"));
+  std::filesystem::create_directories(folder / ".thumbnails");
+  put(".thumbnails/1.png", 0);
   const auto data = PictureFolder::open(folder.path());
   ASSERT_OK(data);
   EXPECT_THAT(data->classes(), ::testing::ElementsAre("bath", "kitchen"));
   ASSERT_EQ(data->size(), 3);
   EXPECT_EQ(data->label(0), 0);
   EXPECT_EQ(data->label(2), 1);
+  EXPECT_EQ(data->name(2), "kitchen/2.png");
   EXPECT_EQ(data->picture(1)->pixels()[7].r, pictures.picture(1)->pixels()[7].r);
   ASSERT_OK(write_file(folder / "bath/3.png", "torn"));
   EXPECT_ERROR(data->picture(0), "bath/3.png");
@@ -53,6 +56,11 @@ TEST(SplitData, HoldsAShareOfEachClassOut) {
   EXPECT_THAT(counts, ::testing::Each(3));
   EXPECT_EQ(split_data(data, 0, 7).held_out.size(), 0);
   EXPECT_EQ(split_data(data, 0.01, 7).held_out.size(), 4);
+  // Two pictures of the first class, one of each other one.
+  const testing::SmallData few(5);
+  const DataSplit of_few = split_data(few, 0.9, 7);
+  EXPECT_EQ(of_few.training.size(), 4);
+  EXPECT_EQ(of_few.held_out.size(), 1);
 }
 
 TEST(SampleOrder, ShowsEveryPictureOnceAnEpoch) {

@@ -80,6 +80,18 @@ std::vector<CurvePoint> points_of(const at::Tensor& table) {
   return points;
 }
 
+void read_tensors(InputArchive& archive, const std::string& key, std::vector<at::Tensor>& tensors) {
+  const at::NoGradGuard no_gradient;
+  for (std::size_t i = 0; i < tensors.size(); ++i) {
+    at::Tensor stored;
+    archive.read(fmt::format("{}{}", key, i), stored, /*is_buffer=*/true);
+    TORCH_CHECK(stored.sizes() == tensors[i].sizes(), "holds weights of other sizes");
+    tensors[i].copy_(stored);
+  }
+}
+
+}  // namespace
+
 std::string first_difference(std::string_view before, std::string_view now) {
   const auto line = [](std::string_view& text) {
     const std::size_t end = std::min(text.find('\n'), text.size());
@@ -93,18 +105,6 @@ std::string first_difference(std::string_view before, std::string_view now) {
   }
   return "";
 }
-
-void read_tensors(InputArchive& archive, const std::string& key, std::vector<at::Tensor>& tensors) {
-  const at::NoGradGuard no_gradient;
-  for (std::size_t i = 0; i < tensors.size(); ++i) {
-    at::Tensor stored;
-    archive.read(fmt::format("{}{}", key, i), stored, /*is_buffer=*/true);
-    TORCH_CHECK(stored.sizes() == tensors[i].sizes(), "holds weights of other sizes");
-    tensors[i].copy_(stored);
-  }
-}
-
-}  // namespace
 
 Expected<Bytes> TrainingState::write(const std::string& fingerprint) const {
   Bytes bytes;

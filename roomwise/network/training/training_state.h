@@ -31,6 +31,9 @@ struct TrainingState {
   [[nodiscard]] Expected<void> read(const Bytes& bytes, const std::string& fingerprint);
 };
 
+// The first line that two such descriptions do not share: "BEFORE", not "NOW".
+[[nodiscard]] std::string first_difference(std::string_view before, std::string_view now);
+
 // The state at the beginning of training this network.
 [[nodiscard]] TrainingState begin_training(const TrainableGraph& graph,
                                            const TrainingOptions& options);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <stdexcept>
 
 #include "roomwise/base/random.h"
 #include "roomwise/network/training/head.h"
@@ -18,7 +19,11 @@ class SmallData final : public TrainingData {
   [[nodiscard]] std::size_t size() const override { return size_; }
   [[nodiscard]] const std::vector<std::string>& classes() const override { return classes_; }
   [[nodiscard]] std::size_t label(std::size_t i) const override { return i % classes_.size(); }
+  [[nodiscard]] std::string name(std::size_t i) const override {
+    return fmt::format("{} of {}", i, seed_);
+  }
   [[nodiscard]] Expected<image::ColorImage> picture(std::size_t i) const override {
+    if (i == throwing) throw std::runtime_error("no memory for a picture");
     if (i == unreadable) return fail("picture {} is torn", i);
     RandomStream random(seed_, {i});
     image::ColorImage picture(16, 16);
@@ -31,6 +36,7 @@ class SmallData final : public TrainingData {
   }
 
   std::size_t unreadable = std::size_t(-1);
+  std::size_t throwing = std::size_t(-1);
 
  private:
   std::size_t size_;
