@@ -127,6 +127,10 @@ TEST_F(RoomCommandsTest, WhatCannotBeAnsweredIsSaidInOneLine) {
                     "--network", path("colors.onnx")});
   EXPECT_EQ(nothing.exit_code, 1);
   EXPECT_FALSE(std::filesystem::exists(path("new.home"))) << "a mistake makes no home";
+  const ProgramResult unused = run_roomwise(
+      {"rooms", "learn", "--home", path("mapped.home"), "--network", path("colors.onnx")});
+  EXPECT_EQ(unused.exit_code, 1);
+  EXPECT_THAT(unused.errors, HasSubstr("--network needs --augment or --photos"));
 }
 
 }  // namespace

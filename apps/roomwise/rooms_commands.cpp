@@ -204,6 +204,11 @@ Expected<rooms::LearningReport> learn_keyframes(const LearnOptions& options, Con
 
 Expected<Answer> learn(const LearnOptions& options, Context& context) {
   cv::setNumThreads(1);
+  if (!options.networks.files.empty() && options.photos.empty() && options.augment == 0) {
+    return fail(
+        "--network needs --augment or --photos: without them rooms are learned from what the "
+        "home keeps of its key-frames, and no network is run");
+  }
   ROOMWISE_TRY(const rooms::LearningReport report, options.photos.empty()
                                                        ? learn_keyframes(options, context)
                                                        : learn_photos(options, context));

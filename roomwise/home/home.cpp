@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 
@@ -189,7 +190,7 @@ Expected<Home> Home::open(const std::filesystem::path& path) {
   ROOMWISE_CHECK_OK(check_all_but_images(database));
   set_checkpoint_on_close(database, true);
   ROOMWISE_CHECK_OK(migrate(database, migrations()));
-  ROOMWISE_CHECK_OK(check_tables(database));
+  ROOMWISE_CHECK_OK(check_tables(database, migrations()));
   ROOMWISE_CHECK_OK(begin_writing(database));
   return Home(std::move(lock), std::move(database));
 }
@@ -198,13 +199,11 @@ Expected<Home> Home::open_read_only(const std::filesystem::path& path) {
   ROOMWISE_TRY(Database database, open_for_reading(path));
   ROOMWISE_CHECK_OK(configure(database));
   ROOMWISE_TRY(const int version, checked_version(database));
-  if (version < newest_version()) {
-    return fail(
-        "{}: was written by an older Roomwise (home version {}, now {}); bring it up to date "
-        "by a command that writes, such as 'roomwise map --resume'",
-        database.file(), version, newest_version());
-  }
-  ROOMWISE_CHECK_OK(check_tables(database));
+  // What reads can do without what later versions brought (kPictureFeaturesVersion). A later
+  // version that reading cannot do without has to be asked for here.
+  const auto past = std::ranges::count_if(
+      migrations(), [&](const Migration& migration) { return migration.version <= version; });
+  ROOMWISE_CHECK_OK(check_tables(database, migrations().first(static_cast<std::size_t>(past))));
   return Home(std::nullopt, std::move(database));
 }
 

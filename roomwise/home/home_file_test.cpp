@@ -128,6 +128,34 @@ TEST_F(HomeFile, RefusesANewerVersion) {
   expect_refused("newer Roomwise (home version 3; this one knows up to 2); update Roomwise");
 }
 
+TEST_F(HomeFile, ReadsAnOlderVersionAndBringsItUpToDateToWrite) {
+  const std::string digest = make();
+  run_sql("DROP TABLE picture_features; PRAGMA user_version = 1");
+  const auto before = contents();
+  {
+    const auto reader = Home::open_read_only(path_);
+    ASSERT_OK(reader);
+    EXPECT_EQ(reader->content_digest().value(), digest);
+    EXPECT_THAT(reader->picture_features("c0ffee", "1: 0.8").value(), IsEmpty());
+    EXPECT_OK(reader->verify());
+  }
+  EXPECT_EQ(contents(), before);
+  {
+    Home writer = Home::open(path_).value();
+    EXPECT_EQ(writer.content_digest().value(), digest);
+    const std::vector<PictureFeatures> features{{"d1", 0, std::nullopt, {1, 2}}};
+    ASSERT_OK(writer.replace_picture_features("feed", "", features));
+    EXPECT_THAT(writer.picture_features("feed", "").value(), ::testing::SizeIs(1));
+  }
+  EXPECT_EQ(Database::open(path_, Database::Access::kReadOnly)->header()->user_version, 2);
+}
+
+TEST_F(HomeFile, RefusesAMissingTableOfAnOlderVersion) {
+  make();
+  run_sql("DROP TABLE picture_features; DROP TABLE has_a; PRAGMA user_version = 1");
+  EXPECT_ERROR(Home::open_read_only(path_), "no table 'has_a'");
+}
+
 TEST_F(HomeFile, RefusesANewerVersionThatIsOnlyInTheLog) {
   make();
   const int status = testing::run_in_child([&] {

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "roomwise/home/home.h"
+#include "roomwise/home/schema.h"
 #include "roomwise/home/stored_values.h"
 
 namespace roomwise::home {
@@ -341,7 +342,10 @@ Expected<void> Home::replace_picture_features(const std::string& network_fingerp
 
 Expected<std::vector<PictureFeatures>> Home::picture_features(
     const std::string& network_fingerprint, const std::string& variation) const {
+  // An older home that is open for reading only has no such table.
+  ROOMWISE_TRY(const int version, database_.get<int>("PRAGMA user_version"));
   std::vector<PictureFeatures> features;
+  if (version < kPictureFeaturesVersion) return features;
   ROOMWISE_CHECK_OK(database_.for_each(
       "SELECT picture_digest, variant, keyframe_id, features FROM picture_features "
       "WHERE network_fingerprint = ? AND variation = ? ORDER BY picture_digest, variant",

@@ -223,7 +223,8 @@ CREATE TABLE picture_features (
 CREATE INDEX picture_features_by_keyframe ON picture_features (keyframe_id);
 )sql";
 
-constexpr std::array kMigrations = {Migration{1, kVersion1}, Migration{2, kVersion2}};
+constexpr std::array kMigrations = {Migration{1, kVersion1},
+                                    Migration{kPictureFeaturesVersion, kVersion2}};
 
 constexpr std::array kTables = {
     Table{"settings"},
@@ -287,9 +288,9 @@ Expected<void> migrate(Database& database, std::span<const Migration> migrations
   return {};
 }
 
-Expected<void> check_tables(const Database& database) {
+Expected<void> check_tables(const Database& database, std::span<const Migration> migrations) {
   ROOMWISE_TRY(Database model, Database::in_memory());
-  ROOMWISE_CHECK_OK(migrate(model, migrations()));
+  ROOMWISE_CHECK_OK(migrate(model, migrations));
   ROOMWISE_TRY(const auto expected, columns_of(model));
   ROOMWISE_TRY(const auto found, columns_of(database));
   for (const auto& [table, columns] : expected) {

@@ -36,7 +36,11 @@ struct Table {
 // failed or killed migration leaves the version before it, whole.
 [[nodiscard]] Expected<void> migrate(Database& database, std::span<const Migration> migrations);
 
-// Fails, naming it, where a table or a column of the newest version is missing.
-[[nodiscard]] Expected<void> check_tables(const Database& database);
+// Fails, naming it, where a table or a column is missing that a home after these migrations has.
+[[nodiscard]] Expected<void> check_tables(const Database& database,
+                                          std::span<const Migration> migrations);
+
+// The version that brought the table picture_features; all else is in homes of version 1.
+constexpr int kPictureFeaturesVersion = 2;
 
 }  // namespace roomwise::home

@@ -56,11 +56,11 @@ TEST(Migrations, StandInOrderOfVersion) {
 
 TEST(CheckTables, NamesWhatIsMissing) {
   Database database = Database::in_memory().value();
-  EXPECT_ERROR(check_tables(database), "no table");
+  EXPECT_ERROR(check_tables(database, migrations()), "no table");
   ASSERT_OK(migrate(database, migrations()));
-  EXPECT_OK(check_tables(database));
+  EXPECT_OK(check_tables(database, migrations()));
   ASSERT_OK(database.run("ALTER TABLE has_a RENAME COLUMN object TO thing"));
-  EXPECT_ERROR(check_tables(database), "table 'has_a' has no column 'object'");
+  EXPECT_ERROR(check_tables(database, migrations()), "table 'has_a' has no column 'object'");
 }
 
 class FilledHome : public ::testing::Test {

@@ -25,6 +25,10 @@ class Classifier {
   // SHA-256 of the weights file: what was learned on the features of one network means nothing to
   // another.
   [[nodiscard]] virtual const std::string& fingerprint() const = 0;
+  // What is done to a picture before the weights see it, and which of their outputs are taken: a
+  // text that tells two ways of it apart, for what was computed with one way and kept. Empty where
+  // there is only one.
+  [[nodiscard]] virtual std::string preprocessing() const { return {}; }
   // What it can name; empty for a network that serves features only.
   [[nodiscard]] virtual const std::vector<std::string>& labels() const = 0;
   [[nodiscard]] virtual std::size_t feature_size() const = 0;

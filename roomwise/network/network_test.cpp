@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <future>
 #include <numeric>
+#include <set>
 
 #include "roomwise/base/file.h"
 #include "roomwise/base/testing.h"
@@ -58,6 +59,23 @@ TEST_F(OnnxClassifierTest, PutsThePictureInAsTheCardSays) {
   ASSERT_OK(prediction);
   EXPECT_THAT(prediction->features, ElementsAre(100, 50, 200));
   EXPECT_TRUE(prediction->scores.empty());
+}
+
+TEST_F(OnnxClassifierTest, TellsWaysToPutPicturesInApart) {
+  const auto preprocessing = [&](const std::string& more, const std::string& input_more = "") {
+    const auto network =
+        OnnxClassifier::load(write_tiny(more, mean_color_network(), input_more)).value();
+    return network->preprocessing();
+  };
+  const std::string plain = preprocessing("");
+  EXPECT_EQ(preprocessing(R"(, "name": "other", "license": "MIT", "mean": [0, 0, 0])"), plain);
+  std::set<std::string> ways{plain};
+  ways.insert(preprocessing(R"(, "mean": [0, 0, 1])"));
+  ways.insert(preprocessing(R"(, "mean": [0, 0, 1.0000001])"));
+  ways.insert(preprocessing(R"(, "scale": [1, 1, 0.5])"));
+  ways.insert(preprocessing("", R"(, "colors": "bgr")"));
+  ways.insert(preprocessing("", R"(, "fit": "crop")"));
+  EXPECT_THAT(ways, ::testing::SizeIs(6));
 }
 
 TEST_F(OnnxClassifierTest, PutsColorsInTheOrderOfTheCard) {

@@ -81,6 +81,27 @@ Expected<Outputs> choose_outputs(const OnnxGraph& graph, const ModelCard& card, 
   return outputs;
 }
 
+// Of the way in which picture_input() and predict() do what a card says: counted up where a change
+// of theirs gives other features for the same card.
+constexpr int kPreprocessingVersion = 1;
+
+// A name with its length before it, so that no two lists of names look alike.
+std::string counted(const std::string& name) {
+  return fmt::format("{}:{}", name.size(), name);
+}
+
+std::string preprocessing_of(const ModelCard& card, const Outputs& outputs) {
+  std::vector<std::string> features;
+  for (const std::string& output : outputs.features) features.push_back(counted(output));
+  return fmt::format(
+      "version {}; input {}x{} {} {}; mean {}; scale {}; features {}; scores {}; softmax {}",
+      kPreprocessingVersion, card.input_width_px, card.input_height_px,
+      card.color_order == ColorOrder::kRgb ? "rgb" : "bgr",
+      card.fit == PictureFit::kStretch ? "stretch" : "crop", fmt::join(card.mean, " "),
+      fmt::join(card.scale, " "), fmt::join(features, " "),
+      outputs.scores ? counted(*outputs.scores) : "none", card.scores_need_softmax);
+}
+
 }  // namespace
 
 class OnnxClassifier::Implementation {
@@ -121,6 +142,7 @@ class OnnxClassifier::Implementation {
     return prediction;
   }
 
+  [[nodiscard]] std::string preprocessing() const { return preprocessing_of(card_, outputs_); }
   [[nodiscard]] const ModelCard& card() const { return card_; }
   [[nodiscard]] const std::vector<std::string>& labels() const { return labels_; }
   [[nodiscard]] const std::string& fingerprint() const { return fingerprint_; }
@@ -168,6 +190,9 @@ const std::string& OnnxClassifier::name() const {
 }
 const std::string& OnnxClassifier::fingerprint() const {
   return implementation_->fingerprint();
+}
+std::string OnnxClassifier::preprocessing() const {
+  return implementation_->preprocessing();
 }
 const std::vector<std::string>& OnnxClassifier::labels() const {
   return implementation_->labels();

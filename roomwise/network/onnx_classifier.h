@@ -29,6 +29,7 @@ class OnnxClassifier final : public Classifier {
 
   [[nodiscard]] const std::string& name() const override;
   [[nodiscard]] const std::string& fingerprint() const override;
+  [[nodiscard]] std::string preprocessing() const override;
   [[nodiscard]] const std::vector<std::string>& labels() const override;
   [[nodiscard]] std::size_t feature_size() const override;
   [[nodiscard]] Expected<Prediction> predict(const image::ColorImage& image) const override;

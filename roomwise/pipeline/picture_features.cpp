@@ -26,6 +26,14 @@ std::uint64_t number_of(const std::string& digest) {
   return std::stoull(digest.substr(0, 16), nullptr, 16);
 }
 
+// By which the home knows features that were made in one way from those made in another: how
+// pictures were varied, and how the network then takes them. Its weights have a key of their own.
+std::string way_of_making(const network::AugmentationOptions& options,
+                          const network::Classifier& network) {
+  const std::string preprocessing = network.preprocessing();
+  return preprocessing.empty() ? options.key() : options.key() + "\n" + preprocessing;
+}
+
 class FeatureMaker {
  public:
   FeatureMaker(const home::Home& home, const PictureSource& pictures,
@@ -34,11 +42,12 @@ class FeatureMaker {
         pictures_(pictures),
         network_(network),
         wanted_(wanted),
+        way_(way_of_making(wanted.options, network)),
         run_(run),
         made_(pictures.count) {}
 
   Expected<void> read_kept(const home::Home& home) {
-    ROOMWISE_TRY(auto kept, home.picture_features(network_.fingerprint(), wanted_.options.key()));
+    ROOMWISE_TRY(auto kept, home.picture_features(network_.fingerprint(), way_));
     for (home::PictureFeatures& of_picture : kept) {
       if (of_picture.features.size() != network_.feature_size()) {
         return fail("{}: is damaged: features of a picture have {} values instead of {}",
@@ -97,7 +106,7 @@ class FeatureMaker {
         }
       }
     }
-    return home.replace_picture_features(network_.fingerprint(), wanted_.options.key(), all);
+    return home.replace_picture_features(network_.fingerprint(), way_, all);
   }
 
   [[nodiscard]] std::vector<std::vector<Features>> wanted_features() const {
@@ -117,6 +126,11 @@ class FeatureMaker {
       const std::scoped_lock lock(reading_);
       return pictures_.read(i);
     }());
+    return add(i, bytes).map_error(
+        [&](Error error) { return std::move(error).in(pictures_.name(i)); });
+  }
+
+  Expected<void> add(std::size_t i, const Bytes& bytes) {
     Picture& picture = made_[i];
     picture.digest = sha256_hex(bytes);
     if (pictures_.keyframe) picture.keyframe = pictures_.keyframe(i);
@@ -153,6 +167,7 @@ class FeatureMaker {
   const PictureSource& pictures_;
   const network::Classifier& network_;
   const WantedVariants& wanted_;
+  const std::string way_;
   RunContext& run_;
   std::map<std::string, Picture> kept_;  // by digest
   std::size_t kept_count_ = 0;           // of features

@@ -17,6 +17,8 @@ struct PictureSource {
   std::size_t count = 0;
   // The picture's file; called by one thread at a time.
   std::function<Expected<Bytes>(std::size_t)> read;
+  // What errors call it.
+  std::function<std::string(std::size_t)> name;
   // Whose picture it is; absent for photos.
   std::function<home::KeyframeId(std::size_t)> keyframe = nullptr;
 };
@@ -32,9 +34,10 @@ constexpr int kMostVariants = 16;
 constexpr std::size_t kMostKeptFeatureBytes = std::size_t{1} << 30U;
 
 // Of each picture the features of each wanted variant, in order. What the home keeps from the last
-// time is not computed again; afterwards it keeps what was wanted this time, and what else it had
-// of these pictures, and nothing else. A picture's variants depend on its bytes and on the options
-// alone. Features that were computed when the user interrupts are kept, too.
+// time, made by the same weights that take pictures in the same way, is not computed again;
+// afterwards it keeps what was wanted this time, and what else it had of these pictures, and
+// nothing else. A picture's variants depend on its bytes and on the options alone. Features that
+// were computed when the user interrupts are kept, too.
 [[nodiscard]] Expected<std::vector<std::vector<std::vector<float>>>> picture_features(
     home::Home& home, const PictureSource& pictures, const network::Classifier& network,
     const WantedVariants& wanted, RunContext& run);

@@ -18,6 +18,7 @@ class MeanColor final : public network::Classifier {
  public:
   [[nodiscard]] const std::string& name() const override { return name_; }
   [[nodiscard]] const std::string& fingerprint() const override { return fingerprint_; }
+  [[nodiscard]] std::string preprocessing() const override { return preprocessing_; }
   [[nodiscard]] const std::vector<std::string>& labels() const override { return labels_; }
   [[nodiscard]] std::size_t feature_size() const override { return 3; }
   [[nodiscard]] Expected<network::Prediction> predict(
@@ -32,12 +33,14 @@ class MeanColor final : public network::Classifier {
     for (float& sum : sums) sum /= static_cast<float>(image.pixels().size());
     return network::Prediction{sums, {}};
   }
+  void set_preprocessing(const std::string& preprocessing) { preprocessing_ = preprocessing; }
   // Since the last time.
   [[nodiscard]] int looks() const { return looks_.exchange(0); }
 
  private:
   std::string name_ = "mean";
   std::string fingerprint_ = "feed";
+  std::string preprocessing_ = "mean 0";
   std::vector<std::string> labels_;
   mutable std::atomic<int> looks_ = 0;
 };
@@ -53,7 +56,8 @@ class PictureFeaturesTest : public ::testing::Test {
   }
   Expected<std::vector<std::vector<std::vector<float>>>> features(int first, int last,
                                                                   std::size_t count = 10) {
-    const PictureSource source{count, [&](std::size_t i) { return files_[i]; }};
+    const PictureSource source{count, [&](std::size_t i) { return files_[i]; },
+                               [](std::size_t i) { return fmt::format("picture {}", i); }};
     return picture_features(home_, source, network_, {first, last}, run_);
   }
 
@@ -85,6 +89,16 @@ TEST_F(PictureFeaturesTest, LooksAtEveryVariantOnce) {
   EXPECT_EQ(network_.looks(), 0);
 }
 
+TEST_F(PictureFeaturesTest, LooksAnewWherePicturesArePutInDifferently) {
+  ASSERT_OK(features(0, 1));
+  std::ignore = network_.looks();
+  network_.set_preprocessing("mean 127.5");
+  ASSERT_OK(features(0, 1));
+  EXPECT_EQ(network_.looks(), 20) << "the same weights see something else";
+  ASSERT_OK(features(0, 1));
+  EXPECT_EQ(network_.looks(), 0);
+}
+
 TEST_F(PictureFeaturesTest, ForgetsWhatIsGone) {
   ASSERT_OK(features(0, 1));
   ASSERT_OK(features(0, 1, 4));
@@ -105,11 +119,19 @@ TEST_F(PictureFeaturesTest, APictureGivenTwiceIsKeptOnce) {
 TEST_F(PictureFeaturesTest, APictureThatCannotBeReadKeepsWhatTheOthersGave) {
   const Bytes whole = files_[9];
   files_[9].resize(20);
-  EXPECT_FALSE(features(0, 1));
+  EXPECT_ERROR(features(0, 1), "picture 9: is a truncated or damaged PNG");
   files_[9] = whole;
   std::ignore = network_.looks();
   ASSERT_OK(features(0, 1));
   EXPECT_EQ(network_.looks(), 2);
+}
+
+TEST_F(PictureFeaturesTest, ABrokenPhotoIsNamed) {
+  std::filesystem::create_directories(folder_ / "photos" / "hall");
+  ASSERT_OK(write_file(folder_ / "photos" / "hall" / "a.png", files_[0]));
+  ASSERT_OK(write_file(folder_ / "photos" / "hall" / "b.jpg", std::string_view("no picture")));
+  EXPECT_ERROR(learn_rooms_from_photos(home_, folder_ / "photos", network_, {}, run_),
+               "hall/b.jpg: is neither a JPEG nor a PNG picture");
 }
 
 TEST_F(PictureFeaturesTest, RefusesTooManyVariants) {

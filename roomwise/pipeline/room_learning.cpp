@@ -78,12 +78,14 @@ Expected<void> add_variants(home::Home& home, const home::Network& network,
         "give its file by --network",
         home.file(), network.name);
   }
-  const PictureSource source{keyframes.size(),
-                             [&](std::size_t i) -> Expected<Bytes> {
-                               ROOMWISE_TRY(auto images, home.images(keyframes[i]));
-                               return std::move(images.color);
-                             },
-                             [&](std::size_t i) { return keyframes[i]; }};
+  const PictureSource source{
+      keyframes.size(),
+      [&](std::size_t i) -> Expected<Bytes> {
+        ROOMWISE_TRY(auto images, home.images(keyframes[i]));
+        return std::move(images.color);
+      },
+      [&](std::size_t i) { return fmt::format("{}: key-frame {}", home.file(), keyframes[i]); },
+      [&](std::size_t i) { return keyframes[i]; }};
   ROOMWISE_TRY(auto features, picture_features(home, source, **same, {1, variants}, run));
   for (std::size_t i = 0; i < samples.size(); ++i) samples[i].variants = std::move(features[i]);
   return {};
@@ -187,7 +189,8 @@ Expected<rooms::LearningReport> learn_rooms_from_photos(home::Home& home,
                                                         RunContext& run) {
   ROOMWISE_TRY(const std::vector<RoomPhoto> photos, list_room_photos(folder));
   const PictureSource source{photos.size(),
-                             [&](std::size_t i) { return read_file(photos[i].path); }};
+                             [&](std::size_t i) { return read_file(photos[i].path); },
+                             [&](std::size_t i) { return photos[i].path.string(); }};
   ROOMWISE_TRY(auto features, picture_features(home, source, network, {0, learning.variants}, run));
   std::vector<rooms::RoomSample> samples;
   std::set<std::string> names;
