@@ -16,7 +16,6 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <ctime>
 #include <functional>
 
 #include "arguments.h"
@@ -25,6 +24,7 @@
 #include "roomwise/network/inception_v3.h"
 #include "roomwise/network/picture_input.h"
 #include "roomwise/network/training/trainable_graph.h"
+#include "timing.h"
 
 extern "C" void openblas_set_num_threads(int count);
 
@@ -34,33 +34,14 @@ using namespace roomwise;
 using namespace roomwise::network;
 using roomwise::network::training::TrainableGraph;
 namespace fs = std::filesystem;
+using bench::need;
 
 constexpr std::size_t kPhotos = 10;
 constexpr double kLeastCpu_ms = 500;  // that one timing takes
 
-// A value, or the end of the program with the error.
-template <typename Value>
-Value need(Expected<Value> value) {
-  if (!value) {
-    fmt::print(stderr, "{}\n", value.error().message);
-    std::exit(1);
-  }
-  return std::move(*value);
-}
-
-double cpu_ms() {
-  return 1000.0 * static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
-}
-
 // CPU-ms of one call.
 double time_of(const std::function<void()>& call) {
-  int calls = 0;
-  const double begin = cpu_ms();
-  do {
-    call();
-    ++calls;
-  } while (cpu_ms() - begin < kLeastCpu_ms);
-  return (cpu_ms() - begin) / calls;
+  return bench::cpu_ms_of(call, kLeastCpu_ms);
 }
 
 std::string text_of(std::vector<double> values) {

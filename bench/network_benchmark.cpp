@@ -13,7 +13,6 @@
 #include <array>
 #include <chrono>
 #include <cstdlib>
-#include <ctime>
 #include <functional>
 
 #include "arguments.h"
@@ -27,6 +26,7 @@
 #include "roomwise/network/onnx_writer.h"
 #include "roomwise/network/picture_input.h"
 #include "roomwise/network/testing/opencv_network.h"
+#include "timing.h"
 
 namespace {
 
@@ -34,6 +34,8 @@ using namespace roomwise;
 using namespace roomwise::network;
 namespace fs = std::filesystem;
 using OpenCv = network::testing::OpenCvNetwork;
+using bench::cpu_ms;
+using bench::need;
 
 constexpr std::size_t kPhotos = 40;
 constexpr double kLeastCpu_ms = 100;  // that one timing takes
@@ -45,29 +47,9 @@ struct Subject {
   Bytes made = {};  // its bytes, where it is no file but a network of our own
 };
 
-// A value, or the end of the program with the error.
-template <typename Value>
-Value need(Expected<Value> value) {
-  if (!value) {
-    fmt::print(stderr, "{}\n", value.error().message);
-    std::exit(1);
-  }
-  return std::move(*value);
-}
-
-double cpu_ms() {
-  return 1000.0 * static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
-}
-
 // CPU-ms of one call.
 double time_of(const std::function<void()>& call) {
-  int calls = 0;
-  const double begin = cpu_ms();
-  do {
-    call();
-    ++calls;
-  } while (cpu_ms() - begin < kLeastCpu_ms);
-  return (cpu_ms() - begin) / calls;
+  return bench::cpu_ms_of(call, kLeastCpu_ms);
 }
 
 struct Summary {

@@ -18,6 +18,7 @@
 #include "roomwise/network/training/head.h"
 #include "roomwise/network/training/loss.h"
 #include "roomwise/network/training/training_state.h"
+#include "timing.h"
 
 extern "C" void openblas_set_num_threads(int count);
 
@@ -26,6 +27,7 @@ namespace {
 using namespace roomwise;
 using namespace roomwise::network;
 using namespace roomwise::network::training;
+using bench::need;
 
 constexpr std::size_t kClasses = 10;
 constexpr int kSteps = 2;  // timed, after as many that are not
@@ -36,16 +38,6 @@ struct Subject {
   std::string features;
   std::string last_block;
 };
-
-// A value, or the end of the program with the error.
-template <typename Value>
-Value need(Expected<Value> value) {
-  if (!value) {
-    fmt::print(stderr, "{}\n", value.error().message);
-    std::exit(1);
-  }
-  return std::move(*value);
-}
 
 void measure(const Subject& subject, const std::string& from, std::int64_t batch) {
   const NewHead head = need(with_new_head(subject.graph, subject.features, kClasses, 1));
