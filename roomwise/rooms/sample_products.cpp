@@ -155,14 +155,29 @@ ROOMWISE_KERNELS(avx2, Float8, __attribute__((target("avx2"))))
 ROOMWISE_KERNELS(avx512, Float16, __attribute__((target("avx512f"))))
 #undef ROOMWISE_KERNELS
 
-Kernels kernels_for(Simd simd) {
-  if (simd == Simd::kPortable) return {portable_multiply, portable_add_transposed};
-  // Where AVX2 is wanted, its wider sister does the same sums.
-  if (__builtin_cpu_supports("avx512f")) return {avx512_multiply, avx512_add_transposed};
-  return {avx2_multiply, avx2_add_transposed};
+Kernels kernels_for(ProductSimd simd) {
+  switch (simd) {
+    case ProductSimd::kAvx512:
+      return {avx512_multiply, avx512_add_transposed};
+    case ProductSimd::kAvx2:
+      return {avx2_multiply, avx2_add_transposed};
+    case ProductSimd::kPortable:
+      break;
+  }
+  return {portable_multiply, portable_add_transposed};
 }
 
 }  // namespace
+
+bool is_supported(ProductSimd simd) {
+  if (simd == ProductSimd::kAvx512) return __builtin_cpu_supports("avx512f") != 0;
+  return is_supported(simd == ProductSimd::kAvx2 ? Simd::kAvx2 : Simd::kPortable);
+}
+
+ProductSimd process_product_simd() {
+  if (process_simd() == Simd::kPortable) return ProductSimd::kPortable;
+  return is_supported(ProductSimd::kAvx512) ? ProductSimd::kAvx512 : ProductSimd::kAvx2;
+}
 
 SampleBlocks::SampleBlocks(const Eigen::MatrixXf& samples, const Eigen::RowVectorXf& subtracted)
     : samples_(static_cast<std::size_t>(samples.rows())),
@@ -178,12 +193,12 @@ SampleBlocks::SampleBlocks(const Eigen::MatrixXf& samples, const Eigen::RowVecto
 }
 
 void SampleBlocks::multiply(std::size_t block, const PaddedRows& weights, PaddedRows& sums,
-                            Simd simd) const {
+                            ProductSimd simd) const {
   kernels_for(simd).multiply(block_values(block), features_, weights, sums);
 }
 
 void SampleBlocks::add_transposed_product(std::size_t block, const PaddedRows& residuals,
-                                          PaddedRows& sums, Simd simd) const {
+                                          PaddedRows& sums, ProductSimd simd) const {
   kernels_for(simd).add_transposed(block_values(block), features_, residuals, sums);
 }
 

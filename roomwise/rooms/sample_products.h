@@ -19,6 +19,13 @@ struct PaddedRows {
   std::vector<float> values;
 };
 
+// Instructions that the products can be computed with; each kind gives the same bits.
+enum class ProductSimd { kPortable, kAvx2, kAvx512 };
+[[nodiscard]] bool is_supported(ProductSimd simd);
+// What this process computes them with: where it may use AVX2 (process_simd()), the widest that the
+// processor has.
+[[nodiscard]] ProductSimd process_product_simd();
+
 // Samples (one a row, float) in blocks of 32 with the rows of a block beside each other, as the two
 // products that learning takes read them. Each sum is taken in one order, by multiplications and
 // additions that are rounded one by one: the same bits by any instructions.
@@ -35,11 +42,11 @@ class SampleBlocks {
 
   // The samples of a block times weights (features x columns): sums becomes kRows x columns.
   void multiply(std::size_t block, const PaddedRows& weights, PaddedRows& sums,
-                Simd simd = process_simd()) const;
+                ProductSimd simd = process_product_simd()) const;
   // Adds the transposed samples of a block times residuals (kRows x columns) to sums (features x
   // columns). Rows after the last sample count as zeros.
   void add_transposed_product(std::size_t block, const PaddedRows& residuals, PaddedRows& sums,
-                              Simd simd = process_simd()) const;
+                              ProductSimd simd = process_product_simd()) const;
 
  private:
   [[nodiscard]] const float* block_values(std::size_t block) const {
