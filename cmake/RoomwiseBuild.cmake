@@ -29,10 +29,22 @@ if(ROOMWISE_FUZZ)
   add_link_options(-fsanitize=address,undefined)
 endif()
 
+# Precompiled headers take __TIME__ and the order of definitions away from what ccache can see; it must be told
+# that neither matters here.
 find_program(CCACHE ccache)
 if(CCACHE)
-  set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE})
+  set(CMAKE_CXX_COMPILER_LAUNCHER
+    ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros ${CCACHE})
 endif()
+
+# Half of what the compiler reads are the same few headers of libraries, so they are compiled once for all
+# modules (roomwise_module_headers) and once for all tests (roomwise_test_headers). The sanitizers' presets
+# do without, which keeps every file including what it uses.
+function(add_shared_headers name headers)
+  add_library(${name} OBJECT ${PROJECT_SOURCE_DIR}/cmake/shared_headers.cpp)
+  target_link_libraries(${name} PRIVATE ${ARGN})
+  target_precompile_headers(${name} PRIVATE ${PROJECT_SOURCE_DIR}/cmake/${headers})
+endfunction()
 
 # roomwise_module(NAME SOURCES a.cpp ... [LINKS target ...] [PRIVATE_LINKS target ...])
 # declares the library roomwise_NAME (alias Roomwise::NAME); a module of headers alone gives no SOURCES.
@@ -42,6 +54,7 @@ function(roomwise_module name)
     add_library(roomwise_${name} STATIC ${ARG_SOURCES})
     set(visibility PUBLIC)
     target_link_libraries(roomwise_${name} PRIVATE ${ARG_PRIVATE_LINKS})
+    target_precompile_headers(roomwise_${name} REUSE_FROM roomwise_module_headers)
   else()
     add_library(roomwise_${name} INTERFACE)
     set(visibility INTERFACE)
@@ -53,6 +66,10 @@ function(roomwise_module name)
   set_property(GLOBAL APPEND PROPERTY ROOMWISE_MODULES roomwise_${name})
 endfunction()
 
+# What is tested is compiled as it ships; the tests themselves need no optimiser's time.
+# At -O1 GCC 12 takes members of Eigen's matrices for uninitialised.
+set(ROOMWISE_TEST_OPTIONS $<$<CONFIG:Release>:-O1;-Wno-maybe-uninitialized>)
+
 # roomwise_test(NAME SOURCES a_test.cpp ... LINKS target ...)
 # declares the test program NAME_test; each GoogleTest case becomes a CTest of its own.
 function(roomwise_test name)
@@ -62,9 +79,8 @@ function(roomwise_test name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINKS" ${ARGN})
   add_executable(${name}_test ${ARG_SOURCES})
   target_link_libraries(${name}_test PRIVATE ${ARG_LINKS} Roomwise::testing GTest::gmock_main)
-  # What is tested is compiled as it ships; the tests themselves need no optimiser's time.
-  # At -O1 GCC 12 takes members of Eigen's matrices for uninitialised.
-  target_compile_options(${name}_test PRIVATE $<$<CONFIG:Release>:-O1;-Wno-maybe-uninitialized>)
+  target_compile_options(${name}_test PRIVATE ${ROOMWISE_TEST_OPTIONS})
+  target_precompile_headers(${name}_test REUSE_FROM roomwise_test_headers)
   gtest_discover_tests(${name}_test TEST_PREFIX ${name}. DISCOVERY_TIMEOUT 60
     PROPERTIES SKIP_REGULAR_EXPRESSION "\\[  SKIPPED \\]" TIMEOUT 300)
 endfunction()
