@@ -17,6 +17,7 @@ void add_locate_command(CLI::App& app, Context& context);
 void add_export_commands(CLI::App& app, Context& context);
 void add_map_command(CLI::App& app, Context& context);
 void add_rooms_commands(CLI::App& app, Context& context);
+void add_layout_command(CLI::App& group, Context& context);  // of "rooms"
 void add_networks_commands(CLI::App& app, Context& context);
 void add_networks_looks(CLI::App& group, Context& context);  // of "networks"
 void add_report_command(CLI::App& app, Context& context);

@@ -4,6 +4,8 @@
 
 #include "commands.h"
 #include "paths.h"
+#include "roomwise/evaluation/quantile.h"
+#include "roomwise/pipeline/home_layout.h"
 #include "roomwise/pipeline/truth_evaluation.h"
 
 namespace roomwise::app {
@@ -108,6 +110,32 @@ Expected<Answer> evaluate_floor(const Options& options, Context& context) {
   return answer;
 }
 
+Expected<Answer> evaluate_layout(const Options& options, Context& context) {
+  ROOMWISE_TRY(const home::Home home, home::Home::open_read_only(options.home));
+  ThreadPool pool(context.threads);
+  StageClock clock;
+  pipeline::RunContext run{pool, context.progress, clock};
+  ROOMWISE_TRY(const pipeline::LayoutEvaluation result,
+               pipeline::evaluate_layout(home, options.truth, run));
+  const double door_m = evaluation::quantile(result.door_errors_m, 0.5);
+  Answer answer;
+  answer.text = fmt::format(
+      "floor: {:.1f} m2 in rooms, {:.1f} m2 of it given to the right one\n"
+      "doors: {} of {} found, median {:.2f} m off; {} doorways where no door is\n"
+      "things: {} of {} lie in their room\n",
+      result.floor_m2, result.right_floor_m2, result.found_doors, result.doors, door_m,
+      result.false_doorways, result.right_things, result.things);
+  answer.json = {{"floor_m2", result.floor_m2},
+                 {"right_floor_m2", result.right_floor_m2},
+                 {"doors", result.doors},
+                 {"found_doors", result.found_doors},
+                 {"false_doorways", result.false_doorways},
+                 {"door_error_median_m", door_m},
+                 {"things", result.things},
+                 {"right_things", result.right_things}};
+  return answer;
+}
+
 void add_files(CLI::App& command, Options& options) {
   command.add_option("--home", options.home, "Home mapped from the recording")->required();
   command.add_option("--truth", options.truth, "Simulated recording")->required();
@@ -154,6 +182,13 @@ void add_home_evaluations(CLI::App& group, Context& context) {
       "roomwise eval floor --home flat.home --truth flat",
       [options, &context] { return evaluate_floor(*options, context); });
   add_files(*floor, *options);
+
+  CLI::App* layout = add_command(
+      group, context, "layout",
+      "Where a home's rooms end and where its doors are against the plan of a simulated home",
+      "roomwise eval layout --home flat.home --truth flat",
+      [options, &context] { return evaluate_layout(*options, context); });
+  add_files(*layout, *options);
 }
 
 }  // namespace roomwise::app

@@ -1,0 +1,106 @@
+#include <filesystem>
+#include <memory>
+
+#include "commands.h"
+#include "roomwise/base/file.h"
+#include "roomwise/evaluation/floor_plan_drawing.h"
+#include "roomwise/pipeline/home_layout.h"
+
+namespace roomwise::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  fs::path home;
+  fs::path plan;  // empty: no picture
+};
+
+evaluation::FloorPlanView view_of(const pipeline::HomeLayout& home) {
+  const fusion::FloorGrid& grid = home.grid;
+  const auto in_cells = [&](const Eigen::Vector2d& point_level) {
+    return Eigen::Vector2d((point_level - grid.origin_m()) / grid.cell_m());
+  };
+  evaluation::FloorPlanView view;
+  view.cell_m = grid.cell_m();
+  view.room_of_cell = image::Image<std::int16_t>(grid.columns(), grid.rows(), -1);
+  view.is_floor = image::Image<std::uint8_t>(grid.columns(), grid.rows(), 0);
+  for (int row = 0; row < grid.rows(); ++row) {
+    for (int column = 0; column < grid.columns(); ++column) {
+      view.is_floor.at(column, row) = grid.at(column, row) == fusion::FloorCell::kFree ? 1 : 0;
+      if (const auto room = home.layout.room_of_cell(column, row)) {
+        view.room_of_cell.at(column, row) = static_cast<std::int16_t>(*room);
+      }
+    }
+  }
+  for (const rooms::RoomExtent& room : home.layout.rooms()) {
+    view.rooms.push_back({room.name, room.floor_m2, in_cells(room.middle_level)});
+  }
+  for (const rooms::Doorway& doorway : home.layout.doorways()) {
+    view.doorways.push_back({in_cells(doorway.middle_level), doorway.is_walked});
+  }
+  return view;
+}
+
+std::string width_in_words(const rooms::Doorway& doorway) {
+  std::string words = doorway.width_m > 0 ? fmt::format("{:.1f} m wide", doorway.width_m)
+                                          : std::string("its floor was not seen");
+  return doorway.is_walked ? words : words + ", nobody walked through";
+}
+
+Answer answer_of(const pipeline::HomeLayout& home) {
+  Answer answer;
+  answer.json = {{"rooms", Json::array()}, {"doorways", Json::array()}};
+  for (const rooms::RoomExtent& room : home.layout.rooms()) {
+    answer.text += fmt::format("{}: {:.1f} m2 of free floor\n", room.name, room.floor_m2);
+    answer.json["rooms"].push_back({{"name", room.name},
+                                    {"floor_m2", room.floor_m2},
+                                    {"middle_m", {room.middle_level.x(), room.middle_level.y()}},
+                                    {"neighbors", home.layout.neighbors(room.name)}});
+  }
+  for (const rooms::Doorway& doorway : home.layout.doorways()) {
+    answer.text +=
+        fmt::format("{} to {}: {}\n", doorway.rooms[0], doorway.rooms[1], width_in_words(doorway));
+    answer.json["doorways"].push_back(
+        {{"rooms", doorway.rooms},
+         {"middle_m", {doorway.middle_level.x(), doorway.middle_level.y()}},
+         {"width_m", doorway.width_m},
+         {"walked", doorway.is_walked}});
+  }
+  const auto& [t, q] =
+      std::pair(home.frame.level_from_world.translation, home.frame.level_from_world.rotation);
+  answer.json["level_from_world"] = {{"translation_m", {t.x(), t.y(), t.z()}},
+                                     {"quaternion_xyzw", {q.x(), q.y(), q.z(), q.w()}}};
+  return answer;
+}
+
+Expected<Answer> lay_out(const Options& options, Context& context) {
+  ROOMWISE_TRY(const home::Home home, home::Home::open_read_only(options.home));
+  ThreadPool pool(context.threads);
+  StageClock clock;
+  pipeline::RunContext run{pool, context.progress, clock};
+  ROOMWISE_TRY(const pipeline::HomeLayout layout, pipeline::build_home_layout(home, {}, run));
+  Answer answer = answer_of(layout);
+  if (!options.plan.empty()) {
+    ROOMWISE_CHECK_OK(
+        write_file(options.plan, evaluation::draw_floor_plan(view_of(layout)).file()));
+    answer.text += fmt::format("wrote the plan to {}\n", options.plan.string());
+    answer.json["plan"] = options.plan.string();
+  }
+  return answer;
+}
+
+}  // namespace
+
+void add_layout_command(CLI::App& group, Context& context) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = add_command(
+      group, context, "layout",
+      "Where the named rooms lie on the floor, how large they are, and which opens to which",
+      "roomwise rooms layout --home my.home --plan plan.svg",
+      [options, &context] { return lay_out(*options, context); });
+  command->add_option("--home", options->home, "Home file with a map and named rooms")->required();
+  command->add_option("--plan", options->plan, "SVG file to draw the plan to");
+}
+
+}  // namespace roomwise::app

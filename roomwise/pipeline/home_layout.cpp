@@ -1,0 +1,55 @@
+#include "roomwise/pipeline/home_layout.h"
+
+#include <map>
+
+#include "roomwise/pipeline/dense_map.h"
+
+namespace roomwise::pipeline {
+namespace {
+
+// Where the camera was over the floor at each frame that the largest piece of the map places.
+Expected<rooms::WalkedPath> walked_path(
+    const home::Home& home, home::RecordingId recording, const fusion::LevelFrame& frame,
+    const std::map<home::KeyframeId, home::KeyframePose>& poses) {
+  ROOMWISE_TRY(const recording::RoomLabels labels, home.room_ranges(recording));
+  ROOMWISE_TRY(const auto frames, home.frames(recording));
+  rooms::WalkedPath path;
+  for (const home::Frame& one : frames) {
+    if (!one.place) continue;
+    const auto pose = poses.find(one.place->keyframe);
+    if (pose == poses.end() || pose->second.piece != 0) continue;
+    const Eigen::Vector3d camera_level =
+        frame.level_from_world *
+        (pose->second.world_from_keyframe * one.place->keyframe_from_camera.translation);
+    const recording::RoomRange* const range = labels.find(one.index);
+    path.push_back({camera_level.head<2>(), range != nullptr ? range->room : std::string()});
+  }
+  return path;
+}
+
+}  // namespace
+
+Expected<HomeLayout> build_home_layout(const home::Home& home,
+                                       const rooms::RoomLayoutOptions& options, RunContext& run) {
+  ROOMWISE_CHECK_OK(options.validate());
+  ROOMWISE_TRY(const auto rooms, home.rooms());
+  if (rooms.empty()) {
+    return fail("{}: no rooms are named; name them with roomwise rooms name", home.file());
+  }
+  ROOMWISE_TRY(const LevelMap map, build_level_map(home, fusion::FieldOptions{}.voxel_size_m, run));
+  ROOMWISE_TRY(fusion::FloorGrid grid, floor_grid_of(map, {}, run));
+
+  std::map<home::KeyframeId, home::KeyframePose> poses;
+  ROOMWISE_TRY(const auto keyframes, home.keyframes());
+  for (const home::Keyframe& keyframe : keyframes) poses[keyframe.id] = keyframe.pose;
+  ROOMWISE_TRY(const auto recordings, home.recordings());
+  std::vector<rooms::WalkedPath> walks;
+  for (const home::StoredRecording& recording : recordings) {
+    ROOMWISE_TRY(walks.emplace_back(), walked_path(home, recording.id, map.frame, poses));
+  }
+  auto layout = rooms::RoomLayout::make(grid, walks, options);
+  if (!layout) return Unexpected(std::move(layout).error().in(home.file()));
+  return HomeLayout{map.frame, std::move(grid), std::move(*layout)};
+}
+
+}  // namespace roomwise::pipeline

@@ -1,0 +1,216 @@
+#include "roomwise/rooms/room_layout.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "roomwise/base/testing.h"
+
+namespace roomwise::rooms {
+namespace {
+
+using Eigen::Vector2d;
+using fusion::FloorCell;
+using fusion::FloorGrid;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Optional;
+
+constexpr double kCell_m = 0.1;
+
+// '.' is free, '#' occupied, ' ' unknown; the first row is the lowest. Cells of 0.1 m from (0, 0).
+FloorGrid grid_of(const std::vector<std::string>& rows) {
+  image::Image<FloorCell> cells(static_cast<int>(rows.front().size()),
+                                static_cast<int>(rows.size()));
+  for (int row = 0; row < cells.height(); ++row) {
+    for (int column = 0; column < cells.width(); ++column) {
+      const char sign = rows[static_cast<std::size_t>(row)][static_cast<std::size_t>(column)];
+      cells.at(column, row) = sign == '.'   ? FloorCell::kFree
+                              : sign == '#' ? FloorCell::kOccupied
+                                            : FloorCell::kUnknown;
+    }
+  }
+  return {Vector2d::Zero(), kCell_m, std::move(cells)};
+}
+
+// Straight on from one point to another, a place every 0.2 m.
+void walk_to(WalkedPath& path, const Vector2d& to, const std::string& room) {
+  const Vector2d from = path.empty() ? to : path.back().point_level;
+  const int steps = std::max(1, static_cast<int>(std::ceil((to - from).norm() / 0.2)));
+  for (int i = 1; i <= steps; ++i) path.push_back({from + (to - from) * i / steps, room});
+}
+
+// Two rooms of 3 m by 2 m beside each other, the wall at x = 3 to 3.2 m with a door of 0.8 m about
+// y = 0.6 m. A table of 0.6 m stands in the left room, so that 0.5 m are left beside it.
+std::vector<std::string> two_rooms() {
+  std::vector<std::string> rows(20, std::string(30, '.') + "##" + std::string(30, '.'));
+  for (std::size_t row = 2; row < 10; ++row) rows[row].replace(30, 2, "..");
+  for (std::size_t row = 9; row < 15; ++row) rows[row].replace(10, 6, "######");
+  return rows;
+}
+
+// From the left room into the right one; the helper named the right one `late_m` after the door.
+WalkedPath walk_through(double late_m) {
+  WalkedPath path;
+  walk_to(path, {0.5, 0.6}, "bedroom");
+  walk_to(path, {3.1 + late_m, 0.6}, "bedroom");
+  walk_to(path, {5.5, 0.6}, "kitchen");
+  walk_to(path, {5.5, 1.5}, "kitchen");
+  return path;
+}
+
+TEST(RoomLayoutTest, RoomsMeetAtTheDoorAlthoughTheyWereNamedEarlyOrLate) {
+  for (const double late_m : {-0.6, 0.0, 0.6}) {
+    const std::vector walks{walk_through(late_m)};
+    const auto layout = RoomLayout::make(grid_of(two_rooms()), walks);
+    ASSERT_OK(layout);
+    EXPECT_THAT(layout->room_at({2.7, 1.9}), Optional(std::string("bedroom"))) << late_m;
+    EXPECT_THAT(layout->room_at({2.85, 0.6}), Optional(std::string("bedroom"))) << late_m;
+    EXPECT_THAT(layout->room_at({3.35, 0.6}), Optional(std::string("kitchen"))) << late_m;
+    EXPECT_THAT(layout->room_at({3.4, 1.9}), Optional(std::string("kitchen"))) << late_m;
+    ASSERT_EQ(layout->doorways().size(), 1U) << late_m;
+    const Doorway& door = layout->doorways().front();
+    EXPECT_THAT(door.rooms, ElementsAre("bedroom", "kitchen"));
+    EXPECT_NEAR(door.middle_level.x(), 3.1, 0.15);
+    EXPECT_NEAR(door.middle_level.y(), 0.6, 0.11);
+    EXPECT_NEAR(door.width_m, 0.8, 0.15);
+    EXPECT_TRUE(door.is_walked);
+    EXPECT_THAT(layout->neighbors("kitchen"), ElementsAre("bedroom"));
+  }
+}
+
+TEST(RoomLayoutTest, TheWalkTheOtherWayRoundGivesTheSameRooms) {
+  std::vector walks{walk_through(0.3)};
+  const auto there = RoomLayout::make(grid_of(two_rooms()), walks);
+  std::ranges::reverse(walks.front());
+  const auto back = RoomLayout::make(grid_of(two_rooms()), walks);
+  ASSERT_OK(there);
+  ASSERT_OK(back);
+  int differ = 0;
+  for (int row = 0; row < 20; ++row) {
+    for (int column = 0; column < 62; ++column) {
+      differ += there->room_of_cell(column, row) != back->room_of_cell(column, row) ? 1 : 0;
+    }
+  }
+  EXPECT_LE(differ, 8) << "cells in the door, where both are equally near";
+}
+
+TEST(RoomLayoutTest, FloorIsMeasured) {
+  const std::vector walks{walk_through(0)};
+  const auto layout = RoomLayout::make(grid_of(two_rooms()), walks);
+  ASSERT_OK(layout);
+  ASSERT_EQ(layout->rooms().size(), 2U);
+  EXPECT_EQ(layout->rooms()[0].name, "bedroom");
+  EXPECT_NEAR(layout->rooms()[0].floor_m2, 6 - 0.36, 0.17);
+  EXPECT_NEAR(layout->rooms()[1].floor_m2, 6, 0.17);
+  // The kitchen is empty: its middle is as far from the walls as can be.
+  EXPECT_NEAR(layout->rooms()[1].middle_level.y(), 1, 0.11);
+}
+
+TEST(RoomLayoutTest, FurnitureBelongsToTheRoomWhoseFloorIsNearest) {
+  // A wardrobe of 0.5 m stands in the kitchen at the wall to the bedroom.
+  std::vector<std::string> rows = two_rooms();
+  for (std::size_t row = 12; row < 20; ++row) rows[row].replace(32, 5, "#####");
+  const std::vector walks{walk_through(0)};
+  const auto layout = RoomLayout::make(grid_of(rows), walks);
+  ASSERT_OK(layout);
+  EXPECT_THAT(layout->room_at({1.35, 1.2}), Optional(std::string("bedroom"))) << "the table";
+  EXPECT_THAT(layout->room_at({3.55, 1.6}), Optional(std::string("kitchen"))) << "the wardrobe";
+  EXPECT_EQ(layout->room_at({-0.5, 1}), std::nullopt) << "outside";
+}
+
+TEST(RoomLayoutTest, WhatIsFarFromAllFloorBelongsToNoRoom) {
+  std::vector<std::string> rows = two_rooms();
+  for (std::string& row : rows) row += std::string(20, ' ');
+  RoomLayoutOptions options;
+  options.furniture_depth_m = 0.5;
+  const std::vector walks{walk_through(0)};
+  const auto layout = RoomLayout::make(grid_of(rows), walks, options);
+  ASSERT_OK(layout);
+  EXPECT_THAT(layout->room_at({6.6, 1}), Optional(std::string("kitchen")));
+  EXPECT_EQ(layout->room_at({6.8, 1}), std::nullopt);
+}
+
+TEST(RoomLayoutTest, AnOpeningThatNobodyWalkedThroughIsThereAllTheSame) {
+  std::vector<std::string> rows = two_rooms();
+  for (std::size_t row = 13; row < 19; ++row) rows[row].replace(30, 2, "..");
+  const std::vector walks{walk_through(0)};
+  const auto layout = RoomLayout::make(grid_of(rows), walks);
+  ASSERT_OK(layout);
+  ASSERT_EQ(layout->doorways().size(), 2U);
+  EXPECT_TRUE(layout->doorways()[0].is_walked) << "the wider one, with the walk";
+  EXPECT_FALSE(layout->doorways()[1].is_walked);
+  EXPECT_NEAR(layout->doorways()[1].middle_level.y(), 1.6, 0.11);
+}
+
+TEST(RoomLayoutTest, AGapThatNobodyFitsThroughIsNoDoorway) {
+  std::vector<std::string> rows = two_rooms();
+  for (std::size_t row = 16; row < 18; ++row) rows[row].replace(30, 2, "..");
+  const std::vector walks{walk_through(0)};
+  const auto layout = RoomLayout::make(grid_of(rows), walks);
+  ASSERT_OK(layout);
+  EXPECT_EQ(layout->doorways().size(), 1U);
+}
+
+TEST(RoomLayoutTest, ADoorWhoseFloorWasNotSeenIsKnownFromTheWalk) {
+  std::vector<std::string> rows = two_rooms();
+  for (std::string& row : rows) row.replace(30, 2, "  ");
+  const std::vector walks{walk_through(0)};
+  const auto layout = RoomLayout::make(grid_of(rows), walks);
+  ASSERT_OK(layout);
+  ASSERT_EQ(layout->doorways().size(), 1U);
+  EXPECT_EQ(layout->doorways().front().width_m, 0);
+  EXPECT_TRUE(layout->doorways().front().is_walked);
+  EXPECT_NEAR(layout->doorways().front().middle_level.x(), 3.1, 0.11);
+}
+
+TEST(RoomLayoutTest, ShortVisitsToAHallCount) {
+  // Through the door lies a hall of 1 m, all of it near a crossing.
+  WalkedPath path;
+  walk_to(path, {0.5, 0.6}, "bedroom");
+  walk_to(path, {3.1, 0.6}, "bedroom");
+  walk_to(path, {4.1, 0.6}, "hall");
+  walk_to(path, {5.5, 0.6}, "kitchen");
+  std::vector<std::string> rows = two_rooms();
+  for (std::size_t row = 10; row < 20; ++row) rows[row].replace(42, 1, "#");
+  for (std::size_t row = 0; row < 2; ++row) rows[row].replace(42, 1, "#");
+  const std::vector walks{path};
+  const auto layout = RoomLayout::make(grid_of(rows), walks);
+  ASSERT_OK(layout);
+  EXPECT_THAT(layout->room_at({3.6, 1.8}), Optional(std::string("hall")));
+  EXPECT_THAT(layout->neighbors("hall"), ElementsAre("bedroom", "kitchen"));
+}
+
+TEST(RoomLayoutTest, ARoomNeverOnFreeFloorHasNoFloorAndIsNotForgotten) {
+  WalkedPath path = walk_through(0);
+  walk_to(path, {9, 1.5}, "porch");
+  const std::vector walks{path};
+  const auto layout = RoomLayout::make(grid_of(two_rooms()), walks);
+  ASSERT_OK(layout);
+  ASSERT_EQ(layout->rooms().size(), 3U);
+  EXPECT_EQ(layout->rooms()[2].name, "porch");
+  EXPECT_THAT(layout->neighbors("porch"), ElementsAre("kitchen"));
+}
+
+TEST(RoomLayoutTest, PlacesWithoutNameOrNumberGiveNoFloor) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (const WalkedPlace& place : {WalkedPlace{{1, 0.5}, ""}, WalkedPlace{{nan, 0.5}, "hall"},
+                                   WalkedPlace{{1e300, 0.5}, "hall"}}) {
+    const std::vector walks{WalkedPath{place}};
+    const auto layout = RoomLayout::make(grid_of(two_rooms()), walks);
+    EXPECT_FAILS(layout, HasSubstr("no named place of the walk lies on free floor"));
+  }
+}
+
+TEST(RoomLayoutTest, OptionsAreLengths) {
+  RoomLayoutOptions options;
+  options.furniture_depth_m = -1;
+  const std::vector walks{walk_through(0)};
+  EXPECT_FAILS(RoomLayout::make(grid_of(two_rooms()), walks, options),
+               HasSubstr("furniture_depth_m must be a length"));
+}
+
+}  // namespace
+}  // namespace roomwise::rooms
