@@ -168,17 +168,26 @@ std::vector<Evidence> believed(const std::vector<Evidence>& evidence, std::size_
   return kept;
 }
 
-// Rooms spread over the free floor from their seeds, over wide floor before narrow.
-void spread_over_floor(const FloorGrid& grid, std::span<const Evidence> seeds,
-                       double farthest_seed_m, RoomCells& room_of) {
+// Rooms spread over the free floor from their seeds, over wide floor before narrow. Floor by a
+// crossing counts as narrower: of two narrow places, a door and what is left beside its leaf, the
+// one by which the name changed is more likely the border.
+void spread_over_floor(const FloorGrid& grid, const ReadWalks& walks,
+                       const RoomLayoutOptions& options, RoomCells& room_of) {
+  constexpr double kLean = 0.35;  // m of width for a metre from the crossing
   const std::vector<double> widths = free_widths(grid);
   const auto width = [&](Cell cell) {
+    double from_crossing_m = options.unsure_path_m;
+    for (const Crossing& crossing : walks.crossings) {
+      from_crossing_m = std::min(
+          from_crossing_m, (grid.cell_middle_m(cell.column, cell.row) - crossing.place).norm());
+    }
     return widths[static_cast<std::size_t>(cell.row) * static_cast<std::size_t>(grid.columns()) +
-                  static_cast<std::size_t>(cell.column)];
+                  static_cast<std::size_t>(cell.column)] +
+           kLean * from_crossing_m / grid.cell_m();
   };
   Flood flood;
-  for (const Evidence& seed : seeds) {
-    const auto cell = free_cell_near(grid, seed.place, farthest_seed_m);
+  for (const Evidence& seed : believed(walks.evidence, walks.names.size(), options.unsure_path_m)) {
+    const auto cell = free_cell_near(grid, seed.place, options.farthest_seed_m);
     if (!cell || room_of.at(cell->column, cell->row) != kNoRoom) continue;
     room_of.at(cell->column, cell->row) = seed.room;
     flood.push(width(*cell), *cell);
@@ -362,8 +371,7 @@ Expected<RoomLayout> RoomLayout::make(const FloorGrid& grid, std::span<const Wal
   layout.origin_m_ = grid.origin_m();
   layout.cell_m_ = grid.cell_m();
   layout.room_of_cell_ = RoomCells(grid.columns(), grid.rows(), kNoRoom);
-  spread_over_floor(grid, believed(read.evidence, read.names.size(), options.unsure_path_m),
-                    options.farthest_seed_m, layout.room_of_cell_);
+  spread_over_floor(grid, read, options, layout.room_of_cell_);
   take_furniture_in(grid, options.furniture_depth_m, layout.room_of_cell_);
   layout.rooms_ = find_extents(grid, layout.room_of_cell_, read);
   if (std::ranges::all_of(layout.rooms_, [](const RoomExtent& r) { return r.floor_m2 == 0; })) {

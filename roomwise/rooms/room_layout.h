@@ -55,8 +55,9 @@ struct RoomExtent {
 //
 // Every free cell belongs to one room. From the places that the walk names, rooms spread over free
 // floor where it is widest first (a watershed of the clearance: Meyer, "Topographic distance and
-// watershed lines", 1994), so that two of them meet at the narrowest place between them, which is
-// the door. What is not free belongs to the room whose floor is nearest to it along the grid.
+// watershed lines", 1994), so that two of them meet at the narrowest place between them that is not
+// far from where the name changed, which is the door. What is not free belongs to the room whose
+// floor is nearest to it along the grid.
 class RoomLayout {
  public:
   // Fails where no walked place with a name lies on free floor, or options are wrong. A room that
