@@ -44,7 +44,7 @@ evaluation::FloorPlanView view_of(const pipeline::HomeLayout& home) {
 
 std::string width_in_words(const rooms::Doorway& doorway) {
   std::string words = doorway.width_m > 0 ? fmt::format("{:.1f} m wide", doorway.width_m)
-                                          : std::string("its floor was not seen");
+                                          : std::string("how wide was not seen");
   return doorway.is_walked ? words : words + ", nobody walked through";
 }
 

@@ -19,6 +19,10 @@ using fusion::FloorGrid;
 
 constexpr std::int16_t kNoRoom = -1;
 constexpr double kNowhere = std::numeric_limits<double>::infinity();
+constexpr double kMostCells = 1e6;  // along a side: what is farther is a fault
+// Who walked there took so much room; between two places farther apart than a step the walk is not
+// known.
+constexpr double kWalkerRadius_m = 0.25, kLongestStep_m = 1.0;
 
 struct Cell {
   int column = 0, row = 0;
@@ -83,11 +87,50 @@ void read_walk(const WalkedPath& walk, ReadWalks& read) {
   read.evidence.insert(read.evidence.end(), named.begin(), named.end());
 }
 
+// Free floor: what the map shows, and where somebody walked.
+using Floor = image::Image<std::uint8_t>;
+
+Floor free_floor(const FloorGrid& grid, std::span<const WalkedPath> walks) {
+  Floor floor(grid.columns(), grid.rows(), 0);
+  for (int row = 0; row < grid.rows(); ++row) {
+    for (int column = 0; column < grid.columns(); ++column) {
+      floor.at(column, row) = grid.at(column, row) == FloorCell::kFree ? 1 : 0;
+    }
+  }
+  const int reach = static_cast<int>(std::ceil(kWalkerRadius_m / grid.cell_m()));
+  const auto stand_at = [&](const Vector2d& place) {
+    const Eigen::Array2d at = ((place - grid.origin_m()) / grid.cell_m()).array().floor();
+    if (!(at.abs() < kMostCells).all()) return;
+    const Cell middle{static_cast<int>(at.x()), static_cast<int>(at.y())};
+    for (int row = middle.row - reach; row <= middle.row + reach; ++row) {
+      for (int column = middle.column - reach; column <= middle.column + reach; ++column) {
+        if (!floor.contains(column, row) || grid.at(column, row) != FloorCell::kUnknown) continue;
+        if ((grid.cell_middle_m(column, row) - place).norm() > kWalkerRadius_m) continue;
+        floor.at(column, row) = 1;
+      }
+    }
+  };
+  for (const WalkedPath& walk : walks) {
+    for (std::size_t i = 0; i < walk.size(); ++i) {
+      stand_at(walk[i].point_level);
+      if (i == 0) continue;
+      const Vector2d step = walk[i].point_level - walk[i - 1].point_level;
+      if (!(step.norm() <= kLongestStep_m)) continue;
+      const int parts = static_cast<int>(std::ceil(step.norm() / grid.cell_m()));
+      for (int part = 1; part < parts; ++part) {
+        stand_at(walk[i - 1].point_level + step * part / parts);
+      }
+    }
+  }
+  return floor;
+}
+
 // The nearest free cell within reach.
-std::optional<Cell> free_cell_near(const FloorGrid& grid, const Vector2d& point, double reach_m) {
+std::optional<Cell> free_cell_near(const FloorGrid& grid, const Floor& floor, const Vector2d& point,
+                                   double reach_m) {
   const Eigen::Array2d at = (point - grid.origin_m()) / grid.cell_m();
   const double reach = reach_m / grid.cell_m();
-  if (!(at.abs() < 1e6).all()) return std::nullopt;
+  if (!(at.abs() < kMostCells).all()) return std::nullopt;
   const auto first = (at - reach).floor().cast<int>().max(0).eval();
   const int last_column =
       std::min(grid.columns() - 1, static_cast<int>(std::floor(at.x() + reach)));
@@ -96,7 +139,7 @@ std::optional<Cell> free_cell_near(const FloorGrid& grid, const Vector2d& point,
   double best_m = reach_m;
   for (int row = first.y(); row <= last_row; ++row) {
     for (int column = first.x(); column <= last_column; ++column) {
-      if (grid.at(column, row) != FloorCell::kFree) continue;
+      if (floor.at(column, row) == 0) continue;
       const double distance_m = (grid.cell_middle_m(column, row) - point).norm();
       if (distance_m >= best_m) continue;
       best_m = distance_m;
@@ -107,20 +150,20 @@ std::optional<Cell> free_cell_near(const FloorGrid& grid, const Vector2d& point,
 }
 
 // From the middle of each free cell to the nearest that is not free, in cells, by row.
-std::vector<double> free_widths(const FloorGrid& grid) {
-  // One cell around the grid: what lies outside is not free.
-  const int columns = grid.columns() + 2, rows = grid.rows() + 2;
+std::vector<double> free_widths(const Floor& floor) {
+  // One cell around it: what lies outside is not free.
+  const int columns = floor.width() + 2, rows = floor.height() + 2;
   std::vector<double> cells(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows), 0);
-  for (int row = 0; row < grid.rows(); ++row) {
-    for (int column = 0; column < grid.columns(); ++column) {
-      if (grid.at(column, row) != FloorCell::kFree) continue;
+  for (int row = 0; row < floor.height(); ++row) {
+    for (int column = 0; column < floor.width(); ++column) {
+      if (floor.at(column, row) == 0) continue;
       cells[static_cast<std::size_t>((row + 1) * columns + column + 1)] = geometry::kFarFromAll;
     }
   }
   const std::vector<double> squared = geometry::squared_distances(std::move(cells), columns, rows);
   std::vector<double> widths;
-  for (int row = 0; row < grid.rows(); ++row) {
-    for (int column = 0; column < grid.columns(); ++column) {
+  for (int row = 0; row < floor.height(); ++row) {
+    for (int column = 0; column < floor.width(); ++column) {
       widths.push_back(
           std::sqrt(squared[static_cast<std::size_t>((row + 1) * columns + column + 1)]));
     }
@@ -171,10 +214,10 @@ std::vector<Evidence> believed(const std::vector<Evidence>& evidence, std::size_
 // Rooms spread over the free floor from their seeds, over wide floor before narrow. Floor by a
 // crossing counts as narrower: of two narrow places, a door and what is left beside its leaf, the
 // one by which the name changed is more likely the border.
-void spread_over_floor(const FloorGrid& grid, const ReadWalks& walks,
+void spread_over_floor(const FloorGrid& grid, const Floor& floor, const ReadWalks& walks,
                        const RoomLayoutOptions& options, RoomCells& room_of) {
   constexpr double kLean = 0.35;  // m of width for a metre from the crossing
-  const std::vector<double> widths = free_widths(grid);
+  const std::vector<double> widths = free_widths(floor);
   const auto width = [&](Cell cell) {
     double from_crossing_m = options.unsure_path_m;
     for (const Crossing& crossing : walks.crossings) {
@@ -187,7 +230,7 @@ void spread_over_floor(const FloorGrid& grid, const ReadWalks& walks,
   };
   Flood flood;
   for (const Evidence& seed : believed(walks.evidence, walks.names.size(), options.unsure_path_m)) {
-    const auto cell = free_cell_near(grid, seed.place, options.farthest_seed_m);
+    const auto cell = free_cell_near(grid, floor, seed.place, options.farthest_seed_m);
     if (!cell || room_of.at(cell->column, cell->row) != kNoRoom) continue;
     room_of.at(cell->column, cell->row) = seed.room;
     flood.push(width(*cell), *cell);
@@ -197,8 +240,7 @@ void spread_over_floor(const FloorGrid& grid, const ReadWalks& walks,
     for (const Cell side : kSides) {
       const Cell next{cell.column + side.column, cell.row + side.row};
       if (!room_of.contains(next.column, next.row) ||
-          room_of.at(next.column, next.row) != kNoRoom ||
-          grid.at(next.column, next.row) != FloorCell::kFree) {
+          room_of.at(next.column, next.row) != kNoRoom || floor.at(next.column, next.row) == 0) {
         continue;
       }
       room_of.at(next.column, next.row) = room_of.at(cell.column, cell.row);
@@ -208,7 +250,8 @@ void spread_over_floor(const FloorGrid& grid, const ReadWalks& walks,
 }
 
 // What is not free goes to the room whose floor is nearest along the grid.
-void take_furniture_in(const FloorGrid& grid, double depth_m, RoomCells& room_of) {
+void take_furniture_in(const FloorGrid& grid, const Floor& floor, double depth_m,
+                       RoomCells& room_of) {
   Flood flood;
   for (int row = 0; row < grid.rows(); ++row) {
     for (int column = 0; column < grid.columns(); ++column) {
@@ -221,8 +264,7 @@ void take_furniture_in(const FloorGrid& grid, double depth_m, RoomCells& room_of
     for (const Cell side : kSides) {
       const Cell next{cell.column + side.column, cell.row + side.row};
       if (!room_of.contains(next.column, next.row) ||
-          room_of.at(next.column, next.row) != kNoRoom ||
-          grid.at(next.column, next.row) == FloorCell::kFree) {
+          room_of.at(next.column, next.row) != kNoRoom || floor.at(next.column, next.row) != 0) {
         continue;
       }
       room_of.at(next.column, next.row) = room_of.at(cell.column, cell.row);
@@ -233,12 +275,11 @@ void take_furniture_in(const FloorGrid& grid, double depth_m, RoomCells& room_of
 
 // The middles of the edges between free cells of two rooms, by pair.
 std::map<std::pair<std::int16_t, std::int16_t>, std::vector<Vector2d>> borders(
-    const FloorGrid& grid, const RoomCells& room_of) {
+    const FloorGrid& grid, const Floor& floor, const RoomCells& room_of) {
   std::map<std::pair<std::int16_t, std::int16_t>, std::vector<Vector2d>> found;
   const auto room = [&](int column, int row) {
-    return room_of.contains(column, row) && grid.at(column, row) == FloorCell::kFree
-               ? room_of.at(column, row)
-               : kNoRoom;
+    return room_of.contains(column, row) && floor.at(column, row) != 0 ? room_of.at(column, row)
+                                                                       : kNoRoom;
   };
   for (int row = 0; row < grid.rows(); ++row) {
     for (int column = 0; column < grid.columns(); ++column) {
@@ -287,10 +328,11 @@ Doorway doorway_across(const std::vector<Vector2d>& border, double cell_m) {
   return doorway;
 }
 
-std::vector<Doorway> find_doorways(const FloorGrid& grid, const RoomCells& room_of,
-                                   const ReadWalks& walks, const RoomLayoutOptions& options) {
+std::vector<Doorway> find_doorways(const FloorGrid& grid, const Floor& floor,
+                                   const RoomCells& room_of, const ReadWalks& walks,
+                                   const RoomLayoutOptions& options) {
   std::vector<Doorway> doorways;
-  for (const auto& [pair, border] : borders(grid, room_of)) {
+  for (const auto& [pair, border] : borders(grid, floor, room_of)) {
     for (const auto& piece : pieces_of(border, grid.cell_m())) {
       Doorway doorway = doorway_across(piece, grid.cell_m());
       if (doorway.width_m < options.least_doorway_m) continue;
@@ -323,20 +365,20 @@ std::vector<Doorway> find_doorways(const FloorGrid& grid, const RoomCells& room_
   return doorways;
 }
 
-std::vector<RoomExtent> find_extents(const FloorGrid& grid, const RoomCells& room_of,
-                                     const ReadWalks& walks) {
+std::vector<RoomExtent> find_extents(const FloorGrid& grid, const Floor& floor,
+                                     const RoomCells& room_of, const ReadWalks& walks) {
   std::vector<RoomExtent> extents(walks.names.size());
   for (std::size_t i = 0; i < extents.size(); ++i) extents[i].name = walks.names[i];
   for (const Evidence& one : walks.evidence) {
     extents[static_cast<std::size_t>(one.room)].middle_level = one.place;
   }
-  const std::vector<double> widths = free_widths(grid);
+  const std::vector<double> widths = free_widths(floor);
   std::vector<double> widest(extents.size(), 0);
   std::size_t cell = 0;
   for (int row = 0; row < grid.rows(); ++row) {
     for (int column = 0; column < grid.columns(); ++column, ++cell) {
       const std::int16_t room = room_of.at(column, row);
-      if (room == kNoRoom || grid.at(column, row) != FloorCell::kFree) continue;
+      if (room == kNoRoom || floor.at(column, row) == 0) continue;
       const auto index = static_cast<std::size_t>(room);
       extents[index].floor_m2 += grid.cell_m() * grid.cell_m();
       if (widths[cell] <= widest[index]) continue;
@@ -371,15 +413,16 @@ Expected<RoomLayout> RoomLayout::make(const FloorGrid& grid, std::span<const Wal
   layout.origin_m_ = grid.origin_m();
   layout.cell_m_ = grid.cell_m();
   layout.room_of_cell_ = RoomCells(grid.columns(), grid.rows(), kNoRoom);
-  spread_over_floor(grid, read, options, layout.room_of_cell_);
-  take_furniture_in(grid, options.furniture_depth_m, layout.room_of_cell_);
-  layout.rooms_ = find_extents(grid, layout.room_of_cell_, read);
+  const Floor floor = free_floor(grid, walks);
+  spread_over_floor(grid, floor, read, options, layout.room_of_cell_);
+  take_furniture_in(grid, floor, options.furniture_depth_m, layout.room_of_cell_);
+  layout.rooms_ = find_extents(grid, floor, layout.room_of_cell_, read);
   if (std::ranges::all_of(layout.rooms_, [](const RoomExtent& r) { return r.floor_m2 == 0; })) {
     return fail(
         "no named place of the walk lies on free floor; name the rooms of the walk, or walk with "
         "the camera tilted down a little");
   }
-  layout.doorways_ = find_doorways(grid, layout.room_of_cell_, read, options);
+  layout.doorways_ = find_doorways(grid, floor, layout.room_of_cell_, read, options);
   return layout;
 }
 
@@ -391,7 +434,7 @@ std::optional<std::size_t> RoomLayout::room_of_cell(int column, int row) const {
 
 std::optional<std::string> RoomLayout::room_at(const Vector2d& point_level) const {
   const Eigen::Array2d cell = ((point_level - origin_m_) / cell_m_).array().floor();
-  if (!(cell.abs() < 1e6).all()) return std::nullopt;
+  if (!(cell.abs() < kMostCells).all()) return std::nullopt;
   const auto room = room_of_cell(static_cast<int>(cell.x()), static_cast<int>(cell.y()));
   return room ? std::optional(rooms_[*room].name) : std::nullopt;
 }

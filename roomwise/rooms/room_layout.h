@@ -46,14 +46,15 @@ struct Doorway {
 
 struct RoomExtent {
   std::string name;
-  double floor_m2 = 0;  // free floor
+  double floor_m2 = 0;  // free floor, as far as it was seen or walked on
   // The place of free floor with the most room around it, m: where to send somebody.
   Eigen::Vector2d middle_level = Eigen::Vector2d::Zero();
 };
 
 // The rooms on the floor plane, and how they hang together.
 //
-// Every free cell belongs to one room. From the places that the walk names, rooms spread over free
+// Every free cell belongs to one room; free is also what is unknown to the map, but somebody walked
+// there. From the places that the walk names, rooms spread over free
 // floor where it is widest first (a watershed of the clearance: Meyer, "Topographic distance and
 // watershed lines", 1994), so that two of them meet at the narrowest place between them that is not
 // far from where the name changed, which is the door. What is not free belongs to the room whose
