@@ -14,6 +14,9 @@ if(CMAKE_BUILD_TYPE STREQUAL "Release")
   add_compile_options(-O3)
 endif()
 
+# GCC collects garbage long before memory is short: without, it takes a tenth less time and 0.6 GB at most.
+add_compile_options("$<$<CXX_COMPILER_ID:GNU>:SHELL:--param ggc-min-heapsize=600000>")
+
 if(ROOMWISE_SANITIZE)
   add_compile_options(-fsanitize=${ROOMWISE_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   # GCC 12 sees uninitialised variables in the sanitizers' own code.

@@ -110,6 +110,12 @@ TEST_F(HomeCommandsTest, ExportOfAFloorNeedsAFloor) {
   EXPECT_FALSE(std::filesystem::exists(path("floor.pgm")));
 }
 
+TEST_F(HomeCommandsTest, WithoutNamesThereIsNoLayout) {
+  const ProgramResult none = run_roomwise({"rooms", "layout", "--home", path("my.home")});
+  EXPECT_EQ(none.exit_code, 1);
+  EXPECT_THAT(none.errors, HasSubstr("my.home: no rooms are named; name them with roomwise rooms"));
+}
+
 TEST_F(HomeCommandsTest, OnlyASimulatedHomeHasATrueFloor) {
   const ProgramResult none =
       run_roomwise({"eval", "floor", "--home", path("my.home"), "--truth", path("walk")});

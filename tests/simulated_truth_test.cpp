@@ -91,8 +91,24 @@ TEST_F(SimulatedTruth, ThingsThatNobodyNamedAreMissed) {
   EXPECT_EQ(objects.at("missed"), 1);
 }
 
+// The walk is too short to leave the hall, or to see much of its floor.
+TEST_F(SimulatedTruth, TheRoomThatWasWalkedLiesOnTheFloor) {
+  const json layout =
+      result_of({"rooms", "layout", "--home", path("my.home"), "--plan", path("plan.svg")});
+  ASSERT_EQ(layout.at("rooms").size(), 1U);
+  EXPECT_EQ(layout.at("rooms").at(0).at("name"), "hall");
+  EXPECT_GT(layout.at("rooms").at(0).at("floor_m2"), 0.1);
+  EXPECT_TRUE(layout.at("doorways").empty());
+  EXPECT_THAT(read_text_file(path("plan.svg")).value(), HasSubstr(">hall<"));
+  const json truth =
+      result_of({"eval", "layout", "--home", path("my.home"), "--truth", path("walk")});
+  EXPECT_EQ(truth.at("doors"), 0) << "of doors between named rooms";
+  EXPECT_EQ(truth.at("false_doorways"), 0);
+  EXPECT_GE(truth.at("floor_m2"), truth.at("right_floor_m2"));
+}
+
 TEST_F(SimulatedTruth, AnotherRecordingIsNoTruth) {
-  for (const char* what : {"map", "objects", "floor"}) {
+  for (const char* what : {"map", "objects", "floor", "layout"}) {
     EXPECT_THAT(error_of({"eval", what, "--home", path("my.home"), "--truth", path("other")}),
                 HasSubstr("was not mapped from"))
         << what;
