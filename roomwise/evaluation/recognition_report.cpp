@@ -155,7 +155,7 @@ SvgDrawing plot_precision_against_coverage(const Content& content) {
   drawing.text({axes.corner.x(), 36}, "Precision against coverage", "class=\"heading\"");
   axes.draw(drawing, "share of decisions in which a room is named", "share of these that is right");
   for (std::size_t i = 0; i < curves; ++i) {
-    const std::string style = fmt::format("class=\"{}\" fill=\"none\" stroke-dasharray=\"{}\"",
+    const std::string style = fmt::format("class=\"{}\" stroke-dasharray=\"{}\"",
                                           i % 2 == 0 ? "estimate" : "truth", kDashes[i]);
     const double y = 56 + 22 * static_cast<double>(i);
     drawing.line({axes.corner.x(), y - 5}, {axes.corner.x() + 48, y - 5}, style);

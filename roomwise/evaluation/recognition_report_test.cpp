@@ -5,6 +5,7 @@
 namespace roomwise::evaluation {
 namespace {
 
+using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -57,6 +58,8 @@ TEST(RecognitionReport, CanBeReadByEverybody) {
   EXPECT_THAT(page, HasSubstr("<th scope=\"row\">kitchen</th>"));
   EXPECT_THAT(page, HasSubstr("prefers-color-scheme: dark"));
   EXPECT_THAT(page, Not(HasSubstr("<script")));
+  EXPECT_THAT(page, Not(ContainsRegex("fill=\"none\"[^>]*fill=")))
+      << "an attribute twice is no XML";
 }
 
 }  // namespace

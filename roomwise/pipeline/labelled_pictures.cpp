@@ -65,7 +65,8 @@ Expected<void> add_frames(const recording::ImageList& colors, const recording::R
       if (labels.frames_to_boundary(frame) < selection.margin) continue;
       const auto& times = colors.timestamps_ns();
       pictures.push_back({[&colors, frame] { return colors.read_color(frame); }, range.room,
-                          sequence, walk, 1e-9 * static_cast<double>(times[frame] - times[0]),
+                          sequence, walk, frame,
+                          1e-9 * static_cast<double>(times[frame] - times[0]),
                           fmt::format("{}: frame {}", walk_name, frame)});
     }
   }
@@ -83,7 +84,7 @@ Expected<std::vector<LabelledPicture>> select_photos(const fs::path& folder,
     const std::size_t sequence =
         pictures.empty() ? 0 : pictures.back().sequence + (same_room ? 0 : 1);
     pictures.push_back({[path = photo.path] { return image::read_color(path); }, photo.room,
-                        sequence, 0, 0, photo.path.filename().string()});
+                        sequence, 0, 0, 0, photo.path.filename().string()});
   }
   ROOMWISE_CHECK_OK(check_not_empty(pictures));
   return pictures;
@@ -96,13 +97,14 @@ Expected<std::vector<LabelledPicture>> unknown_pictures(const fs::path& folder) 
     ROOMWISE_TRY(auto opened, recording::ImageList::open(folder, "rgb.txt"));
     const auto colors = std::make_shared<const recording::ImageList>(std::move(opened));
     for (std::size_t i = 0; i < colors->size(); ++i) {
-      pictures.push_back(
-          {[colors, i] { return colors->read_color(i); }, "", 0, 0, 0, colors->path(i).string()});
+      pictures.push_back({[colors, i] { return colors->read_color(i); }, "", 0, 0, 0, 0,
+                          colors->path(i).string()});
     }
   } else {
     ROOMWISE_TRY(const auto files, picture_files(folder));
     for (const fs::path& file : files) {
-      pictures.push_back({[file] { return image::read_color(file); }, "", 0, 0, 0, file.string()});
+      pictures.push_back(
+          {[file] { return image::read_color(file); }, "", 0, 0, 0, 0, file.string()});
     }
   }
   if (pictures.empty()) return fail("{}: holds no JPEG or PNG files", folder.string());

@@ -16,9 +16,10 @@ struct LabelledPicture {
   std::function<Expected<image::ColorImage>()> read;
   std::string room;  // empty: a place that was never learned
   std::size_t sequence = 0;
-  std::size_t walk = 0;  // the recording that it is from
-  double time_s = 0;     // since the walk's first frame; 0 for photos
-  std::string name;      // for people: "walk: frame 12"
+  std::size_t walk = 0;     // the recording that it is from
+  std::uint64_t frame = 0;  // its place in the walk
+  double time_s = 0;        // since the walk's first frame; 0 for photos
+  std::string name;         // for people: "walk: frame 12"
 };
 
 struct FrameSelection {

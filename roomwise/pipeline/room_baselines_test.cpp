@@ -17,7 +17,7 @@ TEST(ColorHistogram, CountsSharesOfThePicture) {
   image::ColorImage picture(4, 4, {250, 10, 10});
   const auto red = color_histogram(picture);
   EXPECT_EQ(std::ranges::count(red, 1.0F), 1) << "one colour, one cell";
-  for (int x = 0; x < 4; ++x) picture(x, 0) = {10, 10, 250};
+  for (int x = 0; x < 4; ++x) picture.at(x, 0) = {10, 10, 250};
   const auto quarter_blue = color_histogram(picture);
   EXPECT_NEAR(std::accumulate(quarter_blue.begin(), quarter_blue.end(), 0.0), 1, 1e-6);
   EXPECT_NEAR(in_common(red, quarter_blue), 0.75, 1e-6);

@@ -198,7 +198,10 @@ class Evaluator {
 
   [[nodiscard]] double elapsed_s(std::size_t i) const {
     if (i == 0 || pictures_[i].walk != pictures_[i - 1].walk) return 0;
-    if (options_.interval_s) return *options_.interval_s;
+    if (options_.interval_s) {
+      return *options_.interval_s *
+             static_cast<double>(pictures_[i].frame - pictures_[i - 1].frame);
+    }
     return std::max(0.0, pictures_[i].time_s - pictures_[i - 1].time_s);
   }
 
@@ -272,7 +275,11 @@ Expected<RoomEvaluation> evaluate_rooms(const std::vector<LabelledPicture>& pict
   if (evaluator.compares()) {
     ROOMWISE_TRY(evaluation.rules.emplace_back(), evaluator.single());
     ROOMWISE_TRY(evaluation.rules.emplace_back(), evaluator.pair());
-    ROOMWISE_TRY(evaluation.rules.emplace_back(), evaluator.stream());
+    const bool has_walks = std::ranges::any_of(
+        pictures, [](const LabelledPicture& picture) { return picture.frame > 0; });
+    if (has_walks) {
+      ROOMWISE_TRY(evaluation.rules.emplace_back(), evaluator.stream());
+    }
     if (!unknown.empty()) {
       ROOMWISE_TRY(evaluation.unknown, evaluator.unknown(unknown));
     }

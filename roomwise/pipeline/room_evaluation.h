@@ -69,10 +69,10 @@ struct RoomEvaluationOptions {
   std::optional<double> interval_s;
 };
 
-// Recognises every picture, every pair of pictures `pair_step` apart and every walk as a stream, by
-// comparing and by the paper's rule. `unknown`: pictures of places that were never learned, or
-// none. A home whose rooms were learned by an earlier version is evaluated by the paper's rule
-// alone.
+// Recognises every picture, every pair of pictures `pair_step` apart and (photos apart) every walk
+// as a stream, by comparing and by the paper's rule. The stream sees the evaluated pictures alone.
+// `unknown`: pictures of places that were never learned, or none. A home whose rooms were learned
+// by an earlier version is evaluated by the paper's rule alone.
 [[nodiscard]] Expected<RoomEvaluation> evaluate_rooms(const std::vector<LabelledPicture>& pictures,
                                                       const std::vector<LabelledPicture>& unknown,
                                                       const RoomRecognizer& recognizer,

@@ -16,7 +16,7 @@ image::ColorImage squares(int first, int last) {
       const auto value = static_cast<std::uint8_t>(random.index(256));
       if (x < first || x >= last) continue;
       for (int dy = 0; dy < 8; ++dy) {
-        for (int dx = 0; dx < 8; ++dx) picture(x + dx, y + dy) = {value, value, value};
+        for (int dx = 0; dx < 8; ++dx) picture.at(x + dx, y + dy) = {value, value, value};
       }
     }
   }

@@ -11,7 +11,7 @@
 namespace roomwise::rooms {
 
 struct RoomFilterOptions {
-  double mean_stay_s = 20;  // in a room
+  double mean_stay_s = 10;  // in a room, before going on
   // For so long pictures that follow each other show the same and say the same: pictures that are
   // taken within it count together about as much as one.
   double alike_s = 1.0;

@@ -14,6 +14,7 @@ const std::vector<std::string> kWalk = {"hall", "bath", "hall", "kitchen", "hall
 
 RoomFilterOptions without_likeness() {
   RoomFilterOptions options;
+  options.mean_stay_s = 20;
   options.alike_s = 0;
   return options;
 }
