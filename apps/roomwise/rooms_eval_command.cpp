@@ -175,8 +175,8 @@ Expected<void> add_mistakes(const RuleResult& result, const Pictures& all,
 std::vector<std::string> notes_of(const pipeline::RoomEvaluation& evaluation, const Pictures& all) {
   std::vector<std::string> notes = {
       "A room is named where its probability and how well the picture is known reach the "
-      "thresholds that were found while learning; the paper's way and the baselines always name "
-      "one. The best room is the most probable one, named or not.",
+      "thresholds that were found while learning; the paper's way always names one. The best room "
+      "is the most probable one, named or not.",
       evaluation.by_walks ? "Intervals of 95 % resample whole walks."
                           : "Intervals of 95 % resample visits of rooms, not frames: with fewer "
                             "than five walks they do not tell how walks differ."};

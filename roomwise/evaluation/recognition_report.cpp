@@ -24,7 +24,7 @@ constexpr std::string_view kStyle = R"(
   :root { --ground: #1c1c1e; --text: #eeeeee; --quiet: #b8b8b8; --line: #7c7c80; --panel: #2a2a2c;
     --accent: #7aa9ff; } }
 * { box-sizing: border-box; }
-body { margin: 0 auto; padding: 1.5rem 1rem 3rem; max-width: 68rem; background: var(--ground);
+body { margin: 0 auto; padding: 1.5rem 1rem 3rem; max-width: 80rem; background: var(--ground);
   color: var(--text); font: 1rem/1.5 system-ui, "DejaVu Sans", sans-serif; }
 h1 { font-size: 2rem; line-height: 1.2; margin: 0; overflow-wrap: anywhere; }
 h2 { font-size: 1.375rem; margin: 2.5rem 0 0.75rem; }
@@ -37,6 +37,7 @@ caption { text-align: left; color: var(--quiet); padding-bottom: 0.375rem; }
 th, td { text-align: left; vertical-align: top; padding: 0.375rem 1rem 0.375rem 0;
   border-bottom: 1px solid var(--line); }
 th.number, td.number { text-align: right; white-space: nowrap; }
+tbody th { min-width: 11rem; }
 .mistakes { list-style: none; margin: 0; padding: 0; display: grid; gap: 1rem;
   grid-template-columns: repeat(auto-fill, minmax(min(100%, 17rem), 1fr)); }
 .mistakes li { background: var(--panel); border-radius: 0.5rem; overflow: hidden; }

@@ -100,10 +100,10 @@ RoomDecision decide(const PictureEvidence& evidence, std::span<const std::string
   const RoomScore& best = decision.rooms.front();
   if (evidence.known < calibration.none_below) {
     decision.verdict = Verdict::kNoneOfThem;
-    decision.why = fmt::format("nothing that was learned looks like this (known {:.1f} < {:.1f})",
+    decision.why = fmt::format("nothing that was learned looks like this (known {:.2f} < {:.2f})",
                                evidence.known, calibration.none_below);
   } else if (evidence.known < calibration.known_from) {
-    decision.why = fmt::format("it looks a little like {}, but not enough (known {:.1f} < {:.1f})",
+    decision.why = fmt::format("it looks a little like {}, but not enough (known {:.2f} < {:.2f})",
                                candidates(decision.rooms), evidence.known, calibration.known_from);
   } else if (best.score < calibration.sure_from) {
     decision.why = fmt::format("it could be {}; a room is named from {:.2f} on",

@@ -46,7 +46,7 @@ TEST(Decide, IsNotSureBelowTheThreshold) {
 TEST(Decide, IsNotSureOfWhatIsNotWellKnown) {
   const RoomDecision decision = decide(evidence(0, 0.01, 0.99, -1.5), kNames, calibration());
   EXPECT_EQ(decision.verdict, Verdict::kNotSure);
-  EXPECT_THAT(decision.why, HasSubstr("known -1.5 < -1.0"));
+  EXPECT_THAT(decision.why, HasSubstr("known -1.50 < -1.00"));
 }
 
 TEST(Decide, KnowsNoRoomThatLooksLikeThis) {
