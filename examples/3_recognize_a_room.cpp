@@ -9,7 +9,7 @@
 
 using namespace roomwise;
 
-static Expected<rooms::RoomAnswer> recognize(char** arguments) {
+static Expected<rooms::RoomDecision> recognize(char** arguments) {
   ROOMWISE_TRY(const home::Home home, home::Home::open_read_only(arguments[0]));
   pipeline::Networks networks;
   ROOMWISE_TRY(auto network, network::OnnxClassifier::load(arguments[1]));
@@ -17,7 +17,7 @@ static Expected<rooms::RoomAnswer> recognize(char** arguments) {
   ROOMWISE_TRY(const auto recognizer, pipeline::RoomRecognizer::create(home, networks));
   ROOMWISE_TRY(const image::ColorImage first, image::read_color(arguments[2]));
   ROOMWISE_TRY(const image::ColorImage second, image::read_color(arguments[3]));
-  return recognizer.recognize(first, second);
+  return recognizer.recognize(std::vector{first, second});
 }
 
 int main(int argc, char** argv) {
@@ -30,6 +30,7 @@ int main(int argc, char** argv) {
     fmt::print(stderr, "{}\n", answer.error().message);
     return 1;
   }
-  fmt::print("{} ({:.2f}), because: {}\n", answer->room, answer->score, to_string(answer->reason));
+  fmt::print("{}: {}\n", answer->room().value_or(std::string(to_string(answer->verdict))),
+             answer->why);
   return 0;
 }

@@ -62,20 +62,65 @@ class RoomCommandsTest : public ::testing::Test {
 
 TEST_F(RoomCommandsTest, RoomsOfAWalkAreLearnedEvaluatedAndRecognised) {
   const std::string home = copy_of_home("learned.home");
-  const json learned = result_of({"rooms", "learn", "--home", home});
+  const json learned =
+      result_of({"rooms", "learn", "--home", home, "--network", path("colors.onnx")});
   ASSERT_EQ(learned.at("rooms").size(), 2U);
   EXPECT_EQ(learned.at("rooms")[0].at("room"), "hall");
+  EXPECT_TRUE(learned.contains("sure_from"));
 
+  write_photos("elsewhere");
   const json result = result_of({"rooms", "eval", "--home", home, "--recording", path("walk"),
-                                 "--margin", "3", "--network", path("colors.onnx")});
+                                 "--margin", "3", "--network", path("colors.onnx"), "--baselines",
+                                 "--unknown", path("elsewhere"), "--report", path("rooms.html")});
+  for (const char* rule : {"single", "pair", "stream", "paper_single", "paper_pair_without_objects",
+                           "baseline_colors", "baseline_nearest"}) {
+    ASSERT_TRUE(result.contains(rule)) << rule;
+    EXPECT_EQ(result.at(rule).at("precision"), 1.0) << rule;
+    EXPECT_TRUE(result.at(rule).contains("ms"));
+    EXPECT_FALSE(result.at(rule).at("curve").empty());
+  }
   EXPECT_EQ(result.at("single").at("n"), kFrames - 12) << "three frames at four ends of ranges";
-  EXPECT_EQ(result.at("single").at("precision"), 1.0);
-  EXPECT_EQ(result.at("pair").at("precision"), 1.0);
-  EXPECT_TRUE(result.at("pair").contains("ms"));
+  EXPECT_EQ(result.at("single").at("named").at("share"), 1.0);
+  EXPECT_EQ(result.at("unknown").at("n"), 18);
+  EXPECT_GT(result.at("unknown").at("auroc"), 0.9) << "of colours that no room has";
+  EXPECT_EQ(result.at("resampled"), "visits");
+  const auto page = read_text_file(path("rooms.html"));
+  ASSERT_OK(page);
+  EXPECT_THAT(*page, HasSubstr("two pictures: a row for each true room"));
 
+  const auto recognize = [&](std::vector<std::string> arguments) {
+    std::vector<std::string> all{"rooms", "recognize", "--home",
+                                 home,    "--network", path("colors.onnx")};
+    all.insert(all.end(), arguments.begin(), arguments.end());
+    return result_of(all);
+  };
+  const auto pictures = [] {
+    std::vector<std::string> names;
+    for (const auto& entry : std::filesystem::directory_iterator(path("walk/rgb")))
+      names.push_back(entry.path());
+    std::ranges::sort(names);
+    return names;
+  }();
+  const json hall = recognize({pictures.front(), pictures[1]});
+  EXPECT_EQ(hall.at("rooms")[0].at("room"), "hall");
+  EXPECT_EQ(recognize({pictures[40], pictures[41], pictures[42]}).at("rooms")[0].at("room"),
+            "kitchen");
+  EXPECT_EQ(recognize({"--walk", "0.5", pictures[40], pictures[41], pictures[42], pictures[43]})
+                .at("rooms")[0]
+                .at("room"),
+            "kitchen");
+  const json unknown = recognize({path("elsewhere/cellar/0.png")});
+  EXPECT_EQ(unknown.at("room"), nullptr) << unknown;
+  EXPECT_EQ(unknown.at("verdict"), "none of them");
+}
+
+TEST_F(RoomCommandsTest, ThePapersRuleCanBeChosen) {
+  const std::string home = copy_of_home("paper.home");
+  result_of({"rooms", "learn", "--home", home, "--augment", "0"});
   const auto recognize = [&](const std::string& first, const std::string& second) {
-    return result_of({"rooms", "recognize", "--home", home, path("walk/rgb/" + first),
-                      path("walk/rgb/" + second), "--network", path("colors.onnx")});
+    return result_of({"rooms", "recognize", "--rule", "paper", "--home", home,
+                      path("walk/rgb/" + first), path("walk/rgb/" + second), "--network",
+                      path("colors.onnx")});
   };
   const auto color_files = [] {
     std::vector<std::string> names;
@@ -89,6 +134,12 @@ TEST_F(RoomCommandsTest, RoomsOfAWalkAreLearnedEvaluatedAndRecognised) {
   EXPECT_EQ(hall.at("how"), "frames agree");
   EXPECT_EQ(recognize(color_files[40], color_files[41]).at("room"), "kitchen");
   EXPECT_THAT(recognize(color_files.front(), color_files.back()).at("how"), "higher score");
+  const ProgramResult three =
+      run_roomwise({"rooms", "recognize", "--rule", "paper", "--home", home,
+                    path("walk/rgb/" + color_files[0]), path("walk/rgb/" + color_files[1]),
+                    path("walk/rgb/" + color_files[2]), "--network", path("colors.onnx")});
+  EXPECT_EQ(three.exit_code, 1);
+  EXPECT_THAT(three.errors, HasSubstr("one or two pictures"));
 }
 
 TEST_F(RoomCommandsTest, RoomsAreNamedByFramesAndByTime) {
@@ -113,7 +164,13 @@ TEST_F(RoomCommandsTest, RoomsAreLearnedFromPhotosAlone) {
   const json result = result_of({"rooms", "eval", "--home", home, "--photos", path("photos"),
                                  "--network", path("colors.onnx")});
   EXPECT_EQ(result.at("single").at("n"), 18);
-  EXPECT_EQ(result.at("single").at("precision"), 1.0);
+  EXPECT_GT(result.at("single").at("precision"), 0.9);
+  EXPECT_EQ(result.at("paper_single").at("precision"), 1.0);
+  const ProgramResult without_keyframes =
+      run_roomwise({"rooms", "eval", "--home", home, "--photos", path("photos"), "--baselines",
+                    "--network", path("colors.onnx")});
+  EXPECT_EQ(without_keyframes.exit_code, 1);
+  EXPECT_THAT(without_keyframes.errors, HasSubstr("baselines need rooms"));
 }
 
 TEST_F(RoomCommandsTest, WhatCannotBeAnsweredIsSaidInOneLine) {
@@ -127,8 +184,8 @@ TEST_F(RoomCommandsTest, WhatCannotBeAnsweredIsSaidInOneLine) {
                     "--network", path("colors.onnx")});
   EXPECT_EQ(nothing.exit_code, 1);
   EXPECT_FALSE(std::filesystem::exists(path("new.home"))) << "a mistake makes no home";
-  const ProgramResult unused = run_roomwise(
-      {"rooms", "learn", "--home", path("mapped.home"), "--network", path("colors.onnx")});
+  const ProgramResult unused = run_roomwise({"rooms", "learn", "--home", path("mapped.home"),
+                                             "--augment", "0", "--network", path("colors.onnx")});
   EXPECT_EQ(unused.exit_code, 1);
   EXPECT_THAT(unused.errors, HasSubstr("--network needs --augment or --photos"));
 }

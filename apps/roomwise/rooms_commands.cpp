@@ -8,38 +8,17 @@
 
 #include "commands.h"
 #include "networks.h"
+#include "rooms_options.h"
 #include "roomwise/image/codec.h"
 #include "roomwise/pipeline/picture_features.h"
-#include "roomwise/pipeline/room_evaluation.h"
 #include "roomwise/pipeline/room_learning.h"
 #include "roomwise/pipeline/room_recognizer.h"
+#include "roomwise/pipeline/turn_hint.h"
 
 namespace roomwise::app {
 namespace {
 
 namespace fs = std::filesystem;
-
-// Which parts of a recording, as the user says it.
-struct SelectionOptions {
-  std::string visits;
-  std::vector<std::string> rooms;
-};
-
-void add_selection_options(CLI::App& command, SelectionOptions& options) {
-  command.add_option("--visits", options.visits,
-                     "Which visits of a room: 1, 2- or 1-3; default: all");
-  command.add_option("--rooms", options.rooms, "Which rooms, separated by commas; default: all")
-      ->delimiter(',');
-}
-
-Expected<pipeline::RoomSelection> parse(const SelectionOptions& options) {
-  pipeline::RoomSelection selection;
-  selection.rooms = options.rooms;
-  if (!options.visits.empty()) {
-    ROOMWISE_TRY(selection.visits, pipeline::parse_visits(options.visits));
-  }
-  return selection;
-}
 
 Expected<home::RecordingId> only_recording(const home::Home& home) {
   ROOMWISE_TRY(const auto recordings, home.recordings());
@@ -166,7 +145,7 @@ struct LearnOptions {
   fs::path labels;
   fs::path photos;
   SelectionOptions selection;
-  int augment = 0;
+  int augment = 2;
   NetworkOptions networks;
 };
 
@@ -202,6 +181,34 @@ Expected<rooms::LearningReport> learn_keyframes(const LearnOptions& options, Con
                                               networks, run);
 }
 
+Answer to_answer(const rooms::LearningReport& report) {
+  Answer answer;
+  answer.json["rooms"] = Json::array();
+  for (const auto& room : report.rooms) {
+    answer.text += fmt::format(
+        "{:16} {:5} pictures, {:5} named rightly while held out ({} by the "
+        "paper's regression)\n",
+        room.room, room.pictures, room.held_out_correct, room.paper_held_out_correct);
+    answer.json["rooms"].push_back({{"room", room.room},
+                                    {"pictures", room.pictures},
+                                    {"held_out_correct", room.held_out_correct},
+                                    {"paper_held_out_correct", room.paper_held_out_correct}});
+  }
+  answer.text += fmt::format(
+      "held out: {:.3f} of {} ({:.3f} by the paper's regression, weight decay {:g})\n"
+      "a room is named from a probability of {:.2f} on\n",
+      report.held_out_precision(), report.held_out, report.paper_held_out_precision,
+      report.weight_decay, report.calibration.sure_from);
+  for (const std::string& warning : report.warnings) answer.text += "warning: " + warning + "\n";
+  answer.json["held_out"] = report.held_out;
+  answer.json["held_out_precision"] = report.held_out_precision();
+  answer.json["paper_held_out_precision"] = report.paper_held_out_precision;
+  answer.json["weight_decay"] = report.weight_decay;
+  answer.json["sure_from"] = report.calibration.sure_from;
+  answer.json["warnings"] = report.warnings;
+  return answer;
+}
+
 Expected<Answer> learn(const LearnOptions& options, Context& context) {
   cv::setNumThreads(1);
   if (!options.networks.files.empty() && options.photos.empty() && options.augment == 0) {
@@ -212,142 +219,86 @@ Expected<Answer> learn(const LearnOptions& options, Context& context) {
   ROOMWISE_TRY(const rooms::LearningReport report, options.photos.empty()
                                                        ? learn_keyframes(options, context)
                                                        : learn_photos(options, context));
-  Answer answer;
-  answer.json["rooms"] = Json::array();
-  for (const auto& room : report.rooms) {
-    answer.text += fmt::format("{:16} {:5} pictures, {:5} named rightly while held out\n",
-                               room.room, room.pictures, room.held_out_correct);
-    answer.json["rooms"].push_back({{"room", room.room},
-                                    {"pictures", room.pictures},
-                                    {"held_out_correct", room.held_out_correct}});
-  }
-  answer.text += fmt::format("held out: {:.3f} of {} (weight decay {:g})\n",
-                             report.held_out_precision, report.held_out, report.weight_decay);
-  for (const std::string& warning : report.warnings) answer.text += "warning: " + warning + "\n";
-  answer.json["held_out"] = report.held_out;
-  answer.json["held_out_precision"] = report.held_out_precision;
-  answer.json["weight_decay"] = report.weight_decay;
-  answer.json["warnings"] = report.warnings;
-  return answer;
+  return to_answer(report);
 }
 
 // ---- rooms recognize ----
 
 struct RecognizeOptions {
   fs::path home;
-  fs::path first;
-  std::optional<fs::path> second;
+  std::vector<fs::path> pictures;
+  std::string rule = "default";
+  std::optional<double> interval_s;
   NetworkOptions networks;
 };
 
-Expected<Answer> recognize(const RecognizeOptions& options) {
-  cv::setNumThreads(1);
-  ROOMWISE_TRY(const home::Home home, home::Home::open_read_only(options.home));
-  ROOMWISE_TRY(const pipeline::Networks networks, load_networks(options.networks));
-  ROOMWISE_TRY(const auto recognizer, pipeline::RoomRecognizer::create(home, networks));
-  ROOMWISE_TRY(const image::ColorImage first, image::read_color(options.first));
-  std::optional<image::ColorImage> second;
-  if (options.second) {
-    ROOMWISE_TRY(second, image::read_color(*options.second));
+Json to_json(const std::vector<rooms::RoomScore>& scores) {
+  Json json = Json::array();
+  for (const rooms::RoomScore& score : scores) {
+    json.push_back({{"room", score.room}, {"probability", score.score}});
   }
-  ROOMWISE_TRY(const rooms::RoomAnswer answer, recognizer.recognize(first, second));
+  return json;
+}
+
+Answer to_answer(const rooms::RoomDecision& decision, const std::string& hint) {
+  const std::string said = decision.room().value_or(std::string(to_string(decision.verdict)));
+  Answer answer;
+  answer.text = fmt::format("{}: {}\n", said, decision.why);
+  answer.json = {{"verdict", to_string(decision.verdict)},
+                 {"room", decision.room() ? Json(*decision.room()) : Json(nullptr)},
+                 {"score", decision.rooms.front().score},
+                 {"known", decision.known},
+                 {"how", decision.why},
+                 {"rooms", to_json(decision.rooms)}};
+  if (!decision.object.empty()) answer.json["object"] = decision.object;
+  if (!hint.empty()) {
+    answer.text += hint + "\n";
+    answer.json["hint"] = hint;
+  }
+  return answer;
+}
+
+Expected<Answer> recognize_by_paper(const pipeline::RoomRecognizer& recognizer,
+                                    std::span<const image::ColorImage> pictures) {
+  if (pictures.size() > 2) return fail("the paper's rule takes one or two pictures");
+  std::optional<image::ColorImage> second;
+  if (pictures.size() == 2) second = pictures[1];
+  ROOMWISE_TRY(const rooms::RoomAnswer answer, recognizer.paper_recognize(pictures[0], second));
   const std::string how = std::string(to_string(answer.reason)) +
                           (answer.object.empty() ? "" : fmt::format(" ({})", answer.object));
   return Answer{fmt::format("{} ({:.2f}): {}\n", answer.room, answer.score, how),
                 {{"room", answer.room}, {"score", answer.score}, {"how", how}}};
 }
 
-// ---- rooms eval ----
-
-struct EvalOptions {
-  fs::path home;
-  fs::path recording;
-  fs::path labels;
-  fs::path photos;
-  SelectionOptions selection;
-  std::uint64_t margin = 0;
-  std::size_t pair_step = 1;
-  NetworkOptions networks;
-};
-
-Json to_json(const pipeline::RuleResult& result) {
-  const evaluation::Proportion precision = result.confusion.accuracy();
-  const evaluation::Interval interval = precision.wilson_interval();
-  Json json = {{"n", precision.n},
-               {"correct", precision.successes},
-               {"precision", precision.value()},
-               {"interval", {interval.low, interval.high}},
-               {"ms", result.median_ms},
-               {"how", result.reasons}};
-  for (const std::string& truth : result.confusion.rooms()) {
-    for (const std::string& answer : result.confusion.rooms()) {
-      if (const auto count = result.confusion.count(truth, answer); count > 0)
-        json["confusion"][truth][answer] = count;
-    }
+// Pictures of a walk, `interval_s` apart; the answer is that after the last one.
+Expected<rooms::RoomDecision> recognize_walk(const pipeline::RoomRecognizer& recognizer,
+                                             std::span<const image::ColorImage> pictures,
+                                             double interval_s) {
+  ROOMWISE_TRY(rooms::RoomStream stream, recognizer.stream());
+  rooms::RoomDecision decision;
+  for (const image::ColorImage& picture : pictures) {
+    ROOMWISE_TRY(const network::Prediction seen, recognizer.features().predict(picture));
+    ROOMWISE_TRY(const rooms::PictureEvidence evidence, recognizer.evidence(seen));
+    decision = stream.see(evidence, interval_s);
   }
-  return json;
+  return decision;
 }
 
-std::string to_text(std::string_view rule, const pipeline::RuleResult& result) {
-  const evaluation::Proportion precision = result.confusion.accuracy();
-  const evaluation::Interval interval = precision.wilson_interval();
-  std::string text =
-      fmt::format("{:12} {:.3f} right ({} of {}; 95 % interval {:.3f} to {:.3f}), {:.0f} ms\n",
-                  rule, precision.value(), precision.successes, precision.n, interval.low,
-                  interval.high, result.median_ms);
-  for (const std::string& room : result.confusion.rooms()) {
-    const evaluation::Proportion recall = result.confusion.recall(room);
-    if (recall.n == 0) continue;
-    text += fmt::format("  {:16} {:.3f} of {}", room, recall.value(), recall.n);
-    for (const std::string& answer : result.confusion.rooms()) {
-      const auto count = result.confusion.count(room, answer);
-      if (answer != room && count > 0) text += fmt::format(", {} taken for {}", count, answer);
-    }
-    text += "\n";
-  }
-  return text;
-}
-
-Expected<Answer> evaluate(const EvalOptions& options, Context& context) {
+Expected<Answer> recognize(const RecognizeOptions& options) {
   cv::setNumThreads(1);
-  if (options.photos.empty() == options.recording.empty()) {
-    return fail("give what to evaluate: either --recording with --labels, or --photos");
-  }
   ROOMWISE_TRY(const home::Home home, home::Home::open_read_only(options.home));
   ROOMWISE_TRY(const pipeline::Networks networks, load_networks(options.networks));
   ROOMWISE_TRY(const auto recognizer, pipeline::RoomRecognizer::create(home, networks));
-  std::optional<recording::ImageList> colors;
-  std::vector<pipeline::LabelledPicture> pictures;
-  std::set<std::string> rooms_there;
-  if (!options.photos.empty()) {
-    ROOMWISE_TRY(const auto photos, pipeline::list_room_photos(options.photos));
-    for (const pipeline::RoomPhoto& photo : photos) rooms_there.insert(photo.room);
-    ROOMWISE_TRY(pictures, pipeline::select_photos(options.photos, recognizer.rooms()));
-  } else {
-    const fs::path file = options.labels.empty() ? options.recording / "rooms.txt" : options.labels;
-    ROOMWISE_TRY(const recording::RoomLabels labels, recording::RoomLabels::read(file));
-    ROOMWISE_TRY(const pipeline::RoomSelection rooms, parse(options.selection));
-    for (const recording::RoomRange& range : labels.ranges()) {
-      if (rooms.contains(range)) rooms_there.insert(range.room);
-    }
-    ROOMWISE_TRY(colors, recording::ImageList::open(options.recording, "rgb.txt"));
-    ROOMWISE_TRY(pictures, pipeline::select_frames(*colors, labels, {rooms, options.margin},
-                                                   recognizer.rooms()));
+  std::vector<image::ColorImage> pictures;
+  for (const fs::path& file : options.pictures) {
+    ROOMWISE_TRY(pictures.emplace_back(), image::read_color(file));
   }
-  ThreadPool pool(context.threads);
-  StageClock clock;
-  pipeline::RunContext run{pool, context.progress, clock};
-  ROOMWISE_TRY(const pipeline::RoomEvaluation result,
-               pipeline::evaluate_rooms(pictures, recognizer, options.pair_step, run));
-  for (const std::string& room : recognizer.rooms()) rooms_there.erase(room);
-  const std::string left_out = rooms_there.empty() ? ""
-                                                   : fmt::format("left out, never learned: {}\n",
-                                                                 fmt::join(rooms_there, ", "));
-  return Answer{
-      to_text("one picture", result.single) + to_text("two pictures", result.pair) + left_out,
-      {{"single", to_json(result.single)},
-       {"pair", to_json(result.pair)},
-       {"left_out", rooms_there}}};
+  if (options.rule == "paper") return recognize_by_paper(recognizer, pictures);
+  ROOMWISE_TRY(const rooms::RoomDecision decision,
+               options.interval_s ? recognize_walk(recognizer, pictures, *options.interval_s)
+                                  : recognizer.recognize(pictures));
+  const bool asks = decision.verdict == rooms::Verdict::kNotSure;
+  return to_answer(decision, asks ? pipeline::turn_hint(pictures.back()) : "");
 }
 
 void add_home_option(CLI::App& command, fs::path& home) {
@@ -396,7 +347,8 @@ void add_rooms_commands(CLI::App& app, Context& context) {
     command
         ->add_option("--augment", options->augment,
                      "Learn from so many varied pictures beside each one: other light, held "
-                     "differently. What a network makes of them is kept in the home")
+                     "differently. What a network makes of them is kept in the home; with 0 no "
+                     "network is run for key-frames")
         ->check(CLI::Range(0, pipeline::kMostVariants))
         ->capture_default_str();
     // --labels is the rooms' here, so the networks' own labels come from their cards.
@@ -406,43 +358,26 @@ void add_rooms_commands(CLI::App& app, Context& context) {
   }
   {
     auto options = std::make_shared<RecognizeOptions>();
-    CLI::App* command =
-        add_command(*group, context, "recognize", "Say the room that one or two pictures show",
-                    "roomwise rooms recognize --home my.home a.jpg b.jpg",
-                    [options] { return recognize(*options); });
+    CLI::App* command = add_command(*group, context, "recognize",
+                                    "Say the room that pictures show, or that it is not sure",
+                                    "roomwise rooms recognize --home my.home a.jpg b.jpg",
+                                    [options] { return recognize(*options); });
     add_home_option(*command, options->home);
-    command->add_option("A", options->first, "First picture")->required();
-    command->add_option("B", options->second, "Second picture");
+    command->add_option("PICTURES", options->pictures, "Pictures of one place, one or more")
+        ->required();
+    command
+        ->add_option("--rule", options->rule,
+                     "\"paper\": the paper's rule of one or two frames, which always names a room")
+        ->check(CLI::IsMember({"default", "paper"}))
+        ->capture_default_str();
+    command
+        ->add_option("--walk", options->interval_s,
+                     "The pictures were taken on a walk, so many seconds apart; the answer is "
+                     "that after the last one")
+        ->check(positive());
     add_network_options(*command, options->networks);
   }
-  {
-    auto options = std::make_shared<EvalOptions>();
-    CLI::App* command = add_command(*group, context, "eval",
-                                    "Measure how often one picture, and two, name the right room",
-                                    "roomwise rooms eval --home my.home --recording walk --labels "
-                                    "rooms.txt --visits 2- --margin 3",
-                                    [options, &context] { return evaluate(*options, context); });
-    add_home_option(*command, options->home);
-    command->add_option("--recording", options->recording, "Folder in TUM's format");
-    command->add_option("--labels", options->labels,
-                        "Its rooms.txt; default: the one in the folder");
-    CLI::Option* photos = command->add_option("--photos", options->photos,
-                                              "Or: a folder with one folder of photos a room");
-    add_selection_options(*command, options->selection);
-    command
-        ->add_option(
-            "--margin", options->margin,
-            "Leave out frames that are fewer than this from a boundary of their room's range")
-        ->capture_default_str();
-    command
-        ->add_option("--pair-step", options->pair_step, "Frames between the two pictures of a pair")
-        ->capture_default_str();
-    for (const char* of_recording :
-         {"--recording", "--labels", "--visits", "--rooms", "--margin"}) {
-      photos->excludes(command->get_option(of_recording));
-    }
-    command->add_option("--network", options->networks.files, "ONNX networks; default: as for map");
-  }
+  add_rooms_eval_command(*group, context);
 }
 
 }  // namespace roomwise::app

@@ -407,9 +407,14 @@ TEST_F(MapRecording, LearnsAndRecognisesItsRooms) {
   const image::ColorImage in_bedroom = again.next().value()->color;
   again.skip_before(50);
   const image::ColorImage in_kitchen = again.next().value()->color;
-  EXPECT_EQ(recognizer->recognize(in_bedroom, std::nullopt)->room, "bedroom");
-  EXPECT_EQ(recognizer->recognize(in_kitchen, std::nullopt)->room, "kitchen");
-  EXPECT_EQ(recognizer->recognize(in_kitchen, in_kitchen)->reason, rooms::Reason::kFramesAgree);
+  EXPECT_EQ(recognizer->recognize(std::vector{in_bedroom})->room(), "bedroom");
+  EXPECT_EQ(recognizer->recognize(std::vector{in_kitchen, in_kitchen})->room(), "kitchen");
+  EXPECT_ERROR(recognizer->recognize({}), "at least one");
+  EXPECT_EQ(recognizer->paper_recognize(in_bedroom, std::nullopt)->room, "bedroom");
+  EXPECT_EQ(recognizer->paper_recognize(in_kitchen, in_kitchen)->reason,
+            rooms::Reason::kFramesAgree);
+  EXPECT_EQ(recognizer->topology().passages()(0, 1), 1) << "from the bedroom to the kitchen";
+  EXPECT_FALSE(learned_keyframes(home)->empty());
 
   Networks others;
   others.push_back(std::make_unique<ColorNetwork>(std::vector<std::string>{"a", "b"}));

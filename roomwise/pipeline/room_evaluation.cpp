@@ -1,30 +1,15 @@
 #include "roomwise/pipeline/room_evaluation.h"
 
 #include <algorithm>
+#include <chrono>
 
-#include "roomwise/image/codec.h"
+#include "roomwise/evaluation/quantile.h"
 #include "roomwise/pipeline/predict_pictures.h"
-#include "roomwise/pipeline/room_learning.h"
 
 namespace roomwise::pipeline {
 namespace {
 
-double median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
-}
-
-bool is_learned(const std::string& room, const std::vector<std::string>& learned) {
-  return std::ranges::count(learned, room) > 0;
-}
-
-Expected<void> check_not_empty(const std::vector<LabelledPicture>& pictures) {
-  if (pictures.empty())
-    return fail("no picture is left to evaluate: check --rooms, --visits and --margin");
-  return {};
-}
+constexpr std::size_t kWalksToResample = 5;
 
 struct Pair {
   std::size_t first = 0;
@@ -39,102 +24,277 @@ std::vector<Pair> pairs_of(const std::vector<LabelledPicture>& pictures, std::si
   return pairs;
 }
 
-}  // namespace
-
-Expected<std::vector<LabelledPicture>> select_frames(const recording::ImageList& colors,
-                                                     const recording::RoomLabels& labels,
-                                                     const FrameSelection& selection,
-                                                     const std::vector<std::string>& learned) {
-  ROOMWISE_CHECK_OK(selection.rooms.check_against(labels));
-  for (const std::string& room : selection.rooms.rooms) {
-    if (!is_learned(room, learned)) return fail("the room '{}' was never learned", room);
-  }
-  std::vector<LabelledPicture> pictures;
-  for (std::size_t r = 0; r < labels.ranges().size(); ++r) {
-    const recording::RoomRange& range = labels.ranges()[r];
-    if (!selection.rooms.contains(range) || !is_learned(range.room, learned)) continue;
-    if (range.last_frame >= colors.size()) {
-      return fail(
-          "the labels name frame {}, but the recording has {} colour images; are they of another "
-          "recording?",
-          range.last_frame, colors.size());
-    }
-    for (std::uint64_t frame = range.first_frame; frame <= range.last_frame; ++frame) {
-      if (labels.frames_to_boundary(frame) < selection.margin) continue;
-      pictures.push_back({[&colors, frame] { return colors.read_color(frame); }, range.room, r});
-    }
-  }
-  ROOMWISE_CHECK_OK(check_not_empty(pictures));
-  return pictures;
+Judgement judgement_of(std::size_t picture, const rooms::RoomDecision& decision) {
+  const rooms::RoomScore& best = decision.rooms.front();
+  const bool named = decision.verdict == rooms::Verdict::kRoom;
+  return {picture,    best.room,
+          named,      named ? best.room : std::string(to_string(decision.verdict)),
+          best.score, decision.why};
 }
 
-Expected<std::vector<LabelledPicture>> select_photos(const std::filesystem::path& folder,
-                                                     const std::vector<std::string>& learned) {
-  ROOMWISE_TRY(const std::vector<RoomPhoto> photos, list_room_photos(folder));
-  std::vector<LabelledPicture> pictures;
-  for (const RoomPhoto& photo : photos) {
-    if (!is_learned(photo.room, learned)) continue;
-    const bool same_room = !pictures.empty() && pictures.back().room == photo.room;
-    const std::size_t sequence =
-        pictures.empty() ? 0 : pictures.back().sequence + (same_room ? 0 : 1);
-    pictures.push_back(
-        {[path = photo.path] { return image::read_color(path); }, photo.room, sequence});
+Judgement judgement_of(std::size_t picture, const rooms::RoomAnswer& answer) {
+  std::string why(to_string(answer.reason));
+  if (!answer.object.empty()) why += fmt::format(" ({})", answer.object);
+  return {picture, answer.room, true, answer.room, answer.score, why};
+}
+
+// Runs every rule over the same pictures, with what the networks see in them.
+class Evaluator {
+ public:
+  Evaluator(const std::vector<LabelledPicture>& pictures, const RoomRecognizer& recognizer,
+            const RoomEvaluationOptions& options, RunContext& run)
+      : pictures_(pictures), recognizer_(recognizer), options_(options), run_(run) {}
+
+  Expected<void> look() {
+    ROOMWISE_TRY(seen_, look_at(pictures_));
+    for (const TimedPrediction& one : seen_) {
+      ROOMWISE_TRY(const auto scores, recognizer_.paper_scores(one.prediction));
+      paper_.push_back(scores.front());
+      auto evidence = recognizer_.evidence(one.prediction);
+      if (evidence) evidence_.push_back(*std::move(evidence));
+    }
+    return {};
   }
-  ROOMWISE_CHECK_OK(check_not_empty(pictures));
-  return pictures;
+  [[nodiscard]] std::vector<std::vector<float>> features() const {
+    std::vector<std::vector<float>> features;
+    for (const TimedPrediction& one : seen_) features.push_back(one.prediction.features);
+    return features;
+  }
+  // Whether there is something to compare with.
+  [[nodiscard]] bool compares() const { return evidence_.size() == pictures_.size(); }
+
+  RuleResult paper_single() const {
+    RuleResult result{"paper_single", "the paper's way, one picture", {}, 0, {}};
+    std::vector<double> ms;
+    for (std::size_t i = 0; i < pictures_.size(); ++i) {
+      add(result, judgement_of(i, rooms::RoomAnswer{paper_[i].room, paper_[i].score,
+                                                    rooms::Reason::kSingleFrame, ""}));
+      ms.push_back(seen_[i].ms);
+    }
+    result.median_ms = evaluation::quantile(ms, 0.5);
+    return result;
+  }
+
+  Expected<RuleResult> paper_pair(bool with_objects) {
+    RuleResult result{with_objects ? "paper_pair" : "paper_pair_without_objects",
+                      with_objects ? "the paper's way, two pictures"
+                                   : "the paper's way, two pictures, no objects",
+                      {},
+                      0,
+                      {}};
+    std::vector<double> ms;
+    for (const Pair& pair : pairs_of(pictures_, options_.pair_step)) {
+      double taken_ms = seen_[pair.first].ms + seen_[pair.second].ms;
+      const auto see_names = [&]() -> Expected<network::Prediction> {
+        ROOMWISE_TRY(const TimedPrediction* named, names_in(pair.second));
+        taken_ms += named->ms;
+        return named->prediction;
+      };
+      ROOMWISE_TRY(const rooms::RoomAnswer answer,
+                   recognizer_.paper_decide(paper_[pair.first], paper_[pair.second],
+                                            with_objects ? RoomRecognizer::SeeNames(see_names)
+                                                         : RoomRecognizer::SeeNames()));
+      add(result, judgement_of(pair.second, answer));
+      ms.push_back(taken_ms);
+    }
+    result.median_ms = evaluation::quantile(ms, 0.5);
+    return result;
+  }
+
+  // By comparing, pictures [first, last] of each entry as one.
+  Expected<RuleResult> compared(std::string key, std::string rule, const std::vector<Pair>& spans) {
+    RuleResult result{std::move(key), std::move(rule), {}, 0, {}};
+    std::vector<double> ms;
+    for (const Pair& span : spans) {
+      std::vector<rooms::PictureEvidence> evidence{evidence_[span.first]};
+      double taken_ms = seen_[span.first].ms;
+      if (span.second != span.first) {
+        evidence.push_back(evidence_[span.second]);
+        taken_ms += seen_[span.second].ms;
+      }
+      const auto see_names = [&]() -> Expected<network::Prediction> {
+        ROOMWISE_TRY(const TimedPrediction* named, names_in(span.second));
+        taken_ms += named->ms;
+        return named->prediction;
+      };
+      ROOMWISE_TRY(const rooms::RoomDecision decision, recognizer_.decide(evidence, see_names));
+      add(result, judgement_of(span.second, decision));
+      ms.push_back(taken_ms);
+    }
+    result.median_ms = evaluation::quantile(ms, 0.5);
+    return result;
+  }
+  Expected<RuleResult> single() {
+    std::vector<Pair> spans;
+    for (std::size_t i = 0; i < pictures_.size(); ++i) spans.push_back({i, i});
+    return compared("single", "one picture", spans);
+  }
+  Expected<RuleResult> pair() {
+    return compared("pair", "two pictures", pairs_of(pictures_, options_.pair_step));
+  }
+
+  Expected<RuleResult> stream() const {
+    RuleResult result{"stream", "every picture of a walk", {}, 0, {}};
+    ROOMWISE_TRY(rooms::RoomStream stream, recognizer_.stream());
+    std::vector<double> ms;
+    for (std::size_t i = 0; i < pictures_.size(); ++i) {
+      if (i == 0 || pictures_[i].walk != pictures_[i - 1].walk) {
+        ROOMWISE_TRY(stream, recognizer_.stream());
+      }
+      add(result, judgement_of(i, stream.see(evidence_[i], elapsed_s(i))));
+      ms.push_back(seen_[i].ms);
+    }
+    result.median_ms = evaluation::quantile(ms, 0.5);
+    return result;
+  }
+
+  Expected<UnknownResult> unknown(const std::vector<LabelledPicture>& pictures) {
+    ROOMWISE_TRY(const auto seen, look_at(pictures));
+    UnknownResult result;
+    result.pictures = pictures.size();
+    std::vector<double> known;
+    for (const rooms::PictureEvidence& evidence : evidence_) known.push_back(evidence.known);
+    std::vector<double> unknown;
+    for (std::size_t i = 0; i < pictures.size(); ++i) {
+      ROOMWISE_TRY(const rooms::PictureEvidence evidence, recognizer_.evidence(seen[i].prediction));
+      unknown.push_back(evidence.known);
+      const auto see_names = [&]() -> Expected<network::Prediction> {
+        ROOMWISE_TRY(const image::ColorImage picture, pictures[i].read());
+        return recognizer_.naming()->predict(picture);
+      };
+      ROOMWISE_TRY(const rooms::RoomDecision decision,
+                   recognizer_.decide(std::span(&evidence, 1), see_names));
+      const Judgement judgement = judgement_of(i, decision);
+      ++result.answers[judgement.answer];
+      if (judgement.named) ++result.named;
+    }
+    result.area_under_roc = evaluation::area_under_roc(known, unknown);
+    return result;
+  }
+
+ private:
+  static void add(RuleResult& result, Judgement judgement) {
+    result.judgements.push_back(std::move(judgement));
+  }
+
+  [[nodiscard]] Expected<std::vector<TimedPrediction>> look_at(
+      const std::vector<LabelledPicture>& pictures) {
+    return predict_pictures(
+        pictures.size(), [&](std::size_t i) { return pictures[i].read(); }, recognizer_.features(),
+        "recognising rooms", run_);
+  }
+
+  // What the naming network sees in a picture, once for all rules.
+  Expected<const TimedPrediction*> names_in(std::size_t picture) {
+    const auto known = named_.find(picture);
+    if (known != named_.end()) return &known->second;
+    ROOMWISE_TRY(const image::ColorImage color, pictures_[picture].read());
+    const auto start = std::chrono::steady_clock::now();
+    ROOMWISE_TRY(network::Prediction prediction, recognizer_.naming()->predict(color));
+    const std::chrono::duration<double, std::milli> elapsed =
+        std::chrono::steady_clock::now() - start;
+    return &(named_[picture] = TimedPrediction{std::move(prediction), elapsed.count()});
+  }
+
+  [[nodiscard]] double elapsed_s(std::size_t i) const {
+    if (i == 0 || pictures_[i].walk != pictures_[i - 1].walk) return 0;
+    if (options_.interval_s) {
+      return *options_.interval_s *
+             static_cast<double>(pictures_[i].frame - pictures_[i - 1].frame);
+    }
+    return std::max(0.0, pictures_[i].time_s - pictures_[i - 1].time_s);
+  }
+
+  const std::vector<LabelledPicture>& pictures_;
+  const RoomRecognizer& recognizer_;
+  const RoomEvaluationOptions& options_;
+  RunContext& run_;
+  std::vector<TimedPrediction> seen_;
+  std::vector<rooms::RoomScore> paper_;  // the best of each picture
+  std::vector<rooms::PictureEvidence> evidence_;
+  std::map<std::size_t, TimedPrediction> named_;
+};
+
+std::uint64_t block_of(const LabelledPicture& picture, bool by_walks) {
+  return by_walks ? picture.walk : picture.sequence;
+}
+
+}  // namespace
+
+evaluation::BlockedProportion precision_of(const RuleResult& result,
+                                           const std::vector<LabelledPicture>& pictures,
+                                           bool by_walks) {
+  evaluation::BlockedProportion proportion;
+  for (const Judgement& judgement : result.judgements) {
+    const LabelledPicture& picture = pictures[judgement.picture];
+    if (judgement.named) {
+      proportion.add(block_of(picture, by_walks), judgement.best == picture.room);
+    }
+  }
+  return proportion;
+}
+
+evaluation::BlockedProportion best_of(const RuleResult& result,
+                                      const std::vector<LabelledPicture>& pictures, bool by_walks) {
+  evaluation::BlockedProportion proportion;
+  for (const Judgement& judgement : result.judgements) {
+    const LabelledPicture& picture = pictures[judgement.picture];
+    proportion.add(block_of(picture, by_walks), judgement.best == picture.room);
+  }
+  return proportion;
+}
+
+evaluation::ConfusionMatrix confusion_of(const RuleResult& result,
+                                         const std::vector<LabelledPicture>& pictures) {
+  evaluation::ConfusionMatrix confusion;
+  for (const Judgement& judgement : result.judgements) {
+    confusion.add(pictures[judgement.picture].room, judgement.answer);
+  }
+  return confusion;
+}
+
+std::vector<evaluation::CoveragePoint> curve_of(const RuleResult& result,
+                                                const std::vector<LabelledPicture>& pictures) {
+  std::vector<evaluation::ScoredAnswer> answers;
+  for (const Judgement& judgement : result.judgements) {
+    answers.push_back({judgement.score, judgement.best == pictures[judgement.picture].room});
+  }
+  return evaluation::precision_against_coverage(std::move(answers));
 }
 
 Expected<RoomEvaluation> evaluate_rooms(const std::vector<LabelledPicture>& pictures,
-                                        const RoomRecognizer& recognizer, std::size_t pair_step,
-                                        RunContext& run) {
-  if (pair_step == 0) return fail("the two pictures of a pair must be at least 1 apart");
-  const auto read = [&](std::size_t i) { return pictures[i].read(); };
-  ROOMWISE_TRY(const auto seen, predict_pictures(pictures.size(), read, recognizer.features(),
-                                                 "recognising rooms", run));
-  std::vector<rooms::RoomScore> best;
-  for (const TimedPrediction& one : seen) {
-    ROOMWISE_TRY(const auto scores, recognizer.scores(one.prediction));
-    best.push_back(scores.front());
+                                        const std::vector<LabelledPicture>& unknown,
+                                        const RoomRecognizer& recognizer,
+                                        const RoomEvaluationOptions& options, RunContext& run) {
+  if (options.pair_step == 0) return fail("the two pictures of a pair must be at least 1 apart");
+  Evaluator evaluator(pictures, recognizer, options, run);
+  ROOMWISE_CHECK_OK(evaluator.look());
+  RoomEvaluation evaluation;
+  evaluation.features = evaluator.features();
+  evaluation.by_walks = !pictures.empty() && pictures.back().walk + 1 >= kWalksToResample;
+  if (evaluator.compares()) {
+    ROOMWISE_TRY(evaluation.rules.emplace_back(), evaluator.single());
+    ROOMWISE_TRY(evaluation.rules.emplace_back(), evaluator.pair());
+    const bool has_walks = std::ranges::any_of(
+        pictures, [](const LabelledPicture& picture) { return picture.frame > 0; });
+    if (has_walks) {
+      ROOMWISE_TRY(evaluation.rules.emplace_back(), evaluator.stream());
+    }
+    if (!unknown.empty()) {
+      ROOMWISE_TRY(evaluation.unknown, evaluator.unknown(unknown));
+    }
   }
-
-  RoomEvaluation result;
-  std::vector<double> single_ms;
-  for (std::size_t i = 0; i < pictures.size(); ++i) {
-    result.single.confusion.add(pictures[i].room, best[i].room);
-    ++result.single.reasons[std::string(to_string(rooms::Reason::kSingleFrame))];
-    single_ms.push_back(seen[i].ms);
+  evaluation.rules.push_back(evaluator.paper_single());
+  ROOMWISE_TRY(evaluation.rules.emplace_back(), evaluator.paper_pair(false));
+  if (recognizer.naming() != nullptr) {
+    ROOMWISE_TRY(evaluation.rules.emplace_back(), evaluator.paper_pair(true));
   }
-  result.single.median_ms = median(single_ms);
-
-  // Objects are looked for only where the two pictures differ.
-  const std::vector<Pair> pairs = pairs_of(pictures, pair_step);
-  std::vector<std::size_t> wanted;
-  for (const Pair& pair : pairs) {
-    if (best[pair.first].room != best[pair.second].room) wanted.push_back(pair.second);
+  for (RuleResult& rule : evaluation.rules) {
+    for (const Judgement& judgement : rule.judgements) {
+      if (rule.key.starts_with("paper")) ++rule.reasons[judgement.why];
+    }
   }
-  std::map<std::size_t, TimedPrediction> named;
-  if (recognizer.naming() != nullptr && !wanted.empty()) {
-    ROOMWISE_TRY(const auto predictions,
-                 predict_pictures(
-                     wanted.size(), [&](std::size_t i) { return pictures[wanted[i]].read(); },
-                     *recognizer.naming(), "looking for objects", run));
-    for (std::size_t i = 0; i < wanted.size(); ++i) named[wanted[i]] = predictions[i];
-  }
-  std::vector<double> pair_ms;
-  for (const Pair& pair : pairs) {
-    double ms = seen[pair.first].ms + seen[pair.second].ms;
-    const auto see_names = [&]() -> Expected<network::Prediction> {
-      ms += named.at(pair.second).ms;
-      return named.at(pair.second).prediction;
-    };
-    ROOMWISE_TRY(const rooms::RoomAnswer answer,
-                 recognizer.decide(best[pair.first], best[pair.second], see_names));
-    result.pair.confusion.add(pictures[pair.second].room, answer.room);
-    ++result.pair.reasons[std::string(to_string(answer.reason))];
-    pair_ms.push_back(ms);
-  }
-  result.pair.median_ms = median(pair_ms);
-  return result;
+  return evaluation;
 }
 
 }  // namespace roomwise::pipeline

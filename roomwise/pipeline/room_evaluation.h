@@ -2,54 +2,81 @@
 
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "roomwise/evaluation/confusion_matrix.h"
+#include "roomwise/evaluation/resampling.h"
+#include "roomwise/evaluation/score_ranking.h"
+#include "roomwise/pipeline/labelled_pictures.h"
 #include "roomwise/pipeline/room_recognizer.h"
-#include "roomwise/pipeline/room_selection.h"
 #include "roomwise/pipeline/run_context.h"
-#include "roomwise/recording/tum_recording.h"
 
 namespace roomwise::pipeline {
 
-// How well one rule did.
+// What was said of one picture (of a pair: of its second one).
+struct Judgement {
+  std::size_t picture = 0;  // of the pictures that were evaluated
+  std::string best;         // the most probable room
+  bool named = true;        // false: it was not said, but "not sure" or "none of them"
+  std::string answer;       // what was said: the best room, "not sure" or "none of them"
+  double score = 0;         // of the best room, by which answers are ranked
+  std::string why;
+};
+
+// How well one way of recognising rooms did.
 struct RuleResult {
-  evaluation::ConfusionMatrix confusion;
-  double median_ms = 0;                          // of the networks' wall time a decision
-  std::map<std::string, std::uint64_t> reasons;  // how the answers were reached
+  std::string key;   // for machines: "pair"
+  std::string rule;  // for people: "two pictures"
+  std::vector<Judgement> judgements;
+  double median_ms = 0;                          // of wall time a decision
+  std::map<std::string, std::uint64_t> reasons;  // how the answers were reached; may be empty
+};
+
+// Of the rooms that were named: how many rightly.
+[[nodiscard]] evaluation::BlockedProportion precision_of(
+    const RuleResult& result, const std::vector<LabelledPicture>& pictures, bool by_walks);
+// Of all: how often the most probable room is right, whether it was named or not.
+[[nodiscard]] evaluation::BlockedProportion best_of(const RuleResult& result,
+                                                    const std::vector<LabelledPicture>& pictures,
+                                                    bool by_walks);
+[[nodiscard]] evaluation::ConfusionMatrix confusion_of(
+    const RuleResult& result, const std::vector<LabelledPicture>& pictures);
+[[nodiscard]] std::vector<evaluation::CoveragePoint> curve_of(
+    const RuleResult& result, const std::vector<LabelledPicture>& pictures);
+
+// What was made of pictures of places that were never learned.
+struct UnknownResult {
+  std::size_t pictures = 0;
+  std::map<std::string, std::uint64_t> answers;  // "not sure", "none of them", names of rooms
+  std::uint64_t named = 0;
+  // The probability that a picture of a learned room is known better than one of these.
+  double area_under_roc = 0;
 };
 
 struct RoomEvaluation {
-  RuleResult single;  // each picture alone
-  RuleResult pair;    // each picture and the one `pair_step` later, by the two-frame rule
+  std::vector<RuleResult> rules;
+  std::optional<UnknownResult> unknown;
+  // Whether intervals resample whole walks (from five walks on), or else visits of rooms.
+  bool by_walks = false;
+  std::vector<std::vector<float>> features;  // of each picture, as the network gives them
 };
 
-// A picture whose room is known. Pictures of one `sequence` follow each other; pairs stay within
-// it.
-struct LabelledPicture {
-  std::function<Expected<image::ColorImage>()> read;
-  std::string room;
-  std::size_t sequence = 0;
+struct RoomEvaluationOptions {
+  std::size_t pair_step = 1;  // pictures between the two of a pair
+  // The pictures of a walk were taken so far apart, s; absent: by their time stamps.
+  std::optional<double> interval_s;
 };
 
-struct FrameSelection {
-  RoomSelection rooms;
-  std::uint64_t margin = 0;  // frames nearer than this to a boundary of their range are left out
-};
-
-// The frames of a labelled recording that are selected, every colour image, with depth or not.
-// Rooms that were not learned are left out; selecting one by name is an error.
-[[nodiscard]] Expected<std::vector<LabelledPicture>> select_frames(
-    const recording::ImageList& colors, const recording::RoomLabels& labels,
-    const FrameSelection& selection, const std::vector<std::string>& learned);
-// The photos of a folder with one folder a room.
-[[nodiscard]] Expected<std::vector<LabelledPicture>> select_photos(
-    const std::filesystem::path& folder, const std::vector<std::string>& learned);
-
-// Recognises every picture and every pair of pictures `pair_step` apart.
+// Recognises every picture, every pair of pictures `pair_step` apart and (photos apart) every walk
+// as a stream, by comparing and by the paper's rule. The stream sees the evaluated pictures alone.
+// `unknown`: pictures of places that were never learned, or none. A home whose rooms were learned
+// by an earlier version is evaluated by the paper's rule alone.
 [[nodiscard]] Expected<RoomEvaluation> evaluate_rooms(const std::vector<LabelledPicture>& pictures,
+                                                      const std::vector<LabelledPicture>& unknown,
                                                       const RoomRecognizer& recognizer,
-                                                      std::size_t pair_step, RunContext& run);
+                                                      const RoomEvaluationOptions& options,
+                                                      RunContext& run);
 
 }  // namespace roomwise::pipeline

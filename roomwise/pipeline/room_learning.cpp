@@ -6,21 +6,28 @@
 
 #include "roomwise/image/codec.h"
 #include "roomwise/pipeline/picture_features.h"
+#include "roomwise/rooms/room_decision.h"
 
 namespace roomwise::pipeline {
 namespace {
 
-std::string to_json(const rooms::LearningReport& report) {
+// How the rooms were learned, for reports and for what compares with the same key-frames later.
+std::string to_json(const rooms::LearningReport& report,
+                    std::span<const home::KeyframeId> keyframes) {
   nlohmann::ordered_json json;
   for (const auto& room : report.rooms) {
     json["rooms"].push_back({{"room", room.room},
                              {"pictures", room.pictures},
-                             {"held_out_correct", room.held_out_correct}});
+                             {"held_out_correct", room.held_out_correct},
+                             {"paper_held_out_correct", room.paper_held_out_correct}});
   }
   json["held_out"] = report.held_out;
-  json["held_out_precision"] = report.held_out_precision;
+  json["held_out_precision"] = report.held_out_precision();
+  json["paper_held_out_precision"] = report.paper_held_out_precision;
   json["weight_decay"] = report.weight_decay;
+  json["sure_from"] = report.calibration.sure_from;
   json["warnings"] = report.warnings;
+  json["keyframes"] = keyframes;
   return json.dump();
 }
 
@@ -34,18 +41,22 @@ Expected<void> add_rooms(home::Home& home, const std::set<std::string>& names) {
 }
 
 // Stores the classifier, and in which room it believes every key-frame to be.
-Expected<void> store(home::Home& home, const rooms::LearnedRooms& learned) {
+Expected<void> store(home::Home& home, const rooms::LearnedRooms& learned,
+                     std::span<const home::KeyframeId> keyframes) {
   const rooms::RoomClassifier& classifier = learned.classifier;
   ROOMWISE_CHECK_OK(
       home.put_room_classifier({classifier.network().name, classifier.network().fingerprint,
-                                classifier.to_bytes(), to_json(learned.report)}));
+                                classifier.to_bytes(), to_json(learned.report, keyframes)}));
   std::map<home::KeyframeId, std::vector<rooms::RoomScore>> rooms_of;
   ROOMWISE_TRY(const auto networks, home.networks());
   for (const auto& [id, network] : networks) {
     if (network.fingerprint != classifier.network().fingerprint) continue;
     ROOMWISE_TRY(const auto predictions, home.predictions(id));
     for (const auto& [keyframe, prediction] : predictions) {
-      ROOMWISE_TRY(rooms_of[keyframe], classifier.scores(prediction.features));
+      ROOMWISE_TRY(const rooms::PictureEvidence evidence, classifier.evidence(prediction.features));
+      const auto decision =
+          rooms::decide(evidence, classifier.rooms(), classifier.recall()->calibration);
+      rooms_of[keyframe] = decision.rooms;
     }
   }
   return home.replace_keyframe_rooms(rooms_of);
@@ -149,7 +160,7 @@ Expected<rooms::LearningReport> learn_rooms_from_keyframes(
   }
   ROOMWISE_TRY(const rooms::LearnedRooms learned,
                learn(samples, {network.name, network.fingerprint}, learning, run));
-  ROOMWISE_CHECK_OK(home.atomically([&] { return store(home, learned); }));
+  ROOMWISE_CHECK_OK(home.atomically([&] { return store(home, learned, ids); }));
   return learned.report;
 }
 
@@ -205,9 +216,19 @@ Expected<rooms::LearningReport> learn_rooms_from_photos(home::Home& home,
                learn(samples, {network.name(), network.fingerprint()}, learning, run));
   ROOMWISE_CHECK_OK(home.atomically([&]() -> Expected<void> {
     ROOMWISE_CHECK_OK(add_rooms(home, names));
-    return store(home, learned);
+    return store(home, learned, {});
   }));
   return learned.report;
+}
+
+Expected<std::vector<home::KeyframeId>> learned_keyframes(const home::Home& home) {
+  ROOMWISE_TRY(const auto record, home.room_classifier());
+  std::vector<home::KeyframeId> keyframes;
+  if (!record) return keyframes;
+  const auto json = nlohmann::json::parse(record->report_json, nullptr, false);
+  if (json.is_discarded() || !json.contains("keyframes")) return keyframes;
+  for (const auto& id : json.at("keyframes")) keyframes.push_back(id.get<home::KeyframeId>());
+  return keyframes;
 }
 
 Expected<const network::Classifier*> features_network(const Networks& networks) {

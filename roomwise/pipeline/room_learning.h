@@ -48,6 +48,10 @@ struct RoomPhoto {
     home::Home& home, const std::filesystem::path& folder, const network::Classifier& network,
     const RoomLearning& learning, RunContext& run);
 
+// The key-frames that the home's rooms were learned from; none where they were learned from photos,
+// or by a version of Roomwise that did not keep which.
+[[nodiscard]] Expected<std::vector<home::KeyframeId>> learned_keyframes(const home::Home& home);
+
 // The network on whose features rooms are learned: one that serves features only is preferred to
 // one that names things. Fails where there is none.
 [[nodiscard]] Expected<const network::Classifier*> features_network(const Networks& networks);

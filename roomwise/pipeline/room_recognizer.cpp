@@ -5,6 +5,32 @@
 #include "roomwise/pipeline/room_learning.h"
 
 namespace roomwise::pipeline {
+namespace {
+
+// The learned rooms in the order of the classifier; a room that the home does not have any more is
+// of no type but its own.
+std::vector<rooms::Room> in_order(const std::vector<std::string>& names,
+                                  const std::vector<rooms::Room>& rooms) {
+  std::vector<rooms::Room> ordered;
+  for (const std::string& name : names) {
+    const auto room = std::ranges::find(rooms, name, &rooms::Room::name);
+    ordered.push_back(room != rooms.end() ? *room : rooms::Room{name, name});
+  }
+  return ordered;
+}
+
+Expected<rooms::RoomTopology> topology_of(const home::Home& home,
+                                          const std::vector<std::string>& rooms) {
+  std::vector<std::string> walk;
+  ROOMWISE_TRY(const auto recordings, home.recordings());
+  for (const home::StoredRecording& recording : recordings) {
+    ROOMWISE_TRY(const recording::RoomLabels labels, home.room_ranges(recording.id));
+    for (const recording::RoomRange& range : labels.ranges()) walk.push_back(range.room);
+  }
+  return rooms::RoomTopology(rooms, walk);
+}
+
+}  // namespace
 
 Expected<RoomRecognizer> RoomRecognizer::create(const home::Home& home, const Networks& networks) {
   ROOMWISE_TRY(const auto record, home.room_classifier());
@@ -21,43 +47,77 @@ Expected<RoomRecognizer> RoomRecognizer::create(const home::Home& home, const Ne
         home.file(), record->network_name);
   }
   ROOMWISE_TRY(rooms::Concepts concepts, home.concepts());
-  ROOMWISE_TRY(std::vector<rooms::Room> rooms, home.rooms());
-  std::erase_if(rooms, [&](const rooms::Room& room) {
-    return std::ranges::count(classifier->rooms(), room.name) == 0;
-  });
-  return RoomRecognizer(*std::move(classifier), std::move(concepts), std::move(rooms), same->get(),
-                        naming_network(networks));
+  ROOMWISE_TRY(const std::vector<rooms::Room> rooms, home.rooms());
+  std::vector<rooms::Room> learned = in_order(classifier->rooms(), rooms);
+  ROOMWISE_TRY(rooms::RoomTopology topology, topology_of(home, classifier->rooms()));
+  return RoomRecognizer(*std::move(classifier), std::move(concepts), std::move(learned),
+                        std::move(topology), same->get(), naming_network(networks));
 }
 
-Expected<rooms::RoomAnswer> RoomRecognizer::decide(const rooms::RoomScore& first,
-                                                   const rooms::RoomScore& second,
-                                                   const SeeNames& named_second) const {
+Expected<std::vector<objects::Sighting>> RoomRecognizer::objects_in(const SeeNames& names) const {
   constexpr std::size_t kTop = 3;  // the paper looks at the three best
+  if (naming_ == nullptr || !names) return std::vector<objects::Sighting>{};
+  ROOMWISE_TRY(const network::Prediction seen, names());
+  return objects::top_objects(seen.scores, naming_->labels(), concepts_.vocabulary, kTop);
+}
+
+Expected<rooms::RoomDecision> RoomRecognizer::decide(
+    std::span<const rooms::PictureEvidence> pictures, const SeeNames& named_last) const {
+  const rooms::RoomCalibration& calibration = classifier_.recall()->calibration;
+  const rooms::PictureEvidence combined = rooms::combine(pictures);
+  rooms::RoomDecision decision = rooms::decide(combined, rooms(), calibration);
+  const bool objects_may_tell =
+      decision.verdict == rooms::Verdict::kNotSure && combined.known >= calibration.known_from;
+  if (!objects_may_tell) return decision;
+  ROOMWISE_TRY(const auto objects, objects_in(named_last));
+  return rooms::decide_with_objects(combined, objects, concepts_, rooms_, calibration);
+}
+
+Expected<rooms::RoomDecision> RoomRecognizer::recognize(
+    std::span<const image::ColorImage> pictures) const {
+  if (pictures.empty()) return fail("no picture is given; give at least one");
+  std::vector<rooms::PictureEvidence> seen;
+  for (const image::ColorImage& picture : pictures) {
+    ROOMWISE_TRY(const network::Prediction prediction, features_->predict(picture));
+    ROOMWISE_TRY(seen.emplace_back(), evidence(prediction));
+  }
+  return decide(seen, [&] { return naming_->predict(pictures.back()); });
+}
+
+Expected<rooms::RoomStream> RoomRecognizer::stream() const {
+  if (!classifier_.recall()) {
+    return fail("the rooms were learned by an earlier Roomwise; learn them again");
+  }
+  return rooms::RoomStream(topology_, classifier_.recall()->calibration);
+}
+
+Expected<rooms::RoomAnswer> RoomRecognizer::paper_decide(const rooms::RoomScore& first,
+                                                         const rooms::RoomScore& second,
+                                                         const SeeNames& named_second) const {
   Expected<void> status;
   const auto objects = [&]() -> std::vector<objects::Sighting> {
-    if (naming_ == nullptr) return {};
-    const auto seen = named_second();
-    if (!seen) {
-      status = Unexpected(seen.error());
+    auto found = objects_in(named_second);
+    if (!found) {
+      status = Unexpected(found.error());
       return {};
     }
-    return objects::top_objects(seen->scores, naming_->labels(), concepts_.vocabulary, kTop);
+    return *std::move(found);
   };
   const rooms::RoomAnswer answer = rooms::decide(first, second, objects, concepts_, rooms_);
   ROOMWISE_CHECK_OK(status);
   return answer;
 }
 
-Expected<rooms::RoomAnswer> RoomRecognizer::recognize(
+Expected<rooms::RoomAnswer> RoomRecognizer::paper_recognize(
     const image::ColorImage& first, const std::optional<image::ColorImage>& second) const {
   ROOMWISE_TRY(const network::Prediction seen_first, features_->predict(first));
-  ROOMWISE_TRY(const auto first_scores, scores(seen_first));
+  ROOMWISE_TRY(const auto first_scores, paper_scores(seen_first));
   if (!second)
     return rooms::RoomAnswer{first_scores[0].room, first_scores[0].score,
                              rooms::Reason::kSingleFrame, ""};
   ROOMWISE_TRY(const network::Prediction seen_second, features_->predict(*second));
-  ROOMWISE_TRY(const auto second_scores, scores(seen_second));
-  return decide(first_scores[0], second_scores[0], [&] { return naming_->predict(*second); });
+  ROOMWISE_TRY(const auto second_scores, paper_scores(seen_second));
+  return paper_decide(first_scores[0], second_scores[0], [&] { return naming_->predict(*second); });
 }
 
 }  // namespace roomwise::pipeline

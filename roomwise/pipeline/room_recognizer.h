@@ -1,16 +1,20 @@
 #pragma once
 
 #include <optional>
+#include <span>
 
 #include "roomwise/home/home.h"
 #include "roomwise/pipeline/keyframe_observer.h"
 #include "roomwise/rooms/room_classifier.h"
+#include "roomwise/rooms/room_decision.h"
+#include "roomwise/rooms/room_stream.h"
 #include "roomwise/rooms/two_frame_rule.h"
 
 namespace roomwise::pipeline {
 
-// Says the room that one or two pictures show: what a home learned, and the networks that it
-// learned with.
+// Says the room that pictures show: what a home learned, and the networks that it learned with. In
+// two ways: by comparing them with the pictures that were learned from, which may end in "not sure"
+// and "none of them"; and by the paper's rule of two frames, which always names a room.
 class RoomRecognizer {
  public:
   // `networks` must hold the one that the home's rooms were learned with (known by its fingerprint)
@@ -19,39 +23,62 @@ class RoomRecognizer {
   [[nodiscard]] static Expected<RoomRecognizer> create(const home::Home& home,
                                                        const Networks& networks);
 
-  // Every room with its probability, best first, for what features() saw in a picture.
-  [[nodiscard]] Expected<std::vector<rooms::RoomScore>> scores(
+  // What naming() sees in a picture; asked only where it is needed. Empty: no objects are looked
+  // for.
+  using SeeNames = std::function<Expected<network::Prediction>()>;
+
+  // ---- by comparing ----
+  // For what features() saw in a picture. Fails where the home's rooms were learned by a version of
+  // Roomwise that kept nothing to compare with.
+  [[nodiscard]] Expected<rooms::PictureEvidence> evidence(const network::Prediction& seen) const {
+    return classifier_.evidence(seen.features);
+  }
+  // From pictures of one place. Objects of the last one are looked for only where the pictures are
+  // known but do not tell the room.
+  [[nodiscard]] Expected<rooms::RoomDecision> decide(
+      std::span<const rooms::PictureEvidence> pictures, const SeeNames& named_last) const;
+  // From the pictures themselves, one or more of one place.
+  [[nodiscard]] Expected<rooms::RoomDecision> recognize(
+      std::span<const image::ColorImage> pictures) const;
+  // For pictures of a walk, one after the other. Fails as evidence() does.
+  [[nodiscard]] Expected<rooms::RoomStream> stream() const;
+
+  // ---- the paper's way ----
+  // Every room with its probability, best first.
+  [[nodiscard]] Expected<std::vector<rooms::RoomScore>> paper_scores(
       const network::Prediction& seen) const {
     return classifier_.scores(seen.features);
   }
-  // The paper's rule. `named_second` is what naming() sees in the second picture; it is asked only
-  // when the pictures differ.
-  using SeeNames = std::function<Expected<network::Prediction>()>;
-  [[nodiscard]] Expected<rooms::RoomAnswer> decide(const rooms::RoomScore& first,
-                                                   const rooms::RoomScore& second,
-                                                   const SeeNames& named_second) const;
-
+  // The rule of two frames; named_second is asked only when the pictures differ.
+  [[nodiscard]] Expected<rooms::RoomAnswer> paper_decide(const rooms::RoomScore& first,
+                                                         const rooms::RoomScore& second,
+                                                         const SeeNames& named_second) const;
   // From pictures; without a second one the first alone decides.
-  [[nodiscard]] Expected<rooms::RoomAnswer> recognize(
+  [[nodiscard]] Expected<rooms::RoomAnswer> paper_recognize(
       const image::ColorImage& first, const std::optional<image::ColorImage>& second) const;
 
   [[nodiscard]] const network::Classifier& features() const { return *features_; }
   [[nodiscard]] const network::Classifier* naming() const { return naming_; }  // nullptr: none
   [[nodiscard]] const std::vector<std::string>& rooms() const { return classifier_.rooms(); }
+  // Which rooms doors lead between, by the walks whose rooms were named.
+  [[nodiscard]] const rooms::RoomTopology& topology() const { return topology_; }
 
  private:
   RoomRecognizer(rooms::RoomClassifier classifier, rooms::Concepts concepts,
-                 std::vector<rooms::Room> rooms, const network::Classifier* features,
-                 const network::Classifier* naming)
+                 std::vector<rooms::Room> rooms, rooms::RoomTopology topology,
+                 const network::Classifier* features, const network::Classifier* naming)
       : classifier_(std::move(classifier)),
         concepts_(std::move(concepts)),
         rooms_(std::move(rooms)),
+        topology_(std::move(topology)),
         features_(features),
         naming_(naming) {}
+  [[nodiscard]] Expected<std::vector<objects::Sighting>> objects_in(const SeeNames& names) const;
 
   rooms::RoomClassifier classifier_;
   rooms::Concepts concepts_;
-  std::vector<rooms::Room> rooms_;  // those that were learned
+  std::vector<rooms::Room> rooms_;  // those that were learned, in their order
+  rooms::RoomTopology topology_;
   const network::Classifier* features_;
   const network::Classifier* naming_;
 };

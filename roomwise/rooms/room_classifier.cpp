@@ -1,70 +1,17 @@
 #include "roomwise/rooms/room_classifier.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <stdexcept>
+
+#include "roomwise/rooms/stored_numbers.h"
 
 namespace roomwise::rooms {
 namespace {
 
 constexpr std::string_view kMagic = "RWRC";
-constexpr std::uint32_t kVersion = 1;
-
-class Writer {
- public:
-  void raw(std::string_view text) { bytes_.insert(bytes_.end(), text.begin(), text.end()); }
-  void number(std::uint32_t value) {
-    for (int shift = 0; shift < 32; shift += 8) {
-      bytes_.push_back(static_cast<std::uint8_t>(value >> shift));
-    }
-  }
-  void real(float value) { number(std::bit_cast<std::uint32_t>(value)); }
-  void text(std::string_view text) {
-    number(static_cast<std::uint32_t>(text.size()));
-    raw(text);
-  }
-  Bytes take() { return std::move(bytes_); }
-
- private:
-  Bytes bytes_;
-};
-
-// Reads what Writer wrote. Reading past the end gives zeros and marks the reader as failed, so that
-// a caller may check once.
-class Reader {
- public:
-  explicit Reader(std::span<const std::uint8_t> bytes) : rest_(bytes) {}
-
-  std::string raw(std::size_t size) {
-    if (size > rest_.size()) {
-      failed_ = true;
-      size = 0;
-    }
-    const std::string text(rest_.begin(), rest_.begin() + static_cast<std::ptrdiff_t>(size));
-    rest_ = rest_.subspan(size);
-    return text;
-  }
-  std::uint32_t number() {
-    if (rest_.size() < 4) {
-      failed_ = true;
-      return 0;
-    }
-    std::uint32_t value = 0;
-    for (std::size_t i = 0; i < 4; ++i) value |= std::uint32_t{rest_[i]} << (8 * i);
-    rest_ = rest_.subspan(4);
-    return value;
-  }
-  float real() { return std::bit_cast<float>(number()); }
-  std::string text() { return raw(number()); }
-
-  [[nodiscard]] bool failed() const { return failed_; }
-  [[nodiscard]] std::size_t left() const { return rest_.size(); }
-
- private:
-  std::span<const std::uint8_t> rest_;
-  bool failed_ = false;
-};
+// Version 1 ends after the regression.
+constexpr std::uint32_t kVersion = 2;
 
 bool has_duplicates(std::vector<std::string> names) {
   std::ranges::sort(names);
@@ -82,8 +29,11 @@ Eigen::VectorXf unit_length(std::span<const float> features) {
 }
 
 RoomClassifier::RoomClassifier(NetworkIdentity network, std::vector<std::string> rooms,
-                               SoftmaxRegression regression)
-    : network_(std::move(network)), rooms_(std::move(rooms)), regression_(std::move(regression)) {
+                               SoftmaxRegression regression, std::optional<RoomRecall> recall)
+    : network_(std::move(network)),
+      rooms_(std::move(rooms)),
+      regression_(std::move(regression)),
+      recall_(std::move(recall)) {
   const auto classes = static_cast<std::size_t>(regression_.biases().size());
   if (rooms_.empty() || rooms_.size() != classes ||
       regression_.weights().rows() != regression_.biases().size()) {
@@ -91,7 +41,7 @@ RoomClassifier::RoomClassifier(NetworkIdentity network, std::vector<std::string>
   }
 }
 
-Expected<std::vector<RoomScore>> RoomClassifier::scores(std::span<const float> features) const {
+Expected<void> RoomClassifier::check(std::span<const float> features) const {
   if (features.size() != feature_size()) {
     return fail(
         "the picture has {} features, but the rooms were learned on {} of the network {}; use "
@@ -101,6 +51,23 @@ Expected<std::vector<RoomScore>> RoomClassifier::scores(std::span<const float> f
   if (!std::ranges::all_of(features, [](float value) { return std::isfinite(value); })) {
     return fail("the picture's features are not finite");
   }
+  return {};
+}
+
+Expected<PictureEvidence> RoomClassifier::evidence(std::span<const float> features) const {
+  ROOMWISE_CHECK_OK(check(features));
+  if (!recall_) {
+    return fail(
+        "the rooms were learned by an earlier Roomwise, which kept no pictures to compare with; "
+        "learn them again, or use the paper's rule");
+  }
+  const Likeness likeness = recall_->memory.compare(root_features(features));
+  return PictureEvidence{recall_->calibration.probabilities(likeness),
+                         recall_->calibration.known(likeness)};
+}
+
+Expected<std::vector<RoomScore>> RoomClassifier::scores(std::span<const float> features) const {
+  ROOMWISE_CHECK_OK(check(features));
   const Eigen::VectorXf probabilities = regression_.probabilities(unit_length(features));
   std::vector<RoomScore> scores;
   for (std::size_t i = 0; i < rooms_.size(); ++i) {
@@ -111,9 +78,9 @@ Expected<std::vector<RoomScore>> RoomClassifier::scores(std::span<const float> f
 }
 
 Bytes RoomClassifier::to_bytes() const {
-  Writer writer;
+  NumberWriter writer;
   writer.raw(kMagic);
-  writer.number(kVersion);
+  writer.number(recall_ ? kVersion : 1);
   writer.text(network_.name);
   writer.text(network_.fingerprint);
   writer.number(static_cast<std::uint32_t>(rooms_.size()));
@@ -125,6 +92,7 @@ Bytes RoomClassifier::to_bytes() const {
       writer.real(regression_.weights()(i, j));
     }
   }
+  if (recall_) write(writer, *recall_);
   return writer.take();
 }
 
@@ -132,11 +100,13 @@ Expected<RoomClassifier> RoomClassifier::from_bytes(std::span<const std::uint8_t
   const auto damaged = [](std::string_view what) {
     return fail("the room classifier is damaged: {}; learn the rooms again", what);
   };
-  Reader reader(bytes);
+  NumberReader reader(bytes);
   if (reader.raw(kMagic.size()) != kMagic) return damaged("it does not begin with RWRC");
-  if (const std::uint32_t version = reader.number(); version != kVersion) {
-    return fail("the room classifier has version {}, this program reads {}; learn the rooms again",
-                version, kVersion);
+  const std::uint32_t version = reader.number();
+  if (version < 1 || version > kVersion) {
+    return fail(
+        "the room classifier has version {}, this program reads 1 to {}; learn the rooms again",
+        version, kVersion);
   }
   NetworkIdentity network;
   network.name = reader.text();
@@ -157,11 +127,18 @@ Expected<RoomClassifier> RoomClassifier::from_bytes(std::span<const std::uint8_t
     for (Eigen::Index j = 0; j < weights.cols(); ++j) weights(i, j) = reader.real();
   }
   if (reader.failed()) return damaged("it is cut short");
+  std::optional<RoomRecall> recall;
+  if (version > 1) {
+    auto read = read_recall(reader, names.size(), features);
+    if (!read) return damaged(read.error().message);
+    recall = *std::move(read);
+  }
   if (reader.left() != 0) return damaged("something follows its end");
   if (!weights.allFinite() || !biases.allFinite()) return damaged("a weight is not finite");
   if (has_duplicates(names)) return damaged("it names a room twice");
   return RoomClassifier(std::move(network), std::move(names),
-                        SoftmaxRegression(std::move(weights), std::move(biases)));
+                        SoftmaxRegression(std::move(weights), std::move(biases)),
+                        std::move(recall));
 }
 
 }  // namespace roomwise::rooms

@@ -1,11 +1,13 @@
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "roomwise/base/expected.h"
 #include "roomwise/base/file.h"
+#include "roomwise/rooms/room_recall.h"
 #include "roomwise/rooms/softmax_regression.h"
 #include "roomwise/rooms/two_frame_rule.h"
 
@@ -24,36 +26,52 @@ struct NetworkIdentity {
 // another; zero features stay zero.
 [[nodiscard]] Eigen::VectorXf unit_length(std::span<const float> features);
 
-// Names the room that a picture shows from the network's features of it: a softmax regression on
-// the features scaled to unit length.
+// What one picture says about the room, without any other.
+struct PictureEvidence {
+  Eigen::VectorXd probabilities;  // of each room, every room alike beforehand; add up to 1
+  // How well the picture is known (RoomCalibration::known): 0 as the pictures that were held out
+  // while learning, below it worse.
+  double known = 0;
+};
+
+// Names the room that a picture shows from the network's features of it, in two ways: the paper's,
+// a softmax regression on the features scaled to unit length; and by comparing it with the pictures
+// that were learned from (RoomRecall), which a classifier of an earlier version lacks.
 class RoomClassifier {
  public:
   // One room a class of the regression, in its order. Throws std::invalid_argument where their
   // numbers differ.
   RoomClassifier(NetworkIdentity network, std::vector<std::string> rooms,
-                 SoftmaxRegression regression);
+                 SoftmaxRegression regression, std::optional<RoomRecall> recall = std::nullopt);
 
-  // Every room with its probability, best first (equal ones in the order of rooms()). Fails where
-  // the features are not of feature_size() or not finite.
+  // What the picture says, rooms in the order of rooms(). Fails where the features are not of
+  // feature_size() or not finite, or where there is no recall().
+  [[nodiscard]] Expected<PictureEvidence> evidence(std::span<const float> features) const;
+  // The regression's probability of every room, best first (equal ones in the order of rooms()).
+  // Fails where the features are not of feature_size() or not finite.
   [[nodiscard]] Expected<std::vector<RoomScore>> scores(std::span<const float> features) const;
 
   [[nodiscard]] const NetworkIdentity& network() const { return network_; }
   [[nodiscard]] const std::vector<std::string>& rooms() const { return rooms_; }
   [[nodiscard]] const SoftmaxRegression& regression() const { return regression_; }
+  [[nodiscard]] const std::optional<RoomRecall>& recall() const { return recall_; }
   [[nodiscard]] std::size_t feature_size() const {
     return static_cast<std::size_t>(regression_.weights().cols());
   }
 
-  // The form in which a home file keeps it: "RWRC", version 1, then little-endian counts, texts and
-  // 32-bit floats. Reading fails on anything else: another version, a cut or longer text, a room
-  // twice, a value that is not finite.
+  // The form in which a home file keeps it: "RWRC", version 2 (1 without recall), then
+  // little-endian counts, texts and floats. Reading fails on anything else: another version, a cut
+  // or longer text, a room twice, a value that is not finite or out of range.
   [[nodiscard]] Bytes to_bytes() const;
   [[nodiscard]] static Expected<RoomClassifier> from_bytes(std::span<const std::uint8_t> bytes);
 
  private:
+  [[nodiscard]] Expected<void> check(std::span<const float> features) const;
+
   NetworkIdentity network_;
   std::vector<std::string> rooms_;
   SoftmaxRegression regression_;
+  std::optional<RoomRecall> recall_;
 };
 
 }  // namespace roomwise::rooms

@@ -11,11 +11,28 @@ namespace {
 
 using ::testing::HasSubstr;
 
-RoomClassifier two_rooms() {
+RoomClassifier of_version_1() {
   Eigen::MatrixXf weights(2, 3);
   weights << 4, 0, 0.5F, 0, 4, -0.25F;
   return RoomClassifier({"net", "abc123"}, {"bath", "kitchen"},
                         SoftmaxRegression(weights, Eigen::Vector2f(0.5F, -0.5F)));
+}
+
+// Three pictures of each room, two variants of each.
+RoomClassifier two_rooms() {
+  Eigen::MatrixXf rows(12, 3);
+  std::vector<int> room;
+  std::vector<int> picture;
+  for (int i = 0; i < 12; ++i) {
+    const auto step = static_cast<float>(i);
+    rows.row(i) =
+        root_features(i < 6 ? std::vector{9.0F, 1.0F, step} : std::vector{1.0F, 9.0F, step});
+    room.push_back(i / 6);
+    picture.push_back(i / 2);
+  }
+  const RoomClassifier first = of_version_1();
+  return RoomClassifier(first.network(), first.rooms(), first.regression(),
+                        RoomRecall{RoomMemory(rows, room, picture, 2), RoomCalibration{}});
 }
 
 TEST(RoomClassifier, NamesTheBestRoomFirst) {
@@ -54,6 +71,31 @@ TEST(RoomClassifier, ComesBackFromItsBytes) {
   EXPECT_EQ(back->regression().biases(), classifier.regression().biases());
 }
 
+TEST(RoomClassifier, SaysTheSameOfAPictureAfterItWasStored) {
+  const RoomClassifier classifier = two_rooms();
+  const auto back = RoomClassifier::from_bytes(classifier.to_bytes());
+  ASSERT_OK(back);
+  const std::vector<float> picture{0.8F, 0.2F, 0.3F};
+  const auto before = classifier.evidence(picture);
+  const auto after = back->evidence(picture);
+  ASSERT_OK(before);
+  ASSERT_OK(after);
+  EXPECT_GT(before->probabilities[0], 0.6);
+  EXPECT_EQ(before->probabilities, after->probabilities);
+  EXPECT_EQ(before->known, after->known);
+  EXPECT_EQ(back->recall()->calibration, classifier.recall()->calibration);
+}
+
+TEST(RoomClassifier, ReadsVersion1WhichHasNothingToCompareWith) {
+  const Bytes bytes = of_version_1().to_bytes();
+  EXPECT_EQ(bytes[4], 1);
+  const auto back = RoomClassifier::from_bytes(bytes);
+  ASSERT_OK(back);
+  EXPECT_OK(back->scores(std::vector<float>{0, 1, 0}));
+  EXPECT_ERROR(back->evidence(std::vector<float>{0, 1, 0}), "learn them again");
+  EXPECT_EQ(two_rooms().to_bytes()[4], 2);
+}
+
 TEST(RoomClassifier, RefusesDamagedBytes) {
   const Bytes whole = two_rooms().to_bytes();
   for (std::size_t size = 0; size < whole.size(); ++size) {
@@ -66,15 +108,19 @@ TEST(RoomClassifier, RefusesDamagedBytes) {
   other[0] = 'X';
   EXPECT_ERROR(RoomClassifier::from_bytes(other), "does not begin with RWRC");
   Bytes newer = whole;
-  newer[4] = 2;
-  EXPECT_ERROR(RoomClassifier::from_bytes(newer), "version 2");
-  Bytes infinite = whole;
-  for (std::size_t i = whole.size() - 4; i < whole.size(); ++i) infinite[i] = 0xff;
+  newer[4] = 3;
+  EXPECT_ERROR(RoomClassifier::from_bytes(newer), "version 3");
+  Bytes infinite = of_version_1().to_bytes();
+  for (std::size_t i = infinite.size() - 4; i < infinite.size(); ++i) infinite[i] = 0xff;
   EXPECT_ERROR(RoomClassifier::from_bytes(infinite), "not finite");
+  Bytes unbounded = whole;  // its last number is the calibration's none_below
+  for (std::size_t i = whole.size() - 8; i < whole.size(); ++i) unbounded[i] = 0xff;
+  EXPECT_ERROR(RoomClassifier::from_bytes(unbounded), "none_below");
 }
 
 TEST(RoomClassifier, SurvivesEveryFlippedByte) {
   const Bytes whole = two_rooms().to_bytes();
+  EXPECT_EQ(RoomClassifier::from_bytes(whole)->to_bytes(), whole);
   for (std::size_t i = 0; i < whole.size(); ++i) {
     Bytes flipped = whole;
     flipped[i] ^= 0xff;

@@ -7,6 +7,7 @@
 #include <numeric>
 #include <optional>
 
+#include "roomwise/rooms/recall_learner.h"
 #include "roomwise/rooms/softmax_trainer.h"
 
 namespace roomwise::rooms {
@@ -22,6 +23,7 @@ struct TrainingSet {
   std::vector<int> labels;
   std::vector<int> folds;             // the round that holds the sample out
   std::vector<std::size_t> pictures;  // the rows that are no variants
+  RecallSamples recall;               // the same rows to be remembered
 
   [[nodiscard]] int classes() const { return static_cast<int>(rooms.size()); }
 };
@@ -102,11 +104,15 @@ TrainingSet make_training_set(std::span<const RoomSample> samples, std::vector<s
   for (const RoomSample& sample : samples) rows += sample.variants.size();
   set.samples.resize(static_cast<Eigen::Index>(rows),
                      static_cast<Eigen::Index>(samples.front().features.size()));
+  set.recall.rows.resize(set.samples.rows(), set.samples.cols());
   const std::vector<int> fold_of = block_folds(samples, folds);
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const auto room = std::ranges::lower_bound(set.rooms, samples[i].room);
     const auto add = [&](std::span<const float> features) {
-      set.samples.row(static_cast<Eigen::Index>(set.labels.size())) = unit_length(features);
+      const auto row = static_cast<Eigen::Index>(set.labels.size());
+      set.samples.row(row) = unit_length(features);
+      set.recall.rows.row(row) = root_features(features);
+      set.recall.picture.push_back(static_cast<int>(i));
       set.labels.push_back(static_cast<int>(room - set.rooms.begin()));
       set.folds.push_back(fold_of[i]);
     };
@@ -114,6 +120,8 @@ TrainingSet make_training_set(std::span<const RoomSample> samples, std::vector<s
     add(samples[i].features);
     for (const auto& variant : samples[i].variants) add(variant);
   }
+  set.recall.room = set.labels;
+  set.recall.fold = set.folds;
   return set;
 }
 
@@ -195,7 +203,8 @@ std::size_t choose(std::span<const double> weight_decays, std::span<const HeldOu
   return *chosen;
 }
 
-LearningReport make_report(const TrainingSet& set, const HeldOutTest& test, double weight_decay,
+LearningReport make_report(const TrainingSet& set, const HeldOutTest& test,
+                           const LearnedRecall& recall, double weight_decay,
                            const LearningOptions& options) {
   LearningReport report;
   std::vector<std::size_t> pictures(set.rooms.size(), 0);
@@ -203,7 +212,9 @@ LearningReport make_report(const TrainingSet& set, const HeldOutTest& test, doub
     ++pictures[static_cast<std::size_t>(set.labels[picture])];
   }
   for (std::size_t room = 0; room < set.rooms.size(); ++room) {
-    report.rooms.push_back({set.rooms[room], pictures[room], test.correct[room]});
+    report.rooms.push_back(
+        {set.rooms[room], pictures[room], recall.correct[room], test.correct[room]});
+    report.held_out_correct += recall.correct[room];
     if (pictures[room] < options.comfortable_pictures) {
       report.warnings.push_back(
           fmt::format("room \"{}\" has only {} pictures; walk through it again for a surer answer",
@@ -211,7 +222,8 @@ LearningReport make_report(const TrainingSet& set, const HeldOutTest& test, doub
     }
   }
   report.held_out = test.tested;
-  report.held_out_precision = test.precision();
+  report.paper_held_out_precision = test.precision();
+  report.calibration = recall.recall.calibration;
   report.weight_decay = weight_decay;
   return report;
 }
@@ -249,9 +261,11 @@ Expected<LearnedRooms> learn_rooms(std::span<const RoomSample> samples,
   best.weight_decay = options.weight_decays[chosen];
   const std::vector<bool> all(set.labels.size(), true);
   ROOMWISE_TRY(auto trained, trainer.train(std::span(&all, 1), best));
-  LearningReport report = make_report(set, tests[chosen], best.weight_decay, options);
-  return LearnedRooms{RoomClassifier(network, set.rooms, std::move(trained.front())),
-                      std::move(report)};
+  LearnedRecall recall = learn_recall(set.recall, set.classes(), options.folds, pool);
+  LearningReport report = make_report(set, tests[chosen], recall, best.weight_decay, options);
+  return LearnedRooms{
+      RoomClassifier(network, set.rooms, std::move(trained.front()), std::move(recall.recall)),
+      std::move(report)};
 }
 
 }  // namespace roomwise::rooms

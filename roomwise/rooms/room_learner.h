@@ -37,14 +37,24 @@ struct LearningReport {
   struct RoomCount {
     std::string room;
     std::size_t pictures = 0;
-    std::size_t held_out_correct = 0;  // of its pictures, each held out once
+    // Of its pictures, each held out once: named rightly by likeness, and by the paper's
+    // regression.
+    std::size_t held_out_correct = 0;
+    std::size_t paper_held_out_correct = 0;
 
     friend bool operator==(const RoomCount&, const RoomCount&) = default;
   };
-  std::vector<RoomCount> rooms;  // by name
-  std::size_t held_out = 0;      // pictures tested while held out
-  double held_out_precision = 0;
-  double weight_decay = 0;  // the chosen one
+  std::vector<RoomCount> rooms;      // by name
+  std::size_t held_out = 0;          // pictures tested while held out
+  std::size_t held_out_correct = 0;  // by likeness
+  double paper_held_out_precision = 0;
+  double weight_decay = 0;  // the chosen one of the paper's regression
+  RoomCalibration calibration;
+
+  [[nodiscard]] double held_out_precision() const {
+    return held_out == 0 ? 0
+                         : static_cast<double>(held_out_correct) / static_cast<double>(held_out);
+  }
   std::vector<std::string> warnings;
 };
 
@@ -53,13 +63,16 @@ struct LearnedRooms {
   LearningReport report;
 };
 
-// Learns to tell the rooms of a home apart. Rooms weigh the same however many pictures each has.
+// Learns to tell the rooms of a home apart, in both ways of RoomClassifier. Rooms weigh the same
+// however many pictures each has.
 //
 // The held-out test: the pictures of a room on a visit are cut into `folds` blocks that follow each
 // other, and in each round one block of every room is held out (not single pictures, whose
 // neighbours on the walk are nearly the same and would make the test too easy). Of the weight
 // decays whose precision on what was held out is within one standard error of the best, the
-// strongest is chosen, and the classifier then learns from every picture.
+// strongest is chosen, and the classifier then learns from every picture. In the same rounds
+// held-out pictures are compared with the others: what their likeness means, and from where on an
+// answer is given, is found from that (recall_learner.h).
 //
 // Rooms are sorted by name, so that the order of the samples' rooms does not count. Fails where
 // there are fewer than two rooms, a room has fewer than least_pictures, or features differ in

@@ -1,0 +1,307 @@
+// "rooms eval": how often rooms are named rightly, by Roomwise's way, the paper's and simple ones.
+
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <deque>
+#include <filesystem>
+#include <memory>
+#include <opencv2/core.hpp>
+#include <set>
+
+#include "networks.h"
+#include "rooms_options.h"
+#include "roomwise/base/file.h"
+#include "roomwise/evaluation/recognition_report.h"
+#include "roomwise/pipeline/room_baselines.h"
+#include "roomwise/pipeline/room_evaluation.h"
+#include "roomwise/pipeline/room_learning.h"
+
+namespace roomwise::app {
+namespace {
+
+namespace fs = std::filesystem;
+using evaluation::RecognitionReportContent;
+using pipeline::LabelledPicture;
+using pipeline::RuleResult;
+
+constexpr std::size_t kMostMistakesShown = 60;
+
+struct Options {
+  fs::path home;
+  std::vector<fs::path> recordings;
+  fs::path labels;
+  fs::path photos;
+  std::vector<fs::path> unknown;
+  fs::path report;
+  SelectionOptions selection;
+  std::uint64_t margin = 0;
+  pipeline::RoomEvaluationOptions evaluation;
+  bool with_baselines = false;
+  pipeline::BaselineOptions baselines;
+  NetworkOptions networks;
+};
+
+// The pictures to evaluate, the lists that they are read from, and what is left out.
+struct Pictures {
+  std::deque<recording::ImageList> lists;  // that pictures refer to
+  std::vector<LabelledPicture> pictures;
+  std::vector<LabelledPicture> unknown;
+  std::set<std::string> never_learned;
+};
+
+Expected<void> add_recordings(const Options& options, const std::vector<std::string>& learned,
+                              Pictures& all) {
+  if (!options.labels.empty() && options.recordings.size() > 1) {
+    return fail("--labels is of one recording; several must have their own rooms.txt each");
+  }
+  ROOMWISE_TRY(const pipeline::RoomSelection rooms, parse(options.selection));
+  for (const fs::path& folder : options.recordings) {
+    const fs::path file = options.labels.empty() ? folder / "rooms.txt" : options.labels;
+    ROOMWISE_TRY(const recording::RoomLabels labels, recording::RoomLabels::read(file));
+    for (const recording::RoomRange& range : labels.ranges()) {
+      if (rooms.contains(range)) all.never_learned.insert(range.room);
+    }
+    ROOMWISE_TRY(recording::ImageList colors, recording::ImageList::open(folder, "rgb.txt"));
+    all.lists.push_back(std::move(colors));
+    ROOMWISE_CHECK_OK(pipeline::add_frames(all.lists.back(), labels, {rooms, options.margin},
+                                           learned, folder.filename().string(), all.pictures));
+  }
+  return {};
+}
+
+Expected<void> add_pictures(const Options& options, const std::vector<std::string>& learned,
+                            Pictures& all) {
+  if (options.photos.empty()) {
+    ROOMWISE_CHECK_OK(add_recordings(options, learned, all));
+  } else {
+    ROOMWISE_TRY(const auto photos, pipeline::list_room_photos(options.photos));
+    for (const pipeline::RoomPhoto& photo : photos) all.never_learned.insert(photo.room);
+    ROOMWISE_TRY(all.pictures, pipeline::select_photos(options.photos, learned));
+  }
+  for (const std::string& room : learned) all.never_learned.erase(room);
+  for (const fs::path& folder : options.unknown) {
+    ROOMWISE_TRY(auto some, pipeline::unknown_pictures(folder));
+    all.unknown.insert(all.unknown.end(), some.begin(), some.end());
+  }
+  return {};
+}
+
+RecognitionReportContent::Rule row_of(const RuleResult& result, const Pictures& all,
+                                      bool by_walks) {
+  RecognitionReportContent::Rule row;
+  row.name = result.rule;
+  row.decisions = result.judgements.size();
+  const auto precision = precision_of(result, all.pictures, by_walks);
+  const auto best = best_of(result, all.pictures, by_walks);
+  row.named_rightly = precision.total();
+  row.precision_interval = precision.resampled_interval();
+  row.best_right = best.total();
+  row.best_interval = best.resampled_interval();
+  row.ms = result.median_ms;
+  row.confusion = confusion_of(result, all.pictures);
+  row.curve = curve_of(result, all.pictures);
+  return row;
+}
+
+Json to_json(const evaluation::Proportion& proportion, const evaluation::Interval& interval) {
+  return {{"of", proportion.n},
+          {"right", proportion.successes},
+          {"share", proportion.value()},
+          {"interval", {interval.low, interval.high}}};
+}
+
+// "correct", "precision" and "interval" are of all decisions: the best room, named or not.
+Json to_json(const RecognitionReportContent::Rule& row, const RuleResult& result) {
+  Json json = {{"rule", row.name},
+               {"n", row.decisions},
+               {"correct", row.best_right.successes},
+               {"precision", row.best_right.value()},
+               {"interval", {row.best_interval.low, row.best_interval.high}},
+               {"named", to_json(row.named_rightly, row.precision_interval)},
+               {"ms", row.ms}};
+  if (!result.reasons.empty()) json["how"] = result.reasons;
+  for (const std::string& truth : row.confusion.rooms()) {
+    for (const std::string& answer : row.confusion.rooms()) {
+      if (const auto count = row.confusion.count(truth, answer); count > 0)
+        json["confusion"][truth][answer] = count;
+    }
+  }
+  for (const evaluation::CoveragePoint& point : row.curve) {
+    json["curve"].push_back({point.threshold, point.coverage, point.precision});
+  }
+  return json;
+}
+
+std::string to_text(const RecognitionReportContent::Rule& row) {
+  return fmt::format(
+      "{:44} {:5} {:7.3f} ({:.3f} to {:.3f}) {:7.3f} {:7.3f} ({:.3f} to {:.3f}) {:8.1f}\n",
+      row.name, row.decisions, row.best_right.value(), row.best_interval.low,
+      row.best_interval.high,
+      row.decisions == 0
+          ? 0
+          : static_cast<double>(row.named_rightly.n) / static_cast<double>(row.decisions),
+      row.named_rightly.value(), row.precision_interval.low, row.precision_interval.high, row.ms);
+}
+
+std::string confusion_text(const RecognitionReportContent::Rule& row) {
+  std::string text = row.name + ":\n";
+  for (const std::string& room : row.confusion.rooms()) {
+    const evaluation::Proportion recall = row.confusion.recall(room);
+    if (recall.n == 0) continue;
+    text += fmt::format("  {:16} {:.3f} of {}", room, recall.value(), recall.n);
+    for (const std::string& answer : row.confusion.rooms()) {
+      const auto count = row.confusion.count(room, answer);
+      if (answer != room && count > 0) text += fmt::format(", {} {}", count, answer);
+    }
+    text += "\n";
+  }
+  return text;
+}
+
+Expected<void> add_mistakes(const RuleResult& result, const Pictures& all,
+                            RecognitionReportContent& content) {
+  for (const pipeline::Judgement& judgement : result.judgements) {
+    const LabelledPicture& picture = all.pictures[judgement.picture];
+    if (!judgement.named || judgement.best == picture.room) continue;
+    if (content.mistakes.size() == kMostMistakesShown) return {};
+    ROOMWISE_TRY(image::ColorImage color, picture.read());
+    content.mistakes.push_back({std::move(color), picture.name, result.rule, picture.room,
+                                judgement.answer, judgement.why});
+  }
+  return {};
+}
+
+std::vector<std::string> notes_of(const pipeline::RoomEvaluation& evaluation, const Pictures& all) {
+  std::vector<std::string> notes = {
+      "A room is named where its probability and how well the picture is known reach the "
+      "thresholds that were found while learning; the paper's way always names one. The best room "
+      "is the most probable one, named or not.",
+      evaluation.by_walks ? "Intervals of 95 % resample whole walks."
+                          : "Intervals of 95 % resample visits of rooms, not frames: with fewer "
+                            "than five walks they do not tell how walks differ."};
+  if (!all.never_learned.empty()) {
+    notes.push_back(
+        fmt::format("Left out, never learned: {}.", fmt::join(all.never_learned, ", ")));
+  }
+  return notes;
+}
+
+Expected<Answer> answer_of(const Options& options, const pipeline::RoomEvaluation& evaluation,
+                           const Pictures& all) {
+  RecognitionReportContent content;
+  content.title = options.home.stem().string();
+  content.notes = notes_of(evaluation, all);
+  Answer answer;
+  answer.text = fmt::format("{:44} {:>5} {:>26} {:>7} {:>26} {:>8}\n", "", "n",
+                            "best room right (95 %)", "named", "of these right (95 %)", "ms");
+  for (const RuleResult& result : evaluation.rules) {
+    content.rules.push_back(row_of(result, all, evaluation.by_walks));
+    answer.text += to_text(content.rules.back());
+    answer.json[result.key] = to_json(content.rules.back(), result);
+  }
+  if (evaluation.unknown) {
+    const pipeline::UnknownResult& unknown = *evaluation.unknown;
+    const double named = static_cast<double>(unknown.named) / static_cast<double>(unknown.pictures);
+    answer.text += fmt::format("never learned: {} pictures, {:.3f} got a name; AUROC {:.3f}\n",
+                               unknown.pictures, named, unknown.area_under_roc);
+    answer.json["unknown"] = {{"n", unknown.pictures},
+                              {"named", named},
+                              {"answers", unknown.answers},
+                              {"auroc", unknown.area_under_roc}};
+    content.figures = {
+        {"Pictures", std::to_string(unknown.pictures)},
+        {"Got the name of a room", fmt::format("{:.1f} %", 100 * named)},
+        {"AUROC of how well pictures are known", fmt::format("{:.3f}", unknown.area_under_roc)}};
+  }
+  answer.text += confusion_text(content.rules.front());
+  for (const std::string& note : content.notes) answer.text += note + "\n";
+  answer.json["resampled"] = evaluation.by_walks ? "walks" : "visits";
+  answer.json["left_out"] = all.never_learned;
+  if (!options.report.empty()) {
+    for (const RuleResult& result : evaluation.rules) {
+      if (result.key.starts_with("baseline")) continue;
+      ROOMWISE_CHECK_OK(add_mistakes(result, all, content));
+    }
+    ROOMWISE_CHECK_OK(write_file(options.report, render_recognition_report(content)));
+  }
+  return answer;
+}
+
+Expected<Answer> evaluate(const Options& options, Context& context) {
+  cv::setNumThreads(1);
+  if (options.photos.empty() == options.recordings.empty()) {
+    return fail("give what to evaluate: either --recording with --labels, or --photos");
+  }
+  ROOMWISE_TRY(const home::Home home, home::Home::open_read_only(options.home));
+  ROOMWISE_TRY(const pipeline::Networks networks, load_networks(options.networks));
+  ROOMWISE_TRY(const auto recognizer, pipeline::RoomRecognizer::create(home, networks));
+  Pictures all;
+  ROOMWISE_CHECK_OK(add_pictures(options, recognizer.rooms(), all));
+  ThreadPool pool(context.threads);
+  StageClock clock;
+  pipeline::RunContext run{pool, context.progress, clock};
+  ROOMWISE_TRY(
+      pipeline::RoomEvaluation evaluation,
+      pipeline::evaluate_rooms(all.pictures, all.unknown, recognizer, options.evaluation, run));
+  if (options.with_baselines) {
+    ROOMWISE_TRY(auto baselines, pipeline::baseline_rules(home, all.pictures, evaluation.features,
+                                                          recognizer, options.baselines, run));
+    std::ranges::move(baselines, std::back_inserter(evaluation.rules));
+  }
+  return answer_of(options, evaluation, all);
+}
+
+void add_measuring_options(CLI::App& command, Options& options) {
+  command
+      .add_option("--margin", options.margin,
+                  "Leave out frames that are fewer than this from a boundary of their room's range")
+      ->capture_default_str();
+  command
+      .add_option("--pair-step", options.evaluation.pair_step,
+                  "Frames between the two pictures of a pair")
+      ->capture_default_str();
+  command
+      .add_option("--interval", options.evaluation.interval_s,
+                  "Seconds between the frames of a walk; default: by their time stamps")
+      ->check(positive());
+  command.add_option("--unknown", options.unknown,
+                     "Folder of pictures of places that were never learned, or a recording of "
+                     "another home; may be given several times");
+  command.add_flag("--baselines", options.with_baselines,
+                   "Measure simple ways on the same frames, too: colours, nearest features, a vote "
+                   "of SIFT features");
+  command
+      .add_option("--most-voted", options.baselines.most_voted_pictures,
+                  "The vote of SIFT features looks at so many frames at most, spread evenly; 0: "
+                  "none")
+      ->capture_default_str();
+  command.add_option("--report", options.report,
+                     "Write a page of HTML with all tables and the frames that were wrong");
+}
+
+}  // namespace
+
+void add_rooms_eval_command(CLI::App& group, Context& context) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = add_command(
+      group, context, "eval",
+      "Measure how often rooms are named rightly, beside the paper's way and simple ones",
+      "roomwise rooms eval --home my.home --recording evening --recording moved --baselines "
+      "--unknown OTHER --report rooms.html",
+      [options, &context] { return evaluate(*options, context); });
+  command->add_option("--home", options->home, "Home file")->required();
+  command->add_option("--recording", options->recordings,
+                      "Folder in TUM's format; may be given several times");
+  command->add_option("--labels", options->labels, "Its rooms.txt; default: the one in the folder");
+  CLI::Option* photos = command->add_option("--photos", options->photos,
+                                            "Or: a folder with one folder of photos a room");
+  add_selection_options(*command, options->selection);
+  add_measuring_options(*command, *options);
+  for (const char* of_recording : {"--recording", "--labels", "--visits", "--rooms", "--margin"}) {
+    photos->excludes(command->get_option(of_recording));
+  }
+  command->add_option("--network", options->networks.files, "ONNX networks; default: as for map");
+}
+
+}  // namespace roomwise::app

@@ -1,0 +1,114 @@
+#include "roomwise/pipeline/labelled_pictures.h"
+
+#include <algorithm>
+#include <memory>
+
+#include "roomwise/image/codec.h"
+#include "roomwise/pipeline/room_learning.h"
+
+namespace roomwise::pipeline {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool is_learned(const std::string& room, const std::vector<std::string>& learned) {
+  return std::ranges::count(learned, room) > 0;
+}
+
+Expected<void> check_not_empty(const std::vector<LabelledPicture>& pictures) {
+  if (pictures.empty())
+    return fail("no picture is left to evaluate: check --rooms, --visits and --margin");
+  return {};
+}
+
+// Every picture file under a folder, by path.
+Expected<std::vector<fs::path>> picture_files(const fs::path& folder) {
+  std::error_code error;
+  std::vector<fs::path> files;
+  for (fs::recursive_directory_iterator entry(folder, error), end; !error && entry != end;
+       entry.increment(error)) {
+    std::string extension = entry->path().extension().string();
+    std::ranges::transform(extension, extension.begin(), [](char c) {
+      return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c;
+    });
+    if (extension == ".jpg" || extension == ".jpeg" || extension == ".png") {
+      files.push_back(entry->path());
+    }
+  }
+  if (error) return fail("{}: cannot be read: {}", folder.string(), error.message());
+  std::ranges::sort(files);
+  return files;
+}
+
+}  // namespace
+
+Expected<void> add_frames(const recording::ImageList& colors, const recording::RoomLabels& labels,
+                          const FrameSelection& selection, const std::vector<std::string>& learned,
+                          const std::string& walk_name, std::vector<LabelledPicture>& pictures) {
+  ROOMWISE_CHECK_OK(selection.rooms.check_against(labels));
+  for (const std::string& room : selection.rooms.rooms) {
+    if (!is_learned(room, learned)) return fail("the room '{}' was never learned", room);
+  }
+  const std::size_t before = pictures.size();
+  const std::size_t walk = pictures.empty() ? 0 : pictures.back().walk + 1;
+  std::size_t sequence = pictures.empty() ? 0 : pictures.back().sequence + 1;
+  for (const recording::RoomRange& range : labels.ranges()) {
+    ++sequence;
+    if (!selection.rooms.contains(range) || !is_learned(range.room, learned)) continue;
+    if (range.last_frame >= colors.size()) {
+      return fail(
+          "the labels name frame {}, but the recording has {} colour images; are they of another "
+          "recording?",
+          range.last_frame, colors.size());
+    }
+    for (std::uint64_t frame = range.first_frame; frame <= range.last_frame; ++frame) {
+      if (labels.frames_to_boundary(frame) < selection.margin) continue;
+      const auto& times = colors.timestamps_ns();
+      pictures.push_back({[&colors, frame] { return colors.read_color(frame); }, range.room,
+                          sequence, walk, frame,
+                          1e-9 * static_cast<double>(times[frame] - times[0]),
+                          fmt::format("{}: frame {}", walk_name, frame)});
+    }
+  }
+  if (pictures.size() == before) ROOMWISE_CHECK_OK(check_not_empty({}));
+  return {};
+}
+
+Expected<std::vector<LabelledPicture>> select_photos(const fs::path& folder,
+                                                     const std::vector<std::string>& learned) {
+  ROOMWISE_TRY(const std::vector<RoomPhoto> photos, list_room_photos(folder));
+  std::vector<LabelledPicture> pictures;
+  for (const RoomPhoto& photo : photos) {
+    if (!is_learned(photo.room, learned)) continue;
+    const bool same_room = !pictures.empty() && pictures.back().room == photo.room;
+    const std::size_t sequence =
+        pictures.empty() ? 0 : pictures.back().sequence + (same_room ? 0 : 1);
+    pictures.push_back({[path = photo.path] { return image::read_color(path); }, photo.room,
+                        sequence, 0, 0, 0, photo.path.filename().string()});
+  }
+  ROOMWISE_CHECK_OK(check_not_empty(pictures));
+  return pictures;
+}
+
+Expected<std::vector<LabelledPicture>> unknown_pictures(const fs::path& folder) {
+  std::vector<LabelledPicture> pictures;
+  std::error_code error;
+  if (fs::exists(folder / "rgb.txt", error)) {
+    ROOMWISE_TRY(auto opened, recording::ImageList::open(folder, "rgb.txt"));
+    const auto colors = std::make_shared<const recording::ImageList>(std::move(opened));
+    for (std::size_t i = 0; i < colors->size(); ++i) {
+      pictures.push_back({[colors, i] { return colors->read_color(i); }, "", 0, 0, 0, 0,
+                          colors->path(i).string()});
+    }
+  } else {
+    ROOMWISE_TRY(const auto files, picture_files(folder));
+    for (const fs::path& file : files) {
+      pictures.push_back(
+          {[file] { return image::read_color(file); }, "", 0, 0, 0, 0, file.string()});
+    }
+  }
+  if (pictures.empty()) return fail("{}: holds no JPEG or PNG files", folder.string());
+  return pictures;
+}
+
+}  // namespace roomwise::pipeline

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "roomwise/pipeline/room_selection.h"
+#include "roomwise/recording/tum_recording.h"
+
+namespace roomwise::pipeline {
+
+// A picture whose room is known. Pictures of one `sequence` (a visit of a room) follow each other;
+// pairs stay within it.
+struct LabelledPicture {
+  std::function<Expected<image::ColorImage>()> read;
+  std::string room;  // empty: a place that was never learned
+  std::size_t sequence = 0;
+  std::size_t walk = 0;     // the recording that it is from
+  std::uint64_t frame = 0;  // its place in the walk
+  double time_s = 0;        // since the walk's first frame; 0 for photos
+  std::string name;         // for people: "walk: frame 12"
+};
+
+struct FrameSelection {
+  RoomSelection rooms;
+  std::uint64_t margin = 0;  // frames nearer than this to a boundary of their range are left out
+};
+
+// Adds the frames of a labelled recording that are selected, every colour image, with depth or not.
+// Rooms that were not learned are left out; selecting one by name is an error, and so is a
+// recording of which nothing is left. `colors` must outlive the pictures.
+[[nodiscard]] Expected<void> add_frames(const recording::ImageList& colors,
+                                        const recording::RoomLabels& labels,
+                                        const FrameSelection& selection,
+                                        const std::vector<std::string>& learned,
+                                        const std::string& walk_name,
+                                        std::vector<LabelledPicture>& pictures);
+// The photos of a folder with one folder a room.
+[[nodiscard]] Expected<std::vector<LabelledPicture>> select_photos(
+    const std::filesystem::path& folder, const std::vector<std::string>& learned);
+// Every JPEG and PNG file under a folder, or, where it is a recording, the images of its rgb.txt:
+// pictures of places that were never learned. Fails where there is none.
+[[nodiscard]] Expected<std::vector<LabelledPicture>> unknown_pictures(
+    const std::filesystem::path& folder);
+
+}  // namespace roomwise::pipeline

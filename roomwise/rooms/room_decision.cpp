@@ -1,0 +1,143 @@
+#include "roomwise/rooms/room_decision.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace roomwise::rooms {
+namespace {
+
+// How much two pictures of one place say the same. Of 0, 0.25, 0.5, 0.75 and 1 this one gives the
+// pairs of held-out pictures their best probabilities (docs/rooms.md).
+constexpr double kCorrelation = 0.5;
+// No picture rules a room out.
+constexpr double kLeastProbability = 1e-6;
+// How often an object that the network is quite sure of is there.
+constexpr double kTrustInObjects = 0.7;
+
+std::vector<RoomScore> best_first(const Eigen::VectorXd& probabilities,
+                                  std::span<const std::string> names) {
+  std::vector<RoomScore> scores;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    scores.push_back({names[i], probabilities[static_cast<Eigen::Index>(i)]});
+  }
+  std::ranges::stable_sort(scores, std::ranges::greater{}, &RoomScore::score);
+  return scores;
+}
+
+// What is said of the two best rooms: "kitchen (0.51) or hall (0.44)".
+std::string candidates(std::span<const RoomScore> rooms) {
+  std::string text = fmt::format("{} ({:.2f})", rooms[0].room, rooms[0].score);
+  if (rooms.size() > 1) text += fmt::format(" or {} ({:.2f})", rooms[1].room, rooms[1].score);
+  return text;
+}
+
+// The rooms that an object stands in, if all of them are of one type; else none.
+std::vector<std::size_t> rooms_of(const std::string& object, const Concepts& concepts,
+                                  std::span<const Room> rooms) {
+  std::vector<std::size_t> found;
+  const auto type = concepts.represented_room_type(object);
+  for (std::size_t i = 0; type && i < rooms.size(); ++i) {
+    if (rooms[i].type == *type) found.push_back(i);
+  }
+  return found;
+}
+
+}  // namespace
+
+std::string_view to_string(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::kRoom:
+      return "room";
+    case Verdict::kNotSure:
+      return "not sure";
+    case Verdict::kNoneOfThem:
+      return "none of them";
+  }
+  return "unknown";
+}
+
+PictureEvidence combine(std::span<const PictureEvidence> pictures) {
+  if (pictures.empty()) throw std::invalid_argument("combine: no pictures");
+  const auto count = static_cast<double>(pictures.size());
+  const double counts_as = count / (1 + (count - 1) * kCorrelation);
+  Eigen::ArrayXd logs = Eigen::ArrayXd::Zero(pictures.front().probabilities.size());
+  PictureEvidence combined;
+  for (const PictureEvidence& picture : pictures) {
+    logs += picture.probabilities.array().max(kLeastProbability).log() * (counts_as / count);
+    combined.known += picture.known / count;
+  }
+  const Eigen::ArrayXd powers = (logs - logs.maxCoeff()).exp();
+  combined.probabilities = powers / powers.sum();
+  return combined;
+}
+
+Eigen::VectorXd likelihood_of_objects(std::span<const objects::Sighting> objects,
+                                      const Concepts& concepts, std::span<const Room> rooms) {
+  const auto count = static_cast<Eigen::Index>(rooms.size());
+  // The network's word is true with the probability that it gives it, less what it is not trusted;
+  // then the room is one of the object's. Else, and for what stands anywhere, it says nothing.
+  Eigen::VectorXd likelihood = Eigen::VectorXd::Zero(count);
+  double said = 0;
+  for (const objects::Sighting& sighting : objects) {
+    const auto found = rooms_of(sighting.object, concepts, rooms);
+    if (found.empty()) continue;
+    const double trusted = std::min(kTrustInObjects * sighting.score, 1 - said);
+    said += trusted;
+    for (const std::size_t room : found) {
+      likelihood[static_cast<Eigen::Index>(room)] +=
+          trusted * static_cast<double>(count) / static_cast<double>(found.size());
+    }
+  }
+  return likelihood.array() + (1 - said);
+}
+
+RoomDecision decide(const PictureEvidence& evidence, std::span<const std::string> names,
+                    const RoomCalibration& calibration) {
+  RoomDecision decision;
+  decision.rooms = best_first(evidence.probabilities, names);
+  decision.known = evidence.known;
+  const RoomScore& best = decision.rooms.front();
+  if (evidence.known < calibration.none_below) {
+    decision.verdict = Verdict::kNoneOfThem;
+    decision.why = fmt::format("nothing that was learned looks like this (known {:.2f} < {:.2f})",
+                               evidence.known, calibration.none_below);
+  } else if (evidence.known < calibration.known_from) {
+    decision.why = fmt::format("it looks a little like {}, but not enough (known {:.2f} < {:.2f})",
+                               candidates(decision.rooms), evidence.known, calibration.known_from);
+  } else if (best.score < calibration.sure_from) {
+    decision.why = fmt::format("it could be {}; a room is named from {:.2f} on",
+                               candidates(decision.rooms), calibration.sure_from);
+  } else {
+    decision.verdict = Verdict::kRoom;
+    decision.why = fmt::format("it looks like {} ({:.2f})", best.room, best.score);
+  }
+  return decision;
+}
+
+RoomDecision decide_with_objects(const PictureEvidence& evidence,
+                                 std::span<const objects::Sighting> objects,
+                                 const Concepts& concepts, std::span<const Room> rooms,
+                                 const RoomCalibration& calibration) {
+  PictureEvidence weighed = evidence;
+  weighed.probabilities =
+      evidence.probabilities.cwiseProduct(likelihood_of_objects(objects, concepts, rooms));
+  weighed.probabilities /= weighed.probabilities.sum();
+  std::vector<std::string> names;
+  for (const Room& room : rooms) names.push_back(room.name);
+  RoomDecision decision = decide(weighed, names, calibration);
+  for (const objects::Sighting& sighting : objects) {
+    const auto found = rooms_of(sighting.object, concepts, rooms);
+    const bool speaks_for_best = std::ranges::any_of(
+        found, [&](std::size_t room) { return rooms[room].name == decision.rooms.front().room; });
+    if (!speaks_for_best) continue;
+    decision.object = sighting.object;
+    if (decision.verdict == Verdict::kRoom) {
+      decision.why += fmt::format(", and there is a {} ({:.2f})", sighting.object, sighting.score);
+    }
+    break;
+  }
+  return decision;
+}
+
+}  // namespace roomwise::rooms

@@ -1,0 +1,82 @@
+#include "roomwise/rooms/room_memory.h"
+
+#include <algorithm>
+#include <functional>
+#include <numeric>
+#include <stdexcept>
+
+namespace roomwise::rooms {
+namespace {
+
+constexpr float kNothingAlike = -1;
+
+// The mean of the largest `most` values.
+double mean_of_largest(std::vector<float> values, int most) {
+  if (values.empty()) return kNothingAlike;
+  const auto count = std::min(values.size(), static_cast<std::size_t>(most));
+  const auto end = values.begin() + static_cast<std::ptrdiff_t>(count);
+  std::ranges::partial_sort(values, end, std::greater());
+  return std::accumulate(values.begin(), end, 0.0) / static_cast<double>(count);
+}
+
+}  // namespace
+
+RoomMemory::RoomMemory(const Eigen::MatrixXf& rows, std::vector<int> room, std::vector<int> picture,
+                       int rooms) {
+  PictureSpace space = PictureSpace::fit(rows);
+  Eigen::MatrixXf places = space.places(rows);
+  *this =
+      RoomMemory(std::move(space), std::move(places), std::move(room), std::move(picture), rooms);
+}
+
+RoomMemory::RoomMemory(PictureSpace space, Eigen::MatrixXf places, std::vector<int> room,
+                       std::vector<int> picture, int rooms)
+    : space_(std::move(space)),
+      places_(std::move(places)),
+      whitened_(space_.whitened(places_)),
+      room_(std::move(room)),
+      picture_(std::move(picture)),
+      rooms_(rooms) {
+  const auto count = static_cast<std::size_t>(places_.rows());
+  if (room_.size() != count || picture_.size() != count ||
+      places_.cols() != space_.directions().cols()) {
+    throw std::invalid_argument("RoomMemory: sizes differ");
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto known = static_cast<int>(room_of_picture_.size());
+    if (room_[i] < 0 || room_[i] >= rooms || picture_[i] < 0 || picture_[i] > known) {
+      throw std::invalid_argument("RoomMemory: a number is out of range");
+    }
+    if (picture_[i] == known) room_of_picture_.push_back(room_[i]);
+  }
+}
+
+Likeness RoomMemory::compare(const Eigen::VectorXf& root_features) const {
+  const Eigen::MatrixXf place = space_.places(root_features.transpose());
+  const Eigen::VectorXf fine = whitened_ * space_.whitened(place).transpose();
+  const Eigen::VectorXf coarse = space_.coarsely(root_features, places_);
+  // Of each picture, that of its most alike variant.
+  std::vector<float> fine_of(room_of_picture_.size(), kNothingAlike);
+  std::vector<float> coarse_of(room_of_picture_.size(), kNothingAlike);
+  for (std::size_t i = 0; i < picture_.size(); ++i) {
+    const auto picture = static_cast<std::size_t>(picture_[i]);
+    const auto row = static_cast<Eigen::Index>(i);
+    fine_of[picture] = std::max(fine_of[picture], fine[row]);
+    coarse_of[picture] = std::max(coarse_of[picture], coarse[row]);
+  }
+  Likeness likeness;
+  likeness.finely = mean_of_largest(fine_of, kMostAlike);
+  likeness.coarsely = mean_of_largest(coarse_of, kMostAlike);
+  std::vector<std::vector<float>> of_rooms(static_cast<std::size_t>(rooms_));
+  for (std::size_t i = 0; i < fine_of.size(); ++i) {
+    of_rooms[static_cast<std::size_t>(room_of_picture_[i])].push_back(fine_of[i]);
+  }
+  likeness.of_rooms.resize(rooms_);
+  for (std::size_t room = 0; room < of_rooms.size(); ++room) {
+    likeness.of_rooms[static_cast<Eigen::Index>(room)] =
+        mean_of_largest(std::move(of_rooms[room]), kMostAlike);
+  }
+  return likeness;
+}
+
+}  // namespace roomwise::rooms

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+#include <vector>
+
+#include "roomwise/rooms/picture_space.h"
+
+namespace roomwise::rooms {
+
+// How alike a picture is to those that were learned from.
+struct Likeness {
+  Eigen::VectorXd of_rooms;  // finely, to the most alike pictures of each room; -1 to 1
+  double finely = 0;         // to the most alike pictures of all rooms
+  double coarsely = 0;
+};
+
+// Remembers the pictures that rooms were learned from, as places in a PictureSpace, each beside
+// variants of it in other light. A room is as alike as its three most alike pictures are on
+// average; a picture is as alike as its most alike variant.
+class RoomMemory {
+ public:
+  static constexpr int kMostAlike = 3;
+
+  RoomMemory() = default;
+  // rows: root features, one a row; room[i] of row i, in [0, rooms); picture[i]: whose variant row
+  // i is, numbered from 0 without gaps.
+  RoomMemory(const Eigen::MatrixXf& rows, std::vector<int> room, std::vector<int> picture,
+             int rooms);
+  // As it was stored: places in the space instead of features. Throws std::invalid_argument where
+  // sizes differ or a number is out of range.
+  RoomMemory(PictureSpace space, Eigen::MatrixXf places, std::vector<int> room,
+             std::vector<int> picture, int rooms);
+
+  [[nodiscard]] Likeness compare(const Eigen::VectorXf& root_features) const;
+
+  [[nodiscard]] const PictureSpace& space() const { return space_; }
+  [[nodiscard]] const Eigen::MatrixXf& places() const { return places_; }
+  [[nodiscard]] const std::vector<int>& room() const { return room_; }
+  [[nodiscard]] const std::vector<int>& picture() const { return picture_; }
+
+ private:
+  PictureSpace space_;
+  Eigen::MatrixXf places_;
+  Eigen::MatrixXf whitened_;
+  std::vector<int> room_;     // of each row
+  std::vector<int> picture_;  // of each row
+  std::vector<int> room_of_picture_;
+  int rooms_ = 0;
+};
+
+}  // namespace roomwise::rooms

@@ -1,0 +1,83 @@
+#include "roomwise/rooms/room_memory.h"
+
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+
+#include "roomwise/base/random.h"
+
+namespace roomwise::rooms {
+namespace {
+
+// Four pictures of each of two rooms with two variants each, around an axis of their room.
+class RoomMemoryTest : public ::testing::Test {
+ protected:
+  RoomMemoryTest() {
+    RandomStream random(1);
+    for (int room = 0; room < 2; ++room) {
+      for (int picture = 0; picture < 4; ++picture) {
+        for (int variant = 0; variant < 2; ++variant) {
+          std::vector<float> features(8, 0.1F);
+          features[static_cast<std::size_t>(room)] = 4;
+          features[static_cast<std::size_t>(2 + variant)] = 1;
+          for (float& value : features) value += static_cast<float>(0.05 * random.uniform());
+          rows_.conservativeResize(rows_.rows() + 1, 8);
+          rows_.row(rows_.rows() - 1) = root_features(features);
+          room_.push_back(room);
+          picture_.push_back(4 * room + picture);
+        }
+      }
+    }
+  }
+  [[nodiscard]] RoomMemory memory() const { return {rows_, room_, picture_, 2}; }
+
+  Eigen::MatrixXf rows_;
+  std::vector<int> room_;
+  std::vector<int> picture_;
+};
+
+TEST_F(RoomMemoryTest, APictureIsMostAlikeItsOwnRoom) {
+  const RoomMemory memory = this->memory();
+  const Likeness likeness = memory.compare(rows_.row(0));
+  EXPECT_GT(likeness.of_rooms[0], likeness.of_rooms[1] + 0.3);
+  EXPECT_DOUBLE_EQ(likeness.finely, likeness.of_rooms[0]) << "its room has the most alike ones";
+  EXPECT_GT(likeness.coarsely, 0.95);
+}
+
+TEST_F(RoomMemoryTest, ARoomIsAsAlikeAsItsThreeMostAlikePictures) {
+  // By hand: of each picture its more alike variant, the mean of the best three.
+  const RoomMemory memory = this->memory();
+  const Eigen::MatrixXf white = memory.space().whitened(memory.places());
+  const Eigen::VectorXf alike = white * white.row(5).transpose();
+  for (int room = 0; room < 2; ++room) {
+    std::vector<float> pictures;
+    for (Eigen::Index i = 8 * room; i < 8 * (room + 1); i += 2) {
+      pictures.push_back(std::max(alike[i], alike[i + 1]));
+    }
+    std::ranges::sort(pictures, std::greater());
+    EXPECT_NEAR(memory.compare(rows_.row(5)).of_rooms[room],
+                (pictures[0] + pictures[1] + pictures[2]) / 3, 1e-5);
+  }
+}
+
+TEST_F(RoomMemoryTest, AnUnknownPictureIsLessAlike) {
+  const Eigen::VectorXf unknown = root_features(std::vector<float>{0, 0, 0, 0, 0, 0, 5, 5});
+  const Likeness known = memory().compare(rows_.row(3));
+  const Likeness other = memory().compare(unknown);
+  EXPECT_LT(other.finely, known.finely - 0.3);
+  EXPECT_LT(other.coarsely, known.coarsely - 0.3);
+}
+
+TEST_F(RoomMemoryTest, RefusesNumbersOutOfRange) {
+  auto rooms = room_;
+  rooms[3] = 2;
+  EXPECT_THROW(RoomMemory(rows_, rooms, picture_, 2), std::invalid_argument);
+  auto pictures = picture_;
+  pictures[15] = 9;
+  EXPECT_THROW(RoomMemory(rows_, room_, pictures, 2), std::invalid_argument);
+  pictures.pop_back();
+  EXPECT_THROW(RoomMemory(rows_, room_, pictures, 2), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace roomwise::rooms

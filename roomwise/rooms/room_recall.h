@@ -1,0 +1,23 @@
+#pragma once
+
+#include "roomwise/base/expected.h"
+#include "roomwise/rooms/room_calibration.h"
+#include "roomwise/rooms/room_memory.h"
+#include "roomwise/rooms/stored_numbers.h"
+
+namespace roomwise::rooms {
+
+// The pictures that rooms were learned from, and what a likeness to them means.
+struct RoomRecall {
+  RoomMemory memory;
+  RoomCalibration calibration;
+};
+
+// The part of a stored classifier that is new in version 2.
+void write(NumberWriter& writer, const RoomRecall& recall);
+// Fails, saying what is wrong, on anything that write() does not write. Memory is taken only for
+// what is there.
+[[nodiscard]] Expected<RoomRecall> read_recall(NumberReader& reader, std::size_t rooms,
+                                               std::size_t features);
+
+}  // namespace roomwise::rooms

@@ -1,0 +1,47 @@
+#include "roomwise/rooms/room_stream.h"
+
+#include <gtest/gtest.h>
+
+namespace roomwise::rooms {
+namespace {
+
+const std::vector<std::string> kRooms = {"bath", "hall", "kitchen"};
+const std::vector<std::string> kWalk = {"hall", "bath", "hall", "kitchen", "hall"};
+
+RoomStream stream() {
+  RoomCalibration calibration;
+  calibration.sure_from = 0.8;
+  calibration.known_from = -1;
+  calibration.none_below = -2;
+  return {RoomTopology(kRooms, kWalk), calibration};
+}
+
+PictureEvidence evidence(double bath, double hall, double kitchen, double known = 0) {
+  return {Eigen::Vector3d(bath, hall, kitchen), known};
+}
+
+TEST(RoomStream, GrowsSurerPictureByPicture) {
+  RoomStream walk = stream();
+  EXPECT_EQ(walk.see(evidence(0.1, 0.6, 0.3), 0).verdict, Verdict::kNotSure);
+  RoomDecision decision;
+  for (int i = 0; i < 4; ++i) decision = walk.see(evidence(0.1, 0.6, 0.3), 1);
+  EXPECT_EQ(decision.room(), "hall");
+}
+
+TEST(RoomStream, KeepsTheRoomThroughOneWrongPicture) {
+  RoomStream walk = stream();
+  for (int i = 0; i < 6; ++i) (void)walk.see(evidence(0.02, 0.96, 0.02), 1);
+  EXPECT_EQ(walk.see(evidence(0.2, 0.2, 0.6), 0.5).rooms.front().room, "hall");
+}
+
+TEST(RoomStream, APlaceThatIsUnknownForSecondsIsNoneOfThem) {
+  RoomStream walk = stream();
+  for (int i = 0; i < 3; ++i) (void)walk.see(evidence(0.02, 0.96, 0.02, 0), 1);
+  EXPECT_EQ(walk.see(evidence(0.02, 0.96, 0.02, -3), 0.3).room(), "hall") << "one picture alone";
+  RoomDecision decision;
+  for (int i = 0; i < 8; ++i) decision = walk.see(evidence(0.02, 0.96, 0.02, -3), 1);
+  EXPECT_EQ(decision.verdict, Verdict::kNoneOfThem);
+}
+
+}  // namespace
+}  // namespace roomwise::rooms
