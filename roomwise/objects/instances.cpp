@@ -46,27 +46,32 @@ Candidate candidate_of(SightGroup group, std::span<const WorldSight> sights,
   return candidate;
 }
 
-// The share of the cells of both that both have, or of the smaller one's.
-std::pair<double, double> overlap(const Candidate& a, const Candidate& b) {
+// How much two candidates are one thing, [0, 1]: the share of the cells of both that both have or,
+// where the boxes are of like size, of the smaller one's, since few pictures show only a part.
+double overlap(const Candidate& a, const Candidate& b) {
+  constexpr double kLikeSize = 0.35;  // of the volumes
   std::vector<VoxelKey> both;
   std::ranges::set_intersection(a.voxels, b.voxels, std::back_inserter(both));
-  const double shared = static_cast<double>(both.size());
-  const double smaller = static_cast<double>(std::min(a.voxels.size(), b.voxels.size()));
-  const double either = static_cast<double>(a.voxels.size() + b.voxels.size()) - shared;
-  return {shared / std::max(1.0, either), shared / std::max(1.0, smaller)};
+  const auto shared = static_cast<double>(both.size());
+  const auto [smaller, larger] =
+      std::minmax({static_cast<double>(a.voxels.size()), static_cast<double>(b.voxels.size())});
+  const double volume_a = a.box.box_world.size_m.prod(), volume_b = b.box.box_world.size_m.prod();
+  const bool are_alike = std::min(volume_a, volume_b) >= kLikeSize * std::max(volume_a, volume_b);
+  const double of = are_alike ? smaller : smaller + larger - shared;
+  return shared / std::max(1.0, of);
 }
 
 // One thing that is called by several names: groups of different names that fill the same space.
 // The ones that share most are joined first.
 void join_names(std::vector<Candidate>& candidates, std::span<const WorldSight> sights,
                 std::span<const LookedKeyframe> keyframes, const Level& level) {
-  constexpr double kSameThing = 0.35;  // of the cells of both
+  constexpr double kSameThing = 0.4;
   while (true) {
     double most = kSameThing;
     std::pair<std::size_t, std::size_t> best;
     for (std::size_t a = 0; a < candidates.size(); ++a) {
       for (std::size_t b = a + 1; b < candidates.size(); ++b) {
-        const double shared = overlap(candidates[a], candidates[b]).first;
+        const double shared = overlap(candidates[a], candidates[b]);
         if (shared <= most) continue;
         most = shared;
         best = {a, b};

@@ -84,7 +84,7 @@ TEST(FindInstances, WhatIsSeenTooSeldomIsNoInstance) {
   // Four see it now, but thirty more look there too and see nothing that looks like one.
   room.look_around(kChair.center, 2, 1.8, 1, 0.4);
   EXPECT_EQ(room.instances().size(), 1U);
-  room.look_around(kChair.center, 30, 1.8, 0, 6.28, /*finds=*/false);
+  room.look_around(kChair.center, 30, 1.8, 0, 1.4, /*finds=*/false);
   EXPECT_TRUE(room.instances().empty());
 }
 
