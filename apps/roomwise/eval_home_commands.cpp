@@ -1,6 +1,8 @@
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <numbers>
+#include <set>
 
 #include "commands.h"
 #include "paths.h"
@@ -23,39 +25,98 @@ struct Options {
 };
 
 Json to_json(const evaluation::ObjectCounts& counts) {
-  return {{"found", counts.matched}, {"missed", counts.missed}, {"false", counts.wrong}};
+  return {{"found", counts.matched},
+          {"missed", counts.missed},
+          {"beyond", counts.beyond},
+          {"double", counts.doubled},
+          {"false", counts.wrong}};
+}
+
+Json to_json(const pipeline::FoundObjectErrors& result) {
+  const evaluation::ObjectErrors& errors = result.errors;
+  Json json = to_json(errors.all);
+  json["without_place"] = result.without_place;
+  json["from_surface_m"] = {{"median", errors.from_box_quantile_m(0.5)},
+                            {"p90", errors.from_box_quantile_m(0.9)}};
+  json["from_middle_m"] = {{"median", errors.from_center_quantile_m(0.5)},
+                           {"p90", errors.from_center_quantile_m(0.9)}};
+  json["objects"] = Json::object();
+  for (const auto& [kind, counts] : errors.by_kind) json["objects"][kind] = to_json(counts);
+  return json;
+}
+
+std::string row_of(
+    const std::string& name, const pipeline::ObjectEvaluation& result,
+    const std::function<evaluation::ObjectCounts(const pipeline::FoundObjectErrors&)>& counts_of) {
+  std::string row = fmt::format("{:<16}", name);
+  for (const auto* way : {&result.instances, &result.by_rules}) {
+    const evaluation::ObjectCounts counts = counts_of(*way);
+    row += fmt::format(" | {:>5} {:>6} {:>6} {:>6} {:>5}", counts.matched, counts.missed,
+                       counts.beyond, counts.doubled, counts.wrong);
+  }
+  return row + "\n";
+}
+
+std::string distances_of(const char* way, const pipeline::FoundObjectErrors& result) {
+  const evaluation::ObjectErrors& errors = result.errors;
+  std::string text;
+  if (!errors.matches.empty()) {
+    text = fmt::format(
+        "{}: from the thing's middle median {:.2f} m, 90 % within {:.2f} m; from its surface "
+        "{:.2f} "
+        "m, {:.2f} m\n",
+        way, errors.from_center_quantile_m(0.5), errors.from_center_quantile_m(0.9),
+        errors.from_box_quantile_m(0.5), errors.from_box_quantile_m(0.9));
+  }
+  if (result.without_place > 0) {
+    text += fmt::format("{}: found without a place {}\n", way, result.without_place);
+  }
+  return text;
+}
+
+// Everything about each pair and each thing that is left over.
+Json details_of(const pipeline::ObjectEvaluation& result, const pipeline::FoundObjectErrors& way) {
+  Json json = Json::array();
+  for (const evaluation::ObjectMatch& match : way.errors.matches) {
+    json.push_back({{"found", way.found[match.found].kind},
+                    {"truth", result.truth[match.truth].kind},
+                    {"from_middle_m", match.from_center_m},
+                    {"from_surface_m", match.from_box_m}});
+  }
+  return json;
 }
 
 Expected<Answer> evaluate_objects(const Options& options) {
   ROOMWISE_TRY(const home::Home home, home::Home::open_read_only(options.home));
   ROOMWISE_TRY(const pipeline::ObjectEvaluation result,
                pipeline::evaluate_objects(home, options.truth, options.most_distance_m));
-  const evaluation::ObjectErrors& errors = result.errors;
+  const char* columns = "found missed beyond double false";
   Answer answer;
-  answer.text = fmt::format("{:<16} {:>5} {:>6} {:>5}\n", "object", "found", "missed", "false");
-  const auto add_row = [&](const std::string& name, const evaluation::ObjectCounts& counts) {
-    answer.text += fmt::format("{:<16} {:>5} {:>6} {:>5}\n", name, counts.matched, counts.missed,
-                               counts.wrong);
-  };
-  for (const auto& [kind, counts] : errors.by_kind) add_row(kind, counts);
-  add_row("all", errors.all);
-  if (!errors.matches.empty()) {
-    answer.text += fmt::format(
-        "from the thing's surface: median {:.2f} m, 90 % within {:.2f} m\n"
-        "from its middle:          median {:.2f} m, 90 % within {:.2f} m\n",
-        errors.from_box_quantile_m(0.5), errors.from_box_quantile_m(0.9),
-        errors.from_center_quantile_m(0.5), errors.from_center_quantile_m(0.9));
+  answer.text = fmt::format("{:<16} | {:<32} | {}\n{:<16} | {} | {}\n", "", "joined from regions",
+                            "the paper's rules", "object", columns, columns);
+  std::set<std::string> kinds;
+  for (const auto* way : {&result.instances, &result.by_rules}) {
+    for (const auto& [kind, counts] : way->errors.by_kind) kinds.insert(kind);
   }
-  if (result.without_place > 0) {
-    answer.text += fmt::format("found without a place: {}\n", result.without_place);
+  for (const std::string& kind : kinds) {
+    answer.text += row_of(kind, result, [&](const pipeline::FoundObjectErrors& way) {
+      const auto found = way.errors.by_kind.find(kind);
+      return found == way.errors.by_kind.end() ? evaluation::ObjectCounts{} : found->second;
+    });
   }
-  answer.json = to_json(errors.all);
-  answer.json["without_place"] = result.without_place;
-  answer.json["from_surface_m"] = {{"median", errors.from_box_quantile_m(0.5)},
-                                   {"p90", errors.from_box_quantile_m(0.9)}};
-  answer.json["from_middle_m"] = {{"median", errors.from_center_quantile_m(0.5)},
-                                  {"p90", errors.from_center_quantile_m(0.9)}};
-  for (const auto& [kind, counts] : errors.by_kind) answer.json["objects"][kind] = to_json(counts);
+  answer.text +=
+      row_of("all", result, [](const pipeline::FoundObjectErrors& way) { return way.errors.all; });
+  answer.text += distances_of("joined from regions", result.instances) +
+                 distances_of("the paper's rules", result.by_rules);
+  if (!result.instances.errors.matches.empty()) {
+    answer.text +=
+        fmt::format("within two standard deviations: {:.0f} % (of a normal error 95 %)\n",
+                    100 * result.within_two_sigma);
+  }
+  answer.json = {{"instances", to_json(result.instances)}, {"rules", to_json(result.by_rules)}};
+  answer.json["instances"]["within_two_sigma"] = result.within_two_sigma;
+  answer.json["instances"]["pairs"] = details_of(result, result.instances);
+  answer.json["rules"]["pairs"] = details_of(result, result.by_rules);
   return answer;
 }
 
@@ -147,8 +208,9 @@ void add_home_evaluations(CLI::App& group, Context& context) {
   auto options = std::make_shared<Options>();
   CLI::App* objects = add_command(
       group, context, "objects",
-      "The objects of a home against the truth of a simulated recording: found, missed, false, and "
-      "how far from where they are",
+      "The objects of a home, both ways, against the truth of a simulated recording: found and "
+      "missed of what it shows well, found beyond that, found twice, false, and how far from where "
+      "they are",
       "roomwise eval objects --home flat.home --truth flat",
       [options] { return evaluate_objects(*options); });
   add_files(*objects, *options);

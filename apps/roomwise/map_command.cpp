@@ -110,7 +110,8 @@ std::string to_text(const pipeline::MapSummary& summary, bool has_networks) {
   }
   text +=
       has_networks
-          ? fmt::format("objects     {}\n", summary.objects)
+          ? fmt::format("objects     {} ({} by the paper's rules)\n", summary.instances,
+                        summary.objects)
           : "objects     none: no network was given, nothing can be named; give --network FILE\n";
   return text;
 }
@@ -131,6 +132,7 @@ void remove_empty_home(const fs::path& path) {
 Expected<Answer> map(const Options& options, Context& context) {
   cv::setNumThreads(1);  // the threads are ours
   ROOMWISE_TRY(const pipeline::Networks networks, load_networks(options.networks));
+  ROOMWISE_TRY(const objects::RegionFinders finders, load_region_finders());
   if (networks.empty()) {
     context.progress.note(
         "no network was given: nothing in this home will be named and its rooms cannot be learned; "
@@ -159,7 +161,7 @@ Expected<Answer> map(const Options& options, Context& context) {
   pipeline::RunContext run{pool, context.progress, clock, options.working_set_mb << 20U};
   const home::Recording recording{source->info().name, options.recording.string(),
                                   source->info().camera, source->info().frame_count};
-  auto mapped = pipeline::map_recording(*source, recording, home, networks, settings, run);
+  auto mapped = pipeline::map_recording(*source, recording, home, networks, settings, run, finders);
   if (!mapped) return Unexpected(std::move(mapped).error());
   const pipeline::MapSummary& summary = *mapped;
   if (!summary.finished) {
@@ -190,6 +192,7 @@ Expected<Answer> map(const Options& options, Context& context) {
                  {"landmark_views", summary.landmark_views},
                  {"readout_s", readout_json(summary.readout_s)},
                  {"objects", summary.objects},
+                 {"instances", summary.instances},
                  {"home", options.home.string()}};
   for (const auto& [name, stage] : clock.stages()) {
     answer.json["stages"][name] = {

@@ -14,20 +14,34 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The networks of a folder that look at whole pictures, by their cards; by name.
-Expected<std::vector<fs::path>> list_networks(const fs::path& folder) {
+// The networks of a folder that are for the task, by their cards; by name.
+Expected<std::vector<fs::path>> list_networks(const fs::path& folder, network::Task task) {
   std::vector<fs::path> files;
   std::error_code error;
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
        entry.increment(error)) {
     if (!network::has_ending_of_network(entry->path())) continue;
     const auto card = network::find_model_card(entry->path());
-    if (card && card->task == network::Task::kClassify) files.push_back(entry->path());
+    if (card && card->task == task) files.push_back(entry->path());
   }
   if (error)
     return fail("{}: the folder of networks cannot be read: {}", folder.string(), error.message());
   std::ranges::sort(files);
   return files;
+}
+
+// Those of all folders; the first folder that has a file counts.
+Expected<std::vector<fs::path>> networks_for(network::Task task) {
+  std::vector<fs::path> usable;
+  for (const fs::path& folder : network_folders()) {
+    ROOMWISE_TRY(const auto files, list_networks(folder, task));
+    for (const fs::path& file : files) {
+      const bool hidden = std::ranges::any_of(
+          usable, [&](const fs::path& other) { return other.filename() == file.filename(); });
+      if (!hidden) usable.push_back(file);
+    }
+  }
+  return usable;
 }
 
 }  // namespace
@@ -58,16 +72,7 @@ std::vector<fs::path> network_folders() {
 }
 
 Expected<std::vector<fs::path>> usable_networks() {
-  std::vector<fs::path> usable;
-  for (const fs::path& folder : network_folders()) {
-    ROOMWISE_TRY(const auto files, list_networks(folder));
-    for (const fs::path& file : files) {
-      const bool hidden = std::ranges::any_of(
-          usable, [&](const fs::path& other) { return other.filename() == file.filename(); });
-      if (!hidden) usable.push_back(file);
-    }
-  }
-  return usable;
+  return networks_for(network::Task::kClassify);
 }
 
 const network::CatalogueEntry* find_catalogue_entry(const std::string& name) {
@@ -132,6 +137,20 @@ Expected<pipeline::Networks> load_networks(const NetworkOptions& options) {
     }
   }
   return networks;
+}
+
+Expected<objects::RegionFinders> load_region_finders() {
+  ROOMWISE_TRY(const auto files, networks_for(network::Task::kNanoDetPlus));
+  objects::RegionFinders finders;
+  for (const fs::path& file : files) {
+    if (auto detector = network::Detector::load(file)) {
+      finders.push_back(objects::detector_regions(file.stem().string(), *std::move(detector)));
+    } else {
+      // One that nobody asked for must not end work that the others can do.
+      fmt::print(stderr, "left out: {}\n", detector.error().message);
+    }
+  }
+  return finders;
 }
 
 }  // namespace roomwise::app

@@ -23,6 +23,10 @@ void add_network_options(CLI::App& command, NetworkOptions& options);
 // May be none.
 [[nodiscard]] Expected<pipeline::Networks> load_networks(const NetworkOptions& options);
 
+// The finders of regions: the detectors of the folders of networks, whatever --network names. May be
+// none.
+[[nodiscard]] Expected<objects::RegionFinders> load_region_finders();
+
 // Where "networks pull" puts files: $XDG_DATA_HOME/roomwise/networks, else
 // ~/.local/share/roomwise/networks. Fails where neither is known.
 [[nodiscard]] Expected<std::filesystem::path> own_network_folder();

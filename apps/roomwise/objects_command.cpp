@@ -1,75 +1,160 @@
 #include <filesystem>
 #include <memory>
+#include <opencv2/core.hpp>
 
 #include "commands.h"
+#include "networks.h"
 #include "roomwise/home/home.h"
+#include "roomwise/pipeline/keyframe_observer.h"
+#include "roomwise/pipeline/map_settings.h"
+#include "roomwise/pipeline/stored_map.h"
 
 namespace roomwise::app {
 namespace {
 
-// An object with what the rest of the home says about it.
-struct PlacedObject {
-  objects::MapObject object;
-  home::Keyframe keyframe;
-  std::optional<Eigen::Vector3d> position_world;
-  std::string room;  // empty: not known
+struct Options {
+  std::filesystem::path home;
+  std::string rule = "regions";
+  NetworkOptions networks;
 };
 
-Expected<std::vector<PlacedObject>> placed_objects(const home::Home& home) {
-  ROOMWISE_TRY(const std::vector<objects::MapObject> objects, home.objects());
-  ROOMWISE_TRY(const std::vector<home::Keyframe> keyframes, home.keyframes());
-  ROOMWISE_TRY(const auto rooms, home.keyframe_rooms());
-  std::map<home::KeyframeId, home::Keyframe> by_id;
-  for (const home::Keyframe& keyframe : keyframes) by_id[keyframe.id] = keyframe;
+// What the home says about where its things stand.
+struct Places {
+  std::map<home::KeyframeId, home::Keyframe> keyframes;
+  std::map<home::KeyframeId, std::vector<rooms::RoomScore>> rooms;
 
-  std::vector<PlacedObject> placed;
-  for (const objects::MapObject& object : objects) {
-    PlacedObject& entry = placed.emplace_back();
-    entry.object = object;
-    entry.keyframe = by_id.at(object.keyframe_id);
-    if (object.position_keyframe) {
-      entry.position_world = entry.keyframe.pose.world_from_keyframe * *object.position_keyframe;
-    }
-    const auto room = rooms.find(object.keyframe_id);
-    if (room != rooms.end() && !room->second.empty()) entry.room = room->second.front().room;
+  static Expected<Places> read(const home::Home& home) {
+    Places places;
+    ROOMWISE_TRY(const std::vector<home::Keyframe> keyframes, home.keyframes());
+    for (const home::Keyframe& keyframe : keyframes) places.keyframes[keyframe.id] = keyframe;
+    ROOMWISE_TRY(places.rooms, home.keyframe_rooms());
+    return places;
   }
-  return placed;
+  // Empty: not known.
+  [[nodiscard]] std::string room_of(home::KeyframeId keyframe) const {
+    const auto room = rooms.find(keyframe);
+    return room == rooms.end() || room->second.empty() ? "" : room->second.front().room;
+  }
+};
+
+Json to_json(const Eigen::Vector3d& v) {
+  return Json{v.x(), v.y(), v.z()};
 }
 
-std::string describe(const PlacedObject& entry) {
-  const auto& position = entry.position_world;
-  return fmt::format("{:<16} {:.2f}  in {} key-frames, best {} (frame {})  {}{}\n",
-                     entry.object.name, entry.object.score, entry.object.sightings,
-                     entry.object.keyframe_id, entry.keyframe.frame_index,
-                     position ? fmt::format("at {:.2f} {:.2f} {:.2f} m", position->x(),
-                                            position->y(), position->z())
-                              : "place not known",
-                     entry.room.empty() ? "" : ", " + entry.room);
+Json room_json(const std::string& room) {
+  return room.empty() ? Json(nullptr) : Json(room);
 }
 
-Json to_json(const PlacedObject& entry) {
-  const auto& position = entry.position_world;
-  return {{"name", entry.object.name},
-          {"score", entry.object.score},
-          {"sightings", entry.object.sightings},
-          {"keyframe", entry.object.keyframe_id},
-          {"frame", entry.keyframe.frame_index},
-          {"piece", entry.keyframe.pose.piece},
-          {"position_world_m",
-           position ? Json{position->x(), position->y(), position->z()} : Json(nullptr)},
-          {"room", entry.room.empty() ? Json(nullptr) : Json(entry.room)}};
+void add(Answer& answer, const objects::MapObject& object, const Places& places) {
+  const home::Keyframe& keyframe = places.keyframes.at(object.keyframe_id);
+  const std::string room = places.room_of(object.keyframe_id);
+  std::optional<Eigen::Vector3d> position;
+  if (object.position_keyframe) {
+    position = keyframe.pose.world_from_keyframe * *object.position_keyframe;
+  }
+  answer.text += fmt::format(
+      "{:<16} {:.2f}  in {} key-frames, best {} (frame {})  {}{}\n", object.name, object.score,
+      object.sightings, object.keyframe_id, keyframe.frame_index,
+      position
+          ? fmt::format("at {:.2f} {:.2f} {:.2f} m", position->x(), position->y(), position->z())
+          : "place not known",
+      room.empty() ? "" : ", " + room);
+  answer.json["objects"].push_back(
+      {{"name", object.name},
+       {"score", object.score},
+       {"sightings", object.sightings},
+       {"keyframe", object.keyframe_id},
+       {"frame", keyframe.frame_index},
+       {"piece", keyframe.pose.piece},
+       {"position_world_m", position ? to_json(*position) : Json(nullptr)},
+       {"room", room_json(room)}});
 }
 
-Expected<Answer> list(const std::filesystem::path& path) {
-  ROOMWISE_TRY(const home::Home home, home::Home::open_read_only(path));
-  ROOMWISE_TRY(const std::vector<PlacedObject> objects, placed_objects(home));
+void add(Answer& answer, const objects::Instance& instance, const Places& places) {
+  const home::Keyframe& keyframe = places.keyframes.at(instance.keyframe_id);
+  const std::string room = places.room_of(instance.keyframe_id);
+  const geometry::OrientedBox box = instance.box_world(keyframe.pose.world_from_keyframe);
+  const Eigen::Quaterniond& turn = box.world_from_box.rotation;
+  const Eigen::Vector3d& at = box.center();
+  answer.text += fmt::format(
+      "{:<16} {:.2f}  at {:.2f} {:.2f} {:.2f} m (+-{:.2f}), {:.2f} x {:.2f} x {:.2f} m, seen in {} "
+      "of {} key-frames, best {} (frame {}){}\n",
+      instance.name, instance.probability, at.x(), at.y(), at.z(), instance.sigma_m.maxCoeff(),
+      box.size_m.x(), box.size_m.y(), box.size_m.z(), instance.sightings, instance.expected,
+      instance.keyframe_id, keyframe.frame_index, room.empty() ? "" : ", " + room);
+  const network::PixelBox& picture = instance.picture_box;
+  answer.json["objects"].push_back(
+      {{"name", instance.name},
+       {"probability", instance.probability},
+       {"names", instance.names},
+       {"sightings", instance.sightings},
+       {"expected", instance.expected},
+       {"keyframe", instance.keyframe_id},
+       {"frame", keyframe.frame_index},
+       {"picture_box_px", {picture.left, picture.top, picture.right, picture.bottom}},
+       {"piece", keyframe.pose.piece},
+       {"position_world_m", to_json(at)},
+       {"rotation_world_xyzw", {turn.x(), turn.y(), turn.z(), turn.w()}},
+       {"size_m", to_json(box.size_m)},
+       {"sigma_m", to_json(instance.sigma_m)},
+       {"room", room_json(room)}});
+}
+
+Expected<Answer> list_found(const home::Home& home, const std::string& rule) {
+  ROOMWISE_TRY(const Places places, Places::read(home));
   Answer answer;
-  answer.json = {{"objects", Json::array()}};
-  for (const PlacedObject& entry : objects) {
-    answer.text += describe(entry);
-    answer.json["objects"].push_back(to_json(entry));
+  answer.json = {{"rule", rule}, {"objects", Json::array()}};
+  if (rule == "paper") {
+    ROOMWISE_TRY(const auto objects, home.objects());
+    for (const objects::MapObject& object : objects) add(answer, object, places);
+  } else {
+    ROOMWISE_TRY(const auto finders, home.region_finders());
+    if (finders.empty()) {
+      answer.text = fmt::format(
+          "no detector has looked at this home; let one: roomwise objects find --home {}\n",
+          home.file());
+    }
+    ROOMWISE_TRY(const auto instances, home.instances());
+    for (const objects::Instance& instance : instances) add(answer, instance, places);
   }
-  if (objects.empty()) answer.text = "no objects were found in this home\n";
+  if (answer.text.empty()) answer.text = "no objects were found in this home\n";
+  return answer;
+}
+
+Expected<Answer> list(const Options& options) {
+  ROOMWISE_TRY(const home::Home home, home::Home::open_read_only(options.home));
+  return list_found(home, options.rule);
+}
+
+// Networks look at a home that was mapped without them, or with others; then all is joined anew.
+Expected<Answer> find(const Options& options, Context& context) {
+  cv::setNumThreads(1);  // the threads are ours
+  ROOMWISE_TRY(const pipeline::Networks networks, load_networks(options.networks));
+  ROOMWISE_TRY(const objects::RegionFinders finders, load_region_finders());
+  if (networks.empty() && finders.empty()) {
+    return fail("no network is here; give --network FILE or set ROOMWISE_MODELS");
+  }
+  ROOMWISE_TRY(home::Home home, home::Home::open(options.home));
+  ROOMWISE_TRY(const auto settings, pipeline::stored_map_settings(home));
+  ThreadPool pool(context.threads);
+  StageClock clock;
+  pipeline::RunContext run{pool, context.progress, clock};
+  ROOMWISE_TRY(auto observer, pipeline::KeyframeObserver::create(home, networks, finders, run));
+  ROOMWISE_TRY(const bool seen_all, observer.observe_missing());
+  if (!seen_all) {
+    return fail("interrupted; what was seen is kept, the same command goes on from there");
+  }
+  {
+    const auto timing = clock.measure("joining objects");
+    const objects::ObjectRules rules = settings ? settings->objects : objects::ObjectRules{};
+    ROOMWISE_CHECK_OK(pipeline::update_objects(home, rules));
+  }
+  ROOMWISE_TRY(Answer answer, list_found(home, finders.empty() ? "paper" : options.rule));
+  for (const auto& [name, stage] : clock.stages()) {
+    answer.json["stages"][name] = {
+        {"calls", stage.calls}, {"wall_s", stage.wall_s}, {"cpu_s", stage.cpu_s}};
+  }
+  ROOMWISE_CHECK_OK(home.add_stage_timings(clock.stages()));
   return answer;
 }
 
@@ -78,11 +163,27 @@ Expected<Answer> list(const std::filesystem::path& path) {
 void add_objects_commands(CLI::App& app, Context& context) {
   CLI::App* group = add_group(app, "objects", "The objects that were found in a home",
                               "roomwise objects list --home my.home");
-  auto home = std::make_shared<std::filesystem::path>();
-  CLI::App* command = add_command(
-      *group, context, "list", "List the objects with score, place and the room they stand in",
-      "roomwise objects list --home my.home --json", [home] { return list(*home); });
-  command->add_option("--home", *home, "Home file")->required();
+  auto options = std::make_shared<Options>();
+  CLI::App* list_command = add_command(
+      *group, context, "list",
+      "List the objects: name, probability, place, size, how sure the place is, in how many "
+      "key-frames they were seen, and the room they stand in",
+      "roomwise objects list --home my.home --json", [options] { return list(*options); });
+  CLI::App* find_command = add_command(*group, context, "find",
+                                       "Let the networks look at those key-frames that they have "
+                                       "not seen, and find the objects anew",
+                                       "roomwise objects find --home my.home",
+                                       [options, &context] { return find(*options, context); });
+  for (CLI::App* command : {list_command, find_command}) {
+    command->add_option("--home", options->home, "Home file")->required();
+    command
+        ->add_option("--rule", options->rule,
+                     "regions: joined from what a detector finds in many key-frames; paper: its "
+                     "three rules and the middle of the picture")
+        ->check(CLI::IsMember({"regions", "paper"}))
+        ->capture_default_str();
+  }
+  add_network_options(*find_command, options->networks);
 }
 
 }  // namespace roomwise::app

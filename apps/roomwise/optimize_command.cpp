@@ -71,13 +71,14 @@ Expected<Answer> optimize_home(const Options& options, Context& context) {
                pipeline::solve_stored_map(home, *settings, features, context.progress));
   if (!solved.finished) return fail("interrupted; {} is as it was", options.home.string());
   const mapping::MapSolution& solution = solved.solution;
-  ROOMWISE_TRY(const std::uint64_t objects, pipeline::update_objects(home, settings->objects));
+  ROOMWISE_TRY(const pipeline::FoundObjects objects,
+               pipeline::update_objects(home, settings->objects));
   ROOMWISE_TRY(const auto edges, home.edges());
   mapping::PoseGraphReport report = solution.report;
   report.error_before = error_before;
   Answer answer = answer_of(report, solution.world_from_keyframe.size(), edges.size());
-  answer.text +=
-      fmt::format("loops left out  {}\nobjects         {}\n", solution.rejected_loops, objects);
+  answer.text += fmt::format("loops left out  {}\nobjects         {} ({} by the paper's rules)\n",
+                             solution.rejected_loops, objects.instances, objects.by_rules);
   if (solved.refinement) {
     answer.text += fmt::format("landmarks       {}, seen {} times; rolling shutter {}\n",
                                solved.refinement->landmarks, solved.refinement->views,
@@ -87,7 +88,8 @@ Expected<Answer> optimize_home(const Options& options, Context& context) {
     answer.json["readout_s"] = readout_json(solved.refinement->readout_s);
   }
   answer.json["rejected_loops"] = solution.rejected_loops;
-  answer.json["objects"] = objects;
+  answer.json["objects"] = objects.by_rules;
+  answer.json["instances"] = objects.instances;
   answer.json["home"] = options.home.string();
   return answer;
 }

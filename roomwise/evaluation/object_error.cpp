@@ -1,6 +1,7 @@
 #include "roomwise/evaluation/object_error.h"
 
 #include <algorithm>
+#include <optional>
 #include <tuple>
 
 #include "roomwise/evaluation/quantile.h"
@@ -14,7 +15,7 @@ std::vector<ObjectMatch> candidates(std::span<const TrueObject> truth,
   std::vector<ObjectMatch> pairs;
   for (std::size_t t = 0; t < truth.size(); ++t) {
     for (std::size_t f = 0; f < found.size(); ++f) {
-      if (truth[t].kind != found[f].kind) continue;
+      if (truth[t].kind != found[f].kind && !truth[t].also_called.contains(found[f].kind)) continue;
       const double from_box_m = truth[t].box.distance_m(found[f].position);
       if (from_box_m > most_distance_m) continue;
       const double from_center_m = (truth[t].box.center() - found[f].position).norm();
@@ -28,6 +29,15 @@ std::vector<ObjectMatch> candidates(std::span<const TrueObject> truth,
 }
 
 }  // namespace
+
+ObjectCounts& ObjectCounts::operator+=(const ObjectCounts& other) {
+  matched += other.matched;
+  beyond += other.beyond;
+  missed += other.missed;
+  doubled += other.doubled;
+  wrong += other.wrong;
+  return *this;
+}
 
 double ObjectErrors::from_box_quantile_m(double share) const {
   std::vector<double> values;
@@ -48,7 +58,9 @@ Expected<ObjectErrors> object_errors(std::span<const TrueObject> truth,
   }
   ObjectErrors errors;
   std::vector<bool> truth_used(truth.size()), found_used(found.size());
+  std::vector<std::optional<std::size_t>> nearest_truth(found.size());
   for (const ObjectMatch& pair : candidates(truth, found, most_distance_m)) {
+    if (!nearest_truth[pair.found]) nearest_truth[pair.found] = pair.truth;
     if (truth_used[pair.truth] || found_used[pair.found]) continue;
     truth_used[pair.truth] = found_used[pair.found] = true;
     errors.matches.push_back(pair);
@@ -56,16 +68,20 @@ Expected<ObjectErrors> object_errors(std::span<const TrueObject> truth,
   std::ranges::sort(errors.matches, {}, &ObjectMatch::truth);
 
   for (std::size_t t = 0; t < truth.size(); ++t) {
+    if (!truth_used[t] && !truth[t].is_expected) continue;
     ObjectCounts& counts = errors.by_kind[truth[t].kind];
-    ++(truth_used[t] ? counts.matched : counts.missed);
+    ++(!truth_used[t] ? counts.missed : truth[t].is_expected ? counts.matched : counts.beyond);
   }
   for (std::size_t f = 0; f < found.size(); ++f) {
-    if (!found_used[f]) ++errors.by_kind[found[f].kind].wrong;
+    if (found_used[f]) continue;
+    if (nearest_truth[f]) {
+      ++errors.by_kind[truth[*nearest_truth[f]].kind].doubled;
+    } else {
+      ++errors.by_kind[found[f].kind].wrong;
+    }
   }
   for (const auto& [kind, counts] : errors.by_kind) {
-    errors.all.matched += counts.matched;
-    errors.all.missed += counts.missed;
-    errors.all.wrong += counts.wrong;
+    errors.all += counts;
   }
   return errors;
 }

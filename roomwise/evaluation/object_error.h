@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <map>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -15,6 +16,10 @@ namespace roomwise::evaluation {
 struct TrueObject {
   std::string kind;  // "bed": what it is called where it is found
   geometry::OrientedBox box;
+  // Whether it counts as missed where it is not found: the walk showed it well, and there is a word
+  // for it.
+  bool is_expected = true;
+  std::set<std::string> also_called = {};  // other names that are not wrong
 };
 
 // A thing that was found, in the truth's frame, m.
@@ -30,10 +35,16 @@ struct ObjectMatch {
   double from_center_m = 0;  // and from its middle
 };
 
+// By the kind of the true thing; what is wrong, by what it was called.
 struct ObjectCounts {
-  std::size_t matched = 0;
-  std::size_t missed = 0;  // there, but not found
-  std::size_t wrong = 0;   // found, but no such thing is there
+  std::size_t matched = 0;  // expected, and found
+  std::size_t beyond = 0;   // found, though not expected
+  std::size_t missed = 0;   // expected, but not found
+  std::size_t doubled = 0;  // found once more
+  std::size_t wrong = 0;    // found, but no such thing is there
+
+  [[nodiscard]] std::size_t found() const { return matched + beyond + doubled + wrong; }
+  ObjectCounts& operator+=(const ObjectCounts& other);
 };
 
 struct ObjectErrors {
@@ -47,7 +58,8 @@ struct ObjectErrors {
 };
 
 // Pairs what was found with what is there: of one kind, at most `most_distance_m` from the true
-// box, the closest pair first, each used once. The distance must be positive.
+// box, the closest pair first, each used once. What is left over that near to a thing of its kind
+// is that thing once more. The distance must be positive.
 [[nodiscard]] Expected<ObjectErrors> object_errors(std::span<const TrueObject> truth,
                                                    std::span<const FoundObject> found,
                                                    double most_distance_m = 1.0);

@@ -62,6 +62,30 @@ TEST(ObjectErrors, UsesEachThingOnceTheClosestPairFirst) {
   EXPECT_NEAR(errors->from_box_quantile_m(1), 0.3, 1e-12);
 }
 
+TEST(ObjectErrors, AThingFoundTwiceIsADouble) {
+  const std::vector<TrueObject> truth{{"chair", box_at({0, 0, 0})}};
+  const std::vector<FoundObject> found{
+      {"chair", {0, 0, 0}}, {"chair", {1.2, 0, 0}}, {"chair", {4, 0, 0}}};
+  const auto errors = object_errors(truth, found);
+  ASSERT_OK(errors);
+  EXPECT_EQ(errors->all.matched, 1U);
+  EXPECT_EQ(errors->all.doubled, 1U);
+  EXPECT_EQ(errors->all.wrong, 1U);
+  EXPECT_EQ(errors->all.found(), 3U);
+}
+
+TEST(ObjectErrors, WhatIsNotExpectedIsNeitherMissedNorWrong) {
+  std::vector<TrueObject> truth{{"stool", box_at({0, 0, 0}), false, {"chair"}},
+                                {"lamp", box_at({9, 0, 0}), false, {}}};
+  const auto errors = object_errors(truth, std::vector<FoundObject>{{"chair", {0, 0, 0}}});
+  ASSERT_OK(errors);
+  EXPECT_EQ(errors->all.missed, 0U);
+  EXPECT_EQ(errors->all.wrong, 0U);
+  EXPECT_EQ(errors->by_kind.at("stool").beyond, 1U);
+  truth[0].is_expected = true;
+  EXPECT_EQ(object_errors(truth, {})->by_kind.at("stool").missed, 1U);
+}
+
 TEST(ObjectErrors, NothingFoundIsNoError) {
   const auto errors = object_errors({}, {});
   ASSERT_OK(errors);

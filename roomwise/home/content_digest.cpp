@@ -58,9 +58,15 @@ Expected<std::string> table_digest(const Database& database, const Table& table)
 }  // namespace
 
 Expected<std::string> content_digest(const Database& database) {
+  ROOMWISE_TRY(const int version, database.get<int>("PRAGMA user_version"));
   std::string digests;
   for (const Table& table : tables()) {
-    if (!table.in_digest) continue;
+    if (!table.in_digest || table.since_version > version) continue;
+    if (table.since_version > 1) {
+      ROOMWISE_TRY(const auto rows,
+                   database.get<std::int64_t>(fmt::format("SELECT count(*) FROM {}", table.name)));
+      if (rows == 0) continue;
+    }
     ROOMWISE_TRY(const std::string digest, table_digest(database, table));
     digests += fmt::format("{} {}\n", table.name, digest);
   }

@@ -199,8 +199,8 @@ Expected<Home> Home::open_read_only(const std::filesystem::path& path) {
   ROOMWISE_TRY(Database database, open_for_reading(path));
   ROOMWISE_CHECK_OK(configure(database));
   ROOMWISE_TRY(const int version, checked_version(database));
-  // What reads can do without what later versions brought (kPictureFeaturesVersion). A later
-  // version that reading cannot do without has to be asked for here.
+  // What reads can do without what later versions brought (kPictureFeaturesVersion,
+  // kInstancesVersion). A later version that reading cannot do without has to be asked for here.
   const auto past = std::ranges::count_if(
       migrations(), [&](const Migration& migration) { return migration.version <= version; });
   ROOMWISE_CHECK_OK(check_tables(database, migrations().first(static_cast<std::size_t>(past))));

@@ -5,6 +5,7 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -21,7 +22,9 @@
 #include "roomwise/home/writer_lock.h"
 #include "roomwise/mapping/pose_graph.h"
 #include "roomwise/network/classifier.h"
+#include "roomwise/objects/instances.h"
 #include "roomwise/objects/object_map.h"
+#include "roomwise/objects/region_surface.h"
 #include "roomwise/recording/room_labels.h"
 #include "roomwise/rooms/concepts.h"
 #include "roomwise/rooms/two_frame_rule.h"
@@ -31,6 +34,7 @@ namespace roomwise::home {
 using RecordingId = std::int64_t;
 using KeyframeId = std::uint64_t;  // 0, 1, 2, ... in the order of time
 using NetworkId = std::int64_t;
+using FinderId = std::int64_t;
 
 // A walk through the home with an RGB-D camera.
 struct Recording {
@@ -91,6 +95,15 @@ struct Network {
   std::size_t feature_size = 0;
 
   friend bool operator==(const Network&, const Network&) = default;
+};
+
+// What has looked where in key-frames things are.
+struct RegionFinderRecord {
+  std::string name;
+  std::string fingerprint;  // objects::RegionFinder::fingerprint()
+  std::vector<std::string> labels;
+
+  friend bool operator==(const RegionFinderRecord&, const RegionFinderRecord&) = default;
 };
 
 // A key-frame in the making, with all that is known of it at once.
@@ -208,6 +221,20 @@ class Home {
   [[nodiscard]] Expected<std::map<KeyframeId, std::vector<objects::Sighting>>> sightings() const;
   [[nodiscard]] Expected<void> replace_objects(std::span<const objects::MapObject> objects);
   [[nodiscard]] Expected<std::vector<objects::MapObject>> objects() const;  // in the order given
+
+  // ---- where in key-frames things are, and what they are together ----
+  // The finder's id; adds it if it is new. Known by its fingerprint.
+  [[nodiscard]] Expected<FinderId> add_region_finder(const RegionFinderRecord& finder);
+  [[nodiscard]] Expected<std::map<FinderId, RegionFinderRecord>> region_finders() const;
+  // What the finder found in the key-frame takes the place of what it found there before.
+  [[nodiscard]] Expected<void> put_look(KeyframeId keyframe, FinderId finder,
+                                        const objects::KeyframeLook& look);
+  // Of every key-frame that the finder has looked at.
+  [[nodiscard]] Expected<std::map<KeyframeId, objects::KeyframeLook>> looks(FinderId finder) const;
+  // The key-frames alone.
+  [[nodiscard]] Expected<std::set<KeyframeId>> looked_at(FinderId finder) const;
+  [[nodiscard]] Expected<void> replace_instances(std::span<const objects::Instance> instances);
+  [[nodiscard]] Expected<std::vector<objects::Instance>> instances() const;  // in the order given
 
   // ---- rooms ----
   // Fails where a room type has an object that the vocabulary does not know.

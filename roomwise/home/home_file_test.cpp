@@ -75,7 +75,7 @@ TEST_F(HomeFile, IsKnownByItsFirstBytes) {
   const Database database = Database::open(path_, Database::Access::kReadOnly).value();
   const auto header = database.header().value();
   EXPECT_EQ(header.application_id, kApplicationId);
-  EXPECT_EQ(header.user_version, 2);
+  EXPECT_EQ(header.user_version, 3);
 }
 
 TEST_F(HomeFile, IsNotMadeOverAnotherFile) {
@@ -124,35 +124,56 @@ TEST_F(HomeFile, RefusesTheDatabaseOfAnotherProgram) {
 
 TEST_F(HomeFile, RefusesANewerVersion) {
   make();
-  run_sql("PRAGMA user_version = 3");
-  expect_refused("newer Roomwise (home version 3; this one knows up to 2); update Roomwise");
+  run_sql("PRAGMA user_version = 4");
+  expect_refused("newer Roomwise (home version 4; this one knows up to 3); update Roomwise");
 }
 
-TEST_F(HomeFile, ReadsAnOlderVersionAndBringsItUpToDateToWrite) {
-  const std::string digest = make();
-  run_sql("DROP TABLE picture_features; PRAGMA user_version = 1");
-  const auto before = contents();
-  {
-    const auto reader = Home::open_read_only(path_);
-    ASSERT_OK(reader);
-    EXPECT_EQ(reader->content_digest().value(), digest);
-    EXPECT_THAT(reader->picture_features("c0ffee", "1: 0.8").value(), IsEmpty());
-    EXPECT_OK(reader->verify());
+// What versions 3 and 2 brought, taken away again.
+constexpr const char* kBackToVersion2 =
+    "DROP TABLE instance_names; DROP TABLE instances; DROP TABLE keyframe_regions; "
+    "DROP TABLE keyframe_looks; DROP TABLE keyframe_depths; DROP TABLE region_finders; "
+    "PRAGMA user_version = 2;";
+constexpr const char* kBackToVersion1 = "DROP TABLE picture_features; PRAGMA user_version = 1;";
+
+TEST_F(HomeFile, ReadsOlderVersionsAndBringsThemUpToDateToWrite) {
+  for (const int version : {2, 1}) {
+    std::filesystem::remove(path_);
+    make();
+    run_sql(kBackToVersion2);
+    if (version == 1) run_sql(kBackToVersion1);
+    const auto before = contents();
+    std::string digest;
+    {
+      const auto reader = Home::open_read_only(path_);
+      ASSERT_OK(reader);
+      digest = reader->content_digest().value();
+      EXPECT_EQ(reader->picture_features("c0ffee", "1: 0.8").value().empty(), version == 1);
+      EXPECT_THAT(reader->region_finders().value(), IsEmpty());
+      EXPECT_THAT(reader->looks(1).value(), IsEmpty());
+      EXPECT_THAT(reader->instances().value(), IsEmpty());
+      EXPECT_OK(reader->verify());
+    }
+    EXPECT_EQ(contents(), before);
+    {
+      Home writer = Home::open(path_).value();
+      EXPECT_EQ(writer.content_digest().value(), digest);
+      const std::vector<PictureFeatures> features{{"d1", 0, std::nullopt, {1, 2}}};
+      ASSERT_OK(writer.replace_picture_features("feed", "", features));
+      EXPECT_THAT(writer.picture_features("feed", "").value(), ::testing::SizeIs(1));
+      EXPECT_EQ(writer.content_digest().value(), digest) << "features are no content";
+      ASSERT_OK(writer.replace_instances(std::vector{testing::sample_instance(0)}));
+      EXPECT_THAT(writer.instances().value(), ::testing::SizeIs(1));
+      EXPECT_NE(writer.content_digest().value(), digest);
+    }
+    EXPECT_EQ(Database::open(path_, Database::Access::kReadOnly)->header()->user_version, 3);
   }
-  EXPECT_EQ(contents(), before);
-  {
-    Home writer = Home::open(path_).value();
-    EXPECT_EQ(writer.content_digest().value(), digest);
-    const std::vector<PictureFeatures> features{{"d1", 0, std::nullopt, {1, 2}}};
-    ASSERT_OK(writer.replace_picture_features("feed", "", features));
-    EXPECT_THAT(writer.picture_features("feed", "").value(), ::testing::SizeIs(1));
-  }
-  EXPECT_EQ(Database::open(path_, Database::Access::kReadOnly)->header()->user_version, 2);
 }
 
 TEST_F(HomeFile, RefusesAMissingTableOfAnOlderVersion) {
   make();
-  run_sql("DROP TABLE picture_features; DROP TABLE has_a; PRAGMA user_version = 1");
+  run_sql(kBackToVersion2);
+  run_sql(kBackToVersion1);
+  run_sql("DROP TABLE has_a");
   EXPECT_ERROR(Home::open_read_only(path_), "no table 'has_a'");
 }
 
@@ -160,7 +181,7 @@ TEST_F(HomeFile, RefusesANewerVersionThatIsOnlyInTheLog) {
   make();
   const int status = testing::run_in_child([&] {
     Database database = Database::open(path_, Database::Access::kReadWrite).value();
-    if (!database.run_script("PRAGMA journal_mode = WAL; PRAGMA user_version = 3")) return 1;
+    if (!database.run_script("PRAGMA journal_mode = WAL; PRAGMA user_version = 4")) return 1;
     return ::kill(::getpid(), SIGKILL);
   });
   ASSERT_TRUE(WIFSIGNALED(status));

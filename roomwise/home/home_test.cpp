@@ -377,6 +377,16 @@ TEST_F(HomeTest, DigestIsOfTheContentNotOfItsHistory) {
     ROOMWISE_CHECK_OK(b.replace_room_ranges(1, {{0, 4, "kitchen", 1}, {5, 9, "Anna's room", 1}}));
     ROOMWISE_CHECK_OK(b.replace_objects(std::vector<objects::MapObject>{
         {"bed", 1, 0.5, 4, Eigen::Vector3d(0.1, -0.2, 2.5)}, {"lamp", 2, 0.9, 4, std::nullopt}}));
+    const std::vector<std::string> labels{"couch", "bed"};
+    ROOMWISE_CHECK_OK(b.add_region_finder({"finder", "f1nd", labels}).map([](auto) {}));
+    objects::KeyframeLook one = testing::sample_look(2);
+    ROOMWISE_CHECK_OK(b.put_look(2, 1, one));
+    one.regions.resize(1);
+    ROOMWISE_CHECK_OK(b.put_look(2, 1, one));
+    ROOMWISE_CHECK_OK(b.put_look(1, 1, testing::sample_look(1)));
+    ROOMWISE_CHECK_OK(b.replace_instances(std::vector{testing::sample_instance(3)}));
+    ROOMWISE_CHECK_OK(
+        b.replace_instances(std::vector{testing::sample_instance(1), testing::sample_instance(2)}));
     return b.put_setting("seed", "7");
   };
   ASSERT_OK(b.atomically(fill_b));

@@ -88,6 +88,33 @@ inline Step sample_step(RecordingId recording, NetworkId network, KeyframeId id)
   return step;
 }
 
+inline objects::KeyframeLook sample_look(KeyframeId id) {
+  objects::KeyframeLook look;
+  look.coarse_depth = image::DepthImage(3, 2, static_cast<std::uint16_t>(1000 + id));
+  look.coarse_depth.at(2, 1) = 0;
+  objects::Region region{
+      .label = "couch", .score = 0.625F, .box = {1.5F, 2, 30.25F, 40}, .surface = {}};
+  region.surface.points = {{0.1F, -0.2F, 1.5F}, {1.0F / 3, 0, 2}};
+  region.surface.share = 0.75F;
+  region.surface.measured = 0.5F;
+  look.regions = {region, {"bed", 0.3F, {0, 0, 5, 5}, {}}};
+  return look;
+}
+
+inline objects::Instance sample_instance(KeyframeId id) {
+  objects::Instance instance;
+  instance.name = "sofa";
+  instance.probability = 0.875;
+  instance.names = {{"sofa", 0.8}, {"bed", 0.2}};
+  instance.sightings = 5;
+  instance.expected = 7;
+  instance.keyframe_id = id;
+  instance.picture_box = {1.5F, 2, 30.25F, 40};
+  instance.box_keyframe = {sample_pose(0.2), {2, 0.9, 1.0 / 3}};
+  instance.sigma_m = {0.05, 0.1, 1.0 / 7};
+  return instance;
+}
+
 #define ROOMWISE_MUST(expression)                                                  \
   do {                                                                             \
     const auto done_ = (expression);                                               \
@@ -102,6 +129,12 @@ inline void fill(Home& home) {
   for (KeyframeId id = 0; id < 4; ++id) ROOMWISE_MUST(home.commit_step(sample_step(1, 1, id)));
   ROOMWISE_MUST(home.replace_objects(std::vector<objects::MapObject>{
       {"bed", 1, 0.5, 4, Eigen::Vector3d(0.1, -0.2, 2.5)}, {"lamp", 2, 0.9, 4, std::nullopt}}));
+  ROOMWISE_MUST(home.add_region_finder({"finder", "f1nd", {"couch", "bed"}}));
+  ROOMWISE_MUST(home.put_look(1, 1, sample_look(1)));
+  objects::KeyframeLook one = sample_look(2);
+  one.regions.resize(1);
+  ROOMWISE_MUST(home.put_look(2, 1, one));
+  ROOMWISE_MUST(home.replace_instances(std::vector{sample_instance(1), sample_instance(2)}));
   ROOMWISE_MUST(home.replace_concepts(rooms::Concepts::standard()));
   ROOMWISE_MUST(home.replace_rooms(
       std::vector<rooms::Room>{{"Anna's room", "bedroom"}, {"kitchen", "kitchen"}}));

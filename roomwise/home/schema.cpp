@@ -223,8 +223,91 @@ CREATE TABLE picture_features (
 CREATE INDEX picture_features_by_keyframe ON picture_features (keyframe_id);
 )sql";
 
+constexpr const char* kVersion3 = R"sql(
+CREATE TABLE region_finders (
+  -- What looks where in key-frames things are: detectors, classifiers with their activation maps.
+  finder_id INTEGER PRIMARY KEY,
+  name TEXT NOT NULL,
+  fingerprint TEXT NOT NULL UNIQUE,    -- SHA-256 of the weights file, with the method where there are several
+  labels TEXT NOT NULL                 -- JSON array: what it can name
+) STRICT;
+
+CREATE TABLE keyframe_depths (
+  -- The depth image of a key-frame, small: one place for eight by eight pixels.
+  keyframe_id INTEGER PRIMARY KEY REFERENCES keyframes ON DELETE CASCADE,
+  width_px INTEGER NOT NULL,
+  depth BLOB NOT NULL                  -- 16-bit numbers, little-endian; see recordings.depth_units_per_metre
+) STRICT;
+
+CREATE TABLE keyframe_looks (
+  -- Which finder has looked at which key-frame; it may have found nothing.
+  keyframe_id INTEGER NOT NULL REFERENCES keyframes ON DELETE CASCADE,
+  finder_id INTEGER NOT NULL REFERENCES region_finders,
+  PRIMARY KEY (keyframe_id, finder_id)
+) STRICT;
+
+CREATE TABLE keyframe_regions (
+  -- Where in a key-frame something was found, and what the depth there says of its surface.
+  keyframe_id INTEGER NOT NULL REFERENCES keyframes ON DELETE CASCADE,
+  finder_id INTEGER NOT NULL REFERENCES region_finders,
+  region INTEGER NOT NULL,             -- 0, 1, 2, ...: best first
+  label TEXT NOT NULL,                 -- as the finder calls it
+  score REAL NOT NULL,                 -- 0 to 1
+  left_px REAL NOT NULL,               -- the box in the colour image, right and bottom not included
+  top_px REAL NOT NULL,
+  right_px REAL NOT NULL,
+  bottom_px REAL NOT NULL,
+  share REAL NOT NULL,                 -- of the box's measured places, those on the thing's surface
+  measured REAL NOT NULL,              -- of the box's places, those where depth was measured
+  points BLOB NOT NULL,                -- points of the surface: x, y, z in m as 32-bit floats, little-endian,
+                                       -- in the key-frame's camera frame (right, down, forward)
+  PRIMARY KEY (keyframe_id, finder_id, region)
+) STRICT;
+
+CREATE TABLE instances (
+  -- The things of the home, each joined from what many key-frames show. They follow their key-frame
+  -- until they are joined anew.
+  instance_id INTEGER PRIMARY KEY,
+  name TEXT NOT NULL,
+  probability REAL NOT NULL,           -- that it is there and is called so, 0 to 1
+  sightings INTEGER NOT NULL,          -- number of key-frames that saw it
+  expected INTEGER NOT NULL,           -- number of key-frames that should have
+  keyframe_id INTEGER NOT NULL REFERENCES keyframes ON DELETE CASCADE,  -- shows it best
+  left_px REAL NOT NULL,               -- there, in the colour image
+  top_px REAL NOT NULL,
+  right_px REAL NOT NULL,
+  bottom_px REAL NOT NULL,
+  tx_m REAL NOT NULL,                  -- keyframe_from_box: its box in the key-frame's camera frame; the box
+  ty_m REAL NOT NULL,                  -- frame has its origin in the middle and z up
+  tz_m REAL NOT NULL,
+  qx REAL NOT NULL,
+  qy REAL NOT NULL,
+  qz REAL NOT NULL,
+  qw REAL NOT NULL,
+  width_m REAL NOT NULL,               -- along x, y and z of the box frame
+  depth_m REAL NOT NULL,
+  height_m REAL NOT NULL,
+  sigma_x_m REAL NOT NULL,             -- standard deviation of the middle along x, y and z of the box frame
+  sigma_y_m REAL NOT NULL,
+  sigma_z_m REAL NOT NULL
+) STRICT;
+
+CREATE TABLE instance_names (
+  -- What else an instance may be.
+  instance_id INTEGER NOT NULL REFERENCES instances ON DELETE CASCADE,
+  name TEXT NOT NULL,
+  share REAL NOT NULL,                 -- of what was seen that speaks for the name, 0 to 1
+  PRIMARY KEY (instance_id, name)
+) STRICT;
+)sql";
+
 constexpr std::array kMigrations = {Migration{1, kVersion1},
-                                    Migration{kPictureFeaturesVersion, kVersion2}};
+                                    Migration{kPictureFeaturesVersion, kVersion2},
+                                    Migration{kInstancesVersion, kVersion3}};
+
+constexpr Table later_table(std::string_view name, int since_version) {
+  return {.name = name, .since_version = since_version};
+}
 
 constexpr std::array kTables = {
     Table{"settings"},
@@ -246,6 +329,12 @@ constexpr std::array kTables = {
     Table{"room_ranges"},
     Table{"room_classifiers"},
     Table{"picture_features", /*in_digest=*/false},
+    later_table("region_finders", kInstancesVersion),
+    later_table("keyframe_depths", kInstancesVersion),
+    later_table("keyframe_looks", kInstancesVersion),
+    later_table("keyframe_regions", kInstancesVersion),
+    later_table("instances", kInstancesVersion),
+    later_table("instance_names", kInstancesVersion),
     Table{"stage_timings", /*in_digest=*/false},
 };
 

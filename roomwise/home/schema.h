@@ -28,6 +28,9 @@ struct Table {
   // follows from the rest.
   bool in_digest = true;
   std::string_view column_outside_digest = {};
+  // The version that brought it. The digest covers a later table once it holds something: a home
+  // does not change by being brought up to date.
+  int since_version = 1;
 };
 // Every table of a home.
 [[nodiscard]] std::span<const Table> tables();
@@ -40,7 +43,10 @@ struct Table {
 [[nodiscard]] Expected<void> check_tables(const Database& database,
                                           std::span<const Migration> migrations);
 
-// The version that brought the table picture_features; all else is in homes of version 1.
+// The version that brought the table picture_features.
 constexpr int kPictureFeaturesVersion = 2;
+// That brought where in key-frames things are, and what they are together: region_finders,
+// keyframe_depths, keyframe_looks, keyframe_regions, instances, instance_names.
+constexpr int kInstancesVersion = 3;
 
 }  // namespace roomwise::home

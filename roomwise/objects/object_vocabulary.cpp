@@ -37,15 +37,32 @@ bool same_label(std::string_view a, std::string_view b) {
 
 ObjectVocabulary ObjectVocabulary::standard() {
   ObjectVocabulary vocabulary;
-  // ImageNet has no plain bed, lamp or fridge; these are its classes that show them.
+  // Left the words of a home, right what ImageNet (long) and COCO (short) call them. Labels that
+  // the two share stand once, as ImageNet spells them. ImageNet has no plain bed, lamp, sofa or
+  // chair.
   vocabulary.objects_ = {
-      {"bed", {"studio couch, day bed", "four-poster", "quilt, comforter, comfort, puff"}},
-      {"lamp", {"table lamp", "lampshade, lamp shade"}},
-      {"wardrobe", {"wardrobe, closet, press", "chiffonier, commode"}},
-      {"microwave", {"microwave, microwave oven"}},
-      {"stove", {"stove"}},
+      {"bath", {"bathtub, bathing tub, bath, tub", "tub, vat"}},
+      {"bed", {"studio couch, day bed", "four-poster", "quilt, comforter, comfort, puff", "bed"}},
+      {"bookcase", {"bookcase"}},
+      {"bottle",
+       {"bottle", "wine bottle", "water bottle", "beer bottle", "pop bottle, soda bottle"}},
+      {"chair", {"chair", "folding chair", "rocking chair, rocker"}},
+      {"clock", {"clock", "analog clock", "wall clock", "digital clock"}},
       {"fridge", {"refrigerator, icebox"}},
-      {"toilet seat", {"toilet seat"}},
+      {"lamp", {"table lamp", "lampshade, lamp shade"}},
+      {"laptop", {"laptop, laptop computer", "notebook, notebook computer"}},
+      {"microwave", {"microwave, microwave oven"}},
+      {"plant", {"potted plant", "pot, flowerpot"}},
+      {"sink", {"sink", "washbasin, handbasin, washbowl, lavabo, wash-hand basin"}},
+      {"sofa", {"couch"}},
+      {"stove", {"stove", "oven"}},
+      {"table", {"dining table, board", "desk"}},
+      {"toaster", {"toaster"}},
+      {"toilet seat", {"toilet seat", "toilet"}},
+      {"tv", {"tv", "television, television system", "screen, CRT screen", "monitor"}},
+      {"vase", {"vase"}},
+      {"wardrobe", {"wardrobe, closet, press", "chiffonier, commode"}},
+      {"washing machine", {"washer, automatic washer, washing machine"}},
   };
   return vocabulary;
 }

@@ -3,32 +3,56 @@
 #include <chrono>
 
 #include "roomwise/image/codec.h"
+#include "roomwise/pipeline/keyframe_images.h"
 
 namespace roomwise::pipeline {
 
+Expected<objects::KeyframeLook> look_at(const objects::RegionFinder& finder,
+                                        const image::ColorImage& color,
+                                        const image::DepthImage& depth,
+                                        const geometry::PinholeCamera& camera) {
+  ROOMWISE_TRY(const auto detections, finder.find(color));
+  objects::KeyframeLook look;
+  look.coarse_depth = objects::coarse_depth(depth);
+  for (const network::Detection& detection : detections) {
+    look.regions.push_back({finder.labels().at(detection.label), detection.score, detection.box,
+                            objects::region_surface(depth, camera, detection.box)});
+  }
+  return look;
+}
+
 Expected<KeyframeObserver> KeyframeObserver::create(home::Home& home, const Networks& networks,
+                                                    const objects::RegionFinders& finders,
                                                     RunContext& run) {
-  KeyframeObserver observer(home, networks, run);
+  KeyframeObserver observer(home, networks, finders, run);
   for (const auto& network : networks) {
     ROOMWISE_TRY(const home::NetworkId id,
                  home.add_network({network->name(), network->fingerprint(), network->labels(),
                                    network->feature_size()}));
-    observer.ids_.push_back(id);
+    observer.network_ids_.push_back(id);
+  }
+  for (const auto& finder : finders) {
+    ROOMWISE_TRY(const home::FinderId id,
+                 home.add_region_finder({finder->name(), finder->fingerprint(), finder->labels()}));
+    observer.finder_ids_.push_back(id);
   }
   return observer;
 }
 
 KeyframeObserver::~KeyframeObserver() {
-  for (const Observation& observation : under_way_) observation.prediction.wait();
+  for (const auto& observation : under_way_) observation.wait();
 }
 
 Expected<void> KeyframeObserver::observe(home::KeyframeId keyframe,
-                                         std::shared_ptr<const image::ColorImage> color) {
-  for (std::size_t i = 0; i < networks_->size(); ++i) submit(keyframe, i, color);
+                                         std::shared_ptr<const image::RgbdFrame> frame,
+                                         const geometry::PinholeCamera& camera) {
+  const Images images{{frame, &frame->color}, {frame, &frame->depth}};
+  for (std::size_t i = 0; i < networks_->size(); ++i) show_network(keyframe, i, images.color);
+  for (std::size_t i = 0; i < finders_->size(); ++i) show_finder(keyframe, i, images, camera);
   // Never far behind: pictures that wait take memory.
-  const std::size_t most_waiting = 2 * run_->pool.size() * networks_->size();
-  const auto is_ready = [](const Observation& observation) {
-    return observation.prediction.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+  const std::size_t most_waiting = 2 * run_->pool.size() * (networks_->size() + finders_->size());
+  const auto is_ready = [](const std::future<Expected<Store>>& observation) {
+    return observation.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
   };
   while (!under_way_.empty() &&
          (under_way_.size() > most_waiting || is_ready(under_way_.front()))) {
@@ -38,12 +62,18 @@ Expected<void> KeyframeObserver::observe(home::KeyframeId keyframe,
 }
 
 Expected<bool> KeyframeObserver::observe_missing() {
-  if (networks_->empty()) return true;
-  std::vector<std::map<home::KeyframeId, network::Prediction>> seen;
-  for (const home::NetworkId id : ids_) {
+  if (networks_->empty() && finders_->empty()) return true;
+  std::vector<std::map<home::KeyframeId, network::Prediction>> predicted;
+  for (const home::NetworkId id : network_ids_) {
     ROOMWISE_TRY(auto predictions, home_->predictions(id));
-    seen.push_back(std::move(predictions));
+    predicted.push_back(std::move(predictions));
   }
+  std::vector<std::set<home::KeyframeId>> looked_at;
+  for (const home::FinderId id : finder_ids_) {
+    ROOMWISE_TRY(auto keyframes, home_->looked_at(id));
+    looked_at.push_back(std::move(keyframes));
+  }
+  ROOMWISE_TRY(const auto cameras, recording_cameras(*home_));
   ROOMWISE_TRY(const auto keyframes, home_->keyframes());
   run_->progress.begin("looking at key-frames", keyframes.size());
   bool seen_all = true;
@@ -53,17 +83,18 @@ Expected<bool> KeyframeObserver::observe_missing() {
       break;
     }
     const home::KeyframeId id = keyframes[k].id;
-    std::shared_ptr<const image::ColorImage> color;
-    for (std::size_t i = 0; i < networks_->size(); ++i) {
-      if (seen[i].contains(id)) continue;
-      if (!color) {
-        ROOMWISE_TRY(const home::KeyframeImages images, home_->images(id));
-        ROOMWISE_TRY(image::ColorImage decoded, image::decode_color(images.color));
-        color = std::make_shared<const image::ColorImage>(std::move(decoded));
+    const auto misses = [id](const auto& seen) { return !seen.contains(id); };
+    const bool find = std::ranges::any_of(looked_at, misses);
+    if (find || std::ranges::any_of(predicted, misses)) {
+      ROOMWISE_TRY(const Images images, stored_images(id, find));
+      for (std::size_t i = 0; i < networks_->size(); ++i) {
+        if (misses(predicted[i])) show_network(id, i, images.color);
       }
-      submit(id, i, color);
-      if (under_way_.size() > 2 * run_->pool.size()) ROOMWISE_CHECK_OK(store_first());
+      for (std::size_t i = 0; i < finders_->size(); ++i) {
+        if (misses(looked_at[i])) show_finder(id, i, images, cameras.at(keyframes[k].recording));
+      }
     }
+    while (under_way_.size() > 2 * run_->pool.size()) ROOMWISE_CHECK_OK(store_first());
     run_->progress.advance(k + 1, "");
   }
   run_->progress.end();
@@ -76,22 +107,54 @@ Expected<void> KeyframeObserver::finish() {
   return {};
 }
 
-void KeyframeObserver::submit(home::KeyframeId keyframe, std::size_t network,
-                              const std::shared_ptr<const image::ColorImage>& color) {
+Expected<KeyframeObserver::Images> KeyframeObserver::stored_images(home::KeyframeId keyframe,
+                                                                   bool needs_depth) const {
+  ROOMWISE_TRY(const home::KeyframeImages stored, home_->images(keyframe));
+  Images images;
+  ROOMWISE_TRY(image::ColorImage color, image::decode_color(stored.color));
+  images.color = std::make_shared<const image::ColorImage>(std::move(color));
+  if (needs_depth) {
+    ROOMWISE_TRY(image::DepthImage depth, image::decode_depth(stored.depth));
+    images.depth = std::make_shared<const image::DepthImage>(std::move(depth));
+  }
+  return images;
+}
+
+void KeyframeObserver::show_network(home::KeyframeId keyframe, std::size_t network,
+                                    const std::shared_ptr<const image::ColorImage>& color) {
   const network::Classifier& classifier = *(*networks_)[network];
-  StageClock& clock = run_->clock;
-  under_way_.push_back({keyframe, ids_[network], run_->pool.submit([&classifier, &clock, color] {
-                          const auto timing = clock.measure("network " + classifier.name());
-                          return classifier.predict(*color);
-                        })});
+  const home::NetworkId id = network_ids_[network];
+  under_way_.push_back(run_->pool.submit(
+      [&classifier, &clock = run_->clock, home = home_, id, keyframe, color]() -> Expected<Store> {
+        const auto timing = clock.measure("network " + classifier.name());
+        ROOMWISE_TRY(network::Prediction prediction, classifier.predict(*color));
+        return Store([home, id, keyframe, prediction = std::move(prediction)] {
+          return home->put_prediction(keyframe, id, prediction);
+        });
+      }));
+}
+
+void KeyframeObserver::show_finder(home::KeyframeId keyframe, std::size_t finder,
+                                   const Images& images, const geometry::PinholeCamera& camera) {
+  const objects::RegionFinder& regions = *(*finders_)[finder];
+  const home::FinderId id = finder_ids_[finder];
+  under_way_.push_back(run_->pool.submit([&regions, &clock = run_->clock, home = home_, id,
+                                          keyframe, images, camera]() -> Expected<Store> {
+    const auto timing = clock.measure("regions " + regions.name());
+    ROOMWISE_TRY(objects::KeyframeLook look,
+                 look_at(regions, *images.color, *images.depth, camera));
+    return Store([home, id, keyframe, look = std::move(look)] {
+      return home->put_look(keyframe, id, look);
+    });
+  }));
 }
 
 Expected<void> KeyframeObserver::store_first() {
-  Observation first = std::move(under_way_.front());
+  auto first = std::move(under_way_.front());
   under_way_.pop_front();
-  ROOMWISE_TRY(const network::Prediction prediction, first.prediction.get());
+  ROOMWISE_TRY(const Store store, first.get());
   const auto timing = run_->clock.measure("store");
-  return home_->put_prediction(first.keyframe, first.network, prediction);
+  return store();
 }
 
 }  // namespace roomwise::pipeline

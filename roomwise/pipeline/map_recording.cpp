@@ -86,7 +86,7 @@ Expected<bool> map_frames(recording::FrameSource& source,
     }
     for (const mapping::KeyframeId id : step.new_keyframes) {
       const auto& owner = mapper.keyframes()[id].frame_index == frame->index ? frame : previous;
-      ROOMWISE_CHECK_OK(observer.observe(id, {owner, &owner->color}));
+      ROOMWISE_CHECK_OK(observer.observe(id, owner, source.info().camera));
     }
     previous = frame;
     run.progress.advance(done, fmt::format("{} key-frames", mapper.keyframes().size()));
@@ -111,7 +111,8 @@ Expected<std::vector<mapping::KeyframeFeatures>> landmark_features(
 
 Expected<MapSummary> map_recording(recording::FrameSource& source, const home::Recording& recording,
                                    home::Home& home, const Networks& networks,
-                                   const MapSettings& settings, RunContext& run) {
+                                   const MapSettings& settings, RunContext& run,
+                                   const objects::RegionFinders& finders) {
   ROOMWISE_CHECK_OK(settings.validate());
   ROOMWISE_TRY(const home::StoredRecording stored, begin_or_resume(home, recording, settings));
   ROOMWISE_CHECK_OK(go_to_next_frame(source, home, stored));
@@ -121,7 +122,7 @@ Expected<MapSummary> map_recording(recording::FrameSource& source, const home::R
   mapping::Mapper mapper(camera, settings.mapper, {run.working_set_bytes, folder});
   ROOMWISE_CHECK_OK(restore_mapper(mapper, home, stored.id, camera, *extractor, settings, run));
   ROOMWISE_TRY(MapWriter writer, MapWriter::create(home, stored.id, mapper));
-  ROOMWISE_TRY(KeyframeObserver observer, KeyframeObserver::create(home, networks, run));
+  ROOMWISE_TRY(KeyframeObserver observer, KeyframeObserver::create(home, networks, finders, run));
 
   MapSummary summary;
   Expected<bool> at_end = map_frames(source, *extractor, settings, mapper, writer, observer, run);
@@ -163,7 +164,9 @@ Expected<MapSummary> map_recording(recording::FrameSource& source, const home::R
     summary.graph_error_after = solution.report.error_after;
     ROOMWISE_TRY(const recording::Trajectory trajectory, stored_trajectory(home));
     summary.placed = trajectory.size();
-    ROOMWISE_TRY(summary.objects, update_objects(home, settings.objects));
+    ROOMWISE_TRY(const FoundObjects found, update_objects(home, settings.objects));
+    summary.objects = found.by_rules;
+    summary.instances = found.instances;
     ROOMWISE_CHECK_OK(home.finish_recording(stored.id));
   }
   ROOMWISE_CHECK_OK(home.add_stage_timings(run.clock.stages()));

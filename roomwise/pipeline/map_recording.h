@@ -18,7 +18,8 @@ struct MapSummary {
   std::uint64_t loops = 0;  // returns to a place that was left: edges over more than ten key-frames
   std::uint64_t rejected_loops = 0;  // edges that contradicted the others and were left out
   std::uint64_t pieces = 0;
-  std::uint64_t objects = 0;
+  std::uint64_t objects = 0;      // by the paper's rules
+  std::uint64_t instances = 0;    // joined from the regions of many key-frames
   double graph_error_before = 0;  // F of the pose graph
   double graph_error_after = 0;
   // Where the bundle was adjusted; else 0.
@@ -31,12 +32,13 @@ struct MapSummary {
 
 // The main job: frames -> key-frames -> loops -> pose graph -> objects, all into a home. A home
 // that holds an unfinished recording is gone on with, exactly as if it had never been stopped; its
-// settings must then be the home's own. A home with a finished recording is an error. Networks may
-// be empty: then nothing is named or learned. On an error of the source (a damaged image)
-// everything before it is in the home.
+// settings must then be the home's own. A home with a finished recording is an error. Networks and
+// finders may be empty: then nothing is named or learned, or found. On an error of the source (a
+// damaged image) everything before it is in the home.
 [[nodiscard]] Expected<MapSummary> map_recording(recording::FrameSource& source,
                                                  const home::Recording& recording, home::Home& home,
                                                  const Networks& networks,
-                                                 const MapSettings& settings, RunContext& run);
+                                                 const MapSettings& settings, RunContext& run,
+                                                 const objects::RegionFinders& finders = {});
 
 }  // namespace roomwise::pipeline

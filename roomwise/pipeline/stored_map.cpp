@@ -3,31 +3,12 @@
 #include <algorithm>
 #include <set>
 
-#include "roomwise/image/codec.h"
 #include "roomwise/mapping/frame_poses.h"
 #include "roomwise/mapping/frame_smoothing.h"
-#include "roomwise/objects/center_point.h"
 #include "roomwise/pipeline/mapper_storage.h"
 
 namespace roomwise::pipeline {
 namespace {
-
-std::map<home::KeyframeId, home::KeyframePose> poses_by_id(
-    std::span<const home::Keyframe> keyframes) {
-  std::map<home::KeyframeId, home::KeyframePose> poses;
-  for (const home::Keyframe& keyframe : keyframes) poses[keyframe.id] = keyframe.pose;
-  return poses;
-}
-
-// Those before which the walk went on from an earlier key-frame than the last: their first step
-// leads to that one.
-std::set<home::KeyframeId> after_known_ground(std::span<const mapping::PoseGraphEdge> edges) {
-  std::set<home::KeyframeId> after;
-  for (const mapping::PoseGraphEdge& edge : edges) {
-    if (!edge.is_loop && edge.from + 1 != edge.to) after.insert(edge.to);
-  }
-  return after;
-}
 
 std::vector<TimestampNs> times_of(std::span<const home::Keyframe> keyframes) {
   std::vector<TimestampNs> times;
@@ -118,62 +99,6 @@ Expected<mapping::PoseGraph> stored_pose_graph(const home::Home& home,
     return mapping::is_contradicted(graph, edge, options);
   });
   return graph;
-}
-
-Expected<std::uint64_t> update_objects(home::Home& home, const objects::ObjectRules& rules) {
-  ROOMWISE_CHECK_OK(rules.validate());
-  ROOMWISE_TRY(const rooms::Concepts concepts, home.concepts());
-  ROOMWISE_TRY(const auto keyframes, home.keyframes());
-  ROOMWISE_TRY(const auto recordings, home.recordings());
-  ROOMWISE_TRY(const auto networks, home.networks());
-
-  // The first network that names things is the one that is asked.
-  std::map<home::KeyframeId, network::Prediction> predictions;
-  std::vector<std::string> labels;
-  for (const auto& [id, network] : networks) {
-    if (network.labels.empty()) continue;
-    labels = network.labels;
-    ROOMWISE_TRY(predictions, home.predictions(id));
-    break;
-  }
-
-  ROOMWISE_TRY(const auto edges, home.edges());
-  const std::set<home::KeyframeId> not_continuous = after_known_ground(edges);
-
-  std::vector<objects::KeyframeView> views;
-  for (const home::Keyframe& keyframe : keyframes) {
-    objects::KeyframeView& view = views.emplace_back();
-    view.keyframe_id = keyframe.id;
-    view.is_continuous = !not_continuous.contains(keyframe.id);
-    if (const auto found = predictions.find(keyframe.id); found != predictions.end()) {
-      view.sightings = objects::sightings_in(found->second.scores, labels, concepts.vocabulary,
-                                             rules.least_score);
-    }
-    if (view.sightings.empty()) continue;
-    ROOMWISE_TRY(const home::KeyframeImages images, home.images(keyframe.id));
-    ROOMWISE_TRY(const image::DepthImage depth, image::decode_depth(images.depth));
-    const auto recording =
-        std::ranges::find(recordings, keyframe.recording, &home::StoredRecording::id);
-    view.center_point = objects::center_point(depth, recording->recording.camera);
-  }
-  // Pieces of the map that nothing joined have nothing to do with each other.
-  std::map<std::uint64_t, std::vector<objects::KeyframeView>> views_of_piece;
-  for (std::size_t i = 0; i < keyframes.size(); ++i)
-    views_of_piece[keyframes[i].pose.piece].push_back(views[i]);
-  const std::map<home::KeyframeId, home::KeyframePose> poses = poses_by_id(keyframes);
-  std::vector<objects::MapObject> found;
-  for (const auto& [piece, views_there] : views_of_piece) {
-    const auto there = objects::confirm_objects(
-        views_there, rules, [&](std::uint64_t id) { return poses.at(id).world_from_keyframe; });
-    found.insert(found.end(), there.begin(), there.end());
-  }
-  ROOMWISE_CHECK_OK(home.atomically([&]() -> Expected<void> {
-    for (const objects::KeyframeView& view : views) {
-      ROOMWISE_CHECK_OK(home.put_sightings(view.keyframe_id, view.sightings));
-    }
-    return home.replace_objects(found);
-  }));
-  return found.size();
 }
 
 Expected<recording::Trajectory> stored_trajectory(const home::Home& home) {

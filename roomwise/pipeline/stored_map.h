@@ -36,10 +36,15 @@ struct SolvedMap {
 [[nodiscard]] Expected<mapping::PoseGraph> stored_pose_graph(
     const home::Home& home, const mapping::MapSolverOptions& options);
 
-// Applies the rules of objects/ to what the networks saw, with the home's concepts and the poses as
-// they are now: after mapping, after optimising, after editing the concepts. The number of objects.
-[[nodiscard]] Expected<std::uint64_t> update_objects(home::Home& home,
-                                                     const objects::ObjectRules& rules);
+struct FoundObjects {
+  std::uint64_t by_rules = 0;   // the paper's
+  std::uint64_t instances = 0;  // joined from regions
+};
+// Applies the rules of objects/ to what the networks saw, and joins the regions that were found,
+// with the home's concepts and the poses as they are now: after mapping, after optimising, after
+// editing the concepts.
+[[nodiscard]] Expected<FoundObjects> update_objects(home::Home& home,
+                                                    const objects::ObjectRules& rules);
 
 // The poses of all frames that the largest piece of the map places, in the order of time: along the
 // key-frames that they hang on and, where the map's settings adjust the bundle, as the key-frames

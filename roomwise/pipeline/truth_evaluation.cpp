@@ -22,19 +22,20 @@ namespace {
 
 constexpr double kFarFromEverything_m = 0.5;
 
-// What is called so by the home and was shown by the walk.
-std::vector<evaluation::TrueObject> nameable(const std::vector<simulation::ObjectTruth>& objects,
-                                             const rooms::Concepts& concepts) {
-  std::vector<evaluation::TrueObject> truth;
-  for (const simulation::ObjectTruth& object : objects) {
-    if (object.seen.empty() || !concepts.vocabulary.objects().contains(object.label)) continue;
-    const Eigen::Quaterniond turn(Eigen::AngleAxisd(object.yaw_rad, Eigen::Vector3d::UnitZ()));
-    truth.push_back({object.label, {{turn, object.center_m}, object.size_m}});
+Expected<std::vector<Eigen::Vector3f>> surface_points(const home::Home& home,
+                                                      std::span<const home::Keyframe> keyframes,
+                                                      const MapEvaluationOptions& options,
+                                                      RunContext& run) {
+  if (options.surface == MapSurface::kCloud) {
+    ROOMWISE_TRY(MapCloud map, build_map_cloud(home, keyframes, options.voxel_size_m, run));
+    return std::move(map.cloud.points);
   }
-  return truth;
+  ROOMWISE_TRY(const DenseMap map, build_dense_map(home, keyframes, options.voxel_size_m, run));
+  return extract_mesh(map.field(), fusion::MeshOptions{}, run.pool).vertices;
 }
 
-// The key-frames whose true pose is known, in the truth's frame.
+}  // namespace
+
 Expected<std::vector<home::Keyframe>> at_true_poses(std::vector<home::Keyframe> keyframes,
                                                     const std::filesystem::path& recording) {
   constexpr TimestampNs kMostApart_ns = 20'000'000;
@@ -53,20 +54,6 @@ Expected<std::vector<home::Keyframe>> at_true_poses(std::vector<home::Keyframe> 
   if (placed.empty()) return fail("{}: has no pose at the time of a key-frame", file.string());
   return placed;
 }
-
-Expected<std::vector<Eigen::Vector3f>> surface_points(const home::Home& home,
-                                                      std::span<const home::Keyframe> keyframes,
-                                                      const MapEvaluationOptions& options,
-                                                      RunContext& run) {
-  if (options.surface == MapSurface::kCloud) {
-    ROOMWISE_TRY(MapCloud map, build_map_cloud(home, keyframes, options.voxel_size_m, run));
-    return std::move(map.cloud.points);
-  }
-  ROOMWISE_TRY(const DenseMap map, build_dense_map(home, keyframes, options.voxel_size_m, run));
-  return extract_mesh(map.field(), fusion::MeshOptions{}, run.pool).vertices;
-}
-
-}  // namespace
 
 Expected<void> check_mapped_from(const home::Home& home, const std::filesystem::path& recording) {
   ROOMWISE_TRY(const auto keyframes, home.keyframes());
@@ -95,32 +82,6 @@ Expected<geometry::RigidTransform> truth_from_map(const home::Home& home,
   const auto error = evaluation::absolute_trajectory_error(truth, estimate);
   if (!error) return fail("{} and {}: {}", home.file(), file.string(), error.error().message);
   return error->truth_from_estimate;
-}
-
-Expected<ObjectEvaluation> evaluate_objects(const home::Home& home,
-                                            const std::filesystem::path& recording,
-                                            double most_distance_m) {
-  ROOMWISE_CHECK_OK(check_mapped_from(home, recording));
-  ROOMWISE_TRY(const auto true_objects, simulation::read_objects_truth(recording / "objects.json"));
-  ROOMWISE_TRY(const geometry::RigidTransform truth_from_world, truth_from_map(home, recording));
-  ROOMWISE_TRY(const rooms::Concepts concepts, home.concepts());
-  ROOMWISE_TRY(const auto keyframes, home.keyframes());
-  ROOMWISE_TRY(const auto objects, home.objects());
-
-  ObjectEvaluation result;
-  result.truth = nameable(true_objects, concepts);
-  for (const objects::MapObject& object : objects) {
-    const home::KeyframePose& pose = keyframes.at(object.keyframe_id).pose;
-    if (!object.position_keyframe || pose.piece != 0) {
-      ++result.without_place;
-      continue;
-    }
-    result.found.push_back(
-        {object.name, truth_from_world * (pose.world_from_keyframe * *object.position_keyframe)});
-  }
-  ROOMWISE_TRY(result.errors,
-               evaluation::object_errors(result.truth, result.found, most_distance_m));
-  return result;
 }
 
 Expected<evaluation::CloudError> evaluate_map(const home::Home& home,

@@ -21,15 +21,34 @@ namespace roomwise::pipeline {
 [[nodiscard]] Expected<geometry::RigidTransform> truth_from_map(
     const home::Home& home, const std::filesystem::path& recording);
 
-struct ObjectEvaluation {
-  std::vector<evaluation::TrueObject> truth;   // what the home can name and the walk showed
-  std::vector<evaluation::FoundObject> found;  // in the truth's frame
+// The key-frames whose true pose is known within 0.02 s, in the truth's frame. Fails where there
+// are none.
+[[nodiscard]] Expected<std::vector<home::Keyframe>> at_true_poses(
+    std::vector<home::Keyframe> keyframes, const std::filesystem::path& recording);
+
+// What was found one way, in the truth's frame, and how far that is from the truth.
+struct FoundObjectErrors {
+  std::vector<evaluation::FoundObject> found;
   evaluation::ObjectErrors errors;
   std::size_t without_place = 0;  // found, but where is not known
 };
 
+struct ObjectEvaluation {
+  // What the home can name and the walk showed. Expected is what it showed well: in four key-frames
+  // or more, from two metres or nearer, half a percent of the picture or more, a quarter or more of
+  // the rectangle about its box.
+  std::vector<evaluation::TrueObject> truth;
+  FoundObjectErrors by_rules;   // the paper's way
+  FoundObjectErrors instances;  // joined from regions
+  // Of the matched instances' middles, along the axes of their boxes, the share that lies within
+  // two standard deviations of the truth.
+  double within_two_sigma = 0;
+};
+
 // Objects of the home against objects.json: a thing counts as found within `most_distance_m` of its
-// box. Things that the walk never showed are left out.
+// box. Things that the walk never showed are left out. What has several words in a home may be
+// called by each (an armchair is a chair or a sofa), and what is like a thing that the home has a
+// word for, and has none itself, may be called so or not be found (a stool is a chair).
 [[nodiscard]] Expected<ObjectEvaluation> evaluate_objects(const home::Home& home,
                                                           const std::filesystem::path& recording,
                                                           double most_distance_m);

@@ -1,0 +1,255 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <optional>
+#include <string_view>
+
+#include "roomwise/objects/world_sight.h"
+
+namespace roomwise::objects {
+namespace {
+
+using Eigen::Vector3d;
+using Eigen::Vector3f;
+
+constexpr float kCell_m = 0.03F;
+constexpr double kHullShare = 0.85;   // of the pictures whose boxes hold a cell
+constexpr double kOutermost = 0.015;  // of the cells on each side that are taken for noise
+constexpr double kStandsBelow_m = 0.25;
+constexpr std::size_t kJackknifeParts = 8;
+constexpr double kCommonSigma_m = 0.02;  // of poses and calibration
+
+// A cell of the group's surface: the mean of its points and which sights show it.
+struct SurfaceCell {
+  Vector3f sum = Vector3f::Zero();
+  int points = 0;
+  std::vector<std::size_t> shown_by;  // places in the group, ascending
+
+  [[nodiscard]] Vector3f middle() const { return sum / static_cast<float>(points); }
+};
+
+std::map<VoxelKey, SurfaceCell> cells_of(const SightGroup& group,
+                                         std::span<const WorldSight> sights) {
+  std::map<VoxelKey, SurfaceCell> cells;
+  for (std::size_t i = 0; i < group.size(); ++i) {
+    for (const Vector3f& point : sights[group[i]].points_world) {
+      SurfaceCell& cell = cells[voxel_of(point, kCell_m)];
+      cell.sum += point;
+      ++cell.points;
+      if (cell.shown_by.empty() || cell.shown_by.back() != i) cell.shown_by.push_back(i);
+    }
+  }
+  return cells;
+}
+
+// Cells that fewer sights show than that are taken for noise: of what most cells of the thing are
+// shown by, a share.
+std::size_t fewest_shown(const std::map<VoxelKey, SurfaceCell>& cells) {
+  constexpr double kOfOften = 0.3;
+  std::vector<std::size_t> counts;
+  for (const auto& [key, cell] : cells) counts.push_back(cell.shown_by.size());
+  if (counts.empty()) return 0;
+  const auto often = counts.begin() + static_cast<std::ptrdiff_t>(counts.size() * 9 / 10);
+  std::ranges::nth_element(counts, often);
+  return static_cast<std::size_t>(kOfOften * static_cast<double>(*often));
+}
+
+// Whether a key-frame sees a point, and where in its picture.
+std::optional<Eigen::Vector2d> pixel_of(const Vector3f& point_world,
+                                        const LookedKeyframe& keyframe) {
+  constexpr double kBehind_m = 0.15;
+  const Vector3d point = keyframe.world_from_camera.inverse() * point_world.cast<double>();
+  if (point.z() < 0.1) return std::nullopt;
+  const Eigen::Vector2d pixel = keyframe.camera->project(point);
+  const int x = static_cast<int>(std::floor(pixel.x() / kCoarseDepthStep_px));
+  const int y = static_cast<int>(std::floor(pixel.y() / kCoarseDepthStep_px));
+  if (pixel.x() < 0 || pixel.y() < 0 || !keyframe.coarse_depth->contains(x, y)) return std::nullopt;
+  const double seen_m = keyframe.coarse_depth->at(x, y) / keyframe.camera->depth_units_per_metre;
+  if (seen_m > 0 && seen_m < point.z() - kBehind_m) return std::nullopt;
+  return pixel;
+}
+
+// Whether the pictures that show a point show it inside the thing's box: the thing's own points lie
+// in nearly all of them, a wall behind it only in those from before it.
+bool is_in_hull(const Vector3f& point_world, const SightGroup& group,
+                std::span<const WorldSight> sights, std::span<const LookedKeyframe> keyframes) {
+  int inside = 0, shown = 0;
+  for (const std::size_t index : group) {
+    const WorldSight& sight = sights[index];
+    const auto pixel = pixel_of(point_world, keyframes[sight.keyframe]);
+    if (!pixel) continue;
+    ++shown;
+    const network::PixelBox& box = sight.box;
+    const double slack = 2 + 0.02 * (box.right - box.left + box.bottom - box.top);
+    if (pixel->x() > box.left - slack && pixel->x() < box.right + slack &&
+        pixel->y() > box.top - slack && pixel->y() < box.bottom + slack) {
+      ++inside;
+    }
+  }
+  return inside >= kHullShare * shown;
+}
+
+// What is known of things by their names: whether they stand on the floor, and how wide and deep
+// they are at least, m. Of what stands at a wall or under a table only a side is seen.
+struct KindShape {
+  std::string_view name;
+  bool on_floor = true;
+  double least_side_m = 0;
+};
+constexpr std::array kKindShapes = {
+    KindShape{"bath", true, 0.65},       KindShape{"bed", true, 0.8},
+    KindShape{"bookcase", true, 0.3},    KindShape{"chair", true, 0.42},
+    KindShape{"fridge", true, 0.65},     KindShape{"sink", true, 0.4},
+    KindShape{"sofa", true, 0.8},        KindShape{"stove", true, 0.55},
+    KindShape{"table", true, 0.5},       KindShape{"toilet seat", true, 0.38},
+    KindShape{"wardrobe", true, 0.58},   KindShape{"washing machine", true, 0.58},
+    KindShape{"microwave", false, 0.35},
+};
+
+KindShape shape_of(std::string_view name) {
+  const auto found = std::ranges::find(kKindShapes, name, &KindShape::name);
+  return found == kKindShapes.end() ? KindShape{name, false, 0} : *found;
+}
+
+// What the best sights call it.
+std::string_view name_of(const SightGroup& group, std::span<const WorldSight> sights) {
+  std::map<std::string_view, double> scores;
+  for (const std::size_t index : group) scores[sights[index].name] += sights[index].score;
+  return std::ranges::max_element(scores, {}, [](const auto& one) { return one.second; })->first;
+}
+
+// The range of the values without the outermost.
+std::pair<double, double> range_of(std::vector<double> values) {
+  const auto cut = static_cast<std::ptrdiff_t>(kOutermost * static_cast<double>(values.size()));
+  std::ranges::nth_element(values, values.begin() + cut);
+  const double low = values[static_cast<std::size_t>(cut)];
+  const auto last = values.end() - 1 - cut;
+  std::ranges::nth_element(values, last);
+  return {low, *last};
+}
+
+std::pair<double, double> range_along(std::span<const Vector3f> points, const Vector3d& axis) {
+  std::vector<double> along;
+  along.reserve(points.size());
+  for (const Vector3f& point : points) along.push_back(axis.dot(point.cast<double>()));
+  return range_of(std::move(along));
+}
+
+// The level axes x and y along which the rectangle about the points is smallest.
+std::pair<Vector3d, Vector3d> level_axes(std::span<const Vector3f> points, const Vector3d& up) {
+  constexpr int kSteps = 45;
+  const Vector3d u = up.unitOrthogonal();
+  const Vector3d v = up.cross(u);
+  double smallest = std::numeric_limits<double>::infinity();
+  std::pair<Vector3d, Vector3d> best{u, v};
+  for (int step = 0; step < kSteps; ++step) {
+    const double angle = step * (std::numbers::pi / 2) / kSteps;
+    const Vector3d x = std::cos(angle) * u + std::sin(angle) * v;
+    const Vector3d y = up.cross(x);
+    const auto [low_x, high_x] = range_along(points, x);
+    const auto [low_y, high_y] = range_along(points, y);
+    // A rim of a cell, so that flat things have an area too.
+    const double area = (high_x - low_x + kCell_m) * (high_y - low_y + kCell_m);
+    if (area >= smallest) continue;
+    smallest = area;
+    best = {x, y};
+  }
+  return best;
+}
+
+// How much the middle along an axis hangs on single pictures: the delete-a-group jackknife (Kott,
+// Journal of Official Statistics 17, 2001).
+double jackknife_sigma(std::span<const SurfaceCell> cells, std::size_t sights,
+                       const Vector3d& axis) {
+  const std::size_t parts = std::min(kJackknifeParts, sights);
+  if (parts < 2) return 0.25;
+  std::vector<double> middles;
+  for (std::size_t part = 0; part < parts; ++part) {
+    std::vector<double> along;
+    for (const SurfaceCell& cell : cells) {
+      const bool stays = std::ranges::any_of(
+          cell.shown_by, [&](std::size_t sight) { return sight % parts != part; });
+      if (stays) along.push_back(axis.dot(cell.middle().cast<double>()));
+    }
+    if (along.empty()) return 0.25;
+    const auto [low, high] = range_of(std::move(along));
+    middles.push_back((low + high) / 2);
+  }
+  double mean = 0, squares = 0;
+  for (const double middle : middles) mean += middle / static_cast<double>(parts);
+  for (const double middle : middles) squares += (middle - mean) * (middle - mean);
+  return std::sqrt(squares * static_cast<double>(parts - 1) / static_cast<double>(parts));
+}
+
+}  // namespace
+
+GroupBox box_of_group(const SightGroup& group, std::span<const WorldSight> sights,
+                      std::span<const LookedKeyframe> keyframes, const Level& level) {
+  GroupBox result;
+  std::vector<SurfaceCell> kept;
+  auto cells = cells_of(group, sights);
+  const std::size_t fewest = fewest_shown(cells);
+  for (auto& [key, cell] : cells) {
+    if (cell.shown_by.size() < fewest) continue;
+    if (!is_in_hull(cell.middle(), group, sights, keyframes)) continue;
+    result.surface_world.push_back(cell.middle());
+    kept.push_back(std::move(cell));
+  }
+  if (kept.size() < 4) return result;
+  const Vector3d& up = level.up_world;
+  const auto [x, y] = level_axes(result.surface_world, up);
+  Eigen::Matrix3d axes;
+  axes << x, y, up;
+  Vector3d low, high;
+  for (int i = 0; i < 3; ++i) {
+    std::tie(low[i], high[i]) = range_along(result.surface_world, axes.col(i));
+    result.sigma_m[i] =
+        std::hypot(jackknife_sigma(kept, group.size(), axes.col(i)), kCommonSigma_m);
+  }
+  // What begins that low stands on the floor; its foot was cut away with the floor.
+  const KindShape shape = shape_of(name_of(group, sights));
+  if (shape.on_floor || low.z() - level.floor_m < kStandsBelow_m) {
+    low.z() = std::min(level.floor_m, high.z());
+  }
+  // Away from the cameras, where nobody saw it.
+  Vector3d cameras = Vector3d::Zero();
+  for (const std::size_t index : group) {
+    cameras += keyframes[sights[index].keyframe].world_from_camera.translation /
+               static_cast<double>(group.size());
+  }
+  for (int i = 0; i < 2; ++i) {
+    const double lacks_m = shape.least_side_m - (high[i] - low[i]);
+    if (lacks_m <= 0) continue;
+    const bool camera_is_low = axes.col(i).dot(cameras) < (low[i] + high[i]) / 2;
+    (camera_is_low ? high[i] : low[i]) += camera_is_low ? lacks_m : -lacks_m;
+    result.sigma_m[i] = std::hypot(result.sigma_m[i], lacks_m / 2);
+  }
+  result.box_world = {geometry::RigidTransform::from_matrix(axes, axes * ((low + high) / 2)),
+                      high - low};
+  return result;
+}
+
+bool should_see(const LookedKeyframe& keyframe, std::span<const Eigen::Vector3f> surface_world,
+                double farthest_m) {
+  constexpr std::size_t kMostProbes = 60;
+  constexpr double kBehind_m = 0.2;
+  const std::size_t every = std::max<std::size_t>(1, surface_world.size() / kMostProbes);
+  const geometry::RigidTransform camera_from_world = keyframe.world_from_camera.inverse();
+  int probes = 0, visible = 0;
+  for (std::size_t i = 0; i < surface_world.size(); i += every) {
+    ++probes;
+    const Vector3d point = camera_from_world * surface_world[i].cast<double>();
+    if (point.z() < 0.3 || point.z() > farthest_m) continue;
+    const Eigen::Vector2d pixel = keyframe.camera->project(point) / kCoarseDepthStep_px;
+    const int x = static_cast<int>(std::floor(pixel.x()));
+    const int y = static_cast<int>(std::floor(pixel.y()));
+    if (!keyframe.coarse_depth->contains(x, y)) continue;
+    const double seen_m = keyframe.coarse_depth->at(x, y) / keyframe.camera->depth_units_per_metre;
+    if (seen_m <= 0 || seen_m > point.z() - kBehind_m) ++visible;
+  }
+  return visible >= 0.7 * probes && probes > 0;
+}
+
+}  // namespace roomwise::objects

@@ -1,0 +1,189 @@
+#include "roomwise/objects/instances.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <tuple>
+
+#include "roomwise/objects/world_sight.h"
+
+namespace roomwise::objects {
+namespace {
+
+// A group with its box and what it is called.
+struct Candidate {
+  SightGroup group;
+  GroupBox box;
+  std::vector<VoxelKey> voxels;  // of the surface
+  std::map<std::string, double> scores;
+};
+
+// Whether what a classifier says of the picture is said of the region: it holds the middle of the
+// picture and a tenth of it or more.
+bool stands_in_middle(const network::PixelBox& box, const geometry::PinholeCamera& camera) {
+  const auto width = static_cast<float>(camera.width), height = static_cast<float>(camera.height);
+  return box.left < width / 2 && box.right > width / 2 && box.top < height / 2 &&
+         box.bottom > height / 2 && box.area() >= 0.1F * width * height;
+}
+
+// A picture's name is about all of it.
+constexpr double kSaidWeight = 0.5;
+
+Candidate candidate_of(SightGroup group, std::span<const WorldSight> sights,
+                       std::span<const LookedKeyframe> keyframes, const Level& level) {
+  Candidate candidate;
+  candidate.box = box_of_group(group, sights, keyframes, level);
+  candidate.voxels = voxels_of(candidate.box.surface_world, kSightVoxel_m);
+  for (const std::size_t index : group) {
+    const WorldSight& sight = sights[index];
+    candidate.scores[sight.name] += sight.score;
+    const LookedKeyframe& keyframe = keyframes[sight.keyframe];
+    if (!stands_in_middle(sight.box, *keyframe.camera)) continue;
+    for (const Sighting& said : keyframe.said)
+      candidate.scores[said.object] += kSaidWeight * said.score;
+  }
+  candidate.group = std::move(group);
+  return candidate;
+}
+
+// How much two candidates are one thing, [0, 1]: the share of the cells of both that both have or,
+// where the boxes are of like size, of the smaller one's, since few pictures show only a part.
+double overlap(const Candidate& a, const Candidate& b) {
+  constexpr double kLikeSize = 0.35;  // of the volumes
+  std::vector<VoxelKey> both;
+  std::ranges::set_intersection(a.voxels, b.voxels, std::back_inserter(both));
+  const auto shared = static_cast<double>(both.size());
+  const auto [smaller, larger] =
+      std::minmax({static_cast<double>(a.voxels.size()), static_cast<double>(b.voxels.size())});
+  const double volume_a = a.box.box_world.size_m.prod(), volume_b = b.box.box_world.size_m.prod();
+  const bool are_alike = std::min(volume_a, volume_b) >= kLikeSize * std::max(volume_a, volume_b);
+  const double of = are_alike ? smaller : smaller + larger - shared;
+  return shared / std::max(1.0, of);
+}
+
+// One thing that is called by several names: groups of different names that fill the same space.
+// The ones that share most are joined first.
+void join_names(std::vector<Candidate>& candidates, std::span<const WorldSight> sights,
+                std::span<const LookedKeyframe> keyframes, const Level& level) {
+  constexpr double kSameThing = 0.4;
+  while (true) {
+    double most = kSameThing;
+    std::pair<std::size_t, std::size_t> best;
+    for (std::size_t a = 0; a < candidates.size(); ++a) {
+      for (std::size_t b = a + 1; b < candidates.size(); ++b) {
+        const double shared = overlap(candidates[a], candidates[b]);
+        if (shared <= most) continue;
+        most = shared;
+        best = {a, b};
+      }
+    }
+    if (best.second == 0) return;
+    SightGroup group = candidates[best.first].group;
+    const SightGroup& other = candidates[best.second].group;
+    group.insert(group.end(), other.begin(), other.end());
+    std::ranges::sort(group);
+    candidates[best.first] = candidate_of(std::move(group), sights, keyframes, level);
+    candidates.erase(candidates.begin() + static_cast<std::ptrdiff_t>(best.second));
+  }
+}
+
+double logistic(double log_odds) {
+  return 1 / (1 + std::exp(-log_odds));
+}
+
+// Each key-frame that saw the thing speaks for it by its score's odds, each that should have and
+// did not against it.
+double existence(std::span<const double> best_scores, int missed) {
+  constexpr double kBefore = -2.5;  // log odds
+  constexpr double kMissed = -0.25;
+  double log_odds = kBefore + kMissed * missed;
+  for (const double score : best_scores) {
+    const double safe = std::clamp(score, 0.05, 0.95);
+    log_odds += std::max(0.2, 1 + std::log(safe / (1 - safe)));
+  }
+  return logistic(log_odds);
+}
+
+Instance instance_of(const Candidate& candidate, std::span<const WorldSight> sights,
+                     std::span<const LookedKeyframe> keyframes, const InstanceOptions& options) {
+  Instance instance;
+  double sum = 0;
+  for (const auto& [name, score] : candidate.scores) sum += score;
+  for (const auto& [name, score] : candidate.scores) instance.names[name] = score / sum;
+  instance.name = std::ranges::max_element(instance.names, {}, [](const auto& one) {
+                    return one.second;
+                  })->first;
+  std::map<std::size_t, double> score_in;
+  const WorldSight* best = nullptr;
+  for (const std::size_t index : candidate.group) {
+    const WorldSight& sight = sights[index];
+    double& score = score_in[sight.keyframe];
+    score = std::max(score, sight.score);
+    // Where only a classifier calls it so, the best sight shows it all the same.
+    const bool says_so = sight.name == instance.name;
+    if (best == nullptr || (says_so && best->name != instance.name)) best = &sight;
+  }
+  int missed = 0;
+  for (std::size_t k = 0; k < keyframes.size(); ++k) {
+    if (score_in.contains(k)) continue;
+    if (should_see(keyframes[k], candidate.box.surface_world, options.farthest_m)) ++missed;
+  }
+  std::vector<double> scores;
+  for (const auto& [keyframe, score] : score_in) scores.push_back(score);
+  instance.sightings = static_cast<int>(scores.size());
+  instance.expected = instance.sightings + missed;
+  instance.probability = existence(scores, missed) * instance.names[instance.name];
+  const LookedKeyframe& keyframe = keyframes[best->keyframe];
+  instance.keyframe_id = keyframe.keyframe_id;
+  instance.picture_box = best->box;
+  instance.box_keyframe = {
+      keyframe.world_from_camera.inverse() * candidate.box.box_world.world_from_box,
+      candidate.box.box_world.size_m};
+  instance.sigma_m = candidate.box.sigma_m;
+  return instance;
+}
+
+}  // namespace
+
+Expected<void> InstanceOptions::validate() const {
+  if (!(least_score >= 0 && least_score <= 1)) {
+    return fail("least_score is {}; expected a probability, 0 to 1", least_score);
+  }
+  if (!(farthest_m > 0 && std::isfinite(farthest_m))) {
+    return fail("farthest_m is {}; expected more than 0 m", farthest_m);
+  }
+  if (least_sightings < 1) {
+    return fail("least_sightings is {}; expected at least 1 key-frame", least_sightings);
+  }
+  if (!(least_probability >= 0 && least_probability <= 1)) {
+    return fail("least_probability is {}; expected a probability, 0 to 1", least_probability);
+  }
+  return {};
+}
+
+std::vector<Instance> find_instances(std::span<const LookedKeyframe> keyframes, const Level& level,
+                                     const InstanceOptions& options) {
+  const std::vector<WorldSight> sights = world_sights(keyframes, level, options);
+  std::vector<Candidate> candidates;
+  for (SightGroup& group : group_sights(sights)) {
+    if (group.size() < 2) continue;
+    Candidate candidate = candidate_of(std::move(group), sights, keyframes, level);
+    if (candidate.box.box_world.size_m.norm() > 0) candidates.push_back(std::move(candidate));
+  }
+  join_names(candidates, sights, keyframes, level);
+  std::vector<Instance> instances;
+  for (const Candidate& candidate : candidates) {
+    Instance instance = instance_of(candidate, sights, keyframes, options);
+    if (instance.sightings < options.least_sightings ||
+        instance.probability < options.least_probability) {
+      continue;
+    }
+    instances.push_back(std::move(instance));
+  }
+  std::ranges::sort(instances, {}, [](const Instance& one) {
+    return std::tuple(one.name, one.keyframe_id, one.picture_box.left, one.picture_box.top);
+  });
+  return instances;
+}
+
+}  // namespace roomwise::objects

@@ -1,0 +1,89 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <map>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "roomwise/base/expected.h"
+#include "roomwise/geometry/oriented_box.h"
+#include "roomwise/geometry/pinhole_camera.h"
+#include "roomwise/geometry/rigid_transform.h"
+#include "roomwise/objects/object_map.h"
+#include "roomwise/objects/region_surface.h"
+
+namespace roomwise::objects {
+
+// A thing of the home, joined from what many key-frames show of it. Its place is kept relative to
+// the key-frame that shows it best.
+struct Instance {
+  std::string name;
+  double probability = 0;  // that it is there and is called so, [0, 1]
+  // What it is called, by the share of the sightings' scores that speak for it; they sum to 1.
+  std::map<std::string, double> names;
+  int sightings = 0;  // key-frames that saw it
+  int expected = 0;   // key-frames that should have
+  std::uint64_t keyframe_id = 0;
+  network::PixelBox picture_box;  // there
+  // Upright: z of the box frame is up. Its "world" is the key-frame's camera frame.
+  geometry::OrientedBox box_keyframe;
+  // Standard deviation of the box's middle along x, y, z of the box frame, m.
+  Eigen::Vector3d sigma_m = Eigen::Vector3d::Zero();
+
+  [[nodiscard]] geometry::OrientedBox box_world(
+      const geometry::RigidTransform& world_from_keyframe) const {
+    return {world_from_keyframe * box_keyframe.world_from_box, box_keyframe.size_m};
+  }
+};
+
+// A region in the home's words.
+struct NamedRegion {
+  std::string name;
+  const Region* region = nullptr;
+};
+
+// A key-frame that was looked at. What it points to must outlive it.
+struct LookedKeyframe {
+  std::uint64_t keyframe_id = 0;
+  geometry::RigidTransform world_from_camera;
+  const geometry::PinholeCamera* camera = nullptr;
+  const image::DepthImage* coarse_depth = nullptr;  // coarse_depth() of it
+  std::vector<NamedRegion> regions;
+  // What a classifier says of the whole picture, which is mostly what stands in its middle.
+  std::vector<Sighting> said;
+};
+
+// The level of the world: heights above the floor are up . point - floor_m.
+struct Level {
+  Eigen::Vector3d up_world = -Eigen::Vector3d::UnitY();  // unit length
+  double floor_m = 0;
+
+  [[nodiscard]] double height_m(const Eigen::Vector3d& point_world) const {
+    return up_world.dot(point_world) - floor_m;
+  }
+};
+
+// Which way is up, by the surfaces that the key-frames show (mapping::UpDirectionEstimator), and
+// the floor: the lowest height that holds a third of the points of the fullest one below the
+// cameras, or more.
+[[nodiscard]] Level find_level(std::span<const LookedKeyframe> keyframes);
+
+struct InstanceOptions {
+  double least_score = 0.3;  // of a region that counts
+  double farthest_m = 4.5;   // regions beyond are not measured well enough
+  int least_sightings = 3;   // key-frames
+  double least_probability = 0.45;
+
+  [[nodiscard]] Expected<void> validate() const;
+};
+
+// Joins the regions of all key-frames of one piece of a map into instances. The result hangs on the
+// key-frames' poses as they are now, and not on the order in which key-frames and regions come. By
+// name, then by key-frame.
+[[nodiscard]] std::vector<Instance> find_instances(std::span<const LookedKeyframe> keyframes,
+                                                   const Level& level,
+                                                   const InstanceOptions& options);
+
+}  // namespace roomwise::objects

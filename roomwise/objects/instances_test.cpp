@@ -1,0 +1,192 @@
+#include "roomwise/objects/instances.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "roomwise/base/random.h"
+#include "roomwise/base/testing.h"
+#include "roomwise/objects/test_room.h"
+
+namespace roomwise::objects {
+namespace {
+
+using Eigen::Vector3d;
+using testing::TestRoom;
+
+const TestRoom::Thing kBed{"bed", {0.5, 0.2, 0.25}, {2.0, 1.4, 0.5}};
+const TestRoom::Thing kChair{"chair", {-0.5, 0, 0.4}, {0.45, 0.45, 0.8}};
+const TestRoom::Thing kOtherChair{"chair", {0.2, 0, 0.4}, {0.45, 0.45, 0.8}};
+
+TEST(FindInstances, OneBedSeenFromAllSidesIsOne) {
+  TestRoom room;
+  room.things = {kBed};
+  room.look_around(kBed.center, 10, 2.2);
+  const auto instances = room.instances();
+  ASSERT_EQ(instances.size(), 1U);
+  EXPECT_EQ(instances[0].name, "bed");
+  EXPECT_EQ(instances[0].sightings, 10);
+  EXPECT_EQ(instances[0].expected, 10);
+  EXPECT_GT(instances[0].probability, 0.95);
+  const geometry::OrientedBox box = room.box_of(instances[0]);
+  EXPECT_LT((box.center() - kBed.center).norm(), 0.06);
+  const double longer = std::max(box.size_m.x(), box.size_m.y());
+  const double shorter = std::min(box.size_m.x(), box.size_m.y());
+  EXPECT_NEAR(longer, 2.0, 0.12);
+  EXPECT_NEAR(shorter, 1.4, 0.12);
+  EXPECT_NEAR(box.size_m.z(), 0.5, 0.06);
+  EXPECT_LT(instances[0].sigma_m.maxCoeff(), 0.1);
+  const Vector3d up = box.world_from_box.rotation * Vector3d::UnitZ();
+  EXPECT_GT(up.z(), 0.9999) << "the box stands upright";
+}
+
+TEST(FindInstances, TwoChairsBesideEachOtherStayTwo) {
+  TestRoom room;
+  room.things = {kChair, kOtherChair};
+  room.look_around({-0.15, 0, 0.4}, 12);
+  const auto instances = room.instances();
+  ASSERT_EQ(instances.size(), 2U);
+  std::vector<double> x;
+  for (const Instance& instance : instances) {
+    EXPECT_EQ(instance.name, "chair");
+    x.push_back(room.box_of(instance).center().x());
+  }
+  std::ranges::sort(x);
+  EXPECT_NEAR(x[0], kChair.center.x(), 0.08);
+  EXPECT_NEAR(x[1], kOtherChair.center.x(), 0.08);
+}
+
+TEST(FindInstances, HangsOnNoOrder) {
+  TestRoom room;
+  room.things = {kChair, kOtherChair};
+  room.look_around({-0.15, 0, 0.4}, 8);
+  const auto before = room.instances();
+  std::vector<LookedKeyframe> shuffled = room.keyframes();
+  for (LookedKeyframe& keyframe : shuffled) std::ranges::reverse(keyframe.regions);
+  RandomStream random(3, {});
+  for (std::size_t i = shuffled.size(); i > 1; --i) {
+    std::swap(shuffled[i - 1], shuffled[static_cast<std::size_t>(random.index(i))]);
+  }
+  const auto after = find_instances(shuffled, {Vector3d::UnitZ(), 0}, {});
+  ASSERT_EQ(after.size(), before.size());
+  for (std::size_t i = 0; i < after.size(); ++i) {
+    EXPECT_EQ(after[i].keyframe_id, before[i].keyframe_id);
+    EXPECT_EQ(after[i].sightings, before[i].sightings);
+    EXPECT_NEAR(after[i].probability, before[i].probability, 1e-9);
+    EXPECT_LT((after[i].box_keyframe.center() - before[i].box_keyframe.center()).norm(), 1e-4);
+  }
+}
+
+TEST(FindInstances, WhatIsSeenTooSeldomIsNoInstance) {
+  TestRoom room;
+  room.things = {kChair};
+  room.look_around(kChair.center, 2, 1.8, 0, 0.4);
+  EXPECT_TRUE(room.instances().empty());
+  // Four see it now, but thirty more look there too and see nothing that looks like one.
+  room.look_around(kChair.center, 2, 1.8, 1, 0.4);
+  EXPECT_EQ(room.instances().size(), 1U);
+  room.look_around(kChair.center, 30, 1.8, 0, 1.4, /*finds=*/false);
+  EXPECT_TRUE(room.instances().empty());
+}
+
+TEST(FindInstances, ExpectsNothingOfKeyframesThatCannotSeeIt) {
+  TestRoom room;
+  room.things = {kChair, {"wall", {0.6, 0, 1.3}, {0.1, 4, 2.6}}};
+  room.look_around(kChair.center, 4, 1.5, 2.5, 1);
+  for (int i = 0; i < 6; ++i) {
+    room.look({2.2, 0.1 * i, 1.4}, kChair.center, /*finds=*/false);  // behind the wall
+    room.look({-2, 0.1 * i, 1.4}, {-2.9, 2, 1}, /*finds=*/false);    // looks away
+  }
+  const auto instances = room.instances();
+  const auto chair = std::ranges::find(instances, "chair", &Instance::name);
+  ASSERT_NE(chair, instances.end());
+  EXPECT_EQ(chair->expected, 4);
+}
+
+TEST(FindInstances, NamesCompete) {
+  TestRoom room;
+  room.things = {kBed};
+  room.look_around(kBed.center, 8, 2.2);
+  room.look({2.4, 1.5, 1.4}, kBed.center, true, "sofa");
+  room.look({-1.4, 1.5, 1.4}, kBed.center, true, "sofa");
+  const auto instances = room.instances();
+  ASSERT_EQ(instances.size(), 1U);
+  EXPECT_EQ(instances[0].name, "bed");
+  EXPECT_NEAR(instances[0].names.at("bed"), 0.8, 0.01);
+  EXPECT_NEAR(instances[0].names.at("sofa"), 0.2, 0.01);
+  EXPECT_LT(instances[0].probability, 0.81);
+}
+
+TEST(FindInstances, AThingOnAnotherStaysItself) {
+  TestRoom room;
+  room.things = {{"table", {0, 0, 0.35}, {1.2, 0.8, 0.7}},
+                 {"vase", {0.1, 0, 0.85}, {0.15, 0.15, 0.3}}};
+  room.look_around({0, 0, 0.6}, 10);
+  const auto instances = room.instances();
+  ASSERT_EQ(instances.size(), 2U);
+  EXPECT_EQ(instances[0].name, "table");
+  EXPECT_EQ(instances[1].name, "vase");
+  EXPECT_LT((room.box_of(instances[1]).center() - Vector3d(0.1, 0, 0.85)).norm(), 0.05);
+}
+
+TEST(FindInstances, ALoopClosureJoinsWhatDriftHadSplit) {
+  TestRoom room;
+  room.things = {kChair};
+  room.look_around(kChair.center, 5, 1.8, 0, 2);
+  room.look_around(kChair.center, 5, 1.8, 2, 2);
+  const std::vector<LookedKeyframe> right = room.keyframes();
+  // The second pass has drifted by a metre.
+  for (std::size_t i = 5; i < 10; ++i) {
+    room.keyframes()[i].world_from_camera.translation += Vector3d(1, 0.2, 0);
+  }
+  EXPECT_EQ(room.instances().size(), 2U);
+  room.keyframes() = right;
+  const auto instances = room.instances();
+  ASSERT_EQ(instances.size(), 1U);
+  EXPECT_EQ(instances[0].sightings, 10);
+  // The whole map moves: the things move with it, the same as seen from their key-frames.
+  const geometry::RigidTransform moved{
+      Eigen::Quaterniond(Eigen::AngleAxisd(0.7, Vector3d::UnitZ())), {4, -2, 0}};
+  for (LookedKeyframe& keyframe : room.keyframes()) {
+    keyframe.world_from_camera = moved * keyframe.world_from_camera;
+  }
+  const auto after = room.instances();
+  ASSERT_EQ(after.size(), 1U);
+  EXPECT_LT((room.box_of(after[0]).center() - moved * kChair.center).norm(), 0.08);
+}
+
+TEST(FindLevel, FindsTheFloor) {
+  TestRoom room;
+  room.things = {kBed};
+  for (int i = 0; i < 8; ++i) {
+    room.look({-1.5, 0.2 * i, 1.4}, {1, 0.3 * i, 0.2});
+  }
+  const geometry::RigidTransform tilted{
+      Eigen::Quaterniond(Eigen::AngleAxisd(0.3, Vector3d(1, 0.2, 0).normalized())), {1, 2, 3}};
+  const Vector3d up = tilted.rotation * Vector3d::UnitZ();
+  for (LookedKeyframe& keyframe : room.keyframes()) {
+    keyframe.world_from_camera = tilted * keyframe.world_from_camera;
+  }
+  const Level level = find_level(room.keyframes());
+  EXPECT_GT(level.up_world.dot(up), 0.9995);
+  EXPECT_NEAR(level.height_m(tilted * Vector3d(0, 0, 0)), 0, 0.04);
+  EXPECT_NEAR(level.height_m(tilted * Vector3d(0, 0, 1)), 1, 0.05);
+}
+
+TEST(InstanceOptions, NamesTheFieldThatIsWrong) {
+  EXPECT_OK(InstanceOptions{}.validate());
+  InstanceOptions options;
+  options.least_score = 2;
+  EXPECT_ERROR(options.validate(), "least_score");
+  options = {};
+  options.farthest_m = 0;
+  EXPECT_ERROR(options.validate(), "farthest_m");
+  options = {};
+  options.least_sightings = 0;
+  EXPECT_ERROR(options.validate(), "least_sightings");
+  options = {};
+  options.least_probability = -1;
+  EXPECT_ERROR(options.validate(), "least_probability");
+}
+
+}  // namespace
+}  // namespace roomwise::objects

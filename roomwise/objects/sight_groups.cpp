@@ -1,0 +1,142 @@
+#include <algorithm>
+#include <map>
+#include <set>
+#include <unordered_map>
+
+#include "roomwise/objects/world_sight.h"
+
+namespace roomwise::objects {
+namespace {
+
+constexpr double kSameSpace = 0.5;       // of a sight's cells, those that the group has too
+constexpr double kSameGroup = 0.4;       // of the smaller group's cells
+constexpr double kMostConflicts = 0.25;  // of the key-frames that show both groups apart
+// A group's own cells are those that this share of its sights shows; others are a wall behind it
+// in one picture and not in the next.
+constexpr double kCoreShare = 0.15;
+
+struct Group {
+  std::string name;
+  SightGroup members;
+  std::unordered_map<VoxelKey, int> hits;
+
+  void add(std::size_t index, const WorldSight& sight) {
+    members.push_back(index);
+    for (const VoxelKey voxel : sight.voxels) ++hits[voxel];
+  }
+  [[nodiscard]] bool has(VoxelKey voxel) const {
+    const auto found = hits.find(voxel);
+    return found != hits.end() && found->second >= kCoreShare * static_cast<double>(members.size());
+  }
+  // Or the cell beside it.
+  [[nodiscard]] bool is_near(VoxelKey voxel) const {
+    return has(voxel) || std::ranges::any_of(face_neighbors(voxel),
+                                             [&](VoxelKey neighbor) { return has(neighbor); });
+  }
+  [[nodiscard]] std::vector<VoxelKey> core() const {
+    std::vector<VoxelKey> core;
+    for (const auto& [voxel, count] : hits) {
+      if (has(voxel)) core.push_back(voxel);
+    }
+    std::ranges::sort(core);
+    return core;
+  }
+};
+
+// The share of the cells that the group has, or their neighbours.
+double share_in(std::span<const VoxelKey> voxels, const Group& group) {
+  const auto shared =
+      std::ranges::count_if(voxels, [&](VoxelKey voxel) { return group.is_near(voxel); });
+  return static_cast<double>(shared) / static_cast<double>(std::max<std::size_t>(1, voxels.size()));
+}
+
+// Two regions of one picture that are not one thing found twice.
+bool are_apart(const network::PixelBox& a, const network::PixelBox& b) {
+  const network::PixelBox both{std::max(a.left, b.left), std::max(a.top, b.top),
+                               std::min(a.right, b.right), std::min(a.bottom, b.bottom)};
+  constexpr float kOneInTheOther = 0.6F;
+  return both.area() < kOneInTheOther * std::min(a.area(), b.area());
+}
+
+bool conflicts(const Group& group, const WorldSight& sight, std::span<const WorldSight> sights) {
+  return std::ranges::any_of(group.members, [&](std::size_t member) {
+    return sights[member].keyframe == sight.keyframe && are_apart(sights[member].box, sight.box);
+  });
+}
+
+// The share of the less seen group's key-frames that show the two beside each other.
+double conflict_share(const Group& a, const Group& b, std::span<const WorldSight> sights) {
+  std::multimap<std::size_t, std::size_t> of_keyframe;
+  std::set<std::size_t> keyframes_a, keyframes_b, apart;
+  for (const std::size_t member : a.members) {
+    of_keyframe.emplace(sights[member].keyframe, member);
+    keyframes_a.insert(sights[member].keyframe);
+  }
+  for (const std::size_t member : b.members) {
+    const std::size_t keyframe = sights[member].keyframe;
+    keyframes_b.insert(keyframe);
+    const auto [first, last] = of_keyframe.equal_range(keyframe);
+    for (auto other = first; other != last; ++other) {
+      if (are_apart(sights[other->second].box, sights[member].box)) apart.insert(keyframe);
+    }
+  }
+  return static_cast<double>(apart.size()) /
+         static_cast<double>(std::min(keyframes_a.size(), keyframes_b.size()));
+}
+
+// Joins the two groups of one name that share most, as long as there are such.
+void merge_groups(std::vector<Group>& groups, std::span<const WorldSight> sights) {
+  while (true) {
+    double most = kSameGroup;
+    std::pair<std::size_t, std::size_t> best;
+    for (std::size_t a = 0; a < groups.size(); ++a) {
+      const auto core_a = groups[a].core();
+      for (std::size_t b = a + 1; b < groups.size(); ++b) {
+        if (groups[a].name != groups[b].name) continue;
+        const auto core_b = groups[b].core();
+        const bool a_is_smaller = core_a.size() < core_b.size();
+        const double shared =
+            a_is_smaller ? share_in(core_a, groups[b]) : share_in(core_b, groups[a]);
+        if (shared <= most || conflict_share(groups[a], groups[b], sights) > kMostConflicts)
+          continue;
+        most = shared;
+        best = {a, b};
+      }
+    }
+    if (best.second == 0) return;
+    for (const std::size_t member : groups[best.second].members) {
+      groups[best.first].add(member, sights[member]);
+    }
+    groups.erase(groups.begin() + static_cast<std::ptrdiff_t>(best.second));
+  }
+}
+
+}  // namespace
+
+std::vector<SightGroup> group_sights(std::span<const WorldSight> sights) {
+  std::vector<Group> groups;
+  for (std::size_t i = 0; i < sights.size(); ++i) {
+    const WorldSight& sight = sights[i];
+    Group* best = nullptr;
+    double most = kSameSpace;
+    for (Group& group : groups) {
+      if (group.name != sight.name) continue;
+      const double shared = share_in(sight.voxels, group);
+      if (shared <= most || conflicts(group, sight, sights)) continue;
+      most = shared;
+      best = &group;
+    }
+    if (best == nullptr)
+      best = &groups.emplace_back(Group{.name = sight.name, .members = {}, .hits = {}});
+    best->add(i, sight);
+  }
+  merge_groups(groups, sights);
+  std::vector<SightGroup> members;
+  for (Group& group : groups) {
+    std::ranges::sort(group.members);  // sights stand in the order of quality
+    members.push_back(std::move(group.members));
+  }
+  return members;
+}
+
+}  // namespace roomwise::objects

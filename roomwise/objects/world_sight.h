@@ -1,0 +1,66 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "roomwise/objects/instances.h"
+
+// Steps of find_instances(); private to objects/.
+namespace roomwise::objects {
+
+// A cell of space, packed into one number.
+using VoxelKey = std::int64_t;
+[[nodiscard]] VoxelKey voxel_of(const Eigen::Vector3f& point, float size_m);
+// Sorted, each once.
+[[nodiscard]] std::vector<VoxelKey> voxels_of(std::span<const Eigen::Vector3f> points,
+                                              float size_m);
+// The cells that share a face with this one.
+[[nodiscard]] std::array<VoxelKey, 6> face_neighbors(VoxelKey key);
+
+// A region that counts, in the world.
+struct WorldSight {
+  std::string name;
+  double score = 0;
+  std::size_t keyframe = 0;  // index of LookedKeyframe
+  network::PixelBox box;
+  std::vector<Eigen::Vector3f> points_world;  // above the floor
+  std::vector<VoxelKey> voxels;               // of kSightVoxel_m
+  double quality = 0;                         // the score, more for what fills more of the picture
+};
+constexpr float kSightVoxel_m = 0.1F;
+// What lies lower is floor.
+constexpr double kFloorReach_m = 0.06;
+
+// The regions that score enough, are near enough and have a surface above the floor; the best
+// first, by quality, then by key-frame, name and box, so that their order is theirs alone.
+[[nodiscard]] std::vector<WorldSight> world_sights(std::span<const LookedKeyframe> keyframes,
+                                                   const Level& level,
+                                                   const InstanceOptions& options);
+
+// Sights of one thing, by index, the best first.
+using SightGroup = std::vector<std::size_t>;
+
+// Groups sights of one name that show the same piece of space. Two regions beside each other in one
+// picture are two things, and so are groups that are often seen so.
+[[nodiscard]] std::vector<SightGroup> group_sights(std::span<const WorldSight> sights);
+
+// The box of a group and how sure its middle is: what most of its pictures' boxes hold of its
+// surfaces. Fewer than four cells of it: a box without size.
+struct GroupBox {
+  geometry::OrientedBox box_world;
+  Eigen::Vector3d sigma_m = Eigen::Vector3d::Zero();
+  std::vector<Eigen::Vector3f> surface_world;  // the middles of its cells
+};
+[[nodiscard]] GroupBox box_of_group(const SightGroup& group, std::span<const WorldSight> sights,
+                                    std::span<const LookedKeyframe> keyframes, const Level& level);
+
+// Whether a key-frame should have shown a surface: most of it lies in the picture, near enough and
+// large enough, and not behind something.
+[[nodiscard]] bool should_see(const LookedKeyframe& keyframe,
+                              std::span<const Eigen::Vector3f> surface_world, double farthest_m);
+
+}  // namespace roomwise::objects
