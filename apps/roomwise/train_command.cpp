@@ -50,7 +50,8 @@ void add_data_options(CLI::App& command, TrainRequest& request) {
 void add_network_choice(CLI::App& command, TrainRequest& request) {
   command
       .add_option("--network", request.network,
-                  "Network to begin with: an ONNX file with its card NAME.card.json beside it")
+                  "Network to begin with: an ONNX file with its card NAME.card.json beside it, or "
+                  "compact: a small network of random weights, drawn by --seed")
       ->required();
   command.add_option("--features", request.features,
                      "Node whose values the new last layer takes; default: what the card names "
