@@ -94,7 +94,7 @@ Expected<void> name_rooms_if_unnamed(home::Home& home, const recording::RoomLabe
   return pipeline::name_rooms(home, stored.back().id, labels);
 }
 
-std::string to_text(const pipeline::MapSummary& summary, bool has_networks) {
+std::string to_text(const pipeline::MapSummary& summary, const std::vector<std::string>& networks) {
   std::string text = fmt::format(
       "frames      {} of {} have a place on the map\n"
       "key-frames  {}\n"
@@ -109,9 +109,10 @@ std::string to_text(const pipeline::MapSummary& summary, bool has_networks) {
                         summary.landmark_views, readout_text(summary.readout_s));
   }
   text +=
-      has_networks
-          ? fmt::format("objects     {}\n", summary.objects)
-          : "objects     none: no network was given, nothing can be named; give --network FILE\n";
+      networks.empty()
+          ? "objects     none: no network was given, nothing can be named; give --network FILE\n"
+          : fmt::format("objects     {}\nnetworks    {}\n", summary.objects,
+                        fmt::join(networks, ", "));
   return text;
 }
 
@@ -175,8 +176,11 @@ Expected<Answer> map(const Options& options, Context& context) {
   }
 
   Answer answer;
-  answer.text = to_text(summary, !networks.empty());
+  std::vector<std::string> names;
+  for (const auto& network : networks) names.push_back(network->name());
+  answer.text = to_text(summary, names);
   answer.json = {{"finished", summary.finished},
+                 {"networks", names},
                  {"frames", summary.frames},
                  {"placed", summary.placed},
                  {"keyframes", summary.keyframes},

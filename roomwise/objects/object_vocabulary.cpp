@@ -37,15 +37,16 @@ bool same_label(std::string_view a, std::string_view b) {
 
 ObjectVocabulary ObjectVocabulary::standard() {
   ObjectVocabulary vocabulary;
-  // ImageNet has no plain bed, lamp or fridge; these are its classes that show them.
+  // ImageNet has no plain bed, lamp or fridge; after the plain names, which our own network gives,
+  // come its classes that show them.
   vocabulary.objects_ = {
-      {"bed", {"studio couch, day bed", "four-poster", "quilt, comforter, comfort, puff"}},
-      {"lamp", {"table lamp", "lampshade, lamp shade"}},
+      {"bed", {"bed", "studio couch, day bed", "four-poster", "quilt, comforter, comfort, puff"}},
+      {"lamp", {"lamp", "table lamp", "lampshade, lamp shade"}},
       {"wardrobe", {"wardrobe, closet, press", "chiffonier, commode"}},
       {"microwave", {"microwave, microwave oven"}},
       {"stove", {"stove"}},
-      {"fridge", {"refrigerator, icebox"}},
-      {"toilet seat", {"toilet seat"}},
+      {"fridge", {"fridge", "refrigerator, icebox"}},
+      {"toilet seat", {"toilet", "toilet seat"}},
   };
   return vocabulary;
 }

@@ -17,7 +17,8 @@ namespace roomwise::objects {
 // form in memory.
 class ObjectVocabulary {
  public:
-  // Bed, lamp, wardrobe, microwave, stove, fridge and toilet seat with their ImageNet labels.
+  // Bed, lamp, wardrobe, microwave, stove, fridge and toilet seat with their ImageNet labels
+  // and those of our compact network.
   [[nodiscard]] static ObjectVocabulary standard();
 
   // Adds labels to an object, making it if it is new. A label means one object only. On an error
