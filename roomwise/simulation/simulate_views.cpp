@@ -26,7 +26,6 @@ constexpr const char* kManifest = "views.json";
 // What is written about the pictures; "homes" grows.
 ordered_json new_manifest(const ViewsOptions& options) {
   return {{"first_home", options.first_home},
-          {"last_home", options.last_home},
           {"seed", options.seed},
           {"of_kind", options.views.of_kind},
           {"of_room", options.views.of_room},
@@ -229,7 +228,7 @@ Expected<ViewsSummary> simulate_views(const ViewsOptions& options,
   }
   progress.end();
   ROOMWISE_CHECK_OK(added);
-  return ViewsSummary{writer.homes(), writer.pictures(), writer.homes() == homes};
+  return ViewsSummary{writer.homes(), writer.pictures(), writer.homes() >= homes};
 }
 
 }  // namespace roomwise::simulation
