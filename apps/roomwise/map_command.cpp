@@ -30,6 +30,7 @@ struct Options {
   std::size_t working_set_mb = 128;
   pipeline::MapSettings settings;
   NetworkOptions networks;
+  bool no_networks = false;
   fs::path trajectory;
 };
 
@@ -131,7 +132,10 @@ void remove_empty_home(const fs::path& path) {
 
 Expected<Answer> map(const Options& options, Context& context) {
   cv::setNumThreads(1);  // the threads are ours
-  ROOMWISE_TRY(const pipeline::Networks networks, load_networks(options.networks));
+  pipeline::Networks networks;
+  if (!options.no_networks) {
+    ROOMWISE_TRY(networks, load_networks(options.networks));
+  }
   if (networks.empty()) {
     context.progress.note(
         "no network was given: nothing in this home will be named and its rooms cannot be learned; "
@@ -281,6 +285,11 @@ void add_map_command(CLI::App& app, Context& context) {
           "Least score of an object, 0 to 1")
       ->check(CLI::Range(0.0, 1.0));
   add_network_options(*command, options->networks);
+  command
+      ->add_flag("--no-networks", options->no_networks,
+                 "No network looks at the pictures: quicker, but nothing gets a name and no room "
+                 "can be learned")
+      ->excludes("--network");
   command->add_option("--trajectory", options->trajectory,
                       "Also write the trajectory there, in TUM's format");
 }

@@ -117,7 +117,8 @@ void declare_train_command(CLI::App& app, Context& context,
   auto request = std::make_shared<TrainRequest>();
   CLI::App* command = add_command(
       app, context, "train", "Fine-tune a network on pictures of your own classes",
-      "roomwise train photos --network models/mobilenet-v2-imagenet.onnx --steps 500 --out trained\n"
+      "roomwise train photos --network models/mobilenet-v2-imagenet.onnx --steps 500 --out "
+      "trained\n"
       "Several processes, on one machine or more, train together where MASTER_ADDR, MASTER_PORT,\n"
       "RANK and WORLD_SIZE are set. The number of threads changes the last bits of the result.",
       [request, run = std::move(run), &context]() -> Expected<Answer> {
