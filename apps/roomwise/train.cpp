@@ -90,13 +90,12 @@ Expected<Data> data_of_folder(const TrainRequest& request) {
   ROOMWISE_TRY(PictureFolder folder, PictureFolder::open(request.folder));
   if (!request.held_out.empty()) {
     ROOMWISE_TRY(PictureFolder held_out, PictureFolder::open(request.held_out));
-    if (held_out.classes() != folder.classes()) {
-      return fail("{}: has the classes {}, not those of {}: {}", request.held_out.string(),
-                  fmt::join(held_out.classes(), ", "), request.folder.string(),
-                  fmt::join(folder.classes(), ", "));
-    }
+    ROOMWISE_TRY(PictureFolder renumbered,
+                 std::move(held_out).with_classes(folder.classes()).map_error([&](Error error) {
+                   return std::move(error).in(request.held_out.string());
+                 }));
     data.training = owned(std::move(folder));
-    data.held_out = owned(std::move(held_out));
+    data.held_out = owned(std::move(renumbered));
     return data;
   }
   data.whole = owned(std::move(folder));

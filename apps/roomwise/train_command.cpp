@@ -34,10 +34,12 @@ void add_data_options(CLI::App& command, TrainRequest& request) {
       .add_option("--held-out-visits", request.held_out_visits,
                   "Of --home: visits that are held out; default: none")
       ->needs(home);
-  CLI::Option* held_out = command
-                              .add_option("--held-out", request.held_out,
-                                          "Folder of the same classes to find the best step by")
-                              ->excludes(home);
+  CLI::Option* held_out =
+      command
+          .add_option("--held-out", request.held_out,
+                      "Folder of the same classes, or of some of them, to find the best step "
+                      "by")
+          ->excludes(home);
   command
       .add_option("--held-out-share", request.held_out_share,
                   "Share of each class of FOLDER that is held out instead")
