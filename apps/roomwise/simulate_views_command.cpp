@@ -3,12 +3,14 @@
 #include "commands.h"
 #include "paths.h"
 #include "roomwise/base/stage_clock.h"
+#include "roomwise/simulation/home_geometry.h"
 #include "roomwise/simulation/simulate_views.h"
 
 namespace roomwise::app {
 namespace {
 
 struct Options {
+  std::vector<std::string> rooms;
   std::filesystem::path furniture = kFurnitureFolder;
   std::filesystem::path output;
   simulation::ViewsOptions views;
@@ -16,6 +18,10 @@ struct Options {
 
 Expected<Answer> run(Options options, Context& context) {
   options.views.seed = context.seed;
+  for (const std::string& room : options.rooms) {
+    ROOMWISE_TRY(const simulation::RoomKind kind, simulation::parse_room_kind(room));
+    options.views.rooms.push_back(kind);
+  }
   ROOMWISE_TRY(const auto catalogue, simulation::FurnitureCatalogue::open(options.furniture));
   ThreadPool pool(context.threads);
   ROOMWISE_TRY(const simulation::ViewsSummary summary,
@@ -56,6 +62,10 @@ void add_simulate_views_command(CLI::App& app, Context& context) {
           },
           "Seeds of the homes: first and last; default: 1 10")
       ->type_name("FIRST LAST");
+  command
+      ->add_option("--rooms", options->rooms,
+                   "Every home's rooms, separated by commas; default: 3 to 8 by its seed")
+      ->delimiter(',');
   const auto add = [&](const char* name, auto& value, const char* meaning) {
     command->add_option(name, value, meaning)->capture_default_str();
   };

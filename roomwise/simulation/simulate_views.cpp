@@ -25,7 +25,10 @@ constexpr const char* kManifest = "views.json";
 
 // What is written about the pictures; "homes" grows.
 ordered_json new_manifest(const ViewsOptions& options) {
+  std::vector<std::string_view> rooms;
+  for (const RoomKind room : options.rooms) rooms.push_back(name_of(room));
   return {{"first_home", options.first_home},
+          {"rooms", rooms},
           {"seed", options.seed},
           {"of_kind", options.views.of_kind},
           {"of_room", options.views.of_room},
@@ -146,7 +149,7 @@ class ViewsWriter {
   // Nothing is noted of a home that is interrupted: its pictures are taken again.
   Expected<void> add_home(std::uint64_t seed) {
     const Scenario scenario = scenario_of(seed, options_.seed);
-    ROOMWISE_TRY(HomeModel by_day, generate_home({seed, {}}, catalogue_));
+    ROOMWISE_TRY(HomeModel by_day, generate_home({seed, options_.rooms}, catalogue_));
     const HomeModel home = apply_scenario(std::move(by_day), scenario, seed, catalogue_.models());
     const MeshLoader load = [this](const std::string& model) { return meshes_.load(model); };
     SilentProgress silent;

@@ -14,6 +14,7 @@ namespace roomwise::simulation {
 // pictures, byte for byte, at any number of threads.
 struct ViewsOptions {
   std::uint64_t first_home = 1, last_home = 10;  // their seeds
+  std::vector<RoomKind> rooms;                   // of every home, as in HomeOptions
   std::uint64_t seed = 0;                        // of scenarios, views and the sensor
   HomeViewOptions views;
   RenderOptions render{.samples_per_pixel = 2, .bake_effort = 0.2, .light_cache = {}};

@@ -15,11 +15,12 @@ namespace {
 
 using roomwise::testing::ScratchFolder;
 
-// Two homes, one picture of each kind and room, as cheap as can be.
+// One very small home, one picture of each kind and room, as cheap as can be.
 ViewsOptions few_views() {
   ViewsOptions options;
   options.first_home = 3;
   options.last_home = 3;
+  options.rooms = {RoomKind::kToilet};
   options.views = {.seed = 0, .of_kind = 1, .of_room = 1, .longer_side_px = 48};
   options.render = {.samples_per_pixel = 1, .bake_effort = 0.02, .light_cache = {}};
   return options;
@@ -87,7 +88,7 @@ TEST_F(SimulateViews, WritesAFolderAClass) {
     ASSERT_OK(picture);
     EXPECT_LE(std::max(picture->width(), picture->height()), 48);
   }
-  EXPECT_THAT(classes, ::testing::IsSupersetOf({"bed", "toilet", "room: bedroom", "room: hall"}));
+  EXPECT_THAT(classes, ::testing::IsSupersetOf({"toilet", "room: toilet"}));
 }
 
 TEST_F(SimulateViews, GoesOnWhereItWasInterrupted) {
