@@ -15,7 +15,6 @@
 #include <opencv2/core/utility.hpp>
 #include <optional>
 
-#include "piece_views.h"
 #include "roomwise/base/file.h"
 #include "roomwise/evaluation/proportion.h"
 #include "roomwise/image/codec.h"
@@ -24,6 +23,7 @@
 #include "roomwise/network/onnx_classifier.h"
 #include "roomwise/objects/object_vocabulary.h"
 #include "roomwise/simulation/home_geometry.h"
+#include "roomwise/simulation/piece_views.h"
 #include "roomwise/simulation/simulate_recording.h"
 
 namespace {
@@ -181,22 +181,6 @@ simulation::SensorOptions ideal_sensor() {
   return options;
 }
 
-// A person who turns at half of a walk's fastest and steps aside meanwhile; the shutter as on a
-// walk.
-simulation::WalkPose moving_pose(const geometry::RigidTransform& world_from_camera,
-                                 std::size_t room) {
-  constexpr double kShutter_s = 0.02, kTurning_rad_s = 0.4, kStepping_m_s = 0.3;
-  geometry::Vector6d half = geometry::Vector6d::Zero();  // of the way while the shutter is open
-  half[1] = kTurning_rad_s * kShutter_s / 2;             // about the camera's downward axis
-  half[3] = kStepping_m_s * kShutter_s / 2;
-  simulation::WalkPose pose;
-  pose.world_from_camera = world_from_camera;
-  pose.world_from_camera_open = world_from_camera * geometry::RigidTransform::exp(-half);
-  pose.world_from_camera_close = world_from_camera * geometry::RigidTransform::exp(half);
-  pose.room = room;
-  return pose;
-}
-
 class Recognition {
  public:
   static Expected<std::unique_ptr<Recognition>> create(const Options& options) {
@@ -257,14 +241,15 @@ class Recognition {
     const simulation::PlacedObject& piece = home.objects[object];
     ROOMWISE_TRY(const simulation::TriangleMesh mesh, catalogue_.load(piece.model));
     const auto views =
-        bench::find_views(home, object, mesh, space, renderer, camera_, options_.views, pool_);
+        simulation::find_views(home, object, mesh, space, renderer, camera_, options_.views, pool_);
     Pieces& pieces = pieces_[kind];
     ++pieces.all;
     if (views.empty()) ++pieces.unseen;
     std::vector<Picture> pictures;
     for (std::size_t v = 0; v < views.size(); ++v) {
       const RenderedFrame seen = renderer.render(camera_, views[v].world_from_camera, pool_);
-      const simulation::WalkPose pose = moving_pose(views[v].world_from_camera, piece.room);
+      const simulation::WalkPose pose =
+          simulation::moving_pose(views[v].world_from_camera, piece.room);
       Picture picture{kind, true, piece.model, {}, {}, box_of(seen.object, object)};
       picture.name = fmt::format("{}-home-{}-{}-{}", kKinds[kind].name, seed, object, v);
       simulation::SensorOptions faults;
@@ -283,7 +268,7 @@ class Recognition {
   }
 
   Expected<void> judge_all(std::span<const Picture> pictures,
-                           std::span<const bench::PieceView> views) {
+                           std::span<const simulation::PieceView> views) {
     std::vector<Expected<Verdict>> verdicts(pictures.size());
     pool_.parallel_for(pictures.size(),
                        [&](std::size_t i) { verdicts[i] = judge(networks_, pictures[i]); });
@@ -301,7 +286,7 @@ class Recognition {
   }
 
   Expected<void> keep(const Picture& picture, const Verdict& verdict,
-                      const bench::PieceView& view) {
+                      const simulation::PieceView& view) {
     const Kind& kind = kKinds[picture.kind];
     const std::string name = picture.name + (picture.is_ideal ? ".jpg" : "-sensor.jpg");
     std::string found;

@@ -86,6 +86,28 @@ TEST_F(NetworksCommandsTest, APublishedNetworkIsFetchedAndFound) {
   EXPECT_THAT(run({"networks", "verify"}).errors, HasSubstr("is not the file"));
 }
 
+TEST_F(NetworksCommandsTest, OursIsUsedWhereThereIsNoOther) {
+  const auto is_default = [this](const std::string& file) {
+    for (const json& here : ask({"networks", "list"})["here"]) {
+      if (here["file"].get<std::string>().ends_with(file))
+        return here["used_by_default"].get<bool>();
+    }
+    ADD_FAILURE() << file << " is not listed";
+    return false;
+  };
+  EXPECT_TRUE(is_default("share/roomwise/networks/roomwise-compact-1.onnx"));
+  const json info = ask({"networks", "info", "roomwise-compact-1"});
+  EXPECT_LE(info["parameter_bytes"], 4'000'000);
+  EXPECT_GT(info["card"]["notes"].size(), 0);
+
+  std::filesystem::create_directories(path("roomwise/networks"));
+  ASSERT_OK(write_file(path("roomwise/networks/mine.onnx"), network_));
+  ASSERT_OK(write_file(path("roomwise/networks/mine.card.json"),
+                       R"({"input": {"width": 6, "height": 4}})"));
+  EXPECT_TRUE(is_default("mine.onnx"));
+  EXPECT_FALSE(is_default("roomwise-compact-1.onnx"));
+}
+
 TEST_F(NetworksCommandsTest, WhatIsNotAsPublishedIsRefused) {
   const ProgramResult other = run(pull("yolox-nano"));
   EXPECT_EQ(other.exit_code, 1);

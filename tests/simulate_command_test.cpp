@@ -56,6 +56,22 @@ TEST(Simulate, RecordsAWalkAndKeepsIt) {
   EXPECT_THAT(refused.errors, HasSubstr("empty"));
 }
 
+TEST(SimulateViews, WritesPicturesToTrainBy) {
+  const ScratchFolder folder;
+  const std::vector<std::string> command{
+      "simulate-views", "--homes", "3",       "3",      "--of-kind", "1",
+      "--of-room",      "1",       "--side",  "40",     "--samples", "1",
+      "--bake-effort",  "0.02",    "--rooms", "toilet", "-o",        folder / "views",
+      "--rooms",        "toilet"};
+  const json made = result_of(command);
+  EXPECT_EQ(made.at("homes"), 1);
+  EXPECT_GT(made.at("pictures"), 5);
+  EXPECT_TRUE(std::filesystem::exists(folder / "views" / "toilet"));
+  std::vector<std::string> backwards = command;
+  backwards[3] = "2";
+  EXPECT_THAT(run_roomwise(backwards).errors, HasSubstr("must not come after"));
+}
+
 TEST(Simulate, SaysWhatItDoesNotKnow) {
   const ScratchFolder folder;
   const auto error_of = [&](std::vector<std::string> more) {

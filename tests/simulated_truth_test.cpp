@@ -29,7 +29,7 @@ class SimulatedTruth : public ::testing::Test {
     EXPECT_OK(write_file(path("camera.txt"), "132 132 79.5 59.5 160 120 5000\n"));
     simulate("walk", "1");
     simulate("other", "2");
-    result_of({"map", path("walk"), "--home", path("my.home")});
+    result_of({"map", path("walk"), "--home", path("my.home"), "--no-networks"});
   }
   static void TearDownTestSuite() { folder_.reset(); }
   static std::string path(const std::string& name) { return *folder_ / name; }

@@ -84,6 +84,24 @@ TEST_F(TrainCommandTest, MakesANetworkThatNamesTheClasses) {
   EXPECT_GT(seen->scores[1], 0.5F);
 }
 
+TEST_F(TrainCommandTest, BeginsWithACompactNetworkOfRandomWeights) {
+  std::filesystem::create_directories(path("other/cellar"));
+  std::filesystem::create_directories(path("other/attic"));
+  for (const char* room : {"cellar", "attic"}) {
+    std::filesystem::copy(path(std::string("photos/") + room + "/1.png"),
+                          path(std::string("other/") + room + "/1.png"));
+  }
+  const auto result = run_roomwise({"train", path("photos"), "--network", "compact", "--held-out",
+                                    path("other"), "--steps", "2", "--batch", "2", "--threads", "1",
+                                    "--out", path("out"), "--json"});
+  ASSERT_EQ(result.exit_code, 0) << result.errors;
+  EXPECT_EQ(nlohmann::json::parse(result.output).at("held_out"), 2) << "not of every class";
+  const auto network = network::OnnxClassifier::load(path("out/roomwise-compact-trained.onnx"));
+  ASSERT_OK(network);
+  EXPECT_THAT((*network)->labels(), ElementsAre("attic", "cellar", "garage"));
+  EXPECT_EQ((*network)->feature_size(), 256);
+}
+
 TEST_F(TrainCommandTest, GoesOnWhereItStopped) {
   std::vector<std::string> options{
       "--batch",          "1", "--steps", "20", "--held-out-share", "0", "--checkpoint-every", "1",

@@ -30,6 +30,7 @@ struct Options {
   std::size_t working_set_mb = 128;
   pipeline::MapSettings settings;
   NetworkOptions networks;
+  bool no_networks = false;
   fs::path trajectory;
 };
 
@@ -94,7 +95,7 @@ Expected<void> name_rooms_if_unnamed(home::Home& home, const recording::RoomLabe
   return pipeline::name_rooms(home, stored.back().id, labels);
 }
 
-std::string to_text(const pipeline::MapSummary& summary, bool has_networks) {
+std::string to_text(const pipeline::MapSummary& summary, const std::vector<std::string>& networks) {
   std::string text = fmt::format(
       "frames      {} of {} have a place on the map\n"
       "key-frames  {}\n"
@@ -109,10 +110,10 @@ std::string to_text(const pipeline::MapSummary& summary, bool has_networks) {
                         summary.landmark_views, readout_text(summary.readout_s));
   }
   text +=
-      has_networks
-          ? fmt::format("objects     {} ({} by the paper's rules)\n", summary.instances,
-                        summary.objects)
-          : "objects     none: no network was given, nothing can be named; give --network FILE\n";
+      networks.empty()
+          ? "objects     none: no network was given, nothing can be named; give --network FILE\n"
+          : fmt::format("objects     {} ({} by the paper's rules)\nnetworks    {}\n",
+                        summary.instances, summary.objects, fmt::join(networks, ", "));
   return text;
 }
 
@@ -131,8 +132,12 @@ void remove_empty_home(const fs::path& path) {
 
 Expected<Answer> map(const Options& options, Context& context) {
   cv::setNumThreads(1);  // the threads are ours
-  ROOMWISE_TRY(const pipeline::Networks networks, load_networks(options.networks));
-  ROOMWISE_TRY(const objects::RegionFinders finders, load_region_finders());
+  pipeline::Networks networks;
+  objects::RegionFinders finders;
+  if (!options.no_networks) {
+    ROOMWISE_TRY(networks, load_networks(options.networks));
+    ROOMWISE_TRY(finders, load_region_finders());
+  }
   if (networks.empty()) {
     context.progress.note(
         "no network was given: nothing in this home will be named and its rooms cannot be learned; "
@@ -177,8 +182,11 @@ Expected<Answer> map(const Options& options, Context& context) {
   }
 
   Answer answer;
-  answer.text = to_text(summary, !networks.empty());
+  std::vector<std::string> names;
+  for (const auto& network : networks) names.push_back(network->name());
+  answer.text = to_text(summary, names);
   answer.json = {{"finished", summary.finished},
+                 {"networks", names},
                  {"frames", summary.frames},
                  {"placed", summary.placed},
                  {"keyframes", summary.keyframes},
@@ -280,6 +288,11 @@ void add_map_command(CLI::App& app, Context& context) {
           "Least score of an object, 0 to 1")
       ->check(CLI::Range(0.0, 1.0));
   add_network_options(*command, options->networks);
+  command
+      ->add_flag("--no-networks", options->no_networks,
+                 "No network looks at the pictures: quicker, but nothing gets a name and no room "
+                 "can be learned")
+      ->excludes("--network");
   command->add_option("--trajectory", options->trajectory,
                       "Also write the trajectory there, in TUM's format");
 }

@@ -71,8 +71,21 @@ std::vector<fs::path> network_folders() {
   return folders;
 }
 
+std::optional<fs::path> brought_network_folder() {
+  std::error_code error;
+  const fs::path program = fs::read_symlink("/proc/self/exe", error);
+  const fs::path folder = program.parent_path().parent_path() / "share" / "roomwise" / "networks";
+  if (error || !fs::is_directory(folder, error)) return std::nullopt;
+  return folder;
+}
+
 Expected<std::vector<fs::path>> usable_networks() {
-  return networks_for(network::Task::kClassify);
+  ROOMWISE_TRY(auto usable, networks_for(network::Task::kClassify));
+  const auto brought = brought_network_folder();
+  if (usable.empty() && brought) {
+    ROOMWISE_TRY(usable, list_networks(*brought, network::Task::kClassify));
+  }
+  return usable;
 }
 
 const network::CatalogueEntry* find_catalogue_entry(const std::string& name) {
@@ -85,7 +98,9 @@ const network::CatalogueEntry* find_catalogue_entry(const std::string& name) {
 
 std::optional<fs::path> find_in_folders(const std::string& file) {
   std::error_code ignored;
-  for (const fs::path& folder : network_folders()) {
+  std::vector<fs::path> folders = network_folders();
+  if (const auto brought = brought_network_folder()) folders.push_back(*brought);
+  for (const fs::path& folder : folders) {
     if (fs::is_regular_file(folder / file, ignored)) return folder / file;
   }
   return std::nullopt;
@@ -109,7 +124,8 @@ void add_network_options(CLI::App& command, NetworkOptions& options) {
                      "ONNX network, or weights (.pth, .safetensors) of a known one, with its card "
                      "NAME.card.json beside it; may be given several times. Without it: "
                      "those of ROOMWISE_MODELS, else of ../shared/models, and those of the "
-                     "user's own folder (roomwise networks list)");
+                     "user's own folder; where neither holds one, the compact network that comes "
+                     "with Roomwise (roomwise networks list)");
   command.add_option("--labels", options.labels,
                      "What the last --network can name, a label a line, in place of the card's");
 }
@@ -121,6 +137,14 @@ Expected<pipeline::Networks> load_networks(const NetworkOptions& options) {
   const bool are_defaults = files.empty();
   if (are_defaults) {
     ROOMWISE_TRY(files, usable_networks());
+  }
+  const bool is_brought =
+      are_defaults && !files.empty() && files.front().parent_path() == brought_network_folder();
+  if (is_brought) {
+    fmt::print(stderr,
+               "no other network is installed: {} looks at the pictures, which has learned from "
+               "simulated homes alone\n",
+               files.front().stem().string());
   }
   pipeline::Networks networks;
   for (std::size_t i = 0; i < files.size(); ++i) {

@@ -19,8 +19,7 @@ struct NetworkOptions {
 // Declares --network (any number) and --labels.
 void add_network_options(CLI::App& command, NetworkOptions& options);
 
-// Loads them; where none is named, those of the folders of networks that Roomwise has a card for.
-// May be none.
+// Loads them; where none is named, usable_networks(). May be none.
 [[nodiscard]] Expected<pipeline::Networks> load_networks(const NetworkOptions& options);
 
 // The finders of regions: the detectors of the folders of networks, whatever --network names. May be
@@ -35,14 +34,17 @@ void add_network_options(CLI::App& command, NetworkOptions& options);
 // (ROOMWISE_MODELS), then the user's own. Only folders that are there.
 [[nodiscard]] std::vector<std::filesystem::path> network_folders();
 
-// The networks of those folders that look at whole pictures, by their cards: those that
-// load_networks() takes. In the order of folders, by name.
+// The folder of networks that come with Roomwise: ../share/roomwise/networks of the program's.
+[[nodiscard]] std::optional<std::filesystem::path> brought_network_folder();
+
+// The networks of network_folders() that look at whole pictures, by their cards, in the order of
+// folders, by name; where there are none, those that come with Roomwise.
 [[nodiscard]] Expected<std::vector<std::filesystem::path>> usable_networks();
 
 // The entry of the catalogue of this name, or of a file of this name; or nullptr.
 [[nodiscard]] const network::CatalogueEntry* find_catalogue_entry(const std::string& name);
 
-// FILE in the first folder of networks that has it.
+// FILE in the first folder of networks that has it; that of Roomwise is the last.
 [[nodiscard]] std::optional<std::filesystem::path> find_in_folders(const std::string& file);
 
 // A network's file by what the user calls it: a name of the catalogue, a file of the folders of

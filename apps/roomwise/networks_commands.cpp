@@ -62,7 +62,9 @@ Expected<Answer> list() {
   Answer answer;
   answer.json = {{"folders", Json::array()}, {"here", Json::array()}, {"known", Json::array()}};
   ROOMWISE_TRY(const auto usable, usable_networks());
-  for (const fs::path& folder : network_folders()) {
+  std::vector<fs::path> folders = network_folders();
+  if (const auto brought = brought_network_folder()) folders.push_back(*brought);
+  for (const fs::path& folder : folders) {
     answer.json["folders"].push_back(folder.string());
     answer.text += fmt::format("In {}:\n", folder.string());
     std::vector<fs::path> files;

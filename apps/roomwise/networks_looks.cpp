@@ -89,7 +89,10 @@ Expected<Answer> info(const std::string& name) {
                            {"width_px", card->input_width_px},
                            {"height_px", card->input_height_px},
                            {"license", card->license},
-                           {"source", card->source}};
+                           {"source", card->source},
+                           {"notes", card->notes}};
+    for (const std::string& note : card->notes)
+      answer.text += fmt::format("            {}\n", note);
   }
   const auto read = network::read_network_file(*file, std::nullopt);
   if (read) {

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "home_pictures.h"
+#include "roomwise/network/compact_network.h"
 #include "roomwise/network/network_file.h"
 #include "roomwise/network/training/head.h"
 #include "roomwise/network/training/processes.h"
@@ -89,13 +90,12 @@ Expected<Data> data_of_folder(const TrainRequest& request) {
   ROOMWISE_TRY(PictureFolder folder, PictureFolder::open(request.folder));
   if (!request.held_out.empty()) {
     ROOMWISE_TRY(PictureFolder held_out, PictureFolder::open(request.held_out));
-    if (held_out.classes() != folder.classes()) {
-      return fail("{}: has the classes {}, not those of {}: {}", request.held_out.string(),
-                  fmt::join(held_out.classes(), ", "), request.folder.string(),
-                  fmt::join(folder.classes(), ", "));
-    }
+    ROOMWISE_TRY(PictureFolder renumbered,
+                 std::move(held_out).with_classes(folder.classes()).map_error([&](Error error) {
+                   return std::move(error).in(request.held_out.string());
+                 }));
     data.training = owned(std::move(folder));
-    data.held_out = owned(std::move(held_out));
+    data.held_out = owned(std::move(renumbered));
     return data;
   }
   data.whole = owned(std::move(folder));
@@ -103,6 +103,19 @@ Expected<Data> data_of_folder(const TrainRequest& request) {
   data.training = owned(std::move(split.training));
   data.held_out = owned(std::move(split.held_out));
   return data;
+}
+
+// What the training begins with: a network's files, or for "compact" our own network of random
+// weights.
+Expected<network::NetworkFile> network_to_train(const TrainRequest& request) {
+  if (request.network != kCompactNetwork)
+    return network::read_network_file(request.network, std::nullopt);
+  network::CompactOptions options;
+  options.weights.seed = request.options.seed;
+  network::NetworkFile file;
+  file.card = network::compact_card();
+  file.graph = network::compact_network(options);
+  return file;
 }
 
 Expected<std::string> features_of(const TrainRequest& request, const network::ModelCard& card) {
@@ -204,8 +217,7 @@ Expected<std::unique_ptr<Processes>> join_processes(Device device) {
 Expected<Answer> train_network(TrainRequest request, Context& context) {
   ROOMWISE_TRY(const Data data,
                request.home.empty() ? data_of_folder(request) : data_of_home(request));
-  ROOMWISE_TRY(network::NetworkFile file,
-               network::read_network_file(request.network, std::nullopt));
+  ROOMWISE_TRY(network::NetworkFile file, network_to_train(request));
   const auto in_file = [&](Error error) { return std::move(error).in(request.network.string()); };
   ROOMWISE_TRY(const std::string features, features_of(request, file.card));
   const std::size_t classes = data.training->classes().size();

@@ -34,10 +34,12 @@ void add_data_options(CLI::App& command, TrainRequest& request) {
       .add_option("--held-out-visits", request.held_out_visits,
                   "Of --home: visits that are held out; default: none")
       ->needs(home);
-  CLI::Option* held_out = command
-                              .add_option("--held-out", request.held_out,
-                                          "Folder of the same classes to find the best step by")
-                              ->excludes(home);
+  CLI::Option* held_out =
+      command
+          .add_option("--held-out", request.held_out,
+                      "Folder of the same classes, or of some of them, to find the best step "
+                      "by")
+          ->excludes(home);
   command
       .add_option("--held-out-share", request.held_out_share,
                   "Share of each class of FOLDER that is held out instead")
@@ -50,7 +52,8 @@ void add_data_options(CLI::App& command, TrainRequest& request) {
 void add_network_choice(CLI::App& command, TrainRequest& request) {
   command
       .add_option("--network", request.network,
-                  "Network to begin with: an ONNX file with its card NAME.card.json beside it")
+                  "Network to begin with: an ONNX file with its card NAME.card.json beside it, or "
+                  "compact: a small network of random weights, drawn by --seed")
       ->required();
   command.add_option("--features", request.features,
                      "Node whose values the new last layer takes; default: what the card names "
@@ -116,7 +119,8 @@ void declare_train_command(CLI::App& app, Context& context,
   auto request = std::make_shared<TrainRequest>();
   CLI::App* command = add_command(
       app, context, "train", "Fine-tune a network on pictures of your own classes",
-      "roomwise train photos --network models/mobilenet-v2-imagenet.onnx --steps 500 --out trained\n"
+      "roomwise train photos --network models/mobilenet-v2-imagenet.onnx --steps 500 --out "
+      "trained\n"
       "Several processes, on one machine or more, train together where MASTER_ADDR, MASTER_PORT,\n"
       "RANK and WORLD_SIZE are set. The number of threads changes the last bits of the result.",
       [request, run = std::move(run), &context]() -> Expected<Answer> {

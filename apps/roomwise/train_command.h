@@ -9,6 +9,9 @@
 
 namespace roomwise::app {
 
+// In the place of a network's file: our own compact network, from random weights.
+inline constexpr const char* kCompactNetwork = "compact";
+
 // What "train" was asked for.
 struct TrainRequest {
   std::filesystem::path folder;  // of classes; or else

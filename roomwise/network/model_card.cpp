@@ -123,8 +123,9 @@ Expected<ModelCard> ModelCard::parse(std::string_view json, const std::string& o
     return fail("{}: is not JSON; expected a model card, {{ \"input\": {{ ... }}, ... }}", origin);
   }
   const Fields card(root, origin + ": ");
-  ROOMWISE_CHECK_OK(card.expect_only({"name", "task", "input", "mean", "scale", "outputs", "labels",
-                                      "first_label", "architecture", "license", "source"}));
+  ROOMWISE_CHECK_OK(
+      card.expect_only({"name", "task", "input", "mean", "scale", "outputs", "labels",
+                        "first_label", "architecture", "license", "source", "sha256", "notes"}));
   ROOMWISE_TRY(const Json input_object, card.object("input"));
   ROOMWISE_TRY(const Json outputs_object, card.object("outputs"));
   const Fields input(input_object, origin + ": input.");
@@ -159,6 +160,8 @@ Expected<ModelCard> ModelCard::parse(std::string_view json, const std::string& o
                                                  {"inception-v3", Architecture::kInceptionV3}}));
   ROOMWISE_TRY(result.license, card.text("license", ""));
   ROOMWISE_TRY(result.source, card.text("source", ""));
+  ROOMWISE_TRY(result.sha256, card.text("sha256", ""));
+  ROOMWISE_TRY(result.notes, card.texts("notes"));
   return result;
 }
 

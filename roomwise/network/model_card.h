@@ -37,7 +37,8 @@ enum class Architecture {
 //     "mean": [127.5, 127.5, 127.5], "scale": [0.0078, 0.0078, 0.0078],
 //     "outputs": { "features": "pool5", "scores": "prob", "softmax": false },
 //     "labels": "labels.txt", "first_label": 0,
-//     "license": "Apache-2.0", "source": "where it came from" }
+//     "license": "Apache-2.0", "source": "where it came from",
+//     "sha256": "the weights file's, 64 digits", "notes": ["what else is known of it"] }
 // "features" may be a list of names; "task" may be "nanodet-plus". Weights without their network
 // (.pth, .safetensors) are of an "architecture": "inception-v3".
 struct ModelCard {
@@ -61,6 +62,8 @@ struct ModelCard {
   Architecture architecture = Architecture::kOwn;
   std::string license;
   std::string source;
+  std::string sha256;              // of the weights file; empty: any file is taken
+  std::vector<std::string> notes;  // for people: how it was trained, how well it does
 
   // Fails, naming `origin` (the card's file) and the field, on anything missing, unknown or out of
   // range.

@@ -116,11 +116,15 @@ Expected<NetworkFile> read_network_file(const std::filesystem::path& weights,
   NetworkFile file;
   ROOMWISE_TRY(const Bytes bytes, read_file(weights));
   ROOMWISE_TRY(file.card, find_model_card(weights));
+  file.fingerprint = sha256_hex(bytes);
+  if (!file.card.sha256.empty() && file.card.sha256 != file.fingerprint) {
+    return fail("{}: is not the file that its card describes: its SHA-256 is {}, not {}",
+                weights.string(), file.fingerprint, file.card.sha256);
+  }
   ROOMWISE_TRY(auto all_labels, labels_for(file.card, weights, labels));
   ROOMWISE_TRY(file.labels, known_labels(file.card, std::move(all_labels)).map_error(in_file));
   ROOMWISE_TRY(file.graph, graph_of(file.card, bytes).map_error(in_file));
   ROOMWISE_CHECK_OK(fix_input(file.graph, file.card).map_error(in_file));
-  file.fingerprint = sha256_hex(bytes);
   return file;
 }
 

@@ -17,9 +17,9 @@ namespace roomwise::objects {
 // form in memory.
 class ObjectVocabulary {
  public:
-  // Words for what stands in homes, with the labels of ImageNet (classifiers) and COCO (detectors)
-  // that mean them. The paper's seven are among them: bed, lamp, wardrobe, microwave, stove, fridge
-  // and toilet seat.
+  // Words for what stands in homes, with the labels of ImageNet (classifiers), COCO (detectors) and
+  // our compact network that mean them. The paper's seven are among them: bed, lamp, wardrobe,
+  // microwave, stove, fridge and toilet seat.
   [[nodiscard]] static ObjectVocabulary standard();
 
   // Adds labels to an object, making it if it is new. A label means one object only. On an error

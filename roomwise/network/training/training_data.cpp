@@ -56,6 +56,19 @@ Expected<PictureFolder> PictureFolder::open(const fs::path& folder) {
   return data;
 }
 
+Expected<PictureFolder> PictureFolder::with_classes(std::vector<std::string> classes) && {
+  std::vector<std::size_t> numbers;
+  for (const std::string& name : classes_) {
+    const auto found = std::ranges::find(classes, name);
+    if (found == classes.end())
+      return fail("has the class \"{}\", which is none of {}", name, fmt::join(classes, ", "));
+    numbers.push_back(static_cast<std::size_t>(found - classes.begin()));
+  }
+  for (File& file : files_) file.label = numbers[file.label];
+  classes_ = std::move(classes);
+  return std::move(*this);
+}
+
 std::string PictureFolder::name(std::size_t i) const {
   return fmt::format("{}/{}", classes_[files_[i].label], files_[i].path.filename().string());
 }

@@ -33,6 +33,10 @@ class PictureFolder final : public TrainingData {
   // picture.
   [[nodiscard]] static Expected<PictureFolder> open(const std::filesystem::path& folder);
 
+  // The same pictures, their classes numbered as these are, of which some may have no picture here.
+  // Fails where it has a class that is none of them.
+  [[nodiscard]] Expected<PictureFolder> with_classes(std::vector<std::string> classes) &&;
+
   [[nodiscard]] std::size_t size() const override { return files_.size(); }
   [[nodiscard]] const std::vector<std::string>& classes() const override { return classes_; }
   [[nodiscard]] std::size_t label(std::size_t i) const override { return files_[i].label; }

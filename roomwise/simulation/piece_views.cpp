@@ -1,4 +1,4 @@
-#include "piece_views.h"
+#include "roomwise/simulation/piece_views.h"
 
 #include <algorithm>
 #include <array>
@@ -8,22 +8,32 @@
 #include "roomwise/base/random.h"
 #include "roomwise/simulation/home_geometry.h"
 
-namespace roomwise::bench {
+namespace roomwise::simulation {
 namespace {
-
-using simulation::HomeModel;
-using simulation::PlacedObject;
 
 constexpr double kNearest_m = 1.0, kFarthest_m = 2.4;
 constexpr double kMostAside_rad = 75 * std::numbers::pi / 180;
 constexpr double kSlantwise_rad = 35 * std::numbers::pi / 180;
 constexpr double kApart_m = 0.5;
-constexpr double kPersonRadius_m = 0.25;
 constexpr double kLeastSeen = 0.75;
 constexpr std::array kHeights_m{1.4, 1.3, 1.5};
 
-// Points all over a mesh, evenly by area; of the object frame.
-std::vector<Eigen::Vector3d> surface_points(const simulation::TriangleMesh& mesh) {
+// Those that one would choose first.
+std::vector<StandingPlace> places_by_preference(const HomeModel& home, std::size_t object,
+                                                const FreeSpace& space) {
+  // So far away that it fills a good half of the picture's height.
+  const double best_m =
+      std::clamp(1.8 * home.objects[object].size_m.maxCoeff(), kNearest_m, kFarthest_m);
+  std::vector<StandingPlace> places = places_before(home, object, space, kNearest_m, kFarthest_m);
+  std::ranges::stable_sort(places, {}, [best_m](const StandingPlace& place) {
+    return std::abs(place.distance_m - best_m) + std::abs(place.aside_rad - kSlantwise_rad);
+  });
+  return places;
+}
+
+}  // namespace
+
+std::vector<Eigen::Vector3d> points_on(const PlacedObject& piece, const TriangleMesh& mesh) {
   constexpr std::size_t kPoints = 500;
   const auto corner = [&](std::size_t triangle, std::size_t i) {
     return mesh.positions[mesh.triangles[triangle].corners[i]].cast<double>().eval();
@@ -41,8 +51,9 @@ std::vector<Eigen::Vector3d> surface_points(const simulation::TriangleMesh& mesh
     const auto triangle =
         std::min(static_cast<std::size_t>(found - area_up_to.begin()), area_up_to.size() - 1);
     const double root = std::sqrt(random.uniform()), other = random.uniform();
-    points.push_back((1 - root) * corner(triangle, 0) + root * (1 - other) * corner(triangle, 1) +
-                     root * other * corner(triangle, 2));
+    points.push_back(piece.world_from_object *
+                     ((1 - root) * corner(triangle, 0) + root * (1 - other) * corner(triangle, 1) +
+                      root * other * corner(triangle, 2)));
   }
   return points;
 }
@@ -55,7 +66,6 @@ geometry::RigidTransform looking_at(const Eigen::Vector3d& from, const Eigen::Ve
   return geometry::RigidTransform::from_matrix(axes, from);
 }
 
-// The same picture with fewer pixels, to test what it shows.
 geometry::PinholeCamera coarse(geometry::PinholeCamera camera) {
   constexpr int kTimes = 4;
   camera.fx /= kTimes;
@@ -68,7 +78,7 @@ geometry::PinholeCamera coarse(geometry::PinholeCamera camera) {
 }
 
 double share_seen(const std::vector<Eigen::Vector3d>& points_world, std::size_t object,
-                  const simulation::RenderedFrame& frame, const geometry::PinholeCamera& camera,
+                  const RenderedFrame& frame, const geometry::PinholeCamera& camera,
                   const geometry::RigidTransform& world_from_camera) {
   constexpr float kTolerance_m = 0.05F;
   const geometry::RigidTransform camera_from_world = world_from_camera.inverse();
@@ -84,61 +94,61 @@ double share_seen(const std::vector<Eigen::Vector3d>& points_world, std::size_t 
                            frame.depth_m.at(x, y) < static_cast<float>(point.z()) - kTolerance_m;
     if (!is_hidden) ++seen;
   }
-  return seen / static_cast<double>(points_world.size());
+  return points_world.empty() ? 0 : seen / static_cast<double>(points_world.size());
 }
 
-struct Place {
-  Eigen::Vector2d place;
-  double distance_m, aside_rad;
-  double worse;  // than the view that one would choose
-};
+WalkPose moving_pose(const geometry::RigidTransform& world_from_camera, std::size_t room,
+                     double pace) {
+  constexpr double kShutter_s = 0.02, kTurning_rad_s = 0.4, kStepping_m_s = 0.3;
+  geometry::Vector6d half = geometry::Vector6d::Zero();  // of the way while the shutter is open
+  half[1] = pace * kTurning_rad_s * kShutter_s / 2;      // about the camera's downward axis
+  half[3] = pace * kStepping_m_s * kShutter_s / 2;
+  WalkPose pose;
+  pose.world_from_camera = world_from_camera;
+  pose.world_from_camera_open = world_from_camera * geometry::RigidTransform::exp(-half);
+  pose.world_from_camera_close = world_from_camera * geometry::RigidTransform::exp(half);
+  pose.room = room;
+  return pose;
+}
 
-std::vector<Place> places_by_preference(const HomeModel& home, const PlacedObject& object,
-                                        const simulation::FreeSpace& space) {
+std::vector<StandingPlace> places_before(const HomeModel& home, std::size_t object,
+                                         const FreeSpace& space, double nearest_m,
+                                         double farthest_m) {
   constexpr int kEvery = 2;  // cells
-  const simulation::Footprint footprint = simulation::footprint_of(object);
-  const Eigen::Vector2d front = simulation::facing(footprint.yaw_rad);
-  // So far away that it fills a good half of the picture's height.
-  const double best_m = std::clamp(1.8 * object.size_m.maxCoeff(), kNearest_m, kFarthest_m);
-  std::vector<Place> places;
+  const PlacedObject& piece = home.objects[object];
+  const Footprint footprint = footprint_of(piece);
+  const Eigen::Vector2d front = facing(footprint.yaw_rad);
+  std::vector<StandingPlace> places;
   for (int row = 0; row < space.rows(); row += kEvery) {
     for (int column = 0; column < space.columns(); column += kEvery) {
       const Eigen::Vector2d place = space.cell_center(column, row);
       const Eigen::Vector2d from_middle = place - footprint.center;
       const double distance = from_middle.norm();
-      if (distance < kNearest_m || distance > kFarthest_m ||
-          space.clearance_m(column, row) < kPersonRadius_m ||
-          !simulation::contains(home.rooms[object.room].interior, place)) {
+      if (distance < nearest_m || distance > farthest_m ||
+          space.clearance_m(column, row) < kStandingRadius_m ||
+          !contains(home.rooms[piece.room].interior, place)) {
         continue;
       }
       const double aside = std::acos(std::clamp(front.dot(from_middle) / distance, -1.0, 1.0));
-      if (aside > kMostAside_rad) continue;
-      places.push_back(
-          {place, distance, aside, std::abs(distance - best_m) + std::abs(aside - kSlantwise_rad)});
+      if (aside <= kMostAside_rad) places.push_back({place, distance, aside});
     }
   }
-  std::ranges::stable_sort(places, {}, &Place::worse);
   return places;
 }
 
-}  // namespace
-
 std::vector<PieceView> find_views(const HomeModel& home, std::size_t object,
-                                  const simulation::TriangleMesh& mesh,
-                                  const simulation::FreeSpace& space,
-                                  const simulation::Renderer& renderer,
-                                  const geometry::PinholeCamera& camera, std::size_t most,
-                                  ThreadPool& pool) {
+                                  const TriangleMesh& mesh, const FreeSpace& space,
+                                  const Renderer& renderer, const geometry::PinholeCamera& camera,
+                                  std::size_t most, ThreadPool& pool) {
   const PlacedObject& piece = home.objects[object];
-  std::vector<Eigen::Vector3d> points = surface_points(mesh);
-  for (Eigen::Vector3d& point : points) point = piece.world_from_object * point;
+  const std::vector<Eigen::Vector3d> points = points_on(piece, mesh);
   const Eigen::Vector3d middle =
       piece.world_from_object * Eigen::Vector3d(0, 0, piece.size_m.z() / 2);
   const geometry::PinholeCamera coarse_camera = coarse(camera);
 
   std::vector<PieceView> views;
   std::vector<Eigen::Vector2d> tried;  // near them all is much the same
-  for (const Place& place : places_by_preference(home, piece, space)) {
+  for (const StandingPlace& place : places_by_preference(home, object, space)) {
     if (views.size() == most) break;
     const auto is_within = [&](double distance_m) {
       return [&place, distance_m](const Eigen::Vector2d& other) {
@@ -166,4 +176,4 @@ std::vector<PieceView> find_views(const HomeModel& home, std::size_t object,
   return views;
 }
 
-}  // namespace roomwise::bench
+}  // namespace roomwise::simulation
