@@ -61,8 +61,7 @@ TEST(SimulateViews, WritesPicturesToTrainBy) {
   const std::vector<std::string> command{
       "simulate-views", "--homes", "3",       "3",      "--of-kind", "1",
       "--of-room",      "1",       "--side",  "40",     "--samples", "1",
-      "--bake-effort",  "0.02",    "--rooms", "toilet", "-o",        folder / "views",
-      "--rooms",        "toilet"};
+      "--bake-effort",  "0.02",    "--rooms", "toilet", "-o",        folder / "views"};
   const json made = result_of(command);
   EXPECT_EQ(made.at("homes"), 1);
   EXPECT_GT(made.at("pictures"), 5);

@@ -46,12 +46,12 @@ TEST(PictureFolder, HasAClassAFolder) {
   EXPECT_ERROR(data->picture(0), "bath/3.png");
 
   const auto numbered =
-      PictureFolder::open(folder.path())->with_classes({"attic", "kitchen", "bath"});
+      (*PictureFolder::open(folder.path())).with_classes({"attic", "kitchen", "bath"});
   ASSERT_OK(numbered);
   EXPECT_EQ(numbered->classes().size(), 3);
   EXPECT_EQ(numbered->label(0), 2) << "the bath";
   EXPECT_EQ(numbered->name(2), "kitchen/2.png");
-  EXPECT_ERROR(PictureFolder::open(folder.path())->with_classes({"attic", "bath"}),
+  EXPECT_ERROR((*PictureFolder::open(folder.path())).with_classes({"attic", "bath"}),
                "has the class \"kitchen\", which is none of attic, bath");
 }
 
