@@ -1,4 +1,4 @@
-// How rightly networks name furniture that they were not trained on: pictures of `roomwise
+// How rightly networks name furniture of homes that they were not trained on (the models of furniture are the same): pictures of `roomwise
 // simulate-views` and photos of ImageNet's classes, by kind:
 //   object_names VIEWS [NETWORK]...
 // VIEWS: the folder of simulated views. Networks: ONNX files with their cards; default: the compact

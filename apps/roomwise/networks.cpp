@@ -130,7 +130,7 @@ void add_network_options(CLI::App& command, NetworkOptions& options) {
                      "What the last --network can name, a label a line, in place of the card's");
 }
 
-Expected<pipeline::Networks> load_networks(const NetworkOptions& options) {
+Expected<pipeline::Networks> load_networks(const NetworkOptions& options, bool also_brought) {
   if (options.labels && options.files.empty())
     return fail("--labels says what a --network can name; give that too");
   std::vector<fs::path> files = options.files;
@@ -145,6 +145,11 @@ Expected<pipeline::Networks> load_networks(const NetworkOptions& options) {
                "no other network is installed: {} looks at the pictures, which has learned from "
                "simulated homes alone\n",
                files.front().stem().string());
+  }
+  const auto brought = brought_network_folder();
+  if (are_defaults && also_brought && brought && !is_brought) {
+    ROOMWISE_TRY(const auto more, list_networks(*brought, network::Task::kClassify));
+    files.insert(files.end(), more.begin(), more.end());
   }
   pipeline::Networks networks;
   for (std::size_t i = 0; i < files.size(); ++i) {

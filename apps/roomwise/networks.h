@@ -20,10 +20,13 @@ struct NetworkOptions {
 void add_network_options(CLI::App& command, NetworkOptions& options);
 
 // Loads them; where none is named, usable_networks(). May be none.
-[[nodiscard]] Expected<pipeline::Networks> load_networks(const NetworkOptions& options);
+// `also_brought`: the compact network too, after the others, for a home that may have been learned
+// with it before they were installed.
+[[nodiscard]] Expected<pipeline::Networks> load_networks(const NetworkOptions& options,
+                                                         bool also_brought = false);
 
-// The finders of regions: the detectors of the folders of networks, whatever --network names. May be
-// none.
+// The finders of regions: the detectors of the folders of networks, whatever --network names. May
+// be none.
 [[nodiscard]] Expected<objects::RegionFinders> load_region_finders();
 
 // Where "networks pull" puts files: $XDG_DATA_HOME/roomwise/networks, else

@@ -172,7 +172,7 @@ Expected<rooms::LearningReport> learn_keyframes(const LearnOptions& options, Con
   ROOMWISE_TRY(const pipeline::RoomSelection selection, parse(options.selection));
   pipeline::Networks networks;  // what they saw in the key-frames themselves is stored
   if (options.augment > 0) {
-    ROOMWISE_TRY(networks, load_networks(options.networks));
+    ROOMWISE_TRY(networks, load_networks(options.networks, /*also_brought=*/true));
   }
   ThreadPool pool(context.threads);
   StageClock clock;
@@ -287,11 +287,15 @@ Expected<rooms::RoomDecision> recognize_walk(const pipeline::RoomRecognizer& rec
 Expected<Answer> recognize(const RecognizeOptions& options) {
   cv::setNumThreads(1);
   ROOMWISE_TRY(const home::Home home, home::Home::open_read_only(options.home));
-  ROOMWISE_TRY(const pipeline::Networks networks, load_networks(options.networks));
+  ROOMWISE_TRY(const pipeline::Networks networks,
+               load_networks(options.networks, /*also_brought=*/true));
   ROOMWISE_TRY(const auto recognizer, pipeline::RoomRecognizer::create(home, networks));
   std::vector<image::ColorImage> pictures;
   for (const fs::path& file : options.pictures) {
     ROOMWISE_TRY(pictures.emplace_back(), image::read_color(file));
+  }
+  if (options.rule == "paper" && options.interval_s) {
+    return fail("--walk goes with the default rule; the paper's looks at one picture, or at two");
   }
   if (options.rule == "paper") return recognize_by_paper(recognizer, pictures);
   ROOMWISE_TRY(const rooms::RoomDecision decision,

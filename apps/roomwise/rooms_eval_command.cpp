@@ -234,7 +234,8 @@ Expected<Answer> evaluate(const Options& options, Context& context) {
     return fail("give what to evaluate: either --recording with --labels, or --photos");
   }
   ROOMWISE_TRY(const home::Home home, home::Home::open_read_only(options.home));
-  ROOMWISE_TRY(const pipeline::Networks networks, load_networks(options.networks));
+  ROOMWISE_TRY(const pipeline::Networks networks,
+               load_networks(options.networks, /*also_brought=*/true));
   ROOMWISE_TRY(const auto recognizer, pipeline::RoomRecognizer::create(home, networks));
   Pictures all;
   ROOMWISE_CHECK_OK(add_pictures(options, recognizer.rooms(), all));

@@ -176,8 +176,8 @@ std::string objects_section(const std::vector<ReportContent::Object>& objects) {
   std::string html = "<h2>Objects</h2>\n";
   if (objects.empty()) return html + "<p>No objects were found.</p>\n";
   html +=
-      "<p class=\"quiet\">Places are in the frame of the map, in metres. The score is the "
-      "network's, from 0 to 1.</p>\n<ol class=\"objects\">\n";
+      "<p class=\"quiet\">Places are in the frame of the map, in metres. The score, from 0 to "
+      "1, says how sure it is that the thing stands there and is called so.</p>\n<ol class=\"objects\">\n";
   for (std::size_t i = 0; i < objects.size(); ++i) {
     const ReportContent::Object& entry = objects[i];
     const Eigen::Vector3d& place = entry.object.place_world;

@@ -1,5 +1,8 @@
 // The part of Home that stores where in key-frames things are, and what they are together.
 
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "roomwise/home/home.h"
@@ -16,8 +19,11 @@ Bytes points_to_blob(const std::vector<Eigen::Vector3f>& points) {
   return to_blob({points.front().data(), 3 * points.size()});
 }
 
-std::vector<Eigen::Vector3f> blob_to_points(const Bytes& bytes) {
+// Absent where they are not whole points of finite numbers.
+std::optional<std::vector<Eigen::Vector3f>> blob_to_points(const Bytes& bytes) {
+  if (bytes.size() % sizeof(Eigen::Vector3f) != 0) return std::nullopt;
   const std::vector<float> values = to_floats(bytes);
+  if (!std::ranges::all_of(values, [](float v) { return std::isfinite(v); })) return std::nullopt;
   std::vector<Eigen::Vector3f> points(values.size() / 3);
   for (std::size_t i = 0; i < points.size(); ++i) {
     points[i] = {values[3 * i], values[3 * i + 1], values[3 * i + 2]};
@@ -63,6 +69,11 @@ Eigen::Vector3d vector_column(const Statement& row, int first) {
 Expected<bool> has_tables(const Database& database) {
   ROOMWISE_TRY(const int version, database.get<int>("PRAGMA user_version"));
   return version >= kInstancesVersion;
+}
+
+bool is_finite(const objects::Instance& instance) {
+  return instance.box_keyframe.world_from_box.is_finite() &&
+         instance.box_keyframe.size_m.allFinite() && instance.sigma_m.allFinite();
 }
 
 objects::Instance read_instance(const Statement& row) {
@@ -172,14 +183,27 @@ Expected<std::map<KeyframeId, objects::KeyframeLook>> Home::looks(FinderId finde
   ROOMWISE_CHECK_OK(database_.for_each(
       "SELECT keyframe_id, label, score, left_px, top_px, right_px, bottom_px, share, measured, "
       "points FROM keyframe_regions WHERE finder_id = ? ORDER BY keyframe_id, region",
-      [&](const Statement& row) {
-        objects::Region& region = looks[row.column<KeyframeId>(0)].regions.emplace_back();
+      [&](const Statement& row) -> Expected<void> {
+        const auto id = row.column<KeyframeId>(0);
+        objects::Region& region = looks[id].regions.emplace_back();
         region.label = row.column<std::string>(1);
         region.score = static_cast<float>(row.column<double>(2));
         region.box = box_column(row, 3);
         region.surface.share = static_cast<float>(row.column<double>(7));
         region.surface.measured = static_cast<float>(row.column<double>(8));
-        region.surface.points = blob_to_points(row.column<Bytes>(9));
+        auto points = blob_to_points(row.column<Bytes>(9));
+        const std::array numbers{region.score,           region.box.left,   region.box.top,
+                                 region.box.right,       region.box.bottom, region.surface.share,
+                                 region.surface.measured};
+        if (!points ||
+            !std::ranges::all_of(numbers, [](float number) { return std::isfinite(number); })) {
+          return fail(
+              "{}: is damaged: a region of key-frame {} is not made of finite numbers; put back a "
+              "copy of it",
+              file(), id);
+        }
+        region.surface.points = *std::move(points);
+        return {};
       },
       finder));
   return looks;
@@ -198,8 +222,7 @@ Expected<void> Home::replace_instances(std::span<const objects::Instance> instan
     ROOMWISE_CHECK_OK(database_.run("DELETE FROM instances"));
     for (const objects::Instance& instance : instances) {
       const geometry::OrientedBox& box = instance.box_keyframe;
-      if (!box.world_from_box.is_finite() || !box.size_m.allFinite() ||
-          !instance.sigma_m.allFinite()) {
+      if (!is_finite(instance)) {
         return fail("{}: the box of instance '{}' is not finite", file(), instance.name);
       }
       ROOMWISE_TRY(
@@ -232,9 +255,15 @@ Expected<std::vector<objects::Instance>> Home::instances() const {
       "SELECT instance_id, name, probability, sightings, expected, keyframe_id, left_px, top_px, "
       "right_px, bottom_px, tx_m, ty_m, tz_m, qx, qy, qz, qw, width_m, depth_m, height_m, "
       "sigma_x_m, sigma_y_m, sigma_z_m FROM instances ORDER BY instance_id",
-      [&](const Statement& row) {
+      [&](const Statement& row) -> Expected<void> {
         place[row.column<std::int64_t>(0)] = instances.size();
-        instances.push_back(read_instance(row));
+        const objects::Instance& instance = instances.emplace_back(read_instance(row));
+        if (!is_finite(instance)) {
+          return fail(
+              "{}: is damaged: the box of instance '{}' is not finite; put back a copy of it",
+              file(), instance.name);
+        }
+        return {};
       }));
   ROOMWISE_CHECK_OK(database_.for_each(
       "SELECT instance_id, name, share FROM instance_names", [&](const Statement& row) {

@@ -6,7 +6,7 @@
 namespace roomwise::network {
 
 struct CompactOptions {
-  std::int64_t classes = 33;
+  std::int64_t classes = 32;
   std::int64_t batch = 1;  // GraphInput::kFree: any
   RandomWeights weights{.seed = 1, .neutral_norms = true};
 };

@@ -29,7 +29,8 @@ struct Instance {
   network::PixelBox picture_box;  // there
   // Upright: z of the box frame is up. Its "world" is the key-frame's camera frame.
   geometry::OrientedBox box_keyframe;
-  // Standard deviation of the box's middle along x, y, z of the box frame, m.
+  // Standard deviation of the box's middle along x, y, z of the box frame, m: at least so much. It
+  // knows what differs from picture to picture, not what all share, nor what cells were left out.
   Eigen::Vector3d sigma_m = Eigen::Vector3d::Zero();
 
   [[nodiscard]] geometry::OrientedBox box_world(

@@ -59,7 +59,7 @@ Level find_level(std::span<const LookedKeyframe> keyframes) {
   for (const auto& [bin, points] : points_at) {
     if (bin < below) fullest = std::max(fullest, points);
   }
-  level.floor_m = *middle;
+  // Where nothing was seen below the cameras, the lowest that was seen stands in for a floor.
   for (auto at = points_at.begin(); at != points_at.end(); ++at) {
     if (static_cast<double>(at->second) < kFloorOfFullest * static_cast<double>(fullest)) continue;
     // The floor fills a few bins: their middle, by points.

@@ -18,12 +18,43 @@ using evaluation::ReportContent;
 constexpr double kVoxelSize_m = 0.02;
 constexpr int kPictureWidth_px = 480;
 
+// An object as the key-frame shows it that saw it best.
+struct ShownObject {
+  std::string name;
+  double score = 0;
+  int sightings = 0;
+  home::KeyframeId keyframe = 0;
+  Eigen::Vector3d place_keyframe = Eigen::Vector3d::Zero();
+};
+
+// Where a detector looked at the home, what its regions were joined into; else what the paper's
+// rules confirmed.
+Expected<std::vector<ShownObject>> shown_objects(const home::Home& home) {
+  std::vector<ShownObject> shown;
+  ROOMWISE_TRY(const auto finders, home.region_finders());
+  if (finders.empty()) {
+    ROOMWISE_TRY(const auto confirmed, home.objects());
+    for (const objects::MapObject& object : confirmed) {
+      // Without depth at the centre, the place from which it was seen stands in.
+      shown.push_back({object.name, object.score, object.sightings, object.keyframe_id,
+                       object.position_keyframe.value_or(Eigen::Vector3d::Zero())});
+    }
+    return shown;
+  }
+  ROOMWISE_TRY(const auto instances, home.instances());
+  for (const objects::Instance& instance : instances) {
+    shown.push_back({instance.name, instance.probability, instance.sightings, instance.keyframe_id,
+                     instance.box_keyframe.center()});
+  }
+  return shown;
+}
+
 // Everything of the home that the report is made from, read once.
 struct Stored {
   std::vector<home::StoredRecording> recordings;
   std::map<home::KeyframeId, home::Keyframe> keyframes;
   std::vector<mapping::PoseGraphEdge> edges;
-  std::vector<objects::MapObject> objects;
+  std::vector<ShownObject> objects;
   std::vector<rooms::Room> rooms;
   std::map<home::KeyframeId, std::vector<rooms::RoomScore>> keyframe_rooms;
   std::map<home::RecordingId, recording::RoomLabels> labels;
@@ -38,7 +69,7 @@ Expected<Stored> read(const home::Home& home) {
   ROOMWISE_TRY(const auto keyframes, home.keyframes());
   for (const home::Keyframe& keyframe : keyframes) stored.keyframes[keyframe.id] = keyframe;
   ROOMWISE_TRY(stored.edges, home.edges());
-  ROOMWISE_TRY(stored.objects, home.objects());
+  ROOMWISE_TRY(stored.objects, shown_objects(home));
   ROOMWISE_TRY(stored.rooms, home.rooms());
   ROOMWISE_TRY(stored.keyframe_rooms, home.keyframe_rooms());
   ROOMWISE_TRY(stored.classifier, home.room_classifier());
@@ -92,16 +123,13 @@ std::vector<ReportContent::Figure> summary(const Stored& stored, double path_m) 
 Expected<std::vector<ReportContent::Object>> report_objects(const home::Home& home,
                                                             const Stored& stored) {
   std::vector<ReportContent::Object> objects;
-  for (const objects::MapObject& object : stored.objects) {
-    const home::Keyframe& keyframe = stored.keyframes.at(object.keyframe_id);
+  for (const ShownObject& object : stored.objects) {
+    const home::Keyframe& keyframe = stored.keyframes.at(object.keyframe);
     if (keyframe.pose.piece != 0) continue;  // nobody knows where on this map it is
     ROOMWISE_TRY(const home::KeyframeImages images, home.images(keyframe.id));
     ROOMWISE_TRY(const image::ColorImage picture, image::decode_color(images.color));
     const int height_px = std::max(1, picture.height() * kPictureWidth_px / picture.width());
-    // Without depth at the centre, the place from which it was seen stands in.
-    const Eigen::Vector3d place = keyframe.pose.world_from_keyframe *
-                                  object.position_keyframe.value_or(Eigen::Vector3d::Zero());
-    objects.push_back({{object.name, place},
+    objects.push_back({{object.name, keyframe.pose.world_from_keyframe * object.place_keyframe},
                        object.score,
                        static_cast<std::uint64_t>(object.sightings),
                        room_of(stored, keyframe),

@@ -36,7 +36,7 @@ void count_floor(const HomeLayout& home, const simulation::FloorPlanTruth& plan,
   }
 }
 
-// Pairs doors and doorways of the same rooms, the nearest first, each used once.
+// Each door takes the nearest doorway of its two rooms that is left.
 void count_doors(const rooms::RoomLayout& layout, const simulation::FloorPlanTruth& plan,
                  const geometry::RigidTransform& level_from_truth, LayoutEvaluation& result) {
   const auto is_named = [&](const std::string& name) {

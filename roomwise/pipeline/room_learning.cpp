@@ -70,9 +70,9 @@ Expected<home::NetworkId> stored_features_network(const home::Home& home) {
         "{}: no network has looked at its key-frames; map the recording with --network FILE",
         home.file());
   }
-  const auto nameless =
-      std::ranges::find_if(networks, [](const auto& entry) { return entry.second.labels.empty(); });
-  return nameless != networks.end() ? nameless->first : networks.begin()->first;
+  const auto nameless = std::find_if(networks.rbegin(), networks.rend(),
+                                     [](const auto& entry) { return entry.second.labels.empty(); });
+  return nameless != networks.rend() ? nameless->first : networks.rbegin()->first;
 }
 
 // Gives each sample, a key-frame's, the features of variants of its picture.
@@ -227,7 +227,13 @@ Expected<std::vector<home::KeyframeId>> learned_keyframes(const home::Home& home
   if (!record) return keyframes;
   const auto json = nlohmann::json::parse(record->report_json, nullptr, false);
   if (json.is_discarded() || !json.contains("keyframes")) return keyframes;
-  for (const auto& id : json.at("keyframes")) keyframes.push_back(id.get<home::KeyframeId>());
+  for (const auto& id : json.at("keyframes")) {
+    if (!id.is_number_unsigned()) {
+      return fail("{}: is damaged: what its rooms were learned from is no list of key-frames",
+                  home.file());
+    }
+    keyframes.push_back(id.get<home::KeyframeId>());
+  }
   return keyframes;
 }
 

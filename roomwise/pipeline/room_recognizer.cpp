@@ -1,6 +1,8 @@
 #include "roomwise/pipeline/room_recognizer.h"
 
 #include <algorithm>
+#include <map>
+#include <set>
 
 #include "roomwise/pipeline/room_learning.h"
 
@@ -19,13 +21,27 @@ std::vector<rooms::Room> in_order(const std::vector<std::string>& names,
   return ordered;
 }
 
+// By the stretches of the walks that the rooms were learned from: what was walked at another time
+// may be what the rooms are tested on.
 Expected<rooms::RoomTopology> topology_of(const home::Home& home,
                                           const std::vector<std::string>& rooms) {
+  ROOMWISE_TRY(const auto learned, learned_keyframes(home));
+  ROOMWISE_TRY(const auto keyframes, home.keyframes());
+  std::map<home::RecordingId, std::set<std::uint64_t>> learned_frames;
+  for (const home::Keyframe& keyframe : keyframes) {
+    if (std::ranges::find(learned, keyframe.id) == learned.end()) continue;
+    learned_frames[keyframe.recording].insert(keyframe.frame_index);
+  }
   std::vector<std::string> walk;
-  ROOMWISE_TRY(const auto recordings, home.recordings());
-  for (const home::StoredRecording& recording : recordings) {
-    ROOMWISE_TRY(const recording::RoomLabels labels, home.room_ranges(recording.id));
-    for (const recording::RoomRange& range : labels.ranges()) walk.push_back(range.room);
+  for (const auto& [recording, frames] : learned_frames) {
+    ROOMWISE_TRY(const recording::RoomLabels labels, home.room_ranges(recording));
+    walk.emplace_back();
+    for (const recording::RoomRange& range : labels.ranges()) {
+      const auto first = frames.lower_bound(range.first_frame);
+      const bool was_learned = first != frames.end() && *first <= range.last_frame;
+      const bool is_no_room = std::ranges::find(rooms, range.room) == rooms.end();
+      walk.push_back(was_learned || is_no_room ? range.room : std::string());
+    }
   }
   return rooms::RoomTopology(rooms, walk);
 }

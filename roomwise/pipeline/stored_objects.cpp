@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <ranges>
 #include <set>
 
 #include "roomwise/image/codec.h"
@@ -27,12 +28,12 @@ std::set<home::KeyframeId> after_known_ground(std::span<const mapping::PoseGraph
   return after;
 }
 
-// What the first network that names things said of each key-frame, in the home's words.
+// What the newest network that names things said of each key-frame, in the home's words.
 Expected<std::map<home::KeyframeId, std::vector<objects::Sighting>>> said_of_pictures(
     const home::Home& home, const objects::ObjectVocabulary& vocabulary, double least_score) {
   std::map<home::KeyframeId, std::vector<objects::Sighting>> said;
   ROOMWISE_TRY(const auto networks, home.networks());
-  for (const auto& [id, network] : networks) {
+  for (const auto& [id, network] : networks | std::views::reverse) {
     if (network.labels.empty()) continue;
     ROOMWISE_TRY(const auto predictions, home.predictions(id));
     for (const auto& [keyframe, prediction] : predictions) {

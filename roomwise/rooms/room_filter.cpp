@@ -47,6 +47,7 @@ void RoomFilter::see(std::span<const double> probabilities, double elapsed_s) {
   pass(elapsed_s);
   const Eigen::Map<const Eigen::VectorXd> seen(probabilities.data(), belief_.size());
   if (!(seen.sum() > 0)) return;
+  if (!(elapsed_s > 0)) elapsed_s = 0;
   const bool counts_fully = !has_seen_ || options_.alike_s == 0;
   const double weight = counts_fully ? 1 : 1 - std::exp(-elapsed_s / options_.alike_s);
   belief_ = belief_.array() * seen.array().max(kLeastProbability).pow(weight);

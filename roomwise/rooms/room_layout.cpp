@@ -23,6 +23,8 @@ constexpr double kMostCells = 1e6;  // along a side: what is farther is a fault
 // Who walked there took so much room; between two places farther apart than a step the walk is not
 // known.
 constexpr double kWalkerRadius_m = 0.25, kLongestStep_m = 1.0;
+// Between two places farther apart than that, the walk may have led through another room.
+constexpr double kLongestGap_m = 2.0;
 
 struct Cell {
   int column = 0, row = 0;
@@ -64,18 +66,27 @@ void read_walk(const WalkedPath& walk, ReadWalks& read) {
   std::vector<double> along_m, crossings_m;  // along the path
   double length_m = 0;
   const WalkedPlace* before = nullptr;
+  bool is_unbroken = true;  // since the last named place
   for (const WalkedPlace& place : walk) {
     if (before != nullptr) length_m += (place.point_level - before->point_level).norm();
     before = &place;
-    if (place.room.empty()) continue;
+    if (place.room.empty()) {
+      is_unbroken = false;
+      continue;
+    }
     const auto room = static_cast<std::int16_t>(std::ranges::lower_bound(read.names, place.room) -
                                                 read.names.begin());
     if (!named.empty() && named.back().room != room) {
-      read.crossings.push_back(
-          {named.back().room, room, (named.back().place + place.point_level) / 2});
+      // Where the walk was lost or unnamed in between, there may be other rooms.
+      const double gap_m = (place.point_level - named.back().place).norm();
+      if (is_unbroken && gap_m <= kLongestGap_m) {
+        read.crossings.push_back(
+            {named.back().room, room, (named.back().place + place.point_level) / 2});
+      }
       crossings_m.push_back((along_m.back() + length_m) / 2);
     }
     named.push_back({room, place.point_level, kNowhere});
+    is_unbroken = true;
     along_m.push_back(length_m);
   }
   for (std::size_t i = 0; i < named.size(); ++i) {

@@ -196,6 +196,25 @@ TEST(RoomLayoutTest, ADoorThatWasPassedWhileLostIsKnownFromTheNames) {
   EXPECT_NEAR(layout->doorways().front().middle_level.x(), 3.1, 0.2);
 }
 
+TEST(RoomLayoutTest, NoDoorIsMadeUpWhereTheWalkIsNotKnown) {
+  WalkedPath lost = walk_through(0);
+  std::erase_if(
+      lost, [](const WalkedPlace& place) { return std::abs(place.point_level.x() - 3.1) < 1.6; });
+  WalkedPath unnamed = walk_through(0);
+  for (WalkedPlace& place : unnamed) {
+    if (std::abs(place.point_level.x() - 3.1) < 0.8) place.room.clear();
+  }
+  std::vector<std::string> rows = unseen_door();
+  for (std::string& row : rows) row.replace(30, 2, "##");
+  for (const WalkedPath& path : {lost, unnamed}) {
+    const std::vector<WalkedPath> walks{path};
+    const auto layout = RoomLayout::make(grid_of(rows), walks);
+    ASSERT_OK(layout);
+    EXPECT_TRUE(layout->doorways().empty());
+    EXPECT_EQ(layout->rooms().size(), 2U);
+  }
+}
+
 TEST(RoomLayoutTest, ShortVisitsToAHallCount) {
   // Through the door lies a hall of 1 m, all of it near a crossing.
   WalkedPath path;

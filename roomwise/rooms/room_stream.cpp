@@ -12,6 +12,7 @@ constexpr double kKnownOver = 2;
 
 RoomDecision RoomStream::see(const PictureEvidence& picture, double elapsed_s) {
   const Eigen::VectorXd& seen = picture.probabilities;
+  if (!(elapsed_s > 0)) elapsed_s = 0;
   filter_.see({seen.data(), static_cast<std::size_t>(seen.size())}, elapsed_s);
   const double share = has_seen_ ? 1 - std::exp(-elapsed_s / kKnownOver) : 1;
   known_ += share * (picture.known - known_);

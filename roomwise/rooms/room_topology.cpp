@@ -18,6 +18,10 @@ RoomTopology::RoomTopology(std::vector<std::string> rooms, std::span<const std::
   passages_ = Eigen::MatrixXd::Zero(count, count);
   std::optional<Eigen::Index> last;
   for (const std::string& room : walk) {
+    if (room.empty()) {
+      last.reset();
+      continue;
+    }
     const Eigen::Index now = std::ranges::find(rooms_, room) - rooms_.begin();
     if (now == count || last == now) continue;
     if (last) {

@@ -43,10 +43,17 @@ ordered_json new_manifest(const ViewsOptions& options) {
 // The same but for what grows.
 bool is_of_same_options(ordered_json made, const ordered_json& wanted) {
   if (!made.is_object()) return false;
+  const auto is_home = [](const ordered_json& home) {
+    return home.is_object() && home.contains("pictures") && home["pictures"].is_number_unsigned();
+  };
   for (const char* grows : {"homes", "models"}) {
     if (!made.contains(grows) || !made[grows].is_array()) return false;
-    made[grows] = ordered_json::array();
   }
+  if (!std::ranges::all_of(made["homes"], is_home) ||
+      !std::ranges::all_of(made["models"], [](const auto& name) { return name.is_string(); })) {
+    return false;
+  }
+  made["homes"] = made["models"] = ordered_json::array();
   return made == wanted;
 }
 
