@@ -10,15 +10,9 @@
 #include "roomwise/base/expected.h"
 #include "roomwise/fusion/floor_grid.h"
 #include "roomwise/image/image.h"
+#include "roomwise/rooms/named_walks.h"
 
 namespace roomwise::rooms {
-
-// Where the walker stood, in the level frame (m), and in which room that was; no name: not known.
-struct WalkedPlace {
-  Eigen::Vector2d point_level = Eigen::Vector2d::Zero();
-  std::string room;
-};
-using WalkedPath = std::vector<WalkedPlace>;  // in the order of time
 
 struct RoomLayoutOptions {
   // The walk says least about where a room ends while it goes from one to the next: people name a
