@@ -88,7 +88,8 @@ TEST_F(NetworksCommandsTest, APublishedNetworkIsFetchedAndFound) {
 
 TEST_F(NetworksCommandsTest, OursIsUsedWhereThereIsNoOther) {
   const auto is_default = [this](const std::string& file) {
-    for (const json& here : ask({"networks", "list"})["here"]) {
+    const json listed = ask({"networks", "list"});
+    for (const json& here : listed["here"]) {
       if (here["file"].get<std::string>().ends_with(file))
         return here["used_by_default"].get<bool>();
     }
