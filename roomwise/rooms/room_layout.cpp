@@ -25,7 +25,7 @@ std::map<std::pair<std::int16_t, std::int16_t>, std::vector<Vector2d>> borders(
   for (int row = 0; row < grid.rows(); ++row) {
     for (int column = 0; column < grid.columns(); ++column) {
       const std::int16_t here = room(column, row);
-      for (const Eigen::Vector2i side : {Eigen::Vector2i(1, 0), Eigen::Vector2i(0, 1)}) {
+      for (const Eigen::Vector2i& side : {Eigen::Vector2i(1, 0), Eigen::Vector2i(0, 1)}) {
         const std::int16_t there = room(column + side.x(), row + side.y());
         if (here == kNoRoom || there == kNoRoom || here == there) continue;
         const Vector2d middle =

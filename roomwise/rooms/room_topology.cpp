@@ -1,7 +1,6 @@
 #include "roomwise/rooms/room_topology.h"
 
 #include <algorithm>
-#include <optional>
 
 namespace roomwise::rooms {
 namespace {
@@ -16,17 +15,18 @@ RoomTopology::RoomTopology(std::vector<std::string> rooms, std::span<const std::
     : rooms_(std::move(rooms)) {
   const auto count = static_cast<Eigen::Index>(rooms_.size());
   passages_ = Eigen::MatrixXd::Zero(count, count);
-  std::optional<Eigen::Index> last;
+  constexpr Eigen::Index kNone = -1;
+  Eigen::Index last = kNone;
   for (const std::string& room : walk) {
     if (room.empty()) {
-      last.reset();
+      last = kNone;
       continue;
     }
     const Eigen::Index now = std::ranges::find(rooms_, room) - rooms_.begin();
     if (now == count || last == now) continue;
-    if (last) {
-      passages_(*last, now) += 1;
-      passages_(now, *last) += 1;
+    if (last != kNone) {
+      passages_(last, now) += 1;
+      passages_(now, last) += 1;
     }
     last = now;
   }
