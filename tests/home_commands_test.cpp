@@ -32,7 +32,7 @@ class HomeCommandsTest : public ::testing::Test {
   static void SetUpTestSuite() {
     folder_ = std::make_unique<ScratchFolder>();
     EXPECT_OK(testing::write_made_up_recording(*folder_ / "walk", kFrames));
-    mapped_ = result_of({"map", path("walk"), "--home", path("my.home")});
+    mapped_ = result_of({"map", path("walk"), "--no-networks", "--home", path("my.home")});
   }
   static void TearDownTestSuite() { folder_.reset(); }
   static std::string path(const std::string& name) { return *folder_ / name; }
@@ -110,10 +110,10 @@ TEST_F(HomeCommandsTest, ExportOfAFloorNeedsAFloor) {
   EXPECT_FALSE(std::filesystem::exists(path("floor.pgm")));
 }
 
-TEST_F(HomeCommandsTest, WithoutNamesThereIsNoLayout) {
+TEST_F(HomeCommandsTest, RoomsLieOnAFloor) {
   const ProgramResult none = run_roomwise({"rooms", "layout", "--home", path("my.home")});
   EXPECT_EQ(none.exit_code, 1);
-  EXPECT_THAT(none.errors, HasSubstr("my.home: no rooms are named; name them with roomwise rooms"));
+  EXPECT_THAT(none.errors, HasSubstr("the map shows no floor; walk with the camera tilted down"));
 }
 
 TEST_F(HomeCommandsTest, OnlyASimulatedHomeHasATrueFloor) {
@@ -161,8 +161,8 @@ TEST_F(HomeCommandsTest, ExportSaysWhatIsWrong) {
 }
 
 TEST_F(HomeCommandsTest, MapWritesTheTrajectoryThatExportWrites) {
-  result_of({"map", path("walk"), "--home", path("again.home"), "--trajectory", path("a.txt"),
-             "--threads", "1"});
+  result_of({"map", path("walk"), "--no-networks", "--home", path("again.home"), "--trajectory",
+             path("a.txt"), "--threads", "1"});
   result_of({"export", "tum", "--home", path("again.home"), "-o", path("b.txt")});
   EXPECT_EQ(read_text_file(path("a.txt")).value(), read_text_file(path("b.txt")).value());
   const auto digest = [](const std::string& home) {
@@ -174,7 +174,8 @@ TEST_F(HomeCommandsTest, MapWritesTheTrajectoryThatExportWrites) {
 TEST_F(HomeCommandsTest, AnyProcessorMakesTheSameMap) {
   const auto map_with = [&](const char* instructions, const std::string& home) {
     ::setenv("ROOMWISE_SIMD", instructions, 1);
-    const ProgramResult result = run_roomwise({"map", path("walk"), "--home", home});
+    const ProgramResult result =
+        run_roomwise({"map", path("walk"), "--no-networks", "--home", home});
     ::unsetenv("ROOMWISE_SIMD");
     return result;
   };
@@ -200,8 +201,8 @@ TEST_F(HomeCommandsTest, OptimizeLeavesAnOptimisedHomeWhereItIs) {
   };
   EXPECT_EQ(digest(path("optimised.home")), digest(path("my.home")));
 
-  const json graph =
-      result_of({"map", path("walk"), "--home", path("graph.home"), "--no-bundle-adjustment"});
+  const json graph = result_of({"map", path("walk"), "--no-networks", "--home", path("graph.home"),
+                                "--no-bundle-adjustment"});
   EXPECT_EQ(graph.at("landmarks"), 0);
   const json again = result_of({"optimize", "--home", path("graph.home")});
   EXPECT_FALSE(again.contains("landmarks"));
@@ -285,8 +286,8 @@ TEST_F(HomeCommandsTest, NoCommandWritesOverAHome) {
 
 TEST_F(HomeCommandsTest, AMistakeAtTheFirstTryLeavesNoHome) {
   // The pictures are smaller than this camera's.
-  const ProgramResult wrong =
-      run_roomwise({"map", path("walk"), "--home", path("tried.home"), "--camera", "fr1"});
+  const ProgramResult wrong = run_roomwise(
+      {"map", path("walk"), "--no-networks", "--home", path("tried.home"), "--camera", "fr1"});
   EXPECT_EQ(wrong.exit_code, 1);
   EXPECT_FALSE(std::filesystem::exists(path("tried.home")));
 }

@@ -55,6 +55,10 @@ Expected<std::vector<std::string>> networks_spelling(const home::Home& home,
   for (const auto& [id, network] : networks) {
     known.insert(known.end(), network.labels.begin(), network.labels.end());
   }
+  ROOMWISE_TRY(const auto finders, home.region_finders());
+  for (const auto& [id, finder] : finders) {
+    known.insert(known.end(), finder.labels.begin(), finder.labels.end());
+  }
   if (known.empty()) return wanted;
   std::vector<std::string> labels;
   for (const std::string& label : wanted) {

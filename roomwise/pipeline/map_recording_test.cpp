@@ -483,6 +483,12 @@ TEST_F(MapRecording, BuildsTheCloudOfTheRoom) {
 TEST_F(MapRecording, ReportsTheHome) {
   SyntheticWalk walk(kFrames);
   ASSERT_OK(map(folder_ / "a.home", walk, 2));
+  // A finder looked at this home: its instances are the objects, not what the rules confirmed.
+  objects::Instance sofa;
+  sofa.name = "sofa";
+  sofa.sightings = 3;
+  sofa.box_keyframe.world_from_box.translation = {0.1, 0.2, 1.5};
+  ASSERT_OK(home::Home::open(folder_ / "a.home")->replace_instances(std::span(&sofa, 1)));
   ThreadPool pool(2);
   StageClock clock;
   RunContext run{pool, silent_, clock};
@@ -493,7 +499,12 @@ TEST_F(MapRecording, ReportsTheHome) {
   ASSERT_OK(content);
   EXPECT_TRUE(content->map.has_value());
   EXPECT_TRUE(content->trajectory_error.has_value());
-  EXPECT_FALSE(content->objects.empty());
+  ASSERT_EQ(content->objects.size(), 1U);
+  EXPECT_EQ(content->objects.front().object.name, "sofa");
+  EXPECT_EQ(content->objects.front().sightings, 3U);
+  // The first key-frame's camera is the map's world.
+  EXPECT_LT((content->objects.front().object.place_world - Eigen::Vector3d(0.1, 0.2, 1.5)).norm(),
+            0.02);
   EXPECT_FALSE(content->stages.empty());
 }
 
