@@ -154,7 +154,7 @@ SvgDrawing plot_precision_against_coverage(const Content& content) {
   SvgDrawing drawing(700, axes.corner.y() + axes.size.y() + 60, "Precision against coverage");
   drawing.rectangle({0, 0}, drawing.size(), "class=\"paper\"");
   drawing.text({axes.corner.x(), 36}, "Precision against coverage", "class=\"heading\"");
-  axes.draw(drawing, "share of decisions in which a room is named", "share of these that is right");
+  axes.draw(drawing, "share of decisions, the most probable first", "share of these that is right");
   for (std::size_t i = 0; i < curves; ++i) {
     const std::string style = fmt::format("class=\"{}\" stroke-dasharray=\"{}\"",
                                           i % 2 == 0 ? "estimate" : "truth", kDashes[i]);
