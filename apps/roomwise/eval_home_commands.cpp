@@ -4,6 +4,7 @@
 #include <numbers>
 #include <set>
 
+#include "command_run.h"
 #include "commands.h"
 #include "paths.h"
 #include "roomwise/evaluation/quantile.h"
@@ -122,9 +123,7 @@ Expected<Answer> evaluate_objects(const Options& options) {
 
 Expected<Answer> evaluate_map(const Options& options, Context& context) {
   ROOMWISE_TRY(const home::Home home, home::Home::open_read_only(options.home));
-  ThreadPool pool(context.threads);
-  StageClock clock;
-  pipeline::RunContext run{pool, context.progress, clock};
+  CommandRun run(context);
   pipeline::MapEvaluationOptions map = options.map;
   if (options.surface == "mesh") map.surface = pipeline::MapSurface::kMesh;
   ROOMWISE_TRY(const evaluation::CloudError error,
@@ -145,9 +144,7 @@ Expected<Answer> evaluate_map(const Options& options, Context& context) {
 
 Expected<Answer> evaluate_floor(const Options& options, Context& context) {
   ROOMWISE_TRY(const home::Home home, home::Home::open_read_only(options.home));
-  ThreadPool pool(context.threads);
-  StageClock clock;
-  pipeline::RunContext run{pool, context.progress, clock};
+  CommandRun run(context);
   ROOMWISE_TRY(const pipeline::FloorEvaluation result,
                pipeline::evaluate_floor(home, options.truth, run));
   const evaluation::FloorError& error = result.error;
@@ -173,9 +170,7 @@ Expected<Answer> evaluate_floor(const Options& options, Context& context) {
 
 Expected<Answer> evaluate_layout(const Options& options, Context& context) {
   ROOMWISE_TRY(const home::Home home, home::Home::open_read_only(options.home));
-  ThreadPool pool(context.threads);
-  StageClock clock;
-  pipeline::RunContext run{pool, context.progress, clock};
+  CommandRun run(context);
   ROOMWISE_TRY(const pipeline::LayoutEvaluation result,
                pipeline::evaluate_layout(home, options.truth, run));
   const double door_m = evaluation::quantile(result.door_errors_m, 0.5);

@@ -4,6 +4,7 @@
 #include <opencv2/core/utility.hpp>
 #include <vector>
 
+#include "command_run.h"
 #include "commands.h"
 #include "roomwise/evaluation/proportion.h"
 #include "roomwise/evaluation/quantile.h"
@@ -121,9 +122,7 @@ Expected<Answer> evaluate(const Options& options, Context& context) {
     return fail("--near must not be above --far, nor --near-degrees above --far-degrees");
   }
   ROOMWISE_TRY(const home::Home home, home::Home::open_read_only(options.home));
-  ThreadPool pool(context.threads);
-  StageClock clock;
-  pipeline::RunContext run{pool, context.progress, clock};
+  CommandRun run(context);
   mapping::LocalizerOptions localizer;
   localizer.seed = context.seed;
   pipeline::LocalizationEvaluationOptions trials = options.trials;

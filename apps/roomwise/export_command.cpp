@@ -1,6 +1,7 @@
 #include <filesystem>
 #include <memory>
 
+#include "command_run.h"
 #include "commands.h"
 #include "roomwise/fusion/floor_map_file.h"
 #include "roomwise/fusion/mesh_files.h"
@@ -38,9 +39,7 @@ Answer wrote(const fs::path& output, const std::string& what, std::size_t count)
 
 Expected<pipeline::MapCloud> build_cloud(const Options& options, Context& context) {
   ROOMWISE_TRY(const home::Home home, home::Home::open_read_only(options.home));
-  ThreadPool pool(context.threads);
-  StageClock clock;
-  pipeline::RunContext run{pool, context.progress, clock};
+  CommandRun run(context);
   ROOMWISE_TRY(pipeline::MapCloud map, pipeline::build_map_cloud(home, options.voxel_size_m, run));
   if (map.cloud.size() == 0) {
     return fail("{}: the home has no map yet; make one with roomwise map", home.file());

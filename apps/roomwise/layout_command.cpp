@@ -1,6 +1,7 @@
 #include <filesystem>
 #include <memory>
 
+#include "command_run.h"
 #include "commands.h"
 #include "roomwise/base/file.h"
 #include "roomwise/evaluation/floor_plan_drawing.h"
@@ -76,9 +77,7 @@ Answer answer_of(const pipeline::HomeLayout& home) {
 
 Expected<Answer> lay_out(const Options& options, Context& context) {
   ROOMWISE_TRY(const home::Home home, home::Home::open_read_only(options.home));
-  ThreadPool pool(context.threads);
-  StageClock clock;
-  pipeline::RunContext run{pool, context.progress, clock};
+  CommandRun run(context);
   ROOMWISE_TRY(const pipeline::HomeLayout layout, pipeline::build_home_layout(home, {}, run));
   Answer answer = answer_of(layout);
   if (!options.plan.empty()) {

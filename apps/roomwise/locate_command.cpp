@@ -3,6 +3,7 @@
 #include <opencv2/core/utility.hpp>
 #include <vector>
 
+#include "command_run.h"
 #include "commands.h"
 #include "roomwise/image/codec.h"
 #include "roomwise/pipeline/home_localizer.h"
@@ -91,9 +92,7 @@ Expected<Answer> locate(const Options& options, Context& context) {
     ROOMWISE_TRY(pipeline::PictureToLocate picture, read_picture(options, i, camera));
     pictures.push_back(std::move(picture));
   }
-  ThreadPool pool(context.threads);
-  StageClock clock;
-  pipeline::RunContext run{pool, context.progress, clock};
+  CommandRun run(context);
   mapping::LocalizerOptions localizer;
   localizer.seed = context.seed;
   ROOMWISE_TRY(const auto localizing, pipeline::HomeLocalizer::create(home, localizer, run));

@@ -2,6 +2,7 @@
 #include <memory>
 #include <opencv2/core.hpp>
 
+#include "command_run.h"
 #include "commands.h"
 #include "networks.h"
 #include "roomwise/home/home.h"
@@ -136,25 +137,23 @@ Expected<Answer> find(const Options& options, Context& context) {
   }
   ROOMWISE_TRY(home::Home home, home::Home::open(options.home));
   ROOMWISE_TRY(const auto settings, pipeline::stored_map_settings(home));
-  ThreadPool pool(context.threads);
-  StageClock clock;
-  pipeline::RunContext run{pool, context.progress, clock};
+  CommandRun run(context);
   ROOMWISE_TRY(auto observer, pipeline::KeyframeObserver::create(home, networks, finders, run));
   ROOMWISE_TRY(const bool seen_all, observer.observe_missing());
   if (!seen_all) {
     return fail("interrupted; what was seen is kept, the same command goes on from there");
   }
   {
-    const auto timing = clock.measure("joining objects");
+    const auto timing = run.clock.measure("joining objects");
     const objects::ObjectRules rules = settings ? settings->objects : objects::ObjectRules{};
     ROOMWISE_CHECK_OK(pipeline::update_objects(home, rules));
   }
   ROOMWISE_TRY(Answer answer, list_found(home, finders.empty() ? "paper" : options.rule));
-  for (const auto& [name, stage] : clock.stages()) {
+  for (const auto& [name, stage] : run.clock.stages()) {
     answer.json["stages"][name] = {
         {"calls", stage.calls}, {"wall_s", stage.wall_s}, {"cpu_s", stage.cpu_s}};
   }
-  ROOMWISE_CHECK_OK(home.add_stage_timings(clock.stages()));
+  ROOMWISE_CHECK_OK(home.add_stage_timings(run.clock.stages()));
   return answer;
 }
 

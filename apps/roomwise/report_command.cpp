@@ -1,6 +1,7 @@
 #include <filesystem>
 #include <memory>
 
+#include "command_run.h"
 #include "commands.h"
 #include "paths.h"
 #include "roomwise/base/file.h"
@@ -55,9 +56,7 @@ Expected<Answer> run(const Options& options, Context& context) {
   if (!options.evaluation.empty()) {
     ROOMWISE_TRY(extras.recognition, read_evaluation(options.evaluation));
   }
-  ThreadPool pool(context.threads);
-  StageClock clock;
-  pipeline::RunContext run{pool, context.progress, clock};
+  CommandRun run(context);
   ROOMWISE_TRY(const evaluation::ReportContent content,
                pipeline::report_content(home, extras, run));
   ROOMWISE_CHECK_OK(write_file(options.output, evaluation::render_report(content)));

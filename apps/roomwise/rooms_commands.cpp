@@ -6,6 +6,7 @@
 #include <opencv2/core.hpp>
 #include <set>
 
+#include "command_run.h"
 #include "commands.h"
 #include "networks.h"
 #include "rooms_options.h"
@@ -155,9 +156,7 @@ Expected<rooms::LearningReport> learn_photos(const LearnOptions& options, Contex
   ROOMWISE_CHECK_OK(pipeline::list_room_photos(options.photos));  // before a home is made
   ROOMWISE_TRY(home::Home home, fs::exists(options.home) ? home::Home::open(options.home)
                                                          : pipeline::create_home(options.home));
-  ThreadPool pool(context.threads);
-  StageClock clock;
-  pipeline::RunContext run{pool, context.progress, clock};
+  CommandRun run(context);
   return pipeline::learn_rooms_from_photos(home, options.photos, *network, {{}, options.augment},
                                            run);
 }
@@ -174,9 +173,7 @@ Expected<rooms::LearningReport> learn_keyframes(const LearnOptions& options, Con
   if (options.augment > 0) {
     ROOMWISE_TRY(networks, load_networks(options.networks, /*also_brought=*/true));
   }
-  ThreadPool pool(context.threads);
-  StageClock clock;
-  pipeline::RunContext run{pool, context.progress, clock};
+  CommandRun run(context);
   return pipeline::learn_rooms_from_keyframes(home, recording, selection, {{}, options.augment},
                                               networks, run);
 }

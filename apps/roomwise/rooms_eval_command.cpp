@@ -9,6 +9,7 @@
 #include <opencv2/core.hpp>
 #include <set>
 
+#include "command_run.h"
 #include "networks.h"
 #include "rooms_options.h"
 #include "roomwise/base/file.h"
@@ -239,9 +240,7 @@ Expected<Answer> evaluate(const Options& options, Context& context) {
   ROOMWISE_TRY(const auto recognizer, pipeline::RoomRecognizer::create(home, networks));
   Pictures all;
   ROOMWISE_CHECK_OK(add_pictures(options, recognizer.rooms(), all));
-  ThreadPool pool(context.threads);
-  StageClock clock;
-  pipeline::RunContext run{pool, context.progress, clock};
+  CommandRun run(context);
   ROOMWISE_TRY(
       pipeline::RoomEvaluation evaluation,
       pipeline::evaluate_rooms(all.pictures, all.unknown, recognizer, options.evaluation, run));
