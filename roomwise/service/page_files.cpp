@@ -89,7 +89,7 @@ HttpAnswer PageFiles::answer(const HttpRequest& request) const {
   Expected<Bytes> bytes = read_file(*file);
   if (!bytes) return error_answer(404, "there is nothing under this address");
   HttpAnswer answer;
-  const std::string tag = "\"" + sha256_hex(*bytes).substr(0, 32) + "\"";
+  const std::string tag = fmt::format("\"{}\"", sha256_hex(*bytes).substr(0, 32));
   // no-cache: may be kept, and is asked for again with its tag, so that a new version is seen at
   // once.
   answer.headers = {{"ETag", tag}, {"Cache-Control", "no-cache"}};
