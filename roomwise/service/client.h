@@ -2,12 +2,12 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
-#include <variant>
 
 #include "roomwise/base/expected.h"
 #include "roomwise/base/file.h"
@@ -33,11 +33,18 @@ struct PairedWith {
   Identity who;
 };
 
+// How long to wait for the computer, and whether to give up before.
+struct ClientWait {
+  std::chrono::milliseconds timeout{5000};
+  // A connection on which nothing came for so long, not even an answer to a ping, is lost.
+  std::chrono::milliseconds silence{2500};
+  std::function<bool()> interrupted;  // asked ten times a second; empty: never
+};
+
 // Pairs with a computer that was never seen: shows that the code is known without sending it, and
 // believes the computer only where it knows the code too (pairing_proof.h).
 [[nodiscard]] Expected<PairedWith> pair_with(const ServerAddress& server, const std::string& code,
-                                             const std::string& name,
-                                             std::chrono::milliseconds timeout);
+                                             const std::string& name, const ClientWait& wait = {});
 
 // A WebSocket to the computer. Thread-safe.
 class ServerConnection {
@@ -49,7 +56,7 @@ class ServerConnection {
 
   [[nodiscard]] static Expected<std::unique_ptr<ServerConnection>> open(
       const ServerAddress& server, const ServerCredentials& credentials,
-      std::chrono::milliseconds timeout);
+      const ClientWait& wait = {});
   ~ServerConnection();  // closes
   ServerConnection(const ServerConnection&) = delete;
   ServerConnection& operator=(const ServerConnection&) = delete;

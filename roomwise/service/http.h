@@ -17,7 +17,9 @@ namespace roomwise::service {
 
 struct HttpRequest {
   std::string method;  // "GET"; a HEAD request is handed on as GET
-  std::string path;    // begins with '/', percent signs decoded, without the query
+  // As it came, without the query: begins with '/', may hold percent signs ("/api/rooms/a%20b"),
+  // all of which can be decoded.
+  std::string path;
   std::map<std::string, std::string> query;    // decoded
   std::map<std::string, std::string> headers;  // names in small letters
   Bytes body;

@@ -13,7 +13,7 @@
 
 namespace roomwise::service {
 
-// The values of a route's placeholders: {"id", "12"} of "/api/things/{id}".
+// The values of a route's placeholders, decoded: {"id", "12"} of "/api/things/{id}".
 using Placeholders = std::map<std::string, std::string>;
 
 struct Route {
@@ -38,7 +38,7 @@ class Router {
  public:
   explicit Router(std::vector<Route> routes);
 
-  // The route for this method and (decoded) path, or the answer why there is none: 401 where the
+  // The route for this method and path, or the answer why there is none: 401 where the
   // request must say who it is from, 403 where it may not, 404 where there is no such path, 405
   // with Allow where the method is another. Looks at the method, path and who of a request alone,
   // so that a body that is not wanted need not be read.

@@ -50,9 +50,9 @@ class SocketHandler {
 };
 
 struct ServerLimits {
-  std::size_t connections = 64;
-  std::size_t connections_per_peer = 24;  // that have not shown a token yet: 8 below
-  std::size_t unknown_per_peer = 8;
+  std::size_t connections = 64;      // one more takes the place of the oldest without a token
+  std::size_t unknown_per_peer = 8;  // that have not shown a token; one more is refused
+  std::size_t connections_per_device = 16;
   std::size_t sockets_per_device = 2;  // the newest stay
   std::size_t header_bytes = 8 * 1024;
   std::size_t message_bytes = 4'000'000;  // of a WebSocket message from a client
