@@ -38,7 +38,7 @@ struct ClientWait {
   std::chrono::milliseconds timeout{5000};
   // A connection on which nothing came for so long, not even an answer to a ping, is lost.
   std::chrono::milliseconds silence{2500};
-  std::function<bool()> interrupted;  // asked ten times a second; empty: never
+  std::function<bool()> interrupted = {};  // asked ten times a second; empty: never
 };
 
 // Pairs with a computer that was never seen: shows that the code is known without sending it, and

@@ -6,6 +6,7 @@
 #include <boost/beast/core/buffers_to_string.hpp>
 #include <boost/beast/http.hpp>
 #include <boost/beast/websocket/rfc6455.hpp>
+#include <limits>
 #include <optional>
 
 #include "roomwise/service/request_checks.h"
@@ -35,11 +36,13 @@ std::map<std::string, std::string> headers_of(const BeastRequest& message) {
   return headers;
 }
 
-// All but the body, or why the request is none.
-Expected<HttpRequest> head_of(const BeastRequest& message, const std::string& peer) {
-  HttpRequest request;
+// All but the body; gives why the request is none.
+Expected<void> read_head_into(HttpRequest& request, const BeastRequest& message,
+                              const std::string& peer) {
   request.method = text_of(message.method_string());
   if (request.method == "HEAD") request.method = "GET";
+  request.headers = headers_of(message);
+  request.peer = peer;
   const std::string target = text_of(message.target());
   const std::size_t end = std::min(target.find('?'), target.size());
   request.path = target.substr(0, end);
@@ -48,9 +51,7 @@ Expected<HttpRequest> head_of(const BeastRequest& message, const std::string& pe
     return fail("the address of the request is damaged");
   }
   request.query = *std::move(query);
-  request.headers = headers_of(message);
-  request.peer = peer;
-  return request;
+  return {};
 }
 
 // Whether the client asks for our subprotocol, among others perhaps.
@@ -72,6 +73,7 @@ class HttpConnection final : public Connection,
         stream_(std::move(socket), core_.tls) {}
 
   void start() {
+    idle_ = true;
     expires_after(core_.options.limits.handshake_s);
     stream_.async_handshake(asio::ssl::stream_base::server,
                             [self = shared_from_this()](error_code error) {
@@ -108,7 +110,7 @@ class HttpConnection final : public Connection,
     parser_.emplace();
     parser_->header_limit(static_cast<std::uint32_t>(core_.options.limits.header_bytes));
     // Each route has its own limit; until it is known which, the parser is to judge nothing.
-    parser_->body_limit(boost::none);
+    parser_->body_limit(std::numeric_limits<std::uint64_t>::max());
     if (served_ > 0) expires_after(core_.options.limits.idle_s);
     http::async_read_header(stream_, buffer_, *parser_,
                             [self = shared_from_this()](error_code error, std::size_t) {
@@ -122,9 +124,9 @@ class HttpConnection final : public Connection,
     if (error) return on_unreadable(error);
     keep_alive_ = parser_->get().keep_alive();
     is_head_ = parser_->get().method() == http::verb::head;
-    Expected<HttpRequest> head = head_of(parser_->get(), peer_);
-    if (!head) return answer_at_once(error_answer(400, head.error().message));
-    request_ = *std::move(head);
+    if (const auto head = read_head_into(request_, parser_->get(), peer_); !head) {
+      return answer_at_once(error_answer(400, head.error().message));
+    }
     expires_after(core_.options.limits.request_s);
     if (auto refusal = refuse_foreign(request_)) return answer_at_once(*std::move(refusal));
     if (auto refusal = identify()) return answer_at_once(*std::move(refusal));
