@@ -3,7 +3,7 @@
 import axe from 'axe-core';
 import assert from 'node:assert/strict';
 import { existsSync } from 'node:fs';
-import puppeteer, { type Browser, type Page } from 'puppeteer-core';
+import puppeteer, { type Browser, type Page, type SerializedAXNode } from 'puppeteer-core';
 
 import type { Role } from '../../src/shared/protocol';
 import { StandInServer } from '../stand_in_server';
@@ -44,6 +44,7 @@ export interface OpenOptions {
   role?: Role;
   size?: { width: number; height: number };
   dark?: boolean;
+  guarded?: boolean; // false: requests are not looked at, since that would go round the service worker
   before?: () => void; // runs in the page before its own scripts
 }
 
@@ -103,6 +104,19 @@ export class Visit {
       const words = element?.getAttribute('aria-label') ?? (labels && labels[0] ? labels[0].innerText : element?.innerText);
       return (words ?? '').replace(/\s+/g, ' ').trim();
     });
+  }
+
+  // All static texts of the accessibility tree.
+  async accessibleTexts(): Promise<string[]> {
+    const found: string[] = [];
+    const walk = (node: SerializedAXNode | null | undefined): void => {
+      if (node?.role === 'StaticText') {
+        found.push(node.name ?? '');
+      }
+      node?.children?.forEach(walk);
+    };
+    walk(await this.page.accessibility.snapshot({ interestingOnly: false }));
+    return found;
   }
 
   async press(name: string): Promise<void> {
@@ -165,7 +179,9 @@ export async function openVisit(server: StandInServer, options: OpenOptions = {}
   if (options.before) {
     await page.evaluateOnNewDocument(options.before);
   }
-  await guard(visit);
+  if (options.guarded !== false) {
+    await guard(visit);
+  }
   return visit;
 }
 
