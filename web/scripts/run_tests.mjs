@@ -1,5 +1,6 @@
 // node scripts/run_tests.mjs unit|browser: compiles the tests and runs them by node's test runner.
 // node scripts/run_tests.mjs try [PORT]: serves the built pages with a made-up home, for looking at.
+// node scripts/run_tests.mjs screenshots FOLDER: pictures of every page, small and large, light and dark.
 // ROOMWISE_WEB: the folder of the built pages (default: ../build/web).
 import { build } from 'esbuild';
 import { spawnSync } from 'node:child_process';
@@ -24,10 +25,11 @@ function testsUnder(folder) {
 const sources = {
   unit: () => testsUnder(join(web, 'src')),
   browser: () => testsUnder(join(web, 'test/browser')),
+  screenshots: () => [join(web, 'test/screenshots.ts')],
   try: () => [join(web, 'test/try_pages.ts')],
 }[kind]?.();
 if (!sources) {
-  console.error(`unknown kind of tests '${kind}'; unit, browser or try`);
+  console.error(`unknown kind of tests '${kind}'; unit, browser, try or screenshots`);
   process.exit(2);
 }
 if (kind !== 'unit' && !existsSync(join(pages, 'index.html'))) {
@@ -53,7 +55,7 @@ try {
     sourcemap: 'inline',
     logLevel: 'warning',
   });
-  const options = kind === 'try' ? [] : ['--test'];
+  const options = kind === 'unit' || kind === 'browser' ? ['--test'] : [];
   status = spawnSync(process.execPath, ['--enable-source-maps', ...options, join(compiled, 'tests.mjs'), ...rest], {
     stdio: 'inherit',
     env: { ...process.env, ROOMWISE_WEB: pages },
