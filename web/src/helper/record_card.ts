@@ -12,7 +12,7 @@ import { fill } from './walks_panel';
 
 export function recordCard(helper: Helper, me: Me): HTMLElement {
   const { store } = helper;
-  const device = selectField(text('record.device'), [], { hint: text('record.device_hint') });
+  const device = selectField(text('record.device'), []);
   const name = textField(text('record.name'), { value: text('record.default_name'), attributes: { maxlength: 60 } });
   const start = h('button', { type: 'submit', class: 'primary' }, text('record.start'));
   const stop = h('button', { type: 'button', onclick: () => stopNow() }, text('record.stop'));

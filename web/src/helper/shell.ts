@@ -42,7 +42,10 @@ export function makeShell(helper: Helper, parts: readonly Part[]): HTMLElement {
       window.scrollTo(0, 0);
     }
   };
-  window.addEventListener('hashchange', () => show(true));
+  window.addEventListener('hashchange', () => {
+    helper.announcer.clear();
+    show(true);
+  });
   show(false);
   return h('div', { class: 'helper' },
     h('a', { class: 'skip', href: '#main', onclick: skipTo(main) }, text('nav.skip')),

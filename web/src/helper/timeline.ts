@@ -90,15 +90,14 @@ export class Timeline {
 function option(span: FrameSpan, keyframe: Keyframe | undefined): HTMLElement {
   return h('li', { role: 'option' },
     keyframe ? h('img', { src: keyframeAddress(span.keyframe), alt: '', loading: 'lazy', decoding: 'async' }) : null,
-    h('span', { class: 'number' }), h('span', { class: 'room-name' }));
+    h('span', { class: 'number' }), ' ', h('span', { class: 'room-name' }));
 }
 
 // Words and a stripe of one of six patterns; the words are what counts.
 function label(one: HTMLElement, span: FrameSpan, ranges: readonly RoomRange[], rooms: readonly string[]): void {
   const room = roomAt(ranges, span.first);
   const [number, name] = [...one.querySelectorAll('span')] as HTMLElement[];
-  (number as HTMLElement).textContent = String(span.first);
+  (number as HTMLElement).textContent = text('walks.picture', { frame: span.first });
   (name as HTMLElement).textContent = room ?? text('walks.unnamed');
-  one.setAttribute('aria-label', text('walks.picture', { frame: span.first, room: room ?? text('walks.unnamed') }));
   one.className = room === null ? 'unnamed' : `stripe-${rooms.indexOf(room) % 6}`;
 }

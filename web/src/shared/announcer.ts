@@ -4,6 +4,10 @@ import { h } from './dom';
 export class Announcer {
   readonly element = h('div', { class: 'announcer', role: 'status', 'aria-live': 'polite' });
 
+  clear(): void {
+    this.element.textContent = '';
+  }
+
   // A new element each time: so the same words twice are read twice.
   say(words: string, kind: 'done' | 'failed' = 'done'): void {
     this.element.textContent = '';

@@ -54,8 +54,8 @@ function field(label: string, input: HTMLInputElement | HTMLSelectElement, optio
   const element = h('div', { class: 'field' },
     h('label', { for: input.id }, label),
     options.hint ? h('p', { id: hintId, class: 'hint' }, options.hint) : null,
-    input,
-    error);
+    error, // above, so that no keyboard on the screen hides it
+    input);
   return {
     element,
     input,

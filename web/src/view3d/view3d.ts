@@ -18,7 +18,7 @@ export interface View3d {
   fromAbove: () => void;
 }
 
-const kPointSize_m = 0.03;
+const kPointSize_m = 0.04;
 
 // Throws where the browser cannot draw in three dimensions.
 export function makeView(stage: HTMLElement, keyframeChosen: (id: number) => void): View3d {
@@ -59,7 +59,7 @@ export function makeView(stage: HTMLElement, keyframeChosen: (id: number) => voi
   const frame = (positions: ArrayLike<number>): void => {
     const { middle, radius } = boundsOf(positions);
     limits = { least: radius / 20, most: radius * 8 };
-    look({ ...orbit, target: [middle[0], middle[1], 0], distance: radius * 2.1 });
+    look({ ...orbit, target: middle, distance: radius * 1.8 });
   };
 
   new ResizeObserver(() => {
