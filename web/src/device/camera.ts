@@ -6,6 +6,8 @@ export const kPictureSide = 640; // longest, pixels
 export const kGreySide = 120;
 const kJpegQuality = 0.8;
 
+export type CameraFailure = 'refused' | 'failed';
+
 export class Camera {
   private stream: MediaStream | null = null;
   private readonly picture = document.createElement('canvas');
@@ -13,8 +15,17 @@ export class Camera {
 
   constructor(private readonly video: HTMLVideoElement) {}
 
-  // Asks for leave where it was not given; throws where there is no camera or no leave.
-  async start(): Promise<void> {
+  // Asks for leave where it was not given. What stands against it: no leave, or no camera that works.
+  async start(): Promise<CameraFailure | null> {
+    try {
+      await this.open();
+      return null;
+    } catch (error) {
+      return error instanceof DOMException && error.name === 'NotAllowedError' ? 'refused' : 'failed';
+    }
+  }
+
+  private async open(): Promise<void> {
     this.stop();
     this.stream = await navigator.mediaDevices.getUserMedia({
       audio: false,

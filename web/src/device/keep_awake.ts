@@ -1,7 +1,7 @@
 // Holds the screen on, and the camera running, while the page is in sight.
-import type { Camera } from './camera';
+import type { Camera, CameraFailure } from './camera';
 
-export function keepAwake(camera: Camera, cameraLost: () => void): void {
+export function keepAwake(camera: Camera, cameraFailed: (why: CameraFailure) => void): void {
   const inSight = async (): Promise<void> => {
     if (document.visibilityState !== 'visible') {
       return;
@@ -9,7 +9,10 @@ export function keepAwake(camera: Camera, cameraLost: () => void): void {
     // Not everywhere there, and refused when the battery is low: then the screen goes off as it is set.
     await navigator.wakeLock?.request('screen').catch(() => undefined);
     if (started && !camera.running) {
-      await camera.start().catch(cameraLost); // iOS ends it when the page goes out of sight
+      const failure = await camera.start(); // iOS ends it when the page goes out of sight
+      if (failure) {
+        cameraFailed(failure);
+      }
     }
   };
   const started = camera.running;

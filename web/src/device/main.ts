@@ -3,7 +3,7 @@ import { ApiError, request } from '../shared/api';
 import { byId, h, replaceChildren } from '../shared/dom';
 import type { Language, Me, Sound } from '../shared/protocol';
 import { chooseLanguage, rememberLanguage, text } from '../shared/texts';
-import { Camera } from './camera';
+import { Camera, type CameraFailure } from './camera';
 import { openChoice } from './choice_dialog';
 import { Earcons, vibrate } from './earcons';
 import { keepAwake } from './keep_awake';
@@ -41,7 +41,7 @@ async function start(): Promise<void> {
     ownVoice.prime();
   }
   saveSettings(window.localStorage, settings);
-  const cameraReady = camera.start().then(() => true, () => false);
+  const cameraReady = camera.start();
   const name = await myName();
   if (name !== null) {
     open(name, await cameraReady);
@@ -62,7 +62,7 @@ async function myName(): Promise<string | null> {
   }
 }
 
-function open(name: string, hasCamera: boolean): void {
+function open(name: string, cameraFailure: CameraFailure | null): void {
   log.setLive(settings.voice === 'reader');
   const player = new PromptPlayer({
     now: () => performance.now(),
@@ -89,10 +89,11 @@ function open(name: string, hasCamera: boolean): void {
   replaceChildren(page, view.element);
   view.element.querySelector<HTMLElement>('.question.where')?.focus();
   phone.begin();
-  if (!hasCamera) {
-    phone.say('camera.none');
+  const cameraFailed = (why: CameraFailure): void => phone.say(`device.camera_${why}`);
+  if (cameraFailure) {
+    cameraFailed(cameraFailure);
   }
-  keepAwake(camera, () => phone.say('camera.none'));
+  keepAwake(camera, cameraFailed);
 }
 
 function sound(which: Sound): number {

@@ -5,21 +5,23 @@ import { language, spokenText } from '../shared/texts';
 import type { QueuedPrompt } from './prompt_queue';
 
 const kSounds: Partial<Record<SpokenKey, Sound>> = {
-  'camera.dark': 'alert',
-  'camera.covered': 'alert',
-  'camera.blurred': 'alert',
-  'camera.none': 'alert',
-  'camera.better': 'back',
-  'connection.lost': 'lost',
-  'connection.none': 'lost',
-  'connection.back': 'back',
-  'recording.failed': 'alert',
+  'device.camera_dark': 'alert',
+  'device.camera_covered': 'alert',
+  'device.camera_blurred': 'alert',
+  'device.camera_refused': 'alert',
+  'device.camera_failed': 'alert',
+  'device.camera_back': 'back',
+  'device.connecting': 'none',
+  'device.connection_lost': 'lost',
+  'device.connection_back': 'back',
+  'device.removed': 'alert',
+  'device.recording_failed': 'alert',
 };
 const kValidMs = 10_000;
 
 export function ownPrompt(key: SpokenKey, now: number, priority: Priority = 'notice'): QueuedPrompt {
   return {
-    key: key.split('.')[0] ?? key, // news of the connection replace older ones, and so on
+    key: key.split('_')[0] ?? key, // news of the connection replace older ones, and so on
     text: spokenText(key),
     language: language(),
     priority,

@@ -1,7 +1,9 @@
 // The phone: joins camera, connection and speech. What a person sees and touches is in view.ts.
 import { browserSession } from '../shared/browser_session';
 import { frameEnvelope } from '../shared/frame_envelope';
-import { kProtocolVersion, type FromComputer, type Hello, type Question, type Welcome } from '../shared/protocol';
+import {
+  kProtocolVersion, type FromComputer, type Hello, type Question, type RecordingState, type Welcome,
+} from '../shared/protocol';
 import type { Session } from '../shared/session';
 import type { SpokenKey } from '../shared/spoken';
 import { language } from '../shared/texts';
@@ -36,6 +38,7 @@ export class Phone {
   private cameraWatch = new CameraWatch();
   private helloCamera: string = '';
   private grabbing = false;
+  private everOnline = false;
 
   constructor(
     private readonly name: string,
@@ -62,7 +65,7 @@ export class Phone {
     this.player.hush();
     const now = performance.now();
     if (this.session.ask(question, now) === null) {
-      this.player.push(ownPrompt('connection.none', now, 'answer'));
+      this.player.push(ownPrompt('device.connection_lost', now, 'answer'));
     }
   }
 
@@ -70,7 +73,7 @@ export class Phone {
     this.state.quiet = on;
     this.player.setQuiet(on);
     this.session.send({ type: 'quiet', on });
-    this.player.push(ownPrompt(on ? 'quiet.on' : 'quiet.off', performance.now(), 'answer'));
+    this.player.push(ownPrompt(on ? 'device.quiet_on' : 'device.quiet_off', performance.now(), 'answer'));
     this.changed();
   }
 
@@ -106,10 +109,7 @@ export class Phone {
         this.sender.acknowledged(message.t);
         break;
       case 'recording':
-        this.state.recording = message.state === 'recording' ? message.name : null;
-        if (message.state !== 'recording' || message.frames === 0) {
-          this.say(message.state === 'recording' ? 'recording.started' : `recording.${message.state}`);
-        }
+        this.tellRecording(message);
         break;
       case 'error':
         if (message.answer_to !== null && message.answer_to !== undefined) {
@@ -130,6 +130,7 @@ export class Phone {
 
   private online(): void {
     this.state.online = true;
+    this.everOnline = true;
     this.sender.reset();
     if (this.state.quiet) {
       this.session.send({ type: 'quiet', on: true });
@@ -196,6 +197,16 @@ export class Phone {
     }
   }
 
+  private tellRecording({ state, name }: RecordingState): void {
+    const before = this.state.recording;
+    this.state.recording = state === 'recording' ? name : null;
+    if (state !== 'recording') {
+      this.say(`device.recording_${state}`);
+    } else if (before === null) {
+      this.say('device.recording');
+    }
+  }
+
   private setCamera(camera: PhoneState['camera']): void {
     if (camera !== this.state.camera) {
       this.state.camera = camera;
@@ -205,13 +216,13 @@ export class Phone {
 
   private tellCamera(news: CameraNews): void {
     if (news) {
-      this.say(`camera.${news}`);
+      this.say(news === 'better' ? 'device.camera_back' : `device.camera_${news}`);
     }
   }
 
   private tellConnection(news: ConnectionNews): void {
     if (news) {
-      this.say(`connection.${news}`);
+      this.say(this.everOnline || news === 'back' ? `device.connection_${news}` : 'device.connecting');
     }
   }
 }

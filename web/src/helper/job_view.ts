@@ -5,9 +5,9 @@ import type { Job, JobKind } from '../shared/protocol';
 import { counted, formatPercent, text } from '../shared/texts';
 import { actOrSay, type Helper } from './actions';
 
-export function jobView(helper: Helper, kind: JobKind): HTMLElement {
+export function jobView(helper: Helper, ...kinds: [JobKind, ...JobKind[]]): HTMLElement {
   const { store } = helper;
-  const bar = h('progress', { max: 1, 'aria-label': text(`job.${kind}`) });
+  const bar = h('progress', { max: 1, 'aria-label': text(`job.${kinds[0]}`) });
   const words = h('p', { class: 'progress-words' });
   const news = h('p', { class: 'visually-hidden', role: 'status' });
   const stop = h('button', { type: 'button', onclick: () => stopNow() }, text('job.stop'));
@@ -21,15 +21,16 @@ export function jobView(helper: Helper, kind: JobKind): HTMLElement {
 
   store.watch(['job'], () => {
     const { job } = store.state;
-    const mine = job?.kind === kind ? job : null;
+    const mine = job && kinds.includes(job.kind) ? job : null;
     running.hidden = mine?.state !== 'running';
     element.hidden = mine === null;
     if (!mine) {
       return;
     }
     bar.value = mine.fraction;
+    bar.setAttribute('aria-label', text(`job.${mine.kind}`));
     words.textContent = wordsOf(mine);
-    const milestone = `${mine.state} ${mine.state === 'running' ? Math.floor(mine.fraction * 4) : ''}`;
+    const milestone = `${mine.kind} ${mine.state} ${mine.state === 'running' ? Math.floor(mine.fraction * 4) : ''}`;
     if (milestone !== said) {
       said = milestone;
       news.textContent = wordsOf(mine);

@@ -43,7 +43,7 @@ export function recordCard(helper: Helper, me: Me): HTMLElement {
     const { recording } = store.state;
     progress.textContent = recording ? wordsOf(recording) : '';
   });
-  return card(text('record.heading'), h('p', { class: 'hint' }, text('record.explain')), form, progress, jobView(helper, 'map'));
+  return card(text('record.heading'), h('p', { class: 'hint' }, text('record.explain')), form, progress, jobView(helper, 'map', 'prepare'));
 }
 
 function wordsOf(recording: { state: 'recording' | 'saved' | 'failed'; name: string; frames: number; text: string }): string {

@@ -65,7 +65,7 @@ export interface RecordingState {
   text: string;
 }
 
-export type JobKind = 'map' | 'learn';
+export type JobKind = 'prepare' | 'map' | 'learn';
 export type JobState = 'running' | 'done' | 'failed' | 'stopped';
 
 export interface Job {

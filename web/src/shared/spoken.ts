@@ -1,9 +1,10 @@
-// What the phone says by itself, since the computer cannot: of its camera, and that the computer is gone.
-import de from '../messages/spoken_de.json';
-import en from '../messages/spoken_en.json';
+// What the phone says by itself, since the computer cannot: of its camera, and that the computer is gone. The words are
+// those of the guide's catalogues, so that phone and computer speak alike.
+import { messages as de } from '../../../roomwise/guide/messages/de.json';
+import { messages as en } from '../../../roomwise/guide/messages/en.json';
 import type { Language } from './protocol';
 
-export type SpokenKey = keyof typeof en;
+export type SpokenKey = Extract<keyof typeof en, `device.${string}`>;
 
 const catalogues: Record<Language, Record<SpokenKey, string>> = { en, de };
 

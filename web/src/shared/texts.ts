@@ -2,7 +2,7 @@
 import de from '../messages/de.json';
 import en from '../messages/en.json';
 import type { Language } from './protocol';
-import { spoken } from './spoken';
+import { spoken, type SpokenKey } from './spoken';
 
 export type TextKey = keyof typeof en;
 type Values = Record<string, string | number>;
@@ -54,8 +54,8 @@ export function counted(
 }
 
 // A message that the phone speaks by itself.
-export function spokenText(key: Parameters<typeof spoken>[1], values: Values = {}): string {
-  return filled(spoken(chosen, key), values);
+export function spokenText(key: SpokenKey): string {
+  return spoken(chosen, key);
 }
 
 export function filled(pattern: string, values: Values): string {
