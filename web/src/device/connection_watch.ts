@@ -2,6 +2,8 @@
 
 export const kSaidAfterMs = 1500; // after the socket's close
 
+export const kLookEveryMs = 250; // how often the phone looks
+
 export type ConnectionNews = 'lost' | 'back' | null;
 
 export class ConnectionWatch {

@@ -1,7 +1,7 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 
-import { ConnectionWatch, kSaidAfterMs } from './connection_watch';
+import { ConnectionWatch, kLookEveryMs, kSaidAfterMs } from './connection_watch';
 
 test('a loss is said once, and its end', () => {
   const watch = new ConnectionWatch(0);
@@ -13,6 +13,10 @@ test('a loss is said once, and its end', () => {
   assert.equal(watch.look(60_000), null);
   assert.equal(watch.online(), 'back');
   assert.equal(watch.look(70_000), null);
+});
+
+test('a loss is said within three seconds', () => {
+  assert.ok(kSaidAfterMs + kLookEveryMs < 3000);
 });
 
 test('a break that heals at once is not spoken of', () => {

@@ -9,7 +9,7 @@ import type { SpokenKey } from '../shared/spoken';
 import { language } from '../shared/texts';
 import type { Camera } from './camera';
 import { CameraWatch, type CameraNews } from './camera_watch';
-import { ConnectionWatch, type ConnectionNews } from './connection_watch';
+import { ConnectionWatch, kLookEveryMs, type ConnectionNews } from './connection_watch';
 import { FrameSender, kFrameGapMs } from './frame_sender';
 import { answerPrompt, ownPrompt } from './own_prompt';
 import { measureQuality, troubleOf } from './picture_quality';
@@ -25,8 +25,6 @@ export interface PhoneState {
   recording: string | null;
   quiet: boolean;
 }
-
-const kLookEveryMs = 250;
 
 export class Phone {
   readonly state: PhoneState = {

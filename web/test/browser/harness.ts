@@ -63,7 +63,7 @@ export class Visit {
   async sees(words: string, selector = 'body'): Promise<void> {
     await this.page.waitForFunction(
       (wanted, where) => [...document.querySelectorAll(where)].some((one) => (one as HTMLElement).innerText?.includes(wanted)),
-      { timeout: 15_000 }, words, selector,
+      { timeout: 30_000 }, words, selector,
     ).catch(async () => {
       const there = await this.page.evaluate((where) => [...document.querySelectorAll(where)].map((one) => (one as HTMLElement).innerText).join('\n---\n'), selector);
       assert.fail(`'${words}' did not come into ${selector}, which holds:\n${there}`);
@@ -78,7 +78,7 @@ export class Visit {
   async hears(words: string): Promise<void> {
     await this.page.waitForFunction(
       (wanted) => (window as unknown as { announced: string[] }).announced.some((one) => one.includes(wanted)),
-      { timeout: 15_000 }, words,
+      { timeout: 30_000 }, words,
     ).catch(async () => assert.fail(`'${words}' was not announced; only: ${JSON.stringify(await this.announced())}`));
   }
 
