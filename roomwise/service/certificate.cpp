@@ -15,6 +15,7 @@
 #include <memory>
 
 #include "roomwise/base/file.h"
+#include "roomwise/service/private_folder.h"
 #include "roomwise/service/secrets.h"
 
 namespace roomwise::service {
@@ -166,6 +167,7 @@ Expected<Certificate> read_files(const fs::path& folder) {
 
 Expected<Certificate> own_certificate(const fs::path& folder,
                                       const std::vector<std::string>& names) {
+  ROOMWISE_CHECK_OK(make_private_folder(folder));
   if (!fs::exists(folder / "certificate.pem")) ROOMWISE_CHECK_OK(make_files(folder, names));
   return read_files(folder);
 }
