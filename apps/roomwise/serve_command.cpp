@@ -1,3 +1,5 @@
+#include <unistd.h>
+
 #include <chrono>
 #include <filesystem>
 #include <iostream>
@@ -185,8 +187,8 @@ Expected<void> show_code(HomeServer& server, service::Role role) {
   ROOMWISE_TRY(const std::string code, server.access().make_code(role, service::Now::read()));
   const std::string address = server.address() + "/pair#" + code;
   ROOMWISE_TRY(const auto rows, qr_rows(address));
-  std::cout << qr_lines(rows)
-            << fmt::format("To pair a {}: code {} {}, within five minutes, at {}\n",
+  if (::isatty(STDOUT_FILENO) != 0) std::cout << qr_lines(rows);
+  std::cout << fmt::format("To pair a {}: code {} {}, within five minutes, at {}\n",
                            to_string(role), code.substr(0, 3), code.substr(3), address);
   std::cout.flush();
   return {};
@@ -198,11 +200,10 @@ Expected<Answer> serve(const Options& options, Context& context) {
   std::cout << fmt::format("{} serves {}\nIts certificate's fingerprint (SHA-256): {}\n",
                            server->address(), options.home.string(),
                            service::fingerprint_with_colons(server->fingerprint()));
-  if (!options.pair.empty()) {
-    ROOMWISE_CHECK_OK(show_code(*server, *service::parse_role(options.pair)));
-  } else if (!server->has_helper()) {
+  if (options.pair == "helper" || !server->has_helper()) {
     ROOMWISE_CHECK_OK(show_code(*server, service::Role::kHelper));
   }
+  if (options.pair == "device") ROOMWISE_CHECK_OK(show_code(*server, service::Role::kDevice));
   std::cout << "Ctrl-C stops it.\n" << std::flush;
   while (!interrupt_requested()) std::this_thread::sleep_for(std::chrono::milliseconds(100));
   Answer answer;
