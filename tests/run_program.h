@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace roomwise::testing {
@@ -17,6 +18,35 @@ struct ProgramResult {
 // data_folder is given.
 ProgramResult run_roomwise(const std::vector<std::string>& arguments,
                            const std::string& data_folder = {});
+
+// A program that runs beside the test. It is killed where it still runs at the end.
+class RunningProgram {
+ public:
+  RunningProgram(int process, int output, std::string errors_file)
+      : process_(process), output_(output), errors_file_(std::move(errors_file)) {}
+  ~RunningProgram();
+  RunningProgram(RunningProgram&& other) noexcept
+      : process_(std::exchange(other.process_, -1)),
+        output_(std::exchange(other.output_, -1)),
+        errors_file_(std::exchange(other.errors_file_, {})) {}
+  RunningProgram& operator=(RunningProgram&&) = delete;
+
+  // The next line of its standard output, without its end; false where there is no more.
+  bool read_line(std::string& line);
+  // Sends it the signal and waits for its end; the exit code, 128 + the number of the signal that
+  // ended it.
+  int end(int signal);
+  // What it wrote to standard error so far.
+  [[nodiscard]] std::string errors() const;
+
+ private:
+  int process_;
+  int output_;
+  std::string errors_file_;
+};
+
+// The same program as run_roomwise() runs, without waiting for its end.
+RunningProgram start_roomwise(const std::vector<std::string>& arguments);
 
 // Runs a command that must succeed and returns what it prints with --json.
 nlohmann::json result_of(std::vector<std::string> arguments, const std::string& data_folder = {});
