@@ -8,6 +8,7 @@
 #include "roomwise/network/safetensors.h"
 #include "roomwise/network/testing/torch_checkpoint.h"
 #include "roomwise/network/tiny_network.h"
+#include "roomwise/service/messages.h"
 
 namespace {
 
@@ -125,6 +126,39 @@ roomwise::Expected<void> write(const fs::path& folder, const std::vector<Seed>& 
   return {};
 }
 
+// Each begins with the kind that protocol_fuzz.cpp reads by its first byte.
+std::vector<Seed> protocol_seeds() {
+  using namespace roomwise::service;
+  std::vector<Seed> seeds;
+  const auto add = [&](const std::string& name, char kind, std::string_view message) {
+    seeds.push_back({name, kind + std::string(message)});
+  };
+  Hello hello;
+  hello.version = kProtocolVersion;
+  hello.name = "belt";
+  hello.camera = DeviceCamera{640, 480, *roomwise::geometry::camera_preset("fr1"), true};
+  add("hello", 0, write(DeviceMessage(hello)));
+  add("ask", 0, write(DeviceMessage(Ask{7, 12.5, Question::kWhereIs, "bed"})));
+  add("settings", 0, write(DeviceMessage(SettingsChange{"de", Distances::kSteps, 0.6, true})));
+  add("quiet", 0, write(DeviceMessage(Quiet{true})));
+  const Seen seen{12.5, "room", "kitchen", 0.9, "it looks so", SeenPosition{1, 2, 1.3, 90, 0.1}};
+  add("welcome", 1, write(HomeMessage(Welcome{"flat", "device", {"bath"}, {"bed"}, true, true})));
+  add("arrived", 1, write(HomeMessage(FrameArrived{12.5, 3})));
+  add("seen", 1, write(HomeMessage(seen)));
+  PromptMessage prompt;
+  prompt.answer_to = 7;
+  prompt.text = "You are in the kitchen.";
+  add("prompt", 1, write(HomeMessage(prompt)));
+  add("recording", 1, write(HomeMessage(RecordingState{"saved", "walk", 17, ""})));
+  add("job", 1, write(HomeMessage(JobState{"map", "running", "mapping", 0.4, 70.0, ""})));
+  add("device", 1, write(HomeMessage(DeviceSeen{3, "belt", true, seen})));
+  add("error", 1, write(HomeMessage(ErrorMessage{"no", 4})));
+  const roomwise::Bytes color{1, 2, 3}, depth{4, 5};
+  const roomwise::Bytes frame = write(FrameMessage{12.5, color, depth});
+  add("frame", 2, {reinterpret_cast<const char*>(frame.data()), frame.size()});
+  return seeds;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -137,7 +171,8 @@ int main(int argc, char** argv) {
       {"catalogue.json", std::string(roomwise::network::built_in_catalogue())}};
   for (const auto& written :
        {write(corpus / "onnx", onnx_seeds()), write(corpus / "model_card", card_seeds()),
-        write(corpus / "catalogue", list), write(corpus / "weights", weights_seeds())}) {
+        write(corpus / "catalogue", list), write(corpus / "weights", weights_seeds()),
+        write(corpus / "protocol", protocol_seeds())}) {
     if (written) continue;
     std::fprintf(stderr, "%s\n", written.error().message.c_str());
     return 1;
