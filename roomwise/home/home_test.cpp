@@ -36,6 +36,39 @@ class HomeTest : public ::testing::Test {
   Home home_ = Home::create(folder_ / "a.home").value();
 };
 
+TEST_F(HomeTest, WhatWasLearnedIsForgottenAndTheRestStays) {
+  commit_keyframes(2);
+  ASSERT_OK(home_.replace_rooms(std::vector<rooms::Room>{{"kitchen", "kitchen"}}));
+  ASSERT_OK(home_.put_room_classifier({"net", "c0ffee", {1, 2}, "{}"}));
+  ASSERT_OK(home_.replace_keyframe_rooms({{0, {{"kitchen", 1}}}}));
+  ASSERT_OK(home_.replace_picture_features("c0ffee", "1",
+                                           std::vector<PictureFeatures>{{"abc", 0, 0, {0.25F}}}));
+  ASSERT_OK(home_.forget_learned_rooms());
+  EXPECT_FALSE(home_.room_classifier().value());
+  EXPECT_THAT(home_.keyframe_rooms().value(), IsEmpty());
+  EXPECT_THAT(home_.picture_features("c0ffee", "1").value(), IsEmpty());
+  EXPECT_THAT(home_.rooms().value(), SizeIs(1));
+  EXPECT_THAT(home_.keyframes().value(), SizeIs(2));
+}
+
+TEST_F(HomeTest, WhatWasRemovedIsErasedFromTheFiles) {
+  commit_keyframes(2);
+  const Bytes& picture = testing::sample_images(1).color;
+  const std::string trace(picture.begin(), picture.begin() + 200);
+  const auto has_trace = [&] {
+    std::string bytes;
+    for (const char* name : {"a.home", "a.home-wal"}) {
+      bytes += read_text_file(folder_ / name).value_or("");
+    }
+    return bytes.find(trace) != std::string::npos;
+  };
+  EXPECT_TRUE(has_trace());
+  ASSERT_OK(home_.remove_recording(1));
+  ASSERT_OK(home_.erase_removed());
+  EXPECT_FALSE(has_trace());
+  EXPECT_OK(home_.verify());
+}
+
 TEST_F(HomeTest, KeepsSettings) {
   ASSERT_OK(home_.put_setting("features", "orb"));
   ASSERT_OK(home_.put_setting("seed", "1"));

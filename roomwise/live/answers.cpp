@@ -88,7 +88,7 @@ std::vector<guide::Prompt> answer(const service::Ask& ask, const Situation& situ
     case service::Question::kWhereAmI:
       return {where_am_i(situation, wording)};
     case service::Question::kAroundMe:
-      if (situation.home.things.empty()) {
+      if (situation.home.walks.empty()) {
         return {excuse("device.no_map", wording, situation.now_t_ms)};
       }
       if (situation.glance == nullptr) return {no_picture(situation.settings, situation.now_t_ms)};

@@ -95,6 +95,7 @@ TEST(Answers, TellTheDirectionOfAThingByThePlaceOnTheMap) {
 
 TEST(Answers, AroundSomebodyIsWhatIsInTheirRoom) {
   HomeView home;
+  home.walks.emplace_back();
   home.things = {thing("microwave", "kitchen", {2, 0, 1}), thing("bed", "bedroom", {3, 0, 0.5})};
   Glance glance = glance_in("kitchen", 500, rooms::Verdict::kRoom);
   glance.place = at_the_origin();

@@ -137,9 +137,7 @@ TEST_F(DeviceTest, AQuestionWaitsForTheFrameInHand) {
 }
 
 TEST_F(DeviceTest, AQuestionWithoutANewPictureIsAnsweredAtOnceAndSaysSo) {
-  ViewedThing bed;
-  bed.name = "bed";
-  host.home->things = {bed};
+  host.home->walks.emplace_back();
   say(hello());
   show(1000);
   device->work();

@@ -2,6 +2,9 @@
 
 #include <gmock/gmock.h>
 
+#include <nlohmann/json.hpp>
+
+#include "roomwise/base/file.h"
 #include "roomwise/base/testing.h"
 
 namespace roomwise::service {
@@ -106,6 +109,37 @@ TEST(Messages, AChangedHomeIsReadAsAWelcome) {
   const auto read = read_home_message(write_home_changed(Welcome{"flat", "helper", {}, {}, 0, 0}));
   ASSERT_TRUE(read);
   EXPECT_EQ(std::get<Welcome>(*read).role, "helper");
+}
+
+// docs/protocol.schema.json has every message with just the members that are written.
+TEST(Messages, AreAsTheSchemaSays) {
+  const auto text = read_text_file(ROOMWISE_PROTOCOL_SCHEMA);
+  ASSERT_OK(text);
+  const auto schema = nlohmann::json::parse(*text).at("$defs");
+  Hello hello;
+  hello.version = 1;
+  hello.camera = DeviceCamera{640, 480, *geometry::camera_preset("fr1"), true};
+  const Seen seen{12.5, "room", "kitchen", 0.98, "", SeenPosition{1, 2, 3, 90, 0.05}};
+  PromptMessage prompt;
+  prompt.answer_to = 7;
+  prompt.based_on_t_ms = 1;
+  for (const std::string& written :
+       {write(DeviceMessage(hello)), write(DeviceMessage(Ask{8, 1, Question::kWhereIs, "bed"})),
+        write(DeviceMessage(SettingsChange{"de", Distances::kSteps, 0.6, true})),
+        write(DeviceMessage(Quiet{true})), write(HomeMessage(Welcome{})),
+        write_home_changed(Welcome{}), write(HomeMessage(FrameArrived{})), write(HomeMessage(seen)),
+        write(HomeMessage(prompt)), write(HomeMessage(RecordingState{})),
+        write(HomeMessage(JobState{})), write(HomeMessage(DeviceSeen{3, "a", true, seen})),
+        write(HomeMessage(ErrorMessage{}))}) {
+    const auto message = nlohmann::json::parse(written);
+    const auto& definition = schema.at(message.at("type").get<std::string>());
+    for (const auto& required : definition.at("required")) {
+      EXPECT_TRUE(message.contains(required.get<std::string>())) << required << " of " << written;
+    }
+    for (const auto& [member, value] : message.items()) {
+      EXPECT_TRUE(definition.at("properties").contains(member)) << member << " of " << written;
+    }
+  }
 }
 
 TEST(Messages, AnErrorNamesWhatIsWrong) {
