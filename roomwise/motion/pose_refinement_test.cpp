@@ -5,12 +5,14 @@
 #include <vector>
 
 #include "roomwise/base/random.h"
+#include "roomwise/motion/test_scenes.h"
 
 namespace roomwise::motion {
 namespace {
 
 using geometry::PinholeCamera;
 using geometry::RigidTransform;
+using testing::kCamera;
 using geometry::Vector6d;
 
 RigidTransform small_motion(RandomStream& random, double scale) {
@@ -39,8 +41,6 @@ std::vector<PointObservation> observe(const RigidTransform& reference_from_curre
   }
   return observations;
 }
-
-const PinholeCamera kCamera = geometry::camera_preset("fr3").value();
 
 TEST(RefinePose, ReachesTheExactPose) {
   RandomStream random(1);
