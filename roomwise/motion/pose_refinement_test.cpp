@@ -12,8 +12,8 @@ namespace {
 
 using geometry::PinholeCamera;
 using geometry::RigidTransform;
-using testing::kCamera;
 using geometry::Vector6d;
+using testing::kCamera;
 
 RigidTransform small_motion(RandomStream& random, double scale) {
   Vector6d twist;
