@@ -62,12 +62,12 @@ TEST_F(TrainCommandTest, MakesANetworkThatNamesTheClasses) {
       train("out", {"--learning-rate", "1", "--steps", "60", "--batch", "6", "--name", "rooms",
                     "--no-augmentation", "--evaluate-every", "20", "--json"});
   ASSERT_EQ(result.exit_code, 0) << result.errors;
-  const auto json = nlohmann::json::parse(result.output);
-  EXPECT_THAT(json.at("classes"), ElementsAre("attic", "cellar", "garage"));
-  EXPECT_EQ(json.at("pictures"), 15);
-  EXPECT_EQ(json.at("held_out"), 3);
-  ASSERT_EQ(json.at("curve").size(), 3);
-  EXPECT_EQ(json.at("curve").back().at("held_out_precision"), 1);
+  const auto answer = nlohmann::json::parse(result.output);
+  EXPECT_THAT(answer.at("classes"), ElementsAre("attic", "cellar", "garage"));
+  EXPECT_EQ(answer.at("pictures"), 15);
+  EXPECT_EQ(answer.at("held_out"), 3);
+  ASSERT_EQ(answer.at("curve").size(), 3);
+  EXPECT_EQ(answer.at("curve").back().at("held_out_precision"), 1);
   EXPECT_FALSE(std::filesystem::exists(path("out/rooms.checkpoint")));
   const auto page = read_text_file(path("out/rooms.training.html"));
   ASSERT_OK(page);
@@ -144,8 +144,8 @@ TEST_F(TrainCommandTest, LearnsTheRoomsOfAHome) {
   EXPECT_THAT(all.at("classes"), ElementsAre("hall", "kitchen"));
   EXPECT_EQ(all.at("held_out"), 0);
   // What is held out is not trained on.
-  const auto json = testing::result_of(with({"--held-out-visits", "2-"}));
-  const int pictures = json.at("pictures"), held_out = json.at("held_out");
+  const auto answer = testing::result_of(with({"--held-out-visits", "2-"}));
+  const int pictures = answer.at("pictures"), held_out = answer.at("held_out");
   EXPECT_GT(pictures, 0);
   EXPECT_GT(held_out, 0);
   EXPECT_EQ(pictures + held_out, all.at("pictures"));

@@ -12,7 +12,7 @@ namespace {
 namespace fs = std::filesystem;
 using rooms::Concepts;
 
-struct Options {
+struct ConceptsOptions {
   fs::path home;
   std::string object;
   std::vector<std::string> labels;
@@ -39,7 +39,7 @@ Answer describe(const Concepts& concepts) {
   return answer;
 }
 
-Expected<Answer> list(const Options& options) {
+Expected<Answer> list(const ConceptsOptions& options) {
   if (options.home.empty()) return describe(Concepts::standard());
   ROOMWISE_TRY(const home::Home home, home::Home::open_read_only(options.home));
   ROOMWISE_TRY(const Concepts concepts, home.concepts());
@@ -67,7 +67,7 @@ Expected<std::vector<std::string>> networks_spelling(const home::Home& home,
   return labels;
 }
 
-Expected<void> add(Concepts& concepts, const Options& options,
+Expected<void> add(Concepts& concepts, const ConceptsOptions& options,
                    const std::vector<std::string>& labels) {
   if (!options.object.empty()) {
     if (labels.empty() && !concepts.vocabulary.objects().contains(options.object)) {
@@ -84,7 +84,7 @@ Expected<void> add(Concepts& concepts, const Options& options,
 }
 
 // An object may be taken out of a room type, lose a label, or go as a whole; so may a room type.
-Expected<void> remove(Concepts& concepts, const Options& options) {
+Expected<void> remove(Concepts& concepts, const ConceptsOptions& options) {
   auto& types = concepts.objects_of_room_type;
   for (const std::string& type : options.room_types) {
     const auto found = types.find(type);
@@ -126,7 +126,7 @@ Expected<void> replace_concepts(home::Home& home, const Concepts& concepts) {
   return {};
 }
 
-Expected<Answer> edit(const Options& options, bool adding) {
+Expected<Answer> edit(const ConceptsOptions& options, bool adding) {
   ROOMWISE_TRY(home::Home home, home::Home::open(options.home));
   ROOMWISE_TRY(Concepts concepts, home.concepts());
   if (adding) {
@@ -139,7 +139,7 @@ Expected<Answer> edit(const Options& options, bool adding) {
   return describe(concepts);
 }
 
-void add_concept_options(CLI::App& command, Options& options) {
+void add_concept_options(CLI::App& command, ConceptsOptions& options) {
   command.add_option("--home", options.home, "Home file")->required();
   CLI::Option* object = command.add_option("--object", options.object, "Object, for example desk");
   command.add_option("--label", options.labels, "A network's label that means it; may be repeated")
@@ -153,7 +153,7 @@ void add_concepts_commands(CLI::App& app, Context& context) {
   CLI::App* group =
       add_group(app, "concepts", "The objects and room types that count, and which room has which",
                 "roomwise concepts list --home my.home");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ConceptsOptions>();
 
   CLI::App* list_command = add_command(
       *group, context, "list", "List the concepts of a home, or those that every home begins with",

@@ -16,7 +16,7 @@ using evaluation::AbsoluteTrajectoryError;
 using evaluation::ErrorStatistics;
 using evaluation::RelativePoseError;
 
-struct Options {
+struct TrajectoryOptions {
   fs::path truth;
   fs::path estimate;
   fs::path plot;  // empty: none
@@ -60,7 +60,7 @@ Answer describe(const AbsoluteTrajectoryError& absolute,
   return answer;
 }
 
-Expected<Answer> run(const Options& options) {
+Expected<Answer> run(const TrajectoryOptions& options) {
   const fs::path truth_path = truth_file(options.truth);
   ROOMWISE_TRY(const recording::Trajectory truth, recording::read_trajectory(truth_path));
   ROOMWISE_TRY(const recording::Trajectory estimate, recording::read_trajectory(options.estimate));
@@ -91,7 +91,7 @@ void add_eval_commands(CLI::App& app, Context& context) {
   CLI::App* group =
       add_group(app, "eval", "Measure results against the truth",
                 "roomwise eval trajectory --truth groundtruth.txt --estimate trajectory.txt");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<TrajectoryOptions>();
   CLI::App* command = add_command(
       *group, context, "trajectory",
       "Absolute and relative trajectory error (ATE, RPE) as the TUM RGB-D benchmark defines them",

@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct HomeEvaluationOptions {
   fs::path home;
   fs::path truth;
   double most_distance_m = 1.0;
@@ -87,7 +87,7 @@ Json details_of(const pipeline::ObjectEvaluation& result, const pipeline::FoundO
   return json;
 }
 
-Expected<Answer> evaluate_objects(const Options& options) {
+Expected<Answer> evaluate_objects(const HomeEvaluationOptions& options) {
   ROOMWISE_TRY(const home::Home home, home::Home::open_read_only(options.home));
   ROOMWISE_TRY(const pipeline::ObjectEvaluation result,
                pipeline::evaluate_objects(home, options.truth, options.most_distance_m));
@@ -121,7 +121,7 @@ Expected<Answer> evaluate_objects(const Options& options) {
   return answer;
 }
 
-Expected<Answer> evaluate_map(const Options& options, Context& context) {
+Expected<Answer> evaluate_map(const HomeEvaluationOptions& options, Context& context) {
   ROOMWISE_TRY(const home::Home home, home::Home::open_read_only(options.home));
   CommandRun run(context);
   pipeline::MapEvaluationOptions map = options.map;
@@ -142,7 +142,7 @@ Expected<Answer> evaluate_map(const Options& options, Context& context) {
   return answer;
 }
 
-Expected<Answer> evaluate_floor(const Options& options, Context& context) {
+Expected<Answer> evaluate_floor(const HomeEvaluationOptions& options, Context& context) {
   ROOMWISE_TRY(const home::Home home, home::Home::open_read_only(options.home));
   CommandRun run(context);
   ROOMWISE_TRY(const pipeline::FloorEvaluation result,
@@ -168,7 +168,7 @@ Expected<Answer> evaluate_floor(const Options& options, Context& context) {
   return answer;
 }
 
-Expected<Answer> evaluate_layout(const Options& options, Context& context) {
+Expected<Answer> evaluate_layout(const HomeEvaluationOptions& options, Context& context) {
   ROOMWISE_TRY(const home::Home home, home::Home::open_read_only(options.home));
   CommandRun run(context);
   ROOMWISE_TRY(const pipeline::LayoutEvaluation result,
@@ -192,7 +192,7 @@ Expected<Answer> evaluate_layout(const Options& options, Context& context) {
   return answer;
 }
 
-void add_files(CLI::App& command, Options& options) {
+void add_files(CLI::App& command, HomeEvaluationOptions& options) {
   command.add_option("--home", options.home, "Home mapped from the recording")->required();
   command.add_option("--truth", options.truth, "Simulated recording")->required();
 }
@@ -200,7 +200,7 @@ void add_files(CLI::App& command, Options& options) {
 }  // namespace
 
 void add_home_evaluations(CLI::App& group, Context& context) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<HomeEvaluationOptions>();
   CLI::App* objects = add_command(
       group, context, "objects",
       "The objects of a home, both ways, against the truth of a simulated recording: found and "

@@ -19,7 +19,7 @@ using evaluation::quantile;
 
 constexpr double kDegrees = 180 / static_cast<double>(EIGEN_PI);
 
-struct Options {
+struct LocalizerEvaluationOptions {
   fs::path home;
   fs::path truth;
   fs::path visit;
@@ -53,7 +53,8 @@ Json to_json(const pipeline::LocalizationTrial& trial) {
 }
 
 // All trials as figures.
-Answer describe(const std::vector<pipeline::LocalizationTrial>& trials, const Options& options) {
+Answer describe(const std::vector<pipeline::LocalizationTrial>& trials,
+                const LocalizerEvaluationOptions& options) {
   evaluation::Proportion near, beside, far, silent;
   std::vector<double> errors_m, errors_degrees, cpu_ms;
   std::map<std::string, int> reasons;
@@ -116,7 +117,7 @@ Answer describe(const std::vector<pipeline::LocalizationTrial>& trials, const Op
   return answer;
 }
 
-Expected<Answer> evaluate(const Options& options, Context& context) {
+Expected<Answer> evaluate(const LocalizerEvaluationOptions& options, Context& context) {
   cv::setNumThreads(1);
   if (options.near_m > options.far_m || options.near_degrees > options.far_degrees) {
     return fail("--near must not be above --far, nor --near-degrees above --far-degrees");
@@ -141,7 +142,7 @@ Expected<Answer> evaluate(const Options& options, Context& context) {
 }  // namespace
 
 void add_localizer_evaluation(CLI::App& group, Context& context) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<LocalizerEvaluationOptions>();
   CLI::App* command =
       add_command(group, context, "localizer",
                   "Where the frames of another walk through the same home are taken to be",

@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct ExportOptions {
   fs::path home;
   fs::path output;
   std::string surface = "cloud";
@@ -37,7 +37,7 @@ Answer wrote(const fs::path& output, const std::string& what, std::size_t count)
   return answer;
 }
 
-Expected<pipeline::MapCloud> build_cloud(const Options& options, Context& context) {
+Expected<pipeline::MapCloud> build_cloud(const ExportOptions& options, Context& context) {
   ROOMWISE_TRY(const home::Home home, home::Home::open_read_only(options.home));
   CommandRun run(context);
   ROOMWISE_TRY(pipeline::MapCloud map, pipeline::build_map_cloud(home, options.voxel_size_m, run));
@@ -47,7 +47,7 @@ Expected<pipeline::MapCloud> build_cloud(const Options& options, Context& contex
   return map;
 }
 
-Expected<pipeline::LevelMap> build_surface(const Options& options, Context& context,
+Expected<pipeline::LevelMap> build_surface(const ExportOptions& options, Context& context,
                                            ThreadPool& pool) {
   ROOMWISE_TRY(const home::Home home, home::Home::open_read_only(options.home));
   StageClock clock;
@@ -78,7 +78,7 @@ void add_frame(Answer& answer, const fusion::LevelFrame& frame) {
   }
 }
 
-Expected<Answer> export_ply(const Options& options, Context& context) {
+Expected<Answer> export_ply(const ExportOptions& options, Context& context) {
   if (options.surface == "mesh") {
     ThreadPool pool(context.threads);
     ROOMWISE_TRY(const pipeline::LevelMap map, build_surface(options, context, pool));
@@ -90,13 +90,13 @@ Expected<Answer> export_ply(const Options& options, Context& context) {
   return wrote(options.output, "points", map.cloud.size());
 }
 
-Expected<Answer> export_pcd(const Options& options, Context& context) {
+Expected<Answer> export_pcd(const ExportOptions& options, Context& context) {
   ROOMWISE_TRY(const pipeline::MapCloud map, build_cloud(options, context));
   ROOMWISE_CHECK_OK(mapping::write_pcd(options.output, map.cloud));
   return wrote(options.output, "points", map.cloud.size());
 }
 
-Expected<Answer> export_glb(const Options& options, Context& context) {
+Expected<Answer> export_glb(const ExportOptions& options, Context& context) {
   ThreadPool pool(context.threads);
   ROOMWISE_TRY(const pipeline::LevelMap map, build_surface(options, context, pool));
   ROOMWISE_CHECK_OK(fusion::write_glb(
@@ -106,7 +106,7 @@ Expected<Answer> export_glb(const Options& options, Context& context) {
   return answer;
 }
 
-Expected<Answer> export_octomap(const Options& options, Context& context) {
+Expected<Answer> export_octomap(const ExportOptions& options, Context& context) {
   ROOMWISE_CHECK_OK(pipeline::validate_cell(options.cell_m, options.voxel_size_m));
   ThreadPool pool(context.threads);
   ROOMWISE_TRY(const pipeline::LevelMap map, build_surface(options, context, pool));
@@ -125,7 +125,7 @@ Expected<Answer> export_octomap(const Options& options, Context& context) {
   return answer;
 }
 
-Expected<Answer> export_floor(const Options& options, Context& context) {
+Expected<Answer> export_floor(const ExportOptions& options, Context& context) {
   fusion::FloorGridOptions floor = options.floor;
   floor.cell_m = options.cell_m;
   ROOMWISE_CHECK_OK(floor.validate());
@@ -150,7 +150,7 @@ Expected<Answer> export_floor(const Options& options, Context& context) {
   return answer;
 }
 
-Expected<Answer> export_tum(const Options& options) {
+Expected<Answer> export_tum(const ExportOptions& options) {
   ROOMWISE_TRY(const home::Home home, home::Home::open_read_only(options.home));
   ROOMWISE_TRY(const recording::Trajectory trajectory, pipeline::stored_trajectory(home));
   ROOMWISE_CHECK_OK(recording::write_trajectory(options.output, trajectory));
@@ -159,7 +159,7 @@ Expected<Answer> export_tum(const Options& options) {
 
 // Without the loops that the map left out. Pieces that no loop joined are parts of the one graph
 // without an edge between them.
-Expected<Answer> export_g2o(const Options& options) {
+Expected<Answer> export_g2o(const ExportOptions& options) {
   ROOMWISE_TRY(const home::Home home, home::Home::open_read_only(options.home));
   ROOMWISE_TRY(const auto settings, pipeline::stored_map_settings(home));
   ROOMWISE_TRY(
@@ -169,12 +169,12 @@ Expected<Answer> export_g2o(const Options& options) {
   return wrote(options.output, "poses", graph.world_from_node.size());
 }
 
-void add_files(CLI::App& command, Options& options) {
+void add_files(CLI::App& command, ExportOptions& options) {
   command.add_option("--home", options.home, "Home file")->required();
   command.add_option("-o,--output", options.output, "File to write")->required();
 }
 
-void add_voxel(CLI::App& command, Options& options, const std::string& meaning) {
+void add_voxel(CLI::App& command, ExportOptions& options, const std::string& meaning) {
   command.add_option("--voxel", options.voxel_size_m, meaning)
       ->check(positive())
       ->capture_default_str();
@@ -184,7 +184,7 @@ constexpr const char* kFusedVoxel =
     "Size of the voxels that the key-frames are fused in, m; half the size takes 8 times the "
     "memory";
 
-void add_cell(CLI::App& command, Options& options) {
+void add_cell(CLI::App& command, ExportOptions& options) {
   command.add_option("--cell", options.cell_m, "Size of a cell, m")
       ->check(positive())
       ->capture_default_str();
@@ -194,7 +194,8 @@ std::string demand_yaml(const std::string& path) {
   return fs::path(path).extension() == ".yaml" ? "" : path + ": must end in .yaml";
 }
 
-void add_cloud_exports(CLI::App& group, Context& context, const std::shared_ptr<Options>& options) {
+void add_cloud_exports(CLI::App& group, Context& context,
+                       const std::shared_ptr<ExportOptions>& options) {
   CLI::App* ply =
       add_command(group, context, "ply", "The map as coloured points or as a surface (PLY)",
                   "roomwise export ply --home my.home -o my.ply --voxel 0.01",
@@ -213,7 +214,8 @@ void add_cloud_exports(CLI::App& group, Context& context, const std::shared_ptr<
   add_voxel(*pcd, *options, "One point a voxel of this size, m");
 }
 
-void add_level_exports(CLI::App& group, Context& context, const std::shared_ptr<Options>& options) {
+void add_level_exports(CLI::App& group, Context& context,
+                       const std::shared_ptr<ExportOptions>& options) {
   CLI::App* glb =
       add_command(group, context, "glb", "The map's surface, upright, in one file (binary glTF)",
                   "roomwise export glb --home my.home -o my.glb",
@@ -254,7 +256,7 @@ void add_export_commands(CLI::App& app, Context& context) {
   CLI::App* group =
       add_group(app, "export", "Write what a home holds in formats that other programs read",
                 "roomwise export ply --home my.home -o my.ply");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ExportOptions>();
   add_cloud_exports(*group, context, options);
   add_level_exports(*group, context, options);
 

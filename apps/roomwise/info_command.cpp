@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct InfoOptions {
   fs::path path;
   bool digest = false;
   bool verify = false;
@@ -49,7 +49,7 @@ class Facts {
   Answer answer_;
 };
 
-Expected<Answer> describe_home(const Options& options) {
+Expected<Answer> describe_home(const InfoOptions& options) {
   ROOMWISE_TRY(const home::Home home, home::Home::open_read_only(options.path));
   if (options.verify) ROOMWISE_CHECK_OK(home.verify());
   ROOMWISE_TRY(const auto recordings, home.recordings());
@@ -180,7 +180,7 @@ std::string first_bytes(const fs::path& path) {
   return bytes;
 }
 
-Expected<Answer> run(const Options& options) {
+Expected<Answer> run(const InfoOptions& options) {
   const fs::path& path = options.path;
   if (!fs::exists(path)) return fail("{}: there is no such file or folder", path.string());
   if (fs::is_directory(path)) return describe_recording(path);
@@ -200,7 +200,7 @@ Expected<Answer> run(const Options& options) {
 }  // namespace
 
 void add_info_command(CLI::App& app, Context& context) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<InfoOptions>();
   CLI::App* command = add_command(
       app, context, "info",
       "Say what a file is and holds: a home, a recording, a pose graph, a network, a picture",

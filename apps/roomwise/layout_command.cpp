@@ -12,7 +12,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct LayoutOptions {
   fs::path home;
   fs::path plan;  // empty: no picture
 };
@@ -75,7 +75,7 @@ Answer answer_of(const pipeline::HomeLayout& home) {
   return answer;
 }
 
-Expected<Answer> lay_out(const Options& options, Context& context) {
+Expected<Answer> lay_out(const LayoutOptions& options, Context& context) {
   ROOMWISE_TRY(const home::Home home, home::Home::open_read_only(options.home));
   CommandRun run(context);
   ROOMWISE_TRY(const pipeline::HomeLayout layout, pipeline::build_home_layout(home, {}, run));
@@ -92,7 +92,7 @@ Expected<Answer> lay_out(const Options& options, Context& context) {
 }  // namespace
 
 void add_layout_command(CLI::App& group, Context& context) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<LayoutOptions>();
   CLI::App* command = add_command(
       group, context, "layout",
       "Where the named rooms lie on the floor, how large they are, and which opens to which",

@@ -14,14 +14,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct LocateOptions {
   fs::path home;
   std::vector<fs::path> pictures;
   std::vector<fs::path> depths;
   std::string camera;
 };
 
-Expected<pipeline::PictureToLocate> read_picture(const Options& options, std::size_t i,
+Expected<pipeline::PictureToLocate> read_picture(const LocateOptions& options, std::size_t i,
                                                  const geometry::PinholeCamera& camera) {
   pipeline::PictureToLocate picture;
   picture.camera = camera;
@@ -49,11 +49,11 @@ Expected<Answer> describe(const home::Home& home, const mapping::Localization& f
     return answer;
   }
   ROOMWISE_TRY(const std::string room, room_of(home, found.keyframe));
-  constexpr double kDegrees = 180 / static_cast<double>(EIGEN_PI);
+  constexpr double kDegreesPerRadian = 180 / static_cast<double>(EIGEN_PI);
   const Eigen::Vector3d& position = found.world_from_camera.translation;
   const Eigen::Quaterniond& rotation = found.world_from_camera.rotation;
   const double sigma_m = found.position_sigma_m();
-  const double sigma_degrees = kDegrees * found.rotation_sigma_rad();
+  const double sigma_degrees = kDegreesPerRadian * found.rotation_sigma_rad();
   const std::string how = found.witnesses > 0
                               ? fmt::format("by the shape of {} key-frames", found.witnesses)
                               : fmt::format("by {} features", found.inliers);
@@ -73,7 +73,7 @@ Expected<Answer> describe(const home::Home& home, const mapping::Localization& f
   return answer;
 }
 
-Expected<Answer> locate(const Options& options, Context& context) {
+Expected<Answer> locate(const LocateOptions& options, Context& context) {
   cv::setNumThreads(1);
   if (!options.depths.empty() && options.depths.size() != options.pictures.size()) {
     return fail("{} pictures and {} depth images; give a depth image for every picture or none",
@@ -111,7 +111,7 @@ Expected<Answer> locate(const Options& options, Context& context) {
 }  // namespace
 
 void add_locate_command(CLI::App& app, Context& context) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<LocateOptions>();
   CLI::App* command =
       add_command(app, context, "locate", "Where on a home's map one picture, or two, were taken",
                   "roomwise locate --home my.home now.jpg --depth now-depth.png",

@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct MapOptions {
   fs::path recording;
   fs::path home;
   bool resume = false;
@@ -34,7 +34,7 @@ struct Options {
   fs::path trajectory;
 };
 
-Expected<home::Home> open_home(const Options& options) {
+Expected<home::Home> open_home(const MapOptions& options) {
   if (!fs::exists(options.home)) return pipeline::create_home(options.home);
   if (options.resume) return home::Home::open(options.home);
   return fail("{}: exists already; give --resume to go on with it, or another name",
@@ -42,7 +42,7 @@ Expected<home::Home> open_home(const Options& options) {
 }
 
 // Those that the options ask for.
-Expected<pipeline::MapSettings> new_settings(const Options& options) {
+Expected<pipeline::MapSettings> new_settings(const MapOptions& options) {
   pipeline::MapSettings settings = options.settings;
   ROOMWISE_TRY(settings.features, features::parse_feature_kind(options.features));
   ROOMWISE_TRY(settings.mapper.method, mapping::parse_mapping_method(options.method));
@@ -58,7 +58,7 @@ Expected<pipeline::MapSettings> new_settings(const Options& options) {
 }
 
 // The settings of a home that is gone on with are its own.
-Expected<pipeline::MapSettings> choose_settings(const Options& options, std::uint64_t seed,
+Expected<pipeline::MapSettings> choose_settings(const MapOptions& options, std::uint64_t seed,
                                                 const home::Home& home) {
   ROOMWISE_TRY(const auto stored, pipeline::stored_map_settings(home));
   if (stored) return *stored;
@@ -67,7 +67,7 @@ Expected<pipeline::MapSettings> choose_settings(const Options& options, std::uin
   return settings;
 }
 
-Expected<std::unique_ptr<recording::TumRecording>> open_recording(const Options& options,
+Expected<std::unique_ptr<recording::TumRecording>> open_recording(const MapOptions& options,
                                                                   const home::Home& home) {
   recording::TumOptions tum;
   ROOMWISE_TRY(const auto stored, home.recordings());
@@ -130,7 +130,7 @@ void remove_empty_home(const fs::path& path) {
   if (is_empty()) fs::remove(path, ignored);
 }
 
-Expected<Answer> map(const Options& options, Context& context) {
+Expected<Answer> map(const MapOptions& options, Context& context) {
   cv::setNumThreads(1);  // the threads are ours
   pipeline::Networks networks;
   objects::RegionFinders finders;
@@ -210,7 +210,7 @@ Expected<Answer> map(const Options& options, Context& context) {
   return answer;
 }
 
-Expected<Answer> run(const Options& options, Context& context) {
+Expected<Answer> run(const MapOptions& options, Context& context) {
   const bool is_new = !fs::exists(options.home);
   Expected<Answer> answer = map(options, context);
   if (!answer && is_new) remove_empty_home(options.home);
@@ -220,7 +220,7 @@ Expected<Answer> run(const Options& options, Context& context) {
 }  // namespace
 
 void add_map_command(CLI::App& app, Context& context) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<MapOptions>();
   CLI::App* command =
       add_command(app, context, "map",
                   "Turn a recording into a home: map, key-frames, what networks see in them",

@@ -13,7 +13,7 @@
 namespace roomwise::app {
 namespace {
 
-struct Options {
+struct ObjectsOptions {
   std::filesystem::path home;
   std::string rule = "regions";
   NetworkOptions networks;
@@ -122,13 +122,13 @@ Expected<Answer> list_found(const home::Home& home, const std::string& rule) {
   return answer;
 }
 
-Expected<Answer> list(const Options& options) {
+Expected<Answer> list(const ObjectsOptions& options) {
   ROOMWISE_TRY(const home::Home home, home::Home::open_read_only(options.home));
   return list_found(home, options.rule);
 }
 
 // Networks look at a home that was mapped without them, or with others; then all is joined anew.
-Expected<Answer> find(const Options& options, Context& context) {
+Expected<Answer> find(const ObjectsOptions& options, Context& context) {
   cv::setNumThreads(1);  // the threads are ours
   ROOMWISE_TRY(const pipeline::Networks networks, load_networks(options.networks));
   ROOMWISE_TRY(const objects::RegionFinders finders, load_region_finders());
@@ -162,7 +162,7 @@ Expected<Answer> find(const Options& options, Context& context) {
 void add_objects_commands(CLI::App& app, Context& context) {
   CLI::App* group = add_group(app, "objects", "The objects that were found in a home",
                               "roomwise objects list --home my.home");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ObjectsOptions>();
   CLI::App* list_command = add_command(
       *group, context, "list",
       "List the objects: name, probability, place, size, how sure the place is, in how many "

@@ -14,7 +14,7 @@
 namespace roomwise::app {
 namespace {
 
-struct Options {
+struct OptimizeOptions {
   std::filesystem::path input;
   std::filesystem::path output;
   std::filesystem::path home;
@@ -38,7 +38,7 @@ Answer answer_of(const mapping::PoseGraphReport& report, std::size_t poses, std:
   return answer;
 }
 
-Expected<Answer> optimize_file(const Options& options) {
+Expected<Answer> optimize_file(const OptimizeOptions& options) {
   if (is_database(options.input)) {
     return fail("{}: is a home; give it as --home", options.input.string());
   }
@@ -52,7 +52,7 @@ Expected<Answer> optimize_file(const Options& options) {
 }
 
 // The key-frames move, and what was seen from them moves with them.
-Expected<Answer> optimize_home(const Options& options, Context& context) {
+Expected<Answer> optimize_home(const OptimizeOptions& options, Context& context) {
   ROOMWISE_TRY(home::Home home, home::Home::open(options.home));
   ROOMWISE_TRY(auto settings, pipeline::stored_map_settings(home));
   if (!settings) {
@@ -97,7 +97,7 @@ Expected<Answer> optimize_home(const Options& options, Context& context) {
 }  // namespace
 
 void add_optimize_command(CLI::App& app, Context& context) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<OptimizeOptions>();
   CLI::App* command = add_command(
       app, context, "optimize",
       "Optimise a pose graph, of a .g2o file or of a home; print F before and after",

@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct RecordOptions {
   std::string source;
   fs::path output;
   std::string camera;  // preset or file; empty: what the source says
@@ -34,7 +34,7 @@ std::optional<std::string> openni2_uri(const std::string& source) {
   return std::nullopt;
 }
 
-Expected<std::unique_ptr<recording::FrameSource>> open_source(const Options& options) {
+Expected<std::unique_ptr<recording::FrameSource>> open_source(const RecordOptions& options) {
   std::optional<geometry::PinholeCamera> camera;
   if (!options.camera.empty()) {
     ROOMWISE_TRY(camera, recording::resolve_camera(options.camera));
@@ -83,7 +83,7 @@ class TypedLines {
 // own rooms.txt says.
 class CurrentRoom {
  public:
-  static Expected<CurrentRoom> start(const Options& options) {
+  static Expected<CurrentRoom> start(const RecordOptions& options) {
     CurrentRoom current;
     if (!options.room.empty()) current.room_ = options.room;
     const fs::path labels = fs::path(options.source) / "rooms.txt";
@@ -110,14 +110,14 @@ class CurrentRoom {
 };
 
 // The number of frames to come, as far as it can be known.
-std::optional<std::uint64_t> expected_frames(const Options& options,
+std::optional<std::uint64_t> expected_frames(const RecordOptions& options,
                                              std::optional<std::uint64_t> in_source) {
   if (!options.frames || !in_source) return options.frames ? options.frames : in_source;
   return std::min(*options.frames, *in_source);
 }
 
 Expected<void> copy_frames(recording::FrameSource& source, recording::TumWriter& writer,
-                           const Options& options, Progress& progress) {
+                           const RecordOptions& options, Progress& progress) {
   ROOMWISE_TRY(CurrentRoom current, CurrentRoom::start(options));
   std::optional<TimestampNs> first_ns;
   while (!progress.interrupted() && writer.frames_written() != options.frames) {
@@ -135,7 +135,7 @@ Expected<void> copy_frames(recording::FrameSource& source, recording::TumWriter&
 }
 
 // A copy of a recording keeps its ground truth.
-Expected<void> copy_ground_truth(const Options& options) {
+Expected<void> copy_ground_truth(const RecordOptions& options) {
   const fs::path truth = fs::path(options.source) / "groundtruth.txt";
   if (openni2_uri(options.source) || !fs::exists(truth)) return {};
   std::error_code error;
@@ -144,7 +144,7 @@ Expected<void> copy_ground_truth(const Options& options) {
   return {};
 }
 
-Expected<Answer> run(const Options& options, Context& context) {
+Expected<Answer> run(const RecordOptions& options, Context& context) {
   ROOMWISE_TRY(const std::unique_ptr<recording::FrameSource> source, open_source(options));
   ROOMWISE_TRY(const std::unique_ptr<recording::TumWriter> writer,
                recording::TumWriter::create(options.output, source->info().camera));
@@ -168,7 +168,7 @@ Expected<Answer> run(const Options& options, Context& context) {
 }  // namespace
 
 void add_record_command(CLI::App& app, Context& context) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<RecordOptions>();
   CLI::App* command = add_command(
       app, context, "record",
       "Record from a depth camera, or copy a recording, to a folder in TUM's format.\n"

@@ -12,7 +12,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct ReportOptions {
   fs::path home;
   fs::path output;
   fs::path truth;
@@ -46,7 +46,7 @@ Expected<std::vector<evaluation::ReportContent::Recognition>> read_evaluation(
   return results;
 }
 
-Expected<Answer> run(const Options& options, Context& context) {
+Expected<Answer> run(const ReportOptions& options, Context& context) {
   ROOMWISE_TRY(const home::Home home, home::Home::open_read_only(options.home));
   pipeline::ReportExtras extras;
   extras.name = options.home.stem().string();
@@ -67,7 +67,7 @@ Expected<Answer> run(const Options& options, Context& context) {
 }  // namespace
 
 void add_report_command(CLI::App& app, Context& context) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ReportOptions>();
   CLI::App* command = add_command(app, context, "report", "Write one web page that shows a home",
                                   "roomwise report my.home -o my.html",
                                   [options, &context] { return run(*options, context); });

@@ -28,7 +28,7 @@ using pipeline::RuleResult;
 
 constexpr std::size_t kMostMistakesShown = 60;
 
-struct Options {
+struct RoomsEvaluationOptions {
   fs::path home;
   std::vector<fs::path> recordings;
   fs::path labels;
@@ -51,8 +51,8 @@ struct Pictures {
   std::set<std::string> never_learned;
 };
 
-Expected<void> add_recordings(const Options& options, const std::vector<std::string>& learned,
-                              Pictures& all) {
+Expected<void> add_recordings(const RoomsEvaluationOptions& options,
+                              const std::vector<std::string>& learned, Pictures& all) {
   if (!options.labels.empty() && options.recordings.size() > 1) {
     return fail("--labels is of one recording; several must have their own rooms.txt each");
   }
@@ -71,8 +71,8 @@ Expected<void> add_recordings(const Options& options, const std::vector<std::str
   return {};
 }
 
-Expected<void> add_pictures(const Options& options, const std::vector<std::string>& learned,
-                            Pictures& all) {
+Expected<void> add_pictures(const RoomsEvaluationOptions& options,
+                            const std::vector<std::string>& learned, Pictures& all) {
   if (options.photos.empty()) {
     ROOMWISE_CHECK_OK(add_recordings(options, learned, all));
   } else {
@@ -188,8 +188,8 @@ std::vector<std::string> notes_of(const pipeline::RoomEvaluation& evaluation, co
   return notes;
 }
 
-Expected<Answer> answer_of(const Options& options, const pipeline::RoomEvaluation& evaluation,
-                           const Pictures& all) {
+Expected<Answer> answer_of(const RoomsEvaluationOptions& options,
+                           const pipeline::RoomEvaluation& evaluation, const Pictures& all) {
   RecognitionReportContent content;
   content.title = options.home.stem().string();
   content.notes = notes_of(evaluation, all);
@@ -229,7 +229,7 @@ Expected<Answer> answer_of(const Options& options, const pipeline::RoomEvaluatio
   return answer;
 }
 
-Expected<Answer> evaluate(const Options& options, Context& context) {
+Expected<Answer> evaluate(const RoomsEvaluationOptions& options, Context& context) {
   cv::setNumThreads(1);
   if (options.photos.empty() == options.recordings.empty()) {
     return fail("give what to evaluate: either --recording with --labels, or --photos");
@@ -252,7 +252,7 @@ Expected<Answer> evaluate(const Options& options, Context& context) {
   return answer_of(options, evaluation, all);
 }
 
-void add_measuring_options(CLI::App& command, Options& options) {
+void add_measuring_options(CLI::App& command, RoomsEvaluationOptions& options) {
   command
       .add_option("--margin", options.margin,
                   "Leave out frames that are fewer than this from a boundary of their room's range")
@@ -283,7 +283,7 @@ void add_measuring_options(CLI::App& command, Options& options) {
 }  // namespace
 
 void add_rooms_eval_command(CLI::App& group, Context& context) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<RoomsEvaluationOptions>();
   CLI::App* command = add_command(
       group, context, "eval",
       "Measure how often rooms are named rightly, beside the paper's way and simple ones",

@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 using simulation::SensorOptions;
 using simulation::SimulationOptions;
 
-struct Options {
+struct SimulateOptions {
   std::optional<std::uint64_t> home_seed;
   std::vector<std::string> rooms;
   std::string scenario = "day";
@@ -73,7 +73,7 @@ Expected<void> switch_off(const std::vector<std::string>& effects, SensorOptions
   return {};
 }
 
-Expected<SimulationOptions> complete(const Options& options, std::uint64_t seed) {
+Expected<SimulationOptions> complete(const SimulateOptions& options, std::uint64_t seed) {
   SimulationOptions simulated = options.simulation;
   if (options.home_seed || !options.rooms.empty()) {
     simulation::HomeOptions home{options.home_seed.value_or(seed), {}};
@@ -97,7 +97,7 @@ Expected<SimulationOptions> complete(const Options& options, std::uint64_t seed)
   return simulated;
 }
 
-Expected<Answer> run(const Options& options, Context& context) {
+Expected<Answer> run(const SimulateOptions& options, Context& context) {
   ROOMWISE_TRY(const SimulationOptions simulated, complete(options, context.seed));
   ROOMWISE_TRY(const auto catalogue, simulation::FurnitureCatalogue::open(options.furniture));
   if (options.keep) {
@@ -149,7 +149,7 @@ Expected<Answer> run(const Options& options, Context& context) {
 }  // namespace
 
 void add_simulate_command(CLI::App& app, Context& context) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<SimulateOptions>();
   SimulationOptions& simulated = options->simulation;
   CLI::App* command =
       add_command(app, context, "simulate",

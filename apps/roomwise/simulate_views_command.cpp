@@ -9,14 +9,14 @@
 namespace roomwise::app {
 namespace {
 
-struct Options {
+struct SimulateViewsOptions {
   std::vector<std::string> rooms;
   std::filesystem::path furniture = kFurnitureFolder;
   std::filesystem::path output;
   simulation::ViewsOptions views;
 };
 
-Expected<Answer> run(Options options, Context& context) {
+Expected<Answer> run(SimulateViewsOptions options, Context& context) {
   options.views.seed = context.seed;
   for (const std::string& room : options.rooms) {
     ROOMWISE_TRY(const simulation::RoomKind kind, simulation::parse_room_kind(room));
@@ -42,7 +42,7 @@ Expected<Answer> run(Options options, Context& context) {
 }  // namespace
 
 void add_simulate_views_command(CLI::App& app, Context& context) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<SimulateViewsOptions>();
   simulation::ViewsOptions& views = options->views;
   CLI::App* command = add_command(
       app, context, "simulate-views",

@@ -26,6 +26,9 @@ class RandomStream {
   }
   // Uniform in [0, 1).
   double uniform() { return static_cast<double>(next() >> 11) * 0x1.0p-53; }
+  // Uniform in [low, high).
+  double between(double low, double high) { return low + (high - low) * uniform(); }
+
   // Uniform in [0, count); count must be positive.
   std::uint64_t index(std::uint64_t count) {
     // Rejection of the last incomplete block keeps every index equally likely.

@@ -10,15 +10,14 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr double kLongerSide = 1000, kMargin = 30, kFoot = 60;  // px
-constexpr std::int16_t kColors = 8;
 
 // The part of the grid that holds rooms.
-struct Bounds {
+struct CellBounds {
   int left = 0, right = -1, low = 0, high = -1;  // both ends included
 };
 
-Bounds bounds_of(const FloorPlanView& view) {
-  Bounds bounds{view.room_of_cell.width(), -1, view.room_of_cell.height(), -1};
+CellBounds bounds_of(const FloorPlanView& view) {
+  CellBounds bounds{view.room_of_cell.width(), -1, view.room_of_cell.height(), -1};
   for (int row = 0; row < view.room_of_cell.height(); ++row) {
     for (int column = 0; column < view.room_of_cell.width(); ++column) {
       if (view.room_of_cell.at(column, row) < 0) continue;
@@ -30,7 +29,7 @@ Bounds bounds_of(const FloorPlanView& view) {
 }
 
 // Cells of a row that look the same are one rectangle.
-void draw_cells(SvgDrawing& drawing, const FloorPlanView& view, const Bounds& bounds,
+void draw_cells(SvgDrawing& drawing, const FloorPlanView& view, const CellBounds& bounds,
                 double cell_px, const auto& to_px) {
   const auto look = [&](int column, int row) {
     return std::pair(view.room_of_cell.at(column, row), view.is_floor.at(column, row) != 0);
@@ -53,7 +52,7 @@ void draw_cells(SvgDrawing& drawing, const FloorPlanView& view, const Bounds& bo
 }  // namespace
 
 SvgDrawing draw_floor_plan(const FloorPlanView& view) {
-  const Bounds bounds = bounds_of(view);
+  const CellBounds bounds = bounds_of(view);
   const Vector2d cells(std::max(1, bounds.right - bounds.left + 1),
                        std::max(1, bounds.high - bounds.low + 1));
   const double cell_px = kLongerSide / cells.maxCoeff();

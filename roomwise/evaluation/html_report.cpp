@@ -12,7 +12,7 @@
 namespace roomwise::evaluation {
 namespace {
 
-constexpr std::string_view kStyle = R"(
+constexpr std::string_view kHomeReportStyle = R"(
 :root { color-scheme: light dark; --ground: #ffffff; --text: #1a1a1a; --quiet: #555555;
   --line: #8a8a8a; --panel: #f4f4f1; --warn: #fff4d6; --warn-line: #8a5a00; --accent: #0b57d0; }
 @media (prefers-color-scheme: dark) {
@@ -97,15 +97,6 @@ class Table {
   std::string html_;
 };
 
-std::string percent(double share) {
-  return fmt::format("{:.1f} %", 100 * share);
-}
-
-// A percentage, or a dash where nothing was counted.
-std::string percent_of(const Proportion& proportion) {
-  return proportion.n == 0 ? "–" : percent(proportion.value());
-}
-
 // The drawing in a frame that scrolls sideways on a narrow screen, reachable by keyboard.
 std::string figure(const SvgDrawing& drawing, std::string_view kind, std::string_view name) {
   return fmt::format(
@@ -177,7 +168,8 @@ std::string objects_section(const std::vector<ReportContent::Object>& objects) {
   if (objects.empty()) return html + "<p>No objects were found.</p>\n";
   html +=
       "<p class=\"quiet\">Places are in the frame of the map, in metres. The score, from 0 to "
-      "1, says how sure it is that the thing stands there and is called so.</p>\n<ol class=\"objects\">\n";
+      "1, says how sure it is that the thing stands there and is called so.</p>\n<ol "
+      "class=\"objects\">\n";
   for (std::size_t i = 0; i < objects.size(); ++i) {
     const ReportContent::Object& entry = objects[i];
     const Eigen::Vector3d& place = entry.object.place_world;
@@ -273,7 +265,7 @@ std::string render_report(const ReportContent& content) {
              "<title>{0} – Roomwise report</title>\n<style>{1}{2}</style>\n</head>\n<body>\n"
              "<header>\n<h1>{0}</h1>\n<p class=\"quiet\">The semantic map of a home, as Roomwise "
              "learned it from a recording.</p>\n</header>\n<main>\n",
-             home, kStyle, svg_style()) +
+             home, kHomeReportStyle, svg_style()) +
          warnings_section(content.warnings) + summary_section(content.summary) +
          map_section(content) + rooms_section(content.rooms) + objects_section(content.objects) +
          recognition_section(content.recognition) + trajectory_section(content) +

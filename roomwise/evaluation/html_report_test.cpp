@@ -8,6 +8,8 @@
 #include <string_view>
 #include <vector>
 
+#include "roomwise/evaluation/test_markup.h"
+
 namespace roomwise::evaluation {
 namespace {
 
@@ -118,16 +120,10 @@ TEST(HtmlReport, IsMadeForEverybody) {
   EXPECT_THAT(page, HasSubstr("<title>kitchen"));
   EXPECT_THAT(page, HasSubstr("name=\"viewport\""));
   EXPECT_THAT(page, HasSubstr("prefers-color-scheme: dark"));
-  const auto count_of = [&](const std::string& part) {
-    std::size_t count = 0;
-    for (std::size_t i = page.find(part); i != std::string::npos; i = page.find(part, i + 1))
-      ++count;
-    return count;
-  };
-  EXPECT_EQ(count_of("<h1>"), 1);
-  EXPECT_EQ(count_of("<table>"), count_of("<caption>"));
-  EXPECT_EQ(count_of("<th "), count_of("<th scope="));
-  EXPECT_EQ(count_of("<img "), values_of(page, "alt").size());
+  EXPECT_EQ(count_of(page, "<h1>"), 1);
+  EXPECT_EQ(count_of(page, "<table>"), count_of(page, "<caption>"));
+  EXPECT_EQ(count_of(page, "<th "), count_of(page, "<th scope="));
+  EXPECT_EQ(count_of(page, "<img "), values_of(page, "alt").size());
   // No level of heading is left out.
   int level = 0;
   for (std::size_t i = page.find("<h"); i != std::string::npos; i = page.find("<h", i + 1)) {

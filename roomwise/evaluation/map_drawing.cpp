@@ -13,7 +13,7 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr int kJpegQuality = 85;
+constexpr int kMapJpegQuality = 85;
 constexpr double kLegendRow = 40;     // px
 constexpr double kLetterWidth = 0.6;  // of the font's size, about
 
@@ -29,7 +29,6 @@ struct RoomStyle {
 class RoomStyles {
  public:
   explicit RoomStyles(std::span<const MapKeyFrame> key_frames) {
-    constexpr int kColors = 8;
     constexpr std::array<const char*, 7> kDashes = {"none",      "16 7",         "4 6", "22 6 4 6",
                                                     "10 4 10 9", "22 6 4 6 4 6", "8 8"};
     for (const MapKeyFrame& key_frame : key_frames) {
@@ -224,7 +223,7 @@ SvgDrawing draw_map(const TopView& view, std::span<const MapKeyFrame> key_frames
                      fmt::format("Map from above: {} key-frames, {} named rooms, objects: {}",
                                  key_frames.size(), styles.named().size(), objects.size()));
   drawing.rectangle({0, 0}, drawing.size(), "class=\"map-paper\"");
-  drawing.picture({0, 0}, picture_size, jpeg_address(view.picture, kJpegQuality));
+  drawing.picture({0, 0}, picture_size, jpeg_address(view.picture, kMapJpegQuality));
   draw_walk(drawing, view, key_frames, styles);
   LabelSpace space(picture_size);
   draw_room_names(drawing, view, key_frames, styles, space);

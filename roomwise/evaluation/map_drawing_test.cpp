@@ -6,6 +6,8 @@
 #include <set>
 #include <vector>
 
+#include "roomwise/evaluation/test_markup.h"
+
 namespace roomwise::evaluation {
 namespace {
 
@@ -20,12 +22,6 @@ TopView plain_view() {
   view.pixel_from_world_linear << 100, 0, 0, 0, -100, 0;
   view.pixel_from_world_offset = {0, 600};
   return view;
-}
-
-std::size_t count_of(const std::string& text, const std::string& part) {
-  std::size_t count = 0;
-  for (std::size_t i = text.find(part); i != std::string::npos; i = text.find(part, i + 1)) ++count;
-  return count;
 }
 
 const std::vector<MapKeyFrame> kWalk = {{{1, 1, 0}, "hall"},    {{2, 1, 0}, "hall"},

@@ -1,5 +1,7 @@
 #include "roomwise/evaluation/proportion.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -19,6 +21,14 @@ Interval Proportion::wilson_interval() const {
   const double half_width =
       shrink * kZ * std::sqrt(share * (1 - share) / trials + kZ * kZ / (4 * trials * trials));
   return {std::max(0.0, centre - half_width), std::min(1.0, centre + half_width)};
+}
+
+std::string percent(double share) {
+  return fmt::format("{:.1f} %", 100 * share);
+}
+
+std::string percent_of(const Proportion& proportion) {
+  return proportion.n == 0 ? "–" : percent(proportion.value());
 }
 
 }  // namespace roomwise::evaluation

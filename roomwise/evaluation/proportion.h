@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 
 namespace roomwise::evaluation {
 
@@ -27,5 +28,10 @@ struct Proportion {
 
   friend bool operator==(const Proportion&, const Proportion&) = default;
 };
+
+// As people read it: "97.5 %".
+[[nodiscard]] std::string percent(double share);
+// The same of a proportion; a dash where nothing was counted.
+[[nodiscard]] std::string percent_of(const Proportion& proportion);
 
 }  // namespace roomwise::evaluation

@@ -17,7 +17,7 @@ using Content = RecognitionReportContent;
 
 constexpr std::size_t kMostCurves = 6;
 
-constexpr std::string_view kStyle = R"(
+constexpr std::string_view kRecognitionStyle = R"(
 :root { color-scheme: light dark; --ground: #ffffff; --text: #1a1a1a; --quiet: #555555;
   --line: #8a8a8a; --panel: #f4f4f1; --accent: #0b57d0; }
 @media (prefers-color-scheme: dark) {
@@ -45,14 +45,6 @@ tbody th { min-width: 11rem; }
 .mistakes .about { padding: 0.75rem 0.875rem; }
 .mistakes p { margin: 0.25rem 0 0; overflow-wrap: anywhere; }
 )";
-
-std::string percent(double share) {
-  return fmt::format("{:.1f} %", 100 * share);
-}
-
-std::string percent_of(const Proportion& proportion) {
-  return proportion.n == 0 ? "–" : percent(proportion.value());
-}
 
 std::string table_head(const std::string& caption, const std::vector<std::string>& columns) {
   std::string html = fmt::format(
@@ -177,7 +169,7 @@ std::string render_recognition_report(const Content& content) {
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n"
       "<title>Rooms of {0}</title>\n<style>{1}{2}</style>\n</head>\n<body>\n<main>\n"
       "<h1>Rooms of {0}</h1>\n",
-      title, kStyle, svg_style());
+      title, kRecognitionStyle, svg_style());
   for (const std::string& note : content.notes) {
     html += fmt::format("<p>{}</p>\n", escape_markup(note));
   }

@@ -11,6 +11,8 @@ namespace roomwise::evaluation {
 // which XML cannot hold, become spaces.
 [[nodiscard]] std::string escape_markup(std::string_view text);
 
+constexpr int kColors = 8;  // of svg_style(): room-0 to room-7, dot-0 to dot-7
+
 // A vector drawing, built shape by shape from back to front. Lengths are in px, x right and y down.
 //
 // `attributes` are written into the element as they are: class="..." with classes of svg_style(),

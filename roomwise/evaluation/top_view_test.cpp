@@ -49,7 +49,7 @@ PointCloud room(const RigidTransform& world_from_room) {
   return cloud;
 }
 
-const std::vector<Vector3d> kWalk = {{1.5, 1.5, 1.4}, {3, 1.5, 1.4}, {5, 1.5, 1.4}};
+const std::vector<Vector3d> kPlaces = {{1.5, 1.5, 1.4}, {3, 1.5, 1.4}, {5, 1.5, 1.4}};
 
 struct Scene {
   PointCloud cloud;
@@ -59,7 +59,7 @@ struct Scene {
 
 Scene scene_in(const RigidTransform& world_from_room) {
   Scene scene{room(world_from_room), {}, world_from_room.rotation * Vector3d::UnitZ()};
-  for (const Vector3d& place : kWalk) scene.cameras.push_back(world_from_room * place);
+  for (const Vector3d& place : kPlaces) scene.cameras.push_back(world_from_room * place);
   return scene;
 }
 

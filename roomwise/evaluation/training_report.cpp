@@ -14,7 +14,7 @@ namespace {
 using Eigen::Vector2d;
 using Point = TrainingReportContent::Point;
 
-constexpr std::string_view kStyle = R"(
+constexpr std::string_view kTrainingStyle = R"(
 :root { color-scheme: light dark; --ground: #ffffff; --text: #1a1a1a; --quiet: #555555;
   --line: #8a8a8a; --accent: #0b57d0; }
 @media (prefers-color-scheme: dark) {
@@ -86,7 +86,7 @@ std::string figure(const SvgDrawing& drawing, std::string_view name) {
       drawing.element());
 }
 
-std::string number(double value) {
+std::string four_digits(double value) {
   return std::isfinite(value) ? fmt::format("{:.4f}", value) : "–";
 }
 
@@ -94,15 +94,15 @@ std::string table_of(const TrainingReportContent& content) {
   std::string html =
       "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"The numbers\">\n<table>\n"
       "<caption>After so many steps; the best is marked with *</caption>\n<thead>\n<tr>"
-      "<th scope=\"col\">steps</th><th scope=\"col\" class=\"number\">cross-entropy</th>"
-      "<th scope=\"col\" class=\"number\">held out</th>"
-      "<th scope=\"col\" class=\"number\">held-out precision</th></tr>\n</thead>\n<tbody>\n";
+      "<th scope=\"col\">steps</th><th scope=\"col\" class=\"four_digits\">cross-entropy</th>"
+      "<th scope=\"col\" class=\"four_digits\">held out</th>"
+      "<th scope=\"col\" class=\"four_digits\">held-out precision</th></tr>\n</thead>\n<tbody>\n";
   for (const Point& point : content.points) {
     html += fmt::format("<tr><th scope=\"row\">{}{}</th>", point.step,
                         point.step == content.best_step ? " *" : "");
     for (const double value :
          {point.cross_entropy, point.held_out_cross_entropy, point.held_out_precision})
-      html += fmt::format("<td class=\"number\">{}</td>", number(value));
+      html += fmt::format("<td class=\"four_digits\">{}</td>", four_digits(value));
     html += "</tr>\n";
   }
   return html + "</tbody>\n</table>\n</div>\n";
@@ -133,7 +133,7 @@ std::string render_training_report(const TrainingReportContent& content) {
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
       "<title>Training of {0}</title>\n<style>{1}{2}</style>\n</head>\n<body>\n<main>\n"
       "<h1>Training of {0}</h1>\n<h2>Summary</h2>\n<table>\n<caption>What was trained</caption>\n",
-      title, kStyle, svg_style());
+      title, kTrainingStyle, svg_style());
   for (const auto& [name, value] : content.figures) {
     html += fmt::format("<tr><th scope=\"row\">{}</th><td>{}</td></tr>\n", escape_markup(name),
                         escape_markup(value));

@@ -59,9 +59,9 @@ PlotAxes axes_around(std::span<const Vector2d> truth, std::span<const Vector2d> 
       high = high.cwiseMax(point);
     }
   }
-  constexpr double kMargin = 0.06;      // of the extent, on each side
-  constexpr double kLeastHeight = 0.5;  // of the width
-  const Vector2d extent = (high - low).cwiseMax(1e-3) * (1 + 2 * kMargin);
+  constexpr double kMarginShare = 0.06;  // of the extent, on each side
+  constexpr double kLeastHeight = 0.5;   // of the width
+  const Vector2d extent = (high - low).cwiseMax(1e-3) * (1 + 2 * kMarginShare);
   PlotAxes axes;
   axes.corner = {88, 92};
   const double plot_width = width_px - axes.corner.x() - 24;

@@ -5,6 +5,8 @@
 
 #include <cmath>
 
+#include "roomwise/evaluation/test_markup.h"
+
 namespace roomwise::evaluation {
 namespace {
 
@@ -23,12 +25,6 @@ AbsoluteTrajectoryError circle(const Eigen::Vector3d& up, int count) {
   }
   error.error_m.rmse = 0.1;
   return error;
-}
-
-std::size_t count_of(const std::string& text, const std::string& part) {
-  std::size_t count = 0;
-  for (std::size_t i = text.find(part); i != std::string::npos; i = text.find(part, i + 1)) ++count;
-  return count;
 }
 
 TEST(TrajectoryPlot, DrawsTruthEstimateAndEachDifference) {

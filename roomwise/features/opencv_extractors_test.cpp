@@ -18,8 +18,6 @@ namespace {
 
 using testing::textured_picture;
 
-constexpr double kPi = std::numbers::pi;
-
 // As the pipeline does at its start: OpenCV starts no threads of its own. (The thread sanitizer
 // cannot see into those and would report races.)
 class OneOpenCvThread : public ::testing::Environment {
@@ -57,7 +55,7 @@ TEST_P(EveryExtractor, GivesAtMostSoManyStrongestFirstWithARowEach) {
     const Keypoint& before = features.keypoints[i > 0 ? i - 1 : 0];
     EXPECT_LE(keypoint.response, before.response);
     EXPECT_GT(keypoint.size_px, 0);
-    EXPECT_LE(std::abs(keypoint.angle_rad), kPi + 1e-6);
+    EXPECT_LE(std::abs(keypoint.angle_rad), std::numbers::pi + 1e-6);
     EXPECT_TRUE(keypoint.position_px.x() >= -0.5F && keypoint.position_px.x() <= 319.5F);
     EXPECT_TRUE(keypoint.position_px.y() >= -0.5F && keypoint.position_px.y() <= 239.5F);
   }
@@ -130,7 +128,8 @@ TEST_P(EveryExtractor, HasNoBiasOfPlace) {
         (a.position_px + b.position_px - Eigen::Vector2f(499, 379)).cast<double>();
     if (twice.norm() > 4) continue;
     ++correct;
-    EXPECT_NEAR(std::abs(std::remainder(a.angle_rad - b.angle_rad, 2 * kPi)), kPi, 0.9);
+    EXPECT_NEAR(std::abs(std::remainder(a.angle_rad - b.angle_rad, 2 * std::numbers::pi)),
+                std::numbers::pi, 0.9);
     (a.size_px > median_size ? large_bias : small_bias) += twice / 2;
     (a.size_px > median_size ? large_count : small_count) += 1;
   }

@@ -222,7 +222,7 @@ template <Simd simd>
 }
 
 // The same code for two kinds of processor; without fused multiplications both give the same bits.
-struct Kernels {
+struct DescriptorKernels {
   Gradient (*orient)(const Tables&, const IntegralImage&, const Place&);
   void (*describe)(const Tables&, const IntegralImage&, const Place&, float, float, float*);
 };
@@ -234,7 +234,7 @@ void describe_portable(const Tables& tables, const IntegralImage& integral, cons
                        float cos, float sin, float* values) {
   describe_place<Simd::kPortable>(tables, integral, place, cos, sin, values);
 }
-constexpr Kernels kPortableKernels{orient_portable, describe_portable};
+constexpr DescriptorKernels kPortableDescriptor{orient_portable, describe_portable};
 
 #if defined(__x86_64__)
 __attribute__((target("avx2"))) Gradient orient_avx2(const Tables& tables,
@@ -248,14 +248,14 @@ __attribute__((target("avx2"))) void describe_avx2(const Tables& tables,
                                                    float* values) {
   describe_place<Simd::kAvx2>(tables, integral, place, cos, sin, values);
 }
-constexpr Kernels kAvx2Kernels{orient_avx2, describe_avx2};
+constexpr DescriptorKernels kAvx2Descriptor{orient_avx2, describe_avx2};
 #endif
 
-const Kernels& kernels_of([[maybe_unused]] Simd simd) {
+const DescriptorKernels& descriptor_kernels([[maybe_unused]] Simd simd) {
 #if defined(__x86_64__)
-  if (simd == Simd::kAvx2) return kAvx2Kernels;
+  if (simd == Simd::kAvx2) return kAvx2Descriptor;
 #endif
-  return kPortableKernels;
+  return kPortableDescriptor;
 }
 
 float gaussian(float offset, float sigma) {
@@ -296,14 +296,15 @@ SurfDescriptor::SurfDescriptor(Simd simd) : simd_(simd), tables_(make_tables()) 
 
 float SurfDescriptor::orientation_rad(const IntegralImage& integral, float x_px, float y_px,
                                       float scale) const {
-  const Gradient strongest = kernels_of(simd_).orient(tables_, integral, {x_px, y_px, scale});
+  const Gradient strongest =
+      descriptor_kernels(simd_).orient(tables_, integral, {x_px, y_px, scale});
   return strongest.dx == 0 && strongest.dy == 0 ? 0 : std::atan2(strongest.dy, strongest.dx);
 }
 
 void SurfDescriptor::describe(const IntegralImage& integral, float x_px, float y_px, float scale,
                               float angle_rad, std::span<float, kValues> values) const {
-  kernels_of(simd_).describe(tables_, integral, {x_px, y_px, scale}, std::cos(angle_rad),
-                             std::sin(angle_rad), values.data());
+  descriptor_kernels(simd_).describe(tables_, integral, {x_px, y_px, scale}, std::cos(angle_rad),
+                                     std::sin(angle_rad), values.data());
   float squared = 0;
   for (const float value : values) squared += value * value;
   if (squared <= 0) return;

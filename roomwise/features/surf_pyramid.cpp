@@ -103,7 +103,7 @@ template <typename Pixel>
 }
 
 // The same code for two kinds of processor; whole numbers give the same bits.
-struct Kernels {
+struct PyramidKernels {
   void (*smooth_picture)(const image::GrayImage&, std::vector<std::uint16_t>&, WideImage&);
   void (*smooth)(const WideImage&, std::vector<std::uint16_t>&, WideImage&);
   void (*halve)(const WideImage&, std::vector<std::uint16_t>&, WideImage&);
@@ -111,7 +111,7 @@ struct Kernels {
                      std::vector<std::uint16_t>&);
 };
 #define ROOMWISE_KERNELS(name, target)                                                  \
-  constexpr Kernels name {                                                              \
+  constexpr PyramidKernels name {                                                       \
     [](const image::GrayImage& from, std::vector<std::uint16_t>& memory, WideImage& to) \
         target { smooth(from, 0, memory, to); },                                        \
         [](const WideImage& from, std::vector<std::uint16_t>& memory, WideImage& to)    \
@@ -121,17 +121,17 @@ struct Kernels {
         [](const WideImage& from, int y, std::vector<std::uint16_t>& memory,            \
            std::vector<std::uint16_t>& to) target { double_row(from, y, memory, to); }  \
   }
-ROOMWISE_KERNELS(kPortableKernels, );
+ROOMWISE_KERNELS(kPortablePyramid, );
 #if defined(__x86_64__)
-ROOMWISE_KERNELS(kAvx2Kernels, __attribute__((target("avx2"))));
+ROOMWISE_KERNELS(kAvx2Pyramid, __attribute__((target("avx2"))));
 #endif
 #undef ROOMWISE_KERNELS
 
-const Kernels& kernels_of([[maybe_unused]] Simd simd) {
+const PyramidKernels& pyramid_kernels([[maybe_unused]] Simd simd) {
 #if defined(__x86_64__)
-  if (simd == Simd::kAvx2) return kAvx2Kernels;
+  if (simd == Simd::kAvx2) return kAvx2Pyramid;
 #endif
-  return kPortableKernels;
+  return kPortablePyramid;
 }
 
 }  // namespace
@@ -142,7 +142,7 @@ void SurfPyramid::build(const image::GrayImage& picture, int sizes, bool doubled
   smoothed_.resize(levels_.size());
   used_ = 0;
   if (picture.empty()) return;
-  const Kernels& kernels = kernels_of(simd);
+  const PyramidKernels& kernels = pyramid_kernels(simd);
   kernels.smooth_picture(picture, row_, smooth_);
   const WideImage* last = &smooth_;
   float pixel_px = doubled ? 0.5F : 1;

@@ -121,9 +121,9 @@ namespace {
         [](const LayerRows& rows, const Samples& samples, float threshold, const MarkRows& to)     \
             target { mark_along_row(rows, samples, threshold, to); }                               \
   }
-ROOMWISE_KERNELS(kPortableKernels, );
+ROOMWISE_KERNELS(kPortableRows, );
 #if defined(__x86_64__)
-ROOMWISE_KERNELS(kAvx2Kernels, __attribute__((target("avx2"))));
+ROOMWISE_KERNELS(kAvx2Rows, __attribute__((target("avx2"))));
 #endif
 #undef ROOMWISE_KERNELS
 
@@ -131,9 +131,9 @@ ROOMWISE_KERNELS(kAvx2Kernels, __attribute__((target("avx2"))));
 
 const SurfRowKernels& surf_row_kernels([[maybe_unused]] Simd simd) {
 #if defined(__x86_64__)
-  if (simd == Simd::kAvx2) return kAvx2Kernels;
+  if (simd == Simd::kAvx2) return kAvx2Rows;
 #endif
-  return kPortableKernels;
+  return kPortableRows;
 }
 
 }  // namespace roomwise::features

@@ -22,8 +22,6 @@ namespace {
 using testing::blob_picture;
 using testing::textured_picture;
 
-constexpr double kPi = std::numbers::pi;
-
 // Gaussian derivatives answer a blob of sigma t most strongly at s = t. The box filters are wider
 // than the Gaussians they stand for (a lobe of 3 px for s = 1.2), so they do so at s = 0.74 t, and
 // the smoothing of the level where a blob is found adds up to 17 % to that.
@@ -130,7 +128,8 @@ TEST(Surf, TurnsWithThePicture) {
     const Keypoint& b = turned.keypoints[match.train];
     const Eigen::Vector2f expected(239 - a.position_px.y(), a.position_px.x());
     right_place += (b.position_px - expected).norm() < 0.5F ? 1 : 0;
-    const double turn = std::remainder(b.angle_rad - a.angle_rad - kPi / 2, 2 * kPi);
+    const double turn =
+        std::remainder(b.angle_rad - a.angle_rad - std::numbers::pi / 2, 2 * std::numbers::pi);
     right_turn += std::abs(turn) < 0.1 ? 1 : 0;
   }
   EXPECT_GT(matches.size(), upright.size() * 7 / 10);

@@ -11,7 +11,7 @@ namespace roomwise::fusion {
 namespace {
 
 constexpr int kDepth = 16;
-constexpr int kHalfRange = 1 << (kDepth - 1);
+constexpr int kHalfKeys = 1 << (kDepth - 1);
 
 // A cell in the order of the tree: the bits of its x, y and z, interleaved, x lowest.
 struct Leaf {
@@ -23,7 +23,7 @@ std::uint64_t interleaved(const Eigen::Vector3i& cell) {
   std::uint64_t code = 0;
   for (int bit = 0; bit < kDepth; ++bit) {
     for (int axis = 0; axis < 3; ++axis) {
-      const auto value = static_cast<std::uint64_t>(cell[axis] + kHalfRange);
+      const auto value = static_cast<std::uint64_t>(cell[axis] + kHalfKeys);
       code |= (value >> bit & 1U) << (3 * bit + axis);
     }
   }
@@ -76,9 +76,9 @@ Expected<void> write_octomap(const std::filesystem::path& path,
   std::vector<Leaf> leaves;
   leaves.reserve(cells.size());
   for (const OccupancyCell& cell : cells) {
-    if ((cell.cell.array() < -kHalfRange).any() || (cell.cell.array() >= kHalfRange).any()) {
+    if ((cell.cell.array() < -kHalfKeys).any() || (cell.cell.array() >= kHalfKeys).any()) {
       return fail("{}: the map reaches farther than {} cells of {} m, which an OctoMap cannot hold",
-                  path.string(), kHalfRange, cell_m);
+                  path.string(), kHalfKeys, cell_m);
     }
     leaves.push_back({interleaved(cell.cell), cell.is_occupied});
   }

@@ -19,7 +19,7 @@ using Eigen::Vector3i;
 // block's end and their gradients, one more on the near sides.
 constexpr int kBefore = 1;
 constexpr int kSide = kBefore + kBlockSide + 2;
-constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
+constexpr float kNoDistance = std::numeric_limits<float>::quiet_NaN();
 
 struct Neighbourhood {
   std::array<float, static_cast<std::size_t>(kSide* kSide* kSide)> distance_m;
@@ -57,7 +57,7 @@ void fill(Neighbourhood& around, const DistanceField& field, const Vector3i& blo
         const Vector3i voxel(x, y, z);
         const VoxelBlock* there = around.blocks[block_slot(voxel)];
         float& distance_m = around.distance_m[Neighbourhood::index(voxel)];
-        distance_m = kUnknown;
+        distance_m = kNoDistance;
         if (there == nullptr) continue;
         const Voxel& content = there->voxels[voxel_slot(voxel)];
         if (content.weight < least_weight) continue;

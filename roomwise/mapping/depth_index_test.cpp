@@ -10,7 +10,7 @@ namespace {
 
 using motion::testing::box_room;
 using motion::testing::marbled;
-using motion::testing::moved;
+using motion::testing::motion_by;
 using motion::testing::plain;
 using motion::testing::view_of;
 using motion::testing::wall;
@@ -20,9 +20,9 @@ using ::testing::SizeIs;
 TEST(DepthIndex, FindsTheSameViewFirst) {
   DepthIndex index;
   for (const double yaw : {0.0, 0.5, 1.0, 1.5}) {
-    index.add(view_of(box_room(), moved({0, yaw, 0}, {0.2, 0, 0.1})));
+    index.add(view_of(box_room(), motion_by({0, yaw, 0}, {0.2, 0, 0.1})));
   }
-  const auto hits = index.find(view_of(box_room(), moved({0, 1.0, 0}, {0.2, 0, 0.1})), 2);
+  const auto hits = index.find(view_of(box_room(), motion_by({0, 1.0, 0}, {0.2, 0, 0.1})), 2);
   ASSERT_THAT(hits, SizeIs(2));
   EXPECT_EQ(hits[0].index, 2u);
   EXPECT_EQ(hits[0].unlike, 0);
@@ -32,36 +32,37 @@ TEST(DepthIndex, FindsTheSameViewFirst) {
 
 TEST(DepthIndex, BrightnessIsNothingToIt) {
   DepthIndex index;
-  index.add(view_of(box_room(marbled), moved({0, 0.3, 0}, {0, 0, 0})));
-  const auto hits = index.find(view_of(box_room(plain), moved({0, 0.3, 0}, {0, 0, 0})), 1);
+  index.add(view_of(box_room(marbled), motion_by({0, 0.3, 0}, {0, 0, 0})));
+  const auto hits = index.find(view_of(box_room(plain), motion_by({0, 0.3, 0}, {0, 0, 0})), 1);
   ASSERT_THAT(hits, SizeIs(1));
   EXPECT_EQ(hits[0].unlike, 0);
 }
 
 TEST(DepthIndex, SaysHowTheCameraWasTurned) {
   DepthIndex index;
-  index.add(view_of(box_room(), moved({0, 0.5, 0}, {0.3, 0, 0.2})));
+  index.add(view_of(box_room(), motion_by({0, 0.5, 0}, {0.3, 0, 0.2})));
   for (const double turn_rad : {-0.2, 0.2}) {
     const auto hits =
-        index.find(view_of(box_room(), moved({0, 0.5 + turn_rad, 0}, {0.3, 0, 0.2})), 1);
+        index.find(view_of(box_room(), motion_by({0, 0.5 + turn_rad, 0}, {0.3, 0, 0.2})), 1);
     ASSERT_THAT(hits, SizeIs(1));
-    const auto error = moved({0, turn_rad, 0}, {0, 0, 0}).inverse() * hits[0].indexed_from_asked;
+    const auto error =
+        motion_by({0, turn_rad, 0}, {0, 0, 0}).inverse() * hits[0].indexed_from_asked;
     EXPECT_LT(error.angle_rad(), 0.12) << "turned by " << turn_rad;
   }
 }
 
 TEST(DepthIndex, WhatWasNotMeasuredIsLikeNothing) {
   DepthIndex index;
-  const auto far_wall = view_of(wall(100), moved({0, 0, 0}, {0, 0, 0}));  // beyond all range
+  const auto far_wall = view_of(wall(100), motion_by({0, 0, 0}, {0, 0, 0}));  // beyond all range
   index.add(far_wall);
-  index.add(view_of(wall(2), moved({0, 0, 0}, {0, 0, 0})));
+  index.add(view_of(wall(2), motion_by({0, 0, 0}, {0, 0, 0})));
   const auto hits = index.find(far_wall, 2);
   ASSERT_THAT(hits, SizeIs(2));
   EXPECT_GE(hits[0].unlike, 0.5);
 }
 
 TEST(DepthIndex, AnEmptyOneFindsNothing) {
-  EXPECT_THAT(DepthIndex().find(view_of(wall(2), moved({0, 0, 0}, {0, 0, 0})), 5), IsEmpty());
+  EXPECT_THAT(DepthIndex().find(view_of(wall(2), motion_by({0, 0, 0}, {0, 0, 0})), 5), IsEmpty());
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "roomwise/base/random.h"
+#include "roomwise/mapping/testing/random_transform.h"
 
 namespace roomwise::mapping {
 namespace {
@@ -10,12 +11,6 @@ namespace {
 using geometry::Matrix6d;
 using geometry::RigidTransform;
 using geometry::Vector6d;
-
-RigidTransform random_transform(RandomStream& random, double scale) {
-  Vector6d twist;
-  for (double& value : twist) value = scale * random.normal();
-  return RigidTransform::exp(twist);
-}
 
 // de by a step of either pose, from differences of the error itself.
 template <typename Error>
@@ -32,11 +27,11 @@ Matrix6d differences(const Error& error_after) {
 TEST(EdgeError, ItsJacobiansAreItsDerivatives) {
   RandomStream random(1);
   for (int trial = 0; trial < 200; ++trial) {
-    const RigidTransform from = random_transform(random, 1);
-    const RigidTransform to = random_transform(random, 1);
+    const RigidTransform from = testing::random_transform(random, 1, 1);
+    const RigidTransform to = testing::random_transform(random, 1, 1);
     // Small errors and large ones, with either sign of the quaternion.
-    RigidTransform measured =
-        from.inverse() * to * random_transform(random, trial % 2 == 0 ? 0.01 : 0.8);
+    const double scale = trial % 2 == 0 ? 0.01 : 0.8;
+    RigidTransform measured = from.inverse() * to * testing::random_transform(random, scale, scale);
     if (trial % 3 == 0) measured.rotation.coeffs() *= -1;
     const EdgeJacobians jacobians = edge_jacobians(measured, from, to);
     EXPECT_LT((jacobians.by_from - differences([&](const Vector6d& step) {
@@ -52,14 +47,14 @@ TEST(EdgeError, ItsJacobiansAreItsDerivatives) {
 
 TEST(EdgeError, IsZeroWhereThePosesAgreeWithTheMeasurement) {
   RandomStream random(2);
-  const RigidTransform from = random_transform(random, 1);
-  const RigidTransform measured = random_transform(random, 1);
+  const RigidTransform from = testing::random_transform(random, 1, 1);
+  const RigidTransform measured = testing::random_transform(random, 1, 1);
   EXPECT_LT(edge_error(measured, from, from * measured).norm(), 1e-14);
 }
 
 TEST(Moved, MovesAlongTheWorldAndTurnsAboutTheNode) {
   RandomStream random(3);
-  const RigidTransform pose = random_transform(random, 1);
+  const RigidTransform pose = testing::random_transform(random, 1, 1);
   Vector6d step;
   step << 1, 2, 3, 0.3, -0.2, 0.1;
   const RigidTransform after = moved(pose, step);

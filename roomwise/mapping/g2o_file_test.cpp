@@ -28,7 +28,7 @@ class G2oFile : public ::testing::Test {
     if (auto written = write_file(path, text); !written) return Unexpected(written.error());
     return read_g2o(path);
   }
-  testing::ScratchFolder folder_;
+  roomwise::testing::ScratchFolder folder_;
 };
 
 TEST_F(G2oFile, IsReadAsG2oDefinesIt) {

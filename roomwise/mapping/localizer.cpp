@@ -16,11 +16,11 @@ using geometry::RigidTransform;
 
 // What neither inliers nor depth images show: the map's own error between key-frames, colour and
 // depth out of step.
-constexpr double kSystematicTranslation_m = 0.02;
-constexpr double kSystematicHalfAngle = 0.5 * 0.006;
+constexpr double kMapTranslation_m = 0.02;
+constexpr double kMapHalfAngle = 0.5 * 0.006;
 
 geometry::Matrix6d with_systematic_error(const geometry::Matrix6d& information) {
-  return motion::with_systematic_error(information, kSystematicTranslation_m, kSystematicHalfAngle);
+  return motion::with_systematic_error(information, kMapTranslation_m, kMapHalfAngle);
 }
 
 // How well a view's surfaces hold a camera in place along the direction in which they do least: the

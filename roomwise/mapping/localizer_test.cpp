@@ -19,7 +19,7 @@ using motion::SmallView;
 using motion::testing::box_room;
 using motion::testing::kCamera;
 using motion::testing::marbled;
-using motion::testing::moved;
+using motion::testing::motion_by;
 using motion::testing::plain;
 using motion::testing::Scene;
 using motion::testing::Sight;
@@ -115,8 +115,8 @@ class LocalizerTest : public ::testing::Test {
                           const RigidTransform& world_from_room = {}) {
     for (int i = 0; i < 48; ++i) {
       const RigidTransform room_from_keyframe =
-          moved({0, i * std::numbers::pi / 24, 0}, {0.1 * std::sin(i), 0, 0.1 * std::cos(i)}) *
-          moved({i % 2 == 0 ? 0.3 : -0.2, 0, 0}, {0, 0, 0});
+          motion_by({0, i * std::numbers::pi / 24, 0}, {0.1 * std::sin(i), 0, 0.1 * std::cos(i)}) *
+          motion_by({i % 2 == 0 ? 0.3 : -0.2, 0, 0}, {0, 0, 0});
       localizer.add({localizer.size(),
                      localizer.size(),
                      0,
@@ -135,7 +135,7 @@ class LocalizerTest : public ::testing::Test {
   }
 
   const Landmarks landmarks_{furnished_room(), kLandmarks, 1};
-  const RigidTransform pose_ = moved({0.3, 0.9, -0.03}, {0.25, 0.05, -0.2});
+  const RigidTransform pose_ = motion_by({0.3, 0.9, -0.03}, {0.25, 0.05, -0.2});
   const SmallView view_ = view_of(furnished_room(), pose_);
 };
 
@@ -198,11 +198,11 @@ TEST_F(LocalizerTest, TheShapeIsTheSameInAnotherLight) {
 TEST_F(LocalizerTest, ABareWallIsNoAnswer) {
   Localizer localizer({});
   for (int i = 0; i < 12; ++i) {
-    const RigidTransform keyframe = moved({0, 0, 0}, {0.3 * i, 0, 0});
+    const RigidTransform keyframe = motion_by({0, 0, 0}, {0.3 * i, 0, 0});
     localizer.add({localizer.size(), 0, 0, {no_features(), view_of(wall(2), keyframe)}}, keyframe);
   }
-  const Localization found =
-      localizer.locate({{no_features(), view_of(wall(2), moved({0, 0, 0}, {1.6, 0, 0}))}, kCamera});
+  const Localization found = localizer.locate(
+      {{no_features(), view_of(wall(2), motion_by({0, 0, 0}, {1.6, 0, 0}))}, kCamera});
   EXPECT_EQ(found.status, LocalizationStatus::kPlain);
   EXPECT_FALSE(found.has_pose());
 }
@@ -212,11 +212,11 @@ TEST_F(LocalizerTest, WhatIsPaintedOnAWallTellsWhereAlongIt) {
   const Texture night = [](const Eigen::Vector3d& p) { return (0.15 + 0.1 * p.x()) * marbled(p); };
   Localizer localizer({});
   for (int i = 0; i < 12; ++i) {
-    const RigidTransform keyframe = moved({0, 0, 0}, {0.3 * i, 0, 0});
+    const RigidTransform keyframe = motion_by({0, 0, 0}, {0.3 * i, 0, 0});
     localizer.add({localizer.size(), 0, 0, {no_features(), view_of(wall(2, marbled), keyframe)}},
                   keyframe);
   }
-  const RigidTransform there = moved({0.02, 0.03, 0}, {1.55, 0, 0.1});
+  const RigidTransform there = motion_by({0.02, 0.03, 0}, {1.55, 0, 0.1});
   const Localization same =
       localizer.locate({{no_features(), view_of(wall(2, marbled), there)}, kCamera});
   EXPECT_GT(same.likeness, 0.8);
@@ -239,7 +239,7 @@ TEST_F(LocalizerTest, APictureOfElsewhereIsNoAnswer) {
   const Landmarks others(furnished_room(), kLandmarks, 2);
   EXPECT_FALSE(localizer.locate({others.seen_from(pose_), kCamera}).found());
   // A wall at a slant, nearer than any in the room.
-  const SmallView near_wall = view_of(wall(0.7, marbled), moved({0.3, 0.4, 0}, {0, 0, 0}));
+  const SmallView near_wall = view_of(wall(0.7, marbled), motion_by({0.3, 0.4, 0}, {0, 0, 0}));
   EXPECT_FALSE(localizer.locate({{others.seen_from(pose_), near_wall}, kCamera}).found());
 }
 
@@ -248,7 +248,7 @@ TEST_F(LocalizerTest, APosterOfTheRoomIsContradictedByItsDepth) {
   look_around(localizer, landmarks_, true);
   MeasuredFeatures flat = landmarks_.seen_from(pose_, 0.3, false);
   const Localization found =
-      localizer.locate({{flat, view_of(wall(0.7), moved({0, 0, 0}, {0, 0, 0}))}, kCamera});
+      localizer.locate({{flat, view_of(wall(0.7), motion_by({0, 0, 0}, {0, 0, 0}))}, kCamera});
   EXPECT_FALSE(found.found());
   EXPECT_GT(found.inliers, 40);
 }
@@ -258,7 +258,7 @@ TEST_F(LocalizerTest, TwinRoomsAreAmbiguous) {
   look_around(localizer, landmarks_, true);
   const Localization alone = localizer.locate({{landmarks_.seen_from(pose_), view_}, kCamera});
   expect_there(alone, pose_, 0.01, 0.005);
-  look_around(localizer, landmarks_, true, moved({0, 0, 0}, {10, 0, 0}));
+  look_around(localizer, landmarks_, true, motion_by({0, 0, 0}, {10, 0, 0}));
   EXPECT_EQ(localizer.locate({{landmarks_.seen_from(pose_), view_}, kCamera}).status,
             LocalizationStatus::kAmbiguous);
   EXPECT_EQ(localizer.locate({{no_features(), view_}, kCamera}).status,
@@ -266,7 +266,7 @@ TEST_F(LocalizerTest, TwinRoomsAreAmbiguous) {
       << "by shape";
 
   // Two pictures that both show the twins leave it open, though their motion fits.
-  const RigidTransform next = pose_ * moved({0, 0.1, 0}, {0.05, 0, 0});
+  const RigidTransform next = pose_ * motion_by({0, 0.1, 0}, {0.05, 0, 0});
   const FrameMeasurements first{landmarks_.seen_from(pose_), view_};
   const FrameMeasurements second{landmarks_.seen_from(next), view_of(furnished_room(), next)};
   EXPECT_EQ(localizer.locate({first, kCamera}, {second, kCamera}).status,
@@ -277,7 +277,7 @@ TEST_F(LocalizerTest, ATwinOfNearlyAsManyInliersIsARival) {
   Localizer localizer({});
   look_around(localizer, landmarks_, false);
   // The twin shows four fifths of the landmarks, and is not sure by itself.
-  const RigidTransform twin = moved({0, 0, 0}, {10, 0, 0});
+  const RigidTransform twin = motion_by({0, 0, 0}, {10, 0, 0});
   MeasuredFeatures seen = landmarks_.seen_from(pose_);
   LocalizerOptions strict;
   const int inliers = localizer.locate({seen, kCamera}).inliers;
@@ -307,7 +307,7 @@ TEST_F(LocalizerTest, AnEmptyMapKnowsNothing) {
 TEST_F(LocalizerTest, TwoPicturesTellTheSecondsPlace) {
   Localizer localizer({});
   look_around(localizer, landmarks_, true);
-  const RigidTransform motion = moved({0.01, 0.1, 0}, {0.05, 0, 0.04});
+  const RigidTransform motion = motion_by({0.01, 0.1, 0}, {0.05, 0, 0.04});
   const FrameMeasurements first{landmarks_.seen_from(pose_), view_};
   const RigidTransform second_pose = pose_ * motion;
   const FrameMeasurements second{landmarks_.seen_from(second_pose),
@@ -328,7 +328,7 @@ TEST_F(LocalizerTest, TwoPicturesThatContradictEachOtherAreNoAnswer) {
   look_around(localizer, landmarks_, true);
   // Two rooms ten metres apart; between the pictures the camera hardly moved.
   const Landmarks others(furnished_room(), kLandmarks, 2), common(furnished_room(), kLandmarks, 3);
-  look_around(localizer, others, true, moved({0, 0, 0}, {10, 0, 0}));
+  look_around(localizer, others, true, motion_by({0, 0, 0}, {10, 0, 0}));
   const auto showing = [&](const Landmarks& landmarks) {
     return joined(landmarks.seen_from(pose_), common.seen_from(pose_));
   };

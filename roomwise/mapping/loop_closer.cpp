@@ -11,8 +11,8 @@ namespace {
 
 // What no residual at the key-points shows: colour and depth a little out of step, calibration,
 // rolling shutter.
-constexpr double kSystematicTranslation_m = 0.004;
-constexpr double kSystematicHalfAngle = 0.5 * 0.003;
+constexpr double kViewTranslation_m = 0.004;
+constexpr double kViewHalfAngle = 0.5 * 0.003;
 
 }  // namespace
 
@@ -120,8 +120,7 @@ bool is_return(const PoseGraphEdge& edge) {
 PoseGraphEdge edge_from_motion(KeyframeId from, KeyframeId to, const motion::RefinedPose& pose,
                                bool is_loop) {
   return {from, to, pose.reference_from_current,
-          motion::with_systematic_error(pose.information, kSystematicTranslation_m,
-                                        kSystematicHalfAngle),
+          motion::with_systematic_error(pose.information, kViewTranslation_m, kViewHalfAngle),
           is_loop};
 }
 

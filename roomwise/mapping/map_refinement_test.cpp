@@ -15,7 +15,7 @@ using testing::SceneOptions;
 using testing::SyntheticScene;
 
 constexpr TimestampNs kStep_ns = 200'000'000;
-constexpr TimestampNs kFrame_ns = 30'000'000;
+constexpr TimestampNs kBetweenFrames_ns = 30'000'000;
 
 // A map of the scene: steps between neighbours that err, features, and frames just before and after
 // each key-frame that tell its motion.
@@ -32,10 +32,10 @@ struct Map {
     }
     for (std::size_t id = 0; id < truth.cameras.size(); ++id) {
       times.push_back(kStep_ns * static_cast<TimestampNs>(id + 1));
-      const Vector6d step = kFrame_ns * kSecondsPerNs * truth.cameras[id].motion;
+      const Vector6d step = kBetweenFrames_ns * kSecondsPerNs * truth.cameras[id].motion;
       for (const int side : {-1, 0, 1}) {
         frames.push_back({3 * id + static_cast<std::uint64_t>(side + 1),
-                          times.back() + side * kFrame_ns,
+                          times.back() + side * kBetweenFrames_ns,
                           FramePlace{id, RigidTransform::exp(side * step)},
                           {}});
       }

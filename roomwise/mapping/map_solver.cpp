@@ -141,7 +141,7 @@ std::vector<PoseGraphEdge> doubt_steps(std::span<const PoseGraphEdge> edges,
   return doubted;
 }
 
-double edge_error(const PoseGraph& graph, const PoseGraphEdge& edge) {
+double loop_error(const PoseGraph& graph, const PoseGraphEdge& edge) {
   return pose_graph_error({{{edge.from, graph.world_from_node.at(edge.from)},
                             {edge.to, graph.world_from_node.at(edge.to)}},
                            {edge}});
@@ -157,7 +157,7 @@ Expected<void> MapSolverOptions::validate() const {
 
 bool is_contradicted(const PoseGraph& graph, const PoseGraphEdge& edge,
                      const MapSolverOptions& options) {
-  return edge.is_loop && edge_error(graph, edge) > options.most_loop_error;
+  return edge.is_loop && loop_error(graph, edge) > options.most_loop_error;
 }
 
 std::vector<PoseGraphEdge> doubt_steps(std::size_t keyframe_count,

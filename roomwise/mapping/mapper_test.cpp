@@ -16,9 +16,8 @@ namespace roomwise::mapping {
 namespace {
 
 using geometry::RigidTransform;
+using motion::testing::kCamera;
 using ::testing::HasSubstr;
-
-const geometry::PinholeCamera kCamera = geometry::camera_preset("fr3").value();
 
 // A room of points on the walls of a cylinder, each with a descriptor of its own: what a camera at
 // a pose sees, with noise. Stands in for images, so that mapping is tested alone. The combined

@@ -9,10 +9,10 @@
 namespace roomwise::mapping {
 namespace {
 
-constexpr std::size_t kBytesPerPoint = 4 * sizeof(float);
+constexpr std::size_t kPcdPointBytes = 4 * sizeof(float);
 static_assert(std::endian::native == std::endian::little && sizeof(float) == 4);
 
-std::string header(std::size_t points) {
+std::string pcd_header(std::size_t points) {
   return fmt::format(
       "# .PCD v0.7 - Point Cloud Data file format\n"
       "VERSION 0.7\n"
@@ -31,10 +31,10 @@ std::string header(std::size_t points) {
 }  // namespace
 
 Expected<void> write_pcd(const std::filesystem::path& path, const geometry::PointCloud& cloud) {
-  std::string content = header(cloud.size());
+  std::string content = pcd_header(cloud.size());
   std::size_t place = content.size();
-  content.resize(place + cloud.size() * kBytesPerPoint);
-  for (std::size_t i = 0; i < cloud.size(); ++i, place += kBytesPerPoint) {
+  content.resize(place + cloud.size() * kPcdPointBytes);
+  for (std::size_t i = 0; i < cloud.size(); ++i, place += kPcdPointBytes) {
     const Rgb8 color = cloud.colors[i];
     const std::uint32_t packed = static_cast<std::uint32_t>(color.r) << 16 |
                                  static_cast<std::uint32_t>(color.g) << 8 | color.b;

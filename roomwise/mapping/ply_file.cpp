@@ -10,10 +10,10 @@ namespace roomwise::mapping {
 namespace {
 
 // A point as the file holds it.
-constexpr std::size_t kBytesPerPoint = 3 * sizeof(float) + 3;
+constexpr std::size_t kPlyPointBytes = 3 * sizeof(float) + 3;
 static_assert(std::endian::native == std::endian::little && sizeof(float) == 4);
 
-std::string header(std::size_t points) {
+std::string ply_header(std::size_t points) {
   return fmt::format(
       "ply\n"
       "format binary_little_endian 1.0\n"
@@ -28,11 +28,11 @@ std::string header(std::size_t points) {
 }  // namespace
 
 Expected<void> write_ply(const std::filesystem::path& path, const geometry::PointCloud& cloud) {
-  std::string content = header(cloud.size());
+  std::string content = ply_header(cloud.size());
   const std::size_t header_size = content.size();
-  content.resize(header_size + cloud.size() * kBytesPerPoint);
+  content.resize(header_size + cloud.size() * kPlyPointBytes);
   char* point = content.data() + header_size;
-  for (std::size_t i = 0; i < cloud.size(); ++i, point += kBytesPerPoint) {
+  for (std::size_t i = 0; i < cloud.size(); ++i, point += kPlyPointBytes) {
     const Rgb8 color = cloud.colors[i];
     std::memcpy(point, cloud.points[i].data(), 3 * sizeof(float));
     point[12] = static_cast<char>(color.r);

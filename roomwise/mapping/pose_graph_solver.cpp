@@ -116,13 +116,13 @@ void Descender::linearize() {
 
 bool Descender::factorize(double damping) {
   // Directions about which the edges say nothing are held by a small part of the largest weight.
-  constexpr double kLeastWeight = 1e-9;
+  constexpr double kLeastDamped = 1e-9;
   double largest = 0;
   for (const Matrix6d& block : quadratic_.diagonal)
     largest = std::max(largest, block.diagonal().maxCoeff());
   damped_ = quadratic_.diagonal;
   for (Matrix6d& block : damped_)
-    block.diagonal() += damping * block.diagonal().cwiseMax(kLeastWeight * largest);
+    block.diagonal() += damping * block.diagonal().cwiseMax(kLeastDamped * largest);
   return cholesky_.factorize(damped_, quadratic_.off_diagonal);
 }
 

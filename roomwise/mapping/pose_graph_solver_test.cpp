@@ -12,6 +12,7 @@
 #include "roomwise/base/testing.h"
 #include "roomwise/mapping/edge_error.h"
 #include "roomwise/mapping/testing/ceres_pose_graph.h"
+#include "roomwise/mapping/testing/random_transform.h"
 
 namespace roomwise::mapping {
 namespace {
@@ -19,12 +20,6 @@ namespace {
 using geometry::Matrix6d;
 using geometry::RigidTransform;
 using geometry::Vector6d;
-
-RigidTransform random_transform(RandomStream& random, double scale) {
-  Vector6d twist;
-  for (double& value : twist) value = scale * random.normal();
-  return RigidTransform::exp(twist);
-}
 
 Matrix6d random_information(RandomStream& random) {
   Matrix6d any;
@@ -37,13 +32,15 @@ Matrix6d random_information(RandomStream& random) {
 PoseGraph random_graph(std::uint64_t seed, std::size_t wrong_every) {
   RandomStream random(seed);
   const std::uint64_t nodes = 20 + random.index(60);
-  std::vector<RigidTransform> truth{random_transform(random, 1)};
-  while (truth.size() < nodes) truth.push_back(truth.back() * random_transform(random, 0.4));
+  std::vector<RigidTransform> truth{testing::random_transform(random, 1, 1)};
+  while (truth.size() < nodes)
+    truth.push_back(truth.back() * testing::random_transform(random, 0.4, 0.4));
   PoseGraph graph;
   const auto measure = [&](NodeId from, NodeId to, bool is_loop, double noise) {
-    graph.edges.push_back({from, to,
-                           truth[from].inverse() * truth[to] * random_transform(random, noise),
-                           random_information(random), is_loop});
+    graph.edges.push_back(
+        {from, to,
+         truth[from].inverse() * truth[to] * testing::random_transform(random, noise, noise),
+         random_information(random), is_loop});
   };
   RigidTransform pose = truth[0];
   graph.world_from_node[0] = pose;
@@ -74,7 +71,7 @@ double cost_of(const PoseGraph& graph, double loop_kernel) {
   return sum;
 }
 
-ceres::Solver::Options thorough() {
+ceres::Solver::Options thorough_ceres() {
   ceres::Solver::Options options;
   options.function_tolerance = 1e-15;
   options.gradient_tolerance = 1e-14;
@@ -103,7 +100,7 @@ TEST_P(OptimizeBesideCeres, FindsTheSameOptimum) {
     const auto report = optimize(ours, {.loop_kernel = kernel});
     ASSERT_OK(report);
     EXPECT_TRUE(report->converged) << seed;
-    testing::optimize_with_ceres(theirs, kernel, thorough());
+    testing::optimize_with_ceres(theirs, kernel, thorough_ceres());
     const double cost = cost_of(theirs, kernel);
     EXPECT_NEAR(cost_of(ours, kernel), cost, 1e-8 * cost) << seed;
     EXPECT_LT(farthest_apart(ours, theirs), 1e-4) << seed;
@@ -140,7 +137,7 @@ TEST(Optimize, DoesNotDependOnTheOriginWithOutliersEither) {
   PoseGraph graph = random_graph(4, 5);
   PoseGraph elsewhere = graph;
   RandomStream random(1);
-  const RigidTransform other_from_world = random_transform(random, 3);
+  const RigidTransform other_from_world = testing::random_transform(random, 3, 3);
   for (auto& [id, pose] : elsewhere.world_from_node) pose = other_from_world * pose;
   const PoseGraphOptions options{.loop_kernel = 50};
   ASSERT_OK(optimize(graph, options));

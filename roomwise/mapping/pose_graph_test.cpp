@@ -12,6 +12,7 @@
 #include "roomwise/base/random.h"
 #include "roomwise/base/testing.h"
 #include "roomwise/mapping/g2o_file.h"
+#include "roomwise/mapping/testing/random_transform.h"
 
 namespace roomwise::mapping {
 namespace {
@@ -27,12 +28,6 @@ RigidTransform translated(double x_m, double y_m = 0, double z_m = 0) {
 RigidTransform turned_about_z(double angle_rad, double x_m = 0, double y_m = 0) {
   return {Eigen::Quaterniond(Eigen::AngleAxisd(angle_rad, Eigen::Vector3d::UnitZ())),
           {x_m, y_m, 0}};
-}
-
-RigidTransform random_transform(RandomStream& random, double scale) {
-  Vector6d twist;
-  for (double& value : twist) value = scale * random.normal();
-  return RigidTransform::exp(twist);
 }
 
 double difference(const RigidTransform& a, const RigidTransform& b) {
@@ -57,7 +52,8 @@ PoseGraph square() {
 void disturb(PoseGraph& graph, double scale) {
   RandomStream random(7);
   for (auto& [id, pose] : graph.world_from_node) {
-    if (id != graph.world_from_node.begin()->first) pose = pose * random_transform(random, scale);
+    if (id != graph.world_from_node.begin()->first)
+      pose = pose * testing::random_transform(random, scale, scale);
   }
 }
 
@@ -165,7 +161,7 @@ TEST(Optimize, DoesNotDependOnTheWorldsOrigin) {
   graph.edges[1].from_from_to.translation.x() += 0.2;
   disturb(graph, 0.1);
   RandomStream random(3);
-  const RigidTransform other_from_world = random_transform(random, 1);
+  const RigidTransform other_from_world = testing::random_transform(random, 1, 1);
   PoseGraph other = graph;
   for (auto& [id, pose] : other.world_from_node) pose = other_from_world * pose;
   const auto report = optimize(graph);
@@ -271,7 +267,7 @@ struct Benchmark {
 class OptimizeBenchmark : public ::testing::TestWithParam<Benchmark> {};
 
 TEST_P(OptimizeBenchmark, ReachesTheKnownOptimum) {
-  const auto path = testing::find_data(std::string("pose_graphs/") + GetParam().file);
+  const auto path = roomwise::testing::find_data(std::string("pose_graphs/") + GetParam().file);
   ROOMWISE_REQUIRE_FILE(path);
   auto graph = read_g2o(*path);
   ASSERT_OK(graph);

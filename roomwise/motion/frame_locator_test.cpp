@@ -17,12 +17,11 @@ using testing::common_features;
 using testing::CommonFeatures;
 using ::testing::HasSubstr;
 using testing::kCamera;
-using testing::moved;
+using testing::kMotion;
+using testing::kStart;
+using testing::motion_by;
 using testing::view_of;
 using testing::wall;
-
-const RigidTransform kStart = moved({0.1, 0.3, 0}, {0.2, 0.1, 0.2});
-const RigidTransform kMotion = moved({0.03, -0.08, 0.02}, {0.08, -0.03, 0.05});
 
 MeasuredFeatures no_features() {
   MeasuredFeatures none;
@@ -61,7 +60,7 @@ class LocateFrame : public ::testing::Test {
 TEST_F(LocateFrame, NeedsNoFeaturesWhereTheViewsLeaveNoDoubt) {
   const MotionOutcome outcome =
       locate(without_asking_for_features(kReference), without_asking_for_features(kCurrent),
-             PosePrior::around(kMotion * moved({0.01, 0.02, 0}, {0.02, 0, 0.01}), 0.05, 0.08));
+             PosePrior::around(kMotion * motion_by({0.01, 0.02, 0}, {0.02, 0, 0.01}), 0.05, 0.08));
   ASSERT_TRUE(outcome.found()) << outcome.describe();
   EXPECT_LT(error_m(outcome), 0.002);
   EXPECT_EQ(outcome.inliers, 0);
@@ -88,7 +87,7 @@ TEST_F(LocateFrame, WithoutAPriorOrFeaturesThereIsNoPose) {
 
 TEST_F(LocateFrame, FeaturesThatTheDepthContradictsAreNotBelieved) {
   // As a poster seen twice would make it.
-  const CommonFeatures wrong = features_of(kMotion * moved({0, 0.2, 0}, {0.3, 0, 0.4}), 100);
+  const CommonFeatures wrong = features_of(kMotion * motion_by({0, 0.2, 0}, {0.3, 0, 0.4}), 100);
   ASSERT_TRUE(
       estimate_motion(wrong.reference, wrong.current, kCamera, {}, RandomStream(1)).found());
   const MotionOutcome outcome =
@@ -100,7 +99,7 @@ TEST_F(LocateFrame, FeaturesThatTheDepthContradictsAreNotBelieved) {
 
 TEST_F(LocateFrame, FewFeaturesDoNotOutweighWhatWasForeseen) {
   const PosePrior elsewhere =
-      PosePrior::around(kMotion * moved({0, 0.4, 0}, {0.3, 0, 0}), 0.03, 0.05);
+      PosePrior::around(kMotion * motion_by({0, 0.4, 0}, {0.3, 0, 0}), 0.03, 0.05);
   const CommonFeatures few = features_of(kMotion, 30);
   const MotionOutcome surprising =
       locate({few.reference, kReference}, {few.current, kCurrent}, elsewhere);
@@ -116,7 +115,8 @@ TEST_F(LocateFrame, FewFeaturesDoNotOutweighWhatWasForeseen) {
 
 TEST_F(LocateFrame, AnAlignmentFarFromWhatWasForeseenIsNone) {
   // The views fit at the truth, which is six sigmas away.
-  const PosePrior prior = PosePrior::around(kMotion * moved({0, 0, 0}, {0.12, 0, 0}), 0.02, 0.05);
+  const PosePrior prior =
+      PosePrior::around(kMotion * motion_by({0, 0, 0}, {0.12, 0, 0}), 0.02, 0.05);
   const ViewAlignment alignment = align_views(kReference, kCurrent, prior);
   ASSERT_TRUE(alignment.found);
   ASSERT_GT(surprise(alignment.pose.reference_from_current, prior), 20);
@@ -124,7 +124,7 @@ TEST_F(LocateFrame, AnAlignmentFarFromWhatWasForeseenIsNone) {
 }
 
 TEST(LocateFrameAtAWall, BelievesThePriorsAlignmentALittleWhereNothingElseIsSeen) {
-  const RigidTransform motion = moved({0.02, 0, 0}, {0.03, 0, 0.04});
+  const RigidTransform motion = motion_by({0.02, 0, 0}, {0.03, 0, 0.04});
   const SmallView reference = view_of(wall(1.8), RigidTransform::identity());
   const SmallView current = view_of(wall(1.8), motion);
   const PosePrior prior = PosePrior::around(motion, 0.03, 0.05);
@@ -144,9 +144,9 @@ TEST(LocateFrameAtAWall, BelievesThePriorsAlignmentALittleWhereNothingElseIsSeen
 }
 
 TEST(LocateFrameAtAWall, FeaturesSayWhereAlongTheWall) {
-  const RigidTransform motion = moved({0.02, 0, 0}, {0.1, 0, 0.04});
+  const RigidTransform motion = motion_by({0.02, 0, 0}, {0.1, 0, 0.04});
   const CommonFeatures common = common_features(wall(1.8), {}, motion, 60);
-  const PosePrior prior = PosePrior::around(moved({0, 0, 0}, {0.06, 0.03, 0}), 0.05, 0.05);
+  const PosePrior prior = PosePrior::around(motion_by({0, 0, 0}, {0.06, 0.03, 0}), 0.05, 0.05);
   const MotionOutcome outcome = locate({common.reference, view_of(wall(1.8), {})},
                                        {common.current, view_of(wall(1.8), motion)}, prior);
   ASSERT_TRUE(outcome.found()) << outcome.describe();
@@ -158,7 +158,7 @@ TEST(LocateFrameAtAWall, FeaturesDecideBetweenTwoPlacesThatLookAlike) {
   const auto stripes = [](const Eigen::Vector3d& p) {
     return 130 + 60 * std::sin(2 * M_PI / 0.4 * p.x()) + 30 * std::sin(7 * p.y());
   };
-  const RigidTransform motion = moved({0, 0, 0}, {0.41, 0, 0});
+  const RigidTransform motion = motion_by({0, 0, 0}, {0.41, 0, 0});
   const SmallView reference = view_of(wall(1.8, stripes), RigidTransform::identity());
   const SmallView current = view_of(wall(1.8, stripes), motion);
   PosePrior prior = PosePrior::around(RigidTransform::identity(), 0.3, 0.1);

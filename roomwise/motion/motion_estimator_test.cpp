@@ -4,14 +4,14 @@
 #include <gtest/gtest.h>
 
 #include "roomwise/base/testing.h"
+#include "roomwise/motion/test_scenes.h"
 
 namespace roomwise::motion {
 namespace {
 
 using geometry::RigidTransform;
 using ::testing::HasSubstr;
-
-const geometry::PinholeCamera kCamera = geometry::camera_preset("fr3").value();
+using testing::kCamera;
 
 // Two frames that see the same `common` points, with descriptors that tell which is which; `wrong`
 // further points carry each other's descriptors but lie anywhere.

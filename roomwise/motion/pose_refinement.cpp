@@ -20,7 +20,7 @@ double huber_cost(double squared) {
   const double norm = std::sqrt(squared);
   return norm <= kHuberSigmas ? squared : kHuberSigmas * (2 * norm - kHuberSigmas);
 }
-double huber_weight(double squared) {
+double weight_of_squared(double squared) {
   const double norm = std::sqrt(squared);
   return norm <= kHuberSigmas ? 1.0 : kHuberSigmas / norm;
 }
@@ -59,22 +59,22 @@ Eigen::Matrix<double, 3, 6> residual_jacobian(const PointObservation& observatio
   return by_point * point_by_twist;
 }
 
-struct NormalEquations {
+struct PoseEquations {
   Matrix6d hessian = Matrix6d::Zero();
   Vector6d gradient = Vector6d::Zero();
 };
 
-NormalEquations linearize(std::span<const PointObservation> observations,
-                          const RigidTransform& reference_from_current, const PinholeCamera& camera,
-                          const ResidualModel& model) {
+PoseEquations linearize(std::span<const PointObservation> observations,
+                        const RigidTransform& reference_from_current, const PinholeCamera& camera,
+                        const ResidualModel& model) {
   const RigidTransform current_from_reference = reference_from_current.inverse();
-  NormalEquations equations;
+  PoseEquations equations;
   for (const PointObservation& observation : observations) {
     const Eigen::Vector3d point_current = current_from_reference * observation.point_reference;
     if (!(point_current.z() > 0)) continue;
     const Eigen::Vector3d error = residual(observation, current_from_reference, camera, model);
     const auto jacobian = residual_jacobian(observation, point_current, camera, model);
-    const double weight = huber_weight(error.squaredNorm());
+    const double weight = weight_of_squared(error.squaredNorm());
     equations.hessian += weight * jacobian.transpose() * jacobian;
     equations.gradient += weight * jacobian.transpose() * error;
   }
@@ -137,7 +137,7 @@ RefinedPose refine_pose(std::span<const PointObservation> observations,
   double cost = total_cost(observations, pose, camera, model);
   double damping = 1e-6;
   for (int iteration = 0; iteration < kMostIterations; ++iteration) {
-    const NormalEquations equations = linearize(observations, pose, camera, model);
+    const PoseEquations equations = linearize(observations, pose, camera, model);
     Matrix6d damped = equations.hessian;
     damped.diagonal() += damping * equations.hessian.diagonal();
     const Vector6d step = -damped.ldlt().solve(equations.gradient);

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "roomwise/base/random.h"
+#include "roomwise/motion/test_scenes.h"
 
 namespace roomwise::motion {
 namespace {
@@ -12,6 +13,7 @@ namespace {
 using geometry::PinholeCamera;
 using geometry::RigidTransform;
 using geometry::Vector6d;
+using testing::kCamera;
 
 RigidTransform small_motion(RandomStream& random, double scale) {
   Vector6d twist;
@@ -39,8 +41,6 @@ std::vector<PointObservation> observe(const RigidTransform& reference_from_curre
   }
   return observations;
 }
-
-const PinholeCamera kCamera = geometry::camera_preset("fr3").value();
 
 TEST(RefinePose, ReachesTheExactPose) {
   RandomStream random(1);

@@ -184,7 +184,7 @@ TEST(SmallView, TakesOutTheLensDistortion) {
 TEST(SmallView, MeasuresTheSameDepthThroughTheLens) {
   // A slanted plane: its depth varies from pixel to pixel, so that a shift would show.
   const geometry::PinholeCamera camera = geometry::camera_preset("fr1").value();
-  const geometry::RigidTransform pose = testing::moved({0.2, 0.4, 0}, {0, 0, 0});
+  const geometry::RigidTransform pose = testing::motion_by({0.2, 0.4, 0}, {0, 0, 0});
   const testing::Picture picture = testing::render(testing::wall(2), camera, pose);
   const SmallView view = make_small_view(picture.gray, picture.depth, camera);
   for (const ViewLevel& level : view.levels) {

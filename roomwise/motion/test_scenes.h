@@ -101,8 +101,8 @@ inline SmallView view_of(const Scene& scene, const geometry::RigidTransform& wor
   return small_view(render(scene, small_camera(), world_from_camera));
 }
 
-inline geometry::RigidTransform moved(const Eigen::Vector3d& turn_rad,
-                                      const Eigen::Vector3d& translation_m) {
+inline geometry::RigidTransform motion_by(const Eigen::Vector3d& turn_rad,
+                                          const Eigen::Vector3d& translation_m) {
   geometry::RigidTransform turned;
   if (turn_rad.norm() > 0)
     turned.rotation = Eigen::AngleAxisd(turn_rad.norm(), turn_rad.normalized());
@@ -152,5 +152,9 @@ inline CommonFeatures common_features(const Scene& scene,
   common.reference.features.descriptors = descriptors;
   return common;
 }
+
+// Where the tests' walks begin, and a step from there.
+inline const geometry::RigidTransform kStart = motion_by({0.1, 0.3, 0}, {0.2, 0.1, 0.2});
+inline const geometry::RigidTransform kMotion = motion_by({0.03, -0.08, 0.02}, {0.08, -0.03, 0.05});
 
 }  // namespace roomwise::motion::testing

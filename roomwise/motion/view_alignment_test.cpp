@@ -16,17 +16,16 @@ using geometry::Matrix6d;
 using geometry::RigidTransform;
 using geometry::Vector6d;
 using testing::box_room;
+using testing::kMotion;
+using testing::kStart;
 using testing::marbled;
-using testing::moved;
+using testing::motion_by;
 using testing::Picture;
 using testing::Scene;
 using testing::small_camera;
 using testing::small_view;
 using testing::view_of;
 using testing::wall;
-
-const RigidTransform kStart = moved({0.1, 0.3, 0}, {0.2, 0.1, 0.2});
-const RigidTransform kMotion = moved({0.03, -0.08, 0.02}, {0.08, -0.03, 0.05});
 
 RigidTransform difference(const RigidTransform& truth, const RigidTransform& pose) {
   return truth.inverse() * pose;
@@ -66,8 +65,8 @@ class AlignRoomViews : public ::testing::Test {
 
 TEST_F(AlignRoomViews, FindsTheMotionFromAPriorThatIsOff) {
   for (const RigidTransform& off :
-       {RigidTransform(), moved({0.05, -0.04, 0.03}, {0.05, 0.04, -0.06}),
-        moved({-0.04, 0.06, -0.04}, {-0.06, 0.03, 0.05}), kMotion.inverse()}) {
+       {RigidTransform(), motion_by({0.05, -0.04, 0.03}, {0.05, 0.04, -0.06}),
+        motion_by({-0.04, 0.06, -0.04}, {-0.06, 0.03, 0.05}), kMotion.inverse()}) {
     const ViewAlignment alignment = align_views(kReference, kCurrent, loose_prior(kMotion * off));
     ASSERT_TRUE(alignment.found);
     EXPECT_FALSE(alignment.is_ambiguous);
@@ -92,10 +91,10 @@ TEST_F(AlignRoomViews, SwappingTheViewsInvertsTheMotion) {
 TEST_F(AlignRoomViews, DepthAloneIsEnoughInACornerWithoutTexture) {
   const Scene room = box_room(testing::plain);
   // Three walls in sight.
-  const RigidTransform start = moved({-0.35, 0.6, 0}, {-0.3, 0, -0.5});
+  const RigidTransform start = motion_by({-0.35, 0.6, 0}, {-0.3, 0, -0.5});
   const ViewAlignment alignment =
       align_views(view_of(room, start), view_of(room, start * kMotion),
-                  loose_prior(kMotion * moved({0.03, 0.03, 0}, {0.04, 0, 0.03})));
+                  loose_prior(kMotion * motion_by({0.03, 0.03, 0}, {0.04, 0, 0.03})));
   ASSERT_TRUE(alignment.found);
   const RigidTransform error = difference(kMotion, alignment.pose.reference_from_current);
   EXPECT_LT(error.distance_m(), 0.004);
@@ -117,8 +116,9 @@ TEST_F(AlignRoomViews, GivesTheSameBitsEachTime) {
 }
 
 TEST_F(AlignRoomViews, FindsNothingInWhatTheyDoNotShare) {
-  const SmallView behind = view_of(box_room(), kStart * moved({0, M_PI, 0}, {0, 0, 0}));
-  EXPECT_FALSE(align_views(kReference, behind, loose_prior(moved({0, M_PI, 0}, {0, 0, 0}))).found);
+  const SmallView behind = view_of(box_room(), kStart * motion_by({0, M_PI, 0}, {0, 0, 0}));
+  EXPECT_FALSE(
+      align_views(kReference, behind, loose_prior(motion_by({0, M_PI, 0}, {0, 0, 0}))).found);
   SmallView blind = kCurrent;
   for (ViewLevel& level : blind.levels) std::ranges::fill(level.depth.pixels(), 0);
   EXPECT_FALSE(align_views(kReference, blind, loose_prior(kMotion)).found);
@@ -134,7 +134,7 @@ TEST_F(AlignRoomViews, FindsNothingWhereTheDepthsContradict) {
 }
 
 TEST_F(AlignRoomViews, ChangeOfExposureDoesNotMoveThePose) {
-  const PosePrior prior = loose_prior(kMotion * moved({0.02, 0.02, 0}, {0.03, 0, 0.02}));
+  const PosePrior prior = loose_prior(kMotion * motion_by({0.02, 0.02, 0}, {0.03, 0, 0.02}));
   const ViewAlignment plain = align_views(kReference, kCurrent, prior);
   for (const auto& [gain, offset] : {std::pair(1.25, -15.0), std::pair(0.6, 30.0)}) {
     Picture picture = testing::render(box_room(), small_camera(), kStart * kMotion);
@@ -153,10 +153,10 @@ TEST_F(AlignRoomViews, ChangeOfExposureDoesNotMoveThePose) {
 }
 
 TEST_F(AlignRoomViews, OtherStartWinsWhereThePriorLeadsAstray) {
-  const RigidTransform turned = moved({0, 0.1, 0.05}, {0.05, 0, 0.1});
+  const RigidTransform turned = motion_by({0, 0.1, 0.05}, {0.05, 0, 0.1});
   const SmallView current = view_of(box_room(), kStart * turned);
   // Foreseen: a swing that did not happen.
-  PosePrior prior = PosePrior::around(turned * moved({0, -0.5, 0.3}, {0.3, 0.1, 0}), 0.5, 0.5);
+  PosePrior prior = PosePrior::around(turned * motion_by({0, -0.5, 0.3}, {0.3, 0.1, 0}), 0.5, 0.5);
   const auto error_m = [&](const ViewAlignment& alignment) {
     return difference(turned, alignment.pose.reference_from_current).distance_m();
   };
@@ -168,7 +168,7 @@ TEST_F(AlignRoomViews, OtherStartWinsWhereThePriorLeadsAstray) {
   EXPECT_LT(error_m(helped), 0.003);
   // And the other way about: a bad other start does no harm to a good prior.
   PosePrior good = loose_prior(turned);
-  good.other_start = turned * moved({0, -0.5, 0.3}, {0.3, 0.1, 0});
+  good.other_start = turned * motion_by({0, -0.5, 0.3}, {0.3, 0.1, 0});
   EXPECT_LT(error_m(align_views(kReference, current, good)), 0.003);
 }
 
@@ -185,7 +185,7 @@ TEST_F(AlignRoomViews, InformationCoversTheErrors) {
     add_noise(current, 3, 0.004, random);
     const ViewAlignment alignment =
         align_views(small_view(reference), small_view(current),
-                    PosePrior::around(kMotion * moved({0.02, 0, 0.01}, {0, 0.02, 0}), 1, 1));
+                    PosePrior::around(kMotion * motion_by({0.02, 0, 0.01}, {0, 0.02, 0}), 1, 1));
     ASSERT_TRUE(alignment.found);
     EXPECT_LT(alignment.pose.rms, 1.5);
     const Vector6d e = edge_error(kMotion, alignment.pose.reference_from_current);
@@ -198,8 +198,8 @@ TEST_F(AlignRoomViews, InformationCoversTheErrors) {
 class AlignWallViews : public ::testing::Test {
  protected:
   // Along the wall the prior is wrong; the wall does not tell. Towards it and in tilt it does.
-  static inline const RigidTransform kToWall = moved({0.04, -0.03, 0}, {0, 0, 0.05});
-  static inline const RigidTransform kForeseen = moved({0, 0, 0.02}, {0.05, -0.04, 0.01});
+  static inline const RigidTransform kToWall = motion_by({0.04, -0.03, 0}, {0, 0, 0.05});
+  static inline const RigidTransform kForeseen = motion_by({0, 0, 0.02}, {0.05, -0.04, 0.01});
   // In the reference's frame, which looks straight at the wall.
   static Matrix6d in_reference_axes(const Matrix6d& information, const RigidTransform& pose) {
     Matrix6d axes = Matrix6d::Zero();
@@ -268,22 +268,22 @@ TEST_F(AlignWallViews, SaysWhenTwoPosesFitAlike) {
     return 130 + 60 * std::sin(2 * M_PI / 0.4 * p.x()) + 30 * std::sin(7 * p.y());
   };
   const SmallView reference = view_of(wall(1.8, stripes), RigidTransform::identity());
-  const SmallView current = view_of(wall(1.8, stripes), moved({0, 0, 0}, {0.02, 0, 0}));
+  const SmallView current = view_of(wall(1.8, stripes), motion_by({0, 0, 0}, {0.02, 0, 0}));
   PosePrior prior = PosePrior::around(RigidTransform::identity(), 0.5, 0.1);
   EXPECT_FALSE(align_views(reference, current, prior).is_ambiguous) << "only one was tried";
-  prior.other_start = moved({0, 0, 0}, {0.4, 0, 0});
+  prior.other_start = motion_by({0, 0, 0}, {0.4, 0, 0});
   EXPECT_TRUE(align_views(reference, current, prior).is_ambiguous);
-  prior.other_start = moved({0, 0, 0}, {0.03, 0, 0});
+  prior.other_start = motion_by({0, 0, 0}, {0.03, 0, 0});
   EXPECT_FALSE(align_views(reference, current, prior).is_ambiguous) << "both lead to one pose";
 }
 
 TEST(Surprise, GrowsWithTheSquareOfTheDistanceInSigmas) {
   const PosePrior prior = PosePrior::around(kMotion, 0.02, 0.05);
   EXPECT_NEAR(surprise(kMotion, prior), 0, 1e-9);
-  EXPECT_NEAR(surprise(kMotion * moved({0, 0, 0}, {0.02, 0, 0}), prior), 1, 1e-6);
-  EXPECT_NEAR(surprise(kMotion * moved({0, 0.05, 0}, {0, 0, 0}), prior), 1, 1e-6);
-  EXPECT_NEAR(surprise(kMotion * moved({0, 0, 0}, {0, 0, -0.06}), prior), 9, 1e-6);
-  EXPECT_NEAR(surprise(kMotion * moved({0, 0, 0.1}, {0, 0.02, 0}), prior), 5, 0.01);
+  EXPECT_NEAR(surprise(kMotion * motion_by({0, 0, 0}, {0.02, 0, 0}), prior), 1, 1e-6);
+  EXPECT_NEAR(surprise(kMotion * motion_by({0, 0.05, 0}, {0, 0, 0}), prior), 1, 1e-6);
+  EXPECT_NEAR(surprise(kMotion * motion_by({0, 0, 0}, {0, 0, -0.06}), prior), 9, 1e-6);
+  EXPECT_NEAR(surprise(kMotion * motion_by({0, 0, 0.1}, {0, 0.02, 0}), prior), 5, 0.01);
   RigidTransform same = kMotion;
   same.rotation.coeffs() *= -1;  // the same rotation by its other quaternion
   EXPECT_NEAR(surprise(same, prior), 0, 1e-9);
@@ -302,7 +302,7 @@ TEST(CompareViews, AgreeAtTheTruePoseOnly) {
   const SmallView reference = view_of(box_room(), kStart);
   const SmallView current = view_of(box_room(), kStart * kMotion);
   EXPECT_GT(compare_views(reference, current, kMotion).agreeing, 0.99);
-  const RigidTransform wrong = kMotion * moved({0, 0.15, 0}, {0.2, 0, 0.3});
+  const RigidTransform wrong = kMotion * motion_by({0, 0.15, 0}, {0.2, 0, 0.3});
   EXPECT_LT(compare_views(reference, current, wrong).agreeing, 0.6);
 }
 
@@ -317,19 +317,19 @@ TEST(CompareViews, TellsWhatHidesFromWhatIsSeenThrough) {
   EXPECT_EQ(farther.seen_through, 1);
   EXPECT_EQ(farther.agreeing, 0);
   // The pose makes up for it.
-  EXPECT_EQ(compare_views(at(2), at(1.5), moved({0, 0, 0}, {0, 0, 0.5})).agreeing, 1);
+  EXPECT_EQ(compare_views(at(2), at(1.5), motion_by({0, 0, 0}, {0, 0, 0.5})).agreeing, 1);
 }
 
 TEST(CompareViews, OverlapIsThePartThatBothSee) {
   const SmallView view = view_of(wall(2), RigidTransform::identity());
   // 160 px at a focal length of 134 px: 2.39 m of the wall are seen; a third of that to the side.
-  const ViewAgreement aside = compare_views(view, view, moved({0, 0, 0}, {0.8, 0, 0}));
+  const ViewAgreement aside = compare_views(view, view, motion_by({0, 0, 0}, {0.8, 0, 0}));
   EXPECT_NEAR(aside.overlap, 0.67, 0.03);
   EXPECT_EQ(aside.agreeing, 1);
-  const ViewAgreement apart = compare_views(view, view, moved({0, 0, 0}, {3, 0, 0}));
+  const ViewAgreement apart = compare_views(view, view, motion_by({0, 0, 0}, {3, 0, 0}));
   EXPECT_EQ(apart.overlap, 0);
   EXPECT_EQ(apart.agreeing, 0);
-  const ViewAgreement behind = compare_views(view, view, moved({0, M_PI, 0}, {0, 0, 0}));
+  const ViewAgreement behind = compare_views(view, view, motion_by({0, M_PI, 0}, {0, 0, 0}));
   EXPECT_EQ(behind.overlap, 0);
   EXPECT_EQ(compare_views(view, SmallView(), {}).overlap, 0);
   EXPECT_EQ(compare_views(SmallView(), view, {}).overlap, 0);

@@ -11,13 +11,13 @@ namespace {
 using geometry::RigidTransform;
 using testing::box_room;
 using testing::marbled;
-using testing::moved;
+using testing::motion_by;
 using testing::plain;
 using testing::Texture;
 using testing::view_of;
 
-const RigidTransform kHere = moved({0, 0.1, 0}, {0.1, 0, 0});
-const RigidTransform kThere = moved({0.02, -0.05, 0.01}, {-0.1, 0.05, 0.1});
+const RigidTransform kHere = motion_by({0, 0.1, 0}, {0.1, 0, 0});
+const RigidTransform kThere = motion_by({0.02, -0.05, 0.01}, {-0.1, 0.05, 0.1});
 
 PatternLikeness compared(const Texture& reference, const Texture& current,
                          const RigidTransform& assumed = kHere.inverse() * kThere) {
@@ -28,7 +28,7 @@ PatternLikeness compared(const Texture& reference, const Texture& current,
 
 TEST(ViewPattern, IsAlikeAtTheRightPoseOnly) {
   EXPECT_GT(compared(marbled, marbled).value(), 0.9);
-  const RigidTransform beside = kHere.inverse() * kThere * moved({0, 0, 0}, {0.15, 0, 0});
+  const RigidTransform beside = kHere.inverse() * kThere * motion_by({0, 0, 0}, {0.15, 0, 0});
   EXPECT_LT(compared(marbled, marbled, beside).value(), 0.5);
 }
 

@@ -18,7 +18,7 @@ double radians(double degrees) {
 }
 
 // From places of the new picture (pixels from its middle) to places of the old one (its pixels).
-struct View {
+struct CameraView {
   double center_x = 0;
   double center_y = 0;
   double cosine = 1;
@@ -35,7 +35,7 @@ struct View {
 
 // A picture of this size, seen by this view, lies inside the old one. What a view makes of a
 // rectangle is convex, so that the corners' pixels decide.
-bool lies_inside(const View& view, int width, int height, const ColorImage& image) {
+bool lies_inside(const CameraView& view, int width, int height, const ColorImage& image) {
   for (const double x : {0.5 - width / 2.0, width / 2.0 - 0.5}) {
     for (const double y : {0.5 - height / 2.0, height / 2.0 - 0.5}) {
       const auto [old_x, old_y] = view.old_place(x, y);
@@ -79,12 +79,12 @@ ColorImage turned(const ColorImage& image, int x, int y, int width, int height,
                   const PictureVariation& variation) {
   // With 53 degrees from side to side, the focal length is as long as the longer side.
   const double focal_px = std::max(image.width(), image.height());
-  const View view{x + (width - 1) / 2.0,
-                  y + (height - 1) / 2.0,
-                  std::cos(radians(variation.roll_deg)),
-                  std::sin(radians(variation.roll_deg)),
-                  std::tan(radians(variation.pan_deg)) / focal_px,
-                  std::tan(radians(variation.tilt_deg)) / focal_px};
+  const CameraView view{x + (width - 1) / 2.0,
+                        y + (height - 1) / 2.0,
+                        std::cos(radians(variation.roll_deg)),
+                        std::sin(radians(variation.roll_deg)),
+                        std::tan(radians(variation.pan_deg)) / focal_px,
+                        std::tan(radians(variation.tilt_deg)) / focal_px};
   const double height_of_width = static_cast<double>(height) / width;
   while (width > 1 && !lies_inside(view, width, height, image)) {
     --width;

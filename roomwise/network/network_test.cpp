@@ -23,11 +23,11 @@ using roomwise::testing::ScratchFolder;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-using testing::field;
-using testing::mean_color_network;
-using testing::node;
-using testing::onnx;
-using testing::tensor_info;
+using roomwise::testing::field;
+using roomwise::testing::mean_color_network;
+using roomwise::testing::node;
+using roomwise::testing::onnx;
+using roomwise::testing::tensor_info;
 
 class OnnxClassifierTest : public ::testing::Test {
  protected:
@@ -316,9 +316,9 @@ ColorImage read_object_photo(const std::filesystem::path& folder, const std::str
 }
 
 TEST(RealNetworks, MobileNetNamesHouseholdObjects) {
-  const auto weights = testing::find_model("mobilenet-v2-imagenet.onnx");
+  const auto weights = roomwise::testing::find_model("mobilenet-v2-imagenet.onnx");
   ROOMWISE_REQUIRE_FILE(weights);
-  const auto photos = testing::find_data("object_photos");
+  const auto photos = roomwise::testing::find_data("object_photos");
   ROOMWISE_REQUIRE_FILE(photos);
   const auto network = OnnxClassifier::load(*weights);
   ASSERT_OK(network);
@@ -338,9 +338,9 @@ TEST(RealNetworks, MobileNetNamesHouseholdObjects) {
 }
 
 TEST(RealNetworks, SameBitsFromSeveralThreads) {
-  const auto weights = testing::find_model("mobilenet-v2-imagenet.onnx");
+  const auto weights = roomwise::testing::find_model("mobilenet-v2-imagenet.onnx");
   ROOMWISE_REQUIRE_FILE(weights);
-  const auto photos = testing::find_data("object_photos");
+  const auto photos = roomwise::testing::find_data("object_photos");
   ROOMWISE_REQUIRE_FILE(photos);
   const auto network = OnnxClassifier::load(*weights);
   ASSERT_OK(network);
@@ -361,7 +361,7 @@ TEST(RealNetworks, SameBitsFromSeveralThreads) {
 }
 
 TEST(RealNetworks, InceptionTrunkServesFeaturesOnly) {
-  const auto weights = testing::find_model("inception-2015-12-05-trunk.onnx");
+  const auto weights = roomwise::testing::find_model("inception-2015-12-05-trunk.onnx");
   ROOMWISE_REQUIRE_FILE(weights);
   const auto network = OnnxClassifier::load(*weights);
   ASSERT_OK(network);

@@ -5,22 +5,12 @@
 
 #include "roomwise/network/number_formats.h"
 #include "roomwise/network/protobuf_fields.h"
+#include "roomwise/network/tensor_type.h"
 
 namespace roomwise::network {
 namespace {
 
 using Span = std::span<const std::uint8_t>;
-
-// TensorProto.DataType
-enum DataType {
-  kFloat = 1,
-  kInt32 = 6,
-  kInt64 = 7,
-  kBool = 9,
-  kFloat16 = 10,
-  kDouble = 11,
-  kBrainFloat16 = 16
-};
 
 template <typename Number>
 std::vector<Number> numbers_of(Span bytes) {
@@ -30,20 +20,20 @@ std::vector<Number> numbers_of(Span bytes) {
 }
 
 std::optional<NumberFormat> format_of(std::uint64_t type) {
-  switch (type) {
-    case kFloat:
+  switch (static_cast<TensorType>(type)) {
+    case TensorType::kFloat:
       return NumberFormat::kFloat;
-    case kFloat16:
+    case TensorType::kFloat16:
       return NumberFormat::kHalf;
-    case kBrainFloat16:
+    case TensorType::kBrainFloat16:
       return NumberFormat::kBrainFloat;
-    case kDouble:
+    case TensorType::kDouble:
       return NumberFormat::kDouble;
-    case kInt64:
+    case TensorType::kInt64:
       return NumberFormat::kInteger64;
-    case kInt32:
+    case TensorType::kInt32:
       return NumberFormat::kInteger32;
-    case kBool:
+    case TensorType::kBool:
       return NumberFormat::kTruth;
     default:
       return std::nullopt;
@@ -99,7 +89,9 @@ Expected<std::pair<std::string, ConstantPointer>> read_tensor(Span message) {
   auto constant = std::make_shared<Constant>();
   ROOMWISE_TRY(const TensorFields tensor, read_tensor_fields(message, *constant));
   if (tensor.external) return fail("keeps the tensor \"{}\" in another file", tensor.name);
-  constant->is_integer = tensor.type == kInt64 || tensor.type == kInt32 || tensor.type == kBool;
+  const auto type = static_cast<TensorType>(tensor.type);
+  constant->is_integer =
+      type == TensorType::kInt64 || type == TensorType::kInt32 || type == TensorType::kBool;
   if (!tensor.raw.empty()) {
     const auto format = format_of(tensor.type);
     if (!format) {

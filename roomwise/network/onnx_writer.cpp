@@ -2,14 +2,12 @@
 
 #include "roomwise/network/program.h"
 #include "roomwise/network/protobuf_writer.h"
+#include "roomwise/network/tensor_type.h"
 
 namespace roomwise::network {
 namespace {
 
-using Kind = Attribute::Kind;
-
-// TensorProto.DataType
-enum DataType : std::int64_t { kFloat = 1, kInt64 = 7 };
+using AttributeKind = Attribute::Kind;
 
 template <typename Number>
 std::span<const std::uint8_t> bytes_of(const std::vector<Number>& numbers) {
@@ -19,7 +17,8 @@ std::span<const std::uint8_t> bytes_of(const std::vector<Number>& numbers) {
 ProtobufWriter tensor_message(const std::string& name, const Constant& constant) {
   ProtobufWriter tensor;
   for (const std::int64_t size : constant.shape) tensor.add(1, size);
-  tensor.add(2, std::int64_t{constant.is_integer ? kInt64 : kFloat});
+  tensor.add(
+      2, static_cast<std::int64_t>(constant.is_integer ? TensorType::kInt64 : TensorType::kFloat));
   tensor.add(8, name);
   tensor.add(9, constant.is_integer ? bytes_of(constant.integers) : bytes_of(constant.floats));
   return tensor;
@@ -29,24 +28,24 @@ ProtobufWriter attribute_message(const std::string& name, const Attribute& attri
   ProtobufWriter message;
   message.add(1, name);
   switch (attribute.kind) {
-    case Kind::kNone:
+    case AttributeKind::kNone:
       break;
-    case Kind::kNumber:
+    case AttributeKind::kNumber:
       message.add(2, attribute.number);
       break;
-    case Kind::kInteger:
+    case AttributeKind::kInteger:
       message.add(3, attribute.integer);
       break;
-    case Kind::kText:
+    case AttributeKind::kText:
       message.add(4, attribute.text);
       break;
-    case Kind::kTensor:
+    case AttributeKind::kTensor:
       message.add(5, tensor_message("", *attribute.tensor).bytes());
       break;
-    case Kind::kNumbers:
+    case AttributeKind::kNumbers:
       for (const float number : attribute.numbers) message.add(7, number);
       break;
-    case Kind::kIntegers:
+    case AttributeKind::kIntegers:
       for (const std::int64_t integer : attribute.integers) message.add(8, integer);
       break;
   }
@@ -61,7 +60,8 @@ ProtobufWriter node_message(const Node& node) {
   message.add(3, node.name);
   message.add(4, node.operation);
   for (const auto& [name, attribute] : node.attributes) {
-    if (attribute.kind != Kind::kNone) message.add(5, attribute_message(name, attribute).bytes());
+    if (attribute.kind != AttributeKind::kNone)
+      message.add(5, attribute_message(name, attribute).bytes());
   }
   if (!node.domain.empty()) message.add(7, node.domain);
   return message;
@@ -75,7 +75,7 @@ ProtobufWriter value_message(const std::string& name, const Shape& shape) {
     if (size != GraphInput::kFree) dimension.add(1, size);
     dimensions.add(1, dimension.bytes());
   }
-  tensor.add(1, std::int64_t{kFloat});
+  tensor.add(1, static_cast<std::int64_t>(TensorType::kFloat));
   if (!shape.empty()) tensor.add(2, dimensions.bytes());
   type.add(1, tensor.bytes());
   message.add(1, name);
@@ -102,7 +102,7 @@ Expected<void> check(const OnnxGraph& graph) {
   }
   for (const Node& node : graph.nodes) {
     for (const auto& [name, attribute] : node.attributes) {
-      if (attribute.kind == Kind::kTensor && attribute.tensor == nullptr)
+      if (attribute.kind == AttributeKind::kTensor && attribute.tensor == nullptr)
         return fail("the attribute \"{}\" of node \"{}\" lacks its tensor", name, node.name);
     }
   }

@@ -59,7 +59,7 @@ void expect_same(const OnnxGraph& a, const OnnxGraph& b) {
 }
 
 // A graph with attributes and tensors of every kind.
-OnnxGraph varied_graph() {
+OnnxGraph graph_of_every_kind() {
   OnnxGraph graph;
   graph.opset = 13;
   graph.inputs = {{"picture", {GraphInput::kFree, 3, GraphInput::kFree, 5}}, {"any", {}}};
@@ -94,7 +94,7 @@ OnnxGraph varied_graph() {
 }
 
 TEST(OnnxWriter, IsReadBackToTheBit) {
-  const OnnxGraph graph = varied_graph();
+  const OnnxGraph graph = graph_of_every_kind();
   const auto bytes = write_onnx_graph(graph);
   ASSERT_OK(bytes);
   const auto read = read_onnx_graph(*bytes);
@@ -104,19 +104,19 @@ TEST(OnnxWriter, IsReadBackToTheBit) {
 }
 
 TEST(OnnxWriter, RefusesWhatNoFileMayBe) {
-  OnnxGraph graph = varied_graph();
+  OnnxGraph graph = graph_of_every_kind();
   graph.opset = 9;
   EXPECT_ERROR(write_onnx_graph(graph), "opset 9; 10 to 17");
-  graph = varied_graph();
+  graph = graph_of_every_kind();
   graph.outputs.clear();
   EXPECT_ERROR(write_onnx_graph(graph), "2 inputs and 0 outputs");
-  graph = varied_graph();
+  graph = graph_of_every_kind();
   auto torn = std::make_shared<Constant>();
   torn->shape = {2, 2};
   torn->floats = {1, 2, 3};
   graph.constants["floats"] = torn;
   EXPECT_ERROR(write_onnx_graph(graph), "\"floats\" has 3 values, not those of its shape 2x2");
-  graph = varied_graph();
+  graph = graph_of_every_kind();
   graph.nodes[0].attributes["tensor"].tensor.reset();
   EXPECT_ERROR(write_onnx_graph(graph), "\"tensor\" of node \"n\" lacks its tensor");
 }

@@ -7,6 +7,9 @@
 namespace roomwise::network {
 namespace {
 
+using Function = Activation::Function;
+using Operator = Arithmetic::Operator;
+
 // Which layer gives each value, and by how many it is used. To be made anew when layers change.
 struct Links {
   explicit Links(const Program& program)
@@ -79,7 +82,6 @@ struct Scale {
 std::optional<Scale> scale_of(const Program& program, const Layer& layer) {
   const Arithmetic* arithmetic = layer.as<Arithmetic>();
   if (arithmetic == nullptr) return std::nullopt;
-  using Operator = Arithmetic::Operator;
   const Operator operation = arithmetic->operation;
   ValueId scaled = layer.inputs[0], constant = layer.inputs[1];
   const bool commutes = operation == Operator::kAdd || operation == Operator::kMultiply;
@@ -115,7 +117,6 @@ void apply_scale(Convolution& convolution, const Scale& scale) {
 
 // x * sigmoid(x), or x * clip(x / 6 + 1/2, 0, 1), as one function of x.
 std::optional<Layer> self_gated(Program& program, const Links& links, const Layer& layer) {
-  using Function = Activation::Function;
   const Arithmetic* product = layer.as<Arithmetic>();
   if (product == nullptr || product->operation != Arithmetic::Operator::kMultiply)
     return std::nullopt;

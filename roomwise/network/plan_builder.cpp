@@ -8,7 +8,7 @@ namespace {
 
 using dnnl::memory;
 
-memory::dims dims_of(const Shape& shape) {
+memory::dims dims_of_shape(const Shape& shape) {
   // oneDNN knows no single number.
   return shape.empty() ? memory::dims{1} : memory::dims(shape.begin(), shape.end());
 }
@@ -88,11 +88,11 @@ void PlanBuilder::plan_join(const Layer& layer) {
 PlanBuilder::Layout PlanBuilder::plain(const Shape& shape) const {
   memory::dims strides(std::max<std::size_t>(shape.size(), 1), 1);
   for (std::size_t i = strides.size() - 1; i > 0; --i) strides[i - 1] = strides[i] * shape[i];
-  return {dims_of(shape), memory::data_type::f32, strides};
+  return {dims_of_shape(shape), memory::data_type::f32, strides};
 }
 
 PlanBuilder::Layout PlanBuilder::blocked(const Shape& shape) const {
-  return {dims_of(shape), memory::data_type::f32,
+  return {dims_of_shape(shape), memory::data_type::f32,
           block_ == 16 ? memory::format_tag::nChw16c : memory::format_tag::nChw8c};
 }
 

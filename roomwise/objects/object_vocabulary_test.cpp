@@ -43,11 +43,11 @@ TEST(ObjectVocabulary, ALabelOfTheStandardMeansOneObject) {
 }
 
 TEST(ObjectVocabulary, StandardLabelsAreTheNetworksOwn) {
-  const auto file = testing::find_model("imagenet-labels-1001.txt");
+  const auto file = roomwise::testing::find_model("imagenet-labels-1001.txt");
   ROOMWISE_REQUIRE_FILE(file);
   auto labels = network::read_labels(*file);
   ASSERT_OK(labels);
-  const auto detector = testing::find_model("coco-labels-80.txt");
+  const auto detector = roomwise::testing::find_model("coco-labels-80.txt");
   ROOMWISE_REQUIRE_FILE(detector);
   const auto others = network::read_labels(*detector);
   ASSERT_OK(others);

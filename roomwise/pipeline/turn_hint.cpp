@@ -6,14 +6,14 @@
 namespace roomwise::pipeline {
 namespace {
 
-constexpr int kMostFeatures = 500;
+constexpr int kMostCorners = 500;
 constexpr int kFewFeatures = 30;
 constexpr int kTimesAsMany = 3;
 
 }  // namespace
 
 std::optional<Side> side_with_more_to_see(const image::ColorImage& picture) {
-  const auto extractor = features::make_extractor(features::FeatureKind::kOrb, kMostFeatures);
+  const auto extractor = features::make_extractor(features::FeatureKind::kOrb, kMostCorners);
   const features::Features found = extractor->extract(image::to_gray(picture));
   const float middle = static_cast<float>(picture.width() - 1) / 2;
   int left = 0;

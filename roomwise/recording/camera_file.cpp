@@ -9,31 +9,34 @@
 namespace roomwise::recording {
 namespace {
 
-constexpr std::string_view kLayout =
+constexpr std::string_view kCameraLayout =
     "fx fy cx cy width height depth_units_per_metre [k1 k2 p1 p2 k3]";
-constexpr std::array<std::string_view, 12> kNames{
+constexpr std::array<std::string_view, 12> kCameraNames{
     "fx", "fy", "cx", "cy", "width", "height", "depth_units_per_metre",
     "k1", "k2", "p1", "p2", "k3"};
 constexpr std::size_t kWithoutLens = 7;
 
 // The camera that one line of words describes.
 Expected<geometry::PinholeCamera> parse_camera(std::span<const std::string_view> words) {
-  const std::size_t expected = words.size() <= kWithoutLens ? kWithoutLens : kNames.size();
+  const std::size_t expected = words.size() <= kWithoutLens ? kWithoutLens : kCameraNames.size();
   if (words.size() > expected) {
-    return fail("'{}' is one value too many; expected {}", words[expected], kLayout);
+    return fail("'{}' is one value too many; expected {}", words[expected], kCameraLayout);
   }
   if (words.size() < expected) {
-    return fail("the value of {} is missing; expected {}", kNames[words.size()], kLayout);
+    return fail("the value of {} is missing; expected {}", kCameraNames[words.size()],
+                kCameraLayout);
   }
-  std::array<double, kNames.size()> values{};
+  std::array<double, kCameraNames.size()> values{};
   for (std::size_t i = 0; i < words.size(); ++i) {
     const auto value = parse_number<double>(words[i]);
-    if (!value) return fail("{} = '{}' is not a number; expected {}", kNames[i], words[i], kLayout);
+    if (!value)
+      return fail("{} = '{}' is not a number; expected {}", kCameraNames[i], words[i],
+                  kCameraLayout);
     values[i] = *value;
   }
   for (const std::size_t size : {std::size_t{4}, std::size_t{5}}) {
     if (!parse_number<int>(words[size])) {
-      return fail("{} = '{}' is not a whole number of pixels", kNames[size], words[size]);
+      return fail("{} = '{}' is not a whole number of pixels", kCameraNames[size], words[size]);
     }
   }
   geometry::PinholeCamera camera;
@@ -54,10 +57,10 @@ Expected<geometry::PinholeCamera> parse_camera(std::span<const std::string_view>
 Expected<geometry::PinholeCamera> read_camera(const std::filesystem::path& path) {
   ROOMWISE_TRY(const std::string text, read_text_file(path));
   const auto lines = data_lines(text);
-  if (lines.empty()) return fail("{}: holds no camera; expected {}", path.string(), kLayout);
+  if (lines.empty()) return fail("{}: holds no camera; expected {}", path.string(), kCameraLayout);
   if (lines.size() > 1) {
     return fail("{}:{}: is a second line of values; expected one line {}", path.string(),
-                lines[1].number, kLayout);
+                lines[1].number, kCameraLayout);
   }
   auto camera = parse_camera(lines[0].words);
   if (!camera) {

@@ -9,21 +9,21 @@
 namespace roomwise::recording {
 namespace {
 
-constexpr std::string_view kLayout = "timestamp tx ty tz qx qy qz qw";
-constexpr std::array<std::string_view, 7> kNames{"tx", "ty", "tz", "qx", "qy", "qz", "qw"};
+constexpr std::string_view kPoseLayout = "timestamp tx ty tz qx qy qz qw";
+constexpr std::array<std::string_view, 7> kPoseNames{"tx", "ty", "tz", "qx", "qy", "qz", "qw"};
 
 Expected<StampedPose> parse_pose(std::span<const std::string_view> words) {
-  if (words.size() != kNames.size() + 1) {
-    return fail("{} values, expected {}", words.size(), kLayout);
+  if (words.size() != kPoseNames.size() + 1) {
+    return fail("{} values, expected {}", words.size(), kPoseLayout);
   }
   StampedPose pose;
   ROOMWISE_TRY(pose.timestamp_ns, parse_timestamp(words[0]));
-  std::array<double, kNames.size()> values{};
+  std::array<double, kPoseNames.size()> values{};
   for (std::size_t i = 0; i < values.size(); ++i) {
     const auto value = parse_number<double>(words[i + 1]);
     if (!value) {
-      return fail("{} = '{}' is not a finite number; expected {}", kNames[i], words[i + 1],
-                  kLayout);
+      return fail("{} = '{}' is not a finite number; expected {}", kPoseNames[i], words[i + 1],
+                  kPoseLayout);
     }
     values[i] = *value;
   }
@@ -52,13 +52,13 @@ Expected<Trajectory> read_trajectory(const std::filesystem::path& path) {
     }
     trajectory.push_back(*pose);
   }
-  if (trajectory.empty()) return fail("{}: holds no pose; expected {}", path.string(), kLayout);
+  if (trajectory.empty()) return fail("{}: holds no pose; expected {}", path.string(), kPoseLayout);
   return trajectory;
 }
 
 Expected<void> write_trajectory(const std::filesystem::path& path,
                                 std::span<const StampedPose> trajectory) {
-  std::string text = fmt::format("# {}\n", kLayout);
+  std::string text = fmt::format("# {}\n", kPoseLayout);
   for (const auto& [timestamp_ns, pose] : trajectory) {
     const auto& t = pose.translation;
     const auto& q = pose.rotation;

@@ -17,16 +17,16 @@ namespace {
 using roomwise::testing::ScratchFolder;
 using ::testing::ElementsAre;
 
-constexpr int kWidth = 8;
-constexpr int kHeight = 6;
-const geometry::PinholeCamera kCamera{7, 7, 4, 3, kWidth, kHeight, {0.1, 0, 0, 0, 0.5}, 5000};
+const geometry::PinholeCamera kCamera{7, 7, 4, 3, 8, 6, {0.1, 0, 0, 0, 0.5}, 5000};
 
 image::RgbdFrame raw_frame(int number) {
   image::RgbdFrame frame;
   frame.index = static_cast<std::uint64_t>(100 + number);  // the writer counts for itself
   frame.timestamp_ns = 1'000'000'000 + number * 33'333'333;
-  frame.color = image::ColorImage(kWidth, kHeight, {static_cast<std::uint8_t>(number), 50, 90});
-  frame.depth = image::DepthImage(kWidth, kHeight, static_cast<std::uint16_t>(1000 + number));
+  frame.color =
+      image::ColorImage(kCamera.width, kCamera.height, {static_cast<std::uint8_t>(number), 50, 90});
+  frame.depth =
+      image::DepthImage(kCamera.width, kCamera.height, static_cast<std::uint16_t>(1000 + number));
   return frame;
 }
 

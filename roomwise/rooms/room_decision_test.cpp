@@ -4,29 +4,18 @@
 
 #include <stdexcept>
 
+#include "roomwise/rooms/test_rooms.h"
+
 namespace roomwise::rooms {
 namespace {
 
 using objects::Sighting;
 using ::testing::HasSubstr;
 
-const std::vector<std::string> kNames = {"bath", "hall", "kitchen"};
-const std::vector<Room> kRooms = {{"bath", "toilet"}, {"hall", "hall"}, {"kitchen", "kitchen"}};
-
-RoomCalibration calibration() {
-  RoomCalibration calibration;
-  calibration.sure_from = 0.8;
-  calibration.known_from = -1;
-  calibration.none_below = -2;
-  return calibration;
-}
-
-PictureEvidence evidence(double bath, double hall, double kitchen, double known = 0) {
-  return {Eigen::Vector3d(bath, hall, kitchen), known};
-}
+const std::vector<Room> kLearned = {{"bath", "toilet"}, {"hall", "hall"}, {"kitchen", "kitchen"}};
 
 TEST(Decide, NamesAProbableRoom) {
-  const RoomDecision decision = decide(evidence(0.05, 0.05, 0.9), kNames, calibration());
+  const RoomDecision decision = decide(evidence(0.05, 0.05, 0.9), kRooms, calibration());
   EXPECT_EQ(decision.verdict, Verdict::kRoom);
   EXPECT_EQ(decision.room(), "kitchen");
   EXPECT_DOUBLE_EQ(decision.rooms[0].score, 0.9);
@@ -35,22 +24,22 @@ TEST(Decide, NamesAProbableRoom) {
 }
 
 TEST(Decide, IsNotSureBelowTheThreshold) {
-  const RoomDecision decision = decide(evidence(0.02, 0.2, 0.78), kNames, calibration());
+  const RoomDecision decision = decide(evidence(0.02, 0.2, 0.78), kRooms, calibration());
   EXPECT_EQ(decision.verdict, Verdict::kNotSure);
   EXPECT_EQ(decision.room(), std::nullopt);
   EXPECT_THAT(decision.why, HasSubstr("kitchen (0.78) or hall (0.20)"));
-  EXPECT_EQ(decide(evidence(0, 0.2, 0.8), kNames, calibration()).verdict, Verdict::kRoom)
+  EXPECT_EQ(decide(evidence(0, 0.2, 0.8), kRooms, calibration()).verdict, Verdict::kRoom)
       << "the threshold itself is enough";
 }
 
 TEST(Decide, IsNotSureOfWhatIsNotWellKnown) {
-  const RoomDecision decision = decide(evidence(0, 0.01, 0.99, -1.5), kNames, calibration());
+  const RoomDecision decision = decide(evidence(0, 0.01, 0.99, -1.5), kRooms, calibration());
   EXPECT_EQ(decision.verdict, Verdict::kNotSure);
   EXPECT_THAT(decision.why, HasSubstr("known -1.50 < -1.00"));
 }
 
 TEST(Decide, KnowsNoRoomThatLooksLikeThis) {
-  const RoomDecision decision = decide(evidence(0, 0.01, 0.99, -2.1), kNames, calibration());
+  const RoomDecision decision = decide(evidence(0, 0.01, 0.99, -2.1), kRooms, calibration());
   EXPECT_EQ(decision.verdict, Verdict::kNoneOfThem);
   EXPECT_EQ(decision.room(), std::nullopt);
   EXPECT_THAT(decision.why, HasSubstr("nothing that was learned"));
@@ -87,7 +76,7 @@ TEST(Combine, APictureThatIsCertainRulesNothingOut) {
 
 TEST(LikelihoodOfObjects, AnObjectSpeaksForTheRoomsOfItsType) {
   const std::vector<Sighting> seen = {{"stove", 0.5}};
-  const Eigen::VectorXd likelihood = likelihood_of_objects(seen, Concepts::standard(), kRooms);
+  const Eigen::VectorXd likelihood = likelihood_of_objects(seen, Concepts::standard(), kLearned);
   // Trusted by 0.7 * 0.5 = 0.35: then it is the kitchen, one of three.
   EXPECT_NEAR(likelihood[2], 0.65 + 0.35 * 3, 1e-12);
   EXPECT_NEAR(likelihood[0], 0.65, 1e-12);
@@ -106,16 +95,16 @@ TEST(LikelihoodOfObjects, WhatStandsAnywhereOrNowhereHereSaysNothing) {
   Concepts concepts = Concepts::standard();
   concepts.objects_of_room_type["kitchen"].insert("lamp");  // and in bedrooms
   const std::vector<Sighting> seen = {{"lamp", 0.9}, {"bed", 0.9}, {"banana", 0.9}};
-  EXPECT_TRUE(likelihood_of_objects(seen, concepts, kRooms).isApprox(Eigen::Vector3d::Ones()))
+  EXPECT_TRUE(likelihood_of_objects(seen, concepts, kLearned).isApprox(Eigen::Vector3d::Ones()))
       << "this home has no bedroom";
 }
 
 TEST(DecideWithObjects, AnObjectDecidesWhereRoomsLookAlike) {
   const std::vector<Sighting> seen = {{"stove", 0.95}, {"toilet seat", 0.02}};
   const auto alone = evidence(0.05, 0.4, 0.55);
-  EXPECT_EQ(decide(alone, kNames, calibration()).verdict, Verdict::kNotSure);
+  EXPECT_EQ(decide(alone, kRooms, calibration()).verdict, Verdict::kNotSure);
   const RoomDecision decision =
-      decide_with_objects(alone, seen, Concepts::standard(), kRooms, calibration());
+      decide_with_objects(alone, seen, Concepts::standard(), kLearned, calibration());
   EXPECT_EQ(decision.room(), "kitchen");
   EXPECT_EQ(decision.object, "stove");
   EXPECT_THAT(decision.why, HasSubstr("there is a stove"));
@@ -125,17 +114,17 @@ TEST(DecideWithObjects, AnObjectIsNoMatchForACertainPicture) {
   // Other than under the paper's rule, under which it decides over any score.
   const std::vector<Sighting> seen = {{"stove", 0.6}};
   const RoomDecision decision = decide_with_objects(evidence(0.005, 0.99, 0.005), seen,
-                                                    Concepts::standard(), kRooms, calibration());
+                                                    Concepts::standard(), kLearned, calibration());
   EXPECT_EQ(decision.room(), "hall");
   EXPECT_EQ(decision.object, "");
 }
 
 TEST(DecideWithObjects, ObjectsMakeNoUnknownPlaceAKnownOne) {
   const std::vector<Sighting> seen = {{"stove", 1.0}};
-  EXPECT_EQ(
-      decide_with_objects(evidence(0, 0, 1, -3), seen, Concepts::standard(), kRooms, calibration())
-          .verdict,
-      Verdict::kNoneOfThem);
+  EXPECT_EQ(decide_with_objects(evidence(0, 0, 1, -3), seen, Concepts::standard(), kLearned,
+                                calibration())
+                .verdict,
+            Verdict::kNoneOfThem);
 }
 
 TEST(Verdict, HasWordsForPeople) {

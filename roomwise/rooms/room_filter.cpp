@@ -8,7 +8,7 @@ namespace roomwise::rooms {
 namespace {
 
 // No picture is surer than this: one wrong one must not bury a room for good.
-constexpr double kLeastProbability = 1e-4;
+constexpr double kLeastSeen = 1e-4;
 
 }  // namespace
 
@@ -50,7 +50,7 @@ void RoomFilter::see(std::span<const double> probabilities, double elapsed_s) {
   if (!(elapsed_s > 0)) elapsed_s = 0;
   const bool counts_fully = !has_seen_ || options_.alike_s == 0;
   const double weight = counts_fully ? 1 : 1 - std::exp(-elapsed_s / options_.alike_s);
-  belief_ = belief_.array() * seen.array().max(kLeastProbability).pow(weight);
+  belief_ = belief_.array() * seen.array().max(kLeastSeen).pow(weight);
   belief_ /= belief_.sum();
   has_seen_ = true;
 }

@@ -5,12 +5,10 @@
 #include <cmath>
 
 #include "roomwise/base/testing.h"
+#include "roomwise/rooms/test_rooms.h"
 
 namespace roomwise::rooms {
 namespace {
-
-const std::vector<std::string> kRooms = {"bath", "hall", "kitchen"};
-const std::vector<std::string> kWalk = {"hall", "bath", "hall", "kitchen", "hall"};
 
 RoomFilterOptions without_likeness() {
   RoomFilterOptions options;

@@ -46,7 +46,7 @@ void walk_to(WalkedPath& path, const Vector2d& to, const std::string& room) {
 
 // Two rooms of 3 m by 2 m beside each other, the wall at x = 3 to 3.2 m with a door of 0.8 m about
 // y = 0.6 m. A table of 0.6 m stands in the left room, so that 0.5 m are left beside it.
-std::vector<std::string> two_rooms() {
+std::vector<std::string> plan_of_two_rooms() {
   std::vector<std::string> rows(20, fmt::format("{:.<30}##{:.<30}", "", ""));
   for (std::size_t row = 2; row < 10; ++row) rows[row].replace(30, 2, "..");
   for (std::size_t row = 9; row < 15; ++row) rows[row].replace(10, 6, "######");
@@ -66,7 +66,7 @@ WalkedPath walk_through(double late_m) {
 TEST(RoomLayoutTest, RoomsMeetAtTheDoorAlthoughTheyWereNamedEarlyOrLate) {
   for (const double late_m : {-0.6, 0.0, 0.6}) {
     const std::vector<WalkedPath> walks{walk_through(late_m)};
-    const auto layout = RoomLayout::make(grid_of(two_rooms()), walks);
+    const auto layout = RoomLayout::make(grid_of(plan_of_two_rooms()), walks);
     ASSERT_OK(layout);
     EXPECT_THAT(layout->room_at({2.7, 1.9}), Optional(std::string("bedroom"))) << late_m;
     EXPECT_THAT(layout->room_at({2.85, 0.6}), Optional(std::string("bedroom"))) << late_m;
@@ -85,9 +85,9 @@ TEST(RoomLayoutTest, RoomsMeetAtTheDoorAlthoughTheyWereNamedEarlyOrLate) {
 
 TEST(RoomLayoutTest, TheWalkTheOtherWayRoundGivesTheSameRooms) {
   std::vector<WalkedPath> walks{walk_through(0.3)};
-  const auto there = RoomLayout::make(grid_of(two_rooms()), walks);
+  const auto there = RoomLayout::make(grid_of(plan_of_two_rooms()), walks);
   std::ranges::reverse(walks.front());
-  const auto back = RoomLayout::make(grid_of(two_rooms()), walks);
+  const auto back = RoomLayout::make(grid_of(plan_of_two_rooms()), walks);
   ASSERT_OK(there);
   ASSERT_OK(back);
   int differ = 0;
@@ -101,7 +101,7 @@ TEST(RoomLayoutTest, TheWalkTheOtherWayRoundGivesTheSameRooms) {
 
 TEST(RoomLayoutTest, FloorIsMeasured) {
   const std::vector<WalkedPath> walks{walk_through(0)};
-  const auto layout = RoomLayout::make(grid_of(two_rooms()), walks);
+  const auto layout = RoomLayout::make(grid_of(plan_of_two_rooms()), walks);
   ASSERT_OK(layout);
   ASSERT_EQ(layout->rooms().size(), 2U);
   EXPECT_EQ(layout->rooms()[0].name, "bedroom");
@@ -113,7 +113,7 @@ TEST(RoomLayoutTest, FloorIsMeasured) {
 
 TEST(RoomLayoutTest, FurnitureBelongsToTheRoomWhoseFloorIsNearest) {
   // A wardrobe of 0.5 m stands in the kitchen at the wall to the bedroom.
-  std::vector<std::string> rows = two_rooms();
+  std::vector<std::string> rows = plan_of_two_rooms();
   for (std::size_t row = 12; row < 20; ++row) rows[row].replace(32, 5, "#####");
   const std::vector<WalkedPath> walks{walk_through(0)};
   const auto layout = RoomLayout::make(grid_of(rows), walks);
@@ -124,7 +124,7 @@ TEST(RoomLayoutTest, FurnitureBelongsToTheRoomWhoseFloorIsNearest) {
 }
 
 TEST(RoomLayoutTest, WhatIsFarFromAllFloorBelongsToNoRoom) {
-  std::vector<std::string> rows = two_rooms();
+  std::vector<std::string> rows = plan_of_two_rooms();
   for (std::string& row : rows) row.append(20, ' ');
   RoomLayoutOptions options;
   options.furniture_depth_m = 0.5;
@@ -136,7 +136,7 @@ TEST(RoomLayoutTest, WhatIsFarFromAllFloorBelongsToNoRoom) {
 }
 
 TEST(RoomLayoutTest, AnOpeningThatNobodyWalkedThroughIsThereAllTheSame) {
-  std::vector<std::string> rows = two_rooms();
+  std::vector<std::string> rows = plan_of_two_rooms();
   for (std::size_t row = 13; row < 19; ++row) rows[row].replace(30, 2, "..");
   const std::vector<WalkedPath> walks{walk_through(0)};
   const auto layout = RoomLayout::make(grid_of(rows), walks);
@@ -148,7 +148,7 @@ TEST(RoomLayoutTest, AnOpeningThatNobodyWalkedThroughIsThereAllTheSame) {
 }
 
 TEST(RoomLayoutTest, AGapThatNobodyFitsThroughIsNoDoorway) {
-  std::vector<std::string> rows = two_rooms();
+  std::vector<std::string> rows = plan_of_two_rooms();
   for (std::size_t row = 16; row < 18; ++row) rows[row].replace(30, 2, "..");
   const std::vector<WalkedPath> walks{walk_through(0)};
   const auto layout = RoomLayout::make(grid_of(rows), walks);
@@ -158,7 +158,7 @@ TEST(RoomLayoutTest, AGapThatNobodyFitsThroughIsNoDoorway) {
 
 // The two rooms without the floor between them.
 std::vector<std::string> unseen_door() {
-  std::vector<std::string> rows = two_rooms();
+  std::vector<std::string> rows = plan_of_two_rooms();
   for (std::string& row : rows) row.replace(30, 2, "  ");
   return rows;
 }
@@ -222,7 +222,7 @@ TEST(RoomLayoutTest, ShortVisitsToAHallCount) {
   walk_to(path, {3.1, 0.6}, "bedroom");
   walk_to(path, {4.1, 0.6}, "hall");
   walk_to(path, {5.5, 0.6}, "kitchen");
-  std::vector<std::string> rows = two_rooms();
+  std::vector<std::string> rows = plan_of_two_rooms();
   for (std::size_t row = 10; row < 20; ++row) rows[row].replace(42, 1, "#");
   for (std::size_t row = 0; row < 2; ++row) rows[row].replace(42, 1, "#");
   const std::vector<WalkedPath> walks{path};
@@ -236,7 +236,7 @@ TEST(RoomLayoutTest, ARoomNeverOnFreeFloorHasNoFloorAndIsNotForgotten) {
   WalkedPath path = walk_through(0);
   walk_to(path, {9, 1.5}, "porch");
   const std::vector<WalkedPath> walks{path};
-  const auto layout = RoomLayout::make(grid_of(two_rooms()), walks);
+  const auto layout = RoomLayout::make(grid_of(plan_of_two_rooms()), walks);
   ASSERT_OK(layout);
   ASSERT_EQ(layout->rooms().size(), 3U);
   EXPECT_EQ(layout->rooms()[2].name, "porch");
@@ -246,7 +246,7 @@ TEST(RoomLayoutTest, ARoomNeverOnFreeFloorHasNoFloorAndIsNotForgotten) {
 // As a home that was named badly has it.
 void expect_no_floor(const Vector2d& place, const std::string& room) {
   const std::vector<WalkedPath> walks{WalkedPath{{place, room}}};
-  const auto layout = RoomLayout::make(grid_of(two_rooms()), walks);
+  const auto layout = RoomLayout::make(grid_of(plan_of_two_rooms()), walks);
   ASSERT_FALSE(layout);
   EXPECT_THAT(layout.error().message, HasSubstr("no named place of the walk lies on free floor"));
 }
@@ -261,7 +261,7 @@ TEST(RoomLayoutTest, OptionsAreLengths) {
   RoomLayoutOptions options;
   options.furniture_depth_m = -1;
   const std::vector<WalkedPath> walks{walk_through(0)};
-  const auto layout = RoomLayout::make(grid_of(two_rooms()), walks, options);
+  const auto layout = RoomLayout::make(grid_of(plan_of_two_rooms()), walks, options);
   ASSERT_FALSE(layout);
   EXPECT_THAT(layout.error().message, HasSubstr("furniture_depth_m must be a length"));
 }

@@ -2,22 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include "roomwise/rooms/test_rooms.h"
+
 namespace roomwise::rooms {
 namespace {
 
-const std::vector<std::string> kRooms = {"bath", "hall", "kitchen"};
-const std::vector<std::string> kWalk = {"hall", "bath", "hall", "kitchen", "hall"};
-
 RoomStream stream() {
-  RoomCalibration calibration;
-  calibration.sure_from = 0.8;
-  calibration.known_from = -1;
-  calibration.none_below = -2;
-  return {RoomTopology(kRooms, kWalk), calibration};
-}
-
-PictureEvidence evidence(double bath, double hall, double kitchen, double known = 0) {
-  return {Eigen::Vector3d(bath, hall, kitchen), known};
+  return {RoomTopology(kRooms, kWalk), calibration()};
 }
 
 TEST(RoomStream, GrowsSurerPictureByPicture) {

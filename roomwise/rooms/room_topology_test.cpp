@@ -2,10 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include "roomwise/rooms/test_rooms.h"
+
 namespace roomwise::rooms {
 namespace {
-
-const std::vector<std::string> kRooms = {"bath", "hall", "kitchen"};
 
 TEST(RoomTopology, CountsPassagesBothWays) {
   const std::vector<std::string> walk = {"hall", "bath", "hall", "kitchen", "kitchen", "hall"};

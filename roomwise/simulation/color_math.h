@@ -30,6 +30,10 @@ inline float luminance(const Eigen::Vector3f& linear) {
   return 0.2126F * linear.x() + 0.7152F * linear.y() + 0.0722F * linear.z();
 }
 
+inline Eigen::Vector3f mix(const Eigen::Vector3f& a, const Eigen::Vector3f& b, float t) {
+  return a + (b - a) * t;
+}
+
 // The colour of a glowing body, linear RGB of luminance 1; 6500 K is white. A fit to Planck's law
 // that is good to a few percent from 1900 to 12000 K.
 inline Eigen::Vector3f color_of_temperature(double kelvin) {

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "roomwise/base/random.h"
+#include "roomwise/simulation/noise.h"
 
 namespace roomwise::simulation {
 namespace {
@@ -33,11 +34,6 @@ constexpr float kFaintEnd = 0.0008F, kFaintBegin = 0.003F;
 constexpr float kGrazingCosine = 0.1F;
 // Losses come in patches of about this size, since disparity is found in windows.
 constexpr int kCell_px = 4;
-
-float smooth_step(float begin, float end, float value) {
-  const float t = std::clamp((value - begin) / (end - begin), 0.0F, 1.0F);
-  return t * t * (3 - 2 * t);
-}
 
 class Measurement {
  public:

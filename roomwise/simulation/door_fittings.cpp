@@ -9,8 +9,7 @@
 namespace roomwise::simulation {
 namespace {
 
-constexpr float kJamb = 0.03F;        // the frame inside the opening
-constexpr float kArchitrave = 0.07F;  // its board on the wall
+constexpr float kJamb = 0.03F;  // the frame inside the opening
 constexpr float kArchitraveDepth = 0.015F;
 constexpr float kLeafThickness = 0.04F;
 constexpr float kField = 0.013F;  // how much deeper a leaf's panels lie

@@ -10,8 +10,6 @@
 namespace roomwise::simulation {
 namespace {
 
-constexpr float kPi = std::numbers::pi_v<float>;
-constexpr float kGap = 1e-3F;          // rays start and end this far from surfaces
 constexpr float kSunRadius = 0.0047F;  // of its disc, rad
 constexpr float kShadeTransmission = 0.35F;
 constexpr float kShadeReach = 0.14F;  // a lamp's shade begins this far below its light

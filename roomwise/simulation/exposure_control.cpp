@@ -28,7 +28,7 @@ struct Metering {
   Eigen::Vector2d color = Eigen::Vector2d::Zero();  // log of red and blue against green
 };
 
-double luminance(const Eigen::Vector3f& radiance) {
+double metered_luminance(const Eigen::Vector3f& radiance) {
   return radiance.dot(Eigen::Vector3f(0.2126F, 0.7152F, 0.0722F));
 }
 
@@ -42,7 +42,7 @@ void for_metered_pixels(const image::Image<Eigen::Vector3f>& radiance, const Bod
 Metering meter(const image::Image<Eigen::Vector3f>& radiance) {
   double sum_ev = 0, count = 0;
   for_metered_pixels(radiance, [&](const Eigen::Vector3f& pixel) {
-    sum_ev += std::log2(std::max<double>(luminance(pixel), kDarkestMetered));
+    sum_ev += std::log2(std::max<double>(metered_luminance(pixel), kDarkestMetered));
     ++count;
   });
   Metering metering;
@@ -54,7 +54,8 @@ Metering meter(const image::Image<Eigen::Vector3f>& radiance) {
   const double brightest = 4 * std::exp2(metering.mean_ev);
   Eigen::Vector3d sum = Eigen::Vector3d::Constant(1e-12);
   for_metered_pixels(radiance, [&](const Eigen::Vector3f& pixel) {
-    if (luminance(pixel) < brightest) sum += pixel.cast<double>().array().pow(kNorm).matrix();
+    if (metered_luminance(pixel) < brightest)
+      sum += pixel.cast<double>().array().pow(kNorm).matrix();
   });
   metering.color =
       Eigen::Vector2d(std::log(sum.x() / sum.y()), std::log(sum.z() / sum.y())) / kNorm;

@@ -14,7 +14,6 @@ namespace roomwise::simulation {
 namespace {
 
 constexpr float kSkirtingHeight = 0.075F, kSkirtingDepth = 0.013F;
-constexpr float kArchitrave = 0.07F;  // of a door, which the skirting board ends at
 
 void add_skirting_piece(Fittings& fittings, const WallFace& face, float from_m, float to_m,
                         std::uint32_t look) {

@@ -36,10 +36,6 @@ RoomSize size_of(RoomKind kind) {
   return {4.5, 22, 1.4, 12};
 }
 
-double between(RandomStream& random, double low, double high) {
-  return low + (high - low) * random.uniform();
-}
-
 bool is_plausible(const LayoutCell& cell) {
   const RoomSize limits = size_of(cell.kind);
   const Eigen::Vector2d sides = size(cell.outline);
@@ -81,7 +77,7 @@ std::vector<LayoutCell> try_layout(RandomStream& random, std::span<const RoomKin
   for (const RoomKind kind : rooms) {
     if (kind == RoomKind::kHall) continue;
     const RoomSize limits = size_of(kind);
-    const Wish wish{kind, between(random, limits.least_area_m2, limits.most_area_m2)};
+    const Wish wish{kind, random.between(limits.least_area_m2, limits.most_area_m2)};
     if (has_end && !end && kind == RoomKind::kLivingRoom) {
       end = wish;
     } else {
@@ -92,11 +88,11 @@ std::vector<LayoutCell> try_layout(RandomStream& random, std::span<const RoomKin
   std::shuffle(a.begin(), a.end(), random);
   std::shuffle(b.begin(), b.end(), random);
 
-  const double hall = between(random, 1.45, 1.85);
-  double depth_a = between(random, 2.7, 4.7), depth_b = 0, end_width = 0;
+  const double hall = random.between(1.45, 1.85);
+  double depth_a = random.between(2.7, 4.7), depth_b = 0, end_width = 0;
   double length = total_area(a) / depth_a;
   if (end) {
-    depth_b = between(random, 2.7, 4.4);
+    depth_b = random.between(2.7, 4.4);
     end_width = end->area_m2 / (hall + depth_b);
     length = total_area(b) / depth_b + end_width;
     depth_a = total_area(a) / length;

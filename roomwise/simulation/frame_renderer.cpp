@@ -12,8 +12,7 @@
 namespace roomwise::simulation {
 namespace {
 
-constexpr float kFarthest = 200;  // m along the optical axis
-constexpr int kTile = 32;         // px
+constexpr int kTile = 32;  // px
 
 // A block's rays go about the same way and are traced together.
 constexpr int kBlock = 4;  // px
@@ -114,7 +113,7 @@ FrameRenderer::Hits FrameRenderer::first_hits(std::span<const Eigen::Vector2i> p
                                               int sample) const {
   RayCaster::Bundle bundle;
   for (const Eigen::Vector2i& pixel : pixels) {
-    bundle.add(ray_of(pixel.x(), pixel.y(), sample).direction, kFarthest);
+    bundle.add(ray_of(pixel.x(), pixel.y(), sample).direction, kFarthestDrawn);
   }
   return scene_.rays().first_hits(origin_, bundle);
 }
@@ -130,7 +129,7 @@ void FrameRenderer::look_through_center(int x, int y, std::optional<RayHit> hit,
     const SceneTriangle& triangle = scene_.triangles()[hit->triangle];
     if (scene_.appearances()[triangle.appearance].opacity() > 0.5F) break;
     hit = scene_.rays().first_hit(ray.origin, ray.direction, hit->distance * (1 + 1e-5F) + 1e-5F,
-                                  kFarthest, RayCaster::Meets::kEverything);
+                                  kFarthestDrawn, RayCaster::Meets::kEverything);
   }
   if (hit) {
     frame.depth_m.at(x, y) = hit->distance;

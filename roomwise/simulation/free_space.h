@@ -14,6 +14,10 @@ namespace roomwise::simulation {
 constexpr double kBodyFromHeight = 0.1;
 constexpr double kBodyToHeight = 1.9;
 
+// A person's, seen from above, and what it takes to walk: the body sways, and the grid has cells.
+constexpr double kPersonRadius = 0.25;
+constexpr double kWalkingRadius = 0.30;
+
 // The floor as a grid of 5 cm cells that know how far the nearest wall or thing is.
 class FreeSpace {
  public:

@@ -10,14 +10,14 @@
 namespace roomwise::simulation {
 namespace {
 
-constexpr std::string_view kText = "what the model is called";
+constexpr std::string_view kContent = "what the model is called";
 
 // An archive with one file, not packed, so that a test finds its bytes.
 void write_archive(const std::filesystem::path& path) {
   int code = 0;
   zip_t* archive = zip_open(path.c_str(), ZIP_CREATE, &code);
   ASSERT_NE(archive, nullptr);
-  zip_source_t* source = zip_source_buffer(archive, kText.data(), kText.size(), 0);
+  zip_source_t* source = zip_source_buffer(archive, kContent.data(), kContent.size(), 0);
   const zip_int64_t index = zip_file_add(archive, "house/bed/bed.txt", source, ZIP_FL_ENC_UTF_8);
   ASSERT_GE(index, 0);
   ASSERT_EQ(zip_set_file_compression(archive, static_cast<zip_uint64_t>(index), ZIP_CM_STORE, 0),
@@ -32,7 +32,7 @@ TEST(FurnitureArchive, ReadsAndListsItsFiles) {
   ASSERT_OK(archive);
   const auto bytes = archive->read("house/bed/bed.txt");
   ASSERT_OK(bytes);
-  EXPECT_EQ(std::string(bytes->begin(), bytes->end()), kText);
+  EXPECT_EQ(std::string(bytes->begin(), bytes->end()), kContent);
   EXPECT_THAT(archive->files_in("house/bed"), ::testing::ElementsAre("bed.txt"));
   EXPECT_THAT(archive->files_in("house/be"), ::testing::IsEmpty());
   EXPECT_ERROR(archive->read("house/bed/chair.txt"), "chair.txt: not in the archive");
@@ -47,7 +47,7 @@ TEST(FurnitureArchive, TellsOfDamageAndNamesThePackage) {
   write_archive(folder / "a.sh3f");
   auto bytes = read_file(folder / "a.sh3f");
   ASSERT_OK(bytes);
-  *std::search(bytes->begin(), bytes->end(), kText.begin(), kText.end()) ^= 1U;
+  *std::search(bytes->begin(), bytes->end(), kContent.begin(), kContent.end()) ^= 1U;
   ASSERT_OK(write_file(folder / "a.sh3f", *bytes));
   const auto archive = FurnitureArchive::open(folder / "a.sh3f");
   ASSERT_OK(archive);

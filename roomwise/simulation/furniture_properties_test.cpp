@@ -7,7 +7,7 @@
 namespace roomwise::simulation {
 namespace {
 
-constexpr std::string_view kText = R"(# PluginFurnitureCatalog.properties
+constexpr std::string_view kProperties = R"(# PluginFurnitureCatalog.properties
 id=House
 license=Public domain
 
@@ -31,7 +31,7 @@ creator#3=B. Maker
 )";
 
 TEST(FurnitureProperties, ReadsModelsInMetresWithTheirDefaults) {
-  const auto models = parse_furniture_properties(kText);
+  const auto models = parse_furniture_properties(kProperties);
   ASSERT_OK(models);
   ASSERT_EQ(models->size(), 2U);
   const FurnitureProperties& lamp = (*models)[0];
@@ -54,13 +54,13 @@ TEST(FurnitureProperties, ReadsModelsInMetresWithTheirDefaults) {
 TEST(FurnitureProperties, NamesThePropertyThatIsWrong) {
   EXPECT_ERROR(parse_furniture_properties("name#7=Bed\nmodel#7=/a/b.obj\ncreator#7=C\n"),
                "width#7 is missing");
-  std::string text(kText);
+  std::string text(kProperties);
   text.replace(text.find("40.5"), 4, "wide");
   EXPECT_ERROR(parse_furniture_properties(text), "depth#2 is not a number");
-  text = kText;
+  text = kProperties;
   text.replace(text.find("width#3=80"), 10, "width#3=-8");
   EXPECT_ERROR(parse_furniture_properties(text), "#3 is not positive");
-  text = kText;
+  text = kProperties;
   text.replace(text.find("0 0 1 0"), 7, "0 0 1");
   EXPECT_ERROR(parse_furniture_properties(text), "modelRotation#2 is not nine numbers");
 }

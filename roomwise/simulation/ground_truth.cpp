@@ -16,8 +16,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kPersonRadius = 0.25;
-
 // Tenths of a millimetre, so that files stay readable.
 double rounded(double value) {
   constexpr double kUnits = 1e4;

@@ -12,10 +12,7 @@ namespace roomwise::simulation {
 namespace {
 
 constexpr double kTolerance = 0.002;
-constexpr double kCarpetHeight = 0.05;
-// A person of 0.25 m with some sway, who reaches half a metre beyond that.
-constexpr double kPersonRadius = 0.30;
-constexpr double kReach = 0.5;
+constexpr double kArmsReach = 0.5;  // beyond the walking person's rim
 
 bool is_flat(const PlacedObject& object) {
   return !object.stands_on && object.size_m.z() < kCarpetHeight;
@@ -166,10 +163,10 @@ std::vector<std::string> find_unreachable(const HomeModel& home) {
       std::ranges::find_if(home.doors, [](const Door& door) { return !door.other_room; });
   const Eigen::Vector2d inside =
       center(home.rooms[front != home.doors.end() ? front->room : std::size_t{0}].interior);
-  const auto start =
-      space.nearest_free(front != home.doors.end() ? front->opening.center : inside, kPersonRadius);
+  const auto start = space.nearest_free(front != home.doors.end() ? front->opening.center : inside,
+                                        kWalkingRadius);
   if (!start) return {"nobody can stand inside the front door"};
-  const std::vector<bool> reached = space.reachable_from(*start, kPersonRadius);
+  const std::vector<bool> reached = space.reachable_from(*start, kWalkingRadius);
 
   std::vector<int> cells(home.rooms.size());
   std::vector<bool> is_near(home.objects.size());
@@ -183,7 +180,7 @@ std::vector<std::string> find_unreachable(const HomeModel& home) {
       ++cells[room];
       for (std::size_t i = 0; i < footprints.size(); ++i) {
         if (is_near[i] || home.objects[i].room != room) continue;
-        is_near[i] = footprints[i].distance_m(place) < kPersonRadius + kReach;
+        is_near[i] = footprints[i].distance_m(place) < kWalkingRadius + kArmsReach;
       }
     }
   }

@@ -13,6 +13,8 @@
 // Where things of a home lie, as shapes that can be tested against one another.
 namespace roomwise::simulation {
 
+constexpr double kCarpetHeight = 0.05;  // flatter things lie under others
+
 // What an upright thing takes up: a rectangle on the floor, turned by yaw_rad, and its heights.
 struct Footprint {
   Eigen::Vector2d center = Eigen::Vector2d::Zero();

@@ -48,10 +48,6 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 27> kNames{{
     {"washbasin", "washbasin"},
 }};
 
-double between(RandomStream& random, double low, double high) {
-  return low + (high - low) * random.uniform();
-}
-
 // A camera whose longer side sees this angle; two of four lie, one stands, one is square.
 geometry::PinholeCamera draw_camera(RandomStream& random, int longer_side_px) {
   constexpr double kMostDegrees = 66, kLeastDegrees = 54;
@@ -64,7 +60,7 @@ geometry::PinholeCamera draw_camera(RandomStream& random, int longer_side_px) {
                                                   {square_px, square_px}}};
   geometry::PinholeCamera camera = {};
   std::tie(camera.width, camera.height) = sizes[random.index(sizes.size())];
-  const double half_angle = between(random, kLeastDegrees, kMostDegrees) * kRadian / 2;
+  const double half_angle = random.between(kLeastDegrees, kMostDegrees) * kRadian / 2;
   camera.fx = camera.fy = std::max(camera.width, camera.height) / (2 * std::tan(half_angle));
   camera.cx = (camera.width - 1) / 2.0;
   camera.cy = (camera.height - 1) / 2.0;
@@ -81,12 +77,12 @@ geometry::RigidTransform rolled(const geometry::RigidTransform& world_from_camer
                                 RandomStream& random) {
   constexpr double kMost_rad = 5 * kRadian;
   geometry::Vector6d turn = geometry::Vector6d::Zero();
-  turn[2] = between(random, -kMost_rad, kMost_rad);
+  turn[2] = random.between(-kMost_rad, kMost_rad);
   return world_from_camera * geometry::RigidTransform::exp(turn);
 }
 
 double draw_height_m(RandomStream& random) {
-  return between(random, 1.2, 1.6);
+  return random.between(1.2, 1.6);
 }
 
 double share_of_pixels(const RenderedFrame& frame, std::size_t object) {
@@ -164,18 +160,18 @@ class Chooser {
     const PlacedObject& piece = home_.objects[object];
     HomeView view;
     view.room = piece.room;
-    view.pace = between(random, -2, 2);
+    view.pace = random.between(-2, 2);
     view.camera = draw_camera(random, options_.longer_side_px);
     const Eigen::Vector3d eye(from.place.x(), from.place.y(), draw_height_m(random));
     Eigen::Vector3d aim(0, 0, piece.size_m.z() / 2);
     constexpr double kBeside = 0.25;  // of the piece's sizes
     for (int axis = 0; axis < 3; ++axis) {
-      aim[axis] += between(random, -kBeside, kBeside) * piece.size_m[axis];
+      aim[axis] += random.between(-kBeside, kBeside) * piece.size_m[axis];
     }
     aim = piece.world_from_object * aim;
     view.world_from_camera = rolled(looking_at(eye, aim), random);
     // As it looks from there, or so near that it fills the picture by this share.
-    const double share = between(random, 0.45, 1.1);
+    const double share = random.between(0.45, 1.1);
     const double fills = piece.size_m.maxCoeff() / (aim - eye).norm() * view.camera.fx /
                          std::min(view.camera.width, view.camera.height);
     constexpr double kMostZoom = 5, kAsItIs = 0.3;
@@ -212,12 +208,12 @@ class Chooser {
     HomeView view;
     view.shows = name_in_views(home_.rooms[room].kind);
     view.room = room;
-    view.pace = between(random, -2, 2);
+    view.pace = random.between(-2, 2);
     view.camera = draw_camera(random, options_.longer_side_px);
     const Eigen::Vector2d place = places[random.index(places.size())];
     const Eigen::Vector3d eye(place.x(), place.y(), draw_height_m(random));
-    const double heading = between(random, 0, 360 * kRadian);
-    const double up = between(random, -15 * kRadian, 15 * kRadian);
+    const double heading = random.between(0, 360 * kRadian);
+    const double up = random.between(-15 * kRadian, 15 * kRadian);
     const Eigen::Vector3d forward(std::cos(up) * std::cos(heading),
                                   std::cos(up) * std::sin(heading), std::sin(up));
     view.world_from_camera = rolled(looking_at(eye, eye + forward), random);

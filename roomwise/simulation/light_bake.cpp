@@ -18,8 +18,6 @@
 namespace roomwise::simulation {
 namespace {
 
-constexpr float kPi = std::numbers::pi_v<float>;
-constexpr float kGap = 1e-3F;
 constexpr int kFirstBounceRays = 20, kLastBounceRays = 56;
 // Indirect light brighter than this many times the home's mean is cut: no bright specks.
 constexpr float kBrightest = 12;

@@ -11,8 +11,6 @@
 namespace roomwise::simulation {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 class LightBakeTest : public ::testing::Test {
  protected:
   // The scene of a home whose objects are all boxes.
@@ -60,7 +58,7 @@ TEST_F(LightBakeTest, SmallLampLightsByTheInverseSquareAndTheCosine) {
   ASSERT_OK(light);
   for (const double x : {2.0, 2.5, 3.0, 3.5}) {
     const double squared = (x - 2) * (x - 2) + 1.5 * 1.5;
-    const double expected = 1000 / (4 * kPi) * 1.5 / std::pow(squared, 1.5);
+    const double expected = 1000 / (4 * std::numbers::pi) * 1.5 / std::pow(squared, 1.5);
     EXPECT_NEAR(luminance(on_floor(scene, *light, static_cast<float>(x), 2)), expected,
                 0.04 * expected);
   }
@@ -76,7 +74,7 @@ TEST_F(LightBakeTest, PanelLightsLikeALambertianSurface) {
   const double height = 2.567;
   for (const double x : {2.0, 3.0, 3.6}) {
     const double squared = (x - 2) * (x - 2) + height * height;
-    const double expected = 2000 / kPi * height * height / (squared * squared);
+    const double expected = 2000 / std::numbers::pi * height * height / (squared * squared);
     EXPECT_NEAR(luminance(on_floor(scene, *light, static_cast<float>(x), 2)), expected,
                 0.06 * expected);
   }

@@ -10,9 +10,9 @@
 namespace roomwise::simulation {
 namespace {
 
-constexpr float kReach = 0.078F;  // m: points further away tell nothing
-constexpr float kColumn = 0.04F;  // m
-constexpr float kAcross = 50;     // a step out of the plane counts as so many along it, squared
+constexpr float kPointReach = 0.078F;  // m: points further away tell nothing
+constexpr float kColumn = 0.04F;       // m
+constexpr float kAcross = 50;  // a step out of the plane counts as so many along it, squared
 constexpr float kLeastFacing = 0.5F;
 constexpr int kBatch = 8;  // points weighed at a time
 
@@ -21,26 +21,27 @@ int column_of(float coordinate) {
 }
 
 // From where to where, relative to the place, a column can hold points that tell of it.
-struct Stretch {
+struct ColumnStretch {
   float low = 0, high = 0;  // along z
   [[nodiscard]] bool is_empty() const { return low > high; }
 };
 
 // x and y: where the column begins, relative to the place.
-Stretch stretch_of(float x, float y, const Eigen::Vector3f& normal) {
+ColumnStretch stretch_of(float x, float y, const Eigen::Vector3f& normal) {
   const float off_x = std::max({0.0F, x, -x - kColumn}), off_y = std::max({0.0F, y, -y - kColumn});
-  const float left = kReach * kReach - off_x * off_x - off_y * off_y;
+  const float left = kPointReach * kPointReach - off_x * off_x - off_y * off_y;
   if (left <= 0) return {1, 0};
-  Stretch stretch{-std::sqrt(left), std::sqrt(left)};
+  ColumnStretch stretch{-std::sqrt(left), std::sqrt(left)};
   // The slab around the plane: |normal . offset| < thickness.
-  static const float kThickness = kReach / std::sqrt(kAcross);
+  static const float kThickness = kPointReach / std::sqrt(kAcross);
   const float begin = normal.x() * x + normal.y() * y;
   const float step_x = normal.x() * kColumn, step_y = normal.y() * kColumn;
   const float least = begin + std::min(0.0F, step_x) + std::min(0.0F, step_y) - kThickness;
   const float most = begin + std::max(0.0F, step_x) + std::max(0.0F, step_y) + kThickness;
   constexpr float kUpright = 1e-3F;
   if (std::abs(normal.z()) < kUpright) {
-    return least > kUpright * kReach || most < -kUpright * kReach ? Stretch{1, 0} : stretch;
+    return least > kUpright * kPointReach || most < -kUpright * kPointReach ? ColumnStretch{1, 0}
+                                                                            : stretch;
   }
   const float a = -most / normal.z(), b = -least / normal.z();
   return {std::max(stretch.low, std::min(a, b)), std::min(stretch.high, std::max(a, b))};
@@ -109,12 +110,12 @@ void LightPointIndex::find(std::uint16_t object, const Eigen::Vector3f& position
                            const Eigen::Vector3f& normal, std::vector<Neighbor>& found) const {
   if (object >= columns_.size()) return;
   const Columns& columns = columns_[object];
-  const int from_x = std::max(column_of(position.x() - kReach) - columns.first_x, 0);
-  const int from_y = std::max(column_of(position.y() - kReach) - columns.first_y, 0);
+  const int from_x = std::max(column_of(position.x() - kPointReach) - columns.first_x, 0);
+  const int from_y = std::max(column_of(position.y() - kPointReach) - columns.first_y, 0);
   const int to_x =
-      std::min(column_of(position.x() + kReach) - columns.first_x, columns.count_x - 1);
+      std::min(column_of(position.x() + kPointReach) - columns.first_x, columns.count_x - 1);
   const int to_y =
-      std::min(column_of(position.y() + kReach) - columns.first_y, columns.count_y - 1);
+      std::min(column_of(position.y() + kPointReach) - columns.first_y, columns.count_y - 1);
   const std::vector<float>& heights = positions_[2];
   for (int x = from_x; x <= to_x; ++x) {
     const float begin_x = static_cast<float>(x + columns.first_x) * kColumn - position.x();
@@ -123,7 +124,7 @@ void LightPointIndex::find(std::uint16_t object, const Eigen::Vector3f& position
                          static_cast<std::ptrdiff_t>(x) * columns.count_y + y;
       if (start[0] == start[1]) continue;
       const float begin_y = static_cast<float>(y + columns.first_y) * kColumn - position.y();
-      const Stretch stretch = stretch_of(begin_x, begin_y, normal);
+      const ColumnStretch stretch = stretch_of(begin_x, begin_y, normal);
       if (stretch.is_empty()) continue;
       const auto column_end = heights.begin() + start[1];
       const auto low =
@@ -148,8 +149,8 @@ void LightPointIndex::weigh(std::size_t first, std::size_t end, const Eigen::Vec
     const Batch beside = normal.x() * dx + normal.y() * dy + normal.z() * dz;
     const Batch facing = normal.x() * batch(normals_[0]) + normal.y() * batch(normals_[1]) +
                          normal.z() * batch(normals_[2]);
-    const Batch squared =
-        (dx * dx + dy * dy + dz * dz + kAcross * beside * beside) * (1 / (kReach * kReach));
+    const Batch squared = (dx * dx + dy * dy + dz * dz + kAcross * beside * beside) *
+                          (1 / (kPointReach * kPointReach));
     const Batch near = (1 - squared).max(0.0F);
     const Batch alike = (facing.abs() - kLeastFacing).max(0.0F);
     const Batch weights = near * near * (alike * alike) * batch(openness_squared_);

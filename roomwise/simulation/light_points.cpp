@@ -12,9 +12,8 @@
 namespace roomwise::simulation {
 namespace {
 
-constexpr float kCell = 0.06F;   // m: light is gathered about this densely
-constexpr float kPlane = 0.02F;  // m: parallel planes further apart have points of their own
-constexpr float kGap = 1e-3F;
+constexpr float kCell = 0.06F;    // m: light is gathered about this densely
+constexpr float kPlane = 0.02F;   // m: parallel planes further apart have points of their own
 constexpr float kBuried = 0.05F;  // m: how far an open place sees at least
 
 int bin(float coordinate) {

@@ -8,6 +8,7 @@
 
 #include "roomwise/base/testing.h"
 #include "roomwise/image/codec.h"
+#include "roomwise/simulation/test_homes.h"
 
 namespace roomwise::simulation {
 namespace {
@@ -74,16 +75,6 @@ TEST(MeshLoader, KeepsCreasesWhereTheFileHasNoNormals) {
     EXPECT_TRUE(normal.cwiseAbs().maxCoeff() > 0.999F) << normal.transpose();
   }
   EXPECT_EQ(mesh->positions.size(), 8U) << "the two corners of the crease are there twice";
-}
-
-// The area of all triangles; faces that lie apart from each other or overlap show in it.
-double area_of(const TriangleMesh& mesh) {
-  double area = 0;
-  for (const auto& [corners, material] : mesh.triangles) {
-    const Eigen::Vector3f a = mesh.positions[corners[0]];
-    area += 0.5 * (mesh.positions[corners[1]] - a).cross(mesh.positions[corners[2]] - a).norm();
-  }
-  return area;
 }
 
 TEST(MeshLoader, CoversConcaveFaces) {

@@ -30,10 +30,6 @@ bool is_night(Scenario scenario) {
   return scenario == Scenario::kNight || scenario == Scenario::kMovedNight;
 }
 
-Eigen::Vector3f mix(const Eigen::Vector3f& a, const Eigen::Vector3f& b, float t) {
-  return a + (b - a) * t;
-}
-
 }  // namespace
 
 bool WindowHole::passes(const Eigen::Vector3f& origin, const Eigen::Vector3f& direction) const {

@@ -9,10 +9,6 @@
 namespace roomwise::simulation {
 namespace {
 
-Eigen::Vector3f mix(const Eigen::Vector3f& a, const Eigen::Vector3f& b, float t) {
-  return a + (b - a) * t;
-}
-
 // A colour of the wheel: hue in turns, saturation and value 0 to 1.
 Eigen::Vector3f color_of_hue(float hue, float saturation, float value) {
   const auto channel = [&](float offset) {

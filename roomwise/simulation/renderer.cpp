@@ -88,9 +88,8 @@ std::uint64_t BakedRenderer::trace_bare(const geometry::PinholeCamera& camera,
   for (int y = 0; y < camera.height; ++y) {
     for (int x = 0; x < camera.width; ++x) {
       const Eigen::Vector3f direction = rotation * directions->at(x, y, Eigen::Vector2f::Zero());
-      constexpr float kFarthest = 200;
-      const auto hit =
-          scene_.rays().first_hit(origin, direction, 0, kFarthest, RayCaster::Meets::kEverything);
+      const auto hit = scene_.rays().first_hit(origin, direction, 0, kFarthestDrawn,
+                                               RayCaster::Meets::kEverything);
       hits += hit ? 1 : 0;
     }
   }

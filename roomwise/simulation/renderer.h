@@ -16,6 +16,8 @@
 
 namespace roomwise::simulation {
 
+constexpr float kFarthestDrawn = 200;  // m along the optical axis
+
 // What the camera would see before its sensor spoils it.
 struct RenderedFrame {
   image::Image<Eigen::Vector3f> radiance;  // linear RGB, before exposure

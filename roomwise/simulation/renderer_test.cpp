@@ -13,8 +13,6 @@
 namespace roomwise::simulation {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 class RendererTest : public ::testing::Test {
  protected:
   static RenderOptions quick() {
@@ -112,7 +110,7 @@ TEST_F(RendererTest, DoorLeafTurnsAboutItsHinge) {
   const auto shut = render_home(home)->render(small_camera(), view, pool_);
   // Shut, its face lies in the face of the wall on the side that it opens to: x = 4.12, 4 cm thick.
   EXPECT_NEAR(shut.depth_m.at(44, 34), 2.09, 0.03);
-  home.doors[0].open_rad = kPi / 2;
+  home.doors[0].open_rad = std::numbers::pi / 2;
   const auto open = render_home(home)->render(small_camera(), view, pool_);
   EXPECT_NEAR(open.depth_m.at(40, 30), 6.12, 1e-3);
 }

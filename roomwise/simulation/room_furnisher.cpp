@@ -8,13 +8,9 @@
 namespace roomwise::simulation {
 namespace {
 
-constexpr double kCurtainRoom = 0.09;   // the same for a curtain
-constexpr double kGap = 0.02;           // between neighbours
-constexpr double kCarpetHeight = 0.05;  // flatter things lie under others
-// A little more than a person's 0.25 m, for the grid's sake.
-constexpr double kPersonRadius = 0.30;
-constexpr int kFewestCells = 120;  // of free floor where the person's middle can be
-constexpr double kReach = 0.35;    // from the person's rim to what is to be reached
+constexpr double kBetween = 0.02;   // between neighbours
+constexpr int kFewestCells = 120;   // of free floor where the person's middle can be
+constexpr double kUseReach = 0.35;  // from the person's rim to what is to be reached
 
 Footprint zone_before(const Footprint& footprint, double depth_m) {
   Footprint zone = footprint;
@@ -151,11 +147,11 @@ bool RoomFurnisher::touches_curtain(const Footprint& footprint) const {
 }
 
 bool RoomFurnisher::touches_anything(const PlacedObject& object) const {
-  const Footprint footprint = footprint_of(object).grown(kGap / 2);
+  const Footprint footprint = footprint_of(object).grown(kBetween / 2);
   for (std::size_t i = 0; i < home_.objects.size(); ++i) {
     if (home_.objects[i].room != room_ || object.stands_on == i) continue;
     if (is_same_thing(object, home_.objects[i])) continue;
-    const Footprint other = footprint_of(home_.objects[i]).grown(kGap / 2);
+    const Footprint other = footprint_of(home_.objects[i]).grown(kBetween / 2);
     if (is_flat(other) || is_flat(footprint)) continue;
     if (bodies_overlap(footprint, other, 1e-6)) return true;
   }
@@ -222,7 +218,7 @@ bool RoomFurnisher::keeps_ways_free(const PlacedObject& object) const {
   consider(object);
   obstacles.insert(obstacles.end(), curtains_.begin(), curtains_.end());
   const FreeSpace space(floors, obstacles);
-  const std::vector<bool> reached = space.reachable_from(goals.front(), kPersonRadius);
+  const std::vector<bool> reached = space.reachable_from(goals.front(), kWalkingRadius);
   std::vector<double> nearest(to_reach.size(), 1e9);
   std::vector<double> nearest_goal(goals.size(), 1e9);
   int free_cells = 0;
@@ -241,7 +237,7 @@ bool RoomFurnisher::keeps_ways_free(const PlacedObject& object) const {
   }
   return free_cells >= kFewestCells && std::ranges::max(nearest_goal) < 2 * FreeSpace::kCellSize &&
          std::ranges::all_of(nearest,
-                             [](double distance) { return distance < kPersonRadius + kReach; });
+                             [](double distance) { return distance < kWalkingRadius + kUseReach; });
 }
 
 void RoomFurnisher::add(PlacedObject object, double front_m) {

@@ -9,6 +9,9 @@
 
 namespace roomwise::simulation {
 
+constexpr float kPi = std::numbers::pi_v<float>;
+constexpr float kGap = 1e-3F;  // m: rays that gather light start and end this far from surfaces
+
 // Points that fill the unit square evenly from the first on (an additive recurrence on the plastic
 // number), shifted by a seed so that neighbours do not err alike.
 class EvenPoints {
@@ -44,7 +47,7 @@ struct TangentAxes {
 inline Eigen::Vector3f cosine_direction(const Eigen::Vector3f& normal, const TangentAxes& axes,
                                         const Eigen::Vector2f& point) {
   const float radius = std::sqrt(point.x());
-  const float angle = 2 * std::numbers::pi_v<float> * point.y();
+  const float angle = 2 * kPi * point.y();
   const float height = std::sqrt(std::max(0.0F, 1 - point.x()));
   return radius * std::cos(angle) * axes.u + radius * std::sin(angle) * axes.v + height * normal;
 }

@@ -12,17 +12,6 @@
 namespace roomwise::simulation {
 namespace {
 
-double area_of(const TriangleMesh& mesh) {
-  double sum = 0;
-  for (const TriangleMesh::Triangle& triangle : mesh.triangles) {
-    const Eigen::Vector3f& origin = mesh.positions[triangle.corners[0]];
-    const Eigen::Vector3f u = mesh.positions[triangle.corners[1]] - origin;
-    const Eigen::Vector3f v = mesh.positions[triangle.corners[2]] - origin;
-    sum += static_cast<double>(u.cross(v).norm()) / 2;
-  }
-  return sum;
-}
-
 TEST(Tessellation, SplitsLongEdgesAndKeepsTheSurface) {
   const TriangleMesh box = box_mesh({1.0F, 0.4F, 0.7F}, {});
   const TriangleMesh fine = tessellate(box, 0.1F, 0.05F);

@@ -9,8 +9,7 @@
 namespace roomwise::simulation {
 namespace {
 
-constexpr float kPi = std::numbers::pi_v<float>;
-constexpr float kGap = 5e-4F;
+constexpr float kShadingGap = 5e-4F;
 constexpr int kMostLayers = 4;  // of glass, one behind the other
 
 // Schlick's approximation: a surface seen from the side mirrors more.
@@ -39,7 +38,7 @@ Eigen::Vector3f Shading::mirrored(const ViewRay& ray, const Eigen::Vector3f& poi
   // What a rough surface mirrors is as blurred as its lobe is wide.
   mirror.spread = std::sqrt(2 / (look.shininess + 2));
   mirror.seed = ray.seed + 0x51ed27U;
-  const auto hit = scene_.rays().first_hit(mirror.origin, mirror.direction, kGap, 100,
+  const auto hit = scene_.rays().first_hit(mirror.origin, mirror.direction, kShadingGap, 100,
                                            RayCaster::Meets::kOpaque);
   return hit ? surface(mirror, *hit, false) : outside(mirror);
 }
@@ -49,7 +48,7 @@ Eigen::Vector3f Shading::surface(const ViewRay& ray, const RayHit& hit, bool wit
   const bool is_front = scene_.is_front(hit, ray.direction);
   const Eigen::Vector3f plane = is_front ? triangle.normal : Eigen::Vector3f(-triangle.normal);
   const Eigen::Vector3f hit_point = ray.origin + hit.distance * ray.direction;
-  const Eigen::Vector3f point = hit_point + kGap * plane;
+  const Eigen::Vector3f point = hit_point + kShadingGap * plane;
   const Eigen::Vector3f normal = triangle.patch >= 0 ? plane : scene_.normal_at(hit, ray.direction);
   const float length = ray.direction.norm();
   const float cosine = std::max(0.02F, -plane.dot(ray.direction) / length);
@@ -92,7 +91,7 @@ bool Shading::is_in_sun(const ViewRay& ray, const RayHit& hit) const {
   const Eigen::Vector3f plane =
       scene_.is_front(hit, ray.direction) ? triangle.normal : Eigen::Vector3f(-triangle.normal);
   if (plane.dot(outside.sun_direction()) <= 0) return false;
-  const Eigen::Vector3f point = ray.origin + hit.distance * ray.direction + kGap * plane;
+  const Eigen::Vector3f point = ray.origin + hit.distance * ray.direction + kShadingGap * plane;
   return outside.seen_through_a_window(point, outside.sun_direction()) &&
          !scene_.rays().is_blocked(point, outside.sun_direction(), 0, 100);
 }

@@ -14,7 +14,7 @@ namespace {
 constexpr int kLargestTexture_px = 1024;
 // Nothing in a home reflects more or less; without the first light would hardly fade from bounce to
 // bounce.
-constexpr float kBrightest = 0.9F, kDarkest = 0.02F;
+constexpr float kMostDiffuse = 0.9F, kLeastDiffuse = 0.02F;
 
 float linear_of(float srgb) {
   srgb = std::clamp(srgb, 0.0F, 1.0F);
@@ -133,7 +133,7 @@ Expected<std::vector<SurfaceMaterial>> surface_materials(
       ROOMWISE_TRY(surface.texture, textures.get(material.diffuse_texname));
       if (surface.texture != nullptr) surface.diffuse = tint_of(surface.diffuse);
     }
-    surface.diffuse = surface.diffuse.cwiseMin(kBrightest).cwiseMax(kDarkest);
+    surface.diffuse = surface.diffuse.cwiseMin(kMostDiffuse).cwiseMax(kLeastDiffuse);
     surfaces.push_back(std::move(surface));
   }
   return surfaces;

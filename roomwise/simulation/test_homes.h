@@ -40,6 +40,18 @@ inline TriangleMesh box_mesh(const Eigen::Vector3f& size, const SurfaceMaterial&
   return mesh;
 }
 
+// The area of all triangles; faces that lie apart from each other or overlap show in it.
+inline double area_of(const TriangleMesh& mesh) {
+  double sum = 0;
+  for (const TriangleMesh::Triangle& triangle : mesh.triangles) {
+    const Eigen::Vector3f& origin = mesh.positions[triangle.corners[0]];
+    const Eigen::Vector3f u = mesh.positions[triangle.corners[1]] - origin;
+    const Eigen::Vector3f v = mesh.positions[triangle.corners[2]] - origin;
+    sum += static_cast<double>(u.cross(v).norm()) / 2;
+  }
+  return sum;
+}
+
 inline Finish plain_finish(std::uint8_t value) {
   Finish finish;
   finish.color = finish.accent = {value, value, value};

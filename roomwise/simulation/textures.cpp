@@ -11,7 +11,7 @@
 namespace roomwise::simulation {
 namespace {
 
-constexpr float kPi = std::numbers::pi_v<float>;
+constexpr float kTurn = 2 * std::numbers::pi_v<float>;
 // No real surface gives back more than this of the light.
 constexpr float kWhitest = 0.85F;
 // How much of the accent's colour the wallpapers show: stripes, ornaments, dots, print.
@@ -36,10 +36,6 @@ float line_cover(float x, float period, float width, float footprint) {
   const float half = std::max(footprint, 1e-4F) / 2;
   return (length_in_lines(x + half, period, width) - length_in_lines(x - half, period, width)) /
          (2 * half);
-}
-
-Eigen::Vector3f mix(const Eigen::Vector3f& a, const Eigen::Vector3f& b, float t) {
-  return a + (b - a) * t;
 }
 
 float share_of_accent(Material material, std::uint32_t seed) {
@@ -121,8 +117,8 @@ SurfaceLook FinishTexture::wallpaper(const Eigen::Vector2f& p, float footprint_m
                     line_cover(p.x() + 0.35F * scale_m_, scale_m_, 0.05F * scale_m_, footprint_m));
       break;
     case 1: {  // ornaments in staggered rows
-      const float column = std::sin(2 * kPi * x), row = std::sin(2 * kPi * y);
-      const float petal = column * row + 0.5F * std::cos(4 * kPi * x) * std::cos(2 * kPi * y);
+      const float column = std::sin(kTurn * x), row = std::sin(kTurn * y);
+      const float petal = column * row + 0.5F * std::cos(2 * kTurn * x) * std::cos(kTurn * y);
       accent = lerp(kWallpaperShare[1], smooth_step(0.05F, 0.25F, petal), shown);
       break;
     }
@@ -134,11 +130,10 @@ SurfaceLook FinishTexture::wallpaper(const Eigen::Vector2f& p, float footprint_m
       break;
     }
     default:  // leaves of a soft, irregular print
-      accent =
-          lerp(0.35F,
-               smooth_step(0.0F, 0.12F,
-                           layered_noise(3 * x + 0.7F * std::sin(2 * kPi * y), 2 * y, seed_, 3)),
-               shown);
+      accent = lerp(0.35F,
+                    smooth_step(0.0F, 0.12F,
+                                layered_noise(3 * x + 0.7F * std::sin(kTurn * y), 2 * y, seed_, 3)),
+                    shown);
       break;
   }
   const float fibre = visible_share(0.004F, footprint_m);

@@ -12,9 +12,6 @@
 namespace roomwise::simulation {
 namespace {
 
-// A person's 0.25 m, the body's sway and the grid's cells.
-constexpr double kWalkingRadius = 0.30;
-
 // Rounds the corners of a way along cells, as far as it stays clear of things.
 std::vector<Eigen::Vector2d> smoothed(const std::vector<Eigen::Vector2d>& way,
                                       const FreeSpace& space) {
@@ -199,10 +196,10 @@ class RoutePlanner {
     std::vector<Gaze>& gazes = route_.legs.back().gazes;
     const double from = gazes.empty() ? heading_ : gazes.back().heading_rad;
     const double side = random_.uniform() < 0.5 ? -1 : 1;
-    constexpr int kSteps = 6;
-    for (int i = 1; i <= kSteps; ++i) {
+    constexpr int kDirections = 6;
+    for (int i = 1; i <= kDirections; ++i) {
       Gaze gaze;
-      gaze.heading_rad = from + side * i * 2 * std::numbers::pi / kSteps;
+      gaze.heading_rad = from + side * i * 2 * std::numbers::pi / kDirections;
       gaze.down_rad = 0.1 + 0.16 * random_.uniform();
       gaze.is_fast = is_fast && (i == 2 || i == 3);
       gazes.push_back(gaze);
@@ -228,9 +225,9 @@ class RoutePlanner {
   }
 
   [[nodiscard]] bool sees_wall(std::size_t room, double heading) const {
-    constexpr double kFar = 1.6, kStep = 0.05;
+    constexpr double kFarAhead = 1.6, kStep = 0.05;
     const Eigen::Vector2d direction(std::cos(heading), std::sin(heading));
-    for (double distance = kStep; distance < kFar; distance += kStep) {
+    for (double distance = kStep; distance < kFarAhead; distance += kStep) {
       const Eigen::Vector2d point = place_ + direction * distance;
       if (!contains(home_.rooms[room].interior, point)) {
         return std::ranges::none_of(home_.doors, [&](const Door& door) {

@@ -6,17 +6,10 @@
 #include "roomwise/base/random.h"
 #include "roomwise/mapping/bundle_adjustment.h"
 #include "roomwise/mapping/edge_error.h"
+#include "roomwise/mapping/testing/random_transform.h"
 
 // A made-up scene of landmarks for tests: not part of the product.
 namespace roomwise::mapping::testing {
-
-inline geometry::RigidTransform random_transform(RandomStream& random, double translation_m,
-                                                 double rotation_rad) {
-  geometry::Vector6d twist;
-  for (double& value : twist.head<3>()) value = rotation_rad * random.normal();
-  for (double& value : twist.tail<3>()) value = translation_m * random.normal();
-  return geometry::RigidTransform::exp(twist);
-}
 
 struct SceneOptions {
   std::uint64_t seed = 1;
