@@ -10,7 +10,6 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr std::size_t kMostLegs = 4;
-constexpr double kSpokenIn_s = 3;
 constexpr double kThere_m = 0.5;     // less than a step: nobody needs to be told
 constexpr double kShortLeg_m = 0.4;  // a corner that is cut, not a leg
 constexpr double kDegree = std::numbers::pi / 180;
