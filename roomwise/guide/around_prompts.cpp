@@ -11,8 +11,6 @@ constexpr std::size_t kMostThings = 4;  // more is forgotten before the last is 
 // it were so much farther away.
 constexpr double kSmall_m = 0.3;
 constexpr double kSmallIsFarther_m = 2;
-// Who asks what is around stands and listens; what is said before takes about so long.
-constexpr double kSpokenIn_s = 3;
 
 struct Near {
   const KnownThing* thing = nullptr;
@@ -98,7 +96,7 @@ std::vector<Prompt> things_of_room(const std::string& room, std::span<const Know
   for (const bool sure : {true, false}) {
     const auto names = names_in(room, things, sure);
     if (names.empty()) continue;
-    parts.add("around.room", {{"things", guide::things(names)}}, sure,
+    parts.add("around.room", {{"things", thing_list(names)}}, sure,
               fmt::format("the map has them in \"{}\"; the position is not known", room));
   }
   return std::move(parts).take();
@@ -117,7 +115,7 @@ std::vector<Prompt> things_of_place(const Pose& pose, const std::optional<std::s
       if (each.bearing.is_close() && counts_as_sure == sure) names.push_back(each.thing->name);
     }
     if (names.empty()) continue;
-    parts.add("around.close", {{"things", guide::things(names)}}, sure, "the map has them here");
+    parts.add("around.close", {{"things", thing_list(names)}}, sure, "the map has them here");
   }
   for (const Near& each : near) {
     if (each.bearing.is_close()) continue;

@@ -29,10 +29,10 @@ int count_words(const std::string& text) {
 Values some_values(const std::set<std::string>& names) {
   const std::map<std::string, std::variant<std::string, Nouns>> values{
       {"thing", thing("washing machine")},
-      {"things", things({"bed", "chair", "tv"})},
+      {"things", thing_list({"bed", "chair", "tv"})},
       {"goal", thing("washing machine")},
       {"room", room("living room")},
-      {"via", rooms({"corridor"})},
+      {"via", room_list({"corridor"})},
       {"hour", "11"},
       {"count", "3"},
       {"distance", "12 steps"},

@@ -6,7 +6,6 @@ namespace roomwise::guide {
 namespace {
 
 constexpr double kTooOld_s = 60;
-constexpr double kSpokenIn_s = 4;  // a prompt, with "Earlier:" before it
 
 }  // namespace
 

@@ -65,13 +65,13 @@ Nouns nouns(Noun::Kind kind, const std::vector<std::string>& names) {
 Nouns thing(const std::string& name) {
   return {{Noun::Kind::kThing, name}};
 }
-Nouns things(const std::vector<std::string>& names) {
+Nouns thing_list(const std::vector<std::string>& names) {
   return nouns(Noun::Kind::kThing, names);
 }
 Nouns room(const std::string& name) {
   return {{Noun::Kind::kRoom, name}};
 }
-Nouns rooms(const std::vector<std::string>& names) {
+Nouns room_list(const std::vector<std::string>& names) {
   return nouns(Noun::Kind::kRoom, names);
 }
 

@@ -20,9 +20,9 @@ struct Noun {
 // Several are spoken as a list: "bed, chair and lamp".
 using Nouns = std::vector<Noun>;
 [[nodiscard]] Nouns thing(const std::string& name);
-[[nodiscard]] Nouns things(const std::vector<std::string>& names);
+[[nodiscard]] Nouns thing_list(const std::vector<std::string>& names);
 [[nodiscard]] Nouns room(const std::string& name);
-[[nodiscard]] Nouns rooms(const std::vector<std::string>& names);
+[[nodiscard]] Nouns room_list(const std::vector<std::string>& names);
 
 // What the placeholders of a message stand for: a text as it is, or names in the language's words.
 using Values = std::map<std::string, std::variant<std::string, Nouns>>;

@@ -33,7 +33,7 @@ TEST_F(PhrasebookTest, WordsOfTheHomeTakeTheArticleOfTheirGender) {
   EXPECT_EQ(german_.text("where.unknown", {{"thing", thing("bed")}}), "Ich kenne hier kein Bett.");
   EXPECT_EQ(german_.text("where.through", {{"thing", thing("microwave")},
                                            {"room", room("kitchen")},
-                                           {"via", rooms({"corridor", "hall"})}}),
+                                           {"via", room_list({"corridor", "hall"})}}),
             "Die Mikrowelle ist in der Küche, durch den Flur und die Diele.");
 }
 
@@ -63,8 +63,8 @@ TEST_F(PhrasebookTest, NumberedRoomsKeepTheirGenderAndLoseEnglishArticles) {
 }
 
 TEST_F(PhrasebookTest, ListsAndFirstLetters) {
-  EXPECT_EQ(english_.text("around.close", {{"things", things({"bed"})}}), "Close to you: bed.");
-  EXPECT_EQ(english_.text("around.close", {{"things", things({"bed", "chair", "tv"})}}),
+  EXPECT_EQ(english_.text("around.close", {{"things", thing_list({"bed"})}}), "Close to you: bed.");
+  EXPECT_EQ(english_.text("around.close", {{"things", thing_list({"bed", "chair", "tv"})}}),
             "Close to you: bed, chair and TV.");
   EXPECT_EQ(german_.text("where.here", {{"thing", thing("ölbild")}}), "Ölbild ist in diesem Raum.");
 }

@@ -24,7 +24,8 @@ enum class Sound { kNone, kAnswer, kUnsure, kLost, kBack, kAlert };
 // Something to be said to a person: one idea.
 struct Prompt {
   // What it is about: "room", "thing microwave". A prompt replaces one of the same key that waits,
-  // and a callout of one key with the same text is not repeated soon.
+  // and a callout of one key with the same text is not repeated soon. An answer of several prompts
+  // has the keys "around", "around/2", ...: whoever replaces the first replaces all.
   std::string key;
   std::string message;   // its name in the catalogue: "room.is"
   std::string text;      // as it is spoken

@@ -119,7 +119,7 @@ TEST_F(ThingPromptsTest, TheAnswersPartsHaveKeysAndTimesOneAfterTheOther) {
   EXPECT_EQ(prompts[0].valid_until_ns, kNow + 2 * kSecond);
   EXPECT_EQ(prompts[1].key, "around/2");
   EXPECT_EQ(prompts[1].sound, Sound::kNone);
-  EXPECT_EQ(prompts[1].valid_until_ns, kNow + 5 * kSecond);
+  EXPECT_EQ(prompts[1].valid_until_ns, kNow + 6 * kSecond);
 }
 
 TEST_F(ThingPromptsTest, WhereIsInTheSameRoomByDirection) {

@@ -77,7 +77,7 @@ Place place_of(const Candidate& candidate, const Wording& wording) {
   if (rooms == 2) place.message = "where.next_room";
   if (rooms > 2 && rooms - 2 <= kMostRoomsToName) {
     place.message = "where.through";
-    place.values["via"] = guide::rooms({candidate.way.begin() + 1, candidate.way.end() - 1});
+    place.values["via"] = room_list({candidate.way.begin() + 1, candidate.way.end() - 1});
   }
   if (place.message.empty()) {
     place.message = "where.room";

@@ -1,0 +1,156 @@
+#include "roomwise/guide/obstacle.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <functional>
+
+#include "roomwise/base/random.h"
+#include "roomwise/base/testing.h"
+
+namespace roomwise::guide {
+namespace {
+
+using Eigen::Vector3d;
+using ::testing::HasSubstr;
+
+geometry::PinholeCamera small_camera() {
+  return {.fx = 262,
+          .fy = 262,
+          .cx = 159.5,
+          .cy = 119.5,
+          .width = 320,
+          .height = 240,
+          .distortion = {},
+          .depth_units_per_metre = 1000};
+}
+
+// A camera 1.3 m above the floor that looks down by that angle, and what it sees of boxes and the
+// floor. World: x right, y ahead, z up; the person stands at the origin.
+class View {
+ public:
+  explicit View(double pitch_rad = 0)
+      : world_from_camera_(Eigen::AngleAxisd(-pitch_rad, Vector3d::UnitX()) *
+                           Eigen::AngleAxisd(-std::numbers::pi / 2, Vector3d::UnitX())) {
+    corridor.up_camera = world_from_camera_.inverse() * Vector3d::UnitZ();
+  }
+
+  void add_box(const Vector3d& least, const Vector3d& most) { boxes_.push_back({least, most}); }
+  [[nodiscard]] image::DepthImage depth() const {
+    image::DepthImage image(camera.width, camera.height);
+    for (int y = 0; y < camera.height; ++y) {
+      for (int x = 0; x < camera.width; ++x) {
+        const Vector3d ray = world_from_camera_ * camera.unproject({x, y}, 1);
+        const double depth_m = nearest(ray);
+        if (depth_m < 8) image.at(x, y) = static_cast<std::uint16_t>(std::lround(1000 * depth_m));
+      }
+    }
+    return image;
+  }
+  [[nodiscard]] std::optional<double> obstacle_m() const {
+    return obstacle_ahead_m(depth(), camera, corridor).value();
+  }
+
+  geometry::PinholeCamera camera = small_camera();
+  WalkingCorridor corridor;
+
+ private:
+  struct Box {
+    Vector3d least, most;
+  };
+  [[nodiscard]] double nearest(const Vector3d& ray) const {
+    const Vector3d eye(0, 0, corridor.camera_height_m);
+    double nearest = ray.z() < 0 ? -eye.z() / ray.z() : 1e9;
+    for (const Box& box : boxes_) {
+      const Eigen::Array3d a = (box.least - eye).array() / ray.array();
+      const Eigen::Array3d b = (box.most - eye).array() / ray.array();
+      const double from = a.min(b).maxCoeff();
+      if (from > 0 && from < a.max(b).minCoeff()) nearest = std::min(nearest, from);
+    }
+    return nearest;
+  }
+
+  Eigen::Quaterniond world_from_camera_;
+  std::vector<Box> boxes_;
+};
+
+TEST(ObstacleTest, AWallAheadIsMeasured) {
+  View view;
+  view.add_box({-2, 0.8, 0}, {2, 0.9, 2.5});
+  ASSERT_TRUE(view.obstacle_m());
+  EXPECT_NEAR(*view.obstacle_m(), 0.8, 0.021);
+}
+
+TEST(ObstacleTest, WhatIsFarOrBesideOrAboveOrLowIsNoObstacle) {
+  View far;
+  far.add_box({-2, 1.2, 0}, {2, 1.3, 2.5});
+  EXPECT_EQ(far.obstacle_m(), std::nullopt);
+  View beside;
+  beside.add_box({0.35, 0.4, 0}, {0.6, 3, 2.5});
+  beside.add_box({-0.6, 0.4, 0}, {-0.35, 3, 2.5});
+  EXPECT_EQ(beside.obstacle_m(), std::nullopt);
+  View above(-0.5);
+  above.add_box({-1, 0.7, 1.95}, {1, 0.9, 2.2});
+  EXPECT_EQ(above.obstacle_m(), std::nullopt);
+  View low(0.9);
+  low.add_box({-1, 0.7, 0}, {1, 0.9, 0.1});
+  EXPECT_EQ(low.obstacle_m(), std::nullopt);
+}
+
+TEST(ObstacleTest, TheFloorIsNoObstacleHoweverTheCameraIsHeld) {
+  for (const double pitch_rad : {0.0, 0.3, 0.6, 0.9, 1.5}) {
+    EXPECT_EQ(View(pitch_rad).obstacle_m(), std::nullopt) << pitch_rad;
+  }
+}
+
+TEST(ObstacleTest, ABoxOnTheFloorIsSeenByACameraThatLooksDown) {
+  View view(0.7);
+  view.add_box({-0.2, 0.7, 0}, {0.2, 1.1, 0.4});
+  ASSERT_TRUE(view.obstacle_m());
+  EXPECT_NEAR(*view.obstacle_m(), 0.7, 0.025);
+}
+
+TEST(ObstacleTest, AThinPostIsAnObstacle) {
+  View view;
+  view.add_box({0.05, 0.6, 0}, {0.09, 0.64, 2});
+  ASSERT_TRUE(view.obstacle_m());
+  EXPECT_NEAR(*view.obstacle_m(), 0.6, 0.021);
+}
+
+TEST(ObstacleTest, SingleWrongPixelsAreNone) {
+  View view;
+  view.add_box({-2, 0.8, 0}, {2, 0.9, 2.5});
+  image::DepthImage depth = view.depth();
+  RandomStream random(1);
+  for (auto& pixel : depth.pixels()) {
+    if (random.uniform() < 0.01) pixel = static_cast<std::uint16_t>(300 + random.index(300));
+    if (random.uniform() < 0.3) pixel = 0;
+  }
+  const auto distance_m = obstacle_ahead_m(depth, view.camera, view.corridor).value();
+  ASSERT_TRUE(distance_m);
+  EXPECT_NEAR(*distance_m, 0.8, 0.1);
+  EXPECT_GT(*distance_m, 0.69);
+  EXPECT_EQ(obstacle_ahead_m(image::DepthImage(320, 240), view.camera).value(), std::nullopt);
+}
+
+TEST(ObstacleTest, SaysWhatIsWrong) {
+  EXPECT_ERROR(obstacle_ahead_m(image::DepthImage(32, 24), small_camera()),
+               "32x24 pixels; the camera 320x240");
+  WalkingCorridor corridor;
+  corridor.up_camera = Vector3d(0, -2, 0);
+  EXPECT_ERROR(obstacle_ahead_m(image::DepthImage(320, 240), small_camera(), corridor),
+               "up_camera has the length 2");
+}
+
+TEST(ObstacleTest, IsSpokenAsAHazard) {
+  const MessageCatalogue catalogue = MessageCatalogue::built_in();
+  const Prompt prompt = hazard_prompt(0.7, {&catalogue, {}}, 0);
+  EXPECT_EQ(prompt.text, "Obstacle ahead.");
+  EXPECT_EQ(prompt.priority, Priority::kHazard);
+  EXPECT_EQ(prompt.sound, Sound::kAlert);
+  EXPECT_EQ(prompt.valid_until_ns, 1'000'000'000);
+}
+
+}  // namespace
+}  // namespace roomwise::guide

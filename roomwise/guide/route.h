@@ -1,0 +1,38 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "roomwise/base/expected.h"
+#include "roomwise/fusion/floor_grid.h"
+#include "roomwise/rooms/room_layout.h"
+
+namespace roomwise::guide {
+
+struct RouteOptions {
+  double person_radius_m = 0.3;   // nothing stands nearer to the route
+  double comfort_m = 0.6;         // a little longer way is taken to keep so far from what stands
+  double farthest_start_m = 0.6;  // from where somebody seems to stand to free floor
+  double farthest_goal_m = 1.0;   // from a thing to the floor before it
+
+  [[nodiscard]] Expected<void> validate() const;
+};
+
+// Corners of a way along free floor, m in the level frame, the first where it begins.
+using Route = std::vector<Eigen::Vector2d>;
+[[nodiscard]] double length_m(const Route& route);
+
+// The shortest way for a person along floor that was seen free (A* on the grid; places near
+// obstacles count as longer), straightened where nothing is in the way. It ends on the free place
+// nearest to the goal, in `goal_room` where that and the layout are given, so that it does not end
+// on the other side of a wall. Fails where somebody stands off the free floor, no free floor is
+// near the goal, or no way leads there.
+[[nodiscard]] Expected<Route> find_route(const fusion::FloorGrid& grid, const Eigen::Vector2d& from,
+                                         const Eigen::Vector2d& to,
+                                         const RouteOptions& options = {},
+                                         const rooms::RoomLayout* layout = nullptr,
+                                         const std::optional<std::string>& goal_room = {});
+
+}  // namespace roomwise::guide
