@@ -1,0 +1,262 @@
+// What a device waits for: devices send the frames of a recording over TLS on loopback to a home
+// that is open for live use, and each asks once a second where it is.
+//
+// A device sends as the protocol says: its newest frame, when the last was acknowledged. Printed
+// for every part of the run: the time from a question to its answer, the age of the picture that
+// the answer rests on, both as median, 95 % and most; frames looked at and dropped of each device;
+// processor time a frame; resident memory.
+#include <fmt/ranges.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <atomic>
+#include <filesystem>
+#include <mutex>
+#include <opencv2/core/utility.hpp>
+#include <thread>
+
+#include "resident_memory.h"
+#include "roomwise/evaluation/quantile.h"
+#include "roomwise/live/home_routes.h"
+#include "roomwise/network/onnx_classifier.h"
+#include "roomwise/recording/tum_recording.h"
+#include "roomwise/service/client.h"
+#include "timing.h"
+
+namespace roomwise::bench {
+namespace {
+
+namespace fs = std::filesystem;
+using SteadyClock = std::chrono::steady_clock;
+
+struct Options {
+  fs::path home, recording;
+  std::vector<fs::path> networks;
+  std::size_t devices = 1;
+  std::size_t frames = 1000;
+  double rate_hz = 10;
+  bool depth = false;
+};
+
+struct EncodedFrame {
+  Bytes color, depth;
+};
+
+// What one device lived through.
+struct Experience {
+  std::vector<double> answer_ms;  // from the question to the first prompt
+  std::vector<double> age_ms;     // of the picture that it rests on, at the answer
+  std::size_t stale = 0;          // answers that came after they were valid
+  std::size_t unanswered = 0;
+  std::size_t sent = 0;
+  std::size_t looked_at = 0;
+  std::uint64_t dropped_by_computer = 0;
+};
+
+class BenchDevice {
+ public:
+  BenchDevice(const Options& options, const recording::SourceInfo& info,
+              std::span<const EncodedFrame> frames, const service::ServerAddress& server,
+              const service::ServerCredentials& credentials)
+      : options_(options),
+        frames_(frames),
+        connection_(need(service::ServerConnection::open(server, credentials))) {
+    service::Hello hello;
+    hello.version = service::kProtocolVersion;
+    hello.name = "bench";
+    hello.kind = service::DeviceKind::kWearable;
+    hello.camera =
+        service::DeviceCamera{info.camera.width, info.camera.height, info.camera, options.depth};
+    need_done(connection_->send_text(write(service::DeviceMessage(hello))));
+  }
+
+  // Sends frames and asks until `count` frames' time has passed; `first` shifts where in the
+  // recording it begins.
+  Experience run(std::size_t count, std::size_t first) {
+    Experience lived;
+    const auto begin = SteadyClock::now();
+    const double period_ms = 1000 / options_.rate_hz;
+    const double end_ms = static_cast<double>(count) * period_ms;
+    double next_ask_ms = 500;
+    std::int64_t next_frame = 0;  // by its time
+    bool under_way = false;
+    std::map<std::int64_t, double> asked;  // id -> when
+    std::int64_t id = 0;
+    const auto now_ms = [&] {
+      return std::chrono::duration<double, std::milli>(SteadyClock::now() - begin).count();
+    };
+    while (now_ms() < end_ms + 1500) {
+      const double now = now_ms();
+      const auto due = static_cast<std::int64_t>(now / period_ms);
+      if (!under_way && due >= next_frame && now < end_ms) {
+        const EncodedFrame& frame =
+            frames_[(first + static_cast<std::size_t>(due)) % frames_.size()];
+        need_done(connection_->send_binary(
+            write(service::FrameMessage{now, frame.color,
+                                        options_.depth ? std::span<const std::uint8_t>(frame.depth)
+                                                       : std::span<const std::uint8_t>()})));
+        next_frame = due + 1;
+        under_way = true;
+        ++lived.sent;
+      }
+      if (now >= next_ask_ms && now < end_ms) {
+        asked[++id] = now;
+        need_done(connection_->send_text(write(
+            service::DeviceMessage(service::Ask{id, now, service::Question::kWhereAmI, ""}))));
+        next_ask_ms += 1000;
+      }
+      const auto message = need(connection_->receive(std::chrono::milliseconds(2)));
+      if (!message || !message->is_text) continue;
+      const auto read = need(service::read_home_message(
+          {reinterpret_cast<const char*>(message->bytes.data()), message->bytes.size()}));
+      if (const auto* arrived = std::get_if<service::FrameArrived>(&read)) {
+        under_way = false;
+        lived.dropped_by_computer = arrived->dropped;
+      } else if (std::get_if<service::Seen>(&read) != nullptr) {
+        ++lived.looked_at;
+      } else if (const auto* prompt = std::get_if<service::PromptMessage>(&read)) {
+        const auto question = asked.find(prompt->answer_to.value_or(-1));
+        if (question == asked.end()) continue;
+        const double came = now_ms();
+        lived.answer_ms.push_back(came - question->second);
+        if (prompt->based_on_t_ms) lived.age_ms.push_back(came - *prompt->based_on_t_ms);
+        if (came > prompt->valid_until_t_ms) ++lived.stale;
+        asked.erase(question);
+      }
+    }
+    lived.unanswered = asked.size();
+    return lived;
+  }
+
+ private:
+  static void need_done(const Expected<void>& done) {
+    if (!done) {
+      fmt::print(stderr, "{}\n", done.error().message);
+      std::exit(1);
+    }
+  }
+
+  const Options& options_;
+  std::span<const EncodedFrame> frames_;
+  std::unique_ptr<service::ServerConnection> connection_;
+};
+
+std::vector<EncodedFrame> read_frames(recording::FrameSource& source) {
+  constexpr std::size_t kMost = 400;
+  std::vector<EncodedFrame> frames;
+  while (frames.size() < kMost) {
+    auto frame = need(source.next());
+    if (!frame) break;
+    frames.push_back({std::move(frame->encoded_color), std::move(frame->encoded_depth)});
+  }
+  return frames;
+}
+
+std::string spread(std::vector<double> values) {
+  if (values.empty()) return "-";
+  std::ranges::sort(values);
+  return fmt::format("{:.0f} / {:.0f} / {:.0f}", evaluation::quantile(values, 0.5),
+                     evaluation::quantile(values, 0.95), values.back());
+}
+
+void print(const std::vector<Experience>& devices, std::string_view part, double cpu,
+           double most_mb) {
+  Experience all;
+  std::vector<std::size_t> looked_at;
+  for (const Experience& one : devices) {
+    all.answer_ms.insert(all.answer_ms.end(), one.answer_ms.begin(), one.answer_ms.end());
+    all.age_ms.insert(all.age_ms.end(), one.age_ms.begin(), one.age_ms.end());
+    all.stale += one.stale;
+    all.unanswered += one.unanswered;
+    all.sent += one.sent;
+    all.looked_at += one.looked_at;
+    looked_at.push_back(one.looked_at);
+  }
+  const auto within = std::ranges::count_if(all.age_ms, [](double age) { return age <= 400; });
+  fmt::print(
+      "{}: {} questions, answered after {} ms, by a picture {} ms old ({:.1f} % within 400), {} "
+      "stale, {} unanswered; frames sent {}, looked at {} ({}); {:.0f} CPU-ms a look; {:.0f} MB\n",
+      part, all.answer_ms.size(), spread(all.answer_ms), spread(all.age_ms),
+      100.0 * static_cast<double>(within) /
+          static_cast<double>(std::max<std::size_t>(1, all.age_ms.size())),
+      all.stale, all.unanswered, all.sent, all.looked_at, fmt::join(looked_at, " "),
+      cpu / static_cast<double>(std::max<std::size_t>(1, all.looked_at)), most_mb);
+  std::fflush(stdout);
+}
+
+void run(const Options& options) {
+  cv::setNumThreads(1);
+  pipeline::Networks networks;
+  for (const fs::path& file : options.networks) {
+    networks.push_back(need(network::OnnxClassifier::load(file)));
+  }
+  const objects::RegionFinders finders;
+  live::LiveHomeOptions live_options;
+  live_options.threads = ThreadPool::default_size();
+  const auto home = need(live::LiveHome::open(options.home, networks, finders, live_options));
+  home->jobs().wait();
+  fmt::print("home: {}; rooms {}; places {}\n", home->jobs().state()->text,
+             home->view()->recognizer ? "learned" : home->view()->why_no_recognizer,
+             home->view()->map ? "known" : "not known");
+
+  const fs::path access_folder =
+      fs::temp_directory_path() / fmt::format("roomwise-live-benchmark-{}", ::getpid());
+  service::ServerOptions server_options;
+  server_options.certificate = need(service::own_certificate(access_folder, {"127.0.0.1"}));
+  const auto access =
+      need(service::AccessRegister::open(access_folder, server_options.certificate.fingerprint));
+  const auto server = need(service::Server::start(
+      std::move(server_options), service::Router(live::home_routes(*home)), *access, *home));
+
+  const auto source = need(recording::TumRecording::open(options.recording, {}));
+  const std::vector<EncodedFrame> frames = read_frames(*source);
+  std::vector<std::unique_ptr<BenchDevice>> devices;
+  for (std::size_t i = 0; i < options.devices; ++i) {
+    const auto pairing = need(access->pair_here(service::Role::kDevice, fmt::format("bench {}", i),
+                                                service::Now::read()));
+    devices.push_back(std::make_unique<BenchDevice>(
+        options, source->info(), frames, service::ServerAddress{"127.0.0.1", server->port()},
+        service::ServerCredentials{access->fingerprint(), pairing.token}));
+  }
+  constexpr std::size_t kPart = 1000;
+  for (std::size_t done = 0; done < options.frames; done += kPart) {
+    const std::size_t count = std::min(kPart, options.frames - done);
+    std::vector<Experience> lived(options.devices);
+    const double cpu_before = cpu_ms();
+    std::vector<std::thread> threads;
+    for (std::size_t i = 0; i < options.devices; ++i) {
+      threads.emplace_back([&, i] { lived[i] = devices[i]->run(count, done + 37 * i); });
+    }
+    for (std::thread& thread : threads) thread.join();
+    print(lived, fmt::format("frames {} to {}", done, done + count - 1), cpu_ms() - cpu_before,
+          resident_mb());
+  }
+  devices.clear();
+  server->stop();
+  std::error_code ignored;
+  fs::remove_all(access_folder, ignored);
+}
+
+}  // namespace
+}  // namespace roomwise::bench
+
+int main(int argc, char** argv) {
+  using namespace roomwise::bench;
+  Options options;
+  CLI::App app("What a device waits for that asks a home over TLS on loopback");
+  app.add_option("HOME", options.home, "Home with learned rooms")->required();
+  app.add_option("RECORDING", options.recording, "Whose frames are sent, over and over")
+      ->required();
+  app.add_option("NETWORK", options.networks,
+                 "ONNX files; the one that the rooms were learned with")
+      ->required();
+  app.add_option("--devices", options.devices)->check(CLI::Range(1, 64))->capture_default_str();
+  app.add_option("--frames", options.frames, "Frames' time of each device")->capture_default_str();
+  app.add_option("--rate", options.rate_hz, "Frames a second")
+      ->check(CLI::Range(0.1, 100.0))
+      ->capture_default_str();
+  app.add_flag("--depth", options.depth, "Send depth too");
+  CLI11_PARSE(app, argc, argv);
+  run(options);
+  return 0;
+}

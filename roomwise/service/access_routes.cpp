@@ -1,0 +1,151 @@
+#include "roomwise/service/access_routes.h"
+
+#include <charconv>
+#include <nlohmann/json.hpp>
+
+namespace roomwise::service {
+namespace {
+
+using Json = nlohmann::json;
+
+// A text member, or nothing where it is missing or no text.
+std::optional<std::string> text_of(const Json& json, const char* name) {
+  const auto found = json.find(name);
+  if (found == json.end() || !found->is_string()) return std::nullopt;
+  return found->get<std::string>();
+}
+
+HttpAnswer refusal_answer(const PairingRefusal& refusal) {
+  HttpAnswer answer = error_answer(refusal.status, refusal.message);
+  if (refusal.wait_s > 0) {
+    answer.headers.emplace_back("Retry-After", fmt::format("{}", refusal.wait_s));
+  }
+  return answer;
+}
+
+// Pages have the token in a cookie that scripts cannot read. Browsers keep cookies for 400 days at
+// most; each pairing has to be renewed after that.
+constexpr auto kCookie = "roomwise={}; Path=/; Max-Age={}; Secure; HttpOnly; SameSite=Strict";
+
+HttpAnswer pair(AccessRegister& access, const AccessRoutesContext& context,
+                const HttpRequest& request) {
+  const auto json = json_of(request);
+  if (!json) return error_answer(400, json.error().message);
+  PairingAttempt attempt{text_of(*json, "code").value_or(""), text_of(*json, "nonce").value_or(""),
+                         text_of(*json, "proof").value_or(""), text_of(*json, "name").value_or(""),
+                         request.peer};
+  auto pairing = access.redeem(attempt, context.clock());
+  if (!pairing) return refusal_answer(pairing.error());
+  Json answer = {{"role", to_string(pairing->who.role)}, {"device", pairing->who.device}};
+  if (!pairing->proof.empty()) answer["proof"] = pairing->proof;
+  const auto cookie = json->find("cookie");
+  if (cookie == json->end() || *cookie != true) {
+    answer["token"] = pairing->token;
+    return json_answer(answer);
+  }
+  HttpAnswer with_cookie = json_answer(answer);
+  with_cookie.headers.emplace_back("Set-Cookie",
+                                   fmt::format(fmt::runtime(kCookie), pairing->token, 400 * 86400));
+  return with_cookie;
+}
+
+HttpAnswer me(const HttpRequest& request) {
+  return json_answer({{"device", request.who->device},
+                      {"name", request.who->name},
+                      {"role", to_string(request.who->role)}});
+}
+
+HttpAnswer remove(AccessRegister& access, const AccessRoutesContext& context, std::int64_t device) {
+  const auto revoked = access.revoke(device);
+  if (!revoked) return error_answer(500, revoked.error().message);
+  if (!*revoked) return error_answer(404, fmt::format("there is no device {}", device));
+  if (context.disconnect) context.disconnect(device);
+  return json_answer(Json::object());
+}
+
+HttpAnswer leave(AccessRegister& access, const AccessRoutesContext& context,
+                 const HttpRequest& request) {
+  HttpAnswer answer = remove(access, context, request.who->device);
+  answer.headers.emplace_back("Set-Cookie", fmt::format(fmt::runtime(kCookie), "", 0));
+  return answer;
+}
+
+HttpAnswer list(const AccessRegister& access, const AccessRoutesContext& context) {
+  const std::set<std::int64_t> online =
+      context.online ? context.online() : std::set<std::int64_t>();
+  Json devices = Json::array();
+  for (const PairedDevice& device : access.devices()) {
+    devices.push_back({{"device", device.who.device},
+                       {"name", device.who.name},
+                       {"role", to_string(device.who.role)},
+                       {"paired", device.paired_s},
+                       {"last_seen", device.last_seen_s},
+                       {"online", online.contains(device.who.device)}});
+  }
+  return json_answer({{"devices", std::move(devices)}});
+}
+
+HttpAnswer make_code(AccessRegister& access, const AccessRoutesContext& context,
+                     const HttpRequest& request) {
+  const auto json = json_of(request);
+  if (!json) return error_answer(400, json.error().message);
+  const auto role = parse_role(text_of(*json, "role").value_or(""));
+  if (!role) return error_answer(400, "'role' must be \"device\" or \"helper\"");
+  const auto code = access.make_code(*role, context.clock());
+  if (!code) return error_answer(429, code.error().message);
+  Json answer = {{"code", *code}, {"valid_s", static_cast<int>(kCodeValid_s)}};
+  if (context.pair_address) {
+    const std::string address = context.pair_address() + "#" + *code;
+    answer["address"] = address;
+    if (context.qr) answer["qr"] = context.qr(address);
+  }
+  return json_answer(answer);
+}
+
+std::optional<std::int64_t> number_of(const std::string& text) {
+  std::int64_t number = 0;
+  const auto read = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (read.ec != std::errc() || read.ptr != text.data() + text.size()) return std::nullopt;
+  return number;
+}
+
+}  // namespace
+
+std::vector<Route> access_routes(AccessRegister& access, AccessRoutesContext given) {
+  const auto context = std::make_shared<const AccessRoutesContext>(std::move(given));
+  constexpr std::size_t kBody = 4096;
+  std::vector<Route> routes;
+  const auto add = [&](const char* method, const char* pattern, std::optional<Role> role,
+                       auto handler) {
+    routes.push_back(
+        {method, pattern, role,
+         [&access, context, handler](const HttpRequest& request, const Placeholders& placeholders) {
+           return handler(access, *context, request, placeholders);
+         },
+         kBody});
+  };
+  using Access = AccessRegister&;
+  using Context = const AccessRoutesContext&;
+  add("POST", "/api/pair", std::nullopt,
+      [](Access a, Context c, const HttpRequest& r, const Placeholders&) { return pair(a, c, r); });
+  add("GET", "/api/me", Role::kDevice,
+      [](Access, Context, const HttpRequest& r, const Placeholders&) { return me(r); });
+  add("POST", "/api/leave", Role::kDevice,
+      [](Access a, Context c, const HttpRequest& r, const Placeholders&) {
+        return leave(a, c, r);
+      });
+  add("GET", "/api/devices", Role::kHelper,
+      [](Access a, Context c, const HttpRequest&, const Placeholders&) { return list(a, c); });
+  add("DELETE", "/api/devices/{device}", Role::kHelper,
+      [](Access a, Context c, const HttpRequest&, const Placeholders& p) {
+        const auto device = number_of(p.at("device"));
+        return device ? remove(a, c, *device) : error_answer(404, "there is no such device");
+      });
+  add("POST", "/api/codes", Role::kHelper,
+      [](Access a, Context c, const HttpRequest& r, const Placeholders&) {
+        return make_code(a, c, r);
+      });
+  return routes;
+}
+
+}  // namespace roomwise::service

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <functional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "roomwise/service/access.h"
+#include "roomwise/service/router.h"
+
+namespace roomwise::service {
+
+// What the routes below need from around them. All are called on worker threads.
+struct AccessRoutesContext {
+  std::function<Now()> clock = Now::read;
+  std::function<std::set<std::int64_t>()> online;  // devices with an open WebSocket
+  std::function<void(std::int64_t device)> disconnect;
+  // Of the page that a code is typed into, to be shown as text and QR code:
+  // "https://HOST:PORT/pair".
+  std::function<std::string()> pair_address;
+  // The rows of modules ("1011...") of a QR code of a text.
+  std::function<std::vector<std::string>(const std::string& text)> qr;
+};
+
+// POST /api/pair, GET /api/me, POST /api/leave, GET /api/devices, DELETE /api/devices/{device},
+// POST /api/codes: who may connect, as docs/protocol.md describes them.
+[[nodiscard]] std::vector<Route> access_routes(AccessRegister& access, AccessRoutesContext context);
+
+}  // namespace roomwise::service

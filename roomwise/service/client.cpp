@@ -1,0 +1,402 @@
+#include "roomwise/service/client.h"
+
+#include <fmt/format.h>
+#include <openssl/ssl.h>
+
+#include <boost/asio/connect.hpp>
+#include <boost/asio/executor_work_guard.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/http.hpp>
+#include <boost/beast/websocket.hpp>
+#include <boost/beast/websocket/ssl.hpp>
+#include <charconv>
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "roomwise/service/pairing_proof.h"
+#include "roomwise/service/secrets.h"
+#include "roomwise/service/tls_client.h"
+
+namespace roomwise::service {
+namespace {
+
+namespace http = beast::http;
+namespace websocket = beast::websocket;
+using boost::system::error_code;
+using Json = nlohmann::json;
+
+constexpr std::size_t kMostWaiting = 64;  // messages, in each direction
+constexpr std::size_t kMostMessageBytes = std::size_t{4} << 20U;
+
+// The answer to a POST request.
+Expected<http::response<http::string_body>> post(TlsClient& client, const char* path,
+                                                 const Json& json) {
+  http::request<http::string_body> request(http::verb::post, path, 11);
+  request.set(http::field::host, client.host());
+  request.set(http::field::content_type, "application/json");
+  request.body() = json.dump();
+  request.prepare_payload();
+  ROOMWISE_CHECK_OK(
+      client.step([&](auto done) { http::async_write(client.stream(), request, std::move(done)); },
+                  "cannot be asked"));
+  http::response<http::string_body> answer;
+  beast::flat_buffer buffer;
+  ROOMWISE_CHECK_OK(client.step(
+      [&](auto done) { http::async_read(client.stream(), buffer, answer, std::move(done)); },
+      "gives no answer"));
+  return answer;
+}
+
+Expected<PairedWith> read_pairing(const TlsClient& client,
+                                  const http::response<http::string_body>& answer,
+                                  const PairingProof& proof) {
+  const Json json = Json::parse(answer.body(), nullptr, false);
+  const bool is_object = json.is_object();
+  if (answer.result() != http::status::ok) {
+    return fail("{} refuses the pairing: {}", client.name(),
+                is_object ? json.value("error", "") : std::string(answer.reason()));
+  }
+  PairedWith paired;
+  try {
+    if (!equal_secrets(json.at("proof").get<std::string>(), proof.computer)) {
+      return fail(
+          "{} does not know the code: it is another computer that stands between; pair in a "
+          "network "
+          "that you trust",
+          client.name());
+    }
+    const auto role = parse_role(json.at("role").get<std::string>());
+    if (!role) return fail("{} answers with a role that is not known", client.name());
+    paired.credentials.token = json.at("token").get<std::string>();
+    paired.who = {json.at("device").get<std::int64_t>(), "", *role};
+  } catch (const Json::exception&) {
+    return fail("{} does not answer as a Roomwise computer does", client.name());
+  }
+  return paired;
+}
+
+}  // namespace
+
+// ---- TlsClient ----
+
+TlsClient::TlsClient(const ServerAddress& server, const ClientWait& wait)
+    : server_(server),
+      wait_(wait),
+      deadline_(std::chrono::steady_clock::now() + wait.timeout),
+      stream_(*io_, tls_) {
+  SSL_CTX_set_min_proto_version(tls_.native_handle(), TLS1_2_VERSION);
+  // No authority vouches for a home's computer: it is known by its fingerprint, which is compared
+  // before anything is sent.
+  tls_.set_verify_mode(asio::ssl::verify_none);
+}
+
+std::string TlsClient::name() const {
+  return fmt::format("the computer at {}", host());
+}
+
+std::string TlsClient::host() const {
+  const bool v6 = server_.host.find(':') != std::string::npos;
+  return fmt::format("{}{}{}:{}", v6 ? "[" : "", server_.host, v6 ? "]" : "", server_.port);
+}
+
+Expected<void> TlsClient::connect() {
+  asio::ip::tcp::resolver::results_type found;
+  ROOMWISE_CHECK_OK(step(
+      [&](auto done) {
+        resolver_.async_resolve(server_.host, std::to_string(server_.port),
+                                [&found, done](error_code error, auto results) mutable {
+                                  found = std::move(results);
+                                  done(error);
+                                });
+      },
+      "its name is not known in this network"));
+  ROOMWISE_CHECK_OK(step(
+      [&](auto done) { beast::get_lowest_layer(stream_).async_connect(found, std::move(done)); },
+      "cannot be reached"));
+  beast::get_lowest_layer(stream_).socket().set_option(asio::ip::tcp::no_delay(true));
+  return step(
+      [&](auto done) { stream_.async_handshake(asio::ssl::stream_base::client, std::move(done)); },
+      "does not speak TLS");
+}
+
+std::string TlsClient::fingerprint() {
+  X509* const x509 = SSL_get1_peer_certificate(stream_.native_handle());
+  if (x509 == nullptr) return "";
+  std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
+  unsigned int size = 0;
+  X509_digest(x509, EVP_sha256(), digest.data(), &size);
+  X509_free(x509);
+  return hexadecimal(std::span(digest).first(size));
+}
+
+Expected<void> TlsClient::run_until(const std::optional<error_code>& result) {
+  const auto give_up = [&](std::string_view why) {
+    resolver_.cancel();
+    beast::get_lowest_layer(stream_).close();
+    // What was begun refers to the caller's frame and has to end first.
+    while (!result) {
+      io_->restart();
+      io_->run_one();
+    }
+    return fail("{} {}", name(), why);
+  };
+  while (!result) {
+    io_->restart();
+    io_->run_one_for(std::chrono::milliseconds(100));
+    if (result) break;
+    if (wait_.interrupted && wait_.interrupted()) return give_up("was not waited for: interrupted");
+    if (std::chrono::steady_clock::now() > deadline_) return give_up("does not answer in time");
+  }
+  return {};
+}
+
+// ---- Pairing ----
+
+Expected<ServerAddress> parse_server_address(std::string_view text) {
+  const auto bad = [&] {
+    return fail("'{}' is no address of a computer; expected HOST:PORT, for example flat.local:8443",
+                text);
+  };
+  const std::size_t colon = text.rfind(':');
+  if (colon == std::string_view::npos) return bad();
+  std::string_view host = text.substr(0, colon);
+  const std::string_view digits = text.substr(colon + 1);
+  ServerAddress address;
+  const auto read = std::from_chars(digits.data(), digits.data() + digits.size(), address.port);
+  if (read.ec != std::errc() || read.ptr != digits.data() + digits.size() || address.port == 0) {
+    return bad();
+  }
+  if (host.starts_with('[') && host.ends_with(']')) host = host.substr(1, host.size() - 2);
+  if (host.empty() || host.find_first_of(" /[]@") != std::string_view::npos) return bad();
+  address.host = std::string(host);
+  return address;
+}
+
+Expected<PairedWith> pair_with(const ServerAddress& server, const std::string& code,
+                               const std::string& name, const ClientWait& wait) {
+  TlsClient client(server, wait);
+  ROOMWISE_CHECK_OK(client.connect());
+  const std::string fingerprint = client.fingerprint();
+  ROOMWISE_TRY(const Bytes random, random_bytes(16));
+  const std::string nonce = hexadecimal(random);
+  ROOMWISE_TRY(const PairingProof proof, make_pairing_proof(code, fingerprint, nonce));
+  ROOMWISE_TRY(
+      const auto answer,
+      post(client, "/api/pair", {{"proof", proof.device}, {"nonce", nonce}, {"name", name}}));
+  ROOMWISE_TRY(PairedWith paired, read_pairing(client, answer, proof));
+  paired.credentials.fingerprint = fingerprint;
+  paired.who.name = name;
+  return paired;
+}
+
+// ---- ServerConnection ----
+
+// One thread runs `io`, and all but what the mutex guards belongs to it.
+class ServerConnection::Impl : public std::enable_shared_from_this<Impl> {
+ public:
+  Impl(const ServerAddress& server, const ClientWait& wait)
+      : wait_(wait), client_(server, wait), work_(client_.io().get_executor()) {}
+
+  Expected<void> open(const ServerCredentials& credentials) {
+    ROOMWISE_CHECK_OK(client_.connect());
+    if (!equal_secrets(client_.fingerprint(), credentials.fingerprint)) {
+      return fail(
+          "{} shows another certificate than the one this device was paired with: it is another "
+          "computer, or its certificate was made anew; if you know that it was, pair again",
+          client_.name());
+    }
+    socket_.set_option(websocket::stream_base::timeout{wait_.timeout, wait_.silence, true});
+    socket_.set_option(websocket::stream_base::decorator(
+        [token = credentials.token](websocket::request_type& request) {
+          request.set(http::field::authorization, "Bearer " + token);
+          request.set(http::field::sec_websocket_protocol, "roomwise.1");
+        }));
+    socket_.read_message_max(kMostMessageBytes);
+    return shake_hands();
+  }
+
+  void run() {
+    thread_ = std::thread([this] { client_.io().run(); });
+    asio::post(client_.io(), [this] { read(); });
+  }
+
+  Expected<void> send(bool is_text, Bytes bytes) {
+    const std::scoped_lock lock(mutex_);
+    if (lost_) return fail("{}", *lost_);
+    if (outgoing_.size() >= kMostWaiting) {
+      return fail("{} takes nothing: too much waits to be sent", client_.name());
+    }
+    outgoing_.push_back({is_text, std::move(bytes)});
+    asio::post(client_.io(), [this] { write(); });
+    return {};
+  }
+
+  Expected<std::optional<Message>> receive(std::chrono::milliseconds timeout) {
+    std::unique_lock lock(mutex_);
+    changed_.wait_for(lock, timeout, [&] { return !incoming_.empty() || lost_; });
+    if (incoming_.empty()) {
+      if (lost_) return fail("{}", *lost_);
+      return std::optional<Message>();
+    }
+    std::optional<Message> message(std::move(incoming_.front()));
+    incoming_.pop_front();
+    if (paused_) {
+      paused_ = false;
+      asio::post(client_.io(), [this] { read(); });
+    }
+    return message;
+  }
+
+  void close() {
+    asio::post(client_.io(), [this] {
+      closing_ = true;
+      write();
+    });
+    std::unique_lock lock(mutex_);
+    changed_.wait_for(lock, std::chrono::seconds(1), [&] { return lost_.has_value(); });
+  }
+
+  void interrupt() {
+    lose("interrupted");
+    asio::post(client_.io(), [this] { beast::get_lowest_layer(client_.stream()).close(); });
+  }
+
+  void end() {
+    if (!thread_.joinable()) return;
+    lose("interrupted");
+    client_.io().stop();
+    thread_.join();
+  }
+
+ private:
+  Expected<void> shake_hands() {
+    websocket::response_type answer;
+    beast::get_lowest_layer(client_.stream()).expires_never();
+    const Expected<void> done = client_.step(
+        [&](auto handler) {
+          beast::get_lowest_layer(client_.stream()).expires_never();
+          socket_.async_handshake(answer, client_.host(), "/api/socket", std::move(handler));
+        },
+        "opens no WebSocket");
+    beast::get_lowest_layer(client_.stream()).expires_never();
+    if (done) return {};
+    if (answer.result() == http::status::unauthorized) {
+      return fail("{} does not know this device (any more): pair it again", client_.name());
+    }
+    return Unexpected(done.error());
+  }
+
+  void read() {
+    socket_.async_read(buffer_, [this](error_code error, std::size_t) {
+      if (error) return lose(why(error));
+      const auto* begin = static_cast<const std::uint8_t*>(buffer_.data().data());
+      Message message{socket_.got_text(), Bytes(begin, begin + buffer_.size())};
+      buffer_.clear();
+      {
+        const std::scoped_lock lock(mutex_);
+        incoming_.push_back(std::move(message));
+        paused_ = incoming_.size() >= kMostWaiting;
+        changed_.notify_all();
+        if (paused_) return;
+      }
+      read();
+    });
+  }
+
+  void write() {
+    if (writing_) return;
+    {
+      const std::scoped_lock lock(mutex_);
+      if (lost_) return;
+      if (outgoing_.empty()) {
+        if (closing_) say_goodbye();
+        return;
+      }
+      sending_ = std::move(outgoing_.front());
+      outgoing_.pop_front();
+    }
+    writing_ = true;
+    socket_.binary(!sending_.is_text);
+    socket_.async_write(asio::buffer(sending_.bytes), [this](error_code error, std::size_t) {
+      writing_ = false;
+      if (error) return lose(why(error));
+      write();
+    });
+  }
+
+  void say_goodbye() {
+    writing_ = true;
+    socket_.async_close(websocket::close_code::normal,
+                        [this](error_code) { lose("the connection was closed"); });
+  }
+
+  std::string why(error_code error) {
+    if (error == websocket::error::closed) {
+      const auto& reason = socket_.reason().reason;
+      return fmt::format("{} closed the connection{}{}", client_.name(), reason.empty() ? "" : ": ",
+                         std::string_view(reason.data(), reason.size()));
+    }
+    if (error == beast::error::timeout) {
+      return fmt::format("{} does not answer any more", client_.name());
+    }
+    return fmt::format("the connection with {} is lost: {}", client_.name(), error.message());
+  }
+
+  void lose(std::string why) {
+    const std::scoped_lock lock(mutex_);
+    if (!lost_) lost_ = std::move(why);
+    changed_.notify_all();
+  }
+
+  ClientWait wait_;
+  TlsClient client_;
+  websocket::stream<TlsClient::Stream&> socket_{client_.stream()};
+  asio::executor_work_guard<asio::io_context::executor_type> work_;
+  beast::flat_buffer buffer_;
+  Message sending_;
+  bool writing_ = false;
+  bool closing_ = false;
+  std::thread thread_;
+
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<Message> incoming_;
+  std::deque<Message> outgoing_;
+  bool paused_ = false;  // nothing is read until something is received
+  std::optional<std::string> lost_;
+};
+
+Expected<std::unique_ptr<ServerConnection>> ServerConnection::open(
+    const ServerAddress& server, const ServerCredentials& credentials, const ClientWait& wait) {
+  auto impl = std::make_shared<Impl>(server, wait);
+  ROOMWISE_CHECK_OK(impl->open(credentials));
+  impl->run();
+  return std::unique_ptr<ServerConnection>(new ServerConnection(std::move(impl)));
+}
+
+ServerConnection::ServerConnection(std::shared_ptr<Impl> impl) : impl_(std::move(impl)) {}
+ServerConnection::~ServerConnection() {
+  impl_->end();
+}
+Expected<void> ServerConnection::send_text(std::string text) {
+  return impl_->send(true, Bytes(text.begin(), text.end()));
+}
+Expected<void> ServerConnection::send_binary(Bytes bytes) {
+  return impl_->send(false, std::move(bytes));
+}
+Expected<std::optional<ServerConnection::Message>> ServerConnection::receive(
+    std::chrono::milliseconds timeout) {
+  return impl_->receive(timeout);
+}
+void ServerConnection::close() {
+  impl_->close();
+}
+void ServerConnection::interrupt() {
+  impl_->interrupt();
+}
+
+}  // namespace roomwise::service

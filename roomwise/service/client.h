@@ -1,0 +1,82 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "roomwise/base/expected.h"
+#include "roomwise/base/file.h"
+#include "roomwise/service/identity.h"
+
+namespace roomwise::service {
+
+struct ServerAddress {
+  std::string host;  // name or address, without brackets
+  std::uint16_t port = 0;
+};
+// "flat.local:8443", "192.168.1.5:8443", "[fe80::1]:8443".
+[[nodiscard]] Expected<ServerAddress> parse_server_address(std::string_view text);
+
+// What a device keeps of the computer that it is paired with.
+struct ServerCredentials {
+  std::string fingerprint;  // of the computer's certificate; it is trusted for nothing else
+  std::string token;
+};
+
+struct PairedWith {
+  ServerCredentials credentials;
+  Identity who;
+};
+
+// How long to wait for the computer, and whether to give up before.
+struct ClientWait {
+  std::chrono::milliseconds timeout{5000};
+  // A connection on which nothing came for so long, not even an answer to a ping, is lost.
+  std::chrono::milliseconds silence{2500};
+  std::function<bool()> interrupted = {};  // asked ten times a second; empty: never
+};
+
+// Pairs with a computer that was never seen: shows that the code is known without sending it, and
+// believes the computer only where it knows the code too (pairing_proof.h).
+[[nodiscard]] Expected<PairedWith> pair_with(const ServerAddress& server, const std::string& code,
+                                             const std::string& name, const ClientWait& wait = {});
+
+// A WebSocket to the computer. Thread-safe.
+class ServerConnection {
+ public:
+  struct Message {
+    bool is_text = true;
+    Bytes bytes;
+  };
+
+  [[nodiscard]] static Expected<std::unique_ptr<ServerConnection>> open(
+      const ServerAddress& server, const ServerCredentials& credentials,
+      const ClientWait& wait = {});
+  ~ServerConnection();  // closes
+  ServerConnection(const ServerConnection&) = delete;
+  ServerConnection& operator=(const ServerConnection&) = delete;
+
+  // Queue a message. Fail where the connection is lost, or too much waits to be sent.
+  [[nodiscard]] Expected<void> send_text(std::string text);
+  [[nodiscard]] Expected<void> send_binary(Bytes bytes);
+
+  // The next message; nothing where none came in time. Fails where the connection is lost.
+  [[nodiscard]] Expected<std::optional<Message>> receive(std::chrono::milliseconds timeout);
+
+  // Says goodbye and waits for what was queued to be sent, a second at most.
+  void close();
+  // Ends all that waits, at once; from any thread.
+  void interrupt();
+
+ private:
+  class Impl;
+  explicit ServerConnection(std::shared_ptr<Impl> impl);
+  std::shared_ptr<Impl> impl_;
+};
+
+}  // namespace roomwise::service

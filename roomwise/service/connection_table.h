@@ -1,0 +1,90 @@
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "roomwise/service/identity.h"
+
+namespace roomwise::service {
+
+// An open connection, as the server sees it from outside. Called on the network thread alone.
+class Connection {
+ public:
+  virtual ~Connection() = default;
+  // Ends it in an orderly way: what is being answered is answered.
+  virtual void end(const std::string& reason) = 0;
+  // Ends it at once.
+  virtual void cut() = 0;
+};
+
+struct ConnectionLimits {
+  std::size_t connections = 64;
+  std::size_t unknown_per_peer = 8;
+  std::size_t connections_per_device = 16;
+  std::size_t sockets_per_device = 2;
+};
+
+// Which connections are open, and whether there may be one more. Thread-safe.
+class ConnectionTable {
+ public:
+  using Number = std::uint64_t;
+
+  explicit ConnectionTable(const ConnectionLimits& limits) : limits_(limits) {}
+
+  // Why a new connection from there is refused; empty: it is not. Where the table is full, the
+  // oldest connection without a token is named in `cut` and no longer counted.
+  struct Verdict {
+    std::string refused;
+    std::shared_ptr<Connection> cut;
+  };
+  [[nodiscard]] Verdict ask(const std::string& peer);
+
+  Number add(std::string peer);
+  void set(Number number, std::weak_ptr<Connection> connection);
+  void remove(Number number);
+
+  // Whose connection it is; false where the device has too many.
+  [[nodiscard]] bool identify(Number number, std::int64_t device);
+  // That a socket was opened; gives the device's older ones that are too many.
+  [[nodiscard]] std::vector<std::shared_ptr<Connection>> open_socket(Number number);
+
+  [[nodiscard]] std::vector<std::shared_ptr<Connection>> all() const;
+  [[nodiscard]] std::vector<std::shared_ptr<Connection>> of(std::int64_t device) const;
+  [[nodiscard]] std::set<std::int64_t> online() const;  // devices with a socket
+  [[nodiscard]] std::size_t size() const;
+  [[nodiscard]] std::size_t sockets() const;
+
+  // Whether all are gone before the time is over.
+  [[nodiscard]] bool wait_until_empty(std::chrono::milliseconds most) const;
+  void wait_until_empty() const;
+
+ private:
+  struct Entry {
+    std::string peer;
+    std::weak_ptr<Connection> connection;
+    std::optional<std::int64_t> device;
+    bool socket = false;
+    bool leaving = false;  // was told to go and counts no more
+  };
+  using Choice = std::function<bool(const Entry&)>;
+  [[nodiscard]] std::size_t count(const Choice& chosen) const;
+  [[nodiscard]] std::vector<std::shared_ptr<Connection>> choose(const Choice& chosen) const;
+
+  ConnectionLimits limits_;
+  mutable std::mutex mutex_;
+  mutable std::condition_variable changed_;
+  std::map<Number, Entry> entries_;  // the oldest first
+  Number next_ = 1;
+};
+
+}  // namespace roomwise::service

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace roomwise::service {
+
+// What a paired client may do; each may all that those before it may.
+enum class Role {
+  kDevice,  // sends frames and asks
+  kHelper,  // also sees and changes the home, pairs and removes devices
+};
+
+[[nodiscard]] std::string_view to_string(Role role);  // "device", "helper"
+[[nodiscard]] std::optional<Role> parse_role(std::string_view text);
+
+// A client that is paired.
+struct Identity {
+  std::int64_t device = 0;  // its number, never given twice in one home
+  std::string name;         // "Anna's phone"
+  Role role = Role::kDevice;
+
+  bool operator==(const Identity&) const = default;
+};
+
+// Whether `who` may do what needs `role`; nothing needed: everyone may.
+[[nodiscard]] inline bool may(const std::optional<Identity>& who, std::optional<Role> role) {
+  return !role || (who && who->role >= *role);
+}
+
+}  // namespace roomwise::service

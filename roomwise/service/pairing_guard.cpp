@@ -1,0 +1,78 @@
+#include "roomwise/service/pairing_guard.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+namespace roomwise::service {
+namespace {
+constexpr std::size_t kMostCodes = 4;
+constexpr std::size_t kMostPeers = 1024;
+constexpr int kWrongOfAll = 5;
+constexpr int kWrongOfPeer = 3;
+constexpr double kFirstWait_s = 30;
+constexpr double kLongestWait_s = 3600;
+constexpr double kForgotten_s = 86400;
+}  // namespace
+
+Now Now::read() {
+  using std::chrono::duration;
+  using std::chrono::duration_cast;
+  return {duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(),
+          duration_cast<std::chrono::seconds>(std::chrono::system_clock::now().time_since_epoch())
+              .count()};
+}
+
+void PairingGuard::open(Code code, double now_s) {
+  codes_ = codes(now_s);
+  if (codes_.size() >= kMostCodes) codes_.erase(codes_.begin());
+  codes_.push_back(std::move(code));
+}
+
+double PairingGuard::wait_s(double now_s) const {
+  return std::max(0.0, all_.until_s - now_s);
+}
+
+double PairingGuard::wait_s(const std::string& peer, double now_s) const {
+  const auto found = peers_.find(peer);
+  const double own_s = found == peers_.end() ? 0 : found->second.until_s - now_s;
+  return std::max(own_s, wait_s(now_s));
+}
+
+std::vector<PairingGuard::Code> PairingGuard::codes(double now_s) {
+  std::erase_if(codes_, [&](const Code& code) { return code.until_s <= now_s; });
+  return codes_;
+}
+
+void PairingGuard::right(const std::string& peer, std::string_view digits) {
+  std::erase_if(codes_, [&](const Code& code) { return code.digits == digits; });
+  peers_.erase(peer);
+  all_ = {};
+}
+
+void PairingGuard::wrong(const std::string& peer, double now_s) {
+  count(of(peer, now_s), kWrongOfPeer, now_s);
+  // Where nothing can be guessed, guessing must not lock others out.
+  if (codes(now_s).empty()) return;
+  count(all_, kWrongOfAll, now_s);
+  if (wait_s(now_s) > 0) codes_.clear();
+}
+
+void PairingGuard::count(Guesses& guesses, int most, double now_s) {
+  if (now_s - guesses.last_s > kForgotten_s) guesses = {};
+  guesses.last_s = now_s;
+  if (++guesses.wrong < most) return;
+  guesses.wrong = 0;
+  guesses.until_s =
+      now_s + std::min(kLongestWait_s, kFirstWait_s * std::exp2(std::min(guesses.waits++, 16)));
+}
+
+PairingGuard::Guesses& PairingGuard::of(const std::string& peer, double now_s) {
+  if (!peers_.contains(peer) && peers_.size() >= kMostPeers) {
+    peers_.erase(std::ranges::min_element(peers_, {},
+                                          [](const auto& entry) { return entry.second.last_s; }));
+  }
+  return peers_.try_emplace(peer, Guesses{.last_s = now_s}).first->second;
+}
+
+}  // namespace roomwise::service

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "roomwise/service/identity.h"
+
+namespace roomwise::service {
+
+// The two clocks, read at once: a steady one for waiting, and that of the calendar for people.
+struct Now {
+  double steady_s = 0;
+  std::int64_t unix_s = 0;
+
+  [[nodiscard]] static Now read();
+};
+
+inline constexpr double kCodeValid_s = 300;
+
+// The open codes, and how often they may be guessed at. Six digits are guessed in half a million
+// tries; so there are few tries: each peer has three, then it waits, and after five wrong ones of
+// all peers together every open code is void and nobody is heard for a while. Waits double each
+// time. Knows nothing of what a guess looks like. Not thread-safe.
+class PairingGuard {
+ public:
+  struct Code {
+    std::string digits;
+    Role role = Role::kDevice;
+    double until_s = 0;
+  };
+
+  // Takes a code; the oldest goes where too many are open.
+  void open(Code code, double now_s);
+  // How long nobody is heard any more, or (with a peer) that one is not; 0: guess.
+  [[nodiscard]] double wait_s(double now_s) const;
+  [[nodiscard]] double wait_s(const std::string& peer, double now_s) const;
+  // The codes that can be redeemed now.
+  [[nodiscard]] std::vector<Code> codes(double now_s);
+  // What came of a guess.
+  void right(const std::string& peer, std::string_view digits);
+  void wrong(const std::string& peer, double now_s);
+
+  [[nodiscard]] std::size_t peers() const { return peers_.size(); }
+
+ private:
+  struct Guesses {
+    int wrong = 0;
+    int waits = 0;  // so far: each is twice as long
+    double until_s = 0;
+    double last_s = 0;
+  };
+  static void count(Guesses& guesses, int most, double now_s);
+  Guesses& of(const std::string& peer, double now_s);
+
+  std::vector<Code> codes_;
+  Guesses all_;
+  std::map<std::string, Guesses> peers_;
+};
+
+}  // namespace roomwise::service

@@ -1,0 +1,30 @@
+#include "roomwise/service/pairing_proof.h"
+
+#include <openssl/evp.h>
+
+#include <algorithm>
+#include <array>
+
+#include "roomwise/service/secrets.h"
+
+namespace roomwise::service {
+
+Expected<PairingProof> make_pairing_proof(std::string_view code, std::string_view fingerprint,
+                                          std::string_view nonce) {
+  const auto is_hex = [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); };
+  if (nonce.size() < 32 || nonce.size() > 64 || !std::ranges::all_of(nonce, is_hex)) {
+    return fail("'nonce' must have 32 to 64 hexadecimal digits in small letters");
+  }
+  const std::string salt = fmt::format("{}{}", fingerprint, nonce);
+  std::array<unsigned char, 64> key{};
+  constexpr std::uint64_t kMostMemory = std::uint64_t{64} << 20U;  // it takes 33 MB
+  if (EVP_PBE_scrypt(code.data(), code.size(), reinterpret_cast<const unsigned char*>(salt.data()),
+                     salt.size(), std::uint64_t{1} << 15U, 8, 1, kMostMemory, key.data(),
+                     key.size()) != 1) {
+    return fail("the proof could not be worked out: out of memory?");
+  }
+  const std::span<const std::uint8_t> bytes(key);
+  return PairingProof{hexadecimal(bytes.first(32)), hexadecimal(bytes.last(32))};
+}
+
+}  // namespace roomwise::service

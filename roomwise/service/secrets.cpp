@@ -1,0 +1,56 @@
+#include "roomwise/service/secrets.h"
+
+#include <openssl/crypto.h>
+#include <openssl/rand.h>
+
+namespace roomwise::service {
+
+Expected<Bytes> random_bytes(std::size_t count) {
+  Bytes bytes(count);
+  if (RAND_bytes(bytes.data(), static_cast<int>(count)) != 1) {
+    return fail("the system gives no random numbers");
+  }
+  return bytes;
+}
+
+Expected<std::string> random_code() {
+  constexpr std::uint32_t kCodes = 1'000'000;
+  // What is left over at the top of 32 bits is drawn again: it would make some codes likelier.
+  constexpr std::uint32_t kUseful = UINT32_MAX / kCodes * kCodes;
+  for (;;) {
+    ROOMWISE_TRY(const Bytes bytes, random_bytes(4));
+    std::uint32_t number = 0;
+    for (const std::uint8_t byte : bytes) number = (number << 8U) | byte;
+    if (number < kUseful) return fmt::format("{:06}", number % kCodes);
+  }
+}
+
+bool equal_secrets(std::string_view a, std::string_view b) {
+  return a.size() == b.size() && CRYPTO_memcmp(a.data(), b.data(), a.size()) == 0;
+}
+
+std::string base64url(std::span<const std::uint8_t> bytes) {
+  static constexpr std::string_view kDigits =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-_";
+  std::string text;
+  std::uint32_t bits = 0;
+  int count = 0;
+  for (const std::uint8_t byte : bytes) {
+    bits = (bits << 8U) | byte;
+    for (count += 8; count >= 6; count -= 6) text += kDigits[(bits >> (count - 6)) & 63U];
+  }
+  if (count > 0) text += kDigits[(bits << (6 - count)) & 63U];
+  return text;
+}
+
+std::string hexadecimal(std::span<const std::uint8_t> bytes) {
+  std::string text;
+  for (const std::uint8_t byte : bytes) text += fmt::format("{:02x}", byte);
+  return text;
+}
+
+std::string sha256_of(std::string_view text) {
+  return sha256_hex({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+}
+
+}  // namespace roomwise::service

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+
+#include "roomwise/base/expected.h"
+#include "roomwise/base/file.h"
+
+// Random bytes and their texts, from OpenSSL.
+namespace roomwise::service {
+
+// Fails where the system has no randomness to give.
+[[nodiscard]] Expected<Bytes> random_bytes(std::size_t count);
+// Six digits, each code as likely as any other.
+[[nodiscard]] Expected<std::string> random_code();
+
+// Takes as long for texts that differ early as for equal ones.
+[[nodiscard]] bool equal_secrets(std::string_view a, std::string_view b);
+
+[[nodiscard]] std::string base64url(std::span<const std::uint8_t> bytes);  // without padding
+[[nodiscard]] std::string hexadecimal(std::span<const std::uint8_t> bytes);
+[[nodiscard]] std::string sha256_of(std::string_view text);  // hexadecimal
+
+}  // namespace roomwise::service

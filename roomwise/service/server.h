@@ -1,0 +1,134 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+#include <string_view>
+
+#include "roomwise/base/expected.h"
+#include "roomwise/base/file.h"
+#include "roomwise/service/access.h"
+#include "roomwise/service/certificate.h"
+#include "roomwise/service/router.h"
+
+namespace roomwise::service {
+
+// The way back to a connected client. Thread-safe; does nothing once the connection is closed.
+class SocketOut {
+ public:
+  virtual ~SocketOut() = default;
+  // Queues a text message. A client that does not read is closed when more waits for it than
+  // ServerLimits says.
+  virtual void send_text(std::string text) = 0;
+  // Sends what waits, then closes. `reason` (at most 123 bytes) is sent along and logged.
+  virtual void close(std::string reason) = 0;
+};
+
+// One connected client, as the server tells of it. Its functions are called one after the other,
+// never two at once, on a thread that serves several sessions: they should be short. While one runs
+// no more of this client is read.
+class SocketSession {
+ public:
+  virtual ~SocketSession() = default;
+  virtual void on_text(std::string_view text) = 0;
+  virtual void on_message(Bytes bytes) = 0;  // a binary message
+  virtual void on_closed() = 0;              // once, last
+};
+
+// Makes the sessions.
+class SocketHandler {
+ public:
+  virtual ~SocketHandler() = default;
+  // Called like a session's functions; nullptr closes the connection ("unavailable").
+  virtual std::unique_ptr<SocketSession> connect(const Identity& who,
+                                                 std::shared_ptr<SocketOut> out) = 0;
+};
+
+struct ServerLimits {
+  std::size_t connections = 64;      // one more takes the place of the oldest without a token
+  std::size_t unknown_per_peer = 8;  // that have not shown a token; one more is refused
+  std::size_t connections_per_device = 16;
+  std::size_t sockets_per_device = 2;  // the newest stay
+  std::size_t header_bytes = 8 * 1024;
+  std::size_t message_bytes = 4'000'000;  // of a WebSocket message from a client
+  std::size_t waiting_bytes = 1'000'000;  // of messages that wait for one client
+  std::size_t waiting_messages = 256;
+  std::size_t waiting_requests = 64;  // that no worker has taken yet; more are answered by 503
+  double handshake_s = 5;             // TLS, and until a connection's first request is whole
+  double request_s = 30;              // for a request to come, an answer to go
+  double idle_s = 20;                 // a connection that asks nothing
+  double socket_idle_s = 15;  // a WebSocket is pinged after half of it, closed after all of it
+  double stop_s = 2;          // for the closing of WebSockets when the server stops
+  // Requests: so many at once, then so many a second.
+  double burst_per_peer = 120;
+  double rate_per_peer = 40;
+  double burst_per_device = 240;
+  double rate_per_device = 80;
+};
+
+struct ServerOptions {
+  std::string address = "127.0.0.1";  // "0.0.0.0" or "::": every network card
+  std::uint16_t port = 0;             // 0: any that is free
+  Certificate certificate;
+  std::filesystem::path pages;  // folder of files for everyone; empty: none
+  ServerLimits limits;
+  std::size_t workers = 2;          // threads that answer requests
+  std::size_t session_threads = 1;  // threads that sessions are called on
+  std::function<Now()> clock = Now::read;
+  // One line for each event, without its end; never a token or a code. Called on any thread, one
+  // line at a time.
+  std::function<void(std::string_view line)> log = [](std::string_view) {};
+};
+
+// Since the start.
+struct ServerCounts {
+  std::uint64_t connections = 0;
+  std::uint64_t sockets = 0;
+  std::map<int, std::uint64_t> answers;           // by status
+  std::map<std::string, std::uint64_t> refusals;  // connections and requests, by reason
+  std::uint64_t messages_in = 0;
+  std::uint64_t message_bytes_in = 0;
+  std::uint64_t messages_out = 0;
+  std::uint64_t messages_dropped = 0;  // to clients that did not read
+  std::size_t open_connections = 0;    // now
+  std::size_t open_sockets = 0;        // now
+};
+
+// HTTPS and WebSockets on one port, in front of a home. TLS 1.2 and later; HTTP/1.1. Requests go to
+// the router's handlers on worker threads, GET requests for other paths to the files of the pages.
+// A WebSocket opens at GET /api/socket (subprotocol "roomwise.1") for who may what Role::kDevice
+// may.
+class Server {
+ public:
+  // Listens and serves until stop(). `access` and `sockets` must outlive it.
+  [[nodiscard]] static Expected<std::unique_ptr<Server>> start(ServerOptions options, Router router,
+                                                               AccessRegister& access,
+                                                               SocketHandler& sockets);
+  ~Server();  // stop()
+  Server(const Server&) = delete;
+  Server& operator=(const Server&) = delete;
+
+  // Takes no more connections, ends requests that are worked on, closes WebSockets ("the computer
+  // stops") and returns when every session's on_closed() has been called. May be called twice. Not
+  // from a handler or a session.
+  void stop();
+
+  [[nodiscard]] std::uint16_t port() const;
+  [[nodiscard]] ServerCounts counts() const;
+  // The devices that have a WebSocket open.
+  [[nodiscard]] std::set<std::int64_t> online() const;
+  // Closes all connections of a device: after its token was revoked.
+  void disconnect(std::int64_t device, std::string reason);
+
+ private:
+  class Impl;
+  explicit Server(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace roomwise::service

@@ -1,0 +1,230 @@
+#include <gmock/gmock.h>
+
+#include "roomwise/service/client.h"
+#include "roomwise/service/testing_service.h"
+
+namespace roomwise::service {
+namespace {
+
+using std::chrono::milliseconds;
+using testing::bearer;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using testing::RawClient;
+using testing::TestServer;
+
+// Long enough for the slowest machine; nothing waits that long where all is well.
+constexpr milliseconds kMost{10000};
+
+std::string upgrade(const std::string& more) {
+  return "Upgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
+         "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n" +
+         more;
+}
+const std::string kSubprotocol = "Sec-WebSocket-Protocol: chat, roomwise.1\r\n";
+
+// A frame of a WebSocket from a client, its mask nothing but zeros.
+std::string frame(char opcode, const std::string& payload) {
+  std::string bytes{static_cast<char>(0x80 | opcode)};
+  if (payload.size() < 126) {
+    bytes += static_cast<char>(0x80 | payload.size());
+  } else {
+    bytes += static_cast<char>(0x80 | 127);
+    for (int shift = 56; shift >= 0; shift -= 8)
+      bytes += static_cast<char>(payload.size() >> shift);
+  }
+  return bytes + std::string(4, '\0') + payload;
+}
+
+class SocketTest : public ::testing::Test {
+ protected:
+  [[nodiscard]] ServerAddress address() const { return {"127.0.0.1", home_.port()}; }
+  [[nodiscard]] ServerCredentials credentials(const Pairing& pairing) const {
+    return {home_.certificate.fingerprint, pairing.token};
+  }
+  [[nodiscard]] std::unique_ptr<ServerConnection> connect() const {
+    auto opened = ServerConnection::open(address(), credentials(home_.device),
+                                         {.timeout = kMost, .silence = kMost});
+    EXPECT_OK(opened);
+    return opened ? *std::move(opened) : nullptr;
+  }
+  static std::string text_of(const ServerConnection::Message& message) {
+    return {message.bytes.begin(), message.bytes.end()};
+  }
+  // A connection with an open WebSocket whose other end may do anything.
+  std::unique_ptr<RawClient> raw() const {
+    auto client = std::make_unique<RawClient>(home_.port());
+    EXPECT_TRUE(client->shake_hands());
+    EXPECT_EQ(client->ask("GET", "/api/socket", upgrade(kSubprotocol + bearer(home_.device.token)))
+                  .status,
+              101);
+    return client;
+  }
+
+  TestServer home_;
+};
+
+TEST_F(SocketTest, CarriesTextsAndFrames) {
+  const auto connection = connect();
+  ASSERT_TRUE(connection);
+  ASSERT_OK(connection->send_text("hello"));
+  const auto echo = connection->receive(kMost);
+  ASSERT_OK(echo);
+  ASSERT_TRUE(echo->has_value());
+  EXPECT_TRUE((*echo)->is_text);
+  EXPECT_EQ(text_of(**echo), "hello");
+  ASSERT_OK(connection->send_binary(Bytes(1'000'000, 7)));
+  EXPECT_TRUE(home_.sockets.signal.wait([&] { return !home_.sockets.binaries.empty(); }));
+  EXPECT_THAT(home_.sockets.binaries, ElementsAre(1'000'000u));
+  EXPECT_EQ(home_.sockets.last, home_.device.who);
+  EXPECT_THAT(home_.server->online(), ElementsAre(home_.device.who.device));
+  const auto nothing = connection->receive(milliseconds(0));
+  ASSERT_OK(nothing);
+  EXPECT_FALSE(nothing->has_value());
+  connection->close();
+  EXPECT_ERROR(connection->receive(kMost), "closed");
+  EXPECT_TRUE(home_.sockets.signal.wait([&] { return home_.sockets.closed == 1; }));
+}
+
+TEST_F(SocketTest, OpensOnlyForWhoMay) {
+  const auto status = [&](const std::string& headers) {
+    return home_.ask("GET", "/api/socket", headers).status;
+  };
+  const std::string token = bearer(home_.device.token);
+  EXPECT_EQ(status(upgrade(kSubprotocol)), 401);
+  EXPECT_EQ(status(upgrade(kSubprotocol + bearer("other"))), 401);
+  EXPECT_EQ(status(upgrade(token)), 400);  // no subprotocol
+  EXPECT_EQ(status(upgrade(token + "Sec-WebSocket-Protocol: roomwise.2\r\n")), 400);
+  EXPECT_EQ(status(token), 426);
+  EXPECT_EQ(status(upgrade(token + kSubprotocol + "Origin: https://evil.example\r\n")), 403);
+  EXPECT_EQ(status(upgrade(token + kSubprotocol + "Origin: https://127.0.0.1\r\n")), 101);
+  EXPECT_EQ(status(upgrade("Cookie: roomwise=" + home_.helper.token + "\r\n" + kSubprotocol)), 101);
+}
+
+TEST_F(SocketTest, RefusesAMessageThatIsTooLarge) {
+  const auto connection = connect();
+  ASSERT_TRUE(connection);
+  ASSERT_OK(connection->send_binary(Bytes(4'000'001, 7)));
+  EXPECT_FALSE(connection->receive(kMost).has_value());
+  EXPECT_TRUE(home_.sockets.signal.wait([&] { return home_.sockets.closed == 1; }));
+  EXPECT_TRUE(home_.sockets.binaries.empty());
+  EXPECT_EQ(home_.server->counts().refusals.at("a message that is too large"), 1u);
+}
+
+TEST_F(SocketTest, RefusesWhatIsNoFrame) {
+  for (const std::string& bytes : {std::string("\xFF\xFF\xFF\xFF", 4), frame(1, "\xC3\x28"),
+                                   std::string("\x81\x05hello", 7),  // not masked
+                                   frame(9, std::string(126, 'p'))}) {
+    const auto client = raw();
+    client->send(bytes);
+    EXPECT_TRUE(client->is_closed());
+  }
+  EXPECT_TRUE(home_.sockets.signal.wait([&] { return home_.sockets.closed == 4; }));
+  EXPECT_TRUE(home_.sockets.texts.empty());
+}
+
+TEST_F(SocketTest, ClosesAClientThatDoesNotRead) {
+  const auto client = raw();
+  // Far more than what the systems between buffer, and than may wait.
+  client->send(frame(1, "send 20000"));
+  EXPECT_TRUE(home_.sockets.signal.wait([&] { return home_.sockets.closed == 1; }));
+  const ServerCounts counts = home_.server->counts();
+  EXPECT_EQ(counts.refusals.at("a client that does not read"), 1u);
+  EXPECT_GE(counts.messages_dropped, 1u);
+  EXPECT_LE(counts.messages_dropped, 257u);
+}
+
+TEST_F(SocketTest, ASessionMayCloseOrFail) {
+  for (const std::string text : {"close", "throw"}) {
+    const auto connection = connect();
+    ASSERT_TRUE(connection);
+    ASSERT_OK(connection->send_text(text));
+    const auto ended = connection->receive(kMost);
+    EXPECT_ERROR(ended, text == "close" ? "you asked for it" : "the computer made a mistake");
+  }
+  EXPECT_TRUE(home_.sockets.signal.wait([&] { return home_.sockets.closed == 2; }));
+  EXPECT_THAT(home_.log_text, HasSubstr("thrown by a test"));
+}
+
+TEST_F(SocketTest, WhoIsRemovedIsClosed) {
+  const auto connection = connect();
+  ASSERT_TRUE(connection);
+  EXPECT_TRUE(home_.sockets.signal.wait([&] { return home_.sockets.opened == 1; }));
+  EXPECT_EQ(home_
+                .ask("DELETE", fmt::format("/api/devices/{}", home_.device.who.device),
+                     bearer(home_.helper.token))
+                .status,
+            200);
+  EXPECT_ERROR(connection->receive(kMost), "removed");
+  EXPECT_EQ(home_.ask("GET", "/api/me", bearer(home_.device.token)).status, 401);
+  EXPECT_ERROR(ServerConnection::open(address(), credentials(home_.device)), "pair it again");
+}
+
+TEST_F(SocketTest, ADevicesNewestConnectionsStay) {
+  const auto first = connect();
+  const auto second = connect();
+  EXPECT_TRUE(home_.sockets.signal.wait([&] { return home_.sockets.opened == 2; }));
+  const auto third = connect();
+  EXPECT_ERROR(first->receive(kMost), "connected again");
+  ASSERT_OK(third->send_text("still here"));
+  EXPECT_OK(third->receive(kMost));
+}
+
+TEST_F(SocketTest, StopsWithOpenSockets) {
+  const auto connection = connect();
+  ASSERT_TRUE(connection);
+  EXPECT_TRUE(home_.sockets.signal.wait([&] { return home_.sockets.opened == 1; }));
+  home_.server->stop();
+  EXPECT_EQ(home_.sockets.closed, 1);
+  EXPECT_ERROR(connection->receive(kMost), "the computer stops");
+  home_.sockets.last_out->send_text("to nobody");  // harmless
+  home_.start();
+  EXPECT_TRUE(connect());
+}
+
+TEST_F(SocketTest, TrustsOneCertificateOnly) {
+  const TestServer impostor;
+  EXPECT_ERROR(ServerConnection::open({"127.0.0.1", impostor.port()}, credentials(home_.device)),
+               "shows another certificate");
+  // Not even the token was sent.
+  EXPECT_EQ(impostor.server->counts().answers.size(), 0u);
+}
+
+TEST_F(SocketTest, CanBeInterrupted) {
+  const auto connection = connect();
+  ASSERT_TRUE(connection);
+  connection->interrupt();
+  EXPECT_ERROR(connection->receive(kMost), "interrupted");
+  EXPECT_ERROR(connection->send_text("a"), "interrupted");
+  EXPECT_ERROR(ServerConnection::open(address(), credentials(home_.device),
+                                      {.timeout = kMost, .interrupted = [] { return true; }}),
+               "interrupted");
+}
+
+TEST_F(SocketTest, NothingSecretIsLogged) {
+  const auto connection = connect();
+  (void)home_.ask("GET", "/api/me?token=" + home_.device.token, bearer(home_.helper.token));
+  (void)home_.ask("GET", "/" + home_.device.token, bearer(home_.helper.token));
+  const auto code = home_.access->make_code(Role::kDevice, home_.now());
+  ASSERT_OK(code);
+  (void)home_.ask("POST", "/api/pair", "", "{\"code\":\"" + *code + "\",\"name\":\"new\"}");
+  home_.server->stop();
+  for (const std::string& secret : {home_.device.token, home_.helper.token, *code}) {
+    EXPECT_THAT(home_.log_text, Not(HasSubstr(secret)));
+  }
+  EXPECT_THAT(home_.log_text, HasSubstr("Anna's phone"));
+}
+
+TEST(ServerAddressTest, IsHostAndPort) {
+  EXPECT_EQ(parse_server_address("flat.local:8443")->host, "flat.local");
+  EXPECT_EQ(parse_server_address("[fe80::1]:8443")->host, "fe80::1");
+  EXPECT_EQ(parse_server_address("10.0.0.1:1")->port, 1);
+  for (const char* bad :
+       {"", "flat", "flat:", ":1", "flat:0", "flat:65536", "flat:1x", "https://flat:1", "a b:1"}) {
+    EXPECT_ERROR(parse_server_address(bad), "HOST:PORT");
+  }
+}
+
+}  // namespace
+}  // namespace roomwise::service
