@@ -14,12 +14,11 @@ export interface PictureQuality {
 
 export type CameraTrouble = 'dark' | 'covered' | 'blurred';
 
-// For copies about 120 pixels wide. Chosen on pictures of a webcam and of simulated walks; a lamp-lit room has a
-// brightness above 40.
+// For copies about 120 pixels wide. None of some 470 pictures of walks, real and simulated with a camera's faults,
+// falls below these; of the same ones blurred by 24 of 640 pixels all are unsharp.
 export const kDarkBelow = 18;
 export const kPlainBelow = 6; // contrast of a covered lens, or of one surface
-export const kPlainSharpness = 6; // what noise alone may reach
-export const kBlurredBelow = 25;
+export const kUnsharpBelow = 7;
 
 // RGBA as a canvas gives it; luma as in ITU-R BT.601.
 export function greyFromRgba(rgba: Uint8ClampedArray, width: number, height: number): GreyPicture {
@@ -44,10 +43,10 @@ export function troubleOf(quality: PictureQuality): CameraTrouble | null {
   if (quality.brightness < kDarkBelow) {
     return 'dark';
   }
-  if (quality.contrast < kPlainBelow && quality.sharpness < kPlainSharpness) {
-    return 'covered';
+  if (quality.sharpness >= kUnsharpBelow) {
+    return null;
   }
-  return quality.sharpness < kBlurredBelow ? 'blurred' : null;
+  return quality.contrast < kPlainBelow ? 'covered' : 'blurred';
 }
 
 // Of the inner pixels.

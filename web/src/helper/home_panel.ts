@@ -5,6 +5,7 @@ import { textField } from '../shared/forms';
 import { counted, text } from '../shared/texts';
 import type { View3d } from '../view3d/view3d';
 import type { Helper } from './actions';
+import { jobView } from './job_view';
 import { countOf, outlineOf } from './outline';
 import { keyframePicture } from './pictures';
 import { rerender } from './rerender';
@@ -45,7 +46,8 @@ function spaceView(helper: Helper): HTMLElement {
   const note = h('p', { class: 'hint stage-note' }, text('space.loading'));
   const picture = h('div', { class: 'shown-picture', role: 'status' });
   const buttons = h('div', { class: 'row tight', role: 'group', 'aria-label': text('space.controls') });
-  const element = h('section', { class: 'space', 'aria-label': text('space.heading') }, stage, note, buttons, picture);
+  const element = h('section', { class: 'space', 'aria-label': text('space.heading') },
+    stage, note, jobView(helper, 'map', 'prepare'), buttons, picture);
   void load();
   return element;
 
@@ -64,11 +66,32 @@ function spaceView(helper: Helper): HTMLElement {
         }
       });
       helper.store.watch(['seen'], () => view.setSeen([...helper.store.state.seen.values()]));
-      note.textContent = text('space.drag');
-      view.setCloud(await requestBytes('/api/map/cloud'));
+      keepCloud(view);
     } catch (error) {
       note.textContent = text('space.not_shown', { why: messageOf(error) });
     }
+  }
+
+  // The cloud is there when the map is ready, and another one when a map was made anew.
+  function keepCloud(view: View3d): void {
+    let loaded = false;
+    helper.store.watch(['job'], () => {
+      const { job } = helper.store.state;
+      const isMaps = job !== null && job.kind !== 'learn';
+      if (isMaps && job.state === 'running') {
+        loaded = false;
+        note.textContent = text('space.not_ready');
+      } else if (!loaded) {
+        loaded = true;
+        requestBytes('/api/map/cloud').then((bytes) => {
+          view.setCloud(bytes);
+          note.textContent = text('space.drag');
+        }, (error: unknown) => {
+          loaded = false;
+          note.textContent = text('space.not_shown', { why: messageOf(error) });
+        });
+      }
+    });
   }
 
   function addButtons(view: View3d): void {

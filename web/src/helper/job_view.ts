@@ -8,7 +8,8 @@ import { actOrSay, type Helper } from './actions';
 export function jobView(helper: Helper, ...kinds: [JobKind, ...JobKind[]]): HTMLElement {
   const { store } = helper;
   const bar = h('progress', { max: 1, 'aria-label': text(`job.${kinds[0]}`) });
-  const words = h('p', { class: 'progress-words' });
+  // For the eyes; the bar says the same, and the quarters are said below.
+  const words = h('p', { class: 'progress-words', 'aria-hidden': 'true' });
   const news = h('p', { class: 'visually-hidden', role: 'status' });
   const stop = h('button', { type: 'button', onclick: () => stopNow() }, text('job.stop'));
   const running = h('div', { class: 'job' }, bar, stop);

@@ -26,6 +26,7 @@ export function namingView(helper: Helper): NamingView {
     first.input.value = String(from);
     last.input.value = String(to);
   });
+  const keys = h('p', { class: 'hint' });
   const list = h('ul', { class: 'ranges' });
   const form = h('form', { novalidate: true, class: 'form columns' },
     first.element, last.element, room.element, names,
@@ -77,9 +78,11 @@ export function namingView(helper: Helper): NamingView {
 
   return {
     element: h('div', { class: 'form' },
-      timeline.element, h('p', { class: 'hint' }, text('walks.keys')), form, h('h4', {}, text('walks.named')), list),
+      timeline.element, keys, form, h('h4', {}, text('walks.named')), list),
     show: (now, keyframes) => {
       recording = now;
+      timeline.element.hidden = keyframes.length === 0;
+      keys.textContent = text(keyframes.length === 0 ? 'walks.no_pictures' : 'walks.keys');
       timeline.show(keyframes, spansOf(keyframes, now.frames), now.ranges);
       names.replaceChildren(...(helper.store.state.home?.rooms ?? []).map((one) => h('option', { value: one.name })));
       rerender(list, now.ranges.length === 0

@@ -59,7 +59,7 @@ export function makeView(stage: HTMLElement, keyframeChosen: (id: number) => voi
   const frame = (positions: ArrayLike<number>): void => {
     const { middle, radius } = boundsOf(positions);
     limits = { least: radius / 20, most: radius * 8 };
-    look({ ...orbit, target: middle, distance: radius * 1.8 });
+    look({ ...orbit, target: middle, distance: (radius * 1.8) / Math.min(1, camera.aspect) });
   };
 
   new ResizeObserver(() => {
