@@ -28,10 +28,13 @@ write_basic_package_version_file(${PROJECT_BINARY_DIR}/RoomwiseConfigVersion.cma
 install(FILES
   ${PROJECT_BINARY_DIR}/RoomwiseConfig.cmake
   ${PROJECT_BINARY_DIR}/RoomwiseConfigVersion.cmake
+  ${CMAKE_CURRENT_LIST_DIR}/FindEspeakNg.cmake
   ${CMAKE_CURRENT_LIST_DIR}/FindLibZip.cmake
   ${CMAKE_CURRENT_LIST_DIR}/FindOneDNN.cmake
   ${CMAKE_CURRENT_LIST_DIR}/FindOpenCVModules.cmake
   ${CMAKE_CURRENT_LIST_DIR}/FindOpenNI2.cmake
+  ${CMAKE_CURRENT_LIST_DIR}/FindWebP.cmake
+  ${CMAKE_CURRENT_LIST_DIR}/FindSpeechd.cmake
   DESTINATION ${package_dir})
 install(DIRECTORY ${PROJECT_BINARY_DIR}/share/roomwise DESTINATION ${CMAKE_INSTALL_DATADIR})
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})

@@ -12,7 +12,7 @@ install_missing_packages() {
     return
   fi
   local wanted installed missing
-  wanted=$(sed -e 's/#.*//' -e '/^[[:space:]]*$/d' "$root/cmake/packages.txt" | awk '{print $1}' | sort -u)
+  wanted=$(sed -e 's/#.*//' -e '/^[[:space:]]*$/d' "$root/cmake/packages.txt" | needed_packages | sort -u)
   # dpkg-query fails where one of them is not known to it, and tells of the others all the same.
   # shellcheck disable=SC2086  # a list of names
   installed=$({ dpkg-query -W -f='${db:Status-Status} ${Package}\n' $wanted 2>/dev/null || true; } |
@@ -35,6 +35,15 @@ install_missing_packages() {
     tail -n 20 "$log" >&2
     stop "packages could not be installed; try: apt-get install --no-install-recommends $missing"
   }
+}
+# Leaves out a package with "[command NAME]" where that command is there, wherever it came from.
+needed_packages() {
+  local package rest
+  while read -r package rest; do
+    if [[ ! $rest =~ ^\[command\ ([^]]+)\] ]] || ! command -v "${BASH_REMATCH[1]}" >/dev/null; then
+      echo "$package"
+    fi
+  done
 }
 # Lists of packages that are old or not there yet make it fail; it is tried again with new ones.
 apt_install() {

@@ -269,4 +269,14 @@ Expected<void> Home::verify() const {
       file(), *table);
 }
 
+Expected<void> Home::erase_removed() {
+  ROOMWISE_CHECK_OK(database_.run("VACUUM"));
+  // The pages as they were lie in the log and in the main file until both are written over.
+  ROOMWISE_TRY(const auto busy, database_.get<bool>("PRAGMA wal_checkpoint(TRUNCATE)"));
+  if (busy) {
+    return fail("{}: another program reads the home; close it, then forget again", file());
+  }
+  return {};
+}
+
 }  // namespace roomwise::home

@@ -249,6 +249,9 @@ class Home {
   [[nodiscard]] Expected<recording::RoomLabels> room_ranges(RecordingId id) const;
   // Takes the place of an earlier one for the same network and becomes the newest.
   [[nodiscard]] Expected<void> put_room_classifier(const RoomClassifierRecord& classifier);
+  // Forgets what was learned of rooms: classifiers, what they said of key-frames, features of
+  // pictures.
+  [[nodiscard]] Expected<void> forget_learned_rooms();
   // The newest; absent where nothing was learned yet.
   [[nodiscard]] Expected<std::optional<RoomClassifierRecord>> room_classifier() const;
   // In which room the classifier believes each key-frame to be; takes the place of all earlier
@@ -281,6 +284,9 @@ class Home {
   [[nodiscard]] Expected<std::string> content_digest() const;
   // Reads the whole file, images too, and fails at the first damage.
   [[nodiscard]] Expected<void> verify() const;
+  // Writes the file anew without what was removed, whose bytes stay in it until then, and empties
+  // NAME-wal. Takes as long as copying the file. Fails while somebody else reads the home.
+  [[nodiscard]] Expected<void> erase_removed();
   // For looking at the file by SQL.
   [[nodiscard]] Database& database() { return database_; }
   [[nodiscard]] const std::string& file() const { return database_.file(); }

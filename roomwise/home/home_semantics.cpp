@@ -312,6 +312,14 @@ Expected<void> Home::put_room_classifier(const RoomClassifierRecord& classifier)
   });
 }
 
+Expected<void> Home::forget_learned_rooms() {
+  return atomically([&]() -> Expected<void> {
+    ROOMWISE_CHECK_OK(database_.run("DELETE FROM room_classifiers"));
+    ROOMWISE_CHECK_OK(database_.run("DELETE FROM keyframe_rooms"));
+    return database_.run("DELETE FROM picture_features");
+  });
+}
+
 Expected<std::optional<RoomClassifierRecord>> Home::room_classifier() const {
   std::optional<RoomClassifierRecord> newest;
   ROOMWISE_CHECK_OK(database_.for_each(

@@ -2,13 +2,13 @@
 
 #include "roomwise/image/jpeg.h"
 #include "roomwise/image/png.h"
+#include "roomwise/image/webp.h"
 
 namespace roomwise::image {
 namespace {
 
 template <typename Decode>
-auto read_decoded(const std::filesystem::path& path, Decode decode)
-    -> decltype(decode(std::span<const std::uint8_t>())) {
+auto read_decoded(const std::filesystem::path& path, Decode decode) -> decltype(decode(Bytes())) {
   ROOMWISE_TRY(const Bytes bytes, read_file(path));
   auto image = decode(bytes);
   if (!image) return Unexpected(std::move(image).error().in(path.string()));
@@ -17,25 +17,26 @@ auto read_decoded(const std::filesystem::path& path, Decode decode)
 
 }  // namespace
 
-Expected<ColorImage> decode_color(std::span<const std::uint8_t> bytes) {
-  if (bytes.empty()) return fail("is empty; expected a JPEG or PNG picture");
-  if (is_jpeg(bytes)) return decode_jpeg(bytes);
-  if (is_png(bytes)) return decode_png_color(bytes);
-  return fail("is neither a JPEG nor a PNG picture; convert it to one of them");
+Expected<ColorImage> decode_color(std::span<const std::uint8_t> bytes, std::int64_t most_pixels) {
+  if (bytes.empty()) return fail("is empty; expected a JPEG, PNG or WebP picture");
+  if (is_jpeg(bytes)) return decode_jpeg(bytes, most_pixels);
+  if (is_png(bytes)) return decode_png_color(bytes, most_pixels);
+  if (is_webp(bytes)) return decode_webp(bytes, most_pixels);
+  return fail("is neither a JPEG nor a PNG nor a WebP picture; convert it to one of them");
 }
 
-Expected<DepthImage> decode_depth(std::span<const std::uint8_t> bytes) {
-  if (is_png(bytes)) return decode_png_depth(bytes);
+Expected<DepthImage> decode_depth(std::span<const std::uint8_t> bytes, std::int64_t most_pixels) {
+  if (is_png(bytes)) return decode_png_depth(bytes, most_pixels);
   const char* found = bytes.empty() ? "empty" : is_jpeg(bytes) ? "a JPEG" : "not a PNG";
   return fail("is {}; a depth image must be a 16-bit greyscale PNG", found);
 }
 
 Expected<ColorImage> read_color(const std::filesystem::path& path) {
-  return read_decoded(path, decode_color);
+  return read_decoded(path, [](const Bytes& bytes) { return decode_color(bytes); });
 }
 
 Expected<DepthImage> read_depth(const std::filesystem::path& path) {
-  return read_decoded(path, decode_depth);
+  return read_decoded(path, [](const Bytes& bytes) { return decode_depth(bytes); });
 }
 
 }  // namespace roomwise::image

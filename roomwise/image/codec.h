@@ -16,13 +16,18 @@ constexpr std::int64_t kMostPixels = 100'000'000;
 [[nodiscard]] bool is_jpeg(std::span<const std::uint8_t> bytes);
 [[nodiscard]] bool is_png(std::span<const std::uint8_t> bytes);
 
-// Decodes a JPEG or PNG (told apart by its first bytes) to 8-bit RGB: grey is spread, an alpha
-// channel is blended over black, and the orientation that a phone writes into a JPEG's Exif is
-// applied. A truncated or damaged file is an error, never a half-grey picture.
-[[nodiscard]] Expected<ColorImage> decode_color(std::span<const std::uint8_t> bytes);
+[[nodiscard]] bool is_webp(std::span<const std::uint8_t> bytes);
+
+// Decodes a JPEG, PNG or WebP (told apart by its first bytes) to 8-bit RGB: grey is spread, an
+// alpha channel is blended over black, and the orientation that a phone writes into a JPEG's Exif
+// is applied. A truncated or damaged file is an error, never a half-grey picture; so is one with
+// more pixels than `most_pixels`, before any memory is taken.
+[[nodiscard]] Expected<ColorImage> decode_color(std::span<const std::uint8_t> bytes,
+                                                std::int64_t most_pixels = kMostPixels);
 
 // Decodes a 16-bit greyscale PNG. Any other picture is an error that says what was found.
-[[nodiscard]] Expected<DepthImage> decode_depth(std::span<const std::uint8_t> bytes);
+[[nodiscard]] Expected<DepthImage> decode_depth(std::span<const std::uint8_t> bytes,
+                                                std::int64_t most_pixels = kMostPixels);
 
 // The same from a file; errors name it.
 [[nodiscard]] Expected<ColorImage> read_color(const std::filesystem::path& path);

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 #include <jpeglib.h>
 #include <png.h>
+#include <webp/encode.h>
 
 #include <cstdlib>
 #include <functional>
@@ -255,6 +256,31 @@ TEST(Codec, RefusesTooManyPixelsBeforeDecoding) {
     frame[i + 1] = 60'000 & 0xFF;
   }
   EXPECT_ERROR(decode_color(jpeg), "has 60000x60000 pixels");
+}
+
+TEST(Codec, ReadsWebP) {
+  const ColorImage image = gradient(37, 23);
+  std::uint8_t* encoded = nullptr;
+  const auto* const pixels = reinterpret_cast<const std::uint8_t*>(image.pixels().data());
+  const std::size_t size = WebPEncodeLosslessRGB(pixels, 37, 23, 37 * 3, &encoded);
+  const Bytes webp(encoded, encoded + size);
+  WebPFree(encoded);
+  ASSERT_TRUE(is_webp(webp));
+  const auto decoded = decode_color(webp);
+  ASSERT_OK(decoded);
+  EXPECT_EQ(*decoded, image);
+  EXPECT_ERROR(decode_color(webp, 37 * 23 - 1), "has 37x23 pixels");
+  for (const std::size_t length : {size - 1, size / 2, std::size_t{16}}) {
+    EXPECT_ERROR(decode_color(std::span(webp).first(length)), "truncated or damaged WebP");
+  }
+}
+
+TEST(Codec, RefusesMorePixelsThanTheCallerTakes) {
+  const Bytes jpeg = encode_jpeg(gradient(40, 30), 90);
+  EXPECT_OK(decode_color(jpeg, 40 * 30));
+  EXPECT_ERROR(decode_color(jpeg, 40 * 30 - 1), "has 40x30 pixels");
+  EXPECT_ERROR(decode_color(encode_png(gradient(40, 30)), 1199), "has 40x30 pixels");
+  EXPECT_ERROR(decode_depth(encode_png(random_depth(40, 30)), 1199), "has 40x30 pixels");
 }
 
 // No byte may be missing at the end: a picture that is half grey would poison a map silently.

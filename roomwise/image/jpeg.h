@@ -9,6 +9,7 @@
 // The JPEG half of codec.h (libjpeg-turbo); callers use codec.h.
 namespace roomwise::image {
 
-[[nodiscard]] Expected<ColorImage> decode_jpeg(std::span<const std::uint8_t> bytes);
+[[nodiscard]] Expected<ColorImage> decode_jpeg(std::span<const std::uint8_t> bytes,
+                                               std::int64_t most_pixels);
 
 }  // namespace roomwise::image

@@ -158,11 +158,11 @@ Unexpected damaged(const PngReader& reader) {
 }
 
 // Reads the header and refuses a picture too large to be one.
-Expected<void> open(PngReader& reader) {
+Expected<void> open(PngReader& reader, std::int64_t most_pixels) {
   if (!reader.open()) return damaged(reader);
-  if (reader.width() * reader.height() > kMostPixels) {
+  if (reader.width() * reader.height() > most_pixels) {
     return fail("has {}x{} pixels, more than the {} that are read; make it smaller", reader.width(),
-                reader.height(), kMostPixels);
+                reader.height(), most_pixels);
   }
   return {};
 }
@@ -199,9 +199,10 @@ bool is_png(std::span<const std::uint8_t> bytes) {
   return bytes.size() >= kSignature && png_sig_cmp(bytes.data(), 0, kSignature) == 0;
 }
 
-Expected<ColorImage> decode_png_color(std::span<const std::uint8_t> bytes) {
+Expected<ColorImage> decode_png_color(std::span<const std::uint8_t> bytes,
+                                      std::int64_t most_pixels) {
   PngReader reader(bytes);
-  ROOMWISE_CHECK_OK(open(reader));
+  ROOMWISE_CHECK_OK(open(reader, most_pixels));
   ColorImage image(static_cast<int>(reader.width()), static_cast<int>(reader.height()));
   Bytes rgba(image.pixels().size() * 4);
   if (!reader.read_rgba(rgba.data())) return damaged(reader);
@@ -215,9 +216,10 @@ Expected<ColorImage> decode_png_color(std::span<const std::uint8_t> bytes) {
   return image;
 }
 
-Expected<DepthImage> decode_png_depth(std::span<const std::uint8_t> bytes) {
+Expected<DepthImage> decode_png_depth(std::span<const std::uint8_t> bytes,
+                                      std::int64_t most_pixels) {
   PngReader reader(bytes);
-  ROOMWISE_CHECK_OK(open(reader));
+  ROOMWISE_CHECK_OK(open(reader, most_pixels));
   if (reader.color_type() != PNG_COLOR_TYPE_GRAY || reader.bit_depth() != 16) {
     return fail("is {}; a depth image must be a 16-bit greyscale PNG", describe(reader));
   }

@@ -9,7 +9,9 @@
 // The PNG half of codec.h (libpng); callers use codec.h.
 namespace roomwise::image {
 
-[[nodiscard]] Expected<ColorImage> decode_png_color(std::span<const std::uint8_t> bytes);
-[[nodiscard]] Expected<DepthImage> decode_png_depth(std::span<const std::uint8_t> bytes);
+[[nodiscard]] Expected<ColorImage> decode_png_color(std::span<const std::uint8_t> bytes,
+                                                    std::int64_t most_pixels);
+[[nodiscard]] Expected<DepthImage> decode_png_depth(std::span<const std::uint8_t> bytes,
+                                                    std::int64_t most_pixels);
 
 }  // namespace roomwise::image

@@ -27,29 +27,39 @@ Expected<rooms::WalkedPath> walked_path(
   return path;
 }
 
+Expected<void> check_rooms_are_named(const home::Home& home) {
+  ROOMWISE_TRY(const auto rooms, home.rooms());
+  if (!rooms.empty()) return {};
+  return fail("{}: no rooms are named; name them with roomwise rooms name", home.file());
+}
+
 }  // namespace
 
-Expected<HomeLayout> build_home_layout(const home::Home& home,
-                                       const rooms::RoomLayoutOptions& options, RunContext& run) {
-  ROOMWISE_CHECK_OK(options.validate());
-  ROOMWISE_TRY(const auto rooms, home.rooms());
-  if (rooms.empty()) {
-    return fail("{}: no rooms are named; name them with roomwise rooms name", home.file());
-  }
-  ROOMWISE_TRY(const LevelMap map, build_level_map(home, fusion::FieldOptions{}.voxel_size_m, run));
-  ROOMWISE_TRY(fusion::FloorGrid grid, floor_grid_of(map, {}, run));
-
+Expected<rooms::RoomLayout> lay_out_rooms(const home::Home& home, const fusion::LevelFrame& frame,
+                                          const fusion::FloorGrid& grid,
+                                          const rooms::RoomLayoutOptions& options) {
+  ROOMWISE_CHECK_OK(check_rooms_are_named(home));
   std::map<home::KeyframeId, home::KeyframePose> poses;
   ROOMWISE_TRY(const auto keyframes, home.keyframes());
   for (const home::Keyframe& keyframe : keyframes) poses[keyframe.id] = keyframe.pose;
   ROOMWISE_TRY(const auto recordings, home.recordings());
   std::vector<rooms::WalkedPath> walks;
   for (const home::StoredRecording& recording : recordings) {
-    ROOMWISE_TRY(walks.emplace_back(), walked_path(home, recording.id, map.frame, poses));
+    ROOMWISE_TRY(walks.emplace_back(), walked_path(home, recording.id, frame, poses));
   }
   auto layout = rooms::RoomLayout::make(grid, walks, options);
   if (!layout) return Unexpected(std::move(layout).error().in(home.file()));
-  return HomeLayout{map.frame, std::move(grid), std::move(*layout)};
+  return *std::move(layout);
+}
+
+Expected<HomeLayout> build_home_layout(const home::Home& home,
+                                       const rooms::RoomLayoutOptions& options, RunContext& run) {
+  ROOMWISE_CHECK_OK(options.validate());
+  ROOMWISE_CHECK_OK(check_rooms_are_named(home));
+  ROOMWISE_TRY(const LevelMap map, build_level_map(home, fusion::FieldOptions{}.voxel_size_m, run));
+  ROOMWISE_TRY(fusion::FloorGrid grid, floor_grid_of(map, {}, run));
+  ROOMWISE_TRY(rooms::RoomLayout layout, lay_out_rooms(home, map.frame, grid, options));
+  return HomeLayout{map.frame, std::move(grid), std::move(layout)};
 }
 
 }  // namespace roomwise::pipeline

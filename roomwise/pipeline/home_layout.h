@@ -16,6 +16,12 @@ struct HomeLayout {
   rooms::RoomLayout layout;
 };
 
+// Spreads the rooms that the walks were named with over the floor of the home's map. Fails where no
+// rooms are named.
+[[nodiscard]] Expected<rooms::RoomLayout> lay_out_rooms(
+    const home::Home& home, const fusion::LevelFrame& frame, const fusion::FloorGrid& grid,
+    const rooms::RoomLayoutOptions& options = {});
+
 // Fuses the map, finds its floor and spreads the rooms over it that the walks were named with.
 // Fails where the home has no map or no named rooms, where the map shows no floor, and when the
 // user interrupts.

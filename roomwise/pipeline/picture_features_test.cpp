@@ -131,7 +131,7 @@ TEST_F(PictureFeaturesTest, ABrokenPhotoIsNamed) {
   ASSERT_OK(write_file(folder_ / "photos" / "hall" / "a.png", files_[0]));
   ASSERT_OK(write_file(folder_ / "photos" / "hall" / "b.jpg", std::string_view("no picture")));
   EXPECT_ERROR(learn_rooms_from_photos(home_, folder_ / "photos", network_, {}, run_),
-               "hall/b.jpg: is neither a JPEG nor a PNG picture");
+               "hall/b.jpg: is neither a JPEG nor a PNG nor a WebP picture");
 }
 
 TEST_F(PictureFeaturesTest, RefusesTooManyVariants) {

@@ -1,0 +1,247 @@
+#include <chrono>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <mutex>
+#include <opencv2/core/utility.hpp>
+#include <thread>
+
+#include "commands.h"
+#include "networks.h"
+#include "qr_code.h"
+#include "roomwise/live/home_routes.h"
+#include "roomwise/service/access_routes.h"
+
+namespace roomwise::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  fs::path home;
+  std::string address = "127.0.0.1";
+  std::uint16_t port = 8443;
+  std::vector<std::string> names;
+  fs::path pages;
+  std::string pair;
+  NetworkOptions networks;
+};
+
+// The pages that come with Roomwise: ../share/roomwise/web of the program's.
+fs::path brought_pages() {
+  std::error_code error;
+  const fs::path program = fs::read_symlink("/proc/self/exe", error);
+  const fs::path pages = program.parent_path().parent_path() / "share/roomwise/web";
+  return fs::exists(pages / "index.html", error) ? pages : fs::path();
+}
+
+std::int64_t seconds_since_1970() {
+  return std::chrono::duration_cast<std::chrono::seconds>(
+             std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
+// Lines for the operator, each with its time, from any thread.
+class OperatorLog {
+ public:
+  void write(std::string_view line) {
+    const std::scoped_lock lock(mutex_);
+    const std::time_t now = std::time(nullptr);
+    std::tm parts{};
+    localtime_r(&now, &parts);
+    std::array<char, 32> text{};
+    std::strftime(text.data(), text.size(), "%F %T", &parts);
+    std::cerr << text.data() << "  " << line << '\n';
+  }
+
+ private:
+  std::mutex mutex_;
+};
+
+// What a running server consists of, in the order in which it is made; it ends in the reverse.
+class HomeServer {
+ public:
+  static Expected<std::unique_ptr<HomeServer>> start(const Options& options, Context& context) {
+    std::unique_ptr<HomeServer> serving(new HomeServer);
+    HomeServer& all = *serving;
+    ROOMWISE_TRY(all.networks_, load_networks(options.networks, /*also_brought=*/true));
+    ROOMWISE_TRY(all.finders_, load_region_finders());
+    live::LiveHomeOptions home;
+    home.threads = context.threads;
+    home.seed = context.seed;
+    home.clock = seconds_since_1970;
+    ROOMWISE_TRY(all.home_, live::LiveHome::open(options.home, all.networks_, all.finders_, home));
+    const fs::path access = service::access_folder(options.home);
+    std::vector<std::string> names = service::host_names();
+    names.insert(names.end(), options.names.begin(), options.names.end());
+    service::ServerOptions server;
+    ROOMWISE_TRY(server.certificate, service::own_certificate(access, names));
+    ROOMWISE_TRY(all.access_,
+                 service::AccessRegister::open(access, server.certificate.fingerprint));
+    all.fingerprint_ = server.certificate.fingerprint;
+    server.address = options.address;
+    server.port = options.port;
+    server.pages = options.pages.empty() ? brought_pages() : options.pages;
+    server.log = [&log = all.log_](std::string_view line) { log.write(line); };
+    all.host_ =
+        options.address == "0.0.0.0" || options.address == "::" ? own_name(names) : options.address;
+    ROOMWISE_TRY(all.server_,
+                 service::Server::start(std::move(server), service::Router(all.routes()),
+                                        *all.access_, *all.home_));
+    return serving;
+  }
+  ~HomeServer() {
+    if (server_) server_->stop();
+  }
+  HomeServer(const HomeServer&) = delete;
+  HomeServer& operator=(const HomeServer&) = delete;
+
+  [[nodiscard]] std::string address() const {
+    const bool is_v6 = host_.find(':') != std::string::npos;
+    return fmt::format("https://{}{}{}:{}", is_v6 ? "[" : "", host_, is_v6 ? "]" : "",
+                       server_->port());
+  }
+  [[nodiscard]] const std::string& fingerprint() const { return fingerprint_; }
+  [[nodiscard]] service::AccessRegister& access() { return *access_; }
+  [[nodiscard]] live::LiveHome& home() { return *home_; }
+  [[nodiscard]] bool has_helper() const {
+    const auto devices = access_->devices();
+    return std::ranges::any_of(
+        devices, [](const auto& one) { return one.who.role == service::Role::kHelper; });
+  }
+
+ private:
+  HomeServer() = default;
+
+  // The name by which others in the network find this computer, if it has one.
+  static std::string own_name(const std::vector<std::string>& names) {
+    const auto local = std::ranges::find_if(
+        names, [](const std::string& name) { return name.ends_with(".local"); });
+    return local != names.end() ? *local : names.front();
+  }
+
+  std::vector<service::Route> routes() {
+    std::vector<service::Route> routes = live::home_routes(*home_);
+    service::AccessRoutesContext context;
+    context.online = [this] { return server_->online(); };
+    context.disconnect = [this](std::int64_t device) {
+      server_->disconnect(device, "this device was removed");
+    };
+    context.pair_address = [this] { return address() + "/pair"; };
+    context.qr = [](const std::string& text) {
+      return qr_rows(text).value_or(std::vector<std::string>{});
+    };
+    std::ranges::move(service::access_routes(*access_, std::move(context)),
+                      std::back_inserter(routes));
+    routes.push_back({"GET", "/health", {}, [](const auto&, const auto&) {
+                        return service::json_answer({{"status", "ok"}});
+                      }});
+    routes.push_back({"GET", "/metrics", service::Role::kHelper,
+                      [this](const auto&, const auto&) { return metrics(); }});
+    return routes;
+  }
+
+  // In Prometheus' text format.
+  service::HttpAnswer metrics() {
+    const service::ServerCounts counts = server_->counts();
+    std::string text;
+    const auto add = [&](std::string_view name, std::string_view type, const auto& value) {
+      text += fmt::format("# TYPE roomwise_{0} {1}\nroomwise_{0} {2}\n", name, type, value);
+    };
+    add("connections_total", "counter", counts.connections);
+    add("sockets_total", "counter", counts.sockets);
+    add("connections_open", "gauge", counts.open_connections);
+    add("sockets_open", "gauge", counts.open_sockets);
+    add("messages_received_total", "counter", counts.messages_in);
+    add("received_bytes_total", "counter", counts.message_bytes_in);
+    add("messages_sent_total", "counter", counts.messages_out);
+    add("messages_dropped_total", "counter", counts.messages_dropped);
+    add("frames_looked_at_total", "counter", home_->frames_looked_at());
+    add("frames_dropped_total", "counter", home_->frames_dropped());
+    text += "# TYPE roomwise_answers_total counter\n";
+    for (const auto& [status, count] : counts.answers) {
+      text += fmt::format("roomwise_answers_total{{status=\"{}\"}} {}\n", status, count);
+    }
+    text += "# TYPE roomwise_refusals_total counter\n";
+    for (const auto& [reason, count] : counts.refusals) {
+      text += fmt::format("roomwise_refusals_total{{reason=\"{}\"}} {}\n", reason, count);
+    }
+    service::HttpAnswer answer = service::text_answer(text);
+    answer.content_type = "text/plain; version=0.0.4";
+    return answer;
+  }
+
+  OperatorLog log_;
+  pipeline::Networks networks_;
+  objects::RegionFinders finders_;
+  std::unique_ptr<live::LiveHome> home_;
+  std::unique_ptr<service::AccessRegister> access_;
+  std::string fingerprint_;
+  std::string host_;
+  std::unique_ptr<service::Server> server_;
+};
+
+Expected<void> show_code(HomeServer& server, service::Role role) {
+  ROOMWISE_TRY(const std::string code, server.access().make_code(role, service::Now::read()));
+  const std::string address = server.address() + "/pair#" + code;
+  ROOMWISE_TRY(const auto rows, qr_rows(address));
+  std::cout << qr_lines(rows)
+            << fmt::format("To pair a {}: code {} {}, within five minutes, at {}\n",
+                           to_string(role), code.substr(0, 3), code.substr(3), address);
+  std::cout.flush();
+  return {};
+}
+
+Expected<Answer> serve(const Options& options, Context& context) {
+  cv::setNumThreads(1);
+  ROOMWISE_TRY(const auto server, HomeServer::start(options, context));
+  std::cout << fmt::format("{} serves {}\nIts certificate's fingerprint (SHA-256): {}\n",
+                           server->address(), options.home.string(),
+                           service::fingerprint_with_colons(server->fingerprint()));
+  if (!options.pair.empty()) {
+    ROOMWISE_CHECK_OK(show_code(*server, *service::parse_role(options.pair)));
+  } else if (!server->has_helper()) {
+    ROOMWISE_CHECK_OK(show_code(*server, service::Role::kHelper));
+  }
+  std::cout << "Ctrl-C stops it.\n" << std::flush;
+  while (!interrupt_requested()) std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  Answer answer;
+  answer.json = {{"frames_looked_at", server->home().frames_looked_at()},
+                 {"frames_dropped", server->home().frames_dropped()}};
+  answer.text =
+      fmt::format("stopped; {} frames were looked at\n", server->home().frames_looked_at());
+  return answer;
+}
+
+}  // namespace
+
+void add_serve_command(CLI::App& app, Context& context) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command =
+      add_command(app, context, "serve",
+                  "Open a home for devices and pages: pictures in, answers out (HTTPS on one port)",
+                  "roomwise serve my.home --address 0.0.0.0",
+                  [options, &context] { return serve(*options, context); });
+  command->add_option("HOME", options->home, "Home file; a new one is made where there is none")
+      ->required();
+  command
+      ->add_option("--address", options->address,
+                   "Address to listen on: this computer alone by default, 0.0.0.0 for the whole "
+                   "home's network")
+      ->capture_default_str();
+  command->add_option("--port", options->port, "Port to listen on; 0: any that is free")
+      ->capture_default_str();
+  command->add_option("--name", options->names,
+                      "Another name or address of this computer, for its certificate (made at the "
+                      "first start)");
+  command->add_option("--pages", options->pages,
+                      "Folder of the web pages; default: those that come with Roomwise");
+  command
+      ->add_option("--pair", options->pair,
+                   "Show a code by which a device or a helper is paired (a helper's is shown "
+                   "anyway as long as there is none)")
+      ->check(CLI::IsMember({"device", "helper"}));
+  add_network_options(*command, options->networks);
+}
+
+}  // namespace roomwise::app

@@ -1,0 +1,153 @@
+#include <algorithm>
+#include <set>
+
+#include "roomwise/guide/thing_prompts.h"
+
+namespace roomwise::guide {
+namespace {
+
+constexpr std::size_t kMostThings = 4;  // more is forgotten before the last is spoken
+// What is nowhere longer than this stands on something and is in nobody's way; it is named as if
+// it were so much farther away.
+constexpr double kSmall_m = 0.3;
+constexpr double kSmallIsFarther_m = 2;
+// Who asks what is around stands and listens; what is said before takes about so long.
+constexpr double kSpokenIn_s = 3;
+
+struct Near {
+  const KnownThing* thing = nullptr;
+  Bearing bearing;
+  bool is_sure = false;
+
+  [[nodiscard]] double rank_m() const {
+    const bool is_small = thing->size_m.maxCoeff() > 0 && thing->size_m.maxCoeff() < kSmall_m;
+    return bearing.distance_m + (is_small ? kSmallIsFarther_m : 0);
+  }
+};
+
+// The things of this room as somebody meets them, one of a name.
+std::vector<Near> nearest_things(const Pose& pose, const std::optional<std::string>& room,
+                                 std::span<const KnownThing> things) {
+  std::vector<Near> near;
+  for (const KnownThing& thing : things) {
+    const auto bearing = bearing_of(thing, pose);
+    if (!bearing) continue;
+    const bool knows_rooms = room && thing.room;
+    if (knows_rooms ? *room != *thing.room : bearing->distance_m > kSameRoom_m) continue;
+    near.push_back({&thing, *bearing, knows_rooms && thing.is_sure() && bearing->is_sure});
+  }
+  std::ranges::stable_sort(near, {}, &Near::rank_m);
+  std::set<std::string> names;
+  std::erase_if(near, [&](const Near& each) { return !names.insert(each.thing->name).second; });
+  if (near.size() > kMostThings) near.resize(kMostThings);
+  std::ranges::stable_partition(near, [](const Near& each) { return each.bearing.is_close(); });
+  return near;
+}
+
+// The names of a room's things, the surest first.
+std::vector<std::string> names_in(const std::string& room, std::span<const KnownThing> things,
+                                  bool sure) {
+  std::vector<const KnownThing*> there;
+  for (const KnownThing& thing : things) {
+    if (thing.room == room && thing.is_sure() == sure) there.push_back(&thing);
+  }
+  std::ranges::stable_sort(there, std::ranges::greater{}, &KnownThing::probability);
+  std::vector<std::string> names;
+  for (const KnownThing* thing : there) {
+    if (names.size() == kMostThings) break;
+    if (!std::ranges::count(names, thing->name)) names.push_back(thing->name);
+  }
+  return names;
+}
+
+std::string because_of(const Near& near) {
+  return fmt::format("the map has it {:.1f} m away (probability {:.2f})", near.bearing.distance_m,
+                     near.thing->probability);
+}
+
+// The prompts of one answer, one after the other: each takes the next key and waits for those
+// before.
+class AnswerParts {
+ public:
+  AnswerParts(const Wording& wording, TimestampNs now_ns, double valid_s)
+      : wording_(wording), now_ns_(now_ns), valid_s_(valid_s) {}
+
+  void add(const std::string& message, const Values& values, bool sure, std::string because) {
+    const std::size_t before = prompts_.size();
+    const double valid_s = valid_s_ + kSpokenIn_s * static_cast<double>(before);
+    Prompt prompt =
+        make_prompt(wording_, before == 0 ? "around" : fmt::format("around/{}", before + 1),
+                    message + (sure ? "" : "_probable"), values,
+                    sure ? Confidence::kSure : Confidence::kProbable, after(now_ns_, valid_s));
+    if (before > 0) prompt.sound = Sound::kNone;
+    prompt.because = std::move(because);
+    prompts_.push_back(std::move(prompt));
+  }
+  [[nodiscard]] std::vector<Prompt> take() && { return std::move(prompts_); }
+
+ private:
+  const Wording& wording_;
+  TimestampNs now_ns_;
+  double valid_s_;
+  std::vector<Prompt> prompts_;
+};
+
+std::vector<Prompt> things_of_room(const std::string& room, std::span<const KnownThing> things,
+                                   const Wording& wording, TimestampNs now_ns) {
+  AnswerParts parts(wording, now_ns, kRoomValid_s);
+  for (const bool sure : {true, false}) {
+    const auto names = names_in(room, things, sure);
+    if (names.empty()) continue;
+    parts.add("around.room", {{"things", guide::things(names)}}, sure,
+              fmt::format("the map has them in \"{}\"; the position is not known", room));
+  }
+  return std::move(parts).take();
+}
+
+std::vector<Prompt> things_of_place(const Pose& pose, const std::optional<std::string>& room,
+                                    std::span<const KnownThing> things, const Wording& wording,
+                                    TimestampNs now_ns) {
+  const std::vector<Near> near = nearest_things(pose, room, things);
+  AnswerParts parts(wording, now_ns, kDirectionValid_s);
+  for (const bool sure : {true, false}) {
+    std::vector<std::string> names;
+    for (const Near& each : near) {
+      // The direction of what is close may be unsure, but it is not spoken.
+      const bool counts_as_sure = each.is_sure || (room && each.thing->is_sure());
+      if (each.bearing.is_close() && counts_as_sure == sure) names.push_back(each.thing->name);
+    }
+    if (names.empty()) continue;
+    parts.add("around.close", {{"things", guide::things(names)}}, sure, "the map has them here");
+  }
+  for (const Near& each : near) {
+    if (each.bearing.is_close()) continue;
+    parts.add("around.thing",
+              {{"thing", thing(each.thing->name)},
+               {"hour", fmt::format("{}", each.bearing.hour)},
+               {"distance", wording.distance(each.bearing.distance_m)}},
+              each.is_sure, because_of(each));
+  }
+  return std::move(parts).take();
+}
+
+}  // namespace
+
+std::vector<Prompt> around_prompts(const Standing& standing, std::span<const KnownThing> things,
+                                   const Wording& wording, TimestampNs now_ns) {
+  const Pose* pose = standing.sure_pose();
+  if (pose == nullptr && !standing.room) {
+    Prompt prompt = make_prompt(wording, "around", "around.no_place", {}, Confidence::kUnsure,
+                                after(now_ns, kRoomValid_s));
+    prompt.because = "neither position nor room is known";
+    return {prompt};
+  }
+  auto prompts = pose != nullptr ? things_of_place(*pose, standing.room, things, wording, now_ns)
+                                 : things_of_room(*standing.room, things, wording, now_ns);
+  if (!prompts.empty()) return prompts;
+  Prompt nothing = make_prompt(wording, "around", "around.nothing", {}, Confidence::kSure,
+                               after(now_ns, kRoomValid_s));
+  nothing.because = "the map has no thing here";
+  return {nothing};
+}
+
+}  // namespace roomwise::guide

@@ -1,0 +1,123 @@
+#include "roomwise/guide/phrasebook.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "roomwise/base/testing.h"
+#include "roomwise/guide/message_catalogue.h"
+
+namespace roomwise::guide {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+class PhrasebookTest : public ::testing::Test {
+ protected:
+  const MessageCatalogue catalogue_ = MessageCatalogue::built_in();
+  const Phrasebook& english_ = catalogue_.in("en");
+  const Phrasebook& german_ = catalogue_.in("de");
+};
+
+TEST_F(PhrasebookTest, WordsOfTheHomeTakeTheArticleOfTheirGender) {
+  EXPECT_EQ(english_.text("room.is", {{"room", room("kitchen")}}), "You are in the kitchen.");
+  EXPECT_EQ(german_.text("room.is", {{"room", room("kitchen")}}), "Sie sind in der Küche.");
+  EXPECT_EQ(german_.text("room.is", {{"room", room("corridor")}}), "Sie sind im Flur.");
+  EXPECT_EQ(german_.text("room.is", {{"room", room("balcony")}}), "Sie sind auf dem Balkon.");
+  EXPECT_EQ(german_.text("where.unknown", {{"thing", thing("fridge")}}),
+            "Ich kenne hier keinen Kühlschrank.");
+  EXPECT_EQ(german_.text("where.unknown", {{"thing", thing("bed")}}), "Ich kenne hier kein Bett.");
+  EXPECT_EQ(german_.text("where.through", {{"thing", thing("microwave")},
+                                           {"room", room("kitchen")},
+                                           {"via", rooms({"corridor", "hall"})}}),
+            "Die Mikrowelle ist in der Küche, durch den Flur und die Diele.");
+}
+
+TEST_F(PhrasebookTest, NamesThatTheHelperGaveAreSpokenAsTheyAre) {
+  EXPECT_EQ(english_.text("room.is", {{"room", room("Anna's room")}}), "You are in Anna's room.");
+  EXPECT_EQ(english_.text("room.is", {{"room", room("boot room")}}), "You are in the boot room.");
+  EXPECT_EQ(german_.text("room.is", {{"room", room("Annas Reich")}}),
+            "Sie sind im Raum Annas Reich.");
+  EXPECT_EQ(german_.text("where.unknown", {{"thing", thing("Staffelei")}}),
+            "Ich kenne hier nichts namens Staffelei.");
+  EXPECT_EQ(german_.text("where.count", {{"count", "3"}, {"thing", thing("Staffelei")}}),
+            "Ich kenne 3 Dinge namens Staffelei. Das war das Nächste.");
+  EXPECT_EQ(english_.text("around.close", {{"things", thing("{hour}")}}), "Close to you: {hour}.");
+}
+
+TEST_F(PhrasebookTest, ANameInTheSpeakersLanguageIsAKnownWord) {
+  EXPECT_EQ(german_.text("room.is", {{"room", room("Küche")}}), "Sie sind in der Küche.");
+  EXPECT_EQ(german_.text("room.is", {{"room", room("KÜCHE")}}), "Sie sind in der Küche.");
+  EXPECT_EQ(english_.text("room.is", {{"room", room("Kitchen")}}), "You are in the kitchen.");
+}
+
+TEST_F(PhrasebookTest, NumberedRoomsKeepTheirGenderAndLoseEnglishArticles) {
+  EXPECT_EQ(english_.text("room.is", {{"room", room("bedroom 2")}}), "You are in bedroom 2.");
+  EXPECT_EQ(german_.text("room.is", {{"room", room("bedroom 2")}}), "Sie sind im Schlafzimmer 2.");
+  EXPECT_EQ(german_.text("room.is", {{"room", room("balcony 2")}}), "Sie sind auf dem Balkon 2.");
+  EXPECT_EQ(english_.text("room.is", {{"room", room("2")}}), "You are in the 2.");
+}
+
+TEST_F(PhrasebookTest, ListsAndFirstLetters) {
+  EXPECT_EQ(english_.text("around.close", {{"things", things({"bed"})}}), "Close to you: bed.");
+  EXPECT_EQ(english_.text("around.close", {{"things", things({"bed", "chair", "tv"})}}),
+            "Close to you: bed, chair and TV.");
+  EXPECT_EQ(german_.text("where.here", {{"thing", thing("ölbild")}}), "Ölbild ist in diesem Raum.");
+}
+
+TEST_F(PhrasebookTest, CountsAreInflected) {
+  EXPECT_EQ(english_.count("step", 1), "1 step");
+  EXPECT_EQ(english_.count("step", 3), "3 steps");
+  EXPECT_EQ(english_.count("metre", 1.5), "1.5 metres");
+  EXPECT_EQ(english_.count("metre", 0.98), "1 metre");
+  EXPECT_EQ(german_.count("metre", 2.5), "2,5 Meter");
+  EXPECT_EQ(german_.count("step", 1), "1 Schritt");
+}
+
+TEST_F(PhrasebookTest, FindsWhatSomebodyMeansByItsNames) {
+  EXPECT_THAT(english_.words_for(Noun::Kind::kThing, "Couch"), ElementsAre("sofa"));
+  EXPECT_THAT(english_.words_for(Noun::Kind::kThing, "oven"), ElementsAre("oven", "stove"));
+  EXPECT_THAT(german_.words_for(Noun::Kind::kThing, "ÖFEN"), IsEmpty());
+  EXPECT_THAT(german_.words_for(Noun::Kind::kThing, "BACKÖFEN"), ElementsAre("oven"));
+  EXPECT_THAT(german_.words_for(Noun::Kind::kRoom, "badezimmer"), ElementsAre("bathroom"));
+  EXPECT_THAT(german_.words_for(Noun::Kind::kThing, "badezimmer"), IsEmpty());
+}
+
+TEST_F(PhrasebookTest, AMissingValueOrMessageIsABug) {
+  EXPECT_THROW((void)english_.text("room.is"), std::invalid_argument);
+  EXPECT_THROW((void)english_.text("room.was"), std::invalid_argument);
+}
+
+// A smallest file, to be spoiled.
+nlohmann::json small_file() {
+  return nlohmann::json::parse(R"({"language": "xx", "name": "X", "messages": {"a": "{the thing}!"},
+    "counts": {"step": {"one": "1", "other": "{n}"}}, "decimal": ".", "and": "&",
+    "forms": {"the": {"c": "le {}", "proper": "{}", "other": "{}"}},
+    "things": {"bed": {"name": "bett", "class": "c"}}, "rooms": {}})");
+}
+
+TEST(PhrasebookFileTest, SaysWhatIsWrong) {
+  EXPECT_OK(Phrasebook::parse(small_file().dump()));
+  EXPECT_ERROR(Phrasebook::parse("{"), "parse error");
+  EXPECT_ERROR(Phrasebook::parse("{}"), "'language' not found");
+  const auto spoiled = [](const char* pointer, const nlohmann::json& value) {
+    nlohmann::json file = small_file();
+    file[nlohmann::json::json_pointer(pointer)] = value;
+    return Phrasebook::parse(file.dump());
+  };
+  EXPECT_ERROR(spoiled("/messages/a", 7), "must be string");
+  EXPECT_ERROR(spoiled("/messages/a", "{the thing"), "message \"a\": a brace is not closed");
+  EXPECT_ERROR(spoiled("/messages/a", "{las thing}"), "message \"a\": there is no form \"las\"");
+  EXPECT_ERROR(spoiled("/forms/the", {{"c", "{}"}, {"other", "{}"}}), "lacks \"proper\"");
+  EXPECT_ERROR(spoiled("/forms/the/c", "le"), "form \"the\", \"c\": there is no {}");
+  EXPECT_ERROR(spoiled("/counts/step", {{"one", "1"}}), "count \"step\" lacks");
+  EXPECT_ERROR(spoiled("/things/bed/class", "q"), "word \"bed\": neither it nor its class \"q\"");
+  EXPECT_ERROR(spoiled("/things/bed/la", "la bett"), "there is no form \"la\"");
+}
+
+}  // namespace
+}  // namespace roomwise::guide

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "roomwise/rooms/room_layout.h"
+
+namespace roomwise::guide {
+
+// Where the rooms of two places are not both known, what is farther away may well stand behind a
+// wall.
+constexpr double kSameRoom_m = 3;
+
+// Where somebody stands on the floor, in the level frame (z up, metres).
+struct Pose {
+  Eigen::Vector2d position_level = Eigen::Vector2d::Zero();
+  double heading_rad = 0;  // which way they look, counter-clockwise from x
+  double sigma_m = 0;      // standard deviation of the position
+};
+
+// What is known of where somebody is: a pose, a room, both or nothing.
+struct Standing {
+  std::optional<Pose> pose = std::nullopt;
+  std::optional<std::string> room = std::nullopt;
+
+  // The pose, if it is known well enough to tell directions by.
+  [[nodiscard]] const Pose* sure_pose() const;
+};
+
+// A thing of the home.
+struct KnownThing {
+  std::string name = {};   // the home's word: "microwave"
+  double probability = 0;  // that it is there and is called so
+  std::optional<Eigen::Vector3d> position_level = std::nullopt;  // its middle
+  Eigen::Vector3d size_m = Eigen::Vector3d::Zero();
+  std::optional<std::string> room = std::nullopt;
+  bool is_old = false;  // seen so long ago that it may have been moved
+
+  [[nodiscard]] bool is_sure() const;
+};
+
+// Where something is, seen by somebody.
+struct Bearing {
+  int hour = 12;          // of a clock whose 12 is straight ahead: 1 to 12
+  double distance_m = 0;  // along the floor, to its side that is nearest; 0 at least
+  bool is_sure = true;    // the pose is known well enough for this hour
+
+  [[nodiscard]] bool is_close() const;
+};
+[[nodiscard]] Bearing bearing_of(const Eigen::Vector2d& point_level, const Pose& pose,
+                                 double radius_m = 0);
+// Nothing where the thing's place is not known. A thing reaches from its middle as far as half its
+// narrow side.
+[[nodiscard]] std::optional<Bearing> bearing_of(const KnownThing& thing, const Pose& pose);
+
+// The rooms from one to another through the fewest doors, both included; of several such ways the
+// one that comes first by name. Empty where doors do not lead there.
+[[nodiscard]] std::vector<std::string> way_between_rooms(const std::string& from,
+                                                         const std::string& to,
+                                                         std::span<const rooms::Doorway> doorways);
+
+}  // namespace roomwise::guide

@@ -1,0 +1,103 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "roomwise/base/expected.h"
+#include "roomwise/guide/prompt.h"
+
+namespace roomwise::guide {
+
+struct PromptQueueOptions {
+  double same_callout_s = 60;   // a callout is not begun again so soon after the same was said
+  double same_hazard_s = 4;     // nor a hazard, which is seen anew with every picture
+  double callout_gap_s = 0.75;  // of silence before a callout, so that somebody can think
+
+  [[nodiscard]] Expected<void> validate() const;
+};
+
+// A prompt that is to be spoken now: its sound first, then its text.
+struct Utterance {
+  std::uint64_t id = 0;
+  Prompt prompt;
+  bool breaks_off = false;  // what is being spoken is to be stopped first
+};
+
+// What was said last, of what may be repeated: the prompts of one answer, or a callout.
+struct Said {
+  std::vector<Prompt> prompts;
+  TimestampNs begun_ns = 0;  // the first of them
+};
+
+// The rules of speaking, for one person. The caller passes in the time, of a clock that never goes
+// back, and does the speaking:
+//
+//   queue.add(prompt, now);
+//   if (auto utterance = queue.next(now)) ...speak it...      again and again
+//   queue.finished(utterance.id, now);                        when it has been spoken
+//
+// - The most urgent goes first; of equals the one that came first.
+// - A prompt takes the place of one with its key that waits, and of those with keys KEY/..., which
+//   are parts of the same answer. It keeps the urgency of what it replaces: somebody asked.
+// - What is past its time is never begun.
+// - The same callout (key and text) is not said twice within a minute; questions are always
+//   answered.
+// - Before a callout there is silence for a moment.
+// - A hazard breaks off what is being spoken, unless that is a hazard too. A question or notice
+//   that was broken off is spoken again afterwards, if it still holds.
+// - While it is quiet, nothing is called out. Hazards, answers and notices are spoken.
+class PromptQueue {
+ public:
+  explicit PromptQueue(const PromptQueueOptions& options = {}) : options_(options) {}
+
+  void add(Prompt prompt, TimestampNs now_ns);
+  // What to begin to speak now. Nothing while something is being spoken, unless a hazard waits.
+  [[nodiscard]] std::optional<Utterance> next(TimestampNs now_ns);
+  // It has been spoken, to the end or not. Ignored where another one is being spoken by now.
+  void finished(std::uint64_t id, TimestampNs now_ns);
+
+  // Whether next() would break off what is being spoken.
+  [[nodiscard]] bool interrupts(TimestampNs now_ns) const;
+  // When next() may have something, if nothing is added or finished before; nothing: it will not.
+  [[nodiscard]] std::optional<TimestampNs> next_at(TimestampNs now_ns) const;
+
+  // Callouts that wait are forgotten.
+  void set_quiet(bool quiet);
+  [[nodiscard]] bool quiet() const { return is_quiet_; }
+  // Forgets what waits with this key, and its parts.
+  void withdraw(const std::string& key);
+
+  [[nodiscard]] const std::optional<Utterance>& speaking() const { return speaking_; }
+  // The newest answer or callout that was begun, for somebody who did not catch it. Repetitions
+  // themselves (key "repeat") do not count.
+  [[nodiscard]] const std::optional<Said>& last_said() const { return last_said_; }
+
+ private:
+  struct Waiting {
+    Prompt prompt;
+    std::uint64_t place = 0;  // in the order of coming
+  };
+  [[nodiscard]] bool was_said_lately(const Prompt& prompt, TimestampNs now_ns) const;
+  [[nodiscard]] bool may_begin(const Prompt& prompt, TimestampNs now_ns) const;
+  // The one to begin now; end() where there is none.
+  [[nodiscard]] std::vector<Waiting>::const_iterator most_urgent(TimestampNs now_ns) const;
+  void remember(const Prompt& prompt, TimestampNs now_ns);
+  void break_off(TimestampNs now_ns);
+
+  PromptQueueOptions options_;
+  std::vector<Waiting> waiting_;
+  std::optional<Utterance> speaking_;
+  std::optional<TimestampNs> silent_since_ns_;
+  // When a key and text was begun last, as long as that matters.
+  std::map<std::pair<std::string, std::string>, TimestampNs> said_at_ns_;
+  std::optional<Said> last_said_;
+  std::uint64_t places_ = 0;
+  std::uint64_t utterances_ = 0;
+  bool is_quiet_ = false;
+};
+
+}  // namespace roomwise::guide

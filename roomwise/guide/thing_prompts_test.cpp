@@ -1,0 +1,191 @@
+#include "roomwise/guide/thing_prompts.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+namespace roomwise::guide {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+using ::testing::ElementsAre;
+using ::testing::Optional;
+
+constexpr TimestampNs kNow = 5'000'000'000;
+constexpr TimestampNs kSecond = 1'000'000'000;
+
+KnownThing at(const std::string& name, double x, double y, const std::string& room,
+              double probability = 0.95) {
+  return {.name = name,
+          .probability = probability,
+          .position_level = Vector3d(x, y, 0.5),
+          .size_m = Vector3d(0.6, 0.6, 0.6),
+          .room = room};
+}
+
+std::vector<std::string> texts(const std::vector<Prompt>& prompts) {
+  std::vector<std::string> result;
+  for (const Prompt& prompt : prompts) result.push_back(prompt.text);
+  return result;
+}
+
+class ThingPromptsTest : public ::testing::Test {
+ protected:
+  [[nodiscard]] std::vector<std::string> around(const Standing& standing) const {
+    return texts(around_prompts(standing, things_, english_, kNow));
+  }
+  [[nodiscard]] std::vector<Prompt> where(const std::string& asked,
+                                          const Standing& standing) const {
+    return where_prompts(asked, standing, things_, doorways_, vocabulary_, english_, kNow);
+  }
+  static rooms::Doorway door(const std::string& a, const std::string& b) {
+    rooms::Doorway doorway;
+    doorway.rooms = {a, b};
+    return doorway;
+  }
+
+  const MessageCatalogue catalogue_ = MessageCatalogue::built_in();
+  // One step is a metre.
+  const Wording english_{&catalogue_, {"en", DistanceUnit::kSteps, 1.0}};
+  const objects::ObjectVocabulary vocabulary_ = objects::ObjectVocabulary::standard();
+  // In the middle of the kitchen, looking along y.
+  const Standing standing_{Pose{Vector2d(5, 5), std::numbers::pi / 2, 0.05}, "kitchen"};
+  std::vector<KnownThing> things_{at("microwave", 5, 8.2, "kitchen"),
+                                  at("fridge", 7.3, 5, "kitchen"), at("bed", 5, 10, "bedroom"),
+                                  at("lamp", 0, 5, "bedroom", 0.6)};
+  const std::vector<rooms::Doorway> doorways_{
+      door("corridor", "kitchen"), door("bedroom", "corridor"), door("kitchen", "pantry")};
+};
+
+TEST_F(ThingPromptsTest, AroundIsTheNearestFirstAndNoOtherRoom) {
+  EXPECT_THAT(around(standing_),
+              ElementsAre("Fridge at 3 o'clock, 2 steps.", "Microwave at 12 o'clock, 3 steps."));
+}
+
+TEST_F(ThingPromptsTest, WhatIsCloseIsNamedWithoutADirection) {
+  things_.push_back(at("chair", 4.2, 5, "kitchen"));
+  things_.push_back(at("table", 5, 4.0, "kitchen"));
+  EXPECT_THAT(around(standing_),
+              ElementsAre("Close to you: chair and table.", "Fridge at 3 o'clock, 2 steps.",
+                          "Microwave at 12 o'clock, 3 steps."));
+}
+
+TEST_F(ThingPromptsTest, AtMostFourThingsOneOfANameAndLargeOnesBeforeSmallOnes) {
+  for (int i = 0; i < 6; ++i) things_.push_back(at("chair", 5 + 0.1 * i, 3, "kitchen"));
+  KnownThing vase = at("vase", 6.6, 5, "kitchen");
+  vase.size_m = Vector3d(0.1, 0.1, 0.2);
+  things_.push_back(vase);
+  things_.push_back(at("table", 5, 7.6, "kitchen"));
+  EXPECT_THAT(around(standing_),
+              ElementsAre("Chair at 6 o'clock, 2 steps.", "Fridge at 3 o'clock, 2 steps.",
+                          "Table at 12 o'clock, 2 steps.", "Microwave at 12 o'clock, 3 steps."));
+}
+
+TEST_F(ThingPromptsTest, UnsureThingsAreProbable) {
+  things_ = {at("fridge", 7.3, 5, "kitchen", 0.6), at("chair", 4.2, 5, "kitchen", 0.6),
+             at("table", 5, 4.0, "kitchen")};
+  KnownThing moved = at("bin", 5, 8.3, "kitchen");
+  moved.is_old = true;
+  things_.push_back(moved);
+  EXPECT_THAT(around(standing_),
+              ElementsAre("Close to you: table.", "Probably close to you: chair.",
+                          "Probably fridge at 3 o'clock, 2 steps.",
+                          "Probably bin at 12 o'clock, 3 steps."));
+}
+
+TEST_F(ThingPromptsTest, WithoutARoomOnlyWhatIsNearCounts) {
+  EXPECT_THAT(around({standing_.pose, std::nullopt}),
+              ElementsAre("Probably fridge at 3 o'clock, 2 steps.",
+                          "Probably microwave at 12 o'clock, 3 steps."));
+}
+
+TEST_F(ThingPromptsTest, WithoutAPoseTheRoomIsTold) {
+  things_.push_back(at("stove", 6, 6, "kitchen", 0.5));
+  EXPECT_THAT(around({std::nullopt, "kitchen"}),
+              ElementsAre("In this room: microwave and fridge.", "Probably in this room: stove."));
+  EXPECT_THAT(around({Pose{Vector2d(5, 5), 0, 0.9}, "bedroom"}),
+              ElementsAre("In this room: bed.", "Probably in this room: lamp."));
+  EXPECT_THAT(around({std::nullopt, "pantry"}), ElementsAre("I know of nothing around you."));
+  EXPECT_THAT(around({}), ElementsAre("I do not know where you stand. Turn slowly."));
+}
+
+TEST_F(ThingPromptsTest, TheAnswersPartsHaveKeysAndTimesOneAfterTheOther) {
+  const auto prompts = around_prompts(standing_, things_, english_, kNow);
+  ASSERT_EQ(prompts.size(), 2u);
+  EXPECT_EQ(prompts[0].key, "around");
+  EXPECT_EQ(prompts[0].sound, Sound::kAnswer);
+  EXPECT_EQ(prompts[0].valid_until_ns, kNow + 2 * kSecond);
+  EXPECT_EQ(prompts[1].key, "around/2");
+  EXPECT_EQ(prompts[1].sound, Sound::kNone);
+  EXPECT_EQ(prompts[1].valid_until_ns, kNow + 5 * kSecond);
+}
+
+TEST_F(ThingPromptsTest, WhereIsInTheSameRoomByDirection) {
+  const auto prompts = where("microwave", standing_);
+  EXPECT_THAT(texts(prompts), ElementsAre("The microwave is at 12 o'clock, 3 steps."));
+  EXPECT_EQ(prompts[0].key, "thing microwave");
+  EXPECT_EQ(prompts[0].confidence, Confidence::kSure);
+  EXPECT_EQ(prompts[0].valid_until_ns, kNow + 2 * kSecond);
+  things_.push_back(at("toaster", 5, 4.2, "kitchen"));
+  EXPECT_THAT(texts(where("toaster", standing_)),
+              ElementsAre("The toaster is close to you, at 6 o'clock."));
+}
+
+TEST_F(ThingPromptsTest, WhereIsInAnotherRoomByTheRoomsOnTheWay) {
+  const auto text = [&](const std::string& asked, const Standing& standing) {
+    return texts(where(asked, standing)).front();
+  };
+  EXPECT_EQ(text("bed", standing_), "The bed is in the bedroom, through the corridor.");
+  EXPECT_EQ(text("bed", {std::nullopt, "pantry"}),
+            "The bed is in the bedroom, through the kitchen and the corridor.");
+  EXPECT_EQ(text("bed", {std::nullopt, "corridor"}), "The bed is in the bedroom, the next room.");
+  EXPECT_EQ(text("bed", {std::nullopt, "bedroom"}), "The bed is in this room.");
+  EXPECT_EQ(text("bed", {std::nullopt, "attic"}), "The bed is in the bedroom.");
+  EXPECT_EQ(text("bed", {}), "The bed is in the bedroom.");
+  EXPECT_EQ(text("lamp", {}), "The lamp is probably in the bedroom.");
+}
+
+TEST_F(ThingPromptsTest, SeveralAreTheNearestAndTheirNumber) {
+  things_.push_back(at("bed", 5, 20, "pantry"));
+  things_.push_back(at("bed", 5, 6.2, "attic"));
+  const auto prompts = where("bed", standing_);
+  EXPECT_THAT(texts(prompts), ElementsAre("The bed is in the pantry, the next room.",
+                                          "I know 3 beds. This was the nearest."));
+  EXPECT_EQ(prompts[1].key, "thing bed/count");
+  EXPECT_THAT(texts(where("bed", {})), ElementsAre("The bed is in the bedroom.", "I know 3 beds."));
+}
+
+TEST_F(ThingPromptsTest, AHomeWithoutRoomsStillTellsWhatIsNear) {
+  for (KnownThing& thing : things_) thing.room = std::nullopt;
+  const Standing standing{standing_.pose, std::nullopt};
+  EXPECT_THAT(texts(where("fridge", standing)),
+              ElementsAre("The fridge is probably at 3 o'clock, 2 steps."));
+  const auto far = where("bed", standing);
+  EXPECT_THAT(texts(far), ElementsAre("I do not know which room the bed is in."));
+  EXPECT_EQ(far[0].confidence, Confidence::kUnsure);
+}
+
+TEST_F(ThingPromptsTest, WhatTheHomeLacksIsSaidAsSuch) {
+  EXPECT_THAT(texts(where("stove", standing_)), ElementsAre("I know no stove here."));
+  EXPECT_THAT(texts(where("cooker", standing_)), ElementsAre("I know no stove here."));
+  EXPECT_THAT(texts(where("unicorn", standing_)), ElementsAre("I know no unicorn here."));
+}
+
+TEST_F(ThingPromptsTest, ThingsAreMeantByOtherNames) {
+  const auto meant = [&](const std::string& asked, const std::string& language) {
+    return thing_meant(asked, things_, vocabulary_, catalogue_.in(language));
+  };
+  EXPECT_THAT(meant("Microwave", "en"), Optional(std::string("microwave")));
+  EXPECT_THAT(meant("refrigerator", "en"), Optional(std::string("fridge")));
+  EXPECT_THAT(meant("Kühlschrank", "de"), Optional(std::string("fridge")));
+  EXPECT_EQ(meant("Kühlschrank", "en"), std::nullopt);
+  EXPECT_THAT(meant("four-poster", "en"), Optional(std::string("bed")));
+  EXPECT_EQ(meant("stove", "en"), std::nullopt);
+  things_.push_back(at("Oma's chest", 1, 1, "bedroom"));
+  EXPECT_THAT(meant("oma's chest", "en"), Optional(std::string("Oma's chest")));
+}
+
+}  // namespace
+}  // namespace roomwise::guide

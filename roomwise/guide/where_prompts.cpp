@@ -1,0 +1,155 @@
+#include <algorithm>
+#include <limits>
+#include <tuple>
+
+#include "roomwise/guide/thing_prompts.h"
+
+namespace roomwise::guide {
+namespace {
+
+constexpr std::size_t kMostRoomsToName = 2;  // on the way
+
+struct Candidate {
+  const KnownThing* thing = nullptr;
+  // From the room of the person to that of the thing; empty where one is not known, or no way.
+  std::vector<std::string> way;
+  std::optional<Bearing> bearing;
+  bool knows_rooms = false;  // of both
+
+  // In the same room, as far as that is known; else so near that it will be.
+  [[nodiscard]] bool is_here() const {
+    return knows_rooms ? way.size() == 1 : bearing && bearing->distance_m <= kSameRoom_m;
+  }
+  // Fewer doors first, then the shorter way, then the surer.
+  [[nodiscard]] auto rank() const {
+    constexpr double kFar = std::numeric_limits<double>::infinity();
+    const std::size_t doors = way.empty() ? std::numeric_limits<std::size_t>::max() : way.size();
+    return std::tuple(doors, bearing ? bearing->distance_m : kFar, -thing->probability);
+  }
+};
+
+std::vector<Candidate> nearest_first(const std::string& name, const Standing& standing,
+                                     std::span<const KnownThing> things,
+                                     std::span<const rooms::Doorway> doorways) {
+  std::vector<Candidate> candidates;
+  const Pose* pose = standing.sure_pose();
+  for (const KnownThing& thing : things) {
+    if (thing.name != name) continue;
+    Candidate candidate{&thing, {}, std::nullopt, standing.room && thing.room};
+    if (candidate.knows_rooms) {
+      candidate.way = way_between_rooms(*standing.room, *thing.room, doorways);
+    }
+    if (pose != nullptr) candidate.bearing = bearing_of(thing, *pose);
+    candidates.push_back(std::move(candidate));
+  }
+  std::ranges::stable_sort(candidates, {}, &Candidate::rank);
+  return candidates;
+}
+
+// What to say of a thing, and how long that holds.
+struct Place {
+  std::string message;
+  Values values;
+  double valid_s = kHomeValid_s;
+  bool is_sure = true;
+};
+
+Place place_of(const Candidate& candidate, const Wording& wording) {
+  const KnownThing& thing = *candidate.thing;
+  Place place{.message = {}, .values = {{"thing", guide::thing(thing.name)}}};
+  place.is_sure = thing.is_sure();
+  if (candidate.is_here() && candidate.bearing) {
+    const Bearing& bearing = *candidate.bearing;
+    place.message = bearing.is_close() ? "where.close" : "where.direction";
+    place.values["hour"] = fmt::format("{}", bearing.hour);
+    place.values["distance"] = wording.distance(bearing.distance_m);
+    place.valid_s = kDirectionValid_s;
+    place.is_sure = place.is_sure && bearing.is_sure && candidate.knows_rooms;
+    return place;
+  }
+  if (!thing.room) {
+    place.message = "where.no_room";
+    return place;
+  }
+  place.values["room"] = room(*thing.room);
+  const std::size_t rooms = candidate.way.size();
+  if (rooms == 1) place.message = "where.here";
+  if (rooms == 2) place.message = "where.next_room";
+  if (rooms > 2 && rooms - 2 <= kMostRoomsToName) {
+    place.message = "where.through";
+    place.values["via"] = guide::rooms({candidate.way.begin() + 1, candidate.way.end() - 1});
+  }
+  if (place.message.empty()) {
+    place.message = "where.room";
+  } else {
+    place.valid_s = kRoomValid_s;  // seen from this room
+  }
+  return place;
+}
+
+std::string key_of(const std::string& name) {
+  return "thing " + name;
+}
+
+Prompt unknown_thing(const std::string& asked, const Wording& wording, TimestampNs now_ns) {
+  const auto words = wording.phrases().words_for(Noun::Kind::kThing, asked);
+  const std::string name = words.empty() ? asked : words.front();
+  Prompt prompt = make_prompt(wording, key_of(name), "where.unknown", {{"thing", thing(name)}},
+                              Confidence::kSure, after(now_ns, kHomeValid_s));
+  prompt.because = "the map has no thing of this name";
+  return prompt;
+}
+
+}  // namespace
+
+std::optional<std::string> thing_meant(const std::string& asked, std::span<const KnownThing> things,
+                                       const objects::ObjectVocabulary& vocabulary,
+                                       const Phrasebook& phrases) {
+  const auto has = [&](const std::string& name) {
+    return std::ranges::find(things, name, &KnownThing::name) != things.end();
+  };
+  if (has(asked)) return asked;
+  for (const KnownThing& thing : things) {
+    if (objects::same_label(thing.name, asked)) return thing.name;
+  }
+  for (const std::string& word : phrases.words_for(Noun::Kind::kThing, asked)) {
+    if (has(word)) return word;
+  }
+  const auto object = vocabulary.object_of(asked);
+  return object && has(*object) ? object : std::nullopt;
+}
+
+std::vector<Prompt> where_prompts(const std::string& asked, const Standing& standing,
+                                  std::span<const KnownThing> things,
+                                  std::span<const rooms::Doorway> doorways,
+                                  const objects::ObjectVocabulary& vocabulary,
+                                  const Wording& wording, TimestampNs now_ns) {
+  const auto name = thing_meant(asked, things, vocabulary, wording.phrases());
+  if (!name) return {unknown_thing(asked, wording, now_ns)};
+  const auto candidates = nearest_first(*name, standing, things, doorways);
+  const Candidate& nearest = candidates.front();
+  Place place = place_of(nearest, wording);
+  const bool has_variant = place.message != "where.no_room";
+  const Confidence confidence = !has_variant    ? Confidence::kUnsure
+                                : place.is_sure ? Confidence::kSure
+                                                : Confidence::kProbable;
+  if (confidence == Confidence::kProbable) place.message += "_probable";
+  Prompt answer = make_prompt(wording, key_of(*name), place.message, place.values, confidence,
+                              after(now_ns, place.valid_s));
+  answer.because = fmt::format("the map has {} of this name; the probability of this one is {:.2f}",
+                               candidates.size(), nearest.thing->probability);
+  std::vector<Prompt> prompts{std::move(answer)};
+  if (candidates.size() > 1) {
+    const bool knows_nearest = !nearest.way.empty() || nearest.bearing;
+    Prompt count = make_prompt(
+        wording, key_of(*name) + "/count", knows_nearest ? "where.count" : "where.count_anywhere",
+        {{"count", fmt::format("{}", candidates.size())}, {"thing", thing(*name)}},
+        Confidence::kSure, after(now_ns, kHomeValid_s));
+    count.sound = Sound::kNone;
+    count.because = prompts.front().because;
+    prompts.push_back(std::move(count));
+  }
+  return prompts;
+}
+
+}  // namespace roomwise::guide

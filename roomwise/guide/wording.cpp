@@ -1,0 +1,40 @@
+#include "roomwise/guide/wording.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace roomwise::guide {
+
+Expected<void> SpeakingStyle::validate(const MessageCatalogue& catalogue) const {
+  if (!catalogue.speaks(language)) {
+    std::string known;
+    for (const auto& name : catalogue.languages()) known += (known.empty() ? "" : ", ") + name;
+    return fail("language \"{}\" is not spoken; expected one of {}", language, known);
+  }
+  if (!(step_m >= 0.2 && step_m <= 1.5)) {
+    return fail("step_m is {}; expected 0.2 to 1.5", step_m);
+  }
+  return {};
+}
+
+std::string Wording::distance(double distance_m) const {
+  if (style.distances == DistanceUnit::kSteps) {
+    return phrases().count("step", std::max(1.0, std::round(distance_m / style.step_m)));
+  }
+  return phrases().count("metre", std::max(0.5, std::round(distance_m * 2) / 2));
+}
+
+Prompt make_prompt(const Wording& wording, std::string key, std::string message,
+                   const Values& values, Confidence confidence, TimestampNs valid_until_ns) {
+  Prompt prompt;
+  prompt.key = std::move(key);
+  prompt.text = wording.phrases().text(message, values);
+  prompt.message = std::move(message);
+  prompt.language = wording.style.language;
+  prompt.confidence = confidence;
+  prompt.sound = confidence == Confidence::kUnsure ? Sound::kUnsure : Sound::kAnswer;
+  prompt.valid_until_ns = valid_until_ns;
+  return prompt;
+}
+
+}  // namespace roomwise::guide

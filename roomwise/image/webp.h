@@ -1,0 +1,15 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "roomwise/base/expected.h"
+#include "roomwise/image/image.h"
+
+// The WebP third of codec.h (libwebp); callers use codec.h.
+namespace roomwise::image {
+
+[[nodiscard]] Expected<ColorImage> decode_webp(std::span<const std::uint8_t> bytes,
+                                               std::int64_t most_pixels);
+
+}  // namespace roomwise::image

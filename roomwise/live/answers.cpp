@@ -1,0 +1,125 @@
+#include "roomwise/live/answers.h"
+
+#include <cmath>
+
+#include "roomwise/guide/room_prompts.h"
+#include "roomwise/guide/thing_prompts.h"
+
+namespace roomwise::live {
+namespace {
+
+const guide::MessageCatalogue& catalogue() {
+  static const guide::MessageCatalogue built_in = guide::MessageCatalogue::built_in();
+  return built_in;
+}
+
+// The language that is spoken to somebody who wants `tag` ("de-AT"): English where theirs is not
+// known.
+std::string spoken_language(const std::string& tag) {
+  const std::string language = tag.substr(0, tag.find('-'));
+  return catalogue().speaks(language) ? language : "en";
+}
+
+guide::Wording wording_of(const service::SpeakingSettings& settings) {
+  const auto unit = settings.distances == service::Distances::kSteps ? guide::DistanceUnit::kSteps
+                                                                     : guide::DistanceUnit::kMetres;
+  return {&catalogue(), {spoken_language(settings.language), unit, settings.step_m}};
+}
+
+TimestampNs nanoseconds(double t_ms) {
+  return std::llround(t_ms * 1e6);
+}
+
+guide::TurnHint hint_of(const Glance& glance) {
+  if (!glance.more_to_see) return guide::TurnHint::kAnywhere;
+  return *glance.more_to_see == pipeline::Side::kLeft ? guide::TurnHint::kLeft
+                                                      : guide::TurnHint::kRight;
+}
+
+guide::Standing standing_of(const Glance* glance) {
+  guide::Standing standing;
+  if (glance == nullptr) return standing;
+  if (glance->place) {
+    standing.pose = guide::Pose{glance->place->position_level().head<2>(),
+                                glance->place->heading_rad(), glance->place->sigma_m};
+    standing.room = glance->place->room;
+  }
+  if (!standing.room && glance->decision) standing.room = glance->decision->room();
+  return standing;
+}
+
+std::vector<guide::KnownThing> things_of(const HomeView& home) {
+  std::vector<guide::KnownThing> things;
+  for (const ViewedThing& thing : home.things) {
+    things.push_back({thing.name, thing.probability, thing.middle_level, thing.size_m, thing.room});
+  }
+  return things;
+}
+
+// Of the computer's or the device's state: what there is to say instead of an answer.
+guide::Prompt excuse(const std::string& message, const guide::Wording& wording, double now_t_ms) {
+  return guide::make_prompt(wording, "answer", message, {}, guide::Confidence::kUnsure,
+                            guide::after(nanoseconds(now_t_ms), guide::kNoticeValid_s));
+}
+
+guide::Prompt where_am_i(const Situation& situation, const guide::Wording& wording) {
+  if (!situation.home.recognizer)
+    return excuse("device.nothing_learned", wording, situation.now_t_ms);
+  if (situation.glance == nullptr || !situation.glance->decision) {
+    return no_picture(situation.settings, situation.now_t_ms);
+  }
+  return guide::room_prompt(*situation.glance->decision, hint_of(*situation.glance), wording,
+                            nanoseconds(situation.glance->t_ms));
+}
+
+}  // namespace
+
+guide::Prompt no_picture(const service::SpeakingSettings& settings, double now_t_ms) {
+  return excuse("device.no_picture", wording_of(settings), now_t_ms);
+}
+
+std::vector<guide::Prompt> answer(const service::Ask& ask, const Situation& situation) {
+  const guide::Wording wording = wording_of(situation.settings);
+  const guide::Standing standing = standing_of(situation.glance);
+  // What rests on a picture is true of the moment when it was taken.
+  const TimestampNs now_ns =
+      nanoseconds(situation.glance != nullptr ? situation.glance->t_ms : situation.now_t_ms);
+  switch (ask.question) {
+    case service::Question::kWhereAmI:
+      return {where_am_i(situation, wording)};
+    case service::Question::kAroundMe:
+      if (situation.home.things.empty()) {
+        return {excuse("device.no_map", wording, situation.now_t_ms)};
+      }
+      if (situation.glance == nullptr) return {no_picture(situation.settings, situation.now_t_ms)};
+      return guide::around_prompts(standing, things_of(situation.home), wording, now_ns);
+    case service::Question::kWhereIs:
+      return guide::where_prompts(
+          ask.subject, standing, things_of(situation.home),
+          situation.home.layout ? situation.home.layout->doorways() : std::vector<rooms::Doorway>{},
+          situation.home.concepts.vocabulary, wording, now_ns);
+    case service::Question::kNameRoom:
+      return {guide::named_prompt(ask.subject, wording, nanoseconds(situation.now_t_ms))};
+    case service::Question::kRepeat:
+      return {excuse("repeat.nothing", wording, situation.now_t_ms)};
+  }
+  return {};
+}
+
+std::vector<guide::Prompt> Caller::after(const Situation& situation) {
+  std::vector<guide::Prompt> prompts;
+  const Glance& glance = *situation.glance;
+  if (!glance.decision) return prompts;
+  const std::string before = std::exchange(room_now_, glance.decision->room().value_or(""));
+  // Two looks must agree: one may fall on a mirror, or through a door.
+  const bool is_certain = !room_now_.empty() && room_now_ == before;
+  if (!is_certain || room_now_ == room_called_) return prompts;
+  room_called_ = room_now_;
+  if (auto prompt = guide::entered_prompt(*glance.decision, wording_of(situation.settings),
+                                          nanoseconds(glance.t_ms))) {
+    prompts.push_back(*std::move(prompt));
+  }
+  return prompts;
+}
+
+}  // namespace roomwise::live

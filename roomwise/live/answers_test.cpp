@@ -1,0 +1,116 @@
+#include "roomwise/live/answers.h"
+
+#include <gmock/gmock.h>
+
+namespace roomwise::live {
+namespace {
+
+using ::testing::SizeIs;
+
+Glance glance_in(const std::string& room, double t_ms, rooms::Verdict verdict) {
+  Glance glance;
+  glance.t_ms = t_ms;
+  glance.decision.emplace();
+  glance.decision->verdict = verdict;
+  glance.decision->rooms = {{room, 0.99}, {"hall", 0.01}};
+  return glance;
+}
+
+ViewedThing thing(const std::string& name, const std::string& room,
+                  const Eigen::Vector3d& middle_level) {
+  ViewedThing thing;
+  thing.name = name;
+  thing.probability = 0.99;
+  thing.room = room;
+  thing.middle_level = middle_level;
+  thing.size_m = {0.5, 0.5, 0.5};
+  return thing;
+}
+
+// A camera at the origin, 1.3 m up, that looks along x.
+CameraPlace at_the_origin() {
+  Eigen::Matrix3d level_from_camera;
+  level_from_camera << 0, 0, 1, -1, 0, 0, 0, -1, 0;
+  CameraPlace place;
+  place.level_from_camera = {Eigen::Quaterniond(level_from_camera), {0, 0, 1.3}};
+  place.sigma_m = 0.03;
+  place.room = "kitchen";
+  return place;
+}
+
+class CallerTest : public ::testing::Test {
+ protected:
+  std::vector<guide::Prompt> after(const Glance& glance) {
+    return caller.after({home, &glance, settings, glance.t_ms});
+  }
+
+  HomeView home;
+  service::SpeakingSettings settings;
+  Caller caller;
+};
+
+TEST_F(CallerTest, CallsARoomOutOnceTwoLooksAgree) {
+  const auto kitchen = [](double t) { return glance_in("kitchen", t, rooms::Verdict::kRoom); };
+  EXPECT_THAT(after(kitchen(0)), SizeIs(0));
+  const auto called = after(kitchen(100));
+  ASSERT_THAT(called, SizeIs(1));
+  EXPECT_EQ(called[0].priority, guide::Priority::kCallout);
+  EXPECT_EQ(called[0].text, "Now in the kitchen.");
+  EXPECT_EQ(called[0].valid_until_ns, 100'000'000 + 3'000'000'000LL);
+  EXPECT_THAT(after(kitchen(200)), SizeIs(0));
+}
+
+TEST_F(CallerTest, OneLookIntoAnotherRoomIsNotCalledOut) {
+  for (const double t : {0.0, 1.0}) after(glance_in("kitchen", t, rooms::Verdict::kRoom));
+  EXPECT_THAT(after(glance_in("bath", 2, rooms::Verdict::kRoom)), SizeIs(0));
+  EXPECT_THAT(after(glance_in("kitchen", 3, rooms::Verdict::kRoom)), SizeIs(0));
+  EXPECT_THAT(after(glance_in("kitchen", 4, rooms::Verdict::kRoom)), SizeIs(0));
+}
+
+TEST_F(CallerTest, WhatIsNotSureIsNotCalledOut) {
+  for (const double t : {0.0, 1.0, 2.0}) {
+    EXPECT_THAT(after(glance_in("kitchen", t, rooms::Verdict::kNotSure)), SizeIs(0));
+  }
+}
+
+TEST(Answers, TellTheDirectionOfAThingByThePlaceOnTheMap) {
+  HomeView home;
+  home.things = {thing("microwave", "kitchen", {0, -2, 1})};  // to the right
+  Glance glance = glance_in("kitchen", 500, rooms::Verdict::kRoom);
+  glance.place = at_the_origin();
+  service::SpeakingSettings settings;
+  const service::Ask ask{1, 600, service::Question::kWhereIs, "microwave"};
+  auto prompts = answer(ask, {home, &glance, settings, 600});
+  ASSERT_THAT(prompts, SizeIs(1));
+  EXPECT_EQ(prompts[0].text, "The microwave is at 3 o'clock, 2 metres.");
+  // Two seconds after the picture, not after the question.
+  EXPECT_EQ(prompts[0].valid_until_ns, 2'500'000'000LL);
+  settings.distances = service::Distances::kSteps;
+  prompts = answer(ask, {home, &glance, settings, 600});
+  EXPECT_EQ(prompts[0].text, "The microwave is at 3 o'clock, 3 steps.");
+  glance.place.reset();  // a phone
+  prompts = answer(ask, {home, &glance, settings, 600});
+  EXPECT_EQ(prompts[0].text, "The microwave is in this room.");
+}
+
+TEST(Answers, AroundSomebodyIsWhatIsInTheirRoom) {
+  HomeView home;
+  home.things = {thing("microwave", "kitchen", {2, 0, 1}), thing("bed", "bedroom", {3, 0, 0.5})};
+  Glance glance = glance_in("kitchen", 500, rooms::Verdict::kRoom);
+  glance.place = at_the_origin();
+  const service::SpeakingSettings settings;
+  const auto prompts =
+      answer({1, 500, service::Question::kAroundMe, ""}, {home, &glance, settings, 500});
+  ASSERT_THAT(prompts, SizeIs(1));
+  EXPECT_THAT(prompts[0].text, ::testing::HasSubstr("icrowave at 12 o'clock"));
+}
+
+TEST(Answers, WhereAmIRestsOnAPicture) {
+  HomeView home;
+  const service::SpeakingSettings settings;
+  const service::Ask ask{1, 0, service::Question::kWhereAmI, ""};
+  EXPECT_EQ(answer(ask, {home, nullptr, settings, 0}).at(0).message, "device.nothing_learned");
+}
+
+}  // namespace
+}  // namespace roomwise::live

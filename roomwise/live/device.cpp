@@ -1,0 +1,309 @@
+#include "roomwise/live/device.h"
+
+#include <algorithm>
+#include <numbers>
+
+namespace roomwise::live {
+namespace {
+
+constexpr int kMostRefusals = 10;        // of messages, before the connection is closed
+constexpr std::size_t kMostWaiting = 8;  // questions
+
+service::Seen seen_of(const Glance& glance) {
+  service::Seen seen;
+  seen.t_ms = glance.t_ms;
+  if (glance.decision) {
+    seen.verdict = rooms::to_string(glance.decision->verdict);
+    seen.room = glance.decision->rooms.front().room;
+    seen.probability = std::clamp(glance.decision->rooms.front().score, 0.0, 1.0);
+    seen.why = glance.decision->why;
+  }
+  if (glance.place) {
+    const Eigen::Vector3d at = glance.place->position_level();
+    seen.position = service::SeenPosition{at.x(), at.y(), at.z(),
+                                          glance.place->heading_rad() * 180 / std::numbers::pi,
+                                          glance.place->sigma_m};
+  }
+  return seen;
+}
+
+service::PromptMessage message_of(const guide::Prompt& prompt) {
+  service::PromptMessage message;
+  message.key = prompt.key;
+  message.message = prompt.message;
+  message.text = prompt.text;
+  message.language = prompt.language;
+  message.priority = to_string(prompt.priority);
+  message.confidence = to_string(prompt.confidence);
+  message.sound = to_string(prompt.sound);
+  message.because = prompt.because;
+  message.valid_until_t_ms = static_cast<double>(prompt.valid_until_ns) / 1e6;
+  return message;
+}
+
+}  // namespace
+
+// ---- from the connection ----
+
+void Device::on_text(std::string_view text) {
+  auto message = service::read_device_message(text);
+  if (!message) return refuse(message.error());
+  if (const auto* const hello = std::get_if<service::Hello>(&*message)) return greet(*hello);
+  {
+    const std::scoped_lock lock(mutex_);
+    if (const auto* const change = std::get_if<service::SettingsChange>(&*message)) {
+      apply(*change, settings_);
+      return;
+    }
+    if (const auto* const quiet = std::get_if<service::Quiet>(&*message)) {
+      quiet_ = quiet->on;
+      return;
+    }
+    if (!greeted_) {
+      message = fail("the first message must be hello");
+    }
+  }
+  if (!message) return refuse(message.error());
+  hear(std::get<service::Ask>(*message));
+}
+
+void Device::greet(const service::Hello& hello) {
+  if (hello.version != service::kProtocolVersion) {
+    refuse(Error{fmt::format("the computer speaks version {} of the protocol, this device {}",
+                             service::kProtocolVersion, hello.version)});
+    out_->close("another version of the protocol");
+    return;
+  }
+  std::string welcome_text;
+  {
+    const std::scoped_lock lock(mutex_);
+    greeted_ = true;
+    kind_ = hello.kind;
+    settings_ = hello.settings;
+    camera_ = hello.camera;
+    welcome_text = write(service::HomeMessage(welcome()));
+  }
+  out_->send_text(std::move(welcome_text));
+}
+
+service::Welcome Device::welcome() const {
+  const auto view = host_.view();
+  service::Welcome welcome;
+  welcome.home = view->name;
+  welcome.role = service::to_string(who_.role);
+  for (const rooms::Room& room : view->rooms) welcome.rooms.push_back(room.name);
+  const auto names = view->thing_names();
+  welcome.things.assign(names.begin(), names.end());
+  welcome.sees_rooms = view->recognizer != nullptr;
+  welcome.sees_places = view->map != nullptr;
+  return welcome;
+}
+
+void Device::on_message(Bytes bytes) {
+  const auto read = service::read_frame(bytes);
+  if (!read) return refuse(read.error());
+  CameraFrame frame{read->t_ms,
+                    {read->color.begin(), read->color.end()},
+                    {read->depth.begin(), read->depth.end()}};
+  store(frame);
+  service::FrameArrived arrived{frame.t_ms, 0};
+  Expected<void> may = {};
+  {
+    const std::scoped_lock lock(mutex_);
+    if (!greeted_ || !camera_) {
+      may = fail("a frame came from a device whose hello told of no camera");
+    } else {
+      if (newest_) ++dropped_;
+      newest_ = std::move(frame);
+      arrived.dropped = dropped_;
+    }
+  }
+  if (!may) return refuse(may.error());
+  send(arrived);
+  host_.has_work(shared_from_this());
+}
+
+void Device::on_closed() {
+  const std::scoped_lock lock(mutex_);
+  closed_ = true;
+  newest_.reset();
+  waiting_.clear();
+}
+
+void Device::refuse(const Error& error, std::optional<std::int64_t> answer_to) {
+  send(service::ErrorMessage{error.message, answer_to});
+  const std::scoped_lock lock(mutex_);
+  if (++refused_ == kMostRefusals) out_->close("too many messages that could not be read");
+}
+
+// ---- questions ----
+
+void Device::hear(const service::Ask& ask) {
+  std::optional<service::Ask> now;
+  Expected<void> named = {};
+  {
+    const std::scoped_lock lock(mutex_);
+    now = ask;
+    if (ask.question == service::Question::kRepeat && last_ask_) {
+      // What was true then need not be now: the question is asked anew.
+      now = *last_ask_;
+      now->id = ask.id;
+      now->t_ms = ask.t_ms;
+    }
+    if (now->question == service::Question::kNameRoom) {
+      named = recorder_ ? recorder_->name_room(now->subject)
+                        : fail("rooms are named while a walk is recorded, or on the helper's page");
+    } else if (now->question != service::Question::kRepeat) {
+      last_ask_ = now;
+      if (newest_ || looking_) {  // the frame in hand answers it
+        if (waiting_.size() == kMostWaiting) waiting_.pop_front();
+        waiting_.push_back(*now);
+        return;
+      }
+    }
+  }
+  if (!named) return refuse(named.error(), ask.id);
+  hear_now(*now);
+}
+
+// Answers by the last glance, if it is new enough.
+void Device::hear_now(const service::Ask& ask) {
+  std::vector<guide::Prompt> prompts;
+  std::optional<double> based_on_t_ms;
+  {
+    const std::scoped_lock lock(mutex_);
+    const bool is_fresh = last_glance_ && ask.t_ms - last_glance_->t_ms <= kFresh_ms;
+    if (is_fresh) based_on_t_ms = last_glance_->t_ms;
+    const auto view = host_.view();
+    prompts = answer(ask, {*view, is_fresh ? &*last_glance_ : nullptr, settings_, ask.t_ms});
+  }
+  say(prompts, ask.id, based_on_t_ms);
+}
+
+void Device::answer_waiting(bool more_frames_wait) {
+  std::deque<service::Ask> asked;
+  {
+    const std::scoped_lock lock(mutex_);
+    // A question waits for a frame that is about as new as itself, if one is there.
+    const auto may_wait = [&](const service::Ask& ask) {
+      return more_frames_wait && (!last_glance_ || last_glance_->t_ms < ask.t_ms - kFresh_ms / 4);
+    };
+    std::deque<service::Ask> later;
+    for (service::Ask& ask : waiting_) (may_wait(ask) ? later : asked).push_back(std::move(ask));
+    waiting_ = std::move(later);
+  }
+  for (const service::Ask& ask : asked) hear_now(ask);
+}
+
+void Device::say(const std::vector<guide::Prompt>& prompts, std::optional<std::int64_t> answer_to,
+                 std::optional<double> based_on_t_ms) {
+  for (const guide::Prompt& prompt : prompts) {
+    service::PromptMessage message = message_of(prompt);
+    message.answer_to = answer_to;
+    message.based_on_t_ms = based_on_t_ms;
+    send(message);
+  }
+}
+
+// ---- frames ----
+
+bool Device::work() {
+  std::optional<CameraFrame> frame;
+  {
+    const std::scoped_lock lock(mutex_);
+    if (looking_ || !newest_ || closed_) return false;
+    frame = std::move(newest_);
+    newest_.reset();
+    looking_ = true;
+    if (!eye_) eye_.emplace(camera_);
+  }
+  Expected<Glance> glance = eye_->look(*std::move(frame), host_.view());
+  bool more = false;
+  {
+    const std::scoped_lock lock(mutex_);
+    looking_ = false;
+    more = newest_.has_value();
+    if (glance) last_glance_ = *glance;
+  }
+  if (glance) {
+    send(seen_of(*glance));
+    host_.saw(*this, *glance);
+    call_out(*glance);
+  } else {
+    refuse(glance.error());
+  }
+  answer_waiting(more);
+  return more;
+}
+
+void Device::call_out(const Glance& glance) {
+  std::vector<guide::Prompt> prompts;
+  {
+    const std::scoped_lock lock(mutex_);
+    const auto view = host_.view();
+    prompts = caller_.after({*view, &glance, settings_, glance.t_ms});
+    std::erase_if(prompts, [this](const guide::Prompt& prompt) {
+      return prompt.priority == guide::Priority::kCallout && (quiet_ || !settings_.callouts);
+    });
+  }
+  say(prompts, {}, glance.t_ms);
+}
+
+// ---- recording ----
+
+void Device::store(const CameraFrame& frame) {
+  std::shared_ptr<WalkRecorder> recorder;
+  {
+    const std::scoped_lock lock(mutex_);
+    recorder = recorder_;
+  }
+  if (!recorder) return;
+  const auto stored = recorder->store(frame);
+  host_.recorded(*this, {stored ? "recording" : "failed", recorder->name(), recorder->frames(),
+                         stored ? "" : stored.error().message});
+}
+
+void Device::record_to(std::shared_ptr<WalkRecorder> recorder) {
+  const std::scoped_lock lock(mutex_);
+  recorder_ = std::move(recorder);
+}
+
+// ---- from the home ----
+
+void Device::home_changed() {
+  std::string text;
+  {
+    const std::scoped_lock lock(mutex_);
+    if (!greeted_) return;
+    text = service::write_home_changed(welcome());
+  }
+  out_->send_text(std::move(text));
+}
+
+void Device::send(const service::HomeMessage& message) {
+  out_->send_text(write(message));
+}
+
+bool Device::is_here() const {
+  const std::scoped_lock lock(mutex_);
+  return greeted_ && !closed_;
+}
+
+std::optional<service::DeviceCamera> Device::camera() const {
+  const std::scoped_lock lock(mutex_);
+  return camera_;
+}
+
+service::DeviceSeen Device::seen() const {
+  const std::scoped_lock lock(mutex_);
+  service::DeviceSeen seen{who_.device, who_.name, greeted_ && !closed_, {}};
+  if (last_glance_) seen.seen = seen_of(*last_glance_);
+  return seen;
+}
+
+std::uint64_t Device::dropped() const {
+  const std::scoped_lock lock(mutex_);
+  return dropped_;
+}
+
+}  // namespace roomwise::live

@@ -1,0 +1,94 @@
+#pragma once
+
+#include <deque>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "roomwise/live/answers.h"
+#include "roomwise/live/eye.h"
+#include "roomwise/live/walk_recorder.h"
+#include "roomwise/service/identity.h"
+#include "roomwise/service/server.h"
+
+namespace roomwise::live {
+
+class Device;
+
+// What a connected device needs of the home.
+class DeviceHost {
+ public:
+  virtual ~DeviceHost() = default;
+  [[nodiscard]] virtual std::shared_ptr<const HomeView> view() const = 0;
+  // A frame waits: Device::work() is to be called soon, on another thread.
+  virtual void has_work(const std::shared_ptr<Device>& device) = 0;
+  virtual void saw(const Device& device, const Glance& glance) = 0;
+  virtual void recorded(const Device& device, const service::RecordingState& state) = 0;
+};
+
+// A client that is connected: takes its frames and questions, answers them by what its newest frame
+// told. Thread-safe; work() runs on one thread at a time.
+class Device : public std::enable_shared_from_this<Device> {
+ public:
+  Device(service::Identity who, std::shared_ptr<service::SocketOut> out, DeviceHost& host)
+      : who_(std::move(who)), out_(std::move(out)), host_(host) {}
+
+  // ---- from the connection ----
+  void on_text(std::string_view text);
+  void on_message(Bytes bytes);
+  void on_closed();
+
+  // ---- from the home ----
+  // Looks at the newest frame, if one waits, and answers what was asked. True where another frame
+  // came meanwhile: to be called again.
+  bool work();
+  // Tells of rooms or things that changed.
+  void home_changed();
+  void send(const service::HomeMessage& message);
+  // The frames are stored from now on; null: no longer. Fails where the device has no fitting
+  // camera.
+  void record_to(std::shared_ptr<WalkRecorder> recorder);
+
+  [[nodiscard]] const service::Identity& who() const { return who_; }
+  [[nodiscard]] bool is_here() const;  // said hello, and is connected
+  [[nodiscard]] std::optional<service::DeviceCamera> camera() const;
+  [[nodiscard]] service::DeviceSeen seen() const;
+  [[nodiscard]] std::uint64_t dropped() const;
+
+ private:
+  void greet(const service::Hello& hello);
+  void hear(const service::Ask& ask);
+  void hear_now(const service::Ask& ask);
+  void answer_waiting(bool more_frames_wait);
+  void say(const std::vector<guide::Prompt>& prompts, std::optional<std::int64_t> answer_to,
+           std::optional<double> based_on_t_ms);
+  void call_out(const Glance& glance);
+  void refuse(const Error& error, std::optional<std::int64_t> answer_to = {});
+  void store(const CameraFrame& frame);
+  [[nodiscard]] service::Welcome welcome() const;
+
+  const service::Identity who_;
+  const std::shared_ptr<service::SocketOut> out_;
+  DeviceHost& host_;
+
+  mutable std::mutex mutex_;  // of all below but eye_
+  bool greeted_ = false, closed_ = false;
+  service::DeviceKind kind_ = service::DeviceKind::kPage;
+  std::optional<service::DeviceCamera> camera_;
+  service::SpeakingSettings settings_;
+  bool quiet_ = false;
+  int refused_ = 0;
+  std::optional<CameraFrame> newest_;  // not looked at yet
+  bool looking_ = false;
+  std::uint64_t dropped_ = 0;
+  std::deque<service::Ask> waiting_;  // for a frame that is being looked at
+  std::optional<service::Ask> last_ask_;
+  std::optional<Glance> last_glance_;
+  Caller caller_;
+  std::shared_ptr<WalkRecorder> recorder_;
+
+  std::optional<Eye> eye_;  // work() alone
+};
+
+}  // namespace roomwise::live

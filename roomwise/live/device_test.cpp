@@ -1,0 +1,255 @@
+#include "roomwise/live/device.h"
+
+#include <gmock/gmock.h>
+
+#include "roomwise/base/testing.h"
+#include "roomwise/image/codec.h"
+
+namespace roomwise::live {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+// Keeps what is sent.
+class Wire final : public service::SocketOut {
+ public:
+  void send_text(std::string text) override { texts.push_back(std::move(text)); }
+  void close(std::string reason) override { closed = std::move(reason); }
+
+  // The messages of one type since the last call of any kind.
+  template <typename T>
+  std::vector<T> take() {
+    std::vector<T> found;
+    for (const std::string& text : std::exchange(texts, {})) {
+      const auto message = service::read_home_message(text);
+      EXPECT_TRUE(message) << text;
+      if (message && std::holds_alternative<T>(*message)) found.push_back(std::get<T>(*message));
+    }
+    return found;
+  }
+
+  std::vector<std::string> texts;
+  std::optional<std::string> closed;
+};
+
+class Host final : public DeviceHost {
+ public:
+  [[nodiscard]] std::shared_ptr<const HomeView> view() const override { return home; }
+  void has_work(const std::shared_ptr<Device>&) override { ++asked_to_work; }
+  void saw(const Device&, const Glance& glance) override { seen.push_back(glance.t_ms); }
+  void recorded(const Device&, const service::RecordingState& state) override {
+    recordings.push_back(state);
+  }
+
+  std::shared_ptr<HomeView> home = std::make_shared<HomeView>();
+  int asked_to_work = 0;
+  std::vector<double> seen;
+  std::vector<service::RecordingState> recordings;
+};
+
+class DeviceTest : public ::testing::Test {
+ protected:
+  static service::Hello hello(bool has_camera = true) {
+    service::Hello hello;
+    hello.version = 1;
+    hello.name = "belt";
+    hello.kind = service::DeviceKind::kWearable;
+    if (has_camera) hello.camera = service::DeviceCamera{8, 6, {}, false};
+    return hello;
+  }
+  void say(const service::DeviceMessage& message) { device->on_text(write(message)); }
+  void show(double t_ms) {
+    const Bytes color = image::encode_jpeg(image::ColorImage(8, 6), 90);
+    device->on_message(write(service::FrameMessage{t_ms, color, {}}));
+  }
+  void ask(std::int64_t id, double t_ms, service::Question question, std::string subject = "") {
+    say(service::Ask{id, t_ms, question, std::move(subject)});
+  }
+
+  Host host;
+  std::shared_ptr<Wire> wire = std::make_shared<Wire>();
+  std::shared_ptr<Device> device =
+      std::make_shared<Device>(service::Identity{3, "belt", service::Role::kDevice}, wire, host);
+};
+
+TEST_F(DeviceTest, IsWelcomedWithWhatTheHomeHas) {
+  host.home->name = "flat";
+  host.home->rooms = {{"bath", "bathroom"}, {"kitchen", "kitchen"}};
+  ViewedThing bed;
+  bed.name = "bed";
+  host.home->things = {bed, bed};
+  say(hello());
+  const auto welcome = wire->take<service::Welcome>();
+  ASSERT_THAT(welcome, SizeIs(1));
+  EXPECT_EQ(welcome[0].home, "flat");
+  EXPECT_EQ(welcome[0].role, "device");
+  EXPECT_THAT(welcome[0].rooms, ::testing::ElementsAre("bath", "kitchen"));
+  EXPECT_THAT(welcome[0].things, ::testing::ElementsAre("bed"));  // each name once
+  EXPECT_FALSE(welcome[0].sees_rooms);
+}
+
+TEST_F(DeviceTest, MustSayHelloFirst) {
+  ask(1, 0, service::Question::kWhereAmI);
+  EXPECT_THAT(wire->take<service::ErrorMessage>(), SizeIs(1));
+  show(1);
+  EXPECT_THAT(wire->take<service::ErrorMessage>(), SizeIs(1));
+  EXPECT_EQ(host.asked_to_work, 0);
+}
+
+TEST_F(DeviceTest, OfAnotherVersionIsClosed) {
+  service::Hello other = hello();
+  other.version = 2;
+  say(other);
+  EXPECT_TRUE(wire->closed);
+}
+
+TEST_F(DeviceTest, EveryFrameIsAcknowledgedAndTheNewestLookedAt) {
+  say(hello());
+  wire->texts.clear();
+  show(1);
+  show(2);
+  show(3);
+  const auto arrived = wire->take<service::FrameArrived>();
+  ASSERT_THAT(arrived, SizeIs(3));
+  EXPECT_EQ(arrived[2].t_ms, 3);
+  EXPECT_EQ(arrived[2].dropped, 2U);
+  EXPECT_FALSE(device->work());  // nothing came meanwhile
+  EXPECT_FALSE(device->work());  // nothing waits
+  EXPECT_THAT(host.seen, ::testing::ElementsAre(3));
+  EXPECT_EQ(device->dropped(), 2U);
+}
+
+TEST_F(DeviceTest, AQuestionWaitsForTheFrameInHand) {
+  say(hello());
+  show(1000);
+  wire->texts.clear();
+  ask(7, 1001, service::Question::kWhereAmI);
+  EXPECT_THAT(wire->take<service::PromptMessage>(), IsEmpty());
+  device->work();
+  const auto prompts = wire->take<service::PromptMessage>();
+  ASSERT_THAT(prompts, SizeIs(1));
+  EXPECT_EQ(prompts[0].answer_to, 7);
+  EXPECT_EQ(prompts[0].based_on_t_ms, 1000);
+  EXPECT_EQ(prompts[0].message, "device.nothing_learned");
+  EXPECT_EQ(prompts[0].text, "I have not learned any rooms yet.");
+}
+
+TEST_F(DeviceTest, AQuestionWithoutANewPictureIsAnsweredAtOnceAndSaysSo) {
+  ViewedThing bed;
+  bed.name = "bed";
+  host.home->things = {bed};
+  say(hello());
+  show(1000);
+  device->work();
+  wire->texts.clear();
+  ask(8, 1000 + kFresh_ms + 1, service::Question::kAroundMe);
+  const auto prompts = wire->take<service::PromptMessage>();
+  ASSERT_THAT(prompts, SizeIs(1));
+  EXPECT_EQ(prompts[0].message, "device.no_picture");
+  EXPECT_FALSE(prompts[0].based_on_t_ms);
+  EXPECT_EQ(prompts[0].confidence, "unsure");
+}
+
+TEST_F(DeviceTest, WhereAThingIsNeedsNoPicture) {
+  ViewedThing bed;
+  bed.name = "bed";
+  bed.probability = 0.99;
+  bed.room = "bedroom";
+  host.home->things = {bed};
+  say(hello(/*has_camera=*/false));
+  wire->texts.clear();
+  ask(9, 0, service::Question::kWhereIs, "bed");
+  const auto prompts = wire->take<service::PromptMessage>();
+  ASSERT_THAT(prompts, SizeIs(1));
+  EXPECT_EQ(prompts[0].text, "The bed is in the bedroom.");
+}
+
+TEST_F(DeviceTest, RepeatAsksTheLastQuestionAnew) {
+  say(hello(/*has_camera=*/false));
+  wire->texts.clear();
+  ask(1, 0, service::Question::kRepeat);
+  EXPECT_EQ(wire->take<service::PromptMessage>().at(0).message, "repeat.nothing");
+  ask(2, 1, service::Question::kWhereIs, "bed");
+  EXPECT_EQ(wire->take<service::PromptMessage>().at(0).message, "where.unknown");
+  ViewedThing bed;
+  bed.name = "bed";
+  bed.probability = 0.99;
+  bed.room = "bedroom";
+  host.home->things = {bed};
+  ask(3, 2, service::Question::kRepeat);
+  const auto again = wire->take<service::PromptMessage>();
+  ASSERT_THAT(again, SizeIs(1));
+  EXPECT_EQ(again[0].answer_to, 3);
+  EXPECT_EQ(again[0].message, "where.room");  // as it is now
+}
+
+TEST_F(DeviceTest, SpeaksTheLanguageThatIsWantedAndEnglishForOthers) {
+  service::Hello german = hello(false);
+  german.settings.language = "de-AT";
+  say(german);
+  wire->texts.clear();
+  ask(1, 0, service::Question::kWhereIs, "Bett");
+  EXPECT_EQ(wire->take<service::PromptMessage>().at(0).language, "de");
+  say(service::SettingsChange{"tlh", {}, {}, {}});
+  ask(2, 0, service::Question::kWhereIs, "bed");
+  EXPECT_EQ(wire->take<service::PromptMessage>().at(0).language, "en");
+}
+
+TEST_F(DeviceTest, APictureThatCannotBeReadIsAnErrorAndAnswersWhatWaits) {
+  say(hello());
+  const Bytes junk{1, 2, 3};
+  device->on_message(write(service::FrameMessage{5, junk, {}}));
+  ask(4, 6, service::Question::kWhereAmI);
+  wire->texts.clear();
+  device->work();
+  std::vector<std::string> texts = wire->texts;
+  EXPECT_THAT(wire->take<service::ErrorMessage>(), SizeIs(1));
+  wire->texts = std::move(texts);
+  EXPECT_THAT(wire->take<service::PromptMessage>(), SizeIs(1));
+}
+
+TEST_F(DeviceTest, IsClosedAfterTooManyMessagesThatCannotBeRead) {
+  say(hello());
+  for (int i = 0; i < 9; ++i) device->on_text("nonsense");
+  EXPECT_FALSE(wire->closed);
+  device->on_text("nonsense");
+  EXPECT_TRUE(wire->closed);
+}
+
+TEST_F(DeviceTest, ThatIsGoneIsNotWorkedFor) {
+  say(hello());
+  show(1);
+  device->on_closed();
+  EXPECT_FALSE(device->work());
+  EXPECT_THAT(host.seen, IsEmpty());
+  EXPECT_FALSE(device->is_here());
+}
+
+TEST_F(DeviceTest, RoomsAreNamedWhileAWalkIsRecorded) {
+  say(hello());
+  wire->texts.clear();
+  ask(5, 0, service::Question::kNameRoom, "kitchen");
+  const auto refused = wire->take<service::ErrorMessage>();
+  ASSERT_THAT(refused, SizeIs(1));
+  EXPECT_EQ(refused[0].answer_to, 5);
+
+  const testing::ScratchFolder folder;
+  geometry::PinholeCamera pinhole = *geometry::camera_preset("fr1");
+  pinhole.width = 8;
+  pinhole.height = 6;
+  const auto recorder = WalkRecorder::begin(folder / "walk", {8, 6, pinhole, true});
+  ASSERT_OK(recorder);
+  device->record_to(*recorder);
+  ask(6, 1, service::Question::kNameRoom, "kitchen");
+  const auto thanks = wire->take<service::PromptMessage>();
+  ASSERT_THAT(thanks, SizeIs(1));
+  EXPECT_EQ(thanks[0].message, "room.named");
+  show(2);  // without depth: it cannot be stored, and that is told
+  ASSERT_THAT(host.recordings, SizeIs(1));
+  EXPECT_EQ(host.recordings[0].state, "failed");
+}
+
+}  // namespace
+}  // namespace roomwise::live

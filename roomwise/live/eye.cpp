@@ -1,0 +1,108 @@
+#include "roomwise/live/eye.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "roomwise/image/codec.h"
+
+namespace roomwise::live {
+namespace {
+
+// How often the map's room is the right one where the localiser gives a place: it was never wrong
+// by a room, but floors meet at doors (docs/benchmarks.md).
+constexpr double kTrustInPlace = 0.97;
+// After a gap this long the room may be any again, s: nobody stays that long without a picture.
+constexpr double kForgetAfter_s = 60;
+
+}  // namespace
+
+double CameraPlace::heading_rad() const {
+  const Eigen::Vector3d axis = level_from_camera.rotation * Eigen::Vector3d::UnitZ();
+  return std::atan2(axis.y(), axis.x());
+}
+
+rooms::RoomDecision with_place(rooms::RoomDecision decision, const std::string& room) {
+  const auto same = std::ranges::find(decision.rooms, room, &rooms::RoomScore::room);
+  if (same == decision.rooms.end() || decision.rooms.size() < 2) return decision;
+  const double others = (1 - kTrustInPlace) / static_cast<double>(decision.rooms.size() - 1);
+  double sum = 0;
+  for (rooms::RoomScore& score : decision.rooms) {
+    score.score *= score.room == room ? kTrustInPlace : others;
+    sum += score.score;
+  }
+  if (!(sum > 0)) return decision;
+  for (rooms::RoomScore& score : decision.rooms) score.score /= sum;
+  std::ranges::stable_sort(decision.rooms, std::ranges::greater{}, &rooms::RoomScore::score);
+  const rooms::RoomScore& best = decision.rooms.front();
+  if (best.room == room && best.score >= kTrustInPlace) {
+    decision.verdict = rooms::Verdict::kRoom;
+    decision.why = fmt::format("the place on the map is in the {} ({:.2f})", room, best.score);
+  } else if (best.room != room && decision.verdict == rooms::Verdict::kRoom) {
+    decision.verdict = rooms::Verdict::kNotSure;
+    decision.why = fmt::format("it looks like {} ({:.2f}), but the place on the map is in the {}",
+                               best.room, best.score, room);
+  }
+  return decision;
+}
+
+Expected<std::optional<rooms::RoomDecision>> Eye::decide(
+    const image::ColorImage& color, double t_ms, const std::shared_ptr<const HomeView>& home) {
+  if (!home->recognizer) return std::optional<rooms::RoomDecision>();
+  const double elapsed_s = (t_ms - last_t_ms_) / 1000;
+  if (stream_of_ != home->recognizer || !(elapsed_s >= 0 && elapsed_s < kForgetAfter_s)) {
+    ROOMWISE_TRY(stream_, home->recognizer->stream());
+    stream_of_ = home->recognizer;
+  }
+  ROOMWISE_TRY(const auto seen, home->recognizer->features().predict(color));
+  ROOMWISE_TRY(const rooms::PictureEvidence evidence, home->recognizer->evidence(seen));
+  last_t_ms_ = t_ms;
+  return std::optional(stream_->see(evidence, elapsed_s));
+}
+
+Expected<std::optional<CameraPlace>> Eye::locate(const image::ColorImage& color,
+                                                 const std::optional<image::DepthImage>& depth,
+                                                 const HomeView& home) const {
+  if (!home.map || !camera_->calibrated) return std::optional<CameraPlace>();
+  const geometry::PinholeCamera& camera = *camera_->calibrated;
+  ROOMWISE_TRY(const motion::FrameMeasurements measured,
+               home.map->localizer.measure({color, depth, camera}));
+  const mapping::Localization found =
+      home.map->localizer.localizer().locate(mapping::Query{measured, camera});
+  if (!found.found()) return std::optional<CameraPlace>();
+  CameraPlace place{
+      home.map->frame.level_from_world * found.world_from_camera, found.position_sigma_m(), {}};
+  place.room = home.room_at(place.position_level());
+  return std::optional(std::move(place));
+}
+
+Expected<Glance> Eye::look(CameraFrame frame, const std::shared_ptr<const HomeView>& home) {
+  if (!camera_) return fail("this device said in its hello that it has no camera");
+  ROOMWISE_TRY(const image::ColorImage color, image::decode_color(frame.color));
+  if (color.width() != camera_->width || color.height() != camera_->height) {
+    return fail("the picture has {} x {} pixels, the camera of the hello {} x {}", color.width(),
+                color.height(), camera_->width, camera_->height);
+  }
+  std::optional<image::DepthImage> depth;
+  if (!frame.depth.empty()) {
+    if (!camera_->has_depth) return fail("a depth image comes from a camera without depth");
+    ROOMWISE_TRY(depth, image::decode_depth(frame.depth));
+    if (depth->width() != color.width() || depth->height() != color.height()) {
+      return fail("the depth image has {} x {} pixels, the picture {} x {}", depth->width(),
+                  depth->height(), color.width(), color.height());
+    }
+  }
+  Glance glance;
+  glance.t_ms = frame.t_ms;
+  ROOMWISE_TRY(glance.decision, decide(color, frame.t_ms, home));
+  ROOMWISE_TRY(glance.place, locate(color, depth, *home));
+  if (glance.decision && glance.place && glance.place->room) {
+    glance.decision = with_place(*std::move(glance.decision), *glance.place->room);
+  }
+  if (glance.decision && glance.decision->verdict != rooms::Verdict::kRoom) {
+    glance.more_to_see = pipeline::side_with_more_to_see(color);
+  }
+  glance.picture = std::move(frame.color);
+  return glance;
+}
+
+}  // namespace roomwise::live

@@ -1,0 +1,100 @@
+#include "roomwise/live/eye.h"
+
+#include <gmock/gmock.h>
+
+#include <numbers>
+
+#include "roomwise/base/testing.h"
+#include "roomwise/image/codec.h"
+
+namespace roomwise::live {
+namespace {
+
+using ::testing::HasSubstr;
+
+rooms::RoomDecision decision(rooms::Verdict verdict, double kitchen) {
+  rooms::RoomDecision decision;
+  decision.verdict = verdict;
+  decision.rooms = {{"kitchen", kitchen}, {"hall", 1 - kitchen}};
+  if (kitchen < 0.5) std::swap(decision.rooms[0], decision.rooms[1]);
+  decision.why = "as it looks";
+  return decision;
+}
+
+TEST(WithPlace, MakesAnUnsureRoomSure) {
+  const auto sure = with_place(decision(rooms::Verdict::kNotSure, 0.6), "kitchen");
+  EXPECT_EQ(sure.room(), "kitchen");
+  // Bayes: 0.6 * 0.97 to 0.4 * 0.03.
+  EXPECT_NEAR(sure.rooms[0].score, 0.582 / (0.582 + 0.012), 1e-12);
+  EXPECT_THAT(sure.why, HasSubstr("place on the map"));
+}
+
+TEST(WithPlace, APlaceInAnotherRoomThanItLooksIsNotSaid) {
+  const auto torn = with_place(decision(rooms::Verdict::kRoom, 0.999), "hall");
+  EXPECT_EQ(torn.verdict, rooms::Verdict::kNotSure);
+  EXPECT_EQ(torn.rooms[0].room, "kitchen");
+  const auto turned = with_place(decision(rooms::Verdict::kRoom, 0.4), "kitchen");
+  EXPECT_EQ(turned.rooms[0].room, "kitchen");
+}
+
+TEST(WithPlace, ProbabilitiesStillAddUpToOne) {
+  for (const double kitchen : {0.0, 0.2, 0.9, 1.0}) {
+    const auto after = with_place(decision(rooms::Verdict::kNotSure, kitchen), "hall");
+    EXPECT_NEAR(after.rooms[0].score + after.rooms[1].score, 1, 1e-12);
+  }
+}
+
+TEST(WithPlace, ARoomThatWasNotLearnedChangesNothing) {
+  const auto before = decision(rooms::Verdict::kRoom, 0.9);
+  EXPECT_EQ(with_place(before, "cellar").why, before.why);
+}
+
+TEST(CameraPlace, TheHeadingIsThatOfTheOpticalAxis) {
+  // A camera that looks along y: its z is the level's y, its y points down.
+  Eigen::Matrix3d level_from_camera;
+  level_from_camera << 1, 0, 0, 0, 0, 1, 0, -1, 0;
+  CameraPlace place;
+  place.level_from_camera = {Eigen::Quaterniond(level_from_camera), {1, 2, 1.3}};
+  EXPECT_NEAR(place.heading_rad(), std::numbers::pi / 2, 1e-12);
+}
+
+// ---- an eye on a home without rooms and without a map ----
+
+service::DeviceCamera camera(bool has_depth) {
+  geometry::PinholeCamera pinhole = *geometry::camera_preset("fr1");
+  pinhole.width = 8;
+  pinhole.height = 6;
+  return {8, 6, pinhole, has_depth};
+}
+CameraFrame frame(double t_ms, Bytes depth = {}) {
+  return {t_ms, image::encode_jpeg(image::ColorImage(8, 6), 90), std::move(depth)};
+}
+
+TEST(Eye, SaysNothingOfAHomeThatLearnedNothing) {
+  Eye eye(camera(false));
+  const auto glance = eye.look(frame(5), std::make_shared<HomeView>());
+  ASSERT_OK(glance);
+  EXPECT_EQ(glance->t_ms, 5);
+  EXPECT_FALSE(glance->decision);
+  EXPECT_FALSE(glance->place);
+  EXPECT_FALSE(glance->picture.empty());
+}
+
+TEST(Eye, RefusesPicturesThatAreNotTheCameras) {
+  const auto home = std::make_shared<HomeView>();
+  EXPECT_ERROR(Eye(std::nullopt).look(frame(1), home), "no camera");
+  Eye eye(camera(true));
+  CameraFrame other = frame(1);
+  other.color = image::encode_jpeg(image::ColorImage(9, 6), 90);
+  EXPECT_ERROR(eye.look(other, home), "8 x 6");
+  other.color = {1, 2, 3};
+  EXPECT_ERROR(eye.look(other, home), "neither a JPEG");
+  EXPECT_ERROR(eye.look(frame(2, image::encode_png(image::DepthImage(7, 6))), home), "depth image");
+  EXPECT_OK(eye.look(frame(3, image::encode_png(image::DepthImage(8, 6))), home));
+  Eye without_depth(camera(false));
+  EXPECT_ERROR(without_depth.look(frame(4, image::encode_png(image::DepthImage(8, 6))), home),
+               "without depth");
+}
+
+}  // namespace
+}  // namespace roomwise::live

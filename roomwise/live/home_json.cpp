@@ -1,0 +1,164 @@
+#include "roomwise/live/home_json.h"
+
+#include <algorithm>
+#include <bit>
+
+namespace roomwise::live {
+namespace {
+
+Json json_of(const Eigen::Vector3d& v) {
+  return {v.x(), v.y(), v.z()};
+}
+Json json_of(const Eigen::Vector2d& v) {
+  return {v.x(), v.y()};
+}
+Json or_null(const std::optional<std::string>& text) {
+  return text ? Json(*text) : Json(nullptr);
+}
+
+Json room_json(const rooms::Room& room, const HomeView& view) {
+  Json json{{"name", room.name}, {"type", room.type}, {"floor_m2", nullptr}, {"middle", nullptr}};
+  if (!view.layout) return json;
+  const auto& extents = view.layout->rooms();
+  const auto extent = std::ranges::find(extents, room.name, &rooms::RoomExtent::name);
+  if (extent != extents.end() && extent->floor_m2 > 0) {
+    json["floor_m2"] = extent->floor_m2;
+    json["middle"] = json_of(extent->middle_level);
+  }
+  return json;
+}
+
+Json thing_json(const ViewedThing& thing) {
+  return {{"id", thing.number},
+          {"name", thing.name},
+          {"probability", thing.probability},
+          {"room", or_null(thing.room)},
+          {"position", thing.middle_level ? json_of(*thing.middle_level) : Json(nullptr)},
+          {"size", json_of(thing.size_m)},
+          {"keyframe", thing.keyframe},
+          {"box",
+           {thing.box.left, thing.box.top, thing.box.right - thing.box.left,
+            thing.box.bottom - thing.box.top}}};
+}
+
+Json walk_json(const ViewedWalk& walk) {
+  const home::Recording& recording = walk.stored.recording;
+  Json ranges = Json::array();
+  for (const recording::RoomRange& range : walk.labels.ranges()) {
+    ranges.push_back(
+        {{"first", range.first_frame}, {"last", range.last_frame}, {"room", range.room}});
+  }
+  return {{"id", walk.stored.id},
+          {"name", recording.name},
+          {"frames", walk.stored.next_frame_index},
+          {"keyframes", walk.keyframes},
+          {"finished", walk.stored.finished},
+          {"camera",
+           {{"width", recording.camera.width},
+            {"height", recording.camera.height},
+            {"fx", recording.camera.fx},
+            {"fy", recording.camera.fy},
+            {"cx", recording.camera.cx},
+            {"cy", recording.camera.cy}}},
+          {"ranges", ranges}};
+}
+
+void put_float(float value, Bytes& bytes) {
+  const auto bits = std::bit_cast<std::uint32_t>(value);
+  for (unsigned i = 0; i < 4; ++i) bytes.push_back(static_cast<std::uint8_t>(bits >> (8 * i)));
+}
+
+}  // namespace
+
+Json home_json(const HomeView& view) {
+  Json json{{"name", view.name},
+            {"learned", nullptr},
+            {"rooms", Json::array()},
+            {"doorways", Json::array()},
+            {"things", Json::array()},
+            {"recordings", Json::array()},
+            {"room_types", view.room_types}};
+  if (!view.learned_network.empty()) {
+    const Json report = Json::parse(view.learned_report, nullptr, false);
+    std::size_t pictures = 0;
+    if (report.is_object()) {
+      for (const Json& room : report.value("rooms", Json::array())) {
+        pictures += room.value("pictures", std::size_t{0});
+      }
+    }
+    json["learned"] = {{"pictures", pictures}, {"network", view.learned_network}};
+  }
+  for (const rooms::Room& room : view.rooms) json["rooms"].push_back(room_json(room, view));
+  if (view.layout) {
+    for (const rooms::Doorway& doorway : view.layout->doorways()) {
+      json["doorways"].push_back(
+          {{"rooms", doorway.rooms}, {"middle", json_of(doorway.middle_level)}});
+    }
+  }
+  for (const ViewedThing& thing : view.things) json["things"].push_back(thing_json(thing));
+  for (const ViewedWalk& walk : view.walks) json["recordings"].push_back(walk_json(walk));
+  return json;
+}
+
+Json keyframes_json(const HomeView& view) {
+  Json keyframes = Json::array();
+  if (view.map && !view.keyframes.empty()) {
+    const TimestampNs first_ns = view.keyframes.front().keyframe.timestamp_ns;
+    for (const ViewedKeyframe& one : view.keyframes) {
+      if (!one.on_map) continue;
+      const geometry::RigidTransform level_from_keyframe =
+          view.map->frame.level_from_world * one.keyframe.pose.world_from_keyframe;
+      const Eigen::Quaterniond& q = level_from_keyframe.rotation;
+      keyframes.push_back(
+          {{"id", one.keyframe.id},
+           {"frame", one.keyframe.frame_index},
+           {"time_s", static_cast<double>(one.keyframe.timestamp_ns - first_ns) * 1e-9},
+           {"position", json_of(level_from_keyframe.translation)},
+           {"rotation_xyzw", {q.x(), q.y(), q.z(), q.w()}},
+           {"room", one.room.empty() ? Json(nullptr) : Json(one.room)},
+           {"recording", one.keyframe.recording}});
+    }
+  }
+  return {{"keyframes", keyframes}};
+}
+
+Bytes cloud_bytes(const LiveMap& map) {
+  const geometry::PointCloud& cloud = map.cloud_level;
+  Bytes bytes;
+  bytes.reserve(16 * cloud.size());
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    for (int axis = 0; axis < 3; ++axis) put_float(cloud.points[i][axis], bytes);
+    bytes.insert(bytes.end(), {cloud.colors[i].r, cloud.colors[i].g, cloud.colors[i].b, 255});
+  }
+  return bytes;
+}
+
+Json decision_json(const rooms::RoomDecision& decision) {
+  Json rooms = Json::array();
+  for (const rooms::RoomScore& score : decision.rooms) {
+    rooms.push_back({{"room", score.room}, {"probability", score.score}});
+  }
+  return {{"verdict", to_string(decision.verdict)},
+          {"room", decision.rooms.front().room},
+          {"probability", decision.rooms.front().score},
+          {"known", decision.known},
+          {"why", decision.why},
+          {"rooms", rooms}};
+}
+
+Json recognitions_json(const std::vector<Recognition>& recognitions) {
+  Json all = Json::array();
+  for (const Recognition& one : recognitions) {
+    all.push_back({{"number", one.number},
+                   {"device", one.who.device},
+                   {"name", one.who.name},
+                   {"time", one.time_s},
+                   {"verdict", one.seen.verdict},
+                   {"room", one.seen.room},
+                   {"probability", one.seen.probability},
+                   {"why", one.seen.why}});
+  }
+  return {{"recognitions", all}};
+}
+
+}  // namespace roomwise::live

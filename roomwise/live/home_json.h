@@ -1,0 +1,18 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "roomwise/live/live_home.h"
+
+// The home as docs/protocol.md has it. For source files only.
+namespace roomwise::live {
+
+using Json = nlohmann::json;
+
+[[nodiscard]] Json home_json(const HomeView& view);       // GET /api/home
+[[nodiscard]] Json keyframes_json(const HomeView& view);  // GET /api/map/keyframes
+[[nodiscard]] Bytes cloud_bytes(const LiveMap& map);      // GET /api/map/cloud
+[[nodiscard]] Json decision_json(const rooms::RoomDecision& decision);
+[[nodiscard]] Json recognitions_json(const std::vector<Recognition>& recognitions);
+
+}  // namespace roomwise::live

@@ -1,0 +1,222 @@
+#include "roomwise/live/home_routes.h"
+
+#include <algorithm>
+#include <charconv>
+
+#include "roomwise/image/codec.h"
+#include "roomwise/live/home_json.h"
+#include "roomwise/service/json_members.h"
+
+namespace roomwise::live {
+namespace {
+
+using service::error_answer;
+using service::HttpAnswer;
+using service::HttpRequest;
+using service::json_answer;
+using service::Placeholders;
+using service::Role;
+
+constexpr std::size_t kMostPictureBytes = std::size_t{20} << 20U;
+
+template <typename T>
+std::optional<T> number_of(const std::string& text) {
+  T number{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return number;
+}
+
+// 200, or 409 with the reason: the home is as it was.
+HttpAnswer done(const Expected<void>& outcome) {
+  if (!outcome) return error_answer(409, outcome.error().message);
+  return json_answer(Json::object());
+}
+
+HttpAnswer bad(const Error& error) {
+  return error_answer(400, error.message);
+}
+
+HttpAnswer picture_answer(Bytes bytes) {
+  HttpAnswer answer;
+  answer.content_type = image::is_png(bytes) ? "image/png" : "image/jpeg";
+  answer.body = std::move(bytes);
+  return answer;
+}
+
+// A handler whose path ends with a number.
+template <typename Handle>
+auto numbered(const char* placeholder, Handle handle) {
+  return [placeholder, handle](const HttpRequest& request, const Placeholders& values) {
+    const auto number = number_of<std::int64_t>(values.at(placeholder));
+    if (!number || *number < 0) {
+      return error_answer(404, fmt::format("'{}' is no number", values.at(placeholder)));
+    }
+    return handle(request, *number);
+  };
+}
+
+Expected<std::vector<recording::RoomRange>> read_ranges(const HttpRequest& request) {
+  ROOMWISE_TRY(const auto parsed, service::json_of(request));
+  const service::Json json = parsed;
+  if (!json.contains("ranges") || !json["ranges"].is_array()) {
+    return fail("'ranges' must be a list of {{first, last, room}}");
+  }
+  std::vector<recording::RoomRange> ranges;
+  for (const service::Json& one : json["ranges"]) {
+    if (!one.is_object()) return fail("'ranges' must be a list of {{first, last, room}}");
+    service::Members members(one);
+    recording::RoomRange range;
+    range.first_frame = static_cast<std::uint64_t>(members.whole("first", 0, service::kMostWhole));
+    range.last_frame = static_cast<std::uint64_t>(members.whole("last", 0, service::kMostWhole));
+    range.room = members.text("room");
+    if (members.error()) return Unexpected(Error(*members.error()));
+    ranges.push_back(std::move(range));
+  }
+  return ranges;
+}
+
+// The texts of a body, of which each may be missing.
+Expected<std::map<std::string, std::string>> read_texts(const HttpRequest& request,
+                                                        std::initializer_list<const char*> names) {
+  ROOMWISE_TRY(const auto parsed, service::json_of(request));
+  const service::Json json = parsed;
+  service::Members members(json);
+  std::map<std::string, std::string> texts;
+  for (const char* name : names) {
+    if (members.has(name)) texts[name] = members.text(name);
+  }
+  if (members.error()) return Unexpected(Error(*members.error()));
+  return texts;
+}
+
+std::optional<std::string> find(const std::map<std::string, std::string>& texts,
+                                const std::string& name) {
+  const auto found = texts.find(name);
+  return found != texts.end() ? std::optional(found->second) : std::nullopt;
+}
+
+std::vector<service::Route> looking_routes(LiveHome& home) {
+  return {{"GET", "/api/home", Role::kDevice,
+           [&home](const auto&, const auto&) { return json_answer(home_json(*home.view())); }},
+          {"GET", "/api/map/keyframes", Role::kHelper,
+           [&home](const auto&, const auto&) { return json_answer(keyframes_json(*home.view())); }},
+          {"GET", "/api/map/cloud", Role::kHelper,
+           [&home](const auto&, const auto&) {
+             const auto view = home.view();
+             if (!view->map) return error_answer(503, "the map is not ready yet; try again soon");
+             HttpAnswer answer;
+             answer.content_type = "application/octet-stream";
+             answer.body = cloud_bytes(*view->map);
+             return answer;
+           }},
+          {"GET", "/api/keyframes/{id}/picture", Role::kHelper,
+           numbered("id",
+                    [&home](const HttpRequest&, std::int64_t id) {
+                      auto picture = home.keyframe_picture(static_cast<home::KeyframeId>(id));
+                      if (!picture) return error_answer(404, picture.error().message);
+                      return picture_answer(*std::move(picture));
+                    })},
+          {"POST", "/api/test", Role::kHelper,
+           [&home](const HttpRequest& request, const auto&) {
+             const auto decision = home.test_picture(request.body);
+             return decision ? json_answer(decision_json(*decision)) : bad(decision.error());
+           },
+           kMostPictureBytes},
+          {"GET", "/api/recognitions", Role::kHelper,
+           [&home](const auto&, const auto&) {
+             return json_answer(recognitions_json(home.recognitions().newest_first()));
+           }},
+          {"GET", "/api/recognitions/{number}/picture", Role::kHelper,
+           numbered("number", [&home](const HttpRequest&, std::int64_t number) {
+             auto picture = home.recognitions().picture(static_cast<std::uint64_t>(number));
+             if (!picture) return error_answer(404, "this picture is not kept any more");
+             return picture_answer(*std::move(picture));
+           })}};
+}
+
+std::vector<service::Route> changing_routes(LiveHome& home) {
+  return {{"PUT", "/api/recordings/{id}/rooms", Role::kHelper,
+           numbered("id",
+                    [&home](const HttpRequest& request, std::int64_t id) {
+                      auto ranges = read_ranges(request);
+                      if (!ranges) return bad(ranges.error());
+                      return done(home.name_rooms(id, *std::move(ranges)));
+                    })},
+          {"PUT", "/api/rooms/{name}", Role::kHelper,
+           [&home](const HttpRequest& request, const Placeholders& values) {
+             const auto texts = read_texts(request, {"name", "type"});
+             if (!texts) return bad(texts.error());
+             return done(
+                 home.change_room(values.at("name"), find(*texts, "name"), find(*texts, "type")));
+           }},
+          {"DELETE", "/api/rooms/{name}", Role::kHelper,
+           [&home](const HttpRequest&, const Placeholders& values) {
+             return done(home.forget_room(values.at("name")));
+           }},
+          {"PUT", "/api/things/{id}", Role::kHelper,
+           numbered("id",
+                    [&home](const HttpRequest& request, std::int64_t id) {
+                      const auto texts = read_texts(request, {"name"});
+                      if (!texts) return bad(texts.error());
+                      return done(home.rename_thing(static_cast<std::size_t>(id),
+                                                    find(*texts, "name").value_or("")));
+                    })},
+          {"DELETE", "/api/things/{id}", Role::kHelper,
+           numbered("id",
+                    [&home](const HttpRequest&, std::int64_t id) {
+                      return done(home.forget_thing(static_cast<std::size_t>(id)));
+                    })},
+          {"DELETE", "/api/recordings/{id}", Role::kHelper,
+           numbered("id", [&home](const HttpRequest&,
+                                  std::int64_t id) { return done(home.forget_walk(id)); })},
+          {"DELETE", "/api/home", Role::kHelper, [&home](const HttpRequest& request, const auto&) {
+             const auto texts = read_texts(request, {"really"});
+             if (!texts) return bad(texts.error());
+             const std::string name = home.view()->name;
+             if (find(*texts, "really") != name) {
+               return error_answer(400, fmt::format("'really' must be the home's name, {}", name));
+             }
+             return done(home.forget_home());
+           }}};
+}
+
+std::vector<service::Route> working_routes(LiveHome& home) {
+  return {{"POST", "/api/learn", Role::kHelper,
+           [&home](const auto&, const auto&) { return done(home.learn()); }},
+          {"GET", "/api/job", Role::kHelper,
+           [&home](const auto&, const auto&) {
+             const auto state = home.jobs().state();
+             if (!state) return json_answer({{"state", "none"}});
+             return json_answer(Json::parse(write(service::HomeMessage(*state))));
+           }},
+          {"POST", "/api/job/stop", Role::kHelper,
+           [&home](const auto&, const auto&) {
+             if (!home.jobs().stop()) return error_answer(409, "nothing is being done");
+             return json_answer(Json::object());
+           }},
+          {"POST", "/api/recording", Role::kHelper,
+           [&home](const HttpRequest& request, const auto&) {
+             const auto parsed = service::json_of(request);
+             if (!parsed) return bad(parsed.error());
+             const service::Json json = *parsed;
+             service::Members members(json);
+             const std::int64_t device = members.whole("device", 0, service::kMostWhole);
+             const std::string name = members.text("name");
+             if (members.error()) return bad(*members.error());
+             return done(home.begin_recording(device, name));
+           }},
+          {"POST", "/api/recording/stop", Role::kHelper,
+           [&home](const auto&, const auto&) { return done(home.end_recording()); }}};
+}
+
+}  // namespace
+
+std::vector<service::Route> home_routes(LiveHome& home) {
+  std::vector<service::Route> routes = looking_routes(home);
+  std::ranges::move(changing_routes(home), std::back_inserter(routes));
+  std::ranges::move(working_routes(home), std::back_inserter(routes));
+  return routes;
+}
+
+}  // namespace roomwise::live

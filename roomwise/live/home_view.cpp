@@ -1,0 +1,119 @@
+#include "roomwise/live/home_view.h"
+
+#include <algorithm>
+#include <filesystem>
+
+#include "roomwise/pipeline/home_layout.h"
+
+namespace roomwise::live {
+namespace {
+
+Expected<void> view_walks(const home::Home& home, HomeView& view) {
+  ROOMWISE_TRY(const auto recordings, home.recordings());
+  ROOMWISE_TRY(const auto keyframes, home.keyframes());
+  for (const home::StoredRecording& recording : recordings) {
+    ROOMWISE_TRY(recording::RoomLabels labels, home.room_ranges(recording.id));
+    ViewedWalk walk{recording, 0, std::move(labels)};
+    for (const home::Keyframe& keyframe : keyframes) {
+      if (keyframe.recording != recording.id) continue;
+      ++walk.keyframes;
+      const recording::RoomRange* const range = walk.labels.find(keyframe.frame_index);
+      view.keyframes.push_back(
+          {keyframe, range != nullptr ? range->room : std::string(), keyframe.pose.piece == 0});
+    }
+    view.walks.push_back(std::move(walk));
+  }
+  std::ranges::sort(view.keyframes, {}, [](const ViewedKeyframe& one) { return one.keyframe.id; });
+  return {};
+}
+
+// The room by the layout; without one, that in which the key-frame was taken that shows the thing
+// best.
+std::optional<std::string> room_of(const ViewedThing& thing, const HomeView& view) {
+  if (view.layout && thing.middle_level) {
+    if (auto room = view.room_at(*thing.middle_level)) return room;
+  }
+  const auto shows = std::ranges::find(view.keyframes, thing.keyframe,
+                                       [](const ViewedKeyframe& one) { return one.keyframe.id; });
+  if (shows == view.keyframes.end() || shows->room.empty()) return std::nullopt;
+  return shows->room;
+}
+
+Expected<void> view_things(const home::Home& home, HomeView& view) {
+  ROOMWISE_TRY(const auto instances, home.instances());
+  std::map<home::KeyframeId, const home::Keyframe*> keyframes;
+  for (const ViewedKeyframe& one : view.keyframes) keyframes[one.keyframe.id] = &one.keyframe;
+  for (std::size_t i = 0; i < instances.size(); ++i) {
+    const objects::Instance& instance = instances[i];
+    ViewedThing thing{.number = i,
+                      .name = instance.name,
+                      .probability = instance.probability,
+                      .room = {},
+                      .middle_level = {},
+                      .size_m = instance.box_keyframe.size_m,
+                      .keyframe = instance.keyframe_id,
+                      .box = instance.picture_box};
+    const auto keyframe = keyframes.find(instance.keyframe_id);
+    if (view.map && keyframe != keyframes.end() && keyframe->second->pose.piece == 0) {
+      const auto box = instance.box_world(keyframe->second->pose.world_from_keyframe);
+      thing.middle_level = view.map->frame.level_from_world * box.world_from_box.translation;
+    }
+    thing.room = room_of(thing, view);
+    view.things.push_back(std::move(thing));
+  }
+  return {};
+}
+
+}  // namespace
+
+std::set<std::string> HomeView::thing_names() const {
+  std::set<std::string> names;
+  for (const ViewedThing& thing : things) names.insert(thing.name);
+  return names;
+}
+
+std::optional<std::string> HomeView::room_at(const Eigen::Vector3d& point_level) const {
+  if (!layout) return std::nullopt;
+  return layout->room_at(point_level.head<2>());
+}
+
+Expected<std::shared_ptr<const HomeView>> view_home(const home::Home& home,
+                                                    const pipeline::Networks& networks,
+                                                    std::shared_ptr<const LiveMap> map) {
+  HomeView view;
+  view.name = std::filesystem::path(home.file()).stem().string();
+  view.map = std::move(map);
+  ROOMWISE_TRY(view.rooms, home.rooms());
+  ROOMWISE_TRY(view.concepts, home.concepts());
+  for (const auto& [type, objects] : view.concepts.objects_of_room_type) {
+    view.room_types.push_back(type);
+  }
+  ROOMWISE_CHECK_OK(view_walks(home, view));
+  const bool has_names = std::ranges::any_of(
+      view.walks, [](const ViewedWalk& walk) { return !walk.labels.ranges().empty(); });
+  if (view.map && view.map->floor && has_names) {
+    // A layout that cannot be made (nobody walked on free floor in a named room) leaves the rooms
+    // of things to the pictures.
+    if (auto layout = pipeline::lay_out_rooms(home, view.map->frame, *view.map->floor)) {
+      view.layout = *std::move(layout);
+    }
+  }
+  ROOMWISE_CHECK_OK(view_things(home, view));
+  ROOMWISE_TRY(const auto classifier, home.room_classifier());
+  if (classifier) {
+    view.learned_report = classifier->report_json;
+    view.learned_network = classifier->network_name;
+  }
+  if (auto recognizer = pipeline::RoomRecognizer::create(home, networks)) {
+    if (const auto stream = recognizer->stream()) {
+      view.recognizer = std::make_shared<const pipeline::RoomRecognizer>(*std::move(recognizer));
+    } else {
+      view.why_no_recognizer = stream.error().message;
+    }
+  } else {
+    view.why_no_recognizer = recognizer.error().message;
+  }
+  return std::make_shared<const HomeView>(std::move(view));
+}
+
+}  // namespace roomwise::live

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "roomwise/home/home.h"
+#include "roomwise/live/live_map.h"
+#include "roomwise/pipeline/room_recognizer.h"
+#include "roomwise/rooms/room_layout.h"
+
+namespace roomwise::live {
+
+// A thing of the home, as people ask for it.
+struct ViewedThing {
+  std::size_t number = 0;  // its place in Home::instances()
+  std::string name;
+  double probability = 0;
+  std::optional<std::string> room;
+  // Middle and size of its upright box, m, level frame; nothing until the map is ready.
+  std::optional<Eigen::Vector3d> middle_level;
+  Eigen::Vector3d size_m = Eigen::Vector3d::Zero();
+  home::KeyframeId keyframe = 0;
+  network::PixelBox box;  // there, px
+};
+
+struct ViewedWalk {
+  home::StoredRecording stored;
+  std::size_t keyframes = 0;
+  recording::RoomLabels labels;
+};
+
+struct ViewedKeyframe {
+  home::Keyframe keyframe;
+  std::string room;  // as the helper named it; empty: not named
+  bool on_map = false;
+};
+
+// All that is told of a home, at one moment: values that never change.
+struct HomeView {
+  std::string name;
+  std::vector<rooms::Room> rooms;         // by name
+  std::vector<ViewedThing> things;        // as stored
+  std::vector<ViewedWalk> walks;          // as stored
+  std::vector<ViewedKeyframe> keyframes;  // by id
+  std::vector<std::string> room_types;    // of the concepts, by name
+  rooms::Concepts concepts;
+  std::string learned_report;  // JSON; empty: nothing was learned
+  std::string learned_network;
+  std::optional<rooms::RoomLayout> layout;  // where rooms are named and the map shows a floor
+  std::shared_ptr<const LiveMap> map;       // null until it is ready
+  // Null where no rooms were learned, or not with a network at hand: then why.
+  std::shared_ptr<const pipeline::RoomRecognizer> recognizer;
+  std::string why_no_recognizer;
+
+  // What can be asked for, each name once, by name.
+  [[nodiscard]] std::set<std::string> thing_names() const;
+  // The room that a point lies in by the layout.
+  [[nodiscard]] std::optional<std::string> room_at(const Eigen::Vector3d& point_level) const;
+};
+
+// `networks` must outlive the view; `map` may be null.
+[[nodiscard]] Expected<std::shared_ptr<const HomeView>> view_home(
+    const home::Home& home, const pipeline::Networks& networks, std::shared_ptr<const LiveMap> map);
+
+}  // namespace roomwise::live

@@ -1,0 +1,123 @@
+#include "roomwise/live/jobs.h"
+
+#include <chrono>
+
+namespace roomwise::live {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+constexpr auto kBetweenNews = std::chrono::milliseconds(200);
+
+double seconds_since(Clock::time_point begin) {
+  return std::chrono::duration<double>(Clock::now() - begin).count();
+}
+
+}  // namespace
+
+// Turns what the work says into states. Called on the threads of the work.
+class Jobs::Teller final : public Progress {
+ public:
+  Teller(Jobs& jobs, service::JobState state) : jobs_(jobs), state_(std::move(state)) {}
+
+  void begin(std::string_view work, std::optional<std::uint64_t> total) override {
+    const std::scoped_lock lock(mutex_);
+    state_.stage = work;
+    state_.fraction = 0;
+    state_.left_s.reset();
+    total_ = total;
+    began_ = Clock::now();
+    tell_now();
+  }
+  void advance(std::uint64_t done, std::string_view note) override {
+    const std::scoped_lock lock(mutex_);
+    state_.text = note;
+    if (total_ && *total_ > 0) {
+      state_.fraction = std::min(1.0, static_cast<double>(done) / static_cast<double>(*total_));
+      if (state_.fraction > 0) {
+        state_.left_s = seconds_since(began_) * (1 - state_.fraction) / state_.fraction;
+      }
+    }
+    if (Clock::now() - told_ >= kBetweenNews) tell_now();
+  }
+  void end() override {}
+  [[nodiscard]] bool interrupted() const override { return jobs_.stop_; }
+
+ private:
+  void tell_now() {
+    told_ = Clock::now();
+    jobs_.publish(state_);
+  }
+
+  Jobs& jobs_;
+  std::mutex mutex_;
+  service::JobState state_;
+  std::optional<std::uint64_t> total_;
+  Clock::time_point began_ = Clock::now();
+  Clock::time_point told_;
+};
+
+Jobs::~Jobs() {
+  stop();
+  if (thread_.joinable()) thread_.join();
+}
+
+void Jobs::publish(const service::JobState& state) {
+  {
+    const std::scoped_lock lock(mutex_);
+    state_ = state;
+  }
+  tell_(state);
+}
+
+Expected<void> Jobs::start(const std::string& kind, Body body) {
+  {
+    const std::scoped_lock lock(mutex_);
+    if (running_) {
+      return fail("the computer is busy ({}); wait until it is done, or stop it", state_->kind);
+    }
+    running_ = true;
+    stop_ = false;
+    state_ = service::JobState{kind, "running", "", 0, {}, ""};
+  }
+  if (thread_.joinable()) thread_.join();
+  thread_ = std::thread([this, kind, body = std::move(body)] {
+    service::JobState state{kind, "running", "", 0, {}, ""};
+    publish(state);
+    Teller teller(*this, state);
+    const Expected<std::string> done = body(teller);
+    state.fraction = done ? 1 : 0;
+    state.state = done ? "done" : stop_ ? "stopped" : "failed";
+    state.text = done ? *done : done.error().message;
+    {
+      const std::scoped_lock lock(mutex_);
+      state_ = state;
+      running_ = false;
+    }
+    tell_(state);
+    ended_.notify_all();
+  });
+  return {};
+}
+
+bool Jobs::stop() {
+  const std::scoped_lock lock(mutex_);
+  if (running_) stop_ = true;
+  return running_;
+}
+
+void Jobs::wait() {
+  std::unique_lock lock(mutex_);
+  ended_.wait(lock, [this] { return !running_; });
+}
+
+bool Jobs::running() const {
+  const std::scoped_lock lock(mutex_);
+  return running_;
+}
+
+std::optional<service::JobState> Jobs::state() const {
+  const std::scoped_lock lock(mutex_);
+  return state_;
+}
+
+}  // namespace roomwise::live

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <functional>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "roomwise/base/expected.h"
+#include "roomwise/base/progress.h"
+#include "roomwise/service/messages.h"
+
+namespace roomwise::live {
+
+// Long work in the background, one piece at a time, that tells how far it is and can be stopped.
+class Jobs {
+ public:
+  // `tell` is called with every change that people should see (at most five times a second while
+  // work goes on), on the job's thread or on that of start().
+  explicit Jobs(std::function<void(const service::JobState&)> tell) : tell_(std::move(tell)) {}
+  ~Jobs();  // stops the work and waits for it
+
+  // What is done: gets a place to tell how far it is, which also says when to stop; returns a
+  // sentence on what came of it.
+  using Body = std::function<Expected<std::string>(Progress&)>;
+  // Fails where a job is running already.
+  [[nodiscard]] Expected<void> start(const std::string& kind, Body body);
+  // Asks the running job to stop. False where none is running.
+  bool stop();
+  // Returns when no job is running.
+  void wait();
+  [[nodiscard]] bool running() const;
+  // Of the newest job; nothing where there was none.
+  [[nodiscard]] std::optional<service::JobState> state() const;
+
+ private:
+  class Teller;
+  void publish(const service::JobState& state);
+
+  std::function<void(const service::JobState&)> tell_;
+  mutable std::mutex mutex_;
+  std::condition_variable ended_;
+  std::optional<service::JobState> state_;
+  bool running_ = false;
+  std::atomic<bool> stop_{false};
+  std::thread thread_;
+};
+
+}  // namespace roomwise::live

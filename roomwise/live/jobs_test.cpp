@@ -1,0 +1,90 @@
+#include "roomwise/live/jobs.h"
+
+#include <gmock/gmock.h>
+
+#include <future>
+#include <vector>
+
+#include "roomwise/base/testing.h"
+
+namespace roomwise::live {
+namespace {
+
+using ::testing::HasSubstr;
+
+struct Told {
+  std::mutex mutex;
+  std::vector<service::JobState> states;
+
+  void operator()(const service::JobState& state) {
+    const std::scoped_lock lock(mutex);
+    states.push_back(state);
+  }
+};
+
+TEST(Jobs, TellWhatIsDoneAndWhatCameOfIt) {
+  Told told;
+  Jobs jobs(std::ref(told));
+  EXPECT_FALSE(jobs.state());
+  ASSERT_OK(jobs.start("map", [](Progress& progress) -> Expected<std::string> {
+    progress.begin("mapping", 4);
+    progress.advance(1, "one");
+    progress.begin("fusing", 2);
+    return "all well";
+  }));
+  jobs.wait();
+  const auto last = jobs.state();
+  ASSERT_TRUE(last);
+  EXPECT_EQ(last->kind, "map");
+  EXPECT_EQ(last->state, "done");
+  EXPECT_EQ(last->text, "all well");
+  EXPECT_EQ(last->fraction, 1);
+  std::vector<std::string> stages;
+  for (const service::JobState& state : told.states) {
+    if (stages.empty() || stages.back() != state.stage) stages.push_back(state.stage);
+  }
+  EXPECT_THAT(stages, ::testing::IsSupersetOf({"mapping", "fusing"}));
+}
+
+TEST(Jobs, OneAtATime) {
+  Jobs jobs([](const service::JobState&) {});
+  std::promise<void> go;
+  ASSERT_OK(jobs.start("learn", [&](Progress&) -> Expected<std::string> {
+    go.get_future().wait();
+    return "";
+  }));
+  EXPECT_TRUE(jobs.running());
+  EXPECT_ERROR(jobs.start("map", [](Progress&) -> Expected<std::string> { return ""; }), "learn");
+  go.set_value();
+  jobs.wait();
+  EXPECT_OK(jobs.start("map", [](Progress&) -> Expected<std::string> { return ""; }));
+}
+
+TEST(Jobs, AreStoppedWhenAskedAndWhenTheyGo) {
+  Told told;
+  {
+    Jobs jobs(std::ref(told));
+    const auto until_stopped = [](Progress& progress) -> Expected<std::string> {
+      while (!progress.interrupted()) std::this_thread::yield();
+      return fail("interrupted");
+    };
+    ASSERT_OK(jobs.start("map", until_stopped));
+    EXPECT_TRUE(jobs.stop());
+    jobs.wait();
+    EXPECT_EQ(jobs.state()->state, "stopped");
+    EXPECT_FALSE(jobs.stop());
+    ASSERT_OK(jobs.start("map", until_stopped));
+  }
+  EXPECT_EQ(told.states.back().state, "stopped");
+}
+
+TEST(Jobs, AFailureIsToldWithItsReason) {
+  Jobs jobs([](const service::JobState&) {});
+  ASSERT_OK(jobs.start("map", [](Progress&) -> Expected<std::string> { return fail("no disk"); }));
+  jobs.wait();
+  EXPECT_EQ(jobs.state()->state, "failed");
+  EXPECT_EQ(jobs.state()->text, "no disk");
+}
+
+}  // namespace
+}  // namespace roomwise::live

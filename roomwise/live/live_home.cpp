@@ -1,0 +1,193 @@
+#include "roomwise/live/live_home.h"
+
+#include <algorithm>
+
+#include "roomwise/image/codec.h"
+#include "roomwise/pipeline/room_learning.h"
+
+namespace roomwise::live {
+
+namespace fs = std::filesystem;
+
+// A connection's way to its device.
+class LiveHome::Session final : public service::SocketSession {
+ public:
+  Session(LiveHome& home, std::shared_ptr<Device> device)
+      : home_(home), device_(std::move(device)) {}
+
+  void on_text(std::string_view text) override {
+    const bool was_here = device_->is_here();
+    device_->on_text(text);
+    if (!was_here && device_->is_here()) home_.tell_helpers(device_->seen());
+  }
+  void on_message(Bytes bytes) override { device_->on_message(std::move(bytes)); }
+  void on_closed() override {
+    device_->on_closed();
+    home_.left(device_);
+  }
+
+ private:
+  LiveHome& home_;
+  std::shared_ptr<Device> device_;
+};
+
+LiveHome::LiveHome(fs::path file, home::Home home, home::Home reader,
+                   const pipeline::Networks& networks, const objects::RegionFinders& finders,
+                   LiveHomeOptions options)
+    : file_(std::move(file)),
+      networks_(networks),
+      finders_(finders),
+      options_(std::move(options)),
+      home_(std::move(home)),
+      reader_(std::move(reader)) {}
+
+LiveHome::~LiveHome() {
+  jobs_.reset();
+  looking_.reset();
+  if (recorder_) (void)recorder_->close();
+}
+
+Expected<std::unique_ptr<LiveHome>> LiveHome::open(const fs::path& file,
+                                                   const pipeline::Networks& networks,
+                                                   const objects::RegionFinders& finders,
+                                                   LiveHomeOptions options) {
+  ROOMWISE_TRY(home::Home home,
+               fs::exists(file) ? home::Home::open(file) : pipeline::create_home(file));
+  ROOMWISE_TRY(home::Home reader, home::Home::open_read_only(file));
+  std::unique_ptr<LiveHome> live(new LiveHome(file, std::move(home), std::move(reader), networks,
+                                              finders, std::move(options)));
+  ROOMWISE_CHECK_OK(live->refresh(nullptr));
+  live->jobs_ = std::make_unique<Jobs>(
+      [raw = live.get()](const service::JobState& state) { raw->tell_helpers(state); });
+  live->looking_ = std::make_unique<LookingThreads>(live->options_.looking_threads);
+
+  ROOMWISE_TRY(const auto recordings, live->home_.recordings());
+  if (!recordings.empty() && !recordings.back().finished) {
+    ROOMWISE_CHECK_OK(live->start_mapping(recordings.back().recording.folder));
+  } else if (!recordings.empty()) {
+    ROOMWISE_CHECK_OK(live->start_preparing());
+  }
+  return live;
+}
+
+// ---- devices ----
+
+std::unique_ptr<service::SocketSession> LiveHome::connect(const service::Identity& who,
+                                                          std::shared_ptr<service::SocketOut> out) {
+  auto device = std::make_shared<Device>(who, std::move(out), static_cast<DeviceHost&>(*this));
+  {
+    const std::scoped_lock lock(devices_mutex_);
+    devices_.insert(device);
+    if (recorder_ && who.device == recording_device_) device->record_to(recorder_);
+  }
+  if (const auto job = jobs_->state(); job && who.role == service::Role::kHelper) {
+    device->send(*job);
+  }
+  return std::make_unique<Session>(*this, device);
+}
+
+void LiveHome::left(const std::shared_ptr<Device>& device) {
+  {
+    const std::scoped_lock lock(devices_mutex_);
+    devices_.erase(device);
+  }
+  dropped_by_gone_ += device->dropped();
+  tell_helpers(device->seen());
+}
+
+std::vector<std::shared_ptr<Device>> LiveHome::all_devices() const {
+  const std::scoped_lock lock(devices_mutex_);
+  return {devices_.begin(), devices_.end()};
+}
+
+std::vector<service::DeviceSeen> LiveHome::devices() const {
+  std::vector<service::DeviceSeen> seen;
+  for (const auto& device : all_devices()) {
+    if (device->is_here()) seen.push_back(device->seen());
+  }
+  std::ranges::sort(seen, {}, &service::DeviceSeen::device);
+  return seen;
+}
+
+std::uint64_t LiveHome::frames_dropped() const {
+  std::uint64_t dropped = dropped_by_gone_;
+  for (const auto& device : all_devices()) dropped += device->dropped();
+  return dropped;
+}
+
+void LiveHome::tell_helpers(const service::HomeMessage& message) const {
+  for (const auto& device : all_devices()) {
+    if (device->who().role == service::Role::kHelper && device->is_here()) device->send(message);
+  }
+}
+
+void LiveHome::has_work(const std::shared_ptr<Device>& device) {
+  looking_->add(device);
+}
+
+void LiveHome::saw(const Device& device, const Glance& glance) {
+  ++frames_looked_at_;
+  const service::DeviceSeen seen = device.seen();
+  if (seen.seen && glance.decision) {
+    recognitions_.add(device.who(), options_.clock(), *seen.seen, glance.picture);
+  }
+  tell_helpers(seen);
+}
+
+void LiveHome::recorded(const Device& device, const service::RecordingState& state) {
+  tell_helpers(state);
+  if (device.who().role == service::Role::kHelper) return;
+  for (const auto& one : all_devices()) {
+    if (one.get() == &device) one->send(state);
+  }
+}
+
+// ---- looking ----
+
+std::shared_ptr<const HomeView> LiveHome::view() const {
+  const std::scoped_lock lock(view_mutex_);
+  return view_;
+}
+
+Expected<Bytes> LiveHome::keyframe_picture(home::KeyframeId id) const {
+  const std::scoped_lock lock(reader_mutex_);
+  ROOMWISE_TRY(home::KeyframeImages images, reader_.images(id));
+  return std::move(images.color);
+}
+
+Expected<rooms::RoomDecision> LiveHome::test_picture(const Bytes& picture) const {
+  const auto now = view();
+  if (!now->recognizer) return fail("{}", now->why_no_recognizer);
+  ROOMWISE_TRY(const image::ColorImage color, image::decode_color(picture));
+  return now->recognizer->recognize({&color, 1});
+}
+
+// ---- the view ----
+
+Expected<void> LiveHome::refresh(std::shared_ptr<const LiveMap> map) {
+  ROOMWISE_TRY(auto view, view_home(home_, networks_, std::move(map)));
+  {
+    const std::scoped_lock lock(view_mutex_);
+    view_ = std::move(view);
+  }
+  for (const auto& device : all_devices()) device->home_changed();
+  return {};
+}
+
+Expected<void> LiveHome::change(const std::function<Expected<void>(home::Home&)>& change) {
+  const std::unique_lock lock(home_mutex_, std::try_to_lock);
+  if (!lock.owns_lock()) return fail("the computer is busy; wait until it is done, or stop it");
+  ROOMWISE_CHECK_OK(change(home_));
+  return refresh(view()->map);
+}
+
+Expected<void> LiveHome::check_idle() const {
+  if (!jobs_->running()) return {};
+  return fail("the computer is busy ({}); wait until it is done, or stop it", jobs_->state()->kind);
+}
+
+fs::path LiveHome::walks_folder() const {
+  return fs::path(file_.string() + ".walks");
+}
+
+}  // namespace roomwise::live

@@ -1,0 +1,131 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "roomwise/live/device.h"
+#include "roomwise/live/home_view.h"
+#include "roomwise/live/jobs.h"
+#include "roomwise/live/looking_threads.h"
+#include "roomwise/live/recognition_log.h"
+#include "roomwise/service/server.h"
+
+namespace roomwise::live {
+
+struct LiveHomeOptions {
+  std::size_t threads = 1;          // for long work: mapping, learning
+  std::size_t looking_threads = 1;  // that look at devices' frames
+  int augment = 2;                  // variants of each picture that rooms are learned from
+  std::uint64_t seed = 0;
+  // Seconds since 1970.
+  std::function<std::int64_t()> clock = [] { return std::int64_t{0}; };
+};
+
+// A home that is open for live use: devices connect to it, walks are recorded and mapped, rooms
+// named and learned, while questions are answered from the newest view of it. Thread-safe.
+class LiveHome final : public service::SocketHandler, private DeviceHost {
+ public:
+  // Opens the home, or makes a new one. What was being mapped when the computer stopped is gone on
+  // with; else the map is made ready in the background. `networks` and `finders` must outlive it.
+  [[nodiscard]] static Expected<std::unique_ptr<LiveHome>> open(
+      const std::filesystem::path& file, const pipeline::Networks& networks,
+      const objects::RegionFinders& finders, LiveHomeOptions options);
+  ~LiveHome() override;  // stops the job in hand; closes the recording
+  LiveHome(const LiveHome&) = delete;
+  LiveHome& operator=(const LiveHome&) = delete;
+
+  // ---- devices ----
+  std::unique_ptr<service::SocketSession> connect(const service::Identity& who,
+                                                  std::shared_ptr<service::SocketOut> out) override;
+  [[nodiscard]] std::vector<service::DeviceSeen> devices() const;  // connected, by number
+  [[nodiscard]] std::uint64_t frames_looked_at() const { return frames_looked_at_; }
+  [[nodiscard]] std::uint64_t frames_dropped() const;
+  [[nodiscard]] const RecognitionLog& recognitions() const { return recognitions_; }
+
+  // ---- looking ----
+  [[nodiscard]] std::shared_ptr<const HomeView> view() const override;
+  [[nodiscard]] Expected<Bytes> keyframe_picture(home::KeyframeId id) const;
+  // What one picture tells, with nothing known from before.
+  [[nodiscard]] Expected<rooms::RoomDecision> test_picture(const Bytes& picture) const;
+
+  // ---- changing; each fails while a job writes the home, forgetting while any is at work ----
+  [[nodiscard]] Expected<void> name_rooms(home::RecordingId walk,
+                                          std::vector<recording::RoomRange> ranges);
+  [[nodiscard]] Expected<void> change_room(const std::string& name,
+                                           const std::optional<std::string>& new_name,
+                                           const std::optional<std::string>& new_type);
+  // The room, where it was on the walks, and what was learned of rooms.
+  [[nodiscard]] Expected<void> forget_room(const std::string& name);
+  [[nodiscard]] Expected<void> rename_thing(std::size_t number, const std::string& name);
+  [[nodiscard]] Expected<void> forget_thing(std::size_t number);
+  // The recording, all that came from it, what was learned, and its folder if it was recorded here.
+  [[nodiscard]] Expected<void> forget_walk(home::RecordingId walk);
+  // Everything.
+  [[nodiscard]] Expected<void> forget_home();
+
+  // ---- long work ----
+  [[nodiscard]] Expected<void> learn();
+  [[nodiscard]] Expected<void> begin_recording(std::int64_t device, const std::string& name);
+  // Ends the recording and maps it.
+  [[nodiscard]] Expected<void> end_recording();
+  [[nodiscard]] Jobs& jobs() { return *jobs_; }
+
+ private:
+  class Session;
+  LiveHome(std::filesystem::path file, home::Home home, home::Home reader,
+           const pipeline::Networks& networks, const objects::RegionFinders& finders,
+           LiveHomeOptions options);
+
+  // DeviceHost
+  void has_work(const std::shared_ptr<Device>& device) override;
+  void saw(const Device& device, const Glance& glance) override;
+  void recorded(const Device& device, const service::RecordingState& state) override;
+
+  [[nodiscard]] std::vector<std::shared_ptr<Device>> all_devices() const;
+  void tell_helpers(const service::HomeMessage& message) const;
+  void left(const std::shared_ptr<Device>& device);
+  [[nodiscard]] Expected<void> check_idle() const;
+  // Runs `change` on the home and shows what came of it.
+  [[nodiscard]] Expected<void> change(const std::function<Expected<void>(home::Home&)>& change);
+  // Makes the view anew. With home_mutex_ held.
+  [[nodiscard]] Expected<void> refresh(std::shared_ptr<const LiveMap> map);
+  [[nodiscard]] Expected<void> start_preparing();
+  [[nodiscard]] Expected<void> start_mapping(const std::filesystem::path& folder);
+  [[nodiscard]] Expected<std::string> map(const std::filesystem::path& folder, Progress& progress);
+  [[nodiscard]] Expected<std::string> prepare(Progress& progress);
+  [[nodiscard]] std::filesystem::path walks_folder() const;
+
+  const std::filesystem::path file_;
+  const pipeline::Networks& networks_;
+  const objects::RegionFinders& finders_;
+  const LiveHomeOptions options_;
+
+  std::mutex home_mutex_;  // of home_; a job holds it as long as it writes
+  home::Home home_;
+  mutable std::mutex reader_mutex_;
+  home::Home reader_;  // for pictures
+
+  mutable std::mutex view_mutex_;
+  std::shared_ptr<const HomeView> view_;
+
+  mutable std::mutex devices_mutex_;
+  std::set<std::shared_ptr<Device>> devices_;
+  std::shared_ptr<WalkRecorder> recorder_;
+  std::int64_t recording_device_ = 0;
+
+  RecognitionLog recognitions_;
+  std::atomic<std::uint64_t> frames_looked_at_{0};
+  std::atomic<std::uint64_t> dropped_by_gone_{0};  // by devices that are not here any more
+
+  // Last, so that their threads end first.
+  std::unique_ptr<LookingThreads> looking_;
+  std::unique_ptr<Jobs> jobs_;
+};
+
+}  // namespace roomwise::live

@@ -1,0 +1,127 @@
+#include <algorithm>
+
+#include "roomwise/live/live_home.h"
+#include "roomwise/pipeline/map_recording.h"
+#include "roomwise/pipeline/room_learning.h"
+#include "roomwise/recording/tum_recording.h"
+
+// The long work of a home that is open: recording, mapping, learning.
+namespace roomwise::live {
+namespace {
+
+namespace fs = std::filesystem;
+
+// What every long work needs.
+struct RunParts {
+  explicit RunParts(std::size_t threads, Progress& progress)
+      : pool(threads), run{pool, progress, clock} {}
+
+  ThreadPool pool;
+  StageClock clock;
+  pipeline::RunContext run;
+};
+
+}  // namespace
+
+Expected<void> LiveHome::start_preparing() {
+  return jobs_->start("prepare", [this](Progress& progress) { return prepare(progress); });
+}
+
+Expected<std::string> LiveHome::prepare(Progress& progress) {
+  RunParts parts(options_.threads, progress);
+  // By a reader of its own, so that pictures can be looked at meanwhile.
+  ROOMWISE_TRY(const home::Home reader, home::Home::open_read_only(file_));
+  ROOMWISE_TRY(auto map, make_live_map(reader, parts.run));
+  const std::scoped_lock lock(home_mutex_);
+  ROOMWISE_CHECK_OK(refresh(std::move(map)));
+  return "places can be found on the map now";
+}
+
+Expected<void> LiveHome::learn() {
+  return jobs_->start("learn", [this](Progress& progress) -> Expected<std::string> {
+    const std::scoped_lock lock(home_mutex_);
+    RunParts parts(options_.threads, progress);
+    ROOMWISE_TRY(const auto recordings, home_.recordings());
+    if (recordings.empty()) return fail("this home holds no walk to learn from; record one first");
+    ROOMWISE_TRY(const auto report, pipeline::learn_rooms_from_keyframes(
+                                        home_, recordings.back().id, {}, {{}, options_.augment},
+                                        networks_, parts.run));
+    ROOMWISE_CHECK_OK(refresh(view()->map));
+    return fmt::format(
+        "{} rooms learned; {} of {} pictures that were held out were named rightly",
+        report.rooms.size(),
+        std::llround(report.held_out_precision() * static_cast<double>(report.held_out)),
+        report.held_out);
+  });
+}
+
+Expected<void> LiveHome::begin_recording(std::int64_t device, const std::string& name) {
+  ROOMWISE_CHECK_OK(recording::validate_room_name(name));
+  if (name.find_first_of("/\\") != std::string::npos || name.starts_with('.')) {
+    return fail("'{}' is no name for a recording: it must not hold '/' or begin with '.'", name);
+  }
+  if (!view()->walks.empty()) {
+    return fail("this home holds a walk already; forget it before another is recorded");
+  }
+  ROOMWISE_CHECK_OK(check_idle());
+  const auto connected = all_devices();
+  const auto found = std::ranges::find_if(connected, [&](const auto& one) {
+    return one->who().device == device && one->is_here() && one->camera();
+  });
+  if (found == connected.end()) return fail("device {} is not connected with a camera", device);
+  const std::scoped_lock lock(devices_mutex_);
+  if (recorder_) return fail("'{}' is being recorded; stop it first", recorder_->name());
+  ROOMWISE_TRY(recorder_, WalkRecorder::begin(walks_folder() / name, *(*found)->camera()));
+  recording_device_ = device;
+  (*found)->record_to(recorder_);
+  return {};
+}
+
+Expected<void> LiveHome::end_recording() {
+  std::shared_ptr<WalkRecorder> recorder;
+  {
+    const std::scoped_lock lock(devices_mutex_);
+    recorder = std::exchange(recorder_, nullptr);
+  }
+  if (!recorder) return fail("nothing is being recorded");
+  for (const auto& device : all_devices()) {
+    if (device->who().device == recording_device_) device->record_to(nullptr);
+  }
+  const Expected<void> closed = recorder->close();
+  tell_helpers(service::RecordingState{closed ? "saved" : "failed", recorder->name(),
+                                       recorder->frames(), closed ? "" : closed.error().message});
+  ROOMWISE_CHECK_OK(closed);
+  return start_mapping(recorder->folder());
+}
+
+Expected<void> LiveHome::start_mapping(const fs::path& folder) {
+  return jobs_->start("map", [this, folder](Progress& progress) { return map(folder, progress); });
+}
+
+Expected<std::string> LiveHome::map(const fs::path& folder, Progress& progress) {
+  pipeline::MapSummary summary;
+  {
+    const std::scoped_lock lock(home_mutex_);
+    RunParts parts(options_.threads, progress);
+    ROOMWISE_TRY(const auto source, recording::TumRecording::open(folder, {}));
+    ROOMWISE_TRY(const auto stored, pipeline::stored_map_settings(home_));
+    pipeline::MapSettings settings = stored.value_or(pipeline::MapSettings{});
+    if (!stored) settings.mapper.seed = options_.seed;
+    const home::Recording recording{source->info().name, folder.string(), source->info().camera,
+                                    source->info().frame_count};
+    ROOMWISE_TRY(summary, pipeline::map_recording(*source, recording, home_, networks_, settings,
+                                                  parts.run, finders_));
+    if (!summary.finished) return fail("stopped; it goes on when the computer starts again");
+    if (fs::exists(folder / "rooms.txt")) {
+      ROOMWISE_TRY(const auto labels, recording::RoomLabels::read(folder / "rooms.txt"));
+      ROOMWISE_TRY(const auto recordings, home_.recordings());
+      ROOMWISE_CHECK_OK(pipeline::name_rooms(home_, recordings.back().id, labels));
+    }
+    ROOMWISE_CHECK_OK(refresh(nullptr));
+  }
+  ROOMWISE_CHECK_OK(prepare(progress));
+  return fmt::format("{} of {} frames have a place on the map; {} things found", summary.placed,
+                     summary.frames, summary.instances);
+}
+
+}  // namespace roomwise::live

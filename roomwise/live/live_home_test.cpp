@@ -1,0 +1,320 @@
+#include "roomwise/live/live_home.h"
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <fstream>
+
+#include "roomwise/image/codec.h"
+#include "roomwise/live/home_routes.h"
+#include "roomwise/pipeline/synthetic_walk.h"
+
+namespace roomwise::live {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+using ::testing::SizeIs;
+
+constexpr int kFrames = 60;
+
+class Wire final : public service::SocketOut {
+ public:
+  void send_text(std::string text) override {
+    const std::scoped_lock lock(mutex_);
+    texts_.push_back(std::move(text));
+    came_.notify_all();
+  }
+  void close(std::string) override {}
+  // The next message of the type that `fits`; waits for it.
+  template <typename T>
+  T next(const std::function<bool(const T&)>& fits = [](const T&) { return true; }) {
+    std::unique_lock lock(mutex_);
+    std::optional<T> found;
+    const auto take = [&] {
+      while (!found && !texts_.empty()) {
+        const auto message = service::read_home_message(texts_.front());
+        texts_.pop_front();
+        if (!message || !std::holds_alternative<T>(*message)) continue;
+        if (fits(std::get<T>(*message))) found = std::get<T>(*message);
+      }
+      return found.has_value();
+    };
+    if (!came_.wait_for(lock, std::chrono::minutes(2), take)) {
+      throw std::runtime_error("the message did not come");
+    }
+    return *found;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable came_;
+  std::deque<std::string> texts_;
+};
+
+// A home that is recorded, mapped, named and learned from the synthetic walk, over the interfaces
+// that devices and the helper's page use.
+class LiveHomeTest : public ::testing::Test {
+ protected:
+  LiveHomeTest() {
+    networks.push_back(std::make_unique<pipeline::testing::ColorNetwork>(
+        std::vector<std::string>{"studio couch", "lamp"}));
+  }
+  void open() {
+    auto opened = LiveHome::open(file, networks, finders, {});
+    ASSERT_OK(opened);
+    home = *std::move(opened);
+  }
+  struct Client {
+    std::shared_ptr<Wire> wire = std::make_shared<Wire>();
+    std::unique_ptr<service::SocketSession> session;
+  };
+  Client connect(std::int64_t device, service::Role role) {
+    Client client;
+    client.session = home->connect({device, "client", role}, client.wire);
+    service::Hello hello;
+    hello.version = 1;
+    hello.name = "client";
+    hello.kind = service::DeviceKind::kWearable;
+    const geometry::PinholeCamera camera = walk.info().camera;
+    hello.camera = service::DeviceCamera{camera.width, camera.height, camera, true};
+    client.session->on_text(write(service::DeviceMessage(hello)));
+    return client;
+  }
+  static Bytes message_of(const image::RgbdFrame& frame) {
+    const Bytes color = image::encode_jpeg(frame.color, 95);
+    const Bytes depth = image::encode_png(frame.depth);
+    return write(
+        service::FrameMessage{static_cast<double>(frame.timestamp_ns) / 1e6, color, depth});
+  }
+  void record_the_walk() {
+    Client belt = connect(7, service::Role::kDevice);
+    ASSERT_OK(home->begin_recording(7, "first walk"));
+    while (auto frame = walk.next().value()) belt.session->on_message(message_of(*frame));
+    ASSERT_OK(home->end_recording());
+    home->jobs().wait();
+    ASSERT_EQ(home->jobs().state()->state, "done") << home->jobs().state()->text;
+    belt.session->on_closed();
+  }
+  void learn_two_rooms() {
+    ASSERT_OK(home->name_rooms(1, {{0, 29, "kitchen", 1}, {30, kFrames - 1, "bedroom", 1}}));
+    ASSERT_OK(home->learn());
+    home->jobs().wait();
+    ASSERT_EQ(home->jobs().state()->state, "done") << home->jobs().state()->text;
+  }
+  [[nodiscard]] std::string bytes_of_home() const {
+    std::string all;
+    for (const char* suffix : {"", "-wal"}) {
+      std::ifstream in(file.string() + suffix, std::ios::binary);
+      all.append(std::istreambuf_iterator<char>(in), {});
+    }
+    return all;
+  }
+
+  testing::ScratchFolder folder;
+  std::filesystem::path file = folder / "flat.home";
+  pipeline::testing::SyntheticWalk walk{kFrames};
+  pipeline::Networks networks;
+  objects::RegionFinders finders;
+  std::unique_ptr<LiveHome> home;
+};
+
+TEST_F(LiveHomeTest, FromAnEmptyHomeToAnAnswer) {
+  open();
+  EXPECT_EQ(home->view()->name, "flat");
+  record_the_walk();
+  EXPECT_TRUE(std::filesystem::exists(folder / "flat.home.walks/first walk/rgb.txt"));
+  ASSERT_THAT(home->view()->walks, SizeIs(1));
+  EXPECT_TRUE(home->view()->walks[0].stored.finished);
+  ASSERT_TRUE(home->view()->map);
+  EXPECT_GT(home->view()->map->cloud_level.size(), 1000U);
+  learn_two_rooms();
+  ASSERT_TRUE(home->view()->recognizer);
+
+  Client belt = connect(7, service::Role::kDevice);
+  const auto welcome = belt.wire->next<service::Welcome>();
+  EXPECT_TRUE(welcome.sees_rooms);
+  EXPECT_TRUE(welcome.sees_places);
+  pipeline::testing::SyntheticWalk again(kFrames);
+  const auto frame = again.next().value();
+  belt.session->on_message(message_of(*frame));
+  belt.session->on_text(write(service::DeviceMessage(service::Ask{
+      1, static_cast<double>(frame->timestamp_ns) / 1e6, service::Question::kWhereAmI, ""})));
+  const auto seen = belt.wire->next<service::Seen>();
+  EXPECT_EQ(seen.room, "kitchen");
+  ASSERT_TRUE(seen.position);  // the first camera's: the origin lies under it
+  EXPECT_NEAR(seen.position->x_m, 0, 0.05);
+  EXPECT_NEAR(seen.position->y_m, 0, 0.05);
+  const auto prompt = belt.wire->next<service::PromptMessage>();
+  EXPECT_EQ(prompt.answer_to, 1);
+  EXPECT_THAT(prompt.message, ::testing::StartsWith("room."));
+  belt.session->on_closed();
+
+  // The helper's page: pictures, a test picture, what was recognised.
+  EXPECT_OK(home->keyframe_picture(0));
+  const auto tested = home->test_picture(image::encode_jpeg(frame->color, 95));
+  ASSERT_OK(tested);
+  EXPECT_EQ(tested->rooms[0].room, "kitchen");
+  EXPECT_THAT(home->recognitions().newest_first(), SizeIs(1));
+
+  // The home that is opened again is the same.
+  home.reset();
+  open();
+  home->jobs().wait();
+  EXPECT_TRUE(home->view()->map);
+  EXPECT_TRUE(home->view()->recognizer);
+}
+
+TEST_F(LiveHomeTest, RoomsAreRenamedAndWhatWasLearnedGoesOn) {
+  open();
+  record_the_walk();
+  learn_two_rooms();
+  ASSERT_OK(home->change_room("kitchen", "cook's corner", "kitchen"));
+  EXPECT_EQ(home->view()->walks[0].labels.ranges()[0].room, "cook's corner");
+  EXPECT_THAT(home->view()->recognizer->rooms(), Contains("cook's corner"));
+  EXPECT_THAT(home->view()->recognizer->rooms(), Not(Contains("kitchen")));
+  EXPECT_ERROR(home->change_room("kitchen", "x", {}), "no room 'kitchen'");
+  EXPECT_ERROR(home->change_room("bedroom", "cook's corner", {}), "already");
+
+  ASSERT_OK(home->forget_room("bedroom"));
+  EXPECT_THAT(home->view()->rooms, SizeIs(1));
+  EXPECT_THAT(home->view()->walks[0].labels.ranges(), SizeIs(1));
+  EXPECT_FALSE(home->view()->recognizer);
+}
+
+TEST_F(LiveHomeTest, AForgottenWalkLeavesNothingInTheFiles) {
+  open();
+  record_the_walk();
+  learn_two_rooms();
+  const Bytes picture = home->keyframe_picture(0).value();
+  // From the middle of the picture: SQLite stores long values in pieces of a page.
+  const std::string trace(picture.begin() + static_cast<std::ptrdiff_t>(picture.size() / 2),
+                          picture.begin() + static_cast<std::ptrdiff_t>(picture.size() / 2) + 64);
+  ASSERT_THAT(bytes_of_home(), HasSubstr(trace));
+  ASSERT_OK(home->forget_walk(1));
+  EXPECT_THAT(bytes_of_home(), Not(HasSubstr(trace)));
+  EXPECT_THAT(home->view()->walks, IsEmpty());
+  EXPECT_FALSE(home->view()->map);
+  EXPECT_FALSE(home->view()->recognizer);
+  EXPECT_FALSE(std::filesystem::exists(folder / "flat.home.walks/first walk"));
+  EXPECT_THAT(home->view()->rooms, SizeIs(2));  // their names are not the walk's
+  ASSERT_OK(home->forget_home());
+  EXPECT_THAT(home->view()->rooms, IsEmpty());
+}
+
+TEST_F(LiveHomeTest, ThingsAreCorrectedAndRemoved) {
+  open();
+  record_the_walk();
+  EXPECT_ERROR(home->rename_thing(99, "sofa"), "no thing 99");
+  EXPECT_ERROR(home->forget_thing(99), "no thing 99");
+  EXPECT_ERROR(home->rename_thing(0, ""), "empty");
+}
+
+TEST_F(LiveHomeTest, RecordingIsRefusedWhereItCouldNotBeMapped) {
+  open();
+  EXPECT_ERROR(home->begin_recording(7, "walk"), "not connected");
+  const Client belt = connect(7, service::Role::kDevice);
+  for (const char* name : {"../walk", "a/b", ".hidden", ""}) {
+    EXPECT_FALSE(home->begin_recording(7, name)) << name;
+  }
+  EXPECT_ERROR(home->end_recording(), "nothing is being recorded");
+  ASSERT_OK(home->begin_recording(7, "walk"));
+  EXPECT_ERROR(home->begin_recording(7, "other"), "being recorded");
+  belt.session->on_closed();
+}
+
+// What was recorded when the computer died is in its folder, and a device that comes back goes on.
+TEST_F(LiveHomeTest, ADeviceThatComesBackGoesOnRecording) {
+  open();
+  Client belt = connect(7, service::Role::kDevice);
+  ASSERT_OK(home->begin_recording(7, "walk"));
+  for (int i = 0; i < 3; ++i) belt.session->on_message(message_of(**walk.next()));
+  belt.session->on_closed();
+  belt = connect(7, service::Role::kDevice);
+  for (int i = 0; i < 2; ++i) belt.session->on_message(message_of(**walk.next()));
+  belt.session->on_closed();
+  home.reset();
+  std::ifstream list(folder / "flat.home.walks/walk/rgb.txt");
+  const std::string text{std::istreambuf_iterator<char>(list), {}};
+  EXPECT_EQ(std::ranges::count(text, '\n') - std::ranges::count(text, '#'), 5) << text;
+}
+
+TEST_F(LiveHomeTest, HelpersAreToldOfJobsAndDevices) {
+  open();
+  const Client page = connect(1, service::Role::kHelper);
+  Client belt = connect(7, service::Role::kDevice);
+  const auto came = page.wire->next<service::DeviceSeen>(
+      [](const service::DeviceSeen& one) { return one.device == 7; });
+  EXPECT_TRUE(came.online);
+  ASSERT_OK(home->begin_recording(7, "walk"));
+  while (auto frame = walk.next().value()) belt.session->on_message(message_of(*frame));
+  EXPECT_EQ(page.wire->next<service::RecordingState>().state, "recording");
+  ASSERT_OK(home->end_recording());
+  EXPECT_EQ(page.wire
+                ->next<service::RecordingState>(
+                    [](const service::RecordingState& one) { return one.state != "recording"; })
+                .state,
+            "saved");
+  home->jobs().wait();
+  const auto done = page.wire->next<service::JobState>(
+      [](const service::JobState& job) { return job.state != "running"; });
+  EXPECT_EQ(done.state, "done") << done.text;
+  belt.session->on_closed();
+  EXPECT_FALSE(page.wire
+                   ->next<service::DeviceSeen>([](const service::DeviceSeen& one) {
+                     return one.device == 7 && !one.online;
+                   })
+                   .online);
+}
+
+// Every request that sees or changes the home needs somebody who may, as docs/protocol.md says.
+TEST_F(LiveHomeTest, NoRouteOfTheHomeIsForEveryone) {
+  open();
+  const service::Router router(home_routes(*home));
+  for (const service::Route& route : router.routes()) {
+    ASSERT_TRUE(route.role) << route.pattern;
+    const bool for_devices = route.method == "GET" && route.pattern == "/api/home";
+    EXPECT_EQ(*route.role, for_devices ? service::Role::kDevice : service::Role::kHelper)
+        << route.method << ' ' << route.pattern;
+  }
+}
+
+TEST_F(LiveHomeTest, RequestsWithWrongValuesAreRefusedByName) {
+  open();
+  const service::Router router(home_routes(*home));
+  const auto ask = [&](const char* method, const char* path, const std::string& body) {
+    service::HttpRequest request;
+    request.method = method;
+    request.path = path;
+    request.body.assign(body.begin(), body.end());
+    request.headers["content-type"] = "application/json";
+    request.who = service::Identity{1, "page", service::Role::kHelper};
+    const service::HttpAnswer answer = router.answer(request);
+    return fmt::format("{} {}", answer.status, std::string(answer.body.begin(), answer.body.end()));
+  };
+  EXPECT_THAT(ask("GET", "/api/home", ""), HasSubstr("200 {"));
+  EXPECT_THAT(ask("GET", "/api/map/cloud", ""), HasSubstr("503"));
+  EXPECT_THAT(ask("GET", "/api/keyframes/7/picture", ""), HasSubstr("404"));
+  EXPECT_THAT(ask("GET", "/api/keyframes/-1/picture", ""), HasSubstr("404"));
+  EXPECT_THAT(ask("GET", "/api/keyframes/x/picture", ""), HasSubstr("'x' is no number"));
+  EXPECT_THAT(ask("PUT", "/api/recordings/1/rooms", "{}"), HasSubstr("'ranges'"));
+  EXPECT_THAT(ask("PUT", "/api/recordings/1/rooms", R"({"ranges":[{"first":-1}]})"),
+              HasSubstr("'first'"));
+  EXPECT_THAT(
+      ask("PUT", "/api/recordings/1/rooms", R"({"ranges":[{"first":5,"last":2,"room":"a"}]})"),
+      HasSubstr("409"));
+  EXPECT_THAT(ask("PUT", "/api/rooms/attic", R"({"type":"bedroom"})"), HasSubstr("409"));
+  EXPECT_THAT(ask("POST", "/api/learn", ""), HasSubstr("200"));
+  home->jobs().wait();
+  EXPECT_THAT(ask("GET", "/api/job", ""), HasSubstr("record one first"));
+  EXPECT_THAT(ask("POST", "/api/job/stop", ""), HasSubstr("409"));
+  EXPECT_THAT(ask("POST", "/api/test", "no picture"), HasSubstr("400"));
+  EXPECT_THAT(ask("POST", "/api/recording", R"({"device":"x","name":"a"})"), HasSubstr("'device'"));
+  EXPECT_THAT(ask("DELETE", "/api/home", R"({"really":"yes"})"), HasSubstr("flat"));
+  EXPECT_THAT(ask("DELETE", "/api/home", R"({"really":"flat"})"), HasSubstr("200"));
+}
+
+}  // namespace
+}  // namespace roomwise::live

@@ -1,0 +1,37 @@
+#include "roomwise/live/live_map.h"
+
+#include "roomwise/pipeline/level_map.h"
+
+namespace roomwise::live {
+namespace {
+
+// The surface's vertices, one a voxel, in voxels large enough that there are not too many.
+geometry::PointCloud thinned(const fusion::TriangleMesh& mesh) {
+  for (double voxel_m = 0.03;; voxel_m *= 1.25) {
+    geometry::VoxelGrid grid(voxel_m);
+    for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+      grid.add(mesh.vertices[i].cast<double>(), mesh.colors[i]);
+    }
+    if (grid.size() <= LiveMap::kMostPoints) return grid.cloud();
+  }
+}
+
+}  // namespace
+
+Expected<std::shared_ptr<const LiveMap>> make_live_map(const home::Home& home,
+                                                       pipeline::RunContext& run) {
+  ROOMWISE_TRY(auto localizer, pipeline::HomeLocalizer::create(home, {}, run));
+  ROOMWISE_TRY(const pipeline::LevelMap level,
+               pipeline::build_level_map(home, fusion::FieldOptions{}.voxel_size_m, run));
+  std::optional<fusion::FloorGrid> floor;
+  if (level.frame.has_floor) {
+    ROOMWISE_TRY(floor, pipeline::floor_grid_of(level, {}, run));
+  }
+  return std::make_shared<const LiveMap>(LiveMap{
+      .frame = level.frame,
+      .floor = std::move(floor),
+      .cloud_level = thinned(fusion::transformed(level.frame.level_from_world, level.mesh_world)),
+      .localizer = std::move(localizer)});
+}
+
+}  // namespace roomwise::live

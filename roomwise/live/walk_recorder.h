@@ -1,0 +1,48 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "roomwise/live/eye.h"
+#include "roomwise/recording/tum_writer.h"
+
+namespace roomwise::live {
+
+// Stores the frames that a device sends as a recording in TUM's format. Thread-safe. A kill loses
+// the frame in hand and nothing else.
+class WalkRecorder {
+ public:
+  // Makes the folder. Fails where the camera is not calibrated or has no depth: nothing could be
+  // mapped.
+  [[nodiscard]] static Expected<std::shared_ptr<WalkRecorder>> begin(
+      const std::filesystem::path& folder, const service::DeviceCamera& camera);
+
+  // Stores a frame before it returns; frames that are not newer than the last are left out. Fails
+  // on pictures that cannot be read and on a full disk; the frame is then not stored, the ones
+  // before it are.
+  [[nodiscard]] Expected<void> store(const CameraFrame& frame);
+  // What is stored from now on shows this room.
+  [[nodiscard]] Expected<void> name_room(const std::string& room);
+  [[nodiscard]] Expected<void> close();
+
+  [[nodiscard]] std::uint64_t frames() const;
+  [[nodiscard]] const std::filesystem::path& folder() const { return folder_; }
+  [[nodiscard]] std::string name() const { return folder_.filename().string(); }
+
+ private:
+  WalkRecorder(std::filesystem::path folder, geometry::PinholeCamera camera,
+               std::unique_ptr<recording::TumWriter> writer)
+      : folder_(std::move(folder)), camera_(camera), writer_(std::move(writer)) {}
+
+  std::filesystem::path folder_;
+  geometry::PinholeCamera camera_;
+  mutable std::mutex mutex_;
+  std::unique_ptr<recording::TumWriter> writer_;
+  std::optional<double> last_t_ms_;
+  bool closed_ = false;
+};
+
+}  // namespace roomwise::live

@@ -1,0 +1,171 @@
+#include "roomwise/service/json_members.h"
+#include "roomwise/service/messages.h"
+
+namespace roomwise::service {
+namespace {
+
+constexpr std::array<Word<DeviceKind>, 3> kKinds{{{"phone", DeviceKind::kPhone},
+                                                  {"wearable", DeviceKind::kWearable},
+                                                  {"page", DeviceKind::kPage}}};
+constexpr std::array<Word<Distances>, 2> kDistances{
+    {{"metres", Distances::kMetres}, {"steps", Distances::kSteps}}};
+constexpr std::array<Word<Question>, 5> kQuestions{{{"where_am_i", Question::kWhereAmI},
+                                                    {"around_me", Question::kAroundMe},
+                                                    {"where_is", Question::kWhereIs},
+                                                    {"repeat", Question::kRepeat},
+                                                    {"name_room", Question::kNameRoom}}};
+
+constexpr int kMostSide_px = 20'000;
+
+Expected<DeviceCamera> read_camera(const Json& json) {
+  Members members(json);
+  DeviceCamera camera;
+  camera.width = static_cast<int>(members.whole("width", 1, kMostSide_px));
+  camera.height = static_cast<int>(members.whole("height", 1, kMostSide_px));
+  camera.has_depth = members.has("depth_units_per_metre");
+  if (members.has("fx") || camera.has_depth) {
+    geometry::PinholeCamera pinhole;
+    pinhole.width = camera.width;
+    pinhole.height = camera.height;
+    pinhole.fx = members.number("fx", 1e-3, 1e6);
+    pinhole.fy = members.number("fy", 1e-3, 1e6);
+    pinhole.cx = members.number("cx", -1e6, 1e6);
+    pinhole.cy = members.number("cy", -1e6, 1e6);
+    if (camera.has_depth) {
+      pinhole.depth_units_per_metre = members.number("depth_units_per_metre", 1e-3, 1e6);
+    }
+    if (members.has("distortion")) {
+      const Json* const lens = members.object("distortion");
+      if (lens != nullptr) {
+        Members terms(*lens);
+        pinhole.distortion = {terms.number("k1", -1e3, 1e3), terms.number("k2", -1e3, 1e3),
+                              terms.number("p1", -1e3, 1e3), terms.number("p2", -1e3, 1e3),
+                              terms.number("k3", -1e3, 1e3)};
+        if (terms.error()) return Unexpected(Error(*terms.error()));
+      }
+    }
+    if (!members.error()) ROOMWISE_CHECK_OK(pinhole.validate());
+    camera.calibrated = pinhole;
+  }
+  return members.finish(std::move(camera));
+}
+
+SettingsChange read_settings(Members& members) {
+  SettingsChange change;
+  if (members.has("language")) change.language = members.text("language", 35);
+  if (members.has("distances")) change.distances = members.one_of("distances", kDistances);
+  if (members.has("step_m")) change.step_m = members.number("step_m", 0.2, 1.5);
+  if (members.has("callouts")) change.callouts = members.yes_or_no("callouts");
+  return change;
+}
+
+Expected<DeviceMessage> read_hello(const Json& json) {
+  Members members(json);
+  Hello hello;
+  hello.version = static_cast<int>(members.whole("version", 1, 1'000'000));
+  hello.name = members.text("name");
+  hello.kind = members.one_of("kind", kKinds);
+  apply(read_settings(members), hello.settings);
+  if (members.has("camera")) {
+    if (const Json* const camera = members.object("camera")) {
+      auto read = read_camera(*camera);
+      if (!read) return Unexpected(std::move(read).error().in("'camera'"));
+      hello.camera = *std::move(read);
+    }
+  }
+  return members.finish<DeviceMessage>(std::move(hello));
+}
+
+Expected<DeviceMessage> read_ask(const Json& json) {
+  Members members(json);
+  Ask ask;
+  ask.id = members.whole("id", 0, std::int64_t{1} << 53U);
+  ask.t_ms = members.number("t", -kMostTime_ms, kMostTime_ms);
+  ask.question = members.one_of("question", kQuestions);
+  if (ask.question == Question::kWhereIs) ask.subject = members.text("thing");
+  if (ask.question == Question::kNameRoom) ask.subject = members.text("room");
+  return members.finish<DeviceMessage>(std::move(ask));
+}
+
+}  // namespace
+
+void apply(const SettingsChange& change, SpeakingSettings& settings) {
+  if (change.language) settings.language = *change.language;
+  if (change.distances) settings.distances = *change.distances;
+  if (change.step_m) settings.step_m = *change.step_m;
+  if (change.callouts) settings.callouts = *change.callouts;
+}
+
+Expected<DeviceMessage> read_device_message(std::string_view text) {
+  ROOMWISE_TRY(const Json json, parse_object(text));
+  Members members(json);
+  const std::string type = members.text("type");
+  if (members.error()) return Unexpected(Error(*members.error()));
+  if (type == "hello") return read_hello(json);
+  if (type == "ask") return read_ask(json);
+  if (type == "settings") return members.finish<DeviceMessage>(read_settings(members));
+  if (type == "quiet") return members.finish<DeviceMessage>(Quiet{members.yes_or_no("on")});
+  return fail("'{}' is no type of a message; expected hello, ask, settings or quiet", type);
+}
+
+namespace {
+
+void write_settings(const SettingsChange& change, Json& json) {
+  if (change.language) json["language"] = *change.language;
+  if (change.distances) json["distances"] = word_of(kDistances, *change.distances);
+  if (change.step_m) json["step_m"] = *change.step_m;
+  if (change.callouts) json["callouts"] = *change.callouts;
+}
+
+Json camera_json(const DeviceCamera& camera) {
+  Json json{{"width", camera.width}, {"height", camera.height}};
+  if (!camera.calibrated) return json;
+  const geometry::PinholeCamera& pinhole = *camera.calibrated;
+  json.update({{"fx", pinhole.fx}, {"fy", pinhole.fy}, {"cx", pinhole.cx}, {"cy", pinhole.cy}});
+  if (!pinhole.distortion.is_none()) {
+    const geometry::LensDistortion& lens = pinhole.distortion;
+    json["distortion"] = {
+        {"k1", lens.k1}, {"k2", lens.k2}, {"p1", lens.p1}, {"p2", lens.p2}, {"k3", lens.k3}};
+  }
+  if (camera.has_depth) json["depth_units_per_metre"] = pinhole.depth_units_per_metre;
+  return json;
+}
+
+Json to_json(const Hello& hello) {
+  Json json{{"type", "hello"},
+            {"version", hello.version},
+            {"name", hello.name},
+            {"kind", word_of(kKinds, hello.kind)},
+            {"camera", hello.camera ? camera_json(*hello.camera) : Json(nullptr)}};
+  const SpeakingSettings& all = hello.settings;
+  write_settings({all.language, all.distances, all.step_m, all.callouts}, json);
+  return json;
+}
+
+Json to_json(const Ask& ask) {
+  Json json{{"type", "ask"},
+            {"id", ask.id},
+            {"t", ask.t_ms},
+            {"question", word_of(kQuestions, ask.question)}};
+  if (ask.question == Question::kWhereIs) json["thing"] = ask.subject;
+  if (ask.question == Question::kNameRoom) json["room"] = ask.subject;
+  return json;
+}
+
+Json to_json(const SettingsChange& change) {
+  Json json{{"type", "settings"}};
+  write_settings(change, json);
+  return json;
+}
+
+Json to_json(const Quiet& quiet) {
+  return {{"type", "quiet"}, {"on", quiet.on}};
+}
+
+}  // namespace
+
+std::string write(const DeviceMessage& message) {
+  return dump(std::visit([](const auto& one) { return to_json(one); }, message));
+}
+
+}  // namespace roomwise::service

@@ -1,0 +1,223 @@
+#include "roomwise/service/json_members.h"
+#include "roomwise/service/messages.h"
+
+namespace roomwise::service {
+namespace {
+
+Json welcome_json(const Welcome& welcome, std::string_view type) {
+  return {{"type", type},
+          {"version", kProtocolVersion},
+          {"home", welcome.home},
+          {"role", welcome.role},
+          {"rooms", welcome.rooms},
+          {"things", welcome.things},
+          {"sees_rooms", welcome.sees_rooms},
+          {"sees_places", welcome.sees_places},
+          {"most_frame_bytes", kMostFrameBytes}};
+}
+
+Json to_json(const Welcome& welcome) {
+  return welcome_json(welcome, "welcome");
+}
+
+Json to_json(const FrameArrived& frame) {
+  return {{"type", "frame"}, {"t", frame.t_ms}, {"dropped", frame.dropped}};
+}
+
+Json to_json(const Seen& seen) {
+  Json position;
+  if (const auto& at = seen.position) {
+    position = {{"x", at->x_m},
+                {"y", at->y_m},
+                {"z", at->z_m},
+                {"heading_degrees", at->heading_degrees},
+                {"sigma_m", at->sigma_m}};
+  }
+  return {{"type", "seen"},
+          {"t", seen.t_ms},
+          {"verdict", seen.verdict},
+          {"room", seen.room},
+          {"probability", seen.probability},
+          {"why", seen.why},
+          {"position", position}};
+}
+
+Json to_json(const PromptMessage& prompt) {
+  return {{"type", "prompt"},
+          {"answer_to", or_null(prompt.answer_to)},
+          {"key", prompt.key},
+          {"message", prompt.message},
+          {"text", prompt.text},
+          {"language", prompt.language},
+          {"priority", prompt.priority},
+          {"confidence", prompt.confidence},
+          {"sound", prompt.sound},
+          {"because", prompt.because},
+          {"based_on_t", or_null(prompt.based_on_t_ms)},
+          {"valid_until_t", prompt.valid_until_t_ms}};
+}
+
+Json to_json(const RecordingState& recording) {
+  return {{"type", "recording"},
+          {"state", recording.state},
+          {"name", recording.name},
+          {"frames", recording.frames},
+          {"text", recording.text}};
+}
+
+Json to_json(const JobState& job) {
+  return {{"type", "job"},      {"kind", job.kind},         {"state", job.state},
+          {"stage", job.stage}, {"fraction", job.fraction}, {"left_s", or_null(job.left_s)},
+          {"text", job.text}};
+}
+
+Json to_json(const DeviceSeen& device) {
+  return {{"type", "device"},
+          {"device", device.device},
+          {"name", device.name},
+          {"online", device.online},
+          {"seen", device.seen ? to_json(*device.seen) : Json(nullptr)}};
+}
+
+Json to_json(const ErrorMessage& error) {
+  return {{"type", "error"}, {"text", error.text}, {"answer_to", or_null(error.answer_to)}};
+}
+
+Expected<HomeMessage> read_welcome(const Json& json) {
+  Members members(json);
+  const std::int64_t version = members.whole("version", 1, 1'000'000);
+  if (!members.error() && version != kProtocolVersion) {
+    return fail("the computer speaks version {} of the protocol, this device version {}", version,
+                kProtocolVersion);
+  }
+  Welcome welcome;
+  welcome.home = members.text("home");
+  welcome.role = members.text("role");
+  welcome.rooms = members.texts("rooms");
+  welcome.things = members.texts("things");
+  welcome.sees_rooms = members.yes_or_no("sees_rooms");
+  welcome.sees_places = members.yes_or_no("sees_places");
+  return members.finish<HomeMessage>(std::move(welcome));
+}
+
+Expected<HomeMessage> read_arrived(const Json& json) {
+  Members members(json);
+  FrameArrived frame;
+  frame.t_ms = members.number("t", -kMostTime_ms, kMostTime_ms);
+  frame.dropped = static_cast<std::uint64_t>(members.whole("dropped", 0, kMostWhole));
+  return members.finish<HomeMessage>(frame);
+}
+
+Expected<Seen> read_seen(const Json& json) {
+  Members members(json);
+  Seen seen;
+  seen.t_ms = members.number("t", -kMostTime_ms, kMostTime_ms);
+  seen.verdict = members.text("verdict");
+  seen.room = members.text("room");
+  seen.probability = members.number("probability", 0, 1);
+  seen.why = members.text("why", kMostSentenceBytes);
+  if (members.has("position")) {
+    if (const Json* const position = members.object("position")) {
+      Members at(*position);
+      seen.position = SeenPosition{
+          at.number("x", -1e4, 1e4), at.number("y", -1e4, 1e4), at.number("z", -1e4, 1e4),
+          at.number("heading_degrees", -360, 360), at.number("sigma_m", 0, 1e4)};
+      if (at.error()) return Unexpected(Error(*at.error()));
+    }
+  }
+  return members.finish(std::move(seen));
+}
+
+Expected<HomeMessage> read_prompt(const Json& json) {
+  Members members(json);
+  PromptMessage prompt;
+  if (members.has("answer_to")) prompt.answer_to = members.whole("answer_to", 0, kMostWhole);
+  prompt.key = members.text("key");
+  prompt.message = members.text("message");
+  prompt.text = members.text("text", kMostSentenceBytes);
+  prompt.language = members.text("language");
+  prompt.priority = members.text("priority");
+  prompt.confidence = members.text("confidence");
+  prompt.sound = members.text("sound");
+  prompt.because = members.text("because", kMostSentenceBytes);
+  if (members.has("based_on_t")) {
+    prompt.based_on_t_ms = members.number("based_on_t", -kMostTime_ms, kMostTime_ms);
+  }
+  prompt.valid_until_t_ms = members.number("valid_until_t", -kMostTime_ms, kMostTime_ms);
+  return members.finish<HomeMessage>(std::move(prompt));
+}
+
+Expected<HomeMessage> read_recording(const Json& json) {
+  Members members(json);
+  RecordingState recording;
+  recording.state = members.text("state");
+  recording.name = members.text("name");
+  recording.frames = static_cast<std::uint64_t>(members.whole("frames", 0, kMostWhole));
+  recording.text = members.text("text", kMostSentenceBytes);
+  return members.finish<HomeMessage>(std::move(recording));
+}
+
+Expected<HomeMessage> read_job(const Json& json) {
+  Members members(json);
+  JobState job;
+  job.kind = members.text("kind");
+  job.state = members.text("state");
+  job.stage = members.text("stage");
+  job.fraction = members.number("fraction", 0, 1);
+  if (members.has("left_s")) job.left_s = members.number("left_s", 0, 1e9);
+  job.text = members.text("text", kMostSentenceBytes);
+  return members.finish<HomeMessage>(std::move(job));
+}
+
+Expected<HomeMessage> read_device_seen(const Json& json) {
+  Members members(json);
+  DeviceSeen device;
+  device.device = members.whole("device", 0, kMostWhole);
+  device.name = members.text("name");
+  device.online = members.yes_or_no("online");
+  if (members.has("seen")) {
+    if (const Json* const seen = members.object("seen")) {
+      ROOMWISE_TRY(device.seen, read_seen(*seen));
+    }
+  }
+  return members.finish<HomeMessage>(std::move(device));
+}
+
+Expected<HomeMessage> read_error(const Json& json) {
+  Members members(json);
+  ErrorMessage error;
+  error.text = members.text("text", kMostSentenceBytes);
+  if (members.has("answer_to")) error.answer_to = members.whole("answer_to", 0, kMostWhole);
+  return members.finish<HomeMessage>(std::move(error));
+}
+
+}  // namespace
+
+std::string write(const HomeMessage& message) {
+  return dump(std::visit([](const auto& one) { return to_json(one); }, message));
+}
+
+std::string write_home_changed(const Welcome& welcome) {
+  return dump(welcome_json(welcome, "home"));
+}
+
+Expected<HomeMessage> read_home_message(std::string_view text) {
+  ROOMWISE_TRY(const Json json, parse_object(text));
+  Members members(json);
+  const std::string type = members.text("type");
+  if (members.error()) return Unexpected(Error(*members.error()));
+  if (type == "welcome" || type == "home") return read_welcome(json);
+  if (type == "frame") return read_arrived(json);
+  if (type == "seen") {
+    ROOMWISE_TRY(Seen seen, read_seen(json));
+    return HomeMessage(std::move(seen));
+  }
+  if (type == "prompt") return read_prompt(json);
+  if (type == "recording") return read_recording(json);
+  if (type == "job") return read_job(json);
+  if (type == "device") return read_device_seen(json);
+  if (type == "error") return read_error(json);
+  return fail("'{}' is no type of a message that this device knows", type);
+}
+
+}  // namespace roomwise::service

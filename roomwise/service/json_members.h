@@ -1,0 +1,156 @@
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "roomwise/base/expected.h"
+
+// JSON that came from outside, read without trust: nothing here throws. For source files only.
+namespace roomwise::service {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double kMostTime_ms = 1e13;  // 300 years
+constexpr std::int64_t kMostWhole = std::int64_t{1}
+                                    << 53U;  // what a double holds, as JavaScript has it
+constexpr std::size_t kMostWordBytes = 200;  // of a name, a thing, a room
+constexpr std::size_t kMostSentenceBytes = 2'000;
+
+// What a value is called in a message.
+template <typename T>
+struct Word {
+  std::string_view word;
+  T value;
+};
+template <typename Words, typename T>
+[[nodiscard]] constexpr std::string_view word_of(const Words& words, T value) {
+  for (const auto& one : words) {
+    if (one.value == value) return one.word;
+  }
+  return {};
+}
+
+// Reads the members of a JSON object. The first one that is wrong is remembered, by name; what is
+// read after it means nothing.
+class Members {
+ public:
+  explicit Members(const Json& object) : object_(object) {}
+
+  [[nodiscard]] bool has(const char* name) const {
+    const auto found = object_.find(name);
+    return found != object_.end() && !found->is_null();
+  }
+  std::string text(const char* name, std::size_t most_bytes = kMostWordBytes) {
+    const Json* value = member(name);
+    if (value == nullptr) return {};
+    if (!value->is_string()) return wrong(name, "a text"), std::string();
+    auto text = value->get<std::string>();
+    if (text.size() > most_bytes) {
+      return wrong(name, fmt::format("a text of at most {} bytes", most_bytes)), std::string();
+    }
+    return text;
+  }
+  double number(const char* name, double least, double most) {
+    const Json* value = member(name);
+    if (value == nullptr) return 0;
+    const double number = value->is_number() ? value->get<double>() : std::nan("");
+    if (!(number >= least && number <= most)) {
+      return wrong(name, fmt::format("a number from {:g} to {:g}", least, most)), 0;
+    }
+    return number;
+  }
+  std::int64_t whole(const char* name, std::int64_t least, std::int64_t most) {
+    const Json* value = member(name);
+    if (value == nullptr) return 0;
+    const bool fits = value->is_number_unsigned()
+                          ? value->get<std::uint64_t>() <= static_cast<std::uint64_t>(most)
+                          : value->is_number_integer() && value->get<std::int64_t>() <= most;
+    if (!fits || value->get<std::int64_t>() < least) {
+      return wrong(name, fmt::format("a whole number from {} to {}", least, most)), 0;
+    }
+    return value->get<std::int64_t>();
+  }
+  bool yes_or_no(const char* name) {
+    const Json* value = member(name);
+    if (value == nullptr) return false;
+    if (!value->is_boolean()) return wrong(name, "true or false"), false;
+    return value->get<bool>();
+  }
+  template <typename T, std::size_t N>
+  T one_of(const char* name, const std::array<Word<T>, N>& words) {
+    const std::string text = this->text(name);
+    if (error_) return {};
+    std::string known;
+    for (const auto& one : words) {
+      if (one.word == text) return one.value;
+      known += fmt::format("{}'{}'", known.empty() ? "" : ", ", one.word);
+    }
+    wrong(name, "one of " + known);
+    return {};
+  }
+  std::vector<std::string> texts(const char* name) {
+    std::vector<std::string> all;
+    const Json* value = member(name);
+    if (value == nullptr) return all;
+    if (!value->is_array()) return wrong(name, "a list of texts"), all;
+    for (const Json& one : *value) {
+      if (!one.is_string()) return wrong(name, "a list of texts"), all;
+      all.push_back(one.get<std::string>());
+    }
+    return all;
+  }
+  // An object; nullptr where it is wrong.
+  const Json* object(const char* name) {
+    const Json* value = member(name);
+    if (value != nullptr && !value->is_object()) return wrong(name, "an object"), nullptr;
+    return value;
+  }
+  void wrong(const char* name, const std::string& expected) {
+    if (!error_) error_ = Error{fmt::format("'{}' must be {}", name, expected)};
+  }
+  template <typename T>
+  [[nodiscard]] Expected<T> finish(T value) {
+    if (error_) return Unexpected(std::move(*error_));
+    return value;
+  }
+  [[nodiscard]] const std::optional<Error>& error() const { return error_; }
+
+ private:
+  const Json* member(const char* name) {
+    if (error_) return nullptr;
+    const auto found = object_.find(name);
+    if (found == object_.end()) {
+      error_ = Error{fmt::format("'{}' is missing", name)};
+      return nullptr;
+    }
+    return &*found;
+  }
+
+  const Json& object_;
+  std::optional<Error> error_;
+};
+
+[[nodiscard]] inline Expected<Json> parse_object(std::string_view text) {
+  Json json = Json::parse(text, nullptr, /*allow_exceptions=*/false);
+  if (!json.is_object()) return fail("the message is no JSON object");
+  return json;
+}
+
+// JSON of texts that came from outside: bytes that are no UTF-8 become U+FFFD and never an
+// exception.
+[[nodiscard]] inline std::string dump(const Json& json) {
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+template <typename T>
+[[nodiscard]] Json or_null(const std::optional<T>& value) {
+  return value ? Json(*value) : Json(nullptr);
+}
+
+}  // namespace roomwise::service

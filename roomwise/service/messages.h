@@ -1,0 +1,167 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "roomwise/base/expected.h"
+#include "roomwise/base/file.h"
+#include "roomwise/geometry/pinhole_camera.h"
+
+// The messages of the socket between a device and the home's computer, as docs/protocol.md has
+// them: values, and how they are read and written. Reading refuses what is missing, of a wrong type
+// or out of range, by name; it never throws.
+namespace roomwise::service {
+
+constexpr int kProtocolVersion = 1;
+// A message that is longer is refused before it is read.
+constexpr std::size_t kMostFrameBytes = 4'000'000;
+constexpr std::size_t kMostTextBytes = 16'384;
+
+// ---- from the device ----
+
+enum class DeviceKind { kPhone, kWearable, kPage };
+enum class Distances { kMetres, kSteps };
+
+// How a person wants to be spoken to.
+struct SpeakingSettings {
+  std::string language = "en";  // BCP 47
+  Distances distances = Distances::kMetres;
+  double step_m = 0.7;
+  bool callouts = true;  // is told of a room that is entered without asking
+
+  friend bool operator==(const SpeakingSettings&, const SpeakingSettings&) = default;
+};
+
+// What is known of a device's camera. Without calibration (a phone) there is no position.
+struct DeviceCamera {
+  int width = 0, height = 0;  // px
+  std::optional<geometry::PinholeCamera> calibrated;
+  bool has_depth = false;
+};
+
+struct Hello {
+  int version = 0;
+  std::string name;
+  DeviceKind kind = DeviceKind::kPage;
+  std::optional<DeviceCamera> camera;  // absent: it sends no frames
+  SpeakingSettings settings;
+};
+
+enum class Question { kWhereAmI, kAroundMe, kWhereIs, kRepeat, kNameRoom };
+
+struct Ask {
+  std::int64_t id = 0;
+  double t_ms = 0;  // by the device's clock
+  Question question = Question::kWhereAmI;
+  std::string subject;  // the thing of kWhereIs, the room of kNameRoom
+};
+
+// Those that are given take the place of the earlier ones.
+struct SettingsChange {
+  std::optional<std::string> language;
+  std::optional<Distances> distances;
+  std::optional<double> step_m;
+  std::optional<bool> callouts;
+};
+
+struct Quiet {
+  bool on = false;
+};
+
+using DeviceMessage = std::variant<Hello, Ask, SettingsChange, Quiet>;
+
+[[nodiscard]] Expected<DeviceMessage> read_device_message(std::string_view json);
+[[nodiscard]] std::string write(const DeviceMessage& message);
+void apply(const SettingsChange& change, SpeakingSettings& settings);
+
+// A frame of the camera. The images lie in the message that it was read from.
+struct FrameMessage {
+  double t_ms = 0;
+  std::span<const std::uint8_t> color;  // JPEG, PNG or WebP
+  std::span<const std::uint8_t> depth;  // 16-bit PNG, or empty
+};
+[[nodiscard]] Expected<FrameMessage> read_frame(std::span<const std::uint8_t> message);
+[[nodiscard]] Bytes write(const FrameMessage& frame);
+
+// ---- from the computer ----
+
+struct Welcome {
+  std::string home;
+  std::string role;
+  std::vector<std::string> rooms;
+  std::vector<std::string> things;
+  bool sees_rooms = false;   // rooms were learned
+  bool sees_places = false;  // there is a map to find places on
+};
+
+struct FrameArrived {
+  double t_ms = 0;
+  std::uint64_t dropped = 0;
+};
+
+struct SeenPosition {
+  double x_m = 0, y_m = 0, z_m = 0;  // level frame of the home
+  double heading_degrees = 0;        // of the camera's axis, counter-clockwise from x
+  double sigma_m = 0;
+};
+
+struct Seen {
+  double t_ms = 0;
+  std::string verdict;  // rooms::to_string(Verdict)
+  std::string room;     // the likeliest
+  double probability = 0;
+  std::string why;
+  std::optional<SeenPosition> position;
+};
+
+struct PromptMessage {
+  std::optional<std::int64_t> answer_to;
+  std::string key, message, text, language, priority, confidence, sound, because;
+  std::optional<double> based_on_t_ms;
+  double valid_until_t_ms = 0;
+};
+
+struct RecordingState {
+  std::string state;  // "recording", "saved", "failed"
+  std::string name;
+  std::uint64_t frames = 0;
+  std::string text;
+};
+
+struct JobState {
+  std::string kind;   // "map", "learn"
+  std::string state;  // "running", "done", "failed", "stopped"
+  std::string stage;
+  double fraction = 0;
+  std::optional<double> left_s;
+  std::string text;
+};
+
+struct DeviceSeen {
+  std::int64_t device = 0;
+  std::string name;
+  bool online = false;
+  std::optional<Seen> seen;
+};
+
+struct ErrorMessage {
+  std::string text;
+  std::optional<std::int64_t> answer_to;
+};
+
+// What a device needs to understand; the rest is for pages.
+using HomeMessage = std::variant<Welcome, FrameArrived, Seen, PromptMessage, RecordingState,
+                                 JobState, DeviceSeen, ErrorMessage>;
+
+[[nodiscard]] std::string write(const HomeMessage& message);
+// The message `home` is read as a Welcome. Fails on types that are not known, naming them.
+[[nodiscard]] Expected<HomeMessage> read_home_message(std::string_view json);
+// A Welcome sent because rooms or things changed: of type "home".
+[[nodiscard]] std::string write_home_changed(const Welcome& welcome);
+
+}  // namespace roomwise::service

@@ -1,0 +1,199 @@
+#include "roomwise/service/messages.h"
+
+#include <gmock/gmock.h>
+
+#include "roomwise/base/testing.h"
+
+namespace roomwise::service {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::ElementsAreArray;
+using ::testing::HasSubstr;
+
+template <typename T>
+T read_back(const DeviceMessage& message) {
+  const auto read = read_device_message(write(message));
+  EXPECT_TRUE(read) << write(message);
+  return std::get<T>(*read);
+}
+template <typename T>
+T read_back_home(const HomeMessage& message) {
+  const auto read = read_home_message(write(message));
+  EXPECT_TRUE(read) << write(message);
+  return std::get<T>(*read);
+}
+std::string error_of(std::string_view text) {
+  const auto read = read_device_message(text);
+  return read ? "" : read.error().message;
+}
+
+TEST(Messages, HelloComesBack) {
+  Hello hello;
+  hello.version = 1;
+  hello.name = "Anna's \"phone\"";
+  hello.kind = DeviceKind::kWearable;
+  geometry::PinholeCamera camera = *geometry::camera_preset("fr1");
+  hello.camera = DeviceCamera{camera.width, camera.height, camera, true};
+  hello.settings = {"de", Distances::kSteps, 0.6, false};
+  const auto back = read_back<Hello>(hello);
+  EXPECT_EQ(back.name, hello.name);
+  EXPECT_EQ(back.kind, DeviceKind::kWearable);
+  ASSERT_TRUE(back.camera && back.camera->calibrated);
+  EXPECT_EQ(*back.camera->calibrated, camera);
+  EXPECT_TRUE(back.camera->has_depth);
+  EXPECT_EQ(back.settings, hello.settings);
+}
+
+TEST(Messages, ACameraThatIsNotCalibratedHasNoPinhole) {
+  const auto read = read_device_message(
+      R"({"type":"hello","version":1,"name":"a","kind":"phone","camera":{"width":640,"height":480}})");
+  ASSERT_TRUE(read);
+  const auto& camera = std::get<Hello>(*read).camera;
+  ASSERT_TRUE(camera);
+  EXPECT_FALSE(camera->calibrated);
+  EXPECT_FALSE(camera->has_depth);
+}
+
+TEST(Messages, QuestionsComeBackWithTheirSubject) {
+  const Ask ask = read_back<Ask>(Ask{8, 1300.25, Question::kWhereIs, "Mikrowelle \xC3\xBC"});
+  EXPECT_EQ(ask.id, 8);
+  EXPECT_EQ(ask.t_ms, 1300.25);
+  EXPECT_EQ(ask.question, Question::kWhereIs);
+  EXPECT_EQ(ask.subject, "Mikrowelle \xC3\xBC");
+  EXPECT_EQ(read_back<Ask>(Ask{9, 1, Question::kNameRoom, "kitchen"}).subject, "kitchen");
+  EXPECT_TRUE(read_back<Quiet>(Quiet{true}).on);
+}
+
+TEST(Messages, SettingsChangeOnlyWhatTheyName) {
+  SpeakingSettings settings{"en", Distances::kMetres, 0.7, true};
+  apply(read_back<SettingsChange>(SettingsChange{{}, Distances::kSteps, {}, {}}), settings);
+  EXPECT_EQ(settings, (SpeakingSettings{"en", Distances::kSteps, 0.7, true}));
+}
+
+TEST(Messages, WhatTheComputerSaysComesBack) {
+  const auto welcome =
+      read_back_home<Welcome>(Welcome{"Our flat", "device", {"bath"}, {"bed"}, true, false});
+  EXPECT_EQ(welcome.home, "Our flat");
+  EXPECT_THAT(welcome.rooms, ElementsAre("bath"));
+  EXPECT_TRUE(welcome.sees_rooms);
+  EXPECT_FALSE(welcome.sees_places);
+
+  const Seen seen{12.5, "room", "kitchen", 0.98, "looks like it", SeenPosition{1, 2, 3, 90, 0.05}};
+  const auto seen_back = read_back_home<Seen>(seen);
+  EXPECT_EQ(seen_back.room, "kitchen");
+  ASSERT_TRUE(seen_back.position);
+  EXPECT_EQ(seen_back.position->heading_degrees, 90);
+
+  PromptMessage prompt;
+  prompt.answer_to = 7;
+  prompt.text = "You are in the kitchen.";
+  prompt.valid_until_t_ms = 4234.5;
+  const auto prompt_back = read_back_home<PromptMessage>(prompt);
+  EXPECT_EQ(prompt_back.answer_to, 7);
+  EXPECT_EQ(prompt_back.text, prompt.text);
+  EXPECT_FALSE(prompt_back.based_on_t_ms);
+  EXPECT_EQ(prompt_back.valid_until_t_ms, 4234.5);
+
+  EXPECT_EQ(read_back_home<FrameArrived>(FrameArrived{3.5, 2}).dropped, 2U);
+  EXPECT_EQ(read_back_home<RecordingState>(RecordingState{"saved", "walk", 17, ""}).frames, 17U);
+  EXPECT_FALSE(read_back_home<JobState>(JobState{"map", "running", "mapping", 0.4, {}, ""}).left_s);
+  EXPECT_TRUE(read_back_home<DeviceSeen>(DeviceSeen{3, "phone", true, seen}).seen);
+  EXPECT_EQ(read_back_home<ErrorMessage>(ErrorMessage{"no", 4}).answer_to, 4);
+}
+
+TEST(Messages, AChangedHomeIsReadAsAWelcome) {
+  const auto read = read_home_message(write_home_changed(Welcome{"flat", "helper", {}, {}, 0, 0}));
+  ASSERT_TRUE(read);
+  EXPECT_EQ(std::get<Welcome>(*read).role, "helper");
+}
+
+TEST(Messages, AnErrorNamesWhatIsWrong) {
+  EXPECT_THAT(error_of("{"), HasSubstr("no JSON object"));
+  EXPECT_THAT(error_of("[1]"), HasSubstr("no JSON object"));
+  EXPECT_THAT(error_of("{}"), HasSubstr("'type' is missing"));
+  EXPECT_THAT(error_of(R"({"type":7})"), HasSubstr("'type' must be a text"));
+  EXPECT_THAT(error_of(R"({"type":"shout"})"), HasSubstr("'shout'"));
+  EXPECT_THAT(error_of(R"({"type":"ask","id":-1,"t":0,"question":"repeat"})"), HasSubstr("'id'"));
+  EXPECT_THAT(error_of(R"({"type":"ask","id":1,"t":"x","question":"repeat"})"), HasSubstr("'t'"));
+  EXPECT_THAT(error_of(R"({"type":"ask","id":1,"t":1e300,"question":"repeat"})"),
+              HasSubstr("'t' must be a number"));
+  EXPECT_THAT(error_of(R"({"type":"ask","id":1,"t":0,"question":"why"})"),
+              HasSubstr("'where_am_i'"));
+  EXPECT_THAT(error_of(R"({"type":"ask","id":1,"t":0,"question":"where_is"})"),
+              HasSubstr("'thing' is missing"));
+  EXPECT_THAT(error_of(R"({"type":"settings","step_m":-3})"), HasSubstr("'step_m'"));
+  EXPECT_THAT(error_of(R"({"type":"quiet","on":1})"), HasSubstr("'on' must be true or false"));
+  EXPECT_THAT(
+      error_of(
+          R"({"type":"hello","version":1,"name":"a","kind":"phone","camera":{"width":640,"height":480,"fx":500}})"),
+      HasSubstr("'camera': 'fy' is missing"));
+  EXPECT_THAT(error_of(R"({"type":"hello","version":1,"name":")" + std::string(300, 'x') +
+                       R"(","kind":"phone"})"),
+              HasSubstr("'name'"));
+}
+
+TEST(Messages, AnotherVersionOfTheComputerIsAnError) {
+  const auto read = read_home_message(R"({"type":"welcome","version":2})");
+  ASSERT_FALSE(read);
+  EXPECT_THAT(read.error().message, HasSubstr("version 2"));
+}
+
+TEST(Messages, BytesThatAreNoUtf8DoNotThrow) {
+  EXPECT_THAT(write(HomeMessage(ErrorMessage{"caf\xE9", {}})), HasSubstr("caf\xEF\xBF\xBD"));
+}
+
+TEST(Frames, ComeBackWithTheirImages) {
+  const Bytes color{1, 2, 3}, depth{4, 5};
+  const Bytes message = write(FrameMessage{1234.5, color, depth});
+  const auto frame = read_frame(message);
+  ASSERT_TRUE(frame);
+  EXPECT_EQ(frame->t_ms, 1234.5);
+  EXPECT_THAT(frame->color, ElementsAreArray(color));
+  EXPECT_THAT(frame->depth, ElementsAreArray(depth));
+  EXPECT_TRUE(read_frame(write(FrameMessage{1, color, {}}))->depth.empty());
+}
+
+// Every frame that is cut short, and every one with more behind it, is refused.
+TEST(Frames, OfAnotherLengthAreRefused) {
+  const Bytes color{1, 2, 3}, depth{4, 5};
+  Bytes message = write(FrameMessage{1234.5, color, depth});
+  for (std::size_t length = 0; length < message.size(); ++length) {
+    EXPECT_FALSE(read_frame(std::span(message).first(length))) << length;
+  }
+  message.push_back(0);
+  EXPECT_FALSE(read_frame(message));
+}
+
+TEST(Frames, AHeaderThatLiesIsRefused) {
+  const auto frame_with = [](const std::string& header, std::uint32_t length) {
+    Bytes message{'R', 'W', 'F', '1'};
+    for (unsigned i = 0; i < 4; ++i) {
+      message.push_back(static_cast<std::uint8_t>(length >> (8 * i)));
+    }
+    message.insert(message.end(), header.begin(), header.end());
+    message.insert(message.end(), {9, 9});
+    return message;
+  };
+  const auto size = [](const std::string& text) { return static_cast<std::uint32_t>(text.size()); };
+  const std::string good = R"({"t":1,"color_bytes":1,"depth_bytes":1})";
+  EXPECT_TRUE(read_frame(frame_with(good, size(good))));
+  EXPECT_FALSE(read_frame(frame_with(good, 0xFFFFFFFF)));
+  EXPECT_FALSE(read_frame(frame_with(good, 1025)));
+  for (const std::string bad :
+       {R"({"t":1,"color_bytes":2,"depth_bytes":1})",
+        R"({"t":1,"color_bytes":18446744073709551615,"depth_bytes":3})",
+        R"({"t":1,"color_bytes":-1,"depth_bytes":3})", R"({"t":1,"color_bytes":0,"depth_bytes":2})",
+        R"({"t":1,"color_bytes":1.5,"depth_bytes":1})", R"({"color_bytes":1,"depth_bytes":1})"}) {
+    EXPECT_FALSE(read_frame(frame_with(bad, size(bad)))) << bad;
+  }
+}
+
+TEST(Frames, LargerThanIsTakenAreRefusedBeforeTheyAreRead) {
+  const auto read = read_frame(Bytes(kMostFrameBytes + 1));
+  ASSERT_FALSE(read);
+  EXPECT_THAT(read.error().message, HasSubstr("at most"));
+}
+
+}  // namespace
+}  // namespace roomwise::service

@@ -1,0 +1,64 @@
+// Bundles the pages: node scripts/build.mjs [--out DIR] (default: ../build/web). The service worker comes last,
+// since it lists the files of the phone's page and carries their digest as its version.
+import { build } from 'esbuild';
+import { createHash } from 'node:crypto';
+import { cpSync, mkdirSync, readFileSync, rmSync } from 'node:fs';
+import { dirname, join, resolve } from 'node:path';
+import { fileURLToPath } from 'node:url';
+
+const web = join(dirname(fileURLToPath(import.meta.url)), '..');
+const at = process.argv.indexOf('--out');
+const out = at < 0 ? join(web, '../build/web') : resolve(process.argv[at + 1] ?? '');
+
+const common = { bundle: true, minify: true, target: ['es2021', 'safari15', 'chrome100'], logLevel: 'warning' };
+
+rmSync(out, { recursive: true, force: true });
+mkdirSync(out, { recursive: true });
+cpSync(join(web, 'static'), out, { recursive: true });
+cpSync(join(web, 'node_modules/three/LICENSE'), join(out, 'js/three-license.txt'));
+await build({
+  ...common,
+  entryPoints: ['device', 'helper', 'pair'].map((page) => ({ in: join(web, `src/${page}/main.ts`), out: `js/${page}` })),
+  format: 'esm',
+  splitting: true,
+  chunkNames: 'js/part-[hash]',
+  legalComments: 'none', // three's licence lies beside its code
+  outdir: out,
+});
+await build({
+  ...common,
+  entryPoints: ['device', 'helper', 'pair'].map((page) => ({ in: join(web, `src/styles/${page}.css`), out: `css/${page}` })),
+  outdir: out,
+});
+
+const shell = ['device.html', 'pair.html', 'css/device.css', 'css/pair.css', 'js/device.js', 'js/pair.js',
+  'manifest.webmanifest', 'icons/icon.svg', 'icons/icon-192.png', ...importedParts(['js/device.js', 'js/pair.js'])];
+const digest = createHash('sha256');
+for (const file of shell) {
+  digest.update(readFileSync(join(out, file)));
+}
+await build({
+  ...common,
+  entryPoints: [{ in: join(web, 'src/service_worker/service_worker.ts'), out: 'service_worker' }],
+  format: 'iife',
+  outdir: out,
+  define: {
+    SHELL_VERSION: JSON.stringify(digest.digest('hex').slice(0, 16)),
+    SHELL_FILES: JSON.stringify(shell.map((file) => '/' + file)),
+  },
+});
+
+// What the scripts load at once, not what they load later.
+function importedParts(files) {
+  const found = new Set();
+  const look = (file) => {
+    for (const [, part] of readFileSync(join(out, file), 'utf8').matchAll(/(?:from|import)"\.\/(part-\w+\.js)"/g)) {
+      if (!found.has(`js/${part}`)) {
+        found.add(`js/${part}`);
+        look(`js/${part}`);
+      }
+    }
+  };
+  files.forEach(look);
+  return [...found].sort();
+}

@@ -1,0 +1,90 @@
+// The phone's camera: pictures as JPEG for the computer, small grey copies to look after the camera itself.
+import type { CameraDescription } from '../shared/protocol';
+import { greyFromRgba, type GreyPicture } from './picture_quality';
+
+export const kPictureSide = 640; // longest, pixels
+export const kGreySide = 120;
+const kJpegQuality = 0.8;
+
+export type CameraFailure = 'refused' | 'failed';
+
+export class Camera {
+  private stream: MediaStream | null = null;
+  private readonly picture = document.createElement('canvas');
+  private readonly small = document.createElement('canvas');
+
+  constructor(private readonly video: HTMLVideoElement) {}
+
+  // Asks for leave where it was not given. What stands against it: no leave, or no camera that works.
+  async start(): Promise<CameraFailure | null> {
+    try {
+      await this.open();
+      return null;
+    } catch (error) {
+      return error instanceof DOMException && error.name === 'NotAllowedError' ? 'refused' : 'failed';
+    }
+  }
+
+  private async open(): Promise<void> {
+    this.stop();
+    this.stream = await navigator.mediaDevices.getUserMedia({
+      audio: false,
+      video: { facingMode: { ideal: 'environment' }, width: { ideal: 640 }, height: { ideal: 480 } },
+    });
+    this.video.srcObject = this.stream;
+    await this.video.play();
+  }
+
+  stop(): void {
+    this.stream?.getTracks().forEach((track) => track.stop());
+    this.stream = null;
+  }
+
+  get running(): boolean {
+    return this.stream?.getVideoTracks().some((track) => track.readyState === 'live') ?? false;
+  }
+
+  // Of the pictures that are sent; null while there are none.
+  get description(): CameraDescription | null {
+    return this.running && this.video.videoWidth > 0 ? this.sizeWithin(kPictureSide) : null;
+  }
+
+  grey(): GreyPicture | null {
+    const drawn = this.draw(this.small, kGreySide);
+    if (!drawn) {
+      return null;
+    }
+    const { width, height } = this.small;
+    return greyFromRgba(drawn.getImageData(0, 0, width, height).data, width, height);
+  }
+
+  async jpeg(): Promise<Uint8Array | null> {
+    if (!this.draw(this.picture, kPictureSide)) {
+      return null;
+    }
+    const blob = await new Promise<Blob | null>((resolve) => {
+      this.picture.toBlob(resolve, 'image/jpeg', kJpegQuality);
+    });
+    return blob && new Uint8Array(await blob.arrayBuffer());
+  }
+
+  private draw(canvas: HTMLCanvasElement, longest: number): CanvasRenderingContext2D | null {
+    const context = canvas.getContext('2d', { willReadFrequently: true });
+    if (!context || !this.description) {
+      return null;
+    }
+    const { width, height } = this.sizeWithin(longest);
+    if (canvas.width !== width || canvas.height !== height) {
+      canvas.width = width;
+      canvas.height = height;
+    }
+    context.drawImage(this.video, 0, 0, width, height);
+    return context;
+  }
+
+  private sizeWithin(longest: number): CameraDescription {
+    const { videoWidth, videoHeight } = this.video;
+    const scale = Math.min(1, longest / Math.max(videoWidth, videoHeight));
+    return { width: Math.round(videoWidth * scale), height: Math.round(videoHeight * scale) };
+  }
+}

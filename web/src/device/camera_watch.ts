@@ -1,0 +1,41 @@
+// When the camera's trouble is worth saying: once it has lasted, and again only after it got better. Pure.
+import type { CameraTrouble } from './picture_quality';
+
+export const kLastsMs: Record<CameraTrouble, number> = { dark: 1200, covered: 1200, blurred: 2500 };
+export const kBetterAfterMs = 1500;
+
+export type CameraNews = CameraTrouble | 'better' | null;
+
+export class CameraWatch {
+  private said: CameraTrouble | null = null; // not yet better
+  private trouble: CameraTrouble | null = null; // of the newest pictures
+  private since = 0;
+
+  // `trouble` of the newest picture; what is to be said now.
+  see(trouble: CameraTrouble | null, now: number): CameraNews {
+    if (trouble !== this.trouble) {
+      this.trouble = trouble;
+      this.since = now;
+    }
+    const lasted = now - this.since;
+    if (trouble === null) {
+      return this.said && lasted >= kBetterAfterMs ? this.betterNow() : null;
+    }
+    if (this.said === null && lasted >= kLastsMs[trouble]) {
+      this.said = trouble;
+      return trouble;
+    }
+    return null;
+  }
+
+  get troubled(): CameraTrouble | null {
+    return this.said;
+  }
+
+  // A picture that was blurred and is not is nothing to speak of; one that was dark is.
+  private betterNow(): CameraNews {
+    const was = this.said;
+    this.said = null;
+    return was === 'blurred' ? null : 'better';
+  }
+}

@@ -1,0 +1,120 @@
+// The phone's page.
+import { ApiError, request } from '../shared/api';
+import { byId, h, replaceChildren } from '../shared/dom';
+import type { Language, Me, Sound } from '../shared/protocol';
+import { chooseLanguage, rememberLanguage, text } from '../shared/texts';
+import { Camera, type CameraFailure } from './camera';
+import { openChoice } from './choice_dialog';
+import { Earcons, vibrate } from './earcons';
+import { keepAwake } from './keep_awake';
+import { Phone } from './phone';
+import { PromptPlayer } from './prompt_player';
+import { SaidLog } from './said_log';
+import { loadSettings, saveSettings } from './settings';
+import { openSettings } from './settings_dialog';
+import { OwnVoice, ScreenReaderVoice } from './speaker';
+import { startView } from './start_view';
+import { PhoneView } from './view';
+
+
+chooseLanguage();
+document.title = text('phone.title');
+const page = byId('page');
+const settings = loadSettings(window.localStorage);
+const earcons = new Earcons();
+const log = new SaidLog();
+const ownVoice = new OwnVoice(log, () => settings.rate);
+const readerVoice = new ScreenReaderVoice(log);
+const video = h('video', { class: 'preview', playsinline: true, muted: true, 'aria-hidden': 'true', tabindex: '-1' });
+video.muted = true;
+const camera = new Camera(video);
+
+if ('serviceWorker' in navigator) {
+  // Refused where the certificate is not trusted: the page works without, only not while the computer is off.
+  navigator.serviceWorker.register('/service_worker.js').catch(() => undefined);
+}
+replaceChildren(page, startView(settings, () => void start()));
+
+async function start(): Promise<void> {
+  earcons.prime();
+  if (settings.voice === 'own') {
+    ownVoice.prime();
+  }
+  saveSettings(window.localStorage, settings);
+  const cameraReady = camera.start();
+  const name = await myName();
+  if (name !== null) {
+    open(name, await cameraReady);
+  }
+}
+
+// The name under which this device is paired; goes to pairing where it is not. Without a connection the page opens
+// all the same and says so.
+async function myName(): Promise<string | null> {
+  try {
+    return (await request<Me>('GET', '/api/me')).name;
+  } catch (error) {
+    if (error instanceof ApiError && error.status === 401) {
+      location.assign('/pair');
+      return null;
+    }
+    return text('phone.unnamed');
+  }
+}
+
+function open(name: string, cameraFailure: CameraFailure | null): void {
+  log.setLive(settings.voice === 'reader');
+  const player = new PromptPlayer({
+    now: () => performance.now(),
+    speaker: () => (settings.voice === 'own' ? ownVoice : readerVoice),
+    sound,
+    after: (ms, run) => void window.setTimeout(run, ms),
+  });
+  const phone: Phone = new Phone(name, camera, player, settings, () => view.show(phone.state), () => void myName());
+  const view = new PhoneView(video, log, {
+    whereAmI: () => phone.ask({ question: 'where_am_i' }),
+    aroundMe: () => phone.ask({ question: 'around_me' }),
+    repeat: () => phone.ask({ question: 'repeat' }),
+    quiet: () => phone.setQuiet(!phone.state.quiet),
+    find: () => openChoice({
+      title: text('find.title'), label: text('find.label'), go: text('find.go'), missing: text('find.missing'),
+    }, phone.state.things, (thing) => phone.ask({ question: 'where_is', thing })),
+    nameRoom: () => openChoice({
+      title: text('name_room.title'), label: text('name_room.label'), go: text('name_room.go'),
+      missing: text('name_room.missing'),
+    }, phone.state.rooms, (room) => phone.ask({ question: 'name_room', room })),
+    settings: () => openSettings(settings, { changed: () => settingsChanged(phone), languageChanged, leave }),
+  });
+  view.show(phone.state);
+  replaceChildren(page, view.element);
+  view.element.querySelector<HTMLElement>('.question.where')?.focus();
+  phone.begin();
+  const cameraFailed = (why: CameraFailure): void => phone.say(`device.camera_${why}`);
+  if (cameraFailure) {
+    cameraFailed(cameraFailure);
+  }
+  keepAwake(camera, cameraFailed);
+}
+
+function sound(which: Sound): number {
+  if (settings.vibration) {
+    vibrate(which);
+  }
+  return settings.sounds ? earcons.play(which) : 0;
+}
+
+function settingsChanged(phone: Phone): void {
+  saveSettings(window.localStorage, settings);
+  log.setLive(settings.voice === 'reader');
+  phone.settingsChanged();
+}
+
+function languageChanged(language: Language): void {
+  rememberLanguage(language);
+  location.reload();
+}
+
+async function leave(): Promise<void> {
+  await request('POST', '/api/leave').catch(() => undefined);
+  location.assign('/pair');
+}

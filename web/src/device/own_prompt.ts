@@ -1,0 +1,38 @@
+// Prompts that the phone makes itself.
+import type { Priority, Sound } from '../shared/protocol';
+import type { SpokenKey } from '../shared/spoken';
+import { language, spokenText } from '../shared/texts';
+import type { QueuedPrompt } from './prompt_queue';
+
+const kSounds: Partial<Record<SpokenKey, Sound>> = {
+  'device.camera_dark': 'alert',
+  'device.camera_covered': 'alert',
+  'device.camera_blurred': 'alert',
+  'device.camera_refused': 'alert',
+  'device.camera_failed': 'alert',
+  'device.camera_back': 'back',
+  'device.connecting': 'none',
+  'device.connection_lost': 'lost',
+  'device.connection_back': 'back',
+  'device.removed': 'alert',
+  'device.recording_failed': 'alert',
+};
+const kValidMs = 10_000;
+
+export function ownPrompt(key: SpokenKey, now: number, priority: Priority = 'notice'): QueuedPrompt {
+  return {
+    key: key.split('_')[0] ?? key, // news of the connection replace older ones, and so on
+    text: spokenText(key),
+    language: language(),
+    priority,
+    sound: kSounds[key] ?? 'answer',
+    valid_until_t: now + kValidMs,
+  };
+}
+
+// An answer in words that the computer gave outside a prompt: why it cannot answer.
+export function answerPrompt(words: string, now: number): QueuedPrompt {
+  return {
+    key: 'error', text: words, language: language(), priority: 'answer', sound: 'unsure', valid_until_t: now + kValidMs,
+  };
+}

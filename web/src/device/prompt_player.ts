@@ -1,0 +1,75 @@
+// Carries out what the queue decides: the sound first, then the words, by the speaker that was chosen.
+import type { Sound } from '../shared/protocol';
+import { PromptQueue, type QueuedPrompt } from './prompt_queue';
+import type { Speaker } from './speaker';
+
+export interface PlayerParts {
+  now: () => number;
+  speaker: () => Speaker;
+  sound: (sound: Sound) => number; // plays it; gives its length in milliseconds
+  after: (ms: number, run: () => void) => void;
+}
+
+export class PromptPlayer {
+  private readonly queue = new PromptQueue();
+  private begun = 0; // counts prompts: what belongs to an earlier one is of no interest any more
+  private speaker: Speaker | null = null; // who speaks now
+
+  constructor(private readonly parts: PlayerParts) {}
+
+  push(prompt: QueuedPrompt): void {
+    if (this.queue.push(prompt, this.parts.now())) {
+      this.pump();
+    }
+  }
+
+  // The person asks something else or wants silence: what is being said ends, unless it is a hazard.
+  hush(): void {
+    const speaking = this.queue.speaking;
+    if (speaking && speaking.priority !== 'hazard') {
+      this.begun += 1;
+      this.speaker?.stop();
+      this.queue.ended(this.parts.now());
+      this.pump();
+    }
+  }
+
+  setQuiet(on: boolean): void {
+    this.queue.setQuiet(on);
+    if (on) {
+      this.hush();
+    }
+  }
+
+  private pump(): void {
+    const now = this.parts.now();
+    const step = this.queue.step(now);
+    if (step.do === 'wait') {
+      this.parts.after(step.until - now, () => this.pump());
+    }
+    if (step.do === 'begin') {
+      if (step.interrupts) {
+        this.speaker?.stop();
+      }
+      this.begin(step.prompt);
+    }
+  }
+
+  private begin(prompt: QueuedPrompt): void {
+    this.begun += 1;
+    const mine = this.begun;
+    const speaker = this.parts.speaker();
+    this.speaker = speaker;
+    const over = (): void => {
+      if (mine === this.begun) {
+        this.queue.ended(this.parts.now());
+        this.pump();
+      }
+    };
+    this.parts.after(this.parts.sound(prompt.sound), () => {
+      if (mine === this.begun) {
+        speaker.say(prompt, over);
+      }
+    });
+  }
+}

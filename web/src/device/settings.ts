@@ -1,0 +1,52 @@
+// What the person chose on this phone; kept by the browser, never sent but for what `hello` names.
+import type { Distances } from '../shared/protocol';
+
+export interface Settings {
+  voice: 'own' | 'reader' | null; // null: not chosen yet
+  rate: number; // of the own voice, 1 is the voice's normal
+  distances: Distances;
+  step_m: number;
+  callouts: boolean;
+  sounds: boolean;
+  vibration: boolean;
+}
+
+export const kDefaults: Settings = {
+  voice: null, rate: 1, distances: 'metres', step_m: 0.7, callouts: true, sounds: true, vibration: true,
+};
+export const kRates = { least: 0.5, most: 3 };
+export const kSteps = { least: 0.3, most: 1.2 };
+const kStored = 'roomwise.settings';
+
+export function loadSettings(storage: Storage): Settings {
+  return settingsFrom(storage.getItem(kStored));
+}
+
+export function saveSettings(storage: Storage, settings: Settings): void {
+  storage.setItem(kStored, JSON.stringify(settings));
+}
+
+// What does not fit is taken from the defaults, member by member: an older page may have written it.
+export function settingsFrom(stored: string | null): Settings {
+  let found: Partial<Record<keyof Settings, unknown>> = {};
+  try {
+    found = (JSON.parse(stored ?? '{}') ?? {}) as typeof found;
+  } catch {
+    // Not JSON.
+  }
+  const flag = (name: 'callouts' | 'sounds' | 'vibration'): boolean =>
+    typeof found[name] === 'boolean' ? found[name] : kDefaults[name];
+  return {
+    voice: found.voice === 'own' || found.voice === 'reader' ? found.voice : kDefaults.voice,
+    rate: within(found.rate, kRates, kDefaults.rate),
+    distances: found.distances === 'steps' ? 'steps' : kDefaults.distances,
+    step_m: within(found.step_m, kSteps, kDefaults.step_m),
+    callouts: flag('callouts'),
+    sounds: flag('sounds'),
+    vibration: flag('vibration'),
+  };
+}
+
+function within(value: unknown, limits: { least: number; most: number }, otherwise: number): number {
+  return typeof value === 'number' && value >= limits.least && value <= limits.most ? value : otherwise;
+}

@@ -1,0 +1,69 @@
+// What is on the phone's page: the state above, what was said in the middle, the questions within a thumb's reach.
+import { h, replaceChildren } from '../shared/dom';
+import { icon } from '../shared/icons';
+import { text } from '../shared/texts';
+import type { PhoneState } from './phone';
+import type { SaidLog } from './said_log';
+
+export interface ViewActions {
+  whereAmI: () => void;
+  aroundMe: () => void;
+  find: () => void;
+  repeat: () => void;
+  quiet: () => void;
+  nameRoom: () => void;
+  settings: () => void;
+}
+
+export class PhoneView {
+  readonly element: HTMLElement;
+  private readonly heading = h('h1', {}, 'Roomwise');
+  private readonly connection = h('li', { class: 'chip' });
+  private readonly camera = h('li', { class: 'chip' });
+  private readonly quiet: HTMLButtonElement;
+
+  constructor(video: HTMLVideoElement, log: SaidLog, actions: ViewActions) {
+    const question = (name: string, label: string, shape: Parameters<typeof icon>[0], run: () => void) =>
+      h('button', { type: 'button', class: `question ${name}`, onclick: run }, icon(shape), h('span', {}, label));
+    this.quiet = question('quiet', text('phone.quiet'), 'quiet', actions.quiet);
+    this.quiet.setAttribute('aria-pressed', 'false');
+    this.element = h('div', { class: 'phone' },
+      h('header', { class: 'bar' },
+        this.heading,
+        h('div', { class: 'tools' },
+          h('button', { type: 'button', class: 'tool', onclick: actions.nameRoom }, text('phone.name_room')),
+          h('button', { type: 'button', class: 'tool', onclick: actions.settings }, text('phone.settings')))),
+      h('main', {},
+        h('section', { class: 'now', 'aria-label': text('phone.state') },
+          h('ul', { class: 'chips' }, this.connection, this.camera), video),
+        h('section', { class: 'answers', 'aria-labelledby': 'said-heading' },
+          h('h2', { id: 'said-heading', class: 'visually-hidden' }, text('said.label')), log.element),
+        h('section', { class: 'questions', 'aria-labelledby': 'ask-heading' },
+          h('h2', { id: 'ask-heading', class: 'visually-hidden' }, text('phone.ask')),
+          question('find', text('phone.find'), 'find', actions.find),
+          question('around', text('phone.around_me'), 'around', actions.aroundMe),
+          question('where', text('phone.where_am_i'), 'where', actions.whereAmI),
+          question('repeat', text('phone.repeat'), 'repeat', actions.repeat),
+          this.quiet)));
+  }
+
+  show(state: PhoneState): void {
+    this.heading.textContent = state.home || 'Roomwise';
+    chip(this.connection, state.online ? 'good' : 'bad',
+      text(state.online ? 'phone.connected' : 'phone.not_connected'));
+    if (state.recording) {
+      chip(this.camera, 'good', text('phone.recording', { name: state.recording }));
+    } else {
+      chip(this.camera, state.camera === 'good' ? 'good' : 'bad', text(`phone.camera_${state.camera}`));
+    }
+    this.quiet.setAttribute('aria-pressed', String(state.quiet));
+  }
+}
+
+// A tick or a cross beside the words: colour is never the only sign.
+function chip(element: HTMLElement, kind: 'good' | 'bad', words: string): void {
+  if (element.textContent !== words || !element.classList.contains(kind)) {
+    element.className = `chip ${kind}`;
+    replaceChildren(element, icon(kind === 'good' ? 'tick' : 'cross'), words);
+  }
+}

@@ -1,0 +1,87 @@
+// Who is connected, who may connect.
+import { messageOf, request } from '../shared/api';
+import { openDialog } from '../shared/dialog';
+import { h } from '../shared/dom';
+import { radioField } from '../shared/forms';
+import { icon } from '../shared/icons';
+import type { Device, Me, PairingCode, Role } from '../shared/protocol';
+import { counted, formatTime, text } from '../shared/texts';
+import { act, type Helper } from './actions';
+import { openFormDialog } from './form_dialog';
+import { qrPicture } from './qr';
+import { verdictWords } from './recognise_panel';
+import { rerender } from './rerender';
+import { card, panel } from './shell';
+
+export function devicesPanel(helper: Helper, me: Me): HTMLElement {
+  const list = h('ul', { class: 'devices' });
+  helper.store.watch(['devices', 'seen'], () => {
+    rerender(list, helper.store.state.devices.map((device) => deviceView(helper, me, device)));
+  });
+  return panel(text('nav.devices'), card(text('devices.paired'), list), pairCard(helper));
+}
+
+function deviceView(helper: Helper, me: Me, device: Device): HTMLElement {
+  const seen = device.online ? helper.store.state.seen.get(device.device)?.seen : null;
+  const facts = [
+    text(`devices.role_${device.role}`),
+    device.online ? '' : text('devices.last_seen', { time: formatTime(device.last_seen) }),
+    seen ? text('devices.sees', { verdict: verdictWords(seen.verdict, seen.room, seen.probability) }) : '',
+  ].filter((fact) => fact !== '');
+  const own = device.device === me.device;
+  return h('li', {},
+    h('div', {},
+      h('p', { class: 'device-name' }, device.name, own ? ` (${text('devices.this_one')})` : ''),
+      h('p', { class: `chip ${device.online ? 'good' : 'off'}` }, icon(device.online ? 'tick' : 'cross'), text(device.online ? 'phone.connected' : 'phone.not_connected')),
+      h('p', { class: 'hint' }, facts.join(' · '))),
+    h('button', {
+      type: 'button', class: 'small', 'data-key': `revoke ${device.device}`,
+      'aria-label': `${text('devices.revoke')} ${device.name}`, onclick: () => revoke(helper, device, own),
+    }, text('devices.revoke')));
+}
+
+function revoke(helper: Helper, device: Device, own: boolean): void {
+  openFormDialog({
+    title: text('devices.revoke_title', { device: device.name }),
+    explain: text(own ? 'devices.revoke_own' : 'devices.revoke_explain'),
+    fields: [],
+    submit: text('devices.revoke'),
+    dangerous: true,
+    run: () => act(helper, async () => {
+      await request('DELETE', `/api/devices/${device.device}`);
+      await helper.store.refreshDevices();
+    }, text('devices.revoked', { device: device.name })),
+  });
+}
+
+function pairCard(helper: Helper): HTMLElement {
+  let role: Role = 'device';
+  const failure = h('p', { class: 'form-error', role: 'alert' });
+  const pair = async (): Promise<void> => {
+    failure.textContent = '';
+    try {
+      showCode(helper, await request<PairingCode>('POST', '/api/codes', { role }));
+    } catch (error) {
+      failure.textContent = messageOf(error);
+    }
+  };
+  return card(text('devices.pair'),
+    radioField(text('devices.pair_as'), [
+      { value: 'device', label: text('devices.as_device') },
+      { value: 'helper', label: text('devices.as_helper') },
+    ], role, (chosen) => (role = chosen as Role)),
+    failure,
+    h('div', { class: 'row' }, h('button', { type: 'button', class: 'primary', onclick: () => void pair() }, text('devices.make_code'))));
+}
+
+function showCode(helper: Helper, { code, valid_s, address, qr }: PairingCode): void {
+  const grouped = `${code.slice(0, 3)} ${code.slice(3)}`;
+  openDialog(text('devices.code_title'), [
+    h('p', {}, text('devices.code_explain', { minutes: counted('devices.minutes', Math.round(valid_s / 60)) })),
+    // Read digit by digit.
+    h('p', { class: 'big-code', 'aria-hidden': 'true' }, grouped),
+    h('p', { class: 'visually-hidden' }, text('devices.code_is', { code: [...code].join(' ') })),
+    qrPicture(qr, text('devices.qr', { address })),
+    h('p', { class: 'hint' }, address),
+  ], () => void helper.store.refreshDevices().catch(() => undefined));
+}

@@ -1,0 +1,52 @@
+// How far a job is: a bar and words; every quarter of it is announced.
+import { request } from '../shared/api';
+import { h } from '../shared/dom';
+import type { Job, JobKind } from '../shared/protocol';
+import { counted, formatPercent, text } from '../shared/texts';
+import { actOrSay, type Helper } from './actions';
+
+export function jobView(helper: Helper, ...kinds: [JobKind, ...JobKind[]]): HTMLElement {
+  const { store } = helper;
+  const bar = h('progress', { max: 1, 'aria-label': text(`job.${kinds[0]}`) });
+  const words = h('p', { class: 'progress-words' });
+  const news = h('p', { class: 'visually-hidden', role: 'status' });
+  const stop = h('button', { type: 'button', onclick: () => stopNow() }, text('job.stop'));
+  const running = h('div', { class: 'job' }, bar, stop);
+  const element = h('div', { class: 'form' }, running, words, news);
+  let said = '';
+
+  function stopNow(): void {
+    actOrSay(helper, () => request('POST', '/api/job/stop'), text('job.stop_asked'));
+  }
+
+  store.watch(['job'], () => {
+    const { job } = store.state;
+    const mine = job && kinds.includes(job.kind) ? job : null;
+    running.hidden = mine?.state !== 'running';
+    element.hidden = mine === null;
+    if (!mine) {
+      return;
+    }
+    bar.value = mine.fraction;
+    bar.setAttribute('aria-label', text(`job.${mine.kind}`));
+    words.textContent = wordsOf(mine);
+    const milestone = `${mine.kind} ${mine.state} ${mine.state === 'running' ? Math.floor(mine.fraction * 4) : ''}`;
+    if (milestone !== said) {
+      said = milestone;
+      news.textContent = wordsOf(mine);
+    }
+  });
+  return element;
+}
+
+function wordsOf(job: Job): string {
+  if (job.state !== 'running') {
+    return [text(`job.${job.kind}_${job.state}`), job.text].filter((part) => part !== '').join(' ');
+  }
+  const left = job.left_s === null ? '' : leftOf(job.left_s);
+  return [`${text(`job.${job.kind}`)}: ${job.stage}`, formatPercent(job.fraction), left].filter((part) => part !== '').join(', ');
+}
+
+function leftOf(seconds: number): string {
+  return seconds < 60 ? text('job.left_less') : counted('job.left', Math.round(seconds / 60));
+}

@@ -1,0 +1,80 @@
+// The helper's page.
+import { Announcer } from '../shared/announcer';
+import { ApiError, messageOf, request } from '../shared/api';
+import { browserSession } from '../shared/browser_session';
+import { byId, h, replaceChildren } from '../shared/dom';
+import { kProtocolVersion, type Me } from '../shared/protocol';
+import { chooseLanguage, language, text } from '../shared/texts';
+import { devicesPanel } from './devices_panel';
+import { forgetPanel } from './forget_panel';
+import { homePanel } from './home_panel';
+import { recognisePanel } from './recognise_panel';
+import { makeShell } from './shell';
+import { HelperStore } from './store';
+import { walksPanel } from './walks_panel';
+
+chooseLanguage();
+document.title = text('helper.title');
+const page = byId('page');
+void begin();
+
+async function begin(): Promise<void> {
+  try {
+    const me = await request<Me>('GET', '/api/me');
+    if (me.role !== 'helper') {
+      location.replace('/device'); // a device's page
+      return;
+    }
+    await open(me);
+  } catch (error) {
+    if (error instanceof ApiError && error.status === 401) {
+      location.replace('/pair');
+    } else {
+      showFailure(error);
+    }
+  }
+}
+
+async function open(me: Me): Promise<void> {
+  const helper = { store: new HelperStore(), announcer: new Announcer() };
+  await helper.store.refreshAll();
+  const session = browserSession({
+    hello: () => ({
+      type: 'hello', version: kProtocolVersion, name: me.name, kind: 'page', camera: null, language: language(),
+      distances: 'metres', step_m: 0.7, callouts: false,
+    }),
+    onMessage: (message) => helper.store.receive(message),
+    onOnline: () => {
+      helper.store.setOnline(true);
+      if (wasLost) {
+        wasLost = false;
+        helper.announcer.say(text('helper.back'));
+        void helper.store.refreshAll().catch(() => undefined); // what changed meanwhile
+      }
+    },
+    onOffline: () => {
+      helper.store.setOnline(false);
+      if (!wasLost) {
+        wasLost = true;
+        helper.announcer.say(text('helper.lost'), 'failed');
+      }
+    },
+  });
+  let wasLost = false;
+  replaceChildren(page, makeShell(helper, [
+    { name: 'home', title: text('nav.home'), make: () => homePanel(helper) },
+    { name: 'walks', title: text('nav.walks'), make: () => walksPanel(helper, me) },
+    { name: 'recognise', title: text('nav.recognise'), make: () => recognisePanel(helper) },
+    { name: 'devices', title: text('nav.devices'), make: () => devicesPanel(helper, me) },
+    { name: 'forget', title: text('nav.forget'), make: () => forgetPanel(helper) },
+  ]));
+  session.connect();
+}
+
+function showFailure(error: unknown): void {
+  replaceChildren(page,
+    h('main', { class: 'failure' },
+      h('h1', {}, 'Roomwise'),
+      h('p', { role: 'alert' }, messageOf(error)),
+      h('button', { type: 'button', class: 'primary', onclick: () => location.reload() }, text('helper.again'))));
+}

@@ -1,0 +1,32 @@
+// Pictures that the home remembers.
+import { h } from '../shared/dom';
+import type { Thing } from '../shared/protocol';
+import { text } from '../shared/texts';
+
+export function keyframeAddress(id: number): string {
+  return `/api/keyframes/${id}/picture`;
+}
+
+export function keyframePicture(id: number, room: string | null): HTMLElement {
+  const caption = room ? text('picture.of_room', { id, room }) : text('picture.of_no_room', { id });
+  return h('figure', {}, h('img', { src: keyframeAddress(id), alt: '' }), h('figcaption', {}, caption));
+}
+
+// The picture on which the thing is seen best, with its box.
+export function thingPicture(thing: Thing): HTMLElement {
+  const image = h('img', { src: keyframeAddress(thing.keyframe), alt: text('picture.of_thing', { thing: thing.name }) });
+  const frame = h('div', { class: 'boxed' }, image);
+  image.addEventListener('load', () => {
+    const svg = document.createElementNS('http://www.w3.org/2000/svg', 'svg');
+    svg.setAttribute('viewBox', `0 0 ${image.naturalWidth} ${image.naturalHeight}`);
+    svg.setAttribute('aria-hidden', 'true');
+    const [left, top, width, height] = thing.box;
+    for (const kind of ['under', 'over']) {
+      const box = document.createElementNS('http://www.w3.org/2000/svg', 'rect');
+      Object.entries({ x: left, y: top, width, height, class: kind }).forEach(([name, value]) => box.setAttribute(name, String(value)));
+      svg.append(box);
+    }
+    frame.append(svg);
+  });
+  return frame;
+}

@@ -1,0 +1,27 @@
+// A QR code from its rows of modules, '1' is dark: one path, with the four light modules that readers need around it.
+export const kQuiet = 4;
+
+export function qrPath(rows: readonly string[]): { side: number; path: string } {
+  let path = '';
+  rows.forEach((row, y) => {
+    for (const { index, 0: run } of row.matchAll(/1+/g)) {
+      path += `M${index + kQuiet} ${y + kQuiet}h${run.length}v1h-${run.length}z`;
+    }
+  });
+  return { side: rows.length + 2 * kQuiet, path };
+}
+
+export function qrPicture(rows: readonly string[], label: string): SVGSVGElement {
+  const { side, path } = qrPath(rows);
+  const make = (name: string, attributes: Record<string, string>): SVGElement => {
+    const element = document.createElementNS('http://www.w3.org/2000/svg', name);
+    Object.entries(attributes).forEach(([key, value]) => element.setAttribute(key, value));
+    return element;
+  };
+  const svg = make('svg', {
+    viewBox: `0 0 ${side} ${side}`, class: 'qr', role: 'img', 'aria-label': label, 'shape-rendering': 'crispEdges',
+  });
+  // Dark on light in every colour scheme: many readers know nothing else.
+  svg.append(make('rect', { width: String(side), height: String(side), fill: '#fff' }), make('path', { d: path, fill: '#000' }));
+  return svg as SVGSVGElement;
+}

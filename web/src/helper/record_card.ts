@@ -1,0 +1,52 @@
+// Recording a walk with a connected device.
+import { messageOf, request } from '../shared/api';
+import { h } from '../shared/dom';
+import { selectField, textField } from '../shared/forms';
+import type { Me } from '../shared/protocol';
+import { counted, text } from '../shared/texts';
+import { act, actOrSay, type Helper } from './actions';
+import { required } from './form_dialog';
+import { jobView } from './job_view';
+import { card } from './shell';
+import { fill } from './walks_panel';
+
+export function recordCard(helper: Helper, me: Me): HTMLElement {
+  const { store } = helper;
+  const device = selectField(text('record.device'), []);
+  const name = textField(text('record.name'), { value: text('record.default_name'), attributes: { maxlength: 60 } });
+  const start = h('button', { type: 'submit', class: 'primary' }, text('record.start'));
+  const stop = h('button', { type: 'button', onclick: () => stopNow() }, text('record.stop'));
+  const progress = h('p', { class: 'progress-words' });
+  const form = h('form', { novalidate: true, class: 'form columns' }, device.element, name.element, h('div', { class: 'row' }, start, stop));
+  form.addEventListener('submit', (event) => {
+    event.preventDefault();
+    startNow().catch((error: unknown) => device.fail(messageOf(error)));
+  });
+
+  async function startNow(): Promise<void> {
+    [device, name].forEach((field) => field.clear());
+    if (required(device, text('record.no_device')) && required(name, text('record.name_missing'))) {
+      const body = { device: Number(device.value()), name: name.value() };
+      await act(helper, () => request('POST', '/api/recording', body), text('record.started', { name: name.value() }));
+    }
+  }
+
+  function stopNow(): void {
+    actOrSay(helper, () => request('POST', '/api/recording/stop'), text('record.stopped'));
+  }
+
+  store.watch(['devices'], () => {
+    const online = store.state.devices.filter((one) => one.online && one.device !== me.device);
+    fill(device.input as HTMLSelectElement, online.map((one) => ({ value: String(one.device), label: one.name })));
+  });
+  store.watch(['recording'], () => {
+    const { recording } = store.state;
+    progress.textContent = recording ? wordsOf(recording) : '';
+  });
+  return card(text('record.heading'), h('p', { class: 'hint' }, text('record.explain')), form, progress, jobView(helper, 'map', 'prepare'));
+}
+
+function wordsOf(recording: { state: 'recording' | 'saved' | 'failed'; name: string; frames: number; text: string }): string {
+  const state = text(`record.state_${recording.state}`, { name: recording.name });
+  return [state, counted('home.frames', recording.frames), recording.text].filter((part) => part !== '').join(', ');
+}

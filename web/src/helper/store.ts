@@ -1,0 +1,124 @@
+// What the helper's page knows of the home; kept fresh by the socket.
+import { ApiError, request } from '../shared/api';
+import type {
+  Device, DeviceSeen, FromComputer, Home, Job, Keyframe, Recognition, RecordingState,
+} from '../shared/protocol';
+
+export interface HelperState {
+  home: Home | null;
+  keyframes: Keyframe[];
+  devices: Device[];
+  recognitions: Recognition[];
+  job: Job | null;
+  recording: RecordingState | null;
+  seen: Map<number, DeviceSeen>; // by device
+  online: boolean;
+}
+
+export type Topic = 'home' | 'devices' | 'recognitions' | 'job' | 'recording' | 'seen' | 'online';
+
+export class HelperStore {
+  readonly state: HelperState = {
+    home: null, keyframes: [], devices: [], recognitions: [], job: null, recording: null, seen: new Map(), online: false,
+  };
+  private readonly listeners: { topics: readonly Topic[]; run: () => void }[] = [];
+
+  // `run` at once, and whenever one of the topics changed.
+  watch(topics: readonly Topic[], run: () => void): void {
+    this.listeners.push({ topics, run });
+    run();
+  }
+
+  async refreshHome(): Promise<void> {
+    const [home, map] = await Promise.all([
+      request<Home>('GET', '/api/home'),
+      request<{ keyframes: Keyframe[] }>('GET', '/api/map/keyframes').catch(noneYet),
+    ]);
+    this.state.home = home;
+    this.state.keyframes = map.keyframes;
+    this.tell('home');
+  }
+
+  async refreshDevices(): Promise<void> {
+    this.state.devices = (await request<{ devices: Device[] }>('GET', '/api/devices')).devices;
+    this.tell('devices');
+  }
+
+  async refreshRecognitions(): Promise<void> {
+    const answer = await request<{ recognitions: Recognition[] }>('GET', '/api/recognitions');
+    this.state.recognitions = answer.recognitions;
+    this.tell('recognitions');
+  }
+
+  async refreshJob(): Promise<void> {
+    const job = await request<Job | { state: 'none' }>('GET', '/api/job');
+    this.state.job = job.state === 'none' ? null : (job as Job);
+    this.tell('job');
+  }
+
+  async refreshAll(): Promise<void> {
+    await Promise.all([
+      this.refreshHome(), this.refreshDevices(), this.refreshRecognitions(), this.refreshJob(),
+    ]);
+  }
+
+  setOnline(online: boolean): void {
+    if (online !== this.state.online) {
+      this.state.online = online;
+      this.tell('online');
+    }
+  }
+
+  // What the socket said.
+  receive(message: FromComputer): void {
+    switch (message.type) {
+      case 'home':
+        void this.refreshHome().catch(() => undefined); // told again by the next change
+        break;
+      case 'job':
+        this.state.job = message;
+        this.tell('job');
+        if (message.state !== 'running') {
+          void this.refreshHome().catch(() => undefined);
+        }
+        break;
+      case 'recording':
+        this.state.recording = message;
+        this.tell('recording');
+        break;
+      case 'device':
+        this.receiveDevice(message);
+        break;
+      default: // of interest to devices only
+        break;
+    }
+  }
+
+  private receiveDevice(message: DeviceSeen): void {
+    const known = this.state.devices.find((device) => device.device === message.device);
+    const told = this.state.seen.get(message.device);
+    this.state.seen.set(message.device, message);
+    this.tell('seen');
+    if (!known) {
+      void this.refreshDevices().catch(() => undefined);
+    } else if (known.online !== message.online) {
+      known.online = message.online;
+      this.tell('devices');
+    }
+    if (message.seen?.verdict !== told?.seen?.verdict || message.seen?.room !== told?.seen?.room) {
+      void this.refreshRecognitions().catch(() => undefined);
+    }
+  }
+
+  private tell(topic: Topic): void {
+    this.listeners.filter(({ topics }) => topics.includes(topic)).forEach(({ run }) => run());
+  }
+}
+
+// A home without a map has no key-frames.
+function noneYet(error: unknown): { keyframes: Keyframe[] } {
+  if (error instanceof ApiError && (error.status === 404 || error.status === 409)) {
+    return { keyframes: [] };
+  }
+  throw error;
+}

@@ -1,0 +1,65 @@
+// The pairing page: six digits and a name. The code may come in the address, behind #, where no server sees it.
+import { ApiError, messageOf, request } from '../shared/api';
+import { byId, h, replaceChildren } from '../shared/dom';
+import { textField } from '../shared/forms';
+import type { Role } from '../shared/protocol';
+import { chooseLanguage, text } from '../shared/texts';
+import { codeFrom } from './code';
+
+chooseLanguage();
+document.title = text('pair.title');
+
+const given = codeFrom(location.hash);
+if (given) {
+  history.replaceState(null, '', '/pair'); // the code is not kept in the history
+}
+const code = textField(text('pair.code'), {
+  hint: text('pair.code_hint'),
+  value: given ?? '',
+  attributes: { inputmode: 'numeric', autocomplete: 'one-time-code', class: 'code', maxlength: 11, required: true },
+});
+const name = textField(text('pair.name'), {
+  hint: text('pair.name_hint'),
+  value: text(/iPhone|Android.*Mobile/.test(navigator.userAgent) ? 'pair.my_phone' : 'pair.my_device'),
+  attributes: { maxlength: 60, required: true },
+});
+const submit = h('button', { type: 'submit', class: 'primary big' }, text('pair.pair'));
+const failure = h('p', { class: 'form-error', role: 'alert' });
+const form = h('form', { novalidate: true, class: 'card' }, code.element, name.element, failure, submit);
+form.addEventListener('submit', (event) => {
+  event.preventDefault();
+  void pair();
+});
+replaceChildren(byId('page'),
+  h('main', { class: 'pair' },
+    h('h1', {}, text('pair.heading')), h('p', { class: 'lead' }, text('pair.lead')), form));
+(given ? submit : code.input).focus();
+
+async function pair(): Promise<void> {
+  [code, name].forEach((field) => field.clear());
+  failure.textContent = '';
+  const digits = codeFrom(code.value());
+  if (!digits) {
+    code.fail(text('pair.code_wrong'));
+    return;
+  }
+  if (name.value() === '') {
+    name.fail(text('pair.name_missing'));
+    return;
+  }
+  submit.setAttribute('aria-disabled', 'true');
+  try {
+    const body = { code: digits, name: name.value(), cookie: true };
+    const { role } = await request<{ role: Role }>('POST', '/api/pair', body);
+    location.replace(role === 'helper' ? '/' : '/device');
+  } catch (error) {
+    // 400, 401, 403: the code; anything else is not about a field.
+    if (error instanceof ApiError && error.status >= 400 && error.status < 404) {
+      code.fail(error.message);
+    } else {
+      failure.textContent = messageOf(error);
+    }
+  } finally {
+    submit.removeAttribute('aria-disabled');
+  }
+}

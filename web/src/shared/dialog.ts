@@ -1,0 +1,31 @@
+// A modal dialog with heading and close button. Escape closes it; focus goes back to where it was.
+import { h, newId, type Child } from './dom';
+import { text } from './texts';
+
+export interface OpenDialog {
+  element: HTMLDialogElement;
+  close: () => void;
+}
+
+export function openDialog(title: string, content: readonly Child[], closed: () => void = () => undefined): OpenDialog {
+  const opener = document.activeElement;
+  const id = newId('dialog');
+  const element = h('dialog', { 'aria-labelledby': id, class: 'dialog' });
+  const close = (): void => element.close();
+  element.append(
+    h('div', { class: 'dialog-head' },
+      h('h2', { id, tabindex: '-1' }, title),
+      h('button', { type: 'button', class: 'quiet-button', onclick: close }, text('dialog.close'))),
+    ...content.filter((child): child is Node => child instanceof Node));
+  element.addEventListener('close', () => {
+    element.remove();
+    if (opener instanceof HTMLElement && opener.isConnected) {
+      opener.focus();
+    }
+    closed();
+  });
+  document.body.append(element);
+  element.showModal();
+  (element.querySelector<HTMLElement>('[autofocus]') ?? element.querySelector<HTMLElement>('h2'))?.focus();
+  return { element, close };
+}

@@ -1,0 +1,223 @@
+// What the computer and its clients say to each other: docs/protocol.md, version 1.
+
+export const kProtocolVersion = 1;
+export const kSubprotocol = 'roomwise.1';
+
+export type Language = 'en' | 'de';
+export type Distances = 'metres' | 'steps';
+export type Role = 'device' | 'helper';
+export type Priority = 'hazard' | 'answer' | 'notice' | 'callout';
+export type Confidence = 'sure' | 'probable' | 'unsure';
+export type Sound = 'answer' | 'unsure' | 'lost' | 'back' | 'alert' | 'none';
+export type Verdict = 'room' | 'not sure' | 'none of them';
+export type Vector = [number, number, number];
+
+// Times `t` are milliseconds of this device's steady clock (performance.now()).
+export interface Prompt {
+  type: 'prompt';
+  answer_to: number | null;
+  key: string;
+  message: string;
+  text: string;
+  language: Language;
+  priority: Priority;
+  confidence: Confidence;
+  sound: Sound;
+  because: string;
+  based_on_t: number | null;
+  valid_until_t: number;
+}
+
+export interface Welcome {
+  type: 'welcome';
+  version: number;
+  home: string;
+  role: Role;
+  rooms: string[];
+  things: string[];
+  sees_rooms: boolean;
+  sees_places: boolean;
+  most_frame_bytes: number;
+}
+
+export interface Position {
+  x: number;
+  y: number;
+  z: number;
+  heading_degrees: number;
+  sigma_m: number;
+}
+
+export interface Seen {
+  t: number;
+  verdict: Verdict;
+  room: string;
+  probability: number;
+  why: string;
+  position: Position | null;
+}
+
+export interface RecordingState {
+  type: 'recording';
+  state: 'recording' | 'saved' | 'failed';
+  name: string;
+  frames: number;
+  text: string;
+}
+
+export type JobKind = 'prepare' | 'map' | 'learn';
+export type JobState = 'running' | 'done' | 'failed' | 'stopped';
+
+export interface Job {
+  type: 'job';
+  kind: JobKind;
+  state: JobState;
+  stage: string;
+  fraction: number;
+  left_s: number | null;
+  text: string;
+}
+
+export interface DeviceSeen {
+  type: 'device';
+  device: number;
+  name: string;
+  online: boolean;
+  seen: Seen | null;
+}
+
+export type FromComputer =
+  | Prompt
+  | Welcome
+  | RecordingState
+  | Job
+  | DeviceSeen
+  | ({ type: 'seen' } & Seen)
+  | ({ type: 'home' } & Partial<Omit<Welcome, 'type' | 'version'>>)
+  | { type: 'frame'; t: number; dropped: number }
+  | { type: 'error'; text: string; answer_to: number | null };
+
+export interface CameraDescription {
+  width: number;
+  height: number;
+}
+
+export interface Hello {
+  type: 'hello';
+  version: typeof kProtocolVersion;
+  name: string;
+  kind: 'phone' | 'wearable' | 'page';
+  camera: CameraDescription | null;
+  language: Language;
+  distances: Distances;
+  step_m: number;
+  callouts: boolean;
+}
+
+export type Question =
+  | { question: 'where_am_i' | 'around_me' | 'repeat' }
+  | { question: 'where_is'; thing: string }
+  | { question: 'name_room'; room: string };
+
+// Answers of requests.
+
+export interface Me {
+  device: number;
+  name: string;
+  role: Role;
+}
+
+export interface Room {
+  name: string;
+  type: string | null;
+  floor_m2: number | null;
+  middle: [number, number] | null;
+}
+
+export interface Doorway {
+  rooms: string[];
+  middle: [number, number] | null;
+}
+
+export interface Thing {
+  id: number;
+  name: string;
+  probability: number;
+  room: string | null;
+  position: Vector;
+  size: Vector;
+  keyframe: number;
+  box: [number, number, number, number];
+}
+
+export interface RoomRange {
+  first: number;
+  last: number;
+  room: string;
+}
+
+export interface Recording {
+  id: number;
+  name: string;
+  frames: number;
+  keyframes: number;
+  finished: boolean;
+  camera: object | null;
+  ranges: RoomRange[];
+}
+
+export interface Home {
+  name: string;
+  learned: { pictures: number; network: string } | null;
+  rooms: Room[];
+  doorways: Doorway[];
+  things: Thing[];
+  recordings: Recording[];
+  room_types: string[];
+}
+
+export interface Keyframe {
+  id: number;
+  frame: number; // its index in the recording
+  time_s: number;
+  position: Vector;
+  rotation_xyzw: [number, number, number, number];
+  room: string | null;
+  recording: number;
+}
+
+export interface Device {
+  device: number;
+  name: string;
+  role: Role;
+  paired: number;
+  last_seen: number;
+  online: boolean;
+}
+
+export interface PairingCode {
+  code: string;
+  valid_s: number;
+  address: string;
+  qr: string[];
+}
+
+export interface TestResult {
+  verdict: Verdict;
+  room: string;
+  probability: number;
+  known: number;
+  why: string;
+  rooms: { room: string; probability: number }[];
+}
+
+export interface Recognition {
+  number: number;
+  device: number;
+  name: string;
+  time: number;
+  verdict: Verdict;
+  room: string;
+  probability: number;
+  why: string;
+}

@@ -1,0 +1,79 @@
+// The words of the pages, in the language that was chosen.
+import de from '../messages/de.json';
+import en from '../messages/en.json';
+import type { Language } from './protocol';
+import { spoken, type SpokenKey } from './spoken';
+
+export type TextKey = keyof typeof en;
+type Values = Record<string, string | number>;
+
+const catalogues: Record<Language, Record<TextKey, string>> = { en, de };
+const kStored = 'roomwise.language';
+let chosen: Language = 'en';
+
+export function languageOf(tags: readonly string[]): Language {
+  const known = tags.map((tag) => tag.slice(0, 2).toLowerCase());
+  return known.find((tag): tag is Language => tag === 'en' || tag === 'de') ?? 'en';
+}
+
+// What was chosen before, else what the browser prefers.
+export function chooseLanguage(): Language {
+  const stored = window.localStorage.getItem(kStored);
+  setLanguage(stored === 'en' || stored === 'de' ? stored : languageOf(navigator.languages));
+  return chosen;
+}
+
+export function setLanguage(language: Language): void {
+  chosen = language;
+  if (typeof document !== 'undefined') {
+    document.documentElement.lang = language;
+  }
+}
+
+export function rememberLanguage(language: Language): void {
+  window.localStorage.setItem(kStored, language);
+  setLanguage(language);
+}
+
+export function language(): Language {
+  return chosen;
+}
+
+export function text(key: TextKey, values: Values = {}): string {
+  return filled(catalogues[chosen][key], values);
+}
+
+// `count` chooses between the texts `key.one` and `key.other`.
+export function counted(
+  key: TextKey extends infer Key ? (Key extends `${infer Stem}.other` ? Stem : never) : never,
+  count: number,
+  values: Values = {},
+): string {
+  const form = count === 1 ? 'one' : 'other';
+  return text(`${key}.${form}` as TextKey, { count: formatNumber(count), ...values });
+}
+
+// A message that the phone speaks by itself.
+export function spokenText(key: SpokenKey): string {
+  return spoken(chosen, key);
+}
+
+export function filled(pattern: string, values: Values): string {
+  return pattern.replace(/\{(\w+)\}/g, (whole, name: string) => {
+    const value = values[name];
+    return value === undefined ? whole : String(value);
+  });
+}
+
+export function formatNumber(value: number, digits = 0): string {
+  return new Intl.NumberFormat(chosen, { maximumFractionDigits: digits }).format(value);
+}
+
+export function formatPercent(value: number): string {
+  return new Intl.NumberFormat(chosen, { style: 'percent' }).format(value);
+}
+
+export function formatTime(seconds: number): string {
+  const format = new Intl.DateTimeFormat(chosen, { dateStyle: 'medium', timeStyle: 'short' });
+  return format.format(new Date(seconds * 1000));
+}

@@ -1,0 +1,309 @@
+import assert from 'node:assert/strict';
+import { after, test } from 'node:test';
+
+import { makePrompt } from '../stand_in_server';
+import { closeBrowser, kDesktop, kPhone, openVisit, skipReason, withServer, type Visit } from './harness';
+
+after(closeBrowser);
+const options = { skip: skipReason };
+
+// A camera whose picture the test chooses: window.scene = 'room', 'dark' or 'covered'.
+function sceneCamera(): void {
+  const world = window as unknown as { scene: string };
+  world.scene = 'room';
+  navigator.mediaDevices.getUserMedia = async () => {
+    const canvas = document.createElement('canvas');
+    [canvas.width, canvas.height] = [640, 480];
+    const context = canvas.getContext('2d') as CanvasRenderingContext2D;
+    let count = 0;
+    window.setInterval(() => {
+      count += 1;
+      context.fillStyle = world.scene === 'dark' ? '#030303' : '#9a6a5a';
+      context.fillRect(0, 0, 640, 480);
+      for (let i = 0; world.scene === 'room' && i < 60; i += 1) {
+        context.fillStyle = `rgb(${(i * 67) % 255}, ${(i * 29) % 255}, ${(i * 97) % 255})`;
+        context.fillRect((i * 83 + count) % 600, (i * 59) % 440, 40, 40);
+      }
+    }, 50);
+    return canvas.captureStream(20);
+  };
+}
+
+// Keeps what the phone's own voice would say; every utterance ends at once.
+function recordSpeech(): void {
+  const world = window as unknown as { spoken: { text: string; lang: string }[] };
+  world.spoken = [];
+  const synthesis = {
+    speak: (utterance: SpeechSynthesisUtterance) => {
+      if (utterance.text.trim() !== '') {
+        world.spoken.push({ text: utterance.text, lang: utterance.lang });
+      }
+      window.queueMicrotask(() => utterance.onend?.(new Event('end') as SpeechSynthesisEvent));
+    },
+    cancel: () => undefined,
+    getVoices: () => [],
+  };
+  Object.defineProperty(window, 'speechSynthesis', { value: synthesis });
+}
+
+async function start(visit: Visit, voice: 'own' | 'reader'): Promise<void> {
+  await visit.go('/device');
+  await visit.sees('Who shall speak?');
+  if (voice === 'reader') {
+    await visit.page.focus('input[value=own]');
+    await visit.page.keyboard.press('ArrowDown');
+  }
+  await visit.press('Start');
+  await visit.sees('Connected', '.chip');
+  await visit.sees('Camera sees', '.chip');
+}
+
+async function spoken(visit: Visit): Promise<string[]> {
+  return visit.page.evaluate(() => (window as unknown as { spoken: { text: string }[] }).spoken.map((one) => one.text));
+}
+
+async function speaks(visit: Visit, words: string): Promise<void> {
+  await visit.page.waitForFunction(
+    (wanted) => (window as unknown as { spoken: { text: string }[] }).spoken.some((one) => one.text.includes(wanted)),
+    { timeout: 30_000 }, words,
+  ).catch(async () => assert.fail(`'${words}' was not spoken; only: ${JSON.stringify(await spoken(visit))}`));
+}
+
+async function setScene(visit: Visit, scene: string): Promise<void> {
+  await visit.page.evaluate((name) => ((window as unknown as { scene: string }).scene = name), scene);
+}
+
+test('a device that is not paired is led to pairing', options, () => withServer(async (server) => {
+  const visit = await openVisit(server, { size: kPhone });
+  await visit.go('/device');
+  await visit.press('Start');
+  await visit.sees('Pair this device');
+  await visit.close();
+}));
+
+test('ask and hear by keyboard alone: the screen reader gets each answer once', options, () => withServer(async (server) => {
+  const visit = await openVisit(server, { role: 'device', size: kPhone, before: recordSpeech });
+  await start(visit, 'reader');
+  assert.equal(await visit.focused(), 'Where am I');
+  await visit.page.keyboard.press('Enter');
+  await visit.hears('You are in the kitchen.');
+  await visit.press('What is around me');
+  await visit.hears('Before you the dining table');
+  const announced = await visit.announced();
+  assert.equal(announced.filter((one) => one === 'You are in the kitchen.').length, 1);
+  assert.equal((await visit.accessibleTexts()).filter((one) => one === 'You are in the kitchen.').length, 1);
+  assert.deepEqual(await spoken(visit), [], 'never both ways');
+  assert.deepEqual(server.newest('device').asked.map((one) => one['question']), ['where_am_i', 'around_me']);
+  await visit.close();
+}));
+
+test('the phone speaks with its own voice, and nothing is live then', options, () => withServer(async (server) => {
+  const visit = await openVisit(server, { role: 'device', size: kPhone, before: recordSpeech });
+  await start(visit, 'own');
+  await visit.page.keyboard.press('Enter');
+  await speaks(visit, 'You are in the kitchen.');
+  await visit.sees('You are in the kitchen.', '[role=log]');
+  assert.deepEqual((await spoken(visit)).length, 1);
+  assert.deepEqual(await visit.announced(), []);
+  await visit.close();
+}));
+
+test('find: by typing and by the list; what is asked again is repeated', options, () => withServer(async (server) => {
+  const visit = await openVisit(server, { role: 'device', before: recordSpeech });
+  await start(visit, 'reader');
+  await visit.press('Find…');
+  await visit.tabTo('What are you looking for?');
+  await visit.type('wave');
+  await visit.sees('1 in the list', '[role=status]');
+  await visit.press('microwave');
+  await visit.hears('The microwave is two metres');
+  assert.equal(await visit.focused(), 'Find…', 'focus comes back');
+  await visit.page.keyboard.press('Enter');
+  await visit.press('Ask for it');
+  await visit.sees('Type a thing, or choose one from the list.', '[role=alert]');
+  await visit.type('my keys');
+  await visit.page.keyboard.press('Enter');
+  await visit.hears('The my keys is two metres');
+  assert.deepEqual(server.newest('device').asked.map((one) => one['thing']), ['microwave', 'my keys']);
+  await visit.press('Repeat');
+  await visit.hears('You are in the kitchen.');
+  await visit.close();
+}));
+
+test('quiet silences what nobody asked for, and is told to the computer', options, () => withServer(async (server) => {
+  const visit = await openVisit(server, { role: 'device', size: kPhone, before: recordSpeech });
+  await start(visit, 'own');
+  await visit.press('Quiet');
+  await speaks(visit, 'I only answer now.');
+  assert.deepEqual(server.newest('device').told.pop(), { type: 'quiet', on: true });
+  assert.equal(await visit.page.$eval('.question.quiet', (one) => one.getAttribute('aria-pressed')), 'true');
+  server.tell('device', makePrompt({ key: 'entered', text: 'Bathroom.', priority: 'callout' }));
+  server.tell('device', makePrompt({ key: 'stairs', text: 'Stop!', priority: 'hazard', sound: 'alert' }));
+  await speaks(visit, 'Stop!');
+  assert.ok(!(await spoken(visit)).includes('Bathroom.'));
+  await visit.close();
+}));
+
+test('a hazard is read at once, as an alert', options, () => withServer(async (server) => {
+  const visit = await openVisit(server, { role: 'device', size: kPhone });
+  await start(visit, 'reader');
+  server.tell('device', makePrompt({ key: 'stairs', text: 'Stop! Stairs.', priority: 'hazard', sound: 'alert' }));
+  await visit.sees('Stop! Stairs.', '[role=alert]');
+  assert.equal((await visit.announced()).filter((one) => one === 'Stop! Stairs.').length, 1);
+  await visit.close();
+}));
+
+test('frames flow one by one, and a frame that is not acknowledged holds the next', options, () => withServer(async (server) => {
+  const visit = await openVisit(server, { role: 'device', size: kPhone });
+  await start(visit, 'reader');
+  await until(() => server.newest('device').frames >= 3);
+  assert.deepEqual(server.newest('device').hello?.camera, { width: 640, height: 480 });
+  server.acknowledges = false;
+  const client = server.newest('device');
+  await visit.hears('The connection is lost.');
+  assert.ok(client.frames >= 4);
+  server.acknowledges = true;
+  await visit.hears('Connected again.');
+  await visit.close();
+}));
+
+test('dark and covered cameras are said once, and that they see again', options, () => withServer(async (server) => {
+  const visit = await openVisit(server, { role: 'device', size: kPhone, before: sceneCamera });
+  await start(visit, 'reader');
+  await setScene(visit, 'dark');
+  await visit.hears('It is too dark for the camera.');
+  await visit.sees('Camera: dark', '.chip');
+  await setScene(visit, 'room');
+  await visit.hears('The camera sees again.');
+  await setScene(visit, 'covered');
+  await visit.hears('The camera is covered.');
+  assert.equal((await visit.announced()).filter((one) => one.includes('too dark')).length, 1);
+  await visit.close();
+}));
+
+test('no camera is said, and questions still work', options, () => withServer(async (server) => {
+  const visit = await openVisit(server, {
+    role: 'device', size: kPhone,
+    before: () => (navigator.mediaDevices.getUserMedia = () => Promise.reject(new Error('no camera'))),
+  });
+  await visit.go('/device');
+  await visit.page.click('input[value=reader]');
+  await visit.press('Start');
+  await visit.hears('The camera does not work.');
+  await visit.sees('No camera', '.chip');
+  await visit.press('Where am I');
+  await visit.hears('You are in the kitchen.');
+  assert.equal(server.newest('device').hello?.camera, null);
+  await visit.close();
+}));
+
+test('a lost connection is said, questions meanwhile are answered by that, and it comes back', options, () => withServer(async (server) => {
+  const visit = await openVisit(server, { role: 'device', size: kPhone });
+  await start(visit, 'reader');
+  const lost = visit.hears('The connection is lost.');
+  await server.stop();
+  await lost;
+  await visit.sees('Not connected', '.chip');
+  await visit.press('Where am I');
+  await visit.page.waitForFunction(() => document.querySelectorAll('[role=log] .answer').length === 1);
+  await server.start();
+  await visit.hears('Connected again.');
+  assert.equal((await visit.announced()).filter((one) => one.includes('is lost')).length, 2);
+  await visit.press('Where am I');
+  await visit.hears('You are in the kitchen.');
+  await visit.close();
+}));
+
+test('the page opens while the computer is off, from what the service worker kept', options, () => withServer(async (server) => {
+  const visit = await openVisit(server, { role: 'device', size: kPhone, guarded: false });
+  await visit.go('/device');
+  await visit.page.evaluate(() => navigator.serviceWorker.ready.then(() => true));
+  await visit.page.waitForFunction(() => navigator.serviceWorker.controller !== null);
+  const kept = await visit.page.evaluate(async () => {
+    const requests = await Promise.all((await caches.keys()).map(async (name) => (await caches.open(name)).keys()));
+    return requests.flat().map((request) => new URL(request.url).pathname);
+  });
+  assert.ok(kept.includes('/device.html') && kept.every((path) => !path.startsWith('/api')), JSON.stringify(kept));
+  await server.stop();
+  await visit.page.reload();
+  await visit.page.click('input[value=reader]');
+  await visit.press('Start');
+  await visit.hears('Looking for the computer.');
+  await visit.close();
+}));
+
+test('settings: steps, German; they are kept, and told to the computer', options, () => withServer(async (server) => {
+  const visit = await openVisit(server, { role: 'device', size: kPhone });
+  await start(visit, 'reader');
+  await visit.page.click('.tools button:last-child');
+  await visit.sees('Who speaks');
+  await visit.page.click('input[value=steps]');
+  await until(() => server.newest('device').told.length > 0);
+  assert.deepEqual(server.newest('device').told[0], {
+    type: 'settings', language: 'en', distances: 'steps', step_m: 0.7, callouts: true,
+  });
+  await Promise.all([visit.page.waitForNavigation(), visit.page.click('input[value=de]')]);
+  await visit.sees('Wer soll sprechen?');
+  await visit.press('Los');
+  await visit.sees('Verbunden', '.chip');
+  assert.equal(server.newest('device').hello?.language, 'de');
+  assert.equal(server.newest('device').hello?.distances, 'steps');
+  await visit.close();
+}));
+
+for (const [size, name] of [[kPhone, 'phone'], [kDesktop, 'desktop'], [{ width: 320, height: 500 }, '320 px wide']] as const) {
+  for (const dark of [false, true]) {
+    test(`axe-core finds nothing on the phone's page: ${name}, ${dark ? 'dark' : 'light'}`, options, () => withServer(async (server) => {
+      const visit = await openVisit(server, { role: 'device', size, dark });
+      await visit.go('/device');
+      await visit.sees('Who shall speak?');
+      await visit.assertAccessible('start');
+      await visit.assertReflows();
+      await start(visit, 'reader');
+      await visit.page.keyboard.press('Enter');
+      await visit.hears('You are in the kitchen.');
+      await visit.assertAccessible('questions');
+      await visit.assertReflows();
+      await visit.press('Find…');
+      await visit.sees('What are you looking for?');
+      await visit.assertAccessible('find');
+      await visit.page.keyboard.press('Escape');
+      await visit.press('Settings');
+      await visit.assertAccessible('settings');
+      await visit.page.keyboard.press('Escape');
+      await server.stop();
+      await visit.sees('Not connected', '.chip');
+      await visit.assertAccessible('connection lost');
+      await visit.close();
+    }));
+  }
+}
+
+test('questions are large enough for a thumb', options, () => withServer(async (server) => {
+  const visit = await openVisit(server, { role: 'device', size: kPhone });
+  await start(visit, 'reader');
+  const boxes = await visit.page.$$eval('.question', (all) => all.map((one) => one.getBoundingClientRect().toJSON() as DOMRect));
+  assert.equal(boxes.length, 5);
+  for (const box of boxes) {
+    assert.ok(box.height >= 64 && box.width >= 64, JSON.stringify(box));
+    assert.ok(box.top >= kPhone.height / 2 - 40 && box.bottom <= kPhone.height, `in the lower part: ${JSON.stringify(box)}`);
+  }
+  await visit.close();
+}));
+
+test('the first load is small and stays in the home', options, () => withServer(async (server) => {
+  const visit = await openVisit(server, { role: 'device', size: kPhone });
+  await start(visit, 'reader');
+  assert.ok(visit.bytes > 10_000 && visit.bytes < 2_000_000, `${visit.bytes} bytes`);
+  console.log(`# first load of /device: ${visit.bytes} bytes`);
+  await visit.close();
+}));
+
+// Polls a condition of the stand-in.
+async function until(holds: () => boolean): Promise<void> {
+  for (let i = 0; i < 15_000 && !holds(); i += 1) {
+    await new Promise((resolve) => setImmediate(resolve));
+    await (await import('node:timers/promises')).setTimeout(1);
+  }
+  assert.ok(holds(), 'the computer did not get what it waits for');
+}

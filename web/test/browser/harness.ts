@@ -1,0 +1,231 @@
+// A headless Chromium and the stand-in server, for tests that use the pages as a person would. No test sleeps: they
+// wait for what they expect, and fail when it does not come.
+import axe from 'axe-core';
+import assert from 'node:assert/strict';
+import { existsSync } from 'node:fs';
+import puppeteer, { type Browser, type Page, type SerializedAXNode } from 'puppeteer-core';
+
+import type { Role } from '../../src/shared/protocol';
+import { StandInServer } from '../stand_in_server';
+
+const kPlaces = ['/usr/bin/chromium', '/usr/bin/chromium-browser', '/usr/bin/google-chrome'];
+export const kPages = process.env['ROOMWISE_WEB'] ?? '';
+export const kPhone = { width: 360, height: 740 };
+export const kDesktop = { width: 1280, height: 900 };
+const kTags = ['wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa', 'wcag22aa'];
+
+export function chromium(): string | null {
+  return [process.env['ROOMWISE_CHROMIUM'] ?? '', ...kPlaces].find((place) => place !== '' && existsSync(place)) ?? null;
+}
+
+// For `test(name, {skip: skipReason}, ...)`.
+export const skipReason: string | false = chromium() === null
+  && 'no chromium found: install it (apt-get install chromium), or name the program in ROOMWISE_CHROMIUM';
+
+let browser: Promise<Browser> | null = null;
+export function sharedBrowser(): Promise<Browser> {
+  browser ??= puppeteer.launch({
+    executablePath: chromium() ?? '',
+    args: [
+      '--no-sandbox', '--use-fake-device-for-media-stream', '--use-fake-ui-for-media-stream', '--disable-gpu',
+      '--enable-unsafe-swiftshader', '--autoplay-policy=no-user-gesture-required', '--lang=en-US',
+    ],
+    protocolTimeout: 120_000,
+  });
+  return browser;
+}
+
+export async function closeBrowser(): Promise<void> {
+  await (await browser)?.close();
+  browser = null;
+}
+
+export interface OpenOptions {
+  role?: Role;
+  size?: { width: number; height: number };
+  dark?: boolean;
+  guarded?: boolean; // false: requests are not looked at, since that would go round the service worker
+  before?: () => void; // runs in the page before its own scripts
+}
+
+export class Visit {
+  readonly outside: string[] = [];
+  readonly failures: string[] = [];
+  bytes = 0;
+
+  constructor(readonly page: Page, readonly server: StandInServer) {}
+
+  async go(path: string): Promise<void> {
+    await this.page.goto(this.server.url + path, { waitUntil: 'load' });
+  }
+
+  // Waits until an element that fits holds the words.
+  async sees(words: string, selector = 'body'): Promise<void> {
+    await this.page.waitForFunction(
+      (wanted, where) => [...document.querySelectorAll(where)].some((one) => (one as HTMLElement).innerText?.includes(wanted)),
+      { timeout: 30_000 }, words, selector,
+    ).catch(async () => {
+      const there = await this.page.evaluate((where) => [...document.querySelectorAll(where)].map((one) => (one as HTMLElement).innerText).join('\n---\n'), selector);
+      assert.fail(`'${words}' did not come into ${selector}, which holds:\n${there}`);
+    });
+  }
+
+  // What live regions were given so far, in order: what a screen reader would read by itself.
+  async announced(): Promise<string[]> {
+    return this.page.evaluate(() => (window as unknown as { announced: string[] }).announced);
+  }
+
+  async hears(words: string): Promise<void> {
+    await this.page.waitForFunction(
+      (wanted) => (window as unknown as { announced: string[] }).announced.some((one) => one.includes(wanted)),
+      { timeout: 30_000 }, words,
+    ).catch(async () => assert.fail(`'${words}' was not announced; only: ${JSON.stringify(await this.announced())}`));
+  }
+
+  // Presses Tab until the control of this name has the focus.
+  async tabTo(name: string, most = 80): Promise<void> {
+    const passed: string[] = [];
+    for (let i = 0; i < most; i += 1) {
+      await this.page.keyboard.press('Tab');
+      const here = await this.focused();
+      if (here === name) {
+        return;
+      }
+      passed.push(here);
+    }
+    assert.fail(`Tab does not lead to '${name}'; it leads to ${JSON.stringify(passed)}`);
+  }
+
+  // The name of what has the focus: of its aria-label, its label, or its own words.
+  async focused(): Promise<string> {
+    return this.page.evaluate(() => {
+      const element = document.activeElement as HTMLElement | null;
+      const labels = (element as HTMLInputElement | null)?.labels;
+      const words = element?.getAttribute('aria-label') ?? (labels && labels[0] ? labels[0].innerText : element?.innerText);
+      return (words ?? '').replace(/\s+/g, ' ').trim();
+    });
+  }
+
+  // All static texts of the accessibility tree.
+  async accessibleTexts(): Promise<string[]> {
+    const found: string[] = [];
+    const walk = (node: SerializedAXNode | null | undefined): void => {
+      if (node?.role === 'StaticText') {
+        found.push(node.name ?? '');
+      }
+      node?.children?.forEach(walk);
+    };
+    walk(await this.page.accessibility.snapshot({ interestingOnly: false }));
+    return found;
+  }
+
+  async press(name: string): Promise<void> {
+    await this.tabTo(name);
+    await this.page.keyboard.press('Enter');
+  }
+
+  async type(words: string): Promise<void> {
+    await this.page.keyboard.type(words);
+  }
+
+  async assertAccessible(what: string): Promise<void> {
+    await this.page.evaluate(axe.source);
+    const found = await this.page.evaluate(async (tags) => {
+      const results = await (window as unknown as { axe: typeof axe }).axe.run(document, { runOnly: tags });
+      return results.violations.map((one) => `${one.id}: ${one.help}\n  ${one.nodes.map((node) => node.html + '\n    ' + node.failureSummary).join('\n  ')}`);
+    }, kTags);
+    assert.deepEqual(found, [], `axe-core on ${what}`);
+  }
+
+  async assertReflows(): Promise<void> {
+    const over = await this.page.evaluate(() => document.documentElement.scrollWidth - window.innerWidth);
+    assert.ok(over <= 0, `the page is ${over} px wider than the window`);
+  }
+
+  async close(): Promise<void> {
+    await this.page.close();
+    assert.deepEqual(this.outside, [], 'requests that leave the home');
+    assert.deepEqual(this.failures, [], 'errors in the page');
+  }
+}
+
+export async function withServer(run: (server: StandInServer) => Promise<void>): Promise<void> {
+  const server = new StandInServer(kPages);
+  await server.start();
+  try {
+    await run(server);
+  } finally {
+    await server.stop();
+  }
+}
+
+// Opens a browser window of its own: cookies and storage begin empty.
+export async function openVisit(server: StandInServer, options: OpenOptions = {}): Promise<Visit> {
+  const context = await (await sharedBrowser()).createBrowserContext();
+  const page = await context.newPage();
+  const visit = new Visit(page, server);
+  await page.setViewport({ ...(options.size ?? kDesktop), hasTouch: options.size === kPhone });
+  await page.emulateMediaFeatures([
+    { name: 'prefers-color-scheme', value: options.dark ? 'dark' : 'light' },
+    { name: 'prefers-reduced-motion', value: 'reduce' },
+  ]);
+  if (options.role) {
+    await context.setCookie({
+      name: 'roomwise', value: server.state.pair(options.role), domain: 'localhost', path: '/', secure: true, httpOnly: true,
+      sameSite: 'Strict',
+    });
+  }
+  await page.evaluateOnNewDocument(listenToLiveRegions);
+  if (options.before) {
+    await page.evaluateOnNewDocument(options.before);
+  }
+  if (options.guarded !== false) {
+    await guard(visit);
+  }
+  return visit;
+}
+
+async function guard(visit: Visit): Promise<void> {
+  const { page, server } = visit;
+  await page.setRequestInterception(true);
+  page.on('request', (request) => {
+    const own = [server.url + '/', server.url.replace('http', 'ws') + '/', 'blob:', 'data:'];
+    if (own.some((start) => request.url().startsWith(start))) {
+      void request.continue();
+    } else {
+      visit.outside.push(request.url());
+      void request.abort();
+    }
+  });
+  page.on('pageerror', (error) => visit.failures.push(String(error)));
+  page.on('console', (message) => {
+    // A computer that is away, and refusals that a test asks for, are in the browser's log by themselves.
+    if (message.type() === 'error' && !/ERR_CONNECTION|WebSocket|status of 4\d\d/.test(message.text())) {
+      visit.failures.push(message.text());
+    }
+  });
+  const network = await page.createCDPSession();
+  await network.send('Network.enable');
+  network.on('Network.loadingFinished', (event) => (visit.bytes += event.encodedDataLength));
+}
+
+// Keeps what comes into live regions. It runs in the page.
+function listenToLiveRegions(): void {
+  const heard: string[] = [];
+  (window as unknown as { announced: string[] }).announced = heard;
+  const isLive = (node: Node): boolean => {
+    const element = node instanceof Element ? node : node.parentElement;
+    const region = element?.closest('[aria-live], [role=alert], [role=status], [role=log]');
+    return !!region && region.getAttribute('aria-live') !== 'off';
+  };
+  new MutationObserver((changes) => {
+    for (const { target, addedNodes } of changes) {
+      for (const node of addedNodes) {
+        const words = (node.textContent ?? '').trim();
+        if (words !== '' && isLive(target)) {
+          heard.push(words);
+        }
+      }
+    }
+  }).observe(document, { childList: true, subtree: true });
+}

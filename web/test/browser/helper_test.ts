@@ -1,0 +1,371 @@
+import assert from 'node:assert/strict';
+import { writeFileSync, mkdtempSync, rmSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import { after, test } from 'node:test';
+
+import { drawnRoom } from '../drawn_picture';
+import { tellJob, tellRecording } from '../stand_in_api';
+import { closeBrowser, kDesktop, kPhone, openVisit, skipReason, withServer, type Visit } from './harness';
+
+after(closeBrowser);
+const options = { skip: skipReason };
+
+async function goTo(visit: Visit, part: string, heading: string): Promise<void> {
+  await visit.press(part);
+  await visit.sees(heading, 'h2');
+}
+
+// Chooses all that a field holds, and types over it.
+async function retype(visit: Visit, words: string): Promise<void> {
+  await visit.page.keyboard.down('Control');
+  await visit.page.keyboard.press('KeyA');
+  await visit.page.keyboard.up('Control');
+  await visit.type(words);
+}
+
+// Said once, by whatever live region.
+async function heardOnce(visit: Visit, words: string): Promise<void> {
+  await visit.hears(words);
+  assert.equal((await visit.announced()).filter((one) => one.includes(words)).length, 1, words);
+}
+
+test('who is not paired goes to pairing, a device to its own page', options, () => withServer(async (server) => {
+  const visit = await openVisit(server);
+  await visit.go('/');
+  await visit.sees('Pair this device');
+  await visit.close();
+  const device = await openVisit(server, { role: 'device' });
+  await device.go('/');
+  await device.sees('Who shall speak?');
+  await device.close();
+}));
+
+test('pairing a device: a code on one page, typed on the other, by keyboard alone', options, () => withServer(async (server) => {
+  const helper = await openVisit(server, { role: 'helper' });
+  await helper.go('/');
+  await goTo(helper, 'Devices', 'Devices');
+  await helper.press('Show a code');
+  await helper.sees('314 159', 'dialog');
+  assert.ok((await helper.accessibleTexts()).includes('The code is 3 1 4 1 5 9.'));
+  const device = await openVisit(server, { size: kPhone });
+  await device.go('/pair');
+  await device.sees('Pair this device');
+  assert.equal(await device.focused(), 'Code');
+  await device.type('12345');
+  await device.page.keyboard.press('Enter');
+  await heardOnce(device, 'The code has six digits');
+  await retype(device, '271828');
+  await device.page.keyboard.press('Enter');
+  await heardOnce(device, 'this code does not hold');
+  await retype(device, '314 159');
+  await device.tabTo('Name of this device');
+  await retype(device, "Berta's phone");
+  await device.page.keyboard.press('Enter');
+  await device.sees('Who shall speak?');
+  await device.close();
+  await helper.page.keyboard.press('Escape');
+  await helper.sees("Berta's phone", '.device-name');
+  assert.equal(await helper.focused(), 'Show a code');
+  await helper.close();
+}));
+
+test('the code may come in the address, and leaves it', options, () => withServer(async (server) => {
+  server.state.codeRole = 'helper';
+  const visit = await openVisit(server);
+  await visit.go('/pair#314159');
+  await visit.sees('Pair this device');
+  assert.equal(visit.page.url(), `${server.url}/pair`);
+  assert.equal(await visit.focused(), 'Pair');
+  await visit.page.keyboard.press('Enter');
+  await visit.sees('Our flat', 'h1');
+  await visit.close();
+}));
+
+test('revoking a device asks first, and is said once', options, () => withServer(async (server) => {
+  const visit = await openVisit(server, { role: 'helper' });
+  await visit.go('/#devices');
+  await visit.sees('Chest camera', '.device-name');
+  await visit.press('Remove Chest camera');
+  await visit.sees('Remove Chest camera?', 'dialog');
+  await visit.press('Remove');
+  await heardOnce(visit, 'Chest camera is removed.');
+  assert.deepEqual(server.state.requests, ['DELETE /api/devices/4']);
+  assert.notEqual(await visit.focused(), '');
+  await visit.close();
+}));
+
+test('the home in words: rooms with their things, and a search', options, () => withServer(async (server) => {
+  const visit = await openVisit(server, { role: 'helper' });
+  await visit.go('/');
+  await visit.sees('4 rooms, 9 things', '[role=status]');
+  await visit.sees('9.6 m² · leads to corridor');
+  await visit.tabTo('Search rooms and things');
+  await visit.type('wave');
+  await visit.hears('1 room, 1 thing');
+  await visit.page.waitForFunction(() => document.querySelectorAll('.thing').length === 1);
+  await visit.press('Picture microwave');
+  await visit.page.waitForSelector('dialog .boxed svg');
+  await visit.page.keyboard.press('Escape');
+  assert.equal(await visit.focused(), 'Picture microwave');
+  await visit.close();
+}));
+
+test('renaming a room, what is wrong beside its field, and deleting it', options, () => withServer(async (server) => {
+  const visit = await openVisit(server, { role: 'helper' });
+  await visit.go('/');
+  await visit.press('Edit kitchen');
+  assert.equal(await visit.focused(), 'Name');
+  await retype(visit, 'bedroom');
+  await visit.page.keyboard.press('Enter');
+  await heardOnce(visit, "there is a room 'bedroom' already");
+  assert.equal(await visit.focused(), 'Name');
+  await retype(visit, 'cookery');
+  await visit.page.keyboard.press('Enter');
+  await heardOnce(visit, 'The room cookery is saved.');
+  await visit.sees('cookery', 'h3');
+  assert.equal(server.state.requests.pop(), 'PUT /api/rooms/kitchen {"name":"cookery"}');
+  await visit.press('Delete cookery');
+  await visit.press('Delete');
+  await heardOnce(visit, 'The room cookery is deleted.');
+  await visit.sees('3 rooms, 9 things');
+  await visit.close();
+}));
+
+test('correcting and removing a thing', options, () => withServer(async (server) => {
+  const visit = await openVisit(server, { role: 'helper' });
+  await visit.go('/');
+  await visit.press('Correct washbasin');
+  await retype(visit, 'sink');
+  await visit.page.keyboard.press('Enter');
+  await heardOnce(visit, 'It is called sink now.');
+  await visit.press('Remove sink');
+  await visit.press('Remove');
+  await heardOnce(visit, 'Removed: sink.');
+  await visit.sees('4 rooms, 8 things');
+  assert.deepEqual(server.state.requests, ['PUT /api/things/5 {"name":"sink"}', 'DELETE /api/things/5']);
+  await visit.close();
+}));
+
+test('naming a room on the walk by keyboard alone', options, () => withServer(async (server) => {
+  const visit = await openVisit(server, { role: 'helper' });
+  await visit.go('/');
+  await goTo(visit, 'Walks', 'Walks');
+  await visit.tabTo('Frame 0 corridor');
+  for (let i = 0; i < 18; i += 1) {
+    await visit.page.keyboard.press('ArrowRight');
+  }
+  assert.equal(await visit.focused(), 'Frame 72 no name');
+  await visit.page.keyboard.down('Shift');
+  await visit.page.keyboard.press('End');
+  await visit.page.keyboard.up('Shift');
+  assert.equal((await visit.page.$$('[role=option][aria-selected=true]')).length, 6);
+  await visit.tabTo('Room');
+  await visit.page.keyboard.press('Enter');
+  await heardOnce(visit, 'Give the room a name.');
+  await visit.type('bedroom');
+  await visit.page.keyboard.press('Enter');
+  await heardOnce(visit, 'Frames 72 to 95 are bedroom now.');
+  await visit.sees('72 to 95: bedroom', '.ranges');
+  assert.match(server.state.requests.pop() ?? '', /^PUT \/api\/recordings\/1\/rooms .*\{"first":72,"last":95,"room":"bedroom"\}\]\}$/);
+  await visit.press('Remove 24 to 47: kitchen');
+  await heardOnce(visit, 'Frames 24 to 47 have no name any more.');
+  await visit.close();
+}));
+
+test('frames that are not there are refused beside their field', options, () => withServer(async (server) => {
+  const visit = await openVisit(server, { role: 'helper' });
+  await visit.go('/#walks');
+  await visit.tabTo('Last frame');
+  await retype(visit, '96');
+  await visit.tabTo('Name these frames');
+  await visit.page.keyboard.press('Enter');
+  await heardOnce(visit, 'Give a frame from 0 to 95.');
+  assert.equal(await visit.focused(), 'Last frame');
+  await visit.close();
+}));
+
+test('recording a walk: started, watched, stopped', options, () => withServer(async (server) => {
+  const visit = await openVisit(server, { role: 'helper' });
+  await visit.go('/#walks');
+  await visit.tabTo('Name of the walk');
+  await retype(visit, 'evening');
+  await visit.press('Start recording');
+  await heardOnce(visit, 'Recording evening has started.');
+  tellRecording(server, 'recording', 17);
+  await visit.sees('17 pictures', '.progress-words');
+  await visit.press('Stop recording');
+  await heardOnce(visit, 'Recording has stopped; the map is made now.');
+  await visit.sees('Making the map: mapping, 0%', '.progress-words');
+  assert.deepEqual(server.state.requests, ['POST /api/recording {"device":3,"name":"evening"}', 'POST /api/recording/stop']);
+  await visit.close();
+}));
+
+test('learning: progress is told in quarters, it can be stopped, its end is told', options, () => withServer(async (server) => {
+  const visit = await openVisit(server, { role: 'helper' });
+  await visit.go('/');
+  await goTo(visit, 'Recognise', 'Recognise');
+  await visit.press('Learn now');
+  await heardOnce(visit, 'Learning has started.');
+  for (const fraction of [0.1, 0.2, 0.3]) {
+    tellJob(server, 'running', fraction, 'looking at pictures');
+  }
+  await visit.sees('30%', '.progress-words');
+  const told = (await visit.announced()).filter((one) => one.startsWith('Learning the rooms'));
+  assert.equal(told.length, 2, JSON.stringify(told)); // at the beginning and past a quarter
+  await visit.press('Stop');
+  await heardOnce(visit, 'Learning was stopped.');
+  await visit.press('Learn now');
+  tellJob(server, 'done', 1, 'done');
+  await heardOnce(visit, 'The rooms are learned.');
+  await visit.close();
+}));
+
+test('trying a picture, and what is no picture', options, () => withServer(async (server) => {
+  const folder = mkdtempSync(join(tmpdir(), 'roomwise-'));
+  try {
+    writeFileSync(join(folder, 'kitchen.png'), drawnRoom('kitchen', 2));
+    writeFileSync(join(folder, 'letter.png'), 'Dear Anna');
+    const visit = await openVisit(server, { role: 'helper' });
+    await visit.go('/#recognise');
+    await visit.press('Which room is it?');
+    await heardOnce(visit, 'Choose a picture first.');
+    const file = await visit.page.waitForSelector('input[type=file]');
+    await (file as unknown as { uploadFile: (path: string) => Promise<void> }).uploadFile(join(folder, 'letter.png'));
+    await visit.press('Which room is it?');
+    await heardOnce(visit, 'this is no picture');
+    await (file as unknown as { uploadFile: (path: string) => Promise<void> }).uploadFile(join(folder, 'kitchen.png'));
+    await visit.press('Which room is it?');
+    await visit.sees('the picture looks like the kitchen (0.94)', '.result');
+    await heardOnce(visit, 'kitchen (94%)');
+    await visit.close();
+  } finally {
+    rmSync(folder, { recursive: true });
+  }
+}));
+
+test('forgetting needs the home’s name, typed', options, () => withServer(async (server) => {
+  const visit = await openVisit(server, { role: 'helper' });
+  await visit.go('/');
+  await goTo(visit, 'Forget', 'Forget');
+  await visit.press('Forget everything');
+  await heardOnce(visit, "This is not the home's name: Our flat.");
+  assert.deepEqual(server.state.requests, []);
+  await visit.type('Our flat');
+  await visit.page.keyboard.press('Enter');
+  await heardOnce(visit, 'Everything is forgotten.');
+  assert.deepEqual(server.state.requests, ['DELETE /api/home {"really":"Our flat"}']);
+  await goTo(visit, 'The home', 'The home');
+  await visit.sees('Nothing is known of this home yet.');
+  await visit.close();
+}));
+
+test('forgetting a room and a walk', options, () => withServer(async (server) => {
+  const visit = await openVisit(server, { role: 'helper' });
+  await visit.go('/#forget');
+  for (const [what, said] of [['Room', 'The room corridor is forgotten.'], ['Walk', 'The walk walk is forgotten.']] as const) {
+    await visit.tabTo(what);
+    await visit.tabTo('Type the home\'s name to confirm');
+    await visit.type('Our flat');
+    await visit.page.keyboard.press('Enter');
+    await heardOnce(visit, said);
+  }
+  assert.deepEqual(server.state.requests, ['DELETE /api/rooms/corridor', 'DELETE /api/recordings/1']);
+  await visit.close();
+}));
+
+test('the home in three dimensions: drawn, turned, a key-frame shown, devices placed', options, () => withServer(async (server) => {
+  const visit = await openVisit(server, { role: 'helper' });
+  await visit.go('/');
+  await visit.page.waitForSelector('.stage canvas');
+  await visit.page.waitForFunction(() => document.querySelector('.room-label:not([hidden])') !== null);
+  const place = () => visit.page.$eval('.room-label', (one) => (one as HTMLElement).style.transform);
+  const before = await place();
+  await visit.press('Turn left');
+  await visit.page.waitForFunction((was) => (document.querySelector('.room-label') as HTMLElement).style.transform !== was, {}, before);
+  server.tell('helper', {
+    type: 'device', device: 3, name: "Anna's phone", online: true,
+    seen: { t: 1, verdict: 'room', room: 'kitchen', probability: 0.97, why: '', position: { x: 1.6, y: 3.4, z: 1.3, heading_degrees: 60, sigma_m: 0.05 } },
+  });
+  await visit.sees("Anna's phone", '.device-label');
+  await visit.press('From above');
+  // A click on each part of the picture in turn finds the walk somewhere.
+  const stage = await (await visit.page.$('.stage canvas'))?.boundingBox();
+  assert.ok(stage);
+  let found = false;
+  for (let row = 0; row < 40 && !found; row += 1) {
+    for (let column = 0; column < 40 && !found; column += 1) {
+      await visit.page.mouse.click(stage.x + (stage.width * (column + 0.5)) / 40, stage.y + (stage.height * (row + 0.5)) / 40);
+      found = (await visit.page.$('.shown-picture img')) !== null;
+    }
+  }
+  assert.ok(found, 'no click showed a key-frame');
+  await visit.sees('of the walk', '.shown-picture');
+  await visit.close();
+}));
+
+test('a lost connection is told, and all is fresh when it is back', options, () => withServer(async (server) => {
+  const visit = await openVisit(server, { role: 'helper' });
+  await visit.go('/');
+  await visit.sees('Connected', '.chip');
+  await server.stop();
+  await heardOnce(visit, 'The connection to the home\'s computer is lost');
+  server.state.home.rooms.push({ name: 'cellar', type: null, floor_m2: null, middle: null });
+  await server.start();
+  await heardOnce(visit, 'Connected again.');
+  await visit.sees('cellar', 'h3');
+  await visit.close();
+}));
+
+for (const [size, name] of [[kPhone, 'phone'], [kDesktop, 'desktop'], [{ width: 320, height: 568 }, '320 px wide']] as const) {
+  for (const dark of [false, true]) {
+    test(`axe-core finds nothing on the helper's page and on pairing: ${name}, ${dark ? 'dark' : 'light'}`, options, () => withServer(async (server) => {
+      const visit = await openVisit(server, { role: 'helper', size, dark });
+      const check = async (what: string): Promise<void> => {
+        await visit.assertAccessible(what);
+        await visit.assertReflows();
+      };
+      await visit.go('/pair');
+      await visit.sees('Pair this device');
+      await check('pair');
+      await visit.page.keyboard.press('Enter');
+      await visit.sees('The code has six digits');
+      await check('pair, with an error');
+      await visit.go('/');
+      await visit.sees('microwave', '.thing');
+      await visit.page.waitForSelector('.room-label:not([hidden])');
+      await check('the home');
+      await visit.press('Edit kitchen');
+      await check('editing a room');
+      await visit.page.keyboard.press('Escape');
+      for (const [part, there] of [['Walks', '[role=option] img'], ['Recognise', 'input[type=file]'], ['Devices', '.devices li'], ['Forget', '.danger']] as const) {
+        await goTo(visit, part, part);
+        await visit.page.waitForSelector(there);
+        if (part === 'Recognise') {
+          tellJob(server, 'running', 0.4, 'looking at pictures');
+          await visit.sees('40%');
+        }
+        await check(part);
+        if (part === 'Devices') {
+          await visit.press('Show a code');
+          await visit.page.waitForSelector('.qr');
+          await check('the code');
+          await visit.page.keyboard.press('Escape');
+        }
+      }
+      await visit.press('Forget everything');
+      await visit.sees("This is not the home's name");
+      await check('forgetting, with an error');
+      await visit.close();
+    }));
+  }
+}
+
+test('the first load is small, three.js with it', options, () => withServer(async (server) => {
+  const visit = await openVisit(server, { role: 'helper' });
+  await visit.go('/');
+  await visit.page.waitForSelector('.room-label:not([hidden])');
+  assert.ok(visit.bytes > 500_000 && visit.bytes < 2_000_000, `${visit.bytes} bytes`);
+  console.log(`# first load of /: ${visit.bytes} bytes, of which the cloud 16 a point`);
+  await visit.close();
+}));

@@ -1,0 +1,118 @@
+// A home of four rooms that nobody lives in: what the computer would answer of it.
+import type { Home, Keyframe, RoomRange, Thing } from '../src/shared/protocol';
+
+// Rooms as rectangles on the floor, metres: x, y, width, depth.
+const kRooms: Record<string, [number, number, number, number]> = {
+  corridor: [0, 0, 6, 1.5],
+  kitchen: [0, 1.5, 3, 3.2],
+  bathroom: [3, 1.5, 2, 2.4],
+  bedroom: [5, 1.5, 3.6, 3.2],
+};
+const kWallHeight = 2.5;
+const kFramesPerKeyframe = 4;
+const kKeyframesPerRoom = 6;
+
+export function makeHome(): Home {
+  return {
+    name: 'Our flat',
+    learned: { pictures: 310, network: 'roomwise-compact-1' },
+    rooms: Object.entries(kRooms).map(([name, [x, y, width, depth]]) => ({
+      name, type: name, floor_m2: Math.round(width * depth * 10) / 10, middle: [x + width / 2, y + depth / 2],
+    })),
+    doorways: [
+      { rooms: ['corridor', 'kitchen'], middle: [1.5, 1.5] },
+      { rooms: ['bathroom', 'corridor'], middle: [4, 1.5] },
+      { rooms: ['bedroom', 'corridor'], middle: [5.5, 1.5] },
+    ],
+    things: kThings.map((thing) => ({ ...thing })),
+    recordings: [{
+      id: 1, name: 'walk', frames: 96, keyframes: 24, finished: true, camera: null,
+      ranges: kRanges.map((range) => ({ ...range })),
+    }],
+    room_types: ['bathroom', 'bedroom', 'corridor', 'dining room', 'kitchen', 'living room', 'office'],
+  };
+}
+
+const thing = (
+  id: number, name: string, room: string, position: Thing['position'], size: Thing['size'], probability: number,
+): Thing => ({ id, name, room, position, size, probability, keyframe: id, box: [40, 60, 120, 90] });
+
+const kThings: Thing[] = [
+  thing(0, 'microwave', 'kitchen', [0.4, 4.3, 1.2], [0.5, 0.4, 0.3], 0.93),
+  thing(1, 'stove', 'kitchen', [1.2, 4.35, 0.45], [0.6, 0.6, 0.9], 0.97),
+  thing(2, 'refrigerator', 'kitchen', [2.6, 4.3, 0.9], [0.6, 0.65, 1.8], 0.98),
+  thing(3, 'dining table', 'kitchen', [1.6, 2.7, 0.38], [1.2, 0.8, 0.75], 0.88),
+  thing(4, 'toilet', 'bathroom', [4.6, 3.5, 0.4], [0.4, 0.6, 0.8], 0.96),
+  thing(5, 'washbasin', 'bathroom', [3.4, 3.6, 0.8], [0.6, 0.45, 0.2], 0.71),
+  thing(6, 'bed', 'bedroom', [7.4, 3.5, 0.3], [1.6, 2, 0.6], 0.99),
+  thing(7, 'wardrobe', 'bedroom', [5.4, 4.3, 1], [0.8, 0.6, 2], 0.9),
+  thing(8, 'lamp', 'bedroom', [8.3, 4.4, 0.7], [0.3, 0.3, 1.4], 0.64),
+];
+
+const kWalk = ['corridor', 'kitchen', 'bathroom', 'bedroom'];
+const kRanges: RoomRange[] = kWalk.slice(0, 3).map((room, i) => {
+  const frames = kKeyframesPerRoom * kFramesPerKeyframe;
+  return { first: i * frames, last: (i + 1) * frames - 1, room };
+});
+
+// A walk through the rooms in a row; the bedroom has not been named on it yet.
+export function makeKeyframes(): Keyframe[] {
+  return kWalk.flatMap((room, r) => {
+    const [x, y, width, depth] = kRooms[room] as [number, number, number, number];
+    return Array.from({ length: kKeyframesPerRoom }, (_, i): Keyframe => {
+      const id = r * kKeyframesPerRoom + i;
+      const along = (i + 0.5) / kKeyframesPerRoom;
+      const turn = 0.6 * Math.sin(id);
+      return {
+        id, frame: id * kFramesPerKeyframe, time_s: id * 1.3, recording: 1,
+        room: kRanges[r] ? room : null,
+        position: [x + width * (0.25 + 0.5 * along), y + depth * (0.35 + 0.3 * Math.sin(3 * along)), 1.4],
+        // Of a camera that looks along the level (z forward, y down), turned by `turn`.
+        rotation_xyzw: [-0.5 + turn / 4, 0.5, -0.5, 0.5],
+      };
+    });
+  });
+}
+
+export function roomOfKeyframe(id: number): string {
+  return kWalk[Math.floor(id / kKeyframesPerRoom)] ?? 'corridor';
+}
+
+// Points on floors, walls and things: x, y, z as floats, r, g, b, 255.
+export function makeCloud(): Buffer {
+  const points: number[][] = [];
+  const colours = [[205, 190, 160], [220, 205, 170], [170, 205, 215], [215, 195, 212]];
+  let state = 7;
+  const random = (): number => {
+    state = (Math.imul(state, 1664525) + 1013904223) >>> 0;
+    return state / 2 ** 32;
+  };
+  Object.values(kRooms).forEach(([x, y, width, depth], r) => {
+    const [red, green, blue] = colours[r] as [number, number, number];
+    for (let i = 0; i < 3500; i += 1) {
+      const shade = 0.85 + 0.15 * random();
+      const [u, v] = [x + width * random(), y + depth * random()];
+      points.push([u, v, 0, 150 * shade, 120 * shade, 95 * shade]);
+      const wall: number[] = i % 2 === 0
+        ? [u, i % 4 === 0 ? y : y + depth, kWallHeight * random()]
+        : [i % 4 === 1 ? x : x + width, v, kWallHeight * random()];
+      points.push([...wall, red * shade, green * shade, blue * shade]);
+    }
+  });
+  for (const { position, size, id } of kThings) {
+    for (let i = 0; i < 700; i += 1) {
+      const place = position.map((middle, axis) => middle + (size[axis] ?? 0) * (random() - 0.5));
+      const axis = i % 3;
+      place[axis] = (position[axis] ?? 0) + (size[axis] ?? 0) * (i % 2 === 0 ? 0.5 : -0.5);
+      points.push([...place, 90 + 15 * id, 110, 150 - 12 * id]);
+    }
+  }
+  const bytes = Buffer.alloc(16 * points.length);
+  points.forEach(([x = 0, y = 0, z = 0, r = 0, g = 0, b = 0], i) => {
+    bytes.writeFloatLE(x, 16 * i);
+    bytes.writeFloatLE(y, 16 * i + 4);
+    bytes.writeFloatLE(z, 16 * i + 8);
+    bytes.set([r, g, b, 255], 16 * i + 12);
+  });
+  return bytes;
+}

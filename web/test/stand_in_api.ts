@@ -1,0 +1,230 @@
+// The stand-in's requests: docs/protocol.md, "Requests".
+import type { ServerResponse } from 'node:http';
+
+import type { Job, JobState, Role, RoomRange } from '../src/shared/protocol';
+import { drawnRoom } from './drawn_picture';
+import { makeCloud, roomOfKeyframe } from './made_up_home';
+import type { StandInServer } from './stand_in_server';
+
+interface Call {
+  server: StandInServer;
+  parts: string[]; // what the pattern caught
+  body: Buffer;
+  role: Role | null;
+  response: ServerResponse;
+}
+type Handler = (call: Call) => object | Buffer;
+
+class Refusal extends Error {
+  constructor(readonly status: number, message: string) {
+    super(message);
+  }
+}
+
+const kRoutes: [string, RegExp, Role | '-', Handler][] = [
+  ['POST', /^\/api\/pair$/, '-', pair],
+  ['GET', /^\/api\/me$/, 'device', ({ role }) => ({ device: role === 'helper' ? 1 : 3, name: role === 'helper' ? 'Kitchen tablet' : "Anna's phone", role })],
+  ['POST', /^\/api\/leave$/, 'device', ({ server }) => (server.state.unpairAll(), {})],
+  ['GET', /^\/api\/home$/, 'device', ({ server }) => server.state.home],
+  ['DELETE', /^\/api\/home$/, 'helper', forgetHome],
+  ['GET', /^\/api\/devices$/, 'helper', ({ server }) => ({ devices: server.state.devices })],
+  ['DELETE', /^\/api\/devices\/(\d+)$/, 'helper', ({ server, parts }) => {
+    server.state.devices = server.state.devices.filter((one) => one.device !== Number(parts[0]));
+    return {};
+  }],
+  ['POST', /^\/api\/codes$/, 'helper', makeCode],
+  ['GET', /^\/api\/map\/keyframes$/, 'helper', ({ server }) => ({ keyframes: server.state.keyframes })],
+  ['GET', /^\/api\/map\/cloud$/, 'helper', () => makeCloud()],
+  ['GET', /^\/api\/keyframes\/(\d+)\/picture$/, 'helper', ({ parts }) => drawnRoom(roomOfKeyframe(Number(parts[0])), Number(parts[0]))],
+  ['PUT', /^\/api\/recordings\/(\d+)\/rooms$/, 'helper', nameRanges],
+  ['DELETE', /^\/api\/recordings\/(\d+)$/, 'helper', ({ server, parts }) => {
+    const { home } = server.state;
+    home.recordings = home.recordings.filter((one) => one.id !== Number(parts[0]));
+    server.state.keyframes = server.state.keyframes.filter((one) => one.recording !== Number(parts[0]));
+    return changed(server);
+  }],
+  ['PUT', /^\/api\/rooms\/([^/]+)$/, 'helper', changeRoom],
+  ['DELETE', /^\/api\/rooms\/([^/]+)$/, 'helper', ({ server, parts }) => {
+    server.state.home.rooms = server.state.home.rooms.filter((room) => room.name !== parts[0]);
+    server.state.home.recordings.forEach((one) => (one.ranges = one.ranges.filter((range) => range.room !== parts[0])));
+    return changed(server);
+  }],
+  ['PUT', /^\/api\/things\/(\d+)$/, 'helper', ({ server, parts, body }) => {
+    const thing = server.state.home.things.find((one) => one.id === Number(parts[0]));
+    if (!thing) {
+      throw new Refusal(404, 'there is no such thing');
+    }
+    thing.name = json<{ name: string }>(body).name;
+    return changed(server);
+  }],
+  ['DELETE', /^\/api\/things\/(\d+)$/, 'helper', ({ server, parts }) => {
+    server.state.home.things = server.state.home.things.filter((one) => one.id !== Number(parts[0]));
+    return changed(server);
+  }],
+  ['POST', /^\/api\/learn$/, 'helper', ({ server }) => {
+    if (server.state.job?.state === 'running') {
+      throw new Refusal(409, 'a job is running; stop it or wait for its end');
+    }
+    tellJob(server, 'running', 0, 'looking at pictures');
+    return {};
+  }],
+  ['GET', /^\/api\/job$/, 'helper', ({ server }) => server.state.job ?? { state: 'none' }],
+  ['POST', /^\/api\/job\/stop$/, 'helper', ({ server }) => (tellJob(server, 'stopped', 0.4, 'stopped'), {})],
+  ['POST', /^\/api\/test$/, 'helper', testPicture],
+  ['GET', /^\/api\/recognitions$/, 'helper', ({ server }) => ({ recognitions: server.state.recognitions })],
+  ['GET', /^\/api\/recognitions\/(\d+)\/picture$/, 'helper', ({ parts }) => drawnRoom(parts[0] === '12' ? 'kitchen' : 'corridor', Number(parts[0]))],
+  ['POST', /^\/api\/recording$/, 'helper', startRecording],
+  ['POST', /^\/api\/recording\/stop$/, 'helper', ({ server }) => {
+    tellRecording(server, 'saved', 17);
+    tellJob(server, 'running', 0, 'mapping', 'map');
+    return {};
+  }],
+];
+
+export function answerApi(
+  server: StandInServer, method: string, path: string, body: Buffer, role: Role | null, response: ServerResponse,
+): void {
+  try {
+    const fitting = kRoutes.filter(([, pattern]) => pattern.test(path));
+    const route = fitting.find(([of]) => of === method);
+    if (!route) {
+      throw new Refusal(fitting.length > 0 ? 405 : 404, 'there is nothing here');
+    }
+    const [, pattern, wanted, handler] = route;
+    if (wanted !== '-' && !role) {
+      throw new Refusal(401, 'this device is not paired; open /pair');
+    }
+    if (wanted === 'helper' && role !== 'helper') {
+      throw new Refusal(403, 'this is for helpers');
+    }
+    if (method !== 'GET') {
+      server.state.requests.push(`${method} ${path} ${body.length < 2000 ? body.toString() : `(${body.length} bytes)`}`.trim());
+    }
+    const parts = (pattern.exec(path) ?? []).slice(1);
+    send(response, 200, handler({ server, parts, body, role, response }));
+  } catch (error) {
+    send(response, error instanceof Refusal ? error.status : 500, { error: (error as Error).message });
+  }
+}
+
+function send(response: ServerResponse, status: number, answer: object | Buffer): void {
+  const isJson = !Buffer.isBuffer(answer);
+  const isPng = !isJson && answer.subarray(1, 4).toString() === 'PNG';
+  response.writeHead(status, { 'Content-Type': isJson ? 'application/json' : isPng ? 'image/png' : 'application/octet-stream' });
+  response.end(isJson ? JSON.stringify(answer) : answer);
+}
+
+function json<Body>(body: Buffer): Body {
+  return JSON.parse(body.toString()) as Body;
+}
+
+function changed(server: StandInServer): object {
+  const { type: _, version: __, ...members } = server.state.welcome('helper');
+  server.tell('helper', { ...members, type: 'home' });
+  server.tell('device', { ...members, type: 'home' });
+  return {};
+}
+
+function pair({ server, body, response }: Call): object {
+  const { code, name } = json<{ code: string; name: string }>(body);
+  if (code !== server.state.code) {
+    throw new Refusal(401, 'this code does not hold; ask for a new one');
+  }
+  const role = server.state.codeRole;
+  response.setHeader('Set-Cookie', `roomwise=${server.state.pair(role)}; Secure; HttpOnly; SameSite=Strict; Path=/`);
+  server.state.devices.push({ device: 9, name, role, paired: 1_760_000_000, last_seen: 1_760_000_000, online: false });
+  return { role, device: 9 };
+}
+
+function makeCode({ server, body }: Call): object {
+  server.state.codeRole = json<{ role: Role }>(body).role;
+  // Finder patterns and a chequered inside: not readable, but of the right look.
+  const finder = (x: number, y: number): boolean => Math.max(Math.abs(x - 3), Math.abs(y - 3)) !== 2;
+  const qr = Array.from({ length: 25 }, (_, y) => Array.from({ length: 25 }, (__, x) => {
+    for (const [left, top] of [[0, 0], [18, 0], [0, 18]] as const) {
+      if (x >= left - 1 && x < left + 8 && y >= top - 1 && y < top + 8) {
+        return x >= left && x < left + 7 && y >= top && y < top + 7 && finder(x - left, y - top) ? '1' : '0';
+      }
+    }
+    return (x * 7 + y * 11 + x * y) % 3 === 0 ? '1' : '0';
+  }).join(''));
+  return { code: server.state.code, valid_s: 300, address: `https://roomwise.local:8443/pair#${server.state.code}`, qr };
+}
+
+function forgetHome({ server, body }: Call): object {
+  const { home } = server.state;
+  if (json<{ really: string }>(body).really !== home.name) {
+    throw new Refusal(400, `'really' must be the home's name, '${home.name}'`);
+  }
+  Object.assign(home, { learned: null, rooms: [], doorways: [], things: [], recordings: [] });
+  server.state.keyframes = [];
+  server.state.recognitions = [];
+  return changed(server);
+}
+
+function nameRanges({ server, parts, body }: Call): object {
+  const recording = server.state.home.recordings.find((one) => one.id === Number(parts[0]));
+  if (!recording) {
+    throw new Refusal(404, 'there is no such recording');
+  }
+  recording.ranges = json<{ ranges: RoomRange[] }>(body).ranges;
+  for (const { room } of recording.ranges) {
+    if (!server.state.home.rooms.some((one) => one.name === room)) {
+      server.state.home.rooms.push({ name: room, type: null, floor_m2: null, middle: null });
+    }
+  }
+  return changed(server);
+}
+
+function changeRoom({ server, parts, body }: Call): object {
+  const { home } = server.state;
+  const room = home.rooms.find((one) => one.name === parts[0]);
+  const { name, type } = json<{ name?: string; type?: string }>(body);
+  if (!room) {
+    throw new Refusal(404, `there is no room '${parts[0]}'`);
+  }
+  if (name && name !== room.name && home.rooms.some((one) => one.name === name)) {
+    throw new Refusal(409, `there is a room '${name}' already; choose another name`);
+  }
+  const old = room.name;
+  room.name = name ?? old;
+  room.type = type ?? room.type;
+  home.things.forEach((thing) => (thing.room = thing.room === old ? room.name : thing.room));
+  home.doorways.forEach((doorway) => (doorway.rooms = doorway.rooms.map((one) => (one === old ? room.name : one))));
+  return changed(server);
+}
+
+function testPicture({ body }: Call): object {
+  const isPicture = body.readUInt16BE(0) === 0xffd8 || body.subarray(1, 4).toString() === 'PNG';
+  if (!isPicture) {
+    throw new Refusal(415, 'this is no picture; send a JPEG, PNG or WebP');
+  }
+  return {
+    verdict: 'room', room: 'kitchen', probability: 0.94, known: 0.99, why: 'the picture looks like the kitchen (0.94)',
+    rooms: [{ room: 'kitchen', probability: 0.94 }, { room: 'corridor', probability: 0.04 }, { room: 'bathroom', probability: 0.02 }],
+  };
+}
+
+function startRecording({ server, body }: Call): object {
+  const { device, name } = json<{ device: number; name: string }>(body);
+  if (!server.state.devices.find((one) => one.device === device)?.online) {
+    throw new Refusal(409, 'this device is not connected');
+  }
+  tellRecording(server, 'recording', 0, name);
+  return {};
+}
+
+export function tellRecording(
+  server: StandInServer, state: 'recording' | 'saved' | 'failed', frames: number, name = server.state.recording?.name ?? 'walk',
+): void {
+  server.state.recording = { type: 'recording', state, name, frames, text: '' };
+  server.tell('helper', server.state.recording);
+  server.tell('device', server.state.recording);
+}
+
+export function tellJob(
+  server: StandInServer, state: JobState, fraction: number, stage: string, kind: Job['kind'] = server.state.job?.kind ?? 'learn',
+): void {
+  server.state.job = { type: 'job', kind, state, stage, fraction, left_s: state === 'running' ? 70 : null, text: '' };
+  server.tell('helper', server.state.job);
+}
