@@ -8,6 +8,7 @@
 #include <system_error>
 
 #include "roomwise/service/pairing_proof.h"
+#include "roomwise/service/private_folder.h"
 #include "roomwise/service/secrets.h"
 
 namespace roomwise::service {
@@ -27,22 +28,6 @@ CREATE TABLE IF NOT EXISTS devices (
   paired_s INTEGER NOT NULL,
   last_seen_s INTEGER NOT NULL);
 )";
-
-Expected<void> make_private_folder(const fs::path& folder) {
-  if (::mkdir(folder.c_str(), 0700) != 0 && errno != EEXIST) {
-    return fail("{}: cannot be made: {}", folder.string(),
-                std::error_code(errno, std::generic_category()).message());
-  }
-  struct stat status {};
-  if (::lstat(folder.c_str(), &status) != 0 || !S_ISDIR(status.st_mode)) {
-    return fail("{}: is no folder; move it away", folder.string());
-  }
-  if ((status.st_mode & 0077U) != 0 || status.st_uid != ::geteuid()) {
-    return fail("{}: others may read it, and it holds keys; make it private: chmod -R go= {}",
-                folder.string(), folder.string());
-  }
-  return {};
-}
 
 PairingRefusal refusal_to_wait(double seconds) {
   const auto wait_s = static_cast<std::int64_t>(std::ceil(seconds));
