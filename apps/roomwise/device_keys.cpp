@@ -96,11 +96,14 @@ std::vector<KeyRequest> ButtonEvents::take(std::span<const std::uint8_t> bytes) 
 }
 
 struct DeviceKeys::Terminal {
+  int descriptor = -1;
   termios before{};
 };
 
-Expected<std::unique_ptr<DeviceKeys>> DeviceKeys::open(const std::filesystem::path& buttons) {
+Expected<std::unique_ptr<DeviceKeys>> DeviceKeys::open(int keyboard,
+                                                       const std::filesystem::path& buttons) {
   std::unique_ptr<DeviceKeys> keys(new DeviceKeys);
+  keys->keyboard_ = keyboard;
   if (!buttons.empty()) {
     keys->buttons_ = ::open(buttons.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
     if (keys->buttons_ < 0) {
@@ -109,16 +112,16 @@ Expected<std::unique_ptr<DeviceKeys>> DeviceKeys::open(const std::filesystem::pa
     }
   }
   termios settings{};
-  if (::isatty(STDIN_FILENO) == 1 && ::tcgetattr(STDIN_FILENO, &settings) == 0) {
-    keys->terminal_ = std::make_unique<Terminal>(Terminal{settings});
+  if (::isatty(keyboard) == 1 && ::tcgetattr(keyboard, &settings) == 0) {
+    keys->terminal_ = std::make_unique<Terminal>(Terminal{keyboard, settings});
     settings.c_lflag &= ~static_cast<tcflag_t>(ICANON | ECHO);
-    ::tcsetattr(STDIN_FILENO, TCSANOW, &settings);
+    ::tcsetattr(keyboard, TCSANOW, &settings);
   }
   return keys;
 }
 
 DeviceKeys::~DeviceKeys() {
-  if (terminal_) ::tcsetattr(STDIN_FILENO, TCSANOW, &terminal_->before);
+  if (terminal_) ::tcsetattr(terminal_->descriptor, TCSANOW, &terminal_->before);
   if (buttons_ >= 0) ::close(buttons_);
 }
 

@@ -47,9 +47,10 @@ class ButtonEvents {
 // Both, as they come in. While it lives, a terminal gives each key at once and does not show it.
 class DeviceKeys {
  public:
-  // `buttons`: /dev/input/eventN, or empty. Fails where it cannot be read.
+  // `keyboard`: a descriptor, standard input, or -1. `buttons`: /dev/input/eventN, or empty. Fails
+  // where they cannot be read.
   [[nodiscard]] static Expected<std::unique_ptr<DeviceKeys>> open(
-      const std::filesystem::path& buttons);
+      int keyboard, const std::filesystem::path& buttons);
   ~DeviceKeys();
   DeviceKeys(const DeviceKeys&) = delete;
   DeviceKeys& operator=(const DeviceKeys&) = delete;
@@ -64,7 +65,7 @@ class DeviceKeys {
   std::unique_ptr<Terminal> terminal_;
   TypedKeys typed_;
   ButtonEvents events_;
-  int keyboard_ = 0;  // descriptors; -1 where there is none (any more)
+  int keyboard_ = -1;  // descriptors; -1 where there is none (any more)
   int buttons_ = -1;
 };
 
