@@ -70,10 +70,11 @@ std::vector<KeyRequest> TypedKeys::take(std::string_view bytes) {
     } else if (naming_) {
       naming_ = false;
       const std::size_t begin = name_.find_first_not_of(' ');
-      if (begin != std::string::npos) requests.push_back({Kind::kFind, name_.substr(begin)});
+      if (begin != std::string::npos) requests.push_back({named_kind_, name_.substr(begin)});
       name_.clear();
-    } else if (letter == 'f') {
+    } else if (letter == 'f' || letter == 'g') {
       naming_ = true;
+      named_kind_ = letter == 'f' ? Kind::kFind : Kind::kWay;
     } else if (const auto kind = kind_of_letter(letter)) {
       requests.push_back({*kind, ""});
     }

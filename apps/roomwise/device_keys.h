@@ -16,21 +16,22 @@ namespace roomwise::app {
 
 // What a person asks the device by a key.
 struct KeyRequest {
-  enum class Kind { kWhere, kAround, kFind, kFindNext, kRepeat, kQuiet, kExit };
+  enum class Kind { kWhere, kAround, kFind, kFindNext, kWay, kRepeat, kQuiet, kExit };
   Kind kind = Kind::kWhere;
-  std::string thing;  // of kFind
+  std::string thing;  // of kFind and kWay
 
   bool operator==(const KeyRequest&) const = default;
 };
 
 // Letters as they come from a keyboard or a pipe: w (where am I), a (around me), f NAME Enter
-// (find), r (repeat), q (quiet), x (exit). Others mean nothing.
+// (find), g NAME Enter (go there), r (repeat), q (quiet), x (exit). Others mean nothing.
 class TypedKeys {
  public:
   [[nodiscard]] std::vector<KeyRequest> take(std::string_view bytes);
 
  private:
-  bool naming_ = false;  // after f, until Enter
+  bool naming_ = false;  // after f or g, until Enter
+  KeyRequest::Kind named_kind_ = KeyRequest::Kind::kFind;
   std::string name_;
 };
 

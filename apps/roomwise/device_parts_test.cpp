@@ -27,6 +27,7 @@ TEST(TypedKeysTest, AreLettersAndNames) {
   EXPECT_THAT(keys.take("f wash"), IsEmpty());
   EXPECT_THAT(keys.take("ing machine\nr"), ElementsAre(KeyRequest{Kind::kFind, "washing machine"},
                                                        KeyRequest{Kind::kRepeat, ""}));
+  EXPECT_THAT(keys.take("g bed\n"), ElementsAre(KeyRequest{Kind::kWay, "bed"}));
   EXPECT_THAT(keys.take("f\nqx"),
               ElementsAre(KeyRequest{Kind::kQuiet, ""}, KeyRequest{Kind::kExit, ""}));
 }

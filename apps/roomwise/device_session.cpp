@@ -141,6 +141,8 @@ void DeviceSession::act(const KeyRequest& request, TimestampNs now_ns) {
       return ask(service::Question::kAroundMe, "", now_ns);
     case Kind::kFind:
       return ask(service::Question::kWhereIs, request.thing, now_ns);
+    case Kind::kWay:
+      return ask(service::Question::kWayTo, request.thing, now_ns);
     case Kind::kFindNext:
       if (things_.empty()) {
         return parts_.voice->notice("device.nothing_learned", guide::Sound::kUnsure, now_ns);

@@ -9,9 +9,10 @@ constexpr std::array<Word<DeviceKind>, 3> kKinds{{{"phone", DeviceKind::kPhone},
                                                   {"page", DeviceKind::kPage}}};
 constexpr std::array<Word<Distances>, 2> kDistances{
     {{"metres", Distances::kMetres}, {"steps", Distances::kSteps}}};
-constexpr std::array<Word<Question>, 5> kQuestions{{{"where_am_i", Question::kWhereAmI},
+constexpr std::array<Word<Question>, 6> kQuestions{{{"where_am_i", Question::kWhereAmI},
                                                     {"around_me", Question::kAroundMe},
                                                     {"where_is", Question::kWhereIs},
+                                                    {"way_to", Question::kWayTo},
                                                     {"repeat", Question::kRepeat},
                                                     {"name_room", Question::kNameRoom}}};
 
@@ -76,13 +77,17 @@ Expected<DeviceMessage> read_hello(const Json& json) {
   return members.finish<DeviceMessage>(std::move(hello));
 }
 
+bool asks_for_thing(Question question) {
+  return question == Question::kWhereIs || question == Question::kWayTo;
+}
+
 Expected<DeviceMessage> read_ask(const Json& json) {
   Members members(json);
   Ask ask;
   ask.id = members.whole("id", 0, std::int64_t{1} << 53U);
   ask.t_ms = members.number("t", -kMostTime_ms, kMostTime_ms);
   ask.question = members.one_of("question", kQuestions);
-  if (ask.question == Question::kWhereIs) ask.subject = members.text("thing");
+  if (asks_for_thing(ask.question)) ask.subject = members.text("thing");
   if (ask.question == Question::kNameRoom) ask.subject = members.text("room");
   return members.finish<DeviceMessage>(std::move(ask));
 }
@@ -147,7 +152,7 @@ Json to_json(const Ask& ask) {
             {"id", ask.id},
             {"t", ask.t_ms},
             {"question", word_of(kQuestions, ask.question)}};
-  if (ask.question == Question::kWhereIs) json["thing"] = ask.subject;
+  if (asks_for_thing(ask.question)) json["thing"] = ask.subject;
   if (ask.question == Question::kNameRoom) json["room"] = ask.subject;
   return json;
 }
