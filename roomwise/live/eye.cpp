@@ -93,7 +93,9 @@ Expected<std::optional<CameraPlace>> Eye::locate(const image::ColorImage& color,
 
 Expected<Glance> Eye::look(CameraFrame frame, const std::shared_ptr<const HomeView>& home) {
   if (!camera_) return fail("this device said in its hello that it has no camera");
-  ROOMWISE_TRY(const image::ColorImage color, image::decode_color(frame.color));
+  // What is a little larger gets a clear error below; what is far larger is not even decoded.
+  const std::int64_t most_pixels = 2 * std::int64_t{camera_->width} * camera_->height;
+  ROOMWISE_TRY(const image::ColorImage color, image::decode_color(frame.color, most_pixels));
   if (color.width() != camera_->width || color.height() != camera_->height) {
     return fail("the picture has {} x {} pixels, the camera of the hello {} x {}", color.width(),
                 color.height(), camera_->width, camera_->height);
@@ -101,7 +103,7 @@ Expected<Glance> Eye::look(CameraFrame frame, const std::shared_ptr<const HomeVi
   std::optional<image::DepthImage> depth;
   if (!frame.depth.empty()) {
     if (!camera_->has_depth) return fail("a depth image comes from a camera without depth");
-    ROOMWISE_TRY(depth, image::decode_depth(frame.depth));
+    ROOMWISE_TRY(depth, image::decode_depth(frame.depth, most_pixels));
     if (depth->width() != color.width() || depth->height() != color.height()) {
       return fail("the depth image has {} x {} pixels, the picture {} x {}", depth->width(),
                   depth->height(), color.width(), color.height());

@@ -16,7 +16,7 @@ constexpr std::array<Word<Question>, 6> kQuestions{{{"where_am_i", Question::kWh
                                                     {"repeat", Question::kRepeat},
                                                     {"name_room", Question::kNameRoom}}};
 
-constexpr int kMostSide_px = 20'000;
+constexpr int kMostSide_px = 4096;
 
 Expected<DeviceCamera> read_camera(const Json& json) {
   Members members(json);
