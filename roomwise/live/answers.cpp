@@ -101,7 +101,7 @@ std::vector<guide::Prompt> way_to(const std::string& asked, const Situation& sit
                           {}, home.layout ? &*home.layout : nullptr, thing.room);
     if (!route) {
       why = route.error().message;
-    } else if (!shortest || length_m(*route) < length_m(*shortest)) {
+    } else if (!shortest || guide::length_m(*route) < guide::length_m(*shortest)) {
       shortest = *std::move(route);
     }
   }
