@@ -51,7 +51,8 @@ function wordsOf(job: Job): string {
     return [text(`job.${job.kind}_${job.state}`), job.text].filter((part) => part !== '').join(' ');
   }
   const left = job.left_s === null ? '' : leftOf(job.left_s);
-  return [`${text(`job.${job.kind}`)}: ${job.stage}`, formatPercent(job.fraction), left].filter((part) => part !== '').join(', ');
+  const what = text(`job.${job.kind}`) + (job.stage === '' ? '' : `: ${job.stage}`);
+  return [what, formatPercent(job.fraction), left].filter((part) => part !== '').join(', ');
 }
 
 function leftOf(seconds: number): string {

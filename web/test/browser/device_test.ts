@@ -130,6 +130,16 @@ test('find: by typing and by the list; what is asked again is repeated', options
   await visit.close();
 }));
 
+test('naming the room in which one stands', options, () => withServer(async (server) => {
+  const visit = await openVisit(server, { role: 'device', size: kPhone });
+  await start(visit, 'reader');
+  await visit.press('Name this room');
+  await visit.press('kitchen');
+  await visit.hears('This room is called kitchen now.');
+  assert.equal(server.newest('device').asked[0]?.['room'], 'kitchen');
+  await visit.close();
+}));
+
 test('quiet silences what nobody asked for, and is told to the computer', options, () => withServer(async (server) => {
   const visit = await openVisit(server, { role: 'device', size: kPhone, before: recordSpeech });
   await start(visit, 'own');
