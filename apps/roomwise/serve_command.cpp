@@ -81,6 +81,7 @@ class HomeServer {
     ROOMWISE_TRY(all.access_,
                  service::AccessRegister::open(access, server.certificate.fingerprint));
     all.fingerprint_ = server.certificate.fingerprint;
+    if (!all.home_->view()->recognizer) all.log_.write(all.home_->view()->why_no_recognizer);
     server.address = options.address;
     server.port = options.port;
     server.pages = options.pages.empty() ? brought_pages() : options.pages;

@@ -104,7 +104,9 @@ Expected<std::shared_ptr<const HomeView>> view_home(const home::Home& home,
     view.learned_report = classifier->report_json;
     view.learned_network = classifier->network_name;
   }
-  if (auto recognizer = pipeline::RoomRecognizer::create(home, networks)) {
+  if (!classifier) {
+    view.why_no_recognizer = "no rooms were learned yet; name the rooms of a walk, then learn them";
+  } else if (auto recognizer = pipeline::RoomRecognizer::create(home, networks)) {
     if (const auto stream = recognizer->stream()) {
       view.recognizer = std::make_shared<const pipeline::RoomRecognizer>(*std::move(recognizer));
     } else {

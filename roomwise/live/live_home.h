@@ -99,6 +99,7 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
   [[nodiscard]] Expected<void> start_mapping(const std::filesystem::path& folder);
   [[nodiscard]] Expected<std::string> map(const std::filesystem::path& folder, Progress& progress);
   [[nodiscard]] Expected<std::string> prepare(Progress& progress);
+  [[nodiscard]] Expected<std::string> learn_now(Progress& progress);
   [[nodiscard]] std::filesystem::path walks_folder() const;
 
   const std::filesystem::path file_;

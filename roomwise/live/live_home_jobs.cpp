@@ -38,21 +38,31 @@ Expected<std::string> LiveHome::prepare(Progress& progress) {
 }
 
 Expected<void> LiveHome::learn() {
+  // Making the map ready can wait, and is gone on with afterwards.
+  if (const auto job = jobs_->state(); job && job->kind == "prepare" && jobs_->stop()) {
+    jobs_->wait();
+  }
   return jobs_->start("learn", [this](Progress& progress) -> Expected<std::string> {
-    const std::scoped_lock lock(home_mutex_);
-    RunParts parts(options_.threads, progress);
-    ROOMWISE_TRY(const auto recordings, home_.recordings());
-    if (recordings.empty()) return fail("this home holds no walk to learn from; record one first");
-    ROOMWISE_TRY(const auto report, pipeline::learn_rooms_from_keyframes(
-                                        home_, recordings.back().id, {}, {{}, options_.augment},
-                                        networks_, parts.run));
-    ROOMWISE_CHECK_OK(refresh(view()->map));
-    return fmt::format(
-        "{} rooms learned; {} of {} pictures that were held out were named rightly",
-        report.rooms.size(),
-        std::llround(report.held_out_precision() * static_cast<double>(report.held_out)),
-        report.held_out);
+    ROOMWISE_TRY(std::string learned, learn_now(progress));
+    if (!view()->map) ROOMWISE_CHECK_OK(prepare(progress));
+    return learned;
   });
+}
+
+Expected<std::string> LiveHome::learn_now(Progress& progress) {
+  const std::scoped_lock lock(home_mutex_);
+  RunParts parts(options_.threads, progress);
+  ROOMWISE_TRY(const auto recordings, home_.recordings());
+  if (recordings.empty()) return fail("this home holds no walk to learn from; record one first");
+  ROOMWISE_TRY(const auto report,
+               pipeline::learn_rooms_from_keyframes(home_, recordings.back().id, {},
+                                                    {{}, options_.augment}, networks_, parts.run));
+  ROOMWISE_CHECK_OK(refresh(view()->map));
+  return fmt::format(
+      "{} rooms learned; {} of {} pictures that were held out were named rightly",
+      report.rooms.size(),
+      std::llround(report.held_out_precision() * static_cast<double>(report.held_out)),
+      report.held_out);
 }
 
 Expected<void> LiveHome::begin_recording(std::int64_t device, const std::string& name) {
