@@ -149,7 +149,7 @@ std::vector<Seed> protocol_seeds() {
   prompt.answer_to = 7;
   prompt.text = "You are in the kitchen.";
   add("prompt", 1, write(HomeMessage(prompt)));
-  add("recording", 1, write(HomeMessage(RecordingState{"saved", "walk", 17, ""})));
+  add("recording", 1, write(HomeMessage(RecordingState{7, "saved", "walk", 17, ""})));
   add("job", 1, write(HomeMessage(JobState{"map", "running", "mapping", 0.4, 70.0, ""})));
   add("device", 1, write(HomeMessage(DeviceSeen{3, "belt", true, seen})));
   add("error", 1, write(HomeMessage(ErrorMessage{"no", 4})));

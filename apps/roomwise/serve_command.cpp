@@ -89,8 +89,11 @@ class HomeServer {
     all.host_ =
         options.address == "0.0.0.0" || options.address == "::" ? own_name(names) : options.address;
     ROOMWISE_TRY(all.server_,
-                 service::Server::start(std::move(server), service::Router(all.routes()),
-                                        *all.access_, *all.home_));
+                 service::Server::start(
+                     std::move(server),
+                     service::Router(all.routes(),
+                                     [&log = all.log_](std::string_view line) { log.write(line); }),
+                     *all.access_, *all.home_));
     return serving;
   }
   ~HomeServer() {

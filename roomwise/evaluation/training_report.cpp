@@ -94,15 +94,15 @@ std::string table_of(const TrainingReportContent& content) {
   std::string html =
       "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"The numbers\">\n<table>\n"
       "<caption>After so many steps; the best is marked with *</caption>\n<thead>\n<tr>"
-      "<th scope=\"col\">steps</th><th scope=\"col\" class=\"four_digits\">cross-entropy</th>"
-      "<th scope=\"col\" class=\"four_digits\">held out</th>"
-      "<th scope=\"col\" class=\"four_digits\">held-out precision</th></tr>\n</thead>\n<tbody>\n";
+      "<th scope=\"col\">steps</th><th scope=\"col\" class=\"number\">cross-entropy</th>"
+      "<th scope=\"col\" class=\"number\">held out</th>"
+      "<th scope=\"col\" class=\"number\">held-out precision</th></tr>\n</thead>\n<tbody>\n";
   for (const Point& point : content.points) {
     html += fmt::format("<tr><th scope=\"row\">{}{}</th>", point.step,
                         point.step == content.best_step ? " *" : "");
     for (const double value :
          {point.cross_entropy, point.held_out_cross_entropy, point.held_out_precision})
-      html += fmt::format("<td class=\"four_digits\">{}</td>", four_digits(value));
+      html += fmt::format("<td class=\"number\">{}</td>", four_digits(value));
     html += "</tr>\n";
   }
   return html + "</tbody>\n</table>\n</div>\n";

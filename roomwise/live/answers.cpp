@@ -148,8 +148,7 @@ std::vector<guide::Prompt> answer(const service::Ask& ask, const Situation& situ
 std::vector<guide::Prompt> Caller::after(const Situation& situation) {
   std::vector<guide::Prompt> prompts;
   const Glance& glance = *situation.glance;
-  const bool was_ahead = std::exchange(obstacle_ahead_, glance.obstacle_m.has_value());
-  if (obstacle_ahead_ && !was_ahead) {
+  if (glance.obstacle_m) {
     prompts.push_back(guide::hazard_prompt(*glance.obstacle_m, wording_of(situation.settings),
                                            nanoseconds(glance.t_ms)));
   }
@@ -158,9 +157,10 @@ std::vector<guide::Prompt> Caller::after(const Situation& situation) {
   // Two looks must agree: one may fall on a mirror, or through a door.
   const bool is_certain = !room_now_.empty() && room_now_ == before;
   if (!is_certain || room_now_ == room_called_) return prompts;
-  room_called_ = room_now_;
+  // Nothing where it is not sure enough to be said unasked; a later look may be.
   if (auto prompt = guide::entered_prompt(*glance.decision, wording_of(situation.settings),
                                           nanoseconds(glance.t_ms))) {
+    room_called_ = room_now_;
     prompts.push_back(*std::move(prompt));
   }
   return prompts;

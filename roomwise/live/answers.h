@@ -19,9 +19,9 @@ struct Situation {
   double now_t_ms;  // by the device's clock
 };
 
-// A glance that is older than this at the time of a question says nothing of it any more, ms: a
-// person walks two steps meanwhile.
-constexpr double kFresh_ms = 2000;
+// A glance that is older than this at the time of a question is not answered by, ms: a direction
+// holds for two seconds from its picture, and words take their time.
+constexpr double kFresh_ms = 800;
 
 // What is said to a question, the most important first; never nothing. The room of kNameRoom has
 // been named already; kRepeat is asked here only where nothing was asked before.
@@ -31,8 +31,8 @@ constexpr double kFresh_ms = 2000;
 // The answer where a picture is needed and there is none.
 [[nodiscard]] guide::Prompt no_picture(const service::SpeakingSettings& settings, double now_t_ms);
 
-// Decides what is called out while a person walks and asks nothing: a room that was entered, what
-// stands ahead.
+// Decides what is called out while a person walks and asks nothing: a room that was entered, and
+// what stands ahead, with every picture that shows it: who speaks says it once in a while.
 class Caller {
  public:
   // After each glance, whether or not it is spoken.
@@ -41,7 +41,6 @@ class Caller {
  private:
   std::string room_now_;     // by the last glance; empty: not sure
   std::string room_called_;  // the last that was called out
-  bool obstacle_ahead_ = false;
 };
 
 }  // namespace roomwise::live

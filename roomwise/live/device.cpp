@@ -6,7 +6,7 @@
 namespace roomwise::live {
 namespace {
 
-constexpr int kMostRefusals = 10;        // of messages, before the connection is closed
+constexpr int kMostUnread = 10;          // of messages, before the connection is closed
 constexpr std::size_t kMostWaiting = 8;  // questions
 
 service::Seen seen_of(const Glance& glance) {
@@ -46,25 +46,33 @@ service::PromptMessage message_of(const guide::Prompt& prompt) {
 // ---- from the connection ----
 
 void Device::on_text(std::string_view text) {
-  auto message = service::read_device_message(text);
-  if (!message) return refuse(message.error());
-  if (const auto* const hello = std::get_if<service::Hello>(&*message)) return greet(*hello);
+  const auto message = service::read_device_message(text);
+  if (!message) return refuse_unread(message.error(), service::id_of_ask(text));
   {
     const std::scoped_lock lock(mutex_);
-    if (const auto* const change = std::get_if<service::SettingsChange>(&*message)) {
+    unread_ = std::max(0, unread_ - 1);
+  }
+  take(*message);
+}
+
+void Device::take(const service::DeviceMessage& message) {
+  if (const auto* const hello = std::get_if<service::Hello>(&message)) return greet(*hello);
+  const auto* const ask = std::get_if<service::Ask>(&message);
+  bool greeted = false;
+  {
+    const std::scoped_lock lock(mutex_);
+    greeted = greeted_;
+    if (const auto* const change = std::get_if<service::SettingsChange>(&message)) {
       apply(*change, settings_);
-      return;
-    }
-    if (const auto* const quiet = std::get_if<service::Quiet>(&*message)) {
+    } else if (const auto* const quiet = std::get_if<service::Quiet>(&message)) {
       quiet_ = quiet->on;
-      return;
-    }
-    if (!greeted_) {
-      message = fail("the first message must be hello");
     }
   }
-  if (!message) return refuse(message.error());
-  hear(std::get<service::Ask>(*message));
+  if (!greeted) {
+    return refuse_unread(Error{"the first message must be hello"},
+                         ask != nullptr ? std::optional(ask->id) : std::nullopt);
+  }
+  if (ask != nullptr) hear(*ask);
 }
 
 void Device::greet(const service::Hello& hello) {
@@ -75,15 +83,21 @@ void Device::greet(const service::Hello& hello) {
     return;
   }
   std::string welcome_text;
+  bool is_second = false;
   {
     const std::scoped_lock lock(mutex_);
-    greeted_ = true;
+    is_second = std::exchange(greeted_, true);
+  }
+  if (is_second) return refuse_unread(Error{"hello was said already; connect anew to change it"});
+  {
+    const std::scoped_lock lock(mutex_);
     kind_ = hello.kind;
     settings_ = hello.settings;
     camera_ = hello.camera;
     welcome_text = write(service::HomeMessage(welcome()));
   }
   out_->send_text(std::move(welcome_text));
+  record_to(host_.recorder_for(*this));
 }
 
 service::Welcome Device::welcome() const {
@@ -101,24 +115,25 @@ service::Welcome Device::welcome() const {
 
 void Device::on_message(Bytes bytes) {
   const auto read = service::read_frame(bytes);
-  if (!read) return refuse(read.error());
+  if (!read) return refuse_unread(read.error());
+  {
+    const std::scoped_lock lock(mutex_);
+    unread_ = std::max(0, unread_ - 1);
+  }
+  if (!camera()) {
+    return refuse_unread(Error{"a frame came from a device whose hello told of no camera"});
+  }
   CameraFrame frame{read->t_ms,
                     {read->color.begin(), read->color.end()},
                     {read->depth.begin(), read->depth.end()}};
   store(frame);
   service::FrameArrived arrived{frame.t_ms, 0};
-  Expected<void> may = {};
   {
     const std::scoped_lock lock(mutex_);
-    if (!greeted_ || !camera_) {
-      may = fail("a frame came from a device whose hello told of no camera");
-    } else {
-      if (newest_) ++dropped_;
-      newest_ = std::move(frame);
-      arrived.dropped = dropped_;
-    }
+    if (newest_) ++dropped_;
+    newest_ = std::move(frame);
+    arrived.dropped = dropped_;
   }
-  if (!may) return refuse(may.error());
   send(arrived);
   host_.has_work(shared_from_this());
 }
@@ -132,38 +147,46 @@ void Device::on_closed() {
 
 void Device::refuse(const Error& error, std::optional<std::int64_t> answer_to) {
   send(service::ErrorMessage{error.message, answer_to});
+}
+
+void Device::refuse_unread(const Error& error, std::optional<std::int64_t> answer_to) {
+  refuse(error, answer_to);
   const std::scoped_lock lock(mutex_);
-  if (++refused_ == kMostRefusals) out_->close("too many messages that could not be read");
+  if (++unread_ == kMostUnread) out_->close("too many messages that could not be read");
 }
 
 // ---- questions ----
 
 void Device::hear(const service::Ask& ask) {
-  std::optional<service::Ask> now;
-  Expected<void> named = {};
+  if (ask.question == service::Question::kNameRoom) {
+    if (const auto named = host_.name_recorded_room(ask.subject); !named) {
+      return refuse(named.error(), ask.id);
+    }
+    return hear_now(ask);
+  }
+  service::Ask now = ask;
+  std::optional<std::int64_t> pushed_out;
+  bool waits = false;
   {
     const std::scoped_lock lock(mutex_);
-    now = ask;
     if (ask.question == service::Question::kRepeat && last_ask_) {
       // What was true then need not be now: the question is asked anew.
       now = *last_ask_;
-      now->id = ask.id;
-      now->t_ms = ask.t_ms;
+      now.id = ask.id;
+      now.t_ms = ask.t_ms;
     }
-    if (now->question == service::Question::kNameRoom) {
-      named = recorder_ ? recorder_->name_room(now->subject)
-                        : fail("rooms are named while a walk is recorded, or on the helper's page");
-    } else if (now->question != service::Question::kRepeat) {
+    if (now.question != service::Question::kRepeat) {
       last_ask_ = now;
-      if (newest_ || looking_) {  // the frame in hand answers it
-        if (waiting_.size() == kMostWaiting) waiting_.pop_front();
-        waiting_.push_back(*now);
-        return;
-      }
+      waits = newest_ || looking_;  // the frame in hand answers it
     }
+    if (waits && waiting_.size() == kMostWaiting) {
+      pushed_out = waiting_.front().id;
+      waiting_.pop_front();
+    }
+    if (waits) waiting_.push_back(now);
   }
-  if (!named) return refuse(named.error(), ask.id);
-  hear_now(*now);
+  if (pushed_out) refuse(Error{"too many questions at once"}, pushed_out);
+  if (!waits) hear_now(now);
 }
 
 // Answers by the last glance, if it is new enough.
@@ -207,6 +230,15 @@ void Device::say(const std::vector<guide::Prompt>& prompts, std::optional<std::i
 
 // ---- frames ----
 
+// A fault on one device's picture must not end the program.
+Expected<Glance> Device::look(CameraFrame frame) {
+  try {
+    return eye_->look(std::move(frame), host_.view());
+  } catch (const std::exception& fault) {
+    return fail("internal error, please report it: {}", fault.what());
+  }
+}
+
 bool Device::work() {
   std::optional<CameraFrame> frame;
   {
@@ -217,7 +249,7 @@ bool Device::work() {
     looking_ = true;
     if (!eye_) eye_.emplace(camera_);
   }
-  Expected<Glance> glance = eye_->look(*std::move(frame), host_.view());
+  Expected<Glance> glance = look(*std::move(frame));
   bool more = false;
   {
     const std::scoped_lock lock(mutex_);
@@ -259,8 +291,15 @@ void Device::store(const CameraFrame& frame) {
   }
   if (!recorder) return;
   const auto stored = recorder->store(frame);
-  host_.recorded(*this, {stored ? "recording" : "failed", recorder->name(), recorder->frames(),
-                         stored ? "" : stored.error().message});
+  // A full disk is told once and not with every frame.
+  bool failed_before = false;
+  {
+    const std::scoped_lock lock(mutex_);
+    failed_before = std::exchange(storing_fails_, !stored);
+  }
+  if (!stored && failed_before) return;
+  host_.recorded(*this, {who_.device, stored ? "recording" : "failed", recorder->name(),
+                         recorder->frames(), stored ? "" : stored.error().message});
 }
 
 void Device::record_to(std::shared_ptr<WalkRecorder> recorder) {

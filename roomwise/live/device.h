@@ -25,6 +25,10 @@ class DeviceHost {
   virtual void has_work(const std::shared_ptr<Device>& device) = 0;
   virtual void saw(const Device& device, const Glance& glance) = 0;
   virtual void recorded(const Device& device, const service::RecordingState& state) = 0;
+  // What this device's frames are stored by; null: they are not.
+  [[nodiscard]] virtual std::shared_ptr<WalkRecorder> recorder_for(const Device& device) = 0;
+  // What is recorded from now on, by whichever device, shows this room.
+  [[nodiscard]] virtual Expected<void> name_recorded_room(const std::string& room) = 0;
 };
 
 // A client that is connected: takes its frames and questions, answers them by what its newest frame
@@ -46,8 +50,7 @@ class Device : public std::enable_shared_from_this<Device> {
   // Tells of rooms or things that changed.
   void home_changed();
   void send(const service::HomeMessage& message);
-  // The frames are stored from now on; null: no longer. Fails where the device has no fitting
-  // camera.
+  // The frames are stored from now on; null: no longer.
   void record_to(std::shared_ptr<WalkRecorder> recorder);
 
   [[nodiscard]] const service::Identity& who() const { return who_; }
@@ -58,13 +61,17 @@ class Device : public std::enable_shared_from_this<Device> {
 
  private:
   void greet(const service::Hello& hello);
+  void take(const service::DeviceMessage& message);
   void hear(const service::Ask& ask);
   void hear_now(const service::Ask& ask);
+  [[nodiscard]] Expected<Glance> look(CameraFrame frame);
   void answer_waiting(bool more_frames_wait);
   void say(const std::vector<guide::Prompt>& prompts, std::optional<std::int64_t> answer_to,
            std::optional<double> based_on_t_ms);
   void call_out(const Glance& glance);
+  // Tells what is wrong. `could_not_be_read`: many of these close the connection.
   void refuse(const Error& error, std::optional<std::int64_t> answer_to = {});
+  void refuse_unread(const Error& error, std::optional<std::int64_t> answer_to = {});
   void store(const CameraFrame& frame);
   [[nodiscard]] service::Welcome welcome() const;
 
@@ -78,7 +85,7 @@ class Device : public std::enable_shared_from_this<Device> {
   std::optional<service::DeviceCamera> camera_;
   service::SpeakingSettings settings_;
   bool quiet_ = false;
-  int refused_ = 0;
+  int unread_ = 0;                     // messages that could not be read, less those that could
   std::optional<CameraFrame> newest_;  // not looked at yet
   bool looking_ = false;
   std::uint64_t dropped_ = 0;
@@ -87,6 +94,7 @@ class Device : public std::enable_shared_from_this<Device> {
   std::optional<Glance> last_glance_;
   Caller caller_;
   std::shared_ptr<WalkRecorder> recorder_;
+  bool storing_fails_ = false;
 
   std::optional<Eye> eye_;  // work() alone
 };

@@ -43,6 +43,14 @@ class Host final : public DeviceHost {
     recordings.push_back(state);
   }
 
+  [[nodiscard]] std::shared_ptr<WalkRecorder> recorder_for(const Device&) override {
+    return recorder;
+  }
+  [[nodiscard]] Expected<void> name_recorded_room(const std::string& room) override {
+    return recorder ? recorder->name_room(room) : fail("nothing is recorded");
+  }
+
+  std::shared_ptr<WalkRecorder> recorder;
   std::shared_ptr<HomeView> home = std::make_shared<HomeView>();
   int asked_to_work = 0;
   std::vector<double> seen;
@@ -216,6 +224,43 @@ TEST_F(DeviceTest, IsClosedAfterTooManyMessagesThatCannotBeRead) {
   EXPECT_TRUE(wire->closed);
 }
 
+TEST_F(DeviceTest, HonestMistakesDoNotCloseItInALongLife) {
+  say(hello());
+  for (int i = 0; i < 30; ++i) {
+    device->on_text("nonsense");
+    say(service::Quiet{false});
+    ask(i, 0, service::Question::kNameRoom, "kitchen");  // nothing is recorded
+  }
+  EXPECT_FALSE(wire->closed);
+}
+
+TEST_F(DeviceTest, AQuestionThatCannotBeReadIsRefusedByItsId) {
+  say(hello());
+  wire->texts.clear();
+  device->on_text(R"({"type":"ask","id":8,"t":0,"question":"why"})");
+  EXPECT_EQ(wire->take<service::ErrorMessage>().at(0).answer_to, 8);
+}
+
+TEST_F(DeviceTest, ASecondHelloChangesNothing) {
+  say(hello(/*has_camera=*/false));
+  say(hello());
+  wire->texts.clear();
+  show(1);
+  EXPECT_THAT(wire->take<service::FrameArrived>(), IsEmpty());
+}
+
+TEST_F(DeviceTest, OfTooManyQuestionsTheOldestIsRefused) {
+  say(hello());
+  show(1);
+  wire->texts.clear();
+  for (int i = 0; i < 9; ++i) ask(i, 2, service::Question::kWhereAmI);
+  const auto refused = wire->take<service::ErrorMessage>();
+  ASSERT_THAT(refused, SizeIs(1));
+  EXPECT_EQ(refused[0].answer_to, 0);
+  device->work();
+  EXPECT_THAT(wire->take<service::PromptMessage>(), SizeIs(8));
+}
+
 TEST_F(DeviceTest, ThatIsGoneIsNotWorkedFor) {
   say(hello());
   show(1);
@@ -239,6 +284,7 @@ TEST_F(DeviceTest, RoomsAreNamedWhileAWalkIsRecorded) {
   pinhole.height = 6;
   const auto recorder = WalkRecorder::begin(folder / "walk", {8, 6, pinhole, true});
   ASSERT_OK(recorder);
+  host.recorder = *recorder;
   device->record_to(*recorder);
   ask(6, 1, service::Question::kNameRoom, "kitchen");
   const auto thanks = wire->take<service::PromptMessage>();
@@ -247,6 +293,9 @@ TEST_F(DeviceTest, RoomsAreNamedWhileAWalkIsRecorded) {
   show(2);  // without depth: it cannot be stored, and that is told
   ASSERT_THAT(host.recordings, SizeIs(1));
   EXPECT_EQ(host.recordings[0].state, "failed");
+  EXPECT_EQ(host.recordings[0].device, 3);
+  show(3);  // not again with every frame
+  EXPECT_THAT(host.recordings, SizeIs(1));
 }
 
 }  // namespace

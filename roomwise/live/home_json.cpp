@@ -29,7 +29,7 @@ Json room_json(const rooms::Room& room, const HomeView& view) {
 }
 
 Json thing_json(const ViewedThing& thing) {
-  return {{"id", thing.number},
+  return {{"id", thing.id},
           {"name", thing.name},
           {"probability", thing.probability},
           {"room", or_null(thing.room)},

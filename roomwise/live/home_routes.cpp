@@ -159,14 +159,11 @@ std::vector<service::Route> changing_routes(LiveHome& home) {
                     [&home](const HttpRequest& request, std::int64_t id) {
                       const auto texts = read_texts(request, {"name"});
                       if (!texts) return bad(texts.error());
-                      return done(home.rename_thing(static_cast<std::size_t>(id),
-                                                    find(*texts, "name").value_or("")));
+                      return done(home.rename_thing(id, find(*texts, "name").value_or("")));
                     })},
           {"DELETE", "/api/things/{id}", Role::kHelper,
-           numbered("id",
-                    [&home](const HttpRequest&, std::int64_t id) {
-                      return done(home.forget_thing(static_cast<std::size_t>(id)));
-                    })},
+           numbered("id", [&home](const HttpRequest&,
+                                  std::int64_t id) { return done(home.forget_thing(id)); })},
           {"DELETE", "/api/recordings/{id}", Role::kHelper,
            numbered("id", [&home](const HttpRequest&,
                                   std::int64_t id) { return done(home.forget_walk(id)); })},

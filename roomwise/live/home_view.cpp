@@ -43,9 +43,8 @@ Expected<void> view_things(const home::Home& home, HomeView& view) {
   ROOMWISE_TRY(const auto instances, home.instances());
   std::map<home::KeyframeId, const home::Keyframe*> keyframes;
   for (const ViewedKeyframe& one : view.keyframes) keyframes[one.keyframe.id] = &one.keyframe;
-  for (std::size_t i = 0; i < instances.size(); ++i) {
-    const objects::Instance& instance = instances[i];
-    ViewedThing thing{.number = i,
+  for (const objects::Instance& instance : instances) {
+    ViewedThing thing{.id = thing_id(instance),
                       .name = instance.name,
                       .probability = instance.probability,
                       .room = {},
@@ -65,6 +64,16 @@ Expected<void> view_things(const home::Home& home, HomeView& view) {
 }
 
 }  // namespace
+
+std::int64_t thing_id(const objects::Instance& instance) {
+  const network::PixelBox& box = instance.picture_box;
+  const std::string place =
+      fmt::format("{} {} {} {} {}", instance.keyframe_id, box.left, box.top, box.right, box.bottom);
+  const std::string digest =
+      sha256_hex({reinterpret_cast<const std::uint8_t*>(place.data()), place.size()});
+  constexpr std::size_t kDigits = 13;  // hexadecimal: 52 bits
+  return std::stoll(digest.substr(0, kDigits), nullptr, 16);
+}
 
 std::set<std::string> HomeView::thing_names() const {
   std::set<std::string> names;

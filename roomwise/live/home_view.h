@@ -17,7 +17,7 @@ namespace roomwise::live {
 
 // A thing of the home, as people ask for it.
 struct ViewedThing {
-  std::size_t number = 0;  // its place in Home::instances()
+  std::int64_t id = 0;  // thing_id() of its instance
   std::string name;
   double probability = 0;
   std::optional<std::string> room;
@@ -39,6 +39,10 @@ struct ViewedKeyframe {
   std::string room;  // as the helper named it; empty: not named
   bool on_map = false;
 };
+
+// By what picture shows an instance best, and where in it: the same as long as the thing is,
+// whatever it is called and whichever others come and go. Positive, at most 2^53.
+[[nodiscard]] std::int64_t thing_id(const objects::Instance& instance);
 
 // All that is told of a home, at one moment: values that never change.
 struct HomeView {

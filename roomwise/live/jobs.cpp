@@ -12,6 +12,15 @@ double seconds_since(Clock::time_point begin) {
   return std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
+// A fault in the work must not end the program.
+Expected<std::string> carry_out(const Jobs::Body& body, Progress& progress) {
+  try {
+    return body(progress);
+  } catch (const std::exception& fault) {
+    return fail("internal error, please report it: {}", fault.what());
+  }
+}
+
 }  // namespace
 
 // Turns what the work says into states. Called on the threads of the work.
@@ -84,7 +93,7 @@ Expected<void> Jobs::start(const std::string& kind, Body body) {
     service::JobState state{kind, "running", "", 0, {}, ""};
     publish(state);
     Teller teller(*this, state);
-    const Expected<std::string> done = body(teller);
+    const Expected<std::string> done = carry_out(body, teller);
     state.fraction = done ? 1 : 0;
     state.state = done ? "done" : stop_ ? "stopped" : "failed";
     state.text = done ? *done : done.error().message;

@@ -78,6 +78,15 @@ TEST(Jobs, AreStoppedWhenAskedAndWhenTheyGo) {
   EXPECT_EQ(told.states.back().state, "stopped");
 }
 
+TEST(Jobs, AFaultInTheWorkIsAFailure) {
+  Jobs jobs([](const service::JobState&) {});
+  ASSERT_OK(jobs.start(
+      "map", [](Progress&) -> Expected<std::string> { throw std::runtime_error("out of range"); }));
+  jobs.wait();
+  EXPECT_EQ(jobs.state()->state, "failed");
+  EXPECT_THAT(jobs.state()->text, HasSubstr("out of range"));
+}
+
 TEST(Jobs, AFailureIsToldWithItsReason) {
   Jobs jobs([](const service::JobState&) {});
   ASSERT_OK(jobs.start("map", [](Progress&) -> Expected<std::string> { return fail("no disk"); }));

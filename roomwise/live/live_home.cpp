@@ -66,6 +66,8 @@ Expected<std::unique_ptr<LiveHome>> LiveHome::open(const fs::path& file,
     ROOMWISE_CHECK_OK(live->start_mapping(recordings.back().recording.folder));
   } else if (!recordings.empty()) {
     ROOMWISE_CHECK_OK(live->start_preparing());
+  } else if (const auto walk = live->unmapped_walk()) {
+    ROOMWISE_CHECK_OK(live->start_mapping(*walk));
   }
   return live;
 }
@@ -78,7 +80,6 @@ std::unique_ptr<service::SocketSession> LiveHome::connect(const service::Identit
   {
     const std::scoped_lock lock(devices_mutex_);
     devices_.insert(device);
-    if (recorder_ && who.device == recording_device_) device->record_to(recorder_);
   }
   if (const auto job = jobs_->state(); job && who.role == service::Role::kHelper) {
     device->send(*job);
@@ -92,7 +93,12 @@ void LiveHome::left(const std::shared_ptr<Device>& device) {
     devices_.erase(device);
   }
   dropped_by_gone_ += device->dropped();
-  tell_helpers(device->seen());
+  // It may have come back before the old connection was found to be dead.
+  const auto others = all_devices();
+  const auto again = std::ranges::find_if(others, [&](const auto& one) {
+    return one->who().device == device->who().device && one->is_here();
+  });
+  tell_helpers(again != others.end() ? (*again)->seen() : device->seen());
 }
 
 std::vector<std::shared_ptr<Device>> LiveHome::all_devices() const {
@@ -135,11 +141,29 @@ void LiveHome::saw(const Device& device, const Glance& glance) {
 }
 
 void LiveHome::recorded(const Device& device, const service::RecordingState& state) {
-  tell_helpers(state);
-  if (device.who().role == service::Role::kHelper) return;
+  tell_of_recording(device.who().device, state);
+}
+
+void LiveHome::tell_of_recording(std::int64_t device, const service::RecordingState& state) {
   for (const auto& one : all_devices()) {
-    if (one.get() == &device) one->send(state);
+    const bool wants_it = one->who().role == service::Role::kHelper || one->who().device == device;
+    if (wants_it && one->is_here()) one->send(state);
   }
+}
+
+std::shared_ptr<WalkRecorder> LiveHome::recorder_for(const Device& device) {
+  const auto camera = device.camera();
+  const std::scoped_lock lock(devices_mutex_);
+  // Another camera's frames would make a wrong map.
+  const bool is_same = recorder_ && device.who().device == recording_device_ && camera &&
+                       camera->calibrated == recorder_->camera();
+  return is_same ? recorder_ : nullptr;
+}
+
+Expected<void> LiveHome::name_recorded_room(const std::string& room) {
+  const std::scoped_lock lock(devices_mutex_);
+  if (recorder_) return recorder_->name_room(room);
+  return fail("rooms are named while a walk is recorded, or on the helper's page");
 }
 
 // ---- looking ----
@@ -181,7 +205,24 @@ Expected<void> LiveHome::change(const std::function<Expected<void>(home::Home&)>
   return refresh(view()->map);
 }
 
+std::optional<fs::path> LiveHome::unmapped_walk() const {
+  std::error_code error;
+  std::optional<fs::path> newest;
+  for (const auto& entry : fs::directory_iterator(walks_folder(), error)) {
+    if (!fs::exists(entry.path() / "rgb.txt", error)) continue;
+    if (!newest || fs::last_write_time(*newest / "rgb.txt", error) <
+                       fs::last_write_time(entry.path() / "rgb.txt", error)) {
+      newest = entry.path();
+    }
+  }
+  return newest;
+}
+
 Expected<void> LiveHome::check_idle() const {
+  {
+    const std::scoped_lock lock(devices_mutex_);
+    if (recorder_) return fail("'{}' is being recorded; stop it first", recorder_->name());
+  }
   if (!jobs_->running()) return {};
   return fail("the computer is busy ({}); wait until it is done, or stop it", jobs_->state()->kind);
 }

@@ -32,7 +32,8 @@ struct LiveHomeOptions {
 class LiveHome final : public service::SocketHandler, private DeviceHost {
  public:
   // Opens the home, or makes a new one. What was being mapped when the computer stopped is gone on
-  // with; else the map is made ready in the background. `networks` and `finders` must outlive it.
+  // with, and so is a walk that was recorded and not mapped yet; else the map is made ready in the
+  // background. `networks` and `finders` must outlive it.
   [[nodiscard]] static Expected<std::unique_ptr<LiveHome>> open(
       const std::filesystem::path& file, const pipeline::Networks& networks,
       const objects::RegionFinders& finders, LiveHomeOptions options);
@@ -62,8 +63,9 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
                                            const std::optional<std::string>& new_type);
   // The room, where it was on the walks, and what was learned of rooms.
   [[nodiscard]] Expected<void> forget_room(const std::string& name);
-  [[nodiscard]] Expected<void> rename_thing(std::size_t number, const std::string& name);
-  [[nodiscard]] Expected<void> forget_thing(std::size_t number);
+  // By ViewedThing::id.
+  [[nodiscard]] Expected<void> rename_thing(std::int64_t id, const std::string& name);
+  [[nodiscard]] Expected<void> forget_thing(std::int64_t id);
   // The recording, all that came from it, what was learned, and its folder if it was recorded here.
   [[nodiscard]] Expected<void> forget_walk(home::RecordingId walk);
   // Everything.
@@ -86,9 +88,13 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
   void has_work(const std::shared_ptr<Device>& device) override;
   void saw(const Device& device, const Glance& glance) override;
   void recorded(const Device& device, const service::RecordingState& state) override;
+  [[nodiscard]] std::shared_ptr<WalkRecorder> recorder_for(const Device& device) override;
+  [[nodiscard]] Expected<void> name_recorded_room(const std::string& room) override;
 
   [[nodiscard]] std::vector<std::shared_ptr<Device>> all_devices() const;
   void tell_helpers(const service::HomeMessage& message) const;
+  // Helpers and the device whose frames are recorded.
+  void tell_of_recording(std::int64_t device, const service::RecordingState& state);
   void left(const std::shared_ptr<Device>& device);
   [[nodiscard]] Expected<void> check_idle() const;
   // Runs `change` on the home and shows what came of it.
@@ -101,6 +107,8 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
   [[nodiscard]] Expected<std::string> prepare(Progress& progress);
   [[nodiscard]] Expected<std::string> learn_now(Progress& progress);
   [[nodiscard]] std::filesystem::path walks_folder() const;
+  // A walk that was recorded and is not in the home yet: the newest.
+  [[nodiscard]] std::optional<std::filesystem::path> unmapped_walk() const;
 
   const std::filesystem::path file_;
   const pipeline::Networks& networks_;

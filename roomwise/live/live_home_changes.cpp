@@ -79,9 +79,13 @@ Expected<void> check_has_room(const home::Home& home, const std::string& name) {
   return fail("this home has no room '{}'", name);
 }
 
-Expected<void> check_has_thing(std::span<const objects::Instance> things, std::size_t number) {
-  if (number < things.size()) return {};
-  return fail("this home has no thing {}", number);
+Expected<std::vector<objects::Instance>::iterator> find_thing(
+    std::vector<objects::Instance>& things, std::int64_t id) {
+  const auto found = std::ranges::find(things, id, thing_id);
+  if (found == things.end()) {
+    return fail("this home has no thing {} any more; look at it anew", id);
+  }
+  return found;
 }
 
 }  // namespace
@@ -112,6 +116,7 @@ Expected<void> LiveHome::change_room(const std::string& name,
 
 Expected<void> LiveHome::forget_room(const std::string& name) {
   ROOMWISE_CHECK_OK(check_idle());
+  recognitions_.clear();  // their pictures may show it
   return change([&](home::Home& home) -> Expected<void> {
     ROOMWISE_CHECK_OK(home.atomically([&]() -> Expected<void> {
       ROOMWISE_CHECK_OK(check_has_room(home, name));
@@ -126,23 +131,23 @@ Expected<void> LiveHome::forget_room(const std::string& name) {
   });
 }
 
-Expected<void> LiveHome::rename_thing(std::size_t number, const std::string& name) {
+Expected<void> LiveHome::rename_thing(std::int64_t id, const std::string& name) {
   if (name.empty()) return fail("'name' is empty; a thing needs a name");
   return change([&](home::Home& home) -> Expected<void> {
     ROOMWISE_TRY(auto things, home.instances());
-    ROOMWISE_CHECK_OK(check_has_thing(things, number));
-    things[number].name = name;
-    things[number].names = {{name, 1.0}};
-    things[number].probability = 1;  // somebody says so who was there
+    ROOMWISE_TRY(const auto thing, find_thing(things, id));
+    thing->name = name;
+    thing->names = {{name, 1.0}};
+    thing->probability = 1;  // somebody says so who was there
     return home.replace_instances(things);
   });
 }
 
-Expected<void> LiveHome::forget_thing(std::size_t number) {
+Expected<void> LiveHome::forget_thing(std::int64_t id) {
   return change([&](home::Home& home) -> Expected<void> {
     ROOMWISE_TRY(auto things, home.instances());
-    ROOMWISE_CHECK_OK(check_has_thing(things, number));
-    things.erase(things.begin() + static_cast<std::ptrdiff_t>(number));
+    ROOMWISE_TRY(const auto thing, find_thing(things, id));
+    things.erase(thing);
     return home.replace_instances(things);
   });
 }

@@ -80,7 +80,6 @@ Expected<void> LiveHome::begin_recording(std::int64_t device, const std::string&
   });
   if (found == connected.end()) return fail("device {} is not connected with a camera", device);
   const std::scoped_lock lock(devices_mutex_);
-  if (recorder_) return fail("'{}' is being recorded; stop it first", recorder_->name());
   ROOMWISE_TRY(recorder_, WalkRecorder::begin(walks_folder() / name, *(*found)->camera()));
   recording_device_ = device;
   (*found)->record_to(recorder_);
@@ -98,8 +97,10 @@ Expected<void> LiveHome::end_recording() {
     if (device->who().device == recording_device_) device->record_to(nullptr);
   }
   const Expected<void> closed = recorder->close();
-  tell_helpers(service::RecordingState{closed ? "saved" : "failed", recorder->name(),
-                                       recorder->frames(), closed ? "" : closed.error().message});
+  tell_of_recording(
+      recording_device_,
+      service::RecordingState{recording_device_, closed ? "saved" : "failed", recorder->name(),
+                              recorder->frames(), closed ? "" : closed.error().message});
   ROOMWISE_CHECK_OK(closed);
   return start_mapping(recorder->folder());
 }

@@ -222,6 +222,7 @@ TEST_F(LiveHomeTest, RecordingIsRefusedWhereItCouldNotBeMapped) {
   EXPECT_ERROR(home->end_recording(), "nothing is being recorded");
   ASSERT_OK(home->begin_recording(7, "walk"));
   EXPECT_ERROR(home->begin_recording(7, "other"), "being recorded");
+  EXPECT_ERROR(home->forget_home(), "being recorded");
   belt.session->on_closed();
 }
 
@@ -235,10 +236,49 @@ TEST_F(LiveHomeTest, ADeviceThatComesBackGoesOnRecording) {
   belt = connect(7, service::Role::kDevice);
   for (int i = 0; i < 2; ++i) belt.session->on_message(message_of(**walk.next()));
   belt.session->on_closed();
+  // The same device with another camera: its frames would make a wrong map.
+  Client other{std::make_shared<WaitingWire>(), nullptr};
+  other.session = home->connect({7, "client", service::Role::kDevice}, other.wire);
+  service::Hello hello;
+  hello.version = 1;
+  geometry::PinholeCamera camera = walk.info().camera;
+  camera.fx += 20;
+  hello.camera = service::DeviceCamera{camera.width, camera.height, camera, true};
+  other.session->on_text(write(service::DeviceMessage(hello)));
+  other.session->on_message(message_of(**walk.next()));
+  other.session->on_closed();
   home.reset();
   std::ifstream list(folder / "flat.home.walks/walk/rgb.txt");
   const std::string text{std::istreambuf_iterator<char>(list), {}};
   EXPECT_EQ(std::ranges::count(text, '\n') - std::ranges::count(text, '#'), 5) << text;
+}
+
+// The computer stopped while a walk was recorded, and nobody ended the recording.
+TEST_F(LiveHomeTest, AWalkThatWasRecordedAndNotMappedIsMappedAtTheNextStart) {
+  open();
+  Client belt = connect(7, service::Role::kDevice);
+  ASSERT_OK(home->begin_recording(7, "walk"));
+  while (auto frame = walk.next().value()) belt.session->on_message(message_of(*frame));
+  home.reset();
+  open();
+  home->jobs().wait();
+  EXPECT_EQ(home->jobs().state()->state, "done") << home->jobs().state()->text;
+  EXPECT_THAT(home->view()->walks, SizeIs(1));
+}
+
+TEST_F(LiveHomeTest, TheWearerIsToldOfTheRecording) {
+  open();
+  Client belt = connect(7, service::Role::kDevice);
+  const Client other = connect(8, service::Role::kDevice);
+  ASSERT_OK(home->begin_recording(7, "walk"));
+  belt.session->on_message(message_of(**walk.next()));
+  const auto begun = belt.wire->next<service::RecordingState>();
+  EXPECT_EQ(begun.state, "recording");
+  EXPECT_EQ(begun.device, 7);
+  ASSERT_OK(home->end_recording());
+  EXPECT_EQ(belt.wire->next<service::RecordingState>().state, "saved");
+  other.session->on_closed();
+  belt.session->on_closed();
 }
 
 TEST_F(LiveHomeTest, HelpersAreToldOfJobsAndDevices) {

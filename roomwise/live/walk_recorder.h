@@ -29,6 +29,7 @@ class WalkRecorder {
   [[nodiscard]] Expected<void> close();
 
   [[nodiscard]] std::uint64_t frames() const;
+  [[nodiscard]] const geometry::PinholeCamera& camera() const { return camera_; }
   [[nodiscard]] const std::filesystem::path& folder() const { return folder_; }
   [[nodiscard]] std::string name() const { return folder_.filename().string(); }
 

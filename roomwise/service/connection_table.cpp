@@ -40,9 +40,12 @@ void ConnectionTable::remove(Number number) {
 bool ConnectionTable::identify(Number number, std::int64_t device) {
   const std::scoped_lock lock(mutex_);
   Entry& entry = entries_.at(number);
-  entry.device = device;
-  return count([&](const Entry& other) { return other.device == device; }) <=
-         limits_.connections_per_device;
+  const auto before = std::exchange(entry.device, device);
+  const bool may = count([&](const Entry& other) { return other.device == device; }) <=
+                   limits_.connections_per_device;
+  // One too many makes room like a connection without a token.
+  if (!may) entry.device = before;
+  return may;
 }
 
 std::vector<std::shared_ptr<Connection>> ConnectionTable::open_socket(Number number) {

@@ -102,7 +102,7 @@ void apply(const SettingsChange& change, SpeakingSettings& settings) {
 }
 
 Expected<DeviceMessage> read_device_message(std::string_view text) {
-  ROOMWISE_TRY(const OrderedJson json, parse_object(text));
+  ROOMWISE_TRY(const OrderedJson json, parse_object(text, kMostTextBytes));
   Members members(json);
   const std::string type = members.text("type");
   if (members.error()) return Unexpected(Error(*members.error()));
@@ -111,6 +111,15 @@ Expected<DeviceMessage> read_device_message(std::string_view text) {
   if (type == "settings") return members.finish<DeviceMessage>(read_settings(members));
   if (type == "quiet") return members.finish<DeviceMessage>(Quiet{members.yes_or_no("on")});
   return fail("'{}' is no type of a message; expected hello, ask, settings or quiet", type);
+}
+
+std::optional<std::int64_t> id_of_ask(std::string_view text) {
+  const auto json = parse_object(text, kMostTextBytes);
+  if (!json) return std::nullopt;
+  Members members(*json);
+  const bool is_ask = members.text("type") == "ask";
+  const std::int64_t id = members.whole("id", 0, kMostWhole);
+  return is_ask && !members.error() ? std::optional(id) : std::nullopt;
 }
 
 namespace {
@@ -138,10 +147,10 @@ OrderedJson camera_json(const DeviceCamera& camera) {
 
 OrderedJson to_json(const Hello& hello) {
   OrderedJson json{{"type", "hello"},
-            {"version", hello.version},
-            {"name", hello.name},
-            {"kind", word_of(kKinds, hello.kind)},
-            {"camera", hello.camera ? camera_json(*hello.camera) : OrderedJson(nullptr)}};
+                   {"version", hello.version},
+                   {"name", hello.name},
+                   {"kind", word_of(kKinds, hello.kind)},
+                   {"camera", hello.camera ? camera_json(*hello.camera) : OrderedJson(nullptr)}};
   const SpeakingSettings& all = hello.settings;
   write_settings({all.language, all.distances, all.step_m, all.callouts}, json);
   return json;
@@ -149,9 +158,9 @@ OrderedJson to_json(const Hello& hello) {
 
 OrderedJson to_json(const Ask& ask) {
   OrderedJson json{{"type", "ask"},
-            {"id", ask.id},
-            {"t", ask.t_ms},
-            {"question", word_of(kQuestions, ask.question)}};
+                   {"id", ask.id},
+                   {"t", ask.t_ms},
+                   {"question", word_of(kQuestions, ask.question)}};
   if (asks_for_thing(ask.question)) json["thing"] = ask.subject;
   if (ask.question == Question::kNameRoom) json["room"] = ask.subject;
   return json;

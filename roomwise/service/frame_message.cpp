@@ -26,7 +26,8 @@ Expected<FrameMessage> read_frame(std::span<const std::uint8_t> message) {
     return fail("the frame's header of {} bytes is too long", header_bytes);
   }
   const auto header = message.subspan(kPrefixBytes, header_bytes);
-  auto json = parse_object({reinterpret_cast<const char*>(header.data()), header.size()});
+  auto json =
+      parse_object({reinterpret_cast<const char*>(header.data()), header.size()}, kMostHeaderBytes);
   if (!json) return Unexpected(std::move(json).error().in("the frame's header"));
   Members members(*json);
   const auto images = message.subspan(kPrefixBytes + header_bytes);

@@ -58,11 +58,8 @@ OrderedJson to_json(const PromptMessage& prompt) {
 }
 
 OrderedJson to_json(const RecordingState& recording) {
-  return {{"type", "recording"},
-          {"state", recording.state},
-          {"name", recording.name},
-          {"frames", recording.frames},
-          {"text", recording.text}};
+  return {{"type", "recording"},    {"device", recording.device}, {"state", recording.state},
+          {"name", recording.name}, {"frames", recording.frames}, {"text", recording.text}};
 }
 
 OrderedJson to_json(const JobState& job) {
@@ -150,6 +147,7 @@ Expected<HomeMessage> read_prompt(const OrderedJson& json) {
 Expected<HomeMessage> read_recording(const OrderedJson& json) {
   Members members(json);
   RecordingState recording;
+  recording.device = members.whole("device", 0, kMostWhole);
   recording.state = members.text("state");
   recording.name = members.text("name");
   recording.frames = static_cast<std::uint64_t>(members.whole("frames", 0, kMostWhole));
@@ -202,7 +200,7 @@ std::string write_home_changed(const Welcome& welcome) {
 }
 
 Expected<HomeMessage> read_home_message(std::string_view text) {
-  ROOMWISE_TRY(const OrderedJson json, parse_object(text));
+  ROOMWISE_TRY(const OrderedJson json, parse_object(text, kMostHomeTextBytes));
   Members members(json);
   const std::string type = members.text("type");
   if (members.error()) return Unexpected(Error(*members.error()));

@@ -16,7 +16,7 @@ namespace roomwise::service {
 
 using OrderedJson = nlohmann::ordered_json;
 
-constexpr double kMostTime_ms = 1e13;  // 300 years
+constexpr double kMostTime_ms = 9e12;  // 300 years
 constexpr std::int64_t kMostWhole = std::int64_t{1}
                                     << 53U;  // what a double holds, as JavaScript has it
 constexpr std::size_t kMostWordBytes = 200;  // of a name, a thing, a room
@@ -136,7 +136,11 @@ class Members {
   std::optional<Error> error_;
 };
 
-[[nodiscard]] inline Expected<OrderedJson> parse_object(std::string_view text) {
+[[nodiscard]] inline Expected<OrderedJson> parse_object(std::string_view text,
+                                                        std::size_t most_bytes) {
+  if (text.size() > most_bytes) {
+    return fail("the message has {} bytes; at most {} are read", text.size(), most_bytes);
+  }
   OrderedJson json = OrderedJson::parse(text, nullptr, /*allow_exceptions=*/false);
   if (!json.is_object()) return fail("the message is no JSON object");
   return json;

@@ -18,9 +18,10 @@
 namespace roomwise::service {
 
 constexpr int kProtocolVersion = 1;
-// A message that is longer is refused before it is read.
+// A message that is longer is refused before it is parsed.
 constexpr std::size_t kMostFrameBytes = 4'000'000;
-constexpr std::size_t kMostTextBytes = 16'384;
+constexpr std::size_t kMostTextBytes = 16'384;       // from a device
+constexpr std::size_t kMostHomeTextBytes = 262'144;  // from the computer: lists of rooms and things
 
 // ---- from the device ----
 
@@ -77,6 +78,9 @@ using DeviceMessage = std::variant<Hello, Ask, SettingsChange, Quiet>;
 
 [[nodiscard]] Expected<DeviceMessage> read_device_message(std::string_view json);
 [[nodiscard]] std::string write(const DeviceMessage& message);
+// The id of an Ask that cannot be read otherwise, so that its asker learns that there will be no
+// answer.
+[[nodiscard]] std::optional<std::int64_t> id_of_ask(std::string_view json);
 void apply(const SettingsChange& change, SpeakingSettings& settings);
 
 // A frame of the camera. The images lie in the message that it was read from.
@@ -127,6 +131,7 @@ struct PromptMessage {
 };
 
 struct RecordingState {
+  std::int64_t device = 0;
   std::string state;  // "recording", "saved", "failed"
   std::string name;
   std::uint64_t frames = 0;

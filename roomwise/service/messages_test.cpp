@@ -100,7 +100,7 @@ TEST(Messages, WhatTheComputerSaysComesBack) {
   EXPECT_EQ(prompt_back.valid_until_t_ms, 4234.5);
 
   EXPECT_EQ(read_back_home<FrameArrived>(FrameArrived{3.5, 2}).dropped, 2U);
-  EXPECT_EQ(read_back_home<RecordingState>(RecordingState{"saved", "walk", 17, ""}).frames, 17U);
+  EXPECT_EQ(read_back_home<RecordingState>(RecordingState{7, "saved", "walk", 17, ""}).frames, 17U);
   EXPECT_FALSE(read_back_home<JobState>(JobState{"map", "running", "mapping", 0.4, {}, ""}).left_s);
   EXPECT_TRUE(read_back_home<DeviceSeen>(DeviceSeen{3, "phone", true, seen}).seen);
   EXPECT_EQ(read_back_home<ErrorMessage>(ErrorMessage{"no", 4}).answer_to, 4);
@@ -166,6 +166,19 @@ TEST(Messages, AnErrorNamesWhatIsWrong) {
   EXPECT_THAT(error_of(R"({"type":"hello","version":1,"name":")" + std::string(300, 'x') +
                        R"(","kind":"phone"})"),
               HasSubstr("'name'"));
+}
+
+TEST(Messages, TheIdOfAQuestionIsKnownThoughTheRestIsWrong) {
+  EXPECT_EQ(id_of_ask(R"({"type":"ask","id":8,"t":0,"question":"why"})"), 8);
+  EXPECT_FALSE(id_of_ask(R"({"type":"ask","id":"x"})"));
+  EXPECT_FALSE(id_of_ask(R"({"type":"quiet","id":8})"));
+  EXPECT_FALSE(id_of_ask("{"));
+}
+
+TEST(Messages, ThatAreTooLongAreNotParsed) {
+  std::string text = R"({"type":"quiet","on":true)";
+  for (int i = 0; text.size() < kMostTextBytes; ++i) text += fmt::format(R"(,"{}":1)", i);
+  EXPECT_THAT(error_of(text + "}"), HasSubstr("at most 16384"));
 }
 
 TEST(Messages, AnotherVersionOfTheComputerIsAnError) {

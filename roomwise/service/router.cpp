@@ -59,7 +59,8 @@ HttpAnswer refused(const HttpRequest& request, Role role) {
 
 }  // namespace
 
-Router::Router(std::vector<Route> routes) : routes_(std::move(routes)) {
+Router::Router(std::vector<Route> routes, std::function<void(std::string_view)> log)
+    : routes_(std::move(routes)), log_(std::move(log)) {
   for (const Route& route : routes_) pieces_.push_back(split(route.pattern));
 }
 
@@ -94,8 +95,9 @@ HttpAnswer Router::answer(const HttpRequest& request) const {
   const auto& match = std::get<RouteMatch>(found);
   try {
     return match.route->handler(request, match.placeholders);
-  } catch (const std::exception&) {
+  } catch (const std::exception& fault) {
     // What went wrong may name files or other people's things: it is not for whoever asks.
+    log_(fmt::format("{} {} went wrong: {}", request.method, match.route->pattern, fault.what()));
     return error_answer(500, "the computer made a mistake with this request; it goes on");
   }
 }

@@ -36,7 +36,10 @@ struct RouteMatch {
 // Which handler a request goes to, and who may: the only place where that is decided.
 class Router {
  public:
-  explicit Router(std::vector<Route> routes);
+  // `log` is told, a line each, of handlers that throw; on any thread.
+  explicit Router(
+      std::vector<Route> routes,
+      std::function<void(std::string_view)> log = [](std::string_view) {});
 
   // The route for this method and path, or the answer why there is none: 401 where the
   // request must say who it is from, 403 where it may not, 404 where there is no such path, 405
@@ -54,6 +57,7 @@ class Router {
 
  private:
   std::vector<Route> routes_;
+  std::function<void(std::string_view)> log_;
   std::vector<std::vector<std::string>> pieces_;  // of each route's pattern
 };
 

@@ -81,8 +81,13 @@ Expected<Bytes> run_espeak(std::vector<std::string> arguments, std::string_view 
 
 // It speaks languages that it does not know in another's voice, and says nothing of it.
 Expected<void> check_language(const std::string& language) {
-  ROOMWISE_TRY(const Bytes voices, run_espeak({"--voices=" + language}, ""));
-  if (std::ranges::count(voices, '\n') > 1) return {};  // the first line is the heading
+  ROOMWISE_TRY(const Bytes output, run_espeak({"--voices=" + language}, ""));
+  // Voices of languages that only begin alike are listed too: " 5  en-gb  --/M  ...  (en 2)".
+  const std::string voices(output.begin(), output.end());
+  for (const char* end : {" ", "-"}) {
+    if (voices.find(" " + language + end) != std::string::npos) return {};
+  }
+  if (voices.find("(" + language + " ") != std::string::npos) return {};
   return fail("espeak-ng has no voice \"{}\"; install espeak-ng-data", language);
 }
 
