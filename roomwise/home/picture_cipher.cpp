@@ -29,39 +29,33 @@ std::string_view name_of(ProtectionState state) {
   return std::ranges::find(kStateNames, state, &StateName::state)->name;
 }
 
-void append(Bytes& bytes, std::string_view text) {
-  bytes.insert(bytes.end(), text.begin(), text.end());
+// What bytes are bound to when they are sealed: they open as nothing else.
+using Binding = std::string;
+
+const std::uint8_t* bytes_of(std::string_view text) {
+  return reinterpret_cast<const std::uint8_t*>(text.data());
 }
 
-// NONCE SEALED TAG, appended to `out`.
-void append_sealed(Bytes& out, const SecretBytes& key, std::span<const std::uint8_t> plain,
-                   const Bytes& context) {
-  const std::size_t nonce = out.size();
-  out.resize(nonce + kNonceBytes + plain.size() + kTagBytes);
-  ::randombytes_buf(&out[nonce], kNonceBytes);
-  ::crypto_aead_xchacha20poly1305_ietf_encrypt(&out[nonce + kNonceBytes], nullptr, plain.data(),
-                                               plain.size(), context.data(), context.size(),
-                                               nullptr, &out[nonce], key.data());
+// NONCE CIPHERTEXT TAG, into `sealed`, whose size must be right.
+void seal_into(std::span<std::uint8_t> sealed, const SecretBytes& key,
+               std::span<const std::uint8_t> plain, const Binding& binding) {
+  ::randombytes_buf(sealed.data(), kNonceBytes);
+  ::crypto_aead_xchacha20poly1305_ietf_encrypt(sealed.data() + kNonceBytes, nullptr, plain.data(),
+                                               plain.size(), bytes_of(binding), binding.size(),
+                                               nullptr, sealed.data(), key.data());
 }
 
 // Into `plain`, whose size must be right. False where anything is not as it was sealed.
-bool open_sealed(std::span<const std::uint8_t> sealed, const SecretBytes& key, const Bytes& context,
-                 std::span<std::uint8_t> plain) {
+bool open_sealed(std::span<const std::uint8_t> sealed, const SecretBytes& key,
+                 const Binding& binding, std::span<std::uint8_t> plain) {
   return sealed.size() == kNonceBytes + plain.size() + kTagBytes &&
          ::crypto_aead_xchacha20poly1305_ietf_decrypt(
              plain.data(), nullptr, nullptr, &sealed[kNonceBytes], sealed.size() - kNonceBytes,
-             context.data(), context.size(), sealed.data(), key.data()) == 0;
+             bytes_of(binding), binding.size(), sealed.data(), key.data()) == 0;
 }
 
-// What a picture is bound to: it cannot be opened as anything else.
-Bytes context_of(std::uint64_t keyframe, PictureKind kind) {
-  Bytes context;
-  append(context, "roomwise picture 1");
-  context.push_back(static_cast<std::uint8_t>(kind));
-  for (unsigned shift = 0; shift < 64; shift += 8) {
-    context.push_back(static_cast<std::uint8_t>(keyframe >> shift));
-  }
-  return context;
+Binding binding_of(std::uint64_t keyframe, PictureKind kind) {
+  return fmt::format("roomwise picture 1, kind {}, key-frame {}", static_cast<int>(kind), keyframe);
 }
 
 // What stands beside the wrapped key in the home, and is bound to it.
@@ -70,11 +64,9 @@ struct Wrapping {
   PassphraseCost cost;
   Bytes salt;
 
-  [[nodiscard]] Bytes context() const {
+  [[nodiscard]] Binding binding() const {
     const nlohmann::json parts = {"roomwise key 1", state, cost.passes, cost.memory_bytes, salt};
-    Bytes context;
-    append(context, parts.dump());
-    return context;
+    return parts.dump();
   }
 };
 
@@ -141,10 +133,10 @@ PictureCipher PictureCipher::create() {
 
 Bytes PictureCipher::seal(std::uint64_t keyframe, PictureKind kind,
                           std::span<const std::uint8_t> picture) const {
-  Bytes sealed;
-  sealed.reserve(kSealedPictureMark.size() + kNonceBytes + picture.size() + kTagBytes);
-  append(sealed, kSealedPictureMark);
-  append_sealed(sealed, *key_, picture, context_of(keyframe, kind));
+  Bytes sealed(kSealedPictureMark.size() + kNonceBytes + picture.size() + kTagBytes);
+  std::ranges::copy(kSealedPictureMark, sealed.begin());
+  seal_into(std::span(sealed).subspan(kSealedPictureMark.size()), *key_, picture,
+            binding_of(keyframe, kind));
   return sealed;
 }
 
@@ -154,7 +146,7 @@ Expected<Bytes> PictureCipher::open(std::uint64_t keyframe, PictureKind kind,
   if (is_sealed(sealed) && sealed.size() >= kLeast) {
     Bytes picture(sealed.size() - kLeast);
     const auto rest = sealed.subspan(kSealedPictureMark.size());
-    if (open_sealed(rest, *key_, context_of(keyframe, kind), picture)) return picture;
+    if (open_sealed(rest, *key_, binding_of(keyframe, kind), picture)) return picture;
   }
   return fail("a picture of key-frame {} was changed since it was sealed, or is another's",
               keyframe);
@@ -165,8 +157,8 @@ Expected<std::string> PictureCipher::wrap(const Passphrase& passphrase, Protecti
   Wrapping wrapping{std::string(name_of(state)), cost, Bytes(crypto_pwhash_SALTBYTES)};
   ::randombytes_buf(wrapping.salt.data(), wrapping.salt.size());
   ROOMWISE_TRY(const SecretBytes key, key_from(passphrase, wrapping));
-  Bytes wrapped;
-  append_sealed(wrapped, key, key_->bytes(), wrapping.context());
+  Bytes wrapped(kNonceBytes + kKeyBytes + kTagBytes);
+  seal_into(wrapped, key, key_->bytes(), wrapping.binding());
   return nlohmann::json{{"method", "argon2id, xchacha20-poly1305"},
                         {"state", wrapping.state},
                         {"passes", cost.passes},
@@ -183,7 +175,7 @@ Expected<UnwrappedCipher> unwrap_cipher(std::string_view wrapped, const Passphra
   }
   ROOMWISE_TRY(const SecretBytes wrapping_key, key_from(passphrase, parsed->wrapping));
   auto key = std::make_shared<SecretBytes>(kKeyBytes);
-  if (!open_sealed(parsed->key, wrapping_key, parsed->wrapping.context(), key->bytes())) {
+  if (!open_sealed(parsed->key, wrapping_key, parsed->wrapping.binding(), key->bytes())) {
     return fail("the passphrase is wrong (or the key of its pictures was damaged)");
   }
   return UnwrappedCipher{PictureCipher(std::move(key)), parsed->state};
