@@ -3,7 +3,8 @@
 //
 // A device sends as the protocol says: its newest frame, when the last was acknowledged. Printed
 // for every part of the run: the time from a question to its answer, the age of the picture that
-// the answer rests on, both as median, 95 % and most; frames looked at and dropped of each device;
+// the answer rests on, and the time until espeak-ng has made sound of its words (the tone before
+// them needs none), each as median, 95 % and most; frames looked at and dropped of each device;
 // processor time a frame; resident memory.
 #include <fmt/ranges.h>
 
@@ -21,6 +22,7 @@
 #include "roomwise/network/onnx_classifier.h"
 #include "roomwise/recording/tum_recording.h"
 #include "roomwise/service/client.h"
+#include "roomwise/speech/espeak.h"
 #include "timing.h"
 
 namespace roomwise::bench {
@@ -46,6 +48,7 @@ struct EncodedFrame {
 struct Experience {
   std::vector<double> answer_ms;  // from the question to the first prompt
   std::vector<double> age_ms;     // of the picture that it rests on, at the answer
+  std::vector<double> words_ms;   // from the question until its words are sound
   std::size_t stale = 0;          // answers that came after they were valid
   std::size_t unanswered = 0;
   std::size_t sent = 0;
@@ -121,6 +124,8 @@ class BenchDevice {
         lived.answer_ms.push_back(came - question->second);
         if (prompt->based_on_t_ms) lived.age_ms.push_back(came - *prompt->based_on_t_ms);
         if (came > prompt->valid_until_t_ms) ++lived.stale;
+        (void)need(speech::synthesize(prompt->text, prompt->language, 175));
+        lived.words_ms.push_back(now_ms() - question->second);
         asked.erase(question);
       }
     }
@@ -166,6 +171,7 @@ void print(const std::vector<Experience>& devices, std::string_view part, double
   for (const Experience& one : devices) {
     all.answer_ms.insert(all.answer_ms.end(), one.answer_ms.begin(), one.answer_ms.end());
     all.age_ms.insert(all.age_ms.end(), one.age_ms.begin(), one.age_ms.end());
+    all.words_ms.insert(all.words_ms.end(), one.words_ms.begin(), one.words_ms.end());
     all.stale += one.stale;
     all.unanswered += one.unanswered;
     all.sent += one.sent;
@@ -174,9 +180,10 @@ void print(const std::vector<Experience>& devices, std::string_view part, double
   }
   const auto within = std::ranges::count_if(all.age_ms, [](double age) { return age <= 400; });
   fmt::print(
-      "{}: {} questions, answered after {} ms, by a picture {} ms old ({:.1f} % within 400), {} "
+      "{}: {} questions, answered after {} ms, sound of the words after {} ms, by a picture {} ms "
+      "old ({:.1f} % within 400), {} "
       "stale, {} unanswered; frames sent {}, looked at {} ({}); {:.0f} CPU-ms a look; {:.0f} MB\n",
-      part, all.answer_ms.size(), spread(all.answer_ms), spread(all.age_ms),
+      part, all.answer_ms.size(), spread(all.answer_ms), spread(all.words_ms), spread(all.age_ms),
       100.0 * static_cast<double>(within) /
           static_cast<double>(std::max<std::size_t>(1, all.age_ms.size())),
       all.stale, all.unanswered, all.sent, all.looked_at, fmt::join(looked_at, " "),

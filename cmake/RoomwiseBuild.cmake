@@ -49,6 +49,18 @@ function(add_shared_headers name headers)
   target_precompile_headers(${name} PRIVATE ${PROJECT_SOURCE_DIR}/cmake/${headers})
 endfunction()
 
+# Most of what is left of a clean build is headers read and templates made anew for every source, so sources of
+# a target are compiled in batches. Names in unnamed namespaces must then differ within a target. The other
+# presets do without, which keeps every file standing alone; who edits is faster without, too.
+option(ROOMWISE_UNITY_BUILD "Compile the sources of a target in batches" OFF)
+function(roomwise_compile_in_batches target)
+  if(ROOMWISE_UNITY_BUILD)
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)
+    # To the compiler a batch's sources are headers, in whose classes it wants no type of an unnamed namespace.
+    target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
+  endif()
+endfunction()
+
 # roomwise_module(NAME SOURCES a.cpp ... [LINKS target ...] [PRIVATE_LINKS target ...])
 # declares the library roomwise_NAME (alias Roomwise::NAME); a module of headers alone gives no SOURCES.
 function(roomwise_module name)
@@ -58,6 +70,7 @@ function(roomwise_module name)
     set(visibility PUBLIC)
     target_link_libraries(roomwise_${name} PRIVATE ${ARG_PRIVATE_LINKS})
     target_precompile_headers(roomwise_${name} REUSE_FROM roomwise_module_headers)
+    roomwise_compile_in_batches(roomwise_${name})
   else()
     add_library(roomwise_${name} INTERFACE)
     set(visibility INTERFACE)
@@ -84,6 +97,7 @@ function(roomwise_test name)
   target_link_libraries(${name}_test PRIVATE ${ARG_LINKS} Roomwise::testing GTest::gmock_main)
   target_compile_options(${name}_test PRIVATE ${ROOMWISE_TEST_OPTIONS})
   target_precompile_headers(${name}_test REUSE_FROM roomwise_test_headers)
+  roomwise_compile_in_batches(${name}_test)
   gtest_discover_tests(${name}_test TEST_PREFIX ${name}. DISCOVERY_TIMEOUT 60
     PROPERTIES SKIP_REGULAR_EXPRESSION "\\[  SKIPPED \\]" TIMEOUT 300)
 endfunction()

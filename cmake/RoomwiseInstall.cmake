@@ -28,7 +28,6 @@ write_basic_package_version_file(${PROJECT_BINARY_DIR}/RoomwiseConfigVersion.cma
 install(FILES
   ${PROJECT_BINARY_DIR}/RoomwiseConfig.cmake
   ${PROJECT_BINARY_DIR}/RoomwiseConfigVersion.cmake
-  ${CMAKE_CURRENT_LIST_DIR}/FindEspeakNg.cmake
   ${CMAKE_CURRENT_LIST_DIR}/FindLibZip.cmake
   ${CMAKE_CURRENT_LIST_DIR}/FindOneDNN.cmake
   ${CMAKE_CURRENT_LIST_DIR}/FindOpenCVModules.cmake

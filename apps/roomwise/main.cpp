@@ -28,6 +28,7 @@ int main(int argc, char** argv) {
   add_report_command(app, context);
   add_train_command(app, context);
   add_serve_command(app, context);
+  add_device_command(app, context);
   add_protect_command(app, context);
   add_networks_commands(app, context);
   return run(app, context, argc, argv);

@@ -3,10 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "roomwise/guide/test_times.h"
+
 namespace roomwise::guide {
 namespace {
 
-constexpr TimestampNs kSecond = 1'000'000'000;
 
 class NoticesTest : public ::testing::Test {
  protected:

@@ -17,7 +17,7 @@ constexpr double kHalfHour_rad = std::numbers::pi / 12;
 // In reach of a hand that is stretched out: nobody needs steps to get there.
 constexpr double kClose_m = 0.8;
 // One in five such things is not there, or is called otherwise.
-constexpr double kSureFrom = 0.8;
+constexpr double kThingSureFrom = 0.8;
 
 }  // namespace
 
@@ -26,7 +26,7 @@ const Pose* Standing::sure_pose() const {
 }
 
 bool KnownThing::is_sure() const {
-  return probability >= kSureFrom && !is_old;
+  return probability >= kThingSureFrom && !is_old;
 }
 
 bool Bearing::is_close() const {

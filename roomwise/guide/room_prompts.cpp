@@ -4,10 +4,10 @@ namespace roomwise::guide {
 namespace {
 
 // A room that is named with less is "probably" it: one in ten such answers may be wrong.
-constexpr double kSureFrom = 0.9;
+constexpr double kRoomSureFrom = 0.9;
 
 bool is_sure(const rooms::RoomDecision& decision) {
-  return decision.verdict == rooms::Verdict::kRoom && decision.rooms.front().score >= kSureFrom;
+  return decision.verdict == rooms::Verdict::kRoom && decision.rooms.front().score >= kRoomSureFrom;
 }
 
 std::string unsure_message(TurnHint hint) {

@@ -14,7 +14,7 @@ using Eigen::Vector2d;
 using Eigen::Vector2i;
 using fusion::FloorGrid;
 
-constexpr double kFar = std::numeric_limits<double>::infinity();
+constexpr double kUnreached = std::numeric_limits<double>::infinity();
 
 class RouteSearch {
  public:
@@ -43,7 +43,7 @@ class RouteSearch {
   // The cells from one to the other, both included; empty where there is no way.
   [[nodiscard]] std::vector<Vector2i> find(const Vector2i& from, const Vector2i& to) {
     const auto cells = static_cast<std::size_t>(grid_.columns() * grid_.rows());
-    std::vector<double> cost_m(cells, kFar);
+    std::vector<double> cost_m(cells, kUnreached);
     std::vector<int> before(cells, -1);
     using Entry = std::pair<double, int>;  // of equal ones the cell of the lowest index first
     std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
@@ -63,7 +63,7 @@ class RouteSearch {
         open.emplace(cost + left_m(next, to), index_of(next));
       });
     }
-    if (cost_m[at(index_of(to))] == kFar) return {};
+    if (cost_m[at(index_of(to))] == kUnreached) return {};
     std::vector<Vector2i> way;
     for (int index = index_of(to); index >= 0; index = before[at(index)]) {
       way.push_back(cell_of(index));

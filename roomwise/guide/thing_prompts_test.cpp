@@ -5,6 +5,8 @@
 
 #include <numbers>
 
+#include "roomwise/guide/test_times.h"
+
 namespace roomwise::guide {
 namespace {
 
@@ -13,8 +15,6 @@ using Eigen::Vector3d;
 using ::testing::ElementsAre;
 using ::testing::Optional;
 
-constexpr TimestampNs kNow = 5'000'000'000;
-constexpr TimestampNs kSecond = 1'000'000'000;
 
 KnownThing at(const std::string& name, double x, double y, const std::string& room,
               double probability = 0.95) {

@@ -2,7 +2,9 @@
 
 #include <cmath>
 
+#include "roomwise/guide/obstacle.h"
 #include "roomwise/guide/room_prompts.h"
+#include "roomwise/guide/route_prompts.h"
 #include "roomwise/guide/thing_prompts.h"
 
 namespace roomwise::live {
@@ -62,6 +64,10 @@ guide::Prompt excuse(const std::string& message, const guide::Wording& wording, 
                             guide::after(nanoseconds(now_t_ms), guide::kNoticeValid_s));
 }
 
+std::vector<rooms::Doorway> doorways_of(const HomeView& home) {
+  return home.layout ? home.layout->doorways() : std::vector<rooms::Doorway>{};
+}
+
 guide::Prompt where_am_i(const Situation& situation, const guide::Wording& wording) {
   if (!situation.home.recognizer)
     return excuse("device.nothing_learned", wording, situation.now_t_ms);
@@ -70,6 +76,38 @@ guide::Prompt where_am_i(const Situation& situation, const guide::Wording& wordi
   }
   return guide::room_prompt(*situation.glance->decision, hint_of(*situation.glance), wording,
                             nanoseconds(situation.glance->t_ms));
+}
+
+// The way from where somebody stands to the nearest thing that they mean.
+std::vector<guide::Prompt> way_to(const std::string& asked, const Situation& situation,
+                                  const guide::Wording& wording, TimestampNs now_ns) {
+  const HomeView& home = situation.home;
+  const guide::Standing standing = standing_of(situation.glance);
+  const std::vector<guide::KnownThing> things = things_of(home);
+  const auto meant = guide::thing_meant(asked, things, home.concepts.vocabulary, wording.phrases());
+  if (!meant) {  // says so
+    return guide::where_prompts(asked, standing, things, {}, home.concepts.vocabulary, wording,
+                                now_ns);
+  }
+  const guide::Pose* const pose = standing.sure_pose();
+  if (pose == nullptr)
+    return {guide::no_route_prompt(false, "no place on the map", wording, now_ns)};
+  std::optional<guide::Route> shortest;
+  std::string why = "its place is not known";
+  for (const guide::KnownThing& thing : things) {
+    if (thing.name != *meant || !thing.position_level || !home.map || !home.map->floor) continue;
+    auto route =
+        guide::find_route(*home.map->floor, pose->position_level, thing.position_level->head<2>(),
+                          {}, home.layout ? &*home.layout : nullptr, thing.room);
+    if (!route) {
+      why = route.error().message;
+    } else if (!shortest || guide::length_m(*route) < guide::length_m(*shortest)) {
+      shortest = *std::move(route);
+    }
+  }
+  if (!shortest) return {guide::no_route_prompt(true, why, wording, now_ns)};
+  return guide::route_prompts(*shortest, *pose, guide::thing(*meant).front(), doorways_of(home),
+                              wording, now_ns);
 }
 
 }  // namespace
@@ -94,10 +132,11 @@ std::vector<guide::Prompt> answer(const service::Ask& ask, const Situation& situ
       if (situation.glance == nullptr) return {no_picture(situation.settings, situation.now_t_ms)};
       return guide::around_prompts(standing, things_of(situation.home), wording, now_ns);
     case service::Question::kWhereIs:
-      return guide::where_prompts(
-          ask.subject, standing, things_of(situation.home),
-          situation.home.layout ? situation.home.layout->doorways() : std::vector<rooms::Doorway>{},
-          situation.home.concepts.vocabulary, wording, now_ns);
+      return guide::where_prompts(ask.subject, standing, things_of(situation.home),
+                                  doorways_of(situation.home), situation.home.concepts.vocabulary,
+                                  wording, now_ns);
+    case service::Question::kWayTo:
+      return way_to(ask.subject, situation, wording, now_ns);
     case service::Question::kNameRoom:
       return {guide::named_prompt(ask.subject, wording, nanoseconds(situation.now_t_ms))};
     case service::Question::kRepeat:
@@ -109,6 +148,11 @@ std::vector<guide::Prompt> answer(const service::Ask& ask, const Situation& situ
 std::vector<guide::Prompt> Caller::after(const Situation& situation) {
   std::vector<guide::Prompt> prompts;
   const Glance& glance = *situation.glance;
+  const bool was_ahead = std::exchange(obstacle_ahead_, glance.obstacle_m.has_value());
+  if (obstacle_ahead_ && !was_ahead) {
+    prompts.push_back(guide::hazard_prompt(*glance.obstacle_m, wording_of(situation.settings),
+                                           nanoseconds(glance.t_ms)));
+  }
   if (!glance.decision) return prompts;
   const std::string before = std::exchange(room_now_, glance.decision->room().value_or(""));
   // Two looks must agree: one may fall on a mirror, or through a door.

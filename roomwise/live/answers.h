@@ -31,7 +31,8 @@ constexpr double kFresh_ms = 2000;
 // The answer where a picture is needed and there is none.
 [[nodiscard]] guide::Prompt no_picture(const service::SpeakingSettings& settings, double now_t_ms);
 
-// Decides what is called out while a person walks and asks nothing: a room that was entered.
+// Decides what is called out while a person walks and asks nothing: a room that was entered, what
+// stands ahead.
 class Caller {
  public:
   // After each glance, whether or not it is spoken.
@@ -40,6 +41,7 @@ class Caller {
  private:
   std::string room_now_;     // by the last glance; empty: not sure
   std::string room_called_;  // the last that was called out
+  bool obstacle_ahead_ = false;
 };
 
 }  // namespace roomwise::live

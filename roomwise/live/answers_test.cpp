@@ -73,6 +73,43 @@ TEST_F(CallerTest, WhatIsNotSureIsNotCalledOut) {
   }
 }
 
+TEST_F(CallerTest, AnObstacleIsCalledOutWhenItComes) {
+  Glance glance = glance_in("kitchen", 0, rooms::Verdict::kNotSure);
+  EXPECT_THAT(after(glance), SizeIs(0));
+  glance.obstacle_m = 0.7;
+  const auto called = after(glance);
+  ASSERT_THAT(called, SizeIs(1));
+  EXPECT_EQ(called[0].priority, guide::Priority::kHazard);
+  EXPECT_THAT(after(glance), SizeIs(0));  // it is still there
+  glance.obstacle_m.reset();
+  EXPECT_THAT(after(glance), SizeIs(0));
+  glance.obstacle_m = 0.7;
+  EXPECT_THAT(after(glance), SizeIs(1));
+}
+
+TEST(Answers, TellTheWayToAThing) {
+  LiveMap map;  // with a floor of 6 x 4 m that is free
+  map.floor.emplace(Eigen::Vector2d(-1, -2), 0.05,
+                    image::Image<fusion::FloorCell>(120, 80, fusion::FloorCell::kFree));
+  HomeView home;
+  home.map = std::make_shared<const LiveMap>(std::move(map));
+  home.things = {thing("microwave", "kitchen", {4, 0, 1})};
+  Glance glance = glance_in("kitchen", 500, rooms::Verdict::kRoom);
+  glance.place = at_the_origin();
+  const service::SpeakingSettings settings;
+  const service::Ask ask{1, 600, service::Question::kWayTo, "microwave"};
+  const auto prompts = answer(ask, {home, &glance, settings, 600});
+  ASSERT_THAT(prompts, SizeIs(1));
+  EXPECT_THAT(prompts[0].text, ::testing::StartsWith("Straight on, then "));
+  EXPECT_THAT(prompts[0].text, ::testing::EndsWith("to the microwave."));
+  EXPECT_EQ(answer({1, 600, service::Question::kWayTo, "bed"}, {home, &glance, settings, 600})
+                .at(0)
+                .message,
+            "where.unknown");
+  glance.place.reset();
+  EXPECT_EQ(answer(ask, {home, &glance, settings, 600}).at(0).message, "route.no_place");
+}
+
 TEST(Answers, TellTheDirectionOfAThingByThePlaceOnTheMap) {
   HomeView home;
   home.things = {thing("microwave", "kitchen", {0, -2, 1})};  // to the right

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "roomwise/guide/obstacle.h"
 #include "roomwise/image/codec.h"
 
 namespace roomwise::live {
@@ -13,6 +14,20 @@ namespace {
 constexpr double kTrustInPlace = 0.97;
 // After a gap this long the room may be any again, s: nobody stays that long without a picture.
 constexpr double kForgetAfter_s = 60;
+
+// How far it is to what stands ahead; by the place on the map the camera's height and tilt are
+// known.
+Expected<std::optional<double>> obstacle_ahead(const image::DepthImage& depth,
+                                               const geometry::PinholeCamera& camera,
+                                               const std::optional<CameraPlace>& place,
+                                               bool has_floor) {
+  guide::WalkingCorridor corridor;
+  if (place) {
+    corridor.up_camera = place->level_from_camera.rotation.inverse() * Eigen::Vector3d::UnitZ();
+    if (has_floor) corridor.camera_height_m = place->position_level().z();
+  }
+  return guide::obstacle_ahead_m(depth, camera, corridor);
+}
 
 }  // namespace
 
@@ -62,12 +77,13 @@ Expected<std::optional<rooms::RoomDecision>> Eye::decide(
 Expected<std::optional<CameraPlace>> Eye::locate(const image::ColorImage& color,
                                                  const std::optional<image::DepthImage>& depth,
                                                  const HomeView& home) const {
-  if (!home.map || !camera_->calibrated) return std::optional<CameraPlace>();
+  if (!home.map || !home.map->localizer || !camera_->calibrated)
+    return std::optional<CameraPlace>();
   const geometry::PinholeCamera& camera = *camera_->calibrated;
   ROOMWISE_TRY(const motion::FrameMeasurements measured,
-               home.map->localizer.measure({color, depth, camera}));
+               home.map->localizer->measure({color, depth, camera}));
   const mapping::Localization found =
-      home.map->localizer.localizer().locate(mapping::Query{measured, camera});
+      home.map->localizer->localizer().locate(mapping::Query{measured, camera});
   if (!found.found()) return std::optional<CameraPlace>();
   CameraPlace place{
       home.map->frame.level_from_world * found.world_from_camera, found.position_sigma_m(), {}};
@@ -77,7 +93,9 @@ Expected<std::optional<CameraPlace>> Eye::locate(const image::ColorImage& color,
 
 Expected<Glance> Eye::look(CameraFrame frame, const std::shared_ptr<const HomeView>& home) {
   if (!camera_) return fail("this device said in its hello that it has no camera");
-  ROOMWISE_TRY(const image::ColorImage color, image::decode_color(frame.color));
+  // What is a little larger gets a clear error below; what is far larger is not even decoded.
+  const std::int64_t most_pixels = 2 * std::int64_t{camera_->width} * camera_->height;
+  ROOMWISE_TRY(const image::ColorImage color, image::decode_color(frame.color, most_pixels));
   if (color.width() != camera_->width || color.height() != camera_->height) {
     return fail("the picture has {} x {} pixels, the camera of the hello {} x {}", color.width(),
                 color.height(), camera_->width, camera_->height);
@@ -85,7 +103,7 @@ Expected<Glance> Eye::look(CameraFrame frame, const std::shared_ptr<const HomeVi
   std::optional<image::DepthImage> depth;
   if (!frame.depth.empty()) {
     if (!camera_->has_depth) return fail("a depth image comes from a camera without depth");
-    ROOMWISE_TRY(depth, image::decode_depth(frame.depth));
+    ROOMWISE_TRY(depth, image::decode_depth(frame.depth, most_pixels));
     if (depth->width() != color.width() || depth->height() != color.height()) {
       return fail("the depth image has {} x {} pixels, the picture {} x {}", depth->width(),
                   depth->height(), color.width(), color.height());
@@ -95,6 +113,10 @@ Expected<Glance> Eye::look(CameraFrame frame, const std::shared_ptr<const HomeVi
   glance.t_ms = frame.t_ms;
   ROOMWISE_TRY(glance.decision, decide(color, frame.t_ms, home));
   ROOMWISE_TRY(glance.place, locate(color, depth, *home));
+  if (depth) {
+    ROOMWISE_TRY(glance.obstacle_m, obstacle_ahead(*depth, *camera_->calibrated, glance.place,
+                                                   home->map && home->map->frame.has_floor));
+  }
   if (glance.decision && glance.place && glance.place->room) {
     glance.decision = with_place(*std::move(glance.decision), *glance.place->room);
   }

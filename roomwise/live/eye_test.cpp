@@ -87,6 +87,8 @@ TEST(Eye, RefusesPicturesThatAreNotTheCameras) {
   CameraFrame other = frame(1);
   other.color = image::encode_jpeg(image::ColorImage(9, 6), 90);
   EXPECT_ERROR(eye.look(other, home), "8 x 6");
+  other.color = image::encode_jpeg(image::ColorImage(800, 600), 90);
+  EXPECT_ERROR(eye.look(other, home), "more than the 96");
   other.color = {1, 2, 3};
   EXPECT_ERROR(eye.look(other, home), "neither a JPEG");
   EXPECT_ERROR(eye.look(frame(2, image::encode_png(image::DepthImage(7, 6))), home), "depth image");

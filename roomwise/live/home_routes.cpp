@@ -58,12 +58,12 @@ auto numbered(const char* placeholder, Handle handle) {
 
 Expected<std::vector<recording::RoomRange>> read_ranges(const HttpRequest& request) {
   ROOMWISE_TRY(const auto parsed, service::json_of(request));
-  const service::Json json = parsed;
+  const service::OrderedJson json = parsed;
   if (!json.contains("ranges") || !json["ranges"].is_array()) {
     return fail("'ranges' must be a list of {{first, last, room}}");
   }
   std::vector<recording::RoomRange> ranges;
-  for (const service::Json& one : json["ranges"]) {
+  for (const service::OrderedJson& one : json["ranges"]) {
     if (!one.is_object()) return fail("'ranges' must be a list of {{first, last, room}}");
     service::Members members(one);
     recording::RoomRange range;
@@ -80,7 +80,7 @@ Expected<std::vector<recording::RoomRange>> read_ranges(const HttpRequest& reque
 Expected<std::map<std::string, std::string>> read_texts(const HttpRequest& request,
                                                         std::initializer_list<const char*> names) {
   ROOMWISE_TRY(const auto parsed, service::json_of(request));
-  const service::Json json = parsed;
+  const service::OrderedJson json = parsed;
   service::Members members(json);
   std::map<std::string, std::string> texts;
   for (const char* name : names) {
@@ -199,7 +199,7 @@ std::vector<service::Route> working_routes(LiveHome& home) {
            [&home](const HttpRequest& request, const auto&) {
              const auto parsed = service::json_of(request);
              if (!parsed) return bad(parsed.error());
-             const service::Json json = *parsed;
+             const service::OrderedJson json = *parsed;
              service::Members members(json);
              const std::int64_t device = members.whole("device", 0, service::kMostWhole);
              const std::string name = members.text("name");

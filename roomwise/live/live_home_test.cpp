@@ -20,7 +20,7 @@ using ::testing::SizeIs;
 
 constexpr int kFrames = 60;
 
-class Wire final : public service::SocketOut {
+class WaitingWire final : public service::SocketOut {
  public:
   void send_text(std::string text) override {
     const std::scoped_lock lock(mutex_);
@@ -68,7 +68,7 @@ class LiveHomeTest : public ::testing::Test {
     home = *std::move(opened);
   }
   struct Client {
-    std::shared_ptr<Wire> wire = std::make_shared<Wire>();
+    std::shared_ptr<WaitingWire> wire = std::make_shared<WaitingWire>();
     std::unique_ptr<service::SocketSession> session;
   };
   Client connect(std::int64_t device, service::Role role) {

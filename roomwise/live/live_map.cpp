@@ -31,7 +31,7 @@ Expected<std::shared_ptr<const LiveMap>> make_live_map(const home::Home& home,
       .frame = level.frame,
       .floor = std::move(floor),
       .cloud_level = thinned(fusion::transformed(level.frame.level_from_world, level.mesh_world)),
-      .localizer = std::move(localizer)});
+      .localizer = std::make_unique<const pipeline::HomeLocalizer>(std::move(localizer))});
 }
 
 }  // namespace roomwise::live

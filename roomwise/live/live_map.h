@@ -14,9 +14,9 @@ namespace roomwise::live {
 // afterwards.
 struct LiveMap {
   fusion::LevelFrame frame;
-  std::optional<fusion::FloorGrid> floor;  // where the map shows one
-  geometry::PointCloud cloud_level;        // at most kMostPoints, for looking at
-  pipeline::HomeLocalizer localizer;
+  std::optional<fusion::FloorGrid> floor;                    // where the map shows one
+  geometry::PointCloud cloud_level;                          // at most kMostPoints, for looking at
+  std::unique_ptr<const pipeline::HomeLocalizer> localizer;  // null: pictures are not placed
 
   static constexpr std::size_t kMostPoints = 200'000;
 };

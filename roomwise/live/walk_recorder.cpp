@@ -30,8 +30,9 @@ Expected<void> WalkRecorder::store(const CameraFrame& frame) {
   image::RgbdFrame rgbd;
   rgbd.index = writer_->frames_written();
   rgbd.timestamp_ns = std::llround(frame.t_ms * 1e6);
-  ROOMWISE_TRY(rgbd.color, image::decode_color(frame.color));
-  ROOMWISE_TRY(rgbd.depth, image::decode_depth(frame.depth));
+  const std::int64_t pixels = std::int64_t{camera_.width} * camera_.height;
+  ROOMWISE_TRY(rgbd.color, image::decode_color(frame.color, pixels));
+  ROOMWISE_TRY(rgbd.depth, image::decode_depth(frame.depth, pixels));
   const auto fits = [&](const auto& image) {
     return image.width() == camera_.width && image.height() == camera_.height;
   };
@@ -39,7 +40,8 @@ Expected<void> WalkRecorder::store(const CameraFrame& frame) {
     return fail("the images of the frame are not of the camera's {} x {} pixels", camera_.width,
                 camera_.height);
   }
-  rgbd.encoded_color = frame.color;
+  // A recording holds JPEG and PNG; a WebP is stored as the writer stores pictures.
+  if (!image::is_webp(frame.color)) rgbd.encoded_color = frame.color;
   rgbd.encoded_depth = frame.depth;
   ROOMWISE_CHECK_OK(writer_->write(rgbd));
   last_t_ms_ = frame.t_ms;

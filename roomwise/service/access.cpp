@@ -29,7 +29,7 @@ CREATE TABLE IF NOT EXISTS devices (
   last_seen_s INTEGER NOT NULL);
 )";
 
-PairingRefusal wait(double seconds) {
+PairingRefusal refusal_to_wait(double seconds) {
   const auto wait_s = static_cast<std::int64_t>(std::ceil(seconds));
   return {429, fmt::format("too many wrong codes; wait {} s, then ask for a new code", wait_s),
           wait_s};
@@ -85,9 +85,9 @@ Expected<void> AccessRegister::load() {
 }
 
 Expected<std::string> AccessRegister::make_code(Role role, const Now& now) {
-  const std::scoped_lock lock(mutex_);
+  const std::scoped_lock lock(guard_mutex_);
   if (const double wait_s = guard_.wait_s(now.steady_s); wait_s > 0) {
-    return fail("{}", wait(wait_s).message);
+    return fail("{}", refusal_to_wait(wait_s).message);
   }
   ROOMWISE_TRY(std::string code, random_code());
   guard_.open({code, role, now.steady_s + kCodeValid_s}, now.steady_s);
@@ -105,9 +105,9 @@ tl::expected<Pairing, PairingRefusal> AccessRegister::redeem(const PairingAttemp
   if (attempt.proof.empty() && !is_code(attempt.code)) {
     return refuse(400, "'code' must be the six digits that the computer shows");
   }
-  const std::scoped_lock lock(mutex_);
+  const std::scoped_lock lock(guard_mutex_);
   if (const double wait_s = guard_.wait_s(attempt.peer, now.steady_s); wait_s > 0) {
-    return tl::unexpected(wait(wait_s));
+    return tl::unexpected(refusal_to_wait(wait_s));
   }
   std::optional<PairingGuard::Code> known;
   std::string proof;
@@ -138,11 +138,11 @@ Expected<Pairing> AccessRegister::pair_here(Role role, const std::string& name, 
   if (!is_good_name(name)) {
     return fail("a device's name must have 1 to 64 bytes, without control characters");
   }
-  const std::scoped_lock lock(mutex_);
   return add(role, name, now);
 }
 
 Expected<Pairing> AccessRegister::add(Role role, const std::string& name, const Now& now) {
+  const std::scoped_lock lock(mutex_);
   if (entries_.size() >= kMostDevices) {
     return fail("{} devices are paired already; remove one that is no longer used", kMostDevices);
   }

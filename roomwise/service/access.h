@@ -88,15 +88,18 @@ class AccessRegister {
   };
 
   AccessRegister(home::Database database, std::string fingerprint)
-      : database_(std::move(database)), fingerprint_(std::move(fingerprint)) {}
+      : fingerprint_(std::move(fingerprint)), database_(std::move(database)) {}
   [[nodiscard]] Expected<void> load();
   [[nodiscard]] Expected<Pairing> add(Role role, const std::string& name, const Now& now);
 
+  const std::string fingerprint_;
+  // A proof takes a while to check, during which devices that are paired must not wait: so codes
+  // have a lock of their own. Where both are taken, this one is first.
+  std::mutex guard_mutex_;
+  PairingGuard guard_;
   mutable std::mutex mutex_;
   home::Database database_;
-  std::string fingerprint_;
   std::vector<Entry> entries_;  // by number
-  PairingGuard guard_;
 };
 
 }  // namespace roomwise::service

@@ -9,7 +9,7 @@ namespace {
 using Json = nlohmann::json;
 
 // A text member, or nothing where it is missing or no text.
-std::optional<std::string> text_of(const Json& json, const char* name) {
+std::optional<std::string> text_member(const Json& json, const char* name) {
   const auto found = json.find(name);
   if (found == json.end() || !found->is_string()) return std::nullopt;
   return found->get<std::string>();
@@ -27,13 +27,14 @@ HttpAnswer refusal_answer(const PairingRefusal& refusal) {
 // most; each pairing has to be renewed after that.
 constexpr auto kCookie = "roomwise={}; Path=/; Max-Age={}; Secure; HttpOnly; SameSite=Strict";
 
-HttpAnswer pair(AccessRegister& access, const AccessRoutesContext& context,
-                const HttpRequest& request) {
+HttpAnswer answer_pair(AccessRegister& access, const AccessRoutesContext& context,
+                       const HttpRequest& request) {
   const auto json = json_of(request);
   if (!json) return error_answer(400, json.error().message);
-  PairingAttempt attempt{text_of(*json, "code").value_or(""), text_of(*json, "nonce").value_or(""),
-                         text_of(*json, "proof").value_or(""), text_of(*json, "name").value_or(""),
-                         request.peer};
+  PairingAttempt attempt{text_member(*json, "code").value_or(""),
+                         text_member(*json, "nonce").value_or(""),
+                         text_member(*json, "proof").value_or(""),
+                         text_member(*json, "name").value_or(""), request.peer};
   auto pairing = access.redeem(attempt, context.clock());
   if (!pairing) return refusal_answer(pairing.error());
   Json answer = {{"role", to_string(pairing->who.role)}, {"device", pairing->who.device}};
@@ -49,13 +50,14 @@ HttpAnswer pair(AccessRegister& access, const AccessRoutesContext& context,
   return with_cookie;
 }
 
-HttpAnswer me(const HttpRequest& request) {
+HttpAnswer answer_me(const HttpRequest& request) {
   return json_answer({{"device", request.who->device},
                       {"name", request.who->name},
                       {"role", to_string(request.who->role)}});
 }
 
-HttpAnswer remove(AccessRegister& access, const AccessRoutesContext& context, std::int64_t device) {
+HttpAnswer answer_remove(AccessRegister& access, const AccessRoutesContext& context,
+                         std::int64_t device) {
   const auto revoked = access.revoke(device);
   if (!revoked) return error_answer(500, revoked.error().message);
   if (!*revoked) return error_answer(404, fmt::format("there is no device {}", device));
@@ -63,14 +65,14 @@ HttpAnswer remove(AccessRegister& access, const AccessRoutesContext& context, st
   return json_answer(Json::object());
 }
 
-HttpAnswer leave(AccessRegister& access, const AccessRoutesContext& context,
-                 const HttpRequest& request) {
-  HttpAnswer answer = remove(access, context, request.who->device);
+HttpAnswer answer_leave(AccessRegister& access, const AccessRoutesContext& context,
+                        const HttpRequest& request) {
+  HttpAnswer answer = answer_remove(access, context, request.who->device);
   answer.headers.emplace_back("Set-Cookie", fmt::format(fmt::runtime(kCookie), "", 0));
   return answer;
 }
 
-HttpAnswer list(const AccessRegister& access, const AccessRoutesContext& context) {
+HttpAnswer answer_list(const AccessRegister& access, const AccessRoutesContext& context) {
   const std::set<std::int64_t> online =
       context.online ? context.online() : std::set<std::int64_t>();
   Json devices = Json::array();
@@ -85,11 +87,11 @@ HttpAnswer list(const AccessRegister& access, const AccessRoutesContext& context
   return json_answer({{"devices", std::move(devices)}});
 }
 
-HttpAnswer make_code(AccessRegister& access, const AccessRoutesContext& context,
-                     const HttpRequest& request) {
+HttpAnswer answer_code(AccessRegister& access, const AccessRoutesContext& context,
+                       const HttpRequest& request) {
   const auto json = json_of(request);
   if (!json) return error_answer(400, json.error().message);
-  const auto role = parse_role(text_of(*json, "role").value_or(""));
+  const auto role = parse_role(text_member(*json, "role").value_or(""));
   if (!role) return error_answer(400, "'role' must be \"device\" or \"helper\"");
   const auto code = access.make_code(*role, context.clock());
   if (!code) return error_answer(429, code.error().message);
@@ -127,23 +129,27 @@ std::vector<Route> access_routes(AccessRegister& access, AccessRoutesContext giv
   using Access = AccessRegister&;
   using Context = const AccessRoutesContext&;
   add("POST", "/api/pair", std::nullopt,
-      [](Access a, Context c, const HttpRequest& r, const Placeholders&) { return pair(a, c, r); });
+      [](Access a, Context c, const HttpRequest& r, const Placeholders&) {
+        return answer_pair(a, c, r);
+      });
   add("GET", "/api/me", Role::kDevice,
-      [](Access, Context, const HttpRequest& r, const Placeholders&) { return me(r); });
+      [](Access, Context, const HttpRequest& r, const Placeholders&) { return answer_me(r); });
   add("POST", "/api/leave", Role::kDevice,
       [](Access a, Context c, const HttpRequest& r, const Placeholders&) {
-        return leave(a, c, r);
+        return answer_leave(a, c, r);
       });
   add("GET", "/api/devices", Role::kHelper,
-      [](Access a, Context c, const HttpRequest&, const Placeholders&) { return list(a, c); });
+      [](Access a, Context c, const HttpRequest&, const Placeholders&) {
+        return answer_list(a, c);
+      });
   add("DELETE", "/api/devices/{device}", Role::kHelper,
       [](Access a, Context c, const HttpRequest&, const Placeholders& p) {
         const auto device = number_of(p.at("device"));
-        return device ? remove(a, c, *device) : error_answer(404, "there is no such device");
+        return device ? answer_remove(a, c, *device) : error_answer(404, "there is no such device");
       });
   add("POST", "/api/codes", Role::kHelper,
       [](Access a, Context c, const HttpRequest& r, const Placeholders&) {
-        return make_code(a, c, r);
+        return answer_code(a, c, r);
       });
   return routes;
 }

@@ -1,7 +1,6 @@
 #include "roomwise/service/certificate.h"
 
 #include <arpa/inet.h>
-#include <fcntl.h>
 #include <ifaddrs.h>
 #include <net/if.h>
 #include <openssl/pem.h>
@@ -15,6 +14,7 @@
 #include <memory>
 
 #include "roomwise/base/file.h"
+#include "roomwise/service/private_file.h"
 #include "roomwise/service/private_folder.h"
 #include "roomwise/service/secrets.h"
 
@@ -107,20 +107,6 @@ std::string fingerprint_of(X509* x509) {
   return hexadecimal(std::span(digest).first(size));
 }
 
-// A file that nobody else can open, not even for a moment.
-Expected<void> write_private(const fs::path& path, const std::string& text) {
-  const fs::path part = path.string() + ".part";
-  const int file = ::open(part.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
-  const bool written =
-      file >= 0 && ::write(file, text.data(), text.size()) == static_cast<ssize_t>(text.size()) &&
-      ::fsync(file) == 0;
-  if (file >= 0) ::close(file);
-  if (!written || ::rename(part.c_str(), path.c_str()) != 0) {
-    return fail("{}: cannot be written: {}", path.string(), std::strerror(errno));
-  }
-  return {};
-}
-
 Expected<void> make_files(const fs::path& folder, const std::vector<std::string>& names) {
   const Key key(EVP_EC_gen("P-256"));
   if (!key) return fail("no key could be made for the certificate");
@@ -133,8 +119,8 @@ Expected<void> make_files(const fs::path& folder, const std::vector<std::string>
     return fail("the certificate could not be written");
   }
   // The certificate last: where it is, the key is too.
-  ROOMWISE_CHECK_OK(write_private(folder / "key.pem", text_in(key_text)));
-  return write_private(folder / "certificate.pem", text_in(certificate_text));
+  ROOMWISE_CHECK_OK(write_private_file(folder / "key.pem", text_in(key_text)));
+  return write_private_file(folder / "certificate.pem", text_in(certificate_text));
 }
 
 Expected<Certificate> read_files(const fs::path& folder) {

@@ -9,15 +9,16 @@ constexpr std::array<Word<DeviceKind>, 3> kKinds{{{"phone", DeviceKind::kPhone},
                                                   {"page", DeviceKind::kPage}}};
 constexpr std::array<Word<Distances>, 2> kDistances{
     {{"metres", Distances::kMetres}, {"steps", Distances::kSteps}}};
-constexpr std::array<Word<Question>, 5> kQuestions{{{"where_am_i", Question::kWhereAmI},
+constexpr std::array<Word<Question>, 6> kQuestions{{{"where_am_i", Question::kWhereAmI},
                                                     {"around_me", Question::kAroundMe},
                                                     {"where_is", Question::kWhereIs},
+                                                    {"way_to", Question::kWayTo},
                                                     {"repeat", Question::kRepeat},
                                                     {"name_room", Question::kNameRoom}}};
 
-constexpr int kMostSide_px = 20'000;
+constexpr int kMostSide_px = 4096;
 
-Expected<DeviceCamera> read_camera(const Json& json) {
+Expected<DeviceCamera> read_camera(const OrderedJson& json) {
   Members members(json);
   DeviceCamera camera;
   camera.width = static_cast<int>(members.whole("width", 1, kMostSide_px));
@@ -35,7 +36,7 @@ Expected<DeviceCamera> read_camera(const Json& json) {
       pinhole.depth_units_per_metre = members.number("depth_units_per_metre", 1e-3, 1e6);
     }
     if (members.has("distortion")) {
-      const Json* const lens = members.object("distortion");
+      const OrderedJson* const lens = members.object("distortion");
       if (lens != nullptr) {
         Members terms(*lens);
         pinhole.distortion = {terms.number("k1", -1e3, 1e3), terms.number("k2", -1e3, 1e3),
@@ -59,7 +60,7 @@ SettingsChange read_settings(Members& members) {
   return change;
 }
 
-Expected<DeviceMessage> read_hello(const Json& json) {
+Expected<DeviceMessage> read_hello(const OrderedJson& json) {
   Members members(json);
   Hello hello;
   hello.version = static_cast<int>(members.whole("version", 1, 1'000'000));
@@ -67,7 +68,7 @@ Expected<DeviceMessage> read_hello(const Json& json) {
   hello.kind = members.one_of("kind", kKinds);
   apply(read_settings(members), hello.settings);
   if (members.has("camera")) {
-    if (const Json* const camera = members.object("camera")) {
+    if (const OrderedJson* const camera = members.object("camera")) {
       auto read = read_camera(*camera);
       if (!read) return Unexpected(std::move(read).error().in("'camera'"));
       hello.camera = *std::move(read);
@@ -76,13 +77,17 @@ Expected<DeviceMessage> read_hello(const Json& json) {
   return members.finish<DeviceMessage>(std::move(hello));
 }
 
-Expected<DeviceMessage> read_ask(const Json& json) {
+bool asks_for_thing(Question question) {
+  return question == Question::kWhereIs || question == Question::kWayTo;
+}
+
+Expected<DeviceMessage> read_ask(const OrderedJson& json) {
   Members members(json);
   Ask ask;
   ask.id = members.whole("id", 0, std::int64_t{1} << 53U);
   ask.t_ms = members.number("t", -kMostTime_ms, kMostTime_ms);
   ask.question = members.one_of("question", kQuestions);
-  if (ask.question == Question::kWhereIs) ask.subject = members.text("thing");
+  if (asks_for_thing(ask.question)) ask.subject = members.text("thing");
   if (ask.question == Question::kNameRoom) ask.subject = members.text("room");
   return members.finish<DeviceMessage>(std::move(ask));
 }
@@ -97,7 +102,7 @@ void apply(const SettingsChange& change, SpeakingSettings& settings) {
 }
 
 Expected<DeviceMessage> read_device_message(std::string_view text) {
-  ROOMWISE_TRY(const Json json, parse_object(text));
+  ROOMWISE_TRY(const OrderedJson json, parse_object(text));
   Members members(json);
   const std::string type = members.text("type");
   if (members.error()) return Unexpected(Error(*members.error()));
@@ -110,15 +115,15 @@ Expected<DeviceMessage> read_device_message(std::string_view text) {
 
 namespace {
 
-void write_settings(const SettingsChange& change, Json& json) {
+void write_settings(const SettingsChange& change, OrderedJson& json) {
   if (change.language) json["language"] = *change.language;
   if (change.distances) json["distances"] = word_of(kDistances, *change.distances);
   if (change.step_m) json["step_m"] = *change.step_m;
   if (change.callouts) json["callouts"] = *change.callouts;
 }
 
-Json camera_json(const DeviceCamera& camera) {
-  Json json{{"width", camera.width}, {"height", camera.height}};
+OrderedJson camera_json(const DeviceCamera& camera) {
+  OrderedJson json{{"width", camera.width}, {"height", camera.height}};
   if (!camera.calibrated) return json;
   const geometry::PinholeCamera& pinhole = *camera.calibrated;
   json.update({{"fx", pinhole.fx}, {"fy", pinhole.fy}, {"cx", pinhole.cx}, {"cy", pinhole.cy}});
@@ -131,34 +136,34 @@ Json camera_json(const DeviceCamera& camera) {
   return json;
 }
 
-Json to_json(const Hello& hello) {
-  Json json{{"type", "hello"},
+OrderedJson to_json(const Hello& hello) {
+  OrderedJson json{{"type", "hello"},
             {"version", hello.version},
             {"name", hello.name},
             {"kind", word_of(kKinds, hello.kind)},
-            {"camera", hello.camera ? camera_json(*hello.camera) : Json(nullptr)}};
+            {"camera", hello.camera ? camera_json(*hello.camera) : OrderedJson(nullptr)}};
   const SpeakingSettings& all = hello.settings;
   write_settings({all.language, all.distances, all.step_m, all.callouts}, json);
   return json;
 }
 
-Json to_json(const Ask& ask) {
-  Json json{{"type", "ask"},
+OrderedJson to_json(const Ask& ask) {
+  OrderedJson json{{"type", "ask"},
             {"id", ask.id},
             {"t", ask.t_ms},
             {"question", word_of(kQuestions, ask.question)}};
-  if (ask.question == Question::kWhereIs) json["thing"] = ask.subject;
+  if (asks_for_thing(ask.question)) json["thing"] = ask.subject;
   if (ask.question == Question::kNameRoom) json["room"] = ask.subject;
   return json;
 }
 
-Json to_json(const SettingsChange& change) {
-  Json json{{"type", "settings"}};
+OrderedJson to_json(const SettingsChange& change) {
+  OrderedJson json{{"type", "settings"}};
   write_settings(change, json);
   return json;
 }
 
-Json to_json(const Quiet& quiet) {
+OrderedJson to_json(const Quiet& quiet) {
   return {{"type", "quiet"}, {"on", quiet.on}};
 }
 

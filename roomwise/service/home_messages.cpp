@@ -4,7 +4,7 @@
 namespace roomwise::service {
 namespace {
 
-Json welcome_json(const Welcome& welcome, std::string_view type) {
+OrderedJson welcome_json(const Welcome& welcome, std::string_view type) {
   return {{"type", type},
           {"version", kProtocolVersion},
           {"home", welcome.home},
@@ -16,16 +16,16 @@ Json welcome_json(const Welcome& welcome, std::string_view type) {
           {"most_frame_bytes", kMostFrameBytes}};
 }
 
-Json to_json(const Welcome& welcome) {
+OrderedJson to_json(const Welcome& welcome) {
   return welcome_json(welcome, "welcome");
 }
 
-Json to_json(const FrameArrived& frame) {
+OrderedJson to_json(const FrameArrived& frame) {
   return {{"type", "frame"}, {"t", frame.t_ms}, {"dropped", frame.dropped}};
 }
 
-Json to_json(const Seen& seen) {
-  Json position;
+OrderedJson to_json(const Seen& seen) {
+  OrderedJson position;
   if (const auto& at = seen.position) {
     position = {{"x", at->x_m},
                 {"y", at->y_m},
@@ -42,7 +42,7 @@ Json to_json(const Seen& seen) {
           {"position", position}};
 }
 
-Json to_json(const PromptMessage& prompt) {
+OrderedJson to_json(const PromptMessage& prompt) {
   return {{"type", "prompt"},
           {"answer_to", or_null(prompt.answer_to)},
           {"key", prompt.key},
@@ -57,7 +57,7 @@ Json to_json(const PromptMessage& prompt) {
           {"valid_until_t", prompt.valid_until_t_ms}};
 }
 
-Json to_json(const RecordingState& recording) {
+OrderedJson to_json(const RecordingState& recording) {
   return {{"type", "recording"},
           {"state", recording.state},
           {"name", recording.name},
@@ -65,25 +65,25 @@ Json to_json(const RecordingState& recording) {
           {"text", recording.text}};
 }
 
-Json to_json(const JobState& job) {
+OrderedJson to_json(const JobState& job) {
   return {{"type", "job"},      {"kind", job.kind},         {"state", job.state},
           {"stage", job.stage}, {"fraction", job.fraction}, {"left_s", or_null(job.left_s)},
           {"text", job.text}};
 }
 
-Json to_json(const DeviceSeen& device) {
+OrderedJson to_json(const DeviceSeen& device) {
   return {{"type", "device"},
           {"device", device.device},
           {"name", device.name},
           {"online", device.online},
-          {"seen", device.seen ? to_json(*device.seen) : Json(nullptr)}};
+          {"seen", device.seen ? to_json(*device.seen) : OrderedJson(nullptr)}};
 }
 
-Json to_json(const ErrorMessage& error) {
+OrderedJson to_json(const ErrorMessage& error) {
   return {{"type", "error"}, {"text", error.text}, {"answer_to", or_null(error.answer_to)}};
 }
 
-Expected<HomeMessage> read_welcome(const Json& json) {
+Expected<HomeMessage> read_welcome(const OrderedJson& json) {
   Members members(json);
   const std::int64_t version = members.whole("version", 1, 1'000'000);
   if (!members.error() && version != kProtocolVersion) {
@@ -100,7 +100,7 @@ Expected<HomeMessage> read_welcome(const Json& json) {
   return members.finish<HomeMessage>(std::move(welcome));
 }
 
-Expected<HomeMessage> read_arrived(const Json& json) {
+Expected<HomeMessage> read_arrived(const OrderedJson& json) {
   Members members(json);
   FrameArrived frame;
   frame.t_ms = members.number("t", -kMostTime_ms, kMostTime_ms);
@@ -108,7 +108,7 @@ Expected<HomeMessage> read_arrived(const Json& json) {
   return members.finish<HomeMessage>(frame);
 }
 
-Expected<Seen> read_seen(const Json& json) {
+Expected<Seen> read_seen(const OrderedJson& json) {
   Members members(json);
   Seen seen;
   seen.t_ms = members.number("t", -kMostTime_ms, kMostTime_ms);
@@ -117,7 +117,7 @@ Expected<Seen> read_seen(const Json& json) {
   seen.probability = members.number("probability", 0, 1);
   seen.why = members.text("why", kMostSentenceBytes);
   if (members.has("position")) {
-    if (const Json* const position = members.object("position")) {
+    if (const OrderedJson* const position = members.object("position")) {
       Members at(*position);
       seen.position = SeenPosition{
           at.number("x", -1e4, 1e4), at.number("y", -1e4, 1e4), at.number("z", -1e4, 1e4),
@@ -128,7 +128,7 @@ Expected<Seen> read_seen(const Json& json) {
   return members.finish(std::move(seen));
 }
 
-Expected<HomeMessage> read_prompt(const Json& json) {
+Expected<HomeMessage> read_prompt(const OrderedJson& json) {
   Members members(json);
   PromptMessage prompt;
   if (members.has("answer_to")) prompt.answer_to = members.whole("answer_to", 0, kMostWhole);
@@ -147,7 +147,7 @@ Expected<HomeMessage> read_prompt(const Json& json) {
   return members.finish<HomeMessage>(std::move(prompt));
 }
 
-Expected<HomeMessage> read_recording(const Json& json) {
+Expected<HomeMessage> read_recording(const OrderedJson& json) {
   Members members(json);
   RecordingState recording;
   recording.state = members.text("state");
@@ -157,7 +157,7 @@ Expected<HomeMessage> read_recording(const Json& json) {
   return members.finish<HomeMessage>(std::move(recording));
 }
 
-Expected<HomeMessage> read_job(const Json& json) {
+Expected<HomeMessage> read_job(const OrderedJson& json) {
   Members members(json);
   JobState job;
   job.kind = members.text("kind");
@@ -169,21 +169,21 @@ Expected<HomeMessage> read_job(const Json& json) {
   return members.finish<HomeMessage>(std::move(job));
 }
 
-Expected<HomeMessage> read_device_seen(const Json& json) {
+Expected<HomeMessage> read_device_seen(const OrderedJson& json) {
   Members members(json);
   DeviceSeen device;
   device.device = members.whole("device", 0, kMostWhole);
   device.name = members.text("name");
   device.online = members.yes_or_no("online");
   if (members.has("seen")) {
-    if (const Json* const seen = members.object("seen")) {
+    if (const OrderedJson* const seen = members.object("seen")) {
       ROOMWISE_TRY(device.seen, read_seen(*seen));
     }
   }
   return members.finish<HomeMessage>(std::move(device));
 }
 
-Expected<HomeMessage> read_error(const Json& json) {
+Expected<HomeMessage> read_error(const OrderedJson& json) {
   Members members(json);
   ErrorMessage error;
   error.text = members.text("text", kMostSentenceBytes);
@@ -202,7 +202,7 @@ std::string write_home_changed(const Welcome& welcome) {
 }
 
 Expected<HomeMessage> read_home_message(std::string_view text) {
-  ROOMWISE_TRY(const Json json, parse_object(text));
+  ROOMWISE_TRY(const OrderedJson json, parse_object(text));
   Members members(json);
   const std::string type = members.text("type");
   if (members.error()) return Unexpected(Error(*members.error()));

@@ -18,7 +18,7 @@ namespace {
 namespace http = beast::http;
 using boost::system::error_code;
 
-std::string text_of(boost::string_view text) {
+std::string string_of(boost::string_view text) {
   return {text.data(), text.size()};
 }
 
@@ -26,12 +26,12 @@ std::string text_of(boost::string_view text) {
 std::map<std::string, std::string> headers_of(const BeastRequest& message) {
   std::map<std::string, std::string> headers;
   for (const auto& field : message) {
-    std::string name = text_of(field.name_string());
+    std::string name = string_of(field.name_string());
     std::ranges::transform(name, name.begin(),
                            [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
     std::string& value = headers[name];
     if (!value.empty()) value += name == "cookie" ? "; " : ", ";
-    value += text_of(field.value());
+    value += string_of(field.value());
   }
   return headers;
 }
@@ -39,11 +39,11 @@ std::map<std::string, std::string> headers_of(const BeastRequest& message) {
 // All but the body; gives why the request is none.
 Expected<void> read_head_into(HttpRequest& request, const BeastRequest& message,
                               const std::string& peer) {
-  request.method = text_of(message.method_string());
+  request.method = string_of(message.method_string());
   if (request.method == "HEAD") request.method = "GET";
   request.headers = headers_of(message);
   request.peer = peer;
-  const std::string target = text_of(message.target());
+  const std::string target = string_of(message.target());
   const std::size_t end = std::min(target.find('?'), target.size());
   request.path = target.substr(0, end);
   auto query = parse_query(std::string_view(target).substr(std::min(end + 1, target.size())));
@@ -260,7 +260,7 @@ class HttpConnection final : public Connection,
   }
 
   void write(HttpAnswer answer) {
-    core_.events.answered(answer.status, text_of(parser_->get().method_string()), where_, peer_,
+    core_.events.answered(answer.status, string_of(parser_->get().method_string()), where_, peer_,
                           core_.now().steady_s);
     where_ = "an unknown address";
     keep_alive_ = keep_alive_ && !ending_;

@@ -14,7 +14,7 @@
 // JSON that came from outside, read without trust: nothing here throws. For source files only.
 namespace roomwise::service {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 constexpr double kMostTime_ms = 1e13;  // 300 years
 constexpr std::int64_t kMostWhole = std::int64_t{1}
@@ -40,14 +40,14 @@ template <typename Words, typename T>
 // read after it means nothing.
 class Members {
  public:
-  explicit Members(const Json& object) : object_(object) {}
+  explicit Members(const OrderedJson& object) : object_(object) {}
 
   [[nodiscard]] bool has(const char* name) const {
     const auto found = object_.find(name);
     return found != object_.end() && !found->is_null();
   }
   std::string text(const char* name, std::size_t most_bytes = kMostWordBytes) {
-    const Json* value = member(name);
+    const OrderedJson* value = member(name);
     if (value == nullptr) return {};
     if (!value->is_string()) return wrong(name, "a text"), std::string();
     auto text = value->get<std::string>();
@@ -57,7 +57,7 @@ class Members {
     return text;
   }
   double number(const char* name, double least, double most) {
-    const Json* value = member(name);
+    const OrderedJson* value = member(name);
     if (value == nullptr) return 0;
     const double number = value->is_number() ? value->get<double>() : std::nan("");
     if (!(number >= least && number <= most)) {
@@ -66,7 +66,7 @@ class Members {
     return number;
   }
   std::int64_t whole(const char* name, std::int64_t least, std::int64_t most) {
-    const Json* value = member(name);
+    const OrderedJson* value = member(name);
     if (value == nullptr) return 0;
     const bool fits = value->is_number_unsigned()
                           ? value->get<std::uint64_t>() <= static_cast<std::uint64_t>(most)
@@ -77,7 +77,7 @@ class Members {
     return value->get<std::int64_t>();
   }
   bool yes_or_no(const char* name) {
-    const Json* value = member(name);
+    const OrderedJson* value = member(name);
     if (value == nullptr) return false;
     if (!value->is_boolean()) return wrong(name, "true or false"), false;
     return value->get<bool>();
@@ -96,18 +96,18 @@ class Members {
   }
   std::vector<std::string> texts(const char* name) {
     std::vector<std::string> all;
-    const Json* value = member(name);
+    const OrderedJson* value = member(name);
     if (value == nullptr) return all;
     if (!value->is_array()) return wrong(name, "a list of texts"), all;
-    for (const Json& one : *value) {
+    for (const OrderedJson& one : *value) {
       if (!one.is_string()) return wrong(name, "a list of texts"), all;
       all.push_back(one.get<std::string>());
     }
     return all;
   }
   // An object; nullptr where it is wrong.
-  const Json* object(const char* name) {
-    const Json* value = member(name);
+  const OrderedJson* object(const char* name) {
+    const OrderedJson* value = member(name);
     if (value != nullptr && !value->is_object()) return wrong(name, "an object"), nullptr;
     return value;
   }
@@ -122,7 +122,7 @@ class Members {
   [[nodiscard]] const std::optional<Error>& error() const { return error_; }
 
  private:
-  const Json* member(const char* name) {
+  const OrderedJson* member(const char* name) {
     if (error_) return nullptr;
     const auto found = object_.find(name);
     if (found == object_.end()) {
@@ -132,25 +132,25 @@ class Members {
     return &*found;
   }
 
-  const Json& object_;
+  const OrderedJson& object_;
   std::optional<Error> error_;
 };
 
-[[nodiscard]] inline Expected<Json> parse_object(std::string_view text) {
-  Json json = Json::parse(text, nullptr, /*allow_exceptions=*/false);
+[[nodiscard]] inline Expected<OrderedJson> parse_object(std::string_view text) {
+  OrderedJson json = OrderedJson::parse(text, nullptr, /*allow_exceptions=*/false);
   if (!json.is_object()) return fail("the message is no JSON object");
   return json;
 }
 
 // JSON of texts that came from outside: bytes that are no UTF-8 become U+FFFD and never an
 // exception.
-[[nodiscard]] inline std::string dump(const Json& json) {
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+[[nodiscard]] inline std::string dump(const OrderedJson& json) {
+  return json.dump(-1, ' ', false, OrderedJson::error_handler_t::replace);
 }
 
 template <typename T>
-[[nodiscard]] Json or_null(const std::optional<T>& value) {
-  return value ? Json(*value) : Json(nullptr);
+[[nodiscard]] OrderedJson or_null(const std::optional<T>& value) {
+  return value ? OrderedJson(*value) : OrderedJson(nullptr);
 }
 
 }  // namespace roomwise::service

@@ -52,13 +52,13 @@ struct Hello {
   SpeakingSettings settings;
 };
 
-enum class Question { kWhereAmI, kAroundMe, kWhereIs, kRepeat, kNameRoom };
+enum class Question { kWhereAmI, kAroundMe, kWhereIs, kWayTo, kRepeat, kNameRoom };
 
 struct Ask {
   std::int64_t id = 0;
   double t_ms = 0;  // by the device's clock
   Question question = Question::kWhereAmI;
-  std::string subject;  // the thing of kWhereIs, the room of kNameRoom
+  std::string subject;  // the thing of kWhereIs and kWayTo, the room of kNameRoom
 };
 
 // Those that are given take the place of the earlier ones.

@@ -64,6 +64,7 @@ TEST(Messages, QuestionsComeBackWithTheirSubject) {
   EXPECT_EQ(ask.t_ms, 1300.25);
   EXPECT_EQ(ask.question, Question::kWhereIs);
   EXPECT_EQ(ask.subject, "Mikrowelle \xC3\xBC");
+  EXPECT_EQ(read_back<Ask>(Ask{9, 1, Question::kWayTo, "bed"}).subject, "bed");
   EXPECT_EQ(read_back<Ask>(Ask{9, 1, Question::kNameRoom, "kitchen"}).subject, "kitchen");
   EXPECT_TRUE(read_back<Quiet>(Quiet{true}).on);
 }

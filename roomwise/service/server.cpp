@@ -17,7 +17,7 @@ using Tcp = asio::ip::tcp;
 using boost::system::error_code;
 
 // An IPv4 address that came over an IPv6 socket is the same address.
-std::string text_of(asio::ip::address address) {
+std::string address_text(asio::ip::address address) {
   if (address.is_v6() && address.to_v6().is_v4_mapped()) {
     address = asio::ip::make_address_v4(asio::ip::v4_mapped, address.to_v6());
   }
@@ -160,7 +160,7 @@ class Server::Impl {
     error_code error;
     const Tcp::endpoint from = socket.remote_endpoint(error);
     if (error) return;  // already gone
-    const std::string peer = text_of(from.address());
+    const std::string peer = address_text(from.address());
     const ConnectionTable::Verdict verdict = core_->table.ask(peer);
     if (!verdict.refused.empty()) {
       return core_->events.refused(verdict.refused, peer, core_->now().steady_s);

@@ -57,6 +57,7 @@ class SocketConnection final : public Connection,
         who_(std::move(who)),
         peer_(std::move(peer)),
         stream_(std::move(stream)),
+        buffer_(core_.options.limits.message_bytes),
         strand_(asio::make_strand(core_.session_threads.get_executor())) {}
 
   void start(BeastRequest request) {
@@ -68,7 +69,7 @@ class SocketConnection final : public Connection,
     stream_.set_option(websocket::stream_base::decorator([](websocket::response_type& answer) {
       answer.set(beast::http::field::sec_websocket_protocol, "roomwise.1");
     }));
-    stream_.read_message_max(limits.message_bytes);
+    stream_.read_message_max(0);  // the buffer's own limit says so when it is reached
     auto kept = std::make_shared<BeastRequest>(std::move(request));
     stream_.async_accept(*kept, [self = shared_from_this(), kept](error_code error) {
       if (error) return;
@@ -181,8 +182,10 @@ class SocketConnection final : public Connection,
     if (closed_) return;
     closed_ = true;
     out_->shut();
-    if (error == websocket::error::message_too_big || error == websocket::error::buffer_overflow) {
+    if (error == websocket::error::buffer_overflow) {
       core_.events.refused("a message that is too large", peer_, core_.now().steady_s);
+      ending_ = websocket::close_code::too_big;
+      if (!closing_) close();
     } else if (error == beast::error::timeout) {
       core_.events.refused("a client that is gone", peer_, core_.now().steady_s);
     }
@@ -205,8 +208,8 @@ class SocketConnection final : public Connection,
   const Identity who_;
   const std::string peer_;
   websocket::stream<TlsStream> stream_;
-  asio::strand<asio::thread_pool::executor_type> strand_;
   beast::flat_buffer buffer_;
+  asio::strand<asio::thread_pool::executor_type> strand_;
   std::shared_ptr<Outbox> out_;
   std::unique_ptr<SocketSession> session_;  // belongs to the strand
   std::optional<websocket::close_code> ending_;

@@ -113,7 +113,7 @@ TEST_F(SocketTest, RefusesAMessageThatIsTooLarge) {
 }
 
 TEST_F(SocketTest, RefusesWhatIsNoFrame) {
-  for (const std::string& bytes : {std::string("\xFF\xFF\xFF\xFF", 4), frame(1, "\xC3\x28"),
+  for (const std::string& bytes : {std::string(20, '\xFF'), frame(1, "\xC3\x28"),
                                    std::string("\x81\x05hello", 7),  // not masked
                                    frame(9, std::string(126, 'p'))}) {
     const auto client = raw();
@@ -214,6 +214,66 @@ TEST_F(SocketTest, NothingSecretIsLogged) {
     EXPECT_THAT(home_.log_text, Not(HasSubstr(secret)));
   }
   EXPECT_THAT(home_.log_text, HasSubstr("Anna's phone"));
+}
+
+TEST_F(SocketTest, PairsWithoutSayingTheCode) {
+  const auto code = home_.access->make_code(Role::kHelper, home_.now());
+  ASSERT_OK(code);
+  const ClientWait wait{.timeout = kMost};
+  const std::string wrong = *code == "000000" ? "000001" : "000000";
+  EXPECT_ERROR(pair_with(address(), wrong, "Cap", wait), "the code is wrong");
+  const auto paired = pair_with(address(), *code, "Cap", wait);
+  ASSERT_OK(paired);
+  EXPECT_EQ(paired->who.role, Role::kHelper);
+  EXPECT_EQ(paired->credentials.fingerprint, home_.certificate.fingerprint);
+  EXPECT_OK(ServerConnection::open(address(), paired->credentials, wait));
+  EXPECT_ERROR(pair_with(address(), *code, "Cap", wait), "the code is wrong");
+}
+
+TEST_F(SocketTest, PairsWithNobodyWhoDoesNotKnowTheCode) {
+  // One who takes any code, to be sent pictures.
+  const Route pair{"POST", "/api/pair", std::nullopt, [](const HttpRequest&, const Placeholders&) {
+                     HttpAnswer answer =
+                         text_answer(R"({"role":"device","device":1,"token":"t","proof":")" +
+                                     std::string(64, '0') + R"("})");
+                     return answer;
+                   }};
+  TestServer impostor({pair});
+  EXPECT_ERROR(pair_with({"127.0.0.1", impostor.port()}, "123456", "Cap", {.timeout = kMost}),
+               "does not know the code");
+}
+
+TEST_F(SocketTest, GuessesThroughHttpAreAnsweredByWaiting) {
+  const auto code = home_.access->make_code(Role::kDevice, home_.now());
+  const auto guess = [&](const std::string& digits, const std::string& from) {
+    return home_.ask("POST", "/api/pair", "",
+                     fmt::format(R"({{"code": "{}", "name": "x"}})", digits), from);
+  };
+  const std::string wrong = *code == "000000" ? "000001" : "000000";
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(guess(wrong, "127.0.0.5").status, 401);
+  for (int i = 0; i < 50; ++i) {
+    const testing::Answer answer = guess(wrong, "127.0.0.5");
+    ASSERT_EQ(answer.status, 429);
+    ASSERT_EQ(answer.headers.at("retry-after"), "30");
+  }
+  const testing::Answer paired =
+      home_.ask("POST", "/api/pair", "",
+                fmt::format(R"({{"code": "{}", "name": "page", "cookie": true}})", *code));
+  EXPECT_EQ(paired.status, 200);
+  EXPECT_THAT(paired.headers.at("set-cookie"),
+              HasSubstr("; Path=/; Max-Age=34560000; Secure; HttpOnly; SameSite=Strict"));
+  EXPECT_THAT(paired.body, Not(HasSubstr("token")));
+}
+
+TEST_F(SocketTest, ADeviceMayLeave) {
+  const std::string token = bearer(home_.device.token);
+  EXPECT_THAT(home_.ask("GET", "/api/me", token).body, HasSubstr("Anna's phone"));
+  const testing::Answer left = home_.ask("POST", "/api/leave", token);
+  EXPECT_EQ(left.status, 200);
+  EXPECT_THAT(left.headers.at("set-cookie"), HasSubstr("roomwise=; Path=/; Max-Age=0;"));
+  EXPECT_EQ(home_.ask("GET", "/api/me", token).status, 401);
+  EXPECT_THAT(home_.ask("GET", "/api/devices", bearer(home_.helper.token)).body,
+              Not(HasSubstr("Anna")));
 }
 
 TEST(ServerAddressTest, IsHostAndPort) {

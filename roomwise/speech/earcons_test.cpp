@@ -12,13 +12,13 @@ using guide::Sound;
 using testing::part;
 using testing::strength;
 
-constexpr int kRate_hz = 22050;
+constexpr int kToneRate_hz = 22050;
 constexpr Sound kSounds[] = {Sound::kAnswer, Sound::kUnsure, Sound::kLost, Sound::kBack,
                              Sound::kAlert};
 
 TEST(EarconsTest, AreShortAndHeardAndDoNotClick) {
   for (const Sound sound : kSounds) {
-    const Pcm pcm = earcon(sound, kRate_hz);
+    const Pcm pcm = earcon(sound, kToneRate_hz);
     EXPECT_GT(pcm.duration_s(), 0.1);
     EXPECT_LT(pcm.duration_s(), 0.5);
     EXPECT_GT(testing::loudness(pcm.samples), 3000);
@@ -26,15 +26,15 @@ TEST(EarconsTest, AreShortAndHeardAndDoNotClick) {
     EXPECT_LT(std::abs(pcm.samples.back()), 300);
     for (const std::int16_t sample : pcm.samples) EXPECT_LT(std::abs(sample), 20000);
   }
-  EXPECT_TRUE(earcon(Sound::kNone, kRate_hz).samples.empty());
+  EXPECT_TRUE(earcon(Sound::kNone, kToneRate_hz).samples.empty());
 }
 
 TEST(EarconsTest, HaveTheTonesThatAreMeant) {
-  const Pcm answer = earcon(Sound::kAnswer, kRate_hz);
+  const Pcm answer = earcon(Sound::kAnswer, kToneRate_hz);
   EXPECT_GT(strength(part(answer, 0, 0.07), 659.3), 5 * strength(part(answer, 0, 0.07), 987.8));
   EXPECT_GT(strength(part(answer, 0.07, 0.18), 987.8),
             5 * strength(part(answer, 0.07, 0.18), 659.3));
-  const Pcm alert = earcon(Sound::kAlert, kRate_hz);
+  const Pcm alert = earcon(Sound::kAlert, kToneRate_hz);
   EXPECT_GT(strength(alert, 1568), 10 * strength(alert, 800));
 }
 
@@ -45,14 +45,14 @@ TEST(EarconsTest, LostFallsAndBackRises) {
     return strength(last, 587.3) > strength(last, 293.7) &&
            strength(first, 293.7) > strength(first, 587.3);
   };
-  EXPECT_TRUE(rises(earcon(Sound::kBack, kRate_hz)));
-  EXPECT_FALSE(rises(earcon(Sound::kLost, kRate_hz)));
+  EXPECT_TRUE(rises(earcon(Sound::kBack, kToneRate_hz)));
+  EXPECT_FALSE(rises(earcon(Sound::kLost, kToneRate_hz)));
 }
 
 TEST(EarconsTest, AllDiffer) {
   for (const Sound a : kSounds) {
     for (const Sound b : kSounds) {
-      EXPECT_EQ(a == b, earcon(a, kRate_hz).samples == earcon(b, kRate_hz).samples);
+      EXPECT_EQ(a == b, earcon(a, kToneRate_hz).samples == earcon(b, kToneRate_hz).samples);
     }
   }
 }

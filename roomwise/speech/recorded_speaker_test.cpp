@@ -17,7 +17,7 @@ using ::testing::HasSubstr;
 
 // espeak-ng does not say a text twice to the bit, nor in quite the same time.
 constexpr double kVaries_s = 0.02;
-constexpr TimestampNs kSecond = 1'000'000'000;
+using testing::kSecond;
 
 guide::Utterance utterance(const std::string& text, guide::Sound sound) {
   guide::Utterance made;

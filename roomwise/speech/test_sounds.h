@@ -8,10 +8,13 @@
 #include <string>
 
 #include "roomwise/base/file.h"
+#include "roomwise/base/timestamp.h"
 #include "roomwise/speech/pcm.h"
 
 // Looks into sounds. Only for tests.
 namespace roomwise::speech::testing {
+
+constexpr TimestampNs kSecond = 1'000'000'000;
 
 // How much of a frequency is in a sound (Goertzel's algorithm, written as a sum).
 inline double strength(const Pcm& pcm, double hz) {

@@ -20,7 +20,7 @@ using ::testing::HasSubstr;
 using testing::read_wav;
 
 constexpr int kRate_hz = 8000;
-constexpr TimestampNs kSecond = 1'000'000'000;
+using testing::kSecond;
 constexpr TimestampNs kBegin = 7 * kSecond;
 
 Pcm tone(double hz, double duration_s) {

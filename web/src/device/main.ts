@@ -106,6 +106,9 @@ function sound(which: Sound): number {
 function settingsChanged(phone: Phone): void {
   saveSettings(window.localStorage, settings);
   log.setLive(settings.voice === 'reader');
+  if (settings.voice === 'own') {
+    ownVoice.prime(); // it may not have been, and this is a tap
+  }
   phone.settingsChanged();
 }
 

@@ -1,7 +1,7 @@
 // What is said next. Pure: the caller hands in the clock (milliseconds) and does the speaking.
 //
 // - The most urgent first; of equals, the one that came first.
-// - A newer prompt takes the place of a waiting one of the same key.
+// - A newer prompt takes the place of a waiting one of the same key, and of the parts of that ("around/2").
 // - Nothing begins after its valid_until_t.
 // - A hazard interrupts all but a hazard.
 // - Callouts: 0.75 s between two of them, the same one not again within a minute, none while it is quiet.
@@ -33,6 +33,7 @@ export class PromptQueue<P extends QueuedPrompt = QueuedPrompt> {
     if (prompt.valid_until_t < now || (this.isCallout(prompt) && this.isUnwanted(prompt, now))) {
       return false;
     }
+    this.waiting = this.waiting.filter((other) => !other.key.startsWith(`${prompt.key}/`));
     const same = this.waiting.findIndex((other) => other.key === prompt.key);
     if (same >= 0) {
       this.waiting[same] = prompt;

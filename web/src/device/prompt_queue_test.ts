@@ -50,6 +50,16 @@ test('a newer prompt takes the place of a waiting one of the same key, and only 
   assert.equal(begun(queue, 20), 'nothing');
 });
 
+test('an answer takes the place of all parts of the one before it', () => {
+  const queue = new PromptQueue();
+  for (const key of ['around', 'around/2', 'around/3', 'aroundness']) {
+    queue.push(prompt(key, 'answer'), 0);
+  }
+  queue.push(prompt('around', 'answer', { text: 'anew' }), 1);
+  queue.push(prompt('around/2', 'answer', { text: 'anew' }), 1);
+  assert.deepEqual(spokenInOrder(queue, 2), ['around', 'aroundness', 'around/2']);
+});
+
 test('nothing begins after its time, neither on arrival nor after waiting', () => {
   const queue = new PromptQueue();
   assert.equal(queue.push(prompt('late', 'answer', { valid_until_t: 99 }), 100), false);

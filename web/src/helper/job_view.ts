@@ -15,6 +15,7 @@ export function jobView(helper: Helper, ...kinds: [JobKind, ...JobKind[]]): HTML
   const running = h('div', { class: 'job' }, bar, stop);
   const element = h('div', { class: 'form' }, running, words, news);
   let said = '';
+  let seenRunning = false; // what ended well before this page was opened is no news
 
   function stopNow(): void {
     actOrSay(helper, () => request('POST', '/api/job/stop'), text('job.stop_asked'));
@@ -24,13 +25,18 @@ export function jobView(helper: Helper, ...kinds: [JobKind, ...JobKind[]]): HTML
     const { job } = store.state;
     const mine = job && kinds.includes(job.kind) ? job : null;
     running.hidden = mine?.state !== 'running';
-    element.hidden = mine === null;
-    if (!mine) {
+    seenRunning ||= mine?.state === 'running';
+    element.hidden = mine === null || (mine.state === 'done' && !seenRunning);
+    if (!mine || element.hidden) {
       return;
     }
     bar.value = mine.fraction;
     bar.setAttribute('aria-label', text(`job.${mine.kind}`));
     words.textContent = wordsOf(mine);
+    words.classList.toggle('failed', mine.state === 'failed');
+    if (mine.state !== 'running') {
+      helper.announcer.clear(); // that it has started is no news any more
+    }
     const milestone = `${mine.kind} ${mine.state} ${mine.state === 'running' ? Math.floor(mine.fraction * 4) : ''}`;
     if (milestone !== said) {
       said = milestone;
@@ -45,7 +51,8 @@ function wordsOf(job: Job): string {
     return [text(`job.${job.kind}_${job.state}`), job.text].filter((part) => part !== '').join(' ');
   }
   const left = job.left_s === null ? '' : leftOf(job.left_s);
-  return [`${text(`job.${job.kind}`)}: ${job.stage}`, formatPercent(job.fraction), left].filter((part) => part !== '').join(', ');
+  const what = text(`job.${job.kind}`) + (job.stage === '' ? '' : `: ${job.stage}`);
+  return [what, formatPercent(job.fraction), left].filter((part) => part !== '').join(', ');
 }
 
 function leftOf(seconds: number): string {

@@ -91,8 +91,8 @@ export function verdictWords(verdict: Verdict, room: string, probability: number
     case 'room':
       return text('verdict.room', values);
     case 'not sure':
-      return text('verdict.not_sure', values);
-    default:
-      return text('verdict.none', values);
+      return room === '' ? text('verdict.not_sure_at_all') : text('verdict.not_sure', values);
+    default: // no room is likeliest where none was learned
+      return room === '' ? text('verdict.none_at_all') : text('verdict.none', values);
   }
 }

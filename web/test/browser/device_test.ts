@@ -130,6 +130,16 @@ test('find: by typing and by the list; what is asked again is repeated', options
   await visit.close();
 }));
 
+test('naming the room in which one stands', options, () => withServer(async (server) => {
+  const visit = await openVisit(server, { role: 'device', size: kPhone });
+  await start(visit, 'reader');
+  await visit.press('Name this room');
+  await visit.press('kitchen');
+  await visit.hears('This room is called kitchen now.');
+  assert.equal(server.newest('device').asked[0]?.['room'], 'kitchen');
+  await visit.close();
+}));
+
 test('quiet silences what nobody asked for, and is told to the computer', options, () => withServer(async (server) => {
   const visit = await openVisit(server, { role: 'device', size: kPhone, before: recordSpeech });
   await start(visit, 'own');
@@ -251,8 +261,11 @@ test('settings: steps, German; they are kept, and told to the computer', options
   await visit.close();
 }));
 
-for (const [size, name] of [[kPhone, 'phone'], [kDesktop, 'desktop'], [{ width: 320, height: 500 }, '320 px wide']] as const) {
-  for (const dark of [false, true]) {
+for (const [size, name, schemes] of [
+  [kPhone, 'phone', [false, true]], [kDesktop, 'desktop', [false, true]],
+  [{ width: 320, height: 500 }, '320 px wide', [false]], // as with a magnification of 400 %
+] as const) {
+  for (const dark of schemes) {
     test(`axe-core finds nothing on the phone's page: ${name}, ${dark ? 'dark' : 'light'}`, options, () => withServer(async (server) => {
       const visit = await openVisit(server, { role: 'device', size, dark });
       await visit.go('/device');

@@ -304,6 +304,18 @@ test('the home in three dimensions: drawn, turned, a key-frame shown, devices pl
   await visit.close();
 }));
 
+test('the cloud comes when the map is ready', options, () => withServer(async (server) => {
+  tellJob(server, 'running', 0.2, 'fusing the map', 'prepare');
+  const visit = await openVisit(server, { role: 'helper' });
+  await visit.go('/');
+  await visit.sees('The map is being made ready', '.stage-note');
+  await visit.sees('Making the map ready: fusing the map, 20%', '.progress-words');
+  tellJob(server, 'done', 1, '', 'prepare');
+  await heardOnce(visit, 'The map is ready.');
+  await visit.sees('Drag to turn', '.stage-note');
+  await visit.close();
+}));
+
 test('a lost connection is told, and all is fresh when it is back', options, () => withServer(async (server) => {
   const visit = await openVisit(server, { role: 'helper' });
   await visit.go('/');
@@ -317,8 +329,11 @@ test('a lost connection is told, and all is fresh when it is back', options, () 
   await visit.close();
 }));
 
-for (const [size, name] of [[kPhone, 'phone'], [kDesktop, 'desktop'], [{ width: 320, height: 568 }, '320 px wide']] as const) {
-  for (const dark of [false, true]) {
+for (const [size, name, schemes] of [
+  [kPhone, 'phone', [false, true]], [kDesktop, 'desktop', [false, true]],
+  [{ width: 320, height: 568 }, '320 px wide', [false]], // as with a magnification of 400 %
+] as const) {
+  for (const dark of schemes) {
     test(`axe-core finds nothing on the helper's page and on pairing: ${name}, ${dark ? 'dark' : 'light'}`, options, () => withServer(async (server) => {
       const visit = await openVisit(server, { role: 'helper', size, dark });
       const check = async (what: string): Promise<void> => {

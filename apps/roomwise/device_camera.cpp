@@ -1,0 +1,91 @@
+#include "device_camera.h"
+
+#include <chrono>
+#include <cmath>
+#include <utility>
+
+#include "roomwise/image/codec.h"
+#include "roomwise/service/messages.h"
+
+namespace roomwise::app {
+namespace {
+
+constexpr int kQuality = 90;  // of JPEG, where the camera gives raw pixels
+
+Bytes message_of(const image::RgbdFrame& frame, double t_ms) {
+  const Bytes color =
+      frame.encoded_color.empty() ? image::encode_jpeg(frame.color, kQuality) : frame.encoded_color;
+  const Bytes depth =
+      frame.encoded_depth.empty() ? image::encode_png(frame.depth) : frame.encoded_depth;
+  return service::write(service::FrameMessage{t_ms, color, depth});
+}
+
+}  // namespace
+
+TimestampNs steady_now_ns() {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(
+             std::chrono::steady_clock::now().time_since_epoch())
+      .count();
+}
+
+DeviceCamera::DeviceCamera(std::unique_ptr<recording::FrameSource> source, const CameraPace& pace)
+    : source_(std::move(source)), pace_(pace), began_ns_(steady_now_ns()) {
+  thread_ = std::thread([this] { run(); });
+}
+
+DeviceCamera::~DeviceCamera() {
+  {
+    const std::scoped_lock lock(mutex_);
+    closing_ = true;
+  }
+  closing_changed_.notify_all();
+  thread_.join();
+}
+
+std::optional<DeviceCamera::Frame> DeviceCamera::take() {
+  const std::scoped_lock lock(mutex_);
+  return std::exchange(newest_, std::nullopt);
+}
+
+bool DeviceCamera::ended() const {
+  const std::scoped_lock lock(mutex_);
+  return ended_ && !newest_;
+}
+
+std::optional<std::string> DeviceCamera::failure() const {
+  const std::scoped_lock lock(mutex_);
+  return failure_;
+}
+
+void DeviceCamera::run() {
+  for (;;) {
+    const auto frame = source_->next();
+    if (!frame || !*frame) {
+      const std::scoped_lock lock(mutex_);
+      if (!frame) failure_ = frame.error().message;
+      ended_ = true;
+      return;
+    }
+    if (!wait_for((*frame)->timestamp_ns)) return;
+    const double t_ms = static_cast<double>(steady_now_ns()) * 1e-6;
+    Frame taken{t_ms, message_of(**frame, t_ms)};
+    const std::scoped_lock lock(mutex_);
+    newest_ = std::move(taken);
+  }
+}
+
+bool DeviceCamera::wait_for(TimestampNs timestamp_ns) {
+  std::unique_lock lock(mutex_);
+  const bool is_live = !source_->info().frame_count;
+  if (!first_ns_) first_ns_ = timestamp_ns;
+  const double due_s = pace_.recorded ? seconds_between(*first_ns_, timestamp_ns)
+                                      : static_cast<double>(taken_++) / pace_.rate_hz;
+  const std::chrono::nanoseconds due(began_ns_ + std::llround(due_s / kSecondsPerNs));
+  if (!is_live) {
+    closing_changed_.wait_until(lock, std::chrono::steady_clock::time_point(due),
+                                [&] { return closing_; });
+  }
+  return !closing_;
+}
+
+}  // namespace roomwise::app

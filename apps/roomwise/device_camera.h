@@ -1,0 +1,66 @@
+#pragma once
+
+#include <condition_variable>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "roomwise/base/expected.h"
+#include "roomwise/recording/frame_source.h"
+
+namespace roomwise::app {
+
+// How fast frames are taken from a recording: as they were recorded, or so many a second. A live
+// camera has its own pace.
+struct CameraPace {
+  bool recorded = true;
+  double rate_hz = 10;
+};
+
+// The device's camera: a thread that takes frames from a source at their pace and keeps the newest,
+// ready to be sent.
+class DeviceCamera {
+ public:
+  struct Frame {
+    double t_ms = 0;  // by the device's steady clock, when it was taken
+    Bytes message;    // as it is sent
+  };
+
+  DeviceCamera(std::unique_ptr<recording::FrameSource> source, const CameraPace& pace);
+  ~DeviceCamera();
+  DeviceCamera(const DeviceCamera&) = delete;
+  DeviceCamera& operator=(const DeviceCamera&) = delete;
+
+  [[nodiscard]] const recording::SourceInfo& info() const { return source_->info(); }
+  // The newest frame that was not taken yet.
+  [[nodiscard]] std::optional<Frame> take();
+  // That there is no more to come: the recording has ended, or the camera failed, and why.
+  [[nodiscard]] bool ended() const;
+  [[nodiscard]] std::optional<std::string> failure() const;
+
+ private:
+  void run();
+  // Waits until the frame is due; false where the camera is being closed.
+  [[nodiscard]] bool wait_for(TimestampNs timestamp_ns);
+
+  std::unique_ptr<recording::FrameSource> source_;
+  CameraPace pace_;
+  mutable std::mutex mutex_;
+  std::condition_variable closing_changed_;
+  bool closing_ = false;
+  bool ended_ = false;
+  std::optional<std::string> failure_;
+  std::optional<Frame> newest_;
+  std::optional<TimestampNs> first_ns_;
+  std::uint64_t taken_ = 0;
+  TimestampNs began_ns_ = 0;
+  std::thread thread_;  // last: it uses all the others
+};
+
+// The device's clock: nanoseconds that only go forward.
+[[nodiscard]] TimestampNs steady_now_ns();
+
+}  // namespace roomwise::app

@@ -1,0 +1,172 @@
+#include <unistd.h>
+
+#include <array>
+#include <iostream>
+#include <memory>
+
+#include "commands.h"
+#include "device_credentials.h"
+#include "device_session.h"
+#include "roomwise/recording/camera_file.h"
+#include "roomwise/recording/openni2_source.h"
+#include "roomwise/recording/tum_recording.h"
+
+namespace roomwise::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct DeviceOptions {
+  std::string server;
+  std::string code;
+  std::string name;
+  fs::path recording;
+  bool camera = false;
+  std::optional<double> rate_hz;
+  std::string speak = "speech-dispatcher";
+  fs::path buttons;
+  std::string language = "en";
+  std::string distances = "metres";
+  double step_m = 0.7;
+  bool no_callouts = false;
+};
+
+std::string own_host_name() {
+  std::array<char, 65> name{};
+  return ::gethostname(name.data(), name.size() - 1) == 0 ? std::string(name.data()) : "device";
+}
+
+// Those of an earlier pairing, or of one by the code that was given.
+Expected<service::ServerCredentials> find_credentials(const DeviceOptions& options,
+                                                      const service::ServerAddress& server) {
+  ROOMWISE_TRY(const fs::path file, credentials_file());
+  if (options.code.empty()) {
+    ROOMWISE_TRY(const auto stored, stored_credentials(file, options.server));
+    if (stored) return *stored;
+    return fail(
+        "this device is not paired with {}: run 'roomwise serve HOME --pair device' there, and "
+        "give the code here: --pair CODE",
+        options.server);
+  }
+  service::ClientWait wait;
+  wait.interrupted = interrupt_requested;
+  ROOMWISE_TRY(const service::PairedWith paired,
+               service::pair_with(server, options.code, options.name, wait));
+  ROOMWISE_CHECK_OK(store_credentials(file, options.server, paired.credentials));
+  return paired.credentials;
+}
+
+Expected<std::unique_ptr<DeviceCamera>> open_camera(const DeviceOptions& options) {
+  std::unique_ptr<recording::FrameSource> source;
+  if (options.camera) {
+    ROOMWISE_TRY(source, recording::OpenNi2Source::open({}));
+  } else if (!options.recording.empty()) {
+    ROOMWISE_TRY(source, recording::TumRecording::open(options.recording));
+  } else {
+    return nullptr;
+  }
+  return std::make_unique<DeviceCamera>(std::move(source),
+                                        CameraPace{!options.rate_hz, options.rate_hz.value_or(0)});
+}
+
+service::Hello hello_of(const DeviceOptions& options, const DeviceCamera* camera) {
+  service::Hello hello;
+  hello.version = service::kProtocolVersion;
+  hello.name = options.name;
+  hello.kind = service::DeviceKind::kWearable;
+  hello.settings = {
+      options.language,
+      options.distances == "steps" ? service::Distances::kSteps : service::Distances::kMetres,
+      options.step_m, !options.no_callouts};
+  if (camera == nullptr) return hello;
+  const geometry::PinholeCamera& calibrated = camera->info().camera;
+  hello.camera = service::DeviceCamera{calibrated.width, calibrated.height, calibrated, true};
+  return hello;
+}
+
+Expected<std::unique_ptr<DeviceVoice>> open_voice(const DeviceOptions& options,
+                                                  const guide::MessageCatalogue& catalogue) {
+  guide::Wording wording;
+  wording.catalogue = &catalogue;
+  wording.style.language = options.language;
+  wording.style.step_m = options.step_m;
+  ROOMWISE_CHECK_OK(wording.style.validate(catalogue));
+  std::unique_ptr<speech::Speaker> speaker;
+  if (options.speak == "text") {
+    speaker = std::make_unique<TextSpeaker>(std::cout);
+  } else {
+    ROOMWISE_TRY(speaker, open_speaker(options.speak, steady_now_ns()));
+  }
+  return std::make_unique<DeviceVoice>(std::move(speaker), wording);
+}
+
+Expected<Answer> run_device(DeviceOptions options) {
+  if (options.name.empty()) options.name = own_host_name();
+  const auto catalogue = guide::MessageCatalogue::built_in();
+  DeviceParts parts;
+  ROOMWISE_TRY(parts.server, service::parse_server_address(options.server));
+  ROOMWISE_TRY(parts.voice, open_voice(options, catalogue));
+  ROOMWISE_TRY(parts.credentials, find_credentials(options, parts.server));
+  ROOMWISE_TRY(parts.keys, DeviceKeys::open(STDIN_FILENO, options.buttons));
+  ROOMWISE_TRY(parts.camera, open_camera(options));
+  parts.hello = hello_of(options, parts.camera.get());
+  DeviceSession session(std::move(parts));
+  ROOMWISE_CHECK_OK(session.run(interrupt_requested));
+  const service::LinkCounts& counts = session.counts();
+  Answer answer;
+  answer.text = fmt::format(
+      "{} frames sent, {} passed over for newer ones; {} prompts; the connection was lost {} "
+      "times\n",
+      counts.sent, counts.replaced, session.prompts(), counts.losses);
+  answer.json = {{"frames_sent", counts.sent},
+                 {"frames_passed_over", counts.replaced},
+                 {"prompts", session.prompts()},
+                 {"losses", counts.losses}};
+  return answer;
+}
+
+}  // namespace
+
+void add_device_command(CLI::App& app, Context& context) {
+  auto options = std::make_shared<DeviceOptions>();
+  CLI::App* command =
+      add_command(app, context, "device",
+                  "Be a home's device: send what a camera sees, ask, speak what comes back.\n"
+                  "Keys: w where am I, a around me, f NAME Enter find, g NAME Enter go there, r "
+                  "repeat, q quiet, x exit.",
+                  "roomwise device --server flat.local:8443 --pair 123456 --camera",
+                  [options] { return run_device(*options); });
+  command->add_option("--server", options->server, "The home's computer, HOST:PORT")->required();
+  command->add_option("--pair", options->code,
+                      "Code that the computer shows, at the first time; what comes of it is kept "
+                      "in $XDG_CONFIG_HOME/roomwise/device.json");
+  command->add_option("--name", options->name,
+                      "What helpers see this device as; default: this computer's name");
+  auto* recording = command->add_option("--recording", options->recording,
+                                        "Folder of a recording, sent as if it were a camera");
+  command->add_flag("--camera", options->camera, "The first depth camera that is found (OpenNI 2)")
+      ->excludes(recording);
+  command
+      ->add_option("--rate", options->rate_hz,
+                   "Frames a second of a recording; default: as it was recorded")
+      ->check(positive());
+  command
+      ->add_option("--speak", options->speak,
+                   "speech-dispatcher, text (lines on standard output), or wav:FILE (a recording "
+                   "of what would be heard)")
+      ->capture_default_str();
+  command->add_option("--buttons", options->buttons,
+                      "Input device whose keys 1 to 5 ask too: where, around, the next thing, "
+                      "repeat, quiet; /dev/input/eventN");
+  command->add_option("--language", options->language, "en or de")->capture_default_str();
+  command->add_option("--distances", options->distances, "metres or steps")
+      ->check(CLI::IsMember({"metres", "steps"}))
+      ->capture_default_str();
+  command->add_option("--step", options->step_m, "Length of a step, m")
+      ->check(positive())
+      ->capture_default_str();
+  command->add_flag("--no-callouts", options->no_callouts,
+                    "Say nothing of a room that is entered without being asked");
+}
+
+}  // namespace roomwise::app

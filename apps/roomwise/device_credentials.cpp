@@ -1,0 +1,60 @@
+#include "device_credentials.h"
+
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+
+#include "roomwise/base/file.h"
+#include "roomwise/service/private_file.h"
+
+namespace roomwise::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+Expected<nlohmann::json> read_computers(const fs::path& file) {
+  std::error_code error;
+  if (!fs::exists(file, error)) return nlohmann::json::object();
+  ROOMWISE_TRY(const std::string text, read_text_file(file));
+  nlohmann::json computers = nlohmann::json::parse(text, nullptr, false);
+  if (!computers.is_object()) {
+    return fail("{}: is damaged; delete it and pair again (--pair CODE)", file.string());
+  }
+  return computers;
+}
+
+}  // namespace
+
+Expected<fs::path> credentials_file() {
+  const char* config = std::getenv("XDG_CONFIG_HOME");
+  if (config != nullptr && *config != '\0') return fs::path(config) / "roomwise/device.json";
+  const char* home = std::getenv("HOME");
+  if (home == nullptr || *home == '\0') {
+    return fail("there is no place for the device's token: set HOME or XDG_CONFIG_HOME");
+  }
+  return fs::path(home) / ".config/roomwise/device.json";
+}
+
+Expected<std::optional<service::ServerCredentials>> stored_credentials(const fs::path& file,
+                                                                       const std::string& server) {
+  ROOMWISE_TRY(const nlohmann::json computers, read_computers(file));
+  const auto found = computers.find(server);
+  if (found == computers.end()) return std::optional<service::ServerCredentials>();
+  try {
+    return service::ServerCredentials{found->at("fingerprint").get<std::string>(),
+                                      found->at("token").get<std::string>()};
+  } catch (const nlohmann::json::exception&) {
+    return fail("{}: is damaged; delete it and pair again (--pair CODE)", file.string());
+  }
+}
+
+Expected<void> store_credentials(const fs::path& file, const std::string& server,
+                                 const service::ServerCredentials& credentials) {
+  ROOMWISE_TRY(nlohmann::json computers, read_computers(file));
+  computers[server] = {{"fingerprint", credentials.fingerprint}, {"token", credentials.token}};
+  std::error_code error;
+  fs::create_directories(file.parent_path(), error);
+  if (error) return fail("{}: cannot be made: {}", file.parent_path().string(), error.message());
+  return service::write_private_file(file, computers.dump(2) + "\n");
+}
+
+}  // namespace roomwise::app

@@ -1,0 +1,155 @@
+#include "device_keys.h"
+
+#include <fcntl.h>
+#include <linux/input.h>
+#include <poll.h>
+#include <termios.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <optional>
+
+namespace roomwise::app {
+namespace {
+
+using Kind = KeyRequest::Kind;
+
+std::optional<Kind> kind_of_letter(char letter) {
+  switch (letter) {
+    case 'w':
+      return Kind::kWhere;
+    case 'a':
+      return Kind::kAround;
+    case 'r':
+      return Kind::kRepeat;
+    case 'q':
+      return Kind::kQuiet;
+    case 'x':
+      return Kind::kExit;
+    default:
+      return std::nullopt;
+  }
+}
+
+std::optional<Kind> kind_of_button(int code) {
+  switch (code) {
+    case KEY_1:
+      return Kind::kWhere;
+    case KEY_2:
+      return Kind::kAround;
+    case KEY_3:
+      return Kind::kFindNext;
+    case KEY_4:
+      return Kind::kRepeat;
+    case KEY_5:
+      return Kind::kQuiet;
+    default:
+      return std::nullopt;
+  }
+}
+
+// What can be read now; nothing where the other end is gone.
+std::optional<std::vector<std::uint8_t>> read_some(int descriptor) {
+  std::vector<std::uint8_t> bytes(4096);
+  const ssize_t count = ::read(descriptor, bytes.data(), bytes.size());
+  if (count < 0 && (errno == EAGAIN || errno == EINTR)) return std::vector<std::uint8_t>();
+  if (count <= 0) return std::nullopt;
+  bytes.resize(static_cast<std::size_t>(count));
+  return bytes;
+}
+
+}  // namespace
+
+std::vector<KeyRequest> TypedKeys::take(std::string_view bytes) {
+  std::vector<KeyRequest> requests;
+  for (const char letter : bytes) {
+    if (naming_ && letter != '\n' && letter != '\r') {
+      name_ += letter;
+    } else if (naming_) {
+      naming_ = false;
+      const std::size_t begin = name_.find_first_not_of(' ');
+      if (begin != std::string::npos) requests.push_back({named_kind_, name_.substr(begin)});
+      name_.clear();
+    } else if (letter == 'f' || letter == 'g') {
+      naming_ = true;
+      named_kind_ = letter == 'f' ? Kind::kFind : Kind::kWay;
+    } else if (const auto kind = kind_of_letter(letter)) {
+      requests.push_back({*kind, ""});
+    }
+  }
+  return requests;
+}
+
+std::vector<KeyRequest> ButtonEvents::take(std::span<const std::uint8_t> bytes) {
+  rest_.insert(rest_.end(), bytes.begin(), bytes.end());
+  std::vector<KeyRequest> requests;
+  std::size_t at = 0;
+  for (; at + sizeof(input_event) <= rest_.size(); at += sizeof(input_event)) {
+    input_event event{};
+    std::memcpy(&event, rest_.data() + at, sizeof event);
+    if (event.type != EV_KEY || event.value != 1) continue;  // 0: goes up, 2: is held
+    if (const auto kind = kind_of_button(event.code)) requests.push_back({*kind, ""});
+  }
+  rest_.erase(rest_.begin(), rest_.begin() + static_cast<std::ptrdiff_t>(at));
+  return requests;
+}
+
+struct DeviceKeys::Terminal {
+  int descriptor = -1;
+  termios before{};
+};
+
+Expected<std::unique_ptr<DeviceKeys>> DeviceKeys::open(int keyboard,
+                                                       const std::filesystem::path& buttons) {
+  std::unique_ptr<DeviceKeys> keys(new DeviceKeys);
+  keys->keyboard_ = keyboard;
+  if (!buttons.empty()) {
+    keys->buttons_ = ::open(buttons.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+    if (keys->buttons_ < 0) {
+      return fail("{}: cannot be read: {}; is the user in the group 'input'?", buttons.string(),
+                  std::strerror(errno));
+    }
+  }
+  termios settings{};
+  if (::isatty(keyboard) == 1 && ::tcgetattr(keyboard, &settings) == 0) {
+    keys->terminal_ = std::make_unique<Terminal>(Terminal{keyboard, settings});
+    settings.c_lflag &= ~static_cast<tcflag_t>(ICANON | ECHO);
+    ::tcsetattr(keyboard, TCSANOW, &settings);
+  }
+  return keys;
+}
+
+DeviceKeys::~DeviceKeys() {
+  if (terminal_) ::tcsetattr(terminal_->descriptor, TCSANOW, &terminal_->before);
+  if (buttons_ >= 0) ::close(buttons_);
+}
+
+std::vector<KeyRequest> DeviceKeys::wait(int most_ms) {
+  // Descriptors below 0 are passed over.
+  std::array<pollfd, 2> inputs{{{keyboard_, POLLIN, 0}, {buttons_, POLLIN, 0}}};
+  if (::poll(inputs.data(), inputs.size(), most_ms) <= 0) return {};
+  std::vector<KeyRequest> requests;
+  const auto add = [&](std::vector<KeyRequest> more) {
+    std::ranges::move(more, std::back_inserter(requests));
+  };
+  if (inputs[0].revents != 0) {
+    if (const auto bytes = read_some(keyboard_)) {
+      add(typed_.take({reinterpret_cast<const char*>(bytes->data()), bytes->size()}));
+    } else {
+      keyboard_ = -1;
+    }
+  }
+  if (inputs[1].revents != 0) {
+    if (const auto bytes = read_some(buttons_)) {
+      add(events_.take(*bytes));
+    } else {
+      ::close(buttons_);
+      buttons_ = -1;
+    }
+  }
+  return requests;
+}
+
+}  // namespace roomwise::app

@@ -1,0 +1,128 @@
+#include <gmock/gmock.h>
+#include <linux/input.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cstring>
+#include <sstream>
+
+#include "device_credentials.h"
+#include "device_keys.h"
+#include "device_voice.h"
+#include "roomwise/base/file.h"
+#include "roomwise/base/testing.h"
+
+namespace roomwise::app {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+using Kind = KeyRequest::Kind;
+
+TEST(TypedKeysTest, AreLettersAndNames) {
+  TypedKeys keys;
+  EXPECT_THAT(keys.take("w\nz a"),
+              ElementsAre(KeyRequest{Kind::kWhere, ""}, KeyRequest{Kind::kAround, ""}));
+  // In pieces, as a person types; letters within a name ask nothing.
+  EXPECT_THAT(keys.take("f wash"), IsEmpty());
+  EXPECT_THAT(keys.take("ing machine\nr"), ElementsAre(KeyRequest{Kind::kFind, "washing machine"},
+                                                       KeyRequest{Kind::kRepeat, ""}));
+  EXPECT_THAT(keys.take("g bed\n"), ElementsAre(KeyRequest{Kind::kWay, "bed"}));
+  EXPECT_THAT(keys.take("f\nqx"),
+              ElementsAre(KeyRequest{Kind::kQuiet, ""}, KeyRequest{Kind::kExit, ""}));
+}
+
+std::string event(int code, int value, int type = EV_KEY) {
+  input_event pressed{};
+  pressed.type = static_cast<std::uint16_t>(type);
+  pressed.code = static_cast<std::uint16_t>(code);
+  pressed.value = value;
+  std::string bytes(sizeof pressed, '\0');
+  std::memcpy(bytes.data(), &pressed, sizeof pressed);
+  return bytes;
+}
+
+TEST(ButtonEventsTest, AreHeardWhenTheyGoDown) {
+  ButtonEvents events;
+  const std::string bytes = event(KEY_1, 1) + event(0, 0, EV_SYN) + event(KEY_1, 2) +
+                            event(KEY_1, 0) + event(KEY_3, 1) + event(KEY_A, 1) + event(KEY_5, 1);
+  std::vector<KeyRequest> heard;
+  for (std::size_t at = 0; at < bytes.size(); at += 7) {
+    const std::string piece = bytes.substr(at, 7);
+    std::ranges::move(
+        events.take({reinterpret_cast<const std::uint8_t*>(piece.data()), piece.size()}),
+        std::back_inserter(heard));
+  }
+  EXPECT_THAT(heard, ElementsAre(KeyRequest{Kind::kWhere, ""}, KeyRequest{Kind::kFindNext, ""},
+                                 KeyRequest{Kind::kQuiet, ""}));
+}
+
+TEST(DeviceKeysTest, ReadsAnInputDevice) {
+  const roomwise::testing::ScratchFolder folder;
+  const auto fifo = folder / "event0";
+  ASSERT_EQ(::mkfifo(fifo.c_str(), 0600), 0);
+  EXPECT_ERROR(DeviceKeys::open(-1, folder / "none"), "cannot be read");
+  const auto keys = DeviceKeys::open(-1, fifo);
+  ASSERT_OK(keys);
+  std::FILE* buttons = std::fopen(fifo.c_str(), "w");
+  ASSERT_NE(buttons, nullptr);
+  const std::string bytes = event(KEY_2, 1);
+  std::fwrite(bytes.data(), 1, bytes.size(), buttons);
+  std::fclose(buttons);
+  std::vector<KeyRequest> heard;
+  for (int i = 0; i < 100 && heard.empty(); ++i) heard = (*keys)->wait(100);
+  EXPECT_THAT(heard, ElementsAre(KeyRequest{Kind::kAround, ""}));
+}
+
+TEST(DeviceCredentialsTest, AreKeptForTheOwnerAlone) {
+  const roomwise::testing::ScratchFolder folder;
+  const auto file = folder / "config" / "roomwise" / "device.json";
+  EXPECT_FALSE(stored_credentials(file, "flat.local:8443")->has_value());
+  ASSERT_OK(store_credentials(file, "flat.local:8443", {"ab", "token"}));
+  ASSERT_OK(store_credentials(file, "other.local:8443", {"cd", "other"}));
+  const auto stored = stored_credentials(file, "flat.local:8443");
+  ASSERT_OK(stored);
+  ASSERT_TRUE(stored->has_value());
+  EXPECT_EQ((*stored)->fingerprint, "ab");
+  EXPECT_EQ((*stored)->token, "token");
+  struct stat status {};
+  ASSERT_EQ(::stat(file.c_str(), &status), 0);
+  EXPECT_EQ(status.st_mode & 0777U, 0600u);
+  ASSERT_OK(write_file(file, "{\"flat.local:8443\": 1}"));
+  EXPECT_ERROR(stored_credentials(file, "flat.local:8443"), "pair again");
+}
+
+TEST(DeviceVoiceTest, SpeaksByTheRules) {
+  const auto catalogue = guide::MessageCatalogue::built_in();
+  std::ostringstream heard;
+  guide::Wording wording;
+  wording.catalogue = &catalogue;
+  DeviceVoice voice(std::make_unique<TextSpeaker>(heard), wording);
+  service::PromptMessage message;
+  message.key = "room";
+  message.message = "room.is";
+  message.text = "You are in the kitchen.";
+  message.language = "en";
+  message.priority = "answer";
+  message.confidence = "sure";
+  message.sound = "answer";
+  message.valid_until_t_ms = 5000;
+  const auto prompt = prompt_of(message);
+  ASSERT_OK(prompt);
+  constexpr TimestampNs kSecond = 1'000'000'000;
+  voice.say(*prompt, 0);
+  voice.notice("device.connection_lost", guide::Sound::kLost, 0);
+  for (TimestampNs now_ns = 0; now_ns < 2 * kSecond; now_ns += kSecond / 10) {
+    ASSERT_OK(voice.step(now_ns));
+  }
+  EXPECT_TRUE(voice.is_silent(2 * kSecond));
+  voice.say(*prompt, 6 * kSecond);  // too late
+  ASSERT_OK(voice.step(6 * kSecond));
+  EXPECT_EQ(heard.str(), "(answer) You are in the kitchen.\n(lost) The connection is lost.\n");
+  message.priority = "urgent";
+  EXPECT_ERROR(prompt_of(message), "'urgent'");
+  EXPECT_ERROR(open_speaker("shout", 0), "wav:FILE");
+}
+
+}  // namespace
+}  // namespace roomwise::app

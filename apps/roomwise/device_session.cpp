@@ -1,0 +1,187 @@
+#include "device_session.h"
+
+#include <chrono>
+#include <iostream>
+#include <thread>
+#include <utility>
+
+namespace roomwise::app {
+namespace {
+
+constexpr int kTick_ms = 20;
+// After the last frame of a recording, so long without a word from the computer ends the session.
+constexpr double kLastWord_s = 2;
+
+double steady_s(TimestampNs now_ns) {
+  return static_cast<double>(now_ns) * kSecondsPerNs;
+}
+
+}  // namespace
+
+Expected<void> DeviceSession::run(const std::function<bool()>& interrupted) {
+  while (!exit_ && !interrupted()) {
+    const TimestampNs now_ns = steady_now_ns();
+    connect(now_ns);
+    receive(now_ns);
+    send_frames(now_ns);
+    if (parts_.keys) {
+      for (const KeyRequest& request : parts_.keys->wait(kTick_ms)) act(request, now_ns);
+    } else {
+      std::this_thread::sleep_for(std::chrono::milliseconds(kTick_ms));
+    }
+    ROOMWISE_CHECK_OK(parts_.voice->step(steady_now_ns()));
+    if (is_over(now_ns)) break;
+  }
+  if (connection_) connection_->close();
+  if (parts_.camera && parts_.camera->failure()) return fail("{}", *parts_.camera->failure());
+  return {};
+}
+
+// Connecting may take seconds, in which keys and speech go on.
+void DeviceSession::connect(TimestampNs now_ns) {
+  if (link_.begin_try(steady_s(now_ns))) {
+    service::ClientWait wait;
+    wait.interrupted = [this] { return giving_up_.load(); };
+    trying_ = std::async(std::launch::async, [this, wait] {
+      return service::ServerConnection::open(parts_.server, parts_.credentials, wait);
+    });
+  }
+  if (trying_.valid() && trying_.wait_for(std::chrono::seconds(0)) == std::future_status::ready) {
+    take_connection(now_ns);
+  }
+}
+
+void DeviceSession::take_connection(TimestampNs now_ns) {
+  auto opened = trying_.get();
+  if (!opened) {
+    // Said once and not with every try.
+    if (opened.error().message != last_failure_ && !connection_) {
+      last_failure_ = opened.error().message;
+      std::cerr << last_failure_ << '\n';
+      if (link_.counts().losses == 0) parts_.voice->say_error(last_failure_, now_ns);
+    }
+    (void)link_.failed(steady_s(now_ns));
+    return;
+  }
+  last_failure_.clear();
+  connection_ = *std::move(opened);
+  const auto news = link_.connected();
+  heard_ns_ = now_ns;
+  send(parts_.hello, now_ns);
+  if (quiet_) send(service::Quiet{true}, now_ns);
+  if (news == service::DeviceLink::News::kBack) {
+    parts_.voice->notice("device.connection_back", guide::Sound::kBack, now_ns);
+  } else {
+    parts_.voice->notice("device.ready", guide::Sound::kBack, now_ns);
+  }
+}
+
+void DeviceSession::lose(const std::string& why, TimestampNs now_ns) {
+  if (!connection_) return;
+  std::cerr << why << '\n';
+  connection_.reset();
+  if (link_.failed(steady_s(now_ns)) == service::DeviceLink::News::kLost) {
+    parts_.voice->notice("device.connection_lost", guide::Sound::kLost, now_ns);
+  }
+}
+
+void DeviceSession::receive(TimestampNs now_ns) {
+  while (connection_) {
+    const auto message = connection_->receive(std::chrono::milliseconds(0));
+    if (!message) return lose(message.error().message, now_ns);
+    if (!*message) return;
+    heard_ns_ = now_ns;
+    const Bytes& bytes = (*message)->bytes;
+    const auto read =
+        service::read_home_message({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+    if (read) {
+      take(*read, now_ns);
+    } else {
+      std::cerr << "the computer says what this device does not understand: "
+                << read.error().message << '\n';
+    }
+  }
+}
+
+void DeviceSession::take(const service::HomeMessage& message, TimestampNs now_ns) {
+  if (const auto* welcome = std::get_if<service::Welcome>(&message)) {
+    things_ = welcome->things;
+  } else if (const auto* arrived = std::get_if<service::FrameArrived>(&message)) {
+    link_.acknowledged(arrived->t_ms);
+  } else if (const auto* error = std::get_if<service::ErrorMessage>(&message)) {
+    std::cerr << "the computer: " << error->text << '\n';
+  } else if (const auto* said = std::get_if<service::PromptMessage>(&message)) {
+    auto prompt = prompt_of(*said);
+    if (!prompt) {
+      std::cerr << prompt.error().message << '\n';
+      return;
+    }
+    ++prompts_;
+    parts_.voice->say(*std::move(prompt), now_ns);
+  }
+}
+
+void DeviceSession::send_frames(TimestampNs now_ns) {
+  if (!parts_.camera) return;
+  if (auto frame = parts_.camera->take()) link_.offer(frame->t_ms, std::move(frame->message));
+  if (!connection_) return;
+  if (auto bytes = link_.next_frame(steady_s(now_ns))) {
+    if (const auto sent = connection_->send_binary(*std::move(bytes)); !sent) {
+      lose(sent.error().message, now_ns);
+    }
+  }
+}
+
+void DeviceSession::act(const KeyRequest& request, TimestampNs now_ns) {
+  using Kind = KeyRequest::Kind;
+  switch (request.kind) {
+    case Kind::kWhere:
+      return ask(service::Question::kWhereAmI, "", now_ns);
+    case Kind::kAround:
+      return ask(service::Question::kAroundMe, "", now_ns);
+    case Kind::kFind:
+      return ask(service::Question::kWhereIs, request.thing, now_ns);
+    case Kind::kWay:
+      return ask(service::Question::kWayTo, request.thing, now_ns);
+    case Kind::kFindNext:
+      if (things_.empty()) {
+        return parts_.voice->notice("device.nothing_learned", guide::Sound::kUnsure, now_ns);
+      }
+      return ask(service::Question::kWhereIs, things_[next_thing_++ % things_.size()], now_ns);
+    case Kind::kRepeat:
+      return parts_.voice->repeat(now_ns);
+    case Kind::kQuiet:
+      quiet_ = parts_.voice->toggle_quiet(now_ns);
+      return send(service::Quiet{quiet_}, now_ns);
+    case Kind::kExit:
+      exit_ = true;
+  }
+}
+
+void DeviceSession::ask(service::Question question, const std::string& subject,
+                        TimestampNs now_ns) {
+  if (!connection_) {
+    return parts_.voice->notice("device.connection_lost", guide::Sound::kLost, now_ns);
+  }
+  service::Ask ask;
+  ask.id = ++questions_;
+  ask.t_ms = static_cast<double>(now_ns) * 1e-6;
+  ask.question = question;
+  ask.subject = subject;
+  heard_ns_ = now_ns;  // the answer is waited for
+  send(ask, now_ns);
+}
+
+void DeviceSession::send(const service::DeviceMessage& message, TimestampNs now_ns) {
+  if (!connection_) return;
+  if (const auto sent = connection_->send_text(service::write(message)); !sent) {
+    lose(sent.error().message, now_ns);
+  }
+}
+
+bool DeviceSession::is_over(TimestampNs now_ns) const {
+  return parts_.camera && parts_.camera->ended() && connection_ &&
+         seconds_between(heard_ns_, now_ns) > kLastWord_s && parts_.voice->is_silent(now_ns);
+}
+
+}  // namespace roomwise::app

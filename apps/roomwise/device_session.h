@@ -1,0 +1,69 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <future>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "device_camera.h"
+#include "device_keys.h"
+#include "device_voice.h"
+#include "roomwise/service/client.h"
+#include "roomwise/service/device_link.h"
+#include "roomwise/service/messages.h"
+
+namespace roomwise::app {
+
+// What a device is made of; each is used by the session alone.
+struct DeviceParts {
+  service::ServerAddress server;
+  service::ServerCredentials credentials;
+  service::Hello hello;
+  std::unique_ptr<DeviceCamera> camera;  // nullptr: it sends no frames
+  std::unique_ptr<DeviceVoice> voice;
+  std::unique_ptr<DeviceKeys> keys;  // nullptr: nobody asks
+};
+
+// A device at work: sends what the camera sees, asks what keys ask, speaks what comes back, and
+// connects again where the connection was lost.
+class DeviceSession {
+ public:
+  explicit DeviceSession(DeviceParts parts) : parts_(std::move(parts)) {}
+  ~DeviceSession() { giving_up_ = true; }
+
+  // Until the recording has ended and all is said, somebody presses x, or `interrupted`.
+  [[nodiscard]] Expected<void> run(const std::function<bool()>& interrupted);
+
+  [[nodiscard]] const service::LinkCounts& counts() const { return link_.counts(); }
+  [[nodiscard]] std::uint64_t prompts() const { return prompts_; }
+
+ private:
+  void connect(TimestampNs now_ns);
+  void take_connection(TimestampNs now_ns);
+  void lose(const std::string& why, TimestampNs now_ns);
+  void receive(TimestampNs now_ns);
+  void take(const service::HomeMessage& message, TimestampNs now_ns);
+  void send_frames(TimestampNs now_ns);
+  void act(const KeyRequest& request, TimestampNs now_ns);
+  void ask(service::Question question, const std::string& subject, TimestampNs now_ns);
+  void send(const service::DeviceMessage& message, TimestampNs now_ns);
+  [[nodiscard]] bool is_over(TimestampNs now_ns) const;
+
+  DeviceParts parts_;
+  service::DeviceLink link_;
+  std::unique_ptr<service::ServerConnection> connection_;
+  std::vector<std::string> things_;
+  std::size_t next_thing_ = 0;
+  std::int64_t questions_ = 0;
+  std::uint64_t prompts_ = 0;
+  bool exit_ = false;
+  bool quiet_ = false;
+  TimestampNs heard_ns_ = 0;  // when the computer said something last
+  std::string last_failure_;
+  std::atomic<bool> giving_up_ = false;
+  std::future<Expected<std::unique_ptr<service::ServerConnection>>> trying_;  // last: it ends first
+};
+
+}  // namespace roomwise::app

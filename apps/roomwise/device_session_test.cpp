@@ -1,0 +1,194 @@
+#include "device_session.h"
+
+#include <gmock/gmock.h>
+#include <unistd.h>
+
+#include "roomwise/image/codec.h"
+#include "roomwise/service/testing_service.h"
+
+namespace roomwise::app {
+namespace {
+
+using service::testing::Signal;
+using ::testing::HasSubstr;
+
+// A camera that sees the same all day, a hundred times a second.
+class SameView final : public recording::FrameSource {
+ public:
+  SameView() {
+    info_.name = "test";
+    info_.camera.fx = info_.camera.fy = 10;
+    info_.camera.width = info_.camera.height = 8;
+    info_.frame_count = 1'000'000;
+    frame_.encoded_color = image::encode_png(image::ColorImage(8, 8));
+    frame_.encoded_depth = image::encode_png(image::DepthImage(8, 8));
+  }
+  [[nodiscard]] const recording::SourceInfo& info() const override { return info_; }
+  [[nodiscard]] Expected<std::optional<image::RgbdFrame>> next() override {
+    frame_.timestamp_ns += 10'000'000;
+    return std::optional(frame_);
+  }
+  void skip_before(std::uint64_t) override {}
+
+ private:
+  recording::SourceInfo info_;
+  image::RgbdFrame frame_;
+};
+
+// What is heard, by any thread.
+class HeardSpeaker final : public speech::Speaker {
+ public:
+  [[nodiscard]] Expected<void> begin(const guide::Utterance& utterance, TimestampNs) override {
+    signal.change([&] { heard += utterance.prompt.text + "\n"; });
+    return {};
+  }
+  [[nodiscard]] Expected<void> stop(TimestampNs) override { return {}; }
+  [[nodiscard]] Expected<bool> is_done(TimestampNs) override { return true; }
+  [[nodiscard]] bool hears(const std::string& text) {
+    return signal.wait([&] { return heard.find(text) != std::string::npos; });
+  }
+
+  Signal signal;
+  std::string heard;
+};
+
+// A home that answers as the protocol says.
+class AnsweringHome final : public service::SocketHandler {
+ public:
+  std::unique_ptr<service::SocketSession> connect(
+      const service::Identity&, std::shared_ptr<service::SocketOut> out) override {
+    return std::make_unique<Session>(*this, std::move(out));
+  }
+  [[nodiscard]] bool has_more_frames(int more) {
+    int before = 0;
+    signal.change([&] { before = frames; });
+    return signal.wait([&] { return frames >= before + more; });
+  }
+
+  Signal signal;
+  int frames = 0;
+  std::vector<service::Hello> hellos;
+  std::vector<service::Ask> asks;
+
+ private:
+  class Session final : public service::SocketSession {
+   public:
+    Session(AnsweringHome& home, std::shared_ptr<service::SocketOut> out)
+        : home_(home), out_(std::move(out)) {}
+    void on_text(std::string_view text) override {
+      const auto message = service::read_device_message(text);
+      ASSERT_OK(message);
+      if (const auto* hello = std::get_if<service::Hello>(&*message)) {
+        home_.signal.change([&] { home_.hellos.push_back(*hello); });
+        out_->send_text(write(service::HomeMessage(
+            service::Welcome{"flat", "device", {"kitchen"}, {"bed", "lamp"}, true, true})));
+      } else if (const auto* ask = std::get_if<service::Ask>(&*message)) {
+        home_.signal.change([&] { home_.asks.push_back(*ask); });
+        service::PromptMessage prompt;
+        prompt.answer_to = ask->id;
+        prompt.key = "answer";
+        prompt.message = "room.is";
+        prompt.text = "Answer about " + ask->subject + ".";
+        prompt.language = "en";
+        prompt.priority = "answer";
+        prompt.confidence = "sure";
+        prompt.sound = "answer";
+        prompt.valid_until_t_ms = ask->t_ms + 60'000;
+        out_->send_text(write(service::HomeMessage(prompt)));
+      }
+    }
+    void on_message(Bytes bytes) override {
+      const auto frame = service::read_frame(bytes);
+      ASSERT_OK(frame);
+      home_.signal.change([&] { ++home_.frames; });
+      out_->send_text(write(service::HomeMessage(service::FrameArrived{frame->t_ms, 0})));
+    }
+    void on_closed() override {}
+
+   private:
+    AnsweringHome& home_;
+    std::shared_ptr<service::SocketOut> out_;
+  };
+};
+
+class DeviceSessionTest : public ::testing::Test {
+ protected:
+  DeviceSessionTest() {
+    auto speaker = std::make_unique<HeardSpeaker>();
+    speaker_ = speaker.get();
+    guide::Wording wording;
+    wording.catalogue = &catalogue_;
+    start_server();
+    DeviceParts parts;
+    parts.server = {"127.0.0.1", server_->port()};
+    parts.credentials = {around_.certificate.fingerprint, around_.device.token};
+    parts.hello.version = service::kProtocolVersion;
+    parts.hello.name = "Cap";
+    parts.hello.kind = service::DeviceKind::kWearable;
+    int ends[2];
+    EXPECT_EQ(::pipe(ends), 0);
+    keyboard_ = ends[0];
+    typing_ = ends[1];
+    parts.keys = DeviceKeys::open(keyboard_, "").value();
+    parts.camera = std::make_unique<DeviceCamera>(std::make_unique<SameView>(), CameraPace{});
+    parts.voice = std::make_unique<DeviceVoice>(std::move(speaker), wording);
+    session_ = std::make_unique<DeviceSession>(std::move(parts));
+  }
+  ~DeviceSessionTest() override {
+    ::close(keyboard_);
+    ::close(typing_);
+  }
+  void type(const std::string& text) const {
+    EXPECT_EQ(::write(typing_, text.data(), text.size()), static_cast<ssize_t>(text.size()));
+  }
+  void start_server() {
+    around_.options.port = server_ ? server_->port() : std::uint16_t{0};
+    server_.reset();
+    server_ = service::Server::start(around_.options, service::Router({}), *around_.access, home_)
+                  .value();
+  }
+
+  service::testing::TestServer around_;  // for its certificate and devices
+  AnsweringHome home_;
+  std::unique_ptr<service::Server> server_;
+  guide::MessageCatalogue catalogue_ = guide::MessageCatalogue::built_in();
+  HeardSpeaker* speaker_ = nullptr;
+  int keyboard_ = -1;  // the two ends of a pipe
+  int typing_ = -1;
+  std::unique_ptr<DeviceSession> session_;
+};
+
+TEST_F(DeviceSessionTest, GoesOnAfterTheServerWasAway) {
+  std::atomic<bool> stop = false;
+  std::thread running([&] { EXPECT_OK(session_->run([&] { return stop.load(); })); });
+  EXPECT_TRUE(speaker_->hears("Ready."));
+  EXPECT_TRUE(home_.has_more_frames(3));
+  server_->stop();
+  EXPECT_TRUE(speaker_->hears("The connection is lost."));
+  start_server();
+  EXPECT_TRUE(speaker_->hears("Connected again."));
+  EXPECT_TRUE(home_.has_more_frames(1));
+  stop = true;
+  running.join();
+  EXPECT_EQ(session_->counts().losses, 1u);
+  ASSERT_EQ(home_.hellos.size(), 2u);
+  EXPECT_EQ(home_.hellos[1].name, "Cap");
+}
+
+TEST_F(DeviceSessionTest, AsksWhatIsTypedAndSpeaksTheAnswers) {
+  std::thread running([&] { EXPECT_OK(session_->run([] { return false; })); });
+  EXPECT_TRUE(speaker_->hears("Ready."));
+  type("f lamp\n");
+  EXPECT_TRUE(speaker_->hears("Answer about lamp."));
+  type("q");
+  EXPECT_TRUE(speaker_->hears("I only answer now."));
+  type("w");
+  EXPECT_TRUE(home_.signal.wait([&] { return home_.asks.size() == 2; }));
+  EXPECT_EQ(home_.asks[1].question, service::Question::kWhereAmI);
+  type("x");
+  running.join();
+  EXPECT_GE(session_->prompts(), 1u);
+}
+
+}  // namespace
+}  // namespace roomwise::app

@@ -1,0 +1,111 @@
+#include "device_voice.h"
+
+#include <array>
+#include <cmath>
+#include <ostream>
+#include <utility>
+
+#include "roomwise/speech/recorded_speaker.h"
+#include "roomwise/speech/speech_dispatcher.h"
+
+namespace roomwise::app {
+namespace {
+
+constexpr int kWordsPerMinute = 175;  // espeak-ng's own
+constexpr double kErrorValid_s = 10;
+
+// The one of `values` that is called so.
+template <typename Value, std::size_t N>
+Expected<Value> named(const std::string& text, const std::array<Value, N>& values) {
+  for (const Value value : values) {
+    if (guide::to_string(value) == text) return value;
+  }
+  return fail("a prompt of the computer says '{}', which this device does not know", text);
+}
+
+}  // namespace
+
+Expected<void> TextSpeaker::begin(const guide::Utterance& utterance, TimestampNs) {
+  const guide::Prompt& prompt = utterance.prompt;
+  if (prompt.sound != guide::Sound::kNone) out_ << '(' << guide::to_string(prompt.sound) << ") ";
+  out_ << prompt.text << std::endl;
+  return {};
+}
+
+Expected<std::unique_ptr<speech::Speaker>> open_speaker(const std::string& choice,
+                                                        TimestampNs now_ns) {
+  if (choice == "speech-dispatcher") return speech::SpeechDispatcher::open({});
+  constexpr std::string_view kWav = "wav:";
+  if (!choice.starts_with(kWav)) {
+    return fail("'{}' is no way to speak; use speech-dispatcher, text or wav:FILE", choice);
+  }
+  ROOMWISE_TRY(speech::WavTimeline timeline,
+               speech::WavTimeline::create(choice.substr(kWav.size()), now_ns,
+                                           speech::RecordedSpeaker::kRate_hz));
+  return std::make_unique<speech::RecordedSpeaker>(std::move(timeline), kWordsPerMinute);
+}
+
+Expected<guide::Prompt> prompt_of(const service::PromptMessage& message) {
+  using guide::Confidence;
+  using guide::Priority;
+  using guide::Sound;
+  guide::Prompt prompt;
+  prompt.key = message.key;
+  prompt.message = message.message;
+  prompt.text = message.text;
+  prompt.language = message.language;
+  prompt.because = message.because;
+  ROOMWISE_TRY(prompt.priority,
+               named(message.priority, std::array{Priority::kHazard, Priority::kAnswer,
+                                                  Priority::kNotice, Priority::kCallout}));
+  ROOMWISE_TRY(prompt.confidence,
+               named(message.confidence,
+                     std::array{Confidence::kSure, Confidence::kProbable, Confidence::kUnsure}));
+  ROOMWISE_TRY(prompt.sound,
+               named(message.sound, std::array{Sound::kNone, Sound::kAnswer, Sound::kUnsure,
+                                               Sound::kLost, Sound::kBack, Sound::kAlert}));
+  prompt.valid_until_ns = std::llround(message.valid_until_t_ms * 1e6);
+  return prompt;
+}
+
+void DeviceVoice::notice(const std::string& message, guide::Sound sound, TimestampNs now_ns) {
+  say(guide::notice_prompt(message, sound, wording_, now_ns), now_ns);
+}
+
+void DeviceVoice::say_error(const std::string& text, TimestampNs now_ns) {
+  guide::Prompt prompt;
+  prompt.key = "device.error";
+  prompt.text = text;
+  prompt.language = "en";
+  prompt.priority = guide::Priority::kNotice;
+  prompt.sound = guide::Sound::kAlert;
+  prompt.valid_until_ns = now_ns + std::llround(kErrorValid_s / kSecondsPerNs);
+  say(std::move(prompt), now_ns);
+}
+
+void DeviceVoice::repeat(TimestampNs now_ns) {
+  for (guide::Prompt& prompt : guide::repeat_prompts(queue_.last_said(), wording_, now_ns)) {
+    say(std::move(prompt), now_ns);
+  }
+}
+
+bool DeviceVoice::toggle_quiet(TimestampNs now_ns) {
+  queue_.set_quiet(!queue_.quiet());
+  notice(queue_.quiet() ? "device.quiet_on" : "device.quiet_off", guide::Sound::kAnswer, now_ns);
+  return queue_.quiet();
+}
+
+Expected<void> DeviceVoice::step(TimestampNs now_ns) {
+  if (queue_.speaking()) {
+    ROOMWISE_TRY(const bool done, speaker_->is_done(now_ns));
+    if (done) queue_.finished(queue_.speaking()->id, now_ns);
+  }
+  if (const auto utterance = queue_.next(now_ns)) return speaker_->begin(*utterance, now_ns);
+  return {};
+}
+
+bool DeviceVoice::is_silent(TimestampNs now_ns) const {
+  return !queue_.speaking() && !queue_.next_at(now_ns);
+}
+
+}  // namespace roomwise::app

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <iosfwd>
+#include <memory>
+#include <string>
+
+#include "roomwise/guide/notices.h"
+#include "roomwise/guide/prompt_queue.h"
+#include "roomwise/service/messages.h"
+#include "roomwise/speech/speaker.h"
+
+namespace roomwise::app {
+
+// Shows what would be spoken, a line each: for trying things, and for who reads braille.
+class TextSpeaker final : public speech::Speaker {
+ public:
+  explicit TextSpeaker(std::ostream& out) : out_(out) {}
+  [[nodiscard]] Expected<void> begin(const guide::Utterance& utterance,
+                                     TimestampNs now_ns) override;
+  [[nodiscard]] Expected<void> stop(TimestampNs) override { return {}; }
+  [[nodiscard]] Expected<bool> is_done(TimestampNs) override { return true; }
+
+ private:
+  std::ostream& out_;
+};
+
+// "text", "speech-dispatcher", or "wav:FILE", a recording of what was heard.
+[[nodiscard]] Expected<std::unique_ptr<speech::Speaker>> open_speaker(const std::string& choice,
+                                                                      TimestampNs now_ns);
+
+// A prompt of the computer, on the device's clock. Fails on words that the protocol does not know.
+[[nodiscard]] Expected<guide::Prompt> prompt_of(const service::PromptMessage& message);
+
+// Speaks prompts one after the other, by the rules of guide::PromptQueue.
+class DeviceVoice {
+ public:
+  DeviceVoice(std::unique_ptr<speech::Speaker> speaker, guide::Wording wording)
+      : speaker_(std::move(speaker)), wording_(std::move(wording)) {}
+
+  void say(guide::Prompt prompt, TimestampNs now_ns) { queue_.add(std::move(prompt), now_ns); }
+  // A message of the device itself: "device.connection_lost".
+  void notice(const std::string& message, guide::Sound sound, TimestampNs now_ns);
+  // Words that are in no catalogue: an error.
+  void say_error(const std::string& text, TimestampNs now_ns);
+  void repeat(TimestampNs now_ns);
+  // Says which it is now.
+  bool toggle_quiet(TimestampNs now_ns);
+
+  // Goes on with what is due; again and again.
+  [[nodiscard]] Expected<void> step(TimestampNs now_ns);
+  // Whether nothing is being spoken or will be, if nothing more comes.
+  [[nodiscard]] bool is_silent(TimestampNs now_ns) const;
+
+ private:
+  std::unique_ptr<speech::Speaker> speaker_;
+  guide::Wording wording_;
+  guide::PromptQueue queue_;
+};
+
+}  // namespace roomwise::app

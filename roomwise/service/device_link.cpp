@@ -1,0 +1,55 @@
+#include "roomwise/service/device_link.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace roomwise::service {
+
+bool DeviceLink::begin_try(double now_s) {
+  if (state_ != State::kWaiting || now_s < try_at_s_) return false;
+  state_ = State::kConnecting;
+  ++counts_.tries;
+  return true;
+}
+
+DeviceLink::News DeviceLink::connected() {
+  state_ = State::kConnected;
+  wait_s_ = 0;
+  return std::exchange(was_connected_, true) ? News::kBack : News::kConnected;
+}
+
+DeviceLink::News DeviceLink::failed(double now_s) {
+  const bool lost = state_ == State::kConnected;
+  state_ = State::kWaiting;
+  newest_.reset();
+  under_way_.reset();
+  wait_s_ = wait_s_ == 0 ? times_.first_wait_s : std::min(2 * wait_s_, times_.longest_wait_s);
+  try_at_s_ = now_s + wait_s_;
+  if (!lost) return News::kNone;
+  ++counts_.losses;
+  return News::kLost;
+}
+
+std::optional<double> DeviceLink::next_try_s() const {
+  return state_ == State::kWaiting ? std::optional(try_at_s_) : std::nullopt;
+}
+
+void DeviceLink::offer(double t_ms, Bytes message) {
+  ++counts_.offered;
+  if (newest_ || state_ != State::kConnected) ++counts_.replaced;
+  if (state_ == State::kConnected) newest_ = Frame{t_ms, std::move(message)};
+}
+
+std::optional<Bytes> DeviceLink::next_frame(double now_s) {
+  if (under_way_ && now_s - under_way_->since_s >= times_.acknowledged_s) under_way_.reset();
+  if (state_ != State::kConnected || under_way_ || !newest_) return std::nullopt;
+  under_way_ = UnderWay{newest_->t_ms, now_s};
+  ++counts_.sent;
+  return std::exchange(newest_, std::nullopt)->message;
+}
+
+void DeviceLink::acknowledged(double t_ms) {
+  if (under_way_ && under_way_->t_ms <= t_ms) under_way_.reset();
+}
+
+}  // namespace roomwise::service
