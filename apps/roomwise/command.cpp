@@ -108,6 +108,11 @@ CLI::App* add_command(CLI::App& parent, Context& context, const std::string& nam
   command->add_option("--threads", context.threads, "Threads to use (default: all processors)")
       ->type_name("N")
       ->check(CLI::Range(std::size_t{1}, kMostThreads).description(""));
+  command
+      ->add_option("--passphrase-file", context.passphrase_file,
+                   "File with the passphrase of a home whose pictures are protected")
+      ->type_name("FILE")
+      ->envname("ROOMWISE_PASSPHRASE_FILE");
   command->callback([&context, body = std::move(body)] { context.chosen = body; });
   return command;
 }

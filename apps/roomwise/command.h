@@ -30,15 +30,16 @@ struct Context {
   std::filesystem::path json_file;  // where the JSON is written too; empty: nowhere
   std::uint64_t seed = 0;
   std::size_t threads = ThreadPool::default_size();
+  std::filesystem::path passphrase_file;  // of a protected home; empty: none was given
   TerminalProgress progress{interrupt_requested};
   // The body of the command on the command line; set while it is read, run afterwards.
   std::function<Expected<Answer>()> chosen;
 };
 
 // Declares the command NAME under `parent`, with the options that every command has (--json,
-// --json-file, --seed, --threads) and `example` at the foot of its --help. The caller adds the
-// command's own options to what is returned. `body` runs once the whole command line has been read;
-// its error becomes "roomwise: MESSAGE" on standard error and exit code 1.
+// --json-file, --seed, --threads, --passphrase-file) and `example` at the foot of its --help. The
+// caller adds the command's own options to what is returned. `body` runs once the whole command
+// line has been read; its error becomes "roomwise: MESSAGE" on standard error and exit code 1.
 CLI::App* add_command(CLI::App& parent, Context& context, const std::string& name,
                       const std::string& description, const std::string& example,
                       std::function<Expected<Answer>()> body);

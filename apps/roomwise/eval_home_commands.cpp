@@ -6,6 +6,7 @@
 
 #include "command_run.h"
 #include "commands.h"
+#include "open_home.h"
 #include "paths.h"
 #include "roomwise/evaluation/quantile.h"
 #include "roomwise/pipeline/home_layout.h"
@@ -87,8 +88,8 @@ Json details_of(const pipeline::ObjectEvaluation& result, const pipeline::FoundO
   return json;
 }
 
-Expected<Answer> evaluate_objects(const HomeEvaluationOptions& options) {
-  ROOMWISE_TRY(const home::Home home, home::Home::open_read_only(options.home));
+Expected<Answer> evaluate_objects(const HomeEvaluationOptions& options, const Context& context) {
+  ROOMWISE_TRY(const home::Home home, open_home_read_only(options.home, context));
   ROOMWISE_TRY(const pipeline::ObjectEvaluation result,
                pipeline::evaluate_objects(home, options.truth, options.most_distance_m));
   const char* columns = "found missed beyond double false";
@@ -122,7 +123,7 @@ Expected<Answer> evaluate_objects(const HomeEvaluationOptions& options) {
 }
 
 Expected<Answer> evaluate_map(const HomeEvaluationOptions& options, Context& context) {
-  ROOMWISE_TRY(const home::Home home, home::Home::open_read_only(options.home));
+  ROOMWISE_TRY(const home::Home home, open_home_read_only(options.home, context));
   CommandRun run(context);
   pipeline::MapEvaluationOptions map = options.map;
   if (options.surface == "mesh") map.surface = pipeline::MapSurface::kMesh;
@@ -143,7 +144,7 @@ Expected<Answer> evaluate_map(const HomeEvaluationOptions& options, Context& con
 }
 
 Expected<Answer> evaluate_floor(const HomeEvaluationOptions& options, Context& context) {
-  ROOMWISE_TRY(const home::Home home, home::Home::open_read_only(options.home));
+  ROOMWISE_TRY(const home::Home home, open_home_read_only(options.home, context));
   CommandRun run(context);
   ROOMWISE_TRY(const pipeline::FloorEvaluation result,
                pipeline::evaluate_floor(home, options.truth, run));
@@ -169,7 +170,7 @@ Expected<Answer> evaluate_floor(const HomeEvaluationOptions& options, Context& c
 }
 
 Expected<Answer> evaluate_layout(const HomeEvaluationOptions& options, Context& context) {
-  ROOMWISE_TRY(const home::Home home, home::Home::open_read_only(options.home));
+  ROOMWISE_TRY(const home::Home home, open_home_read_only(options.home, context));
   CommandRun run(context);
   ROOMWISE_TRY(const pipeline::LayoutEvaluation result,
                pipeline::evaluate_layout(home, options.truth, run));
@@ -207,7 +208,7 @@ void add_home_evaluations(CLI::App& group, Context& context) {
       "missed of what it shows well, found beyond that, found twice, false, and how far from where "
       "they are",
       "roomwise eval objects --home flat.home --truth flat",
-      [options] { return evaluate_objects(*options); });
+      [options, &context] { return evaluate_objects(*options, context); });
   add_files(*objects, *options);
   objects
       ->add_option("--max-distance", options->most_distance_m,

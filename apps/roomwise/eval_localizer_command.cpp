@@ -6,6 +6,7 @@
 
 #include "command_run.h"
 #include "commands.h"
+#include "open_home.h"
 #include "roomwise/evaluation/proportion.h"
 #include "roomwise/evaluation/quantile.h"
 #include "roomwise/pipeline/localization_evaluation.h"
@@ -122,7 +123,7 @@ Expected<Answer> evaluate(const LocalizerEvaluationOptions& options, Context& co
   if (options.near_m > options.far_m || options.near_degrees > options.far_degrees) {
     return fail("--near must not be above --far, nor --near-degrees above --far-degrees");
   }
-  ROOMWISE_TRY(const home::Home home, home::Home::open_read_only(options.home));
+  ROOMWISE_TRY(const home::Home home, open_home_read_only(options.home, context));
   CommandRun run(context);
   mapping::LocalizerOptions localizer;
   localizer.seed = context.seed;

@@ -3,6 +3,7 @@
 
 #include "command_run.h"
 #include "commands.h"
+#include "open_home.h"
 #include "roomwise/fusion/floor_map_file.h"
 #include "roomwise/fusion/mesh_files.h"
 #include "roomwise/fusion/octomap_file.h"
@@ -38,7 +39,7 @@ Answer wrote(const fs::path& output, const std::string& what, std::size_t count)
 }
 
 Expected<pipeline::MapCloud> build_cloud(const ExportOptions& options, Context& context) {
-  ROOMWISE_TRY(const home::Home home, home::Home::open_read_only(options.home));
+  ROOMWISE_TRY(const home::Home home, open_home_read_only(options.home, context));
   CommandRun run(context);
   ROOMWISE_TRY(pipeline::MapCloud map, pipeline::build_map_cloud(home, options.voxel_size_m, run));
   if (map.cloud.size() == 0) {
@@ -49,7 +50,7 @@ Expected<pipeline::MapCloud> build_cloud(const ExportOptions& options, Context& 
 
 Expected<pipeline::LevelMap> build_surface(const ExportOptions& options, Context& context,
                                            ThreadPool& pool) {
-  ROOMWISE_TRY(const home::Home home, home::Home::open_read_only(options.home));
+  ROOMWISE_TRY(const home::Home home, open_home_read_only(options.home, context));
   StageClock clock;
   pipeline::RunContext run{pool, context.progress, clock};
   return pipeline::build_level_map(home, options.voxel_size_m, run);

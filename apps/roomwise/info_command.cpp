@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "commands.h"
+#include "open_home.h"
 #include "roomwise/home/home.h"
 #include "roomwise/image/codec.h"
 #include "roomwise/mapping/g2o_file.h"
@@ -49,8 +50,8 @@ class Facts {
   Answer answer_;
 };
 
-Expected<Answer> describe_home(const InfoOptions& options) {
-  ROOMWISE_TRY(const home::Home home, home::Home::open_read_only(options.path));
+Expected<Answer> describe_home(const InfoOptions& options, const Context& context) {
+  ROOMWISE_TRY(const home::Home home, open_home_read_only(options.path, context));
   if (options.verify) ROOMWISE_CHECK_OK(home.verify());
   ROOMWISE_TRY(const auto recordings, home.recordings());
   ROOMWISE_TRY(const auto keyframes, home.keyframes());
@@ -83,7 +84,11 @@ Expected<Answer> describe_home(const InfoOptions& options) {
   facts.add("rooms", fmt::format("{}", fmt::join(room_names, ", ")));
   facts.add("networks", fmt::format("{}", fmt::join(network_names, ", ")));
   facts.add("rooms learned with", classifier ? classifier->network_name : "");
+  facts.add("protected", home.is_protected());
   if (options.verify) facts.add("verified", true);
+  if (options.verify && home.is_locked()) {
+    facts.add("not verified", "the seals of its pictures, which need the passphrase");
+  }
   if (options.digest) {
     ROOMWISE_TRY(const std::string digest, home.content_digest());
     facts.add("content sha256", digest);
@@ -180,7 +185,7 @@ std::string first_bytes(const fs::path& path) {
   return bytes;
 }
 
-Expected<Answer> run(const InfoOptions& options) {
+Expected<Answer> run(const InfoOptions& options, const Context& context) {
   const fs::path& path = options.path;
   if (!fs::exists(path)) return fail("{}: there is no such file or folder", path.string());
   if (fs::is_directory(path)) return describe_recording(path);
@@ -191,7 +196,7 @@ Expected<Answer> run(const InfoOptions& options) {
     return describe_picture(path);
   }
   if (is_database(path) || path.extension() == ".home") {
-    return describe_home(options);
+    return describe_home(options, context);
   }
   return fail("{}: is not known; expected a home, a recording's folder, .g2o, .onnx, PNG or JPEG",
               path.string());
@@ -204,7 +209,7 @@ void add_info_command(CLI::App& app, Context& context) {
   CLI::App* command = add_command(
       app, context, "info",
       "Say what a file is and holds: a home, a recording, a pose graph, a network, a picture",
-      "roomwise info my.home", [options] { return run(*options); });
+      "roomwise info my.home", [options, &context] { return run(*options, context); });
   command->add_option("FILE", options->path, "File or folder")->required();
   command->add_flag("--digest", options->digest,
                     "Of a home: SHA-256 of its content (equal for homes that hold the same)");

@@ -3,6 +3,7 @@
 
 #include "command_run.h"
 #include "commands.h"
+#include "open_home.h"
 #include "roomwise/base/file.h"
 #include "roomwise/evaluation/floor_plan_drawing.h"
 #include "roomwise/pipeline/home_layout.h"
@@ -76,7 +77,7 @@ Answer answer_of(const pipeline::HomeLayout& home) {
 }
 
 Expected<Answer> lay_out(const LayoutOptions& options, Context& context) {
-  ROOMWISE_TRY(const home::Home home, home::Home::open_read_only(options.home));
+  ROOMWISE_TRY(const home::Home home, open_home_read_only(options.home, context));
   CommandRun run(context);
   ROOMWISE_TRY(const pipeline::HomeLayout layout, pipeline::build_home_layout(home, {}, run));
   Answer answer = answer_of(layout);

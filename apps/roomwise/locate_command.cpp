@@ -5,6 +5,7 @@
 
 #include "command_run.h"
 #include "commands.h"
+#include "open_home.h"
 #include "roomwise/image/codec.h"
 #include "roomwise/pipeline/home_localizer.h"
 #include "roomwise/recording/camera_file.h"
@@ -79,7 +80,7 @@ Expected<Answer> locate(const LocateOptions& options, Context& context) {
     return fail("{} pictures and {} depth images; give a depth image for every picture or none",
                 options.pictures.size(), options.depths.size());
   }
-  ROOMWISE_TRY(const home::Home home, home::Home::open_read_only(options.home));
+  ROOMWISE_TRY(const home::Home home, open_home_read_only(options.home, context));
   ROOMWISE_TRY(const auto recordings, home.recordings());
   if (recordings.empty()) return fail("{}: the home holds no recording", home.file());
   geometry::PinholeCamera camera = recordings.front().recording.camera;

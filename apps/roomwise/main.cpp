@@ -29,6 +29,7 @@ int main(int argc, char** argv) {
   add_train_command(app, context);
   add_serve_command(app, context);
   add_device_command(app, context);
+  add_protect_command(app, context);
   add_networks_commands(app, context);
   return run(app, context, argc, argv);
 }

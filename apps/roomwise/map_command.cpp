@@ -4,6 +4,7 @@
 
 #include "commands.h"
 #include "networks.h"
+#include "open_home.h"
 #include "paths.h"
 #include "readout.h"
 #include "roomwise/pipeline/map_recording.h"
@@ -34,9 +35,10 @@ struct MapOptions {
   fs::path trajectory;
 };
 
-Expected<home::Home> open_home(const MapOptions& options) {
-  if (!fs::exists(options.home)) return pipeline::create_home(options.home);
-  if (options.resume) return home::Home::open(options.home);
+Expected<home::Home> make_or_open_home(const MapOptions& options, const Context& context) {
+  ROOMWISE_TRY(const home::OpenOptions open, open_options(context));
+  if (!fs::exists(options.home)) return pipeline::create_home(options.home, open);
+  if (options.resume) return home::Home::open(options.home, open);
   return fail("{}: exists already; give --resume to go on with it, or another name",
               options.home.string());
 }
@@ -156,7 +158,7 @@ Expected<Answer> map(const MapOptions& options, Context& context) {
     ROOMWISE_CHECK_OK(recording::TumRecording::open(options.recording, tum));
     ROOMWISE_CHECK_OK(new_settings(options));
   }
-  ROOMWISE_TRY(home::Home home, open_home(options));
+  ROOMWISE_TRY(home::Home home, make_or_open_home(options, context));
   ROOMWISE_TRY(const std::unique_ptr<recording::TumRecording> source,
                open_recording(options, home));
   ROOMWISE_TRY(const pipeline::MapSettings settings, choose_settings(options, context.seed, home));

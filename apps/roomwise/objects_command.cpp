@@ -5,6 +5,7 @@
 #include "command_run.h"
 #include "commands.h"
 #include "networks.h"
+#include "open_home.h"
 #include "roomwise/home/home.h"
 #include "roomwise/pipeline/keyframe_observer.h"
 #include "roomwise/pipeline/map_settings.h"
@@ -135,7 +136,7 @@ Expected<Answer> find(const ObjectsOptions& options, Context& context) {
   if (networks.empty() && finders.empty()) {
     return fail("no network is here; give --network FILE or set ROOMWISE_MODELS");
   }
-  ROOMWISE_TRY(home::Home home, home::Home::open(options.home));
+  ROOMWISE_TRY(home::Home home, open_home(options.home, context));
   ROOMWISE_TRY(const auto settings, pipeline::stored_map_settings(home));
   CommandRun run(context);
   ROOMWISE_TRY(auto observer, pipeline::KeyframeObserver::create(home, networks, finders, run));

@@ -3,6 +3,7 @@
 #include <opencv2/core.hpp>
 
 #include "commands.h"
+#include "open_home.h"
 #include "readout.h"
 #include "roomwise/base/file.h"
 #include "roomwise/mapping/g2o_file.h"
@@ -53,7 +54,7 @@ Expected<Answer> optimize_file(const OptimizeOptions& options) {
 
 // The key-frames move, and what was seen from them moves with them.
 Expected<Answer> optimize_home(const OptimizeOptions& options, Context& context) {
-  ROOMWISE_TRY(home::Home home, home::Home::open(options.home));
+  ROOMWISE_TRY(home::Home home, open_home(options.home, context));
   ROOMWISE_TRY(auto settings, pipeline::stored_map_settings(home));
   if (!settings) {
     return fail("{}: has no map to optimise; make one with: roomwise map", options.home.string());

@@ -3,6 +3,7 @@
 
 #include "command_run.h"
 #include "commands.h"
+#include "open_home.h"
 #include "paths.h"
 #include "roomwise/base/file.h"
 #include "roomwise/pipeline/home_report.h"
@@ -47,7 +48,7 @@ Expected<std::vector<evaluation::ReportContent::Recognition>> read_evaluation(
 }
 
 Expected<Answer> run(const ReportOptions& options, Context& context) {
-  ROOMWISE_TRY(const home::Home home, home::Home::open_read_only(options.home));
+  ROOMWISE_TRY(const home::Home home, open_home_read_only(options.home, context));
   pipeline::ReportExtras extras;
   extras.name = options.home.stem().string();
   if (!options.truth.empty()) {

@@ -9,6 +9,7 @@
 #include "command_run.h"
 #include "commands.h"
 #include "networks.h"
+#include "open_home.h"
 #include "rooms_options.h"
 #include "roomwise/image/codec.h"
 #include "roomwise/pipeline/picture_features.h"
@@ -154,15 +155,17 @@ Expected<rooms::LearningReport> learn_photos(const LearnOptions& options, Contex
   ROOMWISE_TRY(const pipeline::Networks networks, load_networks(options.networks));
   ROOMWISE_TRY(const network::Classifier* const network, pipeline::features_network(networks));
   ROOMWISE_CHECK_OK(pipeline::list_room_photos(options.photos));  // before a home is made
-  ROOMWISE_TRY(home::Home home, fs::exists(options.home) ? home::Home::open(options.home)
-                                                         : pipeline::create_home(options.home));
+  ROOMWISE_TRY(const home::OpenOptions open, open_options(context));
+  ROOMWISE_TRY(home::Home home, fs::exists(options.home)
+                                    ? home::Home::open(options.home, open)
+                                    : pipeline::create_home(options.home, open));
   CommandRun run(context);
   return pipeline::learn_rooms_from_photos(home, options.photos, *network, {{}, options.augment},
                                            run);
 }
 
 Expected<rooms::LearningReport> learn_keyframes(const LearnOptions& options, Context& context) {
-  ROOMWISE_TRY(home::Home home, home::Home::open(options.home));
+  ROOMWISE_TRY(home::Home home, open_home(options.home, context));
   ROOMWISE_TRY(const home::RecordingId recording, only_recording(home));
   if (!options.labels.empty()) {
     ROOMWISE_TRY(const recording::RoomLabels labels, recording::RoomLabels::read(options.labels));

@@ -11,6 +11,7 @@
 
 #include "command_run.h"
 #include "networks.h"
+#include "open_home.h"
 #include "rooms_options.h"
 #include "roomwise/base/file.h"
 #include "roomwise/evaluation/recognition_report.h"
@@ -234,7 +235,7 @@ Expected<Answer> evaluate(const RoomsEvaluationOptions& options, Context& contex
   if (options.photos.empty() == options.recordings.empty()) {
     return fail("give what to evaluate: either --recording with --labels, or --photos");
   }
-  ROOMWISE_TRY(const home::Home home, home::Home::open_read_only(options.home));
+  ROOMWISE_TRY(const home::Home home, open_home_read_only(options.home, context));
   ROOMWISE_TRY(const pipeline::Networks networks,
                load_networks(options.networks, /*also_brought=*/true));
   ROOMWISE_TRY(const auto recognizer, pipeline::RoomRecognizer::create(home, networks));

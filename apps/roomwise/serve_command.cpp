@@ -10,6 +10,7 @@
 
 #include "commands.h"
 #include "networks.h"
+#include "open_home.h"
 #include "qr_code.h"
 #include "roomwise/live/home_routes.h"
 #include "roomwise/service/access_routes.h"
@@ -72,6 +73,7 @@ class HomeServer {
     home.threads = context.threads;
     home.seed = context.seed;
     home.clock = seconds_since_1970;
+    ROOMWISE_TRY(home.open, open_options(context));
     ROOMWISE_TRY(all.home_, live::LiveHome::open(options.home, all.networks_, all.finders_, home));
     const fs::path access = service::access_folder(options.home);
     std::vector<std::string> names = service::host_names();

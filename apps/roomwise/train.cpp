@@ -5,6 +5,7 @@
 #include <set>
 
 #include "home_pictures.h"
+#include "open_home.h"
 #include "roomwise/network/compact_network.h"
 #include "roomwise/network/network_file.h"
 #include "roomwise/network/training/head.h"
@@ -68,9 +69,9 @@ std::unique_ptr<TrainingData> owned(Part part) {
   return std::make_unique<Part>(std::move(part));
 }
 
-Expected<Data> data_of_home(const TrainRequest& request) {
+Expected<Data> data_of_home(const TrainRequest& request, const Context& context) {
   Data data;
-  ROOMWISE_TRY(const home::Home home, home::Home::open_read_only(request.home));
+  ROOMWISE_TRY(const home::Home home, open_home_read_only(request.home, context));
   ROOMWISE_TRY(HomePictures training, request.visits.empty()
                                           ? pictures_of_other_visits(home, request.held_out_visits)
                                           : pictures_of_visits(home, request.visits));
@@ -216,7 +217,7 @@ Expected<std::unique_ptr<Processes>> join_processes(Device device) {
 
 Expected<Answer> train_network(TrainRequest request, Context& context) {
   ROOMWISE_TRY(const Data data,
-               request.home.empty() ? data_of_folder(request) : data_of_home(request));
+               request.home.empty() ? data_of_folder(request) : data_of_home(request, context));
   ROOMWISE_TRY(network::NetworkFile file, network_to_train(request));
   const auto in_file = [&](Error error) { return std::move(error).in(request.network.string()); };
   ROOMWISE_TRY(const std::string features, features_of(request, file.card));

@@ -17,18 +17,31 @@ void append_number(Bytes& bytes, std::uint64_t number) {
 }
 
 // One value so that no two different values look alike: its type, its length, its bytes.
+void append_blob(Bytes& bytes, int type, const Bytes& value) {
+  bytes.push_back(static_cast<std::uint8_t>(type));
+  append_number(bytes, value.size());
+  bytes.insert(bytes.end(), value.begin(), value.end());
+}
+
 void append_value(Bytes& bytes, const Statement& row, int column) {
   const int type = sqlite3_column_type(row.handle(), column);
+  if (type == SQLITE_TEXT || type == SQLITE_BLOB) {
+    return append_blob(bytes, type, row.column<Bytes>(column));
+  }
   bytes.push_back(static_cast<std::uint8_t>(type));
   if (type == SQLITE_INTEGER) {
     append_number(bytes, row.column<std::uint64_t>(column));
   } else if (type == SQLITE_FLOAT) {
     append_number(bytes, std::bit_cast<std::uint64_t>(row.column<double>(column)));
-  } else if (type != SQLITE_NULL) {
-    const auto value = row.column<Bytes>(column);
-    append_number(bytes, value.size());
-    bytes.insert(bytes.end(), value.begin(), value.end());
   }
+}
+
+// What kind of picture stands in the column, if any.
+const PictureColumn* picture_column(const Table& table, std::string_view column) {
+  const auto found = std::ranges::find_if(kPictureColumns, [&](const PictureColumn& picture) {
+    return picture.table == table.name && picture.column == column;
+  });
+  return found == kPictureColumns.end() ? nullptr : &*found;
 }
 
 // The columns that the digest covers by name, joined for a SELECT.
@@ -40,16 +53,34 @@ Expected<std::string> columns_by_name(const Database& database, const Table& tab
 }
 
 // The digest of a table is that of its columns' names and its rows' digests, sorted.
-Expected<std::string> table_digest(const Database& database, const Table& table) {
+Expected<std::string> table_digest(const Database& database, const Table& table,
+                                   const PlainPicture& plain_picture) {
   ROOMWISE_TRY(const std::string columns, columns_by_name(database, table));
   std::vector<std::string> rows;
-  const auto add_row = [&](const Statement& row) {
+  const auto add_row = [&](const Statement& row) -> Expected<void> {
     Bytes bytes;
-    for (int i = 0; i < sqlite3_column_count(row.handle()); ++i) append_value(bytes, row, i);
+    const int count = sqlite3_column_count(row.handle()) - 1;  // the last is keyframe_id, or 0
+    for (int i = 0; i < count; ++i) {
+      const auto* picture = picture_column(table, sqlite3_column_name(row.handle(), i));
+      if (picture == nullptr) {
+        append_value(bytes, row, i);
+        continue;
+      }
+      ROOMWISE_TRY(const Bytes plain, plain_picture(row.column<std::uint64_t>(count), picture->kind,
+                                                    row.column<Bytes>(i)));
+      append_blob(bytes, SQLITE_BLOB, plain);
+    }
     rows.push_back(sha256_hex(bytes));
+    return {};
   };
+  const bool has_pictures = std::ranges::find(kPictureColumns, table.name, &PictureColumn::table) !=
+                            kPictureColumns.end();
+  const std::string_view rows_outside =
+      table.rows_outside_digest.empty() ? "FALSE" : table.rows_outside_digest;
   ROOMWISE_CHECK_OK(
-      database.for_each(fmt::format("SELECT {} FROM {}", columns, table.name), add_row));
+      database.for_each(fmt::format("SELECT {}, {} FROM {} WHERE NOT ({})", columns,
+                                    has_pictures ? "keyframe_id" : "0", table.name, rows_outside),
+                        add_row));
   std::ranges::sort(rows);
   const std::string text = fmt::format("{}\n{}\n", columns, fmt::join(rows, "\n"));
   return sha256_hex(Bytes(text.begin(), text.end()));
@@ -57,7 +88,7 @@ Expected<std::string> table_digest(const Database& database, const Table& table)
 
 }  // namespace
 
-Expected<std::string> content_digest(const Database& database) {
+Expected<std::string> content_digest(const Database& database, const PlainPicture& plain_picture) {
   ROOMWISE_TRY(const int version, database.get<int>("PRAGMA user_version"));
   std::string digests;
   for (const Table& table : tables()) {
@@ -67,7 +98,7 @@ Expected<std::string> content_digest(const Database& database) {
                    database.get<std::int64_t>(fmt::format("SELECT count(*) FROM {}", table.name)));
       if (rows == 0) continue;
     }
-    ROOMWISE_TRY(const std::string digest, table_digest(database, table));
+    ROOMWISE_TRY(const std::string digest, table_digest(database, table, plain_picture));
     digests += fmt::format("{} {}\n", table.name, digest);
   }
   return sha256_hex(Bytes(digests.begin(), digests.end()));

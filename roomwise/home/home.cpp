@@ -164,7 +164,7 @@ Expected<Database> open_for_reading(const std::filesystem::path& path) {
 
 }  // namespace
 
-Expected<Home> Home::create(const std::filesystem::path& path) {
+Expected<Home> Home::create(const std::filesystem::path& path, const OpenOptions& options) {
   ROOMWISE_CHECK_OK(make_empty_file(path));
   const auto make = [&]() -> Expected<Home> {
     ROOMWISE_TRY(Database database, Database::open(path, Database::Access::kReadWrite));
@@ -172,14 +172,18 @@ Expected<Home> Home::create(const std::filesystem::path& path) {
     ROOMWISE_CHECK_OK(configure(database));
     ROOMWISE_CHECK_OK(migrate(database, migrations()));
     ROOMWISE_CHECK_OK(begin_writing(database));
-    return Home(std::move(lock), std::move(database));
+    Home home(std::move(lock), std::move(database));
+    if (options.passphrase) {
+      ROOMWISE_CHECK_OK(home.begin_protection(*options.passphrase, ProtectionState::kSealed, {}));
+    }
+    return home;
   };
   Expected<Home> home = make();
   if (!home) ::unlink(path.c_str());
   return home;
 }
 
-Expected<Home> Home::open(const std::filesystem::path& path) {
+Expected<Home> Home::open(const std::filesystem::path& path, const OpenOptions& options) {
   ROOMWISE_TRY(Database database, Database::open(path, Database::Access::kReadWrite));
   ROOMWISE_CHECK_OK(check_header(database));
   ROOMWISE_TRY(WriterLock lock, WriterLock::take(path));
@@ -192,10 +196,10 @@ Expected<Home> Home::open(const std::filesystem::path& path) {
   ROOMWISE_CHECK_OK(migrate(database, migrations()));
   ROOMWISE_CHECK_OK(check_tables(database, migrations()));
   ROOMWISE_CHECK_OK(begin_writing(database));
-  return Home(std::move(lock), std::move(database));
+  return unlocked(Home(std::move(lock), std::move(database)), options);
 }
 
-Expected<Home> Home::open_read_only(const std::filesystem::path& path) {
+Expected<Home> Home::open_read_only(const std::filesystem::path& path, const OpenOptions& options) {
   ROOMWISE_TRY(Database database, open_for_reading(path));
   ROOMWISE_CHECK_OK(configure(database));
   ROOMWISE_TRY(const int version, checked_version(database));
@@ -204,7 +208,7 @@ Expected<Home> Home::open_read_only(const std::filesystem::path& path) {
   const auto past = std::ranges::count_if(
       migrations(), [&](const Migration& migration) { return migration.version <= version; });
   ROOMWISE_CHECK_OK(check_tables(database, migrations().first(static_cast<std::size_t>(past))));
-  return Home(std::nullopt, std::move(database));
+  return unlocked(Home(std::nullopt, std::move(database)), options);
 }
 
 Home::~Home() {
@@ -218,15 +222,20 @@ Expected<void> Home::atomically(const std::function<Expected<void>()>& work) {
 }
 
 Expected<void> Home::put_setting(std::string_view key, std::string_view value) {
+  if (key == kProtectionSetting) {
+    return fail("{}: '{}' is no setting of a map; use protect()", file(), key);
+  }
   return database_.run("INSERT OR REPLACE INTO settings (key, value) VALUES (?, ?)", key, value);
 }
 
 Expected<std::map<std::string, std::string>> Home::settings() const {
   std::map<std::string, std::string> settings;
-  ROOMWISE_CHECK_OK(
-      database_.for_each("SELECT key, value FROM settings", [&](const Statement& row) {
+  ROOMWISE_CHECK_OK(database_.for_each(
+      "SELECT key, value FROM settings WHERE key <> ?",
+      [&](const Statement& row) {
         settings[row.column<std::string>(0)] = row.column<std::string>(1);
-      }));
+      },
+      kProtectionSetting));
   return settings;
 }
 
@@ -255,18 +264,23 @@ Expected<std::map<std::string, StageClock::Stage>> Home::stage_timings() const {
 }
 
 Expected<std::string> Home::content_digest() const {
-  return home::content_digest(database_);
+  if (is_locked()) return Unexpected(locked_error());
+  return home::content_digest(database_, [this](KeyframeId id, PictureKind kind, Bytes stored) {
+    return plain_picture(id, kind, std::move(stored));
+  });
 }
 
 Expected<void> Home::verify() const {
   ROOMWISE_CHECK_OK(run_check(database_, "PRAGMA integrity_check"));
   ROOMWISE_TRY(const auto table,
                database_.find<std::string>("SELECT \"table\" FROM pragma_foreign_key_check"));
-  if (!table) return {};
-  return fail(
-      "{}: is damaged: a row of table '{}' belongs to one that is not there; put back a copy "
-      "of it",
-      file(), *table);
+  if (table) {
+    return fail(
+        "{}: is damaged: a row of table '{}' belongs to one that is not there; put back a copy "
+        "of it",
+        file(), *table);
+  }
+  return cipher_ ? check_seals() : Expected<void>();
 }
 
 Expected<void> Home::erase_removed() {
@@ -274,7 +288,7 @@ Expected<void> Home::erase_removed() {
   // The pages as they were lie in the log and in the main file until both are written over.
   ROOMWISE_TRY(const auto busy, database_.get<bool>("PRAGMA wal_checkpoint(TRUNCATE)"));
   if (busy) {
-    return fail("{}: another program reads the home; close it, then forget again", file());
+    return fail("{}: another program reads the home; close it, then do this again", file());
   }
   return {};
 }

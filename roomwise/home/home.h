@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 #include <set>
 #include <span>
@@ -19,6 +20,8 @@
 #include "roomwise/geometry/pinhole_camera.h"
 #include "roomwise/geometry/rigid_transform.h"
 #include "roomwise/home/database.h"
+#include "roomwise/home/passphrase.h"
+#include "roomwise/home/picture_cipher.h"
 #include "roomwise/home/writer_lock.h"
 #include "roomwise/mapping/pose_graph.h"
 #include "roomwise/network/classifier.h"
@@ -146,6 +149,14 @@ struct PictureFeatures {
   friend bool operator==(const PictureFeatures&, const PictureFeatures&) = default;
 };
 
+// How a home is opened or made.
+struct OpenOptions {
+  // Of a protected home; without it everything but its pictures can be read. A new home is
+  // protected by it. Opening a home that is not protected with one fails: somebody believes that it
+  // is.
+  std::shared_ptr<const Passphrase> passphrase = nullptr;
+};
+
 // A home: one file, a SQLite database, that holds what was mapped and learned. It stores and finds,
 // and knows no algorithm.
 //
@@ -157,19 +168,27 @@ struct PictureFeatures {
 // these stay, belong to the home, and are tidied by the next program that opens it for writing.
 //
 // One program writes at a time; others may read meanwhile, and each call of a reader sees one state
-// of the home. Doubles come back to the bit, except that -0.0 becomes 0.0. Errors name the file.
+// of the home. The pictures of a protected home (protect()) are sealed in the file: the colour and
+// depth images of its key-frames, and the small depth images of put_look(); nothing else is. They
+// are opened and sealed by the functions that read and write them, which fail where the home was
+// opened without its passphrase.
+//
+// Doubles come back to the bit, except that -0.0 becomes 0.0. Errors name the file.
 // Not thread-safe.
 class Home {
  public:
   // A new, empty home. Fails where the file exists.
-  [[nodiscard]] static Expected<Home> create(const std::filesystem::path& path);
+  [[nodiscard]] static Expected<Home> create(const std::filesystem::path& path,
+                                             const OpenOptions& options = {});
   // For reading and writing. A home of an older version is brought to the present one first.
   // Refuses, without changing anything: what is no home, a home of a newer version, a truncated or
   // damaged file, a home that another process writes. (Only the images are not checked for damage,
   // which would take long; verify() does it.)
-  [[nodiscard]] static Expected<Home> open(const std::filesystem::path& path);
+  [[nodiscard]] static Expected<Home> open(const std::filesystem::path& path,
+                                           const OpenOptions& options = {});
   // For reading; also while another process writes, and on a medium that cannot be written.
-  [[nodiscard]] static Expected<Home> open_read_only(const std::filesystem::path& path);
+  [[nodiscard]] static Expected<Home> open_read_only(const std::filesystem::path& path,
+                                                     const OpenOptions& options = {});
   Home(Home&&) = default;
   Home& operator=(Home&&) = delete;
   ~Home();
@@ -280,13 +299,33 @@ class Home {
 
   // ---- the file ----
   // SHA-256 over all content but the times: equal for homes that hold the same, however they were
-  // written.
+  // written, protected or not.
   [[nodiscard]] Expected<std::string> content_digest() const;
-  // Reads the whole file, images too, and fails at the first damage.
+  // Reads the whole file, images too, and fails at the first damage. Sealed pictures are opened
+  // where the home was opened with its passphrase; else only the file is known to be whole.
   [[nodiscard]] Expected<void> verify() const;
   // Writes the file anew without what was removed, whose bytes stay in it until then, and empties
   // NAME-wal. Takes as long as copying the file. Fails while somebody else reads the home.
   [[nodiscard]] Expected<void> erase_removed();
+
+  // ---- protection of the pictures ----
+  [[nodiscard]] bool is_protected() const { return protected_; }
+  // Whether pictures can be read and written.
+  [[nodiscard]] bool is_locked() const { return protected_ && !cipher_; }
+  // Says how the passphrase is given.
+  [[nodiscard]] Error locked_error() const;
+  // Seals every picture and writes the file anew, so that nothing of them stays in it. Of a home
+  // that is protected already, and was opened with its passphrase, `passphrase` takes the place of
+  // the one before. Killed at any moment it leaves a home that opens with the passphrase; doing it
+  // again finishes it. Fails while somebody else reads the home. Returns how many pictures it
+  // sealed.
+  [[nodiscard]] Expected<std::size_t> protect(const Passphrase& passphrase,
+                                              const PassphraseCost& cost = {});
+  // Takes the protection away, in the same way; `passphrase` is the home's. Returns how many
+  // pictures it opened.
+  [[nodiscard]] Expected<std::size_t> unprotect(const Passphrase& passphrase,
+                                                const PassphraseCost& cost = {});
+
   // For looking at the file by SQL.
   [[nodiscard]] Database& database() { return database_; }
   [[nodiscard]] const std::string& file() const { return database_.file(); }
@@ -295,12 +334,27 @@ class Home {
   Home(std::optional<WriterLock> lock, Database database)
       : lock_(std::move(lock)), database_(std::move(database)) {}
 
+  // Makes ready for the pictures of a protected home.
+  [[nodiscard]] static Expected<Home> unlocked(Home home, const OpenOptions& options);
+  [[nodiscard]] Expected<void> begin_protection(const Passphrase& passphrase, ProtectionState state,
+                                                const PassphraseCost& cost);
+  // As it is to stand in the file, and as it was before.
+  [[nodiscard]] Expected<Bytes> stored_picture(KeyframeId keyframe, PictureKind kind,
+                                               Bytes picture) const;
+  [[nodiscard]] Expected<Bytes> plain_picture(KeyframeId keyframe, PictureKind kind,
+                                              Bytes stored) const;
+  [[nodiscard]] Expected<void> check_seals() const;
+  // Seals every picture, or opens every one.
+  [[nodiscard]] Expected<std::size_t> convert_pictures(bool to_sealed);
   [[nodiscard]] Expected<void> insert_keyframe(RecordingId recording, const NewKeyframe& keyframe);
   [[nodiscard]] Expected<void> insert_edge(const mapping::PoseGraphEdge& edge);
   [[nodiscard]] Expected<void> insert_frame(RecordingId recording, const Frame& frame);
 
   std::optional<WriterLock> lock_;  // outlives the database; empty for a reader
   Database database_;
+  bool protected_ = false;
+  std::optional<PictureCipher> cipher_;  // of a protected home that was opened with its passphrase
+  ProtectionState protection_ = ProtectionState::kSealed;  // meaningful beside a cipher
 };
 
 }  // namespace roomwise::home

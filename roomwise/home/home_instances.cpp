@@ -138,9 +138,11 @@ Expected<std::map<FinderId, RegionFinderRecord>> Home::region_finders() const {
 Expected<void> Home::put_look(KeyframeId keyframe, FinderId finder,
                               const objects::KeyframeLook& look) {
   return atomically([&]() -> Expected<void> {
+    ROOMWISE_TRY(const Bytes depth, stored_picture(keyframe, PictureKind::kCoarseDepth,
+                                                   depth_to_blob(look.coarse_depth)));
     ROOMWISE_CHECK_OK(database_.run(
         "INSERT OR REPLACE INTO keyframe_depths (keyframe_id, width_px, depth) VALUES (?, ?, ?)",
-        keyframe, look.coarse_depth.width(), depth_to_blob(look.coarse_depth)));
+        keyframe, look.coarse_depth.width(), depth));
     ROOMWISE_CHECK_OK(database_.run(
         "INSERT OR REPLACE INTO keyframe_looks (keyframe_id, finder_id) VALUES (?, ?)", keyframe,
         finder));
@@ -166,7 +168,9 @@ Expected<std::map<KeyframeId, objects::KeyframeLook>> Home::looks(FinderId finde
   if (!has) return looks;
   const auto read_depth = [&](const Statement& row) -> Expected<void> {
     const auto id = row.column<KeyframeId>(0);
-    auto depth = blob_to_depth(row.column<Bytes>(2), row.column<int>(1));
+    ROOMWISE_TRY(const Bytes plain,
+                 plain_picture(id, PictureKind::kCoarseDepth, row.column<Bytes>(2)));
+    auto depth = blob_to_depth(plain, row.column<int>(1));
     if (!depth) {
       return fail(
           "{}: is damaged: the small depth image of key-frame {} has no whole rows; put "

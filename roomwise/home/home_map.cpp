@@ -160,9 +160,13 @@ Expected<void> Home::insert_keyframe(RecordingId recording, const NewKeyframe& k
       "tz_m, qx, qy, qz, qw, piece) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
       keyframe.id, recording, keyframe.frame_index, keyframe.timestamp_ns,
       to_numbers(keyframe.pose.world_from_keyframe), keyframe.pose.piece));
+  ROOMWISE_TRY(const Bytes color,
+               stored_picture(keyframe.id, PictureKind::kColor, keyframe.images.color));
+  ROOMWISE_TRY(const Bytes depth,
+               stored_picture(keyframe.id, PictureKind::kDepth, keyframe.images.depth));
   ROOMWISE_CHECK_OK(
       database_.run("INSERT INTO keyframe_images (keyframe_id, color, depth) VALUES (?, ?, ?)",
-                    keyframe.id, keyframe.images.color, keyframe.images.depth));
+                    keyframe.id, color, depth));
   for (const auto& [network, prediction] : keyframe.predictions) {
     ROOMWISE_CHECK_OK(put_prediction(keyframe.id, network, prediction));
   }
@@ -255,6 +259,8 @@ Expected<KeyframeImages> Home::images(KeyframeId id) const {
       },
       id));
   if (!images) return fail("{}: has no key-frame {}", file(), id);
+  ROOMWISE_TRY(images->color, plain_picture(id, PictureKind::kColor, std::move(images->color)));
+  ROOMWISE_TRY(images->depth, plain_picture(id, PictureKind::kDepth, std::move(images->depth)));
   return *std::move(images);
 }
 

@@ -310,7 +310,7 @@ constexpr Table later_table(std::string_view name, int since_version) {
 }
 
 constexpr std::array kTables = {
-    Table{"settings"},
+    Table{.name = "settings", .rows_outside_digest = "key = 'picture_protection'"},
     Table{"recordings", /*in_digest=*/true, /*column_outside_digest=*/"folder"},
     Table{"keyframes"},
     Table{"keyframe_images"},

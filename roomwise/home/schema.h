@@ -1,10 +1,12 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <string_view>
 
 #include "roomwise/home/database.h"
+#include "roomwise/home/picture_cipher.h"
 
 // The tables of a home file and how older files become newer ones. The SQL stands in schema.cpp and
 // nowhere else; its comments are part of the file, and any SQLite browser shows them.
@@ -28,6 +30,7 @@ struct Table {
   // follows from the rest.
   bool in_digest = true;
   std::string_view column_outside_digest = {};
+  std::string_view rows_outside_digest = {};  // an SQL condition
   // The version that brought it. The digest covers a later table once it holds something: a home
   // does not change by being brought up to date.
   int since_version = 1;
@@ -42,6 +45,21 @@ struct Table {
 // Fails, naming it, where a table or a column is missing that a home after these migrations has.
 [[nodiscard]] Expected<void> check_tables(const Database& database,
                                           std::span<const Migration> migrations);
+
+// The key of the setting that says how the home's pictures are protected (PictureCipher::wrap()).
+// It is no part of what the home holds: the pictures are the same.
+inline constexpr std::string_view kProtectionSetting = "picture_protection";
+
+// Where pictures stand that a protected home seals, all beside a column keyframe_id.
+struct PictureColumn {
+  std::string_view table;
+  std::string_view column;
+  PictureKind kind;
+};
+inline constexpr std::array kPictureColumns = {
+    PictureColumn{"keyframe_images", "color", PictureKind::kColor},
+    PictureColumn{"keyframe_images", "depth", PictureKind::kDepth},
+    PictureColumn{"keyframe_depths", "depth", PictureKind::kCoarseDepth}};
 
 // The version that brought the table picture_features.
 constexpr int kPictureFeaturesVersion = 2;

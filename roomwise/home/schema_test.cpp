@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <set>
 
-#include "roomwise/home/content_digest.h"
 #include "roomwise/home/sample_home.h"
 
 namespace roomwise::home {
@@ -99,7 +98,7 @@ TEST_F(FilledHome, DigestSeesEveryColumnOfEveryTableThatIsNotExempt) {
     return table == "stage_timings" || table == "picture_features" ||
            (table == "recordings" && column == "folder");
   };
-  const std::string digest = content_digest(database()).value();
+  const std::string digest = home_.content_digest().value();
   ASSERT_OK(database().run("PRAGMA foreign_keys = OFF"));
   for (const std::string& table : table_names()) {
     EXPECT_GT(database().get<int>("SELECT count(*) FROM " + table).value(), 0)
@@ -117,7 +116,7 @@ TEST_F(FilledHome, DigestSeesEveryColumnOfEveryTableThatIsNotExempt) {
       ASSERT_OK(database().run("PRAGMA ignore_check_constraints = ON"));
       ASSERT_OK(database().run(change));
       EXPECT_EQ(sqlite3_changes(database().handle()), 1) << change;
-      EXPECT_EQ(content_digest(database()).value() == digest, is_exempt(table, column))
+      EXPECT_EQ(home_.content_digest().value() == digest, is_exempt(table, column))
           << table << "." << column;
       ASSERT_OK(database().run_script("ROLLBACK TO before; RELEASE before"));
     }

@@ -51,9 +51,11 @@ Expected<std::unique_ptr<LiveHome>> LiveHome::open(const fs::path& file,
                                                    const pipeline::Networks& networks,
                                                    const objects::RegionFinders& finders,
                                                    LiveHomeOptions options) {
-  ROOMWISE_TRY(home::Home home,
-               fs::exists(file) ? home::Home::open(file) : pipeline::create_home(file));
-  ROOMWISE_TRY(home::Home reader, home::Home::open_read_only(file));
+  ROOMWISE_TRY(home::Home home, fs::exists(file) ? home::Home::open(file, options.open)
+                                                 : pipeline::create_home(file, options.open));
+  // Without its passphrase a protected home would serve no picture, map nothing and find no place.
+  if (home.is_locked()) return Unexpected(home.locked_error());
+  ROOMWISE_TRY(home::Home reader, home::Home::open_read_only(file, options.open));
   std::unique_ptr<LiveHome> live(new LiveHome(file, std::move(home), std::move(reader), networks,
                                               finders, std::move(options)));
   ROOMWISE_CHECK_OK(live->refresh(nullptr));

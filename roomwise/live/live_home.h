@@ -23,6 +23,7 @@ struct LiveHomeOptions {
   std::size_t looking_threads = 1;  // that look at devices' frames
   int augment = 2;                  // variants of each picture that rooms are learned from
   std::uint64_t seed = 0;
+  home::OpenOptions open = {};  // the passphrase of a protected home
   // Seconds since 1970.
   std::function<std::int64_t()> clock = [] { return std::int64_t{0}; };
 };

@@ -30,7 +30,7 @@ Expected<void> LiveHome::start_preparing() {
 Expected<std::string> LiveHome::prepare(Progress& progress) {
   RunParts parts(options_.threads, progress);
   // By a reader of its own, so that pictures can be looked at meanwhile.
-  ROOMWISE_TRY(const home::Home reader, home::Home::open_read_only(file_));
+  ROOMWISE_TRY(const home::Home reader, home::Home::open_read_only(file_, options_.open));
   ROOMWISE_TRY(auto map, make_live_map(reader, parts.run));
   const std::scoped_lock lock(home_mutex_);
   ROOMWISE_CHECK_OK(refresh(std::move(map)));

@@ -111,8 +111,9 @@ Expected<rooms::LearnedRooms> learn(std::span<const rooms::RoomSample> samples,
 
 }  // namespace
 
-Expected<home::Home> create_home(const std::filesystem::path& path) {
-  ROOMWISE_TRY(home::Home home, home::Home::create(path));
+Expected<home::Home> create_home(const std::filesystem::path& path,
+                                 const home::OpenOptions& options) {
+  ROOMWISE_TRY(home::Home home, home::Home::create(path, options));
   ROOMWISE_CHECK_OK(home.replace_concepts(rooms::Concepts::standard()));
   return home;
 }

@@ -11,7 +11,8 @@
 namespace roomwise::pipeline {
 
 // Makes a new home that begins with the paper's concepts.
-[[nodiscard]] Expected<home::Home> create_home(const std::filesystem::path& path);
+[[nodiscard]] Expected<home::Home> create_home(const std::filesystem::path& path,
+                                               const home::OpenOptions& options = {});
 
 // Names the rooms of the home's recording: its frames' ranges, and the rooms that they mention. A
 // new room's type is its name ("kitchen" is a kitchen) until the user says otherwise.

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "command.h"
+#include "roomwise/home/home.h"
+
+namespace roomwise::app {
+
+// How commands that look at pictures open a home: with the passphrase of --passphrase-file, if one
+// was given. (Those that look at none need no passphrase and open it without.)
+[[nodiscard]] Expected<home::OpenOptions> open_options(const Context& context);
+[[nodiscard]] Expected<home::Home> open_home(const std::filesystem::path& path,
+                                             const Context& context);
+[[nodiscard]] Expected<home::Home> open_home_read_only(const std::filesystem::path& path,
+                                                       const Context& context);
+
+// Asks at the terminal, which does not show what is typed. Fails where it is broken off (Ctrl-C,
+// Ctrl-D).
+[[nodiscard]] Expected<home::Passphrase> ask_passphrase(int terminal, const std::string& question);
+// The same, asked twice, since nobody sees what was typed.
+[[nodiscard]] Expected<home::Passphrase> ask_new_passphrase(int terminal);
+
+}  // namespace roomwise::app

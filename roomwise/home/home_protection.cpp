@@ -1,0 +1,147 @@
+// The part of Home that protects its pictures by a passphrase.
+
+#include "roomwise/home/home.h"
+#include "roomwise/home/schema.h"
+
+namespace roomwise::home {
+namespace {
+
+// So many pictures are sealed or opened in one transaction: few enough to lie in memory, enough to
+// wait for the disk seldom.
+constexpr std::size_t kPicturesAtOnce = 32;
+
+// Of those that are not as they are to be.
+Expected<std::vector<KeyframeId>> keyframes_to_convert(const Database& database,
+                                                       const PictureColumn& column,
+                                                       bool to_sealed) {
+  const Bytes mark(kSealedPictureMark.begin(), kSealedPictureMark.end());
+  std::vector<KeyframeId> ids;
+  ROOMWISE_CHECK_OK(database.for_each(
+      fmt::format("SELECT keyframe_id FROM {} WHERE (substr({}, 1, ?) = ?) <> ? "
+                  "ORDER BY keyframe_id",
+                  column.table, column.column),
+      [&](const Statement& row) { ids.push_back(row.column<KeyframeId>(0)); }, mark.size(), mark,
+      to_sealed));
+  return ids;
+}
+
+}  // namespace
+
+Error Home::locked_error() const {
+  return {fmt::format(
+      "{}: its pictures are protected by a passphrase; give the file that holds it by "
+      "--passphrase-file, or name that file in the environment's ROOMWISE_PASSPHRASE_FILE",
+      file())};
+}
+
+Expected<Home> Home::unlocked(Home home, const OpenOptions& options) {
+  ROOMWISE_TRY(const auto wrapped,
+               home.database_.find<std::string>("SELECT value FROM settings WHERE key = ?",
+                                                kProtectionSetting));
+  home.protected_ = wrapped.has_value();
+  if (!options.passphrase) return home;
+  if (!wrapped) {
+    return fail(
+        "{0}: a passphrase was given, but its pictures are not protected; protect them by: "
+        "roomwise protect {0}, or give no passphrase",
+        home.file());
+  }
+  auto unwrapped = unwrap_cipher(*wrapped, *options.passphrase);
+  if (!unwrapped) return Unexpected(std::move(unwrapped).error().in(home.file()));
+  home.cipher_ = std::move(unwrapped->cipher);
+  home.protection_ = unwrapped->state;
+  return home;
+}
+
+Expected<void> Home::begin_protection(const Passphrase& passphrase, ProtectionState state,
+                                      const PassphraseCost& cost) {
+  PictureCipher cipher = cipher_ ? *cipher_ : PictureCipher::create();
+  auto wrapped = cipher.wrap(passphrase, state, cost);
+  if (!wrapped) return Unexpected(std::move(wrapped).error().in(file()));
+  ROOMWISE_CHECK_OK(database_.run("INSERT OR REPLACE INTO settings (key, value) VALUES (?, ?)",
+                                  kProtectionSetting, *wrapped));
+  protected_ = true;
+  cipher_ = std::move(cipher);
+  protection_ = state;
+  return {};
+}
+
+Expected<std::size_t> Home::protect(const Passphrase& passphrase, const PassphraseCost& cost) {
+  if (is_locked()) return Unexpected(locked_error());
+  if (protected_ && protection_ == ProtectionState::kSealed) {
+    ROOMWISE_CHECK_OK(begin_protection(passphrase, ProtectionState::kSealed, cost));
+    return 0;
+  }
+  ROOMWISE_CHECK_OK(begin_protection(passphrase, ProtectionState::kSealing, cost));
+  ROOMWISE_TRY(const std::size_t count, convert_pictures(/*to_sealed=*/true));
+  // Only once nothing of them is left in the file are they said to be sealed.
+  ROOMWISE_CHECK_OK(erase_removed());
+  ROOMWISE_CHECK_OK(begin_protection(passphrase, ProtectionState::kSealed, cost));
+  return count;
+}
+
+Expected<std::size_t> Home::unprotect(const Passphrase& passphrase, const PassphraseCost& cost) {
+  if (is_locked()) return Unexpected(locked_error());
+  if (!protected_) return fail("{}: its pictures are not protected", file());
+  ROOMWISE_CHECK_OK(begin_protection(passphrase, ProtectionState::kOpening, cost));
+  ROOMWISE_TRY(const std::size_t count, convert_pictures(/*to_sealed=*/false));
+  ROOMWISE_CHECK_OK(database_.run("DELETE FROM settings WHERE key = ?", kProtectionSetting));
+  protected_ = false;
+  cipher_.reset();
+  return count;
+}
+
+Expected<std::size_t> Home::convert_pictures(bool to_sealed) {
+  std::size_t converted = 0;
+  for (const PictureColumn& column : kPictureColumns) {
+    const std::string read =
+        fmt::format("SELECT {} FROM {} WHERE keyframe_id = ?", column.column, column.table);
+    const std::string write =
+        fmt::format("UPDATE {} SET {} = ? WHERE keyframe_id = ?", column.table, column.column);
+    ROOMWISE_TRY(const auto ids, keyframes_to_convert(database_, column, to_sealed));
+    for (std::size_t begin = 0; begin < ids.size(); begin += kPicturesAtOnce) {
+      const std::size_t end = std::min(begin + kPicturesAtOnce, ids.size());
+      ROOMWISE_CHECK_OK(atomically([&]() -> Expected<void> {
+        for (std::size_t i = begin; i < end; ++i) {
+          ROOMWISE_TRY(Bytes picture, database_.get<Bytes>(read, ids[i]));
+          ROOMWISE_TRY(picture, to_sealed ? stored_picture(ids[i], column.kind, std::move(picture))
+                                          : plain_picture(ids[i], column.kind, std::move(picture)));
+          ROOMWISE_CHECK_OK(database_.run(write, picture, ids[i]));
+        }
+        return {};
+      }));
+    }
+    converted += ids.size();
+  }
+  return converted;
+}
+
+Expected<void> Home::check_seals() const {
+  for (const PictureColumn& column : kPictureColumns) {
+    ROOMWISE_CHECK_OK(database_.for_each(
+        fmt::format("SELECT keyframe_id, {} FROM {}", column.column, column.table),
+        [&](const Statement& row) -> Expected<void> {
+          ROOMWISE_CHECK_OK(
+              plain_picture(row.column<KeyframeId>(0), column.kind, row.column<Bytes>(1)));
+          return {};
+        }));
+  }
+  return {};
+}
+
+Expected<Bytes> Home::stored_picture(KeyframeId keyframe, PictureKind kind, Bytes picture) const {
+  if (is_locked()) return Unexpected(locked_error());
+  return cipher_ ? cipher_->seal(keyframe, kind, picture) : std::move(picture);
+}
+
+Expected<Bytes> Home::plain_picture(KeyframeId keyframe, PictureKind kind, Bytes stored) const {
+  // A reader may have opened the home before a writer protected it.
+  if (is_locked() || (!cipher_ && is_sealed(stored))) return Unexpected(locked_error());
+  if (!cipher_) return stored;
+  if (!is_sealed(stored) && protection_ != ProtectionState::kSealed) return stored;
+  auto picture = cipher_->open(keyframe, kind, stored);
+  if (!picture) return Unexpected(std::move(picture).error().in(file()));
+  return picture;
+}
+
+}  // namespace roomwise::home
