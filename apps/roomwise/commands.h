@@ -25,5 +25,6 @@ void add_serve_command(CLI::App& app, Context& context);
 void add_simulate_command(CLI::App& app, Context& context);
 void add_simulate_views_command(CLI::App& app, Context& context);
 void add_train_command(CLI::App& app, Context& context);
+void add_update_command(CLI::App& app, Context& context);
 
 }  // namespace roomwise::app
