@@ -13,6 +13,7 @@ void add_objects_commands(CLI::App& app, Context& context);
 void add_eval_commands(CLI::App& app, Context& context);
 void add_home_evaluations(CLI::App& group, Context& context);      // of "eval"
 void add_localizer_evaluation(CLI::App& group, Context& context);  // of "eval"
+void add_changes_evaluation(CLI::App& group, Context& context);    // of "eval"
 void add_locate_command(CLI::App& app, Context& context);
 void add_export_commands(CLI::App& app, Context& context);
 void add_map_command(CLI::App& app, Context& context);

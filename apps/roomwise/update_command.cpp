@@ -42,7 +42,7 @@ std::string row_of(const ThingUpdate& thing) {
   } else {
     place = "was at " + at(*thing.before, thing.room_before);
   }
-  const objects::SurfaceEvidence& evidence = thing.evidence;
+  const objects::SurfaceEvidence& evidence = thing.is_new ? thing.evidence_now : thing.evidence;
   return fmt::format("{:<13} {:<16} {}; {:.0f} % of what {} pictures show of its place differs\n",
                      what_of(thing), thing.name, place, 100 * evidence.gone_share(),
                      evidence.views);
@@ -58,15 +58,20 @@ Json place_json(const std::optional<geometry::OrientedBox>& box, const std::stri
           {"room", room.empty() ? Json(nullptr) : Json(room)}};
 }
 
+Json to_json(const objects::SurfaceEvidence& evidence) {
+  return {{"pictures", evidence.views},
+          {"looked_at", evidence.decided_share()},
+          {"differs", evidence.gone_share()}};
+}
+
 Json to_json(const ThingUpdate& thing) {
   return {{"what", what_of(thing)},
           {"name", thing.name},
           {"probability", thing.probability},
           {"before", place_json(thing.before, thing.room_before)},
           {"now", place_json(thing.now, thing.room_now)},
-          {"pictures", thing.evidence.views},
-          {"looked_at", thing.evidence.decided_share()},
-          {"differs", thing.evidence.gone_share()}};
+          {"place_before", to_json(thing.evidence)},
+          {"place_now", to_json(thing.evidence_now)}};
 }
 
 Answer describe(const pipeline::HomeUpdate& update, const UpdateCommandOptions& options) {
@@ -84,7 +89,7 @@ Answer describe(const pipeline::HomeUpdate& update, const UpdateCommandOptions& 
   std::size_t there = 0, not_looked_at = 0;
   for (const ThingUpdate& thing : update.things) {
     answer.json["things"].push_back(to_json(thing));
-    const bool changed = thing.is_new || thing.fate == Fate::kMoved || thing.fate == Fate::kGone;
+    const bool changed = thing.is_changed();
     if (changed) answer.text += row_of(thing);
     if (!changed && thing.fate == Fate::kThere) ++there;
     if (!changed && thing.fate == Fate::kNotLookedAt) ++not_looked_at;

@@ -39,8 +39,8 @@ Expected<VisitId> Home::apply_changes(const HomeChanges& changes) {
       if (!is_finite(one)) {
         return fail("{}: the box of past instance '{}' is not finite", file(), one.name);
       }
-      const std::optional<VisitId> brought_by =
-          one.visit == 0 ? std::nullopt : std::optional(one.visit);
+      std::optional<VisitId> brought_by;
+      if (one.visit != 0) brought_by = one.visit;
       ROOMWISE_CHECK_OK(database_.run(
           "INSERT INTO past_instances (" ROOMWISE_INSTANCE_COLUMNS
           ", reason, first_seen_ns, last_seen_ns, noticed_by, brought_by) VALUES "

@@ -388,7 +388,7 @@ constexpr std::array kTables = {
     later_table("keyframe_regions", kInstancesVersion),
     later_table("instances", kInstancesVersion),
     later_table("instance_names", kInstancesVersion),
-    {.name = "visits", .column_outside_digest = "folder", .since_version = kVisitsVersion},
+    Table{.name = "visits", .column_outside_digest = "folder", .since_version = kVisitsVersion},
     later_table("instance_visits", kVisitsVersion),
     later_table("past_instances", kVisitsVersion),
     Table{"stage_timings", /*in_digest=*/false},

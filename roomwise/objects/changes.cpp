@@ -46,6 +46,29 @@ Verdict verdict(const Vector3d& point_world, const DepthView& view) {
   return measured > 0 && behind == measured ? Verdict::kLookedThrough : Verdict::kNothing;
 }
 
+// How many views see each point of a surface, and how many look through it.
+struct PointVotes {
+  std::vector<int> seen, through;
+  std::vector<std::size_t> decided_by_view;
+
+  [[nodiscard]] bool is_gone(std::size_t point) const { return through[point] > seen[point]; }
+};
+
+PointVotes count_votes(std::span<const Vector3f> surface_world, std::span<const DepthView> views) {
+  PointVotes votes{
+      std::vector<int>(surface_world.size()), std::vector<int>(surface_world.size()), {}};
+  for (const DepthView& view : views) {
+    std::size_t& decided = votes.decided_by_view.emplace_back(0);
+    for (std::size_t i = 0; i < surface_world.size(); ++i) {
+      const Verdict says = verdict(surface_world[i].cast<double>(), view);
+      if (says == Verdict::kSeen) ++votes.seen[i];
+      if (says == Verdict::kLookedThrough) ++votes.through[i];
+      if (says != Verdict::kNothing) ++decided;
+    }
+  }
+  return votes;
+}
+
 // The share of a thing's surface in the other's box, of the two the larger.
 double shared_place(const StandingThing& a, const StandingThing& b) {
   const auto inside = [](const StandingThing& one, const geometry::OrientedBox& box) {
@@ -137,6 +160,7 @@ class ChangeFinder {
     take_pairs(std::move(pairs), before_.size(), now_.size(), [&](const Pair& pair) {
       ThingFate& fate = changes_.before[pair.a];
       fate.now = pair.b;
+      fate.evidence_now = earlier_[pair.b];
       taken_[pair.b] = true;
       const bool shifted = differs(fate.evidence, options_.least_shifted) &&
                            is_new(pair.b, options_.least_shifted) &&
@@ -150,7 +174,9 @@ class ChangeFinder {
     for (ThingFate& fate : changes_.before) {
       if (fate.now) continue;
       if (!is_looked_at(fate.evidence)) continue;
-      fate.fate = differs(fate.evidence, options_.least_gone) ? Fate::kGone : Fate::kThere;
+      fate.fate = differs(fate.evidence, options_.least_gone)          ? Fate::kGone
+                  : differs(fate.evidence, options_.least_partly_gone) ? Fate::kShifted
+                                                                       : Fate::kThere;
     }
   }
 
@@ -180,6 +206,7 @@ class ChangeFinder {
     take_pairs(std::move(pairs), before_.size(), now_.size(), [&](const Pair& pair) {
       changes_.before[pair.a].fate = Fate::kMoved;
       changes_.before[pair.a].now = pair.b;
+      changes_.before[pair.a].evidence_now = earlier_[pair.b];
       std::erase_if(changes_.arrived,
                     [&](const Arrival& arrival) { return arrival.now == pair.b; });
     });
@@ -206,22 +233,25 @@ double SurfaceEvidence::gone_share() const {
 SurfaceEvidence look_for_surface(std::span<const Vector3f> surface_world,
                                  std::span<const DepthView> views) {
   SurfaceEvidence evidence{.points = surface_world.size()};
-  std::vector<int> seen(surface_world.size()), through(surface_world.size());
-  for (const DepthView& view : views) {
-    std::size_t decided = 0;
-    for (std::size_t i = 0; i < surface_world.size(); ++i) {
-      const Verdict says = verdict(surface_world[i].cast<double>(), view);
-      if (says == Verdict::kSeen) ++seen[i];
-      if (says == Verdict::kLookedThrough) ++through[i];
-      if (says != Verdict::kNothing) ++decided;
-    }
+  const PointVotes votes = count_votes(surface_world, views);
+  for (const std::size_t decided : votes.decided_by_view) {
     if (decided > 0 && 4 * decided >= surface_world.size()) ++evidence.views;
   }
   for (std::size_t i = 0; i < surface_world.size(); ++i) {
-    if (seen[i] + through[i] > 0) ++evidence.decided;
-    if (through[i] > seen[i]) ++evidence.gone;
+    if (votes.seen[i] + votes.through[i] > 0) ++evidence.decided;
+    if (votes.is_gone(i)) ++evidence.gone;
   }
   return evidence;
+}
+
+std::vector<Vector3f> remaining_surface(std::span<const Vector3f> surface_world,
+                                        std::span<const DepthView> views) {
+  const PointVotes votes = count_votes(surface_world, views);
+  std::vector<Vector3f> remaining;
+  for (std::size_t i = 0; i < surface_world.size(); ++i) {
+    if (!votes.is_gone(i)) remaining.push_back(surface_world[i]);
+  }
+  return remaining;
 }
 
 StandingThing standing_thing(const Instance& instance, const geometry::OrientedBox& box_world,
@@ -264,6 +294,8 @@ std::string_view to_string(Fate fate) {
       return "there";
     case Fate::kMoved:
       return "moved";
+    case Fate::kShifted:
+      return "shifted";
     case Fate::kGone:
       return "gone";
     case Fate::kNotLookedAt:
@@ -280,6 +312,7 @@ Expected<void> ChangeOptions::validate() const {
   ROOMWISE_CHECK_OK(check_share(least_decided, "least_decided"));
   ROOMWISE_CHECK_OK(check_share(least_gone, "least_gone"));
   ROOMWISE_CHECK_OK(check_share(least_shifted, "least_shifted"));
+  ROOMWISE_CHECK_OK(check_share(least_partly_gone, "least_partly_gone"));
   ROOMWISE_CHECK_OK(check_share(same_place, "same_place"));
   if (least_views < 1) return fail("least_views is {}; expected at least 1", least_views);
   if (!(least_shift_m >= 0 && std::isfinite(least_shift_m))) {

@@ -37,6 +37,9 @@ struct SurfaceEvidence {
 // nothing.
 [[nodiscard]] SurfaceEvidence look_for_surface(std::span<const Eigen::Vector3f> surface_world,
                                                std::span<const DepthView> views);
+// The points that are not gone.
+[[nodiscard]] std::vector<Eigen::Vector3f> remaining_surface(
+    std::span<const Eigen::Vector3f> surface_world, std::span<const DepthView> views);
 
 // A thing and where it stands.
 struct StandingThing {
@@ -56,6 +59,7 @@ struct StandingThing {
 enum class Fate {
   kThere,        // where it was
   kMoved,        // stands elsewhere now
+  kShifted,      // was pushed or turned: only a part is where it was, and it was not found again
   kGone,         // and nothing of its kind is new
   kNotLookedAt,  // the visit did not show enough of its place to say
 };
@@ -65,6 +69,7 @@ struct ThingFate {
   Fate fate = Fate::kNotLookedAt;
   SurfaceEvidence evidence;        // of the visit's depth
   std::optional<std::size_t> now;  // of the visit's things, the one that it is
+  SurfaceEvidence evidence_now;  // of that one, by the map's depth: gone is what was not there yet
 };
 struct Arrival {
   std::size_t now = 0;       // of the visit's things
@@ -78,9 +83,10 @@ struct Changes {
 struct ChangeOptions {
   double least_decided = 0.3;   // of the surface; less was not looked at
   int least_views = 2;          // that looked at it
-  double least_gone = 0.6;      // of the decided surface, of what is not found in its place again
-  double least_shifted = 0.25;  // the same, of what is found again nearly there
-  double least_shift_m = 0.08;  // less is no move
+  double least_gone = 0.6;      // of the decided surface; the same of what is new
+  double least_shifted = 0.12;  // the same, of both surfaces of what is found again nearly there
+  double least_partly_gone = 0.15;  // the same, of what is not found again but still there in part
+  double least_shift_m = 0.08;      // less is no move
   // A thing in the place of another has this share of its surface in the other's box or more.
   double same_place = 0.3;
 
@@ -92,7 +98,8 @@ struct ChangeOptions {
 // 1. A thing of the visit and one before that share their place and name are one. It was moved if
 //    depth says of both surfaces that much is not where the other walk showed it, and the middles
 //    differ; it is there otherwise.
-// 2. Of the others before, what the visit's depth looks through is gone, what it sees is there.
+// 2. Of the others before, what the visit's depth looks through is gone, what it sees is there, and
+//    what it looks through in part was shifted.
 // 3. Of the others now, what the map's depth looks through is new, and so is what stands where a
 //    thing of its name stood in the `past`, which the map's depth shows still. The rest stood there
 //    before without a name.

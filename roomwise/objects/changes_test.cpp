@@ -172,6 +172,24 @@ TEST_F(ChangesTest, AShortPushIsAMove) {
   EXPECT_TRUE(changes.arrived.empty());
 }
 
+TEST_F(ChangesTest, APushOfWhatIsNotFoundAgainIsNoticedToo) {
+  map_.things = {kChair};
+  visit_.things = {moved(kChair, {0.15, 0.1, 0})};
+  look_at_all(map_);
+  visit_.look_around({0, 0.4, 0.4}, 8, 2.3, 0, 6, /*finds=*/false);
+  const Changes changes = find();
+  const ThingFate& chair = fate_of(changes, "chair");
+  EXPECT_EQ(chair.fate, Fate::kShifted);
+  EXPECT_FALSE(chair.now);
+  // Of what is left the next such visit looks through little.
+  StandingThing left = before_[0];
+  left.surface_world = remaining_surface(before_[0].surface_world, views_of(visit_));
+  EXPECT_LT(left.surface_world.size(), before_[0].surface_world.size());
+  const Changes again =
+      find_changes(std::vector{left}, views_of(map_), now_, views_of(visit_), past_, {});
+  EXPECT_EQ(again.before[0].fate, Fate::kThere);
+}
+
 TEST_F(ChangesTest, OfTwoThatMovedEachTakesTheNearerPlace) {
   const TestRoom::Thing other = moved(kChair, {1.6, -1.0, 0});
   map_.things = {kChair, other};
@@ -222,6 +240,7 @@ TEST(ChangeOptions, NamesTheFieldThatIsWrong) {
   EXPECT_ERROR(ChangeOptions{.least_views = 0}.validate(), "least_views");
   EXPECT_ERROR(ChangeOptions{.least_gone = -1}.validate(), "least_gone");
   EXPECT_ERROR(ChangeOptions{.least_shifted = 1.5}.validate(), "least_shifted");
+  EXPECT_ERROR(ChangeOptions{.least_partly_gone = 7}.validate(), "least_partly_gone");
   EXPECT_ERROR(ChangeOptions{.least_shift_m = -1}.validate(), "least_shift_m");
   EXPECT_ERROR(ChangeOptions{.same_place = -0.1}.validate(), "same_place");
 }

@@ -31,9 +31,10 @@ struct VisitFrames {
 };
 
 // Absent where the frame's place is not known.
-Expected<std::optional<PlacedFrame>> place(const HomeLocalizer& localizer, image::RgbdFrame frame,
-                                           const geometry::PinholeCamera& camera,
-                                           const objects::RegionFinders& finders) {
+Expected<std::optional<PlacedFrame>> place_frame(const HomeLocalizer& localizer,
+                                                 image::RgbdFrame frame,
+                                                 const geometry::PinholeCamera& camera,
+                                                 const objects::RegionFinders& finders) {
   PictureToLocate picture{std::move(frame.color), std::move(frame.depth), camera};
   ROOMWISE_TRY(const auto measured, localizer.measure(picture));
   const mapping::Localization found = localizer.localizer().locate({measured, camera});
@@ -62,7 +63,7 @@ Expected<VisitFrames> place_frames(const home::Home& home, const std::filesystem
     std::vector<Expected<std::optional<PlacedFrame>>> placed(block.size(), fail("not placed yet"));
     run.pool.parallel_for(block.size(), [&](std::size_t i) {
       const auto timing = run.clock.measure("placing and looking");
-      placed[i] = place(localizer, std::move(block[i]), visit.camera, finders);
+      placed[i] = place_frame(localizer, std::move(block[i]), visit.camera, finders);
     });
     block.clear();
     for (auto& one : placed) {
@@ -106,10 +107,10 @@ std::vector<objects::LookedKeyframe> looked_frames(const VisitFrames& frames,
 }
 
 // The things of a home, and what it takes to compare them with those of a visit.
-class Comparison {
+class VisitComparison {
  public:
-  static Expected<Comparison> create(const home::Home& home) {
-    Comparison result;
+  static Expected<VisitComparison> create(const home::Home& home) {
+    VisitComparison result;
     ROOMWISE_TRY(result.keyframes_, home.keyframes());
     ROOMWISE_TRY(result.instances_, home.instances());
     ROOMWISE_TRY(result.past_, home.past_instances());
@@ -142,7 +143,7 @@ class Comparison {
     for (const objects::Arrival& arrival : changes.arrived) {
       ThingUpdate thing;
       thing.is_new = true;
-      thing.evidence = arrival.evidence;
+      thing.evidence_now = arrival.evidence;
       stand_now(arrival.now, frames, thing, update.changes);
       update.things.push_back(std::move(thing));
     }
@@ -228,6 +229,7 @@ class Comparison {
       thing.name = one.name;
       thing.probability = one.probability;
       thing.evidence = fate.evidence;
+      thing.evidence_now = fate.evidence_now;
       thing.before = before_[at].box_world;
       thing.room_before = room_of(one.keyframe_id);
       const bool stays =
@@ -238,14 +240,19 @@ class Comparison {
         update.changes.kept.push_back(one);
       } else {
         home::PastInstance past{.instance = one,
-                                .reason = fate.fate == objects::Fate::kMoved
-                                              ? home::PastReason::kMoved
-                                              : home::PastReason::kGone,
+                                .reason = fate.fate == objects::Fate::kGone
+                                              ? home::PastReason::kGone
+                                              : home::PastReason::kMoved,
                                 .first_seen_ns = seen_[at].first,
                                 .last_seen_ns = seen_[at].second};
         past.instance.surface_keyframe.clear();
         update.changes.past.push_back(std::move(past));
         if (fate.now) stand_now(*fate.now, frames, thing, update.changes);
+        if (fate.fate == objects::Fate::kShifted) {
+          update.changes.arrived.push_back(nearly_there(at, frames));
+          thing.now = thing.before;
+          thing.room_now = thing.room_before;
+        }
       }
       update.things.push_back(std::move(thing));
       ++at;
@@ -272,6 +279,22 @@ class Comparison {
           (keyframe_from_world * point.cast<double>()).cast<float>());
     }
     changes.arrived.push_back(std::move(instance));
+  }
+
+  // What was shifted and not found again: where it was, less surely, with what is left there.
+  [[nodiscard]] objects::Instance nearly_there(std::size_t at, const VisitFrames& frames) const {
+    constexpr double kShiftSigma_m = 0.2;
+    objects::Instance instance = instances_[known_[at]];
+    instance.picture_box = {};
+    instance.sigma_m += Eigen::Vector3d(kShiftSigma_m, kShiftSigma_m, 0);
+    const RigidTransform keyframe_from_world = pose_of(instance).world_from_keyframe.inverse();
+    instance.surface_keyframe.clear();
+    for (const Eigen::Vector3f& point :
+         objects::remaining_surface(before_[at].surface_world, views_of(frames))) {
+      instance.surface_keyframe.push_back(
+          (keyframe_from_world * point.cast<double>()).cast<float>());
+    }
+    return instance;
   }
 
   [[nodiscard]] std::string room_of(home::KeyframeId id) const {
@@ -322,7 +345,7 @@ Expected<HomeUpdate> compare_with_visit(const home::Home& home,
                 recording.string(), frames.placed.size(), frames.visit.frames, home.file());
   }
   const auto timing = run.clock.measure("comparing");
-  ROOMWISE_TRY(Comparison comparison, Comparison::create(home));
+  ROOMWISE_TRY(VisitComparison comparison, VisitComparison::create(home));
   return comparison.compare(looks, frames, options);
 }
 

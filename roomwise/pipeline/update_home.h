@@ -30,11 +30,19 @@ struct ThingUpdate {
   bool is_new = false;                         // one that it did not
   std::string name;
   double probability = 0;
-  objects::SurfaceEvidence evidence;  // see objects::ThingFate, objects::Arrival
+  // See objects::ThingFate: of one that the home knew, by the visit's depth; of where it or one
+  // that is new stands now, by the map's.
+  objects::SurfaceEvidence evidence, evidence_now;
   // In the map's world: where it was, where it is now. One that is new has no place before, one
-  // that is gone none now; one that was not looked at is taken to stand where it stood.
+  // that is gone none now; one that was shifted, or was not looked at, is taken to stand where it
+  // stood.
   std::optional<geometry::OrientedBox> before, now;
   std::string room_before, room_now;  // as the helper named it near there; empty: not known
+
+  // New, gone or not as it stood.
+  [[nodiscard]] bool is_changed() const {
+    return is_new || (fate != objects::Fate::kThere && fate != objects::Fate::kNotLookedAt);
+  }
 };
 
 struct HomeUpdate {
