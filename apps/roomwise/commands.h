@@ -13,6 +13,7 @@ void add_objects_commands(CLI::App& app, Context& context);
 void add_eval_commands(CLI::App& app, Context& context);
 void add_home_evaluations(CLI::App& group, Context& context);      // of "eval"
 void add_localizer_evaluation(CLI::App& group, Context& context);  // of "eval"
+void add_changes_evaluation(CLI::App& group, Context& context);    // of "eval"
 void add_locate_command(CLI::App& app, Context& context);
 void add_device_command(CLI::App& app, Context& context);
 void add_export_commands(CLI::App& app, Context& context);
@@ -27,5 +28,6 @@ void add_serve_command(CLI::App& app, Context& context);
 void add_simulate_command(CLI::App& app, Context& context);
 void add_simulate_views_command(CLI::App& app, Context& context);
 void add_train_command(CLI::App& app, Context& context);
+void add_update_command(CLI::App& app, Context& context);
 
 }  // namespace roomwise::app

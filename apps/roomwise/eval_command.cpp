@@ -115,6 +115,7 @@ void add_eval_commands(CLI::App& app, Context& context) {
       ->capture_default_str();
   add_home_evaluations(*group, context);
   add_localizer_evaluation(*group, context);
+  add_changes_evaluation(*group, context);
 }
 
 }  // namespace roomwise::app

@@ -19,6 +19,7 @@ int main(int argc, char** argv) {
   add_simulate_views_command(app, context);
   add_map_command(app, context);
   add_locate_command(app, context);
+  add_update_command(app, context);
   add_rooms_commands(app, context);
   add_optimize_command(app, context);
   add_concepts_commands(app, context);

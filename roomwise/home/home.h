@@ -38,6 +38,7 @@ using RecordingId = std::int64_t;
 using KeyframeId = std::uint64_t;  // 0, 1, 2, ... in the order of time
 using NetworkId = std::int64_t;
 using FinderId = std::int64_t;
+using VisitId = std::int64_t;  // from 1 on
 
 // A walk through the home with an RGB-D camera.
 struct Recording {
@@ -107,6 +108,41 @@ struct RegionFinderRecord {
   std::vector<std::string> labels;
 
   friend bool operator==(const RegionFinderRecord&, const RegionFinderRecord&) = default;
+};
+
+// A later walk through the home that brought it up to date. Times are those of its recording.
+struct Visit {
+  std::string name;
+  std::string folder;  // where it was read from, as the user gave it
+  TimestampNs first_timestamp_ns = 0;
+  TimestampNs last_timestamp_ns = 0;
+  std::uint64_t frames = 0;  // that were looked at
+  std::uint64_t placed = 0;  // of these, those whose place on the map was found
+
+  friend bool operator==(const Visit&, const Visit&) = default;
+};
+
+// Why a thing is no longer where it was.
+enum class PastReason { kGone, kMoved };
+
+// A thing as it stood in the home once.
+struct PastInstance {
+  objects::Instance instance;  // its surface is not kept
+  PastReason reason = PastReason::kGone;
+  // When it was seen, in the time of the recording that showed it.
+  TimestampNs first_seen_ns = 0;
+  TimestampNs last_seen_ns = 0;
+  VisitId noticed_by = 0;
+};
+
+// What a visit changes.
+struct HomeChanges {
+  Visit visit;
+  std::vector<objects::Instance> kept;     // stand as they stood
+  std::vector<objects::Instance> arrived;  // this visit brought them (Instance::visit is set here)
+  std::vector<PastInstance> past;          // stand there no more (noticed_by is set here)
+
+  [[nodiscard]] bool empty() const { return arrived.empty() && past.empty(); }
 };
 
 // A key-frame in the making, with all that is known of it at once.
@@ -254,6 +290,13 @@ class Home {
   [[nodiscard]] Expected<std::set<KeyframeId>> looked_at(FinderId finder) const;
   [[nodiscard]] Expected<void> replace_instances(std::span<const objects::Instance> instances);
   [[nodiscard]] Expected<std::vector<objects::Instance>> instances() const;  // in the order given
+
+  // ---- later visits ----
+  // Adds the visit; its things and those kept take the place of all instances.
+  [[nodiscard]] Expected<VisitId> apply_changes(const HomeChanges& changes);
+  [[nodiscard]] Expected<std::map<VisitId, Visit>> visits() const;
+  // In the order in which they became past.
+  [[nodiscard]] Expected<std::vector<PastInstance>> past_instances() const;
 
   // ---- rooms ----
   // Fails where a room type has an object that the vocabulary does not know.

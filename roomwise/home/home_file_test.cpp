@@ -75,7 +75,7 @@ TEST_F(HomeFile, IsKnownByItsFirstBytes) {
   const Database database = Database::open(path_, Database::Access::kReadOnly).value();
   const auto header = database.header().value();
   EXPECT_EQ(header.application_id, kApplicationId);
-  EXPECT_EQ(header.user_version, 3);
+  EXPECT_EQ(header.user_version, 4);
 }
 
 TEST_F(HomeFile, IsNotMadeOverAnotherFile) {
@@ -124,11 +124,14 @@ TEST_F(HomeFile, RefusesTheDatabaseOfAnotherProgram) {
 
 TEST_F(HomeFile, RefusesANewerVersion) {
   make();
-  run_sql("PRAGMA user_version = 4");
-  expect_refused("newer Roomwise (home version 4; this one knows up to 3); update Roomwise");
+  run_sql("PRAGMA user_version = 5");
+  expect_refused("newer Roomwise (home version 5; this one knows up to 4); update Roomwise");
 }
 
-// What versions 3 and 2 brought, taken away again.
+// What versions 4, 3 and 2 brought, taken away again.
+constexpr const char* kBackToVersion3 =
+    "DROP TABLE past_instances; DROP TABLE instance_visits; DROP TABLE visits; "
+    "PRAGMA user_version = 3;";
 constexpr const char* kBackToVersion2 =
     "DROP TABLE instance_names; DROP TABLE instances; DROP TABLE keyframe_regions; "
     "DROP TABLE keyframe_looks; DROP TABLE keyframe_depths; DROP TABLE region_finders; "
@@ -136,10 +139,11 @@ constexpr const char* kBackToVersion2 =
 constexpr const char* kBackToVersion1 = "DROP TABLE picture_features; PRAGMA user_version = 1;";
 
 TEST_F(HomeFile, ReadsOlderVersionsAndBringsThemUpToDateToWrite) {
-  for (const int version : {2, 1}) {
+  for (const int version : {3, 2, 1}) {
     std::filesystem::remove(path_);
     make();
-    run_sql(kBackToVersion2);
+    run_sql(kBackToVersion3);
+    if (version < 3) run_sql(kBackToVersion2);
     if (version == 1) run_sql(kBackToVersion1);
     const auto before = contents();
     std::string digest;
@@ -148,9 +152,11 @@ TEST_F(HomeFile, ReadsOlderVersionsAndBringsThemUpToDateToWrite) {
       ASSERT_OK(reader);
       digest = reader->content_digest().value();
       EXPECT_EQ(reader->picture_features("c0ffee", "1: 0.8").value().empty(), version == 1);
-      EXPECT_THAT(reader->region_finders().value(), IsEmpty());
-      EXPECT_THAT(reader->looks(1).value(), IsEmpty());
-      EXPECT_THAT(reader->instances().value(), IsEmpty());
+      EXPECT_EQ(reader->region_finders().value().empty(), version < 3);
+      EXPECT_EQ(reader->looks(1).value().empty(), version < 3);
+      EXPECT_EQ(reader->instances().value().empty(), version < 3);
+      EXPECT_THAT(reader->visits().value(), IsEmpty());
+      EXPECT_THAT(reader->past_instances().value(), IsEmpty());
       EXPECT_OK(reader->verify());
     }
     EXPECT_EQ(contents(), before);
@@ -164,13 +170,16 @@ TEST_F(HomeFile, ReadsOlderVersionsAndBringsThemUpToDateToWrite) {
       ASSERT_OK(writer.replace_instances(std::vector{testing::sample_instance(0)}));
       EXPECT_THAT(writer.instances().value(), ::testing::SizeIs(1));
       EXPECT_NE(writer.content_digest().value(), digest);
+      ASSERT_OK(writer.apply_changes({.arrived = {testing::sample_instance(0)}}));
+      EXPECT_THAT(writer.visits().value(), ::testing::SizeIs(1));
     }
-    EXPECT_EQ(Database::open(path_, Database::Access::kReadOnly)->header()->user_version, 3);
+    EXPECT_EQ(Database::open(path_, Database::Access::kReadOnly)->header()->user_version, 4);
   }
 }
 
 TEST_F(HomeFile, RefusesAMissingTableOfAnOlderVersion) {
   make();
+  run_sql(kBackToVersion3);
   run_sql(kBackToVersion2);
   run_sql(kBackToVersion1);
   run_sql("DROP TABLE has_a");
@@ -181,7 +190,7 @@ TEST_F(HomeFile, RefusesANewerVersionThatIsOnlyInTheLog) {
   make();
   const int status = testing::run_in_child([&] {
     Database database = Database::open(path_, Database::Access::kReadWrite).value();
-    if (!database.run_script("PRAGMA journal_mode = WAL; PRAGMA user_version = 4")) return 1;
+    if (!database.run_script("PRAGMA journal_mode = WAL; PRAGMA user_version = 5")) return 1;
     return ::kill(::getpid(), SIGKILL);
   });
   ASSERT_TRUE(WIFSIGNALED(status));

@@ -7,29 +7,10 @@
 
 #include "roomwise/home/home.h"
 #include "roomwise/home/schema.h"
-#include "roomwise/home/stored_values.h"
+#include "roomwise/home/stored_instances.h"
 
 namespace roomwise::home {
 namespace {
-
-static_assert(sizeof(Eigen::Vector3f) == 3 * sizeof(float));
-
-Bytes points_to_blob(const std::vector<Eigen::Vector3f>& points) {
-  if (points.empty()) return {};
-  return to_blob({points.front().data(), 3 * points.size()});
-}
-
-// Absent where they are not whole points of finite numbers.
-std::optional<std::vector<Eigen::Vector3f>> blob_to_points(const Bytes& bytes) {
-  if (bytes.size() % sizeof(Eigen::Vector3f) != 0) return std::nullopt;
-  const std::vector<float> values = to_floats(bytes);
-  if (!std::ranges::all_of(values, [](float v) { return std::isfinite(v); })) return std::nullopt;
-  std::vector<Eigen::Vector3f> points(values.size() / 3);
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    points[i] = {values[3 * i], values[3 * i + 1], values[3 * i + 2]};
-  }
-  return points;
-}
 
 Bytes depth_to_blob(const image::DepthImage& depth) {
   Bytes bytes(depth.pixels().size_bytes());
@@ -47,46 +28,10 @@ std::optional<image::DepthImage> blob_to_depth(const Bytes& bytes, int width) {
   return depth;
 }
 
-network::PixelBox box_column(const Statement& row, int first) {
-  const auto side = [&](int i) { return static_cast<float>(row.column<double>(first + i)); };
-  return {side(0), side(1), side(2), side(3)};
-}
-
-std::array<double, 4> to_numbers(const network::PixelBox& box) {
-  return {box.left, box.top, box.right, box.bottom};
-}
-
-std::array<double, 3> to_numbers(const Eigen::Vector3d& v) {
-  return {v.x(), v.y(), v.z()};
-}
-
-Eigen::Vector3d vector_column(const Statement& row, int first) {
-  const auto [x, y, z] = row.columns<3>(first);
-  return {x, y, z};
-}
-
 // An older home that is open for reading only has none of these tables.
 Expected<bool> has_tables(const Database& database) {
   ROOMWISE_TRY(const int version, database.get<int>("PRAGMA user_version"));
   return version >= kInstancesVersion;
-}
-
-bool is_finite(const objects::Instance& instance) {
-  return instance.box_keyframe.world_from_box.is_finite() &&
-         instance.box_keyframe.size_m.allFinite() && instance.sigma_m.allFinite();
-}
-
-objects::Instance read_instance(const Statement& row) {
-  objects::Instance instance;
-  instance.name = row.column<std::string>(1);
-  instance.probability = row.column<double>(2);
-  instance.sightings = row.column<int>(3);
-  instance.expected = row.column<int>(4);
-  instance.keyframe_id = row.column<KeyframeId>(5);
-  instance.picture_box = box_column(row, 6);
-  instance.box_keyframe = {pose_column(row, 10), vector_column(row, 17)};
-  instance.sigma_m = vector_column(row, 20);
-  return instance;
 }
 
 }  // namespace
@@ -231,15 +176,17 @@ Expected<void> Home::replace_instances(std::span<const objects::Instance> instan
       }
       ROOMWISE_TRY(
           const auto id,
-          database_.insert(
-              "INSERT INTO instances (name, probability, sightings, expected, keyframe_id, "
-              "left_px, top_px, right_px, bottom_px, tx_m, ty_m, tz_m, qx, qy, qz, qw, width_m, "
-              "depth_m, height_m, sigma_x_m, sigma_y_m, sigma_z_m) "
-              "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
-              instance.name, instance.probability, instance.sightings, instance.expected,
-              instance.keyframe_id, to_numbers(instance.picture_box),
-              home::to_numbers(box.world_from_box), to_numbers(box.size_m),
-              to_numbers(instance.sigma_m)));
+          database_.insert("INSERT INTO instances (" ROOMWISE_INSTANCE_COLUMNS ") VALUES "
+                           "(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+                           instance.name, instance.probability, instance.sightings,
+                           instance.expected, instance.keyframe_id,
+                           to_numbers(instance.picture_box), home::to_numbers(box.world_from_box),
+                           to_numbers(box.size_m), to_numbers(instance.sigma_m)));
+      if (instance.visit != 0) {
+        ROOMWISE_CHECK_OK(database_.run(
+            "INSERT INTO instance_visits (instance_id, visit_id, points) VALUES (?, ?, ?)", id,
+            instance.visit, points_to_blob(instance.surface_keyframe)));
+      }
       for (const auto& [name, share] : instance.names) {
         ROOMWISE_CHECK_OK(
             database_.run("INSERT INTO instance_names (instance_id, name, share) VALUES (?, ?, ?)",
@@ -256,12 +203,10 @@ Expected<std::vector<objects::Instance>> Home::instances() const {
   if (!has) return instances;
   std::map<std::int64_t, std::size_t> place;
   ROOMWISE_CHECK_OK(database_.for_each(
-      "SELECT instance_id, name, probability, sightings, expected, keyframe_id, left_px, top_px, "
-      "right_px, bottom_px, tx_m, ty_m, tz_m, qx, qy, qz, qw, width_m, depth_m, height_m, "
-      "sigma_x_m, sigma_y_m, sigma_z_m FROM instances ORDER BY instance_id",
+      "SELECT instance_id, " ROOMWISE_INSTANCE_COLUMNS " FROM instances ORDER BY instance_id",
       [&](const Statement& row) -> Expected<void> {
         place[row.column<std::int64_t>(0)] = instances.size();
-        const objects::Instance& instance = instances.emplace_back(read_instance(row));
+        const objects::Instance& instance = instances.emplace_back(read_instance(row, 1));
         if (!is_finite(instance)) {
           return fail(
               "{}: is damaged: the box of instance '{}' is not finite; put back a copy of it",
@@ -273,6 +218,23 @@ Expected<std::vector<objects::Instance>> Home::instances() const {
       "SELECT instance_id, name, share FROM instance_names", [&](const Statement& row) {
         instances[place.at(row.column<std::int64_t>(0))].names[row.column<std::string>(1)] =
             row.column<double>(2);
+      }));
+  ROOMWISE_TRY(const int version, database_.get<int>("PRAGMA user_version"));
+  if (version < kVisitsVersion) return instances;
+  ROOMWISE_CHECK_OK(database_.for_each(
+      "SELECT instance_id, visit_id, points FROM instance_visits",
+      [&](const Statement& row) -> Expected<void> {
+        objects::Instance& instance = instances[place.at(row.column<std::int64_t>(0))];
+        instance.visit = row.column<VisitId>(1);
+        auto points = blob_to_points(row.column<Bytes>(2));
+        if (!points) {
+          return fail(
+              "{}: is damaged: the surface of instance '{}' is not made of finite numbers; put "
+              "back a copy of it",
+              file(), instance.name);
+        }
+        instance.surface_keyframe = *std::move(points);
+        return {};
       }));
   return instances;
 }

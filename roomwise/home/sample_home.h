@@ -115,6 +115,20 @@ inline objects::Instance sample_instance(KeyframeId id) {
   return instance;
 }
 
+inline HomeChanges sample_changes() {
+  HomeChanges changes;
+  changes.visit = {"later walk", "../recordings/later", 1'000'000'007, 9'000'000'011, 120, 111};
+  changes.kept = {sample_instance(1)};
+  changes.arrived = {sample_instance(2)};
+  changes.arrived[0].picture_box = {};
+  changes.arrived[0].surface_keyframe = {{0.1F, -0.2F, 1.5F}, {1.0F / 3, 0, 2}};
+  changes.past.push_back({.instance = sample_instance(0),
+                          .reason = PastReason::kMoved,
+                          .first_seen_ns = 1'305'031'229'000'000'000,
+                          .last_seen_ns = 1'305'031'229'000'000'009});
+  return changes;
+}
+
 #define ROOMWISE_MUST(expression)                                                  \
   do {                                                                             \
     const auto done_ = (expression);                                               \
@@ -134,7 +148,14 @@ inline void fill(Home& home) {
   objects::KeyframeLook one = sample_look(2);
   one.regions.resize(1);
   ROOMWISE_MUST(home.put_look(2, 1, one));
-  ROOMWISE_MUST(home.replace_instances(std::vector{sample_instance(1), sample_instance(2)}));
+  ROOMWISE_MUST(home.apply_changes(sample_changes()));
+  // A second visit brought what is past by now.
+  HomeChanges second = sample_changes();
+  second.kept = home.instances().value();
+  second.arrived.clear();
+  second.past[0].instance.visit = 1;
+  second.past[0].reason = PastReason::kGone;
+  ROOMWISE_MUST(home.apply_changes(second));
   ROOMWISE_MUST(home.replace_concepts(rooms::Concepts::standard()));
   ROOMWISE_MUST(home.replace_rooms(
       std::vector<rooms::Room>{{"Anna's room", "bedroom"}, {"kitchen", "kitchen"}}));

@@ -301,9 +301,62 @@ CREATE TABLE instance_names (
 ) STRICT;
 )sql";
 
-constexpr std::array kMigrations = {Migration{1, kVersion1},
-                                    Migration{kPictureFeaturesVersion, kVersion2},
-                                    Migration{kInstancesVersion, kVersion3}};
+constexpr const char* kVersion4 = R"sql(
+CREATE TABLE visits (
+  -- Later walks through the home that brought it up to date.
+  visit_id INTEGER PRIMARY KEY,
+  name TEXT NOT NULL,
+  folder TEXT NOT NULL,                -- where it was read from, as the user gave it
+  first_timestamp_ns INTEGER NOT NULL, -- in the time of its recording
+  last_timestamp_ns INTEGER NOT NULL,
+  frames INTEGER NOT NULL,             -- frames that were looked at
+  placed INTEGER NOT NULL              -- of these, those whose place on the map was found
+) STRICT;
+
+CREATE TABLE instance_visits (
+  -- Which instances only a visit showed: their key-frame is one near by, which does not show them.
+  instance_id INTEGER PRIMARY KEY REFERENCES instances ON DELETE CASCADE,
+  visit_id INTEGER NOT NULL REFERENCES visits,
+  points BLOB NOT NULL                 -- points of the surface: x, y, z in m as 32-bit floats, little-endian,
+                                       -- in the key-frame's camera frame (right, down, forward)
+) STRICT;
+
+CREATE TABLE past_instances (
+  -- Things as they stood in the home once, and stand there no more.
+  past_id INTEGER PRIMARY KEY,
+  name TEXT NOT NULL,
+  probability REAL NOT NULL,           -- that it was there and was called so, 0 to 1
+  sightings INTEGER NOT NULL,          -- number of key-frames that saw it
+  expected INTEGER NOT NULL,           -- number of key-frames that should have
+  reason TEXT NOT NULL CHECK (reason IN ('gone', 'moved')),
+  first_seen_ns INTEGER NOT NULL,      -- in the time of the recording that showed it
+  last_seen_ns INTEGER NOT NULL,
+  noticed_by INTEGER NOT NULL REFERENCES visits,  -- the visit that found it gone
+  brought_by INTEGER REFERENCES visits,           -- the visit that had shown it; NULL: the map's key-frames
+  keyframe_id INTEGER NOT NULL REFERENCES keyframes ON DELETE CASCADE,
+  left_px REAL NOT NULL,               -- there, in the colour image
+  top_px REAL NOT NULL,
+  right_px REAL NOT NULL,
+  bottom_px REAL NOT NULL,
+  tx_m REAL NOT NULL,                  -- keyframe_from_box, as in instances
+  ty_m REAL NOT NULL,
+  tz_m REAL NOT NULL,
+  qx REAL NOT NULL,
+  qy REAL NOT NULL,
+  qz REAL NOT NULL,
+  qw REAL NOT NULL,
+  width_m REAL NOT NULL,               -- along x, y and z of the box frame
+  depth_m REAL NOT NULL,
+  height_m REAL NOT NULL,
+  sigma_x_m REAL NOT NULL,             -- standard deviation of the middle along x, y and z of the box frame
+  sigma_y_m REAL NOT NULL,
+  sigma_z_m REAL NOT NULL
+) STRICT;
+)sql";
+
+constexpr std::array kMigrations = {
+    Migration{1, kVersion1}, Migration{kPictureFeaturesVersion, kVersion2},
+    Migration{kInstancesVersion, kVersion3}, Migration{kVisitsVersion, kVersion4}};
 
 constexpr Table later_table(std::string_view name, int since_version) {
   return {.name = name, .since_version = since_version};
@@ -335,6 +388,9 @@ constexpr std::array kTables = {
     later_table("keyframe_regions", kInstancesVersion),
     later_table("instances", kInstancesVersion),
     later_table("instance_names", kInstancesVersion),
+    Table{.name = "visits", .column_outside_digest = "folder", .since_version = kVisitsVersion},
+    later_table("instance_visits", kVisitsVersion),
+    later_table("past_instances", kVisitsVersion),
     Table{"stage_timings", /*in_digest=*/false},
 };
 

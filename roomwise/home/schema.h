@@ -66,5 +66,7 @@ constexpr int kPictureFeaturesVersion = 2;
 // That brought where in key-frames things are, and what they are together: region_finders,
 // keyframe_depths, keyframe_looks, keyframe_regions, instances, instance_names.
 constexpr int kInstancesVersion = 3;
+// That brought later visits and the past: visits, instance_visits, past_instances.
+constexpr int kVisitsVersion = 4;
 
 }  // namespace roomwise::home

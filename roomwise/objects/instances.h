@@ -32,6 +32,11 @@ struct Instance {
   // Standard deviation of the box's middle along x, y, z of the box frame, m: at least so much. It
   // knows what differs from picture to picture, not what all share, nor what cells were left out.
   Eigen::Vector3d sigma_m = Eigen::Vector3d::Zero();
+  // Of what only a later visit to the home showed (home::VisitId): its key-frame is one near by,
+  // which does not show it, and has no box in its picture. 0: the key-frames of the map show it.
+  std::int64_t visit = 0;
+  // A sample of its surface, in the key-frame's camera frame; only of what a visit brought.
+  std::vector<Eigen::Vector3f> surface_keyframe;
 
   [[nodiscard]] geometry::OrientedBox box_world(
       const geometry::RigidTransform& world_from_keyframe) const {

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "roomwise/pipeline/keyframe_images.h"
+#include "roomwise/pipeline/true_objects.h"
 #include "roomwise/pipeline/truth_evaluation.h"
 #include "roomwise/simulation/ground_truth.h"
 
@@ -19,38 +20,6 @@ constexpr double kWellSeenFrom_m = 2;
 constexpr std::size_t kWellSeenIn = 4;  // key-frames
 constexpr double kLeastShare = 0.005;   // of the picture
 constexpr double kLeastFill = 0.15;     // of the rectangle about its box
-
-// What a kind of simulated thing may be called besides its own label. The first word is the one
-// that it ought to be found by, if `has_word`.
-struct OtherNames {
-  bool has_word = false;
-  std::vector<std::string> names;
-};
-const std::map<std::string, OtherNames, std::less<>>& other_names() {
-  static const std::map<std::string, OtherNames, std::less<>> kNames = {
-      {"coffee table", {true, {"table"}}},
-      {"armchair", {true, {"chair", "sofa"}}},
-      {"small plant", {true, {"plant", "vase"}}},
-      {"plant", {true, {"plant", "vase"}}},
-      {"vase", {true, {"vase", "plant"}}},
-      {"stove", {true, {"stove", "microwave"}}},
-      {"stool", {false, {"chair", "table"}}},
-      {"nightstand", {false, {"table", "wardrobe"}}},
-      {"tv stand", {false, {"table", "wardrobe"}}},
-      {"chest of drawers", {false, {"wardrobe", "table"}}},
-      {"kitchen cabinet", {false, {"sink", "stove", "table"}}},
-      {"clothes", {false, {"chair"}}},
-      {"teapot", {false, {"cup", "vase"}}},
-      {"fruit", {false, {"bowl"}}},
-      {"bookcase", {true, {"bookcase", "wardrobe"}}},
-  };
-  return kNames;
-}
-
-geometry::OrientedBox box_of(const simulation::ObjectTruth& object) {
-  const Eigen::Quaterniond turn(Eigen::AngleAxisd(object.yaw_rad, Eigen::Vector3d::UnitZ()));
-  return {{turn, object.center_m}, object.size_m};
-}
 
 // The area of the rectangle about a box as a camera without a rim would see it, px; infinite where
 // a corner lies behind the camera.
@@ -93,26 +62,13 @@ Expected<std::vector<TrueObject>> nameable(const home::Home& home,
   ROOMWISE_TRY(auto keyframes, home.keyframes());
   ROOMWISE_TRY(const auto true_poses, at_true_poses(std::move(keyframes), recording));
   ROOMWISE_TRY(const auto cameras, recording_cameras(home));
-  const auto& words = concepts.vocabulary.objects();
   std::vector<TrueObject> truth;
   for (const simulation::ObjectTruth& object : objects) {
     if (object.seen.empty()) continue;
-    TrueObject entry{.kind = object.label, .box = box_of(object)};
-    bool has_word = words.contains(object.label);
-    if (const auto word = concepts.vocabulary.object_of(object.label); word && !has_word) {
-      entry.kind = *word;
-      has_word = true;
-    }
-    if (const auto other = other_names().find(object.label); other != other_names().end()) {
-      for (const std::string& name : other->second.names) {
-        if (words.contains(name)) entry.also_called.insert(name);
-      }
-      has_word = has_word || (other->second.has_word && !entry.also_called.empty());
-      if (has_word && !words.contains(entry.kind)) entry.kind = other->second.names.front();
-    }
-    if (!has_word && entry.also_called.empty()) continue;
-    entry.is_expected = has_word && is_seen_well(object, true_poses, cameras);
-    truth.push_back(std::move(entry));
+    auto entry = in_words(object, concepts.vocabulary);
+    if (!entry) continue;
+    entry->is_expected = entry->is_expected && is_seen_well(object, true_poses, cameras);
+    truth.push_back(*std::move(entry));
   }
   return truth;
 }

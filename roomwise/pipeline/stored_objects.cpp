@@ -1,11 +1,11 @@
 #include <algorithm>
-#include <ranges>
 #include <set>
 
 #include "roomwise/image/codec.h"
 #include "roomwise/objects/center_point.h"
-#include "roomwise/objects/instances.h"
+#include "roomwise/objects/changes.h"
 #include "roomwise/pipeline/keyframe_images.h"
+#include "roomwise/pipeline/stored_looks.h"
 #include "roomwise/pipeline/stored_map.h"
 
 namespace roomwise::pipeline {
@@ -26,23 +26,6 @@ std::set<home::KeyframeId> after_known_ground(std::span<const mapping::PoseGraph
     if (!edge.is_loop && edge.from + 1 != edge.to) after.insert(edge.to);
   }
   return after;
-}
-
-// What the newest network that names things said of each key-frame, in the home's words.
-Expected<std::map<home::KeyframeId, std::vector<objects::Sighting>>> said_of_pictures(
-    const home::Home& home, const objects::ObjectVocabulary& vocabulary, double least_score) {
-  std::map<home::KeyframeId, std::vector<objects::Sighting>> said;
-  ROOMWISE_TRY(const auto networks, home.networks());
-  for (const auto& [id, network] : networks | std::views::reverse) {
-    if (network.labels.empty()) continue;
-    ROOMWISE_TRY(const auto predictions, home.predictions(id));
-    for (const auto& [keyframe, prediction] : predictions) {
-      said[keyframe] =
-          objects::sightings_in(prediction.scores, network.labels, vocabulary, least_score);
-    }
-    break;
-  }
-  return said;
 }
 
 // The paper's way, from what the networks said of whole pictures.
@@ -90,60 +73,55 @@ Expected<std::uint64_t> update_by_rules(home::Home& home, const objects::ObjectR
   return found.size();
 }
 
-// The looks of all finders at one key-frame, together.
-Expected<std::map<home::KeyframeId, objects::KeyframeLook>> looks_of_all(const home::Home& home) {
-  std::map<home::KeyframeId, objects::KeyframeLook> all;
-  ROOMWISE_TRY(const auto finders, home.region_finders());
-  for (const auto& [id, finder] : finders) {
-    ROOMWISE_TRY(auto looks, home.looks(id));
-    for (auto& [keyframe, look] : looks) {
-      objects::KeyframeLook& joined = all[keyframe];
-      joined.coarse_depth = std::move(look.coarse_depth);
-      std::ranges::move(look.regions, std::back_inserter(joined.regions));
+// Without what is known to be past, and with what later visits brought.
+Expected<std::vector<objects::Instance>> as_visits_left_it(
+    const home::Home& home, std::vector<objects::Instance> joined,
+    const std::map<home::KeyframeId, home::KeyframePose>& poses) {
+  const auto standing = [&](const objects::Instance& one) {
+    return objects::StandingThing{
+        one.name, one.box_world(poses.at(one.keyframe_id).world_from_keyframe), {}};
+  };
+  const auto piece_of = [&](const objects::Instance& one) {
+    return poses.at(one.keyframe_id).piece;
+  };
+  ROOMWISE_TRY(const auto past, home.past_instances());
+  std::vector<objects::StandingThing> gone, there;
+  for (const home::PastInstance& one : past) {
+    // What a visit brought and another took away was never joined from key-frames.
+    if (one.instance.visit == 0 && piece_of(one.instance) == 0) {
+      gone.push_back(standing(one.instance));
     }
   }
-  return all;
-}
-
-// The regions that the home has a word for.
-std::vector<objects::NamedRegion> named(const objects::KeyframeLook& look,
-                                        const objects::ObjectVocabulary& vocabulary) {
-  std::vector<objects::NamedRegion> regions;
-  for (const objects::Region& region : look.regions) {
-    if (auto name = vocabulary.object_of(region.label)) {
-      regions.push_back({*std::move(name), &region});
-    }
+  std::vector<std::size_t> places;  // in joined, of what is there
+  for (std::size_t i = 0; i < joined.size(); ++i) {
+    if (piece_of(joined[i]) != 0) continue;
+    places.push_back(i);
+    there.push_back(standing(joined[i]));
   }
-  return regions;
+  std::set<std::size_t> left_out;
+  for (const auto& match : objects::match_past(gone, there)) {
+    if (match) left_out.insert(places[*match]);
+  }
+  std::vector<objects::Instance> instances;
+  for (std::size_t i = 0; i < joined.size(); ++i) {
+    if (!left_out.contains(i)) instances.push_back(std::move(joined[i]));
+  }
+  ROOMWISE_TRY(const auto stored, home.instances());
+  std::ranges::copy_if(stored, std::back_inserter(instances),
+                       [](const objects::Instance& one) { return one.visit != 0; });
+  return instances;
 }
 
 Expected<std::uint64_t> update_instances(home::Home& home) {
-  ROOMWISE_TRY(const rooms::Concepts concepts, home.concepts());
-  ROOMWISE_TRY(const auto cameras, recording_cameras(home));
+  ROOMWISE_TRY(const StoredLooks looks, StoredLooks::read(home));
   ROOMWISE_TRY(const auto keyframes, home.keyframes());
-  ROOMWISE_TRY(const auto looks, looks_of_all(home));
-  constexpr double kLeastSaid = 0.1;
-  ROOMWISE_TRY(const auto said, said_of_pictures(home, concepts.vocabulary, kLeastSaid));
-  std::map<std::uint64_t, std::vector<objects::LookedKeyframe>> looked_in_piece;
-  for (const home::Keyframe& keyframe : keyframes) {
-    const auto look = looks.find(keyframe.id);
-    if (look == looks.end()) continue;
-    looked_in_piece[keyframe.pose.piece].push_back(
-        {.keyframe_id = keyframe.id,
-         .world_from_camera = keyframe.pose.world_from_keyframe,
-         .camera = &cameras.at(keyframe.recording),
-         .coarse_depth = &look->second.coarse_depth,
-         .regions = named(look->second, concepts.vocabulary),
-         .said = {}});
-    if (const auto words = said.find(keyframe.id); words != said.end()) {
-      looked_in_piece[keyframe.pose.piece].back().said = words->second;
-    }
-  }
-  std::vector<objects::Instance> instances;
-  for (const auto& [piece, looked] : looked_in_piece) {
+  std::vector<objects::Instance> joined;
+  for (const auto& [piece, looked] : looks.pieces()) {
     const auto there = objects::find_instances(looked, objects::find_level(looked), {});
-    instances.insert(instances.end(), there.begin(), there.end());
+    joined.insert(joined.end(), there.begin(), there.end());
   }
+  ROOMWISE_TRY(const auto instances,
+               as_visits_left_it(home, std::move(joined), poses_by_id(keyframes)));
   ROOMWISE_CHECK_OK(home.replace_instances(instances));
   return instances.size();
 }

@@ -1,0 +1,141 @@
+#include <filesystem>
+#include <memory>
+#include <opencv2/core/utility.hpp>
+
+#include "command_run.h"
+#include "commands.h"
+#include "networks.h"
+#include "roomwise/pipeline/update_home.h"
+
+namespace roomwise::app {
+namespace {
+
+namespace fs = std::filesystem;
+using objects::Fate;
+using pipeline::ThingUpdate;
+
+struct UpdateCommandOptions {
+  fs::path home;
+  fs::path recording;
+  bool dry_run = false;
+  pipeline::UpdateOptions update;
+};
+
+std::string_view what_of(const ThingUpdate& thing) {
+  return thing.is_new ? "new" : objects::to_string(thing.fate);
+}
+
+std::string at(const geometry::OrientedBox& box, const std::string& room) {
+  const Eigen::Vector3d& middle = box.center();
+  return fmt::format("{:.2f} {:.2f} {:.2f} m{}", middle.x(), middle.y(), middle.z(),
+                     room.empty() ? "" : " (" + room + ")");
+}
+
+std::string row_of(const ThingUpdate& thing) {
+  std::string place;
+  if (thing.before && thing.now && thing.fate == Fate::kMoved) {
+    const double distance_m = (thing.before->center() - thing.now->center()).norm();
+    place = fmt::format("from {} to {}, {:.2f} m", at(*thing.before, thing.room_before),
+                        at(*thing.now, thing.room_now), distance_m);
+  } else if (thing.now) {
+    place = "at " + at(*thing.now, thing.room_now);
+  } else {
+    place = "was at " + at(*thing.before, thing.room_before);
+  }
+  const objects::SurfaceEvidence& evidence = thing.is_new ? thing.evidence_now : thing.evidence;
+  return fmt::format("{:<13} {:<16} {}; {:.0f} % of what {} pictures show of its place differs\n",
+                     what_of(thing), thing.name, place, 100 * evidence.gone_share(),
+                     evidence.views);
+}
+
+Json place_json(const std::optional<geometry::OrientedBox>& box, const std::string& room) {
+  if (!box) return nullptr;
+  const Eigen::Vector3d& middle = box->center();
+  const Eigen::Quaterniond& turn = box->world_from_box.rotation;
+  return {{"position_world_m", {middle.x(), middle.y(), middle.z()}},
+          {"rotation_world_xyzw", {turn.x(), turn.y(), turn.z(), turn.w()}},
+          {"size_m", {box->size_m.x(), box->size_m.y(), box->size_m.z()}},
+          {"room", room.empty() ? Json(nullptr) : Json(room)}};
+}
+
+Json to_json(const objects::SurfaceEvidence& evidence) {
+  return {{"pictures", evidence.views},
+          {"looked_at", evidence.decided_share()},
+          {"differs", evidence.gone_share()}};
+}
+
+Json to_json(const ThingUpdate& thing) {
+  return {{"what", what_of(thing)},
+          {"name", thing.name},
+          {"probability", thing.probability},
+          {"before", place_json(thing.before, thing.room_before)},
+          {"now", place_json(thing.now, thing.room_now)},
+          {"place_before", to_json(thing.evidence)},
+          {"place_now", to_json(thing.evidence_now)}};
+}
+
+Answer describe(const pipeline::HomeUpdate& update, const UpdateCommandOptions& options) {
+  const home::Visit& visit = update.changes.visit;
+  Answer answer;
+  answer.text = fmt::format("{} of {} pictures of the visit were found on the map\n", visit.placed,
+                            visit.frames);
+  answer.json = {{"frames", visit.frames},
+                 {"placed", visit.placed},
+                 {"first_timestamp_s", 1e-9 * static_cast<double>(visit.first_timestamp_ns)},
+                 {"last_timestamp_s", 1e-9 * static_cast<double>(visit.last_timestamp_ns)},
+                 {"changed", !update.changes.empty()},
+                 {"written", !update.changes.empty() && !options.dry_run},
+                 {"things", Json::array()}};
+  std::size_t there = 0, not_looked_at = 0;
+  for (const ThingUpdate& thing : update.things) {
+    answer.json["things"].push_back(to_json(thing));
+    const bool changed = thing.is_changed();
+    if (changed) answer.text += row_of(thing);
+    if (!changed && thing.fate == Fate::kThere) ++there;
+    if (!changed && thing.fate == Fate::kNotLookedAt) ++not_looked_at;
+  }
+  answer.text +=
+      fmt::format("{} things are where they were, {} were not looked at\n", there, not_looked_at);
+  if (update.changes.empty()) {
+    answer.text += "nothing changed; the home is as it was\n";
+  } else if (options.dry_run) {
+    answer.text += "--dry-run: the home is as it was\n";
+  }
+  return answer;
+}
+
+Expected<Answer> update(const UpdateCommandOptions& options, Context& context) {
+  cv::setNumThreads(1);
+  ROOMWISE_TRY(const objects::RegionFinders finders, load_region_finders());
+  ROOMWISE_TRY(home::Home home, options.dry_run ? home::Home::open_read_only(options.home)
+                                                : home::Home::open(options.home));
+  CommandRun run(context);
+  pipeline::UpdateOptions with = options.update;
+  with.localizer.seed = context.seed;
+  ROOMWISE_TRY(const pipeline::HomeUpdate found,
+               pipeline::compare_with_visit(home, options.recording, finders, with, run));
+  if (!options.dry_run && !found.changes.empty()) {
+    ROOMWISE_CHECK_OK(home.apply_changes(found.changes));
+  }
+  return describe(found, options);
+}
+
+}  // namespace
+
+void add_update_command(CLI::App& app, Context& context) {
+  auto options = std::make_shared<UpdateCommandOptions>();
+  CLI::App* command = add_command(
+      app, context, "update",
+      "Bring a home up to date with a later walk through it: which things are gone, new or moved; "
+      "the old state is kept with its time",
+      "roomwise update --home my.home LATER-RECORDING",
+      [options, &context] { return update(*options, context); });
+  command->add_option("--home", options->home, "Home with a map")->required();
+  command->add_option("recording", options->recording, "Folder in TUM's format")->required();
+  command->add_flag("--dry-run", options->dry_run, "Only say what changed; write nothing");
+  command->add_option("--every", options->update.every, "Look at every K-th picture")
+      ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1000}))
+      ->capture_default_str();
+}
+
+}  // namespace roomwise::app

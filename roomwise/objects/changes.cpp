@@ -1,0 +1,345 @@
+#include "roomwise/objects/changes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <tuple>
+
+#include "roomwise/objects/world_sight.h"
+
+namespace roomwise::objects {
+namespace {
+
+using Eigen::Vector3d;
+using Eigen::Vector3f;
+
+// What depth and poses err by: this, and this part of the distance.
+constexpr double kMargin_m = 0.04;
+constexpr double kMarginOfDistance = 0.015;
+constexpr double kNearest_m = 0.3, kFarthest_m = 4.5;
+// How far from its pixel a point may be found, px of the camera's picture: poses err.
+constexpr int kAround_px = 8;
+constexpr double kBoxSlack_m = 0.05;
+
+enum class Verdict { kNothing, kSeen, kLookedThrough };
+
+Verdict verdict(const Vector3d& point_world, const DepthView& view) {
+  const Vector3d point = view.world_from_camera.inverse() * point_world;
+  if (point.z() < kNearest_m || point.z() > kFarthest_m) return Verdict::kNothing;
+  const Eigen::Vector2d pixel = view.camera->project(point);
+  const int around = kAround_px / view.step_px;
+  const int stride = std::max(1, around / 2);
+  const int x = static_cast<int>(std::floor((pixel.x() + 0.5) / view.step_px));
+  const int y = static_cast<int>(std::floor((pixel.y() + 0.5) / view.step_px));
+  const double margin_m = kMargin_m + kMarginOfDistance * point.z();
+  int measured = 0, behind = 0;
+  for (int dy = -around; dy <= around; dy += stride) {
+    for (int dx = -around; dx <= around; dx += stride) {
+      if (!view.depth->contains(x + dx, y + dy)) return Verdict::kNothing;
+      const double seen_m = view.depth->at(x + dx, y + dy) / view.camera->depth_units_per_metre;
+      if (seen_m <= 0) continue;
+      ++measured;
+      if (std::abs(seen_m - point.z()) <= margin_m) return Verdict::kSeen;
+      if (seen_m > point.z()) ++behind;
+    }
+  }
+  return measured > 0 && behind == measured ? Verdict::kLookedThrough : Verdict::kNothing;
+}
+
+// How many views see each point of a surface, and how many look through it.
+struct PointVotes {
+  std::vector<int> seen, through;
+  std::vector<std::size_t> decided_by_view;
+
+  [[nodiscard]] bool is_gone(std::size_t point) const { return through[point] > seen[point]; }
+};
+
+PointVotes count_votes(std::span<const Vector3f> surface_world, std::span<const DepthView> views) {
+  PointVotes votes{
+      std::vector<int>(surface_world.size()), std::vector<int>(surface_world.size()), {}};
+  for (const DepthView& view : views) {
+    std::size_t& decided = votes.decided_by_view.emplace_back(0);
+    for (std::size_t i = 0; i < surface_world.size(); ++i) {
+      const Verdict says = verdict(surface_world[i].cast<double>(), view);
+      if (says == Verdict::kSeen) ++votes.seen[i];
+      if (says == Verdict::kLookedThrough) ++votes.through[i];
+      if (says != Verdict::kNothing) ++decided;
+    }
+  }
+  return votes;
+}
+
+// The share of a thing's surface in the other's box, of the two the larger.
+double shared_place(const StandingThing& a, const StandingThing& b) {
+  const auto inside = [](const StandingThing& one, const geometry::OrientedBox& box) {
+    if (one.surface_world.empty()) return 0.0;
+    const auto count = std::ranges::count_if(one.surface_world, [&](const Vector3f& point) {
+      return box.distance_m(point.cast<double>()) <= kBoxSlack_m;
+    });
+    return static_cast<double>(count) / static_cast<double>(one.surface_world.size());
+  };
+  return std::max(inside(a, b.box_world), inside(b, a.box_world));
+}
+
+double distance_m(const StandingThing& a, const StandingThing& b) {
+  return (a.box_world.center() - b.box_world.center()).norm();
+}
+
+struct Pair {
+  double cost = 0;
+  std::size_t a = 0, b = 0;
+};
+// Takes pairs, the cheapest first, each of both used once.
+void take_pairs(std::vector<Pair> pairs, std::size_t count_a, std::size_t count_b,
+                const std::function<void(const Pair&)>& take) {
+  std::ranges::sort(pairs, {}, [](const Pair& p) { return std::tuple(p.cost, p.a, p.b); });
+  std::vector<bool> used_a(count_a), used_b(count_b);
+  for (const Pair& pair : pairs) {
+    if (used_a[pair.a] || used_b[pair.b]) continue;
+    used_a[pair.a] = used_b[pair.b] = true;
+    take(pair);
+  }
+}
+
+// How far apart things may be that are one, with its place in doubt: half a thing's floor.
+bool stand_in_one_place(const StandingThing& a, const StandingThing& b) {
+  const double half_m =
+      0.25 * (a.box_world.size_m.head<2>().norm() + b.box_world.size_m.head<2>().norm());
+  return distance_m(a, b) <= std::max(kBoxSlack_m, half_m);
+}
+
+class ChangeFinder {
+ public:
+  ChangeFinder(std::span<const StandingThing> before, std::span<const StandingThing> now,
+               const ChangeOptions& options)
+      : before_(before), now_(now), options_(options), taken_(now.size()) {
+    changes_.before.resize(before.size());
+  }
+
+  Changes find(std::span<const DepthView> views_before, std::span<const DepthView> views_now,
+               std::span<const StandingThing> past) {
+    for (std::size_t i = 0; i < before_.size(); ++i) {
+      changes_.before[i].evidence = look_for_surface(before_[i].surface_world, views_now);
+    }
+    for (const StandingThing& thing : now_) {
+      earlier_.push_back(look_for_surface(thing.surface_world, views_before));
+    }
+    on_record_.resize(now_.size());
+    for (const auto& match : match_past(past, now_)) {
+      if (match) on_record_[*match] = true;
+    }
+    find_in_place();
+    judge_others();
+    collect_arrivals();
+    join_moved();
+    return std::move(changes_);
+  }
+
+ private:
+  [[nodiscard]] bool is_looked_at(const SurfaceEvidence& evidence) const {
+    return evidence.decided_share() >= options_.least_decided &&
+           evidence.views >= options_.least_views;
+  }
+  [[nodiscard]] bool differs(const SurfaceEvidence& evidence, double least) const {
+    return is_looked_at(evidence) && evidence.gone_share() >= least;
+  }
+  [[nodiscard]] bool is_new(std::size_t now, double least) const {
+    return on_record_[now] || differs(earlier_[now], least);
+  }
+
+  // Rule 1.
+  void find_in_place() {
+    std::vector<Pair> pairs;
+    for (std::size_t b = 0; b < before_.size(); ++b) {
+      for (std::size_t n = 0; n < now_.size(); ++n) {
+        if (before_[b].name != now_[n].name) continue;
+        const double shared = shared_place(before_[b], now_[n]);
+        if (shared >= options_.same_place) pairs.push_back({-shared, b, n});
+      }
+    }
+    take_pairs(std::move(pairs), before_.size(), now_.size(), [&](const Pair& pair) {
+      ThingFate& fate = changes_.before[pair.a];
+      fate.now = pair.b;
+      fate.evidence_now = earlier_[pair.b];
+      taken_[pair.b] = true;
+      const bool shifted = differs(fate.evidence, options_.least_shifted) &&
+                           is_new(pair.b, options_.least_shifted) &&
+                           distance_m(before_[pair.a], now_[pair.b]) >= options_.least_shift_m;
+      fate.fate = shifted ? Fate::kMoved : Fate::kThere;
+    });
+  }
+
+  // Rule 2.
+  void judge_others() {
+    for (ThingFate& fate : changes_.before) {
+      if (fate.now) continue;
+      if (!is_looked_at(fate.evidence)) continue;
+      fate.fate = differs(fate.evidence, options_.least_gone)          ? Fate::kGone
+                  : differs(fate.evidence, options_.least_partly_gone) ? Fate::kShifted
+                                                                       : Fate::kThere;
+    }
+  }
+
+  // Rule 3. Where a thing is still that had another name, nothing is new.
+  void collect_arrivals() {
+    for (std::size_t n = 0; n < now_.size(); ++n) {
+      if (taken_[n] || !is_new(n, options_.least_gone)) continue;
+      bool is_there = false;
+      for (std::size_t b = 0; b < before_.size() && !is_there; ++b) {
+        is_there =
+            changes_.before[b].fate == Fate::kThere && stand_in_one_place(before_[b], now_[n]);
+      }
+      if (!is_there) changes_.arrived.push_back({n, earlier_[n]});
+    }
+  }
+
+  // Rule 4.
+  void join_moved() {
+    std::vector<Pair> pairs;
+    for (std::size_t b = 0; b < before_.size(); ++b) {
+      if (changes_.before[b].fate != Fate::kGone) continue;
+      for (const Arrival& arrival : changes_.arrived) {
+        if (before_[b].name != now_[arrival.now].name) continue;
+        pairs.push_back({distance_m(before_[b], now_[arrival.now]), b, arrival.now});
+      }
+    }
+    take_pairs(std::move(pairs), before_.size(), now_.size(), [&](const Pair& pair) {
+      changes_.before[pair.a].fate = Fate::kMoved;
+      changes_.before[pair.a].now = pair.b;
+      changes_.before[pair.a].evidence_now = earlier_[pair.b];
+      std::erase_if(changes_.arrived,
+                    [&](const Arrival& arrival) { return arrival.now == pair.b; });
+    });
+  }
+
+  std::span<const StandingThing> before_, now_;
+  const ChangeOptions& options_;
+  std::vector<SurfaceEvidence> earlier_;  // of now_, by the map's depth
+  std::vector<bool> on_record_;           // of now_: stands where such a thing stood in the past
+  std::vector<bool> taken_;               // of now_
+  Changes changes_;
+};
+
+}  // namespace
+
+double SurfaceEvidence::decided_share() const {
+  return static_cast<double>(decided) / static_cast<double>(std::max<std::size_t>(1, points));
+}
+
+double SurfaceEvidence::gone_share() const {
+  return static_cast<double>(gone) / static_cast<double>(std::max<std::size_t>(1, decided));
+}
+
+SurfaceEvidence look_for_surface(std::span<const Vector3f> surface_world,
+                                 std::span<const DepthView> views) {
+  SurfaceEvidence evidence{.points = surface_world.size()};
+  const PointVotes votes = count_votes(surface_world, views);
+  for (const std::size_t decided : votes.decided_by_view) {
+    if (decided > 0 && 4 * decided >= surface_world.size()) ++evidence.views;
+  }
+  for (std::size_t i = 0; i < surface_world.size(); ++i) {
+    if (votes.seen[i] + votes.through[i] > 0) ++evidence.decided;
+    if (votes.is_gone(i)) ++evidence.gone;
+  }
+  return evidence;
+}
+
+std::vector<Vector3f> remaining_surface(std::span<const Vector3f> surface_world,
+                                        std::span<const DepthView> views) {
+  const PointVotes votes = count_votes(surface_world, views);
+  std::vector<Vector3f> remaining;
+  for (std::size_t i = 0; i < surface_world.size(); ++i) {
+    if (!votes.is_gone(i)) remaining.push_back(surface_world[i]);
+  }
+  return remaining;
+}
+
+StandingThing standing_thing(const Instance& instance, const geometry::OrientedBox& box_world,
+                             std::span<const LookedKeyframe> keyframes, const Level& level,
+                             std::vector<std::size_t>* seen_in) {
+  constexpr double kFoot_m = 0.03;  // what a thing stands on reaches into its box
+  constexpr float kSample_m = 0.04F;
+  StandingThing thing{instance.name, box_world, {}};
+  const geometry::RigidTransform box_from_world = box_world.world_from_box.inverse();
+  std::vector<VoxelKey> taken;
+  for (std::size_t k = 0; k < keyframes.size(); ++k) {
+    bool shows = false;
+    for (const NamedRegion& named : keyframes[k].regions) {
+      if (named.name != instance.name && !instance.names.contains(named.name)) continue;
+      std::size_t inside = 0;
+      for (const Vector3f& point : named.region->surface.points) {
+        const Vector3d point_world = keyframes[k].world_from_camera * point.cast<double>();
+        const Vector3d point_box = box_from_world * point_world;
+        if (((point_box.cwiseAbs() - 0.5 * box_world.size_m).array() > 0.01).any()) continue;
+        if (point_box.z() < kFoot_m - 0.5 * box_world.size_m.z()) continue;
+        if (level.height_m(point_world) < kFloorReach_m) continue;
+        ++inside;
+        // One point for each little cell, the first that comes.
+        const VoxelKey voxel = voxel_of(point_world.cast<float>(), kSample_m);
+        const auto at = std::ranges::lower_bound(taken, voxel);
+        if (at != taken.end() && *at == voxel) continue;
+        taken.insert(at, voxel);
+        thing.surface_world.push_back(point_world.cast<float>());
+      }
+      shows = shows || 2 * inside >= named.region->surface.points.size();
+    }
+    if (shows && seen_in != nullptr) seen_in->push_back(k);
+  }
+  return thing;
+}
+
+std::string_view to_string(Fate fate) {
+  switch (fate) {
+    case Fate::kThere:
+      return "there";
+    case Fate::kMoved:
+      return "moved";
+    case Fate::kShifted:
+      return "shifted";
+    case Fate::kGone:
+      return "gone";
+    case Fate::kNotLookedAt:
+      return "not looked at";
+  }
+  return "";
+}
+
+Expected<void> ChangeOptions::validate() const {
+  const auto check_share = [](double share, std::string_view what) -> Expected<void> {
+    if (share >= 0 && share <= 1) return {};
+    return fail("{} is {}; expected a share, 0 to 1", what, share);
+  };
+  ROOMWISE_CHECK_OK(check_share(least_decided, "least_decided"));
+  ROOMWISE_CHECK_OK(check_share(least_gone, "least_gone"));
+  ROOMWISE_CHECK_OK(check_share(least_shifted, "least_shifted"));
+  ROOMWISE_CHECK_OK(check_share(least_partly_gone, "least_partly_gone"));
+  ROOMWISE_CHECK_OK(check_share(same_place, "same_place"));
+  if (least_views < 1) return fail("least_views is {}; expected at least 1", least_views);
+  if (!(least_shift_m >= 0 && std::isfinite(least_shift_m))) {
+    return fail("least_shift_m is {}; expected 0 m or more", least_shift_m);
+  }
+  return {};
+}
+
+Changes find_changes(std::span<const StandingThing> before, std::span<const DepthView> views_before,
+                     std::span<const StandingThing> now, std::span<const DepthView> views_now,
+                     std::span<const StandingThing> past, const ChangeOptions& options) {
+  return ChangeFinder(before, now, options).find(views_before, views_now, past);
+}
+
+std::vector<std::optional<std::size_t>> match_past(std::span<const StandingThing> past,
+                                                   std::span<const StandingThing> things) {
+  std::vector<Pair> pairs;
+  for (std::size_t p = 0; p < past.size(); ++p) {
+    for (std::size_t t = 0; t < things.size(); ++t) {
+      if (past[p].name != things[t].name || !stand_in_one_place(past[p], things[t])) continue;
+      pairs.push_back({distance_m(past[p], things[t]), p, t});
+    }
+  }
+  std::vector<std::optional<std::size_t>> matches(past.size());
+  take_pairs(std::move(pairs), past.size(), things.size(),
+             [&](const Pair& pair) { matches[pair.a] = pair.b; });
+  return matches;
+}
+
+}  // namespace roomwise::objects

@@ -1,0 +1,178 @@
+#include "roomwise/pipeline/change_evaluation.h"
+
+#include <algorithm>
+#include <limits>
+#include <map>
+#include <set>
+
+#include "roomwise/pipeline/true_objects.h"
+#include "roomwise/pipeline/truth_evaluation.h"
+
+namespace roomwise::pipeline {
+namespace {
+
+using simulation::ObjectTruth;
+
+constexpr double kNear_m = 0.2;
+constexpr double kLeastShare = 0.005;                            // of the picture
+constexpr std::ptrdiff_t kWellSeenBefore = 4, kWellSeenNow = 3;  // frames
+
+using ByName = std::map<std::string, ObjectTruth>;
+
+Expected<ByName> read_by_name(const std::filesystem::path& recording) {
+  ROOMWISE_TRY(auto objects, simulation::read_objects_truth(recording / "objects.json"));
+  ByName by_name;
+  for (ObjectTruth& object : objects) by_name[object.name] = std::move(object);
+  return by_name;
+}
+
+const ObjectTruth* find_thing(const ByName& things, const std::string& name) {
+  const auto at = things.find(name);
+  return at == things.end() ? nullptr : &at->second;
+}
+
+bool is_seen_in(const ObjectTruth& object, std::ptrdiff_t least_frames) {
+  return std::ranges::count_if(object.seen, [](const simulation::ObjectSighting& seen) {
+           return seen.share >= kLeastShare;
+         }) >= least_frames;
+}
+
+// All that changed, with a word for it or without; what has no word is not expected.
+std::vector<TrueChange> true_changes(const ByName& before, const ByName& now,
+                                     double least_shift_m) {
+  std::set<std::string> names;
+  for (const auto& [name, object] : before) names.insert(name);
+  for (const auto& [name, object] : now) names.insert(name);
+  std::vector<TrueChange> changes;
+  for (const std::string& name : names) {
+    const ObjectTruth* was = find_thing(before, name);
+    const ObjectTruth* is = find_thing(now, name);
+    TrueChange change;
+    change.name = name;
+    change.label = (was != nullptr ? was : is)->label;
+    if (was != nullptr && is != nullptr) {
+      change.shift_m = (was->center_m - is->center_m).norm();
+      if (change.shift_m < least_shift_m) continue;
+      change.fate = objects::Fate::kMoved;
+    } else if (was != nullptr) {
+      change.fate = objects::Fate::kGone;
+    }
+    change.is_expected = (was == nullptr || is_seen_in(*was, kWellSeenBefore)) &&
+                         (is == nullptr || is_seen_in(*is, kWellSeenNow));
+    changes.push_back(std::move(change));
+  }
+  return changes;
+}
+
+// From the middle of a box to a true thing, m; infinite without one.
+double distance_m(const std::optional<geometry::OrientedBox>& box_world, const ObjectTruth* thing,
+                  const geometry::RigidTransform& truth_from_world) {
+  if (!box_world || thing == nullptr) return std::numeric_limits<double>::infinity();
+  return box_of(*thing).distance_m(truth_from_world * box_world->center());
+}
+
+bool may_be_called(const ObjectTruth& thing, const std::string& name,
+                   const objects::ObjectVocabulary& vocabulary) {
+  const auto words = in_words(thing, vocabulary);
+  return words && (words->kind == name || words->also_called.contains(name));
+}
+
+// The change that an alarm is about: the nearest within reach, of its name if there is one.
+TrueChange* find_cause(const ThingUpdate& alarm, std::vector<TrueChange>& changes,
+                       const ByName& before, const ByName& now,
+                       const geometry::RigidTransform& truth_from_world,
+                       const objects::ObjectVocabulary& vocabulary) {
+  TrueChange* cause = nullptr;
+  std::pair<bool, double> least{true, std::numeric_limits<double>::infinity()};
+  for (TrueChange& change : changes) {
+    const ObjectTruth* was = find_thing(before, change.name);
+    const ObjectTruth* is = find_thing(now, change.name);
+    const double off_m = std::min(distance_m(alarm.before, was, truth_from_world),
+                                  distance_m(alarm.now, is, truth_from_world));
+    if (off_m > kNear_m) continue;
+    const std::pair cost{!may_be_called(was != nullptr ? *was : *is, alarm.name, vocabulary),
+                         off_m};
+    if (cost >= least) continue;
+    least = cost;
+    cause = &change;
+  }
+  return cause;
+}
+
+// The names of the true things that the home had found, each the nearest to one of its things.
+std::set<std::string> known_things(const HomeUpdate& update, const ByName& before,
+                                   const geometry::RigidTransform& truth_from_world,
+                                   const objects::ObjectVocabulary& vocabulary) {
+  std::set<std::string> known;
+  for (const ThingUpdate& thing : update.things) {
+    double least_m = kNear_m;
+    std::string nearest;
+    for (const auto& [name, truth] : before) {
+      const double off_m = distance_m(thing.before, &truth, truth_from_world);
+      if (off_m > least_m || !may_be_called(truth, thing.name, vocabulary)) continue;
+      least_m = off_m;
+      nearest = name;
+    }
+    if (!nearest.empty()) known.insert(nearest);
+  }
+  return known;
+}
+
+}  // namespace
+
+std::size_t ChangeEvaluation::expected() const {
+  return static_cast<std::size_t>(std::ranges::count(changes, true, &TrueChange::is_expected));
+}
+std::size_t ChangeEvaluation::noticed() const {
+  return static_cast<std::size_t>(std::ranges::count_if(changes, [](const TrueChange& change) {
+    return change.is_expected && !change.noticed_as.empty();
+  }));
+}
+std::size_t ChangeEvaluation::known() const {
+  return static_cast<std::size_t>(std::ranges::count_if(
+      changes, [](const TrueChange& change) { return change.is_expected && change.was_known; }));
+}
+std::size_t ChangeEvaluation::known_noticed() const {
+  return static_cast<std::size_t>(std::ranges::count_if(changes, [](const TrueChange& change) {
+    return change.is_expected && change.was_known && !change.noticed_as.empty();
+  }));
+}
+
+Expected<ChangeEvaluation> evaluate_changes(const home::Home& home,
+                                            const std::filesystem::path& mapped,
+                                            const std::filesystem::path& visit,
+                                            const HomeUpdate& update, double least_shift_m) {
+  ROOMWISE_CHECK_OK(check_mapped_from(home, mapped));
+  ROOMWISE_TRY(const geometry::RigidTransform truth_from_world, truth_from_map(home, mapped));
+  ROOMWISE_TRY(const rooms::Concepts concepts, home.concepts());
+  ROOMWISE_TRY(const ByName before, read_by_name(mapped));
+  ROOMWISE_TRY(const ByName now, read_by_name(visit));
+  ChangeEvaluation result;
+  std::vector<TrueChange> changes = true_changes(before, now, least_shift_m);
+  const auto known = known_things(update, before, truth_from_world, concepts.vocabulary);
+  for (TrueChange& change : changes) change.was_known = known.contains(change.name);
+  for (const ThingUpdate& thing : update.things) {
+    if (!thing.is_changed()) {
+      ++result.unchanged;
+      continue;
+    }
+    const std::string alarm =
+        fmt::format("{} {}", thing.is_new ? "new" : objects::to_string(thing.fate), thing.name);
+    if (TrueChange* cause =
+            find_cause(thing, changes, before, now, truth_from_world, concepts.vocabulary)) {
+      cause->noticed_as.push_back(alarm);
+      ++result.right;
+    } else {
+      result.wrong.push_back(alarm);
+    }
+  }
+  for (TrueChange& change : changes) {
+    const ObjectTruth* thing = find_thing(before, change.name);
+    const auto words =
+        in_words(thing != nullptr ? *thing : now.at(change.name), concepts.vocabulary);
+    if (words && words->is_expected) result.changes.push_back(std::move(change));
+  }
+  return result;
+}
+
+}  // namespace roomwise::pipeline

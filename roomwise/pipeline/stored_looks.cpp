@@ -1,0 +1,77 @@
+#include "roomwise/pipeline/stored_looks.h"
+
+#include <algorithm>
+#include <ranges>
+
+#include "roomwise/pipeline/keyframe_images.h"
+
+namespace roomwise::pipeline {
+namespace {
+
+// The looks of all finders at one key-frame, together.
+Expected<std::map<home::KeyframeId, objects::KeyframeLook>> looks_of_all(const home::Home& home) {
+  std::map<home::KeyframeId, objects::KeyframeLook> all;
+  ROOMWISE_TRY(const auto finders, home.region_finders());
+  for (const auto& [id, finder] : finders) {
+    ROOMWISE_TRY(auto looks, home.looks(id));
+    for (auto& [keyframe, look] : looks) {
+      objects::KeyframeLook& joined = all[keyframe];
+      joined.coarse_depth = std::move(look.coarse_depth);
+      std::ranges::move(look.regions, std::back_inserter(joined.regions));
+    }
+  }
+  return all;
+}
+
+}  // namespace
+
+Expected<std::map<home::KeyframeId, std::vector<objects::Sighting>>> said_of_pictures(
+    const home::Home& home, const objects::ObjectVocabulary& vocabulary, double least_score) {
+  std::map<home::KeyframeId, std::vector<objects::Sighting>> said;
+  ROOMWISE_TRY(const auto networks, home.networks());
+  for (const auto& [id, network] : networks | std::views::reverse) {
+    if (network.labels.empty()) continue;
+    ROOMWISE_TRY(const auto predictions, home.predictions(id));
+    for (const auto& [keyframe, prediction] : predictions) {
+      said[keyframe] =
+          objects::sightings_in(prediction.scores, network.labels, vocabulary, least_score);
+    }
+    break;
+  }
+  return said;
+}
+
+std::vector<objects::NamedRegion> named_regions(const objects::KeyframeLook& look,
+                                                const objects::ObjectVocabulary& vocabulary) {
+  std::vector<objects::NamedRegion> regions;
+  for (const objects::Region& region : look.regions) {
+    if (auto name = vocabulary.object_of(region.label)) {
+      regions.push_back({*std::move(name), &region});
+    }
+  }
+  return regions;
+}
+
+Expected<StoredLooks> StoredLooks::read(const home::Home& home) {
+  StoredLooks stored;
+  ROOMWISE_TRY(const rooms::Concepts concepts, home.concepts());
+  ROOMWISE_TRY(const auto keyframes, home.keyframes());
+  ROOMWISE_TRY(stored.cameras_, recording_cameras(home));
+  ROOMWISE_TRY(stored.looks_, looks_of_all(home));
+  constexpr double kLeastSaid = 0.1;
+  ROOMWISE_TRY(const auto said, said_of_pictures(home, concepts.vocabulary, kLeastSaid));
+  for (const home::Keyframe& keyframe : keyframes) {
+    const auto look = stored.looks_.find(keyframe.id);
+    if (look == stored.looks_.end()) continue;
+    objects::LookedKeyframe& looked = stored.pieces_[keyframe.pose.piece].emplace_back();
+    looked.keyframe_id = keyframe.id;
+    looked.world_from_camera = keyframe.pose.world_from_keyframe;
+    looked.camera = &stored.cameras_.at(keyframe.recording);
+    looked.coarse_depth = &look->second.coarse_depth;
+    looked.regions = named_regions(look->second, concepts.vocabulary);
+    if (const auto words = said.find(keyframe.id); words != said.end()) looked.said = words->second;
+  }
+  return stored;
+}
+
+}  // namespace roomwise::pipeline

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <vector>
+
+#include "roomwise/home/home.h"
+#include "roomwise/objects/instances.h"
+
+namespace roomwise::pipeline {
+
+// What networks said of each key-frame as a whole, in the home's words: the newest of those that
+// name things. Scores below `least_score` are left out.
+[[nodiscard]] Expected<std::map<home::KeyframeId, std::vector<objects::Sighting>>> said_of_pictures(
+    const home::Home& home, const objects::ObjectVocabulary& vocabulary, double least_score);
+
+// The regions that the home has a word for. What they point to is the look's.
+[[nodiscard]] std::vector<objects::NamedRegion> named_regions(
+    const objects::KeyframeLook& look, const objects::ObjectVocabulary& vocabulary);
+
+// The looks that are stored in a home, as the rules of objects/ take them.
+class StoredLooks {
+ public:
+  [[nodiscard]] static Expected<StoredLooks> read(const home::Home& home);
+  StoredLooks(StoredLooks&&) = default;
+  StoredLooks& operator=(StoredLooks&&) = delete;
+
+  // The key-frames that were looked at, by id, of each piece of the map. They live as long as this.
+  [[nodiscard]] const std::map<std::uint64_t, std::vector<objects::LookedKeyframe>>& pieces()
+      const {
+    return pieces_;
+  }
+
+ private:
+  StoredLooks() = default;
+
+  std::map<home::RecordingId, geometry::PinholeCamera> cameras_;
+  std::map<home::KeyframeId, objects::KeyframeLook> looks_;
+  std::map<std::uint64_t, std::vector<objects::LookedKeyframe>> pieces_;
+};
+
+}  // namespace roomwise::pipeline

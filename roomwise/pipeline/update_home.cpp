@@ -1,0 +1,352 @@
+#include "roomwise/pipeline/update_home.h"
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+#include "roomwise/pipeline/home_localizer.h"
+#include "roomwise/pipeline/keyframe_observer.h"
+#include "roomwise/pipeline/stored_looks.h"
+#include "roomwise/recording/tum_recording.h"
+
+namespace roomwise::pipeline {
+namespace {
+
+using geometry::RigidTransform;
+using objects::StandingThing;
+
+// A frame of the visit that was placed on the map.
+struct PlacedFrame {
+  TimestampNs timestamp_ns = 0;
+  home::KeyframeId keyframe = 0;  // that shows the same
+  RigidTransform world_from_camera;
+  image::DepthImage depth;
+  objects::KeyframeLook look;  // of all finders
+};
+
+struct VisitFrames {
+  home::Visit visit;
+  geometry::PinholeCamera camera;
+  std::vector<PlacedFrame> placed;
+};
+
+// Absent where the frame's place is not known.
+Expected<std::optional<PlacedFrame>> place_frame(const HomeLocalizer& localizer,
+                                                 image::RgbdFrame frame,
+                                                 const geometry::PinholeCamera& camera,
+                                                 const objects::RegionFinders& finders) {
+  PictureToLocate picture{std::move(frame.color), std::move(frame.depth), camera};
+  ROOMWISE_TRY(const auto measured, localizer.measure(picture));
+  const mapping::Localization found = localizer.localizer().locate({measured, camera});
+  if (!found.found()) return std::nullopt;
+  PlacedFrame placed{frame.timestamp_ns, found.keyframe, found.world_from_camera, {}, {}};
+  for (const auto& finder : finders) {
+    ROOMWISE_TRY(auto look, look_at(*finder, picture.color, *picture.depth, camera));
+    placed.look.coarse_depth = std::move(look.coarse_depth);
+    std::ranges::move(look.regions, std::back_inserter(placed.look.regions));
+  }
+  placed.depth = *std::move(picture.depth);
+  return placed;
+}
+
+Expected<VisitFrames> place_frames(const home::Home& home, const std::filesystem::path& folder,
+                                   const objects::RegionFinders& finders,
+                                   const UpdateOptions& options, RunContext& run) {
+  ROOMWISE_TRY(const auto recording, recording::TumRecording::open(folder));
+  ROOMWISE_TRY(const HomeLocalizer localizer, HomeLocalizer::create(home, options.localizer, run));
+  VisitFrames visit;
+  visit.camera = recording->info().camera;
+  visit.visit.name = recording->info().name;
+  visit.visit.folder = folder.string();
+  std::vector<image::RgbdFrame> block;
+  const auto place_block = [&]() -> Expected<void> {
+    std::vector<Expected<std::optional<PlacedFrame>>> placed(block.size(), fail("not placed yet"));
+    run.pool.parallel_for(block.size(), [&](std::size_t i) {
+      const auto timing = run.clock.measure("placing and looking");
+      placed[i] = place_frame(localizer, std::move(block[i]), visit.camera, finders);
+    });
+    block.clear();
+    for (auto& one : placed) {
+      if (!one) return Unexpected(std::move(one).error());
+      if (*one) visit.placed.push_back(**std::move(one));
+    }
+    return {};
+  };
+  run.progress.begin("looking at the visit", recording->associations().size());
+  for (std::uint64_t count = 0; !run.progress.interrupted(); ++count) {
+    ROOMWISE_TRY(auto frame, recording->next());
+    if (!frame) break;
+    if (count % options.every != 0) continue;
+    if (visit.visit.frames++ == 0) visit.visit.first_timestamp_ns = frame->timestamp_ns;
+    visit.visit.last_timestamp_ns = frame->timestamp_ns;
+    block.push_back(*std::move(frame));
+    if (block.size() >= 2 * run.pool.size()) ROOMWISE_CHECK_OK(place_block());
+    run.progress.advance(count + 1, "");
+  }
+  ROOMWISE_CHECK_OK(place_block());
+  run.progress.end();
+  if (run.progress.interrupted()) return fail("interrupted while looking at the visit");
+  visit.visit.placed = visit.placed.size();
+  return visit;
+}
+
+// The visit's frames as find_instances() takes key-frames; their ids are places in `frames`.
+std::vector<objects::LookedKeyframe> looked_frames(const VisitFrames& frames,
+                                                   const objects::ObjectVocabulary& vocabulary) {
+  std::vector<objects::LookedKeyframe> looked;
+  for (std::size_t i = 0; i < frames.placed.size(); ++i) {
+    const PlacedFrame& frame = frames.placed[i];
+    looked.push_back({.keyframe_id = i,
+                      .world_from_camera = frame.world_from_camera,
+                      .camera = &frames.camera,
+                      .coarse_depth = &frame.look.coarse_depth,
+                      .regions = named_regions(frame.look, vocabulary),
+                      .said = {}});
+  }
+  return looked;
+}
+
+// The things of a home, and what it takes to compare them with those of a visit.
+class VisitComparison {
+ public:
+  static Expected<VisitComparison> create(const home::Home& home) {
+    VisitComparison result;
+    ROOMWISE_TRY(result.keyframes_, home.keyframes());
+    ROOMWISE_TRY(result.instances_, home.instances());
+    ROOMWISE_TRY(result.past_, home.past_instances());
+    ROOMWISE_TRY(result.visits_, home.visits());
+    ROOMWISE_TRY(result.concepts_, home.concepts());
+    ROOMWISE_TRY(const auto recordings, home.recordings());
+    for (const home::StoredRecording& recording : recordings) {
+      ROOMWISE_TRY(result.labels_[recording.id], home.room_ranges(recording.id));
+    }
+    return result;
+  }
+
+  HomeUpdate compare(const StoredLooks& looks, const VisitFrames& frames,
+                     const UpdateOptions& options) {
+    const auto& looked_before = looks.pieces().at(0);
+    const objects::Level level = objects::find_level(looked_before);
+    take_before(looked_before, level);
+    const auto looked_now = looked_frames(frames, concepts_.vocabulary);
+    now_instances_ = objects::find_instances(looked_now, level, options.instances);
+    for (const objects::Instance& one : now_instances_) {
+      const auto& shows_best = frames.placed[one.keyframe_id];
+      now_.push_back(objects::standing_thing(one, one.box_world(shows_best.world_from_camera),
+                                             looked_now, level));
+    }
+    const objects::Changes changes = objects::find_changes(
+        before_, views_of(looked_before), now_, views_of(frames), past_things(), options.changes);
+    HomeUpdate update;
+    update.changes.visit = frames.visit;
+    report_known(changes, frames, update);
+    for (const objects::Arrival& arrival : changes.arrived) {
+      ThingUpdate thing;
+      thing.is_new = true;
+      thing.evidence_now = arrival.evidence;
+      stand_now(arrival.now, frames, thing, update.changes);
+      update.things.push_back(std::move(thing));
+    }
+    return update;
+  }
+
+ private:
+  [[nodiscard]] const home::KeyframePose& pose_of(const objects::Instance& one) const {
+    return keyframes_.at(one.keyframe_id).pose;
+  }
+
+  // Only what lies in the map's largest piece has a place in the world of the visit's frames.
+  void take_before(const std::vector<objects::LookedKeyframe>& looked,
+                   const objects::Level& level) {
+    for (std::size_t i = 0; i < instances_.size(); ++i) {
+      const objects::Instance& one = instances_[i];
+      const home::KeyframePose& pose = pose_of(one);
+      if (pose.piece != 0) continue;
+      const geometry::OrientedBox box = one.box_world(pose.world_from_keyframe);
+      std::vector<std::size_t> seen_in;
+      StandingThing thing = objects::standing_thing(one, box, looked, level, &seen_in);
+      std::pair<TimestampNs, TimestampNs> seen{keyframes_[one.keyframe_id].timestamp_ns,
+                                               keyframes_[one.keyframe_id].timestamp_ns};
+      for (const std::size_t k : seen_in) {
+        const TimestampNs time_ns = keyframes_.at(looked[k].keyframe_id).timestamp_ns;
+        seen = {std::min(seen.first, time_ns), std::max(seen.second, time_ns)};
+      }
+      if (one.visit != 0) {
+        thing.surface_world.clear();
+        for (const Eigen::Vector3f& point : one.surface_keyframe) {
+          thing.surface_world.push_back(
+              (pose.world_from_keyframe * point.cast<double>()).cast<float>());
+        }
+        const home::Visit& visit = visits_.at(one.visit);
+        seen = {visit.first_timestamp_ns, visit.last_timestamp_ns};
+      }
+      known_.push_back(i);
+      seen_.push_back(seen);
+      before_.push_back(std::move(thing));
+    }
+  }
+
+  [[nodiscard]] std::vector<StandingThing> past_things() const {
+    std::vector<StandingThing> things;
+    for (const home::PastInstance& past : past_) {
+      const home::KeyframePose& pose = pose_of(past.instance);
+      if (pose.piece != 0) continue;
+      things.push_back({past.instance.name, past.instance.box_world(pose.world_from_keyframe), {}});
+    }
+    return things;
+  }
+
+  static std::vector<objects::DepthView> views_of(
+      const std::vector<objects::LookedKeyframe>& looked) {
+    std::vector<objects::DepthView> views;
+    for (const objects::LookedKeyframe& one : looked) {
+      views.push_back(
+          {one.world_from_camera, one.camera, one.coarse_depth, objects::kCoarseDepthStep_px});
+    }
+    return views;
+  }
+  static std::vector<objects::DepthView> views_of(const VisitFrames& frames) {
+    std::vector<objects::DepthView> views;
+    for (const PlacedFrame& frame : frames.placed) {
+      views.push_back({frame.world_from_camera, &frames.camera, &frame.depth, 1});
+    }
+    return views;
+  }
+
+  // Things that the home knew; what did not change is kept, other pieces too.
+  void report_known(const objects::Changes& changes, const VisitFrames& frames,
+                    HomeUpdate& update) {
+    std::size_t at = 0;  // in known_
+    for (std::size_t i = 0; i < instances_.size(); ++i) {
+      if (at == known_.size() || known_[at] != i) {
+        update.changes.kept.push_back(instances_[i]);
+        continue;
+      }
+      const objects::ThingFate& fate = changes.before[at];
+      const objects::Instance& one = instances_[i];
+      ThingUpdate thing;
+      thing.fate = fate.fate;
+      thing.name = one.name;
+      thing.probability = one.probability;
+      thing.evidence = fate.evidence;
+      thing.evidence_now = fate.evidence_now;
+      thing.before = before_[at].box_world;
+      thing.room_before = room_of(one.keyframe_id);
+      const bool stays =
+          fate.fate == objects::Fate::kThere || fate.fate == objects::Fate::kNotLookedAt;
+      if (stays) {
+        thing.now = thing.before;
+        thing.room_now = thing.room_before;
+        update.changes.kept.push_back(one);
+      } else {
+        home::PastInstance past{.instance = one,
+                                .reason = fate.fate == objects::Fate::kGone
+                                              ? home::PastReason::kGone
+                                              : home::PastReason::kMoved,
+                                .first_seen_ns = seen_[at].first,
+                                .last_seen_ns = seen_[at].second};
+        past.instance.surface_keyframe.clear();
+        update.changes.past.push_back(std::move(past));
+        if (fate.now) stand_now(*fate.now, frames, thing, update.changes);
+        if (fate.fate == objects::Fate::kShifted) {
+          update.changes.arrived.push_back(nearly_there(at, frames));
+          thing.now = thing.before;
+          thing.room_now = thing.room_before;
+        }
+      }
+      update.things.push_back(std::move(thing));
+      ++at;
+    }
+  }
+
+  // Where one of the visit's things stands, and the instance that the home gets of it: relative to
+  // the key-frame that shows the same as the frame that shows it best.
+  void stand_now(std::size_t now, const VisitFrames& frames, ThingUpdate& thing,
+                 home::HomeChanges& changes) const {
+    const PlacedFrame& frame = frames.placed[now_instances_[now].keyframe_id];
+    objects::Instance instance = now_instances_[now];
+    thing.name = instance.name;
+    thing.probability = instance.probability;
+    thing.now = now_[now].box_world;
+    thing.room_now = room_of(frame.keyframe);
+    const RigidTransform keyframe_from_world =
+        keyframes_.at(frame.keyframe).pose.world_from_keyframe.inverse();
+    instance.keyframe_id = frame.keyframe;
+    instance.picture_box = {};
+    instance.box_keyframe = {keyframe_from_world * thing.now->world_from_box, thing.now->size_m};
+    for (const Eigen::Vector3f& point : now_[now].surface_world) {
+      instance.surface_keyframe.push_back(
+          (keyframe_from_world * point.cast<double>()).cast<float>());
+    }
+    changes.arrived.push_back(std::move(instance));
+  }
+
+  // What was shifted and not found again: where it was, less surely, with what is left there.
+  [[nodiscard]] objects::Instance nearly_there(std::size_t at, const VisitFrames& frames) const {
+    constexpr double kShiftSigma_m = 0.2;
+    objects::Instance instance = instances_[known_[at]];
+    instance.picture_box = {};
+    instance.sigma_m += Eigen::Vector3d(kShiftSigma_m, kShiftSigma_m, 0);
+    const RigidTransform keyframe_from_world = pose_of(instance).world_from_keyframe.inverse();
+    instance.surface_keyframe.clear();
+    for (const Eigen::Vector3f& point :
+         objects::remaining_surface(before_[at].surface_world, views_of(frames))) {
+      instance.surface_keyframe.push_back(
+          (keyframe_from_world * point.cast<double>()).cast<float>());
+    }
+    return instance;
+  }
+
+  [[nodiscard]] std::string room_of(home::KeyframeId id) const {
+    const home::Keyframe& keyframe = keyframes_.at(id);
+    const recording::RoomRange* range = labels_.at(keyframe.recording).find(keyframe.frame_index);
+    return range == nullptr ? std::string() : range->room;
+  }
+
+  std::vector<home::Keyframe> keyframes_;
+  std::vector<objects::Instance> instances_;
+  std::vector<home::PastInstance> past_;
+  std::map<home::VisitId, home::Visit> visits_;
+  rooms::Concepts concepts_;
+  std::map<home::RecordingId, recording::RoomLabels> labels_;
+  // Of the home's things that have a place: which instance, when it was seen, where it stands.
+  std::vector<std::size_t> known_;
+  std::vector<std::pair<TimestampNs, TimestampNs>> seen_;
+  std::vector<StandingThing> before_;
+  std::vector<objects::Instance> now_instances_;
+  std::vector<StandingThing> now_;  // the same
+};
+
+}  // namespace
+
+Expected<void> UpdateOptions::validate() const {
+  if (every < 1) return fail("every is {}; expected at least 1", every);
+  ROOMWISE_CHECK_OK(localizer.validate());
+  ROOMWISE_CHECK_OK(instances.validate());
+  return changes.validate();
+}
+
+Expected<HomeUpdate> compare_with_visit(const home::Home& home,
+                                        const std::filesystem::path& recording,
+                                        const objects::RegionFinders& finders,
+                                        const UpdateOptions& options, RunContext& run) {
+  ROOMWISE_CHECK_OK(options.validate());
+  if (finders.empty()) {
+    return fail("no detector is here to look at the visit; get one: roomwise networks list");
+  }
+  ROOMWISE_TRY(const StoredLooks looks, StoredLooks::read(home));
+  if (!looks.pieces().contains(0)) {
+    return fail("{}: no detector has looked at this home; let one: roomwise objects find --home {}",
+                home.file(), home.file());
+  }
+  ROOMWISE_TRY(const VisitFrames frames, place_frames(home, recording, finders, options, run));
+  if (frames.placed.size() < 2) {
+    return fail("{}: only {} of {} frames were found on the map of {}; is it the same home?",
+                recording.string(), frames.placed.size(), frames.visit.frames, home.file());
+  }
+  const auto timing = run.clock.measure("comparing");
+  ROOMWISE_TRY(VisitComparison comparison, VisitComparison::create(home));
+  return comparison.compare(looks, frames, options);
+}
+
+}  // namespace roomwise::pipeline

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "roomwise/home/home.h"
+#include "roomwise/mapping/localization.h"
+#include "roomwise/objects/changes.h"
+#include "roomwise/objects/region_finder.h"
+#include "roomwise/pipeline/run_context.h"
+
+namespace roomwise::pipeline {
+
+struct UpdateOptions {
+  std::uint64_t every = 1;  // of the visit's frames
+  mapping::LocalizerOptions localizer;
+  // Of the visit's things: it sees each less often than the walk that made the map.
+  objects::InstanceOptions instances{.least_sightings = 2};
+  objects::ChangeOptions changes;
+
+  [[nodiscard]] Expected<void> validate() const;
+};
+
+// A thing of the home or of a visit and what the visit says of it.
+struct ThingUpdate {
+  objects::Fate fate = objects::Fate::kThere;  // of one that the home knew
+  bool is_new = false;                         // one that it did not
+  std::string name;
+  double probability = 0;
+  // See objects::ThingFate: of one that the home knew, by the visit's depth; of where it or one
+  // that is new stands now, by the map's.
+  objects::SurfaceEvidence evidence, evidence_now;
+  // In the map's world: where it was, where it is now. One that is new has no place before, one
+  // that is gone none now; one that was shifted, or was not looked at, is taken to stand where it
+  // stood.
+  std::optional<geometry::OrientedBox> before, now;
+  std::string room_before, room_now;  // as the helper named it near there; empty: not known
+
+  // New, gone or not as it stood.
+  [[nodiscard]] bool is_changed() const {
+    return is_new || (fate != objects::Fate::kThere && fate != objects::Fate::kNotLookedAt);
+  }
+};
+
+struct HomeUpdate {
+  std::vector<ThingUpdate> things;  // those that the home knew, in its order, then the new ones
+  home::HomeChanges changes;        // what Home::apply_changes() takes
+};
+
+// Compares a home's map with a later walk through the same home: frames are placed on the map one
+// by one (HomeLocalizer), what the finders find in those is joined into things, and these and their
+// depth are compared with the things of the home (objects::find_changes). Reads only. Fails where
+// the home has no map, where no finder has looked at it, and where fewer than two frames were
+// placed.
+[[nodiscard]] Expected<HomeUpdate> compare_with_visit(const home::Home& home,
+                                                      const std::filesystem::path& recording,
+                                                      const objects::RegionFinders& finders,
+                                                      const UpdateOptions& options,
+                                                      RunContext& run);
+
+}  // namespace roomwise::pipeline

@@ -1,0 +1,192 @@
+#include "roomwise/pipeline/update_home.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "roomwise/base/testing.h"
+#include "roomwise/image/codec.h"
+#include "roomwise/pipeline/map_recording.h"
+#include "roomwise/pipeline/room_learning.h"
+#include "roomwise/pipeline/stored_map.h"
+#include "roomwise/pipeline/synthetic_walk.h"
+#include "roomwise/recording/tum_writer.h"
+
+namespace roomwise::pipeline {
+namespace {
+
+using testing::SyntheticWalk;
+
+// A red box that stands before the camera in a walk: drawn into pictures and depth.
+struct RedBox {
+  Eigen::AlignedBox3d extent;
+
+  void draw(image::RgbdFrame& frame, const geometry::RigidTransform& world_from_camera,
+            const geometry::PinholeCamera& camera) const {
+    for (int y = 0; y < camera.height; ++y) {
+      for (int x = 0; x < camera.width; ++x) {
+        const Eigen::Array3d along =
+            (world_from_camera.rotation * camera.unproject(Eigen::Vector2d(x, y), 1)).array() +
+            1e-9;
+        const Eigen::Array3d low = (extent.min() - world_from_camera.translation).array() / along;
+        const Eigen::Array3d high = (extent.max() - world_from_camera.translation).array() / along;
+        const double z_m = low.min(high).maxCoeff();
+        if (z_m <= 0 || z_m > low.max(high).minCoeff()) continue;
+        frame.color.at(x, y) = {250, 0, 0};
+        frame.depth.at(x, y) = static_cast<std::uint16_t>(std::lround(1000 * z_m));
+      }
+    }
+  }
+};
+
+// Finds what is red, and calls it a couch.
+class RedFinder final : public objects::RegionFinder {
+ public:
+  [[nodiscard]] const std::string& name() const override { return name_; }
+  [[nodiscard]] const std::string& fingerprint() const override { return name_; }
+  [[nodiscard]] const std::vector<std::string>& labels() const override { return labels_; }
+  [[nodiscard]] Expected<std::vector<network::Detection>> find(
+      const image::ColorImage& picture) const override {
+    Eigen::AlignedBox2f extent;
+    for (int y = 0; y < picture.height(); ++y) {
+      for (int x = 0; x < picture.width(); ++x) {
+        const Rgb8 color = picture.at(x, y);
+        if (color.r < 240 || color.g > 10 || color.b > 10) continue;
+        extent.extend(Eigen::Vector2f(static_cast<float>(x), static_cast<float>(y)));
+      }
+    }
+    if (extent.isEmpty()) return std::vector<network::Detection>{};
+    return std::vector<network::Detection>{
+        {0, 0.8F, {extent.min().x(), extent.min().y(), extent.max().x(), extent.max().y()}}};
+  }
+
+ private:
+  std::string name_ = "red";
+  std::vector<std::string> labels_{"couch"};
+};
+
+// A walk through the made-up home with a red box in it, or none.
+class WalkWithBox final : public recording::FrameSource {
+ public:
+  WalkWithBox(int frames, double step_rad, std::optional<RedBox> box)
+      : walk_(frames, step_rad), box_(box) {}
+  [[nodiscard]] const recording::SourceInfo& info() const override { return walk_.info(); }
+  void skip_before(std::uint64_t index) override { walk_.skip_before(index); }
+  [[nodiscard]] Expected<std::optional<image::RgbdFrame>> next() override {
+    ROOMWISE_TRY(auto frame, walk_.next());
+    if (frame && box_) {
+      box_->draw(*frame, walk_.world_from_camera(static_cast<int>(frame->index)), info().camera);
+    }
+    return frame;
+  }
+
+ private:
+  SyntheticWalk walk_;
+  std::optional<RedBox> box_;
+};
+
+class UpdateHome : public ::testing::Test {
+ protected:
+  static constexpr int kFrames = 14;
+  static constexpr double kStep_rad = 0.05;
+
+  void SetUp() override {
+    finders_.push_back(std::make_unique<RedFinder>());
+    WalkWithBox walk(kFrames, kStep_rad, kBox);
+    Expected<home::Home> made = create_home(folder_ / "a.home");
+    ASSERT_OK(made);
+    home_ = *std::move(made);
+    ASSERT_OK(map_recording(walk, {"walk", "made up", walk.info().camera, walk.info().frame_count},
+                            *home_, {}, MapSettings{}, run_, finders_));
+    ASSERT_EQ(home_->instances()->size(), 1U);
+  }
+  // Writes a later walk down and compares the home with it.
+  Expected<HomeUpdate> visit(const std::optional<RedBox>& box) {
+    const auto folder = folder_ / fmt::format("visit-{}", visits_++);
+    WalkWithBox walk(kFrames, kStep_rad, box);
+    ROOMWISE_TRY(auto writer, recording::TumWriter::create(folder, walk.info().camera));
+    while (true) {
+      ROOMWISE_TRY(auto frame, walk.next());
+      if (!frame) break;
+      ROOMWISE_CHECK_OK(writer->write(*frame));
+    }
+    ROOMWISE_CHECK_OK(writer->close());
+    return compare_with_visit(*home_, folder, finders_, {}, run_);
+  }
+
+  inline static const RedBox kBox{
+      {Eigen::Vector3d(-0.2, -0.1, 0.9), Eigen::Vector3d(0.25, 0.35, 1.2)}};
+  inline static const RedBox kElsewhere{
+      {Eigen::Vector3d(0.7, -0.1, 0.8), Eigen::Vector3d(1.1, 0.35, 1.1)}};
+
+  roomwise::testing::ScratchFolder folder_;
+  ThreadPool pool_{2};
+  SilentProgress progress_;
+  StageClock clock_;
+  RunContext run_{pool_, progress_, clock_};
+  objects::RegionFinders finders_;
+  std::optional<home::Home> home_;
+  int visits_ = 0;
+};
+
+TEST_F(UpdateHome, AVisitThatFindsAllAsItWasChangesNothing) {
+  const auto update = visit(kBox);
+  ASSERT_OK(update);
+  EXPECT_TRUE(update->changes.empty());
+  EXPECT_EQ(update->changes.visit.frames, static_cast<std::uint64_t>(kFrames));
+  EXPECT_GE(update->changes.visit.placed, static_cast<std::uint64_t>(kFrames - 1));
+  ASSERT_EQ(update->things.size(), 1U);
+  EXPECT_EQ(update->things[0].fate, objects::Fate::kThere);
+}
+
+TEST_F(UpdateHome, WhatMovedIsKeptInThePastAndNoticedOnce) {
+  const auto first = visit(kElsewhere);
+  ASSERT_OK(first);
+  ASSERT_EQ(first->things.size(), 1U);
+  EXPECT_EQ(first->things[0].fate, objects::Fate::kMoved);
+  ASSERT_OK(home_->apply_changes(first->changes));
+  const auto past = home_->past_instances().value();
+  ASSERT_EQ(past.size(), 1U);
+  EXPECT_EQ(past[0].instance.name, "sofa");
+  EXPECT_EQ(past[0].reason, home::PastReason::kMoved);
+  EXPECT_GT(past[0].last_seen_ns, past[0].first_seen_ns);
+  const auto instances = home_->instances().value();
+  ASSERT_EQ(instances.size(), 1U);
+  EXPECT_EQ(instances[0].visit, 1);
+  const auto pose = home_->keyframes()->at(instances[0].keyframe_id).pose.world_from_keyframe;
+  EXPECT_LT((instances[0].box_world(pose).center() - kElsewhere.extent.center()).norm(), 0.15);
+
+  const auto second = visit(kElsewhere);
+  ASSERT_OK(second);
+  EXPECT_TRUE(second->changes.empty()) << "the same once more is no change";
+  // Joining all anew forgets nothing of it.
+  ASSERT_OK(update_objects(*home_, {}));
+  EXPECT_EQ(home_->instances()->size(), 1U);
+  EXPECT_EQ(home_->instances()->at(0).visit, 1);
+
+  const auto back = visit(kBox);
+  ASSERT_OK(back);
+  ASSERT_EQ(back->things.size(), 1U);
+  EXPECT_EQ(back->things[0].fate, objects::Fate::kMoved) << "it is carried back";
+}
+
+TEST_F(UpdateHome, WhatIsGoneStaysGone) {
+  const auto update = visit(std::nullopt);
+  ASSERT_OK(update);
+  ASSERT_EQ(update->things.size(), 1U);
+  EXPECT_EQ(update->things[0].fate, objects::Fate::kGone);
+  EXPECT_FALSE(update->things[0].now);
+  ASSERT_OK(home_->apply_changes(update->changes));
+  ASSERT_OK(update_objects(*home_, {}));
+  EXPECT_TRUE(home_->instances()->empty());
+  EXPECT_EQ(home_->past_instances()->size(), 1U);
+}
+
+TEST_F(UpdateHome, SaysWhatIsMissing) {
+  EXPECT_ERROR(compare_with_visit(*home_, folder_ / "nowhere", finders_, {}, run_), "nowhere");
+  EXPECT_ERROR(compare_with_visit(*home_, folder_ / "nowhere", {}, {}, run_), "no detector");
+  EXPECT_ERROR(compare_with_visit(*home_, folder_ / "nowhere", finders_, {.every = 0}, run_),
+               "every is 0");
+}
+
+}  // namespace
+}  // namespace roomwise::pipeline
