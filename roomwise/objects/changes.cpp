@@ -16,7 +16,7 @@ using Eigen::Vector3f;
 // What depth and poses err by: this, and this part of the distance.
 constexpr double kMargin_m = 0.04;
 constexpr double kMarginOfDistance = 0.015;
-constexpr double kNearest_m = 0.3, kFarthest_m = 4.5;
+constexpr double kNearestLook_m = 0.3, kFarthest_m = 4.5;
 // How far from its pixel a point may be found, px of the camera's picture: poses err.
 constexpr int kAround_px = 8;
 constexpr double kBoxSlack_m = 0.05;
@@ -25,7 +25,7 @@ enum class Verdict { kNothing, kSeen, kLookedThrough };
 
 Verdict verdict(const Vector3d& point_world, const DepthView& view) {
   const Vector3d point = view.world_from_camera.inverse() * point_world;
-  if (point.z() < kNearest_m || point.z() > kFarthest_m) return Verdict::kNothing;
+  if (point.z() < kNearestLook_m || point.z() > kFarthest_m) return Verdict::kNothing;
   const Eigen::Vector2d pixel = view.camera->project(point);
   const int around = kAround_px / view.step_px;
   const int stride = std::max(1, around / 2);

@@ -12,8 +12,8 @@ namespace {
 using Eigen::Vector3d;
 using testing::TestRoom;
 
-const TestRoom::Thing kBed{"bed", {0.8, 1.2, 0.25}, {2.0, 1.4, 0.5}};
-const TestRoom::Thing kChair{"chair", {-0.8, 0, 0.4}, {0.45, 0.45, 0.8}};
+const TestRoom::Thing kOldBed{"bed", {0.8, 1.2, 0.25}, {2.0, 1.4, 0.5}};
+const TestRoom::Thing kOldChair{"chair", {-0.8, 0, 0.4}, {0.45, 0.45, 0.8}};
 
 TestRoom::Thing moved(TestRoom::Thing thing, const Vector3d& by) {
   thing.center += by;
@@ -59,7 +59,7 @@ class ChangesTest : public ::testing::Test {
 };
 
 TEST_F(ChangesTest, NothingChangesWhereNothingMoved) {
-  map_.things = visit_.things = {kBed, kChair};
+  map_.things = visit_.things = {kOldBed, kOldChair};
   look_at_all(map_);
   visit_.look_around({0, 0.4, 0.4}, 7, 2.1, 0.3);
   const Changes changes = find();
@@ -73,8 +73,8 @@ TEST_F(ChangesTest, NothingChangesWhereNothingMoved) {
 }
 
 TEST_F(ChangesTest, WhatIsLookedThroughIsGone) {
-  map_.things = {kBed, kChair};
-  visit_.things = {kBed};
+  map_.things = {kOldBed, kOldChair};
+  visit_.things = {kOldBed};
   look_at_all(map_);
   look_at_all(visit_);
   const Changes changes = find();
@@ -86,7 +86,7 @@ TEST_F(ChangesTest, WhatIsLookedThroughIsGone) {
 }
 
 TEST_F(ChangesTest, WhatDepthStillSeesIsThereThoughNothingFindsIt) {
-  map_.things = visit_.things = {kChair};
+  map_.things = visit_.things = {kOldChair};
   look_at_all(map_);
   visit_.look_around({0, 0.4, 0.4}, 8, 2.3, 0, 6, /*finds=*/false);
   const Changes changes = find();
@@ -95,32 +95,32 @@ TEST_F(ChangesTest, WhatDepthStillSeesIsThereThoughNothingFindsIt) {
 }
 
 TEST_F(ChangesTest, WhatWasNotInViewIsNotKnownToBeGone) {
-  map_.things = {kChair};
+  map_.things = {kOldChair};
   look_at_all(map_);
   for (int i = 0; i < 5; ++i) visit_.look({1.5, 0.2 * i, 1.4}, {2.9, 0.2 * i, 1.0});
   EXPECT_EQ(fate_of(find(), "chair").fate, Fate::kNotLookedAt);
 }
 
 TEST_F(ChangesTest, WhatIsHiddenIsNotKnownToBeGone) {
-  map_.things = {kChair};
+  map_.things = {kOldChair};
   look_at_all(map_);
   visit_.things = {{"wall", {0.2, 0, 1.3}, {0.1, 5.9, 2.6}}};
-  for (int i = 0; i < 5; ++i) visit_.look({1.8, 0.2 * i - 0.4, 1.4}, kChair.center, false);
+  for (int i = 0; i < 5; ++i) visit_.look({1.8, 0.2 * i - 0.4, 1.4}, kOldChair.center, false);
   EXPECT_EQ(fate_of(find(), "chair").fate, Fate::kNotLookedAt);
 }
 
 TEST_F(ChangesTest, OneLookIsNotEnough) {
-  map_.things = {kChair};
+  map_.things = {kOldChair};
   look_at_all(map_);
-  visit_.look({1.0, 0, 1.4}, kChair.center);
+  visit_.look({1.0, 0, 1.4}, kOldChair.center);
   EXPECT_EQ(fate_of(find(), "chair").fate, Fate::kNotLookedAt);
-  visit_.look({0.9, 0.6, 1.4}, kChair.center);
+  visit_.look({0.9, 0.6, 1.4}, kOldChair.center);
   EXPECT_EQ(fate_of(find(), "chair").fate, Fate::kGone);
 }
 
 TEST_F(ChangesTest, WhatStandsWhereNothingStoodIsNew) {
-  map_.things = {kBed};
-  visit_.things = {kBed, kChair};
+  map_.things = {kOldBed};
+  visit_.things = {kOldBed, kOldChair};
   look_at_all(map_);
   look_at_all(visit_);
   const Changes changes = find();
@@ -130,7 +130,7 @@ TEST_F(ChangesTest, WhatStandsWhereNothingStoodIsNew) {
 }
 
 TEST_F(ChangesTest, WhatStoodThereWithoutANameIsNotNew) {
-  map_.things = visit_.things = {kChair};
+  map_.things = visit_.things = {kOldChair};
   map_.look_around({0, 0.4, 0.4}, 10, 2.3, 0, 6, /*finds=*/false);
   look_at_all(visit_);
   const Changes changes = find();
@@ -139,8 +139,8 @@ TEST_F(ChangesTest, WhatStoodThereWithoutANameIsNotNew) {
 }
 
 TEST_F(ChangesTest, WhatIsCalledOtherwiseNowIsNotNew) {
-  map_.things = {kBed};
-  visit_.things = {{"sofa", kBed.center, kBed.size_m}};
+  map_.things = {kOldBed};
+  visit_.things = {{"sofa", kOldBed.center, kOldBed.size_m}};
   look_at_all(map_);
   look_at_all(visit_);
   const Changes changes = find();
@@ -149,8 +149,8 @@ TEST_F(ChangesTest, WhatIsCalledOtherwiseNowIsNotNew) {
 }
 
 TEST_F(ChangesTest, GoneHereAndNewThereIsMoved) {
-  map_.things = {kBed, kChair};
-  visit_.things = {kBed, moved(kChair, {0.3, -1.0, 0})};
+  map_.things = {kOldBed, kOldChair};
+  visit_.things = {kOldBed, moved(kOldChair, {0.3, -1.0, 0})};
   look_at_all(map_);
   look_at_all(visit_);
   const Changes changes = find();
@@ -163,8 +163,8 @@ TEST_F(ChangesTest, GoneHereAndNewThereIsMoved) {
 }
 
 TEST_F(ChangesTest, AShortPushIsAMove) {
-  map_.things = {kChair};
-  visit_.things = {moved(kChair, {0.2, 0.1, 0})};
+  map_.things = {kOldChair};
+  visit_.things = {moved(kOldChair, {0.2, 0.1, 0})};
   look_at_all(map_);
   look_at_all(visit_);
   const Changes changes = find();
@@ -173,8 +173,8 @@ TEST_F(ChangesTest, AShortPushIsAMove) {
 }
 
 TEST_F(ChangesTest, APushOfWhatIsNotFoundAgainIsNoticedToo) {
-  map_.things = {kChair};
-  visit_.things = {moved(kChair, {0.15, 0.1, 0})};
+  map_.things = {kOldChair};
+  visit_.things = {moved(kOldChair, {0.15, 0.1, 0})};
   look_at_all(map_);
   visit_.look_around({0, 0.4, 0.4}, 8, 2.3, 0, 6, /*finds=*/false);
   const Changes changes = find();
@@ -191,9 +191,9 @@ TEST_F(ChangesTest, APushOfWhatIsNotFoundAgainIsNoticedToo) {
 }
 
 TEST_F(ChangesTest, OfTwoThatMovedEachTakesTheNearerPlace) {
-  const TestRoom::Thing other = moved(kChair, {1.6, -1.0, 0});
-  map_.things = {kChair, other};
-  visit_.things = {moved(kChair, {0, 0.9, 0}), moved(other, {0, -0.8, 0})};
+  const TestRoom::Thing other = moved(kOldChair, {1.6, -1.0, 0});
+  map_.things = {kOldChair, other};
+  visit_.things = {moved(kOldChair, {0, 0.9, 0}), moved(other, {0, -0.8, 0})};
   look_at_all(map_);
   map_.look_around({0, -0.6, 0.4}, 6, 2.1, 0.2);
   look_at_all(visit_);
@@ -210,7 +210,7 @@ TEST_F(ChangesTest, OfTwoThatMovedEachTakesTheNearerPlace) {
 }
 
 TEST_F(ChangesTest, WhatComesBackIsNewThoughTheMapShowsIt) {
-  map_.things = visit_.things = {kChair};
+  map_.things = visit_.things = {kOldChair};
   look_at_all(map_);
   look_at_all(visit_);
   // An earlier visit took it out of the home.

@@ -14,7 +14,7 @@ namespace {
 using simulation::ObjectTruth;
 
 constexpr double kNear_m = 0.2;
-constexpr double kLeastShare = 0.005;                            // of the picture
+constexpr double kLeastShownShare = 0.005;                       // of the picture
 constexpr std::ptrdiff_t kWellSeenBefore = 4, kWellSeenNow = 3;  // frames
 
 using ByName = std::map<std::string, ObjectTruth>;
@@ -33,7 +33,7 @@ const ObjectTruth* find_thing(const ByName& things, const std::string& name) {
 
 bool is_seen_in(const ObjectTruth& object, std::ptrdiff_t least_frames) {
   return std::ranges::count_if(object.seen, [](const simulation::ObjectSighting& seen) {
-           return seen.share >= kLeastShare;
+           return seen.share >= kLeastShownShare;
          }) >= least_frames;
 }
 
