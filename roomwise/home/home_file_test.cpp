@@ -170,7 +170,9 @@ TEST_F(HomeFile, ReadsOlderVersionsAndBringsThemUpToDateToWrite) {
       ASSERT_OK(writer.replace_instances(std::vector{testing::sample_instance(0)}));
       EXPECT_THAT(writer.instances().value(), ::testing::SizeIs(1));
       EXPECT_NE(writer.content_digest().value(), digest);
-      ASSERT_OK(writer.apply_changes({.arrived = {testing::sample_instance(0)}}));
+      HomeChanges changes;
+      changes.arrived = {testing::sample_instance(0)};
+      ASSERT_OK(writer.apply_changes(changes));
       EXPECT_THAT(writer.visits().value(), ::testing::SizeIs(1));
     }
     EXPECT_EQ(Database::open(path_, Database::Access::kReadOnly)->header()->user_version, 4);

@@ -94,7 +94,7 @@ class UpdateHome : public ::testing::Test {
     WalkWithBox walk(kFrames, kStep_rad, kBox);
     Expected<home::Home> made = create_home(folder_ / "a.home");
     ASSERT_OK(made);
-    home_ = *std::move(made);
+    home_.emplace(*std::move(made));
     ASSERT_OK(map_recording(walk, {"walk", "made up", walk.info().camera, walk.info().frame_count},
                             *home_, {}, MapSettings{}, run_, finders_));
     ASSERT_EQ(home_->instances()->size(), 1U);
@@ -184,7 +184,9 @@ TEST_F(UpdateHome, WhatIsGoneStaysGone) {
 TEST_F(UpdateHome, SaysWhatIsMissing) {
   EXPECT_ERROR(compare_with_visit(*home_, folder_ / "nowhere", finders_, {}, run_), "nowhere");
   EXPECT_ERROR(compare_with_visit(*home_, folder_ / "nowhere", {}, {}, run_), "no detector");
-  EXPECT_ERROR(compare_with_visit(*home_, folder_ / "nowhere", finders_, {.every = 0}, run_),
+  UpdateOptions options;
+  options.every = 0;
+  EXPECT_ERROR(compare_with_visit(*home_, folder_ / "nowhere", finders_, options, run_),
                "every is 0");
 }
 
