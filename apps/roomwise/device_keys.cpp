@@ -10,11 +10,35 @@
 #include <cerrno>
 #include <cstring>
 #include <optional>
+#include <utility>
 
 namespace roomwise::app {
 namespace {
 
 using Kind = KeyRequest::Kind;
+
+constexpr double kNameWaits_s = 10;  // for its next letter
+constexpr std::size_t kMostNameBytes = 100;
+constexpr char kEscape = 0x1B;
+constexpr char kBackspace = 0x08;
+constexpr char kDelete = 0x7F;  // what most terminals send for the key Backspace
+
+bool continues_character(char byte) {
+  return (byte & 0xC0) == 0x80;
+}
+
+std::optional<Kind> named_kind_of_letter(char letter) {
+  switch (letter) {
+    case 'f':
+      return Kind::kFind;
+    case 'g':
+      return Kind::kWay;
+    case 'n':
+      return Kind::kNameRoom;
+    default:
+      return std::nullopt;
+  }
+}
 
 std::optional<Kind> kind_of_letter(char letter) {
   switch (letter) {
@@ -62,24 +86,51 @@ std::optional<std::vector<std::uint8_t>> read_some(int descriptor) {
 
 }  // namespace
 
-std::vector<KeyRequest> TypedKeys::take(std::string_view bytes) {
+std::vector<KeyRequest> TypedKeys::take(std::string_view bytes, TimestampNs now_ns) {
   std::vector<KeyRequest> requests;
-  for (const char letter : bytes) {
-    if (naming_ && letter != '\n' && letter != '\r') {
-      name_ += letter;
-    } else if (naming_) {
-      naming_ = false;
-      const std::size_t begin = name_.find_first_not_of(' ');
-      if (begin != std::string::npos) requests.push_back({named_kind_, name_.substr(begin)});
-      name_.clear();
-    } else if (letter == 'f' || letter == 'g') {
-      naming_ = true;
-      named_kind_ = letter == 'f' ? Kind::kFind : Kind::kWay;
-    } else if (const auto kind = kind_of_letter(letter)) {
-      requests.push_back({*kind, ""});
-    }
+  if (naming_ && seconds_between(last_key_ns_, now_ns) > kNameWaits_s) {
+    name_.clear();
+    end_name(requests);
+  }
+  if (!bytes.empty()) last_key_ns_ = now_ns;
+  for (const char key : bytes) take_key(key, requests);
+  // A name that came whole, from a pipe, needs no question.
+  if (naming_ && !std::exchange(is_announced_, true)) {
+    requests.push_back({naming_ == Kind::kNameRoom ? Kind::kWhichRoom : Kind::kWhichThing, ""});
   }
   return requests;
+}
+
+void TypedKeys::take_key(char key, std::vector<KeyRequest>& requests) {
+  if (naming_) return take_letter_of_name(key, requests);
+  naming_ = named_kind_of_letter(key);
+  is_announced_ = false;
+  if (const auto kind = kind_of_letter(key)) requests.push_back({*kind, ""});
+}
+
+void TypedKeys::take_letter_of_name(char key, std::vector<KeyRequest>& requests) {
+  if (key == '\n' || key == '\r') {
+    end_name(requests);
+  } else if (key == kEscape) {
+    name_.clear();
+    end_name(requests);
+  } else if (key == kBackspace || key == kDelete) {
+    while (!name_.empty() && continues_character(name_.back())) name_.pop_back();
+    if (!name_.empty()) name_.pop_back();
+  } else if (static_cast<unsigned char>(key) >= ' ' && name_.size() < kMostNameBytes) {
+    name_ += key;
+  }
+}
+
+void TypedKeys::end_name(std::vector<KeyRequest>& requests) {
+  const std::size_t begin = name_.find_first_not_of(' ');
+  if (begin == std::string::npos) {
+    requests.push_back({Kind::kNoName, ""});
+  } else {
+    requests.push_back({*naming_, name_.substr(begin)});
+  }
+  naming_.reset();
+  name_.clear();
 }
 
 std::vector<KeyRequest> ButtonEvents::take(std::span<const std::uint8_t> bytes) {
@@ -126,17 +177,17 @@ DeviceKeys::~DeviceKeys() {
   if (buttons_ >= 0) ::close(buttons_);
 }
 
-std::vector<KeyRequest> DeviceKeys::wait(int most_ms) {
+std::vector<KeyRequest> DeviceKeys::wait(int most_ms, TimestampNs now_ns) {
   // Descriptors below 0 are passed over.
   std::array<pollfd, 2> inputs{{{keyboard_, POLLIN, 0}, {buttons_, POLLIN, 0}}};
-  if (::poll(inputs.data(), inputs.size(), most_ms) <= 0) return {};
+  if (::poll(inputs.data(), inputs.size(), most_ms) <= 0) return typed_.take({}, now_ns);
   std::vector<KeyRequest> requests;
   const auto add = [&](std::vector<KeyRequest> more) {
     std::ranges::move(more, std::back_inserter(requests));
   };
   if (inputs[0].revents != 0) {
     if (const auto bytes = read_some(keyboard_)) {
-      add(typed_.take({reinterpret_cast<const char*>(bytes->data()), bytes->size()}));
+      add(typed_.take({reinterpret_cast<const char*>(bytes->data()), bytes->size()}, now_ns));
     } else {
       keyboard_ = -1;
     }

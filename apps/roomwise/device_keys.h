@@ -5,34 +5,57 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "roomwise/base/expected.h"
+#include "roomwise/base/timestamp.h"
 
 namespace roomwise::app {
 
 // What a person asks the device by a key.
 struct KeyRequest {
-  enum class Kind { kWhere, kAround, kFind, kFindNext, kWay, kRepeat, kQuiet, kExit };
+  enum class Kind {
+    kWhere,
+    kAround,
+    kFind,
+    kFindNext,
+    kWay,
+    kNameRoom,
+    kRepeat,
+    kQuiet,
+    kExit,
+    kWhichThing,  // its name is to be typed now
+    kWhichRoom,
+    kNoName,  // that was given up
+  };
   Kind kind = Kind::kWhere;
-  std::string thing;  // of kFind and kWay
+  std::string name;  // the thing of kFind and kWay, the room of kNameRoom
 
   bool operator==(const KeyRequest&) const = default;
 };
 
 // Letters as they come from a keyboard or a pipe: w (where am I), a (around me), f NAME Enter
-// (find), g NAME Enter (go there), r (repeat), q (quiet), x (exit). Others mean nothing.
+// (find), g NAME Enter (go there), n NAME Enter (name the room while it is recorded), r (repeat), q
+// (quiet), x (exit). Others mean nothing. Backspace takes back the last letter of a name; Escape,
+// or ten seconds without a key, ends it.
 class TypedKeys {
  public:
-  [[nodiscard]] std::vector<KeyRequest> take(std::string_view bytes);
+  // Also without bytes, to see that time passes.
+  [[nodiscard]] std::vector<KeyRequest> take(std::string_view bytes, TimestampNs now_ns);
 
  private:
-  bool naming_ = false;  // after f or g, until Enter
-  KeyRequest::Kind named_kind_ = KeyRequest::Kind::kFind;
-  std::string name_;
+  void take_key(char key, std::vector<KeyRequest>& requests);
+  void take_letter_of_name(char key, std::vector<KeyRequest>& requests);
+  void end_name(std::vector<KeyRequest>& requests);
+
+  std::optional<KeyRequest::Kind> naming_;  // after f, g or n, until Enter
+  bool is_announced_ = false;               // that a name is waited for
+  TimestampNs last_key_ns_ = 0;
+  std::string name_;  // UTF-8
 };
 
 // Events of a Linux input device (struct input_event), in pieces of any size: the keys 1 (where am
@@ -57,7 +80,7 @@ class DeviceKeys {
   DeviceKeys& operator=(const DeviceKeys&) = delete;
 
   // What was asked since the last call; waits for it, but no longer than so many milliseconds.
-  [[nodiscard]] std::vector<KeyRequest> wait(int most_ms);
+  [[nodiscard]] std::vector<KeyRequest> wait(int most_ms, TimestampNs now_ns);
 
  private:
   DeviceKeys() = default;

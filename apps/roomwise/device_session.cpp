@@ -25,7 +25,7 @@ Expected<void> DeviceSession::run(const std::function<bool()>& interrupted) {
     receive(now_ns);
     send_frames(now_ns);
     if (parts_.keys) {
-      for (const KeyRequest& request : parts_.keys->wait(kTick_ms)) act(request, now_ns);
+      for (const KeyRequest& request : parts_.keys->wait(kTick_ms, now_ns)) act(request, now_ns);
     } else {
       std::this_thread::sleep_for(std::chrono::milliseconds(kTick_ms));
     }
@@ -54,16 +54,12 @@ void DeviceSession::connect(TimestampNs now_ns) {
 void DeviceSession::take_connection(TimestampNs now_ns) {
   auto opened = trying_.get();
   if (!opened) {
-    // Said once and not with every try.
-    if (opened.error().message != last_failure_ && !connection_) {
-      last_failure_ = opened.error().message;
-      std::cerr << last_failure_ << '\n';
-      if (link_.counts().losses == 0) parts_.voice->say_error(last_failure_, now_ns);
-    }
+    tell_of_failure(opened.error(), now_ns);
     (void)link_.failed(steady_s(now_ns));
     return;
   }
   last_failure_.clear();
+  removal_said_ = false;
   connection_ = *std::move(opened);
   const auto news = link_.connected();
   heard_ns_ = now_ns;
@@ -76,10 +72,26 @@ void DeviceSession::take_connection(TimestampNs now_ns) {
   }
 }
 
+// Said once, and not with every try.
+void DeviceSession::tell_of_failure(const Error& error, TimestampNs now_ns) {
+  if (error.message != last_failure_) {
+    last_failure_ = error.message;
+    std::cerr << last_failure_ << '\n';
+  }
+  if (service::is_refusal(error)) {
+    if (std::exchange(removal_said_, true)) return;
+    parts_.voice->notice("device.removed", guide::Sound::kAlert, now_ns);
+  } else if (failures_said_.insert(error.message).second) {
+    parts_.voice->say_error(error.message, now_ns);
+  }
+}
+
 void DeviceSession::lose(const std::string& why, TimestampNs now_ns) {
   if (!connection_) return;
   std::cerr << why << '\n';
   connection_.reset();
+  asked_.clear();  // no answers will come
+  recording_.clear();
   if (link_.failed(steady_s(now_ns)) == service::DeviceLink::News::kLost) {
     parts_.voice->notice("device.connection_lost", guide::Sound::kLost, now_ns);
   }
@@ -106,19 +118,59 @@ void DeviceSession::receive(TimestampNs now_ns) {
 void DeviceSession::take(const service::HomeMessage& message, TimestampNs now_ns) {
   if (const auto* welcome = std::get_if<service::Welcome>(&message)) {
     things_ = welcome->things;
+    role_ = welcome->role;
   } else if (const auto* arrived = std::get_if<service::FrameArrived>(&message)) {
     link_.acknowledged(arrived->t_ms);
   } else if (const auto* error = std::get_if<service::ErrorMessage>(&message)) {
-    std::cerr << "the computer: " << error->text << '\n';
+    take_error(*error, now_ns);
+  } else if (const auto* recording = std::get_if<service::RecordingState>(&message)) {
+    take_recording(*recording, now_ns);
   } else if (const auto* said = std::get_if<service::PromptMessage>(&message)) {
-    auto prompt = prompt_of(*said);
-    if (!prompt) {
-      std::cerr << prompt.error().message << '\n';
-      return;
-    }
-    ++prompts_;
-    parts_.voice->say(*std::move(prompt), now_ns);
+    take_prompt(*said, now_ns);
   }
+}
+
+void DeviceSession::take_prompt(const service::PromptMessage& message, TimestampNs now_ns) {
+  if (message.answer_to) {
+    // Who has heard the answer to a newer question does not want the older one any more.
+    if (*message.answer_to < newest_answered_) return;
+    if (*message.answer_to > newest_answered_) parts_.voice->withdraw_answers(now_ns);
+    newest_answered_ = *message.answer_to;
+    asked_.erase(*message.answer_to);
+  }
+  auto prompt = prompt_of(message);
+  if (!prompt) {
+    std::cerr << prompt.error().message << '\n';
+    return;
+  }
+  ++prompts_;
+  parts_.voice->say(*std::move(prompt), now_ns);
+}
+
+void DeviceSession::take_recording(const service::RecordingState& recording, TimestampNs now_ns) {
+  if (role_ != "device") return;  // helpers are told of all devices
+  // It comes again with every frame.
+  if (std::exchange(recording_, recording.state) == recording.state) return;
+  if (recording.state == "recording") {
+    parts_.voice->notice("device.recording", guide::Sound::kAnswer, now_ns);
+  } else if (recording.state == "saved") {
+    parts_.voice->notice("device.recording_saved", guide::Sound::kAnswer, now_ns);
+  } else if (recording.state == "failed") {
+    std::cerr << "the recording failed: " << recording.text << '\n';
+    parts_.voice->notice("device.recording_failed", guide::Sound::kAlert, now_ns);
+  }
+}
+
+void DeviceSession::take_error(const service::ErrorMessage& error, TimestampNs now_ns) {
+  std::cerr << "the computer: " << error.text << '\n';
+  if (!error.answer_to) return;
+  const auto asked = asked_.find(*error.answer_to);
+  if (asked == asked_.end()) return;
+  const bool names_a_thing =
+      asked->second == service::Question::kWhereIs || asked->second == service::Question::kWayTo;
+  asked_.erase(asked);
+  parts_.voice->notice(names_a_thing ? "device.not_understood" : "device.failed",
+                       guide::Sound::kUnsure, now_ns);
 }
 
 void DeviceSession::send_frames(TimestampNs now_ns) {
@@ -140,14 +192,22 @@ void DeviceSession::act(const KeyRequest& request, TimestampNs now_ns) {
     case Kind::kAround:
       return ask(service::Question::kAroundMe, "", now_ns);
     case Kind::kFind:
-      return ask(service::Question::kWhereIs, request.thing, now_ns);
+      return ask(service::Question::kWhereIs, request.name, now_ns);
     case Kind::kWay:
-      return ask(service::Question::kWayTo, request.thing, now_ns);
+      return ask(service::Question::kWayTo, request.name, now_ns);
     case Kind::kFindNext:
       if (things_.empty()) {
         return parts_.voice->notice("device.nothing_learned", guide::Sound::kUnsure, now_ns);
       }
       return ask(service::Question::kWhereIs, things_[next_thing_++ % things_.size()], now_ns);
+    case Kind::kNameRoom:
+      return ask(service::Question::kNameRoom, request.name, now_ns);
+    case Kind::kWhichThing:
+      return parts_.voice->notice("device.which_thing", guide::Sound::kNone, now_ns);
+    case Kind::kWhichRoom:
+      return parts_.voice->notice("device.which_room", guide::Sound::kNone, now_ns);
+    case Kind::kNoName:
+      return parts_.voice->notice("device.which_none", guide::Sound::kNone, now_ns);
     case Kind::kRepeat:
       return parts_.voice->repeat(now_ns);
     case Kind::kQuiet:
@@ -160,6 +220,8 @@ void DeviceSession::act(const KeyRequest& request, TimestampNs now_ns) {
 
 void DeviceSession::ask(service::Question question, const std::string& subject,
                         TimestampNs now_ns) {
+  // They would outlast the time for which the new answer holds.
+  parts_.voice->withdraw_answers(now_ns);
   if (!connection_) {
     return parts_.voice->notice("device.connection_lost", guide::Sound::kLost, now_ns);
   }
@@ -168,6 +230,7 @@ void DeviceSession::ask(service::Question question, const std::string& subject,
   ask.t_ms = static_cast<double>(now_ns) * 1e-6;
   ask.question = question;
   ask.subject = subject;
+  asked_[ask.id] = question;
   heard_ns_ = now_ns;  // the answer is waited for
   send(ask, now_ns);
 }

@@ -2,8 +2,11 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <future>
+#include <map>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -42,9 +45,13 @@ class DeviceSession {
  private:
   void connect(TimestampNs now_ns);
   void take_connection(TimestampNs now_ns);
+  void tell_of_failure(const Error& error, TimestampNs now_ns);
   void lose(const std::string& why, TimestampNs now_ns);
   void receive(TimestampNs now_ns);
   void take(const service::HomeMessage& message, TimestampNs now_ns);
+  void take_prompt(const service::PromptMessage& message, TimestampNs now_ns);
+  void take_recording(const service::RecordingState& recording, TimestampNs now_ns);
+  void take_error(const service::ErrorMessage& error, TimestampNs now_ns);
   void send_frames(TimestampNs now_ns);
   void act(const KeyRequest& request, TimestampNs now_ns);
   void ask(service::Question question, const std::string& subject, TimestampNs now_ns);
@@ -57,11 +64,17 @@ class DeviceSession {
   std::vector<std::string> things_;
   std::size_t next_thing_ = 0;
   std::int64_t questions_ = 0;
+  std::int64_t newest_answered_ = 0;                 // of the questions
+  std::map<std::int64_t, service::Question> asked_;  // and not answered
+  std::string role_;                                 // of this device
+  std::string recording_;                            // its last state
   std::uint64_t prompts_ = 0;
   bool exit_ = false;
   bool quiet_ = false;
   TimestampNs heard_ns_ = 0;  // when the computer said something last
   std::string last_failure_;
+  std::set<std::string> failures_said_;
+  bool removal_said_ = false;
   std::atomic<bool> giving_up_ = false;
   std::future<Expected<std::unique_ptr<service::ServerConnection>>> trying_;  // last: it ends first
 };

@@ -35,21 +35,33 @@ class SameView final : public recording::FrameSource {
   image::RgbdFrame frame_;
 };
 
-// What is heard, by any thread.
+// What is heard, by any thread. While it holds, nothing comes to its end.
 class HeardSpeaker final : public speech::Speaker {
  public:
   [[nodiscard]] Expected<void> begin(const guide::Utterance& utterance, TimestampNs) override {
     signal.change([&] { heard += utterance.prompt.text + "\n"; });
     return {};
   }
-  [[nodiscard]] Expected<void> stop(TimestampNs) override { return {}; }
-  [[nodiscard]] Expected<bool> is_done(TimestampNs) override { return true; }
+  [[nodiscard]] Expected<void> stop(TimestampNs) override {
+    signal.change([&] { heard += "(stop)\n"; });
+    return {};
+  }
+  [[nodiscard]] Expected<bool> is_done(TimestampNs) override { return !holds; }
   [[nodiscard]] bool hears(const std::string& text) {
     return signal.wait([&] { return heard.find(text) != std::string::npos; });
   }
 
+  [[nodiscard]] int times(const std::string& text) {
+    int count = 0;
+    signal.change([&] {
+      for (std::size_t at = 0; (at = heard.find(text, at)) != std::string::npos; ++at) ++count;
+    });
+    return count;
+  }
+
   Signal signal;
   std::string heard;
+  std::atomic<bool> holds = false;
 };
 
 // A home that answers as the protocol says.
@@ -65,7 +77,15 @@ class AnsweringHome final : public service::SocketHandler {
     return signal.wait([&] { return frames >= before + more; });
   }
 
+  // To the device that connected last.
+  void say(const service::HomeMessage& message) {
+    std::shared_ptr<service::SocketOut> out;
+    signal.change([&] { out = last_out; });
+    out->send_text(write(message));
+  }
+
   Signal signal;
+  std::shared_ptr<service::SocketOut> last_out;
   int frames = 0;
   std::vector<service::Hello> hellos;
   std::vector<service::Ask> asks;
@@ -79,22 +99,15 @@ class AnsweringHome final : public service::SocketHandler {
       const auto message = service::read_device_message(text);
       ASSERT_OK(message);
       if (const auto* hello = std::get_if<service::Hello>(&*message)) {
-        home_.signal.change([&] { home_.hellos.push_back(*hello); });
+        home_.signal.change([&] {
+          home_.hellos.push_back(*hello);
+          home_.last_out = out_;
+        });
         out_->send_text(write(service::HomeMessage(
             service::Welcome{"flat", "device", {"kitchen"}, {"bed", "lamp"}, true, true})));
       } else if (const auto* ask = std::get_if<service::Ask>(&*message)) {
         home_.signal.change([&] { home_.asks.push_back(*ask); });
-        service::PromptMessage prompt;
-        prompt.answer_to = ask->id;
-        prompt.key = "answer";
-        prompt.message = "room.is";
-        prompt.text = "Answer about " + ask->subject + ".";
-        prompt.language = "en";
-        prompt.priority = "answer";
-        prompt.confidence = "sure";
-        prompt.sound = "answer";
-        prompt.valid_until_t_ms = ask->t_ms + 60'000;
-        out_->send_text(write(service::HomeMessage(prompt)));
+        answer(*ask);
       }
     }
     void on_message(Bytes bytes) override {
@@ -106,6 +119,29 @@ class AnsweringHome final : public service::SocketHandler {
     void on_closed() override {}
 
    private:
+    void answer(const service::Ask& ask) {
+      if (ask.question == service::Question::kNameRoom || ask.subject == "nonsense") {
+        out_->send_text(write(service::HomeMessage(service::ErrorMessage{"refused", ask.id})));
+      } else if (ask.question == service::Question::kAroundMe) {
+        for (const char* key : {"around", "around/2", "around/3"}) say(ask, key, "Bed.");
+      } else {
+        say(ask, "answer", "Answer about " + ask.subject + ".");
+      }
+    }
+    void say(const service::Ask& ask, const std::string& key, const std::string& text) {
+      service::PromptMessage prompt;
+      prompt.answer_to = ask.id;
+      prompt.key = key;
+      prompt.message = "room.is";
+      prompt.text = text;
+      prompt.language = "en";
+      prompt.priority = "answer";
+      prompt.confidence = "sure";
+      prompt.sound = "answer";
+      prompt.valid_until_t_ms = ask.t_ms + 60'000;
+      out_->send_text(write(service::HomeMessage(prompt)));
+    }
+
     AnsweringHome& home_;
     std::shared_ptr<service::SocketOut> out_;
   };
@@ -188,6 +224,80 @@ TEST_F(DeviceSessionTest, AsksWhatIsTypedAndSpeaksTheAnswers) {
   type("x");
   running.join();
   EXPECT_GE(session_->prompts(), 1u);
+}
+
+TEST_F(DeviceSessionTest, AQuestionBreaksOffTheAnswerBefore) {
+  std::thread running([&] { EXPECT_OK(session_->run([] { return false; })); });
+  EXPECT_TRUE(speaker_->hears("Ready."));
+  speaker_->holds = true;
+  type("a");
+  EXPECT_TRUE(speaker_->hears("Bed."));
+  type("f lamp\n");
+  EXPECT_TRUE(speaker_->hears("(stop)\nAnswer about lamp."));
+  type("x");
+  running.join();
+  EXPECT_EQ(speaker_->times("Bed."), 1);
+}
+
+TEST_F(DeviceSessionTest, TellsWhatTheComputerRefuses) {
+  std::thread running([&] { EXPECT_OK(session_->run([] { return false; })); });
+  EXPECT_TRUE(speaker_->hears("Ready."));
+  home_.say(service::ErrorMessage{"of nobody's question", {}});
+  home_.say(service::ErrorMessage{"of another's question", 99});
+  type("f nonsense\n");
+  EXPECT_TRUE(speaker_->hears("I did not understand."));
+  type("n kitchen\n");
+  EXPECT_TRUE(speaker_->hears("That did not work."));
+  type("x");
+  running.join();
+  EXPECT_EQ(speaker_->times("I did not understand."), 1);
+  EXPECT_EQ(speaker_->times("That did not work."), 1);
+  ASSERT_EQ(home_.asks.size(), 2u);
+  EXPECT_EQ(home_.asks[1].question, service::Question::kNameRoom);
+  EXPECT_EQ(home_.asks[1].subject, "kitchen");
+}
+
+TEST_F(DeviceSessionTest, TellsThatItIsRecorded) {
+  std::thread running([&] { EXPECT_OK(session_->run([] { return false; })); });
+  EXPECT_TRUE(speaker_->hears("Ready."));
+  service::RecordingState state;
+  state.name = "walk";
+  const auto send = [&](const char* now) {
+    state.state = now;
+    ++state.frames;
+    home_.say(state);
+  };
+  const auto hears_last = [&](const std::string& text) {
+    return speaker_->signal.wait([&] { return speaker_->heard.ends_with(text + "\n"); });
+  };
+  for (int frame = 0; frame < 3; ++frame) {
+    send("recording");
+    EXPECT_TRUE(hears_last("Recording."));
+  }
+  send("saved");
+  EXPECT_TRUE(hears_last("The recording is saved."));
+  send("recording");
+  EXPECT_TRUE(hears_last("Recording."));
+  send("failed");
+  EXPECT_TRUE(hears_last("The recording failed."));
+  type("x");
+  running.join();
+  EXPECT_EQ(speaker_->times("Recording."), 2);
+}
+
+TEST_F(DeviceSessionTest, TellsOnceThatItWasRemoved) {
+  std::thread running([&] { EXPECT_OK(session_->run([] { return false; })); });
+  EXPECT_TRUE(speaker_->hears("Ready."));
+  ASSERT_OK(around_.access->revoke(around_.device.who.device));
+  server_->disconnect(around_.device.who.device, "removed");
+  EXPECT_TRUE(speaker_->hears("The connection is lost."));
+  EXPECT_TRUE(speaker_->hears("This device was removed."));
+  type("f lamp\n");
+  EXPECT_TRUE(
+      speaker_->hears("This device was removed. Ask your helper.\nThe connection is lost."));
+  type("x");
+  running.join();
+  EXPECT_EQ(speaker_->times("This device was removed."), 1);
 }
 
 }  // namespace

@@ -1,7 +1,9 @@
 #include "device_voice.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <iostream>
 #include <ostream>
 #include <utility>
 
@@ -13,6 +15,16 @@ namespace {
 
 constexpr int kWordsPerMinute = 175;  // espeak-ng's own
 constexpr double kErrorValid_s = 10;
+// A speaker is given up so long after twice the time that the words take.
+constexpr double kSpeakerLate_s = 3;
+constexpr double kCharacter_s = 0.06;  // spoken at kWordsPerMinute
+
+// UTF-8: all bytes but those that continue a character.
+double spoken_s(const std::string& text) {
+  const auto characters =
+      std::ranges::count_if(text, [](char byte) { return (byte & 0xC0) != 0x80; });
+  return static_cast<double>(characters) * kCharacter_s;
+}
 
 // The one of `values` that is called so.
 template <typename Value, std::size_t N>
@@ -83,6 +95,10 @@ void DeviceVoice::say_error(const std::string& text, TimestampNs now_ns) {
   say(std::move(prompt), now_ns);
 }
 
+void DeviceVoice::withdraw_answers(TimestampNs now_ns) {
+  if (queue_.withdraw_answers(now_ns)) must_stop_ = true;
+}
+
 void DeviceVoice::repeat(TimestampNs now_ns) {
   for (guide::Prompt& prompt : guide::repeat_prompts(queue_.last_said(), wording_, now_ns)) {
     say(std::move(prompt), now_ns);
@@ -96,11 +112,25 @@ bool DeviceVoice::toggle_quiet(TimestampNs now_ns) {
 }
 
 Expected<void> DeviceVoice::step(TimestampNs now_ns) {
-  if (queue_.speaking()) {
-    ROOMWISE_TRY(const bool done, speaker_->is_done(now_ns));
-    if (done) queue_.finished(queue_.speaking()->id, now_ns);
+  if (std::exchange(must_stop_, false)) ROOMWISE_CHECK_OK(speaker_->stop(now_ns));
+  if (queue_.speaking()) ROOMWISE_CHECK_OK(watch_speaker(now_ns));
+  const auto utterance = queue_.next(now_ns);
+  if (queue_.take_expired_answers() > 0) notice("device.failed", guide::Sound::kUnsure, now_ns);
+  if (!utterance) return {};
+  begun_ns_ = now_ns;
+  return speaker_->begin(*utterance, now_ns);
+}
+
+Expected<void> DeviceVoice::watch_speaker(TimestampNs now_ns) {
+  const guide::Utterance speaking = *queue_.speaking();
+  ROOMWISE_TRY(const bool done, speaker_->is_done(now_ns));
+  const double most_s = kSpeakerLate_s + 2 * spoken_s(speaking.prompt.text);
+  const bool is_given_up = !done && seconds_between(begun_ns_, now_ns) > most_s;
+  if (is_given_up) {
+    std::cerr << "the speech does not tell that '" << speaking.prompt.text << "' has ended\n";
+    ROOMWISE_CHECK_OK(speaker_->stop(now_ns));
   }
-  if (const auto utterance = queue_.next(now_ns)) return speaker_->begin(*utterance, now_ns);
+  if (done || is_given_up) queue_.finished(speaking.id, now_ns);
   return {};
 }
 

@@ -42,19 +42,26 @@ class DeviceVoice {
   void notice(const std::string& message, guide::Sound sound, TimestampNs now_ns);
   // Words that are in no catalogue: an error.
   void say_error(const std::string& text, TimestampNs now_ns);
+  // Somebody asked anew: no more of the answers before.
+  void withdraw_answers(TimestampNs now_ns);
   void repeat(TimestampNs now_ns);
   // Says which it is now.
   bool toggle_quiet(TimestampNs now_ns);
 
-  // Goes on with what is due; again and again.
+  // Goes on with what is due; again and again. A speaker that does not tell the end of a prompt
+  // long after it must have come is not waited for.
   [[nodiscard]] Expected<void> step(TimestampNs now_ns);
   // Whether nothing is being spoken or will be, if nothing more comes.
   [[nodiscard]] bool is_silent(TimestampNs now_ns) const;
 
  private:
+  [[nodiscard]] Expected<void> watch_speaker(TimestampNs now_ns);
+
   std::unique_ptr<speech::Speaker> speaker_;
   guide::Wording wording_;
   guide::PromptQueue queue_;
+  bool must_stop_ = false;    // the speaker, at the next step
+  TimestampNs begun_ns_ = 0;  // what is being spoken
 };
 
 }  // namespace roomwise::app

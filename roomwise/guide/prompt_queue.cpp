@@ -46,12 +46,29 @@ void PromptQueue::add(Prompt prompt, TimestampNs now_ns) {
   withdraw(prompt.key);
   const bool is_unwanted = is_quiet_ && prompt.priority == Priority::kCallout;
   if (!is_unwanted && !was_said_lately(prompt, now_ns)) {
-    waiting_.push_back({std::move(prompt), place});
+    waiting_.push_back({std::move(prompt), place, false});
   }
 }
 
 void PromptQueue::withdraw(const std::string& key) {
   std::erase_if(waiting_, [&](const Waiting& each) { return is_of(each.prompt.key, key); });
+}
+
+bool PromptQueue::withdraw_answers(TimestampNs now_ns) {
+  std::erase_if(waiting_,
+                [](const Waiting& each) { return each.prompt.priority == Priority::kAnswer; });
+  if (!speaking_ || speaking_->prompt.priority != Priority::kAnswer) return false;
+  finished(speaking_->id, now_ns);
+  return true;
+}
+
+void PromptQueue::forget_expired(TimestampNs now_ns) {
+  std::erase_if(waiting_, [&](const Waiting& each) {
+    const bool is_expired = now_ns > each.prompt.valid_until_ns;
+    const bool is_unheard = each.prompt.priority == Priority::kAnswer && !each.was_begun;
+    if (is_expired && is_unheard) ++expired_answers_;
+    return is_expired;
+  });
 }
 
 bool PromptQueue::may_begin(const Prompt& prompt, TimestampNs now_ns) const {
@@ -77,7 +94,7 @@ std::vector<PromptQueue::Waiting>::const_iterator PromptQueue::most_urgent(
 }
 
 std::optional<Utterance> PromptQueue::next(TimestampNs now_ns) {
-  std::erase_if(waiting_, [&](const Waiting& each) { return now_ns > each.prompt.valid_until_ns; });
+  forget_expired(now_ns);
   const auto found = most_urgent(now_ns);
   if (found == waiting_.end()) return std::nullopt;
   const Prompt prompt = found->prompt;
@@ -101,7 +118,7 @@ void PromptQueue::break_off(TimestampNs now_ns) {
   for (const Waiting& each : waiting_) {
     if (whole_of(each.prompt.key) == whole_of(prompt.key)) place = std::min(place, each.place);
   }
-  waiting_.insert(waiting_.begin(), {std::move(prompt), place});
+  waiting_.insert(waiting_.begin(), {std::move(prompt), place, true});
 }
 
 void PromptQueue::remember(const Prompt& prompt, TimestampNs now_ns) {

@@ -49,6 +49,7 @@ struct Said {
 // - Before a callout there is silence for a moment.
 // - A hazard breaks off what is being spoken, unless that is a hazard too. A question or notice
 //   that was broken off is spoken again afterwards, if it still holds.
+// - Who asks anew hears no more of the answers before: withdraw_answers().
 // - While it is quiet, nothing is called out. Hazards, answers and notices are spoken.
 class PromptQueue {
  public:
@@ -70,6 +71,12 @@ class PromptQueue {
   [[nodiscard]] bool quiet() const { return is_quiet_; }
   // Forgets what waits with this key, and its parts.
   void withdraw(const std::string& key);
+  // Forgets the answers that wait, since somebody asked anew. True where one is being spoken, which
+  // counts as finished: the caller breaks it off.
+  [[nodiscard]] bool withdraw_answers(TimestampNs now_ns);
+  // How many answers were past their time before they could be begun, since the last call. Nobody
+  // heard of them, so the caller says that.
+  [[nodiscard]] int take_expired_answers() { return std::exchange(expired_answers_, 0); }
 
   [[nodiscard]] const std::optional<Utterance>& speaking() const { return speaking_; }
   // The newest answer or callout that was begun, for somebody who did not catch it. Repetitions
@@ -80,12 +87,14 @@ class PromptQueue {
   struct Waiting {
     Prompt prompt;
     std::uint64_t place = 0;  // in the order of coming
+    bool was_begun = false;   // and broken off
   };
   [[nodiscard]] bool was_said_lately(const Prompt& prompt, TimestampNs now_ns) const;
   [[nodiscard]] bool may_begin(const Prompt& prompt, TimestampNs now_ns) const;
   // The one to begin now; end() where there is none.
   [[nodiscard]] std::vector<Waiting>::const_iterator most_urgent(TimestampNs now_ns) const;
   void remember(const Prompt& prompt, TimestampNs now_ns);
+  void forget_expired(TimestampNs now_ns);
   void break_off(TimestampNs now_ns);
 
   PromptQueueOptions options_;
@@ -97,6 +106,7 @@ class PromptQueue {
   std::optional<Said> last_said_;
   std::uint64_t places_ = 0;
   std::uint64_t utterances_ = 0;
+  int expired_answers_ = 0;
   bool is_quiet_ = false;
 };
 

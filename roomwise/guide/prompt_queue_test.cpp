@@ -207,6 +207,58 @@ TEST_F(PromptQueueTest, HazardsDoNotBreakOffHazardsNorStutter) {
   EXPECT_EQ(speak(4), "Obstacle ahead.");
 }
 
+TEST_F(PromptQueueTest, WhoAsksAnewHearsNoMoreOfTheAnswersBefore) {
+  queue_.add(answer("around", "bed", 3), at(0));
+  queue_.add(answer("around/2", "lamp", 7), at(0));
+  queue_.add(prompt(Priority::kNotice, "camera", "notice"), at(0));
+  queue_.add(callout("room", "callout"), at(0));
+  EXPECT_EQ(begin(0), "bed");
+  const std::uint64_t broken_off = queue_.speaking()->id;
+  EXPECT_TRUE(queue_.withdraw_answers(at(1)));
+  EXPECT_FALSE(queue_.speaking());
+  queue_.add(answer("room", "kitchen", 4), at(1.2));
+  EXPECT_EQ(begin(1.2), "kitchen");
+  queue_.finished(broken_off, at(1.3));  // the speech reports late
+  EXPECT_TRUE(queue_.speaking());
+  finish(2);
+  EXPECT_EQ(speak(2), "notice");
+  EXPECT_EQ(speak(5), "callout");
+  EXPECT_EQ(speak(9), "");
+  EXPECT_EQ(queue_.take_expired_answers(), 0);  // they were not wanted any more
+}
+
+TEST_F(PromptQueueTest, AskingAnewBreaksOffAnswersAlone) {
+  queue_.add(answer("room", "kitchen", 5), at(0));
+  EXPECT_EQ(begin(0), "kitchen");
+  queue_.add(hazard(), at(0.5));
+  EXPECT_EQ(begin(0.5), "Obstacle ahead.");
+  EXPECT_FALSE(queue_.withdraw_answers(at(0.6)));
+  ASSERT_TRUE(queue_.speaking());
+  EXPECT_EQ(queue_.speaking()->prompt.text, "Obstacle ahead.");
+  finish(1);
+  EXPECT_EQ(begin(1), "");  // the answer that it broke off does not come back
+}
+
+TEST_F(PromptQueueTest, TellsOfAnswersThatWereNeverBegun) {
+  queue_.add(prompt(Priority::kNotice, "camera", "long notice"), at(0));
+  EXPECT_EQ(begin(0), "long notice");
+  queue_.add(answer("room", "kitchen", 3), at(1));
+  queue_.add(answer("other", "replaced", 3), at(1));
+  queue_.add(answer("other", "newer"), at(2));
+  queue_.add(callout("hall", "callout", 3), at(1));
+  EXPECT_EQ(begin(3), "");
+  EXPECT_EQ(queue_.take_expired_answers(), 0);
+  EXPECT_EQ(begin(3.1), "");
+  EXPECT_EQ(queue_.take_expired_answers(), 1);
+  EXPECT_EQ(queue_.take_expired_answers(), 0);
+  finish(4);
+  EXPECT_EQ(begin(4), "newer");
+  queue_.add(hazard(), at(5));
+  EXPECT_EQ(begin(5), "Obstacle ahead.");
+  EXPECT_EQ(begin(1001), "");  // it was begun at least
+  EXPECT_EQ(queue_.take_expired_answers(), 0);
+}
+
 TEST_F(PromptQueueTest, QuietSilencesCalloutsAlone) {
   queue_.add(callout("room", "waiting"), at(0));
   queue_.set_quiet(true);

@@ -31,6 +31,7 @@ using Json = nlohmann::json;
 
 constexpr std::size_t kMostWaiting = 64;  // messages, in each direction
 constexpr std::size_t kMostMessageBytes = std::size_t{4} << 20U;
+constexpr std::string_view kNotKnown = "does not know this device (any more): pair it again";
 
 // The answer to a POST request.
 Expected<http::response<http::string_body>> post(TlsClient& client, const char* path,
@@ -55,10 +56,11 @@ Expected<PairedWith> read_pairing(const TlsClient& client,
                                   const http::response<http::string_body>& answer,
                                   const PairingProof& proof) {
   const Json json = Json::parse(answer.body(), nullptr, false);
-  const bool is_object = json.is_object();
   if (answer.result() != http::status::ok) {
+    const bool says_why =
+        json.is_object() && json.contains("error") && json.at("error").is_string();
     return fail("{} refuses the pairing: {}", client.name(),
-                is_object ? json.value("error", "") : std::string(answer.reason()));
+                says_why ? json.at("error").get<std::string>() : std::string(answer.reason()));
   }
   PairedWith paired;
   try {
@@ -195,6 +197,10 @@ Expected<PairedWith> pair_with(const ServerAddress& server, const std::string& c
 
 // ---- ServerConnection ----
 
+bool is_refusal(const Error& error) {
+  return error.message.ends_with(kNotKnown);
+}
+
 // One thread runs `io`, and all but what the mutex guards belongs to it.
 class ServerConnection::Impl : public std::enable_shared_from_this<Impl> {
  public:
@@ -284,8 +290,9 @@ class ServerConnection::Impl : public std::enable_shared_from_this<Impl> {
         "opens no WebSocket");
     beast::get_lowest_layer(client_.stream()).expires_never();
     if (done) return {};
-    if (answer.result() == http::status::unauthorized) {
-      return fail("{} does not know this device (any more): pair it again", client_.name());
+    if (answer.result() == http::status::unauthorized ||
+        answer.result() == http::status::forbidden) {
+      return fail("{} {}", client_.name(), kNotKnown);
     }
     return Unexpected(done.error());
   }

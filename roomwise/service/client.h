@@ -46,6 +46,10 @@ struct ClientWait {
 [[nodiscard]] Expected<PairedWith> pair_with(const ServerAddress& server, const std::string& code,
                                              const std::string& name, const ClientWait& wait = {});
 
+// Whether ServerConnection::open() failed because the computer takes this device for none of the
+// home's: it was removed. Trying again does not help, being paired again does.
+[[nodiscard]] bool is_refusal(const Error& error);
+
 // A WebSocket to the computer. Thread-safe.
 class ServerConnection {
  public:
