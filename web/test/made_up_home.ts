@@ -47,6 +47,7 @@ const kThings: Thing[] = [
   thing(6, 'bed', 'bedroom', [7.4, 3.5, 0.3], [1.6, 2, 0.6], 0.99),
   thing(7, 'wardrobe', 'bedroom', [5.4, 4.3, 1], [0.8, 0.6, 2], 0.9),
   thing(8, 'lamp', 'bedroom', [8.3, 4.4, 0.7], [0.3, 0.3, 1.4], 0.64),
+  thing(9, 'shelf', 'corridor', null, [0.8, 0.3, 1.8], 0.82), // seen, but not placed on the map
 ];
 
 const kWalk = ['corridor', 'kitchen', 'bathroom', 'bedroom'];
@@ -100,7 +101,7 @@ export function makeCloud(): Buffer {
     }
   });
   for (const { position, size, id } of kThings) {
-    for (let i = 0; i < 700; i += 1) {
+    for (let i = 0; position && i < 700; i += 1) {
       const place = position.map((middle, axis) => middle + (size[axis] ?? 0) * (random() - 0.5));
       const axis = i % 3;
       place[axis] = (position[axis] ?? 0) + (size[axis] ?? 0) * (i % 2 === 0 ? 0.5 : -0.5);

@@ -8,23 +8,33 @@ export interface PlayerParts {
   speaker: () => Speaker;
   sound: (sound: Sound) => number; // plays it; gives its length in milliseconds
   after: (ms: number, run: () => void) => void;
+  lostAnswer: (now: number) => QueuedPrompt; // said instead of an answer that came too late
 }
 
 export class PromptPlayer {
   private readonly queue = new PromptQueue();
   private begun = 0; // counts prompts: what belongs to an earlier one is of no interest any more
   private speaker: Speaker | null = null; // who speaks now
+  private isOver = false; // the last words were given
 
   constructor(private readonly parts: PlayerParts) {}
 
   push(prompt: QueuedPrompt): void {
-    if (this.queue.push(prompt, this.parts.now())) {
-      this.pump();
-    }
+    this.queue.push(prompt, this.parts.now());
+    this.pump();
   }
 
-  // The person asks something else or wants silence: what is being said ends, unless it is a hazard.
+  // The page ends with these words; nothing is said after them.
+  sayLast(prompt: QueuedPrompt, over: () => void): void {
+    this.isOver = true;
+    this.speaker?.stop();
+    this.begin(prompt, over);
+  }
+
+  // The person asks something else or wants silence: what is being said ends, unless it is a hazard, and answers that
+  // wait are not gone on with.
   hush(): void {
+    this.queue.withdrawAnswers();
     const speaking = this.queue.speaking;
     if (speaking && speaking.priority !== 'hazard') {
       this.begun += 1;
@@ -42,7 +52,13 @@ export class PromptPlayer {
   }
 
   private pump(): void {
+    if (this.isOver) {
+      return;
+    }
     const now = this.parts.now();
+    if (this.queue.takeLost(now)) {
+      this.queue.push(this.parts.lostAnswer(now), now);
+    }
     const step = this.queue.step(now);
     if (step.do === 'wait') {
       this.parts.after(step.until - now, () => this.pump());
@@ -51,19 +67,21 @@ export class PromptPlayer {
       if (step.interrupts) {
         this.speaker?.stop();
       }
-      this.begin(step.prompt);
+      this.begin(step.prompt, () => {
+        this.queue.ended(this.parts.now());
+        this.pump();
+      });
     }
   }
 
-  private begin(prompt: QueuedPrompt): void {
+  private begin(prompt: QueuedPrompt, then: () => void): void {
     this.begun += 1;
     const mine = this.begun;
     const speaker = this.parts.speaker();
     this.speaker = speaker;
     const over = (): void => {
       if (mine === this.begun) {
-        this.queue.ended(this.parts.now());
-        this.pump();
+        then();
       }
     };
     this.parts.after(this.parts.sound(prompt.sound), () => {

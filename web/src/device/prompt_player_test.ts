@@ -19,6 +19,7 @@ function makePlayer() {
       return 200;
     },
     after,
+    lostAnswer: (now) => ({ ...prompt('failed'), valid_until_t: now + 10_000 }),
     speaker: () => ({
       say: (prompt, over) => {
         world.heard.push(`${world.now} ${prompt.text}`);
@@ -94,4 +95,62 @@ test('the second of two callouts comes by itself when the gap is over', () => {
   player.push(prompt('corridor', 'callout'));
   runTo(10_000);
   assert.deepEqual(world.heard, ['0 (answer)', '200 kitchen', '2950 (answer)', '3150 corridor']);
+});
+
+const kAround = ['around', 'around/2', 'around/3'];
+
+test('asked while a longer answer is spoken: that ends, and the new question is answered', () => {
+  const { player, world, runTo } = makePlayer();
+  kAround.forEach((key) => player.push({ ...prompt(key), valid_until_t: 60_000 }));
+  runTo(1000);
+  player.hush();
+  runTo(1500);
+  player.push({ ...prompt('kitchen'), valid_until_t: 4000 });
+  runTo(20_000);
+  assert.deepEqual(world.heard, ['0 (answer)', '200 around', '1000 stop', '1500 (answer)', '1700 kitchen']);
+});
+
+test('asked while a hazard is spoken: the hazard stays, the older answer goes', () => {
+  const { player, world, runTo } = makePlayer();
+  kAround.forEach((key) => player.push(prompt(key)));
+  player.push(prompt('stairs', 'hazard'));
+  runTo(1000);
+  player.hush();
+  player.push(prompt('kitchen'));
+  runTo(20_000);
+  assert.deepEqual(world.heard.slice(-4), ['0 (answer)', '200 stairs', '2200 (answer)', '2400 kitchen']);
+});
+
+test('quiet: no further sentence of an answer, but what that is for is said', () => {
+  const { player, world, runTo } = makePlayer();
+  kAround.forEach((key) => player.push(prompt(key)));
+  runTo(1000);
+  player.setQuiet(true);
+  player.push(prompt('quiet'));
+  runTo(20_000);
+  assert.deepEqual(world.heard, ['0 (answer)', '200 around', '1000 stop', '1000 (answer)', '1200 quiet']);
+});
+
+test('an answer that comes too late, or waits too long, is told to have failed, once', () => {
+  const { player, world, runTo } = makePlayer();
+  runTo(1000);
+  player.push({ ...prompt('late'), valid_until_t: 900 });
+  runTo(5000);
+  assert.deepEqual(world.heard, ['1000 (answer)', '1200 failed']);
+  player.push(prompt('dark', 'notice'));
+  player.push({ ...prompt('room'), valid_until_t: 6000 });
+  player.push({ ...prompt('thing'), valid_until_t: 6000 });
+  runTo(20_000);
+  assert.deepEqual(world.heard.slice(2), ['5000 (answer)', '5200 dark', '7200 (answer)', '7400 failed']);
+});
+
+test('the last words end what is spoken, and nothing follows them', () => {
+  const { player, world, runTo } = makePlayer();
+  player.push(prompt('stairs', 'hazard'));
+  player.push(prompt('room'));
+  runTo(1000);
+  player.sayLast(prompt('removed'), () => world.heard.push(`${world.now} gone`));
+  player.push(prompt('kitchen', 'hazard'));
+  runTo(20_000);
+  assert.deepEqual(world.heard, ['0 (answer)', '200 stairs', '1000 stop', '1000 (answer)', '1200 removed', '3200 gone']);
 });

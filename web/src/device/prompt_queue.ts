@@ -1,9 +1,10 @@
 // What is said next. Pure: the caller hands in the clock (milliseconds) and does the speaking.
 //
 // - The most urgent first; of equals, the one that came first.
-// - A newer prompt takes the place of a waiting one of the same key, and of the parts of that ("around/2").
-// - Nothing begins after its valid_until_t.
-// - A hazard interrupts all but a hazard.
+// - A newer prompt takes the place of a waiting one of the same key, and of the parts of that ("around/2"); it is as
+//   urgent as what it replaces: somebody asked.
+// - Nothing begins after its valid_until_t. An answer of which nothing was begun by then is lost, and that can be told.
+// - A hazard interrupts all but a hazard. It comes with every picture that shows it: the same one not again within 4 s.
 // - Callouts: 0.75 s between two of them, the same one not again within a minute, none while it is quiet.
 import type { Priority, Prompt } from '../shared/protocol';
 
@@ -14,6 +15,7 @@ export type QueuedPrompt = Pick<
 
 export const kCalloutGapMs = 750;
 export const kSameCalloutMs = 60_000;
+export const kSameHazardMs = 4000;
 const kUrgency: Record<Priority, number> = { hazard: 0, answer: 1, notice: 2, callout: 3 };
 
 export type Step<P> =
@@ -26,26 +28,33 @@ export class PromptQueue<P extends QueuedPrompt = QueuedPrompt> {
   private spoken: P | null = null;
   private quiet = false;
   private lastCalloutEnd = -Infinity;
-  private readonly calloutBegun = new Map<string, number>();
+  private readonly begunAt = new Map<string, number>(); // of callouts and hazards
+  private answering: string | null = null; // the answer that was begun last, as a whole
+  private lost = false;
 
   // False where it will never be said.
-  push(prompt: P, now: number): boolean {
-    if (prompt.valid_until_t < now || (this.isCallout(prompt) && this.isUnwanted(prompt, now))) {
+  push(newest: P, now: number): boolean {
+    const same = this.waiting.findIndex((other) => other.key === newest.key);
+    const prompt = { ...newest, priority: moreUrgent(newest.priority, this.waiting[same]?.priority) };
+    if (prompt.valid_until_t < now) {
+      this.lose(prompt);
       return false;
     }
-    this.waiting = this.waiting.filter((other) => !other.key.startsWith(`${prompt.key}/`));
-    const same = this.waiting.findIndex((other) => other.key === prompt.key);
+    if (this.isUnwanted(prompt, now)) {
+      return false;
+    }
     if (same >= 0) {
       this.waiting[same] = prompt;
     } else {
       this.waiting.push(prompt);
     }
+    this.waiting = this.waiting.filter((other) => !other.key.startsWith(`${prompt.key}/`));
     return true;
   }
 
   // What to do at `now`. A prompt that it begins counts as being spoken until `ended`.
   step(now: number): Step<P> {
-    this.waiting = this.waiting.filter((prompt) => prompt.valid_until_t >= now);
+    this.dropLate(now);
     const next = this.mostUrgent();
     if (!next) {
       return { do: 'nothing' };
@@ -74,6 +83,20 @@ export class PromptQueue<P extends QueuedPrompt = QueuedPrompt> {
     return this.spoken;
   }
 
+  // Something else is asked, or silence: what was asked before is not gone on with.
+  withdrawAnswers(): void {
+    this.waiting = this.waiting.filter((prompt) => prompt.priority !== 'answer');
+    this.answering = null;
+  }
+
+  // Whether an answer ran out before it could be begun; told once.
+  takeLost(now: number): boolean {
+    this.dropLate(now);
+    const lost = this.lost;
+    this.lost = false;
+    return lost;
+  }
+
   // Quiet drops the callouts that wait, too.
   setQuiet(on: boolean): void {
     this.quiet = on;
@@ -86,9 +109,22 @@ export class PromptQueue<P extends QueuedPrompt = QueuedPrompt> {
     this.ended(now); // what is interrupted
     this.waiting.splice(this.waiting.indexOf(prompt), 1);
     this.spoken = prompt;
-    if (this.isCallout(prompt)) {
-      this.calloutBegun.set(calloutName(prompt), now);
+    if (againAfterMs(prompt) > 0) {
+      this.begunAt.set(nameOf(prompt), now);
     }
+    if (prompt.priority === 'answer') {
+      this.answering = wholeOf(prompt);
+    }
+  }
+
+  private dropLate(now: number): void {
+    this.waiting.filter((prompt) => prompt.valid_until_t < now).forEach((prompt) => this.lose(prompt));
+    this.waiting = this.waiting.filter((prompt) => prompt.valid_until_t >= now);
+  }
+
+  // The rest of an answer that was begun is no loss to speak of.
+  private lose(prompt: P): void {
+    this.lost ||= prompt.priority === 'answer' && wholeOf(prompt) !== this.answering;
   }
 
   private mostUrgent(): P | null {
@@ -105,12 +141,25 @@ export class PromptQueue<P extends QueuedPrompt = QueuedPrompt> {
     return prompt.priority === 'callout';
   }
 
-  private isUnwanted(callout: QueuedPrompt, now: number): boolean {
-    const begun = this.calloutBegun.get(calloutName(callout));
-    return this.quiet || (begun !== undefined && now - begun < kSameCalloutMs);
+  private isUnwanted(prompt: QueuedPrompt, now: number): boolean {
+    const begun = this.begunAt.get(nameOf(prompt)) ?? -Infinity;
+    return (this.quiet && this.isCallout(prompt)) || now - begun < againAfterMs(prompt);
   }
 }
 
-function calloutName(prompt: QueuedPrompt): string {
-  return `${prompt.key}\n${prompt.text}`;
+function againAfterMs({ priority }: QueuedPrompt): number {
+  return priority === 'callout' ? kSameCalloutMs : priority === 'hazard' ? kSameHazardMs : 0;
+}
+
+function moreUrgent(one: Priority, other: Priority = one): Priority {
+  return kUrgency[one] <= kUrgency[other] ? one : other;
+}
+
+function nameOf(prompt: QueuedPrompt): string {
+  return `${prompt.priority}\n${prompt.key}\n${prompt.text}`;
+}
+
+// "around/2" is a part of "around".
+function wholeOf({ key }: QueuedPrompt): string {
+  return key.split('/')[0] ?? key;
 }

@@ -2,7 +2,7 @@ import assert from 'node:assert/strict';
 import { test } from 'node:test';
 
 import type { Priority } from '../shared/protocol';
-import { kCalloutGapMs, kSameCalloutMs, PromptQueue, type QueuedPrompt } from './prompt_queue';
+import { kCalloutGapMs, kSameCalloutMs, kSameHazardMs, PromptQueue, type QueuedPrompt } from './prompt_queue';
 
 function prompt(key: string, priority: Priority, more: Partial<QueuedPrompt> = {}): QueuedPrompt {
   return { key, text: key, language: 'en', priority, sound: 'none', valid_until_t: 1e9, ...more };
@@ -129,6 +129,55 @@ test('quiet silences callouts, waiting ones too, and nothing else', () => {
   assert.deepEqual(spokenInOrder(queue, 0), ['room', 'dark']);
   queue.setQuiet(false);
   assert.equal(queue.push(prompt('corridor', 'callout'), 5000), true);
+});
+
+test('the same hazard, told with every picture, is begun once in four seconds, another one at once', () => {
+  const queue = new PromptQueue();
+  const begunAt: number[] = [];
+  for (let now = 0; now <= 9000; now += 250) {
+    queue.push(prompt('ahead', 'hazard', { text: 'Obstacle ahead.', valid_until_t: now + 1000 }), now);
+    if (begun(queue, now) === 'ahead') {
+      begunAt.push(now);
+      queue.ended(now + 100);
+    }
+  }
+  assert.deepEqual(begunAt, [0, kSameHazardMs, 2 * kSameHazardMs]);
+  assert.equal(queue.push(prompt('ahead', 'hazard', { text: 'Stairs ahead.' }), 9100), true);
+  assert.equal(begun(queue, 9100), 'ahead');
+});
+
+test('answers are withdrawn, and nothing else', () => {
+  const queue = new PromptQueue();
+  for (const key of ['around', 'around/2']) {
+    queue.push(prompt(key, 'answer'), 0);
+  }
+  queue.push(prompt('dark', 'notice'), 0);
+  queue.withdrawAnswers();
+  assert.deepEqual(spokenInOrder(queue, 0), ['dark']);
+  assert.equal(queue.takeLost(5000), false, 'what was withdrawn is not lost');
+});
+
+test('an answer that is past its time is lost, the rest of one that was begun is not, nor is anything else', () => {
+  const queue = new PromptQueue();
+  queue.push(prompt('around', 'answer', { valid_until_t: 100 }), 0);
+  queue.push(prompt('around/2', 'answer', { valid_until_t: 100 }), 0);
+  queue.push(prompt('dark', 'notice', { valid_until_t: 100 }), 0);
+  assert.equal(begun(queue, 50), 'around');
+  assert.equal(queue.takeLost(200), false);
+  queue.push(prompt('room', 'answer', { valid_until_t: 300 }), 200);
+  assert.equal(queue.takeLost(301), true);
+  assert.equal(queue.takeLost(302), false, 'once');
+  queue.push(prompt('room', 'answer', { valid_until_t: 400 }), 500);
+  assert.equal(queue.takeLost(500), true);
+});
+
+test('what takes the place of an answer is as urgent, whatever it is itself', () => {
+  const queue = new PromptQueue();
+  queue.push(prompt('room', 'answer'), 0);
+  queue.push(prompt('dark', 'notice'), 0);
+  queue.push(prompt('room', 'callout', { text: 'bathroom' }), 1);
+  const step = queue.step(2);
+  assert.deepEqual(step.do === 'begin' && [step.prompt.text, step.prompt.priority], ['bathroom', 'answer']);
 });
 
 test('on any run of prompts: one at a time, none late, callouts spaced and not repeated', () => {

@@ -10,8 +10,9 @@ test('rooms come with their things and neighbours, by name', () => {
   const kitchen = outline.rooms[3];
   assert.deepEqual(kitchen?.things.map((thing) => thing.name), ['dining table', 'microwave', 'refrigerator', 'stove']);
   assert.deepEqual(kitchen?.neighbours, ['corridor']);
+  assert.deepEqual(outline.rooms[2]?.things.map(({ name, position }) => [name, position]), [['shelf', null]], 'without a place');
   assert.deepEqual(outline.rooms[2]?.neighbours, ['bathroom', 'bedroom', 'kitchen']);
-  assert.deepEqual(countOf(outline), { rooms: 4, things: 9 });
+  assert.deepEqual(countOf(outline), { rooms: 4, things: 10 });
 });
 
 test('a search keeps a fitting room whole, and of the others what fits', () => {

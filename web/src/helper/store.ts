@@ -111,7 +111,15 @@ export class HelperStore {
   }
 
   private tell(topic: Topic): void {
-    this.listeners.filter(({ topics }) => topics.includes(topic)).forEach(({ run }) => run());
+    for (const { topics, run } of this.listeners) {
+      if (topics.includes(topic)) {
+        try {
+          run();
+        } catch (error) {
+          console.error(error); // the other parts of the page are shown all the same
+        }
+      }
+    }
   }
 }
 

@@ -5,6 +5,7 @@ import { textField } from '../shared/forms';
 import type { Role } from '../shared/protocol';
 import { chooseLanguage, text } from '../shared/texts';
 import { codeFrom } from './code';
+import { fieldOf, fitsAsName } from './name';
 
 chooseLanguage();
 document.title = text('pair.title');
@@ -47,15 +48,19 @@ async function pair(): Promise<void> {
     name.fail(text('pair.name_missing'));
     return;
   }
+  if (!fitsAsName(name.value())) {
+    name.fail(text('pair.name_long'));
+    return;
+  }
   submit.setAttribute('aria-disabled', 'true');
   try {
     const body = { code: digits, name: name.value(), cookie: true };
     const { role } = await request<{ role: Role }>('POST', '/api/pair', body);
     location.replace(role === 'helper' ? '/' : '/device');
   } catch (error) {
-    // 400, 401, 403: the code; anything else is not about a field.
-    if (error instanceof ApiError && error.status >= 400 && error.status < 404) {
-      code.fail(error.message);
+    const field = error instanceof ApiError ? fieldOf(error.status, error.message) : null;
+    if (field) {
+      (field === 'code' ? code : name).fail(messageOf(error));
     } else {
       failure.textContent = messageOf(error);
     }

@@ -59,6 +59,7 @@ export interface Seen {
 
 export interface RecordingState {
   type: 'recording';
+  device: number; // whose frames are stored
   state: 'recording' | 'saved' | 'failed';
   name: string;
   frames: number;
@@ -144,7 +145,7 @@ export interface Thing {
   name: string;
   probability: number;
   room: string | null;
-  position: Vector;
+  position: Vector | null; // not known while the map is made ready, or on another piece of it
   size: Vector;
   keyframe: number;
   box: [number, number, number, number];

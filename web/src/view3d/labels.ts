@@ -18,7 +18,8 @@ export class Labels {
   setHome(home: Home): void {
     this.ofHome = this.replace(this.ofHome, [
       ...home.rooms.flatMap(({ name, middle }) => (middle ? [make('room-label', name, [...middle, 0.02])] : [])),
-      ...home.things.map(({ name, position: [x, y, z], size }) => make('thing-label', name, [x, y, z + size[2] / 2 + 0.08])),
+      ...home.things.flatMap(({ name, position, size }) =>
+        (position ? [make('thing-label', name, [position[0], position[1], position[2] + size[2] / 2 + 0.08])] : [])),
     ]);
   }
 

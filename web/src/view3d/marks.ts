@@ -22,17 +22,20 @@ export function schemeColours(): Colours {
 
 export function homeMarks(home: Home, { accent, ink }: Colours): Object3D[] {
   return [
-    ...home.things.map((thing) => thingBox(thing, ink)),
+    ...home.things.flatMap((thing) => thingBox(thing, ink)),
     ...home.doorways.flatMap((doorway) => doorwayMark(doorway, accent)),
   ];
 }
 
-function thingBox({ position, size }: Thing, colour: string): Object3D {
+function thingBox({ position, size }: Thing, colour: string): Object3D[] {
+  if (!position) {
+    return [];
+  }
   const box = new BoxGeometry(...size);
   const edges = new LineSegments(new EdgesGeometry(box), new LineBasicMaterial({ color: colour }));
   box.dispose();
   edges.position.set(...position);
-  return edges;
+  return [edges];
 }
 
 function doorwayMark({ middle }: Doorway, colour: string): Object3D[] {

@@ -98,7 +98,7 @@ test('revoking a device asks first, and is said once', options, () => withServer
 test('the home in words: rooms with their things, and a search', options, () => withServer(async (server) => {
   const visit = await openVisit(server, { role: 'helper' });
   await visit.go('/');
-  await visit.sees('4 rooms, 9 things', '[role=status]');
+  await visit.sees('4 rooms, 10 things', '[role=status]');
   await visit.sees('9.6 m² · leads to corridor');
   await visit.tabTo('Search rooms and things');
   await visit.type('wave');
@@ -128,7 +128,7 @@ test('renaming a room, what is wrong beside its field, and deleting it', options
   await visit.press('Delete cookery');
   await visit.press('Delete');
   await heardOnce(visit, 'The room cookery is deleted.');
-  await visit.sees('3 rooms, 9 things');
+  await visit.sees('3 rooms, 10 things');
   await visit.close();
 }));
 
@@ -142,7 +142,7 @@ test('correcting and removing a thing', options, () => withServer(async (server)
   await visit.press('Remove sink');
   await visit.press('Remove');
   await heardOnce(visit, 'Removed: sink.');
-  await visit.sees('4 rooms, 8 things');
+  await visit.sees('4 rooms, 9 things');
   assert.deepEqual(server.state.requests, ['PUT /api/things/5 {"name":"sink"}', 'DELETE /api/things/5']);
   await visit.close();
 }));
