@@ -153,7 +153,8 @@ TEST_F(UpdateHome, WhatMovedIsKeptInThePastAndNoticedOnce) {
   ASSERT_EQ(instances.size(), 1U);
   EXPECT_EQ(instances[0].visit, 1);
   const auto pose = home_->keyframes()->at(instances[0].keyframe_id).pose.world_from_keyframe;
-  EXPECT_LT((instances[0].box_world(pose).center() - kElsewhere.extent.center()).norm(), 0.15);
+  // A sofa's box reaches further back than what was seen of it.
+  EXPECT_LT(instances[0].box_world(pose).distance_m(kElsewhere.extent.center()), 0.1);
 
   const auto second = visit(kElsewhere);
   ASSERT_OK(second);
