@@ -127,6 +127,9 @@ function changed(server: StandInServer): object {
 
 function pair({ server, body, response }: Call): object {
   const { code, name } = json<{ code: string; name: string }>(body);
+  if (Buffer.byteLength(name) > 64) {
+    throw new Refusal(400, "'name' must have 1 to 64 bytes");
+  }
   if (code !== server.state.code) {
     throw new Refusal(401, 'this code does not hold; ask for a new one');
   }
@@ -210,14 +213,15 @@ function startRecording({ server, body }: Call): object {
   if (!server.state.devices.find((one) => one.device === device)?.online) {
     throw new Refusal(409, 'this device is not connected');
   }
-  tellRecording(server, 'recording', 0, name);
+  tellRecording(server, 'recording', 0, name, device);
   return {};
 }
 
 export function tellRecording(
   server: StandInServer, state: 'recording' | 'saved' | 'failed', frames: number, name = server.state.recording?.name ?? 'walk',
+  device = server.state.recording?.device ?? 3,
 ): void {
-  server.state.recording = { type: 'recording', state, name, frames, text: '' };
+  server.state.recording = { type: 'recording', device, state, name, frames, text: '' };
   server.tell('helper', server.state.recording);
   server.tell('device', server.state.recording);
 }

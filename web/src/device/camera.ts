@@ -10,6 +10,8 @@ export type CameraFailure = 'refused' | 'failed';
 
 export class Camera {
   private stream: MediaStream | null = null;
+  private starting: Promise<CameraFailure | null> | null = null;
+  private wasOpen = false;
   private readonly picture = document.createElement('canvas');
   private readonly small = document.createElement('canvas');
 
@@ -17,8 +19,14 @@ export class Camera {
 
   // Asks for leave where it was not given. What stands against it: no leave, or no camera that works.
   async start(): Promise<CameraFailure | null> {
+    this.starting ??= this.tryToOpen().finally(() => (this.starting = null));
+    return this.starting;
+  }
+
+  private async tryToOpen(): Promise<CameraFailure | null> {
     try {
       await this.open();
+      this.wasOpen = true;
       return null;
     } catch (error) {
       return error instanceof DOMException && error.name === 'NotAllowedError' ? 'refused' : 'failed';
@@ -41,7 +49,21 @@ export class Camera {
   }
 
   get running(): boolean {
-    return this.stream?.getVideoTracks().some((track) => track.readyState === 'live') ?? false;
+    return this.track !== null;
+  }
+
+  // It ran and runs no more: somebody else took it, or the leave was taken back.
+  get ended(): boolean {
+    return this.wasOpen && !this.running;
+  }
+
+  // Changes with every picture; null while none come. A track is muted while a call or another app has the camera.
+  get newest(): number | null {
+    return this.track && !this.track.muted && this.video.videoWidth > 0 ? this.video.currentTime : null;
+  }
+
+  private get track(): MediaStreamTrack | null {
+    return this.stream?.getVideoTracks().find((track) => track.readyState === 'live') ?? null;
   }
 
   // Of the pictures that are sent; null while there are none.

@@ -1,7 +1,9 @@
 // When the camera's trouble is worth saying: once it has lasted, and again only after it got better. Pure.
-import type { CameraTrouble } from './picture_quality';
+import type { CameraTrouble as PictureTrouble } from './picture_quality';
 
-export const kLastsMs: Record<CameraTrouble, number> = { dark: 1200, covered: 1200, blurred: 2500 };
+export type CameraTrouble = PictureTrouble | 'failed'; // failed: no pictures come, though they did
+
+export const kLastsMs: Record<CameraTrouble, number> = { dark: 1200, covered: 1200, blurred: 2500, failed: 1200 };
 export const kBetterAfterMs = 1500;
 
 export type CameraNews = CameraTrouble | 'better' | null;
@@ -21,7 +23,9 @@ export class CameraWatch {
     if (trouble === null) {
       return this.said && lasted >= kBetterAfterMs ? this.betterNow() : null;
     }
-    if (this.said === null && lasted >= kLastsMs[trouble]) {
+    // No pictures are worth saying after dark ones, too; of the others one is like the other.
+    const isNews = this.said === null || (trouble === 'failed' && this.said !== 'failed');
+    if (isNews && lasted >= kLastsMs[trouble]) {
       this.said = trouble;
       return trouble;
     }

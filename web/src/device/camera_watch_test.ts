@@ -1,8 +1,7 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 
-import { CameraWatch } from './camera_watch';
-import type { CameraTrouble } from './picture_quality';
+import { CameraWatch, type CameraTrouble } from './camera_watch';
 
 // What is said while pictures of one kind come, four a second.
 function watch(camera: CameraWatch, trouble: CameraTrouble | null, fromS: number, toS: number): string[] {
@@ -50,4 +49,11 @@ test('a blur must last longer, and its end is not spoken of', () => {
   assert.deepEqual(watch(camera, 'blurred', 0, 5), ['blurred at 2.5']);
   assert.deepEqual(watch(camera, null, 5, 10), []);
   assert.equal(camera.troubled, null);
+});
+
+test('pictures that stay away are said, also after dark ones, and that they are back', () => {
+  const camera = new CameraWatch();
+  assert.deepEqual(watch(camera, 'dark', 0, 3), ['dark at 1.25']);
+  assert.deepEqual(watch(camera, 'failed', 3, 10), ['failed at 4.25']);
+  assert.deepEqual(watch(camera, null, 10, 15), ['better at 11.5']);
 });

@@ -7,10 +7,11 @@ import { Camera, type CameraFailure } from './camera';
 import { openChoice } from './choice_dialog';
 import { Earcons, vibrate } from './earcons';
 import { keepAwake } from './keep_awake';
+import { ownPrompt } from './own_prompt';
 import { Phone } from './phone';
 import { PromptPlayer } from './prompt_player';
 import { SaidLog } from './said_log';
-import { loadSettings, saveSettings } from './settings';
+import { loadSettings, rememberPaired, saveSettings, wasPaired } from './settings';
 import { openSettings } from './settings_dialog';
 import { OwnVoice, ScreenReaderVoice } from './speaker';
 import { startView } from './start_view';
@@ -28,6 +29,14 @@ const readerVoice = new ScreenReaderVoice(log);
 const video = h('video', { class: 'preview', playsinline: true, muted: true, 'aria-hidden': 'true', tabindex: '-1' });
 video.muted = true;
 const camera = new Camera(video);
+const player = new PromptPlayer({
+  now: () => performance.now(),
+  speaker: () => (settings.voice === 'own' ? ownVoice : readerVoice),
+  sound,
+  after: (ms, run) => void window.setTimeout(run, ms),
+  lostAnswer: (now) => ownPrompt('device.failed', now, 'answer'),
+});
+let isLeaving = false;
 
 if ('serviceWorker' in navigator) {
   // Refused where the certificate is not trusted: the page works without, only not while the computer is off.
@@ -42,35 +51,49 @@ async function start(): Promise<void> {
   }
   saveSettings(window.localStorage, settings);
   const cameraReady = camera.start();
-  const name = await myName();
-  if (name !== null) {
-    open(name, await cameraReady);
+  log.setLive(settings.voice === 'reader');
+  const me = await whoAmI();
+  if (me !== 'not paired') {
+    open(me, await cameraReady);
   }
 }
 
-// The name under which this device is paired; goes to pairing where it is not. Without a connection the page opens
-// all the same and says so.
-async function myName(): Promise<string | null> {
+// Who this device is to the computer; goes to pairing where it is nobody. Null without a connection: the page opens all
+// the same and says so.
+async function whoAmI(): Promise<Me | 'not paired' | null> {
   try {
-    return (await request<Me>('GET', '/api/me')).name;
+    const me = await request<Me>('GET', '/api/me');
+    rememberPaired(window.localStorage, true);
+    return me;
   } catch (error) {
     if (error instanceof ApiError && error.status === 401) {
-      location.assign('/pair');
-      return null;
+      goToPairing();
+      return 'not paired';
     }
-    return text('phone.unnamed');
+    return null;
   }
 }
 
-function open(name: string, cameraFailure: CameraFailure | null): void {
-  log.setLive(settings.voice === 'reader');
-  const player = new PromptPlayer({
-    now: () => performance.now(),
-    speaker: () => (settings.voice === 'own' ? ownVoice : readerVoice),
-    sound,
-    after: (ms, run) => void window.setTimeout(run, ms),
-  });
-  const phone: Phone = new Phone(name, camera, player, settings, () => view.show(phone.state), () => void myName());
+// Not without a word, where this device was paired before.
+function goToPairing(): void {
+  const go = (): void => location.assign('/pair');
+  if (isLeaving) {
+    return;
+  }
+  isLeaving = true;
+  if (!wasPaired(window.localStorage)) {
+    go();
+    return;
+  }
+  rememberPaired(window.localStorage, false);
+  if (!log.element.isConnected) {
+    replaceChildren(page, h('main', {}, h('h1', {}, 'Roomwise'), log.element));
+  }
+  player.sayLast(ownPrompt('device.removed', performance.now()), go);
+}
+
+function open(me: Me | null, cameraFailure: CameraFailure | null): void {
+  const phone: Phone = new Phone(me, camera, player, settings, () => view.show(phone.state), whoAmI);
   const view = new PhoneView(video, log, {
     whereAmI: () => phone.ask({ question: 'where_am_i' }),
     aroundMe: () => phone.ask({ question: 'around_me' }),
@@ -118,6 +141,8 @@ function languageChanged(language: Language): void {
 }
 
 async function leave(): Promise<void> {
+  isLeaving = true;
   await request('POST', '/api/leave').catch(() => undefined);
+  rememberPaired(window.localStorage, false);
   location.assign('/pair');
 }

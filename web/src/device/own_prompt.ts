@@ -15,6 +15,7 @@ const kSounds: Partial<Record<SpokenKey, Sound>> = {
   'device.connection_lost': 'lost',
   'device.connection_back': 'back',
   'device.removed': 'alert',
+  'device.failed': 'unsure',
   'device.recording_failed': 'alert',
 };
 const kValidMs = 10_000;
@@ -27,12 +28,5 @@ export function ownPrompt(key: SpokenKey, now: number, priority: Priority = 'not
     priority,
     sound: kSounds[key] ?? 'answer',
     valid_until_t: now + kValidMs,
-  };
-}
-
-// An answer in words that the computer gave outside a prompt: why it cannot answer.
-export function answerPrompt(words: string, now: number): QueuedPrompt {
-  return {
-    key: 'error', text: words, language: language(), priority: 'answer', sound: 'unsure', valid_until_t: now + kValidMs,
   };
 }

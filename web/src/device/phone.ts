@@ -2,16 +2,17 @@
 import { browserSession } from '../shared/browser_session';
 import { frameEnvelope } from '../shared/frame_envelope';
 import {
-  kProtocolVersion, type FromComputer, type Hello, type Question, type RecordingState, type Welcome,
+  kProtocolVersion, type FromComputer, type Hello, type Me, type Priority, type Prompt, type Question, type RecordingState, type Welcome,
 } from '../shared/protocol';
 import type { Session } from '../shared/session';
 import type { SpokenKey } from '../shared/spoken';
-import { language } from '../shared/texts';
+import { language, text } from '../shared/texts';
 import type { Camera } from './camera';
 import { CameraWatch, type CameraNews } from './camera_watch';
 import { ConnectionWatch, kLookEveryMs, type ConnectionNews } from './connection_watch';
 import { FrameSender, kFrameGapMs } from './frame_sender';
-import { answerPrompt, ownPrompt } from './own_prompt';
+import { ownPrompt } from './own_prompt';
+import { PictureFlow } from './picture_flow';
 import { measureQuality, troubleOf } from './picture_quality';
 import type { PromptPlayer } from './prompt_player';
 import type { Settings } from './settings';
@@ -33,19 +34,28 @@ export class Phone {
   private readonly session: Session;
   private readonly sender = new FrameSender();
   private readonly connection = new ConnectionWatch(performance.now());
-  private cameraWatch = new CameraWatch();
+  private readonly cameraWatch = new CameraWatch();
+  private readonly pictures = new PictureFlow();
+  private triedAgain = false; // to start the camera that ended
+  private sentPicture: number | null = null; // the newest that was sent
   private helloCamera: string = '';
   private grabbing = false;
   private everOnline = false;
+  private timer = 0;
+  private isOver = false;
+  private lastAsked = 0;
+  private device: number | null; // this one's number, once the computer told it
+  private heldRecording: RecordingState | null = null; // came before that
 
   constructor(
-    private readonly name: string,
+    private readonly me: Me | null,
     private readonly camera: Camera,
     private readonly player: PromptPlayer,
     private readonly settings: Settings,
     private readonly changed: () => void,
-    private readonly refused: () => void, // the socket was closed before it opened: perhaps no longer paired
+    private readonly whoAmI: () => Promise<Me | 'not paired' | null>, // asks the computer; null: not reached
   ) {
+    this.device = me?.device ?? null;
     this.session = browserSession({
       hello: () => this.hello(),
       onMessage: (message) => this.receive(message),
@@ -56,14 +66,16 @@ export class Phone {
 
   begin(): void {
     this.session.connect();
-    window.setInterval(() => this.look(), kLookEveryMs);
+    this.timer = window.setInterval(() => this.look(), kLookEveryMs);
   }
 
   ask(question: Question): void {
     this.player.hush();
-    const now = performance.now();
-    if (this.session.ask(question, now) === null) {
-      this.player.push(ownPrompt('device.connection_lost', now, 'answer'));
+    const id = this.session.ask(question, performance.now());
+    if (id === null) {
+      this.say('device.connection_lost', 'answer');
+    } else {
+      this.lastAsked = id;
     }
   }
 
@@ -71,7 +83,7 @@ export class Phone {
     this.state.quiet = on;
     this.player.setQuiet(on);
     this.session.send({ type: 'quiet', on });
-    this.player.push(ownPrompt(on ? 'device.quiet_on' : 'device.quiet_off', performance.now(), 'answer'));
+    this.say(on ? 'device.quiet_on' : 'device.quiet_off', 'answer');
     this.changed();
   }
 
@@ -80,8 +92,8 @@ export class Phone {
     this.session.send({ type: 'settings', language: language(), distances, step_m, callouts });
   }
 
-  say(key: SpokenKey): void {
-    this.player.push(ownPrompt(key, performance.now()));
+  say(key: SpokenKey, priority: Priority = 'notice'): void {
+    this.player.push(ownPrompt(key, performance.now(), priority));
   }
 
   private hello(): Hello {
@@ -89,7 +101,7 @@ export class Phone {
     const camera = this.camera.description;
     this.helloCamera = JSON.stringify(camera);
     return {
-      type: 'hello', version: kProtocolVersion, name: this.name, kind: 'phone', camera,
+      type: 'hello', version: kProtocolVersion, name: this.me?.name ?? text('phone.unnamed'), kind: 'phone', camera,
       language: language(), distances, step_m, callouts,
     };
   }
@@ -101,23 +113,31 @@ export class Phone {
         this.learnHome(message);
         break;
       case 'prompt':
-        this.player.push(message);
+        this.tellPrompt(message);
         break;
       case 'frame':
         this.sender.acknowledged(message.t);
         break;
       case 'recording':
-        this.tellRecording(message);
+        this.hearRecording(message);
         break;
-      case 'error':
+      case 'error': // its words are English and for whoever mends it
         if (message.answer_to !== null && message.answer_to !== undefined) {
-          this.player.push(answerPrompt(message.text, performance.now()));
+          this.say('device.failed', 'answer');
         }
         break;
       default: // `seen` is for showing; the rest is for helpers
         return;
     }
     this.changed();
+  }
+
+  // The newest question counts: an answer to one before it would only keep the newer one waiting.
+  private tellPrompt(prompt: Prompt): void {
+    const isOutdated = prompt.priority === 'answer' && prompt.answer_to !== null && prompt.answer_to < this.lastAsked;
+    if (!isOutdated) {
+      this.player.push(prompt);
+    }
   }
 
   private learnHome(message: Partial<Pick<Welcome, 'home' | 'rooms' | 'things'>>): void {
@@ -134,6 +154,9 @@ export class Phone {
       this.session.send({ type: 'quiet', on: true });
     }
     this.tellConnection(this.connection.online());
+    if (this.device === null) {
+      void this.identify();
+    }
     this.changed();
   }
 
@@ -144,9 +167,25 @@ export class Phone {
     this.sender.reset();
     this.connection.offline(performance.now());
     if (!wasOnline) {
-      this.refused();
+      void this.identify(); // the socket was closed before it opened: perhaps this device was removed
     }
     this.changed();
+  }
+
+  private async identify(): Promise<void> {
+    const me = this.isOver ? null : await this.whoAmI();
+    if (me === 'not paired') {
+      this.isOver = true;
+      window.clearInterval(this.timer);
+      this.session.close();
+    } else if (me) {
+      this.device = me.device;
+      if (this.heldRecording) {
+        this.hearRecording(this.heldRecording);
+        this.heldRecording = null;
+        this.changed();
+      }
+    }
   }
 
   // Four times a second.
@@ -163,14 +202,17 @@ export class Phone {
   }
 
   private lookAtPicture(now: number): void {
-    const grey = this.camera.grey();
+    const isFlowing = this.pictures.see(this.camera.newest, now);
+    const grey = isFlowing ? this.camera.grey() : null;
     if (!grey) {
-      this.setCamera('off');
+      this.missPictures(now);
       return;
     }
+    this.triedAgain = false;
     const trouble = troubleOf(measureQuality(grey));
     this.tellCamera(this.cameraWatch.see(trouble, now));
-    this.setCamera(this.cameraWatch.troubled ?? 'good');
+    const { troubled } = this.cameraWatch;
+    this.setCamera(troubled === 'failed' ? 'good' : (troubled ?? 'good'));
     if (this.session.online && JSON.stringify(this.camera.description) !== this.helloCamera) {
       this.session.reconnect(); // the camera came later, or the phone was turned: hello is said anew
       return;
@@ -178,10 +220,23 @@ export class Phone {
     void this.sendPicture();
   }
 
+  // A camera that never ran was told of when it was asked for.
+  private missPictures(now: number): void {
+    this.setCamera('off');
+    if (this.camera.running || this.camera.ended) {
+      this.tellCamera(this.cameraWatch.see('failed', now));
+    }
+    if (this.camera.ended && !this.triedAgain) {
+      this.triedAgain = true;
+      void this.camera.start();
+    }
+  }
+
   private async sendPicture(): Promise<void> {
     const t = performance.now();
+    const newest = this.camera.newest;
     const gap = this.state.recording ? 0 : kFrameGapMs - 20; // the look's timer may be early
-    if (this.grabbing || !this.session.online || !this.sender.mayStart(t, gap)) {
+    if (newest === null || newest === this.sentPicture || this.grabbing || !this.session.online || !this.sender.mayStart(t, gap)) {
       return;
     }
     this.grabbing = true;
@@ -189,9 +244,19 @@ export class Phone {
       const picture = await this.camera.jpeg();
       if (picture && this.session.sendFrame(frameEnvelope(t, picture))) {
         this.sender.sent(t, performance.now());
+        this.sentPicture = newest;
       }
     } finally {
       this.grabbing = false;
+    }
+  }
+
+  // A helper's token hears of every device's.
+  private hearRecording(message: RecordingState): void {
+    if (this.device === null) {
+      this.heldRecording = message;
+    } else if (message.device === this.device) {
+      this.tellRecording(message);
     }
   }
 

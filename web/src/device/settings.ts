@@ -17,6 +17,7 @@ export const kDefaults: Settings = {
 export const kRates = { least: 0.5, most: 3 };
 export const kSteps = { least: 0.3, most: 1.2 };
 const kStored = 'roomwise.settings';
+const kPaired = 'roomwise.paired';
 
 export function loadSettings(storage: Storage): Settings {
   return settingsFrom(storage.getItem(kStored));
@@ -24,6 +25,19 @@ export function loadSettings(storage: Storage): Settings {
 
 export function saveSettings(storage: Storage, settings: Settings): void {
   storage.setItem(kStored, JSON.stringify(settings));
+}
+
+// Whether this browser was paired when the computer was last asked.
+export function wasPaired(storage: Storage): boolean {
+  return storage.getItem(kPaired) !== null;
+}
+
+export function rememberPaired(storage: Storage, isPaired: boolean): void {
+  if (isPaired) {
+    storage.setItem(kPaired, 'yes');
+  } else {
+    storage.removeItem(kPaired);
+  }
 }
 
 // What does not fit is taken from the defaults, member by member: an older page may have written it.

@@ -21,17 +21,19 @@ export class PhoneView {
   private readonly connection = h('li', { class: 'chip' });
   private readonly camera = h('li', { class: 'chip' });
   private readonly quiet: HTMLButtonElement;
+  private readonly nameRoom: HTMLButtonElement;
 
   constructor(video: HTMLVideoElement, log: SaidLog, actions: ViewActions) {
     const question = (name: string, label: string, shape: Parameters<typeof icon>[0], run: () => void) =>
       h('button', { type: 'button', class: `question ${name}`, onclick: run }, icon(shape), h('span', {}, label));
+    this.nameRoom = h('button', { type: 'button', class: 'tool', hidden: true, onclick: actions.nameRoom }, text('phone.name_room'));
     this.quiet = question('quiet', text('phone.quiet'), 'quiet', actions.quiet);
     this.quiet.setAttribute('aria-pressed', 'false');
     this.element = h('div', { class: 'phone' },
       h('header', { class: 'bar' },
         this.heading,
         h('div', { class: 'tools' },
-          h('button', { type: 'button', class: 'tool', onclick: actions.nameRoom }, text('phone.name_room')),
+          this.nameRoom,
           h('button', { type: 'button', class: 'tool', onclick: actions.settings }, text('phone.settings')))),
       h('main', {},
         h('section', { class: 'now', 'aria-label': text('phone.state') },
@@ -57,6 +59,11 @@ export class PhoneView {
       chip(this.camera, state.camera === 'good' ? 'good' : 'bad', text(`phone.camera_${state.camera}`));
     }
     this.quiet.setAttribute('aria-pressed', String(state.quiet));
+    // Only a walk that is being recorded by this device can be named from here.
+    if (state.recording === null && document.activeElement === this.nameRoom) {
+      this.element.querySelector<HTMLElement>('.question.where')?.focus();
+    }
+    this.nameRoom.hidden = state.recording === null;
   }
 }
 
