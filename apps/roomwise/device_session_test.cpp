@@ -35,10 +35,11 @@ class SameView final : public recording::FrameSource {
   image::RgbdFrame frame_;
 };
 
-// What is heard, by any thread. While it holds, nothing comes to its end.
+// What is heard, by any thread. While it holds, no answer comes to its end.
 class HeardSpeaker final : public speech::Speaker {
  public:
   [[nodiscard]] Expected<void> begin(const guide::Utterance& utterance, TimestampNs) override {
+    speaks_answer = utterance.prompt.priority == guide::Priority::kAnswer;
     signal.change([&] { heard += utterance.prompt.text + "\n"; });
     return {};
   }
@@ -46,7 +47,7 @@ class HeardSpeaker final : public speech::Speaker {
     signal.change([&] { heard += "(stop)\n"; });
     return {};
   }
-  [[nodiscard]] Expected<bool> is_done(TimestampNs) override { return !holds; }
+  [[nodiscard]] Expected<bool> is_done(TimestampNs) override { return !(holds && speaks_answer); }
   [[nodiscard]] bool hears(const std::string& text) {
     return signal.wait([&] { return heard.find(text) != std::string::npos; });
   }
@@ -62,6 +63,7 @@ class HeardSpeaker final : public speech::Speaker {
   Signal signal;
   std::string heard;
   std::atomic<bool> holds = false;
+  bool speaks_answer = false;  // of the session's thread alone
 };
 
 // A home that answers as the protocol says.

@@ -85,7 +85,7 @@ TEST(MessageCatalogueTest, EveryMessageIsShortAndASentence) {
       EXPECT_THAT(text, ::testing::Not(HasSubstr("  "))) << message;
       // Turns are the beginnings of sentences.
       const bool is_turn = message.starts_with("route.") && !text.ends_with(".");
-      EXPECT_TRUE(text.ends_with(".") || is_turn) << text;
+      EXPECT_TRUE(text.ends_with(".") || text.ends_with("?") || is_turn) << text;
     }
   }
 }

@@ -211,7 +211,7 @@ TEST_F(PromptQueueTest, WhoAsksAnewHearsNoMoreOfTheAnswersBefore) {
   queue_.add(answer("around", "bed", 3), at(0));
   queue_.add(answer("around/2", "lamp", 7), at(0));
   queue_.add(prompt(Priority::kNotice, "camera", "notice"), at(0));
-  queue_.add(callout("room", "callout"), at(0));
+  queue_.add(callout("hall", "callout"), at(0));
   EXPECT_EQ(begin(0), "bed");
   const std::uint64_t broken_off = queue_.speaking()->id;
   EXPECT_TRUE(queue_.withdraw_answers(at(1)));
