@@ -59,7 +59,11 @@ export class Camera {
 
   // Changes with every picture; null while none come. A track is muted while a call or another app has the camera.
   get newest(): number | null {
-    return this.track && !this.track.muted && this.video.videoWidth > 0 ? this.video.currentTime : null;
+    if (!this.track || this.track.muted || this.video.videoWidth === 0) {
+      return null;
+    }
+    // Chromium's clock of a stream runs on without pictures, but it counts them; others count none.
+    return this.video.getVideoPlaybackQuality().totalVideoFrames || this.video.currentTime;
   }
 
   private get track(): MediaStreamTrack | null {

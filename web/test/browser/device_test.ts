@@ -1,6 +1,7 @@
 import assert from 'node:assert/strict';
 import { after, test } from 'node:test';
 
+import { tellRecording } from '../stand_in_api';
 import { makePrompt } from '../stand_in_server';
 import { closeBrowser, kDesktop, kPhone, openVisit, skipReason, withServer, type Visit } from './harness';
 
@@ -18,6 +19,9 @@ function sceneCamera(): void {
     let count = 0;
     window.setInterval(() => {
       count += 1;
+      if (world.scene === 'frozen') {
+        return;
+      }
       context.fillStyle = world.scene === 'dark' ? '#030303' : '#9a6a5a';
       context.fillRect(0, 0, 640, 480);
       for (let i = 0; world.scene === 'room' && i < 60; i += 1) {
@@ -25,7 +29,9 @@ function sceneCamera(): void {
         context.fillRect((i * 83 + count) % 600, (i * 59) % 440, 40, 40);
       }
     }, 50);
-    return canvas.captureStream(20);
+    const stream = canvas.captureStream(20);
+    (window as unknown as { tracks: MediaStreamTrack[] }).tracks = stream.getTracks();
+    return stream;
   };
 }
 
@@ -130,13 +136,24 @@ test('find: by typing and by the list; what is asked again is repeated', options
   await visit.close();
 }));
 
-test('naming the room in which one stands', options, () => withServer(async (server) => {
+test('naming the room in which one stands, while this device records', options, () => withServer(async (server) => {
   const visit = await openVisit(server, { role: 'device', size: kPhone });
   await start(visit, 'reader');
+  const isOffered = (): Promise<boolean> => visit.page.$$eval('.tool', (all) => all.some((one) => one.textContent === 'Name this room' && one.checkVisibility()));
+  assert.equal(await isOffered(), false);
+  tellRecording(server, 'recording', 1, 'morning', 4); // another device's
+  tellRecording(server, 'recording', 1, 'evening', 3);
+  await visit.hears('Recording.');
+  await visit.sees('Recording evening', '.chip');
+  tellRecording(server, 'saved', 9, 'morning', 4);
   await visit.press('Name this room');
   await visit.press('kitchen');
   await visit.hears('This room is called kitchen now.');
   assert.equal(server.newest('device').asked[0]?.['room'], 'kitchen');
+  tellRecording(server, 'saved', 17, 'evening', 3);
+  await visit.hears('The recording is saved.');
+  assert.equal((await visit.announced()).filter((one) => one.includes('saved')).length, 1);
+  assert.equal(await isOffered(), false);
   await visit.close();
 }));
 
@@ -188,6 +205,63 @@ test('dark and covered cameras are said once, and that they see again', options,
   await setScene(visit, 'covered');
   await visit.hears('The camera is covered.');
   assert.equal((await visit.announced()).filter((one) => one.includes('too dark')).length, 1);
+  await visit.close();
+}));
+
+test('a camera that is taken away is said, and none of its old pictures are sent', options, () => withServer(async (server) => {
+  const visit = await openVisit(server, { role: 'device', size: kPhone, before: sceneCamera });
+  await start(visit, 'reader');
+  await until(() => server.newest('device').frames >= 2);
+  await setScene(visit, 'frozen');
+  await visit.hears('The camera does not work.');
+  await visit.sees('No camera', '.chip');
+  const { frames } = server.newest('device');
+  await visit.press('Where am I');
+  await visit.hears('You are in the kitchen.');
+  assert.equal(server.newest('device').frames, frames);
+  await setScene(visit, 'room');
+  await visit.hears('The camera sees again.');
+  await until(() => server.newest('device').frames > frames);
+  await visit.close();
+}));
+
+test('a camera that ended is started again, once', options, () => withServer(async (server) => {
+  const visit = await openVisit(server, { role: 'device', size: kPhone, before: sceneCamera });
+  await start(visit, 'reader');
+  const end = (again: boolean): Promise<void> => visit.page.evaluate((works) => {
+    if (!works) {
+      navigator.mediaDevices.getUserMedia = () => Promise.reject(new Error('taken'));
+    }
+    (window as unknown as { tracks: MediaStreamTrack[] }).tracks.forEach((track) => track.stop());
+  }, again);
+  await end(true);
+  const { frames } = server.newest('device');
+  await until(() => server.newest('device').frames > frames + 2);
+  assert.deepEqual(await visit.announced(), [], 'what is over at once is not said');
+  await end(false);
+  await visit.hears('The camera does not work.');
+  await visit.sees('No camera', '.chip');
+  await visit.close();
+}));
+
+test('a device that was removed is told so before it is led to pairing', options, () => withServer(async (server) => {
+  const visit = await openVisit(server, { role: 'device', size: kPhone });
+  await start(visit, 'reader');
+  server.state.unpairAll();
+  server.newest('device').socket.close();
+  await visit.hears('This device was removed. Ask your helper.');
+  await visit.sees('Pair this device');
+  await visit.close();
+}));
+
+test('what the computer cannot answer is told, in the language of the page', options, () => withServer(async (server) => {
+  const visit = await openVisit(server, { role: 'device', size: kPhone });
+  await start(visit, 'reader');
+  server.answersQuestions = false;
+  await visit.press('Where am I');
+  await until(() => server.newest('device').asked.length === 1);
+  server.tell('device', { type: 'error', text: "'thing' is missing", answer_to: server.newest('device').asked[0]?.['id'] });
+  await visit.hears('That did not work. Please try again.');
   await visit.close();
 }));
 

@@ -129,7 +129,9 @@ export class Visit {
   }
 
   async assertAccessible(what: string): Promise<void> {
-    await this.page.evaluate(axe.source);
+    if (!(await this.page.evaluate(() => 'axe' in window))) {
+      await this.page.evaluate(axe.source);
+    }
     const found = await this.page.evaluate(async (tags) => {
       const results = await (window as unknown as { axe: typeof axe }).axe.run(document, { runOnly: tags });
       return results.violations.map((one) => `${one.id}: ${one.help}\n  ${one.nodes.map((node) => node.html + '\n    ' + node.failureSummary).join('\n  ')}`);
@@ -143,7 +145,7 @@ export class Visit {
   }
 
   async close(): Promise<void> {
-    await this.page.close();
+    await this.page.browserContext().close(); // with its service worker and its sockets
     assert.deepEqual(this.outside, [], 'requests that leave the home');
     assert.deepEqual(this.failures, [], 'errors in the page');
   }

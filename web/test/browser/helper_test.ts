@@ -60,6 +60,10 @@ test('pairing a device: a code on one page, typed on the other, by keyboard alon
   await heardOnce(device, 'this code does not hold');
   await retype(device, '314 159');
   await device.tabTo('Name of this device');
+  await retype(device, 'ü'.repeat(40));
+  await device.page.keyboard.press('Enter');
+  await heardOnce(device, 'This name is too long.');
+  assert.equal(await device.focused(), 'Name of this device');
   await retype(device, "Berta's phone");
   await device.page.keyboard.press('Enter');
   await device.sees('Who shall speak?');
