@@ -418,8 +418,7 @@ TEST_F(HomeTest, DigestIsOfTheContentNotOfItsHistory) {
     ROOMWISE_CHECK_OK(b.put_look(2, 1, one));
     ROOMWISE_CHECK_OK(b.put_look(1, 1, testing::sample_look(1)));
     ROOMWISE_CHECK_OK(b.replace_instances(std::vector{testing::sample_instance(3)}));
-    ROOMWISE_CHECK_OK(
-        b.replace_instances(std::vector{testing::sample_instance(1), testing::sample_instance(2)}));
+    ROOMWISE_CHECK_OK(testing::add_visits(b));
     return b.put_setting("seed", "7");
   };
   ASSERT_OK(b.atomically(fill_b));

@@ -84,6 +84,12 @@ export class Visit {
 
   // Presses Tab until the control of this name has the focus.
   async tabTo(name: string, most = 80): Promise<void> {
+    await this.page.waitForFunction(
+      (wanted) => [...document.querySelectorAll<HTMLElement>('a, button, input, select, textarea, summary, [tabindex]')]
+        .some((one) => [one.getAttribute('aria-label'), (one as HTMLInputElement).labels?.[0]?.innerText, one.innerText]
+          .some((words) => (words ?? '').replace(/\s+/g, ' ').trim() === wanted)),
+      { timeout: 30_000 }, name,
+    ).catch(() => assert.fail(`there is no control '${name}' on the page`));
     const passed: string[] = [];
     for (let i = 0; i < most; i += 1) {
       await this.page.keyboard.press('Tab');
