@@ -96,6 +96,10 @@ Expected<std::unique_ptr<DeviceVoice>> open_voice(const DeviceOptions& options,
     speaker = std::make_unique<TextSpeaker>(std::cout);
   } else {
     ROOMWISE_TRY(speaker, open_speaker(options.speak, steady_now_ns()));
+    // A file is listened to later: who plays a walk into it sees what is said.
+    if (options.speak.starts_with("wav:")) {
+      speaker = std::make_unique<ShownSpeaker>(std::cout, std::move(speaker));
+    }
   }
   return std::make_unique<DeviceVoice>(std::move(speaker), wording);
 }

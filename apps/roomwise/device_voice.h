@@ -24,6 +24,26 @@ class TextSpeaker final : public speech::Speaker {
   std::ostream& out_;
 };
 
+// Speaks by another speaker, and writes a line of each prompt beside it.
+class ShownSpeaker final : public speech::Speaker {
+ public:
+  ShownSpeaker(std::ostream& out, std::unique_ptr<speech::Speaker> speaker)
+      : shown_(out), speaker_(std::move(speaker)) {}
+  [[nodiscard]] Expected<void> begin(const guide::Utterance& utterance,
+                                     TimestampNs now_ns) override {
+    ROOMWISE_CHECK_OK(shown_.begin(utterance, now_ns));
+    return speaker_->begin(utterance, now_ns);
+  }
+  [[nodiscard]] Expected<void> stop(TimestampNs now_ns) override { return speaker_->stop(now_ns); }
+  [[nodiscard]] Expected<bool> is_done(TimestampNs now_ns) override {
+    return speaker_->is_done(now_ns);
+  }
+
+ private:
+  TextSpeaker shown_;
+  std::unique_ptr<speech::Speaker> speaker_;
+};
+
 // "text", "speech-dispatcher", or "wav:FILE", a recording of what was heard.
 [[nodiscard]] Expected<std::unique_ptr<speech::Speaker>> open_speaker(const std::string& choice,
                                                                       TimestampNs now_ns);
