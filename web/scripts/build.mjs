@@ -2,7 +2,7 @@
 // since it lists the files of the phone's page and carries their digest as its version.
 import { build } from 'esbuild';
 import { createHash } from 'node:crypto';
-import { cpSync, mkdirSync, readFileSync, rmSync } from 'node:fs';
+import { cpSync, mkdirSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { dirname, join, resolve } from 'node:path';
 import { fileURLToPath } from 'node:url';
 
@@ -15,6 +15,10 @@ const common = { bundle: true, minify: true, target: ['es2021', 'safari15', 'chr
 rmSync(out, { recursive: true, force: true });
 mkdirSync(out, { recursive: true });
 cpSync(join(web, 'static'), out, { recursive: true });
+// The pages differ in their code and style alone; the helper's is the one at "/".
+for (const [file, page] of [['index', 'helper'], ['device', 'device'], ['pair', 'pair']]) {
+  writeFileSync(join(out, `${file}.html`), readFileSync(join(web, 'src/page.html'), 'utf8').replaceAll('PAGE', page));
+}
 cpSync(join(web, 'node_modules/three/LICENSE'), join(out, 'js/three-license.txt'));
 await build({
   ...common,
