@@ -91,7 +91,6 @@ void Device::greet(const service::Hello& hello) {
   if (is_second) return refuse_unread(Error{"hello was said already; connect anew to change it"});
   {
     const std::scoped_lock lock(mutex_);
-    kind_ = hello.kind;
     settings_ = hello.settings;
     camera_ = hello.camera;
     welcome_text = write(service::HomeMessage(welcome()));

@@ -69,8 +69,9 @@ class Device : public std::enable_shared_from_this<Device> {
   void say(const std::vector<guide::Prompt>& prompts, std::optional<std::int64_t> answer_to,
            std::optional<double> based_on_t_ms);
   void call_out(const Glance& glance);
-  // Tells what is wrong. `could_not_be_read`: many of these close the connection.
+  // Tells what is wrong.
   void refuse(const Error& error, std::optional<std::int64_t> answer_to = {});
+  // The same of a message that could not be read: many of these close the connection.
   void refuse_unread(const Error& error, std::optional<std::int64_t> answer_to = {});
   void store(const CameraFrame& frame);
   [[nodiscard]] service::Welcome welcome() const;
@@ -81,7 +82,6 @@ class Device : public std::enable_shared_from_this<Device> {
 
   mutable std::mutex mutex_;  // of all below but eye_
   bool greeted_ = false, closed_ = false;
-  service::DeviceKind kind_ = service::DeviceKind::kPage;
   std::optional<service::DeviceCamera> camera_;
   service::SpeakingSettings settings_;
   bool quiet_ = false;
