@@ -14,6 +14,7 @@
 #include "roomwise/base/testing.h"
 #include "roomwise/service/client.h"
 #include "roomwise/service/messages.h"
+#include "roomwise/service/testing_service.h"
 #include "run_program.h"
 
 namespace roomwise::testing {
@@ -127,6 +128,96 @@ TEST(Serve, RefusesWhatItCannotServe) {
   EXPECT_THAT(address.errors, HasSubstr("300.0.0.1"));
   EXPECT_EQ(run_roomwise({"serve"}).exit_code, 2);
   EXPECT_EQ(run_roomwise(serve(folder / "a.home", {"--pair", "king"})).exit_code, 2);
+}
+
+// A row of the table of requests in docs/protocol.md.
+struct DocumentedRequest {
+  std::string method, path, role;  // "-": everyone
+};
+
+std::vector<DocumentedRequest> documented_requests() {
+  std::vector<DocumentedRequest> requests;
+  std::ifstream file(ROOMWISE_PROTOCOL_TEXT);
+  const std::regex row(R"(^\| `(GET|PUT|POST|DELETE) ([^` ]+)`.*\| (-|device|helper) \|)");
+  for (std::string line; std::getline(file, line);) {
+    std::smatch found;
+    if (!std::regex_search(line, found, row) || found[2] == "/") continue;  // the pages' files
+    // ID, N and NAME stand for values: for some that no home has.
+    const std::string path =
+        std::regex_replace(found[2].str(), std::regex("ID|N$|NAME|N(?=/)"), "987654");
+    requests.push_back({found[1], path, found[3]});
+  }
+  return requests;
+}
+
+// Every request of the table, at a server as it is run, from everybody who may come: each sees what
+// the table says they may. What a request does where it is allowed is tested elsewhere: here its
+// body is empty and what it names is not there.
+TEST(Serve, WhoMayWhatIsAsTheProtocolSays) {
+  const ScratchFolder folder;
+  ServeProcess neighbour(serve(folder / "neighbour.home"));
+  const auto stranger =
+      service::pair_with(neighbour.server, neighbour.code("helper"), "the neighbour's page");
+  ASSERT_OK(stranger);
+  EXPECT_EQ(neighbour.end(SIGTERM), 0);
+  ServeProcess home(serve(folder / "new.home", {"--pair", "device"}));
+  const auto device = service::pair_with(home.server, home.code("device"), "belt");
+  const auto helper = service::pair_with(home.server, home.code("helper"), "page");
+  ASSERT_OK(device);
+  ASSERT_OK(helper);
+  std::string wrong = helper->credentials.token;
+  wrong.front() = wrong.front() == 'A' ? 'B' : 'A';
+
+  const auto requests = documented_requests();
+  ASSERT_GT(requests.size(), 25U);
+  int peer = 0;
+  for (const DocumentedRequest& request : requests) {
+    SCOPED_TRACE(request.method + " " + request.path + " (" + request.role + ")");
+    // From an address of its own each, so that nobody asks too often.
+    const std::string from = fmt::format("127.0.2.{}", ++peer);
+    const auto ask = [&](const std::string& headers) {
+      service::testing::RawClient client(home.server.port, from);
+      EXPECT_TRUE(client.shake_hands());
+      return client.ask(request.method, request.path, headers, request.method == "GET" ? "" : "{}");
+    };
+    const auto is_served = [](const service::testing::Answer& answer) {
+      return answer.status != 401 && answer.status != 403 && answer.status != 405 &&
+             answer.status != 0 &&
+             answer.body.find("nothing under this address") == std::string::npos;
+    };
+    for (const std::string& headers :
+         {std::string(), service::testing::bearer(wrong),
+          service::testing::bearer(stranger->credentials.token),
+          "Cookie: roomwise=" + stranger->credentials.token + "\r\n"}) {
+      const auto answer = ask(headers);
+      if (request.role == "-") {
+        EXPECT_TRUE(is_served(answer)) << answer.status;
+      } else {
+        EXPECT_EQ(answer.status, 401) << answer.body;
+      }
+    }
+    if (request.path == "/api/leave") continue;  // it would be nobody's token afterwards
+    const auto of_device = ask(service::testing::bearer(device->credentials.token));
+    if (request.role == "helper") {
+      EXPECT_EQ(of_device.status, 403) << of_device.body;
+    } else {
+      EXPECT_TRUE(is_served(of_device)) << of_device.status << of_device.body;
+    }
+    const auto of_helper = ask(service::testing::bearer(helper->credentials.token));
+    EXPECT_TRUE(is_served(of_helper)) << of_helper.status << of_helper.body;
+    // A page of another site has the helper's cookie at most, and may nothing.
+    const auto cross_site = ask("Cookie: roomwise=" + helper->credentials.token +
+                                "\r\nOrigin: https://elsewhere.example\r\n");
+    EXPECT_EQ(cross_site.status, 403) << cross_site.body;
+  }
+  const auto leaves = [&](const std::string& token) {
+    service::testing::RawClient client(home.server.port);
+    EXPECT_TRUE(client.shake_hands());
+    return client.ask("POST", "/api/leave", service::testing::bearer(token), "{}").status;
+  };
+  EXPECT_EQ(leaves(device->credentials.token), 200);
+  EXPECT_EQ(leaves(device->credentials.token), 401);
+  EXPECT_EQ(home.end(SIGTERM), 0);
 }
 
 }  // namespace
