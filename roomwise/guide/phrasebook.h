@@ -58,6 +58,8 @@ class Phrasebook {
   // The home's words that somebody may mean who calls it so here ("Couch" -> "sofa"), whatever the
   // case: a word itself first, then those of that name or plural, then what stands under "also".
   [[nodiscard]] std::vector<std::string> words_for(Noun::Kind kind, std::string_view called) const;
+  // What the thing or room is called here by itself ("Sofa"); as it is where it has no word here.
+  [[nodiscard]] std::string called(const Noun& noun) const { return in_form("", noun); }
   // The home's words that are known here.
   [[nodiscard]] std::set<std::string> words(Noun::Kind kind) const;
 

@@ -1,6 +1,7 @@
 #include "roomwise/live/answers.h"
 
 #include <cmath>
+#include <set>
 
 #include "roomwise/guide/obstacle.h"
 #include "roomwise/guide/room_prompts.h"
@@ -111,6 +112,16 @@ std::vector<guide::Prompt> way_to(const std::string& asked, const Situation& sit
 }
 
 }  // namespace
+
+std::vector<std::string> names_of_things(const HomeView& home,
+                                         const service::SpeakingSettings& settings) {
+  const guide::Wording wording = wording_of(settings);
+  std::set<std::string> names;
+  for (const ViewedThing& thing : home.things) {
+    names.insert(wording.phrases().called({guide::Noun::Kind::kThing, thing.name}));
+  }
+  return {names.begin(), names.end()};
+}
 
 guide::Prompt no_picture(const service::SpeakingSettings& settings, double now_t_ms) {
   return excuse("device.no_picture", wording_of(settings), now_t_ms);

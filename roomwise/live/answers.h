@@ -23,6 +23,11 @@ struct Situation {
 // holds for two seconds from its picture, and words take their time.
 constexpr double kFresh_ms = 800;
 
+// The names of the home's things in the language that is spoken, each once, in order; answer()
+// knows what is meant by them.
+[[nodiscard]] std::vector<std::string> names_of_things(const HomeView& home,
+                                                       const service::SpeakingSettings& settings);
+
 // What is said to a question, the most important first; never nothing. The room of kNameRoom has
 // been named already; kRepeat is asked here only where nothing was asked before.
 [[nodiscard]] std::vector<guide::Prompt> answer(const service::Ask& ask,

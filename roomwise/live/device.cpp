@@ -59,10 +59,12 @@ void Device::take(const service::DeviceMessage& message) {
   if (const auto* const hello = std::get_if<service::Hello>(&message)) return greet(*hello);
   const auto* const ask = std::get_if<service::Ask>(&message);
   bool greeted = false;
+  bool is_other_language = false;
   {
     const std::scoped_lock lock(mutex_);
     greeted = greeted_;
     if (const auto* const change = std::get_if<service::SettingsChange>(&message)) {
+      is_other_language = change->language && *change->language != settings_.language;
       apply(*change, settings_);
     } else if (const auto* const quiet = std::get_if<service::Quiet>(&message)) {
       quiet_ = quiet->on;
@@ -72,6 +74,7 @@ void Device::take(const service::DeviceMessage& message) {
     return refuse_unread(Error{"the first message must be hello"},
                          ask != nullptr ? std::optional(ask->id) : std::nullopt);
   }
+  if (is_other_language) home_changed();  // things have other names now
   if (ask != nullptr) hear(*ask);
 }
 
@@ -105,8 +108,7 @@ service::Welcome Device::welcome() const {
   welcome.home = view->name;
   welcome.role = service::to_string(who_.role);
   for (const rooms::Room& room : view->rooms) welcome.rooms.push_back(room.name);
-  const auto names = view->thing_names();
-  welcome.things.assign(names.begin(), names.end());
+  welcome.things = names_of_things(*view, settings_);
   welcome.sees_rooms = view->recognizer != nullptr;
   welcome.sees_places = view->map != nullptr;
   return welcome;

@@ -98,6 +98,28 @@ TEST_F(DeviceTest, IsWelcomedWithWhatTheHomeHas) {
   EXPECT_FALSE(welcome[0].sees_rooms);
 }
 
+TEST_F(DeviceTest, ThingsAreNamedInTheLanguageThatIsSpoken) {
+  ViewedThing bed;
+  bed.name = "bed";
+  ViewedThing own;
+  own.name = "Oma's chest";
+  host.home->things = {bed, own};
+  service::Hello german = hello();
+  german.settings.language = "de-AT";
+  say(german);
+  EXPECT_THAT(wire->take<service::Welcome>()[0].things,
+              ::testing::ElementsAre("Bett", "Oma's chest"));
+  wire->texts.clear();
+  service::SettingsChange english;
+  english.language = "en";
+  say(english);
+  ASSERT_THAT(wire->texts, SizeIs(1));
+  EXPECT_THAT(wire->texts.front(), ::testing::HasSubstr(R"("things":["Oma's chest","bed"])"));
+  wire->texts.clear();
+  say(english);  // nothing new
+  EXPECT_THAT(wire->texts, IsEmpty());
+}
+
 TEST_F(DeviceTest, MustSayHelloFirst) {
   ask(1, 0, service::Question::kWhereAmI);
   EXPECT_THAT(wire->take<service::ErrorMessage>(), SizeIs(1));

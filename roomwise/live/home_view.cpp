@@ -75,12 +75,6 @@ std::int64_t thing_id(const objects::Instance& instance) {
   return std::stoll(digest.substr(0, kDigits), nullptr, 16);
 }
 
-std::set<std::string> HomeView::thing_names() const {
-  std::set<std::string> names;
-  for (const ViewedThing& thing : things) names.insert(thing.name);
-  return names;
-}
-
 std::optional<std::string> HomeView::room_at(const Eigen::Vector3d& point_level) const {
   if (!layout) return std::nullopt;
   return layout->room_at(point_level.head<2>());

@@ -4,7 +4,6 @@
 #include <map>
 #include <memory>
 #include <optional>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -61,8 +60,6 @@ struct HomeView {
   std::shared_ptr<const pipeline::RoomRecognizer> recognizer;
   std::string why_no_recognizer;
 
-  // What can be asked for, each name once, by name.
-  [[nodiscard]] std::set<std::string> thing_names() const;
   // The room that a point lies in by the layout.
   [[nodiscard]] std::optional<std::string> room_at(const Eigen::Vector3d& point_level) const;
 };
