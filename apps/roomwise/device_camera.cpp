@@ -10,7 +10,8 @@
 namespace roomwise::app {
 namespace {
 
-constexpr int kQuality = 90;  // of JPEG, where the camera gives raw pixels
+constexpr int kQuality = 90;       // of JPEG, where the camera gives raw pixels
+constexpr int kSmallQuality = 40;  // for a slow network: some 20 kB for 640x480
 
 Bytes message_of(const image::RgbdFrame& frame, double t_ms) {
   const Bytes color =
@@ -18,6 +19,11 @@ Bytes message_of(const image::RgbdFrame& frame, double t_ms) {
   const Bytes depth =
       frame.encoded_depth.empty() ? image::encode_png(frame.depth) : frame.encoded_depth;
   return service::write(service::FrameMessage{t_ms, color, depth});
+}
+
+Bytes small_message_of(const image::RgbdFrame& frame, double t_ms) {
+  const Bytes color = image::encode_jpeg(frame.color, kSmallQuality);
+  return service::write(service::FrameMessage{t_ms, color, {}});
 }
 
 }  // namespace
@@ -68,7 +74,7 @@ void DeviceCamera::run() {
     }
     if (!wait_for((*frame)->timestamp_ns)) return;
     const double t_ms = static_cast<double>(steady_now_ns()) * 1e-6;
-    Frame taken{t_ms, message_of(**frame, t_ms)};
+    Frame taken{t_ms, small_ ? small_message_of(**frame, t_ms) : message_of(**frame, t_ms)};
     const std::scoped_lock lock(mutex_);
     newest_ = std::move(taken);
   }

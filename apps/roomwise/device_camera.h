@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <condition_variable>
 #include <cstdint>
 #include <memory>
@@ -35,6 +36,9 @@ class DeviceCamera {
   DeviceCamera& operator=(const DeviceCamera&) = delete;
 
   [[nodiscard]] const recording::SourceInfo& info() const { return source_->info(); }
+  // From the next frame on: whole, or small for a slow network (the colour image alone, coarsely
+  // packed).
+  void send_small(bool small) { small_ = small; }
   // The newest frame that was not taken yet.
   [[nodiscard]] std::optional<Frame> take();
   // That there is no more to come: the recording has ended, or the camera failed, and why.
@@ -48,6 +52,7 @@ class DeviceCamera {
 
   std::unique_ptr<recording::FrameSource> source_;
   CameraPace pace_;
+  std::atomic<bool> small_ = false;
   mutable std::mutex mutex_;
   std::condition_variable closing_changed_;
   bool closing_ = false;

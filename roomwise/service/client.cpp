@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 #include <openssl/ssl.h>
 
+#include <algorithm>
 #include <boost/asio/connect.hpp>
 #include <boost/asio/executor_work_guard.hpp>
 #include <boost/asio/post.hpp>
+#include <boost/asio/steady_timer.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/http.hpp>
 #include <boost/beast/websocket.hpp>
@@ -31,6 +33,10 @@ using Json = nlohmann::json;
 
 constexpr std::size_t kMostWaiting = 64;  // messages, in each direction
 constexpr std::size_t kMostMessageBytes = std::size_t{4} << 20U;
+// What the system takes before it was sent, and what is handed to it at once: small, so that what
+// is taken has nearly been sent.
+constexpr int kSendBufferBytes = 32 << 10;
+constexpr std::size_t kPieceBytes = std::size_t{8} << 10U;
 constexpr std::string_view kNotKnown = "does not know this device (any more): pair it again";
 
 // The answer to a POST request.
@@ -215,19 +221,30 @@ class ServerConnection::Impl : public std::enable_shared_from_this<Impl> {
           "computer, or its certificate was made anew; if you know that it was, pair again",
           client_.name());
     }
-    socket_.set_option(websocket::stream_base::timeout{wait_.timeout, wait_.silence, true});
+    // Silence is watched here (watch()), since Beast's own timeout takes a connection that is busy
+    // sending for a silent one.
+    socket_.set_option(
+        websocket::stream_base::timeout{wait_.timeout, websocket::stream_base::none(), false});
+    socket_.control_callback([this](auto, auto) { alive(); });
     socket_.set_option(websocket::stream_base::decorator(
         [token = credentials.token](websocket::request_type& request) {
           request.set(http::field::authorization, "Bearer " + token);
           request.set(http::field::sec_websocket_protocol, "roomwise.1");
         }));
     socket_.read_message_max(kMostMessageBytes);
+    beast::get_lowest_layer(client_.stream())
+        .socket()
+        .set_option(asio::socket_base::send_buffer_size(kSendBufferBytes));
     return shake_hands();
   }
 
   void run() {
     thread_ = std::thread([this] { client_.io().run(); });
-    asio::post(client_.io(), [this] { read(); });
+    asio::post(client_.io(), [this] {
+      alive();
+      read();
+      watch();
+    });
   }
 
   Expected<void> send(bool is_text, Bytes bytes) {
@@ -300,6 +317,7 @@ class ServerConnection::Impl : public std::enable_shared_from_this<Impl> {
   void read() {
     socket_.async_read(buffer_, [this](error_code error, std::size_t) {
       if (error) return lose(why(error));
+      alive();
       const auto* begin = static_cast<const std::uint8_t*>(buffer_.data().data());
       Message message{socket_.got_text(), Bytes(begin, begin + buffer_.size())};
       buffer_.clear();
@@ -327,11 +345,45 @@ class ServerConnection::Impl : public std::enable_shared_from_this<Impl> {
       outgoing_.pop_front();
     }
     writing_ = true;
+    sent_ = 0;
     socket_.binary(!sending_.is_text);
-    socket_.async_write(asio::buffer(sending_.bytes), [this](error_code error, std::size_t) {
-      writing_ = false;
-      if (error) return lose(why(error));
-      write();
+    write_piece();
+  }
+
+  // In pieces, so that a slow network is told from a silent one: as long as pieces go out there is
+  // somebody who takes them.
+  void write_piece() {
+    const std::size_t size = std::min(sending_.bytes.size() - sent_, kPieceBytes);
+    const bool is_last = sent_ + size == sending_.bytes.size();
+    socket_.async_write_some(is_last, asio::buffer(sending_.bytes.data() + sent_, size),
+                             [this](error_code error, std::size_t written) {
+                               if (error) return lose(why(error));
+                               alive();
+                               sent_ += written;
+                               if (sent_ < sending_.bytes.size()) return write_piece();
+                               writing_ = false;
+                               write();
+                             });
+  }
+
+  void alive() { alive_at_ = std::chrono::steady_clock::now(); }
+
+  // Asks for a sign of life after half of the silence that is borne, and gives up after all of it.
+  void watch() {
+    timer_.expires_after(wait_.silence / 10);
+    timer_.async_wait([this](error_code error) {
+      if (error) return;
+      const auto silent = std::chrono::steady_clock::now() - alive_at_;
+      if (silent >= wait_.silence) {
+        lose(fmt::format("{} does not answer any more", client_.name()));
+        beast::get_lowest_layer(client_.stream()).close();
+        return;
+      }
+      if (silent >= wait_.silence / 2 && !pinging_) {
+        pinging_ = true;
+        socket_.async_ping({}, [this](error_code) { pinging_ = false; });
+      }
+      watch();
     });
   }
 
@@ -347,9 +399,6 @@ class ServerConnection::Impl : public std::enable_shared_from_this<Impl> {
       return fmt::format("{} closed the connection{}{}", client_.name(), reason.empty() ? "" : ": ",
                          std::string_view(reason.data(), reason.size()));
     }
-    if (error == beast::error::timeout) {
-      return fmt::format("{} does not answer any more", client_.name());
-    }
     return fmt::format("the connection with {} is lost: {}", client_.name(), error.message());
   }
 
@@ -364,7 +413,11 @@ class ServerConnection::Impl : public std::enable_shared_from_this<Impl> {
   websocket::stream<TlsClient::Stream&> socket_{client_.stream()};
   asio::executor_work_guard<asio::io_context::executor_type> work_;
   beast::flat_buffer buffer_;
+  asio::steady_timer timer_{client_.io()};
+  std::chrono::steady_clock::time_point alive_at_;  // when the computer last gave a sign of life
+  bool pinging_ = false;
   Message sending_;
+  std::size_t sent_ = 0;  // bytes of it
   bool writing_ = false;
   bool closing_ = false;
   std::thread thread_;

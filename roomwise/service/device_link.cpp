@@ -41,15 +41,31 @@ void DeviceLink::offer(double t_ms, Bytes message) {
 }
 
 std::optional<Bytes> DeviceLink::next_frame(double now_s) {
-  if (under_way_ && now_s - under_way_->since_s >= times_.acknowledged_s) under_way_.reset();
+  if (under_way_ && now_s - under_way_->since_s >= times_.acknowledged_s) {
+    under_way_.reset();
+    is_slow_ = true;
+  }
   if (state_ != State::kConnected || under_way_ || !newest_) return std::nullopt;
   under_way_ = UnderWay{newest_->t_ms, now_s};
   ++counts_.sent;
   return std::exchange(newest_, std::nullopt)->message;
 }
 
-void DeviceLink::acknowledged(double t_ms) {
-  if (under_way_ && under_way_->t_ms <= t_ms) under_way_.reset();
+bool DeviceLink::acknowledged(double t_ms, double now_s) {
+  if (!under_way_ || under_way_->t_ms > t_ms) return false;
+  const double took_s = now_s - under_way_->since_s;
+  under_way_.reset();
+  if (!is_slow_) {
+    quick_in_row_ = 0;
+    is_slow_ = took_s >= times_.slow_from_s;
+    return is_slow_;
+  }
+  quick_in_row_ = took_s < times_.quick_until_s ? quick_in_row_ + 1 : 0;
+  if (quick_in_row_ >= caution_ * times_.quick_frames) {
+    is_slow_ = false;
+    caution_ = std::min(2 * caution_, LinkTimes::kMostCaution);
+  }
+  return false;
 }
 
 }  // namespace roomwise::service

@@ -11,6 +11,13 @@ struct LinkTimes {
   double first_wait_s = 0.5;  // before trying again; each wait is twice as long as the one before
   double longest_wait_s = 5;
   double acknowledged_s = 10;  // a frame of which nothing is heard for so long is given up
+  // The link is slow from a frame on that took so long to arrive, until so many small ones in a row
+  // were quick; each relapse doubles their number, up to kMostCaution times.
+  double slow_from_s = 0.5;
+  double quick_until_s = 0.1;
+  int quick_frames = 20;
+
+  static constexpr int kMostCaution = 16;
 };
 
 struct LinkCounts {
@@ -21,10 +28,10 @@ struct LinkCounts {
   std::uint64_t losses = 0;
 };
 
-// The rules of a device's connection: when to try again, and which frame to send. One frame is
-// under way at a time; until it is acknowledged only the newest one waits. It connects nothing
-// itself: the caller says what happened and when (a steady clock), and does what is said. Not
-// thread-safe.
+// The rules of a device's connection: when to try again, which frame to send, and whether whole
+// frames get through in time. One frame is under way at a time; until it is acknowledged only the
+// newest one waits. It connects nothing itself: the caller says what happened and when (a steady
+// clock), and does what is said. Not thread-safe.
 class DeviceLink {
  public:
   enum class State { kWaiting, kConnecting, kConnected };
@@ -46,8 +53,11 @@ class DeviceLink {
   void offer(double t_ms, Bytes message);
   // What to send now.
   [[nodiscard]] std::optional<Bytes> next_frame(double now_s);
-  // The computer has the frame of that time, and dropped the one before it perhaps.
-  void acknowledged(double t_ms);
+  // The computer has the frame of that time, and dropped the one before it perhaps. True where the
+  // link has become slow by it.
+  bool acknowledged(double t_ms, double now_s);
+  // Whether frames should be small: whole ones would arrive too late to be of use.
+  [[nodiscard]] bool is_slow() const { return is_slow_; }
 
   [[nodiscard]] State state() const { return state_; }
   [[nodiscard]] const LinkCounts& counts() const { return counts_; }
@@ -70,6 +80,9 @@ class DeviceLink {
   double try_at_s_ = 0;
   std::optional<Frame> newest_;
   std::optional<UnderWay> under_way_;
+  bool is_slow_ = false;
+  int quick_in_row_ = 0;
+  int caution_ = 1;
 };
 
 }  // namespace roomwise::service

@@ -49,9 +49,9 @@ TEST(DeviceLinkTest, OneFrameIsUnderWayAndTheNewestWaits) {
   link.offer(2, {2});
   link.offer(3, {3});
   EXPECT_FALSE(link.next_frame(0));
-  link.acknowledged(0.5);  // an earlier one
+  EXPECT_FALSE(link.acknowledged(0.5, 0));  // an earlier one
   EXPECT_FALSE(link.next_frame(0));
-  link.acknowledged(1);
+  EXPECT_FALSE(link.acknowledged(1, 0));
   EXPECT_EQ(link.next_frame(0), Bytes{3});
   EXPECT_FALSE(link.next_frame(0));
   EXPECT_EQ(link.counts().sent, 2u);
@@ -79,6 +79,40 @@ TEST(DeviceLinkTest, NothingOldIsSentAfterAReturn) {
   EXPECT_FALSE(link.next_frame(2));
   link.offer(4, {4});
   EXPECT_EQ(link.next_frame(2), Bytes{4});
+}
+
+// Sends `frames` that take so long each; how often the link became slow.
+int send(DeviceLink& link, int frames, double took_s) {
+  static double now_s = 0;
+  int became_slow = 0;
+  for (int i = 0; i < frames; ++i) {
+    now_s += 1;
+    link.offer(now_s, {1});
+    EXPECT_TRUE(link.next_frame(now_s));
+    if (link.acknowledged(now_s, now_s + took_s)) ++became_slow;
+  }
+  return became_slow;
+}
+
+TEST(DeviceLinkTest, ASlowLinkIsNoticedOnceAndTriedAgainWithCare) {
+  DeviceLink link = connected_link();
+  EXPECT_EQ(send(link, 50, 0.4), 0);
+  EXPECT_FALSE(link.is_slow());
+  EXPECT_EQ(send(link, 5, 0.6), 1);
+  EXPECT_TRUE(link.is_slow());
+  // Small frames are quicker, but not quick.
+  EXPECT_EQ(send(link, 500, 0.2), 0);
+  EXPECT_TRUE(link.is_slow());
+  EXPECT_EQ(send(link, 19, 0.05), 0);
+  EXPECT_TRUE(link.is_slow());
+  EXPECT_EQ(send(link, 1, 0.05), 0);
+  EXPECT_FALSE(link.is_slow());
+  // A whole frame is slow again: now it takes twice as many quick ones.
+  EXPECT_EQ(send(link, 1, 0.6), 1);
+  EXPECT_EQ(send(link, 39, 0.05), 0);
+  EXPECT_TRUE(link.is_slow());
+  EXPECT_EQ(send(link, 1, 0.05), 0);
+  EXPECT_FALSE(link.is_slow());
 }
 
 }  // namespace
