@@ -134,13 +134,6 @@ class BenchDevice {
   }
 
  private:
-  static void need_done(const Expected<void>& done) {
-    if (!done) {
-      fmt::print(stderr, "{}\n", done.error().message);
-      std::exit(1);
-    }
-  }
-
   const Options& options_;
   std::span<const EncodedFrame> frames_;
   std::unique_ptr<service::ServerConnection> connection_;

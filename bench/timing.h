@@ -23,6 +23,12 @@ Value need(Expected<Value> value) {
   return std::move(*value);
 }
 
+inline void need_done(const Expected<void>& done) {
+  if (done) return;
+  fmt::print(stderr, "{}\n", done.error().message);
+  std::exit(1);
+}
+
 // Processor time of this process so far.
 inline double cpu_ms() {
   return 1000.0 * static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
