@@ -37,7 +37,7 @@ struct PairedWith {
 struct ClientWait {
   std::chrono::milliseconds timeout{5000};
   // A connection on which nothing came for so long, not even an answer to a ping, is lost.
-  std::chrono::milliseconds silence{2500};
+  std::chrono::milliseconds silence{2200};
   std::function<bool()> interrupted = {};  // asked ten times a second; empty: never
 };
 
