@@ -179,9 +179,11 @@ TEST_F(RoomCommandsTest, NothingIsSaidOfTheTypeOfAnEmptyRoom) {
   const std::string home = copy_of_home("types.home");
   result_of({"rooms", "name", "--home", home, "--frames", "0-9=porch"});
   const json types = result_of({"rooms", "types", "--home", home, "--accept"});
-  EXPECT_EQ(types.at("rooms").at(0).at("type"), "porch");
-  EXPECT_EQ(types.at("rooms").at(0).at("taken"), false);
-  EXPECT_TRUE(types.at("rooms").at(0).at("guesses").at(0).at("type").is_null());
+  EXPECT_THAT(types.at("rooms").dump(), HasSubstr("porch"));
+  for (const json& room : types.at("rooms")) {
+    EXPECT_EQ(room.at("taken"), false);
+    EXPECT_TRUE(room.at("guesses").at(0).at("type").is_null()) << room;
+  }
 }
 
 TEST_F(RoomCommandsTest, RoomsAreLearnedFromPhotosAlone) {
