@@ -156,6 +156,36 @@ TEST_F(RoomCommandsTest, RoomsAreNamedByFramesAndByTime) {
   EXPECT_THAT(wrong.errors, HasSubstr("FIRST-LAST=ROOM"));
 }
 
+TEST_F(RoomCommandsTest, WhatIsSaidOfObjectsIsKeptUntilItIsUnsaid) {
+  const std::string home = copy_of_home("objects.home");
+  result_of({"rooms", "name", "--home", home, "--frames", "0-9=porch", "--frames", "10-19=loft"});
+  const std::vector<std::string> objects = {"rooms", "objects", "--home", home};
+  EXPECT_TRUE(result_of(objects).at("rooms").empty());  // its network names nothing
+  const auto with = [&](const std::string& option, const std::string& claim) {
+    std::vector<std::string> words = objects;
+    words.insert(words.end(), {option, claim});
+    return words;
+  };
+  const ProgramResult no_room = run_roomwise(with("--represents", "bed=attic"));
+  EXPECT_EQ(no_room.exit_code, 1);
+  EXPECT_THAT(no_room.errors, HasSubstr("no room 'attic'"));
+  EXPECT_THAT(run_roomwise(with("--represents", "spaceship=loft")).errors,
+              HasSubstr("no word 'spaceship'"));
+  EXPECT_THAT(run_roomwise(with("--unsay", "bed=loft")).errors, HasSubstr("nobody said"));
+  EXPECT_THAT(run_roomwise(with("--represents", "bed")).errors, HasSubstr("OBJECT=ROOM"));
+}
+
+TEST_F(RoomCommandsTest, NothingIsSaidOfTheTypeOfAnEmptyRoom) {
+  const std::string home = copy_of_home("types.home");
+  result_of({"rooms", "name", "--home", home, "--frames", "0-9=porch"});
+  const json types = result_of({"rooms", "types", "--home", home, "--accept"});
+  EXPECT_THAT(types.at("rooms").dump(), HasSubstr("porch"));
+  for (const json& room : types.at("rooms")) {
+    EXPECT_EQ(room.at("taken"), false);
+    EXPECT_TRUE(room.at("guesses").at(0).at("type").is_null()) << room;
+  }
+}
+
 TEST_F(RoomCommandsTest, RoomsAreLearnedFromPhotosAlone) {
   write_photos("photos");
   const std::string home = path("photos.home");

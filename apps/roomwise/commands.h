@@ -19,7 +19,8 @@ void add_device_command(CLI::App& app, Context& context);
 void add_export_commands(CLI::App& app, Context& context);
 void add_map_command(CLI::App& app, Context& context);
 void add_rooms_commands(CLI::App& app, Context& context);
-void add_layout_command(CLI::App& group, Context& context);  // of "rooms"
+void add_layout_command(CLI::App& group, Context& context);         // of "rooms"
+void add_room_objects_commands(CLI::App& group, Context& context);  // likewise
 void add_networks_commands(CLI::App& app, Context& context);
 void add_networks_looks(CLI::App& group, Context& context);  // of "networks"
 void add_protect_command(CLI::App& app, Context& context);

@@ -315,6 +315,7 @@ void add_rooms_commands(CLI::App& app, Context& context) {
   CLI::App* group = add_group(app, "rooms", "Name, learn and recognise rooms",
                               "roomwise rooms learn --home my.home --labels rooms.txt");
   add_layout_command(*group, context);
+  add_room_objects_commands(*group, context);
   {
     auto options = std::make_shared<NameOptions>();
     CLI::App* command = add_command(

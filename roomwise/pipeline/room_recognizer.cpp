@@ -4,6 +4,7 @@
 #include <map>
 #include <set>
 
+#include "roomwise/pipeline/room_contents.h"
 #include "roomwise/pipeline/room_learning.h"
 
 namespace roomwise::pipeline {
@@ -65,9 +66,11 @@ Expected<RoomRecognizer> RoomRecognizer::create(const home::Home& home, const Ne
   ROOMWISE_TRY(rooms::Concepts concepts, home.concepts());
   ROOMWISE_TRY(const std::vector<rooms::Room> rooms, home.rooms());
   std::vector<rooms::Room> learned = in_order(classifier->rooms(), rooms);
+  ROOMWISE_TRY(rooms::RoomObjects room_objects, pipeline::room_objects(home));
   ROOMWISE_TRY(rooms::RoomTopology topology, topology_of(home, classifier->rooms()));
   return RoomRecognizer(*std::move(classifier), std::move(concepts), std::move(learned),
-                        std::move(topology), same->get(), naming_network(networks));
+                        std::move(room_objects), std::move(topology), same->get(),
+                        naming_network(networks));
 }
 
 Expected<std::vector<objects::Sighting>> RoomRecognizer::objects_in(const SeeNames& names) const {
@@ -86,7 +89,8 @@ Expected<rooms::RoomDecision> RoomRecognizer::decide(
       decision.verdict == rooms::Verdict::kNotSure && combined.known >= calibration.known_from;
   if (!objects_may_tell) return decision;
   ROOMWISE_TRY(const auto objects, objects_in(named_last));
-  return rooms::decide_with_objects(combined, objects, concepts_, rooms_, calibration);
+  return rooms::decide_with_objects(combined, objects, concepts_, rooms_, calibration,
+                                    room_objects_);
 }
 
 Expected<rooms::RoomDecision> RoomRecognizer::recognize(

@@ -65,11 +65,13 @@ class RoomRecognizer {
 
  private:
   RoomRecognizer(rooms::RoomClassifier classifier, rooms::Concepts concepts,
-                 std::vector<rooms::Room> rooms, rooms::RoomTopology topology,
-                 const network::Classifier* features, const network::Classifier* naming)
+                 std::vector<rooms::Room> rooms, rooms::RoomObjects room_objects,
+                 rooms::RoomTopology topology, const network::Classifier* features,
+                 const network::Classifier* naming)
       : classifier_(std::move(classifier)),
         concepts_(std::move(concepts)),
         rooms_(std::move(rooms)),
+        room_objects_(std::move(room_objects)),
         topology_(std::move(topology)),
         features_(features),
         naming_(naming) {}
@@ -78,6 +80,7 @@ class RoomRecognizer {
   rooms::RoomClassifier classifier_;
   rooms::Concepts concepts_;
   std::vector<rooms::Room> rooms_;  // those that were learned, in their order
+  rooms::RoomObjects room_objects_;
   rooms::RoomTopology topology_;
   const network::Classifier* features_;
   const network::Classifier* naming_;

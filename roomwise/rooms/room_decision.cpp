@@ -32,15 +32,31 @@ std::string candidates(std::span<const RoomScore> rooms) {
   return text;
 }
 
-// The rooms that an object stands in, if all of them are of one type; else none.
-std::vector<std::size_t> rooms_of(const std::string& object, const Concepts& concepts,
-                                  std::span<const Room> rooms) {
-  std::vector<std::size_t> found;
-  const auto type = concepts.represented_room_type(object);
-  for (std::size_t i = 0; type && i < rooms.size(); ++i) {
-    if (rooms[i].type == *type) found.push_back(i);
+// How much an object speaks for each room; the shares add up to 1, or are all 0 where it says
+// nothing.
+Eigen::VectorXd shares_of(const std::string& object, const Concepts& concepts,
+                          std::span<const Room> rooms, const RoomObjects& learned) {
+  Eigen::VectorXd shares = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(rooms.size()));
+  const auto by_pictures = learned.shares(object);
+  const auto type = by_pictures.empty() ? concepts.represented_room_type(object) : std::nullopt;
+  for (std::size_t i = 0; i < rooms.size(); ++i) {
+    const auto found = by_pictures.find(rooms[i].name);
+    const bool is_of_type = type && rooms[i].type == *type;
+    shares[static_cast<Eigen::Index>(i)] =
+        found != by_pictures.end() ? found->second : static_cast<double>(is_of_type);
   }
-  return found;
+  const double sum = shares.sum();
+  return sum > 0 ? Eigen::VectorXd(shares / sum) : shares;
+}
+
+// Whether an object speaks for a room as much as for any other, and for some other less.
+bool speaks_for(const std::string& room, const Eigen::VectorXd& shares,
+                std::span<const Room> rooms) {
+  for (std::size_t i = 0; i < rooms.size(); ++i) {
+    const double share = shares[static_cast<Eigen::Index>(i)];
+    if (rooms[i].name == room) return share == shares.maxCoeff() && share > shares.minCoeff();
+  }
+  return false;
 }
 
 }  // namespace
@@ -73,21 +89,19 @@ PictureEvidence combine(std::span<const PictureEvidence> pictures) {
 }
 
 Eigen::VectorXd likelihood_of_objects(std::span<const objects::Sighting> objects,
-                                      const Concepts& concepts, std::span<const Room> rooms) {
+                                      const Concepts& concepts, std::span<const Room> rooms,
+                                      const RoomObjects& learned) {
   const auto count = static_cast<Eigen::Index>(rooms.size());
   // The network's word is true with the probability that it gives it, less what it is not trusted;
-  // then the room is one of the object's. Else, and for what stands anywhere, it says nothing.
+  // then the rooms are as probable as the object's shares. Else it says nothing.
   Eigen::VectorXd likelihood = Eigen::VectorXd::Zero(count);
   double said = 0;
   for (const objects::Sighting& sighting : objects) {
-    const auto found = rooms_of(sighting.object, concepts, rooms);
-    if (found.empty()) continue;
+    const Eigen::VectorXd shares = shares_of(sighting.object, concepts, rooms, learned);
+    if (shares.isZero()) continue;
     const double trusted = std::min(kTrustInObjects * sighting.score, 1 - said);
     said += trusted;
-    for (const std::size_t room : found) {
-      likelihood[static_cast<Eigen::Index>(room)] +=
-          trusted * static_cast<double>(count) / static_cast<double>(found.size());
-    }
+    likelihood += trusted * static_cast<double>(count) * shares;
   }
   return likelihood.array() + (1 - said);
 }
@@ -118,19 +132,17 @@ RoomDecision decide(const PictureEvidence& evidence, std::span<const std::string
 RoomDecision decide_with_objects(const PictureEvidence& evidence,
                                  std::span<const objects::Sighting> objects,
                                  const Concepts& concepts, std::span<const Room> rooms,
-                                 const RoomCalibration& calibration) {
+                                 const RoomCalibration& calibration, const RoomObjects& learned) {
   PictureEvidence weighed = evidence;
   weighed.probabilities =
-      evidence.probabilities.cwiseProduct(likelihood_of_objects(objects, concepts, rooms));
+      evidence.probabilities.cwiseProduct(likelihood_of_objects(objects, concepts, rooms, learned));
   weighed.probabilities /= weighed.probabilities.sum();
   std::vector<std::string> names;
   for (const Room& room : rooms) names.push_back(room.name);
   RoomDecision decision = decide(weighed, names, calibration);
   for (const objects::Sighting& sighting : objects) {
-    const auto found = rooms_of(sighting.object, concepts, rooms);
-    const bool speaks_for_best = std::ranges::any_of(
-        found, [&](std::size_t room) { return rooms[room].name == decision.rooms.front().room; });
-    if (!speaks_for_best) continue;
+    const Eigen::VectorXd shares = shares_of(sighting.object, concepts, rooms, learned);
+    if (!speaks_for(decision.rooms.front().room, shares, rooms)) continue;
     decision.object = sighting.object;
     if (decision.verdict == Verdict::kRoom) {
       decision.why += fmt::format(", and there is a {} ({:.2f})", sighting.object, sighting.score);

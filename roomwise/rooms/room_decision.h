@@ -9,6 +9,7 @@
 #include "roomwise/objects/object_map.h"
 #include "roomwise/rooms/concepts.h"
 #include "roomwise/rooms/room_classifier.h"
+#include "roomwise/rooms/room_objects.h"
 #include "roomwise/rooms/two_frame_rule.h"
 
 namespace roomwise::rooms {
@@ -42,11 +43,13 @@ struct RoomDecision {
 [[nodiscard]] PictureEvidence combine(std::span<const PictureEvidence> pictures);
 
 // How probable it is in each room (in the order of `rooms`) that the network says what it says of
-// objects, up to a factor: the mean over all rooms is 1. An object that stands in rooms of one type
-// alone speaks for these, as far as the network's word is trusted.
+// objects, up to a factor: the mean over all rooms is 1. An object speaks for the rooms whose
+// pictures show it, by how often they do; one that no picture of the home shows for those of the
+// type that alone has it; both as far as the network's word is trusted.
 [[nodiscard]] Eigen::VectorXd likelihood_of_objects(std::span<const objects::Sighting> objects,
                                                     const Concepts& concepts,
-                                                    std::span<const Room> rooms);
+                                                    std::span<const Room> rooms,
+                                                    const RoomObjects& learned = {});
 
 // The verdict on combined pictures, from the thresholds of the calibration: none of them where too
 // little is known; not sure where it is not well enough known, or the best room is not probable
@@ -60,6 +63,7 @@ struct RoomDecision {
                                                std::span<const objects::Sighting> objects,
                                                const Concepts& concepts,
                                                std::span<const Room> rooms,
-                                               const RoomCalibration& calibration);
+                                               const RoomCalibration& calibration,
+                                               const RoomObjects& learned = {});
 
 }  // namespace roomwise::rooms

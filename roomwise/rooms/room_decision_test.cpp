@@ -74,6 +74,28 @@ TEST(Combine, APictureThatIsCertainRulesNothingOut) {
   EXPECT_THROW((void)combine({}), std::invalid_argument);
 }
 
+TEST(LikelihoodOfObjects, TheHomesOwnPicturesCountMoreThanTypes) {
+  // A stove that stands in the hall of this home; 9 of 9 pictures show it, and none of the others.
+  std::vector<NamedPicture> pictures(9, {"hall", {"stove"}});
+  pictures.insert(pictures.end(), 9, {"kitchen", {}});
+  pictures.insert(pictures.end(), 9, {"bath", {}});
+  const RoomObjects learned(pictures);
+  const std::vector<Sighting> seen = {{"stove", 0.5}};
+  const Eigen::VectorXd likelihood =
+      likelihood_of_objects(seen, Concepts::standard(), kLearned, learned);
+  // Weights 0.95, 0.05 and 0.05; trusted by 0.35.
+  EXPECT_NEAR(likelihood[1], 0.65 + 0.35 * 3 * 0.95 / 1.05, 1e-12);
+  EXPECT_NEAR(likelihood[2], 0.65 + 0.35 * 3 * 0.05 / 1.05, 1e-12);
+  EXPECT_NEAR(likelihood.sum(), 3, 1e-12);
+  const RoomDecision decision = decide_with_objects(
+      evidence(0.3, 0.4, 0.3), seen, Concepts::standard(), kLearned, calibration(), learned);
+  EXPECT_EQ(decision.object, "stove");
+  EXPECT_EQ(decision.rooms.front().room, "hall");
+  // What no picture shows is known by its type.
+  const std::vector<Sighting> fridge = {{"fridge", 1}};
+  EXPECT_GT(likelihood_of_objects(fridge, Concepts::standard(), kLearned, learned)[2], 2);
+}
+
 TEST(LikelihoodOfObjects, AnObjectSpeaksForTheRoomsOfItsType) {
   const std::vector<Sighting> seen = {{"stove", 0.5}};
   const Eigen::VectorXd likelihood = likelihood_of_objects(seen, Concepts::standard(), kLearned);

@@ -1,0 +1,140 @@
+#include "roomwise/pipeline/room_contents.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <ranges>
+#include <set>
+
+#include "roomwise/objects/object_map.h"
+#include "roomwise/pipeline/room_learning.h"
+
+namespace roomwise::pipeline {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kClaimsSetting = "object_claims";
+constexpr std::size_t kTopLabels = 3;  // as the two-frame rule looks at
+constexpr double kLeastScore = 0.2;    // what is less says little where rooms are recognised, too
+
+// The rooms that the walks' names give to key-frames.
+Expected<std::map<home::KeyframeId, std::string>> rooms_of_keyframes(const home::Home& home) {
+  std::map<home::KeyframeId, std::string> rooms;
+  std::map<home::RecordingId, recording::RoomLabels> labels;
+  ROOMWISE_TRY(const auto recordings, home.recordings());
+  for (const home::StoredRecording& one : recordings) {
+    ROOMWISE_TRY(labels[one.id], home.room_ranges(one.id));
+  }
+  ROOMWISE_TRY(const auto keyframes, home.keyframes());
+  for (const home::Keyframe& keyframe : keyframes) {
+    const auto* const range = labels[keyframe.recording].find(keyframe.frame_index);
+    if (range != nullptr) rooms[keyframe.id] = range->room;
+  }
+  return rooms;
+}
+
+// What the newest network that names things sees in each key-frame.
+Expected<std::map<home::KeyframeId, std::set<std::string>>> objects_of_keyframes(
+    const home::Home& home, const objects::ObjectVocabulary& vocabulary) {
+  std::map<home::KeyframeId, std::set<std::string>> seen;
+  ROOMWISE_TRY(const auto networks, home.networks());
+  for (const auto& [id, network] : networks | std::views::reverse) {
+    if (network.labels.empty()) continue;
+    ROOMWISE_TRY(const auto predictions, home.predictions(id));
+    for (const auto& [keyframe, prediction] : predictions) {
+      std::set<std::string>& objects = seen[keyframe];
+      for (const objects::Sighting& sighting :
+           objects::top_objects(prediction.scores, network.labels, vocabulary, kTopLabels)) {
+        if (sighting.score >= kLeastScore) objects.insert(sighting.object);
+      }
+    }
+    break;
+  }
+  return seen;
+}
+
+Expected<std::vector<rooms::ObjectClaim>> claims_of(const std::string& text) {
+  const Json json = Json::parse(text, nullptr, false);
+  std::vector<rooms::ObjectClaim> claims;
+  try {
+    for (const Json& one : json) {
+      claims.push_back({one.at("object").get<std::string>(), one.at("room").get<std::string>(),
+                        one.at("represents").get<bool>()});
+    }
+  } catch (const Json::exception& error) {
+    return fail("the setting '{}' is damaged: {}", kClaimsSetting, error.what());
+  }
+  return claims;
+}
+
+}  // namespace
+
+Expected<std::vector<rooms::ObjectClaim>> object_claims(const home::Home& home) {
+  ROOMWISE_TRY(const auto settings, home.settings());
+  const auto stored = settings.find(kClaimsSetting);
+  if (stored == settings.end()) return std::vector<rooms::ObjectClaim>{};
+  auto claims = claims_of(stored->second);
+  if (!claims) return Unexpected(std::move(claims).error().in(home.file()));
+  return claims;
+}
+
+Expected<void> store_object_claims(home::Home& home,
+                                   const std::vector<rooms::ObjectClaim>& claims) {
+  Json json = Json::array();
+  for (const rooms::ObjectClaim& claim : claims) {
+    json.push_back(
+        {{"object", claim.object}, {"room", claim.room}, {"represents", claim.represents}});
+  }
+  return home.put_setting(kClaimsSetting, json.dump());
+}
+
+Expected<rooms::RoomObjects> room_objects(const home::Home& home) {
+  ROOMWISE_TRY(const rooms::Concepts concepts, home.concepts());
+  ROOMWISE_TRY(const auto rooms, rooms_of_keyframes(home));
+  ROOMWISE_TRY(const auto seen, objects_of_keyframes(home, concepts.vocabulary));
+  ROOMWISE_TRY(const auto learned, learned_keyframes(home));
+  std::vector<rooms::NamedPicture> pictures;
+  for (const auto& [keyframe, objects] : seen) {
+    const auto room = rooms.find(keyframe);
+    const bool counts = learned.empty() || std::ranges::find(learned, keyframe) != learned.end();
+    if (room != rooms.end() && counts) pictures.push_back({room->second, objects});
+  }
+  ROOMWISE_TRY(auto claims, object_claims(home));
+  return rooms::RoomObjects(pictures, std::move(claims));
+}
+
+Expected<std::map<std::string, rooms::RoomContents>> room_contents(const home::Home& home) {
+  std::map<std::string, rooms::RoomContents> contents;
+  ROOMWISE_TRY(const auto rooms, home.rooms());
+  for (const rooms::Room& room : rooms) contents[room.name];
+  ROOMWISE_TRY(const auto room_of, rooms_of_keyframes(home));
+  ROOMWISE_TRY(const auto things, home.instances());
+  for (const objects::Instance& thing : things) {
+    const auto room = room_of.find(static_cast<home::KeyframeId>(thing.keyframe_id));
+    if (room == room_of.end()) continue;
+    double& probability = contents[room->second][thing.name];
+    probability = 1 - (1 - probability) * (1 - thing.probability);  // one of them at least
+  }
+  return contents;
+}
+
+Expected<std::map<std::string, std::vector<rooms::TypeGuess>>> guess_room_types(
+    const home::Home& home) {
+  ROOMWISE_TRY(const rooms::Concepts concepts, home.concepts());
+  ROOMWISE_TRY(const auto rooms, home.rooms());
+  ROOMWISE_TRY(const auto contents, room_contents(home));
+  std::map<std::string, std::vector<rooms::TypeGuess>> guesses;
+  for (const rooms::Room& room : rooms) {
+    std::vector<rooms::TypedContents> others;
+    for (const rooms::Room& other : rooms) {
+      const bool is_example =
+          other.name != room.name && concepts.objects_of_room_type.contains(other.type);
+      if (is_example) others.push_back({other.type, contents.at(other.name)});
+    }
+    guesses[room.name] = rooms::guess_room_type(contents.at(room.name), concepts, others);
+  }
+  return guesses;
+}
+
+}  // namespace roomwise::pipeline

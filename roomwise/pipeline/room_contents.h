@@ -1,0 +1,34 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "roomwise/home/home.h"
+#include "roomwise/rooms/room_objects.h"
+#include "roomwise/rooms/room_type.h"
+
+// What stands in a home's rooms, and what that tells of them.
+namespace roomwise::pipeline {
+
+// By the key-frames that the rooms were learned from, and where there are none by all that show a
+// named room: what the newest network that names things sees in them (its three best labels). With
+// what was claimed. Empty where nothing looked at the home.
+[[nodiscard]] Expected<rooms::RoomObjects> room_objects(const home::Home& home);
+
+// What somebody said of objects and rooms, stored in the home.
+[[nodiscard]] Expected<std::vector<rooms::ObjectClaim>> object_claims(const home::Home& home);
+[[nodiscard]] Expected<void> store_object_claims(home::Home& home,
+                                                 const std::vector<rooms::ObjectClaim>& claims);
+
+// The things of each named room, by the name that the key-frame has which shows a thing best. A
+// room without any is there, too.
+[[nodiscard]] Expected<std::map<std::string, rooms::RoomContents>> room_contents(
+    const home::Home& home);
+
+// What type each room is by its things, the most probable first. The home's other rooms whose type
+// the concepts know are examples.
+[[nodiscard]] Expected<std::map<std::string, std::vector<rooms::TypeGuess>>> guess_room_types(
+    const home::Home& home);
+
+}  // namespace roomwise::pipeline
