@@ -1,4 +1,5 @@
-// node scripts/run_tests.mjs unit|browser: compiles the tests and runs them by node's test runner.
+// node scripts/run_tests.mjs unit|browser [OPTIONS]: compiles the tests and runs them by node's test runner, whose
+// options may follow (--test-name-pattern=hazard).
 // node scripts/run_tests.mjs try [PORT]: serves the built pages with a made-up home, for looking at.
 // node scripts/run_tests.mjs screenshots FOLDER: pictures of every page, small and large, light and dark.
 // ROOMWISE_WEB: the folder of the built pages (default: ../build/web).
@@ -55,8 +56,9 @@ try {
     sourcemap: 'inline',
     logLevel: 'warning',
   });
-  const options = kind === 'unit' || kind === 'browser' ? ['--test'] : [];
-  status = spawnSync(process.execPath, ['--enable-source-maps', ...options, join(compiled, 'tests.mjs'), ...rest], {
+  const script = join(compiled, 'tests.mjs');
+  const isTest = kind === 'unit' || kind === 'browser';
+  status = spawnSync(process.execPath, ['--enable-source-maps', ...(isTest ? ['--test', ...rest, script] : [script, ...rest])], {
     stdio: 'inherit',
     env: { ...process.env, ROOMWISE_WEB: pages },
   }).status ?? 1;

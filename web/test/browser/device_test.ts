@@ -180,6 +180,18 @@ test('a hazard is read at once, as an alert', options, () => withServer(async (s
   await visit.close();
 }));
 
+test('an answer that a hazard broke off is read again, and stands in the page once', options, () => withServer(async (server) => {
+  const visit = await openVisit(server, { role: 'device', size: kPhone });
+  await start(visit, 'reader');
+  server.tell('device', makePrompt({ text: `You are in the kitchen${', which is large'.repeat(20)}.` }));
+  await visit.hears('You are in the kitchen');
+  server.tell('device', makePrompt({ key: 'stairs', text: 'Stop!', priority: 'hazard', sound: 'alert' }));
+  await visit.page.waitForFunction(
+    () => (window as unknown as { announced: string[] }).announced.map((one) => one.split(/[ ,]/)[0]).join() === 'You,Stop!,You');
+  assert.equal((await visit.accessibleTexts()).filter((one) => one.startsWith('You are in the kitchen')).length, 1);
+  await visit.close();
+}));
+
 test('frames flow one by one, and a frame that is not acknowledged holds the next', options, () => withServer(async (server) => {
   const visit = await openVisit(server, { role: 'device', size: kPhone });
   await start(visit, 'reader');
