@@ -42,6 +42,9 @@ export class Timeline {
       this.anchor = inside[0] as number;
       this.head = inside[inside.length - 1] as number;
       this.mark();
+      // Not scrollIntoView: the page stays where somebody types.
+      const first = this.options()[this.anchor] as HTMLElement;
+      this.element.scrollLeft = first.offsetLeft - this.element.offsetLeft;
     }
   }
 
