@@ -6,6 +6,7 @@ import { keyframeAddress } from './pictures';
 import { roomAt, type FrameSpan } from './ranges';
 
 const kPage = 10;
+const kMargin = 8; // px, before the picture that is scrolled to
 
 export class Timeline {
   readonly element = h('ul', {
@@ -44,7 +45,7 @@ export class Timeline {
       this.mark();
       // Not scrollIntoView: the page stays where somebody types.
       const first = this.options()[this.anchor] as HTMLElement;
-      this.element.scrollLeft = first.offsetLeft - this.element.offsetLeft;
+      this.element.scrollLeft = first.offsetLeft - this.element.offsetLeft - kMargin;
     }
   }
 
