@@ -48,7 +48,7 @@ export function makeView(stage: HTMLElement, events: ViewEvents): View3d {
   let limits = { least: 0.5, most: 50 };
   let waiting = false;
   const draw = (): void => {
-    if (!waiting) {
+    if (!waiting && stage.isConnected) { // shown again it is drawn, since its size changes then
       waiting = true;
       window.requestAnimationFrame(() => {
         waiting = false;
@@ -132,6 +132,9 @@ export function makeView(stage: HTMLElement, events: ViewEvents): View3d {
     refineCloud: (bytes) => void showCloud(bytes, kPointSize.fine),
     setSeen: (seen) => {
       const placed = seen.filter((one) => one.online && one.seen?.position);
+      if (placed.length === 0 && devices.children.length === 0) {
+        return; // a phone that is nowhere on the map tells of itself four times a second
+      }
       markSeen = () => refill(devices, deviceMarks(placed, schemeColours()));
       markSeen();
       labels.setDevices(placed);
