@@ -12,7 +12,7 @@ const kPlaces = ['/usr/bin/chromium', '/usr/bin/chromium-browser', '/usr/bin/goo
 export const kPages = process.env['ROOMWISE_WEB'] ?? '';
 export const kPhone = { width: 360, height: 740 };
 export const kDesktop = { width: 1280, height: 900 };
-const kPatience = 30_000; // ms
+const kPatience = 120_000; // ms; on a busy machine
 const kTags = ['wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa', 'wcag22aa'];
 
 export function chromium(): string | null {
@@ -31,7 +31,7 @@ export function launchBrowser(more: LaunchOptions = {}): Promise<Browser> {
       '--no-sandbox', '--use-fake-device-for-media-stream', '--use-fake-ui-for-media-stream', '--disable-gpu',
       '--enable-unsafe-swiftshader', '--autoplay-policy=no-user-gesture-required', '--lang=en-US', ...(more.args ?? []),
     ],
-    protocolTimeout: 120_000,
+    protocolTimeout: 300_000,
   });
 }
 

@@ -46,6 +46,6 @@ export async function spoken(visit: Visit): Promise<string[]> {
 export async function speaks(visit: Visit, words: string): Promise<void> {
   await visit.page.waitForFunction(
     (wanted) => (window as unknown as { spoken: { text: string }[] }).spoken.some((one) => one.text.includes(wanted)),
-    { timeout: 30_000 }, words,
+    { timeout: 120_000 }, words,
   ).catch(async () => assert.fail(`'${words}' was not spoken; only: ${JSON.stringify(await spoken(visit))}`));
 }

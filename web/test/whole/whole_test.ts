@@ -6,7 +6,7 @@ import { existsSync, mkdirSync, mkdtempSync, rmSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
-import type { Browser } from 'puppeteer-core';
+import type { Browser, FileChooser } from 'puppeteer-core';
 
 import type { Home, Keyframe, RoomRange } from '../../src/shared/protocol';
 import { kDesktop, kPages, kPhone, launchBrowser, openPage, skipReason, type Visit } from '../browser/harness';
@@ -232,13 +232,25 @@ step('the rooms are learned, and a picture is tried', async () => {
   await heardOnce(helper, 'Learning has started.');
   await helper.hears('The rooms are learned.', kLongWork);
   await helper.tabTo('Picture');
-  const choosing = helper.page.waitForFileChooser();
-  await helper.page.keyboard.press('Space');
-  await (await choosing).accept([picturesIn(walk, 'toilet', 1)[0]!.color]);
+  const chooser = await openedChooser();
+  await chooser.accept([picturesIn(walk, 'toilet', 1)[0]!.color]);
   await helper.press('Which room is it?');
   await helper.sees('bathroom', '.result .verdict-words');
   await helper.sees('looks like', '.result .hint');
 });
+
+// A browser opens its dialog only for a key that it takes for a person's, which it now and then does not at first.
+async function openedChooser(): Promise<FileChooser> {
+  for (let tries = 0; tries < 5; tries += 1) {
+    const choosing = helper.page.waitForFileChooser({ timeout: 10_000 }).catch(() => null);
+    await helper.page.keyboard.press('Space');
+    const chooser = await choosing;
+    if (chooser) {
+      return chooser;
+    }
+  }
+  return assert.fail('no dialog for choosing a file opens');
+}
 
 step('what the device sees is recognised, and why', async () => {
   const looking = device('--recording', standing(walk, picturesIn(walk, 'toilet', 1)[0]!, join(folder, 'looking')));
@@ -251,15 +263,15 @@ step('what the device sees is recognised, and why', async () => {
 
 // ---- the person asks ----
 
-// Asks, and gives the first words of the answer. They were announced once for each time that they were said, and stand
-// in the accessibility tree as often.
+// Asks, and gives the first words of the answer: they are announced once, and stand in the accessibility tree once for
+// each time that they were said.
 async function asked(ask: () => Promise<void>): Promise<string> {
   const before = (await phone.announced()).length;
   await ask();
   const answer = await phone.page.waitForFunction((count) => {
     const lines = [...document.querySelectorAll<HTMLElement>('[role=log] .line')].map((line) => line.innerText);
     return (window as unknown as { announced: string[] }).announced.slice(count).find((one) => lines.includes(one));
-  }, { timeout: 30_000 }, before);
+  }, { timeout: 120_000 }, before);
   const words = await answer.jsonValue() ?? '';
   const lines = await phone.page.$$eval('[role=log] .line', (all) => all.map((line) => (line as HTMLElement).innerText));
   const times = lines.filter((one) => one === words).length;
@@ -320,6 +332,7 @@ step('the computer is lost and comes back', async () => {
   await assertFine(phone, 'lost');
   server = await HomeServer.start(folder, homeFile(), kPages, port);
   await phone.hears('Connected again.');
+  await phone.sees('Connected', '.chip');
   await helper.hears('Connected again.');
   await askedUntil(/bathroom/, () => phone.press('Where am I'));
 });
@@ -334,7 +347,7 @@ step('the phone speaks by its own voice, and nothing is live then', async () => 
   for (let tries = 0; tries < 20 && !(await spoken(phone)).some((one) => one.includes('bathroom')); tries += 1) {
     const before = (await spoken(phone)).length;
     await phone.press('Where am I');
-    await phone.page.waitForFunction((count) => (window as unknown as { spoken: string[] }).spoken.length > count, { timeout: 30_000 }, before);
+    await phone.page.waitForFunction((count) => (window as unknown as { spoken: string[] }).spoken.length > count, { timeout: 120_000 }, before);
   }
   await speaks(phone, 'bathroom');
   assert.deepEqual(await phone.announced(), []);
