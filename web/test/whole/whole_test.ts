@@ -73,6 +73,7 @@ async function told<Answer>(visit: Visit, path: string): Promise<Answer> {
 }
 
 async function assertFine(visit: Visit, what: string): Promise<void> {
+  await visit.page.bringToFront(); // axe-core waits for a page in the background to be drawn
   await visit.assertAccessible(what);
   await visit.assertReflows();
   await shoot(visit, what);
