@@ -122,13 +122,13 @@ Json keyframes_json(const HomeView& view) {
   return {{"keyframes", keyframes}};
 }
 
-Bytes cloud_bytes(const LiveMap& map) {
-  const geometry::PointCloud& cloud = map.cloud_level;
+Bytes cloud_bytes(const geometry::PointCloud& cloud_level) {
   Bytes bytes;
-  bytes.reserve(16 * cloud.size());
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
-    for (int axis = 0; axis < 3; ++axis) put_float(cloud.points[i][axis], bytes);
-    bytes.insert(bytes.end(), {cloud.colors[i].r, cloud.colors[i].g, cloud.colors[i].b, 255});
+  bytes.reserve(16 * cloud_level.size());
+  for (std::size_t i = 0; i < cloud_level.size(); ++i) {
+    for (int axis = 0; axis < 3; ++axis) put_float(cloud_level.points[i][axis], bytes);
+    bytes.insert(bytes.end(),
+                 {cloud_level.colors[i].r, cloud_level.colors[i].g, cloud_level.colors[i].b, 255});
   }
   return bytes;
 }

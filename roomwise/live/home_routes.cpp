@@ -96,20 +96,25 @@ std::optional<std::string> find(const std::map<std::string, std::string>& texts,
   return found != texts.end() ? std::optional(found->second) : std::nullopt;
 }
 
+// A handler that sends one of the map's clouds.
+auto cloud_of(LiveHome& home, geometry::PointCloud LiveMap::*cloud) {
+  return [&home, cloud](const HttpRequest&, const Placeholders&) {
+    const auto view = home.view();
+    if (!view->map) return error_answer(503, "the map is not ready yet; try again soon");
+    HttpAnswer answer;
+    answer.content_type = "application/octet-stream";
+    answer.body = cloud_bytes((*view->map).*cloud);
+    return answer;
+  };
+}
+
 std::vector<service::Route> looking_routes(LiveHome& home) {
   return {{"GET", "/api/home", Role::kDevice,
            [&home](const auto&, const auto&) { return json_answer(home_json(*home.view())); }},
           {"GET", "/api/map/keyframes", Role::kHelper,
            [&home](const auto&, const auto&) { return json_answer(keyframes_json(*home.view())); }},
-          {"GET", "/api/map/cloud", Role::kHelper,
-           [&home](const auto&, const auto&) {
-             const auto view = home.view();
-             if (!view->map) return error_answer(503, "the map is not ready yet; try again soon");
-             HttpAnswer answer;
-             answer.content_type = "application/octet-stream";
-             answer.body = cloud_bytes(*view->map);
-             return answer;
-           }},
+          {"GET", "/api/map/cloud", Role::kHelper, cloud_of(home, &LiveMap::coarse_cloud_level)},
+          {"GET", "/api/map/cloud/fine", Role::kHelper, cloud_of(home, &LiveMap::cloud_level)},
           {"GET", "/api/keyframes/{id}/picture", Role::kHelper,
            numbered("id",
                     [&home](const HttpRequest&, std::int64_t id) {

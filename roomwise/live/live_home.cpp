@@ -25,6 +25,7 @@ class LiveHome::Session final : public service::SocketSession {
     device_->on_closed();
     home_.left(device_);
   }
+  [[nodiscard]] bool greeted() const override { return device_->is_here(); }
 
  private:
   LiveHome& home_;

@@ -168,9 +168,9 @@ Expected<void> LiveHome::forget_walk(home::RecordingId walk) {
       const std::scoped_lock lock(reader_mutex_);
       ROOMWISE_CHECK_OK(home.erase_removed());
     }
+    recognitions_.clear();    // before pages hear of it and look again
     return refresh(nullptr);  // the map was made of it
   }));
-  recognitions_.clear();
   std::error_code error;
   if (folder.parent_path() == walks_folder()) fs::remove_all(folder, error);
   if (error) return fail("{}: could not be removed: {}", folder.string(), error.message());

@@ -130,6 +130,7 @@ TEST_F(LiveHomeTest, FromAnEmptyHomeToAnAnswer) {
   EXPECT_TRUE(home->view()->walks[0].stored.finished);
   ASSERT_TRUE(home->view()->map);
   EXPECT_GT(home->view()->map->cloud_level.size(), 1000U);
+  EXPECT_GT(home->view()->map->coarse_cloud_level.size(), 1000U);
   learn_two_rooms();
   ASSERT_TRUE(home->view()->recognizer);
 
@@ -336,6 +337,7 @@ TEST_F(LiveHomeTest, RequestsWithWrongValuesAreRefusedByName) {
   };
   EXPECT_THAT(ask("GET", "/api/home", ""), HasSubstr("200 {"));
   EXPECT_THAT(ask("GET", "/api/map/cloud", ""), HasSubstr("503"));
+  EXPECT_THAT(ask("GET", "/api/map/cloud/fine", ""), HasSubstr("503"));
   EXPECT_THAT(ask("GET", "/api/keyframes/7/picture", ""), HasSubstr("404"));
   EXPECT_THAT(ask("GET", "/api/keyframes/-1/picture", ""), HasSubstr("404"));
   EXPECT_THAT(ask("GET", "/api/keyframes/x/picture", ""), HasSubstr("'x' is no number"));

@@ -3,20 +3,16 @@
 #include "roomwise/pipeline/level_map.h"
 
 namespace roomwise::live {
-namespace {
 
-// The surface's vertices, one a voxel, in voxels large enough that there are not too many.
-geometry::PointCloud thinned(const fusion::TriangleMesh& mesh) {
+geometry::PointCloud thinned(const fusion::TriangleMesh& mesh, std::size_t most) {
   for (double voxel_m = 0.03;; voxel_m *= 1.25) {
     geometry::VoxelGrid grid(voxel_m);
     for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
       grid.add(mesh.vertices[i].cast<double>(), mesh.colors[i]);
     }
-    if (grid.size() <= LiveMap::kMostPoints) return grid.cloud();
+    if (grid.size() <= most) return grid.cloud();
   }
 }
-
-}  // namespace
 
 Expected<std::shared_ptr<const LiveMap>> make_live_map(const home::Home& home,
                                                        pipeline::RunContext& run) {
@@ -27,11 +23,13 @@ Expected<std::shared_ptr<const LiveMap>> make_live_map(const home::Home& home,
   if (level.frame.has_floor) {
     ROOMWISE_TRY(floor, pipeline::floor_grid_of(level, {}, run));
   }
-  return std::make_shared<const LiveMap>(LiveMap{
-      .frame = level.frame,
-      .floor = std::move(floor),
-      .cloud_level = thinned(fusion::transformed(level.frame.level_from_world, level.mesh_world)),
-      .localizer = std::make_unique<const pipeline::HomeLocalizer>(std::move(localizer))});
+  const auto surface_level = fusion::transformed(level.frame.level_from_world, level.mesh_world);
+  return std::make_shared<const LiveMap>(
+      LiveMap{.frame = level.frame,
+              .floor = std::move(floor),
+              .cloud_level = thinned(surface_level, LiveMap::kMostPoints),
+              .coarse_cloud_level = thinned(surface_level, LiveMap::kMostCoarsePoints),
+              .localizer = std::make_unique<const pipeline::HomeLocalizer>(std::move(localizer))});
 }
 
 }  // namespace roomwise::live

@@ -38,6 +38,8 @@ class SocketSession {
   virtual void on_text(std::string_view text) = 0;
   virtual void on_message(Bytes bytes) = 0;  // a binary message
   virtual void on_closed() = 0;              // once, last
+  // Whether the client has said who it is. One that has not after ServerLimits::hello_s is closed.
+  [[nodiscard]] virtual bool greeted() const { return true; }
 };
 
 // Makes the sessions.
@@ -63,6 +65,7 @@ struct ServerLimits {
   double request_s = 30;              // for a request to come, an answer to go
   double idle_s = 20;                 // a connection that asks nothing
   double socket_idle_s = 15;  // a WebSocket is pinged after half of it, closed after all of it
+  double hello_s = 10;        // from a WebSocket's opening until its client has said hello
   double stop_s = 2;          // for the closing of WebSockets when the server stops
   // Requests: so many at once, then so many a second.
   double burst_per_peer = 120;

@@ -1,3 +1,4 @@
+#include <boost/asio/steady_timer.hpp>
 #include <boost/asio/strand.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/http/fields.hpp>
@@ -58,6 +59,7 @@ class SocketConnection final : public Connection,
         peer_(std::move(peer)),
         stream_(std::move(stream)),
         buffer_(core_.options.limits.message_bytes),
+        hello_timer_(core_.io),
         strand_(asio::make_strand(core_.session_threads.get_executor())) {}
 
   void start(BeastRequest request) {
@@ -125,11 +127,23 @@ class SocketConnection final : public Connection,
     for (const auto& older : core_.table.open_socket(entry_->number())) {
       older->end("this device has connected again");
     }
+    await_hello();
     on_session([self = shared_from_this()] {
       self->session_ = self->core_.sockets.connect(self->who_, self->out_);
       if (!self->session_) self->out_->close("unavailable");
     });
     flush();
+  }
+
+  void await_hello() {
+    hello_timer_.expires_after(milliseconds_of(core_.options.limits.hello_s));
+    hello_timer_.async_wait([weak = weak_from_this()](error_code error) {
+      const auto self = weak.lock();
+      if (error || !self || self->greeted_) return;
+      self->core_.events.refused("a client that says no hello", self->peer_,
+                                 self->core_.now().steady_s);
+      self->end("no hello came");
+    });
   }
 
   // Calls something of the session where sessions are called, then reads on.
@@ -144,7 +158,12 @@ class SocketConnection final : public Connection,
         self->out_->close("the computer made a mistake");
       }
       ServerCore& core = self->core_;
-      asio::post(core.io, [self = std::move(self)] { self->read(); });
+      const bool greeted = self->session_ && self->session_->greeted();
+      asio::post(core.io, [self = std::move(self), greeted] {
+        self->greeted_ = greeted;
+        if (greeted) self->hello_timer_.cancel();
+        self->read();
+      });
     });
   }
 
@@ -181,6 +200,7 @@ class SocketConnection final : public Connection,
   void on_closed(error_code error) {
     if (closed_) return;
     closed_ = true;
+    hello_timer_.cancel();
     out_->shut();
     if (error == websocket::error::buffer_overflow) {
       core_.events.refused("a message that is too large", peer_, core_.now().steady_s);
@@ -209,12 +229,14 @@ class SocketConnection final : public Connection,
   const std::string peer_;
   websocket::stream<TlsStream> stream_;
   beast::flat_buffer buffer_;
+  asio::steady_timer hello_timer_;
   asio::strand<asio::thread_pool::executor_type> strand_;
   std::shared_ptr<Outbox> out_;
   std::unique_ptr<SocketSession> session_;  // belongs to the strand
   std::optional<websocket::close_code> ending_;
   std::string end_reason_;
   bool open_ = false;
+  bool greeted_ = false;
   bool writing_ = false;
   bool closing_ = false;
   bool closed_ = false;

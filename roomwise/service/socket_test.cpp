@@ -43,9 +43,10 @@ class SocketTest : public ::testing::Test {
   [[nodiscard]] ServerCredentials credentials(const Pairing& pairing) const {
     return {home_.certificate.fingerprint, pairing.token};
   }
-  [[nodiscard]] std::unique_ptr<ServerConnection> connect() const {
-    auto opened = ServerConnection::open(address(), credentials(home_.device),
-                                         {.timeout = kMost, .silence = kMost});
+  [[nodiscard]] std::unique_ptr<ServerConnection> connect() const { return connect(home_.device); }
+  [[nodiscard]] std::unique_ptr<ServerConnection> connect(const Pairing& as) const {
+    auto opened =
+        ServerConnection::open(address(), credentials(as), {.timeout = kMost, .silence = kMost});
     EXPECT_OK(opened);
     return opened ? *std::move(opened) : nullptr;
   }
@@ -133,6 +134,26 @@ TEST_F(SocketTest, ClosesAClientThatDoesNotRead) {
   EXPECT_EQ(counts.refusals.at("a client that does not read"), 1u);
   EXPECT_GE(counts.messages_dropped, 1u);
   EXPECT_LE(counts.messages_dropped, 257u);
+}
+
+TEST_F(SocketTest, ClosesAClientThatNeverSaysHello) {
+  home_.sockets.want_hello = true;
+  home_.options.limits.hello_s = 2;
+  home_.start();
+  const auto greeted = connect();
+  ASSERT_TRUE(greeted);
+  ASSERT_OK(greeted->send_text("hello"));
+  ASSERT_OK(greeted->receive(kMost));  // the echo
+  const auto silent = connect(home_.helper);
+  const auto talking = connect(home_.helper);
+  ASSERT_TRUE(silent && talking);
+  ASSERT_OK(talking->send_text("where am I?"));
+  ASSERT_OK(talking->receive(kMost));
+  EXPECT_ERROR(silent->receive(kMost), "no hello came");
+  EXPECT_ERROR(talking->receive(kMost), "no hello came");
+  EXPECT_EQ(home_.server->counts().refusals.at("a client that says no hello"), 2u);
+  ASSERT_OK(greeted->send_text("still here"));
+  EXPECT_OK(greeted->receive(kMost));
 }
 
 TEST_F(SocketTest, ASessionMayCloseOrFail) {

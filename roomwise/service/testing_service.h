@@ -190,6 +190,7 @@ class NotingSockets final : public SocketHandler {
     return std::make_unique<Session>(*this, std::move(out));
   }
 
+  bool want_hello = false;  // a client counts as known when it has said "hello"
   Signal signal;
   int opened = 0;
   int closed = 0;
@@ -204,6 +205,7 @@ class NotingSockets final : public SocketHandler {
     Session(NotingSockets& all, std::shared_ptr<SocketOut> out) : all_(all), out_(std::move(out)) {}
     void on_text(std::string_view text) override {
       all_.signal.change([&] { all_.texts.emplace_back(text); });
+      if (text == "hello") greeted_ = true;
       if (text.starts_with("send ")) {
         const int count = std::stoi(std::string(text.substr(5)));
         for (int i = 0; i < count; ++i) out_->send_text(std::string(1024, 'x'));
@@ -221,10 +223,12 @@ class NotingSockets final : public SocketHandler {
     void on_closed() override {
       all_.signal.change([&] { ++all_.closed; });
     }
+    [[nodiscard]] bool greeted() const override { return greeted_ || !all_.want_hello; }
 
    private:
     NotingSockets& all_;
     std::shared_ptr<SocketOut> out_;
+    bool greeted_ = false;
   };
 };
 

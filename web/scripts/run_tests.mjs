@@ -1,4 +1,5 @@
-// node scripts/run_tests.mjs unit|browser: compiles the tests and runs them by node's test runner.
+// node scripts/run_tests.mjs unit|browser|whole [OPTIONS]: compiles the tests and runs them by node's test runner, whose
+// options may follow (--test-name-pattern=hazard). whole: with the real programs; ROOMWISE_PROGRAM names roomwise.
 // node scripts/run_tests.mjs try [PORT]: serves the built pages with a made-up home, for looking at.
 // node scripts/run_tests.mjs screenshots FOLDER: pictures of every page, small and large, light and dark.
 // ROOMWISE_WEB: the folder of the built pages (default: ../build/web).
@@ -25,15 +26,21 @@ function testsUnder(folder) {
 const sources = {
   unit: () => testsUnder(join(web, 'src')),
   browser: () => testsUnder(join(web, 'test/browser')),
+  whole: () => testsUnder(join(web, 'test/whole')),
   screenshots: () => [join(web, 'test/screenshots.ts')],
   try: () => [join(web, 'test/try_pages.ts')],
 }[kind]?.();
 if (!sources) {
-  console.error(`unknown kind of tests '${kind}'; unit, browser, try or screenshots`);
+  console.error(`unknown kind of tests '${kind}'; unit, browser, whole, try or screenshots`);
   process.exit(2);
 }
 if (kind !== 'unit' && !existsSync(join(pages, 'index.html'))) {
   console.error(`no pages in ${pages}; build them first (npm run build), or name their folder in ROOMWISE_WEB`);
+  process.exit(2);
+}
+
+if (kind === 'whole' && !existsSync(process.env.ROOMWISE_PROGRAM ?? '')) {
+  console.error('name the program roomwise in ROOMWISE_PROGRAM, for example ../build/release/bin/roomwise');
   process.exit(2);
 }
 
@@ -55,8 +62,9 @@ try {
     sourcemap: 'inline',
     logLevel: 'warning',
   });
-  const options = kind === 'unit' || kind === 'browser' ? ['--test'] : [];
-  status = spawnSync(process.execPath, ['--enable-source-maps', ...options, join(compiled, 'tests.mjs'), ...rest], {
+  const script = join(compiled, 'tests.mjs');
+  const isTest = ['unit', 'browser', 'whole'].includes(kind);
+  status = spawnSync(process.execPath, ['--enable-source-maps', ...(isTest ? ['--test', ...rest, script] : [script, ...rest])], {
     stdio: 'inherit',
     env: { ...process.env, ROOMWISE_WEB: pages },
   }).status ?? 1;

@@ -79,8 +79,9 @@ export function roomOfKeyframe(id: number): string {
   return kWalk[Math.floor(id / kKeyframesPerRoom)] ?? 'corridor';
 }
 
-// Points on floors, walls and things: x, y, z as floats, r, g, b, 255.
-export function makeCloud(): Buffer {
+// Points on floors, walls and things: x, y, z as floats, r, g, b, 255. About as many as a large home has.
+export function makeCloud(how: 'coarse' | 'fine'): Buffer {
+  const [perRoom, perThing] = how === 'coarse' ? [4000, 800] : [20_000, 4000];
   const points: number[][] = [];
   const colours = [[205, 190, 160], [220, 205, 170], [170, 205, 215], [215, 195, 212]];
   let state = 7;
@@ -90,7 +91,7 @@ export function makeCloud(): Buffer {
   };
   Object.values(kRooms).forEach(([x, y, width, depth], r) => {
     const [red, green, blue] = colours[r] as [number, number, number];
-    for (let i = 0; i < 3500; i += 1) {
+    for (let i = 0; i < perRoom; i += 1) {
       const shade = 0.85 + 0.15 * random();
       const [u, v] = [x + width * random(), y + depth * random()];
       points.push([u, v, 0, 150 * shade, 120 * shade, 95 * shade]);
@@ -101,7 +102,7 @@ export function makeCloud(): Buffer {
     }
   });
   for (const { position, size, id } of kThings) {
-    for (let i = 0; position && i < 700; i += 1) {
+    for (let i = 0; position && i < perThing; i += 1) {
       const place = position.map((middle, axis) => middle + (size[axis] ?? 0) * (random() - 0.5));
       const axis = i % 3;
       place[axis] = (position[axis] ?? 0) + (size[axis] ?? 0) * (i % 2 === 0 ? 0.5 : -0.5);

@@ -34,7 +34,8 @@ const kRoutes: [string, RegExp, Role | '-', Handler][] = [
   }],
   ['POST', /^\/api\/codes$/, 'helper', makeCode],
   ['GET', /^\/api\/map\/keyframes$/, 'helper', ({ server }) => ({ keyframes: server.state.keyframes })],
-  ['GET', /^\/api\/map\/cloud$/, 'helper', () => makeCloud()],
+  ['GET', /^\/api\/map\/cloud$/, 'helper', () => makeCloud('coarse')],
+  ['GET', /^\/api\/map\/cloud\/fine$/, 'helper', () => makeCloud('fine')],
   ['GET', /^\/api\/keyframes\/(\d+)\/picture$/, 'helper', ({ parts }) => drawnRoom(roomOfKeyframe(Number(parts[0])), Number(parts[0]))],
   ['PUT', /^\/api\/recordings\/(\d+)\/rooms$/, 'helper', nameRanges],
   ['DELETE', /^\/api\/recordings\/(\d+)$/, 'helper', ({ server, parts }) => {

@@ -61,13 +61,15 @@ test('the sound comes before the words, and prompts follow each other', () => {
   assert.deepEqual(world.heard, ['0 (answer)', '200 kitchen', '2200 (answer)', '2400 microwave']);
 });
 
-test('a hazard stops what is being said; that is not gone on with', () => {
-  const { player, world, runTo } = makePlayer();
-  player.push(prompt('kitchen'));
-  runTo(1000);
-  player.push(prompt('stairs', 'hazard'));
-  runTo(10_000);
-  assert.deepEqual(world.heard, ['0 (answer)', '200 kitchen', '1000 stop', '1000 (answer)', '1200 stairs']);
+test('a hazard stops what is being said; an answer is begun again after it, a callout is not', () => {
+  for (const [priority, again] of [['answer', ['3200 (answer)', '3400 kitchen']], ['callout', []]] as const) {
+    const { player, world, runTo } = makePlayer();
+    player.push(prompt('kitchen', priority));
+    runTo(1000);
+    player.push(prompt('stairs', 'hazard'));
+    runTo(10_000);
+    assert.deepEqual(world.heard, ['0 (answer)', '200 kitchen', '1000 stop', '1000 (answer)', '1200 stairs', ...again]);
+  }
 });
 
 test('hushed between sound and words, the words do not come', () => {

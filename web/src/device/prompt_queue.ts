@@ -5,6 +5,7 @@
 //   urgent as what it replaces: somebody asked.
 // - Nothing begins after its valid_until_t. An answer of which nothing was begun by then is lost, and that can be told.
 // - A hazard interrupts all but a hazard. It comes with every picture that shows it: the same one not again within 4 s.
+//   An answer or notice that it broke off is begun again afterwards, where it still holds.
 // - Callouts: 0.75 s between two of them, the same one not again within a minute, none while it is quiet.
 import type { Priority, Prompt } from '../shared/protocol';
 
@@ -67,7 +68,9 @@ export class PromptQueue<P extends QueuedPrompt = QueuedPrompt> {
     if (this.isCallout(next) && now < earliest) {
       return { do: 'wait', until: earliest };
     }
+    const broken = this.spoken;
     this.begin(next, now);
+    this.keep(broken);
     return { do: 'begin', prompt: next, interrupts };
   }
 
@@ -114,6 +117,15 @@ export class PromptQueue<P extends QueuedPrompt = QueuedPrompt> {
     }
     if (prompt.priority === 'answer') {
       this.answering = wholeOf(prompt);
+    }
+  }
+
+  // What was broken off comes before all that waits beside it, unless there is a newer word on the same by now. Callouts
+  // are not worth a second beginning.
+  private keep(broken: P | null): void {
+    const isSuperseded = this.waiting.some((prompt) => prompt.key === broken?.key);
+    if (broken && !this.isCallout(broken) && !isSuperseded) {
+      this.waiting.unshift(broken);
     }
   }
 

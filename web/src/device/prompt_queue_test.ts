@@ -84,6 +84,37 @@ test('only a hazard interrupts, and no hazard another', () => {
   assert.equal(begun(queue, 40), 'door');
 });
 
+test('an answer that was broken off comes again, before its own parts and what was asked later', () => {
+  const queue = new PromptQueue();
+  for (const key of ['around', 'around/2', 'where']) {
+    queue.push(prompt(key, 'answer'), 0);
+  }
+  assert.equal(begun(queue, 0), 'around');
+  queue.push(prompt('stairs', 'hazard'), 10);
+  assert.deepEqual(spokenInOrder(queue, 10), ['stairs', 'around', 'around/2', 'where']);
+});
+
+test('an answer that was broken off does not come again where it is outdated, withdrawn or past its time', () => {
+  const afterHazard = (meanwhile: (queue: PromptQueue) => void): string[] => {
+    const queue = new PromptQueue();
+    queue.push(prompt('room', 'answer', { text: 'kitchen', valid_until_t: 5000 }), 0);
+    assert.equal(begun(queue, 0), 'room');
+    queue.push(prompt('stairs', 'hazard'), 10);
+    assert.equal(begun(queue, 10), 'stairs');
+    meanwhile(queue);
+    queue.ended(4000);
+    return spokenInOrder(queue, 4000);
+  };
+  assert.deepEqual(afterHazard(() => undefined), ['room']);
+  assert.deepEqual(afterHazard((queue) => queue.push(prompt('room', 'answer', { text: 'corridor' }), 20)), ['room']);
+  assert.deepEqual(afterHazard((queue) => queue.withdrawAnswers()), []);
+  const late = new PromptQueue();
+  late.push(prompt('room', 'answer', { valid_until_t: 100 }), 0);
+  assert.equal(begun(late, 0), 'room');
+  late.push(prompt('stairs', 'hazard'), 10);
+  assert.deepEqual(spokenInOrder(late, 10).concat(late.takeLost(9000) ? ['lost'] : []), ['stairs']);
+});
+
 test('between two callouts lie 0.75 s, counted from the end of the first', () => {
   const queue = new PromptQueue();
   queue.push(prompt('kitchen', 'callout'), 0);

@@ -10,16 +10,20 @@ export class SaidLog {
   private readonly list = h('div', { class: 'said-list', role: 'log', 'aria-live': 'off', 'aria-label': text('said.label'), tabindex: '0' });
   private readonly urgent = h('div', { class: 'urgent', role: 'alert' });
   readonly element = h('div', { class: 'said' }, this.urgent, this.list);
+  private readonly lines = new WeakMap<QueuedPrompt, HTMLElement>();
 
   // 'aloud': by the screen reader, each line once, hazards at once.
   setLive(live: boolean): void {
     this.list.setAttribute('aria-live', live ? 'polite' : 'off');
   }
 
+  // A prompt that was broken off and is said again has one line, the newest.
   add(prompt: QueuedPrompt, how: 'aloud' | 'silent'): void {
     this.list.querySelector('.newest')?.classList.remove('newest');
+    this.lines.get(prompt)?.remove();
     this.urgent.textContent = '';
     const line = h('p', { class: `line newest ${prompt.priority}`, lang: prompt.language }, prompt.text);
+    this.lines.set(prompt, line);
     if (how === 'aloud' && prompt.priority === 'hazard') {
       this.urgent.append(line);
       return;

@@ -45,6 +45,7 @@ function spaceView(helper: Helper): HTMLElement {
   const stage = h('div', { class: 'stage', role: 'img', 'aria-label': text('space.label') });
   const note = h('p', { class: 'hint stage-note' }, text('space.loading'));
   const picture = h('div', { class: 'shown-picture', role: 'status' });
+  let pictured: number | null = null; // the key-frame that it shows
   const buttons = h('div', { class: 'row tight', role: 'group', 'aria-label': text('space.controls') });
   const element = h('section', { class: 'space', 'aria-label': text('space.heading') },
     stage, note, jobView(helper, 'map', 'prepare'), buttons, picture);
@@ -54,9 +55,13 @@ function spaceView(helper: Helper): HTMLElement {
   async function load(): Promise<void> {
     try {
       const { makeView } = await import('../view3d/view3d');
-      const view = makeView(stage, (keyframe) => {
-        const room = helper.store.state.keyframes.find((one) => one.id === keyframe)?.room ?? null;
-        replaceChildren(picture, keyframePicture(keyframe, room));
+      const view = makeView(stage, {
+        keyframeChosen: (keyframe) => {
+          const room = helper.store.state.keyframes.find((one) => one.id === keyframe)?.room ?? null;
+          replaceChildren(picture, keyframePicture(keyframe, room));
+          pictured = keyframe;
+        },
+        moved: () => refine(),
       });
       addButtons(view);
       helper.store.watch(['home'], () => {
@@ -64,34 +69,55 @@ function spaceView(helper: Helper): HTMLElement {
         if (home) {
           view.setHome(home, keyframes);
         }
+        if (!keyframes.some((one) => one.id === pictured)) {
+          replaceChildren(picture); // it is forgotten
+        }
       });
       helper.store.watch(['seen'], () => view.setSeen([...helper.store.state.seen.values()]));
-      keepCloud(view);
+      const refine = keepCloud(view);
     } catch (error) {
       note.textContent = text('space.not_shown', { why: messageOf(error) });
     }
   }
 
-  // The cloud is there when the map is ready, and another one when a map was made anew.
-  function keepCloud(view: View3d): void {
-    let loaded = false;
-    helper.store.watch(['job'], () => {
-      const { job } = helper.store.state;
-      const isMaps = job !== null && job.kind !== 'learn';
-      if (isMaps && job.state === 'running') {
-        loaded = false;
+  // The cloud is there when the map is ready, and another one when a map was made anew. It comes coarsely; what this
+  // returns fetches the fine one, which is five times as large, for who looks closer.
+  function keepCloud(view: View3d): () => void {
+    let shown: 'nothing' | 'nothing yet' | 'coarse' | 'fine' = 'nothing';
+    let maps = 0; // what was asked of an earlier one comes too late
+    const fetchCloud = (path: string, show: (bytes: ArrayBuffer) => void, failed: (error: unknown) => void): void => {
+      const map = maps;
+      requestBytes(path).then((bytes) => map === maps && show(bytes), (error: unknown) => map === maps && failed(error));
+    };
+    helper.store.watch(['job', 'home'], () => {
+      const { job, home } = helper.store.state;
+      if (job !== null && job.kind !== 'learn' && job.state === 'running') {
+        maps += 1;
+        shown = 'nothing';
         note.textContent = text('space.not_ready');
-      } else if (!loaded) {
-        loaded = true;
-        requestBytes('/api/map/cloud').then((bytes) => {
+      } else if (home?.recordings.length === 0) { // nothing yet, or nothing any more
+        maps += 1;
+        shown = 'nothing';
+        view.setCloud(new ArrayBuffer(0));
+        note.textContent = text('space.no_map');
+      } else if (shown === 'nothing') {
+        shown = 'nothing yet';
+        fetchCloud('/api/map/cloud', (bytes) => {
+          shown = 'coarse';
           view.setCloud(bytes);
           note.textContent = text('space.drag');
-        }, (error: unknown) => {
-          loaded = false;
+        }, (error) => {
+          shown = 'nothing';
           note.textContent = text('space.not_shown', { why: messageOf(error) });
         });
       }
     });
+    return () => {
+      if (shown === 'coarse') {
+        shown = 'fine';
+        fetchCloud('/api/map/cloud/fine', (bytes) => view.refineCloud(bytes), () => (shown = 'coarse'));
+      }
+    };
   }
 
   function addButtons(view: View3d): void {

@@ -48,11 +48,17 @@ export function jobView(helper: Helper, ...kinds: [JobKind, ...JobKind[]]): HTML
 
 function wordsOf(job: Job): string {
   if (job.state !== 'running') {
-    return [text(`job.${job.kind}_${job.state}`), job.text].filter((part) => part !== '').join(' ');
+    return [text(`job.${job.kind}_${job.state}`), sentence(job.text)].filter((part) => part !== '').join(' ');
   }
   const left = job.left_s === null ? '' : leftOf(job.left_s);
   const what = text(`job.${job.kind}`) + (job.stage === '' ? '' : `: ${job.stage}`);
   return [what, formatPercent(job.fraction), left].filter((part) => part !== '').join(', ');
+}
+
+// As the computer's words stand behind the page's own.
+function sentence(words: string): string {
+  const whole = words.charAt(0).toUpperCase() + words.slice(1);
+  return whole === '' || /[.!?]$/.test(whole) ? whole : `${whole}.`;
 }
 
 function leftOf(seconds: number): string {

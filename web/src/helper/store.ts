@@ -74,6 +74,7 @@ export class HelperStore {
     switch (message.type) {
       case 'home':
         void this.refreshHome().catch(() => undefined); // told again by the next change
+        void this.refreshRecognitions().catch(() => undefined); // forgotten with a room or a walk
         break;
       case 'job':
         this.state.job = message;

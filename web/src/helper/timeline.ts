@@ -6,6 +6,7 @@ import { keyframeAddress } from './pictures';
 import { roomAt, type FrameSpan } from './ranges';
 
 const kPage = 10;
+const kMargin = 8; // px, before the picture that is scrolled to
 
 export class Timeline {
   readonly element = h('ul', {
@@ -42,6 +43,9 @@ export class Timeline {
       this.anchor = inside[0] as number;
       this.head = inside[inside.length - 1] as number;
       this.mark();
+      // Not scrollIntoView: the page stays where somebody types.
+      const first = this.options()[this.anchor] as HTMLElement;
+      this.element.scrollLeft = first.offsetLeft - this.element.offsetLeft - kMargin;
     }
   }
 

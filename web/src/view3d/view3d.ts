@@ -11,17 +11,24 @@ import { eyeOf, kHighest, moved, turned, zoomed, type Orbit } from './orbit';
 
 export interface View3d {
   setHome: (home: Home, keyframes: readonly Keyframe[]) => void;
-  setCloud: (bytes: ArrayBuffer) => void;
+  setCloud: (bytes: ArrayBuffer) => void; // the coarse one, which the view is turned to
+  refineCloud: (bytes: ArrayBuffer) => void; // the fine one in its place
   setSeen: (seen: readonly DeviceSeen[]) => void;
   turn: (degrees: number) => void;
   zoom: (factor: number) => void;
   fromAbove: () => void;
 }
 
-const kPointSize_m = 0.04;
+export interface ViewEvents {
+  keyframeChosen: (id: number) => void;
+  moved: () => void; // by the person
+}
+
+// As three.js takes it: about twice what is drawn. A point covers the way to the next.
+const kPointSize = { coarse: 0.1, fine: 0.065 };
 
 // Throws where the browser cannot draw in three dimensions.
-export function makeView(stage: HTMLElement, keyframeChosen: (id: number) => void): View3d {
+export function makeView(stage: HTMLElement, events: ViewEvents): View3d {
   const renderer = new WebGLRenderer({ antialias: true, alpha: true });
   renderer.setPixelRatio(Math.min(2, window.devicePixelRatio));
   const canvas = renderer.domElement;
@@ -41,7 +48,7 @@ export function makeView(stage: HTMLElement, keyframeChosen: (id: number) => voi
   let limits = { least: 0.5, most: 50 };
   let waiting = false;
   const draw = (): void => {
-    if (!waiting) {
+    if (!waiting && stage.isConnected) { // shown again it is drawn, since its size changes then
       waiting = true;
       window.requestAnimationFrame(() => {
         waiting = false;
@@ -55,6 +62,10 @@ export function makeView(stage: HTMLElement, keyframeChosen: (id: number) => voi
   const look = (next: Orbit): void => {
     orbit = next;
     draw();
+  };
+  const move = (next: Orbit): void => {
+    look(next);
+    events.moved();
   };
   const frame = (positions: ArrayLike<number>): void => {
     const { middle, radius } = boundsOf(positions);
@@ -72,45 +83,66 @@ export function makeView(stage: HTMLElement, keyframeChosen: (id: number) => voi
     }
   }).observe(stage);
   drag(canvas, {
-    turn: (right, up) => look(turned(orbit, -right * 0.008, up * 0.008)),
-    move: (right, up) => look(moved(orbit, (-right * orbit.distance) / 600, (up * orbit.distance) / 600)),
-    zoom: (factor) => look(zoomed(orbit, factor, limits)),
+    turn: (right, up) => move(turned(orbit, -right * 0.008, up * 0.008)),
+    move: (right, up) => move(moved(orbit, (-right * orbit.distance) / 600, (up * orbit.distance) / 600)),
+    zoom: (factor) => move(zoomed(orbit, factor, limits)),
     tap: (x, y) => {
       const id = keyframeUnder(walk, camera, x, y);
       if (id !== null) {
-        keyframeChosen(id);
+        events.keyframeChosen(id);
       }
     },
   });
 
+  // Gives where the points are.
+  const showCloud = (bytes: ArrayBuffer, size: number): Float32Array => {
+    const { positions, colours } = cloudFrom(bytes);
+    const geometry = new BufferGeometry();
+    geometry.setAttribute('position', new BufferAttribute(positions, 3));
+    geometry.setAttribute('color', new BufferAttribute(colours, 3, true));
+    refill(cloud, [new Points(geometry, new PointsMaterial({ size, vertexColors: true }))]);
+    draw();
+    return positions;
+  };
+
+  // What was marked last, in the colours of the light or dark scheme; a phone changes it by itself in the evening.
+  let markHome = (): void => undefined;
+  let markSeen = (): void => undefined;
+  window.matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => {
+    markHome();
+    markSeen();
+    draw();
+  });
+
   return {
     setHome: (now, keyframes) => {
-      const colours = schemeColours();
-      refill(home, homeMarks(now, colours));
-      refill(walk, keyframeMarks(keyframes, colours));
+      markHome = () => {
+        const colours = schemeColours();
+        refill(home, homeMarks(now, colours));
+        refill(walk, keyframeMarks(keyframes, colours));
+      };
+      markHome();
       labels.setHome(now);
       if (cloud.children.length === 0) {
         frame(keyframes.flatMap(({ position }) => position));
       }
       draw();
     },
-    setCloud: (bytes) => {
-      const { positions, colours } = cloudFrom(bytes);
-      const geometry = new BufferGeometry();
-      geometry.setAttribute('position', new BufferAttribute(positions, 3));
-      geometry.setAttribute('color', new BufferAttribute(colours, 3, true));
-      refill(cloud, [new Points(geometry, new PointsMaterial({ size: kPointSize_m, vertexColors: true }))]);
-      frame(positions);
-    },
+    setCloud: (bytes) => frame(showCloud(bytes, kPointSize.coarse)),
+    refineCloud: (bytes) => void showCloud(bytes, kPointSize.fine),
     setSeen: (seen) => {
       const placed = seen.filter((one) => one.online && one.seen?.position);
-      refill(devices, deviceMarks(placed, schemeColours()));
+      if (placed.length === 0 && devices.children.length === 0) {
+        return; // a phone that is nowhere on the map tells of itself four times a second
+      }
+      markSeen = () => refill(devices, deviceMarks(placed, schemeColours()));
+      markSeen();
       labels.setDevices(placed);
       draw();
     },
-    turn: (degrees) => look(turned(orbit, (degrees * Math.PI) / 180)),
-    zoom: (factor) => look(zoomed(orbit, factor, limits)),
-    fromAbove: () => look({ ...orbit, azimuth: -Math.PI / 2, height: kHighest }),
+    turn: (degrees) => move(turned(orbit, (degrees * Math.PI) / 180)),
+    zoom: (factor) => move(zoomed(orbit, factor, limits)),
+    fromAbove: () => move({ ...orbit, azimuth: -Math.PI / 2, height: kHighest }),
   };
 }
 

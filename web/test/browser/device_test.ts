@@ -4,6 +4,7 @@ import { after, test } from 'node:test';
 import { tellRecording } from '../stand_in_api';
 import { makePrompt } from '../stand_in_server';
 import { closeBrowser, kDesktop, kPhone, openVisit, skipReason, withServer, type Visit } from './harness';
+import { recordSpeech, speaks, spoken } from './person';
 
 after(closeBrowser);
 const options = { skip: skipReason };
@@ -35,23 +36,6 @@ function sceneCamera(): void {
   };
 }
 
-// Keeps what the phone's own voice would say; every utterance ends at once.
-function recordSpeech(): void {
-  const world = window as unknown as { spoken: { text: string; lang: string }[] };
-  world.spoken = [];
-  const synthesis = {
-    speak: (utterance: SpeechSynthesisUtterance) => {
-      if (utterance.text.trim() !== '') {
-        world.spoken.push({ text: utterance.text, lang: utterance.lang });
-      }
-      window.queueMicrotask(() => utterance.onend?.(new Event('end') as SpeechSynthesisEvent));
-    },
-    cancel: () => undefined,
-    getVoices: () => [],
-  };
-  Object.defineProperty(window, 'speechSynthesis', { value: synthesis });
-}
-
 async function start(visit: Visit, voice: 'own' | 'reader'): Promise<void> {
   await visit.go('/device');
   await visit.sees('Who shall speak?');
@@ -62,17 +46,6 @@ async function start(visit: Visit, voice: 'own' | 'reader'): Promise<void> {
   await visit.press('Start');
   await visit.sees('Connected', '.chip');
   await visit.sees('Camera sees', '.chip');
-}
-
-async function spoken(visit: Visit): Promise<string[]> {
-  return visit.page.evaluate(() => (window as unknown as { spoken: { text: string }[] }).spoken.map((one) => one.text));
-}
-
-async function speaks(visit: Visit, words: string): Promise<void> {
-  await visit.page.waitForFunction(
-    (wanted) => (window as unknown as { spoken: { text: string }[] }).spoken.some((one) => one.text.includes(wanted)),
-    { timeout: 30_000 }, words,
-  ).catch(async () => assert.fail(`'${words}' was not spoken; only: ${JSON.stringify(await spoken(visit))}`));
 }
 
 async function setScene(visit: Visit, scene: string): Promise<void> {
@@ -177,6 +150,18 @@ test('a hazard is read at once, as an alert', options, () => withServer(async (s
   server.tell('device', makePrompt({ key: 'stairs', text: 'Stop! Stairs.', priority: 'hazard', sound: 'alert' }));
   await visit.sees('Stop! Stairs.', '[role=alert]');
   assert.equal((await visit.announced()).filter((one) => one === 'Stop! Stairs.').length, 1);
+  await visit.close();
+}));
+
+test('an answer that a hazard broke off is read again, and stands in the page once', options, () => withServer(async (server) => {
+  const visit = await openVisit(server, { role: 'device', size: kPhone });
+  await start(visit, 'reader');
+  server.tell('device', makePrompt({ text: `You are in the kitchen${', which is large'.repeat(20)}.` }));
+  await visit.hears('You are in the kitchen');
+  server.tell('device', makePrompt({ key: 'stairs', text: 'Stop!', priority: 'hazard', sound: 'alert' }));
+  await visit.page.waitForFunction(
+    () => (window as unknown as { announced: string[] }).announced.map((one) => one.split(/[ ,]/)[0]).join() === 'You,Stop!,You');
+  assert.equal((await visit.accessibleTexts()).filter((one) => one.startsWith('You are in the kitchen')).length, 1);
   await visit.close();
 }));
 

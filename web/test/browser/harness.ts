@@ -1,9 +1,9 @@
-// A headless Chromium and the stand-in server, for tests that use the pages as a person would. No test sleeps: they
-// wait for what they expect, and fail when it does not come.
+// A headless Chromium, for tests that use the pages as a person would. No test sleeps: they wait for what they expect,
+// and fail when it does not come.
 import axe from 'axe-core';
 import assert from 'node:assert/strict';
 import { existsSync } from 'node:fs';
-import puppeteer, { type Browser, type Page, type SerializedAXNode } from 'puppeteer-core';
+import puppeteer, { type Browser, type LaunchOptions, type Page, type SerializedAXNode } from 'puppeteer-core';
 
 import type { Role } from '../../src/shared/protocol';
 import { StandInServer } from '../stand_in_server';
@@ -12,6 +12,7 @@ const kPlaces = ['/usr/bin/chromium', '/usr/bin/chromium-browser', '/usr/bin/goo
 export const kPages = process.env['ROOMWISE_WEB'] ?? '';
 export const kPhone = { width: 360, height: 740 };
 export const kDesktop = { width: 1280, height: 900 };
+const kPatience = 120_000; // ms; on a busy machine
 const kTags = ['wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa', 'wcag22aa'];
 
 export function chromium(): string | null {
@@ -22,16 +23,21 @@ export function chromium(): string | null {
 export const skipReason: string | false = chromium() === null
   && 'no chromium found: install it (apt-get install chromium), or name the program in ROOMWISE_CHROMIUM';
 
-let browser: Promise<Browser> | null = null;
-export function sharedBrowser(): Promise<Browser> {
-  browser ??= puppeteer.launch({
+export function launchBrowser(more: LaunchOptions = {}): Promise<Browser> {
+  return puppeteer.launch({
+    ...more,
     executablePath: chromium() ?? '',
     args: [
       '--no-sandbox', '--use-fake-device-for-media-stream', '--use-fake-ui-for-media-stream', '--disable-gpu',
-      '--enable-unsafe-swiftshader', '--autoplay-policy=no-user-gesture-required', '--lang=en-US',
+      '--enable-unsafe-swiftshader', '--autoplay-policy=no-user-gesture-required', '--lang=en-US', ...(more.args ?? []),
     ],
-    protocolTimeout: 120_000,
+    protocolTimeout: 300_000,
   });
+}
+
+let browser: Promise<Browser> | null = null;
+function sharedBrowser(): Promise<Browser> {
+  browser ??= launchBrowser();
   return browser;
 }
 
@@ -40,30 +46,34 @@ export async function closeBrowser(): Promise<void> {
   browser = null;
 }
 
-export interface OpenOptions {
-  role?: Role;
+export interface PageOptions {
   size?: { width: number; height: number };
   dark?: boolean;
   guarded?: boolean; // false: requests are not looked at, since that would go round the service worker
   before?: () => void; // runs in the page before its own scripts
 }
 
+export interface OpenOptions extends PageOptions {
+  role?: Role; // as which the browser is paired already
+}
+
 export class Visit {
   readonly outside: string[] = [];
   readonly failures: string[] = [];
+  readonly requests: string[] = []; // their addresses
   bytes = 0;
 
-  constructor(readonly page: Page, readonly server: StandInServer) {}
+  constructor(readonly page: Page, readonly url: string) {}
 
   async go(path: string): Promise<void> {
-    await this.page.goto(this.server.url + path, { waitUntil: 'load' });
+    await this.page.goto(this.url + path, { waitUntil: 'load' });
   }
 
   // Waits until an element that fits holds the words.
-  async sees(words: string, selector = 'body'): Promise<void> {
+  async sees(words: string, selector = 'body', timeout = kPatience): Promise<void> {
     await this.page.waitForFunction(
       (wanted, where) => [...document.querySelectorAll(where)].some((one) => (one as HTMLElement).innerText?.includes(wanted)),
-      { timeout: 30_000 }, words, selector,
+      { timeout }, words, selector,
     ).catch(async () => {
       const there = await this.page.evaluate((where) => [...document.querySelectorAll(where)].map((one) => (one as HTMLElement).innerText).join('\n---\n'), selector);
       assert.fail(`'${words}' did not come into ${selector}, which holds:\n${there}`);
@@ -75,10 +85,10 @@ export class Visit {
     return this.page.evaluate(() => (window as unknown as { announced: string[] }).announced);
   }
 
-  async hears(words: string): Promise<void> {
+  async hears(words: string, timeout = kPatience): Promise<void> {
     await this.page.waitForFunction(
       (wanted) => (window as unknown as { announced: string[] }).announced.some((one) => one.includes(wanted)),
-      { timeout: 30_000 }, words,
+      { timeout }, words,
     ).catch(async () => assert.fail(`'${words}' was not announced; only: ${JSON.stringify(await this.announced())}`));
   }
 
@@ -88,7 +98,7 @@ export class Visit {
       (wanted) => [...document.querySelectorAll<HTMLElement>('a, button, input, select, textarea, summary, [tabindex]')]
         .some((one) => [one.getAttribute('aria-label'), (one as HTMLInputElement).labels?.[0]?.innerText, one.innerText]
           .some((words) => (words ?? '').replace(/\s+/g, ' ').trim() === wanted)),
-      { timeout: 30_000 }, name,
+      { timeout: kPatience }, name,
     ).catch(() => assert.fail(`there is no control '${name}' on the page`));
     const passed: string[] = [];
     for (let i = 0; i < most; i += 1) {
@@ -167,22 +177,27 @@ export async function withServer(run: (server: StandInServer) => Promise<void>):
   }
 }
 
-// Opens a browser window of its own: cookies and storage begin empty.
 export async function openVisit(server: StandInServer, options: OpenOptions = {}): Promise<Visit> {
-  const context = await (await sharedBrowser()).createBrowserContext();
+  const visit = await openPage(await sharedBrowser(), server.url, options);
+  if (options.role) {
+    await visit.page.browserContext().setCookie({
+      name: 'roomwise', value: server.state.pair(options.role), domain: 'localhost', path: '/', secure: true, httpOnly: true,
+      sameSite: 'Strict',
+    });
+  }
+  return visit;
+}
+
+// Opens a browser window of its own: cookies and storage begin empty.
+export async function openPage(where: Browser, url: string, options: PageOptions = {}): Promise<Visit> {
+  const context = await where.createBrowserContext();
   const page = await context.newPage();
-  const visit = new Visit(page, server);
+  const visit = new Visit(page, url);
   await page.setViewport({ ...(options.size ?? kDesktop), hasTouch: options.size === kPhone });
   await page.emulateMediaFeatures([
     { name: 'prefers-color-scheme', value: options.dark ? 'dark' : 'light' },
     { name: 'prefers-reduced-motion', value: 'reduce' },
   ]);
-  if (options.role) {
-    await context.setCookie({
-      name: 'roomwise', value: server.state.pair(options.role), domain: 'localhost', path: '/', secure: true, httpOnly: true,
-      sameSite: 'Strict',
-    });
-  }
   await page.evaluateOnNewDocument(listenToLiveRegions);
   if (options.before) {
     await page.evaluateOnNewDocument(options.before);
@@ -194,10 +209,11 @@ export async function openVisit(server: StandInServer, options: OpenOptions = {}
 }
 
 async function guard(visit: Visit): Promise<void> {
-  const { page, server } = visit;
+  const { page, url } = visit;
   await page.setRequestInterception(true);
   page.on('request', (request) => {
-    const own = [server.url + '/', server.url.replace('http', 'ws') + '/', 'blob:', 'data:'];
+    visit.requests.push(request.url());
+    const own = [url + '/', url.replace('http', 'ws') + '/', 'blob:', 'data:'];
     if (own.some((start) => request.url().startsWith(start))) {
       void request.continue();
     } else {

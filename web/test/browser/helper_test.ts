@@ -6,29 +6,11 @@ import { after, test } from 'node:test';
 
 import { drawnRoom } from '../drawn_picture';
 import { tellJob, tellRecording } from '../stand_in_api';
-import { closeBrowser, kDesktop, kPhone, openVisit, skipReason, withServer, type Visit } from './harness';
+import { closeBrowser, kDesktop, kPhone, openVisit, skipReason, withServer } from './harness';
+import { goTo, heardOnce, retype } from './person';
 
 after(closeBrowser);
 const options = { skip: skipReason };
-
-async function goTo(visit: Visit, part: string, heading: string): Promise<void> {
-  await visit.press(part);
-  await visit.sees(heading, 'h2');
-}
-
-// Chooses all that a field holds, and types over it.
-async function retype(visit: Visit, words: string): Promise<void> {
-  await visit.page.keyboard.down('Control');
-  await visit.page.keyboard.press('KeyA');
-  await visit.page.keyboard.up('Control');
-  await visit.type(words);
-}
-
-// Said once, by whatever live region.
-async function heardOnce(visit: Visit, words: string): Promise<void> {
-  await visit.hears(words);
-  assert.equal((await visit.announced()).filter((one) => one.includes(words)).length, 1, words);
-}
 
 test('who is not paired goes to pairing, a device to its own page', options, () => withServer(async (server) => {
   const visit = await openVisit(server);
@@ -251,6 +233,9 @@ test('trying a picture, and what is no picture', options, () => withServer(async
 test('forgetting needs the home’s name, typed', options, () => withServer(async (server) => {
   const visit = await openVisit(server, { role: 'helper' });
   await visit.go('/');
+  await visit.sees('Drag to turn', '.stage-note');
+  await goTo(visit, 'Recognise', 'Recognise');
+  await visit.page.waitForSelector('.recognitions img');
   await goTo(visit, 'Forget', 'Forget');
   await visit.press('Forget everything');
   await heardOnce(visit, "This is not the home's name: Our flat.");
@@ -261,6 +246,9 @@ test('forgetting needs the home’s name, typed', options, () => withServer(asyn
   assert.deepEqual(server.state.requests, ['DELETE /api/home {"really":"Our flat"}']);
   await goTo(visit, 'The home', 'The home');
   await visit.sees('Nothing is known of this home yet.');
+  await visit.sees('There is no map yet.', '.stage-note');
+  await goTo(visit, 'Recognise', 'Recognise');
+  await visit.sees('Nothing yet.', '.recognitions');
   await visit.close();
 }));
 
@@ -380,11 +368,18 @@ for (const [size, name, schemes] of [
   }
 }
 
-test('the first load is small, three.js with it', options, () => withServer(async (server) => {
+test('the first load is small, three.js with it; the fine cloud comes to who looks closer', options, () => withServer(async (server) => {
   const visit = await openVisit(server, { role: 'helper' });
   await visit.go('/');
-  await visit.page.waitForSelector('.room-label:not([hidden])');
+  await visit.sees('Drag to turn', '.stage-note');
+  await visit.page.waitForNetworkIdle();
   assert.ok(visit.bytes > 500_000 && visit.bytes < 2_000_000, `${visit.bytes} bytes`);
-  console.log(`# first load of /: ${visit.bytes} bytes, of which the cloud 16 a point`);
+  console.log(`# first load of /: ${visit.bytes} bytes`);
+  const fine = visit.page.waitForResponse((response) => response.url().endsWith('/api/map/cloud/fine'));
+  await visit.press('Nearer');
+  assert.ok((await (await fine).buffer()).length > 3_000_000);
+  await visit.press('Turn left');
+  await visit.page.waitForNetworkIdle();
+  assert.equal(visit.requests.filter((url) => url.endsWith('/fine')).length, 1, 'it is fetched once');
   await visit.close();
 }));

@@ -1,0 +1,76 @@
+// A simulated walk from a hall into a bathroom, its pictures, and what else can be played from them.
+import assert from 'node:assert/strict';
+import { copyFileSync, mkdirSync, readFileSync, writeFileSync } from 'node:fs';
+import { join } from 'node:path';
+
+import { Program } from './programs';
+
+export interface Picture {
+  color: string; // its file
+  depth: string;
+  room: string; // that the camera is in: 'hall' or 'toilet'
+}
+
+export interface Walk {
+  folder: string;
+  pictures: Picture[];
+}
+
+// Small and coarse: some ten seconds on two cores. Where ROOMWISE_WALK names a folder it is kept there for the next time.
+export async function simulateWalk(folder: string): Promise<Walk> {
+  const camera = join(folder, 'camera.txt');
+  writeFileSync(camera, '262 262 159.5 119.5 320 240 5000\n');
+  const walk = process.env['ROOMWISE_WALK'] ?? join(folder, 'walk');
+  await new Program(folder, [
+    'simulate', '--home-seed', '3', '--rooms', 'toilet', '--fps', '4', '--frames', '150', '--no-fast-turns',
+    '--camera', camera, '--samples', '1', '--bake-effort', '0.02', '--keep', '-o', walk,
+  ]).succeeds();
+  return readWalk(walk);
+}
+
+export function readWalk(folder: string): Walk {
+  const files = (list: string): string[] => linesOf(join(folder, list)).map((line) => join(folder, line.split(' ')[1] ?? ''));
+  const depth = files('depth.txt');
+  const ranges = linesOf(join(folder, 'rooms.txt')).map((line) => line.split(' '));
+  const roomOf = (i: number): string => ranges.find(([first, last]) => i >= Number(first) && i <= Number(last))?.[2] ?? '';
+  return { folder, pictures: files('rgb.txt').map((color, i) => ({ color, depth: depth[i] ?? '', room: roomOf(i) })) };
+}
+
+// Those in the middle of the time in a room.
+export function picturesIn(walk: Walk, room: string, count: number): Picture[] {
+  const within = walk.pictures.filter((picture) => picture.room === room);
+  assert.ok(within.length >= count, `the walk is in the ${room} for ${within.length} pictures`);
+  const first = Math.floor((within.length - count) / 2);
+  return within.slice(first, first + count);
+}
+
+// A recording of somebody who stands still for an hour: one picture a second.
+export function standing(walk: Walk, { color, depth }: Picture, folder: string): string {
+  mkdirSync(folder);
+  copyFileSync(join(walk.folder, 'camera.txt'), join(folder, 'camera.txt'));
+  for (const [name, file, ending] of [['rgb', color, color.slice(-4)], ['depth', depth, '.png']] as const) {
+    copyFileSync(file, join(folder, name + ending));
+    writeFileSync(join(folder, `${name}.txt`), Array.from({ length: 3600 }, (_, second) => `${second}.0 ${name}${ending}\n`).join(''));
+  }
+  return folder;
+}
+
+// What a browser plays as its camera, 30 pictures a second: these forth and back, again and again, four a second.
+export function writeVideo(pictures: readonly Picture[], file: string): void {
+  const slowly = [...pictures, ...[...pictures].reverse()].flatMap((picture) => Array<Picture>(8).fill(picture));
+  writeFileSync(file, Buffer.concat(slowly.map(({ color }) => readFileSync(color))));
+}
+
+// The rooms of a walk that was recorded from this one being played: which of its pictures each frame is.
+export function roomsOf(recorded: string, played: Walk): string[] {
+  const rooms = new Map(played.pictures.map(({ color, room }) => [readFileSync(color).toString('base64'), room]));
+  return linesOf(join(recorded, 'rgb.txt')).map((line) => {
+    const room = rooms.get(readFileSync(join(recorded, line.split(' ')[1] ?? '')).toString('base64'));
+    assert.ok(room, `${line} is no picture of the walk that was played`);
+    return room;
+  });
+}
+
+function linesOf(file: string): string[] {
+  return readFileSync(file, 'utf8').split('\n').filter((line) => line !== '' && !line.startsWith('#'));
+}
