@@ -23,13 +23,19 @@ export function chromium(): string | null {
 export const skipReason: string | false = chromium() === null
   && 'no chromium found: install it (apt-get install chromium), or name the program in ROOMWISE_CHROMIUM';
 
+// By the clock and not by drawing, which a page in the background does not do.
+export const kWaiting = { polling: 100 } as const;
+
 export function launchBrowser(more: LaunchOptions = {}): Promise<Browser> {
   return puppeteer.launch({
     ...more,
     executablePath: chromium() ?? '',
     args: [
       '--no-sandbox', '--use-fake-device-for-media-stream', '--use-fake-ui-for-media-stream', '--disable-gpu',
-      '--enable-unsafe-swiftshader', '--autoplay-policy=no-user-gesture-required', '--lang=en-US', ...(more.args ?? []),
+      '--enable-unsafe-swiftshader', '--autoplay-policy=no-user-gesture-required', '--lang=en-US',
+      // Two people have two screens: neither page is a hidden one.
+      '--disable-backgrounding-occluded-windows', '--disable-renderer-backgrounding', '--disable-background-timer-throttling',
+      ...(more.args ?? []),
     ],
     protocolTimeout: 300_000,
   });
@@ -73,7 +79,7 @@ export class Visit {
   async sees(words: string, selector = 'body', timeout = kPatience): Promise<void> {
     await this.page.waitForFunction(
       (wanted, where) => [...document.querySelectorAll(where)].some((one) => (one as HTMLElement).innerText?.includes(wanted)),
-      { timeout }, words, selector,
+      { ...kWaiting, timeout }, words, selector,
     ).catch(async () => {
       const there = await this.page.evaluate((where) => [...document.querySelectorAll(where)].map((one) => (one as HTMLElement).innerText).join('\n---\n'), selector);
       assert.fail(`'${words}' did not come into ${selector}, which holds:\n${there}`);
@@ -88,7 +94,7 @@ export class Visit {
   async hears(words: string, timeout = kPatience): Promise<void> {
     await this.page.waitForFunction(
       (wanted) => (window as unknown as { announced: string[] }).announced.some((one) => one.includes(wanted)),
-      { timeout }, words,
+      { ...kWaiting, timeout }, words,
     ).catch(async () => assert.fail(`'${words}' was not announced; only: ${JSON.stringify(await this.announced())}`));
   }
 
@@ -98,7 +104,7 @@ export class Visit {
       (wanted) => [...document.querySelectorAll<HTMLElement>('a, button, input, select, textarea, summary, [tabindex]')]
         .some((one) => [one.getAttribute('aria-label'), (one as HTMLInputElement).labels?.[0]?.innerText, one.innerText]
           .some((words) => (words ?? '').replace(/\s+/g, ' ').trim() === wanted)),
-      { timeout: kPatience }, name,
+      { ...kWaiting, timeout: kPatience }, name,
     ).catch(() => assert.fail(`there is no control '${name}' on the page`));
     const passed: string[] = [];
     for (let i = 0; i < most; i += 1) {

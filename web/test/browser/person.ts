@@ -1,7 +1,7 @@
 // What a person does on the pages and hears from them.
 import assert from 'node:assert/strict';
 
-import type { Visit } from './harness';
+import { kWaiting, type Visit } from './harness';
 
 export async function goTo(visit: Visit, part: string, heading: string): Promise<void> {
   await visit.press(part);
@@ -46,6 +46,6 @@ export async function spoken(visit: Visit): Promise<string[]> {
 export async function speaks(visit: Visit, words: string): Promise<void> {
   await visit.page.waitForFunction(
     (wanted) => (window as unknown as { spoken: { text: string }[] }).spoken.some((one) => one.text.includes(wanted)),
-    { timeout: 120_000 }, words,
+    { ...kWaiting, timeout: 120_000 }, words,
   ).catch(async () => assert.fail(`'${words}' was not spoken; only: ${JSON.stringify(await spoken(visit))}`));
 }

@@ -9,7 +9,7 @@ import { after, before, test } from 'node:test';
 import type { Browser, FileChooser } from 'puppeteer-core';
 
 import type { Home, Keyframe, RoomRange } from '../../src/shared/protocol';
-import { kDesktop, kPages, kPhone, launchBrowser, openPage, skipReason, type Visit } from '../browser/harness';
+import { kDesktop, kPages, kPhone, kWaiting, launchBrowser, openPage, skipReason, type Visit } from '../browser/harness';
 import { goTo, heardOnce, recordSpeech, retype, speaks, spoken } from '../browser/person';
 import { HomeServer, Program } from './programs';
 import { picturesIn, roomsOf, simulateWalk, standing, writeVideo, type Walk } from './walk';
@@ -153,7 +153,7 @@ step('a device is paired, recorded, watched and stopped; the map is made of it',
   assert.equal(home.recordings[0]?.frames, roomsOf(recorded(), walk).length);
   const { keyframes } = await told<{ keyframes: Keyframe[] }>(helper, '/api/map/keyframes');
   assert.ok(keyframes.length > 20, `${keyframes.length} key-frames`);
-  await helper.page.waitForFunction((count) => document.querySelectorAll('.timeline [role=option]').length === count, {}, keyframes.length);
+  await helper.page.waitForFunction((count) => document.querySelectorAll('.timeline [role=option]').length === count, kWaiting, keyframes.length);
 });
 
 async function showCode(): Promise<string> {
@@ -272,7 +272,7 @@ async function asked(ask: () => Promise<void>): Promise<string> {
   const answer = await phone.page.waitForFunction((count) => {
     const lines = [...document.querySelectorAll<HTMLElement>('[role=log] .line')].map((line) => line.innerText);
     return (window as unknown as { announced: string[] }).announced.slice(count).find((one) => lines.includes(one));
-  }, { timeout: 120_000 }, before);
+  }, { ...kWaiting, timeout: 120_000 }, before);
   const words = await answer.jsonValue() ?? '';
   const lines = await phone.page.$$eval('[role=log] .line', (all) => all.map((line) => (line as HTMLElement).innerText));
   const times = lines.filter((one) => one === words).length;
@@ -348,7 +348,7 @@ step('the phone speaks by its own voice, and nothing is live then', async () => 
   for (let tries = 0; tries < 20 && !(await spoken(phone)).some((one) => one.includes('bathroom')); tries += 1) {
     const before = (await spoken(phone)).length;
     await phone.press('Where am I');
-    await phone.page.waitForFunction((count) => (window as unknown as { spoken: string[] }).spoken.length > count, { timeout: 120_000 }, before);
+    await phone.page.waitForFunction((count) => (window as unknown as { spoken: string[] }).spoken.length > count, { ...kWaiting, timeout: 120_000 }, before);
   }
   await speaks(phone, 'bathroom');
   assert.deepEqual(await phone.announced(), []);
