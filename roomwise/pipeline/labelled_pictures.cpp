@@ -64,6 +64,7 @@ LabelledPicture RecordedPictures::picture(std::size_t entry) const {
   if (has_depth) {
     picture.read_to_locate = [frames = with_depth, entry]() -> Expected<PictureToLocate> {
       ROOMWISE_TRY(auto frame, frames->frame(entry));
+      if (!frame) return fail("{}: has no depth image", frames->colors().describe(entry));
       return PictureToLocate{std::move(frame->color), std::move(frame->depth),
                              frames->info().camera};
     };

@@ -8,29 +8,32 @@ namespace {
 
 using mapping::LocalizationStatus;
 
-// How oftener the localiser answers so to pictures of the map's home, of which most are in other
-// light or with things moved, than to those of other homes (docs/rooms.md).
-constexpr double kFoundLogRatio = 5.5;
-constexpr double kDoubtedLogRatio = -0.5;  // a pose with something against it; a bare wall
-constexpr double kNowhereLogRatio = -3.0;
+// How much oftener the localiser answers so to pictures of the map's home, in other light or with
+// things moved, than to those of another home: the logarithm of the ratio (docs/rooms.md).
+constexpr double kSureLogRatio = 5;      // a place by features, or by shape with this much support
+constexpr double kSureSupport = 1.4;     // with less, other homes' doors and walls fit as often
+constexpr double kPlainLogRatio = -2;    // a bare wall
+constexpr double kNowhereLogRatio = -3;  // nothing alike, or too little speaks for the pose
 // A standard deviation of RoomCalibration::known in the logarithm of the odds of this home.
-constexpr double kLogOddsPerDeviation = 2.0;
+constexpr double kLogOddsPerDeviation = 2.5;
 // How often the floor at a pose is that of another room than the camera was in, where no doorway is
 // near: wrong poses, and faults of the layout.
 constexpr double kWrongRoom = 0.01;
 // The line between two rooms is not known better, and people cross it a step early or late, m.
 constexpr double kBoundarySigma_m = 0.15;
 
-double home_log_ratio(LocalizationStatus status, bool has_depth) {
-  if (status == LocalizationStatus::kFound) return kFoundLogRatio;
-  if (!has_depth) return 0;
-  switch (status) {
-    case LocalizationStatus::kNothingSimilar:
-    case LocalizationStatus::kNoMotion:
-    case LocalizationStatus::kContradicted:
-      return kNowhereLogRatio;
+double home_log_ratio(const mapping::Localization& answer, bool has_depth) {
+  const bool is_by_shape = answer.witnesses > 0;
+  switch (answer.status) {
+    case LocalizationStatus::kFound:
+      return is_by_shape && answer.support < kSureSupport ? 0 : kSureLogRatio;
+    case LocalizationStatus::kAmbiguous:
+    case LocalizationStatus::kVague:
+      return 0;
+    case LocalizationStatus::kPlain:
+      return has_depth ? kPlainLogRatio : 0;
     default:
-      return kDoubtedLogRatio;
+      return has_depth ? kNowhereLogRatio : 0;
   }
 }
 
@@ -56,7 +59,7 @@ PlaceEvidence place_evidence(const mapping::Localization& answer, bool has_depth
   const auto count = static_cast<Eigen::Index>(rooms.size());
   PlaceEvidence evidence;
   evidence.probabilities = Eigen::VectorXd::Constant(count, 1.0 / static_cast<double>(count));
-  evidence.home_log_ratio = home_log_ratio(answer.status, has_depth);
+  evidence.home_log_ratio = home_log_ratio(answer, has_depth);
   if (!answer.found()) {
     evidence.why = fmt::format("no place on the map ({})", to_string(answer.status));
     return evidence;
