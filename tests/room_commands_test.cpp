@@ -161,7 +161,7 @@ TEST_F(RoomCommandsTest, PicturesWithDepthAreRecognisedByTheirPlaceToo) {
   EXPECT_EQ(recognized({"--depth", depth}).at("rooms")[0].at("room"), "hall");
   EXPECT_EQ(recognized({"--depth", depth, "--walk", "1"}).at("rooms")[0].at("room"), "hall");
   std::vector<std::string> too_many = recognize;
-  too_many.insert(too_many.end(), {"--depth", depth, depth});
+  too_many.insert(too_many.end(), {"--depth", depth, "--depth", depth});
   EXPECT_THAT(run_roomwise(too_many).errors, HasSubstr("1 pictures and 2 depth images"));
 }
 

@@ -21,20 +21,30 @@ class HomePlacesTest : public ::testing::Test {
   static constexpr int kFrames = 60;
   static constexpr double kStep_rad = 0.05;
 
-  void SetUp() override {
+  static void SetUpTestSuite() {
+    folder_ = std::make_unique<roomwise::testing::ScratchFolder>();
+    ThreadPool pool(2);
+    SilentProgress progress;
+    StageClock clock;
+    RunContext run{pool, progress, clock};
     SyntheticWalk walk(kFrames, kStep_rad);
-    auto home = create_home(folder_ / "a.home");
+    auto home = create_home(*folder_ / "a.home");
     ASSERT_OK(home);
     networks_.push_back(std::make_unique<ColorNetwork>());
     ASSERT_OK(map_recording(walk, {"walk", "made up", walk.info().camera, walk.info().frame_count},
-                            *home, networks_, {}, run_));
+                            *home, networks_, {}, run));
     const auto labels = recording::RoomLabels::from_ranges(
         {{0, kFrames / 2 - 1, "hall", 1}, {kFrames / 2, kFrames - 1, "kitchen", 1}});
     ASSERT_OK(labels);
     ASSERT_OK(name_rooms(*home, home->recordings()->back().id, *labels));
     ASSERT_OK(
-        learn_rooms_from_keyframes(*home, home->recordings()->back().id, {}, {{}, 0}, {}, run_));
+        learn_rooms_from_keyframes(*home, home->recordings()->back().id, {}, {{}, 0}, {}, run));
     home_.emplace(*std::move(home));
+  }
+  static void TearDownTestSuite() {
+    home_.reset();
+    networks_.clear();
+    folder_.reset();
   }
 
   // A frame of another walk through the home, from beside where the map was made.
@@ -44,7 +54,7 @@ class HomePlacesTest : public ::testing::Test {
     image::RgbdFrame seen = visit.next().value().value();
     return {std::move(seen.color), std::move(seen.depth), visit.info().camera};
   }
-  // The same colours and depths, but not where they belong.
+  // Blocks of any grey at any distance: nothing that the home has.
   static PictureToLocate elsewhere() {
     PictureToLocate picture = at_home(31);
     RandomStream random(1);
@@ -62,13 +72,13 @@ class HomePlacesTest : public ::testing::Test {
     return picture;
   }
 
-  roomwise::testing::ScratchFolder folder_;
+  inline static std::unique_ptr<roomwise::testing::ScratchFolder> folder_;
+  inline static Networks networks_;
+  inline static std::optional<home::Home> home_;
   ThreadPool pool_{2};
   SilentProgress progress_;
   StageClock clock_;
   RunContext run_{pool_, progress_, clock_};
-  Networks networks_;
-  std::optional<home::Home> home_;
 };
 
 TEST_F(HomePlacesTest, APlaceOnTheMapSpeaksForThisHomeAndNoneAgainstIt) {
@@ -124,7 +134,7 @@ TEST_F(HomePlacesTest, TheRecognizerAsksForThePlaceWhereItMayTell) {
 }
 
 TEST_F(HomePlacesTest, AHomeWithoutAMapHasNoPlaces) {
-  const auto empty = create_home(folder_ / "empty.home");
+  const auto empty = create_home(*folder_ / "empty.home");
   ASSERT_OK(empty);
   EXPECT_ERROR(HomePlaces::create(*empty, {}, run_), "no map");
 }
