@@ -114,6 +114,57 @@ TEST_F(RoomCommandsTest, RoomsOfAWalkAreLearnedEvaluatedAndRecognised) {
   EXPECT_EQ(unknown.at("verdict"), "none of them");
 }
 
+TEST_F(RoomCommandsTest, PicturesWithDepthAreRecognisedByTheirPlaceToo) {
+  const std::string home = copy_of_home("placed.home");
+  result_of({"rooms", "learn", "--home", home, "--network", path("colors.onnx")});
+  EXPECT_OK(testing::write_made_up_recording(path("visit"), kFrames));
+  const std::vector<std::string> eval{"rooms",     "eval",        "--home",     home,
+                                      "--margin",  "3",           "--network",  path("colors.onnx"),
+                                      "--unknown", path("visit"), "--recording"};
+  const auto eval_of = [&](const std::string& recording, std::vector<std::string> more = {}) {
+    more.insert(more.begin(), path(recording));
+    more.insert(more.begin(), eval.begin(), eval.end());
+    return result_of(more);
+  };
+  const json visit = eval_of("visit");
+  for (const char* rule : {"single_place", "pair_place", "stream_place"}) {
+    ASSERT_TRUE(visit.contains(rule)) << rule;
+    EXPECT_EQ(visit.at(rule).at("precision"), 1.0) << rule;
+    EXPECT_GE(visit.at(rule).at("ms"), visit.at("single").at("ms")) << rule;
+    const json& walk = visit.at(rule).at("walks")[0];
+    EXPECT_EQ(walk.at("walk"), "visit");
+    EXPECT_EQ(walk.at("n"), visit.at(rule).at("n"));
+    EXPECT_EQ(walk.at("right"), walk.at("named"));
+  }
+  EXPECT_EQ(visit.at("unknown_place").at("n"), kFrames);
+  EXPECT_FALSE(eval_of("walk").contains("single_place")) << "the map was made of it";
+  EXPECT_FALSE(eval_of("visit", {"--without-places"}).contains("single_place"));
+
+  const auto first_in = [](const std::string& folder) {
+    std::vector<std::string> names;
+    for (const auto& entry : std::filesystem::directory_iterator(path(folder)))
+      names.push_back(entry.path());
+    return *std::ranges::min_element(names);
+  };
+  const std::vector<std::string> recognize{"rooms",
+                                           "recognize",
+                                           "--home",
+                                           home,
+                                           "--network",
+                                           path("colors.onnx"),
+                                           first_in("visit/rgb")};
+  const auto recognized = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), recognize.begin(), recognize.end());
+    return result_of(more);
+  };
+  const std::string depth = first_in("visit/depth");
+  EXPECT_EQ(recognized({"--depth", depth}).at("rooms")[0].at("room"), "hall");
+  EXPECT_EQ(recognized({"--depth", depth, "--walk", "1"}).at("rooms")[0].at("room"), "hall");
+  std::vector<std::string> too_many = recognize;
+  too_many.insert(too_many.end(), {"--depth", depth, "--depth", depth});
+  EXPECT_THAT(run_roomwise(too_many).errors, HasSubstr("1 pictures and 2 depth images"));
+}
+
 TEST_F(RoomCommandsTest, ThePapersRuleCanBeChosen) {
   const std::string home = copy_of_home("paper.home");
   result_of({"rooms", "learn", "--home", home, "--augment", "0"});

@@ -12,10 +12,12 @@
 #include "open_home.h"
 #include "rooms_options.h"
 #include "roomwise/image/codec.h"
+#include "roomwise/pipeline/home_places.h"
 #include "roomwise/pipeline/picture_features.h"
 #include "roomwise/pipeline/room_learning.h"
 #include "roomwise/pipeline/room_recognizer.h"
 #include "roomwise/pipeline/turn_hint.h"
+#include "roomwise/recording/camera_file.h"
 
 namespace roomwise::app {
 namespace {
@@ -227,6 +229,8 @@ Expected<Answer> learn(const LearnOptions& options, Context& context) {
 struct RecognizeOptions {
   fs::path home;
   std::vector<fs::path> pictures;
+  std::vector<fs::path> depths;
+  std::string camera;
   std::string rule = "default";
   std::optional<double> interval_s;
   NetworkOptions networks;
@@ -270,23 +274,65 @@ Expected<Answer> recognize_by_paper(const pipeline::RoomRecognizer& recognizer,
                 {{"room", answer.room}, {"score", answer.score}, {"how", how}}};
 }
 
-// Pictures of a walk, `interval_s` apart; the answer is that after the last one.
+// The pictures with their depth, to be looked for on the home's map; none where no depth is given.
+Expected<std::vector<pipeline::PictureToLocate>> read_to_locate(
+    const RecognizeOptions& options, std::span<const image::ColorImage> pictures,
+    const home::Home& home) {
+  std::vector<pipeline::PictureToLocate> to_locate;
+  if (options.depths.empty()) return to_locate;
+  if (options.depths.size() != pictures.size()) {
+    return fail("{} pictures and {} depth images; give a depth image for every picture or none",
+                pictures.size(), options.depths.size());
+  }
+  ROOMWISE_TRY(const auto recordings, home.recordings());
+  if (recordings.empty()) return fail("{}: has no map on which --depth could help", home.file());
+  geometry::PinholeCamera camera = recordings.front().recording.camera;
+  if (!options.camera.empty()) {
+    ROOMWISE_TRY(camera, recording::resolve_camera(options.camera));
+  }
+  for (std::size_t i = 0; i < pictures.size(); ++i) {
+    ROOMWISE_TRY(image::DepthImage depth, image::read_depth(options.depths[i]));
+    to_locate.push_back({pictures[i], std::move(depth), camera});
+  }
+  return to_locate;
+}
+
+// Pictures of a walk, `interval_s` apart; the answer is that after the last one. `to_locate`: the
+// same with depth, or empty.
 Expected<rooms::RoomDecision> recognize_walk(const pipeline::RoomRecognizer& recognizer,
                                              std::span<const image::ColorImage> pictures,
-                                             double interval_s) {
+                                             double interval_s, const pipeline::HomePlaces* places,
+                                             std::span<const pipeline::PictureToLocate> to_locate) {
   ROOMWISE_TRY(rooms::RoomStream stream, recognizer.stream());
   rooms::RoomDecision decision;
-  for (const image::ColorImage& picture : pictures) {
-    ROOMWISE_TRY(const network::Prediction seen, recognizer.features().predict(picture));
+  for (std::size_t i = 0; i < pictures.size(); ++i) {
+    ROOMWISE_TRY(const network::Prediction seen, recognizer.features().predict(pictures[i]));
     ROOMWISE_TRY(const rooms::PictureEvidence evidence, recognizer.evidence(seen));
-    decision = stream.see(evidence, interval_s);
+    pipeline::RoomRecognizer::FindPlace find_place;
+    if (places != nullptr) {
+      find_place = [&] { return places->look(to_locate.subspan(i, 1), recognizer.rooms()); };
+    }
+    ROOMWISE_TRY(decision, recognizer.see(stream, evidence, interval_s, find_place));
   }
   return decision;
 }
 
-Expected<Answer> recognize(const RecognizeOptions& options) {
+// Of two pictures or more the place of the last one, by it and the one before.
+Expected<rooms::RoomDecision> recognize_at_once(
+    const pipeline::RoomRecognizer& recognizer, std::span<const image::ColorImage> pictures,
+    const pipeline::HomePlaces* places, std::span<const pipeline::PictureToLocate> to_locate) {
+  if (places == nullptr) return recognizer.recognize(pictures);
+  return recognizer.recognize(pictures, [&] {
+    return places->look(to_locate.last(std::min<std::size_t>(2, to_locate.size())),
+                        recognizer.rooms());
+  });
+}
+
+Expected<Answer> recognize(const RecognizeOptions& options, Context& context) {
   cv::setNumThreads(1);
-  ROOMWISE_TRY(const home::Home home, home::Home::open_read_only(options.home));
+  ROOMWISE_TRY(const home::Home home, options.depths.empty()
+                                          ? home::Home::open_read_only(options.home)
+                                          : open_home_read_only(options.home, context));
   ROOMWISE_TRY(const pipeline::Networks networks,
                load_networks(options.networks, /*also_brought=*/true));
   ROOMWISE_TRY(const auto recognizer, pipeline::RoomRecognizer::create(home, networks));
@@ -294,13 +340,22 @@ Expected<Answer> recognize(const RecognizeOptions& options) {
   for (const fs::path& file : options.pictures) {
     ROOMWISE_TRY(pictures.emplace_back(), image::read_color(file));
   }
-  if (options.rule == "paper" && options.interval_s) {
-    return fail("--walk goes with the default rule; the paper's looks at one picture, or at two");
+  if (options.rule == "paper" && (options.interval_s || !options.depths.empty())) {
+    return fail(
+        "--walk and --depth go with the default rule; the paper's looks at one picture, or at two");
   }
   if (options.rule == "paper") return recognize_by_paper(recognizer, pictures);
+  ROOMWISE_TRY(const auto to_locate, read_to_locate(options, pictures, home));
+  std::optional<pipeline::HomePlaces> places;
+  if (!to_locate.empty()) {
+    CommandRun run(context);
+    ROOMWISE_TRY(places, pipeline::HomePlaces::create(home, {}, run));
+  }
+  const pipeline::HomePlaces* const asked = places ? &*places : nullptr;
   ROOMWISE_TRY(const rooms::RoomDecision decision,
-               options.interval_s ? recognize_walk(recognizer, pictures, *options.interval_s)
-                                  : recognizer.recognize(pictures));
+               options.interval_s
+                   ? recognize_walk(recognizer, pictures, *options.interval_s, asked, to_locate)
+                   : recognize_at_once(recognizer, pictures, asked, to_locate));
   const bool asks = decision.verdict == rooms::Verdict::kNotSure;
   return to_answer(decision, asks ? pipeline::turn_hint(pictures.back()) : "");
 }
@@ -366,10 +421,18 @@ void add_rooms_commands(CLI::App& app, Context& context) {
     CLI::App* command = add_command(*group, context, "recognize",
                                     "Say the room that pictures show, or that it is not sure",
                                     "roomwise rooms recognize --home my.home a.jpg b.jpg",
-                                    [options] { return recognize(*options); });
+                                    [options, &context] { return recognize(*options, context); });
     add_home_option(*command, options->home);
     command->add_option("PICTURES", options->pictures, "Pictures of one place, one or more")
         ->required();
+    command->add_option(
+        "--depth", options->depths,
+        "A picture's depth image (16-bit PNG, registered to it); given once for "
+        "each picture: where they were taken on the home's map counts too. Making the map "
+        "ready takes up to a minute");
+    command->add_option("--camera", options->camera,
+                        "Of pictures with depth: fr1, fr2, fr3, kinect-v1, xtion, or a camera.txt; "
+                        "default: that of the home's recording");
     command
         ->add_option("--rule", options->rule,
                      "\"paper\": the paper's rule of one or two frames, which always names a room")

@@ -3,7 +3,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <deque>
 #include <filesystem>
 #include <memory>
 #include <opencv2/core.hpp>
@@ -15,6 +14,7 @@
 #include "rooms_options.h"
 #include "roomwise/base/file.h"
 #include "roomwise/evaluation/recognition_report.h"
+#include "roomwise/pipeline/keyframe_images.h"
 #include "roomwise/pipeline/room_baselines.h"
 #include "roomwise/pipeline/room_evaluation.h"
 #include "roomwise/pipeline/room_learning.h"
@@ -40,19 +40,30 @@ struct RoomsEvaluationOptions {
   std::uint64_t margin = 0;
   pipeline::RoomEvaluationOptions evaluation;
   bool with_baselines = false;
+  bool without_places = false;
   pipeline::BaselineOptions baselines;
   NetworkOptions networks;
 };
 
-// The pictures to evaluate, the lists that they are read from, and what is left out.
+// The pictures to evaluate, and what is left out.
 struct Pictures {
-  std::deque<recording::ImageList> lists;  // that pictures refer to
   std::vector<LabelledPicture> pictures;
+  std::vector<std::string> walks;         // their names
+  std::vector<std::string> mapped_walks;  // whose places are not looked for
   std::vector<LabelledPicture> unknown;
   std::set<std::string> never_learned;
 };
 
-Expected<void> add_recordings(const RoomsEvaluationOptions& options,
+// Whether it is the recording of which the home's map was made: its frames find themselves there.
+Expected<bool> is_mapped(const home::Home& home, const fs::path& folder) {
+  ROOMWISE_TRY(const auto recordings, home.recordings());
+  return std::ranges::any_of(recordings, [&](const home::StoredRecording& one) {
+    std::error_code missing;
+    return fs::equivalent(one.recording.folder, folder, missing);
+  });
+}
+
+Expected<void> add_recordings(const RoomsEvaluationOptions& options, const home::Home& home,
                               const std::vector<std::string>& learned, Pictures& all) {
   if (!options.labels.empty() && options.recordings.size() > 1) {
     return fail("--labels is of one recording; several must have their own rooms.txt each");
@@ -64,18 +75,23 @@ Expected<void> add_recordings(const RoomsEvaluationOptions& options,
     for (const recording::RoomRange& range : labels.ranges()) {
       if (rooms.contains(range)) all.never_learned.insert(range.room);
     }
-    ROOMWISE_TRY(recording::ImageList colors, recording::ImageList::open(folder, "rgb.txt"));
-    all.lists.push_back(std::move(colors));
-    ROOMWISE_CHECK_OK(pipeline::add_frames(all.lists.back(), labels, {rooms, options.margin},
-                                           learned, folder.filename().string(), all.pictures));
+    ROOMWISE_TRY(pipeline::RecordedPictures recorded, pipeline::RecordedPictures::open(folder));
+    all.walks.push_back(folder.filename().string());
+    ROOMWISE_TRY(const bool was_mapped, is_mapped(home, folder));
+    if (was_mapped) {
+      all.mapped_walks.push_back(all.walks.back());
+      recorded.with_depth = nullptr;
+    }
+    ROOMWISE_CHECK_OK(pipeline::add_frames(recorded, labels, {rooms, options.margin}, learned,
+                                           all.walks.back(), all.pictures));
   }
   return {};
 }
 
-Expected<void> add_pictures(const RoomsEvaluationOptions& options,
+Expected<void> add_pictures(const RoomsEvaluationOptions& options, const home::Home& home,
                             const std::vector<std::string>& learned, Pictures& all) {
   if (options.photos.empty()) {
-    ROOMWISE_CHECK_OK(add_recordings(options, learned, all));
+    ROOMWISE_CHECK_OK(add_recordings(options, home, learned, all));
   } else {
     ROOMWISE_TRY(const auto photos, pipeline::list_room_photos(options.photos));
     for (const pipeline::RoomPhoto& photo : photos) all.never_learned.insert(photo.room);
@@ -111,6 +127,32 @@ Json to_json(const evaluation::Proportion& proportion, const evaluation::Interva
           {"right", proportion.successes},
           {"share", proportion.value()},
           {"interval", {interval.low, interval.high}}};
+}
+
+// What was said on each walk.
+Json walks_json(const RuleResult& result, const Pictures& all) {
+  struct Counts {
+    std::uint64_t n = 0, correct = 0, named = 0, right = 0;
+  };
+  std::vector<Counts> counts(all.walks.size());
+  for (const pipeline::Judgement& judgement : result.judgements) {
+    const LabelledPicture& picture = all.pictures[judgement.picture];
+    Counts& walk = counts[picture.walk];
+    const bool is_right = judgement.best == picture.room;
+    ++walk.n;
+    if (is_right) ++walk.correct;
+    if (judgement.named) ++walk.named;
+    if (judgement.named && is_right) ++walk.right;
+  }
+  Json json = Json::array();
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    json.push_back({{"walk", all.walks[i]},
+                    {"n", counts[i].n},
+                    {"correct", counts[i].correct},
+                    {"named", counts[i].named},
+                    {"right", counts[i].right}});
+  }
+  return json;
 }
 
 // "correct", "precision" and "interval" are of all decisions: the best room, named or not.
@@ -186,6 +228,10 @@ std::vector<std::string> notes_of(const pipeline::RoomEvaluation& evaluation, co
     notes.push_back(
         fmt::format("Left out, never learned: {}.", fmt::join(all.never_learned, ", ")));
   }
+  if (!all.mapped_walks.empty()) {
+    notes.push_back(fmt::format("Places were not looked for of what the map was made of: {}.",
+                                fmt::join(all.mapped_walks, ", ")));
+  }
   return notes;
 }
 
@@ -201,20 +247,27 @@ Expected<Answer> answer_of(const RoomsEvaluationOptions& options,
     content.rules.push_back(row_of(result, all, evaluation.by_walks));
     answer.text += to_text(content.rules.back());
     answer.json[result.key] = to_json(content.rules.back(), result);
+    if (!all.walks.empty()) answer.json[result.key]["walks"] = walks_json(result, all);
   }
-  if (evaluation.unknown) {
-    const pipeline::UnknownResult& unknown = *evaluation.unknown;
-    const double named = static_cast<double>(unknown.named) / static_cast<double>(unknown.pictures);
-    answer.text += fmt::format("never learned: {} pictures, {:.3f} got a name; AUROC {:.3f}\n",
-                               unknown.pictures, named, unknown.area_under_roc);
-    answer.json["unknown"] = {{"n", unknown.pictures},
-                              {"named", named},
-                              {"answers", unknown.answers},
-                              {"auroc", unknown.area_under_roc}};
-    content.figures = {
-        {"Pictures", std::to_string(unknown.pictures)},
-        {"Got the name of a room", fmt::format("{:.1f} %", 100 * named)},
-        {"AUROC of how well pictures are known", fmt::format("{:.3f}", unknown.area_under_roc)}};
+  for (const auto& [key, what, unknown] :
+       {std::tuple("unknown", "never learned", &evaluation.unknown),
+        std::tuple("unknown_place", "never learned, with places",
+                   &evaluation.unknown_with_place)}) {
+    if (!*unknown) continue;
+    const double named =
+        static_cast<double>((*unknown)->named) / static_cast<double>((*unknown)->pictures);
+    answer.text += fmt::format("{}: {} pictures, {:.3f} got a name; AUROC {:.3f}\n", what,
+                               (*unknown)->pictures, named, (*unknown)->area_under_roc);
+    answer.json[key] = {{"n", (*unknown)->pictures},
+                        {"named", named},
+                        {"answers", (*unknown)->answers},
+                        {"auroc", (*unknown)->area_under_roc}};
+    content.figures.push_back(
+        {fmt::format("Pictures, {}", what), std::to_string((*unknown)->pictures)});
+    content.figures.push_back(
+        {fmt::format("Got the name of a room, {}", what), fmt::format("{:.1f} %", 100 * named)});
+    content.figures.push_back({fmt::format("AUROC of how well pictures are known, {}", what),
+                               fmt::format("{:.3f}", (*unknown)->area_under_roc)});
   }
   answer.text += confusion_text(content.rules.front());
   for (const std::string& note : content.notes) answer.text += note + "\n";
@@ -230,6 +283,20 @@ Expected<Answer> answer_of(const RoomsEvaluationOptions& options,
   return answer;
 }
 
+// Where the home has a map and a picture has depth.
+Expected<std::optional<pipeline::HomePlaces>> places_of(const home::Home& home,
+                                                        const RoomsEvaluationOptions& options,
+                                                        const Pictures& all,
+                                                        pipeline::RunContext& run) {
+  ROOMWISE_TRY(const auto placed, pipeline::map_keyframes(home));
+  const bool have_depth = std::ranges::any_of(
+      all.pictures, [](const LabelledPicture& one) { return one.read_to_locate != nullptr; });
+  if (options.without_places || placed.empty() || !have_depth) {
+    return std::optional<pipeline::HomePlaces>();
+  }
+  return pipeline::HomePlaces::create(home, {}, run);
+}
+
 Expected<Answer> evaluate(const RoomsEvaluationOptions& options, Context& context) {
   cv::setNumThreads(1);
   if (options.photos.empty() == options.recordings.empty()) {
@@ -240,11 +307,12 @@ Expected<Answer> evaluate(const RoomsEvaluationOptions& options, Context& contex
                load_networks(options.networks, /*also_brought=*/true));
   ROOMWISE_TRY(const auto recognizer, pipeline::RoomRecognizer::create(home, networks));
   Pictures all;
-  ROOMWISE_CHECK_OK(add_pictures(options, recognizer.rooms(), all));
+  ROOMWISE_CHECK_OK(add_pictures(options, home, recognizer.rooms(), all));
   CommandRun run(context);
-  ROOMWISE_TRY(
-      pipeline::RoomEvaluation evaluation,
-      pipeline::evaluate_rooms(all.pictures, all.unknown, recognizer, options.evaluation, run));
+  ROOMWISE_TRY(const auto places, places_of(home, options, all, run));
+  ROOMWISE_TRY(pipeline::RoomEvaluation evaluation,
+               pipeline::evaluate_rooms(all.pictures, all.unknown, recognizer,
+                                        places ? &*places : nullptr, options.evaluation, run));
   if (options.with_baselines) {
     ROOMWISE_TRY(auto baselines, pipeline::baseline_rules(home, all.pictures, evaluation.features,
                                                           recognizer, options.baselines, run));
@@ -269,6 +337,8 @@ void add_measuring_options(CLI::App& command, RoomsEvaluationOptions& options) {
   command.add_option("--unknown", options.unknown,
                      "Folder of pictures of places that were never learned, or a recording of "
                      "another home; may be given several times");
+  command.add_flag("--without-places", options.without_places,
+                   "Do not look on the home's map for the places of pictures that have depth");
   command.add_flag("--baselines", options.with_baselines,
                    "Measure simple ways on the same frames, too: colours, nearest features, a vote "
                    "of SIFT features");

@@ -1,6 +1,5 @@
 #include "roomwise/live/eye.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "roomwise/guide/obstacle.h"
@@ -9,9 +8,6 @@
 namespace roomwise::live {
 namespace {
 
-// How often the map's room is the right one where the localiser gives a place: it was never wrong
-// by a room, but floors meet at doors (docs/benchmarks.md).
-constexpr double kTrustInPlace = 0.97;
 // After a gap this long the room may be any again, s: nobody stays that long without a picture.
 constexpr double kForgetAfter_s = 60;
 
@@ -36,59 +32,38 @@ double CameraPlace::heading_rad() const {
   return std::atan2(axis.y(), axis.x());
 }
 
-rooms::RoomDecision with_place(rooms::RoomDecision decision, const std::string& room) {
-  const auto same = std::ranges::find(decision.rooms, room, &rooms::RoomScore::room);
-  if (same == decision.rooms.end() || decision.rooms.size() < 2) return decision;
-  const double others = (1 - kTrustInPlace) / static_cast<double>(decision.rooms.size() - 1);
-  double sum = 0;
-  for (rooms::RoomScore& score : decision.rooms) {
-    score.score *= score.room == room ? kTrustInPlace : others;
-    sum += score.score;
-  }
-  if (!(sum > 0)) return decision;
-  for (rooms::RoomScore& score : decision.rooms) score.score /= sum;
-  std::ranges::stable_sort(decision.rooms, std::ranges::greater{}, &rooms::RoomScore::score);
-  const rooms::RoomScore& best = decision.rooms.front();
-  if (best.room == room && best.score >= kTrustInPlace) {
-    decision.verdict = rooms::Verdict::kRoom;
-    decision.why = fmt::format("the place on the map is in the {} ({:.2f})", room, best.score);
-  } else if (best.room != room && decision.verdict == rooms::Verdict::kRoom) {
-    decision.verdict = rooms::Verdict::kNotSure;
-    decision.why = fmt::format("it looks like {} ({:.2f}), but the place on the map is in the {}",
-                               best.room, best.score, room);
-  }
-  return decision;
-}
-
 Expected<std::optional<rooms::RoomDecision>> Eye::decide(
-    const image::ColorImage& color, double t_ms, const std::shared_ptr<const HomeView>& home) {
+    const image::ColorImage& color, double t_ms, const std::optional<mapping::Localization>& answer,
+    bool has_depth, const std::shared_ptr<const HomeView>& home) {
   if (!home->recognizer) return std::optional<rooms::RoomDecision>();
+  const pipeline::RoomRecognizer& recognizer = *home->recognizer;
   const double elapsed_s = (t_ms - last_t_ms_) / 1000;
   if (stream_of_ != home->recognizer || !(elapsed_s >= 0 && elapsed_s < kForgetAfter_s)) {
-    ROOMWISE_TRY(stream_, home->recognizer->stream());
+    ROOMWISE_TRY(stream_, recognizer.stream());
     stream_of_ = home->recognizer;
   }
-  ROOMWISE_TRY(const auto seen, home->recognizer->features().predict(color));
-  ROOMWISE_TRY(const rooms::PictureEvidence evidence, home->recognizer->evidence(seen));
+  ROOMWISE_TRY(const auto seen, recognizer.features().predict(color));
+  ROOMWISE_TRY(const rooms::PictureEvidence evidence, recognizer.evidence(seen));
   last_t_ms_ = t_ms;
-  return std::optional(stream_->see(evidence, elapsed_s));
+  pipeline::RoomRecognizer::FindPlace find_place;
+  if (answer) {
+    find_place = [&]() -> Expected<rooms::PlaceEvidence> {
+      return rooms::place_evidence(*answer, has_depth, home->map->frame, home->layout,
+                                   recognizer.rooms());
+    };
+  }
+  return recognizer.see(*stream_, evidence, elapsed_s, find_place);
 }
 
-Expected<std::optional<CameraPlace>> Eye::locate(const image::ColorImage& color,
-                                                 const std::optional<image::DepthImage>& depth,
-                                                 const HomeView& home) const {
+Expected<std::optional<mapping::Localization>> Eye::locate(
+    const image::ColorImage& color, const std::optional<image::DepthImage>& depth,
+    const HomeView& home) const {
   if (!home.map || !home.map->localizer || !camera_->calibrated)
-    return std::optional<CameraPlace>();
+    return std::optional<mapping::Localization>();
   const geometry::PinholeCamera& camera = *camera_->calibrated;
   ROOMWISE_TRY(const motion::FrameMeasurements measured,
                home.map->localizer->measure({color, depth, camera}));
-  const mapping::Localization found =
-      home.map->localizer->localizer().locate(mapping::Query{measured, camera});
-  if (!found.found()) return std::optional<CameraPlace>();
-  CameraPlace place{
-      home.map->frame.level_from_world * found.world_from_camera, found.position_sigma_m(), {}};
-  place.room = home.room_at(place.position_level());
-  return std::optional(std::move(place));
+  return home.map->localizer->localizer().locate(mapping::Query{measured, camera});
 }
 
 Expected<Glance> Eye::look(CameraFrame frame, const std::shared_ptr<const HomeView>& home) {
@@ -111,14 +86,17 @@ Expected<Glance> Eye::look(CameraFrame frame, const std::shared_ptr<const HomeVi
   }
   Glance glance;
   glance.t_ms = frame.t_ms;
-  ROOMWISE_TRY(glance.decision, decide(color, frame.t_ms, home));
-  ROOMWISE_TRY(glance.place, locate(color, depth, *home));
+  ROOMWISE_TRY(const auto answer, locate(color, depth, *home));
+  if (answer && answer->found()) {
+    glance.place = CameraPlace{home->map->frame.level_from_world * answer->world_from_camera,
+                               answer->position_sigma_m(),
+                               {}};
+    glance.place->room = home->room_at(glance.place->position_level());
+  }
+  ROOMWISE_TRY(glance.decision, decide(color, frame.t_ms, answer, depth.has_value(), home));
   if (depth) {
     ROOMWISE_TRY(glance.obstacle_m, obstacle_ahead(*depth, *camera_->calibrated, glance.place,
                                                    home->map && home->map->frame.has_floor));
-  }
-  if (glance.decision && glance.place && glance.place->room) {
-    glance.decision = with_place(*std::move(glance.decision), *glance.place->room);
   }
   if (glance.decision && glance.decision->verdict != rooms::Verdict::kRoom) {
     glance.more_to_see = pipeline::side_with_more_to_see(color);

@@ -38,10 +38,6 @@ struct CameraFrame {
   Bytes depth;  // 16-bit PNG, or empty
 };
 
-// The decision with what the map says of the place: the localiser is hardly ever wrong, and then
-// the room is the one whose floor it is.
-[[nodiscard]] rooms::RoomDecision with_place(rooms::RoomDecision decision, const std::string& room);
-
 // Looks at the frames of one device, one after the other, and remembers what it saw: the room is
 // said by the whole walk. Not thread-safe.
 class Eye {
@@ -54,9 +50,13 @@ class Eye {
                                       const std::shared_ptr<const HomeView>& home);
 
  private:
+  // `answer`: the localiser's; nothing where it was not asked.
   [[nodiscard]] Expected<std::optional<rooms::RoomDecision>> decide(
-      const image::ColorImage& color, double t_ms, const std::shared_ptr<const HomeView>& home);
-  [[nodiscard]] Expected<std::optional<CameraPlace>> locate(
+      const image::ColorImage& color, double t_ms,
+      const std::optional<mapping::Localization>& answer, bool has_depth,
+      const std::shared_ptr<const HomeView>& home);
+  // Nothing where the home has no map, or the camera is not calibrated.
+  [[nodiscard]] Expected<std::optional<mapping::Localization>> locate(
       const image::ColorImage& color, const std::optional<image::DepthImage>& depth,
       const HomeView& home) const;
 

@@ -10,45 +10,6 @@
 namespace roomwise::live {
 namespace {
 
-using ::testing::HasSubstr;
-
-rooms::RoomDecision decision(rooms::Verdict verdict, double kitchen) {
-  rooms::RoomDecision decision;
-  decision.verdict = verdict;
-  decision.rooms = {{"kitchen", kitchen}, {"hall", 1 - kitchen}};
-  if (kitchen < 0.5) std::swap(decision.rooms[0], decision.rooms[1]);
-  decision.why = "as it looks";
-  return decision;
-}
-
-TEST(WithPlace, MakesAnUnsureRoomSure) {
-  const auto sure = with_place(decision(rooms::Verdict::kNotSure, 0.6), "kitchen");
-  EXPECT_EQ(sure.room(), "kitchen");
-  // Bayes: 0.6 * 0.97 to 0.4 * 0.03.
-  EXPECT_NEAR(sure.rooms[0].score, 0.582 / (0.582 + 0.012), 1e-12);
-  EXPECT_THAT(sure.why, HasSubstr("place on the map"));
-}
-
-TEST(WithPlace, APlaceInAnotherRoomThanItLooksIsNotSaid) {
-  const auto torn = with_place(decision(rooms::Verdict::kRoom, 0.999), "hall");
-  EXPECT_EQ(torn.verdict, rooms::Verdict::kNotSure);
-  EXPECT_EQ(torn.rooms[0].room, "kitchen");
-  const auto turned = with_place(decision(rooms::Verdict::kRoom, 0.4), "kitchen");
-  EXPECT_EQ(turned.rooms[0].room, "kitchen");
-}
-
-TEST(WithPlace, ProbabilitiesStillAddUpToOne) {
-  for (const double kitchen : {0.0, 0.2, 0.9, 1.0}) {
-    const auto after = with_place(decision(rooms::Verdict::kNotSure, kitchen), "hall");
-    EXPECT_NEAR(after.rooms[0].score + after.rooms[1].score, 1, 1e-12);
-  }
-}
-
-TEST(WithPlace, ARoomThatWasNotLearnedChangesNothing) {
-  const auto before = decision(rooms::Verdict::kRoom, 0.9);
-  EXPECT_EQ(with_place(before, "cellar").why, before.why);
-}
-
 TEST(CameraPlace, TheHeadingIsThatOfTheOpticalAxis) {
   // A camera that looks along y: its z is the level's y, its y points down.
   Eigen::Matrix3d level_from_camera;

@@ -42,7 +42,37 @@ Expected<std::vector<fs::path>> picture_files(const fs::path& folder) {
 
 }  // namespace
 
-Expected<void> add_frames(const recording::ImageList& colors, const recording::RoomLabels& labels,
+Expected<RecordedPictures> RecordedPictures::open(const fs::path& folder) {
+  RecordedPictures recorded;
+  ROOMWISE_TRY(auto colors, recording::ImageList::open(folder, "rgb.txt"));
+  recorded.colors = std::make_shared<const recording::ImageList>(std::move(colors));
+  if (fs::exists(folder / "depth.txt") && fs::exists(folder / "camera.txt")) {
+    ROOMWISE_TRY(recorded.with_depth, recording::TumRecording::open(folder));
+  }
+  return recorded;
+}
+
+LabelledPicture RecordedPictures::picture(std::size_t entry) const {
+  LabelledPicture picture;
+  picture.read = [list = colors, entry] { return list->read_color(entry); };
+  picture.frame = entry;
+  const auto& times = colors->timestamps_ns();
+  picture.time_s = 1e-9 * static_cast<double>(times[entry] - times[0]);
+  const bool has_depth =
+      with_depth && std::ranges::binary_search(with_depth->associations(), entry, {},
+                                               &recording::Association::first);
+  if (has_depth) {
+    picture.read_to_locate = [frames = with_depth, entry]() -> Expected<PictureToLocate> {
+      ROOMWISE_TRY(auto frame, frames->frame(entry));
+      if (!frame) return fail("{}: has no depth image", frames->colors().describe(entry));
+      return PictureToLocate{std::move(frame->color), std::move(frame->depth),
+                             frames->info().camera};
+    };
+  }
+  return picture;
+}
+
+Expected<void> add_frames(const RecordedPictures& recorded, const recording::RoomLabels& labels,
                           const FrameSelection& selection, const std::vector<std::string>& learned,
                           const std::string& walk_name, std::vector<LabelledPicture>& pictures) {
   ROOMWISE_CHECK_OK(selection.rooms.check_against(labels));
@@ -55,19 +85,20 @@ Expected<void> add_frames(const recording::ImageList& colors, const recording::R
   for (const recording::RoomRange& range : labels.ranges()) {
     ++sequence;
     if (!selection.rooms.contains(range) || !is_learned(range.room, learned)) continue;
-    if (range.last_frame >= colors.size()) {
+    if (range.last_frame >= recorded.colors->size()) {
       return fail(
           "the labels name frame {}, but the recording has {} colour images; are they of another "
           "recording?",
-          range.last_frame, colors.size());
+          range.last_frame, recorded.colors->size());
     }
     for (std::uint64_t frame = range.first_frame; frame <= range.last_frame; ++frame) {
       if (labels.frames_to_boundary(frame) < selection.margin) continue;
-      const auto& times = colors.timestamps_ns();
-      pictures.push_back({[&colors, frame] { return colors.read_color(frame); }, range.room,
-                          sequence, walk, frame,
-                          1e-9 * static_cast<double>(times[frame] - times[0]),
-                          fmt::format("{}: frame {}", walk_name, frame)});
+      LabelledPicture picture = recorded.picture(frame);
+      picture.room = range.room;
+      picture.sequence = sequence;
+      picture.walk = walk;
+      picture.name = fmt::format("{}: frame {}", walk_name, frame);
+      pictures.push_back(std::move(picture));
     }
   }
   if (pictures.size() == before) ROOMWISE_CHECK_OK(check_not_empty({}));
@@ -94,11 +125,10 @@ Expected<std::vector<LabelledPicture>> unknown_pictures(const fs::path& folder) 
   std::vector<LabelledPicture> pictures;
   std::error_code error;
   if (fs::exists(folder / "rgb.txt", error)) {
-    ROOMWISE_TRY(auto opened, recording::ImageList::open(folder, "rgb.txt"));
-    const auto colors = std::make_shared<const recording::ImageList>(std::move(opened));
-    for (std::size_t i = 0; i < colors->size(); ++i) {
-      pictures.push_back({[colors, i] { return colors->read_color(i); }, "", 0, 0, 0, 0,
-                          colors->path(i).string()});
+    ROOMWISE_TRY(const RecordedPictures recorded, RecordedPictures::open(folder));
+    for (std::size_t i = 0; i < recorded.colors->size(); ++i) {
+      pictures.push_back(recorded.picture(i));
+      pictures.back().name = recorded.colors->path(i).string();
     }
   } else {
     ROOMWISE_TRY(const auto files, picture_files(folder));

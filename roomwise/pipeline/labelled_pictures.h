@@ -2,9 +2,12 @@
 
 #include <filesystem>
 #include <functional>
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "roomwise/pipeline/home_localizer.h"
 #include "roomwise/pipeline/room_selection.h"
 #include "roomwise/recording/tum_recording.h"
 
@@ -20,6 +23,20 @@ struct LabelledPicture {
   std::uint64_t frame = 0;  // its place in the walk
   double time_s = 0;        // since the walk's first frame; 0 for photos
   std::string name;         // for people: "walk: frame 12"
+  // The picture with its depth, to be looked for on a map; empty where it has none, or its camera
+  // is not known.
+  std::function<Expected<PictureToLocate>()> read_to_locate = {};
+};
+
+// The pictures of a recording, with depth where depth.txt lists any and camera.txt is there.
+struct RecordedPictures {
+  std::shared_ptr<const recording::ImageList> colors;
+  std::shared_ptr<const recording::TumRecording> with_depth;  // null: none has depth
+
+  // Fails as ImageList and TumRecording do.
+  [[nodiscard]] static Expected<RecordedPictures> open(const std::filesystem::path& folder);
+  // One of `colors`, of no room and no walk yet.
+  [[nodiscard]] LabelledPicture picture(std::size_t entry) const;
 };
 
 struct FrameSelection {
@@ -29,8 +46,8 @@ struct FrameSelection {
 
 // Adds the frames of a labelled recording that are selected, every colour image, with depth or not.
 // Rooms that were not learned are left out; selecting one by name is an error, and so is a
-// recording of which nothing is left. `colors` must outlive the pictures.
-[[nodiscard]] Expected<void> add_frames(const recording::ImageList& colors,
+// recording of which nothing is left.
+[[nodiscard]] Expected<void> add_frames(const RecordedPictures& recorded,
                                         const recording::RoomLabels& labels,
                                         const FrameSelection& selection,
                                         const std::vector<std::string>& learned,

@@ -4,6 +4,7 @@
 #include <chrono>
 
 #include "roomwise/evaluation/quantile.h"
+#include "roomwise/pipeline/find_places.h"
 #include "roomwise/pipeline/predict_pictures.h"
 
 namespace roomwise::pipeline {
@@ -11,13 +12,19 @@ namespace {
 
 constexpr std::size_t kWalksToResample = 5;
 
-struct Pair {
-  std::size_t first = 0;
-  std::size_t second = 0;
-};
+std::vector<PictureSpan> singles_of(const std::vector<LabelledPicture>& pictures) {
+  std::vector<PictureSpan> singles;
+  for (std::size_t i = 0; i < pictures.size(); ++i) singles.push_back({i, i});
+  return singles;
+}
 
-std::vector<Pair> pairs_of(const std::vector<LabelledPicture>& pictures, std::size_t step) {
-  std::vector<Pair> pairs;
+bool have_depth(const std::vector<LabelledPicture>& pictures) {
+  return std::ranges::any_of(
+      pictures, [](const LabelledPicture& picture) { return picture.read_to_locate != nullptr; });
+}
+
+std::vector<PictureSpan> pairs_of(const std::vector<LabelledPicture>& pictures, std::size_t step) {
+  std::vector<PictureSpan> pairs;
   for (std::size_t i = 0; i + step < pictures.size(); ++i) {
     if (pictures[i].sequence == pictures[i + step].sequence) pairs.push_back({i, i + step});
   }
@@ -83,7 +90,7 @@ class Evaluator {
                       0,
                       {}};
     std::vector<double> ms;
-    for (const Pair& pair : pairs_of(pictures_, options_.pair_step)) {
+    for (const PictureSpan& pair : pairs_of(pictures_, options_.pair_step)) {
       double taken_ms = seen_[pair.first].ms + seen_[pair.second].ms;
       const auto see_names = [&]() -> Expected<network::Prediction> {
         ROOMWISE_TRY(const TimedPrediction* named, names_in(pair.second));
@@ -101,11 +108,13 @@ class Evaluator {
     return result;
   }
 
-  // By comparing, pictures [first, last] of each entry as one.
-  Expected<RuleResult> compared(std::string key, std::string rule, const std::vector<Pair>& spans) {
+  // By comparing, the two pictures of each entry as one; with their places, unless these are empty.
+  Expected<RuleResult> compared(std::string key, std::string rule,
+                                const std::vector<PictureSpan>& spans, const TimedPlaces& places) {
     RuleResult result{std::move(key), std::move(rule), {}, 0, {}};
     std::vector<double> ms;
-    for (const Pair& span : spans) {
+    for (std::size_t i = 0; i < spans.size(); ++i) {
+      const PictureSpan& span = spans[i];
       std::vector<rooms::PictureEvidence> evidence{evidence_[span.first]};
       double taken_ms = seen_[span.first].ms;
       if (span.second != span.first) {
@@ -117,64 +126,132 @@ class Evaluator {
         taken_ms += named->ms;
         return named->prediction;
       };
-      ROOMWISE_TRY(const rooms::RoomDecision decision, recognizer_.decide(evidence, see_names));
+      ROOMWISE_TRY(const rooms::RoomDecision decision,
+                   recognizer_.decide(evidence, see_names, finder(places, i, taken_ms)));
       add(result, judgement_of(span.second, decision));
       ms.push_back(taken_ms);
     }
     result.median_ms = evaluation::quantile(ms, 0.5);
     return result;
   }
-  Expected<RuleResult> single() {
-    std::vector<Pair> spans;
-    for (std::size_t i = 0; i < pictures_.size(); ++i) spans.push_back({i, i});
-    return compared("single", "one picture", spans);
-  }
-  Expected<RuleResult> pair() {
-    return compared("pair", "two pictures", pairs_of(pictures_, options_.pair_step));
-  }
 
-  Expected<RuleResult> stream() const {
-    RuleResult result{"stream", "every picture of a walk", {}, 0, {}};
+  Expected<RuleResult> stream(std::string key, std::string rule, const TimedPlaces& places) const {
+    RuleResult result{std::move(key), std::move(rule), {}, 0, {}};
     ROOMWISE_TRY(rooms::RoomStream stream, recognizer_.stream());
     std::vector<double> ms;
     for (std::size_t i = 0; i < pictures_.size(); ++i) {
       if (i == 0 || pictures_[i].walk != pictures_[i - 1].walk) {
         ROOMWISE_TRY(stream, recognizer_.stream());
       }
-      add(result, judgement_of(i, stream.see(evidence_[i], elapsed_s(i))));
-      ms.push_back(seen_[i].ms);
+      double taken_ms = seen_[i].ms;
+      ROOMWISE_TRY(
+          const rooms::RoomDecision decision,
+          recognizer_.see(stream, evidence_[i], elapsed_s(i), finder(places, i, taken_ms)));
+      add(result, judgement_of(i, decision));
+      ms.push_back(taken_ms);
     }
     result.median_ms = evaluation::quantile(ms, 0.5);
     return result;
   }
 
-  Expected<UnknownResult> unknown(const std::vector<LabelledPicture>& pictures) {
-    ROOMWISE_TRY(const auto seen, look_at(pictures));
-    UnknownResult result;
-    result.pictures = pictures.size();
-    std::vector<double> known;
-    for (const rooms::PictureEvidence& evidence : evidence_) known.push_back(evidence.known);
-    std::vector<double> unknown;
-    for (std::size_t i = 0; i < pictures.size(); ++i) {
-      ROOMWISE_TRY(const rooms::PictureEvidence evidence, recognizer_.evidence(seen[i].prediction));
-      unknown.push_back(evidence.known);
-      const auto see_names = [&]() -> Expected<network::Prediction> {
-        ROOMWISE_TRY(const image::ColorImage picture, pictures[i].read());
-        return recognizer_.naming()->predict(picture);
-      };
-      ROOMWISE_TRY(const rooms::RoomDecision decision,
-                   recognizer_.decide(std::span(&evidence, 1), see_names));
-      const Judgement judgement = judgement_of(i, decision);
-      ++result.answers[judgement.answer];
-      if (judgement.named) ++result.named;
+  // One picture, two, and every picture of a walk.
+  Expected<void> compare_all(const HomePlaces* places, std::vector<RuleResult>& rules) {
+    const std::vector<PictureSpan> singles = singles_of(pictures_);
+    const std::vector<PictureSpan> pairs = pairs_of(pictures_, options_.pair_step);
+    const bool has_walks = std::ranges::any_of(
+        pictures_, [](const LabelledPicture& picture) { return picture.frame > 0; });
+    ROOMWISE_TRY(rules.emplace_back(), compared("single", "one picture", singles, {}));
+    ROOMWISE_TRY(rules.emplace_back(), compared("pair", "two pictures", pairs, {}));
+    if (has_walks) {
+      ROOMWISE_TRY(rules.emplace_back(), stream("stream", "every picture of a walk", {}));
     }
-    result.area_under_roc = evaluation::area_under_roc(known, unknown);
-    return result;
+    if (places == nullptr || !have_depth(pictures_)) return {};
+    ROOMWISE_TRY(of_pictures_, look_for(*places, pictures_, singles));
+    ROOMWISE_TRY(const TimedPlaces of_pairs, look_for(*places, pictures_, pairs));
+    ROOMWISE_TRY(rules.emplace_back(),
+                 compared("single_place", "one picture, with its place", singles, of_pictures_));
+    ROOMWISE_TRY(rules.emplace_back(),
+                 compared("pair_place", "two pictures, with their place", pairs, of_pairs));
+    if (has_walks) {
+      ROOMWISE_TRY(rules.emplace_back(),
+                   stream("stream_place", "every picture of a walk, with its place", of_pictures_));
+    }
+    return {};
+  }
+
+  // Pictures of places that were never learned, without and, where any has depth, with their place.
+  Expected<void> unknown(const std::vector<LabelledPicture>& pictures, const HomePlaces* places,
+                         RoomEvaluation& evaluation) {
+    ROOMWISE_TRY(const auto seen, look_at(pictures));
+    std::vector<rooms::PictureEvidence> evidence;
+    for (const TimedPrediction& one : seen) {
+      ROOMWISE_TRY(evidence.emplace_back(), recognizer_.evidence(one.prediction));
+    }
+    ROOMWISE_TRY(evaluation.unknown, judge_unknown(pictures, evidence, {}, {}));
+    if (places == nullptr || !have_depth(pictures)) return {};
+    ROOMWISE_TRY(const TimedPlaces found, look_for(*places, pictures, singles_of(pictures)));
+    ROOMWISE_TRY(evaluation.unknown_with_place,
+                 judge_unknown(pictures, evidence, found, of_pictures_));
+    return {};
   }
 
  private:
   static void add(RuleResult& result, Judgement judgement) {
     result.judgements.push_back(std::move(judgement));
+  }
+
+  // Gives the place of an entry and adds the time that it took; empty where there is none.
+  static RoomRecognizer::FindPlace finder(const TimedPlaces& places, std::size_t entry,
+                                          double& taken_ms) {
+    if (places.empty() || !places[entry]) return {};
+    return [&place = *places[entry], &taken_ms]() -> Expected<rooms::PlaceEvidence> {
+      taken_ms += place.ms;
+      return place.evidence;
+    };
+  }
+
+  [[nodiscard]] Expected<TimedPlaces> look_for(const HomePlaces& places,
+                                               const std::vector<LabelledPicture>& pictures,
+                                               const std::vector<PictureSpan>& spans) {
+    return find_places(places, pictures, spans, recognizer_.rooms(), run_);
+  }
+
+  // How well each picture is known; `places` are used wherever there are any.
+  [[nodiscard]] std::vector<double> known_of(const std::vector<rooms::PictureEvidence>& evidence,
+                                             const TimedPlaces& places) const {
+    std::vector<double> known;
+    for (std::size_t i = 0; i < evidence.size(); ++i) {
+      const bool is_placed = !places.empty() && places[i];
+      known.push_back(
+          is_placed
+              ? rooms::with_place(evidence[i], places[i]->evidence, recognizer_.calibration()).known
+              : evidence[i].known);
+    }
+    return known;
+  }
+
+  Expected<UnknownResult> judge_unknown(const std::vector<LabelledPicture>& pictures,
+                                        const std::vector<rooms::PictureEvidence>& evidence,
+                                        const TimedPlaces& places,
+                                        const TimedPlaces& places_of_known) const {
+    UnknownResult result;
+    result.pictures = pictures.size();
+    double ignored_ms = 0;
+    for (std::size_t i = 0; i < pictures.size(); ++i) {
+      const auto see_names = [&]() -> Expected<network::Prediction> {
+        ROOMWISE_TRY(const image::ColorImage picture, pictures[i].read());
+        return recognizer_.naming()->predict(picture);
+      };
+      ROOMWISE_TRY(
+          const rooms::RoomDecision decision,
+          recognizer_.decide(std::span(&evidence[i], 1), see_names, finder(places, i, ignored_ms)));
+      const Judgement judgement = judgement_of(i, decision);
+      ++result.answers[judgement.answer];
+      if (judgement.named) ++result.named;
+    }
+    result.area_under_roc = evaluation::area_under_roc(known_of(evidence_, places_of_known),
+                                                       known_of(evidence, places));
+    return result;
   }
 
   [[nodiscard]] Expected<std::vector<TimedPrediction>> look_at(
@@ -213,6 +290,7 @@ class Evaluator {
   std::vector<rooms::RoomScore> paper_;  // the best of each picture
   std::vector<rooms::PictureEvidence> evidence_;
   std::map<std::size_t, TimedPrediction> named_;
+  TimedPlaces of_pictures_;  // empty where none was looked for
 };
 
 std::uint64_t block_of(const LabelledPicture& picture, bool by_walks) {
@@ -264,7 +342,7 @@ std::vector<evaluation::CoveragePoint> curve_of(const RuleResult& result,
 
 Expected<RoomEvaluation> evaluate_rooms(const std::vector<LabelledPicture>& pictures,
                                         const std::vector<LabelledPicture>& unknown,
-                                        const RoomRecognizer& recognizer,
+                                        const RoomRecognizer& recognizer, const HomePlaces* places,
                                         const RoomEvaluationOptions& options, RunContext& run) {
   if (options.pair_step == 0) return fail("the two pictures of a pair must be at least 1 apart");
   Evaluator evaluator(pictures, recognizer, options, run);
@@ -273,16 +351,8 @@ Expected<RoomEvaluation> evaluate_rooms(const std::vector<LabelledPicture>& pict
   evaluation.features = evaluator.features();
   evaluation.by_walks = !pictures.empty() && pictures.back().walk + 1 >= kWalksToResample;
   if (evaluator.compares()) {
-    ROOMWISE_TRY(evaluation.rules.emplace_back(), evaluator.single());
-    ROOMWISE_TRY(evaluation.rules.emplace_back(), evaluator.pair());
-    const bool has_walks = std::ranges::any_of(
-        pictures, [](const LabelledPicture& picture) { return picture.frame > 0; });
-    if (has_walks) {
-      ROOMWISE_TRY(evaluation.rules.emplace_back(), evaluator.stream());
-    }
-    if (!unknown.empty()) {
-      ROOMWISE_TRY(evaluation.unknown, evaluator.unknown(unknown));
-    }
+    ROOMWISE_CHECK_OK(evaluator.compare_all(places, evaluation.rules));
+    if (!unknown.empty()) ROOMWISE_CHECK_OK(evaluator.unknown(unknown, places, evaluation));
   }
   evaluation.rules.push_back(evaluator.paper_single());
   ROOMWISE_TRY(evaluation.rules.emplace_back(), evaluator.paper_pair(false));

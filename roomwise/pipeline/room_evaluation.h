@@ -9,6 +9,7 @@
 #include "roomwise/evaluation/confusion_matrix.h"
 #include "roomwise/evaluation/resampling.h"
 #include "roomwise/evaluation/score_ranking.h"
+#include "roomwise/pipeline/home_places.h"
 #include "roomwise/pipeline/labelled_pictures.h"
 #include "roomwise/pipeline/room_recognizer.h"
 #include "roomwise/pipeline/run_context.h"
@@ -58,6 +59,7 @@ struct UnknownResult {
 struct RoomEvaluation {
   std::vector<RuleResult> rules;
   std::optional<UnknownResult> unknown;
+  std::optional<UnknownResult> unknown_with_place;  // where one of them has depth
   // Whether intervals resample whole walks (from five walks on), or else visits of rooms.
   bool by_walks = false;
   std::vector<std::vector<float>> features;  // of each picture, as the network gives them
@@ -71,11 +73,14 @@ struct RoomEvaluationOptions {
 
 // Recognises every picture, every pair of pictures `pair_step` apart and (photos apart) every walk
 // as a stream, by comparing and by the paper's rule. The stream sees the evaluated pictures alone.
+// Where pictures have depth and `places` is given, the same again with their places, whose time
+// counts where they were asked for.
 // `unknown`: pictures of places that were never learned, or none. A home whose rooms were learned
 // by an earlier version is evaluated by the paper's rule alone.
 [[nodiscard]] Expected<RoomEvaluation> evaluate_rooms(const std::vector<LabelledPicture>& pictures,
                                                       const std::vector<LabelledPicture>& unknown,
                                                       const RoomRecognizer& recognizer,
+                                                      const HomePlaces* places,
                                                       const RoomEvaluationOptions& options,
                                                       RunContext& run);
 

@@ -80,35 +80,60 @@ Expected<std::vector<objects::Sighting>> RoomRecognizer::objects_in(const SeeNam
   return objects::top_objects(seen.scores, naming_->labels(), concepts_.vocabulary, kTop);
 }
 
-Expected<rooms::RoomDecision> RoomRecognizer::decide(
-    std::span<const rooms::PictureEvidence> pictures, const SeeNames& named_last) const {
-  const rooms::RoomCalibration& calibration = classifier_.recall()->calibration;
-  const rooms::PictureEvidence combined = rooms::combine(pictures);
-  rooms::RoomDecision decision = rooms::decide(combined, rooms(), calibration);
-  const bool objects_may_tell =
-      decision.verdict == rooms::Verdict::kNotSure && combined.known >= calibration.known_from;
-  if (!objects_may_tell) return decision;
-  ROOMWISE_TRY(const auto objects, objects_in(named_last));
-  return rooms::decide_with_objects(combined, objects, concepts_, rooms_, calibration,
-                                    room_objects_);
+Expected<std::optional<rooms::PlaceEvidence>> RoomRecognizer::place_of(
+    const rooms::PictureEvidence& pictures, const FindPlace& find_place) const {
+  const bool is_asked = find_place && rooms::place_may_tell(pictures, calibration());
+  if (!is_asked) return std::optional<rooms::PlaceEvidence>();
+  return find_place();
 }
 
-Expected<rooms::RoomDecision> RoomRecognizer::recognize(
-    std::span<const image::ColorImage> pictures) const {
+Expected<rooms::RoomDecision> RoomRecognizer::decide(
+    std::span<const rooms::PictureEvidence> pictures, const SeeNames& named_last,
+    const FindPlace& find_place) const {
+  rooms::PictureEvidence combined = rooms::combine(pictures);
+  ROOMWISE_TRY(const auto place, place_of(combined, find_place));
+  if (place) combined = rooms::with_place(combined, *place, calibration());
+  rooms::RoomDecision decision = rooms::decide(combined, rooms(), calibration());
+  const bool objects_may_tell =
+      decision.verdict == rooms::Verdict::kNotSure && combined.known >= calibration().known_from;
+  if (objects_may_tell) {
+    ROOMWISE_TRY(const auto objects, objects_in(named_last));
+    decision = rooms::decide_with_objects(combined, objects, concepts_, rooms_, calibration(),
+                                          room_objects_);
+  }
+  if (place) decision.why += "; " + place->why;
+  return decision;
+}
+
+Expected<rooms::RoomDecision> RoomRecognizer::recognize(std::span<const image::ColorImage> pictures,
+                                                        const FindPlace& find_place) const {
   if (pictures.empty()) return fail("no picture is given; give at least one");
   std::vector<rooms::PictureEvidence> seen;
   for (const image::ColorImage& picture : pictures) {
     ROOMWISE_TRY(const network::Prediction prediction, features_->predict(picture));
     ROOMWISE_TRY(seen.emplace_back(), evidence(prediction));
   }
-  return decide(seen, [&] { return naming_->predict(pictures.back()); });
+  return decide(
+      seen, [&] { return naming_->predict(pictures.back()); }, find_place);
+}
+
+Expected<rooms::RoomDecision> RoomRecognizer::see(rooms::RoomStream& stream,
+                                                  const rooms::PictureEvidence& picture,
+                                                  double elapsed_s,
+                                                  const FindPlace& find_place) const {
+  ROOMWISE_TRY(const auto place, place_of(picture, find_place));
+  if (!place) return stream.see(picture, elapsed_s);
+  rooms::RoomDecision decision =
+      stream.see(rooms::with_place(picture, *place, calibration()), elapsed_s);
+  decision.why += "; " + place->why;
+  return decision;
 }
 
 Expected<rooms::RoomStream> RoomRecognizer::stream() const {
   if (!classifier_.recall()) {
     return fail("the rooms were learned by an earlier Roomwise; learn them again");
   }
-  return rooms::RoomStream(topology_, classifier_.recall()->calibration);
+  return rooms::RoomStream(topology_, calibration());
 }
 
 Expected<rooms::RoomAnswer> RoomRecognizer::paper_decide(const rooms::RoomScore& first,

@@ -5,6 +5,7 @@
 
 #include "roomwise/home/home.h"
 #include "roomwise/pipeline/keyframe_observer.h"
+#include "roomwise/rooms/place_evidence.h"
 #include "roomwise/rooms/room_classifier.h"
 #include "roomwise/rooms/room_decision.h"
 #include "roomwise/rooms/room_stream.h"
@@ -13,8 +14,9 @@
 namespace roomwise::pipeline {
 
 // Says the room that pictures show: what a home learned, and the networks that it learned with. In
-// two ways: by comparing them with the pictures that were learned from, which may end in "not sure"
-// and "none of them"; and by the paper's rule of two frames, which always names a room.
+// two ways: by comparing them with the pictures that were learned from, and by their place on the
+// map where that can be asked, which may end in "not sure" and "none of them"; and by the paper's
+// rule of two frames, which always names a room.
 class RoomRecognizer {
  public:
   // `networks` must hold the one that the home's rooms were learned with (known by its fingerprint)
@@ -27,6 +29,10 @@ class RoomRecognizer {
   // for.
   using SeeNames = std::function<Expected<network::Prediction>()>;
 
+  // What the place of the pictures tells (HomePlaces); asked only where it may change the answer.
+  // Empty: no place is looked for.
+  using FindPlace = std::function<Expected<rooms::PlaceEvidence>()>;
+
   // ---- by comparing ----
   // For what features() saw in a picture. Fails where the home's rooms were learned by a version of
   // Roomwise that kept nothing to compare with.
@@ -34,14 +40,20 @@ class RoomRecognizer {
     return classifier_.evidence(seen.features);
   }
   // From pictures of one place. Objects of the last one are looked for only where the pictures are
-  // known but do not tell the room.
+  // known but, with their place, do not tell the room.
   [[nodiscard]] Expected<rooms::RoomDecision> decide(
-      std::span<const rooms::PictureEvidence> pictures, const SeeNames& named_last) const;
+      std::span<const rooms::PictureEvidence> pictures, const SeeNames& named_last,
+      const FindPlace& find_place = {}) const;
   // From the pictures themselves, one or more of one place.
-  [[nodiscard]] Expected<rooms::RoomDecision> recognize(
-      std::span<const image::ColorImage> pictures) const;
+  [[nodiscard]] Expected<rooms::RoomDecision> recognize(std::span<const image::ColorImage> pictures,
+                                                        const FindPlace& find_place = {}) const;
   // For pictures of a walk, one after the other. Fails as evidence() does.
   [[nodiscard]] Expected<rooms::RoomStream> stream() const;
+  // The next picture of a walk, `elapsed_s` after the one before, by what features() saw in it.
+  [[nodiscard]] Expected<rooms::RoomDecision> see(rooms::RoomStream& stream,
+                                                  const rooms::PictureEvidence& picture,
+                                                  double elapsed_s,
+                                                  const FindPlace& find_place = {}) const;
 
   // ---- the paper's way ----
   // Every room with its probability, best first.
@@ -60,6 +72,10 @@ class RoomRecognizer {
   [[nodiscard]] const network::Classifier& features() const { return *features_; }
   [[nodiscard]] const network::Classifier* naming() const { return naming_; }  // nullptr: none
   [[nodiscard]] const std::vector<std::string>& rooms() const { return classifier_.rooms(); }
+  // Of what compares. Only where evidence() does not fail.
+  [[nodiscard]] const rooms::RoomCalibration& calibration() const {
+    return classifier_.recall()->calibration;
+  }
   // Which rooms doors lead between, by the walks whose rooms were named.
   [[nodiscard]] const rooms::RoomTopology& topology() const { return topology_; }
 
@@ -76,6 +92,8 @@ class RoomRecognizer {
         features_(features),
         naming_(naming) {}
   [[nodiscard]] Expected<std::vector<objects::Sighting>> objects_in(const SeeNames& names) const;
+  [[nodiscard]] Expected<std::optional<rooms::PlaceEvidence>> place_of(
+      const rooms::PictureEvidence& pictures, const FindPlace& find_place) const;
 
   rooms::RoomClassifier classifier_;
   rooms::Concepts concepts_;

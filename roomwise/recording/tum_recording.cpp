@@ -166,6 +166,14 @@ void TumRecording::skip_before(std::uint64_t index) {
   info_.frame_count = associations_.size() - position_;
 }
 
+Expected<std::optional<image::RgbdFrame>> TumRecording::frame(std::uint64_t index) const {
+  const auto association = std::ranges::lower_bound(associations_, index, {}, &Association::first);
+  if (association == associations_.end() || association->first != index) {
+    return std::optional<image::RgbdFrame>();
+  }
+  return read_frame(*association);
+}
+
 Expected<image::RgbdFrame> TumRecording::read_frame(const Association& association) const {
   const auto [color_entry, depth_entry] = association;
   image::RgbdFrame frame;

@@ -64,6 +64,9 @@ class TumRecording final : public FrameSource {
   // another size than the camera's, or where depth is no 16-bit greyscale PNG.
   [[nodiscard]] Expected<std::optional<image::RgbdFrame>> next() override;
   void skip_before(std::uint64_t index) override;
+  // The frame of a colour image, whatever next() has given; nothing where it has no depth image.
+  // Fails as next() does. Thread-safe.
+  [[nodiscard]] Expected<std::optional<image::RgbdFrame>> frame(std::uint64_t index) const;
 
   // All colour images, with depth or without; RgbdFrame::index counts in this list.
   [[nodiscard]] const ImageList& colors() const { return colors_; }

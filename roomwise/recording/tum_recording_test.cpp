@@ -86,6 +86,18 @@ TEST_F(TumFolder, SkipsFramesByIndex) {
   EXPECT_FALSE((*recording)->next()->has_value());
 }
 
+TEST_F(TumFolder, GivesAnyFrameByItsIndex) {
+  auto recording = open();
+  ASSERT_OK(recording);
+  const auto last = (*recording)->frame(3);
+  ASSERT_OK(last);
+  ASSERT_TRUE(last->has_value());
+  EXPECT_EQ((*last)->depth.at(3, 2), 1003);
+  EXPECT_FALSE((*recording)->frame(2)->has_value()) << "it has no depth";
+  EXPECT_FALSE((*recording)->frame(4)->has_value());
+  EXPECT_EQ((*recording)->next()->value().index, 0U) << "next() goes on where it was";
+}
+
 TEST_F(TumFolder, GivesColourWithoutDepthToo) {
   const auto colors = ImageList::open(folder_.path(), "rgb.txt");
   ASSERT_OK(colors);

@@ -173,11 +173,34 @@ std::optional<std::size_t> RoomLayout::room_of_cell(int column, int row) const {
   return room == kNoRoom ? std::nullopt : std::optional<std::size_t>(room);
 }
 
-std::optional<std::string> RoomLayout::room_at(const Vector2d& point_level) const {
+std::optional<std::size_t> RoomLayout::room_around(const Vector2d& point_level) const {
   const Eigen::Array2d cell = ((point_level - origin_m_) / cell_m_).array().floor();
   if (!(cell.abs() < kMostCells).all()) return std::nullopt;
-  const auto room = room_of_cell(static_cast<int>(cell.x()), static_cast<int>(cell.y()));
+  return room_of_cell(static_cast<int>(cell.x()), static_cast<int>(cell.y()));
+}
+
+std::optional<std::string> RoomLayout::room_at(const Vector2d& point_level) const {
+  const auto room = room_around(point_level);
   return room ? std::optional(rooms_[*room].name) : std::nullopt;
+}
+
+std::vector<double> RoomLayout::shares_around(const Vector2d& point_level, double sigma_m) const {
+  // A normal distribution, looked at every half standard deviation.
+  constexpr int kReach = 6;
+  constexpr double kStep = 0.5;
+  std::vector<double> shares(rooms_.size(), 0);
+  double sum = 0;
+  for (int y = -kReach; y <= kReach; ++y) {
+    for (int x = -kReach; x <= kReach; ++x) {
+      const Vector2d offset = kStep * Vector2d(x, y);
+      const double density = std::exp(-offset.squaredNorm() / 2);
+      sum += density;
+      const auto room = room_around(point_level + sigma_m * offset);
+      if (room) shares[*room] += density;
+    }
+  }
+  for (double& share : shares) share /= sum;
+  return shares;
 }
 
 std::vector<std::string> RoomLayout::neighbors(const std::string& room) const {

@@ -66,6 +66,10 @@ class RoomLayout {
   [[nodiscard]] const std::vector<Doorway>& doorways() const { return doorways_; }
   // The room that the point lies in; absent outside, and far from all floor.
   [[nodiscard]] std::optional<std::string> room_at(const Eigen::Vector2d& point_level) const;
+  // The same for a point that is known with this standard deviation along each direction, m: the
+  // probability of each of rooms(), in their order. What they lack of 1 is outside.
+  [[nodiscard]] std::vector<double> shares_around(const Eigen::Vector2d& point_level,
+                                                  double sigma_m) const;
   // The same for a cell of the grid: index into rooms().
   [[nodiscard]] std::optional<std::size_t> room_of_cell(int column, int row) const;
   // The rooms that a doorway leads to from this one, by name.
@@ -73,6 +77,7 @@ class RoomLayout {
 
  private:
   RoomLayout() = default;
+  [[nodiscard]] std::optional<std::size_t> room_around(const Eigen::Vector2d& point_level) const;
 
   Eigen::Vector2d origin_m_ = Eigen::Vector2d::Zero();
   double cell_m_ = 0;

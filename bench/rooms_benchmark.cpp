@@ -1,0 +1,286 @@
+// How rightly rooms are named in many simulated homes: each is walked through and learned by day,
+// and looked at on other walks, in the evening, by night and with things moved; walks through other
+// homes are the rooms that it never learned.
+//   rooms_benchmark FOLDER --homes 101-120
+// It runs the program `roomwise` beside it and keeps what each command printed: what was done is
+// not done again. Prints a table over all homes. Intervals of 95 % resample whole walks (of what
+// was never learned: homes).
+
+#include <fcntl.h>
+#include <fmt/ranges.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "arguments.h"
+#include "roomwise/base/file.h"
+#include "roomwise/evaluation/resampling.h"
+
+namespace roomwise::bench {
+namespace {
+
+namespace fs = std::filesystem;
+using evaluation::BlockedProportion;
+using nlohmann::json;
+using Words = std::vector<std::string>;
+
+struct RoomsOptions {
+  fs::path folder;
+  std::string homes;
+  std::vector<fs::path> networks;
+  bool is_made_alone = false;
+  bool is_thinned = false;
+};
+
+struct Walk {
+  std::string_view name, scenario, condition;
+  int seed;
+};
+constexpr std::array kVisits{
+    Walk{"evening", "evening", "light", 2}, Walk{"night", "night", "light", 3},
+    Walk{"moved-1", "moved", "moved", 4}, Walk{"moved-2", "moved", "moved", 5}};
+
+// The rooms of a home, by its seed.
+constexpr std::array<std::string_view, 5> kRooms{
+    "bedroom,bedroom,kitchen,toilet,hall",
+    "bedroom,kitchen,toilet,hall",
+    "bedroom,bedroom,kitchen,toilet,hall,living-room",
+    "bedroom,kitchen,toilet,hall,living-room",
+    "bedroom,bedroom,kitchen,toilet,hall,living-room,dining-room,study",
+};
+
+// Runs bin/roomwise and keeps what it prints in a file, which is there only when it is done.
+Expected<void> run_once(Words words, const fs::path& result) {
+  if (fs::exists(result)) return {};
+  static const std::string program =
+      (fs::read_symlink("/proc/self/exe").parent_path() / "roomwise").string();
+  fmt::print(stderr, "roomwise {}\n", fmt::join(words, " "));
+  words.insert(words.begin(), program);
+  words.emplace_back("--json");
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+  const std::string unfinished = result.string() + ".unfinished";
+  posix_spawn_file_actions_t files;
+  posix_spawn_file_actions_init(&files);
+  posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, unfinished.c_str(),
+                                   O_WRONLY | O_CREAT | O_TRUNC, 0644);
+  pid_t process = -1;
+  const int spawned = posix_spawn(&process, program.c_str(), &files, nullptr, argv.data(), environ);
+  posix_spawn_file_actions_destroy(&files);
+  if (spawned != 0) return fail("{}: cannot be started", program);
+  int status = 0;
+  waitpid(process, &status, 0);
+  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
+    return fail("roomwise {} failed; the same command goes on from there", words[1]);
+  }
+  fs::rename(unfinished, result);
+  return {};
+}
+
+Words with_networks(Words words, const RoomsOptions& options) {
+  for (const fs::path& network : options.networks) {
+    words.insert(words.end(), {"--network", network.string()});
+  }
+  return words;
+}
+
+Expected<void> simulate(const std::string& seed, const fs::path& folder, const Walk& walk,
+                        const Words& more) {
+  const std::size_t kind = std::stoull(seed) % kRooms.size();
+  const fs::path output = folder / walk.name;
+  Words words{"simulate",
+              "--home-seed",
+              seed,
+              "--rooms",
+              std::string(kRooms[kind]),
+              "--scenario",
+              std::string(walk.scenario),
+              "--scenario-seed",
+              std::to_string(walk.seed),
+              "--walk-seed",
+              std::to_string(walk.seed),
+              "--samples",
+              "2",
+              "--bake-effort",
+              "0.4",
+              "-o",
+              output.string()};
+  words.insert(words.end(), more.begin(), more.end());
+  return run_once(std::move(words), folder / fmt::format("{}.json", walk.name));
+}
+
+// The home's walks, its map, and what was learned.
+Expected<void> make_home(const std::string& seed, const RoomsOptions& options) {
+  const fs::path folder = options.folder / seed;
+  fs::create_directories(folder);
+  const fs::path home = folder / "day.home";
+  const fs::path mapped = folder / "mapped.json";
+  ROOMWISE_CHECK_OK(
+      simulate(seed, folder, {"day", "day", "", 1}, {"--fps", "3", "--no-fast-turns"}));
+  if (!fs::exists(mapped)) {
+    for (const char* suffix : {"", "-wal", "-shm", "-lock"}) fs::remove(home.string() + suffix);
+  }
+  ROOMWISE_CHECK_OK(run_once(
+      with_networks({"map", (folder / "day").string(), "--home", home.string()}, options), mapped));
+  if (options.is_thinned) fs::remove_all(folder / "day");
+  for (const Walk& walk : kVisits) {
+    ROOMWISE_CHECK_OK(simulate(seed, folder, walk, {"--fps", "0.7", "--frames", "140"}));
+  }
+  return {};
+}
+
+// Rooms that the home never learned: of the two homes after it in the list, one walk each.
+Expected<json> evaluate_home(std::size_t i, const Words& seeds, const RoomsOptions& options) {
+  const fs::path folder = options.folder / seeds[i];
+  const std::string home = (folder / "day.home").string();
+  ROOMWISE_CHECK_OK(run_once(with_networks({"rooms", "learn", "--home", home}, options),
+                             folder / "learned.json"));
+  Words words{"rooms", "eval", "--home", home, "--margin", "1"};
+  for (const Walk& walk : kVisits) {
+    words.insert(words.end(), {"--recording", (folder / walk.name).string()});
+  }
+  for (std::size_t k = 1; k <= 2; ++k) {
+    const std::string& other = seeds[(i + k) % seeds.size()];
+    const std::string_view walk = kVisits[2 * (k - 1)].name;
+    if (other != seeds[i]) {
+      words.insert(words.end(), {"--unknown", (options.folder / other / walk).string()});
+    }
+  }
+  const fs::path result = folder / "rooms.json";
+  ROOMWISE_CHECK_OK(run_once(with_networks(std::move(words), options), result));
+  ROOMWISE_TRY(const std::string text, read_text_file(result));
+  return json::parse(text);
+}
+
+// ---- the table ----
+
+constexpr std::array<std::pair<const char*, const char*>, 9> kWays{
+    {{"paper_single", "the paper's way, one picture"},
+     {"paper_pair_without_objects", "the paper's way, two pictures, no objects"},
+     {"paper_pair", "the paper's way, two pictures"},
+     {"single", "one picture"},
+     {"pair", "two pictures"},
+     {"stream", "every picture of a walk"},
+     {"single_place", "one picture, with its place"},
+     {"pair_place", "two pictures, with their place"},
+     {"stream_place", "every picture of a walk, with its place"}}};
+
+// `part` of `whole` trials of a block succeeded.
+void add(BlockedProportion& to, std::uint64_t block, std::uint64_t part, std::uint64_t whole) {
+  for (std::uint64_t i = 0; i < whole; ++i) to.add(block, i < part);
+}
+
+std::string cell(const BlockedProportion& share) {
+  const evaluation::Interval interval = share.resampled_interval();
+  return fmt::format("{:.3f} ({:.3f} to {:.3f})", share.total().value(), interval.low,
+                     interval.high);
+}
+
+void print_ways(const std::vector<json>& homes) {
+  fmt::print(
+      "| way | what changed | walks | decisions | named | of these right | best room right |\n"
+      "| --- | --- | --- | --- | --- | --- | --- |\n");
+  for (const auto& [key, title] : kWays) {
+    for (const auto& [condition, changed] :
+         {std::pair("light", "light"), std::pair("moved", "things moved")}) {
+      BlockedProportion named, right, best;
+      std::uint64_t block = 0;
+      for (const json& home : homes) {
+        if (!home.contains(key)) continue;
+        for (const json& walk : home.at(key).at("walks")) {
+          const auto of_visit = std::ranges::find(kVisits, walk.at("walk"), &Walk::name);
+          if (of_visit == kVisits.end() || of_visit->condition != condition) continue;
+          ++block;
+          add(named, block, walk.at("named"), walk.at("n"));
+          add(right, block, walk.at("right"), walk.at("named"));
+          add(best, block, walk.at("correct"), walk.at("n"));
+        }
+      }
+      if (block == 0) continue;
+      fmt::print("| {} | {} | {} | {} | {} | {} | {} |\n", title, changed, block, best.total().n,
+                 cell(named), cell(right), cell(best));
+    }
+  }
+}
+
+void print_unknown(const std::vector<json>& homes) {
+  fmt::print(
+      "\n| never learned | pictures | got a name | AUROC: mean of the homes, least |\n"
+      "| --- | --- | --- | --- |\n");
+  for (const auto& [key, title] :
+       {std::pair("unknown", "one picture"), std::pair("unknown_place", "with its place")}) {
+    BlockedProportion named;
+    double sum = 0, least = 1;
+    std::uint64_t block = 0;
+    for (const json& home : homes) {
+      if (!home.contains(key)) continue;
+      const json& one = home.at(key);
+      const std::uint64_t n = one.at("n");
+      const double area = one.at("auroc");
+      add(named, ++block,
+          static_cast<std::uint64_t>(
+              std::lround(one.at("named").get<double>() * static_cast<double>(n))),
+          n);
+      sum += area;
+      least = std::min(least, area);
+    }
+    if (block == 0) continue;
+    fmt::print("| {} | {} | {} | {:.3f}, {:.3f} |\n", title, named.total().n, cell(named),
+               sum / static_cast<double>(block), least);
+  }
+}
+
+// "101-103,7": 101, 102, 103, 7.
+Expected<Words> parse_seeds(const std::string& text) {
+  constexpr const char* kUsage = "rooms_benchmark FOLDER --homes 101-120";
+  Words seeds;
+  for (const std::string& part : CLI::detail::split(text, ',')) {
+    const std::size_t dash = part.find('-');
+    ROOMWISE_TRY(const int first, parse_count(part.substr(0, dash), kUsage));
+    ROOMWISE_TRY(const int last,
+                 dash == std::string::npos ? first : parse_count(part.substr(dash + 1), kUsage));
+    for (int seed = first; seed <= last; ++seed) seeds.push_back(std::to_string(seed));
+  }
+  return seeds;
+}
+
+Expected<void> run(const RoomsOptions& options) {
+  ROOMWISE_TRY(const Words seeds, parse_seeds(options.homes));
+  for (const std::string& seed : seeds) ROOMWISE_CHECK_OK(make_home(seed, options));
+  if (options.is_made_alone) return {};
+  std::vector<json> homes;
+  for (std::size_t i = 0; i < seeds.size(); ++i) {
+    ROOMWISE_TRY(homes.emplace_back(), evaluate_home(i, seeds, options));
+  }
+  print_ways(homes);
+  print_unknown(homes);
+  return {};
+}
+
+}  // namespace
+}  // namespace roomwise::bench
+
+int main(int argc, char** argv) {
+  roomwise::bench::RoomsOptions options;
+  CLI::App app("How rightly rooms are named in many simulated homes");
+  app.add_option("FOLDER", options.folder, "Where homes are made and kept")->required();
+  app.add_option("--homes", options.homes, "Their seeds: 101-120, or 11,12")->required();
+  app.add_option("--network", options.networks,
+                 "ONNX networks to learn on and to name things with; default: as for map");
+  app.add_flag("--only-make", options.is_made_alone, "Simulate and map, and evaluate nothing yet");
+  app.add_flag("--thin", options.is_thinned,
+               "Delete each home's walk by day, which is the largest, once it is mapped");
+  CLI11_PARSE(app, argc, argv);
+  if (const auto done = roomwise::bench::run(options); !done) {
+    fmt::print(stderr, "rooms_benchmark: {}\n", done.error().message);
+    return 1;
+  }
+  return 0;
+}

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <optional>
+#include <span>
+
+#include "roomwise/fusion/level_frame.h"
+#include "roomwise/pipeline/home_localizer.h"
+#include "roomwise/rooms/place_evidence.h"
+
+namespace roomwise::pipeline {
+
+// Says what the place of pictures on a home's map tells of the room: finds where they were taken
+// and which room's floor that is.
+class HomePlaces {
+ public:
+  // Makes the localiser ready and fuses the map, which takes up to a minute. Fails where the home
+  // has no map, and when the user interrupts. Where no rooms were named, or the map shows no floor,
+  // places tell whether pictures are of this home, and no rooms.
+  [[nodiscard]] static Expected<HomePlaces> create(const home::Home& home,
+                                                   const mapping::LocalizerOptions& options,
+                                                   RunContext& run);
+
+  // Of one picture, or of two that were taken shortly after one another (the second's place).
+  // `rooms`: those that were learned. Fails where an image is not of its camera's size.
+  [[nodiscard]] Expected<rooms::PlaceEvidence> look(std::span<const PictureToLocate> pictures,
+                                                    std::span<const std::string> rooms) const;
+
+ private:
+  HomePlaces(HomeLocalizer localizer, const fusion::LevelFrame& frame)
+      : localizer_(std::move(localizer)), frame_(frame) {}
+
+  HomeLocalizer localizer_;
+  fusion::LevelFrame frame_;
+  std::optional<rooms::RoomLayout> layout_;
+};
+
+}  // namespace roomwise::pipeline

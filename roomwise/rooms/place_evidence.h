@@ -1,0 +1,51 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "roomwise/fusion/level_frame.h"
+#include "roomwise/mapping/localization.h"
+#include "roomwise/rooms/room_classifier.h"
+#include "roomwise/rooms/room_layout.h"
+
+namespace roomwise::rooms {
+
+// What looking for pictures on the home's map tells of the room in which they were taken.
+struct PlaceEvidence {
+  // Of each room, every room alike beforehand, by the place alone; they add up to 1. All alike
+  // where there is no place, or none of these rooms is there.
+  Eigen::VectorXd probabilities;
+  // How much oftener the localiser answers so to pictures of this home than to pictures of others:
+  // the logarithm of the ratio. Above 0 it speaks for this home.
+  double home_log_ratio = 0;
+  std::string why;  // for people: "the place on the map is in the kitchen (0.99)"
+};
+
+// From the localiser's answer. A pose shares its probability out among the rooms whose floor is
+// around it, as wide as it is uncertain; near a doorway that is several. A pose outside every floor
+// tells no room. That there is none speaks against this home if the pictures have depth; without
+// depth too many have none.
+//
+// `layout` may be absent: then no room is told. `rooms`: the learned ones, by name; what of the
+// layout is not among them is no room, and one of them without floor is none that the place tells.
+[[nodiscard]] PlaceEvidence place_evidence(const mapping::Localization& answer, bool has_depth,
+                                           const fusion::LevelFrame& frame,
+                                           const std::optional<RoomLayout>& layout,
+                                           std::span<const std::string> rooms);
+
+// Whether a place, or that there is none, may change what is said of pictures (combined): they
+// leave the room open, or are not so well known that it would be named without a place, too.
+[[nodiscard]] bool place_may_tell(const PictureEvidence& pictures,
+                                  const RoomCalibration& calibration);
+
+// What pictures (combined) and their place tell together, by Bayes' rule: probabilities multiply,
+// and so do the odds of being known. How well the pictures alone are known is bounded from below by
+// what 1 in 100 of the held-out pictures had (RoomCalibration::none_below), so that a sure place
+// makes any picture known.
+[[nodiscard]] PictureEvidence with_place(const PictureEvidence& pictures,
+                                         const PlaceEvidence& place,
+                                         const RoomCalibration& calibration);
+
+}  // namespace roomwise::rooms

@@ -1,0 +1,159 @@
+#include "roomwise/rooms/place_evidence.h"
+
+#include <gmock/gmock.h>
+
+#include "roomwise/rooms/room_decision.h"
+#include "roomwise/rooms/room_stream.h"
+#include "roomwise/rooms/test_rooms.h"
+
+namespace roomwise::rooms {
+namespace {
+
+using Eigen::Vector2d;
+using mapping::LocalizationStatus;
+using ::testing::HasSubstr;
+
+// Bath, hall and kitchen, one behind the other, 3 m by 2 m each, open to each other at x = 3 and 6
+// m.
+RoomLayout three_rooms() {
+  const image::Image<fusion::FloorCell> cells(90, 20, fusion::FloorCell::kFree);
+  const fusion::FloorGrid grid(Vector2d::Zero(), 0.1, cells);
+  WalkedPath walk;
+  for (double x_m = 0.5; x_m < 8.6; x_m += 0.1) {
+    walk.push_back({{x_m, 1}, x_m < 3 ? "bath" : x_m < 6 ? "hall" : "kitchen"});
+  }
+  return RoomLayout::make(grid, std::span(&walk, 1)).value();
+}
+
+// The localiser's answer: found `x_m` along the rooms, known to a centimetre.
+mapping::Localization found_at(double x_m) {
+  mapping::Localization answer;
+  answer.status = LocalizationStatus::kFound;
+  answer.world_from_camera.translation = {x_m, 1, 1.4};
+  answer.information = 1e4 * geometry::Matrix6d::Identity();
+  return answer;
+}
+
+mapping::Localization not_found(LocalizationStatus status) {
+  mapping::Localization answer;
+  answer.status = status;
+  return answer;
+}
+
+PlaceEvidence place(const mapping::Localization& answer, bool has_depth = true) {
+  static const std::optional<RoomLayout> layout = three_rooms();
+  return place_evidence(answer, has_depth, {}, layout, kRooms);
+}
+
+RoomDecision decide_at(const PictureEvidence& pictures, const PlaceEvidence& at) {
+  return decide(with_place(pictures, at, calibration()), kRooms, calibration());
+}
+
+TEST(PlaceEvidence, APoseDeepInARoomDecidesWherePicturesLeaveTwoOpen) {
+  const PictureEvidence pictures = evidence(0.02, 0.48, 0.5);
+  EXPECT_EQ(decide(pictures, kRooms, calibration()).verdict, Verdict::kNotSure);
+  const PlaceEvidence at = place(found_at(4.5));
+  EXPECT_NEAR(at.probabilities.sum(), 1, 1e-12);
+  EXPECT_GT(at.probabilities[1], 0.98);
+  EXPECT_THAT(at.why, HasSubstr("in hall"));
+  EXPECT_EQ(decide_at(pictures, at).room(), "hall");
+}
+
+TEST(PlaceEvidence, APoseAtADoorwayLeavesBothRooms) {
+  const PlaceEvidence at = place(found_at(6));
+  EXPECT_GT(at.probabilities[1], 0.35);
+  EXPECT_GT(at.probabilities[2], 0.35);
+  EXPECT_LT(at.probabilities[0], 0.01);
+  EXPECT_THAT(at.why, HasSubstr("between"));
+  EXPECT_EQ(decide_at(evidence(0.02, 0.48, 0.5), at).verdict, Verdict::kNotSure);
+  EXPECT_EQ(decide_at(evidence(0.02, 0.03, 0.95), at).room(), "kitchen")
+      << "there the pictures tell";
+}
+
+TEST(PlaceEvidence, ThePlaceIsAsWideAsItIsUncertain) {
+  mapping::Localization vague = found_at(5.2);
+  const double exact = place(vague).probabilities[1];
+  vague.information = geometry::Matrix6d::Identity();  // 1 m
+  EXPECT_LT(place(vague).probabilities[1], exact - 0.1);
+}
+
+TEST(PlaceEvidence, WhereItContradictsThePicturesNoRoomIsSaid) {
+  const RoomDecision decision = decide_at(evidence(0.005, 0.015, 0.98), place(found_at(1.5)));
+  EXPECT_EQ(decision.verdict, Verdict::kNotSure);
+}
+
+TEST(PlaceEvidence, APoseOutsideEveryFloorTellsNoRoom) {
+  const PlaceEvidence outside = place(found_at(40));
+  EXPECT_NEAR(outside.probabilities.maxCoeff(), outside.probabilities.minCoeff(), 1e-12);
+  EXPECT_GT(outside.home_log_ratio, 0) << "it is this home all the same";
+  const PictureEvidence pictures = evidence(0.1, 0.2, 0.7);
+  EXPECT_TRUE(
+      with_place(pictures, outside, calibration()).probabilities.isApprox(pictures.probabilities));
+}
+
+TEST(PlaceEvidence, ARoomThatWasNotLearnedIsNone) {
+  const std::optional<RoomLayout> layout = three_rooms();
+  const std::vector<std::string> learned{"bath", "hall"};
+  const PlaceEvidence at = place_evidence(found_at(7.5), true, {}, layout, learned);
+  EXPECT_NEAR(at.probabilities[0], at.probabilities[1], 1e-12);
+}
+
+TEST(PlaceEvidence, APlaceOnTheMapMakesAnyPictureKnown) {
+  const PictureEvidence strange = evidence(0.1, 0.7, 0.2, -9);
+  EXPECT_EQ(decide(strange, kRooms, calibration()).verdict, Verdict::kNoneOfThem);
+  EXPECT_EQ(decide_at(strange, place(found_at(4.5))).room(), "hall");
+}
+
+TEST(PlaceEvidence, APlaceByShapeWithLittleSupportMakesNothingKnown) {
+  mapping::Localization by_shape = found_at(4.5);
+  by_shape.witnesses = 3;
+  by_shape.support = 0.8;
+  EXPECT_EQ(place(by_shape).home_log_ratio, 0) << "other homes have such walls and doors, too";
+  EXPECT_GT(place(by_shape).probabilities[1], 0.98) << "if it is this home, it is there";
+  const PictureEvidence strange = evidence(0.1, 0.7, 0.2, -2.1);
+  EXPECT_EQ(decide_at(strange, place(by_shape)).verdict, Verdict::kNotSure);
+  by_shape.support = 2;
+  EXPECT_EQ(decide_at(strange, place(by_shape)).room(), "hall");
+}
+
+TEST(PlaceEvidence, ThatThereIsNoPlaceSpeaksAgainstThisHome) {
+  const PictureEvidence alike = evidence(0.01, 0.97, 0.02, -0.5);
+  EXPECT_EQ(decide(alike, kRooms, calibration()).room(), "hall");
+  const PlaceEvidence nowhere = place(not_found(LocalizationStatus::kNoMotion));
+  EXPECT_NE(decide_at(alike, nowhere).verdict, Verdict::kRoom);
+  EXPECT_TRUE(with_place(alike, nowhere, calibration()).probabilities.isApprox(alike.probabilities))
+      << "it tells nothing of the rooms";
+  const PlaceEvidence wall = place(not_found(LocalizationStatus::kPlain));
+  EXPECT_GT(wall.home_log_ratio, nowhere.home_log_ratio) << "a bare wall has no place anywhere";
+  EXPECT_LT(wall.home_log_ratio, 0);
+  EXPECT_EQ(place(not_found(LocalizationStatus::kNoMotion), /*has_depth=*/false).home_log_ratio, 0)
+      << "without depth few pictures have a place";
+}
+
+TEST(PlaceEvidence, IsAskedOnlyWhereItMayChangeTheAnswer) {
+  EXPECT_TRUE(place_may_tell(evidence(0.1, 0.5, 0.4, 2), calibration())) << "two rooms are open";
+  EXPECT_TRUE(place_may_tell(evidence(0, 1, 0, -1.5), calibration())) << "not known well enough";
+  EXPECT_TRUE(place_may_tell(evidence(0, 1, 0, -0.9), calibration())) << "it might be elsewhere";
+  const PictureEvidence sure = evidence(0, 0.95, 0.05, 2);
+  EXPECT_FALSE(place_may_tell(sure, calibration()));
+  EXPECT_EQ(decide_at(sure, place(not_found(LocalizationStatus::kNoMotion))).room(), "hall");
+}
+
+TEST(PlaceEvidence, WorksOnAWalk) {
+  RoomStream walk(RoomTopology(kRooms, kWalk), calibration());
+  const PictureEvidence strange = evidence(0.2, 0.4, 0.4, -4);
+  RoomDecision decision;
+  for (int i = 0; i < 3; ++i) {
+    decision = walk.see(with_place(strange, place(found_at(7.5)), calibration()), 1);
+  }
+  EXPECT_EQ(decision.room(), "kitchen");
+  for (int i = 0; i < 8; ++i) {
+    decision = walk.see(
+        with_place(strange, place(not_found(LocalizationStatus::kNothingSimilar)), calibration()),
+        1);
+  }
+  EXPECT_EQ(decision.verdict, Verdict::kNoneOfThem);
+}
+
+}  // namespace
+}  // namespace roomwise::rooms
