@@ -132,6 +132,8 @@ void ChildProgram::send(int signal) const {
 int ChildProgram::wait() {
   int status = 0;
   if (waitpid(std::exchange(process_, -1), &status, 0) < 0) return -1;
+  std::unique_lock lock(lines_->mutex);
+  lines_->changed.wait(lock, [this] { return lines_->closed; });
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
 
@@ -176,7 +178,6 @@ FinishedProgram run_to_end(std::vector<std::string> words) {
   ChildProgram program(std::move(words));
   FinishedProgram finished;
   finished.exit_code = program.wait();
-  (void)program.line_after(now_s(), "\n", now_s() + 60);  // until its output is closed
   finished.output = program.output();
   return finished;
 }

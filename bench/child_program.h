@@ -28,7 +28,7 @@ class ChildProgram {
 
   void type(std::string_view text);
   void send(int signal) const;
-  // Its end: the exit code, or 128 and the signal that ended it.
+  // Its end, and that of its outputs: the exit code, or 128 and the signal that ended it.
   int wait();
 
   // When the first line that holds `text` came, out of those that came after `since_s`; waits for

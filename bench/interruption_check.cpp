@@ -4,10 +4,7 @@
 // Every second end is a kill, the others are Ctrl-C. Prints what happened; exit code 1 where a home
 // was damaged, differs, or the program ended otherwise than it was ended.
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <spawn.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <chrono>
@@ -20,6 +17,7 @@
 #include <vector>
 
 #include "arguments.h"
+#include "child_program.h"
 #include "roomwise/base/file.h"
 #include "roomwise/base/random.h"
 #include "roomwise/home/home.h"
@@ -30,53 +28,20 @@ using namespace roomwise;
 namespace fs = std::filesystem;
 using std::chrono::duration;
 
-class Program {
- public:
-  explicit Program(std::vector<std::string> arguments) {
-    static const std::string program =
-        (fs::read_symlink("/proc/self/exe").parent_path() / "roomwise").string();
-    arguments.insert(arguments.begin(), program);
-    std::vector<char*> argv;
-    for (std::string& word : arguments) argv.push_back(word.data());
-    argv.push_back(nullptr);
-    posix_spawn_file_actions_t files;
-    posix_spawn_file_actions_init(&files);
-    posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
-    posix_spawn_file_actions_addopen(&files, STDERR_FILENO, errors_.c_str(),
-                                     O_WRONLY | O_CREAT | O_TRUNC, 0600);
-    if (posix_spawn(&process_, program.c_str(), &files, nullptr, argv.data(), environ) != 0) {
-      fmt::print(stderr, "{} cannot be started\n", program);
-      std::exit(1);
-    }
-    posix_spawn_file_actions_destroy(&files);
-  }
-  void send(int signal) const { kill(process_, signal); }
-  // The exit code, or 128 and the signal that ended it.
-  [[nodiscard]] int wait() const {
-    int status = 0;
-    waitpid(process_, &status, 0);
-    return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-  }
-
-  // What it said on standard error.
-  [[nodiscard]] std::string errors() const { return read_text_file(errors_).value_or(""); }
-
- private:
-  fs::path errors_ = fs::temp_directory_path() / fmt::format("interruption-check-{}.txt", getpid());
-  pid_t process_ = -1;
-};
-
 struct Check {
   fs::path recording;
   std::string seed;
   fs::path home = fs::temp_directory_path() / fmt::format("interruption-check-{}.home", getpid());
 
-  [[nodiscard]] Program map() const {
+  [[nodiscard]] bench::ChildProgram map() const {
+    const std::string program = bench::sibling_program("roomwise");
     if (has_map()) {
-      return Program({"map", recording.string(), "--home", home.string(), "--resume"});
+      return bench::ChildProgram(
+          {program, "map", recording.string(), "--home", home.string(), "--resume"});
     }
     remove();
-    return Program({"map", recording.string(), "--home", home.string(), "--seed", seed});
+    return bench::ChildProgram(
+        {program, "map", recording.string(), "--home", home.string(), "--seed", seed});
   }
   // Whether the home knows its recording; before that there is nothing to go on from. A home that
   // cannot be opened counts as one that does: digest() says what is wrong with it.
@@ -134,7 +99,7 @@ int main(int argc, char** argv) {
   RandomStream random(std::strtoull(check.seed.c_str(), nullptr, 10), {0x1207});
   int interrupted = 0, maps = 0, faults = 0;
   while (interrupted < wanted) {
-    const Program program = check.map();
+    bench::ChildProgram program = check.map();
     // Short against the whole, so that most maps are ended several times.
     std::this_thread::sleep_for(duration<double>(0.5 * whole_s * random.uniform()));
     const int signal = interrupted % 2 == 0 ? SIGKILL : SIGINT;
@@ -153,9 +118,9 @@ int main(int argc, char** argv) {
     // The first Ctrl-C of long work ends it with a word about going on; before and after it, it
     // ends the program at once.
     const bool was_interrupted =
-        code == 1 && program.errors().find("interrupted") != std::string::npos;
+        code == 1 && program.output().find("interrupted") != std::string::npos;
     if (code != 128 + signal && !(signal == SIGINT && (was_interrupted || code == 130))) {
-      fmt::print("FAILED: exit code {} after signal {}: {}\n", code, signal, program.errors());
+      fmt::print("FAILED: exit code {} after signal {}: {}\n", code, signal, program.output());
       ++faults;
     }
     if (check.has_map() && check.digest().empty()) ++faults;

@@ -130,6 +130,24 @@ TEST(Serve, RefusesWhatItCannotServe) {
   EXPECT_EQ(run_roomwise(serve(folder / "a.home", {"--pair", "king"})).exit_code, 2);
 }
 
+TEST(Serve, AHomeThatIsMadeWithAPassphraseIsServedWithItAlone) {
+  const ScratchFolder folder;
+  ASSERT_OK(write_file(folder / "phrase", std::string_view("seven small owls\n")));
+  const std::vector<std::string> phrase = {"--passphrase-file", (folder / "phrase").string()};
+  for (int start = 0; start < 2; ++start) {
+    ServeProcess home(serve(folder / "new.home", phrase));
+    ASSERT_NE(home.server.port, 0) << home.said() << home.errors();
+    EXPECT_EQ(home.end(SIGTERM), 0);
+  }
+  const ProgramResult without = run_roomwise(serve(folder / "new.home"));
+  EXPECT_EQ(without.exit_code, 1);
+  EXPECT_THAT(without.errors, HasSubstr("protected by a passphrase"));
+  ASSERT_OK(write_file(folder / "phrase", std::string_view("eight small owls\n")));
+  const ProgramResult wrong = run_roomwise(serve(folder / "new.home", phrase));
+  EXPECT_EQ(wrong.exit_code, 1);
+  EXPECT_THAT(wrong.errors, HasSubstr("the passphrase is wrong"));
+}
+
 // A row of the table of requests in docs/protocol.md.
 struct DocumentedRequest {
   std::string method, path, role;  // "-": everyone
