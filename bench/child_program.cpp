@@ -80,8 +80,16 @@ ChildProgram::ChildProgram(std::vector<std::string> words, std::vector<std::stri
   posix_spawn_file_actions_adddup2(&files, input[0], STDIN_FILENO);
   posix_spawn_file_actions_adddup2(&files, output[1], STDOUT_FILENO);
   posix_spawn_file_actions_adddup2(&files, output[1], STDERR_FILENO);
+  posix_spawnattr_t attributes;
+  posix_spawnattr_init(&attributes);
+  sigset_t as_usual;  // and not as here
+  sigemptyset(&as_usual);
+  sigaddset(&as_usual, SIGPIPE);
+  posix_spawnattr_setsigdefault(&attributes, &as_usual);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGDEF);
   const int spawned =
-      posix_spawnp(&process_, argv[0], &files, nullptr, argv.data(), variables.data());
+      posix_spawnp(&process_, argv[0], &files, &attributes, argv.data(), variables.data());
+  posix_spawnattr_destroy(&attributes);
   posix_spawn_file_actions_destroy(&files);
   ::close(input[0]);
   ::close(output[1]);
@@ -126,10 +134,11 @@ void ChildProgram::type(std::string_view text) {
 }
 
 void ChildProgram::send(int signal) const {
-  ::kill(process_, signal);
+  if (process_ > 0) ::kill(process_, signal);
 }
 
 int ChildProgram::wait() {
+  if (process_ <= 0) return -1;  // it has ended before
   int status = 0;
   if (waitpid(std::exchange(process_, -1), &status, 0) < 0) return -1;
   std::unique_lock lock(lines_->mutex);

@@ -11,7 +11,7 @@
 
 namespace roomwise::bench {
 
-// bin/NAME of the folder in which this program lies.
+// The program of this name in the folder in which this program lies.
 [[nodiscard]] std::string sibling_program(const std::string& name);
 
 // A program that runs beside this one: what it writes is kept line by line with the time at which

@@ -15,6 +15,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
@@ -55,12 +56,24 @@ constexpr std::array<std::string_view, 5> kRooms{
     "bedroom,bedroom,kitchen,toilet,hall,living-room,dining-room,study",
 };
 
-// Runs bin/roomwise and keeps what it prints in a file, which is there only when it is done.
+// Fails where a result is there that another command made.
+Expected<void> check_made_by(const std::string& command, const fs::path& result) {
+  ROOMWISE_TRY(const std::string text, read_text_file(result));
+  const json made = json::parse(text, nullptr, false);
+  const std::string by = made.is_object() ? made.value("command", "") : "";
+  if (by == command) return {};
+  return fail("{} was made by another command, '{}'; remove it to have it made anew",
+              result.string(), by);
+}
+
+// Runs bin/roomwise and keeps what it prints in a file, with its command, which is there only when
+// it is done.
 Expected<void> run_once(Words words, const fs::path& result) {
-  if (fs::exists(result)) return {};
+  const std::string command = fmt::format("{}", fmt::join(words, " "));
+  if (fs::exists(result)) return check_made_by(command, result);
   static const std::string program =
       (fs::read_symlink("/proc/self/exe").parent_path() / "roomwise").string();
-  fmt::print(stderr, "roomwise {}\n", fmt::join(words, " "));
+  fmt::print(stderr, "roomwise {}\n", command);
   words.insert(words.begin(), program);
   words.emplace_back("--json");
   std::vector<char*> argv;
@@ -80,7 +93,12 @@ Expected<void> run_once(Words words, const fs::path& result) {
   if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
     return fail("roomwise {} failed; the same command goes on from there", words[1]);
   }
-  fs::rename(unfinished, result);
+  ROOMWISE_TRY(const std::string printed, read_text_file(unfinished));
+  json made = json::parse(printed, nullptr, false);
+  if (!made.is_object()) return fail("roomwise {} printed no JSON", words[1]);
+  made["command"] = command;
+  ROOMWISE_CHECK_OK(write_file(result, made.dump()));
+  fs::remove(unfinished);
   return {};
 }
 

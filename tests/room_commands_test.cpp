@@ -217,6 +217,17 @@ TEST_F(RoomCommandsTest, WhatIsSaidOfObjectsIsKeptUntilItIsUnsaid) {
     words.insert(words.end(), {option, claim});
     return words;
   };
+  json said = result_of(with("--represents", "bed=loft")).at("rooms").at("loft").at(0);
+  EXPECT_EQ(said.at("object"), "bed");
+  EXPECT_EQ(said.at("representative"), true);
+  EXPECT_EQ(said.at("said"), true);
+  // It cannot stand in two rooms alone.
+  json moved = result_of(with("--represents", "bed=porch")).at("rooms");
+  EXPECT_FALSE(moved.contains("loft"));
+  EXPECT_EQ(moved.at("porch").at(0).at("representative"), true);
+  moved = result_of(with("--represents-not", "bed=porch")).at("rooms");
+  EXPECT_EQ(moved.at("porch").at(0).at("representative"), false);
+  EXPECT_TRUE(result_of(with("--unsay", "bed=porch")).at("rooms").empty());
   const ProgramResult no_room = run_roomwise(with("--represents", "bed=attic"));
   EXPECT_EQ(no_room.exit_code, 1);
   EXPECT_THAT(no_room.errors, HasSubstr("no room 'attic'"));

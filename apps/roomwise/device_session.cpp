@@ -120,9 +120,7 @@ void DeviceSession::take(const service::HomeMessage& message, TimestampNs now_ns
     things_ = welcome->things;
     role_ = welcome->role;
   } else if (const auto* arrived = std::get_if<service::FrameArrived>(&message)) {
-    if (link_.acknowledged(arrived->t_ms, steady_s(now_ns))) {
-      parts_.voice->notice("device.connection_slow", guide::Sound::kAlert, now_ns);
-    }
+    link_.acknowledged(arrived->t_ms, steady_s(now_ns));
   } else if (const auto* error = std::get_if<service::ErrorMessage>(&message)) {
     take_error(*error, now_ns);
   } else if (const auto* recording = std::get_if<service::RecordingState>(&message)) {
@@ -177,6 +175,9 @@ void DeviceSession::take_error(const service::ErrorMessage& error, TimestampNs n
 
 void DeviceSession::send_frames(TimestampNs now_ns) {
   if (!parts_.camera) return;
+  if (link_.take_became_slow()) {
+    parts_.voice->notice("device.connection_slow", guide::Sound::kAlert, now_ns);
+  }
   // What is recorded must be whole, however long it takes.
   parts_.camera->send_small(link_.is_slow() && recording_ != "recording");
   if (auto frame = parts_.camera->take()) link_.offer(frame->t_ms, std::move(frame->message));

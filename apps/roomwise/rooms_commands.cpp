@@ -425,14 +425,16 @@ void add_rooms_commands(CLI::App& app, Context& context) {
     add_home_option(*command, options->home);
     command->add_option("PICTURES", options->pictures, "Pictures of one place, one or more")
         ->required();
-    command->add_option(
+    CLI::Option* const depth = command->add_option(
         "--depth", options->depths,
         "A picture's depth image (16-bit PNG, registered to it); given once for "
         "each picture: where they were taken on the home's map counts too. Making the map "
         "ready takes up to a minute");
-    command->add_option("--camera", options->camera,
-                        "Of pictures with depth: fr1, fr2, fr3, kinect-v1, xtion, or a camera.txt; "
-                        "default: that of the home's recording");
+    command
+        ->add_option("--camera", options->camera,
+                     "Of pictures with depth: fr1, fr2, fr3, kinect-v1, xtion, or a camera.txt; "
+                     "default: that of the home's recording")
+        ->needs(depth);
     command
         ->add_option("--rule", options->rule,
                      "\"paper\": the paper's rule of one or two frames, which always names a room")

@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "roomwise/live/live_home.h"
+#include "roomwise/pipeline/room_contents.h"
 #include "roomwise/pipeline/room_learning.h"
 
 // What people change in a home that is open.
@@ -70,6 +71,7 @@ Expected<void> rename_room(home::Home& home, const std::string& name, const std:
   ROOMWISE_CHECK_OK(rename_in_walks(home, name, new_name));
   std::erase_if(rooms, [&](const rooms::Room& one) { return one.name == name; });
   ROOMWISE_CHECK_OK(rename_in_classifier(home, name, new_name));
+  ROOMWISE_CHECK_OK(pipeline::move_object_claims(home, name, new_name));
   return home.replace_rooms(rooms);
 }
 
@@ -121,6 +123,7 @@ Expected<void> LiveHome::forget_room(const std::string& name) {
     ROOMWISE_CHECK_OK(home.atomically([&]() -> Expected<void> {
       ROOMWISE_CHECK_OK(check_has_room(home, name));
       ROOMWISE_CHECK_OK(rename_in_walks(home, name, std::nullopt));
+      ROOMWISE_CHECK_OK(pipeline::move_object_claims(home, name, std::nullopt));
       ROOMWISE_CHECK_OK(home.forget_learned_rooms());
       ROOMWISE_TRY(auto rooms, home.rooms());
       std::erase_if(rooms, [&](const rooms::Room& one) { return one.name == name; });
@@ -186,6 +189,7 @@ Expected<void> LiveHome::forget_home() {
       ROOMWISE_CHECK_OK(home.forget_learned_rooms());
       ROOMWISE_CHECK_OK(home.replace_instances({}));
       ROOMWISE_CHECK_OK(home.replace_objects({}));
+      ROOMWISE_CHECK_OK(pipeline::store_object_claims(home, {}));
       return home.replace_rooms({});
     }));
     const std::scoped_lock lock(reader_mutex_);

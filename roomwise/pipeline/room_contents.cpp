@@ -42,6 +42,7 @@ Expected<std::map<home::KeyframeId, std::set<std::string>>> objects_of_keyframes
   for (const auto& [id, network] : networks | std::views::reverse) {
     if (network.labels.empty()) continue;
     ROOMWISE_TRY(const auto predictions, home.predictions(id));
+    if (predictions.empty()) continue;  // it has looked at nothing yet
     for (const auto& [keyframe, prediction] : predictions) {
       std::set<std::string>& objects = seen[keyframe];
       for (const objects::Sighting& sighting :
@@ -89,6 +90,20 @@ Expected<void> store_object_claims(home::Home& home,
   return home.put_setting(kClaimsSetting, json.dump());
 }
 
+Expected<void> move_object_claims(home::Home& home, const std::string& room,
+                                  const std::optional<std::string>& new_name) {
+  ROOMWISE_TRY(auto claims, object_claims(home));
+  if (claims.empty()) return {};
+  if (!new_name) {
+    std::erase_if(claims, [&](const rooms::ObjectClaim& claim) { return claim.room == room; });
+  } else {
+    for (rooms::ObjectClaim& claim : claims) {
+      if (claim.room == room) claim.room = *new_name;
+    }
+  }
+  return store_object_claims(home, claims);
+}
+
 Expected<rooms::RoomObjects> room_objects(const home::Home& home) {
   ROOMWISE_TRY(const rooms::Concepts concepts, home.concepts());
   ROOMWISE_TRY(const auto rooms, rooms_of_keyframes(home));
@@ -101,7 +116,10 @@ Expected<rooms::RoomObjects> room_objects(const home::Home& home) {
     if (room != rooms.end() && counts) pictures.push_back({room->second, objects});
   }
   ROOMWISE_TRY(auto claims, object_claims(home));
-  return rooms::RoomObjects(pictures, std::move(claims));
+  ROOMWISE_TRY(const auto known, home.rooms());
+  std::vector<std::string> names;
+  for (const rooms::Room& room : known) names.push_back(room.name);
+  return rooms::RoomObjects(pictures, std::move(claims), names);
 }
 
 Expected<std::map<std::string, rooms::RoomContents>> room_contents(const home::Home& home) {

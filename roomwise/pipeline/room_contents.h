@@ -1,6 +1,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,9 @@ namespace roomwise::pipeline {
 [[nodiscard]] Expected<std::vector<rooms::ObjectClaim>> object_claims(const home::Home& home);
 [[nodiscard]] Expected<void> store_object_claims(home::Home& home,
                                                  const std::vector<rooms::ObjectClaim>& claims);
+// What was said of a room goes with it: to its new name, or away where there is none.
+[[nodiscard]] Expected<void> move_object_claims(home::Home& home, const std::string& room,
+                                                const std::optional<std::string>& new_name);
 
 // The things of each named room, by the name that the key-frame has which shows a thing best. A
 // room without any is there, too.

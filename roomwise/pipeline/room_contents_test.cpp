@@ -70,6 +70,13 @@ TEST_F(RoomContentsTest, WhatIsClaimedIsKeptAndCounts) {
   ASSERT_OK(objects);
   EXPECT_EQ(objects->represented_room("bed"), "kitchen");
   EXPECT_EQ(objects->represented_room("microwave"), std::nullopt);
+  ASSERT_OK(move_object_claims(*home_, "kitchen", "galley"));
+  EXPECT_EQ(*object_claims(*home_), (std::vector<rooms::ObjectClaim>{
+                                        {"bed", "galley", true}, {"microwave", "galley", false}}));
+  ASSERT_OK(move_object_claims(*home_, "Anna's room", std::nullopt));
+  EXPECT_EQ(object_claims(*home_)->size(), 2U);
+  ASSERT_OK(move_object_claims(*home_, "galley", std::nullopt));
+  EXPECT_THAT(*object_claims(*home_), IsEmpty());
   ASSERT_OK(home_->put_setting("object_claims", "[{]"));
   EXPECT_ERROR(object_claims(*home_), "object_claims");
 }

@@ -75,7 +75,7 @@ PlaceEvidence place_evidence(const mapping::Localization& answer, bool has_depth
       if (room != rooms.end()) inside[room - rooms.begin()] += shares[i];
     }
   }
-  evidence.why = place_in_words(inside, rooms);
+  evidence.why = layout ? place_in_words(inside, rooms) : "the map has no rooms";
   // What lies in none of the rooms may be any of them.
   const double told = (1 - kWrongRoom) * inside.sum();
   evidence.probabilities = (1 - kWrongRoom) * inside + (1 - told) * evidence.probabilities;

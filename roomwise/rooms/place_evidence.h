@@ -20,7 +20,7 @@ struct PlaceEvidence {
   // How much oftener the localiser answers so to pictures of this home than to pictures of others:
   // the logarithm of the ratio. Above 0 it speaks for this home.
   double home_log_ratio = 0;
-  std::string why;  // for people: "the place on the map is in the kitchen (0.99)"
+  std::string why;  // for people: "its place on the map is in kitchen"
 };
 
 // From the localiser's answer. A pose shares its probability out among the rooms whose floor is

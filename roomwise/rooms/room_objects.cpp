@@ -11,14 +11,15 @@ constexpr double kClaimedShare = 0.98;
 
 }  // namespace
 
-RoomObjects::RoomObjects(std::span<const NamedPicture> pictures, std::vector<ObjectClaim> claims)
+RoomObjects::RoomObjects(std::span<const NamedPicture> pictures, std::vector<ObjectClaim> claims,
+                         std::span<const std::string> rooms)
     : claims_(std::move(claims)) {
+  for (const std::string& room : rooms) rooms_[room];
   for (const NamedPicture& picture : pictures) {
     Room& room = rooms_[picture.room];
     ++room.pictures;
     for (const std::string& object : picture.objects) ++room.shown[object];
   }
-  // A claim on a room that is not there any more says nothing.
   std::erase_if(claims_, [&](const ObjectClaim& claim) { return !rooms_.contains(claim.room); });
 }
 
@@ -35,9 +36,8 @@ int RoomObjects::shown(const Room& room, const std::string& object) const {
 
 double RoomObjects::weight(const std::string& room, const std::string& object) const {
   const auto found = rooms_.find(room);
-  const int pictures = found != rooms_.end() ? found->second.pictures : 0;
-  const int showing = found != rooms_.end() ? shown(found->second, object) : 0;
-  return (showing + 0.5) / (pictures + 1.0);
+  if (found == rooms_.end() || found->second.pictures == 0) return 0;
+  return (shown(found->second, object) + 0.5) / (found->second.pictures + 1.0);
 }
 
 std::map<std::string, double> RoomObjects::shares(const std::string& object) const {
@@ -49,14 +49,28 @@ std::map<std::string, double> RoomObjects::shares(const std::string& object) con
   if (!is_shown && claim == claims_.end()) return shares;
   double sum = 0;
   for (const auto& [room, counts] : rooms_) sum += shares[room] = weight(room, object);
-  for (auto& [room, share] : shares) share /= sum;
-  if (claim == claims_.end()) return shares;
-  // The rest goes to the other rooms, as they share it among themselves.
-  const double rest = 1 - shares.at(claim->room);
-  for (auto& [room, share] : shares) {
-    share = room == claim->room ? kClaimedShare : share / rest * (1 - kClaimedShare);
+  if (sum > 0) {
+    for (auto& [room, share] : shares) share /= sum;
   }
-  if (shares.size() == 1) shares.begin()->second = 1;
+  const double others = static_cast<double>(shares.size()) - 1;
+  if (others == 0) return {{shares.begin()->first, 1.0}};
+  // A room's share is set, and the rest goes to the others as they share it among themselves.
+  const auto set = [&](const std::string& set_room, double set_share) {
+    const double rest = sum > 0 ? 1 - shares.at(set_room) : 0;
+    for (auto& [room, share] : shares) {
+      if (room == set_room) continue;
+      share = rest > 0 ? share / rest * (1 - set_share) : (1 - set_share) / others;
+    }
+    shares.at(set_room) = set_share;
+  };
+  const double equal_part = 1 / (others + 1);
+  for (const ObjectClaim& denied : claims_) {
+    if (denied.object != object || denied.represents) continue;
+    if (shares.at(denied.room) > equal_part) set(denied.room, equal_part);
+  }
+  if (claim != claims_.end() && shares.at(claim->room) < kClaimedShare) {
+    set(claim->room, kClaimedShare);
+  }
   return shares;
 }
 

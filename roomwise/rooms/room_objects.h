@@ -36,8 +36,10 @@ class RoomObjects {
   static constexpr double kLeastShare = 0.8;
 
   RoomObjects() = default;
-  explicit RoomObjects(std::span<const NamedPicture> pictures,
-                       std::vector<ObjectClaim> claims = {});
+  // `rooms`: those that claims may be on, beside those of the pictures; claims on others say
+  // nothing.
+  explicit RoomObjects(std::span<const NamedPicture> pictures, std::vector<ObjectClaim> claims = {},
+                       std::span<const std::string> rooms = {});
 
   struct Relation {
     std::string room;
@@ -53,10 +55,13 @@ class RoomObjects {
   [[nodiscard]] std::vector<Relation> relations() const;
 
   // The probability that a picture of the room shows the object. Half a picture that does and half
-  // a one that does not are counted in (Jeffreys' prior), so that few pictures prove little.
+  // a one that does not are counted in (Jeffreys' prior), so that few pictures prove little. 0 for
+  // a room without pictures.
   [[nodiscard]] double weight(const std::string& room, const std::string& object) const;
   // How probable each room is where a picture shows the object, each room alike beforehand; they
-  // add up to 1. Empty for an object that no picture shows and nobody claims.
+  // add up to 1. A room that it represents, as somebody says, has 0.98 or more, and one that it
+  // does not represent no more than an equal part. Empty for an object that no picture shows and
+  // that nobody says to represent a room.
   [[nodiscard]] std::map<std::string, double> shares(const std::string& object) const;
   // The room that the object represents, if any.
   [[nodiscard]] std::optional<std::string> represented_room(const std::string& object) const;

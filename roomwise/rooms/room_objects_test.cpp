@@ -59,6 +59,9 @@ TEST(RoomObjectsTest, WhatSomebodySaysCountsMore) {
   add(pictures, "bath", 30, 0, "");
   const RoomObjects moved(pictures, {{"plant", "kitchen", false}});
   EXPECT_EQ(moved.represented_room("plant"), std::nullopt);
+  // Then it speaks for the kitchen no more than for the others.
+  EXPECT_NEAR(moved.shares("plant").at("kitchen"), 1.0 / 3, 1e-12);
+  EXPECT_NEAR(moved.shares("plant").at("hall"), 1.0 / 3, 1e-12);
   const RoomObjects said(pictures, {{"plant", "hall", true}, {"piano", "hall", true}});
   EXPECT_THAT(said.represented_room("plant"), Optional(Eq("hall")));
   EXPECT_THAT(said.represented_room("piano"), Optional(Eq("hall")));
@@ -69,6 +72,16 @@ TEST(RoomObjectsTest, WhatSomebodySaysCountsMore) {
   EXPECT_THAT(RoomObjects(pictures, {{"plant", "attic", true}}).represented_room("plant"),
               Optional(Eq("kitchen")))
       << "a room that is not there any more";
+}
+
+TEST(RoomObjectsTest, ARoomWithoutPicturesCanBeClaimedToo) {
+  std::vector<NamedPicture> pictures;
+  add(pictures, "kitchen", 30, 20, "plant");
+  const std::vector<std::string> rooms = {"attic", "kitchen"};
+  const RoomObjects objects(pictures, {{"piano", "attic", true}}, rooms);
+  EXPECT_THAT(objects.represented_room("piano"), Optional(Eq("attic")));
+  EXPECT_DOUBLE_EQ(objects.shares("piano").at("attic"), 0.98);
+  EXPECT_DOUBLE_EQ(objects.shares("plant").at("kitchen"), 1) << "the attic was not looked at";
 }
 
 TEST(RoomObjectsTest, RelationsAreShownTheHeaviestFirst) {

@@ -1,7 +1,9 @@
 #include "roomwise/service/client.h"
 
 #include <fmt/format.h>
+#include <netinet/tcp.h>
 #include <openssl/ssl.h>
+#include <sys/socket.h>
 
 #include <algorithm>
 #include <boost/asio/connect.hpp>
@@ -350,16 +352,16 @@ class ServerConnection::Impl : public std::enable_shared_from_this<Impl> {
     write_piece();
   }
 
-  // In pieces, so that a slow network is told from a silent one: as long as pieces go out there is
-  // somebody who takes them.
+  // In pieces, so that a slow network is told from a silent one: while the pieces of a large
+  // message go out, the other side's acknowledgements of them are signs of life.
   void write_piece() {
     const std::size_t size = std::min(sending_.bytes.size() - sent_, kPieceBytes);
     const bool is_last = sent_ + size == sending_.bytes.size();
     socket_.async_write_some(is_last, asio::buffer(sending_.bytes.data() + sent_, size),
                              [this](error_code error, std::size_t written) {
                                if (error) return lose(why(error));
-                               alive();
                                sent_ += written;
+                               if (sending_.bytes.size() > kPieceBytes) see_acknowledgement();
                                if (sent_ < sending_.bytes.size()) return write_piece();
                                writing_ = false;
                                write();
@@ -367,6 +369,18 @@ class ServerConnection::Impl : public std::enable_shared_from_this<Impl> {
   }
 
   void alive() { alive_at_ = std::chrono::steady_clock::now(); }
+
+  // That a piece was taken says only that the system has room for it; when the other side last
+  // acknowledged any, the system knows.
+  void see_acknowledgement() {
+    tcp_info info{};
+    socklen_t size = sizeof info;
+    const int socket = beast::get_lowest_layer(client_.stream()).socket().native_handle();
+    if (::getsockopt(socket, IPPROTO_TCP, TCP_INFO, &info, &size) != 0) return;
+    const auto at =
+        std::chrono::steady_clock::now() - std::chrono::milliseconds(info.tcpi_last_ack_recv);
+    alive_at_ = std::max(alive_at_, at);
+  }
 
   // Asks for a sign of life after half of the silence that is borne, and gives up after all of it.
   void watch() {

@@ -36,7 +36,8 @@ struct PairedWith {
 // How long to wait for the computer, and whether to give up before.
 struct ClientWait {
   std::chrono::milliseconds timeout{5000};
-  // A connection on which nothing came for so long, not even an answer to a ping, is lost.
+  // A connection on which nothing came for so long, not even an answer to a ping, and of a large
+  // message that is being sent not even an acknowledgement, is lost.
   std::chrono::milliseconds silence{2200};
   std::function<bool()> interrupted = {};  // asked ten times a second; empty: never
 };

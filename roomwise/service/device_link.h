@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <utility>
 
 #include "roomwise/base/file.h"
 
@@ -53,11 +54,13 @@ class DeviceLink {
   void offer(double t_ms, Bytes message);
   // What to send now.
   [[nodiscard]] std::optional<Bytes> next_frame(double now_s);
-  // The computer has the frame of that time, and dropped the one before it perhaps. True where the
-  // link has become slow by it.
-  bool acknowledged(double t_ms, double now_s);
-  // Whether frames should be small: whole ones would arrive too late to be of use.
+  // The computer has the frame of that time, and dropped the one before it perhaps.
+  void acknowledged(double t_ms, double now_s);
+  // Whether frames should be small: whole ones would arrive too late to be of use. A new connection
+  // is not slow, until it shows.
   [[nodiscard]] bool is_slow() const { return is_slow_; }
+  // Whether it has become slow since this was asked last.
+  [[nodiscard]] bool take_became_slow() { return std::exchange(became_slow_, false); }
 
   [[nodiscard]] State state() const { return state_; }
   [[nodiscard]] const LinkCounts& counts() const { return counts_; }
@@ -80,7 +83,10 @@ class DeviceLink {
   double try_at_s_ = 0;
   std::optional<Frame> newest_;
   std::optional<UnderWay> under_way_;
+  void become_slow();
+
   bool is_slow_ = false;
+  bool became_slow_ = false;
   int quick_in_row_ = 0;
   int caution_ = 1;
 };

@@ -49,9 +49,9 @@ TEST(DeviceLinkTest, OneFrameIsUnderWayAndTheNewestWaits) {
   link.offer(2, {2});
   link.offer(3, {3});
   EXPECT_FALSE(link.next_frame(0));
-  EXPECT_FALSE(link.acknowledged(0.5, 0));  // an earlier one
+  link.acknowledged(0.5, 0);  // an earlier one
   EXPECT_FALSE(link.next_frame(0));
-  EXPECT_FALSE(link.acknowledged(1, 0));
+  link.acknowledged(1, 0);
   EXPECT_EQ(link.next_frame(0), Bytes{3});
   EXPECT_FALSE(link.next_frame(0));
   EXPECT_EQ(link.counts().sent, 2u);
@@ -64,7 +64,14 @@ TEST(DeviceLinkTest, AFrameThatIsNeverAcknowledgedHoldsUpNothingForLong) {
   EXPECT_TRUE(link.next_frame(0));
   link.offer(2, {2});
   EXPECT_FALSE(link.next_frame(9.9));
+  EXPECT_FALSE(link.is_slow());
   EXPECT_EQ(link.next_frame(10), Bytes{2});
+  EXPECT_TRUE(link.is_slow());
+  EXPECT_TRUE(link.take_became_slow());
+  EXPECT_FALSE(link.take_became_slow());  // told once
+  // A new connection may lead through another network.
+  EXPECT_EQ(link.failed(11), News::kLost);
+  EXPECT_FALSE(link.is_slow());
 }
 
 TEST(DeviceLinkTest, NothingOldIsSentAfterAReturn) {
@@ -89,7 +96,8 @@ int send(DeviceLink& link, int frames, double took_s) {
     now_s += 1;
     link.offer(now_s, {1});
     EXPECT_TRUE(link.next_frame(now_s));
-    if (link.acknowledged(now_s, now_s + took_s)) ++became_slow;
+    link.acknowledged(now_s, now_s + took_s);
+    if (link.take_became_slow()) ++became_slow;
   }
   return became_slow;
 }
