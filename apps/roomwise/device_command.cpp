@@ -105,6 +105,7 @@ Expected<std::unique_ptr<DeviceVoice>> open_voice(const DeviceOptions& options,
 }
 
 Expected<Answer> run_device(DeviceOptions options) {
+  catch_interrupts();
   if (options.name.empty()) options.name = own_host_name();
   const auto catalogue = guide::MessageCatalogue::built_in();
   DeviceParts parts;

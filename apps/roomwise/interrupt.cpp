@@ -14,7 +14,7 @@ extern "C" void request_interrupt(int) {
   requested.store(true);
 }
 
-void catch_interrupts() {
+void install_handlers() {
   struct sigaction action {};
   action.sa_handler = request_interrupt;
   // SA_RESETHAND: the second signal meets the default handler, which ends the program.
@@ -27,8 +27,12 @@ void catch_interrupts() {
 
 }  // namespace
 
+void catch_interrupts() {
+  [[maybe_unused]] static const bool catching = (install_handlers(), true);
+}
+
 bool interrupt_requested() {
-  [[maybe_unused]] static const bool catching = (catch_interrupts(), true);
+  catch_interrupts();
   return requested.load();
 }
 

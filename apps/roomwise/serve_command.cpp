@@ -201,6 +201,7 @@ Expected<void> show_code(HomeServer& server, service::Role role) {
 }
 
 Expected<Answer> serve(const Options& options, Context& context) {
+  catch_interrupts();  // before it says that it serves: whoever waits for that may end it at once
   cv::setNumThreads(1);
   ROOMWISE_TRY(const auto server, HomeServer::start(options, context));
   std::cout << fmt::format("{} serves {}\nIts certificate's fingerprint (SHA-256): {}\n",
