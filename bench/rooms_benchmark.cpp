@@ -230,10 +230,12 @@ void print_ways(const std::vector<json>& homes) {
 
 void print_unknown(const std::vector<json>& homes) {
   fmt::print(
-      "\n| never learned | pictures | got a name | AUROC: mean of the homes, least |\n"
+      "\n| never learned | decisions | got a name | AUROC: mean of the homes, least |\n"
       "| --- | --- | --- | --- |\n");
   for (const auto& [key, title] :
-       {std::pair("unknown", "one picture"), std::pair("unknown_place", "with its place")}) {
+       {std::pair("unknown", "one picture"), std::pair("unknown_place", "with its place"),
+        std::pair("unknown_pair", "two pictures"),
+        std::pair("unknown_pair_place", "with their place")}) {
     BlockedProportion named;
     double sum = 0, least = 1;
     std::uint64_t block = 0;

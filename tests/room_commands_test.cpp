@@ -82,6 +82,7 @@ TEST_F(RoomCommandsTest, RoomsOfAWalkAreLearnedEvaluatedAndRecognised) {
   EXPECT_EQ(result.at("single").at("n"), kFrames - 12) << "three frames at four ends of ranges";
   EXPECT_EQ(result.at("single").at("named").at("share"), 1.0);
   EXPECT_EQ(result.at("unknown").at("n"), 18);
+  EXPECT_FALSE(result.contains("unknown_pair")) << "photos are not of one place";
   EXPECT_GT(result.at("unknown").at("auroc"), 0.9) << "of colours that no room has";
   EXPECT_EQ(result.at("resampled"), "visits");
   const auto page = read_text_file(path("rooms.html"));
@@ -137,6 +138,7 @@ TEST_F(RoomCommandsTest, PicturesWithDepthAreRecognisedByTheirPlaceToo) {
     EXPECT_EQ(walk.at("right"), walk.at("named"));
   }
   EXPECT_EQ(visit.at("unknown_place").at("n"), kFrames);
+  EXPECT_EQ(visit.at("unknown_pair_place").at("n"), kFrames - 1);
   EXPECT_FALSE(eval_of("walk").contains("single_place")) << "the map was made of it";
   EXPECT_FALSE(eval_of("visit", {"--without-places"}).contains("single_place"));
 

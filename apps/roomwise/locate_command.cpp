@@ -106,7 +106,7 @@ Expected<Answer> locate(const LocateOptions& options, Context& context) {
   const mapping::Localizer& where = localizing.localizer();
   return describe(home, measured.size() == 1
                             ? where.locate({measured[0], camera})
-                            : where.locate({measured[0], camera}, {measured[1], camera}));
+                            : where.locate({measured[0], camera}, {measured[1], camera}).second);
 }
 
 }  // namespace

@@ -99,8 +99,7 @@ Expected<void> add_pictures(const RoomsEvaluationOptions& options, const home::H
   }
   for (const std::string& room : learned) all.never_learned.erase(room);
   for (const fs::path& folder : options.unknown) {
-    ROOMWISE_TRY(auto some, pipeline::unknown_pictures(folder));
-    all.unknown.insert(all.unknown.end(), some.begin(), some.end());
+    ROOMWISE_CHECK_OK(pipeline::add_unknown_pictures(folder, all.unknown));
   }
   return {};
 }
@@ -249,25 +248,22 @@ Expected<Answer> answer_of(const RoomsEvaluationOptions& options,
     answer.json[result.key] = to_json(content.rules.back(), result);
     if (!all.walks.empty()) answer.json[result.key]["walks"] = walks_json(result, all);
   }
-  for (const auto& [key, what, unknown] :
-       {std::tuple("unknown", "never learned", &evaluation.unknown),
-        std::tuple("unknown_place", "never learned, with places",
-                   &evaluation.unknown_with_place)}) {
-    if (!*unknown) continue;
+  for (const pipeline::UnknownResult& unknown : evaluation.unknown) {
     const double named =
-        static_cast<double>((*unknown)->named) / static_cast<double>((*unknown)->pictures);
-    answer.text += fmt::format("{}: {} pictures, {:.3f} got a name; AUROC {:.3f}\n", what,
-                               (*unknown)->pictures, named, (*unknown)->area_under_roc);
-    answer.json[key] = {{"n", (*unknown)->pictures},
-                        {"named", named},
-                        {"answers", (*unknown)->answers},
-                        {"auroc", (*unknown)->area_under_roc}};
+        static_cast<double>(unknown.named) / static_cast<double>(unknown.decisions);
+    const std::string what = "never learned, " + unknown.rule;
+    answer.text += fmt::format("{:44} {:>5}, {:.3f} got a name; AUROC {:.3f}\n", what,
+                               unknown.decisions, named, unknown.area_under_roc);
+    answer.json[unknown.key] = {{"n", unknown.decisions},
+                                {"named", named},
+                                {"answers", unknown.answers},
+                                {"auroc", unknown.area_under_roc}};
     content.figures.push_back(
-        {fmt::format("Pictures, {}", what), std::to_string((*unknown)->pictures)});
+        {fmt::format("Decisions, {}", what), std::to_string(unknown.decisions)});
     content.figures.push_back(
         {fmt::format("Got the name of a room, {}", what), fmt::format("{:.1f} %", 100 * named)});
-    content.figures.push_back({fmt::format("AUROC of how well pictures are known, {}", what),
-                               fmt::format("{:.3f}", (*unknown)->area_under_roc)});
+    content.figures.push_back({fmt::format("AUROC of how well they are known, {}", what),
+                               fmt::format("{:.3f}", unknown.area_under_roc)});
   }
   answer.text += confusion_text(content.rules.front());
   for (const std::string& note : content.notes) answer.text += note + "\n";

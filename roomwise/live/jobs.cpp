@@ -108,10 +108,11 @@ Expected<void> Jobs::start(const std::string& kind, Body body) {
   return {};
 }
 
-bool Jobs::stop() {
+bool Jobs::stop(std::optional<std::string_view> kind) {
   const std::scoped_lock lock(mutex_);
-  if (running_) stop_ = true;
-  return running_;
+  if (!running_ || (kind && state_->kind != *kind)) return false;
+  stop_ = true;
+  return true;
 }
 
 void Jobs::wait() {

@@ -27,8 +27,8 @@ class Jobs {
   using Body = std::function<Expected<std::string>(Progress&)>;
   // Fails where a job is running already.
   [[nodiscard]] Expected<void> start(const std::string& kind, Body body);
-  // Asks the running job to stop. False where none is running.
-  bool stop();
+  // Asks the running job to stop, of that kind if one is given. False where none such is running.
+  bool stop(std::optional<std::string_view> kind = {});
   // Returns when no job is running.
   void wait();
   [[nodiscard]] bool running() const;

@@ -55,6 +55,7 @@ TEST(Jobs, OneAtATime) {
   }));
   EXPECT_TRUE(jobs.running());
   EXPECT_ERROR(jobs.start("map", [](Progress&) -> Expected<std::string> { return ""; }), "learn");
+  EXPECT_FALSE(jobs.stop("map")) << "another is running";
   go.set_value();
   jobs.wait();
   EXPECT_OK(jobs.start("map", [](Progress&) -> Expected<std::string> { return ""; }));

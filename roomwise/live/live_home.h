@@ -56,7 +56,8 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
   // What one picture tells, with nothing known from before.
   [[nodiscard]] Expected<rooms::RoomDecision> test_picture(const Bytes& picture) const;
 
-  // ---- changing; each fails while a job writes the home, forgetting while any is at work ----
+  // ---- changing; each fails while a job writes the home, forgetting while any is at work, but
+  // for the making ready of the map, which stops for it ----
   [[nodiscard]] Expected<void> name_rooms(home::RecordingId walk,
                                           std::vector<recording::RoomRange> ranges);
   [[nodiscard]] Expected<void> change_room(const std::string& name,
@@ -103,6 +104,9 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
   // Makes the view anew. With home_mutex_ held.
   [[nodiscard]] Expected<void> refresh(std::shared_ptr<const LiveMap> map);
   [[nodiscard]] Expected<void> start_preparing();
+  // Whether the map was being made ready. It can wait; whoever stops it has it gone on with.
+  [[nodiscard]] bool stop_preparing();
+  [[nodiscard]] Expected<void> go_on_preparing(bool was_stopped);
   [[nodiscard]] Expected<void> start_mapping(const std::filesystem::path& folder);
   [[nodiscard]] Expected<std::string> map(const std::filesystem::path& folder, Progress& progress);
   [[nodiscard]] Expected<std::string> prepare(Progress& progress);

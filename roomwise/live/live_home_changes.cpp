@@ -117,9 +117,10 @@ Expected<void> LiveHome::change_room(const std::string& name,
 }
 
 Expected<void> LiveHome::forget_room(const std::string& name) {
+  const bool was_preparing = stop_preparing();
   ROOMWISE_CHECK_OK(check_idle());
   recognitions_.clear();  // their pictures may show it
-  return change([&](home::Home& home) -> Expected<void> {
+  const Expected<void> forgotten = change([&](home::Home& home) -> Expected<void> {
     ROOMWISE_CHECK_OK(home.atomically([&]() -> Expected<void> {
       ROOMWISE_CHECK_OK(check_has_room(home, name));
       ROOMWISE_CHECK_OK(rename_in_walks(home, name, std::nullopt));
@@ -132,6 +133,8 @@ Expected<void> LiveHome::forget_room(const std::string& name) {
     const std::scoped_lock lock(reader_mutex_);
     return home.erase_removed();
   });
+  ROOMWISE_CHECK_OK(go_on_preparing(was_preparing));
+  return forgotten;
 }
 
 Expected<void> LiveHome::rename_thing(std::int64_t id, const std::string& name) {
@@ -156,9 +159,10 @@ Expected<void> LiveHome::forget_thing(std::int64_t id) {
 }
 
 Expected<void> LiveHome::forget_walk(home::RecordingId walk) {
+  const bool was_preparing = stop_preparing();
   ROOMWISE_CHECK_OK(check_idle());
   fs::path folder;
-  ROOMWISE_CHECK_OK(change([&](home::Home& home) -> Expected<void> {
+  const Expected<void> forgotten = change([&](home::Home& home) -> Expected<void> {
     ROOMWISE_TRY(const auto recordings, home.recordings());
     const auto found = std::ranges::find(recordings, walk, &home::StoredRecording::id);
     if (found == recordings.end()) return fail("this home has no recording {}", walk);
@@ -173,7 +177,9 @@ Expected<void> LiveHome::forget_walk(home::RecordingId walk) {
     }
     recognitions_.clear();    // before pages hear of it and look again
     return refresh(nullptr);  // the map was made of it
-  }));
+  });
+  ROOMWISE_CHECK_OK(go_on_preparing(was_preparing));
+  ROOMWISE_CHECK_OK(forgotten);
   std::error_code error;
   if (folder.parent_path() == walks_folder()) fs::remove_all(folder, error);
   if (error) return fail("{}: could not be removed: {}", folder.string(), error.message());
@@ -181,6 +187,7 @@ Expected<void> LiveHome::forget_walk(home::RecordingId walk) {
 }
 
 Expected<void> LiveHome::forget_home() {
+  static_cast<void>(stop_preparing());  // nothing is left to make ready
   ROOMWISE_CHECK_OK(check_idle());
   const auto now = view();
   for (const ViewedWalk& walk : now->walks) ROOMWISE_CHECK_OK(forget_walk(walk.stored.id));

@@ -27,6 +27,18 @@ Expected<void> LiveHome::start_preparing() {
   return jobs_->start("prepare", [this](Progress& progress) { return prepare(progress); });
 }
 
+bool LiveHome::stop_preparing() {
+  if (!jobs_->stop("prepare")) return false;
+  jobs_->wait();
+  return true;
+}
+
+Expected<void> LiveHome::go_on_preparing(bool was_stopped) {
+  const auto now = view();
+  if (!was_stopped || now->map || now->walks.empty()) return {};
+  return start_preparing();
+}
+
 Expected<std::string> LiveHome::prepare(Progress& progress) {
   RunParts parts(options_.threads, progress);
   // By a reader of its own, so that pictures can be looked at meanwhile.
@@ -38,10 +50,7 @@ Expected<std::string> LiveHome::prepare(Progress& progress) {
 }
 
 Expected<void> LiveHome::learn() {
-  // Making the map ready can wait, and is gone on with afterwards.
-  if (const auto job = jobs_->state(); job && job->kind == "prepare" && jobs_->stop()) {
-    jobs_->wait();
-  }
+  static_cast<void>(stop_preparing());
   return jobs_->start("learn", [this](Progress& progress) -> Expected<std::string> {
     ROOMWISE_TRY(std::string learned, learn_now(progress));
     if (!view()->map) ROOMWISE_CHECK_OK(prepare(progress));

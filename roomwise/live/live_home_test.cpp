@@ -185,6 +185,24 @@ TEST_F(LiveHomeTest, RoomsAreRenamedAndWhatWasLearnedGoesOn) {
   EXPECT_FALSE(home->view()->recognizer);
 }
 
+TEST_F(LiveHomeTest, WhatIsForgottenDoesNotWaitForTheMapToBeReady) {
+  open();
+  record_the_walk();
+  learn_two_rooms();
+  home.reset();
+  open();  // begins to make the map ready
+  ASSERT_OK(home->forget_room("bedroom"));
+  home->jobs().wait();
+  EXPECT_TRUE(home->view()->map) << "that was gone on with";
+  EXPECT_THAT(home->view()->rooms, SizeIs(1));
+  home.reset();
+  open();
+  ASSERT_OK(home->forget_walk(1));
+  home->jobs().wait();
+  EXPECT_THAT(home->view()->walks, IsEmpty());
+  EXPECT_FALSE(home->view()->map);
+}
+
 TEST_F(LiveHomeTest, AForgottenWalkLeavesNothingInTheFiles) {
   open();
   record_the_walk();

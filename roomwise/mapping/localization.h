@@ -92,4 +92,11 @@ struct Localization {
   [[nodiscard]] double rotation_sigma_rad() const;
 };
 
+// Where two pictures were taken, one shortly after the other: the first by itself, the second by
+// both.
+struct PairLocalization {
+  Localization first;
+  Localization second;
+};
+
 }  // namespace roomwise::mapping

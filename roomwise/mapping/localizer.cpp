@@ -376,9 +376,16 @@ Localization Localizer::locate(const Query& query) const {
   return shape.status > answer.status ? shape : answer;
 }
 
-Localization Localizer::locate(const Query& first, const Query& second) const {
-  const Localization earlier = locate(first);
-  Localization later = locate(second);
+PairLocalization Localizer::locate(const Query& first, const Query& second) const {
+  PairLocalization places{locate(first), locate(second)};
+  places.second = by_both(first, second, places);
+  return places;
+}
+
+Localization Localizer::by_both(const Query& first, const Query& second,
+                                const PairLocalization& alone) const {
+  const Localization& earlier = alone.first;
+  Localization later = alone.second;
   if (!earlier.has_pose()) return later;
   motion::LocatorOptions options;
   options.features = options_.features;

@@ -41,10 +41,10 @@ class Localizer {
   [[nodiscard]] std::size_t size() const { return keyframes_.size(); }
 
   [[nodiscard]] Localization locate(const Query& query) const;
-  // Of two pictures that were taken shortly after one another, the second's place. What one alone
-  // leaves in doubt is an answer where both tell the same by the motion between them; where they
-  // contradict each other there is none.
-  [[nodiscard]] Localization locate(const Query& first, const Query& second) const;
+  // Of two pictures that were taken shortly after one another. What the second alone leaves in
+  // doubt is an answer where both tell the same by the motion between them; where they contradict
+  // each other it has none.
+  [[nodiscard]] PairLocalization locate(const Query& first, const Query& second) const;
 
  private:
   struct Placed {
@@ -79,6 +79,8 @@ class Localizer {
 
   [[nodiscard]] std::vector<Localization> align_shapes(const Query& query) const;
   [[nodiscard]] Localization by_shape(const Query& query) const;
+  [[nodiscard]] Localization by_both(const Query& first, const Query& second,
+                                     const PairLocalization& alone) const;
   [[nodiscard]] Localization carry_on(const Localization& earlier,
                                       const motion::RefinedPose& motion, const Query& second) const;
 

@@ -269,7 +269,7 @@ TEST_F(LocalizerTest, TwinRoomsAreAmbiguous) {
   const RigidTransform next = pose_ * motion_by({0, 0.1, 0}, {0.05, 0, 0});
   const FrameMeasurements first{landmarks_.seen_from(pose_), view_};
   const FrameMeasurements second{landmarks_.seen_from(next), view_of(furnished_room(), next)};
-  EXPECT_EQ(localizer.locate({first, kCamera}, {second, kCamera}).status,
+  EXPECT_EQ(localizer.locate({first, kCamera}, {second, kCamera}).second.status,
             LocalizationStatus::kAmbiguous);
 }
 
@@ -312,7 +312,9 @@ TEST_F(LocalizerTest, TwoPicturesTellTheSecondsPlace) {
   const RigidTransform second_pose = pose_ * motion;
   const FrameMeasurements second{landmarks_.seen_from(second_pose),
                                  view_of(furnished_room(), second_pose)};
-  expect_there(localizer.locate({first, kCamera}, {second, kCamera}), second_pose, 0.01, 0.005);
+  const PairLocalization both = localizer.locate({first, kCamera}, {second, kCamera});
+  expect_there(both.first, pose_, 0.01, 0.005);
+  expect_there(both.second, second_pose, 0.01, 0.005);
 
   // Landmarks that only the two pictures show bind the second to the first.
   const Landmarks new_things(furnished_room(), kLandmarks, 3);
@@ -320,7 +322,8 @@ TEST_F(LocalizerTest, TwoPicturesTellTheSecondsPlace) {
   EXPECT_FALSE(localizer.locate({unknown, kCamera}).found());
   const FrameMeasurements known{joined(landmarks_.seen_from(pose_), new_things.seen_from(pose_)),
                                 view_};
-  expect_there(localizer.locate({known, kCamera}, {unknown, kCamera}), second_pose, 0.03, 0.02);
+  expect_there(localizer.locate({known, kCamera}, {unknown, kCamera}).second, second_pose, 0.03,
+               0.02);
 }
 
 TEST_F(LocalizerTest, TwoPicturesThatContradictEachOtherAreNoAnswer) {
@@ -335,8 +338,9 @@ TEST_F(LocalizerTest, TwoPicturesThatContradictEachOtherAreNoAnswer) {
   const FrameMeasurements here{showing(landmarks_)}, there{showing(others)};
   ASSERT_TRUE(localizer.locate({here, kCamera}).found());
   ASSERT_TRUE(localizer.locate({there, kCamera}).found());
-  EXPECT_EQ(localizer.locate({here, kCamera}, {there, kCamera}).status,
-            LocalizationStatus::kAmbiguous);
+  const PairLocalization both = localizer.locate({here, kCamera}, {there, kCamera});
+  EXPECT_EQ(both.second.status, LocalizationStatus::kAmbiguous);
+  EXPECT_TRUE(both.first.found()) << "by itself";
 }
 
 TEST_F(LocalizerTest, SameBitsTwice) {

@@ -27,15 +27,13 @@ Expected<rooms::PlaceEvidence> HomePlaces::look(std::span<const PictureToLocate>
   }
   const PictureToLocate& last = pictures.back();
   ROOMWISE_TRY(const motion::FrameMeasurements measured, localizer_.measure(last));
-  mapping::Localization answer;
-  if (pictures.size() == 1) {
-    answer = localizer_.localizer().locate({measured, last.camera});
-  } else {
-    ROOMWISE_TRY(const motion::FrameMeasurements first, localizer_.measure(pictures.front()));
-    answer =
-        localizer_.localizer().locate({first, pictures.front().camera}, {measured, last.camera});
-  }
-  return rooms::place_evidence(answer, last.depth.has_value(), frame_, layout_, rooms);
+  const auto tell = [&](const auto& answer) {
+    return rooms::place_evidence(answer, last.depth.has_value(), frame_, layout_, rooms);
+  };
+  const mapping::Localizer& localizer = localizer_.localizer();
+  if (pictures.size() == 1) return tell(localizer.locate({measured, last.camera}));
+  ROOMWISE_TRY(const motion::FrameMeasurements first, localizer_.measure(pictures.front()));
+  return tell(localizer.locate({first, pictures.front().camera}, {measured, last.camera}));
 }
 
 }  // namespace roomwise::pipeline

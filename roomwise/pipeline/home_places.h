@@ -20,7 +20,7 @@ class HomePlaces {
                                                    const mapping::LocalizerOptions& options,
                                                    RunContext& run);
 
-  // Of one picture, or of two that were taken shortly after one another (the second's place).
+  // Of one picture, or of two that were taken shortly after one another (of both together).
   // `rooms`: those that were learned. Fails where an image is not of its camera's size.
   [[nodiscard]] Expected<rooms::PlaceEvidence> look(std::span<const PictureToLocate> pictures,
                                                     std::span<const std::string> rooms) const;

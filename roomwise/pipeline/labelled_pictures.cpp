@@ -121,24 +121,29 @@ Expected<std::vector<LabelledPicture>> select_photos(const fs::path& folder,
   return pictures;
 }
 
-Expected<std::vector<LabelledPicture>> unknown_pictures(const fs::path& folder) {
-  std::vector<LabelledPicture> pictures;
+Expected<void> add_unknown_pictures(const fs::path& folder,
+                                    std::vector<LabelledPicture>& pictures) {
+  const std::size_t before = pictures.size();
+  std::size_t sequence = pictures.empty() ? 0 : pictures.back().sequence + 1;
   std::error_code error;
   if (fs::exists(folder / "rgb.txt", error)) {
     ROOMWISE_TRY(const RecordedPictures recorded, RecordedPictures::open(folder));
     for (std::size_t i = 0; i < recorded.colors->size(); ++i) {
       pictures.push_back(recorded.picture(i));
       pictures.back().name = recorded.colors->path(i).string();
+      pictures.back().sequence = sequence;
     }
   } else {
     ROOMWISE_TRY(const auto files, picture_files(folder));
     for (const fs::path& file : files) {
       pictures.push_back(
-          {[file] { return image::read_color(file); }, "", 0, 0, 0, 0, file.string()});
+          {[file] { return image::read_color(file); }, "", sequence++, 0, 0, 0, file.string()});
     }
   }
-  if (pictures.empty()) return fail("{}: holds no JPEG or PNG files", folder.string());
-  return pictures;
+  if (pictures.size() == before) {
+    return fail("{}: holds no JPEG or PNG files", folder.string());
+  }
+  return {};
 }
 
 }  // namespace roomwise::pipeline

@@ -56,9 +56,10 @@ struct FrameSelection {
 // The photos of a folder with one folder a room.
 [[nodiscard]] Expected<std::vector<LabelledPicture>> select_photos(
     const std::filesystem::path& folder, const std::vector<std::string>& learned);
-// Every JPEG and PNG file under a folder, or, where it is a recording, the images of its rgb.txt:
-// pictures of places that were never learned. Fails where there is none.
-[[nodiscard]] Expected<std::vector<LabelledPicture>> unknown_pictures(
-    const std::filesystem::path& folder);
+// Adds every JPEG and PNG file under a folder, each a sequence of its own, or, where it is a
+// recording, the images of its rgb.txt, one sequence: pictures of places that were never learned.
+// Fails where there is none.
+[[nodiscard]] Expected<void> add_unknown_pictures(const std::filesystem::path& folder,
+                                                  std::vector<LabelledPicture>& pictures);
 
 }  // namespace roomwise::pipeline

@@ -35,7 +35,7 @@ LocalizationTrial ask(const HomeLocalizer& home, const Question& question,
   const motion::FrameMeasurements second = measure(question.frame).value();
   if (question.before) {
     const motion::FrameMeasurements first = measure(*question.before).value();
-    trial.answer = home.localizer().locate({first, camera}, {second, camera});
+    trial.answer = home.localizer().locate({first, camera}, {second, camera}).second;
   } else {
     trial.answer = home.localizer().locate({second, camera});
   }

@@ -115,19 +115,16 @@ class Evaluator {
     std::vector<double> ms;
     for (std::size_t i = 0; i < spans.size(); ++i) {
       const PictureSpan& span = spans[i];
-      std::vector<rooms::PictureEvidence> evidence{evidence_[span.first]};
       double taken_ms = seen_[span.first].ms;
-      if (span.second != span.first) {
-        evidence.push_back(evidence_[span.second]);
-        taken_ms += seen_[span.second].ms;
-      }
+      if (span.second != span.first) taken_ms += seen_[span.second].ms;
       const auto see_names = [&]() -> Expected<network::Prediction> {
         ROOMWISE_TRY(const TimedPrediction* named, names_in(span.second));
         taken_ms += named->ms;
         return named->prediction;
       };
-      ROOMWISE_TRY(const rooms::RoomDecision decision,
-                   recognizer_.decide(evidence, see_names, finder(places, i, taken_ms)));
+      ROOMWISE_TRY(
+          const rooms::RoomDecision decision,
+          recognizer_.decide(evidence_of(evidence_, span), see_names, finder(places, i, taken_ms)));
       add(result, judgement_of(span.second, decision));
       ms.push_back(taken_ms);
     }
@@ -167,11 +164,11 @@ class Evaluator {
     }
     if (places == nullptr || !have_depth(pictures_)) return {};
     ROOMWISE_TRY(of_pictures_, look_for(*places, pictures_, singles));
-    ROOMWISE_TRY(const TimedPlaces of_pairs, look_for(*places, pictures_, pairs));
+    ROOMWISE_TRY(of_pairs_, look_for(*places, pictures_, pairs));
     ROOMWISE_TRY(rules.emplace_back(),
                  compared("single_place", "one picture, with its place", singles, of_pictures_));
     ROOMWISE_TRY(rules.emplace_back(),
-                 compared("pair_place", "two pictures, with their place", pairs, of_pairs));
+                 compared("pair_place", "two pictures, with their place", pairs, of_pairs_));
     if (has_walks) {
       ROOMWISE_TRY(rules.emplace_back(),
                    stream("stream_place", "every picture of a walk, with its place", of_pictures_));
@@ -187,11 +184,24 @@ class Evaluator {
     for (const TimedPrediction& one : seen) {
       ROOMWISE_TRY(evidence.emplace_back(), recognizer_.evidence(one.prediction));
     }
-    ROOMWISE_TRY(evaluation.unknown, judge_unknown(pictures, evidence, {}, {}));
-    if (places == nullptr || !have_depth(pictures)) return {};
-    ROOMWISE_TRY(const TimedPlaces found, look_for(*places, pictures, singles_of(pictures)));
-    ROOMWISE_TRY(evaluation.unknown_with_place,
-                 judge_unknown(pictures, evidence, found, of_pictures_));
+    const std::vector<PictureSpan> singles = singles_of(pictures);
+    const std::vector<PictureSpan> pairs = pairs_of(pictures, options_.pair_step);
+    const bool have_places = places != nullptr && have_depth(pictures);
+    for (const auto& [spans, of_known, places_of_known, key, rule] :
+         {std::tuple(&singles, singles_of(pictures_), &of_pictures_, "unknown", "one picture"),
+          std::tuple(&pairs, pairs_of(pictures_, options_.pair_step), &of_pairs_, "unknown_pair",
+                     "two pictures")}) {
+      if (spans->empty() || of_known.empty()) continue;
+      const std::vector<double> known = known_of(evidence_, of_known, {});
+      ROOMWISE_TRY(evaluation.unknown.emplace_back(),
+                   judge_unknown(key, rule, pictures, evidence, *spans, {}, known));
+      if (!have_places) continue;
+      ROOMWISE_TRY(const TimedPlaces found, look_for(*places, pictures, *spans));
+      ROOMWISE_TRY(
+          evaluation.unknown.emplace_back(),
+          judge_unknown(fmt::format("{}_place", key), fmt::format("{}, with place", rule), pictures,
+                        evidence, *spans, found, known_of(evidence_, of_known, *places_of_known)));
+    }
     return {};
   }
 
@@ -216,41 +226,50 @@ class Evaluator {
     return find_places(places, pictures, spans, recognizer_.rooms(), run_);
   }
 
-  // How well each picture is known; `places` are used wherever there are any.
+  static std::vector<rooms::PictureEvidence> evidence_of(
+      const std::vector<rooms::PictureEvidence>& evidence, const PictureSpan& span) {
+    std::vector<rooms::PictureEvidence> shown{evidence[span.first]};
+    if (span.second != span.first) shown.push_back(evidence[span.second]);
+    return shown;
+  }
+
+  // How well each span is known; `places` are used wherever there are any.
   [[nodiscard]] std::vector<double> known_of(const std::vector<rooms::PictureEvidence>& evidence,
+                                             const std::vector<PictureSpan>& spans,
                                              const TimedPlaces& places) const {
     std::vector<double> known;
-    for (std::size_t i = 0; i < evidence.size(); ++i) {
+    for (std::size_t i = 0; i < spans.size(); ++i) {
+      const rooms::PictureEvidence shown = rooms::combine(evidence_of(evidence, spans[i]));
       const bool is_placed = !places.empty() && places[i];
       known.push_back(
-          is_placed
-              ? rooms::with_place(evidence[i], places[i]->evidence, recognizer_.calibration()).known
-              : evidence[i].known);
+          is_placed ? rooms::with_place(shown, places[i]->evidence, recognizer_.calibration()).known
+                    : shown.known);
     }
     return known;
   }
 
-  Expected<UnknownResult> judge_unknown(const std::vector<LabelledPicture>& pictures,
+  // `known`: how well what shows learned rooms is known.
+  Expected<UnknownResult> judge_unknown(std::string key, std::string rule,
+                                        const std::vector<LabelledPicture>& pictures,
                                         const std::vector<rooms::PictureEvidence>& evidence,
+                                        const std::vector<PictureSpan>& spans,
                                         const TimedPlaces& places,
-                                        const TimedPlaces& places_of_known) const {
-    UnknownResult result;
-    result.pictures = pictures.size();
+                                        const std::vector<double>& known) const {
+    UnknownResult result{std::move(key), std::move(rule), spans.size(), {}, 0, 0};
     double ignored_ms = 0;
-    for (std::size_t i = 0; i < pictures.size(); ++i) {
+    for (std::size_t i = 0; i < spans.size(); ++i) {
       const auto see_names = [&]() -> Expected<network::Prediction> {
-        ROOMWISE_TRY(const image::ColorImage picture, pictures[i].read());
+        ROOMWISE_TRY(const image::ColorImage picture, pictures[spans[i].second].read());
         return recognizer_.naming()->predict(picture);
       };
-      ROOMWISE_TRY(
-          const rooms::RoomDecision decision,
-          recognizer_.decide(std::span(&evidence[i], 1), see_names, finder(places, i, ignored_ms)));
-      const Judgement judgement = judgement_of(i, decision);
+      ROOMWISE_TRY(const rooms::RoomDecision decision,
+                   recognizer_.decide(evidence_of(evidence, spans[i]), see_names,
+                                      finder(places, i, ignored_ms)));
+      const Judgement judgement = judgement_of(spans[i].second, decision);
       ++result.answers[judgement.answer];
       if (judgement.named) ++result.named;
     }
-    result.area_under_roc = evaluation::area_under_roc(known_of(evidence_, places_of_known),
-                                                       known_of(evidence, places));
+    result.area_under_roc = evaluation::area_under_roc(known, known_of(evidence, spans, places));
     return result;
   }
 
@@ -291,6 +310,7 @@ class Evaluator {
   std::vector<rooms::PictureEvidence> evidence_;
   std::map<std::size_t, TimedPrediction> named_;
   TimedPlaces of_pictures_;  // empty where none was looked for
+  TimedPlaces of_pairs_;     // likewise
 };
 
 std::uint64_t block_of(const LabelledPicture& picture, bool by_walks) {

@@ -49,17 +49,18 @@ struct RuleResult {
 
 // What was made of pictures of places that were never learned.
 struct UnknownResult {
-  std::size_t pictures = 0;
+  std::string key;   // for machines: "unknown_pair"
+  std::string rule;  // for people: "two pictures"
+  std::size_t decisions = 0;
   std::map<std::string, std::uint64_t> answers;  // "not sure", "none of them", names of rooms
   std::uint64_t named = 0;
-  // The probability that a picture of a learned room is known better than one of these.
+  // The probability that what shows a learned room is known better than what shows one of these.
   double area_under_roc = 0;
 };
 
 struct RoomEvaluation {
   std::vector<RuleResult> rules;
-  std::optional<UnknownResult> unknown;
-  std::optional<UnknownResult> unknown_with_place;  // where one of them has depth
+  std::vector<UnknownResult> unknown;  // with places where one of them has depth
   // Whether intervals resample whole walks (from five walks on), or else visits of rooms.
   bool by_walks = false;
   std::vector<std::vector<float>> features;  // of each picture, as the network gives them

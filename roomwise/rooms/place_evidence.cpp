@@ -21,6 +21,8 @@ constexpr double kLogOddsPerDeviation = 2.5;
 constexpr double kWrongRoom = 0.01;
 // The line between two rooms is not known better, and people cross it a step early or late, m.
 constexpr double kBoundarySigma_m = 0.15;
+// How far a person walks from one picture of a pair to the next, m.
+constexpr double kStepSigma_m = 0.5;
 
 double home_log_ratio(const mapping::Localization& answer, bool has_depth) {
   const bool is_by_shape = answer.witnesses > 0;
@@ -50,12 +52,10 @@ std::string place_in_words(const Eigen::VectorXd& inside, std::span<const std::s
   return fmt::format("its place on the map is between {} and {}", named[0].room, named[1].room);
 }
 
-}  // namespace
-
-PlaceEvidence place_evidence(const mapping::Localization& answer, bool has_depth,
-                             const fusion::LevelFrame& frame,
-                             const std::optional<RoomLayout>& layout,
-                             std::span<const std::string> rooms) {
+// `moved_sigma_m`: how far from the place that was found the camera may be by now.
+PlaceEvidence evidence_of(const mapping::Localization& answer, bool has_depth, double moved_sigma_m,
+                          const fusion::LevelFrame& frame, const std::optional<RoomLayout>& layout,
+                          std::span<const std::string> rooms) {
   const auto count = static_cast<Eigen::Index>(rooms.size());
   PlaceEvidence evidence;
   evidence.probabilities = Eigen::VectorXd::Constant(count, 1.0 / static_cast<double>(count));
@@ -68,7 +68,7 @@ PlaceEvidence place_evidence(const mapping::Localization& answer, bool has_depth
   if (layout) {
     const Eigen::Vector3d camera_level =
         frame.level_from_world * answer.world_from_camera.translation;
-    const double sigma_m = std::hypot(answer.position_sigma_m(), kBoundarySigma_m);
+    const double sigma_m = std::hypot(answer.position_sigma_m(), kBoundarySigma_m, moved_sigma_m);
     const std::vector<double> shares = layout->shares_around(camera_level.head<2>(), sigma_m);
     for (std::size_t i = 0; i < shares.size(); ++i) {
       const auto room = std::ranges::find(rooms, layout->rooms()[i].name);
@@ -80,6 +80,31 @@ PlaceEvidence place_evidence(const mapping::Localization& answer, bool has_depth
   const double told = (1 - kWrongRoom) * inside.sum();
   evidence.probabilities = (1 - kWrongRoom) * inside + (1 - told) * evidence.probabilities;
   return evidence;
+}
+
+}  // namespace
+
+PlaceEvidence place_evidence(const mapping::Localization& answer, bool has_depth,
+                             const fusion::LevelFrame& frame,
+                             const std::optional<RoomLayout>& layout,
+                             std::span<const std::string> rooms) {
+  return evidence_of(answer, has_depth, 0, frame, layout, rooms);
+}
+
+PlaceEvidence place_evidence(const mapping::PairLocalization& answers, bool has_depth,
+                             const fusion::LevelFrame& frame,
+                             const std::optional<RoomLayout>& layout,
+                             std::span<const std::string> rooms) {
+  const auto& [first, second] = answers;
+  // Two places where the motion allows one are ambiguous, and so the second's answer.
+  const bool is_open = second.status == LocalizationStatus::kAmbiguous;
+  if (first.found() && !second.found() && !is_open) {
+    return evidence_of(first, has_depth, kStepSigma_m, frame, layout, rooms);
+  }
+  const bool first_is_kinder =
+      !second.found() && home_log_ratio(first, has_depth) > home_log_ratio(second, has_depth);
+  return evidence_of(first_is_kinder && !first.found() ? first : second, has_depth, 0, frame,
+                     layout, rooms);
 }
 
 bool place_may_tell(const PictureEvidence& pictures, const RoomCalibration& calibration) {

@@ -35,6 +35,15 @@ struct PlaceEvidence {
                                            const std::optional<RoomLayout>& layout,
                                            std::span<const std::string> rooms);
 
+// The same of two pictures that were taken shortly after one another, both with depth or neither:
+// of the room in which the second was taken. Where it has no place, and does not contradict the
+// first's, the first's tells nearly as much. Where none has one, the answer counts that speaks less
+// against this home.
+[[nodiscard]] PlaceEvidence place_evidence(const mapping::PairLocalization& answers, bool has_depth,
+                                           const fusion::LevelFrame& frame,
+                                           const std::optional<RoomLayout>& layout,
+                                           std::span<const std::string> rooms);
+
 // Whether a place, or that there is none, may change what is said of pictures (combined): they
 // leave the room open, or are not so well known that it would be named without a place, too.
 [[nodiscard]] bool place_may_tell(const PictureEvidence& pictures,

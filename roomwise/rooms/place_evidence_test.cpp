@@ -130,6 +130,46 @@ TEST(PlaceEvidence, ThatThereIsNoPlaceSpeaksAgainstThisHome) {
       << "without depth few pictures have a place";
 }
 
+// Of two pictures, where `first` and `second` were found.
+PlaceEvidence pair(const mapping::Localization& first, const mapping::Localization& second,
+                   bool has_depth = true) {
+  static const std::optional<RoomLayout> layout = three_rooms();
+  return place_evidence(mapping::PairLocalization{first, second}, has_depth, {}, layout, kRooms);
+}
+
+TEST(PlaceEvidence, OfTwoPicturesTheSecondTellsTheRoom) {
+  const PlaceEvidence both = pair(found_at(2), found_at(4.5));
+  EXPECT_TRUE(both.probabilities.isApprox(place(found_at(4.5)).probabilities));
+}
+
+TEST(PlaceEvidence, OfTwoPicturesTheFirstTellsWhereTheSecondHasNoPlace) {
+  const auto lost = not_found(LocalizationStatus::kPlain);
+  const PlaceEvidence deep = pair(found_at(4.5), lost);
+  EXPECT_EQ(deep.home_log_ratio, place(found_at(4.5)).home_log_ratio);
+  EXPECT_GT(deep.probabilities[1], 0.9);
+  EXPECT_THAT(deep.why, HasSubstr("in hall"));
+  // One step on it may be in the next room.
+  const PlaceEvidence near_door = pair(found_at(5.6), lost);
+  EXPECT_LT(near_door.probabilities[1], place(found_at(5.6)).probabilities[1] - 0.1);
+  EXPECT_GT(near_door.probabilities[2], 0.1);
+}
+
+TEST(PlaceEvidence, TwoPicturesThatContradictEachOtherTellNothing) {
+  const PlaceEvidence open = pair(found_at(4.5), not_found(LocalizationStatus::kAmbiguous));
+  EXPECT_EQ(open.home_log_ratio, 0);
+  EXPECT_NEAR(open.probabilities[0], open.probabilities[1], 1e-12);
+}
+
+TEST(PlaceEvidence, OfTwoPicturesWithoutAPlaceTheKinderAnswerCounts) {
+  const auto wall = not_found(LocalizationStatus::kPlain);
+  const auto nowhere = not_found(LocalizationStatus::kNothingSimilar);
+  const double kinder = place(wall).home_log_ratio;
+  ASSERT_GT(kinder, place(nowhere).home_log_ratio);
+  EXPECT_EQ(pair(wall, nowhere).home_log_ratio, kinder);
+  EXPECT_EQ(pair(nowhere, wall).home_log_ratio, kinder);
+  EXPECT_EQ(pair(nowhere, nowhere).home_log_ratio, place(nowhere).home_log_ratio);
+}
+
 TEST(PlaceEvidence, IsAskedOnlyWhereItMayChangeTheAnswer) {
   EXPECT_TRUE(place_may_tell(evidence(0.1, 0.5, 0.4, 2), calibration())) << "two rooms are open";
   EXPECT_TRUE(place_may_tell(evidence(0, 1, 0, -1.5), calibration())) << "not known well enough";
