@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "roomwise/rooms/room_decision.h"
+
 namespace roomwise::rooms {
 namespace {
 
@@ -101,17 +103,21 @@ PlaceEvidence place_evidence(const mapping::PairLocalization& answers, bool has_
   if (first.found() && !second.found() && !is_open) {
     return evidence_of(first, has_depth, kStepSigma_m, frame, layout, rooms);
   }
-  const bool first_is_kinder =
-      !second.found() && home_log_ratio(first, has_depth) > home_log_ratio(second, has_depth);
-  return evidence_of(first_is_kinder && !first.found() ? first : second, has_depth, 0, frame,
-                     layout, rooms);
+  PlaceEvidence evidence = evidence_of(second, has_depth, 0, frame, layout, rooms);
+  if (!first.found() && !second.found()) {
+    evidence.home_log_ratio =
+        independent_count(2) / 2 *
+        (home_log_ratio(first, has_depth) + home_log_ratio(second, has_depth));
+  }
+  return evidence;
 }
 
 bool place_may_tell(const PictureEvidence& pictures, const RoomCalibration& calibration) {
   const bool is_named = pictures.known >= calibration.known_from &&
                         pictures.probabilities.maxCoeff() >= calibration.sure_from;
+  const double least_log_ratio = independent_count(2) * kNowhereLogRatio;
   return !is_named ||
-         pictures.known + kNowhereLogRatio / kLogOddsPerDeviation < calibration.known_from;
+         pictures.known + least_log_ratio / kLogOddsPerDeviation < calibration.known_from;
 }
 
 PictureEvidence with_place(const PictureEvidence& pictures, const PlaceEvidence& place,

@@ -160,14 +160,16 @@ TEST(PlaceEvidence, TwoPicturesThatContradictEachOtherTellNothing) {
   EXPECT_NEAR(open.probabilities[0], open.probabilities[1], 1e-12);
 }
 
-TEST(PlaceEvidence, OfTwoPicturesWithoutAPlaceTheKinderAnswerCounts) {
+TEST(PlaceEvidence, ThatTwoPicturesHaveNoPlaceSpeaksMoreAgainstThisHomeThanThatOneHasNone) {
   const auto wall = not_found(LocalizationStatus::kPlain);
   const auto nowhere = not_found(LocalizationStatus::kNothingSimilar);
-  const double kinder = place(wall).home_log_ratio;
-  ASSERT_GT(kinder, place(nowhere).home_log_ratio);
-  EXPECT_EQ(pair(wall, nowhere).home_log_ratio, kinder);
-  EXPECT_EQ(pair(nowhere, wall).home_log_ratio, kinder);
-  EXPECT_EQ(pair(nowhere, nowhere).home_log_ratio, place(nowhere).home_log_ratio);
+  const double of_one = place(nowhere).home_log_ratio;
+  const double of_two = pair(nowhere, nowhere).home_log_ratio;
+  EXPECT_LT(of_two, of_one);
+  EXPECT_GT(of_two, 2 * of_one) << "they are of one place";
+  EXPECT_GT(pair(wall, nowhere).home_log_ratio, of_two);
+  EXPECT_EQ(pair(wall, nowhere).home_log_ratio, pair(nowhere, wall).home_log_ratio);
+  EXPECT_EQ(pair(nowhere, nowhere, /*has_depth=*/false).home_log_ratio, 0);
 }
 
 TEST(PlaceEvidence, IsAskedOnlyWhereItMayChangeTheAnswer) {

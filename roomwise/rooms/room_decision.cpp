@@ -73,16 +73,21 @@ std::string_view to_string(Verdict verdict) {
   return "unknown";
 }
 
+double independent_count(double pictures) {
+  return pictures / (1 + (pictures - 1) * kCorrelation);
+}
+
 PictureEvidence combine(std::span<const PictureEvidence> pictures) {
   if (pictures.empty()) throw std::invalid_argument("combine: no pictures");
   const auto count = static_cast<double>(pictures.size());
-  const double counts_as = count / (1 + (count - 1) * kCorrelation);
+  const double counts_as = independent_count(count);
   Eigen::ArrayXd logs = Eigen::ArrayXd::Zero(pictures.front().probabilities.size());
   PictureEvidence combined;
   for (const PictureEvidence& picture : pictures) {
     logs += picture.probabilities.array().max(kLeastProbability).log() * (counts_as / count);
     combined.known += picture.known / count;
   }
+  combined.known *= std::sqrt(counts_as);
   const Eigen::ArrayXd powers = (logs - logs.maxCoeff()).exp();
   combined.probabilities = powers / powers.sum();
   return combined;

@@ -37,9 +37,13 @@ struct RoomDecision {
   }
 };
 
-// Several pictures of one place as one. Pictures of one place are alike and say nearly the same: n
-// of them count as n / (1 + (n - 1) / 2) that were independent (Kish's design effect, with a
-// correlation of a half). At least one picture.
+// Pictures of one place are alike and say nearly the same: n of them count as n / (1 + (n - 1) / 2)
+// that were independent (Kish's design effect, with a correlation of a half).
+[[nodiscard]] double independent_count(double pictures);
+
+// Several pictures of one place as one that says as much as they do. How well it is known is in
+// standard deviations of the mean of so many held-out pictures, which varies less than one's. At
+// least one picture.
 [[nodiscard]] PictureEvidence combine(std::span<const PictureEvidence> pictures);
 
 // How probable it is in each room (in the order of `rooms`) that the network says what it says of
