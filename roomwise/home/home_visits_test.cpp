@@ -66,7 +66,8 @@ TEST_F(HomeVisits, TheirPicturesComeBackWithTheVisitThatBroughtThem) {
 TEST_F(HomeVisits, PicturesGoWithTheirVisitTheirKeyframeAndWhatWasLearned) {
   const auto visits_of_pictures = [&] {
     std::vector<VisitId> visits;
-    for (const VisitPicture& one : home_.visit_pictures().value()) visits.push_back(one.visit);
+    const auto pictures = home_.visit_pictures().value();
+    for (const VisitPicture& one : pictures) visits.push_back(one.visit);
     return visits;
   };
   ASSERT_OK(home_.database().run("DELETE FROM past_instances"));

@@ -35,7 +35,7 @@ Expected<rooms::PlaceEvidence> HomePlaces::look(std::span<const PictureToLocate>
     answer =
         localizer_.localizer().locate({first, pictures.front().camera}, {measured, last.camera});
   }
-  return rooms::place_evidence(answer, last.depth.has_value(), frame_, layout_, rooms);
+  return evidence(answer, last.depth.has_value(), rooms);
 }
 
 }  // namespace roomwise::pipeline

@@ -6,6 +6,7 @@
 
 #include "roomwise/rooms/place_evidence.h"
 #include "roomwise/rooms/room_classifier.h"
+#include "roomwise/rooms/room_decision.h"
 
 // Which pictures of a later visit rooms are known by from then on, beside those that they were
 // learned from.
@@ -37,14 +38,18 @@ struct RoomAgreement {
 // room.
 [[nodiscard]] std::optional<std::size_t> room_by_place(const PlaceEvidence& place,
                                                        const VisitLearningOptions& options);
-// The room that the picture alone is known to show, surely enough to be named.
+// The room that pictures alone tell: that which is named by the walk's pictures up to this one
+// (RoomStream, without places), where this one is well known itself and looks most like it, too.
+// `names`: of each room.
 [[nodiscard]] std::optional<std::size_t> room_by_picture(const PictureEvidence& picture,
+                                                         const RoomDecision& along_walk,
+                                                         std::span<const std::string> names,
                                                          const RoomCalibration& calibration);
 
 // Which of a visit's pictures to know the rooms by, in ascending order: of each room that which is
 // least well known, then that which is least well known once the first is remembered, and so on,
-// until most_of_visit are chosen or all that are left are as well known as held-out pictures were
-// on average while the rooms were learned. Fails as RoomClassifier::with() does.
+// until most_of_visit are chosen or all that are left are about as well known as the pictures that
+// the rooms were learned from are by each other. Fails as RoomClassifier::with() does.
 [[nodiscard]] Expected<std::vector<std::size_t>> choose_pictures(
     const RoomClassifier& classifier, std::span<const RoomPicture> agreed,
     const VisitLearningOptions& options);

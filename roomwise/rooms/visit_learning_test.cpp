@@ -18,8 +18,10 @@ PlaceEvidence place_in(double bath, double hall, double kitchen, double home_log
   return {Eigen::Vector3d(bath, hall, kitchen), home_log_ratio, ""};
 }
 
+// Of the first picture of a walk.
 RoomAgreement agreement(const PictureEvidence& picture, const PlaceEvidence& place) {
-  return {room_by_picture(picture, calibration()), room_by_place(place, {})};
+  const RoomDecision along_walk = decide(picture, kRooms, calibration());
+  return {room_by_picture(picture, along_walk, kRooms, calibration()), room_by_place(place, {})};
 }
 
 TEST(RoomAgreement, TakesPictureAndPlaceThatBothAreSure) {
@@ -50,6 +52,16 @@ TEST(RoomAgreement, WhatIsUnsureIsNeitherAgreedNorContradictory) {
   }
 }
 
+TEST(RoomAgreement, APictureMustShowTheRoomThatTheWalkIsIn) {
+  const RoomDecision in_hall = decide(evidence(0.02, 0.96, 0.02), kRooms, calibration());
+  const auto room = [&](const PictureEvidence& picture) {
+    return room_by_picture(picture, in_hall, kRooms, calibration());
+  };
+  EXPECT_THAT(room(evidence(0.3, 0.5, 0.2)), Optional(std::size_t{1})) << "the walk makes it sure";
+  EXPECT_EQ(room(evidence(0.5, 0.3, 0.2)), std::nullopt) << "it looks more like the bath";
+  EXPECT_EQ(room(evidence(0.3, 0.5, 0.2, -1.5)), std::nullopt) << "it is hardly known";
+}
+
 // Two rooms that were learned from pictures around an axis of each; a light of a later day lies
 // along further axes.
 class ChoosePictures : public ::testing::Test {
@@ -64,8 +76,9 @@ class ChoosePictures : public ::testing::Test {
   }
   static RoomClassifier classifier() {
     std::vector<RoomSample> samples;
+    // Four pictures of each of five views of a room: neighbours on the walk.
     for (std::uint64_t i = 0; i < 40; ++i) {
-      samples.push_back({picture(i % 2, 0, i), i % 2 == 0 ? "bath" : "kitchen"});
+      samples.push_back({picture(i % 2, 0, i / 8), i % 2 == 0 ? "bath" : "kitchen"});
     }
     return learn_rooms(samples, {"net", "abc"})->classifier;
   }
@@ -76,7 +89,7 @@ TEST_F(ChoosePictures, TakesWhatIsLeastKnownAndNothingThatIsKnownWell) {
   const std::vector<RoomPicture> agreed{{picture(0, 0, 2), "bath"},      // one it was learned from
                                         {picture(0, 0.6, 103), "bath"},  //
                                         {picture(0, 1.5, 104), "bath"},
-                                        {picture(1, 0, 5), "kitchen"}};  // another
+                                        {picture(1, 0, 4), "kitchen"}};  // another
   EXPECT_THAT(*choose_pictures(known, agreed, {.most_of_visit = 1}), ElementsAre(2))
       << "the strangest light of the bath, and nothing of the kitchen";
   const auto more = choose_pictures(known, agreed, {});
