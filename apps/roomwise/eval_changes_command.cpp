@@ -33,8 +33,9 @@ Expected<Answer> evaluate(const ChangesEvaluationOptions& options, Context& cont
   CommandRun run(context);
   pipeline::UpdateOptions with = options.update;
   with.localizer.seed = context.seed;
+  with.rooms.reset();
   ROOMWISE_TRY(const pipeline::HomeUpdate update,
-               pipeline::compare_with_visit(home, options.visit, finders, with, run));
+               pipeline::compare_with_visit(home, options.visit, finders, {}, with, run));
   ROOMWISE_TRY(const pipeline::ChangeEvaluation result,
                pipeline::evaluate_changes(home, options.truth, options.visit, update,
                                           options.least_shift_m));

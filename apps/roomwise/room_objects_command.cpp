@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <memory>
 
+#include "command_run.h"
 #include "commands.h"
 #include "open_home.h"
 #include "roomwise/pipeline/room_contents.h"
@@ -123,10 +124,12 @@ struct TypesOptions {
 
 constexpr double kProbableEnough = 0.8;  // to be taken by --accept
 
-Expected<Answer> types_of_rooms(const TypesOptions& options) {
-  ROOMWISE_TRY(home::Home home, options.accept ? home::Home::open(options.home)
-                                               : home::Home::open_read_only(options.home));
-  ROOMWISE_TRY(const auto guesses, pipeline::guess_room_types(home));
+Expected<Answer> types_of_rooms(const TypesOptions& options, Context& context) {
+  ROOMWISE_TRY(home::Home home, options.accept ? open_home(options.home, context)
+                                               : open_home_read_only(options.home, context));
+  CommandRun run(context);
+  ROOMWISE_TRY(const auto layout, pipeline::find_home_layout(home, run));
+  ROOMWISE_TRY(const auto guesses, pipeline::guess_room_types(home, layout));
   ROOMWISE_TRY(const rooms::Concepts concepts, home.concepts());
   ROOMWISE_TRY(auto rooms, home.rooms());
   Answer answer;
@@ -180,7 +183,7 @@ void add_room_objects_commands(CLI::App& group, Context& context) {
     CLI::App* command =
         add_command(group, context, "types", "Which type each room is by the things in it",
                     "roomwise rooms types --home my.home --accept",
-                    [options] { return types_of_rooms(*options); });
+                    [options, &context] { return types_of_rooms(*options, context); });
     command->add_option("--home", options->home, "Home file")->required();
     command->add_flag("--accept", options->accept,
                       "Take what is probable (0.8 or more) for rooms whose type the concepts do "

@@ -5,6 +5,7 @@
 #include "command_run.h"
 #include "commands.h"
 #include "networks.h"
+#include "open_home.h"
 #include "roomwise/pipeline/update_home.h"
 
 namespace roomwise::app {
@@ -18,6 +19,8 @@ struct UpdateCommandOptions {
   fs::path home;
   fs::path recording;
   bool dry_run = false;
+  bool without_rooms = false;
+  NetworkOptions networks;
   pipeline::UpdateOptions update;
 };
 
@@ -74,6 +77,49 @@ Json to_json(const ThingUpdate& thing) {
           {"place_now", to_json(thing.evidence_now)}};
 }
 
+// What became of the pictures of the visit by which rooms may be known from now on.
+std::string rows_of(const pipeline::RoomUpdate& update, bool dry_run) {
+  if (!update.why_not.empty()) {
+    return fmt::format("the rooms are known as before: {}\n", update.why_not);
+  }
+  if (update.was_learned) return "the rooms are known as before: by this walk already\n";
+  std::size_t agreed = 0;
+  for (const auto& room : update.rooms) agreed += room.agreed;
+  std::string rows = fmt::format(
+      "{} pictures show their room surely, by themselves and by their place; {} do not, {} "
+      "contradict their place\n",
+      agreed, update.unsure, update.contradictory);
+  for (const auto& room : update.rooms) {
+    if (room.learned > 0) {
+      rows += fmt::format("{} pictures of the {} {}\n", room.learned, room.room,
+                          dry_run ? "would be learned" : "are learned");
+    }
+    if (room.outdated > 0) {
+      rows +=
+          fmt::format("{} pictures of the {}, of earlier visits, {}\n", room.outdated, room.room,
+                      dry_run ? "would be forgotten for them" : "are forgotten for them");
+    }
+  }
+  if (!update.pictures)
+    rows += "the rooms are known as before: the walk shows nothing new of them\n";
+  return rows;
+}
+
+Json to_json(const pipeline::RoomUpdate& update) {
+  Json json = {{"why_not", update.why_not.empty() ? Json(nullptr) : Json(update.why_not)},
+               {"was_learned", update.was_learned},
+               {"unsure", update.unsure},
+               {"contradictory", update.contradictory},
+               {"rooms", Json::array()}};
+  for (const auto& room : update.rooms) {
+    json["rooms"].push_back({{"room", room.room},
+                             {"agreed", room.agreed},
+                             {"learned", room.learned},
+                             {"outdated", room.outdated}});
+  }
+  return json;
+}
+
 Answer describe(const pipeline::HomeUpdate& update, const UpdateCommandOptions& options) {
   const home::Visit& visit = update.changes.visit;
   Answer answer;
@@ -85,7 +131,8 @@ Answer describe(const pipeline::HomeUpdate& update, const UpdateCommandOptions& 
                  {"last_timestamp_s", 1e-9 * static_cast<double>(visit.last_timestamp_ns)},
                  {"changed", !update.changes.empty()},
                  {"written", !update.changes.empty() && !options.dry_run},
-                 {"things", Json::array()}};
+                 {"things", Json::array()},
+                 {"rooms", update.rooms ? to_json(*update.rooms) : Json(nullptr)}};
   std::size_t there = 0, not_looked_at = 0;
   for (const ThingUpdate& thing : update.things) {
     answer.json["things"].push_back(to_json(thing));
@@ -96,6 +143,7 @@ Answer describe(const pipeline::HomeUpdate& update, const UpdateCommandOptions& 
   }
   answer.text +=
       fmt::format("{} things are where they were, {} were not looked at\n", there, not_looked_at);
+  if (update.rooms) answer.text += rows_of(*update.rooms, options.dry_run);
   if (update.changes.empty()) {
     answer.text += "nothing changed; the home is as it was\n";
   } else if (options.dry_run) {
@@ -107,13 +155,18 @@ Answer describe(const pipeline::HomeUpdate& update, const UpdateCommandOptions& 
 Expected<Answer> update(const UpdateCommandOptions& options, Context& context) {
   cv::setNumThreads(1);
   ROOMWISE_TRY(const objects::RegionFinders finders, load_region_finders());
-  ROOMWISE_TRY(home::Home home, options.dry_run ? home::Home::open_read_only(options.home)
-                                                : home::Home::open(options.home));
+  ROOMWISE_TRY(home::Home home, options.dry_run ? open_home_read_only(options.home, context)
+                                                : open_home(options.home, context));
+  pipeline::Networks networks;
+  if (!options.without_rooms) {
+    ROOMWISE_TRY(networks, load_networks(options.networks, /*also_brought=*/true));
+  }
   CommandRun run(context);
   pipeline::UpdateOptions with = options.update;
   with.localizer.seed = context.seed;
+  if (options.without_rooms) with.rooms.reset();
   ROOMWISE_TRY(const pipeline::HomeUpdate found,
-               pipeline::compare_with_visit(home, options.recording, finders, with, run));
+               pipeline::compare_with_visit(home, options.recording, finders, networks, with, run));
   if (!options.dry_run && !found.changes.empty()) {
     ROOMWISE_CHECK_OK(home.apply_changes(found.changes));
   }
@@ -126,13 +179,17 @@ void add_update_command(CLI::App& app, Context& context) {
   auto options = std::make_shared<UpdateCommandOptions>();
   CLI::App* command = add_command(
       app, context, "update",
-      "Bring a home up to date with a later walk through it: which things are gone, new or moved; "
-      "the old state is kept with its time",
+      "Bring a home up to date with a later walk through it: which things are gone, new or moved "
+      "(the old state is kept with its time), and what its rooms look like now",
       "roomwise update --home my.home LATER-RECORDING",
       [options, &context] { return update(*options, context); });
   command->add_option("--home", options->home, "Home with a map")->required();
   command->add_option("recording", options->recording, "Folder in TUM's format")->required();
   command->add_flag("--dry-run", options->dry_run, "Only say what changed; write nothing");
+  command->add_flag("--without-rooms", options->without_rooms,
+                    "Leave the learned rooms as they are; else they are known by pictures of the "
+                    "walk, too, that show them surely");
+  add_network_options(*command, options->networks);
   command->add_option("--every", options->update.every, "Look at every K-th picture")
       ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1000}))
       ->capture_default_str();

@@ -135,14 +135,31 @@ struct PastInstance {
   VisitId noticed_by = 0;
 };
 
+// A picture of a visit by which a room is known, beside those that the rooms were learned from. The
+// picture itself is not kept.
+struct VisitPicture {
+  VisitId visit = 0;             // that brought it
+  KeyframeId keyframe = 0;       // that shows the same place
+  TimestampNs timestamp_ns = 0;  // in the time of the visit's recording
+  std::string picture_digest;    // SHA-256 of the picture's file
+  std::string room;
+  std::string network_fingerprint;  // of the network that made the features
+  std::vector<float> features;
+
+  friend bool operator==(const VisitPicture&, const VisitPicture&) = default;
+};
+
 // What a visit changes.
 struct HomeChanges {
   Visit visit;
   std::vector<objects::Instance> kept;     // stand as they stood
   std::vector<objects::Instance> arrived;  // this visit brought them (Instance::visit is set here)
   std::vector<PastInstance> past;          // stand there no more (noticed_by is set here)
+  // All that rooms are known by from now on; one without a visit was brought by this one. Absent:
+  // as before.
+  std::optional<std::vector<VisitPicture>> pictures = std::nullopt;
 
-  [[nodiscard]] bool empty() const { return arrived.empty() && past.empty(); }
+  [[nodiscard]] bool empty() const { return arrived.empty() && past.empty() && !pictures; }
 };
 
 // A key-frame in the making, with all that is known of it at once.
@@ -292,11 +309,16 @@ class Home {
   [[nodiscard]] Expected<std::vector<objects::Instance>> instances() const;  // in the order given
 
   // ---- later visits ----
-  // Adds the visit; its things and those kept take the place of all instances.
+  // Adds the visit; its things and those kept take the place of all instances, and its pictures
+  // that of all visits' pictures.
   [[nodiscard]] Expected<VisitId> apply_changes(const HomeChanges& changes);
   [[nodiscard]] Expected<std::map<VisitId, Visit>> visits() const;
   // In the order in which they became past.
   [[nodiscard]] Expected<std::vector<PastInstance>> past_instances() const;
+  // These take the place of all. They go with their visit and with their key-frame, and with
+  // forget_learned_rooms().
+  [[nodiscard]] Expected<void> replace_visit_pictures(std::span<const VisitPicture> pictures);
+  [[nodiscard]] Expected<std::vector<VisitPicture>> visit_pictures() const;  // in the order given
 
   // ---- rooms ----
   // Fails where a room type has an object that the vocabulary does not know.
@@ -312,7 +334,7 @@ class Home {
   // Takes the place of an earlier one for the same network and becomes the newest.
   [[nodiscard]] Expected<void> put_room_classifier(const RoomClassifierRecord& classifier);
   // Forgets what was learned of rooms: classifiers, what they said of key-frames, features of
-  // pictures.
+  // pictures, pictures of visits.
   [[nodiscard]] Expected<void> forget_learned_rooms();
   // The newest; absent where nothing was learned yet.
   [[nodiscard]] Expected<std::optional<RoomClassifierRecord>> room_classifier() const;

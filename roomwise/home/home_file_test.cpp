@@ -75,7 +75,7 @@ TEST_F(HomeFile, IsKnownByItsFirstBytes) {
   const Database database = Database::open(path_, Database::Access::kReadOnly).value();
   const auto header = database.header().value();
   EXPECT_EQ(header.application_id, kApplicationId);
-  EXPECT_EQ(header.user_version, 4);
+  EXPECT_EQ(header.user_version, 5);
 }
 
 TEST_F(HomeFile, IsNotMadeOverAnotherFile) {
@@ -124,11 +124,12 @@ TEST_F(HomeFile, RefusesTheDatabaseOfAnotherProgram) {
 
 TEST_F(HomeFile, RefusesANewerVersion) {
   make();
-  run_sql("PRAGMA user_version = 5");
-  expect_refused("newer Roomwise (home version 5; this one knows up to 4); update Roomwise");
+  run_sql("PRAGMA user_version = 6");
+  expect_refused("newer Roomwise (home version 6; this one knows up to 5); update Roomwise");
 }
 
-// What versions 4, 3 and 2 brought, taken away again.
+// What versions 5, 4, 3 and 2 brought, taken away again.
+constexpr const char* kBackToVersion4 = "DROP TABLE visit_pictures; PRAGMA user_version = 4;";
 constexpr const char* kBackToVersion3 =
     "DROP TABLE past_instances; DROP TABLE instance_visits; DROP TABLE visits; "
     "PRAGMA user_version = 3;";
@@ -139,10 +140,11 @@ constexpr const char* kBackToVersion2 =
 constexpr const char* kBackToVersion1 = "DROP TABLE picture_features; PRAGMA user_version = 1;";
 
 TEST_F(HomeFile, ReadsOlderVersionsAndBringsThemUpToDateToWrite) {
-  for (const int version : {3, 2, 1}) {
+  for (const int version : {4, 3, 2, 1}) {
     std::filesystem::remove(path_);
     make();
-    run_sql(kBackToVersion3);
+    run_sql(kBackToVersion4);
+    if (version < 4) run_sql(kBackToVersion3);
     if (version < 3) run_sql(kBackToVersion2);
     if (version == 1) run_sql(kBackToVersion1);
     const auto before = contents();
@@ -155,8 +157,9 @@ TEST_F(HomeFile, ReadsOlderVersionsAndBringsThemUpToDateToWrite) {
       EXPECT_EQ(reader->region_finders().value().empty(), version < 3);
       EXPECT_EQ(reader->looks(1).value().empty(), version < 3);
       EXPECT_EQ(reader->instances().value().empty(), version < 3);
-      EXPECT_THAT(reader->visits().value(), IsEmpty());
-      EXPECT_THAT(reader->past_instances().value(), IsEmpty());
+      EXPECT_EQ(reader->visits().value().empty(), version < 4);
+      EXPECT_EQ(reader->past_instances().value().empty(), version < 4);
+      EXPECT_THAT(reader->visit_pictures().value(), IsEmpty());
       EXPECT_OK(reader->verify());
     }
     EXPECT_EQ(contents(), before);
@@ -172,15 +175,19 @@ TEST_F(HomeFile, ReadsOlderVersionsAndBringsThemUpToDateToWrite) {
       EXPECT_NE(writer.content_digest().value(), digest);
       HomeChanges changes;
       changes.arrived = {testing::sample_instance(0)};
+      changes.pictures = std::vector{testing::sample_visit_picture(0)};
+      const std::size_t visits = writer.visits()->size();
       ASSERT_OK(writer.apply_changes(changes));
-      EXPECT_THAT(writer.visits().value(), ::testing::SizeIs(1));
+      EXPECT_THAT(writer.visits().value(), ::testing::SizeIs(visits + 1));
+      EXPECT_THAT(writer.visit_pictures().value(), ::testing::SizeIs(1));
     }
-    EXPECT_EQ(Database::open(path_, Database::Access::kReadOnly)->header()->user_version, 4);
+    EXPECT_EQ(Database::open(path_, Database::Access::kReadOnly)->header()->user_version, 5);
   }
 }
 
 TEST_F(HomeFile, RefusesAMissingTableOfAnOlderVersion) {
   make();
+  run_sql(kBackToVersion4);
   run_sql(kBackToVersion3);
   run_sql(kBackToVersion2);
   run_sql(kBackToVersion1);
@@ -192,7 +199,7 @@ TEST_F(HomeFile, RefusesANewerVersionThatIsOnlyInTheLog) {
   make();
   const int status = testing::run_in_child([&] {
     Database database = Database::open(path_, Database::Access::kReadWrite).value();
-    if (!database.run_script("PRAGMA journal_mode = WAL; PRAGMA user_version = 5")) return 1;
+    if (!database.run_script("PRAGMA journal_mode = WAL; PRAGMA user_version = 6")) return 1;
     return ::kill(::getpid(), SIGKILL);
   });
   ASSERT_TRUE(WIFSIGNALED(status));

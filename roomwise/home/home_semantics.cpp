@@ -316,6 +316,7 @@ Expected<void> Home::forget_learned_rooms() {
   return atomically([&]() -> Expected<void> {
     ROOMWISE_CHECK_OK(database_.run("DELETE FROM room_classifiers"));
     ROOMWISE_CHECK_OK(database_.run("DELETE FROM keyframe_rooms"));
+    ROOMWISE_CHECK_OK(database_.run("DELETE FROM visit_pictures"));
     return database_.run("DELETE FROM picture_features");
   });
 }

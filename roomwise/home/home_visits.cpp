@@ -3,6 +3,7 @@
 #include "roomwise/home/home.h"
 #include "roomwise/home/schema.h"
 #include "roomwise/home/stored_instances.h"
+#include "roomwise/home/stored_values.h"
 
 namespace roomwise::home {
 namespace {
@@ -50,9 +51,45 @@ Expected<VisitId> Home::apply_changes(const HomeChanges& changes) {
           to_numbers(one.box_keyframe.size_m), to_numbers(one.sigma_m), to_text(past.reason),
           past.first_seen_ns, past.last_seen_ns, visit, brought_by));
     }
-    return {};
+    if (!changes.pictures) return {};
+    std::vector<VisitPicture> pictures = *changes.pictures;
+    for (VisitPicture& picture : pictures) {
+      if (picture.visit == 0) picture.visit = visit;
+    }
+    return replace_visit_pictures(pictures);
   }));
   return visit;
+}
+
+Expected<void> Home::replace_visit_pictures(std::span<const VisitPicture> pictures) {
+  return atomically([&]() -> Expected<void> {
+    ROOMWISE_CHECK_OK(database_.run("DELETE FROM visit_pictures"));
+    for (const VisitPicture& one : pictures) {
+      ROOMWISE_CHECK_OK(database_.run(
+          "INSERT INTO visit_pictures (visit_id, keyframe_id, timestamp_ns, picture_digest, room, "
+          "network_fingerprint, features) VALUES (?, ?, ?, ?, ?, ?, ?)",
+          one.visit, one.keyframe, one.timestamp_ns, one.picture_digest, one.room,
+          one.network_fingerprint, to_blob(one.features)));
+    }
+    return {};
+  });
+}
+
+Expected<std::vector<VisitPicture>> Home::visit_pictures() const {
+  std::vector<VisitPicture> pictures;
+  // An older home that is open for reading only has no such table.
+  ROOMWISE_TRY(const int version, database_.get<int>("PRAGMA user_version"));
+  if (version < kVisitPicturesVersion) return pictures;
+  ROOMWISE_CHECK_OK(database_.for_each(
+      "SELECT visit_id, keyframe_id, timestamp_ns, picture_digest, room, network_fingerprint, "
+      "features FROM visit_pictures ORDER BY picture_id",
+      [&](const Statement& row) {
+        pictures.push_back({row.column<VisitId>(0), row.column<KeyframeId>(1),
+                            row.column<TimestampNs>(2), row.column<std::string>(3),
+                            row.column<std::string>(4), row.column<std::string>(5),
+                            to_floats(row.column<Bytes>(6))});
+      }));
+  return pictures;
 }
 
 Expected<std::map<VisitId, Visit>> Home::visits() const {

@@ -47,6 +47,43 @@ TEST_F(HomeVisits, WhatAVisitChangedComesBackAsItWas) {
   EXPECT_EQ(past[1].instance.visit, 1) << "which visit had brought it";
 }
 
+TEST_F(HomeVisits, TheirPicturesComeBackWithTheVisitThatBroughtThem) {
+  const auto pictures = home_.visit_pictures().value();
+  ASSERT_EQ(pictures.size(), 2U);
+  VisitPicture expected = testing::sample_visit_picture(2);
+  expected.visit = 1;
+  EXPECT_EQ(pictures[0], expected) << "the second visit kept it";
+  expected = testing::sample_visit_picture(3);
+  expected.visit = 2;
+  EXPECT_EQ(pictures[1], expected);
+  // A visit that says nothing of pictures leaves them.
+  HomeChanges changes = testing::sample_changes();
+  changes.pictures.reset();
+  ASSERT_OK(home_.apply_changes(changes));
+  EXPECT_EQ(home_.visit_pictures().value(), pictures);
+}
+
+TEST_F(HomeVisits, PicturesGoWithTheirVisitTheirKeyframeAndWhatWasLearned) {
+  const auto visits_of_pictures = [&] {
+    std::vector<VisitId> visits;
+    const auto pictures = home_.visit_pictures().value();
+    for (const VisitPicture& one : pictures) visits.push_back(one.visit);
+    return visits;
+  };
+  ASSERT_OK(home_.database().run("DELETE FROM past_instances"));
+  ASSERT_OK(home_.database().run("DELETE FROM visits WHERE visit_id = 2"));
+  EXPECT_EQ(visits_of_pictures(), std::vector<VisitId>{1});
+  const auto stored = home_.visit_pictures().value();
+  ASSERT_OK(home_.remove_recording(1));
+  EXPECT_EQ(visits_of_pictures(), std::vector<VisitId>());
+  EXPECT_ERROR(home_.replace_visit_pictures(stored), "a.home");
+}
+
+TEST_F(HomeVisits, PicturesAreForgottenWithTheLearnedRooms) {
+  ASSERT_OK(home_.forget_learned_rooms());
+  EXPECT_TRUE(home_.visit_pictures()->empty());
+}
+
 TEST_F(HomeVisits, AreStoredWholeOrNotAtAll) {
   const std::string digest = home_.content_digest().value();
   HomeChanges changes = testing::sample_changes();
@@ -54,6 +91,9 @@ TEST_F(HomeVisits, AreStoredWholeOrNotAtAll) {
   EXPECT_ERROR(home_.apply_changes(changes), "past instance 'sofa' is not finite");
   changes = testing::sample_changes();
   changes.past[0].instance.keyframe_id = 99;
+  EXPECT_ERROR(home_.apply_changes(changes), "a.home");
+  changes = testing::sample_changes();
+  changes.pictures->front().keyframe = 99;
   EXPECT_ERROR(home_.apply_changes(changes), "a.home");
   EXPECT_EQ(home_.content_digest().value(), digest);
 }

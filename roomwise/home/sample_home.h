@@ -115,6 +115,15 @@ inline objects::Instance sample_instance(KeyframeId id) {
   return instance;
 }
 
+inline VisitPicture sample_visit_picture(KeyframeId keyframe) {
+  return {.keyframe = keyframe,
+          .timestamp_ns = 1'305'031'229'000'000'000,
+          .picture_digest = fmt::format("d1ge5t{}", keyframe),
+          .room = "kitchen",
+          .network_fingerprint = "c0ffee",
+          .features = {0.25F, 1.0F / 3, static_cast<float>(keyframe)}};
+}
+
 inline HomeChanges sample_changes() {
   HomeChanges changes;
   changes.visit = {"later walk", "../recordings/later", 1'000'000'007, 9'000'000'011, 120, 111};
@@ -126,6 +135,7 @@ inline HomeChanges sample_changes() {
                           .reason = PastReason::kMoved,
                           .first_seen_ns = 1'305'031'229'000'000'000,
                           .last_seen_ns = 1'305'031'229'000'000'009});
+  changes.pictures = std::vector{sample_visit_picture(1), sample_visit_picture(2)};
   return changes;
 }
 
@@ -141,6 +151,9 @@ inline Expected<void> add_visits(Home& home) {
   HomeChanges second = sample_changes();
   ROOMWISE_TRY(second.kept, home.instances());
   second.arrived.clear();
+  ROOMWISE_TRY(second.pictures, home.visit_pictures());
+  second.pictures->erase(second.pictures->begin());
+  second.pictures->push_back(sample_visit_picture(3));
   second.past[0].instance.visit = 1;
   second.past[0].reason = PastReason::kGone;
   return home.apply_changes(second).map([](auto) {});

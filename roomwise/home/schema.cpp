@@ -354,9 +354,27 @@ CREATE TABLE past_instances (
 ) STRICT;
 )sql";
 
+constexpr const char* kVersion5 = R"sql(
+CREATE TABLE visit_pictures (
+  -- Pictures of later visits by which rooms are known, beside those that they were learned from. The pictures
+  -- themselves are not kept.
+  picture_id INTEGER PRIMARY KEY,      -- in the order in which they were learned
+  visit_id INTEGER NOT NULL REFERENCES visits ON DELETE CASCADE,        -- the visit that brought it
+  keyframe_id INTEGER NOT NULL REFERENCES keyframes ON DELETE CASCADE,  -- that shows the same place
+  timestamp_ns INTEGER NOT NULL,       -- in the time of the visit's recording
+  picture_digest TEXT NOT NULL,        -- SHA-256 of the picture's file
+  room TEXT NOT NULL,
+  network_fingerprint TEXT NOT NULL,   -- of the network that made the features
+  features BLOB NOT NULL               -- 32-bit floats, little-endian
+) STRICT;
+CREATE INDEX visit_pictures_by_visit ON visit_pictures (visit_id);
+CREATE INDEX visit_pictures_by_keyframe ON visit_pictures (keyframe_id);
+)sql";
+
 constexpr std::array kMigrations = {
     Migration{1, kVersion1}, Migration{kPictureFeaturesVersion, kVersion2},
-    Migration{kInstancesVersion, kVersion3}, Migration{kVisitsVersion, kVersion4}};
+    Migration{kInstancesVersion, kVersion3}, Migration{kVisitsVersion, kVersion4},
+    Migration{kVisitPicturesVersion, kVersion5}};
 
 constexpr Table later_table(std::string_view name, int since_version) {
   return {.name = name, .since_version = since_version};
@@ -391,6 +409,7 @@ constexpr std::array kTables = {
     Table{.name = "visits", .column_outside_digest = "folder", .since_version = kVisitsVersion},
     later_table("instance_visits", kVisitsVersion),
     later_table("past_instances", kVisitsVersion),
+    later_table("visit_pictures", kVisitPicturesVersion),
     Table{"stage_timings", /*in_digest=*/false},
 };
 

@@ -68,5 +68,7 @@ constexpr int kPictureFeaturesVersion = 2;
 constexpr int kInstancesVersion = 3;
 // That brought later visits and the past: visits, instance_visits, past_instances.
 constexpr int kVisitsVersion = 4;
+// That brought pictures of later visits by which rooms are known: visit_pictures.
+constexpr int kVisitPicturesVersion = 5;
 
 }  // namespace roomwise::home

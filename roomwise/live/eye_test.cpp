@@ -6,6 +6,9 @@
 
 #include "roomwise/base/testing.h"
 #include "roomwise/image/codec.h"
+#include "roomwise/pipeline/map_recording.h"
+#include "roomwise/pipeline/room_learning.h"
+#include "roomwise/pipeline/synthetic_walk.h"
 
 namespace roomwise::live {
 namespace {
@@ -57,6 +60,134 @@ TEST(Eye, RefusesPicturesThatAreNotTheCameras) {
   Eye without_depth(camera(false));
   EXPECT_ERROR(without_depth.look(frame(4, image::encode_png(image::DepthImage(8, 6))), home),
                "without depth");
+}
+
+// ---- an eye on a home whose two rooms look alike ----
+
+// A mapped walk whose frames were named hall and kitchen in turn, so that no picture tells which it
+// is; where the rooms lie is made up by each test.
+class EyeWithPlaces : public ::testing::Test {
+ protected:
+  static constexpr int kFrames = 60;
+
+  static void SetUpTestSuite() {
+    folder_ = std::make_unique<testing::ScratchFolder>();
+    ThreadPool pool(2);
+    SilentProgress progress;
+    StageClock clock;
+    pipeline::RunContext run{pool, progress, clock};
+    pipeline::testing::SyntheticWalk walk(kFrames);
+    home::Home home = pipeline::create_home(*folder_ / "a.home").value();
+    networks_.push_back(std::make_unique<pipeline::testing::ColorNetwork>());
+    ASSERT_OK(pipeline::map_recording(
+        walk, {"walk", "made up", walk.info().camera, walk.info().frame_count}, home, networks_, {},
+        run));
+    std::vector<recording::RoomRange> ranges;
+    for (std::uint64_t first = 0; first < kFrames; first += 2) {
+      const int visit = static_cast<int>(first / 4) + 1;
+      ranges.push_back({first, first + 1, first % 4 == 0 ? "hall" : "kitchen", visit});
+    }
+    ASSERT_OK(pipeline::name_rooms(home, 1, *recording::RoomLabels::from_ranges(ranges)));
+    ASSERT_OK(pipeline::learn_rooms_from_keyframes(home, 1, {}, {}, {}, run));
+    auto localizer = pipeline::HomeLocalizer::create(home, {}, run);
+    ASSERT_OK(localizer);
+    auto map = std::make_shared<LiveMap>();
+    map->localizer = std::make_unique<const pipeline::HomeLocalizer>(*std::move(localizer));
+    auto view = view_home(home, networks_, map);
+    ASSERT_OK(view);
+    ASSERT_TRUE((*view)->recognizer) << (*view)->why_no_recognizer;
+    view_ = *view;
+  }
+  static void TearDownTestSuite() {
+    view_.reset();
+    networks_.clear();
+    folder_.reset();
+  }
+
+  // The home where all floor around the walk is that of one room.
+  static std::shared_ptr<const HomeView> home_all_of(const std::string& room) {
+    constexpr double kHalf_m = 4;
+    const image::Image<fusion::FloorCell> cells(80, 80, fusion::FloorCell::kFree);
+    const fusion::FloorGrid grid(Eigen::Vector2d::Constant(-kHalf_m), 0.1, cells);
+    rooms::WalkedPath path;
+    for (double x_m = -3; x_m < 3; x_m += 0.1) path.push_back({{x_m, 0}, room});
+    auto view = std::make_shared<HomeView>(*view_);
+    view->layout = rooms::RoomLayout::make(grid, std::span(&path, 1)).value();
+    return view;
+  }
+  static image::RgbdFrame seen(std::uint64_t index) {
+    pipeline::testing::SyntheticWalk walk(kFrames);
+    walk.skip_before(index);
+    return walk.next().value().value();
+  }
+  static CameraFrame message(const image::RgbdFrame& frame) {
+    return {static_cast<double>(frame.timestamp_ns) / 1e6, image::encode_jpeg(frame.color, 95),
+            image::encode_png(frame.depth)};
+  }
+  static Eye eye() {
+    const geometry::PinholeCamera camera = pipeline::testing::SyntheticWalk(1).info().camera;
+    return Eye(service::DeviceCamera{camera.width, camera.height, camera, true});
+  }
+
+  inline static std::unique_ptr<testing::ScratchFolder> folder_;
+  inline static pipeline::Networks networks_;
+  inline static std::shared_ptr<const HomeView> view_;
+};
+
+TEST_F(EyeWithPlaces, ThePlaceDecidesWhereThePictureLeavesRoomsOpen) {
+  for (const std::string room : {"hall", "kitchen"}) {
+    Eye looking = eye();
+    const auto glance = looking.look(message(seen(21)), home_all_of(room));
+    ASSERT_OK(glance);
+    ASSERT_TRUE(glance->place);
+    EXPECT_EQ(glance->place->room, room);
+    ASSERT_TRUE(glance->decision);
+    EXPECT_EQ(glance->decision->room(), room) << glance->decision->why;
+    EXPECT_THAT(glance->decision->why, ::testing::HasSubstr("its place on the map is in " + room));
+    EXPECT_FALSE(glance->more_to_see) << "there is nothing to find out by turning";
+  }
+}
+
+TEST_F(EyeWithPlaces, WithoutALayoutThePlaceTellsNoRoom) {
+  Eye looking = eye();
+  auto view = std::make_shared<HomeView>(*view_);
+  view->layout.reset();
+  const auto glance = looking.look(message(seen(21)), view);
+  ASSERT_OK(glance);
+  ASSERT_TRUE(glance->place);
+  EXPECT_EQ(glance->place->room, std::nullopt);
+  EXPECT_EQ(glance->decision->verdict, rooms::Verdict::kNotSure);
+  EXPECT_THAT(glance->decision->why, ::testing::HasSubstr("the map has no rooms"));
+}
+
+TEST_F(EyeWithPlaces, ACameraThatIsNotCalibratedIsNotPlaced) {
+  const geometry::PinholeCamera camera = pipeline::testing::SyntheticWalk(1).info().camera;
+  Eye looking(service::DeviceCamera{camera.width, camera.height, std::nullopt, false});
+  CameraFrame frame = message(seen(21));
+  frame.depth.clear();
+  const auto glance = looking.look(frame, home_all_of("hall"));
+  ASSERT_OK(glance);
+  EXPECT_FALSE(glance->place);
+  EXPECT_EQ(glance->decision->verdict, rooms::Verdict::kNotSure);
+  EXPECT_THAT(glance->decision->why, ::testing::Not(::testing::HasSubstr("place on the map")));
+}
+
+TEST_F(EyeWithPlaces, APictureThatFitsNowhereIsNotNamedByARoomOfTheMap) {
+  image::RgbdFrame elsewhere = seen(21);
+  RandomStream random(1);
+  for (int y = 0; y < elsewhere.color.height(); ++y) {
+    for (int x = 0; x < elsewhere.color.width(); ++x) {
+      const auto level = static_cast<std::uint8_t>(random.uniform() * 255);
+      elsewhere.color.at(x, y) = {level, level, level};
+      elsewhere.depth.at(x, y) = static_cast<std::uint16_t>(1000 + random.uniform() * 2000);
+    }
+  }
+  Eye looking = eye();
+  const auto glance = looking.look(message(elsewhere), home_all_of("hall"));
+  ASSERT_OK(glance);
+  EXPECT_FALSE(glance->place);
+  EXPECT_NE(glance->decision->verdict, rooms::Verdict::kRoom);
+  EXPECT_THAT(glance->decision->why, ::testing::HasSubstr("no place on the map"));
 }
 
 }  // namespace

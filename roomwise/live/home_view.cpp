@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "roomwise/pipeline/home_layout.h"
+#include "roomwise/pipeline/stored_rooms.h"
 
 namespace roomwise::live {
 namespace {
@@ -11,15 +12,16 @@ namespace {
 Expected<void> view_walks(const home::Home& home, HomeView& view) {
   ROOMWISE_TRY(const auto recordings, home.recordings());
   ROOMWISE_TRY(const auto keyframes, home.keyframes());
+  ROOMWISE_TRY(const pipeline::KeyframeRooms rooms, pipeline::rooms_of_keyframes(home));
   for (const home::StoredRecording& recording : recordings) {
     ROOMWISE_TRY(recording::RoomLabels labels, home.room_ranges(recording.id));
     ViewedWalk walk{recording, 0, std::move(labels)};
     for (const home::Keyframe& keyframe : keyframes) {
       if (keyframe.recording != recording.id) continue;
       ++walk.keyframes;
-      const recording::RoomRange* const range = walk.labels.find(keyframe.frame_index);
+      const auto room = rooms.find(keyframe.id);
       view.keyframes.push_back(
-          {keyframe, range != nullptr ? range->room : std::string(), keyframe.pose.piece == 0});
+          {keyframe, room != rooms.end() ? room->second : std::string(), keyframe.pose.piece == 0});
     }
     view.walks.push_back(std::move(walk));
   }
@@ -27,22 +29,14 @@ Expected<void> view_walks(const home::Home& home, HomeView& view) {
   return {};
 }
 
-// The room by the layout; without one, that in which the key-frame was taken that shows the thing
-// best.
-std::optional<std::string> room_of(const ViewedThing& thing, const HomeView& view) {
-  if (view.layout && thing.middle_level) {
-    if (auto room = view.room_at(*thing.middle_level)) return room;
-  }
-  const auto shows = std::ranges::find(view.keyframes, thing.keyframe,
-                                       [](const ViewedKeyframe& one) { return one.keyframe.id; });
-  if (shows == view.keyframes.end() || shows->room.empty()) return std::nullopt;
-  return shows->room;
-}
-
 Expected<void> view_things(const home::Home& home, HomeView& view) {
   ROOMWISE_TRY(const auto instances, home.instances());
   std::map<home::KeyframeId, const home::Keyframe*> keyframes;
-  for (const ViewedKeyframe& one : view.keyframes) keyframes[one.keyframe.id] = &one.keyframe;
+  pipeline::KeyframeRooms rooms;
+  for (const ViewedKeyframe& one : view.keyframes) {
+    keyframes[one.keyframe.id] = &one.keyframe;
+    if (!one.room.empty()) rooms[one.keyframe.id] = one.room;
+  }
   for (const objects::Instance& instance : instances) {
     ViewedThing thing{.id = thing_id(instance),
                       .name = instance.name,
@@ -53,11 +47,12 @@ Expected<void> view_things(const home::Home& home, HomeView& view) {
                       .keyframe = instance.keyframe_id,
                       .box = instance.picture_box};
     const auto keyframe = keyframes.find(instance.keyframe_id);
-    if (view.map && keyframe != keyframes.end() && keyframe->second->pose.piece == 0) {
-      const auto box = instance.box_world(keyframe->second->pose.world_from_keyframe);
-      thing.middle_level = view.map->frame.level_from_world * box.world_from_box.translation;
+    if (view.map && keyframe != keyframes.end()) {
+      thing.middle_level =
+          pipeline::middle_on_map(instance, keyframe->second->pose, view.map->frame);
     }
-    thing.room = room_of(thing, view);
+    thing.room = pipeline::room_of_thing(thing.middle_level, instance.keyframe_id,
+                                         view.layout ? &*view.layout : nullptr, rooms);
     view.things.push_back(std::move(thing));
   }
   return {};

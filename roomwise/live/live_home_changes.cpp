@@ -30,6 +30,11 @@ Expected<void> rename_in_classifier(home::Home& home, const std::string& name,
                                              classifier->recall())
                            .to_bytes();
   ROOMWISE_CHECK_OK(home.put_room_classifier(*record));
+  ROOMWISE_TRY(auto pictures, home.visit_pictures());
+  for (home::VisitPicture& picture : pictures) {
+    if (picture.room == name) picture.room = new_name;
+  }
+  ROOMWISE_CHECK_OK(home.replace_visit_pictures(pictures));
   ROOMWISE_TRY(auto keyframe_rooms, home.keyframe_rooms());
   for (auto& [keyframe, scores] : keyframe_rooms) {
     for (rooms::RoomScore& score : scores) {

@@ -62,4 +62,18 @@ Expected<HomeLayout> build_home_layout(const home::Home& home,
   return HomeLayout{map.frame, std::move(grid), std::move(layout)};
 }
 
+Expected<std::optional<HomeLayout>> find_home_layout(const home::Home& home, RunContext& run) {
+  std::optional<HomeLayout> none;
+  ROOMWISE_TRY(const auto rooms, home.rooms());
+  ROOMWISE_TRY(const auto keyframes, home.keyframes());
+  if (rooms.empty() || keyframes.empty()) return none;
+  ROOMWISE_TRY(const LevelMap map, build_level_map(home, fusion::FieldOptions{}.voxel_size_m, run));
+  if (!map.frame.has_floor) return none;
+  ROOMWISE_TRY(fusion::FloorGrid grid, floor_grid_of(map, {}, run));
+  // Where nobody walked on free floor in a named room there is no layout.
+  auto layout = lay_out_rooms(home, map.frame, grid);
+  if (!layout) return none;
+  return HomeLayout{map.frame, std::move(grid), *std::move(layout)};
+}
+
 }  // namespace roomwise::pipeline

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <vector>
 
 #include "roomwise/home/home.h"
@@ -28,6 +29,11 @@ struct HomeLayout {
 [[nodiscard]] Expected<HomeLayout> build_home_layout(const home::Home& home,
                                                      const rooms::RoomLayoutOptions& options,
                                                      RunContext& run);
+
+// The same, and nothing where the home has no map or no named rooms, or its map does not show where
+// they lie. Fails when the user interrupts.
+[[nodiscard]] Expected<std::optional<HomeLayout>> find_home_layout(const home::Home& home,
+                                                                   RunContext& run);
 
 // A home's layout against floorplan.json of the simulated recording that it was mapped from.
 struct LayoutEvaluation {

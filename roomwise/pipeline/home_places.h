@@ -24,6 +24,14 @@ class HomePlaces {
   // `rooms`: those that were learned. Fails where an image is not of its camera's size.
   [[nodiscard]] Expected<rooms::PlaceEvidence> look(std::span<const PictureToLocate> pictures,
                                                     std::span<const std::string> rooms) const;
+  // The same from what localizer() answered.
+  [[nodiscard]] rooms::PlaceEvidence evidence(const mapping::Localization& answer, bool has_depth,
+                                              std::span<const std::string> rooms) const {
+    return rooms::place_evidence(answer, has_depth, frame_, layout_, rooms);
+  }
+
+  [[nodiscard]] const HomeLocalizer& localizer() const { return localizer_; }
+  [[nodiscard]] bool tells_rooms() const { return layout_.has_value(); }
 
  private:
   HomePlaces(HomeLocalizer localizer, const fusion::LevelFrame& frame)

@@ -9,6 +9,7 @@
 #include "roomwise/mapping/loop_closer.h"
 #include "roomwise/pipeline/map_cloud.h"
 #include "roomwise/pipeline/stored_map.h"
+#include "roomwise/pipeline/stored_rooms.h"
 
 namespace roomwise::pipeline {
 namespace {
@@ -56,8 +57,8 @@ struct Stored {
   std::vector<mapping::PoseGraphEdge> edges;
   std::vector<ShownObject> objects;
   std::vector<rooms::Room> rooms;
-  std::map<home::KeyframeId, std::vector<rooms::RoomScore>> keyframe_rooms;
-  std::map<home::RecordingId, recording::RoomLabels> labels;
+  KeyframeRooms named_rooms;  // of key-frames: as a person named them
+  std::map<home::KeyframeId, std::vector<rooms::RoomScore>> believed_rooms;  // as the classifier
   std::optional<home::RoomClassifierRecord> classifier;
   std::uint64_t frames = 0;
   std::uint64_t placed = 0;
@@ -71,10 +72,10 @@ Expected<Stored> read(const home::Home& home) {
   ROOMWISE_TRY(stored.edges, home.edges());
   ROOMWISE_TRY(stored.objects, shown_objects(home));
   ROOMWISE_TRY(stored.rooms, home.rooms());
-  ROOMWISE_TRY(stored.keyframe_rooms, home.keyframe_rooms());
+  ROOMWISE_TRY(stored.named_rooms, rooms_of_keyframes(home));
+  ROOMWISE_TRY(stored.believed_rooms, home.keyframe_rooms());
   ROOMWISE_TRY(stored.classifier, home.room_classifier());
   for (const home::StoredRecording& recording : stored.recordings) {
-    ROOMWISE_TRY(stored.labels[recording.id], home.room_ranges(recording.id));
     ROOMWISE_TRY(const auto frames, home.frames(recording.id));
     stored.frames += frames.size();
     stored.placed +=
@@ -86,11 +87,11 @@ Expected<Stored> read(const home::Home& home) {
 }
 
 // The room of a key-frame: as a person named it, else as the classifier believes.
-std::string room_of(const Stored& stored, const home::Keyframe& keyframe) {
-  if (const auto* range = stored.labels.at(keyframe.recording).find(keyframe.frame_index))
-    return range->room;
-  const auto believed = stored.keyframe_rooms.find(keyframe.id);
-  return believed == stored.keyframe_rooms.end() ? "" : believed->second.front().room;
+std::string room_of(const Stored& stored, home::KeyframeId keyframe) {
+  const auto named = stored.named_rooms.find(keyframe);
+  if (named != stored.named_rooms.end()) return named->second;
+  const auto believed = stored.believed_rooms.find(keyframe);
+  return believed == stored.believed_rooms.end() ? "" : believed->second.front().room;
 }
 
 double path_length_m(std::span<const recording::StampedPose> trajectory) {
@@ -132,7 +133,7 @@ Expected<std::vector<ReportContent::Object>> report_objects(const home::Home& ho
     objects.push_back({{object.name, keyframe.pose.world_from_keyframe * object.place_keyframe},
                        object.score,
                        static_cast<std::uint64_t>(object.sightings),
-                       room_of(stored, keyframe),
+                       room_of(stored, keyframe.id),
                        image::resize(picture, kPictureWidth_px, height_px)});
   }
   return objects;
@@ -147,11 +148,8 @@ Expected<std::vector<ReportContent::Room>> report_rooms(const Stored& stored) {
     ReportContent::Room& entry = rooms.emplace_back();
     entry.name = room.name;
     entry.type = room.type;
-    entry.key_frames = static_cast<std::uint64_t>(std::ranges::count_if(
-        stored.keyframes | std::views::values, [&](const home::Keyframe& keyframe) {
-          const auto* range = stored.labels.at(keyframe.recording).find(keyframe.frame_index);
-          return range != nullptr && range->room == room.name;
-        }));
+    entry.key_frames = static_cast<std::uint64_t>(
+        std::ranges::count(stored.named_rooms | std::views::values, room.name));
     if (!learned.is_object()) continue;
     for (const auto& one : learned.value("rooms", nlohmann::json::array())) {
       if (one.value("room", "") != room.name) continue;
@@ -206,7 +204,7 @@ Expected<ReportContent> report_content(const home::Home& home, const ReportExtra
   for (const home::Keyframe& keyframe : stored.keyframes | std::views::values) {
     if (keyframe.pose.piece != 0) continue;
     cameras.push_back(keyframe.pose.world_from_keyframe.translation);
-    content.key_frames.push_back({cameras.back(), room_of(stored, keyframe)});
+    content.key_frames.push_back({cameras.back(), room_of(stored, keyframe.id)});
   }
   if (map.cloud.size() > 0 && !cameras.empty()) {
     ROOMWISE_TRY(content.map, evaluation::render_top_view(map.cloud, cameras, map.up.up_world));

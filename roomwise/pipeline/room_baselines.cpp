@@ -10,6 +10,7 @@
 #include "roomwise/motion/motion_estimator.h"
 #include "roomwise/pipeline/keyframe_images.h"
 #include "roomwise/pipeline/room_learning.h"
+#include "roomwise/pipeline/stored_rooms.h"
 
 namespace roomwise::pipeline {
 namespace {
@@ -92,15 +93,15 @@ Expected<std::vector<Reference>> references_of(const home::Home& home,
     if (network.fingerprint != recognizer.features().fingerprint()) continue;
     ROOMWISE_TRY(predictions, home.predictions(id));
   }
+  ROOMWISE_TRY(const KeyframeRooms rooms, rooms_of_keyframes(home));
   std::vector<Reference> references;
   for (const home::Keyframe& keyframe : keyframes) {
     if (std::ranges::count(learned, keyframe.id) == 0) continue;
-    ROOMWISE_TRY(const recording::RoomLabels labels, home.room_ranges(keyframe.recording));
-    const recording::RoomRange* range = labels.find(keyframe.frame_index);
+    const auto room = rooms.find(keyframe.id);
     const auto prediction = predictions.find(keyframe.id);
-    if (range == nullptr || prediction == predictions.end()) continue;
+    if (room == rooms.end() || prediction == predictions.end()) continue;
     references.push_back(
-        {keyframe, range->room, rooms::unit_length(prediction->second.features), {}, {}});
+        {keyframe, room->second, rooms::unit_length(prediction->second.features), {}, {}});
   }
   if (references.empty()) return fail("{}: the learned key-frames are gone", home.file());
   return references;

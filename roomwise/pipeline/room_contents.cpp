@@ -8,6 +8,7 @@
 
 #include "roomwise/objects/object_map.h"
 #include "roomwise/pipeline/room_learning.h"
+#include "roomwise/pipeline/stored_rooms.h"
 
 namespace roomwise::pipeline {
 namespace {
@@ -17,22 +18,6 @@ using Json = nlohmann::ordered_json;
 constexpr const char* kClaimsSetting = "object_claims";
 constexpr std::size_t kTopLabels = 3;  // as the two-frame rule looks at
 constexpr double kLeastScore = 0.2;    // what is less says little where rooms are recognised, too
-
-// The rooms that the walks' names give to key-frames.
-Expected<std::map<home::KeyframeId, std::string>> rooms_of_keyframes(const home::Home& home) {
-  std::map<home::KeyframeId, std::string> rooms;
-  std::map<home::RecordingId, recording::RoomLabels> labels;
-  ROOMWISE_TRY(const auto recordings, home.recordings());
-  for (const home::StoredRecording& one : recordings) {
-    ROOMWISE_TRY(labels[one.id], home.room_ranges(one.id));
-  }
-  ROOMWISE_TRY(const auto keyframes, home.keyframes());
-  for (const home::Keyframe& keyframe : keyframes) {
-    const auto* const range = labels[keyframe.recording].find(keyframe.frame_index);
-    if (range != nullptr) rooms[keyframe.id] = range->room;
-  }
-  return rooms;
-}
 
 // What the newest network that names things sees in each key-frame.
 Expected<std::map<home::KeyframeId, std::set<std::string>>> objects_of_keyframes(
@@ -122,26 +107,34 @@ Expected<rooms::RoomObjects> room_objects(const home::Home& home) {
   return rooms::RoomObjects(pictures, std::move(claims), names);
 }
 
-Expected<std::map<std::string, rooms::RoomContents>> room_contents(const home::Home& home) {
+Expected<std::map<std::string, rooms::RoomContents>> room_contents(
+    const home::Home& home, const std::optional<HomeLayout>& layout) {
   std::map<std::string, rooms::RoomContents> contents;
   ROOMWISE_TRY(const auto rooms, home.rooms());
   for (const rooms::Room& room : rooms) contents[room.name];
-  ROOMWISE_TRY(const auto room_of, rooms_of_keyframes(home));
+  ROOMWISE_TRY(const KeyframeRooms keyframe_rooms, rooms_of_keyframes(home));
+  ROOMWISE_TRY(const auto keyframes, home.keyframes());
   ROOMWISE_TRY(const auto things, home.instances());
+  std::map<home::KeyframeId, home::KeyframePose> poses;
+  for (const home::Keyframe& keyframe : keyframes) poses[keyframe.id] = keyframe.pose;
+  const rooms::RoomLayout* const rooms_on_floor = layout ? &layout->layout : nullptr;
   for (const objects::Instance& thing : things) {
-    const auto room = room_of.find(static_cast<home::KeyframeId>(thing.keyframe_id));
-    if (room == room_of.end()) continue;
-    double& probability = contents[room->second][thing.name];
+    std::optional<Eigen::Vector3d> middle_level;
+    if (layout) middle_level = middle_on_map(thing, poses.at(thing.keyframe_id), layout->frame);
+    const auto room =
+        room_of_thing(middle_level, thing.keyframe_id, rooms_on_floor, keyframe_rooms);
+    if (!room) continue;
+    double& probability = contents[*room][thing.name];
     probability = 1 - (1 - probability) * (1 - thing.probability);  // one of them at least
   }
   return contents;
 }
 
 Expected<std::map<std::string, std::vector<rooms::TypeGuess>>> guess_room_types(
-    const home::Home& home) {
+    const home::Home& home, const std::optional<HomeLayout>& layout) {
   ROOMWISE_TRY(const rooms::Concepts concepts, home.concepts());
   ROOMWISE_TRY(const auto rooms, home.rooms());
-  ROOMWISE_TRY(const auto contents, room_contents(home));
+  ROOMWISE_TRY(const auto contents, room_contents(home, layout));
   std::map<std::string, std::vector<rooms::TypeGuess>> guesses;
   for (const rooms::Room& room : rooms) {
     std::vector<rooms::TypedContents> others;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "roomwise/home/home.h"
+#include "roomwise/pipeline/home_layout.h"
 #include "roomwise/rooms/room_objects.h"
 #include "roomwise/rooms/room_type.h"
 
@@ -25,14 +26,14 @@ namespace roomwise::pipeline {
 [[nodiscard]] Expected<void> move_object_claims(home::Home& home, const std::string& room,
                                                 const std::optional<std::string>& new_name);
 
-// The things of each named room, by the name that the key-frame has which shows a thing best. A
-// room without any is there, too.
+// The things of each named room (room_of_thing()). A room without any is there, too. `layout`:
+// absent where it is not known where the rooms lie.
 [[nodiscard]] Expected<std::map<std::string, rooms::RoomContents>> room_contents(
-    const home::Home& home);
+    const home::Home& home, const std::optional<HomeLayout>& layout);
 
 // What type each room is by its things, the most probable first. The home's other rooms whose type
 // the concepts know are examples.
 [[nodiscard]] Expected<std::map<std::string, std::vector<rooms::TypeGuess>>> guess_room_types(
-    const home::Home& home);
+    const home::Home& home, const std::optional<HomeLayout>& layout);
 
 }  // namespace roomwise::pipeline

@@ -85,7 +85,7 @@ TEST_F(RoomContentsTest, ThingsBelongToTheRoomOfTheKeyframeThatShowsThemBest) {
   ASSERT_OK(home_->replace_instances(
       std::vector<objects::Instance>{thing("microwave", 0.9, 2), thing("bed", 0.8, 15),
                                      thing("lamp", 0.5, 16), thing("lamp", 0.5, 17)}));
-  const auto contents = room_contents(*home_);
+  const auto contents = room_contents(*home_, {});
   ASSERT_OK(contents);
   EXPECT_DOUBLE_EQ(contents->at("kitchen").at("microwave"), 0.9);
   EXPECT_DOUBLE_EQ(contents->at("Anna's room").at("lamp"), 0.75);
@@ -95,7 +95,7 @@ TEST_F(RoomContentsTest, ThingsBelongToTheRoomOfTheKeyframeThatShowsThemBest) {
 TEST_F(RoomContentsTest, ARoomOfUnknownTypeIsGuessedByItsThings) {
   ASSERT_OK(home_->replace_instances(
       std::vector<objects::Instance>{thing("bed", 0.95, 15), thing("wardrobe", 0.9, 16)}));
-  const auto guesses = guess_room_types(*home_);
+  const auto guesses = guess_room_types(*home_, {});
   ASSERT_OK(guesses);
   const rooms::TypeGuess& best = guesses->at("Anna's room").front();
   EXPECT_EQ(best.type, "bedroom");

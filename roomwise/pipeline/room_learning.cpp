@@ -40,10 +40,36 @@ Expected<void> add_rooms(home::Home& home, const std::set<std::string>& names) {
   return home.replace_rooms(rooms);
 }
 
+// Forgets the pictures of later visits that a newly learned classifier does not name as they were:
+// rooms may have been named anew. Those of other networks stay. How many were forgotten.
+Expected<std::size_t> check_visit_pictures(home::Home& home,
+                                           const rooms::RoomClassifier& classifier) {
+  ROOMWISE_TRY(const auto pictures, home.visit_pictures());
+  std::vector<home::VisitPicture> kept;
+  for (const home::VisitPicture& picture : pictures) {
+    if (picture.network_fingerprint == classifier.network().fingerprint) {
+      ROOMWISE_TRY(const rooms::PictureEvidence evidence, classifier.evidence(picture.features));
+      const auto decision =
+          rooms::decide(evidence, classifier.rooms(), classifier.recall()->calibration);
+      if (decision.verdict != rooms::Verdict::kRoom || decision.room() != picture.room) continue;
+    }
+    kept.push_back(picture);
+  }
+  if (kept.size() < pictures.size()) ROOMWISE_CHECK_OK(home.replace_visit_pictures(kept));
+  return pictures.size() - kept.size();
+}
+
 // Stores the classifier, and in which room it believes every key-frame to be.
-Expected<void> store(home::Home& home, const rooms::LearnedRooms& learned,
+Expected<void> store(home::Home& home, rooms::LearnedRooms& learned,
                      std::span<const home::KeyframeId> keyframes) {
   const rooms::RoomClassifier& classifier = learned.classifier;
+  ROOMWISE_TRY(const std::size_t forgotten, check_visit_pictures(home, classifier));
+  if (forgotten > 0) {
+    learned.report.warnings.push_back(
+        fmt::format("{} pictures of later visits do not show these rooms surely and are forgotten; "
+                    "bring the home up to date with those walks again",
+                    forgotten));
+  }
   ROOMWISE_CHECK_OK(
       home.put_room_classifier({classifier.network().name, classifier.network().fingerprint,
                                 classifier.to_bytes(), to_json(learned.report, keyframes)}));
@@ -159,7 +185,7 @@ Expected<rooms::LearningReport> learn_rooms_from_keyframes(
   if (learning.variants > 0) {
     ROOMWISE_CHECK_OK(add_variants(home, network, ids, samples, learning.variants, networks, run));
   }
-  ROOMWISE_TRY(const rooms::LearnedRooms learned,
+  ROOMWISE_TRY(rooms::LearnedRooms learned,
                learn(samples, {network.name, network.fingerprint}, learning, run));
   ROOMWISE_CHECK_OK(home.atomically([&] { return store(home, learned, ids); }));
   return learned.report;
@@ -213,7 +239,7 @@ Expected<rooms::LearningReport> learn_rooms_from_photos(home::Home& home,
                            std::make_move_iterator(features[i].end()));
     names.insert(photos[i].room);
   }
-  ROOMWISE_TRY(const rooms::LearnedRooms learned,
+  ROOMWISE_TRY(rooms::LearnedRooms learned,
                learn(samples, {network.name(), network.fingerprint()}, learning, run));
   ROOMWISE_CHECK_OK(home.atomically([&]() -> Expected<void> {
     ROOMWISE_CHECK_OK(add_rooms(home, names));
@@ -236,6 +262,22 @@ Expected<std::vector<home::KeyframeId>> learned_keyframes(const home::Home& home
     keyframes.push_back(id.get<home::KeyframeId>());
   }
   return keyframes;
+}
+
+Expected<rooms::RoomClassifier> with_visit_pictures(const home::Home& home,
+                                                    rooms::RoomClassifier classifier) {
+  if (!classifier.recall()) return classifier;
+  ROOMWISE_TRY(auto stored, home.visit_pictures());
+  std::vector<rooms::RoomPicture> pictures;
+  for (home::VisitPicture& picture : stored) {
+    const bool is_learned =
+        picture.network_fingerprint == classifier.network().fingerprint &&
+        std::ranges::find(classifier.rooms(), picture.room) != classifier.rooms().end();
+    if (is_learned) pictures.push_back({std::move(picture.features), std::move(picture.room)});
+  }
+  auto more = classifier.with(pictures);
+  if (!more) return Unexpected(std::move(more).error().in(home.file()));
+  return more;
 }
 
 Expected<const network::Classifier*> features_network(const Networks& networks) {

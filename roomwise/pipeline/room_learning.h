@@ -29,7 +29,9 @@ struct RoomLearning {
 
 // Learns the rooms from the key-frames of a recording that lie in the selected ranges, on what a
 // features network saw in them; stores the classifier and what it says of every key-frame. With
-// variants, that network must be among `networks`, to look at them.
+// variants, that network must be among `networks`, to look at them. Pictures that later visits
+// brought stay where the new classifier names the same room by them; a warning says how many do
+// not.
 [[nodiscard]] Expected<rooms::LearningReport> learn_rooms_from_keyframes(
     home::Home& home, home::RecordingId recording, const RoomSelection& selection,
     const RoomLearning& learning, const Networks& networks, RunContext& run);
@@ -52,6 +54,11 @@ struct RoomPhoto {
 // The key-frames that the home's rooms were learned from; none where they were learned from photos,
 // or by a version of Roomwise that did not keep which.
 [[nodiscard]] Expected<std::vector<home::KeyframeId>> learned_keyframes(const home::Home& home);
+
+// The classifier, which the home learned, with the pictures that later visits brought
+// (RoomClassifier::with). One of an earlier version stays as it is.
+[[nodiscard]] Expected<rooms::RoomClassifier> with_visit_pictures(const home::Home& home,
+                                                                  rooms::RoomClassifier classifier);
 
 // The network on whose features rooms are learned: one that serves features only is preferred to
 // one that names things. Fails where there is none.

@@ -63,6 +63,7 @@ Expected<RoomRecognizer> RoomRecognizer::create(const home::Home& home, const Ne
         "folder as ROOMWISE_MODELS",
         home.file(), record->network_name);
   }
+  ROOMWISE_TRY(classifier, with_visit_pictures(home, *std::move(classifier)));
   ROOMWISE_TRY(rooms::Concepts concepts, home.concepts());
   ROOMWISE_TRY(const std::vector<rooms::Room> rooms, home.rooms());
   std::vector<rooms::Room> learned = in_order(classifier->rooms(), rooms);

@@ -69,6 +69,8 @@ class RoomRecognizer {
   [[nodiscard]] Expected<rooms::RoomAnswer> paper_recognize(
       const image::ColorImage& first, const std::optional<image::ColorImage>& second) const;
 
+  // As it was learned, with what later visits brought.
+  [[nodiscard]] const rooms::RoomClassifier& classifier() const { return classifier_; }
   [[nodiscard]] const network::Classifier& features() const { return *features_; }
   [[nodiscard]] const network::Classifier* naming() const { return naming_; }  // nullptr: none
   [[nodiscard]] const std::vector<std::string>& rooms() const { return classifier_.rooms(); }

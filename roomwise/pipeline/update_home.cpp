@@ -7,6 +7,7 @@
 #include "roomwise/pipeline/home_localizer.h"
 #include "roomwise/pipeline/keyframe_observer.h"
 #include "roomwise/pipeline/stored_looks.h"
+#include "roomwise/pipeline/stored_rooms.h"
 #include "roomwise/recording/tum_recording.h"
 
 namespace roomwise::pipeline {
@@ -21,39 +22,89 @@ struct PlacedFrame {
   home::KeyframeId keyframe = 0;  // that shows the same
   RigidTransform world_from_camera;
   image::DepthImage depth;
-  objects::KeyframeLook look;  // of all finders
+  objects::KeyframeLook look;       // of all finders
+  std::optional<SeenPicture> room;  // where rooms are to be refreshed
 };
 
 struct VisitFrames {
   home::Visit visit;
   geometry::PinholeCamera camera;
   std::vector<PlacedFrame> placed;
+  std::optional<RoomUpdate> rooms;
 };
 
-// Absent where the frame's place is not known.
-Expected<std::optional<PlacedFrame>> place_frame(const HomeLocalizer& localizer,
-                                                 image::RgbdFrame frame,
-                                                 const geometry::PinholeCamera& camera,
-                                                 const objects::RegionFinders& finders) {
-  PictureToLocate picture{std::move(frame.color), std::move(frame.depth), camera};
-  ROOMWISE_TRY(const auto measured, localizer.measure(picture));
-  const mapping::Localization found = localizer.localizer().locate({measured, camera});
+// Looks at the frames of a visit.
+class VisitLooker {
+ public:
+  static Expected<VisitLooker> create(const home::Home& home, const objects::RegionFinders& finders,
+                                      const Networks& networks, const UpdateOptions& options,
+                                      RunContext& run) {
+    VisitLooker looker(finders);
+    if (options.rooms) {
+      ROOMWISE_TRY(looker.why_no_rooms_, why_rooms_cannot_be_refreshed(home));
+    }
+    if (options.rooms && looker.why_no_rooms_.empty()) {
+      ROOMWISE_TRY(looker.rooms_,
+                   VisitRooms::create(home, networks, *options.rooms, options.localizer, run));
+    } else {
+      ROOMWISE_TRY(looker.localizer_, HomeLocalizer::create(home, options.localizer, run));
+    }
+    return looker;
+  }
+
+  // Absent where the frame's place is not known.
+  [[nodiscard]] Expected<std::optional<PlacedFrame>> place(
+      image::RgbdFrame frame, const geometry::PinholeCamera& camera) const;
+  // Absent where they are to stay as they are.
+  [[nodiscard]] Expected<std::optional<RoomUpdate>> update_rooms(
+      const home::Home& home, std::span<const PlacedFrame> placed) const;
+
+ private:
+  explicit VisitLooker(const objects::RegionFinders& finders) : finders_(&finders) {}
+  [[nodiscard]] const HomeLocalizer& localizer() const {
+    return rooms_ ? rooms_->localizer() : *localizer_;
+  }
+
+  const objects::RegionFinders* finders_;
+  std::optional<VisitRooms> rooms_;
+  std::optional<HomeLocalizer> localizer_;  // where there are no rooms_, which have one
+  std::string why_no_rooms_;
+};
+
+Expected<std::optional<PlacedFrame>> VisitLooker::place(
+    image::RgbdFrame frame, const geometry::PinholeCamera& camera) const {
+  PictureToLocate picture{frame.color, std::move(frame.depth), camera};
+  ROOMWISE_TRY(const auto measured, localizer().measure(picture));
+  const mapping::Localization found = localizer().localizer().locate({measured, camera});
   if (!found.found()) return std::nullopt;
-  PlacedFrame placed{frame.timestamp_ns, found.keyframe, found.world_from_camera, {}, {}};
-  for (const auto& finder : finders) {
+  PlacedFrame placed{frame.timestamp_ns, found.keyframe, found.world_from_camera, {}, {}, {}};
+  for (const auto& finder : *finders_) {
     ROOMWISE_TRY(auto look, look_at(*finder, picture.color, *picture.depth, camera));
     placed.look.coarse_depth = std::move(look.coarse_depth);
     std::ranges::move(look.regions, std::back_inserter(placed.look.regions));
   }
   placed.depth = *std::move(picture.depth);
+  if (rooms_) {
+    ROOMWISE_TRY(placed.room, rooms_->look(frame, found));
+  }
   return placed;
 }
 
+Expected<std::optional<RoomUpdate>> VisitLooker::update_rooms(
+    const home::Home& home, std::span<const PlacedFrame> placed) const {
+  if (!why_no_rooms_.empty()) return RoomUpdate{.why_not = why_no_rooms_};
+  if (!rooms_) return std::optional<RoomUpdate>();
+  std::vector<SeenPicture> walk;
+  for (const PlacedFrame& frame : placed) walk.push_back(*frame.room);
+  return rooms_->update(home, walk);
+}
+
 Expected<VisitFrames> place_frames(const home::Home& home, const std::filesystem::path& folder,
-                                   const objects::RegionFinders& finders,
+                                   const objects::RegionFinders& finders, const Networks& networks,
                                    const UpdateOptions& options, RunContext& run) {
   ROOMWISE_TRY(const auto recording, recording::TumRecording::open(folder));
-  ROOMWISE_TRY(const HomeLocalizer localizer, HomeLocalizer::create(home, options.localizer, run));
+  ROOMWISE_TRY(const VisitLooker looker,
+               VisitLooker::create(home, finders, networks, options, run));
   VisitFrames visit;
   visit.camera = recording->info().camera;
   visit.visit.name = recording->info().name;
@@ -63,7 +114,7 @@ Expected<VisitFrames> place_frames(const home::Home& home, const std::filesystem
     std::vector<Expected<std::optional<PlacedFrame>>> placed(block.size(), fail("not placed yet"));
     run.pool.parallel_for(block.size(), [&](std::size_t i) {
       const auto timing = run.clock.measure("placing and looking");
-      placed[i] = place_frame(localizer, std::move(block[i]), visit.camera, finders);
+      placed[i] = looker.place(std::move(block[i]), visit.camera);
     });
     block.clear();
     for (auto& one : placed) {
@@ -87,6 +138,7 @@ Expected<VisitFrames> place_frames(const home::Home& home, const std::filesystem
   run.progress.end();
   if (run.progress.interrupted()) return fail("interrupted while looking at the visit");
   visit.visit.placed = visit.placed.size();
+  ROOMWISE_TRY(visit.rooms, looker.update_rooms(home, visit.placed));
   return visit;
 }
 
@@ -116,10 +168,7 @@ class VisitComparison {
     ROOMWISE_TRY(result.past_, home.past_instances());
     ROOMWISE_TRY(result.visits_, home.visits());
     ROOMWISE_TRY(result.concepts_, home.concepts());
-    ROOMWISE_TRY(const auto recordings, home.recordings());
-    for (const home::StoredRecording& recording : recordings) {
-      ROOMWISE_TRY(result.labels_[recording.id], home.room_ranges(recording.id));
-    }
+    ROOMWISE_TRY(result.rooms_, rooms_of_keyframes(home));
     return result;
   }
 
@@ -139,6 +188,8 @@ class VisitComparison {
         before_, views_of(looked_before), now_, views_of(frames), past_things(), options.changes);
     HomeUpdate update;
     update.changes.visit = frames.visit;
+    update.rooms = frames.rooms;
+    if (frames.rooms) update.changes.pictures = frames.rooms->pictures;
     report_known(changes, frames, update);
     for (const objects::Arrival& arrival : changes.arrived) {
       ThingUpdate thing;
@@ -298,9 +349,8 @@ class VisitComparison {
   }
 
   [[nodiscard]] std::string room_of(home::KeyframeId id) const {
-    const home::Keyframe& keyframe = keyframes_.at(id);
-    const recording::RoomRange* range = labels_.at(keyframe.recording).find(keyframe.frame_index);
-    return range == nullptr ? std::string() : range->room;
+    const auto room = rooms_.find(id);
+    return room == rooms_.end() ? std::string() : room->second;
   }
 
   std::vector<home::Keyframe> keyframes_;
@@ -308,7 +358,7 @@ class VisitComparison {
   std::vector<home::PastInstance> past_;
   std::map<home::VisitId, home::Visit> visits_;
   rooms::Concepts concepts_;
-  std::map<home::RecordingId, recording::RoomLabels> labels_;
+  KeyframeRooms rooms_;
   // Of the home's things that have a place: which instance, when it was seen, where it stands.
   std::vector<std::size_t> known_;
   std::vector<std::pair<TimestampNs, TimestampNs>> seen_;
@@ -323,23 +373,28 @@ Expected<void> UpdateOptions::validate() const {
   if (every < 1) return fail("every is {}; expected at least 1", every);
   ROOMWISE_CHECK_OK(localizer.validate());
   ROOMWISE_CHECK_OK(instances.validate());
+  if (rooms) ROOMWISE_CHECK_OK(rooms->validate());
   return changes.validate();
 }
 
 Expected<HomeUpdate> compare_with_visit(const home::Home& home,
                                         const std::filesystem::path& recording,
                                         const objects::RegionFinders& finders,
-                                        const UpdateOptions& options, RunContext& run) {
+                                        const Networks& networks, const UpdateOptions& options,
+                                        RunContext& run) {
   ROOMWISE_CHECK_OK(options.validate());
   if (finders.empty()) {
     return fail("no detector is here to look at the visit; get one: roomwise networks list");
   }
+  ROOMWISE_TRY(const auto keyframes, home.keyframes());
+  if (keyframes.empty()) return fail("{}: has no map; make one: roomwise map", home.file());
   ROOMWISE_TRY(const StoredLooks looks, StoredLooks::read(home));
   if (!looks.pieces().contains(0)) {
     return fail("{}: no detector has looked at this home; let one: roomwise objects find --home {}",
                 home.file(), home.file());
   }
-  ROOMWISE_TRY(const VisitFrames frames, place_frames(home, recording, finders, options, run));
+  ROOMWISE_TRY(const VisitFrames frames,
+               place_frames(home, recording, finders, networks, options, run));
   if (frames.placed.size() < 2) {
     return fail("{}: only {} of {} frames were found on the map of {}; is it the same home?",
                 recording.string(), frames.placed.size(), frames.visit.frames, home.file());

@@ -110,7 +110,7 @@ class UpdateHome : public ::testing::Test {
       ROOMWISE_CHECK_OK(writer->write(*frame));
     }
     ROOMWISE_CHECK_OK(writer->close());
-    return compare_with_visit(*home_, folder, finders_, {}, run_);
+    return compare_with_visit(*home_, folder, finders_, {}, {}, run_);
   }
 
   inline static const RedBox kBox{
@@ -183,11 +183,11 @@ TEST_F(UpdateHome, WhatIsGoneStaysGone) {
 }
 
 TEST_F(UpdateHome, SaysWhatIsMissing) {
-  EXPECT_ERROR(compare_with_visit(*home_, folder_ / "nowhere", finders_, {}, run_), "nowhere");
-  EXPECT_ERROR(compare_with_visit(*home_, folder_ / "nowhere", {}, {}, run_), "no detector");
+  EXPECT_ERROR(compare_with_visit(*home_, folder_ / "nowhere", finders_, {}, {}, run_), "nowhere");
+  EXPECT_ERROR(compare_with_visit(*home_, folder_ / "nowhere", {}, {}, {}, run_), "no detector");
   UpdateOptions options;
   options.every = 0;
-  EXPECT_ERROR(compare_with_visit(*home_, folder_ / "nowhere", finders_, options, run_),
+  EXPECT_ERROR(compare_with_visit(*home_, folder_ / "nowhere", finders_, {}, options, run_),
                "every is 0");
 }
 

@@ -54,13 +54,32 @@ Expected<void> RoomClassifier::check(std::span<const float> features) const {
   return {};
 }
 
+Expected<void> RoomClassifier::check_recall() const {
+  if (recall_) return {};
+  return fail(
+      "the rooms were learned by an earlier Roomwise, which kept no pictures to compare with; "
+      "learn them again, or use the paper's rule");
+}
+
+Expected<RoomClassifier> RoomClassifier::with(std::span<const RoomPicture> pictures) const {
+  ROOMWISE_CHECK_OK(check_recall());
+  Eigen::MatrixXf rows(pictures.size(), feature_size());
+  std::vector<int> rooms;
+  for (const RoomPicture& picture : pictures) {
+    ROOMWISE_CHECK_OK(check(picture.features));
+    const auto room = std::ranges::find(rooms_, picture.room);
+    if (room == rooms_.end()) return fail("room \"{}\" was not learned", picture.room);
+    rows.row(static_cast<Eigen::Index>(rooms.size())) = root_features(picture.features);
+    rooms.push_back(static_cast<int>(room - rooms_.begin()));
+  }
+  RoomClassifier more = *this;
+  more.recall_->memory = recall_->memory.with(rows, rooms);
+  return more;
+}
+
 Expected<PictureEvidence> RoomClassifier::evidence(std::span<const float> features) const {
   ROOMWISE_CHECK_OK(check(features));
-  if (!recall_) {
-    return fail(
-        "the rooms were learned by an earlier Roomwise, which kept no pictures to compare with; "
-        "learn them again, or use the paper's rule");
-  }
+  ROOMWISE_CHECK_OK(check_recall());
   const Likeness likeness = recall_->memory.compare(root_features(features));
   return PictureEvidence{recall_->calibration.probabilities(likeness),
                          recall_->calibration.known(likeness)};

@@ -26,6 +26,12 @@ struct NetworkIdentity {
 // another; zero features stay zero.
 [[nodiscard]] Eigen::VectorXf unit_length(std::span<const float> features);
 
+// A picture of a room, as a network sees it.
+struct RoomPicture {
+  std::vector<float> features;
+  std::string room;
+};
+
 // What one picture says about the room, without any other.
 struct PictureEvidence {
   Eigen::VectorXd probabilities;  // of each room, every room alike beforehand; add up to 1
@@ -51,6 +57,11 @@ class RoomClassifier {
   // Fails where the features are not of feature_size() or not finite.
   [[nodiscard]] Expected<std::vector<RoomScore>> scores(std::span<const float> features) const;
 
+  // With more pictures to compare with (RoomMemory::with). The regression, and the calibration,
+  // which says what a likeness means, stay as they were learned. Fails where features are not as
+  // evidence() takes them, a room is none of rooms(), or there is no recall().
+  [[nodiscard]] Expected<RoomClassifier> with(std::span<const RoomPicture> pictures) const;
+
   [[nodiscard]] const NetworkIdentity& network() const { return network_; }
   [[nodiscard]] const std::vector<std::string>& rooms() const { return rooms_; }
   [[nodiscard]] const SoftmaxRegression& regression() const { return regression_; }
@@ -67,6 +78,7 @@ class RoomClassifier {
 
  private:
   [[nodiscard]] Expected<void> check(std::span<const float> features) const;
+  [[nodiscard]] Expected<void> check_recall() const;
 
   NetworkIdentity network_;
   std::vector<std::string> rooms_;

@@ -61,6 +61,22 @@ TEST(RoomClassifier, RefusesFeaturesOfAnotherNetwork) {
                "not finite");
 }
 
+TEST(RoomClassifier, IsKnownByMorePicturesWithoutBeingCalibratedAnew) {
+  const RoomClassifier classifier = two_rooms();
+  const std::vector<float> picture{3, 4, 40};
+  const std::vector<RoomPicture> more(RoomMemory::kMostAlike, RoomPicture{picture, "kitchen"});
+  const auto knowing = classifier.with(more);
+  ASSERT_OK(knowing);
+  EXPECT_GT(knowing->evidence(picture)->known, classifier.evidence(picture)->known);
+  EXPECT_GT(knowing->evidence(picture)->probabilities[1],
+            classifier.evidence(picture)->probabilities[1]);
+  EXPECT_EQ(knowing->recall()->calibration, classifier.recall()->calibration);
+  EXPECT_EQ(*knowing->scores(picture), *classifier.scores(picture)) << "the paper's way";
+  EXPECT_ERROR(classifier.with(std::vector<RoomPicture>{{picture, "cellar"}}), "\"cellar\"");
+  EXPECT_ERROR(classifier.with(std::vector<RoomPicture>{{{1, 2}, "bath"}}), "2 features");
+  EXPECT_ERROR(of_version_1().with(more), "earlier Roomwise");
+}
+
 TEST(RoomClassifier, ComesBackFromItsBytes) {
   const RoomClassifier classifier = two_rooms();
   const auto back = RoomClassifier::from_bytes(classifier.to_bytes());

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 
+#include "roomwise/base/random.h"
 #include "roomwise/base/testing.h"
 
 namespace roomwise::rooms {
@@ -264,6 +265,81 @@ TEST(RoomLayoutTest, OptionsAreLengths) {
   const auto layout = RoomLayout::make(grid_of(plan_of_two_rooms()), walks, options);
   ASSERT_FALSE(layout);
   EXPECT_THAT(layout.error().message, HasSubstr("furniture_depth_m must be a length"));
+}
+
+// ---- shares_around ----
+
+// Bath and hall, 3 m by 2 m each, open to each other at x = 3 m.
+RoomLayout two_open_rooms() {
+  WalkedPath walk;
+  walk_to(walk, {0.5, 1}, "bath");
+  walk_to(walk, {2.9, 1}, "bath");
+  walk_to(walk, {5.5, 1}, "hall");
+  return RoomLayout::make(grid_of(std::vector<std::string>(20, std::string(60, '.'))),
+                          std::span(&walk, 1))
+      .value();
+}
+
+TEST(SharesAround, DeepInARoomAllIsThatRoom) {
+  const RoomLayout layout = two_open_rooms();
+  const auto shares = layout.shares_around({1.2, 1}, 0.2);
+  ASSERT_EQ(shares.size(), 2U);
+  EXPECT_NEAR(shares[0], 1, 1e-9) << "three standard deviations are 0.6 m";
+  EXPECT_EQ(shares[1], 0);
+}
+
+TEST(SharesAround, AtABoundaryBothRoomsHaveHalf) {
+  const RoomLayout layout = two_open_rooms();
+  const auto shares = layout.shares_around({3, 1}, 0.2);
+  EXPECT_NEAR(shares[0], 0.5, 0.15) << "the boundary is known to a cell, half a deviation";
+  EXPECT_NEAR(shares[0] + shares[1], 1, 1e-9);
+  // A step on into the hall there is little left of the bath.
+  EXPECT_LT(layout.shares_around({3.5, 1}, 0.2)[0], 0.05);
+}
+
+TEST(SharesAround, OutsideAllFloorsNoRoomHasAny) {
+  const RoomLayout layout = two_open_rooms();
+  for (const Vector2d& point : {Vector2d(-5, 1), Vector2d(3, 40), Vector2d(1e12, 1)}) {
+    EXPECT_THAT(layout.shares_around(point, 0.2), ElementsAre(0, 0));
+  }
+  // At the edge of the floor half is outside, and belongs to nobody.
+  const auto edge = layout.shares_around({1.2, 0}, 0.2);
+  EXPECT_NEAR(edge[0], 0.5, 0.11);
+  EXPECT_EQ(edge[1], 0);
+}
+
+TEST(SharesAround, SpreadTheMoreTheLessThePointIsKnown) {
+  const RoomLayout layout = two_open_rooms();
+  double own = 1.01;
+  double others = -0.01;
+  for (const double sigma_m : {0.1, 0.4, 0.8, 1.6, 3.2}) {
+    const auto shares = layout.shares_around({2, 1}, sigma_m);
+    EXPECT_LT(shares[0], own + 1e-9) << sigma_m;
+    own = shares[0];
+    const double not_own = 1 - shares[0];
+    EXPECT_GE(not_own, others) << sigma_m;
+    others = not_own;
+  }
+  EXPECT_LT(own, 0.3);
+  EXPECT_GT(layout.shares_around({2, 1}, 0.8)[1], 0.05) << "some of it is in the next room";
+}
+
+TEST(SharesAround, AreHowOftenANormalDistributionLiesInEachRoom) {
+  const RoomLayout layout = two_open_rooms();
+  RandomStream random(3);
+  for (const auto& [point, sigma_m] :
+       {std::pair(Vector2d(2.7, 0.9), 0.3), {Vector2d(3.4, 1.6), 0.5}, {Vector2d(0.3, 0.2), 0.7}}) {
+    constexpr int kDraws = 20000;
+    std::vector<double> counted(2, 0);
+    for (int i = 0; i < kDraws; ++i) {
+      const Vector2d drawn = point + sigma_m * Vector2d(random.normal(), random.normal());
+      const auto room = layout.room_at(drawn);
+      if (room) counted[*room == "bath" ? 0 : 1] += 1.0 / kDraws;
+    }
+    const auto shares = layout.shares_around(point, sigma_m);
+    EXPECT_NEAR(shares[0], counted[0], 0.08) << point.transpose();
+    EXPECT_NEAR(shares[1], counted[1], 0.08) << point.transpose();
+  }
 }
 
 }  // namespace

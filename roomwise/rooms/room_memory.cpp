@@ -51,6 +51,18 @@ RoomMemory::RoomMemory(PictureSpace space, Eigen::MatrixXf places, std::vector<i
   }
 }
 
+RoomMemory RoomMemory::with(const Eigen::MatrixXf& root_features, std::span<const int> room) const {
+  if (root_features.rows() == 0) return *this;
+  Eigen::MatrixXf places(places_.rows() + root_features.rows(), places_.cols());
+  places << places_, space_.places(root_features);
+  std::vector<int> rooms = room_;
+  rooms.insert(rooms.end(), room.begin(), room.end());
+  std::vector<int> pictures = picture_;
+  const auto known = static_cast<int>(room_of_picture_.size());
+  for (std::size_t i = 0; i < room.size(); ++i) pictures.push_back(known + static_cast<int>(i));
+  return {space_, std::move(places), std::move(rooms), std::move(pictures), rooms_};
+}
+
 Likeness RoomMemory::compare(const Eigen::VectorXf& root_features) const {
   const Eigen::MatrixXf place = space_.places(root_features.transpose());
   const Eigen::VectorXf fine = whitened_ * space_.whitened(place).transpose();

@@ -32,6 +32,12 @@ class RoomMemory {
   RoomMemory(PictureSpace space, Eigen::MatrixXf places, std::vector<int> room,
              std::vector<int> picture, int rooms);
 
+  // With more pictures, without variants, after those that are there. The space stays as it is:
+  // what was remembered stays as alike to everything as it was. root_features: one picture a row;
+  // room[i] of row i.
+  [[nodiscard]] RoomMemory with(const Eigen::MatrixXf& root_features,
+                                std::span<const int> room) const;
+
   [[nodiscard]] Likeness compare(const Eigen::VectorXf& root_features) const;
 
   [[nodiscard]] const PictureSpace& space() const { return space_; }

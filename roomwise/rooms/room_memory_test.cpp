@@ -68,6 +68,30 @@ TEST_F(RoomMemoryTest, AnUnknownPictureIsLessAlike) {
   EXPECT_LT(other.coarsely, known.coarsely - 0.3);
 }
 
+TEST_F(RoomMemoryTest, WhatIsAddedMakesItsLikeKnownAndForgetsNothing) {
+  // A look of the second room that it was not learned in.
+  const Eigen::VectorXf other = root_features(std::vector<float>{0, 3, 0, 0, 0.1F, 3, 0.1F, 0.1F});
+  Eigen::MatrixXf more(3, 8);
+  for (Eigen::Index i = 0; i < 3; ++i) more.row(i) = other;
+  const RoomMemory before = memory();
+  const RoomMemory after = before.with(more, std::vector<int>{1, 1, 1});
+  EXPECT_LT(before.compare(other).finely, 0.9);
+  EXPECT_NEAR(after.compare(other).finely, 1, 1e-4);
+  EXPECT_NEAR(after.compare(other).of_rooms[1], 1, 1e-4);
+  EXPECT_NEAR(after.compare(other).of_rooms[0], before.compare(other).of_rooms[0], 1e-6);
+  for (Eigen::Index i = 0; i < rows_.rows(); ++i) {
+    const Likeness then = before.compare(rows_.row(i));
+    const Likeness now = after.compare(rows_.row(i));
+    for (int room = 0; room < 2; ++room) {
+      EXPECT_GE(now.of_rooms[room], then.of_rooms[room] - 1e-6) << i;
+    }
+  }
+  EXPECT_EQ(after.places().topRows(before.places().rows()), before.places());
+  EXPECT_EQ(before.with(Eigen::MatrixXf(0, 8), {}).places(), before.places());
+  EXPECT_THROW((void)before.with(more, std::vector<int>{1, 1}), std::invalid_argument);
+  EXPECT_THROW((void)before.with(more, std::vector<int>{1, 1, 2}), std::invalid_argument);
+}
+
 TEST_F(RoomMemoryTest, RefusesNumbersOutOfRange) {
   auto rooms = room_;
   rooms[3] = 2;

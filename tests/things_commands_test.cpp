@@ -1,0 +1,240 @@
+// Commands about things and what they tell, with a detector that sees one in the middle of every
+// picture.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "made_up_recording.h"
+#include "roomwise/base/file.h"
+#include "roomwise/base/random.h"
+#include "roomwise/base/testing.h"
+#include "roomwise/network/tiny_network.h"
+#include "roomwise/recording/tum_writer.h"
+#include "run_program.h"
+
+namespace roomwise {
+namespace {
+
+using nlohmann::json;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using testing::ProgramResult;
+using testing::ScratchFolder;
+
+// A NanoDet-Plus of two labels that gives the same whatever it is shown: the second label, in a box
+// of half the picture's width and height about its middle.
+std::string detector_of_the_middle() {
+  constexpr std::size_t kLabels = 2, kBins = 8, kRow = kLabels + 4 * kBins;
+  constexpr std::size_t kAnchors = 64 + 16 + 4 + 1;  // of 64 x 64 pixels
+  std::vector<float> rows(kAnchors * kRow, -20.F);
+  float* const middle = rows.data() + (4 * 8 + 4) * kRow;  // stride 8: at (32, 32)
+  middle[1] = 3;
+  for (std::size_t side = 0; side < 4; ++side) middle[kLabels + side * kBins + 2] = 20;
+  testing::TinyGraph graph;
+  graph.nodes = {testing::node("GlobalAveragePool", "picture", "pooled"),
+                 testing::node("Flatten", "pooled", "means"),
+                 testing::layer("Gemm", {"means", "weights", "rows"}, {"found"})};
+  const auto size = static_cast<std::int64_t>(rows.size());
+  graph.constants = {
+      testing::tensor("weights", {3, size}, std::vector<float>(3 * rows.size(), 0.F)),
+      testing::tensor("rows", {size}, rows)};
+  graph.input = {1, 3, 64, 64};
+  graph.outputs = {{"found", {1, rows.size()}}};
+  return testing::onnx(graph);
+}
+
+class ThingsCommandsTest : public ::testing::Test {
+ protected:
+  static constexpr int kFrames = 48;
+
+  static void SetUpTestSuite() {
+    folder_ = std::make_unique<ScratchFolder>();
+    EXPECT_OK(testing::write_made_up_recording(path("walk"), kFrames));
+    EXPECT_OK(testing::write_made_up_recording(path("visit"), kFrames));
+    EXPECT_OK(write_noise(path("elsewhere")));
+    const std::string networks = path("data/roomwise/networks/");
+    std::filesystem::create_directories(networks);
+    EXPECT_OK(write_file(networks + "middle.onnx", detector_of_the_middle()));
+    EXPECT_OK(write_file(
+        networks + "middle.card.json",
+        R"({"task": "nanodet-plus", "input": {"width": 64, "height": 64}, "labels": "kinds.txt"})"));
+    EXPECT_OK(write_file(networks + "kinds.txt", std::string("bed\ntoilet\n")));
+    EXPECT_OK(write_file(path("colors.onnx"), testing::mean_color_network()));
+    EXPECT_OK(write_file(path("colors.card.json"), R"({"input": {"width": 6, "height": 4}})"));
+    mapped_ = result_of({"map", path("walk"), "--home", path("mapped.home"), "--network",
+                         path("colors.onnx"), "--keyframe-translation", "0.02"});
+  }
+  static void TearDownTestSuite() { folder_.reset(); }
+
+  static std::string path(const std::string& name) { return *folder_ / name; }
+  static json result_of(const std::vector<std::string>& arguments) {
+    return testing::result_of(arguments, path("data"));
+  }
+  static ProgramResult run(const std::vector<std::string>& arguments) {
+    return testing::run_roomwise(arguments, path("data"));
+  }
+  static std::string copy_of_home(const std::string& name) {
+    std::filesystem::copy_file(path("mapped.home"), path(name));
+    return path(name);
+  }
+  static std::vector<std::string> update(const std::string& home,
+                                         std::vector<std::string> more = {}) {
+    more.insert(more.begin(), {"update", "--home", home, "--network", path("colors.onnx")});
+    return more;
+  }
+  static std::string digest_of(const std::string& home) {
+    return result_of({"info", "--digest", home}).at("content_sha256");
+  }
+  // Pictures of nothing, at any distance.
+  static Expected<void> write_noise(const std::filesystem::path& folder) {
+    geometry::PinholeCamera camera = *geometry::camera_preset("fr1");
+    ROOMWISE_TRY(const auto writer, recording::TumWriter::create(folder, camera));
+    RandomStream random(1);
+    for (std::uint64_t i = 0; i < 4; ++i) {
+      image::RgbdFrame frame;
+      frame.index = i;
+      frame.timestamp_ns = static_cast<TimestampNs>(i + 1) * 100'000'000;
+      frame.color = image::ColorImage(camera.width, camera.height);
+      frame.depth = image::DepthImage(camera.width, camera.height);
+      for (Rgb8& pixel : frame.color.pixels()) {
+        pixel = {static_cast<std::uint8_t>(random.index(256)), 100, 50};
+      }
+      for (std::uint16_t& depth : frame.depth.pixels()) {
+        depth = static_cast<std::uint16_t>(5000 + random.index(9000));
+      }
+      ROOMWISE_CHECK_OK(writer->write(frame));
+    }
+    return writer->close();
+  }
+
+  inline static std::unique_ptr<ScratchFolder> folder_;
+  inline static json mapped_;
+};
+
+// ---- update ----
+
+TEST_F(ThingsCommandsTest, AWalkThatFindsAllAsItWasLeavesTheHomeAsItWas) {
+  ASSERT_GE(mapped_.at("instances"), 1);
+  const std::string home = copy_of_home("same.home");
+  const std::string digest = digest_of(home);
+  const json found = result_of(update(home, {path("visit")}));
+  EXPECT_EQ(found.at("frames"), kFrames);
+  EXPECT_GE(found.at("placed"), kFrames / 2);
+  EXPECT_EQ(found.at("changed"), false);
+  EXPECT_EQ(found.at("written"), false);
+  ASSERT_EQ(found.at("things").size(), mapped_.at("instances"));
+  const json& thing = found.at("things")[0];
+  EXPECT_TRUE(thing.at("what") == "there" || thing.at("what") == "not looked at") << thing;
+  EXPECT_EQ(thing.at("before"), thing.at("now"));
+  EXPECT_EQ(digest_of(home), digest);
+
+  const ProgramResult text = run(update(home, {path("visit")}));
+  EXPECT_EQ(text.exit_code, 0) << text.errors;
+  EXPECT_THAT(text.output, HasSubstr("pictures of the visit were found on the map"));
+  EXPECT_THAT(text.output, HasSubstr("nothing changed; the home is as it was"));
+}
+
+TEST_F(ThingsCommandsTest, OnlyEveryKthPictureIsLookedAt) {
+  const std::string home = copy_of_home("every.home");
+  EXPECT_EQ(result_of(update(home, {path("visit"), "--every", "4"})).at("frames"), kFrames / 4);
+  EXPECT_EQ(run(update(home, {path("visit"), "--every", "0"})).exit_code, 2);
+}
+
+TEST_F(ThingsCommandsTest, ADryRunWritesNothing) {
+  const std::string home = copy_of_home("dry.home");
+  const Bytes before = read_file(home).value();
+  result_of(update(home, {path("visit"), "--dry-run"}));
+  EXPECT_TRUE(read_file(home).value() == before);
+}
+
+TEST_F(ThingsCommandsTest, SaysWhyRoomsStayAsTheyAre) {
+  const std::string home = copy_of_home("rooms.home");
+  const json unlearned = result_of(update(home, {path("visit")})).at("rooms");
+  EXPECT_THAT(unlearned.at("why_not").get<std::string>(), HasSubstr("no rooms were learned yet"));
+  EXPECT_THAT(run(update(home, {path("visit")})).output,
+              HasSubstr("the rooms are known as before: no rooms were learned yet"));
+  result_of({"rooms", "learn", "--home", home, "--network", path("colors.onnx")});
+  const json nowhere = result_of(update(home, {path("visit")})).at("rooms");
+  EXPECT_THAT(nowhere.at("why_not").get<std::string>(), HasSubstr("does not show where they lie"))
+      << "there is only a wall";
+  EXPECT_TRUE(result_of(update(home, {path("visit"), "--without-rooms"})).at("rooms").is_null());
+  EXPECT_THAT(run(update(home, {path("visit"), "--without-rooms"})).output,
+              Not(HasSubstr("the rooms")));
+  const ProgramResult without_network = run({"update", "--home", home, path("visit")});
+  EXPECT_EQ(without_network.exit_code, 1);
+  EXPECT_THAT(without_network.errors, HasSubstr("learned with the network colors"));
+}
+
+TEST_F(ThingsCommandsTest, UpdateSaysWhatIsWrong) {
+  const std::string home = copy_of_home("wrong.home");
+  const auto errors_of = [](const std::vector<std::string>& arguments) {
+    const ProgramResult result = run(arguments);
+    EXPECT_EQ(result.exit_code, 1) << result.output;
+    return result.errors;
+  };
+  EXPECT_THAT(errors_of(update(path("no.home"), {path("visit")})), HasSubstr("no such file"));
+  EXPECT_FALSE(std::filesystem::exists(path("no.home")));
+  EXPECT_THAT(errors_of(update(home, {path("nowhere")})), HasSubstr("nowhere"));
+  EXPECT_THAT(errors_of(update(home, {path("elsewhere")})),
+              AllOf(HasSubstr("only 0 of 4 frames were found on the map"),
+                    HasSubstr("is it the same home?")));
+  const ProgramResult no_detector =
+      testing::run_roomwise(update(home, {path("visit"), "--without-rooms"}));
+  EXPECT_EQ(no_detector.exit_code, 1);
+  EXPECT_THAT(no_detector.errors, HasSubstr("no detector is here"));
+  EXPECT_EQ(run({"update", path("visit")}).exit_code, 2) << "--home is missing";
+}
+
+TEST_F(ThingsCommandsTest, AHomeWithoutAMapCannotBeBroughtUpToDate) {
+  for (const std::string room : {"attic", "cellar"}) {
+    std::filesystem::create_directories(path("photos/" + room));
+    for (int i = 0; i < 6; ++i) {
+      const std::string photo = fmt::format("photos/{}/{}.jpg", room, i);
+      const auto picture = std::filesystem::directory_iterator(path("walk/rgb"))->path();
+      std::filesystem::copy_file(picture, path(photo));
+    }
+  }
+  const std::string home = path("photos.home");
+  result_of({"rooms", "learn", "--home", home, "--photos", path("photos"), "--network",
+             path("colors.onnx")});
+  const ProgramResult result = run(update(home, {path("visit")}));
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.errors, HasSubstr("photos.home: has no map"));
+}
+
+// ---- rooms types ----
+
+TEST_F(ThingsCommandsTest, TheTypeThatThingsTellIsTakenOnceItIsAccepted) {
+  const std::string home = copy_of_home("types.home");
+  result_of({"rooms", "name", "--home", home, "--frames", "0-47=small room"});
+  const auto type_of = [&](const json& rooms) {
+    for (const json& room : rooms) {
+      if (room.at("room") == "small room") return room;
+    }
+    return json();
+  };
+  const json proposed = type_of(result_of({"rooms", "types", "--home", home}).at("rooms"));
+  ASSERT_FALSE(proposed.is_null());
+  EXPECT_EQ(proposed.at("type"), "small room");
+  EXPECT_EQ(proposed.at("taken"), false);
+  EXPECT_EQ(proposed.at("guesses")[0].at("type"), "toilet") << proposed;
+  EXPECT_GE(proposed.at("guesses")[0].at("probability"), 0.8);
+  const std::vector<std::string> accept{"rooms", "types", "--home", home, "--accept"};
+  const ProgramResult taken = run(accept);
+  EXPECT_EQ(taken.exit_code, 0) << taken.errors;
+  EXPECT_THAT(taken.output, HasSubstr("; taken"));
+  const json after = type_of(result_of(accept).at("rooms"));
+  EXPECT_EQ(after.at("type"), "toilet");
+  EXPECT_EQ(after.at("taken"), false) << "its type is known now";
+}
+
+TEST_F(ThingsCommandsTest, RoomTypesSayWhatIsWrong) {
+  const ProgramResult result = run({"rooms", "types", "--home", path("no.home"), "--accept"});
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.errors, HasSubstr("no such file"));
+}
+
+}  // namespace
+}  // namespace roomwise
