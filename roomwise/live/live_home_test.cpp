@@ -172,17 +172,40 @@ TEST_F(LiveHomeTest, RoomsAreRenamedAndWhatWasLearnedGoesOn) {
   open();
   record_the_walk();
   learn_two_rooms();
+  home.reset();
+  const auto rooms_of_visits = [&] {
+    std::vector<std::string> rooms;
+    const auto pictures = home::Home::open_read_only(file)->visit_pictures().value();
+    for (const home::VisitPicture& picture : pictures) rooms.push_back(picture.room);
+    return rooms;
+  };
+  {
+    home::HomeChanges later;
+    later.pictures.emplace();
+    for (const std::string room : {"kitchen", "bedroom"}) {
+      later.pictures->push_back({.picture_digest = room,
+                                 .room = room,
+                                 .network_fingerprint = networks[0]->fingerprint(),
+                                 .features = std::vector<float>(12, 1)});
+    }
+    ASSERT_OK(home::Home::open(file)->apply_changes(later));
+  }
+  open();
+  home->jobs().wait();  // until the map is ready
+  ASSERT_TRUE(home->view()->recognizer) << home->view()->why_no_recognizer;
   ASSERT_OK(home->change_room("kitchen", "cook's corner", "kitchen"));
   EXPECT_EQ(home->view()->walks[0].labels.ranges()[0].room, "cook's corner");
   EXPECT_THAT(home->view()->recognizer->rooms(), Contains("cook's corner"));
   EXPECT_THAT(home->view()->recognizer->rooms(), Not(Contains("kitchen")));
   EXPECT_ERROR(home->change_room("kitchen", "x", {}), "no room 'kitchen'");
   EXPECT_ERROR(home->change_room("bedroom", "cook's corner", {}), "already");
+  EXPECT_THAT(rooms_of_visits(), ::testing::ElementsAre("cook's corner", "bedroom"));
 
   ASSERT_OK(home->forget_room("bedroom"));
   EXPECT_THAT(home->view()->rooms, SizeIs(1));
   EXPECT_THAT(home->view()->walks[0].labels.ranges(), SizeIs(1));
   EXPECT_FALSE(home->view()->recognizer);
+  EXPECT_THAT(rooms_of_visits(), IsEmpty());
 }
 
 TEST_F(LiveHomeTest, WhatIsForgottenDoesNotWaitForTheMapToBeReady) {

@@ -5,9 +5,9 @@
 namespace roomwise::rooms {
 namespace {
 
-// How well a picture must be known to bring nothing new (RoomCalibration::known). Half of the
-// pictures that a home was learned from are known as well by the others, whose neighbours on the
-// walk they are (docs/rooms.md).
+// How well a picture must be known to bring nothing new (RoomCalibration::known): about as well as
+// half of a development home's own pictures are by their neighbours on the walk
+// (docs/benchmarks.md).
 constexpr double kNothingNew = 1.5;
 
 // Of `left`, which is not empty: which is least well known, and how well.
