@@ -8,6 +8,7 @@
 
 #include "roomwise/network/network_file.h"
 #include "roomwise/network/onnx_classifier.h"
+#include "roomwise/objects/activation_regions.h"
 
 namespace roomwise::app {
 namespace {
@@ -42,6 +43,24 @@ Expected<std::vector<fs::path>> networks_for(network::Task task) {
     }
   }
   return usable;
+}
+
+// The first classifier of the folders that names things, for what they find and no detector does.
+Expected<void> add_activation_finder(objects::RegionFinders& finders) {
+  ROOMWISE_TRY(const auto files, networks_for(network::Task::kClassify));
+  for (const fs::path& file : files) {
+    const auto card = network::find_model_card(file);
+    if (!card || card->labels_file.empty()) continue;
+    if (auto classifier = network::DenseClassifier::load(file)) {
+      const auto words = objects::words_of_maps(finders, (*classifier)->labels(),
+                                                objects::ObjectVocabulary::standard());
+      finders.push_back(objects::activation_finder(*std::move(classifier), words));
+      return {};
+    } else {
+      fmt::print(stderr, "left out: {}\n", classifier.error().message);
+    }
+  }
+  return {};
 }
 
 }  // namespace
@@ -179,6 +198,8 @@ Expected<objects::RegionFinders> load_region_finders() {
       fmt::print(stderr, "left out: {}\n", detector.error().message);
     }
   }
+  if (finders.empty()) return finders;
+  ROOMWISE_CHECK_OK(add_activation_finder(finders));
   return finders;
 }
 

@@ -28,6 +28,12 @@ bool stands_in_middle(const network::PixelBox& box, const geometry::PinholeCamer
 
 // A picture's name is about all of it.
 constexpr double kSaidWeight = 0.5;
+// So is, in part, that of its activation maps' cells, which see far beyond themselves.
+constexpr double kActivationWeight = 0.5;
+
+double weight_of(RegionSource source) {
+  return source == RegionSource::kDetector ? 1 : kActivationWeight;
+}
 
 Candidate candidate_of(SightGroup group, std::span<const WorldSight> sights,
                        std::span<const LookedKeyframe> keyframes, const Level& level) {
@@ -36,7 +42,7 @@ Candidate candidate_of(SightGroup group, std::span<const WorldSight> sights,
   candidate.voxels = voxels_of(candidate.box.surface_world, kSightVoxel_m);
   for (const std::size_t index : group) {
     const WorldSight& sight = sights[index];
-    candidate.scores[sight.name] += sight.score;
+    candidate.scores[sight.name] += weight_of(sight.source) * sight.score;
     const LookedKeyframe& keyframe = keyframes[sight.keyframe];
     if (!stands_in_middle(sight.box, *keyframe.camera)) continue;
     for (const Sighting& said : keyframe.said)
@@ -91,17 +97,62 @@ double logistic(double log_odds) {
   return 1 / (1 + std::exp(-log_odds));
 }
 
-// Each key-frame that saw the thing speaks for it by its score's odds, each that should have and
-// did not against it.
-double existence(std::span<const double> best_scores, int missed) {
-  constexpr double kBefore = -2.5;  // log odds
-  constexpr double kMissed = -0.25;
-  double log_odds = kBefore + kMissed * missed;
-  for (const double score : best_scores) {
+// How strongly a candidate is believed to be there, by the key-frames that saw it and those that
+// should have.
+struct Existence {
+  int sightings = 0, missed = 0;
+  double probability = 0;
+};
+
+// What a key-frame's best sight of each source says for a thing, as log odds. A detector's score
+// says how sure it is. Activation maps are often sure of what is not there, but not from all
+// sides: what they say counts a little each time, and once more against it where they say nothing.
+struct Evidence {
+  static constexpr double kBefore = -2.5;
+  static constexpr double kDetectorMissed = -0.25;
+  static constexpr double kActivation = 0.45, kActivationMissed = -1;
+
+  static double of_detector(double score) {
     const double safe = std::clamp(score, 0.05, 0.95);
-    log_odds += std::max(0.2, 1 + std::log(safe / (1 - safe)));
+    return std::max(0.2, 1 + std::log(safe / (1 - safe)));
   }
-  return logistic(log_odds);
+};
+
+Existence existence_of(const Candidate& candidate, std::span<const WorldSight> sights,
+                       std::span<const LookedKeyframe> keyframes, double farthest_m) {
+  std::map<std::size_t, double> speaks_for;  // by key-frame
+  bool is_detected = false;
+  for (const std::size_t index : candidate.group) {
+    const WorldSight& sight = sights[index];
+    const bool by_detector = sight.source == RegionSource::kDetector;
+    is_detected = is_detected || by_detector;
+    double& most = speaks_for[sight.keyframe];
+    most = std::max(most, by_detector ? Evidence::of_detector(sight.score) : Evidence::kActivation);
+  }
+  Existence existence{.sightings = static_cast<int>(speaks_for.size())};
+  for (std::size_t k = 0; k < keyframes.size(); ++k) {
+    if (speaks_for.contains(k)) continue;
+    if (should_see(keyframes[k], candidate.box.surface_world, farthest_m)) ++existence.missed;
+  }
+  double log_odds =
+      Evidence::kBefore +
+      existence.missed * (is_detected ? Evidence::kDetectorMissed : Evidence::kActivationMissed);
+  for (const auto& [keyframe, evidence] : speaks_for) log_odds += evidence;
+  existence.probability = logistic(log_odds);
+  return existence;
+}
+
+// What activation maps alone say must stand by itself, and look as such things do, before it is
+// anything or may name what a detector found.
+bool may_be_there(const Candidate& candidate, std::span<const WorldSight> sights,
+                  std::span<const LookedKeyframe> keyframes, const InstanceOptions& options) {
+  const bool is_detected = std::ranges::any_of(candidate.group, [&](std::size_t index) {
+    return sights[index].source == RegionSource::kDetector;
+  });
+  if (is_detected) return true;
+  return candidate.box.fits_kind &&
+         existence_of(candidate, sights, keyframes, options.farthest_m).probability >=
+             options.least_probability;
 }
 
 Instance instance_of(const Candidate& candidate, std::span<const WorldSight> sights,
@@ -113,26 +164,17 @@ Instance instance_of(const Candidate& candidate, std::span<const WorldSight> sig
   instance.name = std::ranges::max_element(instance.names, {}, [](const auto& one) {
                     return one.second;
                   })->first;
-  std::map<std::size_t, double> score_in;
   const WorldSight* best = nullptr;
   for (const std::size_t index : candidate.group) {
     const WorldSight& sight = sights[index];
-    double& score = score_in[sight.keyframe];
-    score = std::max(score, sight.score);
     // Where only a classifier calls it so, the best sight shows it all the same.
     const bool says_so = sight.name == instance.name;
     if (best == nullptr || (says_so && best->name != instance.name)) best = &sight;
   }
-  int missed = 0;
-  for (std::size_t k = 0; k < keyframes.size(); ++k) {
-    if (score_in.contains(k)) continue;
-    if (should_see(keyframes[k], candidate.box.surface_world, options.farthest_m)) ++missed;
-  }
-  std::vector<double> scores;
-  for (const auto& [keyframe, score] : score_in) scores.push_back(score);
-  instance.sightings = static_cast<int>(scores.size());
-  instance.expected = instance.sightings + missed;
-  instance.probability = existence(scores, missed) * instance.names[instance.name];
+  const Existence existence = existence_of(candidate, sights, keyframes, options.farthest_m);
+  instance.sightings = existence.sightings;
+  instance.expected = existence.sightings + existence.missed;
+  instance.probability = existence.probability * instance.names[instance.name];
   const LookedKeyframe& keyframe = keyframes[best->keyframe];
   instance.keyframe_id = keyframe.keyframe_id;
   instance.picture_box = best->box;
@@ -168,12 +210,19 @@ std::vector<Instance> find_instances(std::span<const LookedKeyframe> keyframes, 
   for (SightGroup& group : group_sights(sights)) {
     if (group.size() < 2) continue;
     Candidate candidate = candidate_of(std::move(group), sights, keyframes, level);
-    if (candidate.box.box_world.size_m.norm() > 0) candidates.push_back(std::move(candidate));
+    if (!(candidate.box.box_world.size_m.norm() > 0)) continue;
+    if (may_be_there(candidate, sights, keyframes, options))
+      candidates.push_back(std::move(candidate));
   }
   join_names(candidates, sights, keyframes, level);
+  std::set<std::string> no_words;
+  for (const WorldSight& sight : sights) {
+    if (!sight.is_word) no_words.insert(sight.name);
+  }
   std::vector<Instance> instances;
   for (const Candidate& candidate : candidates) {
     Instance instance = instance_of(candidate, sights, keyframes, options);
+    if (no_words.contains(instance.name)) continue;
     if (instance.sightings < options.least_sightings ||
         instance.probability < options.least_probability) {
       continue;

@@ -48,6 +48,9 @@ struct Instance {
 struct NamedRegion {
   std::string name;
   const Region* region = nullptr;
+  // Otherwise it is one of ObjectVocabulary::look_alikes(): it may take a thing's name away, and is
+  // none itself.
+  bool is_word = true;
 };
 
 // A key-frame that was looked at. What it points to must outlive it.

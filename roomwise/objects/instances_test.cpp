@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <numbers>
+
 #include "roomwise/base/random.h"
 #include "roomwise/base/testing.h"
 #include "roomwise/objects/test_room.h"
@@ -114,6 +116,76 @@ TEST(FindInstances, NamesCompete) {
   EXPECT_NEAR(instances[0].names.at("bed"), 0.8, 0.01);
   EXPECT_NEAR(instances[0].names.at("sofa"), 0.2, 0.01);
   EXPECT_LT(instances[0].probability, 0.81);
+}
+
+TEST(FindInstances, ActivationMapsFindWhatTheyShowFromAllSides) {
+  TestRoom room;
+  room.source = RegionSource::kActivation;
+  room.things = {kChair};
+  room.look_around(kChair.center, 10);
+  const auto instances = room.instances();
+  ASSERT_EQ(instances.size(), 1U);
+  EXPECT_EQ(instances[0].sightings, 10);
+  EXPECT_GT(instances[0].probability, 0.8);
+}
+
+TEST(FindInstances, WhatActivationMapsShowNowAndThenIsNothing) {
+  const auto things_by = [](RegionSource source) {
+    TestRoom room;
+    room.source = source;
+    room.things = {kChair};
+    room.look_around(kChair.center, 8, 1.8, 0, 1);
+    room.look_around(kChair.center, 6, 1.8, 0.1, 0.8, /*finds=*/false);
+    return room.instances().size();
+  };
+  EXPECT_EQ(things_by(RegionSource::kDetector), 1U);
+  EXPECT_EQ(things_by(RegionSource::kActivation), 0U);
+}
+
+TEST(FindInstances, ActivationMapsNameADetectorsThingOnlyWhereTheyStandByThemselves) {
+  const auto names_after = [](int looks) {
+    TestRoom room;
+    room.things = {kBed};
+    room.look_around(kBed.center, 4, 2.2);
+    room.source = RegionSource::kActivation;
+    for (int i = 0; i < looks; ++i) {
+      const double angle = 0.2 + 2 * std::numbers::pi * i / looks;
+      room.look(kBed.center + Vector3d(2.2 * std::cos(angle), 2.2 * std::sin(angle), 1),
+                kBed.center, true, "wardrobe");
+    }
+    const auto instances = room.instances();
+    return instances.size() == 1 ? instances[0].names : std::map<std::string, double>();
+  };
+  EXPECT_EQ(names_after(5), (std::map<std::string, double>{{"bed", 1}}));
+  const auto names = names_after(16);
+  ASSERT_TRUE(names.contains("wardrobe"));
+  EXPECT_GT(names.at("wardrobe"), names.at("bed"));
+}
+
+TEST(FindInstances, ALookAlikeTakesTheNameAway) {
+  TestRoom room;
+  room.things = {{"toilet seat", {0, 0, 0.35}, {0.6, 0.4, 0.7}}};
+  room.look_around({0, 0, 0.35}, 4);
+  ASSERT_EQ(room.instances().size(), 1U);
+  room.source = RegionSource::kActivation;
+  for (int i = 0; i < 16; ++i) {
+    const double angle = 0.2 + 2 * std::numbers::pi * i / 16;
+    room.look({1.8 * std::cos(angle), 1.8 * std::sin(angle), 1.3}, {0, 0, 0.35}, true, "radiator");
+    room.keyframes().back().regions.back().is_word = false;
+  }
+  EXPECT_TRUE(room.instances().empty()) << "neither a toilet seat nor a radiator";
+}
+
+TEST(FindInstances, ActivationMapsSeeNoWardrobeInADoor) {
+  const auto wardrobes = [](double depth_m) {
+    TestRoom room;
+    room.source = RegionSource::kActivation;
+    room.things = {{"wardrobe", {2.99 - depth_m / 2, 0, 1}, {depth_m, 1, 2}}};  // at the wall
+    room.look_around({2.4, 0, 0.8}, 12, 2.0, 2.4, 1.5);
+    return room.instances().size();
+  };
+  EXPECT_EQ(wardrobes(0.5), 1U);
+  EXPECT_EQ(wardrobes(0.05), 0U);
 }
 
 TEST(FindInstances, AThingOnAnotherStaysItself) {

@@ -67,6 +67,12 @@ ObjectVocabulary ObjectVocabulary::standard() {
   return vocabulary;
 }
 
+ObjectVocabulary ObjectVocabulary::look_alikes() {
+  ObjectVocabulary vocabulary;
+  vocabulary.objects_ = {{"radiator", {"radiator", "space heater"}}};
+  return vocabulary;
+}
+
 Expected<void> ObjectVocabulary::add(const std::string& object,
                                      const std::vector<std::string>& labels) {
   if (trimmed(object).empty()) return fail("an object needs a name");

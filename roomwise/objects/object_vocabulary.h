@@ -22,6 +22,9 @@ class ObjectVocabulary {
   // microwave, stove, fridge and toilet seat.
   [[nodiscard]] static ObjectVocabulary standard();
 
+  // What stands in homes and is in no table, but is taken for what is: a radiator for a toilet.
+  [[nodiscard]] static ObjectVocabulary look_alikes();
+
   // Adds labels to an object, making it if it is new. A label means one object only. On an error
   // nothing is changed.
   [[nodiscard]] Expected<void> add(const std::string& object,

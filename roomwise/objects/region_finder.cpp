@@ -28,6 +28,11 @@ class DetectorRegions final : public RegionFinder {
 
 }  // namespace
 
+RegionSource source_of(std::string_view fingerprint) {
+  return fingerprint.find(kActivationMethod) == std::string_view::npos ? RegionSource::kDetector
+                                                                       : RegionSource::kActivation;
+}
+
 std::unique_ptr<RegionFinder> detector_regions(std::string name,
                                                std::unique_ptr<network::Detector> detector,
                                                float least_score) {

@@ -2,11 +2,13 @@
 
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "roomwise/base/expected.h"
 #include "roomwise/image/image.h"
 #include "roomwise/network/detector.h"
+#include "roomwise/objects/region_surface.h"
 
 namespace roomwise::objects {
 
@@ -25,6 +27,10 @@ class RegionFinder {
   [[nodiscard]] virtual Expected<std::vector<network::Detection>> find(
       const image::ColorImage& picture) const = 0;
 };
+
+// How a finder with this fingerprint finds regions: the method stands in it, behind the weights'.
+constexpr std::string_view kActivationMethod = " activation maps ";
+[[nodiscard]] RegionSource source_of(std::string_view fingerprint);
 
 using RegionFinders = std::vector<std::unique_ptr<RegionFinder>>;
 

@@ -24,12 +24,19 @@ struct RegionSurface {
   friend bool operator==(const RegionSurface&, const RegionSurface&) = default;
 };
 
+// How a region was found.
+enum class RegionSource {
+  kDetector,    // by a network that gives boxes
+  kActivation,  // by the class-activation maps of a classifier (activation_regions.h)
+};
+
 // Something that was found in a key-frame, and where it is.
 struct Region {
   std::string label;  // as its finder calls it
   float score = 0;    // [0, 1]
   network::PixelBox box;
   RegionSurface surface;
+  RegionSource source = RegionSource::kDetector;
 };
 
 // What was looked for and found in a key-frame.

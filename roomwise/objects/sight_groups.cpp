@@ -17,6 +17,7 @@ constexpr double kCoreShare = 0.15;
 
 struct Group {
   std::string name;
+  RegionSource source = RegionSource::kDetector;
   SightGroup members;
   std::unordered_map<VoxelKey, int> hits;
 
@@ -42,6 +43,13 @@ struct Group {
     return core;
   }
 };
+
+// Whether they may be one group. What different finders say of a place competes or agrees later,
+// as groups: the boxes of one are no measure for those of the other.
+template <typename Other>
+bool are_alike(const Group& group, const Other& other) {
+  return group.name == other.name && group.source == other.source;
+}
 
 // The share of the cells that the group has, or their neighbours.
 double share_in(std::span<const VoxelKey> voxels, const Group& group) {
@@ -92,7 +100,7 @@ void merge_groups(std::vector<Group>& groups, std::span<const WorldSight> sights
     for (std::size_t a = 0; a < groups.size(); ++a) {
       const auto core_a = groups[a].core();
       for (std::size_t b = a + 1; b < groups.size(); ++b) {
-        if (groups[a].name != groups[b].name) continue;
+        if (!are_alike(groups[a], groups[b])) continue;
         const auto core_b = groups[b].core();
         const bool a_is_smaller = core_a.size() < core_b.size();
         const double shared =
@@ -120,14 +128,16 @@ std::vector<SightGroup> group_sights(std::span<const WorldSight> sights) {
     Group* best = nullptr;
     double most = kSameSpace;
     for (Group& group : groups) {
-      if (group.name != sight.name) continue;
+      if (!are_alike(group, sight)) continue;
       const double shared = share_in(sight.voxels, group);
       if (shared <= most || conflicts(group, sight, sights)) continue;
       most = shared;
       best = &group;
     }
-    if (best == nullptr)
-      best = &groups.emplace_back(Group{.name = sight.name, .members = {}, .hits = {}});
+    if (best == nullptr) {
+      best = &groups.emplace_back(
+          Group{.name = sight.name, .source = sight.source, .members = {}, .hits = {}});
+    }
     best->add(i, sight);
   }
   merge_groups(groups, sights);

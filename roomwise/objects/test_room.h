@@ -23,6 +23,7 @@ class TestRoom {
   };
 
   std::vector<Thing> things;
+  RegionSource source = RegionSource::kDetector;  // of the regions that come
 
   // A key-frame at a place that looks at another; regions of what it sees, called by its name or,
   // where one is given, by that.
@@ -45,7 +46,7 @@ class TestRoom {
       const network::PixelBox& box = seen.boxes[i];
       if (box.area() < 200) continue;
       stored.regions.push_back(
-          {things[i].name, 0.7F, box, region_surface(seen.depth, camera_, box)});
+          {things[i].name, 0.7F, box, region_surface(seen.depth, camera_, box), source});
       keyframe.regions.push_back({name.empty() ? things[i].name : name, &stored.regions.back()});
     }
   }

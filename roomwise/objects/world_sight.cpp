@@ -66,7 +66,9 @@ std::vector<WorldSight> world_sights(std::span<const LookedKeyframe> keyframes, 
       if (is_cut_all_round(region.box, *keyframes[k].camera)) continue;
       if (median_depth(region.surface.points) > options.farthest_m) continue;
       WorldSight sight{.name = named.name,
+                       .is_word = named.is_word,
                        .score = region.score,
+                       .source = region.source,
                        .keyframe = k,
                        .box = region.box,
                        .points_world = {},
@@ -85,7 +87,7 @@ std::vector<WorldSight> world_sights(std::span<const LookedKeyframe> keyframes, 
   }
   std::ranges::stable_sort(sights, {}, [&](const WorldSight& sight) {
     return std::tuple(-sight.quality, keyframes[sight.keyframe].keyframe_id, sight.name,
-                      sight.box.left, sight.box.top);
+                      sight.source, sight.box.left, sight.box.top);
   });
   return sights;
 }

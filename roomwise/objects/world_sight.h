@@ -24,7 +24,9 @@ using VoxelKey = std::int64_t;
 // A region that counts, in the world.
 struct WorldSight {
   std::string name;
+  bool is_word = true;
   double score = 0;
+  RegionSource source = RegionSource::kDetector;
   std::size_t keyframe = 0;  // index of LookedKeyframe
   network::PixelBox box;
   std::vector<Eigen::Vector3f> points_world;  // above the floor
@@ -44,8 +46,8 @@ constexpr double kFloorReach_m = 0.06;
 // Sights of one thing, by index, the best first.
 using SightGroup = std::vector<std::size_t>;
 
-// Groups sights of one name that show the same piece of space. Two regions beside each other in one
-// picture are two things, and so are groups that are often seen so.
+// Groups sights of one name and source that show the same piece of space. Two regions beside each
+// other in one picture are two things, and so are groups that are often seen so.
 [[nodiscard]] std::vector<SightGroup> group_sights(std::span<const WorldSight> sights);
 
 // The box of a group and how sure its middle is: what most of its pictures' boxes hold of its
@@ -54,6 +56,10 @@ struct GroupBox {
   geometry::OrientedBox box_world;
   Eigen::Vector3d sigma_m = Eigen::Vector3d::Zero();
   std::vector<Eigen::Vector3f> surface_world;  // the middles of its cells
+  // Whether what was seen of it is as large as such things are: its shorter level side half to two
+  // and a half times as long as theirs is at least, and as long or high as they are. A door is no
+  // wardrobe, nor is the corner of a room, and a bowl no bath.
+  bool fits_kind = true;
 };
 [[nodiscard]] GroupBox box_of_group(const SightGroup& group, std::span<const WorldSight> sights,
                                     std::span<const LookedKeyframe> keyframes, const Level& level);

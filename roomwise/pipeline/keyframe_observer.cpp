@@ -16,7 +16,8 @@ Expected<objects::KeyframeLook> look_at(const objects::RegionFinder& finder,
   look.coarse_depth = objects::coarse_depth(depth);
   for (const network::Detection& detection : detections) {
     look.regions.push_back({finder.labels().at(detection.label), detection.score, detection.box,
-                            objects::region_surface(depth, camera, detection.box)});
+                            objects::region_surface(depth, camera, detection.box),
+                            objects::source_of(finder.fingerprint())});
   }
   return look;
 }

@@ -3,18 +3,29 @@
 #include <algorithm>
 #include <ranges>
 
+#include "roomwise/objects/region_finder.h"
 #include "roomwise/pipeline/keyframe_images.h"
 
 namespace roomwise::pipeline {
 namespace {
 
+// The newest finder of each name: what it found takes the place of what it found in older ways.
+std::map<std::string, home::FinderId> newest_by_name(
+    const std::map<home::FinderId, home::RegionFinderRecord>& finders) {
+  std::map<std::string, home::FinderId> newest;
+  for (const auto& [id, finder] : finders) newest[finder.name] = id;
+  return newest;
+}
+
 // The looks of all finders at one key-frame, together.
 Expected<std::map<home::KeyframeId, objects::KeyframeLook>> looks_of_all(const home::Home& home) {
   std::map<home::KeyframeId, objects::KeyframeLook> all;
   ROOMWISE_TRY(const auto finders, home.region_finders());
-  for (const auto& [id, finder] : finders) {
+  for (const auto& [name, id] : newest_by_name(finders)) {
     ROOMWISE_TRY(auto looks, home.looks(id));
+    const objects::RegionSource source = objects::source_of(finders.at(id).fingerprint);
     for (auto& [keyframe, look] : looks) {
+      for (objects::Region& region : look.regions) region.source = source;
       objects::KeyframeLook& joined = all[keyframe];
       joined.coarse_depth = std::move(look.coarse_depth);
       std::ranges::move(look.regions, std::back_inserter(joined.regions));
@@ -43,10 +54,13 @@ Expected<std::map<home::KeyframeId, std::vector<objects::Sighting>>> said_of_pic
 
 std::vector<objects::NamedRegion> named_regions(const objects::KeyframeLook& look,
                                                 const objects::ObjectVocabulary& vocabulary) {
+  static const auto look_alikes = objects::ObjectVocabulary::look_alikes();
   std::vector<objects::NamedRegion> regions;
   for (const objects::Region& region : look.regions) {
     if (auto name = vocabulary.object_of(region.label)) {
       regions.push_back({*std::move(name), &region});
+    } else if (auto look_alike = look_alikes.object_of(region.label)) {
+      regions.push_back({*std::move(look_alike), &region, /*is_word=*/false});
     }
   }
   return regions;

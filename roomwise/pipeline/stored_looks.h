@@ -14,7 +14,8 @@ namespace roomwise::pipeline {
 [[nodiscard]] Expected<std::map<home::KeyframeId, std::vector<objects::Sighting>>> said_of_pictures(
     const home::Home& home, const objects::ObjectVocabulary& vocabulary, double least_score);
 
-// The regions that the home has a word for. What they point to is the look's.
+// The regions that the home has a word for, and those of look-alikes. What they point to is the
+// look's.
 [[nodiscard]] std::vector<objects::NamedRegion> named_regions(
     const objects::KeyframeLook& look, const objects::ObjectVocabulary& vocabulary);
 

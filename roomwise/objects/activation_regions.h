@@ -1,0 +1,40 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "roomwise/network/dense_classifier.h"
+#include "roomwise/objects/object_vocabulary.h"
+#include "roomwise/objects/region_finder.h"
+
+namespace roomwise::objects {
+
+// How regions are cut out of a classifier's class-activation maps; probabilities, 0 < least_cell <=
+// least_peak.
+struct ActivationOptions {
+  float least_peak = 0.4F;  // of a region's best cell
+  float least_cell = 0.2F;  // of the cells around it
+};
+
+// The regions of a picture of which cells say the same: for each of the words (by the sum of its
+// labels' probabilities) the cells of `least_cell` or more that share a side, around a best one of
+// `least_peak` or more. A region's label is the one of its word that its cells say most, its score
+// what the classifier says of its cells together. Boxes are in pixels of a picture of this size.
+// Best first.
+[[nodiscard]] std::vector<network::Detection> activation_regions(
+    const network::CellLogits& cells, const std::vector<std::string>& labels,
+    const ObjectVocabulary& words, const ActivationOptions& options, int width_px, int height_px);
+
+// What class-activation maps are asked for: of the words that no finder has a label for and the
+// labels do, those that maps find rightly (docs/objects.md), and look-alikes that the labels have.
+[[nodiscard]] ObjectVocabulary words_of_maps(const RegionFinders& finders,
+                                             const std::vector<std::string>& labels,
+                                             const ObjectVocabulary& vocabulary);
+
+// Finds these words by a classifier's class-activation maps.
+[[nodiscard]] std::unique_ptr<RegionFinder> activation_finder(
+    std::unique_ptr<network::DenseClassifier> classifier, const ObjectVocabulary& words,
+    const ActivationOptions& options = {});
+
+}  // namespace roomwise::objects

@@ -1,0 +1,68 @@
+#include "roomwise/pipeline/stored_looks.h"
+
+#include <gmock/gmock.h>
+
+#include "roomwise/base/testing.h"
+#include "roomwise/home/sample_home.h"
+
+namespace roomwise::pipeline {
+namespace {
+
+using ::testing::FieldsAre;
+using ::testing::UnorderedElementsAre;
+
+// The names of the regions of key-frame 1, whether they are words, and how they were found.
+std::vector<std::tuple<std::string, bool, bool>> names_in(const home::Home& home) {
+  const auto looks = StoredLooks::read(home);
+  EXPECT_OK(looks);
+  std::vector<std::tuple<std::string, bool, bool>> names;
+  for (const objects::LookedKeyframe& keyframe : looks->pieces().at(1)) {
+    if (keyframe.keyframe_id != 1) continue;
+    for (const objects::NamedRegion& region : keyframe.regions) {
+      const bool by_maps = region.region->source == objects::RegionSource::kActivation;
+      names.emplace_back(region.name, region.is_word, by_maps);
+    }
+  }
+  return names;
+}
+
+objects::KeyframeLook look_with(const std::vector<std::string>& labels) {
+  objects::KeyframeLook look = home::testing::sample_look(1);
+  look.regions.resize(1);
+  const objects::Region region = look.regions.front();
+  look.regions.clear();
+  for (const std::string& label : labels) {
+    look.regions.push_back(region);
+    look.regions.back().label = label;
+  }
+  return look;
+}
+
+TEST(StoredLooks, AnActivationFinderStandsBesideTheDetectorAndReplacesItsOlderSelf) {
+  const roomwise::testing::ScratchFolder folder;
+  auto home = home::Home::create(folder / "a.home");
+  ASSERT_OK(home);
+  home::testing::fill(*home);
+  EXPECT_THAT(names_in(*home),
+              UnorderedElementsAre(FieldsAre("sofa", true, false), FieldsAre("bed", true, false)));
+
+  const std::vector<std::string> labels{"table lamp", "radiator", "zebra", "bookcase"};
+  const auto first = home->add_region_finder({"net activation", "f00 activation maps 1", labels});
+  ASSERT_OK(first);
+  ASSERT_OK(home->put_look(1, *first, look_with({"table lamp", "radiator", "zebra"})));
+  EXPECT_THAT(
+      names_in(*home),
+      UnorderedElementsAre(FieldsAre("sofa", true, false), FieldsAre("bed", true, false),
+                           FieldsAre("lamp", true, true), FieldsAre("radiator", false, true)))
+      << "a look-alike speaks, a zebra does not";
+
+  const auto second = home->add_region_finder({"net activation", "f00 activation maps 2", labels});
+  ASSERT_OK(second);
+  ASSERT_OK(home->put_look(1, *second, look_with({"bookcase"})));
+  EXPECT_THAT(names_in(*home),
+              UnorderedElementsAre(FieldsAre("sofa", true, false), FieldsAre("bed", true, false),
+                                   FieldsAre("bookcase", true, true)));
+}
+
+}  // namespace
+}  // namespace roomwise::pipeline
