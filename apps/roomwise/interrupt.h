@@ -6,7 +6,8 @@ namespace roomwise::app {
 // what it has; a second one ends the program at once.
 void catch_interrupts();
 
-// Whether the user asked to stop. Catches interrupts; work that never asks is ended by the first.
+// Whether the user asked to stop. Catches interrupts, too: of work that neither asks nor catches
+// them the first ends the program.
 [[nodiscard]] bool interrupt_requested();
 
 }  // namespace roomwise::app

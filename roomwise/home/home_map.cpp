@@ -225,7 +225,8 @@ Expected<void> Home::remove_recording(RecordingId id) {
     if (sqlite3_changes(database_.handle()) == 0) {
       return fail("{}: has no recording {}", file(), id);
     }
-    return {};
+    // Nor was a home visited again that was never walked through.
+    return database_.run("DELETE FROM visits WHERE NOT EXISTS (SELECT 1 FROM recordings)");
   });
 }
 

@@ -57,7 +57,7 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
   [[nodiscard]] Expected<rooms::RoomDecision> test_picture(const Bytes& picture) const;
 
   // ---- changing; each fails while a job writes the home, forgetting while any is at work, but
-  // for the making ready of the map, which stops for it ----
+  // for the job "prepare", which stops for it ----
   [[nodiscard]] Expected<void> name_rooms(home::RecordingId walk,
                                           std::vector<recording::RoomRange> ranges);
   [[nodiscard]] Expected<void> change_room(const std::string& name,
@@ -101,12 +101,16 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
   [[nodiscard]] Expected<void> check_idle() const;
   // Runs `change` on the home and shows what came of it.
   [[nodiscard]] Expected<void> change(const std::function<Expected<void>(home::Home&)>& change);
+  // So that no byte of what was removed is left in the file.
+  [[nodiscard]] Expected<void> erase_removed(home::Home& home);
   // Makes the view anew. With home_mutex_ held.
   [[nodiscard]] Expected<void> refresh(std::shared_ptr<const LiveMap> map);
   [[nodiscard]] Expected<void> start_preparing();
   // Whether the map was being made ready. It can wait; whoever stops it has it gone on with.
   [[nodiscard]] bool stop_preparing();
   [[nodiscard]] Expected<void> go_on_preparing(bool was_stopped);
+  // Runs `forget` while no job is at work.
+  [[nodiscard]] Expected<void> while_idle(const std::function<Expected<void>()>& forget);
   [[nodiscard]] Expected<void> start_mapping(const std::filesystem::path& folder);
   [[nodiscard]] Expected<std::string> map(const std::filesystem::path& folder, Progress& progress);
   [[nodiscard]] Expected<std::string> prepare(Progress& progress);

@@ -121,25 +121,38 @@ Expected<void> LiveHome::change_room(const std::string& name,
   });
 }
 
-Expected<void> LiveHome::forget_room(const std::string& name) {
+Expected<void> LiveHome::erase_removed(home::Home& home) {
+  const std::scoped_lock lock(reader_mutex_);
+  return home.erase_removed();
+}
+
+Expected<void> LiveHome::while_idle(const std::function<Expected<void>()>& forget) {
   const bool was_preparing = stop_preparing();
-  ROOMWISE_CHECK_OK(check_idle());
-  recognitions_.clear();  // their pictures may show it
-  const Expected<void> forgotten = change([&](home::Home& home) -> Expected<void> {
-    ROOMWISE_CHECK_OK(home.atomically([&]() -> Expected<void> {
-      ROOMWISE_CHECK_OK(check_has_room(home, name));
-      ROOMWISE_CHECK_OK(rename_in_walks(home, name, std::nullopt));
-      ROOMWISE_CHECK_OK(pipeline::move_object_claims(home, name, std::nullopt));
-      ROOMWISE_CHECK_OK(home.forget_learned_rooms());
-      ROOMWISE_TRY(auto rooms, home.rooms());
-      std::erase_if(rooms, [&](const rooms::Room& one) { return one.name == name; });
-      return home.replace_rooms(rooms);
-    }));
-    const std::scoped_lock lock(reader_mutex_);
-    return home.erase_removed();
+  Expected<void> forgotten = check_idle();
+  if (forgotten) forgotten = forget();
+  Expected<void> prepared = go_on_preparing(was_preparing);
+  return forgotten ? prepared : forgotten;
+}
+
+Expected<void> LiveHome::forget_room(const std::string& name) {
+  return while_idle([&]() -> Expected<void> {
+    recognitions_.clear();  // their pictures may show it
+    return change([&](home::Home& home) -> Expected<void> {
+      ROOMWISE_CHECK_OK(home.atomically([&]() -> Expected<void> {
+        ROOMWISE_CHECK_OK(check_has_room(home, name));
+        ROOMWISE_CHECK_OK(rename_in_walks(home, name, std::nullopt));
+        ROOMWISE_CHECK_OK(pipeline::move_object_claims(home, name, std::nullopt));
+        ROOMWISE_CHECK_OK(home.forget_learned_rooms());
+        ROOMWISE_TRY(auto rooms, home.rooms());
+        std::erase_if(rooms, [&](const rooms::Room& one) { return one.name == name; });
+        return home.replace_rooms(rooms);
+      }));
+      const Expected<void> erased = erase_removed(home);
+      if (erased) return {};
+      ROOMWISE_CHECK_OK(refresh(view()->map));  // it is gone, whatever became of its bytes
+      return erased;
+    });
   });
-  ROOMWISE_CHECK_OK(go_on_preparing(was_preparing));
-  return forgotten;
 }
 
 Expected<void> LiveHome::rename_thing(std::int64_t id, const std::string& name) {
@@ -164,54 +177,55 @@ Expected<void> LiveHome::forget_thing(std::int64_t id) {
 }
 
 Expected<void> LiveHome::forget_walk(home::RecordingId walk) {
-  const bool was_preparing = stop_preparing();
-  ROOMWISE_CHECK_OK(check_idle());
-  fs::path folder;
-  const Expected<void> forgotten = change([&](home::Home& home) -> Expected<void> {
-    ROOMWISE_TRY(const auto recordings, home.recordings());
-    const auto found = std::ranges::find(recordings, walk, &home::StoredRecording::id);
-    if (found == recordings.end()) return fail("this home has no recording {}", walk);
-    folder = found->recording.folder;
-    ROOMWISE_CHECK_OK(home.atomically([&]() -> Expected<void> {
-      ROOMWISE_CHECK_OK(home.forget_learned_rooms());
-      return home.remove_recording(walk);
-    }));
-    {
-      const std::scoped_lock lock(reader_mutex_);
-      ROOMWISE_CHECK_OK(home.erase_removed());
-    }
-    recognitions_.clear();    // before pages hear of it and look again
-    return refresh(nullptr);  // the map was made of it
+  return while_idle([&]() -> Expected<void> {
+    fs::path folder;
+    bool is_gone = false;
+    const Expected<void> forgotten = change([&](home::Home& home) -> Expected<void> {
+      ROOMWISE_TRY(const auto recordings, home.recordings());
+      const auto found = std::ranges::find(recordings, walk, &home::StoredRecording::id);
+      if (found == recordings.end()) return fail("this home has no recording {}", walk);
+      folder = found->recording.folder;
+      ROOMWISE_CHECK_OK(home.atomically([&]() -> Expected<void> {
+        ROOMWISE_CHECK_OK(home.forget_learned_rooms());
+        return home.remove_recording(walk);
+      }));
+      is_gone = true;
+      const Expected<void> erased = erase_removed(home);
+      recognitions_.clear();                // before pages hear of it and look again
+      ROOMWISE_CHECK_OK(refresh(nullptr));  // the map was made of it
+      return erased;
+    });
+    // Whatever became of its bytes in the home: its pictures go, since nobody can ask again.
+    std::error_code error;
+    if (is_gone && folder.parent_path() == walks_folder()) fs::remove_all(folder, error);
+    ROOMWISE_CHECK_OK(forgotten);
+    if (error) return fail("{}: could not be removed: {}", folder.string(), error.message());
+    return {};
   });
-  ROOMWISE_CHECK_OK(go_on_preparing(was_preparing));
-  ROOMWISE_CHECK_OK(forgotten);
-  std::error_code error;
-  if (folder.parent_path() == walks_folder()) fs::remove_all(folder, error);
-  if (error) return fail("{}: could not be removed: {}", folder.string(), error.message());
-  return {};
 }
 
 Expected<void> LiveHome::forget_home() {
-  static_cast<void>(stop_preparing());  // nothing is left to make ready
-  ROOMWISE_CHECK_OK(check_idle());
-  const auto now = view();
-  for (const ViewedWalk& walk : now->walks) ROOMWISE_CHECK_OK(forget_walk(walk.stored.id));
-  ROOMWISE_CHECK_OK(change([&](home::Home& home) -> Expected<void> {
-    ROOMWISE_CHECK_OK(home.atomically([&]() -> Expected<void> {
-      ROOMWISE_CHECK_OK(home.forget_learned_rooms());
-      ROOMWISE_CHECK_OK(home.replace_instances({}));
-      ROOMWISE_CHECK_OK(home.replace_objects({}));
-      ROOMWISE_CHECK_OK(pipeline::store_object_claims(home, {}));
-      return home.replace_rooms({});
+  return while_idle([&]() -> Expected<void> {
+    const auto now = view();
+    for (const ViewedWalk& walk : now->walks) ROOMWISE_CHECK_OK(forget_walk(walk.stored.id));
+    ROOMWISE_CHECK_OK(change([&](home::Home& home) -> Expected<void> {
+      ROOMWISE_CHECK_OK(home.atomically([&]() -> Expected<void> {
+        ROOMWISE_CHECK_OK(home.forget_learned_rooms());
+        ROOMWISE_CHECK_OK(home.replace_instances({}));
+        ROOMWISE_CHECK_OK(home.replace_objects({}));
+        ROOMWISE_CHECK_OK(pipeline::store_object_claims(home, {}));
+        return home.replace_rooms({});
+      }));
+      return erase_removed(home);
     }));
-    const std::scoped_lock lock(reader_mutex_);
-    return home.erase_removed();
-  }));
-  recognitions_.clear();
-  std::error_code error;
-  fs::remove_all(walks_folder(), error);
-  if (error) return fail("{}: could not be removed: {}", walks_folder().string(), error.message());
-  return {};
+    recognitions_.clear();
+    std::error_code error;
+    fs::remove_all(walks_folder(), error);
+    if (error) {
+      return fail("{}: could not be removed: {}", walks_folder().string(), error.message());
+    }
+    return {};
+  });
 }
 
 }  // namespace roomwise::live

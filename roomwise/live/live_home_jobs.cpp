@@ -50,7 +50,7 @@ Expected<std::string> LiveHome::prepare(Progress& progress) {
 }
 
 Expected<void> LiveHome::learn() {
-  static_cast<void>(stop_preparing());
+  static_cast<void>(stop_preparing());  // it is gone on with afterwards
   return jobs_->start("learn", [this](Progress& progress) -> Expected<std::string> {
     ROOMWISE_TRY(std::string learned, learn_now(progress));
     if (!view()->map) ROOMWISE_CHECK_OK(prepare(progress));

@@ -97,6 +97,7 @@ struct Localization {
 struct PairLocalization {
   Localization first;
   Localization second;
+  bool contradictory = false;  // by the motion between them they cannot both be right
 };
 
 }  // namespace roomwise::mapping

@@ -378,21 +378,20 @@ Localization Localizer::locate(const Query& query) const {
 
 PairLocalization Localizer::locate(const Query& first, const Query& second) const {
   PairLocalization places{locate(first), locate(second)};
-  places.second = by_both(first, second, places);
+  bind(first, second, places);
   return places;
 }
 
-Localization Localizer::by_both(const Query& first, const Query& second,
-                                const PairLocalization& alone) const {
-  const Localization& earlier = alone.first;
-  Localization later = alone.second;
-  if (!earlier.has_pose()) return later;
+void Localizer::bind(const Query& first, const Query& second, PairLocalization& places) const {
+  const Localization& earlier = places.first;
+  Localization& later = places.second;
+  if (!earlier.has_pose()) return;
   motion::LocatorOptions options;
   options.features = options_.features;
   const motion::MotionOutcome motion =
       motion::locate_frame(first.measurements, second.measurements, std::nullopt, second.camera,
                            options, RandomStream(options_.seed, {~0ULL}));
-  if (!motion.found()) return later;  // nothing binds them: each stands alone
+  if (!motion.found()) return;  // nothing binds them: each stands alone
   const Localization carried = carry_on(earlier, motion.pose, second);
   if (later.has_pose() && is_same(carried.world_from_camera, later.world_from_camera)) {
     // Where a picture alone leaves two places open, the motion fits both.
@@ -401,12 +400,16 @@ Localization Localizer::by_both(const Query& first, const Query& second,
     if ((earlier.found() || !one_is_open) && is_known_well(later)) {
       later.status = LocalizationStatus::kFound;
     }
-    return later;
+    return;
   }
-  if (!earlier.found()) return later;
-  if (!later.found()) return carried;
-  later.status = LocalizationStatus::kAmbiguous;
-  return later;
+  if (!earlier.found()) return;
+  if (later.found()) {
+    later.status = LocalizationStatus::kAmbiguous;
+    places.contradictory = true;
+  } else {
+    later = carried;
+    places.contradictory = carried.status == LocalizationStatus::kContradicted;
+  }
 }
 
 }  // namespace roomwise::mapping

@@ -79,8 +79,8 @@ class Localizer {
 
   [[nodiscard]] std::vector<Localization> align_shapes(const Query& query) const;
   [[nodiscard]] Localization by_shape(const Query& query) const;
-  [[nodiscard]] Localization by_both(const Query& first, const Query& second,
-                                     const PairLocalization& alone) const;
+  // By the motion between the two, what each alone tells of the second.
+  void bind(const Query& first, const Query& second, PairLocalization& places) const;
   [[nodiscard]] Localization carry_on(const Localization& earlier,
                                       const motion::RefinedPose& motion, const Query& second) const;
 

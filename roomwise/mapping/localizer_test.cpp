@@ -315,6 +315,7 @@ TEST_F(LocalizerTest, TwoPicturesTellTheSecondsPlace) {
   const PairLocalization both = localizer.locate({first, kCamera}, {second, kCamera});
   expect_there(both.first, pose_, 0.01, 0.005);
   expect_there(both.second, second_pose, 0.01, 0.005);
+  EXPECT_FALSE(both.contradictory);
 
   // Landmarks that only the two pictures show bind the second to the first.
   const Landmarks new_things(furnished_room(), kLandmarks, 3);
@@ -341,6 +342,7 @@ TEST_F(LocalizerTest, TwoPicturesThatContradictEachOtherAreNoAnswer) {
   const PairLocalization both = localizer.locate({here, kCamera}, {there, kCamera});
   EXPECT_EQ(both.second.status, LocalizationStatus::kAmbiguous);
   EXPECT_TRUE(both.first.found()) << "by itself";
+  EXPECT_TRUE(both.contradictory);
 }
 
 TEST_F(LocalizerTest, SameBitsTwice) {

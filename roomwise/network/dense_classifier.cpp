@@ -102,7 +102,7 @@ const Node* node_that_gives(const OnnxGraph& graph, const std::string& value) {
 std::string value_named(const OnnxGraph& graph, const std::string& name) {
   if (node_that_gives(graph, name) != nullptr) return name;
   const auto node = std::ranges::find(graph.nodes, name, &Node::name);
-  return node == graph.nodes.end() ? name : node->outputs.front();
+  return node == graph.nodes.end() || node->outputs.empty() ? name : node->outputs.front();
 }
 
 // Goes back from the scores to the mean.
@@ -112,7 +112,8 @@ Expected<ClassifierHead> find_head(const OnnxGraph& graph, const std::string& sc
   ClassifierHead head;
   std::string value = value_named(graph, scores);
   bool may_be_softmax = true;  // at the very end only
-  while (true) {
+  // The graph was not checked yet: of a cycle no more than each node is looked at.
+  for (std::size_t step = 0; step < graph.nodes.size() + 1; ++step) {
     const Node* node = node_that_gives(graph, value);
     if (node == nullptr) {
       return fail(
@@ -120,6 +121,7 @@ Expected<ClassifierHead> find_head(const OnnxGraph& graph, const std::string& sc
           "feature map over the whole picture, but nothing gives \"{}\"",
           value);
     }
+    if (node->inputs.empty()) return Unexpected(not_linear(*node, "has no input"));
     if (is_global_mean(*node)) {
       if (head.layers.empty())
         return Unexpected(not_linear(*node, "is followed by no linear layer"));
@@ -139,6 +141,7 @@ Expected<ClassifierHead> find_head(const OnnxGraph& graph, const std::string& sc
     may_be_softmax = may_be_softmax && head.layers.empty() && node->operation != "Softmax";
     value = node->inputs.front();
   }
+  return fail("cannot say what stands where in a picture: its nodes lead round in a circle");
 }
 
 // Only what the value needs.

@@ -99,6 +99,18 @@ TEST(DenseGraph, SaysWhyANetworkHasNone) {
       "nothing gives \"other\"");
 }
 
+// As damaged files have them; the graph has not been checked yet.
+TEST(DenseGraph, OfNodesWithoutInputsOrInACircleIsRefused) {
+  OnnxGraph graph = graph_with_head({layer("Identity", {"pooled"}, {"scores"})}, {2, 2});
+  Node& last = graph.nodes.back();
+  last.inputs = {"scores"};
+  EXPECT_ERROR(dense_graph(graph, "scores"), "in a circle");
+  last.inputs.clear();
+  EXPECT_ERROR(dense_graph(graph, "scores"), "has no input");
+  last.outputs.clear();
+  EXPECT_ERROR(dense_graph(graph, last.name), "nothing gives");
+}
+
 const std::filesystem::path kCompactFile =
     std::filesystem::path(ROOMWISE_MODELS_FOLDER) / "roomwise-compact-1.onnx";
 

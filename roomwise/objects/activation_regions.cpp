@@ -50,7 +50,8 @@ class ActivationMap {
 
  private:
   std::vector<std::size_t> take_around(std::size_t first, const ActivationOptions& options) {
-    std::vector<std::size_t> region, open;
+    std::vector<std::size_t> region{first}, open{first};
+    values_[first] = 0;
     const auto take = [&](int column, int row) {
       if (column < 0 || row < 0 || column >= columns_ || row >= rows_) return;
       const auto cell = static_cast<std::size_t>(row * columns_ + column);
@@ -60,7 +61,6 @@ class ActivationMap {
       open.push_back(cell);
     };
     const auto columns = static_cast<std::size_t>(columns_);
-    take(static_cast<int>(first % columns), static_cast<int>(first / columns));
     while (!open.empty()) {
       const int column = static_cast<int>(open.back() % columns);
       const int row = static_cast<int>(open.back() / columns);
@@ -148,7 +148,7 @@ class ActivationFinder final : public RegionFinder {
         word_of_label_(word_indices(classifier_->labels(), words)),
         words_(words.objects().size()),
         options_(options),
-        name_(classifier_->card().name + " activation") {
+        name_("activation maps") {
     const network::ModelCard& card = classifier_->card();
     std::vector<std::string> names;
     for (const auto& [word, labels] : words.objects()) names.push_back(word);

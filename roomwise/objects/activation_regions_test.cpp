@@ -112,7 +112,7 @@ TEST(ActivationFinder, SaysHowItFindsInItsFingerprint) {
     return activation_finder(network::DenseClassifier::load(*weights).value(), lamps, options);
   };
   const auto finder = finder_of({});
-  EXPECT_EQ(finder->name(), "mobilenet-v2-imagenet activation");
+  EXPECT_EQ(finder->name(), "activation maps");
   EXPECT_THAT(finder->fingerprint(), HasSubstr("352x256"));
   EXPECT_EQ(source_of(finder->fingerprint()), RegionSource::kActivation);
   EXPECT_EQ(source_of(finder->fingerprint().substr(0, 64)), RegionSource::kDetector);

@@ -118,7 +118,10 @@ KindShape shape_of(std::string_view name) {
 // What the best sights call it.
 std::string_view name_of(const SightGroup& group, std::span<const WorldSight> sights) {
   std::map<std::string_view, double> scores;
-  for (const std::size_t index : group) scores[sights[index].name] += sights[index].score;
+  for (const std::size_t index : group) {
+    const WorldSight& sight = sights[index];
+    scores[sight.name] += naming_weight(sight.source) * sight.score;
+  }
   return std::ranges::max_element(scores, {}, [](const auto& one) { return one.second; })->first;
 }
 

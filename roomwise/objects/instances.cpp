@@ -28,13 +28,6 @@ bool stands_in_middle(const network::PixelBox& box, const geometry::PinholeCamer
 
 // A picture's name is about all of it.
 constexpr double kSaidWeight = 0.5;
-// So is, in part, that of its activation maps' cells, which see far beyond themselves.
-constexpr double kActivationWeight = 0.5;
-
-double weight_of(RegionSource source) {
-  return source == RegionSource::kDetector ? 1 : kActivationWeight;
-}
-
 Candidate candidate_of(SightGroup group, std::span<const WorldSight> sights,
                        std::span<const LookedKeyframe> keyframes, const Level& level) {
   Candidate candidate;
@@ -42,7 +35,7 @@ Candidate candidate_of(SightGroup group, std::span<const WorldSight> sights,
   candidate.voxels = voxels_of(candidate.box.surface_world, kSightVoxel_m);
   for (const std::size_t index : group) {
     const WorldSight& sight = sights[index];
-    candidate.scores[sight.name] += weight_of(sight.source) * sight.score;
+    candidate.scores[sight.name] += naming_weight(sight.source) * sight.score;
     const LookedKeyframe& keyframe = keyframes[sight.keyframe];
     if (!stands_in_middle(sight.box, *keyframe.camera)) continue;
     for (const Sighting& said : keyframe.said)
@@ -218,6 +211,9 @@ std::vector<Instance> find_instances(std::span<const LookedKeyframe> keyframes, 
   std::set<std::string> no_words;
   for (const WorldSight& sight : sights) {
     if (!sight.is_word) no_words.insert(sight.name);
+  }
+  for (const WorldSight& sight : sights) {
+    if (sight.is_word) no_words.erase(sight.name);  // somebody calls other things so
   }
   std::vector<Instance> instances;
   for (const Candidate& candidate : candidates) {

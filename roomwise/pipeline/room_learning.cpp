@@ -40,8 +40,9 @@ Expected<void> add_rooms(home::Home& home, const std::set<std::string>& names) {
   return home.replace_rooms(rooms);
 }
 
-// Forgets the pictures of later visits that a newly learned classifier does not name as they were:
-// rooms may have been named anew. Those of other networks stay. How many were forgotten.
+// Forgets the pictures of later visits that look most like another room to a newly learned
+// classifier, or like none: rooms may have been named anew. Those of other networks stay. How many
+// were forgotten.
 Expected<std::size_t> check_visit_pictures(home::Home& home,
                                            const rooms::RoomClassifier& classifier) {
   ROOMWISE_TRY(const auto pictures, home.visit_pictures());
@@ -51,7 +52,8 @@ Expected<std::size_t> check_visit_pictures(home::Home& home,
       ROOMWISE_TRY(const rooms::PictureEvidence evidence, classifier.evidence(picture.features));
       const auto decision =
           rooms::decide(evidence, classifier.rooms(), classifier.recall()->calibration);
-      if (decision.verdict != rooms::Verdict::kRoom || decision.room() != picture.room) continue;
+      const bool is_known = evidence.known >= classifier.recall()->calibration.known_from;
+      if (!is_known || decision.rooms.front().room != picture.room) continue;
     }
     kept.push_back(picture);
   }
@@ -66,7 +68,7 @@ Expected<void> store(home::Home& home, rooms::LearnedRooms& learned,
   ROOMWISE_TRY(const std::size_t forgotten, check_visit_pictures(home, classifier));
   if (forgotten > 0) {
     learned.report.warnings.push_back(
-        fmt::format("{} pictures of later visits do not show these rooms surely and are forgotten; "
+        fmt::format("{} pictures of later visits do not look like these rooms and are forgotten; "
                     "bring the home up to date with those walks again",
                     forgotten));
   }

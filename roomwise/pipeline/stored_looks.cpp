@@ -9,23 +9,22 @@
 namespace roomwise::pipeline {
 namespace {
 
-// The newest finder of each name: what it found takes the place of what it found in older ways.
-std::map<std::string, home::FinderId> newest_by_name(
-    const std::map<home::FinderId, home::RegionFinderRecord>& finders) {
-  std::map<std::string, home::FinderId> newest;
-  for (const auto& [id, finder] : finders) newest[finder.name] = id;
-  return newest;
-}
-
-// The looks of all finders at one key-frame, together.
+// The looks of all finders at one key-frame, together; of several finders of one name that looked
+// at it the newest counts.
 Expected<std::map<home::KeyframeId, objects::KeyframeLook>> looks_of_all(const home::Home& home) {
-  std::map<home::KeyframeId, objects::KeyframeLook> all;
+  std::map<std::string, std::map<home::KeyframeId, objects::KeyframeLook>> newest;  // by name
   ROOMWISE_TRY(const auto finders, home.region_finders());
-  for (const auto& [name, id] : newest_by_name(finders)) {
+  for (const auto& [id, finder] : finders) {
     ROOMWISE_TRY(auto looks, home.looks(id));
-    const objects::RegionSource source = objects::source_of(finders.at(id).fingerprint);
+    const objects::RegionSource source = objects::source_of(finder.fingerprint);
     for (auto& [keyframe, look] : looks) {
       for (objects::Region& region : look.regions) region.source = source;
+      newest[finder.name][keyframe] = std::move(look);
+    }
+  }
+  std::map<home::KeyframeId, objects::KeyframeLook> all;
+  for (auto& [name, looks] : newest) {
+    for (auto& [keyframe, look] : looks) {
       objects::KeyframeLook& joined = all[keyframe];
       joined.coarse_depth = std::move(look.coarse_depth);
       std::ranges::move(look.regions, std::back_inserter(joined.regions));

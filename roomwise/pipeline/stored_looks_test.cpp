@@ -58,6 +58,7 @@ TEST(StoredLooks, AnActivationFinderStandsBesideTheDetectorAndReplacesItsOlderSe
 
   const auto second = home->add_region_finder({"net activation", "f00 activation maps 2", labels});
   ASSERT_OK(second);
+  EXPECT_THAT(names_in(*home), ::testing::SizeIs(4)) << "it has looked at nothing yet";
   ASSERT_OK(home->put_look(1, *second, look_with({"bookcase"})));
   EXPECT_THAT(names_in(*home),
               UnorderedElementsAre(FieldsAre("sofa", true, false), FieldsAre("bed", true, false),

@@ -1,7 +1,7 @@
 #include "roomwise/pipeline/visit_rooms.h"
 
 #include <algorithm>
-#include <set>
+#include <map>
 
 #include "roomwise/base/file.h"
 
@@ -99,22 +99,30 @@ Expected<RoomUpdate> refresh_rooms(const rooms::RoomClassifier& classifier,
                                    const rooms::VisitLearningOptions& options) {
   RoomUpdate update;
   for (const std::string& room : classifier.rooms()) update.rooms.push_back({.room = room});
-  std::set<std::string> known;
-  for (const home::VisitPicture& picture : before) known.insert(picture.picture_digest);
+  std::map<std::string, std::string> known;  // the rooms of remembered pictures, by digest
+  for (const home::VisitPicture& picture : before) {
+    if (picture.network_fingerprint == classifier.network().fingerprint)
+      known.emplace(picture.picture_digest, picture.room);
+  }
+  std::map<std::string, std::size_t> remembered;  // of this walk, by room
   std::vector<rooms::RoomPicture> agreed;
   std::vector<const home::VisitPicture*> pictures;  // the same
   for (const RoomLook& look : looks) {
-    if (known.contains(look.picture_digest)) update.was_learned = true;
+    const auto found = known.find(look.picture_digest);
+    if (found != known.end()) ++remembered[found->second];
     if (look.agreement.is_contradictory()) ++update.contradictory;
     if (!look.picture && !look.agreement.is_contradictory()) ++update.unsure;
     if (!look.picture) continue;
     ++update.rooms[*look.agreement.by_place].agreed;
+    if (found != known.end()) continue;
     agreed.push_back({look.picture->features, look.picture->room});
     pictures.push_back(&*look.picture);
   }
-  if (update.was_learned) return update;
-  ROOMWISE_TRY(const auto chosen, rooms::choose_pictures(classifier, agreed, options));
-  if (chosen.empty()) return update;
+  ROOMWISE_TRY(const auto chosen, rooms::choose_pictures(classifier, agreed, options, remembered));
+  if (chosen.empty()) {
+    update.was_learned = !remembered.empty();
+    return update;
+  }
   std::vector<home::VisitPicture> now;
   for (const std::size_t i : chosen) {
     now.push_back(*pictures[i]);

@@ -38,7 +38,7 @@ struct RoomUpdate {
   std::vector<OfRoom> rooms = {};  // those that were learned, by name
   std::size_t contradictory = 0;   // pictures: the place is deep in another room
   std::size_t unsure = 0;          // pictures: the picture, the place or both tell no room
-  bool was_learned = false;        // pictures of this walk are remembered already: nothing changes
+  bool was_learned = false;        // what this walk brings is remembered already: nothing changes
   std::string why_not = {};        // no rooms could be refreshed; empty: they could
   // As HomeChanges takes them; absent where nothing changes.
   std::optional<std::vector<home::VisitPicture>> pictures = std::nullopt;
@@ -54,8 +54,8 @@ struct RoomUpdate {
 
 // `looks`: of all pictures of a visit, in the order of time. `classifier`: as RoomRecognizer has
 // it; `before`: Home::visit_pictures(). What the home keeps of earlier visits stays, but for the
-// oldest pictures of rooms that would have more than options.most. Where a picture of this walk is
-// among them nothing changes: it was learned from. Fails as rooms::choose_pictures() does.
+// oldest pictures of rooms that would have more than options.most. Pictures of this walk that are
+// among them count as those of the visit. Fails as rooms::choose_pictures() does.
 [[nodiscard]] Expected<RoomUpdate> refresh_rooms(const rooms::RoomClassifier& classifier,
                                                  std::span<const RoomLook> looks,
                                                  const std::vector<home::VisitPicture>& before,

@@ -97,13 +97,12 @@ PlaceEvidence place_evidence(const mapping::PairLocalization& answers, bool has_
                              const fusion::LevelFrame& frame,
                              const std::optional<RoomLayout>& layout,
                              std::span<const std::string> rooms) {
-  const auto& [first, second] = answers;
-  // Two places where the motion allows one are ambiguous, and so the second's answer.
-  const bool is_open = second.status == LocalizationStatus::kAmbiguous;
-  if (first.found() && !second.found() && !is_open) {
+  const auto& [first, second, contradictory] = answers;
+  if (first.found() && !second.found() && !contradictory) {
     return evidence_of(first, has_depth, kStepSigma_m, frame, layout, rooms);
   }
   PlaceEvidence evidence = evidence_of(second, has_depth, 0, frame, layout, rooms);
+  if (contradictory) evidence.home_log_ratio = 0;
   if (!first.found() && !second.found()) {
     evidence.home_log_ratio =
         independent_count(2) / 2 *

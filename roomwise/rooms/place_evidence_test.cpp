@@ -132,9 +132,10 @@ TEST(PlaceEvidence, ThatThereIsNoPlaceSpeaksAgainstThisHome) {
 
 // Of two pictures, where `first` and `second` were found.
 PlaceEvidence pair(const mapping::Localization& first, const mapping::Localization& second,
-                   bool has_depth = true) {
+                   bool has_depth = true, bool contradictory = false) {
   static const std::optional<RoomLayout> layout = three_rooms();
-  return place_evidence(mapping::PairLocalization{first, second}, has_depth, {}, layout, kRooms);
+  return place_evidence(mapping::PairLocalization{first, second, contradictory}, has_depth, {},
+                        layout, kRooms);
 }
 
 TEST(PlaceEvidence, OfTwoPicturesTheSecondTellsTheRoom) {
@@ -155,9 +156,14 @@ TEST(PlaceEvidence, OfTwoPicturesTheFirstTellsWhereTheSecondHasNoPlace) {
 }
 
 TEST(PlaceEvidence, TwoPicturesThatContradictEachOtherTellNothing) {
-  const PlaceEvidence open = pair(found_at(4.5), not_found(LocalizationStatus::kAmbiguous));
-  EXPECT_EQ(open.home_log_ratio, 0);
-  EXPECT_NEAR(open.probabilities[0], open.probabilities[1], 1e-12);
+  for (const auto status : {LocalizationStatus::kAmbiguous, LocalizationStatus::kContradicted}) {
+    const PlaceEvidence open = pair(found_at(4.5), not_found(status), true, /*contradictory=*/true);
+    EXPECT_EQ(open.home_log_ratio, 0);
+    EXPECT_NEAR(open.probabilities[0], open.probabilities[1], 1e-12);
+  }
+  // That the second may be in two places says nothing against the first's.
+  const auto twins = not_found(LocalizationStatus::kAmbiguous);
+  EXPECT_GT(pair(found_at(4.5), twins).probabilities[1], 0.9);
 }
 
 TEST(PlaceEvidence, ThatTwoPicturesHaveNoPlaceSpeaksMoreAgainstThisHomeThanThatOneHasNone) {

@@ -54,9 +54,9 @@ std::optional<std::size_t> room_by_picture(const PictureEvidence& picture,
   return is_told ? std::optional(room) : std::nullopt;
 }
 
-Expected<std::vector<std::size_t>> choose_pictures(const RoomClassifier& classifier,
-                                                   std::span<const RoomPicture> agreed,
-                                                   const VisitLearningOptions& options) {
+Expected<std::vector<std::size_t>> choose_pictures(
+    const RoomClassifier& classifier, std::span<const RoomPicture> agreed,
+    const VisitLearningOptions& options, const std::map<std::string, std::size_t>& remembered) {
   ROOMWISE_CHECK_OK(options.validate());
   std::vector<std::size_t> chosen;
   RoomClassifier knowing = classifier;
@@ -65,7 +65,9 @@ Expected<std::vector<std::size_t>> choose_pictures(const RoomClassifier& classif
     for (std::size_t i = 0; i < agreed.size(); ++i) {
       if (agreed[i].room == room) left.push_back(i);
     }
-    for (std::size_t count = 0; count < options.most_of_visit && !left.empty(); ++count) {
+    const auto before = remembered.find(room);
+    std::size_t count = before == remembered.end() ? 0 : before->second;
+    for (; count < options.most_of_visit && !left.empty(); ++count) {
       ROOMWISE_TRY(const auto least, least_known(knowing, agreed, left));
       if (least.second >= kNothingNew) break;
       ROOMWISE_TRY(knowing, knowing.with(agreed.subspan(least.first, 1)));

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <map>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "roomwise/rooms/place_evidence.h"
@@ -49,9 +51,10 @@ struct RoomAgreement {
 // Which of a visit's pictures to know the rooms by, in ascending order: of each room that which is
 // least well known, then that which is least well known once the first is remembered, and so on,
 // until most_of_visit are chosen or all that are left are about as well known as the pictures that
-// the rooms were learned from are by each other. Fails as RoomClassifier::with() does.
+// the rooms were learned from are by each other. `remembered`: by room, how many of the visit's
+// pictures the classifier is known by already, which count. Fails as RoomClassifier::with() does.
 [[nodiscard]] Expected<std::vector<std::size_t>> choose_pictures(
     const RoomClassifier& classifier, std::span<const RoomPicture> agreed,
-    const VisitLearningOptions& options);
+    const VisitLearningOptions& options, const std::map<std::string, std::size_t>& remembered = {});
 
 }  // namespace roomwise::rooms
