@@ -86,19 +86,32 @@ endfunction()
 # At -O1 GCC 12 takes members of Eigen's matrices for uninitialised.
 set(ROOMWISE_TEST_OPTIONS $<$<CONFIG:Release>:-O1;-Wno-maybe-uninitialized>)
 
-# roomwise_test(NAME SOURCES a_test.cpp ... LINKS target ...)
-# declares the test program NAME_test; each GoogleTest case becomes a CTest of its own.
+# roomwise_test(NAME SOURCES a_test.cpp ... LINKS target ... [SUITES SuiteTest ...])
+# declares the test program NAME_test; each GoogleTest case becomes a CTest of its own. Of SUITES, whose tests share
+# what is dear to make (SetUpTestSuite), each becomes one CTest; none of their tests may skip itself.
 function(roomwise_test name)
   if(NOT ROOMWISE_BUILD_TESTS)
     return()
   endif()
-  cmake_parse_arguments(ARG "" "" "SOURCES;LINKS" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINKS;SUITES" ${ARGN})
   add_executable(${name}_test ${ARG_SOURCES})
   target_link_libraries(${name}_test PRIVATE ${ARG_LINKS} Roomwise::testing GTest::gmock_main)
   target_compile_options(${name}_test PRIVATE ${ROOMWISE_TEST_OPTIONS})
   target_precompile_headers(${name}_test REUSE_FROM roomwise_test_headers)
   roomwise_compile_in_batches(${name}_test)
-  gtest_discover_tests(${name}_test TEST_PREFIX ${name}. DISCOVERY_TIMEOUT 60
+  set(others "")
+  if(ARG_SUITES)
+    list(TRANSFORM ARG_SUITES APPEND ".*" OUTPUT_VARIABLE suites)
+    list(JOIN suites ":" suites)
+    set(others TEST_FILTER "-${suites}")
+  endif()
+  gtest_discover_tests(${name}_test TEST_PREFIX ${name}. DISCOVERY_TIMEOUT 60 ${others}
     PROPERTIES SKIP_REGULAR_EXPRESSION "\\[  SKIPPED \\]" TIMEOUT 300)
+  foreach(suite IN LISTS ARG_SUITES)
+    add_test(NAME ${name}.${suite} COMMAND ${name}_test --gtest_filter=${suite}.*)
+    # Long ones begin first. What does not run does not pass.
+    set_tests_properties(${name}.${suite} PROPERTIES COST 100 TIMEOUT 900
+      FAIL_REGULAR_EXPRESSION "\\[  SKIPPED \\];Running 0 tests")
+  endforeach()
 endfunction()
 include(GoogleTest)
