@@ -10,6 +10,7 @@
 #include "roomwise/base/file.h"
 #include "roomwise/base/random.h"
 #include "roomwise/base/testing.h"
+#include "roomwise/home/home.h"
 #include "roomwise/network/tiny_network.h"
 #include "roomwise/recording/tum_writer.h"
 #include "run_program.h"
@@ -42,6 +43,23 @@ std::string detector_of_the_middle() {
       testing::tensor("rows", {size}, rows)};
   graph.input = {1, 3, 64, 64};
   graph.outputs = {{"found", {1, rows.size()}}};
+  return testing::onnx(graph);
+}
+
+// A classifier of two labels that says the first of every place of every picture.
+std::string classifier_of_lamps() {
+  testing::TinyGraph graph;
+  graph.nodes = {
+      testing::layer("AveragePool", {"picture"}, {"map"},
+                     {testing::attribute("kernel_shape", std::vector<std::int64_t>{32, 32}),
+                      testing::attribute("strides", std::vector<std::int64_t>{32, 32})}),
+      testing::node("GlobalAveragePool", "map", "pooled"),
+      testing::node("Flatten", "pooled", "means"),
+      testing::layer("Gemm", {"means", "weights", "logits"}, {"scores"})};
+  graph.constants = {testing::tensor("weights", {3, 2}, std::vector<float>(6, 0.F)),
+                     testing::tensor("logits", {2}, std::vector<float>{5, 0})};
+  graph.input = {1, 3, 64, 64};
+  graph.outputs = {{"scores", {1, 2}}};
   return testing::onnx(graph);
 }
 
@@ -112,6 +130,43 @@ class ThingsCommandsTest : public ::testing::Test {
   inline static std::unique_ptr<ScratchFolder> folder_;
   inline static json mapped_;
 };
+
+// ---- objects find ----
+
+TEST_F(ThingsCommandsTest, AClassifierBesideADetectorFindsWhatTheDetectorHasNoWordFor) {
+  const std::string networks = path("with-maps/roomwise/networks/");
+  std::filesystem::create_directories(networks);
+  std::filesystem::copy(path("data/roomwise/networks"), networks);
+  EXPECT_OK(write_file(networks + "lamps.onnx", classifier_of_lamps()));
+  EXPECT_OK(write_file(
+      networks + "lamps.card.json",
+      R"({"task": "classify", "input": {"width": 64, "height": 64}, "labels": "lamps.txt"})"));
+  EXPECT_OK(write_file(networks + "lamps.txt", std::string("table lamp\nbed\n")));
+  const std::string home = copy_of_home("maps.home");
+  const std::vector<std::string> find{"objects", "find", "--home", home};
+  testing::result_of(find, path("with-maps"));
+
+  const auto found = home::Home::open_read_only(home);
+  ASSERT_OK(found);
+  const auto keyframes = found->keyframes();
+  ASSERT_OK(keyframes);
+  const auto finders = found->region_finders();
+  ASSERT_OK(finders);
+  ASSERT_EQ(finders->size(), 2U) << "the detector's regions were there";
+  const auto& [maps, record] = *finders->rbegin();
+  EXPECT_EQ(record.name, "activation maps");
+  const auto looks = found->looks(maps);
+  ASSERT_OK(looks);
+  EXPECT_EQ(looks->size(), keyframes->size());
+  for (const auto& [keyframe, look] : *looks) {
+    ASSERT_EQ(look.regions.size(), 1U) << keyframe;
+    EXPECT_EQ(look.regions[0].label, "table lamp") << "and no bed, which the detector has";
+  }
+
+  const std::string digest = digest_of(home);
+  testing::result_of(find, path("with-maps"));
+  EXPECT_EQ(digest_of(home), digest) << "all was looked at";
+}
 
 // ---- update ----
 

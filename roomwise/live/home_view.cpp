@@ -90,11 +90,8 @@ Expected<std::shared_ptr<const HomeView>> view_home(const home::Home& home,
   const bool has_names = std::ranges::any_of(
       view.walks, [](const ViewedWalk& walk) { return !walk.labels.ranges().empty(); });
   if (view.map && view.map->floor && has_names) {
-    // A layout that cannot be made (nobody walked on free floor in a named room) leaves the rooms
-    // of things to the pictures.
-    if (auto layout = pipeline::lay_out_rooms(home, view.map->frame, *view.map->floor)) {
-      view.layout = *std::move(layout);
-    }
+    // Without one the rooms of things are left to the pictures.
+    ROOMWISE_TRY(view.layout, pipeline::find_room_layout(home, view.map->frame, *view.map->floor));
   }
   ROOMWISE_CHECK_OK(view_things(home, view));
   ROOMWISE_TRY(const auto classifier, home.room_classifier());

@@ -35,10 +35,9 @@ Expected<void> check_rooms_are_named(const home::Home& home) {
 
 }  // namespace
 
-Expected<rooms::RoomLayout> lay_out_rooms(const home::Home& home, const fusion::LevelFrame& frame,
-                                          const fusion::FloorGrid& grid,
-                                          const rooms::RoomLayoutOptions& options) {
-  ROOMWISE_CHECK_OK(check_rooms_are_named(home));
+Expected<std::optional<rooms::RoomLayout>> find_room_layout(
+    const home::Home& home, const fusion::LevelFrame& frame, const fusion::FloorGrid& grid,
+    const rooms::RoomLayoutOptions& options) {
   std::map<home::KeyframeId, home::KeyframePose> poses;
   ROOMWISE_TRY(const auto keyframes, home.keyframes());
   for (const home::Keyframe& keyframe : keyframes) poses[keyframe.id] = keyframe.pose;
@@ -47,9 +46,9 @@ Expected<rooms::RoomLayout> lay_out_rooms(const home::Home& home, const fusion::
   for (const home::StoredRecording& recording : recordings) {
     ROOMWISE_TRY(walks.emplace_back(), walked_path(home, recording.id, frame, poses));
   }
-  auto layout = rooms::RoomLayout::make(grid, walks, options);
-  if (!layout) return Unexpected(std::move(layout).error().in(home.file()));
-  return *std::move(layout);
+  ROOMWISE_TRY(rooms::RoomLayout layout, rooms::RoomLayout::make(grid, walks, options));
+  if (!layout.has_floor()) return std::nullopt;
+  return layout;
 }
 
 Expected<HomeLayout> build_home_layout(const home::Home& home,
@@ -58,8 +57,14 @@ Expected<HomeLayout> build_home_layout(const home::Home& home,
   ROOMWISE_CHECK_OK(check_rooms_are_named(home));
   ROOMWISE_TRY(const LevelMap map, build_level_map(home, fusion::FieldOptions{}.voxel_size_m, run));
   ROOMWISE_TRY(fusion::FloorGrid grid, floor_grid_of(map, {}, run));
-  ROOMWISE_TRY(rooms::RoomLayout layout, lay_out_rooms(home, map.frame, grid, options));
-  return HomeLayout{map.frame, std::move(grid), std::move(layout)};
+  ROOMWISE_TRY(auto layout, find_room_layout(home, map.frame, grid, options));
+  if (!layout) {
+    return fail(
+        "{}: no named place of the walk lies on free floor; name the rooms of the walk, or walk "
+        "with the camera tilted down a little",
+        home.file());
+  }
+  return HomeLayout{map.frame, std::move(grid), *std::move(layout)};
 }
 
 Expected<std::optional<HomeLayout>> find_home_layout(const home::Home& home, RunContext& run) {
@@ -70,8 +75,7 @@ Expected<std::optional<HomeLayout>> find_home_layout(const home::Home& home, Run
   ROOMWISE_TRY(const LevelMap map, build_level_map(home, fusion::FieldOptions{}.voxel_size_m, run));
   if (!map.frame.has_floor) return none;
   ROOMWISE_TRY(fusion::FloorGrid grid, floor_grid_of(map, {}, run));
-  // Where nobody walked on free floor in a named room there is no layout.
-  auto layout = lay_out_rooms(home, map.frame, grid);
+  ROOMWISE_TRY(auto layout, find_room_layout(home, map.frame, grid));
   if (!layout) return none;
   return HomeLayout{map.frame, std::move(grid), *std::move(layout)};
 }

@@ -17,9 +17,9 @@ struct HomeLayout {
   rooms::RoomLayout layout;
 };
 
-// Spreads the rooms that the walks were named with over the floor of the home's map. Fails where no
-// rooms are named.
-[[nodiscard]] Expected<rooms::RoomLayout> lay_out_rooms(
+// Spreads the rooms that the walks were named with over the floor of the home's map. Nothing where
+// nobody walked on free floor in a named room.
+[[nodiscard]] Expected<std::optional<rooms::RoomLayout>> find_room_layout(
     const home::Home& home, const fusion::LevelFrame& frame, const fusion::FloorGrid& grid,
     const rooms::RoomLayoutOptions& options = {});
 

@@ -14,8 +14,7 @@ Expected<HomePlaces> HomePlaces::create(const home::Home& home,
   ROOMWISE_TRY(const auto rooms, home.rooms());
   if (map.frame.has_floor && !rooms.empty()) {
     ROOMWISE_TRY(const fusion::FloorGrid floor, floor_grid_of(map, {}, run));
-    // Where nobody walked on free floor in a named room there is no layout.
-    if (auto layout = lay_out_rooms(home, map.frame, floor)) places.layout_ = *std::move(layout);
+    ROOMWISE_TRY(places.layout_, find_room_layout(home, map.frame, floor));
   }
   return places;
 }

@@ -158,13 +158,13 @@ Expected<RoomLayout> RoomLayout::make(const FloorGrid& grid, std::span<const Wal
                     layout.room_of_cell_);
   take_furniture_in(grid, floor, options.furniture_depth_m, layout.room_of_cell_);
   layout.rooms_ = find_extents(grid, floor, layout.room_of_cell_, read);
-  if (std::ranges::all_of(layout.rooms_, [](const RoomExtent& r) { return r.floor_m2 == 0; })) {
-    return fail(
-        "no named place of the walk lies on free floor; name the rooms of the walk, or walk with "
-        "the camera tilted down a little");
-  }
+  if (!layout.has_floor()) return layout;
   layout.doorways_ = find_doorways(grid, floor, layout.room_of_cell_, read, options);
   return layout;
+}
+
+bool RoomLayout::has_floor() const {
+  return std::ranges::any_of(rooms_, [](const RoomExtent& room) { return room.floor_m2 > 0; });
 }
 
 std::optional<std::size_t> RoomLayout::room_of_cell(int column, int row) const {

@@ -55,13 +55,15 @@ struct RoomExtent {
 // floor is nearest to it along the grid.
 class RoomLayout {
  public:
-  // Fails where no walked place with a name lies on free floor, or options are wrong. A room that
-  // the walk names, but never on free floor, has no extent and stands in rooms() all the same.
+  // A room that the walk names, but never on free floor, has no extent and stands in rooms() all
+  // the same. Fails where options are wrong.
   [[nodiscard]] static Expected<RoomLayout> make(const fusion::FloorGrid& grid,
                                                  std::span<const WalkedPath> walks,
                                                  const RoomLayoutOptions& options = {});
 
   [[nodiscard]] const std::vector<RoomExtent>& rooms() const { return rooms_; }  // by name
+  // Whether any walked place with a name lies on free floor; else nothing lies in a room.
+  [[nodiscard]] bool has_floor() const;
   // By the rooms' names; of one pair the widest first.
   [[nodiscard]] const std::vector<Doorway>& doorways() const { return doorways_; }
   // The room that the point lies in; absent outside, and far from all floor.
