@@ -6,6 +6,7 @@
 #include <optional>
 #include <string_view>
 
+#include "roomwise/objects/kind_shape.h"
 #include "roomwise/objects/world_sight.h"
 
 namespace roomwise::objects {
@@ -89,30 +90,6 @@ bool is_in_hull(const Vector3f& point_world, const SightGroup& group,
     }
   }
   return inside >= kHullShare * shown;
-}
-
-// What is known of things by their names: whether they stand on the floor, how wide and deep they
-// are at least, m, and how long or high. Of what stands at a wall or under a table only a side is
-// seen.
-struct KindShape {
-  std::string_view name;
-  bool on_floor = true;
-  double least_side_m = 0;
-  double least_longest_m = 0;
-};
-constexpr std::array kKindShapes = {
-    KindShape{"bath", true, 0.65, 1.2},     KindShape{"bed", true, 0.8},
-    KindShape{"bookcase", true, 0.3, 0.7},  KindShape{"chair", true, 0.42},
-    KindShape{"fridge", true, 0.65},        KindShape{"sink", true, 0.4},
-    KindShape{"sofa", true, 0.8},           KindShape{"stove", true, 0.55},
-    KindShape{"table", true, 0.5},          KindShape{"toilet seat", true, 0.38},
-    KindShape{"wardrobe", true, 0.58, 0.7}, KindShape{"washing machine", true, 0.58, 0.58},
-    KindShape{"microwave", false, 0.35},
-};
-
-KindShape shape_of(std::string_view name) {
-  const auto found = std::ranges::find(kKindShapes, name, &KindShape::name);
-  return found == kKindShapes.end() ? KindShape{name, false} : *found;
 }
 
 // What the best sights call it.
@@ -218,12 +195,7 @@ GroupBox box_of_group(const SightGroup& group, std::span<const WorldSight> sight
   if (shape.on_floor || low.z() - level.floor_m < kStandsBelow_m) {
     low.z() = std::min(level.floor_m, high.z());
   }
-  constexpr double kLeastSeen = 0.5, kMostSeen = 2.5;  // of the least side
-  const Vector3d seen_m = high - low;
-  const double side_m = std::min(seen_m.x(), seen_m.y());
-  result.fits_kind = shape.least_side_m <= 0 || (side_m >= kLeastSeen * shape.least_side_m &&
-                                                 side_m <= kMostSeen * shape.least_side_m &&
-                                                 seen_m.maxCoeff() >= shape.least_longest_m);
+  result.fits_kind = shape.holds_what_is_seen(high - low);
   // Away from the cameras, where nobody saw it.
   Vector3d cameras = Vector3d::Zero();
   for (const std::size_t index : group) {

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <set>
 #include <tuple>
 
+#include "roomwise/objects/kind_shape.h"
 #include "roomwise/objects/world_sight.h"
 
 namespace roomwise::objects {
@@ -45,8 +47,27 @@ Candidate candidate_of(SightGroup group, std::span<const WorldSight> sights,
   return candidate;
 }
 
+const std::string& most_called(const Candidate& candidate) {
+  return std::ranges::max_element(candidate.scores, {}, [](const auto& one) { return one.second; })
+      ->first;
+}
+
+// The share of a box that lies in another, by a grid of its points.
+double share_inside(const geometry::OrientedBox& box, const geometry::OrientedBox& of) {
+  constexpr int kSteps = 6;  // a side
+  int inside = 0;
+  for (int i = 0; i < kSteps * kSteps * kSteps; ++i) {
+    const Eigen::Vector3d step(i % kSteps, i / kSteps % kSteps, i / (kSteps * kSteps));
+    const Eigen::Vector3d place =
+        box.size_m.cwiseProduct((step.array() + 0.5).matrix() / kSteps) - box.size_m / 2;
+    if (of.distance_m(box.world_from_box * place) == 0) ++inside;
+  }
+  return static_cast<double>(inside) / (kSteps * kSteps * kSteps);
+}
+
 // How much two candidates are one thing, [0, 1]: the share of the cells of both that both have or,
-// where the boxes are of like size, of the smaller one's, since few pictures show only a part.
+// where the boxes are of like size, of the smaller one's, since few pictures show only a part. Two
+// things of one name cannot fill the same space, so there the share of either box counts, too.
 double overlap(const Candidate& a, const Candidate& b) {
   constexpr double kLikeSize = 0.35;  // of the volumes
   std::vector<VoxelKey> both;
@@ -57,7 +78,10 @@ double overlap(const Candidate& a, const Candidate& b) {
   const double volume_a = a.box.box_world.size_m.prod(), volume_b = b.box.box_world.size_m.prod();
   const bool are_alike = std::min(volume_a, volume_b) >= kLikeSize * std::max(volume_a, volume_b);
   const double of = are_alike ? smaller : smaller + larger - shared;
-  return shared / std::max(1.0, of);
+  const double of_cells = shared / std::max(1.0, of);
+  if (most_called(a) != most_called(b)) return of_cells;
+  return std::max({of_cells, share_inside(a.box.box_world, b.box.box_world),
+                   share_inside(b.box.box_world, a.box.box_world)});
 }
 
 // One thing that is called by several names: groups of different names that fill the same space.
@@ -148,15 +172,37 @@ bool may_be_there(const Candidate& candidate, std::span<const WorldSight> sights
              options.least_probability;
 }
 
-Instance instance_of(const Candidate& candidate, std::span<const WorldSight> sights,
-                     std::span<const LookedKeyframe> keyframes, const InstanceOptions& options) {
-  Instance instance;
+bool fits(const Candidate& candidate, const std::string& name) {
+  return shape_of(name).holds(candidate.box.box_world.size_m);
+}
+
+// What it is called, with the shares of the scores. Names of things that are never as large as that
+// were mistakes, and so perhaps were the others: they keep half of their share.
+std::map<std::string, double> shares_of_names(const Candidate& candidate) {
+  constexpr double kMistaken = 0.5;
+  std::map<std::string, double> shares = candidate.scores;
   double sum = 0;
-  for (const auto& [name, score] : candidate.scores) sum += score;
-  for (const auto& [name, score] : candidate.scores) instance.names[name] = score / sum;
-  instance.name = std::ranges::max_element(instance.names, {}, [](const auto& one) {
-                    return one.second;
-                  })->first;
+  for (auto& [name, score] : shares) {
+    if (!fits(candidate, name)) score *= kMistaken;
+    sum += score;
+  }
+  for (auto& [name, score] : shares) score /= sum;
+  return shares;
+}
+
+// Nothing where all that it is called is smaller.
+std::optional<Instance> instance_of(const Candidate& candidate, std::span<const WorldSight> sights,
+                                    std::span<const LookedKeyframe> keyframes,
+                                    const InstanceOptions& options) {
+  Instance instance;
+  instance.names = shares_of_names(candidate);
+  double most = 0;
+  for (const auto& [name, share] : instance.names) {
+    if (share <= most || !fits(candidate, name)) continue;
+    most = share;
+    instance.name = name;
+  }
+  if (most == 0) return std::nullopt;
   const WorldSight* best = nullptr;
   for (const std::size_t index : candidate.group) {
     const WorldSight& sight = sights[index];
@@ -176,6 +222,20 @@ Instance instance_of(const Candidate& candidate, std::span<const WorldSight> sig
       candidate.box.box_world.size_m};
   instance.sigma_m = candidate.box.sigma_m;
   return instance;
+}
+
+struct FoundThing {
+  Instance instance;
+  const geometry::OrientedBox* box_world;
+};
+
+// A plant's pot is often called a vase.
+bool is_part_of_another(const FoundThing& thing, std::span<const FoundThing> things) {
+  constexpr double kBeside_m = 0.05;
+  return thing.instance.name == "vase" && std::ranges::any_of(things, [&](const FoundThing& other) {
+           return other.instance.name == "plant" &&
+                  other.box_world->distance_m(thing.box_world->center()) <= kBeside_m;
+         });
 }
 
 }  // namespace
@@ -215,15 +275,19 @@ std::vector<Instance> find_instances(std::span<const LookedKeyframe> keyframes, 
   for (const WorldSight& sight : sights) {
     if (sight.is_word) no_words.erase(sight.name);  // somebody calls other things so
   }
-  std::vector<Instance> instances;
+  std::vector<FoundThing> things;
   for (const Candidate& candidate : candidates) {
-    Instance instance = instance_of(candidate, sights, keyframes, options);
-    if (no_words.contains(instance.name)) continue;
-    if (instance.sightings < options.least_sightings ||
-        instance.probability < options.least_probability) {
+    auto instance = instance_of(candidate, sights, keyframes, options);
+    if (!instance || no_words.contains(instance->name)) continue;
+    if (instance->sightings < options.least_sightings ||
+        instance->probability < options.least_probability) {
       continue;
     }
-    instances.push_back(std::move(instance));
+    things.push_back({*std::move(instance), &candidate.box.box_world});
+  }
+  std::vector<Instance> instances;
+  for (const FoundThing& thing : things) {
+    if (!is_part_of_another(thing, things)) instances.push_back(thing.instance);
   }
   std::ranges::sort(instances, {}, [](const Instance& one) {
     return std::tuple(one.name, one.keyframe_id, one.picture_box.left, one.picture_box.top);

@@ -188,6 +188,45 @@ TEST(FindInstances, ActivationMapsSeeNoWardrobeInADoor) {
   EXPECT_EQ(wardrobes(0.05), 0U);
 }
 
+TEST(FindInstances, NothingIsCalledWhatIsNeverAsLarge) {
+  const auto names_after = [](int as_toilet, int as_bath) {
+    TestRoom room;
+    room.things = {{"bath", {0, 0, 0.3}, {1.7, 0.8, 0.6}}};
+    for (int i = 0; i < as_toilet + as_bath; ++i) {
+      const double angle = 2 * std::numbers::pi * i / (as_toilet + as_bath);
+      room.look({2.2 * std::cos(angle), 2.2 * std::sin(angle), 1.3}, {0, 0, 0.3}, true,
+                i < as_toilet ? "toilet seat" : "bath");
+    }
+    std::vector<std::string> names;
+    for (const Instance& instance : room.instances()) names.push_back(instance.name);
+    return names;
+  };
+  using Names = std::vector<std::string>;
+  EXPECT_EQ(names_after(10, 0), Names());
+  EXPECT_EQ(names_after(8, 8), Names{"bath"}) << "eight mistakes count half";
+  EXPECT_EQ(names_after(12, 4), Names()) << "too few say so";
+}
+
+TEST(FindInstances, TwoOfOneNameInOnePlaceAreOne) {
+  TestRoom room;
+  room.things = {{"bed", {0, 0, 0.25}, {2.0, 1.4, 0.5}}, {"bed", {0.2, 0, 0.3}, {1.3, 1.1, 0.6}}};
+  room.look_around({0, 0, 0.3}, 12, 2.2);
+  const auto instances = room.instances();
+  ASSERT_EQ(instances.size(), 1U);
+  EXPECT_EQ(instances[0].sightings, 12);
+}
+
+TEST(FindInstances, AVaseInAPlantIsItsPot) {
+  const auto things_with = [](const std::string& name) {
+    TestRoom room;
+    room.things = {{name, {0, 0, 0.4}, {0.4, 0.4, 0.8}}, {"vase", {0.17, 0, 0.2}, {0.1, 0.3, 0.3}}};
+    room.look_around({0, 0, 0.5}, 12);
+    return room.instances().size();
+  };
+  EXPECT_EQ(things_with("plant"), 1U);
+  EXPECT_EQ(things_with("lamp"), 2U);
+}
+
 TEST(FindInstances, AThingOnAnotherStaysItself) {
   TestRoom room;
   room.things = {{"table", {0, 0, 0.35}, {1.2, 0.8, 0.7}},

@@ -61,9 +61,8 @@ struct GroupBox {
   geometry::OrientedBox box_world;
   Eigen::Vector3d sigma_m = Eigen::Vector3d::Zero();
   std::vector<Eigen::Vector3f> surface_world;  // the middles of its cells
-  // Whether what was seen of it is as large as such things are: its shorter level side half to two
-  // and a half times as long as theirs is at least, and as long or high as they are. A door is no
-  // wardrobe, nor is the corner of a room, and a bowl no bath.
+  // Whether what was seen of it is as large as such things are (KindShape): a door is no wardrobe,
+  // nor is the corner of a room, and a bowl no bath.
   bool fits_kind = true;
 };
 [[nodiscard]] GroupBox box_of_group(const SightGroup& group, std::span<const WorldSight> sights,

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <limits>
+#include <string_view>
+
+// How large things of a kind are in homes; private to objects/.
+namespace roomwise::objects {
+
+struct KindShape {
+  static constexpr double kAny = std::numeric_limits<double>::infinity();
+
+  std::string_view name;
+  bool on_floor = false;
+  // The shorter level side and the longest of the three, at least, m.
+  double least_side_m = 0;
+  double least_longest_m = 0;
+  // The shorter and the longer level side and the height, at most, m; a hand's breadth more than
+  // such things have, since a surface holds some of what the thing touches.
+  double most_side_m = kAny;
+  double most_length_m = kAny;
+  double most_height_m = kAny;
+
+  // Whether something can be one that is as large as that. `size_m`: two level sides and the
+  // height. What is smaller may be a part of one.
+  [[nodiscard]] bool holds(const Eigen::Vector3d& size_m) const;
+  // The same for what was seen of a thing, of which a side may be hidden: half of its least side.
+  [[nodiscard]] bool holds_what_is_seen(const Eigen::Vector3d& seen_m) const;
+};
+
+// Of a kind that nothing is known of: any size.
+[[nodiscard]] KindShape shape_of(std::string_view name);
+
+}  // namespace roomwise::objects
