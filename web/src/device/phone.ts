@@ -70,7 +70,7 @@ export class Phone {
   }
 
   ask(question: Question): void {
-    this.player.hush();
+    this.player.withdrawAnswers();
     const id = this.session.ask(question, performance.now());
     if (id === null) {
       this.say('device.connection_lost', 'answer');
