@@ -36,6 +36,10 @@ function sceneCamera(): void {
   };
 }
 
+function noCamera(): void {
+  navigator.mediaDevices.getUserMedia = () => Promise.reject(new Error('no camera'));
+}
+
 async function start(visit: Visit, voice: 'own' | 'reader'): Promise<void> {
   await visit.go('/device');
   await visit.sees('Who shall speak?');
@@ -251,10 +255,7 @@ test('what the computer cannot answer is told, in the language of the page', opt
 }));
 
 test('no camera is said, and questions still work', options, () => withServer(async (server) => {
-  const visit = await openVisit(server, {
-    role: 'device', size: kPhone,
-    before: () => (navigator.mediaDevices.getUserMedia = () => Promise.reject(new Error('no camera'))),
-  });
+  const visit = await openVisit(server, { role: 'device', size: kPhone, before: noCamera });
   await visit.go('/device');
   await visit.page.click('input[value=reader]');
   await visit.press('Start');
@@ -282,6 +283,32 @@ test('a lost connection is said, questions meanwhile are answered by that, and i
   await visit.hears('You are in the kitchen.');
   await visit.close();
 }));
+
+for (const [what, camera] of [['the scene is frozen', sceneCamera], ['there is no camera', noCamera]] as const) {
+  test(`a computer that falls silent is noticed by a question, also where ${what}`, options, () => withServer(async (server) => {
+    const visit = await openVisit(server, { role: 'device', size: kPhone, before: camera });
+    await visit.go('/device');
+    await visit.page.click('input[value=reader]');
+    await visit.press('Start');
+    await visit.sees('Connected', '.chip');
+    if (camera === sceneCamera) {
+      await setScene(visit, 'frozen');
+    }
+    await visit.hears('The camera does not work.'); // so no frame is under way
+    const before = server.newest('device');
+    server.silent = true;
+    await visit.press('Where am I');
+    await visit.hears('The connection is lost.');
+    await visit.sees('Not connected', '.chip');
+    server.silent = false;
+    await visit.hears('Connected again.');
+    assert.notEqual(server.newest('device'), before, 'by a socket of its own');
+    await visit.press('Where am I');
+    await visit.hears('You are in the kitchen.');
+    assert.equal((await visit.announced()).filter((one) => one.includes('is lost')).length, 1);
+    await visit.close();
+  }));
+}
 
 test('the page opens while the computer is off, from what the service worker kept', options, () => withServer(async (server) => {
   const visit = await openVisit(server, { role: 'device', size: kPhone, guarded: false });
