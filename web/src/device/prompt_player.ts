@@ -5,7 +5,7 @@ import type { Speaker } from './speaker';
 
 export interface PlayerParts {
   now: () => number;
-  speaker: () => Speaker;
+  speaker: (prompt: QueuedPrompt) => Speaker;
   sound: (sound: Sound) => number; // plays it; gives its length in milliseconds
   after: (ms: number, run: () => void) => void;
   lostAnswer: (now: number) => QueuedPrompt; // said instead of an answer that came too late
@@ -83,7 +83,7 @@ export class PromptPlayer {
   private begin(prompt: QueuedPrompt, then: () => void): void {
     this.begun += 1;
     const mine = this.begun;
-    const speaker = this.parts.speaker();
+    const speaker = this.parts.speaker(prompt);
     this.speaker = speaker;
     const over = (): void => {
       if (mine === this.begun) {
