@@ -17,7 +17,7 @@ export function hasLocalVoice(language: Language): Promise<boolean> {
     }
     const over = (): void => {
       window.clearTimeout(timer);
-      window.speechSynthesis.removeEventListener('voiceschanged', look);
+      window.speechSynthesis.removeEventListener?.('voiceschanged', look);
       resolve(localVoice(language) !== null);
     };
     const look = (): void => {
@@ -26,7 +26,7 @@ export function hasLocalVoice(language: Language): Promise<boolean> {
       }
     };
     const timer = window.setTimeout(over, kKnownWithinMs);
-    window.speechSynthesis.addEventListener('voiceschanged', look);
+    window.speechSynthesis.addEventListener?.('voiceschanged', look); // Safari 15 tells of no changes: it is asked in the end
   });
 }
 

@@ -57,7 +57,7 @@ async function start(): Promise<void> {
   if (settings.voice === 'own') {
     await hasLocalVoice(language());
   }
-  speakerFor(language());
+  log.setLive(!speaksItself(language()));
   const me = await whoAmI();
   if (me !== 'not paired') {
     open(me, await cameraReady);
@@ -133,16 +133,20 @@ function sound(which: Sound): number {
   return settings.sounds ? earcons.play(which) : 0;
 }
 
+function speaksItself(spoken: Language): boolean {
+  return settings.voice === 'own' && localVoice(spoken) !== null;
+}
+
 // The phone's own voice, or the list, which is live then: never both.
 function speakerFor(spoken: Language): Speaker {
-  const isOwn = settings.voice === 'own' && localVoice(spoken) !== null;
+  const isOwn = speaksItself(spoken);
   log.setLive(!isOwn);
   return isOwn ? ownVoice : readerVoice;
 }
 
 // Once: who chose the phone's own voice would else wonder who speaks, or why nobody does.
 function tellOfNoVoice(): void {
-  if (settings.voice === 'own' && localVoice(language()) === null && !toldOfNoVoice) {
+  if (settings.voice === 'own' && !speaksItself(language()) && !toldOfNoVoice) {
     toldOfNoVoice = true;
     player.push(ownNotice('voice', text('voice.none'), performance.now()));
   }
@@ -155,7 +159,7 @@ async function settingsChanged(phone: Phone): Promise<void> {
     ownVoice.prime(language()); // it may not have been, and this is a tap
     await hasLocalVoice(language());
   }
-  speakerFor(language());
+  log.setLive(!speaksItself(language()));
   tellOfNoVoice();
 }
 
