@@ -46,6 +46,11 @@ class ServeProcess {
     return std::regex_search(said_, found, shown) ? found[1].str() + found[2].str() : "";
   }
   [[nodiscard]] const std::string& said() const { return said_; }
+  [[nodiscard]] std::string next_line() {
+    std::string line;
+    EXPECT_TRUE(running_.read_line(line)) << errors();
+    return line;
+  }
   // Sends the signal; the exit code, 128 + the signal that ended it.
   int end(int signal) { return running_.end(signal); }
   [[nodiscard]] std::string errors() const { return running_.errors(); }
@@ -107,6 +112,44 @@ TEST(Serve, ADeviceThatWasPairedIsKnownAfterAKill) {
   EXPECT_THAT(ask_for_the_bed(second.server, other), Not(HasSubstr("bed")));
   EXPECT_EQ(second.end(SIGTERM), 0);
   EXPECT_THAT(second.errors(), Not(HasSubstr(paired->credentials.token)));
+}
+
+TEST(Serve, SaysTheCodeToWhoCannotReadIt) {
+  const ScratchFolder folder;
+  ServeProcess process(serve(folder / "new.home", {"--pair", "device", "--speak", "text"}));
+  const std::string code = process.code("device");
+  ASSERT_EQ(code.size(), 6U) << process.said() << process.errors();
+  std::string spaced;
+  for (std::size_t i = 0; i < code.size(); ++i) {
+    spaced += fmt::format("{}{}", i == 0 ? "" : i == 3 ? ", " : " ", code[i]);
+  }
+  for (int times = 0; times < 2; ++times) {
+    EXPECT_EQ(process.next_line(), "(answer) The code is " + spaced + ".");
+  }
+  EXPECT_EQ(process.end(SIGTERM), 0);
+  ServeProcess silent(serve(folder / "new.home", {"--speak", "shout"}));
+  EXPECT_EQ(silent.end(SIGTERM), 1);
+  EXPECT_THAT(silent.errors(), HasSubstr("'shout' is no way to speak"));
+}
+
+TEST(Serve, ADeviceSaysHowItsPairingWent) {
+  const ScratchFolder folder;
+  ServeProcess process(serve(folder / "new.home", {"--pair", "device"}));
+  ASSERT_NE(process.server.port, 0) << process.said() << process.errors();
+  const std::string server = fmt::format("127.0.0.1:{}", process.server.port);
+  const auto said_by = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{"device", "--server", server, "--speak", "text"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const ProgramResult result = run_roomwise(arguments);
+    EXPECT_EQ(result.exit_code, 1);
+    return result.output;
+  };
+  EXPECT_THAT(said_by({}), HasSubstr("This device is not paired. Ask your helper."));
+  std::string wrong = process.code("device");
+  wrong.back() = wrong.back() == '1' ? '2' : '1';
+  EXPECT_THAT(said_by({"--pair", wrong}), HasSubstr("This code is wrong or too old."));
+  EXPECT_EQ(process.end(SIGTERM), 0);
+  EXPECT_THAT(said_by({"--pair", wrong}), HasSubstr("The connection is lost."));
 }
 
 TEST(Serve, TwoServersDoNotOpenOneHome) {

@@ -34,8 +34,13 @@ TimestampNs steady_now_ns() {
       .count();
 }
 
-DeviceCamera::DeviceCamera(std::unique_ptr<recording::FrameSource> source, const CameraPace& pace)
-    : source_(std::move(source)), pace_(pace), began_ns_(steady_now_ns()) {
+DeviceCamera::DeviceCamera(std::unique_ptr<recording::FrameSource> source, const CameraPace& pace,
+                           Reopen reopen)
+    : source_(std::move(source)),
+      info_(source_->info()),
+      pace_(pace),
+      reopen_(std::move(reopen)),
+      began_ns_(steady_now_ns()) {
   thread_ = std::thread([this] { run(); });
 }
 
@@ -67,22 +72,41 @@ void DeviceCamera::run() {
   for (;;) {
     const auto frame = source_->next();
     if (!frame || !*frame) {
-      const std::scoped_lock lock(mutex_);
+      const std::unique_lock lock(mutex_);
       if (!frame) failure_ = frame.error().message;
-      ended_ = true;
-      return;
+      ended_ = frame || !reopen_;
+      if (ended_) return;
+    }
+    if (!frame) {
+      if (!reopen()) return;
+      continue;
     }
     if (!wait_for((*frame)->timestamp_ns)) return;
     const double t_ms = static_cast<double>(steady_now_ns()) * 1e-6;
     Frame taken{t_ms, small_ ? small_message_of(**frame, t_ms) : message_of(**frame, t_ms)};
     const std::scoped_lock lock(mutex_);
     newest_ = std::move(taken);
+    failure_.reset();
   }
+}
+
+bool DeviceCamera::reopen() {
+  source_.reset();  // it may be the only one that can be open
+  while (!source_) {
+    std::unique_lock lock(mutex_);
+    const auto pause = std::chrono::duration<double>(pace_.reopen_s);
+    if (closing_changed_.wait_for(lock, pause, [&] { return closing_; })) return false;
+    lock.unlock();
+    auto opened = reopen_();
+    // Another camera's pictures would be taken for this one's.
+    if (opened && (*opened)->info().camera == info_.camera) source_ = *std::move(opened);
+  }
+  return true;
 }
 
 bool DeviceCamera::wait_for(TimestampNs timestamp_ns) {
   std::unique_lock lock(mutex_);
-  const bool is_live = !source_->info().frame_count;
+  const bool is_live = !info_.frame_count;
   if (!first_ns_) first_ns_ = timestamp_ns;
   const double due_s = pace_.recorded ? seconds_between(*first_ns_, timestamp_ns)
                                       : static_cast<double>(taken_++) / pace_.rate_hz;

@@ -1,8 +1,10 @@
 #include <unistd.h>
 
 #include <array>
+#include <chrono>
 #include <iostream>
 #include <memory>
+#include <thread>
 
 #include "commands.h"
 #include "device_credentials.h"
@@ -56,17 +58,45 @@ Expected<service::ServerCredentials> find_credentials(const DeviceOptions& optio
   return paired.credentials;
 }
 
+// Says a message to its end: whoever cannot see the terminal waits for it.
+void say_now(DeviceVoice& voice, const std::string& message, guide::Sound sound) {
+  voice.notice(message, sound, steady_now_ns());
+  while (!interrupt_requested() && voice.step(steady_now_ns()) && !voice.is_silent(steady_now_ns()))
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+}
+
+// The same, and says how that went.
+Expected<service::ServerCredentials> find_credentials_aloud(const DeviceOptions& options,
+                                                            const service::ServerAddress& server,
+                                                            DeviceVoice& voice) {
+  auto credentials = find_credentials(options, server);
+  if (!credentials && options.code.empty()) {
+    say_now(voice, "device.not_paired", guide::Sound::kAlert);
+  } else if (!credentials) {
+    const bool is_wrong = service::is_wrong_code(credentials.error());
+    say_now(voice, is_wrong ? "device.code_wrong" : "device.connection_lost", guide::Sound::kAlert);
+  } else if (!options.code.empty()) {
+    say_now(voice, "device.paired", guide::Sound::kBack);
+  }
+  return credentials;
+}
+
 Expected<std::unique_ptr<DeviceCamera>> open_camera(const DeviceOptions& options) {
   std::unique_ptr<recording::FrameSource> source;
+  DeviceCamera::Reopen reopen;
   if (options.camera) {
-    ROOMWISE_TRY(source, recording::OpenNi2Source::open({}));
+    reopen = []() -> Expected<std::unique_ptr<recording::FrameSource>> {
+      return recording::OpenNi2Source::open({});
+    };
+    ROOMWISE_TRY(source, reopen());
   } else if (!options.recording.empty()) {
     ROOMWISE_TRY(source, recording::TumRecording::open(options.recording));
   } else {
     return nullptr;
   }
   return std::make_unique<DeviceCamera>(std::move(source),
-                                        CameraPace{!options.rate_hz, options.rate_hz.value_or(0)});
+                                        CameraPace{!options.rate_hz, options.rate_hz.value_or(0)},
+                                        std::move(reopen));
 }
 
 service::Hello hello_of(const DeviceOptions& options, const DeviceCamera* camera) {
@@ -91,15 +121,10 @@ Expected<std::unique_ptr<DeviceVoice>> open_voice(const DeviceOptions& options,
   wording.style.language = options.language;
   wording.style.step_m = options.step_m;
   ROOMWISE_CHECK_OK(wording.style.validate(catalogue));
-  std::unique_ptr<speech::Speaker> speaker;
-  if (options.speak == "text") {
-    speaker = std::make_unique<TextSpeaker>(std::cout);
-  } else {
-    ROOMWISE_TRY(speaker, open_speaker(options.speak, steady_now_ns()));
-    // A file is listened to later: who plays a walk into it sees what is said.
-    if (options.speak.starts_with("wav:")) {
-      speaker = std::make_unique<ShownSpeaker>(std::cout, std::move(speaker));
-    }
+  ROOMWISE_TRY(auto speaker, open_speaker(options.speak, steady_now_ns(), std::cout));
+  // A file is listened to later: who plays a walk into it sees what is said.
+  if (options.speak.starts_with("wav:")) {
+    speaker = std::make_unique<ShownSpeaker>(std::cout, std::move(speaker));
   }
   return std::make_unique<DeviceVoice>(std::move(speaker), wording);
 }
@@ -111,7 +136,7 @@ Expected<Answer> run_device(DeviceOptions options) {
   DeviceParts parts;
   ROOMWISE_TRY(parts.server, service::parse_server_address(options.server));
   ROOMWISE_TRY(parts.voice, open_voice(options, catalogue));
-  ROOMWISE_TRY(parts.credentials, find_credentials(options, parts.server));
+  ROOMWISE_TRY(parts.credentials, find_credentials_aloud(options, parts.server, *parts.voice));
   ROOMWISE_TRY(parts.keys, DeviceKeys::open(STDIN_FILENO, options.buttons));
   ROOMWISE_TRY(parts.camera, open_camera(options));
   parts.hello = hello_of(options, parts.camera.get());

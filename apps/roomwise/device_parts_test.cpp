@@ -234,7 +234,58 @@ TEST(DeviceVoiceTest, SpeaksByTheRules) {
   EXPECT_THAT(heard.str(), ::testing::EndsWith("(unsure) That did not work. Please try again.\n"));
   message.priority = "urgent";
   EXPECT_ERROR(prompt_of(message), "'urgent'");
-  EXPECT_ERROR(open_speaker("shout", 0), "wav:FILE");
+  EXPECT_ERROR(open_speaker("shout", 0, heard), "wav:FILE");
+}
+
+// Speaks so many prompts, then fails for good.
+class DyingSpeaker final : public speech::Speaker {
+ public:
+  DyingSpeaker(std::ostream& heard, int prompts) : heard_(heard), prompts_(prompts) {}
+  [[nodiscard]] Expected<void> begin(const guide::Utterance& utterance, TimestampNs) override {
+    if (prompts_-- <= 0) return fail("the daemon is gone");
+    heard_ << utterance.prompt.text << '\n';
+    return {};
+  }
+  [[nodiscard]] Expected<void> stop(TimestampNs) override { return {}; }
+  [[nodiscard]] Expected<bool> is_done(TimestampNs) override {
+    return prompts_ >= 0 ? Expected<bool>(true) : fail("the daemon is gone");
+  }
+
+ private:
+  std::ostream& heard_;
+  int prompts_;
+};
+
+TEST(ReopenedSpeakerTest, SpeaksOnOnceTheSpeechIsBack) {
+  std::ostringstream heard, errors;
+  int opened = 0;
+  const auto open = [&]() -> Expected<std::unique_ptr<speech::Speaker>> {
+    if (++opened == 2) return fail("it is not back yet");
+    return std::make_unique<DyingSpeaker>(heard, 1);
+  };
+  auto speaker = ReopenedSpeaker::open(open, errors);
+  ASSERT_OK(speaker);
+  const auto say = [&](const std::string& text, TimestampNs now_ns) {
+    guide::Utterance utterance;
+    utterance.prompt.text = text;
+    EXPECT_OK((*speaker)->begin(utterance, now_ns));
+    EXPECT_OK((*speaker)->is_done(now_ns));
+    EXPECT_OK((*speaker)->stop(now_ns));
+  };
+  say("one", 0);
+  say("two", kSecond);        // the speech is gone
+  say("three", 2 * kSecond);  // too early to try
+  say("four", 3 * kSecond);   // not back yet
+  say("five", 4 * kSecond);
+  EXPECT_EQ(opened, 2);
+  say("six", 5 * kSecond);
+  EXPECT_EQ(opened, 3);
+  EXPECT_EQ(heard.str(), "one\nsix\n");
+  EXPECT_EQ(errors.str(),
+            "the speech failed and is opened again: the daemon is gone\nnot spoken: two\n"
+            "not spoken: three\nnot spoken: four\nnot spoken: five\n");
+  opened = 1;
+  EXPECT_ERROR(ReopenedSpeaker::open(open, errors), "not back yet");
 }
 
 }  // namespace

@@ -173,8 +173,19 @@ void DeviceSession::take_error(const service::ErrorMessage& error, TimestampNs n
                        guide::Sound::kUnsure, now_ns);
 }
 
+// Without a word, somebody would go on with answers that rest on nothing new.
+void DeviceSession::watch_camera(TimestampNs now_ns) {
+  const auto failure = parts_.camera->failure();
+  if (failure.has_value() == camera_failed_) return;
+  camera_failed_ = failure.has_value();
+  if (failure) std::cerr << *failure << '\n';
+  parts_.voice->notice(failure ? "device.camera_failed" : "device.camera_back",
+                       failure ? guide::Sound::kAlert : guide::Sound::kBack, now_ns);
+}
+
 void DeviceSession::send_frames(TimestampNs now_ns) {
   if (!parts_.camera) return;
+  watch_camera(now_ns);
   if (link_.take_became_slow()) {
     parts_.voice->notice("device.connection_slow", guide::Sound::kAlert, now_ns);
   }

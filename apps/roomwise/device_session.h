@@ -52,6 +52,7 @@ class DeviceSession {
   void take_prompt(const service::PromptMessage& message, TimestampNs now_ns);
   void take_recording(const service::RecordingState& recording, TimestampNs now_ns);
   void take_error(const service::ErrorMessage& error, TimestampNs now_ns);
+  void watch_camera(TimestampNs now_ns);
   void send_frames(TimestampNs now_ns);
   void act(const KeyRequest& request, TimestampNs now_ns);
   void ask(service::Question question, const std::string& subject, TimestampNs now_ns);
@@ -69,6 +70,7 @@ class DeviceSession {
   std::string role_;                                 // of this device
   std::string recording_;                            // its last state
   std::uint64_t prompts_ = 0;
+  bool camera_failed_ = false;
   bool exit_ = false;
   bool quiet_ = false;
   TimestampNs heard_ns_ = 0;  // when the computer said something last

@@ -35,6 +35,23 @@ class SameView final : public recording::FrameSource {
   image::RgbdFrame frame_;
 };
 
+// A live camera that is unplugged after a few frames.
+class UnpluggedView final : public recording::FrameSource {
+ public:
+  UnpluggedView() : info_(view_.info()) { info_.frame_count.reset(); }
+  [[nodiscard]] const recording::SourceInfo& info() const override { return info_; }
+  [[nodiscard]] Expected<std::optional<image::RgbdFrame>> next() override {
+    if (left_-- > 0) return view_.next();
+    return fail("the camera was unplugged");
+  }
+  void skip_before(std::uint64_t) override {}
+
+ private:
+  SameView view_;
+  recording::SourceInfo info_;
+  int left_ = 3;
+};
+
 // What is heard, by any thread. While it holds, no answer comes to its end.
 class HeardSpeaker final : public speech::Speaker {
  public:
@@ -151,7 +168,10 @@ class AnsweringHome final : public service::SocketHandler {
 
 class DeviceSessionTest : public ::testing::Test {
  protected:
-  DeviceSessionTest() {
+  DeviceSessionTest()
+      : DeviceSessionTest(
+            std::make_unique<DeviceCamera>(std::make_unique<SameView>(), CameraPace{})) {}
+  explicit DeviceSessionTest(std::unique_ptr<DeviceCamera> camera) {
     auto speaker = std::make_unique<HeardSpeaker>();
     speaker_ = speaker.get();
     guide::Wording wording;
@@ -168,7 +188,7 @@ class DeviceSessionTest : public ::testing::Test {
     keyboard_ = ends[0];
     typing_ = ends[1];
     parts.keys = DeviceKeys::open(keyboard_, "").value();
-    parts.camera = std::make_unique<DeviceCamera>(std::make_unique<SameView>(), CameraPace{});
+    parts.camera = std::move(camera);
     parts.voice = std::make_unique<DeviceVoice>(std::move(speaker), wording);
     session_ = std::make_unique<DeviceSession>(std::move(parts));
   }
@@ -195,6 +215,32 @@ class DeviceSessionTest : public ::testing::Test {
   int typing_ = -1;
   std::unique_ptr<DeviceSession> session_;
 };
+
+class UnpluggedCameraTest : public DeviceSessionTest {
+ protected:
+  UnpluggedCameraTest()
+      : DeviceSessionTest(std::make_unique<DeviceCamera>(
+            std::make_unique<UnpluggedView>(), CameraPace{.reopen_s = 0.01},
+            [this]() -> Expected<std::unique_ptr<recording::FrameSource>> {
+              if (!is_plugged_in_) return fail("no camera was found");
+              return std::make_unique<SameView>();
+            })) {}
+
+  std::atomic<bool> is_plugged_in_ = false;
+};
+
+TEST_F(UnpluggedCameraTest, SaysThatTheCameraFailedAndThatItIsBack) {
+  std::thread running([&] { EXPECT_OK(session_->run([] { return false; })); });
+  EXPECT_TRUE(speaker_->hears("The camera does not work."));
+  type("f lamp\n");
+  EXPECT_TRUE(speaker_->hears("Answer about lamp.")) << "it goes on without";
+  is_plugged_in_ = true;
+  EXPECT_TRUE(speaker_->hears("The camera sees again."));
+  EXPECT_TRUE(home_.has_more_frames(3));
+  type("x");
+  running.join();
+  EXPECT_EQ(speaker_->times("The camera does not work."), 1);
+}
 
 TEST_F(DeviceSessionTest, GoesOnAfterTheServerWasAway) {
   std::atomic<bool> stop = false;

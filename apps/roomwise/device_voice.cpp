@@ -15,6 +15,7 @@ namespace {
 
 constexpr int kWordsPerMinute = 175;  // espeak-ng's own
 constexpr double kErrorValid_s = 10;
+constexpr double kReopenAfter_s = 2;
 // A speaker is given up so long after twice the time that the words take.
 constexpr double kSpeakerLate_s = 3;
 constexpr double kCharacter_s = 0.06;  // spoken at kWordsPerMinute
@@ -44,9 +45,64 @@ Expected<void> TextSpeaker::begin(const guide::Utterance& utterance, TimestampNs
   return {};
 }
 
+// ---- ReopenedSpeaker ----
+
+Expected<std::unique_ptr<ReopenedSpeaker>> ReopenedSpeaker::open(Open open, std::ostream& errors) {
+  ROOMWISE_TRY(auto speaker, open());
+  return std::unique_ptr<ReopenedSpeaker>(
+      new ReopenedSpeaker(std::move(open), std::move(speaker), errors));
+}
+
+void ReopenedSpeaker::failed(const Error& error, TimestampNs now_ns) {
+  if (speaker_) errors_ << "the speech failed and is opened again: " << error.message << std::endl;
+  speaker_.reset();
+  tried_ns_ = now_ns;
+}
+
+bool ReopenedSpeaker::has_speaker(TimestampNs now_ns) {
+  if (speaker_ || seconds_between(tried_ns_, now_ns) < kReopenAfter_s) return speaker_ != nullptr;
+  if (auto opened = open_()) {
+    speaker_ = *std::move(opened);
+  } else {
+    failed(opened.error(), now_ns);
+  }
+  return speaker_ != nullptr;
+}
+
+Expected<void> ReopenedSpeaker::begin(const guide::Utterance& utterance, TimestampNs now_ns) {
+  if (has_speaker(now_ns)) {
+    const Expected<void> begun = speaker_->begin(utterance, now_ns);
+    if (begun) return {};
+    failed(begun.error(), now_ns);
+  }
+  errors_ << "not spoken: " << utterance.prompt.text << std::endl;
+  return {};
+}
+
+Expected<void> ReopenedSpeaker::stop(TimestampNs now_ns) {
+  if (!speaker_) return {};
+  if (const auto stopped = speaker_->stop(now_ns); !stopped) failed(stopped.error(), now_ns);
+  return {};
+}
+
+Expected<bool> ReopenedSpeaker::is_done(TimestampNs now_ns) {
+  if (!speaker_) return true;
+  const Expected<bool> done = speaker_->is_done(now_ns);
+  if (done) return *done;
+  failed(done.error(), now_ns);
+  return true;
+}
+
 Expected<std::unique_ptr<speech::Speaker>> open_speaker(const std::string& choice,
-                                                        TimestampNs now_ns) {
-  if (choice == "speech-dispatcher") return speech::SpeechDispatcher::open({});
+                                                        TimestampNs now_ns, std::ostream& shown) {
+  if (choice == "text") return std::make_unique<TextSpeaker>(shown);
+  if (choice == "speech-dispatcher") {
+    return ReopenedSpeaker::open(
+        []() -> Expected<std::unique_ptr<speech::Speaker>> {
+          return speech::SpeechDispatcher::open({});
+        },
+        std::cerr);
+  }
   constexpr std::string_view kWav = "wav:";
   if (!choice.starts_with(kWav)) {
     return fail("'{}' is no way to speak; use speech-dispatcher, text or wav:FILE", choice);

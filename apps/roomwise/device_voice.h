@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <iosfwd>
 #include <memory>
 #include <string>
@@ -44,9 +45,36 @@ class ShownSpeaker final : public speech::Speaker {
   std::unique_ptr<speech::Speaker> speaker_;
 };
 
-// "text", "speech-dispatcher", or "wav:FILE", a recording of what was heard.
+// Speaks by another speaker that may fail, as the speech daemon does when it is started anew: then
+// it is opened again, with a wait between the tries. What could not be spoken is shown on `errors`.
+class ReopenedSpeaker final : public speech::Speaker {
+ public:
+  using Open = std::function<Expected<std::unique_ptr<speech::Speaker>>()>;
+  // Fails where it cannot be opened at first.
+  [[nodiscard]] static Expected<std::unique_ptr<ReopenedSpeaker>> open(Open open,
+                                                                       std::ostream& errors);
+  [[nodiscard]] Expected<void> begin(const guide::Utterance& utterance,
+                                     TimestampNs now_ns) override;
+  [[nodiscard]] Expected<void> stop(TimestampNs now_ns) override;
+  [[nodiscard]] Expected<bool> is_done(TimestampNs now_ns) override;
+
+ private:
+  ReopenedSpeaker(Open open, std::unique_ptr<speech::Speaker> speaker, std::ostream& errors)
+      : open_(std::move(open)), speaker_(std::move(speaker)), errors_(errors) {}
+  void failed(const Error& error, TimestampNs now_ns);
+  // Whether there is a speaker; opens one where it is time to.
+  [[nodiscard]] bool has_speaker(TimestampNs now_ns);
+
+  Open open_;
+  std::unique_ptr<speech::Speaker> speaker_;  // nullptr: it failed
+  std::ostream& errors_;
+  TimestampNs tried_ns_ = 0;
+};
+
+// "text" (on `shown`), "speech-dispatcher", or "wav:FILE", a recording of what was heard.
 [[nodiscard]] Expected<std::unique_ptr<speech::Speaker>> open_speaker(const std::string& choice,
-                                                                      TimestampNs now_ns);
+                                                                      TimestampNs now_ns,
+                                                                      std::ostream& shown);
 
 // A prompt of the computer, on the device's clock. Fails on words that the protocol does not know.
 [[nodiscard]] Expected<guide::Prompt> prompt_of(const service::PromptMessage& message);

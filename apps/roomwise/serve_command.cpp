@@ -1,5 +1,9 @@
+#include <poll.h>
+#include <signal.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <chrono>
 #include <filesystem>
 #include <iostream>
@@ -9,6 +13,8 @@
 #include <thread>
 
 #include "commands.h"
+#include "device_camera.h"
+#include "device_voice.h"
 #include "networks.h"
 #include "open_home.h"
 #include "qr_code.h"
@@ -27,6 +33,8 @@ struct Options {
   std::vector<std::string> names;
   fs::path pages;
   std::string pair;
+  std::string speak;
+  std::string language = "en";
   NetworkOptions networks;
 };
 
@@ -71,6 +79,7 @@ class HomeServer {
     ROOMWISE_TRY(all.finders_, load_region_finders());
     live::LiveHomeOptions home;
     home.threads = context.threads;
+    home.looking_threads = context.threads;
     home.seed = context.seed;
     home.clock = seconds_since_1970;
     ROOMWISE_TRY(home.open, open_options(context));
@@ -86,16 +95,14 @@ class HomeServer {
     if (!all.home_->view()->recognizer) all.log_.write(all.home_->view()->why_no_recognizer);
     server.address = options.address;
     server.port = options.port;
+    server.session_threads = context.threads;
     server.pages = options.pages.empty() ? brought_pages() : options.pages;
     server.log = [&log = all.log_](std::string_view line) { log.write(line); };
     all.host_ =
         options.address == "0.0.0.0" || options.address == "::" ? own_name(names) : options.address;
     ROOMWISE_TRY(all.server_,
-                 service::Server::start(
-                     std::move(server),
-                     service::Router(all.routes(),
-                                     [&log = all.log_](std::string_view line) { log.write(line); }),
-                     *all.access_, *all.home_));
+                 service::Server::start(std::move(server), service::Router(all.routes()),
+                                        *all.access_, *all.home_));
     return serving;
   }
   ~HomeServer() {
@@ -189,7 +196,49 @@ class HomeServer {
   std::unique_ptr<service::Server> server_;
 };
 
-Expected<void> show_code(HomeServer& server, service::Role role) {
+// Says the codes by which devices are paired, to who cannot read them.
+class SpokenCodes {
+ public:
+  static Expected<SpokenCodes> open(const Options& options) {
+    SpokenCodes spoken(options.language);
+    ROOMWISE_CHECK_OK(spoken.wording_.style.validate(*spoken.catalogue_));
+    ROOMWISE_TRY(auto speaker, open_speaker(options.speak, steady_now_ns(), std::cout));
+    spoken.voice_.emplace(std::move(speaker), spoken.wording_);
+    return spoken;
+  }
+
+  // Digit by digit, twice.
+  void say(const std::string& code) {
+    std::string digits;
+    for (std::size_t i = 0; i < code.size(); ++i) {
+      digits += fmt::format("{}{}", i == 0 ? "" : i == 3 ? ", " : " ", code[i]);
+    }
+    const TimestampNs now_ns = steady_now_ns();
+    for (const char* key : {"pairing", "pairing/again"}) {
+      guide::Prompt prompt =
+          guide::make_prompt(wording_, key, "pairing.code", {{"code", digits}},
+                             guide::Confidence::kSure, guide::after(now_ns, kCodeValid_s));
+      prompt.because = "a code was made";
+      voice_->say(std::move(prompt), now_ns);
+    }
+  }
+  [[nodiscard]] Expected<void> step() { return voice_->step(steady_now_ns()); }
+
+ private:
+  static constexpr double kCodeValid_s = 60;
+
+  explicit SpokenCodes(const std::string& language)
+      : catalogue_(std::make_unique<guide::MessageCatalogue>(guide::MessageCatalogue::built_in())) {
+    wording_.catalogue = catalogue_.get();
+    wording_.style.language = language;
+  }
+
+  std::unique_ptr<guide::MessageCatalogue> catalogue_;
+  guide::Wording wording_;
+  std::optional<DeviceVoice> voice_;
+};
+
+Expected<void> show_code(HomeServer& server, service::Role role, SpokenCodes* spoken) {
   ROOMWISE_TRY(const std::string code, server.access().make_code(role, service::Now::read()));
   const std::string address = server.address() + "/pair#" + code;
   ROOMWISE_TRY(const auto rows, qr_rows(address));
@@ -197,22 +246,54 @@ Expected<void> show_code(HomeServer& server, service::Role role) {
   std::cout << fmt::format("To pair a {}: code {} {}, within five minutes, at {}\n",
                            to_string(role), code.substr(0, 3), code.substr(3), address);
   std::cout.flush();
+  if (spoken != nullptr) spoken->say(code);
   return {};
 }
+
+// Lines that are typed in. Where there is nobody to type, it never has one.
+class TypedLines {
+ public:
+  // A program in the background that reads from its terminal would be stopped.
+  TypedLines() { ::signal(SIGTTIN, SIG_IGN); }
+  // Whether one was ended since the last call.
+  [[nodiscard]] bool take() {
+    pollfd input{STDIN_FILENO, POLLIN, 0};
+    if (at_end_ || ::poll(&input, 1, 0) != 1) return false;
+    std::array<char, 256> typed{};
+    const auto size = ::read(STDIN_FILENO, typed.data(), typed.size());
+    if (size <= 0) at_end_ = true;
+    return size > 0 && std::find(typed.begin(), typed.begin() + size, '\n') != typed.end();
+  }
+
+ private:
+  bool at_end_ = false;
+};
 
 Expected<Answer> serve(const Options& options, Context& context) {
   catch_interrupts();  // before it says that it serves: whoever waits for that may end it at once
   cv::setNumThreads(1);
+  std::optional<SpokenCodes> spoken;
+  if (!options.speak.empty()) {
+    ROOMWISE_TRY(spoken, SpokenCodes::open(options));
+  }
+  SpokenCodes* const codes = spoken ? &*spoken : nullptr;
   ROOMWISE_TRY(const auto server, HomeServer::start(options, context));
   std::cout << fmt::format("{} serves {}\nIts certificate's fingerprint (SHA-256): {}\n",
                            server->address(), options.home.string(),
                            service::fingerprint_with_colons(server->fingerprint()));
   if (options.pair == "helper" || !server->has_helper()) {
-    ROOMWISE_CHECK_OK(show_code(*server, service::Role::kHelper));
+    ROOMWISE_CHECK_OK(show_code(*server, service::Role::kHelper, nullptr));
   }
-  if (options.pair == "device") ROOMWISE_CHECK_OK(show_code(*server, service::Role::kDevice));
-  std::cout << "Ctrl-C stops it.\n" << std::flush;
-  while (!interrupt_requested()) std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  if (options.pair == "device") {
+    ROOMWISE_CHECK_OK(show_code(*server, service::Role::kDevice, codes));
+  }
+  std::cout << "Enter makes a new code for a device. Ctrl-C stops it.\n" << std::flush;
+  TypedLines lines;
+  while (!interrupt_requested()) {
+    if (lines.take()) ROOMWISE_CHECK_OK(show_code(*server, service::Role::kDevice, codes));
+    if (codes != nullptr) ROOMWISE_CHECK_OK(codes->step());
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  }
   Answer answer;
   answer.json = {{"frames_looked_at", server->home().frames_looked_at()},
                  {"frames_dropped", server->home().frames_dropped()}};
@@ -249,6 +330,11 @@ void add_serve_command(CLI::App& app, Context& context) {
                    "Show a code by which a device or a helper is paired (a helper's is shown "
                    "anyway as long as there is none)")
       ->check(CLI::IsMember({"device", "helper"}));
+  command->add_option("--speak", options->speak,
+                      "Say devices' codes, too: speech-dispatcher, text (lines on standard output) "
+                      "or wav:FILE; Enter makes and says a new one");
+  command->add_option("--language", options->language, "Of what is said: en or de")
+      ->capture_default_str();
   add_network_options(*command, options->networks);
 }
 

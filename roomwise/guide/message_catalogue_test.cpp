@@ -37,6 +37,7 @@ Values some_values(const std::set<std::string>& names) {
       {"count", "3"},
       {"distance", "12 steps"},
       {"turn", "Turn slightly right"},
+      {"code", "1 2 3, 4 5 6"},
       {"text", "The bed is in the bedroom."}};
   Values some;
   for (const std::string& name : names) {

@@ -177,4 +177,11 @@ std::vector<guide::Prompt> Caller::after(const Situation& situation) {
   return prompts;
 }
 
+void Caller::answered(const Situation& situation, const std::vector<guide::Prompt>& prompts) {
+  const bool names_the_room =
+      std::ranges::any_of(prompts, [](const auto& one) { return one.message == "room.is"; });
+  if (!names_the_room || situation.glance == nullptr || !situation.glance->decision) return;
+  room_called_ = situation.glance->decision->room().value_or(room_called_);
+}
+
 }  // namespace roomwise::live

@@ -42,10 +42,12 @@ class Caller {
  public:
   // After each glance, whether or not it is spoken.
   [[nodiscard]] std::vector<guide::Prompt> after(const Situation& situation);
+  // After each answer: a room that it named is not called out as well.
+  void answered(const Situation& situation, const std::vector<guide::Prompt>& prompts);
 
  private:
   std::string room_now_;     // by the last glance; empty: not sure
-  std::string room_called_;  // the last that was called out
+  std::string room_called_;  // the last that was called out, or named by an answer
 };
 
 }  // namespace roomwise::live

@@ -68,6 +68,23 @@ TEST_F(CallerTest, ARoomThatIsNotSureEnoughAtFirstIsCalledOutOnceItIs) {
   }
 }
 
+TEST_F(CallerTest, ARoomThatAnAnswerNamedIsNotCalledOut) {
+  const auto in = [](const char* room, double t) {
+    return glance_in(room, t, rooms::Verdict::kRoom);
+  };
+  EXPECT_THAT(after(in("kitchen", 0)), SizeIs(0));
+  const Glance asked = in("kitchen", 100);
+  const Situation now{home, &asked, settings, 100};
+  guide::Prompt named;
+  named.message = "room.is";
+  caller.answered(now, {named});
+  EXPECT_THAT(after(in("kitchen", 200)), SizeIs(0));
+  EXPECT_THAT(after(in("hall", 300)), SizeIs(0));
+  EXPECT_THAT(after(in("hall", 400)), SizeIs(1)) << "that was not named yet";
+  EXPECT_THAT(after(in("kitchen", 500)), SizeIs(0));
+  EXPECT_THAT(after(in("kitchen", 600)), SizeIs(1)) << "and this one is entered anew";
+}
+
 TEST_F(CallerTest, OneLookIntoAnotherRoomIsNotCalledOut) {
   for (const double t : {0.0, 1.0}) after(glance_in("kitchen", t, rooms::Verdict::kRoom));
   EXPECT_THAT(after(glance_in("bath", 2, rooms::Verdict::kRoom)), SizeIs(0));

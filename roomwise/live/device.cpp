@@ -160,7 +160,7 @@ void Device::refuse_unread(const Error& error, std::optional<std::int64_t> answe
 
 void Device::hear(const service::Ask& ask) {
   if (ask.question == service::Question::kNameRoom) {
-    if (const auto named = host_.name_recorded_room(ask.subject); !named) {
+    if (const auto named = host_.name_recorded_room(*this, ask.subject); !named) {
       return refuse(named.error(), ask.id);
     }
     return hear_now(ask);
@@ -199,7 +199,9 @@ void Device::hear_now(const service::Ask& ask) {
     const bool is_fresh = last_glance_ && ask.t_ms - last_glance_->t_ms <= kFresh_ms;
     if (is_fresh) based_on_t_ms = last_glance_->t_ms;
     const auto view = host_.view();
-    prompts = answer(ask, {*view, is_fresh ? &*last_glance_ : nullptr, settings_, ask.t_ms});
+    const Situation now{*view, is_fresh ? &*last_glance_ : nullptr, settings_, ask.t_ms};
+    prompts = answer(ask, now);
+    caller_.answered(now, prompts);
   }
   say(prompts, ask.id, based_on_t_ms);
 }

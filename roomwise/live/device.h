@@ -27,8 +27,10 @@ class DeviceHost {
   virtual void recorded(const Device& device, const service::RecordingState& state) = 0;
   // What this device's frames are stored by; null: they are not.
   [[nodiscard]] virtual std::shared_ptr<WalkRecorder> recorder_for(const Device& device) = 0;
-  // What is recorded from now on, by whichever device, shows this room.
-  [[nodiscard]] virtual Expected<void> name_recorded_room(const std::string& room) = 0;
+  // What is recorded from now on shows this room. A helper says so of any device's walk, a device
+  // of its own.
+  [[nodiscard]] virtual Expected<void> name_recorded_room(const Device& device,
+                                                          const std::string& room) = 0;
 };
 
 // A client that is connected: takes its frames and questions, answers them by what its newest frame

@@ -46,7 +46,7 @@ class Host final : public DeviceHost {
   [[nodiscard]] std::shared_ptr<WalkRecorder> recorder_for(const Device&) override {
     return recorder;
   }
-  [[nodiscard]] Expected<void> name_recorded_room(const std::string& room) override {
+  [[nodiscard]] Expected<void> name_recorded_room(const Device&, const std::string& room) override {
     return recorder ? recorder->name_room(room) : fail("nothing is recorded");
   }
 

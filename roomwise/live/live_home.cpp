@@ -163,9 +163,12 @@ std::shared_ptr<WalkRecorder> LiveHome::recorder_for(const Device& device) {
   return is_same ? recorder_ : nullptr;
 }
 
-Expected<void> LiveHome::name_recorded_room(const std::string& room) {
+Expected<void> LiveHome::name_recorded_room(const Device& device, const std::string& room) {
+  const service::Identity& who = device.who();
   const std::scoped_lock lock(devices_mutex_);
-  if (recorder_) return recorder_->name_room(room);
+  const bool may = who.role == service::Role::kHelper || who.device == recording_device_;
+  if (recorder_ && may) return recorder_->name_room(room);
+  if (recorder_) return fail("another device's walk is recorded; that one names its rooms");
   return fail("rooms are named while a walk is recorded, or on the helper's page");
 }
 

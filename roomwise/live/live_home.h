@@ -75,8 +75,10 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
 
   // ---- long work ----
   [[nodiscard]] Expected<void> learn();
+  // Records what the device sends, and maps it as it comes (job "map").
   [[nodiscard]] Expected<void> begin_recording(std::int64_t device, const std::string& name);
-  // Ends the recording and maps it.
+  // Ends the recording, and with its last frame the map; where that was stopped, it is gone on
+  // with.
   [[nodiscard]] Expected<void> end_recording();
   [[nodiscard]] Jobs& jobs() { return *jobs_; }
 
@@ -91,7 +93,8 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
   void saw(const Device& device, const Glance& glance) override;
   void recorded(const Device& device, const service::RecordingState& state) override;
   [[nodiscard]] std::shared_ptr<WalkRecorder> recorder_for(const Device& device) override;
-  [[nodiscard]] Expected<void> name_recorded_room(const std::string& room) override;
+  [[nodiscard]] Expected<void> name_recorded_room(const Device& device,
+                                                  const std::string& room) override;
 
   [[nodiscard]] std::vector<std::shared_ptr<Device>> all_devices() const;
   void tell_helpers(const service::HomeMessage& message) const;
@@ -112,7 +115,11 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
   // Runs `forget` while no job is at work.
   [[nodiscard]] Expected<void> while_idle(const std::function<Expected<void>()>& forget);
   [[nodiscard]] Expected<void> start_mapping(const std::filesystem::path& folder);
-  [[nodiscard]] Expected<std::string> map(const std::filesystem::path& folder, Progress& progress);
+  // While it is recorded, to its end.
+  [[nodiscard]] Expected<void> start_mapping(std::shared_ptr<const WalkRecorder> walk);
+  // `walk`: the frames in the folder.
+  [[nodiscard]] Expected<std::string> map(const std::filesystem::path& folder,
+                                          recording::FrameSource& walk, Progress& progress);
   [[nodiscard]] Expected<std::string> prepare(Progress& progress);
   [[nodiscard]] Expected<std::string> learn_now(Progress& progress);
   [[nodiscard]] std::filesystem::path walks_folder() const;

@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "roomwise/live/live_home.h"
+#include "roomwise/live/walk_frames.h"
 #include "roomwise/pipeline/map_recording.h"
 #include "roomwise/pipeline/room_learning.h"
 #include "roomwise/recording/tum_recording.h"
@@ -88,11 +89,16 @@ Expected<void> LiveHome::begin_recording(std::int64_t device, const std::string&
     return one->who().device == device && one->is_here() && one->camera();
   });
   if (found == connected.end()) return fail("device {} is not connected with a camera", device);
-  const std::scoped_lock lock(devices_mutex_);
-  ROOMWISE_TRY(recorder_, WalkRecorder::begin(walks_folder() / name, *(*found)->camera()));
-  recording_device_ = device;
-  (*found)->record_to(recorder_);
-  return {};
+  std::shared_ptr<WalkRecorder> recorder;
+  {
+    const std::scoped_lock lock(devices_mutex_);
+    if (recorder_) return fail("'{}' is being recorded; stop it first", recorder_->name());
+    ROOMWISE_TRY(recorder, WalkRecorder::begin(walks_folder() / name, *(*found)->camera()));
+    recorder_ = recorder;
+    recording_device_ = device;
+  }
+  (*found)->record_to(recorder);
+  return start_mapping(recorder);
 }
 
 Expected<void> LiveHome::end_recording() {
@@ -111,25 +117,37 @@ Expected<void> LiveHome::end_recording() {
       service::RecordingState{recording_device_, closed ? "saved" : "failed", recorder->name(),
                               recorder->frames(), closed ? "" : closed.error().message});
   ROOMWISE_CHECK_OK(closed);
+  if (jobs_->running()) return {};  // it is being mapped
   return start_mapping(recorder->folder());
 }
 
 Expected<void> LiveHome::start_mapping(const fs::path& folder) {
-  return jobs_->start("map", [this, folder](Progress& progress) { return map(folder, progress); });
+  return jobs_->start("map", [this, folder](Progress& progress) -> Expected<std::string> {
+    ROOMWISE_TRY(const auto walk, recording::TumRecording::open(folder));
+    return map(folder, *walk, progress);
+  });
 }
 
-Expected<std::string> LiveHome::map(const fs::path& folder, Progress& progress) {
+Expected<void> LiveHome::start_mapping(std::shared_ptr<const WalkRecorder> walk) {
+  return jobs_->start("map", [this, walk](Progress& progress) -> Expected<std::string> {
+    ROOMWISE_TRY(const auto frames,
+                 WalkFrames::open(walk, [&progress] { return progress.interrupted(); }));
+    return map(walk->folder(), *frames, progress);
+  });
+}
+
+Expected<std::string> LiveHome::map(const fs::path& folder, recording::FrameSource& walk,
+                                    Progress& progress) {
   pipeline::MapSummary summary;
   {
     const std::scoped_lock lock(home_mutex_);
     RunParts parts(options_.threads, progress);
-    ROOMWISE_TRY(const auto source, recording::TumRecording::open(folder, {}));
     ROOMWISE_TRY(const auto stored, pipeline::stored_map_settings(home_));
     pipeline::MapSettings settings = stored.value_or(pipeline::MapSettings{});
     if (!stored) settings.mapper.seed = options_.seed;
-    const home::Recording recording{source->info().name, folder.string(), source->info().camera,
-                                    source->info().frame_count};
-    ROOMWISE_TRY(summary, pipeline::map_recording(*source, recording, home_, networks_, settings,
+    const home::Recording recording{walk.info().name, folder.string(), walk.info().camera,
+                                    walk.info().frame_count};
+    ROOMWISE_TRY(summary, pipeline::map_recording(walk, recording, home_, networks_, settings,
                                                   parts.run, finders_));
     if (!summary.finished) return fail("stopped; it goes on when the computer starts again");
     if (fs::exists(folder / "rooms.txt")) {

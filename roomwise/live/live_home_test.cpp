@@ -48,6 +48,16 @@ class WaitingWire final : public service::SocketOut {
     return *found;
   }
 
+  // Of the messages that came and were not taken.
+  template <typename T>
+  [[nodiscard]] int count() {
+    const std::scoped_lock lock(mutex_);
+    return static_cast<int>(std::ranges::count_if(texts_, [](const std::string& text) {
+      const auto message = service::read_home_message(text);
+      return message && std::holds_alternative<T>(*message);
+    }));
+  }
+
  private:
   std::mutex mutex_;
   std::condition_variable came_;
@@ -242,8 +252,37 @@ TEST_F(LiveHomeTest, AForgottenWalkLeavesNothingInTheFiles) {
   EXPECT_FALSE(home->view()->recognizer);
   EXPECT_FALSE(std::filesystem::exists(folder / "flat.home.walks/first walk"));
   EXPECT_THAT(home->view()->rooms, SizeIs(2));  // their names are not the walk's
+  EXPECT_THAT(bytes_of_home(), HasSubstr("kitchen"));
   ASSERT_OK(home->forget_home());
   EXPECT_THAT(home->view()->rooms, IsEmpty());
+}
+
+TEST_F(LiveHomeTest, EverythingThatIsForgottenLeavesNothingInTheFiles) {
+  open();
+  record_the_walk();
+  ASSERT_OK(home->name_rooms(1, {{0, 29, "scullery", 1}, {30, kFrames - 1, "solarium", 1}}));
+  ASSERT_OK(home->learn());
+  home->jobs().wait();
+  const auto depth_of_home = [&] {
+    const auto images = home::Home::open_read_only(file)->images(0).value();
+    const auto middle = images.depth.begin() + static_cast<std::ptrdiff_t>(images.depth.size() / 2);
+    return std::string(middle, middle + 64);
+  };
+  const auto holds = [&](const std::string& trace) {
+    return bytes_of_home().find(trace) != std::string::npos;
+  };
+  const std::string depth = depth_of_home();
+  for (const std::string& trace : {depth, std::string("scullery"), std::string("solarium")}) {
+    ASSERT_TRUE(holds(trace));
+  }
+  ASSERT_OK(home->forget_room("solarium"));
+  EXPECT_FALSE(holds("solarium"));
+  EXPECT_TRUE(holds("scullery"));
+  ASSERT_OK(home->forget_home());
+  EXPECT_FALSE(holds("scullery"));
+  EXPECT_FALSE(holds(depth));
+  EXPECT_FALSE(holds("first walk"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "flat.home.walks"));
 }
 
 TEST_F(LiveHomeTest, ThingsAreCorrectedAndRemoved) {
@@ -308,6 +347,61 @@ TEST_F(LiveHomeTest, AWalkThatWasRecordedAndNotMappedIsMappedAtTheNextStart) {
   EXPECT_THAT(home->view()->walks, SizeIs(1));
 }
 
+TEST_F(LiveHomeTest, AWalkIsMappedWhileItIsRecorded) {
+  open();
+  const Client page = connect(1, service::Role::kHelper);
+  const Client belt = connect(7, service::Role::kDevice);
+  ASSERT_OK(home->begin_recording(7, "walk"));
+  for (int i = 0; i < kFrames - 5; ++i) belt.session->on_message(message_of(**walk.next()));
+  // Its first key-frames are there before its last frame is.
+  const auto mapped = page.wire->next<service::JobState>([](const service::JobState& job) {
+    return job.stage == "mapping" && job.text.find("key-frames") != std::string::npos;
+  });
+  EXPECT_EQ(mapped.kind, "map");
+  EXPECT_EQ(mapped.state, "running");
+  EXPECT_ERROR(home->learn(), "busy");
+  while (auto frame = walk.next().value()) belt.session->on_message(message_of(*frame));
+  ASSERT_OK(home->end_recording());
+  home->jobs().wait();
+  ASSERT_EQ(home->jobs().state()->state, "done") << home->jobs().state()->text;
+  EXPECT_THAT(home->jobs().state()->text, HasSubstr(fmt::format("of {} frames", kFrames)));
+  belt.session->on_closed();
+}
+
+// What was stopped is gone on with when the recording ends, or at the next start.
+TEST_F(LiveHomeTest, AMapThatWasStoppedWhileItIsRecordedIsGoneOnWith) {
+  open();
+  Client belt = connect(7, service::Role::kDevice);
+  ASSERT_OK(home->begin_recording(7, "walk"));
+  for (int i = 0; i < kFrames / 2; ++i) belt.session->on_message(message_of(**walk.next()));
+  EXPECT_TRUE(home->jobs().stop());
+  home->jobs().wait();
+  EXPECT_EQ(home->jobs().state()->state, "stopped");
+  while (auto frame = walk.next().value()) belt.session->on_message(message_of(*frame));
+  ASSERT_OK(home->end_recording());
+  home->jobs().wait();
+  ASSERT_EQ(home->jobs().state()->state, "done") << home->jobs().state()->text;
+  EXPECT_THAT(home->jobs().state()->text, HasSubstr(fmt::format("of {} frames", kFrames)));
+  belt.session->on_closed();
+}
+
+TEST_F(LiveHomeTest, OnlyWhoIsRecordedOrAHelperNamesTheWalksRooms) {
+  open();
+  const Client page = connect(1, service::Role::kHelper);
+  const Client belt = connect(7, service::Role::kDevice);
+  const Client other = connect(8, service::Role::kDevice);
+  ASSERT_OK(home->begin_recording(7, "walk"));
+  const std::string kitchen =
+      write(service::DeviceMessage(service::Ask{1, 0, service::Question::kNameRoom, "kitchen"}));
+  other.session->on_text(kitchen);
+  EXPECT_THAT(other.wire->next<service::ErrorMessage>().text, HasSubstr("another device's walk"));
+  for (const Client* client : {&page, &belt}) {
+    client->session->on_text(kitchen);
+    EXPECT_EQ(client->wire->next<service::PromptMessage>().message, "room.named");
+  }
+  for (const Client* client : {&page, &belt, &other}) client->session->on_closed();
+}
+
 TEST_F(LiveHomeTest, TheWearerIsToldOfTheRecording) {
   open();
   Client belt = connect(7, service::Role::kDevice);
@@ -319,6 +413,8 @@ TEST_F(LiveHomeTest, TheWearerIsToldOfTheRecording) {
   EXPECT_EQ(begun.device, 7);
   ASSERT_OK(home->end_recording());
   EXPECT_EQ(belt.wire->next<service::RecordingState>().state, "saved");
+  EXPECT_EQ(other.wire->count<service::Welcome>(), 1);
+  EXPECT_EQ(other.wire->count<service::RecordingState>(), 0) << "it is nobody else's business";
   other.session->on_closed();
   belt.session->on_closed();
 }
@@ -343,6 +439,8 @@ TEST_F(LiveHomeTest, HelpersAreToldOfJobsAndDevices) {
   const auto done = page.wire->next<service::JobState>(
       [](const service::JobState& job) { return job.state != "running"; });
   EXPECT_EQ(done.state, "done") << done.text;
+  EXPECT_EQ(belt.wire->count<service::JobState>(), 0) << "helpers alone";
+  EXPECT_EQ(belt.wire->count<service::DeviceSeen>(), 0) << "where others are is not for devices";
   belt.session->on_closed();
   EXPECT_FALSE(page.wire
                    ->next<service::DeviceSeen>([](const service::DeviceSeen& one) {

@@ -1,5 +1,6 @@
 #include "roomwise/live/walk_recorder.h"
 
+#include <chrono>
 #include <cmath>
 
 #include "roomwise/image/codec.h"
@@ -45,6 +46,7 @@ Expected<void> WalkRecorder::store(const CameraFrame& frame) {
   rgbd.encoded_depth = frame.depth;
   ROOMWISE_CHECK_OK(writer_->write(rgbd));
   last_t_ms_ = frame.t_ms;
+  grown_.notify_all();
   return {};
 }
 
@@ -58,12 +60,23 @@ Expected<void> WalkRecorder::close() {
   const std::scoped_lock lock(mutex_);
   if (closed_) return {};
   closed_ = true;
+  grown_.notify_all();
   return writer_->close();
 }
 
 std::uint64_t WalkRecorder::frames() const {
   const std::scoped_lock lock(mutex_);
   return writer_->frames_written();
+}
+
+bool WalkRecorder::wait_for_frame(std::uint64_t index,
+                                  const std::function<bool()>& given_up) const {
+  std::unique_lock lock(mutex_);
+  while (writer_->frames_written() <= index) {
+    if (closed_ || given_up()) return false;
+    grown_.wait_for(lock, std::chrono::milliseconds(100));
+  }
+  return true;
 }
 
 }  // namespace roomwise::live

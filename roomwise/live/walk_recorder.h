@@ -1,6 +1,8 @@
 #pragma once
 
+#include <condition_variable>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -29,6 +31,10 @@ class WalkRecorder {
   [[nodiscard]] Expected<void> close();
 
   [[nodiscard]] std::uint64_t frames() const;
+  // Waits until the frame of that number is stored. False where none will be: the recording is
+  // closed, or `given_up` says so, which is asked ten times a second.
+  [[nodiscard]] bool wait_for_frame(std::uint64_t index,
+                                    const std::function<bool()>& given_up) const;
   [[nodiscard]] const geometry::PinholeCamera& camera() const { return camera_; }
   [[nodiscard]] const std::filesystem::path& folder() const { return folder_; }
   [[nodiscard]] std::string name() const { return folder_.filename().string(); }
@@ -41,6 +47,7 @@ class WalkRecorder {
   std::filesystem::path folder_;
   geometry::PinholeCamera camera_;
   mutable std::mutex mutex_;
+  mutable std::condition_variable grown_;  // or closed
   std::unique_ptr<recording::TumWriter> writer_;
   std::optional<double> last_t_ms_;
   bool closed_ = false;

@@ -39,6 +39,8 @@ constexpr std::size_t kMostMessageBytes = std::size_t{4} << 20U;
 // is taken has nearly been sent.
 constexpr int kSendBufferBytes = 32 << 10;
 constexpr std::size_t kPieceBytes = std::size_t{8} << 10U;
+constexpr std::string_view kRefusesPairing = "refuses the pairing";
+constexpr std::string_view kKnowsNoCode = "does not know the code";
 constexpr std::string_view kNotKnown = "does not know this device (any more): pair it again";
 
 // The answer to a POST request.
@@ -67,17 +69,15 @@ Expected<PairedWith> read_pairing(const TlsClient& client,
   if (answer.result() != http::status::ok) {
     const bool says_why =
         json.is_object() && json.contains("error") && json.at("error").is_string();
-    return fail("{} refuses the pairing: {}", client.name(),
+    return fail("{} {}: {}", client.name(), kRefusesPairing,
                 says_why ? json.at("error").get<std::string>() : std::string(answer.reason()));
   }
   PairedWith paired;
   try {
     if (!equal_secrets(json.at("proof").get<std::string>(), proof.computer)) {
       return fail(
-          "{} does not know the code: it is another computer that stands between; pair in a "
-          "network "
-          "that you trust",
-          client.name());
+          "{} {}: it is another computer that stands between; pair in a network that you trust",
+          client.name(), kKnowsNoCode);
     }
     const auto role = parse_role(json.at("role").get<std::string>());
     if (!role) return fail("{} answers with a role that is not known", client.name());
@@ -207,6 +207,11 @@ Expected<PairedWith> pair_with(const ServerAddress& server, const std::string& c
 
 bool is_refusal(const Error& error) {
   return error.message.ends_with(kNotKnown);
+}
+
+bool is_wrong_code(const Error& error) {
+  return error.message.find(kRefusesPairing) != std::string::npos ||
+         error.message.find(kKnowsNoCode) != std::string::npos;
 }
 
 // One thread runs `io`, and all but what the mutex guards belongs to it.

@@ -51,6 +51,10 @@ struct ClientWait {
 // home's: it was removed. Trying again does not help, being paired again does.
 [[nodiscard]] bool is_refusal(const Error& error);
 
+// Whether pair_with() failed because of the code: the computer refuses it, or does not know it
+// itself.
+[[nodiscard]] bool is_wrong_code(const Error& error);
+
 // A WebSocket to the computer. Thread-safe.
 class ServerConnection {
  public:

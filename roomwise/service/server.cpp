@@ -30,7 +30,7 @@ ConnectionLimits connection_limits(const ServerLimits& limits) {
 }
 
 // The socket's row of the table of routes: the router decides who may.
-Router with_socket(const Router& router) {
+Router with_socket(const Router& router, std::function<void(std::string_view)> log) {
   std::vector<Route> routes = router.routes();
   routes.push_back({"GET", "/api/socket", Role::kDevice,
                     [](const HttpRequest&, const Placeholders&) {
@@ -40,7 +40,7 @@ Router with_socket(const Router& router) {
                       return answer;
                     },
                     0});
-  return Router(std::move(routes));
+  return Router(std::move(routes), std::move(log));
 }
 
 Expected<void> prepare_tls(asio::ssl::context& tls, const Certificate& certificate) {
@@ -61,7 +61,8 @@ Expected<void> prepare_tls(asio::ssl::context& tls, const Certificate& certifica
 ServerCore::ServerCore(ServerOptions options_, Router router_, PageFiles pages_,
                        AccessRegister& access_, SocketHandler& sockets_)
     : options(std::move(options_)),
-      router(std::move(router_)),
+      router(
+          with_socket(router_, [this](std::string_view line) { events.say(std::string(line)); })),
       pages(std::move(pages_)),
       access(access_),
       sockets(sockets_),
@@ -185,8 +186,8 @@ class Server::Impl {
 Expected<std::unique_ptr<Server>> Server::start(ServerOptions options, Router router,
                                                 AccessRegister& access, SocketHandler& sockets) {
   ROOMWISE_TRY(PageFiles pages, PageFiles::open(options.pages));
-  auto core = std::make_shared<ServerCore>(std::move(options), with_socket(router),
-                                           std::move(pages), access, sockets);
+  auto core = std::make_shared<ServerCore>(std::move(options), std::move(router), std::move(pages),
+                                           access, sockets);
   ROOMWISE_CHECK_OK(prepare_tls(core->tls, core->options.certificate));
   auto impl = std::make_unique<Impl>(std::move(core));
   ROOMWISE_CHECK_OK(impl->listen());

@@ -211,6 +211,10 @@ TEST(ServerTest, AFailingHandlerFailsAlone) {
   const Answer answer = home.ask("GET", "/fails");
   EXPECT_EQ(answer.status, 500);
   EXPECT_THAT(answer.body, Not(HasSubstr("anna")));
+  // Its operator learns what is wrong.
+  EXPECT_TRUE(home.log.wait([&] {
+    return home.log_text.find("GET /fails went wrong: the secret path") != std::string::npos;
+  }));
 }
 
 TEST(ServerTest, ASlowRequestHoldsUpNoOther) {

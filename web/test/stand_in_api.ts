@@ -22,6 +22,7 @@ class Refusal extends Error {
 }
 
 const kRoutes: [string, RegExp, Role | '-', Handler][] = [
+  ['GET', /^\/health$/, '-', () => ({ status: 'ok' })],
   ['POST', /^\/api\/pair$/, '-', pair],
   ['GET', /^\/api\/me$/, 'device', ({ role }) => ({ device: role === 'helper' ? 1 : 3, name: role === 'helper' ? 'Kitchen tablet' : "Anna's phone", role })],
   ['POST', /^\/api\/leave$/, 'device', ({ server }) => (server.state.unpairAll(), {})],

@@ -34,6 +34,7 @@ export class StandInServer {
   readonly clients: Client[] = [];
   acknowledges = true;
   answersQuestions = true;
+  silent = false; // as when the network is dead: connections stay, and nothing comes any more
   private server: Server | null = null;
   private port = 0;
 
@@ -93,6 +94,9 @@ export class StandInServer {
       }
     });
     socket.on('message', (data, isBinary) => {
+      if (this.silent) {
+        return;
+      }
       const bytes = data as Buffer;
       if (isBinary) {
         this.takeFrame(client, bytes);
@@ -137,8 +141,11 @@ export class StandInServer {
   }
 
   private async handle(request: IncomingMessage, response: ServerResponse): Promise<void> {
+    if (this.silent) {
+      return;
+    }
     const path = (request.url ?? '/').split('?')[0] ?? '/';
-    if (path.startsWith('/api/')) {
+    if (path.startsWith('/api/') || path === '/health') {
       const chunks: Buffer[] = [];
       for await (const chunk of request) {
         chunks.push(chunk as Buffer);

@@ -2,18 +2,19 @@
 import { ApiError, request } from '../shared/api';
 import { byId, h, replaceChildren } from '../shared/dom';
 import type { Language, Me, Sound } from '../shared/protocol';
-import { chooseLanguage, rememberLanguage, text } from '../shared/texts';
+import { chooseLanguage, language, rememberLanguage, text } from '../shared/texts';
 import { Camera, type CameraFailure } from './camera';
 import { openChoice } from './choice_dialog';
 import { Earcons, vibrate } from './earcons';
 import { keepAwake } from './keep_awake';
-import { ownPrompt } from './own_prompt';
+import { hasLocalVoice, localVoice } from './local_voices';
+import { ownNotice, ownPrompt } from './own_prompt';
 import { Phone } from './phone';
 import { PromptPlayer } from './prompt_player';
 import { SaidLog } from './said_log';
 import { loadSettings, rememberPaired, saveSettings, wasPaired } from './settings';
 import { openSettings } from './settings_dialog';
-import { OwnVoice, ScreenReaderVoice } from './speaker';
+import { OwnVoice, ScreenReaderVoice, type Speaker } from './speaker';
 import { startView } from './start_view';
 import { PhoneView } from './view';
 
@@ -31,12 +32,14 @@ video.muted = true;
 const camera = new Camera(video);
 const player = new PromptPlayer({
   now: () => performance.now(),
-  speaker: () => (settings.voice === 'own' ? ownVoice : readerVoice),
+  speaker: (prompt) => speakerFor(prompt.language),
   sound,
   after: (ms, run) => void window.setTimeout(run, ms),
   lostAnswer: (now) => ownPrompt('device.failed', now, 'answer'),
 });
 let isLeaving = false;
+let toldOfNoVoice = false;
+localVoice(language()); // some browsers look for their voices only when they are first asked
 
 if ('serviceWorker' in navigator) {
   // Refused where the certificate is not trusted: the page works without, only not while the computer is off.
@@ -47,11 +50,14 @@ replaceChildren(page, startView(settings, () => void start()));
 async function start(): Promise<void> {
   earcons.prime();
   if (settings.voice === 'own') {
-    ownVoice.prime();
+    ownVoice.prime(language());
   }
   saveSettings(window.localStorage, settings);
   const cameraReady = camera.start();
-  log.setLive(settings.voice === 'reader');
+  if (settings.voice === 'own') {
+    await hasLocalVoice(language());
+  }
+  log.setLive(!speaksItself(language()));
   const me = await whoAmI();
   if (me !== 'not paired') {
     open(me, await cameraReady);
@@ -106,12 +112,13 @@ function open(me: Me | null, cameraFailure: CameraFailure | null): void {
       title: text('name_room.title'), label: text('name_room.label'), go: text('name_room.go'),
       missing: text('name_room.missing'),
     }, phone.state.rooms, (room) => phone.ask({ question: 'name_room', room })),
-    settings: () => openSettings(settings, { changed: () => settingsChanged(phone), languageChanged, leave }),
+    settings: () => openSettings(settings, { changed: () => void settingsChanged(phone), languageChanged, leave }),
   });
   view.show(phone.state);
   replaceChildren(page, view.element);
   view.element.querySelector<HTMLElement>('.question.where')?.focus();
   phone.begin();
+  tellOfNoVoice();
   const cameraFailed = (why: CameraFailure): void => phone.say(`device.camera_${why}`);
   if (cameraFailure) {
     cameraFailed(cameraFailure);
@@ -126,13 +133,34 @@ function sound(which: Sound): number {
   return settings.sounds ? earcons.play(which) : 0;
 }
 
-function settingsChanged(phone: Phone): void {
-  saveSettings(window.localStorage, settings);
-  log.setLive(settings.voice === 'reader');
-  if (settings.voice === 'own') {
-    ownVoice.prime(); // it may not have been, and this is a tap
+function speaksItself(spoken: Language): boolean {
+  return settings.voice === 'own' && localVoice(spoken) !== null;
+}
+
+// The phone's own voice, or the list, which is live then: never both.
+function speakerFor(spoken: Language): Speaker {
+  const isOwn = speaksItself(spoken);
+  log.setLive(!isOwn);
+  return isOwn ? ownVoice : readerVoice;
+}
+
+// Once: who chose the phone's own voice would else wonder who speaks, or why nobody does.
+function tellOfNoVoice(): void {
+  if (settings.voice === 'own' && !speaksItself(language()) && !toldOfNoVoice) {
+    toldOfNoVoice = true;
+    player.push(ownNotice('voice', text('voice.none'), performance.now()));
   }
+}
+
+async function settingsChanged(phone: Phone): Promise<void> {
+  saveSettings(window.localStorage, settings);
   phone.settingsChanged();
+  if (settings.voice === 'own') {
+    ownVoice.prime(language()); // it may not have been, and this is a tap
+    await hasLocalVoice(language());
+  }
+  log.setLive(!speaksItself(language()));
+  tellOfNoVoice();
 }
 
 function languageChanged(language: Language): void {

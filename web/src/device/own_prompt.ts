@@ -21,12 +21,11 @@ const kSounds: Partial<Record<SpokenKey, Sound>> = {
 const kValidMs = 10_000;
 
 export function ownPrompt(key: SpokenKey, now: number, priority: Priority = 'notice'): QueuedPrompt {
-  return {
-    key: key.split('_')[0] ?? key, // news of the connection replace older ones, and so on
-    text: spokenText(key),
-    language: language(),
-    priority,
-    sound: kSounds[key] ?? 'answer',
-    valid_until_t: now + kValidMs,
-  };
+  const sound = kSounds[key] ?? 'answer';
+  // News of the connection replace older ones, and so on.
+  return { ...ownNotice(key.split('_')[0] ?? key, spokenText(key), now), priority, sound };
+}
+
+export function ownNotice(key: string, text: string, now: number): QueuedPrompt {
+  return { key, text, language: language(), priority: 'notice', sound: 'alert', valid_until_t: now + kValidMs };
 }

@@ -7,6 +7,7 @@ import {
 import type { Session } from '../shared/session';
 import type { SpokenKey } from '../shared/spoken';
 import { language, text } from '../shared/texts';
+import { AnswerWatch } from './answer_watch';
 import type { Camera } from './camera';
 import { CameraWatch, type CameraNews } from './camera_watch';
 import { ConnectionWatch, kLookEveryMs, type ConnectionNews } from './connection_watch';
@@ -33,6 +34,7 @@ export class Phone {
   };
   private readonly session: Session;
   private readonly sender = new FrameSender();
+  private readonly answers = new AnswerWatch();
   private readonly connection = new ConnectionWatch(performance.now());
   private readonly cameraWatch = new CameraWatch();
   private readonly pictures = new PictureFlow();
@@ -70,12 +72,14 @@ export class Phone {
   }
 
   ask(question: Question): void {
-    this.player.hush();
-    const id = this.session.ask(question, performance.now());
+    this.player.withdrawAnswers();
+    const now = performance.now();
+    const id = this.session.ask(question, now);
     if (id === null) {
       this.say('device.connection_lost', 'answer');
     } else {
       this.lastAsked = id;
+      this.answers.ask(id, now);
     }
   }
 
@@ -107,6 +111,7 @@ export class Phone {
   }
 
   private receive(message: FromComputer): void {
+    this.answers.heard('answer_to' in message ? message.answer_to : null, performance.now());
     switch (message.type) {
       case 'welcome':
       case 'home':
@@ -150,6 +155,7 @@ export class Phone {
     this.state.online = true;
     this.everOnline = true;
     this.sender.reset();
+    this.answers.reset();
     if (this.state.quiet) {
       this.session.send({ type: 'quiet', on: true });
     }
@@ -165,6 +171,7 @@ export class Phone {
     this.state.online = false;
     this.state.recording = null;
     this.sender.reset();
+    this.answers.reset();
     this.connection.offline(performance.now());
     if (!wasOnline) {
       void this.identify(); // the socket was closed before it opened: perhaps this device was removed
@@ -191,7 +198,7 @@ export class Phone {
   // Four times a second.
   private look(): void {
     const now = performance.now();
-    if (this.sender.stalled(now)) {
+    if (this.sender.stalled(now) || this.answers.silent(now)) {
       this.tellConnection(this.connection.gone());
       this.session.reconnect();
     }

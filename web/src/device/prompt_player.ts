@@ -5,7 +5,7 @@ import type { Speaker } from './speaker';
 
 export interface PlayerParts {
   now: () => number;
-  speaker: () => Speaker;
+  speaker: (prompt: QueuedPrompt) => Speaker;
   sound: (sound: Sound) => number; // plays it; gives its length in milliseconds
   after: (ms: number, run: () => void) => void;
   lostAnswer: (now: number) => QueuedPrompt; // said instead of an answer that came too late
@@ -31,24 +31,30 @@ export class PromptPlayer {
     this.begin(prompt, over);
   }
 
-  // The person asks something else or wants silence: what is being said ends, unless it is a hazard, and answers that
-  // wait are not gone on with.
-  hush(): void {
+  // The person asks something else: answers are not gone on with, neither the one that is being said.
+  withdrawAnswers(): void {
     this.queue.withdrawAnswers();
-    const speaking = this.queue.speaking;
-    if (speaking && speaking.priority !== 'hazard') {
-      this.begun += 1;
-      this.speaker?.stop();
-      this.queue.ended(this.parts.now());
-      this.pump();
+    if (this.queue.speaking?.priority === 'answer') {
+      this.breakOff();
     }
   }
 
+  // Who wants silence gets it at once, from all but a hazard.
   setQuiet(on: boolean): void {
     this.queue.setQuiet(on);
     if (on) {
-      this.hush();
+      this.queue.withdrawAnswers();
+      if (this.queue.speaking && this.queue.speaking.priority !== 'hazard') {
+        this.breakOff();
+      }
     }
+  }
+
+  private breakOff(): void {
+    this.begun += 1;
+    this.speaker?.stop();
+    this.queue.ended(this.parts.now());
+    this.pump();
   }
 
   private pump(): void {
@@ -77,7 +83,7 @@ export class PromptPlayer {
   private begin(prompt: QueuedPrompt, then: () => void): void {
     this.begun += 1;
     const mine = this.begun;
-    const speaker = this.parts.speaker();
+    const speaker = this.parts.speaker(prompt);
     this.speaker = speaker;
     const over = (): void => {
       if (mine === this.begun) {

@@ -72,17 +72,25 @@ test('a hazard stops what is being said; an answer is begun again after it, a ca
   }
 });
 
-test('hushed between sound and words, the words do not come', () => {
+test('withdrawn between sound and words, an answer does not come', () => {
   const { player, world, runTo } = makePlayer();
   player.push(prompt('kitchen'));
   runTo(100);
-  player.hush();
+  player.withdrawAnswers();
   player.push(prompt('corridor'));
   runTo(10_000);
   assert.deepEqual(world.heard, ['0 (answer)', '100 stop', '100 (answer)', '300 corridor']);
 });
 
-test('a hazard is not hushed', () => {
+test('quiet ends what is spoken at once, but not a hazard', () => {
+  for (const priority of ['notice', 'callout'] as const) {
+    const { player, world, runTo } = makePlayer();
+    player.push(prompt('dark', priority));
+    runTo(500);
+    player.setQuiet(true);
+    runTo(5000);
+    assert.deepEqual(world.heard, ['0 (answer)', '200 dark', '500 stop']);
+  }
   const { player, world, runTo } = makePlayer();
   player.push(prompt('stairs', 'hazard'));
   runTo(500);
@@ -105,7 +113,7 @@ test('asked while a longer answer is spoken: that ends, and the new question is 
   const { player, world, runTo } = makePlayer();
   kAround.forEach((key) => player.push({ ...prompt(key), valid_until_t: 60_000 }));
   runTo(1000);
-  player.hush();
+  player.withdrawAnswers();
   runTo(1500);
   player.push({ ...prompt('kitchen'), valid_until_t: 4000 });
   runTo(20_000);
@@ -117,10 +125,22 @@ test('asked while a hazard is spoken: the hazard stays, the older answer goes', 
   kAround.forEach((key) => player.push(prompt(key)));
   player.push(prompt('stairs', 'hazard'));
   runTo(1000);
-  player.hush();
+  player.withdrawAnswers();
   player.push(prompt('kitchen'));
   runTo(20_000);
   assert.deepEqual(world.heard.slice(-4), ['0 (answer)', '200 stairs', '2200 (answer)', '2400 kitchen']);
+});
+
+test('asked while a notice or a callout is spoken: it is spoken to its end', () => {
+  for (const priority of ['notice', 'callout'] as const) {
+    const { player, world, runTo } = makePlayer();
+    player.push(prompt('dark', priority));
+    runTo(1000);
+    player.withdrawAnswers();
+    player.push(prompt('kitchen'));
+    runTo(20_000);
+    assert.deepEqual(world.heard, ['0 (answer)', '200 dark', '2200 (answer)', '2400 kitchen']);
+  }
 });
 
 test('quiet: no further sentence of an answer, but what that is for is said', () => {

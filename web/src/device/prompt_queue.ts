@@ -1,12 +1,14 @@
-// What is said next. Pure: the caller hands in the clock (milliseconds) and does the speaking.
+// What is said next. Pure: the caller hands in the clock (milliseconds) and does the speaking. The rules are those of the
+// library's queue (roomwise/guide/prompt_queue.h):
 //
 // - The most urgent first; of equals, the one that came first.
-// - A newer prompt takes the place of a waiting one of the same key, and of the parts of that ("around/2"); it is as
-//   urgent as what it replaces: somebody asked.
+// - A newer prompt takes the place of a waiting one of the same key, and of the parts of that ("around/2"), also where it
+//   is not said itself; it is as urgent as what it replaces: somebody asked.
 // - Nothing begins after its valid_until_t. An answer of which nothing was begun by then is lost, and that can be told.
 // - A hazard interrupts all but a hazard. It comes with every picture that shows it: the same one not again within 4 s.
 //   An answer or notice that it broke off is begun again afterwards, where it still holds.
-// - Callouts: 0.75 s between two of them, the same one not again within a minute, none while it is quiet.
+// - Callouts: 0.75 s of silence before one, whatever was said last; not what was said within a minute, by an answer either;
+//   none while it is quiet.
 import type { Priority, Prompt } from '../shared/protocol';
 
 export type QueuedPrompt = Pick<
@@ -24,62 +26,58 @@ export type Step<P> =
   | { do: 'begin'; prompt: P; interrupts: boolean }
   | { do: 'wait'; until: number }; // ask again then
 
+interface Waiting<P> {
+  prompt: P;
+  place: number; // in the order of coming
+  wasBegun: boolean; // and broken off
+}
+
 export class PromptQueue<P extends QueuedPrompt = QueuedPrompt> {
-  private waiting: P[] = [];
+  private waiting: Waiting<P>[] = [];
   private spoken: P | null = null;
   private quiet = false;
-  private lastCalloutEnd = -Infinity;
-  private readonly begunAt = new Map<string, number>(); // of callouts and hazards
-  private answering: string | null = null; // the answer that was begun last, as a whole
+  private silentSince = -Infinity;
+  private readonly begunAt = new Map<string, number>(); // when a key and text was begun last, as long as that matters
+  private places = 0;
   private lost = false;
 
-  // False where it will never be said.
-  push(newest: P, now: number): boolean {
-    const same = this.waiting.findIndex((other) => other.key === newest.key);
-    const prompt = { ...newest, priority: moreUrgent(newest.priority, this.waiting[same]?.priority) };
-    if (prompt.valid_until_t < now) {
-      this.lose(prompt);
-      return false;
+  push(newest: P, now: number): void {
+    const prompt = { ...newest };
+    let place = this.places++;
+    const older = this.waiting.filter((one) => isOf(one.prompt.key, prompt.key));
+    for (const one of older.filter((each) => !isLate(each.prompt, now))) {
+      prompt.priority = moreUrgent(prompt.priority, one.prompt.priority);
+      place = Math.min(place, one.place);
     }
-    if (this.isUnwanted(prompt, now)) {
-      return false;
+    // Also where this one is not said: it is the newer word on the same.
+    this.waiting = this.waiting.filter((one) => !older.includes(one));
+    const isUnwanted = this.quiet && prompt.priority === 'callout';
+    if (!isUnwanted && !this.wasSaidLately(prompt, now)) {
+      this.waiting.push({ prompt, place, wasBegun: false });
     }
-    if (same >= 0) {
-      this.waiting[same] = prompt;
-    } else {
-      this.waiting.push(prompt);
-    }
-    this.waiting = this.waiting.filter((other) => !other.key.startsWith(`${prompt.key}/`));
-    return true;
   }
 
   // What to do at `now`. A prompt that it begins counts as being spoken until `ended`.
   step(now: number): Step<P> {
     this.dropLate(now);
-    const next = this.mostUrgent();
-    if (!next) {
-      return { do: 'nothing' };
+    const next = this.mostUrgent(now);
+    if (next) {
+      const broken = this.spoken;
+      this.begin(next, now);
+      this.keep(broken);
+      return { do: 'begin', prompt: next.prompt, interrupts: broken !== null };
     }
-    const interrupts = this.spoken !== null;
-    if (interrupts && !(next.priority === 'hazard' && this.spoken?.priority !== 'hazard')) {
-      return { do: 'nothing' };
-    }
-    const earliest = this.lastCalloutEnd + kCalloutGapMs;
-    if (this.isCallout(next) && now < earliest) {
-      return { do: 'wait', until: earliest };
-    }
-    const broken = this.spoken;
-    this.begin(next, now);
-    this.keep(broken);
-    return { do: 'begin', prompt: next, interrupts };
+    const afterGap = this.silentSince + kCalloutGapMs;
+    const isGap = !this.spoken && afterGap > now && this.mostUrgent(afterGap) !== null;
+    return isGap ? { do: 'wait', until: afterGap } : { do: 'nothing' };
   }
 
   // The prompt that was begun is over, spoken to its end or stopped.
   ended(now: number): void {
-    if (this.spoken && this.isCallout(this.spoken)) {
-      this.lastCalloutEnd = now;
+    if (this.spoken) {
+      this.spoken = null;
+      this.silentSince = now;
     }
-    this.spoken = null;
   }
 
   get speaking(): P | null {
@@ -88,8 +86,7 @@ export class PromptQueue<P extends QueuedPrompt = QueuedPrompt> {
 
   // Something else is asked, or silence: what was asked before is not gone on with.
   withdrawAnswers(): void {
-    this.waiting = this.waiting.filter((prompt) => prompt.priority !== 'answer');
-    this.answering = null;
+    this.waiting = this.waiting.filter(({ prompt }) => prompt.priority !== 'answer');
   }
 
   // Whether an answer ran out before it could be begun; told once.
@@ -104,58 +101,58 @@ export class PromptQueue<P extends QueuedPrompt = QueuedPrompt> {
   setQuiet(on: boolean): void {
     this.quiet = on;
     if (on) {
-      this.waiting = this.waiting.filter((prompt) => !this.isCallout(prompt));
+      this.waiting = this.waiting.filter(({ prompt }) => prompt.priority !== 'callout');
     }
   }
 
-  private begin(prompt: P, now: number): void {
+  private begin(next: Waiting<P>, now: number): void {
     this.ended(now); // what is interrupted
-    this.waiting.splice(this.waiting.indexOf(prompt), 1);
-    this.spoken = prompt;
-    if (againAfterMs(prompt) > 0) {
-      this.begunAt.set(nameOf(prompt), now);
+    this.waiting.splice(this.waiting.indexOf(next), 1);
+    this.spoken = next.prompt;
+    for (const [name, at] of this.begunAt) {
+      if (now - at > kSameCalloutMs) {
+        this.begunAt.delete(name);
+      }
     }
-    if (prompt.priority === 'answer') {
-      this.answering = wholeOf(prompt);
-    }
+    this.begunAt.set(nameOf(next.prompt), now);
   }
 
-  // What was broken off comes before all that waits beside it, unless there is a newer word on the same by now. Callouts
-  // are not worth a second beginning.
+  // What was broken off comes before its own parts, which came later, unless there is a newer word on the same by now.
+  // Callouts are not worth a second beginning.
   private keep(broken: P | null): void {
-    const isSuperseded = this.waiting.some((prompt) => prompt.key === broken?.key);
-    if (broken && !this.isCallout(broken) && !isSuperseded) {
-      this.waiting.unshift(broken);
+    const isSuperseded = this.waiting.some(({ prompt }) => prompt.key === broken?.key);
+    if (!broken || broken.priority === 'callout' || isSuperseded) {
+      return;
     }
+    const parts = this.waiting.filter(({ prompt }) => wholeOf(prompt) === wholeOf(broken));
+    const place = Math.min(this.places++, ...parts.map((part) => part.place));
+    this.waiting.unshift({ prompt: broken, place, wasBegun: true });
   }
 
   private dropLate(now: number): void {
-    this.waiting.filter((prompt) => prompt.valid_until_t < now).forEach((prompt) => this.lose(prompt));
-    this.waiting = this.waiting.filter((prompt) => prompt.valid_until_t >= now);
+    const late = this.waiting.filter(({ prompt }) => isLate(prompt, now));
+    this.lost ||= late.some(({ prompt, wasBegun }) => prompt.priority === 'answer' && !wasBegun);
+    this.waiting = this.waiting.filter((one) => !late.includes(one));
   }
 
-  // The rest of an answer that was begun is no loss to speak of.
-  private lose(prompt: P): void {
-    this.lost ||= prompt.priority === 'answer' && wholeOf(prompt) !== this.answering;
+  private mostUrgent(now: number): Waiting<P> | null {
+    const may = this.waiting.filter(({ prompt }) => this.mayBegin(prompt, now));
+    may.sort((a, b) => kUrgency[a.prompt.priority] - kUrgency[b.prompt.priority] || a.place - b.place);
+    return may[0] ?? null;
   }
 
-  private mostUrgent(): P | null {
-    let best: P | null = null;
-    for (const prompt of this.waiting) {
-      if (!best || kUrgency[prompt.priority] < kUrgency[best.priority]) {
-        best = prompt;
-      }
+  private mayBegin(prompt: P, now: number): boolean {
+    if (isLate(prompt, now) || this.wasSaidLately(prompt, now)) {
+      return false;
     }
-    return best;
+    if (this.spoken) {
+      return prompt.priority === 'hazard' && this.spoken.priority !== 'hazard';
+    }
+    return prompt.priority !== 'callout' || now >= this.silentSince + kCalloutGapMs;
   }
 
-  private isCallout(prompt: QueuedPrompt): boolean {
-    return prompt.priority === 'callout';
-  }
-
-  private isUnwanted(prompt: QueuedPrompt, now: number): boolean {
-    const begun = this.begunAt.get(nameOf(prompt)) ?? -Infinity;
-    return (this.quiet && this.isCallout(prompt)) || now - begun < againAfterMs(prompt);
+  private wasSaidLately(prompt: P, now: number): boolean {
+    return now < (this.begunAt.get(nameOf(prompt)) ?? -Infinity) + againAfterMs(prompt);
   }
 }
 
@@ -163,15 +160,23 @@ function againAfterMs({ priority }: QueuedPrompt): number {
   return priority === 'callout' ? kSameCalloutMs : priority === 'hazard' ? kSameHazardMs : 0;
 }
 
-function moreUrgent(one: Priority, other: Priority = one): Priority {
+function isLate(prompt: QueuedPrompt, now: number): boolean {
+  return now > prompt.valid_until_t;
+}
+
+function moreUrgent(one: Priority, other: Priority): Priority {
   return kUrgency[one] <= kUrgency[other] ? one : other;
 }
 
 function nameOf(prompt: QueuedPrompt): string {
-  return `${prompt.priority}\n${prompt.key}\n${prompt.text}`;
+  return `${prompt.key}\n${prompt.text}`;
 }
 
 // "around/2" is a part of "around".
+function isOf(key: string, whole: string): boolean {
+  return key === whole || key.startsWith(`${whole}/`);
+}
+
 function wholeOf({ key }: QueuedPrompt): string {
   return key.split('/')[0] ?? key;
 }

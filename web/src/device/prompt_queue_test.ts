@@ -26,6 +26,16 @@ function spokenInOrder(queue: PromptQueue, from: number): string[] {
   }
 }
 
+// The text that is begun at `now` and spoken for half a second; nothing: ''.
+function speak(queue: PromptQueue, now: number): string {
+  const step = queue.step(now);
+  if (step.do !== 'begin') {
+    return '';
+  }
+  queue.ended(now + 500);
+  return step.prompt.text;
+}
+
 test('the most urgent is said first, equals in the order in which they came', () => {
   const queue = new PromptQueue();
   queue.push(prompt('entered', 'callout'), 0);
@@ -62,8 +72,9 @@ test('an answer takes the place of all parts of the one before it', () => {
 
 test('nothing begins after its time, neither on arrival nor after waiting', () => {
   const queue = new PromptQueue();
-  assert.equal(queue.push(prompt('late', 'answer', { valid_until_t: 99 }), 100), false);
-  assert.equal(queue.push(prompt('soon late', 'answer', { valid_until_t: 200 }), 100), true);
+  queue.push(prompt('late', 'answer', { valid_until_t: 99 }), 100);
+  assert.equal(begun(queue, 100), 'nothing');
+  queue.push(prompt('soon late', 'answer', { valid_until_t: 200 }), 100);
   assert.equal(begun(queue, 201), 'nothing');
   queue.push(prompt('just in time', 'answer', { valid_until_t: 300 }), 250);
   assert.equal(begun(queue, 300), 'just in time');
@@ -84,7 +95,7 @@ test('only a hazard interrupts, and no hazard another', () => {
   assert.equal(begun(queue, 40), 'door');
 });
 
-test('an answer that was broken off comes again, before its own parts and what was asked later', () => {
+test('an answer that was broken off comes again, before its own parts and what came after those', () => {
   const queue = new PromptQueue();
   for (const key of ['around', 'around/2', 'where']) {
     queue.push(prompt(key, 'answer'), 0);
@@ -92,6 +103,11 @@ test('an answer that was broken off comes again, before its own parts and what w
   assert.equal(begun(queue, 0), 'around');
   queue.push(prompt('stairs', 'hazard'), 10);
   assert.deepEqual(spokenInOrder(queue, 10), ['stairs', 'around', 'around/2', 'where']);
+  queue.push(prompt('room', 'answer'), 60_000);
+  queue.push(prompt('where', 'answer'), 60_000);
+  assert.equal(begun(queue, 60_000), 'room');
+  queue.push(prompt('stairs', 'hazard'), 60_010);
+  assert.deepEqual(spokenInOrder(queue, 60_010), ['stairs', 'where', 'room']);
 });
 
 test('an answer that was broken off does not come again where it is outdated, withdrawn or past its time', () => {
@@ -115,15 +131,26 @@ test('an answer that was broken off does not come again where it is outdated, wi
   assert.deepEqual(spokenInOrder(late, 10).concat(late.takeLost(9000) ? ['lost'] : []), ['stairs']);
 });
 
-test('between two callouts lie 0.75 s, counted from the end of the first', () => {
+test('before a callout lie 0.75 s of silence, whatever was said last and however that ended', () => {
+  for (const priority of ['callout', 'answer', 'notice', 'hazard'] as const) {
+    const queue = new PromptQueue();
+    queue.push(prompt('first', priority), 0);
+    assert.equal(begun(queue, 0), 'first', 'before the first there was silence');
+    queue.push(prompt('corridor', 'callout'), 0);
+    queue.ended(1000);
+    assert.deepEqual(queue.step(1000), { do: 'wait', until: 1000 + kCalloutGapMs });
+    assert.equal(begun(queue, 1000 + kCalloutGapMs - 1), 'wait');
+    assert.equal(begun(queue, 1000 + kCalloutGapMs), 'corridor');
+  }
+});
+
+test('a callout that runs out before its silence is over is not waited for', () => {
   const queue = new PromptQueue();
-  queue.push(prompt('kitchen', 'callout'), 0);
-  queue.push(prompt('corridor', 'callout'), 0);
-  assert.equal(begun(queue, 0), 'kitchen');
+  queue.push(prompt('room', 'answer'), 0);
+  assert.equal(begun(queue, 0), 'room');
+  queue.push(prompt('corridor', 'callout', { valid_until_t: 1000 + kCalloutGapMs - 1 }), 0);
   queue.ended(1000);
-  assert.deepEqual(queue.step(1000), { do: 'wait', until: 1000 + kCalloutGapMs });
-  assert.equal(begun(queue, 1000 + kCalloutGapMs - 1), 'wait');
-  assert.equal(begun(queue, 1000 + kCalloutGapMs), 'corridor');
+  assert.equal(begun(queue, 1000), 'nothing');
 });
 
 test('an answer does not wait for the gap between callouts', () => {
@@ -142,12 +169,32 @@ test('the same callout is not said again within a minute, another text of its ke
   queue.push(kitchen, 0);
   begun(queue, 0);
   queue.ended(500);
-  assert.equal(queue.push(kitchen, kSameCalloutMs - 1), false);
-  assert.equal(queue.push(prompt('room', 'callout', { text: 'corridor' }), 2000), true);
-  assert.equal(begun(queue, 2000), 'room');
-  queue.ended(2500);
-  assert.equal(queue.push(kitchen, kSameCalloutMs), true);
-  assert.equal(begun(queue, kSameCalloutMs), 'room');
+  queue.push(prompt('room', 'callout', { text: 'corridor' }), 2000);
+  assert.equal(speak(queue, 2000), 'corridor');
+  queue.push(kitchen, kSameCalloutMs - 1);
+  assert.equal(speak(queue, kSameCalloutMs - 1), '');
+  assert.equal(speak(queue, 2 * kSameCalloutMs), '', 'it did not wait for the minute to end');
+  queue.push(kitchen, 2 * kSameCalloutMs);
+  assert.equal(speak(queue, 2 * kSameCalloutMs), 'kitchen');
+});
+
+test('a callout that is not said again still outdates the one that waits', () => {
+  const queue = new PromptQueue();
+  queue.push(prompt('room', 'callout', { text: 'kitchen' }), 0);
+  assert.equal(speak(queue, 0), 'kitchen');
+  queue.push(prompt('room', 'callout', { text: 'hall' }), 600);
+  queue.push(prompt('room', 'callout', { text: 'kitchen' }), 700);
+  assert.equal(speak(queue, 2000), '');
+});
+
+test('questions are always answered, and what an answer has just said is not called out', () => {
+  const queue = new PromptQueue();
+  for (const now of [0, 1000, 2000]) {
+    queue.push(prompt('room', 'answer', { text: 'kitchen' }), now);
+    assert.equal(speak(queue, now), 'kitchen');
+  }
+  queue.push(prompt('room', 'callout', { text: 'kitchen' }), 5000);
+  assert.equal(speak(queue, 5000), '');
 });
 
 test('quiet silences callouts, waiting ones too, and nothing else', () => {
@@ -155,11 +202,12 @@ test('quiet silences callouts, waiting ones too, and nothing else', () => {
   queue.push(prompt('kitchen', 'callout'), 0);
   queue.push(prompt('dark', 'notice'), 0);
   queue.setQuiet(true);
-  assert.equal(queue.push(prompt('corridor', 'callout'), 0), false);
+  queue.push(prompt('corridor', 'callout'), 0);
   queue.push(prompt('room', 'answer'), 0);
   assert.deepEqual(spokenInOrder(queue, 0), ['room', 'dark']);
   queue.setQuiet(false);
-  assert.equal(queue.push(prompt('corridor', 'callout'), 5000), true);
+  queue.push(prompt('corridor', 'callout'), 5000);
+  assert.equal(begun(queue, 5000), 'corridor');
 });
 
 test('the same hazard, told with every picture, is begun once in four seconds, another one at once', () => {
@@ -173,7 +221,7 @@ test('the same hazard, told with every picture, is begun once in four seconds, a
     }
   }
   assert.deepEqual(begunAt, [0, kSameHazardMs, 2 * kSameHazardMs]);
-  assert.equal(queue.push(prompt('ahead', 'hazard', { text: 'Stairs ahead.' }), 9100), true);
+  queue.push(prompt('ahead', 'hazard', { text: 'Stairs ahead.' }), 9100);
   assert.equal(begun(queue, 9100), 'ahead');
 });
 
@@ -188,30 +236,57 @@ test('answers are withdrawn, and nothing else', () => {
   assert.equal(queue.takeLost(5000), false, 'what was withdrawn is not lost');
 });
 
-test('an answer that is past its time is lost, the rest of one that was begun is not, nor is anything else', () => {
+test('an answer that was never begun in its time is lost; what was begun or replaced is not, nor is anything else', () => {
+  const queue = new PromptQueue();
+  queue.push(prompt('dark', 'notice'), 0);
+  assert.equal(begun(queue, 0), 'dark');
+  queue.push(prompt('room', 'answer', { valid_until_t: 300 }), 100);
+  queue.push(prompt('other', 'answer', { valid_until_t: 300 }), 100);
+  queue.push(prompt('other', 'answer', { text: 'newer' }), 200);
+  queue.push(prompt('hall', 'callout', { valid_until_t: 300 }), 100);
+  assert.equal(queue.takeLost(300), false);
+  assert.equal(queue.takeLost(301), true);
+  assert.equal(queue.takeLost(302), false, 'once');
+  queue.ended(400);
+  const step = queue.step(400);
+  assert.equal(step.do === 'begin' && step.prompt.text, 'newer');
+  queue.push(prompt('stairs', 'hazard'), 500);
+  assert.equal(begun(queue, 500), 'stairs');
+  assert.equal(queue.takeLost(2e9), false, 'it was begun at least');
+  queue.push(prompt('room', 'answer', { valid_until_t: 400 }), 500);
+  assert.equal(queue.takeLost(500), true, 'it came too late');
+});
+
+test('the rest of an answer that could not be begun is lost like a whole one', () => {
   const queue = new PromptQueue();
   queue.push(prompt('around', 'answer', { valid_until_t: 100 }), 0);
   queue.push(prompt('around/2', 'answer', { valid_until_t: 100 }), 0);
-  queue.push(prompt('dark', 'notice', { valid_until_t: 100 }), 0);
   assert.equal(begun(queue, 50), 'around');
-  assert.equal(queue.takeLost(200), false);
-  queue.push(prompt('room', 'answer', { valid_until_t: 300 }), 200);
-  assert.equal(queue.takeLost(301), true);
-  assert.equal(queue.takeLost(302), false, 'once');
-  queue.push(prompt('room', 'answer', { valid_until_t: 400 }), 500);
-  assert.equal(queue.takeLost(500), true);
+  assert.equal(queue.takeLost(200), true);
 });
 
-test('what takes the place of an answer is as urgent, whatever it is itself', () => {
+test('what takes the place of an answer, or of a part of one, is as urgent and as early, whatever it is itself', () => {
+  for (const key of ['room', 'room/2']) {
+    const queue = new PromptQueue();
+    queue.push(prompt(key, 'answer'), 0);
+    queue.push(prompt('where', 'answer'), 0);
+    queue.push(prompt('dark', 'notice'), 0);
+    queue.setQuiet(true);
+    queue.push(prompt('room', 'callout', { text: 'bathroom' }), 1);
+    const step = queue.step(2);
+    assert.deepEqual(step.do === 'begin' && [step.prompt.text, step.prompt.priority], ['bathroom', 'answer']);
+  }
+});
+
+test('nothing is made urgent by an answer that had run out', () => {
   const queue = new PromptQueue();
-  queue.push(prompt('room', 'answer'), 0);
+  queue.push(prompt('room', 'answer', { valid_until_t: 100 }), 0);
   queue.push(prompt('dark', 'notice'), 0);
-  queue.push(prompt('room', 'callout', { text: 'bathroom' }), 1);
-  const step = queue.step(2);
-  assert.deepEqual(step.do === 'begin' && [step.prompt.text, step.prompt.priority], ['bathroom', 'answer']);
+  queue.push(prompt('room', 'callout', { text: 'bathroom' }), 101);
+  assert.equal(speak(queue, 101), 'dark');
 });
 
-test('on any run of prompts: one at a time, none late, callouts spaced and not repeated', () => {
+test('on any run of prompts: one at a time, none late, callouts after silence and not repeated', () => {
   // A small seeded generator, so that a failure repeats.
   let state = 12345;
   const random = (below: number): number => {
@@ -221,19 +296,18 @@ test('on any run of prompts: one at a time, none late, callouts spaced and not r
   const priorities: Priority[] = ['hazard', 'answer', 'notice', 'callout'];
   const queue = new PromptQueue();
   let endsAt = Infinity;
-  let lastCalloutEnd = -Infinity;
-  const calloutBegun = new Map<string, number>();
+  let lastEnd = -Infinity;
+  let callouts = 0;
+  const lastBegun = new Map<string, number>();
   for (let now = 0; now < 600_000; now += 50) {
     if (random(10) === 0) {
       const priority = priorities[random(4)] as Priority;
-      const key = `k${random(6)}`;
+      const key = `k${random(60)}`;
       queue.push(prompt(key, priority, { valid_until_t: now + random(4000) }), now);
     }
     if (now >= endsAt) {
-      if (queue.speaking?.priority === 'callout') {
-        lastCalloutEnd = now;
-      }
       queue.ended(now);
+      lastEnd = now;
       endsAt = Infinity;
     }
     const before = queue.speaking;
@@ -246,15 +320,15 @@ test('on any run of prompts: one at a time, none late, callouts spaced and not r
     if (before) {
       assert.equal(step.prompt.priority, 'hazard');
       assert.notEqual(before.priority, 'hazard');
-      lastCalloutEnd = before.priority === 'callout' ? now : lastCalloutEnd;
+      lastEnd = now;
     }
     if (step.prompt.priority === 'callout') {
-      assert.ok(now - lastCalloutEnd >= kCalloutGapMs);
-      const last = calloutBegun.get(step.prompt.text);
-      assert.ok(last === undefined || now - last >= kSameCalloutMs);
-      calloutBegun.set(step.prompt.text, now);
+      assert.ok(now - lastEnd >= kCalloutGapMs);
+      assert.ok(now - (lastBegun.get(step.prompt.text) ?? -Infinity) >= kSameCalloutMs);
+      callouts += 1;
     }
+    lastBegun.set(step.prompt.text, now);
     endsAt = now + 200 + random(3000);
   }
-  assert.ok(calloutBegun.size > 3);
+  assert.ok(callouts > 3, `${callouts}`);
 });

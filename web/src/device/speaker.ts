@@ -1,4 +1,6 @@
 // Who speaks: the phone's own voice, or the screen reader that the person uses anyway. Never both.
+import type { Language } from '../shared/protocol';
+import { localVoice } from './local_voices';
 import type { QueuedPrompt } from './prompt_queue';
 import type { SaidLog } from './said_log';
 
@@ -27,24 +29,28 @@ export class OwnVoice implements Speaker {
     return 'speechSynthesis' in window;
   }
 
-  // iOS is silent until a page has spoken in the handler of a tap.
-  prime(): void {
-    if (OwnVoice.available()) {
-      window.speechSynthesis.speak(new SpeechSynthesisUtterance(' '));
+  // iOS is silent until a page has spoken in the handler of a tap: a blank, also where no voice is known yet.
+  prime(language: Language): void {
+    const voice = localVoice(language);
+    if (OwnVoice.available() && (voice || window.speechSynthesis.getVoices().length === 0)) {
+      const blank = new SpeechSynthesisUtterance(' ');
+      blank.voice = voice;
+      window.speechSynthesis.speak(blank);
     }
   }
 
   say(prompt: QueuedPrompt, over: () => void): void {
     this.stop();
     this.log.add(prompt, 'silent');
-    if (!OwnVoice.available()) {
-      over();
+    const voice = localVoice(prompt.language);
+    if (!voice) {
+      over(); // `speakerFor` asks it only where there is one
       return;
     }
     const utterance = new SpeechSynthesisUtterance(prompt.text);
     utterance.lang = prompt.language;
     utterance.rate = this.rate();
-    utterance.voice = voiceFor(prompt.language);
+    utterance.voice = voice;
     const done = (): void => {
       if (this.utterance === utterance) {
         this.forget();
@@ -70,14 +76,6 @@ export class OwnVoice implements Speaker {
     this.utterance = null;
     window.clearTimeout(this.watchdog);
   }
-}
-
-// A voice on the phone itself: what is said is nobody else's business. Null leaves the choice to the browser.
-function voiceFor(language: string): SpeechSynthesisVoice | null {
-  const fitting = window.speechSynthesis
-    .getVoices()
-    .filter((voice) => voice.lang.toLowerCase().startsWith(language) && voice.localService);
-  return fitting.find((voice) => voice.default) ?? fitting[0] ?? null;
 }
 
 export class ScreenReaderVoice implements Speaker {

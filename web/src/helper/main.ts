@@ -1,6 +1,6 @@
 // The helper's page.
 import { Announcer } from '../shared/announcer';
-import { ApiError, messageOf, request } from '../shared/api';
+import { ApiError, messageOf, request, whenSilent } from '../shared/api';
 import { browserSession } from '../shared/browser_session';
 import { byId, h, replaceChildren } from '../shared/dom';
 import { kProtocolVersion, type Me } from '../shared/protocol';
@@ -68,6 +68,12 @@ async function open(me: Me): Promise<void> {
     { name: 'devices', title: text('nav.devices'), make: () => devicesPanel(helper, me) },
     { name: 'forget', title: text('nav.forget'), make: () => forgetPanel(helper) },
   ]));
+  // The socket does not notice by itself that the network is dead.
+  whenSilent(() => {
+    if (session.online) {
+      session.reconnect();
+    }
+  });
   session.connect();
 }
 

@@ -12,8 +12,20 @@ export class ApiError extends Error {
 
 type Method = 'GET' | 'POST' | 'PUT' | 'DELETE';
 
-async function send(method: Method, path: string, body?: object | Blob): Promise<Response> {
-  const init: RequestInit = { method, credentials: 'same-origin', cache: 'no-store' };
+export const kPatienceMs = 4000;
+
+let silent = (): void => undefined;
+
+// `run`: a request was given up, since the computer answers nothing any more.
+export function whenSilent(run: () => void): void {
+  silent = run;
+}
+
+async function send<Answer>(
+  method: Method, path: string, body: object | Blob | undefined, read: (response: Response) => Promise<Answer>,
+): Promise<Answer> {
+  const givenUp = new AbortController();
+  const init: RequestInit = { method, credentials: 'same-origin', cache: 'no-store', signal: givenUp.signal };
   if (body instanceof Blob) {
     init.body = body;
     init.headers = { 'Content-Type': body.type || 'application/octet-stream' };
@@ -21,16 +33,50 @@ async function send(method: Method, path: string, body?: object | Blob): Promise
     init.body = JSON.stringify(body);
     init.headers = { 'Content-Type': 'application/json' };
   }
-  let response: Response;
+  const answered = watchForSilence(givenUp);
+  let refusal: ApiError;
   try {
-    response = await fetch(path, init);
+    const response = await fetch(path, init);
+    if (response.ok) {
+      return await read(response);
+    }
+    refusal = new ApiError(response.status, await reason(response));
   } catch {
     throw new ApiError(0, text('error.not_reached'));
+  } finally {
+    answered();
   }
-  if (!response.ok) {
-    throw new ApiError(response.status, await reason(response));
+  throw refusal;
+}
+
+// Some work takes long. So a request is given up only where the computer does not answer the shortest one either. A network
+// that is dead would else be noticed after minutes. To be called when the request is over.
+function watchForSilence(givenUp: AbortController): () => void {
+  let isOver = false;
+  const look = async (): Promise<void> => {
+    if (!(await isThere()) && !isOver) {
+      givenUp.abort();
+      silent();
+    }
+  };
+  const timer = setInterval(() => void look(), kPatienceMs);
+  return () => {
+    isOver = true;
+    clearInterval(timer);
+  };
+}
+
+async function isThere(): Promise<boolean> {
+  const late = new AbortController();
+  const timer = setTimeout(() => late.abort(), kPatienceMs);
+  try {
+    await fetch('/health', { cache: 'no-store', signal: late.signal });
+    return true; // whatever it says
+  } catch {
+    return false;
+  } finally {
+    clearTimeout(timer);
   }
-  return response;
 }
 
 async function reason(response: Response): Promise<string> {
@@ -50,13 +96,12 @@ export async function request<Answer>(
   path: string,
   body?: object | Blob,
 ): Promise<Answer> {
-  const response = await send(method, path, body);
-  const words = await response.text();
+  const words = await send(method, path, body, (response) => response.text());
   return (words === '' ? {} : JSON.parse(words)) as Answer;
 }
 
-export async function requestBytes(path: string): Promise<ArrayBuffer> {
-  return (await send('GET', path)).arrayBuffer();
+export function requestBytes(path: string): Promise<ArrayBuffer> {
+  return send('GET', path, undefined, (response) => response.arrayBuffer());
 }
 
 export function messageOf(error: unknown): string {

@@ -3,8 +3,8 @@ import { after, test } from 'node:test';
 
 import { tellRecording } from '../stand_in_api';
 import { makePrompt } from '../stand_in_server';
-import { closeBrowser, kDesktop, kPhone, openVisit, skipReason, withServer, type Visit } from './harness';
-import { recordSpeech, speaks, spoken } from './person';
+import { closeBrowser, kDesktop, kPhone, kWaiting, openVisit, skipReason, withServer, type Visit } from './harness';
+import { recordSpeech, speaks, spoken, voicesUsed, type Voice } from './person';
 
 after(closeBrowser);
 const options = { skip: skipReason };
@@ -34,6 +34,10 @@ function sceneCamera(): void {
     (window as unknown as { tracks: MediaStreamTrack[] }).tracks = stream.getTracks();
     return stream;
   };
+}
+
+function noCamera(): void {
+  navigator.mediaDevices.getUserMedia = () => Promise.reject(new Error('no camera'));
 }
 
 async function start(visit: Visit, voice: 'own' | 'reader'): Promise<void> {
@@ -84,6 +88,75 @@ test('the phone speaks with its own voice, and nothing is live then', options, (
   await visit.sees('You are in the kitchen.', '[role=log]');
   assert.deepEqual((await spoken(visit)).length, 1);
   assert.deepEqual(await visit.announced(), []);
+  assert.deepEqual(await voicesUsed(visit), ['Here'], 'not the one that speaks elsewhere, though it is the default');
+  await visit.close();
+}));
+
+test('a voice that the browser tells of late is waited for', options, () => withServer(async (server) => {
+  const late = (): void => void ((window as unknown as { phoneVoices: string }).phoneVoices = 'late');
+  const visit = await openVisit(server, { role: 'device', size: kPhone, before: [late, recordSpeech] });
+  await start(visit, 'own');
+  await visit.page.keyboard.press('Enter');
+  await speaks(visit, 'You are in the kitchen.');
+  assert.deepEqual(await voicesUsed(visit), ['Here']);
+  assert.deepEqual(await spoken(visit), ['You are in the kitchen.']);
+  assert.deepEqual(await visit.announced(), []);
+  await visit.close();
+}));
+
+test('without a voice on the phone the screen reader gets the words, and the page says so', options, () => withServer(async (server) => {
+  const elsewhere = (): void => void ((window as unknown as { phoneVoices: Voice[] }).phoneVoices = [
+    { name: 'Elsewhere', lang: 'en-US', localService: false, default: true },
+    { name: 'Hier', lang: 'de-DE', localService: true, default: false },
+  ]);
+  const visit = await openVisit(server, { role: 'device', size: kPhone, before: [elsewhere, recordSpeech] });
+  await start(visit, 'own');
+  await visit.hears('This phone has no voice of its own for English.');
+  await visit.sees('This phone has no voice of its own for English.', '[role=log]');
+  await visit.page.keyboard.press('Enter');
+  await visit.hears('You are in the kitchen.');
+  assert.deepEqual(await spoken(visit), []);
+  await visit.assertAccessible('no voice');
+  await visit.page.evaluate(() => (window as unknown as { tellVoices: (voices: Voice[]) => void }).tellVoices([
+    { name: 'Here', lang: 'en-US', localService: true, default: false },
+  ]));
+  await visit.press('What is around me');
+  await speaks(visit, 'Before you the dining table');
+  assert.deepEqual(await spoken(visit), ['Before you the dining table, to the right the stove.']);
+  assert.deepEqual((await visit.announced()).map((one) => one.split(' ')[0]), ['This', 'You'], 'each once, never both ways');
+  await visit.close();
+}));
+
+test('what a sound tells, the hand feels', options, () => withServer(async (server) => {
+  const visit = await openVisit(server, {
+    role: 'device', size: kPhone, before: () => {
+      const felt: unknown[] = [];
+      Object.assign(window, { felt });
+      Object.defineProperty(navigator, 'vibrate', { value: (pattern: unknown) => felt.push(pattern) > 0 });
+    },
+  });
+  await start(visit, 'reader');
+  const feels = async (pattern: number[]): Promise<void> => {
+    await visit.page.waitForFunction(
+      (wanted) => (window as unknown as { felt: unknown[] }).felt.map((one) => JSON.stringify(one)).includes(wanted),
+      { ...kWaiting, timeout: 120_000 }, JSON.stringify(pattern));
+  };
+  server.tell('device', makePrompt({ key: 'stairs', text: 'Stop!', priority: 'hazard', sound: 'alert' }));
+  await feels([120, 60, 120, 60, 120]);
+  server.tell('device', makePrompt({ text: 'I am not sure.', sound: 'unsure' }));
+  await feels([40, 80, 40]);
+  await server.stop();
+  await feels([300]);
+  await server.start();
+  await feels([40, 60, 40, 60, 120]);
+  await visit.press('Settings');
+  await visit.tabTo('Vibration');
+  await visit.page.keyboard.press('Space');
+  await visit.page.keyboard.press('Escape');
+  const isBefore = await visit.page.evaluate(() => (window as unknown as { felt: unknown[] }).felt.length);
+  server.tell('device', makePrompt({ key: 'stairs', text: 'Stop! Stairs.', priority: 'hazard', sound: 'alert' }));
+  await visit.hears('Stop! Stairs.');
+  assert.equal(await visit.page.evaluate(() => (window as unknown as { felt: unknown[] }).felt.length), isBefore);
   await visit.close();
 }));
 
@@ -251,10 +324,7 @@ test('what the computer cannot answer is told, in the language of the page', opt
 }));
 
 test('no camera is said, and questions still work', options, () => withServer(async (server) => {
-  const visit = await openVisit(server, {
-    role: 'device', size: kPhone,
-    before: () => (navigator.mediaDevices.getUserMedia = () => Promise.reject(new Error('no camera'))),
-  });
+  const visit = await openVisit(server, { role: 'device', size: kPhone, before: noCamera });
   await visit.go('/device');
   await visit.page.click('input[value=reader]');
   await visit.press('Start');
@@ -282,6 +352,32 @@ test('a lost connection is said, questions meanwhile are answered by that, and i
   await visit.hears('You are in the kitchen.');
   await visit.close();
 }));
+
+for (const [what, camera] of [['the scene is frozen', sceneCamera], ['there is no camera', noCamera]] as const) {
+  test(`a computer that falls silent is noticed by a question, also where ${what}`, options, () => withServer(async (server) => {
+    const visit = await openVisit(server, { role: 'device', size: kPhone, before: camera });
+    await visit.go('/device');
+    await visit.page.click('input[value=reader]');
+    await visit.press('Start');
+    await visit.sees('Connected', '.chip');
+    if (camera === sceneCamera) {
+      await setScene(visit, 'frozen');
+    }
+    await visit.hears('The camera does not work.'); // so no frame is under way
+    const before = server.newest('device');
+    server.silent = true;
+    await visit.press('Where am I');
+    await visit.hears('The connection is lost.');
+    await visit.sees('Not connected', '.chip');
+    server.silent = false;
+    await visit.hears('Connected again.');
+    assert.notEqual(server.newest('device'), before, 'by a socket of its own');
+    await visit.press('Where am I');
+    await visit.hears('You are in the kitchen.');
+    assert.equal((await visit.announced()).filter((one) => one.includes('is lost')).length, 1);
+    await visit.close();
+  }));
+}
 
 test('the page opens while the computer is off, from what the service worker kept', options, () => withServer(async (server) => {
   const visit = await openVisit(server, { role: 'device', size: kPhone, guarded: false });

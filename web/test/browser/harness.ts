@@ -56,7 +56,7 @@ export interface PageOptions {
   size?: { width: number; height: number };
   dark?: boolean;
   guarded?: boolean; // false: requests are not looked at, since that would go round the service worker
-  before?: () => void; // runs in the page before its own scripts
+  before?: (() => void) | (() => void)[]; // run in the page before its own scripts
 }
 
 export interface OpenOptions extends PageOptions {
@@ -205,8 +205,8 @@ export async function openPage(where: Browser, url: string, options: PageOptions
     { name: 'prefers-reduced-motion', value: 'reduce' },
   ]);
   await page.evaluateOnNewDocument(listenToLiveRegions);
-  if (options.before) {
-    await page.evaluateOnNewDocument(options.before);
+  for (const run of [options.before ?? []].flat()) {
+    await page.evaluateOnNewDocument(run);
   }
   if (options.guarded !== false) {
     await guard(visit);

@@ -321,6 +321,27 @@ test('a lost connection is told, and all is fresh when it is back', options, () 
   await visit.close();
 }));
 
+test('a computer that falls silent is noticed by a request, and all is fresh when it is back', options, () => withServer(async (server) => {
+  const visit = await openVisit(server, { role: 'helper' });
+  await visit.go('/');
+  await visit.sees('Connected', '.chip');
+  await goTo(visit, 'Devices', 'Devices');
+  server.silent = true;
+  await visit.press('Show a code');
+  await heardOnce(visit, 'The connection to the home\'s computer is lost');
+  await visit.sees('Not connected', '.chip');
+  await visit.sees('The home\'s computer was not reached');
+  server.state.home.rooms.push({ name: 'cellar', type: null, floor_m2: null, middle: null });
+  server.silent = false;
+  await heardOnce(visit, 'Connected again.');
+  await visit.press('Show a code');
+  await visit.sees('314 159', 'dialog');
+  await visit.page.keyboard.press('Escape');
+  await visit.press('The home');
+  await visit.sees('cellar', 'h3');
+  await visit.close();
+}));
+
 for (const [size, name, schemes] of [
   [kPhone, 'phone', [false, true]], [kDesktop, 'desktop', [false, true]],
   [{ width: 320, height: 568 }, '320 px wide', [false]], // as with a magnification of 400 %

@@ -22,25 +22,63 @@ export async function heardOnce(visit: Visit, words: string): Promise<void> {
   assert.equal((await visit.announced()).filter((one) => one.includes(words)).length, 1, words);
 }
 
-// Keeps what the phone's own voice would say; every utterance ends at once.
+export interface Voice {
+  name: string;
+  lang: string;
+  localService: boolean;
+  default: boolean;
+}
+
+interface SpeechWorld {
+  spoken: { text: string; voice: string | null }[];
+  phoneVoices?: Voice[] | 'late';
+  tellVoices: (voices: Voice[]) => void;
+}
+
+// Keeps what the phone's own voice would say; every utterance ends at once. The phone has a voice of its own and one that
+// speaks elsewhere, unless `phoneVoices` was set before.
 export function recordSpeech(): void {
-  const world = window as unknown as { spoken: { text: string; lang: string }[] };
+  const world = window as unknown as SpeechWorld;
   world.spoken = [];
-  const synthesis = {
+  const usual = [
+    { name: 'Elsewhere', lang: 'en-US', localService: false, default: true },
+    { name: 'Here', lang: 'en-US', localService: true, default: false },
+    { name: 'Hier', lang: 'de_DE', localService: true, default: false },
+  ];
+  let voices = world.phoneVoices === 'late' ? [] : world.phoneVoices ?? usual;
+  const synthesis = Object.assign(new EventTarget(), {
     speak: (utterance: SpeechSynthesisUtterance) => {
       if (utterance.text.trim() !== '') {
-        world.spoken.push({ text: utterance.text, lang: utterance.lang });
+        world.spoken.push({ text: utterance.text, voice: utterance.voice?.name ?? null });
+      } else if (world.phoneVoices === 'late') {
+        window.setTimeout(() => world.tellVoices(usual), 1000);
       }
       window.queueMicrotask(() => utterance.onend?.(new Event('end') as SpeechSynthesisEvent));
     },
     cancel: () => undefined,
-    getVoices: () => [],
+    getVoices: () => voices,
+  });
+  world.tellVoices = (told) => {
+    voices = told;
+    synthesis.dispatchEvent(new Event('voiceschanged'));
   };
   Object.defineProperty(window, 'speechSynthesis', { value: synthesis });
+  Object.defineProperty(window, 'SpeechSynthesisUtterance', { // the browser's own takes no voice but its own
+    value: class {
+      voice = null;
+      onend = null;
+      constructor(readonly text: string) {}
+    },
+  });
 }
 
 export async function spoken(visit: Visit): Promise<string[]> {
   return visit.page.evaluate(() => (window as unknown as { spoken: { text: string }[] }).spoken.map((one) => one.text));
+}
+
+// The voices that were used; null: the browser's choice.
+export async function voicesUsed(visit: Visit): Promise<(string | null)[]> {
+  return visit.page.evaluate(() => [...new Set((window as unknown as SpeechWorld).spoken.map((one) => one.voice))]);
 }
 
 export async function speaks(visit: Visit, words: string): Promise<void> {
