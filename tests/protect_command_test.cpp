@@ -81,6 +81,24 @@ TEST_F(ProtectCommandTest, PicturesNeedThePassphraseAndTheRestDoesNot) {
   expect_refused({"serve", home, "--port", "0"}, "are protected by a passphrase");
 }
 
+TEST_F(ProtectCommandTest, EveryCommandOpensAHomeWithThePassphraseThatIsGiven) {
+  const std::string home = path("sealed.home");
+  const std::string any = path("any");
+  for (std::vector<std::string> arguments :
+       {std::vector<std::string>{"concepts", "list", "--home", home},
+        {"concepts", "add", "--home", home, "--room-type", "attic"},
+        {"eval", "changes", "--home", home, "--truth", any, "--visit", any},
+        {"export", "g2o", "--home", home, "-o", any},
+        {"export", "tum", "--home", home, "-o", any},
+        {"objects", "list", "--home", home},
+        {"rooms", "name", "--home", home, "--types", "hall=hall"},
+        {"rooms", "objects", "--home", home},
+        {"rooms", "recognize", "--home", home, path("walk/rgb.txt")}}) {
+    arguments.insert(arguments.end(), {"--passphrase-file", path("other")});
+    expect_refused(arguments, "sealed.home: the passphrase is wrong");
+  }
+}
+
 TEST_F(ProtectCommandTest, ProtectsChangesAndTakesAway) {
   const std::string home = path("mine.home");
   std::filesystem::copy_file(path("plain.home"), home);

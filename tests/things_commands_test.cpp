@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <map>
 
 #include "made_up_recording.h"
 #include "roomwise/base/file.h"
@@ -166,6 +167,113 @@ TEST_F(ThingsCommandsTest, AClassifierBesideADetectorFindsWhatTheDetectorHasNoWo
   const std::string digest = digest_of(home);
   testing::result_of(find, path("with-maps"));
   EXPECT_EQ(digest_of(home), digest) << "all was looked at";
+}
+
+// ---- objects list --past ----
+
+TEST_F(ThingsCommandsTest, WhatStandsThereNoMoreIsListed) {
+  const std::string home = copy_of_home("past.home");
+  const std::vector<std::string> list{"objects", "list", "--past", "--home", home};
+  const json none = result_of(list);
+  EXPECT_EQ(none.at("past").size(), 0U);
+  EXPECT_EQ(none.at("visits").size(), 0U);
+  EXPECT_THAT(run(list).output, HasSubstr("no later walk noticed"));
+  {
+    auto opened = home::Home::open(home);
+    ASSERT_OK(opened);
+    const auto things = opened->instances();
+    ASSERT_OK(things);
+    ASSERT_FALSE(things->empty());
+    home::HomeChanges changes;
+    changes.visit = {"Sunday", "recordings/sunday", 9'000'000'000, 10'000'000'000, 48, 40};
+    changes.kept.assign(things->begin() + 1, things->end());
+    changes.past.push_back({.instance = things->front(),
+                            .reason = home::PastReason::kMoved,
+                            .first_seen_ns = 1'500'000'000,
+                            .last_seen_ns = 4'250'000'000});
+    ASSERT_OK(opened->apply_changes(changes));
+  }
+  const json found = result_of(list);
+  ASSERT_EQ(found.at("past").size(), 1U);
+  const json& past = found.at("past")[0];
+  EXPECT_EQ(past.at("name"), "toilet seat") << "the detector's toilet";
+  EXPECT_EQ(past.at("became"), "moved");
+  EXPECT_EQ(past.at("first_seen_s"), 1.5);
+  EXPECT_EQ(past.at("last_seen_s"), 4.25);
+  EXPECT_EQ(past.at("position_world_m").size(), 3U);
+  ASSERT_EQ(found.at("visits").size(), 1U);
+  EXPECT_EQ(found.at("visits")[0].at("visit"), past.at("noticed_by"));
+  EXPECT_EQ(found.at("visits")[0].at("name"), "Sunday");
+  EXPECT_EQ(found.at("visits")[0].at("placed"), 40);
+  const std::string text = run(list).output;
+  EXPECT_THAT(text,
+              AllOf(HasSubstr("toilet seat"), HasSubstr("moved"),
+                    HasSubstr("seen from 1.500000 to 4.250000 s"), HasSubstr("noticed by Sunday")));
+  EXPECT_EQ(result_of({"objects", "list", "--home", home}).at("objects").size(),
+            mapped_.at("instances").get<std::size_t>() - 1);
+  EXPECT_EQ(run({"objects", "list", "--past", "--rule", "paper", "--home", home}).exit_code, 2);
+}
+
+// ---- optimize ----
+
+TEST_F(ThingsCommandsTest, ThingsAreJoinedAnewWhereOptimizingMovesKeyframes) {
+  const std::string home = copy_of_home("moved.home");
+  const std::vector<std::string> list{"objects", "list", "--home", home};
+  const json before = result_of(list).at("objects");
+  ASSERT_GE(before.size(), 1U);
+  {
+    // The key-frames lie far apart, and so does the thing from where each shows it.
+    auto opened = home::Home::open(home);
+    ASSERT_OK(opened);
+    std::map<home::KeyframeId, home::KeyframePose> poses;
+    const std::vector<home::Keyframe> keyframes = opened->keyframes().value();
+    for (const home::Keyframe& keyframe : keyframes) {
+      poses[keyframe.id] = keyframe.pose;
+      poses[keyframe.id].world_from_keyframe.translation.x() += static_cast<double>(keyframe.id);
+    }
+    ASSERT_OK(opened->replace_poses(poses));
+    auto things = opened->instances().value();
+    things.resize(1);
+    things[0].box_keyframe.world_from_box.translation.z() += 2;
+    ASSERT_OK(opened->replace_instances(things));
+  }
+  const json optimised = result_of({"optimize", "--home", home});
+  EXPECT_EQ(optimised.at("instances"), before.size());
+  const json after = result_of(list).at("objects");
+  ASSERT_EQ(after.size(), before.size());
+  for (std::size_t i = 0; i < after.size(); ++i) {
+    EXPECT_EQ(after[i].at("name"), before[i].at("name"));
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      EXPECT_NEAR(after[i].at("position_world_m")[axis].get<double>(),
+                  before[i].at("position_world_m")[axis].get<double>(), 0.05);
+    }
+  }
+}
+
+// ---- concepts, of a home that is protected ----
+
+TEST_F(ThingsCommandsTest, WordsOfAProtectedHomeAreEditedWithItsPassphraseOrNotAtAll) {
+  const std::string home = copy_of_home("sealed.home");
+  ASSERT_OK(write_file(path("phrase"), std::string_view("open sesame\n")));
+  const std::vector<std::string> phrase{"--passphrase-file", path("phrase")};
+  const auto with_phrase = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.end(), phrase.begin(), phrase.end());
+    return arguments;
+  };
+  result_of(with_phrase({"protect", home}));
+  const auto state = [&] {
+    return result_of(with_phrase({"info", "--digest", home})).at("content_sha256");
+  };
+  const json before = state();
+  const std::vector<std::string> add{"concepts", "add",         "--home",      home,
+                                     "--object", "toilet seat", "--room-type", "spa"};
+  const ProgramResult refused = run(add);
+  EXPECT_EQ(refused.exit_code, 1);
+  EXPECT_THAT(refused.errors, HasSubstr("are protected by a passphrase"));
+  EXPECT_EQ(state(), before) << "no word without the things that it means";
+  const json added = result_of(with_phrase(add));
+  EXPECT_TRUE(added.at("room_types").contains("spa"));
+  EXPECT_NE(state(), before);
 }
 
 // ---- update ----

@@ -2,6 +2,7 @@
 #include <memory>
 
 #include "commands.h"
+#include "open_home.h"
 #include "roomwise/home/home.h"
 #include "roomwise/pipeline/map_settings.h"
 #include "roomwise/pipeline/stored_map.h"
@@ -39,9 +40,9 @@ Answer describe(const Concepts& concepts) {
   return answer;
 }
 
-Expected<Answer> list(const ConceptsOptions& options) {
+Expected<Answer> list(const ConceptsOptions& options, const Context& context) {
   if (options.home.empty()) return describe(Concepts::standard());
-  ROOMWISE_TRY(const home::Home home, home::Home::open_read_only(options.home));
+  ROOMWISE_TRY(const home::Home home, open_home_read_only(options.home, context));
   ROOMWISE_TRY(const Concepts concepts, home.concepts());
   return describe(concepts);
 }
@@ -117,17 +118,20 @@ Expected<void> remove(Concepts& concepts, const ConceptsOptions& options) {
   return {};
 }
 
-// What the networks saw stays the same; which of it counts does not.
+// What the networks saw stays the same; which of it counts does not. The home has both, the words
+// and what follows from them, or is as it was.
 Expected<void> replace_concepts(home::Home& home, const Concepts& concepts) {
   ROOMWISE_TRY(const auto settings, pipeline::stored_map_settings(home));
   const objects::ObjectRules rules = settings ? settings->objects : objects::ObjectRules{};
-  ROOMWISE_CHECK_OK(home.replace_concepts(concepts));
-  ROOMWISE_CHECK_OK(pipeline::update_objects(home, rules));
-  return {};
+  return home.atomically([&]() -> Expected<void> {
+    ROOMWISE_CHECK_OK(home.replace_concepts(concepts));
+    ROOMWISE_CHECK_OK(pipeline::update_objects(home, rules));
+    return {};
+  });
 }
 
-Expected<Answer> edit(const ConceptsOptions& options, bool adding) {
-  ROOMWISE_TRY(home::Home home, home::Home::open(options.home));
+Expected<Answer> edit(const ConceptsOptions& options, bool adding, const Context& context) {
+  ROOMWISE_TRY(home::Home home, open_home(options.home, context));
   ROOMWISE_TRY(Concepts concepts, home.concepts());
   if (adding) {
     ROOMWISE_TRY(const std::vector<std::string> labels, networks_spelling(home, options.labels));
@@ -157,18 +161,19 @@ void add_concepts_commands(CLI::App& app, Context& context) {
 
   CLI::App* list_command = add_command(
       *group, context, "list", "List the concepts of a home, or those that every home begins with",
-      "roomwise concepts list --home my.home", [options] { return list(*options); });
+      "roomwise concepts list --home my.home",
+      [options, &context] { return list(*options, context); });
   list_command->add_option("--home", options->home, "Home file");
 
   CLI::App* add_command_ = add_command(
       *group, context, "add", "Add an object, labels of it, or a room type that has it",
       "roomwise concepts add --home my.home --object bathtub --label tub --room-type bathroom",
-      [options] { return edit(*options, true); });
+      [options, &context] { return edit(*options, true, context); });
   CLI::App* remove_command =
       add_command(*group, context, "remove",
                   "Remove an object, a room type, or (both given) the object from the room type",
                   "roomwise concepts remove --home my.home --object lamp --room-type bedroom",
-                  [options] { return edit(*options, false); });
+                  [options, &context] { return edit(*options, false, context); });
   for (CLI::App* command : {add_command_, remove_command}) {
     add_concept_options(*command, *options);
     command->parse_complete_callback([options] {

@@ -5,6 +5,7 @@
 #include "command_run.h"
 #include "commands.h"
 #include "networks.h"
+#include "open_home.h"
 #include "roomwise/pipeline/change_evaluation.h"
 
 namespace roomwise::app {
@@ -29,7 +30,7 @@ Json to_json(const pipeline::TrueChange& change) {
 Expected<Answer> evaluate(const ChangesEvaluationOptions& options, Context& context) {
   cv::setNumThreads(1);
   ROOMWISE_TRY(const objects::RegionFinders finders, load_region_finders());
-  ROOMWISE_TRY(const home::Home home, home::Home::open_read_only(options.home));
+  ROOMWISE_TRY(const home::Home home, open_home_read_only(options.home, context));
   CommandRun run(context);
   pipeline::UpdateOptions with = options.update;
   with.localizer.seed = context.seed;

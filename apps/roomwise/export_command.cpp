@@ -151,8 +151,8 @@ Expected<Answer> export_floor(const ExportOptions& options, Context& context) {
   return answer;
 }
 
-Expected<Answer> export_tum(const ExportOptions& options) {
-  ROOMWISE_TRY(const home::Home home, home::Home::open_read_only(options.home));
+Expected<Answer> export_tum(const ExportOptions& options, const Context& context) {
+  ROOMWISE_TRY(const home::Home home, open_home_read_only(options.home, context));
   ROOMWISE_TRY(const recording::Trajectory trajectory, pipeline::stored_trajectory(home));
   ROOMWISE_CHECK_OK(recording::write_trajectory(options.output, trajectory));
   return wrote(options.output, "poses", trajectory.size());
@@ -160,8 +160,8 @@ Expected<Answer> export_tum(const ExportOptions& options) {
 
 // Without the loops that the map left out. Pieces that no loop joined are parts of the one graph
 // without an edge between them.
-Expected<Answer> export_g2o(const ExportOptions& options) {
-  ROOMWISE_TRY(const home::Home home, home::Home::open_read_only(options.home));
+Expected<Answer> export_g2o(const ExportOptions& options, const Context& context) {
+  ROOMWISE_TRY(const home::Home home, open_home_read_only(options.home, context));
   ROOMWISE_TRY(const auto settings, pipeline::stored_map_settings(home));
   ROOMWISE_TRY(
       const mapping::PoseGraph graph,
@@ -264,12 +264,12 @@ void add_export_commands(CLI::App& app, Context& context) {
   CLI::App* tum = add_command(*group, context, "tum",
                               "The pose of every frame (TUM: timestamp tx ty tz qx qy qz qw)",
                               "roomwise export tum --home my.home -o trajectory.txt",
-                              [options] { return export_tum(*options); });
+                              [options, &context] { return export_tum(*options, context); });
   add_files(*tum, *options);
 
   CLI::App* g2o = add_command(*group, context, "g2o", "The pose graph of the key-frames (.g2o)",
                               "roomwise export g2o --home my.home -o my.g2o",
-                              [options] { return export_g2o(*options); });
+                              [options, &context] { return export_g2o(*options, context); });
   add_files(*g2o, *options);
 }
 

@@ -17,6 +17,7 @@ namespace {
 struct ObjectsOptions {
   std::filesystem::path home;
   std::string rule = "regions";
+  bool past = false;
   NetworkOptions networks;
 };
 
@@ -123,9 +124,56 @@ Expected<Answer> list_found(const home::Home& home, const std::string& rule) {
   return answer;
 }
 
-Expected<Answer> list(const ObjectsOptions& options) {
-  ROOMWISE_TRY(const home::Home home, home::Home::open_read_only(options.home));
-  return list_found(home, options.rule);
+void add(Answer& answer, const home::PastInstance& past, const home::Visit& noticed_by,
+         const Places& places) {
+  const objects::Instance& thing = past.instance;
+  const home::Keyframe& keyframe = places.keyframes.at(thing.keyframe_id);
+  const std::string room = places.room_of(thing.keyframe_id);
+  const std::string became = past.reason == home::PastReason::kGone ? "gone" : "moved";
+  const Eigen::Vector3d at = thing.box_world(keyframe.pose.world_from_keyframe).center();
+  answer.text += fmt::format(
+      "{:<16} {:<5}  stood at {:.2f} {:.2f} {:.2f} m{}; seen from {} to {} s; noticed by {}\n",
+      thing.name, became, at.x(), at.y(), at.z(), room.empty() ? "" : ", " + room,
+      format_timestamp(past.first_seen_ns), format_timestamp(past.last_seen_ns), noticed_by.name);
+  answer.json["past"].push_back({{"name", thing.name},
+                                 {"became", became},
+                                 {"first_seen_s", seconds_between(0, past.first_seen_ns)},
+                                 {"last_seen_s", seconds_between(0, past.last_seen_ns)},
+                                 {"noticed_by", past.noticed_by},
+                                 {"piece", keyframe.pose.piece},
+                                 {"position_world_m", to_json(at)},
+                                 {"room", room_json(room)}});
+}
+
+// What stands there no more, in the order in which that was noticed, and the visits.
+Expected<Answer> list_past(const home::Home& home) {
+  ROOMWISE_TRY(const Places places, Places::read(home));
+  ROOMWISE_TRY(const auto visits, home.visits());
+  ROOMWISE_TRY(const auto past, home.past_instances());
+  Answer answer;
+  answer.json = {{"past", Json::array()}, {"visits", Json::array()}};
+  for (const home::PastInstance& one : past) add(answer, one, visits.at(one.noticed_by), places);
+  for (const auto& [id, visit] : visits) {
+    answer.json["visits"].push_back({{"visit", id},
+                                     {"name", visit.name},
+                                     {"folder", visit.folder},
+                                     {"first_s", seconds_between(0, visit.first_timestamp_ns)},
+                                     {"last_s", seconds_between(0, visit.last_timestamp_ns)},
+                                     {"frames", visit.frames},
+                                     {"placed", visit.placed}});
+  }
+  if (past.empty()) {
+    answer.text = fmt::format(
+        "no later walk noticed that a thing moved or went; compare one with this home: roomwise "
+        "update --home {} RECORDING\n",
+        home.file());
+  }
+  return answer;
+}
+
+Expected<Answer> list(const ObjectsOptions& options, const Context& context) {
+  ROOMWISE_TRY(const home::Home home, open_home_read_only(options.home, context));
+  return options.past ? list_past(home) : list_found(home, options.rule);
 }
 
 // Networks look at a home that was mapped without them, or with others; then all is joined anew.
@@ -168,7 +216,8 @@ void add_objects_commands(CLI::App& app, Context& context) {
       *group, context, "list",
       "List the objects: name, probability, place, size, how sure the place is, in how many "
       "key-frames they were seen, and the room they stand in",
-      "roomwise objects list --home my.home --json", [options] { return list(*options); });
+      "roomwise objects list --home my.home --json",
+      [options, &context] { return list(*options, context); });
   CLI::App* find_command = add_command(*group, context, "find",
                                        "Let the networks look at those key-frames that they have "
                                        "not seen, and find the objects anew",
@@ -183,6 +232,11 @@ void add_objects_commands(CLI::App& app, Context& context) {
         ->check(CLI::IsMember({"regions", "paper"}))
         ->capture_default_str();
   }
+  list_command
+      ->add_flag("--past", options->past,
+                 "Those that stand there no more instead: what became of them (moved, gone), when "
+                 "they were first and last seen, and the visit that noticed")
+      ->excludes("--rule");
   add_network_options(*find_command, options->networks);
 }
 

@@ -8,8 +8,8 @@
 
 namespace roomwise::app {
 
-// How commands that look at pictures open a home: with the passphrase of --passphrase-file, if one
-// was given. (Those that look at none need no passphrase and open it without.)
+// How commands open a home: with the passphrase of --passphrase-file, if one was given. Those that
+// look at no picture need none.
 [[nodiscard]] Expected<home::OpenOptions> open_options(const Context& context);
 [[nodiscard]] Expected<home::Home> open_home(const std::filesystem::path& path,
                                              const Context& context);

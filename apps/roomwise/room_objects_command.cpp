@@ -105,12 +105,12 @@ Answer answer_of(const rooms::RoomObjects& objects) {
   return answer;
 }
 
-Expected<Answer> objects_of_rooms(const ObjectsOfRoomsOptions& options) {
+Expected<Answer> objects_of_rooms(const ObjectsOfRoomsOptions& options, const Context& context) {
   if (options.edits()) {
-    ROOMWISE_TRY(home::Home home, home::Home::open(options.home));
+    ROOMWISE_TRY(home::Home home, open_home(options.home, context));
     ROOMWISE_CHECK_OK(edit_claims(home, options));
   }
-  ROOMWISE_TRY(const home::Home home, home::Home::open_read_only(options.home));
+  ROOMWISE_TRY(const home::Home home, open_home_read_only(options.home, context));
   ROOMWISE_TRY(const rooms::RoomObjects objects, pipeline::room_objects(home));
   return answer_of(objects);
 }
@@ -169,7 +169,7 @@ void add_room_objects_commands(CLI::App& group, Context& context) {
         group, context, "objects",
         "What the pictures of each room show, and which objects tell the room by themselves",
         "roomwise rooms objects --home my.home --represents piano=\"Anna's room\"",
-        [options] { return objects_of_rooms(*options); });
+        [options, &context] { return objects_of_rooms(*options, context); });
     command->add_option("--home", options->home, "Home file")->required();
     command->add_option("--represents", options->represents,
                         "OBJECT=ROOM: it stands there alone, whatever pictures show");

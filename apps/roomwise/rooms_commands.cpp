@@ -114,14 +114,14 @@ Expected<void> set_types(home::Home& home, const std::vector<std::string>& types
   return home.replace_rooms(rooms);
 }
 
-Expected<Answer> name(const NameOptions& options) {
+Expected<Answer> name(const NameOptions& options, const Context& context) {
   const bool has_ranges = !options.frames.empty() || !options.times.empty();
   if (has_ranges && !options.labels.empty())
     return fail("give either --labels or ranges, not both");
   if (!has_ranges && options.labels.empty() && options.types.empty()) {
     return fail("nothing to name: give --labels rooms.txt, --frames, --times or --types");
   }
-  ROOMWISE_TRY(home::Home home, home::Home::open(options.home));
+  ROOMWISE_TRY(home::Home home, open_home(options.home, context));
   if (has_ranges || !options.labels.empty()) {
     ROOMWISE_TRY(const home::RecordingId recording, only_recording(home));
     ROOMWISE_TRY(const auto frames, home.frames(recording));
@@ -330,9 +330,7 @@ Expected<rooms::RoomDecision> recognize_at_once(
 
 Expected<Answer> recognize(const RecognizeOptions& options, Context& context) {
   cv::setNumThreads(1);
-  ROOMWISE_TRY(const home::Home home, options.depths.empty()
-                                          ? home::Home::open_read_only(options.home)
-                                          : open_home_read_only(options.home, context));
+  ROOMWISE_TRY(const home::Home home, open_home_read_only(options.home, context));
   ROOMWISE_TRY(const pipeline::Networks networks,
                load_networks(options.networks, /*also_brought=*/true));
   ROOMWISE_TRY(const auto recognizer, pipeline::RoomRecognizer::create(home, networks));
@@ -376,7 +374,7 @@ void add_rooms_commands(CLI::App& app, Context& context) {
     CLI::App* command = add_command(
         *group, context, "name", "Name the rooms of a recording, and their types",
         "roomwise rooms name --home my.home --times 0-12.5=hall --times 12.6-40=kitchen",
-        [options] { return name(*options); });
+        [options, &context] { return name(*options, context); });
     add_home_option(*command, options->home);
     command->add_option("--labels", options->labels,
                         "rooms.txt: a line a range, \"first_frame last_frame room visit\"");

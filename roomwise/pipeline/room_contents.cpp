@@ -19,13 +19,15 @@ constexpr const char* kClaimsSetting = "object_claims";
 constexpr std::size_t kTopLabels = 3;  // as the two-frame rule looks at
 constexpr double kLeastScore = 0.2;    // what is less says little where rooms are recognised, too
 
-// What the newest network that names things sees in each key-frame.
+// What the network of this fingerprint sees in each key-frame, or the newest that names things.
 Expected<std::map<home::KeyframeId, std::set<std::string>>> objects_of_keyframes(
-    const home::Home& home, const objects::ObjectVocabulary& vocabulary) {
+    const home::Home& home, const objects::ObjectVocabulary& vocabulary,
+    const std::optional<std::string>& naming_network) {
   std::map<home::KeyframeId, std::set<std::string>> seen;
   ROOMWISE_TRY(const auto networks, home.networks());
   for (const auto& [id, network] : networks | std::views::reverse) {
     if (network.labels.empty()) continue;
+    if (naming_network && network.fingerprint != *naming_network) continue;
     ROOMWISE_TRY(const auto predictions, home.predictions(id));
     if (predictions.empty()) continue;  // it has looked at nothing yet
     for (const auto& [keyframe, prediction] : predictions) {
@@ -89,10 +91,11 @@ Expected<void> move_object_claims(home::Home& home, const std::string& room,
   return store_object_claims(home, claims);
 }
 
-Expected<rooms::RoomObjects> room_objects(const home::Home& home) {
+Expected<rooms::RoomObjects> room_objects(const home::Home& home,
+                                          const std::optional<std::string>& naming_network) {
   ROOMWISE_TRY(const rooms::Concepts concepts, home.concepts());
   ROOMWISE_TRY(const auto rooms, rooms_of_keyframes(home));
-  ROOMWISE_TRY(const auto seen, objects_of_keyframes(home, concepts.vocabulary));
+  ROOMWISE_TRY(const auto seen, objects_of_keyframes(home, concepts.vocabulary, naming_network));
   ROOMWISE_TRY(const auto learned, learned_keyframes(home));
   std::vector<rooms::NamedPicture> pictures;
   for (const auto& [keyframe, objects] : seen) {

@@ -14,9 +14,11 @@
 namespace roomwise::pipeline {
 
 // By the key-frames that the rooms were learned from, and where there are none by all that show a
-// named room: what the newest network that names things sees in them (its three best labels). With
-// what was claimed. Empty where nothing looked at the home.
-[[nodiscard]] Expected<rooms::RoomObjects> room_objects(const home::Home& home);
+// named room: what a network that names things sees in them (its three best labels). With what was
+// claimed. `naming_network`: its fingerprint, since the relations hold for what the same network
+// says; absent: the newest that has looked at the home. Only what was claimed where it did not.
+[[nodiscard]] Expected<rooms::RoomObjects> room_objects(
+    const home::Home& home, const std::optional<std::string>& naming_network = {});
 
 // What somebody said of objects and rooms, stored in the home.
 [[nodiscard]] Expected<std::vector<rooms::ObjectClaim>> object_claims(const home::Home& home);

@@ -60,6 +60,20 @@ TEST_F(RoomContentsTest, ObjectsAreCountedInTheRoomsThatShowThem) {
   EXPECT_EQ(objects->represented_room("bed"), "Anna's room");
 }
 
+TEST_F(RoomContentsTest, ObjectsAreCountedAsTheNetworkThatIsAskedForSeesThem) {
+  // A later one has looked at all too, and takes every picture for a bed's.
+  const auto newer = home_->add_network({"newer", "beef", {"four-poster", "microwave"}, 3});
+  ASSERT_OK(newer);
+  for (home::KeyframeId id = 0; id < 20; ++id) {
+    ASSERT_OK(home_->put_prediction(id, *newer, {{0, 0, 0}, {0.9F, 0.1F}}));
+  }
+  EXPECT_EQ(room_objects(*home_, "c0ffee")->represented_room("microwave"), "kitchen");
+  EXPECT_EQ(room_objects(*home_, "beef")->represented_room("microwave"), std::nullopt);
+  EXPECT_THAT(room_objects(*home_, "beef")->shares("microwave"), IsEmpty());
+  EXPECT_THAT(room_objects(*home_)->shares("microwave"), IsEmpty()) << "the newest's";
+  EXPECT_THAT(room_objects(*home_, "unknown")->relations(), IsEmpty());
+}
+
 TEST_F(RoomContentsTest, WhatIsClaimedIsKeptAndCounts) {
   EXPECT_THAT(*object_claims(*home_), IsEmpty());
   const std::vector<rooms::ObjectClaim> claims = {{"bed", "kitchen", true},

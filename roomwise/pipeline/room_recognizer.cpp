@@ -47,6 +47,25 @@ Expected<rooms::RoomTopology> topology_of(const home::Home& home,
   return rooms::RoomTopology(rooms, walk);
 }
 
+// The one that names things in pictures to come. nullptr: none.
+Expected<const network::Classifier*> network_for_names(const home::Home& home,
+                                                       const Networks& networks) {
+  const network::Classifier* best = naming_network(networks);
+  std::size_t most = 1;  // key-frames that it looked at
+  ROOMWISE_TRY(const auto stored, home.networks());
+  for (const auto& [id, record] : stored) {
+    const auto same = std::ranges::find_if(networks, [&](const auto& network) {
+      return !network->labels().empty() && network->fingerprint() == record.fingerprint;
+    });
+    if (same == networks.end()) continue;
+    ROOMWISE_TRY(const auto predictions, home.predictions(id));
+    if (predictions.size() < most) continue;
+    most = predictions.size();
+    best = same->get();
+  }
+  return best;
+}
+
 }  // namespace
 
 Expected<RoomRecognizer> RoomRecognizer::create(const home::Home& home, const Networks& networks) {
@@ -67,11 +86,14 @@ Expected<RoomRecognizer> RoomRecognizer::create(const home::Home& home, const Ne
   ROOMWISE_TRY(rooms::Concepts concepts, home.concepts());
   ROOMWISE_TRY(const std::vector<rooms::Room> rooms, home.rooms());
   std::vector<rooms::Room> learned = in_order(classifier->rooms(), rooms);
-  ROOMWISE_TRY(rooms::RoomObjects room_objects, pipeline::room_objects(home));
+  ROOMWISE_TRY(const network::Classifier* const naming, network_for_names(home, networks));
+  rooms::RoomObjects room_objects;
+  if (naming != nullptr) {
+    ROOMWISE_TRY(room_objects, pipeline::room_objects(home, naming->fingerprint()));
+  }
   ROOMWISE_TRY(rooms::RoomTopology topology, topology_of(home, classifier->rooms()));
   return RoomRecognizer(*std::move(classifier), std::move(concepts), std::move(learned),
-                        std::move(room_objects), std::move(topology), same->get(),
-                        naming_network(networks));
+                        std::move(room_objects), std::move(topology), same->get(), naming);
 }
 
 Expected<std::vector<objects::Sighting>> RoomRecognizer::objects_in(const SeeNames& names) const {

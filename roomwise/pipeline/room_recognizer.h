@@ -21,7 +21,8 @@ class RoomRecognizer {
  public:
   // `networks` must hold the one that the home's rooms were learned with (known by its fingerprint)
   // and outlive the recognizer; one that names things is used for representative objects, if there
-  // is any.
+  // is any: of several the one that looked at most of the home's pictures, since what it says of
+  // the rooms' pictures is known.
   [[nodiscard]] static Expected<RoomRecognizer> create(const home::Home& home,
                                                        const Networks& networks);
 

@@ -1,7 +1,6 @@
 #include "roomwise/pipeline/stored_looks.h"
 
 #include <algorithm>
-#include <ranges>
 
 #include "roomwise/objects/region_finder.h"
 #include "roomwise/pipeline/keyframe_images.h"
@@ -39,14 +38,14 @@ Expected<std::map<home::KeyframeId, std::vector<objects::Sighting>>> said_of_pic
     const home::Home& home, const objects::ObjectVocabulary& vocabulary, double least_score) {
   std::map<home::KeyframeId, std::vector<objects::Sighting>> said;
   ROOMWISE_TRY(const auto networks, home.networks());
-  for (const auto& [id, network] : networks | std::views::reverse) {
+  // One that was interrupted has not looked at all: what was said before stands elsewhere.
+  for (const auto& [id, network] : networks) {
     if (network.labels.empty()) continue;
     ROOMWISE_TRY(const auto predictions, home.predictions(id));
     for (const auto& [keyframe, prediction] : predictions) {
       said[keyframe] =
           objects::sightings_in(prediction.scores, network.labels, vocabulary, least_score);
     }
-    break;
   }
   return said;
 }

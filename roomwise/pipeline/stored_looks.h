@@ -9,8 +9,8 @@
 
 namespace roomwise::pipeline {
 
-// What networks said of each key-frame as a whole, in the home's words: the newest of those that
-// name things. Scores below `least_score` are left out.
+// What networks said of each key-frame as a whole, in the home's words: of those that name things
+// the newest that has looked at it. Scores below `least_score` are left out.
 [[nodiscard]] Expected<std::map<home::KeyframeId, std::vector<objects::Sighting>>> said_of_pictures(
     const home::Home& home, const objects::ObjectVocabulary& vocabulary, double least_score);
 

@@ -65,5 +65,29 @@ TEST(StoredLooks, AnActivationFinderStandsBesideTheDetectorAndReplacesItsOlderSe
                                    FieldsAre("bookcase", true, true)));
 }
 
+TEST(StoredLooks, ANetworkThatWasInterruptedTakesNothingAway) {
+  const roomwise::testing::ScratchFolder folder;
+  auto home = home::Home::create(folder / "a.home");
+  ASSERT_OK(home);
+  home::testing::fill(*home);
+  const rooms::Concepts concepts = rooms::Concepts::standard();
+  const auto said = [&] { return said_of_pictures(*home, concepts.vocabulary, 0.1).value(); };
+  const auto before = said();
+  ASSERT_EQ(before.size(), 4U);
+  ASSERT_EQ(before.at(0).size(), 1U);
+  EXPECT_EQ(before.at(0)[0].object, "bed") << "a studio couch";
+
+  const auto newer = home->add_network({"newer", "beef", {"table lamp", "zebra"}, 3});
+  ASSERT_OK(newer);
+  EXPECT_EQ(said().size(), 4U) << "it has looked at nothing yet";
+  ASSERT_OK(home->put_prediction(2, *newer, {{0, 0, 0}, {0.9F, 0.1F}}));
+  const auto after = said();
+  EXPECT_EQ(after.size(), 4U);
+  ASSERT_EQ(after.at(0).size(), 1U);
+  EXPECT_EQ(after.at(0)[0].object, "bed");
+  ASSERT_EQ(after.at(2).size(), 1U);
+  EXPECT_EQ(after.at(2)[0].object, "lamp");
+}
+
 }  // namespace
 }  // namespace roomwise::pipeline

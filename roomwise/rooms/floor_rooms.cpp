@@ -19,6 +19,10 @@ using fusion::FloorGrid;
 // known.
 constexpr double kWalkerRadius_m = 0.25, kLongestStep_m = 1.0;
 
+// Two places so near that see each other over free floor are in one room. No farther than a place
+// deep in a room without a name is from one deep in the room next to it, straight through the door.
+constexpr double kOneRoom_m = 1.5;
+
 struct Cell {
   int column = 0, row = 0;
 };
@@ -46,6 +50,16 @@ std::optional<Cell> free_cell_near(const FloorGrid& grid, const FreeFloor& floor
     }
   }
   return best;
+}
+
+bool is_free_between(const FreeFloor& floor, Cell a, Cell b) {
+  const Eigen::Array2d from(a.column, a.row), to(b.column, b.row);
+  const int parts = 2 * static_cast<int>((to - from).abs().maxCoeff());
+  for (int part = 1; part < parts; ++part) {
+    const Eigen::Array2i at = (from + (to - from) * part / parts).round().cast<int>();
+    if (floor.at(at.x(), at.y()) == 0) return false;
+  }
+  return true;
 }
 
 // Cells by level, the highest first and of one level those that came first.
@@ -145,11 +159,27 @@ void spread_over_floor(const FloorGrid& grid, const FreeFloor& floor, const Name
            kLean * from_crossing_m / grid.cell_m();
   };
   Flood flood;
+  const auto begin_at = [&](Cell cell, std::int16_t room) {
+    if (room_of.at(cell.column, cell.row) != kNoRoom) return;
+    room_of.at(cell.column, cell.row) = room;
+    flood.push(width(cell), cell);
+  };
+  std::vector<Cell> named;
   for (const WalkEvidence& seed : believed(walks, unsure_path_m)) {
     const auto cell = free_cell_near(grid, floor, seed.place, farthest_seed_m);
-    if (!cell || room_of.at(cell->column, cell->row) != kNoRoom) continue;
-    room_of.at(cell->column, cell->row) = seed.room;
-    flood.push(width(*cell), *cell);
+    if (!cell) continue;
+    begin_at(*cell, seed.room);
+    named.push_back(*cell);
+  }
+  for (const Vector2d& place : walks.nameless) {
+    const auto cell = free_cell_near(grid, floor, place, farthest_seed_m);
+    if (!cell) continue;
+    const bool is_in_named_room = std::ranges::any_of(named, [&](Cell other) {
+      return std::hypot(other.column - cell->column, other.row - cell->row) * grid.cell_m() <=
+                 kOneRoom_m &&
+             is_free_between(floor, *cell, other);
+    });
+    if (!is_in_named_room) begin_at(*cell, kNamelessRoom);
   }
   while (!flood.empty()) {
     const auto [level, cell] = flood.pop();

@@ -21,9 +21,40 @@ std::vector<std::string> room_names(std::span<const WalkedPath> walks) {
   return {names.begin(), names.end()};
 }
 
-void read_walk(const WalkedPath& walk, NamedWalks& read) {
+std::vector<double> lengths_along(const WalkedPath& walk) {
+  std::vector<double> along_m;
+  for (std::size_t i = 0; i < walk.size(); ++i) {
+    along_m.push_back(
+        i == 0 ? 0 : along_m.back() + (walk[i].point_level - walk[i - 1].point_level).norm());
+  }
+  return along_m;
+}
+
+// Takes the nameless places of a walk. Where along the path their stretches begin and end beside a
+// name.
+std::vector<double> read_nameless(const WalkedPath& walk, double unsure_path_m, NamedWalks& read) {
+  const std::vector<double> along_m = lengths_along(walk);
+  std::vector<double> ends_m;
+  for (std::size_t first = 0, end = 0; first < walk.size(); first = end + 1) {
+    for (end = first; end < walk.size() && walk[end].room.empty();) ++end;
+    bool has_deep_places = false;
+    for (std::size_t i = first; i < end; ++i) {
+      const double from_end_m =
+          std::min(along_m[i] - along_m[first], along_m[end - 1] - along_m[i]);
+      if (!(from_end_m > unsure_path_m)) continue;
+      read.nameless.push_back(walk[i].point_level);
+      has_deep_places = true;
+    }
+    if (has_deep_places && first > 0) ends_m.push_back(along_m[first]);
+    if (has_deep_places && end < walk.size()) ends_m.push_back(along_m[end - 1]);
+  }
+  return ends_m;
+}
+
+void read_walk(const WalkedPath& walk, double unsure_path_m, NamedWalks& read) {
   std::vector<WalkEvidence> named;
-  std::vector<double> along_m, crossings_m;  // along the path
+  std::vector<double> along_m;  // along the path, as the crossings are
+  std::vector<double> crossings_m = read_nameless(walk, unsure_path_m, read);
   double length_m = 0;
   const WalkedPlace* before = nullptr;
   bool is_unbroken = true;  // since the last named place
@@ -60,9 +91,9 @@ void read_walk(const WalkedPath& walk, NamedWalks& read) {
 
 }  // namespace
 
-NamedWalks read_walks(std::span<const WalkedPath> walks) {
-  NamedWalks read{room_names(walks), {}, {}};
-  for (const WalkedPath& walk : walks) read_walk(walk, read);
+NamedWalks read_walks(std::span<const WalkedPath> walks, double unsure_path_m) {
+  NamedWalks read{room_names(walks), {}, {}, {}};
+  for (const WalkedPath& walk : walks) read_walk(walk, unsure_path_m, read);
   return read;
 }
 

@@ -41,13 +41,37 @@ double home_log_ratio(const mapping::Localization& answer, bool has_depth) {
   }
 }
 
-std::string place_in_words(const Eigen::VectorXd& inside, std::span<const std::string> rooms) {
-  constexpr double kWorthNaming = 0.05;
-  std::vector<RoomScore> named;
-  for (std::size_t i = 0; i < rooms.size(); ++i) {
-    const double share = inside[static_cast<Eigen::Index>(i)];
-    if (share >= kWorthNaming) named.push_back({rooms[i], share});
+// On whose floor a pose lies; the shares add up to 1 with what lies on no floor.
+struct FloorShares {
+  Eigen::VectorXd learned;        // in the order of the learned rooms
+  std::vector<RoomScore> on_map;  // of every floor, for people
+  double elsewhere = 0;           // on floors of rooms that were not learned, or have no name
+};
+
+FloorShares floor_shares(const RoomLayout& layout, const Eigen::Vector2d& point_level,
+                         double sigma_m, std::span<const std::string> rooms) {
+  FloorShares found{Eigen::VectorXd::Zero(static_cast<Eigen::Index>(rooms.size())), {}, 0};
+  const std::vector<double> shares = layout.shares_around(point_level, sigma_m);
+  for (std::size_t i = 0; i < shares.size(); ++i) {
+    const std::string& name = layout.rooms()[i].name;
+    const auto room = std::ranges::find(rooms, name);
+    if (room != rooms.end()) {
+      found.learned[room - rooms.begin()] += shares[i];
+      found.on_map.push_back({name, shares[i]});
+    } else {
+      found.elsewhere += shares[i];
+      found.on_map.push_back({name + ", which was not learned", shares[i]});
+    }
   }
+  const double nameless = layout.nameless_share_around(point_level, sigma_m);
+  found.elsewhere += nameless;
+  found.on_map.push_back({"a room without a name", nameless});
+  return found;
+}
+
+std::string place_in_words(std::vector<RoomScore> named) {
+  constexpr double kWorthNaming = 0.05;
+  std::erase_if(named, [](const RoomScore& one) { return one.score < kWorthNaming; });
   std::ranges::stable_sort(named, std::ranges::greater{}, &RoomScore::score);
   if (named.empty()) return "its place on the map is in no room";
   if (named.size() == 1) return fmt::format("its place on the map is in {}", named[0].room);
@@ -66,21 +90,20 @@ PlaceEvidence evidence_of(const mapping::Localization& answer, bool has_depth, d
     evidence.why = fmt::format("no place on the map ({})", to_string(answer.status));
     return evidence;
   }
-  Eigen::VectorXd inside = Eigen::VectorXd::Zero(count);
-  if (layout) {
-    const Eigen::Vector3d camera_level =
-        frame.level_from_world * answer.world_from_camera.translation;
-    const double sigma_m = std::hypot(answer.position_sigma_m(), kBoundarySigma_m, moved_sigma_m);
-    const std::vector<double> shares = layout->shares_around(camera_level.head<2>(), sigma_m);
-    for (std::size_t i = 0; i < shares.size(); ++i) {
-      const auto room = std::ranges::find(rooms, layout->rooms()[i].name);
-      if (room != rooms.end()) inside[room - rooms.begin()] += shares[i];
-    }
+  if (!layout || !layout->has_floor()) {
+    evidence.why = "the map has no rooms";
+    return evidence;
   }
-  evidence.why = layout ? place_in_words(inside, rooms) : "the map has no rooms";
+  const Eigen::Vector3d camera_level =
+      frame.level_from_world * answer.world_from_camera.translation;
+  const double sigma_m = std::hypot(answer.position_sigma_m(), kBoundarySigma_m, moved_sigma_m);
+  const FloorShares shares = floor_shares(*layout, camera_level.head<2>(), sigma_m, rooms);
+  evidence.why = place_in_words(shares.on_map);
+  evidence.home_log_ratio =
+      shares.learned.sum() * evidence.home_log_ratio + shares.elsewhere * kNowhereLogRatio;
   // What lies in none of the rooms may be any of them.
-  const double told = (1 - kWrongRoom) * inside.sum();
-  evidence.probabilities = (1 - kWrongRoom) * inside + (1 - told) * evidence.probabilities;
+  const double told = (1 - kWrongRoom) * shares.learned.sum();
+  evidence.probabilities = (1 - kWrongRoom) * shares.learned + (1 - told) * evidence.probabilities;
   return evidence;
 }
 

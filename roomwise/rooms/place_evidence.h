@@ -17,19 +17,21 @@ struct PlaceEvidence {
   // Of each room, every room alike beforehand, by the place alone; they add up to 1. All alike
   // where there is no place, or none of these rooms is there.
   Eigen::VectorXd probabilities;
-  // How much oftener the localiser answers so to pictures of this home than to pictures of others:
-  // the logarithm of the ratio. Above 0 it speaks for this home.
+  // How much oftener the localiser answers so to pictures of these rooms than to others: the
+  // logarithm of the ratio. Above 0 it speaks for one of these rooms.
   double home_log_ratio = 0;
   std::string why;  // for people: "its place on the map is in kitchen"
 };
 
 // From the localiser's answer. A pose shares its probability out among the rooms whose floor is
-// around it, as wide as it is uncertain; near a doorway that is several. A pose outside every floor
-// tells no room. That there is none speaks against this home if the pictures have depth; without
-// depth too many have none.
+// around it, as wide as it is uncertain; near a doorway that is several. What of it lies on the
+// floor of a learned room speaks for these rooms, what lies on that of a room that was not learned,
+// or that nobody named, against all of them, as much as that there is no place at all. A pose
+// outside every floor tells no room and speaks neither for nor against them. That there is none
+// speaks against them if the pictures have depth; without depth too many have none.
 //
-// `layout` may be absent: then no room is told. `rooms`: the learned ones, by name; what of the
-// layout is not among them is no room, and one of them without floor is none that the place tells.
+// `layout` may be absent: then no room is told. `rooms`: the learned ones, by name; one of them
+// without floor is none that the place tells.
 [[nodiscard]] PlaceEvidence place_evidence(const mapping::Localization& answer, bool has_depth,
                                            const fusion::LevelFrame& frame,
                                            const std::optional<RoomLayout>& layout,
@@ -51,8 +53,8 @@ struct PlaceEvidence {
 
 // What pictures (combined) and their place tell together, by Bayes' rule: probabilities multiply,
 // and so do the odds of being known. How well the pictures alone are known is bounded from below by
-// what 1 in 100 of the held-out pictures had (RoomCalibration::none_below), so that a sure place
-// makes any picture known.
+// what 1 in 100 of the held-out pictures had (RoomCalibration::none_below), so that a sure place in
+// one of the rooms makes any picture known.
 [[nodiscard]] PictureEvidence with_place(const PictureEvidence& pictures,
                                          const PlaceEvidence& place,
                                          const RoomCalibration& calibration);

@@ -85,17 +85,49 @@ TEST(PlaceEvidence, WhereItContradictsThePicturesNoRoomIsSaid) {
 TEST(PlaceEvidence, APoseOutsideEveryFloorTellsNoRoom) {
   const PlaceEvidence outside = place(found_at(40));
   EXPECT_NEAR(outside.probabilities.maxCoeff(), outside.probabilities.minCoeff(), 1e-12);
-  EXPECT_GT(outside.home_log_ratio, 0) << "it is this home all the same";
+  EXPECT_EQ(outside.home_log_ratio, 0) << "and does not say that it is one of these rooms";
   const PictureEvidence pictures = evidence(0.1, 0.2, 0.7);
   EXPECT_TRUE(
       with_place(pictures, outside, calibration()).probabilities.isApprox(pictures.probabilities));
 }
 
-TEST(PlaceEvidence, ARoomThatWasNotLearnedIsNone) {
+TEST(PlaceEvidence, ARoomThatWasNotLearnedSpeaksAgainstThoseThatWere) {
   const std::optional<RoomLayout> layout = three_rooms();
   const std::vector<std::string> learned{"bath", "hall"};
   const PlaceEvidence at = place_evidence(found_at(7.5), true, {}, layout, learned);
   EXPECT_NEAR(at.probabilities[0], at.probabilities[1], 1e-12);
+  EXPECT_NEAR(at.home_log_ratio,
+              place(not_found(LocalizationStatus::kNothingSimilar)).home_log_ratio, 1e-9)
+      << "as if there were no place";
+  EXPECT_THAT(at.why, HasSubstr("in kitchen, which was not learned"));
+  // The kitchen looks a little like the hall.
+  const PictureEvidence alike{Eigen::Vector2d(0.02, 0.98), -1.2};
+  EXPECT_EQ(decide(with_place(alike, at, calibration()), learned, calibration()).verdict,
+            Verdict::kNoneOfThem);
+  // Between the hall and the kitchen it speaks for both, in proportion.
+  const double between = place_evidence(found_at(6), true, {}, layout, learned).home_log_ratio;
+  EXPECT_GT(between, 0);
+  EXPECT_LT(between, place(found_at(6)).home_log_ratio - 2);
+}
+
+TEST(PlaceEvidence, ARoomThatNobodyNamedSpeaksAgainstTheOthers) {
+  const image::Image<fusion::FloorCell> cells(90, 20, fusion::FloorCell::kFree);
+  WalkedPath walk;
+  for (double x_m = 0.5; x_m < 8.6; x_m += 0.1) {
+    walk.push_back({{x_m, 1}, x_m < 3 ? "bath" : x_m < 6 ? "hall" : ""});
+  }
+  const std::optional<RoomLayout> layout =
+      RoomLayout::make({Vector2d::Zero(), 0.1, cells}, std::span(&walk, 1)).value();
+  const std::vector<std::string> learned{"bath", "hall"};
+  const PlaceEvidence at = place_evidence(found_at(7.5), true, {}, layout, learned);
+  EXPECT_LT(at.home_log_ratio, -2.5);
+  EXPECT_THAT(at.why, HasSubstr("in a room without a name"));
+}
+
+TEST(PlaceEvidence, AMapWithoutRoomsSaysThatItIsThisHome) {
+  const PlaceEvidence at = place_evidence(found_at(4.5), true, {}, std::nullopt, kRooms);
+  EXPECT_GT(at.home_log_ratio, 0);
+  EXPECT_NEAR(at.probabilities.maxCoeff(), at.probabilities.minCoeff(), 1e-12);
 }
 
 TEST(PlaceEvidence, APlaceOnTheMapMakesAnyPictureKnown) {
@@ -146,7 +178,7 @@ TEST(PlaceEvidence, OfTwoPicturesTheSecondTellsTheRoom) {
 TEST(PlaceEvidence, OfTwoPicturesTheFirstTellsWhereTheSecondHasNoPlace) {
   const auto lost = not_found(LocalizationStatus::kPlain);
   const PlaceEvidence deep = pair(found_at(4.5), lost);
-  EXPECT_EQ(deep.home_log_ratio, place(found_at(4.5)).home_log_ratio);
+  EXPECT_GT(deep.home_log_ratio, 0.9 * place(found_at(4.5)).home_log_ratio);
   EXPECT_GT(deep.probabilities[1], 0.9);
   EXPECT_THAT(deep.why, HasSubstr("in hall"));
   // One step on it may be in the next room.

@@ -27,7 +27,7 @@ std::map<std::pair<std::int16_t, std::int16_t>, std::vector<Vector2d>> borders(
       const std::int16_t here = room(column, row);
       for (const Eigen::Vector2i& side : {Eigen::Vector2i(1, 0), Eigen::Vector2i(0, 1)}) {
         const std::int16_t there = room(column + side.x(), row + side.y());
-        if (here == kNoRoom || there == kNoRoom || here == there) continue;
+        if (here < 0 || there < 0 || here == there) continue;
         const Vector2d middle =
             grid.cell_middle_m(column, row) + grid.cell_m() / 2 * side.cast<double>();
         found[std::minmax(here, there)].push_back(middle);
@@ -119,7 +119,7 @@ std::vector<RoomExtent> find_extents(const FloorGrid& grid, const FreeFloor& flo
   for (int row = 0; row < grid.rows(); ++row) {
     for (int column = 0; column < grid.columns(); ++column, ++cell) {
       const std::int16_t room = room_of.at(column, row);
-      if (room == kNoRoom || floor.at(column, row) == 0) continue;
+      if (room < 0 || floor.at(column, row) == 0) continue;
       const auto index = static_cast<std::size_t>(room);
       extents[index].floor_m2 += grid.cell_m() * grid.cell_m();
       if (widths[cell] <= widest[index]) continue;
@@ -128,6 +128,23 @@ std::vector<RoomExtent> find_extents(const FloorGrid& grid, const FreeFloor& flo
     }
   }
   return extents;
+}
+
+// Looked at every half standard deviation: where, in standard deviations, and how much of it.
+std::vector<std::pair<Vector2d, double>> normal_distribution() {
+  constexpr int kReach = 6;
+  constexpr double kStep = 0.5;
+  std::vector<std::pair<Vector2d, double>> parts;
+  double sum = 0;
+  for (int y = -kReach; y <= kReach; ++y) {
+    for (int x = -kReach; x <= kReach; ++x) {
+      const Vector2d offset = kStep * Vector2d(x, y);
+      parts.emplace_back(offset, std::exp(-offset.squaredNorm() / 2));
+      sum += parts.back().second;
+    }
+  }
+  for (auto& [offset, share] : parts) share /= sum;
+  return parts;
 }
 
 }  // namespace
@@ -147,7 +164,7 @@ Expected<void> RoomLayoutOptions::validate() const {
 Expected<RoomLayout> RoomLayout::make(const FloorGrid& grid, std::span<const WalkedPath> walks,
                                       const RoomLayoutOptions& options) {
   ROOMWISE_CHECK_OK(options.validate());
-  const NamedWalks read = read_walks(walks);
+  const NamedWalks read = read_walks(walks, options.unsure_path_m);
 
   RoomLayout layout;
   layout.origin_m_ = grid.origin_m();
@@ -170,37 +187,36 @@ bool RoomLayout::has_floor() const {
 std::optional<std::size_t> RoomLayout::room_of_cell(int column, int row) const {
   if (!room_of_cell_.contains(column, row)) return std::nullopt;
   const std::int16_t room = room_of_cell_.at(column, row);
-  return room == kNoRoom ? std::nullopt : std::optional<std::size_t>(room);
+  return room < 0 ? std::nullopt : std::optional<std::size_t>(room);
 }
 
-std::optional<std::size_t> RoomLayout::room_around(const Vector2d& point_level) const {
-  const Eigen::Array2d cell = ((point_level - origin_m_) / cell_m_).array().floor();
-  if (!(cell.abs() < kMostCells).all()) return std::nullopt;
-  return room_of_cell(static_cast<int>(cell.x()), static_cast<int>(cell.y()));
+std::int16_t RoomLayout::room_around(const Vector2d& point_level) const {
+  const Eigen::Array2d at = ((point_level - origin_m_) / cell_m_).array().floor();
+  if (!(at.abs() < kMostCells).all()) return kNoRoom;
+  const int column = static_cast<int>(at.x()), row = static_cast<int>(at.y());
+  return room_of_cell_.contains(column, row) ? room_of_cell_.at(column, row) : kNoRoom;
 }
 
 std::optional<std::string> RoomLayout::room_at(const Vector2d& point_level) const {
-  const auto room = room_around(point_level);
-  return room ? std::optional(rooms_[*room].name) : std::nullopt;
+  const std::int16_t room = room_around(point_level);
+  return room < 0 ? std::nullopt : std::optional(rooms_[static_cast<std::size_t>(room)].name);
 }
 
 std::vector<double> RoomLayout::shares_around(const Vector2d& point_level, double sigma_m) const {
-  // A normal distribution, looked at every half standard deviation.
-  constexpr int kReach = 6;
-  constexpr double kStep = 0.5;
   std::vector<double> shares(rooms_.size(), 0);
-  double sum = 0;
-  for (int y = -kReach; y <= kReach; ++y) {
-    for (int x = -kReach; x <= kReach; ++x) {
-      const Vector2d offset = kStep * Vector2d(x, y);
-      const double density = std::exp(-offset.squaredNorm() / 2);
-      sum += density;
-      const auto room = room_around(point_level + sigma_m * offset);
-      if (room) shares[*room] += density;
-    }
+  for (const auto& [offset, share] : normal_distribution()) {
+    const std::int16_t room = room_around(point_level + sigma_m * offset);
+    if (room >= 0) shares[static_cast<std::size_t>(room)] += share;
   }
-  for (double& share : shares) share /= sum;
   return shares;
+}
+
+double RoomLayout::nameless_share_around(const Vector2d& point_level, double sigma_m) const {
+  double nameless = 0;
+  for (const auto& [offset, share] : normal_distribution()) {
+    if (room_around(point_level + sigma_m * offset) == kNamelessRoom) nameless += share;
+  }
+  return nameless;
 }
 
 std::vector<std::string> RoomLayout::neighbors(const std::string& room) const {

@@ -52,7 +52,8 @@ struct RoomExtent {
 // floor where it is widest first (a watershed of the clearance: Meyer, "Topographic distance and
 // watershed lines", 1994), so that two of them meet at the narrowest place between them that is not
 // far from where the name changed, which is the door. What is not free belongs to the room whose
-// floor is nearest to it along the grid.
+// floor is nearest to it along the grid. Where somebody walked for a while without naming a room, a
+// room without a name spreads likewise: its floor is no named room's.
 class RoomLayout {
  public:
   // A room that the walk names, but never on free floor, has no extent and stands in rooms() all
@@ -66,12 +67,17 @@ class RoomLayout {
   [[nodiscard]] bool has_floor() const;
   // By the rooms' names; of one pair the widest first.
   [[nodiscard]] const std::vector<Doorway>& doorways() const { return doorways_; }
-  // The room that the point lies in; absent outside, and far from all floor.
+  // The room that the point lies in; absent outside, far from all floor, and in a room without a
+  // name.
   [[nodiscard]] std::optional<std::string> room_at(const Eigen::Vector2d& point_level) const;
   // The same for a point that is known with this standard deviation along each direction, m: the
-  // probability of each of rooms(), in their order. What they lack of 1 is outside.
+  // probability of each of rooms(), in their order. What they lack of 1 is outside, or in a room
+  // without a name.
   [[nodiscard]] std::vector<double> shares_around(const Eigen::Vector2d& point_level,
                                                   double sigma_m) const;
+  // The probability that it lies in a room that somebody walked in and nobody named.
+  [[nodiscard]] double nameless_share_around(const Eigen::Vector2d& point_level,
+                                             double sigma_m) const;
   // The same for a cell of the grid: index into rooms().
   [[nodiscard]] std::optional<std::size_t> room_of_cell(int column, int row) const;
   // The rooms that a doorway leads to from this one, by name.
@@ -79,11 +85,12 @@ class RoomLayout {
 
  private:
   RoomLayout() = default;
-  [[nodiscard]] std::optional<std::size_t> room_around(const Eigen::Vector2d& point_level) const;
+  // As room_of_cell_ has it.
+  [[nodiscard]] std::int16_t room_around(const Eigen::Vector2d& point_level) const;
 
   Eigen::Vector2d origin_m_ = Eigen::Vector2d::Zero();
   double cell_m_ = 0;
-  image::Image<std::int16_t> room_of_cell_;  // index into rooms_, or -1
+  image::Image<std::int16_t> room_of_cell_;  // index into rooms_, or below 0 (floor_rooms.h)
   std::vector<RoomExtent> rooms_;
   std::vector<Doorway> doorways_;
 };

@@ -217,6 +217,55 @@ TEST(RoomLayoutTest, NoDoorIsMadeUpWhereTheWalkIsNotKnown) {
   }
 }
 
+// The kitchen of the two rooms was walked in without a name, from `late_m` after the door on.
+WalkedPath walk_into_nameless(double late_m) {
+  WalkedPath path = walk_through(late_m);
+  for (WalkedPlace& place : path) {
+    if (place.room == "kitchen") place.room.clear();
+  }
+  return path;
+}
+
+TEST(RoomLayoutTest, ARoomThatNobodyNamedIsNotThatBesideIt) {
+  for (const double late_m : {-0.6, 0.0, 0.6}) {
+    const std::vector<WalkedPath> walks{walk_into_nameless(late_m)};
+    const auto layout = RoomLayout::make(grid_of(plan_of_two_rooms()), walks);
+    ASSERT_OK(layout);
+    ASSERT_EQ(layout->rooms().size(), 1U);
+    EXPECT_NEAR(layout->rooms()[0].floor_m2, 6 - 0.36, 0.35) << late_m;
+    EXPECT_THAT(layout->room_at({2.7, 1.9}), Optional(std::string("bedroom"))) << late_m;
+    EXPECT_EQ(layout->room_at({3.6, 0.6}), std::nullopt) << late_m;
+    EXPECT_EQ(layout->room_at({5.5, 1.5}), std::nullopt) << late_m;
+    EXPECT_THAT(layout->doorways(), IsEmpty()) << "it leads to no room that has a name";
+    EXPECT_NEAR(layout->nameless_share_around({5, 1}, 0.2), 1, 1e-9);
+    EXPECT_NEAR(layout->nameless_share_around({1, 1}, 0.2), 0, 1e-9);
+    EXPECT_EQ(layout->nameless_share_around({50, 1}, 0.2), 0) << "outside";
+  }
+}
+
+TEST(RoomLayoutTest, AShortStretchWithoutANameTearsNoHole) {
+  WalkedPath path = walk_through(0);
+  for (WalkedPlace& place : path) {
+    if (place.room == "kitchen" && place.point_level.x() < 4.6) place.room.clear();
+  }
+  const std::vector<WalkedPath> walks{path};
+  const auto layout = RoomLayout::make(grid_of(plan_of_two_rooms()), walks);
+  ASSERT_OK(layout);
+  ASSERT_EQ(layout->rooms().size(), 2U);
+  EXPECT_NEAR(layout->rooms()[1].floor_m2, 6, 0.35);
+}
+
+TEST(RoomLayoutTest, WhatWasNamedOnAnotherWalkIsNamed) {
+  WalkedPath unnamed = walk_through(0);
+  for (WalkedPlace& place : unnamed) place.room.clear();
+  const std::vector<WalkedPath> walks{walk_through(0), unnamed};
+  const auto layout = RoomLayout::make(grid_of(plan_of_two_rooms()), walks);
+  ASSERT_OK(layout);
+  ASSERT_EQ(layout->rooms().size(), 2U);
+  EXPECT_NEAR(layout->rooms()[0].floor_m2, 6 - 0.36, 0.17);
+  EXPECT_NEAR(layout->rooms()[1].floor_m2, 6, 0.17);
+}
+
 TEST(RoomLayoutTest, ShortVisitsToAHallCount) {
   // Through the door lies a hall of 1 m, all of it near a crossing.
   WalkedPath path;

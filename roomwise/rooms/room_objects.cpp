@@ -9,6 +9,28 @@ namespace {
 // What somebody says is nearly certain: they may be wrong, or the thing may have moved.
 constexpr double kClaimedShare = 0.98;
 
+// Some rooms' shares are set, all at once; the rest goes to the others as they share it among
+// themselves, or in equal parts where they have none. With no others, all get equal parts.
+void set_shares(const std::map<std::string, double>& set, std::map<std::string, double>& shares) {
+  double rest_before = 0, rest = 1;
+  for (const auto& [room, share] : shares) {
+    const auto found = set.find(room);
+    if (found == set.end()) {
+      rest_before += share;
+    } else {
+      rest -= found->second;
+    }
+  }
+  const auto others = static_cast<double>(shares.size() - set.size());
+  for (auto& [room, share] : shares) {
+    if (const auto found = set.find(room); found != set.end()) {
+      share = others > 0 ? found->second : 1 / static_cast<double>(shares.size());
+    } else {
+      share = rest_before > 0 ? share / rest_before * rest : rest / others;
+    }
+  }
+}
+
 }  // namespace
 
 RoomObjects::RoomObjects(std::span<const NamedPicture> pictures, std::vector<ObjectClaim> claims,
@@ -52,24 +74,16 @@ std::map<std::string, double> RoomObjects::shares(const std::string& object) con
   if (sum > 0) {
     for (auto& [room, share] : shares) share /= sum;
   }
-  const double others = static_cast<double>(shares.size()) - 1;
-  if (others == 0) return {{shares.begin()->first, 1.0}};
-  // A room's share is set, and the rest goes to the others as they share it among themselves.
-  const auto set = [&](const std::string& set_room, double set_share) {
-    const double rest = sum > 0 ? 1 - shares.at(set_room) : 0;
-    for (auto& [room, share] : shares) {
-      if (room == set_room) continue;
-      share = rest > 0 ? share / rest * (1 - set_share) : (1 - set_share) / others;
-    }
-    shares.at(set_room) = set_share;
-  };
-  const double equal_part = 1 / (others + 1);
-  for (const ObjectClaim& denied : claims_) {
-    if (denied.object != object || denied.represents) continue;
-    if (shares.at(denied.room) > equal_part) set(denied.room, equal_part);
+  if (shares.size() == 1) return {{shares.begin()->first, 1.0}};
+  const double equal_part = 1 / static_cast<double>(shares.size());
+  std::map<std::string, double> denied;
+  for (const ObjectClaim& one : claims_) {
+    if (one.object != object || one.represents) continue;
+    denied[one.room] = std::min(shares.at(one.room), equal_part);
   }
+  set_shares(denied, shares);
   if (claim != claims_.end() && shares.at(claim->room) < kClaimedShare) {
-    set(claim->room, kClaimedShare);
+    set_shares({{claim->room, kClaimedShare}}, shares);
   }
   return shares;
 }

@@ -74,6 +74,30 @@ TEST(RoomObjectsTest, WhatSomebodySaysCountsMore) {
       << "a room that is not there any more";
 }
 
+TEST(RoomObjectsTest, OneDenialDoesNotUndoAnother) {
+  std::vector<NamedPicture> pictures;
+  add(pictures, "kitchen", 30, 20, "plant");
+  add(pictures, "bath", 30, 15, "plant");
+  add(pictures, "hall", 30, 1, "plant");
+  const ObjectClaim not_kitchen{"plant", "kitchen", false}, not_bath{"plant", "bath", false};
+  const auto shares = RoomObjects(pictures, {not_kitchen, not_bath}).shares("plant");
+  EXPECT_NEAR(shares.at("kitchen"), 1.0 / 3, 1e-12);
+  EXPECT_NEAR(shares.at("bath"), 1.0 / 3, 1e-12);
+  EXPECT_NEAR(shares.at("hall"), 1.0 / 3, 1e-12);
+  EXPECT_EQ(RoomObjects(pictures, {not_bath, not_kitchen}).shares("plant"), shares);
+  // What has less than an equal part gains nothing by it.
+  const ObjectClaim not_hall{"plant", "hall", false};
+  const auto two = RoomObjects(pictures, {not_kitchen, not_hall}).shares("plant");
+  EXPECT_NEAR(two.at("kitchen"), 1.0 / 3, 1e-12);
+  EXPECT_NEAR(two.at("hall"), RoomObjects(pictures).shares("plant").at("hall"), 1e-12);
+  EXPECT_NEAR(two.at("bath"), 2.0 / 3 - two.at("hall"), 1e-12);
+  // Where it stands in none of them, it tells nothing.
+  for (const auto& [room, share] :
+       RoomObjects(pictures, {not_kitchen, not_bath, not_hall}).shares("plant")) {
+    EXPECT_NEAR(share, 1.0 / 3, 1e-12) << room;
+  }
+}
+
 TEST(RoomObjectsTest, ARoomWithoutPicturesCanBeClaimedToo) {
   std::vector<NamedPicture> pictures;
   add(pictures, "kitchen", 30, 20, "plant");

@@ -1,0 +1,181 @@
+#include "roomwise/pipeline/change_evaluation.h"
+
+#include <gmock/gmock.h>
+
+#include "roomwise/home/sample_home.h"
+#include "roomwise/pipeline/stored_map.h"
+#include "roomwise/pipeline/synthetic_walk.h"
+#include "roomwise/simulation/ground_truth.h"
+
+namespace roomwise::pipeline {
+namespace {
+
+using Eigen::Vector3d;
+using objects::Fate;
+using simulation::ObjectTruth;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+// A home whose map lies turned and shifted against the truth of its walk, and what was true in that
+// walk and in a later one.
+class ChangeEvaluationTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    home_.emplace(home::Home::create(folder_ / "a.home").value());
+    ROOMWISE_MUST(home_->add_recording(home::testing::sample_recording()));
+    ROOMWISE_MUST(home_->add_network(home::testing::sample_network()));
+    ROOMWISE_MUST(home_->replace_concepts(rooms::Concepts::standard()));
+    for (home::KeyframeId id = 0; id < 8; ++id) {
+      home::Step step = home::testing::sample_step(1, 1, id);
+      const auto time_of = [](std::uint64_t frame) {
+        return static_cast<TimestampNs>(frame + 1) * 100'000'000;
+      };
+      for (home::Frame& frame : step.frames) frame.timestamp_ns = time_of(frame.index);
+      step.keyframes[0].timestamp_ns = time_of(step.keyframes[0].frame_index);
+      step.keyframes[0].pose.piece = 0;
+      ROOMWISE_MUST(home_->commit_step(step));
+    }
+    std::filesystem::create_directories(mapped());
+    std::filesystem::create_directories(visit());
+    testing::write_mapped_pictures(*home_, mapped());
+    recording::Trajectory truth = stored_trajectory(*home_).value();
+    for (recording::StampedPose& pose : truth) {
+      pose.world_from_camera = truth_from_world_ * pose.world_from_camera;
+    }
+    ROOMWISE_MUST(recording::write_trajectory(mapped() / "groundtruth.txt", truth));
+  }
+  std::filesystem::path mapped() { return folder_ / "mapped"; }
+  std::filesystem::path visit() { return folder_ / "visit"; }
+
+  // A cube of 0.4 m that so many frames show well.
+  static ObjectTruth cube(const std::string& name, const std::string& label, double x_m,
+                          std::uint64_t frames) {
+    ObjectTruth object;
+    object.name = name;
+    object.kind = object.label = label;
+    object.room = "hall";
+    object.center_m = {x_m, 0, 0.2};
+    object.size_m = Vector3d::Constant(0.4);
+    for (std::uint64_t frame = 0; frame < frames; ++frame) {
+      object.seen.push_back({frame, 4000, 0.01});
+    }
+    return object;
+  }
+  // Where the home says that something stands: at this place of the truth.
+  std::optional<geometry::OrientedBox> box_at(double x_m) {
+    const geometry::RigidTransform truth_from_box{Eigen::Quaterniond::Identity(), {x_m, 0, 0.2}};
+    return geometry::OrientedBox{truth_from_world_.inverse() * truth_from_box,
+                                 Vector3d::Constant(0.3)};
+  }
+  void say(const std::string& name, Fate fate, std::optional<double> before_x_m,
+           std::optional<double> now_x_m) {
+    ThingUpdate thing;
+    thing.name = name;
+    thing.fate = fate;
+    thing.is_new = !before_x_m;
+    if (before_x_m) thing.before = box_at(*before_x_m);
+    if (now_x_m) thing.now = box_at(*now_x_m);
+    update_.things.push_back(thing);
+  }
+  Expected<ChangeEvaluation> evaluate(const std::vector<ObjectTruth>& before,
+                                      const std::vector<ObjectTruth>& now) {
+    ROOMWISE_CHECK_OK(simulation::write_objects_truth(mapped() / "objects.json", before));
+    ROOMWISE_CHECK_OK(simulation::write_objects_truth(visit() / "objects.json", now));
+    return evaluate_changes(*home_, mapped(), visit(), update_, 0.1);
+  }
+
+  roomwise::testing::ScratchFolder folder_;
+  std::optional<home::Home> home_;
+  geometry::RigidTransform truth_from_world_{
+      Eigen::Quaterniond(Eigen::AngleAxisd(0.7, Vector3d::UnitZ())), {3, -2, 1}};
+  HomeUpdate update_;
+};
+
+TEST_F(ChangeEvaluationTest, WhatMovedCameAndWentIsNoticed) {
+  say("sofa", Fate::kMoved, 0, 1);
+  say("chair", Fate::kGone, 2, {});
+  say("lamp", Fate::kThere, {}, 4);
+  say("bed", Fate::kThere, 6, 6);
+  const auto result = evaluate(
+      {cube("sofa 1", "sofa", 0, 4), cube("chair 1", "chair", 2, 4), cube("bed 1", "bed", 6, 4)},
+      {cube("sofa 1", "sofa", 1, 3), cube("lamp 1", "lamp", 4, 3), cube("bed 1", "bed", 6, 3)});
+  ASSERT_OK(result);
+  EXPECT_EQ(result->expected(), 3U);
+  EXPECT_EQ(result->noticed(), 3U);
+  EXPECT_EQ(result->known(), 2U) << "the lamp was not there to be known";
+  EXPECT_EQ(result->known_noticed(), 2U);
+  EXPECT_EQ(result->right, 3U);
+  EXPECT_THAT(result->wrong, IsEmpty());
+  EXPECT_EQ(result->unchanged, 1U);
+  ASSERT_EQ(result->changes.size(), 3U);
+  EXPECT_EQ(result->changes[0].name, "chair 1");
+  EXPECT_EQ(result->changes[0].fate, Fate::kGone);
+  EXPECT_THAT(result->changes[0].noticed_as, ElementsAre("gone chair"));
+  EXPECT_EQ(result->changes[1].name, "lamp 1");
+  EXPECT_EQ(result->changes[1].fate, std::nullopt);
+  EXPECT_THAT(result->changes[1].noticed_as, ElementsAre("new lamp"));
+  EXPECT_EQ(result->changes[2].name, "sofa 1");
+  EXPECT_EQ(result->changes[2].fate, Fate::kMoved);
+  EXPECT_NEAR(result->changes[2].shift_m, 1, 1e-9);
+  EXPECT_THAT(result->changes[2].noticed_as, ElementsAre("moved sofa"));
+}
+
+TEST_F(ChangeEvaluationTest, WhatIsSaidOfThingsThatStandAsTheyStoodIsWrong) {
+  say("sofa", Fate::kMoved, 0, 0.05);
+  say("chair", Fate::kGone, 20, {});
+  const auto result = evaluate({cube("sofa 1", "sofa", 0, 4), cube("chair 1", "chair", 2, 4)},
+                               {cube("sofa 1", "sofa", 0.05, 3)});
+  ASSERT_OK(result);
+  EXPECT_THAT(result->wrong, ElementsAre("moved sofa", "gone chair"))
+      << "5 cm are no change, and the chair that went stood elsewhere";
+  EXPECT_EQ(result->right, 0U);
+  EXPECT_EQ(result->expected(), 1U);
+  EXPECT_EQ(result->noticed(), 0U);
+  EXPECT_EQ(result->known(), 0U) << "the home knew no chair there";
+  EXPECT_FALSE(result->changes.at(0).was_known);
+}
+
+TEST_F(ChangeEvaluationTest, WhatTheHomeKnewAndSaysNothingOfIsNotNoticed) {
+  say("sofa", Fate::kNotLookedAt, 0, 0);
+  const auto result = evaluate({cube("sofa 1", "sofa", 0, 4)}, {});
+  ASSERT_OK(result);
+  EXPECT_EQ(result->known(), 1U);
+  EXPECT_EQ(result->known_noticed(), 0U);
+  EXPECT_EQ(result->unchanged, 1U);
+}
+
+TEST_F(ChangeEvaluationTest, WhatWasHardlySeenIsNotExpected) {
+  say("sofa", Fate::kGone, 0, {});
+  const auto result = evaluate({cube("sofa 1", "sofa", 0, 3), cube("bed 1", "bed", 2, 4)},
+                               {cube("bed 1", "bed", 3, 2)});
+  ASSERT_OK(result);
+  ASSERT_EQ(result->changes.size(), 2U);
+  EXPECT_FALSE(result->changes[0].is_expected) << "two frames of the visit show the bed";
+  EXPECT_FALSE(result->changes[1].is_expected) << "three frames of the first walk show the sofa";
+  EXPECT_EQ(result->expected(), 0U);
+  EXPECT_EQ(result->noticed(), 0U);
+  EXPECT_EQ(result->right, 1U) << "an alarm is right all the same";
+}
+
+TEST_F(ChangeEvaluationTest, OfTwoChangesAnAlarmIsAboutThatOfItsName) {
+  say("chair", Fate::kGone, 0, {});
+  say("sofa", Fate::kGone, 5, {});
+  const auto result = evaluate({cube("bed 1", "bed", 0, 4), cube("chair 1", "chair", 0.25, 4),
+                                cube("ghost 1", "zebra", 5, 4)},
+                               {});
+  ASSERT_OK(result);
+  ASSERT_EQ(result->changes.size(), 2U) << "the home has no word for the third";
+  EXPECT_EQ(result->changes[0].name, "bed 1");
+  EXPECT_THAT(result->changes[0].noticed_as, IsEmpty()) << "although it is nearer";
+  EXPECT_THAT(result->changes[1].noticed_as, ElementsAre("gone chair"));
+  EXPECT_EQ(result->right, 2U) << "something stood there, whatever it is called";
+  EXPECT_THAT(result->wrong, IsEmpty());
+}
+
+TEST_F(ChangeEvaluationTest, AHomeOfAnotherWalkIsRefused) {
+  ROOMWISE_MUST(write_file(mapped() / "0.png", std::string_view("another picture")));
+  EXPECT_ERROR(evaluate({}, {}), "was not mapped from");
+}
+
+}  // namespace
+}  // namespace roomwise::pipeline
