@@ -1,6 +1,6 @@
-// How rightly rooms are named in many simulated homes: each is walked through and learned by day,
-// and looked at on other walks, in the evening, by night and with things moved; walks through other
-// homes are the rooms that it never learned.
+// How rightly rooms are named, things found and changes noticed in many simulated homes: each is
+// walked through and learned by day, and looked at on other walks, in the evening, by night and
+// with things moved; walks through other homes are the rooms that it never learned.
 //   rooms_benchmark FOLDER --homes 101-120
 // It runs the program `roomwise` beside it and keeps what each command printed: what was done is
 // not done again. Prints a table over all homes. Intervals of 95 % resample whole walks (of what
@@ -134,7 +134,11 @@ Expected<void> simulate(const std::string& seed, const fs::path& folder, const W
   return run_once(std::move(words), folder / fmt::format("{}.json", walk.name));
 }
 
-// The home's walks, its map, and what was learned.
+fs::path changes_file(const fs::path& folder, const Walk& walk) {
+  return folder / fmt::format("changes-{}.json", walk.name);
+}
+
+// The home's walks and its map, with the things in it and what changed.
 Expected<void> make_home(const std::string& seed, const RoomsOptions& options) {
   const fs::path folder = options.folder / seed;
   fs::create_directories(folder);
@@ -147,10 +151,20 @@ Expected<void> make_home(const std::string& seed, const RoomsOptions& options) {
   }
   ROOMWISE_CHECK_OK(run_once(
       with_networks({"map", (folder / "day").string(), "--home", home.string()}, options), mapped));
-  if (options.is_thinned) fs::remove_all(folder / "day");
   for (const Walk& walk : kVisits) {
     ROOMWISE_CHECK_OK(simulate(seed, folder, walk, {"--fps", "0.7", "--frames", "140"}));
   }
+  const Words of_day{"--home", home.string(), "--truth", (folder / "day").string()};
+  Words objects{"eval", "objects"};
+  std::ranges::copy(of_day, std::back_inserter(objects));
+  ROOMWISE_CHECK_OK(run_once(std::move(objects), folder / "objects.json"));
+  for (const Walk& walk : kVisits) {
+    if (walk.condition != "moved") continue;
+    Words changes{"eval", "changes", "--visit", (folder / walk.name).string()};
+    std::ranges::copy(of_day, std::back_inserter(changes));
+    ROOMWISE_CHECK_OK(run_once(std::move(changes), changes_file(folder, walk)));
+  }
+  if (options.is_thinned) fs::remove_all(folder / "day");
   return {};
 }
 
@@ -160,7 +174,8 @@ Expected<json> evaluate_home(std::size_t i, const Words& seeds, const RoomsOptio
   const std::string home = (folder / "day.home").string();
   ROOMWISE_CHECK_OK(run_once(with_networks({"rooms", "learn", "--home", home}, options),
                              folder / "learned.json"));
-  Words words{"rooms", "eval", "--home", home, "--margin", "1"};
+  // The vote of features takes most of the time, and finds little (docs/benchmarks.md).
+  Words words{"rooms", "eval", "--home", home, "--margin", "1", "--baselines", "--most-voted", "0"};
   for (const Walk& walk : kVisits) {
     words.insert(words.end(), {"--recording", (folder / walk.name).string()});
   }
@@ -179,8 +194,10 @@ Expected<json> evaluate_home(std::size_t i, const Words& seeds, const RoomsOptio
 
 // ---- the table ----
 
-constexpr std::array<std::pair<const char*, const char*>, 9> kWays{
-    {{"paper_single", "the paper's way, one picture"},
+constexpr std::array<std::pair<const char*, const char*>, 11> kWays{
+    {{"baseline_colors", "baseline: most alike colours (HSV)"},
+     {"baseline_nearest", "baseline: nearest features"},
+     {"paper_single", "the paper's way, one picture"},
      {"paper_pair_without_objects", "the paper's way, two pictures, no objects"},
      {"paper_pair", "the paper's way, two pictures"},
      {"single", "one picture"},
@@ -257,6 +274,68 @@ void print_unknown(const std::vector<json>& homes) {
   }
 }
 
+// Of all homes: `way` is "instances" or "rules".
+void print_objects_row(const std::vector<json>& homes, const char* way, const char* title) {
+  std::uint64_t found = 0, missed = 0, beyond = 0, twice = 0, wrong = 0;
+  std::vector<double> errors_m;
+  for (const json& home : homes) {
+    const json& of_way = home.at(way);
+    found += of_way.at("found").get<std::uint64_t>();
+    missed += of_way.at("missed").get<std::uint64_t>();
+    beyond += of_way.at("beyond").get<std::uint64_t>();
+    twice += of_way.at("double").get<std::uint64_t>();
+    wrong += of_way.at("false").get<std::uint64_t>();
+    for (const json& pair : of_way.at("pairs")) errors_m.push_back(pair.at("from_middle_m"));
+  }
+  std::ranges::sort(errors_m);
+  const auto error_at = [&](double share) {
+    return errors_m.empty() ? 0
+                            : errors_m[static_cast<std::size_t>(
+                                  share * static_cast<double>(errors_m.size() - 1))];
+  };
+  const auto share = [](std::uint64_t part, std::uint64_t of) {
+    return fmt::format(
+        "{} of {} ({:.0f} %)", part, of,
+        100.0 * static_cast<double>(part) / static_cast<double>(std::max<std::uint64_t>(1, of)));
+  };
+  const std::uint64_t all = found + beyond + twice + wrong;
+  fmt::print("| {} | {} | {} | {} | {} | {:.3f} m ({:.2f}) |\n", title,
+             share(found, found + missed), beyond, share(twice, all), share(wrong, all),
+             error_at(0.5), error_at(0.9));
+}
+
+Expected<void> print_things(const Words& seeds, const fs::path& folder) {
+  std::vector<json> homes;
+  std::uint64_t expected = 0, noticed = 0, known = 0, known_noticed = 0, right = 0, wrong = 0,
+                visits = 0;
+  for (const std::string& seed : seeds) {
+    ROOMWISE_TRY(const std::string objects, read_text_file(folder / seed / "objects.json"));
+    homes.push_back(json::parse(objects));
+    for (const Walk& walk : kVisits) {
+      if (walk.condition != "moved") continue;
+      ROOMWISE_TRY(const std::string text, read_text_file(changes_file(folder / seed, walk)));
+      const json changes = json::parse(text);
+      ++visits;
+      expected += changes.at("expected").get<std::uint64_t>();
+      noticed += changes.at("noticed").get<std::uint64_t>();
+      known += changes.at("known").get<std::uint64_t>();
+      known_noticed += changes.at("known_noticed").get<std::uint64_t>();
+      right += changes.at("right_alarms").get<std::uint64_t>();
+      wrong += changes.at("wrong_alarms").size();
+    }
+  }
+  fmt::print(
+      "\n| things | found of expected | beyond | found twice | false | from the box's middle, "
+      "median (90 %) |\n| --- | --- | --- | --- | --- | --- |\n");
+  print_objects_row(homes, "instances", "joined from regions");
+  print_objects_row(homes, "rules", "the paper's rules");
+  fmt::print(
+      "\n| visits with things moved | changed: noticed | of those that the home had found | alarms "
+      "right, wrong |\n| --- | --- | --- | --- |\n| {} | {} of {} | {} of {} | {}, {} |\n",
+      visits, noticed, expected, known_noticed, known, right, wrong);
+  return {};
+}
+
 // "101-103,7": 101, 102, 103, 7.
 Expected<Words> parse_seeds(const std::string& text) {
   constexpr const char* kUsage = "rooms_benchmark FOLDER --homes 101-120";
@@ -281,7 +360,7 @@ Expected<void> run(const RoomsOptions& options) {
   }
   print_ways(homes);
   print_unknown(homes);
-  return {};
+  return print_things(seeds, options.folder);
 }
 
 }  // namespace
