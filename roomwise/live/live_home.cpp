@@ -188,7 +188,8 @@ Expected<Bytes> LiveHome::keyframe_picture(home::KeyframeId id) const {
 Expected<rooms::RoomDecision> LiveHome::test_picture(const Bytes& picture) const {
   const auto now = view();
   if (!now->recognizer) return fail("{}", now->why_no_recognizer);
-  ROOMWISE_TRY(const image::ColorImage color, image::decode_color(picture));
+  constexpr std::int64_t kMostPixels = 24'000'000;  // of a phone's photo
+  ROOMWISE_TRY(const image::ColorImage color, image::decode_color(picture, kMostPixels));
   return now->recognizer->recognize({&color, 1});
 }
 

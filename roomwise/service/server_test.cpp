@@ -1,6 +1,8 @@
 #include "roomwise/service/server.h"
 
 #include <gmock/gmock.h>
+#include <signal.h>
+#include <sys/resource.h>
 
 #include <nlohmann/json.hpp>
 
@@ -251,11 +253,22 @@ TEST(ServerTest, AnswersOnlySoManyRequestsASecond) {
   EXPECT_EQ(client.ask("GET", "/health").status, 200);
 }
 
-TEST(ServerTest, ManyIdleConnectionsKeepNobodyOut) {
+// The tests' process holds both ends of every connection.
+void allow_open_files(rlim_t most) {
+  rlimit limit{};
+  ::getrlimit(RLIMIT_NOFILE, &limit);
+  limit.rlim_cur = std::max(limit.rlim_cur, std::min(limit.rlim_max, most));
+  ::setrlimit(RLIMIT_NOFILE, &limit);
+}
+
+TEST(ServerTest, AThousandIdleConnectionsKeepNobodyOut) {
+  allow_open_files(4096);
+  ::signal(SIGPIPE, SIG_IGN);  // who is sent away while shaking hands
   TestServer home({route("GET", "/health", std::nullopt)});
   std::vector<std::unique_ptr<RawClient>> idle;
-  for (int i = 0; i < 300; ++i) {
+  for (int i = 0; i < 1000; ++i) {
     idle.push_back(std::make_unique<RawClient>(home.port(), fmt::format("127.0.1.{}", 1 + i / 20)));
+    if (i % 10 == 0) (void)idle.back()->shake_hands();  // and ask nothing; some find no place
   }
   // From an address that is not among them, and from one that is.
   EXPECT_EQ(home.ask("GET", "/api/me", bearer(home.device.token), "", "127.0.2.1").status, 200);
@@ -263,6 +276,33 @@ TEST(ServerTest, ManyIdleConnectionsKeepNobodyOut) {
   EXPECT_LE(counts.open_connections, 64u + 1);
   EXPECT_GE(counts.refusals.at("too many connections of one address"), 100u);
   EXPECT_GE(counts.refusals.at("made room for a newer connection"), 1u);
+}
+
+TEST(ServerTest, ClosesWhoDoesNotGoOn) {
+  ServerLimits limits;
+  limits.handshake_s = limits.request_s = limits.idle_s = 0.2;
+  TestServer home({route("GET", "/health", std::nullopt)}, limits);
+  RawClient silent(home.port());
+  EXPECT_TRUE(silent.is_closed()) << "shakes no hands";
+  RawClient mute(home.port());
+  ASSERT_TRUE(mute.shake_hands());
+  EXPECT_TRUE(mute.is_closed()) << "asks nothing";
+  RawClient slow(home.port());
+  ASSERT_TRUE(slow.shake_hands());
+  EXPECT_EQ(slow.ask("GET", "/health").status, 200);
+  slow.send("GET /health HTT");
+  EXPECT_TRUE(slow.is_closed()) << "never ends what it asks";
+  RawClient idle(home.port());
+  ASSERT_TRUE(idle.shake_hands());
+  EXPECT_EQ(idle.ask("GET", "/health").status, 200);
+  EXPECT_TRUE(idle.is_closed()) << "asks nothing more";
+}
+
+TEST(ServerTest, RequestsThatNoWorkerCanTakeAreSentAway) {
+  ServerLimits limits;
+  limits.waiting_requests = 0;
+  TestServer home({route("GET", "/health", std::nullopt)}, limits);
+  EXPECT_EQ(home.ask("GET", "/health").status, 503);
 }
 
 TEST(ServerTest, StopsWhileClientsAreConnected) {
