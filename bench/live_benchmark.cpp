@@ -192,7 +192,7 @@ void run(const Options& options) {
   }
   const objects::RegionFinders finders;
   live::LiveHomeOptions live_options;
-  live_options.threads = ThreadPool::default_size();
+  live_options.threads = live_options.looking_threads = ThreadPool::default_size();
   const auto home = need(live::LiveHome::open(options.home, networks, finders, live_options));
   home->jobs().wait();
   fmt::print("home: {}; rooms {}; places {}\n", home->jobs().state()->text,
@@ -202,6 +202,7 @@ void run(const Options& options) {
   const fs::path access_folder =
       fs::temp_directory_path() / fmt::format("roomwise-live-benchmark-{}", ::getpid());
   service::ServerOptions server_options;
+  server_options.session_threads = live_options.threads;  // as serve has it
   server_options.certificate = need(service::own_certificate(access_folder, {"127.0.0.1"}));
   const auto access =
       need(service::AccessRegister::open(access_folder, server_options.certificate.fingerprint));

@@ -276,7 +276,7 @@ Expected<Answer> serve(const Options& options, Context& context) {
   if (!options.speak.empty()) {
     ROOMWISE_TRY(spoken, SpokenCodes::open(options));
   }
-  SpokenCodes* const codes = spoken ? &*spoken : nullptr;
+  SpokenCodes* codes = spoken ? &*spoken : nullptr;
   ROOMWISE_TRY(const auto server, HomeServer::start(options, context));
   std::cout << fmt::format("{} serves {}\nIts certificate's fingerprint (SHA-256): {}\n",
                            server->address(), options.home.string(),
@@ -291,7 +291,12 @@ Expected<Answer> serve(const Options& options, Context& context) {
   TypedLines lines;
   while (!interrupt_requested()) {
     if (lines.take()) ROOMWISE_CHECK_OK(show_code(*server, service::Role::kDevice, codes));
-    if (codes != nullptr) ROOMWISE_CHECK_OK(codes->step());
+    if (codes != nullptr) {
+      if (const auto spoken_on = codes->step(); !spoken_on) {
+        std::cerr << "codes are not spoken any more: " << spoken_on.error().message << '\n';
+        codes = nullptr;
+      }
+    }
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
   }
   Answer answer;

@@ -98,7 +98,9 @@ Expected<void> LiveHome::begin_recording(std::int64_t device, const std::string&
     recording_device_ = device;
   }
   (*found)->record_to(recorder);
-  return start_mapping(recorder);
+  // Where that cannot be now, it is done at the end.
+  static_cast<void>(start_mapping(recorder));
+  return {};
 }
 
 Expected<void> LiveHome::end_recording() {
@@ -117,8 +119,8 @@ Expected<void> LiveHome::end_recording() {
       service::RecordingState{recording_device_, closed ? "saved" : "failed", recorder->name(),
                               recorder->frames(), closed ? "" : closed.error().message});
   ROOMWISE_CHECK_OK(closed);
-  if (jobs_->running()) return {};  // it is being mapped
-  return start_mapping(recorder->folder());
+  const bool is_being_mapped = jobs_->running() && jobs_->state()->kind == "map";
+  return is_being_mapped ? Expected<void>() : start_mapping(recorder->folder());
 }
 
 Expected<void> LiveHome::start_mapping(const fs::path& folder) {
