@@ -36,6 +36,7 @@ struct Options {
   std::vector<fs::path> networks;
   std::size_t devices = 1;
   std::size_t frames = 1000;
+  std::size_t looking_threads = ThreadPool::default_size();
   double rate_hz = 10;
   bool depth = false;
 };
@@ -192,7 +193,8 @@ void run(const Options& options) {
   }
   const objects::RegionFinders finders;
   live::LiveHomeOptions live_options;
-  live_options.threads = live_options.looking_threads = ThreadPool::default_size();
+  live_options.threads = ThreadPool::default_size();
+  live_options.looking_threads = options.looking_threads;
   const auto home = need(live::LiveHome::open(options.home, networks, finders, live_options));
   home->jobs().wait();
   fmt::print("home: {}; rooms {}; places {}\n", home->jobs().state()->text,
@@ -257,6 +259,9 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(0.1, 100.0))
       ->capture_default_str();
   app.add_flag("--depth", options.depth, "Send depth too");
+  app.add_option("--looking-threads", options.looking_threads,
+                 "That look at devices' frames; default: as serve, all processors")
+      ->check(CLI::Range(1, 64));
   CLI11_PARSE(app, argc, argv);
   run(options);
   return 0;
