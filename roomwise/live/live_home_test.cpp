@@ -100,12 +100,17 @@ class LiveHomeTest : public ::testing::Test {
         service::FrameMessage{static_cast<double>(frame.timestamp_ns) / 1e6, color, depth});
   }
   void record_the_walk() {
-    Client belt = connect(7, service::Role::kDevice);
+    const Client belt = connect(7, service::Role::kDevice);
     ASSERT_OK(home->begin_recording(7, "first walk"));
+    record_the_rest(belt);
+  }
+  // To the end of the walk, and until all of it is mapped.
+  void record_the_rest(const Client& belt) {
     while (auto frame = walk.next().value()) belt.session->on_message(message_of(*frame));
     ASSERT_OK(home->end_recording());
     home->jobs().wait();
     ASSERT_EQ(home->jobs().state()->state, "done") << home->jobs().state()->text;
+    EXPECT_THAT(home->jobs().state()->text, HasSubstr(fmt::format("of {} frames", kFrames)));
     belt.session->on_closed();
   }
   void learn_two_rooms() {
@@ -360,12 +365,7 @@ TEST_F(LiveHomeTest, AWalkIsMappedWhileItIsRecorded) {
   EXPECT_EQ(mapped.kind, "map");
   EXPECT_EQ(mapped.state, "running");
   EXPECT_ERROR(home->learn(), "busy");
-  while (auto frame = walk.next().value()) belt.session->on_message(message_of(*frame));
-  ASSERT_OK(home->end_recording());
-  home->jobs().wait();
-  ASSERT_EQ(home->jobs().state()->state, "done") << home->jobs().state()->text;
-  EXPECT_THAT(home->jobs().state()->text, HasSubstr(fmt::format("of {} frames", kFrames)));
-  belt.session->on_closed();
+  record_the_rest(belt);
 }
 
 // What was stopped is gone on with when the recording ends, or at the next start.
@@ -377,12 +377,7 @@ TEST_F(LiveHomeTest, AMapThatWasStoppedWhileItIsRecordedIsGoneOnWith) {
   EXPECT_TRUE(home->jobs().stop());
   home->jobs().wait();
   EXPECT_EQ(home->jobs().state()->state, "stopped");
-  while (auto frame = walk.next().value()) belt.session->on_message(message_of(*frame));
-  ASSERT_OK(home->end_recording());
-  home->jobs().wait();
-  ASSERT_EQ(home->jobs().state()->state, "done") << home->jobs().state()->text;
-  EXPECT_THAT(home->jobs().state()->text, HasSubstr(fmt::format("of {} frames", kFrames)));
-  belt.session->on_closed();
+  record_the_rest(belt);
 }
 
 TEST_F(LiveHomeTest, OnlyWhoIsRecordedOrAHelperNamesTheWalksRooms) {
