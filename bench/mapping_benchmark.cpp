@@ -1,10 +1,12 @@
-// Maps real recordings with several seeds, methods and kinds of features, and prints how good and
-// how dear that is:
-//   mapping_benchmark [SEEDS] [METHOD:FEATURES[:graph] ...]   for example: mapping_benchmark 5
-//   paper:orb
-// With ":graph" the map is left as the pose graph says, without bundle adjustment.
+// Maps recordings with several seeds, methods and kinds of features, and prints how good and how
+// dear that is:
+//   mapping_benchmark [SEEDS] [METHOD:FEATURES[:graph] ...] [RECORDING/ ...]
+// for example: mapping_benchmark 5 paper:orb, or mapping_benchmark 5 combined:surf walks/day/
+// With ":graph" the map is left as the pose graph says, without bundle adjustment. What has a slash
+// is the folder of a recording, with its camera.txt and groundtruth.txt; without any, the real
+// recordings of ROOMWISE_DATA are mapped.
 // Each run is a process of its own, so that its processor time and peak memory are its own.
-// Recordings are looked for in ROOMWISE_DATA. No networks: this measures mapping alone.
+// No networks: this measures mapping alone.
 
 #include <fmt/format.h>
 #include <sys/resource.h>
@@ -17,6 +19,7 @@
 #include <filesystem>
 #include <opencv2/core.hpp>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -35,6 +38,7 @@ namespace fs = std::filesystem;
 
 struct Task {
   std::string recording;
+  fs::path folder;
   std::optional<geometry::PinholeCamera> camera;
 };
 
@@ -43,6 +47,7 @@ struct Run {
   double frames = 0;
   double placed = 0;
   double ate_m = 0;
+  double ate_percent = 0;  // of the path
   double rpe_m = 0;
   double keyframes = 0;
   double edges = 0;            // of the pose graph
@@ -74,8 +79,18 @@ Expected<Way> parse_way(std::string_view text) {
   return Way{method, features, !stops_at_graph};
 }
 
-Expected<Run> map_once(const fs::path& folder, const Task& task, const Way& way,
-                       std::uint64_t seed) {
+double path_length_m(const recording::Trajectory& trajectory) {
+  double length = 0;
+  for (std::size_t i = 1; i < trajectory.size(); ++i) {
+    length += (trajectory[i].world_from_camera.translation -
+               trajectory[i - 1].world_from_camera.translation)
+                  .norm();
+  }
+  return length;
+}
+
+Expected<Run> map_once(const Task& task, const Way& way, std::uint64_t seed) {
+  const fs::path& folder = task.folder;
   ROOMWISE_TRY(const auto source, recording::TumRecording::open(folder, {.camera = task.camera}));
   const fs::path file =
       fs::temp_directory_path() / fmt::format("roomwise-benchmark-{}.home", getpid());
@@ -108,6 +123,7 @@ Expected<Run> map_once(const fs::path& folder, const Task& task, const Way& way,
     result.edges = static_cast<double>(summary.edges);
     result.returns = static_cast<double>(summary.loops);
     result.ate_m = ate.error_m.rmse;
+    result.ate_percent = 100 * ate.error_m.rmse / path_length_m(truth);
     result.rpe_m = rpe.translation_m.rmse;
     const auto stages = clock.stages();
     const auto per_frame_ms = [&](double seconds) { return 1000 * seconds / result.frames; };
@@ -129,13 +145,12 @@ Expected<Run> map_once(const fs::path& folder, const Task& task, const Way& way,
 }
 
 // Runs in a child process.
-std::optional<Run> map_apart(const fs::path& folder, const Task& task, const Way& way,
-                             std::uint64_t seed) {
+std::optional<Run> map_apart(const Task& task, const Way& way, std::uint64_t seed) {
   std::array<int, 2> pipe_ends{};
   if (pipe(pipe_ends.data()) != 0) return std::nullopt;
   const pid_t child = fork();
   if (child == 0) {
-    const Expected<Run> run = map_once(folder, task, way, seed);
+    const Expected<Run> run = map_once(task, way, seed);
     if (!run) {
       fmt::print(stderr, "{}\n", run.error().message);
       _exit(1);
@@ -159,67 +174,98 @@ std::string median_and_range(const std::vector<Run>& runs, double Run::*field, i
                      values.front(), decimals, values.back(), decimals);
 }
 
+// The real recordings that lie in ROOMWISE_DATA.
+Expected<std::vector<Task>> real_recordings() {
+  const char* data = std::getenv("ROOMWISE_DATA");
+  if (data == nullptr) {
+    return fail("name recordings, or set ROOMWISE_DATA to the folder of the real ones");
+  }
+  ROOMWISE_TRY(const auto fr1, geometry::camera_preset("fr1"));
+  std::vector<Task> tasks;
+  for (const auto& [name, camera] :
+       {std::pair("rgbd_dataset_freiburg1_rpy", std::optional(fr1)),
+        std::pair("office_walk", std::optional<geometry::PinholeCamera>())}) {
+    const fs::path folder = fs::path(data) / name;
+    if (fs::exists(folder)) {
+      tasks.push_back({name, folder, camera});
+    } else {
+      fmt::print(stderr, "{}: not there, left out\n", folder.string());
+    }
+  }
+  return tasks;
+}
+
+struct Plan {
+  int seeds = 5;
+  std::vector<std::string> names;  // of the ways
+  std::vector<Way> ways;
+  std::vector<Task> tasks;
+};
+
+Expected<Plan> plan_from(std::span<char*> arguments) {
+  Plan plan;
+  if (!arguments.empty()) {
+    ROOMWISE_TRY(
+        plan.seeds,
+        bench::parse_count(arguments[0], "mapping_benchmark [SEEDS [WAY ...] [FOLDER/ ...]]"));
+    arguments = arguments.subspan(1);
+  }
+  for (const std::string argument : arguments) {
+    if (argument.find('/') == std::string::npos) {
+      plan.names.push_back(argument);
+    } else {
+      plan.tasks.push_back({argument, argument, std::nullopt});
+    }
+  }
+  if (plan.names.empty()) {
+    plan.names = {"combined:surf", "combined:sift", "combined:orb",
+                  "paper:surf",    "paper:sift",    "paper:orb"};
+  }
+  for (const std::string& name : plan.names) {
+    ROOMWISE_TRY(const Way way, parse_way(name));
+    plan.ways.push_back(way);
+  }
+  if (plan.tasks.empty()) {
+    ROOMWISE_TRY(plan.tasks, real_recordings());
+  }
+  return plan;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   cv::setNumThreads(1);
-  const char* data = std::getenv("ROOMWISE_DATA");
-  if (data == nullptr) {
-    fmt::print(stderr, "set ROOMWISE_DATA to the folder of the recordings\n");
-    return 1;
-  }
-  const auto given = argc > 1 ? bench::parse_count(argv[1], "mapping_benchmark [SEEDS [WAY ...]]")
-                              : Expected<int>(5);
-  if (!given) {
-    fmt::print(stderr, "{}\n", given.error().message);
+  const auto plan = plan_from({argv + 1, argv + argc});
+  if (!plan) {
+    fmt::print(stderr, "{}\n", plan.error().message);
     return 2;
   }
-  const int seeds = *given;
-  std::vector<std::string> names(argv + std::min(argc, 2), argv + argc);
-  if (names.empty()) {
-    names = {"combined:surf", "combined:sift", "combined:orb",
-             "paper:surf",    "paper:sift",    "paper:orb"};
-  }
-  std::vector<Way> ways;
-  for (const std::string& name : names) {
-    const auto way = parse_way(name);
-    if (!way) {
-      fmt::print(stderr, "{}\n", way.error().message);
-      return 2;
-    }
-    ways.push_back(*way);
-  }
-
-  const std::vector<Task> tasks{
-      {"rgbd_dataset_freiburg1_rpy", geometry::camera_preset("fr1").value()},
-      {"office_walk", std::nullopt}};
-  fmt::print("Median (range) of {} seeds, {} threads.\n\n", seeds, ThreadPool::default_size());
+  fmt::print("Median (range) of {} seeds, {} threads.\n\n", plan->seeds,
+             ThreadPool::default_size());
   fmt::print(
-      "| recording | method | frames with a pose | ATE RMSE, m | RPE over 1 s, m | key-frames | "
+      "| recording | method | frames with a pose | ATE RMSE, m | of the path, % | RPE over 1 s, m "
+      "| key-frames | "
       "edges | returns | "
       "features CPU-ms | views CPU-ms | tracking and loops CPU-ms | solving CPU-ms | all CPU-ms a "
       "frame | wall s | "
       "peak MB |\n"
       "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- "
-      "|\n");
-  for (const Task& task : tasks) {
-    const fs::path folder = fs::path(data) / task.recording;
-    if (!fs::exists(folder)) {
-      fmt::print(stderr, "{}: not there, left out\n", folder.string());
-      continue;
-    }
-    for (std::size_t i = 0; i < ways.size(); ++i) {
+      "| --- |\n");
+  for (const Task& task : plan->tasks) {
+    for (std::size_t i = 0; i < plan->ways.size(); ++i) {
       std::vector<Run> runs;
-      for (int seed = 1; seed <= seeds; ++seed) {
-        const auto run = map_apart(folder, task, ways[i], static_cast<std::uint64_t>(seed));
+      for (int seed = 1; seed <= plan->seeds; ++seed) {
+        const auto run = map_apart(task, plan->ways[i], static_cast<std::uint64_t>(seed));
         if (!run) return 1;
         runs.push_back(*run);
       }
       fmt::print(
-          "| {} | {} | {} of {:.0f} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} "
+          "| {} | {} | {} of {:.0f} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | "
+          "{} "
           "|\n",
-          task.recording, names[i], median_and_range(runs, &Run::placed, 0), runs.front().frames,
-          median_and_range(runs, &Run::ate_m, 4), median_and_range(runs, &Run::rpe_m, 4),
+          task.recording, plan->names[i], median_and_range(runs, &Run::placed, 0),
+          runs.front().frames, median_and_range(runs, &Run::ate_m, 4),
+          median_and_range(runs, &Run::ate_percent, 3), median_and_range(runs, &Run::rpe_m, 4),
           median_and_range(runs, &Run::keyframes, 0), median_and_range(runs, &Run::edges, 0),
           median_and_range(runs, &Run::returns, 0),
           median_and_range(runs, &Run::features_cpu_ms, 1),
