@@ -1,6 +1,7 @@
 // The part of Mapper that compares frames with any key-frames, for loops and where it is lost.
 
 #include <algorithm>
+#include <limits>
 
 #include "roomwise/mapping/mapper.h"
 
@@ -24,6 +25,8 @@ Mapper::Outcome Mapper::compare(KeyframeId reference, const motion::FrameMeasure
   // A loop must be surer than a step of the odometry.
   motion::LocatorOptions strict = options_.locator;
   strict.rests_on_prior = false;
+  // A prior, where there is one, is too narrow here to be a period off.
+  strict.confirmed_from_m = strict.confirmed_from_rad = std::numeric_limits<double>::infinity();
   motion::MotionOptions& features = strict.features;
   features.least_inliers = std::max(features.least_inliers, options_.loops.least_inliers);
   features.least_matches = std::max(features.least_matches, options_.loops.least_inliers);

@@ -20,6 +20,11 @@ bool is_sure(const ViewAlignment& alignment, const PosePrior& prior,
   return solver.eigenvalues()[0] >= 1 / (options.sure_sigma * options.sure_sigma);
 }
 
+bool is_large(const geometry::RigidTransform& motion, const LocatorOptions& options) {
+  return motion.distance_m() >= options.confirmed_from_m ||
+         motion.angle_rad() >= options.confirmed_from_rad;
+}
+
 MotionOutcome found_by_views(const ViewAlignment& alignment) {
   MotionOutcome outcome;
   outcome.status = MotionStatus::kFound;
@@ -44,7 +49,11 @@ Expected<void> LocatorOptions::validate() const {
   if (!(sure_rms > 0) || !(most_rms >= sure_rms)) {
     return fail("sure_rms = {} must be positive and not above most_rms = {}", sure_rms, most_rms);
   }
-  if (!(sure_sigma > 0)) return fail("sure_sigma = {} must be positive", sure_sigma);
+  for (const auto& [name, value] :
+       {std::pair("sure_sigma", sure_sigma), std::pair("confirmed_from_m", confirmed_from_m),
+        std::pair("confirmed_from_rad", confirmed_from_rad)}) {
+    if (!(value > 0)) return fail("{} = {} must be positive", name, value);
+  }
   if (!(sure_surprise > 0) || !(most_surprise >= sure_surprise)) {
     return fail("sure_surprise = {} must be positive and not above most_surprise = {}",
                 sure_surprise, most_surprise);
@@ -78,17 +87,33 @@ MotionOutcome locate_frame(const FrameMeasurements& reference, const FrameMeasur
     predicted = align_views(reference.view(), current.view(), *prior, options.views);
     if (is_surprising(predicted->pose)) predicted->found = false;
     if (!options.rests_on_prior) predicted->pose.information = predicted->seen_information;
-    if (is_sure(*predicted, *prior, options)) return found_by_views(*predicted);
+  }
+  const bool is_foreseen = predicted && is_sure(*predicted, *prior, options);
+  if (is_foreseen && !is_large(predicted->pose.reference_from_current, options) &&
+      !is_large(prior->reference_from_current, options)) {
+    return found_by_views(*predicted);
   }
 
   MotionOutcome outcome =
       estimate_motion(reference.features(), current.features(), camera, options.features, random);
+  const auto align_from_features = [&] {
+    return align_views(reference.view(), current.view(), prior_from(outcome.pose), options.views);
+  };
+  if (is_foreseen) {
+    // What features say is one start more: where the views fit best counts.
+    if (!outcome.found()) return found_by_views(*predicted);
+    const ViewAlignment other = align_from_features();
+    if (!other.found || is_surprising(other.pose) || other.pose.rms >= predicted->pose.rms) {
+      return found_by_views(*predicted);
+    }
+    outcome.pose = other.pose;
+    return outcome;
+  }
   if (outcome.found() && is_surprising(outcome.pose) &&
       outcome.inliers < options.surprising_inliers) {
     outcome.status = MotionStatus::kSurprising;
   } else if (outcome.found()) {
-    const ViewAlignment refined =
-        align_views(reference.view(), current.view(), prior_from(outcome.pose), options.views);
+    const ViewAlignment refined = align_from_features();
     if (fits(refined)) {
       outcome.pose = refined.pose;
       return outcome;

@@ -20,6 +20,10 @@ struct LocatorOptions {
   double sure_agreeing = 0.9;
   double sure_sigma = 0.005;
   double sure_surprise = 6;
+  // A sure alignment is still compared with what features say if the camera moved this far, or was
+  // foreseen to: where a pattern repeats, views also fit a period off.
+  double confirmed_from_m = 0.12;
+  double confirmed_from_rad = 0.14;
   double most_rms = 2.0;  // an alignment with a larger residual than this is none
   // Further from what was foreseen than this (e^T Omega e) an alignment is not believed, nor are
   // fewer inliers among the features.
@@ -33,7 +37,8 @@ struct LocatorOptions {
 };
 
 // Where the current frame is relative to the reference, by all that both show. With a prior the
-// views are aligned from there, and if that leaves no doubt, it is the answer. Else features say
+// views are aligned from there, and if that leaves no doubt, it is the answer; after a large motion
+// they are also aligned from the features' pose, and the better fit counts. Else features say
 // (estimate_motion); the views are aligned from their pose, and a pose at which the depth images
 // contradict each other is none. Last, an alignment from the prior that fits is taken where there
 // are too few features to say more. Frames without views are left to the features.

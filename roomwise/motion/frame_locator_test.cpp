@@ -58,9 +58,9 @@ class LocateFrame : public ::testing::Test {
 };
 
 TEST_F(LocateFrame, NeedsNoFeaturesWhereTheViewsLeaveNoDoubt) {
-  const MotionOutcome outcome =
-      locate(without_asking_for_features(kReference), without_asking_for_features(kCurrent),
-             PosePrior::around(kMotion * motion_by({0.01, 0.02, 0}, {0.02, 0, 0.01}), 0.05, 0.08));
+  const MotionOutcome outcome = locate(
+      without_asking_for_features(kReference), without_asking_for_features(kCurrent),
+      PosePrior::around(kMotion * motion_by({-0.01, -0.02, 0}, {-0.02, 0, -0.01}), 0.05, 0.08));
   ASSERT_TRUE(outcome.found()) << outcome.describe();
   EXPECT_LT(error_m(outcome), 0.002);
   EXPECT_EQ(outcome.inliers, 0);
@@ -186,6 +186,62 @@ TEST(LocateFrameAtAWall, FeaturesDecideBetweenTwoPlacesThatLookAlike) {
                   .found());
 }
 
+// A wall whose pattern repeats, before which the camera moves by a period and a half; a slow change
+// of brightness along it tells the periods apart.
+class LocateFrameAtARepeatedPattern : public ::testing::Test {
+ protected:
+  static constexpr double kPeriod_m = 0.2;
+  static double brightness(const Eigen::Vector3d& p) {
+    return 130 + 50 * std::sin(2 * M_PI / kPeriod_m * p.x()) + 30 * std::sin(7 * p.y()) +
+           25 * std::sin(1.5 * p.x());
+  }
+  static inline const RigidTransform kAlong = motion_by({0, 0, 0}, {0.3, 0, 0});
+  static inline const SmallView kReference = view_of(wall(1.8, brightness), {});
+  static inline const SmallView kCurrent = view_of(wall(1.8, brightness), kAlong);
+  // What could leave another doubt is allowed for.
+  static LocatorOptions unsuspecting() {
+    LocatorOptions options;
+    options.sure_sigma = 0.1;
+    options.sure_rms = options.most_rms = 5;
+    return options;
+  }
+  static PosePrior foreseen(double along_m) {
+    return PosePrior::around(motion_by({0, 0, 0}, {along_m, 0, 0}), 0.15, 0.1);
+  }
+  static CommonFeatures features_of(double along_m) {
+    return common_features(wall(1.8, brightness), {}, motion_by({0, 0, 0}, {along_m, 0, 0}), 40);
+  }
+};
+
+TEST_F(LocateFrameAtARepeatedPattern, FeaturesPutRightViewsThatFitAPeriodOff) {
+  const PosePrior prior = foreseen(0.3 - 0.85 * kPeriod_m);
+  const MotionOutcome blind =
+      locate({no_features(), kReference}, {no_features(), kCurrent}, prior, unsuspecting());
+  ASSERT_TRUE(blind.found());
+  ASSERT_NEAR(error_m(blind, kAlong), kPeriod_m, 0.02) << "or the scene deceives nobody";
+  const CommonFeatures right = features_of(0.3);
+  const MotionOutcome outcome =
+      locate({right.reference, kReference}, {right.current, kCurrent}, prior, unsuspecting());
+  ASSERT_TRUE(outcome.found());
+  EXPECT_LT(error_m(outcome, kAlong), 0.003);
+  EXPECT_GT(outcome.inliers, 30);
+}
+
+TEST_F(LocateFrameAtARepeatedPattern, ViewsThatFitBetterStandAgainstFeaturesAPeriodOff) {
+  const CommonFeatures wrong = features_of(0.3 - kPeriod_m);
+  const MotionOutcome outcome = locate({wrong.reference, kReference}, {wrong.current, kCurrent},
+                                       foreseen(0.29), unsuspecting());
+  ASSERT_TRUE(outcome.found());
+  EXPECT_LT(error_m(outcome, kAlong), 0.003);
+}
+
+TEST_F(LocateFrameAtARepeatedPattern, AfterASmallMotionNothingIsConfirmed) {
+  const SmallView near = view_of(wall(1.8, brightness), motion_by({0, 0, 0}, {0.05, 0, 0}));
+  EXPECT_TRUE(locate(without_asking_for_features(kReference), without_asking_for_features(near),
+                     foreseen(0.06), unsuspecting())
+                  .found());
+}
+
 TEST(LocatorOptions, SaysWhichFieldIsWrong) {
   LocatorOptions options;
   EXPECT_OK(options.validate());
@@ -194,6 +250,9 @@ TEST(LocatorOptions, SaysWhichFieldIsWrong) {
   options = {};
   options.sure_sigma = 0;
   EXPECT_ERROR(options.validate(), "sure_sigma");
+  options = {};
+  options.confirmed_from_rad = 0;
+  EXPECT_ERROR(options.validate(), "confirmed_from_rad");
   options = {};
   options.features.confidence = 1;
   EXPECT_ERROR(options.validate(), "confidence");
