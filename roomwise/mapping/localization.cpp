@@ -41,11 +41,16 @@ Expected<void> LocalizerOptions::validate() const {
         "similar = {}, places = {}, together = {} and similar_shapes = {} must be at least 1",
         similar, places, together, similar_shapes);
   }
+  if (least_hint_inliers < 4) {
+    return fail("least_hint_inliers = {} must be at least 4", least_hint_inliers);
+  }
   if (sure_inliers < 0) return fail("sure_inliers = {} must not be negative", sure_inliers);
   for (const auto& [name, share] :
        {std::pair("sure_overlap", sure_overlap), std::pair("sure_agreeing", sure_agreeing),
-        std::pair("most_rival_share", most_rival_share),
-        std::pair("sure_likeness", sure_likeness)}) {
+        std::pair("most_rival_share", most_rival_share), std::pair("sure_likeness", sure_likeness),
+        std::pair("least_confirmation", least_confirmation),
+        std::pair("confirmed_overlap", confirmed_overlap),
+        std::pair("most_confirmed_through", most_confirmed_through)}) {
     if (!(share >= 0 && share <= 1)) return fail("{} = {} must be between 0 and 1", name, share);
   }
   if (!(clearly_more_inliers >= 1)) {
@@ -70,6 +75,8 @@ std::string_view to_string(LocalizationStatus status) {
       return "nothing on the map looks like it";
     case LocalizationStatus::kNoMotion:
       return "too little of it is on the map";
+    case LocalizationStatus::kUnconfirmed:
+      return "a few features hint at a place, and nothing confirms it";
     case LocalizationStatus::kContradicted:
       return "the depth images contradict the pose";
     case LocalizationStatus::kPlain:

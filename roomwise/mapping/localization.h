@@ -23,6 +23,14 @@ struct LocalizerOptions {
   int sure_inliers = 40;
   double sure_overlap = 0.4;
   double sure_agreeing = 0.8;
+  // Even fewer inliers, down to so many, are a hint: an answer if what the key-frames around show
+  // is like the picture in pattern and depth. `least_confirmation` is likeness * agreeing^4, over
+  // an overlap of `confirmed_overlap`, of which no more than `most_confirmed_through` is seen
+  // through.
+  int least_hint_inliers = 5;
+  double least_confirmation = 0.35;
+  double confirmed_overlap = 0.35;
+  double most_confirmed_through = 0.05;
   // Of two poses from different places the one with this many times the inliers is taken.
   double clearly_more_inliers = 1.5;
 
@@ -59,6 +67,7 @@ struct LocalizerOptions {
 enum class LocalizationStatus {
   kNothingSimilar,  // no key-frame looks like it
   kNoMotion,        // too little of it is on the map
+  kUnconfirmed,     // a few features hint at a pose, and nothing confirms it
   kContradicted,    // by the depth images
   kPlain,           // features and patterns say nothing, and its shape is that of a bare wall
   kDoubtful,        // a pose, but too little speaks for it
@@ -80,9 +89,10 @@ struct Localization {
   geometry::Matrix6d information = geometry::Matrix6d::Zero();
   // With the key-frames around the pose: the largest overlap, the shares of all that overlaps.
   motion::ViewAgreement agreement;
-  int witnesses = 0;    // by shape: key-frames whose alignment led there
-  double likeness = 0;  // by shape: of its pattern and theirs around the pose, -1 to 1
-  double support = 0;   // by shape: what speaks for the pose; 3 at most
+  int witnesses = 0;  // by shape: key-frames whose alignment led there
+  // By shape or a hint: of its pattern and theirs around the pose, -1 to 1.
+  double likeness = 0;
+  double support = 0;  // by shape: what speaks for the pose; 3 at most
 
   [[nodiscard]] bool found() const { return status == LocalizationStatus::kFound; }
   // Found, or with something against it.

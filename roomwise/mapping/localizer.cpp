@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "roomwise/motion/view_linearization.h"
@@ -47,6 +48,24 @@ double support(const Localization& pose, double rms) {
   const double fit = 1 / std::max(0.5, rms);
   return fit * pose.agreement.overlap * std::pow(pose.agreement.agreeing, 4) *
          (1 - std::pow(kUnconvinced, pose.witnesses)) * (0.5 + std::max(0.0, pose.likeness));
+}
+
+// So few inliers are looked for that they may be no more than a hint.
+motion::MotionOptions with_hints(const LocalizerOptions& options) {
+  motion::MotionOptions features = options.features;
+  features.least_inliers = std::min(features.least_inliers, options.least_hint_inliers);
+  features.least_matches = std::min(features.least_matches, options.least_hint_inliers);
+  features.least_inlier_ratio = std::min(features.least_inlier_ratio, 0.04);
+  return features;
+}
+bool is_hint(const motion::MotionOutcome& found, const motion::MotionOptions& features) {
+  return found.inliers < features.least_inliers || found.matches < features.least_matches ||
+         found.inliers < features.least_inlier_ratio * found.matches;
+}
+
+// How much pattern and depth around a pose are the picture's.
+double confirmation(const Localization& pose) {
+  return pose.likeness * std::pow(pose.agreement.agreeing, 4);
 }
 
 }  // namespace
@@ -203,7 +222,7 @@ Localization Localizer::locate_in(const Place& place, const Query& query) const 
   Localization here;
   const Placed& first = keyframes_[place.members.front()];
   const motion::MotionOutcome outcome =
-      motion::estimate_motion(match(place, query), query.camera, options_.features,
+      motion::estimate_motion(match(place, query), query.camera, with_hints(options_),
                               RandomStream(options_.seed, {first.keyframe.id}));
   here.keyframe = first.keyframe.id;
   here.matches = outcome.matches;
@@ -217,7 +236,9 @@ Localization Localizer::locate_in(const Place& place, const Query& query) const 
   if (!query.measurements.view().empty()) refine(query, here);
 
   const motion::ViewAgreement& agreement = here.agreement;
-  if (is_contradicted(agreement)) {
+  if (is_hint(outcome, options_.features)) {
+    here.status = LocalizationStatus::kUnconfirmed;
+  } else if (is_contradicted(agreement)) {
     here.status = LocalizationStatus::kContradicted;
   } else if (here.inliers < options_.sure_inliers &&
              !(agreement.overlap >= options_.sure_overlap &&
@@ -275,6 +296,38 @@ Localization Localizer::by_features(const Query& query) const {
       best.status = LocalizationStatus::kAmbiguous;
     }
   }
+  if (best.status == LocalizationStatus::kDoubtful ||
+      best.status == LocalizationStatus::kUnconfirmed ||
+      best.status == LocalizationStatus::kContradicted) {
+    return confirmed(query, answers).value_or(best);
+  }
+  return best;
+}
+
+std::optional<Localization> Localizer::confirmed(const Query& query,
+                                                 const std::vector<Localization>& answers) const {
+  const auto pattern = motion::ViewPattern::of(query.measurements.view());
+  std::vector<Localization> poses;
+  for (Localization pose : answers) {
+    if (pose.status != LocalizationStatus::kDoubtful &&
+        pose.status != LocalizationStatus::kUnconfirmed) {
+      continue;
+    }
+    if (pose.agreement.overlap < options_.confirmed_overlap ||
+        pose.agreement.seen_through > options_.most_confirmed_through) {
+      continue;
+    }
+    pose.likeness = likeness_around(query, pattern, pose.world_from_camera);
+    if (confirmation(pose) >= options_.least_confirmation) poses.push_back(pose);
+  }
+  if (poses.empty()) return std::nullopt;
+  Localization best = *std::ranges::max_element(poses, {}, confirmation);
+  const bool has_rival = std::ranges::any_of(poses, [&](const Localization& other) {
+    return !is_same(other.world_from_camera, best.world_from_camera);
+  });
+  best.status = has_rival             ? LocalizationStatus::kAmbiguous
+                : is_known_well(best) ? LocalizationStatus::kFound
+                                      : LocalizationStatus::kVague;
   return best;
 }
 

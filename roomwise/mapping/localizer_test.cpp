@@ -157,25 +157,78 @@ TEST_F(LocalizerTest, ADepthImageIsNotNeeded) {
                0.01);
 }
 
-TEST_F(LocalizerTest, MostOfWhatWasThereMayHaveMoved) {
-  Localizer localizer({});
-  look_around(localizer, landmarks_, true);
-  // Nine of ten features are now elsewhere, and lie as deep there as they did.
-  MeasuredFeatures seen = landmarks_.seen_from(pose_);
+// All but every n-th feature are now elsewhere, and lie as deep there as they did. How many stayed.
+int move_all_but_every(std::size_t n, MeasuredFeatures& seen) {
   RandomStream random(5);
   int left = 0;
   for (std::size_t i = 0; i < seen.size(); ++i) {
-    if (i % 10 == 0) {
+    if (i % n == 0) {
       ++left;
       continue;
     }
     seen.pixels[i] = {639 * random.uniform(), 479 * random.uniform()};
     seen.points[i] = kCamera.unproject_undistorted(seen.pixels[i], seen.points[i].z());
   }
+  return left;
+}
+
+// Every so manieth feature of what is seen, of which every fifth is where it was: some eight.
+MeasuredFeatures few_of(const MeasuredFeatures& seen) {
+  MeasuredFeatures few;
+  std::vector<Eigen::Index> rows;
+  const std::size_t step = std::max<std::size_t>(1, seen.size() / 40);
+  for (std::size_t i = 0; i < seen.size(); i += step) {
+    rows.push_back(static_cast<Eigen::Index>(i));
+    few.pixels.push_back(seen.pixels[i]);
+    few.points.push_back(seen.points[i]);
+    few.features.keypoints.push_back(seen.features.keypoints[i]);
+  }
+  const auto& all = std::get<features::RealDescriptors>(seen.features.descriptors);
+  few.features.descriptors = features::RealDescriptors(all(rows, Eigen::all));
+  move_all_but_every(5, few);
+  return few;
+}
+
+TEST_F(LocalizerTest, MostOfWhatWasThereMayHaveMoved) {
+  Localizer localizer({});
+  look_around(localizer, landmarks_, true);
+  MeasuredFeatures seen = landmarks_.seen_from(pose_);
+  const int left = move_all_but_every(10, seen);
   ASSERT_GE(left, 12);
   const Localization found = localizer.locate({{seen, view_}, kCamera});
   expect_there(found, pose_, 0.02, 0.01);
   EXPECT_LE(found.inliers, left + 3);
+}
+
+TEST_F(LocalizerTest, AFewFeaturesAreBelievedWherePatternAndDepthConfirmThem) {
+  Localizer localizer({});
+  look_around(localizer, landmarks_, true);
+  const MeasuredFeatures seen = few_of(landmarks_.seen_from(pose_));
+  const Localization found = localizer.locate({{seen, view_}, kCamera});
+  expect_there(found, pose_, 0.02, 0.01);
+  EXPECT_EQ(found.witnesses, 0) << "that was the shape's answer";
+  EXPECT_GE(found.inliers, 5);
+  EXPECT_LT(found.inliers, 12);
+  EXPECT_GT(found.likeness, 0.5);
+  // Nothing confirms them without depth.
+  const Localization alone = localizer.locate({seen, kCamera});
+  EXPECT_EQ(alone.status, LocalizationStatus::kUnconfirmed);
+  EXPECT_FALSE(alone.has_pose());
+}
+
+TEST_F(LocalizerTest, AFewFeaturesOfElsewhereAreNotBelieved) {
+  Localizer localizer({});
+  look_around(localizer, landmarks_, true);
+  // They say that the camera looks half a metre to the side of where the picture shows that it
+  // does.
+  const MeasuredFeatures seen =
+      few_of(landmarks_.seen_from(pose_ * motion_by({0, 0, 0}, {0.5, 0, 0})));
+  const Localization hint = localizer.locate({seen, kCamera});
+  ASSERT_EQ(hint.status, LocalizationStatus::kUnconfirmed) << "or nothing hints at anything";
+  ASSERT_GE(hint.inliers, 5);
+  const Localization found = localizer.locate({{seen, view_}, kCamera});
+  if (found.found()) expect_there(found, pose_, 0.02, 0.01);
+  EXPECT_NE(found.witnesses, 0) << to_string(found.status);
 }
 
 TEST_F(LocalizerTest, WithoutFeaturesTheShapeTells) {
@@ -357,6 +410,9 @@ TEST_F(LocalizerTest, SameBitsTwice) {
 }
 
 TEST(LocalizerOptions, AreChecked) {
+  LocalizerOptions hints;
+  hints.least_hint_inliers = 3;
+  EXPECT_ERROR(hints.validate(), "least_hint_inliers = 3");
   EXPECT_OK(LocalizerOptions().validate());
   LocalizerOptions options;
   options.places = 0;

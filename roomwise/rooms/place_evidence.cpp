@@ -28,8 +28,10 @@ constexpr double kStepSigma_m = 0.5;
 
 double home_log_ratio(const mapping::Localization& answer, bool has_depth) {
   const bool is_by_shape = answer.witnesses > 0;
+  const bool is_by_hint = !is_by_shape && answer.likeness > 0;  // a window of another home, perhaps
   switch (answer.status) {
     case LocalizationStatus::kFound:
+      if (is_by_hint) return 0;
       return is_by_shape && answer.support < kSureSupport ? 0 : kSureLogRatio;
     case LocalizationStatus::kAmbiguous:
     case LocalizationStatus::kVague:

@@ -124,6 +124,14 @@ TEST(PlaceEvidence, ARoomThatNobodyNamedSpeaksAgainstTheOthers) {
   EXPECT_THAT(at.why, HasSubstr("in a room without a name"));
 }
 
+TEST(PlaceEvidence, AHintThatWasConfirmedTellsTheRoomAndNotTheHome) {
+  mapping::Localization hint = found_at(4.5);
+  hint.inliers = 7;
+  hint.likeness = 0.6;
+  EXPECT_EQ(place(hint).home_log_ratio, 0) << "homes have windows and tiles alike";
+  EXPECT_TRUE(place(hint).probabilities.isApprox(place(found_at(4.5)).probabilities));
+}
+
 TEST(PlaceEvidence, AMapWithoutRoomsSaysThatItIsThisHome) {
   const PlaceEvidence at = place_evidence(found_at(4.5), true, {}, std::nullopt, kRooms);
   EXPECT_GT(at.home_log_ratio, 0);
