@@ -25,6 +25,15 @@ bool is_large(const geometry::RigidTransform& motion, const LocatorOptions& opti
          motion.angle_rad() >= options.confirmed_from_rad;
 }
 
+// Not the same minimum, found from another side.
+bool is_elsewhere(const RefinedPose& pose, const RefinedPose& than) {
+  constexpr double kTranslation_m = 0.03;
+  constexpr double kRotation_rad = 0.02;
+  const geometry::RigidTransform apart =
+      than.reference_from_current.inverse() * pose.reference_from_current;
+  return apart.distance_m() > kTranslation_m || apart.angle_rad() > kRotation_rad;
+}
+
 MotionOutcome found_by_views(const ViewAlignment& alignment) {
   MotionOutcome outcome;
   outcome.status = MotionStatus::kFound;
@@ -100,10 +109,13 @@ MotionOutcome locate_frame(const FrameMeasurements& reference, const FrameMeasur
     return align_views(reference.view(), current.view(), prior_from(outcome.pose), options.views);
   };
   if (is_foreseen) {
-    // What features say is one start more: where the views fit best counts.
-    if (!outcome.found()) return found_by_views(*predicted);
+    // What features say, if it is something else, is one start more: the better fit counts.
+    if (!outcome.found() || !is_elsewhere(outcome.pose, predicted->pose)) {
+      return found_by_views(*predicted);
+    }
     const ViewAlignment other = align_from_features();
-    if (!other.found || is_surprising(other.pose) || other.pose.rms >= predicted->pose.rms) {
+    if (!other.found || is_surprising(other.pose) || !is_elsewhere(other.pose, predicted->pose) ||
+        other.pose.rms >= predicted->pose.rms) {
       return found_by_views(*predicted);
     }
     outcome.pose = other.pose;

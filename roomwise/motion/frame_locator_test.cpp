@@ -235,6 +235,18 @@ TEST_F(LocateFrameAtARepeatedPattern, ViewsThatFitBetterStandAgainstFeaturesAPer
   EXPECT_LT(error_m(outcome, kAlong), 0.003);
 }
 
+TEST_F(LocateFrameAtARepeatedPattern, FeaturesThatSayTheSameChangeNothing) {
+  const MotionOutcome alone = locate({no_features(), kReference}, {no_features(), kCurrent},
+                                     foreseen(0.29), unsuspecting());
+  ASSERT_LT(error_m(alone, kAlong), 0.003);
+  const CommonFeatures nearly = features_of(0.31);
+  const MotionOutcome outcome = locate({nearly.reference, kReference}, {nearly.current, kCurrent},
+                                       foreseen(0.29), unsuspecting());
+  EXPECT_EQ(outcome.pose.reference_from_current.translation,
+            alone.pose.reference_from_current.translation);
+  EXPECT_EQ(outcome.inliers, 0);
+}
+
 TEST_F(LocateFrameAtARepeatedPattern, AfterASmallMotionNothingIsConfirmed) {
   const SmallView near = view_of(wall(1.8, brightness), motion_by({0, 0, 0}, {0.05, 0, 0}));
   EXPECT_TRUE(locate(without_asking_for_features(kReference), without_asking_for_features(near),
