@@ -61,6 +61,7 @@ Expected<void> LocalizerOptions::validate() const {
        {std::pair("place_m", place_m), std::pair("place_rad", place_rad),
         std::pair("shape_sigma_m", shape_sigma_m), std::pair("shape_sigma_rad", shape_sigma_rad),
         std::pair("sure_support", sure_support),
+        std::pair("least_confirmation", least_confirmation),
         std::pair("most_position_sigma_m", most_position_sigma_m),
         std::pair("most_rotation_sigma_rad", most_rotation_sigma_rad), std::pair("same_m", same_m),
         std::pair("same_rad", same_rad)}) {

@@ -94,6 +94,9 @@ struct Localization {
   double likeness = 0;
   double support = 0;  // by shape: what speaks for the pose; 3 at most
 
+  // By a hint that was confirmed: the place is right, if this is the home.
+  bool is_hint = false;
+
   [[nodiscard]] bool found() const { return status == LocalizationStatus::kFound; }
   // Found, or with something against it.
   [[nodiscard]] bool has_pose() const { return status >= LocalizationStatus::kDoubtful; }

@@ -322,12 +322,18 @@ std::optional<Localization> Localizer::confirmed(const Query& query,
   }
   if (poses.empty()) return std::nullopt;
   Localization best = *std::ranges::max_element(poses, {}, confirmation);
-  const bool has_rival = std::ranges::any_of(poses, [&](const Localization& other) {
+  const auto is_elsewhere = [&](const Localization& other) {
     return !is_same(other.world_from_camera, best.world_from_camera);
-  });
-  best.status = has_rival             ? LocalizationStatus::kAmbiguous
-                : is_known_well(best) ? LocalizationStatus::kFound
-                                      : LocalizationStatus::kVague;
+  };
+  const bool has_rival = std::ranges::any_of(poses, is_elsewhere) ||
+                         std::ranges::any_of(answers, [&](const Localization& other) {
+                           return other.status >= LocalizationStatus::kContradicted &&
+                                  is_elsewhere(other) &&
+                                  other.inliers >= options_.clearly_more_inliers * best.inliers;
+                         });
+  if (has_rival || !is_known_well(best)) return std::nullopt;
+  best.status = LocalizationStatus::kFound;
+  best.is_hint = true;
   return best;
 }
 
@@ -422,10 +428,16 @@ Localization Localizer::carry_on(const Localization& earlier, const motion::Refi
 
 Localization Localizer::locate(const Query& query) const {
   const Localization answer = by_features(query);
-  if (answer.found() || !can_compare_shapes(query)) return answer;
+  if ((answer.found() && !answer.is_hint) || !can_compare_shapes(query)) return answer;
   Localization shape = by_shape(query);
   shape.matches = answer.matches;
   shape.inliers = answer.inliers;
+  if (answer.is_hint) {
+    if (!shape.found()) return answer;
+    if (!is_same(shape.world_from_camera, answer.world_from_camera))
+      shape.status = LocalizationStatus::kAmbiguous;
+    return shape;
+  }
   return shape.status > answer.status ? shape : answer;
 }
 
@@ -453,9 +465,11 @@ void Localizer::bind(const Query& first, const Query& second, PairLocalization& 
     if ((earlier.found() || !one_is_open) && is_known_well(later)) {
       later.status = LocalizationStatus::kFound;
     }
+    if (earlier.found()) later.is_hint = later.is_hint && earlier.is_hint;
     return;
   }
   if (!earlier.found()) return;
+  if (earlier.is_hint && later.found() && !later.is_hint) return;  // the surer one stands
   if (later.found()) {
     later.status = LocalizationStatus::kAmbiguous;
     places.contradictory = true;

@@ -24,11 +24,11 @@ struct Query {
 // together are a place, whose points are matched with the picture together and give its pose by
 // PnP in RANSAC; the picture is then aligned as a whole with a key-frame, and the depth images of
 // those around must agree. A pose of a few inliers is a hint, and believed where pattern and depth
-// of the key-frames around confirm it. Where all that gives no answer, by shape, if the picture has
-// depth and its camera is like the map's: the picture is aligned with the key-frames whose depth
-// images look most like its own (DepthIndex); poses to which several lead, and that those around
-// agree with in depth and in the pattern on their surfaces (ViewPattern), are believed, unless
-// another has nearly as much support, as in front of a bare wall.
+// of the key-frames around confirm it. Where all that gives no sure answer, by shape, if the
+// picture has depth and its camera is like the map's: the picture is aligned with the key-frames
+// whose depth images look most like its own (DepthIndex); poses to which several lead, and that
+// those around agree with in depth and in the pattern on their surfaces (ViewPattern), are
+// believed, unless another has nearly as much support, as in front of a bare wall.
 //
 // It says no where too little speaks for a pose, since a wrong answer is worse than none. Same map,
 // options and picture, same bits. May be asked from several threads at once.
@@ -77,7 +77,8 @@ class Localizer {
                                                             const Query& query) const;
   [[nodiscard]] Localization locate_in(const Place& place, const Query& query) const;
   void refine(const Query& query, Localization& found) const;
-  // The pose of few inliers that pattern and depth around confirm best, if they do.
+  // The pose of too few inliers that pattern and depth around confirm best, if they do and nothing
+  // speaks for another.
   [[nodiscard]] std::optional<Localization> confirmed(
       const Query& query, const std::vector<Localization>& answers) const;
   [[nodiscard]] Localization by_features(const Query& query) const;

@@ -172,7 +172,7 @@ int move_all_but_every(std::size_t n, MeasuredFeatures& seen) {
   return left;
 }
 
-// Every so manieth feature of what is seen, of which every fifth is where it was: some eight.
+// Some forty of the features that are seen, of which every fifth is where it was.
 MeasuredFeatures few_of(const MeasuredFeatures& seen) {
   MeasuredFeatures few;
   std::vector<Eigen::Index> rows;
@@ -200,13 +200,20 @@ TEST_F(LocalizerTest, MostOfWhatWasThereMayHaveMoved) {
   EXPECT_LE(found.inliers, left + 3);
 }
 
+// Nothing is found by shape.
+LocalizerOptions without_shape() {
+  LocalizerOptions options;
+  options.sure_support = 10;
+  return options;
+}
+
 TEST_F(LocalizerTest, AFewFeaturesAreBelievedWherePatternAndDepthConfirmThem) {
-  Localizer localizer({});
+  Localizer localizer(without_shape());
   look_around(localizer, landmarks_, true);
   const MeasuredFeatures seen = few_of(landmarks_.seen_from(pose_));
   const Localization found = localizer.locate({{seen, view_}, kCamera});
   expect_there(found, pose_, 0.02, 0.01);
-  EXPECT_EQ(found.witnesses, 0) << "that was the shape's answer";
+  EXPECT_TRUE(found.is_hint);
   EXPECT_GE(found.inliers, 5);
   EXPECT_LT(found.inliers, 12);
   EXPECT_GT(found.likeness, 0.5);
@@ -214,6 +221,34 @@ TEST_F(LocalizerTest, AFewFeaturesAreBelievedWherePatternAndDepthConfirmThem) {
   const Localization alone = localizer.locate({seen, kCamera});
   EXPECT_EQ(alone.status, LocalizationStatus::kUnconfirmed);
   EXPECT_FALSE(alone.has_pose());
+}
+
+TEST_F(LocalizerTest, WhatShapeFindsTooIsMoreThanAHint) {
+  Localizer localizer({});
+  look_around(localizer, landmarks_, true);
+  const Localization found =
+      localizer.locate({{few_of(landmarks_.seen_from(pose_)), view_}, kCamera});
+  expect_there(found, pose_, 0.02, 0.01);
+  EXPECT_FALSE(found.is_hint);
+  EXPECT_GT(found.witnesses, 0);
+}
+
+TEST_F(LocalizerTest, AHintIsNoMatchForASurePictureAfterIt) {
+  Localizer localizer(without_shape());
+  look_around(localizer, landmarks_, true);
+  // What binds the two is new in the room.
+  const MeasuredFeatures added = Landmarks(furnished_room(), 1000, 2).seen_from(pose_);
+  const FrameMeasurements hint{joined(few_of(landmarks_.seen_from(pose_)), added), view_};
+  ASSERT_TRUE(localizer.locate({hint, kCamera}).is_hint);
+  const FrameMeasurements sure{joined(landmarks_.seen_from(pose_), added), view_};
+  // At the same place the hint is no more one; elsewhere the sure one stands.
+  const PairLocalization same = localizer.locate({sure, kCamera}, {hint, kCamera});
+  EXPECT_TRUE(same.second.found());
+  EXPECT_FALSE(same.second.is_hint);
+  const PairLocalization after = localizer.locate({hint, kCamera}, {sure, kCamera});
+  EXPECT_TRUE(after.second.found());
+  EXPECT_FALSE(after.second.is_hint);
+  EXPECT_FALSE(after.contradictory);
 }
 
 TEST_F(LocalizerTest, AFewFeaturesOfElsewhereAreNotBelieved) {
@@ -228,7 +263,7 @@ TEST_F(LocalizerTest, AFewFeaturesOfElsewhereAreNotBelieved) {
   ASSERT_GE(hint.inliers, 5);
   const Localization found = localizer.locate({{seen, view_}, kCamera});
   if (found.found()) expect_there(found, pose_, 0.02, 0.01);
-  EXPECT_NE(found.witnesses, 0) << to_string(found.status);
+  EXPECT_FALSE(found.is_hint) << to_string(found.status);
 }
 
 TEST_F(LocalizerTest, WithoutFeaturesTheShapeTells) {
@@ -413,6 +448,9 @@ TEST(LocalizerOptions, AreChecked) {
   LocalizerOptions hints;
   hints.least_hint_inliers = 3;
   EXPECT_ERROR(hints.validate(), "least_hint_inliers = 3");
+  hints = {};
+  hints.least_confirmation = 0;
+  EXPECT_ERROR(hints.validate(), "least_confirmation = 0");
   EXPECT_OK(LocalizerOptions().validate());
   LocalizerOptions options;
   options.places = 0;

@@ -12,7 +12,8 @@ using mapping::LocalizationStatus;
 
 // How much oftener the localiser answers so to pictures of the map's home, in other light or with
 // things moved, than to those of another home: the logarithm of the ratio (docs/rooms.md).
-constexpr double kSureLogRatio = 5;      // a place by features, or by shape with this much support
+constexpr double kSureLogRatio =
+    5;  // a place by features (no hint), or by shape with this much support
 constexpr double kSureSupport = 1.4;     // with less, other homes' doors and walls fit as often
 constexpr double kPlainLogRatio = -2;    // a bare wall
 constexpr double kNowhereLogRatio = -3;  // nothing alike, or too little speaks for the pose
@@ -28,10 +29,9 @@ constexpr double kStepSigma_m = 0.5;
 
 double home_log_ratio(const mapping::Localization& answer, bool has_depth) {
   const bool is_by_shape = answer.witnesses > 0;
-  const bool is_by_hint = !is_by_shape && answer.likeness > 0;  // a window of another home, perhaps
   switch (answer.status) {
     case LocalizationStatus::kFound:
-      if (is_by_hint) return 0;
+      if (answer.is_hint) return 0;  // another home has windows and tiles, too
       return is_by_shape && answer.support < kSureSupport ? 0 : kSureLogRatio;
     case LocalizationStatus::kAmbiguous:
     case LocalizationStatus::kVague:

@@ -126,8 +126,7 @@ TEST(PlaceEvidence, ARoomThatNobodyNamedSpeaksAgainstTheOthers) {
 
 TEST(PlaceEvidence, AHintThatWasConfirmedTellsTheRoomAndNotTheHome) {
   mapping::Localization hint = found_at(4.5);
-  hint.inliers = 7;
-  hint.likeness = 0.6;
+  hint.is_hint = true;
   EXPECT_EQ(place(hint).home_log_ratio, 0) << "homes have windows and tiles alike";
   EXPECT_TRUE(place(hint).probabilities.isApprox(place(found_at(4.5)).probabilities));
 }
