@@ -25,7 +25,8 @@ Mapper::Outcome Mapper::compare(KeyframeId reference, const motion::FrameMeasure
   // A loop must be surer than a step of the odometry.
   motion::LocatorOptions strict = options_.locator;
   strict.rests_on_prior = false;
-  // A prior, where there is one, is too narrow here to be a period off.
+  // A prior, where there is one, is too narrow here for the views to fit a period off it; and who
+  // finds a known place takes an answer without matches for one by views alone.
   strict.confirmed_from_m = strict.confirmed_from_rad = std::numeric_limits<double>::infinity();
   motion::MotionOptions& features = strict.features;
   features.least_inliers = std::max(features.least_inliers, options_.loops.least_inliers);
