@@ -168,6 +168,8 @@ void measure_eight_bits(const Subject& subject, const fs::path& models,
   if (subject.names_things) scores.push_back(options.outputs.size() - 1);
   // Whether it would be kept is asked first; what it costs, in any case.
   const CheckedExecutor checked = need(checked_quantization(graph, options, held_out, scores));
+  const QuantizationReport& report = checked.report;
+  options.least_channels_in_eight_bits = report.least_channels;
   const auto exact = need(Executor::create(graph, in_floats));
   const auto rounded = need(Executor::create(graph, options));
   std::vector<double> exact_ms, rounded_ms, ratios;
@@ -176,11 +178,10 @@ void measure_eight_bits(const Subject& subject, const fs::path& models,
     rounded_ms.push_back(time_of([&] { (void)need(rounded->run(std::span(held_out).first(1))); }));
     ratios.push_back(rounded_ms.back() / exact_ms.back());
   }
-  fmt::print("{}: in 8 bits ({} pictures to measure on, {} to check)\n", subject.file,
-             options.calibration.size(), held_out.size());
+  fmt::print("{}: in 8 bits from {} channels on ({} pictures to measure on, {} to check)\n",
+             subject.file, report.least_channels, options.calibration.size(), held_out.size());
   fmt::print("  CPU-ms {} beside {}: {}\n", text_of(summary_of(rounded_ms)),
              text_of(summary_of(exact_ms)), text_of(summary_of(ratios)));
-  const QuantizationReport& report = checked.report;
   for (std::size_t i = 0; i < options.outputs.size(); ++i) {
     fmt::print("  {}: cosine {:.4f} in the mean, {:.4f} at worst; largest at one place {:.1f} %\n",
                options.outputs[i], report.mean_cosine[i], report.least_cosine[i],
@@ -305,13 +306,13 @@ fs::path folder_of(const char* variable) {
   return folder;
 }
 
-std::vector<fs::path> every_sixth_of(const fs::path& folder) {
+std::vector<fs::path> every_second_of(const fs::path& folder) {
   std::vector<fs::path> photos, some;
   for (const auto& entry : fs::recursive_directory_iterator(folder)) {
     if (entry.path().extension() == ".jpg") photos.push_back(entry.path());
   }
   std::ranges::sort(photos);
-  for (std::size_t i = 0; i < photos.size(); i += 6) some.push_back(photos[i]);
+  for (std::size_t i = 0; i < photos.size(); i += 2) some.push_back(photos[i]);
   return some;
 }
 
@@ -348,7 +349,7 @@ int main(int argc, char** argv) {
   measure(own, models, photos, rounds);
 
   std::vector<fs::path> pictures = photos;
-  for (const fs::path& photo : every_sixth_of(folder_of("ROOMWISE_DATA") / "room_photos"))
+  for (const fs::path& photo : every_second_of(folder_of("ROOMWISE_DATA") / "room_photos"))
     pictures.push_back(photo);
   for (const Subject& subject : {mobilenet, inception, own})
     measure_eight_bits(subject, models, pictures, rounds);

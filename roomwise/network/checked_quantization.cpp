@@ -1,10 +1,14 @@
 #include "roomwise/network/checked_quantization.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace roomwise::network {
 namespace {
+
+// What is tried, one after the other.
+constexpr std::array<std::int64_t, 2> kLeastChannels{1, 33};
 
 // 1 for two that are nothing but zeros, 0 where only one is.
 double cosine(std::span<const float> a, std::span<const float> b) {
@@ -95,15 +99,23 @@ Expected<CheckedExecutor> checked_quantization(const OnnxGraph& graph,
   ExecutorOptions in_floats = options;
   in_floats.calibration.clear();
   ROOMWISE_TRY(auto exact, Executor::create(graph, in_floats));
-  ROOMWISE_TRY(auto rounded, Executor::create(graph, options));
-  ROOMWISE_TRY(QuantizationReport report, compare(*exact, *rounded, held_out));
-  for (const std::size_t i : scores) {
-    if (i >= report.agreement.size())
-      return fail("there is no output {} among {}", i, report.agreement.size());
+  QuantizationReport report;
+  for (const std::int64_t least_channels : kLeastChannels) {
+    ExecutorOptions in_eight_bits = options;
+    in_eight_bits.least_channels_in_eight_bits =
+        std::max(options.least_channels_in_eight_bits, least_channels);
+    ROOMWISE_TRY(auto rounded, Executor::create(graph, in_eight_bits));
+    ROOMWISE_TRY(report, compare(*exact, *rounded, held_out));
+    for (const std::size_t i : scores) {
+      if (i >= report.agreement.size())
+        return fail("there is no output {} among {}", i, report.agreement.size());
+    }
+    report.least_channels = in_eight_bits.least_channels_in_eight_bits;
+    report.reason = reason_against(report, scores, limits);
+    report.is_used = report.reason.empty();
+    if (report.is_used) return CheckedExecutor{std::move(rounded), std::move(report)};
   }
-  report.reason = reason_against(report, scores, limits);
-  report.is_used = report.reason.empty();
-  return CheckedExecutor{report.is_used ? std::move(rounded) : std::move(exact), std::move(report)};
+  return CheckedExecutor{std::move(exact), std::move(report)};
 }
 
 }  // namespace roomwise::network

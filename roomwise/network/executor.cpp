@@ -151,7 +151,7 @@ class Executor::Implementation {
     program = run_passes(std::move(program), passes);
     if (in_eight_bits) {
       ROOMWISE_TRY(const auto ranges, measure_ranges(program, options_.calibration));
-      quantize(program, ranges);
+      quantize(program, ranges, options_.least_channels_in_eight_bits);
     }
     auto shared = std::make_shared<SharedPlan>();
     ROOMWISE_TRY(shared->plan, make_plan(program, {passes.joins_in_place, passes.uses_winograd,

@@ -14,11 +14,12 @@ namespace {
 constexpr std::int64_t kMostColors = 3;
 
 // By value: whether a convolution in 8 bits looks at it, or what is handed on to one.
-std::vector<bool> values_for_convolutions(const Program& program) {
+std::vector<bool> values_for_convolutions(const Program& program, std::int64_t least_channels) {
   std::vector<bool> wanted(program.values.size(), false);
   for (auto layer = program.layers.rbegin(); layer != program.layers.rend(); ++layer) {
     const ValueId first = layer->inputs.front();
-    if (layer->as<Convolution>() != nullptr && program.values[first].shape[1] > kMostColors) {
+    if (layer->as<Convolution>() != nullptr &&
+        program.values[first].shape[1] >= std::max(least_channels, kMostColors + 1)) {
       wanted[first] = true;
     } else if (wanted[layer->output] && can_hand_on(program, *layer)) {
       for (const ValueId input : layer->inputs) wanted[input] = true;
@@ -85,8 +86,8 @@ Expected<std::vector<ValueRange>> measure_ranges(const Program& program,
   return ranges;
 }
 
-void quantize(Program& program, std::span<const ValueRange> ranges) {
-  const std::vector<bool> wanted = values_for_convolutions(program);
+void quantize(Program& program, std::span<const ValueRange> ranges, std::int64_t least_channels) {
+  const std::vector<bool> wanted = values_for_convolutions(program, least_channels);
   DisjointSets together(program.values.size());
   for (const Layer& layer : program.layers) {
     if (!wanted[layer.output] || !can_hand_on(program, layer)) continue;

@@ -26,11 +26,12 @@ struct ValueRange {
 [[nodiscard]] bool can_hand_on(const Program& program, const Layer& layer);
 
 // Says which values are held in 8 bits (Value::eight_bits) by what was measured: what convolutions
-// look at, and what is pooled or joined into that, with one step for all that share memory so. The
-// plan then works these convolutions out in whole numbers: inputs in 8 bits, weights in 8 bits with
-// a step an output channel, sums in 32 bits, as post-training quantisation does (R. Krishnamoorthi,
-// "Quantizing deep convolutional networks for efficient inference", 2018). The picture itself, and
-// all other layers, stay 32-bit floats.
-void quantize(Program& program, std::span<const ValueRange> ranges);
+// look at, of `least_channels` or more, and what is pooled or joined into that, with one step for
+// all that share memory so. The plan then works these convolutions out in whole numbers: inputs in
+// 8 bits, weights in 8 bits with a step an output channel, sums in 32 bits, as post-training
+// quantisation does (R. Krishnamoorthi, "Quantizing deep convolutional networks for efficient
+// inference", 2018). The picture itself, and all other layers, stay 32-bit floats.
+void quantize(Program& program, std::span<const ValueRange> ranges,
+              std::int64_t least_channels = 1);
 
 }  // namespace roomwise::network

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <map>
 
 #include "roomwise/network/checked_quantization.h"
 #include "roomwise/network/graph_builder.h"
@@ -154,6 +155,15 @@ TEST(Quantization, WeightsAreOfSevenBitsWithoutVnni) {
   EXPECT_EQ(most_weight_in_eight_bits(cpu_isa::avx512_core_amx), 127);
 }
 
+double relative_error(std::span<const float> a, std::span<const float> exact) {
+  double difference = 0, length = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    difference += std::pow(static_cast<double>(a[i]) - exact[i], 2);
+    length += std::pow(static_cast<double>(exact[i]), 2);
+  }
+  return std::sqrt(difference / length);
+}
+
 TEST(Quantization, IsUsedOnlyWhereItIsNearEnough) {
   const OnnxGraph graph = branched_graph();
   ExecutorOptions options;
@@ -181,13 +191,74 @@ TEST(Quantization, IsUsedOnlyWhereItIsNearEnough) {
   EXPECT_ERROR(checked_quantization(graph, options, {}, scores), "others to be checked on");
 }
 
-double relative_error(std::span<const float> a, std::span<const float> exact) {
-  double difference = 0, length = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    difference += std::pow(static_cast<double>(a[i]) - exact[i], 2);
-    length += std::pow(static_cast<double>(exact[i]), 2);
+// Few channels, then many.
+OnnxGraph widening_graph() {
+  GraphBuilder builder({5, false});
+  auto x = builder.input("picture", {1, 3, 20, 18});
+  x = builder.relu(builder.convolution(x, "narrow", {8, {3, 3}, {2, 2}, {1, 1}}), "narrow.relu");
+  x = builder.relu(builder.convolution(x, "wide", {64, {3, 3}, {1, 1}, {1, 1}}), "wide.relu");
+  x = builder.relu(builder.convolution(x, "last", {40}), "last.relu");
+  builder.output(builder.flatten(builder.global_average_pool(x, "pool"), "features"));
+  return builder.take();
+}
+
+TEST(Quantization, LeavesFewChannelsInFloatsWhereItIsToldTo) {
+  const Shape shape{1, 3, 20, 18};
+  auto program = lower(widening_graph(), {&shape, 1}, {});
+  ASSERT_OK(program);
+  *program = run_passes(*program, {});
+  const std::vector<Tensor> pictures = some_pictures();
+  const auto ranges = measure_ranges(*program, pictures);
+  ASSERT_OK(ranges);
+  quantize(*program, *ranges, 33);
+  std::map<std::int64_t, bool> in_eight_bits;  // by channels
+  for (const Layer& layer : program->layers) {
+    const Value& input = program->values[layer.inputs[0]];
+    if (layer.as<Convolution>() != nullptr)
+      in_eight_bits[input.shape[1]] = input.eight_bits.has_value();
   }
-  return std::sqrt(difference / length);
+  EXPECT_EQ(in_eight_bits, (std::map<std::int64_t, bool>{{3, false}, {8, false}, {64, true}}));
+}
+
+TEST(Quantization, LeavesFewChannelsInFloatsWhereThatMakesItNearEnough) {
+  const OnnxGraph graph = widening_graph();
+  ExecutorOptions options;
+  options.calibration = some_pictures();
+  const Tensor picture = random_tensor({1, 3, 20, 18}, 8);
+  const auto exact = Executor::create(graph), whole = Executor::create(graph, options);
+  ExecutorOptions with_floats = options;
+  with_floats.least_channels_in_eight_bits = 33;
+  const auto mixed = Executor::create(graph, with_floats);
+  ASSERT_OK(exact);
+  ASSERT_OK(whole);
+  ASSERT_OK(mixed);
+  const auto outputs_of = [&](const auto& executor) {
+    return (*executor)->run({&picture, 1})->front().values;
+  };
+  const std::vector<float> expected = outputs_of(exact);
+  const double whole_error = relative_error(outputs_of(whole), expected);
+  const double mixed_error = relative_error(outputs_of(mixed), expected);
+  ASSERT_LT(mixed_error, whole_error);
+  ASSERT_GT(mixed_error, 0);
+
+  const auto checked_by = [&](double most_error) {
+    return checked_quantization(graph, options, {&picture, 1}, {},
+                                {.least_cosine = 0, .most_error = most_error});
+  };
+  const auto easy = checked_by(2 * whole_error),
+             between = checked_by((whole_error + mixed_error) / 2),
+             hard = checked_by(mixed_error / 2);
+  ASSERT_OK(easy);
+  ASSERT_OK(between);
+  ASSERT_OK(hard);
+  EXPECT_TRUE(easy->report.is_used);
+  EXPECT_EQ(easy->report.least_channels, 1);
+  EXPECT_TRUE(between->report.is_used);
+  EXPECT_EQ(between->report.least_channels, 33);
+  EXPECT_NEAR(between->report.mean_error.front(), mixed_error, 1e-9);
+  EXPECT_EQ(between->executor->run({&picture, 1})->front().values, outputs_of(mixed));
+  EXPECT_FALSE(hard->report.is_used);
+  EXPECT_EQ(hard->executor->run({&picture, 1})->front().values, expected);
 }
 
 // Outputs in 8 bits are near those in floats, in size too.

@@ -55,19 +55,29 @@ void Minimizer::begin_step(const Eigen::VectorXd& direction) {
 
 Eigen::VectorXd Minimizer::downwards() const {
   Eigen::VectorXd direction = gradient_;
-  // The first step is of length 1; it grows or shrinks by what it finds.
-  if (changes_.empty()) return direction / std::max(direction.norm(), 1e-300);
   std::vector<double> shares(changes_.size());
   for (std::size_t i = changes_.size(); i-- > 0;) {
     shares[i] = changes_[i].place.dot(direction) / changes_[i].product;
     direction -= shares[i] * changes_[i].gradient;
   }
-  direction *= changes_.back().product / changes_.back().gradient.squaredNorm();
+  direction = downwards_at_first(std::move(direction));
   for (std::size_t i = 0; i < changes_.size(); ++i) {
     const double share = changes_[i].gradient.dot(direction) / changes_[i].product;
     direction += (shares[i] - share) * changes_[i].place;
   }
   return direction;
+}
+
+Eigen::VectorXd Minimizer::downwards_at_first(Eigen::VectorXd gradient) const {
+  if (changes_.empty()) {
+    // A first step of length 1; it grows or shrinks by what it finds.
+    return inverse_curvature_ ? inverse_curvature_(gradient)
+                              : gradient / std::max(gradient.norm(), 1e-300);
+  }
+  const Change& last = changes_.back();
+  if (!inverse_curvature_) return last.product / last.gradient.squaredNorm() * gradient;
+  const double found = last.gradient.dot(inverse_curvature_(last.gradient));
+  return last.product / found * inverse_curvature_(gradient);
 }
 
 }  // namespace roomwise::rooms

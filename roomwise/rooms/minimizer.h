@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <deque>
+#include <functional>
 
 namespace roomwise::rooms {
 
@@ -13,10 +14,17 @@ namespace roomwise::rooms {
 //   while (!minimizer.done()) minimizer.tell(f(minimizer.place()), gradient(minimizer.place()));
 class Minimizer {
  public:
+  // Multiplies by a matrix, symmetric and positive definite.
+  using Product = std::function<Eigen::VectorXd(const Eigen::VectorXd&)>;
+
   // Done when the largest element of the gradient is below the tolerance, or where no step leads
-  // down any more, since the function is not more exact.
-  Minimizer(Eigen::VectorXd start, double gradient_tolerance)
-      : place_(std::move(start)), gradient_tolerance_(gradient_tolerance) {}
+  // down any more, since the function is not more exact. `inverse_curvature`: what the inverse of
+  // the second derivatives is about; the nearer, the fewer evaluations. Without it, it is taken to
+  // be alike in all directions.
+  Minimizer(Eigen::VectorXd start, double gradient_tolerance, Product inverse_curvature = {})
+      : place_(std::move(start)),
+        gradient_tolerance_(gradient_tolerance),
+        inverse_curvature_(std::move(inverse_curvature)) {}
 
   // Where the function is to be evaluated next.
   [[nodiscard]] const Eigen::VectorXd& place() const { return place_; }
@@ -34,10 +42,13 @@ class Minimizer {
   };
   // The gradient multiplied by what the changes say of the inverse of the second derivatives.
   [[nodiscard]] Eigen::VectorXd downwards() const;
+  // The same, by what is known of it before any change: as long as the last change asks for.
+  [[nodiscard]] Eigen::VectorXd downwards_at_first(Eigen::VectorXd gradient) const;
   void begin_step(const Eigen::VectorXd& direction);
 
   Eigen::VectorXd place_;
   double gradient_tolerance_;
+  Product inverse_curvature_;
   bool done_ = false;
   bool begun_ = false;
   // The lowest place, and the step from it that is being tried.

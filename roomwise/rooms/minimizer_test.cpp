@@ -25,6 +25,32 @@ TEST(Minimizer, FindsTheMinimumOfALongValley) {
   EXPECT_NEAR(minimizer.lowest().z(), 3, 2e-3);  // a fourth power is flat
 }
 
+// Evaluations until x^2 / 2 + 500 y^2 + 50000 z^2 is at its minimum, from (9, 9, 9).
+int evaluations_of_a_long_valley(const Minimizer::Product& inverse_curvature) {
+  const Eigen::Vector3d curvatures(1, 1000, 100000);
+  Minimizer minimizer(Eigen::Vector3d(9, 9, 9), 1e-9, inverse_curvature);
+  int evaluations = 0;
+  while (!minimizer.done() && evaluations < 500) {
+    const Eigen::Vector3d gradient = minimizer.place().cwiseProduct(curvatures);
+    minimizer.tell(minimizer.place().dot(gradient) / 2, gradient);
+    ++evaluations;
+  }
+  EXPECT_LT(minimizer.lowest().norm(), 1e-8);
+  return evaluations;
+}
+
+TEST(Minimizer, IsThereAtOnceWhereTheCurvatureIsKnown) {
+  const auto known = [](const Eigen::VectorXd& gradient) -> Eigen::VectorXd {
+    return gradient.cwiseQuotient(Eigen::Vector3d(1, 1000, 100000));
+  };
+  const auto nearly = [](const Eigen::VectorXd& gradient) -> Eigen::VectorXd {
+    return gradient.cwiseQuotient(Eigen::Vector3d(3, 500, 300000));
+  };
+  EXPECT_EQ(evaluations_of_a_long_valley(known), 2) << "at the start and at the end";
+  EXPECT_LT(evaluations_of_a_long_valley(nearly), 15);
+  EXPECT_GT(evaluations_of_a_long_valley({}), 15);
+}
+
 TEST(Minimizer, IsDoneAtOnceAtTheMinimum) {
   Minimizer minimizer(Eigen::Vector2d(4, 5), 1e-6);
   minimizer.tell(7, Eigen::Vector2d::Zero());

@@ -1,27 +1,15 @@
 #include "roomwise/rooms/picture_space.h"
 
-#include <Eigen/Eigenvalues>
-#include <algorithm>
 #include <cmath>
 #include <stdexcept>
+
+#include "roomwise/rooms/principal_components.h"
 
 namespace roomwise::rooms {
 namespace {
 
-// Components of less variance than this part of the first one's are rounding errors.
-constexpr double kLeastVarianceRatio = 1e-6;
 // What is added to every direction's variance before whitening, in parts of the mean one.
 constexpr float kShrinkage = 3;
-
-// At most kMostFitted rows, spread evenly.
-Eigen::MatrixXf thinned(const Eigen::MatrixXf& rows) {
-  if (rows.rows() <= PictureSpace::kMostFitted) return rows;
-  Eigen::MatrixXf some(PictureSpace::kMostFitted, rows.cols());
-  for (Eigen::Index i = 0; i < some.rows(); ++i) {
-    some.row(i) = rows.row(i * rows.rows() / some.rows());
-  }
-  return some;
-}
 
 }  // namespace
 
@@ -46,32 +34,9 @@ PictureSpace::PictureSpace(Eigen::VectorXf mean, Eigen::MatrixXf directions,
 }
 
 PictureSpace PictureSpace::fit(const Eigen::MatrixXf& pictures) {
-  if (pictures.rows() == 0) throw std::invalid_argument("PictureSpace: no pictures");
-  const Eigen::MatrixXf some = thinned(pictures);
-  const auto count = static_cast<double>(some.rows());
-  const Eigen::VectorXf mean =
-      (some.cast<double>().colwise().sum().transpose() / count).cast<float>();
-  const Eigen::MatrixXf centred = some.rowwise() - mean.transpose();
-  // There are fewer pictures than features: the components are found from the pictures' inner
-  // products, of which there are fewer.
-  const Eigen::MatrixXd products = (centred * centred.transpose()).cast<double>();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(products);
-  const Eigen::VectorXd& values = solver.eigenvalues();  // ascending
-  const double largest = std::max(values[values.size() - 1], 0.0);
-  Eigen::Index kept = 0;
-  while (kept < std::min(values.size(), kMostDirections) &&
-         values[values.size() - 1 - kept] > kLeastVarianceRatio * largest && largest > 0) {
-    ++kept;
-  }
-  Eigen::MatrixXf directions(some.cols(), kept);
-  Eigen::VectorXf deviations(kept);
-  for (Eigen::Index i = 0; i < kept; ++i) {
-    const Eigen::Index from = values.size() - 1 - i;
-    const Eigen::VectorXd weights = solver.eigenvectors().col(from) / std::sqrt(values[from]);
-    directions.col(i) = centred.transpose() * weights.cast<float>();
-    deviations[i] = static_cast<float>(std::sqrt(values[from] / count));
-  }
-  return PictureSpace(mean, std::move(directions), std::move(deviations));
+  PrincipalComponents found = principal_components(pictures, {kMostFitted, kMostDirections});
+  return PictureSpace(std::move(found.mean), std::move(found.directions),
+                      std::move(found.deviations));
 }
 
 Eigen::MatrixXf PictureSpace::places(const Eigen::MatrixXf& pictures) const {

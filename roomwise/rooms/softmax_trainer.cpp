@@ -3,14 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
-#include "roomwise/rooms/minimizer.h"
-
 namespace roomwise::rooms {
 namespace {
 
 // The blocks of samples are shared out in so many parts, whose sums are added in order: the same
 // bits at any number of threads.
 constexpr std::size_t kShares = 16;
+// Of so many samples it is found along which directions they differ, to learn in fewer steps.
+constexpr ComponentLimits kComponents{.rows = 200, .directions = 64};
 
 // How much each sample of a part counts: classes weigh the same, all together 1.
 Expected<std::vector<double>> sample_weights(const std::vector<bool>& part,
@@ -178,8 +178,10 @@ Expected<SoftmaxTrainer> SoftmaxTrainer::create(const Eigen::MatrixXf& samples,
   // samples differ in more directions alike, and the minimum is found in fewer steps.
   const auto count = static_cast<double>(std::max<Eigen::Index>(samples.rows(), 1));
   const Eigen::RowVectorXf mean = (samples.cast<double>().colwise().sum() / count).cast<float>();
-  return SoftmaxTrainer(SampleBlocks(samples, mean), mean, {labels.begin(), labels.end()}, classes,
-                        pool);
+  PrincipalComponents components;
+  if (samples.rows() > 0) components = principal_components(samples, kComponents);
+  return SoftmaxTrainer(SampleBlocks(samples, mean), mean, std::move(components),
+                        {labels.begin(), labels.end()}, classes, pool);
 }
 
 Expected<std::vector<SoftmaxRegression>> SoftmaxTrainer::train(
@@ -194,7 +196,7 @@ Expected<std::vector<SoftmaxRegression>> SoftmaxTrainer::train(
     weights.push_back(std::move(of_part));
     minimizers.emplace_back(
         starts.empty() ? Eigen::VectorXd::Zero(parameters).eval() : parameters_of(starts[i]),
-        options.gradient_tolerance);
+        options.gradient_tolerance, inverse_curvature(options.weight_decay));
   }
   const Losses losses(*this, options.weight_decay, std::move(weights));
   for (int i = 0; i < options.most_iterations; ++i) {
@@ -209,6 +211,31 @@ Expected<std::vector<SoftmaxRegression>> SoftmaxTrainer::train(
     trained.push_back(regression_of(minimizer.lowest()));
   }
   return trained;
+}
+
+// Where all classes are as likely, the loss of a class's weights bends by the samples' covariance
+// over the number of classes, which the principal components tell, and by the weight decay.
+Minimizer::Product SoftmaxTrainer::inverse_curvature(double weight_decay) const {
+  // Below that, a direction's variance is not known.
+  constexpr double kLeastVarianceRatio = 1e-6;
+  const Eigen::ArrayXd variances = components_.deviations.cast<double>().array().square();
+  const double largest = variances.size() > 0 ? variances[0] : 1;
+  const double of_classes = 1.0 / classes_;
+  const double of_others =
+      1 / (weight_decay +
+           of_classes * std::max(components_.remaining_variance, kLeastVarianceRatio * largest));
+  const Eigen::VectorXf more =
+      ((weight_decay + of_classes * variances).inverse() - of_others).matrix().cast<float>();
+  const auto features = static_cast<Eigen::Index>(blocks_.features());
+  return [=, this](const Eigen::VectorXd& gradient) {
+    const Eigen::Map<const Eigen::MatrixXd> weights(gradient.data(), features, classes_);
+    const Eigen::MatrixXf along = components_.directions.transpose() * weights.cast<float>();
+    Eigen::VectorXd product(gradient.size());
+    Eigen::Map<Eigen::MatrixXd>(product.data(), features, classes_) =
+        of_others * weights + (components_.directions * (more.asDiagonal() * along)).cast<double>();
+    product.tail(classes_) = gradient.tail(classes_) / of_classes;
+    return product;
+  };
 }
 
 Eigen::VectorXd SoftmaxTrainer::parameters_of(const SoftmaxRegression& regression) const {

@@ -3,6 +3,8 @@
 #include <span>
 #include <vector>
 
+#include "roomwise/rooms/minimizer.h"
+#include "roomwise/rooms/principal_components.h"
 #include "roomwise/rooms/sample_products.h"
 #include "roomwise/rooms/softmax_regression.h"
 
@@ -26,18 +28,22 @@ class SoftmaxTrainer {
 
  private:
   class Losses;
-  SoftmaxTrainer(SampleBlocks blocks, Eigen::RowVectorXf mean, std::vector<int> labels, int classes,
-                 ThreadPool* pool)
+  SoftmaxTrainer(SampleBlocks blocks, Eigen::RowVectorXf mean, PrincipalComponents components,
+                 std::vector<int> labels, int classes, ThreadPool* pool)
       : blocks_(std::move(blocks)),
         mean_(std::move(mean)),
+        components_(std::move(components)),
         labels_(std::move(labels)),
         classes_(classes),
         pool_(pool) {}
+  // About what multiplies a gradient to lead to the minimum at once; as long as the trainer lives.
+  [[nodiscard]] Minimizer::Product inverse_curvature(double weight_decay) const;
   [[nodiscard]] Eigen::VectorXd parameters_of(const SoftmaxRegression& regression) const;
   [[nodiscard]] SoftmaxRegression regression_of(const Eigen::VectorXd& parameters) const;
 
   SampleBlocks blocks_;  // less their mean
   Eigen::RowVectorXf mean_;
+  PrincipalComponents components_;  // of some samples
   std::vector<int> labels_;
   int classes_;
   ThreadPool* pool_;
