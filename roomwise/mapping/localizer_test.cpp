@@ -223,6 +223,24 @@ TEST_F(LocalizerTest, AFewFeaturesAreBelievedWherePatternAndDepthConfirmThem) {
   EXPECT_FALSE(alone.has_pose());
 }
 
+TEST_F(LocalizerTest, AFewFeaturesAreNotBelievedWhereTooLittleConfirmsThem) {
+  const MeasuredFeatures seen = few_of(landmarks_.seen_from(pose_));
+  const auto is_found_with = [&](const auto& stricter) {
+    LocalizerOptions options = without_shape();
+    stricter(options);
+    Localizer localizer(options);
+    look_around(localizer, landmarks_, true);
+    return localizer.locate({{seen, view_}, kCamera}).found();
+  };
+  EXPECT_TRUE(is_found_with([](LocalizerOptions&) {}));
+  EXPECT_FALSE(is_found_with([](LocalizerOptions& options) { options.least_confirmation = 1; }))
+      << "pattern and depth";
+  EXPECT_FALSE(is_found_with([](LocalizerOptions& options) { options.confirmed_overlap = 1; }))
+      << "how much of the picture the map shows";
+  EXPECT_FALSE(is_found_with([](LocalizerOptions& options) { options.least_hint_inliers = 11; }))
+      << "how many inliers";
+}
+
 TEST_F(LocalizerTest, WhatShapeFindsTooIsMoreThanAHint) {
   Localizer localizer({});
   look_around(localizer, landmarks_, true);

@@ -202,7 +202,8 @@ ObjectVocabulary words_of_maps(const RegionFinders& finders, const std::vector<s
   for (const auto& [word, of_word] : vocabulary.objects()) {
     const bool is_found = std::ranges::any_of(
         finders, [&](const auto& finder) { return names(finder->labels(), word); });
-    if (is_found || !kFoundRightly.contains(word) || !names(labels, word))
+    const bool is_asked = finders.empty() || (!is_found && kFoundRightly.contains(word));
+    if (!is_asked || !names(labels, word))
       std::ignore = chosen.remove(word);  // it is there
   }
   const ObjectVocabulary look_alikes = ObjectVocabulary::look_alikes();

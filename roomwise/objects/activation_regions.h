@@ -26,8 +26,9 @@ struct ActivationOptions {
     const network::CellLogits& cells, const std::vector<std::string>& labels,
     const ObjectVocabulary& words, const ActivationOptions& options, int width_px, int height_px);
 
-// What class-activation maps are asked for: of the words that no finder has a label for and the
-// labels do, those that maps find rightly (docs/objects.md), and look-alikes that the labels have.
+// What class-activation maps are asked for: beside other finders, of the words that none of them
+// has a label for and the labels do, those that maps find rightly (docs/objects.md); alone, all
+// that the labels have; and look-alikes that the labels have.
 [[nodiscard]] ObjectVocabulary words_of_maps(const RegionFinders& finders,
                                              const std::vector<std::string>& labels,
                                              const ObjectVocabulary& vocabulary);

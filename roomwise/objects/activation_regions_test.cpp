@@ -99,8 +99,10 @@ TEST(WordsOfMaps, AreThoseThatMapsFindRightlyAndNoDetectorHas) {
   EXPECT_EQ(words.objects().size(), 2U);
   EXPECT_TRUE(words.objects().contains("lamp")) << "the detector has bookcases";
   EXPECT_EQ(words.object_of("radiator"), "radiator") << "not in the table: a look-alike";
-  EXPECT_TRUE(
-      words_of_maps({}, labels, ObjectVocabulary::standard()).objects().contains("bookcase"));
+  const auto alone = words_of_maps({}, labels, ObjectVocabulary::standard());
+  EXPECT_EQ(alone.objects().size(), 4U);
+  for (const char* word : {"bookcase", "lamp", "wardrobe", "radiator"})
+    EXPECT_TRUE(alone.objects().contains(word)) << word;
 }
 
 TEST(ActivationFinder, SaysHowItFindsInItsFingerprint) {

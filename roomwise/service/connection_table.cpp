@@ -1,6 +1,7 @@
 #include "roomwise/service/connection_table.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace roomwise::service {
 

@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include <nlohmann/json.hpp>
+
 #include "roomwise/base/testing.h"
 #include "roomwise/service/rate_limit.h"
 #include "roomwise/service/request_checks.h"
