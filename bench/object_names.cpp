@@ -242,7 +242,7 @@ int main(int argc, char** argv) {
   std::vector<Judge> judges;
   for (int i = 2; i < argc; ++i) judges.emplace_back(argv[i]);
   if (judges.empty()) {
-    judges.emplace_back(fs::path(ROOMWISE_OWN_NETWORKS) / "roomwise-compact-1.onnx");
+    judges.emplace_back(fs::path(ROOMWISE_OWN_NETWORKS) / "roomwise-compact-2.onnx");
     const fs::path models = folder_of("ROOMWISE_MODELS");
     if (!models.empty()) judges.emplace_back(models / "mobilenet-v2-imagenet.onnx");
   }

@@ -96,8 +96,8 @@ TEST_F(NetworksCommandsTest, OursIsUsedWhereThereIsNoOther) {
     ADD_FAILURE() << file << " is not listed";
     return false;
   };
-  EXPECT_TRUE(is_default("share/roomwise/networks/roomwise-compact-1.onnx"));
-  const json info = ask({"networks", "info", "roomwise-compact-1"});
+  EXPECT_TRUE(is_default("share/roomwise/networks/roomwise-compact-2.onnx"));
+  const json info = ask({"networks", "info", "roomwise-compact-2"});
   EXPECT_LE(info["parameter_bytes"], 4'000'000);
   EXPECT_GT(info["card"]["notes"].size(), 0);
 
@@ -106,7 +106,7 @@ TEST_F(NetworksCommandsTest, OursIsUsedWhereThereIsNoOther) {
   ASSERT_OK(write_file(path("roomwise/networks/mine.card.json"),
                        R"({"input": {"width": 6, "height": 4}})"));
   EXPECT_TRUE(is_default("mine.onnx"));
-  EXPECT_FALSE(is_default("roomwise-compact-1.onnx"));
+  EXPECT_FALSE(is_default("roomwise-compact-2.onnx"));
 }
 
 TEST_F(NetworksCommandsTest, WhatIsNotAsPublishedIsRefused) {

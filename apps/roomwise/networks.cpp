@@ -45,9 +45,9 @@ Expected<std::vector<fs::path>> networks_for(network::Task task) {
   return usable;
 }
 
-// The first classifier that names things, for what they find and no detector does.
-Expected<void> add_activation_finder(const std::vector<fs::path>& files,
-                                     objects::RegionFinders& finders) {
+// The first classifier of the folders that names things, for what they find and no detector does.
+Expected<void> add_activation_finder(objects::RegionFinders& finders) {
+  ROOMWISE_TRY(const auto files, networks_for(network::Task::kClassify));
   for (const fs::path& file : files) {
     const auto card = network::find_model_card(file);
     if (!card || card->labels_file.empty()) continue;
@@ -198,12 +198,8 @@ Expected<objects::RegionFinders> load_region_finders() {
       fmt::print(stderr, "left out: {}\n", detector.error().message);
     }
   }
-  ROOMWISE_TRY(const auto classifiers, usable_networks());
-  const bool are_brought =
-      !classifiers.empty() && classifiers.front().parent_path() == brought_network_folder();
-  if (!finders.empty() || are_brought) {
-    ROOMWISE_CHECK_OK(add_activation_finder(classifiers, finders));
-  }
+  if (finders.empty()) return finders;
+  ROOMWISE_CHECK_OK(add_activation_finder(finders));
   return finders;
 }
 

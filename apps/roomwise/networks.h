@@ -27,8 +27,7 @@ void add_network_options(CLI::App& command, NetworkOptions& options);
 
 // The finders of regions: the detectors of the folders of networks, whatever --network names, and,
 // beside them, the activation maps of the first classifier there that names things, for what they
-// find and no detector does. Where nothing is installed, the activation maps of the compact network
-// alone; with classifiers and no detector, none.
+// find and no detector does. None where there is no detector.
 [[nodiscard]] Expected<objects::RegionFinders> load_region_finders();
 
 // Where "networks pull" puts files: $XDG_DATA_HOME/roomwise/networks, else

@@ -1,12 +1,14 @@
 #include <filesystem>
 #include <memory>
 #include <opencv2/core.hpp>
+#include <optional>
 
 #include "command_run.h"
 #include "commands.h"
 #include "networks.h"
 #include "open_home.h"
 #include "roomwise/home/home.h"
+#include "roomwise/objects/activation_regions.h"
 #include "roomwise/pipeline/keyframe_observer.h"
 #include "roomwise/pipeline/map_settings.h"
 #include "roomwise/pipeline/stored_map.h"
@@ -19,6 +21,7 @@ struct ObjectsOptions {
   std::string rule = "regions";
   bool past = false;
   NetworkOptions networks;
+  std::optional<std::string> maps;  // of which classifier
 };
 
 // What the home says about where its things stand.
@@ -176,11 +179,23 @@ Expected<Answer> list(const ObjectsOptions& options, const Context& context) {
   return options.past ? list_past(home) : list_found(home, options.rule);
 }
 
+// All words that this classifier has, by its activation maps.
+Expected<objects::RegionFinders> maps_alone(const std::string& name) {
+  ROOMWISE_TRY(const auto file, find_network_file(name));
+  ROOMWISE_TRY(auto classifier, network::DenseClassifier::load(file));
+  const auto words =
+      objects::words_of_maps({}, classifier->labels(), objects::ObjectVocabulary::standard());
+  objects::RegionFinders finders;
+  finders.push_back(objects::activation_finder(std::move(classifier), words));
+  return finders;
+}
+
 // Networks look at a home that was mapped without them, or with others; then all is joined anew.
 Expected<Answer> find(const ObjectsOptions& options, Context& context) {
   cv::setNumThreads(1);  // the threads are ours
   ROOMWISE_TRY(const pipeline::Networks networks, load_networks(options.networks));
-  ROOMWISE_TRY(const objects::RegionFinders finders, load_region_finders());
+  ROOMWISE_TRY(const objects::RegionFinders finders,
+               options.maps ? maps_alone(*options.maps) : load_region_finders());
   if (networks.empty() && finders.empty()) {
     return fail("no network is here; give --network FILE or set ROOMWISE_MODELS");
   }
@@ -238,6 +253,10 @@ void add_objects_commands(CLI::App& app, Context& context) {
                  "they were first and last seen, and the visit that noticed")
       ->excludes("--rule");
   add_network_options(*find_command, options->networks);
+  find_command->add_option("--maps", options->maps,
+                           "No detector, but the activation maps of this classifier alone, for all "
+                           "things that it names: finds more kinds, and more that are not there "
+                           "(docs/objects.md)");
 }
 
 }  // namespace roomwise::app

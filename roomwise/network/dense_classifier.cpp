@@ -226,11 +226,13 @@ std::vector<float> softmax(std::span<const float> logits) {
 
 DenseClassifier::InputSize DenseClassifier::usual_size(const ModelCard& card) {
   constexpr int kStep_px = 32;
+  static constexpr int kLeast_px = 224;
   constexpr double kWider = 11.0 / 7, kHigher = 8.0 / 7;
-  const auto in_steps = [](double side_px) {
-    return std::max(1, static_cast<int>(std::lround(side_px / kStep_px))) * kStep_px;
+  const auto in_steps = [](double share, int side_px) {
+    return static_cast<int>(std::lround(share * std::max(side_px, kLeast_px) / kStep_px)) *
+           kStep_px;
   };
-  return {in_steps(kWider * card.input_width_px), in_steps(kHigher * card.input_height_px)};
+  return {in_steps(kWider, card.input_width_px), in_steps(kHigher, card.input_height_px)};
 }
 
 Expected<std::unique_ptr<DenseClassifier>> DenseClassifier::load(

@@ -50,8 +50,8 @@ class DenseClassifier {
   struct InputSize {
     int width_px = 0, height_px = 0;
   };
-  // 352x256 for a network that takes 224x224, and as much larger for others, in steps of 32 pixels,
-  // by which such networks make a picture smaller.
+  // 352x256 for a network that takes 224x224 or less, and as much larger for others, in steps of 32
+  // pixels, by which such networks make a picture smaller.
   [[nodiscard]] static InputSize usual_size(const ModelCard& card);
   // size: absent: usual_size(). labels: a text file, one label a line; absent: the one that the
   // card names. Fails as

@@ -112,7 +112,7 @@ TEST(DenseGraph, OfNodesWithoutInputsOrInACircleIsRefused) {
 }
 
 const std::filesystem::path kCompactFile =
-    std::filesystem::path(ROOMWISE_MODELS_FOLDER) / "roomwise-compact-1.onnx";
+    std::filesystem::path(ROOMWISE_MODELS_FOLDER) / "roomwise-compact-2.onnx";
 
 // A picture with something in it: stripes and a gradient.
 image::ColorImage striped(int width, int height) {
@@ -169,18 +169,22 @@ TEST(DenseClassifier, TheMeanOfItsCellsIsWhatMobileNetSays) {
 TEST(DenseClassifier, LooksAtMoreCellsThanTheClassifier) {
   const auto dense = DenseClassifier::load(kCompactFile);
   ASSERT_OK(dense);
-  EXPECT_EQ((*dense)->card().input_width_px, 192);
-  EXPECT_EQ((*dense)->card().input_height_px, 160);
+  EXPECT_EQ((*dense)->card().input_width_px, 352);
+  EXPECT_EQ((*dense)->card().input_height_px, 256);
   const auto map = (*dense)->look(striped(640, 480));
   ASSERT_OK(map);
-  EXPECT_EQ(map->columns, 6);
-  EXPECT_EQ(map->rows, 5);
+  EXPECT_EQ(map->columns, 11);
+  EXPECT_EQ(map->rows, 8);
   EXPECT_ERROR((*dense)->look({}), "has no pixels");
   ModelCard card;
-  card.input_width_px = card.input_height_px = 224;
-  const auto size = DenseClassifier::usual_size(card);
-  EXPECT_EQ(size.width_px, 352);
-  EXPECT_EQ(size.height_px, 256);
+  const auto size_for = [&](int side_px) {
+    card.input_width_px = card.input_height_px = side_px;
+    const auto size = DenseClassifier::usual_size(card);
+    return std::pair(size.width_px, size.height_px);
+  };
+  EXPECT_EQ(size_for(224), std::pair(352, 256));
+  EXPECT_EQ(size_for(128), std::pair(352, 256)) << "fewer cells would be too large";
+  EXPECT_EQ(size_for(448), std::pair(704, 512));
 }
 
 TEST(DenseClassifier, TakesNetworksThatNameThingsOnly) {

@@ -22,7 +22,8 @@ std::vector<bool> values_for_convolutions(const Program& program, std::int64_t l
         program.values[first].shape[1] >= std::max(least_channels, kMostColors + 1)) {
       wanted[first] = true;
     } else if (wanted[layer->output] && can_hand_on(program, *layer)) {
-      for (const ValueId input : layer->inputs) wanted[input] = true;
+      for (const ValueId input : layer->inputs)
+        wanted[input] = wanted[input] || program.values[input].shape[1] >= least_channels;
     }
   }
   for (std::size_t i = 0; i < wanted.size(); ++i)

@@ -4,7 +4,7 @@
 
 #include <cmath>
 #include <cstdlib>
-#include <map>
+#include <set>
 
 #include "roomwise/network/checked_quantization.h"
 #include "roomwise/network/graph_builder.h"
@@ -191,12 +191,14 @@ TEST(Quantization, IsUsedOnlyWhereItIsNearEnough) {
   EXPECT_ERROR(checked_quantization(graph, options, {}, scores), "others to be checked on");
 }
 
-// Few channels, then many.
+// Few channels, then many, and few that are joined to many.
 OnnxGraph widening_graph() {
   GraphBuilder builder({5, false});
   auto x = builder.input("picture", {1, 3, 20, 18});
   x = builder.relu(builder.convolution(x, "narrow", {8, {3, 3}, {2, 2}, {1, 1}}), "narrow.relu");
   x = builder.relu(builder.convolution(x, "wide", {64, {3, 3}, {1, 1}, {1, 1}}), "wide.relu");
+  const auto branch = builder.relu(builder.convolution(x, "branch", {12}), "branch.relu");
+  x = builder.concat(std::array{x, branch}, "joined");
   x = builder.relu(builder.convolution(x, "last", {40}), "last.relu");
   builder.output(builder.flatten(builder.global_average_pool(x, "pool"), "features"));
   return builder.take();
@@ -210,14 +212,19 @@ TEST(Quantization, LeavesFewChannelsInFloatsWhereItIsToldTo) {
   const std::vector<Tensor> pictures = some_pictures();
   const auto ranges = measure_ranges(*program, pictures);
   ASSERT_OK(ranges);
-  quantize(*program, *ranges, 33);
-  std::map<std::int64_t, bool> in_eight_bits;  // by channels
-  for (const Layer& layer : program->layers) {
-    const Value& input = program->values[layer.inputs[0]];
-    if (layer.as<Convolution>() != nullptr)
-      in_eight_bits[input.shape[1]] = input.eight_bits.has_value();
-  }
-  EXPECT_EQ(in_eight_bits, (std::map<std::int64_t, bool>{{3, false}, {8, false}, {64, true}}));
+  const auto channels_in_eight_bits = [&](std::int64_t least_channels) {
+    Program rounded = *program;
+    quantize(rounded, *ranges, least_channels);
+    std::set<std::int64_t> channels;
+    for (const Value& value : rounded.values) {
+      if (value.eight_bits) channels.insert(value.shape[1]);
+    }
+    return channels;
+  };
+  using Channels = std::set<std::int64_t>;
+  EXPECT_EQ(channels_in_eight_bits(1), (Channels{8, 12, 64, 76}));
+  EXPECT_EQ(channels_in_eight_bits(64), (Channels{64, 76})) << "the 12 that are joined, neither";
+  EXPECT_EQ(channels_in_eight_bits(65), (Channels{76}));
 }
 
 TEST(Quantization, LeavesFewChannelsInFloatsWhereThatMakesItNearEnough) {
@@ -227,7 +234,7 @@ TEST(Quantization, LeavesFewChannelsInFloatsWhereThatMakesItNearEnough) {
   const Tensor picture = random_tensor({1, 3, 20, 18}, 8);
   const auto exact = Executor::create(graph), whole = Executor::create(graph, options);
   ExecutorOptions with_floats = options;
-  with_floats.least_channels_in_eight_bits = 33;
+  with_floats.least_channels_in_eight_bits = 65;
   const auto mixed = Executor::create(graph, with_floats);
   ASSERT_OK(exact);
   ASSERT_OK(whole);
@@ -254,7 +261,7 @@ TEST(Quantization, LeavesFewChannelsInFloatsWhereThatMakesItNearEnough) {
   EXPECT_TRUE(easy->report.is_used);
   EXPECT_EQ(easy->report.least_channels, 1);
   EXPECT_TRUE(between->report.is_used);
-  EXPECT_EQ(between->report.least_channels, 33);
+  EXPECT_EQ(between->report.least_channels, 65);
   EXPECT_NEAR(between->report.mean_error.front(), mixed_error, 1e-9);
   EXPECT_EQ(between->executor->run({&picture, 1})->front().values, outputs_of(mixed));
   EXPECT_FALSE(hard->report.is_used);

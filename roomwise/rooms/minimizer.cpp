@@ -25,8 +25,14 @@ void Minimizer::tell(double value, const Eigen::VectorXd& gradient) {
                        (same && slope_at_end <= 0 && slope_at_end >= slope);
     if (!lower || !std::isfinite(value)) {
       share_ /= 2;
-      done_ = share_ < kShortestShare;
       place_ = best_ + share_ * step_;
+      if (share_ >= kShortestShare) return;
+      done_ = !inverse_curvature_;
+      if (done_) return;
+      // The guess may be what is wrong: once more without it.
+      inverse_curvature_ = {};
+      changes_.clear();
+      begin_step(-downwards());
       return;
     }
     Change change{place_ - best_, gradient - gradient_, 0};
@@ -44,8 +50,9 @@ void Minimizer::tell(double value, const Eigen::VectorXd& gradient) {
 
 void Minimizer::begin_step(const Eigen::VectorXd& direction) {
   step_ = direction;
-  // What changes say can only mislead by rounding.
+  // What changes say can only mislead by rounding, or by a wrong guess.
   if (!(gradient_.dot(step_) < 0)) {
+    inverse_curvature_ = {};
     changes_.clear();
     step_ = -gradient_;
   }
@@ -60,7 +67,7 @@ Eigen::VectorXd Minimizer::downwards() const {
     shares[i] = changes_[i].place.dot(direction) / changes_[i].product;
     direction -= shares[i] * changes_[i].gradient;
   }
-  direction = downwards_at_first(std::move(direction));
+  direction = downwards_by_guess(direction);
   for (std::size_t i = 0; i < changes_.size(); ++i) {
     const double share = changes_[i].gradient.dot(direction) / changes_[i].product;
     direction += (shares[i] - share) * changes_[i].place;
@@ -68,11 +75,11 @@ Eigen::VectorXd Minimizer::downwards() const {
   return direction;
 }
 
-Eigen::VectorXd Minimizer::downwards_at_first(Eigen::VectorXd gradient) const {
+Eigen::VectorXd Minimizer::downwards_by_guess(const Eigen::VectorXd& gradient) const {
   if (changes_.empty()) {
+    if (inverse_curvature_) return inverse_curvature_(gradient);
     // A first step of length 1; it grows or shrinks by what it finds.
-    return inverse_curvature_ ? inverse_curvature_(gradient)
-                              : gradient / std::max(gradient.norm(), 1e-300);
+    return gradient / std::max(gradient.norm(), 1e-300);
   }
   const Change& last = changes_.back();
   if (!inverse_curvature_) return last.product / last.gradient.squaredNorm() * gradient;

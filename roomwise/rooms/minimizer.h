@@ -19,8 +19,8 @@ class Minimizer {
 
   // Done when the largest element of the gradient is below the tolerance, or where no step leads
   // down any more, since the function is not more exact. `inverse_curvature`: what the inverse of
-  // the second derivatives is about; the nearer, the fewer evaluations. Without it, it is taken to
-  // be alike in all directions.
+  // the second derivatives is about; the nearer, the fewer evaluations. Without it, and after a
+  // step by it that led nowhere down, it is taken to be alike in all directions.
   Minimizer(Eigen::VectorXd start, double gradient_tolerance, Product inverse_curvature = {})
       : place_(std::move(start)),
         gradient_tolerance_(gradient_tolerance),
@@ -42,8 +42,8 @@ class Minimizer {
   };
   // The gradient multiplied by what the changes say of the inverse of the second derivatives.
   [[nodiscard]] Eigen::VectorXd downwards() const;
-  // The same, by what is known of it before any change: as long as the last change asks for.
-  [[nodiscard]] Eigen::VectorXd downwards_at_first(Eigen::VectorXd gradient) const;
+  // The same by inverse_curvature_ alone, scaled so that it fits the last change.
+  [[nodiscard]] Eigen::VectorXd downwards_by_guess(const Eigen::VectorXd& gradient) const;
   void begin_step(const Eigen::VectorXd& direction);
 
   Eigen::VectorXd place_;

@@ -51,6 +51,19 @@ TEST(Minimizer, IsThereAtOnceWhereTheCurvatureIsKnown) {
   EXPECT_GT(evaluations_of_a_long_valley({}), 15);
 }
 
+TEST(Minimizer, IsThereInTheEndByAWrongGuessToo) {
+  const auto far_too_long = [](const Eigen::VectorXd& gradient) -> Eigen::VectorXd {
+    return 1e12 * gradient;
+  };
+  const auto uphill = [](const Eigen::VectorXd& gradient) -> Eigen::VectorXd { return -gradient; };
+  const auto no_number = [](const Eigen::VectorXd& gradient) -> Eigen::VectorXd {
+    return std::nan("") * gradient;
+  };
+  EXPECT_LT(evaluations_of_a_long_valley(far_too_long), 200);
+  EXPECT_LT(evaluations_of_a_long_valley(uphill), 200);
+  EXPECT_LT(evaluations_of_a_long_valley(no_number), 200);
+}
+
 TEST(Minimizer, IsDoneAtOnceAtTheMinimum) {
   Minimizer minimizer(Eigen::Vector2d(4, 5), 1e-6);
   minimizer.tell(7, Eigen::Vector2d::Zero());

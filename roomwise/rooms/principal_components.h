@@ -13,12 +13,12 @@ struct PrincipalComponents {
 };
 
 struct ComponentLimits {
-  Eigen::Index rows = 0;        // more are thinned out evenly
-  Eigen::Index directions = 0;  // the most that are given
+  Eigen::Index rows = 1;        // at least 1; more are thinned out evenly
+  Eigen::Index directions = 1;  // the most that are given
 };
 
 // Of at least one row. Directions of next to no variance, as rounding leaves them, are not given.
-// Deterministic. Throws std::invalid_argument where there is no row.
+// Deterministic. Throws std::invalid_argument where there is no row, or none is allowed.
 [[nodiscard]] PrincipalComponents principal_components(const Eigen::MatrixXf& rows,
                                                        const ComponentLimits& most);
 

@@ -53,6 +53,7 @@ TEST(PrincipalComponents, RowsThatAreAllAlikeHaveNone) {
   EXPECT_EQ(found.directions.cols(), 0);
   EXPECT_EQ(found.remaining_variance, 0);
   EXPECT_THROW((void)principal_components(Eigen::MatrixXf(0, 3), kAll), std::invalid_argument);
+  EXPECT_THROW((void)principal_components(box_corners(), {0, 3}), std::invalid_argument);
 }
 
 }  // namespace

@@ -13,7 +13,8 @@ class RoomTopology {
   // No door is known: every room leads to every other alike.
   explicit RoomTopology(std::vector<std::string> rooms);
   // `walk`: the rooms in the order in which they were entered. Rooms that are not among `rooms`
-  // are walked through, as if they were part of the doors; an empty name breaks the walk off. A door leads both ways.
+  // are walked through, as if they were part of the doors; an empty name breaks the walk off. A
+  // door leads both ways.
   RoomTopology(std::vector<std::string> rooms, std::span<const std::string> walk);
 
   [[nodiscard]] const std::vector<std::string>& rooms() const { return rooms_; }

@@ -151,6 +151,58 @@ TEST(SoftmaxRegression, FindsTheMinimumThatCeresFinds) {
   }
 }
 
+// Features that mix a few strong kinds and many weak ones, as a network's do: 300 x 90.
+Eigen::MatrixXf mixed_features(std::vector<int>& labels) {
+  RandomStream random(3);
+  Eigen::MatrixXf kinds(30, 90);
+  for (Eigen::Index i = 0; i < kinds.rows(); ++i) {
+    for (Eigen::Index k = 0; k < kinds.cols(); ++k)
+      kinds(i, k) = static_cast<float>(random.normal() / std::pow(1.3, i));
+  }
+  Eigen::MatrixXf samples(300, 90);
+  labels.clear();
+  for (Eigen::Index i = 0; i < samples.rows(); ++i) {
+    labels.push_back(static_cast<int>(i % 4));
+    samples.row(i).setZero();
+    for (Eigen::Index kind = 0; kind < kinds.rows(); ++kind) {
+      const double shift = kind % 4 == i % 4 ? 0.7 : 0;
+      samples.row(i) += static_cast<float>(random.normal() + shift) * kinds.row(kind);
+    }
+  }
+  return samples;
+}
+
+TEST(SoftmaxRegression, IsThereInFewEvaluations) {
+  std::vector<int> labels;
+  const auto samples = mixed_features(labels);
+  SoftmaxOptions thorough, hasty;
+  thorough.gradient_tolerance = 1e-7;
+  hasty.most_iterations = 15;
+  const auto exact = SoftmaxRegression::train(samples, labels, 4, thorough);
+  const auto soon = SoftmaxRegression::train(samples, labels, 4, hasty);
+  ASSERT_OK(exact);
+  ASSERT_OK(soon);
+  EXPECT_LT((soon->weights() - exact->weights()).norm(), 0.02F * exact->weights().norm());
+}
+
+TEST(SoftmaxRegression, WithoutWeightDecayOneClassAndEqualSamplesAreLearnedToo) {
+  SoftmaxOptions free;
+  free.weight_decay = 0;
+  std::vector<int> labels;
+  const auto samples = clouds({{0, 0}, {1, 0}}, 20, 1, labels);  // they overlap
+  const auto two = SoftmaxRegression::train(samples, labels, 2, free);
+  ASSERT_OK(two);
+  EXPECT_LT(two->weights()(0, 0), two->weights()(1, 0));
+  const auto one = SoftmaxRegression::train(samples, std::vector<int>(40, 0), 1, free);
+  ASSERT_OK(one);
+  EXPECT_EQ(one->probabilities(samples.row(0))[0], 1);
+  // Three times as many of class 0: classes weigh the same, and nothing tells them apart.
+  const auto equal = SoftmaxRegression::train(Eigen::MatrixXf::Constant(4, 3, 0.5F),
+                                              std::vector<int>{0, 0, 0, 1}, 2, free);
+  ASSERT_OK(equal);
+  EXPECT_NEAR(equal->probabilities(Eigen::Vector3f::Constant(0.5F))[0], 0.5, 1e-4);
+}
+
 TEST(SoftmaxRegression, ClassesWeighTheSameHoweverManySamplesEachHas) {
   // The same samples, those of class 1 given nine times: nothing may change.
   std::vector<int> labels;

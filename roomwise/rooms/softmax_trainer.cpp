@@ -191,12 +191,13 @@ Expected<std::vector<SoftmaxRegression>> SoftmaxTrainer::train(
   std::vector<std::vector<double>> weights;
   std::vector<Minimizer> minimizers;
   const auto parameters = static_cast<Eigen::Index>(blocks_.features() + 1) * classes_;
+  const Minimizer::Product guess = inverse_curvature(options.weight_decay);
   for (std::size_t i = 0; i < parts.size(); ++i) {
     ROOMWISE_TRY(auto of_part, sample_weights(parts[i], labels_, classes_));
     weights.push_back(std::move(of_part));
     minimizers.emplace_back(
         starts.empty() ? Eigen::VectorXd::Zero(parameters).eval() : parameters_of(starts[i]),
-        options.gradient_tolerance, inverse_curvature(options.weight_decay));
+        options.gradient_tolerance, guess);
   }
   const Losses losses(*this, options.weight_decay, std::move(weights));
   for (int i = 0; i < options.most_iterations; ++i) {
@@ -219,7 +220,7 @@ Minimizer::Product SoftmaxTrainer::inverse_curvature(double weight_decay) const 
   // Below that, a direction's variance is not known.
   constexpr double kLeastVarianceRatio = 1e-6;
   const Eigen::ArrayXd variances = components_.deviations.cast<double>().array().square();
-  const double largest = variances.size() > 0 ? variances[0] : 1;
+  const double largest = variances.size() > 0 ? variances[0] : 1;  // 1: nothing is known
   const double of_classes = 1.0 / classes_;
   const double of_others =
       1 / (weight_decay +
@@ -229,10 +230,13 @@ Minimizer::Product SoftmaxTrainer::inverse_curvature(double weight_decay) const 
   const auto features = static_cast<Eigen::Index>(blocks_.features());
   return [=, this](const Eigen::VectorXd& gradient) {
     const Eigen::Map<const Eigen::MatrixXd> weights(gradient.data(), features, classes_);
-    const Eigen::MatrixXf along = components_.directions.transpose() * weights.cast<float>();
+    // Lazily: in one order, where a product of matrices is grouped by the processor's caches.
+    const Eigen::MatrixXf along =
+        components_.directions.transpose().lazyProduct(weights.cast<float>().eval());
+    const Eigen::MatrixXf scaled = more.asDiagonal() * along;
     Eigen::VectorXd product(gradient.size());
     Eigen::Map<Eigen::MatrixXd>(product.data(), features, classes_) =
-        of_others * weights + (components_.directions * (more.asDiagonal() * along)).cast<double>();
+        of_others * weights + components_.directions.lazyProduct(scaled).cast<double>();
     product.tail(classes_) = gradient.tail(classes_) / of_classes;
     return product;
   };

@@ -15,7 +15,7 @@ const kKeyframesPerRoom = 6;
 export function makeHome(): Home {
   return {
     name: 'Our flat',
-    learned: { pictures: 310, network: 'roomwise-compact-1' },
+    learned: { pictures: 310, network: 'roomwise-compact-2' },
     rooms: Object.entries(kRooms).map(([name, [x, y, width, depth]]) => ({
       name, type: name, floor_m2: Math.round(width * depth * 10) / 10, middle: [x + width / 2, y + depth / 2],
     })),
