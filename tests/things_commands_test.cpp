@@ -169,6 +169,35 @@ TEST_F(ThingsCommandsTest, AClassifierBesideADetectorFindsWhatTheDetectorHasNoWo
   EXPECT_EQ(digest_of(home), digest) << "all was looked at";
 }
 
+TEST_F(ThingsCommandsTest, TheMapsOfOneClassifierAreAskedForAllItsWordsWhereTheyAreToldTo) {
+  std::filesystem::create_directories(path("alone"));
+  EXPECT_OK(write_file(path("alone/beds.onnx"), classifier_of_lamps()));
+  EXPECT_OK(write_file(
+      path("alone/beds.card.json"),
+      R"({"task": "classify", "input": {"width": 64, "height": 64}, "labels": "beds.txt"})"));
+  EXPECT_OK(write_file(path("alone/beds.txt"), std::string("bed\ntable lamp\n")));
+  const std::string home = copy_of_home("alone.home");
+  const auto find_by = [&](const std::string& network) {
+    return run({"objects", "find", "--home", home, "--maps", network});
+  };
+  EXPECT_EQ(find_by(path("alone/beds.onnx")).exit_code, 0);
+  const auto found = home::Home::open_read_only(home);
+  ASSERT_OK(found);
+  const auto finders = found->region_finders();
+  ASSERT_OK(finders);
+  ASSERT_EQ(finders->size(), 2U) << "what the detector found when it was mapped is kept";
+  const auto looks = found->looks(finders->rbegin()->first);
+  ASSERT_OK(looks);
+  ASSERT_FALSE(looks->empty());
+  for (const auto& [keyframe, look] : *looks) {
+    ASSERT_EQ(look.regions.size(), 1U) << keyframe;
+    EXPECT_EQ(look.regions[0].label, "bed") << "which the detector has, too";
+  }
+  const ProgramResult unknown = find_by("nowhere");
+  EXPECT_NE(unknown.exit_code, 0);
+  EXPECT_THAT(unknown.errors, HasSubstr("nowhere: no such network"));
+}
+
 // ---- objects list --past ----
 
 TEST_F(ThingsCommandsTest, WhatStandsThereNoMoreIsListed) {
