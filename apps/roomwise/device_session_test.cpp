@@ -20,8 +20,11 @@ class SameView final : public recording::FrameSource {
     info_.camera.fx = info_.camera.fy = 10;
     info_.camera.width = info_.camera.height = 8;
     info_.frame_count = 1'000'000;
-    frame_.encoded_color = image::encode_png(image::ColorImage(8, 8));
-    frame_.encoded_depth = image::encode_png(image::DepthImage(8, 8));
+    // The pixels too: on a slow network they are put smaller.
+    frame_.color = image::ColorImage(8, 8);
+    frame_.depth = image::DepthImage(8, 8);
+    frame_.encoded_color = image::encode_png(frame_.color);
+    frame_.encoded_depth = image::encode_png(frame_.depth);
   }
   [[nodiscard]] const recording::SourceInfo& info() const override { return info_; }
   [[nodiscard]] Expected<std::optional<image::RgbdFrame>> next() override {
