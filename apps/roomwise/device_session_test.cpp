@@ -219,7 +219,12 @@ class DeviceSessionTest : public ::testing::Test {
   std::unique_ptr<DeviceSession> session_;
 };
 
-class UnpluggedCameraTest : public DeviceSessionTest {
+// A base before the session, whose camera asks for it at once, from a thread of its own.
+struct Plug {
+  std::atomic<bool> is_plugged_in_ = false;
+};
+
+class UnpluggedCameraTest : protected Plug, public DeviceSessionTest {
  protected:
   UnpluggedCameraTest()
       : DeviceSessionTest(std::make_unique<DeviceCamera>(
@@ -228,8 +233,6 @@ class UnpluggedCameraTest : public DeviceSessionTest {
               if (!is_plugged_in_) return fail("no camera was found");
               return std::make_unique<SameView>();
             })) {}
-
-  std::atomic<bool> is_plugged_in_ = false;
 };
 
 TEST_F(UnpluggedCameraTest, SaysThatTheCameraFailedAndThatItIsBack) {
