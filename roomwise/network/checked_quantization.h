@@ -33,8 +33,8 @@ struct CheckedExecutor {
 
 // The network in 8 bits, measured on options.calibration, where it is near enough on `held_out`;
 // else the same with what has up to 64 channels in floats, where that is; else in floats, with the
-// reason. scores: which of the outputs' largest numbers must agree, by
-// their places. Fails where either network cannot be run, or there are no held-out inputs.
+// reason. scores: which of the outputs' largest numbers must agree, by their places. Fails where
+// either network cannot be run, or there are no held-out inputs.
 [[nodiscard]] Expected<CheckedExecutor> checked_quantization(const OnnxGraph& graph,
                                                              const ExecutorOptions& options,
                                                              std::span<const Tensor> held_out,

@@ -29,8 +29,8 @@ struct ExecutorOptions {
   // Inputs as the network will get them, of a network with one: then convolutions are worked out in
   // 8 bits (quantization.h), for inputs of this shape only. Empty: in 32-bit floats.
   std::vector<Tensor> calibration;
-  // In 8 bits: what has fewer channels stays in floats. Few channels are dear to round, since a
-  // convolution adds up few errors that could cancel out.
+  // In 8 bits: what has fewer channels stays in floats, which costs some of the time that is gained
+  // (docs/benchmarks.md).
   std::int64_t least_channels_in_eight_bits = 1;
 };
 
