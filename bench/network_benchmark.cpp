@@ -158,18 +158,20 @@ void measure_eight_bits(const Subject& subject, const fs::path& models,
   ExecutorOptions in_floats;
   in_floats.outputs = subject.card.features_outputs;
   if (!subject.card.scores_output.empty()) in_floats.outputs.push_back(subject.card.scores_output);
-  ExecutorOptions options = in_floats;
-  std::vector<Tensor> held_out;
+  std::vector<Tensor> calibration, held_out;
   for (std::size_t i = 0; i < pictures.size(); ++i) {
     Tensor input = picture_input(need(image::read_color(pictures[i])), subject.card);
-    (i % 4 == 0 ? options.calibration : held_out).push_back(std::move(input));
+    (i % 4 == 0 ? calibration : held_out).push_back(std::move(input));
   }
   std::vector<std::size_t> scores;
-  if (subject.names_things) scores.push_back(options.outputs.size() - 1);
+  if (subject.names_things) scores.push_back(in_floats.outputs.size() - 1);
   // Whether it would be kept is asked first; what it costs, in any case.
-  const CheckedExecutor checked = need(checked_quantization(graph, options, held_out, scores));
+  const CheckedExecutor checked =
+      need(checked_quantization(graph, in_floats, calibration, held_out, scores));
   const QuantizationReport& report = checked.report;
-  options.least_channels_in_eight_bits = report.least_channels;
+  ExecutorOptions options = in_floats;
+  options.eight_bits = need(measure_eight_bits(graph, in_floats, calibration));
+  options.eight_bits->least_channels = report.least_channels;
   const auto exact = need(Executor::create(graph, in_floats));
   const auto rounded = need(Executor::create(graph, options));
   std::vector<double> exact_ms, rounded_ms, ratios;
@@ -179,12 +181,12 @@ void measure_eight_bits(const Subject& subject, const fs::path& models,
     ratios.push_back(rounded_ms.back() / exact_ms.back());
   }
   fmt::print("{}: in 8 bits from {} channels on ({} pictures to measure on, {} to check)\n",
-             subject.file, report.least_channels, options.calibration.size(), held_out.size());
+             subject.file, report.least_channels, calibration.size(), held_out.size());
   fmt::print("  CPU-ms {} beside {}: {}\n", text_of(summary_of(rounded_ms)),
              text_of(summary_of(exact_ms)), text_of(summary_of(ratios)));
-  for (std::size_t i = 0; i < options.outputs.size(); ++i) {
+  for (std::size_t i = 0; i < in_floats.outputs.size(); ++i) {
     fmt::print("  {}: cosine {:.4f} in the mean, {:.4f} at worst; largest at one place {:.1f} %\n",
-               options.outputs[i], report.mean_cosine[i], report.least_cosine[i],
+               in_floats.outputs[i], report.mean_cosine[i], report.least_cosine[i],
                100 * report.agreement[i]);
   }
   fmt::print("  {}\n", report.is_used ? "kept" : "not kept: " + report.reason);

@@ -6,8 +6,10 @@
 #include <filesystem>
 
 #include "roomwise/base/file.h"
+#include "roomwise/base/random.h"
 #include "roomwise/base/testing.h"
 #include "roomwise/download/test_server.h"
+#include "roomwise/image/codec.h"
 #include "roomwise/network/tiny_network.h"
 #include "run_program.h"
 
@@ -84,6 +86,83 @@ TEST_F(NetworksCommandsTest, APublishedNetworkIsFetchedAndFound) {
 
   ASSERT_OK(write_file(file_, network_ + "x"));
   EXPECT_THAT(run({"networks", "verify"}).errors, HasSubstr("is not the file"));
+}
+
+// Two convolutions, of random weights.
+std::string convolving_network(std::uint64_t seed) {
+  using testing::layer;
+  const auto weights = [seed](const std::string& name, std::int64_t outputs, std::int64_t inputs) {
+    RandomStream random(seed);
+    std::vector<float> values(static_cast<std::size_t>(outputs * inputs * 9));
+    for (float& value : values) value = static_cast<float>(random.normal());
+    return testing::tensor(name, {outputs, inputs, 3, 3}, values);
+  };
+  return testing::onnx(testing::TinyGraph{
+      {layer("Conv", {"picture", "w1"}, {"c1"}, {}), layer("Relu", {"c1"}, {"r1"}, {}),
+       layer("Conv", {"r1", "w2"}, {"c2"}, {}), layer("Relu", {"c2"}, {"r2"}, {}),
+       layer("GlobalAveragePool", {"r2"}, {"pooled"}, {}),
+       layer("Flatten", {"pooled"}, {"features"}, {})},
+      {weights("w1", 12, 3), weights("w2", 16, 12)},
+      {1, 3, 18, 20},
+      {{"features", {1, 16}}}});
+}
+
+TEST_F(NetworksCommandsTest, ANetworkIsMadeToRunInEightBits) {
+  for (const char* folder : {"roomwise/networks", "photos/red", "photos/noise", "few"})
+    std::filesystem::create_directories(path(folder));
+  ASSERT_OK(write_file(path("roomwise/networks/tiny.onnx"), convolving_network(1)));
+  ASSERT_OK(write_file(path("roomwise/networks/tiny.card.json"),
+                       R"({"input": {"width": 20, "height": 18}})"));
+  RandomStream random(1);
+  const auto write_pictures = [&](const std::string& folder, int count) {
+    for (int i = 0; i < count; ++i) {
+      image::ColorImage picture(30, 20);
+      for (Rgb8& pixel : picture.pixels()) pixel.r = static_cast<std::uint8_t>(random.next());
+      ASSERT_OK(write_file(path(fmt::format("{}/{}.png", folder, i)), image::encode_png(picture)));
+    }
+  };
+  write_pictures("photos/red", 9);
+  const std::vector<std::string> quantize{"networks", "quantize", "tiny", "--pictures",
+                                          path("photos")};
+  const json made = ask(quantize);
+  const std::string file = path("roomwise/networks/tiny-8bit.eightbits");
+  EXPECT_EQ(made["file"], file);
+  EXPECT_EQ(made["measured_on"], 3);
+  EXPECT_EQ(made["checked_on"], 6);
+  EXPECT_GT(made["mean_cosine"][0], 0.99);
+  EXPECT_EQ(ask({"networks", "info", "tiny-8bit"})["eight_bits"]["network"], "tiny.onnx");
+  EXPECT_GT(ask({"networks", "bench", "tiny-8bit", "--runs", "2"})["cpu_ms"], 0);
+  EXPECT_EQ(ask({"info", file})["features"], 16);
+  for (const json& here : ask({"networks", "list"})["here"]) {
+    if (here["file"] != file) continue;
+    EXPECT_EQ(here["for"], "features, 8 bits");
+    EXPECT_FALSE(here["used_by_default"]);
+  }
+
+  // Rooms are learned with it and recognised with it, and by no other.
+  write_pictures("photos/noise", 9);
+  const std::string home = path("photos.home");
+  ask({"rooms", "learn", "--photos", path("photos"), "--network", file, "--home", home});
+  const std::string picture = path("photos/red/0.png");
+  EXPECT_TRUE(ask({"rooms", "recognize", "--home", home, "--network", file, picture}).is_object());
+  EXPECT_THAT(run({"rooms", "recognize", "--home", home, "--network",
+                   path("roomwise/networks/tiny.onnx"), picture})
+                  .errors,
+              HasSubstr("tiny-8bit"));
+
+  EXPECT_THAT(run({"networks", "quantize", "tiny"}).errors, HasSubstr("--home or --pictures"));
+  EXPECT_THAT(run({"networks", "quantize", "tiny-8bit", "--pictures", path("photos")}).errors,
+              HasSubstr("give the network's own file"));
+  EXPECT_THAT(run({"networks", "quantize", "tiny", "--pictures", path("photos"), "--out",
+                   path("tiny.json")})
+                  .errors,
+              HasSubstr("ends in .eightbits"));
+  write_pictures("few", 3);
+  EXPECT_THAT(run({"networks", "quantize", "tiny", "--pictures", path("few")}).errors,
+              HasSubstr("at least 8 pictures"));
+  ASSERT_OK(write_file(path("roomwise/networks/tiny.onnx"), convolving_network(2)));
+  EXPECT_THAT(run({"networks", "bench", "tiny-8bit"}).errors,
+              HasSubstr("was measured of another file"));
 }
 
 TEST_F(NetworksCommandsTest, OursIsUsedWhereThereIsNoOther) {

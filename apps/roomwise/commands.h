@@ -22,7 +22,8 @@ void add_rooms_commands(CLI::App& app, Context& context);
 void add_layout_command(CLI::App& group, Context& context);         // of "rooms"
 void add_room_objects_commands(CLI::App& group, Context& context);  // likewise
 void add_networks_commands(CLI::App& app, Context& context);
-void add_networks_looks(CLI::App& group, Context& context);  // of "networks"
+void add_networks_looks(CLI::App& group, Context& context);     // of "networks"
+void add_networks_quantize(CLI::App& group, Context& context);  // likewise
 void add_protect_command(CLI::App& app, Context& context);
 void add_report_command(CLI::App& app, Context& context);
 void add_serve_command(CLI::App& app, Context& context);

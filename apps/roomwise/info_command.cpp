@@ -9,6 +9,7 @@
 #include "roomwise/mapping/g2o_file.h"
 #include "roomwise/mapping/loop_closer.h"
 #include "roomwise/network/detector.h"
+#include "roomwise/network/eight_bit_file.h"
 #include "roomwise/network/onnx_classifier.h"
 #include "roomwise/recording/association.h"
 #include "roomwise/recording/camera_file.h"
@@ -190,7 +191,8 @@ Expected<Answer> run(const InfoOptions& options, const Context& context) {
   if (!fs::exists(path)) return fail("{}: there is no such file or folder", path.string());
   if (fs::is_directory(path)) return describe_recording(path);
   if (path.extension() == ".g2o") return describe_pose_graph(path);
-  if (path.extension() == ".onnx") return describe_network(path);
+  const bool is_network = path.extension() == ".onnx" || network::is_eight_bit_file(path);
+  if (is_network) return describe_network(path);
   const std::string bytes = first_bytes(path);
   if (bytes.starts_with("\x89PNG") || bytes.starts_with("\xff\xd8\xff")) {
     return describe_picture(path);
@@ -198,8 +200,10 @@ Expected<Answer> run(const InfoOptions& options, const Context& context) {
   if (is_database(path) || path.extension() == ".home") {
     return describe_home(options, context);
   }
-  return fail("{}: is not known; expected a home, a recording's folder, .g2o, .onnx, PNG or JPEG",
-              path.string());
+  return fail(
+      "{}: is not known; expected a home, a recording's folder, .g2o, .onnx, .eightbits, PNG or "
+      "JPEG",
+      path.string());
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "roomwise/network/eight_bit_file.h"
 #include "roomwise/network/network_file.h"
 #include "roomwise/network/onnx_classifier.h"
 #include "roomwise/objects/activation_regions.h"
@@ -131,7 +132,8 @@ Expected<fs::path> find_network_file(const std::string& name) {
     if (const auto file = find_in_folders(entry->file)) return *file;
     return fail("{}: is not here yet; fetch it by 'roomwise networks pull {}'", name, entry->name);
   }
-  for (const std::string& file : {name, name + ".onnx", name + ".safetensors", name + ".pth"}) {
+  for (const std::string& file : {name, name + ".onnx", name + ".safetensors", name + ".pth",
+                                  name + network::EightBitFile::kEnding}) {
     if (const auto found = find_in_folders(file)) return *found;
   }
   if (fs::is_regular_file(name, ignored)) return name;
@@ -141,7 +143,8 @@ Expected<fs::path> find_network_file(const std::string& name) {
 void add_network_options(CLI::App& command, NetworkOptions& options) {
   command.add_option("--network", options.files,
                      "ONNX network, or weights (.pth, .safetensors) of a known one, with its card "
-                     "NAME.card.json beside it; may be given several times. Without it: "
+                     "NAME.card.json beside it, or one in 8 bits (.eightbits, networks quantize); "
+                     "may be given several times. Without it: "
                      "those of ROOMWISE_MODELS, else of ../shared/models, and those of the "
                      "user's own folder; where neither holds one, the compact network that comes "
                      "with Roomwise (roomwise networks list)");

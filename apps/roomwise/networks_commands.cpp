@@ -8,7 +8,9 @@
 #include "roomwise/base/file.h"
 #include "roomwise/download/https_download.h"
 #include "roomwise/network/catalogue.h"
+#include "roomwise/network/eight_bit_file.h"
 #include "roomwise/network/model_card.h"
+#include "roomwise/network/network_file.h"
 
 namespace roomwise::app {
 namespace {
@@ -55,7 +57,8 @@ std::string what_for(const fs::path& file) {
   const auto card = network::find_model_card(file);
   if (!card) return "no card";
   if (card->task != network::Task::kClassify) return "finds things";
-  return card->labels_file.empty() ? "features" : "features and names";
+  const std::string gives = card->labels_file.empty() ? "features" : "features and names";
+  return network::is_eight_bit_file(file) ? gives + ", 8 bits" : gives;
 }
 
 Expected<Answer> list() {
@@ -70,16 +73,15 @@ Expected<Answer> list() {
     std::vector<fs::path> files;
     std::error_code ignored;
     for (const auto& entry : fs::directory_iterator(folder, ignored)) {
-      const std::string ending = entry.path().extension().string();
-      if (ending == ".onnx" || ending == ".pth" || ending == ".safetensors") {
-        files.push_back(entry.path());
-      }
+      const bool is_network =
+          network::has_ending_of_network(entry.path()) || network::is_eight_bit_file(entry.path());
+      if (is_network) files.push_back(entry.path());
     }
     std::ranges::sort(files);
     for (const fs::path& file : files) {
       const bool used = std::ranges::find(usable, file) != usable.end();
       const std::string purpose = what_for(file);
-      answer.text += fmt::format("  {:44} {:20} {}\n", file.filename().string(), purpose,
+      answer.text += fmt::format("  {:44} {:26} {}\n", file.filename().string(), purpose,
                                  used ? "used by default" : "");
       answer.json["here"].push_back(
           {{"file", file.string()}, {"for", purpose}, {"used_by_default", used}});
@@ -270,6 +272,7 @@ void add_networks_commands(CLI::App& app, Context& context) {
     command->add_option("NAMES", options->names, "Default: all of the catalogue that are here");
   }
   add_networks_looks(*group, context);
+  add_networks_quantize(*group, context);
 }
 
 }  // namespace roomwise::app

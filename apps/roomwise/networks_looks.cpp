@@ -12,6 +12,7 @@
 #include "roomwise/base/random.h"
 #include "roomwise/base/stage_clock.h"
 #include "roomwise/network/detector.h"
+#include "roomwise/network/eight_bit_file.h"
 #include "roomwise/network/network_file.h"
 #include "roomwise/network/onnx_classifier.h"
 
@@ -93,6 +94,12 @@ Expected<Answer> info(const std::string& name) {
                            {"notes", card->notes}};
     for (const std::string& note : card->notes)
       answer.text += fmt::format("            {}\n", note);
+  }
+  if (network::is_eight_bit_file(*file)) {
+    ROOMWISE_TRY(const auto how, network::read_eight_bit_file(*file));
+    answer.text +=
+        fmt::format("in 8 bits:  {}\n            {}\n", how.network.string(), how.checked);
+    answer.json["eight_bits"] = {{"network", how.network.string()}, {"checked", how.checked}};
   }
   const auto read = network::read_network_file(*file, std::nullopt);
   if (read) {

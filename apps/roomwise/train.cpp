@@ -110,7 +110,7 @@ Expected<Data> data_of_folder(const TrainRequest& request) {
 // weights.
 Expected<network::NetworkFile> network_to_train(const TrainRequest& request) {
   if (request.network != kCompactNetwork)
-    return network::read_network_file(request.network, std::nullopt);
+    return network::read_network_in_floats(request.network);
   network::CompactOptions options;
   options.weights.seed = request.options.seed;
   network::NetworkFile file;

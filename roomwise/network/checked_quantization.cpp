@@ -102,37 +102,40 @@ std::string reason_against(const QuantizationReport& report, std::span<const std
 
 Expected<CheckedExecutor> checked_quantization(const OnnxGraph& graph,
                                                const ExecutorOptions& options,
+                                               std::span<const Tensor> calibration,
                                                std::span<const Tensor> held_out,
                                                std::span<const std::size_t> scores,
                                                const QuantizationLimits& limits) {
-  if (options.calibration.empty() || held_out.empty())
+  if (calibration.empty() || held_out.empty())
     return fail("8 bits need inputs to measure on, and others to be checked on");
   ExecutorOptions in_floats = options;
-  in_floats.calibration.clear();
+  in_floats.eight_bits.reset();
   ROOMWISE_TRY(auto exact, Executor::create(graph, in_floats));
   ROOMWISE_TRY(const auto exact_outputs, run_all(*exact, held_out));
   for (const std::size_t i : scores) {
     if (i >= exact_outputs.front().size())
       return fail("there is no output {} among {}", i, exact_outputs.front().size());
   }
+  ROOMWISE_TRY(EightBitRanges ranges, measure_eight_bits(graph, in_floats, calibration));
   QuantizationReport report;
   report.reason = "nothing in it can be held in 8 bits";
   for (const std::int64_t least_channels : kLeastChannels) {
-    ExecutorOptions in_eight_bits = options;
-    in_eight_bits.least_channels_in_eight_bits =
-        std::max(options.least_channels_in_eight_bits, least_channels);
+    ranges.least_channels = least_channels;
+    ExecutorOptions in_eight_bits = in_floats;
+    in_eight_bits.eight_bits = ranges;
     ROOMWISE_TRY(auto rounded, Executor::create(graph, in_eight_bits));
     ROOMWISE_TRY(const auto outputs, run_all(*rounded, held_out));
     QuantizationReport compared = compare(exact_outputs, outputs);
     // Nothing has so many channels: that is the network in floats.
     if (*std::ranges::max_element(compared.mean_error) < kFloatRounding) break;
     report = std::move(compared);
-    report.least_channels = in_eight_bits.least_channels_in_eight_bits;
+    report.least_channels = least_channels;
     report.reason = reason_against(report, scores, limits);
     report.is_used = report.reason.empty();
-    if (report.is_used) return CheckedExecutor{std::move(rounded), std::move(report)};
+    if (report.is_used)
+      return CheckedExecutor{std::move(rounded), std::move(ranges), std::move(report)};
   }
-  return CheckedExecutor{std::move(exact), std::move(report)};
+  return CheckedExecutor{std::move(exact), std::nullopt, std::move(report)};
 }
 
 }  // namespace roomwise::network

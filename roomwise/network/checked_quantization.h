@@ -20,7 +20,7 @@ struct QuantizationReport {
   std::vector<double> least_cosine;  // the same, of the worst input
   std::vector<double> mean_error;    // length of the difference, over that of the output in floats
   std::vector<double> agreement;     // part of the inputs whose largest number is at one place
-  // ExecutorOptions::least_channels_in_eight_bits of these figures.
+  // EightBitRanges::least_channels of these figures.
   std::int64_t least_channels = 1;
   bool is_used = false;
   std::string reason;  // why it is not used; empty: it is
@@ -28,15 +28,17 @@ struct QuantizationReport {
 
 struct CheckedExecutor {
   std::unique_ptr<Executor> executor;
+  std::optional<EightBitRanges> eight_bits;  // with which it runs; absent: in floats
   QuantizationReport report;
 };
 
-// The network in 8 bits, measured on options.calibration, where it is near enough on `held_out`;
-// else the same with what has up to 64 channels in floats, where that is; else in floats, with the
-// reason. scores: which of the outputs' largest numbers must agree, by their places. Fails where
-// either network cannot be run, or there are no held-out inputs.
+// The network in 8 bits, measured on `calibration`, where it is near enough on `held_out`; else the
+// same with what has up to 64 channels in floats, where that is; else in floats, with the reason.
+// scores: which of the outputs' largest numbers must agree, by their places. Fails where either
+// network cannot be run, or there are no inputs to measure or to check it on.
 [[nodiscard]] Expected<CheckedExecutor> checked_quantization(const OnnxGraph& graph,
                                                              const ExecutorOptions& options,
+                                                             std::span<const Tensor> calibration,
                                                              std::span<const Tensor> held_out,
                                                              std::span<const std::size_t> scores,
                                                              const QuantizationLimits& limits = {});

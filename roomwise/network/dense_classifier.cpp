@@ -239,7 +239,7 @@ Expected<std::unique_ptr<DenseClassifier>> DenseClassifier::load(
     const std::filesystem::path& weights, std::optional<InputSize> size,
     const std::optional<std::filesystem::path>& labels) {
   const auto in_file = [&](Error error) { return std::move(error).in(weights.string()); };
-  ROOMWISE_TRY(NetworkFile file, read_network_file(weights, labels));
+  ROOMWISE_TRY(NetworkFile file, read_network_in_floats(weights, labels));
   if (file.card.task != Task::kClassify || file.labels.empty()) {
     return fail("{}: is no network that names what whole pictures show", weights.string());
   }

@@ -104,7 +104,7 @@ std::vector<Detection> decode_nanodet(std::span<const float> rows, const ModelCa
 Expected<std::unique_ptr<Detector>> Detector::load(
     const std::filesystem::path& weights, const std::optional<std::filesystem::path>& labels) {
   const auto in_file = [&](Error error) { return std::move(error).in(weights.string()); };
-  ROOMWISE_TRY(NetworkFile file, read_network_file(weights, labels));
+  ROOMWISE_TRY(NetworkFile file, read_network_in_floats(weights, labels));
   if (file.card.task != Task::kNanoDetPlus) {
     return fail("{}: its card does not say that it finds things (\"task\": \"nanodet-plus\")",
                 weights.string());

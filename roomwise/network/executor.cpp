@@ -56,6 +56,19 @@ Expected<void> check_input(const Tensor& tensor, const GraphInput& input) {
   return {};
 }
 
+// In 8 bits a mean costs little, and would round what the convolution adds up.
+PassOptions passes_of(const ExecutorOptions& options, bool in_eight_bits) {
+  PassOptions passes = options.passes;
+  if (in_eight_bits) passes.swaps_means = false;
+  return passes;
+}
+
+Expected<Program> program_for(const OnnxGraph& graph, std::span<const Shape> shapes,
+                              const std::vector<std::string>& outputs, const PassOptions& passes) {
+  ROOMWISE_TRY(Program program, lower(graph, shapes, outputs, passes.folds_constants));
+  return run_passes(std::move(program), passes);
+}
+
 // What the work gives; what oneDNN or a lack of memory throws is an error too.
 template <typename Value, typename Work>
 Expected<Value> guarded(const Work& work) {
@@ -82,7 +95,7 @@ class Executor::Implementation {
     for (const GraphInput& input : inputs_) shapes.push_back(input.shape);
     ROOMWISE_CHECK_OK(plan_for(shapes));
     graph_ = {};
-    options_.calibration = {};
+    options_.eight_bits.reset();
     return {};
   }
 
@@ -142,16 +155,11 @@ class Executor::Implementation {
   }
 
   [[nodiscard]] Expected<SharedPlanPointer> new_plan(const std::vector<Shape>& shapes) const {
-    ROOMWISE_TRY(Program program,
-                 lower(graph_, shapes, options_.outputs, options_.passes.folds_constants));
-    PassOptions passes = options_.passes;
-    const bool in_eight_bits = !options_.calibration.empty();
-    // In 8 bits a mean costs little, and would round what the convolution adds up.
-    if (in_eight_bits) passes.swaps_means = false;
-    program = run_passes(std::move(program), passes);
-    if (in_eight_bits) {
-      ROOMWISE_TRY(const auto ranges, measure_ranges(program, options_.calibration));
-      quantize(program, ranges, options_.least_channels_in_eight_bits);
+    const PassOptions passes = passes_of(options_, options_.eight_bits.has_value());
+    ROOMWISE_TRY(Program program, program_for(graph_, shapes, options_.outputs, passes));
+    if (options_.eight_bits) {
+      ROOMWISE_TRY(const auto ranges, ranges_of_values(program, *options_.eight_bits));
+      quantize(program, ranges, options_.eight_bits->least_channels);
     }
     auto shared = std::make_shared<SharedPlan>();
     ROOMWISE_TRY(shared->plan, make_plan(program, {passes.joins_in_place, passes.uses_winograd,
@@ -204,6 +212,19 @@ Expected<std::vector<std::vector<Tensor>>> Executor::run_batch(std::span<const T
     outputs.push_back(std::move(output));
   }
   return outputs;
+}
+
+Expected<EightBitRanges> measure_eight_bits(const OnnxGraph& graph, const ExecutorOptions& options,
+                                            std::span<const Tensor> inputs) {
+  if (inputs.empty()) return fail("8 bits need inputs to measure on");
+  return guarded<EightBitRanges>([&]() -> Expected<EightBitRanges> {
+    EightBitRanges measured{.input = inputs.front().shape};
+    ROOMWISE_TRY(const Program program, program_for(graph, {&measured.input, 1}, options.outputs,
+                                                    passes_of(options, true)));
+    ROOMWISE_TRY(const auto ranges, measure_ranges(program, inputs));
+    measured.of_layers = named_ranges(program, ranges);
+    return measured;
+  });
 }
 
 }  // namespace roomwise::network

@@ -1,11 +1,13 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "roomwise/base/expected.h"
+#include "roomwise/network/eight_bit_ranges.h"
 #include "roomwise/network/onnx_graph.h"
 #include "roomwise/network/passes.h"
 
@@ -26,12 +28,9 @@ struct ExecutorOptions {
   // each thread that calls, and wait by turning round in place: for a caller that wants one answer
   // soon and has idle processors.
   std::size_t threads_per_input = 1;
-  // Inputs as the network will get them, of a network with one: then convolutions are worked out in
-  // 8 bits (quantization.h), for inputs of this shape only. Empty: in 32-bit floats.
-  std::vector<Tensor> calibration;
-  // In 8 bits: what has fewer channels stays in floats, which costs some of the time that is gained
-  // (docs/benchmarks.md).
-  std::int64_t least_channels_in_eight_bits = 1;
+  // By these, convolutions are worked out in 8 bits (quantization.h), for inputs of their shape
+  // only. Absent: in 32-bit floats.
+  std::optional<EightBitRanges> eight_bits;
 };
 
 // Runs one ONNX network by oneDNN. All functions may be called from several threads at once: they
@@ -65,5 +64,12 @@ class Executor {
   explicit Executor(std::unique_ptr<Implementation> implementation);
   std::unique_ptr<Implementation> implementation_;
 };
+
+// What 8 bits need to know of the network that these options describe (in floats), on inputs as it
+// will get them: all of one shape, that of its only input. Fails where there are none, and where it
+// cannot be run.
+[[nodiscard]] Expected<EightBitRanges> measure_eight_bits(const OnnxGraph& graph,
+                                                          const ExecutorOptions& options,
+                                                          std::span<const Tensor> inputs);
 
 }  // namespace roomwise::network

@@ -7,6 +7,7 @@
 
 #include "roomwise/base/file.h"
 #include "roomwise/network/built_in_cards.h"
+#include "roomwise/network/eight_bit_file.h"
 
 namespace roomwise::network {
 namespace {
@@ -166,6 +167,12 @@ Expected<ModelCard> ModelCard::parse(std::string_view json, const std::string& o
 }
 
 Expected<ModelCard> find_model_card(const std::filesystem::path& weights) {
+  if (is_eight_bit_file(weights)) {
+    ROOMWISE_TRY(const EightBitFile how, read_eight_bit_file(weights));
+    ROOMWISE_TRY(ModelCard card, find_model_card(weights.parent_path() / how.network));
+    card.name = weights.stem().string();
+    return card;
+  }
   const std::string name = weights.stem().string();
   const auto with_name = [&](ModelCard card) {
     if (card.name.empty()) card.name = name;

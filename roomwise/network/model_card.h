@@ -71,8 +71,8 @@ struct ModelCard {
 };
 
 // The card of a network: NAME.card.json beside NAME.onnx (or .pth, .safetensors), else the card of
-// this name that Roomwise brings along (models/*.card.json). Fails where there is neither, saying
-// what to write and where.
+// this name that Roomwise brings along (models/*.card.json). In 8 bits (NAME.eightbits), that of
+// the network. Fails where there is neither, saying what to write and where.
 [[nodiscard]] Expected<ModelCard> find_model_card(const std::filesystem::path& weights);
 
 }  // namespace roomwise::network

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "roomwise/base/file.h"
+#include "roomwise/network/eight_bit_file.h"
 #include "roomwise/network/inception_v3.h"
 #include "roomwise/network/safetensors.h"
 #include "roomwise/network/torch_checkpoint_reader.h"
@@ -86,6 +87,27 @@ Expected<OnnxGraph> graph_of(const ModelCard& card, std::span<const std::uint8_t
   return read_onnx_graph(bytes);
 }
 
+// The network that the file of 8 bits names.
+Expected<NetworkFile> read_in_eight_bits(const std::filesystem::path& path,
+                                         const std::optional<std::filesystem::path>& labels) {
+  ROOMWISE_TRY(const Bytes bytes, read_file(path));
+  ROOMWISE_TRY(EightBitFile how, read_eight_bit_file(path));
+  const std::filesystem::path weights = path.parent_path() / how.network;
+  ROOMWISE_TRY(NetworkFile file,
+               read_network_in_floats(weights, labels).map_error([&](Error error) {
+                 return std::move(error).in(path.string());
+               }));
+  if (file.fingerprint != how.sha256) {
+    return fail(
+        "{}: was measured of another file: the SHA-256 of {} is {}, not {}; measure it anew",
+        path.string(), weights.string(), file.fingerprint, how.sha256);
+  }
+  file.card.name = path.stem().string();
+  file.fingerprint = sha256_hex(bytes);
+  file.eight_bits = std::move(how.ranges);
+  return file;
+}
+
 }  // namespace
 
 bool has_ending_of_network(const std::filesystem::path& file) {
@@ -112,6 +134,16 @@ Expected<std::vector<std::string>> read_labels(const std::filesystem::path& path
 
 Expected<NetworkFile> read_network_file(const std::filesystem::path& weights,
                                         const std::optional<std::filesystem::path>& labels) {
+  if (is_eight_bit_file(weights)) return read_in_eight_bits(weights, labels);
+  return read_network_in_floats(weights, labels);
+}
+
+Expected<NetworkFile> read_network_in_floats(const std::filesystem::path& weights,
+                                             const std::optional<std::filesystem::path>& labels) {
+  if (is_eight_bit_file(weights)) {
+    return fail("{}: is for looking at whole pictures in 8 bits; give the network's own file here",
+                weights.string());
+  }
   const auto in_file = [&](Error error) { return std::move(error).in(weights.string()); };
   NetworkFile file;
   ROOMWISE_TRY(const Bytes bytes, read_file(weights));

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "roomwise/network/eight_bit_ranges.h"
 #include "roomwise/network/model_card.h"
 #include "roomwise/network/onnx_graph.h"
 
@@ -15,18 +16,26 @@ struct NetworkFile {
   ModelCard card;
   std::vector<std::string> labels;  // empty: it names nothing
   OnnxGraph graph;                  // its input is of the card's size
-  std::string fingerprint;          // SHA-256 of the weights file
+  std::string fingerprint;          // SHA-256 of the weights file, or of the one of 8 bits
+  std::optional<EightBitRanges> eight_bits = std::nullopt;  // absent: it is run in floats
 };
 
-// Whether it ends as files of networks, or of weights alone, do: .onnx, .pth, .safetensors.
+// Whether it ends as files of networks, or of weights alone, do: .onnx, .pth, .safetensors. One of
+// 8 bits is neither.
 [[nodiscard]] bool has_ending_of_network(const std::filesystem::path& file);
 
-// weights: an ONNX file, or weights alone (weights_file.h) of the network that the card names.
-// labels: a text file, one label a line; absent: the one that the card names, if any. Fails where a
-// file is missing or is not what it should be, and where the network does not take colour pictures
-// of the card's size.
+// weights: an ONNX file, weights alone (weights_file.h) of the network that the card names, or a
+// file that says how one of these is run in 8 bits (eight_bit_file.h), which then has a name of its
+// own. labels: a text file, one label a line; absent: the one that the card names, if any. Fails
+// where a file is missing or is not what it should be, and where the network does not take colour
+// pictures of the card's size.
 [[nodiscard]] Expected<NetworkFile> read_network_file(
     const std::filesystem::path& weights, const std::optional<std::filesystem::path>& labels);
+
+// The same for what runs networks in floats only; fails on a file of 8 bits, too.
+[[nodiscard]] Expected<NetworkFile> read_network_in_floats(
+    const std::filesystem::path& weights,
+    const std::optional<std::filesystem::path>& labels = std::nullopt);
 
 // One label a line; the last line may lack its end. Labels may repeat (ImageNet has two cranes).
 // Fails on an empty file and on an empty line.

@@ -6,8 +6,7 @@
 #include <numeric>
 #include <span>
 
-#include "roomwise/network/executor.h"
-#include "roomwise/network/network_file.h"
+#include "roomwise/network/classifier_outputs.h"
 #include "roomwise/network/picture_input.h"
 
 namespace roomwise::network {
@@ -59,28 +58,6 @@ void apply_softmax(std::vector<float>& scores) {
   for (float& score : scores) score = static_cast<float>(score / sum);
 }
 
-// The names of the outputs to read: those of the features, then that of the scores.
-struct Outputs {
-  std::vector<std::string> features;
-  std::optional<std::string> scores;
-};
-
-Expected<Outputs> choose_outputs(const OnnxGraph& graph, const ModelCard& card, bool has_labels) {
-  Outputs outputs{card.features_outputs, std::nullopt};
-  if (!card.scores_output.empty()) outputs.scores = card.scores_output;
-  if (!outputs.features.empty() || outputs.scores) return outputs;
-  if (graph.outputs.size() != 1) {
-    return fail("the network has {} outputs ({}); name them in \"outputs\" of its card",
-                graph.outputs.size(), fmt::join(graph.outputs, ", "));
-  }
-  if (has_labels) {
-    outputs.scores = graph.outputs.front();
-  } else {
-    outputs.features = graph.outputs;
-  }
-  return outputs;
-}
-
 // Of the way in which picture_input() and predict() do what a card says: counted up where a change
 // of theirs gives other features for the same card.
 constexpr int kPreprocessingVersion = 1;
@@ -90,7 +67,7 @@ std::string counted(const std::string& name) {
   return fmt::format("{}:{}", name.size(), name);
 }
 
-std::string preprocessing_of(const ModelCard& card, const Outputs& outputs) {
+std::string preprocessing_of(const ModelCard& card, const ClassifierOutputs& outputs) {
   std::vector<std::string> features;
   for (const std::string& output : outputs.features) features.push_back(counted(output));
   return fmt::format(
@@ -104,10 +81,33 @@ std::string preprocessing_of(const ModelCard& card, const Outputs& outputs) {
 
 }  // namespace
 
+std::vector<std::string> ClassifierOutputs::all() const {
+  std::vector<std::string> names = features;
+  if (scores) names.push_back(*scores);
+  return names;
+}
+
+Expected<ClassifierOutputs> classifier_outputs(const NetworkFile& file) {
+  ClassifierOutputs outputs{file.card.features_outputs, std::nullopt};
+  if (!file.card.scores_output.empty()) outputs.scores = file.card.scores_output;
+  if (!outputs.features.empty() || outputs.scores) return outputs;
+  const std::vector<std::string>& given = file.graph.outputs;
+  if (given.size() != 1) {
+    return fail("the network has {} outputs ({}); name them in \"outputs\" of its card",
+                given.size(), fmt::join(given, ", "));
+  }
+  if (!file.labels.empty()) {
+    outputs.scores = given.front();
+  } else {
+    outputs.features = given;
+  }
+  return outputs;
+}
+
 class OnnxClassifier::Implementation {
  public:
   Implementation(ModelCard card, std::vector<std::string> labels, std::string fingerprint,
-                 Outputs outputs, std::unique_ptr<Executor> executor)
+                 ClassifierOutputs outputs, std::unique_ptr<Executor> executor)
       : card_(std::move(card)),
         labels_(std::move(labels)),
         fingerprint_(std::move(fingerprint)),
@@ -152,7 +152,7 @@ class OnnxClassifier::Implementation {
   ModelCard card_;
   std::vector<std::string> labels_;
   std::string fingerprint_;
-  Outputs outputs_;
+  ClassifierOutputs outputs_;
   std::unique_ptr<Executor> executor_;
   std::size_t feature_size_ = 0;
 };
@@ -171,11 +171,10 @@ Expected<std::unique_ptr<OnnxClassifier>> OnnxClassifier::load(
         "whole pictures",
         weights.string());
   }
-  ROOMWISE_TRY(Outputs outputs,
-               choose_outputs(file.graph, file.card, !file.labels.empty()).map_error(in_file));
+  ROOMWISE_TRY(ClassifierOutputs outputs, classifier_outputs(file).map_error(in_file));
   ExecutorOptions options;
-  options.outputs = outputs.features;
-  if (outputs.scores) options.outputs.push_back(*outputs.scores);
+  options.outputs = outputs.all();
+  options.eight_bits = std::move(file.eight_bits);
   ROOMWISE_TRY(auto executor,
                Executor::create(std::move(file.graph), std::move(options)).map_error(in_file));
   auto implementation = std::make_unique<Implementation>(

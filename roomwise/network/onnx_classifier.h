@@ -9,9 +9,10 @@
 
 namespace roomwise::network {
 
-// A convolutional network read from an ONNX file, or from a file of weights for a network of our
-// own (network_file.h), and run by our executor (executor.h) on the calling thread. What the file
-// does not say stands in its model card (model_card.h).
+// A convolutional network read from an ONNX file, from a file of weights for a network of our own
+// (network_file.h), or as a file of 8 bits says (eight_bit_file.h), and run by our executor
+// (executor.h) on the calling thread. What the file does not say stands in its model card
+// (model_card.h).
 //
 // Threads that predict at the same time share the weights; each has memory of its own for what
 // comes between the layers (1 to 10 MB), made when needed and kept.

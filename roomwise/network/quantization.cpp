@@ -12,6 +12,7 @@ namespace roomwise::network {
 namespace {
 
 constexpr std::int64_t kMostColors = 3;
+constexpr const char* kInputName = "";
 
 // By value: whether a convolution in 8 bits looks at it, or what is handed on to one.
 std::vector<bool> values_for_convolutions(const Program& program, std::int64_t least_channels) {
@@ -49,6 +50,49 @@ bool can_hand_on(const Program& program, const Layer& layer) {
   }
   const AxisGather* gather = layer.as<AxisGather>();
   return gather != nullptr && gather->axis == 1 && joins_whole_inputs(program, layer);
+}
+
+std::vector<std::string> names_of_layers(const Program& program) {
+  std::vector<std::string> names;
+  std::map<std::string, int> counts;
+  for (const Layer& layer : program.layers) {
+    const int before = counts[layer.node]++;
+    names.push_back(before == 0 ? layer.node : fmt::format("{} #{}", layer.node, before + 1));
+  }
+  return names;
+}
+
+std::map<std::string, ValueRange> named_ranges(const Program& program,
+                                               std::span<const ValueRange> ranges) {
+  std::map<std::string, ValueRange> named{{kInputName, ranges[program.inputs.front()]}};
+  const std::vector<std::string> names = names_of_layers(program);
+  for (std::size_t i = 0; i < names.size(); ++i) named[names[i]] = ranges[program.layers[i].output];
+  return named;
+}
+
+Expected<std::vector<ValueRange>> ranges_of_values(const Program& program,
+                                                   const EightBitRanges& ranges) {
+  if (program.inputs.size() != 1) return fail("8 bits need a network of one input");
+  const Shape& shape = program.values[program.inputs.front()].shape;
+  if (shape != ranges.input) {
+    return fail("8 bits were measured on inputs of {}, not {}", shape_text(ranges.input),
+                shape_text(shape));
+  }
+  std::vector<ValueRange> of_values(program.values.size());
+  const auto take = [&](const std::string& name, ValueId value) -> Expected<void> {
+    const auto found = ranges.of_layers.find(name);
+    if (found == ranges.of_layers.end()) {
+      return fail("for 8 bits nothing was measured of the layer \"{}\"; measure the network anew",
+                  name);
+    }
+    of_values[value] = found->second;
+    return {};
+  };
+  ROOMWISE_CHECK_OK(take(kInputName, program.inputs.front()));
+  const std::vector<std::string> names = names_of_layers(program);
+  for (std::size_t i = 0; i < names.size(); ++i)
+    ROOMWISE_CHECK_OK(take(names[i], program.layers[i].output));
+  return of_values;
 }
 
 Expected<std::vector<ValueRange>> measure_ranges(const Program& program,

@@ -2,6 +2,7 @@
 
 #include <span>
 
+#include "roomwise/network/eight_bit_ranges.h"
 #include "roomwise/network/program.h"
 
 namespace roomwise::network {
@@ -9,17 +10,21 @@ namespace roomwise::network {
 // Numbers in a shape, row by row.
 struct Tensor;
 
-// The least and the largest number of a value: each halfway between the mean of some inputs and the
-// most of any, so that what few of them reach is cut off and the others are rounded less.
-struct ValueRange {
-  float least = 0;
-  float most = 0;
-};
-
 // What every value of the program is on these inputs of its only input, each of its shape. Fails
 // where there is none, or the program cannot be run.
 [[nodiscard]] Expected<std::vector<ValueRange>> measure_ranges(const Program& program,
                                                                std::span<const Tensor> inputs);
+
+// Of each layer its node, with a number where others of that node come before it. The same for the
+// same file, passes and outputs.
+[[nodiscard]] std::vector<std::string> names_of_layers(const Program& program);
+
+// The ranges of what the layers give, and (by the name "") of the input, for keeping them; and
+// back, by value, which fails where a layer has none.
+[[nodiscard]] std::map<std::string, ValueRange> named_ranges(const Program& program,
+                                                             std::span<const ValueRange> ranges);
+[[nodiscard]] Expected<std::vector<ValueRange>> ranges_of_values(const Program& program,
+                                                                 const EightBitRanges& ranges);
 
 // Whether the layer can hand 8-bit numbers on as they are, from values of one step: maxima, small
 // means, channels of whole values joined.

@@ -56,6 +56,18 @@ std::vector<Tensor> some_pictures() {
   return pictures;
 }
 
+// Measured on these inputs.
+ExecutorOptions in_eight_bits(const OnnxGraph& graph, std::span<const Tensor> inputs,
+                              std::int64_t least_channels = 1) {
+  auto ranges = measure_eight_bits(graph, {}, inputs);
+  EXPECT_OK(ranges);
+  if (!ranges) return {};
+  ranges->least_channels = least_channels;
+  ExecutorOptions options;
+  options.eight_bits = *std::move(ranges);
+  return options;
+}
+
 TEST(Quantization, HoldsWhatConvolutionsLookAtInEightBits) {
   const OnnxGraph graph = branched_graph();
   const Shape shape{1, 3, 20, 18};
@@ -87,9 +99,8 @@ TEST(Quantization, HoldsWhatConvolutionsLookAtInEightBits) {
 
 void expect_close_in_eight_bits() {
   const OnnxGraph graph = branched_graph();
-  ExecutorOptions options;
-  options.calibration = some_pictures();
-  const auto exact = Executor::create(graph), rounded = Executor::create(graph, options);
+  const auto exact = Executor::create(graph),
+             rounded = Executor::create(graph, in_eight_bits(graph, some_pictures()));
   ASSERT_OK(exact);
   ASSERT_OK(rounded);
   const Tensor picture = random_tensor({1, 3, 20, 18}, 77);
@@ -120,9 +131,7 @@ void expect_no_overflow() {
   OnnxGraph graph = builder.take();
   graph.constants["c.weight"] = std::make_shared<const Constant>(ones);
   const Tensor bright{{1, 32, 8, 8}, std::vector<float>(32 * 64, 1.0F)};
-  ExecutorOptions options;
-  options.calibration = {bright};
-  const auto executor = Executor::create(graph, options);
+  const auto executor = Executor::create(graph, in_eight_bits(graph, {&bright, 1}));
   ASSERT_OK(executor);
   const auto outputs = (*executor)->run({&bright, 1});
   ASSERT_OK(outputs);
@@ -166,15 +175,14 @@ double relative_error(std::span<const float> a, std::span<const float> exact) {
 
 TEST(Quantization, IsUsedOnlyWhereItIsNearEnough) {
   const OnnxGraph graph = branched_graph();
-  ExecutorOptions options;
-  options.calibration = some_pictures();
+  const std::vector<Tensor> pictures = some_pictures();
   const std::vector<Tensor> held_out{random_tensor({1, 3, 20, 18}, 8),
                                      random_tensor({1, 3, 20, 18}, 9)};
   const std::array<std::size_t, 1> scores{0};
-  const auto near = checked_quantization(graph, options, held_out, scores, {0.99, 0.0});
+  const auto near = checked_quantization(graph, {}, pictures, held_out, scores, {0.99, 0.0});
   ASSERT_OK(near);
   EXPECT_TRUE(near->report.is_used) << near->report.reason;
-  const auto far = checked_quantization(graph, options, held_out, scores, {0.9999999, 0.0});
+  const auto far = checked_quantization(graph, {}, pictures, held_out, scores, {0.9999999, 0.0});
   ASSERT_OK(far);
   EXPECT_FALSE(far->report.is_used);
   EXPECT_THAT(far->report.reason, ::testing::HasSubstr("below 0.9999999"));
@@ -188,7 +196,10 @@ TEST(Quantization, IsUsedOnlyWhereItIsNearEnough) {
   ASSERT_OK(rounded);
   EXPECT_EQ(outputs->front().values, expected->front().values);
   EXPECT_NE(rounded->front().values, expected->front().values);
-  EXPECT_ERROR(checked_quantization(graph, options, {}, scores), "others to be checked on");
+  EXPECT_TRUE(near->eight_bits.has_value());
+  EXPECT_FALSE(far->eight_bits.has_value());
+  EXPECT_ERROR(checked_quantization(graph, {}, pictures, {}, scores), "others to be checked on");
+  EXPECT_ERROR(checked_quantization(graph, {}, {}, held_out, scores), "inputs to measure on");
 }
 
 // Few channels, then many, and few that are joined to many.
@@ -229,13 +240,11 @@ TEST(Quantization, LeavesFewChannelsInFloatsWhereItIsToldTo) {
 
 TEST(Quantization, LeavesFewChannelsInFloatsWhereThatMakesItNearEnough) {
   const OnnxGraph graph = widening_graph();
-  ExecutorOptions options;
-  options.calibration = some_pictures();
+  const std::vector<Tensor> pictures = some_pictures();
   const Tensor picture = random_tensor({1, 3, 20, 18}, 8);
-  const auto exact = Executor::create(graph), whole = Executor::create(graph, options);
-  ExecutorOptions with_floats = options;
-  with_floats.least_channels_in_eight_bits = 65;
-  const auto mixed = Executor::create(graph, with_floats);
+  const auto exact = Executor::create(graph),
+             whole = Executor::create(graph, in_eight_bits(graph, pictures)),
+             mixed = Executor::create(graph, in_eight_bits(graph, pictures, 65));
   ASSERT_OK(exact);
   ASSERT_OK(whole);
   ASSERT_OK(mixed);
@@ -249,7 +258,7 @@ TEST(Quantization, LeavesFewChannelsInFloatsWhereThatMakesItNearEnough) {
   ASSERT_GT(mixed_error, 0);
 
   const auto checked_by = [&](double most_error) {
-    return checked_quantization(graph, options, {&picture, 1}, {},
+    return checked_quantization(graph, {}, pictures, {&picture, 1}, {},
                                 {.least_cosine = 0, .most_error = most_error});
   };
   const auto easy = checked_by(2 * whole_error),
@@ -273,10 +282,8 @@ void expect_near(const std::string& file) {
   const auto graph =
       read_onnx_graph(std::span(reinterpret_cast<const std::uint8_t*>(file.data()), file.size()));
   ASSERT_OK(graph);
-  ExecutorOptions options;
-  options.calibration = some_pictures();
   const auto exact = Executor::create(*graph);
-  const auto rounded = Executor::create(*graph, options);
+  const auto rounded = Executor::create(*graph, in_eight_bits(*graph, some_pictures()));
   ASSERT_OK(exact);
   ASSERT_OK(rounded);
   const Tensor picture = random_tensor({1, 3, 20, 18}, 8);
@@ -323,10 +330,34 @@ TEST(Quantization, TheMeanOfAPictureIsNotReadWithThePicturesStep) {
 }
 
 TEST(Quantization, NeedsInputsOfOneShape) {
-  ExecutorOptions options;
-  options.calibration = {random_tensor({1, 3, 8, 8})};
-  const auto executor = Executor::create(branched_graph(), options);
-  EXPECT_ERROR(executor, "8 bits were measured on inputs of 1x3x8x8, not 1x3x20x18");
+  std::vector<Tensor> pictures = some_pictures();
+  pictures.push_back(random_tensor({1, 3, 8, 8}));
+  EXPECT_ERROR(measure_eight_bits(branched_graph(), {}, pictures),
+               "8 bits were measured on inputs of 1x3x8x8, not 1x3x20x18");
+  EXPECT_ERROR(measure_eight_bits(branched_graph(), {}, {}), "inputs to measure on");
+}
+
+TEST(Quantization, RangesAreOfOneNetworkAndOneShape) {
+  const OnnxGraph graph = branched_graph();
+  const ExecutorOptions options = in_eight_bits(graph, some_pictures());
+  ExecutorOptions of_others = options;
+  of_others.eight_bits->input = {1, 3, 8, 8};
+  EXPECT_ERROR(Executor::create(graph, of_others),
+               "8 bits were measured on inputs of 1x3x8x8, not 1x3x20x18");
+  EXPECT_ERROR(Executor::create(widening_graph(), options),
+               "nothing was measured of the layer \"narrow");
+}
+
+// One node may become several layers.
+TEST(Quantization, LayersOfOneNodeHaveNamesOfTheirOwn) {
+  Program program;
+  program.values.resize(4);
+  program.inputs = {0};
+  program.layers = {{View{}, {0}, 1, "node"}, {View{}, {1}, 2, "other"}, {View{}, {2}, 3, "node"}};
+  EXPECT_THAT(names_of_layers(program), ::testing::ElementsAre("node", "other", "node #2"));
+  const std::vector<ValueRange> ranges{{0, 1}, {0, 2}, {-3, 3}, {0, 4}};
+  const EightBitRanges named{{}, 1, named_ranges(program, ranges)};
+  EXPECT_EQ(*ranges_of_values(program, named), ranges);
 }
 
 }  // namespace

@@ -1,0 +1,97 @@
+#include "roomwise/network/eight_bit_file.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "roomwise/base/file.h"
+
+namespace roomwise::network {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr std::int64_t kMostSide = 4096;
+constexpr std::int64_t kMostChannels = 1 << 20;
+
+bool is_whole(const Json& value, std::int64_t least, std::int64_t most) {
+  return value.is_number_integer() && value >= least && value <= most;
+}
+
+Expected<ValueRange> range_of(const Json& value) {
+  const bool are_numbers =
+      value.is_array() && value.size() == 2 && value[0].is_number() && value[1].is_number();
+  if (!are_numbers) return fail("expected the least and the largest number");
+  const ValueRange range{value[0].get<float>(), value[1].get<float>()};
+  if (!std::isfinite(range.least) || !std::isfinite(range.most) || range.least > range.most)
+    return fail("{} to {} is no range", range.least, range.most);
+  return range;
+}
+
+Expected<EightBitFile> file_of(const Json& json) {
+  for (const auto& [key, value] : json.items()) {
+    static constexpr std::array kKnown{"network", "sha256",  "input",
+                                       "ranges",  "checked", "least_channels"};
+    if (std::ranges::find(kKnown, key) == kKnown.end())
+      return fail("{}: unknown field; known are {}", key, fmt::join(kKnown, ", "));
+  }
+  EightBitFile file;
+  for (const char* key : {"network", "sha256", "checked"}) {
+    if (!json.contains(key) || !json.at(key).is_string())
+      return fail("{}: expected a text in quotes", key);
+  }
+  file.network = json.at("network").get<std::string>();
+  if (file.network.empty() || is_eight_bit_file(file.network))
+    return fail("network: expected the file of a network's weights");
+  file.sha256 = json.at("sha256").get<std::string>();
+  file.checked = json.at("checked").get<std::string>();
+  const Json& input = json.contains("input") ? json.at("input") : Json();
+  const auto is_side = [](const Json& side) { return is_whole(side, 1, kMostSide); };
+  if (!input.is_array() || input.size() != 4 || !std::ranges::all_of(input, is_side))
+    return fail("input: expected four whole numbers: batch, channels, height, width");
+  file.ranges.input = input.get<Shape>();
+  if (!json.contains("least_channels") || !is_whole(json.at("least_channels"), 1, kMostChannels))
+    return fail("least_channels: expected a whole number from 1 on");
+  file.ranges.least_channels = json.at("least_channels");
+  if (!json.contains("ranges") || !json.at("ranges").is_object())
+    return fail("ranges: expected {{ layer: [least, largest], ... }}");
+  for (const auto& [layer, value] : json.at("ranges").items()) {
+    ROOMWISE_TRY(file.ranges.of_layers[layer], range_of(value).map_error([&](Error error) {
+      return std::move(error).in(fmt::format("ranges: layer \"{}\"", layer));
+    }));
+  }
+  return file;
+}
+
+}  // namespace
+
+bool is_eight_bit_file(const std::filesystem::path& file) {
+  return file.extension() == EightBitFile::kEnding;
+}
+
+Expected<EightBitFile> parse_eight_bit_file(std::string_view json, const std::string& origin) {
+  const Json parsed = Json::parse(json, nullptr, false);
+  if (!parsed.is_object()) return fail("{}: is not JSON that says how 8 bits are used", origin);
+  return file_of(parsed).map_error([&](Error error) { return std::move(error).in(origin); });
+}
+
+Expected<EightBitFile> read_eight_bit_file(const std::filesystem::path& file) {
+  ROOMWISE_TRY(const std::string text, read_text_file(file));
+  return parse_eight_bit_file(text, file.string());
+}
+
+std::string text_of(const EightBitFile& file) {
+  nlohmann::ordered_json ranges = nlohmann::ordered_json::object();
+  for (const auto& [layer, range] : file.ranges.of_layers)
+    ranges[layer] = {range.least, range.most};
+  const nlohmann::ordered_json json{{"network", file.network.string()},
+                                    {"sha256", file.sha256},
+                                    {"checked", file.checked},
+                                    {"input", file.ranges.input},
+                                    {"least_channels", file.ranges.least_channels},
+                                    {"ranges", std::move(ranges)}};
+  return json.dump(1) + "\n";
+}
+
+}  // namespace roomwise::network
