@@ -56,10 +56,11 @@ Expected<EightBitFile> file_of(const Json& json) {
   file.ranges.least_channels = json.at("least_channels");
   if (!json.contains("ranges") || !json.at("ranges").is_object())
     return fail("ranges: expected {{ layer: [least, largest], ... }}");
-  for (const auto& [layer, value] : json.at("ranges").items()) {
-    ROOMWISE_TRY(file.ranges.of_layers[layer], range_of(value).map_error([&](Error error) {
-      return std::move(error).in(fmt::format("ranges: layer \"{}\"", layer));
-    }));
+  for (const auto& item : json.at("ranges").items()) {
+    ROOMWISE_TRY(file.ranges.of_layers[item.key()],
+                 range_of(item.value()).map_error([&](Error error) {
+                   return std::move(error).in(fmt::format("ranges: layer \"{}\"", item.key()));
+                 }));
   }
   return file;
 }
