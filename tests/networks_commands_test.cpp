@@ -121,14 +121,15 @@ TEST_F(NetworksCommandsTest, ANetworkIsMadeToRunInEightBits) {
       ASSERT_OK(write_file(path(fmt::format("{}/{}.png", folder, i)), image::encode_png(picture)));
     }
   };
-  write_pictures("photos/red", 9);
+  write_pictures("photos/red", 40);
+  write_pictures("photos/noise", 40);
   const std::vector<std::string> quantize{"networks", "quantize", "tiny", "--pictures",
                                           path("photos")};
   const json made = ask(quantize);
   const std::string file = path("roomwise/networks/tiny-8bit.eightbits");
   EXPECT_EQ(made["file"], file);
-  EXPECT_EQ(made["measured_on"], 3);
-  EXPECT_EQ(made["checked_on"], 6);
+  EXPECT_EQ(made["measured_on"], 20);
+  EXPECT_EQ(made["checked_on"], 60);
   EXPECT_GT(made["mean_cosine"][0], 0.99);
   EXPECT_EQ(ask({"networks", "info", "tiny-8bit"})["eight_bits"]["network"], "tiny.onnx");
   EXPECT_GT(ask({"networks", "bench", "tiny-8bit", "--runs", "2"})["cpu_ms"], 0);
@@ -140,7 +141,6 @@ TEST_F(NetworksCommandsTest, ANetworkIsMadeToRunInEightBits) {
   }
 
   // Rooms are learned with it and recognised with it, and by no other.
-  write_pictures("photos/noise", 9);
   const std::string home = path("photos.home");
   ask({"rooms", "learn", "--photos", path("photos"), "--network", file, "--home", home});
   const std::string picture = path("photos/red/0.png");
@@ -150,6 +150,28 @@ TEST_F(NetworksCommandsTest, ANetworkIsMadeToRunInEightBits) {
                   .errors,
               HasSubstr("tiny-8bit"));
 
+  // Measured again on the same pictures it is the same; on others it is another one.
+  EXPECT_EQ(ask(quantize)["mean_cosine"], made["mean_cosine"]);
+  write_pictures("photos/red", 40);
+  EXPECT_THAT(run(quantize).errors, HasSubstr("would have to be learned anew"));
+  std::vector<std::string> replaced = quantize;
+  replaced.emplace_back("--replace");
+  EXPECT_EQ(ask(replaced)["file"], file);
+
+  // A link is named as the link, beside which the card lies.
+  std::filesystem::create_directories(path("store"));
+  std::filesystem::rename(path("roomwise/networks/tiny.onnx"), path("store/blob"));
+  std::filesystem::create_symlink(path("store/blob"), path("roomwise/networks/tiny.onnx"));
+  const std::string elsewhere = path("store/linked.eightbits");
+  std::vector<std::string> linked = quantize;
+  linked.insert(linked.end(), {"--out", elsewhere});
+  ask(linked);
+  EXPECT_EQ(ask({"networks", "info", elsewhere})["eight_bits"]["network"],
+            "../roomwise/networks/tiny.onnx");
+  EXPECT_GT(ask({"networks", "bench", elsewhere, "--runs", "2"})["cpu_ms"], 0);
+  std::filesystem::remove(path("roomwise/networks/tiny.onnx"));
+
+  ASSERT_OK(write_file(path("roomwise/networks/tiny.onnx"), convolving_network(1)));
   EXPECT_THAT(run({"networks", "quantize", "tiny"}).errors, HasSubstr("--home or --pictures"));
   EXPECT_THAT(run({"networks", "quantize", "tiny-8bit", "--pictures", path("photos")}).errors,
               HasSubstr("give the network's own file"));
@@ -159,7 +181,7 @@ TEST_F(NetworksCommandsTest, ANetworkIsMadeToRunInEightBits) {
               HasSubstr("ends in .eightbits"));
   write_pictures("few", 3);
   EXPECT_THAT(run({"networks", "quantize", "tiny", "--pictures", path("few")}).errors,
-              HasSubstr("at least 8 pictures"));
+              HasSubstr("at least 80 pictures"));
   ASSERT_OK(write_file(path("roomwise/networks/tiny.onnx"), convolving_network(2)));
   EXPECT_THAT(run({"networks", "bench", "tiny-8bit"}).errors,
               HasSubstr("was measured of another file"));

@@ -158,6 +158,13 @@ Expected<Answer> describe_network(const fs::path& path) {
   facts.add("features", network->feature_size());
   facts.add("labels", network->labels().size());
   facts.add("license", card.license);
+  if (network::is_eight_bit_file(path)) {
+    ROOMWISE_TRY(const auto how, network::read_eight_bit_file(path));
+    facts.add("in 8 bits", how.checked);
+    facts.add("of", how.network.string());
+    facts.add("sha256", how.sha256);
+    return std::move(facts).answer();
+  }
   facts.add("sha256", network->fingerprint());
   return std::move(facts).answer();
 }

@@ -54,11 +54,18 @@ Expected<void> write_record(const fs::path& file, const Record& record) {
 // ---- networks list ----
 
 std::string what_for(const fs::path& file) {
+  const bool in_eight_bits = network::is_eight_bit_file(file);
+  if (in_eight_bits) {
+    const auto how = network::read_eight_bit_file(file);
+    if (!how) return "damaged";
+    std::error_code ignored;
+    if (!fs::exists(file.parent_path() / how->network, ignored)) return "its network is missing";
+  }
   const auto card = network::find_model_card(file);
   if (!card) return "no card";
   if (card->task != network::Task::kClassify) return "finds things";
   const std::string gives = card->labels_file.empty() ? "features" : "features and names";
-  return network::is_eight_bit_file(file) ? gives + ", 8 bits" : gives;
+  return in_eight_bits ? gives + ", 8 bits" : gives;
 }
 
 Expected<Answer> list() {

@@ -22,6 +22,7 @@ struct QuantizeOptions {
   fs::path home;
   fs::path pictures;
   fs::path out;
+  bool replaces = false;
 };
 
 bool is_picture(const fs::path& file) {
@@ -38,7 +39,7 @@ Expected<std::vector<fs::path>> pictures_of(const fs::path& folder) {
   std::error_code error;
   for (fs::recursive_directory_iterator entry(folder, error), end; !error && entry != end;
        entry.increment(error)) {
-    if (is_picture(entry->path())) files.push_back(entry->path());
+    if (entry->is_regular_file(error) && is_picture(entry->path())) files.push_back(entry->path());
   }
   if (error) return fail("{}: cannot be read: {}", folder.string(), error.message());
   std::ranges::sort(files);
@@ -49,18 +50,43 @@ Expected<QuantizedClassifier> quantize(const fs::path& weights, const QuantizeOp
                                        const Context& context) {
   if (!options.pictures.empty()) {
     ROOMWISE_TRY(const auto files, pictures_of(options.pictures));
-    return network::quantize_classifier(weights, files.size(),
-                                        [&](std::size_t i) { return image::read_color(files[i]); })
-        .map_error([&](Error error) { return std::move(error).in(options.pictures.string()); });
+    return network::quantize_classifier(
+        weights, files.size(), [&](std::size_t i) { return image::read_color(files[i]); },
+        context.threads);
   }
   ROOMWISE_TRY(const home::Home home, open_home_read_only(options.home, context));
   ROOMWISE_TRY(const auto keyframes, home.keyframes());
   const auto picture = [&](std::size_t i) -> Expected<image::ColorImage> {
     ROOMWISE_TRY(const home::KeyframeImages images, home.images(keyframes[i].id));
-    return image::decode_color(images.color);
+    return image::decode_color(images.color).map_error([&](Error error) {
+      return std::move(error).in(
+          fmt::format("{}: key-frame {}", options.home.string(), keyframes[i].id));
+    });
   };
-  return network::quantize_classifier(weights, keyframes.size(), picture)
-      .map_error([&](Error error) { return std::move(error).in(options.home.string()); });
+  return network::quantize_classifier(weights, keyframes.size(), picture, context.threads);
+}
+
+// How the file of 8 bits names its network: by the folders as they are, but by the network's own
+// name, beside which its card and labels lie, also where that is a link.
+fs::path beside(const fs::path& weights, const fs::path& out) {
+  const auto folder_of = [](const fs::path& file) {
+    return fs::canonical(file.has_parent_path() ? file.parent_path() : fs::path("."));
+  };
+  const fs::path between = folder_of(weights).lexically_proximate(folder_of(out));
+  return (between / weights.filename()).lexically_normal();
+}
+
+// What is there counts as a network by what it says: homes were perhaps learned with it.
+Expected<void> check_replaces(const QuantizeOptions& options, const fs::path& out,
+                              const network::EightBitFile& made) {
+  std::error_code ignored;
+  if (options.replaces || !fs::exists(out, ignored)) return {};
+  const auto there = network::read_eight_bit_file(out);
+  if (there && there->fingerprint() == made.fingerprint()) return {};
+  return fail(
+      "{}: is there already, and runs the network otherwise; what was learned with it would have "
+      "to be learned anew. Name another file by --out, or replace it by --replace",
+      out.string());
 }
 
 Json report_of(const QuantizedClassifier& quantized) {
@@ -70,6 +96,7 @@ Json report_of(const QuantizedClassifier& quantized) {
           {"measured_on", quantized.measured_on},
           {"checked_on", quantized.checked_on},
           {"least_channels", report.least_channels},
+          {"time_ratio", report.time_ratio},
           {"mean_cosine", report.mean_cosine},
           {"least_cosine", report.least_cosine},
           {"mean_error", report.mean_error},
@@ -85,26 +112,28 @@ Expected<Answer> quantize_command(const QuantizeOptions& options, const Context&
   if (!network::is_eight_bit_file(out)) {
     return fail("{}: a file of 8 bits ends in {}", out.string(), network::EightBitFile::kEnding);
   }
+  ROOMWISE_CHECK_OK(check_can_write(out));
   ROOMWISE_TRY(QuantizedClassifier quantized, quantize(weights, options, context));
   if (!quantized.report.is_used) {
     return fail("{}: 8 bits do not come near enough to floats: {}; nothing was written",
                 weights.string(), quantized.report.reason);
   }
-  const fs::path folder = out.has_parent_path() ? out.parent_path() : fs::path(".");
-  std::error_code ignored;
-  const fs::path beside = fs::proximate(weights, folder, ignored);
-  quantized.file.network = beside.empty() ? fs::absolute(weights) : beside;
-  ROOMWISE_CHECK_OK(write_file(out, text_of(quantized.file)));
+  quantized.file.network = beside(weights, out);
+  ROOMWISE_CHECK_OK(check_replaces(options, out, quantized.file));
+  ROOMWISE_TRY(const std::string text, network::text_of(quantized.file));
+  ROOMWISE_CHECK_OK(write_file(out, text));
   Answer answer;
-  answer.text = fmt::format(
-      "{}: {}\n{}use it by --network {}; what was learned in floats must be learned anew\n",
-      out.string(), quantized.file.checked,
-      quantized.report.least_channels > 1
-          ? fmt::format("layers of fewer than {} channels stay in floats\n",
-                        quantized.report.least_channels)
-          : "",
-      out.string());
+  answer.text = fmt::format("{}: {}\n", weights.string(), quantized.file.checked);
+  if (quantized.report.least_channels > 1) {
+    answer.text += fmt::format("layers of fewer than {} channels stay in floats\n",
+                               quantized.report.least_channels);
+  }
+  answer.text += fmt::format(
+      "a picture takes {:.2f} of the processor time here\n"
+      "use it by --network {}; rooms that were learned in floats must be learned anew with it\n",
+      quantized.report.time_ratio, out.string());
   answer.json = report_of(quantized);
+  answer.json["network"] = weights.string();
   answer.json["file"] = out.string();
   return answer;
 }
@@ -127,6 +156,8 @@ void add_networks_quantize(CLI::App& group, Context& context) {
   command->add_option("--out", options->out,
                       "File to write, NAME.eightbits; default: NAME-8bit.eightbits beside the "
                       "network");
+  command->add_flag("--replace", options->replaces,
+                    "Replace a file that is there, also by one that runs the network otherwise");
   command->parse_complete_callback([home, pictures] {
     if (home->count() + pictures->count() == 0)
       throw CLI::RequiredError("--home or --pictures: what to measure it on");

@@ -22,6 +22,8 @@ struct QuantizationReport {
   std::vector<double> agreement;     // part of the inputs whose largest number is at one place
   // EightBitRanges::least_channels of these figures.
   std::int64_t least_channels = 1;
+  // The processor time of one input, over that in floats: the least of a few runs each.
+  double time_ratio = 1;
   bool is_used = false;
   std::string reason;  // why it is not used; empty: it is
 };
@@ -36,11 +38,9 @@ struct CheckedExecutor {
 // same with what has up to 64 channels in floats, where that is; else in floats, with the reason.
 // scores: which of the outputs' largest numbers must agree, by their places. Fails where either
 // network cannot be run, or there are no inputs to measure or to check it on.
-[[nodiscard]] Expected<CheckedExecutor> checked_quantization(const OnnxGraph& graph,
-                                                             const ExecutorOptions& options,
-                                                             std::span<const Tensor> calibration,
-                                                             std::span<const Tensor> held_out,
-                                                             std::span<const std::size_t> scores,
-                                                             const QuantizationLimits& limits = {});
+[[nodiscard]] Expected<CheckedExecutor> checked_quantization(
+    const OnnxGraph& graph, const ExecutorOptions& options, std::span<const Tensor> calibration,
+    std::span<const Tensor> held_out, std::span<const std::size_t> scores,
+    const QuantizationLimits& limits = {}, std::size_t threads = 1);
 
 }  // namespace roomwise::network

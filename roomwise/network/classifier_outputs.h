@@ -22,4 +22,7 @@ struct ClassifierOutputs {
 // none.
 [[nodiscard]] Expected<ClassifierOutputs> classifier_outputs(const NetworkFile& file);
 
+// Classifier::preprocessing() of a network that is used so.
+[[nodiscard]] std::string preprocessing_of(const ModelCard& card, const ClassifierOutputs& outputs);
+
 }  // namespace roomwise::network

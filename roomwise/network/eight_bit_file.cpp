@@ -2,10 +2,11 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "roomwise/base/file.h"
+#include "roomwise/network/network_file.h"
 
 namespace roomwise::network {
 namespace {
@@ -23,28 +24,30 @@ Expected<ValueRange> range_of(const Json& value) {
   const bool are_numbers =
       value.is_array() && value.size() == 2 && value[0].is_number() && value[1].is_number();
   if (!are_numbers) return fail("expected the least and the largest number");
-  const ValueRange range{value[0].get<float>(), value[1].get<float>()};
-  if (!std::isfinite(range.least) || !std::isfinite(range.most) || range.least > range.most)
-    return fail("{} to {} is no range", range.least, range.most);
-  return range;
+  const double least = value[0].get<double>(), most = value[1].get<double>();
+  constexpr double kLargest = std::numeric_limits<float>::max();
+  if (!(least >= -kLargest && most <= kLargest && least <= most))
+    return fail("{} to {} is no range", least, most);
+  return ValueRange{static_cast<float>(least), static_cast<float>(most)};
 }
 
 Expected<EightBitFile> file_of(const Json& json) {
   for (const auto& [key, value] : json.items()) {
-    static constexpr std::array kKnown{"network", "sha256",  "input",
+    static constexpr std::array kKnown{"network", "sha256",  "preprocessing", "input",
                                        "ranges",  "checked", "least_channels"};
     if (std::ranges::find(kKnown, key) == kKnown.end())
       return fail("{}: unknown field; known are {}", key, fmt::join(kKnown, ", "));
   }
   EightBitFile file;
-  for (const char* key : {"network", "sha256", "checked"}) {
+  for (const char* key : {"network", "sha256", "preprocessing", "checked"}) {
     if (!json.contains(key) || !json.at(key).is_string())
       return fail("{}: expected a text in quotes", key);
   }
   file.network = json.at("network").get<std::string>();
-  if (file.network.empty() || is_eight_bit_file(file.network))
-    return fail("network: expected the file of a network's weights");
+  if (!has_ending_of_network(file.network))
+    return fail("network: expected the file of a network's weights (.onnx, .pth, .safetensors)");
   file.sha256 = json.at("sha256").get<std::string>();
+  file.preprocessing = json.at("preprocessing").get<std::string>();
   file.checked = json.at("checked").get<std::string>();
   const Json& input = json.contains("input") ? json.at("input") : Json();
   const auto is_side = [](const Json& side) { return is_whole(side, 1, kMostSide); };
@@ -82,17 +85,31 @@ Expected<EightBitFile> read_eight_bit_file(const std::filesystem::path& file) {
   return parse_eight_bit_file(text, file.string());
 }
 
-std::string text_of(const EightBitFile& file) {
-  nlohmann::ordered_json ranges = nlohmann::ordered_json::object();
+std::string EightBitFile::fingerprint() const {
+  std::string text = fmt::format("{} {} {} {}", sha256, preprocessing, shape_text(ranges.input),
+                                 ranges.least_channels);
+  for (const auto& [layer, range] : ranges.of_layers)
+    text += fmt::format("\n{}:{} {} {}", layer.size(), layer, range.least, range.most);
+  return sha256_hex(Bytes(text.begin(), text.end()));
+}
+
+Expected<std::string> text_of(const EightBitFile& file) {
+  using OrderedJson = nlohmann::ordered_json;
+  OrderedJson ranges = OrderedJson::object();
   for (const auto& [layer, range] : file.ranges.of_layers)
     ranges[layer] = {range.least, range.most};
-  const nlohmann::ordered_json json{{"network", file.network.string()},
-                                    {"sha256", file.sha256},
-                                    {"checked", file.checked},
-                                    {"input", file.ranges.input},
-                                    {"least_channels", file.ranges.least_channels},
-                                    {"ranges", std::move(ranges)}};
-  return json.dump(1) + "\n";
+  const OrderedJson json{
+      {"network", file.network.string()},    {"sha256", file.sha256},
+      {"preprocessing", file.preprocessing}, {"checked", file.checked},
+      {"input", file.ranges.input},          {"least_channels", file.ranges.least_channels},
+      {"ranges", std::move(ranges)}};
+  try {
+    return json.dump(1) + "\n";
+  } catch (const OrderedJson::type_error&) {
+    return fail(
+        "{}: its path, or a name in it, is no UTF-8: how it runs in 8 bits cannot be written",
+        file.network.string());
+  }
 }
 
 }  // namespace roomwise::network

@@ -8,16 +8,20 @@
 
 namespace roomwise::network {
 
-// Says that a network is to be worked out in 8 bits, and how: NAME.eightbits beside its weights,
-// JSON. It stands for a network of its own, since what it gives differs a little:
-//   { "network": "NAME.onnx", "sha256": "of that file", "input": [1, 3, 299, 299],
-//     "least_channels": 1, "ranges": { "a layer": [0, 3.25], ... },
+// Says that a network is to be worked out in 8 bits, and how: NAME.eightbits, JSON. It stands for a
+// network of its own, since what it gives differs a little:
+//   { "network": "NAME.onnx", "sha256": "of that file", "preprocessing": "of its card",
+//     "input": [1, 3, 299, 299], "least_channels": 1, "ranges": { "a layer": [0, 3.25], ... },
 //     "checked": "for people: how near it came" }
 struct EightBitFile {
   std::filesystem::path network;  // the weights file, from the folder of this one
   std::string sha256;             // its digest
+  std::string preprocessing;      // Classifier::preprocessing() while it was measured
   EightBitRanges ranges;
   std::string checked;
+
+  // A digest of all that tells what the network gives: not of where its weights lie.
+  [[nodiscard]] std::string fingerprint() const;
 
   static constexpr const char* kEnding = ".eightbits";
 };
@@ -28,6 +32,7 @@ struct EightBitFile {
 [[nodiscard]] Expected<EightBitFile> parse_eight_bit_file(std::string_view json,
                                                           const std::string& origin);
 [[nodiscard]] Expected<EightBitFile> read_eight_bit_file(const std::filesystem::path& file);
-[[nodiscard]] std::string text_of(const EightBitFile& file);
+// Fails where a name in it is no UTF-8, which JSON asks for.
+[[nodiscard]] Expected<std::string> text_of(const EightBitFile& file);
 
 }  // namespace roomwise::network

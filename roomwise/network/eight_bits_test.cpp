@@ -55,14 +55,14 @@ class EightBits : public ::testing::Test {
   }
   // tiny-8bit.eightbits, of which `change` may make something else.
   std::filesystem::path quantized(const std::function<void(EightBitFile&)>& change = {}) {
-    auto result = quantize_classifier(weights(), 12, [](std::size_t i) { return noise(i); });
+    auto result = quantize_classifier(weights(), 80, noise);
     EXPECT_OK(result);
     EXPECT_TRUE(result->report.is_used) << result->report.reason;
-    EXPECT_EQ(result->measured_on, 3u);
-    EXPECT_EQ(result->checked_on, 9u);
+    EXPECT_EQ(result->measured_on, 20u);
+    EXPECT_EQ(result->checked_on, 60u);
     result->file.network = "tiny.onnx";
     if (change) change(result->file);
-    write("tiny-8bit.eightbits", text_of(result->file));
+    write("tiny-8bit.eightbits", *text_of(result->file));
     return folder_ / "tiny-8bit.eightbits";
   }
 
@@ -93,20 +93,58 @@ TEST_F(EightBits, AreTheSameAfterTheyWereRead) {
   const auto path = quantized();
   const auto file = read_eight_bit_file(path);
   ASSERT_OK(file);
-  EXPECT_EQ(text_of(*file), *read_text_file(path));
-  EXPECT_THAT(file->checked, HasSubstr("measured on 3 pictures, checked on 9 others"));
+  EXPECT_EQ(*text_of(*file), *read_text_file(path));
+  EXPECT_THAT(file->checked, HasSubstr("measured on 20 pictures, checked on 60 others"));
 }
 
 TEST_F(EightBits, AreOfOneFileOfWeights) {
   const auto of_another = quantized([](EightBitFile& file) { file.sha256[0] ^= 1; });
   EXPECT_ERROR(OnnxClassifier::load(of_another), "was measured of another file");
   const auto of_none = quantized([](EightBitFile& file) { file.network = "gone.onnx"; });
-  EXPECT_ERROR(OnnxClassifier::load(of_none), "gone.onnx");
+  EXPECT_ERROR(OnnxClassifier::load(of_none), "gone.onnx, which is not there");
+  const auto of_a_folder = quantized([](EightBitFile& file) { file.network = "folder.onnx"; });
+  std::filesystem::create_directory(folder_ / "folder.onnx");
+  EXPECT_ERROR(OnnxClassifier::load(of_a_folder), "folder.onnx, which is not there");
   const auto of_itself =
       quantized([](EightBitFile& file) { file.network = "tiny-8bit.eightbits"; });
   EXPECT_ERROR(OnnxClassifier::load(of_itself),
                "network: expected the file of a network's weights");
   EXPECT_ERROR(find_model_card(of_itself), "network: expected");
+}
+
+TEST_F(EightBits, AreOfOneCard) {
+  const auto path = quantized();
+  write("tiny.card.json",
+        fmt::format(R"({{"input": {{"width": {}, "height": {}}}}})", kWidth_px, kHeight_px));
+  EXPECT_ERROR(OnnxClassifier::load(path), "was measured with another card");
+}
+
+// Homes remember it.
+TEST_F(EightBits, AreTheSameNetworkWhereverTheyLie) {
+  const auto fingerprint = [&](const std::function<void(EightBitFile&)>& change) {
+    const auto network = OnnxClassifier::load(quantized(change));
+    EXPECT_OK(network);
+    return (*network)->fingerprint();
+  };
+  const std::string plain = fingerprint({});
+  EXPECT_EQ(fingerprint([](EightBitFile& file) { file.checked = "by somebody else"; }), plain);
+  EXPECT_EQ(fingerprint([](EightBitFile& file) { file.network = "./tiny.onnx"; }), plain);
+  EXPECT_NE(fingerprint([](EightBitFile& file) { file.ranges.least_channels = 17; }), plain);
+  EXPECT_NE(fingerprint([](EightBitFile& file) { file.ranges.of_layers["third"].most *= 2; }),
+            plain);
+}
+
+// One convolution, that looks at the picture.
+TEST_F(EightBits, AreNotUsedWhereNothingIsGained) {
+  GraphBuilder builder({5, false});
+  auto x = builder.input("picture", {1, 3, kHeight_px, kWidth_px});
+  x = builder.relu(builder.convolution(x, "only", {16, {3, 3}}), "only.relu");
+  builder.output(builder.flatten(builder.global_average_pool(x, "pool"), "features"));
+  ASSERT_OK(write_file(weights(), *write_onnx_graph(builder.take())));
+  const auto result = quantize_classifier(weights(), 80, noise);
+  ASSERT_OK(result);
+  EXPECT_FALSE(result->report.is_used);
+  EXPECT_THAT(result->report.reason, HasSubstr("nothing in it can be held in 8 bits"));
 }
 
 // A Roomwise that joins layers otherwise.
@@ -120,16 +158,16 @@ TEST_F(EightBits, AreForWholePicturesOnly) {
   EXPECT_ERROR(read_network_in_floats(path), "give the network's own file here");
   EXPECT_ERROR(DenseClassifier::load(path), "give the network's own file here");
   EXPECT_ERROR(Detector::load(path), "give the network's own file here");
-  EXPECT_ERROR(quantize_classifier(path, 12, noise), "give the network's own file here");
+  EXPECT_ERROR(quantize_classifier(path, 80, noise), "give the network's own file here");
 }
 
 TEST_F(EightBits, NeedEnoughPicturesThatCanBeRead) {
-  EXPECT_ERROR(quantize_classifier(weights(), 7, noise), "at least 8 pictures");
+  EXPECT_ERROR(quantize_classifier(weights(), 79, noise), "at least 80 pictures");
   const auto broken = [](std::size_t i) -> Expected<ColorImage> {
     if (i == 5) return fail("the sixth is broken");
     return noise(i);
   };
-  EXPECT_ERROR(quantize_classifier(weights(), 12, broken), "the sixth is broken");
+  EXPECT_ERROR(quantize_classifier(weights(), 80, broken), "the sixth is broken");
 }
 
 TEST_F(EightBits, OfManyPicturesTakeSomeFromAllOver) {
@@ -145,11 +183,17 @@ TEST_F(EightBits, OfManyPicturesTakeSomeFromAllOver) {
   EXPECT_EQ(result->measured_on, 80u);
 }
 
+TEST(EightBitFile, NamesAreUtf8) {
+  EightBitFile file;
+  file.network = "bad\xff.onnx";
+  EXPECT_ERROR(text_of(file), "no UTF-8");
+}
+
 TEST(EightBitFile, NamesTheFieldThatIsWrong) {
   const auto parse = [](const std::string& changed, const std::string& value) {
-    nlohmann::json json = {{"network", "n.onnx"}, {"sha256", "0"},
-                           {"checked", ""},       {"input", {1, 3, 5, 5}},
-                           {"least_channels", 1}, {"ranges", {{"a", {0, 1}}}}};
+    nlohmann::json json = {
+        {"network", "n.onnx"},   {"sha256", "0"},       {"preprocessing", ""},      {"checked", ""},
+        {"input", {1, 3, 5, 5}}, {"least_channels", 1}, {"ranges", {{"a", {0, 1}}}}};
     json[changed] = nlohmann::json::parse(value);
     return parse_eight_bit_file(json.dump(), "n.eightbits");
   };
@@ -166,6 +210,7 @@ TEST(EightBitFile, NamesTheFieldThatIsWrong) {
   EXPECT_ERROR(parse("ranges", R"({"a": [0]})"), "n.eightbits: ranges: layer \"a\"");
   EXPECT_ERROR(parse("ranges", R"({"a": [2, 1]})"), "2 to 1 is no range");
   EXPECT_ERROR(parse("ranges", R"({"a": [0, 1e300]})"), "is no range");
+  EXPECT_ERROR(parse("network", "\"/dev/zero\""), "network: expected the file");
   EXPECT_ERROR(parse("steps", "1"), "steps: unknown field");
 }
 

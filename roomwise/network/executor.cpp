@@ -1,6 +1,7 @@
 #include "roomwise/network/executor.h"
 
 #include <algorithm>
+#include <cmath>
 #include <future>
 #include <map>
 #include <mutex>
@@ -223,6 +224,10 @@ Expected<EightBitRanges> measure_eight_bits(const OnnxGraph& graph, const Execut
                                                     passes_of(options, true)));
     ROOMWISE_TRY(const auto ranges, measure_ranges(program, inputs));
     measured.of_layers = named_ranges(program, ranges);
+    for (const auto& [layer, range] : measured.of_layers) {
+      if (!std::isfinite(range.least) || !std::isfinite(range.most))
+        return fail("layer \"{}\" gives numbers that are not finite: no 8 bits for it", layer);
+    }
     return measured;
   });
 }

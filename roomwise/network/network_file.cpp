@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "roomwise/base/file.h"
-#include "roomwise/network/eight_bit_file.h"
 #include "roomwise/network/inception_v3.h"
 #include "roomwise/network/safetensors.h"
 #include "roomwise/network/torch_checkpoint_reader.h"
@@ -90,9 +89,13 @@ Expected<OnnxGraph> graph_of(const ModelCard& card, std::span<const std::uint8_t
 // The network that the file of 8 bits names.
 Expected<NetworkFile> read_in_eight_bits(const std::filesystem::path& path,
                                          const std::optional<std::filesystem::path>& labels) {
-  ROOMWISE_TRY(const Bytes bytes, read_file(path));
   ROOMWISE_TRY(EightBitFile how, read_eight_bit_file(path));
   const std::filesystem::path weights = path.parent_path() / how.network;
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(weights, ignored)) {
+    return fail("{}: is of the network {}, which is not there; put it there, or measure it anew",
+                path.string(), weights.string());
+  }
   ROOMWISE_TRY(NetworkFile file,
                read_network_in_floats(weights, labels).map_error([&](Error error) {
                  return std::move(error).in(path.string());
@@ -103,8 +106,8 @@ Expected<NetworkFile> read_in_eight_bits(const std::filesystem::path& path,
         path.string(), weights.string(), file.fingerprint, how.sha256);
   }
   file.card.name = path.stem().string();
-  file.fingerprint = sha256_hex(bytes);
-  file.eight_bits = std::move(how.ranges);
+  file.fingerprint = how.fingerprint();
+  file.eight_bits = std::move(how);
   return file;
 }
 

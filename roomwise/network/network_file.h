@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "roomwise/network/eight_bit_ranges.h"
+#include "roomwise/network/eight_bit_file.h"
 #include "roomwise/network/model_card.h"
 #include "roomwise/network/onnx_graph.h"
 
@@ -16,8 +16,8 @@ struct NetworkFile {
   ModelCard card;
   std::vector<std::string> labels;  // empty: it names nothing
   OnnxGraph graph;                  // its input is of the card's size
-  std::string fingerprint;          // SHA-256 of the weights file, or of the one of 8 bits
-  std::optional<EightBitRanges> eight_bits = std::nullopt;  // absent: it is run in floats
+  std::string fingerprint;          // SHA-256 of the weights file, or EightBitFile's
+  std::optional<EightBitFile> eight_bits = std::nullopt;  // absent: it is run in floats
 };
 
 // Whether it ends as files of networks, or of weights alone, do: .onnx, .pth, .safetensors. One of

@@ -67,18 +67,6 @@ std::string counted(const std::string& name) {
   return fmt::format("{}:{}", name.size(), name);
 }
 
-std::string preprocessing_of(const ModelCard& card, const ClassifierOutputs& outputs) {
-  std::vector<std::string> features;
-  for (const std::string& output : outputs.features) features.push_back(counted(output));
-  return fmt::format(
-      "version {}; input {}x{} {} {}; mean {}; scale {}; features {}; scores {}; softmax {}",
-      kPreprocessingVersion, card.input_width_px, card.input_height_px,
-      card.color_order == ColorOrder::kRgb ? "rgb" : "bgr",
-      card.fit == PictureFit::kStretch ? "stretch" : "crop", fmt::join(card.mean, " "),
-      fmt::join(card.scale, " "), fmt::join(features, " "),
-      outputs.scores ? counted(*outputs.scores) : "none", card.scores_need_softmax);
-}
-
 }  // namespace
 
 std::vector<std::string> ClassifierOutputs::all() const {
@@ -104,6 +92,18 @@ Expected<ClassifierOutputs> classifier_outputs(const NetworkFile& file) {
   return outputs;
 }
 
+std::string preprocessing_of(const ModelCard& card, const ClassifierOutputs& outputs) {
+  std::vector<std::string> features;
+  for (const std::string& output : outputs.features) features.push_back(counted(output));
+  return fmt::format(
+      "version {}; input {}x{} {} {}; mean {}; scale {}; features {}; scores {}; softmax {}",
+      kPreprocessingVersion, card.input_width_px, card.input_height_px,
+      card.color_order == ColorOrder::kRgb ? "rgb" : "bgr",
+      card.fit == PictureFit::kStretch ? "stretch" : "crop", fmt::join(card.mean, " "),
+      fmt::join(card.scale, " "), fmt::join(features, " "),
+      outputs.scores ? counted(*outputs.scores) : "none", card.scores_need_softmax);
+}
+
 class OnnxClassifier::Implementation {
  public:
   Implementation(ModelCard card, std::vector<std::string> labels, std::string fingerprint,
@@ -121,6 +121,11 @@ class OnnxClassifier::Implementation {
     if (prediction.scores.size() != labels_.size()) {
       return fail("the network gives {} scores, but there are {} labels", prediction.scores.size(),
                   labels_.size());
+    }
+    const auto is_finite = [](float value) { return std::isfinite(value); };
+    if (!std::ranges::all_of(prediction.features, is_finite) ||
+        !std::ranges::all_of(prediction.scores, is_finite)) {
+      return fail("the network gives numbers that are not finite for a black picture");
     }
     feature_size_ = prediction.features.size();
     return {};
@@ -174,7 +179,15 @@ Expected<std::unique_ptr<OnnxClassifier>> OnnxClassifier::load(
   ROOMWISE_TRY(ClassifierOutputs outputs, classifier_outputs(file).map_error(in_file));
   ExecutorOptions options;
   options.outputs = outputs.all();
-  options.eight_bits = std::move(file.eight_bits);
+  if (file.eight_bits) {
+    if (file.eight_bits->preprocessing != preprocessing_of(file.card, outputs)) {
+      return fail(
+          "{}: was measured with another card of its network than that of now; measure it "
+          "anew",
+          weights.string());
+    }
+    options.eight_bits = std::move(file.eight_bits->ranges);
+  }
   ROOMWISE_TRY(auto executor,
                Executor::create(std::move(file.graph), std::move(options)).map_error(in_file));
   auto implementation = std::make_unique<Implementation>(

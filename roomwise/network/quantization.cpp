@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <set>
 
 #include "roomwise/base/disjoint_sets.h"
 #include "roomwise/network/executor.h"
@@ -54,10 +55,12 @@ bool can_hand_on(const Program& program, const Layer& layer) {
 
 std::vector<std::string> names_of_layers(const Program& program) {
   std::vector<std::string> names;
-  std::map<std::string, int> counts;
+  std::set<std::string> taken{kInputName};
   for (const Layer& layer : program.layers) {
-    const int before = counts[layer.node]++;
-    names.push_back(before == 0 ? layer.node : fmt::format("{} #{}", layer.node, before + 1));
+    std::string name = layer.node;
+    for (int number = 2; !taken.insert(name).second; ++number)
+      name = fmt::format("{} #{}", layer.node, number);
+    names.push_back(std::move(name));
   }
   return names;
 }

@@ -15,7 +15,7 @@ struct Tensor;
 [[nodiscard]] Expected<std::vector<ValueRange>> measure_ranges(const Program& program,
                                                                std::span<const Tensor> inputs);
 
-// Of each layer its node, with a number where others of that node come before it. The same for the
+// Of each layer its node, with a number where that name is taken by one before it. The same for the
 // same file, passes and outputs.
 [[nodiscard]] std::vector<std::string> names_of_layers(const Program& program);
 

@@ -351,11 +351,16 @@ TEST(Quantization, RangesAreOfOneNetworkAndOneShape) {
 // One node may become several layers.
 TEST(Quantization, LayersOfOneNodeHaveNamesOfTheirOwn) {
   Program program;
-  program.values.resize(4);
+  program.values.resize(6);
   program.inputs = {0};
-  program.layers = {{View{}, {0}, 1, "node"}, {View{}, {1}, 2, "other"}, {View{}, {2}, 3, "node"}};
-  EXPECT_THAT(names_of_layers(program), ::testing::ElementsAre("node", "other", "node #2"));
-  const std::vector<ValueRange> ranges{{0, 1}, {0, 2}, {-3, 3}, {0, 4}};
+  program.layers = {{View{}, {0}, 1, "node"},
+                    {View{}, {1}, 2, "other"},
+                    {View{}, {2}, 3, "node"},
+                    {View{}, {3}, 4, "node #2"},
+                    {View{}, {4}, 5, ""}};
+  EXPECT_THAT(names_of_layers(program),
+              ::testing::ElementsAre("node", "other", "node #2", "node #2 #2", " #2"));
+  const std::vector<ValueRange> ranges{{0, 1}, {0, 2}, {-3, 3}, {0, 4}, {0, 5}, {0, 6}};
   const EightBitRanges named{{}, 1, named_ranges(program, ranges)};
   EXPECT_EQ(*ranges_of_values(program, named), ranges);
 }

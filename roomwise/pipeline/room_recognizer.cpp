@@ -78,8 +78,8 @@ Expected<RoomRecognizer> RoomRecognizer::create(const home::Home& home, const Ne
   });
   if (same == networks.end()) {
     return fail(
-        "{}: its rooms were learned with the network {}; give that file by --network, or its "
-        "folder as ROOMWISE_MODELS",
+        "{}: its rooms were learned with the network {}; give that file by --network or, where it "
+        "is not one in 8 bits, its folder as ROOMWISE_MODELS",
         home.file(), record->network_name);
   }
   ROOMWISE_TRY(classifier, with_visit_pictures(home, *std::move(classifier)));
