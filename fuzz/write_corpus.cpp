@@ -5,6 +5,7 @@
 
 #include "roomwise/base/file.h"
 #include "roomwise/network/built_in_cards.h"
+#include "roomwise/network/eight_bit_file.h"
 #include "roomwise/network/safetensors.h"
 #include "roomwise/network/testing/torch_checkpoint.h"
 #include "roomwise/network/tiny_network.h"
@@ -90,6 +91,18 @@ std::vector<Seed> card_seeds() {
   return seeds;
 }
 
+std::vector<Seed> eight_bits_seeds() {
+  roomwise::network::EightBitFile file;
+  file.network = "../networks/tiny.onnx";
+  file.sha256 = std::string(64, 'a');
+  file.preprocessing = "version 1; input 6x4";
+  file.ranges.input = {1, 3, 4, 6};
+  file.ranges.least_channels = 65;
+  file.ranges.of_layers = {{"", {0, 1}}, {"first", {-2.5F, 3}}, {"first #2", {0, 0}}};
+  file.checked = "on others";
+  return {{"tiny.eightbits", *roomwise::network::text_of(file)}};
+}
+
 std::string text_of(const roomwise::Bytes& bytes) {
   return {bytes.begin(), bytes.end()};
 }
@@ -171,8 +184,8 @@ int main(int argc, char** argv) {
       {"catalogue.json", std::string(roomwise::network::built_in_catalogue())}};
   for (const auto& written :
        {write(corpus / "onnx", onnx_seeds()), write(corpus / "model_card", card_seeds()),
-        write(corpus / "catalogue", list), write(corpus / "weights", weights_seeds()),
-        write(corpus / "protocol", protocol_seeds())}) {
+        write(corpus / "eight_bits", eight_bits_seeds()), write(corpus / "catalogue", list),
+        write(corpus / "weights", weights_seeds()), write(corpus / "protocol", protocol_seeds())}) {
     if (written) continue;
     std::fprintf(stderr, "%s\n", written.error().message.c_str());
     return 1;

@@ -12,10 +12,11 @@ using mapping::LocalizationStatus;
 
 // How much oftener the localiser answers so to pictures of the map's home, in other light or with
 // things moved, than to those of another home: the logarithm of the ratio (docs/rooms.md).
-constexpr double kSureLogRatio =
-    5;  // a place by features (no hint), or by shape with this much support
-constexpr double kSureSupport = 1.4;     // with less, other homes' doors and walls fit as often
-constexpr double kPlainLogRatio = -2;    // a bare wall
+constexpr double kSureLogRatio = 5;    // a place by many features, or by shape with much support
+constexpr double kLikelyLogRatio = 2;  // by few features, or with some support
+constexpr int kManyInliers = 16;
+constexpr double kMuchSupport = 1.4, kSomeSupport = 0.8;  // other homes' doors and walls fit, too
+constexpr double kPlainLogRatio = -2;                     // a bare wall
 constexpr double kNowhereLogRatio = -3;  // nothing alike, or too little speaks for the pose
 // A standard deviation of RoomCalibration::known in the logarithm of the odds of this home.
 constexpr double kLogOddsPerDeviation = 2.5;
@@ -27,12 +28,19 @@ constexpr double kBoundarySigma_m = 0.15;
 // How far a person walks from one picture of a pair to the next, m.
 constexpr double kStepSigma_m = 0.5;
 
-double home_log_ratio(const mapping::Localization& answer, bool has_depth) {
+double found_log_ratio(const mapping::Localization& answer) {
+  if (answer.is_hint) return 0;  // another home has windows and tiles, too
   const bool is_by_shape = answer.witnesses > 0;
+  const bool is_sure =
+      is_by_shape ? answer.support >= kMuchSupport : answer.inliers >= kManyInliers;
+  if (is_sure) return kSureLogRatio;
+  return is_by_shape && answer.support < kSomeSupport ? 0 : kLikelyLogRatio;
+}
+
+double home_log_ratio(const mapping::Localization& answer, bool has_depth) {
   switch (answer.status) {
     case LocalizationStatus::kFound:
-      if (answer.is_hint) return 0;  // another home has windows and tiles, too
-      return is_by_shape && answer.support < kSureSupport ? 0 : kSureLogRatio;
+      return found_log_ratio(answer);
     case LocalizationStatus::kAmbiguous:
     case LocalizationStatus::kVague:
       return 0;

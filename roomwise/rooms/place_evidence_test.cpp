@@ -31,6 +31,7 @@ mapping::Localization found_at(double x_m) {
   answer.status = LocalizationStatus::kFound;
   answer.world_from_camera.translation = {x_m, 1, 1.4};
   answer.information = 1e4 * geometry::Matrix6d::Identity();
+  answer.inliers = 40;
   return answer;
 }
 
@@ -146,13 +147,32 @@ TEST(PlaceEvidence, APlaceOnTheMapMakesAnyPictureKnown) {
 TEST(PlaceEvidence, APlaceByShapeWithLittleSupportMakesNothingKnown) {
   mapping::Localization by_shape = found_at(4.5);
   by_shape.witnesses = 3;
-  by_shape.support = 0.8;
+  by_shape.support = 0.7;
   EXPECT_EQ(place(by_shape).home_log_ratio, 0) << "other homes have such walls and doors, too";
   EXPECT_GT(place(by_shape).probabilities[1], 0.98) << "if it is this home, it is there";
   const PictureEvidence strange = evidence(0.1, 0.7, 0.2, -2.1);
   EXPECT_EQ(decide_at(strange, place(by_shape)).verdict, Verdict::kNotSure);
   by_shape.support = 2;
   EXPECT_EQ(decide_at(strange, place(by_shape)).room(), "hall");
+}
+
+TEST(PlaceEvidence, LittleThatFitsSaysLessOfTheHomeThanMuch) {
+  const double sure = place(found_at(4.5)).home_log_ratio;
+  mapping::Localization by_few = found_at(4.5);
+  by_few.inliers = 13;
+  const double likely = place(by_few).home_log_ratio;
+  EXPECT_GT(likely, 0);
+  EXPECT_LT(likely, sure);
+  by_few.inliers = 16;
+  EXPECT_EQ(place(by_few).home_log_ratio, sure);
+
+  mapping::Localization by_shape = found_at(4.5);
+  by_shape.inliers = 4;
+  by_shape.witnesses = 3;
+  by_shape.support = 1;
+  EXPECT_EQ(place(by_shape).home_log_ratio, likely);
+  by_shape.support = 1.4;
+  EXPECT_EQ(place(by_shape).home_log_ratio, sure);
 }
 
 TEST(PlaceEvidence, ThatThereIsNoPlaceSpeaksAgainstThisHome) {
