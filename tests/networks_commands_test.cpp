@@ -148,7 +148,7 @@ TEST_F(NetworksCommandsTest, ANetworkIsMadeToRunInEightBits) {
   EXPECT_THAT(run({"rooms", "recognize", "--home", home, "--network",
                    path("roomwise/networks/tiny.onnx"), picture})
                   .errors,
-              HasSubstr("tiny-8bit"));
+              HasSubstr("learned with the network tiny (8 bits)"));
 
   // Measured again on the same pictures it is the same; on others it is another one.
   EXPECT_EQ(ask(quantize)["mean_cosine"], made["mean_cosine"]);

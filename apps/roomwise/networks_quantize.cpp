@@ -106,9 +106,12 @@ Json report_of(const QuantizedClassifier& quantized) {
 Expected<Answer> quantize_command(const QuantizeOptions& options, const Context& context) {
   ROOMWISE_TRY(const fs::path weights, find_network_file(options.name));
   fs::path out = options.out;
-  if (out.empty())
-    out = weights.parent_path() /
-          (weights.stem().string() + "-8bit" + network::EightBitFile::kEnding);
+  if (out.empty()) {
+    ROOMWISE_TRY(const fs::path folder, own_network_folder());
+    std::error_code ignored;
+    fs::create_directories(folder, ignored);
+    out = folder / (weights.stem().string() + "-8bit" + network::EightBitFile::kEnding);
+  }
   if (!network::is_eight_bit_file(out)) {
     return fail("{}: a file of 8 bits ends in {}", out.string(), network::EightBitFile::kEnding);
   }
@@ -129,7 +132,7 @@ Expected<Answer> quantize_command(const QuantizeOptions& options, const Context&
                                quantized.report.least_channels);
   }
   answer.text += fmt::format(
-      "a picture takes {:.2f} of the processor time here\n"
+      "it takes {:.2f} of the processor time that it takes in floats (here, least of three runs)\n"
       "use it by --network {}; rooms that were learned in floats must be learned anew with it\n",
       quantized.report.time_ratio, out.string());
   answer.json = report_of(quantized);
@@ -154,8 +157,8 @@ void add_networks_quantize(CLI::App& group, Context& context) {
       command->add_option("--pictures", options->pictures, "Measure it on this folder's pictures")
           ->excludes(home);
   command->add_option("--out", options->out,
-                      "File to write, NAME.eightbits; default: NAME-8bit.eightbits beside the "
-                      "network");
+                      "File to write, NAME.eightbits; default: NAME-8bit.eightbits in the "
+                      "user's own folder of networks");
   command->add_flag("--replace", options->replaces,
                     "Replace a file that is there, also by one that runs the network otherwise");
   command->parse_complete_callback([home, pictures] {

@@ -30,16 +30,16 @@ std::string how_near(const QuantizedClassifier& quantized, const ClassifierOutpu
 Expected<QuantizedClassifier> quantize_classifier(const std::filesystem::path& weights,
                                                   std::size_t pictures, const PictureAt& picture,
                                                   std::size_t threads) {
-  if (pictures < kFewestPictures) {
-    return fail("8 bits need at least {} pictures to be measured and checked on, not {}",
-                kFewestPictures, pictures);
-  }
   const auto in_file = [&](Error error) { return std::move(error).in(weights.string()); };
   ROOMWISE_TRY(const NetworkFile file, read_network_in_floats(weights));
   if (file.card.task != Task::kClassify)
     return fail("{}: finds things in pictures; 8 bits are for networks that look at whole ones",
                 weights.string());
   ROOMWISE_TRY(const ClassifierOutputs outputs, classifier_outputs(file).map_error(in_file));
+  if (pictures < kFewestPictures) {
+    return fail("8 bits need at least {} pictures to be measured and checked on, not {}",
+                kFewestPictures, pictures);
+  }
   std::vector<Tensor> calibration, held_out;
   const std::size_t taken = std::min(pictures, kMostPictures);
   for (std::size_t i = 0; i < taken; ++i) {

@@ -74,6 +74,10 @@ bool is_eight_bit_file(const std::filesystem::path& file) {
   return file.extension() == EightBitFile::kEnding;
 }
 
+std::string name_in_eight_bits(const std::string& network) {
+  return network + " (8 bits)";
+}
+
 Expected<EightBitFile> parse_eight_bit_file(std::string_view json, const std::string& origin) {
   const Json parsed = Json::parse(json, nullptr, false);
   if (!parsed.is_object()) return fail("{}: is not JSON that says how 8 bits are used", origin);

@@ -28,6 +28,9 @@ struct EightBitFile {
 
 [[nodiscard]] bool is_eight_bit_file(const std::filesystem::path& file);
 
+// For people: of the network of this name.
+[[nodiscard]] std::string name_in_eight_bits(const std::string& network);
+
 // Fails, naming `origin` (the file) and the field, on anything missing, unknown or out of range.
 [[nodiscard]] Expected<EightBitFile> parse_eight_bit_file(std::string_view json,
                                                           const std::string& origin);

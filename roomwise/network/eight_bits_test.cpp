@@ -73,7 +73,7 @@ TEST_F(EightBits, AreANetworkOfTheirOwnThatSeesNearlyTheSame) {
   const auto exact = OnnxClassifier::load(weights()), rounded = OnnxClassifier::load(quantized());
   ASSERT_OK(exact);
   ASSERT_OK(rounded);
-  EXPECT_EQ((*rounded)->name(), "tiny-8bit");
+  EXPECT_EQ((*rounded)->name(), "tiny (8 bits)");
   EXPECT_NE((*rounded)->fingerprint(), (*exact)->fingerprint());
   EXPECT_EQ((*rounded)->preprocessing(), (*exact)->preprocessing());
   const auto expected = (*exact)->predict(noise(99))->features,

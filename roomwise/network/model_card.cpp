@@ -170,7 +170,7 @@ Expected<ModelCard> find_model_card(const std::filesystem::path& weights) {
   if (is_eight_bit_file(weights)) {
     ROOMWISE_TRY(const EightBitFile how, read_eight_bit_file(weights));
     ROOMWISE_TRY(ModelCard card, find_model_card(weights.parent_path() / how.network));
-    card.name = weights.stem().string();
+    card.name = name_in_eight_bits(card.name);
     return card;
   }
   const std::string name = weights.stem().string();

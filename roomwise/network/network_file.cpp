@@ -105,7 +105,7 @@ Expected<NetworkFile> read_in_eight_bits(const std::filesystem::path& path,
         "{}: was measured of another file: the SHA-256 of {} is {}, not {}; measure it anew",
         path.string(), weights.string(), file.fingerprint, how.sha256);
   }
-  file.card.name = path.stem().string();
+  file.card.name = name_in_eight_bits(file.card.name);
   file.fingerprint = how.fingerprint();
   file.eight_bits = std::move(how);
   return file;
