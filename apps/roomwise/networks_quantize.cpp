@@ -148,7 +148,7 @@ void add_networks_quantize(CLI::App& group, Context& context) {
   CLI::App* command = add_command(
       group, context, "quantize",
       "Have a network that looks at whole pictures run in 8 bits, where that comes near enough",
-      "roomwise networks quantize mobilenet-v2-imagenet --home flat.home",
+      "roomwise networks quantize inception-2015-12-05-trunk --home flat.home",
       [options, &context] { return quantize_command(*options, context); });
   command->add_option("NAME", options->name, "A name of the catalogue, or a file")->required();
   CLI::Option* home =
