@@ -1,6 +1,5 @@
 // Of "networks": how a network is run in 8 bits, by a home's own pictures.
 
-#include <algorithm>
 #include <filesystem>
 #include <memory>
 
@@ -9,6 +8,7 @@
 #include "open_home.h"
 #include "roomwise/base/file.h"
 #include "roomwise/image/codec.h"
+#include "roomwise/image/picture_files.h"
 #include "roomwise/network/classifier_quantization.h"
 
 namespace roomwise::app {
@@ -25,31 +25,10 @@ struct QuantizeOptions {
   bool replaces = false;
 };
 
-bool is_picture(const fs::path& file) {
-  std::string ending = file.extension().string();
-  std::ranges::transform(ending, ending.begin(), [](char c) {
-    return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c;
-  });
-  return ending == ".jpg" || ending == ".jpeg" || ending == ".png" || ending == ".webp";
-}
-
-// Of a folder and those in it, by name.
-Expected<std::vector<fs::path>> pictures_of(const fs::path& folder) {
-  std::vector<fs::path> files;
-  std::error_code error;
-  for (fs::recursive_directory_iterator entry(folder, error), end; !error && entry != end;
-       entry.increment(error)) {
-    if (entry->is_regular_file(error) && is_picture(entry->path())) files.push_back(entry->path());
-  }
-  if (error) return fail("{}: cannot be read: {}", folder.string(), error.message());
-  std::ranges::sort(files);
-  return files;
-}
-
 Expected<QuantizedClassifier> quantize(const fs::path& weights, const QuantizeOptions& options,
                                        const Context& context) {
   if (!options.pictures.empty()) {
-    ROOMWISE_TRY(const auto files, pictures_of(options.pictures));
+    ROOMWISE_TRY(const auto files, image::picture_files(options.pictures));
     return network::quantize_classifier(
         weights, files.size(), [&](std::size_t i) { return image::read_color(files[i]); },
         context.threads);

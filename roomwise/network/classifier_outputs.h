@@ -4,7 +4,6 @@
 #include <string>
 #include <vector>
 
-#include "roomwise/network/executor.h"
 #include "roomwise/network/network_file.h"
 
 namespace roomwise::network {

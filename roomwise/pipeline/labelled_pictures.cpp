@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "roomwise/image/codec.h"
+#include "roomwise/image/picture_files.h"
 #include "roomwise/pipeline/room_learning.h"
 
 namespace roomwise::pipeline {
@@ -19,25 +20,6 @@ Expected<void> check_not_empty(const std::vector<LabelledPicture>& pictures) {
   if (pictures.empty())
     return fail("no picture is left to evaluate: check --rooms, --visits and --margin");
   return {};
-}
-
-// Every picture file under a folder, by path.
-Expected<std::vector<fs::path>> picture_files(const fs::path& folder) {
-  std::error_code error;
-  std::vector<fs::path> files;
-  for (fs::recursive_directory_iterator entry(folder, error), end; !error && entry != end;
-       entry.increment(error)) {
-    std::string extension = entry->path().extension().string();
-    std::ranges::transform(extension, extension.begin(), [](char c) {
-      return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c;
-    });
-    if (extension == ".jpg" || extension == ".jpeg" || extension == ".png") {
-      files.push_back(entry->path());
-    }
-  }
-  if (error) return fail("{}: cannot be read: {}", folder.string(), error.message());
-  std::ranges::sort(files);
-  return files;
 }
 
 }  // namespace
@@ -134,7 +116,7 @@ Expected<void> add_unknown_pictures(const fs::path& folder,
       pictures.back().sequence = sequence;
     }
   } else {
-    ROOMWISE_TRY(const auto files, picture_files(folder));
+    ROOMWISE_TRY(const auto files, image::picture_files(folder));
     for (const fs::path& file : files) {
       pictures.push_back(
           {[file] { return image::read_color(file); }, "", sequence++, 0, 0, 0, file.string()});

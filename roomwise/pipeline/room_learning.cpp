@@ -5,6 +5,7 @@
 #include <set>
 
 #include "roomwise/image/codec.h"
+#include "roomwise/image/picture_files.h"
 #include "roomwise/pipeline/picture_features.h"
 #include "roomwise/rooms/room_decision.h"
 
@@ -202,13 +203,8 @@ Expected<std::vector<RoomPhoto>> list_room_photos(const std::filesystem::path& f
     if (!room->is_directory()) continue;
     for (fs::directory_iterator file(room->path(), error); !error && file != end;
          file.increment(error)) {
-      std::string extension = file->path().extension().string();
-      std::ranges::transform(extension, extension.begin(), [](char c) {
-        return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c;
-      });
-      if (extension == ".jpg" || extension == ".jpeg" || extension == ".png") {
+      if (image::has_ending_of_picture(file->path()))
         photos.push_back({file->path(), room->path().filename().string()});
-      }
     }
     if (error) break;
   }

@@ -5,19 +5,12 @@
 
 #include "roomwise/base/random.h"
 #include "roomwise/image/codec.h"
+#include "roomwise/image/picture_files.h"
 
 namespace roomwise::network::training {
 namespace {
 
 namespace fs = std::filesystem;
-
-bool is_picture(const fs::path& path) {
-  std::string extension = path.extension().string();
-  std::ranges::transform(extension, extension.begin(), [](char c) {
-    return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c;
-  });
-  return extension == ".jpg" || extension == ".jpeg" || extension == ".png";
-}
 
 // What stands in a folder, by name, but for what is hidden.
 Expected<std::vector<fs::path>> entries_of(const fs::path& folder) {
@@ -43,7 +36,7 @@ Expected<PictureFolder> PictureFolder::open(const fs::path& folder) {
     ROOMWISE_TRY(const auto files, entries_of(of_class));
     const std::size_t before = data.files_.size();
     for (const fs::path& file : files) {
-      if (is_picture(file)) data.files_.push_back({file, data.classes_.size()});
+      if (image::has_ending_of_picture(file)) data.files_.push_back({file, data.classes_.size()});
     }
     if (data.files_.size() > before) data.classes_.push_back(of_class.filename().string());
   }
