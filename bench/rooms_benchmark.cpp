@@ -17,6 +17,7 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <functional>
 #include <nlohmann/json.hpp>
 
 #include "arguments.h"
@@ -35,6 +36,7 @@ struct RoomsOptions {
   fs::path folder;
   std::string homes;
   std::vector<fs::path> networks;
+  std::vector<fs::path> elsewhere;
   bool is_made_alone = false;
   bool is_thinned = false;
 };
@@ -152,7 +154,7 @@ Expected<void> make_home(const std::string& seed, const RoomsOptions& options) {
   ROOMWISE_CHECK_OK(run_once(
       with_networks({"map", (folder / "day").string(), "--home", home.string()}, options), mapped));
   for (const Walk& walk : kVisits) {
-    ROOMWISE_CHECK_OK(simulate(seed, folder, walk, {"--fps", "0.7", "--frames", "140"}));
+    ROOMWISE_CHECK_OK(simulate(seed, folder, walk, {"--fps", "0.7"}));
   }
   const Words of_day{"--home", home.string(), "--truth", (folder / "day").string()};
   Words objects{"eval", "objects"};
@@ -168,7 +170,8 @@ Expected<void> make_home(const std::string& seed, const RoomsOptions& options) {
   return {};
 }
 
-// Rooms that the home never learned: of the two homes after it in the list, one walk each.
+// Rooms that the home never learned: of the two homes after it in the list, one walk each, and what
+// is given.
 Expected<json> evaluate_home(std::size_t i, const Words& seeds, const RoomsOptions& options) {
   const fs::path folder = options.folder / seeds[i];
   const std::string home = (folder / "day.home").string();
@@ -185,6 +188,9 @@ Expected<json> evaluate_home(std::size_t i, const Words& seeds, const RoomsOptio
     if (other != seeds[i]) {
       words.insert(words.end(), {"--unknown", (options.folder / other / walk).string()});
     }
+  }
+  for (const fs::path& elsewhere : options.elsewhere) {
+    words.insert(words.end(), {"--unknown", elsewhere.string()});
   }
   const fs::path result = folder / "rooms.json";
   ROOMWISE_CHECK_OK(run_once(with_networks(std::move(words), options), result));
@@ -245,32 +251,53 @@ void print_ways(const std::vector<json>& homes) {
   }
 }
 
-void print_unknown(const std::vector<json>& homes) {
-  fmt::print(
-      "\n| never learned | decisions | got a name | AUROC: mean of the homes, least |\n"
-      "| --- | --- | --- | --- |\n");
-  for (const auto& [key, title] :
-       {std::pair("unknown", "one picture"), std::pair("unknown_place", "with its place"),
-        std::pair("unknown_pair", "two pictures"),
-        std::pair("unknown_pair_place", "with their place")}) {
-    BlockedProportion named;
-    double sum = 0, least = 1;
-    std::uint64_t block = 0;
-    for (const json& home : homes) {
-      if (!home.contains(key)) continue;
-      const json& one = home.at(key);
+// Of each home the share of a kind that got a name, and how well the kind is told from its rooms.
+void print_unknown_row(const std::vector<json>& homes, const char* key, const char* title,
+                       const std::string& kind,
+                       const std::function<bool(const std::string& folder)>& is_of_kind) {
+  BlockedProportion named;
+  double sum = 0, least = 1;
+  std::uint64_t block = 0, folders = 0;
+  for (const json& home : homes) {
+    if (!home.contains(key)) continue;
+    ++block;
+    for (const auto& [folder, one] : home.at(key).at("folders").items()) {
+      if (!is_of_kind(folder)) continue;
       const std::uint64_t n = one.at("n");
       const double area = one.at("auroc");
-      add(named, ++block,
+      add(named, block,
           static_cast<std::uint64_t>(
               std::lround(one.at("named").get<double>() * static_cast<double>(n))),
           n);
       sum += area;
       least = std::min(least, area);
+      ++folders;
     }
-    if (block == 0) continue;
-    fmt::print("| {} | {} | {} | {:.3f}, {:.3f} |\n", title, named.total().n, cell(named),
-               sum / static_cast<double>(block), least);
+  }
+  if (folders == 0) return;
+  fmt::print("| {} | {} | {} | {} | {:.3f}, {:.3f} |\n", kind, title, named.total().n, cell(named),
+             sum / static_cast<double>(folders), least);
+}
+
+void print_unknown(const std::vector<json>& homes, const RoomsOptions& options) {
+  fmt::print(
+      "\n| never learned | asked with | decisions | got a name | AUROC: mean of the folders, least "
+      "|\n| --- | --- | --- | --- | --- |\n");
+  const auto is_elsewhere = [&](const std::string& folder) {
+    return std::ranges::find(options.elsewhere, fs::path(folder)) != options.elsewhere.end();
+  };
+  for (const auto& [key, title] :
+       {std::pair("unknown", "one picture"), std::pair("unknown_place", "one, with its place"),
+        std::pair("unknown_pair", "two pictures"),
+        std::pair("unknown_pair_place", "two, with their place")}) {
+    print_unknown_row(homes, key, title, "all", [](const std::string&) { return true; });
+    print_unknown_row(homes, key, title, "other simulated homes",
+                      [&](const std::string& folder) { return !is_elsewhere(folder); });
+    for (const fs::path& elsewhere : options.elsewhere) {
+      print_unknown_row(homes, key, title,
+                        (elsewhere.parent_path().filename() / elsewhere.filename()).string(),
+                        [&](const std::string& folder) { return folder == elsewhere.string(); });
+    }
   }
 }
 
@@ -359,7 +386,7 @@ Expected<void> run(const RoomsOptions& options) {
     ROOMWISE_TRY(homes.emplace_back(), evaluate_home(i, seeds, options));
   }
   print_ways(homes);
-  print_unknown(homes);
+  print_unknown(homes, options);
   return print_things(seeds, options.folder);
 }
 
@@ -373,13 +400,22 @@ int main(int argc, char** argv) {
   app.add_option("--homes", options.homes, "Their seeds: 101-120, or 11,12")->required();
   app.add_option("--network", options.networks,
                  "ONNX networks to learn on and to name things with; default: as for map");
+  app.add_option("--elsewhere", options.elsewhere,
+                 "Folders of pictures, or recordings, of places that no home has, to be asked for "
+                 "beside other homes; may be given several times");
   app.add_flag("--only-make", options.is_made_alone, "Simulate and map, and evaluate nothing yet");
   app.add_flag("--thin", options.is_thinned,
                "Delete each home's walk by day, which is the largest, once it is mapped");
   CLI11_PARSE(app, argc, argv);
-  if (const auto done = roomwise::bench::run(options); !done) {
+  try {
+    const auto done = roomwise::bench::run(options);
+    if (done) return 0;
     fmt::print(stderr, "rooms_benchmark: {}\n", done.error().message);
-    return 1;
+  } catch (const nlohmann::json::exception& error) {
+    fmt::print(stderr,
+               "rooms_benchmark: a result was printed by another version of roomwise; remove the "
+               "JSON files of the homes to have them made anew ({})\n",
+               error.what());
   }
-  return 0;
+  return 1;
 }

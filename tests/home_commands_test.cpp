@@ -114,6 +114,10 @@ TEST_F(HomeCommandsTest, RoomsLieOnAFloor) {
   const ProgramResult none = run_roomwise({"rooms", "layout", "--home", path("my.home")});
   EXPECT_EQ(none.exit_code, 1);
   EXPECT_THAT(none.errors, HasSubstr("the map shows no floor; walk with the camera tilted down"));
+  const ProgramResult nowhere = run_roomwise(
+      {"rooms", "layout", "--home", path("my.home"), "--plan", path("nowhere/plan.svg")});
+  EXPECT_THAT(nowhere.errors, HasSubstr("no such folder to draw the plan in"))
+      << "before the map is fused";
 }
 
 TEST_F(HomeCommandsTest, OnlyASimulatedHomeHasATrueFloor) {

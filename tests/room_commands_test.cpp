@@ -69,9 +69,10 @@ TEST_F(RoomCommandsTest, RoomsOfAWalkAreLearnedEvaluatedAndRecognised) {
   EXPECT_TRUE(learned.contains("sure_from"));
 
   write_photos("elsewhere");
-  const json result = result_of({"rooms", "eval", "--home", home, "--recording", path("walk"),
-                                 "--margin", "3", "--network", path("colors.onnx"), "--baselines",
-                                 "--unknown", path("elsewhere"), "--report", path("rooms.html")});
+  const json result =
+      result_of({"rooms", "eval", "--home", home, "--recording", path("walk"), "--margin", "3",
+                 "--network", path("colors.onnx"), "--baselines", "--unknown", path("elsewhere"),
+                 "--unknown", path("walk"), "--report", path("rooms.html")});
   for (const char* rule : {"single", "pair", "stream", "paper_single", "paper_pair_without_objects",
                            "baseline_colors", "baseline_nearest"}) {
     ASSERT_TRUE(result.contains(rule)) << rule;
@@ -81,9 +82,19 @@ TEST_F(RoomCommandsTest, RoomsOfAWalkAreLearnedEvaluatedAndRecognised) {
   }
   EXPECT_EQ(result.at("single").at("n"), kFrames - 12) << "three frames at four ends of ranges";
   EXPECT_EQ(result.at("single").at("named").at("share"), 1.0);
-  EXPECT_EQ(result.at("unknown").at("n"), 18);
-  EXPECT_FALSE(result.contains("unknown_pair")) << "photos are not of one place";
-  EXPECT_GT(result.at("unknown").at("auroc"), 0.9) << "of colours that no room has";
+  EXPECT_EQ(result.at("unknown").at("n"), 18 + kFrames);
+  EXPECT_EQ(result.at("unknown_pair").at("n"), kFrames - 1) << "photos are not of one place";
+  const json& of_photos = result.at("unknown").at("folders").at(path("elsewhere"));
+  EXPECT_EQ(of_photos.at("n"), 18);
+  EXPECT_EQ(of_photos.at("named"), 0.0);
+  EXPECT_GT(of_photos.at("auroc"), 0.9) << "of colours that no room has";
+  const json& of_walk = result.at("unknown").at("folders").at(path("walk"));
+  EXPECT_EQ(of_walk.at("n"), kFrames);
+  EXPECT_LT(of_walk.at("auroc"), 0.6) << "these are learned";
+  EXPECT_FALSE(result.at("unknown_pair").at("folders").contains(path("elsewhere")));
+  EXPECT_THAT(
+      testing::run_roomwise({"rooms", "learn", "--home", home, "--network", "nowhere"}).errors,
+      HasSubstr("nowhere: no such network"));
   EXPECT_EQ(result.at("resampled"), "visits");
   const auto page = read_text_file(path("rooms.html"));
   ASSERT_OK(page);

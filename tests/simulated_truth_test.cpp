@@ -83,8 +83,11 @@ TEST_F(SimulatedTruth, ExactDepthAtTruePosesLiesOnTheSurfaces) {
 }
 
 TEST_F(SimulatedTruth, ThingsThatNobodyNamedAreMissed) {
-  const json objects =
-      result_of({"eval", "objects", "--home", path("my.home"), "--truth", path("walk")});
+  const json objects = result_of({"eval", "objects", "--home", path("my.home"), "--truth",
+                                  path("walk"), "--report", path("objects.html")});
+  const std::string missed = objects.at("instances").at("missed").dump();
+  EXPECT_THAT(read_text_file(path("objects.html")).value(),
+              HasSubstr("Missed, joined from regions: " + missed));
   for (const char* way : {"instances", "rules"}) {
     EXPECT_EQ(objects.at(way).at("found"), 0) << "there was no network";
     EXPECT_EQ(objects.at(way).at("false"), 0);

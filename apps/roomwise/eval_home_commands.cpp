@@ -8,8 +8,10 @@
 #include "commands.h"
 #include "open_home.h"
 #include "paths.h"
+#include "roomwise/base/file.h"
 #include "roomwise/evaluation/quantile.h"
 #include "roomwise/pipeline/home_layout.h"
+#include "roomwise/pipeline/object_report.h"
 #include "roomwise/pipeline/truth_evaluation.h"
 
 namespace roomwise::app {
@@ -24,6 +26,7 @@ struct HomeEvaluationOptions {
   std::string surface = "cloud";
   pipeline::MapEvaluationOptions map;
   fs::path furniture = kFurnitureFolder;
+  fs::path report;
 };
 
 Json to_json(const evaluation::ObjectCounts& counts) {
@@ -119,6 +122,11 @@ Expected<Answer> evaluate_objects(const HomeEvaluationOptions& options, const Co
   answer.json["instances"]["within_two_sigma"] = result.within_two_sigma;
   answer.json["instances"]["pairs"] = details_of(result, result.instances);
   answer.json["rules"]["pairs"] = details_of(result, result.by_rules);
+  if (!options.report.empty()) {
+    ROOMWISE_TRY(const evaluation::ObjectReportContent content,
+                 pipeline::object_report(home, options.home.stem().string(), result));
+    ROOMWISE_CHECK_OK(write_file(options.report, render_object_report(content)));
+  }
   return answer;
 }
 
@@ -207,7 +215,7 @@ void add_home_evaluations(CLI::App& group, Context& context) {
       "The objects of a home, both ways, against the truth of a simulated recording: found and "
       "missed of what it shows well, found beyond that, found twice, false, and how far from where "
       "they are",
-      "roomwise eval objects --home flat.home --truth flat",
+      "roomwise eval objects --home flat.home --truth flat --report objects.html",
       [options, &context] { return evaluate_objects(*options, context); });
   add_files(*objects, *options);
   objects
@@ -215,6 +223,9 @@ void add_home_evaluations(CLI::App& group, Context& context) {
                    "Farthest that a found thing lies from the true one, m")
       ->check(positive())
       ->capture_default_str();
+  objects->add_option("--report", options->report,
+                      "Write a page of HTML with all tables, and pictures of what is false, missed "
+                      "and found");
 
   CLI::App* map = add_command(group, context, "map",
                               "The points of a map, or its fused surface, against the surfaces of "

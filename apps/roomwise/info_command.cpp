@@ -1,6 +1,7 @@
 #include <filesystem>
 #include <fstream>
 #include <memory>
+#include <type_traits>
 
 #include "commands.h"
 #include "open_home.h"
@@ -36,7 +37,11 @@ class Facts {
   }
   template <typename Value>
   void add(const std::string& name, const Value& value) {
-    answer_.text += fmt::format("  {:<20} {}\n", name, value);
+    if constexpr (std::is_same_v<Value, bool>) {
+      answer_.text += fmt::format("  {:<20} {}\n", name, value ? "yes" : "no");
+    } else {
+      answer_.text += fmt::format("  {:<20} {}\n", name, value);
+    }
     answer_.json[key(name)] = value;
   }
   [[nodiscard]] Answer answer() && { return std::move(answer_); }
@@ -44,7 +49,7 @@ class Facts {
  private:
   // "key-frames" becomes "keyframes", "loop closures" "loop_closures".
   static std::string key(std::string name) {
-    std::erase(name, '-');
+    std::erase_if(name, [](char one) { return one == '-' || one == '\''; });
     std::ranges::replace(name, ' ', '_');
     return name;
   }
@@ -58,6 +63,7 @@ Expected<Answer> describe_home(const InfoOptions& options, const Context& contex
   ROOMWISE_TRY(const auto keyframes, home.keyframes());
   ROOMWISE_TRY(const auto edges, home.edges());
   ROOMWISE_TRY(const auto objects, home.objects());
+  ROOMWISE_TRY(const auto instances, home.instances());
   ROOMWISE_TRY(const auto rooms, home.rooms());
   ROOMWISE_TRY(const auto networks, home.networks());
   ROOMWISE_TRY(const auto classifier, home.room_classifier());
@@ -81,7 +87,8 @@ Expected<Answer> describe_home(const InfoOptions& options, const Context& contex
   facts.add("key-frames", keyframes.size());
   facts.add("edges", edges.size());
   facts.add("returns to a place", std::ranges::count_if(edges, mapping::is_return));
-  facts.add("objects", objects.size());
+  facts.add("objects", instances.size());
+  facts.add("by the paper's rules", objects.size());
   facts.add("rooms", fmt::format("{}", fmt::join(room_names, ", ")));
   facts.add("networks", fmt::format("{}", fmt::join(network_names, ", ")));
   facts.add("rooms learned with", classifier ? classifier->network_name : "");

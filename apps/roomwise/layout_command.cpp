@@ -62,7 +62,8 @@ Answer answer_of(const pipeline::HomeLayout& home) {
   }
   for (const rooms::Doorway& doorway : home.layout.doorways()) {
     answer.text +=
-        fmt::format("{} to {}: {}\n", doorway.rooms[0], doorway.rooms[1], width_in_words(doorway));
+        fmt::format("{} to {}: {}, at {:.1f} {:.1f} m\n", doorway.rooms[0], doorway.rooms[1],
+                    width_in_words(doorway), doorway.middle_level.x(), doorway.middle_level.y());
     answer.json["doorways"].push_back(
         {{"rooms", doorway.rooms},
          {"middle_m", {doorway.middle_level.x(), doorway.middle_level.y()}},
@@ -77,6 +78,11 @@ Answer answer_of(const pipeline::HomeLayout& home) {
 }
 
 Expected<Answer> lay_out(const LayoutOptions& options, Context& context) {
+  const fs::path folder = options.plan.parent_path();
+  std::error_code ignored;
+  if (!folder.empty() && !fs::is_directory(folder, ignored)) {
+    return fail("{}: no such folder to draw the plan in", folder.string());
+  }
   ROOMWISE_TRY(const home::Home home, open_home_read_only(options.home, context));
   CommandRun run(context);
   ROOMWISE_TRY(const pipeline::HomeLayout layout, pipeline::build_home_layout(home, {}, run));

@@ -5,11 +5,14 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <memory>
+#include <utility>
 
 #include "roomwise/network/eight_bit_file.h"
 #include "roomwise/network/network_file.h"
 #include "roomwise/network/onnx_classifier.h"
 #include "roomwise/objects/activation_regions.h"
+#include "roomwise/objects/crop_regions.h"
 
 namespace roomwise::app {
 namespace {
@@ -27,7 +30,8 @@ Expected<std::vector<fs::path>> list_networks(const fs::path& folder, network::T
     if (card && card->task == task) files.push_back(entry->path());
   }
   if (error)
-    return fail("{}: the folder of networks cannot be read: {}", folder.string(), error.message());
+    return fail("{}: the folder of networks (ROOMWISE_MODELS) cannot be read: {}", folder.string(),
+                error.message());
   std::ranges::sort(files);
   return files;
 }
@@ -46,20 +50,34 @@ Expected<std::vector<fs::path>> networks_for(network::Task task) {
   return usable;
 }
 
-// The first classifier of the folders that names things, for what they find and no detector does.
-Expected<void> add_activation_finder(objects::RegionFinders& finders) {
-  ROOMWISE_TRY(const auto files, networks_for(network::Task::kClassify));
+// The smallest classifier of the folders that names such things, for what no detector finds: it is
+// shown what is in a detector's boxes, and asked by its activation maps.
+Expected<void> add_classifying_finders(objects::RegionFinders& finders,
+                                       std::shared_ptr<const network::Detector> detector) {
+  ROOMWISE_TRY(auto files, networks_for(network::Task::kClassify));
+  std::ranges::stable_sort(files, {}, [](const fs::path& file) {
+    std::error_code ignored;
+    return fs::file_size(file, ignored);
+  });
+  const auto vocabulary = objects::ObjectVocabulary::standard();
   for (const fs::path& file : files) {
     const auto card = network::find_model_card(file);
     if (!card || card->labels_file.empty()) continue;
-    if (auto classifier = network::DenseClassifier::load(file)) {
-      const auto words = objects::words_of_maps(finders, (*classifier)->labels(),
-                                                objects::ObjectVocabulary::standard());
-      finders.push_back(objects::activation_finder(*std::move(classifier), words));
-      return {};
-    } else {
-      fmt::print(stderr, "left out: {}\n", classifier.error().message);
+    auto whole = network::OnnxClassifier::load(file);
+    if (!whole) {
+      fmt::print(stderr, "left out: {}\n", whole.error().message);
+      continue;
     }
+    const auto words = objects::words_of_crops((*whole)->labels(), vocabulary);
+    if (words.objects().empty()) continue;  // it names other things: rooms, or animals
+    if (auto cells = network::DenseClassifier::load(file)) {
+      const auto of_maps = objects::words_of_maps(finders, (*cells)->labels(), vocabulary);
+      finders.push_back(objects::activation_finder(*std::move(cells), of_maps));
+    } else {
+      fmt::print(stderr, "no activation maps: {}\n", cells.error().message);
+    }
+    finders.push_back(objects::crop_finder(std::move(detector), *std::move(whole), words));
+    return {};
   }
   return {};
 }
@@ -108,6 +126,10 @@ Expected<std::vector<fs::path>> usable_networks() {
   return usable;
 }
 
+Expected<std::vector<fs::path>> usable_detectors() {
+  return networks_for(network::Task::kNanoDetPlus);
+}
+
 const network::CatalogueEntry* find_catalogue_entry(const std::string& name) {
   const auto& entries = network::catalogue();
   const auto found = std::ranges::find_if(entries, [&](const network::CatalogueEntry& entry) {
@@ -143,8 +165,9 @@ Expected<fs::path> find_network_file(const std::string& name) {
 void add_network_options(CLI::App& command, NetworkOptions& options) {
   command.add_option("--network", options.files,
                      "ONNX network, or weights (.pth, .safetensors) of a known one, with its card "
-                     "NAME.card.json beside it, or one in 8 bits (.eightbits, networks quantize); "
-                     "may be given several times. Without it: "
+                     "NAME.card.json beside it, or one in 8 bits (.eightbits, networks quantize), "
+                     "or the name of one that is here (networks list). Detectors look at "
+                     "key-frames by themselves. May be given several times. Without it: "
                      "those of ROOMWISE_MODELS, else of ../shared/models, and those of the "
                      "user's own folder; where neither holds one, the compact network that comes "
                      "with Roomwise (roomwise networks list)");
@@ -156,6 +179,11 @@ Expected<pipeline::Networks> load_networks(const NetworkOptions& options, bool a
   if (options.labels && options.files.empty())
     return fail("--labels says what a --network can name; give that too");
   std::vector<fs::path> files = options.files;
+  for (fs::path& file : files) {
+    std::error_code ignored;
+    if (fs::exists(file, ignored)) continue;  // a file, or a name as "networks list" says it
+    ROOMWISE_TRY(file, find_network_file(file.string()));
+  }
   const bool are_defaults = files.empty();
   if (are_defaults) {
     ROOMWISE_TRY(files, usable_networks());
@@ -191,18 +219,20 @@ Expected<pipeline::Networks> load_networks(const NetworkOptions& options, bool a
 }
 
 Expected<objects::RegionFinders> load_region_finders() {
-  ROOMWISE_TRY(const auto files, networks_for(network::Task::kNanoDetPlus));
+  ROOMWISE_TRY(const auto files, usable_detectors());
   objects::RegionFinders finders;
+  std::shared_ptr<const network::Detector> first;
   for (const fs::path& file : files) {
-    if (auto detector = network::Detector::load(file)) {
-      finders.push_back(objects::detector_regions(file.stem().string(), *std::move(detector)));
+    if (auto loaded = network::Detector::load(file)) {
+      const std::shared_ptr<const network::Detector> detector = *std::move(loaded);
+      if (first == nullptr) first = detector;
+      finders.push_back(objects::detector_regions(file.stem().string(), detector));
     } else {
       // One that nobody asked for must not end work that the others can do.
-      fmt::print(stderr, "left out: {}\n", detector.error().message);
+      fmt::print(stderr, "left out: {}\n", loaded.error().message);
     }
   }
-  if (finders.empty()) return finders;
-  ROOMWISE_CHECK_OK(add_activation_finder(finders));
+  if (first != nullptr) ROOMWISE_CHECK_OK(add_classifying_finders(finders, first));
   return finders;
 }
 

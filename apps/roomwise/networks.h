@@ -26,8 +26,8 @@ void add_network_options(CLI::App& command, NetworkOptions& options);
                                                          bool also_brought = false);
 
 // The finders of regions: the detectors of the folders of networks, whatever --network names, and,
-// beside them, the activation maps of the first classifier there that names things, for what they
-// find and no detector does. None where there is no detector.
+// beside them, the smallest classifier there that names things, for what no detector finds: shown
+// the first detector's boxes, and by its activation maps. None where there is no detector.
 [[nodiscard]] Expected<objects::RegionFinders> load_region_finders();
 
 // Where "networks pull" puts files: $XDG_DATA_HOME/roomwise/networks, else
@@ -44,6 +44,8 @@ void add_network_options(CLI::App& command, NetworkOptions& options);
 // The networks of network_folders() that look at whole pictures, by their cards, in the order of
 // folders, by name; where there are none, those that come with Roomwise.
 [[nodiscard]] Expected<std::vector<std::filesystem::path>> usable_networks();
+// The detectors of these folders, which look at every key-frame.
+[[nodiscard]] Expected<std::vector<std::filesystem::path>> usable_detectors();
 
 // The entry of the catalogue of this name, or of a file of this name; or nullptr.
 [[nodiscard]] const network::CatalogueEntry* find_catalogue_entry(const std::string& name);

@@ -71,7 +71,9 @@ std::string what_for(const fs::path& file) {
 Expected<Answer> list() {
   Answer answer;
   answer.json = {{"folders", Json::array()}, {"here", Json::array()}, {"known", Json::array()}};
-  ROOMWISE_TRY(const auto usable, usable_networks());
+  ROOMWISE_TRY(auto usable, usable_networks());
+  ROOMWISE_TRY(const auto detectors, usable_detectors());
+  usable.insert(usable.end(), detectors.begin(), detectors.end());
   std::vector<fs::path> folders = network_folders();
   if (const auto brought = brought_network_folder()) folders.push_back(*brought);
   for (const fs::path& folder : folders) {

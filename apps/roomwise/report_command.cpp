@@ -32,7 +32,15 @@ Expected<std::vector<evaluation::ReportContent::Recognition>> read_evaluation(
       const auto& values = json.at(key);
       auto& result = results.emplace_back();
       result.rule = rule;
-      result.precision = {values.at("correct"), values.at("n")};
+      const auto interval_of = [](const nlohmann::json& of) -> evaluation::Interval {
+        return {of.at("interval").at(0), of.at("interval").at(1)};
+      };
+      const auto& named = values.at("named");
+      result.best_right = {values.at("correct"), values.at("n")};
+      result.best_interval = interval_of(values);
+      result.named_rightly = {named.at("right"), named.at("of")};
+      result.named_interval = interval_of(named);
+      result.resampled = json.at("resampled");
       result.ms = values.at("ms");
       if (!values.contains("confusion")) continue;
       for (const auto& [truth, answers] : values.at("confusion").items()) {

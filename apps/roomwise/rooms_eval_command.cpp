@@ -234,6 +234,40 @@ std::vector<std::string> notes_of(const pipeline::RoomEvaluation& evaluation, co
   return notes;
 }
 
+Json to_json(const pipeline::UnknownResult::Share& share) {
+  return {{"n", share.decisions},
+          {"named", static_cast<double>(share.named) / static_cast<double>(share.decisions)},
+          {"auroc", share.area_under_roc}};
+}
+
+// What was said of places that were never learned: of all, and of each folder of them.
+void add_unknown(const pipeline::UnknownResult& unknown, const std::vector<fs::path>& folders,
+                 RecognitionReportContent& content, Answer& answer) {
+  const auto say = [&](const std::string& what, const pipeline::UnknownResult::Share& share) {
+    const double named = static_cast<double>(share.named) / static_cast<double>(share.decisions);
+    answer.text += fmt::format("{:44} {:>5}, {:.3f} got a name; AUROC {:.3f}\n", what,
+                               share.decisions, named, share.area_under_roc);
+    content.figures.push_back(
+        {fmt::format("Decisions, {}", what), std::to_string(share.decisions)});
+    content.figures.push_back(
+        {fmt::format("Got the name of a room, {}", what), fmt::format("{:.1f} %", 100 * named)});
+    content.figures.push_back({fmt::format("AUROC of how well they are known, {}", what),
+                               fmt::format("{:.3f}", share.area_under_roc)});
+  };
+  Json& json = answer.json[unknown.key];
+  json = to_json(unknown.all);
+  json["answers"] = unknown.answers;
+  json["folders"] = Json::object();
+  say("never learned, " + unknown.rule, unknown.all);
+  for (std::size_t i = 0; i < unknown.walks.size(); ++i) {
+    if (unknown.walks[i].decisions == 0) continue;
+    json["folders"][folders[i].string()] = to_json(unknown.walks[i]);
+    if (folders.size() == 1) continue;  // it is all
+    const fs::path name = folders[i].parent_path().filename() / folders[i].filename();
+    say(fmt::format("  {}, {}", name.string(), unknown.rule), unknown.walks[i]);
+  }
+}
+
 Expected<Answer> answer_of(const RoomsEvaluationOptions& options,
                            const pipeline::RoomEvaluation& evaluation, const Pictures& all) {
   RecognitionReportContent content;
@@ -249,21 +283,7 @@ Expected<Answer> answer_of(const RoomsEvaluationOptions& options,
     if (!all.walks.empty()) answer.json[result.key]["walks"] = walks_json(result, all);
   }
   for (const pipeline::UnknownResult& unknown : evaluation.unknown) {
-    const double named =
-        static_cast<double>(unknown.named) / static_cast<double>(unknown.decisions);
-    const std::string what = "never learned, " + unknown.rule;
-    answer.text += fmt::format("{:44} {:>5}, {:.3f} got a name; AUROC {:.3f}\n", what,
-                               unknown.decisions, named, unknown.area_under_roc);
-    answer.json[unknown.key] = {{"n", unknown.decisions},
-                                {"named", named},
-                                {"answers", unknown.answers},
-                                {"auroc", unknown.area_under_roc}};
-    content.figures.push_back(
-        {fmt::format("Decisions, {}", what), std::to_string(unknown.decisions)});
-    content.figures.push_back(
-        {fmt::format("Got the name of a room, {}", what), fmt::format("{:.1f} %", 100 * named)});
-    content.figures.push_back({fmt::format("AUROC of how well they are known, {}", what),
-                               fmt::format("{:.3f}", unknown.area_under_roc)});
+    add_unknown(unknown, options.unknown, content, answer);
   }
   answer.text += confusion_text(content.rules.front());
   for (const std::string& note : content.notes) answer.text += note + "\n";

@@ -109,8 +109,7 @@ Expected<Data> data_of_folder(const TrainRequest& request) {
 // What the training begins with: a network's files, or for "compact" our own network of random
 // weights.
 Expected<network::NetworkFile> network_to_train(const TrainRequest& request) {
-  if (request.network != kCompactNetwork)
-    return network::read_network_in_floats(request.network);
+  if (request.network != kCompactNetwork) return network::read_network_in_floats(request.network);
   network::CompactOptions options;
   options.weights.seed = request.options.seed;
   network::NetworkFile file;

@@ -2,12 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-
-#include "roomwise/evaluation/data_address.h"
+#include "roomwise/evaluation/report_page.h"
 #include "roomwise/evaluation/trajectory_plot.h"
-#include "roomwise/image/resample.h"
 
 namespace roomwise::evaluation {
 namespace {
@@ -149,18 +145,10 @@ std::string rooms_section(const std::vector<ReportContent::Room>& rooms) {
   return html + table.html();
 }
 
-std::string object_picture(const ReportContent::Object& entry) {
+std::string object_picture(const ReportContent::Object& entry, std::size_t number) {
   if (entry.picture.empty()) return "";
-  constexpr int kWidth = 320;
-  constexpr int kJpegQuality = 80;
-  const int width = std::min(kWidth, entry.picture.width());
-  const int height = std::max(1, static_cast<int>(std::lround(double(entry.picture.height()) *
-                                                              width / entry.picture.width())));
-  return fmt::format(
-      "<img src=\"{}\" width=\"{}\" height=\"{}\" loading=\"lazy\" alt=\"The key-frame in which {} "
-      "was recognised with the highest score\"/>\n",
-      jpeg_address(image::resize(entry.picture, width, height), kJpegQuality), width, height,
-      escape_markup(entry.object.name));
+  return picture_element(entry.picture, fmt::format("The key-frame that shows object {}, {}, best",
+                                                    number, entry.object.name));
 }
 
 std::string objects_section(const std::vector<ReportContent::Object>& objects) {
@@ -177,7 +165,7 @@ std::string objects_section(const std::vector<ReportContent::Object>& objects) {
         "<li>\n{}<div class=\"about\">\n<h3>{}. {}</h3>\n<dl>\n"
         "<dt>Room</dt><dd>{}</dd>\n<dt>Score</dt><dd>{:.2f}</dd>\n<dt>Seen in</dt><dd>{} "
         "key-frame{}</dd>\n<dt>Place</dt><dd>{:.2f}, {:.2f}, {:.2f}</dd>\n</dl>\n</div>\n</li>\n",
-        object_picture(entry), i + 1, escape_markup(entry.object.name),
+        object_picture(entry, i + 1), i + 1, escape_markup(entry.object.name),
         entry.room.empty() ? "not known" : escape_markup(entry.room), entry.score, entry.sightings,
         entry.sightings == 1 ? "" : "s", place.x(), place.y(), place.z());
   }
@@ -195,6 +183,7 @@ std::string confusion_table(const ReportContent::Recognition& recognition) {
       fmt::format("{}: a row for each true room, a column for each answer", recognition.rule),
       std::move(columns), 1);
   for (std::size_t i = 0; i < rooms.size(); ++i) {
+    if (confusion.recall(rooms[i]).n == 0) continue;  // an answer that is no room
     std::vector<std::string> cells = {rooms[i]};
     for (const std::string& answer : rooms) {
       cells.push_back(std::to_string(confusion.count(rooms[i], answer)));
@@ -208,17 +197,29 @@ std::string confusion_table(const ReportContent::Recognition& recognition) {
 
 std::string recognition_section(const std::vector<ReportContent::Recognition>& recognition) {
   if (recognition.empty()) return "";
-  Table table("How often the room was right", {"Rule", "Answers", "Right", "95 % interval", "Time"},
+  Table table("How often the room was right, with 95 % intervals",
+              {"Rule", "Answers", "A room was named", "Of these right", "Interval",
+               "Best room right", "Interval", "Time"},
               1);
   std::string confusions;
+  const auto in_words = [](const Interval& interval) {
+    return fmt::format("{} to {}", percent(interval.low), percent(interval.high));
+  };
   for (const ReportContent::Recognition& entry : recognition) {
-    const Interval interval = entry.precision.wilson_interval();
-    table.row({entry.rule, std::to_string(entry.precision.n), percent_of(entry.precision),
-               fmt::format("{} to {}", percent(interval.low), percent(interval.high)),
+    table.row({entry.rule, std::to_string(entry.best_right.n),
+               percent_of({entry.named_rightly.n, entry.best_right.n}),
+               percent_of(entry.named_rightly), in_words(entry.named_interval),
+               percent_of(entry.best_right), in_words(entry.best_interval),
                fmt::format("{:.1f} ms", entry.ms)});
     confusions += confusion_table(entry);
   }
-  return "<h2>Recognition</h2>\n" + table.html() + confusions;
+  return "<h2>Recognition</h2>\n" + table.html() +
+         fmt::format(
+             "<p class=\"quiet\">The best room is the most probable one, said or not: \"not sure\" "
+             "and \"none of them\" are answers, too. Intervals resample {}, not single pictures."
+             "</p>\n",
+             escape_markup(recognition.front().resampled)) +
+         confusions;
 }
 
 std::string trajectory_section(const ReportContent& content) {

@@ -38,9 +38,13 @@ struct ReportContent {
     std::string recognition;  // how it is recognised; empty: not learned
   };
   struct Recognition {
-    std::string rule;  // "one frame", "two frames"
-    Proportion precision;
-    double ms = 0;  // per answer
+    std::string rule;          // "one frame", "two frames"
+    Proportion best_right;     // of all answers: the most probable room, said or not
+    Interval best_interval;    // 95 %
+    Proportion named_rightly;  // of the answers that named a room
+    Interval named_interval;   // 95 %
+    std::string resampled;     // what the intervals resample: "visits"
+    double ms = 0;             // per answer
     ConfusionMatrix confusion;
   };
 

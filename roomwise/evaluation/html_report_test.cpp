@@ -39,7 +39,11 @@ ReportContent full_content(const std::string& text) {
   content.objects = {object};
   ReportContent::Recognition recognition;
   recognition.rule = text;
-  recognition.precision = {990, 1000};
+  recognition.best_right = {990, 1000};
+  recognition.best_interval = {0.95, 1};
+  recognition.named_rightly = {795, 800};
+  recognition.named_interval = {0.9, 1};
+  recognition.resampled = "visits";
   recognition.ms = 8.25;
   recognition.confusion.add(text, text);
   recognition.confusion.add(text, "hall");
@@ -137,7 +141,11 @@ TEST(HtmlReport, IsMadeForEverybody) {
 TEST(HtmlReport, HoldsTheFigures) {
   const std::string page = render_report(full_content("kitchen"));
   EXPECT_THAT(page, HasSubstr("99.0 %"));
-  EXPECT_THAT(page, HasSubstr("98.2 % to 99.5 %"));
+  EXPECT_THAT(page, HasSubstr("95.0 % to 100.0 %"));
+  EXPECT_THAT(page, HasSubstr("80.0 %")) << "800 of 1,000 were named";
+  EXPECT_THAT(page, HasSubstr("99.4 %"));
+  EXPECT_THAT(page, HasSubstr("90.0 % to 100.0 %"));
+  EXPECT_THAT(page, HasSubstr("Intervals resample visits, not single pictures."));
   EXPECT_THAT(page, HasSubstr("8.2 ms"));  // per answer
   EXPECT_THAT(page, HasSubstr("50.0 %"));  // the confusion's recall
   EXPECT_THAT(page, HasSubstr("ATE 0.1234 m RMSE over 10 poses"));

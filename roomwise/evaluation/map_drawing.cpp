@@ -144,19 +144,25 @@ void draw_room_names(SvgDrawing& drawing, const TopView& view,
   }
 }
 
+// Its marker; what lies beyond the picture has it at the rim, whole.
+Vector2d marker_of(const MapObject& object, const TopView& view, double radius) {
+  const Eigen::Array2d last(view.picture.width() - radius, view.picture.height() - radius);
+  return view.to_px(object.place_world).array().min(last).max(radius);
+}
+
 void draw_objects(SvgDrawing& drawing, const TopView& view, std::span<const MapObject> objects,
                   LabelSpace& space) {
   constexpr double kRadius = 15;
   constexpr double kFont = 20;
   for (std::size_t i = 0; i < objects.size(); ++i) {
-    const Vector2d centre = view.to_px(objects[i].place_world);
+    const Vector2d centre = marker_of(objects[i], view, kRadius);
     drawing.circle(centre, kRadius, "class=\"object\"");
     drawing.text(centre + Vector2d(0, 6), std::to_string(i + 1), "class=\"object-number middle\"");
     space.take({centre.array() - kRadius, centre.array() + kRadius});
   }
   // A name stands where there is room for it; the number always says which object it is.
   for (const MapObject& object : objects) {
-    const Vector2d centre = view.to_px(object.place_world);
+    const Vector2d centre = marker_of(object, view, kRadius);
     const double width = kLetterWidth * kFont * static_cast<double>(object.name.size());
     const std::array<Vector2d, 4> starts = {centre + Vector2d(kRadius + 6, 7),
                                             centre + Vector2d(-kRadius - 6 - width, 7),

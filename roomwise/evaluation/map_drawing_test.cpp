@@ -74,6 +74,13 @@ TEST(MapDrawing, NumbersObjectsAndNamesThemWhereThereIsRoom) {
   EXPECT_GE(count_of(crowded, ">wardrobe<"), 1);
 }
 
+TEST(MapDrawing, MarksWhatLiesBeyondThePictureAtItsRim) {
+  const std::vector<MapObject> beyond = {{"chair", {5, -0.4, 0}}, {"plant", {12, 7, 0}}};
+  const std::string svg = draw_map(plain_view(), {}, beyond).element();
+  EXPECT_THAT(svg, HasSubstr("<circle cx=\"500\" cy=\"585\"")) << "not over the legend";
+  EXPECT_THAT(svg, HasSubstr("<circle cx=\"985\" cy=\"15\""));
+}
+
 TEST(MapDrawing, HoldsItsPicture) {
   const std::string svg = draw_map(plain_view(), kWalk, {}).element();
   EXPECT_THAT(svg, HasSubstr("href=\"data:image/jpeg;base64,"));

@@ -58,9 +58,9 @@ Expected<ObjectErrors> object_errors(std::span<const TrueObject> truth,
   }
   ObjectErrors errors;
   std::vector<bool> truth_used(truth.size()), found_used(found.size());
-  std::vector<std::optional<std::size_t>> nearest_truth(found.size());
+  std::vector<std::optional<ObjectMatch>> nearest(found.size());
   for (const ObjectMatch& pair : candidates(truth, found, most_distance_m)) {
-    if (!nearest_truth[pair.found]) nearest_truth[pair.found] = pair.truth;
+    if (!nearest[pair.found]) nearest[pair.found] = pair;
     if (truth_used[pair.truth] || found_used[pair.found]) continue;
     truth_used[pair.truth] = found_used[pair.found] = true;
     errors.matches.push_back(pair);
@@ -69,14 +69,17 @@ Expected<ObjectErrors> object_errors(std::span<const TrueObject> truth,
 
   for (std::size_t t = 0; t < truth.size(); ++t) {
     if (!truth_used[t] && !truth[t].is_expected) continue;
+    if (!truth_used[t]) errors.missed.push_back(t);
     ObjectCounts& counts = errors.by_kind[truth[t].kind];
     ++(!truth_used[t] ? counts.missed : truth[t].is_expected ? counts.matched : counts.beyond);
   }
   for (std::size_t f = 0; f < found.size(); ++f) {
     if (found_used[f]) continue;
-    if (nearest_truth[f]) {
-      ++errors.by_kind[truth[*nearest_truth[f]].kind].doubled;
+    if (nearest[f]) {
+      errors.doubled.push_back(*nearest[f]);
+      ++errors.by_kind[truth[nearest[f]->truth].kind].doubled;
     } else {
+      errors.wrong.push_back(f);
       ++errors.by_kind[found[f].kind].wrong;
     }
   }

@@ -49,6 +49,9 @@ struct ObjectCounts {
 
 struct ObjectErrors {
   std::vector<ObjectMatch> matches;  // by truth
+  std::vector<ObjectMatch> doubled;  // found once more, with the nearest thing of its name
+  std::vector<std::size_t> missed;   // indices of the truth
+  std::vector<std::size_t> wrong;    // indices of what was found
   ObjectCounts all;
   std::map<std::string, ObjectCounts> by_kind;
 

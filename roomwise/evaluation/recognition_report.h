@@ -47,9 +47,7 @@ struct RecognitionReportContent {
 // Precision against coverage, a curve a rule (at most six).
 [[nodiscard]] SvgDrawing plot_precision_against_coverage(const RecognitionReportContent& content);
 
-// One page of HTML that needs nothing else: no scripts, no requests, pictures inside. Written for
-// everybody (WCAG 2.2 AA): headings in order, tables with captions and headed rows and columns,
-// texts for pictures, light and dark by the reader's choice.
+// A page (report_page.h).
 [[nodiscard]] std::string render_recognition_report(const RecognitionReportContent& content);
 
 }  // namespace roomwise::evaluation

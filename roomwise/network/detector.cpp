@@ -63,11 +63,15 @@ float PixelBox::area() const {
   return std::max(0.0F, right - left) * std::max(0.0F, bottom - top);
 }
 
+PixelBox intersection(const PixelBox& a, const PixelBox& b) {
+  return {std::max(a.left, b.left), std::max(a.top, b.top), std::min(a.right, b.right),
+          std::min(a.bottom, b.bottom)};
+}
+
 float intersection_over_union(const PixelBox& a, const PixelBox& b) {
-  const PixelBox both{std::max(a.left, b.left), std::max(a.top, b.top), std::min(a.right, b.right),
-                      std::min(a.bottom, b.bottom)};
-  const float either = a.area() + b.area() - both.area();
-  return either > 0 ? both.area() / either : 0;
+  const float both = intersection(a, b).area();
+  const float either = a.area() + b.area() - both;
+  return either > 0 ? both / either : 0;
 }
 
 std::size_t nanodet_anchors(const ModelCard& card) {

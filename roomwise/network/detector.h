@@ -20,6 +20,8 @@ struct PixelBox {
 
   [[nodiscard]] float area() const;
 };
+// What both cover; of no area where they lie apart.
+[[nodiscard]] PixelBox intersection(const PixelBox& a, const PixelBox& b);
 // Of two boxes, the share of what they cover together that both cover.
 [[nodiscard]] float intersection_over_union(const PixelBox& a, const PixelBox& b);
 

@@ -97,7 +97,7 @@ TEST(Detector, RefusesOtherNetworks) {
   EXPECT_ERROR(Detector::load(weights), "a detector needs labels");
   write_card(R"(, "task": "nanodet-plus", "labels": "labels.txt")");
   EXPECT_ERROR(Detector::load(weights), "is no NanoDet-Plus of 3 labels: gives 3 values, not 140");
-  EXPECT_ERROR(OnnxClassifier::load(weights), "looks for things in pictures");
+  EXPECT_ERROR(OnnxClassifier::load(weights), "finds things in pictures");
 }
 
 // Boxes around things in two photos, measured by eye.

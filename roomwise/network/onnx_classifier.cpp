@@ -129,8 +129,9 @@ Expected<std::unique_ptr<OnnxClassifier>> OnnxClassifier::load(
   ROOMWISE_TRY(NetworkFile file, read_network_file(weights, labels));
   if (file.card.task != Task::kClassify) {
     return fail(
-        "{}: looks for things in pictures, by its card; here is wanted a network that looks at "
-        "whole pictures",
+        "{}: finds things in pictures, by its card; here a network is wanted that looks at whole "
+        "pictures. Detectors look at key-frames by themselves where they are in a folder of "
+        "networks",
         weights.string());
   }
   ROOMWISE_TRY(ClassifierOutputs outputs, classifier_outputs(file).map_error(in_file));

@@ -193,28 +193,15 @@ std::vector<network::Detection> activation_regions(const CellLogits& cells,
 
 ObjectVocabulary words_of_maps(const RegionFinders& finders, const std::vector<std::string>& labels,
                                const ObjectVocabulary& vocabulary) {
-  const auto names = [&](const std::vector<std::string>& some, const std::string& word) {
-    return std::ranges::any_of(
-        some, [&](const std::string& label) { return vocabulary.object_of(label) == word; });
-  };
-  static const std::set<std::string> kFoundRightly{"bookcase", "lamp", "washing machine"};
-  ObjectVocabulary chosen = vocabulary;
-  for (const auto& [word, of_word] : vocabulary.objects()) {
-    const bool is_found = std::ranges::any_of(
-        finders, [&](const auto& finder) { return names(finder->labels(), word); });
-    const bool is_asked = finders.empty() || (!is_found && kFoundRightly.contains(word));
-    if (!is_asked || !names(labels, word))
-      std::ignore = chosen.remove(word);  // it is there
-  }
-  const ObjectVocabulary look_alikes = ObjectVocabulary::look_alikes();
-  for (const auto& [word, of_word] : look_alikes.objects()) {
-    for (const std::string& label : of_word) {
-      const bool is_known = std::ranges::any_of(
-          labels, [&](const std::string& other) { return same_label(label, other); });
-      if (is_known && !vocabulary.object_of(label)) std::ignore = chosen.add(word, {label});
-    }
-  }
-  return chosen;
+  static const std::set<std::string> kFoundRightly{"bookcase"};
+  return words_with_labels(vocabulary, labels, [&](const std::string& word) {
+    const bool is_found = std::ranges::any_of(finders, [&](const auto& finder) {
+      return std::ranges::any_of(finder->labels(), [&](const std::string& label) {
+        return vocabulary.object_of(label) == word;
+      });
+    });
+    return finders.empty() || (!is_found && kFoundRightly.contains(word));
+  });
 }
 
 std::unique_ptr<RegionFinder> activation_finder(

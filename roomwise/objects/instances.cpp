@@ -47,6 +47,10 @@ Candidate candidate_of(SightGroup group, std::span<const WorldSight> sights,
   return candidate;
 }
 
+bool has_extent(const Candidate& candidate) {
+  return candidate.box.box_world.size_m.norm() > 0;
+}
+
 const std::string& most_called(const Candidate& candidate) {
   return std::ranges::max_element(candidate.scores, {}, [](const auto& one) { return one.second; })
       ->first;
@@ -101,11 +105,18 @@ void join_names(std::vector<Candidate>& candidates, std::span<const WorldSight> 
       }
     }
     if (best.second == 0) return;
-    SightGroup group = candidates[best.first].group;
-    const SightGroup& other = candidates[best.second].group;
-    group.insert(group.end(), other.begin(), other.end());
+    Candidate& first = candidates[best.first];
+    Candidate& second = candidates[best.second];
+    SightGroup group = first.group;
+    group.insert(group.end(), second.group.begin(), second.group.end());
     std::ranges::sort(group);
-    candidates[best.first] = candidate_of(std::move(group), sights, keyframes, level);
+    Candidate joined = candidate_of(std::move(group), sights, keyframes, level);
+    // Of sights that hold too little in common, the thing is what most of them show.
+    if (has_extent(joined)) {
+      first = std::move(joined);
+    } else if (second.group.size() > first.group.size()) {
+      std::swap(first, second);
+    }
     candidates.erase(candidates.begin() + static_cast<std::ptrdiff_t>(best.second));
   }
 }
@@ -121,52 +132,65 @@ struct Existence {
   double probability = 0;
 };
 
-// What a key-frame's best sight of each source says for a thing, as log odds. A detector's score
-// says how sure it is. Activation maps are often sure of what is not there, but not from all
-// sides: what they say counts a little each time, and once more against it where they say nothing.
+// What a key-frame's best sight says for a thing, as log odds. The score of a box says how sure it
+// is, a detector's and that of a classifier which is shown the box alone. Classifiers are often
+// sure of what is not there, but not from all sides: that they say nothing counts more, and what
+// activation maps say only a little each time.
 struct Evidence {
   static constexpr double kBefore = -2.5;
-  static constexpr double kDetectorMissed = -0.25;
-  static constexpr double kActivation = 0.45, kActivationMissed = -1;
+  static constexpr double kActivation = 0.45;
 
-  static double of_detector(double score) {
+  static double of_miss(RegionSource source) {
+    switch (source) {
+      case RegionSource::kDetector:
+        return -0.25;
+      case RegionSource::kCrop:
+        return -0.75;
+      case RegionSource::kActivation:
+        break;
+    }
+    return -1;
+  }
+
+  static double of_box(double score) {
     const double safe = std::clamp(score, 0.05, 0.95);
     return std::max(0.2, 1 + std::log(safe / (1 - safe)));
   }
 };
 
+RegionSource surest_source(const Candidate& candidate, std::span<const WorldSight> sights) {
+  RegionSource surest = RegionSource::kActivation;
+  for (const std::size_t index : candidate.group) surest = std::min(surest, sights[index].source);
+  return surest;
+}
+
 Existence existence_of(const Candidate& candidate, std::span<const WorldSight> sights,
                        std::span<const LookedKeyframe> keyframes, double farthest_m) {
   std::map<std::size_t, double> speaks_for;  // by key-frame
-  bool is_detected = false;
   for (const std::size_t index : candidate.group) {
     const WorldSight& sight = sights[index];
-    const bool by_detector = sight.source == RegionSource::kDetector;
-    is_detected = is_detected || by_detector;
     double& most = speaks_for[sight.keyframe];
-    most = std::max(most, by_detector ? Evidence::of_detector(sight.score) : Evidence::kActivation);
+    most =
+        std::max(most, sight.source == RegionSource::kActivation ? Evidence::kActivation
+                                                                 : Evidence::of_box(sight.score));
   }
   Existence existence{.sightings = static_cast<int>(speaks_for.size())};
+  const RegionSource source = surest_source(candidate, sights);
   for (std::size_t k = 0; k < keyframes.size(); ++k) {
-    if (speaks_for.contains(k)) continue;
+    if (speaks_for.contains(k) || keyframes[k].not_asked.contains(source)) continue;
     if (should_see(keyframes[k], candidate.box.surface_world, farthest_m)) ++existence.missed;
   }
-  double log_odds =
-      Evidence::kBefore +
-      existence.missed * (is_detected ? Evidence::kDetectorMissed : Evidence::kActivationMissed);
+  double log_odds = Evidence::kBefore + existence.missed * Evidence::of_miss(source);
   for (const auto& [keyframe, evidence] : speaks_for) log_odds += evidence;
   existence.probability = logistic(log_odds);
   return existence;
 }
 
-// What activation maps alone say must stand by itself, and look as such things do, before it is
+// What classifiers alone say must stand by itself, and look as such things do, before it is
 // anything or may name what a detector found.
 bool may_be_there(const Candidate& candidate, std::span<const WorldSight> sights,
                   std::span<const LookedKeyframe> keyframes, const InstanceOptions& options) {
-  const bool is_detected = std::ranges::any_of(candidate.group, [&](std::size_t index) {
-    return sights[index].source == RegionSource::kDetector;
-  });
-  if (is_detected) return true;
+  if (surest_source(candidate, sights) == RegionSource::kDetector) return true;
   return candidate.box.fits_kind &&
          existence_of(candidate, sights, keyframes, options.farthest_m).probability >=
              options.least_probability;
@@ -224,18 +248,35 @@ std::optional<Instance> instance_of(const Candidate& candidate, std::span<const 
   return instance;
 }
 
+double least_probability(const std::string& name, const InstanceOptions& options) {
+  const auto more = options.least_probability_of.find(name);
+  return more == options.least_probability_of.end()
+             ? options.least_probability
+             : std::max(more->second, options.least_probability);
+}
+
 struct FoundThing {
   Instance instance;
   const geometry::OrientedBox* box_world;
+  bool is_detected;  // by a network that gives boxes
 };
 
-// A plant's pot is often called a vase.
+// A plant's pot is often called a vase. A classifier that is shown what stands beside a thing sees
+// the thing, too: a lamp in the box of its nightstand.
 bool is_part_of_another(const FoundThing& thing, std::span<const FoundThing> things) {
-  constexpr double kBeside_m = 0.05;
-  return thing.instance.name == "vase" && std::ranges::any_of(things, [&](const FoundThing& other) {
-           return other.instance.name == "plant" &&
-                  other.box_world->distance_m(thing.box_world->center()) <= kBeside_m;
-         });
+  constexpr double kBeside_m = 0.05, kShown_m = 0.25;
+  return std::ranges::any_of(things, [&](const FoundThing& other) {
+    const double apart_m = other.box_world->distance_m(thing.box_world->center());
+    if (thing.instance.name == "vase" && other.instance.name == "plant")
+      return apart_m <= kBeside_m;
+    if (thing.is_detected || &thing == &other || thing.instance.name != other.instance.name)
+      return false;
+    const auto sureness = [](const FoundThing& one) {
+      return std::tuple(one.is_detected, one.instance.sightings, one.instance.probability);
+    };
+    return sureness(other) > sureness(thing) &&
+           std::min(apart_m, thing.box_world->distance_m(other.box_world->center())) <= kShown_m;
+  });
 }
 
 }  // namespace
@@ -253,6 +294,10 @@ Expected<void> InstanceOptions::validate() const {
   if (!(least_probability >= 0 && least_probability <= 1)) {
     return fail("least_probability is {}; expected a probability, 0 to 1", least_probability);
   }
+  for (const auto& [name, least] : least_probability_of) {
+    if (least >= 0 && least <= 1) continue;
+    return fail("least_probability_of \"{}\" is {}; expected a probability, 0 to 1", name, least);
+  }
   return {};
 }
 
@@ -263,8 +308,7 @@ std::vector<Instance> find_instances(std::span<const LookedKeyframe> keyframes, 
   for (SightGroup& group : group_sights(sights)) {
     if (group.size() < 2) continue;
     Candidate candidate = candidate_of(std::move(group), sights, keyframes, level);
-    if (!(candidate.box.box_world.size_m.norm() > 0)) continue;
-    if (may_be_there(candidate, sights, keyframes, options))
+    if (has_extent(candidate) && may_be_there(candidate, sights, keyframes, options))
       candidates.push_back(std::move(candidate));
   }
   join_names(candidates, sights, keyframes, level);
@@ -280,10 +324,11 @@ std::vector<Instance> find_instances(std::span<const LookedKeyframe> keyframes, 
     auto instance = instance_of(candidate, sights, keyframes, options);
     if (!instance || no_words.contains(instance->name)) continue;
     if (instance->sightings < options.least_sightings ||
-        instance->probability < options.least_probability) {
+        instance->probability < least_probability(instance->name, options)) {
       continue;
     }
-    things.push_back({*std::move(instance), &candidate.box.box_world});
+    things.push_back({*std::move(instance), &candidate.box.box_world,
+                      surest_source(candidate, sights) == RegionSource::kDetector});
   }
   std::vector<Instance> instances;
   for (const FoundThing& thing : things) {

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <map>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -62,6 +63,8 @@ struct LookedKeyframe {
   std::vector<NamedRegion> regions;
   // What a classifier says of the whole picture, which is mostly what stands in its middle.
   std::vector<Sighting> said;
+  // That did not look at it: what they find elsewhere is not missed here.
+  std::set<RegionSource> not_asked;
 };
 
 // The level of the world: heights above the floor are up . point - floor_m.
@@ -84,6 +87,9 @@ struct InstanceOptions {
   double farthest_m = 4.5;   // regions beyond are not measured well enough
   int least_sightings = 3;   // key-frames
   double least_probability = 0.45;
+  // Of some names more is asked. What a detector calls a toilet is as often a bin, a washbasin or a
+  // chair, and then it is less sure or others name it, too (docs/objects.md).
+  std::map<std::string, double> least_probability_of{{"toilet seat", 0.93}};
 
   [[nodiscard]] Expected<void> validate() const;
 };

@@ -142,6 +142,87 @@ TEST(FindInstances, WhatActivationMapsShowNowAndThenIsNothing) {
   EXPECT_EQ(things_by(RegionSource::kActivation), 0U);
 }
 
+TEST(FindInstances, CropsSpeakForAThingAsADetectorDoesAndMoreAgainstIt) {
+  const auto probability_by = [](RegionSource source, int missed) {
+    TestRoom room;
+    room.source = source;
+    room.things = {kChair};
+    room.look_around(kChair.center, 4, 1.8, 0, 1);
+    if (missed > 0) room.look_around(kChair.center, missed, 1.8, 0.1, 0.8, /*finds=*/false);
+    const auto instances = room.instances({.least_probability = 0});
+    return instances.size() == 1 ? instances[0].probability : 0;
+  };
+  EXPECT_EQ(probability_by(RegionSource::kCrop, 0), probability_by(RegionSource::kDetector, 0));
+  EXPECT_GT(probability_by(RegionSource::kDetector, 6), 0.8);
+  EXPECT_GT(probability_by(RegionSource::kCrop, 2), 0.8);
+  EXPECT_LT(probability_by(RegionSource::kCrop, 6), 0.7);
+}
+
+TEST(FindInstances, WhoDidNotLookMissesNothing) {
+  TestRoom room;
+  room.source = RegionSource::kCrop;
+  room.things = {kChair};
+  room.look_around(kChair.center, 4, 1.8, 0, 1);
+  room.look_around(kChair.center, 6, 1.8, 0.1, 0.8, /*finds=*/false);
+  const auto missed = [&] {
+    const auto instances = room.instances({.least_probability = 0});
+    return instances.size() == 1 ? instances[0].expected - instances[0].sightings : -1;
+  };
+  EXPECT_GT(missed(), 3);
+  for (LookedKeyframe& keyframe : room.keyframes()) {
+    if (keyframe.regions.empty()) keyframe.not_asked = {RegionSource::kDetector};
+  }
+  EXPECT_GT(missed(), 3) << "the crops were shown them";
+  for (LookedKeyframe& keyframe : room.keyframes()) {
+    if (keyframe.regions.empty()) keyframe.not_asked = {RegionSource::kCrop};
+  }
+  EXPECT_EQ(missed(), 0);
+}
+
+TEST(FindInstances, AToiletMustBeSurerThanAChair) {
+  const auto found_as = [](const std::string& name, const InstanceOptions& options) {
+    TestRoom room;
+    room.things = {{name, {0, 0, 0.4}, {0.5, 0.7, 0.8}}};
+    room.look_around({0, 0, 0.4}, 3, 1.8, 0, 1);
+    room.look_around({0, 0, 0.4}, 8, 1.8, 0.1, 0.8, /*finds=*/false);
+    return room.instances(options).size();
+  };
+  EXPECT_EQ(found_as("chair", {}), 1U);
+  EXPECT_EQ(found_as("toilet seat", {}), 0U);
+  EXPECT_EQ(found_as("toilet seat", {.least_probability_of = {}}), 1U);
+  InstanceOptions wrong;
+  wrong.least_probability_of["chair"] = 2;
+  EXPECT_ERROR(wrong.validate(), "chair");
+}
+
+TEST(FindInstances, CropsAloneFindOnlyWhatLooksAsItsKindDoes) {
+  const auto baths_by = [](RegionSource source) {
+    TestRoom room;
+    room.source = source;
+    room.things = {{"bath", {0, 0, 0.2}, {0.5, 0.5, 0.4}}};  // a basket
+    room.look_around({0, 0, 0.2}, 10);
+    return room.instances().size();
+  };
+  EXPECT_EQ(baths_by(RegionSource::kDetector), 1U);
+  EXPECT_EQ(baths_by(RegionSource::kCrop), 0U);
+}
+
+TEST(FindInstances, WhatCropsAloneShowBesideASurerOneOfItsNameIsThatOne) {
+  const auto lamps_by = [](RegionSource source, double apart_m) {
+    TestRoom room;
+    const Vector3d lamp(0, 0, 0.6), beside(0, 0.2 + apart_m, 0.6);
+    room.things = {{"lamp", lamp, {0.2, 0.2, 0.5}}};
+    room.look_around(lamp, 10, 1.5);
+    room.source = source;
+    room.things = {{"lamp", beside, {0.2, 0.2, 0.5}}};
+    room.look_around(beside, 8, 1.5);
+    return room.instances().size();
+  };
+  EXPECT_EQ(lamps_by(RegionSource::kDetector, 0.12), 2U);
+  EXPECT_EQ(lamps_by(RegionSource::kCrop, 0.12), 1U);
+  EXPECT_EQ(lamps_by(RegionSource::kCrop, 0.6), 2U) << "not beside it";
+}
+
 TEST(FindInstances, ActivationMapsNameADetectorsThingOnlyWhereTheyStandByThemselves) {
   const auto names_after = [](int looks) {
     TestRoom room;

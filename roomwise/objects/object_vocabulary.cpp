@@ -128,4 +128,24 @@ Expected<std::string> find_label(std::span<const std::string> labels, std::strin
               similar.empty() ? "; see its labels file" : "; it has ", fmt::join(similar, " | "));
 }
 
+ObjectVocabulary words_with_labels(const ObjectVocabulary& vocabulary,
+                                   std::span<const std::string> labels,
+                                   const std::function<bool(const std::string& word)>& is_wanted) {
+  ObjectVocabulary chosen = vocabulary;
+  for (const auto& [word, of_word] : vocabulary.objects()) {
+    const bool can_be_named = std::ranges::any_of(
+        labels, [&](const std::string& label) { return vocabulary.object_of(label) == word; });
+    if (!can_be_named || !is_wanted(word)) std::ignore = chosen.remove(word);  // it is there
+  }
+  const ObjectVocabulary look_alikes = ObjectVocabulary::look_alikes();
+  for (const auto& [word, of_word] : look_alikes.objects()) {
+    for (const std::string& label : of_word) {
+      const bool is_known = std::ranges::any_of(
+          labels, [&](const std::string& other) { return same_label(label, other); });
+      if (is_known && !vocabulary.object_of(label)) std::ignore = chosen.add(word, {label});
+    }
+  }
+  return chosen;
+}
+
 }  // namespace roomwise::objects

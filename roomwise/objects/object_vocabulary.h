@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <map>
 #include <optional>
 #include <set>
@@ -51,5 +52,11 @@ class ObjectVocabulary {
 // network has none of this name.
 [[nodiscard]] Expected<std::string> find_label(std::span<const std::string> labels,
                                                std::string_view wanted);
+
+// The words of a table that are wanted and that these labels of a network can name, and the
+// look-alikes that they can name and the table does not: what a finder is asked for.
+[[nodiscard]] ObjectVocabulary words_with_labels(
+    const ObjectVocabulary& vocabulary, std::span<const std::string> labels,
+    const std::function<bool(const std::string& word)>& is_wanted);
 
 }  // namespace roomwise::objects

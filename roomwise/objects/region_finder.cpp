@@ -7,7 +7,8 @@ namespace {
 
 class DetectorRegions final : public RegionFinder {
  public:
-  DetectorRegions(std::string name, std::unique_ptr<network::Detector> detector, float least_score)
+  DetectorRegions(std::string name, std::shared_ptr<const network::Detector> detector,
+                  float least_score)
       : name_(std::move(name)), detector_(std::move(detector)), least_score_(least_score) {}
 
   [[nodiscard]] const std::string& name() const override { return name_; }
@@ -22,19 +23,21 @@ class DetectorRegions final : public RegionFinder {
 
  private:
   std::string name_;
-  std::unique_ptr<network::Detector> detector_;
+  std::shared_ptr<const network::Detector> detector_;
   float least_score_;
 };
 
 }  // namespace
 
 RegionSource source_of(std::string_view fingerprint) {
-  return fingerprint.find(kActivationMethod) == std::string_view::npos ? RegionSource::kDetector
-                                                                       : RegionSource::kActivation;
+  if (fingerprint.find(kActivationMethod) != std::string_view::npos)
+    return RegionSource::kActivation;
+  return fingerprint.find(kCropMethod) != std::string_view::npos ? RegionSource::kCrop
+                                                                 : RegionSource::kDetector;
 }
 
 std::unique_ptr<RegionFinder> detector_regions(std::string name,
-                                               std::unique_ptr<network::Detector> detector,
+                                               std::shared_ptr<const network::Detector> detector,
                                                float least_score) {
   return std::make_unique<DetectorRegions>(std::move(name), std::move(detector), least_score);
 }

@@ -30,6 +30,7 @@ class RegionFinder {
 
 // How a finder with this fingerprint finds regions: the method stands in it, behind the weights'.
 constexpr std::string_view kActivationMethod = " activation maps ";
+constexpr std::string_view kCropMethod = " crops ";
 [[nodiscard]] RegionSource source_of(std::string_view fingerprint);
 
 using RegionFinders = std::vector<std::unique_ptr<RegionFinder>>;
@@ -37,6 +38,6 @@ using RegionFinders = std::vector<std::unique_ptr<RegionFinder>>;
 // The boxes of a detector that score more than `least_score`. What is stored cannot be had back, so
 // the score is lower than what counts later.
 [[nodiscard]] std::unique_ptr<RegionFinder> detector_regions(
-    std::string name, std::unique_ptr<network::Detector> detector, float least_score = 0.2F);
+    std::string name, std::shared_ptr<const network::Detector> detector, float least_score = 0.2F);
 
 }  // namespace roomwise::objects

@@ -27,6 +27,7 @@ struct RegionSurface {
 // How a region was found.
 enum class RegionSource {
   kDetector,    // by a network that gives boxes
+  kCrop,        // by a classifier that is shown what is in a detector's box (crop_regions.h)
   kActivation,  // by the class-activation maps of a classifier (activation_regions.h)
 };
 

@@ -60,10 +60,8 @@ double share_in(std::span<const VoxelKey> voxels, const Group& group) {
 
 // Two regions of one picture that are not one thing found twice.
 bool are_apart(const network::PixelBox& a, const network::PixelBox& b) {
-  const network::PixelBox both{std::max(a.left, b.left), std::max(a.top, b.top),
-                               std::min(a.right, b.right), std::min(a.bottom, b.bottom)};
   constexpr float kOneInTheOther = 0.6F;
-  return both.area() < kOneInTheOther * std::min(a.area(), b.area());
+  return network::intersection(a, b).area() < kOneInTheOther * std::min(a.area(), b.area());
 }
 
 bool conflicts(const Group& group, const WorldSight& sight, std::span<const WorldSight> sights) {

@@ -37,7 +37,7 @@ constexpr float kSightVoxel_m = 0.1F;
 // How much a region's score counts for its name: cells of activation maps see far beyond
 // themselves, so that what they say is in part about the whole picture.
 [[nodiscard]] constexpr double naming_weight(RegionSource source) {
-  return source == RegionSource::kDetector ? 1 : 0.5;
+  return source == RegionSource::kActivation ? 0.5 : 1;
 }
 // What lies lower is floor.
 constexpr double kFloorReach_m = 0.06;

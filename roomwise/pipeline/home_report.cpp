@@ -4,8 +4,8 @@
 #include <nlohmann/json.hpp>
 #include <ranges>
 
+#include "roomwise/evaluation/framed_picture.h"
 #include "roomwise/image/codec.h"
-#include "roomwise/image/resample.h"
 #include "roomwise/mapping/loop_closer.h"
 #include "roomwise/pipeline/map_cloud.h"
 #include "roomwise/pipeline/stored_map.h"
@@ -17,7 +17,7 @@ namespace {
 using evaluation::ReportContent;
 
 constexpr double kVoxelSize_m = 0.02;
-constexpr int kPictureWidth_px = 480;
+constexpr int kPictureWidth_px = 320;
 
 // An object as the key-frame shows it that saw it best.
 struct ShownObject {
@@ -26,6 +26,7 @@ struct ShownObject {
   int sightings = 0;
   home::KeyframeId keyframe = 0;
   Eigen::Vector3d place_keyframe = Eigen::Vector3d::Zero();
+  Eigen::AlignedBox2f picture_box = {};  // empty: not known
 };
 
 // Where a detector looked at the home, what its regions were joined into; else what the paper's
@@ -37,15 +38,28 @@ Expected<std::vector<ShownObject>> shown_objects(const home::Home& home) {
     ROOMWISE_TRY(const auto confirmed, home.objects());
     for (const objects::MapObject& object : confirmed) {
       // Without depth at the centre, the place from which it was seen stands in.
-      shown.push_back({object.name, object.score, object.sightings, object.keyframe_id,
-                       object.position_keyframe.value_or(Eigen::Vector3d::Zero())});
+      shown.push_back({object.name,
+                       object.score,
+                       object.sightings,
+                       object.keyframe_id,
+                       object.position_keyframe.value_or(Eigen::Vector3d::Zero()),
+                       {}});
     }
     return shown;
   }
   ROOMWISE_TRY(const auto instances, home.instances());
   for (const objects::Instance& instance : instances) {
-    shown.push_back({instance.name, instance.probability, instance.sightings, instance.keyframe_id,
-                     instance.box_keyframe.center()});
+    const network::PixelBox& box = instance.picture_box;
+    ShownObject& one = shown.emplace_back(ShownObject{instance.name,
+                                                      instance.probability,
+                                                      instance.sightings,
+                                                      instance.keyframe_id,
+                                                      instance.box_keyframe.center(),
+                                                      {}});
+    if (instance.visit == 0) {
+      one.picture_box = {Eigen::Vector2f(box.left, box.top),
+                         Eigen::Vector2f(box.right, box.bottom)};
+    }
   }
   return shown;
 }
@@ -129,12 +143,11 @@ Expected<std::vector<ReportContent::Object>> report_objects(const home::Home& ho
     if (keyframe.pose.piece != 0) continue;  // nobody knows where on this map it is
     ROOMWISE_TRY(const home::KeyframeImages images, home.images(keyframe.id));
     ROOMWISE_TRY(const image::ColorImage picture, image::decode_color(images.color));
-    const int height_px = std::max(1, picture.height() * kPictureWidth_px / picture.width());
     objects.push_back({{object.name, keyframe.pose.world_from_keyframe * object.place_keyframe},
                        object.score,
                        static_cast<std::uint64_t>(object.sightings),
                        room_of(stored, keyframe.id),
-                       image::resize(picture, kPictureWidth_px, height_px)});
+                       evaluation::framed_picture(picture, object.picture_box, kPictureWidth_px)});
   }
   return objects;
 }

@@ -107,6 +107,7 @@ Expected<void> add_unknown_pictures(const fs::path& folder,
                                     std::vector<LabelledPicture>& pictures) {
   const std::size_t before = pictures.size();
   std::size_t sequence = pictures.empty() ? 0 : pictures.back().sequence + 1;
+  const std::size_t walk = pictures.empty() ? 0 : pictures.back().walk + 1;
   std::error_code error;
   if (fs::exists(folder / "rgb.txt", error)) {
     ROOMWISE_TRY(const RecordedPictures recorded, RecordedPictures::open(folder));
@@ -114,12 +115,13 @@ Expected<void> add_unknown_pictures(const fs::path& folder,
       pictures.push_back(recorded.picture(i));
       pictures.back().name = recorded.colors->path(i).string();
       pictures.back().sequence = sequence;
+      pictures.back().walk = walk;
     }
   } else {
     ROOMWISE_TRY(const auto files, image::picture_files(folder));
     for (const fs::path& file : files) {
       pictures.push_back(
-          {[file] { return image::read_color(file); }, "", sequence++, 0, 0, 0, file.string()});
+          {[file] { return image::read_color(file); }, "", sequence++, walk, 0, 0, file.string()});
     }
   }
   if (pictures.size() == before) {

@@ -58,7 +58,7 @@ struct FrameSelection {
     const std::filesystem::path& folder, const std::vector<std::string>& learned);
 // Adds every JPEG and PNG file under a folder, each a sequence of its own, or, where it is a
 // recording, the images of its rgb.txt, one sequence: pictures of places that were never learned.
-// Fails where there is none.
+// All are one walk. Fails where there is none.
 [[nodiscard]] Expected<void> add_unknown_pictures(const std::filesystem::path& folder,
                                                   std::vector<LabelledPicture>& pictures);
 

@@ -10,6 +10,7 @@
 #include "roomwise/evaluation/trajectory_error.h"
 #include "roomwise/pipeline/home_report.h"
 #include "roomwise/pipeline/map_cloud.h"
+#include "roomwise/pipeline/object_report.h"
 #include "roomwise/pipeline/room_learning.h"
 #include "roomwise/pipeline/room_recognizer.h"
 #include "roomwise/pipeline/stored_keyframes.h"
@@ -547,6 +548,31 @@ TEST_F(MapRecording, IsComparedWithWhatIsThere) {
   EXPECT_FALSE(errors.by_kind.contains("lamp")) << "nor was the lamp, which nobody need find";
   EXPECT_NEAR(errors.from_center_quantile_m(0.5), 0.3, 0.03);
   EXPECT_NEAR(errors.from_box_quantile_m(0.5), 0.1, 0.03);
+  ASSERT_EQ(result->truth_shown.size(), 2U);
+  EXPECT_EQ(result->truth_shown[0]->keyframe, home.keyframes()->front().id);
+  ObjectEvaluation made_up = *result;  // something of each kind
+  const home::KeyframeId keyframe = home.keyframes()->front().id;
+  made_up.instances.found = {{"bed", place}, {"bed", place}, {"chair", place}};
+  made_up.instances_shown = {{keyframe, network::PixelBox{8, 8, 20, 16}},
+                             {keyframe, std::nullopt},
+                             {keyframe, network::PixelBox{-5, -5, 9000, 9000}}};
+  made_up.instances.errors.matches = {{0, 0, 0.1, 0.2}};
+  made_up.instances.errors.doubled = {{0, 1, 0.3, 0.4}};
+  made_up.instances.errors.wrong = {2};
+  made_up.instances.errors.missed = {0};
+  const auto report = object_report(home, "a", made_up);
+  ASSERT_OK(report);
+  EXPECT_EQ(report->ways.size(), 2U);
+  ASSERT_EQ(report->found.size(), 1U);
+  EXPECT_EQ(report->found[0].text,
+            "0.20 m from the middle of the true bed, which need not be found.");
+  EXPECT_EQ(report->found[0].picture.at(6, 6).r, 255) << "the frame lies around the box";
+  ASSERT_EQ(report->doubled.size(), 1U);
+  EXPECT_EQ(report->doubled[0].text, "0.30 m from a bed that was found.");
+  ASSERT_EQ(report->wrong.size(), 1U);
+  EXPECT_THAT(report->wrong[0].alt, HasSubstr("about what was called chair"));
+  ASSERT_EQ(report->missed.size(), 1U);
+  EXPECT_EQ(report->missed[0].heading, fmt::format("bed, key-frame {}", keyframe));
   std::filesystem::remove(folder_ / "objects.json");
   EXPECT_ERROR(evaluate_objects(home, folder_.path(), 1.0), "objects.json");
   EXPECT_ERROR(evaluate_objects(home, folder_ / "nowhere", 1.0), "nowhere: is no folder");

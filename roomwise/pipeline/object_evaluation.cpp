@@ -17,60 +17,96 @@ using evaluation::FoundObject;
 using evaluation::TrueObject;
 
 constexpr double kWellSeenFrom_m = 2;
-constexpr std::size_t kWellSeenIn = 4;  // key-frames
-constexpr double kLeastShare = 0.005;   // of the picture
-constexpr double kLeastFill = 0.15;     // of the rectangle about its box
+constexpr std::ptrdiff_t kWellSeenIn = 4;  // key-frames
+constexpr double kLeastShare = 0.005;      // of the picture
+constexpr double kLeastFill = 0.15;        // of the rectangle about its box
 
-// The area of the rectangle about a box as a camera without a rim would see it, px; infinite where
-// a corner lies behind the camera.
-double rectangle_px(const geometry::OrientedBox& box,
-                    const geometry::RigidTransform& world_from_camera,
-                    const geometry::PinholeCamera& camera) {
+// The rectangle about a box as a camera without a rim would see it, px; absent where a corner lies
+// behind the camera.
+std::optional<Eigen::AlignedBox2d> rectangle_about(
+    const geometry::OrientedBox& box, const geometry::RigidTransform& world_from_camera,
+    const geometry::PinholeCamera& camera) {
   Eigen::AlignedBox2d rectangle;
   for (int corner = 0; corner < 8; ++corner) {
     const Eigen::Vector3d side((corner & 1) != 0 ? 0.5 : -0.5, (corner & 2) != 0 ? 0.5 : -0.5,
                                (corner & 4) != 0 ? 0.5 : -0.5);
     const Eigen::Vector3d point =
         world_from_camera.inverse() * (box.world_from_box * side.cwiseProduct(box.size_m));
-    if (point.z() < 0.05) return std::numeric_limits<double>::infinity();
+    if (point.z() < 0.05) return std::nullopt;
     rectangle.extend(camera.project_undistorted(point));
   }
-  return rectangle.sizes().prod();
+  return rectangle;
 }
 
-bool is_seen_well(const simulation::ObjectTruth& object, std::span<const home::Keyframe> true_poses,
-                  const std::map<home::RecordingId, geometry::PinholeCamera>& cameras) {
-  const geometry::OrientedBox box = box_of(object);
-  std::size_t well_seen = 0;
+// A thing in a true key-frame, with its share of the picture and its pixels there.
+struct Sight {
+  const home::Keyframe* keyframe = nullptr;
+  const simulation::ObjectSighting* seen = nullptr;
+};
+std::vector<Sight> sights_of(const simulation::ObjectTruth& object,
+                             std::span<const home::Keyframe> true_poses) {
+  std::vector<Sight> sights;
   for (const home::Keyframe& keyframe : true_poses) {
     const auto seen = std::ranges::lower_bound(object.seen, keyframe.frame_index, {},
                                                &simulation::ObjectSighting::frame);
-    if (seen == object.seen.end() || seen->frame != keyframe.frame_index) continue;
-    const geometry::RigidTransform& pose = keyframe.pose.world_from_keyframe;
-    if (seen->share < kLeastShare || box.distance_m(pose.translation) > kWellSeenFrom_m) continue;
-    const double whole_px = rectangle_px(box, pose, cameras.at(keyframe.recording));
-    if (static_cast<double>(seen->pixels) >= kLeastFill * whole_px) ++well_seen;
+    if (seen != object.seen.end() && seen->frame == keyframe.frame_index)
+      sights.push_back({&keyframe, &*seen});
   }
-  return well_seen >= kWellSeenIn;
+  return sights;
+}
+
+using Cameras = std::map<home::RecordingId, geometry::PinholeCamera>;
+
+bool is_seen_well(const simulation::ObjectTruth& object, std::span<const Sight> sights,
+                  const Cameras& cameras) {
+  const geometry::OrientedBox box = box_of(object);
+  const auto shows_well = [&](const Sight& sight) {
+    const geometry::RigidTransform& pose = sight.keyframe->pose.world_from_keyframe;
+    if (sight.seen->share < kLeastShare || box.distance_m(pose.translation) > kWellSeenFrom_m)
+      return false;
+    const auto about = rectangle_about(box, pose, cameras.at(sight.keyframe->recording));
+    return about && static_cast<double>(sight.seen->pixels) >= kLeastFill * about->sizes().prod();
+  };
+  return std::ranges::count_if(sights, shows_well) >= kWellSeenIn;
+}
+
+// Where it is largest.
+std::optional<ShownIn> shown_best(const simulation::ObjectTruth& object,
+                                  std::span<const Sight> sights, const Cameras& cameras) {
+  if (sights.empty()) return std::nullopt;
+  const Sight& best =
+      *std::ranges::max_element(sights, {}, [](const Sight& sight) { return sight.seen->share; });
+  ShownIn shown{best.keyframe->id, std::nullopt};
+  const geometry::PinholeCamera& camera = cameras.at(best.keyframe->recording);
+  if (auto about =
+          rectangle_about(box_of(object), best.keyframe->pose.world_from_keyframe, camera)) {
+    *about = about->intersection(
+        Eigen::AlignedBox2d(Eigen::Vector2d::Zero(), Eigen::Vector2d(camera.width, camera.height)));
+    if (about->isEmpty()) return shown;
+    shown.box = {static_cast<float>(about->min().x()), static_cast<float>(about->min().y()),
+                 static_cast<float>(about->max().x()), static_cast<float>(about->max().y())};
+  }
+  return shown;
 }
 
 // The truth in the home's words: what it has no word for, nor one like it, is left out.
-Expected<std::vector<TrueObject>> nameable(const home::Home& home,
-                                           const std::filesystem::path& recording) {
+Expected<void> add_nameable(const home::Home& home, const std::filesystem::path& recording,
+                            ObjectEvaluation& result) {
   ROOMWISE_TRY(const auto objects, simulation::read_objects_truth(recording / "objects.json"));
   ROOMWISE_TRY(const rooms::Concepts concepts, home.concepts());
   ROOMWISE_TRY(auto keyframes, home.keyframes());
   ROOMWISE_TRY(const auto true_poses, at_true_poses(std::move(keyframes), recording));
   ROOMWISE_TRY(const auto cameras, recording_cameras(home));
-  std::vector<TrueObject> truth;
   for (const simulation::ObjectTruth& object : objects) {
     if (object.seen.empty()) continue;
     auto entry = in_words(object, concepts.vocabulary);
     if (!entry) continue;
-    entry->is_expected = entry->is_expected && is_seen_well(object, true_poses, cameras);
-    truth.push_back(*std::move(entry));
+    const std::vector<Sight> sights = sights_of(object, true_poses);
+    entry->is_expected = entry->is_expected && is_seen_well(object, sights, cameras);
+    result.truth.push_back(*std::move(entry));
+    result.truth_shown.push_back(shown_best(object, sights, cameras));
   }
-  return truth;
+  return {};
 }
 
 // The share of a found box's axes along which the truth lies within two standard deviations.
@@ -93,7 +129,8 @@ Expected<ObjectEvaluation> evaluate_objects(const home::Home& home,
                                             double most_distance_m) {
   ROOMWISE_CHECK_OK(check_mapped_from(home, recording));
   ObjectEvaluation result;
-  ROOMWISE_TRY(result.truth, nameable(home, recording));
+  result.most_distance_m = most_distance_m;
+  ROOMWISE_CHECK_OK(add_nameable(home, recording, result));
   ROOMWISE_TRY(const geometry::RigidTransform truth_from_world, truth_from_map(home, recording));
   ROOMWISE_TRY(const auto keyframes, home.keyframes());
 
@@ -121,6 +158,9 @@ Expected<ObjectEvaluation> evaluate_objects(const home::Home& home,
     boxes.emplace_back(instance.box_world(truth_from_world * pose.world_from_keyframe),
                        instance.sigma_m);
     result.instances.found.push_back({instance.name, boxes.back().first.center()});
+    result.instances_shown.push_back(
+        {instance.keyframe_id,
+         instance.visit == 0 ? std::optional(instance.picture_box) : std::nullopt});
   }
   ROOMWISE_TRY(result.instances.errors,
                evaluation::object_errors(result.truth, result.instances.found, most_distance_m));

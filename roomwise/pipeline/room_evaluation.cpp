@@ -255,7 +255,11 @@ class Evaluator {
                                         const std::vector<PictureSpan>& spans,
                                         const TimedPlaces& places,
                                         const std::vector<double>& known) const {
-    UnknownResult result{std::move(key), std::move(rule), spans.size(), {}, 0, 0};
+    UnknownResult result{std::move(key), std::move(rule), {}, {}, {}};
+    result.all.decisions = spans.size();
+    result.walks.resize(pictures.back().walk + 1);
+    const std::vector<double> known_here = known_of(evidence, spans, places);
+    std::vector<std::vector<double>> known_of_walks(result.walks.size());
     double ignored_ms = 0;
     for (std::size_t i = 0; i < spans.size(); ++i) {
       const auto see_names = [&]() -> Expected<network::Prediction> {
@@ -266,10 +270,19 @@ class Evaluator {
                    recognizer_.decide(evidence_of(evidence, spans[i]), see_names,
                                       finder(places, i, ignored_ms)));
       const Judgement judgement = judgement_of(spans[i].second, decision);
+      const std::size_t walk = pictures[spans[i].second].walk;
       ++result.answers[judgement.answer];
-      if (judgement.named) ++result.named;
+      ++result.walks[walk].decisions;
+      known_of_walks[walk].push_back(known_here[i]);
+      if (!judgement.named) continue;
+      ++result.all.named;
+      ++result.walks[walk].named;
     }
-    result.area_under_roc = evaluation::area_under_roc(known, known_of(evidence, spans, places));
+    result.all.area_under_roc = evaluation::area_under_roc(known, known_here);
+    for (std::size_t walk = 0; walk < result.walks.size(); ++walk) {
+      if (known_of_walks[walk].empty()) continue;
+      result.walks[walk].area_under_roc = evaluation::area_under_roc(known, known_of_walks[walk]);
+    }
     return result;
   }
 

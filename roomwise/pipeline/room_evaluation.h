@@ -49,13 +49,17 @@ struct RuleResult {
 
 // What was made of pictures of places that were never learned.
 struct UnknownResult {
-  std::string key;   // for machines: "unknown_pair"
-  std::string rule;  // for people: "two pictures"
-  std::size_t decisions = 0;
+  struct Share {
+    std::size_t decisions = 0;
+    std::uint64_t named = 0;
+    // The probability that what shows a learned room is known better than what shows one of these.
+    double area_under_roc = 0;
+  };
+  std::string key;                               // for machines: "unknown_pair"
+  std::string rule;                              // for people: "two pictures"
   std::map<std::string, std::uint64_t> answers;  // "not sure", "none of them", names of rooms
-  std::uint64_t named = 0;
-  // The probability that what shows a learned room is known better than what shows one of these.
-  double area_under_roc = 0;
+  Share all;
+  std::vector<Share> walks;  // of each LabelledPicture::walk; photos make no pairs
 };
 
 struct RoomEvaluation {

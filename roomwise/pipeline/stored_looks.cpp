@@ -1,6 +1,8 @@
 #include "roomwise/pipeline/stored_looks.h"
 
 #include <algorithm>
+#include <array>
+#include <set>
 
 #include "roomwise/objects/region_finder.h"
 #include "roomwise/pipeline/keyframe_images.h"
@@ -8,23 +10,32 @@
 namespace roomwise::pipeline {
 namespace {
 
+using objects::RegionSource;
+constexpr std::array kSources{RegionSource::kDetector, RegionSource::kCrop,
+                              RegionSource::kActivation};
+
 // The looks of all finders at one key-frame, together; of several finders of one name that looked
 // at it the newest counts.
-Expected<std::map<home::KeyframeId, objects::KeyframeLook>> looks_of_all(const home::Home& home) {
+struct AllLooks {
+  std::map<home::KeyframeId, objects::KeyframeLook> looks;
+  std::map<home::KeyframeId, std::set<RegionSource>> sources;
+};
+Expected<AllLooks> looks_of_all(const home::Home& home) {
   std::map<std::string, std::map<home::KeyframeId, objects::KeyframeLook>> newest;  // by name
+  AllLooks all;
   ROOMWISE_TRY(const auto finders, home.region_finders());
   for (const auto& [id, finder] : finders) {
     ROOMWISE_TRY(auto looks, home.looks(id));
-    const objects::RegionSource source = objects::source_of(finder.fingerprint);
+    const RegionSource source = objects::source_of(finder.fingerprint);
     for (auto& [keyframe, look] : looks) {
+      all.sources[keyframe].insert(source);
       for (objects::Region& region : look.regions) region.source = source;
       newest[finder.name][keyframe] = std::move(look);
     }
   }
-  std::map<home::KeyframeId, objects::KeyframeLook> all;
   for (auto& [name, looks] : newest) {
     for (auto& [keyframe, look] : looks) {
-      objects::KeyframeLook& joined = all[keyframe];
+      objects::KeyframeLook& joined = all.looks[keyframe];
       joined.coarse_depth = std::move(look.coarse_depth);
       std::ranges::move(look.regions, std::back_inserter(joined.regions));
     }
@@ -69,7 +80,8 @@ Expected<StoredLooks> StoredLooks::read(const home::Home& home) {
   ROOMWISE_TRY(const rooms::Concepts concepts, home.concepts());
   ROOMWISE_TRY(const auto keyframes, home.keyframes());
   ROOMWISE_TRY(stored.cameras_, recording_cameras(home));
-  ROOMWISE_TRY(stored.looks_, looks_of_all(home));
+  ROOMWISE_TRY(AllLooks all, looks_of_all(home));
+  stored.looks_ = std::move(all.looks);
   constexpr double kLeastSaid = 0.1;
   ROOMWISE_TRY(const auto said, said_of_pictures(home, concepts.vocabulary, kLeastSaid));
   for (const home::Keyframe& keyframe : keyframes) {
@@ -81,6 +93,9 @@ Expected<StoredLooks> StoredLooks::read(const home::Home& home) {
     looked.camera = &stored.cameras_.at(keyframe.recording);
     looked.coarse_depth = &look->second.coarse_depth;
     looked.regions = named_regions(look->second, concepts.vocabulary);
+    for (const RegionSource source : kSources) {
+      if (!all.sources.at(keyframe.id).contains(source)) looked.not_asked.insert(source);
+    }
     if (const auto words = said.find(keyframe.id); words != said.end()) looked.said = words->second;
   }
   return stored;

@@ -65,6 +65,29 @@ TEST(StoredLooks, AnActivationFinderStandsBesideTheDetectorAndReplacesItsOlderSe
                                    FieldsAre("bookcase", true, true)));
 }
 
+TEST(StoredLooks, SayWhoDidNotLookAtAKeyframe) {
+  using objects::RegionSource;
+  const roomwise::testing::ScratchFolder folder;
+  auto home = home::Home::create(folder / "a.home");
+  ASSERT_OK(home);
+  home::testing::fill(*home);
+  const auto crops = home->add_region_finder({"crops", "f00 crops 1 f01: 0.1", {"table lamp"}});
+  ASSERT_OK(crops);
+  ASSERT_OK(home->put_look(1, *crops, look_with({"table lamp"})));
+  const auto looks = StoredLooks::read(*home);
+  ASSERT_OK(looks);
+  std::size_t others = 0;
+  for (const auto& [piece, keyframes] : looks->pieces()) {
+    for (const objects::LookedKeyframe& keyframe : keyframes) {
+      EXPECT_FALSE(keyframe.not_asked.contains(RegionSource::kDetector));
+      EXPECT_TRUE(keyframe.not_asked.contains(RegionSource::kActivation));
+      EXPECT_EQ(keyframe.not_asked.contains(RegionSource::kCrop), keyframe.keyframe_id != 1);
+      others += keyframe.keyframe_id != 1 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(others, 0U);
+}
+
 TEST(StoredLooks, ANetworkThatWasInterruptedTakesNothingAway) {
   const roomwise::testing::ScratchFolder folder;
   auto home = home::Home::create(folder / "a.home");

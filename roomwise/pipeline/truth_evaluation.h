@@ -1,6 +1,9 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "roomwise/evaluation/cloud_error.h"
 #include "roomwise/evaluation/floor_error.h"
@@ -26,6 +29,13 @@ namespace roomwise::pipeline {
 [[nodiscard]] Expected<std::vector<home::Keyframe>> at_true_poses(
     std::vector<home::Keyframe> keyframes, const std::filesystem::path& recording);
 
+// A key-frame that shows a thing, and where.
+struct ShownIn {
+  home::KeyframeId keyframe = 0;
+  // Absent: it lies in part behind the camera, or only a later visit saw it, near this key-frame.
+  std::optional<network::PixelBox> box;
+};
+
 // What was found one way, in the truth's frame, and how far that is from the truth.
 struct FoundObjectErrors {
   std::vector<evaluation::FoundObject> found;
@@ -35,11 +45,14 @@ struct FoundObjectErrors {
 
 struct ObjectEvaluation {
   // What the home can name and the walk showed. Expected is what it showed well: in four key-frames
-  // or more, from two metres or nearer, half a percent of the picture or more, a quarter or more of
-  // the rectangle about its box.
+  // or more, from two metres or nearer, half a percent of the picture or more, 15 % or more of the
+  // rectangle about its box.
   std::vector<evaluation::TrueObject> truth;
-  FoundObjectErrors by_rules;   // the paper's way
-  FoundObjectErrors instances;  // joined from regions
+  std::vector<std::optional<ShownIn>> truth_shown;  // largest; absent where no key-frame shows it
+  FoundObjectErrors by_rules;                       // the paper's way
+  FoundObjectErrors instances;                      // joined from regions
+  std::vector<ShownIn> instances_shown;             // best, of each of instances.found
+  double most_distance_m = 0;                       // from a true box, of what counts as found
   // Of the matched instances' middles, along the axes of their boxes, the share that lies within
   // two standard deviations of the truth.
   double within_two_sigma = 0;

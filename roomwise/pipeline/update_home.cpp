@@ -153,7 +153,8 @@ std::vector<objects::LookedKeyframe> looked_frames(const VisitFrames& frames,
                       .camera = &frames.camera,
                       .coarse_depth = &frame.look.coarse_depth,
                       .regions = named_regions(frame.look, vocabulary),
-                      .said = {}});
+                      .said = {},
+                      .not_asked = {}});
   }
   return looked;
 }

@@ -217,7 +217,8 @@ LearningReport make_report(const TrainingSet& set, const HeldOutTest& test,
     report.held_out_correct += recall.correct[room];
     if (pictures[room] < options.comfortable_pictures) {
       report.warnings.push_back(
-          fmt::format("room \"{}\" has only {} pictures; walk through it again for a surer answer",
+          fmt::format("room \"{}\" has only {} pictures; a slower walk through it, or more "
+                      "photos of it, make surer answers",
                       set.rooms[room], pictures[room]));
     }
   }
