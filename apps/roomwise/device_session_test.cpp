@@ -99,8 +99,9 @@ class AnsweringHome final : public service::SocketHandler {
     return signal.wait([&] { return frames >= before + more; });
   }
 
-  // To the device that connected last.
+  // To the device that was welcomed last; it may say "Ready." before.
   void say(const service::HomeMessage& message) {
+    ASSERT_TRUE(signal.wait([&] { return last_out != nullptr; })) << "no device was welcomed";
     std::shared_ptr<service::SocketOut> out;
     signal.change([&] { out = last_out; });
     out->send_text(write(message));
@@ -121,12 +122,12 @@ class AnsweringHome final : public service::SocketHandler {
       const auto message = service::read_device_message(text);
       ASSERT_OK(message);
       if (const auto* hello = std::get_if<service::Hello>(&*message)) {
+        out_->send_text(write(service::HomeMessage(
+            service::Welcome{"flat", "device", {"kitchen"}, {"bed", "lamp"}, true, true})));
         home_.signal.change([&] {
           home_.hellos.push_back(*hello);
           home_.last_out = out_;
         });
-        out_->send_text(write(service::HomeMessage(
-            service::Welcome{"flat", "device", {"kitchen"}, {"bed", "lamp"}, true, true})));
       } else if (const auto* ask = std::get_if<service::Ask>(&*message)) {
         home_.signal.change([&] { home_.asks.push_back(*ask); });
         answer(*ask);
