@@ -40,7 +40,7 @@ Expected<void> DeviceSession::run(const std::function<bool()>& interrupted) {
 // Connecting may take seconds, in which keys and speech go on.
 void DeviceSession::connect(TimestampNs now_ns) {
   if (link_.begin_try(steady_s(now_ns))) {
-    service::ClientWait wait;
+    service::ClientWait wait = parts_.wait;
     wait.interrupted = [this] { return giving_up_.load(); };
     trying_ = std::async(std::launch::async, [this, wait] {
       return service::ServerConnection::open(parts_.server, parts_.credentials, wait);

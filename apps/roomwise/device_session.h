@@ -27,13 +27,15 @@ struct DeviceParts {
   std::unique_ptr<DeviceCamera> camera;  // nullptr: it sends no frames
   std::unique_ptr<DeviceVoice> voice;
   std::unique_ptr<DeviceKeys> keys;  // nullptr: nobody asks
+  service::LinkTimes times;
+  service::ClientWait wait;  // but for `interrupted`, which is the session's
 };
 
 // A device at work: sends what the camera sees, asks what keys ask, speaks what comes back, and
 // connects again where the connection was lost.
 class DeviceSession {
  public:
-  explicit DeviceSession(DeviceParts parts) : parts_(std::move(parts)) {}
+  explicit DeviceSession(DeviceParts parts) : parts_(std::move(parts)), link_(parts_.times) {}
   ~DeviceSession() { giving_up_ = true; }
 
   // Until the recording has ended and all is said, somebody presses x, or `interrupted`.

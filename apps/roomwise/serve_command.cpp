@@ -101,8 +101,9 @@ class HomeServer {
     all.host_ =
         options.address == "0.0.0.0" || options.address == "::" ? own_name(names) : options.address;
     ROOMWISE_TRY(all.server_,
-                 service::Server::start(std::move(server), service::Router(all.routes()),
-                                        *all.access_, *all.home_));
+                 service::Server::open(std::move(server), service::Router(all.routes()),
+                                       *all.access_, *all.home_));
+    all.server_->serve();  // now that the routes, which ask it, find it
     return serving;
   }
   ~HomeServer() {

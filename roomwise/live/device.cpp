@@ -85,20 +85,18 @@ void Device::greet(const service::Hello& hello) {
     out_->close("another version of the protocol");
     return;
   }
-  std::string welcome_text;
   bool is_second = false;
   {
     const std::scoped_lock lock(mutex_);
     is_second = std::exchange(greeted_, true);
+    if (!is_second) {
+      settings_ = hello.settings;
+      camera_ = hello.camera;
+      // Under the lock, so that what others tell a greeted device comes after it.
+      send(welcome());
+    }
   }
   if (is_second) return refuse_unread(Error{"hello was said already; connect anew to change it"});
-  {
-    const std::scoped_lock lock(mutex_);
-    settings_ = hello.settings;
-    camera_ = hello.camera;
-    welcome_text = write(service::HomeMessage(welcome()));
-  }
-  out_->send_text(std::move(welcome_text));
   record_to(host_.recorder_for(*this));
 }
 

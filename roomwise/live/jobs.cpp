@@ -79,6 +79,7 @@ void Jobs::publish(const service::JobState& state) {
 }
 
 Expected<void> Jobs::start(const std::string& kind, Body body) {
+  const std::scoped_lock starting(thread_mutex_);  // a job may end before its thread is kept
   {
     const std::scoped_lock lock(mutex_);
     if (running_) {

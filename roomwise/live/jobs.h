@@ -40,6 +40,7 @@ class Jobs {
   void publish(const service::JobState& state);
 
   std::function<void(const service::JobState&)> tell_;
+  std::mutex thread_mutex_;  // of thread_, taken before mutex_
   mutable std::mutex mutex_;
   std::condition_variable ended_;
   std::optional<service::JobState> state_;

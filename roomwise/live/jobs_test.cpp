@@ -40,6 +40,7 @@ TEST(Jobs, TellWhatIsDoneAndWhatCameOfIt) {
   EXPECT_EQ(last->text, "all well");
   EXPECT_EQ(last->fraction, 1);
   std::vector<std::string> stages;
+  const std::scoped_lock lock(told.mutex);  // it may be told still that the job is done
   for (const service::JobState& state : told.states) {
     if (stages.empty() || stages.back() != state.stage) stages.push_back(state.stage);
   }

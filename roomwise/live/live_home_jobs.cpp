@@ -105,19 +105,20 @@ Expected<void> LiveHome::begin_recording(std::int64_t device, const std::string&
 
 Expected<void> LiveHome::end_recording() {
   std::shared_ptr<WalkRecorder> recorder;
+  std::int64_t recorded = 0;  // the device
   {
     const std::scoped_lock lock(devices_mutex_);
     recorder = std::exchange(recorder_, nullptr);
+    recorded = recording_device_;  // from here on another may be recorded
   }
   if (!recorder) return fail("nothing is being recorded");
   for (const auto& device : all_devices()) {
-    if (device->who().device == recording_device_) device->record_to(nullptr);
+    if (device->who().device == recorded) device->record_to(nullptr);
   }
   const Expected<void> closed = recorder->close();
   tell_of_recording(
-      recording_device_,
-      service::RecordingState{recording_device_, closed ? "saved" : "failed", recorder->name(),
-                              recorder->frames(), closed ? "" : closed.error().message});
+      recorded, service::RecordingState{recorded, closed ? "saved" : "failed", recorder->name(),
+                                        recorder->frames(), closed ? "" : closed.error().message});
   ROOMWISE_CHECK_OK(closed);
   const bool is_being_mapped = jobs_->running() && jobs_->state()->kind == "map";
   return is_being_mapped ? Expected<void>() : start_mapping(recorder->folder());

@@ -101,7 +101,7 @@ class Server::Impl {
     return {};
   }
 
-  void run() {
+  void serve() {
     accept();
     thread_ = std::thread([this] { core_->io.run(); });
     core_->events.say(fmt::format("listening at {} port {}", core_->options.address, port_));
@@ -183,21 +183,29 @@ class Server::Impl {
   std::thread thread_;
 };
 
-Expected<std::unique_ptr<Server>> Server::start(ServerOptions options, Router router,
-                                                AccessRegister& access, SocketHandler& sockets) {
+Expected<std::unique_ptr<Server>> Server::open(ServerOptions options, Router router,
+                                               AccessRegister& access, SocketHandler& sockets) {
   ROOMWISE_TRY(PageFiles pages, PageFiles::open(options.pages));
   auto core = std::make_shared<ServerCore>(std::move(options), std::move(router), std::move(pages),
                                            access, sockets);
   ROOMWISE_CHECK_OK(prepare_tls(core->tls, core->options.certificate));
   auto impl = std::make_unique<Impl>(std::move(core));
   ROOMWISE_CHECK_OK(impl->listen());
-  impl->run();
   return std::unique_ptr<Server>(new Server(std::move(impl)));
+}
+Expected<std::unique_ptr<Server>> Server::start(ServerOptions options, Router router,
+                                                AccessRegister& access, SocketHandler& sockets) {
+  ROOMWISE_TRY(auto server, open(std::move(options), std::move(router), access, sockets));
+  server->serve();
+  return server;
 }
 
 Server::Server(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Server::~Server() {
   stop();
+}
+void Server::serve() {
+  impl_->serve();
 }
 void Server::stop() {
   impl_->stop();

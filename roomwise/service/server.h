@@ -108,7 +108,13 @@ struct ServerCounts {
 // may.
 class Server {
  public:
-  // Listens and serves until stop(). `access` and `sockets` must outlive it.
+  // Takes the port: who connects waits until serve(). `access` and `sockets` must outlive it.
+  [[nodiscard]] static Expected<std::unique_ptr<Server>> open(ServerOptions options, Router router,
+                                                              AccessRegister& access,
+                                                              SocketHandler& sockets);
+  // Serves until stop(), which ends it for good. Once.
+  void serve();
+  // Both, where no handler needs the server itself.
   [[nodiscard]] static Expected<std::unique_ptr<Server>> start(ServerOptions options, Router router,
                                                                AccessRegister& access,
                                                                SocketHandler& sockets);

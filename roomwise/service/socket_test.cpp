@@ -138,7 +138,7 @@ TEST_F(SocketTest, ClosesAClientThatDoesNotRead) {
 
 TEST_F(SocketTest, ClosesAClientThatNeverSaysHello) {
   home_.sockets.want_hello = true;
-  home_.options.limits.hello_s = 2;
+  home_.options.limits.hello_s = 5;
   home_.start();
   const auto greeted = connect();
   ASSERT_TRUE(greeted);

@@ -1,9 +1,10 @@
 import assert from 'node:assert/strict';
 import { after, test } from 'node:test';
+import { setTimeout } from 'node:timers/promises';
 
 import { tellRecording } from '../stand_in_api';
 import { makePrompt } from '../stand_in_server';
-import { closeBrowser, kDesktop, kPhone, kWaiting, openVisit, skipReason, withServer, type Visit } from './harness';
+import { closeBrowser, kDesktop, kPatience, kPhone, kWaiting, openVisit, skipReason, withServer, type Visit } from './harness';
 import { recordSpeech, speaks, spoken, voicesUsed, type Voice } from './person';
 
 after(closeBrowser);
@@ -208,6 +209,7 @@ test('quiet silences what nobody asked for, and is told to the computer', option
   await start(visit, 'own');
   await visit.press('Quiet');
   await speaks(visit, 'I only answer now.');
+  await until(() => server.newest('device').told.length > 0);
   assert.deepEqual(server.newest('device').told.pop(), { type: 'quiet', on: true });
   assert.equal(await visit.page.$eval('.question.quiet', (one) => one.getAttribute('aria-pressed')), 'true');
   server.tell('device', makePrompt({ key: 'entered', text: 'Bathroom.', priority: 'callout' }));
@@ -469,9 +471,16 @@ test('the first load is small and stays in the home', options, () => withServer(
 
 // Polls a condition of the stand-in.
 async function until(holds: () => boolean): Promise<void> {
-  for (let i = 0; i < 15_000 && !holds(); i += 1) {
-    await new Promise((resolve) => setImmediate(resolve));
-    await (await import('node:timers/promises')).setTimeout(1);
+  const given = Date.now() + kPatience;
+  const holdsNow = (): boolean => {
+    try {
+      return holds();
+    } catch {
+      return false; // the page connects anew
+    }
+  };
+  while (!holdsNow() && Date.now() < given) {
+    await setTimeout(1);
   }
   assert.ok(holds(), 'the computer did not get what it waits for');
 }

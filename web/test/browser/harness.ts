@@ -12,7 +12,7 @@ const kPlaces = ['/usr/bin/chromium', '/usr/bin/chromium-browser', '/usr/bin/goo
 export const kPages = process.env['ROOMWISE_WEB'] ?? '';
 export const kPhone = { width: 360, height: 740 };
 export const kDesktop = { width: 1280, height: 900 };
-const kPatience = 120_000; // ms; on a busy machine
+export const kPatience = 120_000; // ms; on a busy machine
 const kTags = ['wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa', 'wcag22aa'];
 
 export function chromium(): string | null {
@@ -37,6 +37,7 @@ export function launchBrowser(more: LaunchOptions = {}): Promise<Browser> {
       '--disable-backgrounding-occluded-windows', '--disable-renderer-backgrounding', '--disable-background-timer-throttling',
       ...(more.args ?? []),
     ],
+    timeout: kPatience,
     protocolTimeout: 300_000,
   });
 }
@@ -198,6 +199,8 @@ export async function openVisit(server: StandInServer, options: OpenOptions = {}
 export async function openPage(where: Browser, url: string, options: PageOptions = {}): Promise<Visit> {
   const context = await where.createBrowserContext();
   const page = await context.newPage();
+  page.setDefaultTimeout(kPatience);
+  page.setDefaultNavigationTimeout(kPatience);
   const visit = new Visit(page, url);
   await page.setViewport({ ...(options.size ?? kDesktop), hasTouch: options.size === kPhone });
   await page.emulateMediaFeatures([
