@@ -24,7 +24,13 @@ Json to_json(const pipeline::TrueChange& change) {
           {"shift_m", change.shift_m},
           {"expected", change.is_expected},
           {"known", change.was_known},
-          {"noticed_as", change.noticed_as}};
+          {"noticed_as", change.noticed_as},
+          {"noticed_unnamed", change.is_noticed_unnamed}};
+}
+
+std::string noticed_as(const pipeline::TrueChange& change) {
+  if (!change.noticed_as.empty()) return fmt::format("{}", fmt::join(change.noticed_as, ", "));
+  return change.is_noticed_unnamed ? "as something" : "not noticed";
 }
 
 Expected<Answer> evaluate(const ChangesEvaluationOptions& options, Context& context) {
@@ -41,20 +47,27 @@ Expected<Answer> evaluate(const ChangesEvaluationOptions& options, Context& cont
                pipeline::evaluate_changes(home, options.truth, options.visit, update,
                                           options.least_shift_m));
   Answer answer;
-  answer.json = {{"expected", result.expected()}, {"noticed", result.noticed()},
-                 {"known", result.known()},       {"known_noticed", result.known_noticed()},
-                 {"right_alarms", result.right},  {"wrong_alarms", result.wrong},
-                 {"unchanged", result.unchanged}, {"changes", Json::array()}};
+  answer.json = {{"expected", result.expected()},
+                 {"noticed", result.noticed()},
+                 {"known", result.known()},
+                 {"known_noticed", result.known_noticed()},
+                 {"right_alarms", result.right},
+                 {"wrong_alarms", result.wrong},
+                 {"unchanged", result.unchanged},
+                 {"noticed_with_unnamed", result.noticed_with_unnamed()},
+                 {"unnamed_right", result.unnamed_right},
+                 {"unnamed_doors", result.unnamed_doors},
+                 {"unnamed_wrong", result.unnamed_wrong},
+                 {"changes", Json::array()}};
   for (const pipeline::TrueChange& change : result.changes) {
     answer.json["changes"].push_back(to_json(change));
-    answer.text += fmt::format(
-        "{:<6} {:<20} {:>5.2f} m {:<30} {}\n",
-        change.fate ? objects::to_string(*change.fate) : "new", change.name, change.shift_m,
-        !change.is_expected ? "hardly seen"
-        : change.was_known  ? "seen well, known to the home"
-                            : "seen well",
-        change.noticed_as.empty() ? "not noticed"
-                                  : fmt::format("{}", fmt::join(change.noticed_as, ", ")));
+    answer.text += fmt::format("{:<6} {:<20} {:>5.2f} m {:<30} {}\n",
+                               change.fate ? objects::to_string(*change.fate) : "new", change.name,
+                               change.shift_m,
+                               !change.is_expected ? "hardly seen"
+                               : change.was_known  ? "seen well, known to the home"
+                                                   : "seen well",
+                               noticed_as(change));
   }
   answer.text += fmt::format(
       "noticed: {} of {} things of known kinds that changed and were seen well; {} of {} that the "
@@ -64,6 +77,13 @@ Expected<Answer> evaluate(const ChangesEvaluationOptions& options, Context& cont
       result.wrong.size(),
       result.wrong.empty() ? "" : fmt::format(" ({})", fmt::join(result.wrong, ", ")),
       result.unchanged);
+  answer.text += fmt::format(
+      "with what has no name: {} of {} noticed; {} right, {} doors' leaves that were turned, {} "
+      "wrong{}\n",
+      result.noticed_with_unnamed(), result.expected(), result.unnamed_right, result.unnamed_doors,
+      result.unnamed_wrong.size(),
+      result.unnamed_wrong.empty() ? ""
+                                   : fmt::format(" ({})", fmt::join(result.unnamed_wrong, "; ")));
   return answer;
 }
 

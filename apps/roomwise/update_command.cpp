@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <opencv2/core/utility.hpp>
@@ -51,6 +52,15 @@ std::string row_of(const ThingUpdate& thing) {
                      evidence.views);
 }
 
+std::string row_of(const pipeline::UnnamedChange& change) {
+  const Eigen::Vector3d& size = change.box_world.size_m;
+  return fmt::format("{:<13} {:<16} {} {}{}; {:.2f} x {:.2f} m, {:.2f} m high\n",
+                     change.is_new ? "new" : "gone", "something", change.is_new ? "at" : "was at",
+                     at(change.box_world, change.room),
+                     change.beside.empty() ? "" : ", by the " + change.beside,
+                     std::max(size.x(), size.y()), std::min(size.x(), size.y()), size.z());
+}
+
 Json place_json(const std::optional<geometry::OrientedBox>& box, const std::string& room) {
   if (!box) return nullptr;
   const Eigen::Vector3d& middle = box->center();
@@ -75,6 +85,13 @@ Json to_json(const ThingUpdate& thing) {
           {"now", place_json(thing.now, thing.room_now)},
           {"place_before", to_json(thing.evidence)},
           {"place_now", to_json(thing.evidence_now)}};
+}
+
+Json to_json(const pipeline::UnnamedChange& change) {
+  return {{"what", change.is_new ? "new" : "gone"},
+          {"place", place_json(change.box_world, change.room)},
+          {"beside", change.beside.empty() ? Json(nullptr) : Json(change.beside)},
+          {"place_in_other_walk", to_json(change.evidence)}};
 }
 
 // What became of the pictures of the visit by which rooms may be known from now on.
@@ -132,6 +149,7 @@ Answer describe(const pipeline::HomeUpdate& update, const UpdateCommandOptions& 
                  {"changed", !update.changes.empty()},
                  {"written", !update.changes.empty() && !options.dry_run},
                  {"things", Json::array()},
+                 {"unnamed", Json::array()},
                  {"rooms", update.rooms ? to_json(*update.rooms) : Json(nullptr)}};
   std::size_t there = 0, not_looked_at = 0;
   for (const ThingUpdate& thing : update.things) {
@@ -140,6 +158,10 @@ Answer describe(const pipeline::HomeUpdate& update, const UpdateCommandOptions& 
     if (changed) answer.text += row_of(thing);
     if (!changed && thing.fate == Fate::kThere) ++there;
     if (!changed && thing.fate == Fate::kNotLookedAt) ++not_looked_at;
+  }
+  for (const pipeline::UnnamedChange& change : update.unnamed) {
+    answer.json["unnamed"].push_back(to_json(change));
+    answer.text += row_of(change);
   }
   answer.text +=
       fmt::format("{} things are where they were, {} were not looked at\n", there, not_looked_at);

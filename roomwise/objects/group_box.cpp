@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "roomwise/objects/kind_shape.h"
+#include "roomwise/objects/upright_box.h"
 #include "roomwise/objects/world_sight.h"
 
 namespace roomwise::objects {
@@ -16,8 +17,7 @@ using Eigen::Vector3d;
 using Eigen::Vector3f;
 
 constexpr float kCell_m = 0.03F;
-constexpr double kHullShare = 0.85;   // of the pictures whose boxes hold a cell
-constexpr double kOutermost = 0.015;  // of the cells on each side that are taken for noise
+constexpr double kHullShare = 0.85;  // of the pictures whose boxes hold a cell
 constexpr double kStandsBelow_m = 0.25;
 constexpr std::size_t kJackknifeParts = 8;
 constexpr double kCommonSigma_m = 0.02;  // of poses and calibration
@@ -100,45 +100,6 @@ std::string_view name_of(const SightGroup& group, std::span<const WorldSight> si
     scores[sight.name] += naming_weight(sight.source) * sight.score;
   }
   return std::ranges::max_element(scores, {}, [](const auto& one) { return one.second; })->first;
-}
-
-// The range of the values without the outermost.
-std::pair<double, double> range_of(std::vector<double> values) {
-  const auto cut = static_cast<std::ptrdiff_t>(kOutermost * static_cast<double>(values.size()));
-  std::ranges::nth_element(values, values.begin() + cut);
-  const double low = values[static_cast<std::size_t>(cut)];
-  const auto last = values.end() - 1 - cut;
-  std::ranges::nth_element(values, last);
-  return {low, *last};
-}
-
-std::pair<double, double> range_along(std::span<const Vector3f> points, const Vector3d& axis) {
-  std::vector<double> along;
-  along.reserve(points.size());
-  for (const Vector3f& point : points) along.push_back(axis.dot(point.cast<double>()));
-  return range_of(std::move(along));
-}
-
-// The level axes x and y along which the rectangle about the points is smallest.
-std::pair<Vector3d, Vector3d> level_axes(std::span<const Vector3f> points, const Vector3d& up) {
-  constexpr int kSteps = 45;
-  const Vector3d u = up.unitOrthogonal();
-  const Vector3d v = up.cross(u);
-  double smallest = std::numeric_limits<double>::infinity();
-  std::pair<Vector3d, Vector3d> best{u, v};
-  for (int step = 0; step < kSteps; ++step) {
-    const double angle = step * (std::numbers::pi / 2) / kSteps;
-    const Vector3d x = std::cos(angle) * u + std::sin(angle) * v;
-    const Vector3d y = up.cross(x);
-    const auto [low_x, high_x] = range_along(points, x);
-    const auto [low_y, high_y] = range_along(points, y);
-    // A rim of a cell, so that flat things have an area too.
-    const double area = (high_x - low_x + kCell_m) * (high_y - low_y + kCell_m);
-    if (area >= smallest) continue;
-    smallest = area;
-    best = {x, y};
-  }
-  return best;
 }
 
 // How much the middle along an axis hangs on single pictures: the delete-a-group jackknife (Kott,

@@ -54,6 +54,19 @@ std::array<VoxelKey, 6> face_neighbors(VoxelKey key) {
   return {key - kStepX, key + kStepX, key - kStepY, key + kStepY, key - kStepZ, key + kStepZ};
 }
 
+std::vector<VoxelKey> cube_neighbors(VoxelKey key, int reach) {
+  std::vector<VoxelKey> keys;
+  for (int x = -reach; x <= reach; ++x) {
+    for (int y = -reach; y <= reach; ++y) {
+      for (int z = -reach; z <= reach; ++z) {
+        if (x == 0 && y == 0 && z == 0) continue;
+        keys.push_back(key + x * kStepX + y * kStepY + z * kStepZ);
+      }
+    }
+  }
+  return keys;
+}
+
 std::vector<WorldSight> world_sights(std::span<const LookedKeyframe> keyframes, const Level& level,
                                      const InstanceOptions& options) {
   constexpr std::size_t kFewestPoints = 8;

@@ -20,6 +20,8 @@ using VoxelKey = std::int64_t;
                                               float size_m);
 // The cells that share a face with this one.
 [[nodiscard]] std::array<VoxelKey, 6> face_neighbors(VoxelKey key);
+// The cells of the cube that reaches so many cells from this one to each side, but for this one.
+[[nodiscard]] std::vector<VoxelKey> cube_neighbors(VoxelKey key, int reach);
 
 // A region that counts, in the world.
 struct WorldSight {

@@ -1,6 +1,7 @@
 #include "roomwise/pipeline/change_evaluation.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <map>
 #include <set>
@@ -99,6 +100,58 @@ TrueChange* find_cause(const ThingUpdate& alarm, std::vector<TrueChange>& change
   return cause;
 }
 
+// The doors that stand at another angle in the visit. Those of one home come in one order.
+Expected<std::vector<simulation::Door>> turned_doors(const std::filesystem::path& mapped,
+                                                     const std::filesystem::path& visit) {
+  constexpr double kLeastTurn_rad = 0.1;
+  ROOMWISE_TRY(const auto before, simulation::read_floor_plan(mapped / "floorplan.json"));
+  ROOMWISE_TRY(const auto now, simulation::read_floor_plan(visit / "floorplan.json"));
+  if (before.doors.size() != now.doors.size()) {
+    return fail("{} and {} are walks through different homes", mapped.string(), visit.string());
+  }
+  std::vector<simulation::Door> turned;
+  for (std::size_t i = 0; i < now.doors.size(); ++i) {
+    const double turn_rad = now.doors[i].open_rad - before.doors[i].open_rad;
+    if (now.doors[i].has_leaf && std::abs(turn_rad) >= kLeastTurn_rad) {
+      turned.push_back(now.doors[i]);
+    }
+  }
+  return turned;
+}
+
+// Whether the leaf of one of the doors may reach there, at whatever angle.
+bool is_at_a_leaf(const Eigen::Vector3d& point_truth, std::span<const simulation::Door> doors) {
+  return std::ranges::any_of(doors, [&](const simulation::Door& door) {
+    const Eigen::Vector2d away = point_truth.head<2>() - door.opening.center;
+    return point_truth.z() < door.opening.top_m && away.norm() < door.opening.width_m;
+  });
+}
+
+// Judges what changed without a name.
+void judge_unnamed(const HomeUpdate& update, std::vector<TrueChange>& changes, const ByName& before,
+                   const ByName& now, std::span<const simulation::Door> doors,
+                   const geometry::RigidTransform& truth_from_world, ChangeEvaluation& result) {
+  for (const UnnamedChange& alarm : update.unnamed) {
+    const Eigen::Vector3d middle = truth_from_world * alarm.box_world.center();
+    const auto off_m = [&](const TrueChange& change) {
+      return distance_m(alarm.box_world, find_thing(alarm.is_new ? now : before, change.name),
+                        truth_from_world);
+    };
+    const auto nearest = std::ranges::min_element(changes, {}, off_m);
+    if (nearest != changes.end() && off_m(*nearest) <= kNear_m) {
+      nearest->is_noticed_unnamed = true;
+      ++result.unnamed_right;
+    } else if (is_at_a_leaf(middle, doors)) {
+      ++result.unnamed_doors;
+    } else {
+      const Eigen::Vector3d& size = alarm.box_world.size_m;
+      result.unnamed_wrong.push_back(fmt::format(
+          "{} {:.2f} x {:.2f} x {:.2f} m at {:.2f} {:.2f} {:.2f} m", alarm.is_new ? "new" : "gone",
+          size.x(), size.y(), size.z(), middle.x(), middle.y(), middle.z()));
+    }
+  }
+}
+
 // The names of the true things that the home had found, each the nearest to one of its things.
 std::set<std::string> known_things(const HomeUpdate& update, const ByName& before,
                                    const geometry::RigidTransform& truth_from_world,
@@ -126,6 +179,11 @@ std::size_t ChangeEvaluation::expected() const {
 std::size_t ChangeEvaluation::noticed() const {
   return static_cast<std::size_t>(std::ranges::count_if(changes, [](const TrueChange& change) {
     return change.is_expected && !change.noticed_as.empty();
+  }));
+}
+std::size_t ChangeEvaluation::noticed_with_unnamed() const {
+  return static_cast<std::size_t>(std::ranges::count_if(changes, [](const TrueChange& change) {
+    return change.is_expected && (change.is_noticed_unnamed || !change.noticed_as.empty());
   }));
 }
 std::size_t ChangeEvaluation::known() const {
@@ -166,6 +224,8 @@ Expected<ChangeEvaluation> evaluate_changes(const home::Home& home,
       result.wrong.push_back(alarm);
     }
   }
+  ROOMWISE_TRY(const auto doors, turned_doors(mapped, visit));
+  judge_unnamed(update, changes, before, now, doors, truth_from_world, result);
   for (TrueChange& change : changes) {
     const ObjectTruth* thing = find_thing(before, change.name);
     const auto words =

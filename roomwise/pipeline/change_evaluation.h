@@ -18,7 +18,8 @@ struct TrueChange {
   // four frames of the walk that was mapped and in three of the visit, which has fewer.
   bool is_expected = false;
   bool was_known = false;  // the home had found it: a thing of its name at its old place
-  std::vector<std::string> noticed_as;  // "moved chair"; none: not noticed
+  std::vector<std::string> noticed_as;  // "moved chair"; none: not noticed by name
+  bool is_noticed_unnamed = false;      // as something new or gone
 };
 
 struct ChangeEvaluation {
@@ -26,10 +27,15 @@ struct ChangeEvaluation {
   std::size_t right = 0;            // alarms: where a thing was or is that truly changed
   std::vector<std::string> wrong;   // others
   std::size_t unchanged = 0;        // things that the home knew and that no alarm is about
+  // Of what is said to be new or gone without a name: what is about a thing that truly changed,
+  // what is about a door's leaf that was turned, and others.
+  std::size_t unnamed_right = 0, unnamed_doors = 0;
+  std::vector<std::string> unnamed_wrong;  // "new 0.30 x 0.20 x 0.40 m at 1.20 0.50 0.80 m"
 
   // Of the expected changes; of those whose old state the home knew.
   [[nodiscard]] std::size_t expected() const;
-  [[nodiscard]] std::size_t noticed() const;
+  [[nodiscard]] std::size_t noticed() const;  // by name
+  [[nodiscard]] std::size_t noticed_with_unnamed() const;
   [[nodiscard]] std::size_t known() const;
   [[nodiscard]] std::size_t known_noticed() const;
 };

@@ -77,10 +77,28 @@ class ChangeEvaluationTest : public ::testing::Test {
     if (now_x_m) thing.now = box_at(*now_x_m);
     update_.things.push_back(thing);
   }
+  void say_unnamed(bool is_new, double x_m) {
+    update_.unnamed.push_back({is_new, *box_at(x_m), "", "", {}});
+  }
+  // A plan with a door at this place of the truth that stands open so far.
+  static void write_plan(const std::filesystem::path& folder, double open_rad) {
+    simulation::HomeModel home;
+    home.rooms.resize(1);
+    home.rooms[0].name = "hall";
+    simulation::Door door;
+    door.opening.center = {10, 0};
+    door.opening.width_m = 0.9;
+    door.opening.top_m = 2;
+    door.open_rad = open_rad;
+    home.doors.push_back(door);
+    ROOMWISE_MUST(simulation::write_floor_plan(folder / "floorplan.json", home));
+  }
   Expected<ChangeEvaluation> evaluate(const std::vector<ObjectTruth>& before,
                                       const std::vector<ObjectTruth>& now) {
     ROOMWISE_CHECK_OK(simulation::write_objects_truth(mapped() / "objects.json", before));
     ROOMWISE_CHECK_OK(simulation::write_objects_truth(visit() / "objects.json", now));
+    write_plan(mapped(), 1.4);
+    write_plan(visit(), door_now_rad_);
     return evaluate_changes(*home_, mapped(), visit(), update_, 0.1);
   }
 
@@ -89,6 +107,7 @@ class ChangeEvaluationTest : public ::testing::Test {
   geometry::RigidTransform truth_from_world_{
       Eigen::Quaterniond(Eigen::AngleAxisd(0.7, Vector3d::UnitZ())), {3, -2, 1}};
   HomeUpdate update_;
+  double door_now_rad_ = 1.4;
 };
 
 TEST_F(ChangeEvaluationTest, WhatMovedCameAndWentIsNoticed) {
@@ -170,6 +189,34 @@ TEST_F(ChangeEvaluationTest, OfTwoChangesAnAlarmIsAboutThatOfItsName) {
   EXPECT_THAT(result->changes[1].noticed_as, ElementsAre("gone chair"));
   EXPECT_EQ(result->right, 2U) << "something stood there, whatever it is called";
   EXPECT_THAT(result->wrong, IsEmpty());
+}
+
+TEST_F(ChangeEvaluationTest, WhatHasNoNameIsJudgedByWhatTrulyChangedThere) {
+  say_unnamed(false, 0);    // the sofa moved from there
+  say_unnamed(true, 1);     // to there
+  say_unnamed(true, 4);     // a lamp came
+  say_unnamed(false, 6);    // the bed stands as it stood
+  say_unnamed(true, 10.5);  // nothing but a door
+  say("bottle", Fate::kGone, 8, {});
+  const std::vector before{cube("sofa 1", "sofa", 0, 4), cube("bed 1", "bed", 6, 4),
+                           cube("bottle 1", "bottle", 8, 4)};
+  const std::vector now{cube("sofa 1", "sofa", 1, 3), cube("bed 1", "bed", 6, 3),
+                        cube("lamp 1", "lamp", 4, 3)};
+  const auto shut = evaluate(before, now);
+  ASSERT_OK(shut);
+  EXPECT_EQ(shut->expected(), 3U);
+  EXPECT_EQ(shut->noticed(), 1U) << "by its name";
+  EXPECT_EQ(shut->noticed_with_unnamed(), 3U);
+  EXPECT_EQ(shut->unnamed_right, 3U);
+  EXPECT_EQ(shut->unnamed_doors, 0U) << "it was not turned";
+  ASSERT_EQ(shut->unnamed_wrong.size(), 2U);
+  EXPECT_THAT(shut->unnamed_wrong[0], ::testing::HasSubstr("gone 0.30 x 0.30 x 0.30 m at 6.00"));
+  EXPECT_THAT(shut->unnamed_wrong[1], ::testing::HasSubstr("new"));
+  door_now_rad_ = 0.2;
+  const auto turned = evaluate(before, now);
+  ASSERT_OK(turned);
+  EXPECT_EQ(turned->unnamed_doors, 1U);
+  EXPECT_EQ(turned->unnamed_wrong.size(), 1U);
 }
 
 TEST_F(ChangeEvaluationTest, AHomeOfAnotherWalkIsRefused) {

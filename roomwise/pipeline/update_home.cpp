@@ -185,8 +185,10 @@ class VisitComparison {
       now_.push_back(objects::standing_thing(one, one.box_world(shows_best.world_from_camera),
                                              looked_now, level));
     }
-    const objects::Changes changes = objects::find_changes(
-        before_, views_of(looked_before), now_, views_of(frames), past_things(), options.changes);
+    const auto views_before = views_of(looked_before);
+    const auto views_now = views_of(frames);
+    const objects::Changes changes = objects::find_changes(before_, views_before, now_, views_now,
+                                                           past_things(), options.changes);
     HomeUpdate update;
     update.changes.visit = frames.visit;
     update.rooms = frames.rooms;
@@ -198,6 +200,16 @@ class VisitComparison {
       thing.evidence_now = arrival.evidence;
       stand_now(arrival.now, frames, thing, update.changes);
       update.things.push_back(std::move(thing));
+    }
+    const ThingPlaces told = places_told_of(update.things);
+    for (const objects::SurfaceChange& change :
+         objects::find_surface_changes(views_before, views_now, level, options.surfaces)) {
+      if (lies_in(change, change.is_new ? told.now : told.before)) continue;
+      const home::KeyframeId shows = change.is_new ? frames.placed[change.shown_by].keyframe
+                                                   : looked_before[change.shown_by].keyframe_id;
+      update.unnamed.push_back({change.is_new, change.box_world, room_of(shows),
+                                name_beside(change.box_world.center(), update.things),
+                                change.evidence});
     }
     return update;
   }
@@ -349,6 +361,52 @@ class VisitComparison {
     return instance;
   }
 
+  // Where things stood that went, and stand that came, by this visit or an earlier one: the map's
+  // depth shows them as they were when it was made.
+  struct ThingPlaces {
+    std::vector<geometry::OrientedBox> before, now;
+  };
+  [[nodiscard]] ThingPlaces places_told_of(std::span<const ThingUpdate> things) const {
+    ThingPlaces places;
+    for (const ThingUpdate& thing : things) {
+      if (!thing.is_changed()) continue;
+      if (thing.before) places.before.push_back(*thing.before);
+      if (thing.now) places.now.push_back(*thing.now);
+    }
+    for (const StandingThing& thing : past_things()) places.before.push_back(thing.box_world);
+    for (std::size_t at = 0; at < known_.size(); ++at) {
+      if (instances_[known_[at]].visit != 0) places.now.push_back(before_[at].box_world);
+    }
+    return places;
+  }
+
+  // Whether a part of a changed surface, or more, lies in one of the boxes.
+  static bool lies_in(const objects::SurfaceChange& change,
+                      std::span<const geometry::OrientedBox> boxes) {
+    constexpr double kSlack_m = 0.1, kPart = 0.3;
+    const double part = kPart * static_cast<double>(change.surface_world.size());
+    return std::ranges::any_of(boxes, [&](const geometry::OrientedBox& box) {
+      const auto inside =
+          std::ranges::count_if(change.surface_world, [&](const Eigen::Vector3f& point) {
+            return box.distance_m(point.cast<double>()) <= kSlack_m;
+          });
+      return static_cast<double>(inside) > part;
+    });
+  }
+
+  // The thing that stands nearest to a place now, within reach of it; empty: none.
+  static std::string name_beside(const Eigen::Vector3d& place_world,
+                                 std::span<const ThingUpdate> things) {
+    double least_m = 0.5;
+    std::string name;
+    for (const ThingUpdate& thing : things) {
+      if (!thing.now || thing.now->distance_m(place_world) >= least_m) continue;
+      least_m = thing.now->distance_m(place_world);
+      name = thing.name;
+    }
+    return name;
+  }
+
   [[nodiscard]] std::string room_of(home::KeyframeId id) const {
     const auto room = rooms_.find(id);
     return room == rooms_.end() ? std::string() : room->second;
@@ -375,6 +433,7 @@ Expected<void> UpdateOptions::validate() const {
   ROOMWISE_CHECK_OK(localizer.validate());
   ROOMWISE_CHECK_OK(instances.validate());
   if (rooms) ROOMWISE_CHECK_OK(rooms->validate());
+  ROOMWISE_CHECK_OK(surfaces.validate());
   return changes.validate();
 }
 

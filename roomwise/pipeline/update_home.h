@@ -10,6 +10,7 @@
 #include "roomwise/mapping/localization.h"
 #include "roomwise/objects/changes.h"
 #include "roomwise/objects/region_finder.h"
+#include "roomwise/objects/surface_changes.h"
 #include "roomwise/pipeline/run_context.h"
 #include "roomwise/pipeline/visit_rooms.h"
 
@@ -21,6 +22,7 @@ struct UpdateOptions {
   // Of the visit's things: it sees each less often than the walk that made the map.
   objects::InstanceOptions instances{.least_sightings = 2};
   objects::ChangeOptions changes;
+  objects::SurfaceChangeOptions surfaces;
   // How the learned rooms are refreshed; absent: they stay as they are.
   std::optional<rooms::VisitLearningOptions> rooms = rooms::VisitLearningOptions{};
 
@@ -48,10 +50,21 @@ struct ThingUpdate {
   }
 };
 
+// Something that depth shows to be new, or gone, and that is none of the things that changed, by
+// this visit or an earlier one: nothing has a name for it. The home does not keep it.
+struct UnnamedChange {
+  bool is_new = false;                // otherwise it is gone
+  geometry::OrientedBox box_world;    // where it stands, or stood; upright
+  std::string room;                   // as of ThingUpdate
+  std::string beside;                 // the thing that stands nearest, within 0.5 m; empty: none
+  objects::SurfaceEvidence evidence;  // of the other walk's depth
+};
+
 struct HomeUpdate {
-  std::vector<ThingUpdate> things;  // those that the home knew, in its order, then the new ones
-  std::optional<RoomUpdate> rooms;  // where they were to be refreshed
-  home::HomeChanges changes;        // what Home::apply_changes() takes
+  std::vector<ThingUpdate> things;     // those that the home knew, in its order, then the new ones
+  std::vector<UnnamedChange> unnamed;  // the largest first
+  std::optional<RoomUpdate> rooms;     // where they were to be refreshed
+  home::HomeChanges changes;           // what Home::apply_changes() takes
 };
 
 // Compares a home's map with a later walk through the same home: frames are placed on the map one

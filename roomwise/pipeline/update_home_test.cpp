@@ -16,9 +16,10 @@ namespace {
 
 using testing::SyntheticWalk;
 
-// A red box that stands before the camera in a walk: drawn into pictures and depth.
-struct RedBox {
+// A box that stands before the camera in a walk: drawn into pictures and depth.
+struct DrawnBox {
   Eigen::AlignedBox3d extent;
+  Rgb8 color{250, 0, 0};
 
   void draw(image::RgbdFrame& frame, const geometry::RigidTransform& world_from_camera,
             const geometry::PinholeCamera& camera) const {
@@ -31,7 +32,7 @@ struct RedBox {
         const Eigen::Array3d high = (extent.max() - world_from_camera.translation).array() / along;
         const double z_m = low.min(high).maxCoeff();
         if (z_m <= 0 || z_m > low.max(high).minCoeff()) continue;
-        frame.color.at(x, y) = {250, 0, 0};
+        frame.color.at(x, y) = color;
         frame.depth.at(x, y) = static_cast<std::uint16_t>(std::lround(1000 * z_m));
       }
     }
@@ -67,7 +68,7 @@ class RedFinder final : public objects::RegionFinder {
 // A walk through the made-up home with a red box in it, or none.
 class WalkWithBox final : public recording::FrameSource {
  public:
-  WalkWithBox(int frames, double step_rad, std::optional<RedBox> box)
+  WalkWithBox(int frames, double step_rad, std::optional<DrawnBox> box)
       : walk_(frames, step_rad), box_(box) {}
   [[nodiscard]] const recording::SourceInfo& info() const override { return walk_.info(); }
   void skip_before(std::uint64_t index) override { walk_.skip_before(index); }
@@ -81,7 +82,7 @@ class WalkWithBox final : public recording::FrameSource {
 
  private:
   SyntheticWalk walk_;
-  std::optional<RedBox> box_;
+  std::optional<DrawnBox> box_;
 };
 
 class UpdateHome : public ::testing::Test {
@@ -100,7 +101,7 @@ class UpdateHome : public ::testing::Test {
     ASSERT_EQ(home_->instances()->size(), 1U);
   }
   // Writes a later walk down and compares the home with it.
-  Expected<HomeUpdate> visit(const std::optional<RedBox>& box) {
+  Expected<HomeUpdate> visit(const std::optional<DrawnBox>& box) {
     const auto folder = folder_ / fmt::format("visit-{}", visits_++);
     WalkWithBox walk(kFrames, kStep_rad, box);
     ROOMWISE_TRY(auto writer, recording::TumWriter::create(folder, walk.info().camera));
@@ -113,9 +114,9 @@ class UpdateHome : public ::testing::Test {
     return compare_with_visit(*home_, folder, finders_, {}, {}, run_);
   }
 
-  inline static const RedBox kBox{
+  inline static const DrawnBox kBox{
       {Eigen::Vector3d(-0.2, -0.1, 0.9), Eigen::Vector3d(0.25, 0.35, 1.2)}};
-  inline static const RedBox kElsewhere{
+  inline static const DrawnBox kElsewhere{
       {Eigen::Vector3d(0.7, -0.1, 0.8), Eigen::Vector3d(1.1, 0.35, 1.1)}};
 
   roomwise::testing::ScratchFolder folder_;
@@ -136,6 +137,27 @@ TEST_F(UpdateHome, AVisitThatFindsAllAsItWasChangesNothing) {
   EXPECT_GE(update->changes.visit.placed, static_cast<std::uint64_t>(kFrames - 1));
   ASSERT_EQ(update->things.size(), 1U);
   EXPECT_EQ(update->things[0].fate, objects::Fate::kThere);
+  EXPECT_TRUE(update->unnamed.empty());
+}
+
+TEST_F(UpdateHome, WhatHasNoNameIsNoticedAllTheSame) {
+  DrawnBox grey = kElsewhere;
+  grey.color = {120, 120, 120};
+  const auto update = visit(grey);
+  ASSERT_OK(update);
+  ASSERT_EQ(update->things.size(), 1U);
+  EXPECT_EQ(update->things[0].fate, objects::Fate::kGone);
+  ASSERT_EQ(update->unnamed.size(), 1U) << "what is gone has a name";
+  const UnnamedChange& change = update->unnamed[0];
+  EXPECT_TRUE(change.is_new);
+  EXPECT_LT(change.box_world.distance_m(kElsewhere.extent.center()), 0.25)
+      << change.box_world.center().transpose();
+  EXPECT_EQ(change.beside, "") << "the sofa went";
+  ASSERT_OK(home_->apply_changes(update->changes));
+  const auto again = visit(grey);
+  ASSERT_OK(again);
+  ASSERT_EQ(again->unnamed.size(), 1U) << "the sofa is known to be gone, the other is not kept";
+  EXPECT_TRUE(again->unnamed[0].is_new);
 }
 
 TEST_F(UpdateHome, WhatMovedIsKeptInThePastAndNoticedOnce) {
@@ -159,6 +181,7 @@ TEST_F(UpdateHome, WhatMovedIsKeptInThePastAndNoticedOnce) {
   const auto second = visit(kElsewhere);
   ASSERT_OK(second);
   EXPECT_TRUE(second->changes.empty()) << "the same once more is no change";
+  EXPECT_TRUE(second->unnamed.empty()) << "the map's depth shows the sofa in its old place";
   // Joining all anew forgets nothing of it.
   ASSERT_OK(update_objects(*home_, {}));
   EXPECT_EQ(home_->instances()->size(), 1U);

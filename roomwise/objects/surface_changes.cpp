@@ -1,0 +1,151 @@
+#include "roomwise/objects/surface_changes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <unordered_map>
+
+#include "roomwise/base/disjoint_sets.h"
+#include "roomwise/objects/point_votes.h"
+#include "roomwise/objects/region_surface.h"
+#include "roomwise/objects/upright_box.h"
+#include "roomwise/objects/world_sight.h"
+
+namespace roomwise::objects {
+namespace {
+
+using Eigen::Vector3d;
+using Eigen::Vector3f;
+
+constexpr float kChangeCell_m = 0.05F;
+constexpr double kNearestSurface_m = 0.4;
+constexpr int kReach_cells = 2;
+
+// A piece of surface that a walk shows.
+struct ShownCell {
+  VoxelKey key = 0;
+  Vector3f sum = Vector3f::Zero();
+  int points = 0;
+  int shown = 0;              // views
+  std::size_t last_view = 0;  // that showed it, counted from 1
+  [[nodiscard]] Vector3f middle() const { return sum / static_cast<float>(points); }
+};
+
+// The cells that so many views show, by their keys.
+std::vector<ShownCell> cells_shown(std::span<const DepthView> views, const Level& level,
+                                   const SurfaceChangeOptions& options) {
+  std::unordered_map<VoxelKey, ShownCell> cells;
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    const DepthView& view = views[v];
+    const int stride = std::max(1, kCoarseDepthStep_px / view.step_px);
+    const double middle_px = 0.5 * (view.step_px - 1);
+    for (int y = stride / 2; y < view.depth->height(); y += stride) {
+      for (int x = stride / 2; x < view.depth->width(); x += stride) {
+        const double depth_m = view.depth->at(x, y) / view.camera->depth_units_per_metre;
+        if (depth_m < kNearestSurface_m || depth_m > options.farthest_m) continue;
+        const Eigen::Vector2d pixel(x * view.step_px + middle_px, y * view.step_px + middle_px);
+        const Vector3d point = view.world_from_camera * view.camera->unproject(pixel, depth_m);
+        if (level.height_m(point) < kFloorReach_m) continue;
+        const Vector3f point_world = point.cast<float>();
+        ShownCell& cell = cells[voxel_of(point_world, kChangeCell_m)];
+        cell.sum += point_world;
+        ++cell.points;
+        if (cell.last_view != v + 1) ++cell.shown;
+        cell.last_view = v + 1;
+      }
+    }
+  }
+  std::vector<ShownCell> kept;
+  for (auto& [key, cell] : cells) {
+    if (cell.shown < options.least_shown) continue;
+    cell.key = key;
+    kept.push_back(cell);
+  }
+  std::ranges::sort(kept, {}, &ShownCell::key);
+  return kept;
+}
+
+// Those of the cells that the other walk looks through, and that their own shows in earnest: what
+// flies between a thing's rim and the wall behind is seen by a view or two and looked through by
+// the rest.
+std::vector<ShownCell> changed_cells(std::vector<ShownCell> cells, std::span<const DepthView> own,
+                                     std::span<const DepthView> others,
+                                     const SurfaceChangeOptions& options) {
+  const auto keep = [&](std::span<const DepthView> views, auto&& wanted) {
+    std::vector<Vector3f> middles;
+    for (const ShownCell& cell : cells) middles.push_back(cell.middle());
+    const PointVotes votes = count_votes(middles, views);
+    std::vector<ShownCell> kept;
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+      if (wanted(votes.seen[i], votes.through[i])) kept.push_back(cells[i]);
+    }
+    cells = std::move(kept);
+  };
+  keep(others, [&](int seen, int through) {
+    return through >= options.least_through && through > 2 * seen;
+  });
+  keep(own,
+       [&](int seen, int through) { return seen >= options.least_shown && seen > 2 * through; });
+  return cells;
+}
+
+// Cells that are near each other are one piece: from afar, or at a slant, pictures show fewer points
+// of a surface than it has cells.
+std::vector<std::vector<Vector3f>> pieces_of(const std::vector<ShownCell>& cells) {
+  DisjointSets sets(cells.size());
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    for (const VoxelKey neighbor : cube_neighbors(cells[i].key, kReach_cells)) {
+      const auto at = std::ranges::lower_bound(cells, neighbor, {}, &ShownCell::key);
+      if (at == cells.end() || at->key != neighbor) continue;
+      sets.join(i, static_cast<std::size_t>(at - cells.begin()));
+    }
+  }
+  std::vector<std::vector<Vector3f>> pieces(cells.size());
+  for (std::size_t i = 0; i < cells.size(); ++i) pieces[sets.find(i)].push_back(cells[i].middle());
+  std::erase_if(pieces, [](const auto& piece) { return piece.empty(); });
+  return pieces;
+}
+
+void add_changes(bool is_new, std::span<const DepthView> own, std::span<const DepthView> others,
+                 const Level& level, const SurfaceChangeOptions& options,
+                 std::vector<SurfaceChange>& changes) {
+  const auto cells = changed_cells(cells_shown(own, level, options), own, others, options);
+  for (auto& piece : pieces_of(cells)) {
+    if (piece.size() < options.least_cells) continue;
+    SurfaceChange change{is_new, upright_box(piece, level.up_world), std::move(piece), {}, 0};
+    Vector3d edges = change.box_world.size_m;
+    std::ranges::sort(edges);
+    if (edges[2] < options.least_size_m || edges[1] < options.least_size_m / 2) continue;
+    change.evidence = look_for_surface(change.surface_world, others);
+    const auto shown = count_votes(change.surface_world, own).decided_by_view;
+    change.shown_by = static_cast<std::size_t>(std::ranges::max_element(shown) - shown.begin());
+    changes.push_back(std::move(change));
+  }
+}
+
+}  // namespace
+
+Expected<void> SurfaceChangeOptions::validate() const {
+  if (!(farthest_m > kNearestSurface_m && std::isfinite(farthest_m))) {
+    return fail("farthest_m is {}; expected more than {} m", farthest_m, kNearestSurface_m);
+  }
+  if (least_shown < 1) return fail("least_shown is {}; expected at least 1", least_shown);
+  if (least_through < 1) return fail("least_through is {}; expected at least 1", least_through);
+  if (!(least_size_m >= 0 && std::isfinite(least_size_m))) {
+    return fail("least_size_m is {}; expected 0 m or more", least_size_m);
+  }
+  return {};
+}
+
+std::vector<SurfaceChange> find_surface_changes(std::span<const DepthView> views_before,
+                                                std::span<const DepthView> views_now,
+                                                const Level& level,
+                                                const SurfaceChangeOptions& options) {
+  std::vector<SurfaceChange> changes;
+  add_changes(false, views_before, views_now, level, options, changes);
+  add_changes(true, views_now, views_before, level, options, changes);
+  std::ranges::stable_sort(changes, std::ranges::greater(),
+                           [](const SurfaceChange& change) { return change.surface_world.size(); });
+  return changes;
+}
+
+}  // namespace roomwise::objects
