@@ -54,11 +54,11 @@ std::string row_of(const ThingUpdate& thing) {
 
 std::string row_of(const pipeline::UnnamedChange& change) {
   const Eigen::Vector3d& size = change.box_world.size_m;
-  return fmt::format("{:<13} {:<16} {} {}{}; {:.2f} x {:.2f} m, {:.2f} m high\n",
-                     change.is_new ? "new" : "gone", "something", change.is_new ? "at" : "was at",
-                     at(change.box_world, change.room),
-                     change.beside.empty() ? "" : ", by the " + change.beside,
-                     std::max(size.x(), size.y()), std::min(size.x(), size.y()), size.z());
+  return fmt::format(
+      "{:<13} {:<16} {} {}{}; {:.2f} x {:.2f} m, {:.2f} m high\n", change.is_new ? "new" : "gone",
+      change.is_like_a_leaf ? "leaf of a door" : "something", change.is_new ? "at" : "was at",
+      at(change.box_world, change.room), change.beside.empty() ? "" : ", by the " + change.beside,
+      std::max(size.x(), size.y()), std::min(size.x(), size.y()), size.z());
 }
 
 Json place_json(const std::optional<geometry::OrientedBox>& box, const std::string& room) {
@@ -90,6 +90,7 @@ Json to_json(const ThingUpdate& thing) {
 Json to_json(const pipeline::UnnamedChange& change) {
   return {{"what", change.is_new ? "new" : "gone"},
           {"place", place_json(change.box_world, change.room)},
+          {"like_a_leaf", change.is_like_a_leaf},
           {"beside", change.beside.empty() ? Json(nullptr) : Json(change.beside)},
           {"place_in_other_walk", to_json(change.evidence)}};
 }

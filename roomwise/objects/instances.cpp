@@ -261,21 +261,26 @@ struct FoundThing {
   bool is_detected;  // by a network that gives boxes
 };
 
-// A plant's pot is often called a vase. A classifier that is shown what stands beside a thing sees
-// the thing, too: a lamp in the box of its nightstand.
+// A plant's pot is often called a vase. Two things of one name do not stand in each other: what
+// reaches into a surer one is what another picture shows of it. A classifier that is shown what
+// stands beside a thing sees the thing, too: a lamp in the box of its nightstand.
 bool is_part_of_another(const FoundThing& thing, std::span<const FoundThing> things) {
-  constexpr double kBeside_m = 0.05, kShown_m = 0.25;
+  constexpr double kPot_m = 0.05, kShown_m = 0.25;
+  constexpr double kReachesInto = 0.1;  // of either box; boxes of neighbours err by some
+  const auto sureness = [](const FoundThing& one) {
+    return std::tuple(one.is_detected, one.instance.sightings, one.instance.probability);
+  };
   return std::ranges::any_of(things, [&](const FoundThing& other) {
-    const double apart_m = other.box_world->distance_m(thing.box_world->center());
-    if (thing.instance.name == "vase" && other.instance.name == "plant")
-      return apart_m <= kBeside_m;
-    if (thing.is_detected || &thing == &other || thing.instance.name != other.instance.name)
+    const geometry::OrientedBox &box = *thing.box_world, &other_box = *other.box_world;
+    const double apart_m = other_box.distance_m(box.center());
+    if (thing.instance.name == "vase" && other.instance.name == "plant") return apart_m <= kPot_m;
+    if (thing.instance.name != other.instance.name || sureness(other) <= sureness(thing))
       return false;
-    const auto sureness = [](const FoundThing& one) {
-      return std::tuple(one.is_detected, one.instance.sightings, one.instance.probability);
-    };
-    return sureness(other) > sureness(thing) &&
-           std::min(apart_m, thing.box_world->distance_m(other.box_world->center())) <= kShown_m;
+    if (share_inside(box, other_box) >= kReachesInto ||
+        share_inside(other_box, box) >= kReachesInto) {
+      return true;
+    }
+    return !thing.is_detected && std::min(apart_m, box.distance_m(other_box.center())) <= kShown_m;
   });
 }
 

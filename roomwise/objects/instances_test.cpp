@@ -297,6 +297,21 @@ TEST(FindInstances, TwoOfOneNameInOnePlaceAreOne) {
   EXPECT_EQ(instances[0].sightings, 12);
 }
 
+TEST(FindInstances, WhatReachesIntoASurerOneOfItsNameIsThatOne) {
+  const auto beds_apart = [](double apart_m) {
+    TestRoom room;
+    room.things = {{"bed", {-0.6, 0, 0.25}, {2.0, 1.4, 0.5}},
+                   {"bed", {apart_m - 0.6, 0, 0.3}, {1.0, 1.0, 0.6}}};
+    room.look_around({0, 0, 0.3}, 12, 2.2);
+    for (int i = 0; i < 3; ++i) room.look({-2.2, 0.3 * i, 1.4}, {-1.2, 0, 0.3});
+    return room.instances();
+  };
+  EXPECT_EQ(beds_apart(1.7).size(), 2U) << "beside each other";
+  const auto instances = beds_apart(1.25);  // a quarter of the smaller one
+  ASSERT_EQ(instances.size(), 1U);
+  EXPECT_GE(instances[0].sightings, 12) << "the one that more pictures show";
+}
+
 TEST(FindInstances, AVaseInAPlantIsItsPot) {
   const auto things_with = [](const std::string& name) {
     TestRoom room;

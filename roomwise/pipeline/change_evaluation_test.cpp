@@ -78,7 +78,7 @@ class ChangeEvaluationTest : public ::testing::Test {
     update_.things.push_back(thing);
   }
   void say_unnamed(bool is_new, double x_m) {
-    update_.unnamed.push_back({is_new, *box_at(x_m), "", "", {}});
+    update_.unnamed.push_back({is_new, *box_at(x_m), "", "", false, {}});
   }
   // A plan with a door at this place of the truth that stands open so far.
   static void write_plan(const std::filesystem::path& folder, double open_rad) {
