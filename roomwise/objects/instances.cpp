@@ -201,9 +201,9 @@ bool fits(const Candidate& candidate, const std::string& name) {
 }
 
 // What it is called, with the shares of the scores. Names of things that are never as large as that
-// were mistakes, and so perhaps were the others: they keep half of their share.
+// were mistakes, and so perhaps were the others: a little of their share stays with them.
 std::map<std::string, double> shares_of_names(const Candidate& candidate) {
-  constexpr double kMistaken = 0.5;
+  constexpr double kMistaken = 0.15;
   std::map<std::string, double> shares = candidate.scores;
   double sum = 0;
   for (auto& [name, score] : shares) {

@@ -86,7 +86,7 @@ struct InstanceOptions {
   double least_score = 0.3;  // of a region that counts
   double farthest_m = 4.5;   // regions beyond are not measured well enough
   int least_sightings = 3;   // key-frames
-  double least_probability = 0.45;
+  double least_probability = 0.36;
   // Of some names more is asked. What a detector calls a toilet is as often a bin, a washbasin or a
   // chair, and then it is less sure or others name it, too (docs/objects.md).
   std::map<std::string, double> least_probability_of{{"toilet seat", 0.93}};
