@@ -261,10 +261,20 @@ struct FoundThing {
   bool is_detected;  // by a network that gives boxes
 };
 
+// Whether the middles lie above each other.
+bool stands_over(const geometry::OrientedBox& a, const geometry::OrientedBox& b,
+                 const Level& level) {
+  constexpr double kAside_m = 0.3;
+  const Eigen::Vector3d apart = a.center() - b.center();
+  return (apart - apart.dot(level.up_world) * level.up_world).norm() <= kAside_m;
+}
+
 // A plant's pot is often called a vase. Two things of one name do not stand in each other: what
 // reaches into a surer one is what another picture shows of it. A classifier that is shown what
-// stands beside a thing sees the thing, too: a lamp in the box of its nightstand.
-bool is_part_of_another(const FoundThing& thing, std::span<const FoundThing> things) {
+// stands beside a thing sees the thing, too: a lamp in the box of its nightstand. Of a floor lamp
+// some pictures show the shade and others the foot: no lamp stands above another.
+bool is_part_of_another(const FoundThing& thing, std::span<const FoundThing> things,
+                        const Level& level) {
   constexpr double kPot_m = 0.05, kShown_m = 0.25;
   constexpr double kReachesInto = 0.1;  // of either box; boxes of neighbours err by some
   const auto sureness = [](const FoundThing& one) {
@@ -280,6 +290,7 @@ bool is_part_of_another(const FoundThing& thing, std::span<const FoundThing> thi
         share_inside(other_box, box) >= kReachesInto) {
       return true;
     }
+    if (thing.instance.name == "lamp" && stands_over(box, other_box, level)) return true;
     return !thing.is_detected && std::min(apart_m, box.distance_m(other_box.center())) <= kShown_m;
   });
 }
@@ -337,7 +348,7 @@ std::vector<Instance> find_instances(std::span<const LookedKeyframe> keyframes, 
   }
   std::vector<Instance> instances;
   for (const FoundThing& thing : things) {
-    if (!is_part_of_another(thing, things)) instances.push_back(thing.instance);
+    if (!is_part_of_another(thing, things, level)) instances.push_back(thing.instance);
   }
   std::ranges::sort(instances, {}, [](const Instance& one) {
     return std::tuple(one.name, one.keyframe_id, one.picture_box.left, one.picture_box.top);

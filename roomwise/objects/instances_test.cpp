@@ -312,6 +312,20 @@ TEST(FindInstances, WhatReachesIntoASurerOneOfItsNameIsThatOne) {
   EXPECT_GE(instances[0].sightings, 12) << "the one that more pictures show";
 }
 
+TEST(FindInstances, NoLampStandsAboveAnother) {
+  const auto things_aside = [](const std::string& name, double aside_m) {
+    TestRoom room;
+    room.things = {{name, {0, 0, 1.3}, {0.3, 0.3, 0.3}},
+                   {name, {aside_m, 0, 0.35}, {0.3, 0.3, 0.3}}};
+    room.look_around({0, 0, 0.8}, 12, 2.2);
+    for (int i = 0; i < 3; ++i) room.look({-1.2, 0.2 * i, 1.5}, {0, 0, 1.5});  // the upper
+    return room.instances().size();
+  };
+  EXPECT_EQ(things_aside("lamp", 0.1), 1U) << "the shade and the foot of one";
+  EXPECT_EQ(things_aside("lamp", 0.6), 2U);
+  EXPECT_EQ(things_aside("vase", 0.1), 2U) << "on the boards of a shelf";
+}
+
 TEST(FindInstances, AVaseInAPlantIsItsPot) {
   const auto things_with = [](const std::string& name) {
     TestRoom room;
