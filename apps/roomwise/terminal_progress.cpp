@@ -124,7 +124,8 @@ void TerminalProgress::advance(std::uint64_t done, std::string_view note) {
 void TerminalProgress::end() {
   if (total_ == 0 && !line_open_) return;  // there was nothing to do
   const double elapsed_s = duration<double>(clock_() - started_).count();
-  std::string line = fmt::format("{}: {} in {}", work_, done_, format_duration(elapsed_s));
+  std::string line = fmt::format("{}: {} in {}", work_, done_,
+                                 elapsed_s < 1 ? "under a second" : format_duration(elapsed_s));
   if (!note_.empty()) line += ", " + note_;
   // The erased rest of the line: what stood there before may have been longer.
   output_.write(line_open_ ? "\r" + line + "\x1b[K\n" : line + "\n");
