@@ -334,7 +334,7 @@ void print_objects_row(const std::vector<json>& homes, const char* way, const ch
 Expected<void> print_things(const Words& seeds, const fs::path& folder) {
   std::vector<json> homes;
   std::uint64_t expected = 0, noticed = 0, known = 0, known_noticed = 0, right = 0, wrong = 0,
-                visits = 0;
+                visits = 0, noticed_at_all = 0, unnamed_right = 0, doors = 0, unnamed_wrong = 0;
   for (const std::string& seed : seeds) {
     ROOMWISE_TRY(const std::string objects, read_text_file(folder / seed / "objects.json"));
     homes.push_back(json::parse(objects));
@@ -349,6 +349,10 @@ Expected<void> print_things(const Words& seeds, const fs::path& folder) {
       known_noticed += changes.at("known_noticed").get<std::uint64_t>();
       right += changes.at("right_alarms").get<std::uint64_t>();
       wrong += changes.at("wrong_alarms").size();
+      noticed_at_all += changes.at("noticed_with_unnamed").get<std::uint64_t>();
+      unnamed_right += changes.at("unnamed_right").get<std::uint64_t>();
+      doors += changes.at("unnamed_doors").get<std::uint64_t>();
+      unnamed_wrong += changes.at("unnamed_wrong").size();
     }
   }
   fmt::print(
@@ -358,8 +362,11 @@ Expected<void> print_things(const Words& seeds, const fs::path& folder) {
   print_objects_row(homes, "rules", "the paper's rules");
   fmt::print(
       "\n| visits with things moved | changed: noticed | of those that the home had found | alarms "
-      "right, wrong |\n| --- | --- | --- | --- |\n| {} | {} of {} | {} of {} | {}, {} |\n",
-      visits, noticed, expected, known_noticed, known, right, wrong);
+      "right, wrong | noticed with what has no name | of that right, doors, wrong |\n"
+      "| --- | --- | --- | --- | --- | --- |\n"
+      "| {} | {} of {} | {} of {} | {}, {} | {} of {} | {}, {}, {} |\n",
+      visits, noticed, expected, known_noticed, known, right, wrong, noticed_at_all, expected,
+      unnamed_right, doors, unnamed_wrong);
   return {};
 }
 
