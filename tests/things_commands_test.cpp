@@ -325,6 +325,7 @@ TEST_F(ThingsCommandsTest, AWalkThatFindsAllAsItWasLeavesTheHomeAsItWas) {
   EXPECT_GE(found.at("placed"), kFrames / 2);
   EXPECT_EQ(found.at("changed"), false);
   EXPECT_EQ(found.at("written"), false);
+  EXPECT_TRUE(found.at("unnamed").empty()) << found.at("unnamed");
   ASSERT_EQ(found.at("things").size(), mapped_.at("instances"));
   const json& thing = found.at("things")[0];
   EXPECT_TRUE(thing.at("what") == "there" || thing.at("what") == "not looked at") << thing;

@@ -55,10 +55,11 @@ std::string row_of(const ThingUpdate& thing) {
 std::string row_of(const pipeline::UnnamedChange& change) {
   const Eigen::Vector3d& size = change.box_world.size_m;
   return fmt::format(
-      "{:<13} {:<16} {} {}{}; {:.2f} x {:.2f} m, {:.2f} m high\n", change.is_new ? "new" : "gone",
-      change.is_like_a_leaf ? "leaf of a door" : "something", change.is_new ? "at" : "was at",
+      "{:<13} {:<16} {} {}{}; what was seen of it is {:.2f} x {:.2f} m, {:.2f} m high{}\n",
+      change.is_new ? "new" : "gone", "something", change.is_new ? "at" : "was at",
       at(change.box_world, change.room), change.beside.empty() ? "" : ", by the " + change.beside,
-      std::max(size.x(), size.y()), std::min(size.x(), size.y()), size.z());
+      std::max(size.x(), size.y()), std::min(size.x(), size.y()), size.z(),
+      change.is_like_a_leaf ? ", like the leaf of a door that was turned" : "");
 }
 
 Json place_json(const std::optional<geometry::OrientedBox>& box, const std::string& room) {
@@ -147,7 +148,7 @@ Answer describe(const pipeline::HomeUpdate& update, const UpdateCommandOptions& 
                  {"placed", visit.placed},
                  {"first_timestamp_s", 1e-9 * static_cast<double>(visit.first_timestamp_ns)},
                  {"last_timestamp_s", 1e-9 * static_cast<double>(visit.last_timestamp_ns)},
-                 {"changed", !update.changes.empty()},
+                 {"changed", !update.changes.empty() || !update.unnamed.empty()},
                  {"written", !update.changes.empty() && !options.dry_run},
                  {"things", Json::array()},
                  {"unnamed", Json::array()},
@@ -168,7 +169,9 @@ Answer describe(const pipeline::HomeUpdate& update, const UpdateCommandOptions& 
       fmt::format("{} things are where they were, {} were not looked at\n", there, not_looked_at);
   if (update.rooms) answer.text += rows_of(*update.rooms, options.dry_run);
   if (update.changes.empty()) {
-    answer.text += "nothing changed; the home is as it was\n";
+    answer.text += update.unnamed.empty()
+                       ? "nothing changed; the home is as it was\n"
+                       : "nothing that has a name changed; the home is as it was\n";
   } else if (options.dry_run) {
     answer.text += "--dry-run: the home is as it was\n";
   }

@@ -261,38 +261,55 @@ struct FoundThing {
   bool is_detected;  // by a network that gives boxes
 };
 
-// Whether the middles lie above each other.
-bool stands_over(const geometry::OrientedBox& a, const geometry::OrientedBox& b,
-                 const Level& level) {
+// Whether the middles lie above each other, and both together are no higher than a lamp is.
+bool may_be_one_lamp(const geometry::OrientedBox& a, const geometry::OrientedBox& b,
+                     const Level& level) {
   constexpr double kAside_m = 0.3;
   const Eigen::Vector3d apart = a.center() - b.center();
-  return (apart - apart.dot(level.up_world) * level.up_world).norm() <= kAside_m;
+  const double above_m = apart.dot(level.up_world);
+  const double height_m = std::abs(above_m) + (a.size_m.z() + b.size_m.z()) / 2;
+  return (apart - above_m * level.up_world).norm() <= kAside_m &&
+         height_m <= shape_of("lamp").most_height_m;
 }
 
-// A plant's pot is often called a vase. Two things of one name do not stand in each other: what
-// reaches into a surer one is what another picture shows of it. A classifier that is shown what
-// stands beside a thing sees the thing, too: a lamp in the box of its nightstand. Of a floor lamp
-// some pictures show the shade and others the foot: no lamp stands above another.
-bool is_part_of_another(const FoundThing& thing, std::span<const FoundThing> things,
-                        const Level& level) {
-  constexpr double kPot_m = 0.05, kShown_m = 0.25;
-  constexpr double kReachesInto = 0.1;  // of either box; boxes of neighbours err by some
-  const auto sureness = [](const FoundThing& one) {
+// A plant's pot is often called a vase.
+bool is_pot(const FoundThing& thing, std::span<const FoundThing> things) {
+  constexpr double kReach_m = 0.05;
+  return thing.instance.name == "vase" && std::ranges::any_of(things, [&](const FoundThing& other) {
+           return other.instance.name == "plant" &&
+                  other.box_world->distance_m(thing.box_world->center()) <= kReach_m;
+         });
+}
+
+// Two things of one name do not stand in each other: what reaches into a surer one is what another
+// picture shows of it. A classifier that is shown what stands beside a thing sees the thing, too: a
+// lamp in the box of its nightstand. Of a floor lamp some pictures show the shade and others the
+// foot.
+bool is_the_same(const FoundThing& thing, const FoundThing& surer, const Level& level) {
+  constexpr double kShown_m = 0.25;
+  constexpr double kReachesInto = 0.2;  // of either box; boxes of neighbours err by some
+  if (thing.instance.name != surer.instance.name) return false;
+  const geometry::OrientedBox &box = *thing.box_world, &other = *surer.box_world;
+  if (share_inside(box, other) >= kReachesInto || share_inside(other, box) >= kReachesInto) {
+    return true;
+  }
+  if (thing.instance.name == "lamp" && may_be_one_lamp(box, other, level)) return true;
+  return !thing.is_detected &&
+         std::min(other.distance_m(box.center()), box.distance_m(other.center())) <= kShown_m;
+}
+
+// The things without those that are another one, which is surer.
+std::vector<FoundThing> each_once(std::vector<FoundThing> things, const Level& level) {
+  std::ranges::stable_sort(things, std::ranges::greater(), [](const FoundThing& one) {
     return std::tuple(one.is_detected, one.instance.sightings, one.instance.probability);
-  };
-  return std::ranges::any_of(things, [&](const FoundThing& other) {
-    const geometry::OrientedBox &box = *thing.box_world, &other_box = *other.box_world;
-    const double apart_m = other_box.distance_m(box.center());
-    if (thing.instance.name == "vase" && other.instance.name == "plant") return apart_m <= kPot_m;
-    if (thing.instance.name != other.instance.name || sureness(other) <= sureness(thing))
-      return false;
-    if (share_inside(box, other_box) >= kReachesInto ||
-        share_inside(other_box, box) >= kReachesInto) {
-      return true;
-    }
-    if (thing.instance.name == "lamp" && stands_over(box, other_box, level)) return true;
-    return !thing.is_detected && std::min(apart_m, box.distance_m(other_box.center())) <= kShown_m;
   });
+  std::vector<FoundThing> kept;
+  for (const FoundThing& thing : things) {
+    const bool is_there = std::ranges::any_of(
+        kept, [&](const FoundThing& surer) { return is_the_same(thing, surer, level); });
+    if (!is_there && !is_pot(thing, things)) kept.push_back(thing);
+  }
+  return kept;
 }
 
 }  // namespace
@@ -347,8 +364,8 @@ std::vector<Instance> find_instances(std::span<const LookedKeyframe> keyframes, 
                       surest_source(candidate, sights) == RegionSource::kDetector});
   }
   std::vector<Instance> instances;
-  for (const FoundThing& thing : things) {
-    if (!is_part_of_another(thing, things, level)) instances.push_back(thing.instance);
+  for (FoundThing& thing : each_once(std::move(things), level)) {
+    instances.push_back(std::move(thing.instance));
   }
   std::ranges::sort(instances, {}, [](const Instance& one) {
     return std::tuple(one.name, one.keyframe_id, one.picture_box.left, one.picture_box.top);

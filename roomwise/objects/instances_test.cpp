@@ -313,16 +313,17 @@ TEST(FindInstances, WhatReachesIntoASurerOneOfItsNameIsThatOne) {
 }
 
 TEST(FindInstances, NoLampStandsAboveAnother) {
-  const auto things_aside = [](const std::string& name, double aside_m) {
+  const auto things_aside = [](const std::string& name, double aside_m, double top_m = 1.3) {
     TestRoom room;
-    room.things = {{name, {0, 0, 1.3}, {0.3, 0.3, 0.3}},
+    room.things = {{name, {0, 0, top_m}, {0.3, 0.3, 0.3}},
                    {name, {aside_m, 0, 0.35}, {0.3, 0.3, 0.3}}};
     room.look_around({0, 0, 0.8}, 12, 2.2);
-    for (int i = 0; i < 3; ++i) room.look({-1.2, 0.2 * i, 1.5}, {0, 0, 1.5});  // the upper
+    for (int i = 0; i < 3; ++i) room.look({-1.2, 0.2 * i, 1.5}, {0, 0, top_m});  // the upper
     return room.instances().size();
   };
   EXPECT_EQ(things_aside("lamp", 0.1), 1U) << "the shade and the foot of one";
   EXPECT_EQ(things_aside("lamp", 0.6), 2U);
+  EXPECT_EQ(things_aside("lamp", 0.1, 2.4), 2U) << "one hangs from the ceiling";
   EXPECT_EQ(things_aside("vase", 0.1), 2U) << "on the boards of a shelf";
 }
 

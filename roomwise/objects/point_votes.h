@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "roomwise/base/thread_pool.h"
 #include "roomwise/objects/changes.h"
 
 // What depth images say of single points; private to objects/.
@@ -19,5 +20,8 @@ struct PointVotes {
 };
 [[nodiscard]] PointVotes count_votes(std::span<const Eigen::Vector3f> points_world,
                                      std::span<const DepthView> views);
+// The same by several threads.
+[[nodiscard]] PointVotes count_votes(std::span<const Eigen::Vector3f> points_world,
+                                     std::span<const DepthView> views, ThreadPool& pool);
 
 }  // namespace roomwise::objects

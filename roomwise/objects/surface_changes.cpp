@@ -23,11 +23,11 @@ constexpr int kReach_cells = 2;
 // A piece of surface that a walk shows.
 struct ShownCell {
   VoxelKey key = 0;
-  Vector3f sum = Vector3f::Zero();
+  Vector3d sum = Vector3d::Zero();
   int points = 0;
   int shown = 0;              // views
   std::size_t last_view = 0;  // that showed it, counted from 1
-  [[nodiscard]] Vector3f middle() const { return sum / static_cast<float>(points); }
+  [[nodiscard]] Vector3f middle() const { return (sum / points).cast<float>(); }
 };
 
 // The cells that so many views show, by their keys.
@@ -47,7 +47,7 @@ std::vector<ShownCell> cells_shown(std::span<const DepthView> views, const Level
         if (level.height_m(point) < kFloorReach_m) continue;
         const Vector3f point_world = point.cast<float>();
         ShownCell& cell = cells[voxel_of(point_world, kChangeCell_m)];
-        cell.sum += point_world;
+        cell.sum += point;
         ++cell.points;
         if (cell.last_view != v + 1) ++cell.shown;
         cell.last_view = v + 1;
@@ -69,11 +69,11 @@ std::vector<ShownCell> cells_shown(std::span<const DepthView> views, const Level
 // the rest.
 std::vector<ShownCell> changed_cells(std::vector<ShownCell> cells, std::span<const DepthView> own,
                                      std::span<const DepthView> others,
-                                     const SurfaceChangeOptions& options) {
+                                     const SurfaceChangeOptions& options, ThreadPool& pool) {
   const auto keep = [&](std::span<const DepthView> views, auto&& wanted) {
     std::vector<Vector3f> middles;
     for (const ShownCell& cell : cells) middles.push_back(cell.middle());
-    const PointVotes votes = count_votes(middles, views);
+    const PointVotes votes = count_votes(middles, views, pool);
     std::vector<ShownCell> kept;
     for (std::size_t i = 0; i < cells.size(); ++i) {
       if (wanted(votes.seen[i], votes.through[i])) kept.push_back(cells[i]);
@@ -105,13 +105,26 @@ std::vector<std::vector<Vector3f>> pieces_of(const std::vector<ShownCell>& cells
   return pieces;
 }
 
+// About the cells of a piece, down to the floor where it begins right above it.
+geometry::OrientedBox box_about(std::span<const Vector3f> middles, const Level& level) {
+  constexpr double kStandsBelow_m = 0.15;
+  geometry::OrientedBox box = upright_box(middles, level.up_world);
+  box.size_m.array() += static_cast<double>(kChangeCell_m);
+  const double foot_m = level.height_m(box.center()) - box.size_m.z() / 2;
+  if (foot_m > 0 && foot_m < kStandsBelow_m) {
+    box.size_m.z() += foot_m;
+    box.world_from_box.translation -= foot_m / 2 * level.up_world;
+  }
+  return box;
+}
+
 void add_changes(bool is_new, std::span<const DepthView> own, std::span<const DepthView> others,
-                 const Level& level, const SurfaceChangeOptions& options,
+                 const Level& level, const SurfaceChangeOptions& options, ThreadPool& pool,
                  std::vector<SurfaceChange>& changes) {
-  const auto cells = changed_cells(cells_shown(own, level, options), own, others, options);
+  const auto cells = changed_cells(cells_shown(own, level, options), own, others, options, pool);
   for (auto& piece : pieces_of(cells)) {
     if (piece.size() < options.least_cells) continue;
-    SurfaceChange change{is_new, upright_box(piece, level.up_world), std::move(piece), {}, 0};
+    SurfaceChange change{is_new, box_about(piece, level), std::move(piece), {}, 0};
     Vector3d edges = change.box_world.size_m;
     std::ranges::sort(edges);
     if (edges[2] < options.least_size_m || edges[1] < options.least_size_m / 2) continue;
@@ -139,10 +152,11 @@ Expected<void> SurfaceChangeOptions::validate() const {
 std::vector<SurfaceChange> find_surface_changes(std::span<const DepthView> views_before,
                                                 std::span<const DepthView> views_now,
                                                 const Level& level,
-                                                const SurfaceChangeOptions& options) {
+                                                const SurfaceChangeOptions& options,
+                                                ThreadPool& pool) {
   std::vector<SurfaceChange> changes;
-  add_changes(false, views_before, views_now, level, options, changes);
-  add_changes(true, views_now, views_before, level, options, changes);
+  add_changes(false, views_before, views_now, level, options, pool, changes);
+  add_changes(true, views_now, views_before, level, options, pool, changes);
   std::ranges::stable_sort(changes, std::ranges::greater(),
                            [](const SurfaceChange& change) { return change.surface_world.size(); });
   return changes;

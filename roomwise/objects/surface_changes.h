@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "roomwise/base/thread_pool.h"
 #include "roomwise/objects/changes.h"
 
 // Where depth alone shows that something stands now where nothing was, or the other way round: also
@@ -12,10 +13,10 @@ namespace roomwise::objects {
 
 struct SurfaceChange {
   bool is_new = false;                         // otherwise it is gone
-  geometry::OrientedBox box_world;             // upright
+  geometry::OrientedBox box_world;             // upright, about what was seen of it
   std::vector<Eigen::Vector3f> surface_world;  // the middles of its cells of 5 cm
   SurfaceEvidence evidence;                    // of the other walk's depth: gone is looked through
-  std::size_t shown_by = 0;                    // the view of its own walk that shows most of it
+  std::size_t shown_by = 0;  // the view of its own walk that looks at most of it
 };
 
 struct SurfaceChangeOptions {
@@ -30,9 +31,9 @@ struct SurfaceChangeOptions {
 
 // The pieces of surface that the one walk shows again and again and through which the other looks,
 // each in one piece; the largest first. What lies on the floor and what either walk did not look at
-// is left out. Same input, same result, whatever the order of views.
+// is left out. Same input, same result, at any number of threads.
 [[nodiscard]] std::vector<SurfaceChange> find_surface_changes(
     std::span<const DepthView> views_before, std::span<const DepthView> views_now,
-    const Level& level, const SurfaceChangeOptions& options);
+    const Level& level, const SurfaceChangeOptions& options, ThreadPool& pool);
 
 }  // namespace roomwise::objects

@@ -31,9 +31,10 @@ class SurfaceChangesTest : public ::testing::Test {
     return views;
   }
   [[nodiscard]] std::vector<SurfaceChange> find(const SurfaceChangeOptions& options = {}) {
-    return find_surface_changes(views_of(map_), views_of(visit_), {Vector3d::UnitZ(), 0}, options);
+    return find_surface_changes(views_of(map_), views_of(visit_), {Vector3d::UnitZ(), 0}, options, pool_);
   }
 
+  ThreadPool pool_{2};
   TestRoom map_, visit_;
 };
 
@@ -57,7 +58,7 @@ TEST_F(SurfaceChangesTest, WhatWentAndWhatCameHaveTheirPlaces) {
     EXPECT_LT((change.box_world.center() - thing.center).norm(), 0.1) << change.is_new;
     Vector3d edges = change.box_world.size_m;
     std::sort(edges.begin(), edges.end());
-    EXPECT_NEAR(edges[2], 0.45, 0.1) << "but for what lies on the floor";
+    EXPECT_NEAR(edges[2], 0.5, 0.1) << "down to the floor";
     EXPECT_NEAR(edges[0], 0.4, 0.1);
     EXPECT_GE(change.evidence.gone_share(), 0.9);
     EXPECT_GE(change.evidence.views, 2);
@@ -106,12 +107,13 @@ TEST_F(SurfaceChangesTest, ASinglePictureShowsNoChange) {
 }
 
 TEST_F(SurfaceChangesTest, WhatIsSmallIsLeftOut) {
-  const TestRoom::Thing cup{"cup", {0.8, 0.6, 0.74}, {0.08, 0.08, 0.08}};
-  map_.things = {kTable, cup};
+  map_.things = {kTable, {"vase", {0.8, 0.6, 0.82}, {0.22, 0.22, 0.24}}};
   visit_.things = {kTable};
   look_at_all(map_);
   look_at_all(visit_);
-  EXPECT_THAT(find(), IsEmpty());
+  EXPECT_THAT(find(), SizeIs(1));
+  EXPECT_THAT(find({.least_size_m = 0.4}), IsEmpty());
+  EXPECT_THAT(find({.least_cells = 400}), IsEmpty());
 }
 
 TEST_F(SurfaceChangesTest, TheOrderOfViewsIsNoMatter) {
@@ -120,10 +122,10 @@ TEST_F(SurfaceChangesTest, TheOrderOfViewsIsNoMatter) {
   look_at_all(map_);
   look_at_all(visit_);
   auto before = views_of(map_), now = views_of(visit_);
-  const auto one = find_surface_changes(before, now, {Vector3d::UnitZ(), 0}, {});
+  const auto one = find_surface_changes(before, now, {Vector3d::UnitZ(), 0}, {}, pool_);
   std::ranges::reverse(before);
   std::ranges::reverse(now);
-  const auto other = find_surface_changes(before, now, {Vector3d::UnitZ(), 0}, {});
+  const auto other = find_surface_changes(before, now, {Vector3d::UnitZ(), 0}, {}, pool_);
   ASSERT_EQ(one.size(), other.size());
   for (std::size_t i = 0; i < one.size(); ++i) {
     EXPECT_EQ(one[i].is_new, other[i].is_new);

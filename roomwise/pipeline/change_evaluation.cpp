@@ -100,36 +100,54 @@ TrueChange* find_cause(const ThingUpdate& alarm, std::vector<TrueChange>& change
   return cause;
 }
 
-// The doors that stand at another angle in the visit. Those of one home come in one order.
-Expected<std::vector<simulation::Door>> turned_doors(const std::filesystem::path& mapped,
-                                                     const std::filesystem::path& visit) {
+// A door's leaf that stands at another angle in the visit.
+struct TurnedLeaf {
+  simulation::Door before, now;
+};
+// The doors of one home come in one order.
+Expected<std::vector<TurnedLeaf>> turned_leaves(const std::filesystem::path& mapped,
+                                                const std::filesystem::path& visit) {
   constexpr double kLeastTurn_rad = 0.1;
   ROOMWISE_TRY(const auto before, simulation::read_floor_plan(mapped / "floorplan.json"));
   ROOMWISE_TRY(const auto now, simulation::read_floor_plan(visit / "floorplan.json"));
   if (before.doors.size() != now.doors.size()) {
     return fail("{} and {} are walks through different homes", mapped.string(), visit.string());
   }
-  std::vector<simulation::Door> turned;
+  std::vector<TurnedLeaf> turned;
   for (std::size_t i = 0; i < now.doors.size(); ++i) {
     const double turn_rad = now.doors[i].open_rad - before.doors[i].open_rad;
     if (now.doors[i].has_leaf && std::abs(turn_rad) >= kLeastTurn_rad) {
-      turned.push_back(now.doors[i]);
+      turned.push_back({before.doors[i], now.doors[i]});
     }
   }
   return turned;
 }
 
-// Whether the leaf of one of the doors may reach there, at whatever angle.
-bool is_at_a_leaf(const Eigen::Vector3d& point_truth, std::span<const simulation::Door> doors) {
-  return std::ranges::any_of(doors, [&](const simulation::Door& door) {
-    const Eigen::Vector2d away = point_truth.head<2>() - door.opening.center;
-    return point_truth.z() < door.opening.top_m && away.norm() < door.opening.width_m;
-  });
+// Whether a point is near the leaf, m aside. The plan does not say at which end the hinge is, nor to
+// which side the leaf turns: any will do.
+bool is_at_leaf(const Eigen::Vector3d& point_truth, const simulation::Door& door) {
+  constexpr double kAside_m = 0.2;
+  const double width_m = door.opening.width_m;
+  if (point_truth.z() > door.opening.top_m + kAside_m) return false;
+  const Eigen::Vector2d along =
+      door.opening.along_x ? Eigen::Vector2d::UnitX() : Eigen::Vector2d::UnitY();
+  const Eigen::Vector2d across(-along.y(), along.x());
+  for (const double end : {-0.5, 0.5}) {
+    const Eigen::Vector2d hinge = door.opening.center + end * width_m * along;
+    for (const double side : {-1.0, 1.0}) {
+      const Eigen::Vector2d leaf = std::cos(door.open_rad) * (end < 0 ? 1 : -1) * along +
+                                   std::sin(door.open_rad) * side * across;
+      const Eigen::Vector2d away = point_truth.head<2>() - hinge;
+      const double on_leaf_m = std::clamp(leaf.dot(away), 0.0, width_m);
+      if ((away - on_leaf_m * leaf).norm() <= kAside_m) return true;
+    }
+  }
+  return false;
 }
 
 // Judges what changed without a name.
 void judge_unnamed(const HomeUpdate& update, std::vector<TrueChange>& changes, const ByName& before,
-                   const ByName& now, std::span<const simulation::Door> doors,
+                   const ByName& now, std::span<const TurnedLeaf> leaves,
                    const geometry::RigidTransform& truth_from_world, ChangeEvaluation& result) {
   for (const UnnamedChange& alarm : update.unnamed) {
     const Eigen::Vector3d middle = truth_from_world * alarm.box_world.center();
@@ -141,7 +159,9 @@ void judge_unnamed(const HomeUpdate& update, std::vector<TrueChange>& changes, c
     if (nearest != changes.end() && off_m(*nearest) <= kNear_m) {
       nearest->is_noticed_unnamed = true;
       ++result.unnamed_right;
-    } else if (is_at_a_leaf(middle, doors)) {
+    } else if (std::ranges::any_of(leaves, [&](const TurnedLeaf& leaf) {
+                 return is_at_leaf(middle, alarm.is_new ? leaf.now : leaf.before);
+               })) {
       ++result.unnamed_doors;
     } else {
       const Eigen::Vector3d& size = alarm.box_world.size_m;
@@ -224,8 +244,8 @@ Expected<ChangeEvaluation> evaluate_changes(const home::Home& home,
       result.wrong.push_back(alarm);
     }
   }
-  ROOMWISE_TRY(const auto doors, turned_doors(mapped, visit));
-  judge_unnamed(update, changes, before, now, doors, truth_from_world, result);
+  ROOMWISE_TRY(const auto leaves, turned_leaves(mapped, visit));
+  judge_unnamed(update, changes, before, now, leaves, truth_from_world, result);
   for (TrueChange& change : changes) {
     const ObjectTruth* thing = find_thing(before, change.name);
     const auto words =

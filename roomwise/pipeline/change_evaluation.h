@@ -44,7 +44,9 @@ struct ChangeEvaluation {
 // simulated recording that the home was mapped from and of the walk. What is said to be moved, gone
 // or new is an alarm. It is right where it says that something stood, or stands, within 0.2 m of a
 // thing that moved by `least_shift_m` or more, went or came, whatever either calls it. That thing
-// was noticed: of several the nearest, one of the alarm's name before others.
+// was noticed: of several the nearest, one of the alarm's name before others. What is said to be
+// new or gone without a name is judged alike; else it is about a door where it lies within 0.2 m of
+// the leaf of one that stands at another angle (floorplan.json).
 [[nodiscard]] Expected<ChangeEvaluation> evaluate_changes(const home::Home& home,
                                                           const std::filesystem::path& mapped,
                                                           const std::filesystem::path& visit,

@@ -174,7 +174,7 @@ class VisitComparison {
   }
 
   HomeUpdate compare(const StoredLooks& looks, const VisitFrames& frames,
-                     const UpdateOptions& options) {
+                     const UpdateOptions& options, RunContext& run) {
     const auto& looked_before = looks.pieces().at(0);
     const objects::Level level = objects::find_level(looked_before);
     take_before(looked_before, level);
@@ -201,14 +201,14 @@ class VisitComparison {
       stand_now(arrival.now, frames, thing, update.changes);
       update.things.push_back(std::move(thing));
     }
-    const ThingPlaces told = places_told_of(update.things);
+    const ThingPlaces told = places_told_of(changes, update.things);
     for (const objects::SurfaceChange& change :
-         objects::find_surface_changes(views_before, views_now, level, options.surfaces)) {
+         objects::find_surface_changes(views_before, views_now, level, options.surfaces, run.pool)) {
       if (lies_in(change, change.is_new ? told.now : told.before)) continue;
       const home::KeyframeId shows = change.is_new ? frames.placed[change.shown_by].keyframe
                                                    : looked_before[change.shown_by].keyframe_id;
       update.unnamed.push_back({change.is_new, change.box_world, room_of(shows),
-                                name_beside(change.box_world.center(), update.things),
+                                name_beside(change.box_world.center(), room_of(shows), update.things),
                                 is_like_a_leaf(change.box_world, level), change.evidence});
     }
     return update;
@@ -366,7 +366,8 @@ class VisitComparison {
   struct ThingPlaces {
     std::vector<geometry::OrientedBox> before, now;
   };
-  [[nodiscard]] ThingPlaces places_told_of(std::span<const ThingUpdate> things) const {
+  [[nodiscard]] ThingPlaces places_told_of(const objects::Changes& changes,
+                                           std::span<const ThingUpdate> things) const {
     ThingPlaces places;
     for (const ThingUpdate& thing : things) {
       if (!thing.is_changed()) continue;
@@ -375,23 +376,24 @@ class VisitComparison {
     }
     for (const StandingThing& thing : past_things()) places.before.push_back(thing.box_world);
     for (std::size_t at = 0; at < known_.size(); ++at) {
-      if (instances_[known_[at]].visit != 0) places.now.push_back(before_[at].box_world);
+      const objects::Fate fate = changes.before[at].fate;
+      const bool stands = fate != objects::Fate::kGone && fate != objects::Fate::kMoved;
+      if (stands && instances_[known_[at]].visit != 0) places.now.push_back(before_[at].box_world);
     }
     return places;
   }
 
-  // Whether a part of a changed surface, or more, lies in one of the boxes.
+  // Whether a part of a changed surface, or more, lies in the boxes.
   static bool lies_in(const objects::SurfaceChange& change,
                       std::span<const geometry::OrientedBox> boxes) {
     constexpr double kSlack_m = 0.1, kPart = 0.3;
     const double part = kPart * static_cast<double>(change.surface_world.size());
-    return std::ranges::any_of(boxes, [&](const geometry::OrientedBox& box) {
-      const auto inside =
-          std::ranges::count_if(change.surface_world, [&](const Eigen::Vector3f& point) {
-            return box.distance_m(point.cast<double>()) <= kSlack_m;
-          });
-      return static_cast<double>(inside) > part;
+    const auto inside = std::ranges::count_if(change.surface_world, [&](const Eigen::Vector3f& point) {
+      return std::ranges::any_of(boxes, [&](const geometry::OrientedBox& box) {
+        return box.distance_m(point.cast<double>()) <= kSlack_m;
+      });
     });
+    return static_cast<double>(inside) > part;
   }
 
   static bool is_like_a_leaf(const geometry::OrientedBox& box, const objects::Level& level) {
@@ -400,13 +402,16 @@ class VisitComparison {
     return thin_m < 0.2 && wide_m > 0.35 && wide_m < 1.2 && box.size_m.z() > 1.1 && top_m > 1.6;
   }
 
-  // The thing that stands nearest to a place now, within reach of it; empty: none.
-  static std::string name_beside(const Eigen::Vector3d& place_world,
+  // The thing that stands nearest to a place now, within reach of it and not in another room; empty:
+  // none.
+  static std::string name_beside(const Eigen::Vector3d& place_world, const std::string& room,
                                  std::span<const ThingUpdate> things) {
     double least_m = 0.5;
     std::string name;
     for (const ThingUpdate& thing : things) {
-      if (!thing.now || thing.now->distance_m(place_world) >= least_m) continue;
+      if (!thing.now || thing.fate == objects::Fate::kNotLookedAt) continue;
+      if (!room.empty() && !thing.room_now.empty() && thing.room_now != room) continue;
+      if (thing.now->distance_m(place_world) >= least_m) continue;
       least_m = thing.now->distance_m(place_world);
       name = thing.name;
     }
@@ -467,7 +472,12 @@ Expected<HomeUpdate> compare_with_visit(const home::Home& home,
   }
   const auto timing = run.clock.measure("comparing");
   ROOMWISE_TRY(VisitComparison comparison, VisitComparison::create(home));
-  return comparison.compare(looks, frames, options);
+  run.progress.begin("comparing with the map", 1);
+  HomeUpdate update = comparison.compare(looks, frames, options, run);
+  run.progress.advance(1, "");
+  run.progress.end();
+  if (run.progress.interrupted()) return fail("interrupted while comparing; nothing was written");
+  return update;
 }
 
 }  // namespace roomwise::pipeline

@@ -57,7 +57,7 @@ struct UnnamedChange {
   geometry::OrientedBox box_world;    // where it stands, or stood; upright
   std::string room;                   // as of ThingUpdate
   std::string beside;                 // the thing that stands nearest, within 0.5 m; empty: none
-  bool is_like_a_leaf = false;        // as tall, wide and thin as a door's leaf
+  bool is_like_a_leaf = false;        // as tall, wide and thin as a door's leaf; no more is known
   objects::SurfaceEvidence evidence;  // of the other walk's depth
 };
 

@@ -193,6 +193,20 @@ TEST_F(UpdateHome, WhatMovedIsKeptInThePastAndNoticedOnce) {
   EXPECT_EQ(back->things[0].fate, objects::Fate::kMoved) << "it is carried back";
 }
 
+TEST_F(UpdateHome, WhatStandsWhereSomethingWasBroughtAndTakenAwayIsTold) {
+  const auto moved = visit(kElsewhere);
+  ASSERT_OK(moved);
+  ASSERT_OK(home_->apply_changes(moved->changes));
+  DrawnBox grey = kElsewhere;
+  grey.extent.translate(Eigen::Vector3d(0.28, 0, 0));
+  grey.color = {120, 120, 120};
+  const auto update = visit(grey);
+  ASSERT_OK(update);
+  ASSERT_EQ(update->things.size(), 1U);
+  EXPECT_EQ(update->things[0].fate, objects::Fate::kGone);
+  EXPECT_TRUE(std::ranges::any_of(update->unnamed, &UnnamedChange::is_new));
+}
+
 TEST_F(UpdateHome, WhatIsGoneStaysGone) {
   const auto update = visit(std::nullopt);
   ASSERT_OK(update);
