@@ -1,6 +1,9 @@
 #include "roomwise/network/plan_primitives.h"
 
 #include <algorithm>
+#include <string>
+
+#include "roomwise/network/plan.h"
 
 namespace roomwise::network {
 
@@ -71,13 +74,18 @@ ConvolutionDescription convolution_in(const Convolution& convolution, const Conv
       dnnl::prop_kind::forward_inference, way.algorithm, from,
       any_layout(weight_dims(convolution), way.weights), bias, to, dims_of(window.strides),
       dilations, dims_of(window.pads_begin), dims_of(window.pads_end));
-  return {description, way.attributes, engine};
+  ConvolutionDescription found(description, way.attributes, engine);
+  // Asked for while `description` lives.
+  while (!way.implementation.empty() && found.impl_info_str() != way.implementation) {
+    if (!found.next_impl()) throw dnnl::error(dnnl_unimplemented, "no such implementation");
+  }
+  return found;
 }
 
 // Whether Winograd's way (tiles of 2x2 places, 2.25 times fewer multiplications) is the faster one:
-// as measured (docs/benchmarks.md), which says it by the shape alone. oneDNN picks its tiles by the
-// number of threads too, but for single pictures, whole blocks of channels and pads of at most 1;
-// so for these only, and the bits are the same at any number of threads.
+// as measured (docs/benchmarks.md), which says it by the shape alone. For other than single
+// pictures, whole blocks of channels and pads of at most 1 the bits would hang on the number of
+// threads.
 bool suits_winograd(const Convolution& convolution, const memory::desc& to) {
   constexpr std::int64_t kLeastChannels = 32, kLeastOutputs = 48, kLeastSide = 12, kBlock = 16;
   using Pair = std::array<std::int64_t, 2>;
@@ -89,6 +97,23 @@ bool suits_winograd(const Convolution& convolution, const memory::desc& to) {
          window.dilations == Pair{1, 1} && to.dims()[0] == 1 && most_pad <= 1 &&
          weights[0] % kBlock == 0 && weights[1] % kBlock == 0 && weights[0] >= kLeastOutputs &&
          weights[1] >= kLeastChannels && to.dims()[2] >= kLeastSide && to.dims()[3] >= kLeastSide;
+}
+
+// In Winograd's way. oneDNN picks the size of the tiles by the number of threads, too, and other
+// tiles round otherwise: the size for one thread is taken at any number.
+std::optional<ConvolutionDescription> winograd_convolution(const Convolution& convolution,
+                                                           ConvolutionWay way,
+                                                           const memory::desc& from,
+                                                           const memory::desc& to,
+                                                           const dnnl::engine& engine) {
+  way.algorithm = algorithm::convolution_winograd;
+  {
+    const WorkingThreads one(1);
+    const auto found = fast_convolution(convolution, way, from, to, engine);
+    if (!found) return std::nullopt;
+    way.implementation = found->impl_info_str();
+  }
+  return fast_convolution(convolution, way, from, to, engine);
 }
 
 }  // namespace
@@ -119,9 +144,7 @@ ConvolutionDescription choose_convolution(const Convolution& convolution, bool m
   way.attributes = user_scratchpad();
   way.attributes.set_post_ops(after);
   if (may_use_winograd && suits_winograd(convolution, to)) {
-    ConvolutionWay winograd = way;
-    winograd.algorithm = algorithm::convolution_winograd;
-    if (auto found = fast_convolution(convolution, winograd, from, to, engine)) return *found;
+    if (auto found = winograd_convolution(convolution, way, from, to, engine)) return *found;
   }
   if (auto found = fast_convolution(convolution, way, from, to, engine)) return *found;
   return convolution_in(convolution, way, any_layout(from.dims()), any_layout(to.dims()), engine);

@@ -4,6 +4,7 @@
 #include <oneapi/dnnl/dnnl.hpp>
 #include <optional>
 #include <span>
+#include <string>
 
 #include "roomwise/network/program.h"
 
@@ -32,6 +33,7 @@ struct ConvolutionWay {
   dnnl::algorithm algorithm = dnnl::algorithm::convolution_direct;
   dnnl::memory::data_type weights = dnnl::memory::data_type::f32;
   dnnl::primitive_attr attributes;
+  std::string implementation = {};  // oneDNN's name of it; empty: what oneDNN takes
 };
 using ConvolutionDescription = dnnl::convolution_forward::primitive_desc;
 

@@ -202,14 +202,15 @@ class VisitComparison {
       update.things.push_back(std::move(thing));
     }
     const ThingPlaces told = places_told_of(changes, update.things);
-    for (const objects::SurfaceChange& change :
-         objects::find_surface_changes(views_before, views_now, level, options.surfaces, run.pool)) {
+    for (const objects::SurfaceChange& change : objects::find_surface_changes(
+             views_before, views_now, level, options.surfaces, run.pool)) {
       if (lies_in(change, change.is_new ? told.now : told.before)) continue;
       const home::KeyframeId shows = change.is_new ? frames.placed[change.shown_by].keyframe
                                                    : looked_before[change.shown_by].keyframe_id;
-      update.unnamed.push_back({change.is_new, change.box_world, room_of(shows),
-                                name_beside(change.box_world.center(), room_of(shows), update.things),
-                                is_like_a_leaf(change.box_world, level), change.evidence});
+      update.unnamed.push_back(
+          {change.is_new, change.box_world, room_of(shows),
+           name_beside(change.box_world.center(), room_of(shows), update.things),
+           is_like_a_leaf(change.box_world, level), change.evidence});
     }
     return update;
   }
@@ -388,11 +389,12 @@ class VisitComparison {
                       std::span<const geometry::OrientedBox> boxes) {
     constexpr double kSlack_m = 0.1, kPart = 0.3;
     const double part = kPart * static_cast<double>(change.surface_world.size());
-    const auto inside = std::ranges::count_if(change.surface_world, [&](const Eigen::Vector3f& point) {
-      return std::ranges::any_of(boxes, [&](const geometry::OrientedBox& box) {
-        return box.distance_m(point.cast<double>()) <= kSlack_m;
-      });
-    });
+    const auto inside =
+        std::ranges::count_if(change.surface_world, [&](const Eigen::Vector3f& point) {
+          return std::ranges::any_of(boxes, [&](const geometry::OrientedBox& box) {
+            return box.distance_m(point.cast<double>()) <= kSlack_m;
+          });
+        });
     return static_cast<double>(inside) > part;
   }
 
@@ -402,8 +404,8 @@ class VisitComparison {
     return thin_m < 0.2 && wide_m > 0.35 && wide_m < 1.2 && box.size_m.z() > 1.1 && top_m > 1.6;
   }
 
-  // The thing that stands nearest to a place now, within reach of it and not in another room; empty:
-  // none.
+  // The thing that stands nearest to a place now, within reach of it and not in another room;
+  // empty: none.
   static std::string name_beside(const Eigen::Vector3d& place_world, const std::string& room,
                                  std::span<const ThingUpdate> things) {
     double least_m = 0.5;
