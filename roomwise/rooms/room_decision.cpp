@@ -119,11 +119,15 @@ RoomDecision decide(const PictureEvidence& evidence, std::span<const std::string
   const RoomScore& best = decision.rooms.front();
   if (evidence.known < calibration.none_below) {
     decision.verdict = Verdict::kNoneOfThem;
-    decision.why = fmt::format("nothing that was learned looks like this (known {:.2f} < {:.2f})",
-                               evidence.known, calibration.none_below);
+    decision.why = fmt::format(
+        "nothing that was learned looks like this (how well it is known: {:.2f}; "
+        "asked: {:.2f})",
+        evidence.known, calibration.none_below);
   } else if (evidence.known < calibration.known_from) {
-    decision.why = fmt::format("it looks a little like {}, but not enough (known {:.2f} < {:.2f})",
-                               candidates(decision.rooms), evidence.known, calibration.known_from);
+    decision.why = fmt::format(
+        "it looks a little like {}, but not enough like what was learned (how "
+        "well it is known: {:.2f}; asked: {:.2f})",
+        candidates(decision.rooms), evidence.known, calibration.known_from);
   } else if (best.score < calibration.sure_from) {
     decision.why = fmt::format("it could be {}; a room is named from {:.2f} on",
                                candidates(decision.rooms), calibration.sure_from);

@@ -35,7 +35,7 @@ TEST(Decide, IsNotSureBelowTheThreshold) {
 TEST(Decide, IsNotSureOfWhatIsNotWellKnown) {
   const RoomDecision decision = decide(evidence(0, 0.01, 0.99, -1.5), kRooms, calibration());
   EXPECT_EQ(decision.verdict, Verdict::kNotSure);
-  EXPECT_THAT(decision.why, HasSubstr("known -1.50 < -1.00"));
+  EXPECT_THAT(decision.why, HasSubstr("known: -1.50; asked: -1.00"));
 }
 
 TEST(Decide, KnowsNoRoomThatLooksLikeThis) {
