@@ -219,6 +219,21 @@ TEST_F(ChangeEvaluationTest, WhatHasNoNameIsJudgedByWhatTrulyChangedThere) {
   EXPECT_EQ(turned->unnamed_wrong.size(), 1U);
 }
 
+TEST_F(ChangeEvaluationTest, ADoorIsWhereItsLeafStands) {
+  say_unnamed(true, 10);   // in the opening
+  say_unnamed(false, 10);  // there was no leaf: it stood open
+  door_now_rad_ = 0.2;
+  const auto nearly_shut = evaluate({}, {});
+  ASSERT_OK(nearly_shut);
+  EXPECT_EQ(nearly_shut->unnamed_doors, 1U);
+  EXPECT_EQ(nearly_shut->unnamed_wrong.size(), 1U);
+  door_now_rad_ = 0.9;
+  const auto half_open = evaluate({}, {});
+  ASSERT_OK(half_open);
+  EXPECT_EQ(half_open->unnamed_doors, 0U) << "it stands aside of the middle";
+  EXPECT_EQ(half_open->unnamed_wrong.size(), 2U);
+}
+
 TEST_F(ChangeEvaluationTest, AHomeOfAnotherWalkIsRefused) {
   ROOMWISE_MUST(write_file(mapped() / "0.png", std::string_view("another picture")));
   EXPECT_ERROR(evaluate({}, {}), "was not mapped from");
