@@ -191,7 +191,7 @@ void run(const Options& options) {
   for (const fs::path& file : options.networks) {
     networks.push_back(need(network::OnnxClassifier::load(file)));
   }
-  const objects::RegionFinders finders;
+  const objects::ObjectFinders finders;
   live::LiveHomeOptions live_options;
   live_options.threads = ThreadPool::default_size();
   live_options.looking_threads = options.looking_threads;

@@ -35,14 +35,15 @@ std::string noticed_as(const pipeline::TrueChange& change) {
 
 Expected<Answer> evaluate(const ChangesEvaluationOptions& options, Context& context) {
   cv::setNumThreads(1);
-  ROOMWISE_TRY(const objects::RegionFinders finders, load_region_finders());
+  ROOMWISE_TRY(const objects::ObjectFinders finders, load_object_finders());
   ROOMWISE_TRY(const home::Home home, open_home_read_only(options.home, context));
   CommandRun run(context);
   pipeline::UpdateOptions with = options.update;
   with.localizer.seed = context.seed;
   with.rooms.reset();
-  ROOMWISE_TRY(const pipeline::HomeUpdate update,
-               pipeline::compare_with_visit(home, options.visit, finders, {}, with, run));
+  ROOMWISE_TRY(
+      const pipeline::HomeUpdate update,
+      pipeline::compare_with_visit(home, options.visit, finders.in_pictures, {}, with, run));
   ROOMWISE_TRY(const pipeline::ChangeEvaluation result,
                pipeline::evaluate_changes(home, options.truth, options.visit, update,
                                           options.least_shift_m));

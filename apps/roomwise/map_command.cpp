@@ -135,10 +135,10 @@ void remove_empty_home(const fs::path& path) {
 Expected<Answer> map(const MapOptions& options, Context& context) {
   cv::setNumThreads(1);  // the threads are ours
   pipeline::Networks networks;
-  objects::RegionFinders finders;
+  objects::ObjectFinders finders;
   if (!options.no_networks) {
     ROOMWISE_TRY(networks, load_networks(options.networks));
-    ROOMWISE_TRY(finders, load_region_finders());
+    ROOMWISE_TRY(finders, load_object_finders());
   }
   if (networks.empty()) {
     context.progress.note(

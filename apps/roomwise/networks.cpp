@@ -51,9 +51,11 @@ Expected<std::vector<fs::path>> networks_for(network::Task task) {
 }
 
 // The smallest classifier of the folders that names such things, for what no detector finds: it is
-// shown what is in a detector's boxes, and asked by its activation maps.
-Expected<void> add_classifying_finders(objects::RegionFinders& finders,
-                                       std::shared_ptr<const network::Detector> detector) {
+// shown what is in a detector's boxes, asked by its activation maps, and looks closer beside the
+// detector.
+Expected<void> add_classifying_finders(objects::ObjectFinders& all,
+                                       const std::shared_ptr<const network::Detector>& detector) {
+  objects::RegionFinders& finders = all.in_pictures;
   ROOMWISE_TRY(auto files, networks_for(network::Task::kClassify));
   std::ranges::stable_sort(files, {}, [](const fs::path& file) {
     std::error_code ignored;
@@ -76,7 +78,9 @@ Expected<void> add_classifying_finders(objects::RegionFinders& finders,
     } else {
       fmt::print(stderr, "no activation maps: {}\n", cells.error().message);
     }
-    finders.push_back(objects::crop_finder(std::move(detector), *std::move(whole), words));
+    const std::shared_ptr<const network::Classifier> classifier = *std::move(whole);
+    finders.push_back(objects::crop_finder(detector, classifier, words));
+    all.of_proposals = objects::network_namer(detector, classifier);
     return {};
   }
   return {};
@@ -218,15 +222,15 @@ Expected<pipeline::Networks> load_networks(const NetworkOptions& options, bool a
   return networks;
 }
 
-Expected<objects::RegionFinders> load_region_finders() {
+Expected<objects::ObjectFinders> load_object_finders() {
   ROOMWISE_TRY(const auto files, usable_detectors());
-  objects::RegionFinders finders;
+  objects::ObjectFinders finders;
   std::shared_ptr<const network::Detector> first;
   for (const fs::path& file : files) {
     if (auto loaded = network::Detector::load(file)) {
       const std::shared_ptr<const network::Detector> detector = *std::move(loaded);
       if (first == nullptr) first = detector;
-      finders.push_back(objects::detector_regions(file.stem().string(), detector));
+      finders.in_pictures.push_back(objects::detector_regions(file.stem().string(), detector));
     } else {
       // One that nobody asked for must not end work that the others can do.
       fmt::print(stderr, "left out: {}\n", loaded.error().message);

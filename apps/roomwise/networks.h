@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "roomwise/network/catalogue.h"
+#include "roomwise/objects/object_finders.h"
 #include "roomwise/pipeline/keyframe_observer.h"
 
 namespace roomwise::app {
@@ -25,10 +26,11 @@ void add_network_options(CLI::App& command, NetworkOptions& options);
 [[nodiscard]] Expected<pipeline::Networks> load_networks(const NetworkOptions& options,
                                                          bool also_brought = false);
 
-// The finders of regions: the detectors of the folders of networks, whatever --network names, and,
-// beside them, the smallest classifier there that names things, for what no detector finds: shown
-// the first detector's boxes, and by its activation maps. None where there is no detector.
-[[nodiscard]] Expected<objects::RegionFinders> load_region_finders();
+// The finders: the detectors of the folders of networks, whatever --network names, and, beside
+// them, the smallest classifier there that names things, for what no detector finds: shown the
+// first detector's boxes, by its activation maps, and, with that detector, for closer looks. None
+// where there is no detector.
+[[nodiscard]] Expected<objects::ObjectFinders> load_object_finders();
 
 // Where "networks pull" puts files: $XDG_DATA_HOME/roomwise/networks, else
 // ~/.local/share/roomwise/networks. Fails where neither is known.

@@ -9,6 +9,7 @@
 #include "open_home.h"
 #include "roomwise/home/home.h"
 #include "roomwise/objects/activation_regions.h"
+#include "roomwise/pipeline/closer_looks.h"
 #include "roomwise/pipeline/keyframe_observer.h"
 #include "roomwise/pipeline/map_settings.h"
 #include "roomwise/pipeline/stored_map.h"
@@ -180,13 +181,13 @@ Expected<Answer> list(const ObjectsOptions& options, const Context& context) {
 }
 
 // All words that this classifier has, by its activation maps.
-Expected<objects::RegionFinders> maps_alone(const std::string& name) {
+Expected<objects::ObjectFinders> maps_alone(const std::string& name) {
   ROOMWISE_TRY(const auto file, find_network_file(name));
   ROOMWISE_TRY(auto classifier, network::DenseClassifier::load(file));
   const auto words =
       objects::words_of_maps({}, classifier->labels(), objects::ObjectVocabulary::standard());
-  objects::RegionFinders finders;
-  finders.push_back(objects::activation_finder(std::move(classifier), words));
+  objects::ObjectFinders finders;
+  finders.in_pictures.push_back(objects::activation_finder(std::move(classifier), words));
   return finders;
 }
 
@@ -194,16 +195,20 @@ Expected<objects::RegionFinders> maps_alone(const std::string& name) {
 Expected<Answer> find(const ObjectsOptions& options, Context& context) {
   cv::setNumThreads(1);  // the threads are ours
   ROOMWISE_TRY(const pipeline::Networks networks, load_networks(options.networks));
-  ROOMWISE_TRY(const objects::RegionFinders finders,
-               options.maps ? maps_alone(*options.maps) : load_region_finders());
-  if (networks.empty() && finders.empty()) {
+  ROOMWISE_TRY(const objects::ObjectFinders finders,
+               options.maps ? maps_alone(*options.maps) : load_object_finders());
+  if (networks.empty() && finders.in_pictures.empty()) {
     return fail("no network is here; give --network FILE or set ROOMWISE_MODELS");
   }
   ROOMWISE_TRY(home::Home home, open_home(options.home, context));
   ROOMWISE_TRY(const auto settings, pipeline::stored_map_settings(home));
   CommandRun run(context);
-  ROOMWISE_TRY(auto observer, pipeline::KeyframeObserver::create(home, networks, finders, run));
-  ROOMWISE_TRY(const bool seen_all, observer.observe_missing());
+  ROOMWISE_TRY(auto observer,
+               pipeline::KeyframeObserver::create(home, networks, finders.in_pictures, run));
+  ROOMWISE_TRY(bool seen_all, observer.observe_missing());
+  if (seen_all && finders.of_proposals) {
+    ROOMWISE_TRY(seen_all, pipeline::look_closer(home, *finders.of_proposals, run));
+  }
   if (!seen_all) {
     return fail("interrupted; what was seen is kept, the same command goes on from there");
   }
@@ -212,7 +217,8 @@ Expected<Answer> find(const ObjectsOptions& options, Context& context) {
     const objects::ObjectRules rules = settings ? settings->objects : objects::ObjectRules{};
     ROOMWISE_CHECK_OK(pipeline::update_objects(home, rules));
   }
-  ROOMWISE_TRY(Answer answer, list_found(home, finders.empty() ? "paper" : options.rule));
+  ROOMWISE_TRY(Answer answer,
+               list_found(home, finders.in_pictures.empty() ? "paper" : options.rule));
   for (const auto& [name, stage] : run.clock.stages()) {
     answer.json["stages"][name] = {
         {"calls", stage.calls}, {"wall_s", stage.wall_s}, {"cpu_s", stage.cpu_s}};

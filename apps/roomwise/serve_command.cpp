@@ -76,7 +76,7 @@ class HomeServer {
     std::unique_ptr<HomeServer> serving(new HomeServer);
     HomeServer& all = *serving;
     ROOMWISE_TRY(all.networks_, load_networks(options.networks, /*also_brought=*/true));
-    ROOMWISE_TRY(all.finders_, load_region_finders());
+    ROOMWISE_TRY(all.finders_, load_object_finders());
     live::LiveHomeOptions home;
     home.threads = context.threads;
     home.looking_threads = context.threads;
@@ -189,7 +189,7 @@ class HomeServer {
 
   OperatorLog log_;
   pipeline::Networks networks_;
-  objects::RegionFinders finders_;
+  objects::ObjectFinders finders_;
   std::unique_ptr<live::LiveHome> home_;
   std::unique_ptr<service::AccessRegister> access_;
   std::string fingerprint_;

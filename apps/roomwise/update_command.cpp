@@ -180,7 +180,7 @@ Answer describe(const pipeline::HomeUpdate& update, const UpdateCommandOptions& 
 
 Expected<Answer> update(const UpdateCommandOptions& options, Context& context) {
   cv::setNumThreads(1);
-  ROOMWISE_TRY(const objects::RegionFinders finders, load_region_finders());
+  ROOMWISE_TRY(const objects::ObjectFinders finders, load_object_finders());
   ROOMWISE_TRY(home::Home home, options.dry_run ? open_home_read_only(options.home, context)
                                                 : open_home(options.home, context));
   pipeline::Networks networks;
@@ -192,7 +192,8 @@ Expected<Answer> update(const UpdateCommandOptions& options, Context& context) {
   with.localizer.seed = context.seed;
   if (options.without_rooms) with.rooms.reset();
   ROOMWISE_TRY(const pipeline::HomeUpdate found,
-               pipeline::compare_with_visit(home, options.recording, finders, networks, with, run));
+               pipeline::compare_with_visit(home, options.recording, finders.in_pictures, networks,
+                                            with, run));
   if (!options.dry_run && !found.changes.empty()) {
     ROOMWISE_CHECK_OK(home.apply_changes(found.changes));
   }

@@ -33,7 +33,7 @@ class LiveHome::Session final : public service::SocketSession {
 };
 
 LiveHome::LiveHome(fs::path file, home::Home home, home::Home reader,
-                   const pipeline::Networks& networks, const objects::RegionFinders& finders,
+                   const pipeline::Networks& networks, const objects::ObjectFinders& finders,
                    LiveHomeOptions options)
     : file_(std::move(file)),
       networks_(networks),
@@ -50,7 +50,7 @@ LiveHome::~LiveHome() {
 
 Expected<std::unique_ptr<LiveHome>> LiveHome::open(const fs::path& file,
                                                    const pipeline::Networks& networks,
-                                                   const objects::RegionFinders& finders,
+                                                   const objects::ObjectFinders& finders,
                                                    LiveHomeOptions options) {
   ROOMWISE_TRY(home::Home home, fs::exists(file) ? home::Home::open(file, options.open)
                                                  : pipeline::create_home(file, options.open));

@@ -14,6 +14,7 @@
 #include "roomwise/live/jobs.h"
 #include "roomwise/live/looking_threads.h"
 #include "roomwise/live/recognition_log.h"
+#include "roomwise/objects/object_finders.h"
 #include "roomwise/service/server.h"
 
 namespace roomwise::live {
@@ -37,7 +38,7 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
   // background. `networks` and `finders` must outlive it.
   [[nodiscard]] static Expected<std::unique_ptr<LiveHome>> open(
       const std::filesystem::path& file, const pipeline::Networks& networks,
-      const objects::RegionFinders& finders, LiveHomeOptions options);
+      const objects::ObjectFinders& finders, LiveHomeOptions options);
   ~LiveHome() override;  // stops the job in hand; closes the recording
   LiveHome(const LiveHome&) = delete;
   LiveHome& operator=(const LiveHome&) = delete;
@@ -85,7 +86,7 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
  private:
   class Session;
   LiveHome(std::filesystem::path file, home::Home home, home::Home reader,
-           const pipeline::Networks& networks, const objects::RegionFinders& finders,
+           const pipeline::Networks& networks, const objects::ObjectFinders& finders,
            LiveHomeOptions options);
 
   // DeviceHost
@@ -128,7 +129,7 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
 
   const std::filesystem::path file_;
   const pipeline::Networks& networks_;
-  const objects::RegionFinders& finders_;
+  const objects::ObjectFinders& finders_;
   const LiveHomeOptions options_;
 
   std::mutex home_mutex_;  // of home_; a job holds it as long as it writes

@@ -132,7 +132,7 @@ class LiveHomeTest : public ::testing::Test {
   std::filesystem::path file = folder / "flat.home";
   pipeline::testing::SyntheticWalk walk{kFrames};
   pipeline::Networks networks;
-  objects::RegionFinders finders;
+  objects::ObjectFinders finders;
   std::unique_ptr<LiveHome> home;
 };
 

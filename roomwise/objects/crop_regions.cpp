@@ -109,7 +109,7 @@ Expected<std::vector<Detection>> name_boxes(const image::ColorImage& picture,
 class CropFinder final : public RegionFinder {
  public:
   CropFinder(std::shared_ptr<const network::Detector> detector,
-             std::unique_ptr<Classifier> classifier, const ObjectVocabulary& words,
+             std::shared_ptr<const Classifier> classifier, const ObjectVocabulary& words,
              const CropOptions& options)
       : detector_(std::move(detector)),
         classifier_(std::move(classifier)),
@@ -142,7 +142,7 @@ class CropFinder final : public RegionFinder {
   static constexpr int kVersion = 1;
 
   std::shared_ptr<const network::Detector> detector_;
-  std::unique_ptr<Classifier> classifier_;
+  std::shared_ptr<const Classifier> classifier_;
   LabelsOfWords words_;
   CropOptions options_;
   std::string name_, fingerprint_;
@@ -180,7 +180,7 @@ Expected<std::vector<Detection>> crop_regions(const image::ColorImage& picture,
 }
 
 std::unique_ptr<RegionFinder> crop_finder(std::shared_ptr<const network::Detector> detector,
-                                          std::unique_ptr<Classifier> classifier,
+                                          std::shared_ptr<const Classifier> classifier,
                                           const ObjectVocabulary& words,
                                           const CropOptions& options) {
   return std::make_unique<CropFinder>(std::move(detector), std::move(classifier), words, options);

@@ -46,7 +46,7 @@ struct CropOptions {
 // since it knows no other word; seen alone, a classifier tells them.
 [[nodiscard]] std::unique_ptr<RegionFinder> crop_finder(
     std::shared_ptr<const network::Detector> detector,
-    std::unique_ptr<network::Classifier> classifier, const ObjectVocabulary& words,
+    std::shared_ptr<const network::Classifier> classifier, const ObjectVocabulary& words,
     const CropOptions& options = {});
 
 }  // namespace roomwise::objects

@@ -135,7 +135,8 @@ struct Existence {
 // What a key-frame's best sight says for a thing, as log odds. The score of a box says how sure it
 // is, a detector's and that of a classifier which is shown the box alone. Classifiers are often
 // sure of what is not there, but not from all sides: that they say nothing counts more, and what
-// activation maps say only a little each time.
+// activation maps say only a little each time. That a proposal stands there depth says, and what
+// its best views do not say of it is in its score: it is not missed elsewhere.
 struct Evidence {
   static constexpr double kBefore = -2.5;
   static constexpr double kActivation = 0.45;
@@ -146,6 +147,8 @@ struct Evidence {
         return -0.25;
       case RegionSource::kCrop:
         return -0.75;
+      case RegionSource::kProposal:
+        return 0;
       case RegionSource::kActivation:
         break;
     }
@@ -176,7 +179,7 @@ Existence existence_of(const Candidate& candidate, std::span<const WorldSight> s
   }
   Existence existence{.sightings = static_cast<int>(speaks_for.size())};
   const RegionSource source = surest_source(candidate, sights);
-  for (std::size_t k = 0; k < keyframes.size(); ++k) {
+  for (std::size_t k = 0; k < keyframes.size() && source != RegionSource::kProposal; ++k) {
     if (speaks_for.contains(k) || keyframes[k].not_asked.contains(source)) continue;
     if (should_see(keyframes[k], candidate.box.surface_world, farthest_m)) ++existence.missed;
   }
@@ -190,8 +193,10 @@ Existence existence_of(const Candidate& candidate, std::span<const WorldSight> s
 // anything or may name what a detector found.
 bool may_be_there(const Candidate& candidate, std::span<const WorldSight> sights,
                   std::span<const LookedKeyframe> keyframes, const InstanceOptions& options) {
-  if (surest_source(candidate, sights) == RegionSource::kDetector) return true;
-  return candidate.box.fits_kind &&
+  const RegionSource source = surest_source(candidate, sights);
+  if (source == RegionSource::kDetector) return true;
+  // Of a proposal the whole was measured before it got its name.
+  return (source == RegionSource::kProposal || candidate.box.fits_kind) &&
          existence_of(candidate, sights, keyframes, options.farthest_m).probability >=
              options.least_probability;
 }
@@ -200,14 +205,15 @@ bool fits(const Candidate& candidate, const std::string& name) {
   return shape_of(name).holds(candidate.box.box_world.size_m);
 }
 
-// What it is called, with the shares of the scores. Names of things that are never as large as that
-// were mistakes, and so perhaps were the others: a little of their share stays with them.
+// What it is called, with the shares of the scores. Names of things that are never or seldom of
+// that size were mistakes, and so perhaps were the others: a little of their share stays with them.
 std::map<std::string, double> shares_of_names(const Candidate& candidate) {
   constexpr double kMistaken = 0.15;
   std::map<std::string, double> shares = candidate.scores;
   double sum = 0;
   for (auto& [name, score] : shares) {
-    if (!fits(candidate, name)) score *= kMistaken;
+    const bool is_usual = shape_of(name).is_usual(candidate.box.box_world.size_m);
+    if (!is_usual || !fits(candidate, name)) score *= kMistaken;
     sum += score;
   }
   for (auto& [name, score] : shares) score /= sum;

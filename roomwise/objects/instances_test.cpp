@@ -288,6 +288,64 @@ TEST(FindInstances, NothingIsCalledWhatIsNeverAsLarge) {
   EXPECT_EQ(names_after(30, 2), Names()) << "too few say so";
 }
 
+TEST(FindInstances, NothingIsCalledWhatIsNeverAsSmall) {
+  const auto name_of = [](const TestRoom::Thing& thing) {
+    TestRoom room;
+    room.things = {thing};
+    room.look_around(thing.center, 6);
+    const auto instances = room.instances();
+    return instances.empty() ? "" : instances[0].name;
+  };
+  EXPECT_EQ(name_of({"bottle", {0, 0, 0.5}, {0.1, 0.1, 0.3}}), "bottle");
+  EXPECT_EQ(name_of({"bottle", {0, 0, 0.5}, {0.15, 0.15, 0.1}}), "") << "a cup";
+  EXPECT_EQ(name_of({"toilet seat", {0, 0, 0.4}, {0.4, 0.65, 0.8}}), "toilet seat");
+  EXPECT_EQ(name_of({"toilet seat", {0, 0, 0.35}, {0.3, 0.3, 0.7}}), "") << "a bin";
+}
+
+TEST(FindInstances, ALowFridgeGivesWayToAnotherName) {
+  const auto name_of = [](double height_m) {
+    TestRoom room;
+    room.things = {{"fridge", {0, 0, height_m / 2}, {0.7, 0.7, height_m}}};
+    const Vector3d middle = room.things[0].center;
+    room.look_around(middle, 6);
+    room.look({1.8, 0.5, 1.5}, middle, true, "stove");
+    room.look({0.5, 1.8, 1.5}, middle, true, "stove");
+    const auto instances = room.instances();
+    return instances.size() == 1 ? instances[0].name : "";
+  };
+  EXPECT_EQ(name_of(1.4), "fridge");
+  EXPECT_EQ(name_of(0.9), "stove") << "as kitchen cabinets are";
+}
+
+TEST(FindInstances, AProposalCountsByItsBestViewsAlone) {
+  const auto probability_by = [](RegionSource source, int missed) {
+    TestRoom room;
+    room.source = source;
+    room.things = {kChair};
+    room.look_around(kChair.center, 4, 1.8, 0, 1);
+    if (missed > 0) room.look_around(kChair.center, missed, 1.8, 0.1, 0.8, /*finds=*/false);
+    const auto instances = room.instances({.least_probability = 0});
+    return instances.size() == 1 ? instances[0].probability : 0;
+  };
+  EXPECT_EQ(probability_by(RegionSource::kProposal, 0), probability_by(RegionSource::kDetector, 0));
+  EXPECT_EQ(probability_by(RegionSource::kProposal, 12),
+            probability_by(RegionSource::kProposal, 0));
+  EXPECT_LT(probability_by(RegionSource::kDetector, 12),
+            probability_by(RegionSource::kDetector, 0));
+}
+
+TEST(FindInstances, AProposalThatThePictureCutsOnThreeSidesCounts) {
+  const auto found_by = [](RegionSource source) {
+    TestRoom room;
+    room.source = source;
+    room.things = {{"wardrobe", {2.5, 0, 1.1}, {0.6, 2.0, 2.2}}};
+    for (const double y : {-0.2, 0.0, 0.2, 0.4}) room.look({0.6, y, 1.3}, {2.5, 0, 1.0});
+    return room.instances().size();
+  };
+  EXPECT_EQ(found_by(RegionSource::kDetector), 0U) << "what fills the picture is not known whole";
+  EXPECT_EQ(found_by(RegionSource::kProposal), 1U) << "its box is known in space";
+}
+
 TEST(FindInstances, TwoOfOneNameInOnePlaceAreOne) {
   TestRoom room;
   room.things = {{"bed", {0, 0, 0.25}, {2.0, 1.4, 0.5}}, {"bed", {0.2, 0, 0.3}, {1.3, 1.1, 0.6}}};

@@ -20,12 +20,20 @@ struct KindShape {
   double most_side_m = kAny;
   double most_length_m = kAny;
   double most_height_m = kAny;
+  // The height and the longer level side, at least, m; less than such things have.
+  double least_height_m = 0;
+  double least_length_m = 0;
+  double usual_height_m = 0;  // few are lower
+
 
   // Whether something can be one that is as large as that. `size_m`: two level sides and the
   // height. What is smaller may be a part of one.
   [[nodiscard]] bool holds(const Eigen::Vector3d& size_m) const;
   // The same for what was seen of a thing, of which a side may be hidden: half of its least side.
   [[nodiscard]] bool holds_what_is_seen(const Eigen::Vector3d& seen_m) const;
+  [[nodiscard]] bool is_usual(const Eigen::Vector3d& size_m) const {
+    return size_m.z() >= usual_height_m;
+  }
 };
 
 // Of a kind that nothing is known of: any size.

@@ -30,10 +30,12 @@ class DetectorRegions final : public RegionFinder {
 }  // namespace
 
 RegionSource source_of(std::string_view fingerprint) {
-  if (fingerprint.find(kActivationMethod) != std::string_view::npos)
-    return RegionSource::kActivation;
-  return fingerprint.find(kCropMethod) != std::string_view::npos ? RegionSource::kCrop
-                                                                 : RegionSource::kDetector;
+  const auto is_by = [&](std::string_view method) {
+    return fingerprint.find(method) != std::string_view::npos;
+  };
+  if (is_by(kActivationMethod)) return RegionSource::kActivation;
+  if (is_by(kCropMethod)) return RegionSource::kCrop;
+  return is_by(kProposalMethod) ? RegionSource::kProposal : RegionSource::kDetector;
 }
 
 std::unique_ptr<RegionFinder> detector_regions(std::string name,

@@ -31,6 +31,7 @@ class RegionFinder {
 // How a finder with this fingerprint finds regions: the method stands in it, behind the weights'.
 constexpr std::string_view kActivationMethod = " activation maps ";
 constexpr std::string_view kCropMethod = " crops ";
+constexpr std::string_view kProposalMethod = " proposals ";
 [[nodiscard]] RegionSource source_of(std::string_view fingerprint);
 
 using RegionFinders = std::vector<std::unique_ptr<RegionFinder>>;

@@ -10,10 +10,10 @@ namespace {
 
 constexpr int kPlacesAlong = 48;  // across the region's longer side
 constexpr std::size_t kMostPoints = 240;
-constexpr int kFewestMeasured = 24;  // places
-constexpr double kNearest_m = 0.3;   // depth bins begin here
-constexpr double kBinRatio = 1.05;   // each bin is farther by this
-constexpr std::size_t kBins = 64;    // to 6.8 m
+constexpr std::size_t kFewestMeasured = 24;  // places
+constexpr double kNearest_m = 0.3;           // depth bins begin here
+constexpr double kBinRatio = 1.05;           // each bin is farther by this
+constexpr std::size_t kBins = 64;            // to 6.8 m
 
 // Depths at places of a region, row by row, in metres; 0 where nothing was measured.
 struct RegionGrid {
@@ -124,21 +124,19 @@ std::vector<bool> follow_surface(const RegionGrid& grid, std::size_t bin, double
   return on_surface;
 }
 
-}  // namespace
+std::size_t places_measured(const RegionGrid& grid) {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(grid.depth_m, [](double depth_m) { return depth_m > 0; }));
+}
 
-RegionSurface region_surface(const image::DepthImage& depth, const geometry::PinholeCamera& camera,
-                             const network::PixelBox& box) {
-  const RegionGrid grid = sample_region(depth, camera, box);
+// A sample of the places that are on it.
+RegionSurface surface_of(const RegionGrid& grid, const std::vector<bool>& on_surface,
+                         const geometry::PinholeCamera& camera) {
   RegionSurface surface;
-  const auto measured =
-      std::ranges::count_if(grid.depth_m, [](double depth_m) { return depth_m > 0; });
-  if (measured < kFewestMeasured) return surface;
-  surface.measured = static_cast<float>(measured) / static_cast<float>(grid.depth_m.size());
-  const auto bin = fullest_bin(grid);
-  if (!bin) return surface;
-  const std::vector<bool> on_surface = follow_surface(grid, *bin, camera.fx);
+  const auto measured = static_cast<float>(places_measured(grid));
   const auto places = static_cast<std::size_t>(std::ranges::count(on_surface, true));
-  surface.share = static_cast<float>(places) / static_cast<float>(measured);
+  surface.measured = measured / static_cast<float>(grid.depth_m.size());
+  surface.share = static_cast<float>(places) / measured;
   const std::size_t every = (places + kMostPoints - 1) / kMostPoints;
   std::size_t next = 0;
   for (int row = 0; row < grid.rows; ++row) {
@@ -150,6 +148,35 @@ RegionSurface region_surface(const image::DepthImage& depth, const geometry::Pin
     }
   }
   return surface;
+}
+
+}  // namespace
+
+RegionSurface region_surface(const image::DepthImage& depth, const geometry::PinholeCamera& camera,
+                             const network::PixelBox& box) {
+  const RegionGrid grid = sample_region(depth, camera, box);
+  if (places_measured(grid) < kFewestMeasured) return {};
+  const auto bin = fullest_bin(grid);
+  if (!bin) return surface_of(grid, std::vector<bool>(grid.depth_m.size(), false), camera);
+  return surface_of(grid, follow_surface(grid, *bin, camera.fx), camera);
+}
+
+RegionSurface surface_within(const image::DepthImage& depth, const geometry::PinholeCamera& camera,
+                             const network::PixelBox& box,
+                             const geometry::OrientedBox& box_camera) {
+  constexpr double kRim_m = 0.04;
+  const RegionGrid grid = sample_region(depth, camera, box);
+  if (places_measured(grid) < kFewestMeasured) return {};
+  std::vector<bool> on_surface(grid.depth_m.size(), false);
+  for (int row = 0; row < grid.rows; ++row) {
+    for (int column = 0; column < grid.columns; ++column) {
+      const std::size_t place = grid.index(column, row);
+      if (grid.depth_m[place] <= 0) continue;
+      const Eigen::Vector3d point = camera.unproject(grid.pixel(column, row), grid.depth_m[place]);
+      on_surface[place] = box_camera.distance_m(point) <= kRim_m;
+    }
+  }
+  return surface_of(grid, on_surface, camera);
 }
 
 image::DepthImage coarse_depth(const image::DepthImage& depth) {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "roomwise/geometry/oriented_box.h"
 #include "roomwise/geometry/pinhole_camera.h"
 #include "roomwise/image/image.h"
 #include "roomwise/network/detector.h"
@@ -24,10 +25,11 @@ struct RegionSurface {
   friend bool operator==(const RegionSurface&, const RegionSurface&) = default;
 };
 
-// How a region was found.
+// How a region was found, the surest first.
 enum class RegionSource {
   kDetector,    // by a network that gives boxes
   kCrop,        // by a classifier that is shown what is in a detector's box (crop_regions.h)
+  kProposal,    // by networks that are shown what stands apart in depth (proposal_names.h)
   kActivation,  // by the class-activation maps of a classifier (activation_regions.h)
 };
 
@@ -53,6 +55,12 @@ struct KeyframeLook {
 [[nodiscard]] RegionSurface region_surface(const image::DepthImage& depth,
                                            const geometry::PinholeCamera& camera,
                                            const network::PixelBox& box);
+
+// The surface inside the box that lies within a box in space, whose "world" is the camera frame.
+[[nodiscard]] RegionSurface surface_within(const image::DepthImage& depth,
+                                           const geometry::PinholeCamera& camera,
+                                           const network::PixelBox& box,
+                                           const geometry::OrientedBox& box_camera);
 
 // The depth image with one place for eight by eight: the median of what was measured there (of a
 // sample); 0 where less than a quarter was.

@@ -76,7 +76,10 @@ std::vector<WorldSight> world_sights(std::span<const LookedKeyframe> keyframes, 
       const Region& region = *named.region;
       if (region.score < options.least_score || region.surface.points.size() < kFewestPoints)
         continue;
-      if (is_cut_all_round(region.box, *keyframes[k].camera)) continue;
+      if (region.source != RegionSource::kProposal &&
+          is_cut_all_round(region.box, *keyframes[k].camera)) {
+        continue;
+      }
       if (median_depth(region.surface.points) > options.farthest_m) continue;
       WorldSight sight{.name = named.name,
                        .is_word = named.is_word,

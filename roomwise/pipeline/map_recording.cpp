@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "roomwise/pipeline/closer_looks.h"
 #include "roomwise/pipeline/mapper_storage.h"
 #include "roomwise/pipeline/measured_frame_reader.h"
 #include "roomwise/pipeline/stored_map.h"
@@ -112,7 +113,7 @@ Expected<std::vector<mapping::KeyframeFeatures>> landmark_features(
 Expected<MapSummary> map_recording(recording::FrameSource& source, const home::Recording& recording,
                                    home::Home& home, const Networks& networks,
                                    const MapSettings& settings, RunContext& run,
-                                   const objects::RegionFinders& finders) {
+                                   const objects::ObjectFinders& finders) {
   ROOMWISE_CHECK_OK(settings.validate());
   ROOMWISE_TRY(const home::StoredRecording stored, begin_or_resume(home, recording, settings));
   ROOMWISE_CHECK_OK(go_to_next_frame(source, home, stored));
@@ -122,7 +123,8 @@ Expected<MapSummary> map_recording(recording::FrameSource& source, const home::R
   mapping::Mapper mapper(camera, settings.mapper, {run.working_set_bytes, folder});
   ROOMWISE_CHECK_OK(restore_mapper(mapper, home, stored.id, camera, *extractor, settings, run));
   ROOMWISE_TRY(MapWriter writer, MapWriter::create(home, stored.id, mapper));
-  ROOMWISE_TRY(KeyframeObserver observer, KeyframeObserver::create(home, networks, finders, run));
+  ROOMWISE_TRY(KeyframeObserver observer,
+               KeyframeObserver::create(home, networks, finders.in_pictures, run));
 
   MapSummary summary;
   Expected<bool> at_end = map_frames(source, *extractor, settings, mapper, writer, observer, run);
@@ -164,6 +166,12 @@ Expected<MapSummary> map_recording(recording::FrameSource& source, const home::R
     summary.graph_error_after = solution.report.error_after;
     ROOMWISE_TRY(const recording::Trajectory trajectory, stored_trajectory(home));
     summary.placed = trajectory.size();
+  }
+  if (summary.finished && finders.of_proposals) {
+    ROOMWISE_TRY(summary.finished, look_closer(home, *finders.of_proposals, run));
+  }
+  if (summary.finished) {
+    const auto timing = run.clock.measure("joining objects");
     ROOMWISE_TRY(const FoundObjects found, update_objects(home, settings.objects));
     summary.objects = found.by_rules;
     summary.instances = found.instances;

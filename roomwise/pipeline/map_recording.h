@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "roomwise/home/home.h"
+#include "roomwise/objects/object_finders.h"
 #include "roomwise/pipeline/keyframe_observer.h"
 #include "roomwise/pipeline/map_settings.h"
 #include "roomwise/pipeline/run_context.h"
@@ -39,6 +40,6 @@ struct MapSummary {
                                                  const home::Recording& recording, home::Home& home,
                                                  const Networks& networks,
                                                  const MapSettings& settings, RunContext& run,
-                                                 const objects::RegionFinders& finders = {});
+                                                 const objects::ObjectFinders& finders = {});
 
 }  // namespace roomwise::pipeline

@@ -66,13 +66,13 @@ class MapRecording : public ::testing::Test {
                          {walk.info().name, "made up", walk.info().camera, walk.info().frame_count},
                          home, networks, settings_, run, finders_);
   }
-  void SetUp() override { finders_.push_back(std::make_unique<MiddleFinder>()); }
+  void SetUp() override { finders_.in_pictures.push_back(std::make_unique<MiddleFinder>()); }
   static std::string digest(const std::filesystem::path& file) {
     return home::Home::open_read_only(file)->content_digest().value();
   }
 
   roomwise::testing::ScratchFolder folder_;
-  objects::RegionFinders finders_;
+  objects::ObjectFinders finders_;
   MapSettings settings_;
   std::size_t working_set_bytes_ = std::size_t{128} << 20U;
   SilentProgress silent_;

@@ -11,7 +11,7 @@ namespace roomwise::pipeline {
 namespace {
 
 using objects::RegionSource;
-constexpr std::array kSources{RegionSource::kDetector, RegionSource::kCrop,
+constexpr std::array kSources{RegionSource::kDetector, RegionSource::kCrop, RegionSource::kProposal,
                               RegionSource::kActivation};
 
 // The looks of all finders at one key-frame, together; of several finders of one name that looked

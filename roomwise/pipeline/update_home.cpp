@@ -4,6 +4,7 @@
 #include <map>
 #include <utility>
 
+#include "roomwise/objects/door_leaf.h"
 #include "roomwise/pipeline/home_localizer.h"
 #include "roomwise/pipeline/keyframe_observer.h"
 #include "roomwise/pipeline/stored_looks.h"
@@ -210,7 +211,7 @@ class VisitComparison {
       update.unnamed.push_back(
           {change.is_new, change.box_world, room_of(shows),
            name_beside(change.box_world.center(), room_of(shows), update.things),
-           is_like_a_leaf(change.box_world, level), change.evidence});
+           objects::is_like_a_leaf(change.box_world, level), change.evidence});
     }
     return update;
   }
@@ -396,12 +397,6 @@ class VisitComparison {
           });
         });
     return static_cast<double>(inside) > part;
-  }
-
-  static bool is_like_a_leaf(const geometry::OrientedBox& box, const objects::Level& level) {
-    const auto [thin_m, wide_m] = std::minmax(box.size_m.x(), box.size_m.y());
-    const double top_m = level.height_m(box.center()) + box.size_m.z() / 2;
-    return thin_m < 0.2 && wide_m > 0.35 && wide_m < 1.2 && box.size_m.z() > 1.1 && top_m > 1.6;
   }
 
   // The thing that stands nearest to a place now, within reach of it and not in another room;

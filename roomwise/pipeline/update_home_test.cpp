@@ -8,36 +8,14 @@
 #include "roomwise/pipeline/map_recording.h"
 #include "roomwise/pipeline/room_learning.h"
 #include "roomwise/pipeline/stored_map.h"
-#include "roomwise/pipeline/synthetic_walk.h"
+#include "roomwise/pipeline/walk_with_box.h"
 #include "roomwise/recording/tum_writer.h"
 
 namespace roomwise::pipeline {
 namespace {
 
-using testing::SyntheticWalk;
-
-// A box that stands before the camera in a walk: drawn into pictures and depth.
-struct DrawnBox {
-  Eigen::AlignedBox3d extent;
-  Rgb8 color{250, 0, 0};
-
-  void draw(image::RgbdFrame& frame, const geometry::RigidTransform& world_from_camera,
-            const geometry::PinholeCamera& camera) const {
-    for (int y = 0; y < camera.height; ++y) {
-      for (int x = 0; x < camera.width; ++x) {
-        const Eigen::Array3d along =
-            (world_from_camera.rotation * camera.unproject(Eigen::Vector2d(x, y), 1)).array() +
-            1e-9;
-        const Eigen::Array3d low = (extent.min() - world_from_camera.translation).array() / along;
-        const Eigen::Array3d high = (extent.max() - world_from_camera.translation).array() / along;
-        const double z_m = low.min(high).maxCoeff();
-        if (z_m <= 0 || z_m > low.max(high).minCoeff()) continue;
-        frame.color.at(x, y) = color;
-        frame.depth.at(x, y) = static_cast<std::uint16_t>(std::lround(1000 * z_m));
-      }
-    }
-  }
-};
+using testing::DrawnBox;
+using testing::WalkWithBox;
 
 // Finds what is red, and calls it a couch.
 class RedFinder final : public objects::RegionFinder {
@@ -65,33 +43,13 @@ class RedFinder final : public objects::RegionFinder {
   std::vector<std::string> labels_{"couch"};
 };
 
-// A walk through the made-up home with a red box in it, or none.
-class WalkWithBox final : public recording::FrameSource {
- public:
-  WalkWithBox(int frames, double step_rad, std::optional<DrawnBox> box)
-      : walk_(frames, step_rad), box_(box) {}
-  [[nodiscard]] const recording::SourceInfo& info() const override { return walk_.info(); }
-  void skip_before(std::uint64_t index) override { walk_.skip_before(index); }
-  [[nodiscard]] Expected<std::optional<image::RgbdFrame>> next() override {
-    ROOMWISE_TRY(auto frame, walk_.next());
-    if (frame && box_) {
-      box_->draw(*frame, walk_.world_from_camera(static_cast<int>(frame->index)), info().camera);
-    }
-    return frame;
-  }
-
- private:
-  SyntheticWalk walk_;
-  std::optional<DrawnBox> box_;
-};
-
 class UpdateHome : public ::testing::Test {
  protected:
   static constexpr int kFrames = 14;
   static constexpr double kStep_rad = 0.05;
 
   void SetUp() override {
-    finders_.push_back(std::make_unique<RedFinder>());
+    finders_.in_pictures.push_back(std::make_unique<RedFinder>());
     WalkWithBox walk(kFrames, kStep_rad, kBox);
     Expected<home::Home> made = create_home(folder_ / "a.home");
     ASSERT_OK(made);
@@ -111,7 +69,7 @@ class UpdateHome : public ::testing::Test {
       ROOMWISE_CHECK_OK(writer->write(*frame));
     }
     ROOMWISE_CHECK_OK(writer->close());
-    return compare_with_visit(*home_, folder, finders_, {}, {}, run_);
+    return compare_with_visit(*home_, folder, finders_.in_pictures, {}, {}, run_);
   }
 
   inline static const DrawnBox kBox{
@@ -124,7 +82,7 @@ class UpdateHome : public ::testing::Test {
   SilentProgress progress_;
   StageClock clock_;
   RunContext run_{pool_, progress_, clock_};
-  objects::RegionFinders finders_;
+  objects::ObjectFinders finders_;
   std::optional<home::Home> home_;
   int visits_ = 0;
 };
@@ -220,12 +178,14 @@ TEST_F(UpdateHome, WhatIsGoneStaysGone) {
 }
 
 TEST_F(UpdateHome, SaysWhatIsMissing) {
-  EXPECT_ERROR(compare_with_visit(*home_, folder_ / "nowhere", finders_, {}, {}, run_), "nowhere");
+  EXPECT_ERROR(compare_with_visit(*home_, folder_ / "nowhere", finders_.in_pictures, {}, {}, run_),
+               "nowhere");
   EXPECT_ERROR(compare_with_visit(*home_, folder_ / "nowhere", {}, {}, {}, run_), "no detector");
   UpdateOptions options;
   options.every = 0;
-  EXPECT_ERROR(compare_with_visit(*home_, folder_ / "nowhere", finders_, {}, options, run_),
-               "every is 0");
+  EXPECT_ERROR(
+      compare_with_visit(*home_, folder_ / "nowhere", finders_.in_pictures, {}, options, run_),
+      "every is 0");
 }
 
 }  // namespace

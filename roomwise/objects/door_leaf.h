@@ -1,0 +1,11 @@
+#pragma once
+
+#include "roomwise/geometry/oriented_box.h"
+#include "roomwise/objects/instances.h"
+
+namespace roomwise::objects {
+
+// Whether something upright is as tall, wide and thin as a door's leaf, or a good part of one.
+[[nodiscard]] bool is_like_a_leaf(const geometry::OrientedBox& box_world, const Level& level);
+
+}  // namespace roomwise::objects

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <memory>
+
+#include "roomwise/objects/proposal_names.h"
+#include "roomwise/objects/region_finder.h"
+
+namespace roomwise::objects {
+
+// All that finds things.
+struct ObjectFinders {
+  RegionFinders in_pictures;  // each looks at every key-frame
+  // Looks closer at what the finished map's depth shows standing by itself; may be absent.
+  std::unique_ptr<const ProposalNamer> of_proposals;
+};
+
+}  // namespace roomwise::objects

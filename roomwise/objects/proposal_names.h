@@ -1,0 +1,61 @@
+#pragma once
+
+#include <map>
+#include <memory>
+#include <set>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "roomwise/network/classifier.h"
+#include "roomwise/network/detector.h"
+#include "roomwise/objects/proposals.h"
+#include "roomwise/objects/region_finder.h"
+
+namespace roomwise::objects {
+
+// What one picture of a proposal says for each word, [0, 1]; words that nothing speaks for may be
+// missing.
+using WordScores = std::map<std::string, double>;
+
+// Says what a box of a picture shows. look() may be called from several threads at once.
+class ProposalNamer {
+ public:
+  virtual ~ProposalNamer() = default;
+
+  [[nodiscard]] virtual const std::string& name() const = 0;
+  // Tells namers apart that may say other things; holds kProposalMethod.
+  [[nodiscard]] virtual const std::string& fingerprint() const = 0;
+  // The words that it may say, each with a label that means it.
+  [[nodiscard]] virtual const std::map<std::string, std::string>& words() const = 0;
+  [[nodiscard]] virtual Expected<WordScores> look(const image::ColorImage& picture,
+                                                  const network::PixelBox& box) const = 0;
+};
+
+// Shows the square about the box to a detector and to a classifier, large and in the middle, as
+// they want it: what is small or far in a whole picture, or fills it, is named so. A word that both
+// are asked for gets the mean of what they say. The words are those of the standard table that they
+// say rightly of such squares, and look-alikes (docs/objects.md).
+[[nodiscard]] std::unique_ptr<ProposalNamer> network_namer(
+    std::shared_ptr<const network::Detector> detector,
+    std::shared_ptr<const network::Classifier> classifier);
+
+// A proposal and all that its pictures say.
+struct LookedProposal {
+  Proposal proposal;
+  std::vector<ProposalView> views;
+  std::vector<WordScores> said;  // by view
+};
+
+struct ProposalName {
+  std::size_t proposal = 0;  // index of LookedProposal
+  std::string word;
+  double score = 0;  // mean over its views
+};
+// What proposals are called: the word that the views say most in the mean, of those that such
+// things are as large as (KindShape); 0.3 or more, and three views. Of proposals of one word that
+// share cells, as a lamp and its shade do, only one is: the largest that is said three quarters as
+// surely as the surest. By index.
+[[nodiscard]] std::vector<ProposalName> name_proposals(std::span<const LookedProposal> looked);
+
+}  // namespace roomwise::objects

@@ -1,0 +1,137 @@
+#include "roomwise/objects/proposal_names.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "roomwise/base/testing.h"
+#include "roomwise/image/codec.h"
+#include "roomwise/network/onnx_classifier.h"
+
+namespace roomwise::objects {
+namespace {
+
+using Eigen::Vector3d;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+// An upright block of cells, with views that all say the same.
+LookedProposal block(const Vector3d& center, const Vector3d& size_m, const WordScores& said,
+                     std::size_t views = 8) {
+  LookedProposal looked;
+  looked.proposal.box_world = {{Eigen::Quaterniond::Identity(), center}, size_m};
+  constexpr double kCell_m = 0.05;
+  const Vector3d low = center - size_m / 2;
+  for (double x = 0.5 * kCell_m; x < size_m.x(); x += kCell_m) {
+    for (double y = 0.5 * kCell_m; y < size_m.y(); y += kCell_m) {
+      for (double z = 0.5 * kCell_m; z < size_m.z(); z += kCell_m) {
+        looked.proposal.surface_world.push_back((low + Vector3d(x, y, z)).cast<float>());
+      }
+    }
+  }
+  looked.views.resize(views);
+  looked.said.assign(views, said);
+  return looked;
+}
+LookedProposal lamp_at(const Vector3d& center, double score, const Vector3d& size_m) {
+  return block(center, size_m, {{"lamp", score}});
+}
+const Vector3d kLampSize(0.3, 0.3, 0.4);
+
+TEST(NameProposals, TakesTheWordThatTheViewsSayMostInTheMean) {
+  LookedProposal looked = block({0, 0, 0.2}, kLampSize, {{"lamp", 0.6}, {"plant", 0.1}}, 4);
+  looked.said[0] = {{"plant", 0.9}};
+  const auto names = name_proposals(std::vector{looked});
+  ASSERT_THAT(names, SizeIs(1));
+  EXPECT_EQ(names[0].word, "lamp");
+  EXPECT_NEAR(names[0].score, 0.45, 1e-12) << "a view that says nothing of it counts, too";
+}
+
+TEST(NameProposals, IsSilentWhereTooLittleIsSaidOrFromTooFewSides) {
+  EXPECT_THAT(name_proposals(std::vector{lamp_at({0, 0, 0.2}, 0.29, kLampSize)}), IsEmpty());
+  EXPECT_THAT(name_proposals(std::vector{lamp_at({0, 0, 0.2}, 0.31, kLampSize)}), SizeIs(1));
+  EXPECT_THAT(name_proposals(std::vector{block({0, 0, 0.2}, kLampSize, {{"lamp", 0.9}}, 2)}),
+              IsEmpty());
+}
+
+TEST(NameProposals, NothingIsCalledWhatIsNeverOfItsSize) {
+  const WordScores said{{"wardrobe", 0.8}, {"lamp", 0.4}};
+  const auto small = name_proposals(std::vector{block({0, 0, 0.2}, kLampSize, said)});
+  ASSERT_THAT(small, SizeIs(1));
+  EXPECT_EQ(small[0].word, "lamp");
+  const auto large = name_proposals(std::vector{block({0, 0, 1}, {1.2, 0.6, 2}, said)});
+  ASSERT_THAT(large, SizeIs(1));
+  EXPECT_EQ(large[0].word, "wardrobe");
+}
+
+TEST(NameProposals, OfAThingItsPartAndWhatItStandsOnOnlyTheThingIsNamed) {
+  const LookedProposal lamp = lamp_at({0, 0, 0.7}, 0.8, kLampSize);
+  const LookedProposal shade = lamp_at({0, 0, 0.8}, 0.9, {0.3, 0.3, 0.2});
+  const LookedProposal with_nightstand = lamp_at({0, 0, 0.45}, 0.5, {0.4, 0.4, 0.9});
+  const LookedProposal elsewhere = lamp_at({2, 0, 0.7}, 0.4, kLampSize);
+  const auto names = name_proposals(std::vector{with_nightstand, lamp, shade, elsewhere});
+  ASSERT_THAT(names, SizeIs(2));
+  EXPECT_EQ(names[0].proposal, 1U) << "the shade is said a little more surely, and is a part";
+  EXPECT_EQ(names[1].proposal, 3U);
+}
+
+class NetworkNamer : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    const auto weights = roomwise::testing::find_model("mobilenet-v2-imagenet.onnx");
+    const auto boxes = roomwise::testing::find_model("nanodet-plus-m-416.onnx");
+    ROOMWISE_REQUIRE_FILE(weights);
+    ROOMWISE_REQUIRE_FILE(boxes);
+    namer_ = network_namer(network::Detector::load(*boxes).value(),
+                           network::OnnxClassifier::load(*weights).value());
+  }
+  // Of a photo that shows the thing alone.
+  [[nodiscard]] Expected<WordScores> said_of(const std::string& photo) const {
+    const auto file = roomwise::testing::find_data("object_photos/" + photo);
+    if (!file) return fail("{} is not here", photo);
+    ROOMWISE_TRY(const image::ColorImage picture, image::read_color(*file));
+    return namer_->look(
+        picture, {0, 0, static_cast<float>(picture.width()), static_cast<float>(picture.height())});
+  }
+
+  std::unique_ptr<ProposalNamer> namer_;
+};
+
+TEST_F(NetworkNamer, NamesWhatAPhotoShows) {
+  const auto photo = roomwise::testing::find_data("object_photos/n04550184_wardrobe.jpg");
+  ROOMWISE_REQUIRE_FILE(photo);
+  for (const auto& [file, word] :
+       std::map<std::string, std::string>{{"n04380533_table_lamp.jpg", "lamp"},
+                                          {"n04550184_wardrobe.jpg", "wardrobe"},
+                                          {"n04447861_toilet_seat.jpg", "toilet seat"}}) {
+    const auto said = said_of(file);
+    ASSERT_OK(said);
+    ASSERT_FALSE(said->empty());
+    const auto most =
+        std::ranges::max_element(*said, {}, [](const auto& one) { return one.second; });
+    EXPECT_EQ(most->first, word) << file;
+    EXPECT_GT(most->second, 0.4) << file;
+  }
+}
+
+TEST_F(NetworkNamer, AsksOnlyForWordsAndEachByALabel) {
+  EXPECT_EQ(source_of(namer_->fingerprint()), RegionSource::kProposal);
+  const auto words = ObjectVocabulary::standard();
+  for (const auto& [word, label] : namer_->words()) {
+    if (word == "radiator") continue;
+    EXPECT_EQ(words.object_of(label), word);
+  }
+  EXPECT_TRUE(namer_->words().contains("wardrobe")) << "the classifier's";
+  EXPECT_TRUE(namer_->words().contains("sofa")) << "the detector's";
+  EXPECT_TRUE(namer_->words().contains("radiator")) << "a look-alike";
+  EXPECT_FALSE(namer_->words().contains("vase")) << "lampshades are vases to detectors";
+}
+
+TEST_F(NetworkNamer, APictureWithoutPixelsIsAnError) {
+  const auto said = namer_->look({}, {0, 0, 10, 10});
+  ASSERT_FALSE(said);
+  EXPECT_THAT(said.error().message, HasSubstr("without pixels"));
+}
+
+}  // namespace
+}  // namespace roomwise::objects

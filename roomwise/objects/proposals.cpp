@@ -1,0 +1,394 @@
+#include "roomwise/objects/proposals.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <optional>
+#include <set>
+#include <unordered_map>
+#include <utility>
+
+#include "roomwise/base/disjoint_sets.h"
+#include "roomwise/objects/door_leaf.h"
+#include "roomwise/objects/upright_box.h"
+#include "roomwise/objects/world_sight.h"
+
+namespace roomwise::objects {
+namespace {
+
+using Eigen::Vector3d;
+using Eigen::Vector3f;
+
+constexpr float kCellSide_m = 0.05F;
+constexpr double kNearestDepth_m = 0.3, kFarthestDepth_m = 4.5;
+constexpr int kLeastShown = 2;              // key-frames
+constexpr double kFurnitureReach_m = 2.15;  // above the floor; what reaches higher is a wall
+constexpr int kWallReach_cells = 2;
+constexpr int kGap_cells = 2;
+constexpr double kFoot_m = 0.08;
+
+// A place of the level frame: x and y along the floor, z the height above it.
+struct LevelCell {
+  VoxelKey key = 0;
+  Vector3f middle;  // of the cell
+  [[nodiscard]] double height_m() const { return static_cast<double>(middle.z()); }
+};
+
+// The frame in which the floor is z = 0.
+class LevelAxes {
+ public:
+  explicit LevelAxes(const Level& level) : floor_m_(level.floor_m) {
+    const Vector3d x = level.up_world.unitOrthogonal();
+    level_from_world_ << x.transpose(), level.up_world.cross(x).transpose(),
+        level.up_world.transpose();
+  }
+  [[nodiscard]] Vector3d from_world(const Vector3d& world) const {
+    return level_from_world_ * world - Vector3d(0, 0, floor_m_);
+  }
+  [[nodiscard]] Vector3d to_world(const Vector3d& in_level) const {
+    return level_from_world_.transpose() * (in_level + Vector3d(0, 0, floor_m_));
+  }
+
+ private:
+  Eigen::Matrix3d level_from_world_;
+  double floor_m_;
+};
+
+using Column = std::pair<int, int>;
+Column column_of(const Vector3f& middle) {
+  return {static_cast<int>(std::floor(middle.x() / kCellSide_m)),
+          static_cast<int>(std::floor(middle.y() / kCellSide_m))};
+}
+
+// The cells that enough key-frames show, by their keys.
+std::vector<LevelCell> cells_of_depth(std::span<const LookedKeyframe> keyframes,
+                                      const LevelAxes& axes) {
+  struct Shown {
+    int count = 0;
+    std::size_t last = 0;  // key-frame, counted from 1
+    Vector3f middle;
+  };
+  std::unordered_map<VoxelKey, Shown> shown;
+  constexpr double kMiddle_px = 0.5 * (kCoarseDepthStep_px - 1);
+  for (std::size_t k = 0; k < keyframes.size(); ++k) {
+    const LookedKeyframe& keyframe = keyframes[k];
+    const image::DepthImage& depth = *keyframe.coarse_depth;
+    for (int y = 0; y < depth.height(); ++y) {
+      for (int x = 0; x < depth.width(); ++x) {
+        const double depth_m = depth.at(x, y) / keyframe.camera->depth_units_per_metre;
+        if (depth_m < kNearestDepth_m || depth_m > kFarthestDepth_m) continue;
+        const Eigen::Vector2d pixel(x * kCoarseDepthStep_px + kMiddle_px,
+                                    y * kCoarseDepthStep_px + kMiddle_px);
+        const Vector3f point =
+            axes.from_world(keyframe.world_from_camera * keyframe.camera->unproject(pixel, depth_m))
+                .cast<float>();
+        Shown& cell = shown[voxel_of(point, kCellSide_m)];
+        if (cell.last == k + 1) continue;
+        cell.last = k + 1;
+        if (++cell.count == 1) {
+          cell.middle = ((point / kCellSide_m).array().floor() + 0.5F) * kCellSide_m;
+        }
+      }
+    }
+  }
+  std::vector<LevelCell> cells;
+  for (const auto& [key, cell] : shown) {
+    if (cell.count >= kLeastShown) cells.push_back({key, cell.middle});
+  }
+  std::ranges::sort(cells, {}, &LevelCell::key);
+  return cells;
+}
+
+// The height of the ceiling, where it is seen: a layer above all furniture that is much fuller than
+// the wall below it. Infinite where there is none.
+double ceiling_m(const std::vector<LevelCell>& cells) {
+  constexpr double kLayer_m = static_cast<double>(kCellSide_m);
+  constexpr int kBelow_layers = 3;
+  constexpr double kFuller = 1.5;
+  std::map<int, int> layers;  // cells by height
+  for (const LevelCell& cell : cells) {
+    ++layers[static_cast<int>(std::floor(cell.height_m() / kLayer_m))];
+  }
+  const auto above = layers.upper_bound(static_cast<int>(std::floor(kFurnitureReach_m / kLayer_m)));
+  const auto fullest = std::max_element(
+      above, layers.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+  if (fullest == layers.end() ||
+      fullest->second <= kFuller * layers[fullest->first - kBelow_layers]) {
+    return std::numeric_limits<double>::infinity();
+  }
+  return fullest->first * kLayer_m;
+}
+
+// Where walls stand: what reaches higher than furniture does and is no ceiling.
+std::set<Column> wall_columns(const std::vector<LevelCell>& cells) {
+  constexpr double kCeilingRim_m = 0.1;
+  const double top_m = ceiling_m(cells) - kCeilingRim_m;
+  std::set<Column> walls;
+  for (const LevelCell& cell : cells) {
+    if (cell.height_m() > kFurnitureReach_m && cell.height_m() < top_m) {
+      walls.insert(column_of(cell.middle));
+    }
+  }
+  return walls;
+}
+
+// What is neither floor nor wall nor ceiling.
+std::vector<LevelCell> standing_cells(const std::vector<LevelCell>& cells,
+                                      const std::set<Column>& walls) {
+  std::set<Column> near_walls;
+  for (const auto& [x, y] : walls) {
+    for (int dx = -kWallReach_cells; dx <= kWallReach_cells; ++dx) {
+      for (int dy = -kWallReach_cells; dy <= kWallReach_cells; ++dy) {
+        near_walls.insert({x + dx, y + dy});
+      }
+    }
+  }
+  std::vector<LevelCell> standing;
+  std::ranges::copy_if(cells, std::back_inserter(standing), [&](const LevelCell& cell) {
+    return cell.height_m() > kFoot_m && cell.height_m() <= kFurnitureReach_m &&
+           !near_walls.contains(column_of(cell.middle));
+  });
+  return standing;
+}
+
+// Of what reaches to a wall behind it often the front alone is seen: a wardrobe between others.
+// What is tall, with a wall behind and nothing that was ever seen between, reaches to that wall.
+class HiddenDepth {
+ public:
+  HiddenDepth(const std::vector<LevelCell>& cells, const std::set<Column>& walls,
+              const LevelAxes& axes)
+      : walls_(&walls), axes_(&axes) {
+    for (const LevelCell& cell : cells) {
+      if (cell.height_m() <= kFurnitureReach_m) seen_.insert(column_of(cell.middle));
+    }
+  }
+
+  void add(geometry::OrientedBox& box_world, const Level& level) const {
+    constexpr double kThinnest_m = 0.2, kNarrowest_m = 0.6, kTop_m = 1.6;
+    const int thin = box_world.size_m.x() < box_world.size_m.y() ? 0 : 1;
+    const double top_m = level.height_m(box_world.center()) + box_world.size_m.z() / 2;
+    if (box_world.size_m[thin] > kThinnest_m || box_world.size_m[1 - thin] < kNarrowest_m ||
+        top_m < kTop_m) {
+      return;
+    }
+    for (const double side : {-1.0, 1.0}) {
+      const auto depth_m = behind_m(box_world, thin, side);
+      if (!depth_m) continue;
+      const Vector3d back = side * box_world.world_from_box.rotation.toRotationMatrix().col(thin);
+      box_world.world_from_box.translation += *depth_m / 2 * back;
+      box_world.size_m[thin] += *depth_m;
+      return;
+    }
+  }
+
+ private:
+  // How far behind the front the wall stands; absent where there is none, or something between.
+  [[nodiscard]] std::optional<double> behind_m(const geometry::OrientedBox& front, int thin,
+                                               double side) const {
+    constexpr double kStep_m = static_cast<double>(kCellSide_m);
+    constexpr double kLeast_m = 0.25, kMost_m = 0.8, kRim_m = 0.12;
+    // As wide as a door's leaf, it may be one that stands open before a wall.
+    constexpr double kLeafWidth_m = 1.2, kLeastAsWide_m = 0.45;
+    constexpr double kLeastWall = 0.6, kMostSeen = 0.25;
+    const Eigen::Matrix3d turn = front.world_from_box.rotation.toRotationMatrix();
+    const Vector3d back = side * turn.col(thin), along = turn.col(1 - thin);
+    const double half_m = front.size_m[1 - thin] / 2;
+    std::vector<double> walls_m;
+    int lines = 0, between = 0, seen = 0;
+    for (double at = -half_m + kStep_m; at < half_m; at += kStep_m) {
+      ++lines;
+      const Vector3d foot = front.center() + at * along;
+      const auto column = [&](double depth_m) {
+        return column_of(axes_->from_world(foot + depth_m * back).cast<float>());
+      };
+      for (double depth_m = kLeast_m; depth_m < kMost_m; depth_m += kStep_m / 2) {
+        if (!walls_->contains(column(depth_m))) continue;
+        walls_m.push_back(depth_m);
+        for (double d = kRim_m; d < depth_m - kRim_m; d += kStep_m) {
+          ++between;
+          if (seen_.contains(column(d))) ++seen;
+        }
+        break;
+      }
+    }
+    if (static_cast<double>(walls_m.size()) < kLeastWall * lines || seen > kMostSeen * between) {
+      return std::nullopt;
+    }
+    const auto middle = walls_m.begin() + static_cast<std::ptrdiff_t>(walls_m.size() / 2);
+    std::ranges::nth_element(walls_m, middle);
+    const bool is_as_wide = front.size_m[1 - thin] < kLeafWidth_m;
+    return is_as_wide && *middle < kLeastAsWide_m ? std::nullopt : std::optional(*middle);
+  }
+
+  const std::set<Column>* walls_;
+  const LevelAxes* axes_;
+  std::set<Column> seen_;  // not of the ceiling alone
+};
+
+using Piece = std::vector<std::size_t>;  // indices of cells, ascending
+
+// Which cells are near each other, by index: a gap of one between them counts for nothing, since
+// from afar, or at a slant, pictures show fewer points of a surface than it has cells. The cells
+// are in the order of their keys.
+using Link = std::pair<std::size_t, std::size_t>;
+std::vector<Link> links_between(const std::vector<LevelCell>& cells) {
+  std::vector<Link> links;
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    for (const VoxelKey neighbor : cube_neighbors(cells[i].key, kGap_cells)) {
+      if (neighbor < cells[i].key) continue;  // it looked here
+      const auto at = std::ranges::lower_bound(cells, neighbor, {}, &LevelCell::key);
+      if (at == cells.end() || at->key != neighbor) continue;
+      links.emplace_back(i, static_cast<std::size_t>(at - cells.begin()));
+    }
+  }
+  return links;
+}
+
+// The pieces into which the cells above a height fall.
+std::vector<Piece> pieces_above(const std::vector<LevelCell>& cells, const std::vector<Link>& links,
+                                double height_m) {
+  DisjointSets sets(cells.size());
+  const auto is_above = [&](std::size_t i) { return cells[i].height_m() >= height_m; };
+  for (const auto& [a, b] : links) {
+    if (is_above(a) && is_above(b)) sets.join(a, b);
+  }
+  std::map<std::size_t, Piece> of_set;  // known by its lowest: in the order of the cells
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    if (is_above(i)) of_set[sets.find(i)].push_back(i);
+  }
+  std::vector<Piece> pieces;
+  for (auto& [set, piece] : of_set) pieces.push_back(std::move(piece));
+  return pieces;
+}
+
+// Whether most of one piece's cells are the other's.
+bool is_mostly_in(const Piece& piece, const Piece& other) {
+  constexpr double kMost = 0.7;
+  if (static_cast<double>(other.size()) < kMost * static_cast<double>(piece.size())) return false;
+  Piece both;
+  std::ranges::set_intersection(piece, other, std::back_inserter(both));
+  return static_cast<double>(both.size()) > kMost * static_cast<double>(piece.size());
+}
+
+bool may_be_a_thing(const Vector3d& size_m) {
+  constexpr double kLeast_m = 0.2, kMost_m = 4;
+  return size_m.maxCoeff() >= kLeast_m && size_m.head<2>().maxCoeff() <= kMost_m;
+}
+
+// Where the picture shows the box, were it not cut; absent where a corner is too near.
+std::optional<network::PixelBox> projected(const geometry::OrientedBox& box,
+                                           const geometry::RigidTransform& camera_from_world,
+                                           const geometry::PinholeCamera& camera) {
+  constexpr float kFar = std::numeric_limits<float>::max();
+  network::PixelBox about{kFar, kFar, -kFar, -kFar};
+  for (int corner = 0; corner < 8; ++corner) {
+    const Vector3d half = 0.5 * box.size_m;
+    const Vector3d at((corner & 1) != 0 ? half.x() : -half.x(),
+                      (corner & 2) != 0 ? half.y() : -half.y(),
+                      (corner & 4) != 0 ? half.z() : -half.z());
+    const Vector3d point = camera_from_world * (box.world_from_box * at);
+    if (point.z() < kNearestDepth_m) return std::nullopt;
+    const Eigen::Vector2f pixel = camera.project(point).cast<float>();
+    about = {std::min(about.left, pixel.x()), std::min(about.top, pixel.y()),
+             std::max(about.right, pixel.x()), std::max(about.bottom, pixel.y())};
+  }
+  return about;
+}
+
+// The share of a proposal's surface that a key-frame shows.
+double share_shown(const Proposal& proposal, const LookedKeyframe& keyframe,
+                   const geometry::RigidTransform& camera_from_world) {
+  constexpr std::size_t kMostProbes = 200;
+  constexpr double kSame_m = 0.12;
+  const std::size_t every = std::max<std::size_t>(1, proposal.surface_world.size() / kMostProbes);
+  int probes = 0, shown = 0;
+  for (std::size_t i = 0; i < proposal.surface_world.size(); i += every) {
+    ++probes;
+    const Vector3d point = camera_from_world * proposal.surface_world[i].cast<double>();
+    if (point.z() <= 0) continue;
+    const Eigen::Vector2d place = keyframe.camera->project(point) / kCoarseDepthStep_px;
+    const int x = static_cast<int>(std::floor(place.x()));
+    const int y = static_cast<int>(std::floor(place.y()));
+    if (!keyframe.coarse_depth->contains(x, y)) continue;
+    const double depth_m = keyframe.coarse_depth->at(x, y) / keyframe.camera->depth_units_per_metre;
+    if (depth_m > 0 && std::abs(depth_m - point.z()) < kSame_m) ++shown;
+  }
+  return static_cast<double>(shown) / probes;
+}
+
+}  // namespace
+
+std::vector<Proposal> find_proposals(std::span<const LookedKeyframe> keyframes,
+                                     const Level& level) {
+  constexpr std::size_t kFewestCells = 12;
+  constexpr double kLowest_m = 0.1, kHighest_m = 1.6, kStep_m = 0.1;
+  const LevelAxes axes(level);
+  const std::vector<LevelCell> all = cells_of_depth(keyframes, axes);
+  const std::set<Column> walls = wall_columns(all);
+  const std::vector<LevelCell> cells = standing_cells(all, walls);
+  const HiddenDepth hidden(all, walls, axes);
+  const std::vector<Link> links = links_between(cells);
+  std::vector<Piece> pieces;
+  constexpr int kHeights = static_cast<int>((kHighest_m - kLowest_m) / kStep_m + 1.5);
+  for (int i = 0; i < kHeights; ++i) {
+    for (Piece& piece : pieces_above(cells, links, kLowest_m + i * kStep_m)) {
+      if (piece.size() < kFewestCells) continue;
+      const bool is_known = std::ranges::any_of(
+          pieces, [&](const Piece& lower) { return is_mostly_in(lower, piece); });
+      if (!is_known) pieces.push_back(std::move(piece));
+    }
+  }
+  std::vector<Proposal> proposals;
+  std::vector<const Piece*> leaves;
+  for (const Piece& piece : pieces) {
+    const bool is_part_of_leaf =
+        std::ranges::any_of(leaves, [&](const Piece* leaf) { return is_mostly_in(piece, *leaf); });
+    if (is_part_of_leaf) continue;
+    Proposal proposal;
+    for (const std::size_t i : piece) {
+      proposal.surface_world.push_back(axes.to_world(cells[i].middle.cast<double>()).cast<float>());
+    }
+    proposal.box_world = upright_box(proposal.surface_world, level.up_world);
+    proposal.box_world.size_m.array() += static_cast<double>(kCellSide_m);
+    hidden.add(proposal.box_world, level);
+    if (is_like_a_leaf(proposal.box_world, level)) {
+      leaves.push_back(&piece);
+    } else if (may_be_a_thing(proposal.box_world.size_m)) {
+      proposals.push_back(std::move(proposal));
+    }
+  }
+  return proposals;
+}
+
+std::vector<ProposalView> best_views(const Proposal& proposal,
+                                     std::span<const LookedKeyframe> keyframes) {
+  constexpr std::size_t kMostViews = 8;
+  constexpr float kLeastSide_px = 16;
+  constexpr double kFarthest_m = 5, kLeastInPicture = 0.6, kLeastShownShare = 0.35;
+  std::vector<ProposalView> views;
+  for (std::size_t k = 0; k < keyframes.size(); ++k) {
+    const LookedKeyframe& keyframe = keyframes[k];
+    const geometry::RigidTransform camera_from_world = keyframe.world_from_camera.inverse();
+    if ((camera_from_world * proposal.box_world.center()).norm() > kFarthest_m) continue;
+    const auto whole = projected(proposal.box_world, camera_from_world, *keyframe.camera);
+    if (!whole) continue;
+    const network::PixelBox picture{0, 0, static_cast<float>(keyframe.camera->width),
+                                    static_cast<float>(keyframe.camera->height)};
+    const network::PixelBox box = network::intersection(*whole, picture);
+    const double in_picture = static_cast<double>(box.area() / whole->area());
+    if (in_picture < kLeastInPicture || box.right - box.left < kLeastSide_px ||
+        box.bottom - box.top < kLeastSide_px) {
+      continue;
+    }
+    const double shown = share_shown(proposal, keyframe, camera_from_world);
+    if (shown < kLeastShownShare) continue;
+    const double size = std::sqrt(static_cast<double>(box.area() / picture.area()));
+    views.push_back({k, box, in_picture * shown * size});
+  }
+  std::ranges::stable_sort(views, std::greater{}, &ProposalView::quality);
+  if (views.size() > kMostViews) views.resize(kMostViews);
+  return views;
+}
+
+}  // namespace roomwise::objects

@@ -1,0 +1,160 @@
+#include "roomwise/pipeline/closer_looks.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "roomwise/base/testing.h"
+#include "roomwise/pipeline/map_recording.h"
+#include "roomwise/pipeline/room_learning.h"
+#include "roomwise/pipeline/walk_with_box.h"
+
+namespace roomwise::pipeline {
+namespace {
+
+using testing::DrawnBox;
+using testing::WalkWithBox;
+
+// Looks, and finds nothing.
+class BlindFinder final : public objects::RegionFinder {
+ public:
+  [[nodiscard]] const std::string& name() const override { return name_; }
+  [[nodiscard]] const std::string& fingerprint() const override { return name_; }
+  [[nodiscard]] const std::vector<std::string>& labels() const override { return labels_; }
+  [[nodiscard]] Expected<std::vector<network::Detection>> find(
+      const image::ColorImage&) const override {
+    return std::vector<network::Detection>{};
+  }
+
+ private:
+  std::string name_ = "blind";
+  std::vector<std::string> labels_{"couch"};
+};
+
+// Says that what is red in the middle is a lamp.
+class RedNamer final : public objects::ProposalNamer {
+ public:
+  bool fails = false;
+
+  [[nodiscard]] const std::string& name() const override { return name_; }
+  [[nodiscard]] const std::string& fingerprint() const override { return fingerprint_; }
+  [[nodiscard]] const std::map<std::string, std::string>& words() const override { return words_; }
+  [[nodiscard]] Expected<objects::WordScores> look(const image::ColorImage& picture,
+                                                   const network::PixelBox& box) const override {
+    if (fails) return fail("the namer sees nothing");
+    const Rgb8 middle = picture.at(static_cast<int>((box.left + box.right) / 2),
+                                   static_cast<int>((box.top + box.bottom) / 2));
+    const bool is_red = middle.r > 240 && middle.g < 10 && middle.b < 10;
+    return is_red ? objects::WordScores{{"lamp", 0.8}} : objects::WordScores{};
+  }
+
+ private:
+  std::string name_ = "red", fingerprint_ = "red proposals 1";
+  std::map<std::string, std::string> words_{{"lamp", "table lamp"}};
+};
+
+// The user stops as soon as the closer looks begin.
+class InterruptedLook final : public Progress {
+ public:
+  void begin(std::string_view work, std::optional<std::uint64_t>) override {
+    has_begun_ = has_begun_ || work == "looking closer";
+  }
+  void advance(std::uint64_t, std::string_view) override {}
+  void end() override {}
+  [[nodiscard]] bool interrupted() const override { return has_begun_; }
+
+ private:
+  bool has_begun_ = false;
+};
+
+class CloserLooks : public ::testing::Test {
+ protected:
+  // Maps a walk past a red box, or goes on with it.
+  Expected<MapSummary> map(home::Home& home, bool looks_closer, RunContext& run) {
+    WalkWithBox walk(14, 0.05, kBox);
+    objects::ObjectFinders finders;
+    finders.in_pictures.push_back(std::make_unique<BlindFinder>());
+    if (looks_closer) finders.of_proposals = std::make_unique<RedNamer>();
+    return map_recording(walk, {"walk", "made up", walk.info().camera, walk.info().frame_count},
+                         home, {}, MapSettings{}, run, finders);
+  }
+  home::Home mapped(const std::string& name, bool looks_closer) {
+    home::Home home = create_home(folder_ / name).value();
+    EXPECT_OK(map(home, looks_closer, run_));
+    return home;
+  }
+
+  const DrawnBox kBox{{Eigen::Vector3d(-0.2, -0.1, 0.9), Eigen::Vector3d(0.25, 0.35, 1.2)}};
+  roomwise::testing::ScratchFolder folder_;
+  ThreadPool pool_{2};
+  SilentProgress progress_;
+  StageClock clock_;
+  RunContext run_{pool_, progress_, clock_};
+};
+
+TEST_F(CloserLooks, NameWhatStandsByItselfAndNoFinderFound) {
+  EXPECT_TRUE(mapped("without.home", false).instances()->empty());
+  const home::Home home = mapped("with.home", true);
+  const auto instances = home.instances();
+  ASSERT_OK(instances);
+  ASSERT_EQ(instances->size(), 1U);
+  EXPECT_EQ(instances->front().name, "lamp");
+  const auto keyframes = home.keyframes();
+  ASSERT_OK(keyframes);
+  const auto shows =
+      std::ranges::find(*keyframes, instances->front().keyframe_id, &home::Keyframe::id);
+  ASSERT_NE(shows, keyframes->end());
+  const geometry::OrientedBox box = instances->front().box_world(shows->pose.world_from_keyframe);
+  EXPECT_LT((box.center() - kBox.extent.center()).norm(), 0.2);
+  EXPECT_EQ(home.looked_at(2)->size(), keyframes->size()) << "what it does not show was asked, too";
+  const auto looks = home.looks(2);
+  ASSERT_OK(looks);
+  for (const auto& [keyframe, look] : *looks) {
+    EXPECT_FALSE(look.coarse_depth.empty());
+    for (const objects::Region& region : look.regions) {
+      EXPECT_EQ(region.label, "table lamp");
+      EXPECT_NEAR(region.score, 0.8, 1e-6);
+      EXPECT_GT(region.surface.points.size(), 8U);
+    }
+  }
+}
+
+TEST_F(CloserLooks, OnceMoreChangeNothing) {
+  home::Home home = mapped("a.home", true);
+  const auto before = home.content_digest();
+  const auto looked = look_closer(home, RedNamer(), run_);
+  ASSERT_OK(looked);
+  EXPECT_TRUE(*looked);
+  EXPECT_EQ(*home.content_digest(), *before);
+}
+
+TEST_F(CloserLooks, InterruptedOrFailingLeaveTheHomeAsItWas) {
+  home::Home home = mapped("a.home", false);
+  const auto before = home.content_digest();
+  InterruptedLook interrupted;
+  RunContext run{pool_, interrupted, clock_};
+  const auto looked = look_closer(home, RedNamer(), run);
+  ASSERT_OK(looked);
+  EXPECT_FALSE(*looked);
+  EXPECT_EQ(*home.content_digest(), *before);
+  RedNamer failing;
+  failing.fails = true;
+  EXPECT_ERROR(look_closer(home, failing, run_), "sees nothing");
+  EXPECT_EQ(*home.content_digest(), *before);
+}
+
+TEST_F(CloserLooks, AMapThatIsInterruptedMeanwhileGoesOn) {
+  const home::Home whole = mapped("whole.home", true);
+  home::Home home = create_home(folder_ / "resumed.home").value();
+  InterruptedLook interrupted;
+  RunContext run{pool_, interrupted, clock_};
+  const auto stopped = map(home, true, run);
+  ASSERT_OK(stopped);
+  EXPECT_FALSE(stopped->finished);
+  const auto resumed = map(home, true, run_);
+  ASSERT_OK(resumed);
+  EXPECT_TRUE(resumed->finished);
+  EXPECT_EQ(*home.content_digest(), *whole.content_digest());
+}
+
+}  // namespace
+}  // namespace roomwise::pipeline
