@@ -359,7 +359,7 @@ TEST(FindInstances, WhatReachesIntoASurerOneOfItsNameIsThatOne) {
   const auto beds_apart = [](double apart_m) {
     TestRoom room;
     room.things = {{"bed", {-0.6, 0, 0.25}, {2.0, 1.4, 0.5}},
-                   {"bed", {apart_m - 0.6, 0, 0.3}, {1.0, 1.0, 0.6}}};
+                   {"bed", {apart_m - 0.6, 0, 0.3}, {1.0, 1.4, 0.6}}};
     room.look_around({0, 0, 0.3}, 12, 2.2);
     for (int i = 0; i < 3; ++i) room.look({-2.2, 0.3 * i, 1.4}, {-1.2, 0, 0.3});
     return room.instances();
