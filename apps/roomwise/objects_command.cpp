@@ -210,7 +210,9 @@ Expected<Answer> find(const ObjectsOptions& options, Context& context) {
     ROOMWISE_TRY(seen_all, pipeline::look_closer(home, *finders.of_proposals, run));
   }
   if (!seen_all) {
-    return fail("interrupted; what was seen is kept, the same command goes on from there");
+    return fail(
+        "interrupted; what was seen of whole key-frames is kept, the same command goes on from "
+        "there");
   }
   {
     const auto timing = run.clock.measure("joining objects");

@@ -148,7 +148,6 @@ struct Evidence {
       case RegionSource::kCrop:
         return -0.75;
       case RegionSource::kProposal:
-        return 0;
       case RegionSource::kActivation:
         break;
     }
@@ -179,7 +178,10 @@ Existence existence_of(const Candidate& candidate, std::span<const WorldSight> s
   }
   Existence existence{.sightings = static_cast<int>(speaks_for.size())};
   const RegionSource source = surest_source(candidate, sights);
-  for (std::size_t k = 0; k < keyframes.size() && source != RegionSource::kProposal; ++k) {
+  const bool stands_apart = std::ranges::any_of(candidate.group, [&](std::size_t index) {
+    return sights[index].source == RegionSource::kProposal;
+  });
+  for (std::size_t k = 0; k < keyframes.size() && !stands_apart; ++k) {
     if (speaks_for.contains(k) || keyframes[k].not_asked.contains(source)) continue;
     if (should_see(keyframes[k], candidate.box.surface_world, farthest_m)) ++existence.missed;
   }

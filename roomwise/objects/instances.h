@@ -25,7 +25,9 @@ struct Instance {
   // What it is called, by the share of the sightings' scores that speak for it; they sum to 1.
   std::map<std::string, double> names;
   int sightings = 0;  // key-frames that saw it
-  int expected = 0;   // key-frames that should have
+  // Key-frames that should have; of what stands apart in depth (RegionSource::kProposal) those that
+  // did, since the others say nothing against it.
+  int expected = 0;
   std::uint64_t keyframe_id = 0;
   network::PixelBox picture_box;  // there
   // Upright: z of the box frame is up. Its "world" is the key-frame's camera frame.

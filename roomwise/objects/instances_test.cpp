@@ -334,6 +334,19 @@ TEST(FindInstances, AProposalCountsByItsBestViewsAlone) {
             probability_by(RegionSource::kDetector, 0));
 }
 
+TEST(FindInstances, AFewBoxesThatAgreeWithAProposalTakeNothingFromIt) {
+  TestRoom room;
+  room.things = {kChair};
+  room.source = RegionSource::kProposal;
+  room.look_around(kChair.center, 6, 1.8, 0, 1);
+  room.source = RegionSource::kDetector;
+  room.look_around(kChair.center, 2, 1.8, 0.2, 0.4);
+  room.look_around(kChair.center, 20, 1.8, 0.1, 0.8, /*finds=*/false);
+  const auto instances = room.instances();
+  ASSERT_EQ(instances.size(), 1U);
+  EXPECT_GT(instances[0].probability, 0.9) << "though twenty pictures show no box";
+}
+
 TEST(FindInstances, AProposalThatThePictureCutsOnThreeSidesCounts) {
   const auto found_by = [](RegionSource source) {
     TestRoom room;

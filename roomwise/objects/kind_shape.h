@@ -25,11 +25,11 @@ struct KindShape {
   double least_length_m = 0;
   double usual_height_m = 0;  // few are lower
 
-
   // Whether something can be one that is as large as that. `size_m`: two level sides and the
-  // height. What is smaller may be a part of one.
+  // height of the whole.
   [[nodiscard]] bool holds(const Eigen::Vector3d& size_m) const;
-  // The same for what was seen of a thing, of which a side may be hidden: half of its least side.
+  // What was seen of a thing may be a part of it, but no larger: its shorter level side half of the
+  // least side, its longer one nearly that.
   [[nodiscard]] bool holds_what_is_seen(const Eigen::Vector3d& seen_m) const;
   [[nodiscard]] bool is_usual(const Eigen::Vector3d& size_m) const {
     return size_m.z() >= usual_height_m;

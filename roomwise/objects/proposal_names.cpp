@@ -1,9 +1,10 @@
 #include "roomwise/objects/proposal_names.h"
 
-#include <fmt/ranges.h>
-
 #include <algorithm>
+#include <functional>
+#include <iterator>
 #include <optional>
+#include <tuple>
 #include <utility>
 
 #include "roomwise/image/resample.h"
@@ -16,13 +17,12 @@ namespace {
 
 using network::PixelBox;
 
-constexpr int kVersion = 1;  // counted up where the same networks say other things
 constexpr float kClassifierMargin = 1.15F, kDetectorMargin = 1.4F;  // in longest sides of the box
 constexpr float kLeastDetection = 0.15F;
 constexpr float kSameBox = 0.5F;  // a detection that covers the proposal's box so well is of it
 
-// What ImageNet's classifiers call rightly in such pictures (docs/objects.md). Of the others either
-// they have no plain word (bed, chair, sofa) or say little.
+// What ImageNet's classifiers call rightly in such pictures (docs/objects.md). For others they have
+// no word (bed, sofa), or say little.
 const std::set<std::string>& words_of_classifier() {
   static const std::set<std::string> kWords{
       "bath",  "bookcase", "chair",       "lamp", "microwave", "radiator",       "sink",
@@ -41,11 +41,17 @@ bool is_partly_known(const std::string& word) {
   return word == "chair" || word == "table";
 }
 
-std::optional<std::string> word_of(const std::string& label) {
-  static const auto words = ObjectVocabulary::standard();
-  static const auto look_alikes = ObjectVocabulary::look_alikes();
-  if (auto word = words.object_of(label)) return word;
-  return look_alikes.object_of(label);
+// The words that things may get, and look-alikes.
+const ObjectVocabulary& all_words() {
+  static const ObjectVocabulary kWords = [] {
+    ObjectVocabulary words = ObjectVocabulary::standard();
+    const ObjectVocabulary look_alikes = ObjectVocabulary::look_alikes();
+    for (const auto& [word, labels] : look_alikes.objects()) {
+      std::ignore = words.add(word, {labels.begin(), labels.end()});  // no label is in both
+    }
+    return words;
+  }();
+  return kWords;
 }
 
 // A part of the picture, and where in it a box of the picture lies.
@@ -70,15 +76,28 @@ WordScores mean_of(std::span<const WordScores> said) {
   return mean;
 }
 
+// By its size; of what stands on the floor the height is that of its top.
+bool may_be(const Proposal& proposal, const KindShape& shape) {
+  Eigen::Vector3d whole_m = proposal.box_world.size_m;
+  if (shape.on_floor) whole_m.z() = std::max(whole_m.z(), proposal.top_m);
+  return shape.holds_what_is_seen(proposal.box_world.size_m) && shape.holds(whole_m);
+}
+
 // The word that is said most, of those that the proposal is as large as.
 std::optional<ProposalName> best_name(std::size_t index, const LookedProposal& looked) {
   constexpr std::size_t kFewestViews = 3;
   constexpr double kLeastScore = 0.3;
+  // Networks see of a table what lies on it; a level surface of that height is hardly anything
+  // else.
+  constexpr double kTableTop = 0.4;
   if (looked.views.size() < kFewestViews) return std::nullopt;
   ProposalName best{.proposal = index, .word = {}, .score = 0};
-  for (const auto& [word, score] : mean_of(looked.said)) {
-    if (score < kLeastScore || score <= best.score) continue;
-    if (!shape_of(word).holds_what_is_seen(looked.proposal.box_world.size_m)) continue;
+  WordScores scores = mean_of(looked.said);
+  if (looked.proposal.has_table_top) scores["table"] += kTableTop;
+  for (const auto& [word, sum] : scores) {
+    const double score = std::min(sum, 1.0);
+    if (!(score >= kLeastScore && score > best.score)) continue;  // nor what is no number
+    if (!may_be(looked.proposal, shape_of(word))) continue;
     best.word = word;
     best.score = score;
   }
@@ -87,8 +106,7 @@ std::optional<ProposalName> best_name(std::size_t index, const LookedProposal& l
 
 // The cells of a proposal, sorted.
 std::vector<VoxelKey> cells_of(const LookedProposal& looked) {
-  constexpr float kCell_m = 0.05F;
-  return voxels_of(looked.proposal.surface_world, kCell_m);
+  return voxels_of(looked.proposal.surface_world, kProposalCell_m);
 }
 
 // The share of the smaller one's cells that both have.
@@ -133,82 +151,45 @@ class NetworkNamer final : public ProposalNamer {
       : detector_(std::move(detector)), classifier_(std::move(classifier)) {
     std::set<std::string> detected;
     for (const std::string& label : detector_->labels()) {
-      const auto word = word_of(label);
+      const auto word = all_words().object_of(label);
       const bool is_asked = word && is_asked_of_detector(*word);
       word_of_detection_.push_back(is_asked ? *word : "");
       if (is_asked) detected.insert(*word);
-      if (is_asked) words_.emplace(*word, label);
     }
     for (const std::string& label : classifier_->labels()) {
-      const auto word = word_of(label);
+      const auto word = all_words().object_of(label);
       const bool is_asked = word && words_of_classifier().contains(*word);
       word_of_class_.push_back(is_asked ? *word : "");
       if (is_asked && detected.contains(*word)) asked_of_both_.insert(*word);
-      if (is_asked) words_.emplace(*word, label);
     }
-    fingerprint_ = fmt::format("{}{}{} {}: {}; {}", classifier_->fingerprint(), kProposalMethod,
-                               kVersion, detector_->fingerprint(), classifier_->preprocessing(),
-                               fmt::join(words_, ", "));
   }
 
-  [[nodiscard]] const std::string& name() const override { return name_; }
-  [[nodiscard]] const std::string& fingerprint() const override { return fingerprint_; }
-  [[nodiscard]] const std::map<std::string, std::string>& words() const override { return words_; }
   [[nodiscard]] Expected<WordScores> look(const image::ColorImage& picture,
                                           const PixelBox& box) const override {
     if (picture.empty()) return fail("a picture without pixels shows nothing");
-    ROOMWISE_TRY(WordScores scores, said_by_classifier(picture, box));
-    ROOMWISE_TRY(const WordScores detected, said_by_detector(picture, box));
-    for (const auto& [word, score] : detected) scores[word] += score;
-    for (auto& [word, score] : scores) {
-      if (!asked_of_both_.contains(word)) continue;
-      score /= 2;
-      const auto own = detected.find(word);
-      if (own != detected.end() && is_partly_known(word)) score = std::max(score, own->second);
+    ROOMWISE_TRY(const network::Prediction said,
+                 classifier_->predict(cut_out(picture, box, kClassifierMargin).picture));
+    WordScores by_classifier;
+    for (std::size_t i = 0; i < said.scores.size(); ++i) {
+      if (word_of_class_[i].empty()) continue;
+      by_classifier[word_of_class_[i]] += static_cast<double>(said.scores[i]);
     }
-    return scores;
+    const Square square = cut_out(picture, box, kDetectorMargin);
+    ROOMWISE_TRY(auto found, detector_->detect(square.picture, kLeastDetection));
+    for (network::Detection& detection : found) {
+      detection.box.left += square.left_px;
+      detection.box.right += square.left_px;
+      detection.box.top += square.top_px;
+      detection.box.bottom += square.top_px;
+    }
+    return join_scores(by_classifier, scores_of(found, box, word_of_detection_), asked_of_both_);
   }
 
  private:
-  [[nodiscard]] Expected<WordScores> said_by_classifier(const image::ColorImage& picture,
-                                                        const PixelBox& box) const {
-    ROOMWISE_TRY(const network::Prediction said,
-                 classifier_->predict(cut_out(picture, box, kClassifierMargin).picture));
-    WordScores scores;
-    for (std::size_t i = 0; i < said.scores.size(); ++i) {
-      if (!word_of_class_[i].empty()) {
-        scores[word_of_class_[i]] += static_cast<double>(said.scores[i]);
-      }
-    }
-    return scores;
-  }
-
-  [[nodiscard]] Expected<WordScores> said_by_detector(const image::ColorImage& picture,
-                                                      const PixelBox& box) const {
-    const Square square = cut_out(picture, box, kDetectorMargin);
-    ROOMWISE_TRY(const auto found, detector_->detect(square.picture, kLeastDetection));
-    WordScores scores;
-    for (const network::Detection& detection : found) {
-      const std::string& word = word_of_detection_[detection.label];
-      if (word.empty()) continue;
-      PixelBox there = detection.box;
-      there.left += square.left_px;
-      there.right += square.left_px;
-      there.top += square.top_px;
-      there.bottom += square.top_px;
-      if (network::intersection_over_union(there, box) < kSameBox) continue;
-      double& score = scores[word];
-      score = std::max(score, static_cast<double>(detection.score));
-    }
-    return scores;
-  }
-
   std::shared_ptr<const network::Detector> detector_;
   std::shared_ptr<const network::Classifier> classifier_;
   std::vector<std::string> word_of_class_, word_of_detection_;  // by label; empty: not asked
   std::set<std::string> asked_of_both_;
-  std::map<std::string, std::string> words_;
-  std::string name_ = "closer looks", fingerprint_;
 };
 
 }  // namespace
@@ -217,6 +198,37 @@ std::unique_ptr<ProposalNamer> network_namer(
     std::shared_ptr<const network::Detector> detector,
     std::shared_ptr<const network::Classifier> classifier) {
   return std::make_unique<NetworkNamer>(std::move(detector), std::move(classifier));
+}
+
+std::map<std::string, std::string> labels_of_proposals() {
+  std::map<std::string, std::string> labels;
+  for (const auto& [word, of_word] : all_words().objects()) labels[word] = *of_word.begin();
+  return labels;
+}
+
+WordScores scores_of(std::span<const network::Detection> found, const PixelBox& box,
+                     std::span<const std::string> word_of_label) {
+  WordScores scores;
+  for (const network::Detection& detection : found) {
+    const std::string& word = word_of_label[detection.label];
+    if (word.empty() || network::intersection_over_union(detection.box, box) < kSameBox) continue;
+    double& score = scores[word];
+    score = std::max(score, static_cast<double>(detection.score));
+  }
+  return scores;
+}
+
+WordScores join_scores(const WordScores& by_classifier, const WordScores& by_detector,
+                       const std::set<std::string>& asked_of_both) {
+  WordScores scores = by_classifier;
+  for (const auto& [word, score] : by_detector) scores[word] += score;
+  for (auto& [word, score] : scores) {
+    if (!asked_of_both.contains(word)) continue;
+    score /= 2;
+    const auto own = by_detector.find(word);
+    if (own != by_detector.end() && is_partly_known(word)) score = std::max(score, own->second);
+  }
+  return scores;
 }
 
 std::vector<ProposalName> name_proposals(std::span<const LookedProposal> looked) {

@@ -18,27 +18,35 @@ namespace roomwise::objects {
 // missing.
 using WordScores = std::map<std::string, double>;
 
-// Says what a box of a picture shows. look() may be called from several threads at once.
+// Says what a box of a picture shows, in words of the standard table or look-alikes. look() may be
+// called from several threads at once.
 class ProposalNamer {
  public:
   virtual ~ProposalNamer() = default;
 
-  [[nodiscard]] virtual const std::string& name() const = 0;
-  // Tells namers apart that may say other things; holds kProposalMethod.
-  [[nodiscard]] virtual const std::string& fingerprint() const = 0;
-  // The words that it may say, each with a label that means it.
-  [[nodiscard]] virtual const std::map<std::string, std::string>& words() const = 0;
   [[nodiscard]] virtual Expected<WordScores> look(const image::ColorImage& picture,
                                                   const network::PixelBox& box) const = 0;
 };
 
 // Shows the square about the box to a detector and to a classifier, large and in the middle, as
-// they want it: what is small or far in a whole picture, or fills it, is named so. A word that both
-// are asked for gets the mean of what they say. The words are those of the standard table that they
-// say rightly of such squares, and look-alikes (docs/objects.md).
+// they want it: what is small or far in a whole picture, or fills it, is named so. Each is asked
+// for the words that it says rightly of such squares (docs/objects.md).
 [[nodiscard]] std::unique_ptr<ProposalNamer> network_namer(
     std::shared_ptr<const network::Detector> detector,
     std::shared_ptr<const network::Classifier> classifier);
+
+// Every word that may be said, with a label that means it.
+[[nodiscard]] std::map<std::string, std::string> labels_of_proposals();
+
+// What a detector says of a box: by word, the best of the detections that overlap it by half.
+// `word_of_label` in the order of the detector's labels, empty for what is not asked.
+[[nodiscard]] WordScores scores_of(std::span<const network::Detection> found,
+                                   const network::PixelBox& box,
+                                   std::span<const std::string> word_of_label);
+// A word that both are asked for gets the mean of what they say, so that either alone is believed
+// by half; chairs and tables what the detector says, where that is more.
+[[nodiscard]] WordScores join_scores(const WordScores& by_classifier, const WordScores& by_detector,
+                                     const std::set<std::string>& asked_of_both);
 
 // A proposal and all that its pictures say.
 struct LookedProposal {

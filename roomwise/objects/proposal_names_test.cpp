@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "roomwise/base/testing.h"
 #include "roomwise/image/codec.h"
 #include "roomwise/network/onnx_classifier.h"
@@ -64,6 +66,30 @@ TEST(NameProposals, NothingIsCalledWhatIsNeverOfItsSize) {
   EXPECT_EQ(large[0].word, "wardrobe");
 }
 
+TEST(NameProposals, ABinIsNoToiletThoughItIsCalledSo) {
+  const WordScores said{{"toilet seat", 0.9}, {"lamp", 0.5}};
+  const auto bin = name_proposals(std::vector{block({0, 0, 0.35}, {0.37, 0.38, 0.7}, said)});
+  ASSERT_THAT(bin, SizeIs(1));
+  EXPECT_EQ(bin[0].word, "lamp");
+  const auto toilet = name_proposals(std::vector{block({0, 0, 0.35}, {0.37, 0.65, 0.7}, said)});
+  ASSERT_THAT(toilet, SizeIs(1));
+  EXPECT_EQ(toilet[0].word, "toilet seat");
+}
+
+TEST(NameProposals, AScoreThatIsNoNumberIsNothing) {
+  const WordScores said{{"lamp", std::nan("")}, {"plant", 0.9}, {"vase", std::nan("")}};
+  const auto names = name_proposals(std::vector{block({0, 0, 0.2}, kLampSize, said)});
+  ASSERT_THAT(names, SizeIs(1));
+  EXPECT_EQ(names[0].word, "plant");
+}
+
+TEST(NameProposals, ATableTopSpeaksForATable) {
+  LookedProposal looked = block({0, 0, 0.38}, {1.2, 0.8, 0.76}, {{"bed", 0.31}});
+  EXPECT_THAT(name_proposals(std::vector{looked}), IsEmpty()) << "it is too short for a bed";
+  looked.proposal.has_table_top = true;
+  EXPECT_EQ(name_proposals(std::vector{looked}).at(0).word, "table");
+}
+
 TEST(NameProposals, OfAThingItsPartAndWhatItStandsOnOnlyTheThingIsNamed) {
   const LookedProposal lamp = lamp_at({0, 0, 0.7}, 0.8, kLampSize);
   const LookedProposal shade = lamp_at({0, 0, 0.8}, 0.9, {0.3, 0.3, 0.2});
@@ -114,17 +140,38 @@ TEST_F(NetworkNamer, NamesWhatAPhotoShows) {
   }
 }
 
-TEST_F(NetworkNamer, AsksOnlyForWordsAndEachByALabel) {
-  EXPECT_EQ(source_of(namer_->fingerprint()), RegionSource::kProposal);
+TEST(LabelsOfProposals, MeanTheirWords) {
   const auto words = ObjectVocabulary::standard();
-  for (const auto& [word, label] : namer_->words()) {
+  const auto labels = labels_of_proposals();
+  EXPECT_EQ(labels.size(), words.objects().size() + 1) << "the radiator is a look-alike";
+  for (const auto& [word, label] : labels) {
     if (word == "radiator") continue;
     EXPECT_EQ(words.object_of(label), word);
   }
-  EXPECT_TRUE(namer_->words().contains("wardrobe")) << "the classifier's";
-  EXPECT_TRUE(namer_->words().contains("sofa")) << "the detector's";
-  EXPECT_TRUE(namer_->words().contains("radiator")) << "a look-alike";
-  EXPECT_FALSE(namer_->words().contains("vase")) << "lampshades are vases to detectors";
+}
+
+TEST(ScoresOfDetections, AreTheBestOfThoseThatCoverTheBox) {
+  const std::vector<std::string> words{"chair", "", "table"};
+  const network::PixelBox box{100, 100, 200, 200};
+  const std::vector<network::Detection> found{{0, 0.4F, {100, 100, 200, 190}},
+                                              {0, 0.6F, {110, 100, 200, 200}},
+                                              {1, 0.9F, {100, 100, 200, 200}},
+                                              {2, 0.8F, {160, 100, 300, 200}}};
+  const WordScores scores = scores_of(found, box, words);
+  ASSERT_EQ(scores.size(), 1U) << "a label without a word, and a table that stands beside";
+  EXPECT_NEAR(scores.at("chair"), 0.6, 1e-6);
+}
+
+TEST(JoinScores, BelievesByHalfWhatOneAloneSaysOfAWordThatBothKnow) {
+  const std::set<std::string> both{"toilet seat", "chair"};
+  const WordScores scores =
+      join_scores({{"toilet seat", 0.1}, {"lamp", 0.7}, {"chair", 0.1}},
+                  {{"toilet seat", 0.7}, {"sofa", 0.6}, {"chair", 0.5}}, both);
+  EXPECT_NEAR(scores.at("toilet seat"), 0.4, 1e-12);
+  EXPECT_NEAR(scores.at("lamp"), 0.7, 1e-12) << "the classifier's";
+  EXPECT_NEAR(scores.at("sofa"), 0.6, 1e-12) << "the detector's";
+  EXPECT_NEAR(scores.at("chair"), 0.5, 1e-12) << "of chairs the classifier knows a few";
+  EXPECT_NEAR(join_scores({{"chair", 0.9}}, {}, both).at("chair"), 0.45, 1e-12);
 }
 
 TEST_F(NetworkNamer, APictureWithoutPixelsIsAnError) {

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <optional>
@@ -20,10 +22,10 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 
-constexpr float kCellSide_m = 0.05F;
+constexpr float kCellSide_m = kProposalCell_m;
 constexpr double kNearestDepth_m = 0.3, kFarthestDepth_m = 4.5;
 constexpr int kLeastShown = 2;              // key-frames
-constexpr double kFurnitureReach_m = 2.15;  // above the floor; what reaches higher is a wall
+constexpr double kFurnitureReach_m = 2.15;  // above the floor; what crosses it is a wall
 constexpr int kWallReach_cells = 2;
 constexpr int kGap_cells = 2;
 constexpr double kFoot_m = 0.08;
@@ -32,6 +34,7 @@ constexpr double kFoot_m = 0.08;
 struct LevelCell {
   VoxelKey key = 0;
   Vector3f middle;  // of the cell
+  int shown = 0;    // by so many key-frames
   [[nodiscard]] double height_m() const { return static_cast<double>(middle.z()); }
 };
 
@@ -61,7 +64,7 @@ Column column_of(const Vector3f& middle) {
           static_cast<int>(std::floor(middle.y() / kCellSide_m))};
 }
 
-// The cells that enough key-frames show, by their keys.
+// What the key-frames show, by the cells' keys.
 std::vector<LevelCell> cells_of_depth(std::span<const LookedKeyframe> keyframes,
                                       const LevelAxes& axes) {
   struct Shown {
@@ -94,41 +97,31 @@ std::vector<LevelCell> cells_of_depth(std::span<const LookedKeyframe> keyframes,
   }
   std::vector<LevelCell> cells;
   for (const auto& [key, cell] : shown) {
-    if (cell.count >= kLeastShown) cells.push_back({key, cell.middle});
+    cells.push_back({key, cell.middle, cell.count});
   }
   std::ranges::sort(cells, {}, &LevelCell::key);
   return cells;
 }
 
-// The height of the ceiling, where it is seen: a layer above all furniture that is much fuller than
-// the wall below it. Infinite where there is none.
-double ceiling_m(const std::vector<LevelCell>& cells) {
-  constexpr double kLayer_m = static_cast<double>(kCellSide_m);
-  constexpr int kBelow_layers = 3;
-  constexpr double kFuller = 1.5;
-  std::map<int, int> layers;  // cells by height
-  for (const LevelCell& cell : cells) {
-    ++layers[static_cast<int>(std::floor(cell.height_m() / kLayer_m))];
-  }
-  const auto above = layers.upper_bound(static_cast<int>(std::floor(kFurnitureReach_m / kLayer_m)));
-  const auto fullest = std::max_element(
-      above, layers.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
-  if (fullest == layers.end() ||
-      fullest->second <= kFuller * layers[fullest->first - kBelow_layers]) {
-    return std::numeric_limits<double>::infinity();
-  }
-  return fullest->first * kLayer_m;
-}
-
-// Where walls stand: what reaches higher than furniture does and is no ceiling.
+// Where walls stand: what crosses the height that furniture reaches to. A ceiling does not, however
+// low, nor does the front of a wardrobe under one.
 std::set<Column> wall_columns(const std::vector<LevelCell>& cells) {
-  constexpr double kCeilingRim_m = 0.1;
-  const double top_m = ceiling_m(cells) - kCeilingRim_m;
-  std::set<Column> walls;
+  constexpr double kBand_m = 0.25;
+  std::set<Column> below, walls;
   for (const LevelCell& cell : cells) {
-    if (cell.height_m() > kFurnitureReach_m && cell.height_m() < top_m) {
-      walls.insert(column_of(cell.middle));
+    if (cell.height_m() > kFurnitureReach_m || cell.height_m() < kFurnitureReach_m - kBand_m) {
+      continue;
     }
+    const auto [x, y] = column_of(cell.middle);
+    for (int dx = -1; dx <= 1; ++dx) {
+      for (int dy = -1; dy <= 1; ++dy) below.insert({x + dx, y + dy});
+    }
+  }
+  for (const LevelCell& cell : cells) {
+    if (cell.height_m() <= kFurnitureReach_m || cell.height_m() > kFurnitureReach_m + kBand_m) {
+      continue;
+    }
+    if (below.contains(column_of(cell.middle))) walls.insert(column_of(cell.middle));
   }
   return walls;
 }
@@ -146,8 +139,8 @@ std::vector<LevelCell> standing_cells(const std::vector<LevelCell>& cells,
   }
   std::vector<LevelCell> standing;
   std::ranges::copy_if(cells, std::back_inserter(standing), [&](const LevelCell& cell) {
-    return cell.height_m() > kFoot_m && cell.height_m() <= kFurnitureReach_m &&
-           !near_walls.contains(column_of(cell.middle));
+    return cell.shown >= kLeastShown && cell.height_m() > kFoot_m &&
+           cell.height_m() <= kFurnitureReach_m && !near_walls.contains(column_of(cell.middle));
   });
   return standing;
 }
@@ -160,15 +153,16 @@ class HiddenDepth {
               const LevelAxes& axes)
       : walls_(&walls), axes_(&axes) {
     for (const LevelCell& cell : cells) {
-      if (cell.height_m() <= kFurnitureReach_m) seen_.insert(column_of(cell.middle));
+      if (cell.shown < kLeastShown || cell.height_m() > kFurnitureReach_m) continue;
+      seen_.insert(column_of(cell.middle));
     }
   }
 
   void add(geometry::OrientedBox& box_world, const Level& level) const {
-    constexpr double kThinnest_m = 0.2, kNarrowest_m = 0.6, kTop_m = 1.6;
+    constexpr double kMostThick_m = 0.2, kLeastWide_m = 0.6, kTop_m = 1.6;
     const int thin = box_world.size_m.x() < box_world.size_m.y() ? 0 : 1;
     const double top_m = level.height_m(box_world.center()) + box_world.size_m.z() / 2;
-    if (box_world.size_m[thin] > kThinnest_m || box_world.size_m[1 - thin] < kNarrowest_m ||
+    if (box_world.size_m[thin] > kMostThick_m || box_world.size_m[1 - thin] < kLeastWide_m ||
         top_m < kTop_m) {
       return;
     }
@@ -189,7 +183,7 @@ class HiddenDepth {
     constexpr double kStep_m = static_cast<double>(kCellSide_m);
     constexpr double kLeast_m = 0.25, kMost_m = 0.8, kRim_m = 0.12;
     // As wide as a door's leaf, it may be one that stands open before a wall.
-    constexpr double kLeafWidth_m = 1.2, kLeastAsWide_m = 0.45;
+    constexpr double kLeastIfLeaf_m = 0.45;
     constexpr double kLeastWall = 0.6, kMostSeen = 0.25;
     const Eigen::Matrix3d turn = front.world_from_box.rotation.toRotationMatrix();
     const Vector3d back = side * turn.col(thin), along = turn.col(1 - thin);
@@ -198,9 +192,9 @@ class HiddenDepth {
     int lines = 0, between = 0, seen = 0;
     for (double at = -half_m + kStep_m; at < half_m; at += kStep_m) {
       ++lines;
-      const Vector3d foot = front.center() + at * along;
+      const Vector3d middle = front.center() + at * along;
       const auto column = [&](double depth_m) {
-        return column_of(axes_->from_world(foot + depth_m * back).cast<float>());
+        return column_of(axes_->from_world(middle + depth_m * back).cast<float>());
       };
       for (double depth_m = kLeast_m; depth_m < kMost_m; depth_m += kStep_m / 2) {
         if (!walls_->contains(column(depth_m))) continue;
@@ -215,10 +209,10 @@ class HiddenDepth {
     if (static_cast<double>(walls_m.size()) < kLeastWall * lines || seen > kMostSeen * between) {
       return std::nullopt;
     }
-    const auto middle = walls_m.begin() + static_cast<std::ptrdiff_t>(walls_m.size() / 2);
-    std::ranges::nth_element(walls_m, middle);
-    const bool is_as_wide = front.size_m[1 - thin] < kLeafWidth_m;
-    return is_as_wide && *middle < kLeastAsWide_m ? std::nullopt : std::optional(*middle);
+    const auto median_m = walls_m.begin() + static_cast<std::ptrdiff_t>(walls_m.size() / 2);
+    std::ranges::nth_element(walls_m, median_m);
+    const bool may_be_leaf = front.size_m[1 - thin] < kLeafWidth_m;
+    return may_be_leaf && *median_m < kLeastIfLeaf_m ? std::nullopt : std::optional(*median_m);
   }
 
   const std::set<Column>* walls_;
@@ -262,6 +256,28 @@ std::vector<Piece> pieces_above(const std::vector<LevelCell>& cells, const std::
   return pieces;
 }
 
+// Whether the cells lie, seen from above, mostly at one height, which is that of tables.
+bool has_table_top(const Piece& piece, const std::vector<LevelCell>& cells) {
+  constexpr double kLowest_m = 0.62, kHighest_m = 0.80, kLeast_m2 = 0.25, kMost = 0.6;
+  std::map<Column, std::set<int>> layers_of_column;
+  std::map<int, int> columns_at;  // by layer
+  for (const std::size_t i : piece) {
+    const int layer = static_cast<int>(std::floor(cells[i].middle.z() / kCellSide_m));
+    if (layers_of_column[column_of(cells[i].middle)].insert(layer).second) ++columns_at[layer];
+  }
+  const auto fullest =
+      std::ranges::max_element(columns_at, {}, [](const auto& one) { return one.second; });
+  const double top_m = (fullest->first + 0.5) * static_cast<double>(kCellSide_m);
+  // A level surface between two layers is in both.
+  const auto top_columns = std::ranges::count_if(layers_of_column, [&](const auto& column) {
+    const auto near = column.second.lower_bound(fullest->first - 1);
+    return near != column.second.end() && *near <= fullest->first + 1;
+  });
+  return top_m >= kLowest_m && top_m <= kHighest_m &&
+         static_cast<double>(top_columns) * kCellSide_m * kCellSide_m >= kLeast_m2 &&
+         static_cast<double>(top_columns) >= kMost * static_cast<double>(layers_of_column.size());
+}
+
 // Whether most of one piece's cells are the other's.
 bool is_mostly_in(const Piece& piece, const Piece& other) {
   constexpr double kMost = 0.7;
@@ -289,7 +305,7 @@ std::optional<network::PixelBox> projected(const geometry::OrientedBox& box,
                       (corner & 4) != 0 ? half.z() : -half.z());
     const Vector3d point = camera_from_world * (box.world_from_box * at);
     if (point.z() < kNearestDepth_m) return std::nullopt;
-    const Eigen::Vector2f pixel = camera.project(point).cast<float>();
+    const Eigen::Vector2f pixel = camera.project_undistorted(point).cast<float>();
     about = {std::min(about.left, pixel.x()), std::min(about.top, pixel.y()),
              std::max(about.right, pixel.x()), std::max(about.bottom, pixel.y())};
   }
@@ -306,7 +322,7 @@ double share_shown(const Proposal& proposal, const LookedKeyframe& keyframe,
   for (std::size_t i = 0; i < proposal.surface_world.size(); i += every) {
     ++probes;
     const Vector3d point = camera_from_world * proposal.surface_world[i].cast<double>();
-    if (point.z() <= 0) continue;
+    if (point.z() < kNearestDepth_m) continue;
     const Eigen::Vector2d place = keyframe.camera->project(point) / kCoarseDepthStep_px;
     const int x = static_cast<int>(std::floor(place.x()));
     const int y = static_cast<int>(std::floor(place.y()));
@@ -351,7 +367,10 @@ std::vector<Proposal> find_proposals(std::span<const LookedKeyframe> keyframes,
     }
     proposal.box_world = upright_box(proposal.surface_world, level.up_world);
     proposal.box_world.size_m.array() += static_cast<double>(kCellSide_m);
+    proposal.has_table_top = has_table_top(piece, cells);
     hidden.add(proposal.box_world, level);
+    proposal.top_m =
+        level.height_m(proposal.box_world.center()) + proposal.box_world.size_m.z() / 2;
     if (is_like_a_leaf(proposal.box_world, level)) {
       leaves.push_back(&piece);
     } else if (may_be_a_thing(proposal.box_world.size_m)) {

@@ -9,20 +9,27 @@
 
 namespace roomwise::objects {
 
+constexpr float kProposalCell_m = 0.05F;
+
 // What may be a thing, by the map's depth alone: it stands apart from all else above some height.
 struct Proposal {
   std::vector<Eigen::Vector3f> surface_world;  // the middles of its cells, m
   geometry::OrientedBox box_world;             // upright
+  double top_m = 0;                            // of the box, above the floor
+  // Whether most of it is one level surface as high as people sit at (0.62 to 0.80 m), 0.25 m2 or
+  // more.
+  bool has_table_top = false;
 };
 
 // What stands in the rooms once floor and walls are taken away (object proposals; that furniture
 // stands apart when seen as pieces of a map's depth: A. Karpathy, S. Miller, L. Fei-Fei, "Object
 // discovery in 3D scenes via shape analysis", 2013). Depth in cells of 5 cm that two key-frames or
-// more show; columns that reach higher than furniture does are walls, and what is within a hand's
-// breadth of them, too. At every 10 cm of height the cells above it fall into pieces: so a lamp is
-// a piece above its nightstand's top, and a wardrobe above the bed's beside it. Pieces that hold
-// most of one from lower down are that one, and what is like a door's leaf is none. From the
-// largest of the lowest heights up.
+// more show; columns that cross a height of 2.15 m are walls, and what is within a hand's breadth
+// of them goes with them. So of furniture that is higher nothing is left, and where no key-frame
+// looked up so far, what touches a wall is one with it. At every 10 cm of height the cells above it
+// fall into pieces: so a lamp is a piece above its nightstand's top, and a wardrobe above the bed's
+// beside it. A piece that holds most of one from lower down is that one, and what is like a door's
+// leaf is none. Those of lower heights come first.
 [[nodiscard]] std::vector<Proposal> find_proposals(std::span<const LookedKeyframe> keyframes,
                                                    const Level& level);
 
@@ -32,8 +39,8 @@ struct ProposalView {
   network::PixelBox box;     // about the proposal's box, cut at the picture's rim
   double quality = 0;        // how much of it shows, and how large
 };
-// The best first, eight at most: whose pictures hold most of the box, with most of its surface not
-// hidden.
+// The best first, eight at most: whose pictures hold most of the box, and show a third of its
+// surface or more.
 [[nodiscard]] std::vector<ProposalView> best_views(const Proposal& proposal,
                                                    std::span<const LookedKeyframe> keyframes);
 

@@ -28,9 +28,9 @@ TestRoom seen_from_middle(std::vector<TestRoom::Thing> things) {
   room.things = std::move(things);
   constexpr int kLooks = 36;
   for (int i = 0; i < kLooks; ++i) {
-    const double angle = 2 * std::numbers::pi * i / kLooks;
+    const double angle = 2 * std::numbers::pi * (i + 0.3) / kLooks;
     const Vector3d ahead(std::cos(angle), std::sin(angle), 0);
-    const Vector3d from = 0.6 * ahead + Vector3d(0, 0, 1.5);
+    const Vector3d from = (0.4 + 0.07 * (i % 5)) * ahead + Vector3d(0, 0, 1.4 + 0.05 * (i % 4));
     room.look(from, 3 * ahead + Vector3d(0, 0, 0.6), false);
     room.look(from, 3 * ahead + Vector3d(0, 0, 2.2), false);
     room.look(-2 * ahead + Vector3d(0, 0, 1.5), Vector3d(0, 0, 0.4), false);
@@ -115,6 +115,25 @@ TEST(FindProposals, OfWhatOnlyTheFrontIsSeenTheDepthReachesToTheWall) {
       right{"", {2.3, 1.5, 1.0}, {1.2, 0.9, 2.0}};
   TestRoom room = seen_from_middle({wardrobe, left, right});
   EXPECT_LT(misfit_m(wardrobe, find_proposals(room.keyframes(), kLevel)), 0.2);
+}
+
+TEST(FindProposals, WhatStandsUnderALowCeilingIsOne) {
+  const TestRoom::Thing ceiling{"", {-1.2, 1.2, 2.35}, {3.0, 3.0, 0.05}};
+  TestRoom room = seen_room({kBed, ceiling});
+  EXPECT_LT(misfit_m(kBed, find_proposals(room.keyframes(), kLevel)), 0.15);
+}
+
+TEST(FindProposals, ATableHasATopAndABedHasNone) {
+  const TestRoom::Thing table{"table", {1.2, -0.6, 0.72}, {1.4, 0.8, 0.05}};
+  TestRoom room = seen_room({kBed, table});
+  int tables = 0;
+  for (const Proposal& proposal : find_proposals(room.keyframes(), kLevel)) {
+    if (!proposal.has_table_top) continue;
+    ++tables;
+    EXPECT_LT((proposal.box_world.center() - table.center).head<2>().norm(), 0.15);
+    EXPECT_NEAR(proposal.top_m, 0.745, 0.05);
+  }
+  EXPECT_GT(tables, 0);
 }
 
 TEST(FindProposals, WhatOneKeyframeAloneShowsIsNone) {

@@ -1,5 +1,10 @@
 #include "roomwise/pipeline/closer_looks.h"
 
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <functional>
+#include <iterator>
 #include <map>
 #include <utility>
 #include <vector>
@@ -70,14 +75,14 @@ class PieceProposals {
   }
 
   // Of each key-frame that shows a proposal with a name.
-  [[nodiscard]] std::map<home::KeyframeId, std::vector<objects::Region>> regions(
-      const objects::ProposalNamer& namer) const {
+  [[nodiscard]] std::map<home::KeyframeId, std::vector<objects::Region>> regions() const {
+    static const std::map<std::string, std::string> labels = objects::labels_of_proposals();
     std::map<home::KeyframeId, std::vector<objects::Region>> regions;
     for (const objects::ProposalName& named : objects::name_proposals(looked_)) {
       const objects::LookedProposal& looked = looked_[named.proposal];
       for (std::size_t view = 0; view < looked.views.size(); ++view) {
         const home::KeyframeId id = (*keyframes_)[looked.views[view].keyframe].keyframe_id;
-        regions[id].push_back({namer.words().at(named.word), static_cast<float>(named.score),
+        regions[id].push_back({labels.at(named.word), static_cast<float>(named.score),
                                looked.views[view].box, surfaces_[named.proposal][view],
                                objects::RegionSource::kProposal});
       }
@@ -95,6 +100,16 @@ class PieceProposals {
   std::map<home::KeyframeId, std::vector<ViewPlace>> views_of_keyframe_;
 };
 
+// All closer looks are one finder, whatever networks take part: each time they are made they take
+// the place of the last ones, so that nothing of other networks or other poses stays.
+home::RegionFinderRecord finder_record() {
+  home::RegionFinderRecord record{.name = "closer looks", .fingerprint = {}, .labels = {}};
+  for (const auto& [word, label] : objects::labels_of_proposals()) record.labels.push_back(label);
+  record.fingerprint =
+      fmt::format("{}1: {}", objects::kProposalMethod, fmt::join(record.labels, ", "));
+  return record;
+}
+
 }  // namespace
 
 Expected<bool> look_closer(home::Home& home, const objects::ProposalNamer& namer, RunContext& run) {
@@ -102,36 +117,39 @@ Expected<bool> look_closer(home::Home& home, const objects::ProposalNamer& namer
   ROOMWISE_TRY(const auto keyframes, home.keyframes());
   std::map<home::KeyframeId, objects::KeyframeLook> closer;
   for (const auto& [piece, looked] : looks.pieces()) {
-    PieceProposals proposals(looked);
+    if (run.progress.interrupted()) return false;
+    PieceProposals proposals = [&] {
+      const auto timing = run.clock.measure("what stands apart");
+      return PieceProposals(looked);
+    }();
     std::vector<home::Keyframe> shown;
     std::ranges::copy_if(keyframes, std::back_inserter(shown), [&](const home::Keyframe& one) {
       return proposals.views_of_keyframe().contains(one.id);
     });
-    const Expected<void> seen_all = for_each_keyframe(
-        home, shown, "looking closer", run,
-        [&](const home::Keyframe& keyframe, const DecodedImages& images) {
-          const auto timing = run.clock.measure("closer looks");
-          return proposals.look(keyframe.id, images, namer);
-        },
-        [&](const home::Keyframe& keyframe,
-            Expected<std::vector<SeenView>> seen) -> Expected<void> {
-          if (!seen) return Unexpected(std::move(seen).error());
-          proposals.keep(keyframe.id, *std::move(seen));
-          return {};
-        });
+    const Expected<void> seen_all =
+        shown.empty() ? Expected<void>()
+                      : for_each_keyframe(
+                            home, shown, "looking closer", run,
+                            [&](const home::Keyframe& keyframe, const DecodedImages& images) {
+                              const auto timing = run.clock.measure("closer looks");
+                              return proposals.look(keyframe.id, images, namer);
+                            },
+                            [&](const home::Keyframe& keyframe,
+                                Expected<std::vector<SeenView>> seen) -> Expected<void> {
+                              if (!seen) return Unexpected(std::move(seen).error());
+                              proposals.keep(keyframe.id, *std::move(seen));
+                              return {};
+                            });
     if (run.progress.interrupted()) return false;
     ROOMWISE_CHECK_OK(seen_all);
-    auto regions = proposals.regions(namer);
+    auto regions = proposals.regions();
     for (const objects::LookedKeyframe& keyframe : looked) {
       closer[keyframe.keyframe_id] = {*keyframe.coarse_depth,
                                       std::move(regions[keyframe.keyframe_id])};
     }
   }
-  std::vector<std::string> labels;
-  for (const auto& [word, label] : namer.words()) labels.push_back(label);
   ROOMWISE_CHECK_OK(home.atomically([&]() -> Expected<void> {
-    ROOMWISE_TRY(const home::FinderId finder,
-                 home.add_region_finder({namer.name(), namer.fingerprint(), labels}));
+    ROOMWISE_TRY(const home::FinderId finder, home.add_region_finder(finder_record()));
     for (const auto& [id, look] : closer) {
       ROOMWISE_CHECK_OK(home.put_look(id, finder, look));
     }

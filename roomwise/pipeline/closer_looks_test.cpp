@@ -35,21 +35,16 @@ class RedNamer final : public objects::ProposalNamer {
  public:
   bool fails = false;
 
-  [[nodiscard]] const std::string& name() const override { return name_; }
-  [[nodiscard]] const std::string& fingerprint() const override { return fingerprint_; }
-  [[nodiscard]] const std::map<std::string, std::string>& words() const override { return words_; }
+  std::string word = "lamp";
+
   [[nodiscard]] Expected<objects::WordScores> look(const image::ColorImage& picture,
                                                    const network::PixelBox& box) const override {
     if (fails) return fail("the namer sees nothing");
     const Rgb8 middle = picture.at(static_cast<int>((box.left + box.right) / 2),
                                    static_cast<int>((box.top + box.bottom) / 2));
     const bool is_red = middle.r > 240 && middle.g < 10 && middle.b < 10;
-    return is_red ? objects::WordScores{{"lamp", 0.8}} : objects::WordScores{};
+    return is_red ? objects::WordScores{{word, 0.8}} : objects::WordScores{};
   }
-
- private:
-  std::string name_ = "red", fingerprint_ = "red proposals 1";
-  std::map<std::string, std::string> words_{{"lamp", "table lamp"}};
 };
 
 // The user stops as soon as the closer looks begin.
@@ -106,12 +101,14 @@ TEST_F(CloserLooks, NameWhatStandsByItselfAndNoFinderFound) {
   const geometry::OrientedBox box = instances->front().box_world(shows->pose.world_from_keyframe);
   EXPECT_LT((box.center() - kBox.extent.center()).norm(), 0.2);
   EXPECT_EQ(home.looked_at(2)->size(), keyframes->size()) << "what it does not show was asked, too";
+  const auto concepts = home.concepts();
+  ASSERT_OK(concepts);
   const auto looks = home.looks(2);
   ASSERT_OK(looks);
   for (const auto& [keyframe, look] : *looks) {
     EXPECT_FALSE(look.coarse_depth.empty());
     for (const objects::Region& region : look.regions) {
-      EXPECT_EQ(region.label, "table lamp");
+      EXPECT_EQ(concepts->vocabulary.object_of(region.label), "lamp");
       EXPECT_NEAR(region.score, 0.8, 1e-6);
       EXPECT_GT(region.surface.points.size(), 8U);
     }
@@ -124,6 +121,18 @@ TEST_F(CloserLooks, OnceMoreChangeNothing) {
   const auto looked = look_closer(home, RedNamer(), run_);
   ASSERT_OK(looked);
   EXPECT_TRUE(*looked);
+  EXPECT_EQ(*home.content_digest(), *before);
+}
+
+TEST_F(CloserLooks, TakeThePlaceOfThoseOfOtherNetworks) {
+  home::Home home = mapped("a.home", true);
+  const auto before = home.content_digest();
+  RedNamer other;
+  other.word = "plant";
+  ASSERT_OK(look_closer(home, other, run_));
+  EXPECT_NE(*home.content_digest(), *before);
+  EXPECT_EQ(home.region_finders()->size(), 2U);
+  ASSERT_OK(look_closer(home, RedNamer(), run_));
   EXPECT_EQ(*home.content_digest(), *before);
 }
 
