@@ -103,8 +103,8 @@ std::vector<LevelCell> cells_of_depth(std::span<const LookedKeyframe> keyframes,
   return cells;
 }
 
-// Where walls stand: what crosses the height that furniture reaches to. A ceiling does not, however
-// low, nor does the front of a wardrobe under one.
+// Where walls stand: what is seen right below and right above the height that furniture reaches to.
+// A ceiling is not, be it as low as that, unless something as high as a wardrobe stands under it.
 std::set<Column> wall_columns(const std::vector<LevelCell>& cells) {
   constexpr double kBand_m = 0.25;
   std::set<Column> below, walls;

@@ -117,6 +117,39 @@ TEST(FindProposals, OfWhatOnlyTheFrontIsSeenTheDepthReachesToTheWall) {
   EXPECT_LT(misfit_m(wardrobe, find_proposals(room.keyframes(), kLevel)), 0.2);
 }
 
+// How deep the tallest proposal is, m; 0 without any.
+double depth_of_tallest_m(std::span<const Proposal> proposals) {
+  const auto tallest = std::ranges::max_element(
+      proposals, {}, [](const Proposal& one) { return one.box_world.size_m.z(); });
+  return tallest == proposals.end() ? 0 : tallest->box_world.size_m.head<2>().minCoeff();
+}
+
+TEST(FindProposals, BehindWhatIsNoWiderThanALeafTheWallMustStandAWardrobesDepthAway) {
+  const auto depth_m = [](double from_wall_m) {
+    const TestRoom::Thing front{"", {2.95 - from_wall_m, 0, 1.0}, {0.1, 0.9, 2.0}};
+    TestRoom room = seen_from_middle({front});
+    return depth_of_tallest_m(find_proposals(room.keyframes(), kLevel));
+  };
+  EXPECT_GT(depth_m(0.6), 0.5);
+  EXPECT_EQ(depth_m(0.2), 0) << "an open door's leaf";
+}
+
+TEST(FindProposals, WhatWasSeenThroughHasNoHiddenDepth) {
+  const TestRoom::Thing screen{"", {2.4, 0, 1.0}, {0.05, 1.6, 2.0}};
+  TestRoom hidden = seen_from_middle({screen});
+  EXPECT_GT(depth_of_tallest_m(find_proposals(hidden.keyframes(), kLevel)), 0.5);
+  TestRoom seen = seen_from_middle({screen});
+  for (const double side : {-1.0, 1.0}) {
+    for (const double x : {2.6, 2.7, 2.8}) {
+      seen.look({x, 2.4 * side, 1.5}, {2.7, 0.2 * side, 0.1}, false);
+      seen.look({x, 2.2 * side, 1.5}, {2.7, -0.4 * side, 0.1}, false);
+      seen.look({x, 2.0 * side, 1.5}, {2.7, 0.6 * side, 0.1}, false);
+    }
+  }
+  EXPECT_LT(depth_of_tallest_m(find_proposals(seen.keyframes(), kLevel)), 0.2)
+      << "there is floor between it and the wall";
+}
+
 TEST(FindProposals, WhatStandsUnderALowCeilingIsOne) {
   const TestRoom::Thing ceiling{"", {-1.2, 1.2, 2.35}, {3.0, 3.0, 0.05}};
   TestRoom room = seen_room({kBed, ceiling});
