@@ -25,7 +25,7 @@ constexpr std::array kShapes = {
     KindShape{"stove", true, 0.55, 0, 1.0, 1.6, 1.5},
     KindShape{"table", true, 0.5, 0, 1.8, 3.5, 1.3},
     KindShape{"toaster", false, 0, 0, 0.5, 0.6, 0.5},
-    KindShape{"toilet seat", true, 0.38, 0, 0.75, 1.05, 1.2, 0, 0.45},
+    KindShape{"toilet seat", true, 0.38, 0, 0.75, 1.05, 1.2, 0, 0.42},
     KindShape{"tv", false, 0, 0.45, 0.5, 2.2, 1.05, 0, 0.35},
     KindShape{"vase", false, 0, 0, 0.6, 0.6, 1.1},
     KindShape{"wardrobe", true, 0.58, 0.7, 1.45, 4.0, 2.8},
