@@ -100,6 +100,29 @@ class PieceProposals {
   std::map<home::KeyframeId, std::vector<ViewPlace>> views_of_keyframe_;
 };
 
+// Fails as for_each_keyframe() does.
+Expected<void> look_at_proposals(PieceProposals& proposals, const home::Home& home,
+                                 const std::vector<home::Keyframe>& keyframes,
+                                 const objects::ProposalNamer& namer, RunContext& run) {
+  std::vector<home::Keyframe> shown;
+  std::ranges::copy_if(keyframes, std::back_inserter(shown), [&](const home::Keyframe& one) {
+    return proposals.views_of_keyframe().contains(one.id);
+  });
+  if (shown.empty()) return {};
+  using Seen = Expected<std::vector<SeenView>>;
+  return for_each_keyframe(
+      home, shown, "looking closer", run,
+      [&](const home::Keyframe& keyframe, const DecodedImages& images) -> Seen {
+        const auto timing = run.clock.measure("closer looks");
+        return proposals.look(keyframe.id, images, namer);
+      },
+      [&](const home::Keyframe& keyframe, Seen seen) -> Expected<void> {
+        if (!seen) return Unexpected(std::move(seen).error());
+        proposals.keep(keyframe.id, *std::move(seen));
+        return {};
+      });
+}
+
 // All closer looks are one finder, whatever networks take part: each time they are made they take
 // the place of the last ones, so that nothing of other networks or other poses stays.
 home::RegionFinderRecord finder_record() {
@@ -122,24 +145,7 @@ Expected<bool> look_closer(home::Home& home, const objects::ProposalNamer& namer
       const auto timing = run.clock.measure("what stands apart");
       return PieceProposals(looked);
     }();
-    std::vector<home::Keyframe> shown;
-    std::ranges::copy_if(keyframes, std::back_inserter(shown), [&](const home::Keyframe& one) {
-      return proposals.views_of_keyframe().contains(one.id);
-    });
-    const Expected<void> seen_all =
-        shown.empty() ? Expected<void>()
-                      : for_each_keyframe(
-                            home, shown, "looking closer", run,
-                            [&](const home::Keyframe& keyframe, const DecodedImages& images) {
-                              const auto timing = run.clock.measure("closer looks");
-                              return proposals.look(keyframe.id, images, namer);
-                            },
-                            [&](const home::Keyframe& keyframe,
-                                Expected<std::vector<SeenView>> seen) -> Expected<void> {
-                              if (!seen) return Unexpected(std::move(seen).error());
-                              proposals.keep(keyframe.id, *std::move(seen));
-                              return {};
-                            });
+    const Expected<void> seen_all = look_at_proposals(proposals, home, keyframes, namer, run);
     if (run.progress.interrupted()) return false;
     ROOMWISE_CHECK_OK(seen_all);
     auto regions = proposals.regions();
