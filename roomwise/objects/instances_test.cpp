@@ -142,16 +142,18 @@ TEST(FindInstances, WhatActivationMapsShowNowAndThenIsNothing) {
   EXPECT_EQ(things_by(RegionSource::kActivation), 0U);
 }
 
+// Of a chair that four pictures show, and so many more should have.
+double probability_by(RegionSource source, int missed) {
+  TestRoom room;
+  room.source = source;
+  room.things = {kChair};
+  room.look_around(kChair.center, 4, 1.8, 0, 1);
+  if (missed > 0) room.look_around(kChair.center, missed, 1.8, 0.1, 0.8, /*finds=*/false);
+  const auto instances = room.instances({.least_probability = 0});
+  return instances.size() == 1 ? instances[0].probability : 0;
+}
+
 TEST(FindInstances, CropsSpeakForAThingAsADetectorDoesAndMoreAgainstIt) {
-  const auto probability_by = [](RegionSource source, int missed) {
-    TestRoom room;
-    room.source = source;
-    room.things = {kChair};
-    room.look_around(kChair.center, 4, 1.8, 0, 1);
-    if (missed > 0) room.look_around(kChair.center, missed, 1.8, 0.1, 0.8, /*finds=*/false);
-    const auto instances = room.instances({.least_probability = 0});
-    return instances.size() == 1 ? instances[0].probability : 0;
-  };
   EXPECT_EQ(probability_by(RegionSource::kCrop, 0), probability_by(RegionSource::kDetector, 0));
   EXPECT_GT(probability_by(RegionSource::kDetector, 6), 0.8);
   EXPECT_GT(probability_by(RegionSource::kCrop, 2), 0.8);
@@ -318,15 +320,6 @@ TEST(FindInstances, ALowFridgeGivesWayToAnotherName) {
 }
 
 TEST(FindInstances, AProposalCountsByItsBestViewsAlone) {
-  const auto probability_by = [](RegionSource source, int missed) {
-    TestRoom room;
-    room.source = source;
-    room.things = {kChair};
-    room.look_around(kChair.center, 4, 1.8, 0, 1);
-    if (missed > 0) room.look_around(kChair.center, missed, 1.8, 0.1, 0.8, /*finds=*/false);
-    const auto instances = room.instances({.least_probability = 0});
-    return instances.size() == 1 ? instances[0].probability : 0;
-  };
   EXPECT_EQ(probability_by(RegionSource::kProposal, 0), probability_by(RegionSource::kDetector, 0));
   EXPECT_EQ(probability_by(RegionSource::kProposal, 12),
             probability_by(RegionSource::kProposal, 0));
