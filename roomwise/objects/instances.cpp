@@ -147,7 +147,7 @@ struct Evidence {
         return -0.25;
       case RegionSource::kCrop:
         return -0.75;
-      case RegionSource::kProposal:
+      case RegionSource::kProposal:  // is never missed, see existence_of()
       case RegionSource::kActivation:
         break;
     }

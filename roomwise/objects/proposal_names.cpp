@@ -118,8 +118,8 @@ double shared(std::span<const VoxelKey> a, std::span<const VoxelKey> b) {
 
 // The names of proposals that are all called by one word, without those that are a part of another
 // one or hold more than it.
-std::vector<ProposalName> each_once(std::vector<ProposalName> named,
-                                    std::span<const LookedProposal> looked) {
+std::vector<ProposalName> without_parts(std::vector<ProposalName> named,
+                                        std::span<const LookedProposal> looked) {
   constexpr double kAsSurely = 0.75;
   constexpr double kShared = 0.3;  // of the smaller one's cells
   std::ranges::stable_sort(named, std::greater{}, &ProposalName::score);
@@ -238,7 +238,7 @@ std::vector<ProposalName> name_proposals(std::span<const LookedProposal> looked)
   }
   std::vector<ProposalName> names;
   for (auto& [word, named] : of_word) {
-    std::ranges::move(each_once(std::move(named), looked), std::back_inserter(names));
+    std::ranges::move(without_parts(std::move(named), looked), std::back_inserter(names));
   }
   std::ranges::sort(names, {}, &ProposalName::proposal);
   return names;

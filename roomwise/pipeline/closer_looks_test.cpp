@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "roomwise/base/testing.h"
+#include "roomwise/pipeline/made_up_finder.h"
 #include "roomwise/pipeline/map_recording.h"
 #include "roomwise/pipeline/room_learning.h"
 #include "roomwise/pipeline/walk_with_box.h"
@@ -15,19 +16,14 @@ using testing::DrawnBox;
 using testing::WalkWithBox;
 
 // Looks, and finds nothing.
-class BlindFinder final : public objects::RegionFinder {
+class BlindFinder final : public testing::MadeUpFinder {
  public:
-  [[nodiscard]] const std::string& name() const override { return name_; }
-  [[nodiscard]] const std::string& fingerprint() const override { return name_; }
-  [[nodiscard]] const std::vector<std::string>& labels() const override { return labels_; }
+  BlindFinder() : MadeUpFinder("blind", {"couch"}) {}
+
   [[nodiscard]] Expected<std::vector<network::Detection>> find(
       const image::ColorImage&) const override {
     return std::vector<network::Detection>{};
   }
-
- private:
-  std::string name_ = "blind";
-  std::vector<std::string> labels_{"couch"};
 };
 
 // Says that what is red in the middle is a lamp.

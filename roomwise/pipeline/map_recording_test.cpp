@@ -9,6 +9,7 @@
 #include "roomwise/base/testing.h"
 #include "roomwise/evaluation/trajectory_error.h"
 #include "roomwise/pipeline/home_report.h"
+#include "roomwise/pipeline/made_up_finder.h"
 #include "roomwise/pipeline/map_cloud.h"
 #include "roomwise/pipeline/object_report.h"
 #include "roomwise/pipeline/room_learning.h"
@@ -28,11 +29,10 @@ using ::testing::HasSubstr;
 using testing::SyntheticWalk;
 
 // Finds a couch in the middle of every picture.
-class MiddleFinder final : public objects::RegionFinder {
+class MiddleFinder final : public testing::MadeUpFinder {
  public:
-  [[nodiscard]] const std::string& name() const override { return name_; }
-  [[nodiscard]] const std::string& fingerprint() const override { return name_; }
-  [[nodiscard]] const std::vector<std::string>& labels() const override { return labels_; }
+  MiddleFinder() : MadeUpFinder("middle", {"zebra", "couch"}) {}
+
   [[nodiscard]] Expected<std::vector<network::Detection>> find(
       const image::ColorImage& picture) const override {
     const auto width = static_cast<float>(picture.width());
@@ -40,10 +40,6 @@ class MiddleFinder final : public objects::RegionFinder {
     return std::vector<network::Detection>{
         {1, 0.8F, {width / 3, height / 3, 2 * width / 3, 2 * height / 3}}};
   }
-
- private:
-  std::string name_ = "middle";
-  std::vector<std::string> labels_{"zebra", "couch"};
 };
 
 class MapRecording : public ::testing::Test {

@@ -5,6 +5,7 @@
 
 #include "roomwise/base/testing.h"
 #include "roomwise/image/codec.h"
+#include "roomwise/pipeline/made_up_finder.h"
 #include "roomwise/pipeline/map_recording.h"
 #include "roomwise/pipeline/room_learning.h"
 #include "roomwise/pipeline/stored_map.h"
@@ -18,11 +19,10 @@ using testing::DrawnBox;
 using testing::WalkWithBox;
 
 // Finds what is red, and calls it a couch.
-class RedFinder final : public objects::RegionFinder {
+class RedFinder final : public testing::MadeUpFinder {
  public:
-  [[nodiscard]] const std::string& name() const override { return name_; }
-  [[nodiscard]] const std::string& fingerprint() const override { return name_; }
-  [[nodiscard]] const std::vector<std::string>& labels() const override { return labels_; }
+  RedFinder() : MadeUpFinder("red", {"couch"}) {}
+
   [[nodiscard]] Expected<std::vector<network::Detection>> find(
       const image::ColorImage& picture) const override {
     Eigen::AlignedBox2f extent;
@@ -37,10 +37,6 @@ class RedFinder final : public objects::RegionFinder {
     return std::vector<network::Detection>{
         {0, 0.8F, {extent.min().x(), extent.min().y(), extent.max().x(), extent.max().y()}}};
   }
-
- private:
-  std::string name_ = "red";
-  std::vector<std::string> labels_{"couch"};
 };
 
 class UpdateHome : public ::testing::Test {
