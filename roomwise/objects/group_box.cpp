@@ -19,6 +19,7 @@ using Eigen::Vector3f;
 constexpr float kCell_m = 0.03F;
 constexpr double kHullShare = 0.85;  // of the pictures whose boxes hold a cell
 constexpr double kStandsBelow_m = 0.25;
+constexpr double kSmall_m = 0.45;
 constexpr std::size_t kJackknifeParts = 8;
 constexpr double kCommonSigma_m = 0.02;  // of poses and calibration
 
@@ -102,6 +103,34 @@ std::string_view name_of(const SightGroup& group, std::span<const WorldSight> si
   return std::ranges::max_element(scores, {}, [](const auto& one) { return one.second; })->first;
 }
 
+// How high pictures show a thing to be: the median over those that show all of it, from above only
+// as much as it is not the thing's width. 0 where fewer than three do.
+double shown_height_m(const SightGroup& group, std::span<const WorldSight> sights,
+                      std::span<const LookedKeyframe> keyframes, const Vector3d& middle_world,
+                      double width_m, const Vector3d& up) {
+  constexpr std::size_t kFewest = 3;
+  constexpr float kRim_px = 3;
+  constexpr double kNearest_m = 0.3, kSteepest = 0.85;  // the latter as a sine
+  std::vector<double> heights_m;
+  for (const std::size_t index : group) {
+    const WorldSight& sight = sights[index];
+    const LookedKeyframe& keyframe = keyframes[sight.keyframe];
+    const auto picture_height = static_cast<float>(keyframe.camera->height);
+    if (sight.box.top < kRim_px || sight.box.bottom > picture_height - kRim_px) continue;
+    const double depth_m = (keyframe.world_from_camera.inverse() * middle_world).z();
+    const Vector3d ray = (middle_world - keyframe.world_from_camera.translation).normalized();
+    const double slope = std::abs(up.dot(ray));
+    if (depth_m < kNearest_m || slope > kSteepest) continue;
+    const double shown_m =
+        static_cast<double>(sight.box.bottom - sight.box.top) * depth_m / keyframe.camera->fy;
+    heights_m.push_back((shown_m - width_m * slope) / std::sqrt(1 - slope * slope));
+  }
+  if (heights_m.size() < kFewest) return 0;
+  const auto median = heights_m.begin() + static_cast<std::ptrdiff_t>(heights_m.size() / 2);
+  std::ranges::nth_element(heights_m, median);
+  return *median;
+}
+
 // How much the middle along an axis hangs on single pictures: the delete-a-group jackknife (Kott,
 // Journal of Official Statistics 17, 2001).
 double jackknife_sigma(std::span<const SurfaceCell> cells, std::size_t sights,
@@ -155,6 +184,14 @@ GroupBox box_of_group(const SightGroup& group, std::span<const WorldSight> sight
   const KindShape shape = shape_of(name_of(group, sights));
   if (shape.on_floor || low.z() - level.floor_m < kStandsBelow_m) {
     low.z() = std::min(level.floor_m, high.z());
+  }
+  // Of what is small depth shows a part, its foot and not its neck: a bottle is as high as pictures
+  // show it to be.
+  if (!shape.on_floor && low.z() - level.floor_m >= kStandsBelow_m) {
+    const double width_m = (high - low).head<2>().maxCoeff();
+    const double shown_m =
+        shown_height_m(group, sights, keyframes, axes * ((low + high) / 2), width_m, up);
+    if (shown_m < kSmall_m) high.z() = std::max(high.z(), low.z() + shown_m);
   }
   result.fits_kind = shape.holds_what_is_seen(high - low);
   // Away from the cameras, where nobody saw it.

@@ -88,18 +88,36 @@ double overlap(const Candidate& a, const Candidate& b) {
                    share_inside(b.box.box_world, a.box.box_world)});
 }
 
+bool fits(const Candidate& candidate, const std::string& name) {
+  return shape_of(name).holds(candidate.box.box_world.size_m);
+}
+
+// Whether two candidates of one name that share their space are two things all the same: one of
+// them is as large as such things are, and both together are larger than any. So two chairs whose
+// pictures were taken for those of one do not swallow the one of them that was measured.
+bool are_two(const Candidate& a, const Candidate& b, const Candidate& joined) {
+  const std::string &name = most_called(a), &whole = most_called(joined);
+  return name == most_called(b) && has_extent(joined) && !fits(joined, whole) &&
+         (fits(a, name) || fits(b, name));
+}
+
 // One thing that is called by several names: groups of different names that fill the same space.
 // The ones that share most are joined first.
 void join_names(std::vector<Candidate>& candidates, std::span<const WorldSight> sights,
                 std::span<const LookedKeyframe> keyframes, const Level& level) {
   constexpr double kSameThing = 0.4;
+  std::set<std::pair<std::size_t, std::size_t>> apart;  // by their first sights
+  const auto pair_of = [](const Candidate& a, const Candidate& b) {
+    return std::pair(std::min(a.group.front(), b.group.front()),
+                     std::max(a.group.front(), b.group.front()));
+  };
   while (true) {
     double most = kSameThing;
     std::pair<std::size_t, std::size_t> best;
     for (std::size_t a = 0; a < candidates.size(); ++a) {
       for (std::size_t b = a + 1; b < candidates.size(); ++b) {
         const double shared = overlap(candidates[a], candidates[b]);
-        if (shared <= most) continue;
+        if (shared <= most || apart.contains(pair_of(candidates[a], candidates[b]))) continue;
         most = shared;
         best = {a, b};
       }
@@ -111,6 +129,10 @@ void join_names(std::vector<Candidate>& candidates, std::span<const WorldSight> 
     group.insert(group.end(), second.group.begin(), second.group.end());
     std::ranges::sort(group);
     Candidate joined = candidate_of(std::move(group), sights, keyframes, level);
+    if (are_two(first, second, joined)) {
+      apart.insert(pair_of(first, second));
+      continue;
+    }
     // Of sights that hold too little in common, the thing is what most of them show.
     if (has_extent(joined)) {
       first = std::move(joined);
@@ -144,7 +166,7 @@ struct Evidence {
   static double of_miss(RegionSource source) {
     switch (source) {
       case RegionSource::kDetector:
-        return -0.25;
+        return -0.2;
       case RegionSource::kCrop:
         return -0.75;
       case RegionSource::kProposal:  // is never missed, see existence_of()
@@ -203,8 +225,10 @@ bool may_be_there(const Candidate& candidate, std::span<const WorldSight> sights
              options.least_probability;
 }
 
-bool fits(const Candidate& candidate, const std::string& name) {
-  return shape_of(name).holds(candidate.box.box_world.size_m);
+// Or not by much larger: what a surface touches stays with it, in part.
+bool nearly_fits(const Candidate& candidate, const std::string& name) {
+  const KindShape shape = shape_of(name);
+  return shape.on_floor && shape.holds(KindShape::without_rim(candidate.box.box_world.size_m));
 }
 
 // What it is called, with the shares of the scores. Names of things that are never or seldom of
@@ -222,19 +246,31 @@ std::map<std::string, double> shares_of_names(const Candidate& candidate) {
   return shares;
 }
 
-// Nothing where all that it is called is smaller.
+// The name with the largest share that such things may have; what nearly may where none does. Empty
+// where all that it is called is smaller.
+std::string name_that_fits(const Candidate& candidate,
+                           const std::map<std::string, double>& shares) {
+  for (const auto& may_be : {fits, nearly_fits}) {
+    double most = 0;
+    std::string best;
+    for (const auto& [name, share] : shares) {
+      if (share <= most || !may_be(candidate, name)) continue;
+      most = share;
+      best = name;
+    }
+    if (!best.empty()) return best;
+  }
+  return {};
+}
+
+// Nothing where no name fits.
 std::optional<Instance> instance_of(const Candidate& candidate, std::span<const WorldSight> sights,
                                     std::span<const LookedKeyframe> keyframes,
                                     const InstanceOptions& options) {
   Instance instance;
   instance.names = shares_of_names(candidate);
-  double most = 0;
-  for (const auto& [name, share] : instance.names) {
-    if (share <= most || !fits(candidate, name)) continue;
-    most = share;
-    instance.name = name;
-  }
-  if (most == 0) return std::nullopt;
+  instance.name = name_that_fits(candidate, instance.names);
+  if (instance.name.empty()) return std::nullopt;
   const WorldSight* best = nullptr;
   for (const std::size_t index : candidate.group) {
     const WorldSight& sight = sights[index];
@@ -289,6 +325,14 @@ bool is_pot(const FoundThing& thing, std::span<const FoundThing> things) {
          });
 }
 
+// What stands on the floor does not stand in a bed: its head, or its foot, from one side.
+bool is_part_of_bed(const FoundThing& thing, const FoundThing& surer) {
+  constexpr double kInside = 0.5;
+  return surer.instance.name == "bed" && thing.instance.name != "bed" &&
+         shape_of(thing.instance.name).on_floor &&
+         share_inside(*thing.box_world, *surer.box_world) >= kInside;
+}
+
 // Two things of one name do not stand in each other: what reaches into a surer one is what another
 // picture shows of it. A classifier that is shown what stands beside a thing sees the thing, too: a
 // lamp in the box of its nightstand. Of a floor lamp some pictures show the shade and others the
@@ -306,15 +350,16 @@ bool is_the_same(const FoundThing& thing, const FoundThing& surer, const Level& 
          std::min(other.distance_m(box.center()), box.distance_m(other.center())) <= kShown_m;
 }
 
-// The things without those that are another one, which is surer.
+// The things without those that are, or are a part of, another one, which is surer.
 std::vector<FoundThing> each_once(std::vector<FoundThing> things, const Level& level) {
   std::ranges::stable_sort(things, std::ranges::greater(), [](const FoundThing& one) {
     return std::tuple(one.is_detected, one.instance.sightings, one.instance.probability);
   });
   std::vector<FoundThing> kept;
   for (const FoundThing& thing : things) {
-    const bool is_there = std::ranges::any_of(
-        kept, [&](const FoundThing& surer) { return is_the_same(thing, surer, level); });
+    const bool is_there = std::ranges::any_of(kept, [&](const FoundThing& surer) {
+      return is_the_same(thing, surer, level) || is_part_of_bed(thing, surer);
+    });
     if (!is_there && !is_pot(thing, things)) kept.push_back(thing);
   }
   return kept;

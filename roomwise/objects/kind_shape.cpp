@@ -9,7 +9,7 @@ namespace {
 constexpr double kAny = KindShape::kAny;
 constexpr std::array kShapes = {
     // name, stands on the floor; at least: side, longest; at most: side, length, height; at least:
-    // height, length; seldom lower
+    // height, length; seldom lower; built in
     KindShape{"bath", true, 0.65, 1.2, 1.2, 2.4, 1.4},
     KindShape{"bed", true, 0.8, 0, 2.3, 2.5, 2.2, 0, 1.3},
     KindShape{"bookcase", true, 0.3, 0.7, 0.75, 4.0, 2.8},
@@ -29,7 +29,7 @@ constexpr std::array kShapes = {
     KindShape{"tv", false, 0, 0.45, 0.5, 2.2, 1.05, 0, 0.35},
     KindShape{"vase", false, 0, 0, 0.6, 0.6, 1.1},
     KindShape{"wardrobe", true, 0.58, 0.7, 1.45, 4.0, 2.8},
-    KindShape{"washing machine", true, 0.58, 0.58, 1.0, 1.1, 1.3},
+    KindShape{"washing machine", true, 0.58, 0.58, 1.0, 1.1, 1.3, 0, 0, 0, true},
 };
 
 bool is_at_most(const KindShape& shape, const Eigen::Vector3d& size_m) {
@@ -45,9 +45,9 @@ bool KindShape::holds(const Eigen::Vector3d& size_m) const {
 }
 
 bool KindShape::holds_what_is_seen(const Eigen::Vector3d& seen_m) const {
-  return seen_m.head<2>().minCoeff() >= 0.5 * least_side_m &&
+  return seen_m.head<2>().minCoeff() >= (built_in ? 0 : 0.5 * least_side_m) &&
          seen_m.head<2>().maxCoeff() >= 0.9 * least_side_m &&
-         seen_m.maxCoeff() >= least_longest_m && is_at_most(*this, seen_m);
+         seen_m.maxCoeff() >= least_longest_m && is_at_most(*this, without_rim(seen_m));
 }
 
 KindShape shape_of(std::string_view name) {

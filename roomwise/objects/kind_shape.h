@@ -24,13 +24,19 @@ struct KindShape {
   double least_height_m = 0;
   double least_length_m = 0;
   double usual_height_m = 0;  // few are lower
+  bool built_in = false;      // often; then the front alone is seen
 
   // Whether something can be one that is as large as that. `size_m`: two level sides and the
   // height of the whole.
   [[nodiscard]] bool holds(const Eigen::Vector3d& size_m) const;
-  // What was seen of a thing may be a part of it, but no larger: its shorter level side half of the
-  // least side, its longer one nearly that.
+  // What was seen of a thing may be a part of it: its shorter level side half of the least side,
+  // unless it is built in, its longer one nearly that. It may not be larger, without its rim.
   [[nodiscard]] bool holds_what_is_seen(const Eigen::Vector3d& seen_m) const;
+  // What is seen of a thing holds some of what it touches: a seventh less, but for the height.
+  [[nodiscard]] static Eigen::Vector3d without_rim(const Eigen::Vector3d& seen_m) {
+    constexpr double kRim = 1.15;
+    return {seen_m.x() / kRim, seen_m.y() / kRim, seen_m.z()};
+  }
   [[nodiscard]] bool is_usual(const Eigen::Vector3d& size_m) const {
     return size_m.z() >= usual_height_m;
   }

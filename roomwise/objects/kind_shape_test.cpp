@@ -37,6 +37,18 @@ TEST(KindShape, HoldsWhatIsSeenOfThemButNoLessThanAFront) {
   EXPECT_FALSE(shape_of("tv").holds_what_is_seen({0.4, 0.05, 0.3}));
 }
 
+TEST(KindShape, OfWhatIsBuiltInTheFrontAloneMayBeSeen) {
+  EXPECT_TRUE(shape_of("washing machine").holds_what_is_seen({0.6, 0.02, 0.8}));
+  EXPECT_FALSE(shape_of("washing machine").holds_what_is_seen({0.3, 0.02, 0.8}));
+}
+
+TEST(KindShape, WhatIsSeenMayHoldSomeOfWhatItTouches) {
+  const KindShape bath = shape_of("bath");
+  EXPECT_TRUE(bath.holds_what_is_seen({2.5, 0.75, 0.6}));
+  EXPECT_FALSE(bath.holds({2.5, 0.75, 0.6}));
+  EXPECT_FALSE(bath.holds_what_is_seen({2.9, 0.75, 0.6}));
+}
+
 TEST(KindShape, FewFridgesAreLow) {
   EXPECT_TRUE(shape_of("fridge").holds({0.6, 0.6, 0.85}));
   EXPECT_FALSE(shape_of("fridge").is_usual({0.6, 0.6, 0.85}));

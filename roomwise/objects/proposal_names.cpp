@@ -83,17 +83,44 @@ bool may_be(const Proposal& proposal, const KindShape& shape) {
   return shape.holds_what_is_seen(proposal.box_world.size_m) && shape.holds(whole_m);
 }
 
+// Networks see of a table what lies on it, of a chair its legs, and take a sofa for a bed; few
+// other things have their form.
+void add_form(const Proposal& proposal, WordScores& scores) {
+  constexpr double kForm = 0.4;
+  if (proposal.form == FurnitureForm::kTable) scores["table"] += kForm;
+  if (proposal.form == FurnitureForm::kChair) scores["chair"] += kForm;
+  if (proposal.form == FurnitureForm::kSofa) {
+    scores["sofa"] += kForm + scores["bed"];
+    scores.erase("bed");
+  }
+}
+
+// What is as tall as a fridge and thinner than any, but looks like one to a detector, is a
+// bookcase; a classifier calls it a wardrobe.
+void add_thin_case(const Proposal& proposal, WordScores& scores) {
+  constexpr double kLeastTop_m = 1.5, kThinnest_m = 0.25, kThickest_m = 0.52, kLongest_m = 1.3,
+                   kFoot_m = 0.25, kLeastFridge = 0.1;
+  const Eigen::Vector3d& size_m = proposal.box_world.size_m;
+  const double thick_m = size_m.head<2>().minCoeff(), long_m = size_m.head<2>().maxCoeff();
+  const bool is_thin_case = proposal.top_m >= kLeastTop_m &&
+                            size_m.z() >= proposal.top_m - kFoot_m && thick_m >= kThinnest_m &&
+                            thick_m <= kThickest_m && long_m <= kLongest_m;
+  const auto fridge = scores.find("fridge");
+  if (!is_thin_case || fridge == scores.end() || fridge->second < kLeastFridge) return;
+  const double looks_so = fridge->second;
+  scores.erase(fridge);
+  scores["bookcase"] += looks_so + scores["wardrobe"];
+}
+
 // The word that is said most, of those that the proposal is as large as.
 std::optional<ProposalName> best_name(std::size_t index, const LookedProposal& looked) {
   constexpr std::size_t kFewestViews = 3;
   constexpr double kLeastScore = 0.3;
-  // Networks see of a table what lies on it; a level surface of that height is hardly anything
-  // else.
-  constexpr double kTableTop = 0.4;
   if (looked.views.size() < kFewestViews) return std::nullopt;
   ProposalName best{.proposal = index, .word = {}, .score = 0};
   WordScores scores = mean_of(looked.said);
-  if (looked.proposal.has_table_top) scores["table"] += kTableTop;
+  add_form(looked.proposal, scores);
+  add_thin_case(looked.proposal, scores);
   for (const auto& [word, sum] : scores) {
     const double score = std::min(sum, 1.0);
     if (!(score >= kLeastScore && score > best.score)) continue;  // nor what is no number
@@ -114,6 +141,13 @@ double shared(std::span<const VoxelKey> a, std::span<const VoxelKey> b) {
   std::vector<VoxelKey> both;
   std::ranges::set_intersection(a, b, std::back_inserter(both));
   return static_cast<double>(both.size()) / static_cast<double>(std::min(a.size(), b.size()));
+}
+
+// By one word what is so alike that a part of it is often called by the name of another.
+std::string family_of(const std::string& word) {
+  if (word == "sofa") return "bed";
+  if (word == "bookcase" || word == "fridge") return "wardrobe";
+  return word;
 }
 
 // The names of proposals that are all called by one word, without those that are a part of another
@@ -232,12 +266,14 @@ WordScores join_scores(const WordScores& by_classifier, const WordScores& by_det
 }
 
 std::vector<ProposalName> name_proposals(std::span<const LookedProposal> looked) {
-  std::map<std::string, std::vector<ProposalName>> of_word;
+  std::map<std::string, std::vector<ProposalName>> of_family;
   for (std::size_t i = 0; i < looked.size(); ++i) {
-    if (auto named = best_name(i, looked[i])) of_word[named->word].push_back(*std::move(named));
+    if (auto named = best_name(i, looked[i])) {
+      of_family[family_of(named->word)].push_back(*std::move(named));
+    }
   }
   std::vector<ProposalName> names;
-  for (auto& [word, named] : of_word) {
+  for (auto& [family, named] : of_family) {
     std::ranges::move(without_parts(std::move(named), looked), std::back_inserter(names));
   }
   std::ranges::sort(names, {}, &ProposalName::proposal);

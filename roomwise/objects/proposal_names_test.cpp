@@ -83,11 +83,49 @@ TEST(NameProposals, AScoreThatIsNoNumberIsNothing) {
   EXPECT_EQ(names[0].word, "plant");
 }
 
-TEST(NameProposals, ATableTopSpeaksForATable) {
+TEST(NameProposals, FormSpeaksForATableAndAChair) {
   LookedProposal looked = block({0, 0, 0.38}, {1.2, 0.8, 0.76}, {{"bed", 0.31}});
   EXPECT_THAT(name_proposals(std::vector{looked}), IsEmpty()) << "it is too short for a bed";
-  looked.proposal.has_table_top = true;
+  looked.proposal.form = FurnitureForm::kTable;
   EXPECT_EQ(name_proposals(std::vector{looked}).at(0).word, "table");
+
+  LookedProposal seat = block({0, 0, 0.45}, {0.5, 0.5, 0.9}, {{"toilet seat", 0.35}});
+  EXPECT_EQ(name_proposals(std::vector{seat}).at(0).word, "toilet seat");
+  seat.proposal.form = FurnitureForm::kChair;
+  EXPECT_EQ(name_proposals(std::vector{seat}).at(0).word, "chair");
+  seat.said.assign(seat.views.size(), {{"toilet seat", 0.8}});
+  EXPECT_EQ(name_proposals(std::vector{seat}).at(0).word, "toilet seat")
+      << "that has a seat and a back, too";
+}
+
+TEST(NameProposals, WhatHasTheFormOfASofaIsNoBed) {
+  LookedProposal looked = block({0, 0, 0.4}, {1.9, 0.85, 0.8}, {{"bed", 0.7}});
+  EXPECT_EQ(name_proposals(std::vector{looked}).at(0).word, "bed");
+  looked.proposal.form = FurnitureForm::kSofa;
+  EXPECT_EQ(name_proposals(std::vector{looked}).at(0).word, "sofa");
+}
+
+TEST(NameProposals, AFridgeThatIsThinnerThanAnyIsABookcase) {
+  const auto name_of = [](const Vector3d& size_m, const WordScores& said) {
+    LookedProposal looked = block({0, 0, size_m.z() / 2}, size_m, said);
+    looked.proposal.top_m = size_m.z();
+    const auto names = name_proposals(std::vector{looked});
+    return names.empty() ? "" : names[0].word;
+  };
+  EXPECT_EQ(name_of({0.9, 0.35, 1.8}, {{"fridge", 0.35}}), "bookcase");
+  EXPECT_EQ(name_of({0.9, 0.35, 1.8}, {{"fridge", 0.2}, {"wardrobe", 0.2}}), "bookcase");
+  EXPECT_EQ(name_of({0.7, 0.65, 1.8}, {{"fridge", 0.35}}), "fridge");
+  EXPECT_EQ(name_of({0.9, 0.35, 1.8}, {{"wardrobe", 0.35}}), "wardrobe") << "its front alone";
+  EXPECT_NE(name_of({1.7, 0.45, 1.9}, {{"fridge", 0.35}}), "bookcase") << "longer than most";
+}
+
+TEST(NameProposals, WhatHoldsAPartOfAnotherKindIsOneThing) {
+  LookedProposal whole = block({0, 0, 0.4}, {1.9, 0.85, 0.8}, {{"bed", 0.5}});
+  whole.proposal.form = FurnitureForm::kSofa;
+  const LookedProposal back = block({0, 0, 0.6}, {1.9, 0.85, 0.4}, {{"bed", 0.6}});
+  const auto names = name_proposals(std::vector{whole, back});
+  ASSERT_THAT(names, SizeIs(1));
+  EXPECT_EQ(names[0].word, "sofa");
 }
 
 TEST(NameProposals, OfAThingItsPartAndWhatItStandsOnOnlyTheThingIsNamed) {

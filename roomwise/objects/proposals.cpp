@@ -159,7 +159,7 @@ class HiddenDepth {
   }
 
   void add(geometry::OrientedBox& box_world, const Level& level) const {
-    constexpr double kMostThick_m = 0.2, kLeastWide_m = 0.6, kTop_m = 1.6;
+    constexpr double kMostThick_m = 0.3, kLeastWide_m = 0.6, kTop_m = 1.6;
     const int thin = box_world.size_m.x() < box_world.size_m.y() ? 0 : 1;
     const double top_m = level.height_m(box_world.center()) + box_world.size_m.z() / 2;
     if (box_world.size_m[thin] > kMostThick_m || box_world.size_m[1 - thin] < kLeastWide_m ||
@@ -256,28 +256,6 @@ std::vector<Piece> pieces_above(const std::vector<LevelCell>& cells, const std::
   return pieces;
 }
 
-// Whether the cells lie, seen from above, mostly at one height, which is that of tables.
-bool has_table_top(const Piece& piece, const std::vector<LevelCell>& cells) {
-  constexpr double kLowest_m = 0.62, kHighest_m = 0.80, kLeast_m2 = 0.25, kMost = 0.6;
-  std::map<Column, std::set<int>> layers_of_column;
-  std::map<int, int> columns_at;  // by layer
-  for (const std::size_t i : piece) {
-    const int layer = static_cast<int>(std::floor(cells[i].middle.z() / kCellSide_m));
-    if (layers_of_column[column_of(cells[i].middle)].insert(layer).second) ++columns_at[layer];
-  }
-  const auto fullest =
-      std::ranges::max_element(columns_at, {}, [](const auto& one) { return one.second; });
-  const double top_m = (fullest->first + 0.5) * static_cast<double>(kCellSide_m);
-  // A level surface between two layers is in both.
-  const auto top_columns = std::ranges::count_if(layers_of_column, [&](const auto& column) {
-    const auto near = column.second.lower_bound(fullest->first - 1);
-    return near != column.second.end() && *near <= fullest->first + 1;
-  });
-  return top_m >= kLowest_m && top_m <= kHighest_m &&
-         static_cast<double>(top_columns) * kCellSide_m * kCellSide_m >= kLeast_m2 &&
-         static_cast<double>(top_columns) >= kMost * static_cast<double>(layers_of_column.size());
-}
-
 // Whether most of one piece's cells are the other's.
 bool is_mostly_in(const Piece& piece, const Piece& other) {
   constexpr double kMost = 0.7;
@@ -362,12 +340,14 @@ std::vector<Proposal> find_proposals(std::span<const LookedKeyframe> keyframes,
         std::ranges::any_of(leaves, [&](const Piece* leaf) { return is_mostly_in(piece, *leaf); });
     if (is_part_of_leaf) continue;
     Proposal proposal;
+    std::vector<Vector3f> of_piece;
     for (const std::size_t i : piece) {
+      of_piece.push_back(cells[i].middle);
       proposal.surface_world.push_back(axes.to_world(cells[i].middle.cast<double>()).cast<float>());
     }
     proposal.box_world = upright_box(proposal.surface_world, level.up_world);
     proposal.box_world.size_m.array() += static_cast<double>(kCellSide_m);
-    proposal.has_table_top = has_table_top(piece, cells);
+    proposal.form = form_of(of_piece, kCellSide_m);
     hidden.add(proposal.box_world, level);
     proposal.top_m =
         level.height_m(proposal.box_world.center()) + proposal.box_world.size_m.z() / 2;

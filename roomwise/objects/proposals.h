@@ -1,10 +1,12 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "roomwise/geometry/oriented_box.h"
+#include "roomwise/objects/furniture_form.h"
 #include "roomwise/objects/instances.h"
 
 namespace roomwise::objects {
@@ -16,9 +18,7 @@ struct Proposal {
   std::vector<Eigen::Vector3f> surface_world;  // the middles of its cells, m
   geometry::OrientedBox box_world;             // upright
   double top_m = 0;                            // of the box, above the floor
-  // Whether most of it is one level surface as high as people sit at (0.62 to 0.80 m), 0.25 m2 or
-  // more.
-  bool has_table_top = false;
+  std::optional<FurnitureForm> form;
 };
 
 // What stands in the rooms once floor and walls are taken away (object proposals; that furniture

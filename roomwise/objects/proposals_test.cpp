@@ -161,7 +161,7 @@ TEST(FindProposals, ATableHasATopAndABedHasNone) {
   TestRoom room = seen_room({kBed, table});
   int tables = 0;
   for (const Proposal& proposal : find_proposals(room.keyframes(), kLevel)) {
-    if (!proposal.has_table_top) continue;
+    if (proposal.form != FurnitureForm::kTable) continue;
     ++tables;
     EXPECT_LT((proposal.box_world.center() - table.center).head<2>().norm(), 0.15);
     EXPECT_NEAR(proposal.top_m, 0.745, 0.05);

@@ -55,7 +55,8 @@ TEST(SurfaceWithin, HoldsWhatLiesInTheBoxInSpace) {
   EXPECT_GT(farthest_m(surface_within(depth, kCamera, kRegionBox, wall)), 2.99F);
   const geometry::OrientedBox nowhere{{Eigen::Quaterniond::Identity(), {0, 0, 1}}, {0.1, 0.1, 0.1}};
   EXPECT_TRUE(surface_within(depth, kCamera, kRegionBox, nowhere).points.empty());
-  EXPECT_TRUE(surface_within(image::DepthImage(640, 480), kCamera, kRegionBox, thing).points.empty());
+  EXPECT_TRUE(
+      surface_within(image::DepthImage(640, 480), kCamera, kRegionBox, thing).points.empty());
 }
 
 TEST(RegionSurface, LeavesOutWhatStandsBefore) {

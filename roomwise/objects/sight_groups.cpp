@@ -8,8 +8,12 @@
 namespace roomwise::objects {
 namespace {
 
-constexpr double kSameSpace = 0.5;       // of a sight's cells, those that the group has too
-constexpr double kSameGroup = 0.4;       // of the smaller group's cells
+// Of a sight's cells, those that the group has too.
+constexpr double kSameSpace = 0.5;
+constexpr double kSameGroup = 0.4;  // of the smaller group's cells
+// Of closer looks, less: their pictures show a proposal from all sides, and so different faces of
+// it, and proposals of one name share no cells.
+constexpr double kSameProposal = 0.15;
 constexpr double kMostConflicts = 0.25;  // of the key-frames that show both groups apart
 // A group's own cells are those that this share of its sights shows; others are a wall behind it
 // in one picture and not in the next.
@@ -43,6 +47,11 @@ struct Group {
     return core;
   }
 };
+
+template <typename Sight>
+bool is_of_proposal(const Sight& sight) {
+  return sight.source == RegionSource::kProposal;
+}
 
 // Whether they may be one group. What different finders say of a place competes or agrees later,
 // as groups: the boxes of one are no measure for those of the other.
@@ -93,7 +102,7 @@ double conflict_share(const Group& a, const Group& b, std::span<const WorldSight
 // Joins the two groups of one name that share most, as long as there are such.
 void merge_groups(std::vector<Group>& groups, std::span<const WorldSight> sights) {
   while (true) {
-    double most = kSameGroup;
+    double most = 0;
     std::pair<std::size_t, std::size_t> best;
     for (std::size_t a = 0; a < groups.size(); ++a) {
       const auto core_a = groups[a].core();
@@ -103,7 +112,9 @@ void merge_groups(std::vector<Group>& groups, std::span<const WorldSight> sights
         const bool a_is_smaller = core_a.size() < core_b.size();
         const double shared =
             a_is_smaller ? share_in(core_a, groups[b]) : share_in(core_b, groups[a]);
-        if (shared <= most || conflict_share(groups[a], groups[b], sights) > kMostConflicts)
+        const double least = is_of_proposal(groups[a]) ? kSameProposal : kSameGroup;
+        if (shared <= std::max(most, least) ||
+            conflict_share(groups[a], groups[b], sights) > kMostConflicts)
           continue;
         most = shared;
         best = {a, b};
@@ -124,7 +135,7 @@ std::vector<SightGroup> group_sights(std::span<const WorldSight> sights) {
   for (std::size_t i = 0; i < sights.size(); ++i) {
     const WorldSight& sight = sights[i];
     Group* best = nullptr;
-    double most = kSameSpace;
+    double most = is_of_proposal(sight) ? kSameProposal : kSameSpace;
     for (Group& group : groups) {
       if (!are_alike(group, sight)) continue;
       const double shared = share_in(sight.voxels, group);

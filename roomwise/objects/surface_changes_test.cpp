@@ -31,7 +31,8 @@ class SurfaceChangesTest : public ::testing::Test {
     return views;
   }
   [[nodiscard]] std::vector<SurfaceChange> find(const SurfaceChangeOptions& options = {}) {
-    return find_surface_changes(views_of(map_), views_of(visit_), {Vector3d::UnitZ(), 0}, options, pool_);
+    return find_surface_changes(views_of(map_), views_of(visit_), {Vector3d::UnitZ(), 0}, options,
+                                pool_);
   }
 
   ThreadPool pool_{2};

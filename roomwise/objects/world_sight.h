@@ -37,9 +37,11 @@ struct WorldSight {
 };
 constexpr float kSightVoxel_m = 0.1F;
 // How much a region's score counts for its name: cells of activation maps see far beyond
-// themselves, so that what they say is in part about the whole picture.
+// themselves, so that what they say is in part about the whole picture. Closer looks say the mean
+// of all views, of what was measured before.
 [[nodiscard]] constexpr double naming_weight(RegionSource source) {
-  return source == RegionSource::kActivation ? 0.5 : 1;
+  if (source == RegionSource::kActivation) return 0.5;
+  return source == RegionSource::kProposal ? 2 : 1;
 }
 // What lies lower is floor.
 constexpr double kFloorReach_m = 0.06;
