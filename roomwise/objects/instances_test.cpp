@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <deque>
 #include <numbers>
 
 #include "roomwise/base/random.h"
@@ -302,6 +303,100 @@ TEST(FindInstances, NothingIsCalledWhatIsNeverAsSmall) {
   EXPECT_EQ(name_of({"bottle", {0, 0, 0.5}, {0.15, 0.15, 0.1}}), "") << "a cup";
   EXPECT_EQ(name_of({"toilet seat", {0, 0, 0.4}, {0.4, 0.65, 0.8}}), "toilet seat");
   EXPECT_EQ(name_of({"toilet seat", {0, 0, 0.35}, {0.3, 0.3, 0.7}}), "") << "a bin";
+}
+
+TEST(FindInstances, WhatIsALittleTooLargeForAllItsNamesKeepsTheOneThatNearlyFits) {
+  const auto name_of = [](const TestRoom::Thing& thing) {
+    TestRoom room;
+    room.things = {thing};
+    room.look_around(thing.center, 8, 2.3);
+    const auto instances = room.instances();
+    return instances.empty() ? "" : instances[0].name;
+  };
+  EXPECT_EQ(name_of({"bed", {0, 0, 0.25}, {2.7, 1.6, 0.5}}), "bed")
+      << "with what stands at its foot";
+  EXPECT_EQ(name_of({"bed", {0, 0, 0.25}, {3.4, 1.6, 0.5}}), "");
+  EXPECT_EQ(name_of({"bottle", {0, 0, 0.9}, {0.38, 0.19, 0.3}}), "")
+      << "of what stands on things little is touched";
+}
+
+TEST(FindInstances, AChairThatWasMeasuredIsNotSwallowedByTwoThatPicturesTakeForOne) {
+  TestRoom room;
+  room.things = {{"chair", {0, 0, 0.4}, {1.5, 0.45, 0.8}}};
+  room.look_around({0, 0, 0.4}, 8);
+  EXPECT_TRUE(room.instances().empty()) << "no chair is as long";
+  room.things = {{"chair", {-0.5, 0, 0.4}, {0.45, 0.45, 0.8}}};
+  room.source = RegionSource::kProposal;
+  room.look_around({-0.5, 0, 0.4}, 8);
+  const auto instances = room.instances();
+  ASSERT_EQ(instances.size(), 1U);
+  EXPECT_EQ(instances[0].name, "chair");
+  EXPECT_NEAR(room.box_of(instances[0]).center().x(), -0.5, 0.1);
+}
+
+TEST(FindInstances, BoxesOfAChairThatWasMeasuredAreNotOfTheOneBesideIt) {
+  const TestRoom::Thing left{"chair", {-0.3, 0, 0.4}, {0.45, 0.45, 0.8}};
+  const TestRoom::Thing right{"chair", {0.3, 0, 0.4}, {0.45, 0.45, 0.8}};
+  TestRoom room;
+  const auto look_at = [&](const TestRoom::Thing& thing, int looks, double first_rad) {
+    room.things = {thing};
+    room.look_around({0, 0, 0.4}, looks, 1.8, first_rad);
+  };
+  look_at({"chair", {0, 0, 0.4}, {1.05, 0.45, 0.8}}, 4, 0);  // both, taken for one
+  look_at(left, 6, 0.2);
+  look_at(right, 6, 0.4);
+  EXPECT_EQ(room.instances().size(), 1U) << "no picture shows two";
+  room.source = RegionSource::kProposal;
+  look_at(left, 8, 0.1);
+  std::vector<double> x;
+  for (const Instance& one : room.instances()) x.push_back(room.box_of(one).center().x());
+  std::ranges::sort(x);
+  ASSERT_EQ(x.size(), 2U);
+  EXPECT_NEAR(x[0], left.center.x(), 0.08);
+  EXPECT_GT(x[1], 0);
+}
+
+TEST(FindInstances, ABedsHeadIsNoChair) {
+  const auto names_with = [](const TestRoom::Thing& beside, const TestRoom::Thing& whole) {
+    TestRoom room;
+    room.things = {whole};
+    room.look_around(whole.center, 12, 2.2);
+    room.things = {beside};
+    room.look_around(beside.center, 6, 1.6);
+    std::vector<std::string> names;
+    for (const Instance& instance : room.instances()) names.push_back(instance.name);
+    return names;
+  };
+  using Names = std::vector<std::string>;
+  const TestRoom::Thing bed{"bed", {0, 0, 0.3}, {2.0, 1.4, 0.6}};
+  EXPECT_EQ(names_with({"chair", {-0.65, 0, 0.3}, {0.6, 0.9, 0.6}}, bed), Names{"bed"});
+  EXPECT_EQ(names_with({"chair", {-1.45, 0, 0.4}, {0.5, 0.5, 0.8}}, bed), (Names{"bed", "chair"}))
+      << "at its side";
+  const TestRoom::Thing table{"table", {0, 0, 0.37}, {2.0, 1.4, 0.75}};
+  EXPECT_EQ(names_with({"chair", {-0.65, 0, 0.3}, {0.6, 0.9, 0.6}}, table),
+            (Names{"chair", "table"}))
+      << "chairs stand under tables";
+}
+
+TEST(FindInstances, ABottleIsAsHighAsPicturesShowItToBe) {
+  TestRoom room;
+  room.things = {{"bottle", {0, 0, 0.55}, {0.1, 0.1, 0.1}}};  // of its glass depth shows little
+  room.look_around({0, 0, 0.55}, 6, 0.9);
+  ASSERT_FALSE(room.keyframes()[0].regions.empty());
+  EXPECT_TRUE(room.instances().empty()) << "a cup";
+  std::deque<Region> whole;
+  for (LookedKeyframe& keyframe : room.keyframes()) {
+    for (NamedRegion& region : keyframe.regions) {
+      Region& taller = whole.emplace_back(*region.region);
+      taller.box.top -= 0.8F * (taller.box.bottom - taller.box.top);
+      region.region = &taller;
+    }
+  }
+  const auto instances = room.instances();
+  ASSERT_EQ(instances.size(), 1U);
+  const geometry::OrientedBox box = room.box_of(instances[0]);
+  EXPECT_NEAR(box.size_m.z(), 0.27, 0.06);
+  EXPECT_NEAR(box.center().z() - box.size_m.z() / 2, 0.5, 0.03) << "it stands where it stood";
 }
 
 TEST(FindInstances, ALowFridgeGivesWayToAnotherName) {

@@ -95,21 +95,27 @@ void add_form(const Proposal& proposal, WordScores& scores) {
   }
 }
 
-// What is as tall as a fridge and thinner than any, but looks like one to a detector, is a
-// bookcase; a classifier calls it a wardrobe.
-void add_thin_case(const Proposal& proposal, WordScores& scores) {
-  constexpr double kLeastTop_m = 1.5, kThinnest_m = 0.25, kThickest_m = 0.52, kLongest_m = 1.3,
-                   kFoot_m = 0.25, kLeastFridge = 0.1;
-  const Eigen::Vector3d& size_m = proposal.box_world.size_m;
-  const double thick_m = size_m.head<2>().minCoeff(), long_m = size_m.head<2>().maxCoeff();
-  const bool is_thin_case = proposal.top_m >= kLeastTop_m &&
-                            size_m.z() >= proposal.top_m - kFoot_m && thick_m >= kThinnest_m &&
-                            thick_m <= kThickest_m && long_m <= kLongest_m;
+// What looks like a fridge to a detector and is thinner than any is a bookcase, though a classifier
+// calls it a wardrobe; what is wider than any is a wardrobe.
+void add_case(const Proposal& proposal, WordScores& scores) {
+  constexpr double kFoot_m = 0.25, kLeastFridge = 0.1, kWidestFridge_m = 1.3;
+  constexpr double kBookcaseTop_m = 1.5, kThinnest_m = 0.25, kThickest_m = 0.52;
+  constexpr double kWardrobeTop_m = 1.8, kWardrobeThinnest_m = 0.4, kWardrobeThickest_m = 0.95;
   const auto fridge = scores.find("fridge");
-  if (!is_thin_case || fridge == scores.end() || fridge->second < kLeastFridge) return;
+  if (fridge == scores.end() || fridge->second < kLeastFridge) return;
   const double looks_so = fridge->second;
-  scores.erase(fridge);
-  scores["bookcase"] += looks_so + scores["wardrobe"];
+  const Eigen::Vector3d& size_m = proposal.box_world.size_m;
+  const double thick_m = size_m.head<2>().minCoeff(), wide_m = size_m.head<2>().maxCoeff();
+  if (size_m.z() < proposal.top_m - kFoot_m) return;  // it hangs, or stands on something
+  if (wide_m <= kWidestFridge_m && proposal.top_m >= kBookcaseTop_m && thick_m >= kThinnest_m &&
+      thick_m <= kThickest_m) {
+    scores.erase(fridge);
+    scores["bookcase"] += looks_so + scores["wardrobe"];
+  } else if (wide_m > kWidestFridge_m && proposal.top_m >= kWardrobeTop_m &&
+             thick_m >= kWardrobeThinnest_m && thick_m <= kWardrobeThickest_m) {
+    scores.erase(fridge);
+    scores["wardrobe"] += looks_so;
+  }
 }
 
 // The word that is said most, of those that the proposal is as large as.
@@ -120,7 +126,7 @@ std::optional<ProposalName> best_name(std::size_t index, const LookedProposal& l
   ProposalName best{.proposal = index, .word = {}, .score = 0};
   WordScores scores = mean_of(looked.said);
   add_form(looked.proposal, scores);
-  add_thin_case(looked.proposal, scores);
+  add_case(looked.proposal, scores);
   for (const auto& [word, sum] : scores) {
     const double score = std::min(sum, 1.0);
     if (!(score >= kLeastScore && score > best.score)) continue;  // nor what is no number

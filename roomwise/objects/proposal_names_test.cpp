@@ -105,7 +105,7 @@ TEST(NameProposals, WhatHasTheFormOfASofaIsNoBed) {
   EXPECT_EQ(name_proposals(std::vector{looked}).at(0).word, "sofa");
 }
 
-TEST(NameProposals, AFridgeThatIsThinnerThanAnyIsABookcase) {
+TEST(NameProposals, AFridgeThatIsThinnerOrWiderThanAnyIsABookcaseOrAWardrobe) {
   const auto name_of = [](const Vector3d& size_m, const WordScores& said) {
     LookedProposal looked = block({0, 0, size_m.z() / 2}, size_m, said);
     looked.proposal.top_m = size_m.z();
@@ -116,7 +116,8 @@ TEST(NameProposals, AFridgeThatIsThinnerThanAnyIsABookcase) {
   EXPECT_EQ(name_of({0.9, 0.35, 1.8}, {{"fridge", 0.2}, {"wardrobe", 0.2}}), "bookcase");
   EXPECT_EQ(name_of({0.7, 0.65, 1.8}, {{"fridge", 0.35}}), "fridge");
   EXPECT_EQ(name_of({0.9, 0.35, 1.8}, {{"wardrobe", 0.35}}), "wardrobe") << "its front alone";
-  EXPECT_NE(name_of({1.7, 0.45, 1.9}, {{"fridge", 0.35}}), "bookcase") << "longer than most";
+  EXPECT_EQ(name_of({1.7, 0.45, 1.9}, {{"fridge", 0.35}}), "wardrobe");
+  EXPECT_EQ(name_of({1.7, 0.45, 1.6}, {{"fridge", 0.35}}), "") << "a sideboard";
 }
 
 TEST(NameProposals, WhatHoldsAPartOfAnotherKindIsOneThing) {

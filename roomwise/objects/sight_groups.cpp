@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <map>
+#include <numeric>
 #include <set>
 #include <unordered_map>
 
@@ -11,6 +12,8 @@ namespace {
 // Of a sight's cells, those that the group has too.
 constexpr double kSameSpace = 0.5;
 constexpr double kSameGroup = 0.4;  // of the smaller group's cells
+// Of a detector's box, those that something measured has.
+constexpr double kAgrees = 0.75;
 // Of closer looks, less: their pictures show a proposal from all sides, and so different faces of
 // it, and proposals of one name share no cells.
 constexpr double kSameProposal = 0.15;
@@ -58,6 +61,12 @@ bool is_of_proposal(const Sight& sight) {
 template <typename Other>
 bool are_alike(const Group& group, const Other& other) {
   return group.name == other.name && group.source == other.source;
+}
+
+// Whether a detector's box speaks of what was measured.
+bool may_confirm(const WorldSight& sight, const Group& group) {
+  return is_of_proposal(group) && sight.source == RegionSource::kDetector &&
+         sight.name == group.name;
 }
 
 // The share of the cells that the group has, or their neighbours.
@@ -132,14 +141,21 @@ void merge_groups(std::vector<Group>& groups, std::span<const WorldSight> sights
 
 std::vector<SightGroup> group_sights(std::span<const WorldSight> sights) {
   std::vector<Group> groups;
-  for (std::size_t i = 0; i < sights.size(); ++i) {
+  // What was measured comes first: boxes of detectors that agree with it are of it, though pictures
+  // show them in a row with others of its name.
+  std::vector<std::size_t> order(sights.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::stable_partition(order, [&](std::size_t i) { return is_of_proposal(sights[i]); });
+  for (const std::size_t i : order) {
     const WorldSight& sight = sights[i];
     Group* best = nullptr;
     double most = is_of_proposal(sight) ? kSameProposal : kSameSpace;
     for (Group& group : groups) {
-      if (!are_alike(group, sight)) continue;
+      const bool confirms = may_confirm(sight, group);
+      if (!are_alike(group, sight) && !confirms) continue;
       const double shared = share_in(sight.voxels, group);
-      if (shared <= most || conflicts(group, sight, sights)) continue;
+      if (shared <= (confirms ? std::max(most, kAgrees) : most) || conflicts(group, sight, sights))
+        continue;
       most = shared;
       best = &group;
     }
