@@ -123,6 +123,10 @@ TEST(FormOf, WhatHasSidesIsNoLowTable) {
   EXPECT_EQ(chest.form(), std::nullopt);
 }
 
+TEST(FormOf, ALowTableWithAPileAlongOneSideIsNoSofa) {
+  EXPECT_EQ(table(0.45, 1.4, 0.6).board({0.1, 0.45, 0.45}, {1.3, 0.6, 0.75}).form(), std::nullopt);
+}
+
 TEST(FormOf, AStoolHasNoBackAndASeatAboveThatOfPeopleIsNone) {
   const Furniture stool = Furniture().board({0, 0, 0.42}, {0.4, 0.4, 0.46}).legs(0.4, 0.4, 0.42);
   EXPECT_EQ(stool.form(), std::nullopt);

@@ -323,7 +323,7 @@ TEST(FindInstances, WhatIsALittleTooLargeForAllItsNamesKeepsTheOneThatNearlyFits
 TEST(FindInstances, AChairThatWasMeasuredIsNotSwallowedByTwoThatPicturesTakeForOne) {
   TestRoom room;
   room.things = {{"chair", {0, 0, 0.4}, {1.5, 0.45, 0.8}}};
-  room.look_around({0, 0, 0.4}, 8);
+  room.look_around({0, 0, 0.4}, 30);
   EXPECT_TRUE(room.instances().empty()) << "no chair is as long";
   room.things = {{"chair", {-0.5, 0, 0.4}, {0.45, 0.45, 0.8}}};
   room.source = RegionSource::kProposal;
@@ -420,6 +420,42 @@ TEST(FindInstances, AProposalCountsByItsBestViewsAlone) {
             probability_by(RegionSource::kProposal, 0));
   EXPECT_LT(probability_by(RegionSource::kDetector, 12),
             probability_by(RegionSource::kDetector, 0));
+}
+
+TEST(FindInstances, AProposalsFacesAreOneThing) {
+  TestRoom room;
+  room.source = RegionSource::kProposal;
+  room.things = {{"wardrobe", {0, 0, 1}, {0.6, 1.2, 2.0}}};
+  for (const double y : {-0.3, -0.1, 0.1, 0.3}) room.look({2.6, y, 1.2}, {0.3, 0, 1.0});
+  for (const double x : {-0.3, -0.1, 0.1, 0.3}) room.look({x, 2.9, 1.2}, {0, 0.6, 1.0});
+  std::deque<Region> said;
+  for (LookedKeyframe& keyframe : room.keyframes()) {
+    for (NamedRegion& region : keyframe.regions) {
+      said.push_back(*region.region);
+      said.back().score = 0.35F;
+      region.region = &said.back();
+    }
+  }
+  const auto instances = room.instances();
+  ASSERT_EQ(instances.size(), 1U) << "four views that say so little are not enough";
+  EXPECT_EQ(instances[0].sightings, 8);
+}
+
+TEST(FindInstances, WhatCloserLooksSayCountsTwiceForAName) {
+  const auto name_after = [](int as_bed) {
+    TestRoom room;
+    room.things = {kBed};
+    for (int i = 0; i < as_bed + 4; ++i) {
+      const double angle = 2 * std::numbers::pi * i / (as_bed + 4);
+      const Vector3d from(2.2 * std::cos(angle), 2.2 * std::sin(angle), 1.0);
+      room.source = i < as_bed ? RegionSource::kDetector : RegionSource::kProposal;
+      room.look(kBed.center + from, kBed.center, true, i < as_bed ? "bed" : "sofa");
+    }
+    const auto instances = room.instances();
+    return instances.size() == 1 ? instances[0].name : "";
+  };
+  EXPECT_EQ(name_after(6), "sofa");
+  EXPECT_EQ(name_after(10), "bed");
 }
 
 TEST(FindInstances, AFewBoxesThatAgreeWithAProposalTakeNothingFromIt) {
