@@ -88,17 +88,19 @@ class Form {
     std::array<std::size_t, 4> along_side{};
   };
   [[nodiscard]] Rising rising() const {
-    constexpr double kAbove_m = 0.12, kOfLongSide_m = 0.2, kOfShortSide_m = 0.25;
+    constexpr double kAbove_m = 0.12, kMostOfSide = 0.4;
+    const double of_long_side_m = std::min(0.2, shorter_m() * kMostOfSide);
+    const double of_short_side_m = std::min(0.25, longer_m() * kMostOfSide);
     const int longer = size_m_.x() > size_m_.y() ? 0 : 1;
     Rising rising;
     for (const auto& [place, height_m] : places_) {
       if (height_m < plane_m_ + kAbove_m) continue;
       ++rising.all;
       const double across_m = place[1 - longer], along_m = place[longer];
-      if (size_m_[1 - longer] / 2 - std::abs(across_m) < kOfLongSide_m) {
+      if (size_m_[1 - longer] / 2 - std::abs(across_m) < of_long_side_m) {
         ++rising.along_side[across_m > 0 ? 0 : 1];
       }
-      if (size_m_[longer] / 2 - std::abs(along_m) < kOfShortSide_m) {
+      if (size_m_[longer] / 2 - std::abs(along_m) < of_short_side_m) {
         ++rising.along_side[along_m > 0 ? 2 : 3];
       }
     }

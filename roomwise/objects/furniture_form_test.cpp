@@ -127,6 +127,15 @@ TEST(FormOf, ALowTableWithAPileAlongOneSideIsNoSofa) {
   EXPECT_EQ(table(0.45, 1.4, 0.6).board({0.1, 0.45, 0.45}, {1.3, 0.6, 0.75}).form(), std::nullopt);
 }
 
+TEST(FormOf, AStoolWithABagOnItsMiddleIsNoChair) {
+  EXPECT_EQ(Furniture()
+                .board({0, 0, 0.42}, {0.45, 0.45, 0.46})
+                .legs(0.45, 0.45, 0.42)
+                .board({0.1, 0.12, 0.46}, {0.35, 0.33, 0.75})
+                .form(),
+            std::nullopt);
+}
+
 TEST(FormOf, AStoolHasNoBackAndASeatAboveThatOfPeopleIsNone) {
   const Furniture stool = Furniture().board({0, 0, 0.42}, {0.4, 0.4, 0.46}).legs(0.4, 0.4, 0.42);
   EXPECT_EQ(stool.form(), std::nullopt);

@@ -103,27 +103,39 @@ std::string_view name_of(const SightGroup& group, std::span<const WorldSight> si
   return std::ranges::max_element(scores, {}, [](const auto& one) { return one.second; })->first;
 }
 
-// How high pictures show a thing to be: the median over those that show all of it, from above only
-// as much as it is not the thing's width. 0 where fewer than three do.
+// How high a detector's boxes show a thing to be: the median over those that lie within their
+// pictures, each without what they show of the thing's width from above or below. 0 where fewer
+// than three do.
 double shown_height_m(const SightGroup& group, std::span<const WorldSight> sights,
                       std::span<const LookedKeyframe> keyframes, const Vector3d& middle_world,
-                      double width_m, const Vector3d& up) {
+                      double width_m, const Vector3d& up_world) {
   constexpr std::size_t kFewest = 3;
   constexpr float kRim_px = 3;
-  constexpr double kNearest_m = 0.3, kSteepest = 0.85;  // the latter as a sine
+  constexpr double kNearest_m = 0.3, kLeastOfHeight = 0.5;
   std::vector<double> heights_m;
   for (const std::size_t index : group) {
     const WorldSight& sight = sights[index];
     const LookedKeyframe& keyframe = keyframes[sight.keyframe];
     const auto picture_height = static_cast<float>(keyframe.camera->height);
-    if (sight.box.top < kRim_px || sight.box.bottom > picture_height - kRim_px) continue;
-    const double depth_m = (keyframe.world_from_camera.inverse() * middle_world).z();
-    const Vector3d ray = (middle_world - keyframe.world_from_camera.translation).normalized();
-    const double slope = std::abs(up.dot(ray));
-    if (depth_m < kNearest_m || slope > kSteepest) continue;
+    if (sight.source != RegionSource::kDetector || sight.box.top < kRim_px ||
+        sight.box.bottom > picture_height - kRim_px) {
+      continue;
+    }
+    const geometry::RigidTransform camera_from_world = keyframe.world_from_camera.inverse();
+    const Vector3d middle = camera_from_world * middle_world;
+    if (middle.z() < kNearest_m) continue;
+    // By how much of a metre along a direction the picture's rows change, at the middle's depth.
+    const auto in_rows = [&](const Vector3d& direction_world) {
+      const Vector3d direction = camera_from_world.rotation * direction_world;
+      return std::abs(direction.y() - middle.y() / middle.z() * direction.z());
+    };
+    const Vector3d ray = middle_world - keyframe.world_from_camera.translation;
+    const Vector3d ahead = (ray - up_world.dot(ray) * up_world).normalized();
+    const double of_height = in_rows(up_world);
+    if (of_height < kLeastOfHeight) continue;
     const double shown_m =
-        static_cast<double>(sight.box.bottom - sight.box.top) * depth_m / keyframe.camera->fy;
-    heights_m.push_back((shown_m - width_m * slope) / std::sqrt(1 - slope * slope));
+        static_cast<double>(sight.box.bottom - sight.box.top) * middle.z() / keyframe.camera->fy;
+    heights_m.push_back((shown_m - width_m * in_rows(ahead)) / of_height);
   }
   if (heights_m.size() < kFewest) return 0;
   const auto median = heights_m.begin() + static_cast<std::ptrdiff_t>(heights_m.size() / 2);
@@ -185,13 +197,16 @@ GroupBox box_of_group(const SightGroup& group, std::span<const WorldSight> sight
   if (shape.on_floor || low.z() - level.floor_m < kStandsBelow_m) {
     low.z() = std::min(level.floor_m, high.z());
   }
-  // Of what is small depth shows a part, its foot and not its neck: a bottle is as high as pictures
-  // show it to be.
-  if (!shape.on_floor && low.z() - level.floor_m >= kStandsBelow_m) {
+  // Of what is small depth may show the foot alone: a bottle is as high as pictures show it to be.
+  if (!shape.on_floor && high.z() - low.z() < shape.least_height_m) {
     const double width_m = (high - low).head<2>().maxCoeff();
     const double shown_m =
         shown_height_m(group, sights, keyframes, axes * ((low + high) / 2), width_m, up);
-    if (shown_m < kSmall_m) high.z() = std::max(high.z(), low.z() + shown_m);
+    const double lacks_m = shown_m - (high.z() - low.z());
+    if (lacks_m > 0 && shown_m < kSmall_m) {
+      high.z() += lacks_m;
+      result.sigma_m.z() = std::hypot(result.sigma_m.z(), lacks_m / 2);
+    }
   }
   result.fits_kind = shape.holds_what_is_seen(high - low);
   // Away from the cameras, where nobody saw it.

@@ -97,7 +97,8 @@ bool fits(const Candidate& candidate, const std::string& name) {
 // pictures were taken for those of one do not swallow the one of them that was measured.
 bool are_two(const Candidate& a, const Candidate& b, const Candidate& joined) {
   const std::string &name = most_called(a), &whole = most_called(joined);
-  return name == most_called(b) && has_extent(joined) && !fits(joined, whole) &&
+  return name == most_called(b) && has_extent(joined) &&
+         shape_of(whole).is_exceeded_by(joined.box.box_world.size_m) &&
          (fits(a, name) || fits(b, name));
 }
 
@@ -116,8 +117,9 @@ void join_names(std::vector<Candidate>& candidates, std::span<const WorldSight> 
     std::pair<std::size_t, std::size_t> best;
     for (std::size_t a = 0; a < candidates.size(); ++a) {
       for (std::size_t b = a + 1; b < candidates.size(); ++b) {
+        if (apart.contains(pair_of(candidates[a], candidates[b]))) continue;
         const double shared = overlap(candidates[a], candidates[b]);
-        if (shared <= most || apart.contains(pair_of(candidates[a], candidates[b]))) continue;
+        if (shared <= most) continue;
         most = shared;
         best = {a, b};
       }
@@ -225,7 +227,7 @@ bool may_be_there(const Candidate& candidate, std::span<const WorldSight> sights
              options.least_probability;
 }
 
-// Or not by much larger: what a surface touches stays with it, in part.
+// Or is larger by no more than some of what it touches, which stays with it.
 bool nearly_fits(const Candidate& candidate, const std::string& name) {
   const KindShape shape = shape_of(name);
   return shape.on_floor && shape.holds(KindShape::without_rim(candidate.box.box_world.size_m));
@@ -303,6 +305,7 @@ struct FoundThing {
   Instance instance;
   const geometry::OrientedBox* box_world;
   bool is_detected;  // by a network that gives boxes
+  bool fits_name;    // and does not nearly so
 };
 
 // Whether the middles lie above each other, and both together are no higher than a lamp is.
@@ -353,7 +356,8 @@ bool is_the_same(const FoundThing& thing, const FoundThing& surer, const Level& 
 // The things without those that are, or are a part of, another one, which is surer.
 std::vector<FoundThing> each_once(std::vector<FoundThing> things, const Level& level) {
   std::ranges::stable_sort(things, std::ranges::greater(), [](const FoundThing& one) {
-    return std::tuple(one.is_detected, one.instance.sightings, one.instance.probability);
+    return std::tuple(one.fits_name, one.is_detected, one.instance.sightings,
+                      one.instance.probability);
   });
   std::vector<FoundThing> kept;
   for (const FoundThing& thing : things) {
@@ -413,8 +417,9 @@ std::vector<Instance> find_instances(std::span<const LookedKeyframe> keyframes, 
         instance->probability < least_probability(instance->name, options)) {
       continue;
     }
+    const bool fits_name = fits(candidate, instance->name);
     things.push_back({*std::move(instance), &candidate.box.box_world,
-                      surest_source(candidate, sights) == RegionSource::kDetector});
+                      surest_source(candidate, sights) == RegionSource::kDetector, fits_name});
   }
   std::vector<Instance> instances;
   for (FoundThing& thing : each_once(std::move(things), level)) {

@@ -39,6 +39,10 @@ bool is_at_most(const KindShape& shape, const Eigen::Vector3d& size_m) {
 
 }  // namespace
 
+bool KindShape::is_exceeded_by(const Eigen::Vector3d& size_m) const {
+  return !is_at_most(*this, size_m);
+}
+
 bool KindShape::holds(const Eigen::Vector3d& size_m) const {
   return is_at_most(*this, size_m) && size_m.z() >= least_height_m &&
          size_m.head<2>().maxCoeff() >= least_length_m;
@@ -47,7 +51,8 @@ bool KindShape::holds(const Eigen::Vector3d& size_m) const {
 bool KindShape::holds_what_is_seen(const Eigen::Vector3d& seen_m) const {
   return seen_m.head<2>().minCoeff() >= (built_in ? 0 : 0.5 * least_side_m) &&
          seen_m.head<2>().maxCoeff() >= 0.9 * least_side_m &&
-         seen_m.maxCoeff() >= least_longest_m && is_at_most(*this, without_rim(seen_m));
+         seen_m.maxCoeff() >= least_longest_m &&
+         is_at_most(*this, on_floor ? without_rim(seen_m) : seen_m);
 }
 
 KindShape shape_of(std::string_view name) {

@@ -115,6 +115,7 @@ TEST(NameProposals, AFridgeThatIsThinnerOrWiderThanAnyIsABookcaseOrAWardrobe) {
   EXPECT_EQ(name_of({0.9, 0.35, 1.8}, {{"fridge", 0.35}}), "bookcase");
   EXPECT_EQ(name_of({0.9, 0.35, 1.8}, {{"fridge", 0.2}, {"wardrobe", 0.2}}), "bookcase");
   EXPECT_EQ(name_of({0.7, 0.65, 1.8}, {{"fridge", 0.35}}), "fridge");
+  EXPECT_EQ(name_of({0.6, 0.47, 1.8}, {{"fridge", 0.35}}), "fridge") << "at a wall";
   EXPECT_EQ(name_of({0.9, 0.35, 1.8}, {{"wardrobe", 0.35}}), "wardrobe") << "its front alone";
   EXPECT_EQ(name_of({1.7, 0.45, 1.9}, {{"fridge", 0.35}}), "wardrobe");
   EXPECT_EQ(name_of({1.7, 0.45, 1.6}, {{"fridge", 0.35}}), "") << "a sideboard";

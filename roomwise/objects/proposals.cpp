@@ -159,7 +159,7 @@ class HiddenDepth {
   }
 
   void add(geometry::OrientedBox& box_world, const Level& level) const {
-    constexpr double kMostThick_m = 0.3, kLeastWide_m = 0.6, kTop_m = 1.6;
+    constexpr double kMostThick_m = 0.2, kLeastWide_m = 0.6, kTop_m = 1.6;
     const int thin = box_world.size_m.x() < box_world.size_m.y() ? 0 : 1;
     const double top_m = level.height_m(box_world.center()) + box_world.size_m.z() / 2;
     if (box_world.size_m[thin] > kMostThick_m || box_world.size_m[1 - thin] < kLeastWide_m ||
@@ -340,20 +340,20 @@ std::vector<Proposal> find_proposals(std::span<const LookedKeyframe> keyframes,
         std::ranges::any_of(leaves, [&](const Piece* leaf) { return is_mostly_in(piece, *leaf); });
     if (is_part_of_leaf) continue;
     Proposal proposal;
-    std::vector<Vector3f> of_piece;
     for (const std::size_t i : piece) {
-      of_piece.push_back(cells[i].middle);
       proposal.surface_world.push_back(axes.to_world(cells[i].middle.cast<double>()).cast<float>());
     }
     proposal.box_world = upright_box(proposal.surface_world, level.up_world);
     proposal.box_world.size_m.array() += static_cast<double>(kCellSide_m);
-    proposal.form = form_of(of_piece, kCellSide_m);
     hidden.add(proposal.box_world, level);
     proposal.top_m =
         level.height_m(proposal.box_world.center()) + proposal.box_world.size_m.z() / 2;
     if (is_like_a_leaf(proposal.box_world, level)) {
       leaves.push_back(&piece);
     } else if (may_be_a_thing(proposal.box_world.size_m)) {
+      std::vector<Vector3f> of_piece;
+      for (const std::size_t i : piece) of_piece.push_back(cells[i].middle);
+      proposal.form = form_of(of_piece, kCellSide_m);
       proposals.push_back(std::move(proposal));
     }
   }

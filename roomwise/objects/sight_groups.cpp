@@ -14,9 +14,6 @@ constexpr double kSameSpace = 0.5;
 constexpr double kSameGroup = 0.4;  // of the smaller group's cells
 // Of a detector's box, those that something measured has.
 constexpr double kAgrees = 0.75;
-// Of closer looks, less: their pictures show a proposal from all sides, and so different faces of
-// it, and proposals of one name share no cells.
-constexpr double kSameProposal = 0.15;
 constexpr double kMostConflicts = 0.25;  // of the key-frames that show both groups apart
 // A group's own cells are those that this share of its sights shows; others are a wall behind it
 // in one picture and not in the next.
@@ -26,15 +23,18 @@ struct Group {
   std::string name;
   RegionSource source = RegionSource::kDetector;
   SightGroup members;
-  std::unordered_map<VoxelKey, int> hits;
+  std::size_t own = 0;                     // members of its source
+  std::unordered_map<VoxelKey, int> hits;  // by these
 
   void add(std::size_t index, const WorldSight& sight) {
     members.push_back(index);
+    if (sight.source != source) return;
+    ++own;
     for (const VoxelKey voxel : sight.voxels) ++hits[voxel];
   }
   [[nodiscard]] bool has(VoxelKey voxel) const {
     const auto found = hits.find(voxel);
-    return found != hits.end() && found->second >= kCoreShare * static_cast<double>(members.size());
+    return found != hits.end() && found->second >= kCoreShare * static_cast<double>(own);
   }
   // Or the cell beside it.
   [[nodiscard]] bool is_near(VoxelKey voxel) const {
@@ -57,14 +57,14 @@ bool is_of_proposal(const Sight& sight) {
 }
 
 // Whether they may be one group. What different finders say of a place competes or agrees later,
-// as groups: the boxes of one are no measure for those of the other.
+// as groups: the boxes of one are no measure for those of the other. But see confirms().
 template <typename Other>
 bool are_alike(const Group& group, const Other& other) {
   return group.name == other.name && group.source == other.source;
 }
 
-// Whether a detector's box speaks of what was measured.
-bool may_confirm(const WorldSight& sight, const Group& group) {
+// Whether a detector's box may speak of what was measured, whose place it then takes no part in.
+bool confirms(const Group& group, const WorldSight& sight) {
   return is_of_proposal(group) && sight.source == RegionSource::kDetector &&
          sight.name == group.name;
 }
@@ -111,7 +111,7 @@ double conflict_share(const Group& a, const Group& b, std::span<const WorldSight
 // Joins the two groups of one name that share most, as long as there are such.
 void merge_groups(std::vector<Group>& groups, std::span<const WorldSight> sights) {
   while (true) {
-    double most = 0;
+    double most = kSameGroup;
     std::pair<std::size_t, std::size_t> best;
     for (std::size_t a = 0; a < groups.size(); ++a) {
       const auto core_a = groups[a].core();
@@ -121,9 +121,7 @@ void merge_groups(std::vector<Group>& groups, std::span<const WorldSight> sights
         const bool a_is_smaller = core_a.size() < core_b.size();
         const double shared =
             a_is_smaller ? share_in(core_a, groups[b]) : share_in(core_b, groups[a]);
-        const double least = is_of_proposal(groups[a]) ? kSameProposal : kSameGroup;
-        if (shared <= std::max(most, least) ||
-            conflict_share(groups[a], groups[b], sights) > kMostConflicts)
+        if (shared <= most || conflict_share(groups[a], groups[b], sights) > kMostConflicts)
           continue;
         most = shared;
         best = {a, b};
@@ -137,33 +135,43 @@ void merge_groups(std::vector<Group>& groups, std::span<const WorldSight> sights
   }
 }
 
+// The group that has most of the sight's cells, of those that may take it, from a share on; null
+// where there is none.
+template <typename MayTake>
+Group* best_group(std::vector<Group>& groups, const WorldSight& sight,
+                  std::span<const WorldSight> sights, double least, const MayTake& may_take) {
+  Group* best = nullptr;
+  double most = least;
+  for (Group& group : groups) {
+    if (!may_take(group, sight)) continue;
+    const double shared = share_in(sight.voxels, group);
+    if (shared <= most || conflicts(group, sight, sights)) continue;
+    most = shared;
+    best = &group;
+  }
+  return best;
+}
+
 }  // namespace
 
 std::vector<SightGroup> group_sights(std::span<const WorldSight> sights) {
   std::vector<Group> groups;
-  // What was measured comes first: boxes of detectors that agree with it are of it, though pictures
-  // show them in a row with others of its name.
+  // What was measured comes first: a detector's boxes that agree with it are of it, though others
+  // of its name stand beside it and pictures took them for one.
   std::vector<std::size_t> order(sights.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::ranges::stable_partition(order, [&](std::size_t i) { return is_of_proposal(sights[i]); });
   for (const std::size_t i : order) {
     const WorldSight& sight = sights[i];
-    Group* best = nullptr;
-    double most = is_of_proposal(sight) ? kSameProposal : kSameSpace;
-    for (Group& group : groups) {
-      const bool confirms = may_confirm(sight, group);
-      if (!are_alike(group, sight) && !confirms) continue;
-      const double shared = share_in(sight.voxels, group);
-      if (shared <= (confirms ? std::max(most, kAgrees) : most) || conflicts(group, sight, sights))
-        continue;
-      most = shared;
-      best = &group;
+    Group* group = best_group(groups, sight, sights, kAgrees, confirms);
+    if (group == nullptr) {
+      group = best_group(groups, sight, sights, kSameSpace, are_alike<WorldSight>);
     }
-    if (best == nullptr) {
-      best = &groups.emplace_back(
-          Group{.name = sight.name, .source = sight.source, .members = {}, .hits = {}});
+    if (group == nullptr) {
+      group = &groups.emplace_back(
+          Group{.name = sight.name, .source = sight.source, .members = {}, .own = 0, .hits = {}});
     }
-    best->add(i, sight);
+    group->add(i, sight);
   }
   merge_groups(groups, sights);
   std::vector<SightGroup> members;

@@ -56,7 +56,8 @@ constexpr double kFloorReach_m = 0.06;
 using SightGroup = std::vector<std::size_t>;
 
 // Groups sights of one name and source that show the same piece of space. Two regions beside each
-// other in one picture are two things, and so are groups that are often seen so.
+// other in one picture are two things, and so are groups that are often seen so. A detector's boxes
+// that show what closer looks measured belong to their group.
 [[nodiscard]] std::vector<SightGroup> group_sights(std::span<const WorldSight> sights);
 
 // The box of a group and how sure its middle is: what most of its pictures' boxes hold of its
