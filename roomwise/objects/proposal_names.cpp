@@ -157,8 +157,8 @@ std::string family_of(const std::string& word) {
   return word;
 }
 
-// The names of proposals that are all called by one word, without those that are a part of another
-// one or hold more than it.
+// The names of proposals that are called alike, without those that are a part of another one or
+// hold more than it.
 std::vector<ProposalName> without_parts(std::vector<ProposalName> named,
                                         std::span<const LookedProposal> looked) {
   constexpr double kAsSurely = 0.75;
