@@ -248,8 +248,8 @@ std::map<std::string, double> shares_of_names(const Candidate& candidate) {
   return shares;
 }
 
-// The name with the largest share that such things may have; what nearly may where none does. Empty
-// where all that it is called is smaller.
+// The name with the largest share of those that fit; where none does, of those that nearly do.
+// Empty where none is left.
 std::string name_that_fits(const Candidate& candidate,
                            const std::map<std::string, double>& shares) {
   for (const auto& may_be : {fits, nearly_fits}) {

@@ -96,14 +96,14 @@ void add_form(const Proposal& proposal, WordScores& scores) {
 }
 
 // What looks like a fridge to a detector and is thinner than any is a bookcase, though a classifier
-// calls it a wardrobe; what is wider than any is a wardrobe. Of what touches a wall a hand's breadth
-// was taken away with it, so that a fridge may be 0.5 m thick.
+// calls it a wardrobe; what is wider than any is a wardrobe. Of what touches a wall a hand's
+// breadth was taken away with it, so that a fridge may be 0.5 m thick.
 void add_case(const Proposal& proposal, WordScores& scores) {
   constexpr double kFoot_m = 0.25, kLeastFridge = 0.1, kWidestFridge_m = 1.3;
   constexpr double kBookcaseTop_m = 1.5, kThinnest_m = 0.25, kThickest_m = 0.42;
   constexpr double kWardrobeTop_m = 1.8, kWardrobeThinnest_m = 0.4, kWardrobeThickest_m = 0.95;
   const auto fridge = scores.find("fridge");
-  if (fridge == scores.end() || fridge->second < kLeastFridge) return;
+  if (fridge == scores.end() || !(fridge->second >= kLeastFridge)) return;  // nor what is no number
   const double looks_so = fridge->second;
   const Eigen::Vector3d& size_m = proposal.box_world.size_m;
   const double thick_m = size_m.head<2>().minCoeff(), wide_m = size_m.head<2>().maxCoeff();

@@ -81,6 +81,10 @@ TEST(NameProposals, AScoreThatIsNoNumberIsNothing) {
   const auto names = name_proposals(std::vector{block({0, 0, 0.2}, kLampSize, said)});
   ASSERT_THAT(names, SizeIs(1));
   EXPECT_EQ(names[0].word, "plant");
+  LookedProposal thin = block({0, 0, 0.9}, {0.9, 0.35, 1.8}, {{"bookcase", 0.5}});
+  thin.proposal.top_m = 1.8;
+  thin.said[0]["fridge"] = std::nan("");
+  EXPECT_EQ(name_proposals(std::vector{thin}).at(0).word, "bookcase");
 }
 
 TEST(NameProposals, FormSpeaksForATableAndAChair) {
