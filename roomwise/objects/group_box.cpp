@@ -19,7 +19,6 @@ using Eigen::Vector3f;
 constexpr float kCell_m = 0.03F;
 constexpr double kHullShare = 0.85;  // of the pictures whose boxes hold a cell
 constexpr double kStandsBelow_m = 0.25;
-constexpr double kSmall_m = 0.45;
 constexpr std::size_t kJackknifeParts = 8;
 constexpr double kCommonSigma_m = 0.02;  // of poses and calibration
 
@@ -203,7 +202,7 @@ GroupBox box_of_group(const SightGroup& group, std::span<const WorldSight> sight
     const double shown_m =
         shown_height_m(group, sights, keyframes, axes * ((low + high) / 2), width_m, up);
     const double lacks_m = shown_m - (high.z() - low.z());
-    if (lacks_m > 0 && shown_m < kSmall_m) {
+    if (lacks_m > 0 && shown_m <= shape.most_height_m) {
       high.z() += lacks_m;
       result.sigma_m.z() = std::hypot(result.sigma_m.z(), lacks_m / 2);
     }

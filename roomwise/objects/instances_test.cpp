@@ -20,6 +20,22 @@ const TestRoom::Thing kBed{"bed", {0.5, 0.2, 0.25}, {2.0, 1.4, 0.5}};
 const TestRoom::Thing kChair{"chair", {-0.5, 0, 0.4}, {0.45, 0.45, 0.8}};
 const TestRoom::Thing kOtherChair{"chair", {0.2, 0, 0.4}, {0.45, 0.45, 0.8}};
 
+std::vector<std::string> names_in(const TestRoom& room) {
+  std::vector<std::string> names;
+  for (const Instance& instance : room.instances()) names.push_back(instance.name);
+  return names;
+}
+using Names = std::vector<std::string>;
+
+// What a thing is found to be when it is looked at from all sides; empty where it is not found.
+std::string name_of(const TestRoom::Thing& thing, int looks, double radius_m) {
+  TestRoom room;
+  room.things = {thing};
+  room.look_around(thing.center, looks, radius_m);
+  const Names names = names_in(room);
+  return names.empty() ? "" : names[0];
+}
+
 TEST(FindInstances, OneBedSeenFromAllSidesIsOne) {
   TestRoom room;
   room.things = {kBed};
@@ -281,42 +297,26 @@ TEST(FindInstances, NothingIsCalledWhatIsNeverAsLarge) {
       room.look({2.2 * std::cos(angle), 2.2 * std::sin(angle), 1.3}, {0, 0, 0.3}, true,
                 i < as_toilet ? "toilet seat" : "bath");
     }
-    std::vector<std::string> names;
-    for (const Instance& instance : room.instances()) names.push_back(instance.name);
-    return names;
+    return names_in(room);
   };
-  using Names = std::vector<std::string>;
   EXPECT_EQ(names_after(10, 0), Names());
   EXPECT_EQ(names_after(12, 4), Names{"bath"}) << "twelve mistakes hardly count";
   EXPECT_EQ(names_after(30, 2), Names()) << "too few say so";
 }
 
 TEST(FindInstances, NothingIsCalledWhatIsNeverAsSmall) {
-  const auto name_of = [](const TestRoom::Thing& thing) {
-    TestRoom room;
-    room.things = {thing};
-    room.look_around(thing.center, 6);
-    const auto instances = room.instances();
-    return instances.empty() ? "" : instances[0].name;
-  };
-  EXPECT_EQ(name_of({"bottle", {0, 0, 0.5}, {0.1, 0.1, 0.3}}), "bottle");
-  EXPECT_EQ(name_of({"bottle", {0, 0, 0.5}, {0.15, 0.15, 0.1}}), "") << "a cup";
-  EXPECT_EQ(name_of({"toilet seat", {0, 0, 0.4}, {0.4, 0.65, 0.8}}), "toilet seat");
-  EXPECT_EQ(name_of({"toilet seat", {0, 0, 0.35}, {0.3, 0.3, 0.7}}), "") << "a bin";
+  const auto found = [](const TestRoom::Thing& thing) { return name_of(thing, 6, 1.8); };
+  EXPECT_EQ(found({"bottle", {0, 0, 0.5}, {0.1, 0.1, 0.3}}), "bottle");
+  EXPECT_EQ(found({"bottle", {0, 0, 0.5}, {0.15, 0.15, 0.1}}), "") << "a cup";
+  EXPECT_EQ(found({"toilet seat", {0, 0, 0.4}, {0.4, 0.65, 0.8}}), "toilet seat");
+  EXPECT_EQ(found({"toilet seat", {0, 0, 0.35}, {0.3, 0.3, 0.7}}), "") << "a bin";
 }
 
 TEST(FindInstances, WhatIsALittleTooLargeForAllItsNamesKeepsTheOneThatNearlyFits) {
-  const auto name_of = [](const TestRoom::Thing& thing) {
-    TestRoom room;
-    room.things = {thing};
-    room.look_around(thing.center, 8, 2.3);
-    const auto instances = room.instances();
-    return instances.empty() ? "" : instances[0].name;
-  };
-  EXPECT_EQ(name_of({"bed", {0, 0, 0.25}, {2.7, 1.6, 0.5}}), "bed")
-      << "with what stands at its foot";
-  EXPECT_EQ(name_of({"bed", {0, 0, 0.25}, {3.4, 1.6, 0.5}}), "");
-  EXPECT_EQ(name_of({"bottle", {0, 0, 0.9}, {0.38, 0.19, 0.3}}), "")
+  const auto found = [](const TestRoom::Thing& thing) { return name_of(thing, 8, 2.3); };
+  EXPECT_EQ(found({"bed", {0, 0, 0.25}, {2.7, 1.6, 0.5}}), "bed") << "with what stands at its foot";
+  EXPECT_EQ(found({"bed", {0, 0, 0.25}, {3.4, 1.6, 0.5}}), "");
+  EXPECT_EQ(found({"bottle", {0, 0, 0.9}, {0.38, 0.19, 0.3}}), "")
       << "of what stands on things little is touched";
 }
 
@@ -386,11 +386,8 @@ TEST(FindInstances, ABedsHeadIsNoChair) {
     room.look_around(whole.center, 12, 2.2);
     room.things = {beside};
     room.look_around(beside.center, 6, 1.6);
-    std::vector<std::string> names;
-    for (const Instance& instance : room.instances()) names.push_back(instance.name);
-    return names;
+    return names_in(room);
   };
-  using Names = std::vector<std::string>;
   const TestRoom::Thing bed{"bed", {0, 0, 0.3}, {2.0, 1.4, 0.6}};
   EXPECT_EQ(names_with({"chair", {-0.65, 0, 0.3}, {0.6, 0.9, 0.6}}, bed), Names{"bed"});
   EXPECT_EQ(names_with({"chair", {-1.45, 0, 0.4}, {0.5, 0.5, 0.8}}, bed), (Names{"bed", "chair"}))
@@ -423,7 +420,7 @@ TEST(FindInstances, ABottleIsAsHighAsPicturesShowItToBe) {
 }
 
 TEST(FindInstances, ALowFridgeGivesWayToAnotherName) {
-  const auto name_of = [](double height_m) {
+  const auto name_at = [](double height_m) {
     TestRoom room;
     room.things = {{"fridge", {0, 0, height_m / 2}, {0.7, 0.7, height_m}}};
     const Vector3d middle = room.things[0].center;
@@ -433,8 +430,8 @@ TEST(FindInstances, ALowFridgeGivesWayToAnotherName) {
     const auto instances = room.instances();
     return instances.size() == 1 ? instances[0].name : "";
   };
-  EXPECT_EQ(name_of(1.4), "fridge");
-  EXPECT_EQ(name_of(0.9), "stove") << "as kitchen cabinets are";
+  EXPECT_EQ(name_at(1.4), "fridge");
+  EXPECT_EQ(name_at(0.9), "stove") << "as kitchen cabinets are";
 }
 
 TEST(FindInstances, AProposalCountsByItsBestViewsAlone) {

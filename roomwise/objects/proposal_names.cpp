@@ -99,21 +99,22 @@ void add_form(const Proposal& proposal, WordScores& scores) {
 // calls it a wardrobe; what is wider than any is a wardrobe. Of what touches a wall a hand's
 // breadth was taken away with it, so that a fridge may be 0.5 m thick.
 void add_case(const Proposal& proposal, WordScores& scores) {
-  constexpr double kFoot_m = 0.25, kLeastFridge = 0.1, kWidestFridge_m = 1.3;
+  constexpr double kFoot_m = 0.25, kLeastFridge = 0.1;
   constexpr double kBookcaseTop_m = 1.5, kThinnest_m = 0.25, kThickest_m = 0.42;
   constexpr double kWardrobeTop_m = 1.8, kWardrobeThinnest_m = 0.4, kWardrobeThickest_m = 0.95;
   const auto fridge = scores.find("fridge");
   if (fridge == scores.end() || !(fridge->second >= kLeastFridge)) return;  // nor what is no number
   const double looks_so = fridge->second;
   const Eigen::Vector3d& size_m = proposal.box_world.size_m;
-  const double thick_m = size_m.head<2>().minCoeff(), wide_m = size_m.head<2>().maxCoeff();
+  const double thick_m = size_m.head<2>().minCoeff();
+  const bool is_wider = size_m.head<2>().maxCoeff() > shape_of("fridge").most_length_m;
   if (size_m.z() < proposal.top_m - kFoot_m) return;  // it hangs, or stands on something
-  if (wide_m <= kWidestFridge_m && proposal.top_m >= kBookcaseTop_m && thick_m >= kThinnest_m &&
+  if (!is_wider && proposal.top_m >= kBookcaseTop_m && thick_m >= kThinnest_m &&
       thick_m <= kThickest_m) {
     scores.erase(fridge);
     scores["bookcase"] += looks_so + scores["wardrobe"];
-  } else if (wide_m > kWidestFridge_m && proposal.top_m >= kWardrobeTop_m &&
-             thick_m >= kWardrobeThinnest_m && thick_m <= kWardrobeThickest_m) {
+  } else if (is_wider && proposal.top_m >= kWardrobeTop_m && thick_m >= kWardrobeThinnest_m &&
+             thick_m <= kWardrobeThickest_m) {
     scores.erase(fridge);
     scores["wardrobe"] += looks_so;
   }
