@@ -18,6 +18,7 @@ struct Candidate {
   GroupBox box;
   std::vector<VoxelKey> voxels;  // of the surface
   std::map<std::string, double> scores;
+  double foot_m = 0;  // the box's lower end, over the floor
 };
 
 // Whether what a classifier says of the picture is said of the region: it holds the middle of the
@@ -35,6 +36,8 @@ Candidate candidate_of(SightGroup group, std::span<const WorldSight> sights,
   Candidate candidate;
   candidate.box = box_of_group(group, sights, keyframes, level);
   candidate.voxels = voxels_of(candidate.box.surface_world, kSightVoxel_m);
+  const geometry::OrientedBox& box = candidate.box.box_world;
+  candidate.foot_m = level.height_m(box.center()) - box.size_m.z() / 2;
   for (const std::size_t index : group) {
     const WorldSight& sight = sights[index];
     candidate.scores[sight.name] += naming_weight(sight.source) * sight.score;
@@ -158,9 +161,9 @@ struct Existence {
 
 // What a key-frame's best sight says for a thing, as log odds. The score of a box says how sure it
 // is, a detector's and that of a classifier which is shown the box alone. Classifiers are often
-// sure of what is not there, but not from all sides: that they say nothing counts more, and what
-// activation maps say only a little each time. That a proposal stands there depth says, and what
-// its best views do not say of it is in its score: it is not missed elsewhere.
+// sure of what is not there, but not from all sides: that they say nothing of a box counts more,
+// and what activation maps say or do not say only a little each time. That a proposal stands there
+// depth says, and what its best views do not say of it is in its score: it is not missed elsewhere.
 struct Evidence {
   static constexpr double kBefore = -2.5;
   static constexpr double kActivation = 0.45;
@@ -168,14 +171,15 @@ struct Evidence {
   static double of_miss(RegionSource source) {
     switch (source) {
       case RegionSource::kDetector:
-        return -0.2;
+        return -0.15;
       case RegionSource::kCrop:
         return -0.75;
-      case RegionSource::kProposal:  // is never missed, see existence_of()
       case RegionSource::kActivation:
+        return -0.2;
+      case RegionSource::kProposal:  // is never missed, see existence_of()
         break;
     }
-    return -1;
+    return 0;
   }
 
   static double of_box(double score) {
@@ -233,11 +237,27 @@ bool nearly_fits(const Candidate& candidate, const std::string& name) {
   return shape.on_floor && shape.holds(KindShape::without_rim(candidate.box.box_world.size_m));
 }
 
+// A vessel that stands on something and is thicker than bottles are: detectors call vases bottles.
+bool is_thick_vessel(const Candidate& candidate) {
+  constexpr double kThickestBottle_m = 0.17, kThickest_m = 0.35, kHighest_m = 0.5;
+  constexpr double kOnFloor_m = 0.3;  // bins are called bottles, too
+  const Eigen::Vector3d& size_m = candidate.box.box_world.size_m;
+  return candidate.foot_m > kOnFloor_m && size_m.head<2>().minCoeff() > kThickestBottle_m &&
+         size_m.head<2>().maxCoeff() <= kThickest_m && size_m.z() <= kHighest_m;
+}
+
 // What it is called, with the shares of the scores. Names of things that are never or seldom of
 // that size were mistakes, and so perhaps were the others: a little of their share stays with them.
 std::map<std::string, double> shares_of_names(const Candidate& candidate) {
   constexpr double kMistaken = 0.15;
   std::map<std::string, double> shares = candidate.scores;
+  if (is_thick_vessel(candidate)) {
+    const auto bottle = shares.find("bottle");
+    if (bottle != shares.end()) {
+      shares["vase"] += bottle->second;
+      shares.erase(bottle);
+    }
+  }
   double sum = 0;
   for (auto& [name, score] : shares) {
     const bool is_usual = shape_of(name).is_usual(candidate.box.box_world.size_m);

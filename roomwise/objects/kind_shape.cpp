@@ -20,8 +20,9 @@ constexpr std::array kShapes = {
               .least_side_m = 0.8,
               .most_side_m = 2.3,
               .most_length_m = 2.5,
-              .most_height_m = 2.2,
-              .least_length_m = 1.3},
+              .most_height_m = 1.85,
+              .least_height_m = 0.25,
+              .least_length_m = 1.45},
     KindShape{.name = "bookcase",
               .on_floor = true,
               .least_side_m = 0.3,
@@ -49,7 +50,9 @@ constexpr std::array kShapes = {
               .most_length_m = 1.3,
               .most_height_m = 2.4,
               .least_height_m = 0.4,
-              .usual_height_m = 1.1},
+              .usual_height_m = 1.1,
+              .tall_m = 1.9,
+              .most_length_of_tall_m = 1.0},
     KindShape{.name = "lamp",
               .least_side_m = 0.1,
               .most_side_m = 0.9,
@@ -84,7 +87,7 @@ constexpr std::array kShapes = {
               .on_floor = true,
               .least_side_m = 0.5,
               .most_side_m = 1.8,
-              .most_length_m = 3.5,
+              .most_length_m = 2.8,
               .most_height_m = 1.3},
     KindShape{.name = "toaster", .most_side_m = 0.5, .most_length_m = 0.6, .most_height_m = 0.5},
     KindShape{.name = "toilet seat",
@@ -98,7 +101,8 @@ constexpr std::array kShapes = {
               .least_longest_m = 0.45,
               .most_side_m = 0.5,
               .most_length_m = 2.2,
-              .most_height_m = 1.05,
+              .most_height_m = 1.0,
+              .least_height_m = 0.35,
               .least_length_m = 0.35},
     KindShape{.name = "vase", .most_side_m = 0.6, .most_length_m = 0.6, .most_height_m = 1.1},
     KindShape{.name = "wardrobe",
@@ -119,8 +123,10 @@ constexpr std::array kShapes = {
 };
 
 bool is_at_most(const KindShape& shape, const Eigen::Vector3d& size_m) {
+  const double most_length_m =
+      size_m.z() > shape.tall_m ? shape.most_length_of_tall_m : shape.most_length_m;
   return size_m.head<2>().minCoeff() <= shape.most_side_m &&
-         size_m.head<2>().maxCoeff() <= shape.most_length_m && size_m.z() <= shape.most_height_m;
+         size_m.head<2>().maxCoeff() <= most_length_m && size_m.z() <= shape.most_height_m;
 }
 
 }  // namespace

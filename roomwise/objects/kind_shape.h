@@ -24,7 +24,10 @@ struct KindShape {
   double least_height_m = 0;
   double least_length_m = 0;
   double usual_height_m = 0;  // few are lower
-  bool built_in = false;      // often; then the front alone is seen
+  // What is higher is no longer than that: fridges of two metres are narrow.
+  double tall_m = kAny;
+  double most_length_of_tall_m = kAny;
+  bool built_in = false;  // often; then the front alone is seen
 
   // Whether something can be one that is as large as that. `size_m`: two level sides and the
   // height of the whole.

@@ -20,13 +20,17 @@ TEST(KindShape, HoldsThingsAsLargeAsTheyAre) {
 
 TEST(KindShape, HoldsNothingThatIsNeverSoLargeOrSoSmall) {
   EXPECT_FALSE(shape_of("bed").holds({1.1, 0.8, 0.5})) << "a coffee table";
+  EXPECT_FALSE(shape_of("bed").holds({1.8, 1.5, 0.18})) << "a rug";
+  EXPECT_FALSE(shape_of("bed").holds({2.4, 0.8, 1.95})) << "a bookcase";
   EXPECT_FALSE(shape_of("bottle").holds({0.1, 0.1, 0.1})) << "a cup";
   EXPECT_FALSE(shape_of("bottle").holds({0.25, 0.3, 0.35})) << "a bin";
   EXPECT_FALSE(shape_of("chair").holds({0.5, 1.0, 0.25})) << "shoes";
   EXPECT_FALSE(shape_of("sink").holds({1.2, 0.6, 0.55})) << "a table";
+  EXPECT_FALSE(shape_of("table").holds({3.0, 1.4, 0.6})) << "a rug with what lies on it";
   EXPECT_FALSE(shape_of("toilet seat").holds({0.38, 0.38, 0.7})) << "a bin";
   EXPECT_FALSE(shape_of("tv").holds({1.0, 0.2, 1.2})) << "a window";
   EXPECT_FALSE(shape_of("tv").holds({0.3, 0.2, 0.25})) << "a laptop";
+  EXPECT_FALSE(shape_of("tv").holds({0.8, 0.1, 0.3})) << "a shelf on the wall";
 }
 
 TEST(KindShape, HoldsWhatIsSeenOfThemButNoLessThanAFront) {
@@ -47,6 +51,14 @@ TEST(KindShape, WhatIsSeenMayHoldSomeOfWhatItTouches) {
   EXPECT_TRUE(bath.holds_what_is_seen({2.5, 0.75, 0.6}));
   EXPECT_FALSE(bath.holds({2.5, 0.75, 0.6}));
   EXPECT_FALSE(bath.holds_what_is_seen({2.9, 0.75, 0.6}));
+}
+
+TEST(KindShape, FridgesOfTwoMetresAreNarrow) {
+  const KindShape fridge = shape_of("fridge");
+  EXPECT_TRUE(fridge.holds({0.7, 0.7, 2.03}));
+  EXPECT_TRUE(fridge.holds({1.1, 0.8, 1.8}));
+  EXPECT_FALSE(fridge.holds({1.1, 0.7, 2.0})) << "a wardrobe";
+  EXPECT_TRUE(fridge.is_exceeded_by({1.1, 0.7, 2.0}));
 }
 
 TEST(KindShape, FewFridgesAreLow) {
