@@ -359,7 +359,7 @@ bool is_part_of_bed(const FoundThing& thing, const FoundThing& surer) {
 // Two things of one name do not stand in each other: what reaches into a surer one is what another
 // picture shows of it. A classifier that is shown what stands beside a thing sees the thing, too: a
 // lamp in the box of its nightstand. Of a floor lamp some pictures show the shade and others the
-// foot.
+// foot. And nobody has two microwaves beside each other: ovens and hoods are called so.
 bool is_the_same(const FoundThing& thing, const FoundThing& surer, const Level& level) {
   constexpr double kShown_m = 0.25;
   constexpr double kReachesInto = 0.2;  // of either box; boxes of neighbours err by some
@@ -369,8 +369,9 @@ bool is_the_same(const FoundThing& thing, const FoundThing& surer, const Level& 
     return true;
   }
   if (thing.instance.name == "lamp" && may_be_one_lamp(box, other, level)) return true;
-  return !thing.is_detected &&
-         std::min(other.distance_m(box.center()), box.distance_m(other.center())) <= kShown_m;
+  const double apart_m = std::min(other.distance_m(box.center()), box.distance_m(other.center()));
+  return apart_m < shape_of(thing.instance.name).least_apart_m ||
+         (!thing.is_detected && apart_m <= kShown_m);
 }
 
 // The things without those that are, or are a part of, another one, which is surer.

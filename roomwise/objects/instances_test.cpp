@@ -534,6 +534,20 @@ TEST(FindInstances, TheShadeAndTheFootOfALampAreOne) {
   EXPECT_EQ(things_aside("vase", 0.1), 2U) << "on the boards of a shelf";
 }
 
+TEST(FindInstances, AMicrowaveBesideASurerOneIsAnOven) {
+  const auto things_apart = [](const std::string& name, double apart_m) {
+    TestRoom room;
+    room.things = {{name, {0, 0, 1.0}, {0.5, 0.4, 0.3}}};
+    room.look_around({0, 0, 1.0}, 10);
+    room.things = {{name, {apart_m, 0, 1.0}, {0.5, 0.4, 0.3}}};
+    room.look_around({apart_m, 0, 1.0}, 6);
+    return room.instances().size();
+  };
+  EXPECT_EQ(things_apart("microwave", 0.8), 1U);
+  EXPECT_EQ(things_apart("microwave", 1.6), 2U) << "of two kitchens";
+  EXPECT_EQ(things_apart("plant", 0.8), 2U);
+}
+
 TEST(FindInstances, AVaseInAPlantIsItsPot) {
   const auto things_with = [](const std::string& name) {
     TestRoom room;

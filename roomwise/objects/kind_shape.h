@@ -27,6 +27,8 @@ struct KindShape {
   // What is higher is no longer than that: fridges of two metres are narrow.
   double tall_m = kAny;
   double most_length_of_tall_m = kAny;
+  // Another one of the kind is no nearer, from a middle to a box: what is, is something like it.
+  double least_apart_m = 0;
   bool built_in = false;  // often; then the front alone is seen
 
   // Whether something can be one that is as large as that. `size_m`: two level sides and the

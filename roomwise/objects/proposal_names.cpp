@@ -84,10 +84,15 @@ bool may_be(const Proposal& proposal, const KindShape& shape) {
 }
 
 // Networks see of a table what lies on it, of a chair its legs, and take a sofa for a bed; few
-// other things have their form.
+// other things have their form. But large plants have a table's in their midst, so of a table they
+// must say a little, too.
 void add_form(const Proposal& proposal, WordScores& scores) {
-  constexpr double kForm = 0.4;
-  if (proposal.form == FurnitureForm::kTable) scores["table"] += kForm;
+  constexpr double kForm = 0.4, kSaidOfTable = 0.05;
+  const auto table = scores.find("table");
+  if (proposal.form == FurnitureForm::kTable && table != scores.end() &&
+      table->second >= kSaidOfTable) {
+    table->second += kForm;
+  }
   if (proposal.form == FurnitureForm::kChair) scores["chair"] += kForm;
   if (proposal.form == FurnitureForm::kSofa) {
     scores["sofa"] += kForm + scores["bed"];

@@ -86,6 +86,8 @@ TEST(NameProposals, FormSpeaksForATableAndAChair) {
   LookedProposal looked = block({0, 0, 0.38}, {1.2, 0.8, 0.76}, {{"bed", 0.31}});
   EXPECT_EQ(name_of(looked), "") << "it is too short for a bed";
   looked.proposal.form = FurnitureForm::kTable;
+  EXPECT_EQ(name_of(looked), "") << "no view says anything of a table: leaves, as likely";
+  for (WordScores& view : looked.said) view["table"] = 0.06;
   EXPECT_EQ(name_of(looked), "table");
 
   LookedProposal seat = block({0, 0, 0.45}, {0.5, 0.5, 0.9}, {{"toilet seat", 0.35}});
