@@ -197,7 +197,7 @@ GroupBox box_of_group(const SightGroup& group, std::span<const WorldSight> sight
     low.z() = std::min(level.floor_m, high.z());
   }
   // Of what is small depth may show the foot alone: a bottle is as high as pictures show it to be.
-  if (!shape.on_floor && high.z() - low.z() < shape.least_height_m) {
+  if (shape.shows_foot_alone && high.z() - low.z() < shape.least_height_m) {
     const double width_m = (high - low).head<2>().maxCoeff();
     const double shown_m =
         shown_height_m(group, sights, keyframes, axes * ((low + high) / 2), width_m, up);

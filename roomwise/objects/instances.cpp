@@ -239,10 +239,11 @@ bool nearly_fits(const Candidate& candidate, const std::string& name) {
 
 // A vessel that stands on something and is thicker than bottles are: detectors call vases bottles.
 bool is_thick_vessel(const Candidate& candidate) {
-  constexpr double kThickestBottle_m = 0.17, kThickest_m = 0.35, kHighest_m = 0.5;
+  constexpr double kThickest_m = 0.35, kHighest_m = 0.5;
   constexpr double kOnFloor_m = 0.3;  // bins are called bottles, too
   const Eigen::Vector3d& size_m = candidate.box.box_world.size_m;
-  return candidate.foot_m > kOnFloor_m && size_m.head<2>().minCoeff() > kThickestBottle_m &&
+  return candidate.foot_m > kOnFloor_m &&
+         size_m.head<2>().minCoeff() > shape_of("bottle").most_side_m &&
          size_m.head<2>().maxCoeff() <= kThickest_m && size_m.z() <= kHighest_m;
 }
 
@@ -251,13 +252,8 @@ bool is_thick_vessel(const Candidate& candidate) {
 std::map<std::string, double> shares_of_names(const Candidate& candidate) {
   constexpr double kMistaken = 0.15;
   std::map<std::string, double> shares = candidate.scores;
-  if (is_thick_vessel(candidate)) {
-    const auto bottle = shares.find("bottle");
-    if (bottle != shares.end()) {
-      shares["vase"] += bottle->second;
-      shares.erase(bottle);
-    }
-  }
+  // The name that was a mistake stays with its little share: by it the thing's regions are known.
+  if (shares.contains("bottle") && is_thick_vessel(candidate)) shares["vase"] += shares["bottle"];
   double sum = 0;
   for (auto& [name, score] : shares) {
     const bool is_usual = shape_of(name).is_usual(candidate.box.box_world.size_m);
@@ -297,8 +293,11 @@ std::optional<Instance> instance_of(const Candidate& candidate, std::span<const 
   for (const std::size_t index : candidate.group) {
     const WorldSight& sight = sights[index];
     // Where only a classifier calls it so, the best sight shows it all the same.
-    const bool says_so = sight.name == instance.name;
-    if (best == nullptr || (says_so && best->name != instance.name)) best = &sight;
+    const auto says_so = [&](const WorldSight& one) {
+      return one.name == instance.name ||
+             (instance.name == "vase" && one.name == "bottle" && is_thick_vessel(candidate));
+    };
+    if (best == nullptr || (says_so(sight) && !says_so(*best))) best = &sight;
   }
   const Existence existence = existence_of(candidate, sights, keyframes, options.farthest_m);
   instance.sightings = existence.sightings;
@@ -359,7 +358,8 @@ bool is_part_of_bed(const FoundThing& thing, const FoundThing& surer) {
 // Two things of one name do not stand in each other: what reaches into a surer one is what another
 // picture shows of it. A classifier that is shown what stands beside a thing sees the thing, too: a
 // lamp in the box of its nightstand. Of a floor lamp some pictures show the shade and others the
-// foot. And nobody has two microwaves beside each other: ovens and hoods are called so.
+// foot. And few have two microwaves beside each other: ovens and hoods are called so in some of the
+// pictures.
 bool is_the_same(const FoundThing& thing, const FoundThing& surer, const Level& level) {
   constexpr double kShown_m = 0.25;
   constexpr double kReachesInto = 0.2;  // of either box; boxes of neighbours err by some
@@ -370,7 +370,8 @@ bool is_the_same(const FoundThing& thing, const FoundThing& surer, const Level& 
   }
   if (thing.instance.name == "lamp" && may_be_one_lamp(box, other, level)) return true;
   const double apart_m = std::min(other.distance_m(box.center()), box.distance_m(other.center()));
-  return apart_m < shape_of(thing.instance.name).least_apart_m ||
+  return (2 * thing.instance.sightings <= surer.instance.sightings &&
+          apart_m < shape_of(thing.instance.name).least_apart_m) ||
          (!thing.is_detected && apart_m <= kShown_m);
 }
 

@@ -20,9 +20,9 @@ constexpr std::array kShapes = {
               .least_side_m = 0.8,
               .most_side_m = 2.3,
               .most_length_m = 2.5,
-              .most_height_m = 1.85,
-              .least_height_m = 0.25,
-              .least_length_m = 1.45},
+              .most_height_m = 2.2,
+              .least_height_m = 0.2,
+              .least_length_m = 1.3},
     KindShape{.name = "bookcase",
               .on_floor = true,
               .least_side_m = 0.3,
@@ -34,7 +34,8 @@ constexpr std::array kShapes = {
               .most_side_m = 0.2,
               .most_length_m = 0.35,
               .most_height_m = 0.55,
-              .least_height_m = 0.17},
+              .least_height_m = 0.17,
+              .shows_foot_alone = true},
     KindShape{.name = "chair",
               .on_floor = true,
               .least_side_m = 0.42,
@@ -88,7 +89,7 @@ constexpr std::array kShapes = {
               .on_floor = true,
               .least_side_m = 0.5,
               .most_side_m = 1.8,
-              .most_length_m = 2.8,
+              .most_length_m = 3.0,
               .most_height_m = 1.3},
     KindShape{.name = "toaster", .most_side_m = 0.5, .most_length_m = 0.6, .most_height_m = 0.5},
     KindShape{.name = "toilet seat",
@@ -98,11 +99,13 @@ constexpr std::array kShapes = {
               .most_length_m = 1.05,
               .most_height_m = 1.2,
               .least_length_m = 0.42},
+    // Lower ones are mostly pictures, mirrors and hoods; few televisions are smaller than 27
+    // inches.
     KindShape{.name = "tv",
               .least_longest_m = 0.45,
               .most_side_m = 0.5,
               .most_length_m = 2.2,
-              .most_height_m = 1.0,
+              .most_height_m = 1.05,
               .least_height_m = 0.35,
               .least_length_m = 0.35},
     KindShape{.name = "vase", .most_side_m = 0.6, .most_length_m = 0.6, .most_height_m = 1.1},
@@ -124,10 +127,9 @@ constexpr std::array kShapes = {
 };
 
 bool is_at_most(const KindShape& shape, const Eigen::Vector3d& size_m) {
-  const double most_length_m =
-      size_m.z() > shape.tall_m ? shape.most_length_of_tall_m : shape.most_length_m;
   return size_m.head<2>().minCoeff() <= shape.most_side_m &&
-         size_m.head<2>().maxCoeff() <= most_length_m && size_m.z() <= shape.most_height_m;
+         size_m.head<2>().maxCoeff() <= shape.most_length_at(size_m.z()) &&
+         size_m.z() <= shape.most_height_m;
 }
 
 }  // namespace

@@ -24,13 +24,18 @@ struct KindShape {
   double least_height_m = 0;
   double least_length_m = 0;
   double usual_height_m = 0;  // few are lower
-  // What is higher is no longer than that: fridges of two metres are narrow.
+  // What is higher is no longer than that: fridges of two metres are narrow (most_length_at()).
   double tall_m = kAny;
   double most_length_of_tall_m = kAny;
-  // Another one of the kind is no nearer, from a middle to a box: what is, is something like it.
+  // Another one of the kind is seldom nearer, from a middle to a box.
   double least_apart_m = 0;
+  bool shows_foot_alone = false;  // to depth, often: then pictures say how high it is
   bool built_in = false;  // often; then the front alone is seen
 
+  // The longer level side of what is as high, at most, m.
+  [[nodiscard]] double most_length_at(double height_m) const {
+    return height_m > tall_m ? most_length_of_tall_m : most_length_m;
+  }
   // Whether something can be one that is as large as that. `size_m`: two level sides and the
   // height of the whole.
   [[nodiscard]] bool holds(const Eigen::Vector3d& size_m) const;

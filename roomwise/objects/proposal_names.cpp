@@ -84,14 +84,11 @@ bool may_be(const Proposal& proposal, const KindShape& shape) {
 }
 
 // Networks see of a table what lies on it, of a chair its legs, and take a sofa for a bed; few
-// other things have their form. But large plants have a table's in their midst, so of a table they
-// must say a little, too.
+// other things have their form, but large plants have a table's in their midst.
 void add_form(const Proposal& proposal, WordScores& scores) {
-  constexpr double kForm = 0.4, kSaidOfTable = 0.05;
-  const auto table = scores.find("table");
-  if (proposal.form == FurnitureForm::kTable && table != scores.end() &&
-      table->second >= kSaidOfTable) {
-    table->second += kForm;
+  constexpr double kForm = 0.4, kAmongPlants = 0.1;
+  if (proposal.form == FurnitureForm::kTable && scores["plant"] < kAmongPlants) {
+    scores["table"] += kForm;
   }
   if (proposal.form == FurnitureForm::kChair) scores["chair"] += kForm;
   if (proposal.form == FurnitureForm::kSofa) {
@@ -112,7 +109,7 @@ void add_case(const Proposal& proposal, WordScores& scores) {
   const double looks_so = fridge->second;
   const Eigen::Vector3d& size_m = proposal.box_world.size_m;
   const double thick_m = size_m.head<2>().minCoeff();
-  const bool is_wider = size_m.head<2>().maxCoeff() > shape_of("fridge").most_length_m;
+  const bool is_wider = size_m.head<2>().maxCoeff() > shape_of("fridge").most_length_at(size_m.z());
   if (size_m.z() < proposal.top_m - kFoot_m) return;  // it hangs, or stands on something
   if (!is_wider && proposal.top_m >= kBookcaseTop_m && thick_m >= kThinnest_m &&
       thick_m <= kThickest_m) {
