@@ -30,7 +30,7 @@ struct KindShape {
   // Another one of the kind is seldom nearer, from a middle to a box.
   double least_apart_m = 0;
   bool shows_foot_alone = false;  // to depth, often: then pictures say how high it is
-  bool built_in = false;  // often; then the front alone is seen
+  bool built_in = false;          // often; then the front alone is seen
 
   // The longer level side of what is as high, at most, m.
   [[nodiscard]] double most_length_at(double height_m) const {
