@@ -129,8 +129,9 @@ constexpr Range kSeatHeight_m{0.35, 0.56};  // of armchairs to kitchen chairs, w
 bool is_high_table(const Form& form) {
   constexpr Range kTop_m{0.62, 0.80};
   constexpr double kLeast_m2 = 0.25, kMostOfIt = 0.6;
+  constexpr double kLeastSide_m = 0.41;  // a shelf is less deep
   return kTop_m.holds(form.plane_m()) && form.plane_m2() >= kLeast_m2 &&
-         form.plane_m2() >= kMostOfIt * form.columns_m2();
+         form.plane_m2() >= kMostOfIt * form.columns_m2() && form.shorter_m() >= kLeastSide_m;
 }
 
 // Beds, sofas and stools have sides where it has legs, and it bears little.

@@ -118,6 +118,11 @@ TEST(FormOf, ABedHasItsHeadAtAShortSide) {
   EXPECT_EQ(bed().form(), std::nullopt);
 }
 
+TEST(FormOf, AShelfAtATablesHeightIsLessDeep) {
+  EXPECT_EQ(table(0.74, 1.2, 0.5).form(), FurnitureForm::kTable);
+  EXPECT_EQ(Furniture().board({0, 0, 0}, {1.2, 0.34, 0.74}).form(), std::nullopt);
+}
+
 TEST(FormOf, WhatHasSidesIsNoLowTable) {
   const Furniture chest = Furniture().board({0, 0, 0}, {1.1, 0.6, 0.45});
   EXPECT_EQ(chest.form(), std::nullopt);

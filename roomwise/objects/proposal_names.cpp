@@ -76,11 +76,35 @@ WordScores mean_of(std::span<const WordScores> said) {
   return mean;
 }
 
+double shorter_m(const Proposal& proposal) {
+  return proposal.box_world.size_m.head<2>().minCoeff();
+}
+double longer_m(const Proposal& proposal) {
+  return proposal.box_world.size_m.head<2>().maxCoeff();
+}
+
+// And neither hangs nor stands on something.
+bool stands_on_floor(const Proposal& proposal) {
+  constexpr double kFoot_m = 0.25;
+  return proposal.box_world.size_m.z() >= proposal.top_m - kFoot_m;
+}
+
+constexpr double kWardrobeTop_m = 1.8;
+
+// What is wider than doors are is none, though little of its depth was seen.
+bool is_front_of_wardrobe(const Proposal& proposal) {
+  constexpr double kWiderThanDoors_m = 1.4, kThinnest_m = 0.2;
+  return stands_on_floor(proposal) && proposal.top_m >= kWardrobeTop_m &&
+         longer_m(proposal) >= kWiderThanDoors_m && shorter_m(proposal) >= kThinnest_m;
+}
+
 // By its size; of what stands on the floor the height is that of its top.
 bool may_be(const Proposal& proposal, const KindShape& shape) {
   Eigen::Vector3d whole_m = proposal.box_world.size_m;
   if (shape.on_floor) whole_m.z() = std::max(whole_m.z(), proposal.top_m);
-  return shape.holds_what_is_seen(proposal.box_world.size_m) && shape.holds(whole_m);
+  const bool is_seen_so = shape.holds_what_is_seen(proposal.box_world.size_m) ||
+                          (shape.name == "wardrobe" && is_front_of_wardrobe(proposal));
+  return is_seen_so && shape.holds(whole_m);
 }
 
 // Networks see of a table what lies on it, of a chair its legs, and take a sofa for a bed; few
@@ -97,28 +121,37 @@ void add_form(const Proposal& proposal, WordScores& scores) {
   }
 }
 
+// The score of a word, which then is not said any more; 0 where it was not.
+double take(const std::string& word, WordScores& scores) {
+  const auto said = scores.find(word);
+  if (said == scores.end() || !(said->second > 0)) return 0;  // nor what is no number
+  const double score = said->second;
+  scores.erase(said);
+  return score;
+}
+
 // What looks like a fridge to a detector and is thinner than any is a bookcase, though a classifier
-// calls it a wardrobe; what is wider than any is a wardrobe. Of what touches a wall a hand's
-// breadth was taken away with it, so that a fridge may be 0.5 m thick.
+// calls it a wardrobe; and so is what is thinner and narrower than either. What is wider than any
+// fridge is a wardrobe. Of what touches a wall a hand's breadth was taken away with it, so that a
+// fridge may be 0.5 m thick.
 void add_case(const Proposal& proposal, WordScores& scores) {
-  constexpr double kFoot_m = 0.25, kLeastFridge = 0.1;
-  constexpr double kBookcaseTop_m = 1.5, kThinnest_m = 0.25, kThickest_m = 0.42;
-  constexpr double kWardrobeTop_m = 1.8, kWardrobeThinnest_m = 0.4, kWardrobeThickest_m = 0.95;
+  constexpr double kLeastFridge = 0.1;
+  constexpr double kBookcaseTop_m = 1.5, kThinnest_m = 0.25, kThickest_m = 0.42, kNarrow_m = 0.62;
+  constexpr double kWardrobeThinnest_m = 0.4, kWardrobeThickest_m = 0.95;
+  if (!stands_on_floor(proposal)) return;
   const auto fridge = scores.find("fridge");
-  if (fridge == scores.end() || !(fridge->second >= kLeastFridge)) return;  // nor what is no number
-  const double looks_so = fridge->second;
-  const Eigen::Vector3d& size_m = proposal.box_world.size_m;
-  const double thick_m = size_m.head<2>().minCoeff();
-  const bool is_wider = size_m.head<2>().maxCoeff() > shape_of("fridge").most_length_at(size_m.z());
-  if (size_m.z() < proposal.top_m - kFoot_m) return;  // it hangs, or stands on something
-  if (!is_wider && proposal.top_m >= kBookcaseTop_m && thick_m >= kThinnest_m &&
-      thick_m <= kThickest_m) {
-    scores.erase(fridge);
-    scores["bookcase"] += looks_so + scores["wardrobe"];
-  } else if (is_wider && proposal.top_m >= kWardrobeTop_m && thick_m >= kWardrobeThinnest_m &&
-             thick_m <= kWardrobeThickest_m) {
-    scores.erase(fridge);
-    scores["wardrobe"] += looks_so;
+  const bool looks_so = fridge != scores.end() && fridge->second >= kLeastFridge;
+  const double thick_m = shorter_m(proposal);
+  const double most_m = shape_of("fridge").most_length_at(proposal.box_world.size_m.z());
+  const bool is_wider = longer_m(proposal) > most_m;
+  const bool is_narrow = longer_m(proposal) <= kNarrow_m;
+  if ((looks_so || is_narrow) && !is_wider && proposal.top_m >= kBookcaseTop_m &&
+      thick_m >= kThinnest_m && thick_m <= kThickest_m) {
+    const double called_others = take("fridge", scores) + take("wardrobe", scores);
+    if (called_others > 0) scores["bookcase"] += called_others;
+  } else if (looks_so && is_wider && proposal.top_m >= kWardrobeTop_m &&
+             thick_m >= kWardrobeThinnest_m && thick_m <= kWardrobeThickest_m) {
+    scores["wardrobe"] += take("fridge", scores);
   }
 }
 
@@ -143,14 +176,16 @@ std::optional<ProposalName> best_name(std::size_t index, const LookedProposal& l
 
 // The cells of a proposal, sorted.
 std::vector<VoxelKey> cells_of(const LookedProposal& looked) {
-  return voxels_of(looked.proposal.surface_world, kProposalCell_m);
+  return voxels_of(looked.proposal.surface_world, kLevelCell_m);
 }
 
-// The share of the smaller one's cells that both have.
-double shared(std::span<const VoxelKey> a, std::span<const VoxelKey> b) {
+// Whether both have enough of the smaller one's cells.
+bool share_a_thing(std::span<const VoxelKey> a, std::span<const VoxelKey> b) {
+  constexpr double kLeast = 0.3;
   std::vector<VoxelKey> both;
   std::ranges::set_intersection(a, b, std::back_inserter(both));
-  return static_cast<double>(both.size()) / static_cast<double>(std::min(a.size(), b.size()));
+  return static_cast<double>(both.size()) >=
+         kLeast * static_cast<double>(std::min(a.size(), b.size()));
 }
 
 // By one word what is so alike that a part of it is often called by the name of another.
@@ -165,7 +200,6 @@ std::string family_of(const std::string& word) {
 std::vector<ProposalName> without_parts(std::vector<ProposalName> named,
                                         std::span<const LookedProposal> looked) {
   constexpr double kAsSurely = 0.75;
-  constexpr double kShared = 0.3;  // of the smaller one's cells
   std::ranges::stable_sort(named, std::greater{}, &ProposalName::score);
   std::vector<std::vector<VoxelKey>> cells;
   for (const ProposalName& one : named) cells.push_back(cells_of(looked[one.proposal]));
@@ -175,15 +209,27 @@ std::vector<ProposalName> without_parts(std::vector<ProposalName> named,
     if (is_done[surest]) continue;
     std::size_t whole = surest;
     for (std::size_t i = surest; i < named.size(); ++i) {
-      if (is_done[i] || shared(cells[surest], cells[i]) < kShared) continue;
+      if (is_done[i] || !share_a_thing(cells[surest], cells[i])) continue;
       const bool is_as_sure = named[i].score >= kAsSurely * named[surest].score;
       if (is_as_sure && cells[i].size() > cells[whole].size()) whole = i;
     }
     kept.push_back(named[whole]);
     for (std::size_t i = surest; i < named.size(); ++i) {
-      is_done[i] = is_done[i] || shared(cells[surest], cells[i]) >= kShared ||
-                   shared(cells[whole], cells[i]) >= kShared;
+      is_done[i] = is_done[i] || share_a_thing(cells[surest], cells[i]) ||
+                   share_a_thing(cells[whole], cells[i]);
     }
+  }
+  return kept;
+}
+
+// The same for each family.
+std::vector<ProposalName> without_parts_of_families(std::span<const ProposalName> named,
+                                                    std::span<const LookedProposal> looked) {
+  std::map<std::string, std::vector<ProposalName>> of_family;
+  for (const ProposalName& one : named) of_family[family_of(one.word)].push_back(one);
+  std::vector<ProposalName> kept;
+  for (auto& [family, of_one] : of_family) {
+    std::ranges::move(without_parts(std::move(of_one), looked), std::back_inserter(kept));
   }
   return kept;
 }
@@ -276,16 +322,21 @@ WordScores join_scores(const WordScores& by_classifier, const WordScores& by_det
 }
 
 std::vector<ProposalName> name_proposals(std::span<const LookedProposal> looked) {
-  std::map<std::string, std::vector<ProposalName>> of_family;
+  std::vector<ProposalName> apart, cut;
   for (std::size_t i = 0; i < looked.size(); ++i) {
     if (auto named = best_name(i, looked[i])) {
-      of_family[family_of(named->word)].push_back(*std::move(named));
+      (looked[i].proposal.is_cut ? cut : apart).push_back(*std::move(named));
     }
   }
-  std::vector<ProposalName> names;
-  for (auto& [family, named] : of_family) {
-    std::ranges::move(without_parts(std::move(named), looked), std::back_inserter(names));
-  }
+  std::vector<ProposalName> names = without_parts_of_families(apart, looked);
+  std::vector<std::vector<VoxelKey>> known;
+  for (const ProposalName& one : names) known.push_back(cells_of(looked[one.proposal]));
+  std::erase_if(cut, [&](const ProposalName& one) {
+    const std::vector<VoxelKey> cells = cells_of(looked[one.proposal]);
+    return std::ranges::any_of(known,
+                               [&](const auto& other) { return share_a_thing(cells, other); });
+  });
+  std::ranges::move(without_parts_of_families(cut, looked), std::back_inserter(names));
   std::ranges::sort(names, {}, &ProposalName::proposal);
   return names;
 }

@@ -62,10 +62,12 @@ struct ProposalName {
 };
 // What proposals are called: the word that the views say most in the mean, of those that such
 // things are as large as (KindShape); 0.3 or more, and three views. Its form speaks for a chair, a
-// sofa or, where no plant is seen, a table (FurnitureForm), and for a bookcase or a wardrobe where
-// it looks like a fridge that is thinner or wider than any. Of proposals of one word that share
-// cells, as a lamp and its shade do, only one is: the largest that is said three quarters as surely
-// as the surest; and so of beds and sofas, and of wardrobes, bookcases and fridges. By index.
+// sofa or, where no plant is seen, a table (FurnitureForm), for a bookcase or a wardrobe where it
+// looks like a fridge that is thinner or wider than any, and for a bookcase where it is thinner and
+// narrower than a wardrobe. Of proposals of one word that share cells, as a lamp and its shade do,
+// only one is: the largest that is said three quarters as surely as the surest; and so of beds and
+// sofas, and of wardrobes, bookcases and fridges. What was cut from something higher is named where
+// it shares no cells with what stands apart and has a name. By index.
 [[nodiscard]] std::vector<ProposalName> name_proposals(std::span<const LookedProposal> looked);
 
 }  // namespace roomwise::objects

@@ -122,6 +122,50 @@ TEST(NameProposals, AFridgeThatIsThinnerOrWiderThanAnyIsABookcaseOrAWardrobe) {
   EXPECT_EQ(name_of_case({1.7, 0.45, 1.6}, {{"fridge", 0.35}}), "") << "a sideboard";
 }
 
+TEST(NameProposals, WhatIsTallThinAndNarrowIsABookcase) {
+  const auto name_of_case = [](const Vector3d& size_m, double top_m) {
+    LookedProposal looked =
+        block({0, 0, top_m - size_m.z() / 2}, size_m, {{"wardrobe", 0.2}, {"bookcase", 0.12}});
+    looked.proposal.top_m = top_m;
+    return name_of(looked);
+  };
+  EXPECT_EQ(name_of_case({0.5, 0.3, 1.75}, 1.85), "bookcase");
+  EXPECT_EQ(name_of_case({0.9, 0.3, 1.75}, 1.85), "") << "it may be a wardrobe's front";
+  EXPECT_EQ(name_of_case({0.5, 0.47, 1.75}, 1.85), "") << "a wardrobe of one door, at a wall";
+  EXPECT_EQ(name_of_case({0.5, 0.3, 1.2}, 1.85), "") << "it hangs";
+  EXPECT_EQ(name_of_case({0.5, 0.3, 1.2}, 1.3), "");
+}
+
+TEST(NameProposals, AFrontThatIsWiderThanDoorsIsAWardrobes) {
+  const auto name_of_front = [](const Vector3d& size_m, double top_m) {
+    LookedProposal looked = block({0, 0, top_m - size_m.z() / 2}, size_m, {{"wardrobe", 0.6}});
+    looked.proposal.top_m = top_m;
+    return name_of(looked);
+  };
+  EXPECT_EQ(name_of_front({2.0, 0.25, 1.9}, 2.0), "wardrobe");
+  EXPECT_EQ(name_of_front({1.3, 0.25, 1.9}, 2.0), "") << "a double door";
+  EXPECT_EQ(name_of_front({2.0, 0.15, 1.9}, 2.0), "") << "a wall's bend";
+  EXPECT_EQ(name_of_front({2.0, 0.25, 1.3}, 2.0), "") << "it hangs";
+  EXPECT_EQ(name_of_front({2.0, 0.25, 1.6}, 1.7), "");
+}
+
+TEST(NameProposals, WhatIsCutIsNamedWhereNothingThatStandsApartIs) {
+  const LookedProposal bed = block({0, 0, 0.25}, {1.6, 2.0, 0.5}, {{"bed", 0.6}});
+  LookedProposal cut = block({0.5, 0, 0.25}, {1.0, 0.9, 0.5}, {{"sofa", 0.9}});
+  cut.proposal.is_cut = true;
+  LookedProposal elsewhere = block({3, 0, 0.25}, {1.0, 0.9, 0.5}, {{"sofa", 0.4}});
+  elsewhere.proposal.is_cut = true;
+  auto names = name_proposals(std::vector{bed, cut, elsewhere});
+  ASSERT_THAT(names, SizeIs(2));
+  EXPECT_EQ(names[0].word, "bed") << "though the cut piece is said more surely to be a sofa";
+  EXPECT_EQ(names[1].proposal, 2U);
+  LookedProposal nameless = bed;
+  nameless.said.assign(8, {});
+  names = name_proposals(std::vector{nameless, cut});
+  ASSERT_THAT(names, SizeIs(1));
+  EXPECT_EQ(names[0].proposal, 1U);
+}
+
 TEST(NameProposals, WhatHoldsAPartOfAnotherKindIsOneThing) {
   LookedProposal whole = block({0, 0, 0.4}, {1.9, 0.85, 0.8}, {{"bed", 0.5}});
   whole.proposal.form = FurnitureForm::kSofa;

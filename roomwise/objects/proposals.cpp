@@ -5,13 +5,11 @@
 #include <functional>
 #include <iterator>
 #include <limits>
-#include <map>
 #include <optional>
 #include <set>
 #include <unordered_map>
 #include <utility>
 
-#include "roomwise/base/disjoint_sets.h"
 #include "roomwise/objects/door_leaf.h"
 #include "roomwise/objects/upright_box.h"
 #include "roomwise/objects/world_sight.h"
@@ -22,21 +20,11 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 
-constexpr float kCellSide_m = kProposalCell_m;
 constexpr double kNearestDepth_m = 0.3, kFarthestDepth_m = 4.5;
 constexpr int kLeastShown = 2;              // key-frames
 constexpr double kFurnitureReach_m = 2.15;  // above the floor; what crosses it is a wall
 constexpr int kWallReach_cells = 2;
-constexpr int kGap_cells = 2;
 constexpr double kFoot_m = 0.08;
-
-// A place of the level frame: x and y along the floor, z the height above it.
-struct LevelCell {
-  VoxelKey key = 0;
-  Vector3f middle;  // of the cell
-  int shown = 0;    // by so many key-frames
-  [[nodiscard]] double height_m() const { return static_cast<double>(middle.z()); }
-};
 
 // The frame in which the floor is z = 0.
 class LevelAxes {
@@ -57,12 +45,6 @@ class LevelAxes {
   Eigen::Matrix3d level_from_world_;
   double floor_m_;
 };
-
-using Column = std::pair<int, int>;
-Column column_of(const Vector3f& middle) {
-  return {static_cast<int>(std::floor(middle.x() / kCellSide_m)),
-          static_cast<int>(std::floor(middle.y() / kCellSide_m))};
-}
 
 // What the key-frames show, by the cells' keys.
 std::vector<LevelCell> cells_of_depth(std::span<const LookedKeyframe> keyframes,
@@ -86,11 +68,11 @@ std::vector<LevelCell> cells_of_depth(std::span<const LookedKeyframe> keyframes,
         const Vector3f point =
             axes.from_world(keyframe.world_from_camera * keyframe.camera->unproject(pixel, depth_m))
                 .cast<float>();
-        Shown& cell = shown[voxel_of(point, kCellSide_m)];
+        Shown& cell = shown[voxel_of(point, kLevelCell_m)];
         if (cell.last == k + 1) continue;
         cell.last = k + 1;
         if (++cell.count == 1) {
-          cell.middle = ((point / kCellSide_m).array().floor() + 0.5F) * kCellSide_m;
+          cell.middle = ((point / kLevelCell_m).array().floor() + 0.5F) * kLevelCell_m;
         }
       }
     }
@@ -180,7 +162,7 @@ class HiddenDepth {
   // How far behind the front the wall stands; absent where there is none, or something between.
   [[nodiscard]] std::optional<double> behind_m(const geometry::OrientedBox& front, int thin,
                                                double side) const {
-    constexpr double kStep_m = static_cast<double>(kCellSide_m);
+    constexpr double kStep_m = static_cast<double>(kLevelCell_m);
     constexpr double kLeast_m = 0.25, kMost_m = 0.8, kRim_m = 0.12;
     // As wide as a door's leaf, it may be one that stands open before a wall.
     constexpr double kLeastIfLeaf_m = 0.45;
@@ -220,54 +202,24 @@ class HiddenDepth {
   std::set<Column> seen_;  // not of the ceiling alone
 };
 
-using Piece = std::vector<std::size_t>;  // indices of cells, ascending
-
-// Which cells are near each other, by index: a gap of one between them counts for nothing, since
-// from afar, or at a slant, pictures show fewer points of a surface than it has cells. The cells
-// are in the order of their keys.
-using Link = std::pair<std::size_t, std::size_t>;
-std::vector<Link> links_between(const std::vector<LevelCell>& cells) {
-  std::vector<Link> links;
-  for (std::size_t i = 0; i < cells.size(); ++i) {
-    for (const VoxelKey neighbor : cube_neighbors(cells[i].key, kGap_cells)) {
-      if (neighbor < cells[i].key) continue;  // it looked here
-      const auto at = std::ranges::lower_bound(cells, neighbor, {}, &LevelCell::key);
-      if (at == cells.end() || at->key != neighbor) continue;
-      links.emplace_back(i, static_cast<std::size_t>(at - cells.begin()));
-    }
-  }
-  return links;
-}
-
-// The pieces into which the cells above a height fall.
-std::vector<Piece> pieces_above(const std::vector<LevelCell>& cells, const std::vector<Link>& links,
-                                double height_m) {
-  DisjointSets sets(cells.size());
-  const auto is_above = [&](std::size_t i) { return cells[i].height_m() >= height_m; };
-  for (const auto& [a, b] : links) {
-    if (is_above(a) && is_above(b)) sets.join(a, b);
-  }
-  std::map<std::size_t, Piece> of_set;  // known by its lowest: in the order of the cells
-  for (std::size_t i = 0; i < cells.size(); ++i) {
-    if (is_above(i)) of_set[sets.find(i)].push_back(i);
-  }
-  std::vector<Piece> pieces;
-  for (auto& [set, piece] : of_set) pieces.push_back(std::move(piece));
-  return pieces;
-}
-
-// Whether most of one piece's cells are the other's.
-bool is_mostly_in(const Piece& piece, const Piece& other) {
-  constexpr double kMost = 0.7;
-  if (static_cast<double>(other.size()) < kMost * static_cast<double>(piece.size())) return false;
-  Piece both;
-  std::ranges::set_intersection(piece, other, std::back_inserter(both));
-  return static_cast<double>(both.size()) > kMost * static_cast<double>(piece.size());
-}
-
 bool may_be_a_thing(const Vector3d& size_m) {
   constexpr double kLeast_m = 0.2, kMost_m = 4;
   return size_m.maxCoeff() >= kLeast_m && size_m.head<2>().maxCoeff() <= kMost_m;
+}
+
+// With box and form of what is seen.
+Proposal proposal_of(const Piece& piece, const std::vector<LevelCell>& cells, const LevelAxes& axes,
+                     const Level& level) {
+  Proposal proposal;
+  std::vector<Vector3f> in_level;
+  for (const std::size_t i : piece) {
+    in_level.push_back(cells[i].middle);
+    proposal.surface_world.push_back(axes.to_world(cells[i].middle.cast<double>()).cast<float>());
+  }
+  proposal.box_world = upright_box(proposal.surface_world, level.up_world);
+  proposal.box_world.size_m.array() += static_cast<double>(kLevelCell_m);
+  proposal.form = form_of(in_level, kLevelCell_m);
+  return proposal;
 }
 
 // Where the picture shows the box, were it not cut; absent where a corner is too near.
@@ -315,47 +267,35 @@ double share_shown(const Proposal& proposal, const LookedKeyframe& keyframe,
 
 std::vector<Proposal> find_proposals(std::span<const LookedKeyframe> keyframes,
                                      const Level& level) {
-  constexpr std::size_t kFewestCells = 12;
-  constexpr double kLowest_m = 0.1, kHighest_m = 1.6, kStep_m = 0.1;
   const LevelAxes axes(level);
   const std::vector<LevelCell> all = cells_of_depth(keyframes, axes);
   const std::set<Column> walls = wall_columns(all);
   const std::vector<LevelCell> cells = standing_cells(all, walls);
   const HiddenDepth hidden(all, walls, axes);
-  const std::vector<Link> links = links_between(cells);
-  std::vector<Piece> pieces;
-  constexpr int kHeights = static_cast<int>((kHighest_m - kLowest_m) / kStep_m + 1.5);
-  for (int i = 0; i < kHeights; ++i) {
-    for (Piece& piece : pieces_above(cells, links, kLowest_m + i * kStep_m)) {
-      if (piece.size() < kFewestCells) continue;
-      const bool is_known = std::ranges::any_of(
-          pieces, [&](const Piece& lower) { return is_mostly_in(lower, piece); });
-      if (!is_known) pieces.push_back(std::move(piece));
-    }
-  }
   std::vector<Proposal> proposals;
-  std::vector<const Piece*> leaves;
-  for (const Piece& piece : pieces) {
+  std::vector<Piece> leaves;
+  const auto propose = [&](const Piece& piece, bool is_cut) {
     const bool is_part_of_leaf =
-        std::ranges::any_of(leaves, [&](const Piece* leaf) { return is_mostly_in(piece, *leaf); });
-    if (is_part_of_leaf) continue;
-    Proposal proposal;
-    for (const std::size_t i : piece) {
-      proposal.surface_world.push_back(axes.to_world(cells[i].middle.cast<double>()).cast<float>());
-    }
-    proposal.box_world = upright_box(proposal.surface_world, level.up_world);
-    proposal.box_world.size_m.array() += static_cast<double>(kCellSide_m);
+        std::ranges::any_of(leaves, [&](const Piece& leaf) { return is_mostly_in(piece, leaf); });
+    if (is_part_of_leaf) return;
+    Proposal proposal = proposal_of(piece, cells, axes, level);
+    proposal.is_cut = is_cut;
     hidden.add(proposal.box_world, level);
     proposal.top_m =
         level.height_m(proposal.box_world.center()) + proposal.box_world.size_m.z() / 2;
     if (is_like_a_leaf(proposal.box_world, level)) {
-      leaves.push_back(&piece);
+      leaves.push_back(piece);
     } else if (may_be_a_thing(proposal.box_world.size_m)) {
-      std::vector<Vector3f> of_piece;
-      for (const std::size_t i : piece) of_piece.push_back(cells[i].middle);
-      proposal.form = form_of(of_piece, kCellSide_m);
       proposals.push_back(std::move(proposal));
     }
+  };
+  const std::vector<Piece> apart = pieces_apart(cells);
+  for (const Piece& piece : apart) propose(piece, false);
+  for (const Piece& piece : pieces_of_one_height(cells)) {
+    const bool stands_apart = std::ranges::any_of(apart, [&](const Piece& other) {
+      return is_mostly_in(other, piece) && is_mostly_in(piece, other);
+    });
+    if (!stands_apart) propose(piece, true);
   }
   return proposals;
 }

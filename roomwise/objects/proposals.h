@@ -8,17 +8,19 @@
 #include "roomwise/geometry/oriented_box.h"
 #include "roomwise/objects/furniture_form.h"
 #include "roomwise/objects/instances.h"
+#include "roomwise/objects/level_pieces.h"
 
 namespace roomwise::objects {
 
-constexpr float kProposalCell_m = 0.05F;
-
-// What may be a thing, by the map's depth alone: it stands apart from all else above some height.
+// What may be a thing, by the map's depth alone.
 struct Proposal {
-  std::vector<Eigen::Vector3f> surface_world;  // the middles of its cells, m
+  std::vector<Eigen::Vector3f> surface_world;  // the middles of its cells of kLevelCell_m, m
   geometry::OrientedBox box_world;             // upright
   double top_m = 0;                            // of the box, above the floor
   std::optional<FurnitureForm> form;
+  // It touches something higher, from which it was cut. Else it stands apart from all else above
+  // some height, which says more.
+  bool is_cut = false;
 };
 
 // What stands in the rooms once floor and walls are taken away (object proposals; that furniture
@@ -29,7 +31,8 @@ struct Proposal {
 // looked up so far, what touches a wall is one with it. At every 10 cm of height the cells above it
 // fall into pieces: so a lamp is a piece above its nightstand's top, and a wardrobe above the bed's
 // beside it. A piece that holds most of one from lower down is that one, and what is like a door's
-// leaf is none. Those of lower heights come first.
+// leaf is none. Those of lower heights come first. Then comes what touches something higher, cut
+// from it where the height of its surface jumps: a washing machine beside a wardrobe.
 [[nodiscard]] std::vector<Proposal> find_proposals(std::span<const LookedKeyframe> keyframes,
                                                    const Level& level);
 

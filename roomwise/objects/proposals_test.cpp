@@ -84,6 +84,19 @@ TEST(FindProposals, WhatStandsApartIsOne) {
   }
 }
 
+TEST(FindProposals, WhatTouchesSomethingHigherIsCutFromIt) {
+  const TestRoom::Thing machine{"washing machine", {2.58, 0.9, 0.43}, {0.6, 0.6, 0.86}};
+  TestRoom room = seen_room({kWardrobe, machine});
+  std::vector<Proposal> apart, cut;
+  for (Proposal& one : find_proposals(room.keyframes(), kLevel)) {
+    (one.is_cut ? cut : apart).push_back(std::move(one));
+  }
+  EXPECT_LT(misfit_m(machine, cut), 0.15);
+  EXPECT_GT(misfit_m(machine, apart), 0.3);
+  TestRoom alone = seen_room({machine});
+  for (const Proposal& one : find_proposals(alone.keyframes(), kLevel)) EXPECT_FALSE(one.is_cut);
+}
+
 TEST(FindProposals, HangsOnNoOrderOfTheKeyframes) {
   TestRoom room = seen_room({kWardrobe, kBed});
   const auto proposals = find_proposals(room.keyframes(), kLevel);
