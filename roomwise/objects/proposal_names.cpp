@@ -1,9 +1,11 @@
 #include "roomwise/objects/proposal_names.h"
 
 #include <algorithm>
+#include <array>
 #include <functional>
 #include <iterator>
 #include <optional>
+#include <string_view>
 #include <tuple>
 #include <utility>
 
@@ -28,6 +30,17 @@ const std::set<std::string>& words_of_classifier() {
       "bath",  "bookcase", "chair",       "lamp", "microwave", "radiator",       "sink",
       "table", "toaster",  "toilet seat", "tv",   "wardrobe",  "washing machine"};
   return kWords;
+}
+// What ImageNet calls what holds books, or flowers, as often as a bookcase and a vase. Of a piece
+// of known size it means these.
+std::string_view word_of_like(std::string_view label) {
+  static constexpr std::array<std::string_view, 2> kCases{"china cabinet, china closet",
+                                                          "entertainment center"};
+  static constexpr std::array<std::string_view, 12> kVessels{
+      "vase",   "bucket, pail", "coffee mug",    "cup",       "goblet",  "milk can",
+      "mortar", "mixing bowl",  "pitcher, ewer", "soup bowl", "thimble", "water jug"};
+  if (std::ranges::find(kCases, label) != kCases.end()) return "bookcase";
+  return std::ranges::find(kVessels, label) != kVessels.end() ? "vase" : "";
 }
 // Lamps are vases to COCO's detectors, and so is much that is small; toasters they never say.
 bool is_asked_of_detector(const std::string& word) {
@@ -98,13 +111,22 @@ bool is_front_of_wardrobe(const Proposal& proposal) {
          longer_m(proposal) >= kWiderThanDoors_m && shorter_m(proposal) >= kThinnest_m;
 }
 
+// As large as vases mostly are: cups are smaller, bowls lower, bins stand on the floor.
+bool is_like_a_vase(const Proposal& proposal) {
+  constexpr double kLeastSide_m = 0.18, kMostSide_m = 0.4, kLeast_m = 0.2, kMost_m = 0.5;
+  constexpr double kOnFloor_m = 0.3;
+  const double height_m = proposal.box_world.size_m.z();
+  return shorter_m(proposal) >= kLeastSide_m && longer_m(proposal) <= kMostSide_m &&
+         height_m >= kLeast_m && height_m <= kMost_m && proposal.top_m - height_m > kOnFloor_m;
+}
+
 // By its size; of what stands on the floor the height is that of its top.
 bool may_be(const Proposal& proposal, const KindShape& shape) {
   Eigen::Vector3d whole_m = proposal.box_world.size_m;
   if (shape.on_floor) whole_m.z() = std::max(whole_m.z(), proposal.top_m);
   const bool is_seen_so = shape.holds_what_is_seen(proposal.box_world.size_m) ||
                           (shape.name == "wardrobe" && is_front_of_wardrobe(proposal));
-  return is_seen_so && shape.holds(whole_m);
+  return is_seen_so && shape.holds(whole_m) && (shape.name != "vase" || is_like_a_vase(proposal));
 }
 
 // Networks see of a table what lies on it, of a chair its legs, and take a sofa for a bed; few
@@ -249,7 +271,7 @@ class NetworkNamer final : public ProposalNamer {
     for (const std::string& label : classifier_->labels()) {
       const auto word = all_words().object_of(label);
       const bool is_asked = word && words_of_classifier().contains(*word);
-      word_of_class_.push_back(is_asked ? *word : "");
+      word_of_class_.emplace_back(is_asked ? *word : word_of_like(label));
       if (is_asked && detected.contains(*word)) asked_of_both_.insert(*word);
     }
   }

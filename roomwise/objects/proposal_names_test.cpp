@@ -149,6 +149,19 @@ TEST(NameProposals, AFrontThatIsWiderThanDoorsIsAWardrobes) {
   EXPECT_EQ(name_of_front({2.0, 0.25, 1.6}, 1.7), "");
 }
 
+TEST(NameProposals, AVaseIsAsLargeAsVasesMostlyAre) {
+  const auto name_of_vessel = [](const Vector3d& size_m, double top_m) {
+    LookedProposal looked = block({0, 0, top_m - size_m.z() / 2}, size_m, {{"vase", 0.6}});
+    looked.proposal.top_m = top_m;
+    return name_of(looked);
+  };
+  EXPECT_EQ(name_of_vessel({0.3, 0.25, 0.3}, 1.1), "vase");
+  EXPECT_EQ(name_of_vessel({0.3, 0.25, 0.15}, 1.1), "") << "a bowl";
+  EXPECT_EQ(name_of_vessel({0.15, 0.15, 0.25}, 1.1), "") << "a bottle";
+  EXPECT_EQ(name_of_vessel({0.5, 0.25, 0.3}, 1.1), "");
+  EXPECT_EQ(name_of_vessel({0.3, 0.3, 0.45}, 0.5), "") << "a bin";
+}
+
 TEST(NameProposals, WhatIsCutIsNamedWhereNothingThatStandsApartIs) {
   const LookedProposal bed = block({0, 0, 0.25}, {1.6, 2.0, 0.5}, {{"bed", 0.6}});
   LookedProposal cut = block({0.5, 0, 0.25}, {1.0, 0.9, 0.5}, {{"sofa", 0.9}});
@@ -214,6 +227,8 @@ TEST_F(NetworkNamer, NamesWhatAPhotoShows) {
   for (const auto& [file, word] :
        std::map<std::string, std::string>{{"n04380533_table_lamp.jpg", "lamp"},
                                           {"n04550184_wardrobe.jpg", "wardrobe"},
+                                          {"n03018349_china_cabinet.jpg", "bookcase"},
+                                          {"n03063599_coffee_mug.jpg", "vase"},
                                           {"n04447861_toilet_seat.jpg", "toilet seat"}}) {
     const auto said = said_of(file);
     ASSERT_OK(said);
