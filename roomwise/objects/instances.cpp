@@ -327,15 +327,17 @@ struct FoundThing {
   bool fits_name;    // and does not nearly so
 };
 
-// Whether the middles lie above each other, and both together are no higher than a lamp is.
+// Whether they lie above each other, and both together are no higher than a lamp is. A shade may
+// hang on an arm.
 bool may_be_one_lamp(const geometry::OrientedBox& a, const geometry::OrientedBox& b,
                      const Level& level) {
-  constexpr double kAside_m = 0.3;
+  constexpr double kAside_m = 0.3, kArm_m = 0.45;
   const Eigen::Vector3d apart = a.center() - b.center();
   const double above_m = apart.dot(level.up_world);
-  const double height_m = std::abs(above_m) + (a.size_m.z() + b.size_m.z()) / 2;
-  return (apart - above_m * level.up_world).norm() <= kAside_m &&
-         height_m <= shape_of("lamp").most_height_m;
+  const double half_heights_m = (a.size_m.z() + b.size_m.z()) / 2;
+  const bool is_higher = std::abs(above_m) >= half_heights_m;
+  return (apart - above_m * level.up_world).norm() <= (is_higher ? kArm_m : kAside_m) &&
+         std::abs(above_m) + half_heights_m <= shape_of("lamp").most_height_m;
 }
 
 // A plant's pot is often called a vase.
