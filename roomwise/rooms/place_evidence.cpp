@@ -16,8 +16,8 @@ constexpr double kSureLogRatio = 5;    // a place by many features, or by shape 
 constexpr double kLikelyLogRatio = 2;  // by few features, or with some support
 constexpr int kManyInliers = 16;
 constexpr double kMuchSupport = 1.4, kSomeSupport = 0.8;  // other homes' doors and walls fit, too
-constexpr double kPlainLogRatio = -2;                     // a bare wall
-constexpr double kNowhereLogRatio = -3;  // nothing alike, or too little speaks for the pose
+constexpr double kNoPlaceLogRatio = -2;    // a bare wall, nothing alike, or too little for a pose
+constexpr double kElsewhereLogRatio = -3;  // a place in a room that was not learned
 // A standard deviation of RoomCalibration::known in the logarithm of the odds of this home.
 constexpr double kLogOddsPerDeviation = 2.5;
 // How often the floor at a pose is that of another room than the camera was in, where no doorway is
@@ -44,10 +44,8 @@ double home_log_ratio(const mapping::Localization& answer, bool has_depth) {
     case LocalizationStatus::kAmbiguous:
     case LocalizationStatus::kVague:
       return 0;
-    case LocalizationStatus::kPlain:
-      return has_depth ? kPlainLogRatio : 0;
     default:
-      return has_depth ? kNowhereLogRatio : 0;
+      return has_depth ? kNoPlaceLogRatio : 0;
   }
 }
 
@@ -110,7 +108,7 @@ PlaceEvidence evidence_of(const mapping::Localization& answer, bool has_depth, d
   const FloorShares shares = floor_shares(*layout, camera_level.head<2>(), sigma_m, rooms);
   evidence.why = place_in_words(shares.on_map);
   evidence.home_log_ratio =
-      shares.learned.sum() * evidence.home_log_ratio + shares.elsewhere * kNowhereLogRatio;
+      shares.learned.sum() * evidence.home_log_ratio + shares.elsewhere * kElsewhereLogRatio;
   // What lies in none of the rooms may be any of them.
   const double told = (1 - kWrongRoom) * shares.learned.sum();
   evidence.probabilities = (1 - kWrongRoom) * shares.learned + (1 - told) * evidence.probabilities;
@@ -131,23 +129,18 @@ PlaceEvidence place_evidence(const mapping::PairLocalization& answers, bool has_
                              const std::optional<RoomLayout>& layout,
                              std::span<const std::string> rooms) {
   const auto& [first, second, contradictory] = answers;
-  if (first.found() && !second.found() && !contradictory) {
-    return evidence_of(first, has_depth, kStepSigma_m, frame, layout, rooms);
-  }
-  PlaceEvidence evidence = evidence_of(second, has_depth, 0, frame, layout, rooms);
-  if (contradictory) evidence.home_log_ratio = 0;
-  if (!first.found() && !second.found()) {
-    evidence.home_log_ratio =
-        independent_count(2) / 2 *
-        (home_log_ratio(first, has_depth) + home_log_ratio(second, has_depth));
-  }
+  const PlaceEvidence before = evidence_of(first, has_depth, kStepSigma_m, frame, layout, rooms);
+  const PlaceEvidence now = evidence_of(second, has_depth, 0, frame, layout, rooms);
+  PlaceEvidence evidence = first.found() && !second.found() && !contradictory ? before : now;
+  evidence.home_log_ratio =
+      contradictory ? 0 : independent_count(2) / 2 * (before.home_log_ratio + now.home_log_ratio);
   return evidence;
 }
 
 bool place_may_tell(const PictureEvidence& pictures, const RoomCalibration& calibration) {
   const bool is_named = pictures.known >= calibration.known_from &&
                         pictures.probabilities.maxCoeff() >= calibration.sure_from;
-  const double least_log_ratio = independent_count(2) * kNowhereLogRatio;
+  const double least_log_ratio = independent_count(2) * kElsewhereLogRatio;
   return !is_named ||
          pictures.known + least_log_ratio / kLogOddsPerDeviation < calibration.known_from;
 }
