@@ -538,6 +538,7 @@ TEST(FindInstances, TheShadeAndTheFootOfALampAreOne) {
   };
   EXPECT_EQ(things_aside("lamp", 0.1), 1U);
   EXPECT_EQ(things_aside("lamp", 0.4), 1U) << "the shade hangs on an arm";
+  EXPECT_EQ(things_aside("lamp", 0.4, 0.5), 2U) << "beside each other";
   EXPECT_EQ(things_aside("lamp", 0.6), 2U);
   EXPECT_EQ(things_aside("lamp", 0.1, 2.4), 2U) << "one hangs from the ceiling";
   EXPECT_EQ(things_aside("vase", 0.1), 2U) << "on the boards of a shelf";

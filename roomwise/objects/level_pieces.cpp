@@ -59,7 +59,7 @@ struct Surface {
   Piece below;
 };
 std::vector<Surface> surfaces_of(const std::vector<LevelCell>& cells) {
-  constexpr float kClear_m = 0.3F;
+  constexpr float kClear_m = 6.5F * kLevelCell_m;
   std::map<Column, Piece> of_column;
   for (std::size_t i = 0; i < cells.size(); ++i) of_column[column_of(cells[i].middle)].push_back(i);
   std::vector<Surface> surfaces;

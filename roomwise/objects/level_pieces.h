@@ -26,15 +26,17 @@ using Column = std::pair<int, int>;
 // Cells that are one, by their indices, ascending. The functions below take cells in the order of
 // their keys.
 using Piece = std::vector<std::size_t>;
+// Seven tenths of its cells.
 [[nodiscard]] bool is_mostly_in(const Piece& piece, const Piece& other);
 
-// The pieces into which the cells above each height fall, from 0.1 m on every 0.1 m; those of lower
-// heights first, without those that are most of one from lower down.
+// The pieces of twelve cells or more into which the cells above each height fall, from 0.1 to 1.6 m
+// every 0.1 m; those of lower heights first, without those that hold most of one from lower down.
 [[nodiscard]] std::vector<Piece> pieces_apart(const std::vector<LevelCell>& cells);
 
-// What stands under a surface of one height, up to a step: what touches something higher is a piece
-// of this kind, and never one that stands apart. Under a table's top only the top is: a column has
-// a surface wherever nothing is seen for 0.3 m above.
+// What is seen below each surface of one height, which ends where the height jumps by more than a
+// cell; twelve cells or more. Each cell is in one surface's piece at most. What touches something
+// higher is one of these, and never one of pieces_apart(). A column has a surface wherever nothing
+// is seen for six cells above: a seat is none of the table's that it stands so far under.
 [[nodiscard]] std::vector<Piece> pieces_of_one_height(const std::vector<LevelCell>& cells);
 
 }  // namespace roomwise::objects

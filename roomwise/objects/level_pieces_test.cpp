@@ -104,6 +104,19 @@ TEST(PiecesOfOneHeight, UnderATableItsTopAloneIsSeenAndTheSeatBelowIsAnother) {
   EXPECT_THAT(pieces, Contains(cells.within({0, 0, 0.3F}, {1.2F, 0.8F, 0.2F})));
 }
 
+TEST(PiecesOfOneHeight, ASeatCloseUnderATableIsPartOfItAtAnyHeight) {
+  for (float top_m = 0.5F; top_m < 1.5F; top_m += kLevelCell_m) {
+    const auto seat_below = [&](float clear_m) {
+      Cells cells;
+      cells.block({0, 0, top_m}, {1.0F, 1.0F, 0.05F})
+          .block({0, 0, top_m - clear_m - 0.05F}, {1.0F, 1.0F, 0.05F});
+      return pieces_of_one_height(cells.all());
+    };
+    EXPECT_THAT(seat_below(0.25F), SizeIs(1)) << top_m;
+    EXPECT_THAT(seat_below(0.3F), SizeIs(2)) << top_m;
+  }
+}
+
 TEST(PiecesOfOneHeight, AStepOfACellIsNoneAndOneOfTwoIs) {
   const auto beside = [](float height_m) {
     Cells cells;

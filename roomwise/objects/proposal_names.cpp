@@ -12,6 +12,7 @@
 #include "roomwise/image/resample.h"
 #include "roomwise/objects/crop_regions.h"
 #include "roomwise/objects/kind_shape.h"
+#include "roomwise/objects/level_pieces.h"
 #include "roomwise/objects/world_sight.h"
 
 namespace roomwise::objects {

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "roomwise/objects/door_leaf.h"
+#include "roomwise/objects/level_pieces.h"
 #include "roomwise/objects/upright_box.h"
 #include "roomwise/objects/world_sight.h"
 
@@ -207,18 +208,15 @@ bool may_be_a_thing(const Vector3d& size_m) {
   return size_m.maxCoeff() >= kLeast_m && size_m.head<2>().maxCoeff() <= kMost_m;
 }
 
-// With box and form of what is seen.
+// With the box of what is seen.
 Proposal proposal_of(const Piece& piece, const std::vector<LevelCell>& cells, const LevelAxes& axes,
                      const Level& level) {
   Proposal proposal;
-  std::vector<Vector3f> in_level;
   for (const std::size_t i : piece) {
-    in_level.push_back(cells[i].middle);
     proposal.surface_world.push_back(axes.to_world(cells[i].middle.cast<double>()).cast<float>());
   }
   proposal.box_world = upright_box(proposal.surface_world, level.up_world);
   proposal.box_world.size_m.array() += static_cast<double>(kLevelCell_m);
-  proposal.form = form_of(in_level, kLevelCell_m);
   return proposal;
 }
 
@@ -286,6 +284,9 @@ std::vector<Proposal> find_proposals(std::span<const LookedKeyframe> keyframes,
     if (is_like_a_leaf(proposal.box_world, level)) {
       leaves.push_back(piece);
     } else if (may_be_a_thing(proposal.box_world.size_m)) {
+      std::vector<Vector3f> in_level;
+      for (const std::size_t i : piece) in_level.push_back(cells[i].middle);
+      proposal.form = form_of(in_level, kLevelCell_m);
       proposals.push_back(std::move(proposal));
     }
   };

@@ -8,18 +8,17 @@
 #include "roomwise/geometry/oriented_box.h"
 #include "roomwise/objects/furniture_form.h"
 #include "roomwise/objects/instances.h"
-#include "roomwise/objects/level_pieces.h"
 
 namespace roomwise::objects {
 
 // What may be a thing, by the map's depth alone.
 struct Proposal {
-  std::vector<Eigen::Vector3f> surface_world;  // the middles of its cells of kLevelCell_m, m
+  std::vector<Eigen::Vector3f> surface_world;  // the middles of its cells of 5 cm, m
   geometry::OrientedBox box_world;             // upright
   double top_m = 0;                            // of the box, above the floor
   std::optional<FurnitureForm> form;
-  // It touches something higher, from which it was cut. Else it stands apart from all else above
-  // some height, which says more.
+  // Where the height of the surface jumps, from what it touches. Else it stands apart from all else
+  // above some height, which says more.
   bool is_cut = false;
 };
 

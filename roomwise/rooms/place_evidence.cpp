@@ -132,8 +132,12 @@ PlaceEvidence place_evidence(const mapping::PairLocalization& answers, bool has_
   const PlaceEvidence before = evidence_of(first, has_depth, kStepSigma_m, frame, layout, rooms);
   const PlaceEvidence now = evidence_of(second, has_depth, 0, frame, layout, rooms);
   PlaceEvidence evidence = first.found() && !second.found() && !contradictory ? before : now;
+  // Without depth, that there is no place says nothing.
+  const int speak = has_depth ? 2 : int{first.found()} + int{second.found()};
   evidence.home_log_ratio =
-      contradictory ? 0 : independent_count(2) / 2 * (before.home_log_ratio + now.home_log_ratio);
+      contradictory || speak == 0
+          ? 0
+          : independent_count(speak) / speak * (before.home_log_ratio + now.home_log_ratio);
   return evidence;
 }
 

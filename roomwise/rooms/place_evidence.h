@@ -26,7 +26,7 @@ struct PlaceEvidence {
 // From the localiser's answer. A pose shares its probability out among the rooms whose floor is
 // around it, as wide as it is uncertain; near a doorway that is several. What of it lies on the
 // floor of a learned room speaks for these rooms, what lies on that of a room that was not learned,
-// or that nobody named, against all of them, as much as that there is no place at all. A pose
+// or that nobody named, against all of them, more than that there is no place at all. A pose
 // outside every floor tells no room and speaks neither for nor against them. That there is none
 // speaks against them if the pictures have depth; without depth too many have none.
 //
@@ -38,8 +38,8 @@ struct PlaceEvidence {
                                            std::span<const std::string> rooms);
 
 // The same of two pictures that were taken shortly after one another, both with depth or neither:
-// of the room in which the second was taken. Where it has no place, the first's tells nearly as
-// much; where the two contradict each other, neither does. Whether this is their home both say, as
+// of the room in which the second was taken. Where it has no place, the first's tells the room
+// nearly as surely; where the two contradict each other, neither does. Whether this is their home both say, as
 // much as two pictures of one place tell more than one (independent_count()): a place that one of
 // them seems to have, and the other has not, says little.
 [[nodiscard]] PlaceEvidence place_evidence(const mapping::PairLocalization& answers, bool has_depth,
@@ -55,7 +55,7 @@ struct PlaceEvidence {
 // What pictures (combined) and their place tell together, by Bayes' rule: probabilities multiply,
 // and so do the odds of being known. How well the pictures alone are known is bounded from below by
 // what 1 in 100 of the held-out pictures had (RoomCalibration::none_below), so that a sure place in
-// one of the rooms makes any picture known.
+// one of the rooms makes any picture known, and any pair where both have one.
 [[nodiscard]] PictureEvidence with_place(const PictureEvidence& pictures,
                                          const PlaceEvidence& place,
                                          const RoomCalibration& calibration);

@@ -221,6 +221,8 @@ TEST(PlaceEvidence, WhetherItIsThisHomeBothPicturesSay) {
   EXPECT_NEAR(pair(found_at(4.5), lost).home_log_ratio, of_either, 0.3);
   EXPECT_GT(of_either, 0);
   EXPECT_LT(of_either, of_one / 2);
+  EXPECT_EQ(pair(lost, found_at(4.5), /*has_depth=*/false).home_log_ratio, of_one)
+      << "without depth few pictures have a place";
   // A place by a few features, which other homes' doors and windows have, too.
   mapping::Localization doubtful = found_at(4.5);
   doubtful.inliers = 12;
