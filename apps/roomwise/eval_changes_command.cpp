@@ -39,11 +39,10 @@ Expected<Answer> evaluate(const ChangesEvaluationOptions& options, Context& cont
   ROOMWISE_TRY(const home::Home home, open_home_read_only(options.home, context));
   CommandRun run(context);
   pipeline::UpdateOptions with = options.update;
-  with.localizer.seed = context.seed;
-  with.rooms.reset();
-  ROOMWISE_TRY(
-      const pipeline::HomeUpdate update,
-      pipeline::compare_with_visit(home, options.visit, finders.in_pictures, {}, with, run));
+  with.visit.localizer.seed = context.seed;
+  with.visit.rooms.reset();
+  ROOMWISE_TRY(const pipeline::HomeUpdate update,
+               pipeline::compare_with_visit(home, options.visit, finders, {}, with, run));
   ROOMWISE_TRY(const pipeline::ChangeEvaluation result,
                pipeline::evaluate_changes(home, options.truth, options.visit, update,
                                           options.least_shift_m));
@@ -107,7 +106,7 @@ void add_changes_evaluation(CLI::App& group, Context& context) {
                    "A thing that was moved by less counts as unmoved, m")
       ->check(positive())
       ->capture_default_str();
-  command->add_option("--every", options->update.every, "Look at every K-th picture")
+  command->add_option("--every", options->update.visit.every, "Look at every K-th picture")
       ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1000}))
       ->capture_default_str();
 }

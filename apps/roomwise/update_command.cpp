@@ -189,11 +189,10 @@ Expected<Answer> update(const UpdateCommandOptions& options, Context& context) {
   }
   CommandRun run(context);
   pipeline::UpdateOptions with = options.update;
-  with.localizer.seed = context.seed;
-  if (options.without_rooms) with.rooms.reset();
+  with.visit.localizer.seed = context.seed;
+  if (options.without_rooms) with.visit.rooms.reset();
   ROOMWISE_TRY(const pipeline::HomeUpdate found,
-               pipeline::compare_with_visit(home, options.recording, finders.in_pictures, networks,
-                                            with, run));
+               pipeline::compare_with_visit(home, options.recording, finders, networks, with, run));
   if (!options.dry_run && !found.changes.empty()) {
     ROOMWISE_CHECK_OK(home.apply_changes(found.changes));
   }
@@ -217,7 +216,7 @@ void add_update_command(CLI::App& app, Context& context) {
                     "Leave the learned rooms as they are; else they are known by pictures of the "
                     "walk, too, that show them surely");
   add_network_options(*command, options->networks);
-  command->add_option("--every", options->update.every, "Look at every K-th picture")
+  command->add_option("--every", options->update.visit.every, "Look at every K-th picture")
       ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1000}))
       ->capture_default_str();
 }

@@ -123,8 +123,8 @@ Expected<std::vector<TurnedLeaf>> turned_leaves(const std::filesystem::path& map
   return turned;
 }
 
-// Whether a point is near the leaf, m aside. The plan does not say at which end the hinge is, nor to
-// which side the leaf turns: any will do.
+// Whether a point is near the leaf, m aside. The plan does not say at which end the hinge is, nor
+// to which side the leaf turns: any will do.
 bool is_at_leaf(const Eigen::Vector3d& point_truth, const simulation::Door& door) {
   constexpr double kAside_m = 0.2;
   const double width_m = door.opening.width_m;

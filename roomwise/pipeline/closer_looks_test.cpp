@@ -12,36 +12,10 @@
 namespace roomwise::pipeline {
 namespace {
 
+using testing::BlindFinder;
 using testing::DrawnBox;
+using testing::RedNamer;
 using testing::WalkWithBox;
-
-// Looks, and finds nothing.
-class BlindFinder final : public testing::MadeUpFinder {
- public:
-  BlindFinder() : MadeUpFinder("blind", {"couch"}) {}
-
-  [[nodiscard]] Expected<std::vector<network::Detection>> find(
-      const image::ColorImage&) const override {
-    return std::vector<network::Detection>{};
-  }
-};
-
-// Says that what is red in the middle is a lamp.
-class RedNamer final : public objects::ProposalNamer {
- public:
-  bool fails = false;
-
-  std::string word = "lamp";
-
-  [[nodiscard]] Expected<objects::WordScores> look(const image::ColorImage& picture,
-                                                   const network::PixelBox& box) const override {
-    if (fails) return fail("the namer sees nothing");
-    const Rgb8 middle = picture.at(static_cast<int>((box.left + box.right) / 2),
-                                   static_cast<int>((box.top + box.bottom) / 2));
-    const bool is_red = middle.r > 240 && middle.g < 10 && middle.b < 10;
-    return is_red ? objects::WordScores{{word, 0.8}} : objects::WordScores{};
-  }
-};
 
 // The user stops as soon as the closer looks begin.
 class InterruptedLook final : public Progress {

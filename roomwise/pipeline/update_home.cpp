@@ -5,160 +5,14 @@
 #include <utility>
 
 #include "roomwise/objects/door_leaf.h"
-#include "roomwise/pipeline/home_localizer.h"
-#include "roomwise/pipeline/keyframe_observer.h"
 #include "roomwise/pipeline/stored_looks.h"
 #include "roomwise/pipeline/stored_rooms.h"
-#include "roomwise/recording/tum_recording.h"
 
 namespace roomwise::pipeline {
 namespace {
 
 using geometry::RigidTransform;
 using objects::StandingThing;
-
-// A frame of the visit that was placed on the map.
-struct PlacedFrame {
-  TimestampNs timestamp_ns = 0;
-  home::KeyframeId keyframe = 0;  // that shows the same
-  RigidTransform world_from_camera;
-  image::DepthImage depth;
-  objects::KeyframeLook look;       // of all finders
-  std::optional<SeenPicture> room;  // where rooms are to be refreshed
-};
-
-struct VisitFrames {
-  home::Visit visit;
-  geometry::PinholeCamera camera;
-  std::vector<PlacedFrame> placed;
-  std::optional<RoomUpdate> rooms;
-};
-
-// Looks at the frames of a visit.
-class VisitLooker {
- public:
-  static Expected<VisitLooker> create(const home::Home& home, const objects::RegionFinders& finders,
-                                      const Networks& networks, const UpdateOptions& options,
-                                      RunContext& run) {
-    VisitLooker looker(finders);
-    if (options.rooms) {
-      ROOMWISE_TRY(looker.why_no_rooms_, why_rooms_cannot_be_refreshed(home));
-    }
-    if (options.rooms && looker.why_no_rooms_.empty()) {
-      ROOMWISE_TRY(looker.rooms_,
-                   VisitRooms::create(home, networks, *options.rooms, options.localizer, run));
-    } else {
-      ROOMWISE_TRY(looker.localizer_, HomeLocalizer::create(home, options.localizer, run));
-    }
-    return looker;
-  }
-
-  // Absent where the frame's place is not known.
-  [[nodiscard]] Expected<std::optional<PlacedFrame>> place(
-      image::RgbdFrame frame, const geometry::PinholeCamera& camera) const;
-  // Absent where they are to stay as they are.
-  [[nodiscard]] Expected<std::optional<RoomUpdate>> update_rooms(
-      const home::Home& home, std::span<const PlacedFrame> placed) const;
-
- private:
-  explicit VisitLooker(const objects::RegionFinders& finders) : finders_(&finders) {}
-  [[nodiscard]] const HomeLocalizer& localizer() const {
-    return rooms_ ? rooms_->localizer() : *localizer_;
-  }
-
-  const objects::RegionFinders* finders_;
-  std::optional<VisitRooms> rooms_;
-  std::optional<HomeLocalizer> localizer_;  // where there are no rooms_, which have one
-  std::string why_no_rooms_;
-};
-
-Expected<std::optional<PlacedFrame>> VisitLooker::place(
-    image::RgbdFrame frame, const geometry::PinholeCamera& camera) const {
-  PictureToLocate picture{frame.color, std::move(frame.depth), camera};
-  ROOMWISE_TRY(const auto measured, localizer().measure(picture));
-  const mapping::Localization found = localizer().localizer().locate({measured, camera});
-  if (!found.found()) return std::nullopt;
-  PlacedFrame placed{frame.timestamp_ns, found.keyframe, found.world_from_camera, {}, {}, {}};
-  for (const auto& finder : *finders_) {
-    ROOMWISE_TRY(auto look, look_at(*finder, picture.color, *picture.depth, camera));
-    placed.look.coarse_depth = std::move(look.coarse_depth);
-    std::ranges::move(look.regions, std::back_inserter(placed.look.regions));
-  }
-  placed.depth = *std::move(picture.depth);
-  if (rooms_) {
-    ROOMWISE_TRY(placed.room, rooms_->look(frame, found));
-  }
-  return placed;
-}
-
-Expected<std::optional<RoomUpdate>> VisitLooker::update_rooms(
-    const home::Home& home, std::span<const PlacedFrame> placed) const {
-  if (!why_no_rooms_.empty()) return RoomUpdate{.why_not = why_no_rooms_};
-  if (!rooms_) return std::optional<RoomUpdate>();
-  std::vector<SeenPicture> walk;
-  for (const PlacedFrame& frame : placed) walk.push_back(*frame.room);
-  return rooms_->update(home, walk);
-}
-
-Expected<VisitFrames> place_frames(const home::Home& home, const std::filesystem::path& folder,
-                                   const objects::RegionFinders& finders, const Networks& networks,
-                                   const UpdateOptions& options, RunContext& run) {
-  ROOMWISE_TRY(const auto recording, recording::TumRecording::open(folder));
-  ROOMWISE_TRY(const VisitLooker looker,
-               VisitLooker::create(home, finders, networks, options, run));
-  VisitFrames visit;
-  visit.camera = recording->info().camera;
-  visit.visit.name = recording->info().name;
-  visit.visit.folder = folder.string();
-  std::vector<image::RgbdFrame> block;
-  const auto place_block = [&]() -> Expected<void> {
-    std::vector<Expected<std::optional<PlacedFrame>>> placed(block.size(), fail("not placed yet"));
-    run.pool.parallel_for(block.size(), [&](std::size_t i) {
-      const auto timing = run.clock.measure("placing and looking");
-      placed[i] = looker.place(std::move(block[i]), visit.camera);
-    });
-    block.clear();
-    for (auto& one : placed) {
-      if (!one) return Unexpected(std::move(one).error());
-      if (*one) visit.placed.push_back(**std::move(one));
-    }
-    return {};
-  };
-  run.progress.begin("looking at the visit", recording->associations().size());
-  for (std::uint64_t count = 0; !run.progress.interrupted(); ++count) {
-    ROOMWISE_TRY(auto frame, recording->next());
-    if (!frame) break;
-    if (count % options.every != 0) continue;
-    if (visit.visit.frames++ == 0) visit.visit.first_timestamp_ns = frame->timestamp_ns;
-    visit.visit.last_timestamp_ns = frame->timestamp_ns;
-    block.push_back(*std::move(frame));
-    if (block.size() >= 2 * run.pool.size()) ROOMWISE_CHECK_OK(place_block());
-    run.progress.advance(count + 1, "");
-  }
-  ROOMWISE_CHECK_OK(place_block());
-  run.progress.end();
-  if (run.progress.interrupted()) return fail("interrupted while looking at the visit");
-  visit.visit.placed = visit.placed.size();
-  ROOMWISE_TRY(visit.rooms, looker.update_rooms(home, visit.placed));
-  return visit;
-}
-
-// The visit's frames as find_instances() takes key-frames; their ids are places in `frames`.
-std::vector<objects::LookedKeyframe> looked_frames(const VisitFrames& frames,
-                                                   const objects::ObjectVocabulary& vocabulary) {
-  std::vector<objects::LookedKeyframe> looked;
-  for (std::size_t i = 0; i < frames.placed.size(); ++i) {
-    const PlacedFrame& frame = frames.placed[i];
-    looked.push_back({.keyframe_id = i,
-                      .world_from_camera = frame.world_from_camera,
-                      .camera = &frames.camera,
-                      .coarse_depth = &frame.look.coarse_depth,
-                      .regions = named_regions(frame.look, vocabulary),
-                      .said = {},
-                      .not_asked = {}});
-  }
-  return looked;
-}
 
 // The things of a home, and what it takes to compare them with those of a visit.
 class VisitComparison {
@@ -174,10 +28,9 @@ class VisitComparison {
     return result;
   }
 
-  HomeUpdate compare(const StoredLooks& looks, const VisitFrames& frames,
+  HomeUpdate compare(const std::vector<objects::LookedKeyframe>& looked_before,
+                     const objects::Level& level, const VisitFrames& frames,
                      const UpdateOptions& options, RunContext& run) {
-    const auto& looked_before = looks.pieces().at(0);
-    const objects::Level level = objects::find_level(looked_before);
     take_before(looked_before, level);
     const auto looked_now = looked_frames(frames, concepts_.vocabulary);
     now_instances_ = objects::find_instances(looked_now, level, options.instances);
@@ -437,21 +290,19 @@ class VisitComparison {
 }  // namespace
 
 Expected<void> UpdateOptions::validate() const {
-  if (every < 1) return fail("every is {}; expected at least 1", every);
-  ROOMWISE_CHECK_OK(localizer.validate());
+  ROOMWISE_CHECK_OK(visit.validate());
   ROOMWISE_CHECK_OK(instances.validate());
-  if (rooms) ROOMWISE_CHECK_OK(rooms->validate());
   ROOMWISE_CHECK_OK(surfaces.validate());
   return changes.validate();
 }
 
 Expected<HomeUpdate> compare_with_visit(const home::Home& home,
                                         const std::filesystem::path& recording,
-                                        const objects::RegionFinders& finders,
+                                        const objects::ObjectFinders& finders,
                                         const Networks& networks, const UpdateOptions& options,
                                         RunContext& run) {
   ROOMWISE_CHECK_OK(options.validate());
-  if (finders.empty()) {
+  if (finders.in_pictures.empty()) {
     return fail("no detector is here to look at the visit; get one: roomwise networks list");
   }
   ROOMWISE_TRY(const auto keyframes, home.keyframes());
@@ -461,8 +312,9 @@ Expected<HomeUpdate> compare_with_visit(const home::Home& home,
     return fail("{}: no detector has looked at this home; let one: roomwise objects find --home {}",
                 home.file(), home.file());
   }
+  const objects::Level level = objects::find_level(looks.pieces().at(0));
   ROOMWISE_TRY(const VisitFrames frames,
-               place_frames(home, recording, finders, networks, options, run));
+               look_at_visit(home, recording, finders, networks, level, options.visit, run));
   if (frames.placed.size() < 2) {
     return fail("{}: only {} of {} frames were found on the map of {}; is it the same home?",
                 recording.string(), frames.placed.size(), frames.visit.frames, home.file());
@@ -470,7 +322,7 @@ Expected<HomeUpdate> compare_with_visit(const home::Home& home,
   const auto timing = run.clock.measure("comparing");
   ROOMWISE_TRY(VisitComparison comparison, VisitComparison::create(home));
   run.progress.begin("comparing with the map", 1);
-  HomeUpdate update = comparison.compare(looks, frames, options, run);
+  HomeUpdate update = comparison.compare(looks.pieces().at(0), level, frames, options, run);
   run.progress.advance(1, "");
   run.progress.end();
   if (run.progress.interrupted()) return fail("interrupted while comparing; nothing was written");

@@ -7,24 +7,18 @@
 #include <vector>
 
 #include "roomwise/home/home.h"
-#include "roomwise/mapping/localization.h"
 #include "roomwise/objects/changes.h"
-#include "roomwise/objects/region_finder.h"
 #include "roomwise/objects/surface_changes.h"
-#include "roomwise/pipeline/run_context.h"
-#include "roomwise/pipeline/visit_rooms.h"
+#include "roomwise/pipeline/visit_frames.h"
 
 namespace roomwise::pipeline {
 
 struct UpdateOptions {
-  std::uint64_t every = 1;  // of the visit's frames
-  mapping::LocalizerOptions localizer;
+  VisitOptions visit;
   // Of the visit's things: it sees each less often than the walk that made the map.
   objects::InstanceOptions instances{.least_sightings = 2};
   objects::ChangeOptions changes;
   objects::SurfaceChangeOptions surfaces;
-  // How the learned rooms are refreshed; absent: they stay as they are.
-  std::optional<rooms::VisitLearningOptions> rooms = rooms::VisitLearningOptions{};
 
   [[nodiscard]] Expected<void> validate() const;
 };
@@ -68,16 +62,16 @@ struct HomeUpdate {
   home::HomeChanges changes;           // what Home::apply_changes() takes
 };
 
-// Compares a home's map with a later walk through the same home: frames are placed on the map one
-// by one (HomeLocalizer), what the finders find in those is joined into things, and these and their
-// depth are compared with the things of the home (objects::find_changes). By the frames that show
+// Compares a home's map with a later walk through the same home: frames are placed on the map and
+// looked at (look_at_visit), what is found in them is joined into things, and these and their depth
+// are compared with the things of the home (objects::find_changes). By the frames that show
 // their room surely the learned rooms are to be known, too (VisitRooms); where none were learned,
 // the update says why. Reads only. Fails where the home has no map, where no finder has looked at
 // it, where the network is not among `networks` that its rooms were learned with, and where fewer
 // than two frames were placed.
 [[nodiscard]] Expected<HomeUpdate> compare_with_visit(const home::Home& home,
                                                       const std::filesystem::path& recording,
-                                                      const objects::RegionFinders& finders,
+                                                      const objects::ObjectFinders& finders,
                                                       const Networks& networks,
                                                       const UpdateOptions& options,
                                                       RunContext& run);

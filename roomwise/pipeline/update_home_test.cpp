@@ -46,6 +46,9 @@ class UpdateHome : public ::testing::Test {
 
   void SetUp() override {
     finders_.in_pictures.push_back(std::make_unique<RedFinder>());
+    map_walk();
+  }
+  void map_walk() {
     WalkWithBox walk(kFrames, kStep_rad, kBox);
     Expected<home::Home> made = create_home(folder_ / "a.home");
     ASSERT_OK(made);
@@ -65,7 +68,7 @@ class UpdateHome : public ::testing::Test {
       ROOMWISE_CHECK_OK(writer->write(*frame));
     }
     ROOMWISE_CHECK_OK(writer->close());
-    return compare_with_visit(*home_, folder, finders_.in_pictures, {}, {}, run_);
+    return compare_with_visit(*home_, folder, finders_, {}, {}, run_);
   }
 
   inline static const DrawnBox kBox{
@@ -173,15 +176,51 @@ TEST_F(UpdateHome, WhatIsGoneStaysGone) {
   EXPECT_EQ(home_->past_instances()->size(), 1U);
 }
 
+// No finder sees the box in whole pictures: only closer looks, at what stands apart in depth.
+class UpdateHomeByCloserLooks : public UpdateHome {
+ protected:
+  void SetUp() override {
+    finders_.in_pictures.push_back(std::make_unique<testing::BlindFinder>());
+    finders_.of_proposals = std::make_unique<testing::RedNamer>();
+    map_walk();
+  }
+};
+
+TEST_F(UpdateHomeByCloserLooks, WhatMovedIsKnownAgainByItsName) {
+  const auto update = visit(kElsewhere);
+  ASSERT_OK(update);
+  ASSERT_EQ(update->things.size(), 1U);
+  EXPECT_EQ(update->things[0].name, "lamp");
+  EXPECT_EQ(update->things[0].fate, objects::Fate::kMoved);
+  ASSERT_TRUE(update->things[0].now);
+  EXPECT_LT(update->things[0].now->distance_m(kElsewhere.extent.center()), 0.1);
+  EXPECT_TRUE(update->unnamed.empty()) << "it has a name";
+}
+
+TEST_F(UpdateHomeByCloserLooks, WithoutThemItIsGoneAndSomethingIsNew) {
+  finders_.of_proposals.reset();
+  const auto update = visit(kElsewhere);
+  ASSERT_OK(update);
+  ASSERT_EQ(update->things.size(), 1U);
+  EXPECT_EQ(update->things[0].fate, objects::Fate::kGone);
+  ASSERT_EQ(update->unnamed.size(), 1U);
+  EXPECT_TRUE(update->unnamed[0].is_new);
+}
+
+TEST_F(UpdateHomeByCloserLooks, OneThatFailsIsAnError) {
+  auto failing = std::make_unique<testing::RedNamer>();
+  failing->fails = true;
+  finders_.of_proposals = std::move(failing);
+  EXPECT_ERROR(visit(kElsewhere), "sees nothing");
+}
+
 TEST_F(UpdateHome, SaysWhatIsMissing) {
-  EXPECT_ERROR(compare_with_visit(*home_, folder_ / "nowhere", finders_.in_pictures, {}, {}, run_),
-               "nowhere");
+  EXPECT_ERROR(compare_with_visit(*home_, folder_ / "nowhere", finders_, {}, {}, run_), "nowhere");
   EXPECT_ERROR(compare_with_visit(*home_, folder_ / "nowhere", {}, {}, {}, run_), "no detector");
   UpdateOptions options;
-  options.every = 0;
-  EXPECT_ERROR(
-      compare_with_visit(*home_, folder_ / "nowhere", finders_.in_pictures, {}, options, run_),
-      "every is 0");
+  options.visit.every = 0;
+  EXPECT_ERROR(compare_with_visit(*home_, folder_ / "nowhere", finders_, {}, options, run_),
+               "every is 0");
 }
 
 }  // namespace

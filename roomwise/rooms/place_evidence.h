@@ -39,9 +39,9 @@ struct PlaceEvidence {
 
 // The same of two pictures that were taken shortly after one another, both with depth or neither:
 // of the room in which the second was taken. Where it has no place, the first's tells the room
-// nearly as surely; where the two contradict each other, neither does. Whether this is their home both say, as
-// much as two pictures of one place tell more than one (independent_count()): a place that one of
-// them seems to have, and the other has not, says little.
+// nearly as surely; where the two contradict each other, neither does. Whether this is their home
+// both say, as much as two pictures of one place tell more than one (independent_count()): a place
+// that one of them seems to have, and the other has not, says little.
 [[nodiscard]] PlaceEvidence place_evidence(const mapping::PairLocalization& answers, bool has_depth,
                                            const fusion::LevelFrame& frame,
                                            const std::optional<RoomLayout>& layout,
