@@ -15,6 +15,8 @@ constexpr int kTemperatures = 60;
 constexpr double kLeastSure = 0.5;
 constexpr double kMostSure = 0.95;
 constexpr double kLeastDeviation = 1e-3;
+// What is usual in a room is told by its pictures, and by so many more that are known as the mean.
+constexpr double kAveragePictures = 5;
 
 double cross_entropy(std::span<const HeldOutPicture> pictures, double temperature) {
   RoomCalibration calibration;
@@ -60,6 +62,27 @@ double lower_quantile(std::vector<double> values, double share) {
   return values[static_cast<std::size_t>(share * static_cast<double>(values.size()))];
 }
 
+Eigen::Index most_alike(const Likeness& likeness) {
+  Eigen::Index room = 0;
+  likeness.of_rooms.maxCoeff(&room);
+  return room;
+}
+
+// RoomCalibration::usual_of_rooms, by a calibration without it.
+std::vector<double> usual_of_rooms(std::span<const HeldOutPicture> pictures,
+                                   const RoomCalibration& calibration) {
+  const auto rooms = pictures.front().likeness.of_rooms.size();
+  Eigen::VectorXd sums = Eigen::VectorXd::Zero(rooms);
+  Eigen::VectorXd counts = Eigen::VectorXd::Constant(rooms, kAveragePictures);
+  for (const HeldOutPicture& picture : pictures) {
+    const Eigen::Index room = most_alike(picture.likeness);
+    sums[room] += calibration.known(picture.likeness);
+    counts[room] += 1;
+  }
+  const Eigen::VectorXd usual = sums.cwiseQuotient(counts);
+  return {usual.begin(), usual.end()};
+}
+
 // The lowest probability from which on the answers are right often enough.
 double surely_right_from(std::span<const HeldOutPicture> pictures,
                          const RoomCalibration& calibration) {
@@ -69,9 +92,8 @@ double surely_right_from(std::span<const HeldOutPicture> pictures,
   };
   std::vector<Answer> answers;
   for (const HeldOutPicture& picture : pictures) {
-    Eigen::Index best = 0;
-    const double probability = calibration.probabilities(picture.likeness).maxCoeff(&best);
-    answers.push_back({probability, best == picture.room});
+    const double probability = calibration.probabilities(picture.likeness).maxCoeff();
+    answers.push_back({probability, most_alike(picture.likeness) == picture.room});
   }
   std::ranges::sort(answers, std::ranges::greater{}, &Answer::probability);
   double lowest = kMostSure;
@@ -96,9 +118,11 @@ Eigen::VectorXd RoomCalibration::probabilities(const Likeness& likeness) const {
 }
 
 double RoomCalibration::known(const Likeness& likeness) const {
-  return ((likeness.finely - finely_mean) / finely_deviation +
-          (likeness.coarsely - coarsely_mean) / coarsely_deviation) /
-         2;
+  const double known = ((likeness.finely - finely_mean) / finely_deviation +
+                        (likeness.coarsely - coarsely_mean) / coarsely_deviation) /
+                       2;
+  if (usual_of_rooms.empty()) return known;
+  return known - usual_of_rooms.at(static_cast<std::size_t>(most_alike(likeness)));
 }
 
 Expected<void> RoomCalibration::validate() const {
@@ -108,6 +132,9 @@ Expected<void> RoomCalibration::validate() const {
     if (!(value > 0 && std::isfinite(value))) {
       return fail("{} is {}; expected more than 0", name, value);
     }
+  }
+  if (!std::ranges::all_of(usual_of_rooms, [](double usual) { return std::isfinite(usual); })) {
+    return fail("usual_of_rooms holds what is no number");
   }
   for (const auto& [name, value] :
        {std::pair("finely_mean", finely_mean), std::pair("coarsely_mean", coarsely_mean),
@@ -139,6 +166,7 @@ RoomCalibration calibrate(std::span<const HeldOutPicture> held_out) {
   calibration.coarsely_mean = coarse.mean;
   calibration.coarsely_deviation = coarse.deviation;
   calibration.sure_from = surely_right_from(held_out, calibration);
+  calibration.usual_of_rooms = usual_of_rooms(held_out, calibration);
   std::vector<double> known;
   for (const HeldOutPicture& picture : held_out) {
     known.push_back(calibration.known(picture.likeness));

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <span>
+#include <vector>
 
 #include "roomwise/base/expected.h"
 #include "roomwise/rooms/room_memory.h"
@@ -19,6 +20,10 @@ struct RoomCalibration {
   double finely_deviation = 0.1;
   double coarsely_mean = 0.9;
   double coarsely_deviation = 0.03;
+  // How well held-out pictures that look most like each room are known on average, in these
+  // deviations: a hall of bare walls better than a kitchen, and a hall of another home, too. Empty:
+  // 0.
+  std::vector<double> usual_of_rooms = {};
   // A room is named from this probability on: above it held-out pictures were named rightly as
   // often as is asked (kLeastPrecision).
   double sure_from = 0.8;
@@ -31,8 +36,9 @@ struct RoomCalibration {
 
   // Each room's probability, every room alike beforehand.
   [[nodiscard]] Eigen::VectorXd probabilities(const Likeness& likeness) const;
-  // How well a picture is known: 0 as the mean held-out picture, 1 a standard deviation better.
-  // The mean of how it is known finely and coarsely.
+  // How well a picture is known: 0 as the mean held-out picture that looks most like the same room,
+  // 1 a standard deviation of all held-out pictures better. The mean of how it is known finely and
+  // coarsely.
   [[nodiscard]] double known(const Likeness& likeness) const;
 
   // Fails, naming the field, on what is not finite or out of range.

@@ -73,7 +73,46 @@ TEST(Calibrate, KnownIsCountedInDeviationsOfHeldOutPictures) {
   Likeness better = pictures.front().likeness;
   better.finely = calibration.finely_mean + calibration.finely_deviation;
   better.coarsely = calibration.coarsely_mean + 2 * calibration.coarsely_deviation;
-  EXPECT_NEAR(calibration.known(better), 1.5, 1e-9);
+  EXPECT_NEAR(calibration.known(better), 1.5, 0.05);
+}
+
+TEST(Calibrate, KnownIsCountedFromWhatIsUsualInTheRoomThatAPictureLooksLike) {
+  auto pictures = held_out(2000, 0.4, 0);  // the other room's probability is 1e-6
+  for (HeldOutPicture& picture : pictures) {
+    if (picture.room == 1) picture.likeness.finely += 0.3;
+  }
+  const RoomCalibration calibration = calibrate(pictures);
+  Eigen::Array2d sums = Eigen::Array2d::Zero();
+  for (const HeldOutPicture& picture : pictures) {
+    sums[picture.room] += calibration.known(picture.likeness) / 1000;
+  }
+  EXPECT_NEAR(sums[0], 0, 0.01);
+  EXPECT_NEAR(sums[1], 0, 0.01);
+  // As well known as the hall's pictures are, which look like the hall: as usual.
+  Likeness picture = pictures[0].likeness;
+  picture.finely = 0.7;
+  const double known_of_first = calibration.known(picture);
+  std::swap(picture.of_rooms[0], picture.of_rooms[1]);
+  const double difference = calibration.usual_of_rooms[1] - calibration.usual_of_rooms[0];
+  EXPECT_NEAR(difference, 0.83, 0.05) << "half of 0.3 in deviations of 0.18";
+  EXPECT_NEAR(known_of_first - calibration.known(picture), difference, 1e-9);
+}
+
+TEST(Calibrate, ARoomOfFewPicturesIsTakenForAnAverageOne) {
+  auto pictures = held_out(2000, 0.4, 0);
+  HeldOutPicture rare = pictures[0];
+  rare.room = 2;
+  rare.likeness.finely = 0.8;
+  for (HeldOutPicture& picture : pictures) {
+    picture.likeness.of_rooms.conservativeResizeLike(Eigen::Vector3d(0, 0, 0.1));
+    picture.likeness.of_rooms[2] = 0.1;
+  }
+  rare.likeness.of_rooms = Eigen::Vector3d(0.3, 0.3, 0.9);
+  pictures.push_back(rare);
+  const RoomCalibration calibration = calibrate(pictures);
+  RoomCalibration plain = calibration;
+  plain.usual_of_rooms.clear();
+  EXPECT_NEAR(calibration.usual_of_rooms[2], plain.known(rare.likeness) / 6, 0.01);
 }
 
 TEST(RoomCalibration, NamesTheFieldThatIsWrong) {
@@ -87,6 +126,9 @@ TEST(RoomCalibration, NamesTheFieldThatIsWrong) {
   calibration = {};
   calibration.known_from = std::numeric_limits<double>::quiet_NaN();
   EXPECT_ERROR(calibration.validate(), "known_from");
+  calibration = {};
+  calibration.usual_of_rooms = {0, std::numeric_limits<double>::infinity()};
+  EXPECT_ERROR(calibration.validate(), "usual_of_rooms");
   calibration = {};
   calibration.none_below = 1;
   EXPECT_ERROR(calibration.validate(), "none_below");

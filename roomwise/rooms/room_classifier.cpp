@@ -10,8 +10,8 @@ namespace roomwise::rooms {
 namespace {
 
 constexpr std::string_view kMagic = "RWRC";
-// Version 1 ends after the regression.
-constexpr std::uint32_t kVersion = 2;
+// Version 1 ends after the regression, version 2 has nothing of what is usual in each room.
+constexpr std::uint32_t kVersion = 3;
 
 bool has_duplicates(std::vector<std::string> names) {
   std::ranges::sort(names);
@@ -148,7 +148,7 @@ Expected<RoomClassifier> RoomClassifier::from_bytes(std::span<const std::uint8_t
   if (reader.failed()) return damaged("it is cut short");
   std::optional<RoomRecall> recall;
   if (version > 1) {
-    auto read = read_recall(reader, names.size(), features);
+    auto read = read_recall(reader, names.size(), features, version > 2);
     if (!read) return damaged(read.error().message);
     recall = *std::move(read);
   }

@@ -70,7 +70,7 @@ class RoomClassifier {
     return static_cast<std::size_t>(regression_.weights().cols());
   }
 
-  // The form in which a home file keeps it: "RWRC", version 2 (1 without recall), then
+  // The form in which a home file keeps it: "RWRC", version 3 (1 without recall), then
   // little-endian counts, texts and floats. Reading fails on anything else: another version, a cut
   // or longer text, a room twice, a value that is not finite or out of range.
   [[nodiscard]] Bytes to_bytes() const;

@@ -31,8 +31,10 @@ RoomClassifier two_rooms() {
     picture.push_back(i / 2);
   }
   const RoomClassifier first = of_version_1();
+  RoomCalibration calibration;
+  calibration.usual_of_rooms = {0.25, -0.5};
   return RoomClassifier(first.network(), first.rooms(), first.regression(),
-                        RoomRecall{RoomMemory(rows, room, picture, 2), RoomCalibration{}});
+                        RoomRecall{RoomMemory(rows, room, picture, 2), calibration});
 }
 
 TEST(RoomClassifier, NamesTheBestRoomFirst) {
@@ -109,7 +111,26 @@ TEST(RoomClassifier, ReadsVersion1WhichHasNothingToCompareWith) {
   ASSERT_OK(back);
   EXPECT_OK(back->scores(std::vector<float>{0, 1, 0}));
   EXPECT_ERROR(back->evidence(std::vector<float>{0, 1, 0}), "learn them again");
-  EXPECT_EQ(two_rooms().to_bytes()[4], 2);
+  EXPECT_EQ(two_rooms().to_bytes()[4], 3);
+}
+
+// How many bytes version 3 has at its end that version 2 lacks, for two rooms.
+constexpr std::size_t kUsualBytes = 4 + 2 * 8;
+
+TEST(RoomClassifier, ReadsVersion2WhichKnowsNothingOfWhatIsUsualInARoom) {
+  const RoomClassifier classifier = two_rooms();
+  Bytes bytes = classifier.to_bytes();
+  bytes.resize(bytes.size() - kUsualBytes);
+  bytes[4] = 2;
+  const auto back = RoomClassifier::from_bytes(bytes);
+  ASSERT_OK(back);
+  EXPECT_TRUE(back->recall()->calibration.usual_of_rooms.empty());
+  const std::vector<float> bath{9, 1, 2};
+  const auto of_bath = classifier.evidence(bath);
+  ASSERT_OK(of_bath);
+  EXPECT_NEAR(back->evidence(bath)->known, of_bath->known + 0.25, 1e-9);
+  EXPECT_EQ(back->to_bytes()[4], 3);
+  EXPECT_OK(RoomClassifier::from_bytes(back->to_bytes()));
 }
 
 TEST(RoomClassifier, RefusesDamagedBytes) {
@@ -124,14 +145,22 @@ TEST(RoomClassifier, RefusesDamagedBytes) {
   other[0] = 'X';
   EXPECT_ERROR(RoomClassifier::from_bytes(other), "does not begin with RWRC");
   Bytes newer = whole;
-  newer[4] = 3;
-  EXPECT_ERROR(RoomClassifier::from_bytes(newer), "version 3");
+  newer[4] = 4;
+  EXPECT_ERROR(RoomClassifier::from_bytes(newer), "version 4");
   Bytes infinite = of_version_1().to_bytes();
   for (std::size_t i = infinite.size() - 4; i < infinite.size(); ++i) infinite[i] = 0xff;
   EXPECT_ERROR(RoomClassifier::from_bytes(infinite), "not finite");
-  Bytes unbounded = whole;  // its last number is the calibration's none_below
-  for (std::size_t i = whole.size() - 8; i < whole.size(); ++i) unbounded[i] = 0xff;
+  const std::size_t usual =
+      whole.size() - kUsualBytes;  // before it is the calibration's none_below
+  Bytes unbounded = whole;
+  for (std::size_t i = usual - 8; i < usual; ++i) unbounded[i] = 0xff;
   EXPECT_ERROR(RoomClassifier::from_bytes(unbounded), "none_below");
+  Bytes unusual = whole;
+  for (std::size_t i = usual + 4; i < whole.size(); ++i) unusual[i] = 0xff;
+  EXPECT_ERROR(RoomClassifier::from_bytes(unusual), "usual_of_rooms");
+  Bytes of_one_room = whole;
+  of_one_room[usual] = 1;
+  EXPECT_ERROR(RoomClassifier::from_bytes(of_one_room), "not every room");
 }
 
 TEST(RoomClassifier, SurvivesEveryFlippedByte) {

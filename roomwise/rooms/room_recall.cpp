@@ -5,7 +5,7 @@
 namespace roomwise::rooms {
 namespace {
 
-// Every number of a calibration, in the order in which it is stored.
+// Every single number of a calibration, in the order in which it is stored.
 constexpr std::array kCalibration = {
     &RoomCalibration::temperature,        &RoomCalibration::finely_mean,
     &RoomCalibration::finely_deviation,   &RoomCalibration::coarsely_mean,
@@ -44,9 +44,13 @@ void write(NumberWriter& writer, const RoomRecall& recall) {
   for (const int room : memory.room()) writer.number(static_cast<std::uint32_t>(room));
   for (const int picture : memory.picture()) writer.number(static_cast<std::uint32_t>(picture));
   for (const auto number : kCalibration) writer.real(recall.calibration.*number);
+  const std::vector<double>& usual = recall.calibration.usual_of_rooms;
+  writer.number(static_cast<std::uint32_t>(usual.size()));
+  for (const double value : usual) writer.real(value);
 }
 
-Expected<RoomRecall> read_recall(NumberReader& reader, std::size_t rooms, std::size_t features) {
+Expected<RoomRecall> read_recall(NumberReader& reader, std::size_t rooms, std::size_t features,
+                                 bool has_usual_of_rooms) {
   const std::uint64_t directions = reader.number();
   const std::uint64_t rows = reader.number();
   // Asked before any memory is taken. Every factor is below 2^32.
@@ -65,6 +69,11 @@ Expected<RoomRecall> read_recall(NumberReader& reader, std::size_t rooms, std::s
   for (int& value : picture) value = static_cast<int>(reader.number());
   RoomRecall recall;
   for (const auto number : kCalibration) recall.calibration.*number = reader.real_of_64_bits();
+  const std::size_t usual = has_usual_of_rooms ? reader.number() : 0;
+  if (usual != 0 && usual != rooms) return fail("not every room has what is usual in it");
+  for (std::size_t i = 0; i < usual; ++i) {
+    recall.calibration.usual_of_rooms.push_back(reader.real_of_64_bits());
+  }
   if (reader.failed()) return fail("it is cut short");
   if (!mean.allFinite() || !axes.allFinite() || !places.allFinite() ||
       !are_deviations(deviations)) {

@@ -13,11 +13,12 @@ struct RoomRecall {
   RoomCalibration calibration;
 };
 
-// The part of a stored classifier that is new in version 2.
+// The part of a stored classifier that is new in version 2. Version 3 has
+// RoomCalibration::usual_of_rooms at its end.
 void write(NumberWriter& writer, const RoomRecall& recall);
 // Fails, saying what is wrong, on anything that write() does not write. Memory is taken only for
 // what is there.
 [[nodiscard]] Expected<RoomRecall> read_recall(NumberReader& reader, std::size_t rooms,
-                                               std::size_t features);
+                                               std::size_t features, bool has_usual_of_rooms);
 
 }  // namespace roomwise::rooms
