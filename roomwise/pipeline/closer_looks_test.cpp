@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "roomwise/base/testing.h"
+#include "roomwise/pipeline/interrupted_at.h"
 #include "roomwise/pipeline/made_up_finder.h"
 #include "roomwise/pipeline/map_recording.h"
 #include "roomwise/pipeline/room_learning.h"
@@ -14,22 +15,9 @@ namespace {
 
 using testing::BlindFinder;
 using testing::DrawnBox;
+using testing::InterruptedAt;
 using testing::RedNamer;
 using testing::WalkWithBox;
-
-// The user stops as soon as the closer looks begin.
-class InterruptedLook final : public Progress {
- public:
-  void begin(std::string_view work, std::optional<std::uint64_t>) override {
-    has_begun_ = has_begun_ || work == "looking closer";
-  }
-  void advance(std::uint64_t, std::string_view) override {}
-  void end() override {}
-  [[nodiscard]] bool interrupted() const override { return has_begun_; }
-
- private:
-  bool has_begun_ = false;
-};
 
 class CloserLooks : public ::testing::Test {
  protected:
@@ -109,7 +97,7 @@ TEST_F(CloserLooks, TakeThePlaceOfThoseOfOtherNetworks) {
 TEST_F(CloserLooks, InterruptedOrFailingLeaveTheHomeAsItWas) {
   home::Home home = mapped("a.home", false);
   const auto before = home.content_digest();
-  InterruptedLook interrupted;
+  InterruptedAt interrupted("looking closer");
   RunContext run{pool_, interrupted, clock_};
   const auto looked = look_closer(home, RedNamer(), run);
   ASSERT_OK(looked);
@@ -124,7 +112,7 @@ TEST_F(CloserLooks, InterruptedOrFailingLeaveTheHomeAsItWas) {
 TEST_F(CloserLooks, AMapThatIsInterruptedMeanwhileGoesOn) {
   const home::Home whole = mapped("whole.home", true);
   home::Home home = create_home(folder_ / "resumed.home").value();
-  InterruptedLook interrupted;
+  InterruptedAt interrupted("looking closer");
   RunContext run{pool_, interrupted, clock_};
   const auto stopped = map(home, true, run);
   ASSERT_OK(stopped);

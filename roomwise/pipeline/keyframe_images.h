@@ -1,6 +1,5 @@
 #pragma once
 
-#include <algorithm>
 #include <map>
 #include <span>
 #include <string_view>
@@ -9,7 +8,7 @@
 
 #include "roomwise/home/home.h"
 #include "roomwise/image/image.h"
-#include "roomwise/pipeline/run_context.h"
+#include "roomwise/pipeline/in_blocks.h"
 
 namespace roomwise::pipeline {
 
@@ -37,34 +36,17 @@ template <typename Make, typename Take>
                                                const Make& make, const Take& take) {
   using Made = std::invoke_result_t<Make, const home::Keyframe&, const DecodedImages&>;
   ROOMWISE_TRY(const auto cameras, recording_cameras(home));
-  run.progress.begin(work, keyframes.size());
-  const std::size_t block = 2 * run.pool.size();
-  for (std::size_t first = 0; first < keyframes.size(); first += block) {
-    if (run.progress.interrupted()) return fail("interrupted while {}", work);
-    const auto now = keyframes.subspan(first, std::min(block, keyframes.size() - first));
-    std::vector<home::KeyframeImages> images;
-    for (const home::Keyframe& keyframe : now) {
-      ROOMWISE_TRY(home::KeyframeImages one, home.images(keyframe.id));
-      images.push_back(std::move(one));
-    }
-    std::vector<Expected<Made>> made(now.size(), fail("not made yet"));
-    run.pool.parallel_for(now.size(), [&](std::size_t i) {
-      made[i] =
-          decode(images[i], cameras.at(now[i].recording)).map([&](const DecodedImages& decoded) {
-            return make(now[i], decoded);
-          });
-    });
-    for (std::size_t i = 0; i < now.size(); ++i) {
-      if (!made[i]) {
-        return Unexpected(
-            std::move(made[i]).error().in(fmt::format("{}: key-frame {}", home.file(), now[i].id)));
-      }
-      ROOMWISE_CHECK_OK(take(now[i], *std::move(made[i])));
-    }
-    run.progress.advance(first + now.size(), "");
-  }
-  run.progress.end();
-  return {};
+  return in_blocks(
+      keyframes.size(), work, run, [&](std::size_t i) { return home.images(keyframes[i].id); },
+      [&](std::size_t i, const home::KeyframeImages& images) -> Expected<Made> {
+        auto made =
+            decode(images, cameras.at(keyframes[i].recording))
+                .map([&](const DecodedImages& decoded) { return make(keyframes[i], decoded); });
+        if (made) return made;
+        return Unexpected(std::move(made).error().in(
+            fmt::format("{}: key-frame {}", home.file(), keyframes[i].id)));
+      },
+      [&](std::size_t i, Made made) { return take(keyframes[i], std::move(made)); });
 }
 
 }  // namespace roomwise::pipeline

@@ -25,8 +25,8 @@ class ProposalLooks {
   [[nodiscard]] bool is_shown_by(std::uint64_t picture) const {
     return views_of_picture_.contains(picture);
   }
-  // What such a picture shows of each of its proposals; to be handed to keep(). May be called from
-  // several threads at once. Fails where the namer does.
+  // What a picture shows of each of its proposals; to be handed to keep(). Only of pictures that
+  // is_shown_by() names. May be called from several threads at once. Fails where the namer does.
   [[nodiscard]] Expected<std::vector<Sight>> look(std::uint64_t picture,
                                                   const image::ColorImage& color,
                                                   const image::DepthImage& depth,

@@ -3,8 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <mutex>
+
 #include "roomwise/base/testing.h"
 #include "roomwise/image/codec.h"
+#include "roomwise/pipeline/interrupted_at.h"
 #include "roomwise/pipeline/made_up_finder.h"
 #include "roomwise/pipeline/map_recording.h"
 #include "roomwise/pipeline/room_learning.h"
@@ -60,15 +63,19 @@ class UpdateHome : public ::testing::Test {
   // Writes a later walk down and compares the home with it.
   Expected<HomeUpdate> visit(const std::optional<DrawnBox>& box) {
     const auto folder = folder_ / fmt::format("visit-{}", visits_++);
-    WalkWithBox walk(kFrames, kStep_rad, box);
+    ROOMWISE_CHECK_OK(write_walk(folder, kFrames, kStep_rad, box));
+    return compare_with_visit(*home_, folder, finders_, {}, {}, run_);
+  }
+  static Expected<void> write_walk(const std::filesystem::path& folder, int frames, double step_rad,
+                                   const std::optional<DrawnBox>& box) {
+    WalkWithBox walk(frames, step_rad, box);
     ROOMWISE_TRY(auto writer, recording::TumWriter::create(folder, walk.info().camera));
     while (true) {
       ROOMWISE_TRY(auto frame, walk.next());
       if (!frame) break;
       ROOMWISE_CHECK_OK(writer->write(*frame));
     }
-    ROOMWISE_CHECK_OK(writer->close());
-    return compare_with_visit(*home_, folder, finders_, {}, {}, run_);
+    return writer->close();
   }
 
   inline static const DrawnBox kBox{
@@ -205,6 +212,66 @@ TEST_F(UpdateHomeByCloserLooks, WithoutThemItIsGoneAndSomethingIsNew) {
   EXPECT_EQ(update->things[0].fate, objects::Fate::kGone);
   ASSERT_EQ(update->unnamed.size(), 1U);
   EXPECT_TRUE(update->unnamed[0].is_new);
+}
+
+TEST_F(UpdateHomeByCloserLooks, WhatMovedIsThereOnceMore) {
+  const auto first = visit(kElsewhere);
+  ASSERT_OK(first);
+  ASSERT_OK(home_->apply_changes(first->changes));
+  const auto second = visit(kElsewhere);
+  ASSERT_OK(second);
+  EXPECT_TRUE(second->changes.empty());
+  EXPECT_TRUE(second->unnamed.empty());
+  ASSERT_OK(update_objects(*home_, {}));
+  ASSERT_EQ(home_->instances()->size(), 1U);
+  EXPECT_EQ(home_->instances()->at(0).visit, 1);
+}
+
+// Says which pictures it was shown, by how much of each is red.
+class CountingNamer final : public objects::ProposalNamer {
+ public:
+  [[nodiscard]] Expected<objects::WordScores> look(const image::ColorImage& picture,
+                                                   const network::PixelBox& box) const override {
+    const std::scoped_lock lock(mutex_);
+    ++looks_;
+    return red_.look(picture, box);
+  }
+  [[nodiscard]] int looks() const { return looks_; }
+
+ private:
+  testing::RedNamer red_;
+  mutable std::mutex mutex_;
+  mutable int looks_ = 0;
+};
+
+TEST_F(UpdateHomeByCloserLooks, FramesAsFarApartAsKeyframesAreShownAndTheOthersNot) {
+  const auto looks_of_walk = [&](int frames, double step_rad, std::uint64_t every) {
+    const auto folder = folder_ / fmt::format("visit-{}", visits_++);
+    EXPECT_OK(write_walk(folder, frames, step_rad, kElsewhere));
+    auto namer = std::make_unique<CountingNamer>();
+    const CountingNamer& counting = *namer;
+    finders_.of_proposals = std::move(namer);
+    UpdateOptions options;
+    options.visit.every = every;
+    const auto update = compare_with_visit(*home_, folder, finders_, {}, options, run_);
+    EXPECT_OK(update);
+    EXPECT_EQ(update->things.at(0).fate, objects::Fate::kMoved);
+    return counting.looks();
+  };
+  const int looks = looks_of_walk(kFrames, kStep_rad, 1);
+  EXPECT_GE(looks, 3);
+  // The same walk with four pictures for each, all of them or every second.
+  EXPECT_LE(looks_of_walk(4 * kFrames, kStep_rad / 4, 1), looks + 2);
+  EXPECT_LE(looks_of_walk(4 * kFrames, kStep_rad / 4, 2), looks + 2);
+}
+
+TEST_F(UpdateHomeByCloserLooks, InterruptedMeanwhileIsAnError) {
+  testing::InterruptedAt interrupted("looking closer at the visit");
+  RunContext run{pool_, interrupted, clock_};
+  const auto folder = folder_ / "visit";
+  ASSERT_OK(write_walk(folder, kFrames, kStep_rad, kElsewhere));
+  EXPECT_ERROR(compare_with_visit(*home_, folder, finders_, {}, {}, run),
+               "interrupted while looking closer at the visit");
 }
 
 TEST_F(UpdateHomeByCloserLooks, OneThatFailsIsAnError) {

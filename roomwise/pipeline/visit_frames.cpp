@@ -2,12 +2,16 @@
 
 #include <algorithm>
 #include <iterator>
+#include <span>
+#include <string>
 #include <utility>
 
+#include "roomwise/mapping/mapper_options.h"
 #include "roomwise/pipeline/home_localizer.h"
+#include "roomwise/pipeline/in_blocks.h"
+#include "roomwise/pipeline/keyframe_observer.h"
 #include "roomwise/pipeline/proposal_looks.h"
 #include "roomwise/pipeline/stored_looks.h"
-#include "roomwise/pipeline/stored_rooms.h"
 #include "roomwise/recording/tum_recording.h"
 
 namespace roomwise::pipeline {
@@ -84,22 +88,24 @@ Expected<std::optional<RoomUpdate>> VisitLooker::update_rooms(
 }
 
 // All frames of the recording that are found on the map.
-Expected<VisitFrames> place_frames(recording::TumRecording& recording, const VisitLooker& looker,
+Expected<VisitFrames> place_frames(recording::TumRecording& recording,
+                                   const std::filesystem::path& folder, const VisitLooker& looker,
                                    std::uint64_t every, RunContext& run) {
-  VisitFrames visit;
-  visit.camera = recording.info().camera;
-  visit.visit.name = recording.info().name;
+  VisitFrames frames;
+  frames.camera = recording.info().camera;
+  frames.visit.name = recording.info().name;
+  frames.visit.folder = folder.string();
   std::vector<image::RgbdFrame> block;
   const auto place_block = [&]() -> Expected<void> {
     std::vector<Expected<std::optional<PlacedFrame>>> placed(block.size(), fail("not placed yet"));
     run.pool.parallel_for(block.size(), [&](std::size_t i) {
       const auto timing = run.clock.measure("placing and looking");
-      placed[i] = looker.place(std::move(block[i]), visit.camera);
+      placed[i] = looker.place(std::move(block[i]), frames.camera);
     });
     block.clear();
     for (auto& one : placed) {
       if (!one) return Unexpected(std::move(one).error());
-      if (*one) visit.placed.push_back(**std::move(one));
+      if (*one) frames.placed.push_back(**std::move(one));
     }
     return {};
   };
@@ -108,8 +114,8 @@ Expected<VisitFrames> place_frames(recording::TumRecording& recording, const Vis
     ROOMWISE_TRY(auto frame, recording.next());
     if (!frame) break;
     if (count % every != 0) continue;
-    if (visit.visit.frames++ == 0) visit.visit.first_timestamp_ns = frame->timestamp_ns;
-    visit.visit.last_timestamp_ns = frame->timestamp_ns;
+    if (frames.visit.frames++ == 0) frames.visit.first_timestamp_ns = frame->timestamp_ns;
+    frames.visit.last_timestamp_ns = frame->timestamp_ns;
     block.push_back(*std::move(frame));
     if (block.size() >= 2 * run.pool.size()) ROOMWISE_CHECK_OK(place_block());
     run.progress.advance(count + 1, "");
@@ -117,44 +123,55 @@ Expected<VisitFrames> place_frames(recording::TumRecording& recording, const Vis
   ROOMWISE_CHECK_OK(place_block());
   run.progress.end();
   if (run.progress.interrupted()) return fail("interrupted while looking at the visit");
-  visit.visit.placed = visit.placed.size();
-  return visit;
+  frames.visit.placed = frames.placed.size();
+  return frames;
+}
+
+// Of the placed frames those that a map would have as key-frames: the views between show the same
+// once more, and would only outvote others.
+std::vector<objects::LookedKeyframe> spaced_frames(const VisitFrames& frames) {
+  const mapping::MapperOptions spacing;
+  std::vector<objects::LookedKeyframe> spaced;
+  for (const objects::LookedKeyframe& frame : looked_frames(frames, {})) {
+    if (!spaced.empty()) {
+      const geometry::RigidTransform motion =
+          spaced.back().world_from_camera.inverse() * frame.world_from_camera;
+      if (motion.distance_m() < spacing.keyframe_translation_m &&
+          motion.angle_rad() < spacing.keyframe_rotation_rad) {
+        continue;
+      }
+    }
+    spaced.push_back(frame);
+  }
+  return spaced;
 }
 
 // Shows the namer what stands apart in the visit's own depth, from its best views.
-Expected<void> look_closer(VisitFrames& frames, const recording::TumRecording& recording,
-                           const objects::ProposalNamer& namer, const objects::Level& level,
-                           RunContext& run) {
-  const auto looked = looked_frames(frames, {});
+Expected<void> look_closer_at_visit(VisitFrames& frames, const recording::TumRecording& recording,
+                                    const objects::ProposalNamer& namer,
+                                    const objects::Level& level, RunContext& run) {
+  const auto looked = spaced_frames(frames);
   ProposalLooks proposals = [&] {
     const auto timing = run.clock.measure("what stands apart");
     return ProposalLooks(looked, level);
   }();
-  std::vector<std::size_t> shown;
-  for (std::size_t i = 0; i < frames.placed.size(); ++i) {
-    if (proposals.is_shown_by(i)) shown.push_back(i);
+  std::vector<std::size_t> shown;  // in frames.placed
+  for (const objects::LookedKeyframe& frame : looked) {
+    if (proposals.is_shown_by(frame.keyframe_id)) shown.push_back(frame.keyframe_id);
   }
-  using Sights = std::vector<ProposalLooks::Sight>;
-  const auto look = [&](std::size_t i) -> Expected<Sights> {
-    const auto timing = run.clock.measure("closer looks");
-    ROOMWISE_TRY(const auto color, recording.colors().read_color(frames.placed[i].index));
-    return proposals.look(i, color, frames.placed[i].depth, namer);
-  };
-  run.progress.begin("looking closer", shown.size());
-  const std::size_t block = 2 * run.pool.size();
-  for (std::size_t first = 0; first < shown.size(); first += block) {
-    if (run.progress.interrupted()) return fail("interrupted while looking closer at the visit");
-    std::vector<Expected<Sights>> seen(std::min(block, shown.size() - first), Sights{});
-    run.pool.parallel_for(seen.size(), [&](std::size_t k) { seen[k] = look(shown[first + k]); });
-    for (std::size_t k = 0; k < seen.size(); ++k) {
-      if (!seen[k]) return Unexpected(std::move(seen[k]).error());
-      proposals.keep(shown[first + k], *std::move(seen[k]));
-    }
-    run.progress.advance(first + seen.size(), "");
-  }
-  run.progress.end();
-  for (auto& [i, regions] : proposals.regions()) {
-    std::ranges::move(regions, std::back_inserter(frames.placed[i].look.regions));
+  ROOMWISE_CHECK_OK(in_blocks(
+      shown.size(), "looking closer at the visit", run,
+      [&](std::size_t i) { return recording.colors().read_color(frames.placed[shown[i]].index); },
+      [&](std::size_t i, const image::ColorImage& color) {
+        const auto timing = run.clock.measure("closer looks");
+        return proposals.look(shown[i], color, frames.placed[shown[i]].depth, namer);
+      },
+      [&](std::size_t i, std::vector<ProposalLooks::Sight> sights) -> Expected<void> {
+        proposals.keep(shown[i], std::move(sights));
+        return {};
+      }));
+  for (auto& [place, regions] : proposals.regions()) {
+    std::ranges::move(regions, std::back_inserter(frames.placed[place].look.regions));
   }
   return {};
 }
@@ -174,11 +191,10 @@ Expected<VisitFrames> look_at_visit(const home::Home& home, const std::filesyste
   ROOMWISE_TRY(const auto recording, recording::TumRecording::open(folder));
   ROOMWISE_TRY(const VisitLooker looker,
                VisitLooker::create(home, finders.in_pictures, networks, options, run));
-  ROOMWISE_TRY(VisitFrames frames, place_frames(*recording, looker, options.every, run));
-  frames.visit.folder = folder.string();
+  ROOMWISE_TRY(VisitFrames frames, place_frames(*recording, folder, looker, options.every, run));
   ROOMWISE_TRY(frames.rooms, looker.update_rooms(home, frames.placed));
   if (finders.of_proposals != nullptr) {
-    ROOMWISE_CHECK_OK(look_closer(frames, *recording, *finders.of_proposals, level, run));
+    ROOMWISE_CHECK_OK(look_closer_at_visit(frames, *recording, *finders.of_proposals, level, run));
   }
   return frames;
 }

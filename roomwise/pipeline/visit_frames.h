@@ -41,10 +41,12 @@ struct VisitFrames {
   std::optional<RoomUpdate> rooms;  // where they were to be refreshed
 };
 
-// Places the frames of a recording on the home's map, one by one, and lets the finders look at
-// those that were found there; then closer, from its best views, at what stands apart in their
-// depth (objects::find_proposals), the floor being that of the map (`level`). Fails where the
-// recording or one of its frames cannot be read, and when the user interrupts.
+// Places the frames of a recording on the home's map, one by one, and lets the finders (one at
+// least) look at those that were found there; then closer, from its best views, at what stands
+// apart in their depth (objects::find_proposals), by frames as far apart as key-frames are.
+// `level`: of the map. Fails where the home has no map, where the network is not among `networks`
+// that its rooms were learned with, where the recording or a frame cannot be read, as the finders
+// do, and when the user interrupts.
 [[nodiscard]] Expected<VisitFrames> look_at_visit(const home::Home& home,
                                                   const std::filesystem::path& recording,
                                                   const objects::ObjectFinders& finders,

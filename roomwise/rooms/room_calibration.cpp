@@ -122,6 +122,8 @@ double RoomCalibration::known(const Likeness& likeness) const {
                         (likeness.coarsely - coarsely_mean) / coarsely_deviation) /
                        2;
   if (usual_of_rooms.empty()) return known;
+  // Of the one room, not of all by their probabilities: these are soft, and what is usual would be
+  // nearly the same everywhere (docs/benchmarks.md).
   return known - usual_of_rooms.at(static_cast<std::size_t>(most_alike(likeness)));
 }
 
@@ -133,8 +135,10 @@ Expected<void> RoomCalibration::validate() const {
       return fail("{} is {}; expected more than 0", name, value);
     }
   }
-  if (!std::ranges::all_of(usual_of_rooms, [](double usual) { return std::isfinite(usual); })) {
-    return fail("usual_of_rooms holds what is no number");
+  for (std::size_t room = 0; room < usual_of_rooms.size(); ++room) {
+    if (!std::isfinite(usual_of_rooms[room])) {
+      return fail("usual_of_rooms[{}] is {}; expected a number", room, usual_of_rooms[room]);
+    }
   }
   for (const auto& [name, value] :
        {std::pair("finely_mean", finely_mean), std::pair("coarsely_mean", coarsely_mean),

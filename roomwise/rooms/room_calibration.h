@@ -20,9 +20,10 @@ struct RoomCalibration {
   double finely_deviation = 0.1;
   double coarsely_mean = 0.9;
   double coarsely_deviation = 0.03;
-  // How well held-out pictures that look most like each room are known on average, in these
-  // deviations: a hall of bare walls better than a kitchen, and a hall of another home, too. Empty:
-  // 0.
+  // Of each room: how well held-out pictures that look most like it are known on average, in these
+  // deviations, with five average ones beside them. A hall of bare walls is known better than a
+  // kitchen, and so is the hall of another home. Empty, as a classifier of version 2 has it:
+  // nothing is taken off.
   std::vector<double> usual_of_rooms = {};
   // A room is named from this probability on: above it held-out pictures were named rightly as
   // often as is asked (kLeastPrecision).
@@ -36,9 +37,9 @@ struct RoomCalibration {
 
   // Each room's probability, every room alike beforehand.
   [[nodiscard]] Eigen::VectorXd probabilities(const Likeness& likeness) const;
-  // How well a picture is known: 0 as the mean held-out picture that looks most like the same room,
-  // 1 a standard deviation of all held-out pictures better. The mean of how it is known finely and
-  // coarsely.
+  // How well a picture is known: the mean of how it is finely and coarsely, in deviations of the
+  // held-out pictures, less what is usual in the room that it looks most like. So 0 is as usual,
+  // or, in a room of few pictures, between that and the mean of all.
   [[nodiscard]] double known(const Likeness& likeness) const;
 
   // Fails, naming the field, on what is not finite or out of range.

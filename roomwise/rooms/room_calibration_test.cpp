@@ -73,46 +73,50 @@ TEST(Calibrate, KnownIsCountedInDeviationsOfHeldOutPictures) {
   Likeness better = pictures.front().likeness;
   better.finely = calibration.finely_mean + calibration.finely_deviation;
   better.coarsely = calibration.coarsely_mean + 2 * calibration.coarsely_deviation;
-  EXPECT_NEAR(calibration.known(better), 1.5, 0.05);
+  EXPECT_NEAR(calibration.known(better), 1.5 - calibration.usual_of_rooms[0], 1e-9);
 }
 
-TEST(Calibrate, KnownIsCountedFromWhatIsUsualInTheRoomThatAPictureLooksLike) {
-  auto pictures = held_out(2000, 0.4, 0);  // the other room's probability is 1e-6
+TEST(Calibrate, KnownIsCountedFromWhatIsUsualInTheRoomThatAPictureLooksMostLike) {
+  // A fifth looks most like the other room, which is where it counts.
+  auto pictures = held_out(2000, 0.4, 5);
+  const auto looks_like = [](const HeldOutPicture& picture) {
+    return picture.likeness.of_rooms[1] > picture.likeness.of_rooms[0] ? 1 : 0;
+  };
   for (HeldOutPicture& picture : pictures) {
-    if (picture.room == 1) picture.likeness.finely += 0.3;
+    if (looks_like(picture) == 1) picture.likeness.finely += 0.3;
   }
   const RoomCalibration calibration = calibrate(pictures);
   Eigen::Array2d sums = Eigen::Array2d::Zero();
   for (const HeldOutPicture& picture : pictures) {
-    sums[picture.room] += calibration.known(picture.likeness) / 1000;
+    sums[looks_like(picture)] += calibration.known(picture.likeness) / 1000;
   }
   EXPECT_NEAR(sums[0], 0, 0.01);
   EXPECT_NEAR(sums[1], 0, 0.01);
-  // As well known as the hall's pictures are, which look like the hall: as usual.
-  Likeness picture = pictures[0].likeness;
-  picture.finely = 0.7;
-  const double known_of_first = calibration.known(picture);
+  // The same likenesses, but most like the other room.
+  Likeness picture = pictures[1].likeness;
+  const double known = calibration.known(picture);
   std::swap(picture.of_rooms[0], picture.of_rooms[1]);
   const double difference = calibration.usual_of_rooms[1] - calibration.usual_of_rooms[0];
   EXPECT_NEAR(difference, 0.83, 0.05) << "half of 0.3 in deviations of 0.18";
-  EXPECT_NEAR(known_of_first - calibration.known(picture), difference, 1e-9);
+  EXPECT_NEAR(std::abs(known - calibration.known(picture)), difference, 1e-9);
 }
 
 TEST(Calibrate, ARoomOfFewPicturesIsTakenForAnAverageOne) {
   auto pictures = held_out(2000, 0.4, 0);
+  for (HeldOutPicture& picture : pictures) {
+    const Eigen::Vector2d two_rooms = picture.likeness.of_rooms;
+    picture.likeness.of_rooms = Eigen::Vector4d(two_rooms[0], two_rooms[1], 0.1, 0.1);
+  }
   HeldOutPicture rare = pictures[0];
   rare.room = 2;
   rare.likeness.finely = 0.8;
-  for (HeldOutPicture& picture : pictures) {
-    picture.likeness.of_rooms.conservativeResizeLike(Eigen::Vector3d(0, 0, 0.1));
-    picture.likeness.of_rooms[2] = 0.1;
-  }
-  rare.likeness.of_rooms = Eigen::Vector3d(0.3, 0.3, 0.9);
+  rare.likeness.of_rooms = Eigen::Vector4d(0.3, 0.3, 0.9, 0.1);
   pictures.push_back(rare);
   const RoomCalibration calibration = calibrate(pictures);
   RoomCalibration plain = calibration;
   plain.usual_of_rooms.clear();
-  EXPECT_NEAR(calibration.usual_of_rooms[2], plain.known(rare.likeness) / 6, 0.01);
+  EXPECT_NEAR(calibration.usual_of_rooms[2], plain.known(rare.likeness) / 6, 1e-9);
+  EXPECT_EQ(calibration.usual_of_rooms[3], 0) << "no picture looks like it";
 }
 
 TEST(RoomCalibration, NamesTheFieldThatIsWrong) {

@@ -39,6 +39,10 @@ RoomClassifier::RoomClassifier(NetworkIdentity network, std::vector<std::string>
       regression_.weights().rows() != regression_.biases().size()) {
     throw std::invalid_argument("RoomClassifier: not one class a room");
   }
+  const std::size_t usual = recall_ ? recall_->calibration.usual_of_rooms.size() : 0;
+  if (usual != 0 && usual != rooms_.size()) {
+    throw std::invalid_argument("RoomClassifier: not every room has what is usual in it");
+  }
 }
 
 Expected<void> RoomClassifier::check(std::span<const float> features) const {
@@ -148,7 +152,7 @@ Expected<RoomClassifier> RoomClassifier::from_bytes(std::span<const std::uint8_t
   if (reader.failed()) return damaged("it is cut short");
   std::optional<RoomRecall> recall;
   if (version > 1) {
-    auto read = read_recall(reader, names.size(), features, version > 2);
+    auto read = read_recall(reader, names.size(), features, version);
     if (!read) return damaged(read.error().message);
     recall = *std::move(read);
   }

@@ -35,8 +35,8 @@ struct RoomPicture {
 // What one picture says about the room, without any other.
 struct PictureEvidence {
   Eigen::VectorXd probabilities;  // of each room, every room alike beforehand; add up to 1
-  // How well the picture is known (RoomCalibration::known): 0 as the pictures that were held out
-  // while learning, below it worse.
+  // How well the picture is known (RoomCalibration::known): 0 as is usual in the room that it looks
+  // most like, below it worse.
   double known = 0;
 };
 
@@ -46,7 +46,7 @@ struct PictureEvidence {
 class RoomClassifier {
  public:
   // One room a class of the regression, in its order. Throws std::invalid_argument where their
-  // numbers differ.
+  // numbers differ, and where the calibration is of another number of rooms.
   RoomClassifier(NetworkIdentity network, std::vector<std::string> rooms,
                  SoftmaxRegression regression, std::optional<RoomRecall> recall = std::nullopt);
 
@@ -71,8 +71,9 @@ class RoomClassifier {
   }
 
   // The form in which a home file keeps it: "RWRC", version 3 (1 without recall), then
-  // little-endian counts, texts and floats. Reading fails on anything else: another version, a cut
-  // or longer text, a room twice, a value that is not finite or out of range.
+  // little-endian counts, texts and floats. Versions 1 and 2 are read, too. Reading fails on
+  // anything else: another version, a cut or longer text, a room twice, a value that is not finite
+  // or out of range.
   [[nodiscard]] Bytes to_bytes() const;
   [[nodiscard]] static Expected<RoomClassifier> from_bytes(std::span<const std::uint8_t> bytes);
 

@@ -176,7 +176,12 @@ TEST(RoomClassifier, SurvivesEveryFlippedByte) {
 }
 
 TEST(RoomClassifier, NeedsOneClassARoom) {
-  EXPECT_THROW(RoomClassifier({}, {"bath"}, two_rooms().regression()), std::invalid_argument);
+  const RoomClassifier rooms = two_rooms();
+  EXPECT_THROW(RoomClassifier({}, {"bath"}, rooms.regression()), std::invalid_argument);
+  RoomRecall recall = *rooms.recall();
+  recall.calibration.usual_of_rooms.push_back(0);
+  EXPECT_THROW(RoomClassifier({}, rooms.rooms(), rooms.regression(), recall),
+               std::invalid_argument);
 }
 
 }  // namespace

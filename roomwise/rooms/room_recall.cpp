@@ -50,7 +50,7 @@ void write(NumberWriter& writer, const RoomRecall& recall) {
 }
 
 Expected<RoomRecall> read_recall(NumberReader& reader, std::size_t rooms, std::size_t features,
-                                 bool has_usual_of_rooms) {
+                                 std::uint32_t version) {
   const std::uint64_t directions = reader.number();
   const std::uint64_t rows = reader.number();
   // Asked before any memory is taken. Every factor is below 2^32.
@@ -69,7 +69,7 @@ Expected<RoomRecall> read_recall(NumberReader& reader, std::size_t rooms, std::s
   for (int& value : picture) value = static_cast<int>(reader.number());
   RoomRecall recall;
   for (const auto number : kCalibration) recall.calibration.*number = reader.real_of_64_bits();
-  const std::size_t usual = has_usual_of_rooms ? reader.number() : 0;
+  const std::size_t usual = version > 2 ? reader.number() : 0;
   if (usual != 0 && usual != rooms) return fail("not every room has what is usual in it");
   for (std::size_t i = 0; i < usual; ++i) {
     recall.calibration.usual_of_rooms.push_back(reader.real_of_64_bits());

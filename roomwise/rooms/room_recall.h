@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+
 #include "roomwise/base/expected.h"
 #include "roomwise/rooms/room_calibration.h"
 #include "roomwise/rooms/room_memory.h"
@@ -16,9 +18,9 @@ struct RoomRecall {
 // The part of a stored classifier that is new in version 2. Version 3 has
 // RoomCalibration::usual_of_rooms at its end.
 void write(NumberWriter& writer, const RoomRecall& recall);
-// Fails, saying what is wrong, on anything that write() does not write. Memory is taken only for
-// what is there.
+// `version`: of the classifier, 2 or 3. Fails, saying what is wrong, on anything that write() of
+// that version does not write. Memory is taken only for what is there.
 [[nodiscard]] Expected<RoomRecall> read_recall(NumberReader& reader, std::size_t rooms,
-                                               std::size_t features, bool has_usual_of_rooms);
+                                               std::size_t features, std::uint32_t version);
 
 }  // namespace roomwise::rooms
