@@ -289,7 +289,9 @@ void print_unknown(const std::vector<json>& homes, const RoomsOptions& options) 
   for (const auto& [key, title] :
        {std::pair("unknown", "one picture"), std::pair("unknown_place", "one, with its place"),
         std::pair("unknown_pair", "two pictures"),
-        std::pair("unknown_pair_place", "two, with their place")}) {
+        std::pair("unknown_pair_place", "two, with their place"),
+        std::pair("unknown_stream", "every picture of a walk"),
+        std::pair("unknown_stream_place", "every picture of a walk, with its place")}) {
     print_unknown_row(homes, key, title, "all", [](const std::string&) { return true; });
     print_unknown_row(homes, key, title, "other simulated homes",
                       [&](const std::string& folder) { return !is_elsewhere(folder); });

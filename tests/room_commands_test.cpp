@@ -92,6 +92,10 @@ TEST_F(RoomCommandsTest, RoomsOfAWalkAreLearnedEvaluatedAndRecognised) {
   EXPECT_EQ(of_walk.at("n"), kFrames);
   EXPECT_LT(of_walk.at("auroc"), 0.6) << "these are learned";
   EXPECT_FALSE(result.at("unknown_pair").at("folders").contains(path("elsewhere")));
+  const json& along_walk = result.at("unknown_stream").at("folders");
+  EXPECT_EQ(along_walk.at(path("walk")).at("n"), kFrames);
+  EXPECT_GT(along_walk.at(path("walk")).at("named"), 0.8) << "these are learned";
+  EXPECT_FALSE(along_walk.contains(path("elsewhere"))) << "photos are no walk";
   EXPECT_THAT(
       testing::run_roomwise({"rooms", "learn", "--home", home, "--network", "nowhere"}).errors,
       HasSubstr("nowhere: no such network"));
@@ -150,6 +154,7 @@ TEST_F(RoomCommandsTest, PicturesWithDepthAreRecognisedByTheirPlaceToo) {
   }
   EXPECT_EQ(visit.at("unknown_place").at("n"), kFrames);
   EXPECT_EQ(visit.at("unknown_pair_place").at("n"), kFrames - 1);
+  EXPECT_EQ(visit.at("unknown_stream_place").at("n"), kFrames);
   EXPECT_FALSE(eval_of("walk").contains("single_place")) << "the map was made of it";
   EXPECT_FALSE(eval_of("visit", {"--without-places"}).contains("single_place"));
 

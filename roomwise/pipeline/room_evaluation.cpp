@@ -23,6 +23,18 @@ bool have_depth(const std::vector<LabelledPicture>& pictures) {
       pictures, [](const LabelledPicture& picture) { return picture.read_to_locate != nullptr; });
 }
 
+bool have_walks(const std::vector<LabelledPicture>& pictures) {
+  return std::ranges::any_of(pictures,
+                             [](const LabelledPicture& picture) { return picture.frame > 0; });
+}
+
+// Whether a picture is one of a walk, and not a photo: photos are all the first of theirs.
+bool is_on_walk(const std::vector<LabelledPicture>& pictures, std::size_t picture) {
+  return std::ranges::any_of(pictures, [&](const LabelledPicture& other) {
+    return other.walk == pictures[picture].walk && other.frame > 0;
+  });
+}
+
 std::vector<PictureSpan> pairs_of(const std::vector<LabelledPicture>& pictures, std::size_t step) {
   std::vector<PictureSpan> pairs;
   for (std::size_t i = 0; i + step < pictures.size(); ++i) {
@@ -134,19 +146,10 @@ class Evaluator {
 
   Expected<RuleResult> stream(std::string key, std::string rule, const TimedPlaces& places) const {
     RuleResult result{std::move(key), std::move(rule), {}, 0, {}};
-    ROOMWISE_TRY(rooms::RoomStream stream, recognizer_.stream());
-    std::vector<double> ms;
-    for (std::size_t i = 0; i < pictures_.size(); ++i) {
-      if (i == 0 || pictures_[i].walk != pictures_[i - 1].walk) {
-        ROOMWISE_TRY(stream, recognizer_.stream());
-      }
-      double taken_ms = seen_[i].ms;
-      ROOMWISE_TRY(
-          const rooms::RoomDecision decision,
-          recognizer_.see(stream, evidence_[i], elapsed_s(i), finder(places, i, taken_ms)));
-      add(result, judgement_of(i, decision));
-      ms.push_back(taken_ms);
-    }
+    std::vector<double> ms(pictures_.size());
+    for (std::size_t i = 0; i < pictures_.size(); ++i) ms[i] = seen_[i].ms;
+    ROOMWISE_TRY(const auto decisions, along_walks(pictures_, evidence_, places, ms));
+    for (std::size_t i = 0; i < pictures_.size(); ++i) add(result, judgement_of(i, decisions[i]));
     result.median_ms = evaluation::quantile(ms, 0.5);
     return result;
   }
@@ -155,8 +158,7 @@ class Evaluator {
   Expected<void> compare_all(const HomePlaces* places, std::vector<RuleResult>& rules) {
     const std::vector<PictureSpan> singles = singles_of(pictures_);
     const std::vector<PictureSpan> pairs = pairs_of(pictures_, options_.pair_step);
-    const bool has_walks = std::ranges::any_of(
-        pictures_, [](const LabelledPicture& picture) { return picture.frame > 0; });
+    const bool has_walks = have_walks(pictures_);
     ROOMWISE_TRY(rules.emplace_back(), compared("single", "one picture", singles, {}));
     ROOMWISE_TRY(rules.emplace_back(), compared("pair", "two pictures", pairs, {}));
     if (has_walks) {
@@ -187,6 +189,7 @@ class Evaluator {
     const std::vector<PictureSpan> singles = singles_of(pictures);
     const std::vector<PictureSpan> pairs = pairs_of(pictures, options_.pair_step);
     const bool have_places = places != nullptr && have_depth(pictures);
+    TimedPlaces places_of_unknown;  // of single pictures
     for (const auto& [spans, of_known, places_of_known, key, rule] :
          {std::tuple(&singles, singles_of(pictures_), &of_pictures_, "unknown", "one picture"),
           std::tuple(&pairs, pairs_of(pictures_, options_.pair_step), &of_pairs_, "unknown_pair",
@@ -201,7 +204,16 @@ class Evaluator {
           evaluation.unknown.emplace_back(),
           judge_unknown(fmt::format("{}_place", key), fmt::format("{}, with place", rule), pictures,
                         evidence, *spans, found, known_of(evidence_, of_known, *places_of_known)));
+      if (spans == &singles) places_of_unknown = found;
     }
+    if (!have_walks(pictures_) || !have_walks(pictures)) return {};
+    ROOMWISE_TRY(evaluation.unknown.emplace_back(),
+                 judge_unknown_walks("unknown_stream", "every picture of a walk", pictures,
+                                     evidence, {}, {}));
+    if (!have_places) return {};
+    ROOMWISE_TRY(evaluation.unknown.emplace_back(),
+                 judge_unknown_walks("unknown_stream_place", "every picture of a walk, with place",
+                                     pictures, evidence, places_of_unknown, of_pictures_));
     return {};
   }
 
@@ -233,6 +245,24 @@ class Evaluator {
     return shown;
   }
 
+  // What is said at each picture of walks, each walk for itself. `ms` takes what the places took.
+  Expected<std::vector<rooms::RoomDecision>> along_walks(
+      const std::vector<LabelledPicture>& pictures,
+      const std::vector<rooms::PictureEvidence>& evidence, const TimedPlaces& places,
+      std::vector<double>& ms) const {
+    std::vector<rooms::RoomDecision> decisions;
+    ROOMWISE_TRY(rooms::RoomStream stream, recognizer_.stream());
+    for (std::size_t i = 0; i < pictures.size(); ++i) {
+      if (i == 0 || pictures[i].walk != pictures[i - 1].walk) {
+        ROOMWISE_TRY(stream, recognizer_.stream());
+      }
+      ROOMWISE_TRY(
+          decisions.emplace_back(),
+          recognizer_.see(stream, evidence[i], elapsed_s(pictures, i), finder(places, i, ms[i])));
+    }
+    return decisions;
+  }
+
   // How well each span is known; `places` are used wherever there are any.
   [[nodiscard]] std::vector<double> known_of(const std::vector<rooms::PictureEvidence>& evidence,
                                              const std::vector<PictureSpan>& spans,
@@ -255,11 +285,7 @@ class Evaluator {
                                         const std::vector<PictureSpan>& spans,
                                         const TimedPlaces& places,
                                         const std::vector<double>& known) const {
-    UnknownResult result{std::move(key), std::move(rule), {}, {}, {}};
-    result.all.decisions = spans.size();
-    result.walks.resize(pictures.back().walk + 1);
-    const std::vector<double> known_here = known_of(evidence, spans, places);
-    std::vector<std::vector<double>> known_of_walks(result.walks.size());
+    std::vector<Judgement> judgements;
     double ignored_ms = 0;
     for (std::size_t i = 0; i < spans.size(); ++i) {
       const auto see_names = [&]() -> Expected<network::Prediction> {
@@ -269,12 +295,50 @@ class Evaluator {
       ROOMWISE_TRY(const rooms::RoomDecision decision,
                    recognizer_.decide(evidence_of(evidence, spans[i]), see_names,
                                       finder(places, i, ignored_ms)));
-      const Judgement judgement = judgement_of(spans[i].second, decision);
-      const std::size_t walk = pictures[spans[i].second].walk;
-      ++result.answers[judgement.answer];
+      judgements.push_back(judgement_of(spans[i].second, decision));
+    }
+    return sum_up(std::move(key), std::move(rule), pictures, judgements,
+                  known_of(evidence, spans, places), known);
+  }
+
+  // The same along walks; of photos nothing is said.
+  Expected<UnknownResult> judge_unknown_walks(std::string key, std::string rule,
+                                              const std::vector<LabelledPicture>& pictures,
+                                              const std::vector<rooms::PictureEvidence>& evidence,
+                                              const TimedPlaces& places,
+                                              const TimedPlaces& places_of_known) const {
+    std::vector<double> known;
+    std::vector<double> ignored_ms(std::max(pictures.size(), pictures_.size()));
+    ROOMWISE_TRY(const auto of_known,
+                 along_walks(pictures_, evidence_, places_of_known, ignored_ms));
+    for (const rooms::RoomDecision& decision : of_known) known.push_back(decision.known);
+    ROOMWISE_TRY(const auto decisions, along_walks(pictures, evidence, places, ignored_ms));
+    std::vector<Judgement> judgements;
+    std::vector<double> known_here;
+    for (std::size_t i = 0; i < pictures.size(); ++i) {
+      if (!is_on_walk(pictures, i)) continue;
+      judgements.push_back(judgement_of(i, decisions[i]));
+      known_here.push_back(decisions[i].known);
+    }
+    return sum_up(std::move(key), std::move(rule), pictures, judgements, known_here, known);
+  }
+
+  // `known_here`: how well each judgement's pictures are known.
+  static UnknownResult sum_up(std::string key, std::string rule,
+                              const std::vector<LabelledPicture>& pictures,
+                              const std::vector<Judgement>& judgements,
+                              const std::vector<double>& known_here,
+                              const std::vector<double>& known) {
+    UnknownResult result{std::move(key), std::move(rule), {}, {}, {}};
+    result.all.decisions = judgements.size();
+    result.walks.resize(pictures.back().walk + 1);
+    std::vector<std::vector<double>> known_of_walks(result.walks.size());
+    for (std::size_t i = 0; i < judgements.size(); ++i) {
+      const std::size_t walk = pictures[judgements[i].picture].walk;
+      ++result.answers[judgements[i].answer];
       ++result.walks[walk].decisions;
       known_of_walks[walk].push_back(known_here[i]);
-      if (!judgement.named) continue;
+      if (!judgements[i].named) continue;
       ++result.all.named;
       ++result.walks[walk].named;
     }
@@ -305,13 +369,14 @@ class Evaluator {
     return &(named_[picture] = TimedPrediction{std::move(prediction), elapsed.count()});
   }
 
-  [[nodiscard]] double elapsed_s(std::size_t i) const {
-    if (i == 0 || pictures_[i].walk != pictures_[i - 1].walk) return 0;
+  // Between a picture and the one before it on its walk.
+  [[nodiscard]] double elapsed_s(const std::vector<LabelledPicture>& pictures,
+                                 std::size_t i) const {
+    if (i == 0 || pictures[i].walk != pictures[i - 1].walk) return 0;
     if (options_.interval_s) {
-      return *options_.interval_s *
-             static_cast<double>(pictures_[i].frame - pictures_[i - 1].frame);
+      return *options_.interval_s * static_cast<double>(pictures[i].frame - pictures[i - 1].frame);
     }
-    return std::max(0.0, pictures_[i].time_s - pictures_[i - 1].time_s);
+    return std::max(0.0, pictures[i].time_s - pictures[i - 1].time_s);
   }
 
   const std::vector<LabelledPicture>& pictures_;
