@@ -147,6 +147,8 @@ std::vector<double> free_widths(const FreeFloor& floor) {
 void spread_over_floor(const FloorGrid& grid, const FreeFloor& floor, const NamedWalks& walks,
                        double unsure_path_m, double farthest_seed_m, RoomCells& room_of) {
   constexpr double kLean = 0.35;  // m of width for a metre from the crossing
+  // What is wider is no door: there rooms meet halfway between the places that name them.
+  constexpr double kWidestDoor_m = 1.2;
   const std::vector<double> widths = free_widths(floor);
   const auto width = [&](Cell cell) {
     double from_crossing_m = unsure_path_m;
@@ -154,9 +156,11 @@ void spread_over_floor(const FloorGrid& grid, const FreeFloor& floor, const Name
       from_crossing_m = std::min(
           from_crossing_m, (grid.cell_middle_m(cell.column, cell.row) - crossing.place).norm());
     }
-    return widths[static_cast<std::size_t>(cell.row) * static_cast<std::size_t>(grid.columns()) +
-                  static_cast<std::size_t>(cell.column)] +
-           kLean * from_crossing_m / grid.cell_m();
+    const double free_m =
+        grid.cell_m() *
+        widths[static_cast<std::size_t>(cell.row) * static_cast<std::size_t>(grid.columns()) +
+               static_cast<std::size_t>(cell.column)];
+    return std::min(free_m, kWidestDoor_m / 2) + kLean * from_crossing_m;
   };
   Flood flood;
   const auto begin_at = [&](Cell cell, std::int16_t room) {

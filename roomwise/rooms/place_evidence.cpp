@@ -18,6 +18,8 @@ constexpr int kManyInliers = 16;
 constexpr double kMuchSupport = 1.4, kSomeSupport = 0.8;  // other homes' doors and walls fit, too
 constexpr double kNoPlaceLogRatio = -2;    // a bare wall, nothing alike, or too little for a pose
 constexpr double kElsewhereLogRatio = -3;  // a place in a room that was not learned
+// A standard deviation of RoomCalibration::known in the logarithm of the odds of this home.
+constexpr double kLogOddsPerDeviation = 2.5;
 // How often the floor at a pose is that of another room than the camera was in, where no doorway is
 // near: wrong poses, and faults of the layout.
 constexpr double kWrongRoom = 0.01;
@@ -143,8 +145,8 @@ bool place_may_tell(const PictureEvidence& pictures, const RoomCalibration& cali
   const bool is_named = pictures.known >= calibration.known_from &&
                         pictures.probabilities.maxCoeff() >= calibration.sure_from;
   const double least_log_ratio = independent_count(2) * kElsewhereLogRatio;
-  return !is_named || pictures.known + least_log_ratio / RoomCalibration::kLogOddsPerDeviation <
-                          calibration.known_from;
+  return !is_named ||
+         pictures.known + least_log_ratio / kLogOddsPerDeviation < calibration.known_from;
 }
 
 PictureEvidence with_place(const PictureEvidence& pictures, const PlaceEvidence& place,
@@ -153,7 +155,7 @@ PictureEvidence with_place(const PictureEvidence& pictures, const PlaceEvidence&
   joined.probabilities = pictures.probabilities.cwiseProduct(place.probabilities);
   joined.probabilities /= joined.probabilities.sum();
   joined.known = std::max(pictures.known, calibration.none_below) +
-                 place.home_log_ratio / RoomCalibration::kLogOddsPerDeviation;
+                 place.home_log_ratio / kLogOddsPerDeviation;
   return joined;
 }
 

@@ -34,9 +34,6 @@ struct RoomCalibration {
   double none_below = -2.3;
 
   static constexpr double kLeastPrecision = 0.97;
-  // What one in known() counts for in the logarithm of the odds that this is the home
-  // (docs/rooms.md).
-  static constexpr double kLogOddsPerDeviation = 2.5;
 
   // Each room's probability, every room alike beforehand.
   [[nodiscard]] Eigen::VectorXd probabilities(const Likeness& likeness) const;

@@ -22,11 +22,6 @@ Expected<void> RoomFilterOptions::validate() const {
   return {};
 }
 
-double RoomFilterOptions::weight_after(double elapsed_s) const {
-  if (alike_s == 0) return 1;
-  return elapsed_s > 0 ? 1 - std::exp(-elapsed_s / alike_s) : 0;
-}
-
 RoomFilter::RoomFilter(const RoomTopology& topology, const RoomFilterOptions& options)
     : rooms_(topology.rooms()), options_(options) {
   if (const auto valid = options.validate(); !valid) {
@@ -52,7 +47,9 @@ void RoomFilter::see(std::span<const double> probabilities, double elapsed_s) {
   pass(elapsed_s);
   const Eigen::Map<const Eigen::VectorXd> seen(probabilities.data(), belief_.size());
   if (!(seen.sum() > 0)) return;
-  const double weight = has_seen_ ? options_.weight_after(elapsed_s) : 1;
+  if (!(elapsed_s > 0)) elapsed_s = 0;
+  const bool counts_fully = !has_seen_ || options_.alike_s == 0;
+  const double weight = counts_fully ? 1 : 1 - std::exp(-elapsed_s / options_.alike_s);
   belief_ = belief_.array() * seen.array().max(kLeastSeen).pow(weight);
   belief_ /= belief_.sum();
   has_seen_ = true;

@@ -17,8 +17,6 @@ struct RoomFilterOptions {
   double alike_s = 1.0;
 
   [[nodiscard]] Expected<void> validate() const;
-  // What a picture counts for that is taken `elapsed_s` after the one before, [0, 1].
-  [[nodiscard]] double weight_after(double elapsed_s) const;
 };
 
 // Believes in which room a person is who walks through a home and takes picture after picture: the

@@ -48,11 +48,12 @@ struct RoomExtent {
 // The rooms on the floor plane, and how they hang together.
 //
 // Every free cell belongs to one room; free is also what is unknown to the map, but somebody walked
-// there. From the places that the walk names, rooms spread over free
-// floor where it is widest first (a watershed of the clearance: Meyer, "Topographic distance and
-// watershed lines", 1994), so that two of them meet at the narrowest place between them that is not
-// far from where the name changed, which is the door. What is not free belongs to the room whose
-// floor is nearest to it along the grid. Where somebody walked for a while without naming a room, a
+// there. From the places that the walk names, rooms spread over free floor where it is widest first
+// (a watershed of the clearance: Meyer, "Topographic distance and watershed lines", 1994), so that
+// two of them meet at the narrowest place between them that is not far from where the name changed,
+// which is the door. What is wider than doors are counts alike: rooms that are open to each other
+// meet halfway. What is not free belongs to the room whose floor is nearest to it along the grid.
+// Where somebody walked for a while without naming a room, a
 // room without a name spreads likewise: its floor is no named room's.
 class RoomLayout {
  public:

@@ -283,6 +283,25 @@ TEST(RoomLayoutTest, ShortVisitsToAHallCount) {
   EXPECT_THAT(layout->neighbors("hall"), ElementsAre("bedroom", "kitchen"));
 }
 
+// Floor of 8 m by 4 m without a wall.
+std::vector<std::string> plan_of_an_open_floor() {
+  return std::vector<std::string>(40, fmt::format("{:.<80}", ""));
+}
+
+TEST(RoomLayoutTest, RoomsThatAreOpenToEachOtherMeetHalfwayAndTheWiderTakesNotAll) {
+  // One is walked through its midst, the other along its edge, where less is free around.
+  WalkedPath path;
+  walk_to(path, {1, 2}, "dining room");
+  walk_to(path, {4, 2}, "dining room");
+  walk_to(path, {6, 0.4}, "lounge");
+  walk_to(path, {7.5, 0.4}, "lounge");
+  const auto layout =
+      RoomLayout::make(grid_of(plan_of_an_open_floor()), std::vector<WalkedPath>{path});
+  ASSERT_OK(layout);
+  EXPECT_THAT(layout->room_at({7, 2.5}), Optional(std::string("lounge")));
+  EXPECT_THAT(layout->room_at({2, 3.5}), Optional(std::string("dining room")));
+}
+
 TEST(RoomLayoutTest, ARoomNeverOnFreeFloorHasNoFloorAndIsNotForgotten) {
   WalkedPath path = walk_through(0);
   walk_to(path, {9, 1.5}, "porch");

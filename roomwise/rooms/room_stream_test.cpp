@@ -34,42 +34,5 @@ TEST(RoomStream, APlaceThatIsUnknownForSecondsIsNoneOfThem) {
   EXPECT_EQ(decision.verdict, Verdict::kNoneOfThem);
 }
 
-TEST(RoomStream, TheFirstPictureSaysWhatItSaysAlone) {
-  for (const double known : {0.0, -0.9, -1.1, -1.9, -2.1, -5.0}) {
-    const PictureEvidence picture = evidence(0.02, 0.96, 0.02, known);
-    EXPECT_EQ(stream().see(picture, 0).verdict, decide(picture, kRooms, calibration()).verdict)
-        << known;
-  }
-}
-
-TEST(RoomStream, AWallThatLooksLikeNothingTakesNobodyOutOfTheHome) {
-  RoomStream walk = stream();
-  for (int i = 0; i < 5; ++i) (void)walk.see(evidence(0.02, 0.96, 0.02, 0.5), 1.4);
-  EXPECT_EQ(walk.see(evidence(0.3, 0.4, 0.3, -4), 1.4).room(), "hall");
-}
-
-TEST(RoomStream, AWallThatLooksLikeTheHallTakesNobodyIntoTheHome) {
-  RoomStream walk = stream();
-  for (int i = 0; i < 5; ++i) (void)walk.see(evidence(0.02, 0.96, 0.02, -2.5), 1.4);
-  EXPECT_FALSE(walk.see(evidence(0.02, 0.96, 0.02, 0.5), 1.4).room());
-  RoomDecision decision;
-  for (int i = 0; i < 4; ++i) decision = walk.see(evidence(0.02, 0.96, 0.02, 0.5), 1.4);
-  EXPECT_EQ(decision.room(), "hall") << "but several do";
-}
-
-TEST(RoomStream, WhatWasSeenMinutesAgoSaysNothing) {
-  RoomStream walk = stream();
-  for (int i = 0; i < 5; ++i) (void)walk.see(evidence(0.02, 0.96, 0.02, 0.5), 1.4);
-  EXPECT_EQ(walk.see(evidence(0.02, 0.96, 0.02, -2.5), 1000).verdict, Verdict::kNoneOfThem);
-}
-
-TEST(RoomStream, ThatNoTimePassedSaysNothingMore) {
-  RoomStream walk = stream();
-  const double known = walk.see(evidence(0.02, 0.96, 0.02, -0.5), 0).known;
-  for (int i = 0; i < 100; ++i) {
-    EXPECT_NEAR(walk.see(evidence(0.02, 0.96, 0.02, -0.5), 0).known, known, 1e-9);
-  }
-}
-
 }  // namespace
 }  // namespace roomwise::rooms
