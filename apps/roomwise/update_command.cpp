@@ -191,8 +191,12 @@ Expected<Answer> update(const UpdateCommandOptions& options, Context& context) {
   pipeline::UpdateOptions with = options.update;
   with.visit.localizer.seed = context.seed;
   if (options.without_rooms) with.visit.rooms.reset();
-  ROOMWISE_TRY(const pipeline::HomeUpdate found,
-               pipeline::compare_with_visit(home, options.recording, finders, networks, with, run));
+  auto compared =
+      pipeline::compare_with_visit(home, options.recording, finders, networks, with, run);
+  if (!compared && run.progress.interrupted()) {
+    return fail("{}; the home is as it was", compared.error().message);
+  }
+  ROOMWISE_TRY(const pipeline::HomeUpdate found, std::move(compared));
   if (!options.dry_run && !found.changes.empty()) {
     ROOMWISE_CHECK_OK(home.apply_changes(found.changes));
   }

@@ -325,7 +325,7 @@ Expected<HomeUpdate> compare_with_visit(const home::Home& home,
   HomeUpdate update = comparison.compare(looks.pieces().at(0), level, frames, options, run);
   run.progress.advance(1, "");
   run.progress.end();
-  if (run.progress.interrupted()) return fail("interrupted while comparing; nothing was written");
+  if (run.progress.interrupted()) return fail("interrupted while comparing");
   return update;
 }
 
