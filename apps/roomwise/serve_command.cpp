@@ -278,7 +278,14 @@ Expected<Answer> serve(const Options& options, Context& context) {
     ROOMWISE_TRY(spoken, SpokenCodes::open(options));
   }
   SpokenCodes* codes = spoken ? &*spoken : nullptr;
+  std::error_code ignored;
+  const bool is_new = !fs::exists(options.home, ignored);
   ROOMWISE_TRY(const auto server, HomeServer::start(options, context));
+  if (is_new) {
+    fmt::print(stderr,
+               "{} was not there: it is a new home, for walks recorded from the helper's page\n",
+               options.home.string());
+  }
   std::cout << fmt::format("{} serves {}\nIts certificate's fingerprint (SHA-256): {}\n",
                            server->address(), options.home.string(),
                            service::fingerprint_with_colons(server->fingerprint()));

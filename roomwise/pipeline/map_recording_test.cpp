@@ -9,6 +9,7 @@
 #include "roomwise/base/testing.h"
 #include "roomwise/evaluation/trajectory_error.h"
 #include "roomwise/pipeline/home_report.h"
+#include "roomwise/pipeline/interrupted_at.h"
 #include "roomwise/pipeline/made_up_finder.h"
 #include "roomwise/pipeline/map_cloud.h"
 #include "roomwise/pipeline/object_report.h"
@@ -263,25 +264,9 @@ TEST_F(MapRecording, ResumedOnKnownGroundWithLittleMemoryEndsAsIfNeverStopped) {
   EXPECT_EQ(digest(folder_ / "resumed.home"), digest(folder_ / "whole.home"));
 }
 
-// The user stops as soon as a piece of work begins.
-class InterruptDuring final : public Progress {
- public:
-  explicit InterruptDuring(std::string_view work) : work_(work) {}
-  void begin(std::string_view work, std::optional<std::uint64_t>) override {
-    has_begun_ = has_begun_ || work == work_;
-  }
-  void advance(std::uint64_t, std::string_view) override {}
-  void end() override {}
-  [[nodiscard]] bool interrupted() const override { return has_begun_; }
-
- private:
-  std::string_view work_;
-  bool has_begun_ = false;
-};
-
 TEST_F(MapRecording, IsNotFinishedUntilTheNetworksHaveSeenAll) {
   SyntheticWalk walk(kFrames);
-  InterruptDuring interrupt("looking at key-frames");
+  testing::InterruptedAt interrupt("looking at key-frames");
   const auto stopped = map(folder_ / "a.home", walk, 2, &interrupt);
   ASSERT_OK(stopped);
   EXPECT_FALSE(stopped->finished);
@@ -297,7 +282,7 @@ TEST_F(MapRecording, InterruptedWhileLandmarksAreAdjustedMovesNothing) {
   SyntheticWalk whole(kFrames);
   ASSERT_OK(map(folder_ / "whole.home", whole, 2));
   SyntheticWalk first(kFrames);
-  InterruptDuring interrupt("adjusting landmarks");
+  testing::InterruptedAt interrupt("adjusting landmarks");
   const auto stopped = map(folder_ / "resumed.home", first, 2, &interrupt);
   ASSERT_OK(stopped);
   EXPECT_FALSE(stopped->finished);
@@ -309,7 +294,7 @@ TEST_F(MapRecording, InterruptedWhileLandmarksAreAdjustedMovesNothing) {
 
   // Optimised again, and stopped.
   home::Home home = *home::Home::open(folder_ / "resumed.home");
-  InterruptDuring again("adjusting landmarks");
+  testing::InterruptedAt again("adjusting landmarks");
   ThreadPool pool(2);
   StageClock clock;
   RunContext run{pool, again, clock};
