@@ -227,7 +227,7 @@ TEST_F(UpdateHomeByCloserLooks, WhatMovedIsThereOnceMore) {
   EXPECT_EQ(home_->instances()->at(0).visit, 1);
 }
 
-// Says which pictures it was shown, by how much of each is red.
+// Counts what it is shown.
 class CountingNamer final : public objects::ProposalNamer {
  public:
   [[nodiscard]] Expected<objects::WordScores> look(const image::ColorImage& picture,

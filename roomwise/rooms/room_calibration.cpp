@@ -122,8 +122,8 @@ double RoomCalibration::known(const Likeness& likeness) const {
                         (likeness.coarsely - coarsely_mean) / coarsely_deviation) /
                        2;
   if (usual_of_rooms.empty()) return known;
-  // Of the one room, not of all by their probabilities: these are soft, and what is usual would be
-  // nearly the same everywhere (docs/benchmarks.md).
+  // Of the one room: weighed by all rooms' probabilities, which are soft, it names fewer of the
+  // home's pictures (docs/benchmarks.md).
   return known - usual_of_rooms.at(static_cast<std::size_t>(most_alike(likeness)));
 }
 

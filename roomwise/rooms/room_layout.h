@@ -51,10 +51,10 @@ struct RoomExtent {
 // there. From the places that the walk names, rooms spread over free floor where it is widest first
 // (a watershed of the clearance: Meyer, "Topographic distance and watershed lines", 1994), so that
 // two of them meet at the narrowest place between them that is not far from where the name changed,
-// which is the door. What is wider than doors are counts alike: rooms that are open to each other
-// meet halfway. What is not free belongs to the room whose floor is nearest to it along the grid.
-// Where somebody walked for a while without naming a room, a
-// room without a name spreads likewise: its floor is no named room's.
+// which is the door. All that is wider than a door counts alike, so that rooms that are open to
+// each other meet about halfway. What is not free belongs to the room whose floor is nearest to it
+// along the grid. Where somebody walked for a while without naming a room, a room without a name
+// spreads likewise: its floor is no named room's.
 class RoomLayout {
  public:
   // A room that the walk names, but never on free floor, has no extent and stands in rooms() all
