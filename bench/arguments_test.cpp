@@ -6,7 +6,7 @@
 #include <array>
 #include <string>
 
-#include "roomwise/base/testing.h"
+#include "roomwise/base/testing/testing.h"
 
 namespace roomwise::bench {
 namespace {

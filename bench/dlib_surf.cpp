@@ -6,13 +6,13 @@
 namespace roomwise::bench {
 
 features::Features DlibSurfExtractor::extract(const image::GrayImage& image) const {
-  constexpr double kLeastResponse = 0.1;  // low, so that the strongest fill the number
+  constexpr double kMinResponse = 0.1;  // low, so that the strongest fill the number
   constexpr int kValues = 64;
   dlib::array2d<unsigned char> pixels(image.height(), image.width());
   for (int y = 0; y < image.height(); ++y) {
     std::copy(image.row(y).begin(), image.row(y).end(), &pixels[y][0]);
   }
-  const auto points = dlib::get_surf_points(pixels, most_keypoints_, kLeastResponse);
+  const auto points = dlib::get_surf_points(pixels, max_keypoints_, kMinResponse);
   features::Features found;
   features::RealDescriptors descriptors(points.size(), kValues);
   for (std::size_t i = 0; i < points.size(); ++i) {

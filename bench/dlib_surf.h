@@ -7,11 +7,11 @@ namespace roomwise::bench {
 // dlib's SURF behind our interface, to be measured beside ours.
 class DlibSurfExtractor final : public features::FeatureExtractor {
  public:
-  explicit DlibSurfExtractor(int most_keypoints) : most_keypoints_(most_keypoints) {}
+  explicit DlibSurfExtractor(int max_keypoints) : max_keypoints_(max_keypoints) {}
   [[nodiscard]] features::Features extract(const image::GrayImage& image) const override;
 
  private:
-  int most_keypoints_;
+  int max_keypoints_;
 };
 
 }  // namespace roomwise::bench

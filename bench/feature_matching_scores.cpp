@@ -25,14 +25,14 @@
 #include "feature_methods.h"
 #include "feature_pictures.h"
 #include "roomwise/features/matcher.h"
-#include "roomwise/features/test_pictures.h"
+#include "roomwise/features/testing/test_pictures.h"
 
 namespace {
 
 using namespace roomwise;
 using features::Features;
 
-constexpr int kMostKeypoints = 1000;
+constexpr int kMaxKeypoints = 1000;
 constexpr double kCorrectPx = 3;
 
 // A picture and where its places came from.
@@ -258,7 +258,7 @@ int main(int argc, char** argv) {
     return 2;
   }
   const std::set<std::string> wanted(argv + std::min(argc, 2), argv + argc);
-  auto methods = bench::feature_methods(kMostKeypoints);
+  auto methods = bench::feature_methods(kMaxKeypoints);
   for (const std::string& name : wanted) {
     if (std::ranges::none_of(methods, [&](const auto& method) { return method.name == name; })) {
       fmt::print(stderr, "'{}' is no method; give surf, surf-portable, dlib-surf, sift or orb\n",

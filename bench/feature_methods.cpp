@@ -8,17 +8,17 @@
 
 namespace roomwise::bench {
 
-std::vector<FeatureMethod> feature_methods(int most_keypoints) {
+std::vector<FeatureMethod> feature_methods(int max_keypoints) {
   std::vector<FeatureMethod> methods;
-  const features::SurfOptions options{.hessian_threshold = 0.1, .most_keypoints = most_keypoints};
+  const features::SurfOptions options{.hessian_threshold = 0.1, .max_keypoints = max_keypoints};
   methods.push_back({"surf", std::make_unique<features::SurfExtractor>(options)});
-  methods.push_back({"surf-portable", std::make_unique<features::SurfExtractor>(
-                                          options, Simd::kPortable)});
+  methods.push_back(
+      {"surf-portable", std::make_unique<features::SurfExtractor>(options, Simd::kPortable)});
 #if defined(ROOMWISE_HAS_DLIB)
-  methods.push_back({"dlib-surf", std::make_unique<DlibSurfExtractor>(most_keypoints)});
+  methods.push_back({"dlib-surf", std::make_unique<DlibSurfExtractor>(max_keypoints)});
 #endif
-  methods.push_back({"sift", std::make_unique<features::SiftExtractor>(most_keypoints, 0.005)});
-  methods.push_back({"orb", std::make_unique<features::OrbExtractor>(most_keypoints, 5)});
+  methods.push_back({"sift", std::make_unique<features::SiftExtractor>(max_keypoints, 0.005)});
+  methods.push_back({"orb", std::make_unique<features::OrbExtractor>(max_keypoints, 5)});
   return methods;
 }
 

@@ -15,7 +15,7 @@ struct FeatureMethod {
 
 // Our SURF with the best instructions there are and without any, dlib's (where it was built with
 // it), and OpenCV's SIFT and ORB, each with thresholds so low that nearly every picture of a room
-// fills `most_keypoints`.
-[[nodiscard]] std::vector<FeatureMethod> feature_methods(int most_keypoints);
+// fills `max_keypoints`.
+[[nodiscard]] std::vector<FeatureMethod> feature_methods(int max_keypoints);
 
 }  // namespace roomwise::bench

@@ -14,14 +14,14 @@
 #include "feature_methods.h"
 #include "feature_pictures.h"
 #include "roomwise/features/matcher.h"
-#include "roomwise/features/test_pictures.h"
+#include "roomwise/features/testing/test_pictures.h"
 
 namespace {
 
 using namespace roomwise;
 using namespace roomwise::features;
 
-constexpr int kMostKeypoints = 1000;
+constexpr int kMaxKeypoints = 1000;
 constexpr int kPicturesARecording = 4;
 
 void extract(benchmark::State& state, const FeatureExtractor& extractor,
@@ -110,7 +110,7 @@ int main(int argc, char** argv) {
     fmt::print(stderr, "{}\n", pictures.error().message);
     return 1;
   }
-  const auto methods = bench::feature_methods(kMostKeypoints);
+  const auto methods = bench::feature_methods(kMaxKeypoints);
   for (const auto& method : methods) measure("extract", extract, method, *pictures);
   for (const auto& method : methods) {
     if (method.name == "surf-portable" || method.name == "dlib-surf") continue;

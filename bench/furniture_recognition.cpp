@@ -15,16 +15,16 @@
 #include <opencv2/core/utility.hpp>
 #include <optional>
 
+#include "laboratory/simulation/home/home_geometry.h"
+#include "laboratory/simulation/recording/simulate_recording.h"
+#include "laboratory/simulation/walk/piece_views.h"
 #include "roomwise/base/file.h"
 #include "roomwise/evaluation/proportion.h"
 #include "roomwise/image/codec.h"
 #include "roomwise/image/resample.h"
-#include "roomwise/network/detector.h"
-#include "roomwise/network/onnx_classifier.h"
-#include "roomwise/objects/object_vocabulary.h"
-#include "roomwise/simulation/home_geometry.h"
-#include "roomwise/simulation/piece_views.h"
-#include "roomwise/simulation/simulate_recording.h"
+#include "roomwise/network/vision/detector.h"
+#include "roomwise/network/vision/onnx_classifier.h"
+#include "roomwise/objects/detection/object_vocabulary.h"
 
 namespace {
 
@@ -61,7 +61,7 @@ const std::array kKinds{
     Kind{"toilet", {"toilet seat"}, "toilet"},
 };
 
-constexpr float kLeastScore = 0.35F, kLeastOverlap = 0.4F;  // of what counts as found
+constexpr float kMinScore = 0.35F, kMinOverlap = 0.4F;  // of what counts as found
 
 // What was made of one view.
 struct Picture {
@@ -143,7 +143,7 @@ Expected<Verdict> judge(const Networks& networks, const Picture& picture) {
   ROOMWISE_TRY(verdict.center, best_labels(*networks.classifier, center_crop(picture.image)));
   ROOMWISE_TRY(verdict.tight,
                best_labels(*networks.classifier, tight_crop(picture.image, picture.box)));
-  ROOMWISE_TRY(verdict.found, networks.detector->detect(picture.image, kLeastScore));
+  ROOMWISE_TRY(verdict.found, networks.detector->detect(picture.image, kMinScore));
   for (const network::Detection& detection : verdict.found) {
     if (networks.detector->labels()[detection.label] != kKinds[picture.kind].detector_label) {
       continue;
@@ -171,7 +171,7 @@ void count(const Kind& kind, const Verdict& verdict, Tally& tally) {
   tally.center_three.add(is_named(kind, verdict.center));
   tally.tight_first.add(is_named(kind, first(verdict.tight)));
   tally.tight_three.add(is_named(kind, verdict.tight));
-  if (!kind.detector_label.empty()) tally.found.add(verdict.best_overlap > kLeastOverlap);
+  if (!kind.detector_label.empty()) tally.found.add(verdict.best_overlap > kMinOverlap);
 }
 
 // The colour as it is but for exposure and white balance, which every camera has.
@@ -299,9 +299,9 @@ class Recognition {
         picture.model, view.distance_m, view.aside_rad * 57.29578, 100 * view.share_seen,
         is_named(kind, verdict.center) ? "right" : "WRONG", fmt::join(verdict.center, " | "),
         is_named(kind, verdict.tight) ? "right" : "WRONG", fmt::join(verdict.tight, " | "),
-        kind.detector_label.empty()            ? "detector"
-        : verdict.best_overlap > kLeastOverlap ? "found"
-                                               : "NOT FOUND",
+        kind.detector_label.empty()          ? "detector"
+        : verdict.best_overlap > kMinOverlap ? "found"
+                                             : "NOT FOUND",
         found);
     constexpr int kQuality = 90;
     return write_file(options_.pictures / name, image::encode_jpeg(picture.image, kQuality));

@@ -11,8 +11,8 @@
 
 #include <cstdlib>
 
-#include "roomwise/pipeline/keyframe_images.h"
-#include "roomwise/pipeline/level_map.h"
+#include "roomwise/pipeline/mapping/gravity_aligned_map.h"
+#include "roomwise/pipeline/stored/keyframe_images.h"
 
 namespace {
 
@@ -46,7 +46,7 @@ Expected<void> measure(const char* file) {
   const fusion::TriangleMesh mesh = extract_mesh(map.field(), fusion::MeshOptions{}, pool);
   const double meshed_s = process_cpu_time_s();
   const double field_mb = static_cast<double>(map.field().memory_bytes()) / 1e6;
-  const double most_mb = peak_mb();
+  const double max_mb = peak_mb();
 
   const auto moved = bent(keyframes);
   ROOMWISE_TRY(pipeline::DenseMap other, pipeline::build_dense_map(home, moved, 0.02, run));
@@ -60,7 +60,7 @@ Expected<void> measure(const char* file) {
                              static_cast<double>(clock.stages().at("surfaces").calls);
   fmt::print("| {} | {} | {:.1f} | {:.1f} | {:.2f} | {:.0f} | {:.0f} | {} | {} | {:.0f} | {} |\n",
              file, keyframes.size(), 1000 * (fused_s - begin_s) / count, surfaces_ms,
-             meshed_s - fused_s, field_mb, most_mb, mesh.vertices.size(), mesh.triangles.size(),
+             meshed_s - fused_s, field_mb, max_mb, mesh.vertices.size(), mesh.triangles.size(),
              1000 * (followed_s - bent_s) / moved_count,
              other.field() == map.field() ? "yes" : "NO");
   return {};

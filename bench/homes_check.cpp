@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "arguments.h"
-#include "roomwise/simulation/home_checks.h"
-#include "roomwise/simulation/home_generator.h"
-#include "roomwise/simulation/scenario.h"
-#include "roomwise/simulation/walk.h"
+#include "laboratory/simulation/home/home_checks.h"
+#include "laboratory/simulation/home/home_generator.h"
+#include "laboratory/simulation/home/scenario.h"
+#include "laboratory/simulation/walk/walk.h"
 
 namespace {
 

@@ -19,11 +19,11 @@
 #include <functional>
 
 #include "arguments.h"
+#include "laboratory/training/trainable_graph.h"
 #include "roomwise/image/codec.h"
-#include "roomwise/network/executor.h"
-#include "roomwise/network/inception_v3.h"
-#include "roomwise/network/picture_input.h"
-#include "roomwise/network/training/trainable_graph.h"
+#include "roomwise/network/executor/executor.h"
+#include "roomwise/network/graph/inception_v3.h"
+#include "roomwise/network/vision/picture_input.h"
 #include "timing.h"
 
 extern "C" void openblas_set_num_threads(int count);
@@ -32,16 +32,16 @@ namespace {
 
 using namespace roomwise;
 using namespace roomwise::network;
-using roomwise::network::training::TrainableGraph;
+using roomwise::training::TrainableGraph;
 namespace fs = std::filesystem;
 using bench::need;
 
 constexpr std::size_t kPhotos = 10;
-constexpr double kLeastCpu_ms = 500;  // that one timing takes
+constexpr double kMinCpu_ms = 500;  // that one timing takes
 
 // CPU-ms of one call.
 double time_of(const std::function<void()>& call) {
-  return bench::cpu_ms_of(call, kLeastCpu_ms);
+  return bench::cpu_ms_of(call, kMinCpu_ms);
 }
 
 std::string text_of(std::vector<double> values) {

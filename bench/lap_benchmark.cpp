@@ -21,9 +21,9 @@
 #include "resident_memory.h"
 #include "roomwise/base/random.h"
 #include "roomwise/evaluation/trajectory_error.h"
-#include "roomwise/pipeline/map_recording.h"
-#include "roomwise/pipeline/room_learning.h"
-#include "roomwise/pipeline/stored_map.h"
+#include "roomwise/pipeline/mapping/map_recording.h"
+#include "roomwise/pipeline/rooms/room_learning.h"
+#include "roomwise/pipeline/stored/stored_map.h"
 #include "roomwise/recording/tum_recording.h"
 
 namespace {
@@ -192,7 +192,7 @@ Expected<void> map_laps(const Task& task, const fs::path& file) {
   const home::Recording stored{"laps", task.folder.string(), source->info().camera, task.frames};
   ROOMWISE_TRY(const auto summary, pipeline::map_recording(laps, stored, home, {}, settings, run));
   fmt::print("\n{} of {} frames placed, {} pieces, {} edges rejected", summary.placed,
-             summary.frames, summary.pieces, summary.rejected_loops);
+             summary.frames, summary.components, summary.rejected_loops);
   if (progress.cpu_ms().size() > 1) {
     fmt::print("; CPU-ms of the last thousand over the first: {:.2f}",
                progress.cpu_ms().back() / progress.cpu_ms().front());

@@ -14,8 +14,8 @@
 
 #include "arguments.h"
 #include "roomwise/base/random.h"
-#include "roomwise/network/onnx_classifier.h"
-#include "roomwise/pipeline/room_learning.h"
+#include "roomwise/network/vision/onnx_classifier.h"
+#include "roomwise/pipeline/rooms/room_learning.h"
 
 namespace {
 

@@ -19,7 +19,7 @@
 #include "resident_memory.h"
 #include "roomwise/evaluation/quantile.h"
 #include "roomwise/live/home_routes.h"
-#include "roomwise/network/onnx_classifier.h"
+#include "roomwise/network/vision/onnx_classifier.h"
 #include "roomwise/recording/tum_recording.h"
 #include "roomwise/service/client.h"
 #include "roomwise/speech/espeak.h"
@@ -36,7 +36,7 @@ struct Options {
   std::vector<fs::path> networks;
   std::size_t devices = 1;
   std::size_t frames = 1000;
-  std::size_t looking_threads = ThreadPool::default_size();
+  std::size_t frame_workers = ThreadPool::default_size();
   double rate_hz = 10;
   bool depth = false;
 };
@@ -141,9 +141,9 @@ class BenchDevice {
 };
 
 std::vector<EncodedFrame> read_frames(recording::FrameSource& source) {
-  constexpr std::size_t kMost = 400;
+  constexpr std::size_t kMax = 400;
   std::vector<EncodedFrame> frames;
-  while (frames.size() < kMost) {
+  while (frames.size() < kMax) {
     auto frame = need(source.next());
     if (!frame) break;
     frames.push_back({std::move(frame->encoded_color), std::move(frame->encoded_depth)});
@@ -159,7 +159,7 @@ std::string spread(std::vector<double> values) {
 }
 
 void print(const std::vector<Experience>& devices, std::string_view part, double cpu,
-           double most_mb) {
+           double max_mb) {
   Experience all;
   std::vector<std::size_t> looked_at;
   for (const Experience& one : devices) {
@@ -181,7 +181,7 @@ void print(const std::vector<Experience>& devices, std::string_view part, double
       100.0 * static_cast<double>(within) /
           static_cast<double>(std::max<std::size_t>(1, all.age_ms.size())),
       all.stale, all.unanswered, all.sent, all.looked_at, fmt::join(looked_at, " "),
-      cpu / static_cast<double>(std::max<std::size_t>(1, all.looked_at)), most_mb);
+      cpu / static_cast<double>(std::max<std::size_t>(1, all.looked_at)), max_mb);
   std::fflush(stdout);
 }
 
@@ -194,7 +194,7 @@ void run(const Options& options) {
   const objects::ObjectFinders finders;
   live::LiveHomeOptions live_options;
   live_options.threads = ThreadPool::default_size();
-  live_options.looking_threads = options.looking_threads;
+  live_options.frame_workers = options.frame_workers;
   const auto home = need(live::LiveHome::open(options.home, networks, finders, live_options));
   home->jobs().wait();
   fmt::print("home: {}; rooms {}; places {}\n", home->jobs().state()->text,
@@ -259,7 +259,7 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(0.1, 100.0))
       ->capture_default_str();
   app.add_flag("--depth", options.depth, "Send depth too");
-  app.add_option("--looking-threads", options.looking_threads,
+  app.add_option("--looking-threads", options.frame_workers,
                  "That look at devices' frames; default: as serve, all processors")
       ->check(CLI::Range(1, 64));
   CLI11_PARSE(app, argc, argv);

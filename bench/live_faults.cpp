@@ -32,8 +32,8 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-constexpr double kMostUntilSaid_s = 3;
-constexpr double kMostUntilBack_s = 20;
+constexpr double kMaxUntilSaid_s = 3;
+constexpr double kMaxUntilBack_s = 20;
 constexpr std::string_view kAddress = "192.0.2.1";  // of the computer (TEST-NET-1, RFC 5737)
 constexpr int kPort = 8443;
 
@@ -172,9 +172,9 @@ struct Outcome {
   std::vector<std::string> faults;
 
   // A figure that must be there and at most so large.
-  void add(const std::string& what, std::optional<double> value_s, double most_s) {
+  void add(const std::string& what, std::optional<double> value_s, double max_s) {
     found.push_back(value_s ? fmt::format("{} {:.1f} s", what, *value_s) : what + " never");
-    if (!value_s || *value_s > most_s) faults.push_back(found.back());
+    if (!value_s || *value_s > max_s) faults.push_back(found.back());
   }
   void require(bool kept, const std::string& what) {
     if (!kept) faults.push_back("not so: " + what);
@@ -246,12 +246,12 @@ class Scene {
   // Asks where it is; how long it took until one of the words was said. An answer comes with the
   // sound of one ("(answer)", "(unsure)"); nothing is called out without being asked.
   std::optional<double> ask_where(std::vector<std::string> words = {"(answer)", "(unsure)"}) {
-    constexpr double kMost_s = 10;
+    constexpr double kMax_s = 10;
     const double asked = now_s();
     device_->type("w");
     std::optional<double> first;
     for (const std::string& word : words) {
-      const auto said = device_->line_after(asked, word, first.value_or(asked + kMost_s));
+      const auto said = device_->line_after(asked, word, first.value_or(asked + kMax_s));
       if (said && (!first || *said < *first)) first = said;
     }
     return first ? std::optional(*first - asked) : std::nullopt;
@@ -336,18 +336,18 @@ std::size_t files_in(const fs::path& folder) {
 
 void add_loss(Scene& scene, double began_s, Outcome& outcome) {
   const auto said = scene.device().line_after(began_s, "connection is lost", began_s + 10);
-  outcome.add("said after", said ? std::optional(*said - began_s) : std::nullopt, kMostUntilSaid_s);
+  outcome.add("said after", said ? std::optional(*said - began_s) : std::nullopt, kMaxUntilSaid_s);
 }
 // `failed_s`: when it went wrong, `mended_s`: when all was well again.
 void add_return(Scene& scene, double failed_s, double mended_s, Outcome& outcome) {
   const auto back = scene.device().line_after(failed_s, "Connected again", mended_s + 60);
   outcome.add("back after", back ? std::optional(std::max(0.0, *back - mended_s)) : std::nullopt,
-              kMostUntilBack_s);
+              kMaxUntilBack_s);
 }
 void add_return_and_answer(Scene& scene, double failed_s, double mended_s, Outcome& outcome) {
   add_return(scene, failed_s, mended_s, outcome);
   wait_s(1);
-  outcome.add("then answers after", scene.ask_where(), kMostUntilSaid_s);
+  outcome.add("then answers after", scene.ask_where(), kMaxUntilSaid_s);
 }
 
 // ---- The faults ----
@@ -367,7 +367,7 @@ Outcome silent_network(const Options& options, TwoHosts& hosts) {
   }
   add_loss(scene, cut, outcome);
   outcome.add("asked later, told so after", scene.ask_where({"connection is lost"}),
-              kMostUntilSaid_s);
+              kMaxUntilSaid_s);
   wait_s(30 - (now_s() - cut));
   const double mended = now_s();
   hosts.mend();
@@ -452,7 +452,7 @@ Outcome device_is_killed(const Options& options) {
   const std::size_t files = files_in(recording / "rgb");
   const double again = now_s();
   scene.start_device(5);
-  outcome.add("connected again after", now_s() - again, kMostUntilSaid_s);
+  outcome.add("connected again after", now_s() - again, kMaxUntilSaid_s);
   outcome.require(!scene.ask_computer("GET", "/health").contains("error"), "the server is well");
   scene.ask_computer("POST", "/api/recording/stop");
   wait_s(1);
@@ -499,9 +499,9 @@ Outcome full_disk(const Options& options) {
   }
   outcome.require(full > 0, "the disk is full");
   const auto said = scene.device().line_after(full - 1, "recording failed", full + 10);
-  outcome.add("said after", said ? std::optional(*said - full) : std::nullopt, kMostUntilSaid_s);
+  outcome.add("said after", said ? std::optional(*said - full) : std::nullopt, kMaxUntilSaid_s);
   wait_s(1);
-  outcome.add("then answers after", scene.ask_where(), kMostUntilSaid_s);
+  outcome.add("then answers after", scene.ask_where(), kMaxUntilSaid_s);
   outcome.require(!scene.ask_computer("GET", "/health").contains("error"), "the server is well");
   const std::size_t frames = frames_of(recording, outcome);
   outcome.require(frames > 10, "what was recorded before is kept");
@@ -509,7 +509,7 @@ Outcome full_disk(const Options& options) {
   fs::remove(ballast);
   const auto goes_on = scene.device().line_after(freed, "Recording.", freed + 10);
   outcome.add("with room again, records after",
-              goes_on ? std::optional(*goes_on - freed) : std::nullopt, kMostUntilSaid_s);
+              goes_on ? std::optional(*goes_on - freed) : std::nullopt, kMaxUntilSaid_s);
   wait_s(3);
   scene.ask_computer("POST", "/api/recording/stop");
   const std::size_t in_all = frames_of(recording, outcome);
@@ -528,7 +528,7 @@ Outcome clock_jumps(const Options& options) {
   for (const auto* offset : {"+3600", "-7200", "+864000", "+0"}) {
     scene.clock().set(offset);
     wait_s(4);
-    outcome.add(fmt::format("{} s: answers after", offset), scene.ask_where(), kMostUntilSaid_s);
+    outcome.add(fmt::format("{} s: answers after", offset), scene.ask_where(), kMaxUntilSaid_s);
   }
   outcome.require(scene.device().count_after(began, "connection is lost") == 0,
                   "the connection is kept");

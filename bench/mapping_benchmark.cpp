@@ -26,9 +26,9 @@
 
 #include "arguments.h"
 #include "roomwise/evaluation/trajectory_error.h"
-#include "roomwise/pipeline/map_recording.h"
-#include "roomwise/pipeline/room_learning.h"
-#include "roomwise/pipeline/stored_map.h"
+#include "roomwise/pipeline/mapping/map_recording.h"
+#include "roomwise/pipeline/rooms/room_learning.h"
+#include "roomwise/pipeline/stored/stored_map.h"
 #include "roomwise/recording/tum_recording.h"
 
 namespace {

@@ -20,8 +20,8 @@
 
 #include "roomwise/image/resample.h"
 #include "roomwise/motion/motion_estimator.h"
-#include "roomwise/pipeline/map_settings.h"
-#include "roomwise/pipeline/measured_frame_reader.h"
+#include "roomwise/pipeline/stored/map_settings.h"
+#include "roomwise/pipeline/stored/measured_frame_reader.h"
 #include "roomwise/recording/trajectory_file.h"
 #include "roomwise/recording/tum_recording.h"
 
@@ -78,7 +78,7 @@ std::optional<RigidTransform> by_opencv(const Trial& trial, const PinholeCamera&
   cv::Vec3d turn, shift;
   std::vector<int> inliers;
   if (!cv::solvePnPRansac(points, pixels, matrix, cv::noArray(), turn, shift, false,
-                          options.most_iterations, static_cast<float>(options.inlier_px),
+                          options.max_iterations, static_cast<float>(options.inlier_px),
                           options.confidence, inliers, method)) {
     return std::nullopt;
   }
@@ -152,7 +152,7 @@ Expected<Trials> real_trials(const std::filesystem::path& folder,
   ROOMWISE_TRY(const auto source, recording::TumRecording::open(folder, {.camera = camera}));
   ROOMWISE_TRY(const auto truth, recording::read_trajectory(folder / "groundtruth.txt"));
   const pipeline::MapSettings settings;
-  const auto extractor = features::make_extractor(settings.features, settings.most_keypoints);
+  const auto extractor = features::make_extractor(settings.features, settings.max_keypoints);
   Trials trials{fmt::format("{}, {} frames apart", folder.filename().string(), apart),
                 source->info().camera,
                 {}};
@@ -171,7 +171,7 @@ Expected<Trials> real_trials(const std::filesystem::path& folder,
     } else if (pose && reference_pose) {
       auto matches = motion::match_points(*reference, measured, motion::MotionOptions{}.matching);
       // OpenCV wants five at least; fewer than these are none to us either.
-      if (static_cast<int>(matches.size()) < motion::MotionOptions{}.least_matches) continue;
+      if (static_cast<int>(matches.size()) < motion::MotionOptions{}.min_matches) continue;
       trials.trials.push_back({std::move(matches), reference_pose->inverse() * *pose, i});
     }
   }

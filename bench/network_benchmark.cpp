@@ -20,12 +20,12 @@
 #include "resident_memory.h"
 #include "roomwise/base/file.h"
 #include "roomwise/image/codec.h"
-#include "roomwise/network/checked_quantization.h"
-#include "roomwise/network/inception_v3.h"
-#include "roomwise/network/lowering.h"
-#include "roomwise/network/onnx_writer.h"
-#include "roomwise/network/picture_input.h"
+#include "roomwise/network/executor/checked_quantization.h"
+#include "roomwise/network/formats/onnx_writer.h"
+#include "roomwise/network/graph/inception_v3.h"
+#include "roomwise/network/graph/lowering.h"
 #include "roomwise/network/testing/opencv_network.h"
+#include "roomwise/network/vision/picture_input.h"
 #include "timing.h"
 
 namespace {
@@ -38,7 +38,7 @@ using bench::cpu_ms;
 using bench::need;
 
 constexpr std::size_t kPhotos = 40;
-constexpr double kLeastCpu_ms = 100;  // that one timing takes
+constexpr double kMinCpu_ms = 100;  // that one timing takes
 
 struct Subject {
   std::string file;
@@ -49,7 +49,7 @@ struct Subject {
 
 // CPU-ms of one call.
 double time_of(const std::function<void()>& call) {
-  return bench::cpu_ms_of(call, kLeastCpu_ms);
+  return bench::cpu_ms_of(call, kMinCpu_ms);
 }
 
 struct Summary {
@@ -152,8 +152,8 @@ void hold_to_one_processor() {
 }
 
 // In 8 bits, measured on every fourth picture and checked on the others.
-void measure_eight_bits(const Subject& subject, const fs::path& models,
-                        std::span<const fs::path> pictures, int rounds) {
+void calibrate_eight_bits(const Subject& subject, const fs::path& models,
+                          std::span<const fs::path> pictures, int rounds) {
   const OnnxGraph graph = need(read_onnx_graph(bytes_of(subject, models)));
   ExecutorOptions in_floats;
   in_floats.outputs = subject.card.features_outputs;
@@ -170,8 +170,8 @@ void measure_eight_bits(const Subject& subject, const fs::path& models,
       need(checked_quantization(graph, in_floats, calibration, held_out, scores));
   const QuantizationReport& report = checked.report;
   ExecutorOptions options = in_floats;
-  options.eight_bits = need(measure_eight_bits(graph, in_floats, calibration));
-  options.eight_bits->least_channels = report.least_channels;
+  options.eight_bits = need(calibrate_eight_bits(graph, in_floats, calibration));
+  options.eight_bits->min_channels = report.min_channels;
   const auto exact = need(Executor::create(graph, in_floats));
   const auto rounded = need(Executor::create(graph, options));
   std::vector<double> exact_ms, rounded_ms, ratios;
@@ -181,12 +181,12 @@ void measure_eight_bits(const Subject& subject, const fs::path& models,
     ratios.push_back(rounded_ms.back() / exact_ms.back());
   }
   fmt::print("{}: in 8 bits from {} channels on ({} pictures to measure on, {} to check)\n",
-             subject.file, report.least_channels, calibration.size(), held_out.size());
+             subject.file, report.min_channels, calibration.size(), held_out.size());
   fmt::print("  CPU-ms {} beside {}: {}\n", text_of(summary_of(rounded_ms)),
              text_of(summary_of(exact_ms)), text_of(summary_of(ratios)));
   for (std::size_t i = 0; i < in_floats.outputs.size(); ++i) {
     fmt::print("  {}: cosine {:.4f} in the mean, {:.4f} at worst; largest at one place {:.1f} %\n",
-               in_floats.outputs[i], report.mean_cosine[i], report.least_cosine[i],
+               in_floats.outputs[i], report.mean_cosine[i], report.min_cosine[i],
                100 * report.agreement[i]);
   }
   fmt::print("  {}\n", report.is_used ? "kept" : "not kept: " + report.reason);
@@ -354,7 +354,7 @@ int main(int argc, char** argv) {
   for (const fs::path& photo : every_second_of(folder_of("ROOMWISE_DATA") / "room_photos"))
     pictures.push_back(photo);
   for (const Subject& subject : {mobilenet, inception, own})
-    measure_eight_bits(subject, models, pictures, rounds);
+    calibrate_eight_bits(subject, models, pictures, rounds);
   sched_setaffinity(0, sizeof all, &all);
   for (const Subject& subject : {mobilenet, nanodet, inception, own})
     measure_two_threads(subject, models, rounds);

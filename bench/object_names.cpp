@@ -1,5 +1,6 @@
-// How rightly networks name furniture of homes that they were not trained on (the models of furniture are the same): pictures of `roomwise
-// simulate-views` and photos of ImageNet's classes, by kind:
+// How rightly networks name furniture of homes that they were not trained on (the models of
+// furniture are the same): pictures of `roomwise simulate-views` and photos of ImageNet's classes,
+// by kind:
 //   object_names VIEWS [NETWORK]...
 // VIEWS: the folder of simulated views. Networks: ONNX files with their cards; default: the compact
 // network of models/ and MobileNetV2 of ROOMWISE_MODELS. The photos are those of ROOMWISE_DATA/
@@ -17,8 +18,8 @@
 
 #include "roomwise/evaluation/proportion.h"
 #include "roomwise/image/codec.h"
-#include "roomwise/network/onnx_classifier.h"
-#include "roomwise/objects/object_vocabulary.h"
+#include "roomwise/network/vision/onnx_classifier.h"
+#include "roomwise/objects/detection/object_vocabulary.h"
 #include "timing.h"
 
 namespace {

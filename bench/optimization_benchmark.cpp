@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "arguments.h"
-#include "roomwise/mapping/g2o_file.h"
+#include "roomwise/mapping/graph/g2o_file.h"
 #include "roomwise/mapping/testing/ceres_pose_graph.h"
 
 namespace {

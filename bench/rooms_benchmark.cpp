@@ -177,8 +177,9 @@ Expected<json> evaluate_home(std::size_t i, const Words& seeds, const RoomsOptio
   const std::string home = (folder / "day.home").string();
   ROOMWISE_CHECK_OK(run_once(with_networks({"rooms", "learn", "--home", home}, options),
                              folder / "learned.json"));
-  // The vote of features takes most of the time, and finds little (docs/benchmarks.md).
-  Words words{"rooms", "eval", "--home", home, "--margin", "1", "--baselines", "--most-voted", "0"};
+  // The vote of features takes most of the time, and finds little
+  // (docs/experiments/rooms-first-homes.md).
+  Words words{"rooms", "eval", "--home", home, "--margin", "1", "--baselines", "--max-voted", "0"};
   for (const Walk& walk : kVisits) {
     words.insert(words.end(), {"--recording", (folder / walk.name).string()});
   }

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "arguments.h"
+#include "laboratory/simulation/recording/simulate_recording.h"
 #include "roomwise/base/stage_clock.h"
-#include "roomwise/simulation/simulate_recording.h"
 
 namespace {
 

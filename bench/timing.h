@@ -34,14 +34,14 @@ inline double cpu_ms() {
   return 1000.0 * static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
 }
 
-// CPU-ms of one call, which is repeated until all have taken `least_ms`.
-inline double cpu_ms_of(const std::function<void()>& call, double least_ms) {
+// CPU-ms of one call, which is repeated until all have taken `min_ms`.
+inline double cpu_ms_of(const std::function<void()>& call, double min_ms) {
   int calls = 0;
   const double begin = cpu_ms();
   do {
     call();
     ++calls;
-  } while (cpu_ms() - begin < least_ms);
+  } while (cpu_ms() - begin < min_ms);
   return (cpu_ms() - begin) / calls;
 }
 

@@ -13,11 +13,11 @@
 #include <ctime>
 
 #include "arguments.h"
-#include "roomwise/network/inception_v3.h"
-#include "roomwise/network/network_file.h"
-#include "roomwise/network/training/head.h"
-#include "roomwise/network/training/loss.h"
-#include "roomwise/network/training/training_state.h"
+#include "laboratory/training/head.h"
+#include "laboratory/training/loss.h"
+#include "laboratory/training/training_state.h"
+#include "roomwise/network/formats/network_file.h"
+#include "roomwise/network/graph/inception_v3.h"
 #include "timing.h"
 
 extern "C" void openblas_set_num_threads(int count);
@@ -26,7 +26,7 @@ namespace {
 
 using namespace roomwise;
 using namespace roomwise::network;
-using namespace roomwise::network::training;
+using namespace roomwise::training;
 using bench::need;
 
 constexpr std::size_t kClasses = 10;

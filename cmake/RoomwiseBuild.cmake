@@ -61,10 +61,11 @@ function(roomwise_compile_in_batches target)
   endif()
 endfunction()
 
-# roomwise_module(NAME SOURCES a.cpp ... [LINKS target ...] [PRIVATE_LINKS target ...])
-# declares the library roomwise_NAME (alias Roomwise::NAME); a module of headers alone gives no SOURCES.
+# roomwise_module(NAME [PRIVATE_MODULE] SOURCES a.cpp ... [LINKS target ...] [PRIVATE_LINKS target ...])
+# declares the library roomwise_NAME (alias Roomwise::NAME); a module of headers alone gives no SOURCES. A
+# PRIVATE_MODULE is not installed: only programs and tests of Roomwise link it.
 function(roomwise_module name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;LINKS;PRIVATE_LINKS" ${ARGN})
+  cmake_parse_arguments(ARG "PRIVATE_MODULE" "" "SOURCES;LINKS;PRIVATE_LINKS" ${ARGN})
   if(ARG_SOURCES)
     add_library(roomwise_${name} STATIC ${ARG_SOURCES})
     set(visibility PUBLIC)
@@ -79,7 +80,9 @@ function(roomwise_module name)
   target_include_directories(roomwise_${name} ${visibility}
     $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:include>)
   target_link_libraries(roomwise_${name} ${visibility} ${ARG_LINKS})
-  set_property(GLOBAL APPEND PROPERTY ROOMWISE_MODULES roomwise_${name})
+  if(NOT ARG_PRIVATE_MODULE)
+    set_property(GLOBAL APPEND PROPERTY ROOMWISE_MODULES roomwise_${name})
+  endif()
 endfunction()
 
 # What is tested is compiled as it ships; the tests themselves need no optimiser's time.

@@ -11,14 +11,10 @@ foreach(module ${modules})
   set_target_properties(${module} PROPERTIES EXPORT_NAME ${name})
 endforeach()
 install(TARGETS ${modules} EXPORT RoomwiseTargets)
-install(TARGETS roomwise)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/roomwise DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
   FILES_MATCHING PATTERN "*.h"
-  # Training needs libtorch, which users of the library need not have.
-  PATTERN training EXCLUDE
   # What only the tests use.
-  PATTERN testing EXCLUDE PATTERN testing.h EXCLUDE PATTERN "test_*.h" EXCLUDE PATTERN "sample_*.h" EXCLUDE
-  PATTERN "synthetic_*.h" EXCLUDE)
+  PATTERN testing EXCLUDE)
 
 install(EXPORT RoomwiseTargets NAMESPACE Roomwise:: DESTINATION ${package_dir})
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/RoomwiseConfig.cmake.in

@@ -5,14 +5,15 @@
 heading() { printf '\n== %s\n' "$*"; }
 stop() { printf '%s: %s\n' "$(basename "$0")" "$*" >&2; exit 1; }
 
-# Installs the packages of cmake/packages.txt that are missing. Quick and without network when none is.
+# install_missing_packages PART ...: installs what is missing of what cmake/packages.txt lists for these parts (product,
+# laboratory, tests). Quick and without network when nothing is.
 install_missing_packages() {
   if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
     echo "This is no Debian system: the packages of cmake/packages.txt are taken to be installed." >&2
     return
   fi
   local wanted installed missing
-  wanted=$(sed -e 's/#.*//' -e '/^[[:space:]]*$/d' "$root/cmake/packages.txt" | needed_packages | sort -u)
+  wanted=$(packages_of "$@" | needed_packages | sort -u)
   # dpkg-query fails where one of them is not known to it, and tells of the others all the same.
   # shellcheck disable=SC2086  # a list of names
   installed=$({ dpkg-query -W -f='${db:Status-Status} ${Package}\n' $wanted 2>/dev/null || true; } |
@@ -35,6 +36,11 @@ install_missing_packages() {
     tail -n 20 "$log" >&2
     stop "packages could not be installed; try: apt-get install --no-install-recommends $missing"
   }
+}
+# The lines of these parts.
+packages_of() {
+  awk -v parts=" $* " '{ sub(/#.*/, "") } /^\[/ { wanted = index(parts, " " substr($1, 2, length($1) - 2) " "); next }
+    wanted && NF' "$root/cmake/packages.txt"
 }
 # Leaves out a package with "[command NAME]" where that command is there, wherever it came from.
 needed_packages() {

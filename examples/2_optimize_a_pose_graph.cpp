@@ -5,7 +5,7 @@
 
 #include <numbers>
 
-#include "roomwise/mapping/pose_graph.h"
+#include "roomwise/mapping/graph/pose_graph.h"
 
 using namespace roomwise;
 

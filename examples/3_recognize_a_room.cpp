@@ -4,8 +4,8 @@
 #include <fmt/format.h>
 
 #include "roomwise/image/codec.h"
-#include "roomwise/network/onnx_classifier.h"
-#include "roomwise/pipeline/room_recognizer.h"
+#include "roomwise/network/vision/onnx_classifier.h"
+#include "roomwise/pipeline/rooms/room_recognizer.h"
 
 using namespace roomwise;
 

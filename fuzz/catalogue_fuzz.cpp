@@ -3,7 +3,7 @@
 #include <string_view>
 
 #include "fuzz_target.h"
-#include "roomwise/network/catalogue.h"
+#include "roomwise/network/formats/catalogue.h"
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string_view text(reinterpret_cast<const char*>(data), size);

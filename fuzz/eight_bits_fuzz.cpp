@@ -3,7 +3,7 @@
 #include <string_view>
 
 #include "fuzz_target.h"
-#include "roomwise/network/eight_bit_file.h"
+#include "roomwise/network/formats/eight_bit_file.h"
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace roomwise::network;

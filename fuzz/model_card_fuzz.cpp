@@ -3,7 +3,7 @@
 #include <string_view>
 
 #include "fuzz_target.h"
-#include "roomwise/network/model_card.h"
+#include "roomwise/network/formats/model_card.h"
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string_view text(reinterpret_cast<const char*>(data), size);

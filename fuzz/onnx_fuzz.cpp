@@ -3,17 +3,17 @@
 #include <algorithm>
 
 #include "fuzz_target.h"
-#include "roomwise/network/executor.h"
-#include "roomwise/network/lowering.h"
+#include "roomwise/network/executor/executor.h"
+#include "roomwise/network/graph/lowering.h"
 
 namespace {
 
 using namespace roomwise::network;
 
-constexpr std::size_t kMostFileBytes = 1 << 16;
-constexpr std::int64_t kFreeSize = 4;          // in place of a size that the file leaves open
-constexpr std::int64_t kMostInputs = 1 << 12;  // numbers
-constexpr std::size_t kMostNumbers = 1 << 16;  // of all values that come between, to be run
+constexpr std::size_t kMaxFileBytes = 1 << 16;
+constexpr std::int64_t kFreeSize = 4;         // in place of a size that the file leaves open
+constexpr std::int64_t kMaxInputs = 1 << 12;  // numbers
+constexpr std::size_t kMaxNumbers = 1 << 16;  // of all values that come between, to be run
 
 // The sizes to try; none where the file asks for more than is tried.
 std::vector<Shape> small_shapes(const OnnxGraph& graph) {
@@ -22,10 +22,10 @@ std::vector<Shape> small_shapes(const OnnxGraph& graph) {
     Shape shape = input.shape;
     std::int64_t count = 1;
     for (std::int64_t& size : shape) {
-      if (size == GraphInput::kFree) size = kFreeSize;
-      if (size < 0 || size > kMostInputs) return {};
+      if (size == GraphInput::kDynamic) size = kFreeSize;
+      if (size < 0 || size > kMaxInputs) return {};
       count *= size;
-      if (count > kMostInputs) return {};
+      if (count > kMaxInputs) return {};
     }
     shapes.push_back(shape);
   }
@@ -36,10 +36,10 @@ bool is_little_work(const Program& program) {
   std::size_t numbers = 0;
   for (const auto& value : program.values) {
     for (const std::int64_t size : value.shape) {
-      if (size < 0 || size > static_cast<std::int64_t>(kMostNumbers)) return false;
+      if (size < 0 || size > static_cast<std::int64_t>(kMaxNumbers)) return false;
     }
     numbers += count_of(value.shape);
-    if (numbers > kMostNumbers) return false;
+    if (numbers > kMaxNumbers) return false;
   }
   return true;
 }
@@ -47,7 +47,7 @@ bool is_little_work(const Program& program) {
 }  // namespace
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  if (size > kMostFileBytes) return 0;
+  if (size > kMaxFileBytes) return 0;
   auto graph = read_onnx_graph({data, size});
   if (!graph) return 0;
   const std::vector<Shape> shapes = small_shapes(*graph);

@@ -3,7 +3,7 @@
 #include <span>
 
 #include "fuzz_target.h"
-#include "roomwise/network/weights_file.h"
+#include "roomwise/network/formats/weights_file.h"
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const auto weights = roomwise::network::read_weights(std::span(data, size));

@@ -4,11 +4,11 @@
 #include <filesystem>
 
 #include "roomwise/base/file.h"
-#include "roomwise/network/built_in_cards.h"
-#include "roomwise/network/eight_bit_file.h"
-#include "roomwise/network/safetensors.h"
+#include "roomwise/network/formats/built_in_cards.h"
+#include "roomwise/network/formats/eight_bit_file.h"
+#include "roomwise/network/formats/safetensors.h"
 #include "roomwise/network/testing/torch_checkpoint.h"
-#include "roomwise/network/tiny_network.h"
+#include "roomwise/network/testing/tiny_network.h"
 #include "roomwise/service/messages.h"
 
 namespace {
@@ -97,7 +97,7 @@ std::vector<Seed> eight_bits_seeds() {
   file.sha256 = std::string(64, 'a');
   file.preprocessing = "version 1; input 6x4";
   file.ranges.input = {1, 3, 4, 6};
-  file.ranges.least_channels = 65;
+  file.ranges.min_channels = 65;
   file.ranges.of_layers = {{"", {0, 1}}, {"first", {-2.5F, 3}}, {"first #2", {0, 0}}};
   file.checked = "on others";
   return {{"tiny.eightbits", *roomwise::network::text_of(file)}};

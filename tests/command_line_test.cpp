@@ -8,7 +8,7 @@
 #include <sstream>
 
 #include "roomwise/base/file.h"
-#include "roomwise/base/testing.h"
+#include "roomwise/base/testing/testing.h"
 #include "run_program.h"
 
 namespace roomwise {

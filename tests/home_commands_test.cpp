@@ -10,7 +10,7 @@
 
 #include "made_up_recording.h"
 #include "roomwise/base/file.h"
-#include "roomwise/base/testing.h"
+#include "roomwise/base/testing/testing.h"
 #include "run_program.h"
 
 namespace roomwise {

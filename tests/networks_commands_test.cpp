@@ -7,10 +7,10 @@
 
 #include "roomwise/base/file.h"
 #include "roomwise/base/random.h"
-#include "roomwise/base/testing.h"
-#include "roomwise/download/test_server.h"
+#include "roomwise/base/testing/testing.h"
+#include "roomwise/download/testing/test_server.h"
 #include "roomwise/image/codec.h"
-#include "roomwise/network/tiny_network.h"
+#include "roomwise/network/testing/tiny_network.h"
 #include "run_program.h"
 
 namespace roomwise {

@@ -13,7 +13,7 @@
 #include <functional>
 
 #include "roomwise/base/file.h"
-#include "roomwise/base/testing.h"
+#include "roomwise/base/testing/testing.h"
 
 namespace roomwise::testing {
 namespace {
@@ -33,10 +33,10 @@ std::vector<char*> environment_without_networks(std::string& models, std::string
   return variables;
 }
 
-// Starts bin/roomwise; `open_files` says where its output goes.
-pid_t spawn_roomwise(const std::vector<std::string>& arguments, const std::string& data_folder,
-                     const std::function<void(posix_spawn_file_actions_t&)>& open_files) {
-  std::string program = ROOMWISE_PROGRAM;
+// Starts a program; `open_files` says where its output goes.
+pid_t spawn(std::string program, const std::vector<std::string>& arguments,
+            const std::string& data_folder,
+            const std::function<void(posix_spawn_file_actions_t&)>& open_files) {
   std::vector<std::string> words = arguments;
   std::vector<char*> argv{program.data()};
   for (std::string& word : words) argv.push_back(word.data());
@@ -70,11 +70,16 @@ int exit_code_of(pid_t child) {
 
 ProgramResult run_roomwise(const std::vector<std::string>& arguments,
                            const std::string& data_folder) {
+  return run_program(ROOMWISE_PROGRAM, arguments, data_folder);
+}
+
+ProgramResult run_program(const std::string& program, const std::vector<std::string>& arguments,
+                          const std::string& data_folder) {
   const ScratchFolder folder;
   const std::string output = folder / "output";
   const std::string errors = folder / "errors";
   const pid_t child =
-      spawn_roomwise(arguments, data_folder, [&](posix_spawn_file_actions_t& files) {
+      spawn(program, arguments, data_folder, [&](posix_spawn_file_actions_t& files) {
         posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, output.c_str(), O_WRONLY | O_CREAT,
                                          0600);
         posix_spawn_file_actions_addopen(&files, STDERR_FILENO, errors.c_str(), O_WRONLY | O_CREAT,
@@ -92,10 +97,11 @@ RunningProgram start_roomwise(const std::vector<std::string>& arguments) {
   const int errors_file = mkstemp(errors.data());
   std::array<int, 2> output{};
   if (errors_file < 0 || pipe2(output.data(), O_CLOEXEC) != 0) std::abort();
-  const pid_t child = spawn_roomwise(arguments, "", [&](posix_spawn_file_actions_t& files) {
-    posix_spawn_file_actions_adddup2(&files, output[1], STDOUT_FILENO);
-    posix_spawn_file_actions_adddup2(&files, errors_file, STDERR_FILENO);
-  });
+  const pid_t child =
+      spawn(ROOMWISE_PROGRAM, arguments, "", [&](posix_spawn_file_actions_t& files) {
+        posix_spawn_file_actions_adddup2(&files, output[1], STDOUT_FILENO);
+        posix_spawn_file_actions_adddup2(&files, errors_file, STDERR_FILENO);
+      });
   close(errors_file);
   close(output[1]);
   return {child, output[0], errors};

@@ -19,6 +19,10 @@ struct ProgramResult {
 ProgramResult run_roomwise(const std::vector<std::string>& arguments,
                            const std::string& data_folder = {});
 
+// The same with another program.
+ProgramResult run_program(const std::string& program, const std::vector<std::string>& arguments,
+                          const std::string& data_folder = {});
+
 // A program that runs beside the test. It is killed where it still runs at the end.
 class RunningProgram {
  public:

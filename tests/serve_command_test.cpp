@@ -11,10 +11,10 @@
 #include <regex>
 
 #include "roomwise/base/file.h"
-#include "roomwise/base/testing.h"
+#include "roomwise/base/testing/testing.h"
 #include "roomwise/service/client.h"
 #include "roomwise/service/messages.h"
-#include "roomwise/service/testing_service.h"
+#include "roomwise/service/testing/testing_service.h"
 #include "run_program.h"
 
 namespace roomwise::testing {

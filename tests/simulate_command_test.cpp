@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "roomwise/base/file.h"
-#include "roomwise/base/testing.h"
+#include "roomwise/base/testing/testing.h"
 #include "run_program.h"
 
 namespace roomwise {

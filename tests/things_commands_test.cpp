@@ -10,9 +10,9 @@
 #include "made_up_recording.h"
 #include "roomwise/base/file.h"
 #include "roomwise/base/random.h"
-#include "roomwise/base/testing.h"
+#include "roomwise/base/testing/testing.h"
 #include "roomwise/home/home.h"
-#include "roomwise/network/tiny_network.h"
+#include "roomwise/network/testing/tiny_network.h"
 #include "roomwise/recording/tum_writer.h"
 #include "run_program.h"
 

@@ -8,10 +8,10 @@
 #include "made_up_recording.h"
 #include "roomwise/base/file.h"
 #include "roomwise/base/random.h"
-#include "roomwise/base/testing.h"
+#include "roomwise/base/testing/testing.h"
 #include "roomwise/image/codec.h"
-#include "roomwise/network/onnx_classifier.h"
-#include "roomwise/network/tiny_network.h"
+#include "roomwise/network/testing/tiny_network.h"
+#include "roomwise/network/vision/onnx_classifier.h"
 #include "run_program.h"
 
 namespace roomwise {

@@ -11,12 +11,11 @@ void add_optimize_command(CLI::App& app, Context& context);
 void add_concepts_commands(CLI::App& app, Context& context);
 void add_objects_commands(CLI::App& app, Context& context);
 void add_eval_commands(CLI::App& app, Context& context);
-void add_home_evaluations(CLI::App& group, Context& context);      // of "eval"
-void add_localizer_evaluation(CLI::App& group, Context& context);  // of "eval"
-void add_changes_evaluation(CLI::App& group, Context& context);    // of "eval"
 void add_locate_command(CLI::App& app, Context& context);
 void add_device_command(CLI::App& app, Context& context);
 void add_export_commands(CLI::App& app, Context& context);
+void add_laboratory_commands(CLI::App& app, Context& context);
+void add_laboratory_evaluations(CLI::App& group, Context& context);  // of "eval"
 void add_map_command(CLI::App& app, Context& context);
 void add_rooms_commands(CLI::App& app, Context& context);
 void add_layout_command(CLI::App& group, Context& context);         // of "rooms"
@@ -27,9 +26,6 @@ void add_networks_quantize(CLI::App& group, Context& context);  // likewise
 void add_protect_command(CLI::App& app, Context& context);
 void add_report_command(CLI::App& app, Context& context);
 void add_serve_command(CLI::App& app, Context& context);
-void add_simulate_command(CLI::App& app, Context& context);
-void add_simulate_views_command(CLI::App& app, Context& context);
-void add_train_command(CLI::App& app, Context& context);
 void add_update_command(CLI::App& app, Context& context);
 
 }  // namespace roomwise::app

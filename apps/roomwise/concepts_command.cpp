@@ -4,8 +4,8 @@
 #include "commands.h"
 #include "open_home.h"
 #include "roomwise/home/home.h"
-#include "roomwise/pipeline/map_settings.h"
-#include "roomwise/pipeline/stored_map.h"
+#include "roomwise/pipeline/stored/map_settings.h"
+#include "roomwise/pipeline/stored/stored_map.h"
 
 namespace roomwise::app {
 namespace {

@@ -20,7 +20,7 @@ struct TrajectoryOptions {
   fs::path truth;
   fs::path estimate;
   fs::path plot;  // empty: none
-  double most_time_difference_s = 0.02;
+  double max_time_difference_s = 0.02;
   double delta_s = 1;
 };
 
@@ -65,14 +65,14 @@ Expected<Answer> run(const TrajectoryOptions& options) {
   ROOMWISE_TRY(const recording::Trajectory truth, recording::read_trajectory(truth_path));
   ROOMWISE_TRY(const recording::Trajectory estimate, recording::read_trajectory(options.estimate));
   const auto absolute =
-      evaluation::absolute_trajectory_error(truth, estimate, options.most_time_difference_s);
+      evaluation::absolute_trajectory_error(truth, estimate, options.max_time_difference_s);
   if (!absolute) {
     return fail("{} and {}: {}", truth_path.string(), options.estimate.string(),
                 absolute.error().message);
   }
   const auto relative = evaluation::relative_pose_error(
       truth, estimate,
-      {.delta = options.delta_s, .most_time_difference_s = options.most_time_difference_s});
+      {.delta = options.delta_s, .max_time_difference_s = options.max_time_difference_s});
   Answer answer = describe(*absolute, relative, options.delta_s);
   if (!options.plot.empty()) {
     const auto plot = evaluation::plot_trajectory(
@@ -105,7 +105,7 @@ void add_eval_commands(CLI::App& app, Context& context) {
   command->add_option("--plot", options->plot,
                       "SVG to draw: truth black, estimate blue, differences red");
   command
-      ->add_option("--max-difference", options->most_time_difference_s,
+      ->add_option("--max-difference", options->max_time_difference_s,
                    "Farthest that two poses of a pair lie apart in time, s")
       ->check(not_negative())
       ->capture_default_str();
@@ -113,9 +113,7 @@ void add_eval_commands(CLI::App& app, Context& context) {
       ->add_option("--delta", options->delta_s, "Over how long the relative error is measured, s")
       ->check(positive())
       ->capture_default_str();
-  add_home_evaluations(*group, context);
-  add_localizer_evaluation(*group, context);
-  add_changes_evaluation(*group, context);
+  add_laboratory_evaluations(*group, context);
 }
 
 }  // namespace roomwise::app

@@ -8,14 +8,14 @@
 #include "roomwise/fusion/mesh_files.h"
 #include "roomwise/fusion/octomap_file.h"
 #include "roomwise/home/home.h"
-#include "roomwise/mapping/g2o_file.h"
-#include "roomwise/mapping/map_solver.h"
-#include "roomwise/mapping/pcd_file.h"
-#include "roomwise/mapping/ply_file.h"
-#include "roomwise/pipeline/level_map.h"
-#include "roomwise/pipeline/map_cloud.h"
-#include "roomwise/pipeline/map_settings.h"
-#include "roomwise/pipeline/stored_map.h"
+#include "roomwise/mapping/backend/map_solver.h"
+#include "roomwise/mapping/cloud/pcd_file.h"
+#include "roomwise/mapping/cloud/ply_file.h"
+#include "roomwise/mapping/graph/g2o_file.h"
+#include "roomwise/pipeline/mapping/gravity_aligned_map.h"
+#include "roomwise/pipeline/mapping/map_cloud.h"
+#include "roomwise/pipeline/stored/map_settings.h"
+#include "roomwise/pipeline/stored/stored_map.h"
 
 namespace roomwise::app {
 namespace {
@@ -48,15 +48,15 @@ Expected<pipeline::MapCloud> build_cloud(const ExportOptions& options, Context& 
   return map;
 }
 
-Expected<pipeline::LevelMap> build_surface(const ExportOptions& options, Context& context,
-                                           ThreadPool& pool) {
+Expected<pipeline::GravityAlignedMap> build_surface(const ExportOptions& options, Context& context,
+                                                    ThreadPool& pool) {
   ROOMWISE_TRY(const home::Home home, open_home_read_only(options.home, context));
   StageClock clock;
   pipeline::RunContext run{pool, context.progress, clock};
-  return pipeline::build_level_map(home, options.voxel_size_m, run);
+  return pipeline::build_gravity_aligned_map(home, options.voxel_size_m, run);
 }
 
-Answer wrote_mesh(const fs::path& output, const pipeline::LevelMap& map) {
+Answer wrote_mesh(const fs::path& output, const pipeline::GravityAlignedMap& map) {
   const fusion::TriangleMesh& mesh = map.mesh_world;
   Answer answer;
   answer.text = fmt::format("wrote {} vertices, {} triangles to {}\n", mesh.vertices.size(),
@@ -67,9 +67,9 @@ Answer wrote_mesh(const fs::path& output, const pipeline::LevelMap& map) {
   return answer;
 }
 
-// Where the level frame of a file lies in the map's world, that of the other files.
-void add_frame(Answer& answer, const fusion::LevelFrame& frame) {
-  const geometry::RigidTransform& pose = frame.level_from_world;
+// Where the gravity-aligned frame of a file lies in the map's world, that of the other files.
+void add_frame(Answer& answer, const fusion::GravityAlignedFrame& frame) {
+  const geometry::RigidTransform& pose = frame.gravity_from_world;
   const auto& [t, q] = std::pair(pose.translation, pose.rotation);
   answer.json["level_from_world"] = {{"translation_m", {t.x(), t.y(), t.z()}},
                                      {"quaternion_xyzw", {q.x(), q.y(), q.z(), q.w()}}};
@@ -82,7 +82,7 @@ void add_frame(Answer& answer, const fusion::LevelFrame& frame) {
 Expected<Answer> export_ply(const ExportOptions& options, Context& context) {
   if (options.surface == "mesh") {
     ThreadPool pool(context.threads);
-    ROOMWISE_TRY(const pipeline::LevelMap map, build_surface(options, context, pool));
+    ROOMWISE_TRY(const pipeline::GravityAlignedMap map, build_surface(options, context, pool));
     ROOMWISE_CHECK_OK(fusion::write_ply(options.output, map.mesh_world));
     return wrote_mesh(options.output, map);
   }
@@ -99,9 +99,9 @@ Expected<Answer> export_pcd(const ExportOptions& options, Context& context) {
 
 Expected<Answer> export_glb(const ExportOptions& options, Context& context) {
   ThreadPool pool(context.threads);
-  ROOMWISE_TRY(const pipeline::LevelMap map, build_surface(options, context, pool));
+  ROOMWISE_TRY(const pipeline::GravityAlignedMap map, build_surface(options, context, pool));
   ROOMWISE_CHECK_OK(fusion::write_glb(
-      options.output, fusion::transformed(map.frame.level_from_world, map.mesh_world)));
+      options.output, fusion::transformed(map.frame.gravity_from_world, map.mesh_world)));
   Answer answer = wrote_mesh(options.output, map);
   add_frame(answer, map.frame);
   return answer;
@@ -110,7 +110,7 @@ Expected<Answer> export_glb(const ExportOptions& options, Context& context) {
 Expected<Answer> export_octomap(const ExportOptions& options, Context& context) {
   ROOMWISE_CHECK_OK(pipeline::validate_cell(options.cell_m, options.voxel_size_m));
   ThreadPool pool(context.threads);
-  ROOMWISE_TRY(const pipeline::LevelMap map, build_surface(options, context, pool));
+  ROOMWISE_TRY(const pipeline::GravityAlignedMap map, build_surface(options, context, pool));
   StageClock clock;
   pipeline::RunContext run{pool, context.progress, clock};
   ROOMWISE_TRY(const auto cells, pipeline::occupancy_of(map, options.cell_m, run));
@@ -132,7 +132,7 @@ Expected<Answer> export_floor(const ExportOptions& options, Context& context) {
   ROOMWISE_CHECK_OK(floor.validate());
   ROOMWISE_CHECK_OK(pipeline::validate_cell(options.cell_m, options.voxel_size_m));
   ThreadPool pool(context.threads);
-  ROOMWISE_TRY(const pipeline::LevelMap map, build_surface(options, context, pool));
+  ROOMWISE_TRY(const pipeline::GravityAlignedMap map, build_surface(options, context, pool));
   StageClock clock;
   pipeline::RunContext run{pool, context.progress, clock};
   auto grid = pipeline::floor_grid_of(map, floor, run);

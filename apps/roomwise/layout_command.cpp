@@ -6,7 +6,7 @@
 #include "open_home.h"
 #include "roomwise/base/file.h"
 #include "roomwise/evaluation/floor_plan_drawing.h"
-#include "roomwise/pipeline/home_layout.h"
+#include "roomwise/pipeline/rooms/home_layout.h"
 
 namespace roomwise::app {
 namespace {
@@ -20,8 +20,8 @@ struct LayoutOptions {
 
 evaluation::FloorPlanView view_of(const pipeline::HomeLayout& home) {
   const fusion::FloorGrid& grid = home.grid;
-  const auto in_cells = [&](const Eigen::Vector2d& point_level) {
-    return Eigen::Vector2d((point_level - grid.origin_m()) / grid.cell_m());
+  const auto in_cells = [&](const Eigen::Vector2d& point_gravity) {
+    return Eigen::Vector2d((point_gravity - grid.origin_m()) / grid.cell_m());
   };
   evaluation::FloorPlanView view;
   view.cell_m = grid.cell_m();
@@ -36,10 +36,10 @@ evaluation::FloorPlanView view_of(const pipeline::HomeLayout& home) {
     }
   }
   for (const rooms::RoomExtent& room : home.layout.rooms()) {
-    view.rooms.push_back({room.name, room.floor_m2, in_cells(room.middle_level)});
+    view.rooms.push_back({room.name, room.floor_m2, in_cells(room.middle_gravity)});
   }
   for (const rooms::Doorway& doorway : home.layout.doorways()) {
-    view.doorways.push_back({in_cells(doorway.middle_level), doorway.is_walked});
+    view.doorways.push_back({in_cells(doorway.middle_gravity), doorway.is_walked});
   }
   return view;
 }
@@ -55,23 +55,24 @@ Answer answer_of(const pipeline::HomeLayout& home) {
   answer.json = {{"rooms", Json::array()}, {"doorways", Json::array()}};
   for (const rooms::RoomExtent& room : home.layout.rooms()) {
     answer.text += fmt::format("{}: {:.1f} m2 of free floor\n", room.name, room.floor_m2);
-    answer.json["rooms"].push_back({{"name", room.name},
-                                    {"floor_m2", room.floor_m2},
-                                    {"middle_m", {room.middle_level.x(), room.middle_level.y()}},
-                                    {"neighbors", home.layout.neighbors(room.name)}});
+    answer.json["rooms"].push_back(
+        {{"name", room.name},
+         {"floor_m2", room.floor_m2},
+         {"middle_m", {room.middle_gravity.x(), room.middle_gravity.y()}},
+         {"neighbors", home.layout.neighbors(room.name)}});
   }
   for (const rooms::Doorway& doorway : home.layout.doorways()) {
-    answer.text +=
-        fmt::format("{} to {}: {}, at {:.1f} {:.1f} m\n", doorway.rooms[0], doorway.rooms[1],
-                    width_in_words(doorway), doorway.middle_level.x(), doorway.middle_level.y());
+    answer.text += fmt::format("{} to {}: {}, at {:.1f} {:.1f} m\n", doorway.rooms[0],
+                               doorway.rooms[1], width_in_words(doorway),
+                               doorway.middle_gravity.x(), doorway.middle_gravity.y());
     answer.json["doorways"].push_back(
         {{"rooms", doorway.rooms},
-         {"middle_m", {doorway.middle_level.x(), doorway.middle_level.y()}},
+         {"middle_m", {doorway.middle_gravity.x(), doorway.middle_gravity.y()}},
          {"width_m", doorway.width_m},
          {"walked", doorway.is_walked}});
   }
   const auto& [t, q] =
-      std::pair(home.frame.level_from_world.translation, home.frame.level_from_world.rotation);
+      std::pair(home.frame.gravity_from_world.translation, home.frame.gravity_from_world.rotation);
   answer.json["level_from_world"] = {{"translation_m", {t.x(), t.y(), t.z()}},
                                      {"quaternion_xyzw", {q.x(), q.y(), q.z(), q.w()}}};
   return answer;

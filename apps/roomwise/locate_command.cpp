@@ -7,7 +7,7 @@
 #include "commands.h"
 #include "open_home.h"
 #include "roomwise/image/codec.h"
-#include "roomwise/pipeline/home_localizer.h"
+#include "roomwise/pipeline/mapping/home_localizer.h"
 #include "roomwise/recording/camera_file.h"
 
 namespace roomwise::app {
@@ -55,9 +55,10 @@ Expected<Answer> describe(const home::Home& home, const mapping::Localization& f
   const Eigen::Quaterniond& rotation = found.world_from_camera.rotation;
   const double sigma_m = found.position_sigma_m();
   const double sigma_degrees = kDegreesPerRadian * found.rotation_sigma_rad();
-  const std::string how = found.witnesses > 0
-                              ? fmt::format("by the shape of {} key-frames", found.witnesses)
-                              : fmt::format("by {} features", found.inliers);
+  const std::string how =
+      found.supporting_keyframes > 0
+          ? fmt::format("by the shape of {} key-frames", found.supporting_keyframes)
+          : fmt::format("by {} features", found.inliers);
   answer.text = fmt::format(
       "at {:.2f} {:.2f} {:.2f} m, give or take {:.2f} m and {:.1f} degrees{}\n"
       "{}, like key-frame {}\n",
@@ -68,7 +69,7 @@ Expected<Answer> describe(const home::Home& home, const mapping::Localization& f
   answer.json["position_sigma_m"] = sigma_m;
   answer.json["rotation_sigma_degrees"] = sigma_degrees;
   answer.json["inliers"] = found.inliers;
-  answer.json["witnesses"] = found.witnesses;
+  answer.json["witnesses"] = found.supporting_keyframes;
   answer.json["keyframe"] = found.keyframe;
   answer.json["room"] = room.empty() ? Json(nullptr) : Json(room);
   return answer;

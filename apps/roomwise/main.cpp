@@ -15,8 +15,6 @@ int main(int argc, char** argv) {
 
   add_info_command(app, context);
   add_record_command(app, context);
-  add_simulate_command(app, context);
-  add_simulate_views_command(app, context);
   add_map_command(app, context);
   add_locate_command(app, context);
   add_update_command(app, context);
@@ -27,10 +25,10 @@ int main(int argc, char** argv) {
   add_eval_commands(app, context);
   add_export_commands(app, context);
   add_report_command(app, context);
-  add_train_command(app, context);
   add_serve_command(app, context);
   add_device_command(app, context);
   add_protect_command(app, context);
   add_networks_commands(app, context);
+  add_laboratory_commands(app, context);
   return run(app, context, argc, argv);
 }

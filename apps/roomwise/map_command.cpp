@@ -7,9 +7,9 @@
 #include "open_home.h"
 #include "paths.h"
 #include "readout.h"
-#include "roomwise/pipeline/map_recording.h"
-#include "roomwise/pipeline/room_learning.h"
-#include "roomwise/pipeline/stored_map.h"
+#include "roomwise/pipeline/mapping/map_recording.h"
+#include "roomwise/pipeline/rooms/room_learning.h"
+#include "roomwise/pipeline/stored/stored_map.h"
 #include "roomwise/recording/camera_file.h"
 #include "roomwise/recording/tum_recording.h"
 
@@ -54,7 +54,8 @@ Expected<pipeline::MapSettings> new_settings(const MapOptions& options) {
   settings.mapper.loops.random = options.loop_random.value_or(settings.mapper.loops.random);
   settings.mapper.loops.similar = options.loop_similar.value_or(settings.mapper.loops.similar);
   settings.mapper.reuse = mapping::MapperOptions::of(settings.mapper.method).reuse;
-  settings.mapper.reuse.nearer_than = options.reuse.value_or(settings.mapper.reuse.nearer_than);
+  settings.mapper.reuse.max_motion_ratio =
+      options.reuse.value_or(settings.mapper.reuse.max_motion_ratio);
   ROOMWISE_CHECK_OK(settings.validate());
   return settings;
 }
@@ -106,7 +107,7 @@ std::string to_text(const pipeline::MapSummary& summary, const std::vector<std::
       "pieces      {}\n"
       "pose graph  F {:.6g} -> {:.6g}\n",
       summary.placed, summary.frames, summary.keyframes, summary.edges, summary.rejected_loops,
-      summary.loops, summary.pieces, summary.graph_error_before, summary.graph_error_after);
+      summary.loops, summary.components, summary.graph_error_before, summary.graph_error_after);
   if (summary.landmarks > 0) {
     text += fmt::format("landmarks   {}, seen {} times; rolling shutter {}\n", summary.landmarks,
                         summary.landmark_views, readout_text(summary.readout_s));
@@ -195,7 +196,7 @@ Expected<Answer> map(const MapOptions& options, Context& context) {
                  {"edges", summary.edges},
                  {"loops", summary.loops},
                  {"rejected_loops", summary.rejected_loops},
-                 {"pieces", summary.pieces},
+                 {"pieces", summary.components},
                  {"f_before", summary.graph_error_before},
                  {"f_after", summary.graph_error_after},
                  {"landmarks", summary.landmarks},
@@ -247,7 +248,7 @@ void add_map_command(CLI::App& app, Context& context) {
       ->check(CLI::IsMember({"combined", "paper"}));
   setting("--features", options->features, "surf, sift or orb")
       ->check(CLI::IsMember({"surf", "sift", "orb"}));
-  setting("--keypoints", options->settings.most_keypoints, "Most key-points a frame");
+  setting("--keypoints", options->settings.max_keypoints, "Most key-points a frame");
   setting("--keyframe-translation", options->settings.mapper.keyframe_translation_m,
           "A key-frame after this much motion, m")
       ->check(positive());
@@ -286,8 +287,7 @@ void add_map_command(CLI::App& app, Context& context) {
                  "Leave the map as the pose graph says: no landmarks, no rolling shutter (so does "
                  "--method paper)")
       ->excludes(resume);
-  setting("--object-score", options->settings.objects.least_score,
-          "Least score of an object, 0 to 1")
+  setting("--object-score", options->settings.objects.min_score, "Least score of an object, 0 to 1")
       ->check(CLI::Range(0.0, 1.0));
   add_network_options(*command, options->networks);
   command

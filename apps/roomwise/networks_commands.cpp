@@ -7,10 +7,10 @@
 #include "networks.h"
 #include "roomwise/base/file.h"
 #include "roomwise/download/https_download.h"
-#include "roomwise/network/catalogue.h"
-#include "roomwise/network/eight_bit_file.h"
-#include "roomwise/network/model_card.h"
-#include "roomwise/network/network_file.h"
+#include "roomwise/network/formats/catalogue.h"
+#include "roomwise/network/formats/eight_bit_file.h"
+#include "roomwise/network/formats/model_card.h"
+#include "roomwise/network/formats/network_file.h"
 
 namespace roomwise::app {
 namespace {

@@ -11,10 +11,10 @@
 #include "networks.h"
 #include "roomwise/base/random.h"
 #include "roomwise/base/stage_clock.h"
-#include "roomwise/network/detector.h"
-#include "roomwise/network/eight_bit_file.h"
-#include "roomwise/network/network_file.h"
-#include "roomwise/network/onnx_classifier.h"
+#include "roomwise/network/formats/eight_bit_file.h"
+#include "roomwise/network/formats/network_file.h"
+#include "roomwise/network/vision/detector.h"
+#include "roomwise/network/vision/onnx_classifier.h"
 
 namespace roomwise::app {
 namespace {

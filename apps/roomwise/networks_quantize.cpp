@@ -9,7 +9,7 @@
 #include "roomwise/base/file.h"
 #include "roomwise/image/codec.h"
 #include "roomwise/image/picture_files.h"
-#include "roomwise/network/classifier_quantization.h"
+#include "roomwise/network/vision/classifier_quantization.h"
 
 namespace roomwise::app {
 namespace {
@@ -74,10 +74,10 @@ Json report_of(const QuantizedClassifier& quantized) {
           {"reason", report.reason},
           {"measured_on", quantized.measured_on},
           {"checked_on", quantized.checked_on},
-          {"least_channels", report.least_channels},
+          {"least_channels", report.min_channels},
           {"time_ratio", report.time_ratio},
           {"mean_cosine", report.mean_cosine},
-          {"least_cosine", report.least_cosine},
+          {"least_cosine", report.min_cosine},
           {"mean_error", report.mean_error},
           {"agreement", report.agreement}};
 }
@@ -106,9 +106,9 @@ Expected<Answer> quantize_command(const QuantizeOptions& options, const Context&
   ROOMWISE_CHECK_OK(write_file(out, text));
   Answer answer;
   answer.text = fmt::format("{}: {}\n", weights.string(), quantized.file.checked);
-  if (quantized.report.least_channels > 1) {
+  if (quantized.report.min_channels > 1) {
     answer.text += fmt::format("layers of fewer than {} channels stay in floats\n",
-                               quantized.report.least_channels);
+                               quantized.report.min_channels);
   }
   answer.text += fmt::format(
       "it takes {:.2f} of the processor time that it takes in floats (here, least of three runs)\n"

@@ -8,11 +8,11 @@
 #include "networks.h"
 #include "open_home.h"
 #include "roomwise/home/home.h"
-#include "roomwise/objects/activation_regions.h"
-#include "roomwise/pipeline/closer_looks.h"
-#include "roomwise/pipeline/keyframe_observer.h"
-#include "roomwise/pipeline/map_settings.h"
-#include "roomwise/pipeline/stored_map.h"
+#include "roomwise/objects/detection/activation_regions.h"
+#include "roomwise/pipeline/objects/keyframe_observer.h"
+#include "roomwise/pipeline/objects/proposal_detection.h"
+#include "roomwise/pipeline/stored/map_settings.h"
+#include "roomwise/pipeline/stored/stored_map.h"
 
 namespace roomwise::app {
 namespace {
@@ -61,7 +61,7 @@ void add(Answer& answer, const objects::MapObject& object, const Places& places)
   }
   answer.text += fmt::format(
       "{:<16} {:.2f}  in {} key-frames, best {} (frame {})  {}{}\n", object.name, object.score,
-      object.sightings, object.keyframe_id, keyframe.frame_index,
+      object.observations, object.keyframe_id, keyframe.frame_index,
       position
           ? fmt::format("at {:.2f} {:.2f} {:.2f} m", position->x(), position->y(), position->z())
           : "place not known",
@@ -69,10 +69,10 @@ void add(Answer& answer, const objects::MapObject& object, const Places& places)
   answer.json["objects"].push_back(
       {{"name", object.name},
        {"score", object.score},
-       {"sightings", object.sightings},
+       {"sightings", object.observations},
        {"keyframe", object.keyframe_id},
        {"frame", keyframe.frame_index},
-       {"piece", keyframe.pose.piece},
+       {"piece", keyframe.pose.component},
        {"position_world_m", position ? to_json(*position) : Json(nullptr)},
        {"room", room_json(room)}});
 }
@@ -87,19 +87,19 @@ void add(Answer& answer, const objects::Instance& instance, const Places& places
       "{:<16} {:.2f}  at {:.2f} {:.2f} {:.2f} m (+-{:.2f}), {:.2f} x {:.2f} x {:.2f} m, seen in {} "
       "of {} key-frames, best {} (frame {}){}\n",
       instance.name, instance.probability, at.x(), at.y(), at.z(), instance.sigma_m.maxCoeff(),
-      box.size_m.x(), box.size_m.y(), box.size_m.z(), instance.sightings, instance.expected,
+      box.size_m.x(), box.size_m.y(), box.size_m.z(), instance.observations, instance.expected,
       instance.keyframe_id, keyframe.frame_index, room.empty() ? "" : ", " + room);
   const network::PixelBox& picture = instance.picture_box;
   answer.json["objects"].push_back(
       {{"name", instance.name},
        {"probability", instance.probability},
        {"names", instance.names},
-       {"sightings", instance.sightings},
+       {"sightings", instance.observations},
        {"expected", instance.expected},
        {"keyframe", instance.keyframe_id},
        {"frame", keyframe.frame_index},
        {"picture_box_px", {picture.left, picture.top, picture.right, picture.bottom}},
-       {"piece", keyframe.pose.piece},
+       {"piece", keyframe.pose.component},
        {"position_world_m", to_json(at)},
        {"rotation_world_xyzw", {turn.x(), turn.y(), turn.z(), turn.w()}},
        {"size_m", to_json(box.size_m)},
@@ -133,7 +133,7 @@ void add(Answer& answer, const home::PastInstance& past, const home::Visit& noti
   const objects::Instance& thing = past.instance;
   const home::Keyframe& keyframe = places.keyframes.at(thing.keyframe_id);
   const std::string room = places.room_of(thing.keyframe_id);
-  const std::string became = past.reason == home::PastReason::kGone ? "gone" : "moved";
+  const std::string became = past.reason == home::PastReason::kRemoved ? "gone" : "moved";
   const Eigen::Vector3d at = thing.box_world(keyframe.pose.world_from_keyframe).center();
   answer.text += fmt::format(
       "{:<16} {:<5}  stood at {:.2f} {:.2f} {:.2f} m{}; seen from {} to {} s; noticed by {}\n",
@@ -144,7 +144,7 @@ void add(Answer& answer, const home::PastInstance& past, const home::Visit& noti
                                  {"first_seen_s", seconds_between(0, past.first_seen_ns)},
                                  {"last_seen_s", seconds_between(0, past.last_seen_ns)},
                                  {"noticed_by", past.noticed_by},
-                                 {"piece", keyframe.pose.piece},
+                                 {"piece", keyframe.pose.component},
                                  {"position_world_m", to_json(at)},
                                  {"room", room_json(room)}});
 }
@@ -185,7 +185,7 @@ Expected<objects::ObjectFinders> maps_alone(const std::string& name) {
   ROOMWISE_TRY(const auto file, find_network_file(name));
   ROOMWISE_TRY(auto classifier, network::DenseClassifier::load(file));
   const auto words =
-      objects::words_of_maps({}, classifier->labels(), objects::ObjectVocabulary::standard());
+      objects::classes_of_maps({}, classifier->labels(), objects::ObjectVocabulary::standard());
   objects::ObjectFinders finders;
   finders.in_pictures.push_back(objects::activation_finder(std::move(classifier), words));
   return finders;
@@ -207,7 +207,7 @@ Expected<Answer> find(const ObjectsOptions& options, Context& context) {
                pipeline::KeyframeObserver::create(home, networks, finders.in_pictures, run));
   ROOMWISE_TRY(bool seen_all, observer.observe_missing());
   if (seen_all && finders.of_proposals) {
-    ROOMWISE_TRY(seen_all, pipeline::look_closer(home, *finders.of_proposals, run));
+    ROOMWISE_TRY(seen_all, pipeline::redetect_on_proposals(home, *finders.of_proposals, run));
   }
   if (!seen_all) {
     return fail(

@@ -6,11 +6,11 @@
 #include "open_home.h"
 #include "readout.h"
 #include "roomwise/base/file.h"
-#include "roomwise/mapping/g2o_file.h"
-#include "roomwise/mapping/pose_graph.h"
-#include "roomwise/pipeline/map_settings.h"
-#include "roomwise/pipeline/stored_keyframes.h"
-#include "roomwise/pipeline/stored_map.h"
+#include "roomwise/mapping/graph/g2o_file.h"
+#include "roomwise/mapping/graph/pose_graph.h"
+#include "roomwise/pipeline/stored/map_settings.h"
+#include "roomwise/pipeline/stored/stored_keyframes.h"
+#include "roomwise/pipeline/stored/stored_map.h"
 
 namespace roomwise::app {
 namespace {

@@ -6,7 +6,7 @@
 #include "open_home.h"
 #include "paths.h"
 #include "roomwise/base/file.h"
-#include "roomwise/pipeline/home_report.h"
+#include "roomwise/pipeline/report/home_report.h"
 
 namespace roomwise::app {
 namespace {
@@ -36,9 +36,9 @@ Expected<std::vector<evaluation::ReportContent::Recognition>> read_evaluation(
         return {of.at("interval").at(0), of.at("interval").at(1)};
       };
       const auto& named = values.at("named");
-      result.best_right = {values.at("correct"), values.at("n")};
+      result.top1_correct = {values.at("correct"), values.at("n")};
       result.best_interval = interval_of(values);
-      result.named_rightly = {named.at("right"), named.at("of")};
+      result.named_correct = {named.at("right"), named.at("of")};
       result.named_interval = interval_of(named);
       result.resampled = json.at("resampled");
       result.ms = values.at("ms");

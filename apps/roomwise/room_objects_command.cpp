@@ -9,7 +9,7 @@
 #include "command_run.h"
 #include "commands.h"
 #include "open_home.h"
-#include "roomwise/pipeline/room_contents.h"
+#include "roomwise/pipeline/rooms/room_contents.h"
 
 namespace roomwise::app {
 namespace {
@@ -129,13 +129,13 @@ Expected<Answer> types_of_rooms(const TypesOptions& options, Context& context) {
                                                : open_home_read_only(options.home, context));
   CommandRun run(context);
   ROOMWISE_TRY(const auto layout, pipeline::find_home_layout(home, run));
-  ROOMWISE_TRY(const auto guesses, pipeline::guess_room_types(home, layout));
+  ROOMWISE_TRY(const auto guesses, pipeline::classify_room_types(home, layout));
   ROOMWISE_TRY(const rooms::Concepts concepts, home.concepts());
   ROOMWISE_TRY(auto rooms, home.rooms());
   Answer answer;
   answer.json["rooms"] = Json::array();
   for (rooms::Room& room : rooms) {
-    const rooms::TypeGuess& best = guesses.at(room.name).front();
+    const rooms::TypePosterior& best = guesses.at(room.name).front();
     const bool is_known = concepts.objects_of_room_type.contains(room.type);
     const bool is_guessed = best.type != rooms::kOtherType;
     const bool takes =
@@ -147,7 +147,7 @@ Expected<Answer> types_of_rooms(const TypesOptions& options, Context& context) {
                    : std::string("its things tell no type\n");
     Json json = {
         {"room", room.name}, {"type", room.type}, {"guesses", Json::array()}, {"taken", takes}};
-    for (const rooms::TypeGuess& guess : guesses.at(room.name)) {
+    for (const rooms::TypePosterior& guess : guesses.at(room.name)) {
       json["guesses"].push_back(
           {{"type", guess.type == rooms::kOtherType ? Json(nullptr) : Json(guess.type)},
            {"probability", guess.probability},

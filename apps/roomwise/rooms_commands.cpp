@@ -12,11 +12,11 @@
 #include "open_home.h"
 #include "rooms_options.h"
 #include "roomwise/image/codec.h"
-#include "roomwise/pipeline/home_places.h"
-#include "roomwise/pipeline/picture_features.h"
-#include "roomwise/pipeline/room_learning.h"
-#include "roomwise/pipeline/room_recognizer.h"
-#include "roomwise/pipeline/turn_hint.h"
+#include "roomwise/pipeline/rooms/home_places.h"
+#include "roomwise/pipeline/rooms/picture_features.h"
+#include "roomwise/pipeline/rooms/room_learning.h"
+#include "roomwise/pipeline/rooms/room_recognizer.h"
+#include "roomwise/pipeline/rooms/turn_hint.h"
 #include "roomwise/recording/camera_file.h"
 
 namespace roomwise::app {
@@ -200,13 +200,13 @@ Answer to_answer(const rooms::LearningReport& report) {
       "held out: {:.3f} of {} ({:.3f} by the paper's regression, weight decay {:g})\n"
       "a room is named from a probability of {:.2f} on\n",
       report.held_out_precision(), report.held_out, report.paper_held_out_precision,
-      report.weight_decay, report.calibration.sure_from);
+      report.weight_decay, report.calibration.confidence_threshold);
   for (const std::string& warning : report.warnings) answer.text += "warning: " + warning + "\n";
   answer.json["held_out"] = report.held_out;
   answer.json["held_out_precision"] = report.held_out_precision();
   answer.json["paper_held_out_precision"] = report.paper_held_out_precision;
   answer.json["weight_decay"] = report.weight_decay;
-  answer.json["sure_from"] = report.calibration.sure_from;
+  answer.json["sure_from"] = report.calibration.confidence_threshold;
   answer.json["warnings"] = report.warnings;
   return answer;
 }
@@ -312,7 +312,7 @@ Expected<rooms::RoomDecision> recognize_walk(const pipeline::RoomRecognizer& rec
     if (places != nullptr) {
       find_place = [&] { return places->look(to_locate.subspan(i, 1), recognizer.rooms()); };
     }
-    ROOMWISE_TRY(decision, recognizer.see(stream, evidence, interval_s, find_place));
+    ROOMWISE_TRY(decision, recognizer.update(stream, evidence, interval_s, find_place));
   }
   return decision;
 }
@@ -407,7 +407,7 @@ void add_rooms_commands(CLI::App& app, Context& context) {
                      "Learn from so many varied pictures beside each one: other light, held "
                      "differently. What a network makes of them is kept in the home; with 0 no "
                      "network is run for key-frames")
-        ->check(CLI::Range(0, pipeline::kMostVariants))
+        ->check(CLI::Range(0, pipeline::kMaxVariants))
         ->capture_default_str();
     // --labels is the rooms' here, so the networks' own labels come from their cards.
     command->add_option("--network", options->networks.files,

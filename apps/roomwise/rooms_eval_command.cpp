@@ -14,10 +14,10 @@
 #include "rooms_options.h"
 #include "roomwise/base/file.h"
 #include "roomwise/evaluation/recognition_report.h"
-#include "roomwise/pipeline/keyframe_images.h"
-#include "roomwise/pipeline/room_baselines.h"
-#include "roomwise/pipeline/room_evaluation.h"
-#include "roomwise/pipeline/room_learning.h"
+#include "roomwise/pipeline/rooms/room_baselines.h"
+#include "roomwise/pipeline/rooms/room_evaluation.h"
+#include "roomwise/pipeline/rooms/room_learning.h"
+#include "roomwise/pipeline/stored/keyframe_images.h"
 
 namespace roomwise::app {
 namespace {
@@ -27,7 +27,7 @@ using evaluation::RecognitionReportContent;
 using pipeline::LabelledPicture;
 using pipeline::RuleResult;
 
-constexpr std::size_t kMostMistakesShown = 60;
+constexpr std::size_t kMaxMistakesShown = 60;
 
 struct RoomsEvaluationOptions {
   fs::path home;
@@ -110,10 +110,10 @@ RecognitionReportContent::Rule row_of(const RuleResult& result, const Pictures& 
   row.name = result.rule;
   row.decisions = result.judgements.size();
   const auto precision = precision_of(result, all.pictures, by_walks);
-  const auto best = best_of(result, all.pictures, by_walks);
-  row.named_rightly = precision.total();
+  const auto best = top1_accuracy_of(result, all.pictures, by_walks);
+  row.named_correct = precision.total();
   row.precision_interval = precision.resampled_interval();
-  row.best_right = best.total();
+  row.top1_correct = best.total();
   row.best_interval = best.resampled_interval();
   row.ms = result.median_ms;
   row.confusion = confusion_of(result, all.pictures);
@@ -158,10 +158,10 @@ Json walks_json(const RuleResult& result, const Pictures& all) {
 Json to_json(const RecognitionReportContent::Rule& row, const RuleResult& result) {
   Json json = {{"rule", row.name},
                {"n", row.decisions},
-               {"correct", row.best_right.successes},
-               {"precision", row.best_right.value()},
+               {"correct", row.top1_correct.successes},
+               {"precision", row.top1_correct.value()},
                {"interval", {row.best_interval.low, row.best_interval.high}},
-               {"named", to_json(row.named_rightly, row.precision_interval)},
+               {"named", to_json(row.named_correct, row.precision_interval)},
                {"ms", row.ms}};
   if (!result.reasons.empty()) json["how"] = result.reasons;
   for (const std::string& truth : row.confusion.rooms()) {
@@ -179,12 +179,12 @@ Json to_json(const RecognitionReportContent::Rule& row, const RuleResult& result
 std::string to_text(const RecognitionReportContent::Rule& row) {
   return fmt::format(
       "{:44} {:5} {:7.3f} ({:.3f} to {:.3f}) {:7.3f} {:7.3f} ({:.3f} to {:.3f}) {:8.1f}\n",
-      row.name, row.decisions, row.best_right.value(), row.best_interval.low,
+      row.name, row.decisions, row.top1_correct.value(), row.best_interval.low,
       row.best_interval.high,
       row.decisions == 0
           ? 0
-          : static_cast<double>(row.named_rightly.n) / static_cast<double>(row.decisions),
-      row.named_rightly.value(), row.precision_interval.low, row.precision_interval.high, row.ms);
+          : static_cast<double>(row.named_correct.n) / static_cast<double>(row.decisions),
+      row.named_correct.value(), row.precision_interval.low, row.precision_interval.high, row.ms);
 }
 
 std::string confusion_text(const RecognitionReportContent::Rule& row) {
@@ -207,7 +207,7 @@ Expected<void> add_mistakes(const RuleResult& result, const Pictures& all,
   for (const pipeline::Judgement& judgement : result.judgements) {
     const LabelledPicture& picture = all.pictures[judgement.picture];
     if (!judgement.named || judgement.best == picture.room) continue;
-    if (content.mistakes.size() == kMostMistakesShown) return {};
+    if (content.mistakes.size() == kMaxMistakesShown) return {};
     ROOMWISE_TRY(image::ColorImage color, picture.read());
     content.mistakes.push_back({std::move(color), picture.name, result.rule, picture.room,
                                 judgement.answer, judgement.why});
@@ -359,7 +359,7 @@ void add_measuring_options(CLI::App& command, RoomsEvaluationOptions& options) {
                    "Measure simple ways on the same frames, too: colours, nearest features, a vote "
                    "of SIFT features");
   command
-      .add_option("--most-voted", options.baselines.most_voted_pictures,
+      .add_option("--max-voted", options.baselines.max_voted_pictures,
                   "The vote of SIFT features looks at so many frames at most, spread evenly; 0: "
                   "none")
       ->capture_default_str();

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "commands.h"
-#include "roomwise/pipeline/room_selection.h"
+#include "roomwise/pipeline/rooms/room_selection.h"
 
 namespace roomwise::app {
 

@@ -79,7 +79,7 @@ class HomeServer {
     ROOMWISE_TRY(all.finders_, load_object_finders());
     live::LiveHomeOptions home;
     home.threads = context.threads;
-    home.looking_threads = context.threads;
+    home.frame_workers = context.threads;
     home.seed = context.seed;
     home.clock = seconds_since_1970;
     ROOMWISE_TRY(home.open, open_options(context));
@@ -172,7 +172,7 @@ class HomeServer {
     add("received_bytes_total", "counter", counts.message_bytes_in);
     add("messages_sent_total", "counter", counts.messages_out);
     add("messages_dropped_total", "counter", counts.messages_dropped);
-    add("frames_looked_at_total", "counter", home_->frames_looked_at());
+    add("frames_looked_at_total", "counter", home_->frames_processed());
     add("frames_dropped_total", "counter", home_->frames_dropped());
     text += "# TYPE roomwise_answers_total counter\n";
     for (const auto& [status, count] : counts.answers) {
@@ -251,12 +251,12 @@ Expected<void> show_code(HomeServer& server, service::Role role, SpokenCodes* sp
   return {};
 }
 
-// Lines that are typed in. Where there is nobody to type, it never has one.
-class TypedLines {
+// Whether Enter was pressed. Where there is nobody to type, it never was.
+class EnterKey {
  public:
   // A program in the background that reads from its terminal would be stopped.
-  TypedLines() { ::signal(SIGTTIN, SIG_IGN); }
-  // Whether one was ended since the last call.
+  EnterKey() { ::signal(SIGTTIN, SIG_IGN); }
+  // Since the last call.
   [[nodiscard]] bool take() {
     pollfd input{STDIN_FILENO, POLLIN, 0};
     if (at_end_ || ::poll(&input, 1, 0) != 1) return false;
@@ -296,9 +296,9 @@ Expected<Answer> serve(const Options& options, Context& context) {
     ROOMWISE_CHECK_OK(show_code(*server, service::Role::kDevice, codes));
   }
   std::cout << "Enter makes a new code for a device. Ctrl-C stops it.\n" << std::flush;
-  TypedLines lines;
+  EnterKey enter;
   while (!interrupt_requested()) {
-    if (lines.take()) ROOMWISE_CHECK_OK(show_code(*server, service::Role::kDevice, codes));
+    if (enter.take()) ROOMWISE_CHECK_OK(show_code(*server, service::Role::kDevice, codes));
     if (codes != nullptr) {
       if (const auto spoken_on = codes->step(); !spoken_on) {
         std::cerr << "codes are not spoken any more: " << spoken_on.error().message << '\n';
@@ -308,10 +308,10 @@ Expected<Answer> serve(const Options& options, Context& context) {
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
   }
   Answer answer;
-  answer.json = {{"frames_looked_at", server->home().frames_looked_at()},
+  answer.json = {{"frames_looked_at", server->home().frames_processed()},
                  {"frames_dropped", server->home().frames_dropped()}};
   answer.text =
-      fmt::format("stopped; {} frames were looked at\n", server->home().frames_looked_at());
+      fmt::format("stopped; {} frames were looked at\n", server->home().frames_processed());
   return answer;
 }
 

@@ -7,13 +7,13 @@
 #include "commands.h"
 #include "networks.h"
 #include "open_home.h"
-#include "roomwise/pipeline/update_home.h"
+#include "roomwise/pipeline/visits/update_home.h"
 
 namespace roomwise::app {
 namespace {
 
 namespace fs = std::filesystem;
-using objects::Fate;
+using objects::ChangeState;
 using pipeline::ThingUpdate;
 
 struct UpdateCommandOptions {
@@ -26,7 +26,7 @@ struct UpdateCommandOptions {
 };
 
 std::string_view what_of(const ThingUpdate& thing) {
-  return thing.is_new ? "new" : objects::to_string(thing.fate);
+  return thing.is_new ? "new" : objects::to_string(thing.state);
 }
 
 std::string at(const geometry::OrientedBox& box, const std::string& room) {
@@ -37,7 +37,7 @@ std::string at(const geometry::OrientedBox& box, const std::string& room) {
 
 std::string row_of(const ThingUpdate& thing) {
   std::string place;
-  if (thing.before && thing.now && thing.fate == Fate::kMoved) {
+  if (thing.before && thing.now && thing.state == ChangeState::kMoved) {
     const double distance_m = (thing.before->center() - thing.now->center()).norm();
     place = fmt::format("from {} to {}, {:.2f} m", at(*thing.before, thing.room_before),
                         at(*thing.now, thing.room_now), distance_m);
@@ -46,7 +46,7 @@ std::string row_of(const ThingUpdate& thing) {
   } else {
     place = "was at " + at(*thing.before, thing.room_before);
   }
-  const objects::SurfaceEvidence& evidence = thing.is_new ? thing.evidence_now : thing.evidence;
+  const objects::FreeSpaceEvidence& evidence = thing.is_new ? thing.evidence_now : thing.evidence;
   return fmt::format("{:<13} {:<16} {}; {:.0f} % of what {} pictures show of its place differs\n",
                      what_of(thing), thing.name, place, 100 * evidence.gone_share(),
                      evidence.views);
@@ -72,7 +72,7 @@ Json place_json(const std::optional<geometry::OrientedBox>& box, const std::stri
           {"room", room.empty() ? Json(nullptr) : Json(room)}};
 }
 
-Json to_json(const objects::SurfaceEvidence& evidence) {
+Json to_json(const objects::FreeSpaceEvidence& evidence) {
   return {{"pictures", evidence.views},
           {"looked_at", evidence.decided_share()},
           {"differs", evidence.gone_share()}};
@@ -158,8 +158,8 @@ Answer describe(const pipeline::HomeUpdate& update, const UpdateCommandOptions& 
     answer.json["things"].push_back(to_json(thing));
     const bool changed = thing.is_changed();
     if (changed) answer.text += row_of(thing);
-    if (!changed && thing.fate == Fate::kThere) ++there;
-    if (!changed && thing.fate == Fate::kNotLookedAt) ++not_looked_at;
+    if (!changed && thing.state == ChangeState::kThere) ++there;
+    if (!changed && thing.state == ChangeState::kUnobserved) ++not_looked_at;
   }
   for (const pipeline::UnnamedChange& change : update.unnamed) {
     answer.json["unnamed"].push_back(to_json(change));

@@ -12,7 +12,7 @@
 #include "roomwise/base/random.h"
 #include "roomwise/base/scratch_file.h"
 #include "roomwise/base/stage_clock.h"
-#include "roomwise/base/testing.h"
+#include "roomwise/base/testing/testing.h"
 #include "roomwise/base/thread_pool.h"
 #include "roomwise/base/timestamp.h"
 

@@ -205,22 +205,22 @@ class Transfer {
       return fail("{}: the server has {} bytes; expected {}; it is another file", url_, whole,
                   *expected_.bytes);
     }
-    if (whole > options_.most_bytes) return too_large();
+    if (whole > options_.max_bytes) return too_large();
     return {};
   }
 
   Unexpected too_large() {
     part_.remove();
     return fail("{}: the file is larger than {} bytes, the most that is fetched", url_,
-                std::min(options_.most_bytes, expected_.bytes.value_or(options_.most_bytes)));
+                std::min(options_.max_bytes, expected_.bytes.value_or(options_.max_bytes)));
   }
 
   bool take_body(const char* bytes, std::size_t size) {
     const auto taken = [&]() -> Expected<void> {
       if (!begun_) ROOMWISE_CHECK_OK(begin_body());
       received_ += size;
-      if (received_ > expected_.bytes.value_or(options_.most_bytes) ||
-          received_ > options_.most_bytes) {
+      if (received_ > expected_.bytes.value_or(options_.max_bytes) ||
+          received_ > options_.max_bytes) {
         return too_large();
       }
       if (range_ && received_ > range_->whole) {
@@ -272,7 +272,7 @@ class Transfer {
 }  // namespace
 
 Expected<void> DownloadOptions::validate() const {
-  if (most_bytes == 0) return fail("most_bytes is 0; expected more");
+  if (max_bytes == 0) return fail("max_bytes is 0; expected more");
   if (connect_timeout_s < 1)
     return fail("connect_timeout_s is {}; expected 1 or more", connect_timeout_s);
   if (stall_timeout_s < 1)

@@ -11,7 +11,7 @@
 namespace roomwise::download {
 
 struct DownloadOptions {
-  std::uint64_t most_bytes = std::uint64_t{2} << 30U;
+  std::uint64_t max_bytes = std::uint64_t{2} << 30U;
   int connect_timeout_s = 30;
   int stall_timeout_s = 30;  // without a kilobyte a second on average
   // Certificates to trust in place of the system's.

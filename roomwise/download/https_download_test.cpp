@@ -5,8 +5,8 @@
 #include <csignal>
 
 #include "roomwise/base/file.h"
-#include "roomwise/base/testing.h"
-#include "roomwise/download/test_server.h"
+#include "roomwise/base/testing/testing.h"
+#include "roomwise/download/testing/test_server.h"
 
 namespace roomwise::download {
 namespace {
@@ -253,7 +253,7 @@ TEST_F(DownloadTest, RefusesAnotherLength) {
   EXPECT_ERROR(get(endless), "larger than 200000 bytes");
   EXPECT_FALSE(exists("networks/net.onnx.part"));
   expected_ = {};
-  options_.most_bytes = 150'000;
+  options_.max_bytes = 150'000;
   EXPECT_ERROR(get(endless), "larger than 150000 bytes");
   EXPECT_ERROR(get(shorter), "larger than 150000 bytes");
   // One that ends early and does not say so is found out by the digest.

@@ -4,7 +4,7 @@
 #include <sys/resource.h>
 
 #include "roomwise/base/file.h"
-#include "roomwise/base/testing.h"
+#include "roomwise/base/testing/testing.h"
 
 namespace roomwise::download {
 namespace {
@@ -76,16 +76,16 @@ TEST_F(PartFileTest, OnlyWhatIsWrongIsDeleted) {
 TEST_F(PartFileTest, ALargeFileIsNotHeldInMemory) {
   ASSERT_OK(write_file(target_, ""));
   std::filesystem::resize_file(target_, std::uintmax_t{256} << 20U);  // without blocks on the disk
-  const auto most_kb = [] {
+  const auto max_kb = [] {
     rusage usage{};
     getrusage(RUSAGE_SELF, &usage);
     return usage.ru_maxrss;
   };
-  const long before_kb = most_kb();
+  const long before_kb = max_kb();
   const auto checked = check_file(target_, {});
   ASSERT_OK(checked);
   EXPECT_EQ(checked->sha256, "a6d72ac7690f53be6ae46ba88506bd97302a093f7108472bd9efc3cefda06484");
-  EXPECT_LT(most_kb() - before_kb, 64 * 1024);
+  EXPECT_LT(max_kb() - before_kb, 64 * 1024);
 }
 
 }  // namespace

@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-#include "roomwise/base/testing.h"
+#include "roomwise/base/testing/testing.h"
 
 namespace roomwise::evaluation {
 namespace {

@@ -166,8 +166,8 @@ std::string objects_section(const std::vector<ReportContent::Object>& objects) {
         "<dt>Room</dt><dd>{}</dd>\n<dt>Score</dt><dd>{:.2f}</dd>\n<dt>Seen in</dt><dd>{} "
         "key-frame{}</dd>\n<dt>Place</dt><dd>{:.2f}, {:.2f}, {:.2f}</dd>\n</dl>\n</div>\n</li>\n",
         object_picture(entry, i + 1), i + 1, escape_markup(entry.object.name),
-        entry.room.empty() ? "not known" : escape_markup(entry.room), entry.score, entry.sightings,
-        entry.sightings == 1 ? "" : "s", place.x(), place.y(), place.z());
+        entry.room.empty() ? "not known" : escape_markup(entry.room), entry.score,
+        entry.observations, entry.observations == 1 ? "" : "s", place.x(), place.y(), place.z());
   }
   return html + "</ol>\n";
 }
@@ -206,10 +206,10 @@ std::string recognition_section(const std::vector<ReportContent::Recognition>& r
     return fmt::format("{} to {}", percent(interval.low), percent(interval.high));
   };
   for (const ReportContent::Recognition& entry : recognition) {
-    table.row({entry.rule, std::to_string(entry.best_right.n),
-               percent_of({entry.named_rightly.n, entry.best_right.n}),
-               percent_of(entry.named_rightly), in_words(entry.named_interval),
-               percent_of(entry.best_right), in_words(entry.best_interval),
+    table.row({entry.rule, std::to_string(entry.top1_correct.n),
+               percent_of({entry.named_correct.n, entry.top1_correct.n}),
+               percent_of(entry.named_correct), in_words(entry.named_interval),
+               percent_of(entry.top1_correct), in_words(entry.best_interval),
                fmt::format("{:.1f} ms", entry.ms)});
     confusions += confusion_table(entry);
   }

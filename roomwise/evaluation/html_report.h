@@ -26,10 +26,10 @@ struct ReportContent {
   };
   struct Object {
     MapObject object;
-    double score = 0;             // of the network, 0 to 1, in the picture below
-    std::uint64_t sightings = 0;  // key-frames in which it was recognised
-    std::string room;             // empty: not known
-    image::ColorImage picture;    // the key-frame with the highest score; empty: none
+    double score = 0;                // of the network, 0 to 1, in the picture below
+    std::uint64_t observations = 0;  // key-frames in which it was recognised
+    std::string room;                // empty: not known
+    image::ColorImage picture;       // the key-frame with the highest score; empty: none
   };
   struct Room {
     std::string name;
@@ -39,9 +39,9 @@ struct ReportContent {
   };
   struct Recognition {
     std::string rule;          // "one frame", "two frames"
-    Proportion best_right;     // of all answers: the most probable room, said or not
+    Proportion top1_correct;   // of all answers: the most probable room, said or not
     Interval best_interval;    // 95 %
-    Proportion named_rightly;  // of the answers that named a room
+    Proportion named_correct;  // of the answers that named a room
     Interval named_interval;   // 95 %
     std::string resampled;     // what the intervals resample: "visits"
     double ms = 0;             // per answer

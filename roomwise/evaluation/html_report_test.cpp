@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "roomwise/evaluation/test_markup.h"
+#include "roomwise/evaluation/testing/test_markup.h"
 
 namespace roomwise::evaluation {
 namespace {
@@ -33,15 +33,15 @@ ReportContent full_content(const std::string& text) {
   ReportContent::Object object;
   object.object = {text, {1, 2, 3}};
   object.score = 0.875;
-  object.sightings = 4;
+  object.observations = 4;
   object.room = text;
   object.picture = image::ColorImage(640, 480, {10, 20, 30});
   content.objects = {object};
   ReportContent::Recognition recognition;
   recognition.rule = text;
-  recognition.best_right = {990, 1000};
+  recognition.top1_correct = {990, 1000};
   recognition.best_interval = {0.95, 1};
-  recognition.named_rightly = {795, 800};
+  recognition.named_correct = {795, 800};
   recognition.named_interval = {0.9, 1};
   recognition.resampled = "visits";
   recognition.ms = 8.25;

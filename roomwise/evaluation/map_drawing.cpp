@@ -133,8 +133,8 @@ void draw_room_names(SvgDrawing& drawing, const TopView& view,
     const double half_width = kLetterWidth * kFont * static_cast<double>(style.name.size()) / 2;
     LabelSpace::Box box = text_box(centre - Vector2d(half_width, 0), style.name, kFont);
     double down = 0;
-    constexpr int kMostRows = 4;
-    for (int row = 0; row < kMostRows && !space.is_free(box); ++row) {
+    constexpr int kMaxRows = 4;
+    for (int row = 0; row < kMaxRows && !space.is_free(box); ++row) {
       down += kFont;
       box.low.y() += kFont;
       box.high.y() += kFont;

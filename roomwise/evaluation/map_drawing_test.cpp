@@ -6,7 +6,7 @@
 #include <set>
 #include <vector>
 
-#include "roomwise/evaluation/test_markup.h"
+#include "roomwise/evaluation/testing/test_markup.h"
 
 namespace roomwise::evaluation {
 namespace {

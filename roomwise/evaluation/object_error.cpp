@@ -11,13 +11,13 @@ namespace {
 
 // All pairs that may belong together, the closest first.
 std::vector<ObjectMatch> candidates(std::span<const TrueObject> truth,
-                                    std::span<const FoundObject> found, double most_distance_m) {
+                                    std::span<const FoundObject> found, double max_distance_m) {
   std::vector<ObjectMatch> pairs;
   for (std::size_t t = 0; t < truth.size(); ++t) {
     for (std::size_t f = 0; f < found.size(); ++f) {
       if (truth[t].kind != found[f].kind && !truth[t].also_called.contains(found[f].kind)) continue;
       const double from_box_m = truth[t].box.distance_m(found[f].position);
-      if (from_box_m > most_distance_m) continue;
+      if (from_box_m > max_distance_m) continue;
       const double from_center_m = (truth[t].box.center() - found[f].position).norm();
       pairs.push_back({t, f, from_box_m, from_center_m});
     }
@@ -34,7 +34,7 @@ ObjectCounts& ObjectCounts::operator+=(const ObjectCounts& other) {
   matched += other.matched;
   beyond += other.beyond;
   missed += other.missed;
-  doubled += other.doubled;
+  duplicates += other.duplicates;
   wrong += other.wrong;
   return *this;
 }
@@ -52,14 +52,14 @@ double ObjectErrors::from_center_quantile_m(double share) const {
 }
 
 Expected<ObjectErrors> object_errors(std::span<const TrueObject> truth,
-                                     std::span<const FoundObject> found, double most_distance_m) {
-  if (!(most_distance_m > 0)) {
-    return fail("most_distance_m = {} must be positive", most_distance_m);
+                                     std::span<const FoundObject> found, double max_distance_m) {
+  if (!(max_distance_m > 0)) {
+    return fail("max_distance_m = {} must be positive", max_distance_m);
   }
   ObjectErrors errors;
   std::vector<bool> truth_used(truth.size()), found_used(found.size());
   std::vector<std::optional<ObjectMatch>> nearest(found.size());
-  for (const ObjectMatch& pair : candidates(truth, found, most_distance_m)) {
+  for (const ObjectMatch& pair : candidates(truth, found, max_distance_m)) {
     if (!nearest[pair.found]) nearest[pair.found] = pair;
     if (truth_used[pair.truth] || found_used[pair.found]) continue;
     truth_used[pair.truth] = found_used[pair.found] = true;
@@ -76,8 +76,8 @@ Expected<ObjectErrors> object_errors(std::span<const TrueObject> truth,
   for (std::size_t f = 0; f < found.size(); ++f) {
     if (found_used[f]) continue;
     if (nearest[f]) {
-      errors.doubled.push_back(*nearest[f]);
-      ++errors.by_kind[truth[nearest[f]->truth].kind].doubled;
+      errors.duplicates.push_back(*nearest[f]);
+      ++errors.by_kind[truth[nearest[f]->truth].kind].duplicates;
     } else {
       errors.wrong.push_back(f);
       ++errors.by_kind[found[f].kind].wrong;

@@ -37,21 +37,21 @@ struct ObjectMatch {
 
 // By the kind of the true thing; what is wrong, by what it was called.
 struct ObjectCounts {
-  std::size_t matched = 0;  // expected, and found
-  std::size_t beyond = 0;   // found, though not expected
-  std::size_t missed = 0;   // expected, but not found
-  std::size_t doubled = 0;  // found once more
-  std::size_t wrong = 0;    // found, but no such thing is there
+  std::size_t matched = 0;     // expected, and found
+  std::size_t beyond = 0;      // found, though not expected
+  std::size_t missed = 0;      // expected, but not found
+  std::size_t duplicates = 0;  // found once more
+  std::size_t wrong = 0;       // found, but no such thing is there
 
-  [[nodiscard]] std::size_t found() const { return matched + beyond + doubled + wrong; }
+  [[nodiscard]] std::size_t found() const { return matched + beyond + duplicates + wrong; }
   ObjectCounts& operator+=(const ObjectCounts& other);
 };
 
 struct ObjectErrors {
-  std::vector<ObjectMatch> matches;  // by truth
-  std::vector<ObjectMatch> doubled;  // found once more, with the nearest thing of its name
-  std::vector<std::size_t> missed;   // indices of the truth
-  std::vector<std::size_t> wrong;    // indices of what was found
+  std::vector<ObjectMatch> matches;     // by truth
+  std::vector<ObjectMatch> duplicates;  // found once more, with the nearest thing of its name
+  std::vector<std::size_t> missed;      // indices of the truth
+  std::vector<std::size_t> wrong;       // indices of what was found
   ObjectCounts all;
   std::map<std::string, ObjectCounts> by_kind;
 
@@ -60,11 +60,11 @@ struct ObjectErrors {
   [[nodiscard]] double from_center_quantile_m(double share) const;
 };
 
-// Pairs what was found with what is there: of one kind, at most `most_distance_m` from the true
+// Pairs what was found with what is there: of one kind, at most `max_distance_m` from the true
 // box, the closest pair first, each used once. What is left over that near to a thing of its kind
 // is that thing once more. The distance must be positive.
 [[nodiscard]] Expected<ObjectErrors> object_errors(std::span<const TrueObject> truth,
                                                    std::span<const FoundObject> found,
-                                                   double most_distance_m = 1.0);
+                                                   double max_distance_m = 1.0);
 
 }  // namespace roomwise::evaluation

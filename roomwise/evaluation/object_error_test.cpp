@@ -5,7 +5,7 @@
 
 #include <numbers>
 
-#include "roomwise/base/testing.h"
+#include "roomwise/base/testing/testing.h"
 
 namespace roomwise::evaluation {
 namespace {
@@ -69,7 +69,7 @@ TEST(ObjectErrors, AThingFoundTwiceIsADouble) {
   const auto errors = object_errors(truth, found);
   ASSERT_OK(errors);
   EXPECT_EQ(errors->all.matched, 1U);
-  EXPECT_EQ(errors->all.doubled, 1U);
+  EXPECT_EQ(errors->all.duplicates, 1U);
   EXPECT_EQ(errors->all.wrong, 1U);
   EXPECT_EQ(errors->all.found(), 3U);
 }
@@ -90,7 +90,7 @@ TEST(ObjectErrors, NothingFoundIsNoError) {
   const auto errors = object_errors({}, {});
   ASSERT_OK(errors);
   EXPECT_EQ(errors->from_center_quantile_m(0.9), 0);
-  EXPECT_ERROR(object_errors({}, {}, 0), "most_distance_m");
+  EXPECT_ERROR(object_errors({}, {}, 0), "max_distance_m");
 }
 
 }  // namespace

@@ -13,7 +13,7 @@ std::vector<std::string> counts_row(const std::string& name, const ObjectCounts&
           std::to_string(counts.matched),
           std::to_string(counts.missed),
           std::to_string(counts.beyond),
-          std::to_string(counts.doubled),
+          std::to_string(counts.duplicates),
           std::to_string(counts.wrong)};
 }
 
@@ -33,7 +33,7 @@ std::string shares_table(const std::vector<ObjectReportContent::Way>& ways) {
       return way.errors.matches.empty() ? std::string("–") : fmt::format("{:.2f} m", value);
     };
     rows.push_back({way.name, percent_of({all.matched, all.matched + all.missed}),
-                    percent_of({all.doubled, all.found()}), percent_of({all.wrong, all.found()}),
+                    percent_of({all.duplicates, all.found()}), percent_of({all.wrong, all.found()}),
                     metres(way.errors.from_center_quantile_m(0.5)),
                     metres(way.errors.from_center_quantile_m(0.9)),
                     std::to_string(way.without_place)});
@@ -55,7 +55,7 @@ std::string render_object_report(const ObjectReportContent& content) {
   std::string body = "<h2>Found and missed</h2>\n" + shares_table(content.ways);
   for (const ObjectReportContent::Way& way : content.ways) body += kinds_table(way);
   body += section(fmt::format("Not there, {}", content.shown_way), content.wrong) +
-          section(fmt::format("Found once more, {}", content.shown_way), content.doubled) +
+          section(fmt::format("Found once more, {}", content.shown_way), content.duplicates) +
           section(fmt::format("Missed, {}", content.shown_way), content.missed) +
           section(fmt::format("Found, {}", content.shown_way), content.found);
   return report_page("Things of " + content.title, content.notes, body);

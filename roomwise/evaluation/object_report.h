@@ -19,7 +19,7 @@ struct ObjectReportContent {
   std::vector<std::string> notes;  // how it was measured
   std::vector<Way> ways;
   std::string shown_way;  // the one whose pictures follow
-  std::vector<PictureNote> wrong, doubled, missed, found;
+  std::vector<PictureNote> wrong, duplicates, missed, found;
 };
 
 // A page (report_page.h).

@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include "roomwise/evaluation/test_markup.h"
+#include "roomwise/evaluation/testing/test_markup.h"
 
 namespace roomwise::evaluation {
 namespace {
@@ -15,8 +15,8 @@ ObjectReportContent bed_home() {
   content.title = "my <home>";
   content.notes = {"A thing counts as found within a metre."};
   ObjectReportContent::Way way{"joined from regions", {}, 2};
-  way.errors.all = {.matched = 6, .beyond = 1, .missed = 2, .doubled = 1, .wrong = 2};
-  way.errors.by_kind["bed"] = {.matched = 6, .beyond = 1, .missed = 2, .doubled = 1, .wrong = 2};
+  way.errors.all = {.matched = 6, .beyond = 1, .missed = 2, .duplicates = 1, .wrong = 2};
+  way.errors.by_kind["bed"] = {.matched = 6, .beyond = 1, .missed = 2, .duplicates = 1, .wrong = 2};
   way.errors.matches = {{0, 0, 0, 0.25}};
   content.ways = {way, {"the paper's rules", {}, 0}};
   content.shown_way = "joined from regions";

@@ -14,7 +14,7 @@ namespace {
 using Eigen::Vector2d;
 using Content = RecognitionReportContent;
 
-constexpr std::size_t kMostCurves = 6;
+constexpr std::size_t kMaxCurves = 6;
 
 std::string with_interval(const Proportion& proportion, const Interval& interval) {
   if (proportion.n == 0) return "–";
@@ -26,9 +26,9 @@ std::string rules_table(const Content& content) {
   std::vector<std::vector<std::string>> rows;
   for (const Content::Rule& rule : content.rules) {
     rows.push_back({rule.name, std::to_string(rule.decisions),
-                    percent_of({rule.named_rightly.n, rule.decisions}),
-                    with_interval(rule.named_rightly, rule.precision_interval),
-                    with_interval(rule.best_right, rule.best_interval),
+                    percent_of({rule.named_correct.n, rule.decisions}),
+                    with_interval(rule.named_correct, rule.precision_interval),
+                    with_interval(rule.top1_correct, rule.best_interval),
                     fmt::format("{:.1f} ms", rule.ms)});
   }
   return report_table(
@@ -66,12 +66,12 @@ std::string mistakes_list(const std::vector<Content::Mistake>& mistakes) {
 }
 
 // Lines that are told apart without colours, too.
-constexpr std::string_view kDashes[kMostCurves] = {"none", "8 4", "2 3", "12 4 2 4", "5 5", "1 5"};
+constexpr std::string_view kDashes[kMaxCurves] = {"none", "8 4", "2 3", "12 4 2 4", "5 5", "1 5"};
 
 }  // namespace
 
 SvgDrawing plot_precision_against_coverage(const Content& content) {
-  const std::size_t curves = std::min(content.rules.size(), kMostCurves);
+  const std::size_t curves = std::min(content.rules.size(), kMaxCurves);
   PlotAxes axes;
   axes.corner = {88, 60 + 22 * static_cast<double>(curves)};
   axes.size = {588, 300};

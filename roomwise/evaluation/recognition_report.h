@@ -15,9 +15,9 @@ struct RecognitionReportContent {
   struct Rule {
     std::string name;  // "two pictures"
     std::uint64_t decisions = 0;
-    Proportion named_rightly;     // of the rooms that were named
+    Proportion named_correct;     // of the rooms that were named
     Interval precision_interval;  // 95 %
-    Proportion best_right;        // of all: the most probable room, named or not
+    Proportion top1_correct;      // of all: the most probable room, named or not
     Interval best_interval;       // 95 %
     double ms = 0;                // a decision
     ConfusionMatrix confusion;    // answers may be "not sure" and "none of them"

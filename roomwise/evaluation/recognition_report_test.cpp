@@ -16,9 +16,9 @@ RecognitionReportContent content() {
   RecognitionReportContent::Rule rule;
   rule.name = "two pictures";
   rule.decisions = 10;
-  rule.named_rightly = {7, 8};
+  rule.named_correct = {7, 8};
   rule.precision_interval = {0.5, 1};
-  rule.best_right = {8, 10};
+  rule.top1_correct = {8, 10};
   rule.best_interval = {0.6, 0.95};
   rule.ms = 12.34;
   rule.confusion.add("kitchen", "kitchen", 7);

@@ -15,10 +15,10 @@ using Eigen::Vector3d;
 
 // Places on the level plane: metres along two axes at right angles to `up`, seen from above (the
 // second axis lies a quarter turn to the left of the first).
-using LevelFrame = Eigen::Matrix<double, 2, 3>;
+using GravityAlignedFrame = Eigen::Matrix<double, 2, 3>;
 
-LevelFrame level_frame(const Vector3d& up, const Vector3d& first_axis) {
-  LevelFrame frame;
+GravityAlignedFrame level_frame(const Vector3d& up, const Vector3d& first_axis) {
+  GravityAlignedFrame frame;
   frame << first_axis.transpose(), up.cross(first_axis).transpose();
   return frame;
 }
@@ -78,7 +78,8 @@ Vector2d direction_of_walls(const std::vector<Vector2d>& points) {
 }
 
 std::vector<Vector2d> on_plane(const geometry::PointCloud& cloud,
-                               const std::vector<std::size_t>& kept, const LevelFrame& level) {
+                               const std::vector<std::size_t>& kept,
+                               const GravityAlignedFrame& level) {
   std::vector<Vector2d> points;
   points.reserve(kept.size());
   for (const std::size_t i : kept) points.emplace_back(level * cloud.points[i].cast<double>());
@@ -92,7 +93,7 @@ struct Bounds {
 
 // All cameras and all but the outermost points on each side.
 Bounds bounds_of(const std::vector<Vector2d>& points, std::span<const Vector3d> cameras,
-                 const LevelFrame& level) {
+                 const GravityAlignedFrame& level) {
   constexpr double kOutermost = 0.002;
   Bounds bounds;
   for (int axis = 0; axis < 2; ++axis) {
@@ -111,12 +112,12 @@ Bounds bounds_of(const std::vector<Vector2d>& points, std::span<const Vector3d> 
 
 // The frame whose axes follow the walls, the first along the longer side, from where the walk
 // begins.
-LevelFrame frame_along_walls(const geometry::PointCloud& cloud,
-                             const std::vector<std::size_t>& kept,
-                             std::span<const Vector3d> cameras, const Vector3d& up) {
-  const LevelFrame any = level_frame(up, up.unitOrthogonal());
+GravityAlignedFrame frame_along_walls(const geometry::PointCloud& cloud,
+                                      const std::vector<std::size_t>& kept,
+                                      std::span<const Vector3d> cameras, const Vector3d& up) {
+  const GravityAlignedFrame any = level_frame(up, up.unitOrthogonal());
   const Vector2d wall = direction_of_walls(on_plane(cloud, kept, any));
-  LevelFrame level = level_frame(up, (any.transpose() * wall).normalized());
+  GravityAlignedFrame level = level_frame(up, (any.transpose() * wall).normalized());
   const Bounds bounds = bounds_of(on_plane(cloud, kept, level), cameras, level);
   const Vector2d extent = bounds.high - bounds.low;
   Vector3d axis = level.row(extent.x() >= extent.y() ? 0 : 1);
@@ -173,13 +174,13 @@ Expected<TopView> render_top_view(const geometry::PointCloud& cloud,
   const auto kept = points_under_ceiling(cloud, cameras, up_world, options.cut_above_m);
   if (kept.empty()) return fail("the map cannot be drawn: it holds no point below the ceiling");
 
-  const LevelFrame level = frame_along_walls(cloud, kept, cameras, up_world);
+  const GravityAlignedFrame level = frame_along_walls(cloud, kept, cameras, up_world);
   const Bounds bounds = bounds_of(on_plane(cloud, kept, level), cameras, level);
 
   const Vector2d extent_m = bounds.high - bounds.low + Vector2d::Constant(2 * options.margin_m);
   TopView view;
   view.pixels_per_metre = options.longer_side_px / extent_m.maxCoeff();
-  // The picture's y goes down, the level frame's second axis up.
+  // The picture's y goes down, the gravity-aligned frame's second axis up.
   const Vector2d px_per_m(view.pixels_per_metre, -view.pixels_per_metre);
   view.pixel_from_world_linear = px_per_m.asDiagonal() * level;
   view.pixel_from_world_offset = px_per_m.cwiseProduct(

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "roomwise/base/testing.h"
+#include "roomwise/base/testing/testing.h"
 #include "roomwise/geometry/rigid_transform.h"
 
 namespace roomwise::evaluation {

@@ -36,17 +36,17 @@ std::string period_of(Poses poses) {
 
 // first: the truth's place, second: the estimate's.
 Expected<std::vector<Association>> pair_by_time(Poses truth, Poses estimate,
-                                                double most_difference_s) {
+                                                double max_difference_s) {
   if (truth.empty()) return fail("the true trajectory holds no pose");
   if (estimate.empty()) return fail("the estimated trajectory holds no pose");
-  if (!(most_difference_s > 0 && most_difference_s <= kLongest)) {
-    return fail("most_time_difference_s is {}; expected more than 0, at most {}", most_difference_s,
+  if (!(max_difference_s > 0 && max_difference_s <= kLongest)) {
+    return fail("max_time_difference_s is {}; expected more than 0, at most {}", max_difference_s,
                 kLongest);
   }
-  auto pairs = recording::associate(times_of(truth), times_of(estimate), to_ns(most_difference_s));
+  auto pairs = recording::associate(times_of(truth), times_of(estimate), to_ns(max_difference_s));
   if (pairs.empty()) {
     return fail("no pose of the estimate (times {}) lies within {} s of one of the truth ({})",
-                period_of(estimate), most_difference_s, period_of(truth));
+                period_of(estimate), max_difference_s, period_of(truth));
   }
   return pairs;
 }
@@ -122,8 +122,8 @@ ErrorStatistics ErrorStatistics::of(std::vector<double> values) {
 }
 
 Expected<AbsoluteTrajectoryError> absolute_trajectory_error(Poses truth, Poses estimate,
-                                                            double most_time_difference_s) {
-  ROOMWISE_TRY(const auto pairs, pair_by_time(truth, estimate, most_time_difference_s));
+                                                            double max_time_difference_s) {
+  ROOMWISE_TRY(const auto pairs, pair_by_time(truth, estimate, max_time_difference_s));
   std::vector<Eigen::Vector3d> true_points;
   std::vector<Eigen::Vector3d> estimated_points;
   for (const Association& pair : pairs) {
@@ -161,7 +161,7 @@ Expected<void> RelativePoseErrorOptions::validate() const {
 Expected<RelativePoseError> relative_pose_error(Poses truth, Poses estimate,
                                                 const RelativePoseErrorOptions& options) {
   ROOMWISE_CHECK_OK(options.validate());
-  ROOMWISE_TRY(const auto pairs, pair_by_time(truth, estimate, options.most_time_difference_s));
+  ROOMWISE_TRY(const auto pairs, pair_by_time(truth, estimate, options.max_time_difference_s));
   std::vector<TimestampNs> times;
   for (const Association& pair : pairs) times.push_back(estimate[pair.second].timestamp_ns);
 

@@ -43,14 +43,14 @@ struct AbsoluteTrajectoryError {
 // where the two do not overlap in time, fewer than three pairs are found, or they lie on one line.
 [[nodiscard]] Expected<AbsoluteTrajectoryError> absolute_trajectory_error(
     std::span<const recording::StampedPose> truth, std::span<const recording::StampedPose> estimate,
-    double most_time_difference_s = 0.02);
+    double max_time_difference_s = 0.02);
 
 struct RelativePoseErrorOptions {
   enum class Unit { kSeconds, kFrames };
   double delta = 1;              // how far apart the two poses are that are compared
   Unit unit = Unit::kSeconds;    // of delta; frames are those of the estimate that have a truth
   double delta_tolerance = 0.1;  // seconds: another distance in time is taken within this share
-  double most_time_difference_s = 0.02;  // between an estimate and its truth
+  double max_time_difference_s = 0.02;  // between an estimate and its truth
 
   [[nodiscard]] Expected<void> validate() const;
 };

@@ -7,7 +7,7 @@
 #include <limits>
 #include <numbers>
 
-#include "roomwise/base/testing.h"
+#include "roomwise/base/testing/testing.h"
 
 namespace roomwise::evaluation {
 namespace {
@@ -128,10 +128,10 @@ TEST(AbsoluteTrajectoryError, SaysWhyThereIsNone) {
   EXPECT_ERROR(absolute_trajectory_error(truth, std::span(truth).first(2)), "at least 3");
   EXPECT_ERROR(absolute_trajectory_error(truth, {}), "estimated trajectory holds no pose");
   EXPECT_ERROR(absolute_trajectory_error({}, truth), "true trajectory holds no pose");
-  EXPECT_ERROR(absolute_trajectory_error(truth, truth, 1e300), "most_time_difference_s");
-  EXPECT_ERROR(absolute_trajectory_error(truth, truth, 0), "most_time_difference_s");
+  EXPECT_ERROR(absolute_trajectory_error(truth, truth, 1e300), "max_time_difference_s");
+  EXPECT_ERROR(absolute_trajectory_error(truth, truth, 0), "max_time_difference_s");
   EXPECT_ERROR(absolute_trajectory_error(truth, truth, std::numeric_limits<double>::quiet_NaN()),
-               "most_time_difference_s");
+               "max_time_difference_s");
   Trajectory still = truth;
   for (auto& pose : still) pose.world_from_camera.translation.setZero();
   EXPECT_ERROR(absolute_trajectory_error(truth, still), "one line");

@@ -60,12 +60,12 @@ PlotAxes axes_around(std::span<const Vector2d> truth, std::span<const Vector2d> 
     }
   }
   constexpr double kMarginShare = 0.06;  // of the extent, on each side
-  constexpr double kLeastHeight = 0.5;   // of the width
+  constexpr double kMinHeight = 0.5;     // of the width
   const Vector2d extent = (high - low).cwiseMax(1e-3) * (1 + 2 * kMarginShare);
   PlotAxes axes;
   axes.corner = {88, 92};
   const double plot_width = width_px - axes.corner.x() - 24;
-  axes.size = {plot_width, plot_width * std::clamp(extent.y() / extent.x(), kLeastHeight, 1.0)};
+  axes.size = {plot_width, plot_width * std::clamp(extent.y() / extent.x(), kMinHeight, 1.0)};
   const double metres_per_px = (extent.array() / axes.size.array()).maxCoeff();
   const Vector2d centre = (low + high) / 2;
   axes.low = centre - axes.size * metres_per_px / 2;
@@ -90,8 +90,8 @@ std::optional<Vector3d> axis_nearest_up(std::span<const recording::StampedPose> 
     sum -= pose.world_from_camera.rotation * Vector3d::UnitY();  // y is down in a picture
   int axis = 0;
   const double along = sum.cwiseAbs().maxCoeff(&axis);
-  constexpr double kLeastShare = 0.7;  // 45 degrees
-  if (along < kLeastShare * static_cast<double>(trajectory.size())) return std::nullopt;
+  constexpr double kMinShare = 0.7;  // 45 degrees
+  if (along < kMinShare * static_cast<double>(trajectory.size())) return std::nullopt;
   return Vector3d::Unit(axis) * (sum[axis] > 0 ? 1.0 : -1.0);
 }
 

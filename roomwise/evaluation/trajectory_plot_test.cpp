@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "roomwise/evaluation/test_markup.h"
+#include "roomwise/evaluation/testing/test_markup.h"
 
 namespace roomwise::evaluation {
 namespace {
@@ -90,11 +90,11 @@ TEST(TrajectoryPlot, KnowsUpByHowTheCameraIsHeld) {
   // A camera that looks along x of a frame with z up, a little downwards, to all sides.
   recording::Trajectory upright;
   for (int i = 0; i < 8; ++i) {
-    const Eigen::Quaterniond world_from_level(
+    const Eigen::Quaterniond world_from_gravity(
         (Eigen::Matrix3d() << 0, 0, 1, -1, 0, 0, 0, -1, 0).finished());
     const Eigen::AngleAxisd turn(0.7 * i, Eigen::Vector3d::UnitZ());
     const Eigen::AngleAxisd pitch(-0.3, Eigen::Vector3d::UnitX());
-    upright.push_back({i, {turn * world_from_level * pitch, Eigen::Vector3d::Zero()}});
+    upright.push_back({i, {turn * world_from_gravity * pitch, Eigen::Vector3d::Zero()}});
   }
   EXPECT_EQ(axis_nearest_up(upright), Eigen::Vector3d(0, 0, 1));
   // Without any turn the camera's own frame has y down.

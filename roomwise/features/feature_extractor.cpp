@@ -26,17 +26,17 @@ std::string_view to_string(FeatureKind kind) {
   throw std::invalid_argument("no such FeatureKind");
 }
 
-std::unique_ptr<FeatureExtractor> make_extractor(FeatureKind kind, int most_keypoints) {
+std::unique_ptr<FeatureExtractor> make_extractor(FeatureKind kind, int max_keypoints) {
   switch (kind) {
     case FeatureKind::kSurf: {
       SurfOptions options;
-      options.most_keypoints = most_keypoints;
+      options.max_keypoints = max_keypoints;
       return std::make_unique<SurfExtractor>(options);
     }
     case FeatureKind::kSift:
-      return std::make_unique<SiftExtractor>(most_keypoints);
+      return std::make_unique<SiftExtractor>(max_keypoints);
     case FeatureKind::kOrb:
-      return std::make_unique<OrbExtractor>(most_keypoints);
+      return std::make_unique<OrbExtractor>(max_keypoints);
   }
   throw std::invalid_argument("no such FeatureKind");
 }

@@ -51,8 +51,7 @@ enum class FeatureKind { kSurf, kSift, kOrb };
     std::string_view name);  // "surf", "sift", "orb"
 [[nodiscard]] std::string_view to_string(FeatureKind kind);
 
-// The extractor of a kind with the options that mapping uses; at most `most_keypoints` a picture.
-[[nodiscard]] std::unique_ptr<FeatureExtractor> make_extractor(FeatureKind kind,
-                                                               int most_keypoints);
+// The extractor of a kind with the options that mapping uses; at most `max_keypoints` a picture.
+[[nodiscard]] std::unique_ptr<FeatureExtractor> make_extractor(FeatureKind kind, int max_keypoints);
 
 }  // namespace roomwise::features

@@ -7,7 +7,7 @@
 #include <limits>
 #include <stdexcept>
 
-#include "roomwise/features/whole_descriptors.h"
+#include "roomwise/features/quantized_descriptors.h"
 
 namespace roomwise::features {
 namespace {
@@ -79,10 +79,10 @@ class NeighbourTable {
   std::vector<std::int32_t> train_nearest_;
 };
 
-[[gnu::always_inline]] inline void compare_blocks(const WholeDescriptors& query,
-                                                  const WholeDescriptors& train,
+[[gnu::always_inline]] inline void compare_blocks(const QuantizedDescriptors& query,
+                                                  const QuantizedDescriptors& train,
                                                   BlockProducts multiply, NeighbourTable& table) {
-  constexpr std::size_t kBlock = WholeDescriptors::kBlock;
+  constexpr std::size_t kBlock = QuantizedDescriptors::kBlock;
   static_assert(kBlock % kLanes == 0);
   const std::size_t stride = train.blocks() * kBlock;
   std::vector<std::int32_t> rows(kBlock * stride);  // products, then closenesses
@@ -103,14 +103,14 @@ class NeighbourTable {
 }
 
 #if defined(__x86_64__)
-__attribute__((target("avx2"))) void compare_blocks_avx2(const WholeDescriptors& query,
-                                                         const WholeDescriptors& train,
+__attribute__((target("avx2"))) void compare_blocks_avx2(const QuantizedDescriptors& query,
+                                                         const QuantizedDescriptors& train,
                                                          NeighbourTable& table) {
   compare_blocks(query, train, block_products(Simd::kAvx2), table);
 }
 #endif
 
-NeighbourTable compare(const WholeDescriptors& query, const WholeDescriptors& train,
+NeighbourTable compare(const QuantizedDescriptors& query, const QuantizedDescriptors& train,
                        [[maybe_unused]] Simd simd) {
   NeighbourTable table(query.size(), train.size());
 #if defined(__x86_64__)
@@ -124,7 +124,7 @@ NeighbourTable compare(const WholeDescriptors& query, const WholeDescriptors& tr
 }
 
 float distance_of_real(std::int32_t closeness) {
-  return std::sqrt(-static_cast<float>(closeness)) / WholeDescriptors::kUnit;
+  return std::sqrt(-static_cast<float>(closeness)) / QuantizedDescriptors::kUnit;
 }
 
 using Words = Eigen::Matrix<std::uint64_t, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
@@ -184,7 +184,7 @@ float distance_of_binary(std::int32_t closeness) {
 // The pairs that pass the tests, in the order of query.
 std::vector<Match> take_matches(const NeighbourTable& table, const MatchOptions& options,
                                 float (*distance_of)(std::int32_t)) {
-  const auto ratio = static_cast<float>(options.most_distance_ratio);
+  const auto ratio = static_cast<float>(options.max_distance_ratio);
   std::vector<Match> matches;
   for (std::uint32_t q = 0; q < table.queries(); ++q) {
     const Nearest& nearest = table.nearest(q);
@@ -215,8 +215,8 @@ std::vector<Match> match_real(const Features& query, const Features& train,
     const auto queries = of_polarity(query, bright), trains = of_polarity(train, bright);
     if (queries.empty() || trains.empty()) continue;
     const NeighbourTable table =
-        compare(WholeDescriptors(std::get<RealDescriptors>(query.descriptors), queries),
-                WholeDescriptors(std::get<RealDescriptors>(train.descriptors), trains), simd);
+        compare(QuantizedDescriptors(std::get<RealDescriptors>(query.descriptors), queries),
+                QuantizedDescriptors(std::get<RealDescriptors>(train.descriptors), trains), simd);
     for (const Match& match : take_matches(table, options, distance_of_real))
       matches.push_back({queries[match.query], trains[match.train], match.distance});
   }
@@ -231,9 +231,9 @@ Eigen::Index descriptor_length(const Features& features) {
 }  // namespace
 
 Expected<void> MatchOptions::validate() const {
-  if (!(most_distance_ratio > 0 && most_distance_ratio <= 1)) {
-    return fail("most_distance_ratio is {}; it must be above 0 and at most 1 (1 tests nothing)",
-                most_distance_ratio);
+  if (!(max_distance_ratio > 0 && max_distance_ratio <= 1)) {
+    return fail("max_distance_ratio is {}; it must be above 0 and at most 1 (1 tests nothing)",
+                max_distance_ratio);
   }
   return {};
 }

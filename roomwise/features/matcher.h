@@ -12,7 +12,7 @@ namespace roomwise::features {
 struct MatchOptions {
   // A match's distance must be below this part of the distance to the second nearest (Lowe 2004).
   // Above 0 and at most 1; 1 switches the test off.
-  double most_distance_ratio = 0.8;
+  double max_distance_ratio = 0.8;
   // Each of the two must be the other's nearest.
   bool mutual = true;
 
@@ -33,7 +33,7 @@ struct Match {
 // candidate has no match (unless the test is off), nor has one whose two nearest are equally near.
 // No features on either side give no matches. Descriptors of two kinds or lengths, or options that
 // are not valid, are a programming error (std::invalid_argument). Real descriptors are compared in
-// whole numbers (WholeDescriptors): the same bits whatever instructions the processor has.
+// whole numbers (QuantizedDescriptors): the same bits whatever instructions the processor has.
 [[nodiscard]] std::vector<Match> match_features(const Features& query, const Features& train,
                                                 const MatchOptions& options = {},
                                                 Simd simd = process_simd());

@@ -9,7 +9,7 @@
 #include <optional>
 
 #include "roomwise/base/random.h"
-#include "roomwise/base/testing.h"
+#include "roomwise/base/testing/testing.h"
 
 namespace roomwise::features {
 namespace {
@@ -101,9 +101,9 @@ std::vector<Match> matched_plainly(const Features& query, const Features& train,
   for (std::size_t i = 0; i < query.size(); ++i) {
     const Neighbours found = neighbours_of(query, i, train);
     if (std::isinf(found.first)) continue;
-    if (options.most_distance_ratio < 1) {
+    if (options.max_distance_ratio < 1) {
       if (std::isinf(found.second)) continue;
-      if (!(found.first < options.most_distance_ratio * found.second)) continue;
+      if (!(found.first < options.max_distance_ratio * found.second)) continue;
     }
     if (options.mutual && neighbours_of(train, found.nearest, query).nearest != i) continue;
     matches.push_back({static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(found.nearest),
@@ -129,7 +129,7 @@ TEST(MatchFeatures, EqualsPlainLoopsOnRealDescriptors) {
     for (const bool mutual : {false, true}) {
       for (const double ratio : {0.7, 0.9, 1.0}) {
         SCOPED_TRACE(::testing::Message() << count << " " << mutual << " " << ratio);
-        const MatchOptions options{.most_distance_ratio = ratio, .mutual = mutual};
+        const MatchOptions options{.max_distance_ratio = ratio, .mutual = mutual};
         const auto expected = matched_plainly(query, train, options);
         EXPECT_TRUE(count < 64 || expected.size() > count / 4) << expected.size();
         expect_same(match_features(query, train, options), expected);
@@ -175,7 +175,7 @@ TEST(MatchFeatures, EqualsPlainLoopsOnBinaryDescriptors) {
       rows(i, 0) = static_cast<std::uint8_t>(rows(i, 0) ^ 5);
     }
     for (const bool mutual : {false, true}) {
-      const MatchOptions options{.most_distance_ratio = 0.8, .mutual = mutual};
+      const MatchOptions options{.max_distance_ratio = 0.8, .mutual = mutual};
       const auto expected = matched_plainly(query, train, options);
       EXPECT_GE(expected.size(), 50U);
       expect_same(match_features(query, train, options), expected);
@@ -186,7 +186,7 @@ TEST(MatchFeatures, EqualsPlainLoopsOnBinaryDescriptors) {
 TEST(MatchFeatures, MutualMatchesAreSymmetric) {
   const Features a = random_real(150, 64, 3, true);
   const Features b = disturbed(a, 170, 0.3F, 4);
-  const MatchOptions options{.most_distance_ratio = 1, .mutual = true};
+  const MatchOptions options{.max_distance_ratio = 1, .mutual = true};
   auto turned = match_features(b, a, options);
   for (Match& match : turned) std::swap(match.query, match.train);
   std::sort(turned.begin(), turned.end(),
@@ -209,7 +209,7 @@ TEST(MatchFeatures, NothingMatchesNothing) {
 TEST(MatchFeatures, ASingleCandidateCannotPassTheRatioTest) {
   const Features one = random_real(1, 64, 6, false);
   EXPECT_THAT(match_features(one, one), IsEmpty());
-  const auto untested = match_features(one, one, {.most_distance_ratio = 1, .mutual = true});
+  const auto untested = match_features(one, one, {.max_distance_ratio = 1, .mutual = true});
   ASSERT_EQ(untested.size(), 1U);
   EXPECT_NEAR(untested[0].distance, 0, 1e-3);
 }
@@ -218,7 +218,7 @@ TEST(MatchFeatures, TwoEquallyNearCandidatesAreNoMatch) {
   Features twins = random_real(2, 64, 7, false);
   auto& rows = std::get<RealDescriptors>(twins.descriptors);
   rows.row(1) = rows.row(0);
-  EXPECT_THAT(match_features(twins, twins, {.most_distance_ratio = 0.99, .mutual = false}),
+  EXPECT_THAT(match_features(twins, twins, {.max_distance_ratio = 0.99, .mutual = false}),
               IsEmpty());
 }
 
@@ -234,13 +234,13 @@ TEST(MatchFeatures, RefusesDescriptorsThatCannotBeCompared) {
   const Features real = random_real(3, 64, 9, false);
   EXPECT_THROW((void)match_features(real, random_binary(3, 32, 9)), std::invalid_argument);
   EXPECT_THROW((void)match_features(real, random_real(3, 128, 9, false)), std::invalid_argument);
-  EXPECT_THROW((void)match_features(real, real, {.most_distance_ratio = 0}), std::invalid_argument);
+  EXPECT_THROW((void)match_features(real, real, {.max_distance_ratio = 0}), std::invalid_argument);
 }
 
 TEST(MatchOptions, NamesTheFieldThatIsWrong) {
   EXPECT_OK(MatchOptions{}.validate());
   for (const double ratio : {0.0, -0.5, 1.5, std::nan("")}) {
-    EXPECT_ERROR(MatchOptions{.most_distance_ratio = ratio}.validate(), "most_distance_ratio");
+    EXPECT_ERROR(MatchOptions{.max_distance_ratio = ratio}.validate(), "max_distance_ratio");
   }
 }
 

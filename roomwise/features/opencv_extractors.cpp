@@ -77,18 +77,17 @@ void root_of_histogram(const float* histogram, float* values, int count) {
 
 }  // namespace
 
-SiftExtractor::SiftExtractor(int most_keypoints, double contrast_threshold)
-    : most_keypoints_(most_keypoints), contrast_threshold_(contrast_threshold) {
-  if (most_keypoints < 0) throw std::invalid_argument("SiftExtractor: negative most_keypoints");
+SiftExtractor::SiftExtractor(int max_keypoints, double contrast_threshold)
+    : max_keypoints_(max_keypoints), contrast_threshold_(contrast_threshold) {
+  if (max_keypoints < 0) throw std::invalid_argument("SiftExtractor: negative max_keypoints");
 }
 
 Features SiftExtractor::extract(const image::GrayImage& image) const {
   constexpr int kValues = 128;
   Features features{{}, RealDescriptors(0, kValues)};
   if (image.empty()) return features;
-  const Detections found =
-      detect(*cv::SIFT::create(most_keypoints_, 3, contrast_threshold_), image);
-  const auto order = strongest_first(found.keypoints, static_cast<std::size_t>(most_keypoints_));
+  const Detections found = detect(*cv::SIFT::create(max_keypoints_, 3, contrast_threshold_), image);
+  const auto order = strongest_first(found.keypoints, static_cast<std::size_t>(max_keypoints_));
   RealDescriptors descriptors(order.size(), kValues);
   for (std::size_t i = 0; i < order.size(); ++i) {
     const cv::KeyPoint& keypoint = found.keypoints[static_cast<std::size_t>(order[i])];
@@ -104,9 +103,9 @@ Features SiftExtractor::extract(const image::GrayImage& image) const {
   return features;
 }
 
-OrbExtractor::OrbExtractor(int most_keypoints, int corner_threshold)
-    : most_keypoints_(most_keypoints), corner_threshold_(corner_threshold) {
-  if (most_keypoints < 1) throw std::invalid_argument("OrbExtractor: most_keypoints below 1");
+OrbExtractor::OrbExtractor(int max_keypoints, int corner_threshold)
+    : max_keypoints_(max_keypoints), corner_threshold_(corner_threshold) {
+  if (max_keypoints < 1) throw std::invalid_argument("OrbExtractor: max_keypoints below 1");
 }
 
 Features OrbExtractor::extract(const image::GrayImage& image) const {
@@ -115,10 +114,10 @@ Features OrbExtractor::extract(const image::GrayImage& image) const {
   Features features{{}, BinaryDescriptors(0, kBytes)};
   // OpenCV fails on pictures whose pyramid ends at nothing.
   if (std::min(image.width(), image.height()) <= 2 * kBorderPx) return features;
-  const Detections found = detect(*cv::ORB::create(most_keypoints_, 1.2F, 8, kBorderPx, 0, 2,
+  const Detections found = detect(*cv::ORB::create(max_keypoints_, 1.2F, 8, kBorderPx, 0, 2,
                                                    cv::ORB::HARRIS_SCORE, 31, corner_threshold_),
                                   image);
-  const auto order = strongest_first(found.keypoints, static_cast<std::size_t>(most_keypoints_));
+  const auto order = strongest_first(found.keypoints, static_cast<std::size_t>(max_keypoints_));
   BinaryDescriptors descriptors(order.size(), kBytes);
   for (std::size_t i = 0; i < order.size(); ++i) {
     const cv::KeyPoint& keypoint = found.keypoints[static_cast<std::size_t>(order[i])];

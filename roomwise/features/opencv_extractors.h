@@ -11,11 +11,11 @@ class SiftExtractor final : public FeatureExtractor {
  public:
   // At most so many key-points a picture, the strongest; 0 keeps all. A negative number is a
   // programming error (std::invalid_argument). contrast_threshold is OpenCV's.
-  explicit SiftExtractor(int most_keypoints, double contrast_threshold = 0.04);
+  explicit SiftExtractor(int max_keypoints, double contrast_threshold = 0.04);
   [[nodiscard]] Features extract(const image::GrayImage& image) const override;
 
  private:
-  int most_keypoints_;
+  int max_keypoints_;
   double contrast_threshold_;
 };
 
@@ -25,11 +25,11 @@ class OrbExtractor final : public FeatureExtractor {
   // At most so many key-points a picture, shared out over the scales and then by strength; at least
   // 1 (ORB has no way to keep all). Less is a programming error (std::invalid_argument).
   // corner_threshold is OpenCV's for FAST, in grey levels.
-  explicit OrbExtractor(int most_keypoints, int corner_threshold = 20);
+  explicit OrbExtractor(int max_keypoints, int corner_threshold = 20);
   [[nodiscard]] Features extract(const image::GrayImage& image) const override;
 
  private:
-  int most_keypoints_;
+  int max_keypoints_;
   int corner_threshold_;
 };
 

@@ -8,10 +8,10 @@
 #include <numbers>
 #include <thread>
 
-#include "roomwise/base/testing.h"
+#include "roomwise/base/testing/testing.h"
 #include "roomwise/features/matcher.h"
 #include "roomwise/features/surf.h"
-#include "roomwise/features/test_pictures.h"
+#include "roomwise/features/testing/test_pictures.h"
 
 namespace roomwise::features {
 namespace {

@@ -17,11 +17,11 @@ Expected<void> SurfOptions::validate() const {
     return fail("SURF's hessian_threshold is {}; it must be at least 0", hessian_threshold);
   }
   if (octaves < 1 || octaves > 6) return fail("SURF's octaves are {}; give 1 to 6", octaves);
-  if (!(most_edge_ratio == 0 || (most_edge_ratio >= 1 && std::isfinite(most_edge_ratio)))) {
-    return fail("SURF's most_edge_ratio is {}; give 0 (no limit), or 1 or more", most_edge_ratio);
+  if (!(max_edge_ratio == 0 || (max_edge_ratio >= 1 && std::isfinite(max_edge_ratio)))) {
+    return fail("SURF's max_edge_ratio is {}; give 0 (no limit), or 1 or more", max_edge_ratio);
   }
-  if (most_keypoints < 0) {
-    return fail("SURF's most_keypoints is {}; give 0 (all) or more", most_keypoints);
+  if (max_keypoints < 0) {
+    return fail("SURF's max_keypoints is {}; give 0 (all) or more", max_keypoints);
   }
   if (spread_cells < 0 || spread_cells > 100) {
     return fail("SURF's spread_cells is {}; give 0 (no grid) to 100", spread_cells);
@@ -107,7 +107,7 @@ Features SurfExtractor::extract(const image::GrayImage& image) const {
     keypoint.response = blob.response;
     keypoint.bright = blob.bright;
   }
-  selection.select(keypoints, static_cast<std::size_t>(options_.most_keypoints), image.width(),
+  selection.select(keypoints, static_cast<std::size_t>(options_.max_keypoints), image.width(),
                    image.height(), options_.spread_cells);
 
   RealDescriptors descriptors(keypoints.size(), SurfDescriptor::kValues);

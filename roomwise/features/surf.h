@@ -14,7 +14,7 @@ namespace roomwise::features {
 // "Speeded-Up Robust Features (SURF)", Computer Vision and Image Understanding 110, 2008).
 struct SurfOptions {
   // Least determinant of the Hessian that makes a key-point, for intensities from 0 to 255 and box
-  // filters normalised by their area; grey levels squared. Kept low, since most_keypoints then
+  // filters normalised by their area; grey levels squared. Kept low, since max_keypoints then
   // takes the strongest.
   double hessian_threshold = 0.3;
   // Number of octaves, each at half the size of the one before. 1 to 6.
@@ -24,12 +24,12 @@ struct SurfOptions {
   // Greatest ratio of the two principal curvatures (Lowe 2004, section 4.1). Not in the paper:
   // along an edge or a bar places slide from picture to picture. At least 1; 0 keeps them, as the
   // paper does.
-  double most_edge_ratio = 8;
+  double max_edge_ratio = 8;
   // U-SURF: no orientation, every angle is 0. For cameras that are held upright.
   bool upright = false;
   // At most so many key-points a picture, the strongest; 0 keeps all.
-  int most_keypoints = 1000;
-  // Where the picture has more than most_keypoints, take them evenly from a grid of so many square
+  int max_keypoints = 1000;
+  // Where the picture has more than max_keypoints, take them evenly from a grid of so many square
   // cells across the picture's longer side: first the strongest of each cell, then the second of
   // each, and so on. At most 100; 0 takes the strongest wherever they are.
   int spread_cells = 0;

@@ -99,9 +99,9 @@ float laplacian(const IntegralImage& integral, const BoxFilter& filter, int x, i
 }
 
 // For principal curvatures of ratio r, trace^2 / determinant is (r + 1)^2 / r (Lowe 2004, 4.1).
-float most_squared_trace_over_determinant(const SurfOptions& options) {
-  if (options.most_edge_ratio == 0) return std::numeric_limits<float>::infinity();
-  const auto ratio = static_cast<float>(options.most_edge_ratio);
+float max_squared_trace_over_determinant(const SurfOptions& options) {
+  if (options.max_edge_ratio == 0) return std::numeric_limits<float>::infinity();
+  const auto ratio = static_cast<float>(options.max_edge_ratio);
   return (ratio + 1) * (ratio + 1) / ratio;
 }
 
@@ -125,7 +125,7 @@ class SurfDetector::Search {
       : kernels_(surf_row_kernels(simd)),
         level_(level),
         threshold_(static_cast<float>(options.hessian_threshold)),
-        most_trace_ratio_(most_squared_trace_over_determinant(options)),
+        max_trace_ratio_(max_squared_trace_over_determinant(options)),
         shift_(level.pixel_px < 1 ? 1 : 0),
         stride_(static_cast<std::size_t>(level.integral.width() >> shift_) + 1 + kSurfRowSlack),
         blobs_(blobs) {
@@ -226,7 +226,7 @@ class SurfDetector::Search {
     for (int i = columns.first + 1; (i = next_mark(marks, i, end)) < end; ++i) {
       if (!is_maximum(layers, i)) continue;
       const float trace = laplacian(level_.integral, filter, i << shift_, row << shift_);
-      if (trace * trace > most_trace_ratio_ * layers.middle[1][i]) continue;
+      if (trace * trace > max_trace_ratio_ * layers.middle[1][i]) continue;
       const auto refined = refine(layers, i);
       if (!refined) continue;
       const double step = 1 << shift_;
@@ -241,7 +241,7 @@ class SurfDetector::Search {
 
   const SurfRowKernels& kernels_;
   const SurfLevel& level_;
-  float threshold_, most_trace_ratio_;
+  float threshold_, max_trace_ratio_;
   int shift_;           // log2 of the step
   std::size_t stride_;  // from one row to the next, of all that follow
   std::uint32_t *split_, *differences_;
@@ -252,8 +252,8 @@ class SurfDetector::Search {
 
 void SurfDetector::find_blobs(const SurfLevel& level, const SurfOptions& options, Simd simd,
                               std::vector<Blob>& blobs) {
-  constexpr int kLeastExtent = 2 * kLargestMargin + 3;
-  if (std::min(level.integral.width(), level.integral.height()) < kLeastExtent) return;
+  constexpr int kMinExtent = 2 * kLargestMargin + 3;
+  if (std::min(level.integral.width(), level.integral.height()) < kMinExtent) return;
   Search(*this, level, options, simd, blobs).run();
 }
 

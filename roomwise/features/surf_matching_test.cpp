@@ -2,10 +2,10 @@
 
 #include <span>
 
-#include "roomwise/base/testing.h"
+#include "roomwise/base/testing/testing.h"
 #include "roomwise/features/feature_extractor.h"
 #include "roomwise/features/matcher.h"
-#include "roomwise/features/test_pictures.h"
+#include "roomwise/features/testing/test_pictures.h"
 #include "roomwise/image/codec.h"
 #include "roomwise/image/resample.h"
 
@@ -45,7 +45,7 @@ struct Warp {
   const char* name;
   double angle_deg, scale, blur_sigma_px;
   // What is asked of SURF: correct among its matches, and its correct matches for each of SIFT's.
-  double least_share, least_part_of_sift;
+  double min_share, min_part_of_sift;
 };
 
 void expect_repeatable(const image::GrayImage& picture, std::span<const Warp> warps) {
@@ -57,9 +57,9 @@ void expect_repeatable(const image::GrayImage& picture, std::span<const Warp> wa
     SCOPED_TRACE(::testing::Message()
                  << warp.name << ": SURF " << surf.correct << " of " << surf.matches << ", SIFT "
                  << sift.correct << " of " << sift.matches);
-    EXPECT_GE(surf.share(), warp.least_share);
+    EXPECT_GE(surf.share(), warp.min_share);
     EXPECT_GE(static_cast<double>(surf.correct),
-              warp.least_part_of_sift * static_cast<double>(sift.correct));
+              warp.min_part_of_sift * static_cast<double>(sift.correct));
   }
 }
 

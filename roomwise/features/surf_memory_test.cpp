@@ -5,7 +5,7 @@
 #include <new>
 
 #include "roomwise/features/surf.h"
-#include "roomwise/features/test_pictures.h"
+#include "roomwise/features/testing/test_pictures.h"
 
 // Counts what this program takes from the heap.
 namespace {

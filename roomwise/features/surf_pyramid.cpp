@@ -174,9 +174,9 @@ void SurfPyramid::build(const image::GrayImage& picture, int sizes, bool doubled
 }
 
 const SurfLevel& SurfPyramid::level_of_scale(float scale) const {
-  constexpr float kMost = 3.2F;
+  constexpr float kMax = 3.2F;
   const auto found = std::ranges::find_if(
-      levels(), [&](const SurfLevel& level) { return scale < kMost * level.pixel_px; });
+      levels(), [&](const SurfLevel& level) { return scale < kMax * level.pixel_px; });
   return found == levels().end() ? levels().back() : *found;
 }
 

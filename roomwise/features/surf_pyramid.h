@@ -24,8 +24,8 @@ struct SurfLevel {
 
 // The picture at double, single, half, quarter ... size, each smoothed. The paper grows its box
 // filters over one picture instead, unsmoothed; but boxes answer a turned picture otherwise than an
-// upright one, and smoothing that grows with the scale mends much of that (docs/benchmarks.md).
-// Keeps its memory from one picture to the next.
+// upright one, and smoothing that grows with the scale mends much of that
+// (docs/experiments/surf.md). Keeps its memory from one picture to the next.
 class SurfPyramid {
  public:
   // `sizes` levels, the first of which has the double size if `doubled`, otherwise the single one;

@@ -11,10 +11,10 @@
 #include <utility>
 #include <vector>
 
-#include "roomwise/base/testing.h"
+#include "roomwise/base/testing/testing.h"
 #include "roomwise/features/keypoint_selection.h"
 #include "roomwise/features/matcher.h"
-#include "roomwise/features/test_pictures.h"
+#include "roomwise/features/testing/test_pictures.h"
 
 namespace roomwise::features {
 namespace {
@@ -77,7 +77,7 @@ void expect_equal(const Features& a, const Features& b) {
 TEST(Surf, GivesTheSameBitsOnEveryProcessor) {
   // Where there is no AVX2 the portable one is all there is.
   ASSERT_EQ(process_simd(), is_supported(Simd::kAvx2) ? Simd::kAvx2 : Simd::kPortable);
-  const SurfOptions options{.hessian_threshold = 0, .most_keypoints = 0};
+  const SurfOptions options{.hessian_threshold = 0, .max_keypoints = 0};
   const SurfExtractor portable(options, Simd::kPortable), best(options, process_simd());
   // Widths of every remainder by eight, and more than one strip.
   for (int i = 0; i < 9; ++i) {
@@ -153,7 +153,7 @@ TEST(Surf, DescriptorsDoNotDependOnTheLight) {
   for (auto& pixel : shifted.pixels()) pixel = static_cast<std::uint8_t>(pixel + 57);
   for (auto& pixel : scaled.pixels()) pixel = static_cast<std::uint8_t>(pixel * 3);
 
-  const SurfExtractor surf({.hessian_threshold = 1, .most_keypoints = 0});
+  const SurfExtractor surf({.hessian_threshold = 1, .max_keypoints = 0});
   const Features expected = surf.extract(dim);
   ASSERT_GT(expected.size(), 50U);
 
@@ -184,14 +184,14 @@ TEST(Surf, LeavesOutBars) {
       picture.at(x, y) = static_cast<std::uint8_t>(std::lround(60 + 140 * std::exp(-squared / 2)));
     }
   }
-  EXPECT_GT(SurfExtractor({.most_edge_ratio = 0}).extract(picture).size(), 0U);
-  EXPECT_EQ(SurfExtractor({.most_edge_ratio = 4}).extract(picture).size(), 0U);
+  EXPECT_GT(SurfExtractor({.max_edge_ratio = 0}).extract(picture).size(), 0U);
+  EXPECT_EQ(SurfExtractor({.max_edge_ratio = 4}).extract(picture).size(), 0U);
 }
 
 TEST(Surf, KeepsTheStrongest) {
   const auto picture = textured_picture(300, 240, 4);
-  const Features all = SurfExtractor({.most_keypoints = 0}).extract(picture);
-  const Features few = SurfExtractor({.most_keypoints = 50}).extract(picture);
+  const Features all = SurfExtractor({.max_keypoints = 0}).extract(picture);
+  const Features few = SurfExtractor({.max_keypoints = 50}).extract(picture);
   ASSERT_GT(all.size(), 200U);
   ASSERT_EQ(few.size(), 50U);
   for (std::size_t i = 0; i < few.size(); ++i) {
@@ -209,7 +209,7 @@ TEST(Surf, SpreadsKeypointsOverThePicture) {
   }
   const auto count_right = [&](int spread_cells) {
     SurfOptions options{.hessian_threshold = 0.1};
-    options.most_keypoints = 100;
+    options.max_keypoints = 100;
     options.spread_cells = spread_cells;
     const Features features = SurfExtractor(options).extract(picture);
     EXPECT_EQ(features.size(), 100U);
@@ -226,7 +226,7 @@ TEST(Surf, FillsAllCellsAlike) {
   const auto picture = textured_picture(400, 400, 5);
   const auto count_by_cell = [&](std::size_t most) {
     const SurfExtractor surf(
-        {.hessian_threshold = 5, .most_keypoints = static_cast<int>(most), .spread_cells = kCells});
+        {.hessian_threshold = 5, .max_keypoints = static_cast<int>(most), .spread_cells = kCells});
     std::vector<int> counts(kCells * kCells);
     for (const Keypoint& keypoint : surf.extract(picture).keypoints) {
       const Eigen::Vector2i cell = ((keypoint.position_px.array() + 0.5F) / 50).cast<int>();
@@ -271,8 +271,8 @@ TEST(SurfOptions, NamesTheFieldThatIsWrong) {
   EXPECT_ERROR(SurfOptions{.hessian_threshold = -1}.validate(), "hessian_threshold");
   EXPECT_ERROR(SurfOptions{.hessian_threshold = std::nan("")}.validate(), "hessian_threshold");
   EXPECT_ERROR(SurfOptions{.octaves = 0}.validate(), "octaves");
-  EXPECT_ERROR(SurfOptions{.most_edge_ratio = 0.5}.validate(), "most_edge_ratio");
-  EXPECT_ERROR(SurfOptions{.most_keypoints = -1}.validate(), "most_keypoints");
+  EXPECT_ERROR(SurfOptions{.max_edge_ratio = 0.5}.validate(), "max_edge_ratio");
+  EXPECT_ERROR(SurfOptions{.max_keypoints = -1}.validate(), "max_keypoints");
   EXPECT_ERROR(SurfOptions{.spread_cells = -1}.validate(), "spread_cells");
   EXPECT_THROW(SurfExtractor({.octaves = 9}), std::invalid_argument);
 }

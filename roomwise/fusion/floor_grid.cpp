@@ -36,7 +36,7 @@ FloorCell state_of(const Column& column, const FloorGridOptions& options) {
   if (column.in_the_way >= kFewestVertices) return FloorCell::kOccupied;
   if (column.floor > 0) return FloorCell::kFree;
   const auto is_seen = [&](int empty, double up_to_m) {
-    return empty >= options.least_empty * cells_between(options.step_m, up_to_m, options.cell_m);
+    return empty >= options.min_empty * cells_between(options.step_m, up_to_m, options.cell_m);
   };
   const bool is_empty =
       is_seen(column.empty, options.person_height_m) && is_seen(column.empty_low, kLow_m);
@@ -52,8 +52,8 @@ Expected<void> FloorGridOptions::validate() const {
     return fail("person_height_m is {}; expected more than {}, and than a step and a cell",
                 person_height_m, kLow_m);
   }
-  if (!(least_empty > 0 && least_empty <= 1)) {
-    return fail("least_empty is {}; expected more than 0, at most 1", least_empty);
+  if (!(min_empty > 0 && min_empty <= 1)) {
+    return fail("min_empty is {}; expected more than 0, at most 1", min_empty);
   }
   return {};
 }
@@ -73,16 +73,16 @@ FloorGrid::FloorGrid(const Vector2d& origin_m, double cell_m, image::Image<Floor
   }
 }
 
-std::optional<FloorGrid::Place> FloorGrid::cell_of(const Vector2d& point_level) const {
-  const Eigen::Array2d cell = ((point_level - origin_m_) / cell_m_).array().floor();
+std::optional<FloorGrid::Place> FloorGrid::cell_of(const Vector2d& point_gravity) const {
+  const Eigen::Array2d cell = ((point_gravity - origin_m_) / cell_m_).array().floor();
   if (!(cell.x() >= 0 && cell.y() >= 0 && cell.x() < columns() && cell.y() < rows())) {
     return std::nullopt;
   }
   return Place{static_cast<int>(cell.x()), static_cast<int>(cell.y())};
 }
 
-FloorCell FloorGrid::at(const Vector2d& point_level) const {
-  const auto place = cell_of(point_level);
+FloorCell FloorGrid::at(const Vector2d& point_gravity) const {
+  const auto place = cell_of(point_gravity);
   return place ? at(place->column, place->row) : FloorCell::kUnknown;
 }
 
@@ -92,8 +92,8 @@ double FloorGrid::clearance_m(int column, int row) const {
                    static_cast<std::size_t>(column)]);
 }
 
-bool FloorGrid::fits(const Vector2d& point_level, double radius_m) const {
-  const auto place = cell_of(point_level);
+bool FloorGrid::fits(const Vector2d& point_gravity, double radius_m) const {
+  const auto place = cell_of(point_gravity);
   return place && fits(place->column, place->row, radius_m);
 }
 
@@ -101,7 +101,7 @@ std::size_t FloorGrid::count(FloorCell state) const {
   return static_cast<std::size_t>(std::ranges::count(cells_.pixels(), state));
 }
 
-Expected<FloorGrid> make_floor_grid(const TriangleMesh& mesh_level,
+Expected<FloorGrid> make_floor_grid(const TriangleMesh& mesh_gravity,
                                     std::span<const OccupancyCell> cells,
                                     const FloorGridOptions& options) {
   ROOMWISE_CHECK_OK(options.validate());
@@ -109,7 +109,7 @@ Expected<FloorGrid> make_floor_grid(const TriangleMesh& mesh_level,
     return Vector2i((point.head<2>().cast<double>() / options.cell_m).array().floor().cast<int>());
   };
   Eigen::AlignedBox2i bounds;
-  for (const Eigen::Vector3f& vertex : mesh_level.vertices) bounds.extend(cell_of(vertex));
+  for (const Eigen::Vector3f& vertex : mesh_gravity.vertices) bounds.extend(cell_of(vertex));
   for (const OccupancyCell& cell : cells) bounds.extend(Vector2i(cell.cell.head<2>()));
   if (bounds.isEmpty()) return fail("nothing was seen: there is no floor to draw");
 
@@ -117,7 +117,7 @@ Expected<FloorGrid> make_floor_grid(const TriangleMesh& mesh_level,
   const auto column_at = [&](const Vector2i& cell) -> Column& {
     return columns.at(cell.x() - bounds.min().x(), cell.y() - bounds.min().y());
   };
-  for (const Eigen::Vector3f& vertex : mesh_level.vertices) {
+  for (const Eigen::Vector3f& vertex : mesh_gravity.vertices) {
     const auto height_m = static_cast<double>(vertex.z());
     Column& column = column_at(cell_of(vertex));
     column.in_the_way += height_m > options.step_m && height_m < options.person_height_m ? 1 : 0;

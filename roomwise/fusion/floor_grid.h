@@ -21,15 +21,15 @@ struct FloorGridOptions {
   double step_m = 0.06;          // what lies lower is floor, a threshold or a carpet
   // Where the floor itself was not seen, the space above it must have been seen empty: that share
   // of it, and of its lowest half metre, where a box would stand.
-  double least_empty = 0.6;
+  double min_empty = 0.6;
 
   [[nodiscard]] Expected<void> validate() const;
 };
 
 // A home's floor from above, in cells: where nothing is in a person's way. It lies in the level
-// frame (see LevelFrame: z up, z = 0 the floor, metres). Cell (column, row) is the square from
-// origin_m + cell_m * (column, row) to origin_m + cell_m * (column + 1, row + 1): columns go along
-// x, rows along y. What lies outside the grid is unknown.
+// frame (see GravityAlignedFrame: z up, z = 0 the floor, metres). Cell (column, row) is the square
+// from origin_m + cell_m * (column, row) to origin_m + cell_m * (column + 1, row + 1): columns go
+// along x, rows along y. What lies outside the grid is unknown.
 class FloorGrid {
  public:
   // cells.at(column, row).
@@ -44,7 +44,7 @@ class FloorGrid {
   }
 
   [[nodiscard]] FloorCell at(int column, int row) const { return cells_.at(column, row); }
-  [[nodiscard]] FloorCell at(const Eigen::Vector2d& point_level) const;
+  [[nodiscard]] FloorCell at(const Eigen::Vector2d& point_gravity) const;
   // From the middle of the cell to the nearest edge of an occupied one, give or take half a cell; 0
   // in it. Infinity where nothing is occupied.
   [[nodiscard]] double clearance_m(int column, int row) const;
@@ -53,7 +53,7 @@ class FloorGrid {
   [[nodiscard]] bool fits(int column, int row, double radius_m) const {
     return at(column, row) == FloorCell::kFree && clearance_m(column, row) >= radius_m;
   }
-  [[nodiscard]] bool fits(const Eigen::Vector2d& point_level, double radius_m) const;
+  [[nodiscard]] bool fits(const Eigen::Vector2d& point_gravity, double radius_m) const;
   [[nodiscard]] std::size_t count(FloorCell state) const;
   [[nodiscard]] double area_m2(FloorCell state) const {
     return static_cast<double>(count(state)) * cell_m_ * cell_m_;
@@ -63,7 +63,7 @@ class FloorGrid {
   struct Place {
     int column, row;
   };
-  [[nodiscard]] std::optional<Place> cell_of(const Eigen::Vector2d& point_level) const;
+  [[nodiscard]] std::optional<Place> cell_of(const Eigen::Vector2d& point_gravity) const;
 
   Eigen::Vector2d origin_m_;
   double cell_m_;
@@ -72,10 +72,10 @@ class FloorGrid {
 };
 
 // Occupied: the surface passes between step and person's height. Free, otherwise: the floor was
-// seen, or enough of the space above it was seen empty (see least_empty). `cells` is the occupancy
-// at the grid's cell size; mesh and cells in the level frame. Fails where there is neither surface
-// nor cell.
-[[nodiscard]] Expected<FloorGrid> make_floor_grid(const TriangleMesh& mesh_level,
+// seen, or enough of the space above it was seen empty (see min_empty). `cells` is the occupancy
+// at the grid's cell size; mesh and cells in the gravity-aligned frame. Fails where there is
+// neither surface nor cell.
+[[nodiscard]] Expected<FloorGrid> make_floor_grid(const TriangleMesh& mesh_gravity,
                                                   std::span<const OccupancyCell> cells,
                                                   const FloorGridOptions& options = {});
 

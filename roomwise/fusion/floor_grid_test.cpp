@@ -6,10 +6,10 @@
 #include <cmath>
 
 #include "roomwise/base/file.h"
-#include "roomwise/base/testing.h"
+#include "roomwise/base/testing/testing.h"
 #include "roomwise/fusion/floor_map_file.h"
 #include "roomwise/fusion/surface_mesh.h"
-#include "roomwise/fusion/test_scenes.h"
+#include "roomwise/fusion/testing/test_scenes.h"
 
 namespace roomwise::fusion {
 namespace {
@@ -44,7 +44,7 @@ class FloorGridTest : public ::testing::Test {
           looking_at({2, 0.6, 1.5}, {2 + std::cos(angle), 0.6 + std::sin(angle), 1.8}));
     }
     ThreadPool pool(2);
-    const DistanceField field = testing::fuse(scene, cameras, pool);
+    const TsdfVolume field = testing::fuse(scene, cameras, pool);
     const TriangleMesh mesh = extract_mesh(field, MeshOptions{}, pool);
     grid_ = std::make_unique<FloorGrid>(
         make_floor_grid(mesh, occupancy_cells(field, mesh, {}, 0.05, pool)).value());
@@ -134,7 +134,7 @@ TEST(FloorGrid, NeedsSomethingToBeSeen) {
   EXPECT_ERROR(make_floor_grid({}, {}, {.cell_m = 0}), "cell_m");
   EXPECT_ERROR(FloorGridOptions{.person_height_m = 0.3}.validate(), "person_height_m");
   EXPECT_ERROR(FloorGridOptions{.step_m = 0}.validate(), "step_m");
-  EXPECT_ERROR(FloorGridOptions{.least_empty = 2}.validate(), "least_empty");
+  EXPECT_ERROR(FloorGridOptions{.min_empty = 2}.validate(), "min_empty");
 }
 
 }  // namespace

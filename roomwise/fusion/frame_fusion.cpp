@@ -71,7 +71,7 @@ class FarthestSeen {
 };
 
 // The blocks that may hold voxels which the frame sees, in the order of their keys.
-std::vector<Vector3i> blocks_in_view(const FieldOptions& field, const FrameSurface& frame,
+std::vector<Vector3i> blocks_in_view(const TsdfOptions& field, const FrameSurface& frame,
                                      const RigidTransform& field_from_camera) {
   const FarthestSeen farthest(frame);
   const geometry::PinholeCamera& camera = frame.camera;
@@ -94,7 +94,7 @@ std::vector<Vector3i> blocks_in_view(const FieldOptions& field, const FrameSurfa
     for (int y = low.y(); y <= high.y(); ++y) {
       for (int x = low.x(); x <= high.x(); ++x) {
         const Vector3i block(x, y, z);
-        if (!DistanceField::has_key(block)) continue;
+        if (!TsdfVolume::has_key(block)) continue;
         const Vector3d middle_field =
             field.voxel_size_m *
             (kBlockSide * block.cast<double>() + Vector3d::Constant(0.5 * (kBlockSide - 1)));
@@ -127,7 +127,7 @@ struct Observation {
 // Looks voxels up in one frame.
 class FrameView {
  public:
-  FrameView(const FieldOptions& field, const FrameSurface& frame,
+  FrameView(const TsdfOptions& field, const FrameSurface& frame,
             const RigidTransform& field_from_camera)
       : frame_(frame),
         camera_from_field_(field_from_camera.inverse()),
@@ -237,7 +237,7 @@ void put_block(std::unique_ptr<VoxelBlock>& made, VoxelBlock* block, const Frame
   }
 }
 
-void put_frame(DistanceField& field, const FrameSurface& frame,
+void put_frame(TsdfVolume& field, const FrameSurface& frame,
                const RigidTransform& field_from_camera, int sign, ThreadPool& pool) {
   const std::vector<Vector3i> blocks = blocks_in_view(field.options(), frame, field_from_camera);
   const FrameView view(field.options(), frame, field_from_camera);
@@ -261,13 +261,13 @@ void put_frame(DistanceField& field, const FrameSurface& frame,
 
 }  // namespace
 
-void add_frame(DistanceField& field, const FrameSurface& frame,
-               const RigidTransform& field_from_camera, ThreadPool& pool) {
+void integrate_frame(TsdfVolume& field, const FrameSurface& frame,
+                     const RigidTransform& field_from_camera, ThreadPool& pool) {
   put_frame(field, frame, field_from_camera, 1, pool);
 }
 
-void remove_frame(DistanceField& field, const FrameSurface& frame,
-                  const RigidTransform& field_from_camera, ThreadPool& pool) {
+void deintegrate_frame(TsdfVolume& field, const FrameSurface& frame,
+                       const RigidTransform& field_from_camera, ThreadPool& pool) {
   put_frame(field, frame, field_from_camera, -1, pool);
 }
 

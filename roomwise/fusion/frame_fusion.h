@@ -1,14 +1,14 @@
 #pragma once
 
 #include "roomwise/base/thread_pool.h"
-#include "roomwise/fusion/distance_field.h"
 #include "roomwise/fusion/frame_surface.h"
+#include "roomwise/fusion/tsdf_volume.h"
 #include "roomwise/geometry/rigid_transform.h"
 
 namespace roomwise::fusion {
 
 // The sums of a field hold at least that many frames without overflow.
-constexpr std::size_t kMostFrames = 16'000;
+constexpr std::size_t kMaxFrames = 16'000;
 
 // Adds what a frame tells to every voxel that it sees: the distance to the surface there, cut off
 // at the truncation before it, down to two voxels (or three sigmas of the depth) behind it, and the
@@ -16,12 +16,12 @@ constexpr std::size_t kMostFrames = 16'000;
 // was fused at a wrong place, is outvoted.
 //
 // What is added depends on the frame and the pose alone, not on the field. So frames may be fused
-// in any order, and remove_frame() with the same frame and pose leaves the field, to the bit, as if
-// the frame had never been. The same bits at any number of threads. The pose must be finite.
-void add_frame(DistanceField& field, const FrameSurface& frame,
-               const geometry::RigidTransform& field_from_camera, ThreadPool& pool);
+// in any order, and deintegrate_frame() with the same frame and pose leaves the field, to the bit,
+// as if the frame had never been. The same bits at any number of threads. The pose must be finite.
+void integrate_frame(TsdfVolume& field, const FrameSurface& frame,
+                     const geometry::RigidTransform& field_from_camera, ThreadPool& pool);
 // Only for a frame that was added at that pose.
-void remove_frame(DistanceField& field, const FrameSurface& frame,
-                  const geometry::RigidTransform& field_from_camera, ThreadPool& pool);
+void deintegrate_frame(TsdfVolume& field, const FrameSurface& frame,
+                       const geometry::RigidTransform& field_from_camera, ThreadPool& pool);
 
 }  // namespace roomwise::fusion

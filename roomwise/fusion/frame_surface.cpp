@@ -44,7 +44,7 @@ struct LocalPlane {
 
 // How far the middle of a pair may lie off the line between its two ends: three sigmas of
 // a + b - 2 c.
-float most_bend(const SurfaceOptions& options) {
+float max_bend(const SurfaceOptions& options) {
   return static_cast<float>(3 * std::sqrt(6.0) * options.depth_noise_at_1m_m);
 }
 
@@ -122,7 +122,7 @@ std::uint8_t weight_at(double depth_m, double cosine, const SurfaceOptions& opti
   const double common2 = options.common_noise_m * options.common_noise_m;
   const double share = common2 / (common2 + noise_m * noise_m) * cosine;
   return static_cast<std::uint8_t>(
-      std::clamp(std::lround(kMostPixelWeight * share), 1L, static_cast<long>(kMostPixelWeight)));
+      std::clamp(std::lround(kMaxPixelWeight * share), 1L, static_cast<long>(kMaxPixelWeight)));
 }
 
 }  // namespace
@@ -134,8 +134,8 @@ Expected<void> SurfaceOptions::validate() const {
   }
   if (!(common_noise_m > 0))
     return fail("common_noise_m is {}; expected more than 0", common_noise_m);
-  if (!(least_cosine >= 0 && least_cosine < 1)) {
-    return fail("least_cosine is {}; expected 0 or more and less than 1", least_cosine);
+  if (!(min_cosine >= 0 && min_cosine < 1)) {
+    return fail("min_cosine is {}; expected 0 or more and less than 1", min_cosine);
   }
   return {};
 }
@@ -167,8 +167,8 @@ FrameSurface FrameSurfaceMaker::make(const image::ColorImage& color,
                                              kOutlineReach_px, /*along_x=*/false);
 
   FrameSurface frame{camera_, real_from_ideal_, {camera_.width, camera_.height}, options_};
-  const float bend = most_bend(options_);
-  const auto least_inverse = static_cast<float>(1 / options_.farthest_m);
+  const float bend = max_bend(options_);
+  const auto min_inverse = static_cast<float>(1 / options_.farthest_m);
   const Vector2f focal(static_cast<float>(camera_.fx), static_cast<float>(camera_.fy));
   std::size_t index = 0;
   for (int y = 0; y < camera_.height; ++y) {
@@ -177,9 +177,9 @@ FrameSurface FrameSurfaceMaker::make(const image::ColorImage& color,
       if (middle <= 0) continue;
       SurfacePixel& pixel = frame.pixels.at(x, y);
       pixel.color = color.at(x, y);
-      pixel.empty_to_m = 1 / std::max(nearest.at(x, y), least_inverse);
+      pixel.empty_to_m = 1 / std::max(nearest.at(x, y), min_inverse);
       pixel.weight = weight_at(pixel.empty_to_m, 1, options_);
-      if (middle < least_inverse) continue;
+      if (middle < min_inverse) continue;
       // A slope of 45 degrees is likely.
       const float ridge_root =
           static_cast<float>(options_.depth_noise_at_1m_m) * focal.x() / middle;
@@ -191,7 +191,7 @@ FrameSurface FrameSurfaceMaker::make(const image::ColorImage& color,
       const float length = scaled.norm();
       const float cosine =
           plane.value / length / Vector3f(rays_[index].x(), rays_[index].y(), 1).norm();
-      if (!(cosine >= static_cast<float>(options_.least_cosine))) continue;
+      if (!(cosine >= static_cast<float>(options_.min_cosine))) continue;
       pixel.normal = scaled / length;
       pixel.offset_m = 1 / length;
       pixel.weight = weight_at(1 / static_cast<double>(plane.value), cosine, options_);

@@ -21,13 +21,13 @@ struct SurfaceOptions {
   double common_noise_m = 0.003;
   // Surfaces seen more slantwise than that (cosine of the angle between ray and normal) are left to
   // other frames.
-  double least_cosine = 0.2;
+  double min_cosine = 0.2;
 
   [[nodiscard]] Expected<void> validate() const;
 };
 
 // How sure a measurement can be at most; see SurfacePixel::weight.
-constexpr int kMostPixelWeight = 128;
+constexpr int kMaxPixelWeight = 128;
 
 // What one pixel says of the space before it, in the camera frame.
 struct SurfacePixel {
@@ -38,7 +38,7 @@ struct SurfacePixel {
   float offset_m = 0;
   // Nothing was seen nearer than this, along the optical axis; 0: nothing was measured.
   float empty_to_m = 0;
-  // Proportional to 1 / sigma^2 of the distance, 1 to kMostPixelWeight.
+  // Proportional to 1 / sigma^2 of the distance, 1 to kMaxPixelWeight.
   std::uint8_t weight = 0;
   Rgb8 color;
 

@@ -3,8 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "roomwise/base/testing.h"
-#include "roomwise/fusion/test_scenes.h"
+#include "roomwise/base/testing/testing.h"
+#include "roomwise/fusion/testing/test_scenes.h"
 
 namespace roomwise::fusion {
 namespace {
@@ -74,7 +74,7 @@ TEST(SurfaceOptions, SayWhatIsWrong) {
   EXPECT_ERROR(SurfaceOptions{.farthest_m = 0}.validate(), "farthest_m");
   EXPECT_ERROR(SurfaceOptions{.depth_noise_at_1m_m = 0}.validate(), "depth_noise_at_1m_m");
   EXPECT_ERROR(SurfaceOptions{.common_noise_m = 0}.validate(), "common_noise_m");
-  EXPECT_ERROR(SurfaceOptions{.least_cosine = 1}.validate(), "least_cosine");
+  EXPECT_ERROR(SurfaceOptions{.min_cosine = 1}.validate(), "min_cosine");
 }
 
 }  // namespace

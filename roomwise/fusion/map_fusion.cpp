@@ -6,8 +6,8 @@ namespace roomwise::fusion {
 
 Expected<void> MapFusionOptions::validate() const {
   ROOMWISE_CHECK_OK(field.validate());
-  if (!(most_shift_m >= 0)) return fail("most_shift_m is {}; expected 0 or more", most_shift_m);
-  if (!(most_turn_rad >= 0)) return fail("most_turn_rad is {}; expected 0 or more", most_turn_rad);
+  if (!(max_shift_m >= 0)) return fail("max_shift_m is {}; expected 0 or more", max_shift_m);
+  if (!(max_turn_rad >= 0)) return fail("max_turn_rad is {}; expected 0 or more", max_turn_rad);
   return {};
 }
 
@@ -24,7 +24,7 @@ std::vector<FusionStep> MapFusion::steps_to(const FramePoses& poses) const {
     }
     const geometry::RigidTransform moved = there->second.inverse() * pose;
     const bool stays =
-        moved.distance_m() <= options_.most_shift_m && moved.angle_rad() <= options_.most_turn_rad;
+        moved.distance_m() <= options_.max_shift_m && moved.angle_rad() <= options_.max_turn_rad;
     if (!stays) steps.push_back({frame, there->second, pose});
   }
   return steps;
@@ -34,15 +34,15 @@ Expected<void> MapFusion::apply(const FusionStep& step, const FrameSurface& fram
                                 ThreadPool& pool) {
   if (step.in && !step.in->is_finite())
     return fail("the pose of frame {} is not finite", step.frame);
-  if (step.in && !step.out && fused_.size() >= kMostFrames) {
-    return fail("a dense map holds at most {} key-frames", kMostFrames);
+  if (step.in && !step.out && fused_.size() >= kMaxFrames) {
+    return fail("a dense map holds at most {} key-frames", kMaxFrames);
   }
   if (step.out) {
-    remove_frame(field_, frame, *step.out, pool);
+    deintegrate_frame(field_, frame, *step.out, pool);
     fused_.erase(step.frame);
   }
   if (step.in) {
-    add_frame(field_, frame, *step.in, pool);
+    integrate_frame(field_, frame, *step.in, pool);
     fused_[step.frame] = *step.in;
   }
   return {};

@@ -7,8 +7,8 @@
 
 #include "roomwise/base/expected.h"
 #include "roomwise/base/thread_pool.h"
-#include "roomwise/fusion/distance_field.h"
 #include "roomwise/fusion/frame_surface.h"
+#include "roomwise/fusion/tsdf_volume.h"
 #include "roomwise/geometry/rigid_transform.h"
 
 namespace roomwise::fusion {
@@ -17,11 +17,11 @@ using FrameId = std::uint64_t;
 using FramePoses = std::map<FrameId, geometry::RigidTransform>;  // field_from_camera
 
 struct MapFusionOptions {
-  FieldOptions field;
+  TsdfOptions field;
   // A frame whose pose moved less stays where it was fused: a quarter of a voxel, and what the same
   // turn does 2 m away.
-  double most_shift_m = 0.005;
-  double most_turn_rad = 0.0025;
+  double max_shift_m = 0.005;
+  double max_turn_rad = 0.0025;
 
   [[nodiscard]] Expected<void> validate() const;
 };
@@ -50,12 +50,12 @@ class MapFusion {
   [[nodiscard]] Expected<void> apply(const FusionStep& step, const FrameSurface& frame,
                                      ThreadPool& pool);
 
-  [[nodiscard]] const DistanceField& field() const { return field_; }
+  [[nodiscard]] const TsdfVolume& field() const { return field_; }
   [[nodiscard]] const FramePoses& fused() const { return fused_; }
 
  private:
   MapFusionOptions options_;
-  DistanceField field_;
+  TsdfVolume field_;
   FramePoses fused_;
 };
 

@@ -5,10 +5,10 @@
 
 #include <limits>
 
-#include "roomwise/base/testing.h"
+#include "roomwise/base/testing/testing.h"
 #include "roomwise/fusion/frame_fusion.h"
 #include "roomwise/fusion/surface_mesh.h"
-#include "roomwise/fusion/test_scenes.h"
+#include "roomwise/fusion/testing/test_scenes.h"
 
 namespace roomwise::fusion {
 namespace {
@@ -91,10 +91,10 @@ TEST_F(MapFusionTest, NoGhostIsLeftWhereAFrameWasWrong) {
 
 TEST_F(MapFusionTest, TheOrderOfFramesAndTheNumberOfThreadsMakeNoDifference) {
   const MapFusion forth = fused_at(poses_, 1);
-  DistanceField back(FieldOptions{});
+  TsdfVolume back(TsdfOptions{});
   ThreadPool pool(3);
   for (auto pose = poses_.rbegin(); pose != poses_.rend(); ++pose) {
-    add_frame(back, frames_[pose->first], pose->second, pool);
+    integrate_frame(back, frames_[pose->first], pose->second, pool);
   }
   EXPECT_TRUE(forth.field() == back);
 }
@@ -130,10 +130,10 @@ TEST_F(MapFusionTest, WhatIsGoneIsOutvoted) {
   Scene emptied = scene_;
   emptied.pop_back();
   const FrameSurfaceMaker maker(small_camera());
-  DistanceField field(FieldOptions{});
+  TsdfVolume field(TsdfOptions{});
   for (const auto& [frame, pose] : poses_) {
     const testing::Picture picture = render(frame < 2 ? scene_ : emptied, pose, small_camera());
-    add_frame(field, maker.make(picture.color, picture.depth), pose, pool_);
+    integrate_frame(field, maker.make(picture.color, picture.depth), pose, pool_);
   }
   for (const auto& vertex : extract_mesh(field, MeshOptions{}, pool_).vertices) {
     EXPECT_LT(std::abs(distance_m(emptied, vertex.cast<double>())), 0.03) << vertex.transpose();
@@ -151,8 +151,8 @@ TEST_F(MapFusionTest, APoseThatIsNotFiniteIsRefused) {
 TEST(MapFusionOptions, SayWhatIsWrong) {
   EXPECT_OK(MapFusionOptions{}.validate());
   MapFusionOptions wrong;
-  wrong.most_shift_m = -1;
-  EXPECT_ERROR(wrong.validate(), "most_shift_m");
+  wrong.max_shift_m = -1;
+  EXPECT_ERROR(wrong.validate(), "max_shift_m");
   wrong = {.field = {.voxel_size_m = 0}};
   EXPECT_ERROR(wrong.validate(), "voxel_size_m");
   wrong = {.field = {.truncation_voxels = 1}};

@@ -4,9 +4,9 @@
 
 #include <set>
 
-#include "roomwise/base/testing.h"
+#include "roomwise/base/testing/testing.h"
 #include "roomwise/fusion/surface_mesh.h"
-#include "roomwise/fusion/test_scenes.h"
+#include "roomwise/fusion/testing/test_scenes.h"
 
 namespace roomwise::fusion {
 namespace {
@@ -28,7 +28,7 @@ TEST(MarchingCubes, JoinsExactlyTheEdgesThatTheSurfaceCrosses) {
 // Noise has every way in which neighbouring cubes can meet.
 TEST(MarchingCubes, LeavesNoHoleBetweenCubes) {
   RandomStream random(3);
-  DistanceField field({});
+  TsdfVolume field({});
   auto block = std::make_unique<VoxelBlock>();
   for (int i = 0; i < kBlockVoxels; ++i) {
     const auto is_rim = [](int c) { return c == 0 || c == kBlockSide - 1; };
@@ -39,7 +39,7 @@ TEST(MarchingCubes, LeavesNoHoleBetweenCubes) {
   }
   field.insert({0, 0, 0}, std::move(block));
   ThreadPool pool(2);
-  const TriangleMesh mesh = extract_mesh(field, {.least_weight = 1, .least_piece_m2 = 0}, pool);
+  const TriangleMesh mesh = extract_mesh(field, {.min_weight = 1, .min_component_m2 = 0}, pool);
   EXPECT_GT(mesh.triangles.size(), 500U);
   EXPECT_TRUE(testing::is_closed(mesh));
 }

@@ -13,9 +13,9 @@ namespace roomwise::fusion {
 
 // One binary glTF 2.0 file (Khronos Group, "glTF 2.0 Specification", GLB), with normals and vertex
 // colours, shown without light of the viewer's own (KHR_materials_unlit, where it knows that): the
-// colours are those that the camera saw. `mesh_level` has z up; the file has y up, as glTF demands,
-// and -z where the mesh has y.
+// colours are those that the camera saw. `mesh_gravity` has z up; the file has y up, as glTF
+// demands, and -z where the mesh has y.
 [[nodiscard]] Expected<void> write_glb(const std::filesystem::path& path,
-                                       const TriangleMesh& mesh_level);
+                                       const TriangleMesh& mesh_gravity);
 
 }  // namespace roomwise::fusion

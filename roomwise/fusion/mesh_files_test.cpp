@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "roomwise/base/file.h"
-#include "roomwise/base/testing.h"
+#include "roomwise/base/testing/testing.h"
 
 namespace roomwise::fusion {
 namespace {

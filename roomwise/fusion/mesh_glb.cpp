@@ -113,14 +113,15 @@ void append_number(std::string& file, std::size_t number) {
 
 }  // namespace
 
-Expected<void> write_glb(const std::filesystem::path& path, const TriangleMesh& mesh_level) {
-  if (mesh_level.triangles.empty()) {
+Expected<void> write_glb(const std::filesystem::path& path, const TriangleMesh& mesh_gravity) {
+  if (mesh_gravity.triangles.empty()) {
     return fail("{}: the map has no surface; glTF cannot hold an empty mesh", path.string());
   }
   Buffer buffer;
-  add_vertices(buffer, mesh_level);
-  buffer.add(mesh_level.triangles.data(), mesh_level.triangles.size() * 3 * sizeof(std::uint32_t),
-             kIndexTarget, kUnsignedInt, 3 * mesh_level.triangles.size(), "SCALAR");
+  add_vertices(buffer, mesh_gravity);
+  buffer.add(mesh_gravity.triangles.data(),
+             mesh_gravity.triangles.size() * 3 * sizeof(std::uint32_t), kIndexTarget, kUnsignedInt,
+             3 * mesh_gravity.triangles.size(), "SCALAR");
   std::string json = describe(buffer).dump();
   json.append((4 - json.size() % 4) % 4, ' ');
   constexpr std::size_t kHeader = 12, kChunkHeader = 8;

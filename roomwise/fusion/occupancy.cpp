@@ -12,8 +12,8 @@ using Eigen::Vector3d;
 using Eigen::Vector3i;
 using geometry::RigidTransform;
 
-Vector3i cell_of(const Vector3d& point_level, double cell_m) {
-  return (point_level.array() / cell_m).floor().cast<int>();
+Vector3i cell_of(const Vector3d& point_gravity, double cell_m) {
+  return (point_gravity.array() / cell_m).floor().cast<int>();
 }
 
 auto order_of(const OccupancyCell& cell) {
@@ -23,15 +23,15 @@ auto order_of(const OccupancyCell& cell) {
 
 // The free cells whose middle is nearest to a voxel of this block, so that every cell is asked in
 // one block.
-std::vector<OccupancyCell> free_cells(const DistanceField& field, const Vector3i& block,
-                                      const RigidTransform& level_from_field, double cell_m) {
-  const RigidTransform field_from_level = level_from_field.inverse();
+std::vector<OccupancyCell> free_cells(const TsdfVolume& field, const Vector3i& block,
+                                      const RigidTransform& gravity_from_field, double cell_m) {
+  const RigidTransform field_from_gravity = gravity_from_field.inverse();
   const VoxelBlock& content = *field.find(block);
   const Vector3d low = (kBlockSide * block.cast<double>().array() - 0.5) * field.voxel_size_m();
   Eigen::AlignedBox3d bounds;
   for (int corner = 0; corner < 8; ++corner) {
     const Vector3d offset(corner & 1, corner >> 1 & 1, corner >> 2 & 1);
-    bounds.extend(level_from_field * Vector3d(low + kBlockSide * field.voxel_size_m() * offset));
+    bounds.extend(gravity_from_field * Vector3d(low + kBlockSide * field.voxel_size_m() * offset));
   }
   const Vector3i first = cell_of(bounds.min(), cell_m), last = cell_of(bounds.max(), cell_m);
   std::vector<OccupancyCell> cells;
@@ -39,11 +39,11 @@ std::vector<OccupancyCell> free_cells(const DistanceField& field, const Vector3i
     for (int y = first.y(); y <= last.y(); ++y) {
       for (int x = first.x(); x <= last.x(); ++x) {
         const Vector3d middle = cell_m * (Vector3d(x, y, z).array() + 0.5);
-        const Vector3d point = field_from_level * middle;
+        const Vector3d point = field_from_gravity * middle;
         const Vector3i voxel = (point / field.voxel_size_m()).array().round().cast<int>();
         const Vector3i in_block = voxel - kBlockSide * block;
         if ((in_block.array() < 0).any() || (in_block.array() >= kBlockSide).any()) continue;
-        const Voxel& seen = content.voxels[DistanceField::offset_of(in_block)];
+        const Voxel& seen = content.voxels[TsdfVolume::offset_of(in_block)];
         if (seen.weight == 0 || field.sample(seen).distance_m < 0.5 * cell_m) continue;
         cells.push_back({{x, y, z}, false});
       }
@@ -54,15 +54,14 @@ std::vector<OccupancyCell> free_cells(const DistanceField& field, const Vector3i
 
 }  // namespace
 
-std::vector<OccupancyCell> occupancy_cells(const DistanceField& field,
-                                           const TriangleMesh& mesh_world,
-                                           const RigidTransform& level_from_world, double cell_m,
+std::vector<OccupancyCell> occupancy_cells(const TsdfVolume& field, const TriangleMesh& mesh_world,
+                                           const RigidTransform& gravity_from_world, double cell_m,
                                            ThreadPool& pool) {
   std::vector<OccupancyCell> cells;
   cells.reserve(mesh_world.vertices.size());
   for (const Eigen::Vector3f& vertex : mesh_world.vertices) {
-    const Vector3d point_level = level_from_world * Vector3d(vertex.cast<double>());
-    cells.push_back({cell_of(point_level, cell_m), true});
+    const Vector3d point_gravity = gravity_from_world * Vector3d(vertex.cast<double>());
+    cells.push_back({cell_of(point_gravity, cell_m), true});
   }
   const std::vector<Vector3i> blocks = field.blocks();
   constexpr std::size_t kBlocksATask = 512;
@@ -70,7 +69,7 @@ std::vector<OccupancyCell> occupancy_cells(const DistanceField& field,
   pool.parallel_for(found.size(), [&](std::size_t task) {
     const std::size_t end = std::min(blocks.size(), (task + 1) * kBlocksATask);
     for (std::size_t i = task * kBlocksATask; i < end; ++i) {
-      const auto here = free_cells(field, blocks[i], level_from_world, cell_m);
+      const auto here = free_cells(field, blocks[i], gravity_from_world, cell_m);
       found[task].insert(found[task].end(), here.begin(), here.end());
     }
   });

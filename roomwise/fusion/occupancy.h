@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "roomwise/base/thread_pool.h"
-#include "roomwise/fusion/distance_field.h"
 #include "roomwise/fusion/triangle_mesh.h"
+#include "roomwise/fusion/tsdf_volume.h"
 #include "roomwise/geometry/rigid_transform.h"
 
 namespace roomwise::fusion {
@@ -17,11 +17,11 @@ struct OccupancyCell {
   bool is_occupied = false;  // else free
 };
 
-// What of space is free and what is not, in cells along the axes of the level frame: a cell that
-// the surface passes is occupied, one whose middle lies in the open, at least half a cell from any
-// surface, is free; the others are unknown and left out. By z, then y, then x.
+// What of space is free and what is not, in cells along the axes of the gravity-aligned frame: a
+// cell that the surface passes is occupied, one whose middle lies in the open, at least half a cell
+// from any surface, is free; the others are unknown and left out. By z, then y, then x.
 [[nodiscard]] std::vector<OccupancyCell> occupancy_cells(
-    const DistanceField& field, const TriangleMesh& mesh_world,
-    const geometry::RigidTransform& level_from_world, double cell_m, ThreadPool& pool);
+    const TsdfVolume& field, const TriangleMesh& mesh_world,
+    const geometry::RigidTransform& gravity_from_world, double cell_m, ThreadPool& pool);
 
 }  // namespace roomwise::fusion

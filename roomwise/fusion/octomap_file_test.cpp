@@ -8,9 +8,9 @@
 #include <tuple>
 
 #include "roomwise/base/file.h"
-#include "roomwise/base/testing.h"
+#include "roomwise/base/testing/testing.h"
 #include "roomwise/fusion/surface_mesh.h"
-#include "roomwise/fusion/test_scenes.h"
+#include "roomwise/fusion/testing/test_scenes.h"
 
 namespace roomwise::fusion {
 namespace {
@@ -122,11 +122,11 @@ TEST(OccupancyCells, AreOccupiedOnTheSurfaceFreeBeforeItAndUnknownBehind) {
   using testing::Vector3d;
   ThreadPool pool(2);
   const auto cameras = {testing::looking_at({-1, 0.1, 0.5}, {1, 0.1, 0.5})};
-  const DistanceField field =
+  const TsdfVolume field =
       testing::fuse({testing::half_space(-Vector3d::UnitX(), -1.02)}, cameras, pool);
   const TriangleMesh mesh = extract_mesh(field, MeshOptions{}, pool);
-  const geometry::RigidTransform level_from_world{Eigen::Quaterniond::Identity(), {0.3, 0, 0}};
-  const auto cells = occupancy_cells(field, mesh, level_from_world, 0.05, pool);
+  const geometry::RigidTransform gravity_from_world{Eigen::Quaterniond::Identity(), {0.3, 0, 0}};
+  const auto cells = occupancy_cells(field, mesh, gravity_from_world, 0.05, pool);
   const Cells found = as_map(cells);
   EXPECT_EQ(found.size(), cells.size()) << "each once";
   const auto at = [&](double x_m) {

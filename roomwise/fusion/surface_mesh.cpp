@@ -42,11 +42,11 @@ std::size_t block_slot(const Vector3i& voxel) {
                                   block_along(voxel.x()));
 }
 std::size_t voxel_slot(const Vector3i& voxel) {
-  return DistanceField::offset_of(voxel.unaryExpr([](int v) { return v & (kBlockSide - 1); }));
+  return TsdfVolume::offset_of(voxel.unaryExpr([](int v) { return v & (kBlockSide - 1); }));
 }
 
-void fill(Neighbourhood& around, const DistanceField& field, const Vector3i& block,
-          std::uint32_t least_weight) {
+void fill(Neighbourhood& around, const TsdfVolume& field, const Vector3i& block,
+          std::uint32_t min_weight) {
   for (int i = 0; i < 27; ++i) {
     const Vector3i offset(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1);
     around.blocks[static_cast<std::size_t>(i)] = field.find(block + offset);
@@ -60,7 +60,7 @@ void fill(Neighbourhood& around, const DistanceField& field, const Vector3i& blo
         distance_m = kNoDistance;
         if (there == nullptr) continue;
         const Voxel& content = there->voxels[voxel_slot(voxel)];
-        if (content.weight < least_weight) continue;
+        if (content.weight < min_weight) continue;
         distance_m = static_cast<float>(field.sample(content).distance_m);
       }
     }
@@ -102,7 +102,7 @@ Rgb8 rounded(const Vector3f& color) {
 
 // Names a vertex in the whole field: the voxel at the lower end of its edge, and the edge's axis.
 struct EdgeKey {
-  DistanceField::Key block = 0;
+  TsdfVolume::Key block = 0;
   std::uint32_t edge = 0;  // 3 * offset of the voxel + axis
 
   friend bool operator==(const EdgeKey&, const EdgeKey&) = default;
@@ -123,14 +123,14 @@ struct BlockMesh {
 
 class BlockMesher {
  public:
-  BlockMesher(const DistanceField& field, std::uint32_t least_weight)
-      : field_(field), least_weight_(least_weight) {}
+  BlockMesher(const TsdfVolume& field, std::uint32_t min_weight)
+      : field_(field), min_weight_(min_weight) {}
 
   [[nodiscard]] BlockMesh mesh(const Vector3i& block) {
     block_ = block;
     result_ = {};
     vertex_at_.fill(kNoVertex);
-    fill(around_, field_, block, least_weight_);
+    fill(around_, field_, block, min_weight_);
     for (int z = 0; z < kBlockSide; ++z) {
       for (int y = 0; y < kBlockSide; ++y) {
         for (int x = 0; x < kBlockSide; ++x) add_cube({x, y, z});
@@ -184,13 +184,13 @@ class BlockMesher {
 
     const Vector3i block_offset = from.unaryExpr([](int v) { return v >> 3; });
     result_.keys.push_back(
-        {DistanceField::key_of(block_ + block_offset),
+        {TsdfVolume::key_of(block_ + block_offset),
          static_cast<std::uint32_t>(3 * voxel_slot(from)) + static_cast<std::uint32_t>(edge.axis)});
     return known;
   }
 
-  const DistanceField& field_;
-  std::uint32_t least_weight_;
+  const TsdfVolume& field_;
+  std::uint32_t min_weight_;
   Vector3i block_ = Vector3i::Zero();
   Neighbourhood around_;
   std::array<std::uint32_t, static_cast<std::size_t>(3 * kCorners * kCorners * kCorners)>
@@ -235,15 +235,14 @@ double area_m2(const TriangleMesh& mesh, const std::array<std::uint32_t, 3>& tri
 }  // namespace
 
 Expected<void> MeshOptions::validate() const {
-  if (least_weight < 1) return fail("least_weight is {}; expected 1 or more", least_weight);
-  if (!(least_piece_m2 >= 0)) {
-    return fail("least_piece_m2 is {}; expected 0 or more", least_piece_m2);
+  if (min_weight < 1) return fail("min_weight is {}; expected 1 or more", min_weight);
+  if (!(min_component_m2 >= 0)) {
+    return fail("min_component_m2 is {}; expected 0 or more", min_component_m2);
   }
   return {};
 }
 
-TriangleMesh extract_mesh(const DistanceField& field, const MeshOptions& options,
-                          ThreadPool& pool) {
+TriangleMesh extract_mesh(const TsdfVolume& field, const MeshOptions& options, ThreadPool& pool) {
   const std::vector<Vector3i> blocks = field.blocks();
   MeshJoiner joiner;
   // Blocks' surfaces wait to be joined in the order of the blocks, not all at once.
@@ -253,7 +252,7 @@ TriangleMesh extract_mesh(const DistanceField& field, const MeshOptions& options
     const std::size_t count = std::min(blocks_a_round, blocks.size() - first);
     std::vector<BlockMesh> meshes(count);
     pool.parallel_for((count + kBlocksATask - 1) / kBlocksATask, [&](std::size_t task) {
-      BlockMesher mesher(field, options.least_weight);
+      BlockMesher mesher(field, options.min_weight);
       const std::size_t end = std::min(count, (task + 1) * kBlocksATask);
       for (std::size_t i = task * kBlocksATask; i < end; ++i) {
         meshes[i] = mesher.mesh(blocks[first + i]);
@@ -262,25 +261,25 @@ TriangleMesh extract_mesh(const DistanceField& field, const MeshOptions& options
     for (const BlockMesh& mesh : meshes) joiner.add(mesh);
   }
   TriangleMesh mesh = joiner.finish();
-  return options.least_piece_m2 > 0 ? without_small_pieces(mesh, options.least_piece_m2)
-                                    : std::move(mesh);
+  return options.min_component_m2 > 0 ? without_small_components(mesh, options.min_component_m2)
+                                      : std::move(mesh);
 }
 
-TriangleMesh without_small_pieces(const TriangleMesh& mesh, double least_piece_m2) {
-  DisjointSets pieces(mesh.vertices.size());  // vertices that hang together
+TriangleMesh without_small_components(const TriangleMesh& mesh, double min_component_m2) {
+  DisjointSets components(mesh.vertices.size());  // vertices that hang together
   for (const auto& [a, b, c] : mesh.triangles) {
-    pieces.join(a, b);
-    pieces.join(a, c);
+    components.join(a, b);
+    components.join(a, c);
   }
-  std::vector<double> piece_m2(mesh.vertices.size(), 0.0);
+  std::vector<double> component_m2(mesh.vertices.size(), 0.0);
   for (const auto& triangle : mesh.triangles) {
-    piece_m2[pieces.find(triangle[0])] += area_m2(mesh, triangle);
+    component_m2[components.find(triangle[0])] += area_m2(mesh, triangle);
   }
   constexpr std::uint32_t kLeftOut = std::numeric_limits<std::uint32_t>::max();
   std::vector<std::uint32_t> kept(mesh.vertices.size(), kLeftOut);
   TriangleMesh result;
   for (const auto& triangle : mesh.triangles) {
-    if (piece_m2[pieces.find(triangle[0])] < least_piece_m2) continue;
+    if (component_m2[components.find(triangle[0])] < min_component_m2) continue;
     std::array<std::uint32_t, 3> corners{};
     for (std::size_t i = 0; i < 3; ++i) {
       std::uint32_t& place = kept[triangle[i]];

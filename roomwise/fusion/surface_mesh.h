@@ -2,17 +2,17 @@
 
 #include "roomwise/base/expected.h"
 #include "roomwise/base/thread_pool.h"
-#include "roomwise/fusion/distance_field.h"
 #include "roomwise/fusion/triangle_mesh.h"
+#include "roomwise/fusion/tsdf_volume.h"
 
 namespace roomwise::fusion {
 
 struct MeshOptions {
   // Voxels of less weight do not count. A frame gives up to 128: 29 from 2 m, 7 from 3 m, 2 from 4
   // m, and less where it looks slantwise.
-  std::uint32_t least_weight = 4;
+  std::uint32_t min_weight = 4;
   // Pieces of the surface with less area that hang on nothing are left out; 0: none.
-  double least_piece_m2 = 0.01;
+  double min_component_m2 = 0.01;
 
   [[nodiscard]] Expected<void> validate() const;
 };
@@ -20,11 +20,12 @@ struct MeshOptions {
 // The surface of a field by marching cubes: a vertex on each edge between neighbouring voxels where
 // the distance changes its sign, in cubes whose eight voxels all have enough weight. Normals are
 // the gradient of the distance. In the field's frame; the same bits at any number of threads.
-[[nodiscard]] TriangleMesh extract_mesh(const DistanceField& field, const MeshOptions& options,
+[[nodiscard]] TriangleMesh extract_mesh(const TsdfVolume& field, const MeshOptions& options,
                                         ThreadPool& pool);
 
 // Without the pieces (of triangles that share vertices) that have less area, and without vertices
 // that no triangle uses.
-[[nodiscard]] TriangleMesh without_small_pieces(const TriangleMesh& mesh, double least_piece_m2);
+[[nodiscard]] TriangleMesh without_small_components(const TriangleMesh& mesh,
+                                                    double min_component_m2);
 
 }  // namespace roomwise::fusion

@@ -5,8 +5,8 @@
 
 #include <algorithm>
 
-#include "roomwise/base/testing.h"
-#include "roomwise/fusion/test_scenes.h"
+#include "roomwise/base/testing/testing.h"
+#include "roomwise/fusion/testing/test_scenes.h"
 
 namespace roomwise::fusion {
 namespace {
@@ -25,16 +25,16 @@ using testing::Scene;
 using testing::sphere;
 using testing::true_field;
 
-constexpr MeshOptions kAll{.least_weight = 1, .least_piece_m2 = 0};
+constexpr MeshOptions kAll{.min_weight = 1, .min_component_m2 = 0};
 
 class SurfaceMeshTest : public ::testing::Test {
  protected:
-  static double most_error_m(const TriangleMesh& mesh, const Scene& scene) {
-    double most_m = 0;
+  static double max_error_m(const TriangleMesh& mesh, const Scene& scene) {
+    double max_m = 0;
     for (const Vector3f& vertex : mesh.vertices) {
-      most_m = std::max(most_m, std::abs(distance_m(scene, vertex.cast<double>())));
+      max_m = std::max(max_m, std::abs(distance_m(scene, vertex.cast<double>())));
     }
-    return most_m;
+    return max_m;
   }
   ThreadPool pool_{2};
 };
@@ -48,7 +48,7 @@ TEST_F(SurfaceMeshTest, ASphereIsClosedAndItsNormalsPointOut) {
   ASSERT_EQ(mesh.colors.size(), mesh.vertices.size());
   EXPECT_TRUE(is_closed(mesh));
   EXPECT_EQ(euler_characteristic(mesh), 2);
-  EXPECT_LT(most_error_m(mesh, scene), 0.001);
+  EXPECT_LT(max_error_m(mesh, scene), 0.001);
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
     const Vector3d out = (mesh.vertices[i].cast<double>() - center).normalized();
     EXPECT_GT(out.dot(mesh.normals[i].cast<double>()), 0.99);
@@ -66,7 +66,7 @@ TEST_F(SurfaceMeshTest, ABoxHasItsCornersWithinAVoxel) {
   const TriangleMesh mesh = extract_mesh(true_field(scene, -2, 2), kAll, pool_);
   EXPECT_TRUE(is_closed(mesh));
   EXPECT_EQ(euler_characteristic(mesh), 2);
-  EXPECT_LT(most_error_m(mesh, scene), 0.01);
+  EXPECT_LT(max_error_m(mesh, scene), 0.01);
 }
 
 TEST_F(SurfaceMeshTest, AFusedSphereIsClosedWhenItIsSeenFromAllSides) {
@@ -75,7 +75,7 @@ TEST_F(SurfaceMeshTest, AFusedSphereIsClosedWhenItIsSeenFromAllSides) {
       extract_mesh(fuse(scene, all_round({0, 0, 0}, 1.2), pool_), MeshOptions{}, pool_);
   EXPECT_TRUE(is_closed(mesh));
   EXPECT_EQ(euler_characteristic(mesh), 2);
-  EXPECT_LT(most_error_m(mesh, scene), 0.2 * FieldOptions{}.voxel_size_m);
+  EXPECT_LT(max_error_m(mesh, scene), 0.2 * TsdfOptions{}.voxel_size_m);
   for (const Rgb8 color : mesh.colors) EXPECT_EQ(color, (Rgb8{100, 150, 200}));
 }
 
@@ -93,7 +93,7 @@ TEST_F(SurfaceMeshTest, AFusedPlaneIsFlatUnderTheNoiseOfACamera) {
     near += std::abs(distance_m(scene, vertex.cast<double>())) < 0.004 ? 1 : 0;
   }
   EXPECT_GT(static_cast<double>(near), 0.99 * static_cast<double>(mesh.vertices.size()));
-  EXPECT_LT(most_error_m(mesh, scene), 0.02);
+  EXPECT_LT(max_error_m(mesh, scene), 0.02);
 }
 
 TEST_F(SurfaceMeshTest, AFusedCornerOfARoomStaysACorner) {
@@ -110,7 +110,7 @@ TEST_F(SurfaceMeshTest, AFusedCornerOfARoomStaysACorner) {
     sum_m += std::abs(distance_m(scene, vertex.cast<double>()));
   }
   EXPECT_LT(sum_m / static_cast<double>(mesh.vertices.size()), 0.001);
-  EXPECT_LT(most_error_m(mesh, scene), 0.015) << "three quarters of a voxel, in the corner itself";
+  EXPECT_LT(max_error_m(mesh, scene), 0.015) << "three quarters of a voxel, in the corner itself";
 }
 
 // Two boxes, one before the other: nothing may hang in the air between their outlines.
@@ -122,33 +122,33 @@ TEST_F(SurfaceMeshTest, OutlinesDoNotSmear) {
         looking_at({0.1 * i - 0.25, 0.05 * i, -0.3}, {0, 0, 1.0}, -Vector3d::UnitY()));
   }
   const TriangleMesh mesh = extract_mesh(fuse(scene, cameras, pool_), MeshOptions{}, pool_);
-  EXPECT_LT(most_error_m(mesh, scene), 0.03);
+  EXPECT_LT(max_error_m(mesh, scene), 0.03);
 }
 
-TEST_F(SurfaceMeshTest, SmallPiecesGo) {
+TEST_F(SurfaceMeshTest, SmallComponentsGo) {
   const Scene scene{sphere({-0.1, 0, 0}, 0.12), sphere({0.2, 0, 0}, 0.04)};
-  const DistanceField field = true_field(scene, -2, 2);
+  const TsdfVolume field = true_field(scene, -2, 2);
   const TriangleMesh all = extract_mesh(field, kAll, pool_);
   const TriangleMesh large =
-      extract_mesh(field, {.least_weight = 1, .least_piece_m2 = 0.05}, pool_);
+      extract_mesh(field, {.min_weight = 1, .min_component_m2 = 0.05}, pool_);
   EXPECT_EQ(euler_characteristic(all), 4);
   EXPECT_EQ(euler_characteristic(large), 2);
   EXPECT_TRUE(is_closed(large));
   EXPECT_TRUE(std::ranges::all_of(large.vertices, [](const Vector3f& v) { return v.x() < 0.1F; }));
-  EXPECT_TRUE(without_small_pieces(all, 1).vertices.empty());
+  EXPECT_TRUE(without_small_components(all, 1).vertices.empty());
 }
 
 TEST_F(SurfaceMeshTest, WhatWasHardlySeenDoesNotCount) {
   const Scene scene{sphere({0, 0, 0}, 0.2)};
-  const DistanceField field = true_field(scene, -2, 2);
-  EXPECT_TRUE(extract_mesh(field, {.least_weight = 101}, pool_).triangles.empty());
-  EXPECT_FALSE(extract_mesh(field, {.least_weight = 100}, pool_).triangles.empty());
+  const TsdfVolume field = true_field(scene, -2, 2);
+  EXPECT_TRUE(extract_mesh(field, {.min_weight = 101}, pool_).triangles.empty());
+  EXPECT_FALSE(extract_mesh(field, {.min_weight = 100}, pool_).triangles.empty());
 }
 
 TEST(MeshOptions, SayWhatIsWrong) {
   EXPECT_OK(MeshOptions{}.validate());
-  EXPECT_ERROR(MeshOptions{.least_weight = 0}.validate(), "least_weight");
-  EXPECT_ERROR(MeshOptions{.least_piece_m2 = -1}.validate(), "least_piece_m2");
+  EXPECT_ERROR(MeshOptions{.min_weight = 0}.validate(), "min_weight");
+  EXPECT_ERROR(MeshOptions{.min_component_m2 = -1}.validate(), "min_component_m2");
 }
 
 }  // namespace

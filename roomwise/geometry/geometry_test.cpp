@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "roomwise/base/random.h"
-#include "roomwise/base/testing.h"
+#include "roomwise/base/testing/testing.h"
 #include "roomwise/geometry/alignment.h"
 #include "roomwise/geometry/pinhole_camera.h"
 #include "roomwise/geometry/point_cloud.h"

@@ -51,10 +51,10 @@ Eigen::Vector2d PinholeCamera::undistort(const Eigen::Vector2d& pixel) const {
   const Eigen::Vector2d distorted((pixel.x() - cx) / fx, (pixel.y() - cy) / fy);
   // The fixed point converges in a handful of steps for lenses like the Kinect's; far outside the
   // image it may not, and the last value is then as good as any.
-  constexpr int kMostSteps = 30;
+  constexpr int kMaxSteps = 30;
   constexpr double kConverged = 1e-12;
   Eigen::Vector2d p = distorted;
-  for (int step = 0; step < kMostSteps; ++step) {
+  for (int step = 0; step < kMaxSteps; ++step) {
     const Eigen::Vector2d error = distorted - distort(distortion, p);
     p += error;
     if (error.squaredNorm() < kConverged * kConverged) break;

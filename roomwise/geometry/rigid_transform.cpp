@@ -4,14 +4,14 @@
 
 namespace roomwise::geometry {
 
-Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
+Eigen::Matrix3d skew_symmetric(const Eigen::Vector3d& v) {
   return Eigen::Matrix3d{{0, -v.z(), v.y()}, {v.z(), 0, -v.x()}, {-v.y(), v.x(), 0}};
 }
 
 RigidTransform RigidTransform::exp(const Vector6d& twist) {
   const Eigen::Vector3d omega = twist.head<3>();
   const double theta = omega.norm();
-  const Eigen::Matrix3d hat = cross_matrix(omega);
+  const Eigen::Matrix3d hat = skew_symmetric(omega);
   Eigen::Quaterniond rotation;
   Eigen::Matrix3d left_jacobian;
   if (theta < 1e-6) {

@@ -46,6 +46,6 @@ struct RigidTransform {
 };
 
 // The matrix that takes w to v x w.
-[[nodiscard]] Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v);
+[[nodiscard]] Eigen::Matrix3d skew_symmetric(const Eigen::Vector3d& v);
 
 }  // namespace roomwise::geometry

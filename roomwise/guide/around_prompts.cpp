@@ -6,7 +6,7 @@
 namespace roomwise::guide {
 namespace {
 
-constexpr std::size_t kMostThings = 4;  // more is forgotten before the last is spoken
+constexpr std::size_t kMaxThings = 4;  // more is forgotten before the last is spoken
 // What is nowhere longer than this stands on something and is in nobody's way; it is named as if
 // it were so much farther away.
 constexpr double kSmall_m = 0.3;
@@ -37,7 +37,7 @@ std::vector<Near> nearest_things(const Pose& pose, const std::optional<std::stri
   std::ranges::stable_sort(near, {}, &Near::rank_m);
   std::set<std::string> names;
   std::erase_if(near, [&](const Near& each) { return !names.insert(each.thing->name).second; });
-  if (near.size() > kMostThings) near.resize(kMostThings);
+  if (near.size() > kMaxThings) near.resize(kMaxThings);
   std::ranges::stable_partition(near, [](const Near& each) { return each.bearing.is_close(); });
   return near;
 }
@@ -52,7 +52,7 @@ std::vector<std::string> names_in(const std::string& room, std::span<const Known
   std::ranges::stable_sort(there, std::ranges::greater{}, &KnownThing::probability);
   std::vector<std::string> names;
   for (const KnownThing* thing : there) {
-    if (names.size() == kMostThings) break;
+    if (names.size() == kMaxThings) break;
     if (!std::ranges::count(names, thing->name)) names.push_back(thing->name);
   }
   return names;
@@ -130,17 +130,17 @@ std::vector<Prompt> things_of_place(const Pose& pose, const std::optional<std::s
 
 }  // namespace
 
-std::vector<Prompt> around_prompts(const Standing& standing, std::span<const KnownThing> things,
+std::vector<Prompt> around_prompts(const UserLocation& location, std::span<const KnownThing> things,
                                    const Wording& wording, TimestampNs now_ns) {
-  const Pose* pose = standing.sure_pose();
-  if (pose == nullptr && !standing.room) {
+  const Pose* pose = location.sure_pose();
+  if (pose == nullptr && !location.room) {
     Prompt prompt = make_prompt(wording, "around", "around.no_place", {}, Confidence::kUnsure,
                                 after(now_ns, kRoomValid_s));
     prompt.because = "neither position nor room is known";
     return {prompt};
   }
-  auto prompts = pose != nullptr ? things_of_place(*pose, standing.room, things, wording, now_ns)
-                                 : things_of_room(*standing.room, things, wording, now_ns);
+  auto prompts = pose != nullptr ? things_of_place(*pose, location.room, things, wording, now_ns)
+                                 : things_of_room(*location.room, things, wording, now_ns);
   if (!prompts.empty()) return prompts;
   Prompt nothing = make_prompt(wording, "around", "around.nothing", {}, Confidence::kSure,
                                after(now_ns, kRoomValid_s));

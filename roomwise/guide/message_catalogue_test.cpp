@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "roomwise/base/testing.h"
-#include "roomwise/rooms/concepts.h"
+#include "roomwise/base/testing/testing.h"
+#include "roomwise/rooms/concepts/concepts.h"
 
 namespace roomwise::guide {
 namespace {
@@ -16,7 +16,7 @@ using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-constexpr int kMostWords = 12;
+constexpr int kMaxWords = 12;
 
 int count_words(const std::string& text) {
   std::istringstream words(text);
@@ -81,7 +81,7 @@ TEST(MessageCatalogueTest, EveryMessageIsShortAndASentence) {
     const Phrasebook& book = catalogue.in(language);
     for (const std::string& message : book.messages()) {
       const std::string text = book.text(message, some_values(book.values_of(message)));
-      EXPECT_LE(count_words(text), kMostWords) << text;
+      EXPECT_LE(count_words(text), kMaxWords) << text;
       EXPECT_THAT(text, ::testing::Not(HasSubstr("{"))) << message;
       EXPECT_THAT(text, ::testing::Not(HasSubstr("  "))) << message;
       // Turns are the beginnings of sentences.

@@ -3,11 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "roomwise/guide/test_times.h"
+#include "roomwise/guide/testing/test_times.h"
 
 namespace roomwise::guide {
 namespace {
-
 
 class NoticesTest : public ::testing::Test {
  protected:

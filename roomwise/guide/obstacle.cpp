@@ -16,7 +16,7 @@ constexpr int kStride_px = 4;  // every 16th pixel: at a metre they are 8 mm apa
 constexpr double kBin_m = 0.02;
 constexpr std::ptrdiff_t kWindow = 5;  // bins
 // A camera that looks up or down by more than 60 degrees sees the floor or the ceiling.
-constexpr double kLeastForward = 0.5;
+constexpr double kMinForward = 0.5;
 
 }  // namespace
 
@@ -30,7 +30,7 @@ Expected<void> WalkingCorridor::validate() const {
     return fail("nearest_m is {} and farthest_m {}; expected 0 or more, and more up to 10",
                 nearest_m, farthest_m);
   }
-  if (!(least_area_m2 > 0)) return fail("least_area_m2 is {}; expected more than 0", least_area_m2);
+  if (!(min_area_m2 > 0)) return fail("min_area_m2 is {}; expected more than 0", min_area_m2);
   if (!(std::abs(up_camera.norm() - 1) < 1e-6)) {
     return fail("up_camera has the length {}; expected 1", up_camera.norm());
   }
@@ -47,7 +47,7 @@ Expected<std::optional<double>> obstacle_ahead_m(const image::DepthImage& depth,
   }
   const Vector3d& up = corridor.up_camera;
   const Vector3d level = Vector3d::UnitZ() - up.z() * up;
-  if (level.norm() < kLeastForward) return std::nullopt;
+  if (level.norm() < kMinForward) return std::nullopt;
   const Vector3d forward = level.normalized();
   const Vector3d right = forward.cross(up);
 
@@ -74,7 +74,7 @@ Expected<std::optional<double>> obstacle_ahead_m(const image::DepthImage& depth,
   }
   for (auto bin = area_m2.begin(); bin != area_m2.end(); ++bin) {
     const auto end = bin + std::min(kWindow, area_m2.end() - bin);
-    if (*bin > 0 && std::accumulate(bin, end, 0.0) >= corridor.least_area_m2) {
+    if (*bin > 0 && std::accumulate(bin, end, 0.0) >= corridor.min_area_m2) {
       return corridor.nearest_m + kBin_m * static_cast<double>(bin - area_m2.begin());
     }
   }

@@ -18,7 +18,7 @@ struct WalkingCorridor {
   double nearest_m = 0.3;   // what is nearer is a hand, or the camera measures nothing
   double farthest_m = 1.0;  // one or two steps
   // As much surface must be seen within 10 cm of depth: single wrong pixels are no obstacle.
-  double least_area_m2 = 0.01;
+  double min_area_m2 = 0.01;
 
   double camera_height_m = 1.3;
   Eigen::Vector3d up_camera = -Eigen::Vector3d::UnitY();  // unit length; a level camera's

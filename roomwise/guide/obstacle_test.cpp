@@ -7,7 +7,7 @@
 #include <functional>
 
 #include "roomwise/base/random.h"
-#include "roomwise/base/testing.h"
+#include "roomwise/base/testing/testing.h"
 
 namespace roomwise::guide {
 namespace {

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include "roomwise/base/testing.h"
+#include "roomwise/base/testing/testing.h"
 #include "roomwise/guide/message_catalogue.h"
 
 namespace roomwise::guide {

@@ -11,7 +11,7 @@ namespace roomwise::guide {
 namespace {
 
 // With a pose less sure, "at 2 o'clock" would be a guess for all that is in reach of a few steps.
-constexpr double kMostSigma_m = 0.5;
+constexpr double kMaxSigma_m = 0.5;
 // An hour reaches 15 degrees to each side.
 constexpr double kHalfHour_rad = std::numbers::pi / 12;
 // In reach of a hand that is stretched out: nobody needs steps to get there.
@@ -21,8 +21,8 @@ constexpr double kThingSureFrom = 0.8;
 
 }  // namespace
 
-const Pose* Standing::sure_pose() const {
-  return pose && pose->sigma_m <= kMostSigma_m ? &*pose : nullptr;
+const Pose* UserLocation::sure_pose() const {
+  return pose && pose->sigma_m <= kMaxSigma_m ? &*pose : nullptr;
 }
 
 bool KnownThing::is_sure() const {
@@ -33,8 +33,8 @@ bool Bearing::is_close() const {
   return distance_m < kClose_m;
 }
 
-Bearing bearing_of(const Eigen::Vector2d& point_level, const Pose& pose, double radius_m) {
-  const Eigen::Vector2d towards = point_level - pose.position_level;
+Bearing bearing_of(const Eigen::Vector2d& point_gravity, const Pose& pose, double radius_m) {
+  const Eigen::Vector2d towards = point_gravity - pose.position_gravity;
   const double distance_m = towards.norm();
   const double clockwise_rad = pose.heading_rad - std::atan2(towards.y(), towards.x());
   const auto hour = static_cast<int>(std::lround(clockwise_rad / (2 * kHalfHour_rad))) % 12;
@@ -46,8 +46,8 @@ Bearing bearing_of(const Eigen::Vector2d& point_level, const Pose& pose, double 
 }
 
 std::optional<Bearing> bearing_of(const KnownThing& thing, const Pose& pose) {
-  if (!thing.position_level) return std::nullopt;
-  return bearing_of(thing.position_level->head<2>(), pose, thing.size_m.head<2>().minCoeff() / 2);
+  if (!thing.position_gravity) return std::nullopt;
+  return bearing_of(thing.position_gravity->head<2>(), pose, thing.size_m.head<2>().minCoeff() / 2);
 }
 
 std::vector<std::string> way_between_rooms(const std::string& from, const std::string& to,

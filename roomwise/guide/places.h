@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "roomwise/rooms/room_layout.h"
+#include "roomwise/rooms/layout/room_layout.h"
 
 namespace roomwise::guide {
 
@@ -14,15 +14,15 @@ namespace roomwise::guide {
 // wall.
 constexpr double kSameRoom_m = 3;
 
-// Where somebody stands on the floor, in the level frame (z up, metres).
+// Where somebody stands on the floor, in the gravity-aligned frame (z up, metres).
 struct Pose {
-  Eigen::Vector2d position_level = Eigen::Vector2d::Zero();
+  Eigen::Vector2d position_gravity = Eigen::Vector2d::Zero();
   double heading_rad = 0;  // which way they look, counter-clockwise from x
   double sigma_m = 0;      // standard deviation of the position
 };
 
 // What is known of where somebody is: a pose, a room, both or nothing.
-struct Standing {
+struct UserLocation {
   std::optional<Pose> pose = std::nullopt;
   std::optional<std::string> room = std::nullopt;
 
@@ -34,7 +34,7 @@ struct Standing {
 struct KnownThing {
   std::string name = {};   // the home's word: "microwave"
   double probability = 0;  // that it is there and is called so
-  std::optional<Eigen::Vector3d> position_level = std::nullopt;  // its middle
+  std::optional<Eigen::Vector3d> position_gravity = std::nullopt;  // its middle
   Eigen::Vector3d size_m = Eigen::Vector3d::Zero();
   std::optional<std::string> room = std::nullopt;
   bool is_old = false;  // seen so long ago that it may have been moved
@@ -50,7 +50,7 @@ struct Bearing {
 
   [[nodiscard]] bool is_close() const;
 };
-[[nodiscard]] Bearing bearing_of(const Eigen::Vector2d& point_level, const Pose& pose,
+[[nodiscard]] Bearing bearing_of(const Eigen::Vector2d& point_gravity, const Pose& pose,
                                  double radius_m = 0);
 // Nothing where the thing's place is not known. A thing reaches from its middle as far as half its
 // narrow side.

@@ -45,10 +45,10 @@ TEST(PlacesTest, DistancesGoToTheNearSide) {
   const Pose pose{Vector2d::Zero(), 0, 0.02};
   KnownThing bed{.name = "bed", .probability = 0.9};
   EXPECT_FALSE(bearing_of(bed, pose));
-  bed.position_level = Vector3d(3, 0, 0.3);
+  bed.position_gravity = Vector3d(3, 0, 0.3);
   bed.size_m = Vector3d(2, 1.6, 0.5);
   EXPECT_DOUBLE_EQ(bearing_of(bed, pose)->distance_m, 2.2);
-  bed.position_level = Vector3d(0.5, 0, 0.3);
+  bed.position_gravity = Vector3d(0.5, 0, 0.3);
   EXPECT_DOUBLE_EQ(bearing_of(bed, pose)->distance_m, 0);
   EXPECT_TRUE(bearing_of(bed, pose)->is_close());
 }
@@ -57,9 +57,9 @@ TEST(PlacesTest, AVaguePoseTellsNoHourOfWhatIsNear) {
   const Pose pose{Vector2d::Zero(), 0, 0.3};
   EXPECT_FALSE(bearing_of(Vector2d(1, 0), pose).is_sure);
   EXPECT_TRUE(bearing_of(Vector2d(2, 0), pose).is_sure);
-  EXPECT_EQ((Standing{Pose{Vector2d::Zero(), 0, 0.6}, "hall"}.sure_pose()), nullptr);
-  EXPECT_NE((Standing{Pose{Vector2d::Zero(), 0, 0.4}, "hall"}.sure_pose()), nullptr);
-  EXPECT_EQ((Standing{std::nullopt, "hall"}.sure_pose()), nullptr);
+  EXPECT_EQ((UserLocation{Pose{Vector2d::Zero(), 0, 0.6}, "hall"}.sure_pose()), nullptr);
+  EXPECT_NE((UserLocation{Pose{Vector2d::Zero(), 0, 0.4}, "hall"}.sure_pose()), nullptr);
+  EXPECT_EQ((UserLocation{std::nullopt, "hall"}.sure_pose()), nullptr);
 }
 
 std::vector<rooms::Doorway> doorways(

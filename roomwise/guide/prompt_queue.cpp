@@ -80,7 +80,7 @@ bool PromptQueue::may_begin(const Prompt& prompt, TimestampNs now_ns) const {
          now_ns >= after(*silent_since_ns_, options_.callout_gap_s);
 }
 
-std::vector<PromptQueue::Waiting>::const_iterator PromptQueue::most_urgent(
+std::vector<PromptQueue::Waiting>::const_iterator PromptQueue::highest_priority(
     TimestampNs now_ns) const {
   auto best = waiting_.end();
   for (auto each = waiting_.begin(); each != waiting_.end(); ++each) {
@@ -95,7 +95,7 @@ std::vector<PromptQueue::Waiting>::const_iterator PromptQueue::most_urgent(
 
 std::optional<Utterance> PromptQueue::next(TimestampNs now_ns) {
   forget_expired(now_ns);
-  const auto found = most_urgent(now_ns);
+  const auto found = highest_priority(now_ns);
   if (found == waiting_.end()) return std::nullopt;
   const Prompt prompt = found->prompt;
   waiting_.erase(found);
@@ -146,14 +146,14 @@ void PromptQueue::finished(std::uint64_t id, TimestampNs now_ns) {
 }
 
 bool PromptQueue::interrupts(TimestampNs now_ns) const {
-  return speaking_ && most_urgent(now_ns) != waiting_.end();
+  return speaking_ && highest_priority(now_ns) != waiting_.end();
 }
 
 std::optional<TimestampNs> PromptQueue::next_at(TimestampNs now_ns) const {
-  if (most_urgent(now_ns) != waiting_.end()) return now_ns;
+  if (highest_priority(now_ns) != waiting_.end()) return now_ns;
   if (speaking_ || !silent_since_ns_) return std::nullopt;
   const TimestampNs after_gap = after(*silent_since_ns_, options_.callout_gap_s);
-  if (after_gap > now_ns && most_urgent(after_gap) != waiting_.end()) return after_gap;
+  if (after_gap > now_ns && highest_priority(after_gap) != waiting_.end()) return after_gap;
   return std::nullopt;
 }
 

@@ -92,7 +92,7 @@ class PromptQueue {
   [[nodiscard]] bool was_said_lately(const Prompt& prompt, TimestampNs now_ns) const;
   [[nodiscard]] bool may_begin(const Prompt& prompt, TimestampNs now_ns) const;
   // The one to begin now; end() where there is none.
-  [[nodiscard]] std::vector<Waiting>::const_iterator most_urgent(TimestampNs now_ns) const;
+  [[nodiscard]] std::vector<Waiting>::const_iterator highest_priority(TimestampNs now_ns) const;
   void remember(const Prompt& prompt, TimestampNs now_ns);
   void forget_expired(TimestampNs now_ns);
   void break_off(TimestampNs now_ns);

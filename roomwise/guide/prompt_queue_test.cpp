@@ -6,7 +6,7 @@
 #include <map>
 
 #include "roomwise/base/random.h"
-#include "roomwise/base/testing.h"
+#include "roomwise/base/testing/testing.h"
 
 namespace roomwise::guide {
 namespace {

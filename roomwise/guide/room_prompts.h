@@ -4,7 +4,7 @@
 #include <string>
 
 #include "roomwise/guide/wording.h"
-#include "roomwise/rooms/room_decision.h"
+#include "roomwise/rooms/recognition/room_decision.h"
 
 namespace roomwise::guide {
 

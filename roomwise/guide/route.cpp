@@ -78,10 +78,10 @@ class RouteSearch {
     Route route{middle(way.front())};
     for (std::size_t here = 0; here + 1 < way.size();) {
       std::size_t farthest = here + 1;
-      double least_m = std::min(options_.comfort_m, clearance_m(way[here]));
+      double min_m = std::min(options_.comfort_m, clearance_m(way[here]));
       for (std::size_t next = here + 1; next < way.size(); ++next) {
-        least_m = std::min(least_m, clearance_m(way[next]));
-        if (is_clear(middle(way[here]), middle(way[next]), least_m)) farthest = next;
+        min_m = std::min(min_m, clearance_m(way[next]));
+        if (is_clear(middle(way[here]), middle(way[next]), min_m)) farthest = next;
       }
       route.push_back(middle(way[farthest]));
       here = farthest;
@@ -126,10 +126,10 @@ class RouteSearch {
       }
     }
   }
-  [[nodiscard]] bool is_clear(const Vector2d& from, const Vector2d& to, double least_m) const {
+  [[nodiscard]] bool is_clear(const Vector2d& from, const Vector2d& to, double min_m) const {
     const auto steps = static_cast<int>(std::ceil((to - from).norm() / (grid_.cell_m() / 2)));
     for (int i = 0; i <= steps; ++i) {
-      if (!grid_.fits(from + (to - from) * i / std::max(1, steps), least_m)) return false;
+      if (!grid_.fits(from + (to - from) * i / std::max(1, steps), min_m)) return false;
     }
     return true;
   }

@@ -7,7 +7,7 @@
 
 #include "roomwise/base/expected.h"
 #include "roomwise/fusion/floor_grid.h"
-#include "roomwise/rooms/room_layout.h"
+#include "roomwise/rooms/layout/room_layout.h"
 
 namespace roomwise::guide {
 
@@ -20,7 +20,7 @@ struct RouteOptions {
   [[nodiscard]] Expected<void> validate() const;
 };
 
-// Corners of a way along free floor, m in the level frame, the first where it begins.
+// Corners of a way along free floor, m in the gravity-aligned frame, the first where it begins.
 using Route = std::vector<Eigen::Vector2d>;
 [[nodiscard]] double length_m(const Route& route);
 

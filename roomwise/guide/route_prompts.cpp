@@ -9,7 +9,7 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr std::size_t kMostLegs = 4;
+constexpr std::size_t kMaxLegs = 4;
 constexpr double kThere_m = 0.5;     // less than a step: nobody needs to be told
 constexpr double kShortLeg_m = 0.4;  // a corner that is cut, not a leg
 constexpr double kDegree = std::numbers::pi / 180;
@@ -29,10 +29,11 @@ struct Leg {
 std::optional<Vector2d> door_on(const Vector2d& from, const Vector2d& to,
                                 const rooms::Doorway& doorway) {
   const Vector2d along = to - from;
-  const double share = (doorway.middle_level - from).dot(along) / along.squaredNorm();
+  const double share = (doorway.middle_gravity - from).dot(along) / along.squaredNorm();
   const Vector2d place = from + share * along;
   const double reach_m = std::max(0.4, doorway.width_m / 2);
-  const bool is_passed = share > 0 && share < 1 && (place - doorway.middle_level).norm() <= reach_m;
+  const bool is_passed =
+      share > 0 && share < 1 && (place - doorway.middle_gravity).norm() <= reach_m;
   return is_passed ? std::optional(place) : std::nullopt;
 }
 
@@ -106,7 +107,7 @@ std::vector<Prompt> route_prompts(const Route& route, const Pose& pose, const No
   const std::vector<Leg> legs = joined(legs_of(route, doorways));
   std::vector<Prompt> prompts;
   double heading_rad = pose.heading_rad;
-  for (std::size_t i = 0; i < std::min(legs.size(), kMostLegs); ++i) {
+  for (std::size_t i = 0; i < std::min(legs.size(), kMaxLegs); ++i) {
     const Leg& leg = legs[i];
     const std::string turn =
         wording.phrases().text(turn_message(turn_rad(heading_rad, leg.heading_rad())));

@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "roomwise/base/random.h"
-#include "roomwise/base/testing.h"
+#include "roomwise/base/testing/testing.h"
 #include "roomwise/guide/route_prompts.h"
 
 namespace roomwise::guide {
@@ -174,7 +174,7 @@ TEST_F(RoutePromptsTest, DoorsAndCornersEndALeg) {
   const Route route{Vector2d(0, 0), Vector2d(4, 0), Vector2d(4, 2)};
   rooms::Doorway door;
   door.rooms = {"corridor", "kitchen"};
-  door.middle_level = Vector2d(2, 0.1);
+  door.middle_gravity = Vector2d(2, 0.1);
   door.width_m = 0.8;
   EXPECT_THAT(words(route, 0, {door}),
               ElementsAre("Straight on, then 4 steps to the door.", "Straight on, then 4 steps.",

@@ -7,8 +7,8 @@
 
 #include "roomwise/guide/places.h"
 #include "roomwise/guide/wording.h"
-#include "roomwise/objects/object_vocabulary.h"
-#include "roomwise/rooms/room_layout.h"
+#include "roomwise/objects/detection/object_vocabulary.h"
+#include "roomwise/rooms/layout/room_layout.h"
 
 namespace roomwise::guide {
 
@@ -16,7 +16,7 @@ namespace roomwise::guide {
 // reach of a hand, by name; then a prompt a thing with its direction and distance, what is near and
 // large before what is far and small. Four things at most, one of a name, and none of other rooms.
 // Without a pose the names of what is in the room. Never empty.
-[[nodiscard]] std::vector<Prompt> around_prompts(const Standing& standing,
+[[nodiscard]] std::vector<Prompt> around_prompts(const UserLocation& location,
                                                  std::span<const KnownThing> things,
                                                  const Wording& wording, TimestampNs now_ns);
 
@@ -29,7 +29,8 @@ namespace roomwise::guide {
 
 // The answer to "where is X": the nearest of that name by direction and distance in the same room,
 // else its room and the rooms on the way there; then how many there are, if several. Never empty.
-[[nodiscard]] std::vector<Prompt> where_prompts(const std::string& asked, const Standing& standing,
+[[nodiscard]] std::vector<Prompt> where_prompts(const std::string& asked,
+                                                const UserLocation& location,
                                                 std::span<const KnownThing> things,
                                                 std::span<const rooms::Doorway> doorways,
                                                 const objects::ObjectVocabulary& vocabulary,

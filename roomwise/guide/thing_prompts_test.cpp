@@ -5,7 +5,7 @@
 
 #include <numbers>
 
-#include "roomwise/guide/test_times.h"
+#include "roomwise/guide/testing/test_times.h"
 
 namespace roomwise::guide {
 namespace {
@@ -15,12 +15,11 @@ using Eigen::Vector3d;
 using ::testing::ElementsAre;
 using ::testing::Optional;
 
-
 KnownThing at(const std::string& name, double x, double y, const std::string& room,
               double probability = 0.95) {
   return {.name = name,
           .probability = probability,
-          .position_level = Vector3d(x, y, 0.5),
+          .position_gravity = Vector3d(x, y, 0.5),
           .size_m = Vector3d(0.6, 0.6, 0.6),
           .room = room};
 }
@@ -33,12 +32,12 @@ std::vector<std::string> texts(const std::vector<Prompt>& prompts) {
 
 class ThingPromptsTest : public ::testing::Test {
  protected:
-  [[nodiscard]] std::vector<std::string> around(const Standing& standing) const {
-    return texts(around_prompts(standing, things_, english_, kNow));
+  [[nodiscard]] std::vector<std::string> around(const UserLocation& location) const {
+    return texts(around_prompts(location, things_, english_, kNow));
   }
   [[nodiscard]] std::vector<Prompt> where(const std::string& asked,
-                                          const Standing& standing) const {
-    return where_prompts(asked, standing, things_, doorways_, vocabulary_, english_, kNow);
+                                          const UserLocation& location) const {
+    return where_prompts(asked, location, things_, doorways_, vocabulary_, english_, kNow);
   }
   static rooms::Doorway door(const std::string& a, const std::string& b) {
     rooms::Doorway doorway;
@@ -51,7 +50,7 @@ class ThingPromptsTest : public ::testing::Test {
   const Wording english_{&catalogue_, {"en", DistanceUnit::kSteps, 1.0}};
   const objects::ObjectVocabulary vocabulary_ = objects::ObjectVocabulary::standard();
   // In the middle of the kitchen, looking along y.
-  const Standing standing_{Pose{Vector2d(5, 5), std::numbers::pi / 2, 0.05}, "kitchen"};
+  const UserLocation standing_{Pose{Vector2d(5, 5), std::numbers::pi / 2, 0.05}, "kitchen"};
   std::vector<KnownThing> things_{at("microwave", 5, 8.2, "kitchen"),
                                   at("fridge", 7.3, 5, "kitchen"), at("bed", 5, 10, "bedroom"),
                                   at("lamp", 0, 5, "bedroom", 0.6)};
@@ -134,8 +133,8 @@ TEST_F(ThingPromptsTest, WhereIsInTheSameRoomByDirection) {
 }
 
 TEST_F(ThingPromptsTest, WhereIsInAnotherRoomByTheRoomsOnTheWay) {
-  const auto text = [&](const std::string& asked, const Standing& standing) {
-    return texts(where(asked, standing)).front();
+  const auto text = [&](const std::string& asked, const UserLocation& location) {
+    return texts(where(asked, location)).front();
   };
   EXPECT_EQ(text("bed", standing_), "The bed is in the bedroom, through the corridor.");
   EXPECT_EQ(text("bed", {std::nullopt, "pantry"}),
@@ -159,10 +158,10 @@ TEST_F(ThingPromptsTest, SeveralAreTheNearestAndTheirNumber) {
 
 TEST_F(ThingPromptsTest, AHomeWithoutRoomsStillTellsWhatIsNear) {
   for (KnownThing& thing : things_) thing.room = std::nullopt;
-  const Standing standing{standing_.pose, std::nullopt};
-  EXPECT_THAT(texts(where("fridge", standing)),
+  const UserLocation location{standing_.pose, std::nullopt};
+  EXPECT_THAT(texts(where("fridge", location)),
               ElementsAre("The fridge is probably at 3 o'clock, 2 steps."));
-  const auto far = where("bed", standing);
+  const auto far = where("bed", location);
   EXPECT_THAT(texts(far), ElementsAre("I do not know which room the bed is in."));
   EXPECT_EQ(far[0].confidence, Confidence::kUnsure);
 }

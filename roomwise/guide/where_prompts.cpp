@@ -7,7 +7,7 @@
 namespace roomwise::guide {
 namespace {
 
-constexpr std::size_t kMostRoomsToName = 2;  // on the way
+constexpr std::size_t kMaxRoomsToName = 2;  // on the way
 
 struct Candidate {
   const KnownThing* thing = nullptr;
@@ -28,16 +28,16 @@ struct Candidate {
   }
 };
 
-std::vector<Candidate> nearest_first(const std::string& name, const Standing& standing,
+std::vector<Candidate> nearest_first(const std::string& name, const UserLocation& location,
                                      std::span<const KnownThing> things,
                                      std::span<const rooms::Doorway> doorways) {
   std::vector<Candidate> candidates;
-  const Pose* pose = standing.sure_pose();
+  const Pose* pose = location.sure_pose();
   for (const KnownThing& thing : things) {
     if (thing.name != name) continue;
-    Candidate candidate{&thing, {}, std::nullopt, standing.room && thing.room};
+    Candidate candidate{&thing, {}, std::nullopt, location.room && thing.room};
     if (candidate.knows_rooms) {
-      candidate.way = way_between_rooms(*standing.room, *thing.room, doorways);
+      candidate.way = way_between_rooms(*location.room, *thing.room, doorways);
     }
     if (pose != nullptr) candidate.bearing = bearing_of(thing, *pose);
     candidates.push_back(std::move(candidate));
@@ -75,7 +75,7 @@ Place place_of(const Candidate& candidate, const Wording& wording) {
   const std::size_t rooms = candidate.way.size();
   if (rooms == 1) place.message = "where.here";
   if (rooms == 2) place.message = "where.next_room";
-  if (rooms > 2 && rooms - 2 <= kMostRoomsToName) {
+  if (rooms > 2 && rooms - 2 <= kMaxRoomsToName) {
     place.message = "where.through";
     place.values["via"] = room_list({candidate.way.begin() + 1, candidate.way.end() - 1});
   }
@@ -119,14 +119,14 @@ std::optional<std::string> thing_meant(const std::string& asked, std::span<const
   return object && has(*object) ? object : std::nullopt;
 }
 
-std::vector<Prompt> where_prompts(const std::string& asked, const Standing& standing,
+std::vector<Prompt> where_prompts(const std::string& asked, const UserLocation& location,
                                   std::span<const KnownThing> things,
                                   std::span<const rooms::Doorway> doorways,
                                   const objects::ObjectVocabulary& vocabulary,
                                   const Wording& wording, TimestampNs now_ns) {
   const auto name = thing_meant(asked, things, vocabulary, wording.phrases());
   if (!name) return {unknown_thing(asked, wording, now_ns)};
-  const auto candidates = nearest_first(*name, standing, things, doorways);
+  const auto candidates = nearest_first(*name, location, things, doorways);
   const Candidate& nearest = candidates.front();
   Place place = place_of(nearest, wording);
   const bool has_variant = place.message != "where.no_room";

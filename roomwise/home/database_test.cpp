@@ -7,7 +7,7 @@
 #include <limits>
 #include <numbers>
 
-#include "roomwise/base/testing.h"
+#include "roomwise/base/testing/testing.h"
 
 namespace roomwise::home {
 namespace {

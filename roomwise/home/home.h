@@ -23,14 +23,14 @@
 #include "roomwise/home/passphrase.h"
 #include "roomwise/home/picture_cipher.h"
 #include "roomwise/home/writer_lock.h"
-#include "roomwise/mapping/pose_graph.h"
-#include "roomwise/network/classifier.h"
-#include "roomwise/objects/instances.h"
-#include "roomwise/objects/object_map.h"
-#include "roomwise/objects/region_surface.h"
+#include "roomwise/mapping/graph/pose_graph.h"
+#include "roomwise/network/vision/classifier.h"
+#include "roomwise/objects/detection/object_map.h"
+#include "roomwise/objects/detection/region_surface.h"
+#include "roomwise/objects/instances/instances.h"
 #include "roomwise/recording/room_labels.h"
-#include "roomwise/rooms/concepts.h"
-#include "roomwise/rooms/two_frame_rule.h"
+#include "roomwise/rooms/concepts/concepts.h"
+#include "roomwise/rooms/recognition/two_frame_rule.h"
 
 namespace roomwise::home {
 
@@ -58,8 +58,8 @@ struct StoredRecording {
 
 struct KeyframePose {
   geometry::RigidTransform world_from_keyframe;
-  // Poses of one piece of the map share a world; the largest piece is 0.
-  std::uint64_t piece = 0;
+  // Poses of one connected component of the map share a world; the largest is 0.
+  std::uint64_t component = 0;
 };
 
 struct Keyframe {
@@ -123,12 +123,12 @@ struct Visit {
 };
 
 // Why a thing is no longer where it was.
-enum class PastReason { kGone, kMoved };
+enum class PastReason { kRemoved, kMoved };
 
 // A thing as it stood in the home once.
 struct PastInstance {
   objects::Instance instance;  // its surface is not kept
-  PastReason reason = PastReason::kGone;
+  PastReason reason = PastReason::kRemoved;
   // When it was seen, in the time of the recording that showed it.
   TimestampNs first_seen_ns = 0;
   TimestampNs last_seen_ns = 0;
@@ -170,7 +170,7 @@ struct NewKeyframe {
   KeyframePose pose;
   KeyframeImages images;
   std::vector<std::pair<NetworkId, network::Prediction>> predictions;
-  std::vector<objects::Sighting> sightings;
+  std::vector<objects::Observation> observations;
 };
 
 // What mapping adds between two commits.
@@ -286,11 +286,12 @@ class Home {
       NetworkId network) const;
 
   // ---- objects ----
-  // These take the place of the key-frame's earlier sightings.
-  [[nodiscard]] Expected<void> put_sightings(KeyframeId keyframe,
-                                             std::span<const objects::Sighting> sightings);
-  // Best first (by name where equal); key-frames without sightings are left out.
-  [[nodiscard]] Expected<std::map<KeyframeId, std::vector<objects::Sighting>>> sightings() const;
+  // These take the place of the key-frame's earlier observations.
+  [[nodiscard]] Expected<void> put_observations(KeyframeId keyframe,
+                                                std::span<const objects::Observation> observations);
+  // Best first (by name where equal); key-frames without observations are left out.
+  [[nodiscard]] Expected<std::map<KeyframeId, std::vector<objects::Observation>>> observations()
+      const;
   [[nodiscard]] Expected<void> replace_objects(std::span<const objects::MapObject> objects);
   [[nodiscard]] Expected<std::vector<objects::MapObject>> objects() const;  // in the order given
 
@@ -299,10 +300,11 @@ class Home {
   [[nodiscard]] Expected<FinderId> add_region_finder(const RegionFinderRecord& finder);
   [[nodiscard]] Expected<std::map<FinderId, RegionFinderRecord>> region_finders() const;
   // What the finder found in the key-frame takes the place of what it found there before.
-  [[nodiscard]] Expected<void> put_look(KeyframeId keyframe, FinderId finder,
-                                        const objects::KeyframeLook& look);
+  [[nodiscard]] Expected<void> put_detections(KeyframeId keyframe, FinderId finder,
+                                              const objects::KeyframeDetections& look);
   // Of every key-frame that the finder has looked at.
-  [[nodiscard]] Expected<std::map<KeyframeId, objects::KeyframeLook>> looks(FinderId finder) const;
+  [[nodiscard]] Expected<std::map<KeyframeId, objects::KeyframeDetections>> looks(
+      FinderId finder) const;
   // The key-frames alone.
   [[nodiscard]] Expected<std::set<KeyframeId>> looked_at(FinderId finder) const;
   [[nodiscard]] Expected<void> replace_instances(std::span<const objects::Instance> instances);

@@ -4,7 +4,7 @@
 
 #include <csignal>
 
-#include "roomwise/home/sample_home.h"
+#include "roomwise/home/testing/sample_home.h"
 
 namespace roomwise::home {
 namespace {

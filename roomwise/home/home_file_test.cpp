@@ -4,8 +4,8 @@
 
 #include <fstream>
 
-#include "roomwise/home/sample_home.h"
 #include "roomwise/home/schema.h"
+#include "roomwise/home/testing/sample_home.h"
 
 namespace roomwise::home {
 namespace {

@@ -80,8 +80,8 @@ Expected<std::map<FinderId, RegionFinderRecord>> Home::region_finders() const {
   return finders;
 }
 
-Expected<void> Home::put_look(KeyframeId keyframe, FinderId finder,
-                              const objects::KeyframeLook& look) {
+Expected<void> Home::put_detections(KeyframeId keyframe, FinderId finder,
+                                    const objects::KeyframeDetections& look) {
   return atomically([&]() -> Expected<void> {
     ROOMWISE_TRY(const Bytes depth, stored_picture(keyframe, PictureKind::kCoarseDepth,
                                                    depth_to_blob(look.coarse_depth)));
@@ -107,8 +107,8 @@ Expected<void> Home::put_look(KeyframeId keyframe, FinderId finder,
   });
 }
 
-Expected<std::map<KeyframeId, objects::KeyframeLook>> Home::looks(FinderId finder) const {
-  std::map<KeyframeId, objects::KeyframeLook> looks;
+Expected<std::map<KeyframeId, objects::KeyframeDetections>> Home::looks(FinderId finder) const {
+  std::map<KeyframeId, objects::KeyframeDetections> looks;
   ROOMWISE_TRY(const bool has, has_tables(database_));
   if (!has) return looks;
   const auto read_depth = [&](const Statement& row) -> Expected<void> {
@@ -178,7 +178,7 @@ Expected<void> Home::replace_instances(std::span<const objects::Instance> instan
           const auto id,
           database_.insert("INSERT INTO instances (" ROOMWISE_INSTANCE_COLUMNS ") VALUES "
                            "(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
-                           instance.name, instance.probability, instance.sightings,
+                           instance.name, instance.probability, instance.observations,
                            instance.expected, instance.keyframe_id,
                            to_numbers(instance.picture_box), home::to_numbers(box.world_from_box),
                            to_numbers(box.size_m), to_numbers(instance.sigma_m)));

@@ -1,4 +1,4 @@
-#include "roomwise/home/sample_home.h"
+#include "roomwise/home/testing/sample_home.h"
 
 namespace roomwise::home {
 namespace {
@@ -14,8 +14,8 @@ class HomeInstances : public ::testing::Test {
 TEST_F(HomeInstances, LooksComeBackAsTheyWere) {
   const auto looks = home_.looks(1).value();
   ASSERT_EQ(looks.size(), 2U);
-  const objects::KeyframeLook& look = looks.at(1);
-  const objects::KeyframeLook expected = testing::sample_look(1);
+  const objects::KeyframeDetections& look = looks.at(1);
+  const objects::KeyframeDetections expected = testing::sample_look(1);
   EXPECT_EQ(look.coarse_depth, expected.coarse_depth);
   ASSERT_EQ(look.regions.size(), 2U);
   for (std::size_t i = 0; i < 2; ++i) {
@@ -28,14 +28,14 @@ TEST_F(HomeInstances, LooksComeBackAsTheyWere) {
 }
 
 TEST_F(HomeInstances, ALookReplacesTheOneBefore) {
-  objects::KeyframeLook nothing = testing::sample_look(1);
+  objects::KeyframeDetections nothing = testing::sample_look(1);
   nothing.regions.clear();
-  ASSERT_OK(home_.put_look(1, 1, nothing));
+  ASSERT_OK(home_.put_detections(1, 1, nothing));
   EXPECT_TRUE(home_.looks(1)->at(1).regions.empty());
   EXPECT_EQ(home_.looked_at(1).value(), (std::set<KeyframeId>{1, 2}))
       << "it was looked at all the same";
-  EXPECT_ERROR(home_.put_look(99, 1, nothing), "a.home");
-  EXPECT_ERROR(home_.put_look(1, 99, nothing), "a.home");
+  EXPECT_ERROR(home_.put_detections(99, 1, nothing), "a.home");
+  EXPECT_ERROR(home_.put_detections(1, 99, nothing), "a.home");
 }
 
 TEST_F(HomeInstances, AFinderIsKnownByItsFingerprint) {
@@ -53,7 +53,7 @@ TEST_F(HomeInstances, InstancesComeBackAsTheyWere) {
   EXPECT_EQ(found.name, expected.name);
   EXPECT_EQ(found.probability, expected.probability);
   EXPECT_EQ(found.names, expected.names);
-  EXPECT_EQ(found.sightings, expected.sightings);
+  EXPECT_EQ(found.observations, expected.observations);
   EXPECT_EQ(found.expected, expected.expected);
   EXPECT_EQ(found.keyframe_id, expected.keyframe_id);
   EXPECT_EQ(instances[0].picture_box.top, expected.picture_box.top);

@@ -159,7 +159,7 @@ Expected<void> Home::insert_keyframe(RecordingId recording, const NewKeyframe& k
       "INSERT INTO keyframes (keyframe_id, recording_id, frame_index, timestamp_ns, tx_m, ty_m, "
       "tz_m, qx, qy, qz, qw, piece) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
       keyframe.id, recording, keyframe.frame_index, keyframe.timestamp_ns,
-      to_numbers(keyframe.pose.world_from_keyframe), keyframe.pose.piece));
+      to_numbers(keyframe.pose.world_from_keyframe), keyframe.pose.component));
   ROOMWISE_TRY(const Bytes color,
                stored_picture(keyframe.id, PictureKind::kColor, keyframe.images.color));
   ROOMWISE_TRY(const Bytes depth,
@@ -170,7 +170,7 @@ Expected<void> Home::insert_keyframe(RecordingId recording, const NewKeyframe& k
   for (const auto& [network, prediction] : keyframe.predictions) {
     ROOMWISE_CHECK_OK(put_prediction(keyframe.id, network, prediction));
   }
-  return put_sightings(keyframe.id, keyframe.sightings);
+  return put_observations(keyframe.id, keyframe.observations);
 }
 
 Expected<void> Home::insert_edge(const mapping::PoseGraphEdge& edge) {
@@ -242,7 +242,7 @@ Expected<std::vector<Keyframe>> Home::keyframes() const {
                          .frame_index = row.column<std::uint64_t>(2),
                          .timestamp_ns = row.column<TimestampNs>(3),
                          .pose = {.world_from_keyframe = pose_column(row, 4),
-                                  .piece = row.column<std::uint64_t>(11)}});
+                                  .component = row.column<std::uint64_t>(11)}});
   };
   ROOMWISE_CHECK_OK(database_.for_each(
       "SELECT keyframe_id, recording_id, frame_index, timestamp_ns, tx_m, ty_m, tz_m, qx, qy, qz, "
@@ -307,7 +307,7 @@ Expected<void> Home::replace_poses(const std::map<KeyframeId, KeyframePose>& pos
       ROOMWISE_CHECK_OK(
           database_.run("UPDATE keyframes SET (tx_m, ty_m, tz_m, qx, qy, qz, qw, piece) = "
                         "(?, ?, ?, ?, ?, ?, ?, ?) WHERE keyframe_id = ?",
-                        to_numbers(pose.world_from_keyframe), pose.piece, id));
+                        to_numbers(pose.world_from_keyframe), pose.component, id));
       if (sqlite3_changes(database_.handle()) == 0) {
         return fail("{}: has no key-frame {}", file(), id);
       }

@@ -6,8 +6,8 @@
 
 #include "roomwise/base/random.h"
 #include "roomwise/home/picture_cipher.h"
-#include "roomwise/home/sample_home.h"
 #include "roomwise/home/schema.h"
+#include "roomwise/home/testing/sample_home.h"
 
 namespace roomwise::home {
 namespace {
@@ -37,8 +37,8 @@ Bytes unique_picture(std::uint64_t seed, std::size_t size) {
 KeyframeImages unique_images(KeyframeId id) {
   return {unique_picture(id, 3000), unique_picture(id, 9001)};
 }
-objects::KeyframeLook unique_look(KeyframeId id) {
-  objects::KeyframeLook look = testing::sample_look(id);
+objects::KeyframeDetections unique_look(KeyframeId id) {
+  objects::KeyframeDetections look = testing::sample_look(id);
   look.coarse_depth = image::DepthImage(40, 30);
   const Bytes bytes = unique_picture(id, look.coarse_depth.pixels().size_bytes());
   std::memcpy(look.coarse_depth.pixels().data(), bytes.data(), bytes.size());
@@ -57,7 +57,7 @@ void fill_with_unique_pictures(Home& home) {
   ROOMWISE_MUST(home.add_region_finder({"finder", "f1nd", {"couch", "bed"}}));
   for (KeyframeId id = 0; id < kKeyframes; ++id) {
     ROOMWISE_MUST(home.commit_step(unique_step(id)));
-    ROOMWISE_MUST(home.put_look(id, 1, unique_look(id)));
+    ROOMWISE_MUST(home.put_detections(id, 1, unique_look(id)));
   }
 }
 
@@ -155,7 +155,7 @@ TEST_F(ProtectedHome, WithoutItsPassphraseAnswersAllButPictures) {
   EXPECT_ERROR(home.looks(1), why);
   EXPECT_ERROR(home.content_digest(), why);
   EXPECT_ERROR(home.commit_step(unique_step(kKeyframes)), why);
-  EXPECT_ERROR(home.put_look(0, 1, unique_look(0)), why);
+  EXPECT_ERROR(home.put_detections(0, 1, unique_look(0)), why);
   EXPECT_ERROR(home.protect(phrase("mine"), kCheap), why);
   EXPECT_ERROR(home.unprotect(phrase("mine"), kCheap), why);
   EXPECT_ERROR(home.put_setting(kProtectionSetting, "{}"), "no setting of a map");
@@ -203,7 +203,7 @@ TEST_F(ProtectedHome, SealsWhatIsAddedLater) {
   ASSERT_OK(home.add_recording(testing::sample_recording()));
   for (KeyframeId id = 0; id < kKeyframes; ++id) {
     ASSERT_OK(home.commit_step(unique_step(id)));
-    ASSERT_OK(home.put_look(id, 1, unique_look(id)));
+    ASSERT_OK(home.put_detections(id, 1, unique_look(id)));
   }
   expect_all_pictures(home);
   EXPECT_EQ(plain_pieces(), 0U);

@@ -114,30 +114,30 @@ Expected<std::map<KeyframeId, network::Prediction>> Home::predictions(NetworkId 
   return predictions;
 }
 
-Expected<void> Home::put_sightings(KeyframeId keyframe,
-                                   std::span<const objects::Sighting> sightings) {
+Expected<void> Home::put_observations(KeyframeId keyframe,
+                                      std::span<const objects::Observation> observations) {
   return atomically([&]() -> Expected<void> {
     ROOMWISE_CHECK_OK(
         database_.run("DELETE FROM keyframe_sightings WHERE keyframe_id = ?", keyframe));
-    for (const objects::Sighting& sighting : sightings) {
+    for (const objects::Observation& observation : observations) {
       ROOMWISE_CHECK_OK(database_.run(
           "INSERT INTO keyframe_sightings (keyframe_id, object, score) VALUES (?, ?, ?)", keyframe,
-          sighting.object, sighting.score));
+          observation.object, observation.score));
     }
     return {};
   });
 }
 
-Expected<std::map<KeyframeId, std::vector<objects::Sighting>>> Home::sightings() const {
-  std::map<KeyframeId, std::vector<objects::Sighting>> sightings;
+Expected<std::map<KeyframeId, std::vector<objects::Observation>>> Home::observations() const {
+  std::map<KeyframeId, std::vector<objects::Observation>> observations;
   ROOMWISE_CHECK_OK(
       database_.for_each("SELECT keyframe_id, object, score FROM keyframe_sightings "
                          "ORDER BY keyframe_id, score DESC, object",
                          [&](const Statement& row) {
-                           sightings[row.column<KeyframeId>(0)].push_back(
+                           observations[row.column<KeyframeId>(0)].push_back(
                                {row.column<std::string>(1), row.column<double>(2)});
                          }));
-  return sightings;
+  return observations;
 }
 
 Expected<void> Home::replace_objects(std::span<const objects::MapObject> objects) {
@@ -151,10 +151,10 @@ Expected<void> Home::replace_objects(std::span<const objects::MapObject> objects
         }
         position = {p->x(), p->y(), p->z()};
       }
-      ROOMWISE_CHECK_OK(
-          database_.run("INSERT INTO objects (name, keyframe_id, score, sightings, x_m, y_m, z_m) "
-                        "VALUES (?, ?, ?, ?, ?, ?, ?)",
-                        object.name, object.keyframe_id, object.score, object.sightings, position));
+      ROOMWISE_CHECK_OK(database_.run(
+          "INSERT INTO objects (name, keyframe_id, score, sightings, x_m, y_m, z_m) "
+          "VALUES (?, ?, ?, ?, ?, ?, ?)",
+          object.name, object.keyframe_id, object.score, object.observations, position));
     }
     return {};
   });
@@ -168,7 +168,7 @@ Expected<std::vector<objects::MapObject>> Home::objects() const {
         objects.push_back({.name = row.column<std::string>(0),
                            .keyframe_id = row.column<KeyframeId>(1),
                            .score = row.column<double>(2),
-                           .sightings = row.column<int>(3),
+                           .observations = row.column<int>(3),
                            .position_keyframe = point_column(row, 4)});
       }));
   return objects;

@@ -2,7 +2,7 @@
 
 #include <limits>
 
-#include "roomwise/home/sample_home.h"
+#include "roomwise/home/testing/sample_home.h"
 
 namespace roomwise::home {
 namespace {
@@ -116,7 +116,7 @@ TEST_F(HomeTest, KeepsTheStepsOfAMap) {
   EXPECT_EQ(keyframes[2].recording, 1);
   EXPECT_EQ(keyframes[2].frame_index, 6U);
   EXPECT_EQ(keyframes[2].timestamp_ns, 1'305'031'229'000'000'006);
-  EXPECT_EQ(keyframes[1].pose.piece, 1U);
+  EXPECT_EQ(keyframes[1].pose.component, 1U);
   expect_same(keyframes[2].pose.world_from_keyframe, testing::sample_pose(2));
   EXPECT_EQ(home_.images(2).value(), testing::sample_images(2));
   EXPECT_ERROR(home_.images(3), "no key-frame 3");
@@ -193,7 +193,7 @@ TEST_F(HomeTest, PosesAreReplaced) {
   ASSERT_OK(home_.replace_poses({{1, {testing::sample_pose(9), 5}}}));
   const auto keyframes = home_.keyframes().value();
   expect_same(keyframes[1].pose.world_from_keyframe, testing::sample_pose(9));
-  EXPECT_EQ(keyframes[1].pose.piece, 5U);
+  EXPECT_EQ(keyframes[1].pose.component, 5U);
   expect_same(keyframes[2].pose.world_from_keyframe, testing::sample_pose(2));
 
   EXPECT_ERROR(home_.replace_poses({{0, {testing::sample_pose(4), 0}}, {3, {}}}), "no key-frame 3");
@@ -226,12 +226,12 @@ TEST_F(HomeTest, KeepsNetworksAndWhatTheySee) {
 
 TEST_F(HomeTest, KeepsSightings) {
   commit_keyframes(2);
-  ASSERT_OK(home_.put_sightings(
-      1, std::vector<objects::Sighting>{{"stove", 0.4}, {"bed", 0.4}, {"lamp", 0.6}}));
-  ASSERT_OK(home_.put_sightings(0, {}));
-  const auto sightings = home_.sightings().value();
-  ASSERT_THAT(sightings, SizeIs(1));
-  const auto& of_1 = sightings.at(1);
+  ASSERT_OK(home_.put_observations(
+      1, std::vector<objects::Observation>{{"stove", 0.4}, {"bed", 0.4}, {"lamp", 0.6}}));
+  ASSERT_OK(home_.put_observations(0, {}));
+  const auto observations = home_.observations().value();
+  ASSERT_THAT(observations, SizeIs(1));
+  const auto& of_1 = observations.at(1);
   ASSERT_THAT(of_1, SizeIs(3));
   EXPECT_EQ(of_1[0].object, "lamp");
   EXPECT_EQ(of_1[0].score, 0.6);
@@ -251,7 +251,7 @@ TEST_F(HomeTest, KeepsObjectsInTheirOrder) {
   EXPECT_EQ(stored[0].position_keyframe, std::nullopt);
   EXPECT_EQ(stored[1].keyframe_id, 0U);
   EXPECT_EQ(stored[1].score, 1.0 / 3);
-  EXPECT_EQ(stored[1].sightings, 7);
+  EXPECT_EQ(stored[1].observations, 7);
   EXPECT_EQ(stored[1].position_keyframe, objects[1].position_keyframe);
 
   EXPECT_ERROR(home_.replace_objects(std::vector<objects::MapObject>{{"bed", 9, 1, 4, {}}}),
@@ -348,7 +348,7 @@ TEST_F(HomeTest, RemovingARecordingTakesAllThatCameFromIt) {
   EXPECT_THAT(home_.edges().value(), IsEmpty());
   EXPECT_THAT(home_.frames(1).value(), IsEmpty());
   EXPECT_THAT(home_.predictions(1).value(), IsEmpty());
-  EXPECT_THAT(home_.sightings().value(), IsEmpty());
+  EXPECT_THAT(home_.observations().value(), IsEmpty());
   EXPECT_THAT(home_.keyframe_rooms().value(), IsEmpty());
   EXPECT_THAT(home_.objects().value(), IsEmpty());
   EXPECT_THAT(home_.room_ranges(1).value().ranges(), IsEmpty());
@@ -393,14 +393,14 @@ TEST_F(HomeTest, DigestIsOfTheContentNotOfItsHistory) {
     for (KeyframeId id = 0; id < 4; ++id) {
       Step step = testing::sample_step(1, 1, id);
       step.keyframes[0].predictions.clear();
-      step.keyframes[0].sightings = {{"bed", 0.1}};
+      step.keyframes[0].observations = {{"bed", 0.1}};
       step.keyframes[0].pose = {};
       ROOMWISE_CHECK_OK(b.commit_step(step));
     }
     for (const KeyframeId id : {3U, 1U, 0U, 2U}) {
       ROOMWISE_CHECK_OK(b.put_prediction(id, 1, testing::sample_prediction(id)));
       ROOMWISE_CHECK_OK(
-          b.put_sightings(id, std::vector<objects::Sighting>{{"bed", 0.5}, {"lamp", 0.9}}));
+          b.put_observations(id, std::vector<objects::Observation>{{"bed", 0.5}, {"lamp", 0.9}}));
       ROOMWISE_CHECK_OK(
           b.replace_poses({{id, {testing::sample_pose(static_cast<double>(id)), id % 2}}}));
     }
@@ -412,11 +412,11 @@ TEST_F(HomeTest, DigestIsOfTheContentNotOfItsHistory) {
         {"bed", 1, 0.5, 4, Eigen::Vector3d(0.1, -0.2, 2.5)}, {"lamp", 2, 0.9, 4, std::nullopt}}));
     const std::vector<std::string> labels{"couch", "bed"};
     ROOMWISE_CHECK_OK(b.add_region_finder({"finder", "f1nd", labels}).map([](auto) {}));
-    objects::KeyframeLook one = testing::sample_look(2);
-    ROOMWISE_CHECK_OK(b.put_look(2, 1, one));
+    objects::KeyframeDetections one = testing::sample_look(2);
+    ROOMWISE_CHECK_OK(b.put_detections(2, 1, one));
     one.regions.resize(1);
-    ROOMWISE_CHECK_OK(b.put_look(2, 1, one));
-    ROOMWISE_CHECK_OK(b.put_look(1, 1, testing::sample_look(1)));
+    ROOMWISE_CHECK_OK(b.put_detections(2, 1, one));
+    ROOMWISE_CHECK_OK(b.put_detections(1, 1, testing::sample_look(1)));
     ROOMWISE_CHECK_OK(b.replace_instances(std::vector{testing::sample_instance(3)}));
     ROOMWISE_CHECK_OK(testing::add_visits(b));
     return b.put_setting("seed", "7");

@@ -15,7 +15,7 @@ Expected<bool> has_visits(const Database& database) {
 }
 
 std::string to_text(PastReason reason) {
-  return reason == PastReason::kGone ? "gone" : "moved";
+  return reason == PastReason::kRemoved ? "gone" : "moved";
 }
 
 }  // namespace
@@ -46,7 +46,7 @@ Expected<VisitId> Home::apply_changes(const HomeChanges& changes) {
           "INSERT INTO past_instances (" ROOMWISE_INSTANCE_COLUMNS
           ", reason, first_seen_ns, last_seen_ns, noticed_by, brought_by) VALUES "
           "(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
-          one.name, one.probability, one.sightings, one.expected, one.keyframe_id,
+          one.name, one.probability, one.observations, one.expected, one.keyframe_id,
           to_numbers(one.picture_box), to_numbers(one.box_keyframe.world_from_box),
           to_numbers(one.box_keyframe.size_m), to_numbers(one.sigma_m), to_text(past.reason),
           past.first_seen_ns, past.last_seen_ns, visit, brought_by));
@@ -128,7 +128,7 @@ Expected<std::vector<PastInstance>> Home::past_instances() const {
         }
         const int next = kInstanceColumns;
         one.reason =
-            row.column<std::string>(next) == "gone" ? PastReason::kGone : PastReason::kMoved;
+            row.column<std::string>(next) == "gone" ? PastReason::kRemoved : PastReason::kMoved;
         one.first_seen_ns = row.column<TimestampNs>(next + 1);
         one.last_seen_ns = row.column<TimestampNs>(next + 2);
         one.noticed_by = row.column<VisitId>(next + 3);

@@ -1,4 +1,4 @@
-#include "roomwise/home/sample_home.h"
+#include "roomwise/home/testing/sample_home.h"
 
 namespace roomwise::home {
 namespace {
@@ -30,7 +30,7 @@ TEST_F(HomeVisits, WhatAVisitChangedComesBackAsItWas) {
   const objects::Instance sample = testing::sample_instance(0);
   EXPECT_EQ(past[0].instance.name, sample.name);
   EXPECT_EQ(past[0].instance.probability, sample.probability);
-  EXPECT_EQ(past[0].instance.sightings, sample.sightings);
+  EXPECT_EQ(past[0].instance.observations, sample.observations);
   EXPECT_EQ(past[0].instance.expected, sample.expected);
   EXPECT_EQ(past[0].instance.keyframe_id, sample.keyframe_id);
   EXPECT_EQ(past[0].instance.picture_box.right, sample.picture_box.right);
@@ -42,7 +42,7 @@ TEST_F(HomeVisits, WhatAVisitChangedComesBackAsItWas) {
   EXPECT_EQ(past[0].first_seen_ns, expected.past[0].first_seen_ns);
   EXPECT_EQ(past[0].last_seen_ns, expected.past[0].last_seen_ns);
   EXPECT_EQ(past[0].noticed_by, 1);
-  EXPECT_EQ(past[1].reason, PastReason::kGone);
+  EXPECT_EQ(past[1].reason, PastReason::kRemoved);
   EXPECT_EQ(past[1].noticed_by, 2);
   EXPECT_EQ(past[1].instance.visit, 1) << "which visit had brought it";
 }

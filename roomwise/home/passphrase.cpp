@@ -27,8 +27,8 @@ Passphrase::Passphrase(std::string_view text) : bytes_(text.size()) {
 
 Expected<Passphrase> Passphrase::from(std::string_view text) {
   if (text.empty()) return fail("the passphrase is empty");
-  if (text.size() > kMostBytes) {
-    return fail("the passphrase is longer than {} bytes", kMostBytes);
+  if (text.size() > kMaxBytes) {
+    return fail("the passphrase is longer than {} bytes", kMaxBytes);
   }
   return Passphrase(text);
 }
@@ -40,7 +40,7 @@ Expected<Passphrase> Passphrase::read(const std::filesystem::path& file) {
                 std::strerror(errno));
   }
   // One byte more than is allowed and a line end, so that what is too long is seen.
-  SecretBytes content(kMostBytes + 2);
+  SecretBytes content(kMaxBytes + 2);
   std::size_t size = 0;
   ssize_t got = 0;
   while (size < content.bytes().size() &&

@@ -33,9 +33,9 @@ class SecretBytes {
 // What a person protects the pictures of a home with.
 class Passphrase {
  public:
-  static constexpr std::size_t kMostBytes = 1024;
+  static constexpr std::size_t kMaxBytes = 1024;
 
-  // Fails where it is empty or longer than kMostBytes.
+  // Fails where it is empty or longer than kMaxBytes.
   [[nodiscard]] static Expected<Passphrase> from(std::string_view text);
   // The file's content but for one line end at its end. Errors name the file.
   [[nodiscard]] static Expected<Passphrase> read(const std::filesystem::path& file);

@@ -14,8 +14,8 @@ constexpr std::size_t kKeyBytes = crypto_aead_xchacha20poly1305_ietf_KEYBYTES;
 constexpr std::size_t kNonceBytes = crypto_aead_xchacha20poly1305_ietf_NPUBBYTES;
 constexpr std::size_t kTagBytes = crypto_aead_xchacha20poly1305_ietf_ABYTES;
 // A home from elsewhere must not make the program take all memory, or hours.
-constexpr std::uint64_t kMostPasses = 64;
-constexpr std::uint64_t kMostMemoryBytes = std::uint64_t{2} << 30U;
+constexpr std::uint64_t kMaxPasses = 64;
+constexpr std::uint64_t kMaxMemoryBytes = std::uint64_t{2} << 30U;
 
 struct StateName {
   ProtectionState state;
@@ -115,8 +115,8 @@ std::optional<WrappedKey> parse(std::string_view text) {
   auto salt = from_hex(json["salt"], crypto_pwhash_SALTBYTES);
   auto key = from_hex(json["key"], kNonceBytes + kKeyBytes + kTagBytes);
   const PassphraseCost cost{number("passes"), number("memory_bytes")};
-  if (state == kStateNames.end() || !salt || !key || cost.passes < 1 || cost.passes > kMostPasses ||
-      cost.memory_bytes < crypto_pwhash_MEMLIMIT_MIN || cost.memory_bytes > kMostMemoryBytes) {
+  if (state == kStateNames.end() || !salt || !key || cost.passes < 1 || cost.passes > kMaxPasses ||
+      cost.memory_bytes < crypto_pwhash_MEMLIMIT_MIN || cost.memory_bytes > kMaxMemoryBytes) {
     return {};
   }
   return WrappedKey{
@@ -142,9 +142,9 @@ Bytes PictureCipher::seal(std::uint64_t keyframe, PictureKind kind,
 
 Expected<Bytes> PictureCipher::open(std::uint64_t keyframe, PictureKind kind,
                                     std::span<const std::uint8_t> sealed) const {
-  constexpr std::size_t kLeast = kSealedPictureMark.size() + kNonceBytes + kTagBytes;
-  if (is_sealed(sealed) && sealed.size() >= kLeast) {
-    Bytes picture(sealed.size() - kLeast);
+  constexpr std::size_t kMin = kSealedPictureMark.size() + kNonceBytes + kTagBytes;
+  if (is_sealed(sealed) && sealed.size() >= kMin) {
+    Bytes picture(sealed.size() - kMin);
     const auto rest = sealed.subspan(kSealedPictureMark.size());
     if (open_sealed(rest, *key_, binding_of(keyframe, kind), picture)) return picture;
   }

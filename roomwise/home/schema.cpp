@@ -54,7 +54,7 @@ CREATE TABLE keyframes (
   qy REAL NOT NULL,
   qz REAL NOT NULL,
   qw REAL NOT NULL,
-  piece INTEGER NOT NULL,              -- poses of one piece of the map share a world; 0 is the largest
+  piece INTEGER NOT NULL,              -- poses of one component of the map share a world; 0 is the largest
   UNIQUE (recording_id, frame_index)
 ) STRICT;
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <set>
 
-#include "roomwise/home/sample_home.h"
+#include "roomwise/home/testing/sample_home.h"
 
 namespace roomwise::home {
 namespace {

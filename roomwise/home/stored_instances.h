@@ -8,7 +8,7 @@
 
 #include "roomwise/home/home.h"
 #include "roomwise/home/stored_values.h"
-#include "roomwise/objects/instances.h"
+#include "roomwise/objects/instances/instances.h"
 
 // How things stand in columns: those that are there (instances) and those of the past. Private to
 // home/.
@@ -68,7 +68,7 @@ inline objects::Instance read_instance(const Statement& row, int first) {
   objects::Instance instance;
   instance.name = row.column<std::string>(first);
   instance.probability = row.column<double>(first + 1);
-  instance.sightings = row.column<int>(first + 2);
+  instance.observations = row.column<int>(first + 2);
   instance.expected = row.column<int>(first + 3);
   instance.keyframe_id = row.column<KeyframeId>(first + 4);
   instance.picture_box = box_column(row, first + 5);

@@ -17,16 +17,16 @@ auto read_decoded(const std::filesystem::path& path, Decode decode) -> decltype(
 
 }  // namespace
 
-Expected<ColorImage> decode_color(std::span<const std::uint8_t> bytes, std::int64_t most_pixels) {
+Expected<ColorImage> decode_color(std::span<const std::uint8_t> bytes, std::int64_t max_pixels) {
   if (bytes.empty()) return fail("is empty; expected a JPEG, PNG or WebP picture");
-  if (is_jpeg(bytes)) return decode_jpeg(bytes, most_pixels);
-  if (is_png(bytes)) return decode_png_color(bytes, most_pixels);
-  if (is_webp(bytes)) return decode_webp(bytes, most_pixels);
+  if (is_jpeg(bytes)) return decode_jpeg(bytes, max_pixels);
+  if (is_png(bytes)) return decode_png_color(bytes, max_pixels);
+  if (is_webp(bytes)) return decode_webp(bytes, max_pixels);
   return fail("is neither a JPEG nor a PNG nor a WebP picture; convert it to one of them");
 }
 
-Expected<DepthImage> decode_depth(std::span<const std::uint8_t> bytes, std::int64_t most_pixels) {
-  if (is_png(bytes)) return decode_png_depth(bytes, most_pixels);
+Expected<DepthImage> decode_depth(std::span<const std::uint8_t> bytes, std::int64_t max_pixels) {
+  if (is_png(bytes)) return decode_png_depth(bytes, max_pixels);
   const char* found = bytes.empty() ? "empty" : is_jpeg(bytes) ? "a JPEG" : "not a PNG";
   return fail("is {}; a depth image must be a 16-bit greyscale PNG", found);
 }

@@ -10,7 +10,7 @@ namespace roomwise::image {
 
 // Pictures with more pixels are refused before any memory is taken (a decompression bomb, not a
 // photo).
-constexpr std::int64_t kMostPixels = 100'000'000;
+constexpr std::int64_t kMaxPixels = 100'000'000;
 
 // What the first bytes say a file is.
 [[nodiscard]] bool is_jpeg(std::span<const std::uint8_t> bytes);
@@ -21,13 +21,13 @@ constexpr std::int64_t kMostPixels = 100'000'000;
 // Decodes a JPEG, PNG or WebP (told apart by its first bytes) to 8-bit RGB: grey is spread, an
 // alpha channel is blended over black, and the orientation that a phone writes into a JPEG's Exif
 // is applied. A truncated or damaged file is an error, never a half-grey picture; so is one with
-// more pixels than `most_pixels`, before any memory is taken.
+// more pixels than `max_pixels`, before any memory is taken.
 [[nodiscard]] Expected<ColorImage> decode_color(std::span<const std::uint8_t> bytes,
-                                                std::int64_t most_pixels = kMostPixels);
+                                                std::int64_t max_pixels = kMaxPixels);
 
 // Decodes a 16-bit greyscale PNG. Any other picture is an error that says what was found.
 [[nodiscard]] Expected<DepthImage> decode_depth(std::span<const std::uint8_t> bytes,
-                                                std::int64_t most_pixels = kMostPixels);
+                                                std::int64_t max_pixels = kMaxPixels);
 
 // The same from a file; errors name it.
 [[nodiscard]] Expected<ColorImage> read_color(const std::filesystem::path& path);

@@ -157,7 +157,7 @@ bool is_jpeg(std::span<const std::uint8_t> bytes) {
   return bytes.size() >= 3 && bytes[0] == 0xFF && bytes[1] == 0xD8 && bytes[2] == 0xFF;
 }
 
-Expected<ColorImage> decode_jpeg(std::span<const std::uint8_t> bytes, std::int64_t most_pixels) {
+Expected<ColorImage> decode_jpeg(std::span<const std::uint8_t> bytes, std::int64_t max_pixels) {
   JpegReader reader;
   const auto damaged = [&] {
     return fail("is a truncated or damaged JPEG ({}); copy or take the picture again",
@@ -168,9 +168,9 @@ Expected<ColorImage> decode_jpeg(std::span<const std::uint8_t> bytes, std::int64
   if (header.jpeg_color_space == JCS_CMYK || header.jpeg_color_space == JCS_YCCK) {
     return fail("is a CMYK JPEG, made for printing; save it as an RGB picture");
   }
-  if (std::int64_t{header.image_width} * std::int64_t{header.image_height} > most_pixels) {
+  if (std::int64_t{header.image_width} * std::int64_t{header.image_height} > max_pixels) {
     return fail("has {}x{} pixels, more than the {} that are read; make it smaller",
-                header.image_width, header.image_height, most_pixels);
+                header.image_width, header.image_height, max_pixels);
   }
   ColorImage image(static_cast<int>(header.image_width), static_cast<int>(header.image_height));
   const int orientation = reader.orientation();  // libjpeg forgets it with the last row

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "roomwise/base/file.h"
-#include "roomwise/base/testing.h"
+#include "roomwise/base/testing/testing.h"
 
 namespace roomwise::image {
 namespace {

@@ -158,11 +158,11 @@ Unexpected damaged(const PngReader& reader) {
 }
 
 // Reads the header and refuses a picture too large to be one.
-Expected<void> open(PngReader& reader, std::int64_t most_pixels) {
+Expected<void> open(PngReader& reader, std::int64_t max_pixels) {
   if (!reader.open()) return damaged(reader);
-  if (reader.width() * reader.height() > most_pixels) {
+  if (reader.width() * reader.height() > max_pixels) {
     return fail("has {}x{} pixels, more than the {} that are read; make it smaller", reader.width(),
-                reader.height(), most_pixels);
+                reader.height(), max_pixels);
   }
   return {};
 }
@@ -200,9 +200,9 @@ bool is_png(std::span<const std::uint8_t> bytes) {
 }
 
 Expected<ColorImage> decode_png_color(std::span<const std::uint8_t> bytes,
-                                      std::int64_t most_pixels) {
+                                      std::int64_t max_pixels) {
   PngReader reader(bytes);
-  ROOMWISE_CHECK_OK(open(reader, most_pixels));
+  ROOMWISE_CHECK_OK(open(reader, max_pixels));
   ColorImage image(static_cast<int>(reader.width()), static_cast<int>(reader.height()));
   Bytes rgba(image.pixels().size() * 4);
   if (!reader.read_rgba(rgba.data())) return damaged(reader);
@@ -217,9 +217,9 @@ Expected<ColorImage> decode_png_color(std::span<const std::uint8_t> bytes,
 }
 
 Expected<DepthImage> decode_png_depth(std::span<const std::uint8_t> bytes,
-                                      std::int64_t most_pixels) {
+                                      std::int64_t max_pixels) {
   PngReader reader(bytes);
-  ROOMWISE_CHECK_OK(open(reader, most_pixels));
+  ROOMWISE_CHECK_OK(open(reader, max_pixels));
   if (reader.color_type() != PNG_COLOR_TYPE_GRAY || reader.bit_depth() != 16) {
     return fail("is {}; a depth image must be a 16-bit greyscale PNG", describe(reader));
   }

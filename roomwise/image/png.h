@@ -10,8 +10,8 @@
 namespace roomwise::image {
 
 [[nodiscard]] Expected<ColorImage> decode_png_color(std::span<const std::uint8_t> bytes,
-                                                    std::int64_t most_pixels);
+                                                    std::int64_t max_pixels);
 [[nodiscard]] Expected<DepthImage> decode_png_depth(std::span<const std::uint8_t> bytes,
-                                                    std::int64_t most_pixels);
+                                                    std::int64_t max_pixels);
 
 }  // namespace roomwise::image

@@ -13,16 +13,16 @@ bool is_webp(std::span<const std::uint8_t> bytes) {
          std::memcmp(bytes.data() + 8, "WEBP", 4) == 0;
 }
 
-Expected<ColorImage> decode_webp(std::span<const std::uint8_t> bytes, std::int64_t most_pixels) {
+Expected<ColorImage> decode_webp(std::span<const std::uint8_t> bytes, std::int64_t max_pixels) {
   const auto damaged = [] {
     return fail("is a truncated or damaged WebP; copy or take the picture again");
   };
   WebPBitstreamFeatures header{};
   if (WebPGetFeatures(bytes.data(), bytes.size(), &header) != VP8_STATUS_OK) return damaged();
   if (header.has_animation != 0) return fail("is an animated WebP; save one picture of it");
-  if (std::int64_t{header.width} * header.height > most_pixels) {
+  if (std::int64_t{header.width} * header.height > max_pixels) {
     return fail("has {}x{} pixels, more than the {} that are read; make it smaller", header.width,
-                header.height, most_pixels);
+                header.height, max_pixels);
   }
   // Premultiplied by its alpha, a picture is itself over black.
   WebPDecoderConfig config;

@@ -10,6 +10,6 @@
 namespace roomwise::image {
 
 [[nodiscard]] Expected<ColorImage> decode_webp(std::span<const std::uint8_t> bytes,
-                                               std::int64_t most_pixels);
+                                               std::int64_t max_pixels);
 
 }  // namespace roomwise::image

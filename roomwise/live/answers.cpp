@@ -33,28 +33,29 @@ TimestampNs nanoseconds(double t_ms) {
   return std::llround(t_ms * 1e6);
 }
 
-guide::TurnHint hint_of(const Glance& glance) {
-  if (!glance.more_to_see) return guide::TurnHint::kAnywhere;
-  return *glance.more_to_see == pipeline::Side::kLeft ? guide::TurnHint::kLeft
+guide::TurnHint hint_of(const FrameResult& result) {
+  if (!result.more_to_see) return guide::TurnHint::kAnywhere;
+  return *result.more_to_see == pipeline::Side::kLeft ? guide::TurnHint::kLeft
                                                       : guide::TurnHint::kRight;
 }
 
-guide::Standing standing_of(const Glance* glance) {
-  guide::Standing standing;
-  if (glance == nullptr) return standing;
-  if (glance->place) {
-    standing.pose = guide::Pose{glance->place->position_level().head<2>(),
-                                glance->place->heading_rad(), glance->place->sigma_m};
-    standing.room = glance->place->room;
+guide::UserLocation standing_of(const FrameResult* result) {
+  guide::UserLocation location;
+  if (result == nullptr) return location;
+  if (result->place) {
+    location.pose = guide::Pose{result->place->position_gravity().head<2>(),
+                                result->place->heading_rad(), result->place->sigma_m};
+    location.room = result->place->room;
   }
-  if (!standing.room && glance->decision) standing.room = glance->decision->room();
-  return standing;
+  if (!location.room && result->decision) location.room = result->decision->room();
+  return location;
 }
 
 std::vector<guide::KnownThing> things_of(const HomeView& home) {
   std::vector<guide::KnownThing> things;
   for (const ViewedThing& thing : home.things) {
-    things.push_back({thing.name, thing.probability, thing.middle_level, thing.size_m, thing.room});
+    things.push_back(
+        {thing.name, thing.probability, thing.middle_gravity, thing.size_m, thing.room});
   }
   return things;
 }
@@ -72,34 +73,34 @@ std::vector<rooms::Doorway> doorways_of(const HomeView& home) {
 guide::Prompt where_am_i(const Situation& situation, const guide::Wording& wording) {
   if (!situation.home.recognizer)
     return excuse("device.nothing_learned", wording, situation.now_t_ms);
-  if (situation.glance == nullptr || !situation.glance->decision) {
+  if (situation.result == nullptr || !situation.result->decision) {
     return no_picture(situation.settings, situation.now_t_ms);
   }
-  return guide::room_prompt(*situation.glance->decision, hint_of(*situation.glance), wording,
-                            nanoseconds(situation.glance->t_ms));
+  return guide::room_prompt(*situation.result->decision, hint_of(*situation.result), wording,
+                            nanoseconds(situation.result->t_ms));
 }
 
 // The way from where somebody stands to the nearest thing that they mean.
 std::vector<guide::Prompt> way_to(const std::string& asked, const Situation& situation,
                                   const guide::Wording& wording, TimestampNs now_ns) {
   const HomeView& home = situation.home;
-  const guide::Standing standing = standing_of(situation.glance);
+  const guide::UserLocation location = standing_of(situation.result);
   const std::vector<guide::KnownThing> things = things_of(home);
   const auto meant = guide::thing_meant(asked, things, home.concepts.vocabulary, wording.phrases());
   if (!meant) {  // says so
-    return guide::where_prompts(asked, standing, things, {}, home.concepts.vocabulary, wording,
+    return guide::where_prompts(asked, location, things, {}, home.concepts.vocabulary, wording,
                                 now_ns);
   }
-  const guide::Pose* const pose = standing.sure_pose();
+  const guide::Pose* const pose = location.sure_pose();
   if (pose == nullptr)
     return {guide::no_route_prompt(false, "no place on the map", wording, now_ns)};
   std::optional<guide::Route> shortest;
   std::string why = "its place is not known";
   for (const guide::KnownThing& thing : things) {
-    if (thing.name != *meant || !thing.position_level || !home.map || !home.map->floor) continue;
-    auto route =
-        guide::find_route(*home.map->floor, pose->position_level, thing.position_level->head<2>(),
-                          {}, home.layout ? &*home.layout : nullptr, thing.room);
+    if (thing.name != *meant || !thing.position_gravity || !home.map || !home.map->floor) continue;
+    auto route = guide::find_route(*home.map->floor, pose->position_gravity,
+                                   thing.position_gravity->head<2>(), {},
+                                   home.layout ? &*home.layout : nullptr, thing.room);
     if (!route) {
       why = route.error().message;
     } else if (!shortest || guide::length_m(*route) < guide::length_m(*shortest)) {
@@ -129,10 +130,10 @@ guide::Prompt no_picture(const service::SpeakingSettings& settings, double now_t
 
 std::vector<guide::Prompt> answer(const service::Ask& ask, const Situation& situation) {
   const guide::Wording wording = wording_of(situation.settings);
-  const guide::Standing standing = standing_of(situation.glance);
+  const guide::UserLocation location = standing_of(situation.result);
   // What rests on a picture is true of the moment when it was taken.
   const TimestampNs now_ns =
-      nanoseconds(situation.glance != nullptr ? situation.glance->t_ms : situation.now_t_ms);
+      nanoseconds(situation.result != nullptr ? situation.result->t_ms : situation.now_t_ms);
   switch (ask.question) {
     case service::Question::kWhereAmI:
       return {where_am_i(situation, wording)};
@@ -140,10 +141,10 @@ std::vector<guide::Prompt> answer(const service::Ask& ask, const Situation& situ
       if (situation.home.walks.empty()) {
         return {excuse("device.no_map", wording, situation.now_t_ms)};
       }
-      if (situation.glance == nullptr) return {no_picture(situation.settings, situation.now_t_ms)};
-      return guide::around_prompts(standing, things_of(situation.home), wording, now_ns);
+      if (situation.result == nullptr) return {no_picture(situation.settings, situation.now_t_ms)};
+      return guide::around_prompts(location, things_of(situation.home), wording, now_ns);
     case service::Question::kWhereIs:
-      return guide::where_prompts(ask.subject, standing, things_of(situation.home),
+      return guide::where_prompts(ask.subject, location, things_of(situation.home),
                                   doorways_of(situation.home), situation.home.concepts.vocabulary,
                                   wording, now_ns);
     case service::Question::kWayTo:
@@ -156,32 +157,32 @@ std::vector<guide::Prompt> answer(const service::Ask& ask, const Situation& situ
   return {};
 }
 
-std::vector<guide::Prompt> Caller::after(const Situation& situation) {
+std::vector<guide::Prompt> Announcer::after(const Situation& situation) {
   std::vector<guide::Prompt> prompts;
-  const Glance& glance = *situation.glance;
-  if (glance.obstacle_m) {
-    prompts.push_back(guide::hazard_prompt(*glance.obstacle_m, wording_of(situation.settings),
-                                           nanoseconds(glance.t_ms)));
+  const FrameResult& result = *situation.result;
+  if (result.obstacle_m) {
+    prompts.push_back(guide::hazard_prompt(*result.obstacle_m, wording_of(situation.settings),
+                                           nanoseconds(result.t_ms)));
   }
-  if (!glance.decision) return prompts;
-  const std::string before = std::exchange(room_now_, glance.decision->room().value_or(""));
+  if (!result.decision) return prompts;
+  const std::string before = std::exchange(room_now_, result.decision->room().value_or(""));
   // Two looks must agree: one may fall on a mirror, or through a door.
   const bool is_certain = !room_now_.empty() && room_now_ == before;
   if (!is_certain || room_now_ == room_called_) return prompts;
   // Nothing where it is not sure enough to be said unasked; a later look may be.
-  if (auto prompt = guide::entered_prompt(*glance.decision, wording_of(situation.settings),
-                                          nanoseconds(glance.t_ms))) {
+  if (auto prompt = guide::entered_prompt(*result.decision, wording_of(situation.settings),
+                                          nanoseconds(result.t_ms))) {
     room_called_ = room_now_;
     prompts.push_back(*std::move(prompt));
   }
   return prompts;
 }
 
-void Caller::answered(const Situation& situation, const std::vector<guide::Prompt>& prompts) {
+void Announcer::answered(const Situation& situation, const std::vector<guide::Prompt>& prompts) {
   const bool names_the_room =
       std::ranges::any_of(prompts, [](const auto& one) { return one.message == "room.is"; });
-  if (!names_the_room || situation.glance == nullptr || !situation.glance->decision) return;
-  room_called_ = situation.glance->decision->room().value_or(room_called_);
+  if (!names_the_room || situation.result == nullptr || !situation.result->decision) return;
+  room_called_ = situation.result->decision->room().value_or(room_called_);
 }
 
 }  // namespace roomwise::live

@@ -6,7 +6,7 @@
 
 #include "roomwise/guide/message_catalogue.h"
 #include "roomwise/guide/prompt.h"
-#include "roomwise/live/eye.h"
+#include "roomwise/live/frame_processor.h"
 #include "roomwise/service/messages.h"
 
 namespace roomwise::live {
@@ -14,14 +14,14 @@ namespace roomwise::live {
 // What an answer may rest on.
 struct Situation {
   const HomeView& home;
-  const Glance* glance;  // null: there is no picture that is new enough
+  const FrameResult* result;  // null: there is no picture that is new enough
   const service::SpeakingSettings& settings;
   double now_t_ms;  // by the device's clock
 };
 
 // A glance that is older than this at the time of a question is not answered by, ms: a direction
 // holds for two seconds from its picture, and words take their time.
-constexpr double kFresh_ms = 800;
+constexpr double kMaxFrameAge_ms = 800;
 
 // The names of the home's things in the language that is spoken, each once, in order; answer()
 // knows what is meant by them.
@@ -38,7 +38,7 @@ constexpr double kFresh_ms = 800;
 
 // Decides what is called out while a person walks and asks nothing: a room that was entered, and
 // what stands ahead, with every picture that shows it: who speaks says it once in a while.
-class Caller {
+class Announcer {
  public:
   // After each glance, whether or not it is spoken.
   [[nodiscard]] std::vector<guide::Prompt> after(const Situation& situation);

@@ -7,32 +7,32 @@ namespace {
 
 using ::testing::SizeIs;
 
-Glance glance_in(const std::string& room, double t_ms, rooms::Verdict verdict) {
-  Glance glance;
-  glance.t_ms = t_ms;
-  glance.decision.emplace();
-  glance.decision->verdict = verdict;
-  glance.decision->rooms = {{room, 0.99}, {"hall", 0.01}};
-  return glance;
+FrameResult glance_in(const std::string& room, double t_ms, rooms::Verdict verdict) {
+  FrameResult result;
+  result.t_ms = t_ms;
+  result.decision.emplace();
+  result.decision->verdict = verdict;
+  result.decision->rooms = {{room, 0.99}, {"hall", 0.01}};
+  return result;
 }
 
 ViewedThing thing(const std::string& name, const std::string& room,
-                  const Eigen::Vector3d& middle_level) {
+                  const Eigen::Vector3d& middle_gravity) {
   ViewedThing thing;
   thing.name = name;
   thing.probability = 0.99;
   thing.room = room;
-  thing.middle_level = middle_level;
+  thing.middle_gravity = middle_gravity;
   thing.size_m = {0.5, 0.5, 0.5};
   return thing;
 }
 
 // A camera at the origin, 1.3 m up, that looks along x.
-CameraPlace at_the_origin() {
-  Eigen::Matrix3d level_from_camera;
-  level_from_camera << 0, 0, 1, -1, 0, 0, 0, -1, 0;
-  CameraPlace place;
-  place.level_from_camera = {Eigen::Quaterniond(level_from_camera), {0, 0, 1.3}};
+CameraPose at_the_origin() {
+  Eigen::Matrix3d gravity_from_camera;
+  gravity_from_camera << 0, 0, 1, -1, 0, 0, 0, -1, 0;
+  CameraPose place;
+  place.gravity_from_camera = {Eigen::Quaterniond(gravity_from_camera), {0, 0, 1.3}};
   place.sigma_m = 0.03;
   place.room = "kitchen";
   return place;
@@ -40,13 +40,13 @@ CameraPlace at_the_origin() {
 
 class CallerTest : public ::testing::Test {
  protected:
-  std::vector<guide::Prompt> after(const Glance& glance) {
-    return caller.after({home, &glance, settings, glance.t_ms});
+  std::vector<guide::Prompt> after(const FrameResult& result) {
+    return caller.after({home, &result, settings, result.t_ms});
   }
 
   HomeView home;
   service::SpeakingSettings settings;
-  Caller caller;
+  Announcer caller;
 };
 
 TEST_F(CallerTest, CallsARoomOutOnceTwoLooksAgree) {
@@ -62,9 +62,9 @@ TEST_F(CallerTest, CallsARoomOutOnceTwoLooksAgree) {
 
 TEST_F(CallerTest, ARoomThatIsNotSureEnoughAtFirstIsCalledOutOnceItIs) {
   for (const double probability : {0.85, 0.85, 0.99}) {
-    Glance glance = glance_in("kitchen", 0, rooms::Verdict::kRoom);
-    glance.decision->rooms[0].score = probability;
-    EXPECT_THAT(after(glance), SizeIs(probability > 0.9 ? 1 : 0)) << probability;
+    FrameResult result = glance_in("kitchen", 0, rooms::Verdict::kRoom);
+    result.decision->rooms[0].score = probability;
+    EXPECT_THAT(after(result), SizeIs(probability > 0.9 ? 1 : 0)) << probability;
   }
 }
 
@@ -73,7 +73,7 @@ TEST_F(CallerTest, ARoomThatAnAnswerNamedIsNotCalledOut) {
     return glance_in(room, t, rooms::Verdict::kRoom);
   };
   EXPECT_THAT(after(in("kitchen", 0)), SizeIs(0));
-  const Glance asked = in("kitchen", 100);
+  const FrameResult asked = in("kitchen", 100);
   const Situation now{home, &asked, settings, 100};
   guide::Prompt named;
   named.message = "room.is";
@@ -99,15 +99,15 @@ TEST_F(CallerTest, WhatIsNotSureIsNotCalledOut) {
 }
 
 TEST_F(CallerTest, AnObstacleIsCalledOutWithEveryPictureThatShowsIt) {
-  Glance glance = glance_in("kitchen", 0, rooms::Verdict::kNotSure);
-  EXPECT_THAT(after(glance), SizeIs(0));
-  glance.obstacle_m = 0.7;
-  const auto called = after(glance);
+  FrameResult result = glance_in("kitchen", 0, rooms::Verdict::kNotSure);
+  EXPECT_THAT(after(result), SizeIs(0));
+  result.obstacle_m = 0.7;
+  const auto called = after(result);
   ASSERT_THAT(called, SizeIs(1));
   EXPECT_EQ(called[0].priority, guide::Priority::kHazard);
-  EXPECT_THAT(after(glance), SizeIs(1));  // one may be lost or late on the way
-  glance.obstacle_m.reset();
-  EXPECT_THAT(after(glance), SizeIs(0));
+  EXPECT_THAT(after(result), SizeIs(1));  // one may be lost or late on the way
+  result.obstacle_m.reset();
+  EXPECT_THAT(after(result), SizeIs(0));
 }
 
 TEST(Answers, TellTheWayToAThing) {
@@ -117,39 +117,39 @@ TEST(Answers, TellTheWayToAThing) {
   HomeView home;
   home.map = std::make_shared<const LiveMap>(std::move(map));
   home.things = {thing("microwave", "kitchen", {4, 0, 1})};
-  Glance glance = glance_in("kitchen", 500, rooms::Verdict::kRoom);
-  glance.place = at_the_origin();
+  FrameResult result = glance_in("kitchen", 500, rooms::Verdict::kRoom);
+  result.place = at_the_origin();
   const service::SpeakingSettings settings;
   const service::Ask ask{1, 600, service::Question::kWayTo, "microwave"};
-  const auto prompts = answer(ask, {home, &glance, settings, 600});
+  const auto prompts = answer(ask, {home, &result, settings, 600});
   ASSERT_THAT(prompts, SizeIs(1));
   EXPECT_THAT(prompts[0].text, ::testing::StartsWith("Straight on, then "));
   EXPECT_THAT(prompts[0].text, ::testing::EndsWith("to the microwave."));
-  EXPECT_EQ(answer({1, 600, service::Question::kWayTo, "bed"}, {home, &glance, settings, 600})
+  EXPECT_EQ(answer({1, 600, service::Question::kWayTo, "bed"}, {home, &result, settings, 600})
                 .at(0)
                 .message,
             "where.unknown");
-  glance.place.reset();
-  EXPECT_EQ(answer(ask, {home, &glance, settings, 600}).at(0).message, "route.no_place");
+  result.place.reset();
+  EXPECT_EQ(answer(ask, {home, &result, settings, 600}).at(0).message, "route.no_place");
 }
 
 TEST(Answers, TellTheDirectionOfAThingByThePlaceOnTheMap) {
   HomeView home;
   home.things = {thing("microwave", "kitchen", {0, -2, 1})};  // to the right
-  Glance glance = glance_in("kitchen", 500, rooms::Verdict::kRoom);
-  glance.place = at_the_origin();
+  FrameResult result = glance_in("kitchen", 500, rooms::Verdict::kRoom);
+  result.place = at_the_origin();
   service::SpeakingSettings settings;
   const service::Ask ask{1, 600, service::Question::kWhereIs, "microwave"};
-  auto prompts = answer(ask, {home, &glance, settings, 600});
+  auto prompts = answer(ask, {home, &result, settings, 600});
   ASSERT_THAT(prompts, SizeIs(1));
   EXPECT_EQ(prompts[0].text, "The microwave is at 3 o'clock, 2 metres.");
   // Two seconds after the picture, not after the question.
   EXPECT_EQ(prompts[0].valid_until_ns, 2'500'000'000LL);
   settings.distances = service::Distances::kSteps;
-  prompts = answer(ask, {home, &glance, settings, 600});
+  prompts = answer(ask, {home, &result, settings, 600});
   EXPECT_EQ(prompts[0].text, "The microwave is at 3 o'clock, 3 steps.");
-  glance.place.reset();  // a phone
-  prompts = answer(ask, {home, &glance, settings, 600});
+  result.place.reset();  // a phone
+  prompts = answer(ask, {home, &result, settings, 600});
   EXPECT_EQ(prompts[0].text, "The microwave is in this room.");
 }
 
@@ -157,11 +157,11 @@ TEST(Answers, AroundSomebodyIsWhatIsInTheirRoom) {
   HomeView home;
   home.walks.emplace_back();
   home.things = {thing("microwave", "kitchen", {2, 0, 1}), thing("bed", "bedroom", {3, 0, 0.5})};
-  Glance glance = glance_in("kitchen", 500, rooms::Verdict::kRoom);
-  glance.place = at_the_origin();
+  FrameResult result = glance_in("kitchen", 500, rooms::Verdict::kRoom);
+  result.place = at_the_origin();
   const service::SpeakingSettings settings;
   const auto prompts =
-      answer({1, 500, service::Question::kAroundMe, ""}, {home, &glance, settings, 500});
+      answer({1, 500, service::Question::kAroundMe, ""}, {home, &result, settings, 500});
   ASSERT_THAT(prompts, SizeIs(1));
   EXPECT_THAT(prompts[0].text, ::testing::HasSubstr("icrowave at 12 o'clock"));
 }

@@ -6,23 +6,23 @@
 namespace roomwise::live {
 namespace {
 
-constexpr int kMostUnread = 10;          // of messages, before the connection is closed
-constexpr std::size_t kMostWaiting = 8;  // questions
+constexpr int kMaxUnread = 10;          // of messages, before the connection is closed
+constexpr std::size_t kMaxWaiting = 8;  // questions
 
-service::Seen seen_of(const Glance& glance) {
+service::Seen seen_of(const FrameResult& result) {
   service::Seen seen;
-  seen.t_ms = glance.t_ms;
-  if (glance.decision) {
-    seen.verdict = rooms::to_string(glance.decision->verdict);
-    seen.room = glance.decision->rooms.front().room;
-    seen.probability = std::clamp(glance.decision->rooms.front().score, 0.0, 1.0);
-    seen.why = glance.decision->why;
+  seen.t_ms = result.t_ms;
+  if (result.decision) {
+    seen.verdict = rooms::to_string(result.decision->verdict);
+    seen.room = result.decision->rooms.front().room;
+    seen.probability = std::clamp(result.decision->rooms.front().score, 0.0, 1.0);
+    seen.why = result.decision->why;
   }
-  if (glance.place) {
-    const Eigen::Vector3d at = glance.place->position_level();
+  if (result.place) {
+    const Eigen::Vector3d at = result.place->position_gravity();
     seen.position = service::SeenPosition{at.x(), at.y(), at.z(),
-                                          glance.place->heading_rad() * 180 / std::numbers::pi,
-                                          glance.place->sigma_m};
+                                          result.place->heading_rad() * 180 / std::numbers::pi,
+                                          result.place->sigma_m};
   }
   return seen;
 }
@@ -151,7 +151,7 @@ void Device::refuse(const Error& error, std::optional<std::int64_t> answer_to) {
 void Device::refuse_unread(const Error& error, std::optional<std::int64_t> answer_to) {
   refuse(error, answer_to);
   const std::scoped_lock lock(mutex_);
-  if (++unread_ == kMostUnread) out_->close("too many messages that could not be read");
+  if (++unread_ == kMaxUnread) out_->close("too many messages that could not be read");
 }
 
 // ---- questions ----
@@ -178,7 +178,7 @@ void Device::hear(const service::Ask& ask) {
       last_ask_ = now;
       waits = newest_ || looking_;  // the frame in hand answers it
     }
-    if (waits && waiting_.size() == kMostWaiting) {
+    if (waits && waiting_.size() == kMaxWaiting) {
       pushed_out = waiting_.front().id;
       waiting_.pop_front();
     }
@@ -194,12 +194,12 @@ void Device::hear_now(const service::Ask& ask) {
   std::optional<double> based_on_t_ms;
   {
     const std::scoped_lock lock(mutex_);
-    const bool is_fresh = last_glance_ && ask.t_ms - last_glance_->t_ms <= kFresh_ms;
-    if (is_fresh) based_on_t_ms = last_glance_->t_ms;
+    const bool is_fresh = last_result_ && ask.t_ms - last_result_->t_ms <= kMaxFrameAge_ms;
+    if (is_fresh) based_on_t_ms = last_result_->t_ms;
     const auto view = host_.view();
-    const Situation now{*view, is_fresh ? &*last_glance_ : nullptr, settings_, ask.t_ms};
+    const Situation now{*view, is_fresh ? &*last_result_ : nullptr, settings_, ask.t_ms};
     prompts = answer(ask, now);
-    caller_.answered(now, prompts);
+    announcer_.answered(now, prompts);
   }
   say(prompts, ask.id, based_on_t_ms);
 }
@@ -210,7 +210,8 @@ void Device::answer_waiting(bool more_frames_wait) {
     const std::scoped_lock lock(mutex_);
     // A question waits for a frame that is about as new as itself, if one is there.
     const auto may_wait = [&](const service::Ask& ask) {
-      return more_frames_wait && (!last_glance_ || last_glance_->t_ms < ask.t_ms - kFresh_ms / 4);
+      return more_frames_wait &&
+             (!last_result_ || last_result_->t_ms < ask.t_ms - kMaxFrameAge_ms / 4);
     };
     std::deque<service::Ask> later;
     for (service::Ask& ask : waiting_) (may_wait(ask) ? later : asked).push_back(std::move(ask));
@@ -232,9 +233,9 @@ void Device::say(const std::vector<guide::Prompt>& prompts, std::optional<std::i
 // ---- frames ----
 
 // A fault on one device's picture must not end the program.
-Expected<Glance> Device::look(CameraFrame frame) {
+Expected<FrameResult> Device::look(CameraFrame frame) {
   try {
-    return eye_->look(std::move(frame), host_.view());
+    return frame_processor_->look(std::move(frame), host_.view());
   } catch (const std::exception& fault) {
     return fail("internal error, please report it: {}", fault.what());
   }
@@ -248,38 +249,38 @@ bool Device::work() {
     frame = std::move(newest_);
     newest_.reset();
     looking_ = true;
-    if (!eye_) eye_.emplace(camera_);
+    if (!frame_processor_) frame_processor_.emplace(camera_);
   }
-  Expected<Glance> glance = look(*std::move(frame));
+  Expected<FrameResult> result = look(*std::move(frame));
   bool more = false;
   {
     const std::scoped_lock lock(mutex_);
     looking_ = false;
     more = newest_.has_value();
-    if (glance) last_glance_ = *glance;
+    if (result) last_result_ = *result;
   }
-  if (glance) {
-    send(seen_of(*glance));
-    host_.saw(*this, *glance);
-    call_out(*glance);
+  if (result) {
+    send(seen_of(*result));
+    host_.saw(*this, *result);
+    call_out(*result);
   } else {
-    refuse(glance.error());
+    refuse(result.error());
   }
   answer_waiting(more);
   return more;
 }
 
-void Device::call_out(const Glance& glance) {
+void Device::call_out(const FrameResult& result) {
   std::vector<guide::Prompt> prompts;
   {
     const std::scoped_lock lock(mutex_);
     const auto view = host_.view();
-    prompts = caller_.after({*view, &glance, settings_, glance.t_ms});
+    prompts = announcer_.after({*view, &result, settings_, result.t_ms});
     std::erase_if(prompts, [this](const guide::Prompt& prompt) {
       return prompt.priority == guide::Priority::kCallout && (quiet_ || !settings_.callouts);
     });
   }
-  say(prompts, {}, glance.t_ms);
+  say(prompts, {}, result.t_ms);
 }
 
 // ---- recording ----
@@ -337,7 +338,7 @@ std::optional<service::DeviceCamera> Device::camera() const {
 service::DeviceSeen Device::seen() const {
   const std::scoped_lock lock(mutex_);
   service::DeviceSeen seen{who_.device, who_.name, greeted_ && !closed_, {}};
-  if (last_glance_) seen.seen = seen_of(*last_glance_);
+  if (last_result_) seen.seen = seen_of(*last_result_);
   return seen;
 }
 

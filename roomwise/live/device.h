@@ -7,7 +7,7 @@
 #include <string>
 
 #include "roomwise/live/answers.h"
-#include "roomwise/live/eye.h"
+#include "roomwise/live/frame_processor.h"
 #include "roomwise/live/walk_recorder.h"
 #include "roomwise/service/identity.h"
 #include "roomwise/service/server.h"
@@ -23,7 +23,7 @@ class DeviceHost {
   [[nodiscard]] virtual std::shared_ptr<const HomeView> view() const = 0;
   // A frame waits: Device::work() is to be called soon, on another thread.
   virtual void has_work(const std::shared_ptr<Device>& device) = 0;
-  virtual void saw(const Device& device, const Glance& glance) = 0;
+  virtual void saw(const Device& device, const FrameResult& result) = 0;
   virtual void recorded(const Device& device, const service::RecordingState& state) = 0;
   // What this device's frames are stored by; null: they are not.
   [[nodiscard]] virtual std::shared_ptr<WalkRecorder> recorder_for(const Device& device) = 0;
@@ -66,11 +66,11 @@ class Device : public std::enable_shared_from_this<Device> {
   void take(const service::DeviceMessage& message);
   void hear(const service::Ask& ask);
   void hear_now(const service::Ask& ask);
-  [[nodiscard]] Expected<Glance> look(CameraFrame frame);
+  [[nodiscard]] Expected<FrameResult> look(CameraFrame frame);
   void answer_waiting(bool more_frames_wait);
   void say(const std::vector<guide::Prompt>& prompts, std::optional<std::int64_t> answer_to,
            std::optional<double> based_on_t_ms);
-  void call_out(const Glance& glance);
+  void call_out(const FrameResult& result);
   // Tells what is wrong.
   void refuse(const Error& error, std::optional<std::int64_t> answer_to = {});
   // The same of a message that could not be read: many of these close the connection.
@@ -82,7 +82,7 @@ class Device : public std::enable_shared_from_this<Device> {
   const std::shared_ptr<service::SocketOut> out_;
   DeviceHost& host_;
 
-  mutable std::mutex mutex_;  // of all below but eye_
+  mutable std::mutex mutex_;  // of all below but frame_processor_
   bool greeted_ = false, closed_ = false;
   std::optional<service::DeviceCamera> camera_;
   service::SpeakingSettings settings_;
@@ -93,12 +93,12 @@ class Device : public std::enable_shared_from_this<Device> {
   std::uint64_t dropped_ = 0;
   std::deque<service::Ask> waiting_;  // for a frame that is being looked at
   std::optional<service::Ask> last_ask_;
-  std::optional<Glance> last_glance_;
-  Caller caller_;
+  std::optional<FrameResult> last_result_;
+  Announcer announcer_;
   std::shared_ptr<WalkRecorder> recorder_;
   bool storing_fails_ = false;
 
-  std::optional<Eye> eye_;  // work() alone
+  std::optional<FrameProcessor> frame_processor_;  // work() alone
 };
 
 }  // namespace roomwise::live

@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include "roomwise/base/testing.h"
+#include "roomwise/base/testing/testing.h"
 #include "roomwise/image/codec.h"
 
 namespace roomwise::live {
@@ -38,7 +38,7 @@ class Host final : public DeviceHost {
  public:
   [[nodiscard]] std::shared_ptr<const HomeView> view() const override { return home; }
   void has_work(const std::shared_ptr<Device>&) override { ++asked_to_work; }
-  void saw(const Device&, const Glance& glance) override { seen.push_back(glance.t_ms); }
+  void saw(const Device&, const FrameResult& result) override { seen.push_back(result.t_ms); }
   void recorded(const Device&, const service::RecordingState& state) override {
     recordings.push_back(state);
   }
@@ -172,7 +172,7 @@ TEST_F(DeviceTest, AQuestionWithoutANewPictureIsAnsweredAtOnceAndSaysSo) {
   show(1000);
   device->work();
   wire->texts.clear();
-  ask(8, 1000 + kFresh_ms + 1, service::Question::kAroundMe);
+  ask(8, 1000 + kMaxFrameAge_ms + 1, service::Question::kAroundMe);
   const auto prompts = wire->take<service::PromptMessage>();
   ASSERT_THAT(prompts, SizeIs(1));
   EXPECT_EQ(prompts[0].message, "device.no_picture");

@@ -23,7 +23,7 @@ Json room_json(const rooms::Room& room, const HomeView& view) {
   const auto extent = std::ranges::find(extents, room.name, &rooms::RoomExtent::name);
   if (extent != extents.end() && extent->floor_m2 > 0) {
     json["floor_m2"] = extent->floor_m2;
-    json["middle"] = json_of(extent->middle_level);
+    json["middle"] = json_of(extent->middle_gravity);
   }
   return json;
 }
@@ -33,7 +33,7 @@ Json thing_json(const ViewedThing& thing) {
           {"name", thing.name},
           {"probability", thing.probability},
           {"room", or_null(thing.room)},
-          {"position", thing.middle_level ? json_of(*thing.middle_level) : Json(nullptr)},
+          {"position", thing.middle_gravity ? json_of(*thing.middle_gravity) : Json(nullptr)},
           {"size", json_of(thing.size_m)},
           {"keyframe", thing.keyframe},
           {"box",
@@ -92,7 +92,7 @@ Json home_json(const HomeView& view) {
   if (view.layout) {
     for (const rooms::Doorway& doorway : view.layout->doorways()) {
       json["doorways"].push_back(
-          {{"rooms", doorway.rooms}, {"middle", json_of(doorway.middle_level)}});
+          {{"rooms", doorway.rooms}, {"middle", json_of(doorway.middle_gravity)}});
     }
   }
   for (const ViewedThing& thing : view.things) json["things"].push_back(thing_json(thing));
@@ -106,14 +106,14 @@ Json keyframes_json(const HomeView& view) {
     const TimestampNs first_ns = view.keyframes.front().keyframe.timestamp_ns;
     for (const ViewedKeyframe& one : view.keyframes) {
       if (!one.on_map) continue;
-      const geometry::RigidTransform level_from_keyframe =
-          view.map->frame.level_from_world * one.keyframe.pose.world_from_keyframe;
-      const Eigen::Quaterniond& q = level_from_keyframe.rotation;
+      const geometry::RigidTransform gravity_from_keyframe =
+          view.map->frame.gravity_from_world * one.keyframe.pose.world_from_keyframe;
+      const Eigen::Quaterniond& q = gravity_from_keyframe.rotation;
       keyframes.push_back(
           {{"id", one.keyframe.id},
            {"frame", one.keyframe.frame_index},
            {"time_s", static_cast<double>(one.keyframe.timestamp_ns - first_ns) * 1e-9},
-           {"position", json_of(level_from_keyframe.translation)},
+           {"position", json_of(gravity_from_keyframe.translation)},
            {"rotation_xyzw", {q.x(), q.y(), q.z(), q.w()}},
            {"room", one.room.empty() ? Json(nullptr) : Json(one.room)},
            {"recording", one.keyframe.recording}});
@@ -122,13 +122,13 @@ Json keyframes_json(const HomeView& view) {
   return {{"keyframes", keyframes}};
 }
 
-Bytes cloud_bytes(const geometry::PointCloud& cloud_level) {
+Bytes cloud_bytes(const geometry::PointCloud& cloud_gravity) {
   Bytes bytes;
-  bytes.reserve(16 * cloud_level.size());
-  for (std::size_t i = 0; i < cloud_level.size(); ++i) {
-    for (int axis = 0; axis < 3; ++axis) put_float(cloud_level.points[i][axis], bytes);
-    bytes.insert(bytes.end(),
-                 {cloud_level.colors[i].r, cloud_level.colors[i].g, cloud_level.colors[i].b, 255});
+  bytes.reserve(16 * cloud_gravity.size());
+  for (std::size_t i = 0; i < cloud_gravity.size(); ++i) {
+    for (int axis = 0; axis < 3; ++axis) put_float(cloud_gravity.points[i][axis], bytes);
+    bytes.insert(bytes.end(), {cloud_gravity.colors[i].r, cloud_gravity.colors[i].g,
+                               cloud_gravity.colors[i].b, 255});
   }
   return bytes;
 }

@@ -12,7 +12,7 @@ using Json = nlohmann::json;
 [[nodiscard]] Json home_json(const HomeView& view);       // GET /api/home
 [[nodiscard]] Json keyframes_json(const HomeView& view);  // GET /api/map/keyframes
 // GET /api/map/cloud, and /fine
-[[nodiscard]] Bytes cloud_bytes(const geometry::PointCloud& cloud_level);
+[[nodiscard]] Bytes cloud_bytes(const geometry::PointCloud& cloud_gravity);
 [[nodiscard]] Json decision_json(const rooms::RoomDecision& decision);
 [[nodiscard]] Json recognitions_json(const std::vector<Recognition>& recognitions);
 

@@ -17,7 +17,7 @@ using service::json_answer;
 using service::Placeholders;
 using service::Role;
 
-constexpr std::size_t kMostPictureBytes = std::size_t{20} << 20U;
+constexpr std::size_t kMaxPictureBytes = std::size_t{20} << 20U;
 
 template <typename T>
 std::optional<T> number_of(const std::string& text) {
@@ -67,8 +67,8 @@ Expected<std::vector<recording::RoomRange>> read_ranges(const HttpRequest& reque
     if (!one.is_object()) return fail("'ranges' must be a list of {{first, last, room}}");
     service::Members members(one);
     recording::RoomRange range;
-    range.first_frame = static_cast<std::uint64_t>(members.whole("first", 0, service::kMostWhole));
-    range.last_frame = static_cast<std::uint64_t>(members.whole("last", 0, service::kMostWhole));
+    range.first_frame = static_cast<std::uint64_t>(members.whole("first", 0, service::kMaxWhole));
+    range.last_frame = static_cast<std::uint64_t>(members.whole("last", 0, service::kMaxWhole));
     range.room = members.text("room");
     if (members.error()) return Unexpected(Error(*members.error()));
     ranges.push_back(std::move(range));
@@ -113,8 +113,8 @@ std::vector<service::Route> looking_routes(LiveHome& home) {
            [&home](const auto&, const auto&) { return json_answer(home_json(*home.view())); }},
           {"GET", "/api/map/keyframes", Role::kHelper,
            [&home](const auto&, const auto&) { return json_answer(keyframes_json(*home.view())); }},
-          {"GET", "/api/map/cloud", Role::kHelper, cloud_of(home, &LiveMap::coarse_cloud_level)},
-          {"GET", "/api/map/cloud/fine", Role::kHelper, cloud_of(home, &LiveMap::cloud_level)},
+          {"GET", "/api/map/cloud", Role::kHelper, cloud_of(home, &LiveMap::coarse_cloud_gravity)},
+          {"GET", "/api/map/cloud/fine", Role::kHelper, cloud_of(home, &LiveMap::cloud_gravity)},
           {"GET", "/api/keyframes/{id}/picture", Role::kHelper,
            numbered("id",
                     [&home](const HttpRequest&, std::int64_t id) {
@@ -127,7 +127,7 @@ std::vector<service::Route> looking_routes(LiveHome& home) {
              const auto decision = home.test_picture(request.body);
              return decision ? json_answer(decision_json(*decision)) : bad(decision.error());
            },
-           kMostPictureBytes},
+           kMaxPictureBytes},
           {"GET", "/api/recognitions", Role::kHelper,
            [&home](const auto&, const auto&) {
              return json_answer(recognitions_json(home.recognitions().newest_first()));
@@ -203,7 +203,7 @@ std::vector<service::Route> working_routes(LiveHome& home) {
              if (!parsed) return bad(parsed.error());
              const service::OrderedJson json = *parsed;
              service::Members members(json);
-             const std::int64_t device = members.whole("device", 0, service::kMostWhole);
+             const std::int64_t device = members.whole("device", 0, service::kMaxWhole);
              const std::string name = members.text("name");
              if (members.error()) return bad(*members.error());
              return done(home.begin_recording(device, name));

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "roomwise/pipeline/home_layout.h"
-#include "roomwise/pipeline/stored_rooms.h"
+#include "roomwise/pipeline/rooms/home_layout.h"
+#include "roomwise/pipeline/stored/stored_rooms.h"
 
 namespace roomwise::live {
 namespace {
@@ -20,8 +20,8 @@ Expected<void> view_walks(const home::Home& home, HomeView& view) {
       if (keyframe.recording != recording.id) continue;
       ++walk.keyframes;
       const auto room = rooms.find(keyframe.id);
-      view.keyframes.push_back(
-          {keyframe, room != rooms.end() ? room->second : std::string(), keyframe.pose.piece == 0});
+      view.keyframes.push_back({keyframe, room != rooms.end() ? room->second : std::string(),
+                                keyframe.pose.component == 0});
     }
     view.walks.push_back(std::move(walk));
   }
@@ -42,16 +42,16 @@ Expected<void> view_things(const home::Home& home, HomeView& view) {
                       .name = instance.name,
                       .probability = instance.probability,
                       .room = {},
-                      .middle_level = {},
+                      .middle_gravity = {},
                       .size_m = instance.box_keyframe.size_m,
                       .keyframe = instance.keyframe_id,
                       .box = instance.picture_box};
     const auto keyframe = keyframes.find(instance.keyframe_id);
     if (view.map && keyframe != keyframes.end()) {
-      thing.middle_level =
+      thing.middle_gravity =
           pipeline::middle_on_map(instance, keyframe->second->pose, view.map->frame);
     }
-    thing.room = pipeline::room_of_thing(thing.middle_level, instance.keyframe_id,
+    thing.room = pipeline::room_of_thing(thing.middle_gravity, instance.keyframe_id,
                                          view.layout ? &*view.layout : nullptr, rooms);
     view.things.push_back(std::move(thing));
   }
@@ -70,9 +70,9 @@ std::int64_t thing_id(const objects::Instance& instance) {
   return std::stoll(digest.substr(0, kDigits), nullptr, 16);
 }
 
-std::optional<std::string> HomeView::room_at(const Eigen::Vector3d& point_level) const {
+std::optional<std::string> HomeView::room_at(const Eigen::Vector3d& point_gravity) const {
   if (!layout) return std::nullopt;
-  return layout->room_at(point_level.head<2>());
+  return layout->room_at(point_gravity.head<2>());
 }
 
 Expected<std::shared_ptr<const HomeView>> view_home(const home::Home& home,

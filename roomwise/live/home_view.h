@@ -9,8 +9,8 @@
 
 #include "roomwise/home/home.h"
 #include "roomwise/live/live_map.h"
-#include "roomwise/pipeline/room_recognizer.h"
-#include "roomwise/rooms/room_layout.h"
+#include "roomwise/pipeline/rooms/room_recognizer.h"
+#include "roomwise/rooms/layout/room_layout.h"
 
 namespace roomwise::live {
 
@@ -20,8 +20,8 @@ struct ViewedThing {
   std::string name;
   double probability = 0;
   std::optional<std::string> room;
-  // Middle and size of its upright box, m, level frame; nothing until the map is ready.
-  std::optional<Eigen::Vector3d> middle_level;
+  // Middle and size of its upright box, m, gravity-aligned frame; nothing until the map is ready.
+  std::optional<Eigen::Vector3d> middle_gravity;
   Eigen::Vector3d size_m = Eigen::Vector3d::Zero();
   home::KeyframeId keyframe = 0;
   network::PixelBox box;  // there, px
@@ -61,7 +61,7 @@ struct HomeView {
   std::string why_no_recognizer;
 
   // The room that a point lies in by the layout.
-  [[nodiscard]] std::optional<std::string> room_at(const Eigen::Vector3d& point_level) const;
+  [[nodiscard]] std::optional<std::string> room_at(const Eigen::Vector3d& point_gravity) const;
 };
 
 // `networks` must outlive the view; `map` may be null.

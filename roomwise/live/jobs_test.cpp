@@ -5,7 +5,7 @@
 #include <future>
 #include <vector>
 
-#include "roomwise/base/testing.h"
+#include "roomwise/base/testing/testing.h"
 
 namespace roomwise::live {
 namespace {

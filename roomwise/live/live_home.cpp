@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "roomwise/image/codec.h"
-#include "roomwise/pipeline/room_learning.h"
+#include "roomwise/pipeline/rooms/room_learning.h"
 
 namespace roomwise::live {
 
@@ -62,7 +62,7 @@ Expected<std::unique_ptr<LiveHome>> LiveHome::open(const fs::path& file,
   ROOMWISE_CHECK_OK(live->refresh(nullptr));
   live->jobs_ = std::make_unique<Jobs>(
       [raw = live.get()](const service::JobState& state) { raw->tell_helpers(state); });
-  live->looking_ = std::make_unique<LookingThreads>(live->options_.looking_threads);
+  live->looking_ = std::make_unique<FrameWorkers>(live->options_.frame_workers);
 
   ROOMWISE_TRY(const auto recordings, live->home_.recordings());
   if (!recordings.empty() && !recordings.back().finished) {
@@ -134,11 +134,11 @@ void LiveHome::has_work(const std::shared_ptr<Device>& device) {
   looking_->add(device);
 }
 
-void LiveHome::saw(const Device& device, const Glance& glance) {
-  ++frames_looked_at_;
+void LiveHome::saw(const Device& device, const FrameResult& result) {
+  ++frames_processed_;
   const service::DeviceSeen seen = device.seen();
-  if (seen.seen && glance.decision) {
-    recognitions_.add(device.who(), options_.clock(), *seen.seen, glance.picture);
+  if (seen.seen && result.decision) {
+    recognitions_.add(device.who(), options_.clock(), *seen.seen, result.picture);
   }
   tell_helpers(seen);
 }
@@ -188,8 +188,8 @@ Expected<Bytes> LiveHome::keyframe_picture(home::KeyframeId id) const {
 Expected<rooms::RoomDecision> LiveHome::test_picture(const Bytes& picture) const {
   const auto now = view();
   if (!now->recognizer) return fail("{}", now->why_no_recognizer);
-  constexpr std::int64_t kMostPixels = 24'000'000;  // of a phone's photo
-  ROOMWISE_TRY(const image::ColorImage color, image::decode_color(picture, kMostPixels));
+  constexpr std::int64_t kMaxPixels = 24'000'000;  // of a phone's photo
+  ROOMWISE_TRY(const image::ColorImage color, image::decode_color(picture, kMaxPixels));
   return now->recognizer->recognize({&color, 1});
 }
 

@@ -10,19 +10,19 @@
 #include <vector>
 
 #include "roomwise/live/device.h"
+#include "roomwise/live/frame_workers.h"
 #include "roomwise/live/home_view.h"
 #include "roomwise/live/jobs.h"
-#include "roomwise/live/looking_threads.h"
 #include "roomwise/live/recognition_log.h"
-#include "roomwise/objects/object_finders.h"
+#include "roomwise/objects/proposals/object_finders.h"
 #include "roomwise/service/server.h"
 
 namespace roomwise::live {
 
 struct LiveHomeOptions {
-  std::size_t threads = 1;          // for long work: mapping, learning
-  std::size_t looking_threads = 1;  // that look at devices' frames
-  int augment = 2;                  // variants of each picture that rooms are learned from
+  std::size_t threads = 1;        // for long work: mapping, learning
+  std::size_t frame_workers = 1;  // that look at devices' frames
+  int augment = 2;                // variants of each picture that rooms are learned from
   std::uint64_t seed = 0;
   home::OpenOptions open = {};  // the passphrase of a protected home
   // Seconds since 1970.
@@ -47,7 +47,7 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
   std::unique_ptr<service::SocketSession> connect(const service::Identity& who,
                                                   std::shared_ptr<service::SocketOut> out) override;
   [[nodiscard]] std::vector<service::DeviceSeen> devices() const;  // connected, by number
-  [[nodiscard]] std::uint64_t frames_looked_at() const { return frames_looked_at_; }
+  [[nodiscard]] std::uint64_t frames_processed() const { return frames_processed_; }
   [[nodiscard]] std::uint64_t frames_dropped() const;
   [[nodiscard]] const RecognitionLog& recognitions() const { return recognitions_; }
 
@@ -91,7 +91,7 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
 
   // DeviceHost
   void has_work(const std::shared_ptr<Device>& device) override;
-  void saw(const Device& device, const Glance& glance) override;
+  void saw(const Device& device, const FrameResult& result) override;
   void recorded(const Device& device, const service::RecordingState& state) override;
   [[nodiscard]] std::shared_ptr<WalkRecorder> recorder_for(const Device& device) override;
   [[nodiscard]] Expected<void> name_recorded_room(const Device& device,
@@ -146,11 +146,11 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
   std::int64_t recording_device_ = 0;
 
   RecognitionLog recognitions_;
-  std::atomic<std::uint64_t> frames_looked_at_{0};
+  std::atomic<std::uint64_t> frames_processed_{0};
   std::atomic<std::uint64_t> dropped_by_gone_{0};  // by devices that are not here any more
 
   // Last, so that their threads end first.
-  std::unique_ptr<LookingThreads> looking_;
+  std::unique_ptr<FrameWorkers> looking_;
   std::unique_ptr<Jobs> jobs_;
 };
 

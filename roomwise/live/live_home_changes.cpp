@@ -1,8 +1,8 @@
 #include <algorithm>
 
 #include "roomwise/live/live_home.h"
-#include "roomwise/pipeline/room_contents.h"
-#include "roomwise/pipeline/room_learning.h"
+#include "roomwise/pipeline/rooms/room_contents.h"
+#include "roomwise/pipeline/rooms/room_learning.h"
 
 // What people change in a home that is open.
 namespace roomwise::live {
@@ -27,7 +27,7 @@ Expected<void> rename_in_classifier(home::Home& home, const std::string& name,
   std::vector<std::string> rooms = classifier->rooms();
   std::ranges::replace(rooms, name, new_name);
   record->classifier = rooms::RoomClassifier(classifier->network(), rooms, classifier->regression(),
-                                             classifier->recall())
+                                             classifier->retrieval())
                            .to_bytes();
   ROOMWISE_CHECK_OK(home.put_room_classifier(*record));
   ROOMWISE_TRY(auto pictures, home.visit_pictures());

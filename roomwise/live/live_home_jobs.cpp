@@ -2,8 +2,8 @@
 
 #include "roomwise/live/live_home.h"
 #include "roomwise/live/walk_frames.h"
-#include "roomwise/pipeline/map_recording.h"
-#include "roomwise/pipeline/room_learning.h"
+#include "roomwise/pipeline/mapping/map_recording.h"
+#include "roomwise/pipeline/rooms/room_learning.h"
 #include "roomwise/recording/tum_recording.h"
 
 // The long work of a home that is open: recording, mapping, learning.

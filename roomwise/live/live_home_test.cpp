@@ -7,7 +7,7 @@
 
 #include "roomwise/image/codec.h"
 #include "roomwise/live/home_routes.h"
-#include "roomwise/pipeline/synthetic_walk.h"
+#include "roomwise/pipeline/testing/synthetic_walk.h"
 
 namespace roomwise::live {
 namespace {
@@ -144,8 +144,8 @@ TEST_F(LiveHomeTest, FromAnEmptyHomeToAnAnswer) {
   ASSERT_THAT(home->view()->walks, SizeIs(1));
   EXPECT_TRUE(home->view()->walks[0].stored.finished);
   ASSERT_TRUE(home->view()->map);
-  EXPECT_GT(home->view()->map->cloud_level.size(), 1000U);
-  EXPECT_GT(home->view()->map->coarse_cloud_level.size(), 1000U);
+  EXPECT_GT(home->view()->map->cloud_gravity.size(), 1000U);
+  EXPECT_GT(home->view()->map->coarse_cloud_gravity.size(), 1000U);
   learn_two_rooms();
   ASSERT_TRUE(home->view()->recognizer);
 

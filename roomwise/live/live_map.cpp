@@ -1,6 +1,6 @@
 #include "roomwise/live/live_map.h"
 
-#include "roomwise/pipeline/level_map.h"
+#include "roomwise/pipeline/mapping/gravity_aligned_map.h"
 
 namespace roomwise::live {
 
@@ -17,18 +17,19 @@ geometry::PointCloud thinned(const fusion::TriangleMesh& mesh, std::size_t most)
 Expected<std::shared_ptr<const LiveMap>> make_live_map(const home::Home& home,
                                                        pipeline::RunContext& run) {
   ROOMWISE_TRY(auto localizer, pipeline::HomeLocalizer::create(home, {}, run));
-  ROOMWISE_TRY(const pipeline::LevelMap level,
-               pipeline::build_level_map(home, fusion::FieldOptions{}.voxel_size_m, run));
+  ROOMWISE_TRY(const pipeline::GravityAlignedMap level,
+               pipeline::build_gravity_aligned_map(home, fusion::TsdfOptions{}.voxel_size_m, run));
   std::optional<fusion::FloorGrid> floor;
   if (level.frame.has_floor) {
     ROOMWISE_TRY(floor, pipeline::floor_grid_of(level, {}, run));
   }
-  const auto surface_level = fusion::transformed(level.frame.level_from_world, level.mesh_world);
+  const auto surface_gravity =
+      fusion::transformed(level.frame.gravity_from_world, level.mesh_world);
   return std::make_shared<const LiveMap>(
       LiveMap{.frame = level.frame,
               .floor = std::move(floor),
-              .cloud_level = thinned(surface_level, LiveMap::kMostPoints),
-              .coarse_cloud_level = thinned(surface_level, LiveMap::kMostCoarsePoints),
+              .cloud_gravity = thinned(surface_gravity, LiveMap::kMaxPoints),
+              .coarse_cloud_gravity = thinned(surface_gravity, LiveMap::kMaxCoarsePoints),
               .localizer = std::make_unique<const pipeline::HomeLocalizer>(std::move(localizer))});
 }
 

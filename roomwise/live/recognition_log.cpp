@@ -10,7 +10,7 @@ void RecognitionLog::add(const service::Identity& who, std::int64_t time_s,
   const std::string said = seen.verdict + "/" + seen.room;
   if (std::exchange(last_[who.device], said) == said) return;
   entries_.push_back({next_++, who, time_s, seen, picture});
-  if (entries_.size() > kMost) entries_.pop_front();
+  if (entries_.size() > kMax) entries_.pop_front();
 }
 
 std::vector<Recognition> RecognitionLog::newest_first() const {

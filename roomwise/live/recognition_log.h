@@ -26,7 +26,7 @@ struct Recognition {
 // The last recognitions, with their pictures, in memory alone. Thread-safe.
 class RecognitionLog {
  public:
-  static constexpr std::size_t kMost = 50;
+  static constexpr std::size_t kMax = 50;
 
   // Kept only if the device's verdict or room is another than at its last one.
   void add(const service::Identity& who, std::int64_t time_s, const service::Seen& seen,

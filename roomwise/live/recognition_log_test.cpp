@@ -33,10 +33,10 @@ TEST(RecognitionLog, KeepsWhatChangedWhatWasSaidOfADevice) {
 TEST(RecognitionLog, ForgetsTheOldestAndAllWhenAsked) {
   RecognitionLog log;
   const service::Identity phone{1, "phone", service::Role::kDevice};
-  for (std::size_t i = 0; i < RecognitionLog::kMost + 5; ++i) {
+  for (std::size_t i = 0; i < RecognitionLog::kMax + 5; ++i) {
     log.add(phone, 0, seen(std::to_string(i)), {1});
   }
-  EXPECT_THAT(log.newest_first(), SizeIs(RecognitionLog::kMost));
+  EXPECT_THAT(log.newest_first(), SizeIs(RecognitionLog::kMax));
   EXPECT_FALSE(log.picture(1));
   log.clear();
   EXPECT_THAT(log.newest_first(), SizeIs(0));

@@ -8,7 +8,7 @@
 #include <optional>
 #include <string>
 
-#include "roomwise/live/eye.h"
+#include "roomwise/live/frame_processor.h"
 #include "roomwise/recording/tum_writer.h"
 
 namespace roomwise::live {

@@ -12,10 +12,11 @@ bool is_sure(const ViewAlignment& alignment, const PosePrior& prior,
   if (!alignment.found || alignment.is_ambiguous || alignment.pose.rms > options.sure_rms ||
       alignment.agreement.overlap < options.sure_overlap ||
       alignment.agreement.agreeing < options.sure_agreeing ||
-      surprise(alignment.pose.reference_from_current, prior) > options.sure_surprise) {
+      squared_mahalanobis(alignment.pose.reference_from_current, prior) >
+          options.sure_squared_mahalanobis) {
     return false;
   }
-  const Eigen::SelfAdjointEigenSolver<geometry::Matrix6d> solver(alignment.seen_information,
+  const Eigen::SelfAdjointEigenSolver<geometry::Matrix6d> solver(alignment.measured_information,
                                                                  Eigen::EigenvaluesOnly);
   return solver.eigenvalues()[0] >= 1 / (options.sure_sigma * options.sure_sigma);
 }
@@ -55,24 +56,25 @@ PosePrior prior_from(const RefinedPose& pose) {
 Expected<void> LocatorOptions::validate() const {
   ROOMWISE_CHECK_OK(features.validate());
   ROOMWISE_CHECK_OK(views.validate());
-  if (!(sure_rms > 0) || !(most_rms >= sure_rms)) {
-    return fail("sure_rms = {} must be positive and not above most_rms = {}", sure_rms, most_rms);
+  if (!(sure_rms > 0) || !(max_rms >= sure_rms)) {
+    return fail("sure_rms = {} must be positive and not above max_rms = {}", sure_rms, max_rms);
   }
   for (const auto& [name, value] :
        {std::pair("sure_sigma", sure_sigma), std::pair("confirmed_from_m", confirmed_from_m),
         std::pair("confirmed_from_rad", confirmed_from_rad)}) {
     if (!(value > 0)) return fail("{} = {} must be positive", name, value);
   }
-  if (!(sure_surprise > 0) || !(most_surprise >= sure_surprise)) {
-    return fail("sure_surprise = {} must be positive and not above most_surprise = {}",
-                sure_surprise, most_surprise);
+  if (!(sure_squared_mahalanobis > 0) || !(max_squared_mahalanobis >= sure_squared_mahalanobis)) {
+    return fail(
+        "sure_squared_mahalanobis = {} must be positive and not above max_squared_mahalanobis = {}",
+        sure_squared_mahalanobis, max_squared_mahalanobis);
   }
   for (const auto& [name, share] :
        {std::pair("sure_overlap", sure_overlap), std::pair("sure_agreeing", sure_agreeing)}) {
     if (!(share >= 0 && share <= 1)) return fail("{} = {} must be between 0 and 1", name, share);
   }
-  if (surprising_inliers < 0) {
-    return fail("surprising_inliers = {} must not be negative", surprising_inliers);
+  if (min_inliers_against_prior < 0) {
+    return fail("min_inliers_against_prior = {} must not be negative", min_inliers_against_prior);
   }
   return {};
 }
@@ -82,10 +84,11 @@ MotionOutcome locate_frame(const FrameMeasurements& reference, const FrameMeasur
                            const geometry::PinholeCamera& camera, const LocatorOptions& options,
                            RandomStream random) {
   const auto fits = [&](const ViewAlignment& alignment) {
-    return alignment.found && alignment.pose.rms <= options.most_rms;
+    return alignment.found && alignment.pose.rms <= options.max_rms;
   };
-  const auto is_surprising = [&](const RefinedPose& pose) {
-    return prior && surprise(pose.reference_from_current, *prior) > options.most_surprise;
+  const auto contradicts_prior = [&](const RefinedPose& pose) {
+    return prior && squared_mahalanobis(pose.reference_from_current, *prior) >
+                        options.max_squared_mahalanobis;
   };
   if (reference.view().empty() || current.view().empty()) {
     return estimate_motion(reference.features(), current.features(), camera, options.features,
@@ -94,11 +97,11 @@ MotionOutcome locate_frame(const FrameMeasurements& reference, const FrameMeasur
   std::optional<ViewAlignment> predicted;
   if (prior) {
     predicted = align_views(reference.view(), current.view(), *prior, options.views);
-    if (is_surprising(predicted->pose)) predicted->found = false;
-    if (!options.rests_on_prior) predicted->pose.information = predicted->seen_information;
+    if (contradicts_prior(predicted->pose)) predicted->found = false;
+    if (!options.rests_on_prior) predicted->pose.information = predicted->measured_information;
   }
-  const bool is_foreseen = predicted && is_sure(*predicted, *prior, options);
-  if (is_foreseen && !is_large(predicted->pose.reference_from_current, options) &&
+  const bool is_predicted = predicted && is_sure(*predicted, *prior, options);
+  if (is_predicted && !is_large(predicted->pose.reference_from_current, options) &&
       !is_large(prior->reference_from_current, options)) {
     return found_by_views(*predicted);
   }
@@ -108,22 +111,22 @@ MotionOutcome locate_frame(const FrameMeasurements& reference, const FrameMeasur
   const auto align_from_features = [&] {
     return align_views(reference.view(), current.view(), prior_from(outcome.pose), options.views);
   };
-  if (is_foreseen) {
+  if (is_predicted) {
     // What features say, if it is something else, is one start more: the better fit counts.
     if (!outcome.found() || !is_elsewhere(outcome.pose, predicted->pose)) {
       return found_by_views(*predicted);
     }
     const ViewAlignment other = align_from_features();
-    if (!other.found || is_surprising(other.pose) || !is_elsewhere(other.pose, predicted->pose) ||
-        other.pose.rms >= predicted->pose.rms) {
+    if (!other.found || contradicts_prior(other.pose) ||
+        !is_elsewhere(other.pose, predicted->pose) || other.pose.rms >= predicted->pose.rms) {
       return found_by_views(*predicted);
     }
     outcome.pose = other.pose;
     return outcome;
   }
-  if (outcome.found() && is_surprising(outcome.pose) &&
-      outcome.inliers < options.surprising_inliers) {
-    outcome.status = MotionStatus::kSurprising;
+  if (outcome.found() && contradicts_prior(outcome.pose) &&
+      outcome.inliers < options.min_inliers_against_prior) {
+    outcome.status = MotionStatus::kContradictsPrior;
   } else if (outcome.found()) {
     const ViewAlignment refined = align_from_features();
     if (fits(refined)) {
@@ -132,8 +135,8 @@ MotionOutcome locate_frame(const FrameMeasurements& reference, const FrameMeasur
     }
     const ViewAgreement agreement =
         compare_views(reference.view(), current.view(), outcome.pose.reference_from_current);
-    if (agreement.agreeing >= options.views.least_agreeing &&
-        agreement.seen_through <= options.views.most_seen_through) {
+    if (agreement.agreeing >= options.views.min_agreeing &&
+        agreement.seen_through <= options.views.max_seen_through) {
       return outcome;
     }
     outcome.status = MotionStatus::kContradicted;

@@ -14,21 +14,21 @@ struct LocatorOptions {
   // An alignment of views that starts from the prior is believed without features if its residual
   // is at most `sure_rms` (sigmas), it overlaps by `sure_overlap` and agrees there by
   // `sure_agreeing`, its worst determined direction is known to `sure_sigma` (m, half a rad), and
-  // it lies no further from the prior than `sure_surprise` (e^T Omega e).
+  // it lies no further from the prior than `sure_squared_mahalanobis` (e^T Omega e).
   double sure_rms = 1.3;
   double sure_overlap = 0.4;
   double sure_agreeing = 0.9;
   double sure_sigma = 0.005;
-  double sure_surprise = 6;
+  double sure_squared_mahalanobis = 6;
   // A sure alignment is still compared with what features say if the camera moved this far, or was
-  // foreseen to: where a pattern repeats, views also fit a period off.
+  // predicted to: where a pattern repeats, views also fit a period off.
   double confirmed_from_m = 0.12;
   double confirmed_from_rad = 0.14;
-  double most_rms = 2.0;  // an alignment with a larger residual than this is none
-  // Further from what was foreseen than this (e^T Omega e) an alignment is not believed, nor are
+  double max_rms = 2.0;  // an alignment with a larger residual than this is none
+  // Further from what was predicted than this (e^T Omega e) an alignment is not believed, nor are
   // fewer inliers among the features.
-  double most_surprise = 20.0;
-  int surprising_inliers = 40;
+  double max_squared_mahalanobis = 20.0;
+  int min_inliers_against_prior = 40;
   // Whether the prior is evidence of its own, on which the pose may rest where the views do not
   // tell. Not where it follows from what the map holds already, which would then count twice.
   bool rests_on_prior = true;

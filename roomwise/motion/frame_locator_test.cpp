@@ -5,8 +5,8 @@
 
 #include <cmath>
 
-#include "roomwise/base/testing.h"
-#include "roomwise/motion/test_scenes.h"
+#include "roomwise/base/testing/testing.h"
+#include "roomwise/motion/testing/test_scenes.h"
 
 namespace roomwise::motion {
 namespace {
@@ -28,7 +28,7 @@ MeasuredFeatures no_features() {
   none.features.descriptors = features::RealDescriptors(0, 64);
   return none;
 }
-FrameMeasurements without_asking_for_features(const SmallView& view) {
+FrameMeasurements without_asking_for_features(const RgbdPyramid& view) {
   return {view, [] {
             ADD_FAILURE() << "features were asked for";
             return no_features();
@@ -44,8 +44,8 @@ double error_m(const MotionOutcome& outcome, const RigidTransform& truth = kMoti
 
 class LocateFrame : public ::testing::Test {
  protected:
-  static inline const SmallView kReference = view_of(box_room(), kStart);
-  static inline const SmallView kCurrent = view_of(box_room(), kStart* kMotion);
+  static inline const RgbdPyramid kReference = view_of(box_room(), kStart);
+  static inline const RgbdPyramid kCurrent = view_of(box_room(), kStart* kMotion);
   // What the features say if the motion were another.
   static CommonFeatures features_of(const RigidTransform& motion, int count) {
     return common_features(box_room(), kStart, kStart * motion, count);
@@ -97,14 +97,14 @@ TEST_F(LocateFrame, FeaturesThatTheDepthContradictsAreNotBelieved) {
   EXPECT_THAT(outcome.describe(), HasSubstr("of 100 matches"));
 }
 
-TEST_F(LocateFrame, FewFeaturesDoNotOutweighWhatWasForeseen) {
+TEST_F(LocateFrame, FewFeaturesDoNotOutweighThePrior) {
   const PosePrior elsewhere =
       PosePrior::around(kMotion * motion_by({0, 0.4, 0}, {0.3, 0, 0}), 0.03, 0.05);
   const CommonFeatures few = features_of(kMotion, 30);
   const MotionOutcome surprising =
       locate({few.reference, kReference}, {few.current, kCurrent}, elsewhere);
-  EXPECT_EQ(surprising.status, MotionStatus::kSurprising);
-  EXPECT_THAT(surprising.describe(), HasSubstr("foreseen"));
+  EXPECT_EQ(surprising.status, MotionStatus::kContradictsPrior);
+  EXPECT_THAT(surprising.describe(), HasSubstr("predicted"));
 
   const CommonFeatures many = features_of(kMotion, 80);
   const MotionOutcome outcome =
@@ -113,20 +113,20 @@ TEST_F(LocateFrame, FewFeaturesDoNotOutweighWhatWasForeseen) {
   EXPECT_LT(error_m(outcome), 0.002);
 }
 
-TEST_F(LocateFrame, AnAlignmentFarFromWhatWasForeseenIsNone) {
+TEST_F(LocateFrame, AnAlignmentFarFromThePriorIsNone) {
   // The views fit at the truth, which is six sigmas away.
   const PosePrior prior =
       PosePrior::around(kMotion * motion_by({0, 0, 0}, {0.12, 0, 0}), 0.02, 0.05);
   const ViewAlignment alignment = align_views(kReference, kCurrent, prior);
   ASSERT_TRUE(alignment.found);
-  ASSERT_GT(surprise(alignment.pose.reference_from_current, prior), 20);
+  ASSERT_GT(squared_mahalanobis(alignment.pose.reference_from_current, prior), 20);
   EXPECT_FALSE(locate({no_features(), kReference}, {no_features(), kCurrent}, prior).found());
 }
 
 TEST(LocateFrameAtAWall, BelievesThePriorsAlignmentALittleWhereNothingElseIsSeen) {
   const RigidTransform motion = motion_by({0.02, 0, 0}, {0.03, 0, 0.04});
-  const SmallView reference = view_of(wall(1.8), RigidTransform::identity());
-  const SmallView current = view_of(wall(1.8), motion);
+  const RgbdPyramid reference = view_of(wall(1.8), RigidTransform::identity());
+  const RgbdPyramid current = view_of(wall(1.8), motion);
   const PosePrior prior = PosePrior::around(motion, 0.03, 0.05);
   int asked = 0;
   const FrameMeasurements bare(current, [&asked] {
@@ -159,15 +159,15 @@ TEST(LocateFrameAtAWall, FeaturesDecideBetweenTwoPlacesThatLookAlike) {
     return 130 + 60 * std::sin(2 * M_PI / 0.4 * p.x()) + 30 * std::sin(7 * p.y());
   };
   const RigidTransform motion = motion_by({0, 0, 0}, {0.41, 0, 0});
-  const SmallView reference = view_of(wall(1.8, stripes), RigidTransform::identity());
-  const SmallView current = view_of(wall(1.8, stripes), motion);
+  const RgbdPyramid reference = view_of(wall(1.8, stripes), RigidTransform::identity());
+  const RgbdPyramid current = view_of(wall(1.8, stripes), motion);
   PosePrior prior = PosePrior::around(RigidTransform::identity(), 0.3, 0.1);
   prior.other_start = motion;
   ASSERT_TRUE(align_views(reference, current, prior).is_ambiguous);
   // What else could leave a doubt is allowed for.
   LocatorOptions options;
   options.sure_sigma = 0.1;
-  options.sure_surprise = 1e3;
+  options.sure_squared_mahalanobis = 1e3;
   const CommonFeatures common = common_features(wall(1.8, stripes), {}, motion, 60);
   int asked = 0;
   const auto measure = [&] {
@@ -196,16 +196,16 @@ class LocateFrameAtARepeatedPattern : public ::testing::Test {
            25 * std::sin(1.5 * p.x());
   }
   static inline const RigidTransform kAlong = motion_by({0, 0, 0}, {0.3, 0, 0});
-  static inline const SmallView kReference = view_of(wall(1.8, brightness), {});
-  static inline const SmallView kCurrent = view_of(wall(1.8, brightness), kAlong);
+  static inline const RgbdPyramid kReference = view_of(wall(1.8, brightness), {});
+  static inline const RgbdPyramid kCurrent = view_of(wall(1.8, brightness), kAlong);
   // What could leave another doubt is allowed for.
   static LocatorOptions unsuspecting() {
     LocatorOptions options;
     options.sure_sigma = 0.1;
-    options.sure_rms = options.most_rms = 5;
+    options.sure_rms = options.max_rms = 5;
     return options;
   }
-  static PosePrior foreseen(double along_m) {
+  static PosePrior predicted(double along_m) {
     return PosePrior::around(motion_by({0, 0, 0}, {along_m, 0, 0}), 0.15, 0.1);
   }
   static CommonFeatures features_of(double along_m) {
@@ -214,7 +214,7 @@ class LocateFrameAtARepeatedPattern : public ::testing::Test {
 };
 
 TEST_F(LocateFrameAtARepeatedPattern, FeaturesPutRightViewsThatFitAPeriodOff) {
-  const PosePrior prior = foreseen(0.3 - 0.85 * kPeriod_m);
+  const PosePrior prior = predicted(0.3 - 0.85 * kPeriod_m);
   const MotionOutcome blind =
       locate({no_features(), kReference}, {no_features(), kCurrent}, prior, unsuspecting());
   ASSERT_TRUE(blind.found());
@@ -230,35 +230,35 @@ TEST_F(LocateFrameAtARepeatedPattern, FeaturesPutRightViewsThatFitAPeriodOff) {
 TEST_F(LocateFrameAtARepeatedPattern, ViewsThatFitBetterStandAgainstFeaturesAPeriodOff) {
   const CommonFeatures wrong = features_of(0.3 - kPeriod_m);
   const MotionOutcome outcome = locate({wrong.reference, kReference}, {wrong.current, kCurrent},
-                                       foreseen(0.29), unsuspecting());
+                                       predicted(0.29), unsuspecting());
   ASSERT_TRUE(outcome.found());
   EXPECT_LT(error_m(outcome, kAlong), 0.003);
 }
 
 TEST_F(LocateFrameAtARepeatedPattern, FeaturesThatSayTheSameChangeNothing) {
   const MotionOutcome alone = locate({no_features(), kReference}, {no_features(), kCurrent},
-                                     foreseen(0.29), unsuspecting());
+                                     predicted(0.29), unsuspecting());
   ASSERT_LT(error_m(alone, kAlong), 0.003);
   const CommonFeatures nearly = features_of(0.31);
   const MotionOutcome outcome = locate({nearly.reference, kReference}, {nearly.current, kCurrent},
-                                       foreseen(0.29), unsuspecting());
+                                       predicted(0.29), unsuspecting());
   EXPECT_EQ(outcome.pose.reference_from_current.translation,
             alone.pose.reference_from_current.translation);
   EXPECT_EQ(outcome.inliers, 0);
 }
 
 TEST_F(LocateFrameAtARepeatedPattern, AfterASmallMotionNothingIsConfirmed) {
-  const SmallView near = view_of(wall(1.8, brightness), motion_by({0, 0, 0}, {0.05, 0, 0}));
+  const RgbdPyramid near = view_of(wall(1.8, brightness), motion_by({0, 0, 0}, {0.05, 0, 0}));
   EXPECT_TRUE(locate(without_asking_for_features(kReference), without_asking_for_features(near),
-                     foreseen(0.06), unsuspecting())
+                     predicted(0.06), unsuspecting())
                   .found());
 }
 
 TEST(LocatorOptions, SaysWhichFieldIsWrong) {
   LocatorOptions options;
   EXPECT_OK(options.validate());
-  options.most_rms = 1;
-  EXPECT_ERROR(options.validate(), "most_rms = 1");
+  options.max_rms = 1;
+  EXPECT_ERROR(options.validate(), "max_rms = 1");
   options = {};
   options.sure_sigma = 0;
   EXPECT_ERROR(options.validate(), "sure_sigma");

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "roomwise/motion/measured_features.h"
-#include "roomwise/motion/small_view.h"
+#include "roomwise/motion/rgbd_pyramid.h"
 
 namespace roomwise::motion {
 
@@ -15,12 +15,12 @@ namespace roomwise::motion {
 class FrameMeasurements {
  public:
   // Without a view (the paper's method needs none), or with one.
-  FrameMeasurements(MeasuredFeatures features, SmallView view = {})  // NOLINT: may convert
+  FrameMeasurements(MeasuredFeatures features, RgbdPyramid view = {})  // NOLINT: may convert
       : view_(std::move(view)), features_(std::move(features)) {}
-  FrameMeasurements(SmallView view, std::function<MeasuredFeatures()> measure)
+  FrameMeasurements(RgbdPyramid view, std::function<MeasuredFeatures()> measure)
       : view_(std::move(view)), measure_(std::move(measure)) {}
 
-  [[nodiscard]] const SmallView& view() const { return view_; }
+  [[nodiscard]] const RgbdPyramid& view() const { return view_; }
   [[nodiscard]] const MeasuredFeatures& features() const {
     if (!features_) {
       features_ = measure_();
@@ -30,7 +30,7 @@ class FrameMeasurements {
   }
 
  private:
-  SmallView view_;
+  RgbdPyramid view_;
   mutable std::function<MeasuredFeatures()> measure_;
   mutable std::optional<MeasuredFeatures> features_;
 };

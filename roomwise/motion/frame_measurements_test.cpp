@@ -4,7 +4,7 @@
 
 #include <memory>
 
-#include "roomwise/motion/test_scenes.h"
+#include "roomwise/motion/testing/test_scenes.h"
 
 namespace roomwise::motion {
 namespace {
@@ -16,7 +16,7 @@ MeasuredFeatures so_many_features(int count) {
 
 TEST(FrameMeasurements, FindsFeaturesOnceWhenFirstAskedFor) {
   int calls = 0;
-  const FrameMeasurements measurements(SmallView(), [&calls] {
+  const FrameMeasurements measurements(RgbdPyramid(), [&calls] {
     ++calls;
     return so_many_features(3);
   });
@@ -31,7 +31,7 @@ TEST(FrameMeasurements, FindsFeaturesOnceWhenFirstAskedFor) {
 
 TEST(FrameMeasurements, LetsGoOfTheImageWhenFeaturesAreFound) {
   auto image = std::make_shared<int>(7);
-  const FrameMeasurements measurements(SmallView(), [image] { return so_many_features(*image); });
+  const FrameMeasurements measurements(RgbdPyramid(), [image] { return so_many_features(*image); });
   EXPECT_EQ(image.use_count(), 2);
   EXPECT_EQ(measurements.features().size(), 7U);
   EXPECT_EQ(image.use_count(), 1);

@@ -21,12 +21,12 @@ double depth_around(const image::DepthImage& depth, const geometry::PinholeCamer
       if (value != 0) measured[count++] = value;
     }
   }
-  constexpr std::size_t kLeastMeasured = 3;
-  if (count < kLeastMeasured) return 0;
+  constexpr std::size_t kMinMeasured = 3;
+  if (count < kMinMeasured) return 0;
   std::ranges::sort(measured);
   const double median_m = measured[count / 2] / camera.depth_units_per_metre;
   const double spread_m = (measured[count - 1] - measured[0]) / camera.depth_units_per_metre;
-  if (median_m > range.farthest_m || spread_m > range.most_relative_spread * median_m) return 0;
+  if (median_m > range.farthest_m || spread_m > range.max_relative_spread * median_m) return 0;
   return median_m;
 }
 
@@ -34,8 +34,8 @@ double depth_around(const image::DepthImage& depth, const geometry::PinholeCamer
 
 Expected<void> DepthRange::validate() const {
   if (!(farthest_m > 0)) return fail("farthest_m = {} must be positive", farthest_m);
-  if (!(most_relative_spread > 0))
-    return fail("most_relative_spread = {} must be positive", most_relative_spread);
+  if (!(max_relative_spread > 0))
+    return fail("max_relative_spread = {} must be positive", max_relative_spread);
   return {};
 }
 

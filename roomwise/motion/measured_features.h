@@ -25,7 +25,7 @@ struct DepthRange {
   double farthest_m = 7.0;
   // Around a key-point the depths may differ by this part of the distance; more is the edge of a
   // thing, where depth and colour do not belong together.
-  double most_relative_spread = 0.05;
+  double max_relative_spread = 0.05;
 
   [[nodiscard]] Expected<void> validate() const;
 };

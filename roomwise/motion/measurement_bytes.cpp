@@ -58,9 +58,9 @@ class Reader {
   }
   // How long the rows are that follow; 0 where there cannot be as many so long.
   [[nodiscard]] std::size_t get_columns(std::size_t rows, std::size_t bytes_each) {
-    constexpr std::uint64_t kMost = 65536;
+    constexpr std::uint64_t kMax = 65536;
     const auto columns = get<std::uint64_t>();
-    if (columns <= kMost && columns * rows * bytes_each <= rest_.size()) return columns;
+    if (columns <= kMax && columns * rows * bytes_each <= rest_.size()) return columns;
     is_short_ = true;
     return 0;
   }
@@ -148,9 +148,9 @@ std::size_t memory_bytes(const FrameMeasurements& measurements) {
         return static_cast<std::size_t>(descriptors.size()) * sizeof(typename Descriptors::Scalar);
       },
       features.features.descriptors);
-  for (const ViewLevel& level : measurements.view().levels) {
+  for (const PyramidLevel& level : measurements.view().levels) {
     bytes +=
-        sizeof(ViewLevel) + level.gray.pixels().size_bytes() + level.depth.pixels().size_bytes();
+        sizeof(PyramidLevel) + level.gray.pixels().size_bytes() + level.depth.pixels().size_bytes();
   }
   return bytes;
 }
@@ -158,7 +158,7 @@ std::size_t memory_bytes(const FrameMeasurements& measurements) {
 Bytes to_bytes(const FrameMeasurements& measurements) {
   Writer writer;
   writer.put(static_cast<std::uint64_t>(measurements.view().levels.size()));
-  for (const ViewLevel& level : measurements.view().levels) {
+  for (const PyramidLevel& level : measurements.view().levels) {
     writer.put(level.camera);
     put_image(writer, level.gray);
     put_image(writer, level.depth);
@@ -169,13 +169,13 @@ Bytes to_bytes(const FrameMeasurements& measurements) {
 
 Expected<FrameMeasurements> measurements_from_bytes(std::span<const std::uint8_t> bytes) {
   Reader reader(bytes);
-  SmallView view;
+  RgbdPyramid view;
   const std::size_t levels = reader.get_count(sizeof(geometry::PinholeCamera));
   for (std::size_t i = 0; i < levels; ++i) {
     const auto camera = reader.get<geometry::PinholeCamera>();
-    ViewLevel& level =
-        view.levels.emplace_back(ViewLevel{camera, image::GrayImage(camera.width, camera.height),
-                                           image::DepthImage(camera.width, camera.height)});
+    PyramidLevel& level =
+        view.levels.emplace_back(PyramidLevel{camera, image::GrayImage(camera.width, camera.height),
+                                              image::DepthImage(camera.width, camera.height)});
     get_image(reader, level.gray);
     get_image(reader, level.depth);
   }

@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "roomwise/base/random.h"
-#include "roomwise/base/testing.h"
-#include "roomwise/motion/test_scenes.h"
+#include "roomwise/base/testing/testing.h"
+#include "roomwise/motion/testing/test_scenes.h"
 
 namespace roomwise::motion {
 namespace {
@@ -39,7 +39,7 @@ MeasuredFeatures made_up_features(std::size_t count, bool is_real) {
   return measured;
 }
 
-SmallView made_up_view() {
+RgbdPyramid made_up_view() {
   return testing::view_of(
       [](const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) {
         const double length = (2 - origin.z()) / direction.z();

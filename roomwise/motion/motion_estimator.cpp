@@ -60,8 +60,8 @@ std::array<std::size_t, 3> draw_three(RandomStream& random, std::size_t count) {
 
 // Whether two points are about as far apart as the current frame measured them; true where it did
 // not. Depth errors grow with the square of the distance.
-bool is_as_long(const PointObservation& a, const Eigen::Vector3d& ray_a, const PointObservation& b,
-                const Eigen::Vector3d& ray_b) {
+bool has_same_edge_length(const PointObservation& a, const Eigen::Vector3d& ray_a,
+                          const PointObservation& b, const Eigen::Vector3d& ray_b) {
   const double za = a.depth_current_m, zb = b.depth_current_m;
   if (za <= 0 || zb <= 0) return true;
   const double now_m = (ray_a * (za / ray_a.z()) - ray_b * (zb / ray_b.z())).norm();
@@ -78,13 +78,13 @@ Hypothesis solve_pnp_ransac(std::span<const PointObservation> observations,
     rays.push_back(camera.unproject_undistorted(observation.pixel_current, 1.0).normalized());
   }
   Hypothesis best;
-  double needed = options.most_iterations;
+  double needed = options.max_iterations;
   for (int iteration = 0; iteration < needed; ++iteration) {
     const auto [i, j, k] = draw_three(random, observations.size());
-    if (options.compares_lengths &&
-        !(is_as_long(observations[i], rays[i], observations[j], rays[j]) &&
-          is_as_long(observations[i], rays[i], observations[k], rays[k]) &&
-          is_as_long(observations[j], rays[j], observations[k], rays[k]))) {
+    if (options.checks_edge_lengths &&
+        !(has_same_edge_length(observations[i], rays[i], observations[j], rays[j]) &&
+          has_same_edge_length(observations[i], rays[i], observations[k], rays[k]) &&
+          has_same_edge_length(observations[j], rays[j], observations[k], rays[k]))) {
       continue;
     }
     const std::array points{observations[i].point_reference, observations[j].point_reference,
@@ -94,7 +94,7 @@ Hypothesis solve_pnp_ransac(std::span<const PointObservation> observations,
       if (hypothesis.cost >= best.cost) continue;
       best = hypothesis;
       const double ratio = best.inliers / static_cast<double>(observations.size());
-      needed = std::min<double>(options.most_iterations, samples_needed(ratio, options.confidence));
+      needed = std::min<double>(options.max_iterations, samples_needed(ratio, options.confidence));
     }
   }
   return best;
@@ -123,22 +123,21 @@ std::vector<PointObservation> inliers_of(std::span<const PointObservation> obser
 
 Expected<void> MotionOptions::validate() const {
   ROOMWISE_CHECK_OK(matching.validate());
-  if (least_inliers < 4) return fail("least_inliers = {} must be at least 4", least_inliers);
-  if (least_matches < least_inliers) {
-    return fail("least_matches = {} must not be below least_inliers = {}", least_matches,
-                least_inliers);
+  if (min_inliers < 4) return fail("min_inliers = {} must be at least 4", min_inliers);
+  if (min_matches < min_inliers) {
+    return fail("min_matches = {} must not be below min_inliers = {}", min_matches, min_inliers);
   }
-  if (least_features < 0) return fail("least_features = {} must not be negative", least_features);
-  if (!(least_inlier_ratio >= 0 && least_inlier_ratio <= 1)) {
-    return fail("least_inlier_ratio = {} must be between 0 and 1", least_inlier_ratio);
+  if (min_features < 0) return fail("min_features = {} must not be negative", min_features);
+  if (!(min_inlier_ratio >= 0 && min_inlier_ratio <= 1)) {
+    return fail("min_inlier_ratio = {} must be between 0 and 1", min_inlier_ratio);
   }
   if (!(inlier_px > 0)) return fail("inlier_px = {} must be positive", inlier_px);
-  if (most_iterations < 1) return fail("most_iterations = {} must be at least 1", most_iterations);
+  if (max_iterations < 1) return fail("max_iterations = {} must be at least 1", max_iterations);
   if (!(confidence > 0 && confidence < 1))
     return fail("confidence = {} must be between 0 and 1", confidence);
-  if (!(most_translation_m > 0) || !(most_rotation_rad > 0)) {
-    return fail("most_translation_m = {} and most_rotation_rad = {} must be positive",
-                most_translation_m, most_rotation_rad);
+  if (!(max_translation_m > 0) || !(max_rotation_rad > 0)) {
+    return fail("max_translation_m = {} and max_rotation_rad = {} must be positive",
+                max_translation_m, max_rotation_rad);
   }
   return {};
 }
@@ -159,8 +158,8 @@ std::string_view to_string(MotionStatus status) {
       return "the depth images contradict the pose";
     case MotionStatus::kNothingInCommon:
       return "nothing in common";
-    case MotionStatus::kSurprising:
-      return "the motion is not what was foreseen";
+    case MotionStatus::kContradictsPrior:
+      return "the motion is not what was predicted";
   }
   return "unknown";
 }
@@ -182,7 +181,7 @@ std::string MotionOutcome::describe() const {
     case MotionStatus::kNothingInCommon:
       return std::string(to_string(status));
     case MotionStatus::kContradicted:
-    case MotionStatus::kSurprising:
+    case MotionStatus::kContradictsPrior:
       return fmt::format("{} ({} inliers of {} matches)", to_string(status), inliers, matches);
   }
   return "unknown";
@@ -210,13 +209,13 @@ MotionOutcome estimate_motion(std::span<const PointObservation> observations,
     return outcome;
   };
   outcome.matches = static_cast<int>(observations.size());
-  if (outcome.matches < options.least_matches) return stop(MotionStatus::kTooFewMatches);
+  if (outcome.matches < options.min_matches) return stop(MotionStatus::kTooFewMatches);
 
   const Hypothesis hypothesis = solve_pnp_ransac(observations, camera, options, random);
   outcome.inliers = hypothesis.inliers;
   const auto enough = [&] {
-    return outcome.inliers >= options.least_inliers &&
-           outcome.inliers >= options.least_inlier_ratio * outcome.matches;
+    return outcome.inliers >= options.min_inliers &&
+           outcome.inliers >= options.min_inlier_ratio * outcome.matches;
   };
   if (!enough()) return stop(MotionStatus::kTooFewInliers);
 
@@ -233,8 +232,8 @@ MotionOutcome estimate_motion(std::span<const PointObservation> observations,
   }
   const RigidTransform& motion = outcome.pose.reference_from_current;
   if (!motion.is_finite()) return stop(MotionStatus::kTooFewInliers);
-  if (motion.distance_m() > options.most_translation_m ||
-      motion.angle_rad() > options.most_rotation_rad) {
+  if (motion.distance_m() > options.max_translation_m ||
+      motion.angle_rad() > options.max_rotation_rad) {
     return stop(MotionStatus::kMotionTooLarge);
   }
   return stop(MotionStatus::kFound);
@@ -245,7 +244,7 @@ MotionOutcome estimate_motion(const MeasuredFeatures& reference, const MeasuredF
                               RandomStream random) {
   MotionOutcome outcome;
   const int features = static_cast<int>(std::min(reference.size(), current.size()));
-  if (features >= options.least_features) {
+  if (features >= options.min_features) {
     outcome = estimate_motion(match_points(reference, current, options.matching), camera, options,
                               random);
   }

@@ -13,19 +13,19 @@ namespace roomwise::motion {
 
 struct MotionOptions {
   features::MatchOptions matching;
-  int least_features = 20;
-  int least_matches = 15;  // of points with depth
-  int least_inliers = 12;
-  double least_inlier_ratio = 0.15;  // of the matches
-  double inlier_px = 3.0;            // a match further from its prediction is an outlier
-  int most_iterations = 500;         // of RANSAC
-  double confidence = 0.999;         // stops when a better pose is less probable than 1 minus this
-  double most_translation_m = 3.0;   // between the two frames
-  double most_rotation_rad = 1.6;
+  int min_features = 20;
+  int min_matches = 15;  // of points with depth
+  int min_inliers = 12;
+  double min_inlier_ratio = 0.15;  // of the matches
+  double inlier_px = 3.0;          // a match further from its prediction is an outlier
+  int max_iterations = 500;        // of RANSAC
+  double confidence = 0.999;       // stops when a better pose is less probable than 1 minus this
+  double max_translation_m = 3.0;  // between the two frames
+  double max_rotation_rad = 1.6;
   // Samples of RANSAC whose points lie at other distances from each other in the current frame's
   // depth image than in the reference are passed over unsolved: finds poses among many more
   // outliers at the same cost.
-  bool compares_lengths = false;
+  bool checks_edge_lengths = false;
   ResidualModel residuals;
 
   [[nodiscard]] Expected<void> validate() const;
@@ -37,9 +37,9 @@ enum class MotionStatus {
   kTooFewMatches,
   kTooFewInliers,
   kMotionTooLarge,
-  kContradicted,     // by the depth images
-  kNothingInCommon,  // views that do not overlap
-  kSurprising,       // too far from what was foreseen for so few inliers
+  kContradicted,      // by the depth images
+  kNothingInCommon,   // views that do not overlap
+  kContradictsPrior,  // too far from what was predicted for so few inliers
 };
 [[nodiscard]] std::string_view to_string(MotionStatus status);  // "found", "too few matches", ...
 

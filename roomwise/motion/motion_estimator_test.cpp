@@ -3,8 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "roomwise/base/testing.h"
-#include "roomwise/motion/test_scenes.h"
+#include "roomwise/base/testing/testing.h"
+#include "roomwise/motion/testing/test_scenes.h"
 
 namespace roomwise::motion {
 namespace {
@@ -94,7 +94,7 @@ TEST(EstimateMotion, SaysWhyThereIsNoPose) {
   EXPECT_THAT(inliers.describe(), HasSubstr("of 80 matches"));
 
   MotionOptions still;
-  still.most_translation_m = 0.1;
+  still.max_translation_m = 0.1;
   const MotionOutcome large = estimate(two_frames(a_motion(), 50, 0, 0, 1), still);
   EXPECT_EQ(large.status, MotionStatus::kMotionTooLarge);
   EXPECT_THAT(large.describe(), HasSubstr("0.27 m"));
@@ -106,13 +106,13 @@ TEST(MotionOptions, SaysWhichFieldIsWrong) {
   options.confidence = 1;
   EXPECT_ERROR(options.validate(), "confidence");
   options = {};
-  options.least_matches = 3;
-  EXPECT_ERROR(options.validate(), "least_matches");
+  options.min_matches = 3;
+  EXPECT_ERROR(options.validate(), "min_matches");
   options = {};
-  options.least_inlier_ratio = 1.5;
-  EXPECT_ERROR(options.validate(), "least_inlier_ratio");
+  options.min_inlier_ratio = 1.5;
+  EXPECT_ERROR(options.validate(), "min_inlier_ratio");
   EXPECT_ERROR(DepthRange{.farthest_m = -1}.validate(), "farthest_m");
-  EXPECT_ERROR(DepthRange{.most_relative_spread = NAN}.validate(), "most_relative_spread");
+  EXPECT_ERROR(DepthRange{.max_relative_spread = NAN}.validate(), "max_relative_spread");
 }
 
 }  // namespace

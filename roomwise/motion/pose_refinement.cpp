@@ -49,7 +49,7 @@ Eigen::Matrix<double, 3, 6> residual_jacobian(const PointObservation& observatio
   by_point(1, 1) = camera.fy * inverse_z / model.pixel_sigma_px;
   by_point(1, 2) = -camera.fy * point_current.y() * inverse_z * inverse_z / model.pixel_sigma_px;
   if (observation.depth_current_m > 0) {
-    by_point(2, 2) = -model.stereo_px_m * inverse_z * inverse_z / model.disparity_sigma_px;
+    by_point(2, 2) = -model.focal_baseline_px_m * inverse_z * inverse_z / model.disparity_sigma_px;
   }
   // point_current changes by point x omega - v.
   Eigen::Matrix<double, 3, 6> point_by_twist;
@@ -93,7 +93,7 @@ Eigen::Vector3d residual(const PointObservation& observation,
       camera.project_undistorted(point_current) - observation.pixel_current;
   const double disparity =
       observation.depth_current_m > 0
-          ? model.stereo_px_m * (1 / point_current.z() - 1 / observation.depth_current_m)
+          ? model.focal_baseline_px_m * (1 / point_current.z() - 1 / observation.depth_current_m)
           : 0.0;
   return {pixel.x() / model.pixel_sigma_px, pixel.y() / model.pixel_sigma_px,
           disparity / model.disparity_sigma_px};
@@ -131,12 +131,12 @@ Matrix6d with_systematic_error(const Matrix6d& information, double translation_s
 RefinedPose refine_pose(std::span<const PointObservation> observations,
                         const RigidTransform& reference_from_current, const PinholeCamera& camera,
                         const ResidualModel& model) {
-  constexpr int kMostIterations = 20;
-  constexpr double kLeastStep = 1e-9;
+  constexpr int kMaxIterations = 20;
+  constexpr double kMinStep = 1e-9;
   RigidTransform pose = reference_from_current;
   double cost = total_cost(observations, pose, camera, model);
   double damping = 1e-6;
-  for (int iteration = 0; iteration < kMostIterations; ++iteration) {
+  for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
     const PoseEquations equations = linearize(observations, pose, camera, model);
     Matrix6d damped = equations.hessian;
     damped.diagonal() += damping * equations.hessian.diagonal();
@@ -151,7 +151,7 @@ RefinedPose refine_pose(std::span<const PointObservation> observations,
     } else {
       damping *= 100;
     }
-    if (step.norm() < kLeastStep || damping > 1e6) break;
+    if (step.norm() < kMinStep || damping > 1e6) break;
   }
 
   const RigidTransform current_from_reference = pose.inverse();

@@ -16,11 +16,12 @@ struct PointObservation {
 };
 
 // How far an observation is from its prediction. Depth is compared as a structured-light camera
-// measures it, as disparity d = stereo_px_m / z, whose error is about the same at every distance.
+// measures it, as disparity d = focal_baseline_px_m / z, whose error is about the same at every
+// distance.
 struct ResidualModel {
   double pixel_sigma_px = 1.0;
   // Focal length times baseline of the depth camera, px m (a Kinect: about 525 px times 0.075 m).
-  double stereo_px_m = 40.0;
+  double focal_baseline_px_m = 40.0;
   double disparity_sigma_px = 1.0;
 };
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "roomwise/base/random.h"
-#include "roomwise/motion/test_scenes.h"
+#include "roomwise/motion/testing/test_scenes.h"
 
 namespace roomwise::motion {
 namespace {
@@ -35,8 +35,8 @@ std::vector<PointObservation> observe(const RigidTransform& reference_from_curre
     observation.pixel_current =
         pixel + noise * model.pixel_sigma_px * Eigen::Vector2d(random.normal(), random.normal());
     const double disparity =
-        model.stereo_px_m / depth_m + noise * model.disparity_sigma_px * random.normal();
-    observation.depth_current_m = i % 4 == 0 ? 0 : model.stereo_px_m / disparity;
+        model.focal_baseline_px_m / depth_m + noise * model.disparity_sigma_px * random.normal();
+    observation.depth_current_m = i % 4 == 0 ? 0 : model.focal_baseline_px_m / disparity;
     observations.push_back(observation);
   }
   return observations;

@@ -6,18 +6,18 @@
 
 namespace roomwise::motion {
 
-const ViewLevel& compared_level(const SmallView& view) {
+const PyramidLevel& compared_level(const RgbdPyramid& view) {
   return view.levels[std::min<std::size_t>(1, view.levels.size() - 1)];
 }
 
-ViewAgreement compare_views(const SmallView& reference_view, const SmallView& current_view,
+ViewAgreement compare_views(const RgbdPyramid& reference_view, const RgbdPyramid& current_view,
                             const geometry::RigidTransform& reference_from_current) {
   if (reference_view.empty() || current_view.empty()) return {};
-  const ViewLevel& current = compared_level(current_view);
+  const PyramidLevel& current = compared_level(current_view);
   std::size_t compared = 0, agreeing = 0, through = 0, front = 0;
-  const std::size_t measured = for_each_counterpart(
+  const std::size_t measured = for_each_correspondence(
       compared_level(reference_view), current, reference_from_current,
-      [&](const Counterpart& pair) {
+      [&](const Correspondence& pair) {
         // The smallest difference within a pixel, so that a steep surface and an edge are given
         // their due.
         std::optional<double> smallest;

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "roomwise/geometry/rigid_transform.h"
-#include "roomwise/motion/small_view.h"
+#include "roomwise/motion/rgbd_pyramid.h"
 
 namespace roomwise::motion {
 
@@ -17,11 +17,11 @@ struct ViewAgreement {
 };
 
 // Compares the depths of the second level. An empty view has nothing in common with any.
-[[nodiscard]] ViewAgreement compare_views(const SmallView& reference, const SmallView& current,
+[[nodiscard]] ViewAgreement compare_views(const RgbdPyramid& reference, const RgbdPyramid& current,
                                           const geometry::RigidTransform& reference_from_current);
 
 // The level at which views are compared: fine enough, and quick. The view must not be empty.
-[[nodiscard]] const ViewLevel& compared_level(const SmallView& view);
+[[nodiscard]] const PyramidLevel& compared_level(const RgbdPyramid& view);
 
 // Depths at this distance that differ by no more are the same surface.
 [[nodiscard]] inline double same_surface_m(double distance_m) {
@@ -30,7 +30,7 @@ struct ViewAgreement {
 
 // A measured pixel of the reference and the pixel of the current view in which its point would be
 // seen.
-struct Counterpart {
+struct Correspondence {
   int x = 0, y = 0;         // of the reference
   Eigen::Vector3d point;    // in the current camera's frame
   int column = 0, row = 0;  // of the current view, not at its border
@@ -39,9 +39,9 @@ struct Counterpart {
 // Calls `take` for all of them; returns how many pixels the reference measured. Pixels at the
 // reference's border are left out.
 template <typename Take>
-std::size_t for_each_counterpart(const ViewLevel& reference, const ViewLevel& current,
-                                 const geometry::RigidTransform& reference_from_current,
-                                 const Take& take) {
+std::size_t for_each_correspondence(const PyramidLevel& reference, const PyramidLevel& current,
+                                    const geometry::RigidTransform& reference_from_current,
+                                    const Take& take) {
   const geometry::RigidTransform current_from_reference = reference_from_current.inverse();
   const geometry::PinholeCamera& camera = current.camera;
   std::size_t measured = 0;
@@ -58,7 +58,7 @@ std::size_t for_each_counterpart(const ViewLevel& reference, const ViewLevel& cu
       const int column = static_cast<int>(std::lround(pixel.x()));
       const int row = static_cast<int>(std::lround(pixel.y()));
       if (column < 1 || row < 1 || column + 1 >= camera.width || row + 1 >= camera.height) continue;
-      take(Counterpart{x, y, point, column, row});
+      take(Correspondence{x, y, point, column, row});
     }
   }
   return measured;

@@ -37,43 +37,45 @@ struct SearchState {
 // The search at one level: its points, and how far apart surfaces may be there.
 class LevelAlignment {
  public:
-  LevelAlignment(const ViewLevel& reference, const ViewLevel& current, int stride,
-                 double most_step_m, const PosePrior& prior, const ViewAlignmentOptions& options)
+  LevelAlignment(const PyramidLevel& reference, const PyramidLevel& current, int stride,
+                 double max_correspondence_m, const PosePrior& prior,
+                 const ViewAlignmentOptions& options)
       : points_(surface_points(reference, stride)),
         current_(current),
-        most_step_m_(most_step_m),
+        max_step_m_(max_correspondence_m),
         prior_(prior),
-        held_(twist_information(prior.information)),
+        prior_information_(twist_information(prior.information)),
         options_(options) {}
 
   // Gauss and Newton's method from where the state is; false where it has no solution.
-  bool refine(SearchState& state, int most_iterations, double least_step) const {
+  bool refine(SearchState& state, int max_iterations, double min_step) const {
     state.exposure =
-        find_exposure(points_, current_, state.current_from_reference, most_step_m_, options_);
-    for (int iteration = 0; iteration < most_iterations; ++iteration) {
+        find_exposure(points_, current_, state.current_from_reference, max_step_m_, options_);
+    for (int iteration = 0; iteration < max_iterations; ++iteration) {
       state.equations = linearize_at(state);
       state.exposure = state.equations.exposure;
-      const Matrix6d hessian = state.equations.hessian + held_;
+      const Matrix6d hessian = state.equations.hessian + prior_information_;
       const Vector6d gradient =
-          state.equations.gradient + held_ * prior_error(state.current_from_reference, prior_);
+          state.equations.gradient +
+          prior_information_ * prior_error(state.current_from_reference, prior_);
       const Vector6d step = -hessian.ldlt().solve(gradient);
       if (!step.allFinite()) return false;
       state.current_from_reference = RigidTransform::exp(step) * state.current_from_reference;
-      if (step.norm() < least_step) break;
+      if (step.norm() < min_step) break;
     }
     return true;
   }
   [[nodiscard]] NormalEquations linearize_at(const SearchState& state) const {
-    return linearize(points_, current_, state.current_from_reference, state.exposure, most_step_m_,
+    return linearize(points_, current_, state.current_from_reference, state.exposure, max_step_m_,
                      options_);
   }
 
  private:
   std::vector<SurfacePoint> points_;
-  const ViewLevel& current_;
-  double most_step_m_;
+  const PyramidLevel& current_;
+  double max_step_m_;
   const PosePrior& prior_;
-  Matrix6d held_;
+  Matrix6d prior_information_;
   const ViewAlignmentOptions& options_;
 };
 
@@ -101,23 +103,23 @@ Expected<void> ViewAlignmentOptions::validate() const {
     return fail("place_sigma_px = {} must not be negative", place_sigma_px);
   }
   if (!(depth_sigma_m > 0)) return fail("depth_sigma_m = {} must be positive", depth_sigma_m);
-  if (!(least_gray_slope >= 0)) {
-    return fail("least_gray_slope = {} must not be negative", least_gray_slope);
+  if (!(min_gray_slope >= 0)) {
+    return fail("min_gray_slope = {} must not be negative", min_gray_slope);
   }
   for (const auto& [name, share] :
-       {std::pair("least_overlap", least_overlap), std::pair("least_agreeing", least_agreeing),
-        std::pair("most_seen_through", most_seen_through)}) {
+       {std::pair("min_overlap", min_overlap), std::pair("min_agreeing", min_agreeing),
+        std::pair("max_seen_through", max_seen_through)}) {
     if (!(share >= 0 && share <= 1)) return fail("{} = {} must be between 0 and 1", name, share);
   }
   return {};
 }
 
-double surprise(const RigidTransform& reference_from_current, const PosePrior& prior) {
+double squared_mahalanobis(const RigidTransform& reference_from_current, const PosePrior& prior) {
   const Vector6d error = prior_error(reference_from_current.inverse(), prior);
   return error.dot(twist_information(prior.information) * error);
 }
 
-ViewAlignment align_views(const SmallView& reference, const SmallView& current,
+ViewAlignment align_views(const RgbdPyramid& reference, const RgbdPyramid& current,
                           const PosePrior& prior, const ViewAlignmentOptions& options) {
   ViewAlignment alignment;
   const std::size_t levels = std::min(reference.levels.size(), current.levels.size());
@@ -152,14 +154,14 @@ ViewAlignment align_views(const SmallView& reference, const SmallView& current,
   }
   const NormalEquations& equations = starts[0].equations;
   if (equations.measured == 0) return alignment;
-  alignment.seen_information = edge_information(equations.hessian);
+  alignment.measured_information = edge_information(equations.hessian);
   alignment.pose = {starts[0].current_from_reference.inverse(),
                     edge_information(equations.hessian + twist_information(prior.information)),
                     std::sqrt(equations.squares / static_cast<double>(equations.measured))};
   alignment.agreement = compare_views(reference, current, alignment.pose.reference_from_current);
-  alignment.found = alignment.agreement.overlap >= options.least_overlap &&
-                    alignment.agreement.agreeing >= options.least_agreeing &&
-                    alignment.agreement.seen_through <= options.most_seen_through;
+  alignment.found = alignment.agreement.overlap >= options.min_overlap &&
+                    alignment.agreement.agreeing >= options.min_agreeing &&
+                    alignment.agreement.seen_through <= options.max_seen_through;
   return alignment;
 }
 

@@ -4,7 +4,7 @@
 
 #include "roomwise/geometry/rigid_transform.h"
 #include "roomwise/motion/pose_refinement.h"
-#include "roomwise/motion/small_view.h"
+#include "roomwise/motion/rgbd_pyramid.h"
 #include "roomwise/motion/view_agreement.h"
 
 namespace roomwise::motion {
@@ -23,8 +23,8 @@ struct PosePrior {
 };
 
 // e^T Omega e of a pose against what was expected.
-[[nodiscard]] double surprise(const geometry::RigidTransform& reference_from_current,
-                              const PosePrior& prior);
+[[nodiscard]] double squared_mahalanobis(const geometry::RigidTransform& reference_from_current,
+                                         const PosePrior& prior);
 
 struct ViewAlignmentOptions {
   double gray_sigma = 6;  // grey levels, of noise, blur and changing light
@@ -33,10 +33,10 @@ struct ViewAlignmentOptions {
   double place_sigma_px = 0.5;
   // Depth noise is this much at 1 m and grows with the square of the distance, m.
   double depth_sigma_m = 0.004;
-  double least_gray_slope = 4;  // per pixel; less is taken for noise
-  double least_overlap = 0.2;
-  double least_agreeing = 0.6;
-  double most_seen_through = 0.2;
+  double min_gray_slope = 4;  // per pixel; less is taken for noise
+  double min_overlap = 0.2;
+  double min_agreeing = 0.6;
+  double max_seen_through = 0.2;
 
   [[nodiscard]] Expected<void> validate() const;
 };
@@ -46,7 +46,7 @@ struct ViewAlignment {
   // Both starts led to different poses that fit about as well.
   bool is_ambiguous = false;
   RefinedPose pose;  // from the views and the prior; rms of the views, in sigmas
-  geometry::Matrix6d seen_information = geometry::Matrix6d::Zero();  // of the views alone
+  geometry::Matrix6d measured_information = geometry::Matrix6d::Zero();  // of the views alone
   ViewAgreement agreement;
 };
 
@@ -55,7 +55,7 @@ struct ViewAlignment {
 // brightness (with the change of exposure taken out), minimised together from coarse to fine, held
 // by the prior where the view does not tell. After Whelan et al., "Robust real-time visual odometry
 // for dense RGB-D mapping", ICRA 2013.
-[[nodiscard]] ViewAlignment align_views(const SmallView& reference, const SmallView& current,
+[[nodiscard]] ViewAlignment align_views(const RgbdPyramid& reference, const RgbdPyramid& current,
                                         const PosePrior& prior,
                                         const ViewAlignmentOptions& options = {});
 

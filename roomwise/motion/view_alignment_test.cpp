@@ -6,8 +6,8 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 
-#include "roomwise/base/testing.h"
-#include "roomwise/motion/test_scenes.h"
+#include "roomwise/base/testing/testing.h"
+#include "roomwise/motion/testing/test_scenes.h"
 
 namespace roomwise::motion {
 namespace {
@@ -21,9 +21,9 @@ using testing::kStart;
 using testing::marbled;
 using testing::motion_by;
 using testing::Picture;
+using testing::rgbd_pyramid;
 using testing::Scene;
 using testing::small_camera;
-using testing::small_view;
 using testing::view_of;
 using testing::wall;
 
@@ -59,8 +59,8 @@ void add_noise(Picture& picture, double gray_sigma, double depth_sigma_m, Random
 
 class AlignRoomViews : public ::testing::Test {
  protected:
-  static inline const SmallView kReference = view_of(box_room(), kStart);
-  static inline const SmallView kCurrent = view_of(box_room(), kStart* kMotion);
+  static inline const RgbdPyramid kReference = view_of(box_room(), kStart);
+  static inline const RgbdPyramid kCurrent = view_of(box_room(), kStart* kMotion);
 };
 
 TEST_F(AlignRoomViews, FindsTheMotionFromAPriorThatIsOff) {
@@ -75,7 +75,7 @@ TEST_F(AlignRoomViews, FindsTheMotionFromAPriorThatIsOff) {
     EXPECT_LT(error.angle_rad(), 0.001);
     EXPECT_LT(alignment.pose.rms, 0.7);
     EXPECT_GT(alignment.agreement.agreeing, 0.99);
-    EXPECT_GT(smallest_eigenvalue(alignment.seen_information), 1 / (0.005 * 0.005));
+    EXPECT_GT(smallest_eigenvalue(alignment.measured_information), 1 / (0.005 * 0.005));
   }
 }
 
@@ -90,7 +90,7 @@ TEST_F(AlignRoomViews, SwappingTheViewsInvertsTheMotion) {
 
 TEST_F(AlignRoomViews, DepthAloneIsEnoughInACornerWithoutTexture) {
   const Scene room = box_room(testing::plain);
-  // Three walls in sight.
+  // Three walls in view.
   const RigidTransform start = motion_by({-0.35, 0.6, 0}, {-0.3, 0, -0.5});
   const ViewAlignment alignment =
       align_views(view_of(room, start), view_of(room, start * kMotion),
@@ -105,32 +105,32 @@ TEST_F(AlignRoomViews, GivesTheSameBitsEachTime) {
   const PosePrior prior = loose_prior(RigidTransform::identity());
   const ViewAlignment first = align_views(kReference, kCurrent, prior);
   const ViewAlignment again =
-      align_views(SmallView(kReference), view_of(box_room(), kStart * kMotion), prior);
+      align_views(RgbdPyramid(kReference), view_of(box_room(), kStart * kMotion), prior);
   EXPECT_EQ(first.pose.reference_from_current.translation,
             again.pose.reference_from_current.translation);
   EXPECT_EQ(first.pose.reference_from_current.rotation.coeffs(),
             again.pose.reference_from_current.rotation.coeffs());
   EXPECT_EQ(first.pose.information, again.pose.information);
-  EXPECT_EQ(first.seen_information, again.seen_information);
+  EXPECT_EQ(first.measured_information, again.measured_information);
   EXPECT_EQ(first.pose.rms, again.pose.rms);
 }
 
 TEST_F(AlignRoomViews, FindsNothingInWhatTheyDoNotShare) {
-  const SmallView behind = view_of(box_room(), kStart * motion_by({0, M_PI, 0}, {0, 0, 0}));
+  const RgbdPyramid behind = view_of(box_room(), kStart * motion_by({0, M_PI, 0}, {0, 0, 0}));
   EXPECT_FALSE(
       align_views(kReference, behind, loose_prior(motion_by({0, M_PI, 0}, {0, 0, 0}))).found);
-  SmallView blind = kCurrent;
-  for (ViewLevel& level : blind.levels) std::ranges::fill(level.depth.pixels(), 0);
+  RgbdPyramid blind = kCurrent;
+  for (PyramidLevel& level : blind.levels) std::ranges::fill(level.depth.pixels(), 0);
   EXPECT_FALSE(align_views(kReference, blind, loose_prior(kMotion)).found);
   EXPECT_FALSE(align_views(blind, kReference, loose_prior(kMotion)).found);
-  EXPECT_FALSE(align_views(kReference, SmallView(), loose_prior(kMotion)).found);
+  EXPECT_FALSE(align_views(kReference, RgbdPyramid(), loose_prior(kMotion)).found);
 }
 
 TEST_F(AlignRoomViews, FindsNothingWhereTheDepthsContradict) {
   // The same picture on walls that are half as far away again.
   Picture picture = testing::render(box_room(), small_camera(), kStart * kMotion);
   for (std::uint16_t& depth : picture.depth.pixels()) depth = static_cast<std::uint16_t>(depth / 2);
-  EXPECT_FALSE(align_views(kReference, small_view(picture), loose_prior(kMotion)).found);
+  EXPECT_FALSE(align_views(kReference, rgbd_pyramid(picture), loose_prior(kMotion)).found);
 }
 
 TEST_F(AlignRoomViews, ChangeOfExposureDoesNotMoveThePose) {
@@ -143,7 +143,7 @@ TEST_F(AlignRoomViews, ChangeOfExposureDoesNotMoveThePose) {
       ASSERT_TRUE(brighter > 0 && brighter < 255) << "or the test is about saturation";
       gray = static_cast<std::uint8_t>(std::lround(brighter));
     }
-    const ViewAlignment alignment = align_views(kReference, small_view(picture), prior);
+    const ViewAlignment alignment = align_views(kReference, rgbd_pyramid(picture), prior);
     ASSERT_TRUE(alignment.found);
     const RigidTransform change =
         difference(plain.pose.reference_from_current, alignment.pose.reference_from_current);
@@ -154,8 +154,8 @@ TEST_F(AlignRoomViews, ChangeOfExposureDoesNotMoveThePose) {
 
 TEST_F(AlignRoomViews, OtherStartWinsWhereThePriorLeadsAstray) {
   const RigidTransform turned = motion_by({0, 0.1, 0.05}, {0.05, 0, 0.1});
-  const SmallView current = view_of(box_room(), kStart * turned);
-  // Foreseen: a swing that did not happen.
+  const RgbdPyramid current = view_of(box_room(), kStart * turned);
+  // Predicted: a swing that did not happen.
   PosePrior prior = PosePrior::around(turned * motion_by({0, -0.5, 0.3}, {0.3, 0.1, 0}), 0.5, 0.5);
   const auto error_m = [&](const ViewAlignment& alignment) {
     return difference(turned, alignment.pose.reference_from_current).distance_m();
@@ -184,12 +184,12 @@ TEST_F(AlignRoomViews, InformationCoversTheErrors) {
     add_noise(reference, 3, 0.004, random);
     add_noise(current, 3, 0.004, random);
     const ViewAlignment alignment =
-        align_views(small_view(reference), small_view(current),
+        align_views(rgbd_pyramid(reference), rgbd_pyramid(current),
                     PosePrior::around(kMotion * motion_by({0.02, 0, 0.01}, {0, 0.02, 0}), 1, 1));
     ASSERT_TRUE(alignment.found);
     EXPECT_LT(alignment.pose.rms, 1.5);
     const Vector6d e = edge_error(kMotion, alignment.pose.reference_from_current);
-    sum += e.dot(alignment.seen_information * e);
+    sum += e.dot(alignment.measured_information * e);
   }
   EXPECT_LT(sum / kTrials, 2 * 6);
   EXPECT_GT(sum / kTrials, 0.1 * 6) << "nor is it far too modest";
@@ -199,7 +199,7 @@ class AlignWallViews : public ::testing::Test {
  protected:
   // Along the wall the prior is wrong; the wall does not tell. Towards it and in tilt it does.
   static inline const RigidTransform kToWall = motion_by({0.04, -0.03, 0}, {0, 0, 0.05});
-  static inline const RigidTransform kForeseen = motion_by({0, 0, 0.02}, {0.05, -0.04, 0.01});
+  static inline const RigidTransform kPredicted = motion_by({0, 0, 0.02}, {0.05, -0.04, 0.01});
   // In the reference's frame, which looks straight at the wall.
   static Matrix6d in_reference_axes(const Matrix6d& information, const RigidTransform& pose) {
     Matrix6d axes = Matrix6d::Zero();
@@ -210,9 +210,9 @@ class AlignWallViews : public ::testing::Test {
 };
 
 TEST_F(AlignWallViews, ABareWallLeavesThePoseAtThePriorAlongIt) {
-  const SmallView reference = view_of(wall(1.8), RigidTransform::identity());
-  const SmallView current = view_of(wall(1.8), kToWall);
-  const ViewAlignment alignment = align_views(reference, current, loose_prior(kForeseen));
+  const RgbdPyramid reference = view_of(wall(1.8), RigidTransform::identity());
+  const RgbdPyramid current = view_of(wall(1.8), kToWall);
+  const ViewAlignment alignment = align_views(reference, current, loose_prior(kPredicted));
   ASSERT_TRUE(alignment.found);
   const RigidTransform& pose = alignment.pose.reference_from_current;
   // What the wall shows: its distance and its tilt.
@@ -221,10 +221,10 @@ TEST_F(AlignWallViews, ABareWallLeavesThePoseAtThePriorAlongIt) {
   const Eigen::Vector3d truth = kToWall.rotation.conjugate() * Eigen::Vector3d::UnitZ();
   EXPECT_LT((normal - truth).norm(), 0.002);
   // What it does not.
-  EXPECT_NEAR(pose.translation.x(), kForeseen.translation.x(), 0.01);
-  EXPECT_NEAR(pose.translation.y(), kForeseen.translation.y(), 0.01);
-  const Matrix6d seen = in_reference_axes(alignment.seen_information, pose);
-  EXPECT_LT(smallest_eigenvalue(alignment.seen_information), 1);
+  EXPECT_NEAR(pose.translation.x(), kPredicted.translation.x(), 0.01);
+  EXPECT_NEAR(pose.translation.y(), kPredicted.translation.y(), 0.01);
+  const Matrix6d seen = in_reference_axes(alignment.measured_information, pose);
+  EXPECT_LT(smallest_eigenvalue(alignment.measured_information), 1);
   EXPECT_LT(seen(0, 0), 1e-3 * seen(2, 2));
   EXPECT_LT(seen(1, 1), 1e-3 * seen(2, 2));
   EXPECT_GT(seen(2, 2), 1 / (0.005 * 0.005));
@@ -233,9 +233,9 @@ TEST_F(AlignWallViews, ABareWallLeavesThePoseAtThePriorAlongIt) {
 }
 
 TEST_F(AlignWallViews, TextureTellsWhereAlongTheWall) {
-  const SmallView reference = view_of(wall(1.8, marbled), RigidTransform::identity());
-  const SmallView current = view_of(wall(1.8, marbled), kToWall);
-  const ViewAlignment alignment = align_views(reference, current, loose_prior(kForeseen));
+  const RgbdPyramid reference = view_of(wall(1.8, marbled), RigidTransform::identity());
+  const RgbdPyramid current = view_of(wall(1.8, marbled), kToWall);
+  const ViewAlignment alignment = align_views(reference, current, loose_prior(kPredicted));
   ASSERT_TRUE(alignment.found);
   const RigidTransform error = difference(kToWall, alignment.pose.reference_from_current);
   EXPECT_LT(error.distance_m(), 0.003);
@@ -247,17 +247,17 @@ TEST_F(AlignWallViews, NoiseIsNoTexture) {
   const auto noisy = [&](const RigidTransform& pose) {
     Picture picture = testing::render(wall(1.8), small_camera(), pose);
     add_noise(picture, 1, 0, random);
-    return small_view(picture);
+    return rgbd_pyramid(picture);
   };
-  const SmallView reference = noisy(RigidTransform::identity());
-  const SmallView current = noisy(kToWall);
-  const auto along_wall = [&](double least_gray_slope) {
+  const RgbdPyramid reference = noisy(RigidTransform::identity());
+  const RgbdPyramid current = noisy(kToWall);
+  const auto along_wall = [&](double min_gray_slope) {
     ViewAlignmentOptions options;
-    options.least_gray_slope = least_gray_slope;
+    options.min_gray_slope = min_gray_slope;
     const ViewAlignment alignment =
-        align_views(reference, current, loose_prior(kForeseen), options);
-    return in_reference_axes(alignment.seen_information, alignment.pose.reference_from_current)(0,
-                                                                                                0);
+        align_views(reference, current, loose_prior(kPredicted), options);
+    return in_reference_axes(alignment.measured_information, alignment.pose.reference_from_current)(
+        0, 0);
   };
   EXPECT_LT(along_wall(4), 0.1 * along_wall(0));
 }
@@ -267,8 +267,8 @@ TEST_F(AlignWallViews, SaysWhenTwoPosesFitAlike) {
   const auto stripes = [](const Eigen::Vector3d& p) {
     return 130 + 60 * std::sin(2 * M_PI / 0.4 * p.x()) + 30 * std::sin(7 * p.y());
   };
-  const SmallView reference = view_of(wall(1.8, stripes), RigidTransform::identity());
-  const SmallView current = view_of(wall(1.8, stripes), motion_by({0, 0, 0}, {0.02, 0, 0}));
+  const RgbdPyramid reference = view_of(wall(1.8, stripes), RigidTransform::identity());
+  const RgbdPyramid current = view_of(wall(1.8, stripes), motion_by({0, 0, 0}, {0.02, 0, 0}));
   PosePrior prior = PosePrior::around(RigidTransform::identity(), 0.5, 0.1);
   EXPECT_FALSE(align_views(reference, current, prior).is_ambiguous) << "only one was tried";
   prior.other_start = motion_by({0, 0, 0}, {0.4, 0, 0});
@@ -277,20 +277,20 @@ TEST_F(AlignWallViews, SaysWhenTwoPosesFitAlike) {
   EXPECT_FALSE(align_views(reference, current, prior).is_ambiguous) << "both lead to one pose";
 }
 
-TEST(Surprise, GrowsWithTheSquareOfTheDistanceInSigmas) {
+TEST(SquaredMahalanobis, GrowsWithTheSquareOfTheDistanceInSigmas) {
   const PosePrior prior = PosePrior::around(kMotion, 0.02, 0.05);
-  EXPECT_NEAR(surprise(kMotion, prior), 0, 1e-9);
-  EXPECT_NEAR(surprise(kMotion * motion_by({0, 0, 0}, {0.02, 0, 0}), prior), 1, 1e-6);
-  EXPECT_NEAR(surprise(kMotion * motion_by({0, 0.05, 0}, {0, 0, 0}), prior), 1, 1e-6);
-  EXPECT_NEAR(surprise(kMotion * motion_by({0, 0, 0}, {0, 0, -0.06}), prior), 9, 1e-6);
-  EXPECT_NEAR(surprise(kMotion * motion_by({0, 0, 0.1}, {0, 0.02, 0}), prior), 5, 0.01);
+  EXPECT_NEAR(squared_mahalanobis(kMotion, prior), 0, 1e-9);
+  EXPECT_NEAR(squared_mahalanobis(kMotion * motion_by({0, 0, 0}, {0.02, 0, 0}), prior), 1, 1e-6);
+  EXPECT_NEAR(squared_mahalanobis(kMotion * motion_by({0, 0.05, 0}, {0, 0, 0}), prior), 1, 1e-6);
+  EXPECT_NEAR(squared_mahalanobis(kMotion * motion_by({0, 0, 0}, {0, 0, -0.06}), prior), 9, 1e-6);
+  EXPECT_NEAR(squared_mahalanobis(kMotion * motion_by({0, 0, 0.1}, {0, 0.02, 0}), prior), 5, 0.01);
   RigidTransform same = kMotion;
   same.rotation.coeffs() *= -1;  // the same rotation by its other quaternion
-  EXPECT_NEAR(surprise(same, prior), 0, 1e-9);
+  EXPECT_NEAR(squared_mahalanobis(same, prior), 0, 1e-9);
 }
 
 TEST(CompareViews, AgreeAtTheSamePose) {
-  const SmallView view = view_of(box_room(), kStart);
+  const RgbdPyramid view = view_of(box_room(), kStart);
   const ViewAgreement agreement = compare_views(view, view, RigidTransform::identity());
   EXPECT_GT(agreement.overlap, 0.95);
   EXPECT_EQ(agreement.agreeing, 1);
@@ -299,8 +299,8 @@ TEST(CompareViews, AgreeAtTheSamePose) {
 }
 
 TEST(CompareViews, AgreeAtTheTruePoseOnly) {
-  const SmallView reference = view_of(box_room(), kStart);
-  const SmallView current = view_of(box_room(), kStart * kMotion);
+  const RgbdPyramid reference = view_of(box_room(), kStart);
+  const RgbdPyramid current = view_of(box_room(), kStart * kMotion);
   EXPECT_GT(compare_views(reference, current, kMotion).agreeing, 0.99);
   const RigidTransform wrong = kMotion * motion_by({0, 0.15, 0}, {0.2, 0, 0.3});
   EXPECT_LT(compare_views(reference, current, wrong).agreeing, 0.6);
@@ -321,7 +321,7 @@ TEST(CompareViews, TellsWhatHidesFromWhatIsSeenThrough) {
 }
 
 TEST(CompareViews, OverlapIsThePartThatBothSee) {
-  const SmallView view = view_of(wall(2), RigidTransform::identity());
+  const RgbdPyramid view = view_of(wall(2), RigidTransform::identity());
   // 160 px at a focal length of 134 px: 2.39 m of the wall are seen; a third of that to the side.
   const ViewAgreement aside = compare_views(view, view, motion_by({0, 0, 0}, {0.8, 0, 0}));
   EXPECT_NEAR(aside.overlap, 0.67, 0.03);
@@ -331,8 +331,8 @@ TEST(CompareViews, OverlapIsThePartThatBothSee) {
   EXPECT_EQ(apart.agreeing, 0);
   const ViewAgreement behind = compare_views(view, view, motion_by({0, M_PI, 0}, {0, 0, 0}));
   EXPECT_EQ(behind.overlap, 0);
-  EXPECT_EQ(compare_views(view, SmallView(), {}).overlap, 0);
-  EXPECT_EQ(compare_views(SmallView(), view, {}).overlap, 0);
+  EXPECT_EQ(compare_views(view, RgbdPyramid(), {}).overlap, 0);
+  EXPECT_EQ(compare_views(RgbdPyramid(), view, {}).overlap, 0);
 }
 
 TEST(ViewAlignmentOptions, SaysWhichFieldIsWrong) {

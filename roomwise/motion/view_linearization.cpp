@@ -17,7 +17,7 @@ using geometry::RigidTransform;
 constexpr double kPixelsPerMeasurement = 20;
 
 // A residual costs no more than this (sigmas squared), however bad.
-constexpr float kMostCost = 9;
+constexpr float kMaxCost = 9;
 
 // The current view with its brightness and gradient ready to be read between pixels.
 class BrightnessField {
@@ -70,9 +70,10 @@ class RowSums {
 // With `only_exposure` the rows of errors are left out, and with them most of the work.
 template <bool only_exposure>
 [[gnu::always_inline]] inline NormalEquations sum_rows(const std::vector<SurfacePoint>& points,
-                                                       const ViewLevel& current,
+                                                       const PyramidLevel& current,
                                                        const RigidTransform& current_from_reference,
-                                                       const Exposure& exposure, double most_step_m,
+                                                       const Exposure& exposure,
+                                                       double max_correspondence_m,
                                                        const ViewAlignmentOptions& options) {
   const geometry::PinholeCamera& camera = current.camera;
   const Eigen::Matrix3f rotation = current_from_reference.rotation_matrix().cast<float>();
@@ -86,8 +87,8 @@ template <bool only_exposure>
   const auto gray_variance = static_cast<float>(options.gray_sigma * options.gray_sigma);
   const auto place_variance = static_cast<float>(options.place_sigma_px * options.place_sigma_px);
   const auto sigma_at_1m = static_cast<float>(options.depth_sigma_m);
-  const auto least_slope2 = static_cast<float>(options.least_gray_slope * options.least_gray_slope);
-  const auto most_apart_m = static_cast<float>(most_step_m);
+  const auto min_slope2 = static_cast<float>(options.min_gray_slope * options.min_gray_slope);
+  const auto max_apart_m = static_cast<float>(max_correspondence_m);
   const BrightnessField brightness(current.gray);
   NormalEquations equations;
   double sum_r = 0, sum_c = 0, sum_rr = 0, sum_rc = 0;
@@ -115,7 +116,7 @@ template <bool only_exposure>
       const Eigen::Vector3f normal = rotation * surface.normal;
       const float distance = normal.dot(p - q);
       // Another surface: nothing to compare.
-      const float most = most_apart_m + 3 * sigma;
+      const float most = max_apart_m + 3 * sigma;
       if (std::abs(p.z() - depth) > 3 * most || std::abs(distance) > most) {
         ++others;
         continue;
@@ -127,7 +128,7 @@ template <bool only_exposure>
                               p.z() * by_point.x() - p.x() * by_point.z(),
                               p.x() * by_point.y() - p.y() * by_point.x(), by_point.x(),
                               by_point.y(), by_point.z(), error, 0});
-        block_cost += std::min(weight * error * error, kMostCost);
+        block_cost += std::min(weight * error * error, kMaxCost);
         block_squares += error * error;
         ++measured;
       };
@@ -146,7 +147,7 @@ template <bool only_exposure>
       if constexpr (only_exposure) continue;
       // On a plain surface noise would pass for something seen.
       const float slope2 = seen[1] * seen[1] + seen[2] * seen[2];
-      if (slope2 < least_slope2) continue;
+      if (slope2 < min_slope2) continue;
       const float gray_weight = 1 / std::sqrt(gray_variance + place_variance * slope2);
       const float by_u = seen[1] * fx * inverse_z;
       const float by_v = seen[2] * fy * inverse_z;
@@ -168,7 +169,7 @@ template <bool only_exposure>
   const auto compared = static_cast<double>(pairs + others);
   equations.cost =
       compared > 0
-          ? (cost + 2.0 * static_cast<double>(kMostCost) * static_cast<double>(others)) / compared
+          ? (cost + 2.0 * static_cast<double>(kMaxCost) * static_cast<double>(others)) / compared
           : std::numeric_limits<double>::infinity();
   if (pairs > 0) {
     // Regression of the current brightness on the reference's, drawn towards no change where the
@@ -188,32 +189,33 @@ template <bool only_exposure>
 // The same code, eight numbers at a time: the same bits.
 template <bool only_exposure>
 __attribute__((target("avx2"))) NormalEquations sum_rows_avx2(
-    const std::vector<SurfacePoint>& points, const ViewLevel& current,
-    const RigidTransform& current_from_reference, const Exposure& exposure, double most_step_m,
-    const ViewAlignmentOptions& options) {
-  return sum_rows<only_exposure>(points, current, current_from_reference, exposure, most_step_m,
-                                 options);
+    const std::vector<SurfacePoint>& points, const PyramidLevel& current,
+    const RigidTransform& current_from_reference, const Exposure& exposure,
+    double max_correspondence_m, const ViewAlignmentOptions& options) {
+  return sum_rows<only_exposure>(points, current, current_from_reference, exposure,
+                                 max_correspondence_m, options);
 }
 #endif
 
 template <bool only_exposure>
-NormalEquations sum_rows_quickly(const std::vector<SurfacePoint>& points, const ViewLevel& current,
+NormalEquations sum_rows_quickly(const std::vector<SurfacePoint>& points,
+                                 const PyramidLevel& current,
                                  const RigidTransform& current_from_reference,
-                                 const Exposure& exposure, double most_step_m,
+                                 const Exposure& exposure, double max_correspondence_m,
                                  const ViewAlignmentOptions& options) {
 #if defined(__x86_64__)
   if (process_simd() == Simd::kAvx2) {
     return sum_rows_avx2<only_exposure>(points, current, current_from_reference, exposure,
-                                        most_step_m, options);
+                                        max_correspondence_m, options);
   }
 #endif
-  return sum_rows<only_exposure>(points, current, current_from_reference, exposure, most_step_m,
-                                 options);
+  return sum_rows<only_exposure>(points, current, current_from_reference, exposure,
+                                 max_correspondence_m, options);
 }
 
 }  // namespace
 
-std::vector<SurfacePoint> surface_points(const ViewLevel& view, int stride) {
+std::vector<SurfacePoint> surface_points(const PyramidLevel& view, int stride) {
   const geometry::PinholeCamera& camera = view.camera;
   const auto point_at = [&](int x, int y) {
     return camera.unproject_undistorted({x, y}, view.depth.at(x, y) / camera.depth_units_per_metre);
@@ -240,8 +242,8 @@ std::vector<SurfacePoint> surface_points(const ViewLevel& view, int stride) {
       const Eigen::Vector3d normal =
           (point_at(x + 1, y) - point_at(x - 1, y)).cross(point_at(x, y + 1) - point_at(x, y - 1));
       // Seen at a glance, a surface's depth says little.
-      constexpr double kLeastCosine = 0.15;
-      if (std::abs(normal.dot(here)) > kLeastCosine * normal.norm() * here.norm()) {
+      constexpr double kMinCosine = 0.15;
+      if (std::abs(normal.dot(here)) > kMinCosine * normal.norm() * here.norm()) {
         point.normal = normal.normalized().cast<float>();
         point.has_normal = true;
       }
@@ -250,17 +252,18 @@ std::vector<SurfacePoint> surface_points(const ViewLevel& view, int stride) {
   return points;
 }
 
-NormalEquations linearize(const std::vector<SurfacePoint>& points, const ViewLevel& current,
+NormalEquations linearize(const std::vector<SurfacePoint>& points, const PyramidLevel& current,
                           const RigidTransform& current_from_reference, const Exposure& exposure,
-                          double most_step_m, const ViewAlignmentOptions& options) {
-  return sum_rows_quickly<false>(points, current, current_from_reference, exposure, most_step_m,
-                                 options);
+                          double max_correspondence_m, const ViewAlignmentOptions& options) {
+  return sum_rows_quickly<false>(points, current, current_from_reference, exposure,
+                                 max_correspondence_m, options);
 }
 
-Exposure find_exposure(const std::vector<SurfacePoint>& points, const ViewLevel& current,
-                       const RigidTransform& current_from_reference, double most_step_m,
+Exposure find_exposure(const std::vector<SurfacePoint>& points, const PyramidLevel& current,
+                       const RigidTransform& current_from_reference, double max_correspondence_m,
                        const ViewAlignmentOptions& options) {
-  return sum_rows_quickly<true>(points, current, current_from_reference, {}, most_step_m, options)
+  return sum_rows_quickly<true>(points, current, current_from_reference, {}, max_correspondence_m,
+                                options)
       .exposure;
 }
 

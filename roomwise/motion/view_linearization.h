@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "roomwise/geometry/rigid_transform.h"
-#include "roomwise/motion/small_view.h"
+#include "roomwise/motion/rgbd_pyramid.h"
 #include "roomwise/motion/view_alignment.h"
 
 // The inner part of align_views(): what is compared, and how a pose changes it.
@@ -20,7 +20,7 @@ struct SurfacePoint {
 
 // The measured pixels of a view, every `stride`-th of a row (1, 2 or 4), the rows shifted against
 // each other.
-[[nodiscard]] std::vector<SurfacePoint> surface_points(const ViewLevel& view, int stride);
+[[nodiscard]] std::vector<SurfacePoint> surface_points(const PyramidLevel& view, int stride);
 
 // How much brighter the current view is: gray_current = gain * gray_reference + offset.
 struct Exposure {
@@ -39,17 +39,18 @@ struct NormalEquations {
   Exposure exposure;  // as the pairs of this round show it
 };
 
-// Surfaces further apart than `most_step_m` (and their noise) are not the same.
+// Surfaces further apart than `max_correspondence_m` (and their noise) are not the same.
 [[nodiscard]] NormalEquations linearize(const std::vector<SurfacePoint>& points,
-                                        const ViewLevel& current,
+                                        const PyramidLevel& current,
                                         const geometry::RigidTransform& current_from_reference,
-                                        const Exposure& exposure, double most_step_m,
+                                        const Exposure& exposure, double max_correspondence_m,
                                         const ViewAlignmentOptions& options);
 
 // What linearize() would say of the exposure, for less.
 [[nodiscard]] Exposure find_exposure(const std::vector<SurfacePoint>& points,
-                                     const ViewLevel& current,
+                                     const PyramidLevel& current,
                                      const geometry::RigidTransform& current_from_reference,
-                                     double most_step_m, const ViewAlignmentOptions& options);
+                                     double max_correspondence_m,
+                                     const ViewAlignmentOptions& options);
 
 }  // namespace roomwise::motion

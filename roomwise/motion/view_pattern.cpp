@@ -42,7 +42,7 @@ class RectangleSums {
   std::vector<std::int64_t> sums_;
 };
 
-image::GrayImage even_light(const image::GrayImage& gray) {
+image::GrayImage normalize_contrast(const image::GrayImage& gray) {
   constexpr int kAround = 16;        // the mean is over an eighth of the width
   constexpr double kNoise = 6;       // grey levels; less contrast than this is noise
   constexpr double kDeviation = 50;  // what a pixel one standard deviation brighter gets
@@ -73,19 +73,19 @@ image::GrayImage even_light(const image::GrayImage& gray) {
 
 }  // namespace
 
-ViewPattern ViewPattern::of(const SmallView& view) {
+ViewPattern ViewPattern::of(const RgbdPyramid& view) {
   if (view.empty()) return {};
-  return {even_light(compared_level(view).gray)};
+  return {normalize_contrast(compared_level(view).gray)};
 }
 
-double PatternLikeness::value() const {
+double PatternCorrelation::value() const {
   if (pixels == 0) return 0;
   constexpr double kNoise = 8;  // of an even image
   const double noise = pixels * kNoise * kNoise;
   return products / std::sqrt((reference_squares + noise) * (current_squares + noise));
 }
 
-PatternLikeness& PatternLikeness::operator+=(const PatternLikeness& other) {
+PatternCorrelation& PatternCorrelation::operator+=(const PatternCorrelation& other) {
   products += other.products;
   reference_squares += other.reference_squares;
   current_squares += other.current_squares;
@@ -93,28 +93,29 @@ PatternLikeness& PatternLikeness::operator+=(const PatternLikeness& other) {
   return *this;
 }
 
-PatternLikeness compare_patterns(const SmallView& reference_view,
-                                 const ViewPattern& reference_pattern,
-                                 const SmallView& current_view, const ViewPattern& current_pattern,
-                                 const geometry::RigidTransform& reference_from_current) {
-  PatternLikeness likeness;
-  if (reference_view.empty() || current_view.empty()) return likeness;
-  const ViewLevel& current = compared_level(current_view);
-  for_each_counterpart(compared_level(reference_view), current, reference_from_current,
-                       [&](const Counterpart& pair) {
-                         const std::uint16_t depth = current.depth.at(pair.column, pair.row);
-                         if (depth == 0) return;
-                         const double distance_m =
-                             depth / current.camera.depth_units_per_metre - pair.point.z();
-                         if (std::abs(distance_m) > same_surface_m(pair.point.z())) return;
-                         const double a = reference_pattern.even.at(pair.x, pair.y) - kPlain;
-                         const double b = current_pattern.even.at(pair.column, pair.row) - kPlain;
-                         likeness.products += a * b;
-                         likeness.reference_squares += a * a;
-                         likeness.current_squares += b * b;
-                         ++likeness.pixels;
-                       });
-  return likeness;
+PatternCorrelation compare_patterns(const RgbdPyramid& reference_view,
+                                    const ViewPattern& reference_pattern,
+                                    const RgbdPyramid& current_view,
+                                    const ViewPattern& current_pattern,
+                                    const geometry::RigidTransform& reference_from_current) {
+  PatternCorrelation pattern_correlation;
+  if (reference_view.empty() || current_view.empty()) return pattern_correlation;
+  const PyramidLevel& current = compared_level(current_view);
+  for_each_correspondence(
+      compared_level(reference_view), current, reference_from_current,
+      [&](const Correspondence& pair) {
+        const std::uint16_t depth = current.depth.at(pair.column, pair.row);
+        if (depth == 0) return;
+        const double distance_m = depth / current.camera.depth_units_per_metre - pair.point.z();
+        if (std::abs(distance_m) > same_surface_m(pair.point.z())) return;
+        const double a = reference_pattern.even.at(pair.x, pair.y) - kPlain;
+        const double b = current_pattern.even.at(pair.column, pair.row) - kPlain;
+        pattern_correlation.products += a * b;
+        pattern_correlation.reference_squares += a * a;
+        pattern_correlation.current_squares += b * b;
+        ++pattern_correlation.pixels;
+      });
+  return pattern_correlation;
 }
 
 }  // namespace roomwise::motion

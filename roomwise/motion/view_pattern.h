@@ -1,7 +1,7 @@
 #pragma once
 
 #include "roomwise/geometry/rigid_transform.h"
-#include "roomwise/motion/small_view.h"
+#include "roomwise/motion/rgbd_pyramid.h"
 
 namespace roomwise::motion {
 
@@ -12,12 +12,12 @@ namespace roomwise::motion {
 struct ViewPattern {
   image::GrayImage even;  // of the view's second level; empty for an empty view
 
-  [[nodiscard]] static ViewPattern of(const SmallView& view);
+  [[nodiscard]] static ViewPattern of(const RgbdPyramid& view);
 };
 
 // How much two views' patterns are alike where both see the same surface; several pairs of views
 // can be added up.
-struct PatternLikeness {
+struct PatternCorrelation {
   double products = 0;
   double reference_squares = 0;
   double current_squares = 0;
@@ -26,13 +26,13 @@ struct PatternLikeness {
   // The correlation, -1 to 1, a little less for noise: a faint pattern is like no other. 0 where
   // nothing was compared.
   [[nodiscard]] double value() const;
-  PatternLikeness& operator+=(const PatternLikeness& other);
+  PatternCorrelation& operator+=(const PatternCorrelation& other);
 };
 
 // Compares the patterns at a pose, each with the view of which it was made.
-[[nodiscard]] PatternLikeness compare_patterns(
-    const SmallView& reference_view, const ViewPattern& reference_pattern,
-    const SmallView& current_view, const ViewPattern& current_pattern,
+[[nodiscard]] PatternCorrelation compare_patterns(
+    const RgbdPyramid& reference_view, const ViewPattern& reference_pattern,
+    const RgbdPyramid& current_view, const ViewPattern& current_pattern,
     const geometry::RigidTransform& reference_from_current);
 
 }  // namespace roomwise::motion

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "roomwise/motion/test_scenes.h"
+#include "roomwise/motion/testing/test_scenes.h"
 
 namespace roomwise::motion {
 namespace {
@@ -19,10 +19,10 @@ using testing::view_of;
 const RigidTransform kHere = motion_by({0, 0.1, 0}, {0.1, 0, 0});
 const RigidTransform kThere = motion_by({0.02, -0.05, 0.01}, {-0.1, 0.05, 0.1});
 
-PatternLikeness compared(const Texture& reference, const Texture& current,
-                         const RigidTransform& assumed = kHere.inverse() * kThere) {
-  const SmallView a = view_of(box_room(reference), kHere);
-  const SmallView b = view_of(box_room(current), kThere);
+PatternCorrelation compared(const Texture& reference, const Texture& current,
+                            const RigidTransform& assumed = kHere.inverse() * kThere) {
+  const RgbdPyramid a = view_of(box_room(reference), kHere);
+  const RgbdPyramid b = view_of(box_room(current), kThere);
   return compare_patterns(a, ViewPattern::of(a), b, ViewPattern::of(b), assumed);
 }
 
@@ -47,7 +47,7 @@ TEST(ViewPattern, OfWhatIsPaintedOtherwiseIsUnlike) {
 }
 
 TEST(ViewPattern, APlainWallIsPlainAndLikeNothing) {
-  const SmallView view = view_of(box_room(plain), kHere);
+  const RgbdPyramid view = view_of(box_room(plain), kHere);
   EXPECT_THAT(ViewPattern::of(view).even.pixels(), ::testing::Each(128));
   EXPECT_EQ(compared(plain, plain).value(), 0);
   // Noise is no pattern.
@@ -56,8 +56,8 @@ TEST(ViewPattern, APlainWallIsPlainAndLikeNothing) {
 }
 
 TEST(ViewPattern, PairsOfViewsAddUp) {
-  const PatternLikeness alike = compared(marbled, marbled);
-  PatternLikeness both = alike;
+  const PatternCorrelation alike = compared(marbled, marbled);
+  PatternCorrelation both = alike;
   both += alike;
   EXPECT_DOUBLE_EQ(both.value(), alike.value());
   both += compared(marbled, plain);
@@ -66,9 +66,9 @@ TEST(ViewPattern, PairsOfViewsAddUp) {
 
 TEST(ViewPattern, OfNothingIsNothing) {
   EXPECT_TRUE(ViewPattern::of({}).even.pixels().empty());
-  const SmallView view = view_of(box_room(), kHere);
+  const RgbdPyramid view = view_of(box_room(), kHere);
   EXPECT_EQ(compare_patterns({}, {}, view, ViewPattern::of(view), {}).value(), 0);
-  EXPECT_EQ(PatternLikeness{}.value(), 0);
+  EXPECT_EQ(PatternCorrelation{}.value(), 0);
 }
 
 }  // namespace

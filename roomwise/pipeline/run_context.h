@@ -8,7 +8,7 @@
 
 namespace roomwise::pipeline {
 
-// What every long piece of work is given besides its inputs: threads, a place to tell how far it
+// What every long task is given besides its inputs: threads, a place to tell how far it
 // is, a clock, memory. None of it changes a result.
 struct RunContext {
   ThreadPool& pool;

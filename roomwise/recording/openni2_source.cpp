@@ -52,7 +52,7 @@ class Library {
 
 // Frames of a stream that wait for their partners of the other one. Few are enough: the streams lag
 // behind each other by at most a frame or two.
-constexpr std::size_t kMostWaiting = 4;
+constexpr std::size_t kMaxWaiting = 4;
 
 // One of the device's two streams.
 struct Stream {
@@ -352,7 +352,7 @@ Expected<void> OpenNi2Source::Session::read_any(Clock::time_point deadline) {
   }
   stream.frames_passed = frame.getFrameIndex();
   stream.waiting.push_back(frame);
-  if (stream.waiting.size() > kMostWaiting) stream.waiting.pop_front();
+  if (stream.waiting.size() > kMaxWaiting) stream.waiting.pop_front();
   return {};
 }
 

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "roomwise/base/testing.h"
+#include "roomwise/base/testing/testing.h"
 
 // OpenNI 2 itself loads the made-up camera of testing/fake_openni2_driver.cpp, and its own driver
 // of .oni files, from a folder of the build (CMakeLists.txt): what runs here is the way of a real

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "roomwise/base/testing.h"
+#include "roomwise/base/testing/testing.h"
 #include "roomwise/image/codec.h"
 
 namespace roomwise::recording {

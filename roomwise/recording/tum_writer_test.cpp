@@ -7,7 +7,7 @@
 #include <csignal>
 
 #include "roomwise/base/file.h"
-#include "roomwise/base/testing.h"
+#include "roomwise/base/testing/testing.h"
 #include "roomwise/image/codec.h"
 #include "roomwise/recording/tum_recording.h"
 

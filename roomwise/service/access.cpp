@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kMostDevices = 100;
+constexpr std::size_t kMaxDevices = 100;
 constexpr std::int64_t kSeenStep_s = 60;
 
 constexpr auto kSchema = R"(
@@ -143,8 +143,8 @@ Expected<Pairing> AccessRegister::pair_here(Role role, const std::string& name, 
 
 Expected<Pairing> AccessRegister::add(Role role, const std::string& name, const Now& now) {
   const std::scoped_lock lock(mutex_);
-  if (entries_.size() >= kMostDevices) {
-    return fail("{} devices are paired already; remove one that is no longer used", kMostDevices);
+  if (entries_.size() >= kMaxDevices) {
+    return fail("{} devices are paired already; remove one that is no longer used", kMaxDevices);
   }
   ROOMWISE_TRY(const Bytes secret, random_bytes(32));
   const std::string token = base64url(secret);

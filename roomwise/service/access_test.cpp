@@ -5,7 +5,7 @@
 
 #include <set>
 
-#include "roomwise/base/testing.h"
+#include "roomwise/base/testing/testing.h"
 #include "roomwise/service/certificate.h"
 #include "roomwise/service/pairing_proof.h"
 #include "roomwise/service/secrets.h"

@@ -33,8 +33,8 @@ namespace websocket = beast::websocket;
 using boost::system::error_code;
 using Json = nlohmann::json;
 
-constexpr std::size_t kMostWaiting = 64;  // messages, in each direction
-constexpr std::size_t kMostMessageBytes = std::size_t{4} << 20U;
+constexpr std::size_t kMaxWaiting = 64;  // messages, in each direction
+constexpr std::size_t kMaxMessageBytes = std::size_t{4} << 20U;
 // What the system takes before it was sent, and what is handed to it at once: small, so that what
 // is taken has nearly been sent.
 constexpr int kSendBufferBytes = 32 << 10;
@@ -238,7 +238,7 @@ class ServerConnection::Impl : public std::enable_shared_from_this<Impl> {
           request.set(http::field::authorization, "Bearer " + token);
           request.set(http::field::sec_websocket_protocol, "roomwise.1");
         }));
-    socket_.read_message_max(kMostMessageBytes);
+    socket_.read_message_max(kMaxMessageBytes);
     beast::get_lowest_layer(client_.stream())
         .socket()
         .set_option(asio::socket_base::send_buffer_size(kSendBufferBytes));
@@ -257,7 +257,7 @@ class ServerConnection::Impl : public std::enable_shared_from_this<Impl> {
   Expected<void> send(bool is_text, Bytes bytes) {
     const std::scoped_lock lock(mutex_);
     if (lost_) return fail("{}", *lost_);
-    if (outgoing_.size() >= kMostWaiting) {
+    if (outgoing_.size() >= kMaxWaiting) {
       return fail("{} takes nothing: too much waits to be sent", client_.name());
     }
     outgoing_.push_back({is_text, std::move(bytes)});
@@ -331,7 +331,7 @@ class ServerConnection::Impl : public std::enable_shared_from_this<Impl> {
       {
         const std::scoped_lock lock(mutex_);
         incoming_.push_back(std::move(message));
-        paused_ = incoming_.size() >= kMostWaiting;
+        paused_ = incoming_.size() >= kMaxWaiting;
         changed_.notify_all();
         if (paused_) return;
       }

@@ -70,7 +70,7 @@ void DeviceLink::acknowledged(double t_ms, double now_s) {
   quick_in_row_ = took_s < times_.quick_until_s ? quick_in_row_ + 1 : 0;
   if (quick_in_row_ >= caution_ * times_.quick_frames) {
     is_slow_ = false;
-    caution_ = std::min(2 * caution_, LinkTimes::kMostCaution);
+    caution_ = std::min(2 * caution_, LinkTimes::kMaxCaution);
   }
 }
 

@@ -13,12 +13,12 @@ struct LinkTimes {
   double longest_wait_s = 5;
   double acknowledged_s = 10;  // a frame of which nothing is heard for so long is given up
   // The link is slow from a frame on that took so long to arrive, until so many small ones in a row
-  // were quick; each relapse doubles their number, up to kMostCaution times.
+  // were quick; each relapse doubles their number, up to kMaxCaution times.
   double slow_from_s = 0.5;
   double quick_until_s = 0.1;
   int quick_frames = 20;
 
-  static constexpr int kMostCaution = 16;
+  static constexpr int kMaxCaution = 16;
 };
 
 struct LinkCounts {

@@ -16,13 +16,13 @@ constexpr std::array<Word<Question>, 6> kQuestions{{{"where_am_i", Question::kWh
                                                     {"repeat", Question::kRepeat},
                                                     {"name_room", Question::kNameRoom}}};
 
-constexpr int kMostSide_px = 4096;
+constexpr int kMaxSide_px = 4096;
 
 Expected<DeviceCamera> read_camera(const OrderedJson& json) {
   Members members(json);
   DeviceCamera camera;
-  camera.width = static_cast<int>(members.whole("width", 1, kMostSide_px));
-  camera.height = static_cast<int>(members.whole("height", 1, kMostSide_px));
+  camera.width = static_cast<int>(members.whole("width", 1, kMaxSide_px));
+  camera.height = static_cast<int>(members.whole("height", 1, kMaxSide_px));
   camera.has_depth = members.has("depth_units_per_metre");
   if (members.has("fx") || camera.has_depth) {
     geometry::PinholeCamera pinhole;
@@ -85,7 +85,7 @@ Expected<DeviceMessage> read_ask(const OrderedJson& json) {
   Members members(json);
   Ask ask;
   ask.id = members.whole("id", 0, std::int64_t{1} << 53U);
-  ask.t_ms = members.number("t", -kMostTime_ms, kMostTime_ms);
+  ask.t_ms = members.number("t", -kMaxTime_ms, kMaxTime_ms);
   ask.question = members.one_of("question", kQuestions);
   if (asks_for_thing(ask.question)) ask.subject = members.text("thing");
   if (ask.question == Question::kNameRoom) ask.subject = members.text("room");
@@ -102,7 +102,7 @@ void apply(const SettingsChange& change, SpeakingSettings& settings) {
 }
 
 Expected<DeviceMessage> read_device_message(std::string_view text) {
-  ROOMWISE_TRY(const OrderedJson json, parse_object(text, kMostTextBytes));
+  ROOMWISE_TRY(const OrderedJson json, parse_object(text, kMaxTextBytes));
   Members members(json);
   const std::string type = members.text("type");
   if (members.error()) return Unexpected(Error(*members.error()));
@@ -114,11 +114,11 @@ Expected<DeviceMessage> read_device_message(std::string_view text) {
 }
 
 std::optional<std::int64_t> id_of_ask(std::string_view text) {
-  const auto json = parse_object(text, kMostTextBytes);
+  const auto json = parse_object(text, kMaxTextBytes);
   if (!json) return std::nullopt;
   Members members(*json);
   const bool is_ask = members.text("type") == "ask";
-  const std::int64_t id = members.whole("id", 0, kMostWhole);
+  const std::int64_t id = members.whole("id", 0, kMaxWhole);
   return is_ask && !members.error() ? std::optional(id) : std::nullopt;
 }
 

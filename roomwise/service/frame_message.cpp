@@ -8,13 +8,13 @@ namespace {
 
 constexpr std::string_view kFrameMagic = "RWF1";
 constexpr std::size_t kPrefixBytes = 8;
-constexpr std::size_t kMostHeaderBytes = 1024;
+constexpr std::size_t kMaxHeaderBytes = 1024;
 
 }  // namespace
 
 Expected<FrameMessage> read_frame(std::span<const std::uint8_t> message) {
-  if (message.size() > kMostFrameBytes) {
-    return fail("the frame has {} bytes; at most {} are taken", message.size(), kMostFrameBytes);
+  if (message.size() > kMaxFrameBytes) {
+    return fail("the frame has {} bytes; at most {} are taken", message.size(), kMaxFrameBytes);
   }
   if (message.size() < kPrefixBytes ||
       std::memcmp(message.data(), kFrameMagic.data(), kFrameMagic.size()) != 0) {
@@ -22,18 +22,18 @@ Expected<FrameMessage> read_frame(std::span<const std::uint8_t> message) {
   }
   std::size_t header_bytes = 0;
   for (std::size_t i = 0; i < 4; ++i) header_bytes |= std::size_t{message[4 + i]} << (8 * i);
-  if (header_bytes > kMostHeaderBytes || header_bytes > message.size() - kPrefixBytes) {
+  if (header_bytes > kMaxHeaderBytes || header_bytes > message.size() - kPrefixBytes) {
     return fail("the frame's header of {} bytes is too long", header_bytes);
   }
   const auto header = message.subspan(kPrefixBytes, header_bytes);
   auto json =
-      parse_object({reinterpret_cast<const char*>(header.data()), header.size()}, kMostHeaderBytes);
+      parse_object({reinterpret_cast<const char*>(header.data()), header.size()}, kMaxHeaderBytes);
   if (!json) return Unexpected(std::move(json).error().in("the frame's header"));
   Members members(*json);
   const auto images = message.subspan(kPrefixBytes + header_bytes);
   const auto most = static_cast<std::int64_t>(images.size());
   FrameMessage frame;
-  frame.t_ms = members.number("t", -kMostTime_ms, kMostTime_ms);
+  frame.t_ms = members.number("t", -kMaxTime_ms, kMaxTime_ms);
   const auto color_bytes = static_cast<std::size_t>(members.whole("color_bytes", 1, most));
   const auto depth_bytes = static_cast<std::size_t>(members.whole("depth_bytes", 0, most));
   if (!members.error() && color_bytes + depth_bytes != images.size()) {

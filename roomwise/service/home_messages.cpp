@@ -13,7 +13,7 @@ OrderedJson welcome_json(const Welcome& welcome, std::string_view type) {
           {"things", welcome.things},
           {"sees_rooms", welcome.sees_rooms},
           {"sees_places", welcome.sees_places},
-          {"most_frame_bytes", kMostFrameBytes}};
+          {"max_frame_bytes", kMaxFrameBytes}};
 }
 
 OrderedJson to_json(const Welcome& welcome) {
@@ -100,19 +100,19 @@ Expected<HomeMessage> read_welcome(const OrderedJson& json) {
 Expected<HomeMessage> read_arrived(const OrderedJson& json) {
   Members members(json);
   FrameArrived frame;
-  frame.t_ms = members.number("t", -kMostTime_ms, kMostTime_ms);
-  frame.dropped = static_cast<std::uint64_t>(members.whole("dropped", 0, kMostWhole));
+  frame.t_ms = members.number("t", -kMaxTime_ms, kMaxTime_ms);
+  frame.dropped = static_cast<std::uint64_t>(members.whole("dropped", 0, kMaxWhole));
   return members.finish<HomeMessage>(frame);
 }
 
 Expected<Seen> read_seen(const OrderedJson& json) {
   Members members(json);
   Seen seen;
-  seen.t_ms = members.number("t", -kMostTime_ms, kMostTime_ms);
+  seen.t_ms = members.number("t", -kMaxTime_ms, kMaxTime_ms);
   seen.verdict = members.text("verdict");
   seen.room = members.text("room");
   seen.probability = members.number("probability", 0, 1);
-  seen.why = members.text("why", kMostSentenceBytes);
+  seen.why = members.text("why", kMaxSentenceBytes);
   if (members.has("position")) {
     if (const OrderedJson* const position = members.object("position")) {
       Members at(*position);
@@ -128,30 +128,30 @@ Expected<Seen> read_seen(const OrderedJson& json) {
 Expected<HomeMessage> read_prompt(const OrderedJson& json) {
   Members members(json);
   PromptMessage prompt;
-  if (members.has("answer_to")) prompt.answer_to = members.whole("answer_to", 0, kMostWhole);
+  if (members.has("answer_to")) prompt.answer_to = members.whole("answer_to", 0, kMaxWhole);
   prompt.key = members.text("key");
   prompt.message = members.text("message");
-  prompt.text = members.text("text", kMostSentenceBytes);
+  prompt.text = members.text("text", kMaxSentenceBytes);
   prompt.language = members.text("language");
   prompt.priority = members.text("priority");
   prompt.confidence = members.text("confidence");
   prompt.sound = members.text("sound");
-  prompt.because = members.text("because", kMostSentenceBytes);
+  prompt.because = members.text("because", kMaxSentenceBytes);
   if (members.has("based_on_t")) {
-    prompt.based_on_t_ms = members.number("based_on_t", -kMostTime_ms, kMostTime_ms);
+    prompt.based_on_t_ms = members.number("based_on_t", -kMaxTime_ms, kMaxTime_ms);
   }
-  prompt.valid_until_t_ms = members.number("valid_until_t", -kMostTime_ms, kMostTime_ms);
+  prompt.valid_until_t_ms = members.number("valid_until_t", -kMaxTime_ms, kMaxTime_ms);
   return members.finish<HomeMessage>(std::move(prompt));
 }
 
 Expected<HomeMessage> read_recording(const OrderedJson& json) {
   Members members(json);
   RecordingState recording;
-  recording.device = members.whole("device", 0, kMostWhole);
+  recording.device = members.whole("device", 0, kMaxWhole);
   recording.state = members.text("state");
   recording.name = members.text("name");
-  recording.frames = static_cast<std::uint64_t>(members.whole("frames", 0, kMostWhole));
-  recording.text = members.text("text", kMostSentenceBytes);
+  recording.frames = static_cast<std::uint64_t>(members.whole("frames", 0, kMaxWhole));
+  recording.text = members.text("text", kMaxSentenceBytes);
   return members.finish<HomeMessage>(std::move(recording));
 }
 
@@ -163,14 +163,14 @@ Expected<HomeMessage> read_job(const OrderedJson& json) {
   job.stage = members.text("stage");
   job.fraction = members.number("fraction", 0, 1);
   if (members.has("left_s")) job.left_s = members.number("left_s", 0, 1e9);
-  job.text = members.text("text", kMostSentenceBytes);
+  job.text = members.text("text", kMaxSentenceBytes);
   return members.finish<HomeMessage>(std::move(job));
 }
 
 Expected<HomeMessage> read_device_seen(const OrderedJson& json) {
   Members members(json);
   DeviceSeen device;
-  device.device = members.whole("device", 0, kMostWhole);
+  device.device = members.whole("device", 0, kMaxWhole);
   device.name = members.text("name");
   device.online = members.yes_or_no("online");
   if (members.has("seen")) {
@@ -184,8 +184,8 @@ Expected<HomeMessage> read_device_seen(const OrderedJson& json) {
 Expected<HomeMessage> read_error(const OrderedJson& json) {
   Members members(json);
   ErrorMessage error;
-  error.text = members.text("text", kMostSentenceBytes);
-  if (members.has("answer_to")) error.answer_to = members.whole("answer_to", 0, kMostWhole);
+  error.text = members.text("text", kMaxSentenceBytes);
+  if (members.has("answer_to")) error.answer_to = members.whole("answer_to", 0, kMaxWhole);
   return members.finish<HomeMessage>(std::move(error));
 }
 
@@ -200,7 +200,7 @@ std::string write_home_changed(const Welcome& welcome) {
 }
 
 Expected<HomeMessage> read_home_message(std::string_view text) {
-  ROOMWISE_TRY(const OrderedJson json, parse_object(text, kMostHomeTextBytes));
+  ROOMWISE_TRY(const OrderedJson json, parse_object(text, kMaxHomeTextBytes));
   Members members(json);
   const std::string type = members.text("type");
   if (members.error()) return Unexpected(Error(*members.error()));

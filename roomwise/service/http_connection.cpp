@@ -187,7 +187,7 @@ class HttpConnection final : public Connection,
   }
 
   void read_body() {
-    const std::uint64_t most = match_.route->most_body_bytes;
+    const std::uint64_t most = match_.route->max_body_bytes;
     if (parser_->content_length().value_or(0) > most) {
       return answer_at_once(error_answer(
           413, fmt::format("the body of the request is too large: at most {} bytes", most)));
@@ -269,7 +269,7 @@ class HttpConnection final : public Connection,
                       [self = shared_from_this()](error_code error, std::size_t) {
                         if (error) return;
                         if (self->keep_alive_) return self->read_head();
-                        self->left_to_drain_ = self->drain_ ? kMostDrained : 0;
+                        self->left_to_drain_ = self->drain_ ? kMaxDrained : 0;
                         self->drain();
                       });
   }
@@ -321,7 +321,7 @@ class HttpConnection final : public Connection,
     beast::get_lowest_layer(stream_).expires_after(milliseconds_of(seconds));
   }
 
-  static constexpr std::size_t kMostDrained = std::size_t{1} << 20U;
+  static constexpr std::size_t kMaxDrained = std::size_t{1} << 20U;
 
   std::shared_ptr<TableEntry> entry_;
   ServerCore& core_;

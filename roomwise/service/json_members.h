@@ -16,11 +16,11 @@ namespace roomwise::service {
 
 using OrderedJson = nlohmann::ordered_json;
 
-constexpr double kMostTime_ms = 9e12;  // 300 years
-constexpr std::int64_t kMostWhole = std::int64_t{1}
-                                    << 53U;  // what a double holds, as JavaScript has it
-constexpr std::size_t kMostWordBytes = 200;  // of a name, a thing, a room
-constexpr std::size_t kMostSentenceBytes = 2'000;
+constexpr double kMaxTime_ms = 9e12;  // 300 years
+constexpr std::int64_t kMaxWhole = std::int64_t{1}
+                                   << 53U;  // what a double holds, as JavaScript has it
+constexpr std::size_t kMaxWordBytes = 200;  // of a name, a thing, a room
+constexpr std::size_t kMaxSentenceBytes = 2'000;
 
 // What a value is called in a message.
 template <typename T>
@@ -46,13 +46,13 @@ class Members {
     const auto found = object_.find(name);
     return found != object_.end() && !found->is_null();
   }
-  std::string text(const char* name, std::size_t most_bytes = kMostWordBytes) {
+  std::string text(const char* name, std::size_t max_bytes = kMaxWordBytes) {
     const OrderedJson* value = member(name);
     if (value == nullptr) return {};
     if (!value->is_string()) return wrong(name, "a text"), std::string();
     auto text = value->get<std::string>();
-    if (text.size() > most_bytes) {
-      return wrong(name, fmt::format("a text of at most {} bytes", most_bytes)), std::string();
+    if (text.size() > max_bytes) {
+      return wrong(name, fmt::format("a text of at most {} bytes", max_bytes)), std::string();
     }
     return text;
   }
@@ -137,9 +137,9 @@ class Members {
 };
 
 [[nodiscard]] inline Expected<OrderedJson> parse_object(std::string_view text,
-                                                        std::size_t most_bytes) {
-  if (text.size() > most_bytes) {
-    return fail("the message has {} bytes; at most {} are read", text.size(), most_bytes);
+                                                        std::size_t max_bytes) {
+  if (text.size() > max_bytes) {
+    return fail("the message has {} bytes; at most {} are read", text.size(), max_bytes);
   }
   OrderedJson json = OrderedJson::parse(text, nullptr, /*allow_exceptions=*/false);
   if (!json.is_object()) return fail("the message is no JSON object");

@@ -19,9 +19,9 @@ namespace roomwise::service {
 
 constexpr int kProtocolVersion = 1;
 // A message that is longer is refused before it is parsed.
-constexpr std::size_t kMostFrameBytes = 4'000'000;
-constexpr std::size_t kMostTextBytes = 16'384;       // from a device
-constexpr std::size_t kMostHomeTextBytes = 262'144;  // from the computer: lists of rooms and things
+constexpr std::size_t kMaxFrameBytes = 4'000'000;
+constexpr std::size_t kMaxTextBytes = 16'384;       // from a device
+constexpr std::size_t kMaxHomeTextBytes = 262'144;  // from the computer: lists of rooms and things
 
 // ---- from the device ----
 
@@ -109,7 +109,7 @@ struct FrameArrived {
 };
 
 struct SeenPosition {
-  double x_m = 0, y_m = 0, z_m = 0;  // level frame of the home
+  double x_m = 0, y_m = 0, z_m = 0;  // gravity-aligned frame of the home
   double heading_degrees = 0;        // of the camera's axis, counter-clockwise from x
   double sigma_m = 0;
 };

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "roomwise/base/file.h"
-#include "roomwise/base/testing.h"
+#include "roomwise/base/testing/testing.h"
 
 namespace roomwise::service {
 namespace {
@@ -177,7 +177,7 @@ TEST(Messages, TheIdOfAQuestionIsKnownThoughTheRestIsWrong) {
 
 TEST(Messages, ThatAreTooLongAreNotParsed) {
   std::string text = R"({"type":"quiet","on":true)";
-  for (int i = 0; text.size() < kMostTextBytes; ++i) text += fmt::format(R"(,"{}":1)", i);
+  for (int i = 0; text.size() < kMaxTextBytes; ++i) text += fmt::format(R"(,"{}":1)", i);
   EXPECT_THAT(error_of(text + "}"), HasSubstr("at most 16384"));
 }
 
@@ -238,7 +238,7 @@ TEST(Frames, AHeaderThatLiesIsRefused) {
 }
 
 TEST(Frames, LargerThanIsTakenAreRefusedBeforeTheyAreRead) {
-  const auto read = read_frame(Bytes(kMostFrameBytes + 1));
+  const auto read = read_frame(Bytes(kMaxFrameBytes + 1));
   ASSERT_FALSE(read);
   EXPECT_THAT(read.error().message, HasSubstr("at most"));
 }

@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "roomwise/base/testing.h"
+#include "roomwise/base/testing/testing.h"
 #include "roomwise/service/rate_limit.h"
 #include "roomwise/service/request_checks.h"
 

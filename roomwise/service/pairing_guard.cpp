@@ -6,8 +6,8 @@
 
 namespace roomwise::service {
 namespace {
-constexpr std::size_t kMostCodes = 4;
-constexpr std::size_t kMostPeers = 1024;
+constexpr std::size_t kMaxCodes = 4;
+constexpr std::size_t kMaxPeers = 1024;
 constexpr int kWrongOfAll = 5;
 constexpr int kWrongOfPeer = 3;
 constexpr double kFirstWait_s = 30;
@@ -25,7 +25,7 @@ Now Now::read() {
 
 void PairingGuard::open(Code code, double now_s) {
   codes_ = codes(now_s);
-  if (codes_.size() >= kMostCodes) codes_.erase(codes_.begin());
+  if (codes_.size() >= kMaxCodes) codes_.erase(codes_.begin());
   codes_.push_back(std::move(code));
 }
 
@@ -68,7 +68,7 @@ void PairingGuard::count(Guesses& guesses, int most, double now_s) {
 }
 
 PairingGuard::Guesses& PairingGuard::of(const std::string& peer, double now_s) {
-  if (!peers_.contains(peer) && peers_.size() >= kMostPeers) {
+  if (!peers_.contains(peer) && peers_.size() >= kMaxPeers) {
     peers_.erase(std::ranges::min_element(peers_, {},
                                           [](const auto& entry) { return entry.second.last_s; }));
   }

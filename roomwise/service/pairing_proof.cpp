@@ -17,9 +17,9 @@ Expected<PairingProof> make_pairing_proof(std::string_view code, std::string_vie
   }
   const std::string salt = fmt::format("{}{}", fingerprint, nonce);
   std::array<unsigned char, 64> key{};
-  constexpr std::uint64_t kMostMemory = std::uint64_t{64} << 20U;  // it takes 33 MB
+  constexpr std::uint64_t kMaxMemory = std::uint64_t{64} << 20U;  // it takes 33 MB
   if (EVP_PBE_scrypt(code.data(), code.size(), reinterpret_cast<const unsigned char*>(salt.data()),
-                     salt.size(), std::uint64_t{1} << 15U, 8, 1, kMostMemory, key.data(),
+                     salt.size(), std::uint64_t{1} << 15U, 8, 1, kMaxMemory, key.data(),
                      key.size()) != 1) {
     return fail("the proof could not be worked out: out of memory?");
   }

@@ -4,7 +4,7 @@
 
 namespace roomwise::service {
 namespace {
-constexpr std::size_t kMostKeys = 4096;
+constexpr std::size_t kMaxKeys = 4096;
 }
 
 double RateLimit::left(const Bucket& bucket, double now_s) const {
@@ -12,10 +12,10 @@ double RateLimit::left(const Bucket& bucket, double now_s) const {
 }
 
 bool RateLimit::take(const std::string& key, double now_s) {
-  if (!buckets_.contains(key) && buckets_.size() >= kMostKeys) {
+  if (!buckets_.contains(key) && buckets_.size() >= kMaxKeys) {
     // Who has a full bucket again is as good as new; if all are in use, nobody new is served.
     std::erase_if(buckets_, [&](const auto& entry) { return left(entry.second, now_s) >= burst_; });
-    if (buckets_.size() >= kMostKeys) return false;
+    if (buckets_.size() >= kMaxKeys) return false;
   }
   Bucket& bucket = buckets_.try_emplace(key, Bucket{burst_, now_s}).first->second;
   bucket = {left(bucket, now_s), now_s};

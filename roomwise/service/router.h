@@ -24,7 +24,7 @@ struct Route {
   std::optional<Role> role;  // who may; nothing: everyone
   // Called on any of several threads at once.
   std::function<HttpAnswer(const HttpRequest&, const Placeholders&)> handler;
-  std::size_t most_body_bytes = std::size_t{64} << 10U;
+  std::size_t max_body_bytes = std::size_t{64} << 10U;
 };
 
 // A route that was found for a request, with what its placeholders stand for.

@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "roomwise/service/testing_service.h"
+#include "roomwise/service/testing/testing_service.h"
 
 namespace roomwise::service {
 namespace {
@@ -20,14 +20,14 @@ using testing::RawClient;
 using testing::TestServer;
 
 Route route(const char* method, const char* pattern, std::optional<Role> role,
-            std::size_t most_body = 1024) {
+            std::size_t max_body = 1024) {
   return {method, pattern, role,
           [pattern](const HttpRequest& request, const Placeholders& placeholders) {
             nlohmann::json json = {{"pattern", pattern}, {"body", request.body.size()}};
             for (const auto& [name, value] : placeholders) json[name] = value;
             return json_answer(json);
           },
-          most_body};
+          max_body};
 }
 
 std::string concrete(std::string pattern) {

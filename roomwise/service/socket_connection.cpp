@@ -22,8 +22,8 @@ class SocketConnection;
 class Outbox final : public SocketOut, public std::enable_shared_from_this<Outbox> {
  public:
   Outbox(const ServerLimits& limits, std::weak_ptr<SocketConnection> connection)
-      : most_bytes_(limits.waiting_bytes),
-        most_messages_(limits.waiting_messages),
+      : max_bytes_(limits.waiting_bytes),
+        max_messages_(limits.waiting_messages),
         connection_(std::move(connection)) {}
 
   void send_text(std::string text) override;
@@ -39,8 +39,8 @@ class Outbox final : public SocketOut, public std::enable_shared_from_this<Outbo
   }
 
  private:
-  const std::size_t most_bytes_;
-  const std::size_t most_messages_;
+  const std::size_t max_bytes_;
+  const std::size_t max_messages_;
   const std::weak_ptr<SocketConnection> connection_;
   std::mutex mutex_;
   std::deque<std::string> waiting_;
@@ -247,7 +247,7 @@ void Outbox::send_text(std::string text) {
   const std::scoped_lock lock(mutex_);
   if (!open_ || !connection) return;
   ServerCore& core = connection->core();
-  if (waiting_.size() >= most_messages_ || bytes_ + text.size() > most_bytes_) {
+  if (waiting_.size() >= max_messages_ || bytes_ + text.size() > max_bytes_) {
     open_ = false;
     for (std::size_t i = 0; i <= waiting_.size(); ++i) core.events.message_dropped();
     waiting_.clear();

@@ -1,7 +1,7 @@
 #include <gmock/gmock.h>
 
 #include "roomwise/service/client.h"
-#include "roomwise/service/testing_service.h"
+#include "roomwise/service/testing/testing_service.h"
 
 namespace roomwise::service {
 namespace {
@@ -15,7 +15,7 @@ using testing::RawClient;
 using testing::TestServer;
 
 // Long enough for the slowest machine; nothing waits that long where all is well.
-constexpr milliseconds kMost{10000};
+constexpr milliseconds kMax{10000};
 
 std::string upgrade(const std::string& more) {
   return "Upgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
@@ -46,7 +46,7 @@ class SocketTest : public ::testing::Test {
   [[nodiscard]] std::unique_ptr<ServerConnection> connect() const { return connect(home_.device); }
   [[nodiscard]] std::unique_ptr<ServerConnection> connect(const Pairing& as) const {
     auto opened =
-        ServerConnection::open(address(), credentials(as), {.timeout = kMost, .silence = kMost});
+        ServerConnection::open(address(), credentials(as), {.timeout = kMax, .silence = kMax});
     EXPECT_OK(opened);
     return opened ? *std::move(opened) : nullptr;
   }
@@ -70,7 +70,7 @@ TEST_F(SocketTest, CarriesTextsAndFrames) {
   const auto connection = connect();
   ASSERT_TRUE(connection);
   ASSERT_OK(connection->send_text("hello"));
-  const auto echo = connection->receive(kMost);
+  const auto echo = connection->receive(kMax);
   ASSERT_OK(echo);
   ASSERT_TRUE(echo->has_value());
   EXPECT_TRUE((*echo)->is_text);
@@ -84,7 +84,7 @@ TEST_F(SocketTest, CarriesTextsAndFrames) {
   ASSERT_OK(nothing);
   EXPECT_FALSE(nothing->has_value());
   connection->close();
-  EXPECT_ERROR(connection->receive(kMost), "closed");
+  EXPECT_ERROR(connection->receive(kMax), "closed");
   EXPECT_TRUE(home_.sockets.signal.wait([&] { return home_.sockets.closed == 1; }));
 }
 
@@ -107,7 +107,7 @@ TEST_F(SocketTest, RefusesAMessageThatIsTooLarge) {
   const auto connection = connect();
   ASSERT_TRUE(connection);
   ASSERT_OK(connection->send_binary(Bytes(4'000'001, 7)));
-  EXPECT_FALSE(connection->receive(kMost).has_value());
+  EXPECT_FALSE(connection->receive(kMax).has_value());
   EXPECT_TRUE(home_.sockets.signal.wait([&] { return home_.sockets.closed == 1; }));
   EXPECT_TRUE(home_.sockets.binaries.empty());
   EXPECT_EQ(home_.server->counts().refusals.at("a message that is too large"), 1u);
@@ -143,17 +143,17 @@ TEST_F(SocketTest, ClosesAClientThatNeverSaysHello) {
   const auto greeted = connect();
   ASSERT_TRUE(greeted);
   ASSERT_OK(greeted->send_text("hello"));
-  ASSERT_OK(greeted->receive(kMost));  // the echo
+  ASSERT_OK(greeted->receive(kMax));  // the echo
   const auto silent = connect(home_.helper);
   const auto talking = connect(home_.helper);
   ASSERT_TRUE(silent && talking);
   ASSERT_OK(talking->send_text("where am I?"));
-  ASSERT_OK(talking->receive(kMost));
-  EXPECT_ERROR(silent->receive(kMost), "no hello came");
-  EXPECT_ERROR(talking->receive(kMost), "no hello came");
+  ASSERT_OK(talking->receive(kMax));
+  EXPECT_ERROR(silent->receive(kMax), "no hello came");
+  EXPECT_ERROR(talking->receive(kMax), "no hello came");
   EXPECT_EQ(home_.server->counts().refusals.at("a client that says no hello"), 2u);
   ASSERT_OK(greeted->send_text("still here"));
-  EXPECT_OK(greeted->receive(kMost));
+  EXPECT_OK(greeted->receive(kMax));
 }
 
 TEST_F(SocketTest, ASessionMayCloseOrFail) {
@@ -161,7 +161,7 @@ TEST_F(SocketTest, ASessionMayCloseOrFail) {
     const auto connection = connect();
     ASSERT_TRUE(connection);
     ASSERT_OK(connection->send_text(text));
-    const auto ended = connection->receive(kMost);
+    const auto ended = connection->receive(kMax);
     EXPECT_ERROR(ended, text == "close" ? "you asked for it" : "the computer made a mistake");
   }
   EXPECT_TRUE(home_.sockets.signal.wait([&] { return home_.sockets.closed == 2; }));
@@ -177,7 +177,7 @@ TEST_F(SocketTest, WhoIsRemovedIsClosed) {
                      bearer(home_.helper.token))
                 .status,
             200);
-  EXPECT_ERROR(connection->receive(kMost), "removed");
+  EXPECT_ERROR(connection->receive(kMax), "removed");
   EXPECT_EQ(home_.ask("GET", "/api/me", bearer(home_.device.token)).status, 401);
   EXPECT_ERROR(ServerConnection::open(address(), credentials(home_.device)), "pair it again");
 }
@@ -187,9 +187,9 @@ TEST_F(SocketTest, ADevicesNewestConnectionsStay) {
   const auto second = connect();
   EXPECT_TRUE(home_.sockets.signal.wait([&] { return home_.sockets.opened == 2; }));
   const auto third = connect();
-  EXPECT_ERROR(first->receive(kMost), "connected again");
+  EXPECT_ERROR(first->receive(kMax), "connected again");
   ASSERT_OK(third->send_text("still here"));
-  EXPECT_OK(third->receive(kMost));
+  EXPECT_OK(third->receive(kMax));
 }
 
 TEST_F(SocketTest, StopsWithOpenSockets) {
@@ -198,7 +198,7 @@ TEST_F(SocketTest, StopsWithOpenSockets) {
   EXPECT_TRUE(home_.sockets.signal.wait([&] { return home_.sockets.opened == 1; }));
   home_.server->stop();
   EXPECT_EQ(home_.sockets.closed, 1);
-  EXPECT_ERROR(connection->receive(kMost), "the computer stops");
+  EXPECT_ERROR(connection->receive(kMax), "the computer stops");
   home_.sockets.last_out->send_text("to nobody");  // harmless
   home_.start();
   EXPECT_TRUE(connect());
@@ -216,10 +216,10 @@ TEST_F(SocketTest, CanBeInterrupted) {
   const auto connection = connect();
   ASSERT_TRUE(connection);
   connection->interrupt();
-  EXPECT_ERROR(connection->receive(kMost), "interrupted");
+  EXPECT_ERROR(connection->receive(kMax), "interrupted");
   EXPECT_ERROR(connection->send_text("a"), "interrupted");
   EXPECT_ERROR(ServerConnection::open(address(), credentials(home_.device),
-                                      {.timeout = kMost, .interrupted = [] { return true; }}),
+                                      {.timeout = kMax, .interrupted = [] { return true; }}),
                "interrupted");
 }
 
@@ -240,7 +240,7 @@ TEST_F(SocketTest, NothingSecretIsLogged) {
 TEST_F(SocketTest, PairsWithoutSayingTheCode) {
   const auto code = home_.access->make_code(Role::kHelper, home_.now());
   ASSERT_OK(code);
-  const ClientWait wait{.timeout = kMost};
+  const ClientWait wait{.timeout = kMax};
   const std::string wrong = *code == "000000" ? "000001" : "000000";
   EXPECT_ERROR(pair_with(address(), wrong, "Cap", wait), "the code is wrong");
   const auto paired = pair_with(address(), *code, "Cap", wait);
@@ -260,7 +260,7 @@ TEST_F(SocketTest, PairsWithNobodyWhoDoesNotKnowTheCode) {
                      return answer;
                    }};
   TestServer impostor({pair});
-  EXPECT_ERROR(pair_with({"127.0.0.1", impostor.port()}, "123456", "Cap", {.timeout = kMost}),
+  EXPECT_ERROR(pair_with({"127.0.0.1", impostor.port()}, "123456", "Cap", {.timeout = kMax}),
                "does not know the code");
 }
 

@@ -64,9 +64,8 @@ Expected<Bytes> run_espeak(std::vector<std::string> arguments, std::string_view 
 
   // A text is shorter than what a socket holds, so this does not wait for the reader. Where there
   // is none, nothing is sent: who lists the voices may have ended by now, and sending would fail.
-  const bool written =
-      input.empty() || ::send(to_write.get(), input.data(), input.size(), MSG_NOSIGNAL) ==
-                           static_cast<ssize_t>(input.size());
+  const bool written = input.empty() || ::send(to_write.get(), input.data(), input.size(),
+                                               MSG_NOSIGNAL) == static_cast<ssize_t>(input.size());
   to_write.close_now();
   Bytes output;
   std::array<std::uint8_t, 65'536> piece{};

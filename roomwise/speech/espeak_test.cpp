@@ -5,7 +5,7 @@
 
 #include <thread>
 
-#include "roomwise/base/testing.h"
+#include "roomwise/base/testing/testing.h"
 #include "roomwise/speech/test_sounds.h"
 
 namespace roomwise::speech {

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "roomwise/base/testing.h"
+#include "roomwise/base/testing/testing.h"
 #include "roomwise/speech/earcons.h"
 #include "roomwise/speech/espeak.h"
 #include "roomwise/speech/test_sounds.h"

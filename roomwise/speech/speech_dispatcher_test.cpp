@@ -6,7 +6,7 @@
 #include <future>
 #include <semaphore>
 
-#include "roomwise/base/testing.h"
+#include "roomwise/base/testing/testing.h"
 #include "roomwise/speech/earcons.h"
 #include "roomwise/speech/test_sounds.h"
 #include "roomwise/speech/test_ssip_server.h"

@@ -19,7 +19,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "samples are written as they lie");
 
 constexpr std::int64_t kHeaderBytes = 44;
-constexpr std::int64_t kMostSamples =
+constexpr std::int64_t kMaxSamples =
     (std::int64_t{std::numeric_limits<std::uint32_t>::max()} - kHeaderBytes) / 2;
 
 // RIFF's header of uncompressed sound, one channel of 16 bits.
@@ -100,7 +100,7 @@ Expected<std::int64_t> WavTimeline::sample_at(TimestampNs at_ns) const {
     return fail("{}: {} s before its beginning", path_.string(), seconds_between(at_ns, begin_ns_));
   }
   const auto sample = std::llround(seconds_between(begin_ns_, at_ns) * rate_hz_);
-  if (sample > kMostSamples) return fail("{}: a WAV file holds 4 GB at most", path_.string());
+  if (sample > kMaxSamples) return fail("{}: a WAV file holds 4 GB at most", path_.string());
   return sample;
 }
 
@@ -110,7 +110,7 @@ Expected<void> WavTimeline::place(TimestampNs at_ns, const Pcm& pcm) {
   }
   ROOMWISE_TRY(const std::int64_t first, sample_at(at_ns));
   const auto count = static_cast<std::int64_t>(pcm.samples.size());
-  if (count > kMostSamples - first) {
+  if (count > kMaxSamples - first) {
     return fail("{}: a WAV file holds 4 GB at most", path_.string());
   }
   ROOMWISE_CHECK_OK(set_length(first));

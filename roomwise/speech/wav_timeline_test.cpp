@@ -7,7 +7,7 @@
 
 #include <csignal>
 
-#include "roomwise/base/testing.h"
+#include "roomwise/base/testing/testing.h"
 #include "roomwise/speech/test_sounds.h"
 
 namespace roomwise::speech {

@@ -50,7 +50,7 @@ export class StandInState {
     return {
       type: 'welcome', version: 1, home: this.home.name, role, rooms: this.home.rooms.map((room) => room.name).sort(),
       things: [...new Set(this.home.things.map((thing) => thing.name))].sort(), sees_rooms: true, sees_places: true,
-      most_frame_bytes: 4_000_000,
+      max_frame_bytes: 4_000_000,
     };
   }
 }

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <set>
 
-#include "roomwise/mapping/pose_graph.h"
+#include "roomwise/mapping/graph/pose_graph.h"
 
 // Pose graphs by Ceres Solver, beside which ours is tested and measured.
 namespace roomwise::mapping::testing {

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "roomwise/mapping/landmarks.h"
+#include "roomwise/mapping/bundle/landmarks.h"
 #include "roomwise/mapping/testing/synthetic_bundle.h"
 
 namespace roomwise::mapping::testing {

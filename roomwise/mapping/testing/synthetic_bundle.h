@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "roomwise/base/random.h"
-#include "roomwise/mapping/bundle_adjustment.h"
-#include "roomwise/mapping/edge_error.h"
+#include "roomwise/mapping/bundle/bundle_adjustment.h"
+#include "roomwise/mapping/graph/edge_error.h"
 #include "roomwise/mapping/testing/random_transform.h"
 
 // A made-up scene of landmarks for tests: not part of the product.
@@ -33,7 +33,7 @@ class SyntheticScene {
       camera.world_from_camera = {
           Eigen::Quaterniond(Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitY())),
           {0.1 * static_cast<double>(i), 0.05 * std::sin(3 * angle), 0}};
-      for (double& value : camera.motion) value = random_.normal();
+      for (double& value : camera.velocity) value = random_.normal();
     }
     for (std::size_t i = 0; i < options.landmarks; ++i) add_landmark(options);
     for (std::size_t i = 1; i < options.cameras; ++i) {
@@ -73,7 +73,7 @@ class SyntheticScene {
       for (int round = 0; round < 20; ++round) {
         const geometry::RigidTransform world_from_row =
             camera.world_from_camera *
-            geometry::RigidTransform::exp(view.row * truth_.model.readout_s * camera.motion);
+            geometry::RigidTransform::exp(view.row * truth_.model.readout_s * camera.velocity);
         seen = world_from_row.inverse() * landmark.point_world;
         view.pixel = truth_.model.camera.project_undistorted(seen);
         view.row = view.pixel.y() / (truth_.model.camera.height - 1) - 0.5;
@@ -83,10 +83,10 @@ class SyntheticScene {
         continue;
       }
       for (double& value : view.pixel) value += options.noise_sigmas * random_.normal();
-      const double disparity =
-          truth_.model.residuals.stereo_px_m / seen.z() + options.noise_sigmas * random_.normal();
+      const double disparity = truth_.model.residuals.focal_baseline_px_m / seen.z() +
+                               options.noise_sigmas * random_.normal();
       const bool has_depth = random_.uniform() >= options.without_depth;
-      view.depth_m = has_depth ? truth_.model.residuals.stereo_px_m / disparity : 0;
+      view.depth_m = has_depth ? truth_.model.residuals.focal_baseline_px_m / disparity : 0;
       landmark.views.push_back(view);
     }
     if (landmark.views.size() >= 2) truth_.landmarks.push_back(std::move(landmark));

@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "roomwise/network/executor.h"
+#include "roomwise/network/executor/executor.h"
 
 // The same networks run by OpenCV's DNN module, for tests and benchmarks.
 namespace roomwise::network::testing {

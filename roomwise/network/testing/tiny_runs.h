@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "roomwise/base/random.h"
-#include "roomwise/base/testing.h"
-#include "roomwise/network/executor.h"
+#include "roomwise/base/testing/testing.h"
+#include "roomwise/network/executor/executor.h"
 #include "roomwise/network/testing/opencv_network.h"
-#include "roomwise/network/tiny_network.h"
+#include "roomwise/network/testing/tiny_network.h"
 
 // Small networks, run by us and by OpenCV.
 namespace roomwise::network::testing {

@@ -1,9 +1,9 @@
 // The name of a device, and which field a refusal is about. Pure.
 
-export const kMostNameBytes = 64; // as UTF-8
+export const kMaxNameBytes = 64; // as UTF-8
 
 export function fitsAsName(name: string): boolean {
-  return new TextEncoder().encode(name).byteLength <= kMostNameBytes;
+  return new TextEncoder().encode(name).byteLength <= kMaxNameBytes;
 }
 
 // Only a code that does not hold is about the code; a wrong value (400) names its member. Null: about no field.

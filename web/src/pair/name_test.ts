@@ -1,13 +1,13 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 
-import { fieldOf, fitsAsName, kMostNameBytes } from './name';
+import { fieldOf, fitsAsName, kMaxNameBytes } from './name';
 
 test('a name is measured in bytes', () => {
-  assert.equal(fitsAsName('a'.repeat(kMostNameBytes)), true);
-  assert.equal(fitsAsName('a'.repeat(kMostNameBytes + 1)), false);
-  assert.equal(fitsAsName('ü'.repeat(kMostNameBytes / 2)), true);
-  assert.equal(fitsAsName('ü'.repeat(kMostNameBytes / 2 + 1)), false);
+  assert.equal(fitsAsName('a'.repeat(kMaxNameBytes)), true);
+  assert.equal(fitsAsName('a'.repeat(kMaxNameBytes + 1)), false);
+  assert.equal(fitsAsName('ü'.repeat(kMaxNameBytes / 2)), true);
+  assert.equal(fitsAsName('ü'.repeat(kMaxNameBytes / 2 + 1)), false);
 });
 
 test('a refusal is told at the field that it is about', () => {

@@ -9,9 +9,9 @@ export interface Field {
   clear: () => void;
 }
 
-type FieldOptions = { hint?: string; attributes?: Attributes; value?: string };
+type TsdfOptions = { hint?: string; attributes?: Attributes; value?: string };
 
-export function textField(label: string, options: FieldOptions = {}): Field {
+export function textField(label: string, options: TsdfOptions = {}): Field {
   const input = h('input', { type: 'text', autocomplete: 'off', ...options.attributes });
   input.value = options.value ?? '';
   return field(label, input, options);
@@ -22,7 +22,7 @@ export interface Choice {
   label: string;
 }
 
-export function selectField(label: string, choices: readonly Choice[], options: FieldOptions = {}): Field {
+export function selectField(label: string, choices: readonly Choice[], options: TsdfOptions = {}): Field {
   const input = h('select', options.attributes,
     ...choices.map((choice) => h('option', { value: choice.value }, choice.label)));
   if (options.value !== undefined) {
@@ -31,7 +31,7 @@ export function selectField(label: string, choices: readonly Choice[], options: 
   return field(label, input, options);
 }
 
-function field(label: string, input: HTMLInputElement | HTMLSelectElement, options: FieldOptions): Field {
+function field(label: string, input: HTMLInputElement | HTMLSelectElement, options: TsdfOptions): Field {
   input.id = newId('field');
   const hintId = `${input.id}-hint`;
   const errorId = `${input.id}-error`;

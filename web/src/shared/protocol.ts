@@ -37,7 +37,7 @@ export interface Welcome {
   things: string[];
   sees_rooms: boolean;
   sees_places: boolean;
-  most_frame_bytes: number;
+  max_frame_bytes: number;
 }
 
 export interface Position {

@@ -1,0 +1,243 @@
+#include "networks.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <memory>
+#include <utility>
+
+#include "roomwise/network/formats/eight_bit_file.h"
+#include "roomwise/network/formats/network_file.h"
+#include "roomwise/network/vision/onnx_classifier.h"
+#include "roomwise/objects/detection/activation_regions.h"
+#include "roomwise/objects/detection/crop_regions.h"
+
+namespace roomwise::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The networks of a folder that are for the task, by their cards; by name.
+Expected<std::vector<fs::path>> list_networks(const fs::path& folder, network::Task task) {
+  std::vector<fs::path> files;
+  std::error_code error;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
+       entry.increment(error)) {
+    if (!network::has_ending_of_network(entry->path())) continue;
+    const auto card = network::find_model_card(entry->path());
+    if (card && card->task == task) files.push_back(entry->path());
+  }
+  if (error)
+    return fail("{}: the folder of networks (ROOMWISE_MODELS) cannot be read: {}", folder.string(),
+                error.message());
+  std::ranges::sort(files);
+  return files;
+}
+
+// Those of all folders; the first folder that has a file counts.
+Expected<std::vector<fs::path>> networks_for(network::Task task) {
+  std::vector<fs::path> usable;
+  for (const fs::path& folder : network_folders()) {
+    ROOMWISE_TRY(const auto files, list_networks(folder, task));
+    for (const fs::path& file : files) {
+      const bool hidden = std::ranges::any_of(
+          usable, [&](const fs::path& other) { return other.filename() == file.filename(); });
+      if (!hidden) usable.push_back(file);
+    }
+  }
+  return usable;
+}
+
+// The smallest classifier of the folders that names such things, for what no detector finds: it is
+// shown what is in a detector's boxes, asked by its activation maps, and looks closer beside the
+// detector.
+Expected<void> add_classifying_finders(objects::ObjectFinders& all,
+                                       const std::shared_ptr<const network::Detector>& detector) {
+  objects::RegionFinders& finders = all.in_pictures;
+  ROOMWISE_TRY(auto files, networks_for(network::Task::kClassify));
+  std::ranges::stable_sort(files, {}, [](const fs::path& file) {
+    std::error_code ignored;
+    return fs::file_size(file, ignored);
+  });
+  const auto vocabulary = objects::ObjectVocabulary::standard();
+  for (const fs::path& file : files) {
+    const auto card = network::find_model_card(file);
+    if (!card || card->labels_file.empty()) continue;
+    auto whole = network::OnnxClassifier::load(file);
+    if (!whole) {
+      fmt::print(stderr, "left out: {}\n", whole.error().message);
+      continue;
+    }
+    const auto words = objects::classes_of_crops((*whole)->labels(), vocabulary);
+    if (words.objects().empty()) continue;  // it names other things: rooms, or animals
+    if (auto cells = network::DenseClassifier::load(file)) {
+      const auto of_maps = objects::classes_of_maps(finders, (*cells)->labels(), vocabulary);
+      finders.push_back(objects::activation_finder(*std::move(cells), of_maps));
+    } else {
+      fmt::print(stderr, "no activation maps: {}\n", cells.error().message);
+    }
+    const std::shared_ptr<const network::Classifier> classifier = *std::move(whole);
+    finders.push_back(objects::crop_finder(detector, classifier, words));
+    all.of_proposals = objects::network_proposal_classifier(detector, classifier);
+    return {};
+  }
+  return {};
+}
+
+}  // namespace
+
+Expected<fs::path> own_network_folder() {
+  const auto variable = [](const char* name) -> fs::path {
+    const char* value = std::getenv(name);
+    return value == nullptr ? "" : value;
+  };
+  // A path that is not absolute is to be taken for none (XDG Base Directory Specification).
+  fs::path data = variable("XDG_DATA_HOME");
+  if (!data.is_absolute() && variable("HOME").is_absolute()) {
+    data = variable("HOME") / ".local" / "share";
+  }
+  if (!data.is_absolute()) {
+    return fail("neither XDG_DATA_HOME nor HOME names a folder to keep networks in; give --to");
+  }
+  return data / "roomwise" / "networks";
+}
+
+std::vector<fs::path> network_folders() {
+  std::vector<fs::path> folders;
+  if (const auto folder = network::default_model_folder()) folders.push_back(*folder);
+  const auto own = own_network_folder();
+  std::error_code ignored;
+  if (own && fs::is_directory(*own, ignored)) folders.push_back(*own);
+  return folders;
+}
+
+std::optional<fs::path> brought_network_folder() {
+  std::error_code error;
+  const fs::path program = fs::read_symlink("/proc/self/exe", error);
+  const fs::path folder = program.parent_path().parent_path() / "share" / "roomwise" / "networks";
+  if (error || !fs::is_directory(folder, error)) return std::nullopt;
+  return folder;
+}
+
+Expected<std::vector<fs::path>> usable_networks() {
+  ROOMWISE_TRY(auto usable, networks_for(network::Task::kClassify));
+  const auto brought = brought_network_folder();
+  if (usable.empty() && brought) {
+    ROOMWISE_TRY(usable, list_networks(*brought, network::Task::kClassify));
+  }
+  return usable;
+}
+
+Expected<std::vector<fs::path>> usable_detectors() {
+  return networks_for(network::Task::kNanoDetPlus);
+}
+
+const network::CatalogueEntry* find_catalogue_entry(const std::string& name) {
+  const auto& entries = network::catalogue();
+  const auto found = std::ranges::find_if(entries, [&](const network::CatalogueEntry& entry) {
+    return entry.name == name || entry.file == name;
+  });
+  return found == entries.end() ? nullptr : &*found;
+}
+
+std::optional<fs::path> find_in_folders(const std::string& file) {
+  std::error_code ignored;
+  std::vector<fs::path> folders = network_folders();
+  if (const auto brought = brought_network_folder()) folders.push_back(*brought);
+  for (const fs::path& folder : folders) {
+    if (fs::is_regular_file(folder / file, ignored)) return folder / file;
+  }
+  return std::nullopt;
+}
+
+Expected<fs::path> find_network_file(const std::string& name) {
+  std::error_code ignored;
+  if (const network::CatalogueEntry* entry = find_catalogue_entry(name)) {
+    if (const auto file = find_in_folders(entry->file)) return *file;
+    return fail("{}: is not here yet; fetch it by 'roomwise networks pull {}'", name, entry->name);
+  }
+  for (const std::string& file : {name, name + ".onnx", name + ".safetensors", name + ".pth",
+                                  name + network::EightBitFile::kEnding}) {
+    if (const auto found = find_in_folders(file)) return *found;
+  }
+  if (fs::is_regular_file(name, ignored)) return name;
+  return fail("{}: no such network; 'roomwise networks list' names those that there are", name);
+}
+
+void add_network_options(CLI::App& command, NetworkOptions& options) {
+  command.add_option("--network", options.files,
+                     "ONNX network, or weights (.pth, .safetensors) of a known one, with its card "
+                     "NAME.card.json beside it, or one in 8 bits (.eightbits, networks quantize), "
+                     "or the name of one that is here (networks list). Detectors look at "
+                     "key-frames by themselves. May be given several times. Without it: "
+                     "those of ROOMWISE_MODELS, else of ../shared/models, and those of the "
+                     "user's own folder; where neither holds one, the compact network that comes "
+                     "with Roomwise (roomwise networks list)");
+  command.add_option("--labels", options.labels,
+                     "What the last --network can name, a label a line, in place of the card's");
+}
+
+Expected<pipeline::Networks> load_networks(const NetworkOptions& options, bool also_brought) {
+  if (options.labels && options.files.empty())
+    return fail("--labels says what a --network can name; give that too");
+  std::vector<fs::path> files = options.files;
+  for (fs::path& file : files) {
+    std::error_code ignored;
+    if (fs::exists(file, ignored)) continue;  // a file, or a name as "networks list" says it
+    ROOMWISE_TRY(file, find_network_file(file.string()));
+  }
+  const bool are_defaults = files.empty();
+  if (are_defaults) {
+    ROOMWISE_TRY(files, usable_networks());
+  }
+  const bool is_brought =
+      are_defaults && !files.empty() && files.front().parent_path() == brought_network_folder();
+  if (is_brought) {
+    fmt::print(stderr,
+               "no other network is installed: {} looks at the pictures, which has learned from "
+               "simulated homes alone\n",
+               files.front().stem().string());
+  }
+  const auto brought = brought_network_folder();
+  if (are_defaults && also_brought && brought && !is_brought) {
+    ROOMWISE_TRY(const auto more, list_networks(*brought, network::Task::kClassify));
+    files.insert(files.end(), more.begin(), more.end());
+  }
+  pipeline::Networks networks;
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    const bool takes_labels = options.labels && i + 1 == files.size();
+    auto loaded =
+        network::OnnxClassifier::load(files[i], takes_labels ? options.labels : std::nullopt);
+    if (loaded) {
+      networks.push_back(*std::move(loaded));
+    } else if (are_defaults) {
+      // One that nobody asked for must not end work that the others can do.
+      fmt::print(stderr, "left out: {}\n", loaded.error().message);
+    } else {
+      return Unexpected(std::move(loaded).error());
+    }
+  }
+  return networks;
+}
+
+Expected<objects::ObjectFinders> load_object_finders() {
+  ROOMWISE_TRY(const auto files, usable_detectors());
+  objects::ObjectFinders finders;
+  std::shared_ptr<const network::Detector> first;
+  for (const fs::path& file : files) {
+    if (auto loaded = network::Detector::load(file)) {
+      const std::shared_ptr<const network::Detector> detector = *std::move(loaded);
+      if (first == nullptr) first = detector;
+      finders.in_pictures.push_back(objects::detector_regions(file.stem().string(), detector));
+    } else {
+      // One that nobody asked for must not end work that the others can do.
+      fmt::print(stderr, "left out: {}\n", loaded.error().message);
+    }
+  }
+  if (first != nullptr) ROOMWISE_CHECK_OK(add_classifying_finders(finders, first));
+  return finders;
+}
+
+}  // namespace roomwise::app

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include "roomwise/network/formats/catalogue.h"
+#include "roomwise/objects/proposals/object_finders.h"
+#include "roomwise/pipeline/objects/keyframe_observer.h"
+
+namespace roomwise::app {
+
+// The networks that the user names on the command line.
+struct NetworkOptions {
+  std::vector<std::filesystem::path> files;
+  std::optional<std::filesystem::path> labels;
+};
+
+// Declares --network (any number) and --labels.
+void add_network_options(CLI::App& command, NetworkOptions& options);
+
+// Loads them; where none is named, usable_networks(). May be none.
+// `also_brought`: the compact network too, after the others, for a home that may have been learned
+// with it before they were installed.
+[[nodiscard]] Expected<pipeline::Networks> load_networks(const NetworkOptions& options,
+                                                         bool also_brought = false);
+
+// The finders: the detectors of the folders of networks, whatever --network names, and, beside
+// them, the smallest classifier there that names things, for what no detector finds: shown the
+// first detector's boxes, by its activation maps, and, with that detector, for detections on
+// proposals. None where there is no detector.
+[[nodiscard]] Expected<objects::ObjectFinders> load_object_finders();
+
+// Where "networks pull" puts files: $XDG_DATA_HOME/roomwise/networks, else
+// ~/.local/share/roomwise/networks. Fails where neither is known.
+[[nodiscard]] Expected<std::filesystem::path> own_network_folder();
+
+// Where networks are looked for, the first that has a file first: the default model folder
+// (ROOMWISE_MODELS), then the user's own. Only folders that are there.
+[[nodiscard]] std::vector<std::filesystem::path> network_folders();
+
+// The folder of networks that come with Roomwise: ../share/roomwise/networks of the program's.
+[[nodiscard]] std::optional<std::filesystem::path> brought_network_folder();
+
+// The networks of network_folders() that look at whole pictures, by their cards, in the order of
+// folders, by name; where there are none, those that come with Roomwise.
+[[nodiscard]] Expected<std::vector<std::filesystem::path>> usable_networks();
+// The detectors of these folders, which look at every key-frame.
+[[nodiscard]] Expected<std::vector<std::filesystem::path>> usable_detectors();
+
+// The entry of the catalogue of this name, or of a file of this name; or nullptr.
+[[nodiscard]] const network::CatalogueEntry* find_catalogue_entry(const std::string& name);
+
+// FILE in the first folder of networks that has it; that of Roomwise is the last.
+[[nodiscard]] std::optional<std::filesystem::path> find_in_folders(const std::string& file);
+
+// A network's file by what the user calls it: a name of the catalogue, a file of the folders of
+// networks with or without its ending, or a path. Fails where it is not here, saying how to get it.
+[[nodiscard]] Expected<std::filesystem::path> find_network_file(const std::string& name);
+
+}  // namespace roomwise::app

@@ -1,0 +1,115 @@
+#include "open_home.h"
+
+#include <termios.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <memory>
+#include <string_view>
+
+namespace roomwise::app {
+namespace {
+
+// A terminal that gives each key as it is pressed and shows none; it is again as it was at the end.
+// Ctrl-C is a key too: the program would else end with the terminal left like this.
+class SilentTerminal {
+ public:
+  static Expected<SilentTerminal> take(int terminal) {
+    termios before{};
+    if (::tcgetattr(terminal, &before) != 0) {
+      return fail("the terminal cannot be asked for a passphrase: {}", std::strerror(errno));
+    }
+    termios silent = before;
+    silent.c_lflag &= ~static_cast<tcflag_t>(ECHO | ICANON | ISIG);
+    silent.c_cc[VMIN] = 1;
+    silent.c_cc[VTIME] = 0;
+    ::tcsetattr(terminal, TCSAFLUSH, &silent);
+    return SilentTerminal(terminal, before);
+  }
+  ~SilentTerminal() {
+    if (terminal_ >= 0) ::tcsetattr(terminal_, TCSAFLUSH, &before_);
+  }
+  SilentTerminal(SilentTerminal&& other) noexcept
+      : terminal_(std::exchange(other.terminal_, -1)), before_(other.before_) {}
+  SilentTerminal& operator=(SilentTerminal&&) = delete;
+
+ private:
+  SilentTerminal(int terminal, const termios& before) : terminal_(terminal), before_(before) {}
+
+  int terminal_;
+  termios before_;
+};
+
+void show(int terminal, std::string_view text) {
+  while (!text.empty()) {
+    const ssize_t written = ::write(terminal, text.data(), text.size());
+    if (written <= 0) return;
+    text.remove_prefix(static_cast<std::size_t>(written));
+  }
+}
+
+// The last character of UTF-8 text, which may be several bytes.
+std::size_t size_without_last(std::span<const std::uint8_t> text) {
+  std::size_t size = text.size();
+  while (size > 0 && (text[--size] & 0xc0U) == 0x80U) {
+  }
+  return size;
+}
+
+}  // namespace
+
+Expected<home::OpenOptions> open_options(const Context& context) {
+  home::OpenOptions options;
+  if (context.passphrase_file.empty()) return options;
+  ROOMWISE_TRY(home::Passphrase passphrase, home::Passphrase::read(context.passphrase_file));
+  options.passphrase = std::make_shared<const home::Passphrase>(std::move(passphrase));
+  return options;
+}
+
+Expected<home::Home> open_home(const std::filesystem::path& path, const Context& context) {
+  ROOMWISE_TRY(const home::OpenOptions options, open_options(context));
+  return home::Home::open(path, options);
+}
+
+Expected<home::Home> open_home_read_only(const std::filesystem::path& path,
+                                         const Context& context) {
+  ROOMWISE_TRY(const home::OpenOptions options, open_options(context));
+  return home::Home::open_read_only(path, options);
+}
+
+Expected<home::Passphrase> ask_passphrase(int terminal, const std::string& question) {
+  constexpr std::uint8_t kCtrlC = 3, kCtrlD = 4, kBackspace = 8, kCtrlU = 21, kDelete = 127;
+  ROOMWISE_TRY(const SilentTerminal silent, SilentTerminal::take(terminal));
+  show(terminal, question + ": ");
+  home::SecretBytes typed(home::Passphrase::kMaxBytes + 1);
+  std::size_t size = 0;
+  for (;;) {
+    std::uint8_t key = 0;
+    const ssize_t got = ::read(terminal, &key, 1);
+    if (got < 0 && errno == EINTR) continue;
+    if (got <= 0 || key == kCtrlC || key == kCtrlD) {
+      show(terminal, "\n");
+      return fail("no passphrase was given");
+    }
+    if (key == '\n' || key == '\r') break;
+    if (key == kCtrlU) {
+      size = 0;
+    } else if (key == kDelete || key == kBackspace) {
+      size = size_without_last(typed.bytes().first(size));
+    } else if (size < typed.bytes().size()) {
+      typed.data()[size++] = key;
+    }
+  }
+  show(terminal, "\n");
+  return home::Passphrase::from({reinterpret_cast<const char*>(typed.data()), size});
+}
+
+Expected<home::Passphrase> ask_new_passphrase(int terminal) {
+  ROOMWISE_TRY(home::Passphrase passphrase, ask_passphrase(terminal, "New passphrase"));
+  ROOMWISE_TRY(const home::Passphrase again, ask_passphrase(terminal, "The same again"));
+  if (!(passphrase == again)) return fail("the two passphrases differ; nothing was changed");
+  return passphrase;
+}
+
+}  // namespace roomwise::app

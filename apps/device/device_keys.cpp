@@ -1,0 +1,206 @@
+#include "device_keys.h"
+
+#include <fcntl.h>
+#include <linux/input.h>
+#include <poll.h>
+#include <termios.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <optional>
+#include <utility>
+
+namespace roomwise::app {
+namespace {
+
+using Kind = KeyRequest::Kind;
+
+constexpr double kNameWaits_s = 10;  // for its next letter
+constexpr std::size_t kMaxNameBytes = 100;
+constexpr char kEscape = 0x1B;
+constexpr char kBackspace = 0x08;
+constexpr char kDelete = 0x7F;  // what most terminals send for the key Backspace
+
+bool continues_character(char byte) {
+  return (byte & 0xC0) == 0x80;
+}
+
+std::optional<Kind> named_kind_of_letter(char letter) {
+  switch (letter) {
+    case 'f':
+      return Kind::kFind;
+    case 'g':
+      return Kind::kWay;
+    case 'n':
+      return Kind::kNameRoom;
+    default:
+      return std::nullopt;
+  }
+}
+
+std::optional<Kind> kind_of_letter(char letter) {
+  switch (letter) {
+    case 'w':
+      return Kind::kWhere;
+    case 'a':
+      return Kind::kAround;
+    case 'r':
+      return Kind::kRepeat;
+    case 'q':
+      return Kind::kQuiet;
+    case 'x':
+      return Kind::kExit;
+    default:
+      return std::nullopt;
+  }
+}
+
+std::optional<Kind> kind_of_button(int code) {
+  switch (code) {
+    case KEY_1:
+      return Kind::kWhere;
+    case KEY_2:
+      return Kind::kAround;
+    case KEY_3:
+      return Kind::kFindNext;
+    case KEY_4:
+      return Kind::kRepeat;
+    case KEY_5:
+      return Kind::kQuiet;
+    default:
+      return std::nullopt;
+  }
+}
+
+// What can be read now; nothing where the other end is gone.
+std::optional<std::vector<std::uint8_t>> read_some(int descriptor) {
+  std::vector<std::uint8_t> bytes(4096);
+  const ssize_t count = ::read(descriptor, bytes.data(), bytes.size());
+  if (count < 0 && (errno == EAGAIN || errno == EINTR)) return std::vector<std::uint8_t>();
+  if (count <= 0) return std::nullopt;
+  bytes.resize(static_cast<std::size_t>(count));
+  return bytes;
+}
+
+}  // namespace
+
+std::vector<KeyRequest> TypedKeys::take(std::string_view bytes, TimestampNs now_ns) {
+  std::vector<KeyRequest> requests;
+  if (naming_ && seconds_between(last_key_ns_, now_ns) > kNameWaits_s) {
+    name_.clear();
+    end_name(requests);
+  }
+  if (!bytes.empty()) last_key_ns_ = now_ns;
+  for (const char key : bytes) take_key(key, requests);
+  // A name that came whole, from a pipe, needs no question.
+  if (naming_ && !std::exchange(is_announced_, true)) {
+    requests.push_back({naming_ == Kind::kNameRoom ? Kind::kWhichRoom : Kind::kWhichThing, ""});
+  }
+  return requests;
+}
+
+void TypedKeys::take_key(char key, std::vector<KeyRequest>& requests) {
+  if (naming_) return take_letter_of_name(key, requests);
+  naming_ = named_kind_of_letter(key);
+  is_announced_ = false;
+  if (const auto kind = kind_of_letter(key)) requests.push_back({*kind, ""});
+}
+
+void TypedKeys::take_letter_of_name(char key, std::vector<KeyRequest>& requests) {
+  if (key == '\n' || key == '\r') {
+    end_name(requests);
+  } else if (key == kEscape) {
+    name_.clear();
+    end_name(requests);
+  } else if (key == kBackspace || key == kDelete) {
+    while (!name_.empty() && continues_character(name_.back())) name_.pop_back();
+    if (!name_.empty()) name_.pop_back();
+  } else if (static_cast<unsigned char>(key) >= ' ' && name_.size() < kMaxNameBytes) {
+    name_ += key;
+  }
+}
+
+void TypedKeys::end_name(std::vector<KeyRequest>& requests) {
+  const std::size_t begin = name_.find_first_not_of(' ');
+  if (begin == std::string::npos) {
+    requests.push_back({Kind::kNoName, ""});
+  } else {
+    requests.push_back({*naming_, name_.substr(begin)});
+  }
+  naming_.reset();
+  name_.clear();
+}
+
+std::vector<KeyRequest> ButtonEvents::take(std::span<const std::uint8_t> bytes) {
+  rest_.insert(rest_.end(), bytes.begin(), bytes.end());
+  std::vector<KeyRequest> requests;
+  std::size_t at = 0;
+  for (; at + sizeof(input_event) <= rest_.size(); at += sizeof(input_event)) {
+    input_event event{};
+    std::memcpy(&event, rest_.data() + at, sizeof event);
+    if (event.type != EV_KEY || event.value != 1) continue;  // 0: goes up, 2: is held
+    if (const auto kind = kind_of_button(event.code)) requests.push_back({*kind, ""});
+  }
+  rest_.erase(rest_.begin(), rest_.begin() + static_cast<std::ptrdiff_t>(at));
+  return requests;
+}
+
+struct DeviceKeys::Terminal {
+  int descriptor = -1;
+  termios before{};
+};
+
+Expected<std::unique_ptr<DeviceKeys>> DeviceKeys::open(int keyboard,
+                                                       const std::filesystem::path& buttons) {
+  std::unique_ptr<DeviceKeys> keys(new DeviceKeys);
+  keys->keyboard_ = keyboard;
+  if (!buttons.empty()) {
+    keys->buttons_ = ::open(buttons.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+    if (keys->buttons_ < 0) {
+      return fail("{}: cannot be read: {}; is the user in the group 'input'?", buttons.string(),
+                  std::strerror(errno));
+    }
+  }
+  termios settings{};
+  if (::isatty(keyboard) == 1 && ::tcgetattr(keyboard, &settings) == 0) {
+    keys->terminal_ = std::make_unique<Terminal>(Terminal{keyboard, settings});
+    settings.c_lflag &= ~static_cast<tcflag_t>(ICANON | ECHO);
+    ::tcsetattr(keyboard, TCSANOW, &settings);
+  }
+  return keys;
+}
+
+DeviceKeys::~DeviceKeys() {
+  if (terminal_) ::tcsetattr(terminal_->descriptor, TCSANOW, &terminal_->before);
+  if (buttons_ >= 0) ::close(buttons_);
+}
+
+std::vector<KeyRequest> DeviceKeys::wait(int max_ms, TimestampNs now_ns) {
+  // Descriptors below 0 are passed over.
+  std::array<pollfd, 2> inputs{{{keyboard_, POLLIN, 0}, {buttons_, POLLIN, 0}}};
+  if (::poll(inputs.data(), inputs.size(), max_ms) <= 0) return typed_.take({}, now_ns);
+  std::vector<KeyRequest> requests;
+  const auto add = [&](std::vector<KeyRequest> more) {
+    std::ranges::move(more, std::back_inserter(requests));
+  };
+  if (inputs[0].revents != 0) {
+    if (const auto bytes = read_some(keyboard_)) {
+      add(typed_.take({reinterpret_cast<const char*>(bytes->data()), bytes->size()}, now_ns));
+    } else {
+      keyboard_ = -1;
+    }
+  }
+  if (inputs[1].revents != 0) {
+    if (const auto bytes = read_some(buttons_)) {
+      add(events_.take(*bytes));
+    } else {
+      ::close(buttons_);
+      buttons_ = -1;
+    }
+  }
+  return requests;
+}
+
+}  // namespace roomwise::app

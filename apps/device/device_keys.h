@@ -1,0 +1,96 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "roomwise/base/expected.h"
+#include "roomwise/base/timestamp.h"
+
+namespace roomwise::app {
+
+// What a person asks the device by a key.
+struct KeyRequest {
+  enum class Kind {
+    kWhere,
+    kAround,
+    kFind,
+    kFindNext,
+    kWay,
+    kNameRoom,
+    kRepeat,
+    kQuiet,
+    kExit,
+    kWhichThing,  // its name is to be typed now
+    kWhichRoom,
+    kNoName,  // that was given up
+  };
+  Kind kind = Kind::kWhere;
+  std::string name;  // the thing of kFind and kWay, the room of kNameRoom
+
+  bool operator==(const KeyRequest&) const = default;
+};
+
+// Letters as they come from a keyboard or a pipe: w (where am I), a (around me), f NAME Enter
+// (find), g NAME Enter (go there), n NAME Enter (name the room while it is recorded), r (repeat), q
+// (quiet), x (exit). Others mean nothing. Backspace takes back the last letter of a name; Escape,
+// or ten seconds without a key, ends it.
+class TypedKeys {
+ public:
+  // Also without bytes, to see that time passes.
+  [[nodiscard]] std::vector<KeyRequest> take(std::string_view bytes, TimestampNs now_ns);
+
+ private:
+  void take_key(char key, std::vector<KeyRequest>& requests);
+  void take_letter_of_name(char key, std::vector<KeyRequest>& requests);
+  void end_name(std::vector<KeyRequest>& requests);
+
+  std::optional<KeyRequest::Kind> naming_;  // after f, g or n, until Enter
+  bool is_announced_ = false;               // that a name is waited for
+  TimestampNs last_key_ns_ = 0;
+  std::string name_;  // UTF-8
+};
+
+// Events of a Linux input device (struct input_event), in pieces of any size: the keys 1 (where am
+// I), 2 (around me), 3 (find the next thing of the home), 4 (repeat), 5 (quiet), when they go down.
+class ButtonEvents {
+ public:
+  [[nodiscard]] std::vector<KeyRequest> take(std::span<const std::uint8_t> bytes);
+
+ private:
+  std::vector<std::uint8_t> rest_;
+};
+
+// Both, as they come in. While it lives, a terminal gives each key at once and does not show it.
+class DeviceKeys {
+ public:
+  // `keyboard`: a descriptor, standard input, or -1. `buttons`: /dev/input/eventN, or empty. Fails
+  // where they cannot be read.
+  [[nodiscard]] static Expected<std::unique_ptr<DeviceKeys>> open(
+      int keyboard, const std::filesystem::path& buttons);
+  ~DeviceKeys();
+  DeviceKeys(const DeviceKeys&) = delete;
+  DeviceKeys& operator=(const DeviceKeys&) = delete;
+
+  // What was asked since the last call; waits for it, but no longer than so many milliseconds.
+  [[nodiscard]] std::vector<KeyRequest> wait(int max_ms, TimestampNs now_ns);
+
+ private:
+  DeviceKeys() = default;
+
+  struct Terminal;  // its settings as they were
+  std::unique_ptr<Terminal> terminal_;
+  TypedKeys typed_;
+  ButtonEvents events_;
+  int keyboard_ = -1;  // descriptors; -1 where there is none (any more)
+  int buttons_ = -1;
+};
+
+}  // namespace roomwise::app

@@ -1,0 +1,292 @@
+#include <gmock/gmock.h>
+#include <linux/input.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cstring>
+#include <sstream>
+
+#include "device_credentials.h"
+#include "device_keys.h"
+#include "device_voice.h"
+#include "roomwise/base/file.h"
+#include "roomwise/base/testing/testing.h"
+
+namespace roomwise::app {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+using Kind = KeyRequest::Kind;
+
+constexpr TimestampNs kSecond = 1'000'000'000;
+
+TEST(TypedKeysTest, AreLettersAndNames) {
+  TypedKeys keys;
+  EXPECT_THAT(keys.take("w\nz a", 0),
+              ElementsAre(KeyRequest{Kind::kWhere, ""}, KeyRequest{Kind::kAround, ""}));
+  // In pieces, as a person types; letters within a name ask nothing.
+  EXPECT_THAT(keys.take("f wash", 0), ElementsAre(KeyRequest{Kind::kWhichThing, ""}));
+  EXPECT_THAT(keys.take("ing ma", 0), IsEmpty());
+  EXPECT_THAT(keys.take("chine\nr", 0), ElementsAre(KeyRequest{Kind::kFind, "washing machine"},
+                                                    KeyRequest{Kind::kRepeat, ""}));
+  EXPECT_THAT(keys.take("g bed\n", 0), ElementsAre(KeyRequest{Kind::kWay, "bed"}));
+  EXPECT_THAT(keys.take("n", 0), ElementsAre(KeyRequest{Kind::kWhichRoom, ""}));
+  EXPECT_THAT(keys.take("kitchen\n", 0), ElementsAre(KeyRequest{Kind::kNameRoom, "kitchen"}));
+  EXPECT_THAT(keys.take("f\nqx", 0),
+              ElementsAre(KeyRequest{Kind::kNoName, ""}, KeyRequest{Kind::kQuiet, ""},
+                          KeyRequest{Kind::kExit, ""}));
+}
+
+TEST(TypedKeysTest, NamesAreMendedAndGivenUp) {
+  TypedKeys keys;
+  // A letter of two bytes is taken back as one.
+  EXPECT_THAT(keys.take("f \x7f\x7f"
+                        "bä\x7f"
+                        "ex\x08"
+                        "d\n",
+                        0),
+              ElementsAre(KeyRequest{Kind::kFind, "bed"}));
+  EXPECT_THAT(keys.take("g be", 0), ElementsAre(KeyRequest{Kind::kWhichThing, ""}));
+  EXPECT_THAT(keys.take("\x1bw", 0),
+              ElementsAre(KeyRequest{Kind::kNoName, ""}, KeyRequest{Kind::kWhere, ""}));
+}
+
+TEST(TypedKeysTest, ANameIsWaitedForSoLong) {
+  TypedKeys keys;
+  EXPECT_THAT(keys.take("fb", 0), ElementsAre(KeyRequest{Kind::kWhichThing, ""}));
+  EXPECT_THAT(keys.take("e", 9 * kSecond), IsEmpty());
+  EXPECT_THAT(keys.take("", 18 * kSecond), IsEmpty());
+  EXPECT_THAT(keys.take("", 20 * kSecond), ElementsAre(KeyRequest{Kind::kNoName, ""}));
+  EXPECT_THAT(keys.take("w", 21 * kSecond), ElementsAre(KeyRequest{Kind::kWhere, ""}));
+}
+
+std::string event(int code, int value, int type = EV_KEY) {
+  input_event pressed{};
+  pressed.type = static_cast<std::uint16_t>(type);
+  pressed.code = static_cast<std::uint16_t>(code);
+  pressed.value = value;
+  std::string bytes(sizeof pressed, '\0');
+  std::memcpy(bytes.data(), &pressed, sizeof pressed);
+  return bytes;
+}
+
+TEST(ButtonEventsTest, AreHeardWhenTheyGoDown) {
+  ButtonEvents events;
+  const std::string bytes = event(KEY_1, 1) + event(0, 0, EV_SYN) + event(KEY_1, 2) +
+                            event(KEY_1, 0) + event(KEY_3, 1) + event(KEY_A, 1) + event(KEY_5, 1);
+  std::vector<KeyRequest> heard;
+  for (std::size_t at = 0; at < bytes.size(); at += 7) {
+    const std::string piece = bytes.substr(at, 7);
+    std::ranges::move(
+        events.take({reinterpret_cast<const std::uint8_t*>(piece.data()), piece.size()}),
+        std::back_inserter(heard));
+  }
+  EXPECT_THAT(heard, ElementsAre(KeyRequest{Kind::kWhere, ""}, KeyRequest{Kind::kFindNext, ""},
+                                 KeyRequest{Kind::kQuiet, ""}));
+}
+
+TEST(DeviceKeysTest, ReadsAnInputDevice) {
+  const roomwise::testing::ScratchFolder folder;
+  const auto fifo = folder / "event0";
+  ASSERT_EQ(::mkfifo(fifo.c_str(), 0600), 0);
+  EXPECT_ERROR(DeviceKeys::open(-1, folder / "none"), "cannot be read");
+  const auto keys = DeviceKeys::open(-1, fifo);
+  ASSERT_OK(keys);
+  std::FILE* buttons = std::fopen(fifo.c_str(), "w");
+  ASSERT_NE(buttons, nullptr);
+  const std::string bytes = event(KEY_2, 1);
+  std::fwrite(bytes.data(), 1, bytes.size(), buttons);
+  std::fclose(buttons);
+  std::vector<KeyRequest> heard;
+  for (int i = 0; i < 100 && heard.empty(); ++i) heard = (*keys)->wait(100, 0);
+  EXPECT_THAT(heard, ElementsAre(KeyRequest{Kind::kAround, ""}));
+}
+
+TEST(DeviceCredentialsTest, AreKeptForTheOwnerAlone) {
+  const roomwise::testing::ScratchFolder folder;
+  const auto file = folder / "config" / "roomwise" / "device.json";
+  EXPECT_FALSE(stored_credentials(file, "flat.local:8443")->has_value());
+  ASSERT_OK(store_credentials(file, "flat.local:8443", {"ab", "token"}));
+  ASSERT_OK(store_credentials(file, "other.local:8443", {"cd", "other"}));
+  const auto stored = stored_credentials(file, "flat.local:8443");
+  ASSERT_OK(stored);
+  ASSERT_TRUE(stored->has_value());
+  EXPECT_EQ((*stored)->fingerprint, "ab");
+  EXPECT_EQ((*stored)->token, "token");
+  struct stat status {};
+  ASSERT_EQ(::stat(file.c_str(), &status), 0);
+  EXPECT_EQ(status.st_mode & 0777U, 0600u);
+  ASSERT_OK(write_file(file, "{\"flat.local:8443\": 1}"));
+  EXPECT_ERROR(stored_credentials(file, "flat.local:8443"), "pair again");
+}
+
+// A speaker that tells the end of what it speaks when the test says so.
+class HeldSpeaker final : public speech::Speaker {
+ public:
+  [[nodiscard]] Expected<void> begin(const guide::Utterance& utterance, TimestampNs) override {
+    heard += utterance.prompt.text + "\n";
+    done = false;
+    return {};
+  }
+  [[nodiscard]] Expected<void> stop(TimestampNs) override {
+    heard += "(stop)\n";
+    return {};
+  }
+  [[nodiscard]] Expected<bool> is_done(TimestampNs) override { return done; }
+
+  std::string heard;
+  bool done = false;
+};
+
+guide::Prompt answer(const std::string& key, const std::string& text, TimestampNs valid_until_ns) {
+  guide::Prompt prompt;
+  prompt.key = key;
+  prompt.text = text;
+  prompt.valid_until_ns = valid_until_ns;
+  return prompt;
+}
+
+class HeldVoiceTest : public ::testing::Test {
+ protected:
+  HeldVoiceTest() {
+    auto speaker = std::make_unique<HeldSpeaker>();
+    speaker_ = speaker.get();
+    guide::Wording wording;
+    wording.catalogue = &catalogue_;
+    voice_ = std::make_unique<DeviceVoice>(std::move(speaker), wording);
+  }
+  void step_until(TimestampNs end_ns) {
+    for (; now_ns_ <= end_ns; now_ns_ += kSecond / 10) ASSERT_OK(voice_->step(now_ns_));
+  }
+
+  guide::MessageCatalogue catalogue_ = guide::MessageCatalogue::built_in();
+  HeldSpeaker* speaker_ = nullptr;
+  std::unique_ptr<DeviceVoice> voice_;
+  TimestampNs now_ns_ = 0;
+};
+
+TEST_F(HeldVoiceTest, ASpeakerThatNeverEndsIsNotWaitedFor) {
+  // 10 characters, one of them of two bytes: 3 s + 2 * 0.6 s.
+  voice_->say(answer("room", "Die Küche.", 3 * kSecond), 0);
+  voice_->say(answer("later", "Later.", 60 * kSecond), 0);
+  step_until(4 * kSecond + kSecond / 5);
+  EXPECT_EQ(speaker_->heard, "Die Küche.\n");
+  step_until(5 * kSecond);
+  EXPECT_EQ(speaker_->heard, "Die Küche.\n(stop)\nLater.\n");
+  step_until(20 * kSecond);
+  EXPECT_TRUE(voice_->is_silent(20 * kSecond));
+}
+
+TEST_F(HeldVoiceTest, AskingAnewBreaksOffTheAnswer) {
+  voice_->say(answer("around", "Bed.", 3 * kSecond), 0);
+  voice_->say(answer("around/2", "Lamp.", 7 * kSecond), 0);
+  step_until(kSecond);
+  voice_->withdraw_answers(kSecond);
+  step_until(kSecond + kSecond / 2);
+  EXPECT_EQ(speaker_->heard, "Bed.\n(stop)\n");
+  voice_->say(answer("room", "Kitchen.", 5 * kSecond), 2 * kSecond);
+  step_until(2 * kSecond);
+  EXPECT_EQ(speaker_->heard, "Bed.\n(stop)\nKitchen.\n");
+}
+
+TEST_F(HeldVoiceTest, AnAnswerThatComesTooLateIsTold) {
+  voice_->notice("device.camera_dark", guide::Sound::kAlert, 0);
+  step_until(0);
+  voice_->say(answer("room", "Kitchen.", 2 * kSecond), kSecond);
+  voice_->say(answer("other", "Other.", 2 * kSecond), kSecond);
+  step_until(3 * kSecond);
+  speaker_->done = true;
+  step_until(4 * kSecond);
+  speaker_->done = true;
+  step_until(8 * kSecond);
+  EXPECT_EQ(speaker_->heard,
+            "It is too dark for the camera.\nThat did not work. Please try again.\n");
+}
+
+TEST(DeviceVoiceTest, SpeaksByTheRules) {
+  const auto catalogue = guide::MessageCatalogue::built_in();
+  std::ostringstream heard;
+  guide::Wording wording;
+  wording.catalogue = &catalogue;
+  DeviceVoice voice(std::make_unique<TextSpeaker>(heard), wording);
+  service::PromptMessage message;
+  message.key = "room";
+  message.message = "room.is";
+  message.text = "You are in the kitchen.";
+  message.language = "en";
+  message.priority = "answer";
+  message.confidence = "sure";
+  message.sound = "answer";
+  message.valid_until_t_ms = 5000;
+  const auto prompt = prompt_of(message);
+  ASSERT_OK(prompt);
+  voice.say(*prompt, 0);
+  voice.notice("device.connection_lost", guide::Sound::kLost, 0);
+  for (TimestampNs now_ns = 0; now_ns < 2 * kSecond; now_ns += kSecond / 10) {
+    ASSERT_OK(voice.step(now_ns));
+  }
+  EXPECT_TRUE(voice.is_silent(2 * kSecond));
+  voice.say(*prompt, 6 * kSecond);  // too late
+  ASSERT_OK(voice.step(6 * kSecond));
+  EXPECT_EQ(heard.str(), "(answer) You are in the kitchen.\n(lost) The connection is lost.\n");
+  ASSERT_OK(voice.step(7 * kSecond));
+  EXPECT_THAT(heard.str(), ::testing::EndsWith("(unsure) That did not work. Please try again.\n"));
+  message.priority = "urgent";
+  EXPECT_ERROR(prompt_of(message), "'urgent'");
+  EXPECT_ERROR(open_speaker("shout", 0, heard), "wav:FILE");
+}
+
+// Speaks so many prompts, then fails for good.
+class DyingSpeaker final : public speech::Speaker {
+ public:
+  DyingSpeaker(std::ostream& heard, int prompts) : heard_(heard), prompts_(prompts) {}
+  [[nodiscard]] Expected<void> begin(const guide::Utterance& utterance, TimestampNs) override {
+    if (prompts_-- <= 0) return fail("the daemon is gone");
+    heard_ << utterance.prompt.text << '\n';
+    return {};
+  }
+  [[nodiscard]] Expected<void> stop(TimestampNs) override { return {}; }
+  [[nodiscard]] Expected<bool> is_done(TimestampNs) override {
+    return prompts_ >= 0 ? Expected<bool>(true) : fail("the daemon is gone");
+  }
+
+ private:
+  std::ostream& heard_;
+  int prompts_;
+};
+
+TEST(ReopenedSpeakerTest, SpeaksOnOnceTheSpeechIsBack) {
+  std::ostringstream heard, errors;
+  int opened = 0;
+  const auto open = [&]() -> Expected<std::unique_ptr<speech::Speaker>> {
+    if (++opened == 2) return fail("it is not back yet");
+    return std::make_unique<DyingSpeaker>(heard, 1);
+  };
+  auto speaker = ReopenedSpeaker::open(open, errors);
+  ASSERT_OK(speaker);
+  const auto say = [&](const std::string& text, TimestampNs now_ns) {
+    guide::Utterance utterance;
+    utterance.prompt.text = text;
+    EXPECT_OK((*speaker)->begin(utterance, now_ns));
+    EXPECT_OK((*speaker)->is_done(now_ns));
+    EXPECT_OK((*speaker)->stop(now_ns));
+  };
+  say("one", 0);
+  say("two", kSecond);        // the speech is gone
+  say("three", 2 * kSecond);  // too early to try
+  say("four", 3 * kSecond);   // not back yet
+  say("five", 4 * kSecond);
+  EXPECT_EQ(opened, 2);
+  say("six", 5 * kSecond);
+  EXPECT_EQ(opened, 3);
+  EXPECT_EQ(heard.str(), "one\nsix\n");
+  EXPECT_EQ(errors.str(),
+            "the speech failed and is opened again: the daemon is gone\nnot spoken: two\n"
+            "not spoken: three\nnot spoken: four\nnot spoken: five\n");
+  opened = 1;
+  EXPECT_ERROR(ReopenedSpeaker::open(open, errors), "not back yet");
+}
+
+}  // namespace
+}  // namespace roomwise::app

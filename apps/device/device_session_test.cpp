@@ -1,0 +1,365 @@
+#include "device_session.h"
+
+#include <gmock/gmock.h>
+#include <unistd.h>
+
+#include "roomwise/image/codec.h"
+#include "roomwise/service/testing/testing_service.h"
+
+namespace roomwise::app {
+namespace {
+
+using service::testing::Signal;
+using ::testing::HasSubstr;
+
+// A camera that sees the same all day, a hundred times a second.
+class SameView final : public recording::FrameSource {
+ public:
+  SameView() {
+    info_.name = "test";
+    info_.camera.fx = info_.camera.fy = 10;
+    info_.camera.width = info_.camera.height = 8;
+    info_.frame_count = 1'000'000;
+    // The pixels too: on a slow network they are put smaller.
+    frame_.color = image::ColorImage(8, 8);
+    frame_.depth = image::DepthImage(8, 8);
+    frame_.encoded_color = image::encode_png(frame_.color);
+    frame_.encoded_depth = image::encode_png(frame_.depth);
+  }
+  [[nodiscard]] const recording::SourceInfo& info() const override { return info_; }
+  [[nodiscard]] Expected<std::optional<image::RgbdFrame>> next() override {
+    frame_.timestamp_ns += 10'000'000;
+    return std::optional(frame_);
+  }
+  void skip_before(std::uint64_t) override {}
+
+ private:
+  recording::SourceInfo info_;
+  image::RgbdFrame frame_;
+};
+
+// A live camera that is unplugged after a few frames.
+class UnpluggedView final : public recording::FrameSource {
+ public:
+  UnpluggedView() : info_(view_.info()) { info_.frame_count.reset(); }
+  [[nodiscard]] const recording::SourceInfo& info() const override { return info_; }
+  [[nodiscard]] Expected<std::optional<image::RgbdFrame>> next() override {
+    if (left_-- > 0) return view_.next();
+    return fail("the camera was unplugged");
+  }
+  void skip_before(std::uint64_t) override {}
+
+ private:
+  SameView view_;
+  recording::SourceInfo info_;
+  int left_ = 3;
+};
+
+// What is heard, by any thread. While it holds, no answer comes to its end.
+class HeardSpeaker final : public speech::Speaker {
+ public:
+  [[nodiscard]] Expected<void> begin(const guide::Utterance& utterance, TimestampNs) override {
+    speaks_answer = utterance.prompt.priority == guide::Priority::kAnswer;
+    signal.change([&] { heard += utterance.prompt.text + "\n"; });
+    return {};
+  }
+  [[nodiscard]] Expected<void> stop(TimestampNs) override {
+    signal.change([&] { heard += "(stop)\n"; });
+    return {};
+  }
+  [[nodiscard]] Expected<bool> is_done(TimestampNs) override { return !(holds && speaks_answer); }
+  [[nodiscard]] bool hears(const std::string& text) {
+    return signal.wait([&] { return heard.find(text) != std::string::npos; });
+  }
+
+  [[nodiscard]] int times(const std::string& text) {
+    int count = 0;
+    signal.change([&] {
+      for (std::size_t at = 0; (at = heard.find(text, at)) != std::string::npos; ++at) ++count;
+    });
+    return count;
+  }
+
+  Signal signal;
+  std::string heard;
+  std::atomic<bool> holds = false;
+  bool speaks_answer = false;  // of the session's thread alone
+};
+
+// A home that answers as the protocol says.
+class AnsweringHome final : public service::SocketHandler {
+ public:
+  std::unique_ptr<service::SocketSession> connect(
+      const service::Identity&, std::shared_ptr<service::SocketOut> out) override {
+    return std::make_unique<Session>(*this, std::move(out));
+  }
+  [[nodiscard]] bool has_more_frames(int more) {
+    int before = 0;
+    signal.change([&] { before = frames; });
+    return signal.wait([&] { return frames >= before + more; });
+  }
+
+  // To the device that was welcomed last; it may say "Ready." before.
+  void say(const service::HomeMessage& message) {
+    ASSERT_TRUE(signal.wait([&] { return last_out != nullptr; })) << "no device was welcomed";
+    std::shared_ptr<service::SocketOut> out;
+    signal.change([&] { out = last_out; });
+    out->send_text(write(message));
+  }
+
+  Signal signal;
+  std::shared_ptr<service::SocketOut> last_out;
+  int frames = 0;
+  std::vector<service::Hello> hellos;
+  std::vector<service::Ask> asks;
+
+ private:
+  class Session final : public service::SocketSession {
+   public:
+    Session(AnsweringHome& home, std::shared_ptr<service::SocketOut> out)
+        : home_(home), out_(std::move(out)) {}
+    void on_text(std::string_view text) override {
+      const auto message = service::read_device_message(text);
+      ASSERT_OK(message);
+      if (const auto* hello = std::get_if<service::Hello>(&*message)) {
+        out_->send_text(write(service::HomeMessage(
+            service::Welcome{"flat", "device", {"kitchen"}, {"bed", "lamp"}, true, true})));
+        home_.signal.change([&] {
+          home_.hellos.push_back(*hello);
+          home_.last_out = out_;
+        });
+      } else if (const auto* ask = std::get_if<service::Ask>(&*message)) {
+        home_.signal.change([&] { home_.asks.push_back(*ask); });
+        answer(*ask);
+      }
+    }
+    void on_message(Bytes bytes) override {
+      const auto frame = service::read_frame(bytes);
+      ASSERT_OK(frame);
+      home_.signal.change([&] { ++home_.frames; });
+      out_->send_text(write(service::HomeMessage(service::FrameArrived{frame->t_ms, 0})));
+    }
+    void on_closed() override {}
+
+   private:
+    void answer(const service::Ask& ask) {
+      if (ask.question == service::Question::kNameRoom || ask.subject == "nonsense") {
+        out_->send_text(write(service::HomeMessage(service::ErrorMessage{"refused", ask.id})));
+      } else if (ask.question == service::Question::kAroundMe) {
+        for (const char* key : {"around", "around/2", "around/3"}) say(ask, key, "Bed.");
+      } else {
+        say(ask, "answer", "Answer about " + ask.subject + ".");
+      }
+    }
+    void say(const service::Ask& ask, const std::string& key, const std::string& text) {
+      service::PromptMessage prompt;
+      prompt.answer_to = ask.id;
+      prompt.key = key;
+      prompt.message = "room.is";
+      prompt.text = text;
+      prompt.language = "en";
+      prompt.priority = "answer";
+      prompt.confidence = "sure";
+      prompt.sound = "answer";
+      prompt.valid_until_t_ms = ask.t_ms + 60'000;
+      out_->send_text(write(service::HomeMessage(prompt)));
+    }
+
+    AnsweringHome& home_;
+    std::shared_ptr<service::SocketOut> out_;
+  };
+};
+
+class DeviceSessionTest : public ::testing::Test {
+ protected:
+  DeviceSessionTest()
+      : DeviceSessionTest(
+            std::make_unique<DeviceCamera>(std::make_unique<SameView>(), CameraPace{})) {}
+  explicit DeviceSessionTest(std::unique_ptr<DeviceCamera> camera) {
+    auto speaker = std::make_unique<HeardSpeaker>();
+    speaker_ = speaker.get();
+    guide::Wording wording;
+    wording.catalogue = &catalogue_;
+    start_server();
+    DeviceParts parts;
+    parts.server = {"127.0.0.1", server_->port()};
+    parts.credentials = {around_.certificate.fingerprint, around_.device.token};
+    parts.hello.version = service::kProtocolVersion;
+    parts.hello.name = "Cap";
+    parts.hello.kind = service::DeviceKind::kWearable;
+    int ends[2];
+    EXPECT_EQ(::pipe(ends), 0);
+    keyboard_ = ends[0];
+    typing_ = ends[1];
+    parts.keys = DeviceKeys::open(keyboard_, "").value();
+    parts.camera = std::move(camera);
+    // However slow the machine is, nothing is lost and nothing slow.
+    parts.times = {.acknowledged_s = 1000, .slow_from_s = 1000};
+    parts.wait = {.timeout = std::chrono::seconds(10), .silence = std::chrono::seconds(10)};
+    parts.voice = std::make_unique<DeviceVoice>(std::move(speaker), wording);
+    session_ = std::make_unique<DeviceSession>(std::move(parts));
+  }
+  ~DeviceSessionTest() override {
+    ::close(keyboard_);
+    ::close(typing_);
+  }
+  void type(const std::string& text) const {
+    EXPECT_EQ(::write(typing_, text.data(), text.size()), static_cast<ssize_t>(text.size()));
+  }
+  void start_server() {
+    around_.options.port = server_ ? server_->port() : std::uint16_t{0};
+    server_.reset();
+    server_ = service::Server::start(around_.options, service::Router({}), *around_.access, home_)
+                  .value();
+  }
+
+  service::testing::TestServer around_;  // for its certificate and devices
+  AnsweringHome home_;
+  std::unique_ptr<service::Server> server_;
+  guide::MessageCatalogue catalogue_ = guide::MessageCatalogue::built_in();
+  HeardSpeaker* speaker_ = nullptr;
+  int keyboard_ = -1;  // the two ends of a pipe
+  int typing_ = -1;
+  std::unique_ptr<DeviceSession> session_;
+};
+
+// A base before the session, whose camera asks for it at once, from a thread of its own.
+struct Plug {
+  std::atomic<bool> is_plugged_in_ = false;
+};
+
+class UnpluggedCameraTest : protected Plug, public DeviceSessionTest {
+ protected:
+  UnpluggedCameraTest()
+      : DeviceSessionTest(std::make_unique<DeviceCamera>(
+            std::make_unique<UnpluggedView>(), CameraPace{.reopen_s = 0.01},
+            [this]() -> Expected<std::unique_ptr<recording::FrameSource>> {
+              if (!is_plugged_in_) return fail("no camera was found");
+              return std::make_unique<SameView>();
+            })) {}
+};
+
+TEST_F(UnpluggedCameraTest, SaysThatTheCameraFailedAndThatItIsBack) {
+  std::thread running([&] { EXPECT_OK(session_->run([] { return false; })); });
+  EXPECT_TRUE(speaker_->hears("The camera does not work."));
+  EXPECT_TRUE(speaker_->hears("Ready."));
+  type("f lamp\n");
+  EXPECT_TRUE(speaker_->hears("Answer about lamp.")) << "it goes on without";
+  is_plugged_in_ = true;
+  EXPECT_TRUE(speaker_->hears("The camera sees again."));
+  EXPECT_TRUE(home_.has_more_frames(3));
+  type("x");
+  running.join();
+  EXPECT_EQ(speaker_->times("The camera does not work."), 1);
+}
+
+TEST_F(DeviceSessionTest, GoesOnAfterTheServerWasAway) {
+  std::atomic<bool> stop = false;
+  std::thread running([&] { EXPECT_OK(session_->run([&] { return stop.load(); })); });
+  EXPECT_TRUE(speaker_->hears("Ready."));
+  EXPECT_TRUE(home_.has_more_frames(3));
+  server_->stop();
+  EXPECT_TRUE(speaker_->hears("The connection is lost."));
+  start_server();
+  EXPECT_TRUE(speaker_->hears("Connected again."));
+  EXPECT_TRUE(home_.has_more_frames(1));
+  stop = true;
+  running.join();
+  EXPECT_EQ(session_->counts().losses, 1u);
+  ASSERT_EQ(home_.hellos.size(), 2u);
+  EXPECT_EQ(home_.hellos[1].name, "Cap");
+}
+
+TEST_F(DeviceSessionTest, AsksWhatIsTypedAndSpeaksTheAnswers) {
+  std::thread running([&] { EXPECT_OK(session_->run([] { return false; })); });
+  EXPECT_TRUE(speaker_->hears("Ready."));
+  type("f lamp\n");
+  EXPECT_TRUE(speaker_->hears("Answer about lamp."));
+  type("q");
+  EXPECT_TRUE(speaker_->hears("I only answer now."));
+  type("w");
+  EXPECT_TRUE(home_.signal.wait([&] { return home_.asks.size() == 2; }));
+  type("x");
+  running.join();
+  ASSERT_EQ(home_.asks.size(), 2u);
+  EXPECT_EQ(home_.asks[1].question, service::Question::kWhereAmI);
+  EXPECT_GE(session_->prompts(), 1u);
+}
+
+TEST_F(DeviceSessionTest, AQuestionBreaksOffTheAnswerBefore) {
+  std::thread running([&] { EXPECT_OK(session_->run([] { return false; })); });
+  EXPECT_TRUE(speaker_->hears("Ready."));
+  speaker_->holds = true;
+  type("a");
+  EXPECT_TRUE(speaker_->hears("Bed."));
+  EXPECT_TRUE(home_.has_more_frames(2)) << "then the whole of the answer has come";
+  type("f lamp\n");
+  EXPECT_TRUE(speaker_->hears("(stop)\nAnswer about lamp."));
+  type("x");
+  running.join();
+  EXPECT_EQ(speaker_->times("Bed."), 1);
+}
+
+TEST_F(DeviceSessionTest, TellsWhatTheComputerRefuses) {
+  std::thread running([&] { EXPECT_OK(session_->run([] { return false; })); });
+  EXPECT_TRUE(speaker_->hears("Ready."));
+  home_.say(service::ErrorMessage{"of nobody's question", {}});
+  home_.say(service::ErrorMessage{"of another's question", 99});
+  type("f nonsense\n");
+  EXPECT_TRUE(speaker_->hears("I did not understand."));
+  type("n kitchen\n");
+  EXPECT_TRUE(speaker_->hears("That did not work."));
+  type("x");
+  running.join();
+  EXPECT_EQ(speaker_->times("I did not understand."), 1);
+  EXPECT_EQ(speaker_->times("That did not work."), 1);
+  ASSERT_EQ(home_.asks.size(), 2u);
+  EXPECT_EQ(home_.asks[1].question, service::Question::kNameRoom);
+  EXPECT_EQ(home_.asks[1].subject, "kitchen");
+}
+
+TEST_F(DeviceSessionTest, TellsThatItIsRecorded) {
+  std::thread running([&] { EXPECT_OK(session_->run([] { return false; })); });
+  EXPECT_TRUE(speaker_->hears("Ready."));
+  service::RecordingState state;
+  state.name = "walk";
+  const auto send = [&](const char* now) {
+    state.state = now;
+    ++state.frames;
+    home_.say(state);
+  };
+  const auto hears_last = [&](const std::string& text) {
+    return speaker_->signal.wait([&] { return speaker_->heard.ends_with(text + "\n"); });
+  };
+  for (int frame = 0; frame < 3; ++frame) {
+    send("recording");
+    EXPECT_TRUE(hears_last("Recording."));
+  }
+  send("saved");
+  EXPECT_TRUE(hears_last("The recording is saved."));
+  send("recording");
+  EXPECT_TRUE(hears_last("Recording."));
+  send("failed");
+  EXPECT_TRUE(hears_last("The recording failed."));
+  type("x");
+  running.join();
+  EXPECT_EQ(speaker_->times("Recording."), 2);
+}
+
+TEST_F(DeviceSessionTest, TellsOnceThatItWasRemoved) {
+  std::thread running([&] { EXPECT_OK(session_->run([] { return false; })); });
+  EXPECT_TRUE(speaker_->hears("Ready."));
+  ASSERT_OK(around_.access->revoke(around_.device.who.device));
+  server_->disconnect(around_.device.who.device, "removed");
+  EXPECT_TRUE(speaker_->hears("The connection is lost."));
+  EXPECT_TRUE(speaker_->hears("This device was removed."));
+  type("f lamp\n");
+  EXPECT_TRUE(
+      speaker_->hears("This device was removed. Ask your helper.\nThe connection is lost."));
+  type("x");
+  running.join();
+  EXPECT_EQ(speaker_->times("This device was removed."), 1);
+}
+
+}  // namespace
+}  // namespace roomwise::app

@@ -1,0 +1,14 @@
+#pragma once
+
+#include "command.h"
+
+// Every command of the laboratory, one file each.
+namespace roomwise::app {
+
+void add_home_evaluations(CLI::App& group, Context& context);      // of "eval"
+void add_localizer_evaluation(CLI::App& group, Context& context);  // of "eval"
+void add_changes_evaluation(CLI::App& group, Context& context);    // of "eval"
+void add_simulate_command(CLI::App& app, Context& context);
+void add_simulate_views_command(CLI::App& app, Context& context);
+
+}  // namespace roomwise::app

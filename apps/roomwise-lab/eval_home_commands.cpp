@@ -1,0 +1,263 @@
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <numbers>
+#include <set>
+
+#include "command_run.h"
+#include "commands.h"
+#include "laboratory/trials/object_report.h"
+#include "laboratory/trials/truth_evaluation.h"
+#include "open_home.h"
+#include "paths.h"
+#include "roomwise/base/file.h"
+#include "roomwise/evaluation/quantile.h"
+#include "roomwise/pipeline/rooms/home_layout.h"
+
+namespace roomwise::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct HomeEvaluationOptions {
+  fs::path home;
+  fs::path truth;
+  double max_distance_m = 1.0;
+  std::string surface = "cloud";
+  trials::MapEvaluationOptions map;
+  fs::path furniture = kFurnitureFolder;
+  fs::path report;
+};
+
+Json to_json(const evaluation::ObjectCounts& counts) {
+  return {{"found", counts.matched},
+          {"missed", counts.missed},
+          {"beyond", counts.beyond},
+          {"double", counts.duplicates},
+          {"false", counts.wrong}};
+}
+
+Json to_json(const trials::FoundObjectErrors& result) {
+  const evaluation::ObjectErrors& errors = result.errors;
+  Json json = to_json(errors.all);
+  json["without_place"] = result.without_place;
+  json["from_surface_m"] = {{"median", errors.from_box_quantile_m(0.5)},
+                            {"p90", errors.from_box_quantile_m(0.9)}};
+  json["from_middle_m"] = {{"median", errors.from_center_quantile_m(0.5)},
+                           {"p90", errors.from_center_quantile_m(0.9)}};
+  json["objects"] = Json::object();
+  for (const auto& [kind, counts] : errors.by_kind) json["objects"][kind] = to_json(counts);
+  return json;
+}
+
+std::string row_of(
+    const std::string& name, const trials::ObjectEvaluation& result,
+    const std::function<evaluation::ObjectCounts(const trials::FoundObjectErrors&)>& counts_of) {
+  std::string row = fmt::format("{:<16}", name);
+  for (const auto* way : {&result.instances, &result.by_rules}) {
+    const evaluation::ObjectCounts counts = counts_of(*way);
+    row += fmt::format(" | {:>5} {:>6} {:>6} {:>6} {:>5}", counts.matched, counts.missed,
+                       counts.beyond, counts.duplicates, counts.wrong);
+  }
+  return row + "\n";
+}
+
+std::string distances_of(const char* way, const trials::FoundObjectErrors& result) {
+  const evaluation::ObjectErrors& errors = result.errors;
+  std::string text;
+  if (!errors.matches.empty()) {
+    text = fmt::format(
+        "{}: from the thing's middle median {:.2f} m, 90 % within {:.2f} m; from its surface "
+        "{:.2f} "
+        "m, {:.2f} m\n",
+        way, errors.from_center_quantile_m(0.5), errors.from_center_quantile_m(0.9),
+        errors.from_box_quantile_m(0.5), errors.from_box_quantile_m(0.9));
+  }
+  if (result.without_place > 0) {
+    text += fmt::format("{}: found without a place {}\n", way, result.without_place);
+  }
+  return text;
+}
+
+// Everything about each pair and each thing that is left over.
+Json details_of(const trials::ObjectEvaluation& result, const trials::FoundObjectErrors& way) {
+  Json json = Json::array();
+  for (const evaluation::ObjectMatch& match : way.errors.matches) {
+    json.push_back({{"found", way.found[match.found].kind},
+                    {"truth", result.truth[match.truth].kind},
+                    {"from_middle_m", match.from_center_m},
+                    {"from_surface_m", match.from_box_m}});
+  }
+  return json;
+}
+
+Expected<Answer> evaluate_objects(const HomeEvaluationOptions& options, const Context& context) {
+  ROOMWISE_TRY(const home::Home home, open_home_read_only(options.home, context));
+  ROOMWISE_TRY(const trials::ObjectEvaluation result,
+               trials::evaluate_objects(home, options.truth, options.max_distance_m));
+  const char* columns = "found missed beyond double false";
+  Answer answer;
+  answer.text = fmt::format("{:<16} | {:<32} | {}\n{:<16} | {} | {}\n", "", "joined from regions",
+                            "the paper's rules", "object", columns, columns);
+  std::set<std::string> kinds;
+  for (const auto* way : {&result.instances, &result.by_rules}) {
+    for (const auto& [kind, counts] : way->errors.by_kind) kinds.insert(kind);
+  }
+  for (const std::string& kind : kinds) {
+    answer.text += row_of(kind, result, [&](const trials::FoundObjectErrors& way) {
+      const auto found = way.errors.by_kind.find(kind);
+      return found == way.errors.by_kind.end() ? evaluation::ObjectCounts{} : found->second;
+    });
+  }
+  answer.text +=
+      row_of("all", result, [](const trials::FoundObjectErrors& way) { return way.errors.all; });
+  answer.text += distances_of("joined from regions", result.instances) +
+                 distances_of("the paper's rules", result.by_rules);
+  if (!result.instances.errors.matches.empty()) {
+    answer.text +=
+        fmt::format("within two standard deviations: {:.0f} % (of a normal error 95 %)\n",
+                    100 * result.within_two_sigma);
+  }
+  answer.json = {{"instances", to_json(result.instances)}, {"rules", to_json(result.by_rules)}};
+  answer.json["instances"]["within_two_sigma"] = result.within_two_sigma;
+  answer.json["instances"]["pairs"] = details_of(result, result.instances);
+  answer.json["rules"]["pairs"] = details_of(result, result.by_rules);
+  if (!options.report.empty()) {
+    ROOMWISE_TRY(const evaluation::ObjectReportContent content,
+                 trials::object_report(home, options.home.stem().string(), result));
+    ROOMWISE_CHECK_OK(write_file(options.report, render_object_report(content)));
+  }
+  return answer;
+}
+
+Expected<Answer> evaluate_map(const HomeEvaluationOptions& options, Context& context) {
+  ROOMWISE_TRY(const home::Home home, open_home_read_only(options.home, context));
+  CommandRun run(context);
+  trials::MapEvaluationOptions map = options.map;
+  if (options.surface == "mesh") map.surface = trials::MapSurface::kMesh;
+  ROOMWISE_TRY(const evaluation::CloudError error,
+               trials::evaluate_map(home, options.truth, options.furniture, map, run));
+  const double far = static_cast<double>(error.far_points) / static_cast<double>(error.points);
+  Answer answer;
+  answer.text = fmt::format(
+      "{} points\n"
+      "from the surface: median {:.4f} m, RMSE {:.4f} m\n"
+      "within 1 cm {:.1f} %, within 5 cm {:.1f} %, nothing within half a metre {:.2f} %\n",
+      error.points, error.distance_m.median, error.distance_m.rmse, 100 * error.within_1cm,
+      100 * error.within_5cm, 100 * far);
+  answer.json = {{"points", error.points},          {"median_m", error.distance_m.median},
+                 {"rmse_m", error.distance_m.rmse}, {"within_1cm", error.within_1cm},
+                 {"within_5cm", error.within_5cm},  {"far", far}};
+  return answer;
+}
+
+Expected<Answer> evaluate_floor(const HomeEvaluationOptions& options, Context& context) {
+  ROOMWISE_TRY(const home::Home home, open_home_read_only(options.home, context));
+  CommandRun run(context);
+  ROOMWISE_TRY(const trials::FloorEvaluation result,
+               trials::evaluate_floor(home, options.truth, run));
+  const evaluation::FloorError& error = result.error;
+  const double tilt_deg = result.tilt_rad * 180 / std::numbers::pi;
+  Answer answer;
+  answer.text = fmt::format(
+      "where a person may stand: {:.1f} m2 in truth, {:.1f} m2 by the map, {:.1f} m2 by both\n"
+      "precision {:.3f}, recall {:.3f}; a cell aside counted as right: {:.3f}, {:.3f}\n"
+      "the floor lies {:+.3f} m above the true one, tilted by {:.2f} degrees\n",
+      error.true_m2, error.found_m2, error.both_m2, error.precision, error.recall,
+      error.precision_within_cell, error.recall_within_cell, result.floor_above_truth_m, tilt_deg);
+  answer.json = {{"true_m2", error.true_m2},
+                 {"found_m2", error.found_m2},
+                 {"both_m2", error.both_m2},
+                 {"precision", error.precision},
+                 {"recall", error.recall},
+                 {"precision_within_cell", error.precision_within_cell},
+                 {"recall_within_cell", error.recall_within_cell},
+                 {"floor_above_truth_m", result.floor_above_truth_m},
+                 {"tilt_deg", tilt_deg}};
+  return answer;
+}
+
+Expected<Answer> evaluate_layout(const HomeEvaluationOptions& options, Context& context) {
+  ROOMWISE_TRY(const home::Home home, open_home_read_only(options.home, context));
+  CommandRun run(context);
+  ROOMWISE_TRY(const trials::LayoutEvaluation result,
+               trials::evaluate_layout(home, options.truth, run));
+  const double door_m = evaluation::quantile(result.door_errors_m, 0.5);
+  Answer answer;
+  answer.text = fmt::format(
+      "floor: {:.1f} m2 in rooms, {:.1f} m2 of it given to the right one\n"
+      "doors: {} of {} found, median {:.2f} m off; {} doorways where no door is\n"
+      "things: {} of {} lie in their room\n",
+      result.floor_m2, result.right_floor_m2, result.found_doors, result.doors, door_m,
+      result.false_doorways, result.right_things, result.things);
+  answer.json = {{"floor_m2", result.floor_m2},
+                 {"right_floor_m2", result.right_floor_m2},
+                 {"doors", result.doors},
+                 {"found_doors", result.found_doors},
+                 {"false_doorways", result.false_doorways},
+                 {"door_error_median_m", door_m},
+                 {"things", result.things},
+                 {"right_things", result.right_things}};
+  return answer;
+}
+
+void add_files(CLI::App& command, HomeEvaluationOptions& options) {
+  command.add_option("--home", options.home, "Home mapped from the recording")->required();
+  command.add_option("--truth", options.truth, "Simulated recording")->required();
+}
+
+}  // namespace
+
+void add_home_evaluations(CLI::App& group, Context& context) {
+  auto options = std::make_shared<HomeEvaluationOptions>();
+  CLI::App* objects = add_command(
+      group, context, "objects",
+      "The objects of a home, both ways, against the truth of a simulated recording: found and "
+      "missed of what it shows well, found beyond that, found twice, false, and how far from where "
+      "they are",
+      "roomwise eval objects --home flat.home --truth flat --report objects.html",
+      [options, &context] { return evaluate_objects(*options, context); });
+  add_files(*objects, *options);
+  objects
+      ->add_option("--max-distance", options->max_distance_m,
+                   "Farthest that a found thing lies from the true one, m")
+      ->check(positive())
+      ->capture_default_str();
+  objects->add_option("--report", options->report,
+                      "Write a page of HTML with all tables, and pictures of what is false, missed "
+                      "and found");
+
+  CLI::App* map = add_command(group, context, "map",
+                              "The points of a map, or its fused surface, against the surfaces of "
+                              "a simulated home",
+                              "roomwise eval map --home flat.home --truth flat",
+                              [options, &context] { return evaluate_map(*options, context); });
+  add_files(*map, *options);
+  map->add_option("--surface", options->surface,
+                  "cloud: averaged points; mesh: vertices of the fused surface")
+      ->check(CLI::IsMember({"cloud", "mesh"}))
+      ->capture_default_str();
+  map->add_option("--voxel", options->map.voxel_size_m, "Size of the voxels, m")
+      ->check(positive())
+      ->capture_default_str();
+  map->add_flag("--true-poses", options->map.at_true_poses,
+                "Put the key-frames where they were in truth");
+  map->add_option("--furniture", options->furniture, "Folder of the furniture's .sh3f archives")
+      ->capture_default_str();
+
+  CLI::App* floor = add_command(
+      group, context, "floor",
+      "Where a map says that a person may stand against the free space of a simulated home",
+      "roomwise eval floor --home flat.home --truth flat",
+      [options, &context] { return evaluate_floor(*options, context); });
+  add_files(*floor, *options);
+
+  CLI::App* layout = add_command(
+      group, context, "layout",
+      "Where a home's rooms end and where its doors are against the plan of a simulated home",
+      "roomwise eval layout --home flat.home --truth flat",
+      [options, &context] { return evaluate_layout(*options, context); });
+  add_files(*layout, *options);
+}
+
+}  // namespace roomwise::app

@@ -1,0 +1,214 @@
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <memory>
+
+#include "commands.h"
+#include "laboratory/simulation/home/home_geometry.h"
+#include "laboratory/simulation/recording/recording_folder.h"
+#include "laboratory/simulation/recording/simulate_recording.h"
+#include "paths.h"
+#include "roomwise/recording/camera_file.h"
+
+namespace roomwise::app {
+namespace {
+
+namespace fs = std::filesystem;
+using simulation::SensorOptions;
+using simulation::SimulationOptions;
+
+struct SimulateOptions {
+  std::optional<std::uint64_t> home_seed;
+  std::vector<std::string> rooms;
+  std::string scenario = "day";
+  std::optional<std::uint64_t> scenario_seed, walk_seed;
+  std::string camera;
+  std::vector<std::string> without;
+  fs::path furniture = kFurnitureFolder;
+  fs::path output;
+  bool keep = false;
+  SimulationOptions simulation;
+};
+
+// What of the sensor can be switched off by name.
+constexpr std::array<std::pair<std::string_view, bool SensorOptions::*>, 12> kEffects{{
+    {"auto-exposure", &SensorOptions::auto_exposure},
+    {"exposure-errors", &SensorOptions::exposure_errors},
+    {"auto-white-balance", &SensorOptions::auto_white_balance},
+    {"white-balance-errors", &SensorOptions::white_balance_errors},
+    {"motion-blur", &SensorOptions::motion_blur},
+    {"color-noise", &SensorOptions::color_noise},
+    {"depth-noise", &SensorOptions::depth_noise},
+    {"depth-quantization", &SensorOptions::depth_quantization},
+    {"projector-shadow", &SensorOptions::projector_shadow},
+    {"lost-surfaces", &SensorOptions::lost_surfaces},
+    {"edge-jitter", &SensorOptions::edge_jitter},
+    {"limited-range", &SensorOptions::limited_range},
+}};
+constexpr std::array kDepthEffects{
+    &SensorOptions::depth_noise,      &SensorOptions::depth_quantization,
+    &SensorOptions::projector_shadow, &SensorOptions::lost_surfaces,
+    &SensorOptions::edge_jitter,      &SensorOptions::limited_range};
+
+std::string effect_names() {
+  std::string names;
+  for (const auto& [name, member] : kEffects)
+    names += (names.empty() ? "" : ", ") + std::string(name);
+  return names;
+}
+
+Expected<void> switch_off(const std::vector<std::string>& effects, SensorOptions& sensor) {
+  for (const std::string& effect : effects) {
+    if (effect == "depth-effects") {
+      for (const auto member : kDepthEffects) sensor.*member = false;
+      continue;
+    }
+    const auto found = std::ranges::find(kEffects, effect, [](const auto& e) { return e.first; });
+    if (found == kEffects.end()) {
+      return fail("'{}' is nothing that a sensor does; there are depth-effects, {}", effect,
+                  effect_names());
+    }
+    sensor.*found->second = false;
+  }
+  return {};
+}
+
+Expected<SimulationOptions> complete(const SimulateOptions& options, std::uint64_t seed) {
+  SimulationOptions simulated = options.simulation;
+  if (options.home_seed || !options.rooms.empty()) {
+    simulation::HomeOptions home{options.home_seed.value_or(seed), {}};
+    for (const std::string& room : options.rooms) {
+      ROOMWISE_TRY(const simulation::RoomKind kind, simulation::parse_room_kind(room));
+      home.rooms.push_back(kind);
+    }
+    simulated.home = std::move(home);
+  }
+  ROOMWISE_TRY(simulated.scenario, simulation::parse_scenario(options.scenario));
+  simulated.scenario_seed = options.scenario_seed.value_or(seed);
+  simulated.walk.seed = options.walk_seed.value_or(seed);
+  simulated.sensor.seed = simulated.walk.seed;
+  ROOMWISE_CHECK_OK(switch_off(options.without, simulated.sensor));
+  // A fixed exposure is right where an automatic one needs no amplification.
+  constexpr double kMidGrey = 0.18;
+  simulated.sensor.exposure = kMidGrey / simulated.sensor.unamplified_radiance;
+  if (!options.camera.empty()) {
+    ROOMWISE_TRY(simulated.camera, recording::resolve_camera(options.camera));
+  }
+  return simulated;
+}
+
+Expected<Answer> run(const SimulateOptions& options, Context& context) {
+  ROOMWISE_TRY(const SimulationOptions simulated, complete(options, context.seed));
+  ROOMWISE_TRY(const auto catalogue, simulation::FurnitureCatalogue::open(options.furniture));
+  if (options.keep) {
+    ROOMWISE_TRY(const bool is_made,
+                 simulation::is_made_already(options.output, simulated, catalogue));
+    if (is_made) {
+      return Answer{fmt::format("{} is there already\n", options.output.string()),
+                    {{"output", options.output.string()}, {"kept", true}}};
+    }
+  }
+  ThreadPool pool(context.threads);
+  StageClock clock;
+  ROOMWISE_TRY(
+      const simulation::SimulationSummary summary,
+      simulate_recording(simulated, catalogue, options.output, pool, context.progress, clock));
+  if (!summary.finished) {
+    return fail("interrupted after {} frames; {} holds them, and the same command begins it anew",
+                summary.frames, options.output.string());
+  }
+  Answer answer;
+  answer.text = fmt::format(
+      "rooms    {}\n"
+      "objects  {}\n"
+      "light    {}\n"
+      "frames   {}, a walk of {:.0f} s\n"
+      "wrote {}; the furniture's makers are named in its credits.txt\n",
+      summary.rooms, summary.objects,
+      summary.bake.from_cache
+          ? "as baked before"
+          : fmt::format("baked in {:.1f} s of processor time, {:.1f} million rays",
+                        summary.bake.cpu_s, static_cast<double>(summary.bake.rays) / 1e6),
+      summary.frames, summary.seconds, options.output.string());
+  answer.json = {{"frames", summary.frames},
+                 {"seconds", summary.seconds},
+                 {"rooms", summary.rooms},
+                 {"objects", summary.objects},
+                 {"bake",
+                  {{"from_cache", summary.bake.from_cache},
+                   {"cpu_s", summary.bake.cpu_s},
+                   {"rays", summary.bake.rays}}},
+                 {"output", options.output.string()}};
+  for (const auto& [name, stage] : clock.stages()) {
+    answer.json["stages"][name] = {{"calls", stage.calls}, {"wall_s", stage.wall_s}};
+  }
+  answer.json["cpu_s"] = process_cpu_time_s();
+  return answer;
+}
+
+}  // namespace
+
+void add_simulate_command(CLI::App& app, Context& context) {
+  auto options = std::make_shared<SimulateOptions>();
+  SimulationOptions& simulated = options->simulation;
+  CLI::App* command =
+      add_command(app, context, "simulate",
+                  "Record a walk through a made-up home, with the truth about everything in it",
+                  "roomwise simulate --home-seed 7 --scenario evening -o walk",
+                  [options, &context] { return run(*options, context); });
+  command->add_option("-o,--output", options->output, "Folder to write; new or empty")->required();
+  command
+      ->add_option("--home-seed", options->home_seed,
+                   "Which home; without it: the reference flat (bedroom, kitchen, toilet, hall)")
+      ->check(not_negative());
+  command
+      ->add_option("--rooms", options->rooms,
+                   "The home's rooms, separated by commas: bedroom, kitchen, toilet, living-room, "
+                   "dining-room, hall, study; default: 3 to 8 by the seed")
+      ->delimiter(',');
+  command->add_option("--scenario", options->scenario, "day, evening, night, moved or moved-night")
+      ->capture_default_str();
+  command->add_option("--scenario-seed", options->scenario_seed, "What is moved; default: --seed")
+      ->check(not_negative());
+  command->add_option("--walk-seed", options->walk_seed, "Which walk; default: --seed")
+      ->check(not_negative());
+  command->add_option("--frames", simulated.walk.max_frames, "At most so many frames")
+      ->check(positive());
+  command->add_option("--fps", simulated.walk.frames_per_second, "Frames a second")
+      ->check(positive())
+      ->capture_default_str();
+  command->add_option("--height", simulated.walk.camera_height_m, "Of the camera, m")
+      ->check(positive())
+      ->capture_default_str();
+  command
+      ->add_option("--turning", simulated.walk.max_turning_rad_s,
+                   "How fast the walker turns at most, rad/s")
+      ->check(positive())
+      ->capture_default_str();
+  command->add_flag("!--no-fast-turns", simulated.walk.fast_turns,
+                    "Without the few turns that are faster than that");
+  command->add_option("--camera", options->camera,
+                      "fr1, fr2, fr3, kinect-v1, xtion, or a camera.txt; default: 640x480, no "
+                      "distortion");
+  command->add_option("--samples", simulated.render.samples_per_pixel, "Rays a pixel")
+      ->capture_default_str();
+  command
+      ->add_option("--bake-effort", simulated.render.bake_effort,
+                   "Rays of the light's bake, relative to the usual; fewer are quicker and blotchy")
+      ->check(positive())
+      ->capture_default_str();
+  command
+      ->add_option("--without", options->without,
+                   "What the sensor does not do, separated by commas: depth-effects (all of "
+                   "depth's; depth is then exact), " +
+                       effect_names())
+      ->delimiter(',');
+  command->add_option("--light-cache", simulated.render.light_cache,
+                      "File that keeps the home's baked light for the next walk through it");
+  command->add_flag("--keep", options->keep,
+                    "Do nothing where the folder holds this very recording already");
+  command->add_option("--furniture", options->furniture, "Folder of the furniture's .sh3f archives")
+      ->capture_default_str();
+}
+
+}  // namespace roomwise::app

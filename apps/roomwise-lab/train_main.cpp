@@ -1,0 +1,14 @@
+#include "laboratory/training/trainer.h"
+#include "train_command.h"
+
+int main(int argc, char** argv) {
+  using namespace roomwise::app;
+  roomwise::training::keep_memory_of_large_tensors();
+  CLI::App app("The training of roomwise; see roomwise train --help.", "roomwise");
+  app.require_subcommand(1);
+  Context context;
+  declare_train_command(app, context, [&context](TrainRequest request) {
+    return train_network(std::move(request), context);
+  });
+  return run(app, context, argc, argv);
+}

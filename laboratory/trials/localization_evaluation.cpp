@@ -1,0 +1,110 @@
+#include "laboratory/trials/localization_evaluation.h"
+
+#include <map>
+#include <optional>
+#include <utility>
+
+#include "laboratory/trials/truth_evaluation.h"
+#include "roomwise/recording/association.h"
+#include "roomwise/recording/trajectory_file.h"
+#include "roomwise/recording/tum_recording.h"
+
+namespace roomwise::trials {
+namespace {
+
+using geometry::RigidTransform;
+
+// A frame of the visit, and the one before it where pairs are asked for.
+struct Question {
+  image::RgbdFrame frame;
+  std::optional<image::RgbdFrame> before;
+  RigidTransform truth_from_camera;
+};
+
+LocalizationTrial ask(const pipeline::HomeLocalizer& home, const Question& question,
+                      const geometry::PinholeCamera& camera, bool with_depth,
+                      const RigidTransform& truth_from_world) {
+  const auto measure = [&](const image::RgbdFrame& frame) {
+    return home.measure(
+        {frame.color, with_depth ? std::optional(frame.depth) : std::nullopt, camera});
+  };
+  LocalizationTrial trial;
+  trial.frame_index = question.frame.index;
+  const double start_s = thread_cpu_time_s();
+  // Frames of a recording have its camera's size.
+  const motion::FrameMeasurements second = measure(question.frame).value();
+  if (question.before) {
+    const motion::FrameMeasurements first = measure(*question.before).value();
+    trial.answer = home.localizer().locate({first, camera}, {second, camera}).second;
+  } else {
+    trial.answer = home.localizer().locate({second, camera});
+  }
+  trial.cpu_s = thread_cpu_time_s() - start_s;
+  const RigidTransform error =
+      question.truth_from_camera.inverse() * truth_from_world * trial.answer.world_from_camera;
+  trial.error_m = error.distance_m();
+  trial.error_rad = error.angle_rad();
+  return trial;
+}
+
+// True poses by the index of the colour image.
+std::map<std::uint64_t, RigidTransform> true_poses(const recording::TumRecording& recording,
+                                                   const recording::Trajectory& truth) {
+  constexpr TimestampNs kTolerance_ns = 20'000'000;
+  std::vector<TimestampNs> times_ns;
+  for (const recording::StampedPose& pose : truth) times_ns.push_back(pose.timestamp_ns);
+  std::map<std::uint64_t, RigidTransform> poses;
+  for (const recording::Association& pair :
+       recording::associate(recording.colors().timestamps_ns(), times_ns, kTolerance_ns)) {
+    poses.emplace(pair.first, truth[pair.second].world_from_camera);
+  }
+  return poses;
+}
+
+}  // namespace
+
+Expected<std::vector<LocalizationTrial>> evaluate_localization(
+    const home::Home& home, const std::filesystem::path& mapped_recording,
+    const std::filesystem::path& visit, const mapping::LocalizerOptions& localizer,
+    const LocalizationEvaluationOptions& options, pipeline::RunContext& run) {
+  if (options.every < 1) return fail("every = {} must be at least 1", options.every);
+  ROOMWISE_TRY(const RigidTransform truth_from_world, truth_from_map(home, mapped_recording));
+  ROOMWISE_TRY(const auto recording, recording::TumRecording::open(visit));
+  ROOMWISE_TRY(const recording::Trajectory truth,
+               recording::read_trajectory(visit / "groundtruth.txt"));
+  const auto poses = true_poses(*recording, truth);
+  ROOMWISE_TRY(const pipeline::HomeLocalizer home_localizer,
+               pipeline::HomeLocalizer::create(home, localizer, run));
+  const geometry::PinholeCamera& camera = recording->info().camera;
+
+  std::vector<LocalizationTrial> trials;
+  std::vector<Question> block;
+  const auto ask_block = [&] {
+    const std::size_t first = trials.size();
+    trials.resize(first + block.size());
+    run.pool.parallel_for(block.size(), [&](std::size_t i) {
+      trials[first + i] =
+          ask(home_localizer, block[i], camera, options.with_depth, truth_from_world);
+    });
+    block.clear();
+  };
+  run.progress.begin("localising", recording->associations().size());
+  std::optional<image::RgbdFrame> before;
+  for (std::uint64_t count = 0; !run.progress.interrupted(); ++count) {
+    ROOMWISE_TRY(auto frame, recording->next());
+    if (!frame) break;
+    const auto pose = poses.find(frame->index);
+    if (count % options.every == 0 && pose != poses.end() && (!options.pairs || before)) {
+      block.push_back({*frame, options.pairs ? before : std::nullopt, pose->second});
+    }
+    before = std::move(frame);
+    if (block.size() >= 4 * run.pool.size()) ask_block();
+    run.progress.advance(count + 1, "");
+  }
+  ask_block();
+  run.progress.end();
+  if (run.progress.interrupted()) return fail("interrupted while localising");
+  return trials;
+}
+
+}  // namespace roomwise::trials

@@ -1,0 +1,181 @@
+// Objects of a home against those of the simulated home that it was mapped in.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+
+#include "laboratory/simulation/home/ground_truth.h"
+#include "laboratory/trials/true_objects.h"
+#include "laboratory/trials/truth_evaluation.h"
+#include "roomwise/pipeline/stored/keyframe_images.h"
+
+namespace roomwise::trials {
+namespace {
+
+using evaluation::FoundObject;
+using evaluation::TrueObject;
+
+constexpr double kWellSeenFrom_m = 2;
+constexpr std::ptrdiff_t kWellSeenIn = 4;  // key-frames
+constexpr double kMinShare = 0.005;        // of the picture
+constexpr double kMinFill = 0.15;          // of the rectangle about its box
+
+// The rectangle about a box as a camera without a rim would see it, px; absent where a corner lies
+// behind the camera.
+std::optional<Eigen::AlignedBox2d> rectangle_about(
+    const geometry::OrientedBox& box, const geometry::RigidTransform& world_from_camera,
+    const geometry::PinholeCamera& camera) {
+  Eigen::AlignedBox2d rectangle;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Eigen::Vector3d side((corner & 1) != 0 ? 0.5 : -0.5, (corner & 2) != 0 ? 0.5 : -0.5,
+                               (corner & 4) != 0 ? 0.5 : -0.5);
+    const Eigen::Vector3d point =
+        world_from_camera.inverse() * (box.world_from_box * side.cwiseProduct(box.size_m));
+    if (point.z() < 0.05) return std::nullopt;
+    rectangle.extend(camera.project_undistorted(point));
+  }
+  return rectangle;
+}
+
+// A thing in a true key-frame, with its share of the picture and its pixels there.
+struct TruthObservation {
+  const home::Keyframe* keyframe = nullptr;
+  const simulation::ObjectObservation* seen = nullptr;
+};
+std::vector<TruthObservation> truth_observations(const simulation::ObjectTruth& object,
+                                                 std::span<const home::Keyframe> true_poses) {
+  std::vector<TruthObservation> observations;
+  for (const home::Keyframe& keyframe : true_poses) {
+    const auto seen = std::ranges::lower_bound(object.seen, keyframe.frame_index, {},
+                                               &simulation::ObjectObservation::frame);
+    if (seen != object.seen.end() && seen->frame == keyframe.frame_index)
+      observations.push_back({&keyframe, &*seen});
+  }
+  return observations;
+}
+
+using Cameras = std::map<home::RecordingId, geometry::PinholeCamera>;
+
+bool is_seen_well(const simulation::ObjectTruth& object,
+                  std::span<const TruthObservation> observations, const Cameras& cameras) {
+  const geometry::OrientedBox box = box_of(object);
+  const auto shows_well = [&](const TruthObservation& observation) {
+    const geometry::RigidTransform& pose = observation.keyframe->pose.world_from_keyframe;
+    if (observation.seen->share < kMinShare || box.distance_m(pose.translation) > kWellSeenFrom_m)
+      return false;
+    const auto about = rectangle_about(box, pose, cameras.at(observation.keyframe->recording));
+    return about &&
+           static_cast<double>(observation.seen->pixels) >= kMinFill * about->sizes().prod();
+  };
+  return std::ranges::count_if(observations, shows_well) >= kWellSeenIn;
+}
+
+// Where it is largest.
+std::optional<ShownIn> shown_best(const simulation::ObjectTruth& object,
+                                  std::span<const TruthObservation> observations,
+                                  const Cameras& cameras) {
+  if (observations.empty()) return std::nullopt;
+  const TruthObservation& best = *std::ranges::max_element(
+      observations, {},
+      [](const TruthObservation& observation) { return observation.seen->share; });
+  ShownIn shown{best.keyframe->id, std::nullopt};
+  const geometry::PinholeCamera& camera = cameras.at(best.keyframe->recording);
+  if (auto about =
+          rectangle_about(box_of(object), best.keyframe->pose.world_from_keyframe, camera)) {
+    *about = about->intersection(
+        Eigen::AlignedBox2d(Eigen::Vector2d::Zero(), Eigen::Vector2d(camera.width, camera.height)));
+    if (about->isEmpty()) return shown;
+    shown.box = {static_cast<float>(about->min().x()), static_cast<float>(about->min().y()),
+                 static_cast<float>(about->max().x()), static_cast<float>(about->max().y())};
+  }
+  return shown;
+}
+
+// The truth in the home's words: what it has no word for, nor one like it, is left out.
+Expected<void> add_nameable(const home::Home& home, const std::filesystem::path& recording,
+                            ObjectEvaluation& result) {
+  ROOMWISE_TRY(const auto objects, simulation::read_objects_truth(recording / "objects.json"));
+  ROOMWISE_TRY(const rooms::Concepts concepts, home.concepts());
+  ROOMWISE_TRY(auto keyframes, home.keyframes());
+  ROOMWISE_TRY(const auto true_poses, at_true_poses(std::move(keyframes), recording));
+  ROOMWISE_TRY(const auto cameras, pipeline::recording_cameras(home));
+  for (const simulation::ObjectTruth& object : objects) {
+    if (object.seen.empty()) continue;
+    auto entry = in_words(object, concepts.vocabulary);
+    if (!entry) continue;
+    const std::vector<TruthObservation> observations = truth_observations(object, true_poses);
+    entry->is_expected = entry->is_expected && is_seen_well(object, observations, cameras);
+    result.truth.push_back(*std::move(entry));
+    result.truth_shown.push_back(shown_best(object, observations, cameras));
+  }
+  return {};
+}
+
+// The share of a found box's axes along which the truth lies within two standard deviations.
+struct SigmaCount {
+  std::size_t axes = 0, within = 0;
+};
+void count_sigma(SigmaCount& count, const geometry::OrientedBox& found_truth,
+                 const Eigen::Vector3d& sigma_m, const Eigen::Vector3d& true_center) {
+  const Eigen::Vector3d error = found_truth.world_from_box.inverse() * true_center;
+  for (int axis = 0; axis < 3; ++axis) {
+    ++count.axes;
+    if (std::abs(error[axis]) <= 2 * sigma_m[axis]) ++count.within;
+  }
+}
+
+}  // namespace
+
+Expected<ObjectEvaluation> evaluate_objects(const home::Home& home,
+                                            const std::filesystem::path& recording,
+                                            double max_distance_m) {
+  ROOMWISE_CHECK_OK(check_mapped_from(home, recording));
+  ObjectEvaluation result;
+  result.max_distance_m = max_distance_m;
+  ROOMWISE_CHECK_OK(add_nameable(home, recording, result));
+  ROOMWISE_TRY(const geometry::RigidTransform truth_from_world, truth_from_map(home, recording));
+  ROOMWISE_TRY(const auto keyframes, home.keyframes());
+
+  ROOMWISE_TRY(const auto objects, home.objects());
+  for (const objects::MapObject& object : objects) {
+    const home::KeyframePose& pose = keyframes.at(object.keyframe_id).pose;
+    if (!object.position_keyframe || pose.component != 0) {
+      ++result.by_rules.without_place;
+      continue;
+    }
+    result.by_rules.found.push_back(
+        {object.name, truth_from_world * (pose.world_from_keyframe * *object.position_keyframe)});
+  }
+  ROOMWISE_TRY(result.by_rules.errors,
+               evaluation::object_errors(result.truth, result.by_rules.found, max_distance_m));
+
+  ROOMWISE_TRY(const auto instances, home.instances());
+  std::vector<std::pair<geometry::OrientedBox, Eigen::Vector3d>> boxes;  // with sigma
+  for (const objects::Instance& instance : instances) {
+    const home::KeyframePose& pose = keyframes.at(instance.keyframe_id).pose;
+    if (pose.component != 0) {
+      ++result.instances.without_place;
+      continue;
+    }
+    boxes.emplace_back(instance.box_world(truth_from_world * pose.world_from_keyframe),
+                       instance.sigma_m);
+    result.instances.found.push_back({instance.name, boxes.back().first.center()});
+    result.instances_shown.push_back(
+        {instance.keyframe_id,
+         instance.visit == 0 ? std::optional(instance.picture_box) : std::nullopt});
+  }
+  ROOMWISE_TRY(result.instances.errors,
+               evaluation::object_errors(result.truth, result.instances.found, max_distance_m));
+  SigmaCount count;
+  for (const evaluation::ObjectMatch& match : result.instances.errors.matches) {
+    count_sigma(count, boxes[match.found].first, boxes[match.found].second,
+                result.truth[match.truth].box.center());
+  }
+  if (count.axes > 0) {
+    result.within_two_sigma = static_cast<double>(count.within) / static_cast<double>(count.axes);
+  }
+  return result;
+}
+
+}  // namespace roomwise::trials

@@ -1,0 +1,65 @@
+#include "laboratory/trials/true_objects.h"
+
+#include <map>
+#include <string>
+#include <vector>
+
+namespace roomwise::trials {
+namespace {
+
+// What a kind of simulated thing may be called besides its own label. The first word is the one
+// that it ought to be found by, if `has_word`.
+struct OtherNames {
+  bool has_word = false;
+  std::vector<std::string> names;
+};
+const std::map<std::string, OtherNames, std::less<>>& other_names() {
+  static const std::map<std::string, OtherNames, std::less<>> kNames = {
+      {"coffee table", {true, {"table"}}},
+      {"armchair", {true, {"chair", "sofa"}}},
+      {"small plant", {true, {"plant", "vase"}}},
+      {"plant", {true, {"plant", "vase"}}},
+      {"vase", {true, {"vase", "plant"}}},
+      {"stove", {true, {"stove", "microwave"}}},
+      {"stool", {false, {"chair", "table"}}},
+      {"nightstand", {false, {"table", "wardrobe"}}},
+      {"tv stand", {false, {"table", "wardrobe"}}},
+      {"chest of drawers", {false, {"wardrobe", "table"}}},
+      {"kitchen cabinet", {false, {"sink", "stove", "table"}}},
+      {"clothes", {false, {"chair"}}},
+      {"teapot", {false, {"cup", "vase"}}},
+      {"fruit", {false, {"bowl"}}},
+      {"bookcase", {true, {"bookcase", "wardrobe"}}},
+  };
+  return kNames;
+}
+
+}  // namespace
+
+geometry::OrientedBox box_of(const simulation::ObjectTruth& object) {
+  const Eigen::Quaterniond turn(Eigen::AngleAxisd(object.yaw_rad, Eigen::Vector3d::UnitZ()));
+  return {{turn, object.center_m}, object.size_m};
+}
+
+std::optional<evaluation::TrueObject> in_words(const simulation::ObjectTruth& object,
+                                               const objects::ObjectVocabulary& vocabulary) {
+  const auto& words = vocabulary.objects();
+  evaluation::TrueObject entry{.kind = object.label, .box = box_of(object)};
+  bool has_word = words.contains(object.label);
+  if (const auto word = vocabulary.object_of(object.label); word && !has_word) {
+    entry.kind = *word;
+    has_word = true;
+  }
+  if (const auto other = other_names().find(object.label); other != other_names().end()) {
+    for (const std::string& name : other->second.names) {
+      if (words.contains(name)) entry.also_called.insert(name);
+    }
+    has_word = has_word || (other->second.has_word && !entry.also_called.empty());
+    if (has_word && !words.contains(entry.kind)) entry.kind = other->second.names.front();
+  }
+  if (!has_word && entry.also_called.empty()) return std::nullopt;
+  entry.is_expected = has_word;
+  return entry;
+}
+
+}  // namespace roomwise::trials

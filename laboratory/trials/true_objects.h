@@ -1,0 +1,19 @@
+#pragma once
+
+#include <optional>
+
+#include "laboratory/simulation/home/ground_truth.h"
+#include "roomwise/evaluation/object_error.h"
+#include "roomwise/objects/detection/object_vocabulary.h"
+
+namespace roomwise::trials {
+
+// Upright, in the truth's frame.
+[[nodiscard]] geometry::OrientedBox box_of(const simulation::ObjectTruth& object);
+
+// A thing of a simulated home in the words of another home's vocabulary, expected where that has a
+// word for it; absent where it has none, nor one for what is like it.
+[[nodiscard]] std::optional<evaluation::TrueObject> in_words(
+    const simulation::ObjectTruth& object, const objects::ObjectVocabulary& vocabulary);
+
+}  // namespace roomwise::trials

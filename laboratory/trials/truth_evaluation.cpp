@@ -1,0 +1,129 @@
+#include "laboratory/trials/truth_evaluation.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "laboratory/simulation/home/ground_truth.h"
+#include "laboratory/simulation/recording/simulation_file.h"
+#include "laboratory/simulation/render/true_surfaces.h"
+#include "roomwise/evaluation/trajectory_error.h"
+#include "roomwise/pipeline/mapping/dense_map.h"
+#include "roomwise/pipeline/mapping/map_cloud.h"
+#include "roomwise/pipeline/stored/keyframe_images.h"
+#include "roomwise/pipeline/stored/stored_map.h"
+#include "roomwise/recording/trajectory_file.h"
+#include "roomwise/recording/tum_recording.h"
+
+namespace roomwise::trials {
+namespace {
+
+constexpr double kFarFromEverything_m = 0.5;
+
+Expected<std::vector<Eigen::Vector3f>> surface_points(const home::Home& home,
+                                                      std::span<const home::Keyframe> keyframes,
+                                                      const MapEvaluationOptions& options,
+                                                      pipeline::RunContext& run) {
+  if (options.surface == MapSurface::kCloud) {
+    ROOMWISE_TRY(pipeline::MapCloud map,
+                 pipeline::build_map_cloud(home, keyframes, options.voxel_size_m, run));
+    return std::move(map.cloud.points);
+  }
+  ROOMWISE_TRY(const pipeline::DenseMap map,
+               pipeline::build_dense_map(home, keyframes, options.voxel_size_m, run));
+  return extract_mesh(map.field(), fusion::MeshOptions{}, run.pool).vertices;
+}
+
+}  // namespace
+
+Expected<std::vector<home::Keyframe>> at_true_poses(std::vector<home::Keyframe> keyframes,
+                                                    const std::filesystem::path& recording) {
+  constexpr TimestampNs kMaxApart_ns = 20'000'000;
+  const std::filesystem::path file = recording / "groundtruth.txt";
+  ROOMWISE_TRY(const recording::Trajectory truth, recording::read_trajectory(file));
+  std::vector<home::Keyframe> placed;
+  for (home::Keyframe& keyframe : keyframes) {
+    const auto nearest = std::ranges::min_element(truth, {}, [&](const auto& pose) {
+      return std::abs(pose.timestamp_ns - keyframe.timestamp_ns);
+    });
+    if (nearest == truth.end()) break;
+    if (std::abs(nearest->timestamp_ns - keyframe.timestamp_ns) > kMaxApart_ns) continue;
+    keyframe.pose.world_from_keyframe = nearest->world_from_camera;
+    placed.push_back(keyframe);
+  }
+  if (placed.empty()) return fail("{}: has no pose at the time of a key-frame", file.string());
+  return placed;
+}
+
+Expected<void> check_mapped_from(const home::Home& home, const std::filesystem::path& recording) {
+  ROOMWISE_TRY(const auto keyframes, home.keyframes());
+  if (keyframes.empty()) return {};
+  ROOMWISE_TRY(const auto pictures, recording::ImageList::open(recording, "rgb.txt"));
+  for (const home::Keyframe* keyframe : {&keyframes.front(), &keyframes.back()}) {
+    ROOMWISE_TRY(const home::KeyframeImages images, home.images(keyframe->id));
+    const std::uint64_t picture = keyframe->frame_index;
+    if (picture < pictures.size()) {
+      ROOMWISE_TRY(const Bytes bytes, pictures.read(picture));
+      if (bytes == images.color) continue;
+    }
+    return fail(
+        "{} was not mapped from {}: its key-frame {} is no picture of it; give the recording that "
+        "was mapped",
+        home.file(), recording.string(), keyframe->id);
+  }
+  return {};
+}
+
+Expected<geometry::RigidTransform> truth_from_map(const home::Home& home,
+                                                  const std::filesystem::path& recording) {
+  const std::filesystem::path file = recording / "groundtruth.txt";
+  ROOMWISE_TRY(const recording::Trajectory truth, recording::read_trajectory(file));
+  ROOMWISE_TRY(const recording::Trajectory estimate, pipeline::stored_trajectory(home));
+  const auto error = evaluation::absolute_trajectory_error(truth, estimate);
+  if (!error) return fail("{} and {}: {}", home.file(), file.string(), error.error().message);
+  return error->truth_from_estimate;
+}
+
+Expected<evaluation::CloudError> evaluate_map(const home::Home& home,
+                                              const std::filesystem::path& recording,
+                                              const std::filesystem::path& furniture,
+                                              const MapEvaluationOptions& options,
+                                              pipeline::RunContext& run) {
+  ROOMWISE_CHECK_OK(check_mapped_from(home, recording));
+  const std::filesystem::path made_of = recording / "simulation.json";
+  ROOMWISE_TRY(const auto made, simulation::read_simulation(made_of));
+  ROOMWISE_TRY(const auto catalogue, simulation::FurnitureCatalogue::open(furniture));
+  ROOMWISE_TRY(const simulation::HomeModel model, simulation::make_home(made.options, catalogue));
+  const auto load = [&](const std::string& id) { return catalogue.load(id); };
+  ROOMWISE_TRY(const auto surfaces, simulation::TrueSurfaces::create(model, load));
+  if (surfaces.digest() != made.scene_sha256) {
+    return fail(
+        "{}: tells of another home than this program, with this furniture, makes of its "
+        "description; make the recording anew, and map it again",
+        made_of.string());
+  }
+  ROOMWISE_TRY(auto keyframes, pipeline::map_keyframes(home));
+  geometry::RigidTransform truth_from_world;
+  if (options.at_true_poses) {
+    ROOMWISE_TRY(keyframes, at_true_poses(std::move(keyframes), recording));
+  } else {
+    ROOMWISE_TRY(truth_from_world, truth_from_map(home, recording));
+  }
+  ROOMWISE_TRY(const std::vector<Eigen::Vector3f> points,
+               surface_points(home, keyframes, options, run));
+
+  std::vector<double> distances_m(points.size());
+  constexpr std::size_t kBlock = 4096;
+  run.pool.parallel_for((points.size() + kBlock - 1) / kBlock, [&](std::size_t block) {
+    const std::size_t end = std::min(points.size(), (block + 1) * kBlock);
+    for (std::size_t i = block * kBlock; i < end; ++i) {
+      const Eigen::Vector3d point_truth = truth_from_world * points[i].cast<double>();
+      distances_m[i] = surfaces.distance_m(point_truth.cast<float>(), kFarFromEverything_m);
+    }
+  });
+  return evaluation::cloud_error(distances_m);
+}
+
+}  // namespace roomwise::trials

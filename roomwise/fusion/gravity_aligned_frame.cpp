@@ -1,0 +1,152 @@
+#include "roomwise/fusion/gravity_aligned_frame.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include "roomwise/mapping/graph/up_direction.h"
+
+namespace roomwise::fusion {
+namespace {
+
+using Eigen::Vector3d;
+using geometry::RigidTransform;
+
+struct Plane {
+  Vector3d normal = Vector3d::UnitZ();  // unit length
+  double offset_m = 0;                  // normal . p = offset_m
+};
+
+// Of a triangle whose corners agree; where the noise of far measurements makes waves they do not,
+// and of enough waves a few face any direction.
+std::optional<Vector3d> flat_normal(const TriangleMesh& mesh,
+                                    const std::array<std::uint32_t, 3>& triangle) {
+  constexpr float kMinCosine = 0.98F;  // 11 degrees
+  const Eigen::Vector3f& a = mesh.normals[triangle[0]];
+  const Eigen::Vector3f& b = mesh.normals[triangle[1]];
+  const Eigen::Vector3f& c = mesh.normals[triangle[2]];
+  if (std::min({a.dot(b), b.dot(c), c.dot(a)}) < kMinCosine) return std::nullopt;
+  return Vector3d((a + b + c).cast<double>().normalized());
+}
+
+// The places of vertices that face up.
+std::vector<Vector3d> level_vertices(const TriangleMesh& mesh, const Vector3d& up) {
+  constexpr double kMinCosine = 0.95;  // 18 degrees: noise, ramps, a map that is bent
+  std::vector<Vector3d> places;
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+    if (mesh.normals[i].cast<double>().dot(up) < kMinCosine) continue;
+    places.emplace_back(mesh.vertices[i].cast<double>());
+  }
+  return places;
+}
+
+// The height of the floor under the lowest camera, to about a bin.
+std::optional<double> floor_height_m(const std::vector<Vector3d>& level, const Vector3d& up,
+                                     std::span<const RigidTransform> cameras) {
+  constexpr double kBin_m = 0.02;
+  constexpr double kCameraAboveFloor_m = 0.3;
+  constexpr std::size_t kFewest = 200;  // vertices: 0.08 m^2 of floor at 2 cm
+  if (level.empty() || cameras.empty()) return std::nullopt;
+  double highest_m = up.dot(cameras.front().translation);
+  for (const RigidTransform& camera : cameras) {
+    highest_m = std::min(highest_m, up.dot(camera.translation));
+  }
+  highest_m -= kCameraAboveFloor_m;
+  double lowest_m = highest_m;
+  for (const Vector3d& place : level) lowest_m = std::min(lowest_m, up.dot(place));
+  const auto bin_of = [&](double height_m) {
+    return static_cast<std::size_t>((height_m - lowest_m) / kBin_m);
+  };
+  std::vector<std::size_t> counts(bin_of(highest_m) + 3, 0);  // one empty bin on each side
+  for (const Vector3d& place : level) {
+    const double height_m = up.dot(place);
+    if (height_m <= highest_m) ++counts[bin_of(height_m) + 1];
+  }
+  std::vector<std::size_t> around(counts.size(), 0);
+  for (std::size_t i = 1; i + 1 < counts.size(); ++i) {
+    around[i] = counts[i - 1] + counts[i] + counts[i + 1];
+  }
+  const std::size_t fullest = *std::ranges::max_element(around);
+  if (fullest < kFewest) return std::nullopt;
+  std::size_t floor = 1;
+  while (around[floor] < fullest / 3 || around[floor] < around[floor + 1]) ++floor;
+  return lowest_m + (static_cast<double>(floor) - 0.5) * kBin_m;
+}
+
+// The plane through the places that lie near `plane`, where they spread far enough to tell of a
+// tilt.
+Plane fitted(const Plane& plane, const std::vector<Vector3d>& places, double near_m) {
+  constexpr double kMinSpread_m = 0.3;
+  std::vector<Vector3d> near;
+  Vector3d mean = Vector3d::Zero();
+  for (const Vector3d& place : places) {
+    if (std::abs(plane.normal.dot(place) - plane.offset_m) > near_m) continue;
+    near.push_back(place);
+    mean += place;
+  }
+  if (near.empty()) return plane;
+  mean /= static_cast<double>(near.size());
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+  for (const Vector3d& place : near) spread += (place - mean) * (place - mean).transpose();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(spread /
+                                                            static_cast<double>(near.size()));
+  if (axes.eigenvalues()[1] < kMinSpread_m * kMinSpread_m) {
+    return {plane.normal, plane.normal.dot(mean)};
+  }
+  Vector3d normal = axes.eigenvectors().col(0);
+  if (normal.dot(plane.normal) < 0) normal = -normal;
+  return {normal, normal.dot(mean)};
+}
+
+RigidTransform frame_on(const Plane& floor) {
+  const Vector3d& z = floor.normal;
+  // The world is the first camera's frame: it looked along z, and where that is upright, its
+  // picture's top lay towards -y.
+  const Vector3d looked = Vector3d::UnitZ() - z.z() * z;
+  const Vector3d top = -Vector3d::UnitY() + z.y() * z;
+  constexpr double kUpright = 0.2;
+  const Vector3d x = (looked.norm() > kUpright ? looked : top).normalized();
+  Eigen::Matrix3d rotation;
+  rotation << x.transpose(), z.cross(x).transpose(), z.transpose();
+  return RigidTransform::from_matrix(rotation, {0, 0, -floor.offset_m});
+}
+
+}  // namespace
+
+GravityAlignedFrame find_gravity_aligned_frame(const TriangleMesh& mesh_world,
+                                               std::span<const RigidTransform> world_from_cameras) {
+  mapping::UpDirectionEstimator estimator;
+  for (const RigidTransform& camera : world_from_cameras) estimator.add_camera(camera);
+  for (const auto& triangle : mesh_world.triangles) {
+    if (const auto normal = flat_normal(mesh_world, triangle)) estimator.add_normal(*normal);
+  }
+  const mapping::UpDirection up = estimator.estimate();
+  GravityAlignedFrame frame;
+  frame.has_up = up.support > 0;
+  Plane floor{up.up_world, 0};
+  const auto level = level_vertices(mesh_world, up.up_world);
+  const auto height_m = floor_height_m(level, up.up_world, world_from_cameras);
+  if (frame.has_up && height_m) {
+    frame.has_floor = true;
+    floor.offset_m = *height_m;
+    // The first try may be tilted: it takes in more.
+    for (const double near_m : {0.08, 0.05, 0.04, 0.04}) floor = fitted(floor, level, near_m);
+  }
+  frame.gravity_from_world = frame_on(floor);
+  return frame;
+}
+
+TriangleMesh transformed(const RigidTransform& to_from_mesh, const TriangleMesh& mesh) {
+  TriangleMesh moved = mesh;
+  for (Eigen::Vector3f& vertex : moved.vertices) {
+    vertex = (to_from_mesh * Vector3d(vertex.cast<double>())).cast<float>();
+  }
+  for (Eigen::Vector3f& normal : moved.normals) {
+    normal = (to_from_mesh.rotation * normal.cast<double>()).cast<float>();
+  }
+  return moved;
+}
+
+}  // namespace roomwise::fusion

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <span>
+
+#include "roomwise/fusion/triangle_mesh.h"
+#include "roomwise/geometry/rigid_transform.h"
+
+namespace roomwise::fusion {
+
+// A frame for people and robots: z points up, z = 0 is the floor, the origin lies under the world's
+// (the first camera), and x is the direction in which the first camera looked, made level.
+struct GravityAlignedFrame {
+  geometry::RigidTransform gravity_from_world;
+  // Whether a floor was found. Without one z = 0 is the height of the first camera.
+  bool has_floor = false;
+  bool has_up = false;  // without level surfaces up is the mean up of the cameras
+};
+
+// By the normals of the map's surface, which vote for the direction up (see UpDirectionEstimator),
+// and its floor: the lowest level that holds at least a third as much upward surface as the fullest
+// one below the cameras. A plane through the floor then corrects the direction, since half a degree
+// would be 9 cm at the other end of a flat.
+[[nodiscard]] GravityAlignedFrame find_gravity_aligned_frame(
+    const TriangleMesh& mesh_world, std::span<const geometry::RigidTransform> world_from_cameras);
+
+// The mesh in another frame.
+[[nodiscard]] TriangleMesh transformed(const geometry::RigidTransform& to_from_mesh,
+                                       const TriangleMesh& mesh);
+
+}  // namespace roomwise::fusion

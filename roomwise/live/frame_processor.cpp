@@ -1,0 +1,109 @@
+#include "roomwise/live/frame_processor.h"
+
+#include <cmath>
+
+#include "roomwise/guide/obstacle.h"
+#include "roomwise/image/codec.h"
+
+namespace roomwise::live {
+namespace {
+
+// After a gap this long the room may be any again, s: nobody stays that long without a picture.
+constexpr double kForgetAfter_s = 60;
+
+// How far it is to what stands ahead; by the place on the map the camera's height and tilt are
+// known.
+Expected<std::optional<double>> obstacle_ahead(const image::DepthImage& depth,
+                                               const geometry::PinholeCamera& camera,
+                                               const std::optional<CameraPose>& place,
+                                               bool has_floor) {
+  guide::WalkingCorridor corridor;
+  if (place) {
+    corridor.up_camera = place->gravity_from_camera.rotation.inverse() * Eigen::Vector3d::UnitZ();
+    if (has_floor) corridor.camera_height_m = place->position_gravity().z();
+  }
+  return guide::obstacle_ahead_m(depth, camera, corridor);
+}
+
+}  // namespace
+
+double CameraPose::heading_rad() const {
+  const Eigen::Vector3d axis = gravity_from_camera.rotation * Eigen::Vector3d::UnitZ();
+  return std::atan2(axis.y(), axis.x());
+}
+
+Expected<std::optional<rooms::RoomDecision>> FrameProcessor::decide(
+    const image::ColorImage& color, double t_ms, const std::optional<mapping::Localization>& answer,
+    bool has_depth, const std::shared_ptr<const HomeView>& home) {
+  if (!home->recognizer) return std::optional<rooms::RoomDecision>();
+  const pipeline::RoomRecognizer& recognizer = *home->recognizer;
+  const double elapsed_s = (t_ms - last_t_ms_) / 1000;
+  if (stream_of_ != home->recognizer || !(elapsed_s >= 0 && elapsed_s < kForgetAfter_s)) {
+    ROOMWISE_TRY(stream_, recognizer.stream());
+    stream_of_ = home->recognizer;
+  }
+  ROOMWISE_TRY(const auto seen, recognizer.features().predict(color));
+  ROOMWISE_TRY(const rooms::PictureEvidence evidence, recognizer.evidence(seen));
+  last_t_ms_ = t_ms;
+  pipeline::RoomRecognizer::FindPlace find_place;
+  if (answer) {
+    find_place = [&]() -> Expected<rooms::PlaceEvidence> {
+      return rooms::place_evidence(*answer, has_depth, home->map->frame, home->layout,
+                                   recognizer.rooms());
+    };
+  }
+  return recognizer.update(*stream_, evidence, elapsed_s, find_place);
+}
+
+Expected<std::optional<mapping::Localization>> FrameProcessor::locate(
+    const image::ColorImage& color, const std::optional<image::DepthImage>& depth,
+    const HomeView& home) const {
+  if (!home.map || !home.map->localizer || !camera_->calibrated)
+    return std::optional<mapping::Localization>();
+  const geometry::PinholeCamera& camera = *camera_->calibrated;
+  ROOMWISE_TRY(const motion::FrameMeasurements measured,
+               home.map->localizer->measure({color, depth, camera}));
+  return home.map->localizer->localizer().locate(mapping::Query{measured, camera});
+}
+
+Expected<FrameResult> FrameProcessor::look(CameraFrame frame,
+                                           const std::shared_ptr<const HomeView>& home) {
+  if (!camera_) return fail("this device said in its hello that it has no camera");
+  // What is a little larger gets a clear error below; what is far larger is not even decoded.
+  const std::int64_t max_pixels = 2 * std::int64_t{camera_->width} * camera_->height;
+  ROOMWISE_TRY(const image::ColorImage color, image::decode_color(frame.color, max_pixels));
+  if (color.width() != camera_->width || color.height() != camera_->height) {
+    return fail("the picture has {} x {} pixels, the camera of the hello {} x {}", color.width(),
+                color.height(), camera_->width, camera_->height);
+  }
+  std::optional<image::DepthImage> depth;
+  if (!frame.depth.empty()) {
+    if (!camera_->has_depth) return fail("a depth image comes from a camera without depth");
+    ROOMWISE_TRY(depth, image::decode_depth(frame.depth, max_pixels));
+    if (depth->width() != color.width() || depth->height() != color.height()) {
+      return fail("the depth image has {} x {} pixels, the picture {} x {}", depth->width(),
+                  depth->height(), color.width(), color.height());
+    }
+  }
+  FrameResult result;
+  result.t_ms = frame.t_ms;
+  ROOMWISE_TRY(const auto answer, locate(color, depth, *home));
+  if (answer && answer->found()) {
+    result.place = CameraPose{home->map->frame.gravity_from_world * answer->world_from_camera,
+                              answer->position_sigma_m(),
+                              {}};
+    result.place->room = home->room_at(result.place->position_gravity());
+  }
+  ROOMWISE_TRY(result.decision, decide(color, frame.t_ms, answer, depth.has_value(), home));
+  if (depth) {
+    ROOMWISE_TRY(result.obstacle_m, obstacle_ahead(*depth, *camera_->calibrated, result.place,
+                                                   home->map && home->map->frame.has_floor));
+  }
+  if (result.decision && result.decision->verdict != rooms::Verdict::kRoom) {
+    result.more_to_see = pipeline::side_with_more_to_see(color);
+  }
+  result.picture = std::move(frame.color);
+  return result;
+}
+
+}  // namespace roomwise::live

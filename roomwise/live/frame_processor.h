@@ -1,0 +1,71 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "roomwise/live/home_view.h"
+#include "roomwise/pipeline/rooms/turn_hint.h"
+#include "roomwise/service/messages.h"
+
+namespace roomwise::live {
+
+// Where a device's camera is, by the map.
+struct CameraPose {
+  geometry::RigidTransform gravity_from_camera;
+  double sigma_m = 0;               // of the position, along the direction that is known worst
+  std::optional<std::string> room;  // by the layout
+
+  [[nodiscard]] Eigen::Vector3d position_gravity() const { return gravity_from_camera.translation; }
+  // Of the optical axis over the floor, counter-clockwise from x, rad.
+  [[nodiscard]] double heading_rad() const;
+};
+
+// What one frame told.
+struct FrameResult {
+  double t_ms = 0;  // of the frame, by the device's clock
+  // Nothing where no rooms were learned.
+  std::optional<rooms::RoomDecision> decision;
+  std::optional<pipeline::Side> more_to_see;  // where the room is not sure
+  std::optional<CameraPose> place;
+  std::optional<double> obstacle_m;  // straight ahead, by depth
+  Bytes picture;                     // as the device sent it
+};
+
+// A frame as it came, whole.
+struct CameraFrame {
+  double t_ms = 0;
+  Bytes color;  // JPEG, PNG or WebP
+  Bytes depth;  // 16-bit PNG, or empty
+};
+
+// Looks at the frames of one device, one after the other, and remembers what it saw: the room is
+// said by the whole walk. Not thread-safe.
+class FrameProcessor {
+ public:
+  explicit FrameProcessor(std::optional<service::DeviceCamera> camera)
+      : camera_(std::move(camera)) {}
+
+  // Fails on pictures that cannot be read or are not of the camera's size; the next frame is looked
+  // at as if this one had not been.
+  [[nodiscard]] Expected<FrameResult> look(CameraFrame frame,
+                                           const std::shared_ptr<const HomeView>& home);
+
+ private:
+  // `answer`: the localiser's; nothing where it was not asked.
+  [[nodiscard]] Expected<std::optional<rooms::RoomDecision>> decide(
+      const image::ColorImage& color, double t_ms,
+      const std::optional<mapping::Localization>& answer, bool has_depth,
+      const std::shared_ptr<const HomeView>& home);
+  // Nothing where the home has no map, or the camera is not calibrated.
+  [[nodiscard]] Expected<std::optional<mapping::Localization>> locate(
+      const image::ColorImage& color, const std::optional<image::DepthImage>& depth,
+      const HomeView& home) const;
+
+  std::optional<service::DeviceCamera> camera_;
+  // Belongs to the recognizer with which it was made.
+  std::optional<rooms::RoomStream> stream_;
+  std::shared_ptr<const pipeline::RoomRecognizer> stream_of_;
+  double last_t_ms_ = 0;
+};
+
+}  // namespace roomwise::live

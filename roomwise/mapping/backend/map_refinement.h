@@ -1,0 +1,57 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "roomwise/base/progress.h"
+#include "roomwise/mapping/backend/map_solver.h"
+#include "roomwise/mapping/bundle/bundle_adjustment.h"
+#include "roomwise/mapping/bundle/landmarks.h"
+#include "roomwise/mapping/frontend/mapper.h"
+
+namespace roomwise::mapping {
+
+struct RefinementOptions {
+  LandmarkOptions landmarks;
+  BundleOptions bundle;
+  motion::ResidualModel residuals;
+  double max_sigmas = 6;  // a view further from its landmark is culled
+  int rounds = 2;         // of adjusting and culling
+
+  [[nodiscard]] Expected<void> validate() const;
+};
+
+// What a map is refined from, besides its solution.
+struct RefinementInputs {
+  std::span<const PoseGraphEdge> edges;         // those that the solution was found from
+  std::span<const KeyframeFeatures> features;   // by key-frame id
+  std::span<const TimestampNs> keyframe_times;  // by key-frame id
+  std::span<const MappedFrame> frames;          // in the order of time
+  geometry::PinholeCamera camera;
+};
+
+struct MapRefinement {
+  // By key-frame id; the first of each piece stays where it was.
+  std::vector<geometry::RigidTransform> world_from_keyframe;
+  std::size_t landmarks = 0;
+  std::size_t views = 0;
+  // Of the camera's rolling shutter; nothing where no frame is near enough in time to another for
+  // the camera's motion to be known.
+  std::optional<double> readout_s;
+  int iterations = 0;
+  bool finished = true;  // not interrupted; else the rest means nothing
+};
+
+// Bundle adjustment of a solved map: landmarks that covisible key-frames see, with depth as
+// disparity, together with the edges of the pose graph (without those that contradict it), which
+// hold what bare walls tell. The readout time of a rolling shutter is found with the rest; edges,
+// whose views were aligned as if exposed at once, are believed less the more the motions of their
+// two key-frames differ.
+[[nodiscard]] Expected<MapRefinement> refine_map(const MapSolution& solution,
+                                                 const RefinementInputs& inputs,
+                                                 const MapSolverOptions& solver,
+                                                 const RefinementOptions& options,
+                                                 Progress& progress);
+
+}  // namespace roomwise::mapping

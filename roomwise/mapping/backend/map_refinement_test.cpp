@@ -1,0 +1,137 @@
+#include "roomwise/mapping/backend/map_refinement.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "roomwise/base/testing/testing.h"
+#include "roomwise/mapping/testing/feature_walk.h"
+
+namespace roomwise::mapping {
+namespace {
+
+using geometry::RigidTransform;
+using geometry::Vector6d;
+using testing::SceneOptions;
+using testing::SyntheticScene;
+
+constexpr TimestampNs kStep_ns = 200'000'000;
+constexpr TimestampNs kBetweenFrames_ns = 30'000'000;
+
+// A map of the scene: steps between neighbours that err, features, and frames just before and after
+// each key-frame that tell its motion.
+struct Map {
+  explicit Map(const SceneOptions& scene_options, double step_error_m)
+      : scene(scene_options), camera(scene.truth().model.camera) {
+    RandomStream random(9);
+    const Bundle& truth = scene.truth();
+    features = testing::small_features(testing::feature_walk(truth), camera);
+    edges = truth.edges;
+    for (PoseGraphEdge& edge : edges) {
+      edge.from_from_to =
+          edge.from_from_to * testing::random_transform(random, step_error_m, step_error_m);
+    }
+    for (std::size_t id = 0; id < truth.cameras.size(); ++id) {
+      times.push_back(kStep_ns * static_cast<TimestampNs>(id + 1));
+      const Vector6d step = kBetweenFrames_ns * kSecondsPerNs * truth.cameras[id].velocity;
+      for (const int side : {-1, 0, 1}) {
+        frames.push_back({3 * id + static_cast<std::uint64_t>(side + 1),
+                          times.back() + side * kBetweenFrames_ns,
+                          FramePlace{id, RigidTransform::exp(side * step)},
+                          {}});
+      }
+    }
+  }
+
+  [[nodiscard]] MapSolution solution() const { return solve_map(times.size(), edges).value(); }
+  [[nodiscard]] Expected<MapRefinement> refined() const {
+    SilentProgress silent;
+    return refine_map(solution(), {edges, features, times, frames, camera}, {}, {}, silent);
+  }
+  [[nodiscard]] double worst_error_m(const std::vector<RigidTransform>& poses) const {
+    const auto truth = testing::poses_of(scene.truth());
+    double worst = 0;
+    for (std::size_t id = 0; id < poses.size(); ++id) {
+      const RigidTransform expected = truth[0].inverse() * truth[id];
+      worst = std::max(worst, (poses[id].translation - expected.translation).norm());
+    }
+    return worst;
+  }
+
+  SyntheticScene scene;
+  geometry::PinholeCamera camera;
+  std::vector<PoseGraphEdge> edges;
+  std::vector<KeyframeFeatures> features;
+  std::vector<TimestampNs> times;
+  std::vector<MappedFrame> frames;
+};
+
+TEST(RefineMap, IsBetterThanThePoseGraph) {
+  const Map map({.landmarks = 600, .noise_sigmas = 0.5}, 0.004);
+  const auto refined = map.refined();
+  ASSERT_OK(refined);
+  EXPECT_GT(refined->landmarks, 100U);
+  EXPECT_GT(refined->views, 3 * refined->landmarks);
+  EXPECT_LT(map.worst_error_m(refined->world_from_keyframe),
+            0.3 * map.worst_error_m(map.solution().world_from_keyframe));
+  EXPECT_LT(std::abs(refined->readout_s.value()), 0.001);
+}
+
+TEST(RefineMap, FindsARollingShutter) {
+  const Map map({.landmarks = 600, .noise_sigmas = 0.3, .readout_s = 0.02}, 0.002);
+  const auto refined = map.refined();
+  ASSERT_OK(refined);
+  EXPECT_NEAR(refined->readout_s.value(), 0.02, 0.002);
+  EXPECT_LT(map.worst_error_m(refined->world_from_keyframe), 0.01);
+}
+
+TEST(RefineMap, KeepsComponentsApartAndTheirFirstKeyframesFixed) {
+  Map map({.landmarks = 600, .noise_sigmas = 0.5}, 0.002);
+  map.edges.erase(map.edges.begin() + 6);  // two pieces: 0 to 6 and 7 to 11
+  const MapSolution solution = map.solution();
+  ASSERT_EQ(solution.components, 2U);
+  const auto refined = map.refined();
+  ASSERT_OK(refined);
+  for (const std::size_t first : {0U, 7U}) {
+    EXPECT_EQ(refined->world_from_keyframe[first].translation,
+              solution.world_from_keyframe[first].translation);
+  }
+  EXPECT_NE(refined->world_from_keyframe[8].translation,
+            solution.world_from_keyframe[8].translation);
+}
+
+TEST(RefineMap, WithoutFeaturesThePoseGraphStays) {
+  Map map({.landmarks = 50}, 0.002);
+  map.features.assign(map.features.size(), {});
+  const auto refined = map.refined();
+  ASSERT_OK(refined);
+  EXPECT_EQ(refined->landmarks, 0U);
+  const auto solution = map.solution();
+  for (std::size_t id = 0; id < map.times.size(); ++id) {
+    EXPECT_LT((refined->world_from_keyframe[id].translation -
+               solution.world_from_keyframe[id].translation)
+                  .norm(),
+              1e-6);
+  }
+}
+
+TEST(RefineMap, GivesTheSameBitsAgain) {
+  const Map map({.noise_sigmas = 0.5, .readout_s = 0.01}, 0.004);
+  const auto once = map.refined();
+  const auto again = map.refined();
+  ASSERT_OK(once);
+  ASSERT_OK(again);
+  EXPECT_EQ(once->readout_s, again->readout_s);
+  for (std::size_t id = 0; id < map.times.size(); ++id) {
+    EXPECT_EQ(once->world_from_keyframe[id].translation,
+              again->world_from_keyframe[id].translation);
+  }
+}
+
+TEST(RefineMap, NeedsFeaturesOfAllKeyframes) {
+  Map map({.landmarks = 50}, 0);
+  map.features.pop_back();
+  EXPECT_ERROR(map.refined(), "features of 11");
+}
+
+}  // namespace
+}  // namespace roomwise::mapping

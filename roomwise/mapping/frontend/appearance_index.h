@@ -1,0 +1,55 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <unordered_map>
+#include <vector>
+
+#include "roomwise/features/feature_extractor.h"
+#include "roomwise/mapping/frontend/keyframe.h"
+
+namespace roomwise::mapping {
+
+struct AppearanceIndexOptions {
+  std::size_t features = 400;  // the strongest of each key-frame are indexed
+  // Tables of hashes; a feature finds another where they agree in all bits of one table's hash.
+  std::size_t tables = 4;
+  int bits = 20;  // at most 32
+  // A hash that more features share tells nothing and is passed over; so what a question costs does
+  // not grow with the map.
+  std::size_t max_in_bucket = 40;
+
+  [[nodiscard]] Expected<void> validate() const;
+};
+
+// Which key-frames look like a picture: features that hash alike vote for the key-frames they are
+// in. The hash of a real descriptor is the signs of random projections (Charikar, "Similarity
+// estimation techniques from rounding algorithms", STOC 2002), that of a binary one a random choice
+// of its bits. It needs no vocabulary learned elsewhere. All features must be of one kind.
+class AppearanceIndex {
+ public:
+  explicit AppearanceIndex(std::uint64_t seed, const AppearanceIndexOptions& options = {});
+
+  struct Hit {
+    KeyframeId id = 0;
+    double votes = 0;  // each weighs less the more features share its hash
+  };
+  // The `most` key-frames with the most votes among those added with id below `before`, best first;
+  // of equals the earlier.
+  [[nodiscard]] std::vector<Hit> find(const features::Features& features, KeyframeId before,
+                                      std::size_t most) const;
+  void add(KeyframeId id, const features::Features& features);
+
+ private:
+  // One row a feature, one column a table.
+  using Hashes = Eigen::Matrix<std::uint32_t, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  [[nodiscard]] Hashes hash(const features::Features& features) const;
+
+  AppearanceIndexOptions options_;
+  std::uint64_t seed_;
+  Eigen::RowVectorXf center_;   // of the first key-frame's real descriptors
+  Eigen::MatrixXf directions_;  // on which they are projected, a column a bit
+  std::vector<std::unordered_map<std::uint32_t, std::vector<KeyframeId>>> tables_;
+};
+
+}  // namespace roomwise::mapping

@@ -1,0 +1,151 @@
+#pragma once
+
+#include <deque>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "roomwise/mapping/frontend/appearance_index.h"
+#include "roomwise/mapping/frontend/keyframe.h"
+#include "roomwise/mapping/frontend/keyframe_graph.h"
+#include "roomwise/mapping/frontend/mapper_options.h"
+#include "roomwise/mapping/frontend/measurement_store.h"
+#include "roomwise/mapping/frontend/motion_prediction.h"
+
+namespace roomwise::mapping {
+
+// Where a frame is: relative to a key-frame, whose pose may still change.
+struct FramePlace {
+  KeyframeId keyframe = 0;
+  geometry::RigidTransform keyframe_from_camera;
+};
+
+struct MappedFrame {
+  std::uint64_t frame_index = 0;
+  TimestampNs timestamp_ns = 0;
+  std::optional<FramePlace> place;
+  std::string no_pose_reason;  // the motion's outcome, where there is no place
+};
+
+// What one frame changed, for those who store or show the map as it grows.
+struct MapStep {
+  // Key-frames made in this step, in order: none, the frame before (kept late, because this one no
+  // longer matched the reference), this frame, or both.
+  std::vector<KeyframeId> new_keyframes;
+  // A Mapper that is restored with the key-frames, edges and frames up to this one goes on as this
+  // one does. So it is at every frame that becomes a key-frame or comes back to an earlier one, and
+  // now and then where neither happens for long.
+  bool is_checkpoint = false;
+};
+
+// Mapping after the paper: each frame is located against a reference, the last key-frame, by the
+// chosen method; a substantial motion makes it a key-frame, which is then compared with earlier
+// ones to close loops; the pose graph is optimised on demand.
+//
+// Where the walk comes back to a place that it knows, an earlier key-frame becomes the reference
+// again and no new one is made: one or two edges lead to it from the reference, and the frame is
+// located against it as surely as a loop. So a map grows with the home and not with the walk.
+//
+// Key-frames that are connected by edges make a piece. When tracking is lost and no key-frame is
+// recognised, mapping goes on in a new piece; a loop closure joins pieces by itself, since it is an
+// edge between them.
+//
+// Key-frames' measurements beyond the working set lie on the disk; of frames only those are kept
+// that were not released. Same frames and options, same bits, whatever the working set. A Mapper
+// restored at a checkpoint goes on exactly as one that was never stopped. Errors are those of the
+// scratch file; after one the Mapper is not to be used.
+class Mapper {
+ public:
+  // Options must be valid.
+  Mapper(const geometry::PinholeCamera& camera, const MapperOptions& options,
+         WorkingSet working_set = {});
+
+  // Takes back what an earlier run had mapped up to a checkpoint: first all key-frames, by id, then
+  // the rest.
+  [[nodiscard]] Expected<void> restore_keyframe(Keyframe keyframe);
+  void restore(std::span<const PoseGraphEdge> edges, std::span<const MappedFrame> frames);
+
+  // Frames must come in the order of time. The combined method gains nothing over the paper's for
+  // frames without views.
+  [[nodiscard]] Expected<MapStep> add_frame(std::uint64_t frame_index, TimestampNs timestamp_ns,
+                                            motion::FrameMeasurements measurements);
+
+  [[nodiscard]] const std::vector<KeyframeStamp>& keyframes() const { return keyframes_; }
+  [[nodiscard]] const std::vector<PoseGraphEdge>& edges() const { return graph_.edges(); }
+  // Of a key-frame that is there.
+  [[nodiscard]] Expected<SharedMeasurements> measurements(KeyframeId id) { return store_.get(id); }
+  // The frames that are not released yet, in the order of time.
+  [[nodiscard]] const std::deque<MappedFrame>& frames() const { return frames_; }
+  // How many were added in all.
+  [[nodiscard]] std::uint64_t frame_count() const { return released_ + frames_.size(); }
+  // The caller has taken the frames down to the newest but `keep`: they need not be kept for it.
+  // (A few stay, since the motion goes on from them.)
+  void release_frames(std::size_t keep);
+
+ private:
+  struct PreviousFrame {
+    motion::FrameMeasurements measurements;
+    PoseGraphEdge edge;  // from the reference, should it become a key-frame
+  };
+  struct RevisitedKeyframe {
+    KeyframeId keyframe = 0;
+    motion::RefinedPose pose;
+  };
+  using Outcome = Expected<motion::MotionOutcome>;
+
+  // Where the newest frame will be relative to the reference if the camera goes on as it moved
+  // last; nothing where it was lost for long.
+  [[nodiscard]] std::optional<motion::PosePrior> predict_pose() const;
+  // A placed frame relative to the reference, if an edge leads there from where it was placed.
+  [[nodiscard]] std::optional<StampedPlace> from_reference(const MappedFrame& frame) const;
+  [[nodiscard]] bool can_begin(const motion::FrameMeasurements& measurements) const;
+  [[nodiscard]] bool needs_keyframe(const geometry::RigidTransform& motion) const;
+  // A motion by what makes a key-frame: 1 just does.
+  [[nodiscard]] double motion_ratio(const geometry::RigidTransform& motion) const;
+  void set_reference(KeyframeId id);
+
+  [[nodiscard]] Outcome track(const motion::FrameMeasurements& current);
+  // The references of the walk before the last one.
+  [[nodiscard]] std::vector<KeyframeId> neighbors(std::size_t passed_over) const;
+  // A reference a little before the newest: where the newest is along the steps between them.
+  [[nodiscard]] std::optional<geometry::RigidTransform> along_steps(KeyframeId from) const;
+  // Those with an id below `before` that look most like it, best first.
+  [[nodiscard]] std::vector<KeyframeId> similar_keyframes(
+      const motion::FrameMeasurements& measurements, KeyframeId before) const;
+  // The frame against any key-frame, as loops are compared: surer than a step must be, and without
+  // resting on what the map holds already, which may say nearly where it is.
+  [[nodiscard]] Outcome compare(KeyframeId reference, const motion::FrameMeasurements& current,
+                                std::uint64_t frame_index,
+                                const std::optional<motion::PosePrior>& prior);
+  // Looks for the newest frame among earlier key-frames; on success sets reference and outcome.
+  [[nodiscard]] Expected<void> relocalize(const motion::FrameMeasurements& current,
+                                          KeyframeId& reference, motion::MotionOutcome& outcome);
+  // An earlier key-frame that the newest frame, here relative to the reference, came back to.
+  [[nodiscard]] Expected<std::optional<RevisitedKeyframe>> find_revisited(
+      const motion::FrameMeasurements& current, const geometry::RigidTransform& motion);
+  void go_on_from(const RevisitedKeyframe& known, const motion::RefinedPose& in_reference);
+  [[nodiscard]] Expected<void> add_keyframe(std::size_t frame_position,
+                                            motion::FrameMeasurements measurements,
+                                            const std::optional<PoseGraphEdge>& link,
+                                            MapStep& step);
+  // Nothing that is needed of the newest frame is anywhere but in frames_.
+  void reach_checkpoint(MapStep& step);
+
+  geometry::PinholeCamera camera_;
+  MapperOptions options_;
+  std::vector<KeyframeStamp> keyframes_;
+  MeasurementStore store_;
+  KeyframeGraph graph_;
+  std::deque<MappedFrame> frames_;
+  std::uint64_t released_ = 0;  // frames before those
+  // The key-frames that were the reference last, the present one at the end; each frame that was
+  // placed belongs to one.
+  std::deque<KeyframeId> reference_history_;
+  std::optional<PreviousFrame> previous_;  // the frame before, if it was placed and is no key-frame
+  int frames_lost_ = 0;
+  int frames_since_checkpoint_ = 0;
+  AppearanceIndex index_;  // of all key-frames, where the method looks for similar ones
+};
+
+}  // namespace roomwise::mapping

@@ -1,0 +1,154 @@
+#include "roomwise/mapping/graph/pose_graph.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "roomwise/mapping/graph/edge_error.h"
+#include "roomwise/mapping/graph/pose_graph_solver.h"
+
+namespace roomwise::mapping {
+namespace {
+
+using geometry::Matrix6d;
+using geometry::RigidTransform;
+using geometry::Vector6d;
+
+std::string name_of(const PoseGraphEdge& edge) {
+  return fmt::format("the edge from node {} to node {}", edge.from, edge.to);
+}
+
+Expected<void> check_pose(const RigidTransform& pose) {
+  if (!pose.is_finite()) return fail("holds a number that is not finite");
+  constexpr double kUnitTolerance = 1e-6;
+  if (std::abs(pose.rotation.norm() - 1) > kUnitTolerance) {
+    return fail("has a quaternion of length {}; expected 1", pose.rotation.norm());
+  }
+  return {};
+}
+
+// Symmetric positive semi-definite, give or take rounding.
+Expected<void> check_information(const PoseGraphEdge& edge) {
+  const Matrix6d& information = edge.information;
+  if (!information.allFinite()) {
+    return fail("the information of {} holds a number that is not finite", name_of(edge));
+  }
+  constexpr double kRounding = 1e-9;
+  const double largest = information.cwiseAbs().maxCoeff();
+  if ((information - information.transpose()).cwiseAbs().maxCoeff() > kRounding * largest) {
+    return fail("the information of {} is not symmetric", name_of(edge));
+  }
+  if (largest == 0) return {};
+  const Matrix6d lifted = information + kRounding * largest * Matrix6d::Identity();
+  if (lifted.llt().info() != Eigen::Success) {
+    const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(information, Eigen::EigenvaluesOnly);
+    return fail("the information of {} is not positive semi-definite (smallest eigenvalue {:.3g})",
+                name_of(edge), eigen.eigenvalues().minCoeff());
+  }
+  return {};
+}
+
+Expected<void> check(const PoseGraph& graph) {
+  for (const auto& [id, pose] : graph.world_from_node) {
+    if (auto checked = check_pose(pose); !checked) {
+      return fail("the pose of node {} {}", id, checked.error().message);
+    }
+  }
+  for (const PoseGraphEdge& edge : graph.edges) {
+    for (const NodeId id : {edge.from, edge.to}) {
+      if (!graph.world_from_node.contains(id)) {
+        return fail("{} needs node {}, which the graph does not hold", name_of(edge), id);
+      }
+    }
+    if (edge.from == edge.to) return fail("{} joins a node to itself", name_of(edge));
+    if (auto checked = check_pose(edge.from_from_to); !checked) {
+      return fail("the transform of {} {}", name_of(edge), checked.error().message);
+    }
+    ROOMWISE_CHECK_OK(check_information(edge));
+  }
+  return {};
+}
+
+// The lowest node of each connected part: union-find in which the lower node is always the root.
+class ComponentRoots {
+ public:
+  explicit ComponentRoots(const PoseGraph& graph) {
+    for (const auto& [id, pose] : graph.world_from_node) parent_[id] = id;
+    for (const PoseGraphEdge& edge : graph.edges) {
+      const NodeId a = find(edge.from);
+      const NodeId b = find(edge.to);
+      parent_[std::max(a, b)] = std::min(a, b);
+    }
+  }
+  NodeId find(NodeId id) {
+    while (parent_.at(id) != id) id = parent_.at(id) = parent_.at(parent_.at(id));
+    return id;
+  }
+
+ private:
+  std::map<NodeId, NodeId> parent_;
+};
+
+// The graph with numbers for ids: first the lowest node of each part, which stays where it is.
+NumberedGraph numbered(const PoseGraph& graph, const PoseGraphOptions& options,
+                       std::map<NodeId, std::uint32_t>& numbers) {
+  NumberedGraph result;
+  ComponentRoots lowest(graph);
+  for (const bool fixed : {true, false}) {
+    for (const auto& [id, pose] : graph.world_from_node) {
+      if ((lowest.find(id) == id) != fixed) continue;
+      numbers[id] = static_cast<std::uint32_t>(result.world_from_node.size());
+      result.world_from_node.push_back(pose);
+    }
+    if (fixed) result.fixed = result.world_from_node.size();
+  }
+  for (const PoseGraphEdge& edge : graph.edges) {
+    result.edges.push_back({numbers.at(edge.from), numbers.at(edge.to), &edge,
+                            edge.is_loop ? options.loop_kernel : 0});
+  }
+  return result;
+}
+
+}  // namespace
+
+Expected<void> PoseGraphOptions::validate() const {
+  if (max_iterations < 1) {
+    return fail("max_iterations is {}; expected 1 or more", max_iterations);
+  }
+  if (!(relative_tolerance > 0 && relative_tolerance < 1)) {
+    return fail("relative_tolerance is {}; expected a number between 0 and 1", relative_tolerance);
+  }
+  if (!(loop_kernel >= 0 && std::isfinite(loop_kernel))) {
+    return fail("loop_kernel is {}; expected 0 (none) or a positive number", loop_kernel);
+  }
+  return {};
+}
+
+double pose_graph_error(const PoseGraph& graph) {
+  double sum = 0;
+  for (const PoseGraphEdge& edge : graph.edges) {
+    const Vector6d error = edge_error(edge.from_from_to, graph.world_from_node.at(edge.from),
+                                      graph.world_from_node.at(edge.to));
+    sum += error.dot(edge.information * error);
+  }
+  return sum;
+}
+
+Expected<PoseGraphReport> optimize(PoseGraph& graph, const PoseGraphOptions& options) {
+  ROOMWISE_CHECK_OK(options.validate());
+  ROOMWISE_CHECK_OK(check(graph));
+  const double error_before = pose_graph_error(graph);
+  if (!std::isfinite(error_before)) {
+    return fail("the pose graph holds lengths or weights too large to square; expected metres");
+  }
+  std::map<NodeId, std::uint32_t> numbers;
+  NumberedGraph solved = numbered(graph, options, numbers);
+  const MinimizerSummary summary = minimize(solved, options);
+  for (auto& [id, pose] : graph.world_from_node) pose = solved.world_from_node[numbers.at(id)];
+  return PoseGraphReport{error_before, pose_graph_error(graph), summary.iterations,
+                         summary.converged};
+}
+
+}  // namespace roomwise::mapping

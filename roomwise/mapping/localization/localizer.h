@@ -1,0 +1,101 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "roomwise/mapping/frontend/appearance_index.h"
+#include "roomwise/mapping/frontend/keyframe.h"
+#include "roomwise/mapping/localization/depth_index.h"
+#include "roomwise/mapping/localization/localization.h"
+#include "roomwise/motion/view_pattern.h"
+
+namespace roomwise::mapping {
+
+// A picture to be localised, and the camera that took it. Depth is welcome, and not needed.
+struct Query {
+  const motion::FrameMeasurements& measurements;
+  const geometry::PinholeCamera& camera;
+};
+
+// Says where in a finished map a picture was taken, from nothing but the picture: on another day,
+// after the light changed and things moved.
+//
+// First by features: the key-frames that look most like the picture (AppearanceIndex) and stand
+// together are a place, whose points are matched with the picture together and give its pose by
+// PnP in RANSAC; the picture is then aligned as a whole with a key-frame, and the depth images of
+// those around must agree. A pose of a few inliers is a weak hypothesis, and believed where pattern
+// and depth of the key-frames around confirm it. Where all that gives no sure answer, by shape, if
+// the picture has depth and its camera is like the map's: the picture is aligned with the
+// key-frames whose depth images look most like its own (DepthIndex); poses to which several lead,
+// and that those around agree with in depth and in the pattern on their surfaces (ViewPattern), are
+// believed, unless another has nearly as much support, as in front of a bare wall.
+//
+// It says no where too little speaks for a pose, since a wrong answer is worse than none. Same map,
+// options and picture, same bits. May be asked from several threads at once.
+class Localizer {
+ public:
+  // Options must be valid.
+  explicit Localizer(const LocalizerOptions& options);
+
+  // Key-frames of one world. Their features must be of the queries' kind, and found already; all
+  // have views, of one camera, or none has (and nothing is found by shape).
+  void add(Keyframe keyframe, const geometry::RigidTransform& world_from_keyframe);
+  [[nodiscard]] std::size_t size() const { return keyframes_.size(); }
+
+  [[nodiscard]] Localization locate(const Query& query) const;
+  // Of two pictures that were taken shortly after one another. What the second alone leaves in
+  // doubt is an answer where both tell the same by the motion between them; where they contradict
+  // each other it has none.
+  [[nodiscard]] PairLocalization locate(const Query& first, const Query& second) const;
+
+ private:
+  struct Placed {
+    Keyframe keyframe;
+    motion::ViewPattern pattern;
+    geometry::RigidTransform world_from_keyframe;
+  };
+  // Key-frames that show one place, by their index; the first looks most like the picture.
+  struct Place {
+    std::vector<std::size_t> members;
+    double votes = 0;
+  };
+  [[nodiscard]] bool may_show_the_same(const geometry::RigidTransform& a,
+                                       const geometry::RigidTransform& b) const;
+  [[nodiscard]] bool is_same(const geometry::RigidTransform& a,
+                             const geometry::RigidTransform& b) const;
+  [[nodiscard]] std::vector<const Placed*> nearest(const geometry::RigidTransform& pose) const;
+  [[nodiscard]] motion::ViewAgreement agreement_around(const Query& query,
+                                                       const geometry::RigidTransform& pose) const;
+  [[nodiscard]] double pattern_correlation_around(const Query& query,
+                                                  const motion::ViewPattern& pattern,
+                                                  const geometry::RigidTransform& pose) const;
+  [[nodiscard]] bool is_contradicted(const motion::ViewAgreement& agreement) const;
+  [[nodiscard]] bool is_known_well(const Localization& found) const;
+  [[nodiscard]] bool can_compare_shapes(const Query& query) const;
+
+  [[nodiscard]] std::vector<Place> similar_places(const motion::FrameMeasurements& picture) const;
+  [[nodiscard]] std::vector<motion::PointObservation> match(const Place& place,
+                                                            const Query& query) const;
+  [[nodiscard]] Localization locate_in(const Place& place, const Query& query) const;
+  void refine(const Query& query, Localization& found) const;
+  // The pose of too few inliers that pattern and depth around confirm best, if they do and nothing
+  // speaks for another.
+  [[nodiscard]] std::optional<Localization> confirmed(
+      const Query& query, const std::vector<Localization>& answers) const;
+  [[nodiscard]] Localization by_features(const Query& query) const;
+
+  [[nodiscard]] std::vector<Localization> align_shapes(const Query& query) const;
+  [[nodiscard]] Localization by_shape(const Query& query) const;
+  // By the motion between the two, what each alone tells of the second.
+  void bind(const Query& first, const Query& second, PairLocalization& places) const;
+  [[nodiscard]] Localization propagate(const Localization& earlier,
+                                       const motion::RefinedPose& motion,
+                                       const Query& second) const;
+
+  LocalizerOptions options_;
+  std::vector<Placed> keyframes_;
+  AppearanceIndex appearances_;  // by index into keyframes_
+  DepthIndex depths_;            // likewise
+};
+
+}  // namespace roomwise::mapping

@@ -1,0 +1,199 @@
+#include "roomwise/network/formats/model_card.h"
+
+#include <algorithm>
+#include <cmath>
+#include <initializer_list>
+#include <nlohmann/json.hpp>
+
+#include "roomwise/base/file.h"
+#include "roomwise/network/formats/built_in_cards.h"
+#include "roomwise/network/formats/eight_bit_file.h"
+
+namespace roomwise::network {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr int kMaxInputSide_px = 4096;
+
+// Reads the fields of one JSON object, naming it in every error ("NAME.card.json: input.width").
+class Fields {
+ public:
+  Fields(const Json& object, std::string where) : object_(object), where_(std::move(where)) {}
+
+  [[nodiscard]] Expected<void> expect_only(std::initializer_list<std::string_view> known) const {
+    for (const auto& [key, value] : object_.items()) {
+      if (std::find(known.begin(), known.end(), key) == known.end()) {
+        return fail("{}{}: unknown field; known are {}", where_, key, fmt::join(known, ", "));
+      }
+    }
+    return {};
+  }
+
+  [[nodiscard]] Expected<std::string> text(const char* key, const std::string& otherwise) const {
+    if (!object_.contains(key)) return otherwise;
+    const Json& value = object_.at(key);
+    if (!value.is_string()) return fail("{}{}: expected a text in quotes", where_, key);
+    return value.get<std::string>();
+  }
+
+  // One text, or a list of them.
+  [[nodiscard]] Expected<std::vector<std::string>> texts(const char* key) const {
+    std::vector<std::string> texts;
+    if (!object_.contains(key)) return texts;
+    const Json& value = object_.at(key);
+    for (const Json& element : value.is_array() ? value : Json::array({value})) {
+      if (!element.is_string()) return fail("{}{}: expected texts in quotes", where_, key);
+      texts.push_back(element.get<std::string>());
+    }
+    return texts;
+  }
+
+  [[nodiscard]] Expected<bool> flag(const char* key, bool otherwise) const {
+    if (!object_.contains(key)) return otherwise;
+    const Json& value = object_.at(key);
+    if (!value.is_boolean()) return fail("{}{}: expected true or false", where_, key);
+    return value.get<bool>();
+  }
+
+  [[nodiscard]] Expected<int> side_px(const char* key) const {
+    const Json* value = object_.contains(key) ? &object_.at(key) : nullptr;
+    if (value == nullptr || !value->is_number_integer() || *value < 1 ||
+        *value > kMaxInputSide_px) {
+      return fail("{}{}: expected the input's side, a whole number of pixels from 1 to {}", where_,
+                  key, kMaxInputSide_px);
+    }
+    return value->get<int>();
+  }
+
+  // The number of a line, from 0; 0 where it is absent.
+  [[nodiscard]] Expected<int> line(const char* key) const {
+    constexpr int kMaxLines = 1 << 20;
+    if (!object_.contains(key)) return 0;
+    const Json& value = object_.at(key);
+    if (!value.is_number_integer() || value < 0 || value > kMaxLines)
+      return fail("{}{}: expected the number of a line, from 0", where_, key);
+    return value.get<int>();
+  }
+
+  [[nodiscard]] Expected<std::array<float, 3>> per_channel(const char* key,
+                                                           std::array<float, 3> otherwise) const {
+    if (!object_.contains(key)) return otherwise;
+    const Json& values = object_.at(key);
+    std::array<float, 3> channels{};
+    bool valid = values.is_array() && values.size() == channels.size();
+    for (std::size_t i = 0; valid && i < channels.size(); ++i) {
+      valid = values[i].is_number();
+      if (valid) channels[i] = values[i].get<float>();
+      valid = valid && std::isfinite(channels[i]);
+    }
+    if (!valid) return fail("{}{}: expected three numbers, one a colour channel", where_, key);
+    return channels;
+  }
+
+  // A nested object; an empty one where it is absent.
+  [[nodiscard]] Expected<Json> object(const char* key) const {
+    if (!object_.contains(key)) return Json::object();
+    if (!object_.at(key).is_object()) return fail("{}{}: expected {{ ... }}", where_, key);
+    return object_.at(key);
+  }
+
+  // One of a few words; the first where it is absent.
+  template <typename Value>
+  [[nodiscard]] Expected<Value> choice(
+      const char* key, std::initializer_list<std::pair<std::string_view, Value>> choices) const {
+    ROOMWISE_TRY(const std::string word, text(key, std::string(choices.begin()->first)));
+    std::string known;
+    for (const auto& [name, value] : choices) {
+      if (word == name) return value;
+      known += fmt::format("{}\"{}\"", known.empty() ? "" : " or ", name);
+    }
+    return fail("{}{}: expected {}, not \"{}\"", where_, key, known, word);
+  }
+
+ private:
+  const Json& object_;
+  std::string where_;
+};
+
+}  // namespace
+
+Expected<ModelCard> ModelCard::parse(std::string_view json, const std::string& origin) {
+  const Json root = Json::parse(json, nullptr, /*allow_exceptions=*/false);
+  if (!root.is_object()) {
+    return fail("{}: is not JSON; expected a model card, {{ \"input\": {{ ... }}, ... }}", origin);
+  }
+  const Fields card(root, origin + ": ");
+  ROOMWISE_CHECK_OK(
+      card.expect_only({"name", "task", "input", "mean", "scale", "outputs", "labels",
+                        "first_label", "architecture", "license", "source", "sha256", "notes"}));
+  ROOMWISE_TRY(const Json input_object, card.object("input"));
+  ROOMWISE_TRY(const Json outputs_object, card.object("outputs"));
+  const Fields input(input_object, origin + ": input.");
+  const Fields outputs(outputs_object, origin + ": outputs.");
+  ROOMWISE_CHECK_OK(input.expect_only({"width", "height", "colors", "fit"}));
+  ROOMWISE_CHECK_OK(outputs.expect_only({"features", "scores", "softmax"}));
+
+  ModelCard result;
+  ROOMWISE_TRY(result.name, card.text("name", ""));
+  ROOMWISE_TRY(result.task, card.choice<Task>("task", {{"classify", Task::kClassify},
+                                                       {"nanodet-plus", Task::kNanoDetPlus}}));
+  ROOMWISE_TRY(result.input_width_px, input.side_px("width"));
+  ROOMWISE_TRY(result.input_height_px, input.side_px("height"));
+  ROOMWISE_TRY(result.color_order, input.choice<ColorOrder>("colors", {{"rgb", ColorOrder::kRgb},
+                                                                       {"bgr", ColorOrder::kBgr}}));
+  ROOMWISE_TRY(result.fit, input.choice<PictureFit>("fit", {{"stretch", PictureFit::kStretch},
+                                                            {"crop", PictureFit::kCenterCrop}}));
+  ROOMWISE_TRY(result.mean, card.per_channel("mean", result.mean));
+  ROOMWISE_TRY(result.scale, card.per_channel("scale", result.scale));
+  if (result.task != Task::kClassify && result.fit != PictureFit::kStretch) {
+    return fail("{}: input.fit: a network that finds things takes the whole picture: \"stretch\"",
+                origin);
+  }
+  ROOMWISE_TRY(result.features_outputs, outputs.texts("features"));
+  ROOMWISE_TRY(result.scores_output, outputs.text("scores", ""));
+  ROOMWISE_TRY(result.scores_need_softmax, outputs.flag("softmax", false));
+  ROOMWISE_TRY(result.labels_file, card.text("labels", ""));
+  ROOMWISE_TRY(result.first_label, card.line("first_label"));
+  ROOMWISE_TRY(
+      result.architecture,
+      card.choice<Architecture>("architecture", {{"own", Architecture::kOwn},
+                                                 {"inception-v3", Architecture::kInceptionV3}}));
+  ROOMWISE_TRY(result.license, card.text("license", ""));
+  ROOMWISE_TRY(result.source, card.text("source", ""));
+  ROOMWISE_TRY(result.sha256, card.text("sha256", ""));
+  ROOMWISE_TRY(result.notes, card.texts("notes"));
+  return result;
+}
+
+Expected<ModelCard> find_model_card(const std::filesystem::path& weights) {
+  if (is_eight_bit_file(weights)) {
+    ROOMWISE_TRY(const EightBitFile how, read_eight_bit_file(weights));
+    ROOMWISE_TRY(ModelCard card, find_model_card(weights.parent_path() / how.network));
+    card.name = name_in_eight_bits(card.name);
+    return card;
+  }
+  const std::string name = weights.stem().string();
+  const auto with_name = [&](ModelCard card) {
+    if (card.name.empty()) card.name = name;
+    return card;
+  };
+  const std::filesystem::path beside = weights.parent_path() / (name + ".card.json");
+  std::error_code ignored;
+  if (std::filesystem::exists(beside, ignored)) {
+    ROOMWISE_TRY(const std::string json, read_text_file(beside));
+    return ModelCard::parse(json, beside.string()).map(with_name);
+  }
+  for (const BuiltInCard& card : built_in_cards()) {
+    if (card.network == name) {
+      return ModelCard::parse(card.json, fmt::format("models/{}.card.json", name)).map(with_name);
+    }
+  }
+  return fail(
+      "{}: nothing says what this network takes; write {} beside it, for example {{ \"input\": {{ "
+      "\"width\": 224, \"height\": 224, \"colors\": \"rgb\" }}, \"mean\": [127.5, 127.5, 127.5], "
+      "\"scale\": [0.0078, 0.0078, 0.0078] }}",
+      weights.string(), beside.filename().string());
+}
+
+}  // namespace roomwise::network

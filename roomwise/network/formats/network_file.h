@@ -1,0 +1,44 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "roomwise/network/formats/eight_bit_file.h"
+#include "roomwise/network/formats/model_card.h"
+#include "roomwise/network/graph/onnx_graph.h"
+
+namespace roomwise::network {
+
+// A network as its files say it: the weights, the card, the labels.
+struct NetworkFile {
+  ModelCard card;
+  std::vector<std::string> labels;  // empty: it names nothing
+  OnnxGraph graph;                  // its input is of the card's size
+  std::string fingerprint;          // SHA-256 of the weights file, or EightBitFile's
+  std::optional<EightBitFile> eight_bits = std::nullopt;  // absent: it is run in floats
+};
+
+// Whether it ends as files of networks, or of weights alone, do: .onnx, .pth, .safetensors. One of
+// 8 bits is neither.
+[[nodiscard]] bool has_ending_of_network(const std::filesystem::path& file);
+
+// weights: an ONNX file, weights alone (weights_file.h) of the network that the card names, or a
+// file that says how one of these is run in 8 bits (eight_bit_file.h), which then has a name of its
+// own. labels: a text file, one label a line; absent: the one that the card names, if any. Fails
+// where a file is missing or is not what it should be, and where the network does not take colour
+// pictures of the card's size.
+[[nodiscard]] Expected<NetworkFile> read_network_file(
+    const std::filesystem::path& weights, const std::optional<std::filesystem::path>& labels);
+
+// The same for what runs networks in floats only; fails on a file of 8 bits, too.
+[[nodiscard]] Expected<NetworkFile> read_network_in_floats(
+    const std::filesystem::path& weights,
+    const std::optional<std::filesystem::path>& labels = std::nullopt);
+
+// One label a line; the last line may lack its end. Labels may repeat (ImageNet has two cranes).
+// Fails on an empty file and on an empty line.
+[[nodiscard]] Expected<std::vector<std::string>> read_labels(const std::filesystem::path& path);
+
+}  // namespace roomwise::network

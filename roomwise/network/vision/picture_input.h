@@ -1,0 +1,12 @@
+#pragma once
+
+#include "roomwise/image/image.h"
+#include "roomwise/network/executor/executor.h"
+#include "roomwise/network/formats/model_card.h"
+
+namespace roomwise::network {
+
+// A picture (of at least one pixel) as a network takes it by its card: 1 x 3 x height x width.
+[[nodiscard]] Tensor picture_input(const image::ColorImage& image, const ModelCard& card);
+
+}  // namespace roomwise::network

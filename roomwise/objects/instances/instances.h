@@ -1,0 +1,106 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <map>
+#include <set>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "roomwise/base/expected.h"
+#include "roomwise/geometry/oriented_box.h"
+#include "roomwise/geometry/pinhole_camera.h"
+#include "roomwise/geometry/rigid_transform.h"
+#include "roomwise/objects/detection/object_map.h"
+#include "roomwise/objects/detection/region_surface.h"
+
+namespace roomwise::objects {
+
+// A thing of the home, joined from what many key-frames show of it. Its place is kept relative to
+// the key-frame that shows it best.
+struct Instance {
+  std::string name;
+  double probability = 0;  // that it is there and is called so, [0, 1]
+  // What it is called, by the share of the observations' scores that speak for it; they sum to 1.
+  std::map<std::string, double> names;
+  int observations = 0;  // key-frames that saw it
+  // Key-frames that should have; of what stands apart in depth (RegionSource::kProposal) those that
+  // did, since the others say nothing against it.
+  int expected = 0;
+  std::uint64_t keyframe_id = 0;
+  network::PixelBox picture_box;  // there
+  // Upright: z of the box frame is up. Its "world" is the key-frame's camera frame.
+  geometry::OrientedBox box_keyframe;
+  // Standard deviation of the box's middle along x, y, z of the box frame, m: at least so much. It
+  // knows what differs from picture to picture, not what all share, nor what cells were left out.
+  Eigen::Vector3d sigma_m = Eigen::Vector3d::Zero();
+  // Of what only a later visit to the home showed (home::VisitId): its key-frame is one near by,
+  // which does not show it, and has no box in its picture. 0: the key-frames of the map show it.
+  std::int64_t visit = 0;
+  // A sample of its surface, in the key-frame's camera frame; only of what a visit brought.
+  std::vector<Eigen::Vector3f> surface_keyframe;
+
+  [[nodiscard]] geometry::OrientedBox box_world(
+      const geometry::RigidTransform& world_from_keyframe) const {
+    return {world_from_keyframe * box_keyframe.world_from_box, box_keyframe.size_m};
+  }
+};
+
+// A region in the home's words.
+struct NamedRegion {
+  std::string name;
+  const Region* region = nullptr;
+  // Otherwise it is one of ObjectVocabulary::look_alikes(): it may take a thing's name away, and is
+  // none itself.
+  bool is_in_vocabulary = true;
+};
+
+// A key-frame that was looked at. What it points to must outlive it.
+struct ObservedKeyframe {
+  std::uint64_t keyframe_id = 0;
+  geometry::RigidTransform world_from_camera;
+  const geometry::PinholeCamera* camera = nullptr;
+  const image::DepthImage* coarse_depth = nullptr;  // coarse_depth() of it
+  std::vector<NamedRegion> regions;
+  // What a classifier says of the whole picture, which is mostly what stands in its middle.
+  std::vector<Observation> said;
+  // That did not look at it: what they find elsewhere is not missed here.
+  std::set<RegionSource> not_asked;
+};
+
+// The level of the world: heights above the floor are up . point - floor_m.
+struct GroundPlane {
+  Eigen::Vector3d up_world = -Eigen::Vector3d::UnitY();  // unit length
+  double floor_m = 0;
+
+  [[nodiscard]] double height_m(const Eigen::Vector3d& point_world) const {
+    return up_world.dot(point_world) - floor_m;
+  }
+};
+
+// Which way is up, by the surfaces that the key-frames show (mapping::UpDirectionEstimator), and
+// the floor: the lowest height that holds a third of the points of the fullest one below the
+// cameras, or more.
+[[nodiscard]] GroundPlane fit_ground_plane(std::span<const ObservedKeyframe> keyframes);
+
+struct InstanceOptions {
+  double min_score = 0.3;    // of a region that counts
+  double max_range_m = 4.5;  // regions beyond are not measured well enough
+  int min_observations = 3;  // key-frames
+  double min_probability = 0.36;
+  // Of some names more is asked. What a detector calls a toilet is as often a bin, a washbasin or a
+  // chair, and then it is less sure or others name it, too (docs/objects.md).
+  std::map<std::string, double> min_probability_of{{"toilet seat", 0.93}};
+
+  [[nodiscard]] Expected<void> validate() const;
+};
+
+// Joins the regions of all key-frames of one component of a map into instances. The result hangs on
+// the key-frames' poses as they are now, and not on the order in which key-frames and regions come.
+// By name, then by key-frame.
+[[nodiscard]] std::vector<Instance> find_instances(std::span<const ObservedKeyframe> keyframes,
+                                                   const GroundPlane& level,
+                                                   const InstanceOptions& options);
+
+}  // namespace roomwise::objects

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "roomwise/geometry/oriented_box.h"
+#include "roomwise/objects/instances/instances.h"
+#include "roomwise/objects/proposals/furniture_form.h"
+
+namespace roomwise::objects {
+
+// What may be a thing, by the map's depth alone.
+struct Proposal {
+  std::vector<Eigen::Vector3f> surface_world;  // the middles of its cells of 5 cm, m
+  geometry::OrientedBox box_world;             // upright
+  double top_m = 0;                            // of the box, above the floor
+  std::optional<FurnitureForm> form;
+  // Where the height of the surface jumps, from what it touches. Else it stands apart from all else
+  // above some height, which says more.
+  bool is_cut = false;
+};
+
+// What stands in the rooms once floor and walls are taken away (object proposals; that furniture
+// stands apart when seen as pieces of a map's depth: A. Karpathy, S. Miller, L. Fei-Fei, "Object
+// discovery in 3D scenes via shape analysis", 2013). Depth in cells of 5 cm that two key-frames or
+// more show; columns that cross a height of 2.15 m are walls, and what is within a hand's breadth
+// of them goes with them. So of furniture that is higher nothing is left, and where no key-frame
+// looked up so far, what touches a wall is one with it. At every 10 cm of height the cells above it
+// fall into pieces: so a lamp is a piece above its nightstand's top, and a wardrobe above the bed's
+// beside it. A piece that holds most of one from lower down is that one, and what is like a door's
+// leaf is none. Those of lower heights come first. Then comes what touches something higher, cut
+// from it where the height of its surface jumps: a washing machine beside a wardrobe.
+[[nodiscard]] std::vector<Proposal> find_proposals(std::span<const ObservedKeyframe> keyframes,
+                                                   const GroundPlane& level);
+
+// A key-frame that shows a proposal well.
+struct ProposalView {
+  std::size_t keyframe = 0;  // index of LookedKeyframe
+  network::PixelBox box;     // about the proposal's box, cut at the picture's rim
+  double quality = 0;        // how much of it shows, and how large
+};
+// The best first, eight at most: whose pictures hold most of the box, and show a third of its
+// surface or more.
+[[nodiscard]] std::vector<ProposalView> best_views(const Proposal& proposal,
+                                                   std::span<const ObservedKeyframe> keyframes);
+
+}  // namespace roomwise::objects

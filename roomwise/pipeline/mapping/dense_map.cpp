@@ -1,0 +1,57 @@
+#include "roomwise/pipeline/mapping/dense_map.h"
+
+#include <map>
+
+#include "roomwise/pipeline/stored/keyframe_images.h"
+
+namespace roomwise::pipeline {
+namespace {
+
+using Makers = std::map<home::RecordingId, fusion::FrameSurfaceMaker>;
+
+Expected<Makers> makers_for(const home::Home& home, const fusion::SurfaceOptions& options) {
+  ROOMWISE_TRY(const auto recordings, home.recordings());
+  Makers makers;
+  for (const home::StoredRecording& stored : recordings) {
+    makers.emplace(stored.id, fusion::FrameSurfaceMaker(stored.recording.camera, options));
+  }
+  return makers;
+}
+
+}  // namespace
+
+Expected<void> DenseMap::follow(const home::Home& home, std::span<const home::Keyframe> keyframes,
+                                RunContext& run) {
+  fusion::FramePoses poses;
+  for (const home::Keyframe& keyframe : keyframes) {
+    poses[keyframe.id] = keyframe.pose.world_from_keyframe;
+  }
+  std::map<fusion::FrameId, fusion::FusionStep> steps;
+  for (const fusion::FusionStep& step : fusion_.steps_to(poses)) steps[step.frame] = step;
+  ROOMWISE_TRY(auto moving, home.keyframes());
+  std::erase_if(moving,
+                [&](const home::Keyframe& keyframe) { return !steps.contains(keyframe.id); });
+  ROOMWISE_TRY(const Makers makers, makers_for(home, surface_));
+  return for_each_keyframe(
+      home, moving, "fusing the map", run,
+      [&](const home::Keyframe& keyframe, const DecodedImages& images) {
+        const auto timing = run.clock.measure("surfaces");
+        return makers.at(keyframe.recording).make(images.color, images.depth);
+      },
+      [&](const home::Keyframe& keyframe, const fusion::FrameSurface& surface) {
+        return fusion_.apply(steps.at(keyframe.id), surface, run.pool);
+      });
+}
+
+Expected<DenseMap> build_dense_map(const home::Home& home,
+                                   std::span<const home::Keyframe> keyframes, double voxel_size_m,
+                                   RunContext& run) {
+  fusion::MapFusionOptions options;
+  options.field.voxel_size_m = voxel_size_m;
+  ROOMWISE_CHECK_OK(options.validate());
+  DenseMap map(options);
+  ROOMWISE_CHECK_OK(map.follow(home, keyframes, run));
+  return map;
+}
+
+}  // namespace roomwise::pipeline

@@ -1,0 +1,32 @@
+#pragma once
+
+#include "roomwise/fusion/floor_grid.h"
+#include "roomwise/fusion/gravity_aligned_frame.h"
+#include "roomwise/fusion/occupancy.h"
+#include "roomwise/pipeline/mapping/dense_map.h"
+
+namespace roomwise::pipeline {
+
+// The largest component of a home's map, fused, with its surface and which way is up.
+struct GravityAlignedMap {
+  DenseMap dense;
+  fusion::TriangleMesh mesh_world;
+  fusion::GravityAlignedFrame frame;
+};
+// Fails where the home has no map, and when the user interrupts.
+[[nodiscard]] Expected<GravityAlignedMap> build_gravity_aligned_map(const home::Home& home,
+                                                                    double voxel_size_m,
+                                                                    RunContext& run);
+
+// Whether cells of a size can be told from a map of such voxels: smaller ones would leave gaps in
+// walls, of larger ones the distance field does not say whether they are empty. To be asked before
+// the map is built.
+[[nodiscard]] Expected<void> validate_cell(double cell_m, double voxel_size_m);
+[[nodiscard]] Expected<std::vector<fusion::OccupancyCell>> occupancy_of(
+    const GravityAlignedMap& map, double cell_m, RunContext& run);
+// Fails where the map shows no floor.
+[[nodiscard]] Expected<fusion::FloorGrid> floor_grid_of(const GravityAlignedMap& map,
+                                                        const fusion::FloorGridOptions& options,
+                                                        RunContext& run);
+
+}  // namespace roomwise::pipeline

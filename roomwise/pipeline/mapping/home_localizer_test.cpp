@@ -1,0 +1,91 @@
+#include "roomwise/pipeline/mapping/home_localizer.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "roomwise/base/testing/testing.h"
+#include "roomwise/pipeline/mapping/map_recording.h"
+#include "roomwise/pipeline/rooms/room_learning.h"
+#include "roomwise/pipeline/testing/synthetic_walk.h"
+
+namespace roomwise::pipeline {
+namespace {
+
+using geometry::RigidTransform;
+using testing::SyntheticWalk;
+
+class HomeLocalizerTest : public ::testing::Test {
+ protected:
+  static constexpr int kFrames = 45;
+  static constexpr double kStep_rad = 0.05;
+
+  void map(mapping::MappingMethod method) {
+    SyntheticWalk walk(kFrames, kStep_rad);
+    Expected<home::Home> home = create_home(folder_ / "a.home");
+    ASSERT_OK(home);
+    MapSettings settings;
+    settings.mapper = mapping::MapperOptions::of(method);
+    ASSERT_OK(map_recording(walk, {"walk", "made up", walk.info().camera, walk.info().frame_count},
+                            *home, {}, settings, run_));
+  }
+  Expected<HomeLocalizer> localizer() {
+    ROOMWISE_TRY(const home::Home home, home::Home::open_read_only(folder_ / "a.home"));
+    return HomeLocalizer::create(home, {}, run_);
+  }
+  // How far from the truth a frame of another walk is taken to be, from 0.5 steps beside where the
+  // map was made.
+  static void expect_found(const HomeLocalizer& localizer, bool with_depth) {
+    SyntheticWalk visit(2 * kFrames, kStep_rad / 2);
+    visit.skip_before(31);
+    const image::RgbdFrame frame = visit.next().value().value();
+    const auto measured = localizer.measure(
+        {frame.color, with_depth ? std::optional(frame.depth) : std::nullopt, visit.info().camera});
+    ASSERT_OK(measured);
+    const mapping::Localization found =
+        localizer.localizer().locate({*measured, visit.info().camera});
+    ASSERT_TRUE(found.found()) << to_string(found.status);
+    const RigidTransform error = visit.world_from_camera(31).inverse() * found.world_from_camera;
+    EXPECT_LT(error.distance_m(), 0.02);
+    EXPECT_LT(error.angle_rad(), 0.02);
+  }
+
+  roomwise::testing::ScratchFolder folder_;
+  ThreadPool pool_{2};
+  SilentProgress progress_;
+  StageClock clock_;
+  RunContext run_{pool_, progress_, clock_};
+};
+
+TEST_F(HomeLocalizerTest, FindsPicturesOfAnotherWalkOnTheMap) {
+  map(mapping::MappingMethod::kCombined);
+  const auto found = localizer();
+  ASSERT_OK(found);
+  expect_found(*found, true);
+  expect_found(*found, false);
+}
+
+TEST_F(HomeLocalizerTest, AMapOfThePapersMethodServesAsWell) {
+  map(mapping::MappingMethod::kPaper);
+  const auto found = localizer();
+  ASSERT_OK(found);
+  expect_found(*found, true);
+}
+
+TEST_F(HomeLocalizerTest, PicturesOfAnotherSizeThanTheCamerasAreRefused) {
+  map(mapping::MappingMethod::kCombined);
+  const auto found = localizer();
+  ASSERT_OK(found);
+  const geometry::PinholeCamera camera = SyntheticWalk(1).info().camera;
+  EXPECT_ERROR(found->measure({image::ColorImage(640, 480), std::nullopt, camera}),
+               "640x480, the camera takes 320x240");
+  EXPECT_ERROR(found->measure({image::ColorImage(320, 240), image::DepthImage(160, 120), camera}),
+               "depth image is 160x120");
+}
+
+TEST_F(HomeLocalizerTest, AHomeWithoutAMapIsRefused) {
+  ASSERT_OK(create_home(folder_ / "a.home"));
+  EXPECT_ERROR(localizer(), "no map");
+}
+
+}  // namespace
+}  // namespace roomwise::pipeline

@@ -1,0 +1,189 @@
+#include "roomwise/pipeline/mapping/map_recording.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <utility>
+
+#include "roomwise/pipeline/objects/proposal_detection.h"
+#include "roomwise/pipeline/stored/mapper_storage.h"
+#include "roomwise/pipeline/stored/measured_frame_reader.h"
+#include "roomwise/pipeline/stored/stored_map.h"
+
+namespace roomwise::pipeline {
+namespace {
+
+// The recording in the home: the unfinished one that is there, or a new one.
+Expected<home::StoredRecording> begin_or_resume(home::Home& home, const home::Recording& recording,
+                                                const MapSettings& settings) {
+  ROOMWISE_TRY(auto stored, home.recordings());
+  // A recording of which nothing was mapped begins anew, perhaps with the right camera now.
+  if (!stored.empty() && !stored.back().finished && stored.back().next_frame_index == 0) {
+    ROOMWISE_CHECK_OK(home.remove_recording(stored.back().id));
+    stored.pop_back();
+  }
+  if (stored.empty()) {
+    ROOMWISE_CHECK_OK(store_map_settings(home, settings));
+    ROOMWISE_TRY(const home::RecordingId id, home.add_recording(recording));
+    return home::StoredRecording{id, recording, 0, false};
+  }
+  const home::StoredRecording& last = stored.back();
+  if (last.finished) {
+    return fail("{}: holds the finished map of {} already; choose another home file", home.file(),
+                last.recording.name);
+  }
+  if (!(last.recording.camera == recording.camera)) {
+    return fail("{}: its recording {} was begun with another camera; choose another home file",
+                home.file(), last.recording.name);
+  }
+  ROOMWISE_TRY(const std::optional<MapSettings> own, stored_map_settings(home));
+  if (!own || to_json(*own) != to_json(settings)) {
+    return fail("{}: its map was begun with other settings", home.file());
+  }
+  return last;
+}
+
+// A map goes on with the frames of the recording that it was begun with: the newest key-frame's
+// frame must be there, taken at the same time.
+Expected<void> go_to_next_frame(recording::FrameSource& source, const home::Home& home,
+                                const home::StoredRecording& stored) {
+  ROOMWISE_TRY(const auto keyframes, home.keyframes());
+  if (!keyframes.empty()) {
+    source.skip_before(keyframes.back().frame_index);
+    ROOMWISE_TRY(const auto frame, source.next());
+    if (!frame || frame->index != keyframes.back().frame_index ||
+        frame->timestamp_ns != keyframes.back().timestamp_ns) {
+      return fail("{}: holds the unfinished map of {}, and {} is another recording; give that one",
+                  home.file(), stored.recording.name, source.info().name);
+    }
+  }
+  source.skip_before(stored.next_frame_index);
+  return {};
+}
+
+// Takes frames from the source until it ends, fails, or the user interrupts.
+Expected<bool> map_frames(recording::FrameSource& source,
+                          const features::FeatureExtractor& extractor, const MapSettings& settings,
+                          mapping::Mapper& mapper, MapWriter& writer, KeyframeObserver& observer,
+                          RunContext& run) {
+  MeasuredFrameReader reader(source, extractor, settings, run);
+  std::shared_ptr<const image::RgbdFrame> previous;
+  run.progress.begin("mapping", source.info().frame_count);
+  for (std::uint64_t done = 1; !run.progress.interrupted(); ++done) {
+    ROOMWISE_TRY(auto next, reader.next());
+    if (!next) {
+      run.progress.end();
+      return true;
+    }
+    const std::shared_ptr<const image::RgbdFrame> frame = std::move(next->frame);
+    ROOMWISE_TRY(const mapping::MapStep step, [&] {
+      const auto timing = run.clock.measure("tracking and loops");
+      return mapper.add_frame(frame->index, frame->timestamp_ns, std::move(next->measurements));
+    }());
+    {
+      const auto timing = run.clock.measure("store");
+      ROOMWISE_CHECK_OK(writer.write(step, [&](std::uint64_t index) -> const image::RgbdFrame& {
+        return index == frame->index ? *frame : *previous;
+      }));
+    }
+    for (const mapping::KeyframeId id : step.new_keyframes) {
+      const auto& owner = mapper.keyframes()[id].frame_index == frame->index ? frame : previous;
+      ROOMWISE_CHECK_OK(observer.observe(id, owner, source.info().camera));
+    }
+    previous = frame;
+    run.progress.advance(done, fmt::format("{} key-frames", mapper.keyframes().size()));
+  }
+  run.progress.end();
+  return false;
+}
+
+// What landmarks are found by, one key-frame after the other.
+Expected<std::vector<mapping::KeyframeFeatures>> landmark_features(
+    mapping::Mapper& mapper, const geometry::PinholeCamera& camera, const MapSettings& settings) {
+  std::vector<mapping::KeyframeFeatures> features;
+  for (mapping::KeyframeId id = 0; id < mapper.keyframes().size(); ++id) {
+    ROOMWISE_TRY(const auto measurements, mapper.measurements(id));
+    features.push_back(mapping::keyframe_features(measurements->features(), camera,
+                                                  settings.refinement.landmarks));
+  }
+  return features;
+}
+
+}  // namespace
+
+Expected<MapSummary> map_recording(recording::FrameSource& source, const home::Recording& recording,
+                                   home::Home& home, const Networks& networks,
+                                   const MapSettings& settings, RunContext& run,
+                                   const objects::ObjectFinders& finders) {
+  ROOMWISE_CHECK_OK(settings.validate());
+  ROOMWISE_TRY(const home::StoredRecording stored, begin_or_resume(home, recording, settings));
+  ROOMWISE_CHECK_OK(go_to_next_frame(source, home, stored));
+  const geometry::PinholeCamera& camera = source.info().camera;
+  const auto extractor = features::make_extractor(settings.features, settings.max_keypoints);
+  const std::filesystem::path folder = std::filesystem::absolute(home.file()).parent_path();
+  mapping::Mapper mapper(camera, settings.mapper, {run.working_set_bytes, folder});
+  ROOMWISE_CHECK_OK(restore_mapper(mapper, home, stored.id, camera, *extractor, settings, run));
+  ROOMWISE_TRY(MapWriter writer, MapWriter::create(home, stored.id, mapper));
+  ROOMWISE_TRY(KeyframeObserver observer,
+               KeyframeObserver::create(home, networks, finders.in_pictures, run));
+
+  MapSummary summary;
+  Expected<bool> at_end = map_frames(source, *extractor, settings, mapper, writer, observer, run);
+  ROOMWISE_CHECK_OK(observer.finish());
+  if (!at_end) {
+    return mapper.keyframes().empty()
+               ? Unexpected(std::move(at_end).error())
+               : fail("{}; the {} key-frames before it are kept: resume the map to go on",
+                      at_end.error().message, mapper.keyframes().size());
+  }
+  summary.finished = *at_end;
+
+  if (summary.finished) {
+    if (mapper.keyframes().empty()) {
+      return fail("{}: no frame has enough features to map; is the lens covered or the room dark?",
+                  recording.name);
+    }
+    ROOMWISE_CHECK_OK(writer.write_rest());
+    ROOMWISE_TRY(summary.finished, observer.observe_missing());
+  }
+  SolvedMap solved;
+  if (summary.finished) {
+    const auto timing = run.clock.measure("optimisation");
+    const auto features = [&] { return landmark_features(mapper, camera, settings); };
+    ROOMWISE_TRY(solved, solve_stored_map(home, settings, features, run.progress));
+    summary.finished = solved.finished;
+  }
+  if (summary.finished) {
+    const auto timing = run.clock.measure("optimisation");
+    const mapping::MapSolution& solution = solved.solution;
+    if (solved.refinement) {
+      summary.landmarks = solved.refinement->landmarks;
+      summary.landmark_views = solved.refinement->views;
+      summary.readout_s = solved.refinement->readout_s;
+    }
+    summary.rejected_loops = solution.rejected_loops;
+    summary.components = solution.components;
+    summary.graph_error_before = solution.report.error_before;
+    summary.graph_error_after = solution.report.error_after;
+    ROOMWISE_TRY(const recording::Trajectory trajectory, stored_trajectory(home));
+    summary.placed = trajectory.size();
+  }
+  if (summary.finished && finders.of_proposals) {
+    ROOMWISE_TRY(summary.finished, redetect_on_proposals(home, *finders.of_proposals, run));
+  }
+  if (summary.finished) {
+    const auto timing = run.clock.measure("joining objects");
+    ROOMWISE_TRY(const FoundObjects found, update_objects(home, settings.objects));
+    summary.objects = found.by_rules;
+    summary.instances = found.instances;
+    ROOMWISE_CHECK_OK(home.finish_recording(stored.id));
+  }
+  ROOMWISE_CHECK_OK(home.add_stage_timings(run.clock.stages()));
+  summary.frames = mapper.frame_count();
+  summary.keyframes = mapper.keyframes().size();
+  summary.loops =
+      static_cast<std::uint64_t>(std::ranges::count_if(mapper.edges(), mapping::is_return));
+  summary.edges = mapper.edges().size();
+  return summary;
+}
+
+}  // namespace roomwise::pipeline

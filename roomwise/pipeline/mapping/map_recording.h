@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstdint>
+
+#include "roomwise/home/home.h"
+#include "roomwise/objects/proposals/object_finders.h"
+#include "roomwise/pipeline/objects/keyframe_observer.h"
+#include "roomwise/pipeline/run_context.h"
+#include "roomwise/pipeline/stored/map_settings.h"
+#include "roomwise/recording/frame_source.h"
+
+namespace roomwise::pipeline {
+
+struct MapSummary {
+  std::uint64_t frames = 0;
+  std::uint64_t placed = 0;  // frames that have a pose in the map's largest component
+  std::uint64_t keyframes = 0;
+  std::uint64_t edges = 0;  // of the pose graph
+  std::uint64_t loops = 0;  // returns to a place that was left: edges over more than ten key-frames
+  std::uint64_t rejected_loops = 0;  // edges that contradicted the others and were left out
+  std::uint64_t components = 0;
+  std::uint64_t objects = 0;      // by the paper's rules
+  std::uint64_t instances = 0;    // joined from the regions of many key-frames
+  double graph_error_before = 0;  // F of the pose graph
+  double graph_error_after = 0;
+  // Where the bundle was adjusted; else 0.
+  std::uint64_t landmarks = 0;
+  std::uint64_t landmark_views = 0;
+  std::optional<double> readout_s;  // of the camera's rolling shutter, where frames tell it
+  bool finished =
+      false;  // false: interrupted, or the recording gave an error; the home goes on from there
+};
+
+// The main job: frames -> key-frames -> loops -> pose graph -> objects, all into a home. A home
+// that holds an unfinished recording is gone on with, exactly as if it had never been stopped; its
+// settings must then be the home's own. A home with a finished recording is an error. Networks and
+// finders may be empty: then nothing is named or learned, or found. On an error of the source (a
+// damaged image) everything before it is in the home.
+[[nodiscard]] Expected<MapSummary> map_recording(recording::FrameSource& source,
+                                                 const home::Recording& recording, home::Home& home,
+                                                 const Networks& networks,
+                                                 const MapSettings& settings, RunContext& run,
+                                                 const objects::ObjectFinders& finders = {});
+
+}  // namespace roomwise::pipeline

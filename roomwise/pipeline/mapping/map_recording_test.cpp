@@ -1,0 +1,513 @@
+#include "roomwise/pipeline/mapping/map_recording.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <csignal>
+
+#include "roomwise/base/testing/testing.h"
+#include "roomwise/evaluation/trajectory_error.h"
+#include "roomwise/pipeline/mapping/interrupted_at.h"
+#include "roomwise/pipeline/mapping/map_cloud.h"
+#include "roomwise/pipeline/report/home_report.h"
+#include "roomwise/pipeline/rooms/room_learning.h"
+#include "roomwise/pipeline/rooms/room_recognizer.h"
+#include "roomwise/pipeline/stored/stored_keyframes.h"
+#include "roomwise/pipeline/stored/stored_map.h"
+#include "roomwise/pipeline/testing/fake_finder.h"
+#include "roomwise/pipeline/testing/synthetic_walk.h"
+#include "roomwise/recording/trajectory_file.h"
+
+namespace roomwise::pipeline {
+namespace {
+
+using testing::ColorNetwork;
+using ::testing::HasSubstr;
+using testing::SyntheticWalk;
+
+// Finds a couch in the middle of every picture.
+class MiddleFinder final : public testing::FakeFinder {
+ public:
+  MiddleFinder() : FakeFinder("middle", {"zebra", "couch"}) {}
+
+  [[nodiscard]] Expected<std::vector<network::Detection>> find(
+      const image::ColorImage& picture) const override {
+    const auto width = static_cast<float>(picture.width());
+    const auto height = static_cast<float>(picture.height());
+    return std::vector<network::Detection>{
+        {1, 0.8F, {width / 3, height / 3, 2 * width / 3, 2 * height / 3}}};
+  }
+};
+
+class MapRecording : public ::testing::Test {
+ protected:
+  static constexpr int kFrames = 45;
+
+  // Maps a walk into the home file; the networks are two, one that names and one that does not.
+  Expected<MapSummary> map(const std::filesystem::path& file, recording::FrameSource& walk,
+                           std::size_t threads, Progress* progress = nullptr) {
+    ROOMWISE_TRY(home::Home home,
+                 std::filesystem::exists(file) ? home::Home::open(file) : create_home(file));
+    Networks networks;
+    networks.push_back(std::make_unique<ColorNetwork>());
+    networks.push_back(
+        std::make_unique<ColorNetwork>(std::vector<std::string>{"studio couch", "wolf"}));
+    ThreadPool pool(threads);
+    StageClock clock;
+    RunContext run{pool, progress != nullptr ? *progress : silent_, clock, working_set_bytes_};
+    return map_recording(walk,
+                         {walk.info().name, "made up", walk.info().camera, walk.info().frame_count},
+                         home, networks, settings_, run, finders_);
+  }
+  void SetUp() override { finders_.in_pictures.push_back(std::make_unique<MiddleFinder>()); }
+  static std::string digest(const std::filesystem::path& file) {
+    return home::Home::open_read_only(file)->content_digest().value();
+  }
+
+  roomwise::testing::ScratchFolder folder_;
+  objects::ObjectFinders finders_;
+  MapSettings settings_;
+  std::size_t working_set_bytes_ = std::size_t{128} << 20U;
+  SilentProgress silent_;
+};
+
+TEST_F(MapRecording, MapsAWalkIntoAHome) {
+  SyntheticWalk walk(kFrames);
+  const auto summary = map(folder_ / "a.home", walk, 2);
+  ASSERT_OK(summary);
+  EXPECT_TRUE(summary->finished);
+  EXPECT_EQ(summary->frames, static_cast<std::uint64_t>(kFrames));
+  EXPECT_EQ(summary->placed, static_cast<std::uint64_t>(kFrames));
+  EXPECT_EQ(summary->components, 1U);
+  EXPECT_GT(summary->keyframes, 10U);
+
+  const home::Home home = *home::Home::open_read_only(folder_ / "a.home");
+  const auto trajectory = stored_trajectory(home);
+  ASSERT_OK(trajectory);
+  const auto error = evaluation::absolute_trajectory_error(walk.truth(), *trajectory);
+  ASSERT_OK(error);
+  EXPECT_LT(error->error_m.rmse, 0.015);
+
+  // Every key-frame was seen by both networks; "studio couch" means bed.
+  EXPECT_EQ(home.predictions(1)->size(), summary->keyframes);
+  EXPECT_EQ(home.predictions(2)->size(), summary->keyframes);
+  ASSERT_EQ(summary->objects, home.objects()->size());
+  EXPECT_EQ(summary->instances, home.instances()->size());
+  const auto looks = home.looks(1);
+  ASSERT_OK(looks);
+  ASSERT_EQ(looks->size(), summary->keyframes) << "the finder has looked at every key-frame, too";
+  EXPECT_EQ(looks->at(0).regions.at(0).label, "couch");
+  EXPECT_GT(looks->at(0).regions.at(0).surface.points.size(), 20U);
+  ASSERT_GT(summary->objects, 0U);
+  EXPECT_EQ(home.objects()->front().name, "bed");
+}
+
+TEST_F(MapRecording, GivesTheSameHomeAtAnyNumberOfThreads) {
+  SyntheticWalk one(kFrames);
+  SyntheticWalk three(kFrames);
+  ASSERT_OK(map(folder_ / "one.home", one, 1));
+  ASSERT_OK(map(folder_ / "three.home", three, 3));
+  EXPECT_EQ(digest(folder_ / "one.home"), digest(folder_ / "three.home"));
+
+  SyntheticWalk other(kFrames);
+  settings_.mapper.seed = 99;
+  ASSERT_OK(map(folder_ / "other.home", other, 1));
+  EXPECT_NE(digest(folder_ / "one.home"), digest(folder_ / "other.home"))
+      << "the digest sees the map";
+}
+
+TEST_F(MapRecording, AdjustsTheBundleUnlessToldNotTo) {
+  const auto error_m = [&](const char* name) {
+    SyntheticWalk walk(kFrames);
+    const auto summary = map(folder_ / name, walk, 2);
+    EXPECT_OK(summary);
+    EXPECT_EQ(summary->landmarks > 0, settings_.adjusts_bundle());
+    EXPECT_GE(summary->landmark_views, 2 * summary->landmarks);
+    EXPECT_LT(std::abs(summary->readout_s.value_or(0)), 0.003)
+        << "the walk exposes all rows at once";
+    const auto trajectory = stored_trajectory(*home::Home::open_read_only(folder_ / name));
+    return evaluation::absolute_trajectory_error(walk.truth(), trajectory.value())->error_m.rmse;
+  };
+  EXPECT_LT(error_m("adjusted.home"), 0.006);
+  settings_.bundle_adjustment = false;
+  EXPECT_LT(error_m("graph.home"), 0.006);
+  EXPECT_NE(digest(folder_ / "adjusted.home"), digest(folder_ / "graph.home"));
+  settings_.bundle_adjustment = true;
+  settings_.mapper = mapping::MapperOptions::of(mapping::MappingMethod::kPaper);
+  EXPECT_FALSE(settings_.adjusts_bundle());
+  error_m("paper.home");
+}
+
+TEST_F(MapRecording, OptimisingAgainFindsTheSameMap) {
+  SyntheticWalk walk(kFrames);
+  ASSERT_OK(map(folder_ / "a.home", walk, 2));
+  const std::string before = digest(folder_ / "a.home");
+  {
+    home::Home home = *home::Home::open(folder_ / "a.home");
+    const auto poses = home.keyframes().value();
+    std::map<home::KeyframeId, home::KeyframePose> away;
+    for (const home::Keyframe& keyframe : poses) away[keyframe.id] = {{}, keyframe.pose.component};
+    ASSERT_OK(home.replace_poses(away));
+    ThreadPool pool(3);
+    StageClock clock;
+    RunContext run{pool, silent_, clock};
+    ASSERT_OK(solve_stored_map(
+        home, settings_, [&] { return stored_keyframe_features(home, settings_, run); }, silent_));
+  }
+  EXPECT_EQ(digest(folder_ / "a.home"), before) << "from features found again in stored images";
+}
+
+// Stops as a user does, after so many frames.
+class InterruptAfter final : public Progress {
+ public:
+  explicit InterruptAfter(std::uint64_t frames) : frames_(frames) {}
+  void begin(std::string_view, std::optional<std::uint64_t>) override {}
+  void advance(std::uint64_t done, std::string_view) override { done_ = done; }
+  void end() override {}
+  [[nodiscard]] bool interrupted() const override { return done_ >= frames_; }
+
+ private:
+  std::uint64_t frames_;
+  std::uint64_t done_ = 0;
+};
+
+TEST_F(MapRecording, InterruptedAndResumedEndsAsIfNeverStopped) {
+  SyntheticWalk whole(kFrames);
+  ASSERT_OK(map(folder_ / "whole.home", whole, 2));
+
+  SyntheticWalk first(kFrames);
+  InterruptAfter interrupt(20);
+  const auto stopped = map(folder_ / "resumed.home", first, 2, &interrupt);
+  ASSERT_OK(stopped);
+  EXPECT_FALSE(stopped->finished);
+  SyntheticWalk second(kFrames);
+  const auto resumed = map(folder_ / "resumed.home", second, 2);
+  ASSERT_OK(resumed);
+  EXPECT_TRUE(resumed->finished);
+  EXPECT_EQ(digest(folder_ / "resumed.home"), digest(folder_ / "whole.home"));
+}
+
+// Plays a walk to and fro, the frames numbered on.
+class ToAndFro final : public recording::FrameSource {
+ public:
+  ToAndFro(int frames, int laps) : frames_(frames), laps_(laps), walk_(frames) {
+    info_ = walk_.info();
+    info_.frame_count = static_cast<std::uint64_t>(frames * laps);
+  }
+  [[nodiscard]] const recording::SourceInfo& info() const override { return info_; }
+  void skip_before(std::uint64_t index) override { next_ = static_cast<int>(index); }
+  [[nodiscard]] Expected<std::optional<image::RgbdFrame>> next() override {
+    if (next_ == frames_ * laps_) return std::nullopt;
+    const int within = next_ % frames_;
+    const bool is_back = next_ / frames_ % 2 == 1;
+    walk_.skip_before(static_cast<std::uint64_t>(is_back ? frames_ - 1 - within : within));
+    auto frame = walk_.next();
+    (*frame)->index = static_cast<std::uint64_t>(next_);
+    (*frame)->timestamp_ns = walk_.begins_ns + next_ * 33'333'333LL;
+    ++next_;
+    return frame;
+  }
+
+ private:
+  int frames_;
+  int laps_;
+  int next_ = 0;
+  SyntheticWalk walk_;
+  recording::SourceInfo info_;
+};
+
+TEST_F(MapRecording, LapsThroughAKnownRoomAddNothing) {
+  settings_.mapper.reuse.min_age = 0;
+  constexpr int kLap = 30;
+  ToAndFro one(kLap, 1);
+  ToAndFro four(kLap, 4);
+  const auto first = map(folder_ / "one.home", one, 2);
+  const auto all = map(folder_ / "four.home", four, 2);
+  ASSERT_OK(first);
+  ASSERT_OK(all);
+  EXPECT_EQ(all->frames, static_cast<std::uint64_t>(4 * kLap));
+  EXPECT_EQ(all->placed, all->frames);
+  EXPECT_LE(all->keyframes, first->keyframes + 1);
+  EXPECT_LE(all->edges, first->edges + 2 * first->keyframes);
+}
+
+TEST_F(MapRecording, IsTheSameMapWhateverStaysInMemory) {
+  settings_.mapper.reuse.min_age = 0;
+  ToAndFro large(30, 3);
+  ToAndFro small(30, 3);
+  ASSERT_OK(map(folder_ / "large.home", large, 2));
+  working_set_bytes_ = 1;
+  ASSERT_OK(map(folder_ / "small.home", small, 2));
+  EXPECT_EQ(digest(folder_ / "small.home"), digest(folder_ / "large.home"));
+}
+
+TEST_F(MapRecording, ResumedOnKnownGroundWithLittleMemoryEndsAsIfNeverStopped) {
+  settings_.mapper.reuse.min_age = 0;
+  ToAndFro whole(30, 3);
+  ASSERT_OK(map(folder_ / "whole.home", whole, 1));
+  working_set_bytes_ = 1;
+  ToAndFro first(30, 3);
+  InterruptAfter interrupt(75);
+  ASSERT_OK(map(folder_ / "resumed.home", first, 2, &interrupt));
+  {
+    // Frames are stored also where no key-frame was made.
+    const auto home = home::Home::open_read_only(folder_ / "resumed.home");
+    EXPECT_GT(home->recordings()->back().next_frame_index,
+              home->keyframes()->back().frame_index + 10);
+  }
+  ToAndFro second(30, 3);
+  ASSERT_OK(map(folder_ / "resumed.home", second, 2));
+  EXPECT_EQ(digest(folder_ / "resumed.home"), digest(folder_ / "whole.home"));
+}
+
+TEST_F(MapRecording, IsNotFinishedUntilTheNetworksHaveSeenAll) {
+  SyntheticWalk walk(kFrames);
+  testing::InterruptedAt interrupt("looking at key-frames");
+  const auto stopped = map(folder_ / "a.home", walk, 2, &interrupt);
+  ASSERT_OK(stopped);
+  EXPECT_FALSE(stopped->finished);
+  SyntheticWalk again(kFrames);
+  const auto resumed = map(folder_ / "a.home", again, 2);
+  ASSERT_OK(resumed);
+  EXPECT_TRUE(resumed->finished);
+  const home::Home home = *home::Home::open_read_only(folder_ / "a.home");
+  EXPECT_EQ(home.predictions(1)->size(), home.keyframes()->size());
+}
+
+TEST_F(MapRecording, InterruptedWhileLandmarksAreAdjustedMovesNothing) {
+  SyntheticWalk whole(kFrames);
+  ASSERT_OK(map(folder_ / "whole.home", whole, 2));
+  SyntheticWalk first(kFrames);
+  testing::InterruptedAt interrupt("adjusting landmarks");
+  const auto stopped = map(folder_ / "resumed.home", first, 2, &interrupt);
+  ASSERT_OK(stopped);
+  EXPECT_FALSE(stopped->finished);
+  SyntheticWalk second(kFrames);
+  const auto resumed = map(folder_ / "resumed.home", second, 2);
+  ASSERT_OK(resumed);
+  EXPECT_TRUE(resumed->finished);
+  EXPECT_EQ(digest(folder_ / "resumed.home"), digest(folder_ / "whole.home"));
+
+  // Optimised again, and stopped.
+  home::Home home = *home::Home::open(folder_ / "resumed.home");
+  testing::InterruptedAt again("adjusting landmarks");
+  ThreadPool pool(2);
+  StageClock clock;
+  RunContext run{pool, again, clock};
+  const auto solved = solve_stored_map(
+      home, settings_, [&] { return stored_keyframe_features(home, settings_, run); }, again);
+  ASSERT_OK(solved);
+  EXPECT_FALSE(solved->finished);
+  EXPECT_EQ(digest(folder_ / "resumed.home"), digest(folder_ / "whole.home"));
+}
+
+// A source that kills its process at a frame, as the power or the kernel would.
+class KillingSource final : public recording::FrameSource {
+ public:
+  KillingSource(SyntheticWalk& walk, int at) : walk_(walk), at_(at) {}
+  [[nodiscard]] const recording::SourceInfo& info() const override { return walk_.info(); }
+  void skip_before(std::uint64_t index) override { walk_.skip_before(index); }
+  [[nodiscard]] Expected<std::optional<image::RgbdFrame>> next() override {
+    if (at_-- == 0) std::raise(SIGKILL);
+    return walk_.next();
+  }
+
+ private:
+  SyntheticWalk& walk_;
+  int at_;
+};
+
+TEST_F(MapRecording, KilledAndResumedEndsAsIfNeverStopped) {
+  SyntheticWalk whole(kFrames);
+  ASSERT_OK(map(folder_ / "whole.home", whole, 2));
+
+  const pid_t child = fork();
+  if (child == 0) {
+    SyntheticWalk walk(kFrames);
+    KillingSource source(walk, 25);
+    (void)map(folder_ / "killed.home", source, 2);
+    _exit(0);
+  }
+  int status = 0;
+  ASSERT_EQ(waitpid(child, &status, 0), child);
+  ASSERT_TRUE(WIFSIGNALED(status));
+  {
+    const auto left = home::Home::open_read_only(folder_ / "killed.home");
+    ASSERT_OK(left);
+    EXPECT_GT(left->keyframes()->size(), 5U);
+  }
+  SyntheticWalk rest(kFrames);
+  ASSERT_OK(map(folder_ / "killed.home", rest, 2));
+  EXPECT_EQ(digest(folder_ / "killed.home"), digest(folder_ / "whole.home"));
+}
+
+TEST_F(MapRecording, KeepsWhatCameBeforeADamagedFrame) {
+  SyntheticWalk damaged(kFrames);
+  damaged.fail_at = 20;
+  EXPECT_ERROR(map(folder_ / "a.home", damaged, 2), "frame 20 is damaged");
+  // What is there is a map already, if not an optimised one.
+  const auto part = stored_trajectory(*home::Home::open_read_only(folder_ / "a.home"));
+  ASSERT_OK(part);
+  EXPECT_LT(evaluation::absolute_trajectory_error(damaged.truth(), *part)->error_m.rmse, 0.03);
+  SyntheticWalk mended(kFrames);
+  const auto summary = map(folder_ / "a.home", mended, 2);
+  ASSERT_OK(summary);
+  EXPECT_EQ(summary->frames, static_cast<std::uint64_t>(kFrames));
+}
+
+TEST_F(MapRecording, BeginsAnewWhereNothingWasMapped) {
+  SyntheticWalk unreadable(kFrames);
+  unreadable.fail_at = 0;
+  EXPECT_ERROR(map(folder_ / "a.home", unreadable, 1), "frame 0 is damaged");
+  settings_.max_keypoints = 700;  // as a user would who found the mistake
+  SyntheticWalk mended(12);
+  ASSERT_OK(map(folder_ / "a.home", mended, 1));
+}
+
+TEST_F(MapRecording, RefusesAFinishedHomeAndOtherSettings) {
+  SyntheticWalk walk(12);
+  InterruptAfter interrupt(6);
+  ASSERT_OK(map(folder_ / "a.home", walk, 1, &interrupt));
+  settings_.max_keypoints = 700;
+  SyntheticWalk other(12);
+  EXPECT_ERROR(map(folder_ / "a.home", other, 1), "other settings");
+  settings_.max_keypoints = MapSettings{}.max_keypoints;
+  ASSERT_OK(map(folder_ / "a.home", other, 1));
+  EXPECT_ERROR(map(folder_ / "a.home", other, 1), "finished map");
+}
+
+TEST_F(MapRecording, RefusesToGoOnWithAnotherRecording) {
+  SyntheticWalk walk(kFrames);
+  InterruptAfter interrupt(20);
+  ASSERT_OK(map(folder_ / "a.home", walk, 1, &interrupt));
+  const std::string before = digest(folder_ / "a.home");
+  SyntheticWalk later(kFrames);
+  later.begins_ns = 5'000'000'000;
+  EXPECT_ERROR(map(folder_ / "a.home", later, 1), "is another recording");
+  SyntheticWalk shorter(4);
+  EXPECT_ERROR(map(folder_ / "a.home", shorter, 1), "is another recording");
+  EXPECT_EQ(digest(folder_ / "a.home"), before);
+}
+
+TEST_F(MapRecording, LearnsAndRecognisesItsRooms) {
+  SyntheticWalk walk(100);
+  ASSERT_OK(map(folder_ / "a.home", walk, 2));
+  home::Home home = *home::Home::open(folder_ / "a.home");
+  const auto labels =
+      recording::RoomLabels::from_ranges({{0, 30, "bedroom", 1}, {31, 70, "kitchen", 1}});
+  ASSERT_OK(name_rooms(home, 1, *labels));
+  ThreadPool pool(2);
+  StageClock clock;
+  RunContext run{pool, silent_, clock};
+  ASSERT_OK(learn_rooms_from_keyframes(home, 1, {}, {}, {}, run));
+  EXPECT_EQ(home.keyframe_rooms()->size(), home.keyframes()->size())
+      << "every key-frame has a room";
+
+  Networks networks;
+  networks.push_back(std::make_unique<ColorNetwork>());
+  const auto recognizer = RoomRecognizer::create(home, networks);
+  ASSERT_OK(recognizer);
+  SyntheticWalk again(100);
+  again.skip_before(15);
+  const image::ColorImage in_bedroom = again.next().value()->color;
+  again.skip_before(50);
+  const image::ColorImage in_kitchen = again.next().value()->color;
+  EXPECT_EQ(recognizer->recognize(std::vector{in_bedroom})->room(), "bedroom");
+  EXPECT_EQ(recognizer->recognize(std::vector{in_kitchen, in_kitchen})->room(), "kitchen");
+  EXPECT_ERROR(recognizer->recognize({}), "at least one");
+  EXPECT_EQ(recognizer->paper_recognize(in_bedroom, std::nullopt)->room, "bedroom");
+  EXPECT_EQ(recognizer->paper_recognize(in_kitchen, in_kitchen)->reason,
+            rooms::Reason::kFramesAgree);
+  EXPECT_EQ(recognizer->topology().transition_counts()(0, 1), 1)
+      << "from the bedroom to the kitchen";
+  EXPECT_FALSE(learned_keyframes(home)->empty());
+
+  Networks others;
+  others.push_back(std::make_unique<ColorNetwork>(std::vector<std::string>{"a", "b"}));
+  EXPECT_ERROR(RoomRecognizer::create(home, others), "give that file by --network");
+  EXPECT_ERROR(learn_rooms_from_keyframes(home, 1, {.visits = {}, .rooms = {"attic"}}, {}, {}, run),
+               "no room 'attic'");
+  EXPECT_ERROR(learn_rooms_from_keyframes(home, 1, {}, {{}, 2}, others, run),
+               "give its file by --network");
+
+  // With varied pictures; what the network made of them goes with its key-frames.
+  ASSERT_OK(learn_rooms_from_keyframes(home, 1, {}, {{}, 2}, networks, run));
+  const auto kept = [&] {
+    return home.database().get<int>("SELECT count(*) FROM picture_features").value();
+  };
+  EXPECT_GT(kept(), 10);
+  ASSERT_OK(home.remove_recording(1));
+  EXPECT_EQ(kept(), 0);
+}
+
+TEST_F(MapRecording, BuildsTheCloudOfTheRoom) {
+  SyntheticWalk walk(kFrames);
+  ASSERT_OK(map(folder_ / "a.home", walk, 2));
+  ThreadPool pool(2);
+  StageClock clock;
+  RunContext run{pool, silent_, clock};
+  const auto cloud = build_map_cloud(*home::Home::open_read_only(folder_ / "a.home"), 0.05, run);
+  ASSERT_OK(cloud);
+  ASSERT_GT(cloud->cloud.size(), 1000U);
+  // Every point lies on a wall of the box, whose middle is where the walk began.
+  std::size_t on_wall = 0;
+  for (const Eigen::Vector3f& point : cloud->cloud.points) {
+    const Eigen::Array3f from_wall = (point.array().abs() - Eigen::Array3f(2.4F, 1.4F, 2.1F)).abs();
+    on_wall += from_wall.minCoeff() < 0.06F ? 1 : 0;
+  }
+  EXPECT_GT(static_cast<double>(on_wall), 0.95 * static_cast<double>(cloud->cloud.size()));
+  EXPECT_LT(std::acos(-cloud->up.up_world.y()), 0.03) << "the floor is level";
+}
+
+TEST_F(MapRecording, ReportsTheHome) {
+  SyntheticWalk walk(kFrames);
+  ASSERT_OK(map(folder_ / "a.home", walk, 2));
+  // A finder looked at this home: its instances are the objects, not what the rules confirmed.
+  objects::Instance sofa;
+  sofa.name = "sofa";
+  sofa.observations = 3;
+  sofa.box_keyframe.world_from_box.translation = {0.1, 0.2, 1.5};
+  ASSERT_OK(home::Home::open(folder_ / "a.home")->replace_instances(std::span(&sofa, 1)));
+  ThreadPool pool(2);
+  StageClock clock;
+  RunContext run{pool, silent_, clock};
+  ReportExtras extras;
+  extras.name = "a";
+  extras.truth = walk.truth();
+  const auto content = report_content(*home::Home::open_read_only(folder_ / "a.home"), extras, run);
+  ASSERT_OK(content);
+  EXPECT_TRUE(content->map.has_value());
+  EXPECT_TRUE(content->trajectory_error.has_value());
+  ASSERT_EQ(content->objects.size(), 1U);
+  EXPECT_EQ(content->objects.front().object.name, "sofa");
+  EXPECT_EQ(content->objects.front().observations, 3U);
+  // The first key-frame's camera is the map's world.
+  EXPECT_LT((content->objects.front().object.place_world - Eigen::Vector3d(0.1, 0.2, 1.5)).norm(),
+            0.02);
+  EXPECT_FALSE(content->stages.empty());
+}
+
+TEST(MapSettings, SurviveTheHome) {
+  MapSettings settings;
+  settings.features = features::FeatureKind::kOrb;
+  settings.mapper.seed = 12345678901234ULL;
+  settings.mapper.keyframe_translation_m = 0.1 + 0.2;  // no short decimal
+  const auto again = map_settings_from_json(to_json(settings));
+  ASSERT_OK(again);
+  EXPECT_EQ(to_json(*again), to_json(settings));
+  EXPECT_EQ(again->mapper.keyframe_translation_m, 0.1 + 0.2);
+  EXPECT_TRUE(again->bundle_adjustment);
+  settings.bundle_adjustment = false;
+  EXPECT_FALSE(map_settings_from_json(to_json(settings))->bundle_adjustment);
+  // Homes from before there was bundle adjustment do not begin with it.
+  std::string older = to_json(settings);
+  const std::string key = "\"bundle_adjustment\":false,";
+  ASSERT_THAT(older, HasSubstr(key));
+  older.erase(older.find(key), key.size());
+  EXPECT_FALSE(map_settings_from_json(older)->bundle_adjustment);
+  EXPECT_ERROR(map_settings_from_json("{}"), "cannot be read");
+}
+
+}  // namespace
+}  // namespace roomwise::pipeline

@@ -1,0 +1,142 @@
+#include <algorithm>
+#include <set>
+
+#include "roomwise/image/codec.h"
+#include "roomwise/objects/changes/changes.h"
+#include "roomwise/objects/instances/center_point.h"
+#include "roomwise/pipeline/objects/stored_detections.h"
+#include "roomwise/pipeline/stored/keyframe_images.h"
+#include "roomwise/pipeline/stored/stored_map.h"
+
+namespace roomwise::pipeline {
+namespace {
+
+std::map<home::KeyframeId, home::KeyframePose> poses_by_id(
+    std::span<const home::Keyframe> keyframes) {
+  std::map<home::KeyframeId, home::KeyframePose> poses;
+  for (const home::Keyframe& keyframe : keyframes) poses[keyframe.id] = keyframe.pose;
+  return poses;
+}
+
+// Those before which the walk went on from an earlier key-frame than the last: their first step
+// leads to that one.
+std::set<home::KeyframeId> after_known_ground(std::span<const mapping::PoseGraphEdge> edges) {
+  std::set<home::KeyframeId> after;
+  for (const mapping::PoseGraphEdge& edge : edges) {
+    if (!edge.is_loop && edge.from + 1 != edge.to) after.insert(edge.to);
+  }
+  return after;
+}
+
+// The paper's way, from what the networks said of whole pictures.
+Expected<std::uint64_t> update_by_rules(home::Home& home, const objects::ObjectRules& rules) {
+  ROOMWISE_TRY(const rooms::Concepts concepts, home.concepts());
+  ROOMWISE_TRY(const auto keyframes, home.keyframes());
+  ROOMWISE_TRY(const auto recordings, home.recordings());
+  ROOMWISE_TRY(const auto said, said_of_pictures(home, concepts.vocabulary, rules.min_score));
+
+  ROOMWISE_TRY(const auto edges, home.edges());
+  const std::set<home::KeyframeId> not_continuous = after_known_ground(edges);
+
+  std::vector<objects::KeyframeView> views;
+  for (const home::Keyframe& keyframe : keyframes) {
+    objects::KeyframeView& view = views.emplace_back();
+    view.keyframe_id = keyframe.id;
+    view.is_continuous = !not_continuous.contains(keyframe.id);
+    if (const auto found = said.find(keyframe.id); found != said.end()) {
+      view.observations = found->second;
+    }
+    if (view.observations.empty()) continue;
+    ROOMWISE_TRY(const home::KeyframeImages images, home.images(keyframe.id));
+    ROOMWISE_TRY(const image::DepthImage depth, image::decode_depth(images.depth));
+    const auto recording =
+        std::ranges::find(recordings, keyframe.recording, &home::StoredRecording::id);
+    view.center_point = objects::center_point(depth, recording->recording.camera);
+  }
+  // Pieces of the map that nothing joined have nothing to do with each other.
+  std::map<std::uint64_t, std::vector<objects::KeyframeView>> views_of_component;
+  for (std::size_t i = 0; i < keyframes.size(); ++i)
+    views_of_component[keyframes[i].pose.component].push_back(views[i]);
+  const std::map<home::KeyframeId, home::KeyframePose> poses = poses_by_id(keyframes);
+  std::vector<objects::MapObject> found;
+  for (const auto& [component, views_there] : views_of_component) {
+    const auto there = objects::confirm_objects(
+        views_there, rules, [&](std::uint64_t id) { return poses.at(id).world_from_keyframe; });
+    found.insert(found.end(), there.begin(), there.end());
+  }
+  ROOMWISE_CHECK_OK(home.atomically([&]() -> Expected<void> {
+    for (const objects::KeyframeView& view : views) {
+      ROOMWISE_CHECK_OK(home.put_observations(view.keyframe_id, view.observations));
+    }
+    return home.replace_objects(found);
+  }));
+  return found.size();
+}
+
+// Without what is known to be past, and with what later visits brought.
+Expected<std::vector<objects::Instance>> as_visits_left_it(
+    const home::Home& home, std::vector<objects::Instance> joined,
+    const std::map<home::KeyframeId, home::KeyframePose>& poses) {
+  const auto standing = [&](const objects::Instance& one) {
+    return objects::PlacedInstance{
+        one.name, one.box_world(poses.at(one.keyframe_id).world_from_keyframe), {}};
+  };
+  const auto component_of = [&](const objects::Instance& one) {
+    return poses.at(one.keyframe_id).component;
+  };
+  ROOMWISE_TRY(const auto past, home.past_instances());
+  std::vector<objects::PlacedInstance> gone, there;
+  for (const home::PastInstance& one : past) {
+    // What a visit brought and another took away was never joined from key-frames.
+    if (one.instance.visit == 0 && component_of(one.instance) == 0) {
+      gone.push_back(standing(one.instance));
+    }
+  }
+  std::vector<std::size_t> places;  // in joined, of what is there
+  for (std::size_t i = 0; i < joined.size(); ++i) {
+    if (component_of(joined[i]) != 0) continue;
+    places.push_back(i);
+    there.push_back(standing(joined[i]));
+  }
+  std::set<std::size_t> left_out;
+  for (const auto& match : objects::match_past(gone, there)) {
+    if (match) left_out.insert(places[*match]);
+  }
+  std::vector<objects::Instance> instances;
+  for (std::size_t i = 0; i < joined.size(); ++i) {
+    if (!left_out.contains(i)) instances.push_back(std::move(joined[i]));
+  }
+  ROOMWISE_TRY(const auto stored, home.instances());
+  std::ranges::copy_if(stored, std::back_inserter(instances),
+                       [](const objects::Instance& one) { return one.visit != 0; });
+  return instances;
+}
+
+Expected<std::uint64_t> update_instances(home::Home& home) {
+  ROOMWISE_TRY(const StoredDetections looks, StoredDetections::read(home));
+  ROOMWISE_TRY(const auto keyframes, home.keyframes());
+  std::vector<objects::Instance> joined;
+  for (const auto& [component, looked] : looks.components()) {
+    const auto there = objects::find_instances(looked, objects::fit_ground_plane(looked), {});
+    joined.insert(joined.end(), there.begin(), there.end());
+  }
+  ROOMWISE_TRY(const auto instances,
+               as_visits_left_it(home, std::move(joined), poses_by_id(keyframes)));
+  ROOMWISE_CHECK_OK(home.replace_instances(instances));
+  return instances.size();
+}
+
+}  // namespace
+
+Expected<FoundObjects> update_objects(home::Home& home, const objects::ObjectRules& rules) {
+  ROOMWISE_CHECK_OK(rules.validate());
+  FoundObjects found;
+  ROOMWISE_CHECK_OK(home.atomically([&]() -> Expected<void> {
+    ROOMWISE_TRY(found.by_rules, update_by_rules(home, rules));
+    ROOMWISE_TRY(found.instances, update_instances(home));
+    return {};
+  }));
+  return found;
+}
+
+}  // namespace roomwise::pipeline

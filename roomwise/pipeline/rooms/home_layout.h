@@ -1,0 +1,38 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include "roomwise/home/home.h"
+#include "roomwise/pipeline/mapping/gravity_aligned_map.h"
+#include "roomwise/rooms/layout/room_layout.h"
+
+namespace roomwise::pipeline {
+
+// A home's rooms on its floor, in the gravity-aligned frame.
+struct HomeLayout {
+  fusion::GravityAlignedFrame frame;
+  fusion::FloorGrid grid;
+  rooms::RoomLayout layout;
+};
+
+// Spreads the rooms that the walks were named with over the floor of the home's map. Nothing where
+// nobody walked on free floor in a named room.
+[[nodiscard]] Expected<std::optional<rooms::RoomLayout>> find_room_layout(
+    const home::Home& home, const fusion::GravityAlignedFrame& frame, const fusion::FloorGrid& grid,
+    const rooms::RoomLayoutOptions& options = {});
+
+// Fuses the map, finds its floor and spreads the rooms over it that the walks were named with.
+// Fails where the home has no map or no named rooms, where the map shows no floor, and when the
+// user interrupts.
+[[nodiscard]] Expected<HomeLayout> build_home_layout(const home::Home& home,
+                                                     const rooms::RoomLayoutOptions& options,
+                                                     RunContext& run);
+
+// The same, and nothing where the home has no map or no named rooms, or its map does not show where
+// they lie. Fails when the user interrupts.
+[[nodiscard]] Expected<std::optional<HomeLayout>> find_home_layout(const home::Home& home,
+                                                                   RunContext& run);
+
+}  // namespace roomwise::pipeline

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "roomwise/pipeline/mapping/home_localizer.h"
+#include "roomwise/pipeline/rooms/room_selection.h"
+#include "roomwise/recording/tum_recording.h"
+
+namespace roomwise::pipeline {
+
+// A picture whose room is known. Pictures of one `sequence` (a visit of a room) follow each other;
+// pairs stay within it.
+struct LabelledPicture {
+  std::function<Expected<image::ColorImage>()> read;
+  std::string room;  // empty: a place that was never learned
+  std::size_t sequence = 0;
+  std::size_t walk = 0;     // the recording that it is from
+  std::uint64_t frame = 0;  // its place in the walk
+  double time_s = 0;        // since the walk's first frame; 0 for photos
+  std::string name;         // for people: "walk: frame 12"
+  // The picture with its depth, to be looked for on a map; empty where it has none, or its camera
+  // is not known.
+  std::function<Expected<PictureToLocate>()> read_to_locate = {};
+};
+
+// The pictures of a recording, with depth where depth.txt lists any and camera.txt is there.
+struct RecordedPictures {
+  std::shared_ptr<const recording::ImageList> colors;
+  std::shared_ptr<const recording::TumRecording> with_depth;  // null: none has depth
+
+  // Fails as ImageList and TumRecording do.
+  [[nodiscard]] static Expected<RecordedPictures> open(const std::filesystem::path& folder);
+  // One of `colors`, of no room and no walk yet.
+  [[nodiscard]] LabelledPicture picture(std::size_t entry) const;
+};
+
+struct FrameSelection {
+  RoomSelection rooms;
+  std::uint64_t margin = 0;  // frames nearer than this to a boundary of their range are left out
+};
+
+// Adds the frames of a labelled recording that are selected, every colour image, with depth or not.
+// Rooms that were not learned are left out; selecting one by name is an error, and so is a
+// recording of which nothing is left.
+[[nodiscard]] Expected<void> add_frames(const RecordedPictures& recorded,
+                                        const recording::RoomLabels& labels,
+                                        const FrameSelection& selection,
+                                        const std::vector<std::string>& learned,
+                                        const std::string& walk_name,
+                                        std::vector<LabelledPicture>& pictures);
+// The photos of a folder with one folder a room.
+[[nodiscard]] Expected<std::vector<LabelledPicture>> select_photos(
+    const std::filesystem::path& folder, const std::vector<std::string>& learned);
+// Adds every JPEG and PNG file under a folder, each a sequence of its own, or, where it is a
+// recording, the images of its rgb.txt, one sequence: pictures of places that were never learned.
+// All are one walk. Fails where there is none.
+[[nodiscard]] Expected<void> add_unknown_pictures(const std::filesystem::path& folder,
+                                                  std::vector<LabelledPicture>& pictures);
+
+}  // namespace roomwise::pipeline

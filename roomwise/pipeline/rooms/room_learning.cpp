@@ -1,0 +1,294 @@
+#include "roomwise/pipeline/rooms/room_learning.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "roomwise/image/codec.h"
+#include "roomwise/image/picture_files.h"
+#include "roomwise/pipeline/rooms/picture_features.h"
+#include "roomwise/rooms/recognition/room_decision.h"
+
+namespace roomwise::pipeline {
+namespace {
+
+// How the rooms were learned, for reports and for what compares with the same key-frames later.
+std::string to_json(const rooms::LearningReport& report,
+                    std::span<const home::KeyframeId> keyframes) {
+  nlohmann::ordered_json json;
+  for (const auto& room : report.rooms) {
+    json["rooms"].push_back({{"room", room.room},
+                             {"pictures", room.pictures},
+                             {"held_out_correct", room.held_out_correct},
+                             {"paper_held_out_correct", room.paper_held_out_correct}});
+  }
+  json["held_out"] = report.held_out;
+  json["held_out_precision"] = report.held_out_precision();
+  json["paper_held_out_precision"] = report.paper_held_out_precision;
+  json["weight_decay"] = report.weight_decay;
+  json["sure_from"] = report.calibration.confidence_threshold;
+  json["warnings"] = report.warnings;
+  json["keyframes"] = keyframes;
+  return json.dump();
+}
+
+// Adds rooms that the home does not have yet.
+Expected<void> add_rooms(home::Home& home, const std::set<std::string>& names) {
+  ROOMWISE_TRY(std::vector<rooms::Room> rooms, home.rooms());
+  for (const std::string& name : names) {
+    if (std::ranges::count(rooms, name, &rooms::Room::name) == 0) rooms.push_back({name, name});
+  }
+  return home.replace_rooms(rooms);
+}
+
+// Forgets the pictures of later visits that look most like another room to a newly learned
+// classifier, or like none: rooms may have been named anew. Those of other networks stay. How many
+// were forgotten.
+Expected<std::size_t> check_visit_pictures(home::Home& home,
+                                           const rooms::RoomClassifier& classifier) {
+  ROOMWISE_TRY(const auto pictures, home.visit_pictures());
+  std::vector<home::VisitPicture> kept;
+  for (const home::VisitPicture& picture : pictures) {
+    if (picture.network_fingerprint == classifier.network().fingerprint) {
+      ROOMWISE_TRY(const rooms::PictureEvidence evidence, classifier.evidence(picture.features));
+      const auto decision =
+          rooms::decide(evidence, classifier.rooms(), classifier.retrieval()->calibration);
+      const bool is_known = evidence.known >= classifier.retrieval()->calibration.known_threshold;
+      if (!is_known || decision.rooms.front().room != picture.room) continue;
+    }
+    kept.push_back(picture);
+  }
+  if (kept.size() < pictures.size()) ROOMWISE_CHECK_OK(home.replace_visit_pictures(kept));
+  return pictures.size() - kept.size();
+}
+
+// Stores the classifier, and in which room it believes every key-frame to be.
+Expected<void> store(home::Home& home, rooms::LearnedRooms& learned,
+                     std::span<const home::KeyframeId> keyframes) {
+  const rooms::RoomClassifier& classifier = learned.classifier;
+  ROOMWISE_TRY(const std::size_t forgotten, check_visit_pictures(home, classifier));
+  if (forgotten > 0) {
+    learned.report.warnings.push_back(
+        fmt::format("{} pictures of later visits do not look like these rooms and are forgotten; "
+                    "bring the home up to date with those walks again",
+                    forgotten));
+  }
+  ROOMWISE_CHECK_OK(
+      home.put_room_classifier({classifier.network().name, classifier.network().fingerprint,
+                                classifier.to_bytes(), to_json(learned.report, keyframes)}));
+  std::map<home::KeyframeId, std::vector<rooms::RoomScore>> rooms_of;
+  ROOMWISE_TRY(const auto networks, home.networks());
+  for (const auto& [id, network] : networks) {
+    if (network.fingerprint != classifier.network().fingerprint) continue;
+    ROOMWISE_TRY(const auto predictions, home.predictions(id));
+    for (const auto& [keyframe, prediction] : predictions) {
+      ROOMWISE_TRY(const rooms::PictureEvidence evidence, classifier.evidence(prediction.features));
+      const auto decision =
+          rooms::decide(evidence, classifier.rooms(), classifier.retrieval()->calibration);
+      rooms_of[keyframe] = decision.rooms;
+    }
+  }
+  return home.replace_keyframe_rooms(rooms_of);
+}
+
+// As features_network(), among those that have looked at the home's key-frames.
+Expected<home::NetworkId> stored_features_network(const home::Home& home) {
+  ROOMWISE_TRY(const auto networks, home.networks());
+  if (networks.empty()) {
+    return fail(
+        "{}: no network has looked at its key-frames; map the recording with --network FILE",
+        home.file());
+  }
+  const auto nameless = std::find_if(networks.rbegin(), networks.rend(),
+                                     [](const auto& entry) { return entry.second.labels.empty(); });
+  return nameless != networks.rend() ? nameless->first : networks.rbegin()->first;
+}
+
+// Gives each sample, a key-frame's, the features of variants of its picture.
+Expected<void> add_variants(home::Home& home, const home::Network& network,
+                            std::span<const home::KeyframeId> keyframes,
+                            std::span<rooms::RoomSample> samples, int variants,
+                            const Networks& networks, RunContext& run) {
+  const auto same = std::ranges::find_if(
+      networks, [&](const auto& loaded) { return loaded->fingerprint() == network.fingerprint; });
+  if (same == networks.end()) {
+    return fail(
+        "{}: varied pictures are to be shown to the network {}, which has looked at the "
+        "key-frames; "
+        "give its file by --network",
+        home.file(), network.name);
+  }
+  const PictureSource source{
+      keyframes.size(),
+      [&](std::size_t i) -> Expected<Bytes> {
+        ROOMWISE_TRY(auto images, home.images(keyframes[i]));
+        return std::move(images.color);
+      },
+      [&](std::size_t i) { return fmt::format("{}: key-frame {}", home.file(), keyframes[i]); },
+      [&](std::size_t i) { return keyframes[i]; }};
+  ROOMWISE_TRY(auto features, picture_features(home, source, **same, {1, variants}, run));
+  for (std::size_t i = 0; i < samples.size(); ++i) samples[i].variants = std::move(features[i]);
+  return {};
+}
+
+Expected<rooms::LearnedRooms> learn(std::span<const rooms::RoomSample> samples,
+                                    const rooms::NetworkIdentity& network,
+                                    const RoomLearning& learning, RunContext& run) {
+  const auto timing = run.clock.measure("softmax");
+  return rooms::learn_rooms(samples, network, learning.options, &run.pool);
+}
+
+}  // namespace
+
+Expected<home::Home> create_home(const std::filesystem::path& path,
+                                 const home::OpenOptions& options) {
+  ROOMWISE_TRY(home::Home home, home::Home::create(path, options));
+  ROOMWISE_CHECK_OK(home.replace_concepts(rooms::Concepts::standard()));
+  return home;
+}
+
+Expected<void> name_rooms(home::Home& home, home::RecordingId recording,
+                          const recording::RoomLabels& labels) {
+  std::set<std::string> names;
+  for (const recording::RoomRange& range : labels.ranges()) names.insert(range.room);
+  return home.atomically([&]() -> Expected<void> {
+    ROOMWISE_CHECK_OK(add_rooms(home, names));
+    return home.replace_room_ranges(recording, labels.ranges());
+  });
+}
+
+Expected<rooms::LearningReport> learn_rooms_from_keyframes(
+    home::Home& home, home::RecordingId recording, const RoomSelection& selection,
+    const RoomLearning& learning, const Networks& networks, RunContext& run) {
+  ROOMWISE_TRY(const recording::RoomLabels labels, home.room_ranges(recording));
+  if (labels.ranges().empty()) {
+    return fail(
+        "{}: its recording's rooms are not named; give --labels rooms.txt or use rooms name",
+        home.file());
+  }
+  ROOMWISE_CHECK_OK(selection.check_against(labels));
+  ROOMWISE_TRY(const home::NetworkId network_id, stored_features_network(home));
+  ROOMWISE_TRY(const auto stored_networks, home.networks());
+  ROOMWISE_TRY(const auto predictions, home.predictions(network_id));
+  ROOMWISE_TRY(const auto keyframes, home.keyframes());
+
+  std::vector<rooms::RoomSample> samples;
+  std::vector<home::KeyframeId> ids;  // of the samples
+  for (const home::Keyframe& keyframe : keyframes) {
+    if (keyframe.recording != recording) continue;
+    const recording::RoomRange* range = labels.find(keyframe.frame_index);
+    const auto prediction = predictions.find(keyframe.id);
+    if (range == nullptr || !selection.contains(*range) || prediction == predictions.end())
+      continue;
+    samples.push_back(
+        {prediction->second.features, range->room, static_cast<std::uint64_t>(range->visit)});
+    ids.push_back(keyframe.id);
+  }
+  const home::Network& network = stored_networks.at(network_id);
+  if (learning.variants > 0) {
+    ROOMWISE_CHECK_OK(add_variants(home, network, ids, samples, learning.variants, networks, run));
+  }
+  ROOMWISE_TRY(rooms::LearnedRooms learned,
+               learn(samples, {network.name, network.fingerprint}, learning, run));
+  ROOMWISE_CHECK_OK(home.atomically([&] { return store(home, learned, ids); }));
+  return learned.report;
+}
+
+Expected<std::vector<RoomPhoto>> list_room_photos(const std::filesystem::path& folder) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  std::vector<RoomPhoto> photos;
+  for (fs::directory_iterator room(folder, error), end; !error && room != end;
+       room.increment(error)) {
+    if (!room->is_directory()) continue;
+    for (fs::directory_iterator file(room->path(), error); !error && file != end;
+         file.increment(error)) {
+      if (image::has_ending_of_picture(file->path()))
+        photos.push_back({file->path(), room->path().filename().string()});
+    }
+    if (error) break;
+  }
+  if (error) return fail("{}: cannot be read: {}", folder.string(), error.message());
+  if (photos.empty()) {
+    return fail("{}: holds no photos; expected one folder a room with .jpg or .png files in it",
+                folder.string());
+  }
+  std::ranges::sort(photos, {},
+                    [](const RoomPhoto& photo) { return std::tie(photo.room, photo.path); });
+  return photos;
+}
+
+Expected<rooms::LearningReport> learn_rooms_from_photos(home::Home& home,
+                                                        const std::filesystem::path& folder,
+                                                        const network::Classifier& network,
+                                                        const RoomLearning& learning,
+                                                        RunContext& run) {
+  ROOMWISE_TRY(const std::vector<RoomPhoto> photos, list_room_photos(folder));
+  const PictureSource source{photos.size(),
+                             [&](std::size_t i) { return read_file(photos[i].path); },
+                             [&](std::size_t i) { return photos[i].path.string(); }};
+  ROOMWISE_TRY(auto features, picture_features(home, source, network, {0, learning.variants}, run));
+  std::vector<rooms::RoomSample> samples;
+  std::set<std::string> names;
+  for (std::size_t i = 0; i < photos.size(); ++i) {
+    rooms::RoomSample& sample =
+        samples.emplace_back(rooms::RoomSample{std::move(features[i].front()), photos[i].room});
+    sample.variants.assign(std::make_move_iterator(features[i].begin() + 1),
+                           std::make_move_iterator(features[i].end()));
+    names.insert(photos[i].room);
+  }
+  ROOMWISE_TRY(rooms::LearnedRooms learned,
+               learn(samples, {network.name(), network.fingerprint()}, learning, run));
+  ROOMWISE_CHECK_OK(home.atomically([&]() -> Expected<void> {
+    ROOMWISE_CHECK_OK(add_rooms(home, names));
+    return store(home, learned, {});
+  }));
+  return learned.report;
+}
+
+Expected<std::vector<home::KeyframeId>> learned_keyframes(const home::Home& home) {
+  ROOMWISE_TRY(const auto record, home.room_classifier());
+  std::vector<home::KeyframeId> keyframes;
+  if (!record) return keyframes;
+  const auto json = nlohmann::json::parse(record->report_json, nullptr, false);
+  if (json.is_discarded() || !json.contains("keyframes")) return keyframes;
+  for (const auto& id : json.at("keyframes")) {
+    if (!id.is_number_unsigned()) {
+      return fail("{}: is damaged: what its rooms were learned from is no list of key-frames",
+                  home.file());
+    }
+    keyframes.push_back(id.get<home::KeyframeId>());
+  }
+  return keyframes;
+}
+
+Expected<rooms::RoomClassifier> with_visit_pictures(const home::Home& home,
+                                                    rooms::RoomClassifier classifier) {
+  if (!classifier.retrieval()) return classifier;
+  ROOMWISE_TRY(auto stored, home.visit_pictures());
+  std::vector<rooms::RoomPicture> pictures;
+  for (home::VisitPicture& picture : stored) {
+    const bool is_learned =
+        picture.network_fingerprint == classifier.network().fingerprint &&
+        std::ranges::find(classifier.rooms(), picture.room) != classifier.rooms().end();
+    if (is_learned) pictures.push_back({std::move(picture.features), std::move(picture.room)});
+  }
+  auto more = classifier.with(pictures);
+  if (!more) return Unexpected(std::move(more).error().in(home.file()));
+  return more;
+}
+
+Expected<const network::Classifier*> features_network(const Networks& networks) {
+  if (networks.empty()) return fail("no network is given; give --network FILE");
+  const auto nameless =
+      std::ranges::find_if(networks, [](const auto& network) { return network->labels().empty(); });
+  return nameless != networks.end() ? nameless->get() : networks.front().get();
+}
+
+const network::Classifier* naming_network(const Networks& networks) {
+  const auto naming = std::ranges::find_if(
+      networks, [](const auto& network) { return !network->labels().empty(); });
+  return naming != networks.end() ? naming->get() : nullptr;
+}
+
+}  // namespace roomwise::pipeline

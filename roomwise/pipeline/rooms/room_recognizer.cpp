@@ -1,0 +1,192 @@
+#include "roomwise/pipeline/rooms/room_recognizer.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "roomwise/pipeline/rooms/room_contents.h"
+#include "roomwise/pipeline/rooms/room_learning.h"
+
+namespace roomwise::pipeline {
+namespace {
+
+// The learned rooms in the order of the classifier; a room that the home does not have any more is
+// of no type but its own.
+std::vector<rooms::Room> in_order(const std::vector<std::string>& names,
+                                  const std::vector<rooms::Room>& rooms) {
+  std::vector<rooms::Room> ordered;
+  for (const std::string& name : names) {
+    const auto room = std::ranges::find(rooms, name, &rooms::Room::name);
+    ordered.push_back(room != rooms.end() ? *room : rooms::Room{name, name});
+  }
+  return ordered;
+}
+
+// By the stretches of the walks that the rooms were learned from: what was walked at another time
+// may be what the rooms are tested on.
+Expected<rooms::RoomTopology> topology_of(const home::Home& home,
+                                          const std::vector<std::string>& rooms) {
+  ROOMWISE_TRY(const auto learned, learned_keyframes(home));
+  ROOMWISE_TRY(const auto keyframes, home.keyframes());
+  std::map<home::RecordingId, std::set<std::uint64_t>> learned_frames;
+  for (const home::Keyframe& keyframe : keyframes) {
+    if (std::ranges::find(learned, keyframe.id) == learned.end()) continue;
+    learned_frames[keyframe.recording].insert(keyframe.frame_index);
+  }
+  std::vector<std::string> walk;
+  for (const auto& [recording, frames] : learned_frames) {
+    ROOMWISE_TRY(const recording::RoomLabels labels, home.room_ranges(recording));
+    walk.emplace_back();
+    for (const recording::RoomRange& range : labels.ranges()) {
+      const auto first = frames.lower_bound(range.first_frame);
+      const bool was_learned = first != frames.end() && *first <= range.last_frame;
+      const bool is_no_room = std::ranges::find(rooms, range.room) == rooms.end();
+      walk.push_back(was_learned || is_no_room ? range.room : std::string());
+    }
+  }
+  return rooms::RoomTopology(rooms, walk);
+}
+
+// The one that names things in pictures to come. nullptr: none.
+Expected<const network::Classifier*> network_for_names(const home::Home& home,
+                                                       const Networks& networks) {
+  const network::Classifier* best = naming_network(networks);
+  std::size_t most = 1;  // key-frames that it looked at
+  ROOMWISE_TRY(const auto stored, home.networks());
+  for (const auto& [id, record] : stored) {
+    const auto same = std::ranges::find_if(networks, [&](const auto& network) {
+      return !network->labels().empty() && network->fingerprint() == record.fingerprint;
+    });
+    if (same == networks.end()) continue;
+    ROOMWISE_TRY(const auto predictions, home.predictions(id));
+    if (predictions.size() < most) continue;
+    most = predictions.size();
+    best = same->get();
+  }
+  return best;
+}
+
+}  // namespace
+
+Expected<RoomRecognizer> RoomRecognizer::create(const home::Home& home, const Networks& networks) {
+  ROOMWISE_TRY(const auto record, home.room_classifier());
+  if (!record) return fail("{}: no rooms were learned yet; use rooms learn", home.file());
+  auto classifier = rooms::RoomClassifier::from_bytes(record->classifier);
+  if (!classifier) return Unexpected(std::move(classifier).error().in(home.file()));
+  const auto same = std::ranges::find_if(networks, [&](const auto& network) {
+    return network->fingerprint() == record->network_fingerprint;
+  });
+  if (same == networks.end()) {
+    return fail(
+        "{}: its rooms were learned with the network {}; give that file by --network or, where it "
+        "is not one in 8 bits, its folder as ROOMWISE_MODELS",
+        home.file(), record->network_name);
+  }
+  ROOMWISE_TRY(classifier, with_visit_pictures(home, *std::move(classifier)));
+  ROOMWISE_TRY(rooms::Concepts concepts, home.concepts());
+  ROOMWISE_TRY(const std::vector<rooms::Room> rooms, home.rooms());
+  std::vector<rooms::Room> learned = in_order(classifier->rooms(), rooms);
+  ROOMWISE_TRY(const network::Classifier* const naming, network_for_names(home, networks));
+  rooms::RoomObjects room_objects;
+  if (naming != nullptr) {
+    ROOMWISE_TRY(room_objects, pipeline::room_objects(home, naming->fingerprint()));
+  }
+  ROOMWISE_TRY(rooms::RoomTopology topology, topology_of(home, classifier->rooms()));
+  return RoomRecognizer(*std::move(classifier), std::move(concepts), std::move(learned),
+                        std::move(room_objects), std::move(topology), same->get(), naming);
+}
+
+Expected<std::vector<objects::Observation>> RoomRecognizer::objects_in(
+    const SeeNames& names) const {
+  constexpr std::size_t kTop = 3;  // the paper looks at the three best
+  if (naming_ == nullptr || !names) return std::vector<objects::Observation>{};
+  ROOMWISE_TRY(const network::Prediction seen, names());
+  return objects::top_objects(seen.scores, naming_->labels(), concepts_.vocabulary, kTop);
+}
+
+Expected<std::optional<rooms::PlaceEvidence>> RoomRecognizer::place_of(
+    const rooms::PictureEvidence& pictures, const FindPlace& find_place) const {
+  const bool is_asked = find_place && rooms::place_may_tell(pictures, calibration());
+  if (!is_asked) return std::optional<rooms::PlaceEvidence>();
+  return find_place();
+}
+
+Expected<rooms::RoomDecision> RoomRecognizer::decide(
+    std::span<const rooms::PictureEvidence> pictures, const SeeNames& named_last,
+    const FindPlace& find_place) const {
+  rooms::PictureEvidence combined = rooms::combine(pictures);
+  ROOMWISE_TRY(const auto place, place_of(combined, find_place));
+  if (place) combined = rooms::with_place(combined, *place, calibration());
+  rooms::RoomDecision decision = rooms::decide(combined, rooms(), calibration());
+  const bool objects_may_tell = decision.verdict == rooms::Verdict::kNotSure &&
+                                combined.known >= calibration().known_threshold;
+  if (objects_may_tell) {
+    ROOMWISE_TRY(const auto objects, objects_in(named_last));
+    decision = rooms::decide_with_objects(combined, objects, concepts_, rooms_, calibration(),
+                                          room_objects_);
+  }
+  if (place) decision.why += "; " + place->why;
+  return decision;
+}
+
+Expected<rooms::RoomDecision> RoomRecognizer::recognize(std::span<const image::ColorImage> pictures,
+                                                        const FindPlace& find_place) const {
+  if (pictures.empty()) return fail("no picture is given; give at least one");
+  std::vector<rooms::PictureEvidence> seen;
+  for (const image::ColorImage& picture : pictures) {
+    ROOMWISE_TRY(const network::Prediction prediction, features_->predict(picture));
+    ROOMWISE_TRY(seen.emplace_back(), evidence(prediction));
+  }
+  return decide(
+      seen, [&] { return naming_->predict(pictures.back()); }, find_place);
+}
+
+Expected<rooms::RoomDecision> RoomRecognizer::update(rooms::RoomStream& stream,
+                                                     const rooms::PictureEvidence& picture,
+                                                     double elapsed_s,
+                                                     const FindPlace& find_place) const {
+  ROOMWISE_TRY(const auto place, place_of(picture, find_place));
+  if (!place) return stream.update(picture, elapsed_s);
+  rooms::RoomDecision decision =
+      stream.update(rooms::with_place(picture, *place, calibration()), elapsed_s);
+  decision.why += "; " + place->why;
+  return decision;
+}
+
+Expected<rooms::RoomStream> RoomRecognizer::stream() const {
+  if (!classifier_.retrieval()) {
+    return fail("the rooms were learned by an earlier Roomwise; learn them again");
+  }
+  return rooms::RoomStream(topology_, calibration());
+}
+
+Expected<rooms::RoomAnswer> RoomRecognizer::paper_decide(const rooms::RoomScore& first,
+                                                         const rooms::RoomScore& second,
+                                                         const SeeNames& named_second) const {
+  Expected<void> status;
+  const auto objects = [&]() -> std::vector<objects::Observation> {
+    auto found = objects_in(named_second);
+    if (!found) {
+      status = Unexpected(found.error());
+      return {};
+    }
+    return *std::move(found);
+  };
+  const rooms::RoomAnswer answer = rooms::decide(first, second, objects, concepts_, rooms_);
+  ROOMWISE_CHECK_OK(status);
+  return answer;
+}
+
+Expected<rooms::RoomAnswer> RoomRecognizer::paper_recognize(
+    const image::ColorImage& first, const std::optional<image::ColorImage>& second) const {
+  ROOMWISE_TRY(const network::Prediction seen_first, features_->predict(first));
+  ROOMWISE_TRY(const auto first_scores, paper_scores(seen_first));
+  if (!second)
+    return rooms::RoomAnswer{first_scores[0].room, first_scores[0].score,
+                             rooms::Reason::kSingleFrame, ""};
+  ROOMWISE_TRY(const network::Prediction seen_second, features_->predict(*second));
+  ROOMWISE_TRY(const auto second_scores, paper_scores(seen_second));
+  return paper_decide(first_scores[0], second_scores[0], [&] { return naming_->predict(*second); });
+}
+
+}  // namespace roomwise::pipeline

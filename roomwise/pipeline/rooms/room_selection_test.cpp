@@ -1,0 +1,34 @@
+#include "roomwise/pipeline/rooms/room_selection.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "roomwise/base/testing/testing.h"
+
+namespace roomwise::pipeline {
+namespace {
+
+using ::testing::ElementsAre;
+
+TEST(ParseVisits, ReadsNumbersAndSpans) {
+  EXPECT_THAT(parse_visits("1").value(), ElementsAre(VisitSpan{1, 1}));
+  EXPECT_THAT(parse_visits("2-").value(), ElementsAre(VisitSpan{2, std::nullopt}));
+  EXPECT_THAT(parse_visits("1-3,7").value(), ElementsAre(VisitSpan{1, 3}, VisitSpan{7, 7}));
+  for (const char* text : {"", "0", "a", "3-1", "1,", "-2", "1--2", "1.5"}) {
+    EXPECT_ERROR(parse_visits(text), "are no visits");
+  }
+}
+
+TEST(RoomSelection, SelectsByVisitAndRoom) {
+  const RoomSelection all;
+  EXPECT_TRUE(all.contains({0, 1, "hall", 5}));
+  const RoomSelection some{{VisitSpan{2, std::nullopt}}, {"hall"}};
+  EXPECT_TRUE(some.contains({0, 1, "hall", 2}));
+  EXPECT_FALSE(some.contains({0, 1, "hall", 1}));
+  EXPECT_FALSE(some.contains({0, 1, "attic", 2}));
+  const auto labels = recording::RoomLabels::from_ranges({{0, 1, "attic", 1}});
+  EXPECT_ERROR(some.check_against(*labels), "'hall'");
+}
+
+}  // namespace
+}  // namespace roomwise::pipeline

@@ -1,0 +1,38 @@
+#include "roomwise/pipeline/stored/keyframe_images.h"
+
+#include "roomwise/image/codec.h"
+
+namespace roomwise::pipeline {
+
+Expected<DecodedImages> decode(const home::KeyframeImages& images,
+                               const geometry::PinholeCamera& camera) {
+  ROOMWISE_TRY(image::ColorImage color, image::decode_color(images.color));
+  ROOMWISE_TRY(image::DepthImage depth, image::decode_depth(images.depth));
+  const auto check_size = [&](const auto& image, std::string_view what) -> Expected<void> {
+    if (image.width() == camera.width && image.height() == camera.height) return {};
+    return fail("the {} image is {}x{}, its camera takes {}x{}", what, image.width(),
+                image.height(), camera.width, camera.height);
+  };
+  ROOMWISE_CHECK_OK(check_size(color, "colour"));
+  ROOMWISE_CHECK_OK(check_size(depth, "depth"));
+  return DecodedImages{std::move(color), std::move(depth)};
+}
+
+Expected<std::map<home::RecordingId, geometry::PinholeCamera>> recording_cameras(
+    const home::Home& home) {
+  ROOMWISE_TRY(const auto recordings, home.recordings());
+  std::map<home::RecordingId, geometry::PinholeCamera> cameras;
+  for (const home::StoredRecording& stored : recordings) {
+    cameras.emplace(stored.id, stored.recording.camera);
+  }
+  return cameras;
+}
+
+Expected<std::vector<home::Keyframe>> map_keyframes(const home::Home& home) {
+  ROOMWISE_TRY(auto keyframes, home.keyframes());
+  std::erase_if(keyframes,
+                [](const home::Keyframe& keyframe) { return keyframe.pose.component != 0; });
+  return keyframes;
+}
+
+}  // namespace roomwise::pipeline

@@ -1,0 +1,130 @@
+#include "roomwise/pipeline/stored/mapper_storage.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "roomwise/image/codec.h"
+#include "roomwise/pipeline/stored/stored_keyframes.h"
+
+namespace roomwise::pipeline {
+namespace {
+
+home::Frame stored_frame(const mapping::MappedFrame& frame) {
+  home::Frame stored{frame.frame_index, frame.timestamp_ns, std::nullopt, frame.no_pose_reason};
+  if (frame.place)
+    stored.place = home::FramePlace{frame.place->keyframe, frame.place->keyframe_from_camera};
+  return stored;
+}
+
+// A commit waits for the disk: where no key-frame is made, so many frames share one.
+constexpr std::uint64_t kFramesACommit = 30;
+
+// As the camera gave them, else encoded without loss: a resumed run finds its features in them
+// again.
+home::KeyframeImages images_of(const image::RgbdFrame& frame) {
+  return {frame.encoded_color.empty() ? image::encode_png(frame.color) : frame.encoded_color,
+          frame.encoded_depth.empty() ? image::encode_png(frame.depth) : frame.encoded_depth};
+}
+
+}  // namespace
+
+mapping::MappedFrame mapped_frame(const home::Frame& frame) {
+  mapping::MappedFrame mapped{frame.index, frame.timestamp_ns, std::nullopt, frame.no_pose_reason};
+  if (frame.place) {
+    mapped.place = mapping::FramePlace{frame.place->keyframe, frame.place->keyframe_from_camera};
+  }
+  return mapped;
+}
+
+Expected<void> restore_mapper(mapping::Mapper& mapper, const home::Home& home,
+                              home::RecordingId recording, const geometry::PinholeCamera& camera,
+                              const features::FeatureExtractor& extractor,
+                              const MapSettings& settings, RunContext& run) {
+  ROOMWISE_TRY(const auto stored, home.keyframes());
+  const auto take = [&](mapping::Keyframe keyframe) {
+    return mapper.restore_keyframe(std::move(keyframe));
+  };
+  ROOMWISE_CHECK_OK(measure_each_keyframe(home, stored, camera, extractor, settings, run, take));
+  ROOMWISE_TRY(const auto edges, home.edges());
+  ROOMWISE_TRY(const auto frames, home.frames(recording));
+  std::vector<mapping::MappedFrame> mapped;
+  std::ranges::transform(frames, std::back_inserter(mapped), mapped_frame);
+  mapper.restore(edges, mapped);
+  return {};
+}
+
+MapWriter::MapWriter(home::Home& home, home::RecordingId recording, mapping::Mapper& mapper)
+    : home_(home),
+      recording_(recording),
+      mapper_(mapper),
+      edges_written_(mapper.edges().size()),
+      frames_written_(mapper.frame_count()) {}
+
+Expected<MapWriter> MapWriter::create(home::Home& home, home::RecordingId recording,
+                                      mapping::Mapper& mapper) {
+  MapWriter writer(home, recording, mapper);
+  ROOMWISE_TRY(const auto stored, home.keyframes());
+  for (const home::Keyframe& keyframe : stored) writer.poses_.push_back(keyframe.pose);
+  mapper.release_frames(0);
+  return writer;
+}
+
+Expected<void> MapWriter::write(
+    const mapping::MapStep& step,
+    const std::function<const image::RgbdFrame&(std::uint64_t)>& frame_of) {
+  const std::uint64_t waiting = mapper_.frame_count() - frames_written_;
+  if (step.new_keyframes.empty() && (!step.is_checkpoint || waiting < kFramesACommit)) return {};
+  std::vector<home::NewKeyframe> keyframes;
+  for (const mapping::KeyframeId id : step.new_keyframes) {
+    const mapping::KeyframeStamp& keyframe = mapper_.keyframes()[id];
+    poses_.push_back(first_pose(id));
+    keyframes.push_back({id,
+                         keyframe.frame_index,
+                         keyframe.timestamp_ns,
+                         poses_.back(),
+                         images_of(frame_of(keyframe.frame_index)),
+                         {},
+                         {}});
+  }
+  const std::uint64_t newest =
+      step.is_checkpoint ? mapper_.frames().back().frame_index : keyframes.back().frame_index;
+  return commit(std::move(keyframes), newest + 1);
+}
+
+Expected<void> MapWriter::write_rest() {
+  if (mapper_.frames().empty()) return commit({}, 0);
+  return commit({}, mapper_.frames().back().frame_index + 1);
+}
+
+Expected<void> MapWriter::commit(std::vector<home::NewKeyframe> keyframes,
+                                 std::uint64_t next_frame_index) {
+  home::Step step;
+  step.recording = recording_;
+  step.keyframes = std::move(keyframes);
+  step.next_frame_index = next_frame_index;
+  for (; edges_written_ < mapper_.edges().size(); ++edges_written_) {
+    step.edges.push_back(mapper_.edges()[edges_written_]);
+  }
+  const std::uint64_t first = mapper_.frame_count() - mapper_.frames().size();
+  for (; frames_written_ < mapper_.frame_count(); ++frames_written_) {
+    const mapping::MappedFrame& frame = mapper_.frames()[frames_written_ - first];
+    if (frame.frame_index >= next_frame_index) break;
+    step.frames.push_back(stored_frame(frame));
+  }
+  mapper_.release_frames(mapper_.frame_count() - frames_written_);
+  return home_.commit_step(step);
+}
+
+home::KeyframePose MapWriter::first_pose(mapping::KeyframeId id) const {
+  for (std::size_t i = edges_written_; i < mapper_.edges().size(); ++i) {
+    const mapping::PoseGraphEdge& edge = mapper_.edges()[i];
+    if (edge.to != id) continue;
+    return {poses_[edge.from].world_from_keyframe * edge.from_from_to, poses_[edge.from].component};
+  }
+  std::uint64_t components = 0;
+  for (const home::KeyframePose& pose : poses_)
+    components = std::max(components, pose.component + 1);
+  return {geometry::RigidTransform::identity(), components};
+}
+
+}  // namespace roomwise::pipeline

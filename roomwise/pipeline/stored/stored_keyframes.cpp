@@ -1,0 +1,64 @@
+#include "roomwise/pipeline/stored/stored_keyframes.h"
+
+#include <utility>
+
+#include "roomwise/image/resample.h"
+#include "roomwise/pipeline/stored/keyframe_images.h"
+#include "roomwise/pipeline/stored/measured_frame_reader.h"
+
+namespace roomwise::pipeline {
+
+Expected<void> measure_each_keyframe(const home::Home& home,
+                                     std::span<const home::Keyframe> keyframes,
+                                     const geometry::PinholeCamera& camera,
+                                     const features::FeatureExtractor& extractor,
+                                     const MapSettings& settings, RunContext& run,
+                                     const TakeKeyframe& take) {
+  const auto measure = [&](const home::Keyframe&, const DecodedImages& images) {
+    return measure_frame(images.color, images.depth, camera, extractor, settings);
+  };
+  const auto hand_over = [&](const home::Keyframe& keyframe,
+                             motion::FrameMeasurements measurements) {
+    return take(
+        {keyframe.id, keyframe.frame_index, keyframe.timestamp_ns, std::move(measurements)});
+  };
+  return for_each_keyframe(home, keyframes, "loading the map", run, measure, hand_over);
+}
+
+Expected<std::vector<mapping::Keyframe>> measure_keyframes(
+    const home::Home& home, std::span<const home::Keyframe> keyframes,
+    const geometry::PinholeCamera& camera, const features::FeatureExtractor& extractor,
+    const MapSettings& settings, RunContext& run) {
+  std::vector<mapping::Keyframe> measured;
+  const auto keep = [&](mapping::Keyframe keyframe) -> Expected<void> {
+    measured.push_back(std::move(keyframe));
+    return {};
+  };
+  ROOMWISE_CHECK_OK(measure_each_keyframe(home, keyframes, camera, extractor, settings, run, keep));
+  return measured;
+}
+
+Expected<std::vector<mapping::KeyframeFeatures>> stored_keyframe_features(
+    const home::Home& home, const MapSettings& settings, RunContext& run) {
+  ROOMWISE_TRY(const auto keyframes, home.keyframes());
+  ROOMWISE_TRY(const auto cameras, recording_cameras(home));
+  const auto extractor = features::make_extractor(settings.features, settings.max_keypoints);
+  std::vector<mapping::KeyframeFeatures> found;
+  const auto measure = [&](const home::Keyframe& keyframe, const DecodedImages& images) {
+    const geometry::PinholeCamera& camera = cameras.at(keyframe.recording);
+    return mapping::keyframe_features(
+        motion::measure_features(extractor->extract(image::to_gray(images.color)), images.depth,
+                                 camera, settings.depth),
+        camera, settings.refinement.landmarks);
+  };
+  const auto keep = [&](const home::Keyframe&,
+                        mapping::KeyframeFeatures features) -> Expected<void> {
+    found.push_back(std::move(features));
+    return {};
+  };
+  ROOMWISE_CHECK_OK(
+      for_each_keyframe(home, keyframes, "finding features again", run, measure, keep));
+  return found;
+}
+
+}  // namespace roomwise::pipeline

@@ -1,0 +1,136 @@
+#include "roomwise/pipeline/stored/stored_map.h"
+
+#include <algorithm>
+#include <set>
+
+#include "roomwise/mapping/backend/frame_poses.h"
+#include "roomwise/mapping/backend/frame_smoothing.h"
+#include "roomwise/pipeline/stored/mapper_storage.h"
+
+namespace roomwise::pipeline {
+namespace {
+
+std::vector<TimestampNs> times_of(std::span<const home::Keyframe> keyframes) {
+  std::vector<TimestampNs> times;
+  for (const home::Keyframe& keyframe : keyframes) times.push_back(keyframe.timestamp_ns);
+  return times;
+}
+
+Expected<std::vector<mapping::MappedFrame>> mapped_frames(const home::Home& home,
+                                                          home::RecordingId recording) {
+  ROOMWISE_TRY(const auto frames, home.frames(recording));
+  std::vector<mapping::MappedFrame> mapped;
+  std::ranges::transform(frames, std::back_inserter(mapped), mapped_frame);
+  return mapped;
+}
+
+Expected<mapping::MapRefinement> refine(const home::Home& home,
+                                        std::span<const home::Keyframe> keyframes,
+                                        std::span<const mapping::PoseGraphEdge> edges,
+                                        const mapping::MapSolution& solution,
+                                        std::span<const mapping::KeyframeFeatures> features,
+                                        const MapSettings& settings, Progress& progress) {
+  ROOMWISE_TRY(const auto recordings, home.recordings());
+  std::vector<mapping::MappedFrame> frames;
+  for (const home::StoredRecording& recording : recordings) {
+    if (!(recording.recording.camera == recordings.front().recording.camera))
+      return fail("{}: holds recordings of several cameras; their map cannot be refined",
+                  home.file());
+    ROOMWISE_TRY(const auto own, mapped_frames(home, recording.id));
+    frames.insert(frames.end(), own.begin(), own.end());
+  }
+  return mapping::refine_map(
+      solution, {edges, features, times_of(keyframes), frames, recordings.front().recording.camera},
+      settings.solver, settings.refinement, progress);
+}
+
+// Where the frames of one recording are, those of other pieces than the largest left out.
+std::vector<mapping::PlacedFrame> place_frames(
+    std::span<const mapping::MappedFrame> frames,
+    std::span<const std::optional<geometry::RigidTransform>> poses,
+    std::span<const home::Keyframe> keyframes) {
+  std::vector<mapping::PlacedFrame> placed;
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    mapping::PlacedFrame& frame = placed.emplace_back();
+    frame.timestamp_ns = frames[i].timestamp_ns;
+    if (!frames[i].place || keyframes[frames[i].place->keyframe].pose.component != 0) continue;
+    frame.world_from_camera = poses[i];
+    frame.is_fixed = frame.timestamp_ns == keyframes[frames[i].place->keyframe].timestamp_ns;
+  }
+  return placed;
+}
+
+}  // namespace
+
+Expected<SolvedMap> solve_stored_map(
+    home::Home& home, const MapSettings& settings,
+    const std::function<Expected<std::vector<mapping::KeyframeFeatures>>()>& find_features,
+    Progress& progress) {
+  ROOMWISE_TRY(const auto keyframes, home.keyframes());
+  ROOMWISE_TRY(const auto edges, home.edges());
+  SolvedMap solved;
+  ROOMWISE_TRY(solved.solution, mapping::solve_map(keyframes.size(), edges, settings.solver));
+  if (settings.adjusts_bundle() && !keyframes.empty()) {
+    ROOMWISE_TRY(const auto features, find_features());
+    ROOMWISE_TRY(solved.refinement,
+                 refine(home, keyframes, edges, solved.solution, features, settings, progress));
+    solved.finished = solved.refinement->finished;
+    if (!solved.finished) return solved;
+  }
+  const auto& solution_poses = solved.refinement ? solved.refinement->world_from_keyframe
+                                                 : solved.solution.world_from_keyframe;
+  std::map<home::KeyframeId, home::KeyframePose> poses;
+  for (std::size_t id = 0; id < keyframes.size(); ++id)
+    poses[id] = {solution_poses[id], solved.solution.component[id]};
+  ROOMWISE_CHECK_OK(home.replace_poses(poses));
+  return solved;
+}
+
+Expected<mapping::PoseGraph> stored_pose_graph(const home::Home& home,
+                                               const mapping::MapSolverOptions& options) {
+  ROOMWISE_TRY(const auto keyframes, home.keyframes());
+  mapping::PoseGraph graph;
+  for (const home::Keyframe& keyframe : keyframes) {
+    graph.world_from_node[keyframe.id] = keyframe.pose.world_from_keyframe;
+  }
+  ROOMWISE_TRY(const auto edges, home.edges());
+  graph.edges = mapping::demote_inconsistent_odometry(keyframes.size(), edges);
+  std::erase_if(graph.edges, [&](const mapping::PoseGraphEdge& edge) {
+    return mapping::is_contradicted(graph, edge, options);
+  });
+  return graph;
+}
+
+Expected<recording::Trajectory> stored_trajectory(const home::Home& home) {
+  ROOMWISE_TRY(const auto keyframes, home.keyframes());
+  ROOMWISE_TRY(const auto recordings, home.recordings());
+  ROOMWISE_TRY(const auto settings, stored_map_settings(home));
+  std::vector<geometry::RigidTransform> world_from_keyframe;
+  for (const home::Keyframe& keyframe : keyframes)
+    world_from_keyframe.push_back(keyframe.pose.world_from_keyframe);
+  const std::vector<TimestampNs> times_ns = times_of(keyframes);
+  std::vector<std::size_t> component;
+  for (const home::Keyframe& keyframe : keyframes) component.push_back(keyframe.pose.component);
+  // Without bundle adjustment a frame is where it was found from its key-frame.
+  const bool is_adjusted = settings && settings->adjusts_bundle();
+  std::vector<mapping::PoseGraphEdge> edges;
+  if (is_adjusted) {
+    ROOMWISE_TRY(mapping::PoseGraph graph, stored_pose_graph(home, settings->solver));
+    edges = std::move(graph.edges);
+  }
+  recording::Trajectory trajectory;
+  for (const home::StoredRecording& recording : recordings) {
+    ROOMWISE_TRY(const auto frames, mapped_frames(home, recording.id));
+    const auto poses =
+        mapping::frame_poses(frames, {world_from_keyframe, times_ns, component}, edges);
+    std::vector<mapping::PlacedFrame> placed = place_frames(frames, poses, keyframes);
+    if (is_adjusted) mapping::smooth_frames(placed);
+    for (const mapping::PlacedFrame& frame : placed) {
+      if (frame.world_from_camera)
+        trajectory.push_back({frame.timestamp_ns, *frame.world_from_camera});
+    }
+  }
+  return trajectory;
+}
+
+}  // namespace roomwise::pipeline

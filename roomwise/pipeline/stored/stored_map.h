@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "roomwise/base/progress.h"
+#include "roomwise/home/home.h"
+#include "roomwise/mapping/backend/map_refinement.h"
+#include "roomwise/mapping/backend/map_solver.h"
+#include "roomwise/objects/detection/object_map.h"
+#include "roomwise/pipeline/stored/map_settings.h"
+#include "roomwise/recording/trajectory_file.h"
+
+// What follows from the measurements that a home holds, and can be computed anew at any time.
+namespace roomwise::pipeline {
+
+struct SolvedMap {
+  mapping::MapSolution solution;  // of the pose graph
+  // Where the settings adjust the bundle: the key-frames are where this puts them.
+  std::optional<mapping::MapRefinement> refinement;
+  bool finished = true;  // not interrupted; else nothing was moved
+};
+
+// Optimises the pose graph of all that is stored, adjusts the bundle where the settings say so, and
+// moves the key-frames. `find_features` gives what landmarks are found by, of all key-frames by id;
+// it is asked only where they are needed.
+[[nodiscard]] Expected<SolvedMap> solve_stored_map(
+    home::Home& home, const MapSettings& settings,
+    const std::function<Expected<std::vector<mapping::KeyframeFeatures>>()>& find_features,
+    Progress& progress);
+
+// The pose graph as the map is now: without the loops that contradict it (solve_map() left them
+// out).
+[[nodiscard]] Expected<mapping::PoseGraph> stored_pose_graph(
+    const home::Home& home, const mapping::MapSolverOptions& options);
+
+struct FoundObjects {
+  std::uint64_t by_rules = 0;   // the paper's
+  std::uint64_t instances = 0;  // joined from regions
+};
+// Applies the rules of objects/ to what the networks saw, and joins the regions that were found,
+// with the home's concepts and the poses as they are now: after mapping, after optimising, after
+// editing the concepts.
+[[nodiscard]] Expected<FoundObjects> update_objects(home::Home& home,
+                                                    const objects::ObjectRules& rules);
+
+// The poses of all frames that the largest component of the map places, in the order of time: along
+// the key-frames that they hang on and, where the map's settings adjust the bundle, as the
+// key-frames around and the motion of a hand say (mapping::frame_poses, mapping::smooth_frames).
+[[nodiscard]] Expected<recording::Trajectory> stored_trajectory(const home::Home& home);
+
+}  // namespace roomwise::pipeline

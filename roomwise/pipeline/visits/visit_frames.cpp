@@ -1,0 +1,219 @@
+#include "roomwise/pipeline/visits/visit_frames.h"
+
+#include <algorithm>
+#include <iterator>
+#include <span>
+#include <string>
+#include <utility>
+
+#include "roomwise/mapping/frontend/mapper_options.h"
+#include "roomwise/pipeline/in_blocks.h"
+#include "roomwise/pipeline/mapping/home_localizer.h"
+#include "roomwise/pipeline/objects/keyframe_observer.h"
+#include "roomwise/pipeline/objects/proposal_observations.h"
+#include "roomwise/pipeline/objects/stored_detections.h"
+#include "roomwise/recording/tum_recording.h"
+
+namespace roomwise::pipeline {
+namespace {
+
+// Looks at the frames of a visit.
+class VisitLooker {
+ public:
+  static Expected<VisitLooker> create(const home::Home& home, const objects::RegionFinders& finders,
+                                      const Networks& networks, const VisitOptions& options,
+                                      RunContext& run) {
+    VisitLooker looker(finders);
+    if (options.rooms) {
+      ROOMWISE_TRY(looker.why_no_rooms_, why_rooms_cannot_be_refreshed(home));
+    }
+    if (options.rooms && looker.why_no_rooms_.empty()) {
+      ROOMWISE_TRY(looker.rooms_,
+                   VisitRooms::create(home, networks, *options.rooms, options.localizer, run));
+    } else {
+      ROOMWISE_TRY(looker.localizer_, HomeLocalizer::create(home, options.localizer, run));
+    }
+    return looker;
+  }
+
+  // Absent where the frame's place is not known.
+  [[nodiscard]] Expected<std::optional<PlacedFrame>> place(
+      image::RgbdFrame frame, const geometry::PinholeCamera& camera) const;
+  // Absent where they are to stay as they are.
+  [[nodiscard]] Expected<std::optional<RoomUpdate>> update_rooms(
+      const home::Home& home, std::span<const PlacedFrame> placed) const;
+
+ private:
+  explicit VisitLooker(const objects::RegionFinders& finders) : finders_(&finders) {}
+  [[nodiscard]] const HomeLocalizer& localizer() const {
+    return rooms_ ? rooms_->localizer() : *localizer_;
+  }
+
+  const objects::RegionFinders* finders_;
+  std::optional<VisitRooms> rooms_;
+  std::optional<HomeLocalizer> localizer_;  // where there are no rooms_, which have one
+  std::string why_no_rooms_;
+};
+
+Expected<std::optional<PlacedFrame>> VisitLooker::place(
+    image::RgbdFrame frame, const geometry::PinholeCamera& camera) const {
+  PictureToLocate picture{frame.color, std::move(frame.depth), camera};
+  ROOMWISE_TRY(const auto measured, localizer().measure(picture));
+  const mapping::Localization found = localizer().localizer().locate({measured, camera});
+  if (!found.found()) return std::nullopt;
+  PlacedFrame placed;
+  placed.index = frame.index;
+  placed.timestamp_ns = frame.timestamp_ns;
+  placed.keyframe = found.keyframe;
+  placed.world_from_camera = found.world_from_camera;
+  for (const auto& finder : *finders_) {
+    ROOMWISE_TRY(auto look, look_at(*finder, picture.color, *picture.depth, camera));
+    placed.look.coarse_depth = std::move(look.coarse_depth);
+    std::ranges::move(look.regions, std::back_inserter(placed.look.regions));
+  }
+  placed.depth = *std::move(picture.depth);
+  if (rooms_) {
+    ROOMWISE_TRY(placed.room, rooms_->look(frame, found));
+  }
+  return placed;
+}
+
+Expected<std::optional<RoomUpdate>> VisitLooker::update_rooms(
+    const home::Home& home, std::span<const PlacedFrame> placed) const {
+  if (!why_no_rooms_.empty()) return RoomUpdate{.why_not = why_no_rooms_};
+  if (!rooms_) return std::optional<RoomUpdate>();
+  std::vector<SeenPicture> walk;
+  for (const PlacedFrame& frame : placed) walk.push_back(*frame.room);
+  return rooms_->update(home, walk);
+}
+
+// All frames of the recording that are found on the map.
+Expected<VisitFrames> place_frames(recording::TumRecording& recording,
+                                   const std::filesystem::path& folder, const VisitLooker& looker,
+                                   std::uint64_t every, RunContext& run) {
+  VisitFrames frames;
+  frames.camera = recording.info().camera;
+  frames.visit.name = recording.info().name;
+  frames.visit.folder = folder.string();
+  std::vector<image::RgbdFrame> block;
+  const auto place_block = [&]() -> Expected<void> {
+    std::vector<Expected<std::optional<PlacedFrame>>> placed(block.size(), fail("not placed yet"));
+    run.pool.parallel_for(block.size(), [&](std::size_t i) {
+      const auto timing = run.clock.measure("placing and looking");
+      placed[i] = looker.place(std::move(block[i]), frames.camera);
+    });
+    block.clear();
+    for (auto& one : placed) {
+      if (!one) return Unexpected(std::move(one).error());
+      if (*one) frames.placed.push_back(**std::move(one));
+    }
+    return {};
+  };
+  run.progress.begin("looking at the visit", recording.associations().size());
+  for (std::uint64_t count = 0; !run.progress.interrupted(); ++count) {
+    ROOMWISE_TRY(auto frame, recording.next());
+    if (!frame) break;
+    if (count % every != 0) continue;
+    if (frames.visit.frames++ == 0) frames.visit.first_timestamp_ns = frame->timestamp_ns;
+    frames.visit.last_timestamp_ns = frame->timestamp_ns;
+    block.push_back(*std::move(frame));
+    if (block.size() >= 2 * run.pool.size()) ROOMWISE_CHECK_OK(place_block());
+    run.progress.advance(count + 1, "");
+  }
+  ROOMWISE_CHECK_OK(place_block());
+  run.progress.end();
+  if (run.progress.interrupted()) return fail("interrupted while looking at the visit");
+  frames.visit.placed = frames.placed.size();
+  return frames;
+}
+
+// Of the placed frames those that a map would have as key-frames: the views between show the same
+// once more, and would only outvote others.
+std::vector<objects::ObservedKeyframe> spaced_frames(const VisitFrames& frames) {
+  const mapping::MapperOptions spacing;
+  std::vector<objects::ObservedKeyframe> spaced;
+  for (const objects::ObservedKeyframe& frame : observed_frames(frames, {})) {
+    if (!spaced.empty()) {
+      const geometry::RigidTransform motion =
+          spaced.back().world_from_camera.inverse() * frame.world_from_camera;
+      if (motion.distance_m() < spacing.keyframe_translation_m &&
+          motion.angle_rad() < spacing.keyframe_rotation_rad) {
+        continue;
+      }
+    }
+    spaced.push_back(frame);
+  }
+  return spaced;
+}
+
+// Shows the namer what stands apart in the visit's own depth, from its best views.
+Expected<void> look_closer_at_visit(VisitFrames& frames, const recording::TumRecording& recording,
+                                    const objects::ProposalClassifier& proposal_classifier,
+                                    const objects::GroundPlane& level, RunContext& run) {
+  const auto looked = spaced_frames(frames);
+  ProposalObservations proposals = [&] {
+    const auto timing = run.clock.measure("what stands apart");
+    return ProposalObservations(looked, level);
+  }();
+  std::vector<std::size_t> shown;  // in frames.placed
+  for (const objects::ObservedKeyframe& frame : looked) {
+    if (proposals.is_shown_by(frame.keyframe_id)) shown.push_back(frame.keyframe_id);
+  }
+  ROOMWISE_CHECK_OK(in_blocks(
+      shown.size(), "looking closer at the visit", run,
+      [&](std::size_t i) { return recording.colors().read_color(frames.placed[shown[i]].index); },
+      [&](std::size_t i, const image::ColorImage& color) {
+        const auto timing = run.clock.measure("closer looks");
+        return proposals.look(shown[i], color, frames.placed[shown[i]].depth, proposal_classifier);
+      },
+      [&](std::size_t i,
+          std::vector<ProposalObservations::ViewObservation> observations) -> Expected<void> {
+        proposals.keep(shown[i], std::move(observations));
+        return {};
+      }));
+  for (auto& [place, regions] : proposals.regions()) {
+    std::ranges::move(regions, std::back_inserter(frames.placed[place].look.regions));
+  }
+  return {};
+}
+
+}  // namespace
+
+Expected<void> VisitOptions::validate() const {
+  if (every < 1) return fail("every is {}; expected at least 1", every);
+  ROOMWISE_CHECK_OK(localizer.validate());
+  return rooms ? rooms->validate() : Expected<void>{};
+}
+
+Expected<VisitFrames> observe_visit(const home::Home& home, const std::filesystem::path& folder,
+                                    const objects::ObjectFinders& finders, const Networks& networks,
+                                    const objects::GroundPlane& level, const VisitOptions& options,
+                                    RunContext& run) {
+  ROOMWISE_TRY(const auto recording, recording::TumRecording::open(folder));
+  ROOMWISE_TRY(const VisitLooker looker,
+               VisitLooker::create(home, finders.in_pictures, networks, options, run));
+  ROOMWISE_TRY(VisitFrames frames, place_frames(*recording, folder, looker, options.every, run));
+  ROOMWISE_TRY(frames.rooms, looker.update_rooms(home, frames.placed));
+  if (finders.of_proposals != nullptr) {
+    ROOMWISE_CHECK_OK(look_closer_at_visit(frames, *recording, *finders.of_proposals, level, run));
+  }
+  return frames;
+}
+
+std::vector<objects::ObservedKeyframe> observed_frames(
+    const VisitFrames& frames, const objects::ObjectVocabulary& vocabulary) {
+  std::vector<objects::ObservedKeyframe> looked;
+  for (std::size_t i = 0; i < frames.placed.size(); ++i) {
+    const PlacedFrame& frame = frames.placed[i];
+    looked.push_back({.keyframe_id = i,
+                      .world_from_camera = frame.world_from_camera,
+                      .camera = &frames.camera,
+                      .coarse_depth = &frame.look.coarse_depth,
+                      .regions = named_regions(frame.look, vocabulary),
+                      .said = {},
+                      .not_asked = {}});
+  }
+  return looked;
+}
+
+}  // namespace roomwise::pipeline

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include "roomwise/home/home.h"
+#include "roomwise/mapping/localization/localization.h"
+#include "roomwise/objects/proposals/object_finders.h"
+#include "roomwise/pipeline/run_context.h"
+#include "roomwise/pipeline/visits/visit_rooms.h"
+
+namespace roomwise::pipeline {
+
+struct VisitOptions {
+  std::uint64_t every = 1;  // of the visit's frames
+  mapping::LocalizerOptions localizer;
+  // How the learned rooms are refreshed; absent: they stay as they are.
+  std::optional<rooms::VisitLearningOptions> rooms = rooms::VisitLearningOptions{};
+
+  [[nodiscard]] Expected<void> validate() const;
+};
+
+// A frame of a visit that was placed on the map.
+struct PlacedFrame {
+  std::uint64_t index = 0;  // in the recording
+  TimestampNs timestamp_ns = 0;
+  home::KeyframeId keyframe = 0;  // that shows the same
+  geometry::RigidTransform world_from_camera;
+  image::DepthImage depth;
+  objects::KeyframeDetections look;  // of all finders
+  std::optional<SeenPicture> room;   // where rooms are to be refreshed
+};
+
+// What a later walk through a home shows.
+struct VisitFrames {
+  home::Visit visit;
+  geometry::PinholeCamera camera;
+  std::vector<PlacedFrame> placed;  // in the order of time
+  std::optional<RoomUpdate> rooms;  // where they were to be refreshed
+};
+
+// Places the frames of a recording on the home's map, one by one, and lets the finders (one at
+// least) look at those that were found there; then closer, from its best views, at what stands
+// apart in their depth (objects::find_proposals), by frames as far apart as key-frames are.
+// `level`: of the map. Fails where the home has no map, where the network is not among `networks`
+// that its rooms were learned with, where the recording or a frame cannot be read, as the finders
+// do, and when the user interrupts.
+[[nodiscard]] Expected<VisitFrames> observe_visit(const home::Home& home,
+                                                  const std::filesystem::path& recording,
+                                                  const objects::ObjectFinders& finders,
+                                                  const Networks& networks,
+                                                  const objects::GroundPlane& level,
+                                                  const VisitOptions& options, RunContext& run);
+
+// The frames as objects/ takes key-frames; their ids are places in `frames.placed`, which must
+// outlive them.
+[[nodiscard]] std::vector<objects::ObservedKeyframe> observed_frames(
+    const VisitFrames& frames, const objects::ObjectVocabulary& vocabulary);
+
+}  // namespace roomwise::pipeline

@@ -1,0 +1,231 @@
+#include "roomwise/rooms/layout/room_layout.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "roomwise/base/disjoint_sets.h"
+#include "roomwise/rooms/layout/floor_rooms.h"
+
+namespace roomwise::rooms {
+namespace {
+
+using Eigen::Vector2d;
+using fusion::FloorGrid;
+
+// The middles of the edges between free cells of two rooms, by pair.
+std::map<std::pair<std::int16_t, std::int16_t>, std::vector<Vector2d>> borders(
+    const FloorGrid& grid, const FreeFloor& floor, const RoomCells& room_of) {
+  std::map<std::pair<std::int16_t, std::int16_t>, std::vector<Vector2d>> found;
+  const auto room = [&](int column, int row) {
+    return room_of.contains(column, row) && floor.at(column, row) != 0 ? room_of.at(column, row)
+                                                                       : kNoRoom;
+  };
+  for (int row = 0; row < grid.rows(); ++row) {
+    for (int column = 0; column < grid.columns(); ++column) {
+      const std::int16_t here = room(column, row);
+      for (const Eigen::Vector2i& side : {Eigen::Vector2i(1, 0), Eigen::Vector2i(0, 1)}) {
+        const std::int16_t there = room(column + side.x(), row + side.y());
+        if (here < 0 || there < 0 || here == there) continue;
+        const Vector2d middle =
+            grid.cell_middle_m(column, row) + grid.cell_m() / 2 * side.cast<double>();
+        found[std::minmax(here, there)].push_back(middle);
+      }
+    }
+  }
+  return found;
+}
+
+// Points that hang together: nearer than one and a half cells, give or take.
+std::vector<std::vector<Vector2d>> pieces_of(const std::vector<Vector2d>& points, double cell_m) {
+  DisjointSets sets(points.size());
+  for (std::size_t a = 0; a < points.size(); ++a) {
+    for (std::size_t b = a + 1; b < points.size(); ++b) {
+      if ((points[a] - points[b]).norm() < 1.6 * cell_m) sets.join(a, b);
+    }
+  }
+  std::map<std::size_t, std::vector<Vector2d>> pieces;
+  for (std::size_t i = 0; i < points.size(); ++i) pieces[sets.find(i)].push_back(points[i]);
+  std::vector<std::vector<Vector2d>> result;
+  for (auto& [first, piece] : pieces) result.push_back(std::move(piece));
+  return result;
+}
+
+// The two of them that lie farthest apart stand at the doorway's sides.
+Doorway doorway_across(const std::vector<Vector2d>& border, double cell_m) {
+  Doorway doorway;
+  doorway.middle_gravity = border.front();
+  double widest = 0;
+  for (std::size_t a = 0; a < border.size(); ++a) {
+    for (std::size_t b = a + 1; b < border.size(); ++b) {
+      const double apart = (border[a] - border[b]).norm();
+      if (apart <= widest) continue;
+      widest = apart;
+      doorway.middle_gravity = (border[a] + border[b]) / 2;
+    }
+  }
+  doorway.width_m = widest + cell_m;
+  return doorway;
+}
+
+std::vector<Doorway> find_doorways(const FloorGrid& grid, const FreeFloor& floor,
+                                   const RoomCells& room_of, const NamedWalks& walks,
+                                   const RoomLayoutOptions& options) {
+  std::vector<Doorway> doorways;
+  for (const auto& [pair, border] : borders(grid, floor, room_of)) {
+    for (const auto& piece : pieces_of(border, grid.cell_m())) {
+      Doorway doorway = doorway_across(piece, grid.cell_m());
+      if (doorway.width_m < options.min_doorway_m) continue;
+      doorway.rooms = {walks.names[static_cast<std::size_t>(pair.first)],
+                       walks.names[static_cast<std::size_t>(pair.second)]};
+      doorways.push_back(doorway);
+    }
+  }
+  for (const Crossing& crossing : walks.crossings) {
+    const auto [a, b] = std::minmax(crossing.from, crossing.to);
+    const std::array rooms{walks.names[static_cast<std::size_t>(a)],
+                           walks.names[static_cast<std::size_t>(b)]};
+    Doorway* nearest = nullptr;
+    double nearest_m = 2 * options.unsure_path_m;
+    for (Doorway& doorway : doorways) {
+      const double distance_m = (doorway.middle_gravity - crossing.place).norm();
+      if (doorway.rooms != rooms || distance_m > nearest_m) continue;
+      nearest = &doorway;
+      nearest_m = distance_m;
+    }
+    if (nearest != nullptr) {
+      nearest->is_walked = true;
+    } else {
+      doorways.push_back({rooms, crossing.place, 0, true});
+    }
+  }
+  std::ranges::stable_sort(doorways, [](const Doorway& a, const Doorway& b) {
+    return a.rooms != b.rooms ? a.rooms < b.rooms : a.width_m > b.width_m;
+  });
+  return doorways;
+}
+
+std::vector<RoomExtent> find_extents(const FloorGrid& grid, const FreeFloor& floor,
+                                     const RoomCells& room_of, const NamedWalks& walks) {
+  std::vector<RoomExtent> extents(walks.names.size());
+  for (std::size_t i = 0; i < extents.size(); ++i) extents[i].name = walks.names[i];
+  for (const WalkEvidence& one : walks.evidence) {
+    extents[static_cast<std::size_t>(one.room)].middle_gravity = one.place;
+  }
+  const std::vector<double> widths = free_widths(floor);
+  std::vector<double> widest(extents.size(), 0);
+  std::size_t cell = 0;
+  for (int row = 0; row < grid.rows(); ++row) {
+    for (int column = 0; column < grid.columns(); ++column, ++cell) {
+      const std::int16_t room = room_of.at(column, row);
+      if (room < 0 || floor.at(column, row) == 0) continue;
+      const auto index = static_cast<std::size_t>(room);
+      extents[index].floor_m2 += grid.cell_m() * grid.cell_m();
+      if (widths[cell] <= widest[index]) continue;
+      widest[index] = widths[cell];
+      extents[index].middle_gravity = grid.cell_middle_m(column, row);
+    }
+  }
+  return extents;
+}
+
+// Looked at every half standard deviation: where, in standard deviations, and how much of it.
+std::vector<std::pair<Vector2d, double>> normal_distribution() {
+  constexpr int kReach = 6;
+  constexpr double kStep = 0.5;
+  std::vector<std::pair<Vector2d, double>> parts;
+  double sum = 0;
+  for (int y = -kReach; y <= kReach; ++y) {
+    for (int x = -kReach; x <= kReach; ++x) {
+      const Vector2d offset = kStep * Vector2d(x, y);
+      parts.emplace_back(offset, std::exp(-offset.squaredNorm() / 2));
+      sum += parts.back().second;
+    }
+  }
+  for (auto& [offset, share] : parts) share /= sum;
+  return parts;
+}
+
+}  // namespace
+
+Expected<void> RoomLayoutOptions::validate() const {
+  for (const auto& [name, value] : {std::pair{"unsure_path_m", unsure_path_m},
+                                    {"furniture_depth_m", furniture_depth_m},
+                                    {"farthest_seed_m", farthest_seed_m},
+                                    {"min_doorway_m", min_doorway_m}}) {
+    if (!(value >= 0 && std::isfinite(value))) {
+      return fail("{} must be a length of 0 m or more, not {}", name, value);
+    }
+  }
+  return {};
+}
+
+Expected<RoomLayout> RoomLayout::make(const FloorGrid& grid, std::span<const WalkedPath> walks,
+                                      const RoomLayoutOptions& options) {
+  ROOMWISE_CHECK_OK(options.validate());
+  const NamedWalks read = read_walks(walks, options.unsure_path_m);
+
+  RoomLayout layout;
+  layout.origin_m_ = grid.origin_m();
+  layout.cell_m_ = grid.cell_m();
+  layout.room_of_cell_ = RoomCells(grid.columns(), grid.rows(), kNoRoom);
+  const FreeFloor floor = free_floor(grid, walks);
+  spread_over_floor(grid, floor, read, options.unsure_path_m, options.farthest_seed_m,
+                    layout.room_of_cell_);
+  take_furniture_in(grid, floor, options.furniture_depth_m, layout.room_of_cell_);
+  layout.rooms_ = find_extents(grid, floor, layout.room_of_cell_, read);
+  if (!layout.has_floor()) return layout;
+  layout.doorways_ = find_doorways(grid, floor, layout.room_of_cell_, read, options);
+  return layout;
+}
+
+bool RoomLayout::has_floor() const {
+  return std::ranges::any_of(rooms_, [](const RoomExtent& room) { return room.floor_m2 > 0; });
+}
+
+std::optional<std::size_t> RoomLayout::room_of_cell(int column, int row) const {
+  if (!room_of_cell_.contains(column, row)) return std::nullopt;
+  const std::int16_t room = room_of_cell_.at(column, row);
+  return room < 0 ? std::nullopt : std::optional<std::size_t>(room);
+}
+
+std::int16_t RoomLayout::room_around(const Vector2d& point_gravity) const {
+  const Eigen::Array2d at = ((point_gravity - origin_m_) / cell_m_).array().floor();
+  if (!(at.abs() < kMaxCells).all()) return kNoRoom;
+  const int column = static_cast<int>(at.x()), row = static_cast<int>(at.y());
+  return room_of_cell_.contains(column, row) ? room_of_cell_.at(column, row) : kNoRoom;
+}
+
+std::optional<std::string> RoomLayout::room_at(const Vector2d& point_gravity) const {
+  const std::int16_t room = room_around(point_gravity);
+  return room < 0 ? std::nullopt : std::optional(rooms_[static_cast<std::size_t>(room)].name);
+}
+
+std::vector<double> RoomLayout::room_probabilities(const Vector2d& point_gravity,
+                                                   double sigma_m) const {
+  std::vector<double> shares(rooms_.size(), 0);
+  for (const auto& [offset, share] : normal_distribution()) {
+    const std::int16_t room = room_around(point_gravity + sigma_m * offset);
+    if (room >= 0) shares[static_cast<std::size_t>(room)] += share;
+  }
+  return shares;
+}
+
+double RoomLayout::nameless_share_around(const Vector2d& point_gravity, double sigma_m) const {
+  double nameless = 0;
+  for (const auto& [offset, share] : normal_distribution()) {
+    if (room_around(point_gravity + sigma_m * offset) == kNamelessRoom) nameless += share;
+  }
+  return nameless;
+}
+
+std::vector<std::string> RoomLayout::neighbors(const std::string& room) const {
+  std::set<std::string> found;
+  for (const Doorway& doorway : doorways_) {
+    if (doorway.joins(room)) found.insert(doorway.rooms[doorway.rooms[0] == room ? 1 : 0]);
+  }
+  return {found.begin(), found.end()};
+}
+
+}  // namespace roomwise::rooms

@@ -1,0 +1,272 @@
+#include "roomwise/rooms/learning/room_learner.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <map>
+#include <numeric>
+#include <optional>
+
+#include "roomwise/rooms/learning/retrieval_learner.h"
+#include "roomwise/rooms/statistics/softmax_trainer.h"
+
+namespace roomwise::rooms {
+namespace {
+
+// Of the gradient in the held-out test, where only the highest probability counts.
+constexpr double kHeldOutTolerance = 1e-4;
+
+// The pictures and their variants as the regression takes them.
+struct TrainingSet {
+  std::vector<std::string> rooms;  // by name; a label is an index of it
+  Eigen::MatrixXf samples;         // one a row: each picture, followed by its variants
+  std::vector<int> labels;
+  std::vector<int> folds;             // the round that holds the sample out
+  std::vector<std::size_t> pictures;  // the rows that are no variants
+  RetrievalSamples retrieval;         // the same rows to be remembered
+
+  [[nodiscard]] int classes() const { return static_cast<int>(rooms.size()); }
+};
+
+Expected<void> check_features(std::span<const float> features, std::size_t expected,
+                              const std::string& whose) {
+  if (features.empty() || features.size() != expected) {
+    return fail("{} has {} features, the first has {}; take all from the same network", whose,
+                features.size(), expected);
+  }
+  if (!std::ranges::all_of(features, [](float value) { return std::isfinite(value); })) {
+    return fail("{} has features that are not finite", whose);
+  }
+  return {};
+}
+
+Expected<void> check_samples(std::span<const RoomSample> samples) {
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const RoomSample& sample = samples[i];
+    if (sample.room.empty()) return fail("picture {} names no room", i);
+    const std::string whose = fmt::format("picture {} ({})", i, sample.room);
+    const std::size_t expected = samples.front().features.size();
+    ROOMWISE_CHECK_OK(check_features(sample.features, expected, whose));
+    for (const auto& variant : sample.variants) {
+      ROOMWISE_CHECK_OK(check_features(variant, expected, "a variant of " + whose));
+    }
+  }
+  return {};
+}
+
+Expected<std::vector<std::string>> rooms_of(std::span<const RoomSample> samples,
+                                            const LearningOptions& options) {
+  std::map<std::string, std::size_t> pictures;
+  for (const RoomSample& sample : samples) ++pictures[sample.room];
+  if (pictures.size() < 2) {
+    return fail("there are pictures of {}; telling rooms apart takes at least two rooms",
+                pictures.empty() ? "no room" : pictures.begin()->first + " alone");
+  }
+  std::vector<std::string> rooms;
+  for (const auto& [room, count] : pictures) {
+    if (count < options.min_pictures) {
+      return fail("room \"{}\" has {} pictures; learning takes at least {} of each room", room,
+                  count, options.min_pictures);
+    }
+    rooms.push_back(room);
+  }
+  return rooms;
+}
+
+// Cuts the samples of every room and group into blocks, one a fold. A group with fewer samples than
+// folds begins at another fold than the group before it, so that the folds fill evenly.
+std::vector<int> block_folds(std::span<const RoomSample> samples, int folds) {
+  std::map<std::string, std::map<std::uint64_t, std::vector<std::size_t>>> members;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    members[samples[i].room][samples[i].group].push_back(i);
+  }
+  std::vector<int> fold_of(samples.size(), 0);
+  const auto fold_count = static_cast<std::size_t>(folds);
+  for (const auto& [room, groups] : members) {
+    std::size_t first_fold = 0;
+    for (const auto& [group, indices] : groups) {
+      const std::size_t blocks = std::min(fold_count, indices.size());
+      for (std::size_t i = 0; i < indices.size(); ++i) {
+        const std::size_t block = i * blocks / indices.size();
+        fold_of[indices[i]] = static_cast<int>((first_fold + block) % fold_count);
+      }
+      first_fold += blocks;
+    }
+  }
+  return fold_of;
+}
+
+TrainingSet make_training_set(std::span<const RoomSample> samples, std::vector<std::string> rooms,
+                              int folds) {
+  TrainingSet set;
+  set.rooms = std::move(rooms);
+  std::size_t rows = samples.size();
+  for (const RoomSample& sample : samples) rows += sample.variants.size();
+  set.samples.resize(static_cast<Eigen::Index>(rows),
+                     static_cast<Eigen::Index>(samples.front().features.size()));
+  set.retrieval.rows.resize(set.samples.rows(), set.samples.cols());
+  const std::vector<int> fold_of = block_folds(samples, folds);
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const auto room = std::ranges::lower_bound(set.rooms, samples[i].room);
+    const auto add = [&](std::span<const float> features) {
+      const auto row = static_cast<Eigen::Index>(set.labels.size());
+      set.samples.row(row) = unit_length(features);
+      set.retrieval.rows.row(row) = root_features(features);
+      set.retrieval.picture.push_back(static_cast<int>(i));
+      set.labels.push_back(static_cast<int>(room - set.rooms.begin()));
+      set.folds.push_back(fold_of[i]);
+    };
+    set.pictures.push_back(set.labels.size());
+    add(samples[i].features);
+    for (const auto& variant : samples[i].variants) add(variant);
+  }
+  set.retrieval.room = set.labels;
+  set.retrieval.fold = set.folds;
+  return set;
+}
+
+// What the held-out test of one weight decay gave.
+struct HeldOutTest {
+  std::vector<std::size_t> correct;  // of each room
+  std::size_t tested = 0;
+
+  [[nodiscard]] double precision() const {
+    const auto total = std::accumulate(correct.begin(), correct.end(), std::size_t{0});
+    return static_cast<double>(total) / static_cast<double>(tested);
+  }
+  // Of the precision. One more right and one more wrong answer than there were keep it from being
+  // zero where a few pictures are all right (Laplace's rule of succession).
+  [[nodiscard]] double standard_error() const {
+    const double n = static_cast<double>(tested) + 2;
+    const double p = (precision() * static_cast<double>(tested) + 1) / n;
+    return std::sqrt(p * (1 - p) / n);
+  }
+};
+
+// For each fold, what is learned from while it is held out.
+std::vector<std::vector<bool>> parts_without_folds(const TrainingSet& set, int folds) {
+  std::vector<std::vector<bool>> parts;
+  for (int fold = 0; fold < folds; ++fold) {
+    auto& part = parts.emplace_back();
+    for (const int of_sample : set.folds) part.push_back(of_sample != fold);
+  }
+  return parts;
+}
+
+// regressions[i] was learned without fold i.
+HeldOutTest test_held_out(const TrainingSet& set, std::span<const SoftmaxRegression> regressions) {
+  HeldOutTest test;
+  test.correct.assign(set.rooms.size(), 0);
+  for (const std::size_t picture : set.pictures) {
+    const SoftmaxRegression& regression = regressions[static_cast<std::size_t>(set.folds[picture])];
+    Eigen::Index best = 0;
+    regression.probabilities(set.samples.row(static_cast<Eigen::Index>(picture))).maxCoeff(&best);
+    ++test.tested;
+    if (best == set.labels[picture]) ++test.correct[static_cast<std::size_t>(best)];
+  }
+  return test;
+}
+
+// One test for each weight decay, in the order of the options. All rounds of one decay learn at
+// once, and what they learn is where the next weaker one begins.
+Expected<std::vector<HeldOutTest>> held_out_tests(const TrainingSet& set,
+                                                  const SoftmaxTrainer& trainer,
+                                                  const LearningOptions& options) {
+  std::vector<std::size_t> strongest_first(options.weight_decays.size());
+  std::iota(strongest_first.begin(), strongest_first.end(), 0);
+  std::ranges::stable_sort(strongest_first, std::greater(),
+                           [&](std::size_t i) { return options.weight_decays[i]; });
+  const auto parts = parts_without_folds(set, options.folds);
+  std::vector<HeldOutTest> tests(options.weight_decays.size());
+  std::vector<SoftmaxRegression> regressions;
+  for (const std::size_t i : strongest_first) {
+    SoftmaxOptions softmax;
+    softmax.weight_decay = options.weight_decays[i];
+    softmax.gradient_tolerance = kHeldOutTolerance;
+    ROOMWISE_TRY(regressions, trainer.train(parts, softmax, regressions));
+    tests[i] = test_held_out(set, regressions);
+  }
+  return tests;
+}
+
+// The strongest weight decay whose precision is within a standard error of the best one (the
+// one-standard-error rule of Breiman et al., Classification and Regression Trees, 1984): where the
+// test cannot tell two apart, the simpler classifier fares better on another day.
+std::size_t choose(std::span<const double> weight_decays, std::span<const HeldOutTest> tests) {
+  const HeldOutTest& best = *std::ranges::max_element(tests, {}, &HeldOutTest::precision);
+  const double enough = best.precision() - best.standard_error();
+  std::optional<std::size_t> chosen;
+  for (std::size_t i = 0; i < tests.size(); ++i) {
+    if (tests[i].precision() < enough) continue;
+    if (!chosen || weight_decays[i] > weight_decays[*chosen]) chosen = i;
+  }
+  return *chosen;
+}
+
+LearningReport make_report(const TrainingSet& set, const HeldOutTest& test,
+                           const LearnedRetrieval& retrieval, double weight_decay,
+                           const LearningOptions& options) {
+  LearningReport report;
+  std::vector<std::size_t> pictures(set.rooms.size(), 0);
+  for (const std::size_t picture : set.pictures) {
+    ++pictures[static_cast<std::size_t>(set.labels[picture])];
+  }
+  for (std::size_t room = 0; room < set.rooms.size(); ++room) {
+    report.rooms.push_back(
+        {set.rooms[room], pictures[room], retrieval.correct[room], test.correct[room]});
+    report.held_out_correct += retrieval.correct[room];
+    if (pictures[room] < options.comfortable_pictures) {
+      report.warnings.push_back(
+          fmt::format("room \"{}\" has only {} pictures; a slower walk through it, or more "
+                      "photos of it, make surer answers",
+                      set.rooms[room], pictures[room]));
+    }
+  }
+  report.held_out = test.tested;
+  report.paper_held_out_precision = test.precision();
+  report.calibration = retrieval.retrieval.calibration;
+  report.weight_decay = weight_decay;
+  return report;
+}
+
+}  // namespace
+
+Expected<void> LearningOptions::validate() const {
+  if (folds < 2) return fail("folds is {}; expected at least 2", folds);
+  if (weight_decays.empty()) return fail("weight_decays is empty; expected at least one");
+  for (const double decay : weight_decays) {
+    if (!(decay > 0 && std::isfinite(decay))) {
+      return fail("weight_decays holds {}; expected values over 0", decay);
+    }
+  }
+  if (min_pictures < static_cast<std::size_t>(folds)) {
+    return fail("min_pictures is {}; expected at least folds ({}), so that every round has some",
+                min_pictures, folds);
+  }
+  return {};
+}
+
+Expected<LearnedRooms> learn_rooms(std::span<const RoomSample> samples,
+                                   const NetworkIdentity& network, const LearningOptions& options,
+                                   ThreadPool* pool) {
+  ROOMWISE_CHECK_OK(options.validate());
+  ROOMWISE_CHECK_OK(check_samples(samples));
+  ROOMWISE_TRY(std::vector<std::string> rooms, rooms_of(samples, options));
+  const TrainingSet set = make_training_set(samples, std::move(rooms), options.folds);
+  ROOMWISE_TRY(const SoftmaxTrainer trainer,
+               SoftmaxTrainer::create(set.samples, set.labels, set.classes(), pool));
+  ROOMWISE_TRY(const auto tests, held_out_tests(set, trainer, options));
+  const std::size_t chosen = choose(options.weight_decays, tests);
+
+  SoftmaxOptions best;
+  best.weight_decay = options.weight_decays[chosen];
+  const std::vector<bool> all(set.labels.size(), true);
+  ROOMWISE_TRY(auto trained, trainer.train(std::span(&all, 1), best));
+  LearnedRetrieval retrieval = learn_retrieval(set.retrieval, set.classes(), options.folds, pool);
+  LearningReport report = make_report(set, tests[chosen], retrieval, best.weight_decay, options);
+  return LearnedRooms{RoomClassifier(network, set.rooms, std::move(trained.front()),
+                                     std::move(retrieval.retrieval)),
+                      std::move(report)};
+}
+
+}  // namespace roomwise::rooms

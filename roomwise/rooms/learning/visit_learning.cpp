@@ -1,0 +1,83 @@
+#include "roomwise/rooms/learning/visit_learning.h"
+
+#include <algorithm>
+
+namespace roomwise::rooms {
+namespace {
+
+// How well a picture must be known to bring nothing new (RoomCalibration::known): about as well as
+// half of a development home's own pictures are by their neighbours on the walk
+// (docs/experiments/rooms-refresh.md).
+constexpr double kNothingNew = 1.5;
+
+// Of `left`, which is not empty: which is least well known, and how well.
+Expected<std::pair<std::size_t, double>> min_known(const RoomClassifier& classifier,
+                                                   std::span<const RoomPicture> pictures,
+                                                   std::span<const std::size_t> left) {
+  std::pair<std::size_t, double> least{left.front(), 0};
+  for (const std::size_t i : left) {
+    ROOMWISE_TRY(const PictureEvidence evidence, classifier.evidence(pictures[i].features));
+    if (i == left.front() || evidence.known < least.second) least = {i, evidence.known};
+  }
+  return least;
+}
+
+}  // namespace
+
+Expected<void> VisitLearningOptions::validate() const {
+  if (!(min_inside > 0.5 && min_inside < 1)) {
+    return fail("min_inside is {}; expected more than 0.5 and less than 1", min_inside);
+  }
+  if (max_of_visit == 0) return fail("max_of_visit is 0; expected at least 1");
+  if (most < max_of_visit) {
+    return fail("most is {}; expected at least max_of_visit ({})", most, max_of_visit);
+  }
+  return {};
+}
+
+std::optional<std::size_t> room_by_place(const PlaceEvidence& place,
+                                         const VisitLearningOptions& options) {
+  Eigen::Index best = 0;
+  const double inside = place.probabilities.maxCoeff(&best);
+  if (place.log_likelihood_ratio <= 0 || inside < options.min_inside) return std::nullopt;
+  return static_cast<std::size_t>(best);
+}
+
+std::optional<std::size_t> room_by_picture(const PictureEvidence& picture,
+                                           const RoomDecision& along_walk,
+                                           std::span<const std::string> names,
+                                           const RoomCalibration& calibration) {
+  Eigen::Index best = 0;
+  picture.probabilities.maxCoeff(&best);
+  const auto room = static_cast<std::size_t>(best);
+  const bool is_told =
+      picture.known >= calibration.known_threshold && along_walk.room() == names[room];
+  return is_told ? std::optional(room) : std::nullopt;
+}
+
+Expected<std::vector<std::size_t>> choose_pictures(
+    const RoomClassifier& classifier, std::span<const RoomPicture> agreed,
+    const VisitLearningOptions& options, const std::map<std::string, std::size_t>& remembered) {
+  ROOMWISE_CHECK_OK(options.validate());
+  std::vector<std::size_t> chosen;
+  RoomClassifier knowing = classifier;
+  for (const std::string& room : classifier.rooms()) {
+    std::vector<std::size_t> left;
+    for (std::size_t i = 0; i < agreed.size(); ++i) {
+      if (agreed[i].room == room) left.push_back(i);
+    }
+    const auto before = remembered.find(room);
+    std::size_t count = before == remembered.end() ? 0 : before->second;
+    for (; count < options.max_of_visit && !left.empty(); ++count) {
+      ROOMWISE_TRY(const auto least, min_known(knowing, agreed, left));
+      if (least.second >= kNothingNew) break;
+      ROOMWISE_TRY(knowing, knowing.with(agreed.subspan(least.first, 1)));
+      std::erase(left, least.first);
+      chosen.push_back(least.first);
+    }
+  }
+  std::ranges::sort(chosen);
+  return chosen;
+}
+
+}  // namespace roomwise::rooms

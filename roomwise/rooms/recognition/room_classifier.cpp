@@ -1,0 +1,167 @@
+#include "roomwise/rooms/recognition/room_classifier.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "roomwise/rooms/recognition/stored_numbers.h"
+
+namespace roomwise::rooms {
+namespace {
+
+constexpr std::string_view kMagic = "RWRC";
+// Version 1 ends after the regression, version 2 has nothing of what is usual in each room.
+constexpr std::uint32_t kVersion = 3;
+
+bool has_duplicates(std::vector<std::string> names) {
+  std::ranges::sort(names);
+  return std::ranges::adjacent_find(names) != names.end();
+}
+
+}  // namespace
+
+Eigen::VectorXf unit_length(std::span<const float> features) {
+  const Eigen::Map<const Eigen::VectorXf> values(features.data(),
+                                                 static_cast<Eigen::Index>(features.size()));
+  const double length = values.cast<double>().norm();
+  if (!(length > 0)) return values;
+  return (values.cast<double>() / length).cast<float>();
+}
+
+RoomClassifier::RoomClassifier(NetworkIdentity network, std::vector<std::string> rooms,
+                               SoftmaxRegression regression, std::optional<RoomRetrieval> retrieval)
+    : network_(std::move(network)),
+      rooms_(std::move(rooms)),
+      regression_(std::move(regression)),
+      retrieval_(std::move(retrieval)) {
+  const auto classes = static_cast<std::size_t>(regression_.biases().size());
+  if (rooms_.empty() || rooms_.size() != classes ||
+      regression_.weights().rows() != regression_.biases().size()) {
+    throw std::invalid_argument("RoomClassifier: not one class a room");
+  }
+  const std::size_t usual = retrieval_ ? retrieval_->calibration.room_score_means.size() : 0;
+  if (usual != 0 && usual != rooms_.size()) {
+    throw std::invalid_argument("RoomClassifier: not every room has what is usual in it");
+  }
+}
+
+Expected<void> RoomClassifier::check(std::span<const float> features) const {
+  if (features.size() != feature_size()) {
+    return fail(
+        "the picture has {} features, but the rooms were learned on {} of the network {}; use "
+        "that network, or learn the rooms again",
+        features.size(), feature_size(), network_.name);
+  }
+  if (!std::ranges::all_of(features, [](float value) { return std::isfinite(value); })) {
+    return fail("the picture's features are not finite");
+  }
+  return {};
+}
+
+Expected<void> RoomClassifier::check_retrieval() const {
+  if (retrieval_) return {};
+  return fail(
+      "the rooms were learned by an earlier Roomwise, which kept no pictures to compare with; "
+      "learn them again, or use the paper's rule");
+}
+
+Expected<RoomClassifier> RoomClassifier::with(std::span<const RoomPicture> pictures) const {
+  ROOMWISE_CHECK_OK(check_retrieval());
+  Eigen::MatrixXf rows(pictures.size(), feature_size());
+  std::vector<int> rooms;
+  for (const RoomPicture& picture : pictures) {
+    ROOMWISE_CHECK_OK(check(picture.features));
+    const auto room = std::ranges::find(rooms_, picture.room);
+    if (room == rooms_.end()) return fail("room \"{}\" was not learned", picture.room);
+    rows.row(static_cast<Eigen::Index>(rooms.size())) = root_features(picture.features);
+    rooms.push_back(static_cast<int>(room - rooms_.begin()));
+  }
+  RoomClassifier more = *this;
+  more.retrieval_->memory = retrieval_->memory.with(rows, rooms);
+  return more;
+}
+
+Expected<PictureEvidence> RoomClassifier::evidence(std::span<const float> features) const {
+  ROOMWISE_CHECK_OK(check(features));
+  ROOMWISE_CHECK_OK(check_retrieval());
+  const Similarity similarity = retrieval_->memory.compare(root_features(features));
+  return PictureEvidence{retrieval_->calibration.probabilities(similarity),
+                         retrieval_->calibration.known(similarity)};
+}
+
+Expected<std::vector<RoomScore>> RoomClassifier::scores(std::span<const float> features) const {
+  ROOMWISE_CHECK_OK(check(features));
+  const Eigen::VectorXf probabilities = regression_.probabilities(unit_length(features));
+  std::vector<RoomScore> scores;
+  for (std::size_t i = 0; i < rooms_.size(); ++i) {
+    scores.push_back({rooms_[i], static_cast<double>(probabilities[static_cast<Eigen::Index>(i)])});
+  }
+  std::ranges::stable_sort(scores, std::ranges::greater{}, &RoomScore::score);
+  return scores;
+}
+
+Bytes RoomClassifier::to_bytes() const {
+  NumberWriter writer;
+  writer.raw(kMagic);
+  writer.number(retrieval_ ? kVersion : 1);
+  writer.text(network_.name);
+  writer.text(network_.fingerprint);
+  writer.number(static_cast<std::uint32_t>(rooms_.size()));
+  writer.number(static_cast<std::uint32_t>(feature_size()));
+  for (Eigen::Index i = 0; i < regression_.biases().size(); ++i) {
+    writer.text(rooms_[static_cast<std::size_t>(i)]);
+    writer.real(regression_.biases()[i]);
+    for (Eigen::Index j = 0; j < regression_.weights().cols(); ++j) {
+      writer.real(regression_.weights()(i, j));
+    }
+  }
+  if (retrieval_) write(writer, *retrieval_);
+  return writer.take();
+}
+
+Expected<RoomClassifier> RoomClassifier::from_bytes(std::span<const std::uint8_t> bytes) {
+  const auto damaged = [](std::string_view what) {
+    return fail("the room classifier is damaged: {}; learn the rooms again", what);
+  };
+  NumberReader reader(bytes);
+  if (reader.raw(kMagic.size()) != kMagic) return damaged("it does not begin with RWRC");
+  const std::uint32_t version = reader.number();
+  if (version < 1 || version > kVersion) {
+    return fail(
+        "the room classifier has version {}, this program reads 1 to {}; learn the rooms again",
+        version, kVersion);
+  }
+  NetworkIdentity network;
+  network.name = reader.text();
+  network.fingerprint = reader.text();
+  const std::size_t rooms = reader.number();
+  const std::size_t features = reader.number();
+  // Every room takes its name's length, bias and weights; asked before any memory is taken.
+  if (reader.failed() || rooms == 0 || features == 0 ||
+      reader.left() / (8 + 4 * features) < rooms) {
+    return damaged("it is cut short");
+  }
+  std::vector<std::string> names;
+  Eigen::MatrixXf weights(rooms, features);
+  Eigen::VectorXf biases(rooms);
+  for (Eigen::Index i = 0; i < biases.size(); ++i) {
+    names.push_back(reader.text());
+    biases[i] = reader.real();
+    for (Eigen::Index j = 0; j < weights.cols(); ++j) weights(i, j) = reader.real();
+  }
+  if (reader.failed()) return damaged("it is cut short");
+  std::optional<RoomRetrieval> retrieval;
+  if (version > 1) {
+    auto read = read_retrieval(reader, names.size(), features, version);
+    if (!read) return damaged(read.error().message);
+    retrieval = *std::move(read);
+  }
+  if (reader.left() != 0) return damaged("something follows its end");
+  if (!weights.allFinite() || !biases.allFinite()) return damaged("a weight is not finite");
+  if (has_duplicates(names)) return damaged("it names a room twice");
+  return RoomClassifier(std::move(network), std::move(names),
+                        SoftmaxRegression(std::move(weights), std::move(biases)),
+                        std::move(retrieval));
+}
+
+}  // namespace roomwise::rooms

@@ -1,0 +1,188 @@
+#include "roomwise/rooms/recognition/room_classifier.h"
+
+#include <gmock/gmock.h>
+
+#include <limits>
+
+#include "roomwise/base/testing/testing.h"
+
+namespace roomwise::rooms {
+namespace {
+
+using ::testing::HasSubstr;
+
+RoomClassifier of_version_1() {
+  Eigen::MatrixXf weights(2, 3);
+  weights << 4, 0, 0.5F, 0, 4, -0.25F;
+  return RoomClassifier({"net", "abc123"}, {"bath", "kitchen"},
+                        SoftmaxRegression(weights, Eigen::Vector2f(0.5F, -0.5F)));
+}
+
+// Three pictures of each room, two variants of each.
+RoomClassifier two_rooms() {
+  Eigen::MatrixXf rows(12, 3);
+  std::vector<int> room;
+  std::vector<int> picture;
+  for (int i = 0; i < 12; ++i) {
+    const auto step = static_cast<float>(i);
+    rows.row(i) =
+        root_features(i < 6 ? std::vector{9.0F, 1.0F, step} : std::vector{1.0F, 9.0F, step});
+    room.push_back(i / 6);
+    picture.push_back(i / 2);
+  }
+  const RoomClassifier first = of_version_1();
+  RoomCalibration calibration;
+  calibration.room_score_means = {0.25, -0.5};
+  return RoomClassifier(first.network(), first.rooms(), first.regression(),
+                        RoomRetrieval{RoomGallery(rows, room, picture, 2), calibration});
+}
+
+TEST(RoomClassifier, NamesTheBestRoomFirst) {
+  const auto scores = two_rooms().scores(std::vector<float>{0, 1, 0});
+  ASSERT_OK(scores);
+  ASSERT_EQ(scores->size(), 2u);
+  EXPECT_EQ((*scores)[0].room, "kitchen");
+  EXPECT_NEAR((*scores)[0].score, 1 / (1 + std::exp(-3.0)), 1e-6);
+  EXPECT_NEAR((*scores)[0].score + (*scores)[1].score, 1, 1e-6);
+}
+
+TEST(RoomClassifier, TheLengthOfTheFeaturesDoesNotCount) {
+  const RoomClassifier classifier = two_rooms();
+  const auto near = classifier.scores(std::vector<float>{0.25F, 0.5F, 0.125F});
+  const auto far = classifier.scores(std::vector<float>{2, 4, 1});
+  ASSERT_OK(near);
+  EXPECT_EQ(*near, *far);
+  EXPECT_OK(classifier.scores(std::vector<float>{0, 0, 0}));
+}
+
+TEST(RoomClassifier, RefusesFeaturesOfAnotherNetwork) {
+  const RoomClassifier classifier = two_rooms();
+  EXPECT_ERROR(classifier.scores(std::vector<float>{1, 2}),
+               "2 features, but the rooms were learned on 3 of the network net");
+  EXPECT_ERROR(classifier.scores(std::vector<float>{1, 2, std::numeric_limits<float>::infinity()}),
+               "not finite");
+}
+
+TEST(RoomClassifier, IsKnownByMorePicturesWithoutBeingCalibratedAnew) {
+  const RoomClassifier classifier = two_rooms();
+  const std::vector<float> picture{3, 4, 40};
+  const std::vector<RoomPicture> more(RoomGallery::kMaxAlike, RoomPicture{picture, "kitchen"});
+  const auto knowing = classifier.with(more);
+  ASSERT_OK(knowing);
+  EXPECT_GT(knowing->evidence(picture)->known, classifier.evidence(picture)->known);
+  EXPECT_GT(knowing->evidence(picture)->probabilities[1],
+            classifier.evidence(picture)->probabilities[1]);
+  EXPECT_EQ(knowing->retrieval()->calibration, classifier.retrieval()->calibration);
+  EXPECT_EQ(*knowing->scores(picture), *classifier.scores(picture)) << "the paper's way";
+  EXPECT_ERROR(classifier.with(std::vector<RoomPicture>{{picture, "cellar"}}), "\"cellar\"");
+  EXPECT_ERROR(classifier.with(std::vector<RoomPicture>{{{1, 2}, "bath"}}), "2 features");
+  EXPECT_ERROR(of_version_1().with(more), "earlier Roomwise");
+}
+
+TEST(RoomClassifier, ComesBackFromItsBytes) {
+  const RoomClassifier classifier = two_rooms();
+  const auto back = RoomClassifier::from_bytes(classifier.to_bytes());
+  ASSERT_OK(back);
+  EXPECT_EQ(back->network(), classifier.network());
+  EXPECT_EQ(back->rooms(), classifier.rooms());
+  EXPECT_EQ(back->regression().weights(), classifier.regression().weights());
+  EXPECT_EQ(back->regression().biases(), classifier.regression().biases());
+}
+
+TEST(RoomClassifier, SaysTheSameOfAPictureAfterItWasStored) {
+  const RoomClassifier classifier = two_rooms();
+  const auto back = RoomClassifier::from_bytes(classifier.to_bytes());
+  ASSERT_OK(back);
+  const std::vector<float> picture{0.8F, 0.2F, 0.3F};
+  const auto before = classifier.evidence(picture);
+  const auto after = back->evidence(picture);
+  ASSERT_OK(before);
+  ASSERT_OK(after);
+  EXPECT_GT(before->probabilities[0], 0.6);
+  EXPECT_EQ(before->probabilities, after->probabilities);
+  EXPECT_EQ(before->known, after->known);
+  EXPECT_EQ(back->retrieval()->calibration, classifier.retrieval()->calibration);
+}
+
+TEST(RoomClassifier, ReadsVersion1WhichHasNothingToCompareWith) {
+  const Bytes bytes = of_version_1().to_bytes();
+  EXPECT_EQ(bytes[4], 1);
+  const auto back = RoomClassifier::from_bytes(bytes);
+  ASSERT_OK(back);
+  EXPECT_OK(back->scores(std::vector<float>{0, 1, 0}));
+  EXPECT_ERROR(back->evidence(std::vector<float>{0, 1, 0}), "learn them again");
+  EXPECT_EQ(two_rooms().to_bytes()[4], 3);
+}
+
+// How many bytes version 3 has at its end that version 2 lacks, for two rooms.
+constexpr std::size_t kUsualBytes = 4 + 2 * 8;
+
+TEST(RoomClassifier, ReadsVersion2WhichKnowsNothingOfWhatIsUsualInARoom) {
+  const RoomClassifier classifier = two_rooms();
+  Bytes bytes = classifier.to_bytes();
+  bytes.resize(bytes.size() - kUsualBytes);
+  bytes[4] = 2;
+  const auto back = RoomClassifier::from_bytes(bytes);
+  ASSERT_OK(back);
+  EXPECT_TRUE(back->retrieval()->calibration.room_score_means.empty());
+  const std::vector<float> bath{9, 1, 2};
+  const auto of_bath = classifier.evidence(bath);
+  ASSERT_OK(of_bath);
+  EXPECT_NEAR(back->evidence(bath)->known, of_bath->known + 0.25, 1e-9);
+  EXPECT_EQ(back->to_bytes()[4], 3);
+  EXPECT_OK(RoomClassifier::from_bytes(back->to_bytes()));
+}
+
+TEST(RoomClassifier, RefusesDamagedBytes) {
+  const Bytes whole = two_rooms().to_bytes();
+  for (std::size_t size = 0; size < whole.size(); ++size) {
+    EXPECT_FALSE(RoomClassifier::from_bytes(std::span(whole).first(size)).has_value()) << size;
+  }
+  Bytes longer = whole;
+  longer.push_back(0);
+  EXPECT_ERROR(RoomClassifier::from_bytes(longer), "something follows its end");
+  Bytes other = whole;
+  other[0] = 'X';
+  EXPECT_ERROR(RoomClassifier::from_bytes(other), "does not begin with RWRC");
+  Bytes newer = whole;
+  newer[4] = 4;
+  EXPECT_ERROR(RoomClassifier::from_bytes(newer), "version 4");
+  Bytes infinite = of_version_1().to_bytes();
+  for (std::size_t i = infinite.size() - 4; i < infinite.size(); ++i) infinite[i] = 0xff;
+  EXPECT_ERROR(RoomClassifier::from_bytes(infinite), "not finite");
+  const std::size_t usual =
+      whole.size() - kUsualBytes;  // before it is the calibration's reject_threshold
+  Bytes unbounded = whole;
+  for (std::size_t i = usual - 8; i < usual; ++i) unbounded[i] = 0xff;
+  EXPECT_ERROR(RoomClassifier::from_bytes(unbounded), "reject_threshold");
+  Bytes unusual = whole;
+  for (std::size_t i = usual + 4; i < whole.size(); ++i) unusual[i] = 0xff;
+  EXPECT_ERROR(RoomClassifier::from_bytes(unusual), "room_score_means");
+  Bytes of_one_room = whole;
+  of_one_room[usual] = 1;
+  EXPECT_ERROR(RoomClassifier::from_bytes(of_one_room), "not every room");
+}
+
+TEST(RoomClassifier, SurvivesEveryFlippedByte) {
+  const Bytes whole = two_rooms().to_bytes();
+  EXPECT_EQ(RoomClassifier::from_bytes(whole)->to_bytes(), whole);
+  for (std::size_t i = 0; i < whole.size(); ++i) {
+    Bytes flipped = whole;
+    flipped[i] ^= 0xff;
+    if (const auto read = RoomClassifier::from_bytes(flipped)) {
+      EXPECT_EQ(read->to_bytes(), flipped) << "byte " << i;
+    }
+  }
+}
+
+TEST(RoomClassifier, NeedsOneClassARoom) {
+  const RoomClassifier rooms = two_rooms();
+  EXPECT_THROW(RoomClassifier({}, {"bath"}, rooms.regression()), std::invalid_argument);
+  RoomRetrieval retrieval = *rooms.retrieval();
+  retrieval.calibration.room_score_means.push_back(0);
+  EXPECT_THROW(RoomClassifier({}, rooms.rooms(), rooms.regression(), retrieval),
+               std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace roomwise::rooms

@@ -1,0 +1,166 @@
+#include "roomwise/rooms/recognition/room_decision.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace roomwise::rooms {
+namespace {
+
+// How much two pictures of one place say the same. Of 0, 0.25, 0.5, 0.75 and 1 this one gives the
+// pairs of held-out pictures their best probabilities
+// (docs/experiments/rooms-correlation-of-pictures.md).
+constexpr double kCorrelation = 0.5;
+// No picture rules a room out.
+constexpr double kMinProbability = 1e-6;
+// How often an object that the network is quite sure of is there.
+constexpr double kTrustInObjects = 0.7;
+
+std::vector<RoomScore> best_first(const Eigen::VectorXd& probabilities,
+                                  std::span<const std::string> names) {
+  std::vector<RoomScore> scores;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    scores.push_back({names[i], probabilities[static_cast<Eigen::Index>(i)]});
+  }
+  std::ranges::stable_sort(scores, std::ranges::greater{}, &RoomScore::score);
+  return scores;
+}
+
+// What is said of the two best rooms: "kitchen (0.51) or hall (0.44)".
+std::string candidates(std::span<const RoomScore> rooms) {
+  std::string text = fmt::format("{} ({:.2f})", rooms[0].room, rooms[0].score);
+  if (rooms.size() > 1) text += fmt::format(" or {} ({:.2f})", rooms[1].room, rooms[1].score);
+  return text;
+}
+
+// How much an object speaks for each room; the shares add up to 1, or are all 0 where it says
+// nothing.
+Eigen::VectorXd shares_of(const std::string& object, const Concepts& concepts,
+                          std::span<const Room> rooms, const RoomObjects& learned) {
+  Eigen::VectorXd shares = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(rooms.size()));
+  const auto by_pictures = learned.shares(object);
+  const auto type = by_pictures.empty() ? concepts.represented_room_type(object) : std::nullopt;
+  for (std::size_t i = 0; i < rooms.size(); ++i) {
+    const auto found = by_pictures.find(rooms[i].name);
+    const bool is_of_type = type && rooms[i].type == *type;
+    shares[static_cast<Eigen::Index>(i)] =
+        found != by_pictures.end() ? found->second : static_cast<double>(is_of_type);
+  }
+  const double sum = shares.sum();
+  return sum > 0 ? Eigen::VectorXd(shares / sum) : shares;
+}
+
+// Whether an object speaks for a room as much as for any other, and for some other less.
+bool speaks_for(const std::string& room, const Eigen::VectorXd& shares,
+                std::span<const Room> rooms) {
+  for (std::size_t i = 0; i < rooms.size(); ++i) {
+    const double share = shares[static_cast<Eigen::Index>(i)];
+    if (rooms[i].name == room) return share == shares.maxCoeff() && share > shares.minCoeff();
+  }
+  return false;
+}
+
+}  // namespace
+
+std::string_view to_string(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::kRoom:
+      return "room";
+    case Verdict::kNotSure:
+      return "not sure";
+    case Verdict::kNoneOfThem:
+      return "none of them";
+  }
+  return "unknown";
+}
+
+double effective_sample_size(double pictures) {
+  return pictures / (1 + (pictures - 1) * kCorrelation);
+}
+
+PictureEvidence combine(std::span<const PictureEvidence> pictures) {
+  if (pictures.empty()) throw std::invalid_argument("combine: no pictures");
+  const auto count = static_cast<double>(pictures.size());
+  const double counts_as = effective_sample_size(count);
+  Eigen::ArrayXd logs = Eigen::ArrayXd::Zero(pictures.front().probabilities.size());
+  PictureEvidence combined;
+  for (const PictureEvidence& picture : pictures) {
+    logs += picture.probabilities.array().max(kMinProbability).log() * (counts_as / count);
+    combined.known += picture.known / count;
+  }
+  combined.known *= std::sqrt(counts_as);
+  const Eigen::ArrayXd powers = (logs - logs.maxCoeff()).exp();
+  combined.probabilities = powers / powers.sum();
+  return combined;
+}
+
+Eigen::VectorXd likelihood_of_objects(std::span<const objects::Observation> objects,
+                                      const Concepts& concepts, std::span<const Room> rooms,
+                                      const RoomObjects& learned) {
+  const auto count = static_cast<Eigen::Index>(rooms.size());
+  // The network's word is true with the probability that it gives it, less what it is not trusted;
+  // then the rooms are as probable as the object's shares. Else it says nothing.
+  Eigen::VectorXd likelihood = Eigen::VectorXd::Zero(count);
+  double said = 0;
+  for (const objects::Observation& observation : objects) {
+    const Eigen::VectorXd shares = shares_of(observation.object, concepts, rooms, learned);
+    if (shares.isZero()) continue;
+    const double trusted = std::min(kTrustInObjects * observation.score, 1 - said);
+    said += trusted;
+    likelihood += trusted * static_cast<double>(count) * shares;
+  }
+  return likelihood.array() + (1 - said);
+}
+
+RoomDecision decide(const PictureEvidence& evidence, std::span<const std::string> names,
+                    const RoomCalibration& calibration) {
+  RoomDecision decision;
+  decision.rooms = best_first(evidence.probabilities, names);
+  decision.known = evidence.known;
+  const RoomScore& best = decision.rooms.front();
+  if (evidence.known < calibration.reject_threshold) {
+    decision.verdict = Verdict::kNoneOfThem;
+    decision.why = fmt::format(
+        "nothing that was learned looks like this (how well it is known: {:.2f}; "
+        "asked: {:.2f})",
+        evidence.known, calibration.reject_threshold);
+  } else if (evidence.known < calibration.known_threshold) {
+    decision.why = fmt::format(
+        "it looks a little like {}, but not enough like what was learned (how "
+        "well it is known: {:.2f}; asked: {:.2f})",
+        candidates(decision.rooms), evidence.known, calibration.known_threshold);
+  } else if (best.score < calibration.confidence_threshold) {
+    decision.why = fmt::format("it could be {}; a room is named from {:.2f} on",
+                               candidates(decision.rooms), calibration.confidence_threshold);
+  } else {
+    decision.verdict = Verdict::kRoom;
+    decision.why = fmt::format("it looks like {} ({:.2f})", best.room, best.score);
+  }
+  return decision;
+}
+
+RoomDecision decide_with_objects(const PictureEvidence& evidence,
+                                 std::span<const objects::Observation> objects,
+                                 const Concepts& concepts, std::span<const Room> rooms,
+                                 const RoomCalibration& calibration, const RoomObjects& learned) {
+  PictureEvidence weighed = evidence;
+  weighed.probabilities =
+      evidence.probabilities.cwiseProduct(likelihood_of_objects(objects, concepts, rooms, learned));
+  weighed.probabilities /= weighed.probabilities.sum();
+  std::vector<std::string> names;
+  for (const Room& room : rooms) names.push_back(room.name);
+  RoomDecision decision = decide(weighed, names, calibration);
+  for (const objects::Observation& observation : objects) {
+    const Eigen::VectorXd shares = shares_of(observation.object, concepts, rooms, learned);
+    if (!speaks_for(decision.rooms.front().room, shares, rooms)) continue;
+    decision.object = observation.object;
+    if (decision.verdict == Verdict::kRoom) {
+      decision.why +=
+          fmt::format(", and there is a {} ({:.2f})", observation.object, observation.score);
+    }
+    break;
+  }
+  return decision;
+}
+
+}  // namespace roomwise::rooms

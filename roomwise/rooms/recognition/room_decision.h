@@ -1,0 +1,73 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "roomwise/objects/detection/object_map.h"
+#include "roomwise/rooms/concepts/concepts.h"
+#include "roomwise/rooms/concepts/room_objects.h"
+#include "roomwise/rooms/recognition/room_classifier.h"
+#include "roomwise/rooms/recognition/two_frame_rule.h"
+
+namespace roomwise::rooms {
+
+enum class Verdict {
+  kRoom,        // it is this room
+  kNotSure,     // it may be; another picture would help
+  kNoneOfThem,  // nothing that was learned looks like this
+};
+[[nodiscard]] std::string_view to_string(Verdict verdict);  // "room", "not sure", "none of them"
+
+// In which room pictures were taken, or why that is not said.
+struct RoomDecision {
+  Verdict verdict = Verdict::kNotSure;
+  // Every room with its probability, best first; they add up to 1. A room's probability holds if
+  // the person is in one of the learned rooms at all, of which `known` tells.
+  std::vector<RoomScore> rooms;
+  double known = 0;    // RoomCalibration::known
+  std::string why;     // for people: "the pictures look like the kitchen (0.97)"
+  std::string object;  // the object that spoke most for the room; empty: none was needed
+
+  // The room that is named; nothing where none is.
+  [[nodiscard]] std::optional<std::string> room() const {
+    return verdict == Verdict::kRoom ? std::optional(rooms.front().room) : std::nullopt;
+  }
+};
+
+// Pictures of one place are alike and say nearly the same: n of them count as n / (1 + (n - 1) / 2)
+// that were independent (Kish's design effect, with a correlation of a half).
+[[nodiscard]] double effective_sample_size(double pictures);
+
+// Several pictures of one place as one that says as much as they do. How well it is known is in
+// standard deviations of the mean of so many held-out pictures, which varies less than one's. At
+// least one picture.
+[[nodiscard]] PictureEvidence combine(std::span<const PictureEvidence> pictures);
+
+// How probable it is in each room (in the order of `rooms`) that the network says what it says of
+// objects, up to a factor: the mean over all rooms is 1. An object speaks for the rooms whose
+// pictures show it, by how often they do; one that no picture of the home shows for those of the
+// type that alone has it; both as far as the network's word is trusted.
+[[nodiscard]] Eigen::VectorXd likelihood_of_objects(std::span<const objects::Observation> objects,
+                                                    const Concepts& concepts,
+                                                    std::span<const Room> rooms,
+                                                    const RoomObjects& learned = {});
+
+// The verdict on combined pictures, from the thresholds of the calibration: none of them where too
+// little is known; not sure where it is not well enough known, or the best room is not probable
+// enough; else the best room. `names`: of each room.
+[[nodiscard]] RoomDecision decide(const PictureEvidence& evidence,
+                                  std::span<const std::string> names,
+                                  const RoomCalibration& calibration);
+// The same with what objects say (likelihood_of_objects, with its objects and the types of rooms).
+// They do not make an unknown place a known one.
+[[nodiscard]] RoomDecision decide_with_objects(const PictureEvidence& evidence,
+                                               std::span<const objects::Observation> objects,
+                                               const Concepts& concepts,
+                                               std::span<const Room> rooms,
+                                               const RoomCalibration& calibration,
+                                               const RoomObjects& learned = {});
+
+}  // namespace roomwise::rooms

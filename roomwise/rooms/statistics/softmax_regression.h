@@ -1,0 +1,46 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+#include <vector>
+
+#include "roomwise/base/expected.h"
+#include "roomwise/base/thread_pool.h"
+
+namespace roomwise::rooms {
+
+struct SoftmaxOptions {
+  double weight_decay = 1e-3;        // factor of |W|^2 / 2 in the loss
+  int max_iterations = 300;          // evaluations of the loss
+  double gradient_tolerance = 1e-5;  // stops when the largest element of the gradient is below
+
+  [[nodiscard]] Expected<void> validate() const;
+};
+
+// Multinomial logistic regression: p(class | x) = softmax(W x + b).
+class SoftmaxRegression {
+ public:
+  SoftmaxRegression() = default;
+  // weights: classes x features; biases: classes.
+  SoftmaxRegression(Eigen::MatrixXf weights, Eigen::VectorXf biases)
+      : weights_(std::move(weights)), biases_(std::move(biases)) {}
+
+  // Minimises the mean cross-entropy plus weight decay; classes weigh the same however many samples
+  // each has. samples: one a row; labels[i] in [0, classes). Deterministic, to the bit at any
+  // number of threads and by any instructions. Fails where a class has no sample, or samples are
+  // not finite.
+  [[nodiscard]] static Expected<SoftmaxRegression> train(const Eigen::MatrixXf& samples,
+                                                         std::span<const int> labels, int classes,
+                                                         const SoftmaxOptions& options,
+                                                         ThreadPool* pool = nullptr);
+
+  [[nodiscard]] Eigen::VectorXf probabilities(const Eigen::VectorXf& sample) const;
+  [[nodiscard]] const Eigen::MatrixXf& weights() const { return weights_; }
+  [[nodiscard]] const Eigen::VectorXf& biases() const { return biases_; }
+
+ private:
+  Eigen::MatrixXf weights_;
+  Eigen::VectorXf biases_;
+};
+
+}  // namespace roomwise::rooms
