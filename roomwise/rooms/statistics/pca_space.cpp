@@ -28,7 +28,7 @@ PcaSpace::PcaSpace(Eigen::VectorXf mean, Eigen::MatrixXf directions, Eigen::Vect
       directions_(std::move(directions)),
       deviations_(std::move(deviations)) {
   if (directions_.rows() != mean_.size() || directions_.cols() != deviations_.size()) {
-    throw std::invalid_argument("PictureSpace: sizes differ");
+    throw std::invalid_argument("PcaSpace: sizes differ");
   }
 }
 
