@@ -1,6 +1,6 @@
 # Debian ships OpenCV's CMake package only with the whole of libopencv-dev. The single modules that Roomwise
-# uses are found here and imported as OpenCV::core, OpenCV::imgproc, OpenCV::features2d, OpenCV::calib3d, and, where
-# it is installed, OpenCV::dnn, which only tests and benchmarks want.
+# uses are found here and imported as OpenCV::core, OpenCV::imgproc, OpenCV::features2d, and, where
+# they are installed, OpenCV::calib3d and OpenCV::dnn, which only tests and benchmarks want.
 include(FindPackageHandleStandardArgs)
 
 find_path(OpenCVModules_INCLUDE_DIR opencv2/core.hpp PATH_SUFFIXES opencv4)
@@ -13,7 +13,7 @@ set(_needs_dnn imgproc)
 set(_libraries "")
 foreach(_module ${_modules})
   find_library(OpenCVModules_${_module}_LIBRARY opencv_${_module})
-  if(NOT _module STREQUAL dnn)
+  if(NOT _module MATCHES "^(calib3d|dnn)$")
     list(APPEND _libraries OpenCVModules_${_module}_LIBRARY)
   endif()
 endforeach()
