@@ -21,6 +21,7 @@ using download::testing::Request;
 using download::testing::TestServer;
 using nlohmann::json;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using testing::ProgramResult;
 using testing::result_of;
 using testing::run_roomwise;
@@ -149,6 +150,28 @@ TEST_F(NetworksCommandsTest, ANetworkIsMadeToRunInEightBits) {
                    path("roomwise/networks/tiny.onnx"), picture})
                   .errors,
               HasSubstr("learned with the network tiny (8 bits)"));
+
+  // Without it a home may check 8 bits on its own pictures, once, and is asked as it was learned.
+  const std::string own = path("own.home"), floats = path("floats.home");
+  const auto learn = [&](const std::string& into, const std::string& precision) {
+    return run({"rooms", "learn", "--photos", path("photos"), "--home", into, "--network-precision",
+                precision});
+  };
+  EXPECT_THAT(learn(own, "eight-bits").errors,
+              HasSubstr("tiny looks at this home in 8 bits: measured"));
+  EXPECT_THAT(learn(own, "auto").errors, Not(HasSubstr("looks at this home")));
+  EXPECT_EQ(ask({"info", own})["rooms_learned_with"], "tiny (8 bits)");
+  EXPECT_TRUE(ask({"rooms", "recognize", "--home", own, picture}).is_object());
+  EXPECT_THAT(
+      run({"rooms", "recognize", "--home", own, "--network-precision", "float", picture}).errors,
+      HasSubstr("learned with the network tiny (8 bits)"));
+  EXPECT_EQ(learn(floats, "float").exit_code, 0);
+  EXPECT_EQ(ask({"info", floats})["rooms_learned_with"], "tiny");
+  EXPECT_TRUE(ask({"rooms", "recognize", "--home", floats, picture}).is_object());
+  EXPECT_THAT(
+      run({"rooms", "recognize", "--home", floats, "--network-precision", "eight-bits", picture})
+          .errors,
+      HasSubstr("tiny cannot look at it in 8 bits"));
 
   // Measured again on the same pictures it is the same; on others it is another one.
   EXPECT_EQ(ask(quantize)["mean_cosine"], made["mean_cosine"]);

@@ -160,7 +160,7 @@ TEST_F(ThingsCommandsTest, AClassifierBesideADetectorFindsWhatTheDetectorHasNoWo
   ASSERT_OK(keyframes);
   const auto finders = found->region_finders();
   ASSERT_OK(finders);
-  ASSERT_EQ(finders->size(), 4U) << "the detector's regions were there";
+  ASSERT_EQ(finders->size(), 4U) << "the detector's detections were there";
   for (const auto& [id, record] : *finders) {
     if (id == finders->begin()->first) continue;
     EXPECT_THAT(record.name, AnyOf("activation maps", "crops of boxes", "closer looks"));
@@ -169,8 +169,8 @@ TEST_F(ThingsCommandsTest, AClassifierBesideADetectorFindsWhatTheDetectorHasNoWo
     EXPECT_EQ(looks->size(), keyframes->size()) << record.name;
     if (record.name == "closer looks") continue;  // nothing need stand apart here
     for (const auto& [keyframe, look] : *looks) {
-      ASSERT_EQ(look.regions.size(), 1U) << record.name << " " << keyframe;
-      EXPECT_EQ(look.regions[0].label, "bookcase") << "and no bed, which the detector has";
+      ASSERT_EQ(look.detections.size(), 1U) << record.name << " " << keyframe;
+      EXPECT_EQ(look.detections[0].label, "bookcase") << "and no bed, which the detector has";
     }
   }
 
@@ -200,8 +200,8 @@ TEST_F(ThingsCommandsTest, TheMapsOfOneClassifierAreAskedForAllItsWordsWhereThey
   ASSERT_OK(looks);
   ASSERT_FALSE(looks->empty());
   for (const auto& [keyframe, look] : *looks) {
-    ASSERT_EQ(look.regions.size(), 1U) << keyframe;
-    EXPECT_EQ(look.regions[0].label, "bed") << "which the detector has, too";
+    ASSERT_EQ(look.detections.size(), 1U) << keyframe;
+    EXPECT_EQ(look.detections[0].label, "bed") << "which the detector has, too";
   }
   const ProgramResult unknown = find_by("nowhere");
   EXPECT_NE(unknown.exit_code, 0);

@@ -4,8 +4,10 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 
 #include "interrupt.h"
 #include "roomwise/base/expected.h"
@@ -43,6 +45,29 @@ struct Context {
 CLI::App* add_command(CLI::App& parent, Context& context, const std::string& name,
                       const std::string& description, const std::string& example,
                       std::function<Expected<Answer>()> body);
+
+// The same of a command with options of its own, which live as long as `parent`: declares it and
+// gives both, for the caller to tie the options to the command line.
+template <typename Options>
+std::pair<CLI::App*, Options&> add_command(CLI::App& parent, Context& context,
+                                           const std::string& name, const std::string& description,
+                                           const std::string& example,
+                                           Expected<Answer> (*body)(const Options&, Context&)) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* const command =
+      add_command(parent, context, name, description, example,
+                  [options, body, &context] { return body(*options, context); });
+  return {command, *options};
+}
+
+// An option whose default --help shows, and what its value must be.
+template <typename Value, typename... Checks>
+CLI::Option* add_setting(CLI::App& command, const std::string& name, Value& value,
+                         const std::string& meaning, const Checks&... checks) {
+  CLI::Option* const option = command.add_option(name, value, meaning)->capture_default_str();
+  (option->check(checks), ...);
+  return option;
+}
 
 // Declares NAME as a word that only groups commands: "rooms" of "rooms learn".
 CLI::App* add_group(CLI::App& parent, const std::string& name, const std::string& description,

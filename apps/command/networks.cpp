@@ -8,6 +8,7 @@
 #include <memory>
 #include <utility>
 
+#include "roomwise/image/codec.h"
 #include "roomwise/network/formats/eight_bit_file.h"
 #include "roomwise/network/formats/network_file.h"
 #include "roomwise/network/vision/onnx_classifier.h"
@@ -55,7 +56,7 @@ Expected<std::vector<fs::path>> networks_for(network::Task task) {
 // detector.
 Expected<void> add_classifying_finders(objects::ObjectFinders& all,
                                        const std::shared_ptr<const network::Detector>& detector) {
-  objects::RegionFinders& finders = all.in_pictures;
+  objects::DetectionFinders& finders = all.in_pictures;
   ROOMWISE_TRY(auto files, networks_for(network::Task::kClassify));
   std::ranges::stable_sort(files, {}, [](const fs::path& file) {
     std::error_code ignored;
@@ -84,6 +85,56 @@ Expected<void> add_classifying_finders(objects::ObjectFinders& all,
     return {};
   }
   return {};
+}
+
+// The files that the options name, or those that are used where they name none.
+struct ChosenFiles {
+  std::vector<fs::path> files;
+  bool are_defaults = false;
+};
+
+Expected<ChosenFiles> choose_files(const NetworkOptions& options, bool also_brought) {
+  if (options.labels && options.files.empty())
+    return fail("--labels says what a --network can name; give that too");
+  std::vector<fs::path> files = options.files;
+  for (fs::path& file : files) {
+    std::error_code ignored;
+    if (fs::exists(file, ignored)) continue;  // a file, or a name as "networks list" says it
+    ROOMWISE_TRY(file, find_network_file(file.string()));
+  }
+  const bool are_defaults = files.empty();
+  if (are_defaults) {
+    ROOMWISE_TRY(files, usable_networks());
+  }
+  const auto brought = brought_network_folder();
+  const bool is_brought = are_defaults && !files.empty() && files.front().parent_path() == brought;
+  if (is_brought) {
+    fmt::print(stderr,
+               "no other network is installed: {} looks at the pictures, which has learned from "
+               "simulated homes alone\n",
+               files.front().stem().string());
+  }
+  if (are_defaults && also_brought && brought && !is_brought) {
+    ROOMWISE_TRY(const auto more, list_networks(*brought, network::Task::kClassify));
+    files.insert(files.end(), more.begin(), more.end());
+  }
+  return ChosenFiles{std::move(files), are_defaults};
+}
+
+// --labels is the last one's.
+std::optional<fs::path> labels_for(const NetworkOptions& options, const ChosenFiles& chosen,
+                                   const fs::path& file) {
+  return &file == &chosen.files.back() ? options.labels : std::nullopt;
+}
+
+Expected<std::unique_ptr<network::OnnxClassifier>> load_network(
+    const fs::path& file, const std::optional<fs::path>& labels,
+    pipeline::NetworkPrecision precision, const home::Home* home) {
+  ROOMWISE_TRY(network::NetworkFile read, network::read_network_file(file, labels));
+  if (home != nullptr) {
+    ROOMWISE_TRY(read, pipeline::in_precision(*home, std::move(read), precision));
+  }
+  return network::OnnxClassifier::create(std::move(read), file);
 }
 
 }  // namespace
@@ -166,6 +217,21 @@ Expected<fs::path> find_network_file(const std::string& name) {
   return fail("{}: no such network; 'roomwise networks list' names those that there are", name);
 }
 
+void add_precision_option(CLI::App& command, NetworkOptions& options) {
+  command
+      .add_option_function<std::string>(
+          "--network-precision",
+          [&options](const std::string& name) {
+            options.precision = *pipeline::parse_network_precision(name);
+          },
+          "How networks that serve features, and name nothing, look at this home's pictures: "
+          "float, "
+          "eight-bits (after a check on 80 of the home's own pictures), or auto (as its rooms were "
+          "learned, else as was checked, else in floats); all others look in floats. What was "
+          "learned in one is not asked in the other [auto]")
+      ->check(CLI::IsMember({"auto", "float", "eight-bits"}));
+}
+
 void add_network_options(CLI::App& command, NetworkOptions& options) {
   command.add_option("--network", options.files,
                      "ONNX network, or weights (.pth, .safetensors) of a known one, with its card "
@@ -177,42 +243,18 @@ void add_network_options(CLI::App& command, NetworkOptions& options) {
                      "with Roomwise (roomwise networks list)");
   command.add_option("--labels", options.labels,
                      "What the last --network can name, a label a line, in place of the card's");
+  add_precision_option(command, options);
 }
 
-Expected<pipeline::Networks> load_networks(const NetworkOptions& options, bool also_brought) {
-  if (options.labels && options.files.empty())
-    return fail("--labels says what a --network can name; give that too");
-  std::vector<fs::path> files = options.files;
-  for (fs::path& file : files) {
-    std::error_code ignored;
-    if (fs::exists(file, ignored)) continue;  // a file, or a name as "networks list" says it
-    ROOMWISE_TRY(file, find_network_file(file.string()));
-  }
-  const bool are_defaults = files.empty();
-  if (are_defaults) {
-    ROOMWISE_TRY(files, usable_networks());
-  }
-  const bool is_brought =
-      are_defaults && !files.empty() && files.front().parent_path() == brought_network_folder();
-  if (is_brought) {
-    fmt::print(stderr,
-               "no other network is installed: {} looks at the pictures, which has learned from "
-               "simulated homes alone\n",
-               files.front().stem().string());
-  }
-  const auto brought = brought_network_folder();
-  if (are_defaults && also_brought && brought && !is_brought) {
-    ROOMWISE_TRY(const auto more, list_networks(*brought, network::Task::kClassify));
-    files.insert(files.end(), more.begin(), more.end());
-  }
+Expected<pipeline::Networks> load_networks(const NetworkOptions& options, const home::Home* home,
+                                           bool also_brought) {
+  ROOMWISE_TRY(const ChosenFiles chosen, choose_files(options, also_brought));
   pipeline::Networks networks;
-  for (std::size_t i = 0; i < files.size(); ++i) {
-    const bool takes_labels = options.labels && i + 1 == files.size();
-    auto loaded =
-        network::OnnxClassifier::load(files[i], takes_labels ? options.labels : std::nullopt);
+  for (const fs::path& file : chosen.files) {
+    auto loaded = load_network(file, labels_for(options, chosen, file), options.precision, home);
     if (loaded) {
       networks.push_back(*std::move(loaded));
-    } else if (are_defaults) {
+    } else if (chosen.are_defaults && options.precision != pipeline::NetworkPrecision::kEightBits) {
       // One that nobody asked for must not end work that the others can do.
       fmt::print(stderr, "left out: {}\n", loaded.error().message);
     } else {
@@ -220,6 +262,52 @@ Expected<pipeline::Networks> load_networks(const NetworkOptions& options, bool a
     }
   }
   return networks;
+}
+
+Expected<pipeline::Networks> load_networks_for_new(const NetworkOptions& options, home::Home& home,
+                                                   std::size_t pictures,
+                                                   const network::PictureAt& picture,
+                                                   Context& context) {
+  ROOMWISE_TRY(const ChosenFiles chosen, choose_files(options, /*also_brought=*/false));
+  for (const fs::path& file : chosen.files) {
+    const auto card = network::find_model_card(file);
+    const auto labels = labels_for(options, chosen, file);
+    if (!card || !card->labels_file.empty() || labels) continue;  // it names things: in floats
+    const auto read = network::read_network_file(file, labels);
+    if (!read) continue;  // loading it says why
+    ROOMWISE_TRY(const bool is_new,
+                 pipeline::needs_precision_check(home, *read, options.precision));
+    if (!is_new) continue;
+    context.progress.begin("checking 8 bits", std::nullopt);
+    const auto shown = [&](std::size_t i) -> Expected<image::ColorImage> {
+      if (context.progress.interrupted()) return fail("interrupted while 8 bits were checked");
+      return picture(i);
+    };
+    ROOMWISE_TRY(const pipeline::PrecisionCheck check,
+                 pipeline::check_precision(home, file, pictures, shown, context.threads));
+    context.progress.end();
+    context.progress.note(fmt::format("{} looks at this home in {}: {}", card->name,
+                                      check.eight_bits ? "8 bits" : "floats", check.why));
+  }
+  return load_networks(options, &home);
+}
+
+Expected<pipeline::Networks> load_networks_for_keyframes(const NetworkOptions& options,
+                                                         home::Home& home, Context& context) {
+  ROOMWISE_TRY(auto keyframes, home.keyframes());
+  const std::size_t count = keyframes.size();
+  return load_networks_for_new(options, home, count,
+                               pictures_of_keyframes(home, std::move(keyframes)), context);
+}
+
+network::PictureAt pictures_of_keyframes(const home::Home& home,
+                                         std::vector<home::Keyframe> keyframes) {
+  return [&home, keyframes = std::move(keyframes)](std::size_t i) -> Expected<image::ColorImage> {
+    ROOMWISE_TRY(const home::KeyframeImages images, home.images(keyframes[i].id));
+    return image::decode_color(images.color).map_error([&](Error error) {
+      return std::move(error).in(fmt::format("{}: key-frame {}", home.file(), keyframes[i].id));
+    });
+  };
 }
 
 Expected<objects::ObjectFinders> load_object_finders() {
@@ -230,7 +318,7 @@ Expected<objects::ObjectFinders> load_object_finders() {
     if (auto loaded = network::Detector::load(file)) {
       const std::shared_ptr<const network::Detector> detector = *std::move(loaded);
       if (first == nullptr) first = detector;
-      finders.in_pictures.push_back(objects::detector_regions(file.stem().string(), detector));
+      finders.in_pictures.push_back(objects::detector_finder(file.stem().string(), detector));
     } else {
       // One that nobody asked for must not end work that the others can do.
       fmt::print(stderr, "left out: {}\n", loaded.error().message);

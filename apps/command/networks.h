@@ -5,9 +5,11 @@
 #include <optional>
 #include <vector>
 
+#include "command.h"
 #include "roomwise/network/formats/catalogue.h"
 #include "roomwise/objects/proposals/object_finders.h"
 #include "roomwise/pipeline/objects/keyframe_observer.h"
+#include "roomwise/pipeline/stored/network_precision.h"
 
 namespace roomwise::app {
 
@@ -15,16 +17,35 @@ namespace roomwise::app {
 struct NetworkOptions {
   std::vector<std::filesystem::path> files;
   std::optional<std::filesystem::path> labels;
+  pipeline::NetworkPrecision precision = pipeline::NetworkPrecision::kAuto;
 };
 
-// Declares --network (any number) and --labels.
+// Declares --network-precision.
+void add_precision_option(CLI::App& command, NetworkOptions& options);
+// Declares --network (any number), --labels and --network-precision.
 void add_network_options(CLI::App& command, NetworkOptions& options);
 
-// Loads them; where none is named, usable_networks(). May be none.
+// Loads them as they look at this home's pictures; where none is named, usable_networks(). May be
+// none. `home`: nullptr for one that is to be made.
 // `also_brought`: the compact network too, after the others, for a home that may have been learned
 // with it before they were installed.
 [[nodiscard]] Expected<pipeline::Networks> load_networks(const NetworkOptions& options,
+                                                         const home::Home* home,
                                                          bool also_brought = false);
+
+// The same before they look at pictures of the home for the first time: those that may then look in
+// 8 bits are checked on these pictures, which the home remembers, and a line says what came of it.
+[[nodiscard]] Expected<pipeline::Networks> load_networks_for_new(const NetworkOptions& options,
+                                                                 home::Home& home,
+                                                                 std::size_t pictures,
+                                                                 const network::PictureAt& picture,
+                                                                 Context& context);
+// By the pictures of its key-frames.
+[[nodiscard]] Expected<pipeline::Networks> load_networks_for_keyframes(
+    const NetworkOptions& options, home::Home& home, Context& context);
+// A key-frame's picture, by its place among all; errors name the home and the key-frame.
+[[nodiscard]] network::PictureAt pictures_of_keyframes(const home::Home& home,
+                                                       std::vector<home::Keyframe> keyframes);
 
 // The finders: the detectors of the folders of networks, whatever --network names, and, beside
 // them, the smallest classifier there that names things, for what no detector finds: shown the

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <initializer_list>
 #include <optional>
 #include <utility>
 
@@ -27,51 +28,25 @@ bool continues_character(char byte) {
   return (byte & 0xC0) == 0x80;
 }
 
-std::optional<Kind> named_kind_of_letter(char letter) {
-  switch (letter) {
-    case 'f':
-      return Kind::kFind;
-    case 'g':
-      return Kind::kWay;
-    case 'n':
-      return Kind::kNameRoom;
-    default:
-      return std::nullopt;
-  }
-}
+template <typename Key>
+using KeyKinds = std::initializer_list<std::pair<Key, Kind>>;
+constexpr KeyKinds<char> kLettersBeforeName = {
+    {'f', Kind::kFind}, {'g', Kind::kWay}, {'n', Kind::kNameRoom}};
+constexpr KeyKinds<char> kLetters = {{'w', Kind::kWhere},
+                                     {'a', Kind::kAround},
+                                     {'r', Kind::kRepeat},
+                                     {'q', Kind::kQuiet},
+                                     {'x', Kind::kExit}};
+constexpr KeyKinds<int> kButtons = {{KEY_1, Kind::kWhere},
+                                    {KEY_2, Kind::kAround},
+                                    {KEY_3, Kind::kFindNext},
+                                    {KEY_4, Kind::kRepeat},
+                                    {KEY_5, Kind::kQuiet}};
 
-std::optional<Kind> kind_of_letter(char letter) {
-  switch (letter) {
-    case 'w':
-      return Kind::kWhere;
-    case 'a':
-      return Kind::kAround;
-    case 'r':
-      return Kind::kRepeat;
-    case 'q':
-      return Kind::kQuiet;
-    case 'x':
-      return Kind::kExit;
-    default:
-      return std::nullopt;
-  }
-}
-
-std::optional<Kind> kind_of_button(int code) {
-  switch (code) {
-    case KEY_1:
-      return Kind::kWhere;
-    case KEY_2:
-      return Kind::kAround;
-    case KEY_3:
-      return Kind::kFindNext;
-    case KEY_4:
-      return Kind::kRepeat;
-    case KEY_5:
-      return Kind::kQuiet;
-    default:
-      return std::nullopt;
-  }
+template <typename Key>
+std::optional<Kind> kind_of(Key key, KeyKinds<Key> kinds) {
+  const auto* const found = std::ranges::find(kinds, key, &std::pair<Key, Kind>::first);
+  return found == kinds.end() ? std::nullopt : std::optional(found->second);
 }
 
 // What can be read now; nothing where the other end is gone.
@@ -103,9 +78,9 @@ std::vector<KeyRequest> TypedKeys::take(std::string_view bytes, TimestampNs now_
 
 void TypedKeys::take_key(char key, std::vector<KeyRequest>& requests) {
   if (naming_) return take_letter_of_name(key, requests);
-  naming_ = named_kind_of_letter(key);
+  naming_ = kind_of(key, kLettersBeforeName);
   is_announced_ = false;
-  if (const auto kind = kind_of_letter(key)) requests.push_back({*kind, ""});
+  if (const auto kind = kind_of(key, kLetters)) requests.push_back({*kind, ""});
 }
 
 void TypedKeys::take_letter_of_name(char key, std::vector<KeyRequest>& requests) {
@@ -141,7 +116,7 @@ std::vector<KeyRequest> ButtonEvents::take(std::span<const std::uint8_t> bytes) 
     input_event event{};
     std::memcpy(&event, rest_.data() + at, sizeof event);
     if (event.type != EV_KEY || event.value != 1) continue;  // 0: goes up, 2: is held
-    if (const auto kind = kind_of_button(event.code)) requests.push_back({*kind, ""});
+    if (const auto kind = kind_of<int>(event.code, kButtons)) requests.push_back({*kind, ""});
   }
   rest_.erase(rest_.begin(), rest_.begin() + static_cast<std::ptrdiff_t>(at));
   return requests;

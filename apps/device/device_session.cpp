@@ -18,8 +18,8 @@ double steady_s(TimestampNs now_ns) {
 
 }  // namespace
 
-Expected<void> DeviceSession::run(const std::function<bool()>& interrupted) {
-  while (!exit_ && !interrupted()) {
+Expected<void> DeviceSession::run(const Interruption& interruption) {
+  while (!interrupted() && !interruption.interrupted()) {
     const TimestampNs now_ns = steady_now_ns();
     connect(now_ns);
     receive(now_ns);
@@ -41,7 +41,7 @@ Expected<void> DeviceSession::run(const std::function<bool()>& interrupted) {
 void DeviceSession::connect(TimestampNs now_ns) {
   if (link_.begin_try(steady_s(now_ns))) {
     service::ClientWait wait = parts_.wait;
-    wait.interrupted = [this] { return giving_up_.load(); };
+    wait.interruption = this;
     trying_ = std::async(std::launch::async, [this, wait] {
       return service::ServerConnection::open(parts_.server, parts_.credentials, wait);
     });
@@ -78,7 +78,7 @@ void DeviceSession::tell_of_failure(const Error& error, TimestampNs now_ns) {
     last_failure_ = error.message;
     std::cerr << last_failure_ << '\n';
   }
-  if (service::is_refusal(error)) {
+  if (error.code == ErrorCode::kRefused) {
     if (std::exchange(removal_said_, true)) return;
     parts_.voice->notice("device.removed", guide::Sound::kAlert, now_ns);
   } else if (failures_said_.insert(error.message).second) {
@@ -230,7 +230,7 @@ void DeviceSession::act(const KeyRequest& request, TimestampNs now_ns) {
       quiet_ = parts_.voice->toggle_quiet(now_ns);
       return send(service::Quiet{quiet_}, now_ns);
     case Kind::kExit:
-      exit_ = true;
+      over_ = true;
   }
 }
 

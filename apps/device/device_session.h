@@ -2,7 +2,6 @@
 
 #include <atomic>
 #include <cstdint>
-#include <functional>
 #include <future>
 #include <map>
 #include <memory>
@@ -28,23 +27,27 @@ struct DeviceParts {
   std::unique_ptr<DeviceVoice> voice;
   std::unique_ptr<DeviceKeys> keys;  // nullptr: nobody asks
   service::LinkTimes times;
-  service::ClientWait wait;  // but for `interrupted`, which is the session's
+  service::ClientWait wait;  // but for its interruption, which is the session's
 };
 
 // A device at work: sends what the camera sees, asks what keys ask, speaks what comes back, and
 // connects again where the connection was lost.
-class DeviceSession {
+class DeviceSession : private Interruption {
  public:
   explicit DeviceSession(DeviceParts parts) : parts_(std::move(parts)), link_(parts_.times) {}
-  ~DeviceSession() { giving_up_ = true; }
+  ~DeviceSession() override { over_ = true; }
+  DeviceSession(const DeviceSession&) = delete;
+  DeviceSession& operator=(const DeviceSession&) = delete;
 
-  // Until the recording has ended and all is said, somebody presses x, or `interrupted`.
-  [[nodiscard]] Expected<void> run(const std::function<bool()>& interrupted);
+  // Until the recording has ended and all is said, somebody presses x, or `interruption`.
+  [[nodiscard]] Expected<void> run(const Interruption& interruption);
 
   [[nodiscard]] const service::LinkCounts& counts() const { return link_.counts(); }
   [[nodiscard]] std::uint64_t prompts() const { return prompts_; }
 
  private:
+  // Of what waits for the computer.
+  [[nodiscard]] bool interrupted() const override { return over_; }
   void connect(TimestampNs now_ns);
   void take_connection(TimestampNs now_ns);
   void tell_of_failure(const Error& error, TimestampNs now_ns);
@@ -73,13 +76,12 @@ class DeviceSession {
   std::string recording_;                            // its last state
   std::uint64_t prompts_ = 0;
   bool camera_failed_ = false;
-  bool exit_ = false;
   bool quiet_ = false;
   TimestampNs heard_ns_ = 0;  // when the computer said something last
   std::string last_failure_;
   std::set<std::string> failures_said_;
   bool removal_said_ = false;
-  std::atomic<bool> giving_up_ = false;
+  std::atomic<bool> over_ = false;
   std::future<Expected<std::unique_ptr<service::ServerConnection>>> trying_;  // last: it ends first
 };
 

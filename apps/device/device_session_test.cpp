@@ -240,7 +240,7 @@ class UnpluggedCameraTest : protected Plug, public DeviceSessionTest {
 };
 
 TEST_F(UnpluggedCameraTest, SaysThatTheCameraFailedAndThatItIsBack) {
-  std::thread running([&] { EXPECT_OK(session_->run([] { return false; })); });
+  std::thread running([&] { EXPECT_OK(session_->run(SilentProgress())); });
   EXPECT_TRUE(speaker_->hears("The camera does not work."));
   EXPECT_TRUE(speaker_->hears("Ready."));
   type("f lamp\n");
@@ -254,8 +254,11 @@ TEST_F(UnpluggedCameraTest, SaysThatTheCameraFailedAndThatItIsBack) {
 }
 
 TEST_F(DeviceSessionTest, GoesOnAfterTheServerWasAway) {
-  std::atomic<bool> stop = false;
-  std::thread running([&] { EXPECT_OK(session_->run([&] { return stop.load(); })); });
+  struct Stop final : Interruption {
+    [[nodiscard]] bool interrupted() const override { return asked; }
+    std::atomic<bool> asked = false;
+  } stop;
+  std::thread running([&] { EXPECT_OK(session_->run(stop)); });
   EXPECT_TRUE(speaker_->hears("Ready."));
   EXPECT_TRUE(home_.has_more_frames(3));
   server_->stop();
@@ -263,7 +266,7 @@ TEST_F(DeviceSessionTest, GoesOnAfterTheServerWasAway) {
   start_server();
   EXPECT_TRUE(speaker_->hears("Connected again."));
   EXPECT_TRUE(home_.has_more_frames(1));
-  stop = true;
+  stop.asked = true;
   running.join();
   EXPECT_EQ(session_->counts().losses, 1u);
   ASSERT_EQ(home_.hellos.size(), 2u);
@@ -271,7 +274,7 @@ TEST_F(DeviceSessionTest, GoesOnAfterTheServerWasAway) {
 }
 
 TEST_F(DeviceSessionTest, AsksWhatIsTypedAndSpeaksTheAnswers) {
-  std::thread running([&] { EXPECT_OK(session_->run([] { return false; })); });
+  std::thread running([&] { EXPECT_OK(session_->run(SilentProgress())); });
   EXPECT_TRUE(speaker_->hears("Ready."));
   type("f lamp\n");
   EXPECT_TRUE(speaker_->hears("Answer about lamp."));
@@ -287,7 +290,7 @@ TEST_F(DeviceSessionTest, AsksWhatIsTypedAndSpeaksTheAnswers) {
 }
 
 TEST_F(DeviceSessionTest, AQuestionBreaksOffTheAnswerBefore) {
-  std::thread running([&] { EXPECT_OK(session_->run([] { return false; })); });
+  std::thread running([&] { EXPECT_OK(session_->run(SilentProgress())); });
   EXPECT_TRUE(speaker_->hears("Ready."));
   speaker_->holds = true;
   type("a");
@@ -301,7 +304,7 @@ TEST_F(DeviceSessionTest, AQuestionBreaksOffTheAnswerBefore) {
 }
 
 TEST_F(DeviceSessionTest, TellsWhatTheComputerRefuses) {
-  std::thread running([&] { EXPECT_OK(session_->run([] { return false; })); });
+  std::thread running([&] { EXPECT_OK(session_->run(SilentProgress())); });
   EXPECT_TRUE(speaker_->hears("Ready."));
   home_.say(service::ErrorMessage{"of nobody's question", {}});
   home_.say(service::ErrorMessage{"of another's question", 99});
@@ -319,7 +322,7 @@ TEST_F(DeviceSessionTest, TellsWhatTheComputerRefuses) {
 }
 
 TEST_F(DeviceSessionTest, TellsThatItIsRecorded) {
-  std::thread running([&] { EXPECT_OK(session_->run([] { return false; })); });
+  std::thread running([&] { EXPECT_OK(session_->run(SilentProgress())); });
   EXPECT_TRUE(speaker_->hears("Ready."));
   service::RecordingState state;
   state.name = "walk";
@@ -347,7 +350,7 @@ TEST_F(DeviceSessionTest, TellsThatItIsRecorded) {
 }
 
 TEST_F(DeviceSessionTest, TellsOnceThatItWasRemoved) {
-  std::thread running([&] { EXPECT_OK(session_->run([] { return false; })); });
+  std::thread running([&] { EXPECT_OK(session_->run(SilentProgress())); });
   EXPECT_TRUE(speaker_->hears("Ready."));
   ASSERT_OK(around_.access->revoke(around_.device.who.device));
   server_->disconnect(around_.device.who.device, "removed");

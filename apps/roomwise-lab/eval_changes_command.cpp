@@ -1,5 +1,4 @@
 #include <filesystem>
-#include <memory>
 #include <opencv2/core/utility.hpp>
 
 #include "command_run.h"
@@ -90,25 +89,19 @@ Expected<Answer> evaluate(const ChangesEvaluationOptions& options, Context& cont
 }  // namespace
 
 void add_changes_evaluation(CLI::App& group, Context& context) {
-  auto options = std::make_shared<ChangesEvaluationOptions>();
-  CLI::App* command = add_command(
+  const auto [command, options] = add_command<ChangesEvaluationOptions>(
       group, context, "changes",
       "What a later simulated walk is said to have changed in a home, against the truth of both "
       "walks",
-      "roomwise eval changes --home flat.home --truth flat-day --visit flat-moved",
-      [options, &context] { return evaluate(*options, context); });
-  command->add_option("--home", options->home, "Home mapped from the recording")->required();
-  command->add_option("--truth", options->truth, "Simulated recording that was mapped")->required();
-  command->add_option("--visit", options->visit, "Later simulated recording of the same home")
+      "roomwise eval changes --home flat.home --truth flat-day --visit flat-moved", evaluate);
+  command->add_option("--home", options.home, "Home mapped from the recording")->required();
+  command->add_option("--truth", options.truth, "Simulated recording that was mapped")->required();
+  command->add_option("--visit", options.visit, "Later simulated recording of the same home")
       ->required();
-  command
-      ->add_option("--min-shift", options->min_shift_m,
-                   "A thing that was moved by less counts as unmoved, m")
-      ->check(positive())
-      ->capture_default_str();
-  command->add_option("--every", options->update.visit.every, "Look at every K-th picture")
-      ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1000}))
-      ->capture_default_str();
+  add_setting(*command, "--min-shift", options.min_shift_m,
+              "A thing that was moved by less counts as unmoved, m", positive());
+  add_setting(*command, "--every", options.update.visit.every, "Look at every K-th picture",
+              CLI::Range(std::uint64_t{1}, std::uint64_t{1000}));
 }
 
 }  // namespace roomwise::app

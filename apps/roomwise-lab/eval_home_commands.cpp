@@ -1,6 +1,5 @@
 #include <filesystem>
 #include <functional>
-#include <memory>
 #include <numbers>
 #include <set>
 
@@ -9,7 +8,7 @@
 #include "laboratory/trials/object_report.h"
 #include "laboratory/trials/truth_evaluation.h"
 #include "open_home.h"
-#include "paths.h"
+#include "render_options.h"
 #include "roomwise/base/file.h"
 #include "roomwise/evaluation/quantile.h"
 #include "roomwise/pipeline/rooms/home_layout.h"
@@ -91,7 +90,7 @@ Json details_of(const trials::ObjectEvaluation& result, const trials::FoundObjec
   return json;
 }
 
-Expected<Answer> evaluate_objects(const HomeEvaluationOptions& options, const Context& context) {
+Expected<Answer> evaluate_objects(const HomeEvaluationOptions& options, Context& context) {
   ROOMWISE_TRY(const home::Home home, open_home_read_only(options.home, context));
   ROOMWISE_TRY(const trials::ObjectEvaluation result,
                trials::evaluate_objects(home, options.truth, options.max_distance_m));
@@ -138,17 +137,19 @@ Expected<Answer> evaluate_map(const HomeEvaluationOptions& options, Context& con
   ROOMWISE_TRY(const evaluation::CloudError error,
                trials::evaluate_map(home, options.truth, options.furniture, map, run));
   const double far = static_cast<double>(error.far_points) / static_cast<double>(error.points);
-  Answer answer;
-  answer.text = fmt::format(
-      "{} points\n"
-      "from the surface: median {:.4f} m, RMSE {:.4f} m\n"
-      "within 1 cm {:.1f} %, within 5 cm {:.1f} %, nothing within half a metre {:.2f} %\n",
-      error.points, error.distance_m.median, error.distance_m.rmse, 100 * error.within_1cm,
-      100 * error.within_5cm, 100 * far);
-  answer.json = {{"points", error.points},          {"median_m", error.distance_m.median},
-                 {"rmse_m", error.distance_m.rmse}, {"within_1cm", error.within_1cm},
-                 {"within_5cm", error.within_5cm},  {"far", far}};
-  return answer;
+  return Answer{
+      fmt::format(
+          "{} points\n"
+          "from the surface: median {:.4f} m, RMSE {:.4f} m\n"
+          "within 1 cm {:.1f} %, within 5 cm {:.1f} %, nothing within half a metre {:.2f} %\n",
+          error.points, error.distance_m.median, error.distance_m.rmse, 100 * error.within_1cm,
+          100 * error.within_5cm, 100 * far),
+      {{"points", error.points},
+       {"median_m", error.distance_m.median},
+       {"rmse_m", error.distance_m.rmse},
+       {"within_1cm", error.within_1cm},
+       {"within_5cm", error.within_5cm},
+       {"far", far}}};
 }
 
 Expected<Answer> evaluate_floor(const HomeEvaluationOptions& options, Context& context) {
@@ -158,23 +159,23 @@ Expected<Answer> evaluate_floor(const HomeEvaluationOptions& options, Context& c
                trials::evaluate_floor(home, options.truth, run));
   const evaluation::FloorError& error = result.error;
   const double tilt_deg = result.tilt_rad * 180 / std::numbers::pi;
-  Answer answer;
-  answer.text = fmt::format(
-      "where a person may stand: {:.1f} m2 in truth, {:.1f} m2 by the map, {:.1f} m2 by both\n"
-      "precision {:.3f}, recall {:.3f}; a cell aside counted as right: {:.3f}, {:.3f}\n"
-      "the floor lies {:+.3f} m above the true one, tilted by {:.2f} degrees\n",
-      error.true_m2, error.found_m2, error.both_m2, error.precision, error.recall,
-      error.precision_within_cell, error.recall_within_cell, result.floor_above_truth_m, tilt_deg);
-  answer.json = {{"true_m2", error.true_m2},
-                 {"found_m2", error.found_m2},
-                 {"both_m2", error.both_m2},
-                 {"precision", error.precision},
-                 {"recall", error.recall},
-                 {"precision_within_cell", error.precision_within_cell},
-                 {"recall_within_cell", error.recall_within_cell},
-                 {"floor_above_truth_m", result.floor_above_truth_m},
-                 {"tilt_deg", tilt_deg}};
-  return answer;
+  return Answer{
+      fmt::format(
+          "where a person may stand: {:.1f} m2 in truth, {:.1f} m2 by the map, {:.1f} m2 by both\n"
+          "precision {:.3f}, recall {:.3f}; a cell aside counted as right: {:.3f}, {:.3f}\n"
+          "the floor lies {:+.3f} m above the true one, tilted by {:.2f} degrees\n",
+          error.true_m2, error.found_m2, error.both_m2, error.precision, error.recall,
+          error.precision_within_cell, error.recall_within_cell, result.floor_above_truth_m,
+          tilt_deg),
+      {{"true_m2", error.true_m2},
+       {"found_m2", error.found_m2},
+       {"both_m2", error.both_m2},
+       {"precision", error.precision},
+       {"recall", error.recall},
+       {"precision_within_cell", error.precision_within_cell},
+       {"recall_within_cell", error.recall_within_cell},
+       {"floor_above_truth_m", result.floor_above_truth_m},
+       {"tilt_deg", tilt_deg}}};
 }
 
 Expected<Answer> evaluate_layout(const HomeEvaluationOptions& options, Context& context) {
@@ -183,81 +184,68 @@ Expected<Answer> evaluate_layout(const HomeEvaluationOptions& options, Context& 
   ROOMWISE_TRY(const trials::LayoutEvaluation result,
                trials::evaluate_layout(home, options.truth, run));
   const double door_m = evaluation::quantile(result.door_errors_m, 0.5);
-  Answer answer;
-  answer.text = fmt::format(
-      "floor: {:.1f} m2 in rooms, {:.1f} m2 of it given to the right one\n"
-      "doors: {} of {} found, median {:.2f} m off; {} doorways where no door is\n"
-      "things: {} of {} lie in their room\n",
-      result.floor_m2, result.right_floor_m2, result.found_doors, result.doors, door_m,
-      result.false_doorways, result.right_things, result.things);
-  answer.json = {{"floor_m2", result.floor_m2},
-                 {"right_floor_m2", result.right_floor_m2},
-                 {"doors", result.doors},
-                 {"found_doors", result.found_doors},
-                 {"false_doorways", result.false_doorways},
-                 {"door_error_median_m", door_m},
-                 {"things", result.things},
-                 {"right_things", result.right_things}};
-  return answer;
+  return Answer{
+      fmt::format("floor: {:.1f} m2 in rooms, {:.1f} m2 of it given to the right one\n"
+                  "doors: {} of {} found, median {:.2f} m off; {} doorways where no door is\n"
+                  "things: {} of {} lie in their room\n",
+                  result.floor_m2, result.right_floor_m2, result.found_doors, result.doors, door_m,
+                  result.false_doorways, result.right_things, result.things),
+      {{"floor_m2", result.floor_m2},
+       {"right_floor_m2", result.right_floor_m2},
+       {"doors", result.doors},
+       {"found_doors", result.found_doors},
+       {"false_doorways", result.false_doorways},
+       {"door_error_median_m", door_m},
+       {"things", result.things},
+       {"right_things", result.right_things}}};
 }
 
-void add_files(CLI::App& command, HomeEvaluationOptions& options) {
-  command.add_option("--home", options.home, "Home mapped from the recording")->required();
-  command.add_option("--truth", options.truth, "Simulated recording")->required();
+// A command that measures a home against the simulated recording that it was mapped from.
+std::pair<CLI::App*, HomeEvaluationOptions&> add_evaluation(
+    CLI::App& group, Context& context, const std::string& name, const std::string& description,
+    const std::string& more_example,
+    Expected<Answer> (*body)(const HomeEvaluationOptions&, Context&)) {
+  const auto [command, options] = add_command<HomeEvaluationOptions>(
+      group, context, name, description,
+      "roomwise eval " + name + " --home flat.home --truth flat" + more_example, body);
+  command->add_option("--home", options.home, "Home mapped from the recording")->required();
+  command->add_option("--truth", options.truth, "Simulated recording")->required();
+  return {command, options};
 }
 
 }  // namespace
 
 void add_home_evaluations(CLI::App& group, Context& context) {
-  auto options = std::make_shared<HomeEvaluationOptions>();
-  CLI::App* objects = add_command(
+  const auto [objects, of_objects] = add_evaluation(
       group, context, "objects",
       "The objects of a home, both ways, against the truth of a simulated recording: found and "
       "missed of what it shows well, found beyond that, found twice, false, and how far from where "
       "they are",
-      "roomwise eval objects --home flat.home --truth flat --report objects.html",
-      [options, &context] { return evaluate_objects(*options, context); });
-  add_files(*objects, *options);
-  objects
-      ->add_option("--max-distance", options->max_distance_m,
-                   "Farthest that a found thing lies from the true one, m")
-      ->check(positive())
-      ->capture_default_str();
-  objects->add_option("--report", options->report,
+      " --report objects.html", evaluate_objects);
+  add_setting(*objects, "--max-distance", of_objects.max_distance_m,
+              "Maximum distance of a found thing from the true one, m", positive());
+  objects->add_option("--report", of_objects.report,
                       "Write a page of HTML with all tables, and pictures of what is false, missed "
                       "and found");
-
-  CLI::App* map = add_command(group, context, "map",
-                              "The points of a map, or its fused surface, against the surfaces of "
-                              "a simulated home",
-                              "roomwise eval map --home flat.home --truth flat",
-                              [options, &context] { return evaluate_map(*options, context); });
-  add_files(*map, *options);
-  map->add_option("--surface", options->surface,
-                  "cloud: averaged points; mesh: vertices of the fused surface")
-      ->check(CLI::IsMember({"cloud", "mesh"}))
-      ->capture_default_str();
-  map->add_option("--voxel", options->map.voxel_size_m, "Size of the voxels, m")
-      ->check(positive())
-      ->capture_default_str();
-  map->add_flag("--true-poses", options->map.at_true_poses,
+  const auto [map, of_map] = add_evaluation(
+      group, context, "map",
+      "The points of a map, or its fused surface, against the surfaces of a simulated home", "",
+      evaluate_map);
+  add_setting(*map, "--surface", of_map.surface,
+              "cloud: averaged points; mesh: vertices of the fused surface",
+              CLI::IsMember({"cloud", "mesh"}));
+  add_setting(*map, "--voxel", of_map.map.voxel_size_m, "Size of the voxels, m", positive());
+  map->add_flag("--true-poses", of_map.map.at_true_poses,
                 "Put the key-frames where they were in truth");
-  map->add_option("--furniture", options->furniture, "Folder of the furniture's .sh3f archives")
-      ->capture_default_str();
-
-  CLI::App* floor = add_command(
+  add_furniture_option(*map, of_map.furniture);
+  add_evaluation(
       group, context, "floor",
-      "Where a map says that a person may stand against the free space of a simulated home",
-      "roomwise eval floor --home flat.home --truth flat",
-      [options, &context] { return evaluate_floor(*options, context); });
-  add_files(*floor, *options);
-
-  CLI::App* layout = add_command(
+      "Where a map says that a person may stand against the free space of a simulated home", "",
+      evaluate_floor);
+  add_evaluation(
       group, context, "layout",
-      "Where a home's rooms end and where its doors are against the plan of a simulated home",
-      "roomwise eval layout --home flat.home --truth flat",
-      [options, &context] { return evaluate_layout(*options, context); });
-  add_files(*layout, *options);
+      "Where a home's rooms end and where its doors are against the plan of a simulated home", "",
+      evaluate_layout);
 }
 
 }  // namespace roomwise::app

@@ -1,6 +1,5 @@
 #include <filesystem>
 #include <map>
-#include <memory>
 #include <opencv2/core/utility.hpp>
 #include <vector>
 
@@ -143,32 +142,29 @@ Expected<Answer> evaluate(const LocalizerEvaluationOptions& options, Context& co
 }  // namespace
 
 void add_localizer_evaluation(CLI::App& group, Context& context) {
-  auto options = std::make_shared<LocalizerEvaluationOptions>();
-  CLI::App* command =
-      add_command(group, context, "localizer",
-                  "Where the frames of another walk through the same home are taken to be",
-                  "roomwise eval localizer --home flat.home --truth flat-day --visit flat-night",
-                  [options, &context] { return evaluate(*options, context); });
-  command->add_option("--home", options->home, "Home mapped from the recording")->required();
-  command->add_option("--truth", options->truth, "Recording that was mapped, with groundtruth.txt")
+  const auto [command, options] = add_command<LocalizerEvaluationOptions>(
+      group, context, "localizer",
+      "Where the frames of another walk through the same home are taken to be",
+      "roomwise eval localizer --home flat.home --truth flat-day --visit flat-night", evaluate);
+  command->add_option("--home", options.home, "Home mapped from the recording")->required();
+  command->add_option("--truth", options.truth, "Recording that was mapped, with groundtruth.txt")
       ->required();
   command
-      ->add_option("--visit", options->visit,
+      ->add_option("--visit", options.visit,
                    "Recording of another walk, its groundtruth.txt in the same world")
       ->required();
-  command->add_option("--every", options->trials.every, "Ask of every so manieth frame")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  command->add_flag("--without-depth", options->without_depth, "Localise by colour alone");
-  command->add_flag("--pairs", options->trials.pairs,
+  add_setting(*command, "--every", options.trials.every, "Ask about every N-th frame",
+              CLI::PositiveNumber);
+  command->add_flag("--without-depth", options.without_depth, "Localise by colour alone");
+  command->add_flag("--pairs", options.trials.pairs,
                     "Two pictures a question: a frame and the one before it");
   const auto add_limit = [&](const char* name, double& value, const char* meaning) {
-    command->add_option(name, value, meaning)->check(positive())->capture_default_str();
+    add_setting(*command, name, value, meaning, positive());
   };
-  add_limit("--near", options->near_m, "An answer is right within this, m");
-  add_limit("--near-degrees", options->near_degrees, "and this, degrees");
-  add_limit("--far", options->far_m, "An answer is wrong beyond this, m");
-  add_limit("--far-degrees", options->far_degrees, "or this, degrees");
+  add_limit("--near", options.near_m, "An answer is right within this, m");
+  add_limit("--near-degrees", options.near_degrees, "and this, degrees");
+  add_limit("--far", options.far_m, "An answer is wrong beyond this, m");
+  add_limit("--far-degrees", options.far_degrees, "or this, degrees");
 }
 
 }  // namespace roomwise::app

@@ -1,14 +1,14 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
-#include <memory>
 
+#include "camera_option.h"
+#include "command_run.h"
 #include "commands.h"
 #include "laboratory/simulation/home/home_geometry.h"
 #include "laboratory/simulation/recording/recording_folder.h"
 #include "laboratory/simulation/recording/simulate_recording.h"
-#include "paths.h"
-#include "roomwise/recording/camera_file.h"
+#include "render_options.h"
 
 namespace roomwise::app {
 namespace {
@@ -91,9 +91,8 @@ Expected<SimulationOptions> complete(const SimulateOptions& options, std::uint64
   // A fixed exposure is right where an automatic one needs no amplification.
   constexpr double kMidGrey = 0.18;
   simulated.sensor.exposure = kMidGrey / simulated.sensor.unamplified_radiance;
-  if (!options.camera.empty()) {
-    ROOMWISE_TRY(simulated.camera, recording::resolve_camera(options.camera));
-  }
+  ROOMWISE_TRY(const auto camera, given_camera(options.camera));
+  if (camera) simulated.camera = *camera;
   return simulated;
 }
 
@@ -114,34 +113,34 @@ Expected<Answer> run(const SimulateOptions& options, Context& context) {
       const simulation::SimulationSummary summary,
       simulate_recording(simulated, catalogue, options.output, pool, context.progress, clock));
   if (!summary.finished) {
-    return fail("interrupted after {} frames; {} holds them, and the same command begins it anew",
-                summary.frames, options.output.string());
+    return fail_with(
+        ErrorCode::kInterrupted,
+        "interrupted after {} frames; {} holds them, and the same command begins it anew",
+        summary.frames, options.output.string());
   }
-  Answer answer;
-  answer.text = fmt::format(
-      "rooms    {}\n"
-      "objects  {}\n"
-      "light    {}\n"
-      "frames   {}, a walk of {:.0f} s\n"
-      "wrote {}; the furniture's makers are named in its credits.txt\n",
-      summary.rooms, summary.objects,
-      summary.bake.from_cache
-          ? "as baked before"
-          : fmt::format("baked in {:.1f} s of processor time, {:.1f} million rays",
-                        summary.bake.cpu_s, static_cast<double>(summary.bake.rays) / 1e6),
-      summary.frames, summary.seconds, options.output.string());
-  answer.json = {{"frames", summary.frames},
-                 {"seconds", summary.seconds},
-                 {"rooms", summary.rooms},
-                 {"objects", summary.objects},
-                 {"bake",
-                  {{"from_cache", summary.bake.from_cache},
-                   {"cpu_s", summary.bake.cpu_s},
-                   {"rays", summary.bake.rays}}},
-                 {"output", options.output.string()}};
-  for (const auto& [name, stage] : clock.stages()) {
-    answer.json["stages"][name] = {{"calls", stage.calls}, {"wall_s", stage.wall_s}};
-  }
+  Answer answer{
+      fmt::format(
+          "rooms    {}\n"
+          "objects  {}\n"
+          "light    {}\n"
+          "frames   {}, a walk of {:.0f} s\n"
+          "wrote {}; the furniture's makers are named in its credits.txt\n",
+          summary.rooms, summary.objects,
+          summary.bake.from_cache
+              ? "as baked before"
+              : fmt::format("baked in {:.1f} s of processor time, {:.1f} million rays",
+                            summary.bake.cpu_s, static_cast<double>(summary.bake.rays) / 1e6),
+          summary.frames, summary.seconds, options.output.string()),
+      {{"frames", summary.frames},
+       {"seconds", summary.seconds},
+       {"rooms", summary.rooms},
+       {"objects", summary.objects},
+       {"bake",
+        {{"from_cache", summary.bake.from_cache},
+         {"cpu_s", summary.bake.cpu_s},
+         {"rays", summary.bake.rays}}},
+       {"output", options.output.string()}}};
+  add_stages(answer, clock);
   answer.json["cpu_s"] = process_cpu_time_s();
   return answer;
 }
@@ -149,66 +148,48 @@ Expected<Answer> run(const SimulateOptions& options, Context& context) {
 }  // namespace
 
 void add_simulate_command(CLI::App& app, Context& context) {
-  auto options = std::make_shared<SimulateOptions>();
-  SimulationOptions& simulated = options->simulation;
-  CLI::App* command =
-      add_command(app, context, "simulate",
-                  "Record a walk through a made-up home, with the truth about everything in it",
-                  "roomwise simulate --home-seed 7 --scenario evening -o walk",
-                  [options, &context] { return run(*options, context); });
-  command->add_option("-o,--output", options->output, "Folder to write; new or empty")->required();
+  const auto [command, options] = add_command<SimulateOptions>(
+      app, context, "simulate",
+      "Record a walk through a made-up home, with the truth about everything in it",
+      "roomwise simulate --home-seed 7 --scenario evening -o walk", run);
+  SimulationOptions& simulated = options.simulation;
+  command->add_option("-o,--output", options.output, "Folder to write; new or empty")->required();
   command
-      ->add_option("--home-seed", options->home_seed,
-                   "Which home; without it: the reference flat (bedroom, kitchen, toilet, hall)")
+      ->add_option("--home-seed", options.home_seed,
+                   "Which home; default: the reference flat (bedroom, kitchen, toilet, hall)")
       ->check(not_negative());
   command
-      ->add_option("--rooms", options->rooms,
+      ->add_option("--rooms", options.rooms,
                    "The home's rooms, separated by commas: bedroom, kitchen, toilet, living-room, "
                    "dining-room, hall, study; default: 3 to 8 by the seed")
       ->delimiter(',');
-  command->add_option("--scenario", options->scenario, "day, evening, night, moved or moved-night")
-      ->capture_default_str();
-  command->add_option("--scenario-seed", options->scenario_seed, "What is moved; default: --seed")
+  add_setting(*command, "--scenario", options.scenario,
+              "day, evening, night, moved or moved-night");
+  command->add_option("--scenario-seed", options.scenario_seed, "What is moved; default: --seed")
       ->check(not_negative());
-  command->add_option("--walk-seed", options->walk_seed, "Which walk; default: --seed")
+  command->add_option("--walk-seed", options.walk_seed, "Which walk; default: --seed")
       ->check(not_negative());
-  command->add_option("--frames", simulated.walk.max_frames, "At most so many frames")
+  command->add_option("--frames", simulated.walk.max_frames, "Maximum number of frames")
       ->check(positive());
-  command->add_option("--fps", simulated.walk.frames_per_second, "Frames a second")
-      ->check(positive())
-      ->capture_default_str();
-  command->add_option("--height", simulated.walk.camera_height_m, "Of the camera, m")
-      ->check(positive())
-      ->capture_default_str();
-  command
-      ->add_option("--turning", simulated.walk.max_turning_rad_s,
-                   "How fast the walker turns at most, rad/s")
-      ->check(positive())
-      ->capture_default_str();
+  add_setting(*command, "--fps", simulated.walk.frames_per_second, "Frames a second", positive());
+  add_setting(*command, "--height", simulated.walk.camera_height_m, "Height of the camera, m",
+              positive());
+  add_setting(*command, "--turning", simulated.walk.max_turning_rad_s,
+              "Maximum turning speed of the walker, rad/s", positive());
   command->add_flag("!--no-fast-turns", simulated.walk.fast_turns,
                     "Without the few turns that are faster than that");
-  command->add_option("--camera", options->camera,
-                      "fr1, fr2, fr3, kinect-v1, xtion, or a camera.txt; default: 640x480, no "
-                      "distortion");
-  command->add_option("--samples", simulated.render.samples_per_pixel, "Rays a pixel")
-      ->capture_default_str();
+  add_camera_option(*command, options.camera, "640x480, no distortion");
+  add_render_options(*command, simulated.render, options.furniture);
   command
-      ->add_option("--bake-effort", simulated.render.bake_effort,
-                   "Rays of the light's bake, relative to the usual; fewer are quicker and blotchy")
-      ->check(positive())
-      ->capture_default_str();
-  command
-      ->add_option("--without", options->without,
+      ->add_option("--without", options.without,
                    "What the sensor does not do, separated by commas: depth-effects (all of "
                    "depth's; depth is then exact), " +
                        effect_names())
       ->delimiter(',');
   command->add_option("--light-cache", simulated.render.light_cache,
                       "File that keeps the home's baked light for the next walk through it");
-  command->add_flag("--keep", options->keep,
+  command->add_flag("--keep", options.keep,
                     "Do nothing where the folder holds this very recording already");
-  command->add_option("--furniture", options->furniture, "Folder of the furniture's .sh3f archives")
-      ->capture_default_str();
 }
 
 }  // namespace roomwise::app

@@ -1,9 +1,7 @@
-#include <memory>
-
 #include "commands.h"
 #include "laboratory/simulation/home/home_geometry.h"
 #include "laboratory/simulation/recording/simulate_views.h"
-#include "paths.h"
+#include "render_options.h"
 #include "roomwise/base/stage_clock.h"
 
 namespace roomwise::app {
@@ -16,18 +14,20 @@ struct SimulateViewsOptions {
   simulation::ViewsOptions views;
 };
 
-Expected<Answer> run(SimulateViewsOptions options, Context& context) {
-  options.views.seed = context.seed;
+Expected<Answer> run(const SimulateViewsOptions& options, Context& context) {
+  simulation::ViewsOptions views = options.views;
+  views.seed = context.seed;
   for (const std::string& room : options.rooms) {
     ROOMWISE_TRY(const simulation::RoomKind kind, simulation::parse_room_kind(room));
-    options.views.rooms.push_back(kind);
+    views.rooms.push_back(kind);
   }
   ROOMWISE_TRY(const auto catalogue, simulation::FurnitureCatalogue::open(options.furniture));
   ThreadPool pool(context.threads);
   ROOMWISE_TRY(const simulation::ViewsSummary summary,
-               simulate_views(options.views, catalogue, options.output, pool, context.progress));
+               simulate_views(views, catalogue, options.output, pool, context.progress));
   if (!summary.finished) {
-    return fail("interrupted after {} homes; the same command goes on", summary.homes);
+    return fail_with(ErrorCode::kInterrupted,
+                     "interrupted after {} homes; the same command goes on", summary.homes);
   }
   return Answer{
       fmt::format("{} pictures of {} homes in {}; the furniture's makers are named in its "
@@ -42,44 +42,36 @@ Expected<Answer> run(SimulateViewsOptions options, Context& context) {
 }  // namespace
 
 void add_simulate_views_command(CLI::App& app, Context& context) {
-  auto options = std::make_shared<SimulateViewsOptions>();
-  simulation::ViewsOptions& views = options->views;
-  CLI::App* command = add_command(
+  const auto [command, options] = add_command<SimulateViewsOptions>(
       app, context, "simulate-views",
       "Take pictures of the furniture and rooms of made-up homes, a folder a class, to train by",
       "roomwise simulate-views --homes 101 300 -o views\n"
       "roomwise train views --network compact --out trained\n"
       "Each home is seen at one time of day, drawn by the seed. After an interruption the same\n"
       "command goes on.",
-      [options, &context] { return run(*options, context); });
-  command->add_option("-o,--output", options->output, "Folder to write; new, empty or begun")
+      run);
+  simulation::ViewsOptions& views = options.views;
+  command->add_option("-o,--output", options.output, "Folder to write; new, empty or begun")
       ->required();
   command
       ->add_option_function<std::pair<std::uint64_t, std::uint64_t>>(
           "--homes",
-          [options](const auto& range) {
-            std::tie(options->views.first_home, options->views.last_home) = range;
+          [&options = options](const auto& range) {
+            std::tie(options.views.first_home, options.views.last_home) = range;
           },
           "Seeds of the homes: first and last; default: 1 10")
       ->type_name("FIRST LAST");
   command
-      ->add_option("--rooms", options->rooms,
+      ->add_option("--rooms", options.rooms,
                    "Every home's rooms, separated by commas; default: 3 to 8 by its seed")
       ->delimiter(',');
-  const auto add = [&](const char* name, auto& value, const char* meaning) {
-    command->add_option(name, value, meaning)->capture_default_str();
-  };
-  add("--of-kind", views.views.of_kind, "Pictures of each kind of furniture in a home, at most");
-  add("--of-room", views.views.of_room, "Pictures of each room, at most");
-  add("--side", views.views.longer_side_px, "Longer side of the pictures, pixels");
-  add("--samples", views.render.samples_per_pixel, "Rays a pixel");
-  command
-      ->add_option("--bake-effort", views.render.bake_effort,
-                   "Rays of the light's bake, relative to the usual; fewer are quicker and blotchy")
-      ->check(positive())
-      ->capture_default_str();
-  command->add_option("--furniture", options->furniture, "Folder of the furniture's .sh3f archives")
-      ->capture_default_str();
+  add_setting(*command, "--of-kind", views.views.of_kind,
+              "Maximum number of pictures of each kind of furniture in a home");
+  add_setting(*command, "--of-room", views.views.of_room,
+              "Maximum number of pictures of each room");
+  add_setting(*command, "--side", views.views.longer_side_px,
+              "Longer side of the pictures, pixels");
+  add_render_options(*command, views.render, options.furniture);
 }
 
 }  // namespace roomwise::app

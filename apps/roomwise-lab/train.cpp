@@ -35,8 +35,8 @@ Expected<HomePictures> pictures_of_visits(const home::Home& home, const std::str
                  return selection.contains(range);
                }));
   if (pictures.size() == 0) {
-    return fail("{}: no room has a key-frame in the visits {}; see roomwise rooms list",
-                home.file(), visits);
+    return fail("{}: no room has a key-frame in the visits {}; see roomwise info", home.file(),
+                visits);
   }
   return pictures;
 }
@@ -245,9 +245,10 @@ Expected<Answer> train_network(TrainRequest request, Context& context) {
   ROOMWISE_TRY(const auto processes, join_processes(options.device));
   ROOMWISE_TRY(const TrainingResult result,
                train(task, options, *processes, context.progress).map_error(in_file));
-  if (result.interrupted) {
-    return fail("interrupted after {} of {} steps; the same command with --resume goes on",
-                result.steps, options.steps);
+  if (!result.finished) {
+    return fail_with(ErrorCode::kInterrupted,
+                     "interrupted after {} of {} steps; the same command with --resume goes on",
+                     result.steps, options.steps);
   }
   if (processes->rank() != 0)
     return Answer{"the process of rank 0 writes the network\n", {{"rank", processes->rank()}}};

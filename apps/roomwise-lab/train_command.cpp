@@ -1,7 +1,6 @@
 #include "train_command.h"
 
 #include <map>
-#include <memory>
 
 namespace roomwise::app {
 namespace {
@@ -70,28 +69,28 @@ void add_network_choice(CLI::App& command, TrainRequest& request) {
 
 void add_course_options(CLI::App& command, TrainingOptions& options) {
   const auto add = [&](const char* name, auto& value, const char* meaning) {
-    return command.add_option(name, value, meaning)->capture_default_str();
+    return add_setting(command, name, value, meaning);
   };
   add("--steps", options.steps, "Batches to learn from")->type_name("N");
   add("--batch", options.batch, "Pictures a step (of each process)")->type_name("N");
-  add("--learning-rate", options.rate.base, "Size of the steps");
+  add("--learning-rate", options.rate.base, "Learning rate");
   command
       .add_option("--schedule", options.rate.schedule,
-                  "How the steps become smaller: constant, steps or cosine (default)")
+                  "How the learning rate falls: constant, steps or cosine (default)")
       ->transform(one_of<Schedule>({{"constant", Schedule::kConstant},
                                     {"steps", Schedule::kSteps},
                                     {"cosine", Schedule::kCosine}}));
   add("--decay", options.rate.decay, "Of --schedule steps: factor");
   add("--decay-every", options.rate.decay_every, "Of --schedule steps: steps between")
       ->type_name("N");
-  add("--warm-up", options.rate.warm_up_steps, "First steps, over which their size rises")
+  add("--warm-up", options.rate.warm_up_steps, "First steps, over which the learning rate rises")
       ->type_name("N");
   command.add_option("--optimizer", options.optimizer, "sgd (default), rmsprop or adam")
       ->transform(one_of<Optimizer>({{"sgd", Optimizer::kSgd},
                                      {"rmsprop", Optimizer::kRmsProp},
                                      {"adam", Optimizer::kAdam}}));
-  add("--momentum", options.momentum, "Share of the last step that goes on");
-  add("--weight-decay", options.weight_decay, "By how much weights are drawn to 0");
+  add("--momentum", options.momentum, "Share of the last step that is added to the next");
+  add("--weight-decay", options.weight_decay, "How strongly weights are drawn to 0");
   add("--label-smoothing", options.label_smoothing, "Share of certainty spread over all classes");
   add("--aux-weight", options.aux_weight, "Weight of the loss of a second head, if there is one");
 }
@@ -100,13 +99,15 @@ void add_run_options(CLI::App& command, TrainRequest& request) {
   TrainingOptions& options = request.options;
   command.add_flag("--no-augmentation", request.keeps_pictures,
                    "Pictures as they are, not varied in light and direction");
-  command.add_flag("--mirror", request.mirrors, "Every second picture is mirrored");
+  command.add_flag("--mirror", request.mirrors, "Mirror every second picture");
   const auto add = [&](const char* name, auto& value, const char* meaning) {
-    command.add_option(name, value, meaning)->type_name("N")->capture_default_str();
+    add_setting(command, name, value, meaning)->type_name("N");
   };
-  add("--evaluate-every", options.evaluate_every, "Steps between looks at what is held out");
-  add("--checkpoint-every", options.checkpoint_every, "Steps that a kill can cost at most");
-  add("--loader-threads", options.loader_threads, "Threads that make pictures ready");
+  add("--evaluate-every", options.evaluate_every,
+      "Steps between evaluations on the held-out pictures");
+  add("--checkpoint-every", options.checkpoint_every,
+      "Steps between checkpoints, from which --resume goes on");
+  add("--loader-threads", options.loader_threads, "Threads that load and prepare pictures");
   command.add_option("--device", options.device, "auto (default), cpu or cuda")
       ->transform(one_of<Device>(
           {{"auto", Device::kAuto}, {"cpu", Device::kCpu}, {"cuda", Device::kCuda}}));
@@ -114,26 +115,25 @@ void add_run_options(CLI::App& command, TrainRequest& request) {
 
 }  // namespace
 
-void declare_train_command(CLI::App& app, Context& context,
-                           std::function<Expected<Answer>(TrainRequest)> run) {
-  auto request = std::make_shared<TrainRequest>();
-  CLI::App* command = add_command(
+void declare_train_command(CLI::App& app, Context& context) {
+  const auto [command, request] = add_command<TrainRequest>(
       app, context, "train", "Fine-tune a network on pictures of your own classes",
       "roomwise train photos --network models/mobilenet-v2-imagenet.onnx --steps 500 --out "
       "trained\n"
       "Several processes, on one machine or more, train together where MASTER_ADDR, MASTER_PORT,\n"
       "RANK and WORLD_SIZE are set. The number of threads changes the last bits of the result.",
-      [request, run = std::move(run), &context]() -> Expected<Answer> {
-        if (request->folder.empty() && request->home.empty())
+      [](const TrainRequest& given, Context& with) -> Expected<Answer> {
+        if (given.folder.empty() && given.home.empty())
           return fail("there is nothing to learn from; give a FOLDER of classes or --home HOME");
-        request->options.seed = context.seed;
-        request->options.threads = static_cast<int>(context.threads);
-        return run(*request);
+        TrainRequest seeded = given;
+        seeded.options.seed = with.seed;
+        seeded.options.threads = static_cast<int>(with.threads);
+        return train_network(std::move(seeded), with);
       });
-  add_data_options(*command, *request);
-  add_network_choice(*command, *request);
-  add_course_options(*command, request->options);
-  add_run_options(*command, *request);
+  add_data_options(*command, request);
+  add_network_choice(*command, request);
+  add_course_options(*command, request.options);
+  add_run_options(*command, request);
 }
 
 }  // namespace roomwise::app

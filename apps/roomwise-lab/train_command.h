@@ -1,7 +1,6 @@
 #pragma once
 
 #include <filesystem>
-#include <functional>
 #include <string>
 
 #include "command.h"
@@ -29,11 +28,10 @@ struct TrainRequest {
   training::TrainingOptions options;
 };
 
-// Declares "train"; `run` does the work.
-void declare_train_command(CLI::App& app, Context& context,
-                           std::function<Expected<Answer>(TrainRequest)> run);
+// Declares "train".
+void declare_train_command(CLI::App& app, Context& context);
 
-// The work, by libtorch.
+// What "train" does, by libtorch.
 [[nodiscard]] Expected<Answer> train_network(TrainRequest request, Context& context);
 
 }  // namespace roomwise::app

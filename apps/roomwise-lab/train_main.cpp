@@ -7,8 +7,6 @@ int main(int argc, char** argv) {
   CLI::App app("The training of roomwise; see roomwise train --help.", "roomwise");
   app.require_subcommand(1);
   Context context;
-  declare_train_command(app, context, [&context](TrainRequest request) {
-    return train_network(std::move(request), context);
-  });
+  declare_train_command(app, context);
   return run(app, context, argc, argv);
 }

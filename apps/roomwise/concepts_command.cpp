@@ -1,5 +1,4 @@
 #include <filesystem>
-#include <memory>
 
 #include "commands.h"
 #include "open_home.h"
@@ -40,7 +39,7 @@ Answer describe(const Concepts& concepts) {
   return answer;
 }
 
-Expected<Answer> list(const ConceptsOptions& options, const Context& context) {
+Expected<Answer> list(const ConceptsOptions& options, Context& context) {
   if (options.home.empty()) return describe(Concepts::standard());
   ROOMWISE_TRY(const home::Home home, open_home_read_only(options.home, context));
   ROOMWISE_TRY(const Concepts concepts, home.concepts());
@@ -130,7 +129,7 @@ Expected<void> replace_concepts(home::Home& home, const Concepts& concepts) {
   });
 }
 
-Expected<Answer> edit(const ConceptsOptions& options, bool adding, const Context& context) {
+Expected<Answer> edit(const ConceptsOptions& options, bool adding, Context& context) {
   ROOMWISE_TRY(home::Home home, open_home(options.home, context));
   ROOMWISE_TRY(Concepts concepts, home.concepts());
   if (adding) {
@@ -143,12 +142,22 @@ Expected<Answer> edit(const ConceptsOptions& options, bool adding, const Context
   return describe(concepts);
 }
 
-void add_concept_options(CLI::App& command, ConceptsOptions& options) {
-  command.add_option("--home", options.home, "Home file")->required();
-  CLI::Option* object = command.add_option("--object", options.object, "Object, for example desk");
-  command.add_option("--label", options.labels, "A network's label that means it; may be repeated")
+template <bool adding>
+void add_edit(CLI::App& group, Context& context, const std::string& description,
+              const std::string& example) {
+  const auto [command, options] = add_command<ConceptsOptions>(
+      group, context, adding ? "add" : "remove", description, example,
+      [](const ConceptsOptions& given, Context& with) { return edit(given, adding, with); });
+  command->add_option("--home", options.home, "Home file")->required();
+  CLI::Option* object = command->add_option("--object", options.object, "Object, for example desk");
+  command->add_option("--label", options.labels, "A network's label that means it; may be repeated")
       ->needs(object);
-  command.add_option("--room-type", options.room_types, "Room type that has it; may be repeated");
+  command->add_option("--room-type", options.room_types, "Room type that has it; may be repeated");
+  command->parse_complete_callback([&given = options] {
+    if (given.object.empty() && given.room_types.empty()) {
+      throw CLI::RequiredError("--object or --room-type");
+    }
+  });
 }
 
 }  // namespace
@@ -157,31 +166,17 @@ void add_concepts_commands(CLI::App& app, Context& context) {
   CLI::App* group =
       add_group(app, "concepts", "The objects and room types that count, and which room has which",
                 "roomwise concepts list --home my.home");
-  auto options = std::make_shared<ConceptsOptions>();
-
-  CLI::App* list_command = add_command(
+  const auto [list_command, options] = add_command<ConceptsOptions>(
       *group, context, "list", "List the concepts of a home, or those that every home begins with",
-      "roomwise concepts list --home my.home",
-      [options, &context] { return list(*options, context); });
-  list_command->add_option("--home", options->home, "Home file");
+      "roomwise concepts list --home my.home", list);
+  list_command->add_option("--home", options.home, "Home file");
 
-  CLI::App* add_command_ = add_command(
-      *group, context, "add", "Add an object, labels of it, or a room type that has it",
-      "roomwise concepts add --home my.home --object bathtub --label tub --room-type bathroom",
-      [options, &context] { return edit(*options, true, context); });
-  CLI::App* remove_command =
-      add_command(*group, context, "remove",
+  add_edit<true>(
+      *group, context, "Add an object, labels of it, or a room type that has it",
+      "roomwise concepts add --home my.home --object bathtub --label tub --room-type bathroom");
+  add_edit<false>(*group, context,
                   "Remove an object, a room type, or (both given) the object from the room type",
-                  "roomwise concepts remove --home my.home --object lamp --room-type bedroom",
-                  [options, &context] { return edit(*options, false, context); });
-  for (CLI::App* command : {add_command_, remove_command}) {
-    add_concept_options(*command, *options);
-    command->parse_complete_callback([options] {
-      if (options->object.empty() && options->room_types.empty()) {
-        throw CLI::RequiredError("--object or --room-type");
-      }
-    });
-  }
+                  "roomwise concepts remove --home my.home --object lamp --room-type bedroom");
 }
 
 }  // namespace roomwise::app

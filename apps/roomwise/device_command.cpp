@@ -40,7 +40,8 @@ std::string own_host_name() {
 
 // Those of an earlier pairing, or of one by the code that was given.
 Expected<service::ServerCredentials> find_credentials(const DeviceOptions& options,
-                                                      const service::ServerAddress& server) {
+                                                      const service::ServerAddress& server,
+                                                      const Interruption& interruption) {
   ROOMWISE_TRY(const fs::path file, credentials_file());
   if (options.code.empty()) {
     ROOMWISE_TRY(const auto stored, stored_credentials(file, options.server));
@@ -51,7 +52,7 @@ Expected<service::ServerCredentials> find_credentials(const DeviceOptions& optio
         options.server);
   }
   service::ClientWait wait;
-  wait.interrupted = interrupt_requested;
+  wait.interruption = &interruption;
   ROOMWISE_TRY(const service::PairedWith paired,
                service::pair_with(server, options.code, options.name, wait));
   ROOMWISE_CHECK_OK(store_credentials(file, options.server, paired.credentials));
@@ -59,24 +60,30 @@ Expected<service::ServerCredentials> find_credentials(const DeviceOptions& optio
 }
 
 // Says a message to its end: whoever cannot see the terminal waits for it.
-void say_now(DeviceVoice& voice, const std::string& message, guide::Sound sound) {
+void say_now(DeviceVoice& voice, const std::string& message, guide::Sound sound,
+             const Interruption& interruption) {
   voice.notice(message, sound, steady_now_ns());
-  while (!interrupt_requested() && voice.step(steady_now_ns()) && !voice.is_silent(steady_now_ns()))
+  while (!interruption.interrupted() && voice.step(steady_now_ns()) &&
+         !voice.is_silent(steady_now_ns()))
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
 }
 
 // The same, and says how that went.
 Expected<service::ServerCredentials> find_credentials_aloud(const DeviceOptions& options,
                                                             const service::ServerAddress& server,
-                                                            DeviceVoice& voice) {
-  auto credentials = find_credentials(options, server);
+                                                            DeviceVoice& voice,
+                                                            const Interruption& interruption) {
+  const auto say = [&](const std::string& message, guide::Sound sound) {
+    say_now(voice, message, sound, interruption);
+  };
+  auto credentials = find_credentials(options, server, interruption);
   if (!credentials && options.code.empty()) {
-    say_now(voice, "device.not_paired", guide::Sound::kAlert);
+    say("device.not_paired", guide::Sound::kAlert);
   } else if (!credentials) {
-    const bool is_wrong = service::is_wrong_code(credentials.error());
-    say_now(voice, is_wrong ? "device.code_wrong" : "device.connection_lost", guide::Sound::kAlert);
+    const bool is_wrong = credentials.error().code == ErrorCode::kRefused;
+    say(is_wrong ? "device.code_wrong" : "device.connection_lost", guide::Sound::kAlert);
   } else if (!options.code.empty()) {
-    say_now(voice, "device.paired", guide::Sound::kBack);
+    say("device.paired", guide::Sound::kBack);
   }
   return credentials;
 }
@@ -129,73 +136,67 @@ Expected<std::unique_ptr<DeviceVoice>> open_voice(const DeviceOptions& options,
   return std::make_unique<DeviceVoice>(std::move(speaker), wording);
 }
 
-Expected<Answer> run_device(DeviceOptions options) {
+Expected<Answer> run_device(const DeviceOptions& given, Context& context) {
   catch_interrupts();
+  DeviceOptions options = given;
   if (options.name.empty()) options.name = own_host_name();
   const auto catalogue = guide::MessageCatalogue::built_in();
   DeviceParts parts;
   ROOMWISE_TRY(parts.server, service::parse_server_address(options.server));
   ROOMWISE_TRY(parts.voice, open_voice(options, catalogue));
-  ROOMWISE_TRY(parts.credentials, find_credentials_aloud(options, parts.server, *parts.voice));
+  ROOMWISE_TRY(parts.credentials,
+               find_credentials_aloud(options, parts.server, *parts.voice, context.progress));
   ROOMWISE_TRY(parts.keys, DeviceKeys::open(STDIN_FILENO, options.buttons));
   ROOMWISE_TRY(parts.camera, open_camera(options));
   parts.hello = hello_of(options, parts.camera.get());
   DeviceSession session(std::move(parts));
-  ROOMWISE_CHECK_OK(session.run(interrupt_requested));
+  ROOMWISE_CHECK_OK(session.run(context.progress));
   const service::LinkCounts& counts = session.counts();
-  Answer answer;
-  answer.text = fmt::format(
-      "{} frames sent, {} passed over for newer ones; {} prompts; the connection was lost {} "
-      "times\n",
-      counts.sent, counts.replaced, session.prompts(), counts.losses);
-  answer.json = {{"frames_sent", counts.sent},
-                 {"frames_passed_over", counts.replaced},
-                 {"prompts", session.prompts()},
-                 {"losses", counts.losses}};
-  return answer;
+  return Answer{
+      fmt::format(
+          "{} frames sent, {} passed over for newer ones; {} prompts; the connection was lost {} "
+          "times\n",
+          counts.sent, counts.replaced, session.prompts(), counts.losses),
+      {{"frames_sent", counts.sent},
+       {"frames_passed_over", counts.replaced},
+       {"prompts", session.prompts()},
+       {"losses", counts.losses}}};
 }
 
 }  // namespace
 
 void add_device_command(CLI::App& app, Context& context) {
-  auto options = std::make_shared<DeviceOptions>();
-  CLI::App* command =
-      add_command(app, context, "device",
-                  "Be a home's device: send what a camera sees, ask, speak what comes back.\n"
-                  "Keys: w where am I, a around me, f NAME Enter find, g NAME Enter go there, n "
-                  "NAME Enter name the room that is recorded, r repeat, q quiet, x exit.",
-                  "roomwise device --server flat.local:8443 --pair 123456 --camera",
-                  [options] { return run_device(*options); });
-  command->add_option("--server", options->server, "The home's computer, HOST:PORT")->required();
-  command->add_option("--pair", options->code,
-                      "Code that the computer shows, at the first time; what comes of it is kept "
-                      "in $XDG_CONFIG_HOME/roomwise/device.json");
-  command->add_option("--name", options->name,
-                      "What helpers see this device as; default: this computer's name");
-  auto* recording = command->add_option("--recording", options->recording,
+  const auto [command, options] = add_command<DeviceOptions>(
+      app, context, "device",
+      "Be a home's device: send what a camera sees, ask, speak what comes back.\n"
+      "Keys: w where am I, a around me, f NAME Enter find, g NAME Enter go there, n "
+      "NAME Enter name the room that is recorded, r repeat, q quiet, x exit.",
+      "roomwise device --server flat.local:8443 --pair 123456 --camera", run_device);
+  command->add_option("--server", options.server, "The home's computer, HOST:PORT")->required();
+  command->add_option("--pair", options.code,
+                      "Code that the computer shows; needed once. The pairing is kept in "
+                      "$XDG_CONFIG_HOME/roomwise/device.json");
+  command->add_option("--name", options.name,
+                      "Name of this device that helpers see; default: this computer's name");
+  auto* recording = command->add_option("--recording", options.recording,
                                         "Folder of a recording, sent as if it were a camera");
-  command->add_flag("--camera", options->camera, "The first depth camera that is found (OpenNI 2)")
+  command->add_flag("--camera", options.camera, "The first depth camera that is found (OpenNI 2)")
       ->excludes(recording);
   command
-      ->add_option("--rate", options->rate_hz,
+      ->add_option("--rate", options.rate_hz,
                    "Frames a second of a recording; default: as it was recorded")
       ->check(positive());
-  command
-      ->add_option("--speak", options->speak,
-                   "speech-dispatcher, text (lines on standard output), or wav:FILE (a recording "
-                   "of what would be heard)")
-      ->capture_default_str();
-  command->add_option("--buttons", options->buttons,
+  add_setting(*command, "--speak", options.speak,
+              "speech-dispatcher, text (lines on standard output), or wav:FILE (a recording "
+              "of what would be heard)");
+  command->add_option("--buttons", options.buttons,
                       "Input device whose keys 1 to 5 ask too: where, around, the next thing, "
                       "repeat, quiet; /dev/input/eventN");
-  command->add_option("--language", options->language, "en or de")->capture_default_str();
-  command->add_option("--distances", options->distances, "metres or steps")
-      ->check(CLI::IsMember({"metres", "steps"}))
-      ->capture_default_str();
-  command->add_option("--step", options->step_m, "Length of a step, m")
-      ->check(positive())
-      ->capture_default_str();
-  command->add_flag("--no-callouts", options->no_callouts,
+  add_setting(*command, "--language", options.language, "en or de");
+  add_setting(*command, "--distances", options.distances, "metres or steps",
+              CLI::IsMember({"metres", "steps"}));
+  add_setting(*command, "--step", options.step_m, "Length of a step, m", positive());
+  command->add_flag("--no-callouts", options.no_callouts,
                     "Say nothing of a room that is entered without being asked");
 }
 

@@ -1,5 +1,4 @@
 #include <filesystem>
-#include <memory>
 
 #include "commands.h"
 #include "paths.h"
@@ -60,7 +59,7 @@ Answer describe(const AbsoluteTrajectoryError& absolute,
   return answer;
 }
 
-Expected<Answer> run(const TrajectoryOptions& options) {
+Expected<Answer> run(const TrajectoryOptions& options, Context& /*context*/) {
   const fs::path truth_path = truth_file(options.truth);
   ROOMWISE_TRY(const recording::Trajectory truth, recording::read_trajectory(truth_path));
   ROOMWISE_TRY(const recording::Trajectory estimate, recording::read_trajectory(options.estimate));
@@ -91,28 +90,22 @@ void add_eval_commands(CLI::App& app, Context& context) {
   CLI::App* group =
       add_group(app, "eval", "Measure results against the truth",
                 "roomwise eval trajectory --truth groundtruth.txt --estimate trajectory.txt");
-  auto options = std::make_shared<TrajectoryOptions>();
-  CLI::App* command = add_command(
+  const auto [command, options] = add_command<TrajectoryOptions>(
       *group, context, "trajectory",
       "Absolute and relative trajectory error (ATE, RPE) as the TUM RGB-D benchmark defines them",
       "roomwise eval trajectory --truth groundtruth.txt --estimate trajectory.txt --plot ate.svg",
-      [options] { return run(*options); });
+      run);
   command
-      ->add_option("--truth", options->truth,
+      ->add_option("--truth", options.truth,
                    "True trajectory (TUM), or the recording's folder that holds groundtruth.txt")
       ->required();
-  command->add_option("--estimate", options->estimate, "Estimated trajectory (TUM)")->required();
-  command->add_option("--plot", options->plot,
+  command->add_option("--estimate", options.estimate, "Estimated trajectory (TUM)")->required();
+  command->add_option("--plot", options.plot,
                       "SVG to draw: truth black, estimate blue, differences red");
-  command
-      ->add_option("--max-difference", options->max_time_difference_s,
-                   "Farthest that two poses of a pair lie apart in time, s")
-      ->check(not_negative())
-      ->capture_default_str();
-  command
-      ->add_option("--delta", options->delta_s, "Over how long the relative error is measured, s")
-      ->check(positive())
-      ->capture_default_str();
+  add_setting(*command, "--max-difference", options.max_time_difference_s,
+              "Maximum time difference between the two poses of a pair, s", not_negative());
+  add_setting(*command, "--delta", options.delta_s,
+              "Time over which the relative error is measured, s", positive());
   add_laboratory_evaluations(*group, context);
 }
 

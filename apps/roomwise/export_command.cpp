@@ -1,9 +1,9 @@
 #include <filesystem>
-#include <memory>
 
 #include "command_run.h"
 #include "commands.h"
 #include "open_home.h"
+#include "pose_json.h"
 #include "roomwise/fusion/floor_map_file.h"
 #include "roomwise/fusion/mesh_files.h"
 #include "roomwise/fusion/octomap_file.h"
@@ -32,10 +32,8 @@ struct ExportOptions {
 };
 
 Answer wrote(const fs::path& output, const std::string& what, std::size_t count) {
-  Answer answer;
-  answer.text = fmt::format("wrote {} {} to {}\n", count, what, output.string());
-  answer.json = {{what, count}, {"output", output.string()}};
-  return answer;
+  return Answer{fmt::format("wrote {} {} to {}\n", count, what, output.string()),
+                {{what, count}, {"output", output.string()}}};
 }
 
 Expected<pipeline::MapCloud> build_cloud(const ExportOptions& options, Context& context) {
@@ -49,30 +47,23 @@ Expected<pipeline::MapCloud> build_cloud(const ExportOptions& options, Context& 
 }
 
 Expected<pipeline::GravityAlignedMap> build_surface(const ExportOptions& options, Context& context,
-                                                    ThreadPool& pool) {
+                                                    pipeline::RunContext& run) {
   ROOMWISE_TRY(const home::Home home, open_home_read_only(options.home, context));
-  StageClock clock;
-  pipeline::RunContext run{pool, context.progress, clock};
   return pipeline::build_gravity_aligned_map(home, options.voxel_size_m, run);
 }
 
 Answer wrote_mesh(const fs::path& output, const pipeline::GravityAlignedMap& map) {
   const fusion::TriangleMesh& mesh = map.mesh_world;
-  Answer answer;
-  answer.text = fmt::format("wrote {} vertices, {} triangles to {}\n", mesh.vertices.size(),
-                            mesh.triangles.size(), output.string());
-  answer.json = {{"vertices", mesh.vertices.size()},
+  return Answer{fmt::format("wrote {} vertices, {} triangles to {}\n", mesh.vertices.size(),
+                            mesh.triangles.size(), output.string()),
+                {{"vertices", mesh.vertices.size()},
                  {"triangles", mesh.triangles.size()},
-                 {"output", output.string()}};
-  return answer;
+                 {"output", output.string()}}};
 }
 
 // Where the gravity-aligned frame of a file lies in the map's world, that of the other files.
 void add_frame(Answer& answer, const fusion::GravityAlignedFrame& frame) {
-  const geometry::RigidTransform& pose = frame.gravity_from_world;
-  const auto& [t, q] = std::pair(pose.translation, pose.rotation);
-  answer.json["level_from_world"] = {{"translation_m", {t.x(), t.y(), t.z()}},
-                                     {"quaternion_xyzw", {q.x(), q.y(), q.z(), q.w()}}};
+  answer.json["level_from_world"] = level_from_world_json(frame.gravity_from_world);
   answer.json["floor_found"] = frame.has_floor;
   if (!frame.has_floor) {
     answer.text += "the map shows no floor: z = 0 is the height of the first camera\n";
@@ -81,8 +72,8 @@ void add_frame(Answer& answer, const fusion::GravityAlignedFrame& frame) {
 
 Expected<Answer> export_ply(const ExportOptions& options, Context& context) {
   if (options.surface == "mesh") {
-    ThreadPool pool(context.threads);
-    ROOMWISE_TRY(const pipeline::GravityAlignedMap map, build_surface(options, context, pool));
+    CommandRun run(context);
+    ROOMWISE_TRY(const pipeline::GravityAlignedMap map, build_surface(options, context, run));
     ROOMWISE_CHECK_OK(fusion::write_ply(options.output, map.mesh_world));
     return wrote_mesh(options.output, map);
   }
@@ -98,8 +89,8 @@ Expected<Answer> export_pcd(const ExportOptions& options, Context& context) {
 }
 
 Expected<Answer> export_glb(const ExportOptions& options, Context& context) {
-  ThreadPool pool(context.threads);
-  ROOMWISE_TRY(const pipeline::GravityAlignedMap map, build_surface(options, context, pool));
+  CommandRun run(context);
+  ROOMWISE_TRY(const pipeline::GravityAlignedMap map, build_surface(options, context, run));
   ROOMWISE_CHECK_OK(fusion::write_glb(
       options.output, fusion::transformed(map.frame.gravity_from_world, map.mesh_world)));
   Answer answer = wrote_mesh(options.output, map);
@@ -109,19 +100,16 @@ Expected<Answer> export_glb(const ExportOptions& options, Context& context) {
 
 Expected<Answer> export_octomap(const ExportOptions& options, Context& context) {
   ROOMWISE_CHECK_OK(pipeline::validate_cell(options.cell_m, options.voxel_size_m));
-  ThreadPool pool(context.threads);
-  ROOMWISE_TRY(const pipeline::GravityAlignedMap map, build_surface(options, context, pool));
-  StageClock clock;
-  pipeline::RunContext run{pool, context.progress, clock};
+  CommandRun run(context);
+  ROOMWISE_TRY(const pipeline::GravityAlignedMap map, build_surface(options, context, run));
   ROOMWISE_TRY(const auto cells, pipeline::occupancy_of(map, options.cell_m, run));
   ROOMWISE_CHECK_OK(fusion::write_octomap(options.output, cells, options.cell_m));
   const auto occupied = std::ranges::count(cells, true, &fusion::OccupancyCell::is_occupied);
-  Answer answer;
-  answer.text = fmt::format("wrote {} occupied and {} free cells to {}\n", occupied,
-                            std::ssize(cells) - occupied, options.output.string());
-  answer.json = {{"occupied", occupied},
+  Answer answer{fmt::format("wrote {} occupied and {} free cells to {}\n", occupied,
+                            std::ssize(cells) - occupied, options.output.string()),
+                {{"occupied", occupied},
                  {"free", std::ssize(cells) - occupied},
-                 {"output", options.output.string()}};
+                 {"output", options.output.string()}}};
   add_frame(answer, map.frame);
   return answer;
 }
@@ -131,27 +119,27 @@ Expected<Answer> export_floor(const ExportOptions& options, Context& context) {
   floor.cell_m = options.cell_m;
   ROOMWISE_CHECK_OK(floor.validate());
   ROOMWISE_CHECK_OK(pipeline::validate_cell(options.cell_m, options.voxel_size_m));
-  ThreadPool pool(context.threads);
-  ROOMWISE_TRY(const pipeline::GravityAlignedMap map, build_surface(options, context, pool));
-  StageClock clock;
-  pipeline::RunContext run{pool, context.progress, clock};
+  CommandRun run(context);
+  ROOMWISE_TRY(const pipeline::GravityAlignedMap map, build_surface(options, context, run));
   auto grid = pipeline::floor_grid_of(map, floor, run);
   if (!grid) return Unexpected(std::move(grid).error().in(options.home.string()));
   ROOMWISE_CHECK_OK(fusion::write_floor_map(options.output, *grid));
   const fs::path picture = fusion::floor_map_picture(options.output);
   const double free_m2 = grid->area_m2(fusion::FloorCell::kFree);
   const double occupied_m2 = grid->area_m2(fusion::FloorCell::kOccupied);
-  Answer answer;
-  answer.text = fmt::format("wrote {:.1f} m2 of free floor, {:.1f} m2 occupied, to {} and {}\n",
-                            free_m2, occupied_m2, options.output.string(), picture.string());
-  answer.json = {
-      {"free_m2", free_m2},   {"occupied_m2", occupied_m2},        {"columns", grid->columns()},
-      {"rows", grid->rows()}, {"output", options.output.string()}, {"picture", picture.string()}};
+  Answer answer{fmt::format("wrote {:.1f} m2 of free floor, {:.1f} m2 occupied, to {} and {}\n",
+                            free_m2, occupied_m2, options.output.string(), picture.string()),
+                {{"free_m2", free_m2},
+                 {"occupied_m2", occupied_m2},
+                 {"columns", grid->columns()},
+                 {"rows", grid->rows()},
+                 {"output", options.output.string()},
+                 {"picture", picture.string()}}};
   add_frame(answer, map.frame);
   return answer;
 }
 
-Expected<Answer> export_tum(const ExportOptions& options, const Context& context) {
+Expected<Answer> export_tum(const ExportOptions& options, Context& context) {
   ROOMWISE_TRY(const home::Home home, open_home_read_only(options.home, context));
   ROOMWISE_TRY(const recording::Trajectory trajectory, pipeline::stored_trajectory(home));
   ROOMWISE_CHECK_OK(recording::write_trajectory(options.output, trajectory));
@@ -160,7 +148,7 @@ Expected<Answer> export_tum(const ExportOptions& options, const Context& context
 
 // Without the loops that the map left out. Pieces that no loop joined are parts of the one graph
 // without an edge between them.
-Expected<Answer> export_g2o(const ExportOptions& options, const Context& context) {
+Expected<Answer> export_g2o(const ExportOptions& options, Context& context) {
   ROOMWISE_TRY(const home::Home home, open_home_read_only(options.home, context));
   ROOMWISE_TRY(const auto settings, pipeline::stored_map_settings(home));
   ROOMWISE_TRY(
@@ -170,85 +158,47 @@ Expected<Answer> export_g2o(const ExportOptions& options, const Context& context
   return wrote(options.output, "poses", graph.world_from_node.size());
 }
 
-void add_files(CLI::App& command, ExportOptions& options) {
-  command.add_option("--home", options.home, "Home file")->required();
-  command.add_option("-o,--output", options.output, "File to write")->required();
+// A command that writes what a home holds to a file.
+std::pair<CLI::App*, ExportOptions&> add_export(
+    CLI::App& group, Context& context, const std::string& name, const std::string& description,
+    const std::string& example, Expected<Answer> (*body)(const ExportOptions&, Context&)) {
+  const auto [command, options] = add_command<ExportOptions>(group, context, name, description,
+                                                             "roomwise export " + example, body);
+  command->add_option("--home", options.home, "Home file")->required();
+  command->add_option("-o,--output", options.output, "File to write")->required();
+  return {command, options};
 }
 
 void add_voxel(CLI::App& command, ExportOptions& options, const std::string& meaning) {
-  command.add_option("--voxel", options.voxel_size_m, meaning)
-      ->check(positive())
-      ->capture_default_str();
+  add_setting(command, "--voxel", options.voxel_size_m, meaning, positive());
 }
 
-constexpr const char* kFusedVoxel =
-    "Size of the voxels that the key-frames are fused in, m; half the size takes 8 times the "
-    "memory";
+void add_fused_voxel(CLI::App& command, ExportOptions& options) {
+  add_voxel(command, options,
+            "Size of the voxels that the key-frames are fused in, m; half the size takes 8 times "
+            "the memory");
+}
 
 void add_cell(CLI::App& command, ExportOptions& options) {
-  command.add_option("--cell", options.cell_m, "Size of a cell, m")
-      ->check(positive())
-      ->capture_default_str();
+  add_setting(command, "--cell", options.cell_m, "Size of a cell, m", positive());
 }
 
 std::string demand_yaml(const std::string& path) {
   return fs::path(path).extension() == ".yaml" ? "" : path + ": must end in .yaml";
 }
 
-void add_cloud_exports(CLI::App& group, Context& context,
-                       const std::shared_ptr<ExportOptions>& options) {
-  CLI::App* ply =
-      add_command(group, context, "ply", "The map as coloured points or as a surface (PLY)",
-                  "roomwise export ply --home my.home -o my.ply --voxel 0.01",
-                  [options, &context] { return export_ply(*options, context); });
-  add_files(*ply, *options);
-  ply->add_option("--surface", options->surface,
-                  "cloud: one point a voxel; mesh: triangles of the fused key-frames")
-      ->check(CLI::IsMember({"cloud", "mesh"}))
-      ->capture_default_str();
-  add_voxel(*ply, *options, "Size of the voxels, m");
-
-  CLI::App* pcd = add_command(group, context, "pcd", "The map as coloured points (PCD)",
-                              "roomwise export pcd --home my.home -o my.pcd",
-                              [options, &context] { return export_pcd(*options, context); });
-  add_files(*pcd, *options);
-  add_voxel(*pcd, *options, "One point a voxel of this size, m");
-}
-
-void add_level_exports(CLI::App& group, Context& context,
-                       const std::shared_ptr<ExportOptions>& options) {
-  CLI::App* glb =
-      add_command(group, context, "glb", "The map's surface, upright, in one file (binary glTF)",
-                  "roomwise export glb --home my.home -o my.glb",
-                  [options, &context] { return export_glb(*options, context); });
-  add_files(*glb, *options);
-  add_voxel(*glb, *options, kFusedVoxel);
-
-  CLI::App* octomap = add_command(
-      group, context, "octomap", "What of space is occupied and what is free (OctoMap, binary .bt)",
-      "roomwise export octomap --home my.home -o my.bt",
-      [options, &context] { return export_octomap(*options, context); });
-  add_files(*octomap, *options);
-  add_voxel(*octomap, *options, kFusedVoxel);
-  add_cell(*octomap, *options);
-
-  CLI::App* floor = add_command(
+void add_floor_export(CLI::App& group, Context& context) {
+  const auto [command, options] = add_export(
       group, context, "floor",
       "Where the floor is free for a person (a map for ROS: .yaml, and a picture beside it)",
-      "roomwise export floor --home my.home -o my.yaml",
-      [options, &context] { return export_floor(*options, context); });
-  add_files(*floor, *options);
-  floor->get_option("--output")->check(CLI::Validator(demand_yaml, ""));
-  add_voxel(*floor, *options, kFusedVoxel);
-  add_cell(*floor, *options);
-  floor
-      ->add_option("--height", options->floor.person_height_m,
-                   "What hangs higher than that is in nobody's way, m")
-      ->check(positive())
-      ->capture_default_str();
-  floor->add_option("--step", options->floor.step_m, "What lies lower than that is no obstacle, m")
-      ->check(positive())
-      ->capture_default_str();
+      "floor --home my.home -o my.yaml", export_floor);
+  command->get_option("--output")->check(CLI::Validator(demand_yaml, ""));
+  add_fused_voxel(*command, options);
+  add_cell(*command, options);
+  add_setting(*command, "--height", options.floor.person_height_m,
+              "Height of a person: what hangs higher is not an obstacle, m", positive());
+  add_setting(*command, "--step", options.floor.step_m,
+              "Height of a step: what lies lower is not an obstacle, m", positive());
 }
 
 }  // namespace
@@ -257,20 +207,32 @@ void add_export_commands(CLI::App& app, Context& context) {
   CLI::App* group =
       add_group(app, "export", "Write what a home holds in formats that other programs read",
                 "roomwise export ply --home my.home -o my.ply");
-  auto options = std::make_shared<ExportOptions>();
-  add_cloud_exports(*group, context, options);
-  add_level_exports(*group, context, options);
-
-  CLI::App* tum = add_command(*group, context, "tum",
-                              "The pose of every frame (TUM: timestamp tx ty tz qx qy qz qw)",
-                              "roomwise export tum --home my.home -o trajectory.txt",
-                              [options, &context] { return export_tum(*options, context); });
-  add_files(*tum, *options);
-
-  CLI::App* g2o = add_command(*group, context, "g2o", "The pose graph of the key-frames (.g2o)",
-                              "roomwise export g2o --home my.home -o my.g2o",
-                              [options, &context] { return export_g2o(*options, context); });
-  add_files(*g2o, *options);
+  const auto [ply, of_ply] =
+      add_export(*group, context, "ply", "The map as coloured points or as a surface (PLY)",
+                 "ply --home my.home -o my.ply --voxel 0.01", export_ply);
+  add_setting(*ply, "--surface", of_ply.surface,
+              "cloud: one point a voxel; mesh: triangles of the fused key-frames",
+              CLI::IsMember({"cloud", "mesh"}));
+  add_voxel(*ply, of_ply, "Size of the voxels, m");
+  const auto [pcd, of_pcd] = add_export(*group, context, "pcd", "The map as coloured points (PCD)",
+                                        "pcd --home my.home -o my.pcd", export_pcd);
+  add_voxel(*pcd, of_pcd, "One point a voxel of this size, m");
+  const auto [glb, of_glb] =
+      add_export(*group, context, "glb", "The map's surface, upright, in one file (binary glTF)",
+                 "glb --home my.home -o my.glb", export_glb);
+  add_fused_voxel(*glb, of_glb);
+  const auto [octomap, of_octomap] =
+      add_export(*group, context, "octomap",
+                 "What of space is occupied and what is free (OctoMap, binary .bt)",
+                 "octomap --home my.home -o my.bt", export_octomap);
+  add_fused_voxel(*octomap, of_octomap);
+  add_cell(*octomap, of_octomap);
+  add_floor_export(*group, context);
+  add_export(*group, context, "tum",
+             "The pose of every frame (TUM: timestamp tx ty tz qx qy qz qw)",
+             "tum --home my.home -o trajectory.txt", export_tum);
+  add_export(*group, context, "g2o", "The pose graph of the key-frames (.g2o)",
+             "g2o --home my.home -o my.g2o", export_g2o);
 }
 
 }  // namespace roomwise::app

@@ -1,6 +1,5 @@
 #include <filesystem>
 #include <fstream>
-#include <memory>
 #include <type_traits>
 
 #include "commands.h"
@@ -56,7 +55,7 @@ class Facts {
   Answer answer_;
 };
 
-Expected<Answer> describe_home(const InfoOptions& options, const Context& context) {
+Expected<Answer> describe_home(const InfoOptions& options, Context& context) {
   ROOMWISE_TRY(const home::Home home, open_home_read_only(options.path, context));
   if (options.verify) ROOMWISE_CHECK_OK(home.verify());
   ROOMWISE_TRY(const auto recordings, home.recordings());
@@ -200,7 +199,7 @@ std::string first_bytes(const fs::path& path) {
   return bytes;
 }
 
-Expected<Answer> run(const InfoOptions& options, const Context& context) {
+Expected<Answer> run(const InfoOptions& options, Context& context) {
   const fs::path& path = options.path;
   if (!fs::exists(path)) return fail("{}: there is no such file or folder", path.string());
   if (fs::is_directory(path)) return describe_recording(path);
@@ -223,15 +222,14 @@ Expected<Answer> run(const InfoOptions& options, const Context& context) {
 }  // namespace
 
 void add_info_command(CLI::App& app, Context& context) {
-  auto options = std::make_shared<InfoOptions>();
-  CLI::App* command = add_command(
+  const auto [command, options] = add_command<InfoOptions>(
       app, context, "info",
       "Say what a file is and holds: a home, a recording, a pose graph, a network, a picture",
-      "roomwise info my.home", [options, &context] { return run(*options, context); });
-  command->add_option("FILE", options->path, "File or folder")->required();
-  command->add_flag("--digest", options->digest,
+      "roomwise info my.home", run);
+  command->add_option("FILE", options.path, "File or folder")->required();
+  command->add_flag("--digest", options.digest,
                     "Of a home: SHA-256 of its content (equal for homes that hold the same)");
-  command->add_flag("--verify", options->verify, "Of a home: read all of it and find any damage");
+  command->add_flag("--verify", options.verify, "Of a home: read all of it and find any damage");
 }
 
 }  // namespace roomwise::app

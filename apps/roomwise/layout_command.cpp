@@ -1,9 +1,9 @@
 #include <filesystem>
-#include <memory>
 
 #include "command_run.h"
 #include "commands.h"
 #include "open_home.h"
+#include "pose_json.h"
 #include "roomwise/base/file.h"
 #include "roomwise/evaluation/floor_plan_drawing.h"
 #include "roomwise/pipeline/rooms/home_layout.h"
@@ -71,10 +71,7 @@ Answer answer_of(const pipeline::HomeLayout& home) {
          {"width_m", doorway.width_m},
          {"walked", doorway.is_walked}});
   }
-  const auto& [t, q] =
-      std::pair(home.frame.gravity_from_world.translation, home.frame.gravity_from_world.rotation);
-  answer.json["level_from_world"] = {{"translation_m", {t.x(), t.y(), t.z()}},
-                                     {"quaternion_xyzw", {q.x(), q.y(), q.z(), q.w()}}};
+  answer.json["level_from_world"] = level_from_world_json(home.frame.gravity_from_world);
   return answer;
 }
 
@@ -100,14 +97,12 @@ Expected<Answer> lay_out(const LayoutOptions& options, Context& context) {
 }  // namespace
 
 void add_layout_command(CLI::App& group, Context& context) {
-  auto options = std::make_shared<LayoutOptions>();
-  CLI::App* command = add_command(
+  const auto [command, options] = add_command<LayoutOptions>(
       group, context, "layout",
       "Where the named rooms lie on the floor, how large they are, and which opens to which",
-      "roomwise rooms layout --home my.home --plan plan.svg",
-      [options, &context] { return lay_out(*options, context); });
-  command->add_option("--home", options->home, "Home file with a map and named rooms")->required();
-  command->add_option("--plan", options->plan, "SVG file to draw the plan to");
+      "roomwise rooms layout --home my.home --plan plan.svg", lay_out);
+  command->add_option("--home", options.home, "Home file with a map and named rooms")->required();
+  command->add_option("--plan", options.plan, "SVG file to draw the plan to");
 }
 
 }  // namespace roomwise::app

@@ -1,14 +1,14 @@
 #include <filesystem>
-#include <memory>
 #include <opencv2/core/utility.hpp>
 #include <vector>
 
+#include "camera_option.h"
 #include "command_run.h"
 #include "commands.h"
 #include "open_home.h"
+#include "pose_json.h"
 #include "roomwise/image/codec.h"
 #include "roomwise/pipeline/mapping/home_localizer.h"
-#include "roomwise/recording/camera_file.h"
 
 namespace roomwise::app {
 namespace {
@@ -52,7 +52,6 @@ Expected<Answer> describe(const home::Home& home, const mapping::Localization& f
   ROOMWISE_TRY(const std::string room, room_of(home, found.keyframe));
   constexpr double kDegreesPerRadian = 180 / static_cast<double>(EIGEN_PI);
   const Eigen::Vector3d& position = found.world_from_camera.translation;
-  const Eigen::Quaterniond& rotation = found.world_from_camera.rotation;
   const double sigma_m = found.position_sigma_m();
   const double sigma_degrees = kDegreesPerRadian * found.rotation_sigma_rad();
   const std::string how =
@@ -64,14 +63,14 @@ Expected<Answer> describe(const home::Home& home, const mapping::Localization& f
       "{}, like key-frame {}\n",
       position.x(), position.y(), position.z(), sigma_m, sigma_degrees,
       room.empty() ? "" : ", where the map shows the " + room, how, found.keyframe);
-  answer.json["position_m"] = {position.x(), position.y(), position.z()};
-  answer.json["rotation_xyzw"] = {rotation.x(), rotation.y(), rotation.z(), rotation.w()};
+  answer.json["position_m"] = xyz(position);
+  answer.json["rotation_xyzw"] = xyzw(found.world_from_camera.rotation);
   answer.json["position_sigma_m"] = sigma_m;
   answer.json["rotation_sigma_degrees"] = sigma_degrees;
   answer.json["inliers"] = found.inliers;
   answer.json["witnesses"] = found.supporting_keyframes;
   answer.json["keyframe"] = found.keyframe;
-  answer.json["room"] = room.empty() ? Json(nullptr) : Json(room);
+  answer.json["room"] = word_or_null(room);
   return answer;
 }
 
@@ -84,10 +83,8 @@ Expected<Answer> locate(const LocateOptions& options, Context& context) {
   ROOMWISE_TRY(const home::Home home, open_home_read_only(options.home, context));
   ROOMWISE_TRY(const auto recordings, home.recordings());
   if (recordings.empty()) return fail("{}: the home holds no recording", home.file());
-  geometry::PinholeCamera camera = recordings.front().recording.camera;
-  if (!options.camera.empty()) {
-    ROOMWISE_TRY(camera, recording::resolve_camera(options.camera));
-  }
+  ROOMWISE_TRY(const auto given, given_camera(options.camera));
+  const geometry::PinholeCamera camera = given.value_or(recordings.front().recording.camera);
   // Before the map is loaded, which takes a moment.
   std::vector<pipeline::PictureToLocate> pictures;
   for (std::size_t i = 0; i < options.pictures.size(); ++i) {
@@ -113,25 +110,21 @@ Expected<Answer> locate(const LocateOptions& options, Context& context) {
 }  // namespace
 
 void add_locate_command(CLI::App& app, Context& context) {
-  auto options = std::make_shared<LocateOptions>();
-  CLI::App* command =
-      add_command(app, context, "locate", "Where on a home's map one picture, or two, were taken",
-                  "roomwise locate --home my.home now.jpg --depth now-depth.png",
-                  [options, &context] { return locate(*options, context); });
-  command->add_option("--home", options->home, "Home with a map")->required();
+  const auto [command, options] = add_command<LocateOptions>(
+      app, context, "locate", "Where on a home's map one picture, or two, were taken",
+      "roomwise locate --home my.home now.jpg --depth now-depth.png", locate);
+  command->add_option("--home", options.home, "Home with a map")->required();
   command
-      ->add_option("picture", options->pictures,
+      ->add_option("picture", options.pictures,
                    "A picture, or two taken shortly after one another: the second's place")
       ->required()
       ->expected(1, 2);
   command
-      ->add_option("--depth", options->depths,
+      ->add_option("--depth", options.depths,
                    "The picture's depth image (16-bit PNG, registered to it), one for each; "
                    "without it far fewer pictures have an answer")
       ->expected(1, 2);
-  command->add_option("--camera", options->camera,
-                      "Of the pictures: fr1, fr2, fr3, kinect-v1, xtion, or a camera.txt; default: "
-                      "that of the home's recording");
+  add_camera_option(*command, options.camera, "that of the home's recording");
 }
 
 }  // namespace roomwise::app

@@ -2,6 +2,8 @@
 #include <memory>
 #include <opencv2/core.hpp>
 
+#include "camera_option.h"
+#include "command_run.h"
 #include "commands.h"
 #include "networks.h"
 #include "open_home.h"
@@ -10,7 +12,6 @@
 #include "roomwise/pipeline/mapping/map_recording.h"
 #include "roomwise/pipeline/rooms/room_learning.h"
 #include "roomwise/pipeline/stored/stored_map.h"
-#include "roomwise/recording/camera_file.h"
 #include "roomwise/recording/tum_recording.h"
 
 namespace roomwise::app {
@@ -74,11 +75,8 @@ Expected<std::unique_ptr<recording::TumRecording>> open_recording(const MapOptio
                                                                   const home::Home& home) {
   recording::TumOptions tum;
   ROOMWISE_TRY(const auto stored, home.recordings());
-  if (!options.camera.empty()) {
-    ROOMWISE_TRY(tum.camera, recording::resolve_camera(options.camera));
-  } else if (!stored.empty()) {
-    tum.camera = stored.back().recording.camera;
-  }
+  ROOMWISE_TRY(tum.camera, given_camera(options.camera));
+  if (!tum.camera && !stored.empty()) tum.camera = stored.back().recording.camera;
   return recording::TumRecording::open(options.recording, tum);
 }
 
@@ -135,17 +133,6 @@ void remove_empty_home(const fs::path& path) {
 
 Expected<Answer> map(const MapOptions& options, Context& context) {
   cv::setNumThreads(1);  // the threads are ours
-  pipeline::Networks networks;
-  objects::ObjectFinders finders;
-  if (!options.no_networks) {
-    ROOMWISE_TRY(networks, load_networks(options.networks));
-    ROOMWISE_TRY(finders, load_object_finders());
-  }
-  if (networks.empty()) {
-    context.progress.note(
-        "no network was given: nothing in this home will be named and its rooms cannot be learned; "
-        "give --network FILE or set ROOMWISE_MODELS");
-  }
   if (!options.trajectory.empty() && fs::is_directory(options.trajectory)) {
     return fail("{}: is a folder; --trajectory needs a file", options.trajectory.string());
   }
@@ -153,9 +140,7 @@ Expected<Answer> map(const MapOptions& options, Context& context) {
   ROOMWISE_TRY(const auto labels, rooms_of_recording(options.recording));
   if (!fs::exists(options.home)) {
     recording::TumOptions tum;
-    if (!options.camera.empty()) {
-      ROOMWISE_TRY(tum.camera, recording::resolve_camera(options.camera));
-    }
+    ROOMWISE_TRY(tum.camera, given_camera(options.camera));
     ROOMWISE_CHECK_OK(recording::TumRecording::open(options.recording, tum));
     ROOMWISE_CHECK_OK(new_settings(options));
   }
@@ -163,17 +148,34 @@ Expected<Answer> map(const MapOptions& options, Context& context) {
   ROOMWISE_TRY(const std::unique_ptr<recording::TumRecording> source,
                open_recording(options, home));
   ROOMWISE_TRY(const pipeline::MapSettings settings, choose_settings(options, context.seed, home));
+  pipeline::Networks networks;
+  objects::ObjectFinders finders;
+  if (!options.no_networks) {
+    ROOMWISE_TRY(networks,
+                 load_networks_for_new(
+                     options.networks, home, source->associations().size(),
+                     [&](std::size_t i) {
+                       return source->colors().read_color(source->associations()[i].first);
+                     },
+                     context));
+    ROOMWISE_TRY(finders, load_object_finders());
+  }
+  if (networks.empty()) {
+    context.progress.note(
+        "no network was given: nothing in this home will be named and its rooms cannot be learned; "
+        "give --network FILE or set ROOMWISE_MODELS");
+  }
 
-  ThreadPool pool(context.threads);
-  StageClock clock;
-  pipeline::RunContext run{pool, context.progress, clock, options.working_set_mb << 20U};
+  CommandRun run(context);
+  run.working_set_bytes = options.working_set_mb << 20U;
   const home::Recording recording{source->info().name, options.recording.string(),
                                   source->info().camera, source->info().frame_count};
   auto mapped = pipeline::map_recording(*source, recording, home, networks, settings, run, finders);
   if (!mapped) return Unexpected(std::move(mapped).error());
   const pipeline::MapSummary& summary = *mapped;
   if (!summary.finished) {
-    return fail(
+    return fail_with(
+        ErrorCode::kInterrupted,
         "interrupted after {} frames, {} key-frames; go on with: roomwise map {} --home {} "
         "--resume",
         summary.frames, summary.keyframes, shell_word(options.recording), shell_word(options.home));
@@ -205,10 +207,7 @@ Expected<Answer> map(const MapOptions& options, Context& context) {
                  {"objects", summary.objects},
                  {"instances", summary.instances},
                  {"home", options.home.string()}};
-  for (const auto& [name, stage] : clock.stages()) {
-    answer.json["stages"][name] = {
-        {"calls", stage.calls}, {"wall_s", stage.wall_s}, {"cpu_s", stage.cpu_s}};
-  }
+  add_stages(answer, run.clock);
   answer.json["cpu_s"] = process_cpu_time_s();
   return answer;
 }
@@ -223,79 +222,70 @@ Expected<Answer> run(const MapOptions& options, Context& context) {
 }  // namespace
 
 void add_map_command(CLI::App& app, Context& context) {
-  auto options = std::make_shared<MapOptions>();
-  CLI::App* command =
-      add_command(app, context, "map",
-                  "Turn a recording into a home: map, key-frames, what networks see in them",
-                  "roomwise map office_walk --home office.home",
-                  [options, &context] { return run(*options, context); });
-  command->add_option("RECORDING", options->recording, "Folder in TUM's format")->required();
+  const auto [command, options] = add_command<MapOptions>(
+      app, context, "map",
+      "Turn a recording into a home: map, key-frames, what networks see in them",
+      "roomwise map office_walk --home office.home", run);
+  command->add_option("RECORDING", options.recording, "Folder in TUM's format")->required();
   command
-      ->add_option("--home", options->home, "Home file to make (or, with --resume, to go on with)")
+      ->add_option("--home", options.home, "Home file to make (or, with --resume, to go on with)")
       ->required();
   CLI::Option* resume = command->add_flag(
-      "--resume", options->resume, "Go on with a run that was stopped, with its own settings");
+      "--resume", options.resume, "Go on with a run that was stopped, with its own settings");
   command->get_option("--seed")->excludes(resume);
-  command->add_option(
-      "--camera", options->camera,
-      "fr1, fr2, fr3, kinect-v1, xtion, or a camera.txt; default: the recording's own");
-  const auto setting = [&](const std::string& name, auto& value, const std::string& description) {
-    return command->add_option(name, value, description)->capture_default_str()->excludes(resume);
+  add_camera_option(*command, options.camera, "the recording's own");
+  const auto option = [resume, &map = *command](const char* name, auto& value, const char* meaning,
+                                                const CLI::Validator& check) {
+    return map.add_option(name, value, meaning)->check(check)->excludes(resume);
   };
-  setting("--method", options->method,
+  const auto setting = [&](const char* name, auto& value, const char* meaning,
+                           const CLI::Validator& check) {
+    option(name, value, meaning, check)->capture_default_str();
+  };
+  setting("--method", options.method,
           "combined: whole views and features, each checking the other; paper: PnP with RANSAC on "
-          "features alone")
-      ->check(CLI::IsMember({"combined", "paper"}));
-  setting("--features", options->features, "surf, sift or orb")
-      ->check(CLI::IsMember({"surf", "sift", "orb"}));
-  setting("--keypoints", options->settings.max_keypoints, "Most key-points a frame");
-  setting("--keyframe-translation", options->settings.mapper.keyframe_translation_m,
-          "A key-frame after this much motion, m")
-      ->check(positive());
-  setting("--keyframe-rotation", options->settings.mapper.keyframe_rotation_rad,
-          "A key-frame after this much turning, rad")
-      ->check(positive());
-  setting("--loop-neighbors", options->settings.mapper.loops.neighbors,
-          "Key-frames before the last that each new one is compared with")
-      ->check(not_negative());
-  command
-      ->add_option("--loop-random", options->loop_random,
-                   "Earlier key-frames, drawn at random, that each new one is compared with "
-                   "[combined: 2, paper: 5]")
-      ->check(not_negative())
+          "features alone",
+          CLI::IsMember({"combined", "paper"}));
+  setting("--features", options.features, "surf, sift or orb",
+          CLI::IsMember({"surf", "sift", "orb"}));
+  add_setting(*command, "--keypoints", options.settings.max_keypoints,
+              "Maximum number of key-points in a frame")
       ->excludes(resume);
+  setting("--keyframe-translation", options.settings.mapper.keyframe_translation_m,
+          "A key-frame after this much motion, m", positive());
+  setting("--keyframe-rotation", options.settings.mapper.keyframe_rotation_rad,
+          "A key-frame after this much turning, rad", positive());
+  setting("--loop-neighbors", options.settings.mapper.loops.neighbors,
+          "Key-frames before the last that each new one is compared with", not_negative());
+  option("--loop-random", options.loop_random,
+         "Earlier key-frames, drawn at random, that each new one is compared with [combined: 2, "
+         "paper: 5]",
+         not_negative());
+  option("--loop-similar", options.loop_similar,
+         "Earlier key-frames that look most like it, that each new one is compared with "
+         "[combined: 3, paper: 0]",
+         not_negative());
+  option("--keyframe-reuse", options.reuse,
+         "Go on from an earlier key-frame where the camera is nearer to it than this part of a "
+         "key-frame's motion, once the map has 600; 0: never [combined: 0.7, paper: 0]",
+         CLI::Range(0.0, 1.0));
+  add_setting(*command, "--working-set", options.working_set_mb,
+              "Memory for what was measured in key-frames, MB; the others wait in a scratch "
+              "file beside the home. Changes no result");
   command
-      ->add_option("--loop-similar", options->loop_similar,
-                   "Earlier key-frames that look most like it, that each new one is compared with "
-                   "[combined: 3, paper: 0]")
-      ->check(not_negative())
-      ->excludes(resume);
-  command
-      ->add_option(
-          "--keyframe-reuse", options->reuse,
-          "Go on from an earlier key-frame where the camera is nearer to it than this part "
-          "of a key-frame's motion, once the map has 600; 0: never [combined: 0.7, paper: 0]")
-      ->check(CLI::Range(0.0, 1.0))
-      ->excludes(resume);
-  command
-      ->add_option("--working-set", options->working_set_mb,
-                   "Memory for what was measured in key-frames, MB; the others wait in a scratch "
-                   "file beside the home. Changes no result")
-      ->capture_default_str();
-  command
-      ->add_flag("--no-bundle-adjustment", options->no_bundle_adjustment,
+      ->add_flag("--no-bundle-adjustment", options.no_bundle_adjustment,
                  "Leave the map as the pose graph says: no landmarks, no rolling shutter (so does "
                  "--method paper)")
       ->excludes(resume);
-  setting("--object-score", options->settings.objects.min_score, "Least score of an object, 0 to 1")
-      ->check(CLI::Range(0.0, 1.0));
-  add_network_options(*command, options->networks);
+  setting("--object-score", options.settings.objects.min_score,
+          "Minimum score of an object, 0 to 1", CLI::Range(0.0, 1.0));
+  add_network_options(*command, options.networks);
   command
-      ->add_flag("--no-networks", options->no_networks,
+      ->add_flag("--no-networks", options.no_networks,
                  "No network looks at the pictures: quicker, but nothing gets a name and no room "
                  "can be learned")
       ->excludes("--network");
-  command->add_option("--trajectory", options->trajectory,
+  command->add_option("--trajectory", options.trajectory,
                       "Also write the trajectory there, in TUM's format");
 }
 

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <filesystem>
-#include <memory>
 #include <optional>
 
 #include "commands.h"
@@ -221,7 +220,7 @@ Expected<std::vector<fs::path>> files_to_verify(const VerifyOptions& options) {
   return files;
 }
 
-Expected<Answer> verify(const VerifyOptions& options) {
+Expected<Answer> verify(const VerifyOptions& options, Context& /*context*/) {
   ROOMWISE_TRY(const auto files, files_to_verify(options));
   Answer answer;
   answer.json = Json::array();
@@ -258,27 +257,26 @@ void add_networks_commands(CLI::App& app, Context& context) {
   add_command(*group, context, "list", "Networks that are here, and published ones",
               "roomwise networks list", [] { return list(); });
   {
-    auto options = std::make_shared<PullOptions>();
-    CLI::App* command = add_command(*group, context, "pull", "Fetch a published network",
-                                    "roomwise networks pull yolox-nano",
-                                    [options, &context] { return pull(*options, context); });
-    command->add_option("NAME", options->name, "As 'networks list' names it")->required();
-    command->add_option("--to", options->to, "Folder to put it in; default: the user's own");
+    const auto [command, options] =
+        add_command<PullOptions>(*group, context, "pull", "Fetch a published network",
+                                 "roomwise networks pull yolox-nano", pull);
+    command->add_option("NAME", options.name, "As 'networks list' names it")->required();
+    command->add_option("--to", options.to, "Folder to put it in; default: the user's own");
     command->add_option(
-        "--from", options->from,
+        "--from", options.from,
         "Take it from this file, folder, https address, or mirror (an https address "
         "that ends in /)");
-    command->add_option("--sha256", options->sha256,
-                        "Its digest, from whom you trust; takes the place of the catalogue's");
-    command->add_option("--certificates", options->certificates,
+    command->add_option(
+        "--sha256", options.sha256,
+        "Its SHA-256 digest, from a source that you trust; used instead of the catalogue's");
+    command->add_option("--certificates", options.certificates,
                         "Trust the certificates of this PEM file in place of the system's");
   }
   {
-    auto options = std::make_shared<VerifyOptions>();
-    CLI::App* command =
-        add_command(*group, context, "verify", "Check the files of networks again",
-                    "roomwise networks verify", [options] { return verify(*options); });
-    command->add_option("NAMES", options->names, "Default: all of the catalogue that are here");
+    const auto [command, options] =
+        add_command<VerifyOptions>(*group, context, "verify", "Check the files of networks again",
+                                   "roomwise networks verify", verify);
+    command->add_option("NAMES", options.names, "Default: all of the catalogue that are here");
   }
   add_networks_looks(*group, context);
   add_networks_quantize(*group, context);

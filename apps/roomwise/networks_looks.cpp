@@ -22,6 +22,11 @@ namespace {
 namespace fs = std::filesystem;
 using network::CatalogueEntry;
 
+struct LookOptions {
+  std::string name;
+  int runs = 20;  // of bench
+};
+
 // ---- networks info ----
 
 Json inputs_of(const network::OnnxGraph& graph) {
@@ -59,7 +64,8 @@ void describe_graph(const network::NetworkFile& file, Answer& answer) {
   answer.text += fmt::format("labels:     {}\n", file.labels.size());
 }
 
-Expected<Answer> info(const std::string& name) {
+Expected<Answer> info(const LookOptions& options, Context& /*context*/) {
+  const std::string& name = options.name;
   Answer answer;
   const CatalogueEntry* entry = find_catalogue_entry(name);
   const auto file = find_network_file(name);
@@ -132,8 +138,8 @@ image::ColorImage noise(int width_px, int height_px) {
   return image;
 }
 
-Expected<Answer> bench(const std::string& name, int runs) {
-  ROOMWISE_TRY(const fs::path file, find_network_file(name));
+Expected<Answer> bench(const LookOptions& options, Context& /*context*/) {
+  ROOMWISE_TRY(const fs::path file, find_network_file(options.name));
   ROOMWISE_TRY(const network::ModelCard card, network::find_model_card(file));
   const image::ColorImage picture = noise(card.input_width_px, card.input_height_px);
   const std::size_t before = resident_bytes();
@@ -156,7 +162,7 @@ Expected<Answer> bench(const std::string& name, int runs) {
   ROOMWISE_CHECK_OK(look());
   const double first_ms = 1e3 * (thread_cpu_time_s() - load_start_s);
   std::vector<double> ms;
-  for (int i = 0; i < runs; ++i) {
+  for (int i = 0; i < options.runs; ++i) {
     const double start_s = thread_cpu_time_s();
     ROOMWISE_CHECK_OK(look());
     ms.push_back(1e3 * (thread_cpu_time_s() - start_s));
@@ -164,39 +170,35 @@ Expected<Answer> bench(const std::string& name, int runs) {
   std::ranges::sort(ms);
   const double median_ms = ms[ms.size() / 2];
   const double memory_mb = static_cast<double>(resident_bytes() - before) / (1 << 20);
-  Answer answer;
-  answer.text = fmt::format(
-      "{}: {:.1f} ms a picture (median of {}; {:.1f} to {:.1f}), processor time of one thread\n"
-      "from the file to the first result {:.0f} ms, {:.0f} MB\n",
-      card.name, median_ms, runs, ms.front(), ms.back(), first_ms, memory_mb);
-  answer.json = {
-      {"file", file.string()},    {"cpu_ms", median_ms}, {"least_cpu_ms", ms.front()},
-      {"most_cpu_ms", ms.back()}, {"runs", runs},        {"first_result_cpu_ms", first_ms},
-      {"memory_mb", memory_mb}};
-  return answer;
+  return Answer{
+      fmt::format(
+          "{}: {:.1f} ms a picture (median of {}; {:.1f} to {:.1f}), processor time of one thread\n"
+          "from the file to the first result {:.0f} ms, {:.0f} MB\n",
+          card.name, median_ms, options.runs, ms.front(), ms.back(), first_ms, memory_mb),
+      {{"file", file.string()},
+       {"cpu_ms", median_ms},
+       {"least_cpu_ms", ms.front()},
+       {"most_cpu_ms", ms.back()},
+       {"runs", options.runs},
+       {"first_result_cpu_ms", first_ms},
+       {"memory_mb", memory_mb}}};
 }
 
 }  // namespace
 
 void add_networks_looks(CLI::App& group, Context& context) {
-  {
-    auto name = std::make_shared<std::string>();
-    CLI::App* command =
-        add_command(group, context, "info", "What a network is: card, licence, layers, size",
-                    "roomwise networks info yolox-nano", [name] { return info(*name); });
-    command->add_option("NAME", *name, "A name of the catalogue, or a file")->required();
-  }
-  {
-    auto name = std::make_shared<std::string>();
-    auto runs = std::make_shared<int>(20);
-    CLI::App* command = add_command(group, context, "bench", "Time a network on this machine",
-                                    "roomwise networks bench mobilenet-v2-imagenet",
-                                    [name, runs] { return bench(*name, *runs); });
-    command->add_option("NAME", *name, "A name of the catalogue, or a file")->required();
-    command->add_option("--runs", *runs, "Pictures to look at")
-        ->check(CLI::Range(1, 100'000))
-        ->capture_default_str();
-  }
+  const auto add = [&](const char* name, const char* description, const char* example, auto body) {
+    const auto declared =
+        add_command<LookOptions>(group, context, name, description, example, body);
+    declared.first->add_option("NAME", declared.second.name, "A name of the catalogue, or a file")
+        ->required();
+    return declared;
+  };
+  add("info", "What a network is: card, licence, layers, size", "roomwise networks info yolox-nano",
+      info);
+  const auto [command, options] = add("bench", "Time a network on this machine",
+                                      "roomwise networks bench mobilenet-v2-imagenet", bench);
+  add_setting(*command, "--runs", options.runs, "Pictures to look at", CLI::Range(1, 100'000));
 }
 
 }  // namespace roomwise::app

@@ -1,7 +1,6 @@
 // Of "networks": how a network is run in 8 bits, by a home's own pictures.
 
 #include <filesystem>
-#include <memory>
 
 #include "commands.h"
 #include "networks.h"
@@ -34,15 +33,10 @@ Expected<QuantizedClassifier> quantize(const fs::path& weights, const QuantizeOp
         context.threads);
   }
   ROOMWISE_TRY(const home::Home home, open_home_read_only(options.home, context));
-  ROOMWISE_TRY(const auto keyframes, home.keyframes());
-  const auto picture = [&](std::size_t i) -> Expected<image::ColorImage> {
-    ROOMWISE_TRY(const home::KeyframeImages images, home.images(keyframes[i].id));
-    return image::decode_color(images.color).map_error([&](Error error) {
-      return std::move(error).in(
-          fmt::format("{}: key-frame {}", options.home.string(), keyframes[i].id));
-    });
-  };
-  return network::quantize_classifier(weights, keyframes.size(), picture, context.threads);
+  ROOMWISE_TRY(auto keyframes, home.keyframes());
+  const std::size_t count = keyframes.size();
+  return network::quantize_classifier(
+      weights, count, pictures_of_keyframes(home, std::move(keyframes)), context.threads);
 }
 
 // How the file of 8 bits names its network: by the folders as they are, but by the network's own
@@ -82,7 +76,7 @@ Json report_of(const QuantizedClassifier& quantized) {
           {"agreement", report.agreement}};
 }
 
-Expected<Answer> quantize_command(const QuantizeOptions& options, const Context& context) {
+Expected<Answer> quantize_command(const QuantizeOptions& options, Context& context) {
   ROOMWISE_TRY(const fs::path weights, find_network_file(options.name));
   fs::path out = options.out;
   if (out.empty()) {
@@ -111,7 +105,8 @@ Expected<Answer> quantize_command(const QuantizeOptions& options, const Context&
                                quantized.report.min_channels);
   }
   answer.text += fmt::format(
-      "it takes {:.2f} of the processor time that it takes in floats (here, least of three runs)\n"
+      "it takes {:.2f} of the processor time that it takes in floats (here, the fastest of three "
+      "runs)\n"
       "use it by --network {}; rooms that were learned in floats must be learned anew with it\n",
       quantized.report.time_ratio, out.string());
   answer.json = report_of(quantized);
@@ -123,22 +118,20 @@ Expected<Answer> quantize_command(const QuantizeOptions& options, const Context&
 }  // namespace
 
 void add_networks_quantize(CLI::App& group, Context& context) {
-  auto options = std::make_shared<QuantizeOptions>();
-  CLI::App* command = add_command(
+  const auto [command, options] = add_command<QuantizeOptions>(
       group, context, "quantize",
       "Have a network that looks at whole pictures run in 8 bits, where that comes near enough",
-      "roomwise networks quantize inception-2015-12-05-trunk --home flat.home",
-      [options, &context] { return quantize_command(*options, context); });
-  command->add_option("NAME", options->name, "A name of the catalogue, or a file")->required();
+      "roomwise networks quantize inception-2015-12-05-trunk --home flat.home", quantize_command);
+  command->add_option("NAME", options.name, "A name of the catalogue, or a file")->required();
   CLI::Option* home =
-      command->add_option("--home", options->home, "Measure it on the key-frames of this home");
+      command->add_option("--home", options.home, "Measure it on the key-frames of this home");
   CLI::Option* pictures =
-      command->add_option("--pictures", options->pictures, "Measure it on this folder's pictures")
+      command->add_option("--pictures", options.pictures, "Measure it on this folder's pictures")
           ->excludes(home);
-  command->add_option("--out", options->out,
+  command->add_option("--out", options.out,
                       "File to write, NAME.eightbits; default: NAME-8bit.eightbits in the "
                       "user's own folder of networks");
-  command->add_flag("--replace", options->replaces,
+  command->add_flag("--replace", options.replaces,
                     "Replace a file that is there, also by one that runs the network otherwise");
   command->parse_complete_callback([home, pictures] {
     if (home->count() + pictures->count() == 0)

@@ -1,5 +1,4 @@
 #include <filesystem>
-#include <memory>
 #include <opencv2/core.hpp>
 #include <optional>
 
@@ -7,6 +6,7 @@
 #include "commands.h"
 #include "networks.h"
 #include "open_home.h"
+#include "pose_json.h"
 #include "roomwise/home/home.h"
 #include "roomwise/objects/detection/activation_regions.h"
 #include "roomwise/pipeline/objects/keyframe_observer.h"
@@ -44,14 +44,6 @@ struct Places {
   }
 };
 
-Json to_json(const Eigen::Vector3d& v) {
-  return Json{v.x(), v.y(), v.z()};
-}
-
-Json room_json(const std::string& room) {
-  return room.empty() ? Json(nullptr) : Json(room);
-}
-
 void add(Answer& answer, const objects::MapObject& object, const Places& places) {
   const home::Keyframe& keyframe = places.keyframes.at(object.keyframe_id);
   const std::string room = places.room_of(object.keyframe_id);
@@ -66,22 +58,20 @@ void add(Answer& answer, const objects::MapObject& object, const Places& places)
           ? fmt::format("at {:.2f} {:.2f} {:.2f} m", position->x(), position->y(), position->z())
           : "place not known",
       room.empty() ? "" : ", " + room);
-  answer.json["objects"].push_back(
-      {{"name", object.name},
-       {"score", object.score},
-       {"sightings", object.observations},
-       {"keyframe", object.keyframe_id},
-       {"frame", keyframe.frame_index},
-       {"piece", keyframe.pose.component},
-       {"position_world_m", position ? to_json(*position) : Json(nullptr)},
-       {"room", room_json(room)}});
+  answer.json["objects"].push_back({{"name", object.name},
+                                    {"score", object.score},
+                                    {"sightings", object.observations},
+                                    {"keyframe", object.keyframe_id},
+                                    {"frame", keyframe.frame_index},
+                                    {"piece", keyframe.pose.component},
+                                    {"position_world_m", position ? xyz(*position) : Json(nullptr)},
+                                    {"room", word_or_null(room)}});
 }
 
 void add(Answer& answer, const objects::Instance& instance, const Places& places) {
   const home::Keyframe& keyframe = places.keyframes.at(instance.keyframe_id);
   const std::string room = places.room_of(instance.keyframe_id);
   const geometry::OrientedBox box = instance.box_world(keyframe.pose.world_from_keyframe);
-  const Eigen::Quaterniond& turn = box.world_from_box.rotation;
   const Eigen::Vector3d& at = box.center();
   answer.text += fmt::format(
       "{:<16} {:.2f}  at {:.2f} {:.2f} {:.2f} m (+-{:.2f}), {:.2f} x {:.2f} x {:.2f} m, seen in {} "
@@ -100,11 +90,11 @@ void add(Answer& answer, const objects::Instance& instance, const Places& places
        {"frame", keyframe.frame_index},
        {"picture_box_px", {picture.left, picture.top, picture.right, picture.bottom}},
        {"piece", keyframe.pose.component},
-       {"position_world_m", to_json(at)},
-       {"rotation_world_xyzw", {turn.x(), turn.y(), turn.z(), turn.w()}},
-       {"size_m", to_json(box.size_m)},
-       {"sigma_m", to_json(instance.sigma_m)},
-       {"room", room_json(room)}});
+       {"position_world_m", xyz(at)},
+       {"rotation_world_xyzw", xyzw(box.world_from_box.rotation)},
+       {"size_m", xyz(box.size_m)},
+       {"sigma_m", xyz(instance.sigma_m)},
+       {"room", word_or_null(room)}});
 }
 
 Expected<Answer> list_found(const home::Home& home, const std::string& rule) {
@@ -145,8 +135,8 @@ void add(Answer& answer, const home::PastInstance& past, const home::Visit& noti
                                  {"last_seen_s", seconds_between(0, past.last_seen_ns)},
                                  {"noticed_by", past.noticed_by},
                                  {"piece", keyframe.pose.component},
-                                 {"position_world_m", to_json(at)},
-                                 {"room", room_json(room)}});
+                                 {"position_world_m", xyz(at)},
+                                 {"room", word_or_null(room)}});
 }
 
 // What stands there no more, in the order in which that was noticed, and the visits.
@@ -175,7 +165,7 @@ Expected<Answer> list_past(const home::Home& home) {
   return answer;
 }
 
-Expected<Answer> list(const ObjectsOptions& options, const Context& context) {
+Expected<Answer> list(const ObjectsOptions& options, Context& context) {
   ROOMWISE_TRY(const home::Home home, open_home_read_only(options.home, context));
   return options.past ? list_past(home) : list_found(home, options.rule);
 }
@@ -194,26 +184,29 @@ Expected<objects::ObjectFinders> maps_alone(const std::string& name) {
 // Networks look at a home that was mapped without them, or with others; then all is joined anew.
 Expected<Answer> find(const ObjectsOptions& options, Context& context) {
   cv::setNumThreads(1);  // the threads are ours
-  ROOMWISE_TRY(const pipeline::Networks networks, load_networks(options.networks));
+  ROOMWISE_TRY(home::Home home, open_home(options.home, context));
+  ROOMWISE_TRY(const pipeline::Networks networks,
+               load_networks_for_keyframes(options.networks, home, context));
   ROOMWISE_TRY(const objects::ObjectFinders finders,
                options.maps ? maps_alone(*options.maps) : load_object_finders());
   if (networks.empty() && finders.in_pictures.empty()) {
     return fail("no network is here; give --network FILE or set ROOMWISE_MODELS");
   }
-  ROOMWISE_TRY(home::Home home, open_home(options.home, context));
   ROOMWISE_TRY(const auto settings, pipeline::stored_map_settings(home));
   CommandRun run(context);
   ROOMWISE_TRY(auto observer,
                pipeline::KeyframeObserver::create(home, networks, finders.in_pictures, run));
-  ROOMWISE_TRY(bool seen_all, observer.observe_missing());
+  Expected<void> seen_all = observer.observe_missing();
   if (seen_all && finders.of_proposals) {
-    ROOMWISE_TRY(seen_all, pipeline::redetect_on_proposals(home, *finders.of_proposals, run));
+    seen_all = pipeline::redetect_on_proposals(home, *finders.of_proposals, run);
   }
-  if (!seen_all) {
-    return fail(
+  if (!seen_all && seen_all.error().code == ErrorCode::kInterrupted) {
+    return fail_with(
+        ErrorCode::kInterrupted,
         "interrupted; what was seen of whole key-frames is kept, the same command goes on from "
         "there");
   }
+  ROOMWISE_CHECK_OK(seen_all);
   {
     const auto timing = run.clock.measure("joining objects");
     const objects::ObjectRules rules = settings ? settings->objects : objects::ObjectRules{};
@@ -221,12 +214,23 @@ Expected<Answer> find(const ObjectsOptions& options, Context& context) {
   }
   ROOMWISE_TRY(Answer answer,
                list_found(home, finders.in_pictures.empty() ? "paper" : options.rule));
-  for (const auto& [name, stage] : run.clock.stages()) {
-    answer.json["stages"][name] = {
-        {"calls", stage.calls}, {"wall_s", stage.wall_s}, {"cpu_s", stage.cpu_s}};
-  }
+  add_stages(answer, run.clock);
   ROOMWISE_CHECK_OK(home.add_stage_timings(run.clock.stages()));
   return answer;
+}
+
+std::pair<CLI::App*, ObjectsOptions&> add_objects_command(
+    CLI::App& group, Context& context, const std::string& name, const std::string& description,
+    const std::string& more_example, Expected<Answer> (*body)(const ObjectsOptions&, Context&)) {
+  const auto [command, options] = add_command<ObjectsOptions>(
+      group, context, name, description,
+      "roomwise objects " + name + " --home my.home" + more_example, body);
+  command->add_option("--home", options.home, "Home file")->required();
+  add_setting(*command, "--rule", options.rule,
+              "regions: joined from what a detector finds in many key-frames; paper: its three "
+              "rules and the middle of the picture",
+              CLI::IsMember({"regions", "paper"}));
+  return {command, options};
 }
 
 }  // namespace
@@ -234,34 +238,23 @@ Expected<Answer> find(const ObjectsOptions& options, Context& context) {
 void add_objects_commands(CLI::App& app, Context& context) {
   CLI::App* group = add_group(app, "objects", "The objects that were found in a home",
                               "roomwise objects list --home my.home");
-  auto options = std::make_shared<ObjectsOptions>();
-  CLI::App* list_command = add_command(
+  const auto [list_command, of_list] = add_objects_command(
       *group, context, "list",
       "List the objects: name, probability, place, size, how sure the place is, in how many "
       "key-frames they were seen, and the room they stand in",
-      "roomwise objects list --home my.home --json",
-      [options, &context] { return list(*options, context); });
-  CLI::App* find_command = add_command(*group, context, "find",
-                                       "Let the networks look at those key-frames that they have "
-                                       "not seen, and find the objects anew",
-                                       "roomwise objects find --home my.home",
-                                       [options, &context] { return find(*options, context); });
-  for (CLI::App* command : {list_command, find_command}) {
-    command->add_option("--home", options->home, "Home file")->required();
-    command
-        ->add_option("--rule", options->rule,
-                     "regions: joined from what a detector finds in many key-frames; paper: its "
-                     "three rules and the middle of the picture")
-        ->check(CLI::IsMember({"regions", "paper"}))
-        ->capture_default_str();
-  }
+      " --json", list);
   list_command
-      ->add_flag("--past", options->past,
+      ->add_flag("--past", of_list.past,
                  "Those that stand there no more instead: what became of them (moved, gone), when "
                  "they were first and last seen, and the visit that noticed")
       ->excludes("--rule");
-  add_network_options(*find_command, options->networks);
-  find_command->add_option("--maps", options->maps,
+  const auto [find_command, of_find] = add_objects_command(
+      *group, context, "find",
+      "Let the networks look at those key-frames that they have not seen, and find the objects "
+      "anew",
+      "", find);
+  add_network_options(*find_command, of_find.networks);
+  find_command->add_option("--maps", of_find.maps,
                            "No detector, but the activation maps of this classifier alone, for all "
                            "things that it names: finds more kinds, and more that are not there "
                            "(docs/objects.md)");

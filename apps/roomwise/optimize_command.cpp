@@ -1,7 +1,7 @@
 #include <filesystem>
-#include <memory>
 #include <opencv2/core.hpp>
 
+#include "command_run.h"
 #include "commands.h"
 #include "open_home.h"
 #include "readout.h"
@@ -23,20 +23,17 @@ struct OptimizeOptions {
 };
 
 Answer answer_of(const mapping::PoseGraphReport& report, std::size_t poses, std::size_t edges) {
-  Answer answer;
-  answer.text = fmt::format(
-      "{} poses, {} edges\n"
-      "F before {:.6g}\n"
-      "F after  {:.6g} ({} iterations{})\n",
-      poses, edges, report.error_before, report.error_after, report.iterations,
-      report.converged ? "" : ", not converged");
-  answer.json = {{"poses", poses},
+  return Answer{fmt::format("{} poses, {} edges\n"
+                            "F before {:.6g}\n"
+                            "F after  {:.6g} ({} iterations, {})\n",
+                            poses, edges, report.error_before, report.error_after,
+                            report.iterations, geometry::to_string(report.termination)),
+                {{"poses", poses},
                  {"edges", edges},
                  {"f_before", report.error_before},
                  {"f_after", report.error_after},
                  {"iterations", report.iterations},
-                 {"converged", report.converged}};
-  return answer;
+                 {"converged", report.termination == geometry::Termination::kConverged}}};
 }
 
 Expected<Answer> optimize_file(const OptimizeOptions& options) {
@@ -63,14 +60,15 @@ Expected<Answer> optimize_home(const OptimizeOptions& options, Context& context)
   ROOMWISE_TRY(const mapping::PoseGraph before,
                pipeline::stored_pose_graph(home, settings->solver));
   const double error_before = mapping::pose_graph_error(before);
-  ThreadPool pool(context.threads);
   cv::setNumThreads(1);  // the threads are ours
-  StageClock clock;
-  pipeline::RunContext run{pool, context.progress, clock};
+  CommandRun run(context);
   const auto features = [&] { return pipeline::stored_keyframe_features(home, *settings, run); };
-  ROOMWISE_TRY(const pipeline::SolvedMap solved,
-               pipeline::solve_stored_map(home, *settings, features, context.progress));
-  if (!solved.finished) return fail("interrupted; {} is as it was", options.home.string());
+  auto moved = pipeline::solve_stored_map(home, *settings, features, context.progress);
+  if (!moved && moved.error().code == ErrorCode::kInterrupted) {
+    return fail_with(ErrorCode::kInterrupted, "interrupted; {} is as it was",
+                     options.home.string());
+  }
+  ROOMWISE_TRY(const pipeline::SolvedMap solved, std::move(moved));
   const mapping::MapSolution& solution = solved.solution;
   ROOMWISE_TRY(const pipeline::FoundObjects objects,
                pipeline::update_objects(home, settings->objects));
@@ -81,11 +79,13 @@ Expected<Answer> optimize_home(const OptimizeOptions& options, Context& context)
   answer.text += fmt::format("loops left out  {}\nobjects         {} ({} by the paper's rules)\n",
                              solution.rejected_loops, objects.instances, objects.by_rules);
   if (solved.refinement) {
-    answer.text += fmt::format("landmarks       {}, seen {} times; rolling shutter {}\n",
-                               solved.refinement->landmarks, solved.refinement->views,
-                               readout_text(solved.refinement->readout_s));
+    answer.text +=
+        fmt::format("landmarks       {}, seen {} times, {:.2f} px off; rolling shutter {}\n",
+                    solved.refinement->landmarks, solved.refinement->views,
+                    solved.refinement->rms_px, readout_text(solved.refinement->readout_s));
     answer.json["landmarks"] = solved.refinement->landmarks;
     answer.json["landmark_views"] = solved.refinement->views;
+    answer.json["landmark_rms_px"] = solved.refinement->rms_px;
     answer.json["readout_s"] = readout_json(solved.refinement->readout_s);
   }
   answer.json["rejected_loops"] = solution.rejected_loops;
@@ -98,27 +98,24 @@ Expected<Answer> optimize_home(const OptimizeOptions& options, Context& context)
 }  // namespace
 
 void add_optimize_command(CLI::App& app, Context& context) {
-  auto options = std::make_shared<OptimizeOptions>();
-  CLI::App* command = add_command(
+  const auto [command, options] = add_command<OptimizeOptions>(
       app, context, "optimize",
       "Optimise a pose graph, of a .g2o file or of a home; print F before and after",
       "roomwise optimize sphere2500.g2o -o optimised.g2o\n"
       "  roomwise optimize --home my.home",
-      [options, &context] {
-        return options->home.empty() ? optimize_file(*options) : optimize_home(*options, context);
+      [](const OptimizeOptions& given, Context& with) {
+        return given.home.empty() ? optimize_file(given) : optimize_home(given, with);
       });
   CLI::Option_group* graph = command->add_option_group("Pose graph");
-  CLI::Option* input = graph->add_option("IN", options->input, "Pose graph to read (.g2o, SE3)");
-  graph->add_option("--home", options->home, "Home whose key-frames are to move");
+  CLI::Option* input = graph->add_option("IN", options.input, "Pose graph to read (.g2o, SE3)");
+  graph->add_option("--home", options.home, "Home whose key-frames are to move");
   graph->require_option(1);
   CLI::Option* output =
-      command->add_option("-o,--output", options->output, "Where to write IN optimised");
+      command->add_option("-o,--output", options.output, "Where to write IN optimised");
   input->needs(output);
   output->needs(input);
-  command
-      ->add_option("--loop-kernel", options->graph.loop_kernel,
-                   "e^T Omega e of a loop closure above which it counts less and less; 0: never")
-      ->capture_default_str();
+  add_setting(*command, "--loop-kernel", options.graph.loop_kernel,
+              "e^T Omega e of a loop closure above which it counts less and less; 0: never");
 }
 
 }  // namespace roomwise::app

@@ -45,7 +45,7 @@ Answer to_answer(const home::Home& home, const std::string& text, std::size_t pi
           {{"home", home.file()}, {"protected", home.is_protected()}, {"pictures", pictures}}};
 }
 
-Expected<Answer> protect(const ProtectOptions& options, const Context& context) {
+Expected<Answer> protect(const ProtectOptions& options, Context& context) {
   const bool changes = options.change || !options.new_passphrase.empty();
   ROOMWISE_TRY(const home::Home looked_at, home::Home::open_read_only(options.home));
   const bool was_protected = looked_at.is_protected();
@@ -77,20 +77,19 @@ Expected<Answer> protect(const ProtectOptions& options, const Context& context) 
 }  // namespace
 
 void add_protect_command(CLI::App& app, Context& context) {
-  auto options = std::make_shared<ProtectOptions>();
-  CLI::App* command = add_command(
+  const auto [command, options] = add_command<ProtectOptions>(
       app, context, "protect",
       "Protect the pictures in a home by a passphrase, change it, or take the protection away; "
       "run again, it finishes what was stopped",
-      "roomwise protect my.home", [options, &context] { return protect(*options, context); });
-  command->add_option("HOME", options->home, "Home file")->required();
-  CLI::Option* remove = command->add_flag("--remove", options->remove, "Take the protection away");
+      "roomwise protect my.home", protect);
+  command->add_option("HOME", options.home, "Home file")->required();
+  CLI::Option* remove = command->add_flag("--remove", options.remove, "Take the protection away");
   command
-      ->add_flag("--change", options->change,
+      ->add_flag("--change", options.change,
                  "Ask for another passphrase, which takes the place of the present one")
       ->excludes(remove);
   command
-      ->add_option("--new-passphrase-file", options->new_passphrase,
+      ->add_option("--new-passphrase-file", options.new_passphrase,
                    "File with another passphrase, which takes the place of the present one")
       ->type_name("FILE")
       ->excludes(remove);

@@ -1,12 +1,11 @@
 #include <poll.h>
 #include <unistd.h>
 
-#include <deque>
 #include <filesystem>
 #include <memory>
 
+#include "camera_option.h"
 #include "commands.h"
-#include "roomwise/recording/camera_file.h"
 #include "roomwise/recording/openni2_source.h"
 #include "roomwise/recording/room_labels.h"
 #include "roomwise/recording/tum_recording.h"
@@ -35,10 +34,7 @@ std::optional<std::string> openni2_uri(const std::string& source) {
 }
 
 Expected<std::unique_ptr<recording::FrameSource>> open_source(const RecordOptions& options) {
-  std::optional<geometry::PinholeCamera> camera;
-  if (!options.camera.empty()) {
-    ROOMWISE_TRY(camera, recording::resolve_camera(options.camera));
-  }
+  ROOMWISE_TRY(const auto camera, given_camera(options.camera));
   if (const auto uri = openni2_uri(options.source)) {
     return recording::OpenNi2Source::open({.uri = *uri, .camera = camera});
   }
@@ -156,41 +152,34 @@ Expected<Answer> run(const RecordOptions& options, Context& context) {
   ROOMWISE_CHECK_OK(copied);
   ROOMWISE_CHECK_OK(copy_ground_truth(options));
 
-  Answer answer;
-  answer.text = fmt::format("recorded {} frames from {} to {}\n", writer->frames_written(),
-                            source->info().name, options.output.string());
-  answer.json = {{"frames", writer->frames_written()},
+  return Answer{fmt::format("recorded {} frames from {} to {}\n", writer->frames_written(),
+                            source->info().name, options.output.string()),
+                {{"frames", writer->frames_written()},
                  {"source", source->info().name},
-                 {"output", options.output.string()}};
-  return answer;
+                 {"output", options.output.string()}}};
 }
 
 }  // namespace
 
 void add_record_command(CLI::App& app, Context& context) {
-  auto options = std::make_shared<RecordOptions>();
-  CLI::App* command = add_command(
+  const auto [command, options] = add_command<RecordOptions>(
       app, context, "record",
       "Record from a depth camera, or copy a recording, to a folder in TUM's format.\n"
       "On a terminal, type a room's name and Enter when you walk into it (Enter alone: no room); "
       "Ctrl-C ends the recording.",
-      "roomwise record --source openni2 -o walk --room corridor",
-      [options, &context] { return run(*options, context); });
+      "roomwise record --source openni2 -o walk --room corridor", run);
   command
       ->add_option(
-          "--source", options->source,
+          "--source", options.source,
           "openni2 (the first camera found), openni2:URI (one camera, or an .oni file), or "
           "the folder of a recording")
       ->required();
-  command->add_option("-o,--output", options->output, "Folder to write; new or empty")->required();
-  command->add_option("--room", options->room, "The room that the recording starts in");
-  command->add_option(
-      "--camera", options->camera,
-      "Camera, instead of what the source says: fr1, fr2, fr3, kinect-v1, xtion, or "
-      "a camera.txt");
-  command->add_option("--frames", options->frames, "Stop after so many frames")
+  command->add_option("-o,--output", options.output, "Folder to write; new or empty")->required();
+  command->add_option("--room", options.room, "The room that the recording starts in");
+  add_camera_option(*command, options.camera, "as the source says");
+  command->add_option("--frames", options.frames, "Stop after this many frames")
       ->check(not_negative());
-  command->add_option("--seconds", options->seconds, "Stop after so long, s of the frames' time")
+  command->add_option("--seconds", options.seconds, "Stop after this many seconds of the recording")
       ->check(not_negative());
 }
 

@@ -1,5 +1,4 @@
 #include <filesystem>
-#include <memory>
 
 #include "command_run.h"
 #include "commands.h"
@@ -76,15 +75,14 @@ Expected<Answer> run(const ReportOptions& options, Context& context) {
 }  // namespace
 
 void add_report_command(CLI::App& app, Context& context) {
-  auto options = std::make_shared<ReportOptions>();
-  CLI::App* command = add_command(app, context, "report", "Write one web page that shows a home",
-                                  "roomwise report my.home -o my.html",
-                                  [options, &context] { return run(*options, context); });
-  command->add_option("HOME", options->home, "Home file")->required();
-  command->add_option("-o,--output", options->output, "Page to write (.html)")->required();
-  command->add_option("--truth", options->truth,
+  const auto [command, options] =
+      add_command<ReportOptions>(app, context, "report", "Write one web page that shows a home",
+                                 "roomwise report my.home -o my.html", run);
+  command->add_option("HOME", options.home, "Home file")->required();
+  command->add_option("-o,--output", options.output, "Page to write (.html)")->required();
+  command->add_option("--truth", options.truth,
                       "True trajectory (TUM), or the recording's folder, for the error plot");
-  command->add_option("--evaluation", options->evaluation,
+  command->add_option("--evaluation", options.evaluation,
                       "What rooms eval --json printed, for the tables");
 }
 

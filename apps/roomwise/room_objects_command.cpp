@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <memory>
 
 #include "command_run.h"
 #include "commands.h"
@@ -105,7 +104,7 @@ Answer answer_of(const rooms::RoomObjects& objects) {
   return answer;
 }
 
-Expected<Answer> objects_of_rooms(const ObjectsOfRoomsOptions& options, const Context& context) {
+Expected<Answer> objects_of_rooms(const ObjectsOfRoomsOptions& options, Context& context) {
   if (options.edits()) {
     ROOMWISE_TRY(home::Home home, open_home(options.home, context));
     ROOMWISE_CHECK_OK(edit_claims(home, options));
@@ -164,28 +163,26 @@ Expected<Answer> types_of_rooms(const TypesOptions& options, Context& context) {
 
 void add_room_objects_commands(CLI::App& group, Context& context) {
   {
-    auto options = std::make_shared<ObjectsOfRoomsOptions>();
-    CLI::App* command = add_command(
+    const auto [command, options] = add_command<ObjectsOfRoomsOptions>(
         group, context, "objects",
         "What the pictures of each room show, and which objects tell the room by themselves",
         "roomwise rooms objects --home my.home --represents piano=\"Anna's room\"",
-        [options, &context] { return objects_of_rooms(*options, context); });
-    command->add_option("--home", options->home, "Home file")->required();
-    command->add_option("--represents", options->represents,
-                        "OBJECT=ROOM: it stands there alone, whatever pictures show");
-    command->add_option("--represents-not", options->represents_not,
-                        "OBJECT=ROOM: it does not tell that room, for example since it is moved "
-                        "about");
-    command->add_option("--unsay", options->unsay, "OBJECT=ROOM: let the pictures tell again");
+        objects_of_rooms);
+    command->add_option("--home", options.home, "Home file")->required();
+    command->add_option("--represents", options.represents,
+                        "OBJECT=ROOM: the object is in this room only, whatever the pictures show");
+    command->add_option("--represents-not", options.represents_not,
+                        "OBJECT=ROOM: the object says nothing about this room, for example because "
+                        "people move it about");
+    command->add_option("--unsay", options.unsay,
+                        "OBJECT=ROOM: forget what was said; the pictures decide again");
   }
   {
-    auto options = std::make_shared<TypesOptions>();
-    CLI::App* command =
-        add_command(group, context, "types", "Which type each room is by the things in it",
-                    "roomwise rooms types --home my.home --accept",
-                    [options, &context] { return types_of_rooms(*options, context); });
-    command->add_option("--home", options->home, "Home file")->required();
-    command->add_flag("--accept", options->accept,
+    const auto [command, options] = add_command<TypesOptions>(
+        group, context, "types", "Which type each room is by the things in it",
+        "roomwise rooms types --home my.home --accept", types_of_rooms);
+    command->add_option("--home", options.home, "Home file")->required();
+    command->add_flag("--accept", options.accept,
                       "Take what is probable (0.8 or more) for rooms whose type the concepts do "
                       "not know");
   }

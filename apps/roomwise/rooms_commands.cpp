@@ -1,11 +1,8 @@
-#include <fmt/ranges.h>
-
 #include <algorithm>
 #include <filesystem>
-#include <memory>
 #include <opencv2/core.hpp>
-#include <set>
 
+#include "camera_option.h"
 #include "command_run.h"
 #include "commands.h"
 #include "networks.h"
@@ -17,7 +14,6 @@
 #include "roomwise/pipeline/rooms/room_learning.h"
 #include "roomwise/pipeline/rooms/room_recognizer.h"
 #include "roomwise/pipeline/rooms/turn_hint.h"
-#include "roomwise/recording/camera_file.h"
 
 namespace roomwise::app {
 namespace {
@@ -114,7 +110,7 @@ Expected<void> set_types(home::Home& home, const std::vector<std::string>& types
   return home.replace_rooms(rooms);
 }
 
-Expected<Answer> name(const NameOptions& options, const Context& context) {
+Expected<Answer> name(const NameOptions& options, Context& context) {
   const bool has_ranges = !options.frames.empty() || !options.times.empty();
   if (has_ranges && !options.labels.empty())
     return fail("give either --labels or ranges, not both");
@@ -153,17 +149,39 @@ struct LearnOptions {
   NetworkOptions networks;
 };
 
-Expected<rooms::LearningReport> learn_photos(const LearnOptions& options, Context& context) {
-  ROOMWISE_TRY(const pipeline::Networks networks, load_networks(options.networks));
-  ROOMWISE_TRY(const network::Classifier* const network, pipeline::features_network(networks));
-  ROOMWISE_CHECK_OK(pipeline::list_room_photos(options.photos));  // before a home is made
+struct HomeOfPhotos {
+  home::Home home;
+  pipeline::Networks networks;
+};
+
+Expected<HomeOfPhotos> open_for_photos(const LearnOptions& options,
+                                       std::span<const pipeline::RoomPhoto> photos,
+                                       Context& context) {
   ROOMWISE_TRY(const home::OpenOptions open, open_options(context));
   ROOMWISE_TRY(home::Home home, fs::exists(options.home)
                                     ? home::Home::open(options.home, open)
                                     : pipeline::create_home(options.home, open));
+  const auto photo = [&](std::size_t i) { return image::read_color(photos[i].path); };
+  ROOMWISE_TRY(pipeline::Networks networks,
+               load_networks_for_new(options.networks, home, photos.size(), photo, context));
+  ROOMWISE_CHECK_OK(pipeline::features_network(networks));
+  return HomeOfPhotos{std::move(home), std::move(networks)};
+}
+
+Expected<rooms::LearningReport> learn_photos(const LearnOptions& options, Context& context) {
+  ROOMWISE_TRY(const auto photos, pipeline::list_room_photos(options.photos));
+  const bool is_new = !fs::exists(options.home);
+  auto opened = open_for_photos(options, photos, context);
+  if (!opened) {
+    std::error_code ignored;
+    if (is_new) fs::remove(options.home, ignored);  // it holds nothing yet
+    return Unexpected(std::move(opened).error());
+  }
+  ROOMWISE_TRY(const network::Classifier* const network,
+               pipeline::features_network(opened->networks));
   CommandRun run(context);
-  return pipeline::learn_rooms_from_photos(home, options.photos, *network, {{}, options.augment},
-                                           run);
+  return pipeline::learn_rooms_from_photos(opened->home, options.photos, *network,
+                                           {{}, options.augment}, run);
 }
 
 Expected<rooms::LearningReport> learn_keyframes(const LearnOptions& options, Context& context) {
@@ -176,7 +194,7 @@ Expected<rooms::LearningReport> learn_keyframes(const LearnOptions& options, Con
   ROOMWISE_TRY(const pipeline::RoomSelection selection, parse(options.selection));
   pipeline::Networks networks;  // what they saw in the key-frames themselves is stored
   if (options.augment > 0) {
-    ROOMWISE_TRY(networks, load_networks(options.networks, /*also_brought=*/true));
+    ROOMWISE_TRY(networks, load_networks(options.networks, &home, /*also_brought=*/true));
   }
   CommandRun run(context);
   return pipeline::learn_rooms_from_keyframes(home, recording, selection, {{}, options.augment},
@@ -246,14 +264,13 @@ Json to_json(const std::vector<rooms::RoomScore>& scores) {
 
 Answer to_answer(const rooms::RoomDecision& decision, const std::string& hint) {
   const std::string said = decision.room().value_or(std::string(to_string(decision.verdict)));
-  Answer answer;
-  answer.text = fmt::format("{}: {}\n", said, decision.why);
-  answer.json = {{"verdict", to_string(decision.verdict)},
+  Answer answer{fmt::format("{}: {}\n", said, decision.why),
+                {{"verdict", to_string(decision.verdict)},
                  {"room", decision.room() ? Json(*decision.room()) : Json(nullptr)},
                  {"score", decision.rooms.front().score},
-                 {"known", decision.known},
+                 {"known", decision.familiarity},
                  {"how", decision.why},
-                 {"rooms", to_json(decision.rooms)}};
+                 {"rooms", to_json(decision.rooms)}}};
   if (!decision.object.empty()) answer.json["object"] = decision.object;
   if (!hint.empty()) {
     answer.text += hint + "\n";
@@ -286,10 +303,8 @@ Expected<std::vector<pipeline::PictureToLocate>> read_to_locate(
   }
   ROOMWISE_TRY(const auto recordings, home.recordings());
   if (recordings.empty()) return fail("{}: has no map on which --depth could help", home.file());
-  geometry::PinholeCamera camera = recordings.front().recording.camera;
-  if (!options.camera.empty()) {
-    ROOMWISE_TRY(camera, recording::resolve_camera(options.camera));
-  }
+  ROOMWISE_TRY(const auto given, given_camera(options.camera));
+  const geometry::PinholeCamera camera = given.value_or(recordings.front().recording.camera);
   for (std::size_t i = 0; i < pictures.size(); ++i) {
     ROOMWISE_TRY(image::DepthImage depth, image::read_depth(options.depths[i]));
     to_locate.push_back({pictures[i], std::move(depth), camera});
@@ -303,7 +318,7 @@ Expected<rooms::RoomDecision> recognize_walk(const pipeline::RoomRecognizer& rec
                                              std::span<const image::ColorImage> pictures,
                                              double interval_s, const pipeline::HomePlaces* places,
                                              std::span<const pipeline::PictureToLocate> to_locate) {
-  ROOMWISE_TRY(rooms::RoomStream stream, recognizer.stream());
+  rooms::RoomStream stream = recognizer.stream();
   rooms::RoomDecision decision;
   for (std::size_t i = 0; i < pictures.size(); ++i) {
     ROOMWISE_TRY(const network::Prediction seen, recognizer.features().predict(pictures[i]));
@@ -332,7 +347,7 @@ Expected<Answer> recognize(const RecognizeOptions& options, Context& context) {
   cv::setNumThreads(1);
   ROOMWISE_TRY(const home::Home home, open_home_read_only(options.home, context));
   ROOMWISE_TRY(const pipeline::Networks networks,
-               load_networks(options.networks, /*also_brought=*/true));
+               load_networks(options.networks, &home, /*also_brought=*/true));
   ROOMWISE_TRY(const auto recognizer, pipeline::RoomRecognizer::create(home, networks));
   std::vector<image::ColorImage> pictures;
   for (const fs::path& file : options.pictures) {
@@ -370,80 +385,66 @@ void add_rooms_commands(CLI::App& app, Context& context) {
   add_layout_command(*group, context);
   add_room_objects_commands(*group, context);
   {
-    auto options = std::make_shared<NameOptions>();
-    CLI::App* command = add_command(
+    const auto [command, options] = add_command<NameOptions>(
         *group, context, "name", "Name the rooms of a recording, and their types",
-        "roomwise rooms name --home my.home --times 0-12.5=hall --times 12.6-40=kitchen",
-        [options, &context] { return name(*options, context); });
-    add_home_option(*command, options->home);
-    command->add_option("--labels", options->labels,
+        "roomwise rooms name --home my.home --times 0-12.5=hall --times 12.6-40=kitchen", name);
+    add_home_option(*command, options.home);
+    command->add_option("--labels", options.labels,
                         "rooms.txt: a line a range, \"first_frame last_frame room visit\"");
-    command->add_option("--frames", options->frames,
+    command->add_option("--frames", options.frames,
                         "FIRST-LAST=ROOM, frame numbers; may be given several times");
     command->add_option(
-        "--times", options->times,
+        "--times", options.times,
         "FIRST-LAST=ROOM, seconds from the first frame; may be given several times");
-    command->add_option("--types", options->types,
-                        "ROOM=TYPE, for example \"Anna's room=bedroom\"");
+    command->add_option("--types", options.types, "ROOM=TYPE, for example \"Anna's room=bedroom\"");
   }
   {
-    auto options = std::make_shared<LearnOptions>();
-    CLI::App* command =
-        add_command(*group, context, "learn",
-                    "Learn the rooms from a mapped recording, or from photos (one folder a room)",
-                    "roomwise rooms learn --home my.home --labels rooms.txt --visits 1",
-                    [options, &context] { return learn(*options, context); });
-    add_home_option(*command, options->home);
+    const auto [command, options] = add_command<LearnOptions>(
+        *group, context, "learn",
+        "Learn the rooms from a mapped recording, or from photos (one folder a room)",
+        "roomwise rooms learn --home my.home --labels rooms.txt --visits 1", learn);
+    add_home_option(*command, options.home);
     CLI::Option* labels = command->add_option(
-        "--labels", options->labels, "rooms.txt of the recording; default: as named before");
+        "--labels", options.labels, "rooms.txt of the recording; default: as named before");
     CLI::Option* photos =
-        command->add_option("--photos", options->photos, "Folder with one folder of photos a room");
-    add_selection_options(*command, options->selection);
+        command->add_option("--photos", options.photos, "Folder with one folder of photos a room");
+    add_selection_options(*command, options.selection);
     photos->excludes(labels)
         ->excludes(command->get_option("--visits"))
         ->excludes(command->get_option("--rooms"));
-    command
-        ->add_option("--augment", options->augment,
-                     "Learn from so many varied pictures beside each one: other light, held "
-                     "differently. What a network makes of them is kept in the home; with 0 no "
-                     "network is run for key-frames")
-        ->check(CLI::Range(0, pipeline::kMaxVariants))
-        ->capture_default_str();
+    add_setting(*command, "--augment", options.augment,
+                "Also learn from this many varied copies of each picture: other light, held "
+                "differently. What a network makes of them is kept in the home; with 0 no "
+                "network is run for key-frames",
+                CLI::Range(0, pipeline::kMaxVariants));
     // --labels is the rooms' here, so the networks' own labels come from their cards.
-    command->add_option("--network", options->networks.files,
+    command->add_option("--network", options.networks.files,
                         "ONNX network to learn on, with --photos; with --augment the one that has "
                         "looked at the key-frames. Default: as for map");
+    add_precision_option(*command, options.networks);
   }
   {
-    auto options = std::make_shared<RecognizeOptions>();
-    CLI::App* command = add_command(*group, context, "recognize",
-                                    "Say the room that pictures show, or that it is not sure",
-                                    "roomwise rooms recognize --home my.home a.jpg b.jpg",
-                                    [options, &context] { return recognize(*options, context); });
-    add_home_option(*command, options->home);
-    command->add_option("PICTURES", options->pictures, "Pictures of one place, one or more")
+    const auto [command, options] = add_command<RecognizeOptions>(
+        *group, context, "recognize", "Say the room that pictures show, or that it is not sure",
+        "roomwise rooms recognize --home my.home a.jpg b.jpg", recognize);
+    add_home_option(*command, options.home);
+    command->add_option("PICTURES", options.pictures, "Pictures of one place, one or more")
         ->required();
     CLI::Option* const depth = command->add_option(
-        "--depth", options->depths,
+        "--depth", options.depths,
         "A picture's depth image (16-bit PNG, registered to it); given once for "
         "each picture: where they were taken on the home's map counts too. Making the map "
         "ready takes up to a minute");
+    add_camera_option(*command, options.camera, "that of the home's recording")->needs(depth);
+    add_setting(*command, "--rule", options.rule,
+                "\"paper\": the paper's rule of one or two frames, which always names a room",
+                CLI::IsMember({"default", "paper"}));
     command
-        ->add_option("--camera", options->camera,
-                     "Of pictures with depth: fr1, fr2, fr3, kinect-v1, xtion, or a camera.txt; "
-                     "default: that of the home's recording")
-        ->needs(depth);
-    command
-        ->add_option("--rule", options->rule,
-                     "\"paper\": the paper's rule of one or two frames, which always names a room")
-        ->check(CLI::IsMember({"default", "paper"}))
-        ->capture_default_str();
-    command
-        ->add_option("--walk", options->interval_s,
-                     "The pictures were taken on a walk, so many seconds apart; the answer is "
-                     "that after the last one")
+        ->add_option("--walk", options.interval_s,
+                     "The pictures were taken on a walk, this many seconds apart; the answer is "
+                     "the one after the last picture")
         ->check(positive());
-    add_network_options(*command, options->networks);
+    add_network_options(*command, options.networks);
   }
   add_rooms_eval_command(*group, context);
 }

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <memory>
 #include <opencv2/core.hpp>
 #include <set>
 
@@ -320,7 +319,7 @@ Expected<Answer> evaluate(const RoomsEvaluationOptions& options, Context& contex
   }
   ROOMWISE_TRY(const home::Home home, open_home_read_only(options.home, context));
   ROOMWISE_TRY(const pipeline::Networks networks,
-               load_networks(options.networks, /*also_brought=*/true));
+               load_networks(options.networks, &home, /*also_brought=*/true));
   ROOMWISE_TRY(const auto recognizer, pipeline::RoomRecognizer::create(home, networks));
   Pictures all;
   ROOMWISE_CHECK_OK(add_pictures(options, home, recognizer.rooms(), all));
@@ -338,14 +337,10 @@ Expected<Answer> evaluate(const RoomsEvaluationOptions& options, Context& contex
 }
 
 void add_measuring_options(CLI::App& command, RoomsEvaluationOptions& options) {
-  command
-      .add_option("--margin", options.margin,
-                  "Leave out frames that are fewer than this from a boundary of their room's range")
-      ->capture_default_str();
-  command
-      .add_option("--pair-step", options.evaluation.pair_step,
-                  "Frames between the two pictures of a pair")
-      ->capture_default_str();
+  add_setting(command, "--margin", options.margin,
+              "Leave out frames that are fewer than this from a boundary of their room's range");
+  add_setting(command, "--pair-step", options.evaluation.pair_step,
+              "Frames between the two pictures of a pair");
   command
       .add_option("--interval", options.evaluation.interval_s,
                   "Seconds between the frames of a walk; default: by their time stamps")
@@ -354,15 +349,13 @@ void add_measuring_options(CLI::App& command, RoomsEvaluationOptions& options) {
                      "Folder of pictures of places that were never learned, or a recording of "
                      "another home; may be given several times");
   command.add_flag("--without-places", options.without_places,
-                   "Do not look on the home's map for the places of pictures that have depth");
+                   "Do not search the home's map for pictures that have depth");
   command.add_flag("--baselines", options.with_baselines,
-                   "Measure simple ways on the same frames, too: colours, nearest features, a vote "
-                   "of SIFT features");
-  command
-      .add_option("--max-voted", options.baselines.max_voted_pictures,
-                  "The vote of SIFT features looks at so many frames at most, spread evenly; 0: "
-                  "none")
-      ->capture_default_str();
+                   "Also measure simple methods on the same frames: colours, nearest features, a "
+                   "vote of SIFT features");
+  add_setting(
+      command, "--max-voted", options.baselines.max_voted_pictures,
+      "Maximum number of frames that the vote of SIFT features looks at, spread evenly; 0: none");
   command.add_option("--report", options.report,
                      "Write a page of HTML with all tables and the frames that were wrong");
 }
@@ -370,25 +363,25 @@ void add_measuring_options(CLI::App& command, RoomsEvaluationOptions& options) {
 }  // namespace
 
 void add_rooms_eval_command(CLI::App& group, Context& context) {
-  auto options = std::make_shared<RoomsEvaluationOptions>();
-  CLI::App* command = add_command(
+  const auto [command, options] = add_command<RoomsEvaluationOptions>(
       group, context, "eval",
       "Measure how often rooms are named rightly, beside the paper's way and simple ones",
       "roomwise rooms eval --home my.home --recording evening --recording moved --baselines "
       "--unknown OTHER --report rooms.html",
-      [options, &context] { return evaluate(*options, context); });
-  command->add_option("--home", options->home, "Home file")->required();
-  command->add_option("--recording", options->recordings,
+      evaluate);
+  command->add_option("--home", options.home, "Home file")->required();
+  command->add_option("--recording", options.recordings,
                       "Folder in TUM's format; may be given several times");
-  command->add_option("--labels", options->labels, "Its rooms.txt; default: the one in the folder");
-  CLI::Option* photos = command->add_option("--photos", options->photos,
+  command->add_option("--labels", options.labels, "Its rooms.txt; default: the one in the folder");
+  CLI::Option* photos = command->add_option("--photos", options.photos,
                                             "Or: a folder with one folder of photos a room");
-  add_selection_options(*command, options->selection);
-  add_measuring_options(*command, *options);
+  add_selection_options(*command, options.selection);
+  add_measuring_options(*command, options);
   for (const char* of_recording : {"--recording", "--labels", "--visits", "--rooms", "--margin"}) {
     photos->excludes(command->get_option(of_recording));
   }
-  command->add_option("--network", options->networks.files, "ONNX networks; default: as for map");
+  command->add_option("--network", options.networks.files, "ONNX networks; default: as for map");
+  add_precision_option(*command, options.networks);
 }
 
 }  // namespace roomwise::app

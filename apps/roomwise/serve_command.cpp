@@ -75,7 +75,7 @@ class HomeServer {
   static Expected<std::unique_ptr<HomeServer>> start(const Options& options, Context& context) {
     std::unique_ptr<HomeServer> serving(new HomeServer);
     HomeServer& all = *serving;
-    ROOMWISE_TRY(all.networks_, load_networks(options.networks, /*also_brought=*/true));
+    ROOMWISE_TRY(all.networks_, networks_for(options, context));
     ROOMWISE_TRY(all.finders_, load_object_finders());
     live::LiveHomeOptions home;
     home.threads = context.threads;
@@ -128,6 +128,15 @@ class HomeServer {
 
  private:
   HomeServer() = default;
+
+  // As the home, where it is there already, has them look.
+  static Expected<pipeline::Networks> networks_for(const Options& options, const Context& context) {
+    if (!fs::exists(options.home)) {
+      return load_networks(options.networks, nullptr, /*also_brought=*/true);
+    }
+    ROOMWISE_TRY(const home::Home home, open_home_read_only(options.home, context));
+    return load_networks(options.networks, &home, /*also_brought=*/true);
+  }
 
   // The name by which others in the network find this computer, if it has one.
   static std::string own_name(const std::vector<std::string>& names) {
@@ -216,10 +225,9 @@ class SpokenCodes {
     }
     const TimestampNs now_ns = steady_now_ns();
     for (const char* key : {"pairing", "pairing/again"}) {
-      guide::Prompt prompt =
-          guide::make_prompt(wording_, key, "pairing.code", {{"code", digits}},
-                             guide::Confidence::kSure, guide::after(now_ns, kCodeValid_s));
-      prompt.because = "a code was made";
+      guide::Prompt prompt = guide::make_prompt(
+          wording_, key, "pairing.code", {{"code", digits}}, guide::Confidence::kSure,
+          guide::after(now_ns, kCodeValid_s), "a code was made");
       voice_->say(std::move(prompt), now_ns);
     }
   }
@@ -297,7 +305,7 @@ Expected<Answer> serve(const Options& options, Context& context) {
   }
   std::cout << "Enter makes a new code for a device. Ctrl-C stops it.\n" << std::flush;
   EnterKey enter;
-  while (!interrupt_requested()) {
+  while (!context.progress.interrupted()) {
     if (enter.take()) ROOMWISE_CHECK_OK(show_code(*server, service::Role::kDevice, codes));
     if (codes != nullptr) {
       if (const auto spoken_on = codes->step(); !spoken_on) {
@@ -307,48 +315,40 @@ Expected<Answer> serve(const Options& options, Context& context) {
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
   }
-  Answer answer;
-  answer.json = {{"frames_looked_at", server->home().frames_processed()},
-                 {"frames_dropped", server->home().frames_dropped()}};
-  answer.text =
-      fmt::format("stopped; {} frames were looked at\n", server->home().frames_processed());
-  return answer;
+  const auto looked_at = server->home().frames_processed();
+  return Answer{
+      fmt::format("stopped; {} frames were looked at\n", looked_at),
+      {{"frames_looked_at", looked_at}, {"frames_dropped", server->home().frames_dropped()}}};
 }
 
 }  // namespace
 
 void add_serve_command(CLI::App& app, Context& context) {
-  auto options = std::make_shared<Options>();
-  CLI::App* command =
-      add_command(app, context, "serve",
-                  "Open a home for devices and pages: pictures in, answers out (HTTPS on one port)",
-                  "roomwise serve my.home --address 0.0.0.0",
-                  [options, &context] { return serve(*options, context); });
-  command->add_option("HOME", options->home, "Home file; a new one is made where there is none")
+  const auto [command, options] = add_command<Options>(
+      app, context, "serve",
+      "Open a home for devices and pages: pictures in, answers out (HTTPS on one port)",
+      "roomwise serve my.home --address 0.0.0.0", serve);
+  command->add_option("HOME", options.home, "Home file; a new one is made where there is none")
       ->required();
-  command
-      ->add_option("--address", options->address,
-                   "Address to listen on: this computer alone by default, 0.0.0.0 for the whole "
-                   "home's network")
-      ->capture_default_str();
-  command->add_option("--port", options->port, "Port to listen on; 0: any that is free")
-      ->capture_default_str();
-  command->add_option("--name", options->names,
+  add_setting(*command, "--address", options.address,
+              "Address to listen on: this computer alone by default, 0.0.0.0 for the whole "
+              "home's network");
+  add_setting(*command, "--port", options.port, "Port to listen on; 0: any that is free");
+  command->add_option("--name", options.names,
                       "Another name or address of this computer, for its certificate (made at the "
                       "first start)");
-  command->add_option("--pages", options->pages,
+  command->add_option("--pages", options.pages,
                       "Folder of the web pages; default: those that come with Roomwise");
   command
-      ->add_option("--pair", options->pair,
+      ->add_option("--pair", options.pair,
                    "Show a code by which a device or a helper is paired (a helper's is shown "
                    "anyway as long as there is none)")
       ->check(CLI::IsMember({"device", "helper"}));
-  command->add_option("--speak", options->speak,
+  command->add_option("--speak", options.speak,
                       "Say devices' codes, too: speech-dispatcher, text (lines on standard output) "
                       "or wav:FILE; Enter makes and says a new one");
-  command->add_option("--language", options->language, "Of what is said: en or de")
-      ->capture_default_str();
-  add_network_options(*command, options->networks);
+  add_setting(*command, "--language", options.language, "Language of what is said: en or de");
+  add_network_options(*command, options.networks);
 }
 
 }  // namespace roomwise::app

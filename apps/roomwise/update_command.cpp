@@ -1,12 +1,12 @@
 #include <algorithm>
 #include <filesystem>
-#include <memory>
 #include <opencv2/core/utility.hpp>
 
 #include "command_run.h"
 #include "commands.h"
 #include "networks.h"
 #include "open_home.h"
+#include "pose_json.h"
 #include "roomwise/pipeline/visits/update_home.h"
 
 namespace roomwise::app {
@@ -64,12 +64,10 @@ std::string row_of(const pipeline::UnnamedChange& change) {
 
 Json place_json(const std::optional<geometry::OrientedBox>& box, const std::string& room) {
   if (!box) return nullptr;
-  const Eigen::Vector3d& middle = box->center();
-  const Eigen::Quaterniond& turn = box->world_from_box.rotation;
-  return {{"position_world_m", {middle.x(), middle.y(), middle.z()}},
-          {"rotation_world_xyzw", {turn.x(), turn.y(), turn.z(), turn.w()}},
-          {"size_m", {box->size_m.x(), box->size_m.y(), box->size_m.z()}},
-          {"room", room.empty() ? Json(nullptr) : Json(room)}};
+  return {{"position_world_m", xyz(box->center())},
+          {"rotation_world_xyzw", xyzw(box->world_from_box.rotation)},
+          {"size_m", xyz(box->size_m)},
+          {"room", word_or_null(room)}};
 }
 
 Json to_json(const objects::FreeSpaceEvidence& evidence) {
@@ -92,7 +90,7 @@ Json to_json(const pipeline::UnnamedChange& change) {
   return {{"what", change.is_new ? "new" : "gone"},
           {"place", place_json(change.box_world, change.room)},
           {"like_a_leaf", change.is_like_a_leaf},
-          {"beside", change.beside.empty() ? Json(nullptr) : Json(change.beside)},
+          {"beside", word_or_null(change.beside)},
           {"place_in_other_walk", to_json(change.evidence)}};
 }
 
@@ -125,7 +123,7 @@ std::string rows_of(const pipeline::RoomUpdate& update, bool dry_run) {
 }
 
 Json to_json(const pipeline::RoomUpdate& update) {
-  Json json = {{"why_not", update.why_not.empty() ? Json(nullptr) : Json(update.why_not)},
+  Json json = {{"why_not", word_or_null(update.why_not)},
                {"was_learned", update.was_learned},
                {"unsure", update.unsure},
                {"contradictory", update.contradictory},
@@ -141,10 +139,9 @@ Json to_json(const pipeline::RoomUpdate& update) {
 
 Answer describe(const pipeline::HomeUpdate& update, const UpdateCommandOptions& options) {
   const home::Visit& visit = update.changes.visit;
-  Answer answer;
-  answer.text = fmt::format("{} of {} pictures of the visit were found on the map\n", visit.placed,
-                            visit.frames);
-  answer.json = {{"frames", visit.frames},
+  Answer answer{fmt::format("{} of {} pictures of the visit were found on the map\n", visit.placed,
+                            visit.frames),
+                {{"frames", visit.frames},
                  {"placed", visit.placed},
                  {"first_timestamp_s", 1e-9 * static_cast<double>(visit.first_timestamp_ns)},
                  {"last_timestamp_s", 1e-9 * static_cast<double>(visit.last_timestamp_ns)},
@@ -152,7 +149,7 @@ Answer describe(const pipeline::HomeUpdate& update, const UpdateCommandOptions& 
                  {"written", !update.changes.empty() && !options.dry_run},
                  {"things", Json::array()},
                  {"unnamed", Json::array()},
-                 {"rooms", update.rooms ? to_json(*update.rooms) : Json(nullptr)}};
+                 {"rooms", update.rooms ? to_json(*update.rooms) : Json(nullptr)}}};
   std::size_t there = 0, not_looked_at = 0;
   for (const ThingUpdate& thing : update.things) {
     answer.json["things"].push_back(to_json(thing));
@@ -185,7 +182,7 @@ Expected<Answer> update(const UpdateCommandOptions& options, Context& context) {
                                                 : open_home(options.home, context));
   pipeline::Networks networks;
   if (!options.without_rooms) {
-    ROOMWISE_TRY(networks, load_networks(options.networks, /*also_brought=*/true));
+    ROOMWISE_TRY(networks, load_networks(options.networks, &home, /*also_brought=*/true));
   }
   CommandRun run(context);
   pipeline::UpdateOptions with = options.update;
@@ -193,8 +190,9 @@ Expected<Answer> update(const UpdateCommandOptions& options, Context& context) {
   if (options.without_rooms) with.visit.rooms.reset();
   auto compared =
       pipeline::compare_with_visit(home, options.recording, finders, networks, with, run);
-  if (!compared && run.progress.interrupted()) {
-    return fail("{}; the home is as it was", compared.error().message);
+  if (!compared && compared.error().code == ErrorCode::kInterrupted) {
+    return fail_with(ErrorCode::kInterrupted, "{}; the home is as it was",
+                     compared.error().message);
   }
   ROOMWISE_TRY(const pipeline::HomeUpdate found, std::move(compared));
   if (!options.dry_run && !found.changes.empty()) {
@@ -206,23 +204,20 @@ Expected<Answer> update(const UpdateCommandOptions& options, Context& context) {
 }  // namespace
 
 void add_update_command(CLI::App& app, Context& context) {
-  auto options = std::make_shared<UpdateCommandOptions>();
-  CLI::App* command = add_command(
+  const auto [command, options] = add_command<UpdateCommandOptions>(
       app, context, "update",
       "Bring a home up to date with a later walk through it: which things are gone, new or moved "
       "(the old state is kept with its time), and what its rooms look like now",
-      "roomwise update --home my.home LATER-RECORDING",
-      [options, &context] { return update(*options, context); });
-  command->add_option("--home", options->home, "Home with a map")->required();
-  command->add_option("recording", options->recording, "Folder in TUM's format")->required();
-  command->add_flag("--dry-run", options->dry_run, "Only say what changed; write nothing");
-  command->add_flag("--without-rooms", options->without_rooms,
-                    "Leave the learned rooms as they are; else they are known by pictures of the "
-                    "walk, too, that show them surely");
-  add_network_options(*command, options->networks);
-  command->add_option("--every", options->update.visit.every, "Look at every K-th picture")
-      ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1000}))
-      ->capture_default_str();
+      "roomwise update --home my.home LATER-RECORDING", update);
+  command->add_option("--home", options.home, "Home with a map")->required();
+  command->add_option("recording", options.recording, "Folder in TUM's format")->required();
+  command->add_flag("--dry-run", options.dry_run, "Say what changed, but write nothing");
+  command->add_flag("--without-rooms", options.without_rooms,
+                    "Leave the learned rooms as they are; without this, pictures of the walk that "
+                    "clearly show a room are learned too");
+  add_network_options(*command, options.networks);
+  add_setting(*command, "--every", options.update.visit.every, "Look at every K-th picture",
+              CLI::Range(std::uint64_t{1}, std::uint64_t{1000}));
 }
 
 }  // namespace roomwise::app

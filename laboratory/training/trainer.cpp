@@ -225,7 +225,7 @@ class Training {
     result.curve = state_.curve;
     result.best_step = state_.best ? state_.best->step : state_.step;
     result.steps = state_.step;
-    result.interrupted = interrupted;
+    result.finished = !interrupted;
     return result;
   }
 

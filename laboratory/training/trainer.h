@@ -41,8 +41,8 @@ struct TrainingResult {
   // Where the held-out precision was highest; of several such steps, where the cross-entropy was
   // lowest.
   std::int64_t best_step = 0;
-  std::int64_t steps = 0;    // that were made, those before a resumption too
-  bool interrupted = false;  // before the last step
+  std::int64_t steps = 0;  // that were made, those before a resumption too
+  bool finished = false;   // false: interrupted before the last step
 };
 
 // Fine-tunes a network with cross-entropy by steepest descent on batches. Interrupted through

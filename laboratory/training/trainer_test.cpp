@@ -55,7 +55,7 @@ TEST(Train, LearnsFewPicturesByHeart) {
   const auto result = train_alone(task, options);
   ASSERT_OK(result);
   ASSERT_EQ(result->curve.size(), 3);
-  EXPECT_FALSE(result->interrupted);
+  EXPECT_TRUE(result->finished);
   EXPECT_LT(result->curve.back().held_out_cross_entropy, 0.05);
   EXPECT_EQ(result->curve.back().held_out_precision, 1);
   EXPECT_LT(result->curve.back().cross_entropy, result->curve.front().cross_entropy / 4);
@@ -123,12 +123,12 @@ TEST(Train, EndsWhenInterruptedAndGoesOn) {
   progress.interrupt_in = 7;
   const auto part = train(task, options, *alone(), progress);
   ASSERT_OK(part);
-  EXPECT_TRUE(part->interrupted);
+  EXPECT_FALSE(part->finished);
   EXPECT_EQ(part->steps, 7);
   options.resume = true;
   const auto resumed = train_alone(task, options);
   ASSERT_OK(resumed);
-  EXPECT_FALSE(resumed->interrupted);
+  EXPECT_TRUE(resumed->finished);
   expect_same_weights(whole->graph, resumed->graph);
   EXPECT_EQ(whole->curve, resumed->curve);
 

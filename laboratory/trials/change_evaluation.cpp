@@ -190,29 +190,34 @@ std::set<std::string> known_things(const pipeline::HomeUpdate& update, const ByN
   return known;
 }
 
+bool is_noticed(const TrueChange& change) {
+  return !change.noticed_as.empty();
+}
+
+std::size_t count_expected(std::span<const TrueChange> changes, auto is_counted) {
+  return static_cast<std::size_t>(std::ranges::count_if(
+      changes, [&](const TrueChange& change) { return change.is_expected && is_counted(change); }));
+}
+
 }  // namespace
 
 std::size_t ChangeEvaluation::expected() const {
-  return static_cast<std::size_t>(std::ranges::count(changes, true, &TrueChange::is_expected));
+  return count_expected(changes, [](const TrueChange&) { return true; });
 }
 std::size_t ChangeEvaluation::noticed() const {
-  return static_cast<std::size_t>(std::ranges::count_if(changes, [](const TrueChange& change) {
-    return change.is_expected && !change.noticed_as.empty();
-  }));
+  return count_expected(changes, is_noticed);
 }
 std::size_t ChangeEvaluation::noticed_with_unnamed() const {
-  return static_cast<std::size_t>(std::ranges::count_if(changes, [](const TrueChange& change) {
-    return change.is_expected && (change.is_noticed_unnamed || !change.noticed_as.empty());
-  }));
+  return count_expected(changes, [](const TrueChange& change) {
+    return change.is_noticed_unnamed || is_noticed(change);
+  });
 }
 std::size_t ChangeEvaluation::known() const {
-  return static_cast<std::size_t>(std::ranges::count_if(
-      changes, [](const TrueChange& change) { return change.is_expected && change.was_known; }));
+  return count_expected(changes, [](const TrueChange& change) { return change.was_known; });
 }
 std::size_t ChangeEvaluation::known_noticed() const {
-  return static_cast<std::size_t>(std::ranges::count_if(changes, [](const TrueChange& change) {
-    return change.is_expected && change.was_known && !change.noticed_as.empty();
-  }));
+  return count_expected(
+      changes, [](const TrueChange& change) { return change.was_known && is_noticed(change); });
 }
 
 Expected<ChangeEvaluation> evaluate_changes(const home::Home& home,

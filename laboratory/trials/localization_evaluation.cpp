@@ -103,7 +103,7 @@ Expected<std::vector<LocalizationTrial>> evaluate_localization(
   }
   ask_block();
   run.progress.end();
-  if (run.progress.interrupted()) return fail("interrupted while localising");
+  ROOMWISE_CHECK_OK(run.progress.check("localising"));
   return trials;
 }
 

@@ -9,6 +9,7 @@
 
 #include "roomwise/base/disjoint_sets.h"
 #include "roomwise/base/file.h"
+#include "roomwise/base/progress.h"
 #include "roomwise/base/random.h"
 #include "roomwise/base/scratch_file.h"
 #include "roomwise/base/stage_clock.h"
@@ -18,6 +19,29 @@
 
 namespace roomwise {
 namespace {
+
+TEST(Error, KeepsItsCodeOnItsWay) {
+  const Expected<void> refused = fail_with(ErrorCode::kRefused, "no {}", "entry");
+  const auto pass_on = [&]() -> Expected<int> {
+    ROOMWISE_CHECK_OK(refused);
+    return 1;
+  };
+  EXPECT_EQ(pass_on().error().code, ErrorCode::kRefused);
+  const Error outer = Error(refused.error()).in("door");
+  EXPECT_EQ(outer.message, "door: no entry");
+  EXPECT_EQ(outer.code, ErrorCode::kRefused);
+  EXPECT_EQ(fail("no").value().code, ErrorCode::kFailed);
+}
+
+TEST(Interruption, IsAnErrorThatNamesTheWork) {
+  EXPECT_OK(SilentProgress().check("waiting"));
+  struct Stopped final : Interruption {
+    [[nodiscard]] bool interrupted() const override { return true; }
+  };
+  const auto stopped = Stopped().check("waiting");
+  EXPECT_ERROR(stopped, "interrupted while waiting");
+  EXPECT_EQ(stopped.error().code, ErrorCode::kInterrupted);
+}
 
 TEST(DisjointSets, AreKnownByTheirLowestElement) {
   DisjointSets sets(6);

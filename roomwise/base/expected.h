@@ -8,14 +8,24 @@
 
 namespace roomwise {
 
+// What a program decides by where something failed. Words are for people: no program reads them.
+enum class ErrorCode {
+  kFailed,       // nothing in particular
+  kInterrupted,  // the user asked to stop; what was done till then is kept where the work says so
+  kRefused,      // the other side does not let this one in: trying the same again is no use
+};
+
 // Why something that can fail in normal use failed. The message is one line that names the file,
 // line, frame or field that is wrong and how to mend it: "fr1/rgb.txt:3: 'abc' is not a time stamp;
 // expected seconds, for example 1305031229.528748".
 struct Error {
   std::string message;
+  ErrorCode code = ErrorCode::kFailed;
 
   // The same error seen from further out: "CONTEXT: message".
-  Error in(std::string_view context) && { return Error{fmt::format("{}: {}", context, message)}; }
+  Error in(std::string_view context) && {
+    return Error{fmt::format("{}: {}", context, message), code};
+  }
 };
 
 // A value, or the Error that says why there is none. (tl::expected has the interface of C++23's
@@ -28,6 +38,13 @@ using Unexpected = tl::unexpected<Error>;
 template <typename... Args>
 [[nodiscard]] Unexpected fail(fmt::format_string<Args...> format, Args&&... args) {
   return Unexpected(Error{fmt::format(format, std::forward<Args>(args)...)});
+}
+
+// return fail_with(ErrorCode::kRefused, "{} does not know this device", server);
+template <typename... Args>
+[[nodiscard]] Unexpected fail_with(ErrorCode code, fmt::format_string<Args...> format,
+                                   Args&&... args) {
+  return Unexpected(Error{fmt::format(format, std::forward<Args>(args)...), code});
 }
 
 }  // namespace roomwise

@@ -9,16 +9,10 @@
 #include <cerrno>
 #include <cstring>
 
+#include "roomwise/base/descriptor.h"
+
 namespace roomwise {
 namespace {
-
-// Closes the descriptor when it goes out of scope.
-struct Descriptor {
-  int value = -1;
-  ~Descriptor() {
-    if (value >= 0) ::close(value);
-  }
-};
 
 template <typename Container>
 Expected<Container> read_whole(const std::filesystem::path& path) {
@@ -41,17 +35,6 @@ Expected<Container> read_whole(const std::filesystem::path& path) {
   }
   content.resize(filled);
   return content;
-}
-
-// False, with errno, where not all could be written.
-bool write_whole(int file, std::span<const std::uint8_t> bytes) {
-  while (!bytes.empty()) {
-    const ssize_t put = ::write(file, bytes.data(), bytes.size());
-    if (put < 0 && errno == EINTR) continue;
-    if (put < 0) return false;
-    bytes = bytes.subspan(static_cast<std::size_t>(put));
-  }
-  return true;
 }
 
 // A device or a pipe (/dev/stdout) takes the bytes; it must not be replaced by a file.

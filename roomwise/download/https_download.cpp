@@ -58,8 +58,8 @@ std::optional<Range> parse_range(std::string_view text) {
   return Range{*first, *whole};
 }
 
-// One request and what comes back. Its callbacks are C's; what goes wrong in them is kept in
-// `problem` and ends the transfer.
+// One request and what comes back. Its callbacks are C's; what goes wrong in them is kept and ends
+// the transfer.
 class Transfer {
  public:
   Transfer(const std::string& url, PartFile& part, const ExpectedFile& expected, Progress& progress,
@@ -84,7 +84,7 @@ class Transfer {
     curl_easy_getinfo(curl_, CURLINFO_RESPONSE_CODE, &status);
     status_ = status;
     ROOMWISE_CHECK_OK(part_.flush_to_disk());
-    if (!problem_.empty()) return Unexpected(Error{problem_});
+    ROOMWISE_CHECK_OK(taken_);
     if (code != CURLE_OK) return describe(code);
     if (!begun_) ROOMWISE_CHECK_OK(begin_body());  // an empty file
     if (range_ && received_ < range_->whole) {
@@ -146,7 +146,8 @@ class Transfer {
   static int on_progress(void* self, curl_off_t, curl_off_t, curl_off_t, curl_off_t) {
     auto& transfer = *static_cast<Transfer*>(self);
     if (!transfer.progress_.interrupted()) return 0;
-    transfer.problem_ = fmt::format(
+    transfer.taken_ = fail_with(
+        ErrorCode::kInterrupted,
         "{}: interrupted; what has come stays in {}, and the same command goes on from there",
         transfer.url_, transfer.part_.path().string());
     return 1;
@@ -216,7 +217,7 @@ class Transfer {
   }
 
   bool take_body(const char* bytes, std::size_t size) {
-    const auto taken = [&]() -> Expected<void> {
+    taken_ = [&]() -> Expected<void> {
       if (!begun_) ROOMWISE_CHECK_OK(begin_body());
       received_ += size;
       if (received_ > expected_.bytes.value_or(options_.max_bytes) ||
@@ -232,8 +233,7 @@ class Transfer {
       progress_.advance(received_, "");
       return {};
     }();
-    if (!taken) problem_ = taken.error().message;
-    return taken.has_value();
+    return taken_.has_value();
   }
 
   Unexpected describe(CURLcode code) const {
@@ -260,7 +260,7 @@ class Transfer {
   Rest rest_;
   CURL* curl_ = nullptr;
   char message_[CURL_ERROR_SIZE] = {};
-  std::string problem_;
+  Expected<void> taken_;
   long status_ = 0;
   bool begun_ = false;
   std::string etag_;

@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "roomwise/base/descriptor.h"
 #include "roomwise/base/file.h"
 
 namespace roomwise::download {
@@ -21,14 +22,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using Block = std::span<const std::uint8_t>;
-
-// Closes the descriptor when it goes out of scope.
-struct Descriptor {
-  int value = -1;
-  ~Descriptor() {
-    if (value >= 0) ::close(value);
-  }
-};
 
 Unexpected failed(const fs::path& path, const char* what) {
   return fail("{}: {}: {}", path.string(), what, std::strerror(errno));
@@ -160,12 +153,7 @@ Expected<void> PartFile::clear() {
 }
 
 Expected<void> PartFile::append(Block bytes) {
-  while (!bytes.empty()) {
-    const ssize_t put = ::write(descriptor_, bytes.data(), bytes.size());
-    if (put < 0 && errno == EINTR) continue;
-    if (put < 0) return failed(path_, "cannot be written");
-    bytes = bytes.subspan(static_cast<std::size_t>(put));
-  }
+  if (!write_whole(descriptor_, bytes)) return failed(path_, "cannot be written");
   return {};
 }
 

@@ -25,15 +25,6 @@ std::uint64_t ConfusionMatrix::count(const std::string& truth, const std::string
   return cell == row->second.end() ? 0 : cell->second;
 }
 
-Proportion ConfusionMatrix::accuracy() const {
-  Proportion right;
-  for (const auto& [truth, answers] : counts_) {
-    right.successes += count(truth, truth);
-    for (const auto& [answer, count] : answers) right.n += count;
-  }
-  return right;
-}
-
 Proportion ConfusionMatrix::precision(const std::string& room) const {
   Proportion right{.successes = count(room, room)};
   for (const auto& [truth, answers] : counts_) right.n += count(truth, room);

@@ -17,8 +17,6 @@ class ConfusionMatrix {
   // Every room that was the truth or an answer, in the order of their names.
   [[nodiscard]] std::vector<std::string> rooms() const;
   [[nodiscard]] std::uint64_t count(const std::string& truth, const std::string& answer) const;
-  // The share of right answers (with one answer a question, the paper's precision).
-  [[nodiscard]] Proportion accuracy() const;
   // Of the answers `room`, the share that was right.
   [[nodiscard]] Proportion precision(const std::string& room) const;
   // Of the questions whose truth was `room`, the share that was answered right.

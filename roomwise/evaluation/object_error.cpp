@@ -28,6 +28,12 @@ std::vector<ObjectMatch> candidates(std::span<const TrueObject> truth,
   return pairs;
 }
 
+double quantile_of(std::span<const ObjectMatch> matches, double ObjectMatch::*value, double share) {
+  std::vector<double> values;
+  for (const ObjectMatch& match : matches) values.push_back(match.*value);
+  return quantile(std::move(values), share);
+}
+
 }  // namespace
 
 ObjectCounts& ObjectCounts::operator+=(const ObjectCounts& other) {
@@ -40,15 +46,11 @@ ObjectCounts& ObjectCounts::operator+=(const ObjectCounts& other) {
 }
 
 double ObjectErrors::from_box_quantile_m(double share) const {
-  std::vector<double> values;
-  for (const ObjectMatch& match : matches) values.push_back(match.from_box_m);
-  return quantile(std::move(values), share);
+  return quantile_of(matches, &ObjectMatch::from_box_m, share);
 }
 
 double ObjectErrors::from_center_quantile_m(double share) const {
-  std::vector<double> values;
-  for (const ObjectMatch& match : matches) values.push_back(match.from_center_m);
-  return quantile(std::move(values), share);
+  return quantile_of(matches, &ObjectMatch::from_center_m, share);
 }
 
 Expected<ObjectErrors> object_errors(std::span<const TrueObject> truth,

@@ -38,6 +38,13 @@ Ticks round_ticks(double low, double high, int count) {
   return ticks;
 }
 
+SvgDrawing PlotAxes::paper(double width, std::string_view title, std::string_view kind) const {
+  SvgDrawing drawing(width, corner.y() + size.y() + 60, fmt::format("{}{}", kind, title));
+  drawing.rectangle({0, 0}, drawing.size(), "class=\"paper\"");
+  drawing.text({corner.x(), 36}, title, "class=\"heading\"");
+  return drawing;
+}
+
 Eigen::Vector2d PlotAxes::to_px(const Eigen::Vector2d& value) const {
   const Eigen::Array2d share = (value - low).array() / (high - low).array();
   return {corner.x() + share.x() * size.x(), corner.y() + (1 - share.y()) * size.y()};

@@ -36,21 +36,6 @@ std::string rules_table(const Content& content) {
       {"Way", "Decisions", "A room was named", "Of these right", "Best room right", "Time"}, rows);
 }
 
-std::string confusion_table(const Content::Rule& rule) {
-  const std::vector<std::string> rooms = rule.confusion.rooms();
-  std::vector<std::string> columns{"Truth"};
-  for (const std::string& room : rooms) columns.push_back("said " + room);
-  std::vector<std::vector<std::string>> rows;
-  for (const std::string& truth : rooms) {
-    if (rule.confusion.recall(truth).n == 0) continue;
-    std::vector<std::string>& cells = rows.emplace_back(1, truth);
-    for (const std::string& answer : rooms) {
-      cells.push_back(std::to_string(rule.confusion.count(truth, answer)));
-    }
-  }
-  return report_table(rule.name + ": a row for each true room", columns, rows);
-}
-
 std::string mistakes_list(const std::vector<Content::Mistake>& mistakes) {
   if (mistakes.empty()) return "<p>No room was named wrongly.</p>\n";
   std::vector<PictureNote> notes;
@@ -83,9 +68,7 @@ SvgDrawing plot_precision_against_coverage(const Content& content) {
   }
   axes.low = {0, std::max(0.0, std::floor(10 * lowest) / 10 - 0.1)};
   axes.high = {1, 1};
-  SvgDrawing drawing(700, axes.corner.y() + axes.size.y() + 60, "Precision against coverage");
-  drawing.rectangle({0, 0}, drawing.size(), "class=\"paper\"");
-  drawing.text({axes.corner.x(), 36}, "Precision against coverage", "class=\"heading\"");
+  SvgDrawing drawing = axes.paper(700, "Precision against coverage");
   axes.draw(drawing, "share of decisions, the most probable first", "share of these that is right");
   for (std::size_t i = 0; i < curves; ++i) {
     const std::string style = fmt::format("class=\"{}\" stroke-dasharray=\"{}\"",
@@ -114,7 +97,8 @@ std::string render_recognition_report(const Content& content) {
       "<h2>Precision against coverage</h2>\n" +
       scrolling("Precision against coverage", plot_precision_against_coverage(content).element()) +
       "<h2>Which rooms were taken for which</h2>\n";
-  for (const Content::Rule& rule : content.rules) body += confusion_table(rule);
+  for (const Content::Rule& rule : content.rules)
+    body += confusion_table(rule.name, rule.confusion);
   body += "<h2>Rooms that were named wrongly</h2>\n" + mistakes_list(content.mistakes);
   return report_page("Rooms of " + content.title, content.notes, body);
 }

@@ -4,6 +4,7 @@
 #include <string_view>
 #include <vector>
 
+#include "roomwise/evaluation/confusion_matrix.h"
 #include "roomwise/image/image.h"
 
 // Parts of pages that say how well something was done. A page needs nothing else: no scripts, no
@@ -17,12 +18,20 @@ namespace roomwise::evaluation {
                                       std::string_view body);
 
 // What may be wider than the reader's screen, in a frame that scrolls and can be reached by keys.
-[[nodiscard]] std::string scrolling(std::string_view name, std::string_view html);
+// `kind`: "map" for a drawing that needs more width than a plot.
+[[nodiscard]] std::string scrolling(std::string_view name, std::string_view html,
+                                    std::string_view kind = "");
 
-// Cells by rows; the first of each row heads it, the others are numbers.
+// Cells by rows; the first of each row heads it. The first `text_columns` hold text, the others
+// numbers. `highlighted`: for each row the column of the cell that stands out, or empty.
 [[nodiscard]] std::string report_table(std::string_view caption,
                                        const std::vector<std::string>& columns,
-                                       const std::vector<std::vector<std::string>>& rows);
+                                       const std::vector<std::vector<std::string>>& rows,
+                                       std::size_t text_columns = 1,
+                                       const std::vector<std::size_t>& highlighted = {});
+// How often each room was taken for which, with precision and recall; empty where nothing was
+// counted. `rule`: whose answers they are.
+[[nodiscard]] std::string confusion_table(std::string_view rule, const ConfusionMatrix& confusion);
 
 // A picture within the page, 320 px wide at most; `alt`: what it shows, for who does not see it.
 [[nodiscard]] std::string picture_element(const image::ColorImage& picture, std::string_view alt);

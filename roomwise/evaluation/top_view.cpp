@@ -7,6 +7,8 @@
 #include <numbers>
 #include <vector>
 
+#include "roomwise/evaluation/quantile.h"
+
 namespace roomwise::evaluation {
 namespace {
 
@@ -21,13 +23,6 @@ GravityAlignedFrame level_frame(const Vector3d& up, const Vector3d& first_axis) 
   GravityAlignedFrame frame;
   frame << first_axis.transpose(), up.cross(first_axis).transpose();
   return frame;
-}
-
-// The value below which `share` of the values lie.
-double quantile(std::vector<double> values, double share) {
-  const auto place = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), values.begin() + place, values.end());
-  return values[static_cast<std::size_t>(place)];
 }
 
 std::vector<std::size_t> points_under_ceiling(const geometry::PointCloud& cloud,

@@ -111,10 +111,7 @@ SvgDrawing plot_trajectory(const AbsoluteTrajectoryError& error,
       fmt::format("ATE {:.4f} m RMSE over {} poses", error.error_m.rmse, error.pairs.size());
   const std::string title =
       options.title.empty() ? figures : fmt::format("{}: {}", options.title, figures);
-  SvgDrawing drawing(options.width_px, axes.corner.y() + axes.size.y() + 60,
-                     "Trajectory plot. " + title);
-  drawing.rectangle({0, 0}, drawing.size(), "class=\"paper\"");
-  drawing.text({axes.corner.x(), 36}, title, "class=\"heading\"");
+  SvgDrawing drawing = axes.paper(options.width_px, title, "Trajectory plot. ");
   draw_legend(drawing, axes.corner.x(), 70);
   axes.draw(drawing, plane.labels[0], plane.labels[1]);
   for (auto* const points : {&truth, &estimate}) {

@@ -18,7 +18,7 @@ struct Near {
   bool is_sure = false;
 
   [[nodiscard]] double rank_m() const {
-    const bool is_small = thing->size_m.maxCoeff() > 0 && thing->size_m.maxCoeff() < kSmall_m;
+    const bool is_small = thing->size_m().maxCoeff() > 0 && thing->size_m().maxCoeff() < kSmall_m;
     return bearing.distance_m + (is_small ? kSmallIsFarther_m : 0);
   }
 };
@@ -63,50 +63,32 @@ std::string because_of(const Near& near) {
                      near.thing->probability);
 }
 
-// The prompts of one answer, one after the other: each takes the next key and waits for those
-// before.
-class AnswerParts {
- public:
-  AnswerParts(const Wording& wording, TimestampNs now_ns, double valid_s)
-      : wording_(wording), now_ns_(now_ns), valid_s_(valid_s) {}
-
-  void add(const std::string& message, const Values& values, bool sure, std::string because) {
-    const std::size_t before = prompts_.size();
-    const double valid_s = valid_s_ + kSpokenIn_s * static_cast<double>(before);
-    Prompt prompt =
-        make_prompt(wording_, before == 0 ? "around" : fmt::format("around/{}", before + 1),
-                    message + (sure ? "" : "_probable"), values,
-                    sure ? Confidence::kSure : Confidence::kProbable, after(now_ns_, valid_s));
-    if (before > 0) prompt.sound = Sound::kNone;
-    prompt.because = std::move(because);
-    prompts_.push_back(std::move(prompt));
-  }
-  [[nodiscard]] std::vector<Prompt> take() && { return std::move(prompts_); }
-
- private:
-  const Wording& wording_;
-  TimestampNs now_ns_;
-  double valid_s_;
-  std::vector<Prompt> prompts_;
-};
+// Adds the next prompt of the answer.
+void add_part(std::vector<Prompt>& answer, const Wording& wording, TimestampNs now_ns,
+              double valid_s, const std::string& message, const Values& values, bool sure,
+              std::string because) {
+  answer.push_back(make_part(wording, "around", answer.size(), message + (sure ? "" : "_probable"),
+                             values, sure ? Confidence::kSure : Confidence::kProbable, now_ns,
+                             valid_s, std::move(because)));
+}
 
 std::vector<Prompt> things_of_room(const std::string& room, std::span<const KnownThing> things,
                                    const Wording& wording, TimestampNs now_ns) {
-  AnswerParts parts(wording, now_ns, kRoomValid_s);
+  std::vector<Prompt> answer;
   for (const bool sure : {true, false}) {
     const auto names = names_in(room, things, sure);
     if (names.empty()) continue;
-    parts.add("around.room", {{"things", thing_list(names)}}, sure,
-              fmt::format("the map has them in \"{}\"; the position is not known", room));
+    add_part(answer, wording, now_ns, kRoomValid_s, "around.room", {{"things", thing_list(names)}},
+             sure, fmt::format("the map has them in \"{}\"; the position is not known", room));
   }
-  return std::move(parts).take();
+  return answer;
 }
 
 std::vector<Prompt> things_of_place(const Pose& pose, const std::optional<std::string>& room,
                                     std::span<const KnownThing> things, const Wording& wording,
                                     TimestampNs now_ns) {
   const std::vector<Near> near = nearest_things(pose, room, things);
-  AnswerParts parts(wording, now_ns, kDirectionValid_s);
+  std::vector<Prompt> answer;
   for (const bool sure : {true, false}) {
     std::vector<std::string> names;
     for (const Near& each : near) {
@@ -115,17 +97,18 @@ std::vector<Prompt> things_of_place(const Pose& pose, const std::optional<std::s
       if (each.bearing.is_close() && counts_as_sure == sure) names.push_back(each.thing->name);
     }
     if (names.empty()) continue;
-    parts.add("around.close", {{"things", thing_list(names)}}, sure, "the map has them here");
+    add_part(answer, wording, now_ns, kDirectionValid_s, "around.close",
+             {{"things", thing_list(names)}}, sure, "the map has them here");
   }
   for (const Near& each : near) {
     if (each.bearing.is_close()) continue;
-    parts.add("around.thing",
-              {{"thing", thing(each.thing->name)},
-               {"hour", fmt::format("{}", each.bearing.hour)},
-               {"distance", wording.distance(each.bearing.distance_m)}},
-              each.is_sure, because_of(each));
+    add_part(answer, wording, now_ns, kDirectionValid_s, "around.thing",
+             {{"thing", thing(each.thing->name)},
+              {"hour", fmt::format("{}", each.bearing.hour)},
+              {"distance", wording.distance(each.bearing.distance_m)}},
+             each.is_sure, because_of(each));
   }
-  return std::move(parts).take();
+  return answer;
 }
 
 }  // namespace
@@ -134,18 +117,14 @@ std::vector<Prompt> around_prompts(const UserLocation& location, std::span<const
                                    const Wording& wording, TimestampNs now_ns) {
   const Pose* pose = location.sure_pose();
   if (pose == nullptr && !location.room) {
-    Prompt prompt = make_prompt(wording, "around", "around.no_place", {}, Confidence::kUnsure,
-                                after(now_ns, kRoomValid_s));
-    prompt.because = "neither position nor room is known";
-    return {prompt};
+    return {make_prompt(wording, "around", "around.no_place", {}, Confidence::kUnsure,
+                        after(now_ns, kRoomValid_s), "neither position nor room is known")};
   }
   auto prompts = pose != nullptr ? things_of_place(*pose, location.room, things, wording, now_ns)
                                  : things_of_room(*location.room, things, wording, now_ns);
   if (!prompts.empty()) return prompts;
-  Prompt nothing = make_prompt(wording, "around", "around.nothing", {}, Confidence::kSure,
-                               after(now_ns, kRoomValid_s));
-  nothing.because = "the map has no thing here";
-  return {nothing};
+  return {make_prompt(wording, "around", "around.nothing", {}, Confidence::kSure,
+                      after(now_ns, kRoomValid_s), "the map has no thing here")};
 }
 
 }  // namespace roomwise::guide

@@ -11,21 +11,19 @@ constexpr double kTooOld_s = 60;
 
 Prompt notice_prompt(const std::string& message, Sound sound, const Wording& wording,
                      TimestampNs now_ns) {
-  Prompt prompt = make_prompt(wording, message.substr(0, message.find('_')), message, {},
-                              Confidence::kSure, after(now_ns, kNoticeValid_s));
+  Prompt prompt =
+      make_prompt(wording, message.substr(0, message.find('_')), message, {}, Confidence::kSure,
+                  after(now_ns, kNoticeValid_s), "the device says so");
   prompt.priority = Priority::kNotice;
   prompt.sound = sound;
-  prompt.because = "the device says so";
   return prompt;
 }
 
 std::vector<Prompt> repeat_prompts(const std::optional<Said>& last_said, const Wording& wording,
                                    TimestampNs now_ns) {
   const auto refusal = [&](const char* message) {
-    Prompt prompt = make_prompt(wording, "repeat", message, {}, Confidence::kUnsure,
-                                after(now_ns, kNoticeValid_s));
-    prompt.because = "somebody asked to repeat";
-    return std::vector{prompt};
+    return std::vector{make_prompt(wording, "repeat", message, {}, Confidence::kUnsure,
+                                   after(now_ns, kNoticeValid_s), "somebody asked to repeat")};
   };
   if (!last_said || last_said->prompts.empty()) return refusal("repeat.nothing");
   if (now_ns > after(last_said->begun_ns, kTooOld_s)) return refusal("repeat.too_old");
@@ -43,7 +41,7 @@ std::vector<Prompt> repeat_prompts(const std::optional<Said>& last_said, const W
       // It says itself that it is old.
       prompt.valid_until_ns = after(now_ns, kNoticeValid_s + before * kSpokenIn_s);
     }
-    prompt.key = prompts.empty() ? "repeat" : fmt::format("repeat/{}", prompts.size() + 1);
+    prompt.key = part_key("repeat", prompts.size());
     prompt.priority = Priority::kAnswer;
     prompts.push_back(std::move(prompt));
   }

@@ -82,11 +82,11 @@ Expected<std::optional<double>> obstacle_ahead_m(const image::DepthImage& depth,
 }
 
 Prompt hazard_prompt(double distance_m, const Wording& wording, TimestampNs now_ns) {
-  Prompt prompt = make_prompt(wording, "hazard", "hazard.ahead", {}, Confidence::kSure,
-                              after(now_ns, kHazardValid_s));
+  Prompt prompt = make_prompt(
+      wording, "hazard", "hazard.ahead", {}, Confidence::kSure, after(now_ns, kHazardValid_s),
+      fmt::format("the depth camera sees something {:.2f} m ahead", distance_m));
   prompt.priority = Priority::kHazard;
   prompt.sound = Sound::kAlert;
-  prompt.because = fmt::format("the depth camera sees something {:.2f} m ahead", distance_m);
   return prompt;
 }
 

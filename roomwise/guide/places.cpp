@@ -47,7 +47,8 @@ Bearing bearing_of(const Eigen::Vector2d& point_gravity, const Pose& pose, doubl
 
 std::optional<Bearing> bearing_of(const KnownThing& thing, const Pose& pose) {
   if (!thing.position_gravity) return std::nullopt;
-  return bearing_of(thing.position_gravity->head<2>(), pose, thing.size_m.head<2>().minCoeff() / 2);
+  return bearing_of(thing.position_gravity->head<2>(), pose,
+                    thing.size_m().head<2>().minCoeff() / 2);
 }
 
 std::vector<std::string> way_between_rooms(const std::string& from, const std::string& to,

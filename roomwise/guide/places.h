@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "roomwise/objects/instances/instances.h"
 #include "roomwise/rooms/layout/room_layout.h"
 
 namespace roomwise::guide {
@@ -30,16 +31,14 @@ struct UserLocation {
   [[nodiscard]] const Pose* sure_pose() const;
 };
 
-// A thing of the home.
-struct KnownThing {
-  std::string name = {};   // the home's word: "microwave"
-  double probability = 0;  // that it is there and is called so
+// A thing of the home and where it stands.
+struct KnownThing : objects::Instance {
   std::optional<Eigen::Vector3d> position_gravity = std::nullopt;  // its middle
-  Eigen::Vector3d size_m = Eigen::Vector3d::Zero();
   std::optional<std::string> room = std::nullopt;
   bool is_old = false;  // seen so long ago that it may have been moved
 
   [[nodiscard]] bool is_sure() const;
+  [[nodiscard]] const Eigen::Vector3d& size_m() const { return box_keyframe.size_m; }
 };
 
 // Where something is, seen by somebody.

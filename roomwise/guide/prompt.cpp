@@ -1,49 +1,29 @@
 #include "roomwise/guide/prompt.h"
 
+#include <array>
+
 namespace roomwise::guide {
+namespace {
+
+// The names in the order of the enumeration.
+template <typename Enum, std::size_t N>
+std::string_view name_of(Enum value, const std::array<std::string_view, N>& names) {
+  const auto place = static_cast<std::size_t>(value);
+  return place < N ? names[place] : "unknown";
+}
+
+}  // namespace
 
 std::string_view to_string(Priority priority) {
-  switch (priority) {
-    case Priority::kHazard:
-      return "hazard";
-    case Priority::kAnswer:
-      return "answer";
-    case Priority::kNotice:
-      return "notice";
-    case Priority::kCallout:
-      return "callout";
-  }
-  return "unknown";
+  return name_of<Priority, 4>(priority, {"hazard", "answer", "notice", "callout"});
 }
 
 std::string_view to_string(Confidence confidence) {
-  switch (confidence) {
-    case Confidence::kSure:
-      return "sure";
-    case Confidence::kProbable:
-      return "probable";
-    case Confidence::kUnsure:
-      return "unsure";
-  }
-  return "unknown";
+  return name_of<Confidence, 3>(confidence, {"sure", "probable", "unsure"});
 }
 
 std::string_view to_string(Sound sound) {
-  switch (sound) {
-    case Sound::kNone:
-      return "none";
-    case Sound::kAnswer:
-      return "answer";
-    case Sound::kUnsure:
-      return "unsure";
-    case Sound::kLost:
-      return "lost";
-    case Sound::kBack:
-      return "back";
-    case Sound::kAlert:
-      return "alert";
-  }
-  return "unknown";
+  return name_of<Sound, 6>(sound, {"none", "answer", "unsure", "lost", "back", "alert"});
 }
 
 }  // namespace roomwise::guide

@@ -11,15 +11,9 @@ bool is_sure(const rooms::RoomDecision& decision) {
 }
 
 std::string unsure_message(TurnHint hint) {
-  switch (hint) {
-    case TurnHint::kLeft:
-      return "room.unsure_left";
-    case TurnHint::kRight:
-      return "room.unsure_right";
-    case TurnHint::kAnywhere:
-      break;
-  }
-  return "room.unsure";
+  return hint == TurnHint::kLeft    ? "room.unsure_left"
+         : hint == TurnHint::kRight ? "room.unsure_right"
+                                    : "room.unsure";
 }
 
 }  // namespace
@@ -27,10 +21,8 @@ std::string unsure_message(TurnHint hint) {
 Prompt room_prompt(const rooms::RoomDecision& decision, TurnHint hint, const Wording& wording,
                    TimestampNs now_ns) {
   const auto made = [&](std::string message, const Values& values, Confidence confidence) {
-    Prompt prompt = make_prompt(wording, "room", std::move(message), values, confidence,
-                                after(now_ns, kRoomValid_s));
-    prompt.because = decision.why;
-    return prompt;
+    return make_prompt(wording, "room", std::move(message), values, confidence,
+                       after(now_ns, kRoomValid_s), decision.why);
   };
   if (decision.verdict == rooms::Verdict::kNoneOfThem) {
     Prompt prompt = made("room.unknown", {}, Confidence::kUnsure);
@@ -48,17 +40,14 @@ std::optional<Prompt> entered_prompt(const rooms::RoomDecision& decision, const 
                                      TimestampNs now_ns) {
   if (!is_sure(decision)) return std::nullopt;
   Prompt prompt = make_prompt(wording, "room", "room.entered", {{"room", room(*decision.room())}},
-                              Confidence::kSure, after(now_ns, kRoomValid_s));
+                              Confidence::kSure, after(now_ns, kRoomValid_s), decision.why);
   prompt.priority = Priority::kCallout;
-  prompt.because = decision.why;
   return prompt;
 }
 
 Prompt named_prompt(const std::string& name, const Wording& wording, TimestampNs now_ns) {
-  Prompt prompt = make_prompt(wording, "room", "room.named", {{"room", room(name)}},
-                              Confidence::kSure, after(now_ns, kNoticeValid_s));
-  prompt.because = "it was named";
-  return prompt;
+  return make_prompt(wording, "room", "room.named", {{"room", room(name)}}, Confidence::kSure,
+                     after(now_ns, kNoticeValid_s), "it was named");
 }
 
 }  // namespace roomwise::guide

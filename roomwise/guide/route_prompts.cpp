@@ -95,13 +95,8 @@ std::vector<Prompt> route_prompts(const Route& route, const Pose& pose, const No
                                   TimestampNs now_ns) {
   const double whole_m = length_m(route);
   const auto made = [&](std::size_t part, const std::string& message, const Values& values) {
-    Prompt prompt =
-        make_prompt(wording, part == 0 ? "route" : fmt::format("route/{}", part + 1), message,
-                    values, Confidence::kSure,
-                    after(now_ns, kDirectionValid_s + kSpokenIn_s * static_cast<double>(part)));
-    if (part > 0) prompt.sound = Sound::kNone;
-    prompt.because = fmt::format("a way of {:.1f} m along free floor", whole_m);
-    return prompt;
+    return make_part(wording, "route", part, message, values, Confidence::kSure, now_ns,
+                     kDirectionValid_s, fmt::format("a way of {:.1f} m along free floor", whole_m));
   };
   if (whole_m < kThere_m) return {made(0, "route.arrived", {{"goal", Nouns{goal}}})};
   const std::vector<Leg> legs = joined(legs_of(route, doorways));
@@ -125,10 +120,8 @@ std::vector<Prompt> route_prompts(const Route& route, const Pose& pose, const No
 
 Prompt no_route_prompt(bool has_pose, std::string because, const Wording& wording,
                        TimestampNs now_ns) {
-  Prompt prompt = make_prompt(wording, "route", has_pose ? "route.none" : "route.no_place", {},
-                              Confidence::kUnsure, after(now_ns, kRoomValid_s));
-  prompt.because = std::move(because);
-  return prompt;
+  return make_prompt(wording, "route", has_pose ? "route.none" : "route.no_place", {},
+                     Confidence::kUnsure, after(now_ns, kRoomValid_s), std::move(because));
 }
 
 }  // namespace roomwise::guide

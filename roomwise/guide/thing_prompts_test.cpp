@@ -17,11 +17,13 @@ using ::testing::Optional;
 
 KnownThing at(const std::string& name, double x, double y, const std::string& room,
               double probability = 0.95) {
-  return {.name = name,
-          .probability = probability,
-          .position_gravity = Vector3d(x, y, 0.5),
-          .size_m = Vector3d(0.6, 0.6, 0.6),
-          .room = room};
+  KnownThing thing;
+  thing.name = name;
+  thing.probability = probability;
+  thing.box_keyframe.size_m = Vector3d(0.6, 0.6, 0.6);
+  thing.position_gravity = Vector3d(x, y, 0.5);
+  thing.room = room;
+  return thing;
 }
 
 std::vector<std::string> texts(const std::vector<Prompt>& prompts) {
@@ -74,7 +76,7 @@ TEST_F(ThingPromptsTest, WhatIsCloseIsNamedWithoutADirection) {
 TEST_F(ThingPromptsTest, AtMostFourThingsOneOfANameAndLargeOnesBeforeSmallOnes) {
   for (int i = 0; i < 6; ++i) things_.push_back(at("chair", 5 + 0.1 * i, 3, "kitchen"));
   KnownThing vase = at("vase", 6.6, 5, "kitchen");
-  vase.size_m = Vector3d(0.1, 0.1, 0.2);
+  vase.box_keyframe.size_m = Vector3d(0.1, 0.1, 0.2);
   things_.push_back(vase);
   things_.push_back(at("table", 5, 7.6, "kitchen"));
   EXPECT_THAT(around(standing_),

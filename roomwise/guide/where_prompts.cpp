@@ -94,10 +94,9 @@ std::string key_of(const std::string& name) {
 Prompt unknown_thing(const std::string& asked, const Wording& wording, TimestampNs now_ns) {
   const auto words = wording.phrases().words_for(Noun::Kind::kThing, asked);
   const std::string name = words.empty() ? asked : words.front();
-  Prompt prompt = make_prompt(wording, key_of(name), "where.unknown", {{"thing", thing(name)}},
-                              Confidence::kSure, after(now_ns, kHomeValid_s));
-  prompt.because = "the map has no thing of this name";
-  return prompt;
+  return make_prompt(wording, key_of(name), "where.unknown", {{"thing", thing(name)}},
+                     Confidence::kSure, after(now_ns, kHomeValid_s),
+                     "the map has no thing of this name");
 }
 
 }  // namespace
@@ -134,19 +133,18 @@ std::vector<Prompt> where_prompts(const std::string& asked, const UserLocation& 
                                 : place.is_sure ? Confidence::kSure
                                                 : Confidence::kProbable;
   if (confidence == Confidence::kProbable) place.message += "_probable";
-  Prompt answer = make_prompt(wording, key_of(*name), place.message, place.values, confidence,
-                              after(now_ns, place.valid_s));
-  answer.because = fmt::format("the map has {} of this name; the probability of this one is {:.2f}",
-                               candidates.size(), nearest.thing->probability);
-  std::vector<Prompt> prompts{std::move(answer)};
+  const std::string because =
+      fmt::format("the map has {} of this name; the probability of this one is {:.2f}",
+                  candidates.size(), nearest.thing->probability);
+  std::vector<Prompt> prompts{make_prompt(wording, key_of(*name), place.message, place.values,
+                                          confidence, after(now_ns, place.valid_s), because)};
   if (candidates.size() > 1) {
     const bool knows_nearest = !nearest.way.empty() || nearest.bearing;
     Prompt count = make_prompt(
         wording, key_of(*name) + "/count", knows_nearest ? "where.count" : "where.count_anywhere",
         {{"count", fmt::format("{}", candidates.size())}, {"thing", thing(*name)}},
-        Confidence::kSure, after(now_ns, kHomeValid_s));
+        Confidence::kSure, after(now_ns, kHomeValid_s), because);
     count.sound = Sound::kNone;
-    count.because = prompts.front().because;
     prompts.push_back(std::move(count));
   }
   return prompts;

@@ -25,7 +25,8 @@ std::string Wording::distance(double distance_m) const {
 }
 
 Prompt make_prompt(const Wording& wording, std::string key, std::string message,
-                   const Values& values, Confidence confidence, TimestampNs valid_until_ns) {
+                   const Values& values, Confidence confidence, TimestampNs valid_until_ns,
+                   std::string because) {
   Prompt prompt;
   prompt.key = std::move(key);
   prompt.text = wording.phrases().text(message, values);
@@ -34,6 +35,21 @@ Prompt make_prompt(const Wording& wording, std::string key, std::string message,
   prompt.confidence = confidence;
   prompt.sound = confidence == Confidence::kUnsure ? Sound::kUnsure : Sound::kAnswer;
   prompt.valid_until_ns = valid_until_ns;
+  prompt.because = std::move(because);
+  return prompt;
+}
+
+std::string part_key(const std::string& whole, std::size_t part) {
+  return part == 0 ? whole : fmt::format("{}/{}", whole, part + 1);
+}
+
+Prompt make_part(const Wording& wording, const std::string& whole, std::size_t part,
+                 std::string message, const Values& values, Confidence confidence,
+                 TimestampNs now_ns, double valid_s, std::string because) {
+  Prompt prompt = make_prompt(
+      wording, part_key(whole, part), std::move(message), values, confidence,
+      after(now_ns, valid_s + kSpokenIn_s * static_cast<double>(part)), std::move(because));
+  if (part > 0) prompt.sound = Sound::kNone;
   return prompt;
 }
 

@@ -52,6 +52,14 @@ constexpr double kSpokenIn_s = 4;
 // confidence before the words do.
 [[nodiscard]] Prompt make_prompt(const Wording& wording, std::string key, std::string message,
                                  const Values& values, Confidence confidence,
-                                 TimestampNs valid_until_ns);
+                                 TimestampNs valid_until_ns, std::string because = {});
+
+// "around", "around/2", ...: the keys of an answer of several prompts, from part 0.
+[[nodiscard]] std::string part_key(const std::string& whole, std::size_t part);
+// One of an answer of several prompts: the first alone has a sound, and each holds as much longer
+// as those before it take to speak.
+[[nodiscard]] Prompt make_part(const Wording& wording, const std::string& whole, std::size_t part,
+                               std::string message, const Values& values, Confidence confidence,
+                               TimestampNs now_ns, double valid_s, std::string because);
 
 }  // namespace roomwise::guide

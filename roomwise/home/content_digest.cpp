@@ -6,6 +6,7 @@
 
 #include "roomwise/base/file.h"
 #include "roomwise/home/schema.h"
+#include "roomwise/home/stored_values.h"
 
 namespace roomwise::home {
 namespace {
@@ -36,24 +37,33 @@ void append_value(Bytes& bytes, const Statement& row, int column) {
   }
 }
 
+// What the digest leaves out: only what may differ between two runs of one seed, or follows from
+// the rest.
+bool is_left_out(std::string_view table) {
+  return table == "stage_timings" || table == "picture_features";
+}
+std::string_view column_left_out(std::string_view table) {
+  return table == "recordings" || table == "visits" ? "folder" : "";
+}
+
 // What kind of picture stands in the column, if any.
-const PictureColumn* picture_column(const Table& table, std::string_view column) {
+const PictureColumn* picture_column(std::string_view table, std::string_view column) {
   const auto found = std::ranges::find_if(kPictureColumns, [&](const PictureColumn& picture) {
-    return picture.table == table.name && picture.column == column;
+    return picture.table == table && picture.column == column;
   });
   return found == kPictureColumns.end() ? nullptr : &*found;
 }
 
 // The columns that the digest covers by name, joined for a SELECT.
-Expected<std::string> columns_by_name(const Database& database, const Table& table) {
+Expected<std::string> columns_by_name(const Database& database, const std::string& table) {
   return database.get<std::string>(
       "SELECT group_concat(name, ', ') FROM "
       "(SELECT name FROM pragma_table_info(?) WHERE name <> ? ORDER BY name)",
-      table.name, table.column_outside_digest);
+      table, column_left_out(table));
 }
 
 // The digest of a table is that of its columns' names and its rows' digests, sorted.
-Expected<std::string> table_digest(const Database& database, const Table& table,
+Expected<std::string> table_digest(const Database& database, const std::string& table,
                                    const PlainPicture& plain_picture) {
   ROOMWISE_TRY(const std::string columns, columns_by_name(database, table));
   std::vector<std::string> rows;
@@ -73,13 +83,13 @@ Expected<std::string> table_digest(const Database& database, const Table& table,
     rows.push_back(sha256_hex(bytes));
     return {};
   };
-  const bool has_pictures = std::ranges::find(kPictureColumns, table.name, &PictureColumn::table) !=
-                            kPictureColumns.end();
-  const std::string_view rows_outside =
-      table.rows_outside_digest.empty() ? "FALSE" : table.rows_outside_digest;
+  const bool has_pictures =
+      std::ranges::find(kPictureColumns, table, &PictureColumn::table) != kPictureColumns.end();
+  const std::string rows_left_out =
+      table == "settings" ? fmt::format("key = '{}'", kProtectionSetting) : "FALSE";
   ROOMWISE_CHECK_OK(
-      database.for_each(fmt::format("SELECT {}, {} FROM {} WHERE NOT ({})", columns,
-                                    has_pictures ? "keyframe_id" : "0", table.name, rows_outside),
+      database.for_each(fmt::format("SELECT {}, {} FROM \"{}\" WHERE NOT ({})", columns,
+                                    has_pictures ? "keyframe_id" : "0", table, rows_left_out),
                         add_row));
   std::ranges::sort(rows);
   const std::string text = fmt::format("{}\n{}\n", columns, fmt::join(rows, "\n"));
@@ -89,17 +99,17 @@ Expected<std::string> table_digest(const Database& database, const Table& table,
 }  // namespace
 
 Expected<std::string> content_digest(const Database& database, const PlainPicture& plain_picture) {
-  ROOMWISE_TRY(const int version, database.get<int>("PRAGMA user_version"));
+  ROOMWISE_TRY(const auto tables,
+               collect<std::vector<std::string>>(
+                   database,
+                   "SELECT name FROM sqlite_schema WHERE type = 'table' AND name NOT LIKE "
+                   "'sqlite_%' ORDER BY name",
+                   [](const Statement& row) { return row.column<std::string>(0); }));
   std::string digests;
-  for (const Table& table : tables()) {
-    if (!table.in_digest || table.since_version > version) continue;
-    if (table.since_version > 1) {
-      ROOMWISE_TRY(const auto rows,
-                   database.get<std::int64_t>(fmt::format("SELECT count(*) FROM {}", table.name)));
-      if (rows == 0) continue;
-    }
+  for (const std::string& table : tables) {
+    if (is_left_out(table)) continue;
     ROOMWISE_TRY(const std::string digest, table_digest(database, table, plain_picture));
-    digests += fmt::format("{} {}\n", table.name, digest);
+    digests += fmt::format("{} {}\n", table, digest);
   }
   return sha256_hex(Bytes(digests.begin(), digests.end()));
 }

@@ -1,5 +1,6 @@
 #include "roomwise/home/database.h"
 
+#include <algorithm>
 #include <cstring>
 
 namespace roomwise::home {
@@ -202,6 +203,12 @@ Expected<Statement> Database::prepare_sql(std::string_view sql) const {
     return Unexpected(describe_error(handle(), file_));
   }
   return Statement(statement, file_);
+}
+
+std::string Database::insert_sql(std::string_view verb, std::string_view into) {
+  std::string parameters = "?";
+  for (auto left = std::ranges::count(into, ','); left > 0; --left) parameters += ", ?";
+  return fmt::format("{} INTO {} VALUES ({})", verb, into, parameters);
 }
 
 Expected<Transaction> Transaction::begin(Database& database) {

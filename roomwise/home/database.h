@@ -12,6 +12,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <type_traits>
 #include <utility>
 
@@ -34,9 +35,9 @@ class Statement {
   [[nodiscard]] Expected<bool> step();
 
   // Gives the next parameter ("?") of the statement a value: a whole number, a double, a text,
-  // bytes, an optional of these (NULL where it is empty), or an array of doubles (as many
-  // parameters as it has elements). A value that SQLite refuses is reported by step(). A double is
-  // kept to the bit, but for the sign of zero, and NaN becomes NULL.
+  // bytes, an optional of these (NULL where it is empty), or an array of doubles or a tuple of any
+  // of these (as many parameters as it has elements). A value that SQLite refuses is reported by
+  // step(). A double is kept to the bit, but for the sign of zero, and NaN becomes NULL.
   template <typename T>
   void bind(const T& value);
 
@@ -112,11 +113,21 @@ class Database {
     return for_each(
         sql, [](const Statement&) {}, values...);
   }
-  // Carries out an INSERT of one row and gives the row's number (its INTEGER PRIMARY KEY).
+  // Inserts one row into "table (column, ...)" and gives its number (its INTEGER PRIMARY KEY).
   template <typename... Values>
-  [[nodiscard]] Expected<std::int64_t> insert(std::string_view sql, const Values&... values) {
-    ROOMWISE_CHECK_OK(run(sql, values...));
+  [[nodiscard]] Expected<std::int64_t> insert(std::string_view into, const Values&... values) {
+    ROOMWISE_CHECK_OK(run(insert_sql("INSERT", into), values...));
     return sqlite3_last_insert_rowid(handle());
+  }
+  // The same where the number means nothing.
+  template <typename... Values>
+  [[nodiscard]] Expected<void> add(std::string_view into, const Values&... values) {
+    return run(insert_sql("INSERT", into), values...);
+  }
+  // The same in place of a row with the same key.
+  template <typename... Values>
+  [[nodiscard]] Expected<void> put(std::string_view into, const Values&... values) {
+    return run(insert_sql("INSERT OR REPLACE", into), values...);
   }
   // Carries out several statements without parameters.
   [[nodiscard]] Expected<void> run_script(const std::string& sql);
@@ -144,6 +155,8 @@ class Database {
   Database(sqlite3* connection, std::string file)
       : connection_(connection), file_(std::move(file)) {}
   [[nodiscard]] Expected<Statement> prepare_sql(std::string_view sql) const;
+  // With a parameter for each column.
+  [[nodiscard]] static std::string insert_sql(std::string_view verb, std::string_view into);
 
   std::unique_ptr<sqlite3, Closer> connection_;
   std::string file_;  // as the user named it
@@ -176,6 +189,10 @@ inline constexpr bool kIsOptional = false;
 template <typename T>
 inline constexpr bool kIsOptional<std::optional<T>> = true;
 template <typename T>
+inline constexpr bool kIsTuple = false;
+template <typename... Values>
+inline constexpr bool kIsTuple<std::tuple<Values...>> = true;
+template <typename T>
 inline constexpr std::size_t kDoublesIn = 0;
 template <std::size_t N>
 inline constexpr std::size_t kDoublesIn<std::array<double, N>> = N;
@@ -187,6 +204,8 @@ void Statement::bind(const T& value) {
         std::max<std::size_t>(1, kDoublesIn<typename T::value_type>);
     if (value) return bind(*value);
     for (std::size_t i = 0; i < kParameters; ++i) bind_null();
+  } else if constexpr (kIsTuple<T>) {
+    std::apply([this](const auto&... values) { (bind(values), ...); }, value);
   } else if constexpr (kDoublesIn<T> > 0) {
     for (const double element : value) bind_real(element);
   } else if constexpr (std::same_as<T, bool>) {

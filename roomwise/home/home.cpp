@@ -3,19 +3,15 @@
 #include <fcntl.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cerrno>
 #include <cstring>
 
 #include "roomwise/home/content_digest.h"
 #include "roomwise/home/schema.h"
+#include "roomwise/home/stored_values.h"
 
 namespace roomwise::home {
 namespace {
-
-int newest_version() {
-  return migrations().back().version;
-}
 
 // A file beside the home that holds a part of it that is not in the one file yet.
 bool has_part_beside(const std::string& file, const char* suffix) {
@@ -25,11 +21,11 @@ bool has_part_beside(const std::string& file, const char* suffix) {
 }
 
 Expected<void> check_version(const std::string& file, int version) {
-  if (version <= newest_version()) return {};
+  if (version <= kHomeVersion) return {};
   return fail(
-      "{}: was written by a newer Roomwise (home version {}; this one knows up to {}); "
-      "update Roomwise",
-      file, version, newest_version());
+      "{}: was written by another Roomwise (home version {}; this one reads version {}); update "
+      "Roomwise, or map the recordings again into a new home",
+      file, version, kHomeVersion);
 }
 
 // Refuses what is no home by its first bytes, so that SQLite need not touch it.
@@ -63,15 +59,14 @@ Expected<void> check_header(const Database& database) {
 }
 
 // Once SQLite has read it, write-ahead log and all.
-Expected<int> checked_version(const Database& database) {
+Expected<void> check_again(const Database& database) {
   ROOMWISE_TRY(const std::int64_t application, database.get<std::int64_t>("PRAGMA application_id"));
   ROOMWISE_TRY(const int version, database.get<int>("PRAGMA user_version"));
   if (application != kApplicationId || version < 1) {
     return fail("{}: is no home, or was never completed; delete it and make the home anew",
                 database.file());
   }
-  ROOMWISE_CHECK_OK(check_version(database.file(), version));
-  return version;
+  return check_version(database.file(), version);
 }
 
 // Runs one of SQLite's checks, which answers with 'ok' or with lines of complaint.
@@ -85,11 +80,12 @@ Expected<void> run_check(const Database& database, const std::string& pragma) {
 }
 
 Expected<void> check_all_but_images(const Database& database) {
-  std::vector<std::string> checks;
-  ROOMWISE_CHECK_OK(database.for_each(
-      "SELECT printf('PRAGMA quick_check(\"%w\")', name) FROM sqlite_schema "
-      "WHERE type = 'table' AND name != 'keyframe_images'",
-      [&](const Statement& row) { checks.push_back(row.column<std::string>(0)); }));
+  ROOMWISE_TRY(const auto checks,
+               collect<std::vector<std::string>>(
+                   database,
+                   "SELECT printf('PRAGMA quick_check(\"%w\")', name) FROM sqlite_schema "
+                   "WHERE type = 'table' AND name != 'keyframe_images'",
+                   [](const Statement& row) { return row.column<std::string>(0); }));
   for (const std::string& check : checks) ROOMWISE_CHECK_OK(run_check(database, check));
   return {};
 }
@@ -170,7 +166,7 @@ Expected<Home> Home::create(const std::filesystem::path& path, const OpenOptions
     ROOMWISE_TRY(Database database, Database::open(path, Database::Access::kReadWrite));
     ROOMWISE_TRY(WriterLock lock, WriterLock::take(path));
     ROOMWISE_CHECK_OK(configure(database));
-    ROOMWISE_CHECK_OK(migrate(database, migrations()));
+    ROOMWISE_CHECK_OK(create_tables(database));
     ROOMWISE_CHECK_OK(begin_writing(database));
     Home home(std::move(lock), std::move(database));
     if (options.passphrase) {
@@ -190,11 +186,10 @@ Expected<Home> Home::open(const std::filesystem::path& path, const OpenOptions& 
   // Until all is found well, closing must not carry a log into the file.
   set_checkpoint_on_close(database, false);
   ROOMWISE_CHECK_OK(configure(database));
-  ROOMWISE_CHECK_OK(checked_version(database));
+  ROOMWISE_CHECK_OK(check_again(database));
   ROOMWISE_CHECK_OK(check_all_but_images(database));
+  ROOMWISE_CHECK_OK(check_tables(database));
   set_checkpoint_on_close(database, true);
-  ROOMWISE_CHECK_OK(migrate(database, migrations()));
-  ROOMWISE_CHECK_OK(check_tables(database, migrations()));
   ROOMWISE_CHECK_OK(begin_writing(database));
   return unlocked(Home(std::move(lock), std::move(database)), options);
 }
@@ -202,12 +197,8 @@ Expected<Home> Home::open(const std::filesystem::path& path, const OpenOptions& 
 Expected<Home> Home::open_read_only(const std::filesystem::path& path, const OpenOptions& options) {
   ROOMWISE_TRY(Database database, open_for_reading(path));
   ROOMWISE_CHECK_OK(configure(database));
-  ROOMWISE_TRY(const int version, checked_version(database));
-  // What reads can do without what later versions brought (kPictureFeaturesVersion,
-  // kInstancesVersion). A later version that reading cannot do without has to be asked for here.
-  const auto past = std::ranges::count_if(
-      migrations(), [&](const Migration& migration) { return migration.version <= version; });
-  ROOMWISE_CHECK_OK(check_tables(database, migrations().first(static_cast<std::size_t>(past))));
+  ROOMWISE_CHECK_OK(check_again(database));
+  ROOMWISE_CHECK_OK(check_tables(database));
   return unlocked(Home(std::nullopt, std::move(database)), options);
 }
 
@@ -225,18 +216,16 @@ Expected<void> Home::put_setting(std::string_view key, std::string_view value) {
   if (key == kProtectionSetting) {
     return fail("{}: '{}' is no setting of a map; use protect()", file(), key);
   }
-  return database_.run("INSERT OR REPLACE INTO settings (key, value) VALUES (?, ?)", key, value);
+  return database_.put("settings (key, value)", key, value);
 }
 
 Expected<std::map<std::string, std::string>> Home::settings() const {
-  std::map<std::string, std::string> settings;
-  ROOMWISE_CHECK_OK(database_.for_each(
-      "SELECT key, value FROM settings WHERE key <> ?",
-      [&](const Statement& row) {
-        settings[row.column<std::string>(0)] = row.column<std::string>(1);
+  return collect<std::map<std::string, std::string>>(
+      database_, "SELECT key, value FROM settings WHERE key <> ?",
+      [](const Statement& row) {
+        return std::pair(row.column<std::string>(0), row.column<std::string>(1));
       },
-      kProtectionSetting));
-  return settings;
+      kProtectionSetting);
 }
 
 Expected<void> Home::add_stage_timings(const std::map<std::string, StageClock::Stage>& stages) {
@@ -253,14 +242,13 @@ Expected<void> Home::add_stage_timings(const std::map<std::string, StageClock::S
 }
 
 Expected<std::map<std::string, StageClock::Stage>> Home::stage_timings() const {
-  std::map<std::string, StageClock::Stage> stages;
-  ROOMWISE_CHECK_OK(database_.for_each(
-      "SELECT stage, calls, wall_s, cpu_s FROM stage_timings", [&](const Statement& row) {
-        stages[row.column<std::string>(0)] = {.calls = row.column<std::uint64_t>(1),
-                                              .wall_s = row.column<double>(2),
-                                              .cpu_s = row.column<double>(3)};
-      }));
-  return stages;
+  return collect<std::map<std::string, StageClock::Stage>>(
+      database_, "SELECT stage, calls, wall_s, cpu_s FROM stage_timings", [](const Statement& row) {
+        return std::pair(row.column<std::string>(0),
+                         StageClock::Stage{.calls = row.column<std::uint64_t>(1),
+                                           .wall_s = row.column<double>(2),
+                                           .cpu_s = row.column<double>(3)});
+      });
 }
 
 Expected<std::string> Home::content_digest() const {

@@ -23,7 +23,6 @@
 #include "roomwise/home/passphrase.h"
 #include "roomwise/home/picture_cipher.h"
 #include "roomwise/home/writer_lock.h"
-#include "roomwise/mapping/graph/pose_graph.h"
 #include "roomwise/network/vision/classifier.h"
 #include "roomwise/objects/detection/object_map.h"
 #include "roomwise/objects/detection/region_surface.h"
@@ -31,11 +30,18 @@
 #include "roomwise/recording/room_labels.h"
 #include "roomwise/rooms/concepts/concepts.h"
 #include "roomwise/rooms/recognition/two_frame_rule.h"
+#include "roomwise/scene/frame.h"
+#include "roomwise/scene/keyframe.h"
+#include "roomwise/scene/pose_graph_edge.h"
 
 namespace roomwise::home {
 
+using scene::Frame;
+using scene::FramePlace;
+using scene::KeyframeId;
+using scene::KeyframePose;
+
 using RecordingId = std::int64_t;
-using KeyframeId = std::uint64_t;  // 0, 1, 2, ... in the order of time
 using NetworkId = std::int64_t;
 using FinderId = std::int64_t;
 using VisitId = std::int64_t;  // from 1 on
@@ -56,17 +62,8 @@ struct StoredRecording {
   bool finished = false;  // all its frames are stored and its map is optimised
 };
 
-struct KeyframePose {
-  geometry::RigidTransform world_from_keyframe;
-  // Poses of one connected component of the map share a world; the largest is 0.
-  std::uint64_t component = 0;
-};
-
-struct Keyframe {
-  KeyframeId id = 0;
+struct Keyframe : scene::KeyframeStamp {
   RecordingId recording = 0;
-  std::uint64_t frame_index = 0;  // RgbdFrame::index
-  TimestampNs timestamp_ns = 0;
   KeyframePose pose;
 };
 
@@ -76,19 +73,6 @@ struct KeyframeImages {
   Bytes depth;  // 16-bit PNG
 
   friend bool operator==(const KeyframeImages&, const KeyframeImages&) = default;
-};
-
-// Where a frame was taken: relative to a key-frame, whose pose may still change.
-struct FramePlace {
-  KeyframeId keyframe = 0;
-  geometry::RigidTransform keyframe_from_camera;
-};
-
-struct Frame {
-  std::uint64_t index = 0;  // RgbdFrame::index
-  TimestampNs timestamp_ns = 0;
-  std::optional<FramePlace> place;
-  std::string no_pose_reason;  // where there is no place
 };
 
 // A network that has looked at key-frames.
@@ -104,7 +88,7 @@ struct Network {
 // What has looked where in key-frames things are.
 struct RegionFinderRecord {
   std::string name;
-  std::string fingerprint;  // objects::RegionFinder::fingerprint()
+  std::string fingerprint;  // objects::DetectionFinder::fingerprint()
   std::vector<std::string> labels;
 
   friend bool operator==(const RegionFinderRecord&, const RegionFinderRecord&) = default;
@@ -162,11 +146,9 @@ struct HomeChanges {
   [[nodiscard]] bool empty() const { return arrived.empty() && past.empty() && !pictures; }
 };
 
-// A key-frame in the making, with all that is known of it at once.
-struct NewKeyframe {
-  KeyframeId id = 0;  // the next free one: Home::next_keyframe_id()
-  std::uint64_t frame_index = 0;
-  TimestampNs timestamp_ns = 0;
+// A key-frame in the making, with all that is known of it at once. Its id is the next free one:
+// Home::next_keyframe_id().
+struct NewKeyframe : scene::KeyframeStamp {
   KeyframePose pose;
   KeyframeImages images;
   std::vector<std::pair<NetworkId, network::Prediction>> predictions;
@@ -176,10 +158,10 @@ struct NewKeyframe {
 // What mapping adds between two commits.
 struct Step {
   RecordingId recording = 0;
-  std::vector<NewKeyframe> keyframes;         // in the order of their ids
-  std::vector<mapping::PoseGraphEdge> edges;  // between key-frames of this step and earlier ones
-  std::vector<Frame> frames;                  // since the last step, in the order of their indices
-  std::uint64_t next_frame_index = 0;         // above the index of every frame so far
+  std::vector<NewKeyframe> keyframes;       // in the order of their ids
+  std::vector<scene::PoseGraphEdge> edges;  // between key-frames of this step and earlier ones
+  std::vector<Frame> frames;                // since the last step, in the order of their indices
+  std::uint64_t next_frame_index = 0;       // above the index of every frame so far
 };
 
 // A learned room classifier: the bytes of rooms::RoomClassifier.
@@ -233,10 +215,9 @@ class Home {
   // A new, empty home. Fails where the file exists.
   [[nodiscard]] static Expected<Home> create(const std::filesystem::path& path,
                                              const OpenOptions& options = {});
-  // For reading and writing. A home of an older version is brought to the present one first.
-  // Refuses, without changing anything: what is no home, a home of a newer version, a truncated or
-  // damaged file, a home that another process writes. (Only the images are not checked for damage,
-  // which would take long; verify() does it.)
+  // For reading and writing. Refuses, without changing anything: what is no home, a home of another
+  // version, a truncated or damaged file, a home that another process writes. (Only the images are
+  // not checked for damage, which would take long; verify() does it.)
   [[nodiscard]] static Expected<Home> open(const std::filesystem::path& path,
                                            const OpenOptions& options = {});
   // For reading; also while another process writes, and on a medium that cannot be written.
@@ -268,8 +249,8 @@ class Home {
   [[nodiscard]] Expected<KeyframeId> next_keyframe_id() const;
   [[nodiscard]] Expected<std::vector<Keyframe>> keyframes() const;  // by id
   [[nodiscard]] Expected<KeyframeImages> images(KeyframeId id) const;
-  [[nodiscard]] Expected<std::vector<Frame>> frames(RecordingId id) const;    // by index
-  [[nodiscard]] Expected<std::vector<mapping::PoseGraphEdge>> edges() const;  // as they were added
+  [[nodiscard]] Expected<std::vector<Frame>> frames(RecordingId id) const;  // by index
+  [[nodiscard]] Expected<std::vector<scene::PoseGraphEdge>> edges() const;  // as they were added
   // New poses for key-frames that are there; the others keep theirs.
   [[nodiscard]] Expected<void> replace_poses(const std::map<KeyframeId, KeyframePose>& poses);
 
@@ -414,7 +395,7 @@ class Home {
   // Seals every picture, or opens every one.
   [[nodiscard]] Expected<std::size_t> convert_pictures(bool to_sealed);
   [[nodiscard]] Expected<void> insert_keyframe(RecordingId recording, const NewKeyframe& keyframe);
-  [[nodiscard]] Expected<void> insert_edge(const mapping::PoseGraphEdge& edge);
+  [[nodiscard]] Expected<void> insert_edge(const scene::PoseGraphEdge& edge);
   [[nodiscard]] Expected<void> insert_frame(RecordingId recording, const Frame& frame);
 
   std::optional<WriterLock> lock_;  // outlives the database; empty for a reader

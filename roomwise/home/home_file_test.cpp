@@ -75,7 +75,7 @@ TEST_F(HomeFile, IsKnownByItsFirstBytes) {
   const Database database = Database::open(path_, Database::Access::kReadOnly).value();
   const auto header = database.header().value();
   EXPECT_EQ(header.application_id, kApplicationId);
-  EXPECT_EQ(header.user_version, 5);
+  EXPECT_EQ(header.user_version, kHomeVersion);
 }
 
 TEST_F(HomeFile, IsNotMadeOverAnotherFile) {
@@ -124,89 +124,24 @@ TEST_F(HomeFile, RefusesTheDatabaseOfAnotherProgram) {
 
 TEST_F(HomeFile, RefusesANewerVersion) {
   make();
-  run_sql("PRAGMA user_version = 6");
-  expect_refused("newer Roomwise (home version 6; this one knows up to 5); update Roomwise");
-}
-
-// What versions 5, 4, 3 and 2 brought, taken away again.
-constexpr const char* kBackToVersion4 = "DROP TABLE visit_pictures; PRAGMA user_version = 4;";
-constexpr const char* kBackToVersion3 =
-    "DROP TABLE past_instances; DROP TABLE instance_visits; DROP TABLE visits; "
-    "PRAGMA user_version = 3;";
-constexpr const char* kBackToVersion2 =
-    "DROP TABLE instance_names; DROP TABLE instances; DROP TABLE keyframe_regions; "
-    "DROP TABLE keyframe_looks; DROP TABLE keyframe_depths; DROP TABLE region_finders; "
-    "PRAGMA user_version = 2;";
-constexpr const char* kBackToVersion1 = "DROP TABLE picture_features; PRAGMA user_version = 1;";
-
-TEST_F(HomeFile, ReadsOlderVersionsAndBringsThemUpToDateToWrite) {
-  for (const int version : {4, 3, 2, 1}) {
-    std::filesystem::remove(path_);
-    make();
-    run_sql(kBackToVersion4);
-    if (version < 4) run_sql(kBackToVersion3);
-    if (version < 3) run_sql(kBackToVersion2);
-    if (version == 1) run_sql(kBackToVersion1);
-    const auto before = contents();
-    std::string digest;
-    {
-      const auto reader = Home::open_read_only(path_);
-      ASSERT_OK(reader);
-      digest = reader->content_digest().value();
-      EXPECT_EQ(reader->picture_features("c0ffee", "1: 0.8").value().empty(), version == 1);
-      EXPECT_EQ(reader->region_finders().value().empty(), version < 3);
-      EXPECT_EQ(reader->looks(1).value().empty(), version < 3);
-      EXPECT_EQ(reader->instances().value().empty(), version < 3);
-      EXPECT_EQ(reader->visits().value().empty(), version < 4);
-      EXPECT_EQ(reader->past_instances().value().empty(), version < 4);
-      EXPECT_THAT(reader->visit_pictures().value(), IsEmpty());
-      EXPECT_OK(reader->verify());
-    }
-    EXPECT_EQ(contents(), before);
-    {
-      Home writer = Home::open(path_).value();
-      EXPECT_EQ(writer.content_digest().value(), digest);
-      const std::vector<PictureFeatures> features{{"d1", 0, std::nullopt, {1, 2}}};
-      ASSERT_OK(writer.replace_picture_features("feed", "", features));
-      EXPECT_THAT(writer.picture_features("feed", "").value(), ::testing::SizeIs(1));
-      EXPECT_EQ(writer.content_digest().value(), digest) << "features are no content";
-      ASSERT_OK(writer.replace_instances(std::vector{testing::sample_instance(0)}));
-      EXPECT_THAT(writer.instances().value(), ::testing::SizeIs(1));
-      EXPECT_NE(writer.content_digest().value(), digest);
-      HomeChanges changes;
-      changes.arrived = {testing::sample_instance(0)};
-      changes.pictures = std::vector{testing::sample_visit_picture(0)};
-      const std::size_t visits = writer.visits()->size();
-      ASSERT_OK(writer.apply_changes(changes));
-      EXPECT_THAT(writer.visits().value(), ::testing::SizeIs(visits + 1));
-      EXPECT_THAT(writer.visit_pictures().value(), ::testing::SizeIs(1));
-    }
-    EXPECT_EQ(Database::open(path_, Database::Access::kReadOnly)->header()->user_version, 5);
-  }
-}
-
-TEST_F(HomeFile, RefusesAMissingTableOfAnOlderVersion) {
-  make();
-  run_sql(kBackToVersion4);
-  run_sql(kBackToVersion3);
-  run_sql(kBackToVersion2);
-  run_sql(kBackToVersion1);
-  run_sql("DROP TABLE has_a");
-  EXPECT_ERROR(Home::open_read_only(path_), "no table 'has_a'");
+  run_sql("PRAGMA user_version = 2");
+  expect_refused(
+      "a.home: was written by another Roomwise (home version 2; this one reads version 1); update "
+      "Roomwise, or map the recordings again into a new home");
 }
 
 TEST_F(HomeFile, RefusesANewerVersionThatIsOnlyInTheLog) {
   make();
   const int status = testing::run_in_child([&] {
     Database database = Database::open(path_, Database::Access::kReadWrite).value();
-    if (!database.run_script("PRAGMA journal_mode = WAL; PRAGMA user_version = 6")) return 1;
+    if (!database.run_script("PRAGMA journal_mode = WAL; PRAGMA user_version = 2")) return 1;
     return ::kill(::getpid(), SIGKILL);
   });
   ASSERT_TRUE(WIFSIGNALED(status));
   const Bytes before = read_file(path_).value();
   const Bytes log_before = read_file(folder_ / "a.home-wal").value();
-  EXPECT_ERROR(Home::open(path_), "newer Roomwise");
-  EXPECT_ERROR(Home::open_read_only(path_), "newer Roomwise");
+  EXPECT_ERROR(Home::open(path_), "another Roomwise (home version 2");
+  EXPECT_ERROR(Home::open_read_only(path_), "another Roomwise (home version 2");
   EXPECT_EQ(read_file(path_).value(), before);
   EXPECT_EQ(read_file(folder_ / "a.home-wal").value(), log_before);
 }

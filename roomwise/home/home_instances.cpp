@@ -3,10 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "roomwise/home/home.h"
-#include "roomwise/home/schema.h"
 #include "roomwise/home/stored_instances.h"
 
 namespace roomwise::home {
@@ -28,12 +26,6 @@ std::optional<image::DepthImage> blob_to_depth(const Bytes& bytes, int width) {
   return depth;
 }
 
-// An older home that is open for reading only has none of these tables.
-Expected<bool> has_tables(const Database& database) {
-  ROOMWISE_TRY(const int version, database.get<int>("PRAGMA user_version"));
-  return version >= kInstancesVersion;
-}
-
 }  // namespace
 
 Expected<FinderId> Home::add_region_finder(const RegionFinderRecord& finder) {
@@ -46,38 +38,20 @@ Expected<FinderId> Home::add_region_finder(const RegionFinderRecord& finder) {
         "the home was made",
         file(), finder.name, other.name);
   }
-  std::string labels;
-  try {
-    labels = nlohmann::json(finder.labels).dump();
-  } catch (const nlohmann::json::exception&) {
-    return fail("finder {}: a label is not UTF-8 text", finder.name);
-  }
-  return database_.insert("INSERT INTO region_finders (name, fingerprint, labels) VALUES (?, ?, ?)",
-                          finder.name, finder.fingerprint, labels);
+  ROOMWISE_TRY(const std::string labels, labels_to_json("finder " + finder.name, finder.labels));
+  return database_.insert("region_finders (name, fingerprint, labels)", finder.name,
+                          finder.fingerprint, labels);
 }
 
 Expected<std::map<FinderId, RegionFinderRecord>> Home::region_finders() const {
-  std::map<FinderId, RegionFinderRecord> finders;
-  ROOMWISE_TRY(const bool has, has_tables(database_));
-  if (!has) return finders;
-  const auto read = [&](const Statement& row) -> Expected<void> {
-    RegionFinderRecord& finder = finders[row.column<FinderId>(0)];
-    finder.name = row.column<std::string>(1);
-    finder.fingerprint = row.column<std::string>(2);
-    const auto json = nlohmann::json::parse(row.column<std::string>(3), nullptr, false);
-    const bool are_texts =
-        json.is_array() && std::ranges::all_of(json, [](const auto& v) { return v.is_string(); });
-    if (!are_texts) {
-      return fail(
-          "{}: is damaged: the labels of finder {} are not a list of texts; put back a copy of it",
-          file(), finder.name);
-    }
-    finder.labels = json.get<std::vector<std::string>>();
-    return {};
-  };
-  ROOMWISE_CHECK_OK(
-      database_.for_each("SELECT finder_id, name, fingerprint, labels FROM region_finders", read));
-  return finders;
+  return collect<std::map<FinderId, RegionFinderRecord>>(
+      database_, "SELECT finder_id, name, fingerprint, labels FROM region_finders",
+      [&](const Statement& row) -> Expected<std::pair<FinderId, RegionFinderRecord>> {
+        const auto name = row.column<std::string>(1);
+        ROOMWISE_TRY(auto labels, labels_column(row, 3, file(), "finder " + name));
+        return std::pair(row.column<FinderId>(0),
+                         RegionFinderRecord{name, row.column<std::string>(2), std::move(labels)});
+      });
 }
 
 Expected<void> Home::put_detections(KeyframeId keyframe, FinderId finder,
@@ -85,20 +59,17 @@ Expected<void> Home::put_detections(KeyframeId keyframe, FinderId finder,
   return atomically([&]() -> Expected<void> {
     ROOMWISE_TRY(const Bytes depth, stored_picture(keyframe, PictureKind::kCoarseDepth,
                                                    depth_to_blob(look.coarse_depth)));
-    ROOMWISE_CHECK_OK(database_.run(
-        "INSERT OR REPLACE INTO keyframe_depths (keyframe_id, width_px, depth) VALUES (?, ?, ?)",
-        keyframe, look.coarse_depth.width(), depth));
-    ROOMWISE_CHECK_OK(database_.run(
-        "INSERT OR REPLACE INTO keyframe_looks (keyframe_id, finder_id) VALUES (?, ?)", keyframe,
-        finder));
-    ROOMWISE_CHECK_OK(database_.run(
-        "DELETE FROM keyframe_regions WHERE keyframe_id = ? AND finder_id = ?", keyframe, finder));
-    for (std::size_t i = 0; i < look.regions.size(); ++i) {
-      const objects::Region& region = look.regions[i];
-      ROOMWISE_CHECK_OK(database_.run(
-          "INSERT INTO keyframe_regions (keyframe_id, finder_id, region, label, score, left_px, "
-          "top_px, right_px, bottom_px, share, measured, points) "
-          "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+    ROOMWISE_CHECK_OK(database_.put("keyframe_depths (keyframe_id, width_px, depth)", keyframe,
+                                    look.coarse_depth.width(), depth));
+    ROOMWISE_CHECK_OK(database_.put("keyframe_finders (keyframe_id, finder_id)", keyframe, finder));
+    ROOMWISE_CHECK_OK(
+        database_.run("DELETE FROM keyframe_detections WHERE keyframe_id = ? AND finder_id = ?",
+                      keyframe, finder));
+    for (std::size_t i = 0; i < look.detections.size(); ++i) {
+      const objects::Detection& region = look.detections[i];
+      ROOMWISE_CHECK_OK(database_.add(
+          "keyframe_detections (keyframe_id, finder_id, place, label, score, left_px, top_px, "
+          "right_px, bottom_px, share, measured, points)",
           keyframe, finder, i, region.label, static_cast<double>(region.score),
           to_numbers(region.box), static_cast<double>(region.surface.share),
           static_cast<double>(region.surface.measured), points_to_blob(region.surface.points)));
@@ -109,8 +80,6 @@ Expected<void> Home::put_detections(KeyframeId keyframe, FinderId finder,
 
 Expected<std::map<KeyframeId, objects::KeyframeDetections>> Home::looks(FinderId finder) const {
   std::map<KeyframeId, objects::KeyframeDetections> looks;
-  ROOMWISE_TRY(const bool has, has_tables(database_));
-  if (!has) return looks;
   const auto read_depth = [&](const Statement& row) -> Expected<void> {
     const auto id = row.column<KeyframeId>(0);
     ROOMWISE_TRY(const Bytes plain,
@@ -126,15 +95,15 @@ Expected<std::map<KeyframeId, objects::KeyframeDetections>> Home::looks(FinderId
     return {};
   };
   ROOMWISE_CHECK_OK(database_.for_each(
-      "SELECT keyframe_id, width_px, depth FROM keyframe_depths JOIN keyframe_looks "
+      "SELECT keyframe_id, width_px, depth FROM keyframe_depths JOIN keyframe_finders "
       "USING (keyframe_id) WHERE finder_id = ?",
       read_depth, finder));
   ROOMWISE_CHECK_OK(database_.for_each(
       "SELECT keyframe_id, label, score, left_px, top_px, right_px, bottom_px, share, measured, "
-      "points FROM keyframe_regions WHERE finder_id = ? ORDER BY keyframe_id, region",
+      "points FROM keyframe_detections WHERE finder_id = ? ORDER BY keyframe_id, place",
       [&](const Statement& row) -> Expected<void> {
         const auto id = row.column<KeyframeId>(0);
-        objects::Region& region = looks[id].regions.emplace_back();
+        objects::Detection& region = looks[id].detections.emplace_back();
         region.label = row.column<std::string>(1);
         region.score = static_cast<float>(row.column<double>(2));
         region.box = box_column(row, 3);
@@ -159,38 +128,25 @@ Expected<std::map<KeyframeId, objects::KeyframeDetections>> Home::looks(FinderId
 }
 
 Expected<std::set<KeyframeId>> Home::looked_at(FinderId finder) const {
-  std::set<KeyframeId> keyframes;
-  ROOMWISE_CHECK_OK(database_.for_each(
-      "SELECT keyframe_id FROM keyframe_looks WHERE finder_id = ?",
-      [&](const Statement& row) { keyframes.insert(row.column<KeyframeId>(0)); }, finder));
-  return keyframes;
+  return collect<std::set<KeyframeId>>(
+      database_, "SELECT keyframe_id FROM keyframe_finders WHERE finder_id = ?",
+      [](const Statement& row) { return row.column<KeyframeId>(0); }, finder);
 }
 
 Expected<void> Home::replace_instances(std::span<const objects::Instance> instances) {
   return atomically([&]() -> Expected<void> {
     ROOMWISE_CHECK_OK(database_.run("DELETE FROM instances"));
     for (const objects::Instance& instance : instances) {
-      const geometry::OrientedBox& box = instance.box_keyframe;
       if (!is_finite(instance)) {
         return fail("{}: the box of instance '{}' is not finite", file(), instance.name);
       }
       ROOMWISE_TRY(
           const auto id,
-          database_.insert("INSERT INTO instances (" ROOMWISE_INSTANCE_COLUMNS ") VALUES "
-                           "(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
-                           instance.name, instance.probability, instance.observations,
-                           instance.expected, instance.keyframe_id,
-                           to_numbers(instance.picture_box), home::to_numbers(box.world_from_box),
-                           to_numbers(box.size_m), to_numbers(instance.sigma_m)));
-      if (instance.visit != 0) {
-        ROOMWISE_CHECK_OK(database_.run(
-            "INSERT INTO instance_visits (instance_id, visit_id, points) VALUES (?, ?, ?)", id,
-            instance.visit, points_to_blob(instance.surface_keyframe)));
-      }
+          database_.insert("instances (" ROOMWISE_INSTANCE_COLUMNS ", points)",
+                           instance_columns(instance), points_to_blob(instance.surface_keyframe)));
       for (const auto& [name, share] : instance.names) {
         ROOMWISE_CHECK_OK(
-            database_.run("INSERT INTO instance_names (instance_id, name, share) VALUES (?, ?, ?)",
-                          id, name, share));
+            database_.add("instance_names (instance_id, name, share)", id, name, share));
       }
     }
     return {};
@@ -199,42 +155,27 @@ Expected<void> Home::replace_instances(std::span<const objects::Instance> instan
 
 Expected<std::vector<objects::Instance>> Home::instances() const {
   std::vector<objects::Instance> instances;
-  ROOMWISE_TRY(const bool has, has_tables(database_));
-  if (!has) return instances;
   std::map<std::int64_t, std::size_t> place;
   ROOMWISE_CHECK_OK(database_.for_each(
-      "SELECT instance_id, " ROOMWISE_INSTANCE_COLUMNS " FROM instances ORDER BY instance_id",
+      "SELECT instance_id, points, " ROOMWISE_INSTANCE_COLUMNS
+      " FROM instances ORDER BY instance_id",
       [&](const Statement& row) -> Expected<void> {
         place[row.column<std::int64_t>(0)] = instances.size();
-        const objects::Instance& instance = instances.emplace_back(read_instance(row, 1));
-        if (!is_finite(instance)) {
+        objects::Instance& instance = instances.emplace_back(read_instance(row, 2));
+        auto points = blob_to_points(row.column<Bytes>(1));
+        if (!points || !is_finite(instance)) {
           return fail(
-              "{}: is damaged: the box of instance '{}' is not finite; put back a copy of it",
+              "{}: is damaged: the box or the surface of instance '{}' is not made of finite "
+              "numbers; put back a copy of it",
               file(), instance.name);
         }
+        instance.surface_keyframe = *std::move(points);
         return {};
       }));
   ROOMWISE_CHECK_OK(database_.for_each(
       "SELECT instance_id, name, share FROM instance_names", [&](const Statement& row) {
         instances[place.at(row.column<std::int64_t>(0))].names[row.column<std::string>(1)] =
             row.column<double>(2);
-      }));
-  ROOMWISE_TRY(const int version, database_.get<int>("PRAGMA user_version"));
-  if (version < kVisitsVersion) return instances;
-  ROOMWISE_CHECK_OK(database_.for_each(
-      "SELECT instance_id, visit_id, points FROM instance_visits",
-      [&](const Statement& row) -> Expected<void> {
-        objects::Instance& instance = instances[place.at(row.column<std::int64_t>(0))];
-        instance.visit = row.column<VisitId>(1);
-        auto points = blob_to_points(row.column<Bytes>(2));
-        if (!points) {
-          return fail(
-              "{}: is damaged: the surface of instance '{}' is not made of finite numbers; put "
-              "back a copy of it",
-              file(), instance.name);
-        }
-        instance.surface_keyframe = *std::move(points);
-        return {};
       }));
   return instances;
 }

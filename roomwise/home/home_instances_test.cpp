@@ -17,21 +17,21 @@ TEST_F(HomeInstances, LooksComeBackAsTheyWere) {
   const objects::KeyframeDetections& look = looks.at(1);
   const objects::KeyframeDetections expected = testing::sample_look(1);
   EXPECT_EQ(look.coarse_depth, expected.coarse_depth);
-  ASSERT_EQ(look.regions.size(), 2U);
+  ASSERT_EQ(look.detections.size(), 2U);
   for (std::size_t i = 0; i < 2; ++i) {
-    EXPECT_EQ(look.regions[i].label, expected.regions[i].label);
-    EXPECT_EQ(look.regions[i].score, expected.regions[i].score);
-    EXPECT_EQ(look.regions[i].box.left, expected.regions[i].box.left);
-    EXPECT_EQ(look.regions[i].box.bottom, expected.regions[i].box.bottom);
-    EXPECT_EQ(look.regions[i].surface, expected.regions[i].surface);
+    EXPECT_EQ(look.detections[i].label, expected.detections[i].label);
+    EXPECT_EQ(look.detections[i].score, expected.detections[i].score);
+    EXPECT_EQ(look.detections[i].box.left, expected.detections[i].box.left);
+    EXPECT_EQ(look.detections[i].box.bottom, expected.detections[i].box.bottom);
+    EXPECT_EQ(look.detections[i].surface, expected.detections[i].surface);
   }
 }
 
 TEST_F(HomeInstances, ALookReplacesTheOneBefore) {
   objects::KeyframeDetections nothing = testing::sample_look(1);
-  nothing.regions.clear();
+  nothing.detections.clear();
   ASSERT_OK(home_.put_detections(1, 1, nothing));
-  EXPECT_TRUE(home_.looks(1)->at(1).regions.empty());
+  EXPECT_TRUE(home_.looks(1)->at(1).detections.empty());
   EXPECT_EQ(home_.looked_at(1).value(), (std::set<KeyframeId>{1, 2}))
       << "it was looked at all the same";
   EXPECT_ERROR(home_.put_detections(99, 1, nothing), "a.home");

@@ -71,6 +71,11 @@ Frame read_frame(const Statement& row) {
   return frame;
 }
 
+#define ROOMWISE_RECORDING_COLUMNS                                                      \
+  "name, folder, fx_px, fy_px, cx_px, cy_px, width_px, height_px, distortion_k1, "      \
+  "distortion_k2, distortion_p1, distortion_p2, distortion_k3, depth_units_per_metre, " \
+  "frame_count, next_frame_index, finished"
+
 StoredRecording read_recording(const Statement& row) {
   const geometry::PinholeCamera camera{
       .fx = row.column<double>(3),
@@ -100,25 +105,18 @@ Expected<RecordingId> Home::add_recording(const Recording& recording) {
         fmt::format("{}: camera of recording '{}'", file(), recording.name)));
   }
   const geometry::LensDistortion& lens = camera.distortion;
-  return database_.insert(
-      "INSERT INTO recordings (name, folder, fx_px, fy_px, cx_px, cy_px, width_px, height_px, "
-      "distortion_k1, distortion_k2, distortion_p1, distortion_p2, distortion_k3, "
-      "depth_units_per_metre, frame_count, next_frame_index, finished) "
-      "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, 0, 0)",
-      recording.name, recording.folder, camera.fx, camera.fy, camera.cx, camera.cy, camera.width,
-      camera.height, lens.k1, lens.k2, lens.p1, lens.p2, lens.k3, camera.depth_units_per_metre,
-      recording.frame_count);
+  return database_.insert("recordings (" ROOMWISE_RECORDING_COLUMNS ")", recording.name,
+                          recording.folder, camera.fx, camera.fy, camera.cx, camera.cy,
+                          camera.width, camera.height, lens.k1, lens.k2, lens.p1, lens.p2, lens.k3,
+                          camera.depth_units_per_metre, recording.frame_count,
+                          /*next_frame_index=*/0, /*finished=*/false);
 }
 
 Expected<std::vector<StoredRecording>> Home::recordings() const {
-  std::vector<StoredRecording> recordings;
-  ROOMWISE_CHECK_OK(database_.for_each(
-      "SELECT recording_id, name, folder, fx_px, fy_px, cx_px, cy_px, width_px, height_px, "
-      "distortion_k1, distortion_k2, distortion_p1, distortion_p2, distortion_k3, "
-      "depth_units_per_metre, frame_count, next_frame_index, finished "
-      "FROM recordings ORDER BY recording_id",
-      [&](const Statement& row) { recordings.push_back(read_recording(row)); }));
-  return recordings;
+  return collect<std::vector<StoredRecording>>(database_,
+                                               "SELECT recording_id, " ROOMWISE_RECORDING_COLUMNS
+                                               " FROM recordings ORDER BY recording_id",
+                                               read_recording);
 }
 
 Expected<void> Home::commit_step(const Step& step) {
@@ -132,7 +130,7 @@ Expected<void> Home::commit_step(const Step& step) {
     for (const NewKeyframe& keyframe : step.keyframes) {
       ROOMWISE_CHECK_OK(insert_keyframe(step.recording, keyframe));
     }
-    for (const mapping::PoseGraphEdge& edge : step.edges) ROOMWISE_CHECK_OK(insert_edge(edge));
+    for (const scene::PoseGraphEdge& edge : step.edges) ROOMWISE_CHECK_OK(insert_edge(edge));
     for (const Frame& frame : step.frames) {
       ROOMWISE_CHECK_OK(insert_frame(step.recording, frame));
     }
@@ -155,25 +153,24 @@ Expected<void> Home::insert_keyframe(RecordingId recording, const NewKeyframe& k
     return fail("{}: key-frame {} comes without its encoded colour or depth image", file(),
                 keyframe.id);
   }
-  ROOMWISE_CHECK_OK(database_.run(
-      "INSERT INTO keyframes (keyframe_id, recording_id, frame_index, timestamp_ns, tx_m, ty_m, "
-      "tz_m, qx, qy, qz, qw, piece) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
-      keyframe.id, recording, keyframe.frame_index, keyframe.timestamp_ns,
-      to_numbers(keyframe.pose.world_from_keyframe), keyframe.pose.component));
+  ROOMWISE_CHECK_OK(
+      database_.add("keyframes (keyframe_id, recording_id, frame_index, timestamp_ns, tx_m, ty_m, "
+                    "tz_m, qx, qy, qz, qw, component)",
+                    keyframe.id, recording, keyframe.frame_index, keyframe.timestamp_ns,
+                    to_numbers(keyframe.pose.world_from_keyframe), keyframe.pose.component));
   ROOMWISE_TRY(const Bytes color,
                stored_picture(keyframe.id, PictureKind::kColor, keyframe.images.color));
   ROOMWISE_TRY(const Bytes depth,
                stored_picture(keyframe.id, PictureKind::kDepth, keyframe.images.depth));
   ROOMWISE_CHECK_OK(
-      database_.run("INSERT INTO keyframe_images (keyframe_id, color, depth) VALUES (?, ?, ?)",
-                    keyframe.id, color, depth));
+      database_.add("keyframe_images (keyframe_id, color, depth)", keyframe.id, color, depth));
   for (const auto& [network, prediction] : keyframe.predictions) {
     ROOMWISE_CHECK_OK(put_prediction(keyframe.id, network, prediction));
   }
   return put_observations(keyframe.id, keyframe.observations);
 }
 
-Expected<void> Home::insert_edge(const mapping::PoseGraphEdge& edge) {
+Expected<void> Home::insert_edge(const scene::PoseGraphEdge& edge) {
   const Matrix6d& information = edge.information;
   if (!edge.from_from_to.is_finite() || !information.allFinite() || !is_symmetric(information)) {
     return fail(
@@ -181,9 +178,9 @@ Expected<void> Home::insert_edge(const mapping::PoseGraphEdge& edge) {
         "symmetric",
         file(), edge.from, edge.to);
   }
-  return database_.run(
-      "INSERT INTO pose_graph_edges (from_keyframe_id, to_keyframe_id, tx_m, ty_m, tz_m, qx, qy, "
-      "qz, qw, information_upper, is_loop) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+  return database_.add(
+      "pose_graph_edges (from_keyframe_id, to_keyframe_id, tx_m, ty_m, tz_m, qx, qy, qz, qw, "
+      "information_upper, is_loop)",
       edge.from, edge.to, to_numbers(edge.from_from_to), upper_triangle_json(information),
       edge.is_loop);
 }
@@ -201,9 +198,9 @@ Expected<void> Home::insert_frame(RecordingId recording, const Frame& frame) {
   } else {
     reason = frame.no_pose_reason;
   }
-  return database_.run(
-      "INSERT INTO frames (recording_id, frame_index, timestamp_ns, keyframe_id, tx_m, ty_m, tz_m, "
-      "qx, qy, qz, qw, no_pose_reason) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+  return database_.add(
+      "frames (recording_id, frame_index, timestamp_ns, keyframe_id, tx_m, ty_m, tz_m, qx, qy, qz, "
+      "qw, no_pose_reason)",
       recording, frame.index, frame.timestamp_ns, keyframe, pose, reason);
 }
 
@@ -235,20 +232,16 @@ Expected<KeyframeId> Home::next_keyframe_id() const {
 }
 
 Expected<std::vector<Keyframe>> Home::keyframes() const {
-  std::vector<Keyframe> keyframes;
-  const auto read = [&](const Statement& row) {
-    keyframes.push_back({.id = row.column<KeyframeId>(0),
-                         .recording = row.column<RecordingId>(1),
-                         .frame_index = row.column<std::uint64_t>(2),
-                         .timestamp_ns = row.column<TimestampNs>(3),
-                         .pose = {.world_from_keyframe = pose_column(row, 4),
-                                  .component = row.column<std::uint64_t>(11)}});
-  };
-  ROOMWISE_CHECK_OK(database_.for_each(
-      "SELECT keyframe_id, recording_id, frame_index, timestamp_ns, tx_m, ty_m, tz_m, qx, qy, qz, "
-      "qw, piece FROM keyframes ORDER BY keyframe_id",
-      read));
-  return keyframes;
+  return collect<std::vector<Keyframe>>(
+      database_,
+      "SELECT keyframe_id, frame_index, timestamp_ns, recording_id, tx_m, ty_m, tz_m, qx, qy, qz, "
+      "qw, component FROM keyframes ORDER BY keyframe_id",
+      [](const Statement& row) {
+        return Keyframe{
+            {row.column<KeyframeId>(0), row.column<std::uint64_t>(1), row.column<TimestampNs>(2)},
+            row.column<RecordingId>(3),
+            {pose_column(row, 4), row.column<std::uint64_t>(11)}};
+      });
 }
 
 Expected<KeyframeImages> Home::images(KeyframeId id) const {
@@ -266,17 +259,15 @@ Expected<KeyframeImages> Home::images(KeyframeId id) const {
 }
 
 Expected<std::vector<Frame>> Home::frames(RecordingId id) const {
-  std::vector<Frame> frames;
-  ROOMWISE_CHECK_OK(database_.for_each(
+  return collect<std::vector<Frame>>(
+      database_,
       "SELECT frame_index, timestamp_ns, keyframe_id, tx_m, ty_m, tz_m, qx, qy, qz, qw, "
       "no_pose_reason FROM frames WHERE recording_id = ? ORDER BY frame_index",
-      [&](const Statement& row) { frames.push_back(read_frame(row)); }, id));
-  return frames;
+      read_frame, id);
 }
 
-Expected<std::vector<mapping::PoseGraphEdge>> Home::edges() const {
-  std::vector<mapping::PoseGraphEdge> edges;
-  const auto read = [&](const Statement& row) -> Expected<void> {
+Expected<std::vector<scene::PoseGraphEdge>> Home::edges() const {
+  const auto read = [&](const Statement& row) -> Expected<scene::PoseGraphEdge> {
     const auto information = from_upper_triangle_json(row.column<std::string>(10));
     if (!information) {
       return fail(
@@ -284,18 +275,14 @@ Expected<std::vector<mapping::PoseGraphEdge>> Home::edges() const {
           "a copy of it",
           file(), row.column<std::int64_t>(0), kUpperTriangleSize);
     }
-    edges.push_back({.from = row.column<KeyframeId>(1),
-                     .to = row.column<KeyframeId>(2),
-                     .from_from_to = pose_column(row, 3),
-                     .information = *information,
-                     .is_loop = row.column<bool>(11)});
-    return {};
+    return scene::PoseGraphEdge{row.column<KeyframeId>(1), row.column<KeyframeId>(2),
+                                pose_column(row, 3), *information, row.column<bool>(11)};
   };
-  ROOMWISE_CHECK_OK(database_.for_each(
+  return collect<std::vector<scene::PoseGraphEdge>>(
+      database_,
       "SELECT edge_id, from_keyframe_id, to_keyframe_id, tx_m, ty_m, tz_m, qx, qy, qz, qw, "
       "information_upper, is_loop FROM pose_graph_edges ORDER BY edge_id",
-      read));
-  return edges;
+      read);
 }
 
 Expected<void> Home::replace_poses(const std::map<KeyframeId, KeyframePose>& poses) {
@@ -305,7 +292,7 @@ Expected<void> Home::replace_poses(const std::map<KeyframeId, KeyframePose>& pos
         return fail("{}: the new pose of key-frame {} is not finite", file(), id);
       }
       ROOMWISE_CHECK_OK(
-          database_.run("UPDATE keyframes SET (tx_m, ty_m, tz_m, qx, qy, qz, qw, piece) = "
+          database_.run("UPDATE keyframes SET (tx_m, ty_m, tz_m, qx, qy, qz, qw, component) = "
                         "(?, ?, ?, ?, ?, ?, ?, ?) WHERE keyframe_id = ?",
                         to_numbers(pose.world_from_keyframe), pose.component, id));
       if (sqlite3_changes(database_.handle()) == 0) {

@@ -58,8 +58,7 @@ Expected<void> Home::begin_protection(const Passphrase& passphrase, ProtectionSt
   PictureCipher cipher = cipher_ ? *cipher_ : PictureCipher::create();
   auto wrapped = cipher.wrap(passphrase, state, cost);
   if (!wrapped) return Unexpected(std::move(wrapped).error().in(file()));
-  ROOMWISE_CHECK_OK(database_.run("INSERT OR REPLACE INTO settings (key, value) VALUES (?, ?)",
-                                  kProtectionSetting, *wrapped));
+  ROOMWISE_CHECK_OK(database_.put("settings (key, value)", kProtectionSetting, *wrapped));
   protected_ = true;
   cipher_ = std::move(cipher);
   protection_ = state;

@@ -1,32 +1,10 @@
 // The part of Home that stores what key-frames and rooms mean: networks, objects, concepts, rooms.
 
-#include <nlohmann/json.hpp>
-
 #include "roomwise/home/home.h"
-#include "roomwise/home/schema.h"
 #include "roomwise/home/stored_values.h"
 
 namespace roomwise::home {
 namespace {
-
-Expected<std::string> labels_to_json(const Network& network) {
-  try {
-    return nlohmann::json(network.labels).dump();
-  } catch (const nlohmann::json::exception&) {
-    return fail("network {}: a label is not UTF-8 text", network.name);
-  }
-}
-
-std::optional<std::vector<std::string>> labels_from_json(const std::string& text) {
-  const auto json = nlohmann::json::parse(text, nullptr, /*allow_exceptions=*/false);
-  if (!json.is_array()) return std::nullopt;
-  std::vector<std::string> labels;
-  for (const auto& label : json) {
-    if (!label.is_string()) return std::nullopt;
-    labels.push_back(label.get<std::string>());
-  }
-  return labels;
-}
 
 // A point in the three columns from `first` on, which are NULL together.
 std::optional<Eigen::Vector3d> point_column(const Statement& row, int first) {
@@ -47,31 +25,21 @@ Expected<NetworkId> Home::add_network(const Network& network) {
         "{}); give it as it was when the home was made",
         file(), network.name, other.name);
   }
-  ROOMWISE_TRY(const std::string labels, labels_to_json(network));
-  return database_.insert(
-      "INSERT INTO networks (name, fingerprint, labels, feature_size) VALUES (?, ?, ?, ?)",
-      network.name, network.fingerprint, labels, network.feature_size);
+  ROOMWISE_TRY(const std::string labels, labels_to_json("network " + network.name, network.labels));
+  return database_.insert("networks (name, fingerprint, labels, feature_size)", network.name,
+                          network.fingerprint, labels, network.feature_size);
 }
 
 Expected<std::map<NetworkId, Network>> Home::networks() const {
-  std::map<NetworkId, Network> networks;
-  const auto read = [&](const Statement& row) -> Expected<void> {
-    auto labels = labels_from_json(row.column<std::string>(3));
-    if (!labels) {
-      return fail(
-          "{}: is damaged: the labels of network {} are not a list of texts; put back a copy "
-          "of it",
-          file(), row.column<std::string>(1));
-    }
-    networks[row.column<NetworkId>(0)] = {.name = row.column<std::string>(1),
-                                          .fingerprint = row.column<std::string>(2),
-                                          .labels = *std::move(labels),
-                                          .feature_size = row.column<std::size_t>(4)};
-    return {};
-  };
-  ROOMWISE_CHECK_OK(database_.for_each(
-      "SELECT network_id, name, fingerprint, labels, feature_size FROM networks", read));
-  return networks;
+  return collect<std::map<NetworkId, Network>>(
+      database_, "SELECT network_id, name, fingerprint, labels, feature_size FROM networks",
+      [&](const Statement& row) -> Expected<std::pair<NetworkId, Network>> {
+        const auto name = row.column<std::string>(1);
+        ROOMWISE_TRY(auto labels, labels_column(row, 3, file(), "network " + name));
+        return std::pair(row.column<NetworkId>(0),
+                         Network{name, row.column<std::string>(2), std::move(labels),
+                                 row.column<std::size_t>(4)});
+      });
 }
 
 Expected<void> Home::put_prediction(KeyframeId keyframe, NetworkId network,
@@ -84,10 +52,8 @@ Expected<void> Home::put_prediction(KeyframeId keyframe, NetworkId network,
     return fail("{}: a prediction for key-frame {} has {} features, but its network gives {}",
                 file(), keyframe, prediction.features.size(), *feature_size);
   }
-  return database_.run(
-      "INSERT OR REPLACE INTO keyframe_predictions (keyframe_id, network_id, features, scores) "
-      "VALUES (?, ?, ?, ?)",
-      keyframe, network, to_blob(prediction.features), to_blob(prediction.scores));
+  return database_.put("keyframe_predictions (keyframe_id, network_id, features, scores)", keyframe,
+                       network, to_blob(prediction.features), to_blob(prediction.scores));
 }
 
 Expected<std::optional<network::Prediction>> Home::prediction(KeyframeId keyframe,
@@ -103,26 +69,25 @@ Expected<std::optional<network::Prediction>> Home::prediction(KeyframeId keyfram
 }
 
 Expected<std::map<KeyframeId, network::Prediction>> Home::predictions(NetworkId network) const {
-  std::map<KeyframeId, network::Prediction> predictions;
-  ROOMWISE_CHECK_OK(database_.for_each(
+  return collect<std::map<KeyframeId, network::Prediction>>(
+      database_,
       "SELECT keyframe_id, features, scores FROM keyframe_predictions WHERE network_id = ?",
-      [&](const Statement& row) {
-        predictions[row.column<KeyframeId>(0)] = {to_floats(row.column<Bytes>(1)),
-                                                  to_floats(row.column<Bytes>(2))};
+      [](const Statement& row) {
+        return std::pair(
+            row.column<KeyframeId>(0),
+            network::Prediction{to_floats(row.column<Bytes>(1)), to_floats(row.column<Bytes>(2))});
       },
-      network));
-  return predictions;
+      network);
 }
 
 Expected<void> Home::put_observations(KeyframeId keyframe,
                                       std::span<const objects::Observation> observations) {
   return atomically([&]() -> Expected<void> {
     ROOMWISE_CHECK_OK(
-        database_.run("DELETE FROM keyframe_sightings WHERE keyframe_id = ?", keyframe));
+        database_.run("DELETE FROM keyframe_observations WHERE keyframe_id = ?", keyframe));
     for (const objects::Observation& observation : observations) {
-      ROOMWISE_CHECK_OK(database_.run(
-          "INSERT INTO keyframe_sightings (keyframe_id, object, score) VALUES (?, ?, ?)", keyframe,
-          observation.object, observation.score));
+      ROOMWISE_CHECK_OK(database_.add("keyframe_observations (keyframe_id, object, score)",
+                                      keyframe, observation.object, observation.score));
     }
     return {};
   });
@@ -131,7 +96,7 @@ Expected<void> Home::put_observations(KeyframeId keyframe,
 Expected<std::map<KeyframeId, std::vector<objects::Observation>>> Home::observations() const {
   std::map<KeyframeId, std::vector<objects::Observation>> observations;
   ROOMWISE_CHECK_OK(
-      database_.for_each("SELECT keyframe_id, object, score FROM keyframe_sightings "
+      database_.for_each("SELECT keyframe_id, object, score FROM keyframe_observations "
                          "ORDER BY keyframe_id, score DESC, object",
                          [&](const Statement& row) {
                            observations[row.column<KeyframeId>(0)].push_back(
@@ -151,27 +116,26 @@ Expected<void> Home::replace_objects(std::span<const objects::MapObject> objects
         }
         position = {p->x(), p->y(), p->z()};
       }
-      ROOMWISE_CHECK_OK(database_.run(
-          "INSERT INTO objects (name, keyframe_id, score, sightings, x_m, y_m, z_m) "
-          "VALUES (?, ?, ?, ?, ?, ?, ?)",
-          object.name, object.keyframe_id, object.score, object.observations, position));
+      ROOMWISE_CHECK_OK(database_.add(
+          "objects (name, keyframe_id, score, observations, x_m, y_m, z_m)", object.name,
+          object.keyframe_id, object.score, object.observations, position));
     }
     return {};
   });
 }
 
 Expected<std::vector<objects::MapObject>> Home::objects() const {
-  std::vector<objects::MapObject> objects;
-  ROOMWISE_CHECK_OK(database_.for_each(
-      "SELECT name, keyframe_id, score, sightings, x_m, y_m, z_m FROM objects ORDER BY object_id",
-      [&](const Statement& row) {
-        objects.push_back({.name = row.column<std::string>(0),
-                           .keyframe_id = row.column<KeyframeId>(1),
-                           .score = row.column<double>(2),
-                           .observations = row.column<int>(3),
-                           .position_keyframe = point_column(row, 4)});
-      }));
-  return objects;
+  return collect<std::vector<objects::MapObject>>(
+      database_,
+      "SELECT name, keyframe_id, score, observations, x_m, y_m, z_m FROM objects "
+      "ORDER BY object_id",
+      [](const Statement& row) {
+        return objects::MapObject{.name = row.column<std::string>(0),
+                                  .keyframe_id = row.column<KeyframeId>(1),
+                                  .score = row.column<double>(2),
+                                  .observations = row.column<int>(3),
+                                  .position_keyframe = point_column(row, 4)};
+      });
 }
 
 Expected<void> Home::replace_concepts(const rooms::Concepts& concepts) {
@@ -181,14 +145,13 @@ Expected<void> Home::replace_concepts(const rooms::Concepts& concepts) {
         "DELETE FROM object_kinds;"));
     const auto& vocabulary = concepts.vocabulary.objects();
     for (const auto& [object, labels] : vocabulary) {
-      ROOMWISE_CHECK_OK(database_.run("INSERT INTO object_kinds (object) VALUES (?)", object));
+      ROOMWISE_CHECK_OK(database_.add("object_kinds (object)", object));
       for (const std::string& label : labels) {
-        ROOMWISE_CHECK_OK(database_.run("INSERT INTO object_labels (label, object) VALUES (?, ?)",
-                                        label, object));
+        ROOMWISE_CHECK_OK(database_.add("object_labels (label, object)", label, object));
       }
     }
     for (const auto& [room_type, objects] : concepts.objects_of_room_type) {
-      ROOMWISE_CHECK_OK(database_.run("INSERT INTO room_types (room_type) VALUES (?)", room_type));
+      ROOMWISE_CHECK_OK(database_.add("room_types (room_type)", room_type));
       for (const std::string& object : objects) {
         if (!vocabulary.contains(object)) {
           return fail(
@@ -196,8 +159,7 @@ Expected<void> Home::replace_concepts(const rooms::Concepts& concepts) {
               "object first",
               file(), room_type, object);
         }
-        ROOMWISE_CHECK_OK(database_.run("INSERT INTO has_a (room_type, object) VALUES (?, ?)",
-                                        room_type, object));
+        ROOMWISE_CHECK_OK(database_.add("has_a (room_type, object)", room_type, object));
       }
     }
     return {};
@@ -238,8 +200,7 @@ Expected<void> Home::replace_rooms(std::span<const rooms::Room> rooms) {
     ROOMWISE_CHECK_OK(database_.run("DELETE FROM rooms"));
     for (const rooms::Room& room : rooms) {
       ROOMWISE_CHECK_OK(recording::validate_room_name(room.name));
-      ROOMWISE_CHECK_OK(
-          database_.run("INSERT INTO rooms (room, room_type) VALUES (?, ?)", room.name, room.type));
+      ROOMWISE_CHECK_OK(database_.add("rooms (room, room_type)", room.name, room.type));
     }
     ROOMWISE_TRY(const auto orphan,
                  database_.find<std::string>("SELECT room FROM room_ranges WHERE room NOT IN "
@@ -253,12 +214,10 @@ Expected<void> Home::replace_rooms(std::span<const rooms::Room> rooms) {
 }
 
 Expected<std::vector<rooms::Room>> Home::rooms() const {
-  std::vector<rooms::Room> rooms;
-  ROOMWISE_CHECK_OK(database_.for_each(
-      "SELECT room, room_type FROM rooms ORDER BY room", [&](const Statement& row) {
-        rooms.push_back({row.column<std::string>(0), row.column<std::string>(1)});
-      }));
-  return rooms;
+  return collect<std::vector<rooms::Room>>(
+      database_, "SELECT room, room_type FROM rooms ORDER BY room", [](const Statement& row) {
+        return rooms::Room{row.column<std::string>(0), row.column<std::string>(1)};
+      });
 }
 
 Expected<void> Home::replace_room_ranges(RecordingId id,
@@ -275,26 +234,26 @@ Expected<void> Home::replace_room_ranges(RecordingId id,
             "the room first",
             file(), range.first_frame, range.last_frame, range.room);
       }
-      ROOMWISE_CHECK_OK(
-          database_.run("INSERT INTO room_ranges (recording_id, first_frame_index, "
-                        "last_frame_index, room, visit) "
-                        "VALUES (?, ?, ?, ?, ?)",
-                        id, range.first_frame, range.last_frame, range.room, range.visit));
+      ROOMWISE_CHECK_OK(database_.add(
+          "room_ranges (recording_id, first_frame_index, last_frame_index, room, visit)", id,
+          range.first_frame, range.last_frame, range.room, range.visit));
     }
     return {};
   });
 }
 
 Expected<recording::RoomLabels> Home::room_ranges(RecordingId id) const {
-  std::vector<recording::RoomRange> ranges;
-  ROOMWISE_CHECK_OK(database_.for_each(
-      "SELECT first_frame_index, last_frame_index, room, visit FROM room_ranges "
-      "WHERE recording_id = ? ORDER BY first_frame_index",
-      [&](const Statement& row) {
-        ranges.push_back({row.column<std::uint64_t>(0), row.column<std::uint64_t>(1),
-                          row.column<std::string>(2), row.column<int>(3)});
-      },
-      id));
+  ROOMWISE_TRY(auto ranges,
+               collect<std::vector<recording::RoomRange>>(
+                   database_,
+                   "SELECT first_frame_index, last_frame_index, room, visit FROM room_ranges "
+                   "WHERE recording_id = ? ORDER BY first_frame_index",
+                   [](const Statement& row) {
+                     return recording::RoomRange{row.column<std::uint64_t>(0),
+                                                 row.column<std::uint64_t>(1),
+                                                 row.column<std::string>(2), row.column<int>(3)};
+                   },
+                   id));
   auto labels = recording::RoomLabels::from_ranges(std::move(ranges));
   if (!labels) return Unexpected(std::move(labels).error().in(file()));
   return labels;
@@ -304,11 +263,9 @@ Expected<void> Home::put_room_classifier(const RoomClassifierRecord& classifier)
   return atomically([&]() -> Expected<void> {
     ROOMWISE_CHECK_OK(database_.run("DELETE FROM room_classifiers WHERE network_fingerprint = ?",
                                     classifier.network_fingerprint));
-    return database_.run(
-        "INSERT INTO room_classifiers (network_name, network_fingerprint, classifier, report) "
-        "VALUES (?, ?, ?, ?)",
-        classifier.network_name, classifier.network_fingerprint, classifier.classifier,
-        classifier.report_json);
+    return database_.add("room_classifiers (network_name, network_fingerprint, classifier, report)",
+                         classifier.network_name, classifier.network_fingerprint,
+                         classifier.classifier, classifier.report_json);
   });
 }
 
@@ -339,11 +296,11 @@ Expected<void> Home::replace_picture_features(const std::string& network_fingerp
   return atomically([&]() -> Expected<void> {
     ROOMWISE_CHECK_OK(database_.run("DELETE FROM picture_features"));
     for (const PictureFeatures& of_picture : features) {
-      ROOMWISE_CHECK_OK(database_.run(
-          "INSERT INTO picture_features (picture_digest, network_fingerprint, variation, variant, "
-          "keyframe_id, features) VALUES (?, ?, ?, ?, ?, ?)",
-          of_picture.picture_digest, network_fingerprint, variation, of_picture.variant,
-          of_picture.keyframe, to_blob(of_picture.features)));
+      ROOMWISE_CHECK_OK(
+          database_.add("picture_features (picture_digest, network_fingerprint, variation, "
+                        "variant, keyframe_id, features)",
+                        of_picture.picture_digest, network_fingerprint, variation,
+                        of_picture.variant, of_picture.keyframe, to_blob(of_picture.features)));
     }
     return {};
   });
@@ -351,20 +308,16 @@ Expected<void> Home::replace_picture_features(const std::string& network_fingerp
 
 Expected<std::vector<PictureFeatures>> Home::picture_features(
     const std::string& network_fingerprint, const std::string& variation) const {
-  // An older home that is open for reading only has no such table.
-  ROOMWISE_TRY(const int version, database_.get<int>("PRAGMA user_version"));
-  std::vector<PictureFeatures> features;
-  if (version < kPictureFeaturesVersion) return features;
-  ROOMWISE_CHECK_OK(database_.for_each(
+  return collect<std::vector<PictureFeatures>>(
+      database_,
       "SELECT picture_digest, variant, keyframe_id, features FROM picture_features "
       "WHERE network_fingerprint = ? AND variation = ? ORDER BY picture_digest, variant",
-      [&](const Statement& row) {
-        features.push_back({row.column<std::string>(0), row.column<int>(1),
-                            row.column<std::optional<KeyframeId>>(2),
-                            to_floats(row.column<Bytes>(3))});
+      [](const Statement& row) {
+        return PictureFeatures{row.column<std::string>(0), row.column<int>(1),
+                               row.column<std::optional<KeyframeId>>(2),
+                               to_floats(row.column<Bytes>(3))};
       },
-      network_fingerprint, variation));
-  return features;
+      network_fingerprint, variation);
 }
 
 Expected<void> Home::replace_keyframe_rooms(
@@ -373,9 +326,8 @@ Expected<void> Home::replace_keyframe_rooms(
     ROOMWISE_CHECK_OK(database_.run("DELETE FROM keyframe_rooms"));
     for (const auto& [keyframe, scores] : rooms) {
       for (const rooms::RoomScore& score : scores) {
-        ROOMWISE_CHECK_OK(
-            database_.run("INSERT INTO keyframe_rooms (keyframe_id, room, score) VALUES (?, ?, ?)",
-                          keyframe, score.room, score.score));
+        ROOMWISE_CHECK_OK(database_.add("keyframe_rooms (keyframe_id, room, score)", keyframe,
+                                        score.room, score.score));
       }
     }
     return {};

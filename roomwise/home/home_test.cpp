@@ -414,7 +414,7 @@ TEST_F(HomeTest, DigestIsOfTheContentNotOfItsHistory) {
     ROOMWISE_CHECK_OK(b.add_region_finder({"finder", "f1nd", labels}).map([](auto) {}));
     objects::KeyframeDetections one = testing::sample_look(2);
     ROOMWISE_CHECK_OK(b.put_detections(2, 1, one));
-    one.regions.resize(1);
+    one.detections.resize(1);
     ROOMWISE_CHECK_OK(b.put_detections(2, 1, one));
     ROOMWISE_CHECK_OK(b.put_detections(1, 1, testing::sample_look(1)));
     ROOMWISE_CHECK_OK(b.replace_instances(std::vector{testing::sample_instance(3)}));

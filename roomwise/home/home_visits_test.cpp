@@ -102,7 +102,7 @@ TEST_F(HomeVisits, GoWithTheirKeyframes) {
   ASSERT_OK(home_.remove_recording(1));
   EXPECT_TRUE(home_.past_instances()->empty());
   EXPECT_TRUE(home_.instances()->empty());
-  EXPECT_EQ(home_.database().get<int>("SELECT count(*) FROM instance_visits").value(), 0);
+  EXPECT_EQ(home_.database().get<int>("SELECT count(*) FROM instance_names").value(), 0);
 }
 
 }  // namespace

@@ -1,6 +1,5 @@
 #include "roomwise/home/schema.h"
 
-#include <array>
 #include <map>
 #include <set>
 #include <string>
@@ -9,10 +8,9 @@ namespace roomwise::home {
 namespace {
 
 // Poses are seven columns: the translation in metres (tx_m, ty_m, tz_m) and the unit quaternion
-// (qx, qy, qz, qw) of a_from_b, which takes points of frame b to frame a.
-constexpr const char* kVersion1 = R"sql(
-PRAGMA application_id = 0x526d7773;
-
+// (qx, qy, qz, qw) of a_from_b, which takes points of frame b to frame a. Features, scores and
+// points are blobs of 32-bit floats, little-endian.
+constexpr const char* kTables = R"sql(
 CREATE TABLE settings (
   -- With what the map was made (method, features, seed, options), so that a later run goes on alike.
   key TEXT NOT NULL PRIMARY KEY,
@@ -24,16 +22,11 @@ CREATE TABLE recordings (
   recording_id INTEGER PRIMARY KEY,
   name TEXT NOT NULL,
   folder TEXT NOT NULL,                -- where it was read from, as the user gave it
-  fx_px REAL NOT NULL,                 -- the camera: focal lengths
-  fy_px REAL NOT NULL,
-  cx_px REAL NOT NULL,                 -- principal point; pixel (0, 0) is the centre of the top left one
-  cy_px REAL NOT NULL,
-  width_px INTEGER NOT NULL,
-  height_px INTEGER NOT NULL,
-  distortion_k1 REAL NOT NULL,         -- Brown's lens distortion
-  distortion_k2 REAL NOT NULL,
-  distortion_p1 REAL NOT NULL,
-  distortion_p2 REAL NOT NULL,
+  fx_px REAL NOT NULL, fy_px REAL NOT NULL,  -- the camera: focal lengths
+  cx_px REAL NOT NULL, cy_px REAL NOT NULL,  -- principal point; pixel (0, 0) is the centre of the top left one
+  width_px INTEGER NOT NULL, height_px INTEGER NOT NULL,
+  distortion_k1 REAL NOT NULL, distortion_k2 REAL NOT NULL,  -- Brown's lens distortion
+  distortion_p1 REAL NOT NULL, distortion_p2 REAL NOT NULL,
   distortion_k3 REAL NOT NULL,
   depth_units_per_metre REAL NOT NULL,
   frame_count INTEGER,                 -- RGB-D frames in all; NULL for a live camera
@@ -41,20 +34,17 @@ CREATE TABLE recordings (
   finished INTEGER NOT NULL CHECK (finished IN (0, 1))
 ) STRICT;
 
+-- ---- the map ----
+
 CREATE TABLE keyframes (
   -- Frames that the map keeps, in the order of time.
   keyframe_id INTEGER PRIMARY KEY,
   recording_id INTEGER NOT NULL REFERENCES recordings ON DELETE CASCADE,
   frame_index INTEGER NOT NULL,        -- the colour image's place in the recording, from 0
   timestamp_ns INTEGER NOT NULL,
-  tx_m REAL NOT NULL,                  -- world_from_keyframe: the camera's pose in the world
-  ty_m REAL NOT NULL,
-  tz_m REAL NOT NULL,
-  qx REAL NOT NULL,
-  qy REAL NOT NULL,
-  qz REAL NOT NULL,
-  qw REAL NOT NULL,
-  piece INTEGER NOT NULL,              -- poses of one component of the map share a world; 0 is the largest
+  tx_m REAL NOT NULL, ty_m REAL NOT NULL, tz_m REAL NOT NULL,  -- world_from_keyframe: the camera's pose
+  qx REAL NOT NULL, qy REAL NOT NULL, qz REAL NOT NULL, qw REAL NOT NULL,
+  component INTEGER NOT NULL,          -- connected component of the map, with a world of its own; 0 is the largest
   UNIQUE (recording_id, frame_index)
 ) STRICT;
 
@@ -71,13 +61,8 @@ CREATE TABLE frames (
   frame_index INTEGER NOT NULL,
   timestamp_ns INTEGER NOT NULL,
   keyframe_id INTEGER REFERENCES keyframes,
-  tx_m REAL,                           -- keyframe_from_camera: the camera's pose in the key-frame
-  ty_m REAL,
-  tz_m REAL,
-  qx REAL,
-  qy REAL,
-  qz REAL,
-  qw REAL,
+  tx_m REAL, ty_m REAL, tz_m REAL,     -- keyframe_from_camera: the camera's pose in the key-frame
+  qx REAL, qy REAL, qz REAL, qw REAL,
   no_pose_reason TEXT,
   PRIMARY KEY (recording_id, frame_index),
   CHECK ((keyframe_id IS NULL) = (no_pose_reason IS NOT NULL)),
@@ -90,13 +75,8 @@ CREATE TABLE pose_graph_edges (
   edge_id INTEGER PRIMARY KEY,
   from_keyframe_id INTEGER NOT NULL REFERENCES keyframes ON DELETE CASCADE,
   to_keyframe_id INTEGER NOT NULL REFERENCES keyframes ON DELETE CASCADE,
-  tx_m REAL NOT NULL,                  -- from_from_to
-  ty_m REAL NOT NULL,
-  tz_m REAL NOT NULL,
-  qx REAL NOT NULL,
-  qy REAL NOT NULL,
-  qz REAL NOT NULL,
-  qw REAL NOT NULL,
+  tx_m REAL NOT NULL, ty_m REAL NOT NULL, tz_m REAL NOT NULL,  -- from_from_to
+  qx REAL NOT NULL, qy REAL NOT NULL, qz REAL NOT NULL, qw REAL NOT NULL,
   information_upper TEXT NOT NULL,     -- JSON: upper triangle of the 6x6 inverse covariance, row by row,
                                        -- in the order x, y, z (m), qx, qy, qz
   is_loop INTEGER NOT NULL CHECK (is_loop IN (0, 1))
@@ -104,8 +84,10 @@ CREATE TABLE pose_graph_edges (
 CREATE INDEX pose_graph_edges_by_from ON pose_graph_edges (from_keyframe_id);
 CREATE INDEX pose_graph_edges_by_to ON pose_graph_edges (to_keyframe_id);
 
+-- ---- what networks see in key-frames ----
+
 CREATE TABLE networks (
-  -- The neural networks that have looked at key-frames.
+  -- The classifiers that have looked at key-frames.
   network_id INTEGER PRIMARY KEY,
   name TEXT NOT NULL,
   fingerprint TEXT NOT NULL UNIQUE,    -- SHA-256 of the weights file
@@ -117,39 +99,134 @@ CREATE TABLE keyframe_predictions (
   -- What a network sees in a key-frame.
   keyframe_id INTEGER NOT NULL REFERENCES keyframes ON DELETE CASCADE,
   network_id INTEGER NOT NULL REFERENCES networks,
-  features BLOB NOT NULL,              -- 32-bit floats, little-endian, networks.feature_size of them
-  scores BLOB NOT NULL,                -- the same: probability of each of networks.labels, or none
+  features BLOB NOT NULL,              -- networks.feature_size of them
+  scores BLOB NOT NULL,                -- probability of each of networks.labels, or none
   PRIMARY KEY (keyframe_id, network_id)
 ) STRICT;
 
-CREATE TABLE keyframe_sightings (
-  -- Objects that were seen in a key-frame.
+CREATE TABLE keyframe_observations (
+  -- Objects that a network named in a key-frame.
   keyframe_id INTEGER NOT NULL REFERENCES keyframes ON DELETE CASCADE,
   object TEXT NOT NULL,
   score REAL NOT NULL,                 -- probability, 0 to 1
   PRIMARY KEY (keyframe_id, object)
 ) STRICT;
 
-CREATE TABLE keyframe_rooms (
-  -- In which room the learned classifier believes a key-frame to be.
-  keyframe_id INTEGER NOT NULL REFERENCES keyframes ON DELETE CASCADE,
-  room TEXT NOT NULL,
-  score REAL NOT NULL,                 -- probability, 0 to 1
-  PRIMARY KEY (keyframe_id, room)
+CREATE TABLE region_finders (
+  -- What looks where in key-frames things are: detectors, classifiers with their activation maps.
+  finder_id INTEGER PRIMARY KEY,
+  name TEXT NOT NULL,
+  fingerprint TEXT NOT NULL UNIQUE,    -- SHA-256 of the weights file, with the method where there are several
+  labels TEXT NOT NULL                 -- JSON array: what it can name
 ) STRICT;
 
+CREATE TABLE keyframe_depths (
+  -- The depth image of a key-frame, small: one place for eight by eight pixels.
+  keyframe_id INTEGER PRIMARY KEY REFERENCES keyframes ON DELETE CASCADE,
+  width_px INTEGER NOT NULL,
+  depth BLOB NOT NULL                  -- 16-bit numbers, little-endian; see recordings.depth_units_per_metre
+) STRICT;
+
+CREATE TABLE keyframe_finders (
+  -- Which finder has looked at which key-frame; it may have found nothing.
+  keyframe_id INTEGER NOT NULL REFERENCES keyframes ON DELETE CASCADE,
+  finder_id INTEGER NOT NULL REFERENCES region_finders,
+  PRIMARY KEY (keyframe_id, finder_id)
+) STRICT;
+
+CREATE TABLE keyframe_detections (
+  -- Where in a key-frame something was found, and what the depth there says of its surface.
+  keyframe_id INTEGER NOT NULL REFERENCES keyframes ON DELETE CASCADE,
+  finder_id INTEGER NOT NULL REFERENCES region_finders,
+  place INTEGER NOT NULL,              -- 0, 1, 2, ...: best first
+  label TEXT NOT NULL,                 -- as the finder calls it
+  score REAL NOT NULL,                 -- 0 to 1
+  left_px REAL NOT NULL, top_px REAL NOT NULL,      -- the box in the colour image, right and bottom
+  right_px REAL NOT NULL, bottom_px REAL NOT NULL,  -- not included
+  share REAL NOT NULL,                 -- of the box's measured places, those on the thing's surface
+  measured REAL NOT NULL,              -- of the box's places, those where depth was measured
+  points BLOB NOT NULL,                -- of the surface: x, y, z in m in the key-frame's camera frame
+                                       -- (right, down, forward)
+  PRIMARY KEY (keyframe_id, finder_id, place)
+) STRICT;
+
+-- ---- the things of the home. They follow their key-frame until they are found anew ----
+
 CREATE TABLE objects (
-  -- The objects of the home. Their places follow their key-frame when its pose changes.
+  -- What the paper's rules make of the observations.
   object_id INTEGER PRIMARY KEY,
   name TEXT NOT NULL,
-  keyframe_id INTEGER NOT NULL REFERENCES keyframes ON DELETE CASCADE,  -- saw it best
+  keyframe_id INTEGER NOT NULL REFERENCES keyframes ON DELETE CASCADE,  -- shows it best
   score REAL NOT NULL,                 -- there; probability, 0 to 1
-  sightings INTEGER NOT NULL,          -- number of key-frames that saw it
-  x_m REAL,                            -- position in the key-frame's camera frame (right, down, forward);
-  y_m REAL,                            -- NULL where its depth is not known
-  z_m REAL,
+  observations INTEGER NOT NULL,       -- number of key-frames that show it
+  x_m REAL, y_m REAL, z_m REAL,        -- position in the key-frame's camera frame; NULL without depth there
   CHECK ((x_m IS NULL) = (y_m IS NULL) AND (y_m IS NULL) = (z_m IS NULL))
 ) STRICT;
+
+CREATE TABLE visits (
+  -- Later walks through the home that brought it up to date.
+  visit_id INTEGER PRIMARY KEY,
+  name TEXT NOT NULL,
+  folder TEXT NOT NULL,                -- where it was read from, as the user gave it
+  first_timestamp_ns INTEGER NOT NULL, -- in the time of its recording
+  last_timestamp_ns INTEGER NOT NULL,
+  frames INTEGER NOT NULL,             -- frames that were looked at
+  placed INTEGER NOT NULL              -- of these, those whose place on the map was found
+) STRICT;
+
+CREATE TABLE instances (
+  -- Things joined from the detections of many key-frames.
+  instance_id INTEGER PRIMARY KEY,
+  name TEXT NOT NULL,
+  probability REAL NOT NULL,           -- that it is there and is called so, 0 to 1
+  observations INTEGER NOT NULL,       -- number of key-frames that show it
+  expected INTEGER NOT NULL,           -- number of key-frames that should
+  keyframe_id INTEGER NOT NULL REFERENCES keyframes ON DELETE CASCADE,  -- shows it best
+  left_px REAL NOT NULL, top_px REAL NOT NULL,      -- there, in the colour image
+  right_px REAL NOT NULL, bottom_px REAL NOT NULL,
+  tx_m REAL NOT NULL, ty_m REAL NOT NULL, tz_m REAL NOT NULL,  -- keyframe_from_box: its box in the key-frame's
+  qx REAL NOT NULL, qy REAL NOT NULL, qz REAL NOT NULL,        -- camera frame; the box frame has its origin in
+  qw REAL NOT NULL,                                            -- the middle and z up
+  width_m REAL NOT NULL, depth_m REAL NOT NULL,     -- along x, y and z of the box frame
+  height_m REAL NOT NULL,
+  sigma_x_m REAL NOT NULL, sigma_y_m REAL NOT NULL, -- standard deviation of the middle along them
+  sigma_z_m REAL NOT NULL,
+  visit_id INTEGER REFERENCES visits,  -- only this visit showed it: its key-frame is one near by, which does
+                                       -- not; NULL: the map's key-frames show it
+  points BLOB NOT NULL                 -- of the surface of what a visit brought, as in keyframe_detections
+) STRICT;
+
+CREATE TABLE instance_names (
+  -- What an instance may be.
+  instance_id INTEGER NOT NULL REFERENCES instances ON DELETE CASCADE,
+  name TEXT NOT NULL,
+  share REAL NOT NULL,                 -- of what was observed that speaks for the name, 0 to 1
+  PRIMARY KEY (instance_id, name)
+) STRICT;
+
+CREATE TABLE past_instances (
+  -- Things as they stood in the home once, and stand there no more. The columns down to visit_id are those
+  -- of instances.
+  past_id INTEGER PRIMARY KEY,
+  name TEXT NOT NULL,
+  probability REAL NOT NULL,
+  observations INTEGER NOT NULL,
+  expected INTEGER NOT NULL,
+  keyframe_id INTEGER NOT NULL REFERENCES keyframes ON DELETE CASCADE,
+  left_px REAL NOT NULL, top_px REAL NOT NULL,
+  right_px REAL NOT NULL, bottom_px REAL NOT NULL,
+  tx_m REAL NOT NULL, ty_m REAL NOT NULL, tz_m REAL NOT NULL,
+  qx REAL NOT NULL, qy REAL NOT NULL, qz REAL NOT NULL, qw REAL NOT NULL,
+  width_m REAL NOT NULL, depth_m REAL NOT NULL, height_m REAL NOT NULL,
+  sigma_x_m REAL NOT NULL, sigma_y_m REAL NOT NULL, sigma_z_m REAL NOT NULL,
+  visit_id INTEGER REFERENCES visits,
+  reason TEXT NOT NULL CHECK (reason IN ('removed', 'moved')),
+  first_seen_ns INTEGER NOT NULL,      -- in the time of the recording that showed it
+  last_seen_ns INTEGER NOT NULL,
+  noticed_by INTEGER NOT NULL REFERENCES visits  -- the visit that found it gone
+) STRICT;
+
+-- ---- rooms ----
 
 CREATE TABLE room_types (
   -- Concepts: the kinds of rooms there are.
@@ -199,16 +276,14 @@ CREATE TABLE room_classifiers (
   report TEXT NOT NULL                 -- JSON: how it was learned and how well it does
 ) STRICT;
 
-CREATE TABLE stage_timings (
-  -- How long the stages took, summed over threads and runs.
-  stage TEXT NOT NULL PRIMARY KEY,
-  calls INTEGER NOT NULL,
-  wall_s REAL NOT NULL,
-  cpu_s REAL NOT NULL
+CREATE TABLE keyframe_rooms (
+  -- In which room the learned classifier believes a key-frame to be.
+  keyframe_id INTEGER NOT NULL REFERENCES keyframes ON DELETE CASCADE,
+  room TEXT NOT NULL,
+  score REAL NOT NULL,                 -- probability, 0 to 1
+  PRIMARY KEY (keyframe_id, room)
 ) STRICT;
-)sql";
 
-constexpr const char* kVersion2 = R"sql(
 CREATE TABLE picture_features (
   -- What a network makes of the pictures that rooms were last learned from, and of varied ones, so that
   -- learning from them again needs no network. It follows from the pictures and can be deleted.
@@ -217,144 +292,11 @@ CREATE TABLE picture_features (
   variation TEXT NOT NULL,             -- how pictures are varied
   variant INTEGER NOT NULL,            -- 0 is the picture itself
   keyframe_id INTEGER REFERENCES keyframes ON DELETE CASCADE,  -- whose picture it is; NULL for a photo
-  features BLOB NOT NULL,              -- 32-bit floats, little-endian
+  features BLOB NOT NULL,
   PRIMARY KEY (picture_digest, network_fingerprint, variation, variant)
 ) STRICT;
 CREATE INDEX picture_features_by_keyframe ON picture_features (keyframe_id);
-)sql";
 
-constexpr const char* kVersion3 = R"sql(
-CREATE TABLE region_finders (
-  -- What looks where in key-frames things are: detectors, classifiers with their activation maps.
-  finder_id INTEGER PRIMARY KEY,
-  name TEXT NOT NULL,
-  fingerprint TEXT NOT NULL UNIQUE,    -- SHA-256 of the weights file, with the method where there are several
-  labels TEXT NOT NULL                 -- JSON array: what it can name
-) STRICT;
-
-CREATE TABLE keyframe_depths (
-  -- The depth image of a key-frame, small: one place for eight by eight pixels.
-  keyframe_id INTEGER PRIMARY KEY REFERENCES keyframes ON DELETE CASCADE,
-  width_px INTEGER NOT NULL,
-  depth BLOB NOT NULL                  -- 16-bit numbers, little-endian; see recordings.depth_units_per_metre
-) STRICT;
-
-CREATE TABLE keyframe_looks (
-  -- Which finder has looked at which key-frame; it may have found nothing.
-  keyframe_id INTEGER NOT NULL REFERENCES keyframes ON DELETE CASCADE,
-  finder_id INTEGER NOT NULL REFERENCES region_finders,
-  PRIMARY KEY (keyframe_id, finder_id)
-) STRICT;
-
-CREATE TABLE keyframe_regions (
-  -- Where in a key-frame something was found, and what the depth there says of its surface.
-  keyframe_id INTEGER NOT NULL REFERENCES keyframes ON DELETE CASCADE,
-  finder_id INTEGER NOT NULL REFERENCES region_finders,
-  region INTEGER NOT NULL,             -- 0, 1, 2, ...: best first
-  label TEXT NOT NULL,                 -- as the finder calls it
-  score REAL NOT NULL,                 -- 0 to 1
-  left_px REAL NOT NULL,               -- the box in the colour image, right and bottom not included
-  top_px REAL NOT NULL,
-  right_px REAL NOT NULL,
-  bottom_px REAL NOT NULL,
-  share REAL NOT NULL,                 -- of the box's measured places, those on the thing's surface
-  measured REAL NOT NULL,              -- of the box's places, those where depth was measured
-  points BLOB NOT NULL,                -- points of the surface: x, y, z in m as 32-bit floats, little-endian,
-                                       -- in the key-frame's camera frame (right, down, forward)
-  PRIMARY KEY (keyframe_id, finder_id, region)
-) STRICT;
-
-CREATE TABLE instances (
-  -- The things of the home, each joined from what many key-frames show. They follow their key-frame
-  -- until they are joined anew.
-  instance_id INTEGER PRIMARY KEY,
-  name TEXT NOT NULL,
-  probability REAL NOT NULL,           -- that it is there and is called so, 0 to 1
-  sightings INTEGER NOT NULL,          -- number of key-frames that saw it
-  expected INTEGER NOT NULL,           -- number of key-frames that should have
-  keyframe_id INTEGER NOT NULL REFERENCES keyframes ON DELETE CASCADE,  -- shows it best
-  left_px REAL NOT NULL,               -- there, in the colour image
-  top_px REAL NOT NULL,
-  right_px REAL NOT NULL,
-  bottom_px REAL NOT NULL,
-  tx_m REAL NOT NULL,                  -- keyframe_from_box: its box in the key-frame's camera frame; the box
-  ty_m REAL NOT NULL,                  -- frame has its origin in the middle and z up
-  tz_m REAL NOT NULL,
-  qx REAL NOT NULL,
-  qy REAL NOT NULL,
-  qz REAL NOT NULL,
-  qw REAL NOT NULL,
-  width_m REAL NOT NULL,               -- along x, y and z of the box frame
-  depth_m REAL NOT NULL,
-  height_m REAL NOT NULL,
-  sigma_x_m REAL NOT NULL,             -- standard deviation of the middle along x, y and z of the box frame
-  sigma_y_m REAL NOT NULL,
-  sigma_z_m REAL NOT NULL
-) STRICT;
-
-CREATE TABLE instance_names (
-  -- What else an instance may be.
-  instance_id INTEGER NOT NULL REFERENCES instances ON DELETE CASCADE,
-  name TEXT NOT NULL,
-  share REAL NOT NULL,                 -- of what was seen that speaks for the name, 0 to 1
-  PRIMARY KEY (instance_id, name)
-) STRICT;
-)sql";
-
-constexpr const char* kVersion4 = R"sql(
-CREATE TABLE visits (
-  -- Later walks through the home that brought it up to date.
-  visit_id INTEGER PRIMARY KEY,
-  name TEXT NOT NULL,
-  folder TEXT NOT NULL,                -- where it was read from, as the user gave it
-  first_timestamp_ns INTEGER NOT NULL, -- in the time of its recording
-  last_timestamp_ns INTEGER NOT NULL,
-  frames INTEGER NOT NULL,             -- frames that were looked at
-  placed INTEGER NOT NULL              -- of these, those whose place on the map was found
-) STRICT;
-
-CREATE TABLE instance_visits (
-  -- Which instances only a visit showed: their key-frame is one near by, which does not show them.
-  instance_id INTEGER PRIMARY KEY REFERENCES instances ON DELETE CASCADE,
-  visit_id INTEGER NOT NULL REFERENCES visits,
-  points BLOB NOT NULL                 -- points of the surface: x, y, z in m as 32-bit floats, little-endian,
-                                       -- in the key-frame's camera frame (right, down, forward)
-) STRICT;
-
-CREATE TABLE past_instances (
-  -- Things as they stood in the home once, and stand there no more.
-  past_id INTEGER PRIMARY KEY,
-  name TEXT NOT NULL,
-  probability REAL NOT NULL,           -- that it was there and was called so, 0 to 1
-  sightings INTEGER NOT NULL,          -- number of key-frames that saw it
-  expected INTEGER NOT NULL,           -- number of key-frames that should have
-  reason TEXT NOT NULL CHECK (reason IN ('gone', 'moved')),
-  first_seen_ns INTEGER NOT NULL,      -- in the time of the recording that showed it
-  last_seen_ns INTEGER NOT NULL,
-  noticed_by INTEGER NOT NULL REFERENCES visits,  -- the visit that found it gone
-  brought_by INTEGER REFERENCES visits,           -- the visit that had shown it; NULL: the map's key-frames
-  keyframe_id INTEGER NOT NULL REFERENCES keyframes ON DELETE CASCADE,
-  left_px REAL NOT NULL,               -- there, in the colour image
-  top_px REAL NOT NULL,
-  right_px REAL NOT NULL,
-  bottom_px REAL NOT NULL,
-  tx_m REAL NOT NULL,                  -- keyframe_from_box, as in instances
-  ty_m REAL NOT NULL,
-  tz_m REAL NOT NULL,
-  qx REAL NOT NULL,
-  qy REAL NOT NULL,
-  qz REAL NOT NULL,
-  qw REAL NOT NULL,
-  width_m REAL NOT NULL,               -- along x, y and z of the box frame
-  depth_m REAL NOT NULL,
-  height_m REAL NOT NULL,
-  sigma_x_m REAL NOT NULL,             -- standard deviation of the middle along x, y and z of the box frame
-  sigma_y_m REAL NOT NULL,
-  sigma_z_m REAL NOT NULL
-) STRICT;
-)sql";
-
-constexpr const char* kVersion5 = R"sql(
 CREATE TABLE visit_pictures (
   -- Pictures of later visits by which rooms are known, beside those that they were learned from. The pictures
   -- themselves are not kept.
@@ -365,53 +307,19 @@ CREATE TABLE visit_pictures (
   picture_digest TEXT NOT NULL,        -- SHA-256 of the picture's file
   room TEXT NOT NULL,
   network_fingerprint TEXT NOT NULL,   -- of the network that made the features
-  features BLOB NOT NULL               -- 32-bit floats, little-endian
+  features BLOB NOT NULL
 ) STRICT;
 CREATE INDEX visit_pictures_by_visit ON visit_pictures (visit_id);
 CREATE INDEX visit_pictures_by_keyframe ON visit_pictures (keyframe_id);
+
+CREATE TABLE stage_timings (
+  -- How long the stages took, summed over threads and runs.
+  stage TEXT NOT NULL PRIMARY KEY,
+  calls INTEGER NOT NULL,
+  wall_s REAL NOT NULL,
+  cpu_s REAL NOT NULL
+) STRICT;
 )sql";
-
-constexpr std::array kMigrations = {
-    Migration{1, kVersion1}, Migration{kPictureFeaturesVersion, kVersion2},
-    Migration{kInstancesVersion, kVersion3}, Migration{kVisitsVersion, kVersion4},
-    Migration{kVisitPicturesVersion, kVersion5}};
-
-constexpr Table later_table(std::string_view name, int since_version) {
-  return {.name = name, .since_version = since_version};
-}
-
-constexpr std::array kTables = {
-    Table{.name = "settings", .rows_outside_digest = "key = 'picture_protection'"},
-    Table{"recordings", /*in_digest=*/true, /*column_outside_digest=*/"folder"},
-    Table{"keyframes"},
-    Table{"keyframe_images"},
-    Table{"frames"},
-    Table{"pose_graph_edges"},
-    Table{"networks"},
-    Table{"keyframe_predictions"},
-    Table{"keyframe_sightings"},
-    Table{"keyframe_rooms"},
-    Table{"objects"},
-    Table{"room_types"},
-    Table{"object_kinds"},
-    Table{"object_labels"},
-    Table{"has_a"},
-    Table{"rooms"},
-    Table{"room_ranges"},
-    Table{"room_classifiers"},
-    Table{"picture_features", /*in_digest=*/false},
-    later_table("region_finders", kInstancesVersion),
-    later_table("keyframe_depths", kInstancesVersion),
-    later_table("keyframe_looks", kInstancesVersion),
-    later_table("keyframe_regions", kInstancesVersion),
-    later_table("instances", kInstancesVersion),
-    later_table("instance_names", kInstancesVersion),
-    Table{.name = "visits", .column_outside_digest = "folder", .since_version = kVisitsVersion},
-    later_table("instance_visits", kVisitsVersion),
-    later_table("past_instances", kVisitsVersion),
-    later_table("visit_pictures", kVisitPicturesVersion),
-    Table{"stage_timings", /*in_digest=*/false},
-};
 
 // The columns of each table, by name.
 Expected<std::map<std::string, std::set<std::string>>> columns_of(const Database& database) {
@@ -427,34 +335,17 @@ Expected<std::map<std::string, std::set<std::string>>> columns_of(const Database
 
 }  // namespace
 
-std::span<const Migration> migrations() {
-  return kMigrations;
+Expected<void> create_tables(Database& database) {
+  ROOMWISE_TRY(Transaction transaction, Transaction::begin(database));
+  ROOMWISE_CHECK_OK(database.run_script(kTables));
+  ROOMWISE_CHECK_OK(database.run_script(fmt::format(
+      "PRAGMA application_id = {}; PRAGMA user_version = {};", kApplicationId, kHomeVersion)));
+  return transaction.commit();
 }
 
-std::span<const Table> tables() {
-  return kTables;
-}
-
-Expected<void> migrate(Database& database, std::span<const Migration> migrations) {
-  for (const Migration& migration : migrations) {
-    ROOMWISE_TRY(Transaction transaction, Transaction::begin(database));
-    ROOMWISE_TRY(const int version, database.get<int>("PRAGMA user_version"));
-    if (version >= migration.version) continue;
-    const std::string set_version = fmt::format("PRAGMA user_version = {}", migration.version);
-    for (const std::string& sql : {std::string(migration.sql), set_version}) {
-      if (auto done = database.run_script(sql); !done) {
-        return Unexpected(std::move(done).error().in(
-            fmt::format("bringing the home from version {} to {}", version, migration.version)));
-      }
-    }
-    ROOMWISE_CHECK_OK(transaction.commit());
-  }
-  return {};
-}
-
-Expected<void> check_tables(const Database& database, std::span<const Migration> migrations) {
+Expected<void> check_tables(const Database& database) {
   ROOMWISE_TRY(Database model, Database::in_memory());
-  ROOMWISE_CHECK_OK(migrate(model, migrations));
+  ROOMWISE_CHECK_OK(create_tables(model));
   ROOMWISE_TRY(const auto expected, columns_of(model));
   ROOMWISE_TRY(const auto found, columns_of(database));
   for (const auto& [table, columns] : expected) {

@@ -1,8 +1,5 @@
 #include "roomwise/home/schema.h"
 
-#include <algorithm>
-#include <set>
-
 #include "roomwise/home/testing/sample_home.h"
 
 namespace roomwise::home {
@@ -10,7 +7,6 @@ namespace {
 
 using ::roomwise::testing::ScratchFolder;
 using ::testing::HasSubstr;
-using ::testing::UnorderedElementsAreArray;
 
 std::vector<std::string> texts(const Database& database, const std::string& sql) {
   std::vector<std::string> texts;
@@ -19,47 +15,13 @@ std::vector<std::string> texts(const Database& database, const std::string& sql)
   return texts;
 }
 
-constexpr Migration kFirst{1, "CREATE TABLE chairs (name TEXT NOT NULL)"};
-constexpr Migration kSecond{2, "ALTER TABLE chairs ADD COLUMN legs INTEGER NOT NULL DEFAULT 4"};
-constexpr Migration kThird{3, "UPDATE chairs SET legs = 3 WHERE name = 'stool'"};
-constexpr Migration kBroken{3, "UPDATE chairs SET legs = 9; UPDATE tables SET legs = 3"};
-
-TEST(Migrate, BringsAnOlderDatabaseUpStepByStep) {
-  Database database = Database::in_memory().value();
-  ASSERT_OK(migrate(database, std::array{kFirst}));
-  EXPECT_EQ(database.get<int>("PRAGMA user_version").value(), 1);
-  ASSERT_OK(database.run("INSERT INTO chairs (name) VALUES ('stool'), ('throne')"));
-
-  ASSERT_OK(migrate(database, std::array{kFirst, kSecond, kThird}));
-  EXPECT_EQ(database.get<int>("PRAGMA user_version").value(), 3);
-  EXPECT_EQ(texts(database, "SELECT name || legs FROM chairs ORDER BY name"),
-            (std::vector<std::string>{"stool3", "throne4"}));
-  // Nothing is done twice.
-  ASSERT_OK(migrate(database, std::array{kFirst, kSecond, kThird}));
-}
-
-TEST(Migrate, ThatFailsLeavesTheVersionBeforeIt) {
-  Database database = Database::in_memory().value();
-  ASSERT_OK(migrate(database, std::array{kFirst}));
-  ASSERT_OK(database.run("INSERT INTO chairs (name) VALUES ('stool')"));
-  EXPECT_ERROR(migrate(database, std::array{kFirst, kSecond, kBroken}),
-               "bringing the home from version 2 to 3");
-  EXPECT_EQ(database.get<int>("PRAGMA user_version").value(), 2);
-  EXPECT_EQ(database.get<int>("SELECT legs FROM chairs").value(), 4);
-}
-
-TEST(Migrations, StandInOrderOfVersion) {
-  EXPECT_TRUE(std::ranges::is_sorted(migrations(), std::less(), &Migration::version));
-  EXPECT_EQ(migrations().front().version, 1);
-}
-
 TEST(CheckTables, NamesWhatIsMissing) {
   Database database = Database::in_memory().value();
-  EXPECT_ERROR(check_tables(database, migrations()), "no table");
-  ASSERT_OK(migrate(database, migrations()));
-  EXPECT_OK(check_tables(database, migrations()));
+  EXPECT_ERROR(check_tables(database), "no table");
+  ASSERT_OK(create_tables(database));
+  EXPECT_OK(check_tables(database));
   ASSERT_OK(database.run("ALTER TABLE has_a RENAME COLUMN object TO thing"));
-  EXPECT_ERROR(check_tables(database, migrations()), "table 'has_a' has no column 'object'");
+  EXPECT_ERROR(check_tables(database), "table 'has_a' has no column 'object'");
 }
 
 class FilledHome : public ::testing::Test {
@@ -75,12 +37,6 @@ class FilledHome : public ::testing::Test {
   ScratchFolder folder_;
   Home home_ = Home::create(folder_ / "a.home").value();
 };
-
-TEST_F(FilledHome, HasEveryTableThatIsListedAndNoOther) {
-  std::vector<std::string> listed;
-  for (const Table& table : tables()) listed.emplace_back(table.name);
-  EXPECT_THAT(table_names(), UnorderedElementsAreArray(listed));
-}
 
 TEST_F(FilledHome, ExplainsItsTables) {
   for (const std::string& sql :

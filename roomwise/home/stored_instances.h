@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <optional>
+#include <tuple>
 #include <vector>
 
 #include "roomwise/home/home.h"
@@ -52,11 +53,20 @@ inline Eigen::Vector3d vector_column(const Statement& row, int first) {
 }
 
 // The columns that instances and past_instances have in common, in order.
-#define ROOMWISE_INSTANCE_COLUMNS                                                               \
-  "name, probability, sightings, expected, keyframe_id, left_px, top_px, right_px, bottom_px, " \
-  "tx_m, ty_m, tz_m, qx, qy, qz, qw, width_m, depth_m, height_m, sigma_x_m, sigma_y_m, "        \
-  "sigma_z_m"
-constexpr int kInstanceColumns = 22;
+#define ROOMWISE_INSTANCE_COLUMNS                                                                  \
+  "name, probability, observations, expected, keyframe_id, left_px, top_px, right_px, bottom_px, " \
+  "tx_m, ty_m, tz_m, qx, qy, qz, qw, width_m, depth_m, height_m, sigma_x_m, sigma_y_m, "           \
+  "sigma_z_m, visit_id"
+constexpr int kInstanceColumns = 23;
+
+inline auto instance_columns(const objects::Instance& instance) {
+  const geometry::OrientedBox& box = instance.box_keyframe;
+  return std::tuple(instance.name, instance.probability, instance.observations, instance.expected,
+                    instance.keyframe_id, to_numbers(instance.picture_box),
+                    home::to_numbers(box.world_from_box), to_numbers(box.size_m),
+                    to_numbers(instance.sigma_m),
+                    instance.visit == 0 ? std::nullopt : std::optional(instance.visit));
+}
 
 inline bool is_finite(const objects::Instance& instance) {
   return instance.box_keyframe.world_from_box.is_finite() &&
@@ -74,6 +84,7 @@ inline objects::Instance read_instance(const Statement& row, int first) {
   instance.picture_box = box_column(row, first + 5);
   instance.box_keyframe = {pose_column(row, first + 9), vector_column(row, first + 16)};
   instance.sigma_m = vector_column(row, first + 19);
+  instance.visit = row.column<std::optional<VisitId>>(first + 22).value_or(0);
   return instance;
 }
 

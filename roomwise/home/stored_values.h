@@ -1,10 +1,15 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <bit>
+#include <concepts>
 #include <cstring>
+#include <nlohmann/json.hpp>
 #include <span>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "roomwise/base/expected.h"
@@ -15,6 +20,26 @@
 // How values of the library stand in columns (schema.cpp says the same for people). Private to
 // home/.
 namespace roomwise::home {
+
+// What read(row), a value or Expected<value>, makes of each row of the answer, in its order. A map
+// is collected from pairs.
+template <typename Container, typename Read, typename... Values>
+[[nodiscard]] Expected<Container> collect(const Database& database, std::string_view sql,
+                                          const Read& read, const Values&... values) {
+  Container all;
+  const auto take = [&](const Statement& row) -> Expected<void> {
+    using Result = std::invoke_result_t<Read, const Statement&>;
+    if constexpr (std::convertible_to<Result, typename Container::value_type>) {
+      all.insert(all.end(), read(row));
+    } else {
+      ROOMWISE_TRY(auto one, read(row));
+      all.insert(all.end(), std::move(one));
+    }
+    return {};
+  };
+  ROOMWISE_CHECK_OK(database.for_each(sql, take, values...));
+  return all;
+}
 
 // tx_m, ty_m, tz_m, qx, qy, qz, qw.
 using PoseNumbers = std::array<double, 7>;
@@ -43,6 +68,26 @@ inline std::vector<float> to_floats(std::span<const std::uint8_t> bytes) {
   std::vector<float> values(bytes.size() / sizeof(float));
   if (!values.empty()) std::memcpy(values.data(), bytes.data(), values.size() * sizeof(float));
   return values;
+}
+
+// A JSON array. `owner` is what the labels are of, for people.
+inline Expected<std::string> labels_to_json(const std::string& owner,
+                                            const std::vector<std::string>& labels) {
+  try {
+    return nlohmann::json(labels).dump();
+  } catch (const nlohmann::json::exception&) {
+    return fail("{}: a label is not UTF-8 text", owner);
+  }
+}
+
+inline Expected<std::vector<std::string>> labels_column(const Statement& row, int column,
+                                                        const std::string& file,
+                                                        const std::string& owner) {
+  const auto json = nlohmann::json::parse(row.column<std::string>(column), nullptr, false);
+  if (json.is_array() && std::ranges::all_of(json, [](const auto& v) { return v.is_string(); }))
+    return json.get<std::vector<std::string>>();
+  return fail("{}: is damaged: the labels of {} are not a list of texts; put back a copy of it",
+              file, owner);
 }
 
 }  // namespace roomwise::home

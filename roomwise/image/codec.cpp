@@ -1,8 +1,6 @@
 #include "roomwise/image/codec.h"
 
-#include "roomwise/image/jpeg.h"
-#include "roomwise/image/png.h"
-#include "roomwise/image/webp.h"
+#include "roomwise/image/decoders.h"
 
 namespace roomwise::image {
 namespace {

@@ -1,4 +1,4 @@
-#include "roomwise/image/jpeg.h"
+#include "roomwise/image/decoders.h"
 
 // jpeglib.h needs the first two, and jerror.h numbers its messages by what jpeglib.h defines.
 #include <cstddef>

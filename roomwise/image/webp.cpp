@@ -1,4 +1,4 @@
-#include "roomwise/image/webp.h"
+#include "roomwise/image/decoders.h"
 
 #include <webp/decode.h>
 

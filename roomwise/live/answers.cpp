@@ -51,15 +51,6 @@ guide::UserLocation standing_of(const FrameResult* result) {
   return location;
 }
 
-std::vector<guide::KnownThing> things_of(const HomeView& home) {
-  std::vector<guide::KnownThing> things;
-  for (const ViewedThing& thing : home.things) {
-    things.push_back(
-        {thing.name, thing.probability, thing.middle_gravity, thing.size_m, thing.room});
-  }
-  return things;
-}
-
 // Of the computer's or the device's state: what there is to say instead of an answer.
 guide::Prompt excuse(const std::string& message, const guide::Wording& wording, double now_t_ms) {
   return guide::make_prompt(wording, "answer", message, {}, guide::Confidence::kUnsure,
@@ -85,10 +76,10 @@ std::vector<guide::Prompt> way_to(const std::string& asked, const Situation& sit
                                   const guide::Wording& wording, TimestampNs now_ns) {
   const HomeView& home = situation.home;
   const guide::UserLocation location = standing_of(situation.result);
-  const std::vector<guide::KnownThing> things = things_of(home);
-  const auto meant = guide::thing_meant(asked, things, home.concepts.vocabulary, wording.phrases());
+  const auto meant =
+      guide::thing_meant(asked, home.things, home.concepts.vocabulary, wording.phrases());
   if (!meant) {  // says so
-    return guide::where_prompts(asked, location, things, {}, home.concepts.vocabulary, wording,
+    return guide::where_prompts(asked, location, home.things, {}, home.concepts.vocabulary, wording,
                                 now_ns);
   }
   const guide::Pose* const pose = location.sure_pose();
@@ -96,7 +87,7 @@ std::vector<guide::Prompt> way_to(const std::string& asked, const Situation& sit
     return {guide::no_route_prompt(false, "no place on the map", wording, now_ns)};
   std::optional<guide::Route> shortest;
   std::string why = "its place is not known";
-  for (const guide::KnownThing& thing : things) {
+  for (const guide::KnownThing& thing : home.things) {
     if (thing.name != *meant || !thing.position_gravity || !home.map || !home.map->floor) continue;
     auto route = guide::find_route(*home.map->floor, pose->position_gravity,
                                    thing.position_gravity->head<2>(), {},
@@ -118,7 +109,7 @@ std::vector<std::string> names_of_things(const HomeView& home,
                                          const service::SpeakingSettings& settings) {
   const guide::Wording wording = wording_of(settings);
   std::set<std::string> names;
-  for (const ViewedThing& thing : home.things) {
+  for (const guide::KnownThing& thing : home.things) {
     names.insert(wording.phrases().called({guide::Noun::Kind::kThing, thing.name}));
   }
   return {names.begin(), names.end()};
@@ -142,9 +133,9 @@ std::vector<guide::Prompt> answer(const service::Ask& ask, const Situation& situ
         return {excuse("device.no_map", wording, situation.now_t_ms)};
       }
       if (situation.result == nullptr) return {no_picture(situation.settings, situation.now_t_ms)};
-      return guide::around_prompts(location, things_of(situation.home), wording, now_ns);
+      return guide::around_prompts(location, situation.home.things, wording, now_ns);
     case service::Question::kWhereIs:
-      return guide::where_prompts(ask.subject, location, things_of(situation.home),
+      return guide::where_prompts(ask.subject, location, situation.home.things,
                                   doorways_of(situation.home), situation.home.concepts.vocabulary,
                                   wording, now_ns);
     case service::Question::kWayTo:

@@ -16,14 +16,14 @@ FrameResult glance_in(const std::string& room, double t_ms, rooms::Verdict verdi
   return result;
 }
 
-ViewedThing thing(const std::string& name, const std::string& room,
-                  const Eigen::Vector3d& middle_gravity) {
-  ViewedThing thing;
+guide::KnownThing thing(const std::string& name, const std::string& room,
+                        const Eigen::Vector3d& position_gravity) {
+  guide::KnownThing thing;
   thing.name = name;
   thing.probability = 0.99;
   thing.room = room;
-  thing.middle_gravity = middle_gravity;
-  thing.size_m = {0.5, 0.5, 0.5};
+  thing.position_gravity = position_gravity;
+  thing.box_keyframe.size_m = {0.5, 0.5, 0.5};
   return thing;
 }
 

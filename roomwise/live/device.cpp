@@ -48,11 +48,13 @@ service::PromptMessage message_of(const guide::Prompt& prompt) {
 void Device::on_text(std::string_view text) {
   const auto message = service::read_device_message(text);
   if (!message) return refuse_unread(message.error(), service::id_of_ask(text));
-  {
-    const std::scoped_lock lock(mutex_);
-    unread_ = std::max(0, unread_ - 1);
-  }
+  has_read();
   take(*message);
+}
+
+void Device::has_read() {
+  const std::scoped_lock lock(mutex_);
+  unread_ = std::max(0, unread_ - 1);
 }
 
 void Device::take(const service::DeviceMessage& message) {
@@ -115,10 +117,7 @@ service::Welcome Device::welcome() const {
 void Device::on_message(Bytes bytes) {
   const auto read = service::read_frame(bytes);
   if (!read) return refuse_unread(read.error());
-  {
-    const std::scoped_lock lock(mutex_);
-    unread_ = std::max(0, unread_ - 1);
-  }
+  has_read();
   if (!camera()) {
     return refuse_unread(Error{"a frame came from a device whose hello told of no camera"});
   }

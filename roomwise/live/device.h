@@ -75,6 +75,7 @@ class Device : public std::enable_shared_from_this<Device> {
   void refuse(const Error& error, std::optional<std::int64_t> answer_to = {});
   // The same of a message that could not be read: many of these close the connection.
   void refuse_unread(const Error& error, std::optional<std::int64_t> answer_to = {});
+  void has_read();  // a message
   void store(const CameraFrame& frame);
   [[nodiscard]] service::Welcome welcome() const;
 

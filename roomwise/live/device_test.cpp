@@ -85,7 +85,7 @@ class DeviceTest : public ::testing::Test {
 TEST_F(DeviceTest, IsWelcomedWithWhatTheHomeHas) {
   host.home->name = "flat";
   host.home->rooms = {{"bath", "bathroom"}, {"kitchen", "kitchen"}};
-  ViewedThing bed;
+  guide::KnownThing bed;
   bed.name = "bed";
   host.home->things = {bed, bed};
   say(hello());
@@ -99,9 +99,9 @@ TEST_F(DeviceTest, IsWelcomedWithWhatTheHomeHas) {
 }
 
 TEST_F(DeviceTest, ThingsAreNamedInTheLanguageThatIsSpoken) {
-  ViewedThing bed;
+  guide::KnownThing bed;
   bed.name = "bed";
-  ViewedThing own;
+  guide::KnownThing own;
   own.name = "Oma's chest";
   host.home->things = {bed, own};
   service::Hello german = hello();
@@ -181,7 +181,7 @@ TEST_F(DeviceTest, AQuestionWithoutANewPictureIsAnsweredAtOnceAndSaysSo) {
 }
 
 TEST_F(DeviceTest, WhereAThingIsNeedsNoPicture) {
-  ViewedThing bed;
+  guide::KnownThing bed;
   bed.name = "bed";
   bed.probability = 0.99;
   bed.room = "bedroom";
@@ -201,7 +201,7 @@ TEST_F(DeviceTest, RepeatAsksTheLastQuestionAnew) {
   EXPECT_EQ(wire->take<service::PromptMessage>().at(0).message, "repeat.nothing");
   ask(2, 1, service::Question::kWhereIs, "bed");
   EXPECT_EQ(wire->take<service::PromptMessage>().at(0).message, "where.unknown");
-  ViewedThing bed;
+  guide::KnownThing bed;
   bed.name = "bed";
   bed.probability = 0.99;
   bed.room = "bedroom";

@@ -39,7 +39,7 @@ Expected<std::optional<rooms::RoomDecision>> FrameProcessor::decide(
   const pipeline::RoomRecognizer& recognizer = *home->recognizer;
   const double elapsed_s = (t_ms - last_t_ms_) / 1000;
   if (stream_of_ != home->recognizer || !(elapsed_s >= 0 && elapsed_s < kForgetAfter_s)) {
-    ROOMWISE_TRY(stream_, recognizer.stream());
+    stream_ = recognizer.stream();
     stream_of_ = home->recognizer;
   }
   ROOMWISE_TRY(const auto seen, recognizer.features().predict(color));

@@ -1,13 +1,10 @@
 #pragma once
 
-#include <condition_variable>
-#include <deque>
 #include <memory>
 #include <mutex>
 #include <set>
-#include <thread>
-#include <vector>
 
+#include "roomwise/base/thread_pool.h"
 #include "roomwise/live/device.h"
 
 namespace roomwise::live {
@@ -16,7 +13,7 @@ namespace roomwise::live {
 // processor evenly.
 class FrameWorkers {
  public:
-  explicit FrameWorkers(std::size_t threads);
+  explicit FrameWorkers(std::size_t threads) : pool_(threads) {}
   ~FrameWorkers();  // drops what waits, finishes what is in work
   FrameWorkers(const FrameWorkers&) = delete;
   FrameWorkers& operator=(const FrameWorkers&) = delete;
@@ -25,13 +22,12 @@ class FrameWorkers {
   void add(std::shared_ptr<Device> device);
 
  private:
-  void run();
+  void work(const std::shared_ptr<Device>& device);
 
   std::mutex mutex_;
-  std::condition_variable wake_;
-  std::deque<std::shared_ptr<Device>> queue_;  // each device once
+  std::set<std::shared_ptr<Device>> waiting_;
   bool closing_ = false;
-  std::vector<std::thread> threads_;
+  ThreadPool pool_;  // last, so that it ends first
 };
 
 }  // namespace roomwise::live

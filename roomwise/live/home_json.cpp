@@ -28,17 +28,16 @@ Json room_json(const rooms::Room& room, const HomeView& view) {
   return json;
 }
 
-Json thing_json(const ViewedThing& thing) {
-  return {{"id", thing.id},
+Json thing_json(const guide::KnownThing& thing) {
+  const network::PixelBox& box = thing.picture_box;
+  return {{"id", thing_id(thing)},
           {"name", thing.name},
           {"probability", thing.probability},
           {"room", or_null(thing.room)},
-          {"position", thing.middle_gravity ? json_of(*thing.middle_gravity) : Json(nullptr)},
-          {"size", json_of(thing.size_m)},
-          {"keyframe", thing.keyframe},
-          {"box",
-           {thing.box.left, thing.box.top, thing.box.right - thing.box.left,
-            thing.box.bottom - thing.box.top}}};
+          {"position", thing.position_gravity ? json_of(*thing.position_gravity) : Json(nullptr)},
+          {"size", json_of(thing.size_m())},
+          {"keyframe", thing.keyframe_id},
+          {"box", {box.left, box.top, box.right - box.left, box.bottom - box.top}}};
 }
 
 Json walk_json(const ViewedWalk& walk) {
@@ -95,7 +94,7 @@ Json home_json(const HomeView& view) {
           {{"rooms", doorway.rooms}, {"middle", json_of(doorway.middle_gravity)}});
     }
   }
-  for (const ViewedThing& thing : view.things) json["things"].push_back(thing_json(thing));
+  for (const guide::KnownThing& thing : view.things) json["things"].push_back(thing_json(thing));
   for (const ViewedWalk& walk : view.walks) json["recordings"].push_back(walk_json(walk));
   return json;
 }
@@ -141,7 +140,7 @@ Json decision_json(const rooms::RoomDecision& decision) {
   return {{"verdict", to_string(decision.verdict)},
           {"room", decision.rooms.front().room},
           {"probability", decision.rooms.front().score},
-          {"known", decision.known},
+          {"known", decision.familiarity},
           {"why", decision.why},
           {"rooms", rooms}};
 }

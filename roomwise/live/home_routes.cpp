@@ -1,7 +1,6 @@
 #include "roomwise/live/home_routes.h"
 
 #include <algorithm>
-#include <charconv>
 
 #include "roomwise/image/codec.h"
 #include "roomwise/live/home_json.h"
@@ -18,14 +17,6 @@ using service::Placeholders;
 using service::Role;
 
 constexpr std::size_t kMaxPictureBytes = std::size_t{20} << 20U;
-
-template <typename T>
-std::optional<T> number_of(const std::string& text) {
-  T number{};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return number;
-}
 
 // 200, or 409 with the reason: the home is as it was.
 HttpAnswer done(const Expected<void>& outcome) {
@@ -48,7 +39,7 @@ HttpAnswer picture_answer(Bytes bytes) {
 template <typename Handle>
 auto numbered(const char* placeholder, Handle handle) {
   return [placeholder, handle](const HttpRequest& request, const Placeholders& values) {
-    const auto number = number_of<std::int64_t>(values.at(placeholder));
+    const auto number = service::number_of<std::int64_t>(values.at(placeholder));
     if (!number || *number < 0) {
       return error_answer(404, fmt::format("'{}' is no number", values.at(placeholder)));
     }

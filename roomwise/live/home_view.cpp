@@ -38,22 +38,15 @@ Expected<void> view_things(const home::Home& home, HomeView& view) {
     if (!one.room.empty()) rooms[one.keyframe.id] = one.room;
   }
   for (const objects::Instance& instance : instances) {
-    ViewedThing thing{.id = thing_id(instance),
-                      .name = instance.name,
-                      .probability = instance.probability,
-                      .room = {},
-                      .middle_gravity = {},
-                      .size_m = instance.box_keyframe.size_m,
-                      .keyframe = instance.keyframe_id,
-                      .box = instance.picture_box};
+    guide::KnownThing& thing = view.things.emplace_back();
+    static_cast<objects::Instance&>(thing) = instance;
     const auto keyframe = keyframes.find(instance.keyframe_id);
     if (view.map && keyframe != keyframes.end()) {
-      thing.middle_gravity =
+      thing.position_gravity =
           pipeline::middle_on_map(instance, keyframe->second->pose, view.map->frame);
     }
-    thing.room = pipeline::room_of_thing(thing.middle_gravity, instance.keyframe_id,
+    thing.room = pipeline::room_of_thing(thing.position_gravity, instance.keyframe_id,
                                          view.layout ? &*view.layout : nullptr, rooms);
-    view.things.push_back(std::move(thing));
   }
   return {};
 }
@@ -102,11 +95,7 @@ Expected<std::shared_ptr<const HomeView>> view_home(const home::Home& home,
   if (!classifier) {
     view.why_no_recognizer = "no rooms were learned yet; name the rooms of a walk, then learn them";
   } else if (auto recognizer = pipeline::RoomRecognizer::create(home, networks)) {
-    if (const auto stream = recognizer->stream()) {
-      view.recognizer = std::make_shared<const pipeline::RoomRecognizer>(*std::move(recognizer));
-    } else {
-      view.why_no_recognizer = stream.error().message;
-    }
+    view.recognizer = std::make_shared<const pipeline::RoomRecognizer>(*std::move(recognizer));
   } else {
     view.why_no_recognizer = recognizer.error().message;
   }

@@ -7,25 +7,13 @@
 #include <string>
 #include <vector>
 
+#include "roomwise/guide/places.h"
 #include "roomwise/home/home.h"
 #include "roomwise/live/live_map.h"
 #include "roomwise/pipeline/rooms/room_recognizer.h"
 #include "roomwise/rooms/layout/room_layout.h"
 
 namespace roomwise::live {
-
-// A thing of the home, as people ask for it.
-struct ViewedThing {
-  std::int64_t id = 0;  // thing_id() of its instance
-  std::string name;
-  double probability = 0;
-  std::optional<std::string> room;
-  // Middle and size of its upright box, m, gravity-aligned frame; nothing until the map is ready.
-  std::optional<Eigen::Vector3d> middle_gravity;
-  Eigen::Vector3d size_m = Eigen::Vector3d::Zero();
-  home::KeyframeId keyframe = 0;
-  network::PixelBox box;  // there, px
-};
 
 struct ViewedWalk {
   home::StoredRecording stored;
@@ -47,7 +35,7 @@ struct ViewedKeyframe {
 struct HomeView {
   std::string name;
   std::vector<rooms::Room> rooms;         // by name
-  std::vector<ViewedThing> things;        // as stored
+  std::vector<guide::KnownThing> things;  // as stored; without a place until the map is ready
   std::vector<ViewedWalk> walks;          // as stored
   std::vector<ViewedKeyframe> keyframes;  // by id
   std::vector<std::string> room_types;    // of the concepts, by name

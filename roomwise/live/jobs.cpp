@@ -96,7 +96,9 @@ Expected<void> Jobs::start(const std::string& kind, Body body) {
     Teller teller(*this, state);
     const Expected<std::string> done = carry_out(body, teller);
     state.fraction = done ? 1 : 0;
-    state.state = done ? "done" : stop_ ? "stopped" : "failed";
+    state.state = done                                           ? "done"
+                  : done.error().code == ErrorCode::kInterrupted ? "stopped"
+                                                                 : "failed";
     state.text = done ? *done : done.error().message;
     {
       const std::scoped_lock lock(mutex_);

@@ -68,7 +68,7 @@ TEST(Jobs, AreStoppedWhenAskedAndWhenTheyGo) {
     Jobs jobs(std::ref(told));
     const auto until_stopped = [](Progress& progress) -> Expected<std::string> {
       while (!progress.interrupted()) std::this_thread::yield();
-      return fail("interrupted");
+      return Unexpected(progress.check("mapping").error());
     };
     ASSERT_OK(jobs.start("map", until_stopped));
     EXPECT_TRUE(jobs.stop());
@@ -78,6 +78,18 @@ TEST(Jobs, AreStoppedWhenAskedAndWhenTheyGo) {
     ASSERT_OK(jobs.start("map", until_stopped));
   }
   EXPECT_EQ(told.states.back().state, "stopped");
+}
+
+TEST(Jobs, AFailureOfWorkThatWasToStopIsAFailure) {
+  Jobs jobs([](const service::JobState&) {});
+  ASSERT_OK(jobs.start("map", [](Progress& progress) -> Expected<std::string> {
+    while (!progress.interrupted()) std::this_thread::yield();
+    return fail("no disk");
+  }));
+  EXPECT_TRUE(jobs.stop());
+  jobs.wait();
+  EXPECT_EQ(jobs.state()->state, "failed");
+  EXPECT_EQ(jobs.state()->text, "no disk");
 }
 
 TEST(Jobs, AFaultInTheWorkIsAFailure) {

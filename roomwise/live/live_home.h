@@ -66,7 +66,7 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
                                            const std::optional<std::string>& new_type);
   // The room, where it was on the walks, and what was learned of rooms.
   [[nodiscard]] Expected<void> forget_room(const std::string& name);
-  // By ViewedThing::id.
+  // By thing_id().
   [[nodiscard]] Expected<void> rename_thing(std::int64_t id, const std::string& name);
   [[nodiscard]] Expected<void> forget_thing(std::int64_t id);
   // The recording, all that came from it, what was learned, and its folder if it was recorded here.

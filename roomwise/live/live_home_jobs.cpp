@@ -8,21 +8,8 @@
 
 // The long work of a home that is open: recording, mapping, learning.
 namespace roomwise::live {
-namespace {
 
 namespace fs = std::filesystem;
-
-// What every long work needs.
-struct RunParts {
-  explicit RunParts(std::size_t threads, Progress& progress)
-      : pool(threads), run{pool, progress, clock} {}
-
-  ThreadPool pool;
-  StageClock clock;
-  pipeline::RunContext run;
-};
-
-}  // namespace
 
 Expected<void> LiveHome::start_preparing() {
   return jobs_->start("prepare", [this](Progress& progress) { return prepare(progress); });
@@ -41,10 +28,10 @@ Expected<void> LiveHome::go_on_preparing(bool was_stopped) {
 }
 
 Expected<std::string> LiveHome::prepare(Progress& progress) {
-  RunParts parts(options_.threads, progress);
+  pipeline::OwnRunContext run(options_.threads, progress);
   // By a reader of its own, so that pictures can be looked at meanwhile.
   ROOMWISE_TRY(const home::Home reader, home::Home::open_read_only(file_, options_.open));
-  ROOMWISE_TRY(auto map, make_live_map(reader, parts.run));
+  ROOMWISE_TRY(auto map, make_live_map(reader, run));
   const std::scoped_lock lock(home_mutex_);
   ROOMWISE_CHECK_OK(refresh(std::move(map)));
   return "places can be found on the map now";
@@ -61,12 +48,12 @@ Expected<void> LiveHome::learn() {
 
 Expected<std::string> LiveHome::learn_now(Progress& progress) {
   const std::scoped_lock lock(home_mutex_);
-  RunParts parts(options_.threads, progress);
+  pipeline::OwnRunContext run(options_.threads, progress);
   ROOMWISE_TRY(const auto recordings, home_.recordings());
   if (recordings.empty()) return fail("this home holds no walk to learn from; record one first");
   ROOMWISE_TRY(const auto report,
                pipeline::learn_rooms_from_keyframes(home_, recordings.back().id, {},
-                                                    {{}, options_.augment}, networks_, parts.run));
+                                                    {{}, options_.augment}, networks_, run));
   ROOMWISE_CHECK_OK(refresh(view()->map));
   return fmt::format(
       "{} rooms learned; {} of {} pictures that were held out were named rightly",
@@ -133,8 +120,7 @@ Expected<void> LiveHome::start_mapping(const fs::path& folder) {
 
 Expected<void> LiveHome::start_mapping(std::shared_ptr<const WalkRecorder> walk) {
   return jobs_->start("map", [this, walk](Progress& progress) -> Expected<std::string> {
-    ROOMWISE_TRY(const auto frames,
-                 WalkFrames::open(walk, [&progress] { return progress.interrupted(); }));
+    ROOMWISE_TRY(const auto frames, WalkFrames::open(walk, progress));
     return map(walk->folder(), *frames, progress);
   });
 }
@@ -144,15 +130,18 @@ Expected<std::string> LiveHome::map(const fs::path& folder, recording::FrameSour
   pipeline::MapSummary summary;
   {
     const std::scoped_lock lock(home_mutex_);
-    RunParts parts(options_.threads, progress);
+    pipeline::OwnRunContext run(options_.threads, progress);
     ROOMWISE_TRY(const auto stored, pipeline::stored_map_settings(home_));
     pipeline::MapSettings settings = stored.value_or(pipeline::MapSettings{});
     if (!stored) settings.mapper.seed = options_.seed;
     const home::Recording recording{walk.info().name, folder.string(), walk.info().camera,
                                     walk.info().frame_count};
-    ROOMWISE_TRY(summary, pipeline::map_recording(walk, recording, home_, networks_, settings,
-                                                  parts.run, finders_));
-    if (!summary.finished) return fail("stopped; it goes on when the computer starts again");
+    ROOMWISE_TRY(summary, pipeline::map_recording(walk, recording, home_, networks_, settings, run,
+                                                  finders_));
+    if (!summary.finished) {
+      return fail_with(ErrorCode::kInterrupted,
+                       "stopped; it goes on when the computer starts again");
+    }
     if (fs::exists(folder / "rooms.txt")) {
       ROOMWISE_TRY(const auto labels, recording::RoomLabels::read(folder / "rooms.txt"));
       ROOMWISE_TRY(const auto recordings, home_.recordings());

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <memory>
 
 #include "roomwise/live/walk_recorder.h"
@@ -14,9 +13,9 @@ namespace roomwise::live {
 // behind holds none in memory.
 class WalkFrames final : public recording::FrameSource {
  public:
-  // `interrupted`: whether nobody wants them any more; next() then fails.
+  // next() fails where it is interrupted while it waits. `interruption` must outlive it.
   [[nodiscard]] static Expected<std::unique_ptr<WalkFrames>> open(
-      std::shared_ptr<const WalkRecorder> walk, std::function<bool()> interrupted);
+      std::shared_ptr<const WalkRecorder> walk, const Interruption& interruption);
 
   // Without a frame count: nobody knows how long the walk will be.
   [[nodiscard]] const recording::SourceInfo& info() const override { return info_; }
@@ -25,12 +24,12 @@ class WalkFrames final : public recording::FrameSource {
 
  private:
   WalkFrames(recording::SourceInfo info, std::shared_ptr<const WalkRecorder> walk,
-             std::function<bool()> interrupted)
-      : info_(std::move(info)), walk_(std::move(walk)), interrupted_(std::move(interrupted)) {}
+             const Interruption& interruption)
+      : info_(std::move(info)), walk_(std::move(walk)), interruption_(interruption) {}
 
   recording::SourceInfo info_;
   std::shared_ptr<const WalkRecorder> walk_;
-  std::function<bool()> interrupted_;
+  const Interruption& interruption_;
   std::unique_ptr<recording::TumRecording> stored_;  // as far as it was when it was opened
   std::uint64_t next_ = 0;
 };

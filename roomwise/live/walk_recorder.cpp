@@ -69,11 +69,10 @@ std::uint64_t WalkRecorder::frames() const {
   return writer_->frames_written();
 }
 
-bool WalkRecorder::wait_for_frame(std::uint64_t index,
-                                  const std::function<bool()>& given_up) const {
+bool WalkRecorder::wait_for_frame(std::uint64_t index, const Interruption& interruption) const {
   std::unique_lock lock(mutex_);
   while (writer_->frames_written() <= index) {
-    if (closed_ || given_up()) return false;
+    if (closed_ || interruption.interrupted()) return false;
     grown_.wait_for(lock, std::chrono::milliseconds(100));
   }
   return true;

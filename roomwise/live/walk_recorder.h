@@ -2,12 +2,12 @@
 
 #include <condition_variable>
 #include <filesystem>
-#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
 
+#include "roomwise/base/progress.h"
 #include "roomwise/live/frame_processor.h"
 #include "roomwise/recording/tum_writer.h"
 
@@ -32,9 +32,8 @@ class WalkRecorder {
 
   [[nodiscard]] std::uint64_t frames() const;
   // Waits until the frame of that number is stored. False where none will be: the recording is
-  // closed, or `given_up` says so, which is asked ten times a second.
-  [[nodiscard]] bool wait_for_frame(std::uint64_t index,
-                                    const std::function<bool()>& given_up) const;
+  // closed, or `interruption` says so, which is asked ten times a second.
+  [[nodiscard]] bool wait_for_frame(std::uint64_t index, const Interruption& interruption) const;
   [[nodiscard]] const geometry::PinholeCamera& camera() const { return camera_; }
   [[nodiscard]] const std::filesystem::path& folder() const { return folder_; }
   [[nodiscard]] std::string name() const { return folder_.filename().string(); }

@@ -165,24 +165,24 @@ std::string_view to_string(MotionStatus status) {
 }
 
 std::string MotionOutcome::describe() const {
+  const std::string_view reason = to_string(status);
   switch (status) {
-    case MotionStatus::kFound:
-      return fmt::format("found ({} inliers of {} matches)", inliers, matches);
     case MotionStatus::kTooFewFeatures:
-      return fmt::format("too few features ({})", features);
+      return fmt::format("{} ({})", reason, features);
     case MotionStatus::kTooFewMatches:
-      return fmt::format("too few matches ({})", matches);
+      return fmt::format("{} ({})", reason, matches);
     case MotionStatus::kTooFewInliers:
-      return fmt::format("too few inliers ({} of {} matches)", inliers, matches);
+      return fmt::format("{} ({} of {} matches)", reason, inliers, matches);
     case MotionStatus::kMotionTooLarge:
-      return fmt::format("motion too large ({:.2f} m, {:.0f} degrees)",
+      return fmt::format("{} ({:.2f} m, {:.0f} degrees)", reason,
                          pose.reference_from_current.distance_m(),
                          pose.reference_from_current.angle_rad() * 180 / EIGEN_PI);
     case MotionStatus::kNothingInCommon:
-      return std::string(to_string(status));
+      return std::string(reason);
+    case MotionStatus::kFound:
     case MotionStatus::kContradicted:
     case MotionStatus::kContradictsPrior:
-      return fmt::format("{} ({} inliers of {} matches)", to_string(status), inliers, matches);
+      return fmt::format("{} ({} inliers of {} matches)", reason, inliers, matches);
   }
   return "unknown";
 }

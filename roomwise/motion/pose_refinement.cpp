@@ -3,7 +3,10 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <cmath>
-#include <limits>
+#include <optional>
+
+#include "roomwise/geometry/levenberg_marquardt.h"
+#include "roomwise/geometry/robust_loss.h"
 
 namespace roomwise::motion {
 namespace {
@@ -11,92 +14,109 @@ namespace {
 using geometry::Matrix6d;
 using geometry::PinholeCamera;
 using geometry::RigidTransform;
+using geometry::RobustLoss;
 using geometry::Vector6d;
 
 constexpr double kHuberSigmas = 2.0;
 
-// Huber's cost of a squared residual, and its derivative by that square.
-double huber_cost(double squared) {
-  const double norm = std::sqrt(squared);
-  return norm <= kHuberSigmas ? squared : kHuberSigmas * (2 * norm - kHuberSigmas);
-}
-double weight_of_squared(double squared) {
-  const double norm = std::sqrt(squared);
-  return norm <= kHuberSigmas ? 1.0 : kHuberSigmas / norm;
+// Huber's kernel.
+RobustLoss huber_loss(double squares) {
+  const double norm = std::sqrt(squares);
+  if (norm <= kHuberSigmas) return {squares, 1};
+  return {kHuberSigmas * (2 * norm - kHuberSigmas), kHuberSigmas / norm};
 }
 
-double total_cost(std::span<const PointObservation> observations,
-                  const RigidTransform& reference_from_current, const PinholeCamera& camera,
-                  const ResidualModel& model) {
-  const RigidTransform current_from_reference = reference_from_current.inverse();
-  double cost = 0;
-  for (const PointObservation& observation : observations) {
-    cost += huber_cost(residual(observation, current_from_reference, camera, model).squaredNorm());
+// What levenberg_marquardt.h minimises.
+class PoseProblem {
+ public:
+  PoseProblem(std::span<const PointObservation> observations,
+              const RigidTransform& reference_from_current, const PinholeCamera& camera,
+              const ResidualModel& model)
+      : observations_(observations),
+        camera_(camera),
+        model_(model),
+        reference_from_current_(reference_from_current) {}
+
+  [[nodiscard]] double cost() const {
+    double cost = 0;
+    for_each_residual(
+        [&](const PointObservation&, const RigidTransform&, const Eigen::Vector3d& error) {
+          cost += huber_loss(error.squaredNorm()).value;
+        });
+    return cost;
   }
-  return cost;
-}
-
-// Derivative of the residual by a perturbation (omega, v) with reference_from_current * exp(omega,
-// v).
-Eigen::Matrix<double, 3, 6> residual_jacobian(const PointObservation& observation,
-                                              const Eigen::Vector3d& point_current,
-                                              const PinholeCamera& camera,
-                                              const ResidualModel& model) {
-  const double inverse_z = 1 / point_current.z();
-  Eigen::Matrix3d by_point = Eigen::Matrix3d::Zero();
-  by_point(0, 0) = camera.fx * inverse_z / model.pixel_sigma_px;
-  by_point(0, 2) = -camera.fx * point_current.x() * inverse_z * inverse_z / model.pixel_sigma_px;
-  by_point(1, 1) = camera.fy * inverse_z / model.pixel_sigma_px;
-  by_point(1, 2) = -camera.fy * point_current.y() * inverse_z * inverse_z / model.pixel_sigma_px;
-  if (observation.depth_current_m > 0) {
-    by_point(2, 2) = -model.focal_baseline_px_m * inverse_z * inverse_z / model.disparity_sigma_px;
+  void linearize() {
+    hessian_.setZero();
+    rhs_.setZero();
+    for_each_residual([&](const PointObservation& observation,
+                          const RigidTransform& current_from_reference,
+                          const Eigen::Vector3d& error) {
+      if (!error.allFinite()) return;
+      const auto jacobian = residual_jacobian(observation, current_from_reference, camera_, model_);
+      const double weight = huber_loss(error.squaredNorm()).derivative;
+      hessian_ += weight * jacobian.transpose() * jacobian;
+      rhs_ -= weight * jacobian.transpose() * error;
+    });
   }
-  // point_current changes by point x omega - v.
-  Eigen::Matrix<double, 3, 6> point_by_twist;
-  point_by_twist << 0, -point_current.z(), point_current.y(), -1, 0, 0,  //
-      point_current.z(), 0, -point_current.x(), 0, -1, 0,                //
-      -point_current.y(), point_current.x(), 0, 0, 0, -1;
-  return by_point * point_by_twist;
-}
+  [[nodiscard]] std::optional<geometry::DampedStep> solve(double damping) {
+    const Vector6d weights = damping * geometry::damping_weights(hessian_.diagonal());
+    Matrix6d damped = hessian_;
+    damped.diagonal() += weights;
+    step_ = damped.ldlt().solve(rhs_);
+    if (!step_.allFinite()) return std::nullopt;
+    return geometry::DampedStep{rhs_.dot(step_) + step_.dot(weights.cwiseProduct(step_)),
+                                step_.norm()};
+  }
+  void take_step() {
+    before_ = reference_from_current_;
+    reference_from_current_ = reference_from_current_ * RigidTransform::exp(step_);
+  }
+  void undo_step() { reference_from_current_ = before_; }
 
-struct PoseEquations {
-  Matrix6d hessian = Matrix6d::Zero();
-  Vector6d gradient = Vector6d::Zero();
+  [[nodiscard]] RefinedPose refined() {
+    linearize();
+    double squares = 0;
+    for_each_residual([&](const PointObservation&, const RigidTransform&,
+                          const Eigen::Vector3d& error) { squares += error.squaredNorm(); });
+    return {reference_from_current_, edge_information(hessian_),
+            std::sqrt(squares / static_cast<double>(observations_.size()))};
+  }
+
+ private:
+  template <typename Visit>
+  void for_each_residual(const Visit& visit) const {
+    const RigidTransform current_from_reference = reference_from_current_.inverse();
+    for (const PointObservation& observation : observations_)
+      visit(observation, current_from_reference,
+            residual(observation, current_from_reference, camera_, model_));
+  }
+
+  std::span<const PointObservation> observations_;
+  const PinholeCamera& camera_;
+  const ResidualModel& model_;
+  RigidTransform reference_from_current_, before_;
+  Matrix6d hessian_;
+  Vector6d rhs_, step_;
 };
-
-PoseEquations linearize(std::span<const PointObservation> observations,
-                        const RigidTransform& reference_from_current, const PinholeCamera& camera,
-                        const ResidualModel& model) {
-  const RigidTransform current_from_reference = reference_from_current.inverse();
-  PoseEquations equations;
-  for (const PointObservation& observation : observations) {
-    const Eigen::Vector3d point_current = current_from_reference * observation.point_reference;
-    if (!(point_current.z() > 0)) continue;
-    const Eigen::Vector3d error = residual(observation, current_from_reference, camera, model);
-    const auto jacobian = residual_jacobian(observation, point_current, camera, model);
-    const double weight = weight_of_squared(error.squaredNorm());
-    equations.hessian += weight * jacobian.transpose() * jacobian;
-    equations.gradient += weight * jacobian.transpose() * error;
-  }
-  return equations;
-}
 
 }  // namespace
 
 Eigen::Vector3d residual(const PointObservation& observation,
                          const RigidTransform& current_from_reference, const PinholeCamera& camera,
                          const ResidualModel& model) {
-  const Eigen::Vector3d point_current = current_from_reference * observation.point_reference;
-  if (!(point_current.z() > 0))
-    return Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
-  const Eigen::Vector2d pixel =
-      camera.project_undistorted(point_current) - observation.pixel_current;
-  const double disparity =
-      observation.depth_current_m > 0
-          ? model.focal_baseline_px_m * (1 / point_current.z() - 1 / observation.depth_current_m)
-          : 0.0;
-  return {pixel.x() / model.pixel_sigma_px, pixel.y() / model.pixel_sigma_px,
-          disparity / model.disparity_sigma_px};
+  return point_residual(current_from_reference * observation.point_reference,
+                        observation.pixel_current, observation.depth_current_m, camera, model);
+}
+
+Eigen::Matrix<double, 3, 6> residual_jacobian(const PointObservation& observation,
+                                              const RigidTransform& current_from_reference,
+                                              const PinholeCamera& camera,
+                                              const ResidualModel& model) {
+  const Eigen::Vector3d point = current_from_reference * observation.point_reference;
+  // The point changes by point x omega - v.
+  Eigen::Matrix<double, 3, 6> d_twist;
+  d_twist << geometry::skew_symmetric(point), -Eigen::Matrix3d::Identity();
+  return point_residual_jacobian(point, observation.depth_current_m > 0, camera, model) * d_twist;
 }
 
 Matrix6d edge_information(const Matrix6d& hessian) {
@@ -131,36 +151,10 @@ Matrix6d with_systematic_error(const Matrix6d& information, double translation_s
 RefinedPose refine_pose(std::span<const PointObservation> observations,
                         const RigidTransform& reference_from_current, const PinholeCamera& camera,
                         const ResidualModel& model) {
-  constexpr int kMaxIterations = 20;
-  constexpr double kMinStep = 1e-9;
-  RigidTransform pose = reference_from_current;
-  double cost = total_cost(observations, pose, camera, model);
-  double damping = 1e-6;
-  for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
-    const PoseEquations equations = linearize(observations, pose, camera, model);
-    Matrix6d damped = equations.hessian;
-    damped.diagonal() += damping * equations.hessian.diagonal();
-    const Vector6d step = -damped.ldlt().solve(equations.gradient);
-    if (!step.allFinite()) break;
-    const RigidTransform candidate = pose * RigidTransform::exp(step);
-    const double candidate_cost = total_cost(observations, candidate, camera, model);
-    if (candidate_cost < cost) {
-      pose = candidate;
-      cost = candidate_cost;
-      damping = std::max(damping * 0.1, 1e-9);
-    } else {
-      damping *= 100;
-    }
-    if (step.norm() < kMinStep || damping > 1e6) break;
-  }
-
-  const RigidTransform current_from_reference = pose.inverse();
-  double squares = 0;
-  for (const PointObservation& observation : observations) {
-    squares += residual(observation, current_from_reference, camera, model).squaredNorm();
-  }
-  return {pose, edge_information(linearize(observations, pose, camera, model).hessian),
-          std::sqrt(squares / static_cast<double>(observations.size()))};
+  constexpr geometry::MinimizerOptions kOptions{.max_iterations = 20, .min_step_length = 1e-9};
+  PoseProblem problem(observations, reference_from_current, camera, model);
+  geometry::minimize(problem, kOptions);
+  return problem.refined();
 }
 
 }  // namespace roomwise::motion

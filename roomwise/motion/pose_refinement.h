@@ -3,8 +3,8 @@
 #include <Eigen/Core>
 #include <span>
 
-#include "roomwise/geometry/pinhole_camera.h"
 #include "roomwise/geometry/rigid_transform.h"
+#include "roomwise/motion/point_residual.h"
 
 namespace roomwise::motion {
 
@@ -15,22 +15,17 @@ struct PointObservation {
   double depth_current_m = 0;       // as measured by the current frame; 0: not measured
 };
 
-// How far an observation is from its prediction. Depth is compared as a structured-light camera
-// measures it, as disparity d = focal_baseline_px_m / z, whose error is about the same at every
-// distance.
-struct ResidualModel {
-  double pixel_sigma_px = 1.0;
-  // Focal length times baseline of the depth camera, px m (a Kinect: about 525 px times 0.075 m).
-  double focal_baseline_px_m = 40.0;
-  double disparity_sigma_px = 1.0;
-};
-
-// (du, dv, dd) / sigma at a pose; dd is 0 where no depth was measured. A point behind the camera
-// gives an infinite residual.
+// point_residual() of an observation at a pose.
 [[nodiscard]] Eigen::Vector3d residual(const PointObservation& observation,
                                        const geometry::RigidTransform& current_from_reference,
                                        const geometry::PinholeCamera& camera,
                                        const ResidualModel& model);
+
+// Its derivative by a twist (omega, v) of the current frame, reference_from_current * exp(twist).
+// The point must lie in front of the camera.
+[[nodiscard]] Eigen::Matrix<double, 3, 6> residual_jacobian(
+    const PointObservation& observation, const geometry::RigidTransform& current_from_reference,
+    const geometry::PinholeCamera& camera, const ResidualModel& model);
 
 struct RefinedPose {
   geometry::RigidTransform reference_from_current;

@@ -88,6 +88,24 @@ TEST(RefinePose, InformationMatchesTheSpreadOfTheErrors) {
   EXPECT_NEAR(sum / kTrials, 6 * 0.25, 0.2);
 }
 
+TEST(Residual, ItsJacobianIsItsDerivative) {
+  constexpr double kStep = 1e-6;
+  RandomStream random(4);
+  const ResidualModel model{1.5, 40, 0.7};
+  const RigidTransform pose = small_motion(random, 0.3);
+  for (const PointObservation& observation : observe(pose, kCamera, model, 3, 40, random)) {
+    const auto jacobian = residual_jacobian(observation, pose.inverse(), kCamera, model);
+    for (Eigen::Index k = 0; k < 6; ++k) {
+      const auto stepped = [&](double step) {
+        const RigidTransform moved = pose * RigidTransform::exp(step * Vector6d::Unit(k));
+        return residual(observation, moved.inverse(), kCamera, model);
+      };
+      const Eigen::Vector3d difference = (stepped(kStep) - stepped(-kStep)) / (2 * kStep);
+      EXPECT_LT((jacobian.col(k) - difference).norm(), 1e-4 * (1 + difference.norm()));
+    }
+  }
+}
+
 TEST(Residual, IsInfiniteBehindTheCamera) {
   const PointObservation behind{{0, 0, -1}, {300, 200}, 0};
   EXPECT_FALSE(residual(behind, RigidTransform::identity(), kCamera, {}).allFinite());

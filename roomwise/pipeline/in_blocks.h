@@ -22,7 +22,7 @@ template <typename Read, typename Make, typename Take>
   run.progress.begin(work, count);
   const std::size_t block = 2 * run.pool.size();
   for (std::size_t first = 0; first < count; first += block) {
-    if (run.progress.interrupted()) return fail("interrupted while {}", work);
+    ROOMWISE_CHECK_OK(run.progress.check(work));
     const std::size_t size = std::min(block, count - first);
     std::vector<Item> items;
     for (std::size_t i = 0; i < size; ++i) {

@@ -19,4 +19,19 @@ struct RunContext {
   std::size_t working_set_bytes = std::size_t{128} << 20U;
 };
 
+// What a run context refers to, made before it.
+struct RunParts {
+  ThreadPool own_pool;
+  StageClock own_clock;
+};
+
+// A context with threads and a clock of its own.
+class OwnRunContext : private RunParts, public RunContext {
+ public:
+  OwnRunContext(std::size_t threads, Progress& shown)
+      : RunParts{ThreadPool(threads), {}}, RunContext{own_pool, shown, own_clock} {}
+  OwnRunContext(const OwnRunContext&) = delete;
+  OwnRunContext& operator=(const OwnRunContext&) = delete;
+};
+
 }  // namespace roomwise::pipeline

@@ -150,9 +150,8 @@ Expected<Pairing> AccessRegister::add(Role role, const std::string& name, const 
   const std::string token = base64url(secret);
   const std::string hash = sha256_of(token);
   ROOMWISE_TRY(const std::int64_t device,
-               database_.insert("INSERT INTO devices (name, role, token_sha256, paired_s, "
-                                "last_seen_s) VALUES (?, ?, ?, ?, ?)",
-                                name, to_string(role), hash, now.unix_s, now.unix_s));
+               database_.insert("devices (name, role, token_sha256, paired_s, last_seen_s)", name,
+                                to_string(role), hash, now.unix_s, now.unix_s));
   entries_.push_back({{{device, name, role}, now.unix_s, now.unix_s}, hash, now.unix_s});
   return Pairing{{device, name, role}, token, ""};
 }

@@ -1,6 +1,5 @@
 #include "roomwise/service/access_routes.h"
 
-#include <charconv>
 #include <nlohmann/json.hpp>
 
 namespace roomwise::service {
@@ -27,8 +26,11 @@ HttpAnswer refusal_answer(const PairingRefusal& refusal) {
 // most; each pairing has to be renewed after that.
 constexpr auto kCookie = "roomwise={}; Path=/; Max-Age={}; Secure; HttpOnly; SameSite=Strict";
 
-HttpAnswer answer_pair(AccessRegister& access, const AccessRoutesContext& context,
-                       const HttpRequest& request) {
+using Access = AccessRegister&;
+using Context = const AccessRoutesContext&;
+
+HttpAnswer answer_pair(Access access, Context context, const HttpRequest& request,
+                       const Placeholders&) {
   const auto json = json_of(request);
   if (!json) return error_answer(400, json.error().message);
   PairingAttempt attempt{text_member(*json, "code").value_or(""),
@@ -50,14 +52,13 @@ HttpAnswer answer_pair(AccessRegister& access, const AccessRoutesContext& contex
   return with_cookie;
 }
 
-HttpAnswer answer_me(const HttpRequest& request) {
+HttpAnswer answer_me(Access, Context, const HttpRequest& request, const Placeholders&) {
   return json_answer({{"device", request.who->device},
                       {"name", request.who->name},
                       {"role", to_string(request.who->role)}});
 }
 
-HttpAnswer answer_remove(AccessRegister& access, const AccessRoutesContext& context,
-                         std::int64_t device) {
+HttpAnswer remove_device(Access access, Context context, std::int64_t device) {
   const auto revoked = access.revoke(device);
   if (!revoked) return error_answer(500, revoked.error().message);
   if (!*revoked) return error_answer(404, fmt::format("there is no device {}", device));
@@ -65,14 +66,14 @@ HttpAnswer answer_remove(AccessRegister& access, const AccessRoutesContext& cont
   return json_answer(Json::object());
 }
 
-HttpAnswer answer_leave(AccessRegister& access, const AccessRoutesContext& context,
-                        const HttpRequest& request) {
-  HttpAnswer answer = answer_remove(access, context, request.who->device);
+HttpAnswer answer_leave(Access access, Context context, const HttpRequest& request,
+                        const Placeholders&) {
+  HttpAnswer answer = remove_device(access, context, request.who->device);
   answer.headers.emplace_back("Set-Cookie", fmt::format(fmt::runtime(kCookie), "", 0));
   return answer;
 }
 
-HttpAnswer answer_list(const AccessRegister& access, const AccessRoutesContext& context) {
+HttpAnswer answer_list(Access access, Context context, const HttpRequest&, const Placeholders&) {
   const std::set<std::int64_t> online =
       context.online ? context.online() : std::set<std::int64_t>();
   Json devices = Json::array();
@@ -87,8 +88,8 @@ HttpAnswer answer_list(const AccessRegister& access, const AccessRoutesContext& 
   return json_answer({{"devices", std::move(devices)}});
 }
 
-HttpAnswer answer_code(AccessRegister& access, const AccessRoutesContext& context,
-                       const HttpRequest& request) {
+HttpAnswer answer_code(Access access, Context context, const HttpRequest& request,
+                       const Placeholders&) {
   const auto json = json_of(request);
   if (!json) return error_answer(400, json.error().message);
   const auto role = parse_role(text_member(*json, "role").value_or(""));
@@ -104,11 +105,11 @@ HttpAnswer answer_code(AccessRegister& access, const AccessRoutesContext& contex
   return json_answer(answer);
 }
 
-std::optional<std::int64_t> number_of(const std::string& text) {
-  std::int64_t number = 0;
-  const auto read = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (read.ec != std::errc() || read.ptr != text.data() + text.size()) return std::nullopt;
-  return number;
+HttpAnswer answer_remove(Access access, Context context, const HttpRequest&,
+                         const Placeholders& values) {
+  const auto device = number_of<std::int64_t>(values.at("device"));
+  return device ? remove_device(access, context, *device)
+                : error_answer(404, "there is no such device");
 }
 
 }  // namespace
@@ -126,31 +127,12 @@ std::vector<Route> access_routes(AccessRegister& access, AccessRoutesContext giv
          },
          kBody});
   };
-  using Access = AccessRegister&;
-  using Context = const AccessRoutesContext&;
-  add("POST", "/api/pair", std::nullopt,
-      [](Access a, Context c, const HttpRequest& r, const Placeholders&) {
-        return answer_pair(a, c, r);
-      });
-  add("GET", "/api/me", Role::kDevice,
-      [](Access, Context, const HttpRequest& r, const Placeholders&) { return answer_me(r); });
-  add("POST", "/api/leave", Role::kDevice,
-      [](Access a, Context c, const HttpRequest& r, const Placeholders&) {
-        return answer_leave(a, c, r);
-      });
-  add("GET", "/api/devices", Role::kHelper,
-      [](Access a, Context c, const HttpRequest&, const Placeholders&) {
-        return answer_list(a, c);
-      });
-  add("DELETE", "/api/devices/{device}", Role::kHelper,
-      [](Access a, Context c, const HttpRequest&, const Placeholders& p) {
-        const auto device = number_of(p.at("device"));
-        return device ? answer_remove(a, c, *device) : error_answer(404, "there is no such device");
-      });
-  add("POST", "/api/codes", Role::kHelper,
-      [](Access a, Context c, const HttpRequest& r, const Placeholders&) {
-        return answer_code(a, c, r);
-      });
+  add("POST", "/api/pair", std::nullopt, answer_pair);
+  add("GET", "/api/me", Role::kDevice, answer_me);
+  add("POST", "/api/leave", Role::kDevice, answer_leave);
+  add("GET", "/api/devices", Role::kHelper, answer_list);
+  add("DELETE", "/api/devices/{device}", Role::kHelper, answer_remove);
+  add("POST", "/api/codes", Role::kHelper, answer_code);
   return routes;
 }
 

@@ -100,13 +100,6 @@ Expected<X509Certificate> make_certificate(EVP_PKEY* key, const std::vector<std:
   return certificate;
 }
 
-std::string fingerprint_of(X509* x509) {
-  std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
-  unsigned int size = 0;
-  X509_digest(x509, EVP_sha256(), digest.data(), &size);
-  return hexadecimal(std::span(digest).first(size));
-}
-
 Expected<void> make_files(const fs::path& folder, const std::vector<std::string>& names) {
   const Key key(EVP_EC_gen("P-256"));
   if (!key) return fail("no key could be made for the certificate");

@@ -14,13 +14,13 @@
 #include <boost/beast/http.hpp>
 #include <boost/beast/websocket.hpp>
 #include <boost/beast/websocket/ssl.hpp>
-#include <charconv>
 #include <condition_variable>
 #include <deque>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "roomwise/service/http.h"
 #include "roomwise/service/pairing_proof.h"
 #include "roomwise/service/secrets.h"
 #include "roomwise/service/tls_client.h"
@@ -39,9 +39,6 @@ constexpr std::size_t kMaxMessageBytes = std::size_t{4} << 20U;
 // is taken has nearly been sent.
 constexpr int kSendBufferBytes = 32 << 10;
 constexpr std::size_t kPieceBytes = std::size_t{8} << 10U;
-constexpr std::string_view kRefusesPairing = "refuses the pairing";
-constexpr std::string_view kKnowsNoCode = "does not know the code";
-constexpr std::string_view kNotKnown = "does not know this device (any more): pair it again";
 
 // The answer to a POST request.
 Expected<http::response<http::string_body>> post(TlsClient& client, const char* path,
@@ -69,15 +66,16 @@ Expected<PairedWith> read_pairing(const TlsClient& client,
   if (answer.result() != http::status::ok) {
     const bool says_why =
         json.is_object() && json.contains("error") && json.at("error").is_string();
-    return fail("{} {}: {}", client.name(), kRefusesPairing,
-                says_why ? json.at("error").get<std::string>() : std::string(answer.reason()));
+    return fail_with(ErrorCode::kRefused, "{} refuses the pairing: {}", client.name(),
+                     says_why ? json.at("error").get<std::string>() : std::string(answer.reason()));
   }
   PairedWith paired;
   try {
     if (!equal_secrets(json.at("proof").get<std::string>(), proof.computer)) {
-      return fail(
-          "{} {}: it is another computer that stands between; pair in a network that you trust",
-          client.name(), kKnowsNoCode);
+      return fail_with(ErrorCode::kRefused,
+                       "{} does not know the code: it is another computer that stands between; "
+                       "pair in a network that you trust",
+                       client.name());
     }
     const auto role = parse_role(json.at("role").get<std::string>());
     if (!role) return fail("{} answers with a role that is not known", client.name());
@@ -136,15 +134,13 @@ Expected<void> TlsClient::connect() {
 std::string TlsClient::fingerprint() {
   X509* const x509 = SSL_get1_peer_certificate(stream_.native_handle());
   if (x509 == nullptr) return "";
-  std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
-  unsigned int size = 0;
-  X509_digest(x509, EVP_sha256(), digest.data(), &size);
+  const std::string fingerprint = fingerprint_of(x509);
   X509_free(x509);
-  return hexadecimal(std::span(digest).first(size));
+  return fingerprint;
 }
 
 Expected<void> TlsClient::run_until(const std::optional<error_code>& result) {
-  const auto give_up = [&](std::string_view why) {
+  const auto give_up = [&](ErrorCode code, std::string_view why) {
     resolver_.cancel();
     beast::get_lowest_layer(stream_).close();
     // What was begun refers to the caller's frame and has to end first.
@@ -152,14 +148,18 @@ Expected<void> TlsClient::run_until(const std::optional<error_code>& result) {
       io_->restart();
       io_->run_one();
     }
-    return fail("{} {}", name(), why);
+    return fail_with(code, "{} {}", name(), why);
   };
   while (!result) {
     io_->restart();
     io_->run_one_for(std::chrono::milliseconds(100));
     if (result) break;
-    if (wait_.interrupted && wait_.interrupted()) return give_up("was not waited for: interrupted");
-    if (std::chrono::steady_clock::now() > deadline_) return give_up("does not answer in time");
+    if (wait_.interruption != nullptr && wait_.interruption->interrupted()) {
+      return give_up(ErrorCode::kInterrupted, "was not waited for: interrupted");
+    }
+    if (std::chrono::steady_clock::now() > deadline_) {
+      return give_up(ErrorCode::kFailed, "does not answer in time");
+    }
   }
   return {};
 }
@@ -175,15 +175,11 @@ Expected<ServerAddress> parse_server_address(std::string_view text) {
   if (colon == std::string_view::npos) return bad();
   std::string_view host = text.substr(0, colon);
   const std::string_view digits = text.substr(colon + 1);
-  ServerAddress address;
-  const auto read = std::from_chars(digits.data(), digits.data() + digits.size(), address.port);
-  if (read.ec != std::errc() || read.ptr != digits.data() + digits.size() || address.port == 0) {
-    return bad();
-  }
+  const auto port = number_of<std::uint16_t>(digits);
+  if (!port || *port == 0) return bad();
   if (host.starts_with('[') && host.ends_with(']')) host = host.substr(1, host.size() - 2);
   if (host.empty() || host.find_first_of(" /[]@") != std::string_view::npos) return bad();
-  address.host = std::string(host);
-  return address;
+  return ServerAddress{std::string(host), *port};
 }
 
 Expected<PairedWith> pair_with(const ServerAddress& server, const std::string& code,
@@ -205,22 +201,22 @@ Expected<PairedWith> pair_with(const ServerAddress& server, const std::string& c
 
 // ---- ServerConnection ----
 
-bool is_refusal(const Error& error) {
-  return error.message.ends_with(kNotKnown);
-}
-
-bool is_wrong_code(const Error& error) {
-  return error.message.find(kRefusesPairing) != std::string::npos ||
-         error.message.find(kKnowsNoCode) != std::string::npos;
-}
+namespace {
 
 // One thread runs `io`, and all but what the mutex guards belongs to it.
-class ServerConnection::Impl : public std::enable_shared_from_this<Impl> {
+class WebSocketConnection final : public ServerConnection {
  public:
-  Impl(const ServerAddress& server, const ClientWait& wait)
+  WebSocketConnection(const ServerAddress& server, const ClientWait& wait)
       : wait_(wait), client_(server, wait), work_(client_.io().get_executor()) {}
 
-  Expected<void> open(const ServerCredentials& credentials) {
+  ~WebSocketConnection() override {
+    if (!thread_.joinable()) return;
+    lose("interrupted");
+    client_.io().stop();
+    thread_.join();
+  }
+
+  Expected<void> connect(const ServerCredentials& credentials) {
     ROOMWISE_CHECK_OK(client_.connect());
     if (!equal_secrets(client_.fingerprint(), credentials.fingerprint)) {
       return fail(
@@ -254,18 +250,18 @@ class ServerConnection::Impl : public std::enable_shared_from_this<Impl> {
     });
   }
 
-  Expected<void> send(bool is_text, Bytes bytes) {
+  Expected<void> send(Message message) override {
     const std::scoped_lock lock(mutex_);
     if (lost_) return fail("{}", *lost_);
     if (outgoing_.size() >= kMaxWaiting) {
       return fail("{} takes nothing: too much waits to be sent", client_.name());
     }
-    outgoing_.push_back({is_text, std::move(bytes)});
+    outgoing_.push_back(std::move(message));
     asio::post(client_.io(), [this] { write(); });
     return {};
   }
 
-  Expected<std::optional<Message>> receive(std::chrono::milliseconds timeout) {
+  Expected<std::optional<Message>> receive(std::chrono::milliseconds timeout) override {
     std::unique_lock lock(mutex_);
     changed_.wait_for(lock, timeout, [&] { return !incoming_.empty() || lost_; });
     if (incoming_.empty()) {
@@ -281,25 +277,13 @@ class ServerConnection::Impl : public std::enable_shared_from_this<Impl> {
     return message;
   }
 
-  void close() {
+  void close() override {
     asio::post(client_.io(), [this] {
       closing_ = true;
       write();
     });
     std::unique_lock lock(mutex_);
     changed_.wait_for(lock, std::chrono::seconds(1), [&] { return lost_.has_value(); });
-  }
-
-  void interrupt() {
-    lose("interrupted");
-    asio::post(client_.io(), [this] { beast::get_lowest_layer(client_.stream()).close(); });
-  }
-
-  void end() {
-    if (!thread_.joinable()) return;
-    lose("interrupted");
-    client_.io().stop();
-    thread_.join();
   }
 
  private:
@@ -316,7 +300,8 @@ class ServerConnection::Impl : public std::enable_shared_from_this<Impl> {
     if (done) return {};
     if (answer.result() == http::status::unauthorized ||
         answer.result() == http::status::forbidden) {
-      return fail("{} {}", client_.name(), kNotKnown);
+      return fail_with(ErrorCode::kRefused,
+                       "{} does not know this device (any more): pair it again", client_.name());
     }
     return Unexpected(done.error());
   }
@@ -449,33 +434,14 @@ class ServerConnection::Impl : public std::enable_shared_from_this<Impl> {
   std::optional<std::string> lost_;
 };
 
+}  // namespace
+
 Expected<std::unique_ptr<ServerConnection>> ServerConnection::open(
     const ServerAddress& server, const ServerCredentials& credentials, const ClientWait& wait) {
-  auto impl = std::make_shared<Impl>(server, wait);
-  ROOMWISE_CHECK_OK(impl->open(credentials));
-  impl->run();
-  return std::unique_ptr<ServerConnection>(new ServerConnection(std::move(impl)));
-}
-
-ServerConnection::ServerConnection(std::shared_ptr<Impl> impl) : impl_(std::move(impl)) {}
-ServerConnection::~ServerConnection() {
-  impl_->end();
-}
-Expected<void> ServerConnection::send_text(std::string text) {
-  return impl_->send(true, Bytes(text.begin(), text.end()));
-}
-Expected<void> ServerConnection::send_binary(Bytes bytes) {
-  return impl_->send(false, std::move(bytes));
-}
-Expected<std::optional<ServerConnection::Message>> ServerConnection::receive(
-    std::chrono::milliseconds timeout) {
-  return impl_->receive(timeout);
-}
-void ServerConnection::close() {
-  impl_->close();
-}
-void ServerConnection::interrupt() {
-  impl_->interrupt();
+  auto connection = std::make_unique<WebSocketConnection>(server, wait);
+  ROOMWISE_CHECK_OK(connection->connect(credentials));
+  connection->run();
+  return connection;
 }
 
 }  // namespace roomwise::service

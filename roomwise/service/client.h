@@ -2,7 +2,6 @@
 
 #include <chrono>
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -11,6 +10,7 @@
 
 #include "roomwise/base/expected.h"
 #include "roomwise/base/file.h"
+#include "roomwise/base/progress.h"
 #include "roomwise/service/identity.h"
 
 namespace roomwise::service {
@@ -39,53 +39,45 @@ struct ClientWait {
   // A connection on which nothing came for so long, not even an answer to a ping, and of a large
   // message that is being sent not even an acknowledgement, is lost.
   std::chrono::milliseconds silence{2200};
-  std::function<bool()> interrupted = {};  // asked ten times a second; empty: never
+  const Interruption* interruption = nullptr;  // asked ten times a second; null: never
 };
 
 // Pairs with a computer that was never seen: shows that the code is known without sending it, and
-// believes the computer only where it knows the code too (pairing_proof.h).
+// believes the computer only where it knows the code too (pairing_proof.h). ErrorCode::kRefused
+// where it is the code: the computer refuses it, or does not know it itself.
 [[nodiscard]] Expected<PairedWith> pair_with(const ServerAddress& server, const std::string& code,
                                              const std::string& name, const ClientWait& wait = {});
 
-// Whether ServerConnection::open() failed because the computer takes this device for none of the
-// home's: it was removed. Trying again does not help, being paired again does.
-[[nodiscard]] bool is_refusal(const Error& error);
-
-// Whether pair_with() failed because of the code: the computer refuses it, or does not know it
-// itself.
-[[nodiscard]] bool is_wrong_code(const Error& error);
-
-// A WebSocket to the computer. Thread-safe.
+// A WebSocket to the computer. Thread-safe. It closes where it goes.
 class ServerConnection {
  public:
+  virtual ~ServerConnection() = default;
   struct Message {
     bool is_text = true;
     Bytes bytes;
   };
 
+  // ErrorCode::kRefused where the computer takes this device for none of the home's: it was
+  // removed. Trying again does not help, being paired again does.
   [[nodiscard]] static Expected<std::unique_ptr<ServerConnection>> open(
       const ServerAddress& server, const ServerCredentials& credentials,
       const ClientWait& wait = {});
-  ~ServerConnection();  // closes
-  ServerConnection(const ServerConnection&) = delete;
-  ServerConnection& operator=(const ServerConnection&) = delete;
 
   // Queue a message. Fail where the connection is lost, or too much waits to be sent.
-  [[nodiscard]] Expected<void> send_text(std::string text);
-  [[nodiscard]] Expected<void> send_binary(Bytes bytes);
+  [[nodiscard]] Expected<void> send_text(std::string_view text) {
+    return send({true, Bytes(text.begin(), text.end())});
+  }
+  [[nodiscard]] Expected<void> send_binary(Bytes bytes) { return send({false, std::move(bytes)}); }
 
   // The next message; nothing where none came in time. Fails where the connection is lost.
-  [[nodiscard]] Expected<std::optional<Message>> receive(std::chrono::milliseconds timeout);
+  [[nodiscard]] virtual Expected<std::optional<Message>> receive(
+      std::chrono::milliseconds timeout) = 0;
 
   // Says goodbye and waits for what was queued to be sent, a second at most.
-  void close();
-  // Ends all that waits, at once; from any thread.
-  void interrupt();
+  virtual void close() = 0;
 
  private:
-  class Impl;
-  explicit ServerConnection(std::shared_ptr<Impl> impl);
-  std::shared_ptr<Impl> impl_;
+  [[nodiscard]] virtual Expected<void> send(Message message) = 0;
 };
 
 }  // namespace roomwise::service

@@ -28,10 +28,10 @@ class Connection {
 };
 
 struct ConnectionLimits {
-  std::size_t connections = 64;
-  std::size_t unknown_per_peer = 8;
+  std::size_t connections = 64;      // one more takes the place of the oldest without a token
+  std::size_t unknown_per_peer = 8;  // that have not shown a token; one more is refused
   std::size_t connections_per_device = 16;
-  std::size_t sockets_per_device = 2;
+  std::size_t sockets_per_device = 2;  // the newest stay
 };
 
 // Which connections are open, and whether there may be one more. Thread-safe.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <charconv>
 #include <map>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
@@ -51,6 +52,15 @@ struct HttpAnswer {
 
 // The members of "a=1&b=x%20y"; nothing where one of them cannot be decoded.
 [[nodiscard]] std::optional<std::map<std::string, std::string>> parse_query(std::string_view text);
+
+// The whole text as a number; nothing where it is none.
+template <typename T>
+[[nodiscard]] std::optional<T> number_of(std::string_view text) {
+  T number{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return number;
+}
 
 // The cookie of that name in a Cookie header; nothing where there is none.
 [[nodiscard]] std::optional<std::string> cookie_of(std::string_view header, std::string_view name);

@@ -6,16 +6,17 @@
 #include <cerrno>
 #include <cstring>
 
+#include "roomwise/base/descriptor.h"
+
 namespace roomwise::service {
 
 Expected<void> write_private_file(const std::filesystem::path& path, std::string_view text) {
   const std::filesystem::path part = path.string() + ".part";
   ::unlink(part.c_str());  // an old one may have other rights
-  const int file = ::open(part.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
+  const Descriptor file(::open(part.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600));
+  const std::span bytes(reinterpret_cast<const std::uint8_t*>(text.data()), text.size());
   const bool written =
-      file >= 0 && ::write(file, text.data(), text.size()) == static_cast<ssize_t>(text.size()) &&
-      ::fsync(file) == 0;
-  if (file >= 0) ::close(file);
+      file.value >= 0 && write_whole(file.value, bytes) && ::fsync(file.value) == 0;
   if (!written || ::rename(part.c_str(), path.c_str()) != 0) {
     return fail("{}: cannot be written: {}", path.string(), std::strerror(errno));
   }

@@ -2,6 +2,9 @@
 
 #include <openssl/crypto.h>
 #include <openssl/rand.h>
+#include <openssl/x509.h>
+
+#include <array>
 
 namespace roomwise::service {
 
@@ -47,6 +50,13 @@ std::string hexadecimal(std::span<const std::uint8_t> bytes) {
   std::string text;
   for (const std::uint8_t byte : bytes) text += fmt::format("{:02x}", byte);
   return text;
+}
+
+std::string fingerprint_of(const X509* certificate) {
+  std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
+  unsigned int size = 0;
+  X509_digest(certificate, EVP_sha256(), digest.data(), &size);
+  return hexadecimal(std::span(digest).first(size));
 }
 
 std::string sha256_of(std::string_view text) {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <openssl/types.h>
+
 #include <cstddef>
 #include <string>
 #include <string_view>
@@ -20,6 +22,8 @@ namespace roomwise::service {
 
 [[nodiscard]] std::string base64url(std::span<const std::uint8_t> bytes);  // without padding
 [[nodiscard]] std::string hexadecimal(std::span<const std::uint8_t> bytes);
+// SHA-256 of a certificate (DER), hexadecimal.
+[[nodiscard]] std::string fingerprint_of(const X509* certificate);
 [[nodiscard]] std::string sha256_of(std::string_view text);  // hexadecimal
 
 }  // namespace roomwise::service

@@ -24,11 +24,6 @@ std::string address_text(asio::ip::address address) {
   return address.to_string();
 }
 
-ConnectionLimits connection_limits(const ServerLimits& limits) {
-  return {limits.connections, limits.unknown_per_peer, limits.connections_per_device,
-          limits.sockets_per_device};
-}
-
 // The socket's row of the table of routes: the router decides who may.
 Router with_socket(const Router& router, std::function<void(std::string_view)> log) {
   std::vector<Route> routes = router.routes();
@@ -67,19 +62,24 @@ ServerCore::ServerCore(ServerOptions options_, Router router_, PageFiles pages_,
       access(access_),
       sockets(sockets_),
       events(options.log),
-      table(connection_limits(options.limits)),
+      table(options.limits),
       peer_rate(options.limits.burst_per_peer, options.limits.rate_per_peer),
       device_rate(options.limits.burst_per_device, options.limits.rate_per_device),
       workers(std::max<std::size_t>(1, options.workers)),
       session_threads(std::max<std::size_t>(1, options.session_threads)) {}
 
-class Server::Impl {
+namespace {
+
+class ListeningServer final : public Server {
  public:
-  explicit Impl(std::shared_ptr<ServerCore> core)
+  explicit ListeningServer(std::shared_ptr<ServerCore> core)
       : core_(std::move(core)),
         acceptor_(core_->io),
         pause_(core_->io),
         work_(core_->io.get_executor()) {}
+  ~ListeningServer() override { ListeningServer::stop(); }
+  ListeningServer(const ListeningServer&) = delete;
+  ListeningServer& operator=(const ListeningServer&) = delete;
 
   Expected<void> listen() {
     error_code error;
@@ -101,13 +101,13 @@ class Server::Impl {
     return {};
   }
 
-  void serve() {
+  void serve() override {
     accept();
     thread_ = std::thread([this] { core_->io.run(); });
     core_->events.say(fmt::format("listening at {} port {}", core_->options.address, port_));
   }
 
-  void stop() {
+  void stop() override {
     if (!thread_.joinable()) return;
     asio::post(core_->io, [this] {
       core_->stopping = true;
@@ -129,14 +129,20 @@ class Server::Impl {
     core_->events.say("stopped");
   }
 
-  void disconnect(std::int64_t device, std::string reason) {
+  void disconnect(std::int64_t device, std::string reason) override {
     asio::post(core_->io, [core = core_, device, reason = std::move(reason)] {
       for (const auto& connection : core->table.of(device)) connection->end(reason);
     });
   }
 
-  [[nodiscard]] std::uint16_t port() const { return port_; }
-  [[nodiscard]] ServerCore& core() const { return *core_; }
+  [[nodiscard]] std::uint16_t port() const override { return port_; }
+  [[nodiscard]] ServerCounts counts() const override {
+    ServerCounts counts = core_->events.counts();
+    counts.open_connections = core_->table.size();
+    counts.open_sockets = core_->table.sockets();
+    return counts;
+  }
+  [[nodiscard]] std::set<std::int64_t> online() const override { return core_->table.online(); }
 
  private:
   void accept() {
@@ -183,47 +189,24 @@ class Server::Impl {
   std::thread thread_;
 };
 
+}  // namespace
+
 Expected<std::unique_ptr<Server>> Server::open(ServerOptions options, Router router,
                                                AccessRegister& access, SocketHandler& sockets) {
   ROOMWISE_TRY(PageFiles pages, PageFiles::open(options.pages));
   auto core = std::make_shared<ServerCore>(std::move(options), std::move(router), std::move(pages),
                                            access, sockets);
   ROOMWISE_CHECK_OK(prepare_tls(core->tls, core->options.certificate));
-  auto impl = std::make_unique<Impl>(std::move(core));
-  ROOMWISE_CHECK_OK(impl->listen());
-  return std::unique_ptr<Server>(new Server(std::move(impl)));
+  auto server = std::make_unique<ListeningServer>(std::move(core));
+  ROOMWISE_CHECK_OK(server->listen());
+  return server;
 }
+
 Expected<std::unique_ptr<Server>> Server::start(ServerOptions options, Router router,
                                                 AccessRegister& access, SocketHandler& sockets) {
   ROOMWISE_TRY(auto server, open(std::move(options), std::move(router), access, sockets));
   server->serve();
   return server;
-}
-
-Server::Server(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
-Server::~Server() {
-  stop();
-}
-void Server::serve() {
-  impl_->serve();
-}
-void Server::stop() {
-  impl_->stop();
-}
-std::uint16_t Server::port() const {
-  return impl_->port();
-}
-ServerCounts Server::counts() const {
-  ServerCounts counts = impl_->core().events.counts();
-  counts.open_connections = impl_->core().table.size();
-  counts.open_sockets = impl_->core().table.sockets();
-  return counts;
-}
-std::set<std::int64_t> Server::online() const {
-  return impl_->core().table.online();
-}
-void Server::disconnect(std::int64_t device, std::string reason) {
-  impl_->disconnect(device, std::move(reason));
 }
 
 }  // namespace roomwise::service

@@ -14,6 +14,7 @@
 #include "roomwise/base/file.h"
 #include "roomwise/service/access.h"
 #include "roomwise/service/certificate.h"
+#include "roomwise/service/connection_table.h"
 #include "roomwise/service/router.h"
 
 namespace roomwise::service {
@@ -51,11 +52,7 @@ class SocketHandler {
                                                  std::shared_ptr<SocketOut> out) = 0;
 };
 
-struct ServerLimits {
-  std::size_t connections = 64;      // one more takes the place of the oldest without a token
-  std::size_t unknown_per_peer = 8;  // that have not shown a token; one more is refused
-  std::size_t connections_per_device = 16;
-  std::size_t sockets_per_device = 2;  // the newest stay
+struct ServerLimits : ConnectionLimits {
   std::size_t header_bytes = 8 * 1024;
   std::size_t message_bytes = 4'000'000;  // of a WebSocket message from a client
   std::size_t waiting_bytes = 1'000'000;  // of messages that wait for one client
@@ -113,31 +110,24 @@ class Server {
                                                               AccessRegister& access,
                                                               SocketHandler& sockets);
   // Serves until stop(), which ends it for good. Once.
-  void serve();
+  virtual void serve() = 0;
   // Both, where no handler needs the server itself.
   [[nodiscard]] static Expected<std::unique_ptr<Server>> start(ServerOptions options, Router router,
                                                                AccessRegister& access,
                                                                SocketHandler& sockets);
-  ~Server();  // stop()
-  Server(const Server&) = delete;
-  Server& operator=(const Server&) = delete;
+  virtual ~Server() = default;  // stop()
 
   // Takes no more connections, ends requests that are worked on, closes WebSockets ("the computer
   // stops") and returns when every session's on_closed() has been called. May be called twice. Not
   // from a handler or a session.
-  void stop();
+  virtual void stop() = 0;
 
-  [[nodiscard]] std::uint16_t port() const;
-  [[nodiscard]] ServerCounts counts() const;
+  [[nodiscard]] virtual std::uint16_t port() const = 0;
+  [[nodiscard]] virtual ServerCounts counts() const = 0;
   // The devices that have a WebSocket open.
-  [[nodiscard]] std::set<std::int64_t> online() const;
+  [[nodiscard]] virtual std::set<std::int64_t> online() const = 0;
   // Closes all connections of a device: after its token was revoked.
-  void disconnect(std::int64_t device, std::string reason);
-
- private:
-  class Impl;
-  explicit Server(std::unique_ptr<Impl> impl);
-  std::unique_ptr<Impl> impl_;
+  virtual void disconnect(std::int64_t device, std::string reason) = 0;
 };
 
 }  // namespace roomwise::service

@@ -283,8 +283,13 @@ TEST(ServerTest, ClosesWhoDoesNotGoOn) {
   constexpr double kSoon_s = 0.3;
   const std::vector<Route> routes{route("GET", "/health", std::nullopt),
                                   route("POST", "/open", std::nullopt)};
+  const auto soon = [](double ServerLimits::*limit) {
+    ServerLimits limits;
+    limits.*limit = kSoon_s;
+    return limits;
+  };
   {
-    TestServer home(routes, {.handshake_s = kSoon_s});
+    TestServer home(routes, soon(&ServerLimits::handshake_s));
     RawClient silent(home.port());
     EXPECT_TRUE(silent.is_closed()) << "shakes no hands";
     RawClient mute(home.port());
@@ -292,14 +297,14 @@ TEST(ServerTest, ClosesWhoDoesNotGoOn) {
     EXPECT_TRUE(mute.is_closed()) << "asks nothing";
   }
   {
-    TestServer home(routes, {.request_s = kSoon_s});
+    TestServer home(routes, soon(&ServerLimits::request_s));
     RawClient slow(home.port());
     ASSERT_TRUE(slow.shake_hands());
     slow.send("POST /open HTTP/1.1\r\nHost: h\r\nContent-Length: 5\r\n\r\n12");
     EXPECT_TRUE(slow.is_closed()) << "never ends what it asks";
   }
   {
-    TestServer home(routes, {.idle_s = kSoon_s});
+    TestServer home(routes, soon(&ServerLimits::idle_s));
     RawClient idle(home.port());
     ASSERT_TRUE(idle.shake_hands());
     EXPECT_EQ(idle.ask("GET", "/health").status, 200);

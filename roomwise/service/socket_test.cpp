@@ -179,7 +179,9 @@ TEST_F(SocketTest, WhoIsRemovedIsClosed) {
             200);
   EXPECT_ERROR(connection->receive(kMax), "removed");
   EXPECT_EQ(home_.ask("GET", "/api/me", bearer(home_.device.token)).status, 401);
-  EXPECT_ERROR(ServerConnection::open(address(), credentials(home_.device)), "pair it again");
+  const auto refused = ServerConnection::open(address(), credentials(home_.device));
+  EXPECT_ERROR(refused, "pair it again");
+  EXPECT_EQ(refused.error().code, ErrorCode::kRefused);
 }
 
 TEST_F(SocketTest, ADevicesNewestConnectionsStay) {
@@ -213,14 +215,13 @@ TEST_F(SocketTest, TrustsOneCertificateOnly) {
 }
 
 TEST_F(SocketTest, CanBeInterrupted) {
-  const auto connection = connect();
-  ASSERT_TRUE(connection);
-  connection->interrupt();
-  EXPECT_ERROR(connection->receive(kMax), "interrupted");
-  EXPECT_ERROR(connection->send_text("a"), "interrupted");
-  EXPECT_ERROR(ServerConnection::open(address(), credentials(home_.device),
-                                      {.timeout = kMax, .interrupted = [] { return true; }}),
-               "interrupted");
+  struct Stopped final : Interruption {
+    [[nodiscard]] bool interrupted() const override { return true; }
+  } stopped;
+  const auto opened = ServerConnection::open(address(), credentials(home_.device),
+                                             {.timeout = kMax, .interruption = &stopped});
+  EXPECT_ERROR(opened, "interrupted");
+  EXPECT_EQ(opened.error().code, ErrorCode::kInterrupted);
 }
 
 TEST_F(SocketTest, NothingSecretIsLogged) {
@@ -260,8 +261,9 @@ TEST_F(SocketTest, PairsWithNobodyWhoDoesNotKnowTheCode) {
                      return answer;
                    }};
   TestServer impostor({pair});
-  EXPECT_ERROR(pair_with({"127.0.0.1", impostor.port()}, "123456", "Cap", {.timeout = kMax}),
-               "does not know the code");
+  const auto paired = pair_with({"127.0.0.1", impostor.port()}, "123456", "Cap", {.timeout = kMax});
+  EXPECT_ERROR(paired, "does not know the code");
+  EXPECT_EQ(paired.error().code, ErrorCode::kRefused);
 }
 
 TEST_F(SocketTest, GuessesThroughHttpAreAnsweredByWaiting) {

@@ -114,7 +114,8 @@ Expected<void> Baker::in_chunks(std::string_view work, int rounds, std::size_t c
     for (std::size_t first = 0; first < chunks; first += kChunksPerReport) {
       if (progress_.interrupted()) {
         progress_.end();
-        return fail("the light was not baked to its end: interrupted");
+        return fail_with(ErrorCode::kInterrupted,
+                         "the light was not baked to its end: interrupted");
       }
       pool_.parallel_for(std::min(kChunksPerReport, chunks - first), [&](std::size_t chunk) {
         const std::size_t from = (first + chunk) * kChunk;

@@ -54,8 +54,8 @@ inline KeyframeImages sample_images(KeyframeId id) {
           .depth = Bytes(9000 + id, static_cast<std::uint8_t>(~id))};
 }
 
-inline mapping::PoseGraphEdge sample_edge(KeyframeId from, KeyframeId to, bool is_loop) {
-  mapping::PoseGraphEdge edge{.from = from, .to = to, .from_from_to = sample_pose(0.3)};
+inline scene::PoseGraphEdge sample_edge(KeyframeId from, KeyframeId to, bool is_loop) {
+  scene::PoseGraphEdge edge{.from = from, .to = to, .from_from_to = sample_pose(0.3)};
   edge.information.setConstant(-0.0);
   edge.information.diagonal() << 1, 1.0 / 3, 1e300, 1e-300, 0.1, 7;
   edge.information(0, 5) = edge.information(5, 0) = 2.0 / 3;
@@ -72,13 +72,14 @@ inline Step sample_step(RecordingId recording, NetworkId network, KeyframeId id)
             .edges = {},
             .frames = {},
             .next_frame_index = index + 1};
-  step.keyframes.push_back({.id = id,
-                            .frame_index = index,
-                            .timestamp_ns = 1'305'031'229'000'000'000 + static_cast<int>(index),
-                            .pose = {sample_pose(static_cast<double>(id)), id % 2},
-                            .images = sample_images(id),
-                            .predictions = {{network, sample_prediction(id)}},
-                            .observations = {{"lamp", 0.9}, {"bed", 0.5}}});
+  NewKeyframe& keyframe = step.keyframes.emplace_back();
+  keyframe.id = id;
+  keyframe.frame_index = index;
+  keyframe.timestamp_ns = 1'305'031'229'000'000'000 + static_cast<int>(index);
+  keyframe.pose = {sample_pose(static_cast<double>(id)), id % 2};
+  keyframe.images = sample_images(id);
+  keyframe.predictions = {{network, sample_prediction(id)}};
+  keyframe.observations = {{"lamp", 0.9}, {"bed", 0.5}};
   if (id > 0) {
     step.edges.push_back(sample_edge(id - 1, id, false));
     step.frames.push_back({index - 2, 5, FramePlace{id - 1, sample_pose(0.01)}, ""});
@@ -92,12 +93,12 @@ inline objects::KeyframeDetections sample_look(KeyframeId id) {
   objects::KeyframeDetections look;
   look.coarse_depth = image::DepthImage(3, 2, static_cast<std::uint16_t>(1000 + id));
   look.coarse_depth.at(2, 1) = 0;
-  objects::Region region{
+  objects::Detection region{
       .label = "couch", .score = 0.625F, .box = {1.5F, 2, 30.25F, 40}, .surface = {}};
   region.surface.points = {{0.1F, -0.2F, 1.5F}, {1.0F / 3, 0, 2}};
   region.surface.share = 0.75F;
   region.surface.measured = 0.5F;
-  look.regions = {region, {"bed", 0.3F, {0, 0, 5, 5}, {}}};
+  look.detections = {region, {"bed", 0.3F, {0, 0, 5, 5}, {}}};
   return look;
 }
 
@@ -170,7 +171,7 @@ inline void fill(Home& home) {
   ROOMWISE_MUST(home.add_region_finder({"finder", "f1nd", {"couch", "bed"}}));
   ROOMWISE_MUST(home.put_detections(1, 1, sample_look(1)));
   objects::KeyframeDetections one = sample_look(2);
-  one.regions.resize(1);
+  one.detections.resize(1);
   ROOMWISE_MUST(home.put_detections(2, 1, one));
   ROOMWISE_MUST(add_visits(home));
   ROOMWISE_MUST(home.replace_concepts(rooms::Concepts::standard()));

@@ -29,13 +29,13 @@ std::vector<std::optional<RigidTransform>> steps_to_next(std::span<const std::si
 
 }  // namespace
 
-std::vector<std::optional<RigidTransform>> frame_poses(std::span<const MappedFrame> frames,
+std::vector<std::optional<RigidTransform>> frame_poses(std::span<const Frame> frames,
                                                        const SolvedKeyframes& keyframes,
                                                        std::span<const PoseGraphEdge> edges) {
   const auto& [world_from_keyframe, times_ns, component] = keyframes;
   const auto steps = steps_to_next(component, edges);
   std::vector<std::optional<RigidTransform>> poses;
-  for (const MappedFrame& frame : frames) {
+  for (const Frame& frame : frames) {
     auto& pose = poses.emplace_back();
     if (!frame.place) continue;
     const KeyframeId id = frame.place->keyframe;
@@ -54,8 +54,7 @@ std::vector<std::optional<RigidTransform>> frame_poses(std::span<const MappedFra
 }
 
 std::vector<Vector6d> keyframe_velocities(
-    std::span<const MappedFrame> frames,
-    std::span<const std::optional<RigidTransform>> world_from_frame,
+    std::span<const Frame> frames, std::span<const std::optional<RigidTransform>> world_from_frame,
     const SolvedKeyframes& keyframes) {
   std::map<TimestampNs, std::size_t> frame_at;
   for (std::size_t i = 0; i < frames.size(); ++i) frame_at[frames[i].timestamp_ns] = i;

@@ -25,14 +25,14 @@ struct SolvedKeyframes {
 // grows from one to the other in the course of time. Nothing for frames without a place.
 // `edges` are those that agree with the solution, frames in the order of time.
 [[nodiscard]] std::vector<std::optional<geometry::RigidTransform>> frame_poses(
-    std::span<const MappedFrame> frames, const SolvedKeyframes& keyframes,
+    std::span<const Frame> frames, const SolvedKeyframes& keyframes,
     std::span<const PoseGraphEdge> edges);
 
 // How each key-frame's camera moved while it took its picture: a twist in its own frame (rad/s,
 // m/s) from the poses of the frames before and after. Zero where frames of its piece are too far
 // apart in time to tell.
 [[nodiscard]] std::vector<geometry::Vector6d> keyframe_velocities(
-    std::span<const MappedFrame> frames,
+    std::span<const Frame> frames,
     std::span<const std::optional<geometry::RigidTransform>> world_from_frame,
     const SolvedKeyframes& keyframes);
 

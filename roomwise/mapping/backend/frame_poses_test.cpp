@@ -15,15 +15,14 @@ constexpr TimestampNs kFrame_ns = 30'000'000;
 RigidTransform along(double x_m) {
   return {Eigen::Quaterniond::Identity(), {x_m, 0, 0}};
 }
-MappedFrame frame(int index, KeyframeId keyframe, const RigidTransform& place) {
+Frame frame(int index, KeyframeId keyframe, const RigidTransform& place) {
   return {static_cast<std::uint64_t>(index), index * kFrame_ns, FramePlace{keyframe, place}, {}};
 }
 
 // Two key-frames, frames 0 and 4, and three between them that go on at 0.1 m a frame.
 struct Walk {
-  std::vector<MappedFrame> frames{frame(0, 0, along(0)), frame(1, 0, along(0.1)),
-                                  frame(2, 0, along(0.2)), frame(3, 0, along(0.3)),
-                                  frame(4, 1, along(0))};
+  std::vector<Frame> frames{frame(0, 0, along(0)), frame(1, 0, along(0.1)), frame(2, 0, along(0.2)),
+                            frame(3, 0, along(0.3)), frame(4, 1, along(0))};
   std::vector<TimestampNs> times{0, 4 * kFrame_ns};
   std::vector<std::size_t> component{0, 0};
   std::vector<PoseGraphEdge> edges{{0, 1, along(0.4), Matrix6d::Identity(), false}};
@@ -75,7 +74,7 @@ TEST(FramePoses, LeaveFramesWithoutAPlaceOut) {
 TEST(KeyframeMotions, AreThoseBetweenTheFramesAround) {
   Vector6d motion;
   motion << 0.5, -1, 0.2, 0.3, 0.1, -0.4;  // rad/s, m/s
-  std::vector<MappedFrame> frames;
+  std::vector<Frame> frames;
   std::vector<std::optional<RigidTransform>> poses;
   for (int i = 0; i < 5; ++i) {
     frames.push_back(frame(i, 0, {}));
@@ -88,14 +87,14 @@ TEST(KeyframeMotions, AreThoseBetweenTheFramesAround) {
   for (const Vector6d& found : velocities) EXPECT_LT((found - motion).norm(), 0.03);
 
   // Three frames a second tell no motion, nor does a frame alone.
-  for (MappedFrame& each : frames) each.timestamp_ns *= 10;
+  for (Frame& each : frames) each.timestamp_ns *= 10;
   const std::vector<TimestampNs> later{20 * kFrame_ns, 40 * kFrame_ns};
   EXPECT_EQ(keyframe_velocities(frames, poses, {{}, later, component})[0], Vector6d::Zero());
   EXPECT_EQ(keyframe_velocities({}, {}, {{}, times, component})[0], Vector6d::Zero());
 }
 
 TEST(KeyframeMotions, AreNoJumpsBetweenWorlds) {
-  const std::vector<MappedFrame> frames{frame(0, 0, {}), frame(1, 0, along(0.01)), frame(2, 1, {})};
+  const std::vector<Frame> frames{frame(0, 0, {}), frame(1, 0, along(0.01)), frame(2, 1, {})};
   const std::vector<std::optional<RigidTransform>> poses{along(0), along(0.01), along(50)};
   const std::vector<TimestampNs> times{kFrame_ns, 2 * kFrame_ns};
   const std::vector<std::size_t> component{0, 1};

@@ -67,7 +67,7 @@ class Refiner {
         edges_(agreeing_edges(solution, inputs.edges, solver)),
         poses_(solution.world_from_keyframe) {
     bundle_.model = {inputs.camera, options.residuals, 0};
-    bundle_.fixed = solution.components;
+    bundle_.fixed_cameras = solution.components;
     bundle_.cameras.resize(poses_.size());
     const auto pairs = covisible_keyframes(inputs.features, poses_, solution.component,
                                            inputs.camera, options.landmarks);
@@ -82,19 +82,17 @@ class Refiner {
     constexpr double kFirstSigmas = 10;
     MapRefinement refinement;
     int done = 0;
-    const auto goes_on = [&] {
+    const auto go_on = [&] {
       progress_.advance(static_cast<std::uint64_t>(done++), "");
-      return !progress_.interrupted();
+      return progress_.check("landmarks were adjusted");
     };
     for (int round = 0; round < options_.rounds; ++round) {
       take_poses();
       cull_views(bundle_, (round == 0 ? kFirstSigmas : 1) * options_.max_sigmas);
-      ROOMWISE_TRY(const BundleReport report, adjust_bundle(bundle_, options_.bundle, goes_on));
-      refinement.iterations += report.iterations;
-      if (report.interrupted) {
-        refinement.finished = false;
-        return refinement;
-      }
+      ROOMWISE_TRY(const BundleReport report, adjust_bundle(bundle_, options_.bundle, go_on));
+      refinement.iterations += report.solver.iterations;
+      refinement.termination = report.solver.termination;
+      refinement.rms_px = report.rms_px;
       for (std::size_t id = 0; id < poses_.size(); ++id)
         poses_[id] = bundle_.cameras[places_[id]].world_from_camera;
     }

@@ -27,7 +27,7 @@ struct RefinementInputs {
   std::span<const PoseGraphEdge> edges;         // those that the solution was found from
   std::span<const KeyframeFeatures> features;   // by key-frame id
   std::span<const TimestampNs> keyframe_times;  // by key-frame id
-  std::span<const MappedFrame> frames;          // in the order of time
+  std::span<const Frame> frames;                // in the order of time
   geometry::PinholeCamera camera;
 };
 
@@ -39,8 +39,9 @@ struct MapRefinement {
   // Of the camera's rolling shutter; nothing where no frame is near enough in time to another for
   // the camera's motion to be known.
   std::optional<double> readout_s;
+  double rms_px = 0;  // of the views: see BundleReport
   int iterations = 0;
-  bool finished = true;  // not interrupted; else the rest means nothing
+  geometry::Termination termination = geometry::Termination::kConverged;  // of the last round
 };
 
 // Bundle adjustment of a solved map: landmarks that covisible key-frames see, with depth as

@@ -62,7 +62,7 @@ struct Map {
   std::vector<PoseGraphEdge> edges;
   std::vector<KeyframeFeatures> features;
   std::vector<TimestampNs> times;
-  std::vector<MappedFrame> frames;
+  std::vector<Frame> frames;
 };
 
 TEST(RefineMap, IsBetterThanThePoseGraph) {

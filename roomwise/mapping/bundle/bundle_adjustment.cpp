@@ -2,9 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
-#include "roomwise/mapping/bundle/bundle_system.h"
+#include "roomwise/mapping/bundle/bundle_problem.h"
 #include "roomwise/mapping/graph/edge_error.h"
 
 namespace roomwise::mapping {
@@ -34,8 +33,8 @@ Expected<void> check_landmark(const Bundle& bundle, std::size_t index) {
 }
 
 Expected<void> check(const Bundle& bundle) {
-  if (bundle.fixed == 0 || bundle.fixed > bundle.cameras.size()) {
-    return fail("{} of {} cameras are fixed; at least one must be", bundle.fixed,
+  if (bundle.fixed_cameras == 0 || bundle.fixed_cameras > bundle.cameras.size()) {
+    return fail("{} of {} cameras are fixed; at least one must be", bundle.fixed_cameras,
                 bundle.cameras.size());
   }
   for (std::size_t i = 0; i < bundle.landmarks.size(); ++i)
@@ -49,17 +48,25 @@ Expected<void> check(const Bundle& bundle) {
   return {};
 }
 
-Bundle stepped(const Bundle& bundle, const BundleStep& step) {
-  Bundle next = bundle;
-  for (std::size_t i = bundle.fixed; i < bundle.cameras.size(); ++i) {
-    const auto first = 6 * static_cast<Eigen::Index>(i - bundle.fixed);
-    geometry::RigidTransform& pose = next.cameras[i].world_from_camera;
-    pose = retract(pose, step.cameras.segment<6>(first));
+template <typename Visit>
+void for_each_residual(const Bundle& bundle, const Visit& visit) {
+  for (const Landmark& landmark : bundle.landmarks) {
+    for (const LandmarkView& view : landmark.views) {
+      visit(reprojection_residual(view, landmark.point_world, bundle.cameras[view.camera],
+                                  bundle.model));
+    }
   }
-  for (std::size_t i = 0; i < bundle.landmarks.size(); ++i)
-    next.landmarks[i].point_world += step.points[i];
-  next.model.readout_s += step.readout_s;
-  return next;
+}
+
+double rms_px(const Bundle& bundle) {
+  double squares = 0;
+  std::size_t views = 0;
+  for_each_residual(bundle, [&](const Eigen::Vector3d& error) {
+    squares += error.head<2>().squaredNorm();
+    ++views;
+  });
+  if (views == 0) return 0;
+  return bundle.model.residuals.pixel_sigma_px * std::sqrt(squares / static_cast<double>(views));
 }
 
 }  // namespace
@@ -76,78 +83,39 @@ Expected<void> BundleOptions::validate() const {
 
 double bundle_cost(const Bundle& bundle, const BundleOptions& options) {
   double sum = 0;
-  for (const Landmark& landmark : bundle.landmarks) {
-    for (const LandmarkView& view : landmark.views) {
-      const Eigen::Vector3d error = reprojection_residual(
-          view, landmark.point_world, bundle.cameras[view.camera], bundle.model);
-      sum += view_cost(error.squaredNorm(), options.kernel_sigmas).value;
-    }
-  }
+  for_each_residual(bundle,
+                    [&](const Eigen::Vector3d& error) { sum += view_loss(error, options).value; });
   for (const PoseGraphEdge& edge : bundle.edges) {
-    const geometry::Vector6d error =
-        edge_error(edge.from_from_to, bundle.cameras[edge.from].world_from_camera,
-                   bundle.cameras[edge.to].world_from_camera);
-    sum += error.dot(edge.information * error);
+    sum += edge_cost(edge, bundle.cameras[edge.from].world_from_camera,
+                     bundle.cameras[edge.to].world_from_camera);
   }
   if (options.readout_sigma_s > 0)
     sum += std::pow(bundle.model.readout_s / options.readout_sigma_s, 2);
   return sum;
 }
 
-// The damping is Nielsen's, as in pose_graph_solver.
 Expected<BundleReport> adjust_bundle(Bundle& bundle, const BundleOptions& options,
-                                     const std::function<bool()>& goes_on) {
-  constexpr double kFirstDamping = 1e-6;
-  constexpr double kMinDamping = 1e-9;
-  constexpr double kMaxDamping = 1e9;
+                                     const std::function<Expected<void>()>& go_on) {
   constexpr double kRounding = 1e-10;  // steps of cameras that are so small, m and rad, are none
   ROOMWISE_CHECK_OK(options.validate());
   ROOMWISE_CHECK_OK(check(bundle));
   BundleReport report;
-  double current = report.cost_before = report.cost_after = bundle_cost(bundle, options);
-  if (bundle.fixed == bundle.cameras.size()) {
-    report.converged = true;
-    return report;
+  if (bundle.fixed_cameras == bundle.cameras.size()) {
+    report.solver.initial_cost = report.solver.final_cost = bundle_cost(bundle, options);
+  } else {
+    BundleProblem problem(bundle, options);
+    Expected<void> going;
+    report.solver = geometry::minimize(problem,
+                                       {.max_iterations = options.max_iterations,
+                                        .relative_tolerance = options.relative_tolerance,
+                                        .min_step_length = kRounding},
+                                       [&] {
+                                         going = go_on();
+                                         return going.has_value();
+                                       });
+    ROOMWISE_CHECK_OK(going);
   }
-  BundleSystem system(bundle, options);
-  double damping = kFirstDamping;
-  double growth = 2;
-  bool moved_on = true;
-  while (!report.converged && report.iterations < options.max_iterations &&
-         damping <= kMaxDamping) {
-    if (!goes_on()) {
-      report.interrupted = true;
-      break;
-    }
-    ++report.iterations;
-    if (std::exchange(moved_on, false)) system.linearize();
-    const auto step = system.solve(damping);
-    if (!step) {
-      damping *= 10;
-      continue;
-    }
-    const bool is_no_step = step->cameras.lpNorm<Eigen::Infinity>() <= kRounding;
-    Bundle next = stepped(bundle, *step);
-    const double changed = bundle_cost(next, options);
-    if (changed <= current) {
-      const double ratio =
-          step->predicted_reduction > 0 ? (current - changed) / step->predicted_reduction : 1;
-      report.converged = is_no_step || current - changed <= options.relative_tolerance * current;
-      damping *= std::clamp(1 - std::pow(2 * ratio - 1, 3), 0.1, 2.0);
-      damping = std::max(damping, kMinDamping);
-      growth = 2;
-      bundle = std::move(next);
-      current = changed;
-      moved_on = true;
-    } else {
-      report.converged =
-          is_no_step || (step->predicted_reduction <= options.relative_tolerance * current &&
-                         damping <= kFirstDamping);
-      damping *= growth;
-      growth *= 2;
-    }
-  }
-  report.cost_after = current;
+  report.rms_px = rms_px(bundle);
   return report;
 }
 

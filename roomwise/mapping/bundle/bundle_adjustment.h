@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "roomwise/base/expected.h"
+#include "roomwise/geometry/levenberg_marquardt.h"
 #include "roomwise/mapping/bundle/reprojection_residual.h"
 #include "roomwise/mapping/graph/pose_graph.h"
 
@@ -21,7 +22,7 @@ struct Landmark {
 struct Bundle {
   ViewModel model;
   std::vector<MovingCamera> cameras;
-  std::size_t fixed = 1;  // so many of the first cameras stay where they are
+  std::size_t fixed_cameras = 1;  // so many of the first cameras stay where they are
   std::vector<Landmark> landmarks;
   std::vector<PoseGraphEdge> edges;  // between places among the cameras
 };
@@ -33,18 +34,15 @@ struct BundleOptions {
   // expectation that it is of this size, s; 0: it is left as it is.
   double readout_sigma_s = 0.03;
   int max_iterations = 10;
-  // Stops when an iteration lowers the cost by less than this part of it.
+  // Stops when an iteration lowers the cost, or promises to, by less than this part of it.
   double relative_tolerance = 1e-3;
 
   [[nodiscard]] Expected<void> validate() const;
 };
 
 struct BundleReport {
-  double cost_before = 0;
-  double cost_after = 0;
-  int iterations = 0;
-  bool converged = false;
-  bool interrupted = false;
+  geometry::MinimizerSummary solver;  // of bundle_cost()
+  double rms_px = 0;  // root mean square of how far the views' pixels are from their landmarks
 };
 
 // The sum of Cauchy's costs of all views, of e^T Omega e of all edges, and of the readout time's.
@@ -54,12 +52,12 @@ struct BundleReport {
 // Levenberg and Marquardt's method: landmarks are eliminated (Schur's complement), what stays is
 // solved by BlockCholesky (Triggs et al., "Bundle adjustment - a modern synthesis", 2000). Runs on
 // one thread and calls no BLAS: same bundle, same bits. Views of points behind their camera must be
-// taken out before (cull_views()). `goes_on` is asked before each iteration, and the first no ends
-// the work where it is. Fails on a view of a camera or an edge to one that is not there, two views
-// of one camera, numbers that are not finite.
+// taken out before (cull_views()). `go_on` is asked before each iteration, and where it fails so
+// does the work. Fails on a view of a camera or an edge to one that is not there, two views of one
+// camera, numbers that are not finite.
 [[nodiscard]] Expected<BundleReport> adjust_bundle(
     Bundle& bundle, const BundleOptions& options = {},
-    const std::function<bool()>& goes_on = [] { return true; });
+    const std::function<Expected<void>()>& go_on = [] { return Expected<void>(); });
 
 // Takes out views whose residual is larger than so many sigmas, and landmarks that are left with
 // fewer than `min_views`. The number of views taken out.

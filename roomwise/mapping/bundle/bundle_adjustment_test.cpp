@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "roomwise/base/testing/testing.h"
+#include "roomwise/mapping/bundle/bundle_problem.h"
 #include "roomwise/mapping/testing/synthetic_bundle.h"
 
 namespace roomwise::mapping {
@@ -30,8 +31,8 @@ TEST(AdjustBundle, RecoversASceneWithoutNoise) {
   Bundle bundle = scene.guess();
   const auto report = adjust_bundle(bundle, thorough());
   ASSERT_OK(report);
-  EXPECT_TRUE(report->converged);
-  EXPECT_LT(report->cost_after, 1e-6);
+  EXPECT_TRUE(report->solver.converged());
+  EXPECT_LT(report->solver.final_cost, 1e-6);
   EXPECT_LT(worst_error_m(bundle, scene.truth()), 1e-6);
   for (std::size_t i = 0; i < bundle.landmarks.size(); ++i) {
     EXPECT_LT((bundle.landmarks[i].point_world - scene.truth().landmarks[i].point_world).norm(),
@@ -96,20 +97,55 @@ TEST(AdjustBundle, NeedsNoDepthWhereTheEdgesTellTheScale) {
 TEST(AdjustBundle, HoldsTheFixedCamerasToTheBit) {
   SyntheticScene scene({.noise_sigmas = 1});
   Bundle bundle = scene.guess();
-  bundle.fixed = 3;
+  bundle.fixed_cameras = 3;
   const Bundle before = bundle;
   ASSERT_OK(adjust_bundle(bundle));
   for (std::size_t i = 0; i < bundle.cameras.size(); ++i) {
     const auto& pose = bundle.cameras[i].world_from_camera;
     const auto& was = before.cameras[i].world_from_camera;
-    EXPECT_EQ(pose.translation == was.translation, i < bundle.fixed);
-    EXPECT_EQ(pose.rotation.coeffs() == was.rotation.coeffs(), i < bundle.fixed);
+    EXPECT_EQ(pose.translation == was.translation, i < bundle.fixed_cameras);
+    EXPECT_EQ(pose.rotation.coeffs() == was.rotation.coeffs(), i < bundle.fixed_cameras);
   }
   // With all held, only nothing is left to do.
-  bundle.fixed = bundle.cameras.size();
+  bundle.fixed_cameras = bundle.cameras.size();
   const auto report = adjust_bundle(bundle);
   ASSERT_OK(report);
-  EXPECT_EQ(report->iterations, 0);
+  EXPECT_EQ(report->solver.iterations, 0);
+}
+
+TEST(AdjustBundle, SaysHowFarThePixelsAreOff) {
+  SyntheticScene scene({.cameras = 4, .landmarks = 50});
+  Bundle bundle = scene.truth();
+  bundle.fixed_cameras = bundle.cameras.size();
+  bundle.model.residuals.pixel_sigma_px = 2;
+  double views = 0;
+  for (const Landmark& landmark : bundle.landmarks)
+    views += static_cast<double>(landmark.views.size());
+  bundle.landmarks[0].views[0].pixel += Eigen::Vector2d(3, 4);
+  const auto report = adjust_bundle(bundle);
+  ASSERT_OK(report);
+  EXPECT_NEAR(report->rms_px, 5 / std::sqrt(views), 1e-9);
+}
+
+TEST(BundleProblem, PredictsWhatADampedStepGains) {
+  SyntheticScene scene({.noise_sigmas = 0.1, .readout_s = 0.01});
+  Bundle bundle = scene.guess(1e-4, 1e-4);
+  for (std::size_t i = 0; i < bundle.landmarks.size(); ++i)
+    bundle.landmarks[i].point_world =
+        scene.truth().landmarks[i].point_world + 1e-3 * Eigen::Vector3d::Ones();
+  bundle.model.readout_s = 0.009;
+  const BundleOptions options{.kernel_sigmas = 1e3};
+  BundleProblem problem(bundle, options);
+  const double cost = problem.cost();
+  problem.linearize();
+  for (const double damping : {1e-3, 0.1, 3.0}) {
+    const auto step = problem.solve(damping);
+    ASSERT_TRUE(step);
+    problem.take_step();
+    EXPECT_NEAR(cost - problem.cost(), step->predicted_reduction, 0.01 * step->predicted_reduction);
+    problem.undo_step();
+    EXPECT_EQ(problem.cost(), cost);
+  }
 }
 
 TEST(AdjustBundle, GivesTheSameBitsAgainAndOnAnotherThread) {
@@ -183,7 +219,7 @@ double optimum_of_ceres(const Bundle& bundle, const BundleOptions& options) {
         new ceres::NumericDiffCostFunction<EdgeCost, ceres::CENTRAL, 6, 6, 6>(new EdgeCost{edge}),
         nullptr, cameras[edge.from].data(), cameras[edge.to].data());
   }
-  for (std::size_t i = 0; i < bundle.fixed; ++i)
+  for (std::size_t i = 0; i < bundle.fixed_cameras; ++i)
     problem.SetParameterBlockConstant(cameras[i].data());
   ceres::Solver::Options solver;
   solver.linear_solver_type = ceres::DENSE_SCHUR;
@@ -206,7 +242,7 @@ TEST(AdjustBundle, FindsTheOptimumThatCeresFinds) {
     const double expected = optimum_of_ceres(bundle, options);
     const auto report = adjust_bundle(bundle, options);
     ASSERT_OK(report);
-    EXPECT_NEAR(report->cost_after, expected, 1e-5 * expected) << "seed " << seed;
+    EXPECT_NEAR(report->solver.final_cost, expected, 1e-5 * expected) << "seed " << seed;
   }
 }
 
@@ -234,7 +270,7 @@ TEST(AdjustBundle, RefusesABrokenBundle) {
     change(bundle);
     return adjust_bundle(bundle);
   };
-  EXPECT_ERROR(after([](Bundle& b) { b.fixed = 0; }), "at least one");
+  EXPECT_ERROR(after([](Bundle& b) { b.fixed_cameras = 0; }), "at least one");
   EXPECT_ERROR(after([](Bundle& b) { b.landmarks[3].views[0].camera = 9; }),
                "landmark 3 is seen by camera 9 of 4");
   EXPECT_ERROR(after([](Bundle& b) { b.landmarks[2].views[1] = b.landmarks[2].views[0]; }),

@@ -5,7 +5,7 @@
 
 #include "roomwise/geometry/pinhole_camera.h"
 #include "roomwise/geometry/rigid_transform.h"
-#include "roomwise/motion/pose_refinement.h"
+#include "roomwise/motion/point_residual.h"
 
 namespace roomwise::mapping {
 
@@ -34,9 +34,7 @@ struct ViewModel {
   double readout_s = 0;
 };
 
-// (du, dv, dd) / sigma of a view, as motion::residual(): the pixel against where the camera, as it
-// stood when it exposed that row, should see the point, and the disparities; dd is 0 where no depth
-// was measured. A point behind the camera gives an infinite residual.
+// motion::point_residual() of a view from where the camera stood when it exposed that row.
 [[nodiscard]] Eigen::Vector3d reprojection_residual(const LandmarkView& view,
                                                     const Eigen::Vector3d& point_world,
                                                     const MovingCamera& camera,
@@ -45,9 +43,9 @@ struct ViewModel {
 // How reprojection_residual() changes: with a step of the pose (translation along the world's axes,
 // then a turn about the camera's own: see retract()), with the point, and with the readout time.
 struct ReprojectionJacobians {
-  Eigen::Matrix<double, 3, 6> by_pose;
-  Eigen::Matrix3d by_point;
-  Eigen::Vector3d by_readout;
+  Eigen::Matrix<double, 3, 6> d_pose;
+  Eigen::Matrix3d d_point;
+  Eigen::Vector3d d_readout;
 };
 // The point must lie in front of the camera.
 [[nodiscard]] ReprojectionJacobians reprojection_jacobians(const LandmarkView& view,

@@ -5,6 +5,7 @@
 
 #include "roomwise/mapping/graph/edge_error.h"
 #include "roomwise/mapping/testing/synthetic_bundle.h"
+#include "roomwise/motion/pose_refinement.h"
 
 namespace roomwise::mapping {
 namespace {
@@ -36,34 +37,34 @@ TEST(ReprojectionResidual, ItsJacobiansAreItsDerivatives) {
   RandomStream random(1);
   for (int i = 0; i < 200; ++i) {
     const Trial trial = random_trial(random, i % 3 != 0, i % 2 == 0 ? 0.02 : 0);
-    const ReprojectionJacobians by =
+    const ReprojectionJacobians jacobians =
         reprojection_jacobians(trial.view, trial.point_world, trial.camera, trial.model);
     const auto column = [&](const auto& error_after) {
       return ((error_after(kStep) - error_after(-kStep)) / (2 * kStep)).eval();
     };
     for (Eigen::Index k = 0; k < 6; ++k) {
-      const Eigen::Vector3d by_pose = column([&](double step) {
+      const Eigen::Vector3d d_pose = column([&](double step) {
         MovingCamera camera = trial.camera;
         camera.world_from_camera =
             retract(camera.world_from_camera, step * geometry::Vector6d::Unit(k));
         return reprojection_residual(trial.view, trial.point_world, camera, trial.model);
       });
-      EXPECT_LT((by.by_pose.col(k) - by_pose).norm(), 1e-4 * (1 + by_pose.norm()));
+      EXPECT_LT((jacobians.d_pose.col(k) - d_pose).norm(), 1e-4 * (1 + d_pose.norm()));
     }
     for (Eigen::Index k = 0; k < 3; ++k) {
-      const Eigen::Vector3d by_point = column([&](double step) {
+      const Eigen::Vector3d d_point = column([&](double step) {
         return reprojection_residual(trial.view,
                                      trial.point_world + step * Eigen::Vector3d::Unit(k),
                                      trial.camera, trial.model);
       });
-      EXPECT_LT((by.by_point.col(k) - by_point).norm(), 1e-4 * (1 + by_point.norm()));
+      EXPECT_LT((jacobians.d_point.col(k) - d_point).norm(), 1e-4 * (1 + d_point.norm()));
     }
-    const Eigen::Vector3d by_readout = column([&](double step) {
+    const Eigen::Vector3d d_readout = column([&](double step) {
       ViewModel model = trial.model;
       model.readout_s += step;
       return reprojection_residual(trial.view, trial.point_world, trial.camera, model);
     });
-    EXPECT_LT((by.by_readout - by_readout).norm(), 1e-4 * (1 + by_readout.norm()));
+    EXPECT_LT((jacobians.d_readout - d_readout).norm(), 1e-4 * (1 + d_readout.norm()));
   }
 }
 

@@ -53,13 +53,13 @@ Mapper::Mapper(const geometry::PinholeCamera& camera, const MapperOptions& optio
 Expected<void> Mapper::restore_keyframe(Keyframe keyframe) {
   if (options_.loops.similar > 0)
     index_.add(keyframe.id, keyframe.measurements.features().features);
-  keyframes_.push_back({keyframe.id, keyframe.frame_index, keyframe.timestamp_ns});
+  keyframes_.push_back(keyframe);
   return store_.add(std::move(keyframe.measurements));
 }
 
-void Mapper::restore(std::span<const PoseGraphEdge> edges, std::span<const MappedFrame> frames) {
+void Mapper::restore(std::span<const PoseGraphEdge> edges, std::span<const Frame> frames) {
   for (const PoseGraphEdge& edge : edges) graph_.add(edge);
-  for (const MappedFrame& frame : frames) {
+  for (const Frame& frame : frames) {
     if (frame.place) set_reference(frame.place->keyframe);
     frames_lost_ = frame.place ? 0 : frames_lost_ + 1;
     frames_.push_back(frame);
@@ -164,7 +164,7 @@ void Mapper::reach_checkpoint(MapStep& step) {
   step.is_checkpoint = true;
 }
 
-std::optional<StampedPlace> Mapper::from_reference(const MappedFrame& frame) const {
+std::optional<StampedPlace> Mapper::from_reference(const Frame& frame) const {
   if (!frame.place) return std::nullopt;
   const FramePlace& place = *frame.place;
   if (place.keyframe == reference_history_.back())
@@ -188,7 +188,7 @@ std::optional<motion::PosePrior> Mapper::predict_pose() const {
 Mapper::Outcome Mapper::track(const motion::FrameMeasurements& current) {
   const KeyframeId reference = reference_history_.back();
   ROOMWISE_TRY(const SharedMeasurements measured, store_.get(reference));
-  const RandomStream random(options_.seed, {frames_.back().frame_index, reference});
+  const RandomStream random(options_.seed, {frames_.back().index, reference});
   if (options_.method == MappingMethod::kPaper) {
     return motion::estimate_motion(measured->features(), current.features(), camera_,
                                    options_.locator.features, random);
@@ -249,7 +249,7 @@ Expected<std::optional<Mapper::RevisitedKeyframe>> Mapper::find_revisited(
     const auto prior =
         motion::PosePrior::around(candidate.keyframe_from_camera, kStepsSigma_m, kStepsSigma_rad);
     ROOMWISE_TRY(const motion::MotionOutcome outcome,
-                 compare(candidate.id, current, frames_.back().frame_index, prior));
+                 compare(candidate.id, current, frames_.back().index, prior));
     // Without features there were no matches to look at.
     const bool is_sure = outcome.matches == 0;
     const bool is_old = candidate.id + min_age < keyframes_.size();
@@ -275,8 +275,8 @@ void Mapper::go_on_from(const RevisitedKeyframe& known, const motion::RefinedPos
 Expected<void> Mapper::add_keyframe(std::size_t frame_position,
                                     motion::FrameMeasurements measurements,
                                     const std::optional<PoseGraphEdge>& link, MapStep& step) {
-  MappedFrame& frame = frames_[frame_position];
-  const KeyframeStamp newest{keyframes_.size(), frame.frame_index, frame.timestamp_ns};
+  Frame& frame = frames_[frame_position];
+  const KeyframeStamp newest{keyframes_.size(), frame.index, frame.timestamp_ns};
   frames_lost_ = 0;
   frame.place = FramePlace{newest.id, RigidTransform::identity()};
   frame.no_pose_reason.clear();

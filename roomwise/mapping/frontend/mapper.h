@@ -3,7 +3,6 @@
 #include <deque>
 #include <optional>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "roomwise/mapping/frontend/appearance_index.h"
@@ -12,21 +11,12 @@
 #include "roomwise/mapping/frontend/mapper_options.h"
 #include "roomwise/mapping/frontend/measurement_store.h"
 #include "roomwise/mapping/frontend/motion_prediction.h"
+#include "roomwise/scene/frame.h"
 
 namespace roomwise::mapping {
 
-// Where a frame is: relative to a key-frame, whose pose may still change.
-struct FramePlace {
-  KeyframeId keyframe = 0;
-  geometry::RigidTransform keyframe_from_camera;
-};
-
-struct MappedFrame {
-  std::uint64_t frame_index = 0;
-  TimestampNs timestamp_ns = 0;
-  std::optional<FramePlace> place;
-  std::string no_pose_reason;  // the motion's outcome, where there is no place
-};
+using scene::Frame;
+using scene::FramePlace;
 
 // What one frame changed, for those who store or show the map as it grows.
 struct MapStep {
@@ -64,7 +54,7 @@ class Mapper {
   // Takes back what an earlier run had mapped up to a checkpoint: first all key-frames, by id, then
   // the rest.
   [[nodiscard]] Expected<void> restore_keyframe(Keyframe keyframe);
-  void restore(std::span<const PoseGraphEdge> edges, std::span<const MappedFrame> frames);
+  void restore(std::span<const PoseGraphEdge> edges, std::span<const Frame> frames);
 
   // Frames must come in the order of time. The combined method gains nothing over the paper's for
   // frames without views.
@@ -76,7 +66,7 @@ class Mapper {
   // Of a key-frame that is there.
   [[nodiscard]] Expected<SharedMeasurements> measurements(KeyframeId id) { return store_.get(id); }
   // The frames that are not released yet, in the order of time.
-  [[nodiscard]] const std::deque<MappedFrame>& frames() const { return frames_; }
+  [[nodiscard]] const std::deque<Frame>& frames() const { return frames_; }
   // How many were added in all.
   [[nodiscard]] std::uint64_t frame_count() const { return released_ + frames_.size(); }
   // The caller has taken the frames down to the newest but `keep`: they need not be kept for it.
@@ -98,7 +88,7 @@ class Mapper {
   // last; nothing where it was lost for long.
   [[nodiscard]] std::optional<motion::PosePrior> predict_pose() const;
   // A placed frame relative to the reference, if an edge leads there from where it was placed.
-  [[nodiscard]] std::optional<StampedPlace> from_reference(const MappedFrame& frame) const;
+  [[nodiscard]] std::optional<StampedPlace> from_reference(const Frame& frame) const;
   [[nodiscard]] bool can_begin(const motion::FrameMeasurements& measurements) const;
   [[nodiscard]] bool needs_keyframe(const geometry::RigidTransform& motion) const;
   // A motion by what makes a key-frame: 1 just does.
@@ -137,7 +127,7 @@ class Mapper {
   std::vector<KeyframeStamp> keyframes_;
   MeasurementStore store_;
   KeyframeGraph graph_;
-  std::deque<MappedFrame> frames_;
+  std::deque<Frame> frames_;
   std::uint64_t released_ = 0;  // frames before those
   // The key-frames that were the reference last, the present one at the end; each frame that was
   // placed belongs to one.

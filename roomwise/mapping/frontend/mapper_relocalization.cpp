@@ -55,7 +55,7 @@ Expected<void> Mapper::relocalize(const motion::FrameMeasurements& current, Keyf
                                   motion::MotionOutcome& outcome) {
   // Being lost, any key-frame may be the one: the candidates of a loop closure, as if this frame
   // were a key-frame.
-  const std::uint64_t frame_index = frames_.back().frame_index;
+  const std::uint64_t frame_index = frames_.back().index;
   std::vector<KeyframeId> ids = neighbors(1);
   const std::vector<KeyframeId> similar = similar_keyframes(current, keyframes_.size());
   ids.insert(ids.end(), similar.begin(), similar.end());

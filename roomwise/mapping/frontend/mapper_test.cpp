@@ -104,19 +104,18 @@ class MapperTest : public ::testing::Test {
   }
   static double worst_error_m(const Mapper& mapper, const MapSolution& solution) {
     double worst = 0;
-    for (const MappedFrame& frame : mapper.frames()) {
+    for (const Frame& frame : mapper.frames()) {
       if (!frame.place) continue;
       const RigidTransform pose =
           solution.world_from_keyframe[frame.place->keyframe] * frame.place->keyframe_from_camera;
       worst = std::max(
-          worst,
-          (pose.translation - pose_at(static_cast<int>(frame.frame_index)).translation).norm());
+          worst, (pose.translation - pose_at(static_cast<int>(frame.index)).translation).norm());
     }
     return worst;
   }
   static void expect_all_placed(const Mapper& mapper) {
-    for (const MappedFrame& frame : mapper.frames()) {
-      EXPECT_TRUE(frame.place.has_value()) << frame.frame_index << ": " << frame.no_pose_reason;
+    for (const Frame& frame : mapper.frames()) {
+      EXPECT_TRUE(frame.place.has_value()) << frame.index << ": " << frame.no_pose_reason;
     }
   }
   static void expect_one_component_within(const Mapper& mapper, double max_error_m) {
@@ -144,11 +143,9 @@ class MapperTest : public ::testing::Test {
     for (const KeyframeStamp& keyframe : from.keyframes()) {
       const auto measurements = from.measurements(keyframe.id);
       ASSERT_OK(measurements);
-      ASSERT_OK(mapper.restore_keyframe(
-          {keyframe.id, keyframe.frame_index, keyframe.timestamp_ns, **measurements}));
+      ASSERT_OK(mapper.restore_keyframe({keyframe, **measurements}));
     }
-    mapper.restore(from.edges(),
-                   std::vector<MappedFrame>(from.frames().begin(), from.frames().end()));
+    mapper.restore(from.edges(), std::vector<Frame>(from.frames().begin(), from.frames().end()));
   }
   static inline const RoomOfPoints kRoom{1};
 };
@@ -313,9 +310,9 @@ TEST_F(CombinedMapperTest, SurvivesAShortBlackout) {
   for (int frame = 0; frame < 10; ++frame) add(mapper, frame);
   for (int frame = 10; frame < 13; ++frame) add(mapper, frame, Shows::kNothing);
   for (int frame = 13; frame < 20; ++frame) add(mapper, frame);
-  for (const MappedFrame& frame : mapper.frames()) {
-    const bool is_dark = frame.frame_index >= 10 && frame.frame_index < 13;
-    EXPECT_EQ(frame.place.has_value(), !is_dark) << frame.frame_index;
+  for (const Frame& frame : mapper.frames()) {
+    const bool is_dark = frame.index >= 10 && frame.index < 13;
+    EXPECT_EQ(frame.place.has_value(), !is_dark) << frame.index;
   }
   expect_one_component_within(mapper, 0.02);
 }
@@ -352,11 +349,11 @@ TEST_F(CombinedMapperTest, GoesOnFromKeyframesThatItKnows) {
   const auto solution = solve_map(mapper.keyframes().size(), mapper.edges());
   ASSERT_OK(solution);
   EXPECT_EQ(solution->components, 1U);
-  for (const MappedFrame& frame : mapper.frames()) {
+  for (const Frame& frame : mapper.frames()) {
     const RigidTransform pose =
         solution->world_from_keyframe[frame.place->keyframe] * frame.place->keyframe_from_camera;
-    const RigidTransform truth = pose_at(to_and_fro(static_cast<int>(frame.frame_index)));
-    EXPECT_LT((pose.translation - truth.translation).norm(), 0.02) << frame.frame_index;
+    const RigidTransform truth = pose_at(to_and_fro(static_cast<int>(frame.index)));
+    EXPECT_LT((pose.translation - truth.translation).norm(), 0.02) << frame.index;
   }
 
   MapperOptions never;

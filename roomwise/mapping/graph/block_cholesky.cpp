@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "roomwise/geometry/levenberg_marquardt.h"
 #include "roomwise/mapping/graph/front_kernels.h"
 
 namespace roomwise::mapping {
@@ -153,6 +154,16 @@ void BlockCholesky::solve(Eigen::VectorXd& x) const {
     x.segment<kSize>(kSize * static_cast<Eigen::Index>(block_at_[k])) =
         ordered.segment<kSize>(kSize * static_cast<Eigen::Index>(k));
   }
+}
+
+Eigen::VectorXd add_damping(std::span<Matrix6d> diagonal, double damping) {
+  Eigen::Matrix<double, 6, Eigen::Dynamic> weights(6, static_cast<Eigen::Index>(diagonal.size()));
+  Eigen::Index column = 0;
+  for (const Matrix6d& block : diagonal) weights.col(column++) = block.diagonal();
+  weights = damping * geometry::damping_weights(weights);
+  column = 0;
+  for (Matrix6d& block : diagonal) block.diagonal() += weights.col(column++);
+  return weights.reshaped();
 }
 
 }  // namespace roomwise::mapping

@@ -45,4 +45,7 @@ class BlockCholesky {
   std::vector<std::vector<double>> spare_;
 };
 
+// Adds damping D to the diagonal blocks (see geometry::damping_weights()), and gives it.
+Eigen::VectorXd add_damping(std::span<geometry::Matrix6d> diagonal, double damping);
+
 }  // namespace roomwise::mapping

@@ -1,5 +1,9 @@
 #include "roomwise/mapping/graph/edge_error.h"
 
+#include <algorithm>
+
+#include "roomwise/geometry/robust_loss.h"
+
 namespace roomwise::mapping {
 namespace {
 
@@ -15,6 +19,10 @@ Eigen::Quaterniond remaining_turn(const RigidTransform& from_from_to,
                             (world_from_from.rotation.conjugate() * world_from_to.rotation);
   if (turn.w() < 0) turn.coeffs() *= -1;
   return turn;
+}
+
+geometry::RobustLoss loss_of(double squares, double kernel) {
+  return kernel == 0 ? geometry::RobustLoss{squares, 1, 0} : geometry::cauchy_loss(squares, kernel);
 }
 
 }  // namespace
@@ -44,12 +52,41 @@ EdgeJacobians edge_jacobians(const RigidTransform& from_from_to,
   const Eigen::Matrix3d w = turn.w() * Eigen::Matrix3d::Identity();
   const Eigen::Matrix3d v = geometry::skew_symmetric(turn.vec());
   EdgeJacobians jacobians;
-  jacobians.by_to << measured_back * from_from_world, Eigen::Matrix3d::Zero(),
+  jacobians.d_to << measured_back * from_from_world, Eigen::Matrix3d::Zero(),
       Eigen::Matrix3d::Zero(), 0.5 * (w + v);
-  jacobians.by_from << -measured_back * from_from_world,
+  jacobians.d_from << -measured_back * from_from_world,
       measured_back * geometry::skew_symmetric(estimated), Eigen::Matrix3d::Zero(),
       -0.5 * (w - v) * measured_back;
   return jacobians;
+}
+
+double edge_cost(const PoseGraphEdge& edge, const RigidTransform& world_from_from,
+                 const RigidTransform& world_from_to, double kernel) {
+  const Vector6d error = edge_error(edge.from_from_to, world_from_from, world_from_to);
+  return loss_of(error.dot(edge.information * error), kernel).value;
+}
+
+EdgeEquations linearize(const PoseGraphEdge& edge, const RigidTransform& world_from_from,
+                        const RigidTransform& world_from_to, double kernel) {
+  const Vector6d error = edge_error(edge.from_from_to, world_from_from, world_from_to);
+  const auto [d_from, d_to] = edge_jacobians(edge.from_from_to, world_from_from, world_from_to);
+  const Vector6d weighted_error = edge.information * error;
+  const double squares = error.dot(weighted_error);
+  const geometry::RobustLoss loss = loss_of(squares, kernel);
+  Matrix6d weight = loss.derivative * edge.information;
+  if (loss.second_derivative != 0) {
+    // The kernel's second derivative, as far as the weight stays positive semi-definite.
+    weight += std::max(2 * loss.second_derivative, -loss.derivative / squares) * weighted_error *
+              weighted_error.transpose();
+  }
+  const Matrix6d from_weight = d_from.transpose() * weight;
+  EdgeEquations equations;
+  equations.from_hessian = from_weight * d_from;
+  equations.to_hessian = d_to.transpose() * weight * d_to;
+  equations.from_to_hessian = from_weight * d_to;
+  equations.from_rhs = -loss.derivative * (d_from.transpose() * weighted_error);
+  equations.to_rhs = -loss.derivative * (d_to.transpose() * weighted_error);
+  return equations;
 }
 
 RigidTransform retract(const RigidTransform& world_from_node, const Vector6d& step) {

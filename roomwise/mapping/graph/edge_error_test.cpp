@@ -34,11 +34,11 @@ TEST(EdgeError, ItsJacobiansAreItsDerivatives) {
     RigidTransform measured = from.inverse() * to * testing::random_transform(random, scale, scale);
     if (trial % 3 == 0) measured.rotation.coeffs() *= -1;
     const EdgeJacobians jacobians = edge_jacobians(measured, from, to);
-    EXPECT_LT((jacobians.by_from - differences([&](const Vector6d& step) {
+    EXPECT_LT((jacobians.d_from - differences([&](const Vector6d& step) {
                  return edge_error(measured, retract(from, step), to);
                })).norm(),
               1e-7);
-    EXPECT_LT((jacobians.by_to - differences([&](const Vector6d& step) {
+    EXPECT_LT((jacobians.d_to - differences([&](const Vector6d& step) {
                  return edge_error(measured, from, retract(to, step));
                })).norm(),
               1e-7);

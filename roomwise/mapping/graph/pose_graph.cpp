@@ -6,6 +6,7 @@
 #include <cmath>
 #include <string>
 
+#include "roomwise/base/disjoint_sets.h"
 #include "roomwise/mapping/graph/edge_error.h"
 #include "roomwise/mapping/graph/pose_graph_solver.h"
 
@@ -14,7 +15,6 @@ namespace {
 
 using geometry::Matrix6d;
 using geometry::RigidTransform;
-using geometry::Vector6d;
 
 std::string name_of(const PoseGraphEdge& edge) {
   return fmt::format("the edge from node {} to node {}", edge.from, edge.to);
@@ -71,38 +71,22 @@ Expected<void> check(const PoseGraph& graph) {
   return {};
 }
 
-// The lowest node of each connected part: union-find in which the lower node is always the root.
-class ComponentRoots {
- public:
-  explicit ComponentRoots(const PoseGraph& graph) {
-    for (const auto& [id, pose] : graph.world_from_node) parent_[id] = id;
-    for (const PoseGraphEdge& edge : graph.edges) {
-      const NodeId a = find(edge.from);
-      const NodeId b = find(edge.to);
-      parent_[std::max(a, b)] = std::min(a, b);
-    }
-  }
-  NodeId find(NodeId id) {
-    while (parent_.at(id) != id) id = parent_.at(id) = parent_.at(parent_.at(id));
-    return id;
-  }
-
- private:
-  std::map<NodeId, NodeId> parent_;
-};
-
 // The graph with numbers for ids: first the lowest node of each part, which stays where it is.
 NumberedGraph numbered(const PoseGraph& graph, const PoseGraphOptions& options,
                        std::map<NodeId, std::uint32_t>& numbers) {
+  std::map<NodeId, std::size_t> rank;
+  for (const auto& [id, pose] : graph.world_from_node) rank.emplace(id, rank.size());
+  DisjointSets parts(rank.size());
+  for (const PoseGraphEdge& edge : graph.edges) parts.join(rank.at(edge.from), rank.at(edge.to));
   NumberedGraph result;
-  ComponentRoots lowest(graph);
   for (const bool fixed : {true, false}) {
     for (const auto& [id, pose] : graph.world_from_node) {
-      if ((lowest.find(id) == id) != fixed) continue;
+      const std::size_t own = rank.at(id);
+      if ((parts.find(own) == own) != fixed) continue;
       numbers[id] = static_cast<std::uint32_t>(result.world_from_node.size());
       result.world_from_node.push_back(pose);
     }
-    if (fixed) result.fixed = result.world_from_node.size();
+    if (fixed) result.fixed_poses = result.world_from_node.size();
   }
   for (const PoseGraphEdge& edge : graph.edges) {
     result.edges.push_back({numbers.at(edge.from), numbers.at(edge.to), &edge,
@@ -128,11 +112,8 @@ Expected<void> PoseGraphOptions::validate() const {
 
 double pose_graph_error(const PoseGraph& graph) {
   double sum = 0;
-  for (const PoseGraphEdge& edge : graph.edges) {
-    const Vector6d error = edge_error(edge.from_from_to, graph.world_from_node.at(edge.from),
-                                      graph.world_from_node.at(edge.to));
-    sum += error.dot(edge.information * error);
-  }
+  for (const PoseGraphEdge& edge : graph.edges)
+    sum += edge_cost(edge, graph.world_from_node.at(edge.from), graph.world_from_node.at(edge.to));
   return sum;
 }
 
@@ -145,10 +126,10 @@ Expected<PoseGraphReport> optimize(PoseGraph& graph, const PoseGraphOptions& opt
   }
   std::map<NodeId, std::uint32_t> numbers;
   NumberedGraph solved = numbered(graph, options, numbers);
-  const MinimizerSummary summary = minimize(solved, options);
+  const geometry::MinimizerSummary summary = minimize(solved, options);
   for (auto& [id, pose] : graph.world_from_node) pose = solved.world_from_node[numbers.at(id)];
   return PoseGraphReport{error_before, pose_graph_error(graph), summary.iterations,
-                         summary.converged};
+                         summary.termination};
 }
 
 }  // namespace roomwise::mapping

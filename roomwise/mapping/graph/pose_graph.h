@@ -5,25 +5,15 @@
 #include <vector>
 
 #include "roomwise/base/expected.h"
+#include "roomwise/geometry/levenberg_marquardt.h"
 #include "roomwise/geometry/rigid_transform.h"
+#include "roomwise/scene/pose_graph_edge.h"
 
 namespace roomwise::mapping {
 
 using NodeId = std::uint64_t;
 
-// A measurement of one pose relative to another. The error that the optimisation squares is g2o's
-// for EDGE_SE3:QUAT: with d = from_from_to^-1 * world_from_from^-1 * world_from_to,
-//   e = (translation of d in m, vector part of d's unit quaternion, taken with w >= 0).
-struct PoseGraphEdge {
-  NodeId from = 0;
-  NodeId to = 0;
-  geometry::RigidTransform from_from_to;
-  // Omega: inverse covariance of e, in the order (x, y, z, qx, qy, qz). Symmetric, positive
-  // semi-definite.
-  geometry::Matrix6d information = geometry::Matrix6d::Identity();
-  // A loop closure may be wrong and gets a robust kernel; a step of the odometry does not.
-  bool is_loop = false;
-};
+using scene::PoseGraphEdge;
 
 struct PoseGraph {
   std::map<NodeId, geometry::RigidTransform> world_from_node;
@@ -50,7 +40,7 @@ struct PoseGraphReport {
   double error_before = 0;  // F at the start
   double error_after = 0;   // F at the end
   int iterations = 0;
-  bool converged = false;
+  geometry::Termination termination = geometry::Termination::kConverged;
 };
 
 // Moves the poses to a minimum of F (Levenberg and Marquardt's method, sparse Cholesky

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "roomwise/geometry/levenberg_marquardt.h"
 #include "roomwise/mapping/graph/pose_graph.h"
 
 namespace roomwise::mapping {
@@ -17,16 +18,12 @@ struct NumberedEdge {
 };
 struct NumberedGraph {
   std::vector<geometry::RigidTransform> world_from_node;
-  std::size_t fixed = 0;
+  std::size_t fixed_poses = 0;
   std::vector<NumberedEdge> edges;
 };
 
-struct MinimizerSummary {
-  int iterations = 0;
-  bool converged = false;
-};
-
 // Moves the poses that may move to a minimum of the sum of the edges' costs.
-[[nodiscard]] MinimizerSummary minimize(NumberedGraph& graph, const PoseGraphOptions& options);
+[[nodiscard]] geometry::MinimizerSummary minimize(NumberedGraph& graph,
+                                                  const PoseGraphOptions& options);
 
 }  // namespace roomwise::mapping

@@ -94,7 +94,7 @@ TEST(Optimize, RestoresADisturbedSquare) {
   ASSERT_OK(report);
   EXPECT_GT(report->error_before, 0.1);
   EXPECT_LT(report->error_after, 1e-12);
-  EXPECT_TRUE(report->converged);
+  EXPECT_EQ(report->termination, geometry::Termination::kConverged);
   for (const auto& [id, pose] : truth.world_from_node) {
     EXPECT_LT(difference(pose, graph.world_from_node.at(id)), 1e-6) << id;
   }
@@ -253,7 +253,7 @@ TEST(Optimize, SaysWhenItStopsBeforeTheMinimum) {
   disturb(graph, 0.3);
   const auto report = optimize(graph, {.max_iterations = 1});
   ASSERT_OK(report);
-  EXPECT_FALSE(report->converged);
+  EXPECT_EQ(report->termination, geometry::Termination::kMaxIterations);
   EXPECT_EQ(report->iterations, 1);
   EXPECT_LT(report->error_after, report->error_before);
 }
@@ -273,7 +273,7 @@ TEST_P(OptimizeBenchmark, ReachesTheKnownOptimum) {
   ASSERT_OK(graph);
   const auto report = optimize(*graph);
   ASSERT_OK(report);
-  EXPECT_TRUE(report->converged);
+  EXPECT_EQ(report->termination, geometry::Termination::kConverged);
   EXPECT_NEAR(report->error_after, GetParam().optimum, 1e-4 * GetParam().optimum);
 }
 

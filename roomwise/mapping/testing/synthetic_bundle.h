@@ -49,7 +49,7 @@ class SyntheticScene {
   [[nodiscard]] Bundle guess(double translation_m = 0.03, double rotation_rad = 0.01) {
     Bundle guess = truth_;
     guess.model.readout_s = 0;
-    for (std::size_t i = guess.fixed; i < guess.cameras.size(); ++i) {
+    for (std::size_t i = guess.fixed_cameras; i < guess.cameras.size(); ++i) {
       auto& pose = guess.cameras[i].world_from_camera;
       pose = pose * random_transform(random_, translation_m, rotation_rad);
     }

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "roomwise/network/executor/plan.h"
+#include "roomwise/network/executor/plan_primitives.h"
 
 namespace roomwise::network {
 
@@ -72,6 +73,8 @@ class PlanBuilder {
   void plan_layer(const Layer& layer, const View& view);
   void plan_layer(const Layer& layer, const Permutation& permutation);
   void plan_layer(const Layer& layer, const Mean& mean);
+  void add_convolution(const Layer& layer, const ConvolutionDescription& description,
+                       const dnnl::memory& weights, const std::vector<float>& bias);
   [[nodiscard]] Located residual_in_place(const Layer& layer, const Layout& layout);
   void gather_in_place(const Layer& layer);
 

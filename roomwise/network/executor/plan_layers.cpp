@@ -2,7 +2,6 @@
 #include <algorithm>
 
 #include "roomwise/network/executor/plan_builder.h"
-#include "roomwise/network/executor/plan_primitives.h"
 
 namespace roomwise::network {
 namespace {
@@ -35,18 +34,22 @@ void PlanBuilder::plan_layer(const Layer& layer, const Convolution& convolution)
   const auto description = choose_convolution(convolution, options_.uses_winograd,
                                               is_picture ? plain(from) : blocked(from),
                                               blocked(shape(layer.output)), plan_->engine);
-  std::vector<Step::Operand> operands;
-  operands.push_back({DNNL_ARG_WEIGHTS, add_constant(reordered(given_weights(convolution),
-                                                               description.weights_desc()))});
-  if (!convolution.bias.empty()) {
+  add_convolution(layer, description,
+                  reordered(given_weights(convolution), description.weights_desc()),
+                  convolution.bias);
+}
+
+void PlanBuilder::add_convolution(const Layer& layer, const ConvolutionDescription& description,
+                                  const memory& weights, const std::vector<float>& bias) {
+  std::vector<Step::Operand> operands{{DNNL_ARG_WEIGHTS, add_constant(weights)}};
+  if (!bias.empty()) {
     operands.push_back(
-        {DNNL_ARG_BIAS, add_constant(constant_memory(description.bias_desc(), convolution.bias))});
+        {DNNL_ARG_BIAS, add_constant(constant_memory(description.bias_desc(), bias))});
   }
   operands.push_back({DNNL_ARG_SRC, in_layout(layer.inputs[0], description.src_desc())});
-  const Located output = convolution.adds_residual
-                             ? residual_in_place(layer, description.dst_desc())
-                             : place_output(layer.output, description.dst_desc());
-  operands.push_back({DNNL_ARG_DST, output});
+  operands.push_back({DNNL_ARG_DST, layer.as<Convolution>()->adds_residual
+                                        ? residual_in_place(layer, description.dst_desc())
+                                        : place_output(layer.output, description.dst_desc())});
   add_primitive(dnnl::convolution_forward(description), description.scratchpad_desc(),
                 std::move(operands));
 }

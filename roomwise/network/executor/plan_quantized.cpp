@@ -4,7 +4,6 @@
 #include <cstring>
 
 #include "roomwise/network/executor/plan_builder.h"
-#include "roomwise/network/executor/plan_primitives.h"
 #include "roomwise/network/executor/quantization.h"
 
 namespace roomwise::network {
@@ -108,22 +107,10 @@ bool PlanBuilder::plan_in_eight_bits(const Layer& layer, const Convolution& conv
       in_eight_bits(layer.inputs[0]), output, plan_->engine);
   if (!description) return false;
 
-  std::vector<Step::Operand> operands;
   dnnl::primitive_attr scaled;
   scaled.set_output_scales(convolution.groups == 1 ? 1 : 3, weight_scales);
-  operands.push_back(
-      {DNNL_ARG_WEIGHTS,
-       add_constant(reordered(given_weights(convolution), description->weights_desc(), scaled))});
-  if (!bias.empty()) {
-    operands.push_back(
-        {DNNL_ARG_BIAS, add_constant(constant_memory(description->bias_desc(), bias))});
-  }
-  operands.push_back({DNNL_ARG_SRC, in_layout(layer.inputs[0], description->src_desc())});
-  operands.push_back({DNNL_ARG_DST, convolution.adds_residual
-                                        ? residual_in_place(layer, output)
-                                        : place_output(layer.output, output)});
-  add_primitive(dnnl::convolution_forward(*description), description->scratchpad_desc(),
-                std::move(operands));
+  add_convolution(layer, *description,
+                  reordered(given_weights(convolution), description->weights_desc(), scaled), bias);
   return true;
 }
 

@@ -11,6 +11,7 @@
 #include "roomwise/network/graph/graph_builder.h"
 #include "roomwise/network/graph/lowering.h"
 #include "roomwise/network/graph/onnx_graph.h"
+#include "roomwise/network/testing/more_layers.h"
 #include "roomwise/network/testing/tiny_runs.h"
 
 namespace roomwise::network {
@@ -36,12 +37,12 @@ OnnxGraph branched_graph() {
   x = builder.relu(builder.convolution(x, "stem", {16, {3, 3}, {2, 2}, {1, 1}}), "stem.relu");
   const auto a = builder.relu(builder.convolution(x, "a", {24, {3, 3}, {1, 1}, {1, 1}}), "a.relu");
   const auto mean = builder.average_pool(x, "mean", {{3, 3}, {1, 1}, {1, 1}});
-  const auto b = builder.relu6(builder.convolution(mean, "b", {8, {1, 1}, {1, 1}, {0, 0}, 1, true}),
-                               "b.relu6");
+  const auto b = testing::relu6(
+      builder, builder.convolution(mean, "b", {8, {1, 1}, {1, 1}, {0, 0}, 1, true}), "b.relu6");
   const auto c = builder.max_pool(x, "c", {{3, 3}, {1, 1}, {1, 1}});
   x = builder.concat(std::array{a, b, c}, "joined");
-  auto y = builder.hard_swish(builder.convolution(x, "deep", {48, {3, 3}, {1, 1}, {1, 1}, 48}),
-                              "deep.swish");
+  auto y = testing::hard_swish(
+      builder, builder.convolution(x, "deep", {48, {3, 3}, {1, 1}, {1, 1}, 48}), "deep.swish");
   y = builder.convolution(y, "linear", {48});
   x = builder.add(y, x, "sum");
   x = builder.relu(builder.convolution(x, "last", {40}), "last.relu");

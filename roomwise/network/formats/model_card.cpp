@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <initializer_list>
 #include <nlohmann/json.hpp>
 
@@ -13,8 +14,6 @@ namespace roomwise::network {
 namespace {
 
 using Json = nlohmann::json;
-
-constexpr int kMaxInputSide_px = 4096;
 
 // Reads the fields of one JSON object, naming it in every error ("NAME.card.json: input.width").
 class Fields {
@@ -31,10 +30,23 @@ class Fields {
   }
 
   [[nodiscard]] Expected<std::string> text(const char* key, const std::string& otherwise) const {
-    if (!object_.contains(key)) return otherwise;
-    const Json& value = object_.at(key);
-    if (!value.is_string()) return fail("{}{}: expected a text in quotes", where_, key);
-    return value.get<std::string>();
+    return value(key, otherwise, &Json::is_string, "a text in quotes");
+  }
+  [[nodiscard]] Expected<bool> flag(const char* key, bool otherwise) const {
+    return value(key, otherwise, &Json::is_boolean, "true or false");
+  }
+  // The number of a line, from 0; 0 where it is absent.
+  [[nodiscard]] Expected<int> line(const char* key) const {
+    const auto is_line = [](const Json& line) { return is_whole(line, 0, 1 << 20); };
+    return value(key, 0, is_line, "the number of a line, from 0");
+  }
+  [[nodiscard]] Expected<int> side_px(const char* key) const {
+    constexpr int kMaxSide_px = 4096;
+    const auto is_side = [](const Json& side) { return is_whole(side, 1, kMaxSide_px); };
+    const std::string expected =
+        fmt::format("the input's side, a whole number of pixels from 1 to {}", kMaxSide_px);
+    if (!object_.contains(key)) return fail("{}{}: expected {}", where_, key, expected);
+    return value(key, 0, is_side, expected);
   }
 
   // One text, or a list of them.
@@ -47,33 +59,6 @@ class Fields {
       texts.push_back(element.get<std::string>());
     }
     return texts;
-  }
-
-  [[nodiscard]] Expected<bool> flag(const char* key, bool otherwise) const {
-    if (!object_.contains(key)) return otherwise;
-    const Json& value = object_.at(key);
-    if (!value.is_boolean()) return fail("{}{}: expected true or false", where_, key);
-    return value.get<bool>();
-  }
-
-  [[nodiscard]] Expected<int> side_px(const char* key) const {
-    const Json* value = object_.contains(key) ? &object_.at(key) : nullptr;
-    if (value == nullptr || !value->is_number_integer() || *value < 1 ||
-        *value > kMaxInputSide_px) {
-      return fail("{}{}: expected the input's side, a whole number of pixels from 1 to {}", where_,
-                  key, kMaxInputSide_px);
-    }
-    return value->get<int>();
-  }
-
-  // The number of a line, from 0; 0 where it is absent.
-  [[nodiscard]] Expected<int> line(const char* key) const {
-    constexpr int kMaxLines = 1 << 20;
-    if (!object_.contains(key)) return 0;
-    const Json& value = object_.at(key);
-    if (!value.is_number_integer() || value < 0 || value > kMaxLines)
-      return fail("{}{}: expected the number of a line, from 0", where_, key);
-    return value.get<int>();
   }
 
   [[nodiscard]] Expected<std::array<float, 3>> per_channel(const char* key,
@@ -112,6 +97,19 @@ class Fields {
   }
 
  private:
+  static bool is_whole(const Json& value, int least, int most) {
+    return value.is_number_integer() && value >= least && value <= most;
+  }
+  // The field, which must be as `is_right` says; `otherwise` where it is absent.
+  template <typename T, typename Check>
+  [[nodiscard]] Expected<T> value(const char* key, T otherwise, const Check& is_right,
+                                  std::string_view expected) const {
+    if (!object_.contains(key)) return otherwise;
+    const Json& value = object_.at(key);
+    if (!std::invoke(is_right, value)) return fail("{}{}: expected {}", where_, key, expected);
+    return value.get<T>();
+  }
+
   const Json& object_;
   std::string where_;
 };

@@ -100,15 +100,9 @@ Expected<NetworkFile> read_in_eight_bits(const std::filesystem::path& path,
                read_network_in_floats(weights, labels).map_error([&](Error error) {
                  return std::move(error).in(path.string());
                }));
-  if (file.fingerprint != how.sha256) {
-    return fail(
-        "{}: was measured of another file: the SHA-256 of {} is {}, not {}; measure it anew",
-        path.string(), weights.string(), file.fingerprint, how.sha256);
-  }
-  file.card.name = name_in_eight_bits(file.card.name);
-  file.fingerprint = how.fingerprint();
-  file.eight_bits = std::move(how);
-  return file;
+  return in_eight_bits(std::move(file), std::move(how)).map_error([&](Error error) {
+    return std::move(error).in(path.string());
+  });
 }
 
 }  // namespace
@@ -139,6 +133,17 @@ Expected<NetworkFile> read_network_file(const std::filesystem::path& weights,
                                         const std::optional<std::filesystem::path>& labels) {
   if (is_eight_bit_file(weights)) return read_in_eight_bits(weights, labels);
   return read_network_in_floats(weights, labels);
+}
+
+Expected<NetworkFile> in_eight_bits(NetworkFile file, EightBitFile how) {
+  if (file.fingerprint != how.sha256) {
+    return fail("was measured of another file: the SHA-256 of {} is {}, not {}; measure it anew",
+                how.network.string(), file.fingerprint, how.sha256);
+  }
+  file.card.name = name_in_eight_bits(file.card.name);
+  file.fingerprint = how.fingerprint();
+  file.eight_bits = std::move(how);
+  return file;
 }
 
 Expected<NetworkFile> read_network_in_floats(const std::filesystem::path& weights,

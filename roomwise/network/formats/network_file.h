@@ -37,6 +37,10 @@ struct NetworkFile {
     const std::filesystem::path& weights,
     const std::optional<std::filesystem::path>& labels = std::nullopt);
 
+// A network that was read in floats, to be run in 8 bits like this. Fails where `how` was measured
+// with another file.
+[[nodiscard]] Expected<NetworkFile> in_eight_bits(NetworkFile file, EightBitFile how);
+
 // One label a line; the last line may lack its end. Labels may repeat (ImageNet has two cranes).
 // Fails on an empty file and on an empty line.
 [[nodiscard]] Expected<std::vector<std::string>> read_labels(const std::filesystem::path& path);

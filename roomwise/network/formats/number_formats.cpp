@@ -1,5 +1,7 @@
 #include "roomwise/network/formats/number_formats.h"
 
+#include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -38,21 +40,26 @@ void convert(Span bytes, std::vector<Result>& results, const Convert& convert_on
 
 }  // namespace
 
+std::span<const NumberFormatNames> number_formats() {
+  static constexpr std::array kFormats{
+      NumberFormatNames{NumberFormat::kFloat, 4, "torch.FloatStorage", "F32"},
+      NumberFormatNames{NumberFormat::kHalf, 2, "torch.HalfStorage", "F16"},
+      NumberFormatNames{NumberFormat::kBfloat16, 2, "torch.BFloat16Storage", "BF16"},
+      NumberFormatNames{NumberFormat::kDouble, 8, "torch.DoubleStorage", "F64"},
+      NumberFormatNames{NumberFormat::kInteger64, 8, "torch.LongStorage", "I64"},
+      NumberFormatNames{NumberFormat::kInteger32, 4, "torch.IntStorage", "I32"},
+      NumberFormatNames{NumberFormat::kBool, 1, "torch.BoolStorage", ""},
+  };
+  return kFormats;
+}
+
 std::size_t bytes_of(NumberFormat format) {
-  switch (format) {
-    case NumberFormat::kFloat:
-    case NumberFormat::kInteger32:
-      return 4;
-    case NumberFormat::kHalf:
-    case NumberFormat::kBfloat16:
-      return 2;
-    case NumberFormat::kDouble:
-    case NumberFormat::kInteger64:
-      return 8;
-    case NumberFormat::kBool:
-      return 1;
-  }
-  return 1;
+  return std::ranges::find(number_formats(), format, &NumberFormatNames::format)->bytes;
+}
+
+bool is_integer(NumberFormat format) {
+  return format == NumberFormat::kInteger32 || format == NumberFormat::kInteger64 ||
+         format == NumberFormat::kBool;
 }
 
 Constant numbers_from(NumberFormat format, Span bytes) {
@@ -81,8 +88,7 @@ Constant numbers_from(NumberFormat format, Span bytes) {
       convert<std::uint8_t>(bytes, constant.integers, same);
       break;
   }
-  constant.is_integer = format == NumberFormat::kInteger32 || format == NumberFormat::kInteger64 ||
-                        format == NumberFormat::kBool;
+  constant.is_integer = is_integer(format);
   return constant;
 }
 

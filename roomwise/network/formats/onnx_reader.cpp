@@ -1,11 +1,11 @@
 #include "roomwise/network/graph/onnx_graph.h"
 
+#include <algorithm>
 #include <cstring>
 #include <functional>
 
 #include "roomwise/network/formats/number_formats.h"
 #include "roomwise/network/formats/protobuf_fields.h"
-#include "roomwise/network/formats/tensor_type.h"
 
 namespace roomwise::network {
 namespace {
@@ -19,30 +19,9 @@ std::vector<Number> numbers_of(Span bytes) {
   return numbers;
 }
 
-std::optional<NumberFormat> format_of(std::uint64_t type) {
-  switch (static_cast<TensorType>(type)) {
-    case TensorType::kFloat:
-      return NumberFormat::kFloat;
-    case TensorType::kFloat16:
-      return NumberFormat::kHalf;
-    case TensorType::kBrainFloat16:
-      return NumberFormat::kBfloat16;
-    case TensorType::kDouble:
-      return NumberFormat::kDouble;
-    case TensorType::kInt64:
-      return NumberFormat::kInteger64;
-    case TensorType::kInt32:
-      return NumberFormat::kInteger32;
-    case TensorType::kBool:
-      return NumberFormat::kBool;
-    default:
-      return std::nullopt;
-  }
-}
-
 struct TensorFields {
   std::string name;
-  std::uint64_t type = 0;
+  NumberFormat format{0};
   Span raw;
   bool external = false;
 };
@@ -61,7 +40,7 @@ Expected<TensorFields> read_tensor_fields(Span message, Constant& constant) {
         break;
       }
       case 2:
-        tensor.type = field.value;
+        tensor.format = static_cast<NumberFormat>(field.value);
         break;
       case 4: {  // float_data
         const auto numbers = numbers_of<float>(field.bytes);
@@ -89,17 +68,14 @@ Expected<std::pair<std::string, ConstantPointer>> read_tensor(Span message) {
   auto constant = std::make_shared<Constant>();
   ROOMWISE_TRY(const TensorFields tensor, read_tensor_fields(message, *constant));
   if (tensor.external) return fail("keeps the tensor \"{}\" in another file", tensor.name);
-  const auto type = static_cast<TensorType>(tensor.type);
-  constant->is_integer =
-      type == TensorType::kInt64 || type == TensorType::kInt32 || type == TensorType::kBool;
+  constant->is_integer = is_integer(tensor.format);
   if (!tensor.raw.empty()) {
-    const auto format = format_of(tensor.type);
-    if (!format) {
+    if (std::ranges::count(number_formats(), tensor.format, &NumberFormatNames::format) == 0) {
       return fail("has a tensor \"{}\" of the type {}; floats and integers are understood",
-                  tensor.name, tensor.type);
+                  tensor.name, static_cast<std::int64_t>(tensor.format));
     }
     Shape shape = std::move(constant->shape);
-    *constant = numbers_from(*format, tensor.raw);
+    *constant = numbers_from(tensor.format, tensor.raw);
     constant->shape = std::move(shape);
   }
   const auto count = values_of(constant->shape);

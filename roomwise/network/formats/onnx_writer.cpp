@@ -1,7 +1,7 @@
 #include "roomwise/network/formats/onnx_writer.h"
 
+#include "roomwise/network/formats/number_formats.h"
 #include "roomwise/network/formats/protobuf_writer.h"
-#include "roomwise/network/formats/tensor_type.h"
 #include "roomwise/network/graph/program.h"
 
 namespace roomwise::network {
@@ -17,8 +17,8 @@ std::span<const std::uint8_t> bytes_of(const std::vector<Number>& numbers) {
 ProtobufWriter tensor_message(const std::string& name, const Constant& constant) {
   ProtobufWriter tensor;
   for (const std::int64_t size : constant.shape) tensor.add(1, size);
-  tensor.add(
-      2, static_cast<std::int64_t>(constant.is_integer ? TensorType::kInt64 : TensorType::kFloat));
+  tensor.add(2, static_cast<std::int64_t>(constant.is_integer ? NumberFormat::kInteger64
+                                                              : NumberFormat::kFloat));
   tensor.add(8, name);
   tensor.add(9, constant.is_integer ? bytes_of(constant.integers) : bytes_of(constant.floats));
   return tensor;
@@ -75,7 +75,7 @@ ProtobufWriter value_message(const std::string& name, const Shape& shape) {
     if (size != GraphInput::kDynamic) dimension.add(1, size);
     dimensions.add(1, dimension.bytes());
   }
-  tensor.add(1, static_cast<std::int64_t>(TensorType::kFloat));
+  tensor.add(1, static_cast<std::int64_t>(NumberFormat::kFloat));
   if (!shape.empty()) tensor.add(2, dimensions.bytes());
   type.add(1, tensor.bytes());
   message.add(1, name);

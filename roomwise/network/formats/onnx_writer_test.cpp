@@ -4,6 +4,7 @@
 
 #include "roomwise/base/file.h"
 #include "roomwise/network/graph/graph_builder.h"
+#include "roomwise/network/testing/more_layers.h"
 #include "roomwise/network/testing/tiny_runs.h"
 
 namespace roomwise::network {
@@ -128,21 +129,22 @@ OnnxGraph all_layers() {
   GraphBuilder builder({7, false});
   auto x = builder.input("picture", {1, 3, 17, 13});
   x = builder.convolution(x, "stem.conv", {12, {3, 3}, {2, 1}, {1, 0}});
-  x = builder.hard_swish(builder.batch_norm(x, "stem.bn", 0.001F), "stem");
+  x = testing::hard_swish(builder, builder.batch_norm(x, "stem.bn", 0.001F), "stem");
   auto a = builder.convolution(x, "a.conv", {12, {1, 1}, {1, 1}, {0, 0}, 3, true});
   a = builder.relu(a, "a");
   auto gate = builder.global_average_pool(a, "gate.mean");
-  gate = builder.hard_sigmoid(builder.convolution(gate, "gate.conv", {12}), "gate");
+  gate = testing::hard_sigmoid(builder, builder.convolution(gate, "gate.conv", {12}), "gate");
   const auto flat_gate = builder.flatten(gate, "gate.flat");
   a = builder.add(a, x, "sum");
   const auto b = builder.average_pool(builder.relu(a, "b.relu"), "b", {{3, 3}, {1, 1}, {1, 1}});
-  const auto c = builder.max_pool(builder.sigmoid(x, "c.sigmoid"), "c", {{3, 3}, {1, 1}, {1, 1}});
+  const auto c =
+      builder.max_pool(testing::sigmoid(builder, x, "c.sigmoid"), "c", {{3, 3}, {1, 1}, {1, 1}});
   x = builder.concat(std::array{a, b, c}, "joined");
   EXPECT_EQ(builder.shape(x), (Shape{1, 36, 9, 11}));
   x = builder.flatten(builder.max_pool(x, "pool", {{3, 3}, {2, 2}, {0, 0}}), "flat");
   x = builder.concat(std::array{x, flat_gate}, "with gate");
   x = builder.linear(builder.dropout(x, "dropout", 0.2F), "fc", 10);
-  builder.output(builder.softmax(x, "scores"));
+  builder.output(testing::softmax(builder, x, "scores"));
   return builder.take();
 }
 
@@ -166,7 +168,8 @@ TEST(OnnxWriter, OpenCvReadsItToo) {
 TEST(OnnxWriter, KeepsProductsThatRepeatSizes) {
   GraphBuilder builder;
   const auto picture = builder.input("x", {1, 2, 1, 2});
-  builder.output(builder.multiply(picture, builder.global_average_pool(picture, "mean"), "gated"));
+  builder.output(
+      testing::multiply(builder, picture, builder.global_average_pool(picture, "mean"), "gated"));
   const auto bytes = write_onnx_graph(builder.take());
   ASSERT_OK(bytes);
   auto graph = read_onnx_graph(*bytes);
@@ -181,7 +184,7 @@ TEST(OnnxWriter, KeepsProductsThatRepeatSizes) {
 
 TEST(OnnxWriter, KeepsTheLimitsOfRelu6) {
   GraphBuilder builder;
-  builder.output(builder.relu6(builder.input("x", {1, 4}), "clipped"));
+  builder.output(testing::relu6(builder, builder.input("x", {1, 4}), "clipped"));
   const auto bytes = write_onnx_graph(builder.take());
   ASSERT_OK(bytes);
   auto graph = read_onnx_graph(*bytes);

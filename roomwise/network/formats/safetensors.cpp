@@ -22,16 +22,6 @@ std::uint64_t header_size(Span bytes) {
   return size;
 }
 
-std::optional<NumberFormat> format_of(const std::string& type) {
-  if (type == "F32") return NumberFormat::kFloat;
-  if (type == "F16") return NumberFormat::kHalf;
-  if (type == "BF16") return NumberFormat::kBfloat16;
-  if (type == "F64") return NumberFormat::kDouble;
-  if (type == "I64") return NumberFormat::kInteger64;
-  if (type == "I32") return NumberFormat::kInteger32;
-  return std::nullopt;
-}
-
 std::optional<std::vector<std::int64_t>> integers_in(const Json& tensor, const char* key) {
   if (!tensor.contains(key) || !tensor.at(key).is_array()) return std::nullopt;
   std::vector<std::int64_t> integers;
@@ -59,19 +49,19 @@ Expected<Entry> entry_of(const std::string& name, const Json& tensor, std::size_
     return fail("its tensor \"{}\" lacks its dtype, shape or data_offsets", name);
   }
   const std::string type = tensor.at("dtype").get<std::string>();
-  const auto format = format_of(type);
-  if (!format) {
+  const auto known = std::ranges::find(number_formats(), type, &NumberFormatNames::safetensors);
+  if (type.empty() || known == number_formats().end()) {
     return fail("its tensor \"{}\" is of the type {}; F32, F16, BF16, F64, I64, I32 are understood",
                 name, type);
   }
-  Entry entry{name, *format, *shape, static_cast<std::size_t>((*places)[0]),
+  Entry entry{name, known->format, *shape, static_cast<std::size_t>((*places)[0]),
               static_cast<std::size_t>((*places)[1])};
   if (entry.begin > entry.end || entry.end > data_size) {
     return fail("its tensor \"{}\" lies from byte {} to {} of {}: the file is cut off or damaged",
                 name, entry.begin, entry.end, data_size);
   }
   const auto count = values_of(*shape);
-  if (!count || *count * bytes_of(*format) != entry.end - entry.begin) {
+  if (!count || *count * known->bytes != entry.end - entry.begin) {
     return fail("its tensor \"{}\" has {} bytes, not those of {} of the shape {}", name,
                 entry.end - entry.begin, type, shape_text(*shape));
   }

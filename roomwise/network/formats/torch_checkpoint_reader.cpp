@@ -19,20 +19,6 @@ constexpr std::string_view kRebuildTensor = "torch._utils._rebuild_tensor_v2";
 constexpr std::string_view kRestoreType = "torch.jit._pickle.restore_type_tag";
 constexpr std::string_view kRebuildParameter = "torch._utils._rebuild_parameter";
 
-struct StorageType {
-  std::string_view name;
-  NumberFormat format;
-};
-constexpr std::array kStorageTypes{
-    StorageType{"torch.FloatStorage", NumberFormat::kFloat},
-    StorageType{"torch.HalfStorage", NumberFormat::kHalf},
-    StorageType{"torch.BFloat16Storage", NumberFormat::kBfloat16},
-    StorageType{"torch.DoubleStorage", NumberFormat::kDouble},
-    StorageType{"torch.IntStorage", NumberFormat::kInteger32},
-    StorageType{"torch.LongStorage", NumberFormat::kInteger64},
-    StorageType{"torch.BoolStorage", NumberFormat::kBool},
-};
-
 // A zip archive in memory.
 class Archive {
  public:
@@ -202,9 +188,9 @@ class CheckpointReader {
         value(identity.items[4]).kind != Kind::kInteger) {
       return fail("its storage is not named as PyTorch does");
     }
-    const auto type =
-        std::ranges::find(kStorageTypes, value(identity.items[1]).text, &StorageType::name);
-    if (type == kStorageTypes.end())
+    const auto type = std::ranges::find(number_formats(), value(identity.items[1]).text,
+                                        &NumberFormatNames::torch_storage);
+    if (type == number_formats().end())
       return fail("its storage is a \"{}\"", value(identity.items[1]).text);
     const std::string& key = value(identity.items[2]).text;
     auto found = storages_.find(key);
@@ -311,7 +297,7 @@ Expected<Weights> read_torch_checkpoint(Span bytes) {
       return fail("holds numbers with the big end first, which are not read");
   }
   std::vector<std::string_view> globals{kRebuildTensor, kRebuildParameter, kRestoreType};
-  for (const StorageType& type : kStorageTypes) globals.push_back(type.name);
+  for (const NumberFormatNames& type : number_formats()) globals.push_back(type.torch_storage);
   ROOMWISE_TRY(const Bytes pickled, archive.read(folder + "data.pkl"));
   ROOMWISE_TRY(Pickle pickle, read_pickle(pickled, globals));
   return CheckpointReader(std::move(archive), folder, std::move(pickle), bytes.size()).read();

@@ -8,6 +8,7 @@
 #include "roomwise/network/formats/safetensors.h"
 #include "roomwise/network/formats/torch_checkpoint_reader.h"
 #include "roomwise/network/graph/inception_v3.h"
+#include "roomwise/network/testing/more_layers.h"
 #include "roomwise/network/testing/tiny_runs.h"
 #include "roomwise/network/testing/torch_checkpoint.h"
 
@@ -247,7 +248,7 @@ OnnxGraph tiny_graph() {
   GraphBuilder builder;
   auto x = builder.input("picture", {1, 3, 8, 8});
   x = builder.batch_norm(builder.convolution(x, "c", {4, {3, 3}}), "bn");
-  x = builder.flatten(builder.global_average_pool(builder.relu6(x, "r"), "pool"), "flat");
+  x = builder.flatten(builder.global_average_pool(testing::relu6(builder, x, "r"), "pool"), "flat");
   builder.output(builder.linear(builder.dropout(x, "drop"), "fc", 2));
   return builder.take();
 }

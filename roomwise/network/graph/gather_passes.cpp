@@ -12,11 +12,7 @@ using Pick = AxisGather::Pick;
 // A 1x1 convolution each of whose outputs is a copy of one input (as some exporters write a channel
 // shuffle), as the gathering that it is.
 std::optional<AxisGather> gather_of(const Convolution& convolution) {
-  const Window& window = convolution.window;
-  constexpr std::array<std::int64_t, 2> kOnes{1, 1}, kZeros{0, 0};
-  if (convolution.groups != 1 || window.kernel != kOnes || window.strides != kOnes ||
-      window.pads_begin != kZeros || window.pads_end != kZeros || convolution.adds_residual ||
-      !convolution.activations.empty() ||
+  if (!convolution.is_pointwise() || !convolution.activations.empty() ||
       std::ranges::any_of(convolution.bias, [](float bias) { return bias != 0; })) {
     return std::nullopt;
   }

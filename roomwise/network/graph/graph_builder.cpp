@@ -77,8 +77,8 @@ GraphBuilder::Value GraphBuilder::add_node(const char* operation, const std::str
   return name;
 }
 
-std::string GraphBuilder::add_constant(const std::string& name, Shape shape,
-                                       std::vector<float> values) {
+GraphBuilder::Value GraphBuilder::add_constant(const std::string& name, Shape shape,
+                                               std::vector<float> values) {
   Constant constant;
   constant.shape = std::move(shape);
   constant.floats = std::move(values);
@@ -138,30 +138,8 @@ GraphBuilder::Value GraphBuilder::batch_norm(const Value& from, const std::strin
                   {{"epsilon", Attribute(epsilon)}});
 }
 
-GraphBuilder::Value GraphBuilder::activation(const char* operation, const Value& from,
-                                             const std::string& name, Attributes attributes) {
-  return add_node(operation, name, {from}, shape(from), std::move(attributes));
-}
 GraphBuilder::Value GraphBuilder::relu(const Value& from, const std::string& name) {
-  return activation("Relu", from, name);
-}
-GraphBuilder::Value GraphBuilder::hard_swish(const Value& from, const std::string& name) {
-  return activation("HardSwish", from, name);
-}
-GraphBuilder::Value GraphBuilder::hard_sigmoid(const Value& from, const std::string& name) {
-  return activation("HardSigmoid", from, name,
-                    {{"alpha", Attribute(1.0F / 6)}, {"beta", Attribute(0.5F)}});
-}
-GraphBuilder::Value GraphBuilder::sigmoid(const Value& from, const std::string& name) {
-  return activation("Sigmoid", from, name);
-}
-GraphBuilder::Value GraphBuilder::softmax(const Value& from, const std::string& name) {
-  return activation("Softmax", from, name, {{"axis", Attribute(std::int64_t{-1})}});
-}
-GraphBuilder::Value GraphBuilder::relu6(const Value& from, const std::string& name) {
-  const std::string low = add_constant(name + ".min", {}, {0});
-  const std::string high = add_constant(name + ".max", {}, {6});
-  return add_node("Clip", name, {from, low, high}, shape(from));
+  return add_node("Relu", name, {from}, shape(from));
 }
 
 GraphBuilder::Value GraphBuilder::pool(const char* operation, const Value& from,
@@ -217,13 +195,6 @@ GraphBuilder::Value GraphBuilder::concat(std::span<const Value> values, const st
 GraphBuilder::Value GraphBuilder::add(const Value& a, const Value& b, const std::string& name) {
   expect(shape(a) == shape(b), name, "its inputs do not fit each other");
   return add_node("Add", name, {a, b}, shape(a));
-}
-
-GraphBuilder::Value GraphBuilder::multiply(const Value& a, const Value& b,
-                                           const std::string& name) {
-  const auto product = broadcast(shape(a), shape(b));
-  expect(product.has_value(), name, "its inputs do not fit each other");
-  return add_node("Mul", name, {a, b}, *product);
 }
 
 GraphBuilder::Value GraphBuilder::dropout(const Value& from, const std::string& name, float rate) {

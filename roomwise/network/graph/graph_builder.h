@@ -58,11 +58,6 @@ class GraphBuilder {
   Value batch_norm(const Value& from, const std::string& name, float epsilon = 1e-5F);
 
   Value relu(const Value& from, const std::string& name);
-  Value relu6(const Value& from, const std::string& name);
-  Value hard_swish(const Value& from, const std::string& name);
-  Value hard_sigmoid(const Value& from, const std::string& name);  // clip(x / 6 + 1/2, 0, 1)
-  Value sigmoid(const Value& from, const std::string& name);
-  Value softmax(const Value& from, const std::string& name);  // along the last axis
 
   Value max_pool(const Value& from, const std::string& name, const PoolingShape& shape);
   // The mean counts the padding's zeros, as PyTorch's does.
@@ -72,23 +67,21 @@ class GraphBuilder {
   // Joined along the channels.
   Value concat(std::span<const Value> values, const std::string& name);
   Value add(const Value& a, const Value& b, const std::string& name);
-  // Sizes of 1 are repeated.
-  Value multiply(const Value& a, const Value& b, const std::string& name);
   // Does nothing but in training, when it drops values at this rate.
   Value dropout(const Value& from, const std::string& name, float rate = 0.5F);
+
+  // Any other operator, and what it knows beforehand.
+  using Attributes = std::map<std::string, Attribute>;
+  Value add_node(const char* operation, const std::string& name, std::vector<Value> inputs,
+                 Shape output_shape, Attributes attributes = {});
+  Value add_constant(const std::string& name, Shape shape, std::vector<float> values);
 
   [[nodiscard]] const Shape& shape(const Value& value) const;
   [[nodiscard]] OnnxGraph take() { return std::move(graph_); }
 
  private:
-  using Attributes = std::map<std::string, Attribute>;
-  Value add_node(const char* operation, const std::string& name, std::vector<Value> inputs,
-                 Shape output_shape, Attributes attributes = {});
-  Value activation(const char* operation, const Value& from, const std::string& name,
-                   Attributes attributes = {});
   Value pool(const char* operation, const Value& from, const std::string& name,
              const PoolingShape& shape, Attributes attributes);
-  std::string add_constant(const std::string& name, Shape shape, std::vector<float> values);
   // Evenly spread numbers of this mean and standard deviation.
   std::string add_random(const std::string& name, const Shape& shape, double mean, double spread);
 

@@ -90,6 +90,13 @@ Expected<ValueId> Lowering::pick(ValueId value, std::size_t axis,
   return add(std::move(gather), {value}, std::move(picked));
 }
 
+Expected<ValueId> Lowering::permute(ValueId value, const std::vector<std::size_t>& axes) {
+  if (constant(value) != nullptr) return add_constant(network::permute(*constant(value), axes));
+  Shape moved;
+  for (const std::size_t axis : axes) moved.push_back(shape(value)[axis]);
+  return add(Permutation{axes}, {value}, std::move(moved));
+}
+
 Expected<ValueId> Lowering::arithmetic(Arithmetic::Operator operation, ValueId a, ValueId b) {
   ROOMWISE_TRY(Shape result, broadcast(shape(a), shape(b)));
   if (constant(a) != nullptr && constant(b) != nullptr &&
@@ -133,7 +140,9 @@ Expected<void> Lowering::lower_node(const Node& node) {
     for (const OperatorTable* table :
          {&layer_operators(), &product_operators(), &shape_operators(), &constant_operators()}) {
       if (const auto found = table->find(node.operation); found != table->end()) {
-        return found->second(*this, node).map_error(in_node);
+        ROOMWISE_TRY(const ValueId output, found->second(*this, node).map_error(in_node));
+        set_output(node, 0, output);
+        return {};
       }
     }
   }

@@ -55,6 +55,7 @@ class Lowering {
   [[nodiscard]] Expected<ValueId> arithmetic(Arithmetic::Operator operation, ValueId a, ValueId b);
   // The mean over axes, which stay with the size 1.
   [[nodiscard]] Expected<ValueId> mean(ValueId value, std::vector<std::size_t> axes);
+  [[nodiscard]] Expected<ValueId> permute(ValueId value, const std::vector<std::size_t>& axes);
   // Says what the node's output i is.
   void set_output(const Node& node, std::size_t i, ValueId value);
 
@@ -70,7 +71,8 @@ class Lowering {
   std::string node_;
 };
 
-using LowerNode = Expected<void> (*)(Lowering&, const Node&);
+// Gives the node's first output; further ones it sets itself.
+using LowerNode = Expected<ValueId> (*)(Lowering&, const Node&);
 using OperatorTable = std::map<std::string, LowerNode>;
 // Convolutions, pooling, element-wise functions.
 [[nodiscard]] const OperatorTable& layer_operators();
@@ -82,7 +84,7 @@ using OperatorTable = std::map<std::string, LowerNode>;
 [[nodiscard]] const OperatorTable& constant_operators();
 
 // Another height and width (Resize, Upsample).
-[[nodiscard]] Expected<void> lower_resize(Lowering& lowering, const Node& node);
+[[nodiscard]] Expected<ValueId> lower_resize(Lowering& lowering, const Node& node);
 
 // The axis that a possibly negative number names. Fails where there is no such axis.
 [[nodiscard]] Expected<std::size_t> axis_of(std::int64_t axis, std::size_t rank);

@@ -6,13 +6,12 @@
 namespace roomwise::network {
 namespace {
 
-Expected<void> lower_identity(Lowering& lowering, const Node& node) {
+Expected<ValueId> lower_identity(Lowering& lowering, const Node& node) {
   ROOMWISE_TRY(const ValueId input, lowering.input(node, 0));
-  lowering.set_output(node, 0, input);
-  return {};
+  return input;
 }
 
-Expected<void> lower_constant(Lowering& lowering, const Node& node) {
+Expected<ValueId> lower_constant(Lowering& lowering, const Node& node) {
   Constant constant;
   if (const Attribute* value = node.find("value"); value != nullptr && value->tensor != nullptr) {
     constant = *value->tensor;
@@ -31,11 +30,10 @@ Expected<void> lower_constant(Lowering& lowering, const Node& node) {
   } else {
     return fail("holds no numbers");
   }
-  lowering.set_output(node, 0, lowering.add_constant(std::move(constant)));
-  return {};
+  return lowering.add_constant(std::move(constant));
 }
 
-Expected<void> lower_constant_of_shape(Lowering& lowering, const Node& node) {
+Expected<ValueId> lower_constant_of_shape(Lowering& lowering, const Node& node) {
   Constant constant;
   ROOMWISE_TRY(constant.shape, lowering.integers_input(node, 0));
   ROOMWISE_CHECK_OK(check_size(constant.shape));
@@ -46,11 +44,10 @@ Expected<void> lower_constant_of_shape(Lowering& lowering, const Node& node) {
   constant.is_integer = one.is_integer;
   if (one.is_integer) constant.integers.assign(count_of(constant.shape), one.integers.front());
   if (!one.is_integer) constant.floats.assign(count_of(constant.shape), one.floats.front());
-  lowering.set_output(node, 0, lowering.add_constant(std::move(constant)));
-  return {};
+  return lowering.add_constant(std::move(constant));
 }
 
-Expected<void> lower_shape(Lowering& lowering, const Node& node) {
+Expected<ValueId> lower_shape(Lowering& lowering, const Node& node) {
   ROOMWISE_TRY(const ValueId input, lowering.input(node, 0));
   if (node.find("start") != nullptr || node.find("end") != nullptr)
     return fail("a part of a shape is not supported");
@@ -58,11 +55,10 @@ Expected<void> lower_shape(Lowering& lowering, const Node& node) {
   constant.is_integer = true;
   constant.integers = lowering.shape(input);
   constant.shape = {static_cast<std::int64_t>(constant.integers.size())};
-  lowering.set_output(node, 0, lowering.add_constant(std::move(constant)));
-  return {};
+  return lowering.add_constant(std::move(constant));
 }
 
-Expected<void> lower_cast(Lowering& lowering, const Node& node) {
+Expected<ValueId> lower_cast(Lowering& lowering, const Node& node) {
   ROOMWISE_TRY(const ValueId input, lowering.input(node, 0));
   // TensorProto.DataType: 1, 10, 11 are floating-point numbers; 6, 7 whole ones.
   const std::int64_t to = node.integer("to", 0);
@@ -71,8 +67,7 @@ Expected<void> lower_cast(Lowering& lowering, const Node& node) {
   const ConstantPointer known = lowering.constant(input);
   if (known == nullptr) {
     if (!to_float) return fail("of what depends on the picture to whole numbers is not supported");
-    lowering.set_output(node, 0, input);
-    return {};
+    return input;
   }
   Constant cast = *known;
   cast.is_integer = !to_float;
@@ -86,18 +81,16 @@ Expected<void> lower_cast(Lowering& lowering, const Node& node) {
     }
     cast.floats.clear();
   }
-  lowering.set_output(node, 0, lowering.add_constant(std::move(cast)));
-  return {};
+  return lowering.add_constant(std::move(cast));
 }
 
-Expected<void> lower_rounding(Lowering& lowering, const Node& node) {
+Expected<ValueId> lower_rounding(Lowering& lowering, const Node& node) {
   ROOMWISE_TRY(const ConstantPointer known, lowering.constant_input(node, 0));
   Constant rounded = *known;
   for (float& value : rounded.floats) {
     value = node.operation == "Floor" ? std::floor(value) : std::ceil(value);
   }
-  lowering.set_output(node, 0, lowering.add_constant(std::move(rounded)));
-  return {};
+  return lowering.add_constant(std::move(rounded));
 }
 
 }  // namespace

@@ -80,7 +80,7 @@ Expected<std::array<std::int64_t, 2>> moved_over(Window& window, const Shape& sh
   return sizes;
 }
 
-Expected<void> lower_convolution(Lowering& lowering, const Node& node) {
+Expected<ValueId> lower_convolution(Lowering& lowering, const Node& node) {
   ROOMWISE_TRY(const ValueId input, lowering.input(node, 0));
   Convolution convolution;
   ROOMWISE_TRY(convolution.weights, lowering.constant_input(node, 1));
@@ -105,13 +105,10 @@ Expected<void> lower_convolution(Lowering& lowering, const Node& node) {
     }
   }
   ROOMWISE_TRY(const auto sizes, moved_over(convolution.window, shape, false));
-  ROOMWISE_TRY(const ValueId output, lowering.add(std::move(convolution), {input},
-                                                  {shape[0], weights[0], sizes[0], sizes[1]}));
-  lowering.set_output(node, 0, output);
-  return {};
+  return lowering.add(std::move(convolution), {input}, {shape[0], weights[0], sizes[0], sizes[1]});
 }
 
-Expected<void> lower_pooling(Lowering& lowering, const Node& node) {
+Expected<ValueId> lower_pooling(Lowering& lowering, const Node& node) {
   ROOMWISE_TRY(const ValueId input, lowering.input(node, 0));
   const Shape shape = lowering.shape(input);
   Pooling pooling;
@@ -136,13 +133,10 @@ Expected<void> lower_pooling(Lowering& lowering, const Node& node) {
     if (pooling.window.pads_begin[i] >= pooling.window.kernel[i])
       return fail("its pads are larger than its window");
   }
-  ROOMWISE_TRY(const ValueId output,
-               lowering.add(pooling, {input}, {shape[0], shape[1], sizes[0], sizes[1]}));
-  lowering.set_output(node, 0, output);
-  return {};
+  return lowering.add(pooling, {input}, {shape[0], shape[1], sizes[0], sizes[1]});
 }
 
-Expected<void> lower_mean(Lowering& lowering, const Node& node) {
+Expected<ValueId> lower_mean(Lowering& lowering, const Node& node) {
   ROOMWISE_TRY(const ValueId input, lowering.input(node, 0));
   const Shape shape = lowering.shape(input);
   std::vector<std::size_t> axes;
@@ -163,12 +157,11 @@ Expected<void> lower_mean(Lowering& lowering, const Node& node) {
     }
     ROOMWISE_TRY(output, lowering.reshape(output, squeezed));
   }
-  lowering.set_output(node, 0, output);
-  return {};
+  return output;
 }
 
 // As a scale and a shift a channel; passes put them into the convolution before.
-Expected<void> lower_batch_normalization(Lowering& lowering, const Node& node) {
+Expected<ValueId> lower_batch_normalization(Lowering& lowering, const Node& node) {
   ROOMWISE_TRY(const ValueId input, lowering.input(node, 0));
   ROOMWISE_TRY(const std::vector<float> gains, lowering.floats_input(node, 1));
   ROOMWISE_TRY(const std::vector<float> shifts, lowering.floats_input(node, 2));
@@ -193,10 +186,7 @@ Expected<void> lower_batch_normalization(Lowering& lowering, const Node& node) {
   }
   ROOMWISE_TRY(const ValueId scaled, lowering.arithmetic(Operator::kMultiply, input,
                                                          lowering.add_constant(std::move(scale))));
-  ROOMWISE_TRY(const ValueId output, lowering.arithmetic(Operator::kAdd, scaled,
-                                                         lowering.add_constant(std::move(shift))));
-  lowering.set_output(node, 0, output);
-  return {};
+  return lowering.arithmetic(Operator::kAdd, scaled, lowering.add_constant(std::move(shift)));
 }
 
 // One limit of a Clip: an attribute before opset 11, an input since.
@@ -230,24 +220,21 @@ Expected<std::vector<Activation>> activations_of(Lowering& lowering, const Node&
   return std::vector{Activation{Function::kClip, low, high}};
 }
 
-Expected<void> lower_activation(Lowering& lowering, const Node& node) {
+Expected<ValueId> lower_activation(Lowering& lowering, const Node& node) {
   ROOMWISE_TRY(ValueId value, lowering.input(node, 0));
   ROOMWISE_TRY(const std::vector<Activation> activations, activations_of(lowering, node));
   for (const Activation& activation : activations) {
     const Shape shape = lowering.shape(value);
     ROOMWISE_TRY(value, lowering.add(activation, {value}, shape));
   }
-  lowering.set_output(node, 0, value);
-  return {};
+  return value;
 }
 
 template <Operator operation>
-Expected<void> lower_arithmetic(Lowering& lowering, const Node& node) {
+Expected<ValueId> lower_arithmetic(Lowering& lowering, const Node& node) {
   ROOMWISE_TRY(const ValueId a, lowering.input(node, 0));
   ROOMWISE_TRY(const ValueId b, lowering.input(node, 1));
-  ROOMWISE_TRY(const ValueId output, lowering.arithmetic(operation, a, b));
-  lowering.set_output(node, 0, output);
-  return {};
+  return lowering.arithmetic(operation, a, b);
 }
 
 }  // namespace

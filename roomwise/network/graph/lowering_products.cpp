@@ -1,7 +1,7 @@
 // Products of matrices, and softmax.
+#include <numeric>
 #include <optional>
 
-#include "roomwise/network/graph/constant_math.h"
 #include "roomwise/network/graph/lowering.h"
 
 namespace roomwise::network {
@@ -11,16 +11,12 @@ using Operator = Arithmetic::Operator;
 
 // The value with its last two axes swapped.
 Expected<ValueId> transposed(Lowering& lowering, ValueId value) {
-  Shape shape = lowering.shape(value);
+  const Shape& shape = lowering.shape(value);
   if (shape.size() < 2) return fail("expected a matrix, not {}", shape_text(shape));
   std::vector<std::size_t> axes(shape.size());
-  for (std::size_t i = 0; i < axes.size(); ++i) axes[i] = i;
+  std::iota(axes.begin(), axes.end(), std::size_t{0});
   std::swap(axes[axes.size() - 1], axes[axes.size() - 2]);
-  std::swap(shape[axes.size() - 1], shape[axes.size() - 2]);
-  if (lowering.constant(value) != nullptr) {
-    return lowering.add_constant(permute(*lowering.constant(value), axes));
-  }
-  return lowering.add(Permutation{axes}, {value}, shape);
+  return lowering.permute(value, axes);
 }
 
 Expected<ValueId> scaled(Lowering& lowering, ValueId value, float factor) {
@@ -50,15 +46,13 @@ Expected<ValueId> product(Lowering& lowering, ValueId a, ValueId b, std::vector<
   return lowering.add(MatrixProduct{std::move(bias)}, {a, b}, std::move(rows));
 }
 
-Expected<void> lower_matmul(Lowering& lowering, const Node& node) {
+Expected<ValueId> lower_matmul(Lowering& lowering, const Node& node) {
   ROOMWISE_TRY(const ValueId a, lowering.input(node, 0));
   ROOMWISE_TRY(const ValueId b, lowering.input(node, 1));
-  ROOMWISE_TRY(const ValueId output, product(lowering, a, b, {}));
-  lowering.set_output(node, 0, output);
-  return {};
+  return product(lowering, a, b, {});
 }
 
-Expected<void> lower_gemm(Lowering& lowering, const Node& node) {
+Expected<ValueId> lower_gemm(Lowering& lowering, const Node& node) {
   ROOMWISE_TRY(ValueId a, lowering.input(node, 0));
   ROOMWISE_TRY(ValueId b, lowering.input(node, 1));
   if (node.integer("transA", 0) != 0) {
@@ -83,11 +77,10 @@ Expected<void> lower_gemm(Lowering& lowering, const Node& node) {
   if (added) {
     ROOMWISE_TRY(output, lowering.arithmetic(Operator::kAdd, output, *added));
   }
-  lowering.set_output(node, 0, output);
-  return {};
+  return output;
 }
 
-Expected<void> lower_softmax(Lowering& lowering, const Node& node) {
+Expected<ValueId> lower_softmax(Lowering& lowering, const Node& node) {
   ROOMWISE_TRY(const ValueId input, lowering.input(node, 0));
   const Shape shape = lowering.shape(input);
   const bool flattens = lowering.opset() < 13;  // everything from the axis on was one axis
@@ -101,8 +94,7 @@ Expected<void> lower_softmax(Lowering& lowering, const Node& node) {
   ROOMWISE_TRY(ValueId value, lowering.reshape(input, worked_on));
   ROOMWISE_TRY(value, lowering.add(Softmax{flattens ? 1 : axis}, {value}, worked_on));
   ROOMWISE_TRY(value, lowering.reshape(value, shape));
-  lowering.set_output(node, 0, value);
-  return {};
+  return value;
 }
 
 }  // namespace

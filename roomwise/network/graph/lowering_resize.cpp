@@ -105,7 +105,7 @@ Expected<NewSize> new_size(const Lowering& lowering, const Node& node, const Sha
 
 }  // namespace
 
-Expected<void> lower_resize(Lowering& lowering, const Node& node) {
+Expected<ValueId> lower_resize(Lowering& lowering, const Node& node) {
   ROOMWISE_TRY(const ValueId input, lowering.input(node, 0));
   const Shape shape = lowering.shape(input);
   ROOMWISE_TRY(const ResizeRule rule, rule_of(lowering, node));
@@ -119,9 +119,7 @@ Expected<void> lower_resize(Lowering& lowering, const Node& node) {
   Resampling resampling;
   resampling.rows = taps_of(rule, shape[2], size.shape[2], size.scales[2]);
   resampling.columns = taps_of(rule, shape[3], size.shape[3], size.scales[3]);
-  ROOMWISE_TRY(const ValueId output, lowering.add(std::move(resampling), {input}, size.shape));
-  lowering.set_output(node, 0, output);
-  return {};
+  return lowering.add(std::move(resampling), {input}, size.shape);
 }
 
 }  // namespace roomwise::network

@@ -22,7 +22,7 @@ Expected<std::vector<std::int64_t>> integers_of(const Lowering& lowering, const 
   return node.integers(attribute, {});
 }
 
-Expected<void> lower_gather(Lowering& lowering, const Node& node) {
+Expected<ValueId> lower_gather(Lowering& lowering, const Node& node) {
   ROOMWISE_TRY(const ValueId input, lowering.input(node, 0));
   ROOMWISE_TRY(const ConstantPointer indices, lowering.constant_input(node, 1));
   if (!indices->is_integer) return fail("its indices are no whole numbers");
@@ -39,12 +39,10 @@ Expected<void> lower_gather(Lowering& lowering, const Node& node) {
   Shape result(shape.begin(), shape.begin() + at);
   result.insert(result.end(), indices->shape.begin(), indices->shape.end());
   result.insert(result.end(), shape.begin() + at + 1, shape.end());
-  ROOMWISE_TRY(const ValueId output, lowering.reshape(picked, result));
-  lowering.set_output(node, 0, output);
-  return {};
+  return lowering.reshape(picked, result);
 }
 
-Expected<void> lower_concat(Lowering& lowering, const Node& node) {
+Expected<ValueId> lower_concat(Lowering& lowering, const Node& node) {
   std::vector<ValueId> inputs;
   std::vector<ConstantPointer> constants;
   for (std::size_t i = 0; i < node.inputs.size(); ++i) {
@@ -73,12 +71,9 @@ Expected<void> lower_concat(Lowering& lowering, const Node& node) {
     return constant->is_integer == constants.front()->is_integer;
   };
   if (constants.size() == inputs.size() && std::ranges::all_of(constants, alike)) {
-    lowering.set_output(node, 0, lowering.add_constant(join(constants, axis)));
-    return {};
+    return lowering.add_constant(join(constants, axis));
   }
-  ROOMWISE_TRY(const ValueId output, lowering.add(std::move(gather), inputs, shape));
-  lowering.set_output(node, 0, output);
-  return {};
+  return lowering.add(std::move(gather), inputs, shape);
 }
 
 // The indices that a slice keeps of an axis of `size`.
@@ -97,7 +92,7 @@ Expected<std::vector<std::size_t>> slice(std::int64_t start, std::int64_t end, s
   return indices;
 }
 
-Expected<void> lower_slice(Lowering& lowering, const Node& node) {
+Expected<ValueId> lower_slice(Lowering& lowering, const Node& node) {
   ROOMWISE_TRY(ValueId value, lowering.input(node, 0));
   const std::size_t rank = lowering.shape(value).size();
   ROOMWISE_TRY(const auto starts, lowering.integers_input(node, 1));
@@ -122,11 +117,10 @@ Expected<void> lower_slice(Lowering& lowering, const Node& node) {
     if (kept.size() == static_cast<std::size_t>(size) && steps[i] > 0) continue;
     ROOMWISE_TRY(value, lowering.pick(value, axes[i], kept));
   }
-  lowering.set_output(node, 0, value);
-  return {};
+  return value;
 }
 
-Expected<void> lower_split(Lowering& lowering, const Node& node) {
+Expected<ValueId> lower_split(Lowering& lowering, const Node& node) {
   ROOMWISE_TRY(const ValueId input, lowering.input(node, 0));
   const Shape shape = lowering.shape(input);
   ROOMWISE_TRY(const std::size_t axis, axis_of(node.integer("axis", 0), shape.size()));
@@ -135,20 +129,22 @@ Expected<void> lower_split(Lowering& lowering, const Node& node) {
   if (sizes.empty() && parts > 0 && shape[axis] % parts == 0)
     sizes.assign(node.outputs.size(), shape[axis] / parts);
   std::int64_t begin = 0;
+  ValueId first = input;
   for (std::size_t i = 0; i < sizes.size(); ++i) {
     if (sizes[i] < 0 || sizes[i] > shape[axis] - begin) break;
     const auto part =
         range(static_cast<std::size_t>(begin), static_cast<std::size_t>(begin + sizes[i]));
     ROOMWISE_TRY(const ValueId output, lowering.pick(input, axis, part));
+    if (i == 0) first = output;
     lowering.set_output(node, i, output);
     begin += sizes[i];
   }
   if (begin != shape[axis] || sizes.size() != node.outputs.size())
     return fail("its parts do not make up its input {}", shape_text(shape));
-  return {};
+  return first;
 }
 
-Expected<void> lower_pad(Lowering& lowering, const Node& node) {
+Expected<ValueId> lower_pad(Lowering& lowering, const Node& node) {
   ROOMWISE_TRY(ValueId value, lowering.input(node, 0));
   if (const std::string mode = node.text("mode", "constant"); mode != "constant")
     return fail("its mode \"{}\" is not supported; \"constant\" is", mode);
@@ -178,19 +174,10 @@ Expected<void> lower_pad(Lowering& lowering, const Node& node) {
     shape[axis] = static_cast<std::int64_t>(gather.picks.size());
     ROOMWISE_TRY(value, lowering.add(std::move(gather), {value}, std::move(shape)));
   }
-  lowering.set_output(node, 0, value);
-  return {};
+  return value;
 }
 
-// The node's output is its input in another shape.
-Expected<void> put_reshaped(Lowering& lowering, const Node& node, ValueId input,
-                            const Shape& shape) {
-  ROOMWISE_TRY(const ValueId output, lowering.reshape(input, shape));
-  lowering.set_output(node, 0, output);
-  return {};
-}
-
-Expected<void> lower_reshape(Lowering& lowering, const Node& node) {
+Expected<ValueId> lower_reshape(Lowering& lowering, const Node& node) {
   ROOMWISE_TRY(const ValueId input, lowering.input(node, 0));
   ROOMWISE_TRY(Shape wanted, lowering.integers_input(node, 1));
   const Shape shape = lowering.shape(input);
@@ -212,10 +199,10 @@ Expected<void> lower_reshape(Lowering& lowering, const Node& node) {
     if (rest == 0) return fail("cannot bring {} into an empty shape", shape_text(shape));
     wanted[*open] = static_cast<std::int64_t>(count_of(shape) / rest);
   }
-  return put_reshaped(lowering, node, input, wanted);
+  return lowering.reshape(input, wanted);
 }
 
-Expected<void> lower_flatten(Lowering& lowering, const Node& node) {
+Expected<ValueId> lower_flatten(Lowering& lowering, const Node& node) {
   ROOMWISE_TRY(const ValueId input, lowering.input(node, 0));
   const Shape shape = lowering.shape(input);
   const auto rank = static_cast<std::int64_t>(shape.size());
@@ -225,10 +212,10 @@ Expected<void> lower_flatten(Lowering& lowering, const Node& node) {
   Shape flat{1, 1};
   for (std::size_t i = 0; i < shape.size(); ++i)
     flat[static_cast<std::int64_t>(i) < axis ? 0 : 1] *= shape[i];
-  return put_reshaped(lowering, node, input, flat);
+  return lowering.reshape(input, flat);
 }
 
-Expected<void> lower_squeeze(Lowering& lowering, const Node& node) {
+Expected<ValueId> lower_squeeze(Lowering& lowering, const Node& node) {
   ROOMWISE_TRY(const ValueId input, lowering.input(node, 0));
   const Shape shape = lowering.shape(input);
   ROOMWISE_TRY(const auto given, integers_of(lowering, node, 1, "axes"));
@@ -242,10 +229,10 @@ Expected<void> lower_squeeze(Lowering& lowering, const Node& node) {
   for (std::size_t i = 0; i < shape.size(); ++i) {
     if (!(axes.empty() ? shape[i] == 1 : drops[i])) squeezed.push_back(shape[i]);
   }
-  return put_reshaped(lowering, node, input, squeezed);
+  return lowering.reshape(input, squeezed);
 }
 
-Expected<void> lower_unsqueeze(Lowering& lowering, const Node& node) {
+Expected<ValueId> lower_unsqueeze(Lowering& lowering, const Node& node) {
   ROOMWISE_TRY(const ValueId input, lowering.input(node, 0));
   const Shape shape = lowering.shape(input);
   ROOMWISE_TRY(const auto given, integers_of(lowering, node, 1, "axes"));
@@ -255,10 +242,10 @@ Expected<void> lower_unsqueeze(Lowering& lowering, const Node& node) {
   Shape wider;
   for (std::size_t i = 0, old = 0; i < is_new.size(); ++i)
     wider.push_back(is_new[i] ? 1 : shape[old++]);
-  return put_reshaped(lowering, node, input, wider);
+  return lowering.reshape(input, wider);
 }
 
-Expected<void> lower_transpose(Lowering& lowering, const Node& node) {
+Expected<ValueId> lower_transpose(Lowering& lowering, const Node& node) {
   ROOMWISE_TRY(const ValueId input, lowering.input(node, 0));
   const Shape shape = lowering.shape(input);
   std::vector<std::size_t> axes = range(0, shape.size());
@@ -267,16 +254,7 @@ Expected<void> lower_transpose(Lowering& lowering, const Node& node) {
     ROOMWISE_TRY(axes, axes_of(node.integers("perm", {}), shape.size()));
     if (axes.size() != shape.size()) return fail("its axes are no permutation");
   }
-  Shape moved;
-  for (const std::size_t axis : axes) moved.push_back(shape[axis]);
-  if (lowering.constant(input) != nullptr) {
-    const ValueId output = lowering.add_constant(permute(*lowering.constant(input), axes));
-    lowering.set_output(node, 0, output);
-    return {};
-  }
-  ROOMWISE_TRY(const ValueId output, lowering.add(Permutation{axes}, {input}, std::move(moved)));
-  lowering.set_output(node, 0, output);
-  return {};
+  return lowering.permute(input, axes);
 }
 
 }  // namespace

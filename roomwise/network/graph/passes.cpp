@@ -239,16 +239,9 @@ void fuse_residuals(Program& program) {
 // mean costs less on the convolution's outputs, where those are fewer. What is not linear (the
 // bias, where the padding's zeros count, and the activations) stays behind both.
 void swap_means(Program& program) {
-  const Window point;
   for (std::size_t i = 0; i < program.layers.size(); ++i) {
     const Convolution* convolution = program.layers[i].as<Convolution>();
-    if (convolution == nullptr || convolution->groups != 1 || convolution->adds_residual ||
-        convolution->window.kernel != point.kernel ||
-        convolution->window.strides != point.strides ||
-        convolution->window.pads_begin != point.pads_begin ||
-        convolution->window.pads_end != point.pads_end) {
-      continue;
-    }
+    if (convolution == nullptr || !convolution->is_pointwise()) continue;
     const Layer given = program.layers[i];
     const Links links(program);
     Layer* mean = links.only_for_this<Pooling>(program, given.inputs[0]);

@@ -54,6 +54,8 @@ struct Window {
   std::array<std::int64_t, 2> dilations{1, 1};  // 1: the window's places lie side by side
   std::array<std::int64_t, 2> pads_begin{0, 0};
   std::array<std::int64_t, 2> pads_end{0, 0};
+
+  friend bool operator==(const Window&, const Window&) = default;
 };
 
 // Inputs: what is convolved and, where `adds_residual`, what is added to the result before the
@@ -65,6 +67,11 @@ struct Convolution {
   Window window;
   bool adds_residual = false;
   std::vector<Activation> activations;  // one after the other
+
+  // Whether each output's place is made of the same place of all inputs alone.
+  [[nodiscard]] bool is_pointwise() const {
+    return groups == 1 && window == Window{} && !adds_residual;
+  }
 };
 
 struct Pooling {

@@ -8,7 +8,6 @@
 namespace roomwise::network {
 namespace {
 
-constexpr std::size_t kFewestPictures = 80;
 constexpr std::size_t kMaxPictures = 320;
 // One run of neighbours in so many is measured on: the others are not all neighbours of those.
 constexpr std::size_t kRun = 4, kMeasuredEvery = 4;
@@ -36,9 +35,9 @@ Expected<QuantizedClassifier> quantize_classifier(const std::filesystem::path& w
     return fail("{}: finds things in pictures; 8 bits are for networks that look at whole ones",
                 weights.string());
   ROOMWISE_TRY(const ClassifierOutputs outputs, classifier_outputs(file).map_error(in_file));
-  if (pictures < kFewestPictures) {
+  if (pictures < kMinQuantizationPictures) {
     return fail("8 bits need at least {} pictures to be measured and checked on, not {}",
-                kFewestPictures, pictures);
+                kMinQuantizationPictures, pictures);
   }
   std::vector<Tensor> calibration, held_out;
   const std::size_t taken = std::min(pictures, kMaxPictures);

@@ -9,6 +9,9 @@
 
 namespace roomwise::network {
 
+// Of fewer pictures, 98 % mean little.
+constexpr std::size_t kMinQuantizationPictures = 80;
+
 struct QuantizedClassifier {
   EightBitFile file = {};  // `network` as it was given; of use only where report.is_used
   QuantizationReport report;
@@ -19,8 +22,8 @@ using PictureAt = std::function<Expected<image::ColorImage>(std::size_t)>;
 
 // How a network that looks at whole pictures can be worked out in 8 bits: measured on a quarter of
 // these pictures, four neighbours each, and checked on the others (checked_quantization). Of many
-// pictures 320, evenly spread, are taken. Fails where there are fewer than 80, of which 98 % mean
-// little, where one cannot be read, or it is no such network.
+// pictures 320, evenly spread, are taken. Fails where there are fewer than
+// kMinQuantizationPictures, where one cannot be read, or it is no such network.
 [[nodiscard]] Expected<QuantizedClassifier> quantize_classifier(
     const std::filesystem::path& weights, std::size_t pictures, const PictureAt& picture,
     std::size_t threads = 1);

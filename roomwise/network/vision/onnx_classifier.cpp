@@ -6,8 +6,6 @@
 #include <numeric>
 #include <span>
 
-#include "roomwise/network/executor/executor.h"
-#include "roomwise/network/vision/classifier_outputs.h"
 #include "roomwise/network/vision/picture_input.h"
 
 namespace roomwise::network {
@@ -61,72 +59,15 @@ void apply_softmax(std::vector<float>& scores) {
 
 }  // namespace
 
-class OnnxClassifier::Implementation {
- public:
-  Implementation(ModelCard card, std::vector<std::string> labels, std::string fingerprint,
-                 ClassifierOutputs outputs, std::unique_ptr<Executor> executor)
-      : card_(std::move(card)),
-        labels_(std::move(labels)),
-        fingerprint_(std::move(fingerprint)),
-        outputs_(std::move(outputs)),
-        executor_(std::move(executor)) {}
-
-  // Runs the network once, to learn what it gives.
-  Expected<void> probe() {
-    ROOMWISE_TRY(const Prediction prediction,
-                 predict(ColorImage(card_.input_width_px, card_.input_height_px)));
-    if (prediction.scores.size() != labels_.size()) {
-      return fail("the network gives {} scores, but there are {} labels", prediction.scores.size(),
-                  labels_.size());
-    }
-    const auto is_finite = [](float value) { return std::isfinite(value); };
-    if (!std::ranges::all_of(prediction.features, is_finite) ||
-        !std::ranges::all_of(prediction.scores, is_finite)) {
-      return fail("the network gives numbers that are not finite for a black picture");
-    }
-    feature_size_ = prediction.features.size();
-    return {};
-  }
-
-  Expected<Prediction> predict(const ColorImage& image) const {
-    if (image.empty()) return fail("the picture has no pixels");
-    const Tensor input = picture_input(image, card_);
-    ROOMWISE_TRY(std::vector<Tensor> outputs, executor_->run(std::span(&input, 1)));
-    Prediction prediction;
-    if (outputs_.scores) {
-      prediction.scores = std::move(outputs.back().values);
-      if (card_.scores_need_softmax && !prediction.scores.empty()) apply_softmax(prediction.scores);
-    }
-    prediction.features = outputs_.features.empty()
-                              ? prediction.scores
-                              : join(std::span(outputs).first(outputs_.features.size()));
-    if (labels_.empty()) prediction.scores.clear();
-    return prediction;
-  }
-
-  [[nodiscard]] std::string preprocessing() const { return preprocessing_of(card_, outputs_); }
-  [[nodiscard]] const ModelCard& card() const { return card_; }
-  [[nodiscard]] const std::vector<std::string>& labels() const { return labels_; }
-  [[nodiscard]] const std::string& fingerprint() const { return fingerprint_; }
-  [[nodiscard]] std::size_t feature_size() const { return feature_size_; }
-
- private:
-  ModelCard card_;
-  std::vector<std::string> labels_;
-  std::string fingerprint_;
-  ClassifierOutputs outputs_;
-  std::unique_ptr<Executor> executor_;
-  std::size_t feature_size_ = 0;
-};
-
-OnnxClassifier::OnnxClassifier(std::unique_ptr<Implementation> implementation)
-    : implementation_(std::move(implementation)) {}
-OnnxClassifier::~OnnxClassifier() = default;
-
 Expected<std::unique_ptr<OnnxClassifier>> OnnxClassifier::load(
     const std::filesystem::path& weights, const std::optional<std::filesystem::path>& labels) {
-  const auto in_file = [&](Error error) { return std::move(error).in(weights.string()); };
   ROOMWISE_TRY(NetworkFile file, read_network_file(weights, labels));
+  return create(std::move(file), weights);
+}
+
+Expected<std::unique_ptr<OnnxClassifier>> OnnxClassifier::create(
+    NetworkFile file, const std::filesystem::path& weights) {
+  const auto in_file = [&](Error error) { return std::move(error).in(weights.string()); };
   if (file.card.task != Task::kClassify) {
     return fail(
         "{}: finds things in pictures, by its card; here a network is wanted that looks at whole "
@@ -146,35 +87,48 @@ Expected<std::unique_ptr<OnnxClassifier>> OnnxClassifier::load(
     }
     options.eight_bits = std::move(file.eight_bits->ranges);
   }
-  ROOMWISE_TRY(auto executor,
+  std::unique_ptr<OnnxClassifier> classifier(new OnnxClassifier());
+  ROOMWISE_TRY(classifier->executor_,
                Executor::create(std::move(file.graph), std::move(options)).map_error(in_file));
-  auto implementation = std::make_unique<Implementation>(
-      std::move(file.card), std::move(file.labels), std::move(file.fingerprint), std::move(outputs),
-      std::move(executor));
-  ROOMWISE_CHECK_OK(implementation->probe().map_error(in_file));
-  return std::unique_ptr<OnnxClassifier>(new OnnxClassifier(std::move(implementation)));
+  classifier->card_ = std::move(file.card);
+  classifier->labels_ = std::move(file.labels);
+  classifier->fingerprint_ = std::move(file.fingerprint);
+  classifier->outputs_ = std::move(outputs);
+  ROOMWISE_CHECK_OK(classifier->probe().map_error(in_file));
+  return classifier;
 }
 
-const std::string& OnnxClassifier::name() const {
-  return implementation_->card().name;
+// Runs the network once, to learn what it gives.
+Expected<void> OnnxClassifier::probe() {
+  ROOMWISE_TRY(const Prediction prediction,
+               predict(ColorImage(card_.input_width_px, card_.input_height_px)));
+  if (prediction.scores.size() != labels_.size()) {
+    return fail("the network gives {} scores, but there are {} labels", prediction.scores.size(),
+                labels_.size());
+  }
+  const auto is_finite = [](float value) { return std::isfinite(value); };
+  if (!std::ranges::all_of(prediction.features, is_finite) ||
+      !std::ranges::all_of(prediction.scores, is_finite)) {
+    return fail("the network gives numbers that are not finite for a black picture");
+  }
+  feature_size_ = prediction.features.size();
+  return {};
 }
-const std::string& OnnxClassifier::fingerprint() const {
-  return implementation_->fingerprint();
-}
-std::string OnnxClassifier::preprocessing() const {
-  return implementation_->preprocessing();
-}
-const std::vector<std::string>& OnnxClassifier::labels() const {
-  return implementation_->labels();
-}
-std::size_t OnnxClassifier::feature_size() const {
-  return implementation_->feature_size();
-}
-Expected<Prediction> OnnxClassifier::predict(const image::ColorImage& image) const {
-  return implementation_->predict(image);
-}
-const ModelCard& OnnxClassifier::card() const {
-  return implementation_->card();
+
+Expected<Prediction> OnnxClassifier::predict(const ColorImage& image) const {
+  if (image.empty()) return fail("the picture has no pixels");
+  const Tensor input = picture_input(image, card_);
+  ROOMWISE_TRY(std::vector<Tensor> outputs, executor_->run(std::span(&input, 1)));
+  Prediction prediction;
+  if (outputs_.scores) {
+    prediction.scores = std::move(outputs.back().values);
+    if (card_.scores_need_softmax && !prediction.scores.empty()) apply_softmax(prediction.scores);
+  }
+  prediction.features = outputs_.features.empty()
+                            ? prediction.scores
+                            : join(std::span(outputs).first(outputs_.features.size()));
+  if (labels_.empty()) prediction.scores.clear();
+  return prediction;
 }
 
 std::optional<std::filesystem::path> default_model_folder() {

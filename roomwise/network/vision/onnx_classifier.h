@@ -4,8 +4,9 @@
 #include <memory>
 #include <optional>
 
-#include "roomwise/network/formats/model_card.h"
+#include "roomwise/network/executor/executor.h"
 #include "roomwise/network/vision/classifier.h"
+#include "roomwise/network/vision/classifier_outputs.h"
 
 namespace roomwise::network {
 
@@ -26,21 +27,31 @@ class OnnxClassifier final : public Classifier {
   [[nodiscard]] static Expected<std::unique_ptr<OnnxClassifier>> load(
       const std::filesystem::path& weights,
       const std::optional<std::filesystem::path>& labels = std::nullopt);
-  ~OnnxClassifier() override;
+  // The same of what was read already; errors name `weights`.
+  [[nodiscard]] static Expected<std::unique_ptr<OnnxClassifier>> create(
+      NetworkFile file, const std::filesystem::path& weights);
 
-  [[nodiscard]] const std::string& name() const override;
-  [[nodiscard]] const std::string& fingerprint() const override;
-  [[nodiscard]] std::string preprocessing() const override;
-  [[nodiscard]] const std::vector<std::string>& labels() const override;
-  [[nodiscard]] std::size_t feature_size() const override;
+  [[nodiscard]] const std::string& name() const override { return card_.name; }
+  [[nodiscard]] const std::string& fingerprint() const override { return fingerprint_; }
+  [[nodiscard]] std::string preprocessing() const override {
+    return preprocessing_of(card_, outputs_);
+  }
+  [[nodiscard]] const std::vector<std::string>& labels() const override { return labels_; }
+  [[nodiscard]] std::size_t feature_size() const override { return feature_size_; }
   [[nodiscard]] Expected<Prediction> predict(const image::ColorImage& image) const override;
 
-  [[nodiscard]] const ModelCard& card() const;
+  [[nodiscard]] const ModelCard& card() const { return card_; }
 
  private:
-  class Implementation;
-  explicit OnnxClassifier(std::unique_ptr<Implementation> implementation);
-  std::unique_ptr<Implementation> implementation_;
+  OnnxClassifier() = default;
+  [[nodiscard]] Expected<void> probe();
+
+  ModelCard card_;
+  std::vector<std::string> labels_;
+  std::string fingerprint_;
+  ClassifierOutputs outputs_;
+  std::unique_ptr<Executor> executor_;
+  std::size_t feature_size_ = 0;
 };
 
 // Where networks are looked for unless the user says otherwise: ROOMWISE_MODELS if it is set, else

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <set>
 #include <tuple>
 
 #include "roomwise/objects/changes/point_votes.h"
@@ -207,13 +208,14 @@ PlacedInstance placed_instance(const Instance& instance, const geometry::Oriente
   constexpr float kSample_m = 0.04F;
   PlacedInstance thing{instance.name, box_world, {}};
   const geometry::RigidTransform box_from_world = box_world.world_from_box.inverse();
-  std::vector<VoxelKey> taken;
+  std::set<VoxelKey> taken;
   for (std::size_t k = 0; k < keyframes.size(); ++k) {
     bool shows = false;
-    for (const NamedRegion& named : keyframes[k].regions) {
-      if (named.name != instance.name && !instance.names.contains(named.name)) continue;
+    for (const Detection& detection : keyframes[k].detections) {
+      const std::string& name = detection.class_name;
+      if (name != instance.name && !instance.names.contains(name)) continue;
       std::size_t inside = 0;
-      for (const Vector3f& point : named.region->surface.points) {
+      for (const Vector3f& point : detection.surface.points) {
         const Vector3d point_world = keyframes[k].world_from_camera * point.cast<double>();
         const Vector3d point_box = box_from_world * point_world;
         if (((point_box.cwiseAbs() - 0.5 * box_world.size_m).array() > 0.01).any()) continue;
@@ -221,13 +223,10 @@ PlacedInstance placed_instance(const Instance& instance, const geometry::Oriente
         if (level.height_m(point_world) < kFloorReach_m) continue;
         ++inside;
         // One point for each little cell, the first that comes.
-        const VoxelKey voxel = voxel_of(point_world.cast<float>(), kSample_m);
-        const auto at = std::ranges::lower_bound(taken, voxel);
-        if (at != taken.end() && *at == voxel) continue;
-        taken.insert(at, voxel);
+        if (!taken.insert(voxel_of(point_world.cast<float>(), kSample_m)).second) continue;
         thing.surface_world.push_back(point_world.cast<float>());
       }
-      shows = shows || 2 * inside >= named.region->surface.points.size();
+      shows = shows || 2 * inside >= detection.surface.points.size();
     }
     if (shows && seen_in != nullptr) seen_in->push_back(k);
   }

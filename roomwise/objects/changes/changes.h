@@ -48,7 +48,7 @@ struct PlacedInstance {
   std::vector<Eigen::Vector3f> surface_world;  // a sample; may be none
 };
 
-// The thing of an instance. Its surface is what the key-frames' regions of its names show inside
+// The thing of an instance. Its surface is what the key-frames' detections of its names show inside
 // its box, but for what it stands on; `seen_in` gets the key-frames' places in the span, ascending.
 [[nodiscard]] PlacedInstance placed_instance(const Instance& instance,
                                              const geometry::OrientedBox& box_world,

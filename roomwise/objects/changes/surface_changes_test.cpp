@@ -26,7 +26,7 @@ class SurfaceChangesTest : public ::testing::Test {
   static std::vector<DepthView> views_of(TestRoom& room) {
     std::vector<DepthView> views;
     for (const ObservedKeyframe& one : room.keyframes()) {
-      views.push_back({one.world_from_camera, one.camera, one.coarse_depth, kCoarseDepthStep_px});
+      views.push_back({one.world_from_camera, &one.camera, &one.coarse_depth, kCoarseDepthStep_px});
     }
     return views;
   }

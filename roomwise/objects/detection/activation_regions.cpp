@@ -140,7 +140,7 @@ std::vector<network::Detection> find_regions(const CellLogits& cells,
   return found;
 }
 
-class ActivationFinder final : public RegionFinder {
+class ActivationFinder final : public DetectionFinder {
  public:
   ActivationFinder(std::unique_ptr<network::DenseClassifier> classifier,
                    const ObjectVocabulary& words, const ActivationOptions& options)
@@ -191,7 +191,7 @@ std::vector<network::Detection> activation_regions(const CellLogits& cells,
                       height_px);
 }
 
-ObjectVocabulary classes_of_maps(const RegionFinders& finders,
+ObjectVocabulary classes_of_maps(const DetectionFinders& finders,
                                  const std::vector<std::string>& labels,
                                  const ObjectVocabulary& vocabulary) {
   static const std::set<std::string> kFoundRightly{"bookcase"};
@@ -205,7 +205,7 @@ ObjectVocabulary classes_of_maps(const RegionFinders& finders,
   });
 }
 
-std::unique_ptr<RegionFinder> activation_finder(
+std::unique_ptr<DetectionFinder> activation_finder(
     std::unique_ptr<network::DenseClassifier> classifier, const ObjectVocabulary& words,
     const ActivationOptions& options) {
   return std::make_unique<ActivationFinder>(std::move(classifier), words, options);

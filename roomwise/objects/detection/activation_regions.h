@@ -30,12 +30,12 @@ struct ActivationOptions {
 // has a label for and the labels do, those that maps find rightly
 // (docs/experiments/objects-activation-maps-which-classes.md); alone, all that the labels have; and
 // look-alikes that the labels have.
-[[nodiscard]] ObjectVocabulary classes_of_maps(const RegionFinders& finders,
+[[nodiscard]] ObjectVocabulary classes_of_maps(const DetectionFinders& finders,
                                                const std::vector<std::string>& labels,
                                                const ObjectVocabulary& vocabulary);
 
 // Finds these words by a classifier's class-activation maps.
-[[nodiscard]] std::unique_ptr<RegionFinder> activation_finder(
+[[nodiscard]] std::unique_ptr<DetectionFinder> activation_finder(
     std::unique_ptr<network::DenseClassifier> classifier, const ObjectVocabulary& words,
     const ActivationOptions& options = {});
 

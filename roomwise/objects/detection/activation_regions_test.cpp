@@ -74,7 +74,7 @@ TEST(ActivationRegions, LooksForTheGivenWordsAlone) {
   EXPECT_TRUE(activation_regions(cells_of(2, 2), kCellLabels, words, {}, 20, 20).empty());
 }
 
-class NamesOnly final : public RegionFinder {
+class NamesOnly final : public DetectionFinder {
  public:
   explicit NamesOnly(std::vector<std::string> labels) : labels_(std::move(labels)) {}
   [[nodiscard]] const std::string& name() const override { return name_; }
@@ -93,7 +93,7 @@ class NamesOnly final : public RegionFinder {
 TEST(WordsOfMaps, AreThoseThatMapsFindRightlyAndNoDetectorHas) {
   const std::vector<std::string> labels{"lampshade, lamp shade", "bookcase", "wardrobe", "zebra",
                                         "radiator"};
-  RegionFinders finders;
+  DetectionFinders finders;
   finders.push_back(std::make_unique<NamesOnly>(std::vector<std::string>{"bed", "lampshade"}));
   const auto words = classes_of_maps(finders, labels, ObjectVocabulary::standard());
   EXPECT_EQ(words.objects().size(), 2U);
@@ -119,8 +119,8 @@ TEST(ActivationFinder, SaysHowItFindsInItsFingerprint) {
   const auto finder = finder_of({});
   EXPECT_EQ(finder->name(), "activation maps");
   EXPECT_THAT(finder->fingerprint(), HasSubstr("352x256"));
-  EXPECT_EQ(source_of(finder->fingerprint()), RegionSource::kActivation);
-  EXPECT_EQ(source_of(finder->fingerprint().substr(0, 64)), RegionSource::kDetector);
+  EXPECT_EQ(source_of(finder->fingerprint()), DetectionSource::kActivation);
+  EXPECT_EQ(source_of(finder->fingerprint().substr(0, 64)), DetectionSource::kDetector);
   EXPECT_NE(finder->fingerprint(), finder_of({0.6F, 0.2F})->fingerprint());
 }
 

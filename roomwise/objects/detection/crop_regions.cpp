@@ -12,14 +12,14 @@ namespace roomwise::objects {
 namespace {
 
 using network::Classifier;
-using network::Detection;
 using network::PixelBox;
 
 // The boxes that hold something, without those of another name that show the same, best first.
-std::vector<Detection> distinct(std::span<const Detection> detections, float nms_iou) {
-  std::vector<Detection> kept;
-  for (const Detection& detection : detections) {
-    const bool is_known = std::ranges::any_of(kept, [&](const Detection& other) {
+std::vector<network::Detection> distinct(std::span<const network::Detection> detections,
+                                         float nms_iou) {
+  std::vector<network::Detection> kept;
+  for (const network::Detection& detection : detections) {
+    const bool is_known = std::ranges::any_of(kept, [&](const network::Detection& other) {
       return network::intersection_over_union(detection.box, other.box) > nms_iou;
     });
     if (!is_known && detection.box.area() > 0) kept.push_back(detection);
@@ -43,7 +43,7 @@ LabelsOfWords labels_of_words(const std::vector<std::string>& labels,
 }
 
 struct NamedBox {
-  Detection found;
+  network::Detection found;
   std::size_t word = 0;  // index of LabelsOfWords
   PixelBox square;       // that was cut out
 };
@@ -65,7 +65,7 @@ NamedBox best_word(const std::vector<float>& scores, const LabelsOfWords& words)
 }
 
 // Best first, given and returned.
-std::vector<Detection> without_neighbors(std::span<const NamedBox> named) {
+std::vector<network::Detection> without_neighbors(std::span<const NamedBox> named) {
   constexpr float kMax = 0.5F;
   std::vector<const NamedBox*> kept;
   for (const NamedBox& one : named) {
@@ -76,19 +76,19 @@ std::vector<Detection> without_neighbors(std::span<const NamedBox> named) {
     });
     if (!shows_better) kept.push_back(&one);
   }
-  std::vector<Detection> found;
+  std::vector<network::Detection> found;
   for (const NamedBox* one : kept) found.push_back(one->found);
   return found;
 }
 
-Expected<std::vector<Detection>> name_boxes(const image::ColorImage& picture,
-                                            std::span<const Detection> boxes,
-                                            const Classifier& classifier,
-                                            const LabelsOfWords& words,
-                                            const CropOptions& options) {
+Expected<std::vector<network::Detection>> name_boxes(const image::ColorImage& picture,
+                                                     std::span<const network::Detection> boxes,
+                                                     const Classifier& classifier,
+                                                     const LabelsOfWords& words,
+                                                     const CropOptions& options) {
   if (picture.empty()) return fail("a picture without pixels has no boxes to name");
   std::vector<NamedBox> named;
-  for (const Detection& box : distinct(boxes, options.nms_iou)) {
+  for (const network::Detection& box : distinct(boxes, options.nms_iou)) {
     const PixelBox square =
         square_about(box.box, options.margin, picture.width(), picture.height());
     const int side = static_cast<int>(square.right - square.left);
@@ -106,7 +106,7 @@ Expected<std::vector<Detection>> name_boxes(const image::ColorImage& picture,
   return without_neighbors(named);
 }
 
-class CropFinder final : public RegionFinder {
+class CropFinder final : public DetectionFinder {
  public:
   CropFinder(std::shared_ptr<const network::Detector> detector,
              std::shared_ptr<const Classifier> classifier, const ObjectVocabulary& words,
@@ -131,7 +131,7 @@ class CropFinder final : public RegionFinder {
   [[nodiscard]] const std::vector<std::string>& labels() const override {
     return classifier_->labels();
   }
-  [[nodiscard]] Expected<std::vector<Detection>> find(
+  [[nodiscard]] Expected<std::vector<network::Detection>> find(
       const image::ColorImage& picture) const override {
     ROOMWISE_TRY(const auto boxes, detector_->detect(picture, options_.min_box_score));
     return name_boxes(picture, boxes, *classifier_, words_, options_);
@@ -170,19 +170,19 @@ ObjectVocabulary classes_of_crops(const std::vector<std::string>& labels,
                              [](const std::string& word) { return kFoundRightly.contains(word); });
 }
 
-Expected<std::vector<Detection>> crop_regions(const image::ColorImage& picture,
-                                              std::span<const Detection> boxes,
-                                              const Classifier& classifier,
-                                              const ObjectVocabulary& words,
-                                              const CropOptions& options) {
+Expected<std::vector<network::Detection>> crop_regions(const image::ColorImage& picture,
+                                                       std::span<const network::Detection> boxes,
+                                                       const Classifier& classifier,
+                                                       const ObjectVocabulary& words,
+                                                       const CropOptions& options) {
   return name_boxes(picture, boxes, classifier, labels_of_words(classifier.labels(), words),
                     options);
 }
 
-std::unique_ptr<RegionFinder> crop_finder(std::shared_ptr<const network::Detector> detector,
-                                          std::shared_ptr<const Classifier> classifier,
-                                          const ObjectVocabulary& words,
-                                          const CropOptions& options) {
+std::unique_ptr<DetectionFinder> crop_finder(std::shared_ptr<const network::Detector> detector,
+                                             std::shared_ptr<const Classifier> classifier,
+                                             const ObjectVocabulary& words,
+                                             const CropOptions& options) {
   return std::make_unique<CropFinder>(std::move(detector), std::move(classifier), words, options);
 }
 

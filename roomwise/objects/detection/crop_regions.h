@@ -45,7 +45,7 @@ struct CropOptions {
 // Girshick et al., "Rich feature hierarchies for accurate object detection and semantic
 // segmentation", 2014). A detector finds lampshades and baths, too, and calls them vases and sinks,
 // since it knows no other word; seen alone, a classifier tells them.
-[[nodiscard]] std::unique_ptr<RegionFinder> crop_finder(
+[[nodiscard]] std::unique_ptr<DetectionFinder> crop_finder(
     std::shared_ptr<const network::Detector> detector,
     std::shared_ptr<const network::Classifier> classifier, const ObjectVocabulary& words,
     const CropOptions& options = {});

@@ -12,7 +12,6 @@
 namespace roomwise::objects {
 namespace {
 
-using network::Detection;
 using network::PixelBox;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -47,7 +46,7 @@ constexpr int kLampRed = 10, kWasherRed = 20, kZebraRed = 30;
 struct Scene {
   image::ColorImage picture{200, 100};
   SaysByRed classifier;
-  std::vector<Detection> boxes;
+  std::vector<network::Detection> boxes;
 
   Scene() {
     classifier.scores_by_red = {{0, {0, 0, 0, 1}},
@@ -62,10 +61,10 @@ struct Scene {
     }
     boxes.push_back({75, score, box});
   }
-  [[nodiscard]] std::vector<Detection> found(const ObjectVocabulary& words) const {
+  [[nodiscard]] std::vector<network::Detection> found(const ObjectVocabulary& words) const {
     auto regions = crop_regions(picture, boxes, classifier, words, {});
     EXPECT_OK(regions);
-    return regions.value_or(std::vector<Detection>{});
+    return regions.value_or(std::vector<network::Detection>{});
   }
 };
 
@@ -174,7 +173,7 @@ TEST(CropFinder, FindsALampThatTheDetectorHasNoWordFor) {
     return crop_finder(detector, std::move(classifier), words, options);
   };
   const auto finder = finder_of({});
-  EXPECT_EQ(source_of(finder->fingerprint()), RegionSource::kCrop);
+  EXPECT_EQ(source_of(finder->fingerprint()), DetectionSource::kCrop);
   EXPECT_NE(finder->fingerprint(), finder_of({.margin = 1.5F})->fingerprint());
   EXPECT_THAT(finder->fingerprint(), HasSubstr(detector->fingerprint()));
   const auto photo = roomwise::testing::find_data("object_photos/n04380533_table_lamp.jpg");

@@ -5,10 +5,10 @@
 namespace roomwise::objects {
 namespace {
 
-class DetectorRegions final : public RegionFinder {
+class DetectorFinder final : public DetectionFinder {
  public:
-  DetectorRegions(std::string name, std::shared_ptr<const network::Detector> detector,
-                  float min_score)
+  DetectorFinder(std::string name, std::shared_ptr<const network::Detector> detector,
+                 float min_score)
       : name_(std::move(name)), detector_(std::move(detector)), min_score_(min_score) {}
 
   [[nodiscard]] const std::string& name() const override { return name_; }
@@ -29,19 +29,10 @@ class DetectorRegions final : public RegionFinder {
 
 }  // namespace
 
-RegionSource source_of(std::string_view fingerprint) {
-  const auto is_by = [&](std::string_view method) {
-    return fingerprint.find(method) != std::string_view::npos;
-  };
-  if (is_by(kActivationMethod)) return RegionSource::kActivation;
-  if (is_by(kCropMethod)) return RegionSource::kCrop;
-  return is_by(kProposalMethod) ? RegionSource::kProposal : RegionSource::kDetector;
-}
-
-std::unique_ptr<RegionFinder> detector_regions(std::string name,
-                                               std::shared_ptr<const network::Detector> detector,
-                                               float min_score) {
-  return std::make_unique<DetectorRegions>(std::move(name), std::move(detector), min_score);
+std::unique_ptr<DetectionFinder> detector_finder(std::string name,
+                                                 std::shared_ptr<const network::Detector> detector,
+                                                 float min_score) {
+  return std::make_unique<DetectorFinder>(std::move(name), std::move(detector), min_score);
 }
 
 }  // namespace roomwise::objects

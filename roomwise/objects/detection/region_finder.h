@@ -2,21 +2,20 @@
 
 #include <memory>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "roomwise/base/expected.h"
 #include "roomwise/image/image.h"
 #include "roomwise/network/vision/detector.h"
-#include "roomwise/objects/detection/region_surface.h"
+#include "roomwise/objects/detection/detection.h"
 
 namespace roomwise::objects {
 
 // Something that finds where in a picture things are. find() may be called from several threads at
 // once.
-class RegionFinder {
+class DetectionFinder {
  public:
-  virtual ~RegionFinder() = default;
+  virtual ~DetectionFinder() = default;
 
   [[nodiscard]] virtual const std::string& name() const = 0;
   // Tells finders apart whose findings may differ: SHA-256 of the weights file, and the method
@@ -28,17 +27,11 @@ class RegionFinder {
       const image::ColorImage& picture) const = 0;
 };
 
-// How a finder with this fingerprint finds regions: the method stands in it, behind the weights'.
-constexpr std::string_view kActivationMethod = " activation maps ";
-constexpr std::string_view kCropMethod = " crops ";
-constexpr std::string_view kProposalMethod = " proposals ";
-[[nodiscard]] RegionSource source_of(std::string_view fingerprint);
-
-using RegionFinders = std::vector<std::unique_ptr<RegionFinder>>;
+using DetectionFinders = std::vector<std::unique_ptr<DetectionFinder>>;
 
 // The boxes of a detector that score more than `min_score`. What is stored cannot be had back, so
 // the score is lower than what counts later.
-[[nodiscard]] std::unique_ptr<RegionFinder> detector_regions(
+[[nodiscard]] std::unique_ptr<DetectionFinder> detector_finder(
     std::string name, std::shared_ptr<const network::Detector> detector, float min_score = 0.2F);
 
 }  // namespace roomwise::objects

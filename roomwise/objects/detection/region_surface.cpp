@@ -5,6 +5,8 @@
 #include <cmath>
 #include <optional>
 
+#include "roomwise/base/median.h"
+
 namespace roomwise::objects {
 namespace {
 
@@ -30,6 +32,13 @@ struct RegionGrid {
     return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) +
            static_cast<std::size_t>(column);
   }
+  // Of each place: its column, row and index.
+  template <typename Do>
+  void for_each(const Do& act) const {
+    for (int row = 0; row < rows; ++row) {
+      for (int column = 0; column < columns; ++column) act(column, row, index(column, row));
+    }
+  }
   // 1 in the middle, 0 at the rim.
   [[nodiscard]] double centrality(int column, int row) const {
     const double across = 1 - std::abs(2 * (column + 0.5) / columns - 1);
@@ -48,14 +57,12 @@ RegionGrid sample_region(const image::DepthImage& depth, const geometry::Pinhole
   grid.step_px = std::max(1.0, std::max(width, height) / kPlacesAlong);
   grid.columns = static_cast<int>(width / grid.step_px);
   grid.rows = static_cast<int>(height / grid.step_px);
-  for (int row = 0; row < grid.rows; ++row) {
-    for (int column = 0; column < grid.columns; ++column) {
-      const Eigen::Vector2d at = grid.pixel(column, row);
-      const int x = std::clamp(static_cast<int>(at.x()), 0, depth.width() - 1);
-      const int y = std::clamp(static_cast<int>(at.y()), 0, depth.height() - 1);
-      grid.depth_m.push_back(depth.at(x, y) / camera.depth_units_per_metre);
-    }
-  }
+  grid.for_each([&](int column, int row, std::size_t) {
+    const Eigen::Vector2d at = grid.pixel(column, row);
+    const int x = std::clamp(static_cast<int>(at.x()), 0, depth.width() - 1);
+    const int y = std::clamp(static_cast<int>(at.y()), 0, depth.height() - 1);
+    grid.depth_m.push_back(depth.at(x, y) / camera.depth_units_per_metre);
+  });
   return grid;
 }
 
@@ -68,13 +75,9 @@ std::optional<std::size_t> bin_of(double depth_m) {
 // The middle of the three neighbouring bins that hold the most weight.
 std::optional<std::size_t> fullest_bin(const RegionGrid& grid) {
   std::array<double, kBins> weight{};
-  for (int row = 0; row < grid.rows; ++row) {
-    for (int column = 0; column < grid.columns; ++column) {
-      if (const auto bin = bin_of(grid.depth_m[grid.index(column, row)])) {
-        weight[*bin] += grid.centrality(column, row);
-      }
-    }
-  }
+  grid.for_each([&](int column, int row, std::size_t place) {
+    if (const auto bin = bin_of(grid.depth_m[place])) weight[*bin] += grid.centrality(column, row);
+  });
   std::size_t best = 1;
   double most = 0;
   for (std::size_t bin = 1; bin + 1 < kBins; ++bin) {
@@ -99,14 +102,12 @@ bool is_continuous(double a_m, double b_m, double step_px, double focal_px) {
 std::vector<bool> follow_surface(const RegionGrid& grid, std::size_t bin, double focal_px) {
   std::vector<bool> on_surface(grid.depth_m.size(), false);
   std::vector<std::pair<int, int>> open;
-  for (int row = 0; row < grid.rows; ++row) {
-    for (int column = 0; column < grid.columns; ++column) {
-      const auto own = bin_of(grid.depth_m[grid.index(column, row)]);
-      if (!own || *own + 1 < bin || *own > bin + 1 || grid.centrality(column, row) < 0.05) continue;
-      on_surface[grid.index(column, row)] = true;
-      open.emplace_back(column, row);
-    }
-  }
+  grid.for_each([&](int column, int row, std::size_t place) {
+    const auto own = bin_of(grid.depth_m[place]);
+    if (!own || *own + 1 < bin || *own > bin + 1 || grid.centrality(column, row) < 0.05) return;
+    on_surface[place] = true;
+    open.emplace_back(column, row);
+  });
   while (!open.empty()) {
     const auto [column, row] = open.back();
     open.pop_back();
@@ -130,30 +131,28 @@ std::size_t places_measured(const RegionGrid& grid) {
 }
 
 // A sample of the places that are on it.
-RegionSurface surface_of(const RegionGrid& grid, const std::vector<bool>& on_surface,
-                         const geometry::PinholeCamera& camera) {
-  RegionSurface surface;
+DetectionSurface surface_of(const RegionGrid& grid, const std::vector<bool>& on_surface,
+                            const geometry::PinholeCamera& camera) {
+  DetectionSurface surface;
   const auto measured = static_cast<float>(places_measured(grid));
   const auto places = static_cast<std::size_t>(std::ranges::count(on_surface, true));
   surface.measured = measured / static_cast<float>(grid.depth_m.size());
   surface.share = static_cast<float>(places) / measured;
   const std::size_t every = (places + kMaxPoints - 1) / kMaxPoints;
   std::size_t next = 0;
-  for (int row = 0; row < grid.rows; ++row) {
-    for (int column = 0; column < grid.columns; ++column) {
-      const std::size_t place = grid.index(column, row);
-      if (!on_surface[place] || next++ % every != 0) continue;
-      surface.points.push_back(
-          camera.unproject(grid.pixel(column, row), grid.depth_m[place]).cast<float>());
-    }
-  }
+  grid.for_each([&](int column, int row, std::size_t place) {
+    if (!on_surface[place] || next++ % every != 0) return;
+    surface.points.push_back(
+        camera.unproject(grid.pixel(column, row), grid.depth_m[place]).cast<float>());
+  });
   return surface;
 }
 
 }  // namespace
 
-RegionSurface region_surface(const image::DepthImage& depth, const geometry::PinholeCamera& camera,
-                             const network::PixelBox& box) {
+DetectionSurface region_surface(const image::DepthImage& depth,
+                                const geometry::PinholeCamera& camera,
+                                const network::PixelBox& box) {
   const RegionGrid grid = sample_region(depth, camera, box);
   if (places_measured(grid) < kFewestMeasured) return {};
   const auto bin = fullest_bin(grid);
@@ -161,21 +160,18 @@ RegionSurface region_surface(const image::DepthImage& depth, const geometry::Pin
   return surface_of(grid, follow_surface(grid, *bin, camera.fx), camera);
 }
 
-RegionSurface surface_within(const image::DepthImage& depth, const geometry::PinholeCamera& camera,
-                             const network::PixelBox& box,
-                             const geometry::OrientedBox& box_camera) {
+DetectionSurface surface_within(const image::DepthImage& depth,
+                                const geometry::PinholeCamera& camera, const network::PixelBox& box,
+                                const geometry::OrientedBox& box_camera) {
   constexpr double kRim_m = 0.04;
   const RegionGrid grid = sample_region(depth, camera, box);
   if (places_measured(grid) < kFewestMeasured) return {};
   std::vector<bool> on_surface(grid.depth_m.size(), false);
-  for (int row = 0; row < grid.rows; ++row) {
-    for (int column = 0; column < grid.columns; ++column) {
-      const std::size_t place = grid.index(column, row);
-      if (grid.depth_m[place] <= 0) continue;
-      const Eigen::Vector3d point = camera.unproject(grid.pixel(column, row), grid.depth_m[place]);
-      on_surface[place] = box_camera.distance_m(point) <= kRim_m;
-    }
-  }
+  grid.for_each([&](int column, int row, std::size_t place) {
+    if (grid.depth_m[place] <= 0) return;
+    const Eigen::Vector3d point = camera.unproject(grid.pixel(column, row), grid.depth_m[place]);
+    on_surface[place] = box_camera.distance_m(point) <= kRim_m;
+  });
   return surface_of(grid, on_surface, camera);
 }
 
@@ -192,9 +188,7 @@ image::DepthImage coarse_depth(const image::DepthImage& depth) {
         }
       }
       if (measured.size() < 4) continue;
-      const auto middle = measured.begin() + static_cast<std::ptrdiff_t>(measured.size() / 2);
-      std::ranges::nth_element(measured, middle);
-      coarse.at(column, row) = *middle;
+      coarse.at(column, row) = median_of(measured);
     }
   }
   return coarse;

@@ -18,14 +18,14 @@ image::DepthImage thing_before_wall() {
   return depth;
 }
 
-float max_range_m(const RegionSurface& surface) {
+float max_range_m(const DetectionSurface& surface) {
   float farthest = 0;
   for (const Eigen::Vector3f& point : surface.points) farthest = std::max(farthest, point.z());
   return farthest;
 }
 
-TEST(RegionSurface, LeavesTheBackgroundOut) {
-  const RegionSurface surface = region_surface(thing_before_wall(), kCamera, kRegionBox);
+TEST(DetectionSurface, LeavesTheBackgroundOut) {
+  const DetectionSurface surface = region_surface(thing_before_wall(), kCamera, kRegionBox);
   ASSERT_GT(surface.points.size(), 100U);
   EXPECT_LT(max_range_m(surface), 2.01F);
   EXPECT_NEAR(surface.share, 0.64F, 0.04F);
@@ -43,7 +43,7 @@ TEST(SurfaceWithin, HoldsWhatLiesInTheBoxInSpace) {
   const image::DepthImage depth = thing_before_wall();
   const Eigen::Vector3d middle = kCamera.unproject(Eigen::Vector2d(319.5, 239.5), 2.1);
   const geometry::OrientedBox thing{{Eigen::Quaterniond::Identity(), middle}, {0.4, 0.4, 0.3}};
-  const RegionSurface surface = surface_within(depth, kCamera, kRegionBox, thing);
+  const DetectionSurface surface = surface_within(depth, kCamera, kRegionBox, thing);
   ASSERT_GT(surface.points.size(), 50U);
   for (const Eigen::Vector3f& point : surface.points) {
     EXPECT_LT(thing.distance_m(point.cast<double>()), 0.05);
@@ -59,28 +59,28 @@ TEST(SurfaceWithin, HoldsWhatLiesInTheBoxInSpace) {
       surface_within(image::DepthImage(640, 480), kCamera, kRegionBox, thing).points.empty());
 }
 
-TEST(RegionSurface, LeavesOutWhatStandsBefore) {
+TEST(DetectionSurface, LeavesOutWhatStandsBefore) {
   image::DepthImage depth = thing_before_wall();
   for (int y = 0; y < 480; ++y) {
     for (int x = 380; x < 480; ++x) depth.at(x, y) = 900;  // a door post
   }
-  const RegionSurface surface = region_surface(depth, kCamera, kRegionBox);
+  const DetectionSurface surface = region_surface(depth, kCamera, kRegionBox);
   ASSERT_GT(surface.points.size(), 100U);
   for (const Eigen::Vector3f& point : surface.points) EXPECT_NEAR(point.z(), 2, 0.01);
 }
 
-TEST(RegionSurface, FollowsASlantedSurface) {
+TEST(DetectionSurface, FollowsASlantedSurface) {
   image::DepthImage depth(640, 480, 4500);
   for (int y = 160; y < 320; ++y) {
     for (int x = 240; x < 400; ++x)
       depth.at(x, y) = static_cast<std::uint16_t>(1500 + 6 * (x - 240));
   }
-  const RegionSurface surface = region_surface(depth, kCamera, kRegionBox);
+  const DetectionSurface surface = region_surface(depth, kCamera, kRegionBox);
   EXPECT_GT(max_range_m(surface), 2.4F);
   EXPECT_LT(max_range_m(surface), 2.5F);
 }
 
-TEST(RegionSurface, IsEmptyWithoutDepth) {
+TEST(DetectionSurface, IsEmptyWithoutDepth) {
   EXPECT_TRUE(region_surface(image::DepthImage(640, 480, 0), kCamera, kRegionBox).points.empty());
   EXPECT_TRUE(region_surface(thing_before_wall(), kCamera, {300, 300, 300, 300}).points.empty());
   EXPECT_TRUE(region_surface(thing_before_wall(), kCamera, {-90, -90, -10, -10}).points.empty());

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <vector>
 
+#include "roomwise/base/median.h"
+
 namespace roomwise::objects {
 
 std::optional<Eigen::Vector3d> center_point(const image::DepthImage& depth,
@@ -18,9 +20,7 @@ std::optional<Eigen::Vector3d> center_point(const image::DepthImage& depth,
     }
   }
   if (measured.size() < kMinMeasured) return std::nullopt;
-  const auto middle = measured.begin() + static_cast<std::ptrdiff_t>(measured.size() / 2);
-  std::ranges::nth_element(measured, middle);
-  return camera.unproject({center_x, center_y}, *middle / camera.depth_units_per_metre);
+  return camera.unproject({center_x, center_y}, median_of(measured) / camera.depth_units_per_metre);
 }
 
 }  // namespace roomwise::objects

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <map>
 
+#include "roomwise/base/median.h"
 #include "roomwise/mapping/graph/up_direction.h"
 #include "roomwise/objects/instances/instances.h"
 
@@ -30,19 +31,19 @@ GroundPlane fit_ground_plane(std::span<const ObservedKeyframe> keyframes) {
   mapping::UpDirectionOptions options;
   mapping::UpDirectionEstimator estimator(options);
   for (const ObservedKeyframe& keyframe : keyframes) {
-    estimator.add(keyframe.world_from_camera, *keyframe.coarse_depth,
-                  coarse_camera(*keyframe.camera, *keyframe.coarse_depth));
+    estimator.add(keyframe.world_from_camera, keyframe.coarse_depth,
+                  coarse_camera(keyframe.camera, keyframe.coarse_depth));
   }
   GroundPlane level{.up_world = estimator.estimate().up_world};
 
   std::vector<double> camera_heights;
   std::map<int, std::size_t> points_at;  // by bin of height
   for (const ObservedKeyframe& keyframe : keyframes) {
-    const geometry::PinholeCamera camera = coarse_camera(*keyframe.camera, *keyframe.coarse_depth);
+    const geometry::PinholeCamera camera = coarse_camera(keyframe.camera, keyframe.coarse_depth);
     camera_heights.push_back(level.up_world.dot(keyframe.world_from_camera.translation));
     for (int y = 0; y < camera.height; y += 2) {
       for (int x = 0; x < camera.width; x += 2) {
-        const double depth_m = keyframe.coarse_depth->at(x, y) / camera.depth_units_per_metre;
+        const double depth_m = keyframe.coarse_depth.at(x, y) / camera.depth_units_per_metre;
         if (depth_m <= 0 || depth_m > options.max_depth_m) continue;
         const Eigen::Vector3d point =
             keyframe.world_from_camera * camera.unproject(Eigen::Vector2d(x, y), depth_m);
@@ -51,10 +52,7 @@ GroundPlane fit_ground_plane(std::span<const ObservedKeyframe> keyframes) {
     }
   }
   if (camera_heights.empty() || points_at.empty()) return level;
-  const auto middle =
-      camera_heights.begin() + static_cast<std::ptrdiff_t>(camera_heights.size() / 2);
-  std::ranges::nth_element(camera_heights, middle);
-  const int below = static_cast<int>(std::floor((*middle - 0.3) / kBin_m));
+  const int below = static_cast<int>(std::floor((median_of(camera_heights) - 0.3) / kBin_m));
   std::size_t fullest = 0;
   for (const auto& [bin, points] : points_at) {
     if (bin < below) fullest = std::max(fullest, points);

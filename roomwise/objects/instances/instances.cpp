@@ -12,48 +12,6 @@
 namespace roomwise::objects {
 namespace {
 
-// A group with its box and what it is called.
-struct Candidate {
-  ObservationCluster group;
-  ClusterBox box;
-  std::vector<VoxelKey> voxels;  // of the surface
-  std::map<std::string, double> scores;
-  double foot_m = 0;  // the box's lower end, over the floor
-};
-
-// Whether what a classifier says of the picture is said of the region: it holds the middle of the
-// picture and a tenth of it or more.
-bool stands_in_middle(const network::PixelBox& box, const geometry::PinholeCamera& camera) {
-  const auto width = static_cast<float>(camera.width), height = static_cast<float>(camera.height);
-  return box.left < width / 2 && box.right > width / 2 && box.top < height / 2 &&
-         box.bottom > height / 2 && box.area() >= 0.1F * width * height;
-}
-
-// A picture's name is about all of it.
-constexpr double kSaidWeight = 0.5;
-Candidate candidate_of(ObservationCluster group, std::span<const WorldObservation> observations,
-                       std::span<const ObservedKeyframe> keyframes, const GroundPlane& level) {
-  Candidate candidate;
-  candidate.box = box_of_cluster(group, observations, keyframes, level);
-  candidate.voxels = voxels_of(candidate.box.surface_world, kObservationVoxel_m);
-  const geometry::OrientedBox& box = candidate.box.box_world;
-  candidate.foot_m = level.height_m(box.center()) - box.size_m.z() / 2;
-  for (const std::size_t index : group) {
-    const WorldObservation& observation = observations[index];
-    candidate.scores[observation.name] += naming_weight(observation.source) * observation.score;
-    const ObservedKeyframe& keyframe = keyframes[observation.keyframe];
-    if (!stands_in_middle(observation.box, *keyframe.camera)) continue;
-    for (const Observation& said : keyframe.said)
-      candidate.scores[said.object] += kSaidWeight * said.score;
-  }
-  candidate.group = std::move(group);
-  return candidate;
-}
-
-bool has_extent(const Candidate& candidate) {
-  return candidate.box.box_world.size_m.norm() > 0;
-}
-
 const std::string& max_called(const Candidate& candidate) {
   return std::ranges::max_element(candidate.scores, {}, [](const auto& one) { return one.second; })
       ->first;
@@ -82,17 +40,17 @@ double overlap(const Candidate& a, const Candidate& b) {
   const auto shared = static_cast<double>(both.size());
   const auto [smaller, larger] =
       std::minmax({static_cast<double>(a.voxels.size()), static_cast<double>(b.voxels.size())});
-  const double volume_a = a.box.box_world.size_m.prod(), volume_b = b.box.box_world.size_m.prod();
+  const double volume_a = a.box_world.size_m.prod(), volume_b = b.box_world.size_m.prod();
   const bool are_alike = std::min(volume_a, volume_b) >= kLikeSize * std::max(volume_a, volume_b);
   const double of = are_alike ? smaller : smaller + larger - shared;
   const double of_cells = shared / std::max(1.0, of);
   if (max_called(a) != max_called(b)) return of_cells;
-  return std::max({of_cells, share_inside(a.box.box_world, b.box.box_world),
-                   share_inside(b.box.box_world, a.box.box_world)});
+  return std::max(
+      {of_cells, share_inside(a.box_world, b.box_world), share_inside(b.box_world, a.box_world)});
 }
 
 bool fits(const Candidate& candidate, const std::string& name) {
-  return size_prior_of(name).holds(candidate.box.box_world.size_m);
+  return size_prior_of(name).holds(candidate.box_world.size_m);
 }
 
 // Whether two candidates of one name that share their space are two things all the same: one of
@@ -100,8 +58,8 @@ bool fits(const Candidate& candidate, const std::string& name) {
 // pictures were taken for those of one do not swallow the one of them that was measured.
 bool are_two(const Candidate& a, const Candidate& b, const Candidate& joined) {
   const std::string &name = max_called(a), &whole = max_called(joined);
-  return name == max_called(b) && has_extent(joined) &&
-         size_prior_of(whole).is_smaller_than(joined.box.box_world.size_m) &&
+  return name == max_called(b) && joined.has_extent() &&
+         size_prior_of(whole).is_smaller_than(joined.box_world.size_m) &&
          (fits(a, name) || fits(b, name));
 }
 
@@ -139,7 +97,7 @@ void join_names(std::vector<Candidate>& candidates, std::span<const WorldObserva
       continue;
     }
     // Of observations that hold too little in common, the thing is what most of them show.
-    if (has_extent(joined)) {
+    if (joined.has_extent()) {
       first = std::move(joined);
     } else if (second.group.size() > first.group.size()) {
       std::swap(first, second);
@@ -169,15 +127,15 @@ struct Evidence {
   static constexpr double kBefore = -2.5;
   static constexpr double kActivation = 0.45;
 
-  static double of_miss(RegionSource source) {
+  static double of_miss(DetectionSource source) {
     switch (source) {
-      case RegionSource::kDetector:
+      case DetectionSource::kDetector:
         return -0.15;
-      case RegionSource::kCrop:
+      case DetectionSource::kCrop:
         return -0.75;
-      case RegionSource::kActivation:
+      case DetectionSource::kActivation:
         return -0.2;
-      case RegionSource::kProposal:  // is never missed, see existence_of()
+      case DetectionSource::kProposal:  // is never missed, see existence_of()
         break;
     }
     return 0;
@@ -189,34 +147,26 @@ struct Evidence {
   }
 };
 
-RegionSource surest_source(const Candidate& candidate,
-                           std::span<const WorldObservation> observations) {
-  RegionSource surest = RegionSource::kActivation;
-  for (const std::size_t index : candidate.group)
-    surest = std::min(surest, observations[index].source);
-  return surest;
-}
-
 Existence existence_of(const Candidate& candidate, std::span<const WorldObservation> observations,
                        std::span<const ObservedKeyframe> keyframes, double max_range_m) {
   std::map<std::size_t, double> speaks_for;  // by key-frame
   for (const std::size_t index : candidate.group) {
     const WorldObservation& observation = observations[index];
     double& most = speaks_for[observation.keyframe];
-    most = std::max(most, observation.source == RegionSource::kActivation
-                              ? Evidence::kActivation
-                              : Evidence::of_box(observation.score));
+    most =
+        std::max(most, observation.detection->source == DetectionSource::kActivation
+                           ? Evidence::kActivation
+                           : Evidence::of_box(static_cast<double>(observation.detection->score)));
   }
   Existence existence{.observations = static_cast<int>(speaks_for.size())};
-  const RegionSource source = surest_source(candidate, observations);
   const bool stands_apart = std::ranges::any_of(candidate.group, [&](std::size_t index) {
-    return observations[index].source == RegionSource::kProposal;
+    return observations[index].detection->source == DetectionSource::kProposal;
   });
   for (std::size_t k = 0; k < keyframes.size() && !stands_apart; ++k) {
-    if (speaks_for.contains(k) || keyframes[k].not_asked.contains(source)) continue;
-    if (should_see(keyframes[k], candidate.box.surface_world, max_range_m)) ++existence.missed;
+    if (speaks_for.contains(k) || keyframes[k].not_asked.contains(candidate.source)) continue;
+    if (should_see(keyframes[k], candidate.surface_world, max_range_m)) ++existence.missed;
   }
-  double log_odds = Evidence::kBefore + existence.missed * Evidence::of_miss(source);
+  double log_odds = Evidence::kBefore + existence.missed * Evidence::of_miss(candidate.source);
   for (const auto& [keyframe, evidence] : speaks_for) log_odds += evidence;
   existence.probability = logistic(log_odds);
   return existence;
@@ -226,10 +176,9 @@ Existence existence_of(const Candidate& candidate, std::span<const WorldObservat
 // anything or may name what a detector found.
 bool may_be_there(const Candidate& candidate, std::span<const WorldObservation> observations,
                   std::span<const ObservedKeyframe> keyframes, const InstanceOptions& options) {
-  const RegionSource source = surest_source(candidate, observations);
-  if (source == RegionSource::kDetector) return true;
+  if (candidate.source == DetectionSource::kDetector) return true;
   // Of a proposal the whole was measured before it got its name.
-  return (source == RegionSource::kProposal || candidate.box.fits_size_prior) &&
+  return (candidate.source == DetectionSource::kProposal || candidate.fits_size_prior) &&
          existence_of(candidate, observations, keyframes, options.max_range_m).probability >=
              options.min_probability;
 }
@@ -237,14 +186,14 @@ bool may_be_there(const Candidate& candidate, std::span<const WorldObservation> 
 // Or is larger by no more than some of what it touches, which stays with it.
 bool nearly_fits(const Candidate& candidate, const std::string& name) {
   const ClassSizePrior shape = size_prior_of(name);
-  return shape.on_floor && shape.holds(ClassSizePrior::without_rim(candidate.box.box_world.size_m));
+  return shape.on_floor && shape.holds(ClassSizePrior::without_rim(candidate.box_world.size_m));
 }
 
 // A vessel that stands on something and is thicker than bottles are: detectors call vases bottles.
 bool is_thick_vessel(const Candidate& candidate) {
   constexpr double kThickest_m = 0.35, kHighest_m = 0.5;
   constexpr double kOnFloor_m = 0.3;  // bins are called bottles, too
-  const Eigen::Vector3d& size_m = candidate.box.box_world.size_m;
+  const Eigen::Vector3d& size_m = candidate.box_world.size_m;
   return candidate.foot_m > kOnFloor_m &&
          size_m.head<2>().minCoeff() > size_prior_of("bottle").max_side_m &&
          size_m.head<2>().maxCoeff() <= kThickest_m && size_m.z() <= kHighest_m;
@@ -259,7 +208,7 @@ std::map<std::string, double> shares_of_names(const Candidate& candidate) {
   if (shares.contains("bottle") && is_thick_vessel(candidate)) shares["vase"] += shares["bottle"];
   double sum = 0;
   for (auto& [name, score] : shares) {
-    const bool is_usual = size_prior_of(name).is_usual(candidate.box.box_world.size_m);
+    const bool is_usual = size_prior_of(name).is_usual(candidate.box_world.size_m);
     if (!is_usual || !fits(candidate, name)) score *= kMistaken;
     sum += score;
   }
@@ -298,8 +247,9 @@ std::optional<Instance> instance_of(const Candidate& candidate,
     const WorldObservation& observation = observations[index];
     // Where only a classifier calls it so, the best observation shows it all the same.
     const auto says_so = [&](const WorldObservation& one) {
-      return one.name == instance.name ||
-             (instance.name == "vase" && one.name == "bottle" && is_thick_vessel(candidate));
+      const std::string& name = one.detection->class_name;
+      return name == instance.name ||
+             (instance.name == "vase" && name == "bottle" && is_thick_vessel(candidate));
     };
     if (best == nullptr || (says_so(observation) && !says_so(*best))) best = &observation;
   }
@@ -309,11 +259,11 @@ std::optional<Instance> instance_of(const Candidate& candidate,
   instance.probability = existence.probability * instance.names[instance.name];
   const ObservedKeyframe& keyframe = keyframes[best->keyframe];
   instance.keyframe_id = keyframe.keyframe_id;
-  instance.picture_box = best->box;
+  instance.picture_box = best->detection->box;
   instance.box_keyframe = {
-      keyframe.world_from_camera.inverse() * candidate.box.box_world.world_from_box,
-      candidate.box.box_world.size_m};
-  instance.sigma_m = candidate.box.sigma_m;
+      keyframe.world_from_camera.inverse() * candidate.box_world.world_from_box,
+      candidate.box_world.size_m};
+  instance.sigma_m = candidate.sigma_m;
   return instance;
 }
 
@@ -322,13 +272,6 @@ double min_probability(const std::string& name, const InstanceOptions& options) 
   return more == options.min_probability_of.end() ? options.min_probability
                                                   : std::max(more->second, options.min_probability);
 }
-
-struct FoundThing {
-  Instance instance;
-  const geometry::OrientedBox* box_world;
-  bool is_detected;  // by a network that gives boxes
-  bool fits_name;    // and does not nearly so
-};
 
 // Whether they lie above each other, and both together are no higher than a lamp is. A shade may
 // hang on an arm.
@@ -344,20 +287,20 @@ bool may_be_one_lamp(const geometry::OrientedBox& a, const geometry::OrientedBox
 }
 
 // A plant's pot is often called a vase.
-bool is_pot(const FoundThing& thing, std::span<const FoundThing> things) {
+bool is_pot(const Candidate& thing, std::span<const Candidate> things) {
   constexpr double kReach_m = 0.05;
-  return thing.instance.name == "vase" && std::ranges::any_of(things, [&](const FoundThing& other) {
+  return thing.instance.name == "vase" && std::ranges::any_of(things, [&](const Candidate& other) {
            return other.instance.name == "plant" &&
-                  other.box_world->distance_m(thing.box_world->center()) <= kReach_m;
+                  other.box_world.distance_m(thing.box_world.center()) <= kReach_m;
          });
 }
 
 // What stands on the floor does not stand in a bed: its head, or its foot, from one side.
-bool is_part_of_bed(const FoundThing& thing, const FoundThing& surer) {
+bool is_part_of_bed(const Candidate& thing, const Candidate& surer) {
   constexpr double kInside = 0.5;
   return surer.instance.name == "bed" && thing.instance.name != "bed" &&
          size_prior_of(thing.instance.name).on_floor &&
-         share_inside(*thing.box_world, *surer.box_world) >= kInside;
+         share_inside(thing.box_world, surer.box_world) >= kInside;
 }
 
 // Two things of one name do not stand in each other: what reaches into a surer one is what another
@@ -365,11 +308,11 @@ bool is_part_of_bed(const FoundThing& thing, const FoundThing& surer) {
 // lamp in the box of its nightstand. Of a floor lamp some pictures show the shade and others the
 // foot. And few have two microwaves beside each other: ovens and hoods are called so in some of the
 // pictures.
-bool is_the_same(const FoundThing& thing, const FoundThing& surer, const GroundPlane& level) {
+bool is_the_same(const Candidate& thing, const Candidate& surer, const GroundPlane& level) {
   constexpr double kShown_m = 0.25;
   constexpr double kReachesInto = 0.2;  // of either box; boxes of neighbours err by some
   if (thing.instance.name != surer.instance.name) return false;
-  const geometry::OrientedBox &box = *thing.box_world, &other = *surer.box_world;
+  const geometry::OrientedBox &box = thing.box_world, &other = surer.box_world;
   if (share_inside(box, other) >= kReachesInto || share_inside(other, box) >= kReachesInto) {
     return true;
   }
@@ -377,18 +320,18 @@ bool is_the_same(const FoundThing& thing, const FoundThing& surer, const GroundP
   const double apart_m = std::min(other.distance_m(box.center()), box.distance_m(other.center()));
   return (2 * thing.instance.observations <= surer.instance.observations &&
           apart_m < size_prior_of(thing.instance.name).min_apart_m) ||
-         (!thing.is_detected && apart_m <= kShown_m);
+         (thing.source != DetectionSource::kDetector && apart_m <= kShown_m);
 }
 
 // The things without those that are, or are a part of, another one, which is surer.
-std::vector<FoundThing> each_once(std::vector<FoundThing> things, const GroundPlane& level) {
-  std::ranges::stable_sort(things, std::ranges::greater(), [](const FoundThing& one) {
-    return std::tuple(one.fits_name, one.is_detected, one.instance.observations,
-                      one.instance.probability);
+std::vector<Candidate> each_once(std::vector<Candidate> things, const GroundPlane& level) {
+  std::ranges::stable_sort(things, std::ranges::greater(), [](const Candidate& one) {
+    return std::tuple(fits(one, one.instance.name), one.source == DetectionSource::kDetector,
+                      one.instance.observations, one.instance.probability);
   });
-  std::vector<FoundThing> kept;
-  for (const FoundThing& thing : things) {
-    const bool is_there = std::ranges::any_of(kept, [&](const FoundThing& surer) {
+  std::vector<Candidate> kept;
+  for (const Candidate& thing : things) {
+    const bool is_there = std::ranges::any_of(kept, [&](const Candidate& surer) {
       return is_the_same(thing, surer, level) || is_part_of_bed(thing, surer);
     });
     if (!is_there && !is_pot(thing, things)) kept.push_back(thing);
@@ -425,33 +368,29 @@ std::vector<Instance> find_instances(std::span<const ObservedKeyframe> keyframes
   for (ObservationCluster& group : cluster_observations(observations)) {
     if (group.size() < 2) continue;
     Candidate candidate = candidate_of(std::move(group), observations, keyframes, level);
-    if (has_extent(candidate) && may_be_there(candidate, observations, keyframes, options))
+    if (candidate.has_extent() && may_be_there(candidate, observations, keyframes, options))
       candidates.push_back(std::move(candidate));
   }
   join_names(candidates, observations, keyframes, level);
-  std::set<std::string> no_words;
+  // Look-alikes, unless somebody calls other things so.
+  std::set<std::string> look_alikes, classes;
   for (const WorldObservation& observation : observations) {
-    if (!observation.is_in_vocabulary) no_words.insert(observation.name);
+    const Detection& detection = *observation.detection;
+    (detection.is_in_vocabulary ? classes : look_alikes).insert(detection.class_name);
   }
-  for (const WorldObservation& observation : observations) {
-    if (observation.is_in_vocabulary)
-      no_words.erase(observation.name);  // somebody calls other things so
-  }
-  std::vector<FoundThing> things;
-  for (const Candidate& candidate : candidates) {
+  std::vector<Candidate> things;
+  for (Candidate& candidate : candidates) {
     auto instance = instance_of(candidate, observations, keyframes, options);
-    if (!instance || no_words.contains(instance->name)) continue;
-    if (instance->observations < options.min_observations ||
+    if (!instance || (look_alikes.contains(instance->name) && !classes.contains(instance->name)) ||
+        instance->observations < options.min_observations ||
         instance->probability < min_probability(instance->name, options)) {
       continue;
     }
-    const bool fits_name = fits(candidate, instance->name);
-    things.push_back({*std::move(instance), &candidate.box.box_world,
-                      surest_source(candidate, observations) == RegionSource::kDetector,
-                      fits_name});
+    candidate.instance = *std::move(instance);
+    things.push_back(std::move(candidate));
   }
   std::vector<Instance> instances;
-  for (FoundThing& thing : each_once(std::move(things), level)) {
+  for (Candidate& thing : each_once(std::move(things), level)) {
     instances.push_back(std::move(thing.instance));
   }
   std::ranges::sort(instances, {}, [](const Instance& one) {

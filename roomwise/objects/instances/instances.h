@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <set>
 #include <span>
 #include <string>
@@ -15,6 +16,17 @@
 #include "roomwise/objects/detection/object_map.h"
 #include "roomwise/objects/detection/region_surface.h"
 
+// From a network's box to a spoken prompt, a type for each step:
+// 1. network::Detection: a network's box in a picture, with the index of its label.
+// 2. objects::Detection: the same in a key-frame (KeyframeDetections; ObservedKeyframe, which has
+//    the pose), with the surface that depth shows in it, and its class. Stored.
+// 3. WorldObservation: a detection that counts, with its surface in the world.
+// 4. Candidate: the observations that show one thing, with the box about them and their classes.
+// 5. Instance: a candidate that is believed, relative to the key-frame that shows it best. Stored.
+// 6. guide::KnownThing: an instance, its place on the map and its room.
+// 7. guide::Prompt: what is said of it.
+// Beside them, PlacedInstance (changes.h) is an instance in the world, to compare a visit with the
+// map.
 namespace roomwise::objects {
 
 // A thing of the home, joined from what many key-frames show of it. Its place is kept relative to
@@ -25,8 +37,8 @@ struct Instance {
   // What it is called, by the share of the observations' scores that speak for it; they sum to 1.
   std::map<std::string, double> names;
   int observations = 0;  // key-frames that saw it
-  // Key-frames that should have; of what stands apart in depth (RegionSource::kProposal) those that
-  // did, since the others say nothing against it.
+  // Key-frames that should have; of what stands apart in depth (DetectionSource::kProposal) those
+  // that did, since the others say nothing against it.
   int expected = 0;
   std::uint64_t keyframe_id = 0;
   network::PixelBox picture_box;  // there
@@ -47,26 +59,19 @@ struct Instance {
   }
 };
 
-// A region in the home's words.
-struct NamedRegion {
-  std::string name;
-  const Region* region = nullptr;
-  // Otherwise it is one of ObjectVocabulary::look_alikes(): it may take a thing's name away, and is
-  // none itself.
-  bool is_in_vocabulary = true;
-};
-
-// A key-frame that was looked at. What it points to must outlive it.
-struct ObservedKeyframe {
+// A key-frame that was looked at; of its detections those that have a class (classified()).
+struct ObservedKeyframe : KeyframeDetections {
   std::uint64_t keyframe_id = 0;
   geometry::RigidTransform world_from_camera;
-  const geometry::PinholeCamera* camera = nullptr;
-  const image::DepthImage* coarse_depth = nullptr;  // coarse_depth() of it
-  std::vector<NamedRegion> regions;
+  geometry::PinholeCamera camera;
   // What a classifier says of the whole picture, which is mostly what stands in its middle.
   std::vector<Observation> said;
   // That did not look at it: what they find elsewhere is not missed here.
-  std::set<RegionSource> not_asked;
+  std::set<DetectionSource> not_asked;
+
+  // What was measured where the picture shows a point before the camera, m; 0 where nothing was,
+  // absent outside of the picture.
+  [[nodiscard]] std::optional<double> depth_at_m(const Eigen::Vector3d& point_camera) const;
 };
 
 // The level of the world: heights above the floor are up . point - floor_m.
@@ -85,8 +90,8 @@ struct GroundPlane {
 [[nodiscard]] GroundPlane fit_ground_plane(std::span<const ObservedKeyframe> keyframes);
 
 struct InstanceOptions {
-  double min_score = 0.3;    // of a region that counts
-  double max_range_m = 4.5;  // regions beyond are not measured well enough
+  double min_score = 0.3;    // of a detection that counts
+  double max_range_m = 4.5;  // detections beyond are not measured well enough
   int min_observations = 3;  // key-frames
   double min_probability = 0.36;
   // Of some names more is asked. What a detector calls a toilet is as often a bin, a washbasin or a
@@ -96,8 +101,9 @@ struct InstanceOptions {
   [[nodiscard]] Expected<void> validate() const;
 };
 
-// Joins the regions of all key-frames of one component of a map into instances. The result hangs on
-// the key-frames' poses as they are now, and not on the order in which key-frames and regions come.
+// Joins the detections of all key-frames of one component of a map into instances. The result hangs
+// on the key-frames' poses as they are now, and not on the order in which key-frames and detections
+// come.
 // By name, then by key-frame.
 [[nodiscard]] std::vector<Instance> find_instances(std::span<const ObservedKeyframe> keyframes,
                                                    const GroundPlane& level,

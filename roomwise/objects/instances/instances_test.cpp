@@ -3,8 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <deque>
 #include <numbers>
+#include <ranges>
 
 #include "roomwise/base/random.h"
 #include "roomwise/base/testing/testing.h"
@@ -80,7 +80,7 @@ TEST(FindInstances, HangsOnNoOrder) {
   room.look_around({-0.15, 0, 0.4}, 8);
   const auto before = room.instances();
   std::vector<ObservedKeyframe> shuffled = room.keyframes();
-  for (ObservedKeyframe& keyframe : shuffled) std::ranges::reverse(keyframe.regions);
+  for (ObservedKeyframe& keyframe : shuffled) std::ranges::reverse(keyframe.detections);
   RandomStream random(3, {});
   for (std::size_t i = shuffled.size(); i > 1; --i) {
     std::swap(shuffled[i - 1], shuffled[static_cast<std::size_t>(random.index(i))]);
@@ -137,7 +137,7 @@ TEST(FindInstances, NamesCompete) {
 
 TEST(FindInstances, ActivationMapsFindWhatTheyShowFromAllSides) {
   TestRoom room;
-  room.source = RegionSource::kActivation;
+  room.source = DetectionSource::kActivation;
   room.things = {kChair};
   room.look_around(kChair.center, 10);
   const auto instances = room.instances();
@@ -147,7 +147,7 @@ TEST(FindInstances, ActivationMapsFindWhatTheyShowFromAllSides) {
 }
 
 TEST(FindInstances, WhatActivationMapsShowNowAndThenIsNothing) {
-  const auto things_by = [](RegionSource source, int missed) {
+  const auto things_by = [](DetectionSource source, int missed) {
     TestRoom room;
     room.source = source;
     room.things = {kChair};
@@ -155,13 +155,13 @@ TEST(FindInstances, WhatActivationMapsShowNowAndThenIsNothing) {
     room.look_around(kChair.center, missed, 1.8, 0.1, 0.8, /*finds=*/false);
     return room.instances().size();
   };
-  EXPECT_EQ(things_by(RegionSource::kDetector, 16), 1U);
-  EXPECT_EQ(things_by(RegionSource::kActivation, 16), 0U);
-  EXPECT_EQ(things_by(RegionSource::kActivation, 4), 1U) << "in two pictures of three";
+  EXPECT_EQ(things_by(DetectionSource::kDetector, 16), 1U);
+  EXPECT_EQ(things_by(DetectionSource::kActivation, 16), 0U);
+  EXPECT_EQ(things_by(DetectionSource::kActivation, 4), 1U) << "in two pictures of three";
 }
 
 // Of a chair that four pictures show, and so many more should have.
-double probability_by(RegionSource source, int missed) {
+double probability_by(DetectionSource source, int missed) {
   TestRoom room;
   room.source = source;
   room.things = {kChair};
@@ -172,15 +172,16 @@ double probability_by(RegionSource source, int missed) {
 }
 
 TEST(FindInstances, CropsSpeakForAThingAsADetectorDoesAndMoreAgainstIt) {
-  EXPECT_EQ(probability_by(RegionSource::kCrop, 0), probability_by(RegionSource::kDetector, 0));
-  EXPECT_GT(probability_by(RegionSource::kDetector, 6), 0.8);
-  EXPECT_GT(probability_by(RegionSource::kCrop, 2), 0.8);
-  EXPECT_LT(probability_by(RegionSource::kCrop, 6), 0.7);
+  EXPECT_EQ(probability_by(DetectionSource::kCrop, 0),
+            probability_by(DetectionSource::kDetector, 0));
+  EXPECT_GT(probability_by(DetectionSource::kDetector, 6), 0.8);
+  EXPECT_GT(probability_by(DetectionSource::kCrop, 2), 0.8);
+  EXPECT_LT(probability_by(DetectionSource::kCrop, 6), 0.7);
 }
 
 TEST(FindInstances, WhoDidNotLookMissesNothing) {
   TestRoom room;
-  room.source = RegionSource::kCrop;
+  room.source = DetectionSource::kCrop;
   room.things = {kChair};
   room.look_around(kChair.center, 4, 1.8, 0, 1);
   room.look_around(kChair.center, 6, 1.8, 0.1, 0.8, /*finds=*/false);
@@ -190,11 +191,11 @@ TEST(FindInstances, WhoDidNotLookMissesNothing) {
   };
   EXPECT_GT(missed(), 3);
   for (ObservedKeyframe& keyframe : room.keyframes()) {
-    if (keyframe.regions.empty()) keyframe.not_asked = {RegionSource::kDetector};
+    if (keyframe.detections.empty()) keyframe.not_asked = {DetectionSource::kDetector};
   }
   EXPECT_GT(missed(), 3) << "the crops were shown them";
   for (ObservedKeyframe& keyframe : room.keyframes()) {
-    if (keyframe.regions.empty()) keyframe.not_asked = {RegionSource::kCrop};
+    if (keyframe.detections.empty()) keyframe.not_asked = {DetectionSource::kCrop};
   }
   EXPECT_EQ(missed(), 0);
 }
@@ -216,19 +217,19 @@ TEST(FindInstances, AToiletMustBeSurerThanAChair) {
 }
 
 TEST(FindInstances, CropsAloneFindOnlyWhatLooksAsItsKindDoes) {
-  const auto baths_by = [](RegionSource source) {
+  const auto baths_by = [](DetectionSource source) {
     TestRoom room;
     room.source = source;
     room.things = {{"bath", {0, 0, 0.2}, {0.5, 0.5, 0.4}}};  // a basket
     room.look_around({0, 0, 0.2}, 10);
     return room.instances().size();
   };
-  EXPECT_EQ(baths_by(RegionSource::kDetector), 1U);
-  EXPECT_EQ(baths_by(RegionSource::kCrop), 0U);
+  EXPECT_EQ(baths_by(DetectionSource::kDetector), 1U);
+  EXPECT_EQ(baths_by(DetectionSource::kCrop), 0U);
 }
 
 TEST(FindInstances, WhatCropsAloneShowBesideASurerOneOfItsNameIsThatOne) {
-  const auto lamps_by = [](RegionSource source, double apart_m) {
+  const auto lamps_by = [](DetectionSource source, double apart_m) {
     TestRoom room;
     const Vector3d lamp(0, 0, 0.6), beside(0, 0.2 + apart_m, 0.6);
     room.things = {{"lamp", lamp, {0.2, 0.2, 0.5}}};
@@ -238,9 +239,9 @@ TEST(FindInstances, WhatCropsAloneShowBesideASurerOneOfItsNameIsThatOne) {
     room.look_around(beside, 8, 1.5);
     return room.instances().size();
   };
-  EXPECT_EQ(lamps_by(RegionSource::kDetector, 0.12), 2U);
-  EXPECT_EQ(lamps_by(RegionSource::kCrop, 0.12), 1U);
-  EXPECT_EQ(lamps_by(RegionSource::kCrop, 0.6), 2U) << "not beside it";
+  EXPECT_EQ(lamps_by(DetectionSource::kDetector, 0.12), 2U);
+  EXPECT_EQ(lamps_by(DetectionSource::kCrop, 0.12), 1U);
+  EXPECT_EQ(lamps_by(DetectionSource::kCrop, 0.6), 2U) << "not beside it";
 }
 
 TEST(FindInstances, ActivationMapsNameADetectorsThingOnlyWhereTheyStandByThemselves) {
@@ -248,7 +249,7 @@ TEST(FindInstances, ActivationMapsNameADetectorsThingOnlyWhereTheyStandByThemsel
     TestRoom room;
     room.things = {kBed};
     room.look_around(kBed.center, 4, 2.2);
-    room.source = RegionSource::kActivation;
+    room.source = DetectionSource::kActivation;
     for (int i = 0; i < looks; ++i) {
       const double angle = 0.2 + 2 * std::numbers::pi * i / looks;
       room.look(kBed.center + Vector3d(2.2 * std::cos(angle), 2.2 * std::sin(angle), 1),
@@ -268,11 +269,11 @@ TEST(FindInstances, ALookAlikeTakesTheNameAway) {
   room.things = {{"toilet seat", {0, 0, 0.35}, {0.6, 0.4, 0.7}}};
   room.look_around({0, 0, 0.35}, 4);
   ASSERT_EQ(room.instances().size(), 1U);
-  room.source = RegionSource::kActivation;
+  room.source = DetectionSource::kActivation;
   for (int i = 0; i < 16; ++i) {
     const double angle = 0.2 + 2 * std::numbers::pi * i / 16;
     room.look({1.8 * std::cos(angle), 1.8 * std::sin(angle), 1.3}, {0, 0, 0.35}, true, "radiator");
-    room.keyframes().back().regions.back().is_in_vocabulary = false;
+    room.keyframes().back().detections.back().is_in_vocabulary = false;
   }
   EXPECT_TRUE(room.instances().empty()) << "neither a toilet seat nor a radiator";
 }
@@ -280,7 +281,7 @@ TEST(FindInstances, ALookAlikeTakesTheNameAway) {
 TEST(FindInstances, ActivationMapsSeeNoWardrobeInADoor) {
   const auto wardrobes = [](double depth_m) {
     TestRoom room;
-    room.source = RegionSource::kActivation;
+    room.source = DetectionSource::kActivation;
     room.things = {{"wardrobe", {2.99 - depth_m / 2, 0, 1}, {depth_m, 1, 2}}};  // at the wall
     room.look_around({2.4, 0, 0.8}, 12, 2.0, 2.4, 1.5);
     return room.instances().size();
@@ -327,7 +328,7 @@ TEST(FindInstances, AChairThatWasMeasuredIsNotSwallowedByTwoThatPicturesTakeForO
   room.look_around({0, 0, 0.4}, 30);
   EXPECT_TRUE(room.instances().empty()) << "no chair is as long";
   room.things = {{"chair", {-0.5, 0, 0.4}, {0.45, 0.45, 0.8}}};
-  room.source = RegionSource::kProposal;
+  room.source = DetectionSource::kProposal;
   room.look_around({-0.5, 0, 0.4}, 8);
   const auto instances = room.instances();
   ASSERT_EQ(instances.size(), 1U);
@@ -341,7 +342,7 @@ TEST(FindInstances, TwoTakenForOneThatIsNearlyAChairDoNotTakeThePlaceOfOneThatWa
   room.look_around({0, 0, 0.4}, 30);
   EXPECT_EQ(room.instances().size(), 1U) << "nearly as long as chairs are at most";
   room.things = {{"chair", {-0.4, 0, 0.4}, {0.45, 0.45, 0.8}}};
-  room.source = RegionSource::kProposal;
+  room.source = DetectionSource::kProposal;
   room.look_around({-0.4, 0, 0.4}, 8);
   const auto instances = room.instances();
   ASSERT_EQ(instances.size(), 1U);
@@ -350,7 +351,7 @@ TEST(FindInstances, TwoTakenForOneThatIsNearlyAChairDoNotTakeThePlaceOfOneThatWa
 
 TEST(FindInstances, TwoThatWereMeasuredBesideEachOtherStayTwo) {
   TestRoom room;
-  room.source = RegionSource::kProposal;
+  room.source = DetectionSource::kProposal;
   for (const double x : {-0.28, 0.28}) {
     room.things = {{"chair", {x, 0, 0.4}, {0.45, 0.45, 0.8}}};
     room.look_around(room.things[0].center, 8);
@@ -370,7 +371,7 @@ TEST(FindInstances, BoxesOfAChairThatWasMeasuredAreNotOfTheOneBesideIt) {
   look_at(left, 6, 0.2);
   look_at(right, 6, 0.4);
   EXPECT_EQ(room.instances().size(), 1U) << "no picture shows two";
-  room.source = RegionSource::kProposal;
+  room.source = DetectionSource::kProposal;
   look_at(left, 8, 0.1);
   std::vector<double> x;
   for (const Instance& one : room.instances()) x.push_back(room.box_of(one).center().x());
@@ -403,14 +404,11 @@ TEST(FindInstances, ABottleIsAsHighAsPicturesShowItToBe) {
   TestRoom room;
   room.things = {{"bottle", {0, 0, 0.55}, {0.1, 0.1, 0.1}}};  // of its glass depth shows little
   room.look_around({0, 0, 0.55}, 6, 0.9);
-  ASSERT_FALSE(room.keyframes()[0].regions.empty());
+  ASSERT_FALSE(room.keyframes()[0].detections.empty());
   EXPECT_TRUE(room.instances().empty()) << "a cup";
-  std::deque<Region> whole;
   for (ObservedKeyframe& keyframe : room.keyframes()) {
-    for (NamedRegion& region : keyframe.regions) {
-      Region& taller = whole.emplace_back(*region.region);
-      taller.box.top -= 0.8F * (taller.box.bottom - taller.box.top);
-      region.region = &taller;
+    for (network::PixelBox& box : keyframe.detections | std::views::transform(&Detection::box)) {
+      box.top -= 0.8F * (box.bottom - box.top);
     }
   }
   const auto instances = room.instances();
@@ -454,11 +452,12 @@ TEST(FindInstances, ALowFridgeGivesWayToAnotherName) {
 }
 
 TEST(FindInstances, AProposalCountsByItsBestViewsAlone) {
-  EXPECT_EQ(probability_by(RegionSource::kProposal, 0), probability_by(RegionSource::kDetector, 0));
-  EXPECT_EQ(probability_by(RegionSource::kProposal, 12),
-            probability_by(RegionSource::kProposal, 0));
-  EXPECT_LT(probability_by(RegionSource::kDetector, 12),
-            probability_by(RegionSource::kDetector, 0));
+  EXPECT_EQ(probability_by(DetectionSource::kProposal, 0),
+            probability_by(DetectionSource::kDetector, 0));
+  EXPECT_EQ(probability_by(DetectionSource::kProposal, 12),
+            probability_by(DetectionSource::kProposal, 0));
+  EXPECT_LT(probability_by(DetectionSource::kDetector, 12),
+            probability_by(DetectionSource::kDetector, 0));
 }
 
 TEST(FindInstances, WhatCloserLooksSayCountsTwiceForAName) {
@@ -468,7 +467,7 @@ TEST(FindInstances, WhatCloserLooksSayCountsTwiceForAName) {
     for (int i = 0; i < as_bed + 4; ++i) {
       const double angle = 2 * std::numbers::pi * i / (as_bed + 4);
       const Vector3d from(2.2 * std::cos(angle), 2.2 * std::sin(angle), 1.0);
-      room.source = i < as_bed ? RegionSource::kDetector : RegionSource::kProposal;
+      room.source = i < as_bed ? DetectionSource::kDetector : DetectionSource::kProposal;
       room.look(kBed.center + from, kBed.center, true, i < as_bed ? "bed" : "sofa");
     }
     const auto instances = room.instances();
@@ -481,9 +480,9 @@ TEST(FindInstances, WhatCloserLooksSayCountsTwiceForAName) {
 TEST(FindInstances, AFewBoxesThatAgreeWithAProposalTakeNothingFromIt) {
   TestRoom room;
   room.things = {kChair};
-  room.source = RegionSource::kProposal;
+  room.source = DetectionSource::kProposal;
   room.look_around(kChair.center, 6, 1.8, 0, 1);
-  room.source = RegionSource::kDetector;
+  room.source = DetectionSource::kDetector;
   room.look_around(kChair.center, 2, 1.8, 0.2, 0.4);
   room.look_around(kChair.center, 20, 1.8, 0.1, 0.8, /*finds=*/false);
   const auto instances = room.instances();
@@ -492,15 +491,16 @@ TEST(FindInstances, AFewBoxesThatAgreeWithAProposalTakeNothingFromIt) {
 }
 
 TEST(FindInstances, AProposalThatThePictureCutsOnThreeSidesCounts) {
-  const auto found_by = [](RegionSource source) {
+  const auto found_by = [](DetectionSource source) {
     TestRoom room;
     room.source = source;
     room.things = {{"wardrobe", {2.5, 0, 1.1}, {0.6, 2.0, 2.2}}};
     for (const double y : {-0.2, 0.0, 0.2, 0.4}) room.look({0.6, y, 1.3}, {2.5, 0, 1.0});
     return room.instances().size();
   };
-  EXPECT_EQ(found_by(RegionSource::kDetector), 0U) << "what fills the picture is not known whole";
-  EXPECT_EQ(found_by(RegionSource::kProposal), 1U) << "its box is known in space";
+  EXPECT_EQ(found_by(DetectionSource::kDetector), 0U)
+      << "what fills the picture is not known whole";
+  EXPECT_EQ(found_by(DetectionSource::kProposal), 1U) << "its box is known in space";
 }
 
 TEST(FindInstances, TwoOfOneNameInOnePlaceAreOne) {

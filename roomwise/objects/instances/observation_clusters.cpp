@@ -20,15 +20,15 @@ constexpr double kMaxConflicts = 0.25;  // of the key-frames that show both grou
 constexpr double kCoreShare = 0.15;
 
 struct Group {
-  std::string name;
-  RegionSource source = RegionSource::kDetector;
+  std::string class_name;
+  DetectionSource source = DetectionSource::kDetector;
   ObservationCluster members;
   std::size_t own = 0;                     // members of its source
   std::unordered_map<VoxelKey, int> hits;  // by these
 
   void add(std::size_t index, const WorldObservation& observation) {
     members.push_back(index);
-    if (observation.source != source) return;
+    if (observation.detection->source != source) return;
     ++own;
     for (const VoxelKey voxel : observation.voxels) ++hits[voxel];
   }
@@ -51,22 +51,17 @@ struct Group {
   }
 };
 
-template <typename Sight>
-bool is_of_proposal(const Sight& observation) {
-  return observation.source == RegionSource::kProposal;
-}
-
 // Whether they may be one group. What different finders say of a place competes or agrees later,
 // as groups: the boxes of one are no measure for those of the other. But see confirms().
-template <typename Other>
-bool are_alike(const Group& group, const Other& other) {
-  return group.name == other.name && group.source == other.source;
+bool are_alike(const Group& group, const WorldObservation& other) {
+  return group.class_name == other.detection->class_name && group.source == other.detection->source;
 }
 
 // Whether a detector's box may speak of what was measured, whose place it then takes no part in.
 bool confirms(const Group& group, const WorldObservation& observation) {
-  return is_of_proposal(group) && observation.source == RegionSource::kDetector &&
-         observation.name == group.name;
+  return group.source == DetectionSource::kProposal &&
+         observation.detection->source == DetectionSource::kDetector &&
+         observation.detection->class_name == group.class_name;
 }
 
 // The share of the cells that the group has, or their neighbours.
@@ -76,7 +71,7 @@ double share_in(std::span<const VoxelKey> voxels, const Group& group) {
   return static_cast<double>(shared) / static_cast<double>(std::max<std::size_t>(1, voxels.size()));
 }
 
-// Two regions of one picture that are not one thing found twice.
+// Two boxes of one picture that are not one thing found twice.
 bool are_apart(const network::PixelBox& a, const network::PixelBox& b) {
   constexpr float kOneInTheOther = 0.6F;
   return network::intersection(a, b).area() < kOneInTheOther * std::min(a.area(), b.area());
@@ -86,7 +81,7 @@ bool conflicts(const Group& group, const WorldObservation& observation,
                std::span<const WorldObservation> observations) {
   return std::ranges::any_of(group.members, [&](std::size_t member) {
     return observations[member].keyframe == observation.keyframe &&
-           are_apart(observations[member].box, observation.box);
+           are_apart(observations[member].detection->box, observation.detection->box);
   });
 }
 
@@ -104,7 +99,8 @@ double conflict_share(const Group& a, const Group& b,
     keyframes_b.insert(keyframe);
     const auto [first, last] = of_keyframe.equal_range(keyframe);
     for (auto other = first; other != last; ++other) {
-      if (are_apart(observations[other->second].box, observations[member].box))
+      if (are_apart(observations[other->second].detection->box,
+                    observations[member].detection->box))
         apart.insert(keyframe);
     }
   }
@@ -120,7 +116,7 @@ void merge_groups(std::vector<Group>& groups, std::span<const WorldObservation> 
     for (std::size_t a = 0; a < groups.size(); ++a) {
       const auto core_a = groups[a].core();
       for (std::size_t b = a + 1; b < groups.size(); ++b) {
-        if (!are_alike(groups[a], groups[b])) continue;
+        if (!are_alike(groups[a], observations[groups[b].members.front()])) continue;
         const auto core_b = groups[b].core();
         const bool a_is_smaller = core_a.size() < core_b.size();
         const double shared =
@@ -166,21 +162,19 @@ std::vector<ObservationCluster> cluster_observations(
   // of its name stand beside it and pictures took them for one.
   std::vector<std::size_t> order(observations.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::ranges::stable_partition(order,
-                                [&](std::size_t i) { return is_of_proposal(observations[i]); });
+  std::ranges::stable_partition(order, [&](std::size_t i) {
+    return observations[i].detection->source == DetectionSource::kProposal;
+  });
   for (const std::size_t i : order) {
     const WorldObservation& observation = observations[i];
     Group* group = best_group(groups, observation, observations, kAgrees, confirms);
     if (group == nullptr) {
-      group =
-          best_group(groups, observation, observations, kSameSpace, are_alike<WorldObservation>);
+      group = best_group(groups, observation, observations, kSameSpace, are_alike);
     }
     if (group == nullptr) {
-      group = &groups.emplace_back(Group{.name = observation.name,
-                                         .source = observation.source,
-                                         .members = {},
-                                         .own = 0,
-                                         .hits = {}});
+      group = &groups.emplace_back();
+      group->class_name = observation.detection->class_name;
+      group->source = observation.detection->source;
     }
     group->add(i, observation);
   }

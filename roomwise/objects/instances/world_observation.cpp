@@ -5,6 +5,8 @@
 #include <cmath>
 #include <tuple>
 
+#include "roomwise/base/median.h"
+
 namespace roomwise::objects {
 namespace {
 
@@ -15,12 +17,11 @@ constexpr VoxelKey kStepY = VoxelKey{1} << kKeyBits;
 constexpr VoxelKey kStepZ = VoxelKey{1} << (2 * kKeyBits);
 
 double median_depth(std::vector<Eigen::Vector3f> points) {
-  const auto middle = points.begin() + static_cast<std::ptrdiff_t>(points.size() / 2);
-  std::ranges::nth_element(points, middle, {}, [](const Eigen::Vector3f& p) { return p.z(); });
-  return static_cast<double>(middle->z());
+  const auto depth = [](const Eigen::Vector3f& point) { return point.z(); };
+  return static_cast<double>(median_of(points, depth).z());
 }
 
-// Whether the region leaves the picture on three sides or four: a door, a wall, a blurred corner
+// Whether the box leaves the picture on three sides or four: a door, a wall, a blurred corner
 // look like many a thing from so near.
 bool is_cut_all_round(const network::PixelBox& box, const geometry::PinholeCamera& camera) {
   constexpr float kRim_px = 3;
@@ -67,30 +68,30 @@ std::vector<VoxelKey> cube_neighbors(VoxelKey key, int reach) {
   return keys;
 }
 
+std::optional<double> ObservedKeyframe::depth_at_m(const Eigen::Vector3d& point_camera) const {
+  const Eigen::Vector2d place = camera.project(point_camera) / kCoarseDepthStep_px;
+  const int x = static_cast<int>(std::floor(place.x()));
+  const int y = static_cast<int>(std::floor(place.y()));
+  if (!coarse_depth.contains(x, y)) return std::nullopt;
+  return coarse_depth.at(x, y) / camera.depth_units_per_metre;
+}
+
 std::vector<WorldObservation> world_observations(std::span<const ObservedKeyframe> keyframes,
                                                  const GroundPlane& level,
                                                  const InstanceOptions& options) {
   constexpr std::size_t kFewestPoints = 8;
   std::vector<WorldObservation> observations;
   for (std::size_t k = 0; k < keyframes.size(); ++k) {
-    for (const NamedRegion& named : keyframes[k].regions) {
-      const Region& region = *named.region;
-      if (region.score < options.min_score || region.surface.points.size() < kFewestPoints)
-        continue;
-      if (region.source != RegionSource::kProposal &&
-          is_cut_all_round(region.box, *keyframes[k].camera)) {
+    for (const Detection& detection : keyframes[k].detections) {
+      const std::vector<Eigen::Vector3f>& points = detection.surface.points;
+      if (detection.score < options.min_score || points.size() < kFewestPoints) continue;
+      if (detection.source != DetectionSource::kProposal &&
+          is_cut_all_round(detection.box, keyframes[k].camera)) {
         continue;
       }
-      if (median_depth(region.surface.points) > options.max_range_m) continue;
-      WorldObservation observation{.name = named.name,
-                                   .is_in_vocabulary = named.is_in_vocabulary,
-                                   .score = region.score,
-                                   .source = region.source,
-                                   .keyframe = k,
-                                   .box = region.box,
-                                   .points_world = {},
-                                   .voxels = {}};
-      for (const Eigen::Vector3f& point : region.surface.points) {
+      if (median_depth(points) > options.max_range_m) continue;
+      WorldObservation observation{&detection, k, {}, {}};
+      for (const Eigen::Vector3f& point : points) {
         const Eigen::Vector3d point_world = keyframes[k].world_from_camera * point.cast<double>();
         if (level.height_m(point_world) > kFloorReach_m) {
           observation.points_world.push_back(point_world.cast<float>());
@@ -98,14 +99,15 @@ std::vector<WorldObservation> world_observations(std::span<const ObservedKeyfram
       }
       if (observation.points_world.size() < kFewestPoints) continue;
       observation.voxels = voxels_of(observation.points_world, kObservationVoxel_m);
-      observation.quality = observation.score * std::sqrt(static_cast<double>(region.box.area()));
       observations.push_back(std::move(observation));
     }
   }
   std::ranges::stable_sort(observations, {}, [&](const WorldObservation& observation) {
-    return std::tuple(-observation.quality, keyframes[observation.keyframe].keyframe_id,
-                      observation.name, observation.source, observation.box.left,
-                      observation.box.top);
+    const Detection& detection = *observation.detection;
+    const double quality =
+        static_cast<double>(detection.score) * std::sqrt(static_cast<double>(detection.box.area()));
+    return std::tuple(-quality, keyframes[observation.keyframe].keyframe_id, detection.class_name,
+                      detection.source, detection.box.left, detection.box.top);
   });
   return observations;
 }

@@ -83,14 +83,11 @@ DisjointSets levels_of(const std::vector<Surface>& surfaces) {
   for (std::size_t i = 0; i < surfaces.size(); ++i) in_column[surfaces[i].column].push_back(i);
   DisjointSets sets(surfaces.size());
   for (std::size_t i = 0; i < surfaces.size(); ++i) {
-    const auto [x, y] = surfaces[i].column;
-    for (int dx = -kGap_cells; dx <= kGap_cells; ++dx) {
-      for (int dy = -kGap_cells; dy <= kGap_cells; ++dy) {
-        const auto there = in_column.find({x + dx, y + dy});
-        if (there == in_column.end()) continue;
-        for (const std::size_t other : there->second) {
-          if (std::abs(surfaces[other].top_m - surfaces[i].top_m) < kStep_m) sets.join(i, other);
-        }
+    for (const Column& near : columns_about(surfaces[i].column, kGap_cells)) {
+      const auto there = in_column.find(near);
+      if (there == in_column.end()) continue;
+      for (const std::size_t other : there->second) {
+        if (std::abs(surfaces[other].top_m - surfaces[i].top_m) < kStep_m) sets.join(i, other);
       }
     }
   }
@@ -102,6 +99,16 @@ DisjointSets levels_of(const std::vector<Surface>& surfaces) {
 Column column_of(const Vector3f& middle) {
   return {static_cast<int>(std::floor(middle.x() / kLevelCell_m)),
           static_cast<int>(std::floor(middle.y() / kLevelCell_m))};
+}
+
+std::vector<Column> columns_about(const Column& column, int reach) {
+  std::vector<Column> columns;
+  for (int dx = -reach; dx <= reach; ++dx) {
+    for (int dy = -reach; dy <= reach; ++dy) {
+      columns.emplace_back(column.first + dx, column.second + dy);
+    }
+  }
+  return columns;
 }
 
 bool is_mostly_in(const Component& component, const Component& other) {

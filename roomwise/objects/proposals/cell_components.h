@@ -22,6 +22,8 @@ struct LevelCell {
 // What lies above one cell of the floor.
 using Column = std::pair<int, int>;
 [[nodiscard]] Column column_of(const Eigen::Vector3f& middle);
+// The columns of the square that reaches so many from this one to each side, with it.
+[[nodiscard]] std::vector<Column> columns_about(const Column& column, int reach);
 
 // Cells that are one, by their indices, ascending. The functions below take cells in the order of
 // their keys.

@@ -9,7 +9,7 @@ namespace roomwise::objects {
 
 // All that finds things.
 struct ObjectFinders {
-  RegionFinders in_pictures;  // each looks at every key-frame
+  DetectionFinders in_pictures;  // each looks at every key-frame
   // Looks closer at what the depth of a finished map, or of a later walk, shows standing by itself;
   // may be absent.
   std::unique_ptr<const ProposalClassifier> of_proposals;

@@ -57,20 +57,14 @@ struct ScoredProposal {
 };
 
 struct ProposalClass {
-  std::size_t proposal = 0;  // index of LookedProposal
+  std::size_t proposal = 0;  // index of ScoredProposal
   std::string word;
   double score = 0;  // mean over its views, and what its form adds; 1 at most
 };
-// What proposals are called: the word that the views say most in the mean, of those that such
-// things are as large as (ClassSizePrior); 0.3 or more, and three views. Its form speaks for a
-// chair, a sofa or, where no plant is seen, a table (FurnitureForm), for a bookcase or a wardrobe
-// where it looks like a fridge that is thinner or wider than any, and for a bookcase where it is
-// thinner and narrower than a wardrobe. Of proposals of one word that share cells, as a lamp and
-// its shade do, only one is: the largest that is said three quarters as surely as the surest; and
-// so of beds and sofas, and of wardrobes, bookcases and fridges. What is cut from what it touches
-// is named where it shares less than 0.3 of the smaller one's cells with anything that stands apart
-// and has a name. A vase is 0.18 to 0.4 m wide, 0.2 to 0.5 m high and stands on something; of a
-// wardrobe the front alone will do, where it is wider than doors are. By index.
+// What proposals are called: the word that their views say most in the mean, with what their form
+// adds (FurnitureForm), of those that such things are as large as (ClassSizePrior). Of proposals of
+// one word, or of words that are taken for each other, that share cells only one is; what is cut
+// from what it touches gives way to what stands apart. By index.
 [[nodiscard]] std::vector<ProposalClass> classify_proposals(std::span<const ScoredProposal> looked);
 
 }  // namespace roomwise::objects

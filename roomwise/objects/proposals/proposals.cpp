@@ -10,7 +10,7 @@
 #include <unordered_map>
 #include <utility>
 
-#include "roomwise/objects/instances/door_leaf.h"
+#include "roomwise/base/median.h"
 #include "roomwise/objects/instances/upright_box.h"
 #include "roomwise/objects/instances/world_observation.h"
 #include "roomwise/objects/proposals/cell_components.h"
@@ -59,15 +59,15 @@ std::vector<LevelCell> cells_of_depth(std::span<const ObservedKeyframe> keyframe
   constexpr double kMiddle_px = 0.5 * (kCoarseDepthStep_px - 1);
   for (std::size_t k = 0; k < keyframes.size(); ++k) {
     const ObservedKeyframe& keyframe = keyframes[k];
-    const image::DepthImage& depth = *keyframe.coarse_depth;
+    const image::DepthImage& depth = keyframe.coarse_depth;
     for (int y = 0; y < depth.height(); ++y) {
       for (int x = 0; x < depth.width(); ++x) {
-        const double depth_m = depth.at(x, y) / keyframe.camera->depth_units_per_metre;
+        const double depth_m = depth.at(x, y) / keyframe.camera.depth_units_per_metre;
         if (depth_m < kNearestDepth_m || depth_m > kFarthestDepth_m) continue;
         const Eigen::Vector2d pixel(x * kCoarseDepthStep_px + kMiddle_px,
                                     y * kCoarseDepthStep_px + kMiddle_px);
         const Vector3f point =
-            axes.from_world(keyframe.world_from_camera * keyframe.camera->unproject(pixel, depth_m))
+            axes.from_world(keyframe.world_from_camera * keyframe.camera.unproject(pixel, depth_m))
                 .cast<float>();
         Shown& cell = shown[voxel_of(point, kLevelCell_m)];
         if (cell.last == k + 1) continue;
@@ -95,10 +95,7 @@ std::set<Column> wall_columns(const std::vector<LevelCell>& cells) {
     if (cell.height_m() > kFurnitureReach_m || cell.height_m() < kFurnitureReach_m - kBand_m) {
       continue;
     }
-    const auto [x, y] = column_of(cell.middle);
-    for (int dx = -1; dx <= 1; ++dx) {
-      for (int dy = -1; dy <= 1; ++dy) below.insert({x + dx, y + dy});
-    }
+    for (const Column& near : columns_about(column_of(cell.middle), 1)) below.insert(near);
   }
   for (const LevelCell& cell : cells) {
     if (cell.height_m() <= kFurnitureReach_m || cell.height_m() > kFurnitureReach_m + kBand_m) {
@@ -113,12 +110,8 @@ std::set<Column> wall_columns(const std::vector<LevelCell>& cells) {
 std::vector<LevelCell> standing_cells(const std::vector<LevelCell>& cells,
                                       const std::set<Column>& walls) {
   std::set<Column> near_walls;
-  for (const auto& [x, y] : walls) {
-    for (int dx = -kWallReach_cells; dx <= kWallReach_cells; ++dx) {
-      for (int dy = -kWallReach_cells; dy <= kWallReach_cells; ++dy) {
-        near_walls.insert({x + dx, y + dy});
-      }
-    }
+  for (const Column& wall : walls) {
+    for (const Column& near : columns_about(wall, kWallReach_cells)) near_walls.insert(near);
   }
   std::vector<LevelCell> standing;
   std::ranges::copy_if(cells, std::back_inserter(standing), [&](const LevelCell& cell) {
@@ -192,10 +185,9 @@ class HiddenDepth {
     if (static_cast<double>(walls_m.size()) < kMinWall * lines || seen > kMaxSeen * between) {
       return std::nullopt;
     }
-    const auto median_m = walls_m.begin() + static_cast<std::ptrdiff_t>(walls_m.size() / 2);
-    std::ranges::nth_element(walls_m, median_m);
+    const double median_m = median_of(walls_m);
     const bool may_be_leaf = front.size_m[1 - thin] < kLeafWidth_m;
-    return may_be_leaf && *median_m < kMinIfLeaf_m ? std::nullopt : std::optional(*median_m);
+    return may_be_leaf && median_m < kMinIfLeaf_m ? std::nullopt : std::optional(median_m);
   }
 
   const std::set<Column>* walls_;
@@ -251,12 +243,8 @@ double share_shown(const Proposal& proposal, const ObservedKeyframe& keyframe,
     ++probes;
     const Vector3d point = camera_from_world * proposal.surface_world[i].cast<double>();
     if (point.z() < kNearestDepth_m) continue;
-    const Eigen::Vector2d place = keyframe.camera->project(point) / kCoarseDepthStep_px;
-    const int x = static_cast<int>(std::floor(place.x()));
-    const int y = static_cast<int>(std::floor(place.y()));
-    if (!keyframe.coarse_depth->contains(x, y)) continue;
-    const double depth_m = keyframe.coarse_depth->at(x, y) / keyframe.camera->depth_units_per_metre;
-    if (depth_m > 0 && std::abs(depth_m - point.z()) < kSame_m) ++shown;
+    const auto depth_m = keyframe.depth_at_m(point);
+    if (depth_m && *depth_m > 0 && std::abs(*depth_m - point.z()) < kSame_m) ++shown;
   }
   return static_cast<double>(shown) / probes;
 }
@@ -311,10 +299,10 @@ std::vector<ProposalView> best_views(const Proposal& proposal,
     const ObservedKeyframe& keyframe = keyframes[k];
     const geometry::RigidTransform camera_from_world = keyframe.world_from_camera.inverse();
     if ((camera_from_world * proposal.box_world.center()).norm() > kFarthest_m) continue;
-    const auto whole = projected(proposal.box_world, camera_from_world, *keyframe.camera);
+    const auto whole = projected(proposal.box_world, camera_from_world, keyframe.camera);
     if (!whole) continue;
-    const network::PixelBox picture{0, 0, static_cast<float>(keyframe.camera->width),
-                                    static_cast<float>(keyframe.camera->height)};
+    const network::PixelBox picture{0, 0, static_cast<float>(keyframe.camera.width),
+                                    static_cast<float>(keyframe.camera.height)};
     const network::PixelBox box = network::intersection(*whole, picture);
     const double in_picture = static_cast<double>(box.area() / whole->area());
     if (in_picture < kMinInPicture || box.right - box.left < kMinSide_px ||

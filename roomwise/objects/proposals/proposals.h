@@ -24,20 +24,16 @@ struct Proposal {
 
 // What stands in the rooms once floor and walls are taken away (object proposals; that furniture
 // stands apart when seen as pieces of a map's depth: A. Karpathy, S. Miller, L. Fei-Fei, "Object
-// discovery in 3D scenes via shape analysis", 2013). Depth in cells of 5 cm that two key-frames or
-// more show; columns that cross a height of 2.15 m are walls, and what is within a hand's breadth
-// of them goes with them. So of furniture that is higher nothing is left, and where no key-frame
-// looked up so far, what touches a wall is one with it. At every 10 cm of height the cells above it
-// fall into pieces: so a lamp is a piece above its nightstand's top, and a wardrobe above the bed's
-// beside it. A piece that holds most of one from lower down is that one, and what is like a door's
-// leaf is none. Those of lower heights come first. Then comes what touches something higher, cut
-// from it where the height of its surface jumps: a washing machine beside a wardrobe.
+// discovery in 3D scenes via shape analysis", 2013). First the pieces into which the cells above
+// each height fall (components_above()), then what touches something higher, cut from it where the
+// height of its surface jumps. Columns that cross a height of 2.15 m are walls, so that of
+// furniture that is higher nothing is left; what is like a door's leaf is none.
 [[nodiscard]] std::vector<Proposal> find_proposals(std::span<const ObservedKeyframe> keyframes,
                                                    const GroundPlane& level);
 
 // A key-frame that shows a proposal well.
 struct ProposalView {
-  std::size_t keyframe = 0;  // index of LookedKeyframe
+  std::size_t keyframe = 0;  // index of ObservedKeyframe
   network::PixelBox box;     // about the proposal's box, cut at the picture's rim
   double quality = 0;        // how much of it shows, and how large
 };

@@ -227,7 +227,7 @@ TEST_F(BestViews, HaveTheThingsBox) {
   room_.look({1.6, 0.4, 1.4}, kBox.center);
   const auto best = views();
   ASSERT_THAT(best, SizeIs(1));
-  const network::PixelBox& drawn = room_.keyframes()[0].regions.at(0).region->box;
+  const network::PixelBox& drawn = room_.keyframes()[0].detections.at(0).box;
   EXPECT_GT(network::intersection_over_union(best[0].box, drawn), 0.9F);
 }
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <deque>
 #include <limits>
 #include <numbers>
 #include <string>
@@ -13,7 +12,8 @@
 namespace roomwise::objects::testing {
 
 // A room of 6 x 6 m with boxes in it for things, in a frame with z up and the floor at 0, and
-// key-frames that look at it: depth as the boxes give it, and a region about each box that is seen.
+// key-frames that look at it: depth as the boxes give it, and a detection about each box that is
+// seen.
 class TestRoom {
  public:
   struct Thing {
@@ -23,10 +23,10 @@ class TestRoom {
   };
 
   std::vector<Thing> things;
-  RegionSource source = RegionSource::kDetector;  // of the regions that come
+  DetectionSource source = DetectionSource::kDetector;  // of the detections that come
 
-  // A key-frame at a place that looks at another; regions of what it sees, called by its name or,
-  // where one is given, by that.
+  // A key-frame at a place that looks at another; detections of what it sees, called by its name
+  // or, where one is given, by that.
   void look(const Eigen::Vector3d& from, const Eigen::Vector3d& at, bool finds = true,
             const std::string& name = {}) {
     Eigen::Matrix3d axes;
@@ -35,19 +35,17 @@ class TestRoom {
     axes.col(1) = axes.col(2).cross(axes.col(0));
     const auto world_from_camera = geometry::RigidTransform::from_matrix(axes, from);
     const Seen seen = draw(world_from_camera);
-    Stored& stored = stored_.emplace_back();
-    stored.coarse = coarse_depth(seen.depth);
     ObservedKeyframe& keyframe = keyframes_.emplace_back();
     keyframe.keyframe_id = keyframes_.size() - 1;
     keyframe.world_from_camera = world_from_camera;
-    keyframe.camera = &camera_;
-    keyframe.coarse_depth = &stored.coarse;
+    keyframe.camera = camera_;
+    keyframe.coarse_depth = coarse_depth(seen.depth);
     for (std::size_t i = 0; i < things.size() && finds; ++i) {
       const network::PixelBox& box = seen.boxes[i];
       if (box.area() < 200) continue;
-      stored.regions.push_back(
-          {things[i].name, 0.7F, box, region_surface(seen.depth, camera_, box), source});
-      keyframe.regions.push_back({name.empty() ? things[i].name : name, &stored.regions.back()});
+      keyframe.detections.push_back({things[i].name, 0.7F, box,
+                                     region_surface(seen.depth, camera_, box), source,
+                                     name.empty() ? things[i].name : name});
     }
   }
   // Looks at a place from so many sides of a circle, from `first` on.
@@ -70,10 +68,6 @@ class TestRoom {
   }
 
  private:
-  struct Stored {
-    image::DepthImage coarse;
-    std::deque<Region> regions;  // addresses stay
-  };
   struct Seen {
     image::DepthImage depth;
     std::vector<network::PixelBox> boxes;
@@ -132,7 +126,6 @@ class TestRoom {
                                   .height = 180,
                                   .distortion = {},
                                   .depth_units_per_metre = 1000};
-  std::deque<Stored> stored_;
   std::vector<ObservedKeyframe> keyframes_;
 };
 

@@ -5,20 +5,6 @@
 #include "roomwise/pipeline/stored/keyframe_images.h"
 
 namespace roomwise::pipeline {
-namespace {
-
-using Makers = std::map<home::RecordingId, fusion::FrameSurfaceMaker>;
-
-Expected<Makers> makers_for(const home::Home& home, const fusion::SurfaceOptions& options) {
-  ROOMWISE_TRY(const auto recordings, home.recordings());
-  Makers makers;
-  for (const home::StoredRecording& stored : recordings) {
-    makers.emplace(stored.id, fusion::FrameSurfaceMaker(stored.recording.camera, options));
-  }
-  return makers;
-}
-
-}  // namespace
 
 Expected<void> DenseMap::follow(const home::Home& home, std::span<const home::Keyframe> keyframes,
                                 RunContext& run) {
@@ -31,7 +17,11 @@ Expected<void> DenseMap::follow(const home::Home& home, std::span<const home::Ke
   ROOMWISE_TRY(auto moving, home.keyframes());
   std::erase_if(moving,
                 [&](const home::Keyframe& keyframe) { return !steps.contains(keyframe.id); });
-  ROOMWISE_TRY(const Makers makers, makers_for(home, surface_));
+  ROOMWISE_TRY(const auto cameras, recording_cameras(home));
+  std::map<home::RecordingId, fusion::FrameSurfaceMaker> makers;
+  for (const auto& [id, camera] : cameras) {
+    makers.emplace(id, fusion::FrameSurfaceMaker(camera, surface_));
+  }
   return for_each_keyframe(
       home, moving, "fusing the map", run,
       [&](const home::Keyframe& keyframe, const DecodedImages& images) {

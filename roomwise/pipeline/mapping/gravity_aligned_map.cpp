@@ -12,7 +12,7 @@ Expected<GravityAlignedMap> build_gravity_aligned_map(const home::Home& home, do
   }
   ROOMWISE_TRY(DenseMap dense, build_dense_map(home, keyframes, voxel_size_m, run));
   fusion::TriangleMesh mesh = extract_mesh(dense.field(), fusion::MeshOptions{}, run.pool);
-  if (run.progress.interrupted()) return fail("interrupted while the surface was extracted");
+  ROOMWISE_CHECK_OK(run.progress.check("the surface was extracted"));
   std::vector<geometry::RigidTransform> cameras;
   for (const home::Keyframe& keyframe : keyframes) {
     cameras.push_back(keyframe.pose.world_from_keyframe);

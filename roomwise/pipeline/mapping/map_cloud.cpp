@@ -16,12 +16,9 @@ Expected<MapCloud> build_map_cloud(const home::Home& home,
                                    std::span<const home::Keyframe> keyframes, double voxel_size_m,
                                    RunContext& run) {
   if (!(voxel_size_m > 0)) return fail("the voxel size {} m must be positive", voxel_size_m);
-  ROOMWISE_TRY(const auto recordings, home.recordings());
-  std::map<home::RecordingId, std::pair<geometry::PinholeCamera, mapping::FrameCloudMaker>> makers;
-  for (const home::StoredRecording& stored : recordings) {
-    const geometry::PinholeCamera& camera = stored.recording.camera;
-    makers.emplace(stored.id, std::pair(camera, mapping::FrameCloudMaker(camera)));
-  }
+  ROOMWISE_TRY(const auto cameras, recording_cameras(home));
+  std::map<home::RecordingId, mapping::FrameCloudMaker> makers;
+  for (const auto& [id, camera] : cameras) makers.emplace(id, mapping::FrameCloudMaker(camera));
 
   struct Seen {
     geometry::PointCloud cloud;
@@ -32,13 +29,12 @@ Expected<MapCloud> build_map_cloud(const home::Home& home,
   ROOMWISE_CHECK_OK(for_each_keyframe(
       home, keyframes, "building the cloud", run,
       [&](const home::Keyframe& keyframe, const DecodedImages& images) {
-        const mapping::FrameCloudMaker& maker = makers.at(keyframe.recording).second;
-        return Seen{maker.make(images.color, images.depth), images.depth};
+        return Seen{makers.at(keyframe.recording).make(images.color, images.depth), images.depth};
       },
       [&](const home::Keyframe& keyframe, const Seen& seen) -> Expected<void> {
         const geometry::RigidTransform& world_from_camera = keyframe.pose.world_from_keyframe;
         grid.add(world_from_camera, seen.cloud);
-        up.add(world_from_camera, seen.depth, makers.at(keyframe.recording).first);
+        up.add(world_from_camera, seen.depth, cameras.at(keyframe.recording));
         return {};
       }));
   return MapCloud{grid.cloud(), up.estimate()};

@@ -60,8 +60,8 @@ Expected<void> go_to_next_frame(recording::FrameSource& source, const home::Home
   return {};
 }
 
-// Takes frames from the source until it ends, fails, or the user interrupts.
-Expected<bool> map_frames(recording::FrameSource& source,
+// Takes frames from the source until it ends; fails as it does, and where the user interrupts.
+Expected<void> map_frames(recording::FrameSource& source,
                           const features::FeatureExtractor& extractor, const MapSettings& settings,
                           mapping::Mapper& mapper, MapWriter& writer, KeyframeObserver& observer,
                           RunContext& run) {
@@ -72,7 +72,7 @@ Expected<bool> map_frames(recording::FrameSource& source,
     ROOMWISE_TRY(auto next, reader.next());
     if (!next) {
       run.progress.end();
-      return true;
+      return {};
     }
     const std::shared_ptr<const image::RgbdFrame> frame = std::move(next->frame);
     ROOMWISE_TRY(const mapping::MapStep step, [&] {
@@ -93,7 +93,7 @@ Expected<bool> map_frames(recording::FrameSource& source,
     run.progress.advance(done, fmt::format("{} key-frames", mapper.keyframes().size()));
   }
   run.progress.end();
-  return false;
+  return run.progress.check("mapping");
 }
 
 // What landmarks are found by, one key-frame after the other.
@@ -127,56 +127,54 @@ Expected<MapSummary> map_recording(recording::FrameSource& source, const home::R
                KeyframeObserver::create(home, networks, finders.in_pictures, run));
 
   MapSummary summary;
-  Expected<bool> at_end = map_frames(source, *extractor, settings, mapper, writer, observer, run);
+  const auto is_error = [](const Expected<void>& outcome) {
+    return !outcome && outcome.error().code != ErrorCode::kInterrupted;
+  };
+  Expected<void> outcome = map_frames(source, *extractor, settings, mapper, writer, observer, run);
   ROOMWISE_CHECK_OK(observer.finish());
-  if (!at_end) {
+  if (is_error(outcome)) {
     return mapper.keyframes().empty()
-               ? Unexpected(std::move(at_end).error())
+               ? Unexpected(std::move(outcome).error())
                : fail("{}; the {} key-frames before it are kept: resume the map to go on",
-                      at_end.error().message, mapper.keyframes().size());
+                      outcome.error().message, mapper.keyframes().size());
   }
-  summary.finished = *at_end;
-
-  if (summary.finished) {
+  const auto finish = [&]() -> Expected<void> {
     if (mapper.keyframes().empty()) {
       return fail("{}: no frame has enough features to map; is the lens covered or the room dark?",
                   recording.name);
     }
     ROOMWISE_CHECK_OK(writer.write_rest());
-    ROOMWISE_TRY(summary.finished, observer.observe_missing());
-  }
-  SolvedMap solved;
-  if (summary.finished) {
-    const auto timing = run.clock.measure("optimisation");
-    const auto features = [&] { return landmark_features(mapper, camera, settings); };
-    ROOMWISE_TRY(solved, solve_stored_map(home, settings, features, run.progress));
-    summary.finished = solved.finished;
-  }
-  if (summary.finished) {
-    const auto timing = run.clock.measure("optimisation");
-    const mapping::MapSolution& solution = solved.solution;
-    if (solved.refinement) {
-      summary.landmarks = solved.refinement->landmarks;
-      summary.landmark_views = solved.refinement->views;
-      summary.readout_s = solved.refinement->readout_s;
+    ROOMWISE_CHECK_OK(observer.observe_missing());
+    {
+      const auto timing = run.clock.measure("optimisation");
+      const auto features = [&] { return landmark_features(mapper, camera, settings); };
+      ROOMWISE_TRY(const SolvedMap solved,
+                   solve_stored_map(home, settings, features, run.progress));
+      const mapping::MapSolution& solution = solved.solution;
+      if (solved.refinement) {
+        summary.landmarks = solved.refinement->landmarks;
+        summary.landmark_views = solved.refinement->views;
+        summary.readout_s = solved.refinement->readout_s;
+      }
+      summary.rejected_loops = solution.rejected_loops;
+      summary.components = solution.components;
+      summary.graph_error_before = solution.report.error_before;
+      summary.graph_error_after = solution.report.error_after;
+      ROOMWISE_TRY(const recording::Trajectory trajectory, stored_trajectory(home));
+      summary.placed = trajectory.size();
     }
-    summary.rejected_loops = solution.rejected_loops;
-    summary.components = solution.components;
-    summary.graph_error_before = solution.report.error_before;
-    summary.graph_error_after = solution.report.error_after;
-    ROOMWISE_TRY(const recording::Trajectory trajectory, stored_trajectory(home));
-    summary.placed = trajectory.size();
-  }
-  if (summary.finished && finders.of_proposals) {
-    ROOMWISE_TRY(summary.finished, redetect_on_proposals(home, *finders.of_proposals, run));
-  }
-  if (summary.finished) {
+    if (finders.of_proposals) {
+      ROOMWISE_CHECK_OK(redetect_on_proposals(home, *finders.of_proposals, run));
+    }
     const auto timing = run.clock.measure("joining objects");
     ROOMWISE_TRY(const FoundObjects found, update_objects(home, settings.objects));
     summary.objects = found.by_rules;
     summary.instances = found.instances;
-    ROOMWISE_CHECK_OK(home.finish_recording(stored.id));
-  }
+    return home.finish_recording(stored.id);
+  };
+  if (outcome) outcome = finish();
+  if (is_error(outcome)) return Unexpected(std::move(outcome).error());
+  summary.finished = outcome.has_value();
   ROOMWISE_CHECK_OK(home.add_stage_timings(run.clock.stages()));
   summary.frames = mapper.frame_count();
   summary.keyframes = mapper.keyframes().size();

@@ -7,7 +7,7 @@
 
 namespace roomwise::pipeline {
 
-Expected<objects::KeyframeDetections> look_at(const objects::RegionFinder& finder,
+Expected<objects::KeyframeDetections> look_at(const objects::DetectionFinder& finder,
                                               const image::ColorImage& color,
                                               const image::DepthImage& depth,
                                               const geometry::PinholeCamera& camera) {
@@ -15,15 +15,15 @@ Expected<objects::KeyframeDetections> look_at(const objects::RegionFinder& finde
   objects::KeyframeDetections look;
   look.coarse_depth = objects::coarse_depth(depth);
   for (const network::Detection& detection : detections) {
-    look.regions.push_back({finder.labels().at(detection.label), detection.score, detection.box,
-                            objects::region_surface(depth, camera, detection.box),
-                            objects::source_of(finder.fingerprint())});
+    look.detections.push_back({finder.labels().at(detection.label), detection.score, detection.box,
+                               objects::region_surface(depth, camera, detection.box),
+                               objects::source_of(finder.fingerprint())});
   }
   return look;
 }
 
 Expected<KeyframeObserver> KeyframeObserver::create(home::Home& home, const Networks& networks,
-                                                    const objects::RegionFinders& finders,
+                                                    const objects::DetectionFinders& finders,
                                                     RunContext& run) {
   KeyframeObserver observer(home, networks, finders, run);
   for (const auto& network : networks) {
@@ -61,8 +61,8 @@ Expected<void> KeyframeObserver::observe(home::KeyframeId keyframe,
   return {};
 }
 
-Expected<bool> KeyframeObserver::observe_missing() {
-  if (networks_->empty() && finders_->empty()) return true;
+Expected<void> KeyframeObserver::observe_missing() {
+  if (networks_->empty() && finders_->empty()) return {};
   std::vector<std::map<home::KeyframeId, network::Prediction>> predicted;
   for (const home::NetworkId id : network_ids_) {
     ROOMWISE_TRY(auto predictions, home_->predictions(id));
@@ -76,12 +76,10 @@ Expected<bool> KeyframeObserver::observe_missing() {
   ROOMWISE_TRY(const auto cameras, recording_cameras(*home_));
   ROOMWISE_TRY(const auto keyframes, home_->keyframes());
   run_->progress.begin("looking at key-frames", keyframes.size());
-  bool seen_all = true;
+  Expected<void> go_on;
   for (std::size_t k = 0; k < keyframes.size(); ++k) {
-    if (run_->progress.interrupted()) {
-      seen_all = false;
-      break;
-    }
+    go_on = run_->progress.check("looking at key-frames");
+    if (!go_on) break;
     const home::KeyframeId id = keyframes[k].id;
     const auto misses = [id](const auto& seen) { return !seen.contains(id); };
     const bool find = std::ranges::any_of(looked_at, misses);
@@ -99,7 +97,7 @@ Expected<bool> KeyframeObserver::observe_missing() {
   }
   run_->progress.end();
   ROOMWISE_CHECK_OK(finish());
-  return seen_all;
+  return go_on;
 }
 
 Expected<void> KeyframeObserver::finish() {
@@ -136,13 +134,13 @@ void KeyframeObserver::show_network(home::KeyframeId keyframe, std::size_t netwo
 
 void KeyframeObserver::show_finder(home::KeyframeId keyframe, std::size_t finder,
                                    const Images& images, const geometry::PinholeCamera& camera) {
-  const objects::RegionFinder& regions = *(*finders_)[finder];
+  const objects::DetectionFinder& shown = *(*finders_)[finder];
   const home::FinderId id = finder_ids_[finder];
-  under_way_.push_back(run_->pool.submit([&regions, &clock = run_->clock, home = home_, id,
-                                          keyframe, images, camera]() -> Expected<Store> {
-    const auto timing = clock.measure("regions " + regions.name());
+  under_way_.push_back(run_->pool.submit([&shown, &clock = run_->clock, home = home_, id, keyframe,
+                                          images, camera]() -> Expected<Store> {
+    const auto timing = clock.measure("regions " + shown.name());
     ROOMWISE_TRY(objects::KeyframeDetections look,
-                 look_at(regions, *images.color, *images.depth, camera));
+                 look_at(shown, *images.color, *images.depth, camera));
     return Store([home, id, keyframe, look = std::move(look)] {
       return home->put_detections(keyframe, id, look);
     });

@@ -21,19 +21,19 @@ namespace roomwise::pipeline {
 using Networks = std::vector<std::unique_ptr<network::Classifier>>;
 
 // What the finder finds in a picture, and what the depth says of its surfaces.
-[[nodiscard]] Expected<objects::KeyframeDetections> look_at(const objects::RegionFinder& finder,
+[[nodiscard]] Expected<objects::KeyframeDetections> look_at(const objects::DetectionFinder& finder,
                                                             const image::ColorImage& color,
                                                             const image::DepthImage& depth,
                                                             const geometry::PinholeCamera& camera);
 
-// Shows key-frames to the networks and to the finders of regions on the pool's threads and stores
+// Shows key-frames to the networks and to the finders on the pool's threads and stores
 // in the home what they see. Mapping goes on meanwhile; what a killed run did not get to,
 // observe_missing() makes up for.
 class KeyframeObserver {
  public:
   // Makes the networks and the finders known to the home. What it is given must outlive it.
   [[nodiscard]] static Expected<KeyframeObserver> create(home::Home& home, const Networks& networks,
-                                                         const objects::RegionFinders& finders,
+                                                         const objects::DetectionFinders& finders,
                                                          RunContext& run);
   KeyframeObserver(KeyframeObserver&&) = default;
   KeyframeObserver& operator=(KeyframeObserver&&) = delete;
@@ -43,9 +43,9 @@ class KeyframeObserver {
   [[nodiscard]] Expected<void> observe(home::KeyframeId keyframe,
                                        std::shared_ptr<const image::RgbdFrame> frame,
                                        const geometry::PinholeCamera& camera);
-  // Shows every stored key-frame to those that have not seen it yet, and waits for all. False where
-  // the user interrupted before all were seen.
-  [[nodiscard]] Expected<bool> observe_missing();
+  // Shows every stored key-frame to those that have not seen it yet, and waits for all. Fails where
+  // the user interrupts; what was seen until then is stored.
+  [[nodiscard]] Expected<void> observe_missing();
   // Waits for the work under way and stores it.
   [[nodiscard]] Expected<void> finish();
 
@@ -56,7 +56,7 @@ class KeyframeObserver {
     std::shared_ptr<const image::DepthImage> depth;
   };
   KeyframeObserver(home::Home& home, const Networks& networks,
-                   const objects::RegionFinders& finders, RunContext& run)
+                   const objects::DetectionFinders& finders, RunContext& run)
       : home_(&home), networks_(&networks), finders_(&finders), run_(&run) {}
   [[nodiscard]] Expected<Images> stored_images(home::KeyframeId keyframe, bool needs_depth) const;
   void show_network(home::KeyframeId keyframe, std::size_t network,
@@ -67,7 +67,7 @@ class KeyframeObserver {
 
   home::Home* home_;
   const Networks* networks_;
-  const objects::RegionFinders* finders_;
+  const objects::DetectionFinders* finders_;
   RunContext* run_;
   std::vector<home::NetworkId> network_ids_;  // of networks_, in the home
   std::vector<home::FinderId> finder_ids_;    // of finders_

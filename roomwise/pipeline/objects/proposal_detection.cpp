@@ -50,36 +50,32 @@ home::RegionFinderRecord finder_record() {
 
 }  // namespace
 
-Expected<bool> redetect_on_proposals(home::Home& home,
+Expected<void> redetect_on_proposals(home::Home& home,
                                      const objects::ProposalClassifier& proposal_classifier,
                                      RunContext& run) {
-  ROOMWISE_TRY(const StoredDetections looks, StoredDetections::read(home));
+  ROOMWISE_TRY(const auto components, observed_keyframes(home));
   ROOMWISE_TRY(const auto keyframes, home.keyframes());
   std::map<home::KeyframeId, objects::KeyframeDetections> closer;
-  for (const auto& [component, looked] : looks.components()) {
-    if (run.progress.interrupted()) return false;
+  for (const auto& [component, looked] : components) {
+    ROOMWISE_CHECK_OK(run.progress.check("looking closer"));
     ProposalObservations proposals = [&] {
       const auto timing = run.clock.measure("what stands apart");
       return ProposalObservations(looked, objects::fit_ground_plane(looked));
     }();
-    const Expected<void> seen_all =
-        look_at_proposals(proposals, home, keyframes, proposal_classifier, run);
-    if (run.progress.interrupted()) return false;
-    ROOMWISE_CHECK_OK(seen_all);
-    auto regions = proposals.regions();
+    ROOMWISE_CHECK_OK(look_at_proposals(proposals, home, keyframes, proposal_classifier, run));
+    auto detections = proposals.detections();
     for (const objects::ObservedKeyframe& keyframe : looked) {
-      closer[keyframe.keyframe_id] = {*keyframe.coarse_depth,
-                                      std::move(regions[keyframe.keyframe_id])};
+      closer[keyframe.keyframe_id] = {keyframe.coarse_depth,
+                                      std::move(detections[keyframe.keyframe_id])};
     }
   }
-  ROOMWISE_CHECK_OK(home.atomically([&]() -> Expected<void> {
+  return home.atomically([&]() -> Expected<void> {
     ROOMWISE_TRY(const home::FinderId finder, home.add_region_finder(finder_record()));
     for (const auto& [id, look] : closer) {
       ROOMWISE_CHECK_OK(home.put_detections(id, finder, look));
     }
     return {};
-  }));
-  return true;
+  });
 }
 
 }  // namespace roomwise::pipeline

@@ -35,7 +35,7 @@ Expected<std::vector<ProposalObservations::ViewObservation>> ProposalObservation
     ViewObservation& observation = observations.emplace_back();
     ROOMWISE_TRY(observation.said, proposal_classifier.look(color, view.box));
     observation.surface = objects::surface_within(
-        depth, *from.camera, view.box,
+        depth, from.camera, view.box,
         {from.world_from_camera.inverse() * box.world_from_box, box.size_m});
   }
   return observations;
@@ -49,22 +49,22 @@ void ProposalObservations::keep(std::uint64_t picture, std::vector<ViewObservati
   }
 }
 
-std::map<std::uint64_t, std::vector<objects::Region>> ProposalObservations::regions() const {
+std::map<std::uint64_t, std::vector<objects::Detection>> ProposalObservations::detections() const {
   static const std::map<std::string, std::string> labels = objects::labels_of_proposals();
-  std::map<std::uint64_t, std::vector<objects::Region>> regions;
+  std::map<std::uint64_t, std::vector<objects::Detection>> detections;
   for (const objects::ProposalClass& named : objects::classify_proposals(looked_)) {
     const objects::ScoredProposal& looked = looked_[named.proposal];
     for (std::size_t view = 0; view < looked.views.size(); ++view) {
       const std::uint64_t picture = (*pictures_)[looked.views[view].keyframe].keyframe_id;
-      regions[picture].push_back({labels.at(named.word), static_cast<float>(named.score),
-                                  looked.views[view].box, surfaces_[named.proposal][view],
-                                  objects::RegionSource::kProposal});
+      detections[picture].push_back({labels.at(named.word), static_cast<float>(named.score),
+                                     looked.views[view].box, surfaces_[named.proposal][view],
+                                     objects::DetectionSource::kProposal});
     }
   }
-  for (auto& [picture, of_picture] : regions) {
-    std::ranges::stable_sort(of_picture, std::greater{}, &objects::Region::score);
+  for (auto& [picture, of_picture] : detections) {
+    std::ranges::stable_sort(of_picture, std::greater{}, &objects::Detection::score);
   }
-  return regions;
+  return detections;
 }
 
 }  // namespace roomwise::pipeline

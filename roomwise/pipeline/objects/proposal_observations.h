@@ -15,7 +15,7 @@ class ProposalObservations {
   // What a picture shows of a proposal.
   struct ViewObservation {
     objects::ClassScores said;
-    objects::RegionSurface surface;
+    objects::DetectionSurface surface;
   };
 
   // `pictures` must outlive it.
@@ -27,14 +27,15 @@ class ProposalObservations {
     return views_of_picture_.contains(picture);
   }
   // What a picture shows of each of its proposals; to be handed to keep(). Only of pictures that
-  // is_shown_by() names. May be called from several threads at once. Fails where the namer does.
+  // is_shown_by() names. May be called from several threads at once. Fails where the classifier
+  // does.
   [[nodiscard]] Expected<std::vector<ViewObservation>> look(
       std::uint64_t picture, const image::ColorImage& color, const image::DepthImage& depth,
       const objects::ProposalClassifier& proposal_classifier) const;
   void keep(std::uint64_t picture, std::vector<ViewObservation> observations);
 
   // Of each picture that shows a proposal with a name, by all that was kept; the best first.
-  [[nodiscard]] std::map<std::uint64_t, std::vector<objects::Region>> regions() const;
+  [[nodiscard]] std::map<std::uint64_t, std::vector<objects::Detection>> detections() const;
 
  private:
   // A view of a proposal, by its indices.
@@ -44,7 +45,7 @@ class ProposalObservations {
 
   const std::vector<objects::ObservedKeyframe>* pictures_;
   std::vector<objects::ScoredProposal> looked_;
-  std::vector<std::vector<objects::RegionSurface>> surfaces_;  // by proposal and view
+  std::vector<std::vector<objects::DetectionSurface>> surfaces_;  // by proposal and view
   std::map<std::uint64_t, std::vector<ViewPlace>> views_of_picture_;
 };
 

@@ -15,31 +15,9 @@ namespace roomwise::pipeline {
 said_of_pictures(const home::Home& home, const objects::ObjectVocabulary& vocabulary,
                  double min_score);
 
-// The regions that the home has a word for, and those of look-alikes. What they point to is the
-// look's.
-[[nodiscard]] std::vector<objects::NamedRegion> named_regions(
-    const objects::KeyframeDetections& look, const objects::ObjectVocabulary& vocabulary);
-
-// The looks that are stored in a home, as the rules of objects/ take them.
-class StoredDetections {
- public:
-  [[nodiscard]] static Expected<StoredDetections> read(const home::Home& home);
-  StoredDetections(StoredDetections&&) = default;
-  StoredDetections& operator=(StoredDetections&&) = delete;
-
-  // The key-frames that were looked at, by id, of each component of the map. They live as long as
-  // this.
-  [[nodiscard]] const std::map<std::uint64_t, std::vector<objects::ObservedKeyframe>>& components()
-      const {
-    return components_;
-  }
-
- private:
-  StoredDetections() = default;
-
-  std::map<home::RecordingId, geometry::PinholeCamera> cameras_;
-  std::map<home::KeyframeId, objects::KeyframeDetections> looks_;
-  std::map<std::uint64_t, std::vector<objects::ObservedKeyframe>> components_;
-};
+// The key-frames of a home that finders looked at, by id, of each component of the map, as the
+// rules of objects/ take them.
+[[nodiscard]] Expected<std::map<std::uint64_t, std::vector<objects::ObservedKeyframe>>>
+observed_keyframes(const home::Home& home);
 
 }  // namespace roomwise::pipeline

@@ -11,16 +11,16 @@ namespace {
 using ::testing::FieldsAre;
 using ::testing::UnorderedElementsAre;
 
-// The names of the regions of key-frame 1, whether they are words, and how they were found.
+// The classes of the detections of key-frame 1, whether they are words, and how they were found.
 std::vector<std::tuple<std::string, bool, bool>> names_in(const home::Home& home) {
-  const auto looks = StoredDetections::read(home);
-  EXPECT_OK(looks);
+  const auto components = observed_keyframes(home);
+  EXPECT_OK(components);
   std::vector<std::tuple<std::string, bool, bool>> names;
-  for (const objects::ObservedKeyframe& keyframe : looks->components().at(1)) {
+  for (const objects::ObservedKeyframe& keyframe : components->at(1)) {
     if (keyframe.keyframe_id != 1) continue;
-    for (const objects::NamedRegion& region : keyframe.regions) {
-      const bool by_maps = region.region->source == objects::RegionSource::kActivation;
-      names.emplace_back(region.name, region.is_in_vocabulary, by_maps);
+    for (const objects::Detection& detection : keyframe.detections) {
+      const bool by_maps = detection.source == objects::DetectionSource::kActivation;
+      names.emplace_back(detection.class_name, detection.is_in_vocabulary, by_maps);
     }
   }
   return names;
@@ -28,12 +28,12 @@ std::vector<std::tuple<std::string, bool, bool>> names_in(const home::Home& home
 
 objects::KeyframeDetections look_with(const std::vector<std::string>& labels) {
   objects::KeyframeDetections look = home::testing::sample_look(1);
-  look.regions.resize(1);
-  const objects::Region region = look.regions.front();
-  look.regions.clear();
+  look.detections.resize(1);
+  const objects::Detection detection = look.detections.front();
+  look.detections.clear();
   for (const std::string& label : labels) {
-    look.regions.push_back(region);
-    look.regions.back().label = label;
+    look.detections.push_back(detection);
+    look.detections.back().label = label;
   }
   return look;
 }
@@ -66,7 +66,7 @@ TEST(StoredDetections, AnActivationFinderStandsBesideTheDetectorAndReplacesItsOl
 }
 
 TEST(StoredDetections, SayWhoDidNotLookAtAKeyframe) {
-  using objects::RegionSource;
+  using objects::DetectionSource;
   const roomwise::testing::ScratchFolder folder;
   auto home = home::Home::create(folder / "a.home");
   ASSERT_OK(home);
@@ -74,14 +74,14 @@ TEST(StoredDetections, SayWhoDidNotLookAtAKeyframe) {
   const auto crops = home->add_region_finder({"crops", "f00 crops 1 f01: 0.1", {"table lamp"}});
   ASSERT_OK(crops);
   ASSERT_OK(home->put_detections(1, *crops, look_with({"table lamp"})));
-  const auto looks = StoredDetections::read(*home);
-  ASSERT_OK(looks);
+  const auto components = observed_keyframes(*home);
+  ASSERT_OK(components);
   std::size_t others = 0;
-  for (const auto& [component, keyframes] : looks->components()) {
+  for (const auto& [component, keyframes] : *components) {
     for (const objects::ObservedKeyframe& keyframe : keyframes) {
-      EXPECT_FALSE(keyframe.not_asked.contains(RegionSource::kDetector));
-      EXPECT_TRUE(keyframe.not_asked.contains(RegionSource::kActivation));
-      EXPECT_EQ(keyframe.not_asked.contains(RegionSource::kCrop), keyframe.keyframe_id != 1);
+      EXPECT_FALSE(keyframe.not_asked.contains(DetectionSource::kDetector));
+      EXPECT_TRUE(keyframe.not_asked.contains(DetectionSource::kActivation));
+      EXPECT_EQ(keyframe.not_asked.contains(DetectionSource::kCrop), keyframe.keyframe_id != 1);
       others += keyframe.keyframe_id != 1 ? 1 : 0;
     }
   }

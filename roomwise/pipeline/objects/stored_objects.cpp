@@ -113,10 +113,10 @@ Expected<std::vector<objects::Instance>> as_visits_left_it(
 }
 
 Expected<std::uint64_t> update_instances(home::Home& home) {
-  ROOMWISE_TRY(const StoredDetections looks, StoredDetections::read(home));
+  ROOMWISE_TRY(const auto components, observed_keyframes(home));
   ROOMWISE_TRY(const auto keyframes, home.keyframes());
   std::vector<objects::Instance> joined;
-  for (const auto& [component, looked] : looks.components()) {
+  for (const auto& [component, looked] : components) {
     const auto there = objects::find_instances(looked, objects::fit_ground_plane(looked), {});
     joined.insert(joined.end(), there.begin(), there.end());
   }

@@ -1,7 +1,8 @@
 #include "roomwise/pipeline/rooms/find_places.h"
 
-#include <algorithm>
 #include <chrono>
+
+#include "roomwise/pipeline/in_blocks.h"
 
 namespace roomwise::pipeline {
 namespace {
@@ -31,24 +32,17 @@ Expected<TimedPlaces> find_places(const HomePlaces& places,
                                   std::span<const LabelledPicture> pictures,
                                   std::span<const PictureSpan> spans,
                                   std::span<const std::string> rooms, RunContext& run) {
-  std::vector<Expected<std::optional<TimedPlace>>> found(spans.size());
-  run.progress.begin("finding places", spans.size());
-  const std::size_t block = 4 * run.pool.size();
-  for (std::size_t begin = 0; begin < spans.size() && !run.progress.interrupted(); begin += block) {
-    const std::size_t in_block = std::min(block, spans.size() - begin);
-    run.pool.parallel_for(in_block, [&](std::size_t i) {
-      found[begin + i] = find_place(places, pictures, spans[begin + i], rooms);
-    });
-    run.progress.advance(begin + in_block, "");
-  }
-  run.progress.end();
-  if (run.progress.interrupted()) return fail("interrupted while finding places");
-  TimedPlaces result;
-  for (auto& one : found) {
-    if (!one) return Unexpected(std::move(one).error());
-    result.push_back(*std::move(one));
-  }
-  return result;
+  TimedPlaces found;
+  const auto span = [&](std::size_t i) -> Expected<PictureSpan> { return spans[i]; };
+  const auto find = [&](std::size_t, const PictureSpan& of_pictures) {
+    return find_place(places, pictures, of_pictures, rooms);
+  };
+  const auto take = [&](std::size_t, std::optional<TimedPlace> place) -> Expected<void> {
+    found.push_back(std::move(place));
+    return {};
+  };
+  ROOMWISE_CHECK_OK(in_blocks(spans.size(), "finding places", run, span, find, take));
+  return found;
 }
 
 }  // namespace roomwise::pipeline

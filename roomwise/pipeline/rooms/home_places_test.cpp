@@ -120,7 +120,7 @@ TEST_F(HomePlacesTest, TheRecognizerAsksForThePlaceWhereItMayTell) {
   EXPECT_THAT(decision.why, HasSubstr("no place on the map"));
   const auto alone = recognizer->recognize(std::vector{other.color});
   ASSERT_OK(alone);
-  EXPECT_LT(decision.known, alone->known);
+  EXPECT_LT(decision.familiarity, alone->familiarity);
   // Whatever is sure enough by its looks alone has the same answer without its place.
   for (std::uint64_t frame = 1; frame < 2 * kFrames; frame += 6) {
     const PictureToLocate picture = at_home(frame);

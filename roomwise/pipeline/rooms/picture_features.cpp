@@ -69,7 +69,8 @@ class FeatureMaker {
     const std::size_t block = 4 * run_.pool.size();
     for (std::size_t first = 0; first < pictures_.count && done; first += block) {
       if (run_.progress.interrupted()) {
-        done = fail("interrupted after {} of {} pictures", first, pictures_.count);
+        done = fail_with(ErrorCode::kInterrupted, "interrupted after {} of {} pictures", first,
+                         pictures_.count);
         break;
       }
       const std::size_t in_block = std::min(block, pictures_.count - first);

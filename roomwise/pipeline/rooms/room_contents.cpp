@@ -117,18 +117,19 @@ Expected<std::map<std::string, rooms::RoomContents>> room_contents(
   for (const rooms::Room& room : rooms) contents[room.name];
   ROOMWISE_TRY(const KeyframeRooms keyframe_rooms, rooms_of_keyframes(home));
   ROOMWISE_TRY(const auto keyframes, home.keyframes());
-  ROOMWISE_TRY(const auto things, home.instances());
+  ROOMWISE_TRY(const auto instances, home.instances());
   std::map<home::KeyframeId, home::KeyframePose> poses;
   for (const home::Keyframe& keyframe : keyframes) poses[keyframe.id] = keyframe.pose;
   const rooms::RoomLayout* const rooms_on_floor = layout ? &layout->layout : nullptr;
-  for (const objects::Instance& thing : things) {
+  for (const objects::Instance& instance : instances) {
     std::optional<Eigen::Vector3d> middle_gravity;
-    if (layout) middle_gravity = middle_on_map(thing, poses.at(thing.keyframe_id), layout->frame);
+    if (layout)
+      middle_gravity = middle_on_map(instance, poses.at(instance.keyframe_id), layout->frame);
     const auto room =
-        room_of_thing(middle_gravity, thing.keyframe_id, rooms_on_floor, keyframe_rooms);
+        room_of_thing(middle_gravity, instance.keyframe_id, rooms_on_floor, keyframe_rooms);
     if (!room) continue;
-    double& probability = contents[*room][thing.name];
-    probability = 1 - (1 - probability) * (1 - thing.probability);  // one of them at least
+    double& probability = contents[*room][instance.name];
+    probability = 1 - (1 - probability) * (1 - instance.probability);  // one of them at least
   }
   return contents;
 }

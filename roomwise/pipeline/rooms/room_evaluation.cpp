@@ -69,8 +69,7 @@ class Evaluator {
     for (const TimedPrediction& one : seen_) {
       ROOMWISE_TRY(const auto scores, recognizer_.paper_scores(one.prediction));
       paper_.push_back(scores.front());
-      auto evidence = recognizer_.evidence(one.prediction);
-      if (evidence) evidence_.push_back(*std::move(evidence));
+      ROOMWISE_TRY(evidence_.emplace_back(), recognizer_.evidence(one.prediction));
     }
     return {};
   }
@@ -79,15 +78,13 @@ class Evaluator {
     for (const TimedPrediction& one : seen_) features.push_back(one.prediction.features);
     return features;
   }
-  // Whether there is something to compare with.
-  [[nodiscard]] bool compares() const { return evidence_.size() == pictures_.size(); }
 
   RuleResult paper_single() const {
     RuleResult result{"paper_single", "the paper's way, one picture", {}, 0, {}};
     std::vector<double> ms;
     for (std::size_t i = 0; i < pictures_.size(); ++i) {
-      add(result, judgement_of(i, rooms::RoomAnswer{paper_[i].room, paper_[i].score,
-                                                    rooms::Reason::kSingleFrame, ""}));
+      result.judgements.push_back(judgement_of(
+          i, rooms::RoomAnswer{paper_[i].room, paper_[i].score, rooms::Reason::kSingleFrame, ""}));
       ms.push_back(seen_[i].ms);
     }
     result.median_ms = evaluation::quantile(ms, 0.5);
@@ -104,16 +101,10 @@ class Evaluator {
     std::vector<double> ms;
     for (const PictureSpan& pair : pairs_of(pictures_, options_.pair_step)) {
       double taken_ms = seen_[pair.first].ms + seen_[pair.second].ms;
-      const auto see_names = [&]() -> Expected<network::Prediction> {
-        ROOMWISE_TRY(const TimedPrediction* named, names_in(pair.second));
-        taken_ms += named->ms;
-        return named->prediction;
-      };
+      const auto see_names = with_objects ? namer(pair.second, taken_ms) : nullptr;
       ROOMWISE_TRY(const rooms::RoomAnswer answer,
-                   recognizer_.paper_decide(paper_[pair.first], paper_[pair.second],
-                                            with_objects ? RoomRecognizer::SeeNames(see_names)
-                                                         : RoomRecognizer::SeeNames()));
-      add(result, judgement_of(pair.second, answer));
+                   recognizer_.paper_decide(paper_[pair.first], paper_[pair.second], see_names));
+      result.judgements.push_back(judgement_of(pair.second, answer));
       ms.push_back(taken_ms);
     }
     result.median_ms = evaluation::quantile(ms, 0.5);
@@ -129,15 +120,10 @@ class Evaluator {
       const PictureSpan& span = spans[i];
       double taken_ms = seen_[span.first].ms;
       if (span.second != span.first) taken_ms += seen_[span.second].ms;
-      const auto see_names = [&]() -> Expected<network::Prediction> {
-        ROOMWISE_TRY(const TimedPrediction* named, names_in(span.second));
-        taken_ms += named->ms;
-        return named->prediction;
-      };
-      ROOMWISE_TRY(
-          const rooms::RoomDecision decision,
-          recognizer_.decide(evidence_of(evidence_, span), see_names, finder(places, i, taken_ms)));
-      add(result, judgement_of(span.second, decision));
+      ROOMWISE_TRY(const rooms::RoomDecision decision,
+                   recognizer_.decide(evidence_of(evidence_, span), namer(span.second, taken_ms),
+                                      finder(places, i, taken_ms)));
+      result.judgements.push_back(judgement_of(span.second, decision));
       ms.push_back(taken_ms);
     }
     result.median_ms = evaluation::quantile(ms, 0.5);
@@ -149,7 +135,9 @@ class Evaluator {
     std::vector<double> ms(pictures_.size());
     for (std::size_t i = 0; i < pictures_.size(); ++i) ms[i] = seen_[i].ms;
     ROOMWISE_TRY(const auto decisions, along_walks(pictures_, evidence_, places, ms));
-    for (std::size_t i = 0; i < pictures_.size(); ++i) add(result, judgement_of(i, decisions[i]));
+    for (std::size_t i = 0; i < pictures_.size(); ++i) {
+      result.judgements.push_back(judgement_of(i, decisions[i]));
+    }
     result.median_ms = evaluation::quantile(ms, 0.5);
     return result;
   }
@@ -195,15 +183,15 @@ class Evaluator {
           std::tuple(&pairs, pairs_of(pictures_, options_.pair_step), &of_pairs_, "unknown_pair",
                      "two pictures")}) {
       if (spans->empty() || of_known.empty()) continue;
-      const std::vector<double> known = known_of(evidence_, of_known, {});
+      const std::vector<double> known = familiarity_of(evidence_, of_known, {});
       ROOMWISE_TRY(evaluation.unknown.emplace_back(),
                    judge_unknown(key, rule, pictures, evidence, *spans, {}, known));
       if (!have_places) continue;
       ROOMWISE_TRY(const TimedPlaces found, look_for(*places, pictures, *spans));
-      ROOMWISE_TRY(
-          evaluation.unknown.emplace_back(),
-          judge_unknown(fmt::format("{}_place", key), fmt::format("{}, with place", rule), pictures,
-                        evidence, *spans, found, known_of(evidence_, of_known, *places_of_known)));
+      ROOMWISE_TRY(evaluation.unknown.emplace_back(),
+                   judge_unknown(fmt::format("{}_place", key), fmt::format("{}, with place", rule),
+                                 pictures, evidence, *spans, found,
+                                 familiarity_of(evidence_, of_known, *places_of_known)));
       if (spans == &singles) places_of_unknown = found;
     }
     if (!have_walks(pictures_) || !have_walks(pictures)) return {};
@@ -218,10 +206,6 @@ class Evaluator {
   }
 
  private:
-  static void add(RuleResult& result, Judgement judgement) {
-    result.judgements.push_back(std::move(judgement));
-  }
-
   // Gives the place of an entry and adds the time that it took; empty where there is none.
   static RoomRecognizer::FindPlace finder(const TimedPlaces& places, std::size_t entry,
                                           double& taken_ms) {
@@ -251,11 +235,9 @@ class Evaluator {
       const std::vector<rooms::PictureEvidence>& evidence, const TimedPlaces& places,
       std::vector<double>& ms) const {
     std::vector<rooms::RoomDecision> decisions;
-    ROOMWISE_TRY(rooms::RoomStream stream, recognizer_.stream());
+    rooms::RoomStream stream = recognizer_.stream();
     for (std::size_t i = 0; i < pictures.size(); ++i) {
-      if (i == 0 || pictures[i].walk != pictures[i - 1].walk) {
-        ROOMWISE_TRY(stream, recognizer_.stream());
-      }
+      if (i > 0 && pictures[i].walk != pictures[i - 1].walk) stream = recognizer_.stream();
       ROOMWISE_TRY(decisions.emplace_back(),
                    recognizer_.update(stream, evidence[i], elapsed_s(pictures, i),
                                       finder(places, i, ms[i])));
@@ -263,17 +245,18 @@ class Evaluator {
     return decisions;
   }
 
-  // How well each span is known; `places` are used wherever there are any.
-  [[nodiscard]] std::vector<double> known_of(const std::vector<rooms::PictureEvidence>& evidence,
-                                             const std::vector<PictureSpan>& spans,
-                                             const TimedPlaces& places) const {
+  // Of each span; `places` are used wherever there are any.
+  [[nodiscard]] std::vector<double> familiarity_of(
+      const std::vector<rooms::PictureEvidence>& evidence, const std::vector<PictureSpan>& spans,
+      const TimedPlaces& places) const {
     std::vector<double> known;
     for (std::size_t i = 0; i < spans.size(); ++i) {
       const rooms::PictureEvidence shown = rooms::combine(evidence_of(evidence, spans[i]));
       const bool is_placed = !places.empty() && places[i];
       known.push_back(
-          is_placed ? rooms::with_place(shown, places[i]->evidence, recognizer_.calibration()).known
-                    : shown.known);
+          is_placed
+              ? rooms::with_place(shown, places[i]->evidence, recognizer_.calibration()).familiarity
+              : shown.familiarity);
     }
     return known;
   }
@@ -298,7 +281,7 @@ class Evaluator {
       judgements.push_back(judgement_of(spans[i].second, decision));
     }
     return sum_up(std::move(key), std::move(rule), pictures, judgements,
-                  known_of(evidence, spans, places), known);
+                  familiarity_of(evidence, spans, places), known);
   }
 
   // The same along walks; of photos nothing is said.
@@ -311,14 +294,14 @@ class Evaluator {
     std::vector<double> ignored_ms(std::max(pictures.size(), pictures_.size()));
     ROOMWISE_TRY(const auto of_known,
                  along_walks(pictures_, evidence_, places_of_known, ignored_ms));
-    for (const rooms::RoomDecision& decision : of_known) known.push_back(decision.known);
+    for (const rooms::RoomDecision& decision : of_known) known.push_back(decision.familiarity);
     ROOMWISE_TRY(const auto decisions, along_walks(pictures, evidence, places, ignored_ms));
     std::vector<Judgement> judgements;
     std::vector<double> known_here;
     for (std::size_t i = 0; i < pictures.size(); ++i) {
       if (!is_on_walk(pictures, i)) continue;
       judgements.push_back(judgement_of(i, decisions[i]));
-      known_here.push_back(decisions[i].known);
+      known_here.push_back(decisions[i].familiarity);
     }
     return sum_up(std::move(key), std::move(rule), pictures, judgements, known_here, known);
   }
@@ -357,16 +340,23 @@ class Evaluator {
         "recognising rooms", run_);
   }
 
-  // What the naming network sees in a picture, once for all rules.
-  Expected<const TimedPrediction*> names_in(std::size_t picture) {
-    const auto known = named_.find(picture);
-    if (known != named_.end()) return &known->second;
-    ROOMWISE_TRY(const image::ColorImage color, pictures_[picture].read());
-    const auto start = std::chrono::steady_clock::now();
-    ROOMWISE_TRY(network::Prediction prediction, recognizer_.naming()->predict(color));
-    const std::chrono::duration<double, std::milli> elapsed =
-        std::chrono::steady_clock::now() - start;
-    return &(named_[picture] = TimedPrediction{std::move(prediction), elapsed.count()});
+  // Gives what the naming network sees in a picture, looked at once for all rules, and adds the
+  // time that it took.
+  RoomRecognizer::SeeNames namer(std::size_t picture, double& taken_ms) {
+    return [this, picture, &taken_ms]() -> Expected<network::Prediction> {
+      auto named = named_.find(picture);
+      if (named == named_.end()) {
+        ROOMWISE_TRY(const image::ColorImage color, pictures_[picture].read());
+        const auto start = std::chrono::steady_clock::now();
+        ROOMWISE_TRY(network::Prediction prediction, recognizer_.naming()->predict(color));
+        const std::chrono::duration<double, std::milli> elapsed =
+            std::chrono::steady_clock::now() - start;
+        named =
+            named_.emplace(picture, TimedPrediction{std::move(prediction), elapsed.count()}).first;
+      }
+      taken_ms += named->second.ms;
+      return named->second.prediction;
+    };
   }
 
   // Between a picture and the one before it on its walk.
@@ -449,10 +439,8 @@ Expected<RoomEvaluation> evaluate_rooms(const std::vector<LabelledPicture>& pict
   RoomEvaluation evaluation;
   evaluation.features = evaluator.features();
   evaluation.by_walks = !pictures.empty() && pictures.back().walk + 1 >= kWalksToResample;
-  if (evaluator.compares()) {
-    ROOMWISE_CHECK_OK(evaluator.compare_all(places, evaluation.rules));
-    if (!unknown.empty()) ROOMWISE_CHECK_OK(evaluator.unknown(unknown, places, evaluation));
-  }
+  ROOMWISE_CHECK_OK(evaluator.compare_all(places, evaluation.rules));
+  if (!unknown.empty()) ROOMWISE_CHECK_OK(evaluator.unknown(unknown, places, evaluation));
   evaluation.rules.push_back(evaluator.paper_single());
   ROOMWISE_TRY(evaluation.rules.emplace_back(), evaluator.paper_pair(false));
   if (recognizer.naming() != nullptr) {

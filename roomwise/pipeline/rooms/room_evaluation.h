@@ -79,8 +79,7 @@ struct RoomEvaluationOptions {
 // as a stream, by comparing and by the paper's rule. The stream sees the evaluated pictures alone.
 // Where pictures have depth and `places` is given, the same again with their places, whose time
 // counts where they were asked for.
-// `unknown`: pictures of places that were never learned, or none. A home whose rooms were learned
-// by an earlier version is evaluated by the paper's rule alone.
+// `unknown`: pictures of places that were never learned, or none.
 [[nodiscard]] Expected<RoomEvaluation> evaluate_rooms(const std::vector<LabelledPicture>& pictures,
                                                       const std::vector<LabelledPicture>& unknown,
                                                       const RoomRecognizer& recognizer,

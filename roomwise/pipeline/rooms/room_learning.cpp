@@ -52,8 +52,9 @@ Expected<std::size_t> check_visit_pictures(home::Home& home,
     if (picture.network_fingerprint == classifier.network().fingerprint) {
       ROOMWISE_TRY(const rooms::PictureEvidence evidence, classifier.evidence(picture.features));
       const auto decision =
-          rooms::decide(evidence, classifier.rooms(), classifier.retrieval()->calibration);
-      const bool is_known = evidence.known >= classifier.retrieval()->calibration.known_threshold;
+          rooms::decide(evidence, classifier.rooms(), classifier.retrieval().calibration);
+      const bool is_known =
+          evidence.familiarity >= classifier.retrieval().calibration.acceptance_threshold;
       if (!is_known || decision.rooms.front().room != picture.room) continue;
     }
     kept.push_back(picture);
@@ -84,20 +85,25 @@ Expected<void> store(home::Home& home, rooms::LearnedRooms& learned,
     for (const auto& [keyframe, prediction] : predictions) {
       ROOMWISE_TRY(const rooms::PictureEvidence evidence, classifier.evidence(prediction.features));
       const auto decision =
-          rooms::decide(evidence, classifier.rooms(), classifier.retrieval()->calibration);
+          rooms::decide(evidence, classifier.rooms(), classifier.retrieval().calibration);
       rooms_of[keyframe] = decision.rooms;
     }
   }
   return home.replace_keyframe_rooms(rooms_of);
 }
 
-// As features_network(), among those that have looked at the home's key-frames.
-Expected<home::NetworkId> stored_features_network(const home::Home& home) {
+// As features_network(), among those that have looked at the home's key-frames; of these one that
+// is loaded, where there is one.
+Expected<home::NetworkId> stored_features_network(const home::Home& home, const Networks& loaded) {
   ROOMWISE_TRY(const auto networks, home.networks());
   if (networks.empty()) {
     return fail(
         "{}: no network has looked at its key-frames; map the recording with --network FILE",
         home.file());
+  }
+  for (const auto& [id, network] : networks) {
+    const auto is_this = [&](const auto& one) { return one->fingerprint() == network.fingerprint; };
+    if (network.labels.empty() && std::ranges::any_of(loaded, is_this)) return id;
   }
   const auto nameless = std::find_if(networks.rbegin(), networks.rend(),
                                      [](const auto& entry) { return entry.second.labels.empty(); });
@@ -114,8 +120,8 @@ Expected<void> add_variants(home::Home& home, const home::Network& network,
   if (same == networks.end()) {
     return fail(
         "{}: varied pictures are to be shown to the network {}, which has looked at the "
-        "key-frames; "
-        "give its file by --network",
+        "key-frames; give its file by --network, or have another look at them first by objects "
+        "find",
         home.file(), network.name);
   }
   const PictureSource source{
@@ -167,7 +173,7 @@ Expected<rooms::LearningReport> learn_rooms_from_keyframes(
         home.file());
   }
   ROOMWISE_CHECK_OK(selection.check_against(labels));
-  ROOMWISE_TRY(const home::NetworkId network_id, stored_features_network(home));
+  ROOMWISE_TRY(const home::NetworkId network_id, stored_features_network(home, networks));
   ROOMWISE_TRY(const auto stored_networks, home.networks());
   ROOMWISE_TRY(const auto predictions, home.predictions(network_id));
   ROOMWISE_TRY(const auto keyframes, home.keyframes());
@@ -264,7 +270,6 @@ Expected<std::vector<home::KeyframeId>> learned_keyframes(const home::Home& home
 
 Expected<rooms::RoomClassifier> with_visit_pictures(const home::Home& home,
                                                     rooms::RoomClassifier classifier) {
-  if (!classifier.retrieval()) return classifier;
   ROOMWISE_TRY(auto stored, home.visit_pictures());
   std::vector<rooms::RoomPicture> pictures;
   for (home::VisitPicture& picture : stored) {

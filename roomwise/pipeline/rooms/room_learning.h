@@ -56,7 +56,7 @@ struct RoomPhoto {
 [[nodiscard]] Expected<std::vector<home::KeyframeId>> learned_keyframes(const home::Home& home);
 
 // The classifier, which the home learned, with the pictures that later visits brought
-// (RoomClassifier::with). One of an earlier version stays as it is.
+// (RoomClassifier::with).
 [[nodiscard]] Expected<rooms::RoomClassifier> with_visit_pictures(const home::Home& home,
                                                                   rooms::RoomClassifier classifier);
 

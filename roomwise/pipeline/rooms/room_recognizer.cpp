@@ -119,7 +119,7 @@ Expected<rooms::RoomDecision> RoomRecognizer::decide(
   if (place) combined = rooms::with_place(combined, *place, calibration());
   rooms::RoomDecision decision = rooms::decide(combined, rooms(), calibration());
   const bool objects_may_tell = decision.verdict == rooms::Verdict::kNotSure &&
-                                combined.known >= calibration().known_threshold;
+                                combined.familiarity >= calibration().acceptance_threshold;
   if (objects_may_tell) {
     ROOMWISE_TRY(const auto objects, objects_in(named_last));
     decision = rooms::decide_with_objects(combined, objects, concepts_, rooms_, calibration(),
@@ -151,13 +151,6 @@ Expected<rooms::RoomDecision> RoomRecognizer::update(rooms::RoomStream& stream,
       stream.update(rooms::with_place(picture, *place, calibration()), elapsed_s);
   decision.why += "; " + place->why;
   return decision;
-}
-
-Expected<rooms::RoomStream> RoomRecognizer::stream() const {
-  if (!classifier_.retrieval()) {
-    return fail("the rooms were learned by an earlier Roomwise; learn them again");
-  }
-  return rooms::RoomStream(topology_, calibration());
 }
 
 Expected<rooms::RoomAnswer> RoomRecognizer::paper_decide(const rooms::RoomScore& first,

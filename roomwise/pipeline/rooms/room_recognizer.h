@@ -35,8 +35,7 @@ class RoomRecognizer {
   using FindPlace = std::function<Expected<rooms::PlaceEvidence>()>;
 
   // ---- by comparing ----
-  // For what features() saw in a picture. Fails where the home's rooms were learned by a version of
-  // Roomwise that kept nothing to compare with.
+  // For what features() saw in a picture.
   [[nodiscard]] Expected<rooms::PictureEvidence> evidence(const network::Prediction& seen) const {
     return classifier_.evidence(seen.features);
   }
@@ -48,8 +47,8 @@ class RoomRecognizer {
   // From the pictures themselves, one or more of one place.
   [[nodiscard]] Expected<rooms::RoomDecision> recognize(std::span<const image::ColorImage> pictures,
                                                         const FindPlace& find_place = {}) const;
-  // For pictures of a walk, one after the other. Fails as evidence() does.
-  [[nodiscard]] Expected<rooms::RoomStream> stream() const;
+  // For pictures of a walk, one after the other.
+  [[nodiscard]] rooms::RoomStream stream() const { return {topology_, calibration()}; }
   // The next picture of a walk, `elapsed_s` after the one before, by what features() saw in it.
   [[nodiscard]] Expected<rooms::RoomDecision> update(rooms::RoomStream& stream,
                                                      const rooms::PictureEvidence& picture,
@@ -75,9 +74,8 @@ class RoomRecognizer {
   [[nodiscard]] const network::Classifier& features() const { return *features_; }
   [[nodiscard]] const network::Classifier* naming() const { return naming_; }  // nullptr: none
   [[nodiscard]] const std::vector<std::string>& rooms() const { return classifier_.rooms(); }
-  // Of what compares. Only where evidence() does not fail.
   [[nodiscard]] const rooms::RoomCalibration& calibration() const {
-    return classifier_.retrieval()->calibration;
+    return classifier_.retrieval().calibration;
   }
   // Which rooms doors lead between, by the walks whose rooms were named.
   [[nodiscard]] const rooms::RoomTopology& topology() const { return topology_; }

@@ -109,7 +109,8 @@ TEST_F(RoomRecognizerPlaces, MakesAHardlyKnownPictureKnown) {
 }
 
 TEST_F(RoomRecognizerPlaces, ThatThereIsNoneSpeaksAgainstThisHome) {
-  const PictureEvidence hardly = picture(0.999, recognizer_->calibration().known_threshold + 0.1);
+  const PictureEvidence hardly =
+      picture(0.999, recognizer_->calibration().acceptance_threshold + 0.1);
   EXPECT_EQ(decide(hardly, {})->room(), "hall");
   const auto decision = decide(hardly, place(0.5, -3));
   ASSERT_OK(decision);
@@ -118,20 +119,21 @@ TEST_F(RoomRecognizerPlaces, ThatThereIsNoneSpeaksAgainstThisHome) {
 }
 
 TEST_F(RoomRecognizerPlaces, ThatContradictsAHardlyKnownPictureLeavesNoRoom) {
-  const PictureEvidence hardly = picture(0.99, recognizer_->calibration().known_threshold + 0.1);
+  const PictureEvidence hardly =
+      picture(0.99, recognizer_->calibration().acceptance_threshold + 0.1);
   EXPECT_EQ(decide(hardly, place(0.01, 5))->verdict, Verdict::kNotSure);
 }
 
 TEST_F(RoomRecognizerPlaces, WhatGoesWrongWhileLookingIsSaid) {
   EXPECT_ERROR(decide(open_question(), broken_place()), "depth image is damaged");
   EXPECT_OK(decide(sure_hall(), broken_place())) << "it is not asked";
-  rooms::RoomStream stream = recognizer_->stream().value();
+  rooms::RoomStream stream = recognizer_->stream();
   EXPECT_ERROR(recognizer_->update(stream, open_question(), 1, broken_place()),
                "depth image is damaged");
 }
 
 TEST_F(RoomRecognizerPlaces, IsJoinedWithEveryPictureOfAWalkThatNeedsIt) {
-  rooms::RoomStream stream = recognizer_->stream().value();
+  rooms::RoomStream stream = recognizer_->stream();
   auto decision = recognizer_->update(stream, open_question(), 1, place(0.01, 5));
   ASSERT_OK(decision);
   EXPECT_EQ(asked_, 1);
@@ -232,7 +234,7 @@ TEST_F(RoomRecognizerObjects, AreLookedForOnlyWherePicturesAreKnownAndDoNotTellT
   const rooms::RoomCalibration& calibration = recognizer_->calibration();
   EXPECT_EQ(decide_by(sure_hall(), sees_microwave())->room(), "hall");
   EXPECT_EQ(asked_, 0) << "the picture tells the room";
-  const double between = (calibration.reject_threshold + calibration.known_threshold) / 2;
+  const double between = (calibration.reject_threshold + calibration.acceptance_threshold) / 2;
   EXPECT_EQ(decide_by(picture(0.5, between), sees_microwave())->verdict, Verdict::kNotSure);
   EXPECT_EQ(decide_by(picture(0.5, calibration.reject_threshold - 1), sees_microwave())->verdict,
             Verdict::kNoneOfThem);

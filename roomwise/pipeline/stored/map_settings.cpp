@@ -51,11 +51,10 @@ Expected<MapSettings> map_settings_from_json(std::string_view json) {
     values.at("keyframe_rotation_rad").get_to(settings.mapper.keyframe_rotation_rad);
     values.at("loop_neighbors").get_to(settings.mapper.loops.neighbors);
     values.at("loop_random").get_to(settings.mapper.loops.random);
-    settings.mapper.loops.similar = values.value("loop_similar", 0);  // older homes have none
-    mapping::ReuseOptions& reuse = settings.mapper.reuse;
-    reuse.max_motion_ratio = values.value("keyframe_reuse", 0.0);  // likewise
-    reuse.min_age = values.value("keyframe_reuse_age", reuse.min_age);
-    settings.bundle_adjustment = values.value("bundle_adjustment", false);  // nor that
+    values.at("loop_similar").get_to(settings.mapper.loops.similar);
+    values.at("keyframe_reuse").get_to(settings.mapper.reuse.max_motion_ratio);
+    values.at("keyframe_reuse_age").get_to(settings.mapper.reuse.min_age);
+    values.at("bundle_adjustment").get_to(settings.bundle_adjustment);
     values.at("object_score").get_to(settings.objects.min_score);
     values.at("seed").get_to(settings.mapper.seed);
   } catch (const nlohmann::json::exception& error) {

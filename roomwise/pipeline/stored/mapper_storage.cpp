@@ -9,13 +9,6 @@
 namespace roomwise::pipeline {
 namespace {
 
-home::Frame stored_frame(const mapping::MappedFrame& frame) {
-  home::Frame stored{frame.frame_index, frame.timestamp_ns, std::nullopt, frame.no_pose_reason};
-  if (frame.place)
-    stored.place = home::FramePlace{frame.place->keyframe, frame.place->keyframe_from_camera};
-  return stored;
-}
-
 // A commit waits for the disk: where no key-frame is made, so many frames share one.
 constexpr std::uint64_t kFramesACommit = 30;
 
@@ -28,14 +21,6 @@ home::KeyframeImages images_of(const image::RgbdFrame& frame) {
 
 }  // namespace
 
-mapping::MappedFrame mapped_frame(const home::Frame& frame) {
-  mapping::MappedFrame mapped{frame.index, frame.timestamp_ns, std::nullopt, frame.no_pose_reason};
-  if (frame.place) {
-    mapped.place = mapping::FramePlace{frame.place->keyframe, frame.place->keyframe_from_camera};
-  }
-  return mapped;
-}
-
 Expected<void> restore_mapper(mapping::Mapper& mapper, const home::Home& home,
                               home::RecordingId recording, const geometry::PinholeCamera& camera,
                               const features::FeatureExtractor& extractor,
@@ -47,9 +32,7 @@ Expected<void> restore_mapper(mapping::Mapper& mapper, const home::Home& home,
   ROOMWISE_CHECK_OK(measure_each_keyframe(home, stored, camera, extractor, settings, run, take));
   ROOMWISE_TRY(const auto edges, home.edges());
   ROOMWISE_TRY(const auto frames, home.frames(recording));
-  std::vector<mapping::MappedFrame> mapped;
-  std::ranges::transform(frames, std::back_inserter(mapped), mapped_frame);
-  mapper.restore(edges, mapped);
+  mapper.restore(edges, frames);
   return {};
 }
 
@@ -78,22 +61,17 @@ Expected<void> MapWriter::write(
   for (const mapping::KeyframeId id : step.new_keyframes) {
     const mapping::KeyframeStamp& keyframe = mapper_.keyframes()[id];
     poses_.push_back(first_pose(id));
-    keyframes.push_back({id,
-                         keyframe.frame_index,
-                         keyframe.timestamp_ns,
-                         poses_.back(),
-                         images_of(frame_of(keyframe.frame_index)),
-                         {},
-                         {}});
+    keyframes.push_back(
+        {keyframe, poses_.back(), images_of(frame_of(keyframe.frame_index)), {}, {}});
   }
   const std::uint64_t newest =
-      step.is_checkpoint ? mapper_.frames().back().frame_index : keyframes.back().frame_index;
+      step.is_checkpoint ? mapper_.frames().back().index : keyframes.back().frame_index;
   return commit(std::move(keyframes), newest + 1);
 }
 
 Expected<void> MapWriter::write_rest() {
   if (mapper_.frames().empty()) return commit({}, 0);
-  return commit({}, mapper_.frames().back().frame_index + 1);
+  return commit({}, mapper_.frames().back().index + 1);
 }
 
 Expected<void> MapWriter::commit(std::vector<home::NewKeyframe> keyframes,
@@ -107,9 +85,9 @@ Expected<void> MapWriter::commit(std::vector<home::NewKeyframe> keyframes,
   }
   const std::uint64_t first = mapper_.frame_count() - mapper_.frames().size();
   for (; frames_written_ < mapper_.frame_count(); ++frames_written_) {
-    const mapping::MappedFrame& frame = mapper_.frames()[frames_written_ - first];
-    if (frame.frame_index >= next_frame_index) break;
-    step.frames.push_back(stored_frame(frame));
+    const scene::Frame& frame = mapper_.frames()[frames_written_ - first];
+    if (frame.index >= next_frame_index) break;
+    step.frames.push_back(frame);
   }
   mapper_.release_frames(mapper_.frame_count() - frames_written_);
   return home_.commit_step(step);

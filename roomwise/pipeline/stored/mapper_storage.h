@@ -14,9 +14,6 @@
 // again in the stored images, which are those that the camera gave.
 namespace roomwise::pipeline {
 
-// A stored frame as the mapper had it.
-[[nodiscard]] mapping::MappedFrame mapped_frame(const home::Frame& frame);
-
 // Gives the mapper of a run that goes on what the home holds of it.
 [[nodiscard]] Expected<void> restore_mapper(mapping::Mapper& mapper, const home::Home& home,
                                             home::RecordingId recording,

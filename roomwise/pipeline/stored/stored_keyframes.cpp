@@ -19,8 +19,7 @@ Expected<void> measure_each_keyframe(const home::Home& home,
   };
   const auto hand_over = [&](const home::Keyframe& keyframe,
                              motion::FrameMeasurements measurements) {
-    return take(
-        {keyframe.id, keyframe.frame_index, keyframe.timestamp_ns, std::move(measurements)});
+    return take({keyframe, std::move(measurements)});
   };
   return for_each_keyframe(home, keyframes, "loading the map", run, measure, hand_over);
 }

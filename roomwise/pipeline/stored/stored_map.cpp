@@ -1,11 +1,7 @@
 #include "roomwise/pipeline/stored/stored_map.h"
 
-#include <algorithm>
-#include <set>
-
 #include "roomwise/mapping/backend/frame_poses.h"
 #include "roomwise/mapping/backend/frame_smoothing.h"
-#include "roomwise/pipeline/stored/mapper_storage.h"
 
 namespace roomwise::pipeline {
 namespace {
@@ -16,14 +12,6 @@ std::vector<TimestampNs> times_of(std::span<const home::Keyframe> keyframes) {
   return times;
 }
 
-Expected<std::vector<mapping::MappedFrame>> mapped_frames(const home::Home& home,
-                                                          home::RecordingId recording) {
-  ROOMWISE_TRY(const auto frames, home.frames(recording));
-  std::vector<mapping::MappedFrame> mapped;
-  std::ranges::transform(frames, std::back_inserter(mapped), mapped_frame);
-  return mapped;
-}
-
 Expected<mapping::MapRefinement> refine(const home::Home& home,
                                         std::span<const home::Keyframe> keyframes,
                                         std::span<const mapping::PoseGraphEdge> edges,
@@ -31,12 +19,12 @@ Expected<mapping::MapRefinement> refine(const home::Home& home,
                                         std::span<const mapping::KeyframeFeatures> features,
                                         const MapSettings& settings, Progress& progress) {
   ROOMWISE_TRY(const auto recordings, home.recordings());
-  std::vector<mapping::MappedFrame> frames;
+  std::vector<scene::Frame> frames;
   for (const home::StoredRecording& recording : recordings) {
     if (!(recording.recording.camera == recordings.front().recording.camera))
       return fail("{}: holds recordings of several cameras; their map cannot be refined",
                   home.file());
-    ROOMWISE_TRY(const auto own, mapped_frames(home, recording.id));
+    ROOMWISE_TRY(const auto own, home.frames(recording.id));
     frames.insert(frames.end(), own.begin(), own.end());
   }
   return mapping::refine_map(
@@ -46,7 +34,7 @@ Expected<mapping::MapRefinement> refine(const home::Home& home,
 
 // Where the frames of one recording are, those of other pieces than the largest left out.
 std::vector<mapping::PlacedFrame> place_frames(
-    std::span<const mapping::MappedFrame> frames,
+    std::span<const scene::Frame> frames,
     std::span<const std::optional<geometry::RigidTransform>> poses,
     std::span<const home::Keyframe> keyframes) {
   std::vector<mapping::PlacedFrame> placed;
@@ -74,8 +62,6 @@ Expected<SolvedMap> solve_stored_map(
     ROOMWISE_TRY(const auto features, find_features());
     ROOMWISE_TRY(solved.refinement,
                  refine(home, keyframes, edges, solved.solution, features, settings, progress));
-    solved.finished = solved.refinement->finished;
-    if (!solved.finished) return solved;
   }
   const auto& solution_poses = solved.refinement ? solved.refinement->world_from_keyframe
                                                  : solved.solution.world_from_keyframe;
@@ -120,7 +106,7 @@ Expected<recording::Trajectory> stored_trajectory(const home::Home& home) {
   }
   recording::Trajectory trajectory;
   for (const home::StoredRecording& recording : recordings) {
-    ROOMWISE_TRY(const auto frames, mapped_frames(home, recording.id));
+    ROOMWISE_TRY(const auto frames, home.frames(recording.id));
     const auto poses =
         mapping::frame_poses(frames, {world_from_keyframe, times_ns, component}, edges);
     std::vector<mapping::PlacedFrame> placed = place_frames(frames, poses, keyframes);

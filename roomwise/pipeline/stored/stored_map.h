@@ -20,12 +20,11 @@ struct SolvedMap {
   mapping::MapSolution solution;  // of the pose graph
   // Where the settings adjust the bundle: the key-frames are where this puts them.
   std::optional<mapping::MapRefinement> refinement;
-  bool finished = true;  // not interrupted; else nothing was moved
 };
 
 // Optimises the pose graph of all that is stored, adjusts the bundle where the settings say so, and
-// moves the key-frames. `find_features` gives what landmarks are found by, of all key-frames by id;
-// it is asked only where they are needed.
+// moves the key-frames; where the user interrupts, none is moved. `find_features` gives what
+// landmarks are found by, of all key-frames by id; it is asked only where they are needed.
 [[nodiscard]] Expected<SolvedMap> solve_stored_map(
     home::Home& home, const MapSettings& settings,
     const std::function<Expected<std::vector<mapping::KeyframeFeatures>>()>& find_features,

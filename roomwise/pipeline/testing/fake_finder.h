@@ -9,8 +9,8 @@
 
 namespace roomwise::pipeline::testing {
 
-// What a test's finder of regions is called and may say; what it finds is the test's.
-class FakeFinder : public objects::RegionFinder {
+// What a test's finder is called and may say; what it finds is the test's.
+class FakeFinder : public objects::DetectionFinder {
  public:
   FakeFinder(std::string name, std::vector<std::string> labels)
       : name_(std::move(name)), labels_(std::move(labels)) {}

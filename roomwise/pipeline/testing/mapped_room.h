@@ -40,13 +40,11 @@ class MappedRoom : public ::testing::Test {
       const auto time_ns = static_cast<TimestampNs>((i + 1) * 1'000'000'000);
       truth.push_back({time_ns, pose});
       step.keyframes.push_back(
-          {.id = i,
-           .frame_index = i,
-           .timestamp_ns = time_ns,
-           .pose = {truth_from_camera(0).inverse() * pose, 0},
-           .images = {image::encode_png(picture.color), image::encode_png(picture.depth)},
-           .predictions = {},
-           .observations = {}});
+          {{i, i, time_ns},
+           {truth_from_camera(0).inverse() * pose, 0},
+           {image::encode_png(picture.color), image::encode_png(picture.depth)},
+           {},
+           {}});
       step.frames.push_back({i, time_ns, home::FramePlace{i, {}}, ""});
     }
     ASSERT_OK(home_->commit_step(step));

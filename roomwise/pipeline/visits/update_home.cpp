@@ -4,7 +4,7 @@
 #include <map>
 #include <utility>
 
-#include "roomwise/objects/instances/door_leaf.h"
+#include "roomwise/objects/instances/upright_box.h"
 #include "roomwise/pipeline/objects/stored_detections.h"
 #include "roomwise/pipeline/stored/stored_rooms.h"
 
@@ -13,6 +13,15 @@ namespace {
 
 using geometry::RigidTransform;
 using objects::PlacedInstance;
+
+std::vector<Eigen::Vector3f> transformed(std::span<const Eigen::Vector3f> points,
+                                         const RigidTransform& transform) {
+  std::vector<Eigen::Vector3f> result;
+  for (const Eigen::Vector3f& point : points) {
+    result.push_back((transform * point.cast<double>()).cast<float>());
+  }
+  return result;
+}
 
 // The things of a home, and what it takes to compare them with those of a visit.
 class VisitComparison {
@@ -23,7 +32,6 @@ class VisitComparison {
     ROOMWISE_TRY(result.instances_, home.instances());
     ROOMWISE_TRY(result.past_, home.past_instances());
     ROOMWISE_TRY(result.visits_, home.visits());
-    ROOMWISE_TRY(result.concepts_, home.concepts());
     ROOMWISE_TRY(result.rooms_, rooms_of_keyframes(home));
     return result;
   }
@@ -32,12 +40,11 @@ class VisitComparison {
                      const objects::GroundPlane& level, const VisitFrames& frames,
                      const UpdateOptions& options, RunContext& run) {
     take_before(looked_before, level);
-    const auto looked_now = observed_frames(frames, concepts_.vocabulary);
-    now_instances_ = objects::find_instances(looked_now, level, options.instances);
+    now_instances_ = objects::find_instances(frames.observed, level, options.instances);
     for (const objects::Instance& one : now_instances_) {
-      const auto& shows_best = frames.placed[one.keyframe_id];
+      const auto& shows_best = frames.observed[one.keyframe_id];
       now_.push_back(objects::placed_instance(one, one.box_world(shows_best.world_from_camera),
-                                              looked_now, level));
+                                              frames.observed, level));
     }
     const auto views_before = views_of(looked_before);
     const auto views_now = views_of(frames);
@@ -91,11 +98,7 @@ class VisitComparison {
         seen = {std::min(seen.first, time_ns), std::max(seen.second, time_ns)};
       }
       if (one.visit != 0) {
-        thing.surface_world.clear();
-        for (const Eigen::Vector3f& point : one.surface_keyframe) {
-          thing.surface_world.push_back(
-              (pose.world_from_keyframe * point.cast<double>()).cast<float>());
-        }
+        thing.surface_world = transformed(one.surface_keyframe, pose.world_from_keyframe);
         const home::Visit& visit = visits_.at(one.visit);
         seen = {visit.first_timestamp_ns, visit.last_timestamp_ns};
       }
@@ -120,14 +123,15 @@ class VisitComparison {
     std::vector<objects::DepthView> views;
     for (const objects::ObservedKeyframe& one : looked) {
       views.push_back(
-          {one.world_from_camera, one.camera, one.coarse_depth, objects::kCoarseDepthStep_px});
+          {one.world_from_camera, &one.camera, &one.coarse_depth, objects::kCoarseDepthStep_px});
     }
     return views;
   }
   static std::vector<objects::DepthView> views_of(const VisitFrames& frames) {
     std::vector<objects::DepthView> views;
-    for (const PlacedFrame& frame : frames.placed) {
-      views.push_back({frame.world_from_camera, &frames.camera, &frame.depth, 1});
+    for (const objects::ObservedKeyframe& frame : frames.observed) {
+      views.push_back(
+          {frame.world_from_camera, &frame.camera, &frames.placed[frame.keyframe_id].depth, 1});
     }
     return views;
   }
@@ -151,9 +155,7 @@ class VisitComparison {
       thing.evidence_now = state.evidence_now;
       thing.before = before_[at].box_world;
       thing.room_before = room_of(one.keyframe_id);
-      const bool stays = state.state == objects::ChangeState::kThere ||
-                         state.state == objects::ChangeState::kUnobserved;
-      if (stays) {
+      if (!thing.is_changed()) {
         thing.now = thing.before;
         thing.room_now = thing.room_before;
         update.changes.kept.push_back(one);
@@ -193,10 +195,7 @@ class VisitComparison {
     instance.keyframe_id = frame.keyframe;
     instance.picture_box = {};
     instance.box_keyframe = {keyframe_from_world * thing.now->world_from_box, thing.now->size_m};
-    for (const Eigen::Vector3f& point : now_[now].surface_world) {
-      instance.surface_keyframe.push_back(
-          (keyframe_from_world * point.cast<double>()).cast<float>());
-    }
+    instance.surface_keyframe = transformed(now_[now].surface_world, keyframe_from_world);
     changes.arrived.push_back(std::move(instance));
   }
 
@@ -206,13 +205,9 @@ class VisitComparison {
     objects::Instance instance = instances_[known_[at]];
     instance.picture_box = {};
     instance.sigma_m += Eigen::Vector3d(kShiftSigma_m, kShiftSigma_m, 0);
-    const RigidTransform keyframe_from_world = pose_of(instance).world_from_keyframe.inverse();
-    instance.surface_keyframe.clear();
-    for (const Eigen::Vector3f& point :
-         objects::remaining_surface(before_[at].surface_world, views_of(frames))) {
-      instance.surface_keyframe.push_back(
-          (keyframe_from_world * point.cast<double>()).cast<float>());
-    }
+    instance.surface_keyframe =
+        transformed(objects::remaining_surface(before_[at].surface_world, views_of(frames)),
+                    pose_of(instance).world_from_keyframe.inverse());
     return instance;
   }
 
@@ -278,7 +273,6 @@ class VisitComparison {
   std::vector<objects::Instance> instances_;
   std::vector<home::PastInstance> past_;
   std::map<home::VisitId, home::Visit> visits_;
-  rooms::Concepts concepts_;
   KeyframeRooms rooms_;
   // Of the home's things that have a place: which instance, when it was seen, where it stands.
   std::vector<std::size_t> known_;
@@ -308,12 +302,12 @@ Expected<HomeUpdate> compare_with_visit(const home::Home& home,
   }
   ROOMWISE_TRY(const auto keyframes, home.keyframes());
   if (keyframes.empty()) return fail("{}: has no map; make one: roomwise map", home.file());
-  ROOMWISE_TRY(const StoredDetections looks, StoredDetections::read(home));
-  if (!looks.components().contains(0)) {
+  ROOMWISE_TRY(const auto components, observed_keyframes(home));
+  if (!components.contains(0)) {
     return fail("{}: no detector has looked at this home; let one: roomwise objects find --home {}",
                 home.file(), home.file());
   }
-  const objects::GroundPlane level = objects::fit_ground_plane(looks.components().at(0));
+  const objects::GroundPlane level = objects::fit_ground_plane(components.at(0));
   ROOMWISE_TRY(const VisitFrames frames,
                observe_visit(home, recording, finders, networks, level, options.visit, run));
   if (frames.placed.size() < 2) {
@@ -323,10 +317,10 @@ Expected<HomeUpdate> compare_with_visit(const home::Home& home,
   const auto timing = run.clock.measure("comparing");
   ROOMWISE_TRY(VisitComparison comparison, VisitComparison::create(home));
   run.progress.begin("comparing with the map", 1);
-  HomeUpdate update = comparison.compare(looks.components().at(0), level, frames, options, run);
+  HomeUpdate update = comparison.compare(components.at(0), level, frames, options, run);
   run.progress.advance(1, "");
   run.progress.end();
-  if (run.progress.interrupted()) return fail("interrupted while comparing");
+  ROOMWISE_CHECK_OK(run.progress.check("comparing"));
   return update;
 }
 

@@ -7,11 +7,11 @@
 
 #include "roomwise/base/testing/testing.h"
 #include "roomwise/image/codec.h"
-#include "roomwise/pipeline/mapping/interrupted_at.h"
 #include "roomwise/pipeline/mapping/map_recording.h"
 #include "roomwise/pipeline/rooms/room_learning.h"
 #include "roomwise/pipeline/stored/stored_map.h"
 #include "roomwise/pipeline/testing/fake_finder.h"
+#include "roomwise/pipeline/testing/interrupted_at.h"
 #include "roomwise/pipeline/testing/walk_with_box.h"
 #include "roomwise/recording/tum_writer.h"
 

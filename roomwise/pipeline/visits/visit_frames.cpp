@@ -20,10 +20,13 @@ namespace {
 // Looks at the frames of a visit.
 class VisitLooker {
  public:
-  static Expected<VisitLooker> create(const home::Home& home, const objects::RegionFinders& finders,
+  static Expected<VisitLooker> create(const home::Home& home,
+                                      const objects::DetectionFinders& finders,
                                       const Networks& networks, const VisitOptions& options,
                                       RunContext& run) {
     VisitLooker looker(finders);
+    ROOMWISE_TRY(rooms::Concepts concepts, home.concepts());
+    looker.vocabulary_ = std::move(concepts.vocabulary);
     if (options.rooms) {
       ROOMWISE_TRY(looker.why_no_rooms_, why_rooms_cannot_be_refreshed(home));
     }
@@ -37,45 +40,54 @@ class VisitLooker {
   }
 
   // Absent where the frame's place is not known.
-  [[nodiscard]] Expected<std::optional<PlacedFrame>> place(
-      image::RgbdFrame frame, const geometry::PinholeCamera& camera) const;
+  struct Look {
+    PlacedFrame placed;
+    objects::ObservedKeyframe observed;
+  };
+  [[nodiscard]] Expected<std::optional<Look>> place(image::RgbdFrame frame,
+                                                    const geometry::PinholeCamera& camera) const;
   // Absent where they are to stay as they are.
   [[nodiscard]] Expected<std::optional<RoomUpdate>> update_rooms(
       const home::Home& home, std::span<const PlacedFrame> placed) const;
+  [[nodiscard]] const objects::ObjectVocabulary& vocabulary() const { return vocabulary_; }
 
  private:
-  explicit VisitLooker(const objects::RegionFinders& finders) : finders_(&finders) {}
+  explicit VisitLooker(const objects::DetectionFinders& finders) : finders_(&finders) {}
   [[nodiscard]] const HomeLocalizer& localizer() const {
     return rooms_ ? rooms_->localizer() : *localizer_;
   }
 
-  const objects::RegionFinders* finders_;
+  const objects::DetectionFinders* finders_;
   std::optional<VisitRooms> rooms_;
   std::optional<HomeLocalizer> localizer_;  // where there are no rooms_, which have one
   std::string why_no_rooms_;
+  objects::ObjectVocabulary vocabulary_;  // of the home
 };
 
-Expected<std::optional<PlacedFrame>> VisitLooker::place(
+Expected<std::optional<VisitLooker::Look>> VisitLooker::place(
     image::RgbdFrame frame, const geometry::PinholeCamera& camera) const {
   PictureToLocate picture{frame.color, std::move(frame.depth), camera};
   ROOMWISE_TRY(const auto measured, localizer().measure(picture));
   const mapping::Localization found = localizer().localizer().locate({measured, camera});
   if (!found.found()) return std::nullopt;
-  PlacedFrame placed;
+  Look look;
+  PlacedFrame& placed = look.placed;
   placed.index = frame.index;
   placed.timestamp_ns = frame.timestamp_ns;
   placed.keyframe = found.keyframe;
-  placed.world_from_camera = found.world_from_camera;
+  look.observed.world_from_camera = found.world_from_camera;
+  look.observed.camera = camera;
   for (const auto& finder : *finders_) {
-    ROOMWISE_TRY(auto look, look_at(*finder, picture.color, *picture.depth, camera));
-    placed.look.coarse_depth = std::move(look.coarse_depth);
-    std::ranges::move(look.regions, std::back_inserter(placed.look.regions));
+    ROOMWISE_TRY(auto seen, look_at(*finder, picture.color, *picture.depth, camera));
+    look.observed.coarse_depth = std::move(seen.coarse_depth);
+    std::ranges::move(objects::classified(std::move(seen.detections), vocabulary_),
+                      std::back_inserter(look.observed.detections));
   }
   placed.depth = *std::move(picture.depth);
   if (rooms_) {
     ROOMWISE_TRY(placed.room, rooms_->look(frame, found));
   }
-  return placed;
+  return look;
 }
 
 Expected<std::optional<RoomUpdate>> VisitLooker::update_rooms(
@@ -92,20 +104,23 @@ Expected<VisitFrames> place_frames(recording::TumRecording& recording,
                                    const std::filesystem::path& folder, const VisitLooker& looker,
                                    std::uint64_t every, RunContext& run) {
   VisitFrames frames;
-  frames.camera = recording.info().camera;
   frames.visit.name = recording.info().name;
   frames.visit.folder = folder.string();
   std::vector<image::RgbdFrame> block;
   const auto place_block = [&]() -> Expected<void> {
-    std::vector<Expected<std::optional<PlacedFrame>>> placed(block.size(), fail("not placed yet"));
+    std::vector<Expected<std::optional<VisitLooker::Look>>> looks(block.size(),
+                                                                  fail("not placed yet"));
     run.pool.parallel_for(block.size(), [&](std::size_t i) {
       const auto timing = run.clock.measure("placing and looking");
-      placed[i] = looker.place(std::move(block[i]), frames.camera);
+      looks[i] = looker.place(std::move(block[i]), recording.info().camera);
     });
     block.clear();
-    for (auto& one : placed) {
-      if (!one) return Unexpected(std::move(one).error());
-      if (*one) frames.placed.push_back(**std::move(one));
+    for (auto& look : looks) {
+      if (!look) return Unexpected(std::move(look).error());
+      if (!*look) continue;
+      (*look)->observed.keyframe_id = frames.placed.size();
+      frames.placed.push_back(std::move((*look)->placed));
+      frames.observed.push_back(std::move((*look)->observed));
     }
     return {};
   };
@@ -122,7 +137,7 @@ Expected<VisitFrames> place_frames(recording::TumRecording& recording,
   }
   ROOMWISE_CHECK_OK(place_block());
   run.progress.end();
-  if (run.progress.interrupted()) return fail("interrupted while looking at the visit");
+  ROOMWISE_CHECK_OK(run.progress.check("looking at the visit"));
   frames.visit.placed = frames.placed.size();
   return frames;
 }
@@ -132,7 +147,7 @@ Expected<VisitFrames> place_frames(recording::TumRecording& recording,
 std::vector<objects::ObservedKeyframe> spaced_frames(const VisitFrames& frames) {
   const mapping::MapperOptions spacing;
   std::vector<objects::ObservedKeyframe> spaced;
-  for (const objects::ObservedKeyframe& frame : observed_frames(frames, {})) {
+  for (const objects::ObservedKeyframe& frame : frames.observed) {
     if (!spaced.empty()) {
       const geometry::RigidTransform motion =
           spaced.back().world_from_camera.inverse() * frame.world_from_camera;
@@ -146,9 +161,10 @@ std::vector<objects::ObservedKeyframe> spaced_frames(const VisitFrames& frames) 
   return spaced;
 }
 
-// Shows the namer what stands apart in the visit's own depth, from its best views.
+// Shows the classifier what stands apart in the visit's own depth, from its best views.
 Expected<void> look_closer_at_visit(VisitFrames& frames, const recording::TumRecording& recording,
                                     const objects::ProposalClassifier& proposal_classifier,
+                                    const objects::ObjectVocabulary& vocabulary,
                                     const objects::GroundPlane& level, RunContext& run) {
   const auto looked = spaced_frames(frames);
   ProposalObservations proposals = [&] {
@@ -171,8 +187,9 @@ Expected<void> look_closer_at_visit(VisitFrames& frames, const recording::TumRec
         proposals.keep(shown[i], std::move(observations));
         return {};
       }));
-  for (auto& [place, regions] : proposals.regions()) {
-    std::ranges::move(regions, std::back_inserter(frames.placed[place].look.regions));
+  for (auto& [place, detections] : proposals.detections()) {
+    std::ranges::move(objects::classified(std::move(detections), vocabulary),
+                      std::back_inserter(frames.observed[place].detections));
   }
   return {};
 }
@@ -195,25 +212,10 @@ Expected<VisitFrames> observe_visit(const home::Home& home, const std::filesyste
   ROOMWISE_TRY(VisitFrames frames, place_frames(*recording, folder, looker, options.every, run));
   ROOMWISE_TRY(frames.rooms, looker.update_rooms(home, frames.placed));
   if (finders.of_proposals != nullptr) {
-    ROOMWISE_CHECK_OK(look_closer_at_visit(frames, *recording, *finders.of_proposals, level, run));
+    ROOMWISE_CHECK_OK(look_closer_at_visit(frames, *recording, *finders.of_proposals,
+                                           looker.vocabulary(), level, run));
   }
   return frames;
-}
-
-std::vector<objects::ObservedKeyframe> observed_frames(
-    const VisitFrames& frames, const objects::ObjectVocabulary& vocabulary) {
-  std::vector<objects::ObservedKeyframe> looked;
-  for (std::size_t i = 0; i < frames.placed.size(); ++i) {
-    const PlacedFrame& frame = frames.placed[i];
-    looked.push_back({.keyframe_id = i,
-                      .world_from_camera = frame.world_from_camera,
-                      .camera = &frames.camera,
-                      .coarse_depth = &frame.look.coarse_depth,
-                      .regions = named_regions(frame.look, vocabulary),
-                      .said = {},
-                      .not_asked = {}});
-  }
-  return looked;
 }
 
 }  // namespace roomwise::pipeline

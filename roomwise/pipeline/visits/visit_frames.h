@@ -27,17 +27,16 @@ struct PlacedFrame {
   std::uint64_t index = 0;  // in the recording
   TimestampNs timestamp_ns = 0;
   home::KeyframeId keyframe = 0;  // that shows the same
-  geometry::RigidTransform world_from_camera;
   image::DepthImage depth;
-  objects::KeyframeDetections look;  // of all finders
-  std::optional<SeenPicture> room;   // where rooms are to be refreshed
+  std::optional<SeenPicture> room;  // where rooms are to be refreshed
 };
 
 // What a later walk through a home shows.
 struct VisitFrames {
   home::Visit visit;
-  geometry::PinholeCamera camera;
   std::vector<PlacedFrame> placed;  // in the order of time
+  // The same as objects/ takes key-frames; their ids are places in `placed`.
+  std::vector<objects::ObservedKeyframe> observed;
   std::optional<RoomUpdate> rooms;  // where they were to be refreshed
 };
 
@@ -53,10 +52,5 @@ struct VisitFrames {
                                                   const Networks& networks,
                                                   const objects::GroundPlane& level,
                                                   const VisitOptions& options, RunContext& run);
-
-// The frames as objects/ takes key-frames; their ids are places in `frames.placed`, which must
-// outlive them.
-[[nodiscard]] std::vector<objects::ObservedKeyframe> observed_frames(
-    const VisitFrames& frames, const objects::ObjectVocabulary& vocabulary);
 
 }  // namespace roomwise::pipeline

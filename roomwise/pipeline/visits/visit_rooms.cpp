@@ -66,7 +66,7 @@ Expected<RoomUpdate> VisitRooms::update(const home::Home& home,
   if (!places_.tells_rooms()) {
     return RoomUpdate{.why_not = "the map does not show where they lie"};
   }
-  ROOMWISE_TRY(rooms::RoomStream stream, recognizer_.stream());
+  rooms::RoomStream stream = recognizer_.stream();
   ROOMWISE_TRY(const auto before, home.visit_pictures());
   const auto looks = observations_along_walk(std::move(stream), recognizer_.rooms(),
                                              recognizer_.calibration(), walk, options_);
@@ -131,7 +131,7 @@ Expected<RoomUpdate> refresh_rooms(const rooms::RoomClassifier& classifier,
     ++std::ranges::find(update.rooms, now.back().room, &RoomUpdate::OfRoom::room)->learned;
   }
   update.pictures =
-      joined(before, std::move(now), options.most, classifier.network().fingerprint, update);
+      joined(before, std::move(now), options.max_of_room, classifier.network().fingerprint, update);
   return update;
 }
 
@@ -140,9 +140,6 @@ Expected<std::string> why_rooms_cannot_be_refreshed(const home::Home& home) {
   if (!record) return "no rooms were learned yet; learn them: roomwise rooms learn";
   const auto classifier = rooms::RoomClassifier::from_bytes(record->classifier);
   if (!classifier) return Unexpected(Error(classifier.error()).in(home.file()));
-  if (!classifier->retrieval()) {
-    return "they were learned by an earlier Roomwise; learn them again: roomwise rooms learn";
-  }
   return std::string();
 }
 

@@ -53,8 +53,8 @@ struct RoomUpdate {
 
 // `looks`: of all pictures of a visit, in the order of time. `classifier`: as RoomRecognizer has
 // it; `before`: Home::visit_pictures(). What the home keeps of earlier visits stays, but for the
-// oldest pictures of rooms that would have more than options.most. Pictures of this walk that are
-// among them count as those of the visit. Fails as rooms::choose_pictures() does.
+// oldest pictures of rooms that would have more than options.max_of_room. Pictures of this walk
+// that are among them count as those of the visit. Fails as rooms::choose_pictures() does.
 [[nodiscard]] Expected<RoomUpdate> refresh_rooms(const rooms::RoomClassifier& classifier,
                                                  std::span<const RoomObservation> looks,
                                                  const std::vector<home::VisitPicture>& before,

@@ -110,15 +110,15 @@ TEST_F(VisitRoomsTest, AVisitInOtherLightIsKnownBetterAfterwardsAndDayAsWellAsBe
             update->pictures->size());
   take(*update);
   const rooms::RoomClassifier after = classifier();
-  EXPECT_EQ(after.retrieval()->calibration, before.retrieval()->calibration);
+  EXPECT_EQ(after.retrieval().calibration, before.retrieval().calibration);
   for (const std::size_t room : {kHall, kKitchen}) {
     const auto night = features(room, 3, 77);
-    EXPECT_GT(after.evidence(night)->known, before.evidence(night)->known);
+    EXPECT_GT(after.evidence(night)->familiarity, before.evidence(night)->familiarity);
     Eigen::Index best = 0;
     after.evidence(night)->probabilities.maxCoeff(&best);
     EXPECT_EQ(static_cast<std::size_t>(best), room);
     const auto day = features(room, 0, 78);
-    EXPECT_GE(after.evidence(day)->known, before.evidence(day)->known - 1e-6);
+    EXPECT_GE(after.evidence(day)->familiarity, before.evidence(day)->familiarity - 1e-6);
   }
 }
 
@@ -160,7 +160,7 @@ TEST_F(VisitRoomsTest, NothingThatIsUnsureOrContradictoryIsLearned) {
 }
 
 TEST_F(VisitRoomsTest, TheOldestVisitsPicturesGoFirst) {
-  const rooms::VisitLearningOptions options{.max_of_visit = 2, .most = 3};
+  const rooms::VisitLearningOptions options{.max_of_visit = 2, .max_of_room = 3};
   for (const double light : {3.0, 9.0, 27.0}) {
     const auto update = refresh(visit(light), options);
     ASSERT_OK(update);
@@ -171,7 +171,7 @@ TEST_F(VisitRoomsTest, TheOldestVisitsPicturesGoFirst) {
   EXPECT_EQ(visits_of("hall"), (std::vector<home::VisitId>{2, 3, 3}));
   EXPECT_EQ(visits_of("kitchen"), (std::vector<home::VisitId>{2, 3, 3}));
   // The pictures that the rooms were learned from are all still there.
-  EXPECT_EQ(classifier().retrieval()->memory.projections().rows(), 60 + 6);
+  EXPECT_EQ(classifier().retrieval().gallery.projections().rows(), 60 + 6);
 }
 
 TEST_F(VisitRoomsTest, WhatAnotherNetworkSawIsNeitherComparedNorForgotten) {
@@ -183,8 +183,8 @@ TEST_F(VisitRoomsTest, WhatAnotherNetworkSawIsNeitherComparedNorForgotten) {
   home::HomeChanges changes;
   changes.pictures = std::vector{other};
   ASSERT_OK(home_->apply_changes(changes));
-  EXPECT_EQ(classifier().retrieval()->memory.projections().rows(), 60);
-  const auto update = refresh(visit(3), {.max_of_visit = 1, .most = 1});
+  EXPECT_EQ(classifier().retrieval().gallery.projections().rows(), 60);
+  const auto update = refresh(visit(3), {.max_of_visit = 1, .max_of_room = 1});
   ASSERT_OK(update);
   ASSERT_TRUE(update->pictures);
   EXPECT_EQ(update->pictures->front().network_fingerprint, "0ther");
@@ -201,7 +201,7 @@ TEST_F(VisitRoomsTest, LearningAnewKeepsWhatStillAgreesAndForgetsTheRest) {
   std::vector<home::VisitPicture> named;
   for (const home::VisitPicture& picture : learned) {
     const auto evidence = *by_the_helper.evidence(picture.features);
-    if (evidence.known >= by_the_helper.retrieval()->calibration.known_threshold)
+    if (evidence.familiarity >= by_the_helper.retrieval().calibration.acceptance_threshold)
       named.push_back(picture);
   }
   ASSERT_FALSE(named.empty());

@@ -7,30 +7,30 @@
 namespace roomwise::rooms {
 namespace {
 
-// The probability that the map of a room shows a kind of thing: where its type has it, where it
+// The probability that the map of a room shows a class: where its type has it, where it
 // does not, and in a room of a type that nobody described. A guess, and worth so many rooms.
 constexpr double kHas = 0.6;
 constexpr double kHasNot = 0.05;
 constexpr double kOther = 0.15;
 constexpr double kWorthRooms = 2;
-// Of a type that no thing speaks for: that things are missing is no reason to believe in one that
+// Of a type that nothing speaks for: that things are missing is no reason to believe in one that
 // has few.
 constexpr double kNever = 1e6;
 
-double probability_of(const RoomContents& contents, const std::string& kind) {
-  const auto found = contents.find(kind);
+double probability_of(const RoomContents& contents, const std::string& object) {
+  const auto found = contents.find(object);
   return found != contents.end() ? found->second : 0;
 }
 
-// P(a room of the type has the kind).
-double has(const std::string& type, const std::set<std::string>& kinds, const std::string& kind,
+// P(a room of the type has one of the class).
+double has(const std::string& type, const std::set<std::string>& classes, const std::string& object,
            std::span<const TypedContents> examples) {
-  const double guess = type == kOtherType ? kOther : kinds.contains(kind) ? kHas : kHasNot;
+  const double guess = type == kOtherType ? kOther : classes.contains(object) ? kHas : kHasNot;
   double having = kWorthRooms * guess;
   double rooms = kWorthRooms;
   for (const TypedContents& example : examples) {
     if (example.type != type) continue;
-    having += probability_of(example.contents, kind);
+    having += probability_of(example.contents, object);
     rooms += 1;
   }
   return having / rooms;
@@ -41,34 +41,35 @@ double has(const std::string& type, const std::set<std::string>& kinds, const st
 std::vector<TypePosterior> classify_room_type(const RoomContents& contents,
                                               const Concepts& concepts,
                                               std::span<const TypedContents> examples) {
-  std::map<std::string, std::set<std::string>> kinds_of_type = concepts.objects_of_room_type;
-  for (const TypedContents& example : examples) kinds_of_type[example.type];
-  kinds_of_type[kOtherType];
-  std::set<std::string> kinds;
-  for (const auto& [type, of_type] : kinds_of_type) kinds.insert(of_type.begin(), of_type.end());
+  std::map<std::string, std::set<std::string>> classes_of_type = concepts.objects_of_room_type;
+  for (const TypedContents& example : examples) classes_of_type[example.type];
+  classes_of_type[kOtherType];
+  std::set<std::string> classes;
+  for (const auto& [type, of_type] : classes_of_type)
+    classes.insert(of_type.begin(), of_type.end());
   for (const TypedContents& example : examples) {
-    for (const auto& [kind, probability] : example.contents) kinds.insert(kind);
+    for (const auto& [object, probability] : example.contents) classes.insert(object);
   }
 
   std::vector<TypePosterior> guesses;
   std::vector<double> logs;
-  for (const auto& [type, of_type] : kinds_of_type) {
+  for (const auto& [type, of_type] : classes_of_type) {
     TypePosterior& guess = guesses.emplace_back();
     guess.type = type;
     double& log = logs.emplace_back(0);
     std::vector<std::pair<double, std::string>> reasons;
-    for (const std::string& kind : kinds) {
-      const double there = probability_of(contents, kind);
-      const double expected = has(type, of_type, kind, examples);
+    for (const std::string& object : classes) {
+      const double there = probability_of(contents, object);
+      const double expected = has(type, of_type, object, examples);
       const double likelihood = there * expected + (1 - there) * (1 - expected);
       log += std::log(likelihood);
       const double elsewhere = there * kOther + (1 - there) * (1 - kOther);
       if (there >= 0.5 && likelihood > elsewhere)
-        reasons.emplace_back(likelihood / elsewhere, kind);
+        reasons.emplace_back(likelihood / elsewhere, object);
     }
     std::ranges::stable_sort(reasons, std::ranges::greater{},
                              &std::pair<double, std::string>::first);
-    for (const auto& [ratio, kind] : reasons) guess.because.push_back(kind);
+    for (const auto& [ratio, object] : reasons) guess.because.push_back(object);
     if (reasons.empty() && type != kOtherType) log = -kNever;
   }
   const double most = *std::ranges::max_element(logs);

@@ -9,7 +9,7 @@
 
 namespace roomwise::rooms {
 
-// The kinds of things that stand in a room, each with the probability that one does.
+// The classes of what stands in a room, each with the probability that one does.
 using RoomContents = std::map<std::string, double>;
 
 // A room of a known type and what stands in it.
@@ -21,14 +21,14 @@ struct TypedContents {
 struct TypePosterior {
   std::string type;  // kOtherType: none of the types that are known
   double probability = 0;
-  std::vector<std::string> because;  // things that speak for it, the best first
+  std::vector<std::string> because;  // classes that speak for it, the best first
 };
 inline constexpr const char* kOtherType = "";
 
-// Of which type a room is by what stands in it, and by what does not: naive Bayes over the kinds of
-// things that any type has. That a room has a kind is more probable where its type has it by the
-// concepts; `examples`, the home's own rooms of known types, move that. A type that none of the
-// things speaks for has probability 0. All types, the most probable first; they add up to 1.
+// Of which type a room is by what stands in it, and by what does not: naive Bayes over the classes
+// that any type has. That a room has one is more probable where its type has it by the concepts;
+// `examples`, the home's own rooms of known types, move that. A type that nothing speaks for has
+// probability 0. All types, the most probable first; they add up to 1.
 [[nodiscard]] std::vector<TypePosterior> classify_room_type(
     const RoomContents& contents, const Concepts& concepts,
     std::span<const TypedContents> examples = {});

@@ -37,18 +37,19 @@ std::map<std::pair<std::int16_t, std::int16_t>, std::vector<Vector2d>> borders(
   return found;
 }
 
-// Points that hang together: nearer than one and a half cells, give or take.
-std::vector<std::vector<Vector2d>> pieces_of(const std::vector<Vector2d>& points, double cell_m) {
+// Of points, of which those that are nearer than one and a half cells, give or take, are joined.
+std::vector<std::vector<Vector2d>> connected_components(const std::vector<Vector2d>& points,
+                                                        double cell_m) {
   DisjointSets sets(points.size());
   for (std::size_t a = 0; a < points.size(); ++a) {
     for (std::size_t b = a + 1; b < points.size(); ++b) {
       if ((points[a] - points[b]).norm() < 1.6 * cell_m) sets.join(a, b);
     }
   }
-  std::map<std::size_t, std::vector<Vector2d>> pieces;
-  for (std::size_t i = 0; i < points.size(); ++i) pieces[sets.find(i)].push_back(points[i]);
+  std::map<std::size_t, std::vector<Vector2d>> components;
+  for (std::size_t i = 0; i < points.size(); ++i) components[sets.find(i)].push_back(points[i]);
   std::vector<std::vector<Vector2d>> result;
-  for (auto& [first, piece] : pieces) result.push_back(std::move(piece));
+  for (auto& [first, component] : components) result.push_back(std::move(component));
   return result;
 }
 
@@ -74,8 +75,8 @@ std::vector<Doorway> find_doorways(const FloorGrid& grid, const FreeFloor& floor
                                    const RoomLayoutOptions& options) {
   std::vector<Doorway> doorways;
   for (const auto& [pair, border] : borders(grid, floor, room_of)) {
-    for (const auto& piece : pieces_of(border, grid.cell_m())) {
-      Doorway doorway = doorway_across(piece, grid.cell_m());
+    for (const auto& component : connected_components(border, grid.cell_m())) {
+      Doorway doorway = doorway_across(component, grid.cell_m());
       if (doorway.width_m < options.min_doorway_m) continue;
       doorway.rooms = {walks.names[static_cast<std::size_t>(pair.first)],
                        walks.names[static_cast<std::size_t>(pair.second)]};

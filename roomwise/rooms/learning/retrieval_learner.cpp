@@ -37,23 +37,18 @@ std::vector<HeldOutPicture> test_fold(const RetrievalSamples& samples, int rooms
 }  // namespace
 
 LearnedRetrieval learn_retrieval(const RetrievalSamples& samples, int rooms, int folds,
-                                 ThreadPool* pool) {
+                                 ThreadPool& pool) {
   std::vector<std::vector<HeldOutPicture>> of_fold(static_cast<std::size_t>(folds));
-  const auto test = [&](std::size_t fold) {
+  pool.parallel_for(of_fold.size(), [&](std::size_t fold) {
     of_fold[fold] = test_fold(samples, rooms, static_cast<int>(fold));
-  };
-  if (pool != nullptr) {
-    pool->parallel_for(of_fold.size(), test);
-  } else {
-    for (std::size_t fold = 0; fold < of_fold.size(); ++fold) test(fold);
-  }
+  });
   std::vector<HeldOutPicture> held_out;
   for (const auto& pictures : of_fold) {
     held_out.insert(held_out.end(), pictures.begin(), pictures.end());
   }
 
   LearnedRetrieval learned;
-  learned.retrieval.memory = RoomGallery(samples.rows, samples.room, samples.picture, rooms);
+  learned.retrieval.gallery = RoomGallery(samples.rows, samples.room, samples.picture, rooms);
   learned.retrieval.calibration = calibrate(held_out);
   learned.held_out = held_out.size();
   learned.correct.assign(static_cast<std::size_t>(rooms), 0);

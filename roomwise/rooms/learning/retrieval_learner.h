@@ -22,10 +22,10 @@ struct LearnedRetrieval {
 };
 
 // Remembers all pictures. In each round the pictures of one fold are compared with those of the
-// others alone; how alike they are is what the calibration is found from. Variants are remembered
+// others alone; how similar they are is what the calibration is found from. Variants are remembered
 // and not tested. Every fold must leave pictures of every room. The same bits at any number of
-// threads of `pool`, which may be absent.
+// threads of `pool`.
 [[nodiscard]] LearnedRetrieval learn_retrieval(const RetrievalSamples& samples, int rooms,
-                                               int folds, ThreadPool* pool = nullptr);
+                                               int folds, ThreadPool& pool);
 
 }  // namespace roomwise::rooms

@@ -8,7 +8,6 @@
 #include <optional>
 
 #include "roomwise/rooms/learning/retrieval_learner.h"
-#include "roomwise/rooms/statistics/softmax_trainer.h"
 
 namespace roomwise::rooms {
 namespace {
@@ -16,16 +15,17 @@ namespace {
 // Of the gradient in the held-out test, where only the highest probability counts.
 constexpr double kHeldOutTolerance = 1e-4;
 
-// The pictures and their variants as the regression takes them.
+// The pictures and their variants as both ways of RoomClassifier take them.
 struct TrainingSet {
-  std::vector<std::string> rooms;  // by name; a label is an index of it
-  Eigen::MatrixXf samples;         // one a row: each picture, followed by its variants
-  std::vector<int> labels;
-  std::vector<int> folds;             // the round that holds the sample out
+  std::vector<std::string> rooms;     // by name; a label is an index of it
+  Eigen::MatrixXf unit_length;        // one a row, as RetrievalSamples has them
+  RetrievalSamples retrieval;         // with the label of each row, and the fold that holds it out
   std::vector<std::size_t> pictures;  // the rows that are no variants
-  RetrievalSamples retrieval;         // the same rows to be remembered
 
   [[nodiscard]] int classes() const { return static_cast<int>(rooms.size()); }
+  [[nodiscard]] std::size_t label(std::size_t row) const {
+    return static_cast<std::size_t>(retrieval.room[row]);
+  }
 };
 
 Expected<void> check_features(std::span<const float> features, std::size_t expected,
@@ -102,31 +102,31 @@ TrainingSet make_training_set(std::span<const RoomSample> samples, std::vector<s
   set.rooms = std::move(rooms);
   std::size_t rows = samples.size();
   for (const RoomSample& sample : samples) rows += sample.variants.size();
-  set.samples.resize(static_cast<Eigen::Index>(rows),
-                     static_cast<Eigen::Index>(samples.front().features.size()));
-  set.retrieval.rows.resize(set.samples.rows(), set.samples.cols());
+  RetrievalSamples& retrieval = set.retrieval;
+  set.unit_length.resize(static_cast<Eigen::Index>(rows),
+                         static_cast<Eigen::Index>(samples.front().features.size()));
+  retrieval.rows.resize(set.unit_length.rows(), set.unit_length.cols());
   const std::vector<int> fold_of = block_folds(samples, folds);
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const auto room = std::ranges::lower_bound(set.rooms, samples[i].room);
     const auto add = [&](std::span<const float> features) {
-      const auto row = static_cast<Eigen::Index>(set.labels.size());
-      set.samples.row(row) = unit_length(features);
-      set.retrieval.rows.row(row) = root_features(features);
-      set.retrieval.picture.push_back(static_cast<int>(i));
-      set.labels.push_back(static_cast<int>(room - set.rooms.begin()));
-      set.folds.push_back(fold_of[i]);
+      const auto row = static_cast<Eigen::Index>(retrieval.room.size());
+      set.unit_length.row(row) = unit_length(features);
+      retrieval.rows.row(row) = root_features(features);
+      retrieval.room.push_back(static_cast<int>(room - set.rooms.begin()));
+      retrieval.picture.push_back(static_cast<int>(i));
+      retrieval.fold.push_back(fold_of[i]);
     };
-    set.pictures.push_back(set.labels.size());
+    set.pictures.push_back(retrieval.room.size());
     add(samples[i].features);
     for (const auto& variant : samples[i].variants) add(variant);
   }
-  set.retrieval.room = set.labels;
-  set.retrieval.fold = set.folds;
   return set;
 }
 
 // What the held-out test of one weight decay gave.
 struct HeldOutTest {
+  double weight_decay = 0;
   std::vector<std::size_t> correct;  // of each room
   std::size_t tested = 0;
 
@@ -143,48 +143,39 @@ struct HeldOutTest {
   }
 };
 
-// For each fold, what is learned from while it is held out.
-std::vector<std::vector<bool>> parts_without_folds(const TrainingSet& set, int folds) {
-  std::vector<std::vector<bool>> parts;
-  for (int fold = 0; fold < folds; ++fold) {
-    auto& part = parts.emplace_back();
-    for (const int of_sample : set.folds) part.push_back(of_sample != fold);
-  }
-  return parts;
-}
-
-// regressions[i] was learned without fold i.
-HeldOutTest test_held_out(const TrainingSet& set, std::span<const SoftmaxRegression> regressions) {
-  HeldOutTest test;
-  test.correct.assign(set.rooms.size(), 0);
-  for (const std::size_t picture : set.pictures) {
-    const SoftmaxRegression& regression = regressions[static_cast<std::size_t>(set.folds[picture])];
-    Eigen::Index best = 0;
-    regression.probabilities(set.samples.row(static_cast<Eigen::Index>(picture))).maxCoeff(&best);
-    ++test.tested;
-    if (best == set.labels[picture]) ++test.correct[static_cast<std::size_t>(best)];
-  }
-  return test;
-}
-
-// One test for each weight decay, in the order of the options. All rounds of one decay learn at
-// once, and what they learn is where the next weaker one begins.
+// One test for each weight decay, the strongest first.
 Expected<std::vector<HeldOutTest>> held_out_tests(const TrainingSet& set,
-                                                  const SoftmaxTrainer& trainer,
-                                                  const LearningOptions& options) {
-  std::vector<std::size_t> strongest_first(options.weight_decays.size());
-  std::iota(strongest_first.begin(), strongest_first.end(), 0);
-  std::ranges::stable_sort(strongest_first, std::greater(),
-                           [&](std::size_t i) { return options.weight_decays[i]; });
-  const auto parts = parts_without_folds(set, options.folds);
-  std::vector<HeldOutTest> tests(options.weight_decays.size());
-  std::vector<SoftmaxRegression> regressions;
-  for (const std::size_t i : strongest_first) {
-    SoftmaxOptions softmax;
-    softmax.weight_decay = options.weight_decays[i];
-    softmax.gradient_tolerance = kHeldOutTolerance;
-    ROOMWISE_TRY(regressions, trainer.train(parts, softmax, regressions));
-    tests[i] = test_held_out(set, regressions);
+                                                  const LearningOptions& options,
+                                                  ThreadPool& pool) {
+  std::vector<double> decays = options.weight_decays;
+  std::ranges::sort(decays, std::greater());
+  std::vector<Expected<std::vector<SoftmaxRegression>>> of_fold(
+      static_cast<std::size_t>(options.folds));
+  pool.parallel_for(of_fold.size(), [&](std::size_t fold) {
+    std::vector<int> labels = set.retrieval.room;
+    for (std::size_t i = 0; i < labels.size(); ++i) {
+      const bool is_held_out = set.retrieval.fold[i] == static_cast<int>(fold);
+      if (is_held_out) labels[i] = SoftmaxRegression::kHeldOut;
+    }
+    of_fold[fold] = SoftmaxRegression::train_path(set.unit_length, labels, set.classes(), decays,
+                                                  {.gradient_tolerance = kHeldOutTolerance});
+  });
+  for (const auto& regressions : of_fold) ROOMWISE_CHECK_OK(regressions);
+  std::vector<HeldOutTest> tests;
+  for (std::size_t i = 0; i < decays.size(); ++i) {
+    HeldOutTest& test = tests.emplace_back();
+    test.weight_decay = decays[i];
+    test.correct.assign(set.rooms.size(), 0);
+    test.tested = set.pictures.size();
+    for (const std::size_t picture : set.pictures) {
+      const auto& regressions = *of_fold[static_cast<std::size_t>(set.retrieval.fold[picture])];
+      Eigen::Index best = 0;
+      regressions[i]
+          .probabilities(set.unit_length.row(static_cast<Eigen::Index>(picture)))
+          .maxCoeff(&best);
+      const std::size_t label = set.label(picture);
+      if (static_cast<std::size_t>(best) == label) ++test.correct[label];
+    }
   }
   return tests;
 }
@@ -192,25 +183,18 @@ Expected<std::vector<HeldOutTest>> held_out_tests(const TrainingSet& set,
 // The strongest weight decay whose precision is within a standard error of the best one (the
 // one-standard-error rule of Breiman et al., Classification and Regression Trees, 1984): where the
 // test cannot tell two apart, the simpler classifier fares better on another day.
-std::size_t choose(std::span<const double> weight_decays, std::span<const HeldOutTest> tests) {
-  const HeldOutTest& best = *std::ranges::max_element(tests, {}, &HeldOutTest::precision);
+const HeldOutTest& choose(std::span<const HeldOutTest> strongest_first) {
+  const HeldOutTest& best = *std::ranges::max_element(strongest_first, {}, &HeldOutTest::precision);
   const double enough = best.precision() - best.standard_error();
-  std::optional<std::size_t> chosen;
-  for (std::size_t i = 0; i < tests.size(); ++i) {
-    if (tests[i].precision() < enough) continue;
-    if (!chosen || weight_decays[i] > weight_decays[*chosen]) chosen = i;
-  }
-  return *chosen;
+  return *std::ranges::find_if(strongest_first,
+                               [&](const HeldOutTest& test) { return test.precision() >= enough; });
 }
 
 LearningReport make_report(const TrainingSet& set, const HeldOutTest& test,
-                           const LearnedRetrieval& retrieval, double weight_decay,
-                           const LearningOptions& options) {
+                           const LearnedRetrieval& retrieval, const LearningOptions& options) {
   LearningReport report;
   std::vector<std::size_t> pictures(set.rooms.size(), 0);
-  for (const std::size_t picture : set.pictures) {
-    ++pictures[static_cast<std::size_t>(set.labels[picture])];
-  }
+  for (const std::size_t picture : set.pictures) ++pictures[set.label(picture)];
   for (std::size_t room = 0; room < set.rooms.size(); ++room) {
     report.rooms.push_back(
         {set.rooms[room], pictures[room], retrieval.correct[room], test.correct[room]});
@@ -225,7 +209,7 @@ LearningReport make_report(const TrainingSet& set, const HeldOutTest& test,
   report.held_out = test.tested;
   report.paper_held_out_precision = test.precision();
   report.calibration = retrieval.retrieval.calibration;
-  report.weight_decay = weight_decay;
+  report.weight_decay = test.weight_decay;
   return report;
 }
 
@@ -253,20 +237,18 @@ Expected<LearnedRooms> learn_rooms(std::span<const RoomSample> samples,
   ROOMWISE_CHECK_OK(check_samples(samples));
   ROOMWISE_TRY(std::vector<std::string> rooms, rooms_of(samples, options));
   const TrainingSet set = make_training_set(samples, std::move(rooms), options.folds);
-  ROOMWISE_TRY(const SoftmaxTrainer trainer,
-               SoftmaxTrainer::create(set.samples, set.labels, set.classes(), pool));
-  ROOMWISE_TRY(const auto tests, held_out_tests(set, trainer, options));
-  const std::size_t chosen = choose(options.weight_decays, tests);
-
-  SoftmaxOptions best;
-  best.weight_decay = options.weight_decays[chosen];
-  const std::vector<bool> all(set.labels.size(), true);
-  ROOMWISE_TRY(auto trained, trainer.train(std::span(&all, 1), best));
-  LearnedRetrieval retrieval = learn_retrieval(set.retrieval, set.classes(), options.folds, pool);
-  LearningReport report = make_report(set, tests[chosen], retrieval, best.weight_decay, options);
-  return LearnedRooms{RoomClassifier(network, set.rooms, std::move(trained.front()),
-                                     std::move(retrieval.retrieval)),
-                      std::move(report)};
+  std::optional<ThreadPool> own_pool;
+  if (pool == nullptr) pool = &own_pool.emplace(1);
+  ROOMWISE_TRY(const auto tests, held_out_tests(set, options, *pool));
+  const HeldOutTest& chosen = choose(tests);
+  ROOMWISE_TRY(auto regression,
+               SoftmaxRegression::train(set.unit_length, set.retrieval.room, set.classes(),
+                                        {.weight_decay = chosen.weight_decay}));
+  LearnedRetrieval retrieval = learn_retrieval(set.retrieval, set.classes(), options.folds, *pool);
+  LearningReport report = make_report(set, chosen, retrieval, options);
+  return LearnedRooms{
+      RoomClassifier(network, set.rooms, std::move(regression), std::move(retrieval.retrieval)),
+      std::move(report)};
 }
 
 }  // namespace roomwise::rooms

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "roomwise/base/expected.h"
+#include "roomwise/base/thread_pool.h"
 #include "roomwise/rooms/recognition/room_classifier.h"
 
 namespace roomwise::rooms {
@@ -37,8 +38,8 @@ struct LearningReport {
   struct RoomCount {
     std::string room;
     std::size_t pictures = 0;
-    // Of its pictures, each held out once: named rightly by likeness, and by the paper's
-    // regression.
+    // Of its pictures, each held out once: named rightly by the nearest
+    // neighbours, and by the paper's regression.
     std::size_t held_out_correct = 0;
     std::size_t paper_held_out_correct = 0;
 
@@ -46,7 +47,7 @@ struct LearningReport {
   };
   std::vector<RoomCount> rooms;      // by name
   std::size_t held_out = 0;          // pictures tested while held out
-  std::size_t held_out_correct = 0;  // by likeness
+  std::size_t held_out_correct = 0;  // by the nearest neighbours
   double paper_held_out_precision = 0;
   double weight_decay = 0;  // the chosen one of the paper's regression
   RoomCalibration calibration;
@@ -71,7 +72,7 @@ struct LearnedRooms {
 // neighbours on the walk are nearly the same and would make the test too easy). Of the weight
 // decays whose precision on what was held out is within one standard error of the best, the
 // strongest is chosen, and the classifier then learns from every picture. In the same rounds
-// held-out pictures are compared with the others: what their likeness means, and from where on an
+// held-out pictures are compared with the others: what their similarity means, and from where on an
 // answer is given, is found from that (retrieval_learner.h).
 //
 // Rooms are sorted by name, so that the order of the samples' rooms does not count. Fails where

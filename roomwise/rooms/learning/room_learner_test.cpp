@@ -52,7 +52,7 @@ TEST(LearnRooms, LearnsRoomsThatDiffer) {
   const auto evidence = learned->classifier.evidence(std::vector<float>{5, 0, 0, 0, 0, 0, 0, 0});
   ASSERT_OK(evidence);
   EXPECT_GT(evidence->probabilities[2], 0.9) << "rooms by name";
-  EXPECT_EQ(learned->classifier.retrieval()->calibration, learned->report.calibration);
+  EXPECT_EQ(learned->classifier.retrieval().calibration, learned->report.calibration);
   EXPECT_THAT(learned->report.warnings, IsEmpty());
 }
 

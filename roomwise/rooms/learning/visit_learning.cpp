@@ -5,19 +5,19 @@
 namespace roomwise::rooms {
 namespace {
 
-// How well a picture must be known to bring nothing new (RoomCalibration::known): about as well as
-// half of a development home's own pictures are by their neighbours on the walk
+// The familiarity from which on a picture brings nothing new: about that of half of a development
+// home's own pictures to their neighbours on the walk
 // (docs/experiments/rooms-refresh.md).
 constexpr double kNothingNew = 1.5;
 
-// Of `left`, which is not empty: which is least well known, and how well.
-Expected<std::pair<std::size_t, double>> min_known(const RoomClassifier& classifier,
-                                                   std::span<const RoomPicture> pictures,
-                                                   std::span<const std::size_t> left) {
+// Of `left`, which is not empty: the least familiar, and its familiarity.
+Expected<std::pair<std::size_t, double>> least_familiar(const RoomClassifier& classifier,
+                                                        std::span<const RoomPicture> pictures,
+                                                        std::span<const std::size_t> left) {
   std::pair<std::size_t, double> least{left.front(), 0};
   for (const std::size_t i : left) {
     ROOMWISE_TRY(const PictureEvidence evidence, classifier.evidence(pictures[i].features));
-    if (i == left.front() || evidence.known < least.second) least = {i, evidence.known};
+    if (i == left.front() || evidence.familiarity < least.second) least = {i, evidence.familiarity};
   }
   return least;
 }
@@ -29,8 +29,9 @@ Expected<void> VisitLearningOptions::validate() const {
     return fail("min_inside is {}; expected more than 0.5 and less than 1", min_inside);
   }
   if (max_of_visit == 0) return fail("max_of_visit is 0; expected at least 1");
-  if (most < max_of_visit) {
-    return fail("most is {}; expected at least max_of_visit ({})", most, max_of_visit);
+  if (max_of_room < max_of_visit) {
+    return fail("max_of_room is {}; expected at least max_of_visit ({})", max_of_room,
+                max_of_visit);
   }
   return {};
 }
@@ -51,7 +52,7 @@ std::optional<std::size_t> room_by_picture(const PictureEvidence& picture,
   picture.probabilities.maxCoeff(&best);
   const auto room = static_cast<std::size_t>(best);
   const bool is_told =
-      picture.known >= calibration.known_threshold && along_walk.room() == names[room];
+      picture.familiarity >= calibration.acceptance_threshold && along_walk.room() == names[room];
   return is_told ? std::optional(room) : std::nullopt;
 }
 
@@ -69,7 +70,7 @@ Expected<std::vector<std::size_t>> choose_pictures(
     const auto before = remembered.find(room);
     std::size_t count = before == remembered.end() ? 0 : before->second;
     for (; count < options.max_of_visit && !left.empty(); ++count) {
-      ROOMWISE_TRY(const auto least, min_known(knowing, agreed, left));
+      ROOMWISE_TRY(const auto least, least_familiar(knowing, agreed, left));
       if (least.second >= kNothingNew) break;
       ROOMWISE_TRY(knowing, knowing.with(agreed.subspan(least.first, 1)));
       std::erase(left, least.first);

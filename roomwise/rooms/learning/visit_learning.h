@@ -19,7 +19,7 @@ struct VisitLearningOptions {
   // no doorway is near it is 0.99.
   double min_inside = 0.95;
   std::size_t max_of_visit = 20;  // pictures of one room that one visit may bring
-  std::size_t most = 60;          // of one room that all visits together may have brought
+  std::size_t max_of_room = 60;   // that all visits together may have brought
 
   [[nodiscard]] Expected<void> validate() const;
 };
@@ -41,18 +41,18 @@ struct RoomAgreement {
 [[nodiscard]] std::optional<std::size_t> room_by_place(const PlaceEvidence& place,
                                                        const VisitLearningOptions& options);
 // The room that pictures alone tell: that which is named by the walk's pictures up to this one
-// (RoomStream, without places), where this one is well known itself and looks most like it, too.
+// (RoomStream, without places), where this one is familiar itself and looks most like it, too.
 // `names`: of each room.
 [[nodiscard]] std::optional<std::size_t> room_by_picture(const PictureEvidence& picture,
                                                          const RoomDecision& along_walk,
                                                          std::span<const std::string> names,
                                                          const RoomCalibration& calibration);
 
-// Which of a visit's pictures to know the rooms by, in ascending order: of each room that which is
-// least well known, then that which is least well known once the first is remembered, and so on,
-// until max_of_visit are chosen or all that are left are about as well known as the pictures that
-// the rooms were learned from are by each other. `remembered`: by room, how many of the visit's
-// pictures the classifier is known by already, which count. Fails as RoomClassifier::with() does.
+// Which of a visit's pictures to know the rooms by, in ascending order: of each room the least
+// familiar, then that which is least familiar once the first is remembered, and so on, until
+// max_of_visit are chosen or all that are left are about as familiar as the pictures that the rooms
+// were learned from are to each other. `remembered`: by room, how many of the visit's pictures the
+// classifier remembers already, which count. Fails as RoomClassifier::with() does.
 [[nodiscard]] Expected<std::vector<std::size_t>> choose_pictures(
     const RoomClassifier& classifier, std::span<const RoomPicture> agreed,
     const VisitLearningOptions& options, const std::map<std::string, std::size_t>& remembered = {});

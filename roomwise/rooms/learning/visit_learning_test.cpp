@@ -103,7 +103,7 @@ TEST_F(ChoosePictures, TakesNoMoreOfARoomThanItMay) {
   for (std::uint64_t i = 0; i < 30; ++i) {
     agreed.push_back({picture(i % 2, 1.5, 200 + i), i % 2 == 0 ? "bath" : "kitchen"});
   }
-  const auto chosen = choose_pictures(classifier(), agreed, {.max_of_visit = 3, .most = 9});
+  const auto chosen = choose_pictures(classifier(), agreed, {.max_of_visit = 3, .max_of_room = 9});
   ASSERT_OK(chosen);
   EXPECT_THAT(*chosen, SizeIs(6));
   EXPECT_TRUE(std::ranges::is_sorted(*chosen));
@@ -120,13 +120,15 @@ TEST_F(ChoosePictures, OnceTheyAreRememberedTheVisitIsKnownBetter) {
   const auto knowing = known.with(learned);
   ASSERT_OK(knowing);
   const std::vector<float> like_them = picture(0, 1.5, 999);
-  EXPECT_GT(knowing->evidence(like_them)->known, known.evidence(like_them)->known + 0.5);
+  EXPECT_GT(knowing->evidence(like_them)->familiarity,
+            known.evidence(like_them)->familiarity + 0.5);
 }
 
 TEST_F(ChoosePictures, RefusesOptionsThatMakeNoSense) {
   EXPECT_ERROR(choose_pictures(classifier(), {}, {.min_inside = 1}), "min_inside is 1");
   EXPECT_ERROR(choose_pictures(classifier(), {}, {.max_of_visit = 0}), "max_of_visit is 0");
-  EXPECT_ERROR(choose_pictures(classifier(), {}, {.max_of_visit = 9, .most = 5}), "most is 5");
+  EXPECT_ERROR(choose_pictures(classifier(), {}, {.max_of_visit = 9, .max_of_room = 5}),
+               "max_of_room is 5");
 }
 
 }  // namespace

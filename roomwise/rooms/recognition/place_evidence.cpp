@@ -19,7 +19,7 @@ constexpr int kManyInliers = 16;
 constexpr double kMuchSupport = 1.4, kSomeSupport = 0.8;  // other homes' doors and walls fit, too
 constexpr double kNoPlaceLogRatio = -2;    // a bare wall, nothing alike, or too little for a pose
 constexpr double kElsewhereLogRatio = -3;  // a place in a room that was not learned
-// A standard deviation of RoomCalibration::known in the logarithm of the odds of this home.
+// A standard deviation of RoomCalibration::familiarity() in the logarithm of the odds of this home.
 constexpr double kLogOddsPerDeviation = 2.5;
 // How often the floor at a pose is that of another room than the camera was in, where no doorway is
 // near: wrong poses, and faults of the layout.
@@ -144,11 +144,11 @@ PlaceEvidence place_evidence(const mapping::PairLocalization& answers, bool has_
 }
 
 bool place_may_tell(const PictureEvidence& pictures, const RoomCalibration& calibration) {
-  const bool is_named = pictures.known >= calibration.known_threshold &&
+  const bool is_named = pictures.familiarity >= calibration.acceptance_threshold &&
                         pictures.probabilities.maxCoeff() >= calibration.confidence_threshold;
   const double min_log_ratio = effective_sample_size(2) * kElsewhereLogRatio;
-  return !is_named ||
-         pictures.known + min_log_ratio / kLogOddsPerDeviation < calibration.known_threshold;
+  return !is_named || pictures.familiarity + min_log_ratio / kLogOddsPerDeviation <
+                          calibration.acceptance_threshold;
 }
 
 PictureEvidence with_place(const PictureEvidence& pictures, const PlaceEvidence& place,
@@ -156,8 +156,8 @@ PictureEvidence with_place(const PictureEvidence& pictures, const PlaceEvidence&
   PictureEvidence joined;
   joined.probabilities = pictures.probabilities.cwiseProduct(place.probabilities);
   joined.probabilities /= joined.probabilities.sum();
-  joined.known = std::max(pictures.known, calibration.reject_threshold) +
-                 place.log_likelihood_ratio / kLogOddsPerDeviation;
+  joined.familiarity = std::max(pictures.familiarity, calibration.reject_threshold) +
+                       place.log_likelihood_ratio / kLogOddsPerDeviation;
   return joined;
 }
 

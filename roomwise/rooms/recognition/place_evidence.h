@@ -48,14 +48,14 @@ struct PlaceEvidence {
                                            std::span<const std::string> rooms);
 
 // Whether a place, or that there is none, may change what is said of pictures (combined): they
-// leave the room open, or are not so well known that it would be named without a place, too.
+// leave the room open, or are not so familiar that it would be named without a place, too.
 [[nodiscard]] bool place_may_tell(const PictureEvidence& pictures,
                                   const RoomCalibration& calibration);
 
 // What pictures (combined) and their place tell together, by Bayes' rule: probabilities multiply,
-// and so do the odds of being known. How well the pictures alone are known is bounded from below by
-// what 1 in 100 of the held-out pictures had (RoomCalibration::reject_threshold), so that a sure
-// place in one of the rooms makes any picture known, and any pair where both have one.
+// and so do the odds of being in this home. The familiarity of the pictures alone is bounded from
+// below by RoomCalibration::reject_threshold, so that a sure place in one of the rooms makes any
+// picture familiar, and any pair where both have one.
 [[nodiscard]] PictureEvidence with_place(const PictureEvidence& pictures,
                                          const PlaceEvidence& place,
                                          const RoomCalibration& calibration);

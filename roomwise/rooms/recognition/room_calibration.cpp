@@ -15,7 +15,7 @@ constexpr int kTemperatures = 60;
 constexpr double kMinSure = 0.5;
 constexpr double kMaxSure = 0.95;
 constexpr double kMinDeviation = 1e-3;
-// What is usual in a room is told by its pictures, and by so many more that are known as the mean.
+// A room's mean familiarity is that of its pictures and of so many average ones.
 constexpr double kAveragePictures = 5;
 
 double cross_entropy(std::span<const HeldOutPicture> pictures, double temperature) {
@@ -62,25 +62,25 @@ double lower_quantile(std::vector<double> values, double share) {
   return values[static_cast<std::size_t>(share * static_cast<double>(values.size()))];
 }
 
-Eigen::Index max_alike(const Similarity& similarity) {
+Eigen::Index most_similar_room(const Similarity& similarity) {
   Eigen::Index room = 0;
   similarity.of_rooms.maxCoeff(&room);
   return room;
 }
 
-// RoomCalibration::room_score_means, by a calibration without it.
-std::vector<double> room_score_means(std::span<const HeldOutPicture> pictures,
-                                     const RoomCalibration& calibration) {
+// By a calibration without them.
+std::vector<double> room_familiarity_means(std::span<const HeldOutPicture> pictures,
+                                           const RoomCalibration& calibration) {
   const auto rooms = pictures.front().similarity.of_rooms.size();
   Eigen::VectorXd sums = Eigen::VectorXd::Zero(rooms);
   Eigen::VectorXd counts = Eigen::VectorXd::Constant(rooms, kAveragePictures);
   for (const HeldOutPicture& picture : pictures) {
-    const Eigen::Index room = max_alike(picture.similarity);
-    sums[room] += calibration.known(picture.similarity);
+    const Eigen::Index room = most_similar_room(picture.similarity);
+    sums[room] += calibration.familiarity(picture.similarity);
     counts[room] += 1;
   }
-  const Eigen::VectorXd usual = sums.cwiseQuotient(counts);
-  return {usual.begin(), usual.end()};
+  const Eigen::VectorXd means = sums.cwiseQuotient(counts);
+  return {means.begin(), means.end()};
 }
 
 // The lowest probability from which on the answers are right often enough.
@@ -93,7 +93,7 @@ double surely_right_from(std::span<const HeldOutPicture> pictures,
   std::vector<Answer> answers;
   for (const HeldOutPicture& picture : pictures) {
     const double probability = calibration.probabilities(picture.similarity).maxCoeff();
-    answers.push_back({probability, max_alike(picture.similarity) == picture.room});
+    answers.push_back({probability, most_similar_room(picture.similarity) == picture.room});
   }
   std::ranges::sort(answers, std::ranges::greater{}, &Answer::probability);
   double lowest = kMaxSure;
@@ -117,15 +117,15 @@ Eigen::VectorXd RoomCalibration::probabilities(const Similarity& similarity) con
   return powers / powers.sum();
 }
 
-double RoomCalibration::known(const Similarity& similarity) const {
-  const double known =
+double RoomCalibration::familiarity(const Similarity& similarity) const {
+  const double mean =
       ((similarity.whitened_cosine - whitened_cosine_mean) / whitened_cosine_deviation +
        (similarity.plain_cosine - plain_cosine_mean) / plain_cosine_deviation) /
       2;
-  if (room_score_means.empty()) return known;
+  if (room_familiarity_means.empty()) return mean;
   // Of the one room: weighed by all rooms' probabilities, which are soft, it names fewer of the
   // home's pictures (docs/experiments/rooms-usual-likeness.md).
-  return known - room_score_means.at(static_cast<std::size_t>(max_alike(similarity)));
+  return mean - room_familiarity_means.at(static_cast<std::size_t>(most_similar_room(similarity)));
 }
 
 Expected<void> RoomCalibration::validate() const {
@@ -137,23 +137,24 @@ Expected<void> RoomCalibration::validate() const {
       return fail("{} is {}; expected more than 0", name, value);
     }
   }
-  for (std::size_t room = 0; room < room_score_means.size(); ++room) {
-    if (!std::isfinite(room_score_means[room])) {
-      return fail("room_score_means[{}] is {}; expected a number", room, room_score_means[room]);
+  for (std::size_t room = 0; room < room_familiarity_means.size(); ++room) {
+    if (!std::isfinite(room_familiarity_means[room])) {
+      return fail("room_familiarity_means[{}] is {}; expected a number", room,
+                  room_familiarity_means[room]);
     }
   }
   for (const auto& [name, value] : {std::pair("whitened_cosine_mean", whitened_cosine_mean),
                                     std::pair("plain_cosine_mean", plain_cosine_mean),
-                                    std::pair("known_threshold", known_threshold),
+                                    std::pair("acceptance_threshold", acceptance_threshold),
                                     std::pair("reject_threshold", reject_threshold)}) {
     if (!std::isfinite(value)) return fail("{} is {}; expected a number", name, value);
   }
   if (!(confidence_threshold >= 0 && confidence_threshold <= 1)) {
     return fail("confidence_threshold is {}; expected 0 to 1", confidence_threshold);
   }
-  if (reject_threshold > known_threshold) {
-    return fail("reject_threshold is {}; expected at most known_threshold ({})", reject_threshold,
-                known_threshold);
+  if (reject_threshold > acceptance_threshold) {
+    return fail("reject_threshold is {}; expected at most acceptance_threshold ({})",
+                reject_threshold, acceptance_threshold);
   }
   return {};
 }
@@ -167,20 +168,20 @@ RoomCalibration calibrate(std::span<const HeldOutPicture> held_out) {
   }
   RoomCalibration calibration;
   calibration.temperature = best_temperature(held_out);
-  const Spread fine = spread_of(whitened_cosine);
-  const Spread coarse = spread_of(plain_cosine);
-  calibration.whitened_cosine_mean = fine.mean;
-  calibration.whitened_cosine_deviation = fine.deviation;
-  calibration.plain_cosine_mean = coarse.mean;
-  calibration.plain_cosine_deviation = coarse.deviation;
+  const Spread whitened = spread_of(whitened_cosine);
+  const Spread plain = spread_of(plain_cosine);
+  calibration.whitened_cosine_mean = whitened.mean;
+  calibration.whitened_cosine_deviation = whitened.deviation;
+  calibration.plain_cosine_mean = plain.mean;
+  calibration.plain_cosine_deviation = plain.deviation;
   calibration.confidence_threshold = surely_right_from(held_out, calibration);
-  calibration.room_score_means = room_score_means(held_out, calibration);
-  std::vector<double> known;
+  calibration.room_familiarity_means = room_familiarity_means(held_out, calibration);
+  std::vector<double> familiarity;
   for (const HeldOutPicture& picture : held_out) {
-    known.push_back(calibration.known(picture.similarity));
+    familiarity.push_back(calibration.familiarity(picture.similarity));
   }
-  calibration.known_threshold = lower_quantile(known, 0.05);
-  calibration.reject_threshold = lower_quantile(known, 0.01);
+  calibration.acceptance_threshold = lower_quantile(familiarity, 0.05);
+  calibration.reject_threshold = lower_quantile(familiarity, 0.01);
   return calibration;
 }
 

@@ -15,32 +15,31 @@ struct RoomCalibration {
   // Probabilities are a softmax of the rooms' similarities divided by this (temperature scaling,
   // Guo et al. 2017): under it, held-out pictures' true rooms are the most probable.
   double temperature = 0.06;
-  // Mean and standard deviation of the likeness of held-out pictures.
+  // Mean and standard deviation of the similarities of held-out pictures.
   double whitened_cosine_mean = 0.4;
   double whitened_cosine_deviation = 0.1;
   double plain_cosine_mean = 0.9;
   double plain_cosine_deviation = 0.03;
-  // Of each room: how well held-out pictures that look most like it are known on average, in these
-  // deviations, with five average ones beside them. A hall of bare walls is known better than a
-  // kitchen, and so is the hall of another home. Empty, as a classifier of version 2 has it:
-  // nothing is taken off.
-  std::vector<double> room_score_means = {};
+  // Of each room: the mean familiarity, before it is subtracted, of the held-out pictures most
+  // similar to it, with five average ones beside them. A hall of bare walls is more familiar than a
+  // kitchen, and so is the hall of another home. Empty: nothing is subtracted.
+  std::vector<double> room_familiarity_means = {};
   // A room is named from this probability on: above it held-out pictures were named rightly as
   // often as is asked (kMinPrecision).
   double confidence_threshold = 0.8;
-  // ... if the picture is as well known as this; 5 % of the held-out pictures were not.
-  double known_threshold = -1.65;
-  // Less well known than this: none of the rooms; 1 % of the held-out pictures were.
+  // ... if the picture is as familiar as this; 5 % of the held-out pictures were not.
+  double acceptance_threshold = -1.65;
+  // Less familiar than this: none of the rooms; 1 % of the held-out pictures were.
   double reject_threshold = -2.3;
 
   static constexpr double kMinPrecision = 0.97;
 
   // Each room's probability, every room alike beforehand.
   [[nodiscard]] Eigen::VectorXd probabilities(const Similarity& similarity) const;
-  // How well a picture is known: the mean of its whitened and plain cosine similarity, in
-  // deviations of the held-out pictures, less what is usual in the room that it looks most like. So
-  // 0 is as usual, or, in a room of few pictures, between that and the mean of all.
-  [[nodiscard]] double known(const Similarity& similarity) const;
+  // The mean of a picture's whitened and plain cosine similarity, in deviations of the held-out
+  // pictures, less the mean of the room that it is most similar to: 0 is as usual there, or, in a
+  // room of few pictures, between that and the mean of all.
+  [[nodiscard]] double familiarity(const Similarity& similarity) const;
 
   // Fails, naming the field, on what is not finite or out of range.
   [[nodiscard]] Expected<void> validate() const;

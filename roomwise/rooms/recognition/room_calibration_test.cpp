@@ -64,8 +64,8 @@ TEST(Calibrate, KnownIsCountedInDeviationsOfHeldOutPictures) {
   int below_known = 0;
   int below_none = 0;
   for (const HeldOutPicture& picture : pictures) {
-    const double known = calibration.known(picture.similarity);
-    if (known < calibration.known_threshold) ++below_known;
+    const double known = calibration.familiarity(picture.similarity);
+    if (known < calibration.acceptance_threshold) ++below_known;
     if (known < calibration.reject_threshold) ++below_none;
   }
   EXPECT_EQ(below_known, 100);
@@ -73,7 +73,7 @@ TEST(Calibrate, KnownIsCountedInDeviationsOfHeldOutPictures) {
   Similarity better = pictures.front().similarity;
   better.whitened_cosine = calibration.whitened_cosine_mean + calibration.whitened_cosine_deviation;
   better.plain_cosine = calibration.plain_cosine_mean + 2 * calibration.plain_cosine_deviation;
-  EXPECT_NEAR(calibration.known(better), 1.5 - calibration.room_score_means[0], 1e-9);
+  EXPECT_NEAR(calibration.familiarity(better), 1.5 - calibration.room_familiarity_means[0], 1e-9);
 }
 
 TEST(Calibrate, KnownIsCountedFromWhatIsUsualInTheRoomThatAPictureLooksMostLike) {
@@ -88,17 +88,18 @@ TEST(Calibrate, KnownIsCountedFromWhatIsUsualInTheRoomThatAPictureLooksMostLike)
   const RoomCalibration calibration = calibrate(pictures);
   Eigen::Array2d sums = Eigen::Array2d::Zero();
   for (const HeldOutPicture& picture : pictures) {
-    sums[looks_like(picture)] += calibration.known(picture.similarity) / 1000;
+    sums[looks_like(picture)] += calibration.familiarity(picture.similarity) / 1000;
   }
   EXPECT_NEAR(sums[0], 0, 0.01);
   EXPECT_NEAR(sums[1], 0, 0.01);
   // The same similarities, but most like the other room.
   Similarity picture = pictures[1].similarity;
-  const double known = calibration.known(picture);
+  const double known = calibration.familiarity(picture);
   std::swap(picture.of_rooms[0], picture.of_rooms[1]);
-  const double difference = calibration.room_score_means[1] - calibration.room_score_means[0];
+  const double difference =
+      calibration.room_familiarity_means[1] - calibration.room_familiarity_means[0];
   EXPECT_NEAR(difference, 0.83, 0.05) << "half of 0.3 in deviations of 0.18";
-  EXPECT_NEAR(std::abs(known - calibration.known(picture)), difference, 1e-9);
+  EXPECT_NEAR(std::abs(known - calibration.familiarity(picture)), difference, 1e-9);
 }
 
 TEST(Calibrate, ARoomOfFewPicturesIsTakenForAnAverageOne) {
@@ -114,9 +115,9 @@ TEST(Calibrate, ARoomOfFewPicturesIsTakenForAnAverageOne) {
   pictures.push_back(rare);
   const RoomCalibration calibration = calibrate(pictures);
   RoomCalibration plain = calibration;
-  plain.room_score_means.clear();
-  EXPECT_NEAR(calibration.room_score_means[2], plain.known(rare.similarity) / 6, 1e-9);
-  EXPECT_EQ(calibration.room_score_means[3], 0) << "no picture looks like it";
+  plain.room_familiarity_means.clear();
+  EXPECT_NEAR(calibration.room_familiarity_means[2], plain.familiarity(rare.similarity) / 6, 1e-9);
+  EXPECT_EQ(calibration.room_familiarity_means[3], 0) << "no picture looks like it";
 }
 
 TEST(RoomCalibration, NamesTheFieldThatIsWrong) {
@@ -128,11 +129,11 @@ TEST(RoomCalibration, NamesTheFieldThatIsWrong) {
   calibration.confidence_threshold = 1.5;
   EXPECT_ERROR(calibration.validate(), "confidence_threshold");
   calibration = {};
-  calibration.known_threshold = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_ERROR(calibration.validate(), "known_threshold");
+  calibration.acceptance_threshold = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_ERROR(calibration.validate(), "acceptance_threshold");
   calibration = {};
-  calibration.room_score_means = {0, std::numeric_limits<double>::infinity()};
-  EXPECT_ERROR(calibration.validate(), "room_score_means");
+  calibration.room_familiarity_means = {0, std::numeric_limits<double>::infinity()};
+  EXPECT_ERROR(calibration.validate(), "room_familiarity_means");
   calibration = {};
   calibration.reject_threshold = 1;
   EXPECT_ERROR(calibration.validate(), "reject_threshold");

@@ -10,8 +10,7 @@ namespace roomwise::rooms {
 namespace {
 
 constexpr std::string_view kMagic = "RWRC";
-// Version 1 ends after the regression, version 2 has nothing of what is usual in each room.
-constexpr std::uint32_t kVersion = 3;
+constexpr std::uint32_t kVersion = 1;
 
 bool has_duplicates(std::vector<std::string> names) {
   std::ranges::sort(names);
@@ -29,7 +28,7 @@ Eigen::VectorXf unit_length(std::span<const float> features) {
 }
 
 RoomClassifier::RoomClassifier(NetworkIdentity network, std::vector<std::string> rooms,
-                               SoftmaxRegression regression, std::optional<RoomRetrieval> retrieval)
+                               SoftmaxRegression regression, RoomRetrieval retrieval)
     : network_(std::move(network)),
       rooms_(std::move(rooms)),
       regression_(std::move(regression)),
@@ -39,9 +38,8 @@ RoomClassifier::RoomClassifier(NetworkIdentity network, std::vector<std::string>
       regression_.weights().rows() != regression_.biases().size()) {
     throw std::invalid_argument("RoomClassifier: not one class a room");
   }
-  const std::size_t usual = retrieval_ ? retrieval_->calibration.room_score_means.size() : 0;
-  if (usual != 0 && usual != rooms_.size()) {
-    throw std::invalid_argument("RoomClassifier: not every room has what is usual in it");
+  if (retrieval_.calibration.room_familiarity_means.size() != rooms_.size()) {
+    throw std::invalid_argument("RoomClassifier: not one mean familiarity a room");
   }
 }
 
@@ -58,15 +56,7 @@ Expected<void> RoomClassifier::check(std::span<const float> features) const {
   return {};
 }
 
-Expected<void> RoomClassifier::check_retrieval() const {
-  if (retrieval_) return {};
-  return fail(
-      "the rooms were learned by an earlier Roomwise, which kept no pictures to compare with; "
-      "learn them again, or use the paper's rule");
-}
-
 Expected<RoomClassifier> RoomClassifier::with(std::span<const RoomPicture> pictures) const {
-  ROOMWISE_CHECK_OK(check_retrieval());
   Eigen::MatrixXf rows(pictures.size(), feature_size());
   std::vector<int> rooms;
   for (const RoomPicture& picture : pictures) {
@@ -77,16 +67,15 @@ Expected<RoomClassifier> RoomClassifier::with(std::span<const RoomPicture> pictu
     rooms.push_back(static_cast<int>(room - rooms_.begin()));
   }
   RoomClassifier more = *this;
-  more.retrieval_->memory = retrieval_->memory.with(rows, rooms);
+  more.retrieval_.gallery = retrieval_.gallery.with(rows, rooms);
   return more;
 }
 
 Expected<PictureEvidence> RoomClassifier::evidence(std::span<const float> features) const {
   ROOMWISE_CHECK_OK(check(features));
-  ROOMWISE_CHECK_OK(check_retrieval());
-  const Similarity similarity = retrieval_->memory.compare(root_features(features));
-  return PictureEvidence{retrieval_->calibration.probabilities(similarity),
-                         retrieval_->calibration.known(similarity)};
+  const Similarity similarity = retrieval_.gallery.compare(root_features(features));
+  return PictureEvidence{retrieval_.calibration.probabilities(similarity),
+                         retrieval_.calibration.familiarity(similarity)};
 }
 
 Expected<std::vector<RoomScore>> RoomClassifier::scores(std::span<const float> features) const {
@@ -103,19 +92,18 @@ Expected<std::vector<RoomScore>> RoomClassifier::scores(std::span<const float> f
 Bytes RoomClassifier::to_bytes() const {
   NumberWriter writer;
   writer.raw(kMagic);
-  writer.number(retrieval_ ? kVersion : 1);
+  writer.number(kVersion);
   writer.text(network_.name);
   writer.text(network_.fingerprint);
   writer.number(static_cast<std::uint32_t>(rooms_.size()));
   writer.number(static_cast<std::uint32_t>(feature_size()));
   for (Eigen::Index i = 0; i < regression_.biases().size(); ++i) {
     writer.text(rooms_[static_cast<std::size_t>(i)]);
-    writer.real(regression_.biases()[i]);
-    for (Eigen::Index j = 0; j < regression_.weights().cols(); ++j) {
-      writer.real(regression_.weights()(i, j));
-    }
+    writer.number(regression_.biases()[i]);
+    const Eigen::VectorXf weights = regression_.weights().row(i);
+    writer.numbers(std::span(weights.data(), feature_size()));
   }
-  if (retrieval_) write(writer, *retrieval_);
+  write(writer, retrieval_);
   return writer.take();
 }
 
@@ -125,43 +113,40 @@ Expected<RoomClassifier> RoomClassifier::from_bytes(std::span<const std::uint8_t
   };
   NumberReader reader(bytes);
   if (reader.raw(kMagic.size()) != kMagic) return damaged("it does not begin with RWRC");
-  const std::uint32_t version = reader.number();
-  if (version < 1 || version > kVersion) {
-    return fail(
-        "the room classifier has version {}, this program reads 1 to {}; learn the rooms again",
-        version, kVersion);
+  const auto version = reader.number<std::uint32_t>();
+  if (version != kVersion) {
+    return fail("the room classifier has version {}, this program reads {}; learn the rooms again",
+                version, kVersion);
   }
   NetworkIdentity network;
   network.name = reader.text();
   network.fingerprint = reader.text();
-  const std::size_t rooms = reader.number();
-  const std::size_t features = reader.number();
+  const std::size_t rooms = reader.number<std::uint32_t>();
+  const std::size_t features = reader.number<std::uint32_t>();
   // Every room takes its name's length, bias and weights; asked before any memory is taken.
   if (reader.failed() || rooms == 0 || features == 0 ||
       reader.left() / (8 + 4 * features) < rooms) {
     return damaged("it is cut short");
   }
   std::vector<std::string> names;
+  std::vector<float> row(features);
   Eigen::MatrixXf weights(rooms, features);
   Eigen::VectorXf biases(rooms);
   for (Eigen::Index i = 0; i < biases.size(); ++i) {
     names.push_back(reader.text());
-    biases[i] = reader.real();
-    for (Eigen::Index j = 0; j < weights.cols(); ++j) weights(i, j) = reader.real();
+    biases[i] = reader.number<float>();
+    reader.numbers(std::span(row));
+    weights.row(i) = Eigen::Map<const Eigen::RowVectorXf>(row.data(), weights.cols());
   }
   if (reader.failed()) return damaged("it is cut short");
-  std::optional<RoomRetrieval> retrieval;
-  if (version > 1) {
-    auto read = read_retrieval(reader, names.size(), features, version);
-    if (!read) return damaged(read.error().message);
-    retrieval = *std::move(read);
-  }
+  auto retrieval = read_retrieval(reader, rooms, features);
+  if (!retrieval) return damaged(retrieval.error().message);
   if (reader.left() != 0) return damaged("something follows its end");
   if (!weights.allFinite() || !biases.allFinite()) return damaged("a weight is not finite");
   if (has_duplicates(names)) return damaged("it names a room twice");
   return RoomClassifier(std::move(network), std::move(names),
                         SoftmaxRegression(std::move(weights), std::move(biases)),
-                        std::move(retrieval));
+                        *std::move(retrieval));
 }
 
 }  // namespace roomwise::rooms

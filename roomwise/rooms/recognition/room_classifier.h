@@ -1,6 +1,5 @@
 #pragma once
 
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -35,57 +34,52 @@ struct RoomPicture {
 // What one picture says about the room, without any other.
 struct PictureEvidence {
   Eigen::VectorXd probabilities;  // of each room, every room alike beforehand; add up to 1
-  // How well the picture is known (RoomCalibration::known): 0 as is usual in the room that it looks
-  // most like, below it worse.
-  double known = 0;
+  double familiarity = 0;         // RoomCalibration::familiarity()
 };
 
 // Names the room that a picture shows from the network's features of it, in two ways: the paper's,
 // a softmax regression on the features scaled to unit length; and by comparing it with the pictures
-// that were learned from (RoomRetrieval), which a classifier of an earlier version lacks.
+// that were learned from (RoomRetrieval).
 class RoomClassifier {
  public:
   // One room a class of the regression, in its order. Throws std::invalid_argument where their
   // numbers differ, and where the calibration is of another number of rooms.
   RoomClassifier(NetworkIdentity network, std::vector<std::string> rooms,
-                 SoftmaxRegression regression,
-                 std::optional<RoomRetrieval> retrieval = std::nullopt);
+                 SoftmaxRegression regression, RoomRetrieval retrieval);
 
   // What the picture says, rooms in the order of rooms(). Fails where the features are not of
-  // feature_size() or not finite, or where there is no recall().
+  // feature_size() or not finite.
   [[nodiscard]] Expected<PictureEvidence> evidence(std::span<const float> features) const;
   // The regression's probability of every room, best first (equal ones in the order of rooms()).
-  // Fails where the features are not of feature_size() or not finite.
+  // Fails as evidence() does.
   [[nodiscard]] Expected<std::vector<RoomScore>> scores(std::span<const float> features) const;
 
   // With more pictures to compare with (RoomGallery::with). The regression, and the calibration,
-  // which says what a likeness means, stay as they were learned. Fails where features are not as
-  // evidence() takes them, a room is none of rooms(), or there is no recall().
+  // which says what a similarity means, stay as they were learned. Fails where features are not as
+  // evidence() takes them, or a room is none of rooms().
   [[nodiscard]] Expected<RoomClassifier> with(std::span<const RoomPicture> pictures) const;
 
   [[nodiscard]] const NetworkIdentity& network() const { return network_; }
   [[nodiscard]] const std::vector<std::string>& rooms() const { return rooms_; }
   [[nodiscard]] const SoftmaxRegression& regression() const { return regression_; }
-  [[nodiscard]] const std::optional<RoomRetrieval>& retrieval() const { return retrieval_; }
+  [[nodiscard]] const RoomRetrieval& retrieval() const { return retrieval_; }
   [[nodiscard]] std::size_t feature_size() const {
     return static_cast<std::size_t>(regression_.weights().cols());
   }
 
-  // The form in which a home file keeps it: "RWRC", version 3 (1 without recall), then
-  // little-endian counts, texts and floats. Versions 1 and 2 are read, too. Reading fails on
-  // anything else: another version, a cut or longer text, a room twice, a value that is not finite
-  // or out of range.
+  // The form in which a home file keeps it: "RWRC", version 1, then little-endian counts, texts and
+  // floats. Reading fails on anything else: another version, a cut or longer text, a room twice, a
+  // value that is not finite or out of range.
   [[nodiscard]] Bytes to_bytes() const;
   [[nodiscard]] static Expected<RoomClassifier> from_bytes(std::span<const std::uint8_t> bytes);
 
  private:
   [[nodiscard]] Expected<void> check(std::span<const float> features) const;
-  [[nodiscard]] Expected<void> check_retrieval() const;
 
   NetworkIdentity network_;
   std::vector<std::string> rooms_;
   SoftmaxRegression regression_;
-  std::optional<RoomRetrieval> retrieval_;
+  RoomRetrieval retrieval_;
 };
 
 }  // namespace roomwise::rooms

@@ -11,13 +11,6 @@ namespace {
 
 using ::testing::HasSubstr;
 
-RoomClassifier of_version_1() {
-  Eigen::MatrixXf weights(2, 3);
-  weights << 4, 0, 0.5F, 0, 4, -0.25F;
-  return RoomClassifier({"net", "abc123"}, {"bath", "kitchen"},
-                        SoftmaxRegression(weights, Eigen::Vector2f(0.5F, -0.5F)));
-}
-
 // Three pictures of each room, two variants of each.
 RoomClassifier two_rooms() {
   Eigen::MatrixXf rows(12, 3);
@@ -30,10 +23,12 @@ RoomClassifier two_rooms() {
     room.push_back(i / 6);
     picture.push_back(i / 2);
   }
-  const RoomClassifier first = of_version_1();
+  Eigen::MatrixXf weights(2, 3);
+  weights << 4, 0, 0.5F, 0, 4, -0.25F;
   RoomCalibration calibration;
-  calibration.room_score_means = {0.25, -0.5};
-  return RoomClassifier(first.network(), first.rooms(), first.regression(),
+  calibration.room_familiarity_means = {0.25, -0.5};
+  return RoomClassifier({"net", "abc123"}, {"bath", "kitchen"},
+                        SoftmaxRegression(weights, Eigen::Vector2f(0.5F, -0.5F)),
                         RoomRetrieval{RoomGallery(rows, room, picture, 2), calibration});
 }
 
@@ -66,17 +61,16 @@ TEST(RoomClassifier, RefusesFeaturesOfAnotherNetwork) {
 TEST(RoomClassifier, IsKnownByMorePicturesWithoutBeingCalibratedAnew) {
   const RoomClassifier classifier = two_rooms();
   const std::vector<float> picture{3, 4, 40};
-  const std::vector<RoomPicture> more(RoomGallery::kMaxAlike, RoomPicture{picture, "kitchen"});
+  const std::vector<RoomPicture> more(RoomGallery::kNeighbours, RoomPicture{picture, "kitchen"});
   const auto knowing = classifier.with(more);
   ASSERT_OK(knowing);
-  EXPECT_GT(knowing->evidence(picture)->known, classifier.evidence(picture)->known);
+  EXPECT_GT(knowing->evidence(picture)->familiarity, classifier.evidence(picture)->familiarity);
   EXPECT_GT(knowing->evidence(picture)->probabilities[1],
             classifier.evidence(picture)->probabilities[1]);
-  EXPECT_EQ(knowing->retrieval()->calibration, classifier.retrieval()->calibration);
+  EXPECT_EQ(knowing->retrieval().calibration, classifier.retrieval().calibration);
   EXPECT_EQ(*knowing->scores(picture), *classifier.scores(picture)) << "the paper's way";
   EXPECT_ERROR(classifier.with(std::vector<RoomPicture>{{picture, "cellar"}}), "\"cellar\"");
   EXPECT_ERROR(classifier.with(std::vector<RoomPicture>{{{1, 2}, "bath"}}), "2 features");
-  EXPECT_ERROR(of_version_1().with(more), "earlier Roomwise");
 }
 
 TEST(RoomClassifier, ComesBackFromItsBytes) {
@@ -100,38 +94,12 @@ TEST(RoomClassifier, SaysTheSameOfAPictureAfterItWasStored) {
   ASSERT_OK(after);
   EXPECT_GT(before->probabilities[0], 0.6);
   EXPECT_EQ(before->probabilities, after->probabilities);
-  EXPECT_EQ(before->known, after->known);
-  EXPECT_EQ(back->retrieval()->calibration, classifier.retrieval()->calibration);
+  EXPECT_EQ(before->familiarity, after->familiarity);
+  EXPECT_EQ(back->retrieval().calibration, classifier.retrieval().calibration);
 }
 
-TEST(RoomClassifier, ReadsVersion1WhichHasNothingToCompareWith) {
-  const Bytes bytes = of_version_1().to_bytes();
-  EXPECT_EQ(bytes[4], 1);
-  const auto back = RoomClassifier::from_bytes(bytes);
-  ASSERT_OK(back);
-  EXPECT_OK(back->scores(std::vector<float>{0, 1, 0}));
-  EXPECT_ERROR(back->evidence(std::vector<float>{0, 1, 0}), "learn them again");
-  EXPECT_EQ(two_rooms().to_bytes()[4], 3);
-}
-
-// How many bytes version 3 has at its end that version 2 lacks, for two rooms.
-constexpr std::size_t kUsualBytes = 4 + 2 * 8;
-
-TEST(RoomClassifier, ReadsVersion2WhichKnowsNothingOfWhatIsUsualInARoom) {
-  const RoomClassifier classifier = two_rooms();
-  Bytes bytes = classifier.to_bytes();
-  bytes.resize(bytes.size() - kUsualBytes);
-  bytes[4] = 2;
-  const auto back = RoomClassifier::from_bytes(bytes);
-  ASSERT_OK(back);
-  EXPECT_TRUE(back->retrieval()->calibration.room_score_means.empty());
-  const std::vector<float> bath{9, 1, 2};
-  const auto of_bath = classifier.evidence(bath);
-  ASSERT_OK(of_bath);
-  EXPECT_NEAR(back->evidence(bath)->known, of_bath->known + 0.25, 1e-9);
-  EXPECT_EQ(back->to_bytes()[4], 3);
-  EXPECT_OK(RoomClassifier::from_bytes(back->to_bytes()));
-}
+// What the bytes of two rooms end with: how many mean familiarities, and these.
+constexpr std::size_t kMeanBytes = 4 + 2 * 8;
 
 TEST(RoomClassifier, RefusesDamagedBytes) {
   const Bytes whole = two_rooms().to_bytes();
@@ -145,22 +113,25 @@ TEST(RoomClassifier, RefusesDamagedBytes) {
   other[0] = 'X';
   EXPECT_ERROR(RoomClassifier::from_bytes(other), "does not begin with RWRC");
   Bytes newer = whole;
-  newer[4] = 4;
-  EXPECT_ERROR(RoomClassifier::from_bytes(newer), "version 4");
-  Bytes infinite = of_version_1().to_bytes();
-  for (std::size_t i = infinite.size() - 4; i < infinite.size(); ++i) infinite[i] = 0xff;
+  EXPECT_EQ(newer[4], 1);
+  newer[4] = 2;
+  EXPECT_ERROR(RoomClassifier::from_bytes(newer),
+               "has version 2, this program reads 1; learn the rooms again");
+  Bytes infinite = whole;
+  // The first weight, after the names of the network and of a room, and its bias.
+  const std::size_t weight = 4 + 4 + (4 + 3) + (4 + 6) + 4 + 4 + (4 + 4) + 4;
+  for (std::size_t i = weight; i < weight + 4; ++i) infinite[i] = 0xff;
   EXPECT_ERROR(RoomClassifier::from_bytes(infinite), "not finite");
-  const std::size_t usual =
-      whole.size() - kUsualBytes;  // before it is the calibration's reject_threshold
+  const std::size_t means = whole.size() - kMeanBytes;  // before them is the reject_threshold
   Bytes unbounded = whole;
-  for (std::size_t i = usual - 8; i < usual; ++i) unbounded[i] = 0xff;
+  for (std::size_t i = means - 8; i < means; ++i) unbounded[i] = 0xff;
   EXPECT_ERROR(RoomClassifier::from_bytes(unbounded), "reject_threshold");
   Bytes unusual = whole;
-  for (std::size_t i = usual + 4; i < whole.size(); ++i) unusual[i] = 0xff;
-  EXPECT_ERROR(RoomClassifier::from_bytes(unusual), "room_score_means");
+  for (std::size_t i = means + 4; i < whole.size(); ++i) unusual[i] = 0xff;
+  EXPECT_ERROR(RoomClassifier::from_bytes(unusual), "room_familiarity_means");
   Bytes of_one_room = whole;
-  of_one_room[usual] = 1;
-  EXPECT_ERROR(RoomClassifier::from_bytes(of_one_room), "not every room");
+  of_one_room[means] = 1;
+  EXPECT_ERROR(RoomClassifier::from_bytes(of_one_room), "not one mean familiarity a room");
 }
 
 TEST(RoomClassifier, SurvivesEveryFlippedByte) {
@@ -177,9 +148,9 @@ TEST(RoomClassifier, SurvivesEveryFlippedByte) {
 
 TEST(RoomClassifier, NeedsOneClassARoom) {
   const RoomClassifier rooms = two_rooms();
-  EXPECT_THROW(RoomClassifier({}, {"bath"}, rooms.regression()), std::invalid_argument);
-  RoomRetrieval retrieval = *rooms.retrieval();
-  retrieval.calibration.room_score_means.push_back(0);
+  RoomRetrieval retrieval = rooms.retrieval();
+  EXPECT_THROW(RoomClassifier({}, {"bath"}, rooms.regression(), retrieval), std::invalid_argument);
+  retrieval.calibration.room_familiarity_means.push_back(0);
   EXPECT_THROW(RoomClassifier({}, rooms.rooms(), rooms.regression(), retrieval),
                std::invalid_argument);
 }

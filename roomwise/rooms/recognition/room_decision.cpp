@@ -86,9 +86,9 @@ PictureEvidence combine(std::span<const PictureEvidence> pictures) {
   PictureEvidence combined;
   for (const PictureEvidence& picture : pictures) {
     logs += picture.probabilities.array().max(kMinProbability).log() * (counts_as / count);
-    combined.known += picture.known / count;
+    combined.familiarity += picture.familiarity / count;
   }
-  combined.known *= std::sqrt(counts_as);
+  combined.familiarity *= std::sqrt(counts_as);
   const Eigen::ArrayXd powers = (logs - logs.maxCoeff()).exp();
   combined.probabilities = powers / powers.sum();
   return combined;
@@ -116,19 +116,19 @@ RoomDecision decide(const PictureEvidence& evidence, std::span<const std::string
                     const RoomCalibration& calibration) {
   RoomDecision decision;
   decision.rooms = best_first(evidence.probabilities, names);
-  decision.known = evidence.known;
+  decision.familiarity = evidence.familiarity;
   const RoomScore& best = decision.rooms.front();
-  if (evidence.known < calibration.reject_threshold) {
+  if (evidence.familiarity < calibration.reject_threshold) {
     decision.verdict = Verdict::kNoneOfThem;
     decision.why = fmt::format(
         "nothing that was learned looks like this (how well it is known: {:.2f}; "
         "asked: {:.2f})",
-        evidence.known, calibration.reject_threshold);
-  } else if (evidence.known < calibration.known_threshold) {
+        evidence.familiarity, calibration.reject_threshold);
+  } else if (evidence.familiarity < calibration.acceptance_threshold) {
     decision.why = fmt::format(
         "it looks a little like {}, but not enough like what was learned (how "
         "well it is known: {:.2f}; asked: {:.2f})",
-        candidates(decision.rooms), evidence.known, calibration.known_threshold);
+        candidates(decision.rooms), evidence.familiarity, calibration.acceptance_threshold);
   } else if (best.score < calibration.confidence_threshold) {
     decision.why = fmt::format("it could be {}; a room is named from {:.2f} on",
                                candidates(decision.rooms), calibration.confidence_threshold);

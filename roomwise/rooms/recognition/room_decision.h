@@ -25,11 +25,11 @@ enum class Verdict {
 struct RoomDecision {
   Verdict verdict = Verdict::kNotSure;
   // Every room with its probability, best first; they add up to 1. A room's probability holds if
-  // the person is in one of the learned rooms at all, of which `known` tells.
+  // the person is in one of the learned rooms at all, of which `familiarity` tells.
   std::vector<RoomScore> rooms;
-  double known = 0;    // RoomCalibration::known
-  std::string why;     // for people: "the pictures look like the kitchen (0.97)"
-  std::string object;  // the object that spoke most for the room; empty: none was needed
+  double familiarity = 0;  // RoomCalibration::familiarity()
+  std::string why;         // for people: "the pictures look like the kitchen (0.97)"
+  std::string object;      // the object that spoke most for the room; empty: none was needed
 
   // The room that is named; nothing where none is.
   [[nodiscard]] std::optional<std::string> room() const {
@@ -41,7 +41,7 @@ struct RoomDecision {
 // that were independent (Kish's design effect, with a correlation of a half).
 [[nodiscard]] double effective_sample_size(double pictures);
 
-// Several pictures of one place as one that says as much as they do. How well it is known is in
+// Several pictures of one place as one that says as much as they do. Its familiarity is in
 // standard deviations of the mean of so many held-out pictures, which varies less than one's. At
 // least one picture.
 [[nodiscard]] PictureEvidence combine(std::span<const PictureEvidence> pictures);
@@ -55,14 +55,14 @@ struct RoomDecision {
                                                     std::span<const Room> rooms,
                                                     const RoomObjects& learned = {});
 
-// The verdict on combined pictures, from the thresholds of the calibration: none of them where too
-// little is known; not sure where it is not well enough known, or the best room is not probable
+// The verdict on combined pictures, from the thresholds of the calibration: none of them below the
+// reject threshold; not sure below the acceptance threshold, or where the best room is not probable
 // enough; else the best room. `names`: of each room.
 [[nodiscard]] RoomDecision decide(const PictureEvidence& evidence,
                                   std::span<const std::string> names,
                                   const RoomCalibration& calibration);
 // The same with what objects say (likelihood_of_objects, with its objects and the types of rooms).
-// They do not make an unknown place a known one.
+// They do not make it more familiar.
 [[nodiscard]] RoomDecision decide_with_objects(const PictureEvidence& evidence,
                                                std::span<const objects::Observation> objects,
                                                const Concepts& concepts,

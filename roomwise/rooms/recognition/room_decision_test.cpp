@@ -49,7 +49,7 @@ TEST(Combine, OnePictureStaysAsItIs) {
   const auto one = evidence(0.1, 0.2, 0.7, 0.4);
   const PictureEvidence combined = combine(std::span(&one, 1));
   EXPECT_TRUE(combined.probabilities.isApprox(one.probabilities));
-  EXPECT_DOUBLE_EQ(combined.known, 0.4);
+  EXPECT_DOUBLE_EQ(combined.familiarity, 0.4);
 }
 
 TEST(Combine, TwoPicturesCountAsFourThirds) {
@@ -57,7 +57,7 @@ TEST(Combine, TwoPicturesCountAsFourThirds) {
   const PictureEvidence combined = combine(two);
   EXPECT_NEAR(combined.probabilities[2] / combined.probabilities[0], std::pow(3, 4.0 / 3), 1e-9);
   // The mean of both, 1.5, in deviations of the mean of two: 0.87 of a picture's.
-  EXPECT_DOUBLE_EQ(combined.known, 1.5 * std::sqrt(4.0 / 3));
+  EXPECT_DOUBLE_EQ(combined.familiarity, 1.5 * std::sqrt(4.0 / 3));
   EXPECT_NEAR(combined.probabilities.sum(), 1, 1e-12);
 }
 

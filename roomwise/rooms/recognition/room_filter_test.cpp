@@ -10,7 +10,7 @@
 namespace roomwise::rooms {
 namespace {
 
-RoomFilterOptions without_likeness() {
+RoomFilterOptions without_correlation() {
   RoomFilterOptions options;
   options.mean_dwell_s = 20;
   options.correlation_time_s = 0;
@@ -20,7 +20,7 @@ RoomFilterOptions without_likeness() {
 TEST(RoomFilter, TwoRoomsKeepTheKnownAnswer) {
   // Two rooms that lead to each other at the rate 1/20 a second: after t seconds one is in the
   // room where one was with probability (1 + exp(-2 t / 20)) / 2.
-  RoomFilter filter(RoomTopology({"a", "b"}), without_likeness());
+  RoomFilter filter(RoomTopology({"a", "b"}), without_correlation());
   filter.update(std::vector{1.0, 0.0}, 0);
   const double sure = 1 / (1 + 1e-4);  // no picture is surer
   EXPECT_NEAR(filter.belief()[0], sure, 1e-12);
@@ -53,8 +53,8 @@ TEST(RoomFilter, TheFrameRateDoesNotCount) {
 TEST(RoomFilter, RoomsChangeAtDoors) {
   // From the bath a door leads to the hall alone. A picture that could be hall or kitchen is the
   // hall's; without doors it could be either.
-  RoomFilter doors(RoomTopology(kRooms, kWalk), without_likeness());
-  RoomFilter open(RoomTopology(kRooms), without_likeness());
+  RoomFilter doors(RoomTopology(kRooms, kWalk), without_correlation());
+  RoomFilter open(RoomTopology(kRooms), without_correlation());
   for (RoomFilter* filter : {&doors, &open}) {
     for (int i = 0; i < 3; ++i) filter->update(std::vector{0.9, 0.05, 0.05}, 1);
     filter->update(std::vector{0.0, 0.5, 0.5}, 1);

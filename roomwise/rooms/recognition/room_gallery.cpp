@@ -8,11 +8,11 @@
 namespace roomwise::rooms {
 namespace {
 
-constexpr float kNothingAlike = -1;
+constexpr float kLeastSimilar = -1;
 
 // The mean of the largest `most` values.
 double mean_of_largest(std::vector<float> values, int most) {
-  if (values.empty()) return kNothingAlike;
+  if (values.empty()) return kLeastSimilar;
   const auto count = std::min(values.size(), static_cast<std::size_t>(most));
   const auto end = values.begin() + static_cast<std::ptrdiff_t>(count);
   std::ranges::partial_sort(values, end, std::greater());
@@ -40,14 +40,14 @@ RoomGallery::RoomGallery(PcaSpace space, Eigen::MatrixXf projections, std::vecto
   const auto count = static_cast<std::size_t>(projections_.rows());
   if (room_.size() != count || picture_.size() != count ||
       projections_.cols() != space_.directions().cols()) {
-    throw std::invalid_argument("RoomMemory: sizes differ");
+    throw std::invalid_argument("RoomGallery: sizes differ");
   }
   for (std::size_t i = 0; i < count; ++i) {
-    const auto known = static_cast<int>(room_of_picture_.size());
-    if (room_[i] < 0 || room_[i] >= rooms || picture_[i] < 0 || picture_[i] > known) {
-      throw std::invalid_argument("RoomMemory: a number is out of range");
+    const auto pictures = static_cast<int>(room_of_picture_.size());
+    if (room_[i] < 0 || room_[i] >= rooms || picture_[i] < 0 || picture_[i] > pictures) {
+      throw std::invalid_argument("RoomGallery: a number is out of range");
     }
-    if (picture_[i] == known) room_of_picture_.push_back(room_[i]);
+    if (picture_[i] == pictures) room_of_picture_.push_back(room_[i]);
   }
 }
 
@@ -59,35 +59,35 @@ RoomGallery RoomGallery::with(const Eigen::MatrixXf& root_features,
   std::vector<int> rooms = room_;
   rooms.insert(rooms.end(), room.begin(), room.end());
   std::vector<int> pictures = picture_;
-  const auto known = static_cast<int>(room_of_picture_.size());
-  for (std::size_t i = 0; i < room.size(); ++i) pictures.push_back(known + static_cast<int>(i));
+  auto picture = static_cast<int>(room_of_picture_.size());
+  for (std::size_t i = 0; i < room.size(); ++i) pictures.push_back(picture++);
   return {space_, std::move(projections), std::move(rooms), std::move(pictures), rooms_};
 }
 
 Similarity RoomGallery::compare(const Eigen::VectorXf& root_features) const {
-  const Eigen::MatrixXf place = space_.projections(root_features.transpose());
-  const Eigen::VectorXf fine = whitened_ * space_.whitened(place).transpose();
-  const Eigen::VectorXf coarse = space_.plain_cosine(root_features, projections_);
-  // Of each picture, that of its most alike variant.
-  std::vector<float> fine_of(room_of_picture_.size(), kNothingAlike);
-  std::vector<float> coarse_of(room_of_picture_.size(), kNothingAlike);
+  const Eigen::MatrixXf projection = space_.projections(root_features.transpose());
+  const Eigen::VectorXf whitened = whitened_ * space_.whitened(projection).transpose();
+  const Eigen::VectorXf plain = space_.plain_cosine(root_features, projections_);
+  // Of each picture, that of its most similar variant.
+  std::vector<float> whitened_of(room_of_picture_.size(), kLeastSimilar);
+  std::vector<float> plain_of(room_of_picture_.size(), kLeastSimilar);
   for (std::size_t i = 0; i < picture_.size(); ++i) {
     const auto picture = static_cast<std::size_t>(picture_[i]);
     const auto row = static_cast<Eigen::Index>(i);
-    fine_of[picture] = std::max(fine_of[picture], fine[row]);
-    coarse_of[picture] = std::max(coarse_of[picture], coarse[row]);
+    whitened_of[picture] = std::max(whitened_of[picture], whitened[row]);
+    plain_of[picture] = std::max(plain_of[picture], plain[row]);
   }
   Similarity similarity;
-  similarity.whitened_cosine = mean_of_largest(fine_of, kMaxAlike);
-  similarity.plain_cosine = mean_of_largest(coarse_of, kMaxAlike);
+  similarity.whitened_cosine = mean_of_largest(whitened_of, kNeighbours);
+  similarity.plain_cosine = mean_of_largest(plain_of, kNeighbours);
   std::vector<std::vector<float>> of_rooms(static_cast<std::size_t>(rooms_));
-  for (std::size_t i = 0; i < fine_of.size(); ++i) {
-    of_rooms[static_cast<std::size_t>(room_of_picture_[i])].push_back(fine_of[i]);
+  for (std::size_t i = 0; i < whitened_of.size(); ++i) {
+    of_rooms[static_cast<std::size_t>(room_of_picture_[i])].push_back(whitened_of[i]);
   }
   similarity.of_rooms.resize(rooms_);
   for (std::size_t room = 0; room < of_rooms.size(); ++room) {
     similarity.of_rooms[static_cast<Eigen::Index>(room)] =
-        mean_of_largest(std::move(of_rooms[room]), kMaxAlike);
+        mean_of_largest(std::move(of_rooms[room]), kNeighbours);
   }
   return similarity;
 }

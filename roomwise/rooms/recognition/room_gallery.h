@@ -8,32 +8,32 @@
 
 namespace roomwise::rooms {
 
-// How alike a picture is to those that were learned from.
+// How similar a picture is to those that were learned from.
 struct Similarity {
-  Eigen::VectorXd of_rooms;    // whitened cosine, to the most alike pictures of each room; -1 to 1
-  double whitened_cosine = 0;  // to the most alike pictures of all rooms
+  Eigen::VectorXd of_rooms;    // whitened cosine, to the nearest neighbours in each room; -1 to 1
+  double whitened_cosine = 0;  // to the nearest neighbours of all rooms
   double plain_cosine = 0;
 };
 
-// Remembers the pictures that rooms were learned from, as places in a PcaSpace, each beside
-// variants of it in other light. A room is as alike as its three most alike pictures are on
-// average; a picture is as alike as its most alike variant.
+// Remembers the pictures that rooms were learned from, as embeddings in a PcaSpace, each beside
+// variants of it in other light. A room is as similar as its three nearest neighbours are on
+// average; a picture is as similar as its most similar variant.
 class RoomGallery {
  public:
-  static constexpr int kMaxAlike = 3;
+  static constexpr int kNeighbours = 3;
 
   RoomGallery() = default;
   // rows: root features, one a row; room[i] of row i, in [0, rooms); picture[i]: whose variant row
   // i is, numbered from 0 without gaps.
   RoomGallery(const Eigen::MatrixXf& rows, std::vector<int> room, std::vector<int> picture,
               int rooms);
-  // As it was stored: places in the space instead of features. Throws std::invalid_argument where
+  // As it was stored: embeddings instead of features. Throws std::invalid_argument where
   // sizes differ or a number is out of range.
   RoomGallery(PcaSpace space, Eigen::MatrixXf projections, std::vector<int> room,
               std::vector<int> picture, int rooms);
 
   // With more pictures, without variants, after those that are there. The space stays as it is:
-  // what was remembered stays as alike to everything as it was. root_features: one picture a row;
+  // what was remembered stays as similar to everything as it was. root_features: one picture a row;
   // room[i] of row i.
   [[nodiscard]] RoomGallery with(const Eigen::MatrixXf& root_features,
                                  std::span<const int> room) const;

@@ -12,20 +12,17 @@ constexpr std::array kCalibration = {&RoomCalibration::temperature,
                                      &RoomCalibration::plain_cosine_mean,
                                      &RoomCalibration::plain_cosine_deviation,
                                      &RoomCalibration::confidence_threshold,
-                                     &RoomCalibration::known_threshold,
+                                     &RoomCalibration::acceptance_threshold,
                                      &RoomCalibration::reject_threshold};
 
+// Column by column.
 void write_matrix(NumberWriter& writer, const Eigen::MatrixXf& matrix) {
-  for (Eigen::Index j = 0; j < matrix.cols(); ++j) {
-    for (Eigen::Index i = 0; i < matrix.rows(); ++i) writer.real(matrix(i, j));
-  }
+  writer.numbers(std::span(matrix.data(), static_cast<std::size_t>(matrix.size())));
 }
 
 Eigen::MatrixXf read_matrix(NumberReader& reader, std::size_t rows, std::size_t columns) {
   Eigen::MatrixXf matrix(rows, columns);
-  for (Eigen::Index j = 0; j < matrix.cols(); ++j) {
-    for (Eigen::Index i = 0; i < matrix.rows(); ++i) matrix(i, j) = reader.real();
-  }
+  reader.numbers(std::span(matrix.data(), rows * columns));
   return matrix;
 }
 
@@ -36,26 +33,26 @@ bool are_deviations(const Eigen::VectorXf& values) {
 }  // namespace
 
 void write(NumberWriter& writer, const RoomRetrieval& retrieval) {
-  const RoomGallery& memory = retrieval.memory;
-  const PcaSpace& space = memory.space();
+  const RoomGallery& gallery = retrieval.gallery;
+  const PcaSpace& space = gallery.space();
   writer.number(static_cast<std::uint32_t>(space.directions().cols()));
-  writer.number(static_cast<std::uint32_t>(memory.projections().rows()));
+  writer.number(static_cast<std::uint32_t>(gallery.projections().rows()));
   write_matrix(writer, space.mean());
   write_matrix(writer, space.directions());
   write_matrix(writer, space.deviations());
-  write_matrix(writer, memory.projections());
-  for (const int room : memory.room()) writer.number(static_cast<std::uint32_t>(room));
-  for (const int picture : memory.picture()) writer.number(static_cast<std::uint32_t>(picture));
-  for (const auto number : kCalibration) writer.real(retrieval.calibration.*number);
-  const std::vector<double>& usual = retrieval.calibration.room_score_means;
-  writer.number(static_cast<std::uint32_t>(usual.size()));
-  for (const double value : usual) writer.real(value);
+  write_matrix(writer, gallery.projections());
+  writer.numbers(std::span(gallery.room()));
+  writer.numbers(std::span(gallery.picture()));
+  for (const auto number : kCalibration) writer.number(retrieval.calibration.*number);
+  const std::vector<double>& means = retrieval.calibration.room_familiarity_means;
+  writer.number(static_cast<std::uint32_t>(means.size()));
+  writer.numbers(std::span(means));
 }
 
 Expected<RoomRetrieval> read_retrieval(NumberReader& reader, std::size_t rooms,
-                                       std::size_t features, std::uint32_t version) {
-  const std::uint64_t directions = reader.number();
-  const std::uint64_t rows = reader.number();
+                                       std::size_t features) {
+  const std::uint64_t directions = reader.number<std::uint32_t>();
+  const std::uint64_t rows = reader.number<std::uint32_t>();
   // Asked before any memory is taken. Every factor is below 2^32.
   const std::uint64_t left = reader.left() / 4;
   if (reader.failed() || rows == 0 || directions > left || rows > left ||
@@ -68,15 +65,14 @@ Expected<RoomRetrieval> read_retrieval(NumberReader& reader, std::size_t rooms,
   Eigen::MatrixXf projections = read_matrix(reader, rows, directions);
   std::vector<int> room(rows);
   std::vector<int> picture(rows);
-  for (int& value : room) value = static_cast<int>(reader.number());
-  for (int& value : picture) value = static_cast<int>(reader.number());
+  reader.numbers(std::span(room));
+  reader.numbers(std::span(picture));
   RoomRetrieval retrieval;
-  for (const auto number : kCalibration) retrieval.calibration.*number = reader.real_of_64_bits();
-  const std::size_t usual = version > 2 ? reader.number() : 0;
-  if (usual != 0 && usual != rooms) return fail("not every room has what is usual in it");
-  for (std::size_t i = 0; i < usual; ++i) {
-    retrieval.calibration.room_score_means.push_back(reader.real_of_64_bits());
-  }
+  for (const auto number : kCalibration) retrieval.calibration.*number = reader.number<double>();
+  if (reader.number<std::uint32_t>() != rooms) return fail("not one mean familiarity a room");
+  std::vector<double>& means = retrieval.calibration.room_familiarity_means;
+  means.resize(rooms);
+  reader.numbers(std::span(means));
   if (reader.failed()) return fail("it is cut short");
   if (!mean.allFinite() || !axes.allFinite() || !projections.allFinite() ||
       !are_deviations(deviations)) {
@@ -91,9 +87,9 @@ Expected<RoomRetrieval> read_retrieval(NumberReader& reader, std::size_t rooms,
     }
     if (picture[i] == pictures) ++pictures;
   }
-  retrieval.memory = RoomGallery(PcaSpace(std::move(mean), std::move(axes), std::move(deviations)),
-                                 std::move(projections), std::move(room), std::move(picture),
-                                 static_cast<int>(rooms));
+  retrieval.gallery = RoomGallery(PcaSpace(std::move(mean), std::move(axes), std::move(deviations)),
+                                  std::move(projections), std::move(room), std::move(picture),
+                                  static_cast<int>(rooms));
   return retrieval;
 }
 

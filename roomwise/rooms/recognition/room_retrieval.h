@@ -11,16 +11,15 @@ namespace roomwise::rooms {
 
 // The pictures that rooms were learned from, and what a similarity to them means.
 struct RoomRetrieval {
-  RoomGallery memory;
+  RoomGallery gallery;
   RoomCalibration calibration;
 };
 
-// The part of a stored classifier that is new in version 2. Version 3 has
-// RoomCalibration::room_score_means at its end.
+// Writes it as the end of a stored classifier.
 void write(NumberWriter& writer, const RoomRetrieval& retrieval);
-// `version`: of the classifier, 2 or 3. Fails, saying what is wrong, on anything that write() of
-// that version does not write. Memory is taken only for what is there.
+// Fails, saying what is wrong, on anything that write() does not write. Memory is taken only for
+// what is there.
 [[nodiscard]] Expected<RoomRetrieval> read_retrieval(NumberReader& reader, std::size_t rooms,
-                                                     std::size_t features, std::uint32_t version);
+                                                     std::size_t features);
 
 }  // namespace roomwise::rooms

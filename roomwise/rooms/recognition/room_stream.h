@@ -9,7 +9,7 @@
 namespace roomwise::rooms {
 
 // Says the room picture by picture while a person walks: what RoomFilter believes, and whether the
-// last seconds' pictures are known at all.
+// last seconds' pictures are familiar at all.
 class RoomStream {
  public:
   RoomStream(const RoomTopology& topology, const RoomCalibration& calibration,
@@ -23,7 +23,7 @@ class RoomStream {
  private:
   RoomFilter filter_;
   RoomCalibration calibration_;
-  double known_ = 0;
+  double familiarity_ = 0;
   bool has_seen_ = false;
 };
 

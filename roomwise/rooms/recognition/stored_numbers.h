@@ -1,7 +1,9 @@
 #pragma once
 
+#include <algorithm>
 #include <bit>
 #include <cstdint>
+#include <cstring>
 #include <span>
 #include <string>
 #include <string_view>
@@ -10,23 +12,22 @@
 
 namespace roomwise::rooms {
 
-// Writes texts and numbers, little-endian.
+static_assert(std::endian::native == std::endian::little, "stored numbers are little-endian");
+
+// Writes texts and numbers, as they are.
 class NumberWriter {
  public:
-  void raw(std::string_view text) {
-    for (const char letter : text) bytes_.push_back(static_cast<std::uint8_t>(letter));
+  template <typename Number>
+  void numbers(std::span<const Number> values) {
+    const std::size_t before = bytes_.size();
+    bytes_.resize(before + values.size_bytes());
+    if (!values.empty()) std::memcpy(bytes_.data() + before, values.data(), values.size_bytes());
   }
-  void number(std::uint32_t value) {
-    for (int shift = 0; shift < 32; shift += 8) {
-      bytes_.push_back(static_cast<std::uint8_t>(value >> shift));
-    }
+  template <typename Number>
+  void number(Number value) {
+    numbers(std::span<const Number>(&value, 1));
   }
-  void real(float value) { number(std::bit_cast<std::uint32_t>(value)); }
-  void real(double value) {
-    const auto bits = std::bit_cast<std::uint64_t>(value);
-    number(static_cast<std::uint32_t>(bits));
-    number(static_cast<std::uint32_t>(bits >> 32U));
-  }
+  void raw(std::string_view text) { numbers(std::span<const char>(text)); }
   void text(std::string_view text) {
     number(static_cast<std::uint32_t>(text.size()));
     raw(text);
@@ -43,31 +44,29 @@ class NumberReader {
  public:
   explicit NumberReader(std::span<const std::uint8_t> bytes) : rest_(bytes) {}
 
-  std::string raw(std::size_t size) {
-    if (size > rest_.size()) {
+  template <typename Number>
+  void numbers(std::span<Number> values) {
+    if (values.size_bytes() > rest_.size()) {
       failed_ = true;
-      size = 0;
+      std::ranges::fill(values, Number{});
+    } else if (!values.empty()) {
+      std::memcpy(values.data(), rest_.data(), values.size_bytes());
+      rest_ = rest_.subspan(values.size_bytes());
     }
-    const std::string text(rest_.begin(), rest_.begin() + static_cast<std::ptrdiff_t>(size));
-    rest_ = rest_.subspan(size);
-    return text;
   }
-  std::uint32_t number() {
-    if (rest_.size() < 4) {
-      failed_ = true;
-      return 0;
-    }
-    std::uint32_t value = 0;
-    for (std::size_t i = 0; i < 4; ++i) value |= std::uint32_t{rest_[i]} << (8 * i);
-    rest_ = rest_.subspan(4);
+  template <typename Number>
+  Number number() {
+    Number value{};
+    numbers(std::span(&value, 1));
     return value;
   }
-  float real() { return std::bit_cast<float>(number()); }
-  double real_of_64_bits() {
-    const std::uint64_t low = number();
-    return std::bit_cast<double>(low | std::uint64_t{number()} << 32U);
+  std::string raw(std::size_t size) {
+    if (size > rest_.size()) failed_ = true;
+    std::string text(failed_ ? 0 : size, '\0');
+    numbers(std::span(text));
+    return text;
   }
-  std::string text() { return raw(number()); }
+  std::string text() { return raw(number<std::uint32_t>()); }
 
   [[nodiscard]] bool failed() const { return failed_; }
   [[nodiscard]] std::size_t left() const { return rest_.size(); }

@@ -54,7 +54,7 @@ Eigen::MatrixXf PcaSpace::whitened(const Eigen::MatrixXf& projections) const {
 
 Eigen::VectorXf PcaSpace::plain_cosine(const Eigen::VectorXf& picture,
                                        const Eigen::MatrixXf& projections) const {
-  // Of a picture at place c these directions say mean + directions c.
+  // Of a picture with projections c these directions say mean + directions c.
   const float at_mean = picture.dot(mean_);
   return (projections * (directions_.transpose() * picture)).array() + at_mean;
 }

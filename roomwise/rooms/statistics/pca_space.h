@@ -11,14 +11,11 @@ namespace roomwise::rooms {
 [[nodiscard]] Eigen::VectorXf root_features(std::span<const float> features);
 
 // The directions in which the pictures of one home differ from each other: their principal
-// components, most important first. Within them two pictures can be compared in two ways:
+// components, most important first. Within them two pictures have two cosine similarities:
 //
-//  - plain_cosine(): the cosine similarity of whole pictures. Tells pictures of this home from
-//  those of others.
-//  - whitened(): the cosine similarity in what tells pictures of this home apart. All directions
-//  count
-//    about alike (they are whitened), however little of the picture they are. Tells rooms apart,
-//    by day and by night.
+//  - plain_cosine(): of whole pictures. Tells pictures of this home from those of others.
+//  - whitened(): in what tells pictures of this home apart. All directions count about alike,
+//    however little of the picture they are. Tells rooms apart, by day and by night.
 class PcaSpace {
  public:
   // Of at most so many pictures the components are found; more are thinned out evenly.
@@ -35,12 +32,12 @@ class PcaSpace {
 
   // Where a picture lies along each direction. pictures: root features, one a row.
   [[nodiscard]] Eigen::MatrixXf projections(const Eigen::MatrixXf& pictures) const;
-  // The same places with every direction counting alike, each row scaled to length 1: the inner
+  // The same with every direction counting alike, each row scaled to length 1: the inner
   // product of two is their whitened cosine similarity, -1 to 1. A direction of little variance,
   // which few pictures show, counts less: a mean one's variance is added three times.
   [[nodiscard]] Eigen::MatrixXf whitened(const Eigen::MatrixXf& projections) const;
-  // The cosine similarity of a picture to the one at each row of `places`: the inner product with
-  // what these directions say of it, 0 to 1 or a little outside.
+  // The cosine similarity of a picture to the one of each row of `projections`: the inner product
+  // with what these directions say of it, 0 to 1 or a little outside.
   [[nodiscard]] Eigen::VectorXf plain_cosine(const Eigen::VectorXf& picture,
                                              const Eigen::MatrixXf& projections) const;
 

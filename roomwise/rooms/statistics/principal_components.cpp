@@ -11,19 +11,20 @@ namespace {
 // Components of less variance than this part of the first one's are rounding errors.
 constexpr double kMinVarianceRatio = 1e-6;
 
-Eigen::MatrixXf thinned(const Eigen::MatrixXf& rows, Eigen::Index most) {
-  if (rows.rows() <= most) return rows;
-  Eigen::MatrixXf some(most, rows.cols());
-  for (Eigen::Index i = 0; i < most; ++i) some.row(i) = rows.row(i * rows.rows() / most);
+Eigen::MatrixXf thinned(const Eigen::MatrixXf& rows, Eigen::Index max_rows) {
+  if (rows.rows() <= max_rows) return rows;
+  Eigen::MatrixXf some(max_rows, rows.cols());
+  for (Eigen::Index i = 0; i < max_rows; ++i) some.row(i) = rows.row(i * rows.rows() / max_rows);
   return some;
 }
 
 }  // namespace
 
-PrincipalComponents principal_components(const Eigen::MatrixXf& rows, const ComponentLimits& most) {
-  if (rows.rows() < 1 || most.rows < 1)
+PrincipalComponents principal_components(const Eigen::MatrixXf& rows,
+                                         const ComponentLimits& limits) {
+  if (rows.rows() < 1 || limits.rows < 1)
     throw std::invalid_argument("principal_components: no rows");
-  const Eigen::MatrixXf some = thinned(rows, most.rows);
+  const Eigen::MatrixXf some = thinned(rows, limits.rows);
   const auto count = static_cast<double>(some.rows());
   PrincipalComponents found;
   found.mean = (some.cast<double>().colwise().sum().transpose() / count).cast<float>();
@@ -40,7 +41,7 @@ PrincipalComponents principal_components(const Eigen::MatrixXf& rows, const Comp
   const Eigen::VectorXd& values = solver.eigenvalues();  // ascending
   const double largest = std::max(values[values.size() - 1], 0.0);
   Eigen::Index kept = 0;
-  while (kept < std::min({values.size(), some.cols(), most.directions}) &&
+  while (kept < std::min({values.size(), some.cols(), limits.directions}) &&
          values[values.size() - 1 - kept] > kMinVarianceRatio * largest && largest > 0) {
     ++kept;
   }

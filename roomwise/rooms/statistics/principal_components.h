@@ -20,6 +20,6 @@ struct ComponentLimits {
 // Of at least one row. Directions of next to no variance, as rounding leaves them, are not given.
 // Deterministic. Throws std::invalid_argument where there is no row, or none is allowed.
 [[nodiscard]] PrincipalComponents principal_components(const Eigen::MatrixXf& rows,
-                                                       const ComponentLimits& most);
+                                                       const ComponentLimits& limits);
 
 }  // namespace roomwise::rooms

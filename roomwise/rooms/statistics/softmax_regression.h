@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "roomwise/base/expected.h"
-#include "roomwise/base/thread_pool.h"
 
 namespace roomwise::rooms {
 
@@ -20,19 +19,24 @@ struct SoftmaxOptions {
 // Multinomial logistic regression: p(class | x) = softmax(W x + b).
 class SoftmaxRegression {
  public:
+  static constexpr int kHeldOut = -1;  // as a label: the sample is not learned from
+
   SoftmaxRegression() = default;
   // weights: classes x features; biases: classes.
   SoftmaxRegression(Eigen::MatrixXf weights, Eigen::VectorXf biases)
       : weights_(std::move(weights)), biases_(std::move(biases)) {}
 
-  // Minimises the mean cross-entropy plus weight decay; classes weigh the same however many samples
-  // each has. samples: one a row; labels[i] in [0, classes). Deterministic, to the bit at any
-  // number of threads and by any instructions. Fails where a class has no sample, or samples are
-  // not finite.
+  // Minimises the mean cross-entropy plus weight decay by L-BFGS (Liu and Nocedal, 1989); classes
+  // weigh the same however many samples each has. samples: one a row; labels[i] in [0, classes), or
+  // kHeldOut. Deterministic. Fails where a class has no sample, or samples are not finite.
   [[nodiscard]] static Expected<SoftmaxRegression> train(const Eigen::MatrixXf& samples,
                                                          std::span<const int> labels, int classes,
-                                                         const SoftmaxOptions& options,
-                                                         ThreadPool* pool = nullptr);
+                                                         const SoftmaxOptions& options);
+  // One regression for each of the weight decays, in their order; each begins where the one before
+  // ended, which saves evaluations if they are sorted. That of the options does not count.
+  [[nodiscard]] static Expected<std::vector<SoftmaxRegression>> train_path(
+      const Eigen::MatrixXf& samples, std::span<const int> labels, int classes,
+      std::span<const double> weight_decays, const SoftmaxOptions& options);
 
   [[nodiscard]] Eigen::VectorXf probabilities(const Eigen::VectorXf& sample) const;
   [[nodiscard]] const Eigen::MatrixXf& weights() const { return weights_; }

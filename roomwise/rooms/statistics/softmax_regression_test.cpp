@@ -232,6 +232,49 @@ TEST(SoftmaxRegression, WeightDecayKeepsTheWeightsSmall) {
             10 * SoftmaxRegression::train(samples, labels, 2, strong)->weights().norm());
 }
 
+TEST(SoftmaxRegression, SamplesThatAreHeldOutAreNotLearnedFrom) {
+  std::vector<int> labels;
+  const auto samples = clouds({{0, 0}, {1, 0}, {0, 1}}, 50, 1, labels);
+  std::vector<int> some = labels;
+  std::vector<Eigen::Index> kept;
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    if (i / 10 % 5 == 2) {
+      some[i] = SoftmaxRegression::kHeldOut;
+    } else {
+      kept.push_back(static_cast<Eigen::Index>(i));
+    }
+  }
+  std::vector<int> kept_labels = some;
+  std::erase(kept_labels, SoftmaxRegression::kHeldOut);
+  SoftmaxOptions options;
+  options.gradient_tolerance = 1e-9;
+  const auto held_out = SoftmaxRegression::train(samples, some, 3, options);
+  const auto alone = SoftmaxRegression::train(samples(kept, Eigen::all), kept_labels, 3, options);
+  ASSERT_OK(held_out);
+  ASSERT_OK(alone);
+  EXPECT_TRUE(held_out->weights().isApprox(alone->weights(), 1e-5F));
+  EXPECT_TRUE(held_out->biases().isApprox(alone->biases(), 1e-5F));
+  std::ranges::replace(some, 1, SoftmaxRegression::kHeldOut);
+  EXPECT_ERROR(SoftmaxRegression::train(samples, some, 3, options), "class 1 has no sample");
+}
+
+TEST(SoftmaxRegression, APathOfWeightDecaysEndsAtEachOnesMinimum) {
+  std::vector<int> labels;
+  const auto samples = mixed_features(labels);
+  SoftmaxOptions options;
+  options.gradient_tolerance = 1e-8;
+  const std::vector<double> decays{1e-2, 1e-3, 1e-4};
+  const auto path = SoftmaxRegression::train_path(samples, labels, 4, decays, options);
+  ASSERT_OK(path);
+  ASSERT_EQ(path->size(), 3U);
+  for (std::size_t i = 0; i < 3; ++i) {
+    options.weight_decay = decays[i];
+    const auto alone = SoftmaxRegression::train(samples, labels, 4, options);
+    ASSERT_OK(alone);
+    EXPECT_TRUE((*path)[i].weights().isApprox(alone->weights(), 1e-3F)) << decays[i];
+  }
+}
+
 TEST(SoftmaxRegression, IsTheSameEveryTime) {
   std::vector<int> labels;
   const auto samples = clouds({{0, 0}, {1, 0}, {0, 1}}, 25, 1, labels);

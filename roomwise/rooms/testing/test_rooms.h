@@ -14,13 +14,13 @@ inline const std::vector<std::string> kWalk = {"hall", "bath", "hall", "kitchen"
 inline RoomCalibration calibration() {
   RoomCalibration calibration;
   calibration.confidence_threshold = 0.8;
-  calibration.known_threshold = -1;
+  calibration.acceptance_threshold = -1;
   calibration.reject_threshold = -2;
   return calibration;
 }
 
-inline PictureEvidence evidence(double bath, double hall, double kitchen, double known = 0) {
-  return {Eigen::Vector3d(bath, hall, kitchen), known};
+inline PictureEvidence evidence(double bath, double hall, double kitchen, double familiarity = 0) {
+  return {Eigen::Vector3d(bath, hall, kitchen), familiarity};
 }
 
 }  // namespace roomwise::rooms

@@ -6,12 +6,16 @@
 #include "roomwise/base/expected.h"
 #include "roomwise/image/image.h"
 
-// The PNG half of codec.h (libpng); callers use codec.h.
+// The decoders that codec.h chooses from: libjpeg-turbo, libpng and libwebp; callers use codec.h.
 namespace roomwise::image {
 
+[[nodiscard]] Expected<ColorImage> decode_jpeg(std::span<const std::uint8_t> bytes,
+                                               std::int64_t max_pixels);
 [[nodiscard]] Expected<ColorImage> decode_png_color(std::span<const std::uint8_t> bytes,
                                                     std::int64_t max_pixels);
 [[nodiscard]] Expected<DepthImage> decode_png_depth(std::span<const std::uint8_t> bytes,
                                                     std::int64_t max_pixels);
+[[nodiscard]] Expected<ColorImage> decode_webp(std::span<const std::uint8_t> bytes,
+                                               std::int64_t max_pixels);
 
 }  // namespace roomwise::image

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string_view>
 
+#include "roomwise/base/median.h"
 #include "roomwise/objects/instances/class_size_prior.h"
 #include "roomwise/objects/instances/upright_box.h"
 #include "roomwise/objects/instances/world_observation.h"
@@ -63,13 +64,9 @@ std::optional<Eigen::Vector2d> pixel_of(const Vector3f& point_world,
   constexpr double kBehind_m = 0.15;
   const Vector3d point = keyframe.world_from_camera.inverse() * point_world.cast<double>();
   if (point.z() < 0.1) return std::nullopt;
-  const Eigen::Vector2d pixel = keyframe.camera->project(point);
-  const int x = static_cast<int>(std::floor(pixel.x() / kCoarseDepthStep_px));
-  const int y = static_cast<int>(std::floor(pixel.y() / kCoarseDepthStep_px));
-  if (pixel.x() < 0 || pixel.y() < 0 || !keyframe.coarse_depth->contains(x, y)) return std::nullopt;
-  const double seen_m = keyframe.coarse_depth->at(x, y) / keyframe.camera->depth_units_per_metre;
-  if (seen_m > 0 && seen_m < point.z() - kBehind_m) return std::nullopt;
-  return pixel;
+  const auto seen_m = keyframe.depth_at_m(point);
+  if (!seen_m || (*seen_m > 0 && *seen_m < point.z() - kBehind_m)) return std::nullopt;
+  return keyframe.camera.project(point);
 }
 
 // Whether the pictures that show a point show it inside the thing's box: the thing's own points lie
@@ -83,7 +80,7 @@ bool is_in_hull(const Vector3f& point_world, const ObservationCluster& group,
     const auto pixel = pixel_of(point_world, keyframes[observation.keyframe]);
     if (!pixel) continue;
     ++shown;
-    const network::PixelBox& box = observation.box;
+    const network::PixelBox& box = observation.detection->box;
     const double slack = 2 + 0.02 * (box.right - box.left + box.bottom - box.top);
     if (pixel->x() > box.left - slack && pixel->x() < box.right + slack &&
         pixel->y() > box.top - slack && pixel->y() < box.bottom + slack) {
@@ -98,8 +95,7 @@ std::string_view name_of(const ObservationCluster& group,
                          std::span<const WorldObservation> observations) {
   std::map<std::string_view, double> scores;
   for (const std::size_t index : group) {
-    const WorldObservation& observation = observations[index];
-    scores[observation.name] += naming_weight(observation.source) * observation.score;
+    scores[observations[index].detection->class_name] += observations[index].weighted_score();
   }
   return std::ranges::max_element(scores, {}, [](const auto& one) { return one.second; })->first;
 }
@@ -116,11 +112,11 @@ double shown_height_m(const ObservationCluster& group,
   constexpr double kNearest_m = 0.3, kMinOfHeight = 0.5;
   std::vector<double> heights_m;
   for (const std::size_t index : group) {
-    const WorldObservation& observation = observations[index];
-    const ObservedKeyframe& keyframe = keyframes[observation.keyframe];
-    const auto picture_height = static_cast<float>(keyframe.camera->height);
-    if (observation.source != RegionSource::kDetector || observation.box.top < kRim_px ||
-        observation.box.bottom > picture_height - kRim_px) {
+    const Detection& detection = *observations[index].detection;
+    const ObservedKeyframe& keyframe = keyframes[observations[index].keyframe];
+    const auto picture_height = static_cast<float>(keyframe.camera.height);
+    if (detection.source != DetectionSource::kDetector || detection.box.top < kRim_px ||
+        detection.box.bottom > picture_height - kRim_px) {
       continue;
     }
     const geometry::RigidTransform camera_from_world = keyframe.world_from_camera.inverse();
@@ -135,14 +131,12 @@ double shown_height_m(const ObservationCluster& group,
     const Vector3d ahead = (ray - up_world.dot(ray) * up_world).normalized();
     const double of_height = in_rows(up_world);
     if (of_height < kMinOfHeight) continue;
-    const double shown_m = static_cast<double>(observation.box.bottom - observation.box.top) *
-                           middle.z() / keyframe.camera->fy;
+    const double shown_m = static_cast<double>(detection.box.bottom - detection.box.top) *
+                           middle.z() / keyframe.camera.fy;
     heights_m.push_back((shown_m - width_m * in_rows(ahead)) / of_height);
   }
   if (heights_m.size() < kFewest) return 0;
-  const auto median = heights_m.begin() + static_cast<std::ptrdiff_t>(heights_m.size() / 2);
-  std::ranges::nth_element(heights_m, median);
-  return *median;
+  return median_of(heights_m);
 }
 
 // How much the middle along an axis hangs on single pictures: the delete-a-group jackknife (Kott,
@@ -169,12 +163,18 @@ double jackknife_sigma(std::span<const SurfaceCell> cells, std::size_t observati
   return std::sqrt(squares * static_cast<double>(parts - 1) / static_cast<double>(parts));
 }
 
-}  // namespace
+// Whether what a classifier says of the picture is said of a box: it holds the middle of the
+// picture and a tenth of it or more.
+bool stands_in_middle(const network::PixelBox& box, const geometry::PinholeCamera& camera) {
+  const auto width = static_cast<float>(camera.width), height = static_cast<float>(camera.height);
+  return box.left < width / 2 && box.right > width / 2 && box.top < height / 2 &&
+         box.bottom > height / 2 && box.area() >= 0.1F * width * height;
+}
 
-ClusterBox box_of_cluster(const ObservationCluster& group,
-                          std::span<const WorldObservation> observations,
-                          std::span<const ObservedKeyframe> keyframes, const GroundPlane& level) {
-  ClusterBox result;
+// The box, how sure its middle is, the surface and whether its size fits.
+void measure(Candidate& result, std::span<const WorldObservation> observations,
+             std::span<const ObservedKeyframe> keyframes, const GroundPlane& level) {
+  const ObservationCluster& group = result.group;
   std::vector<SurfaceCell> kept;
   auto cells = cells_of(group, observations);
   const std::size_t fewest = fewest_shown(cells);
@@ -184,7 +184,7 @@ ClusterBox box_of_cluster(const ObservationCluster& group,
     result.surface_world.push_back(cell.middle());
     kept.push_back(std::move(cell));
   }
-  if (kept.size() < 4) return result;
+  if (kept.size() < 4) return;
   const Vector3d& up = level.up_world;
   const auto [x, y] = level_axes(result.surface_world, up);
   Eigen::Matrix3d axes;
@@ -227,7 +227,29 @@ ClusterBox box_of_cluster(const ObservationCluster& group,
   }
   result.box_world = {geometry::RigidTransform::from_matrix(axes, axes * ((low + high) / 2)),
                       high - low};
-  return result;
+}
+
+}  // namespace
+
+Candidate candidate_of(ObservationCluster group, std::span<const WorldObservation> observations,
+                       std::span<const ObservedKeyframe> keyframes, const GroundPlane& level) {
+  constexpr double kSaidWeight = 0.5;  // a picture's name is about all of it
+  Candidate candidate;
+  candidate.group = std::move(group);
+  measure(candidate, observations, keyframes, level);
+  candidate.voxels = voxels_of(candidate.surface_world, kObservationVoxel_m);
+  const geometry::OrientedBox& box = candidate.box_world;
+  candidate.foot_m = level.height_m(box.center()) - box.size_m.z() / 2;
+  for (const std::size_t index : candidate.group) {
+    const WorldObservation& observation = observations[index];
+    candidate.source = std::min(candidate.source, observation.detection->source);
+    candidate.scores[observation.detection->class_name] += observation.weighted_score();
+    const ObservedKeyframe& keyframe = keyframes[observation.keyframe];
+    if (!stands_in_middle(observation.detection->box, keyframe.camera)) continue;
+    for (const Observation& said : keyframe.said)
+      candidate.scores[said.object] += kSaidWeight * said.score;
+  }
+  return candidate;
 }
 
 bool should_see(const ObservedKeyframe& keyframe, std::span<const Eigen::Vector3f> surface_world,
@@ -241,12 +263,8 @@ bool should_see(const ObservedKeyframe& keyframe, std::span<const Eigen::Vector3
     ++probes;
     const Vector3d point = camera_from_world * surface_world[i].cast<double>();
     if (point.z() < 0.3 || point.z() > max_range_m) continue;
-    const Eigen::Vector2d pixel = keyframe.camera->project(point) / kCoarseDepthStep_px;
-    const int x = static_cast<int>(std::floor(pixel.x()));
-    const int y = static_cast<int>(std::floor(pixel.y()));
-    if (!keyframe.coarse_depth->contains(x, y)) continue;
-    const double seen_m = keyframe.coarse_depth->at(x, y) / keyframe.camera->depth_units_per_metre;
-    if (seen_m <= 0 || seen_m > point.z() - kBehind_m) ++visible;
+    const auto seen_m = keyframe.depth_at_m(point);
+    if (seen_m && (*seen_m <= 0 || *seen_m > point.z() - kBehind_m)) ++visible;
   }
   return visible >= 0.7 * probes && probes > 0;
 }

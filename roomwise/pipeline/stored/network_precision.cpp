@@ -1,0 +1,130 @@
+#include "roomwise/pipeline/stored/network_precision.h"
+
+#include <algorithm>
+#include <array>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "roomwise/network/vision/classifier_outputs.h"
+
+namespace roomwise::pipeline {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using network::EightBitFile;
+using network::NetworkFile;
+
+constexpr std::array<std::pair<std::string_view, NetworkPrecision>, 3> kPrecisions{
+    {{"auto", NetworkPrecision::kAuto},
+     {"float", NetworkPrecision::kFloat},
+     {"eight-bits", NetworkPrecision::kEightBits}}};
+
+std::string setting_of(const std::string& fingerprint) {
+  return "precision of network " + fingerprint;
+}
+
+bool may_be_in_eight_bits(const NetworkFile& file) {
+  return file.card.task == network::Task::kClassify && file.labels.empty() && !file.eight_bits;
+}
+
+Expected<std::string> preprocessing_now(const NetworkFile& file) {
+  ROOMWISE_TRY(const auto outputs, network::classifier_outputs(file));
+  return network::preprocessing_of(file.card, outputs);
+}
+
+Expected<std::string> text_of(const PrecisionCheck& check, const EightBitFile& how) {
+  Json json{{"preprocessing", how.preprocessing}, {"why", check.why}};
+  if (check.eight_bits) {
+    EightBitFile stored = *check.eight_bits;
+    stored.network = stored.network.filename();  // its folder is another elsewhere
+    ROOMWISE_TRY(json["eight_bits"], network::text_of(stored));
+  }
+  return json.dump();
+}
+
+Expected<bool> were_rooms_learned_with(const home::Home& home, const std::string& fingerprint) {
+  ROOMWISE_TRY(const auto learned, home.room_classifier());
+  return learned && learned->network_fingerprint == fingerprint;
+}
+
+}  // namespace
+
+Expected<NetworkPrecision> parse_network_precision(std::string_view name) {
+  const auto* found =
+      std::ranges::find(kPrecisions, name, &decltype(kPrecisions)::value_type::first);
+  if (found == kPrecisions.end())
+    return fail("\"{}\" is no precision of networks; expected auto, float or eight-bits", name);
+  return found->second;
+}
+
+Expected<std::optional<PrecisionCheck>> stored_precision_check(const home::Home& home,
+                                                               const NetworkFile& file) {
+  std::optional<PrecisionCheck> check;
+  if (!may_be_in_eight_bits(file)) return check;
+  ROOMWISE_TRY(const auto settings, home.settings());
+  const auto stored = settings.find(setting_of(file.fingerprint));
+  if (stored == settings.end()) return check;
+  ROOMWISE_TRY(const std::string now, preprocessing_now(file));
+  const std::string origin = home.file() + ": " + stored->first;
+  const Json json = Json::parse(stored->second, nullptr, /*allow_exceptions=*/false);
+  const auto has_text = [&](const char* key) {
+    return json.is_object() && json.contains(key) && json.at(key).is_string();
+  };
+  if (!has_text("preprocessing") || !has_text("why"))
+    return fail("{}: is damaged; put back a copy of it", origin);
+  if (json.at("preprocessing") != now) return check;
+  check.emplace(PrecisionCheck{.eight_bits = std::nullopt, .why = json.at("why")});
+  if (has_text("eight_bits")) {
+    ROOMWISE_TRY(check->eight_bits,
+                 network::parse_eight_bit_file(json.at("eight_bits").get<std::string>(), origin));
+  }
+  return check;
+}
+
+Expected<bool> needs_precision_check(const home::Home& home, const NetworkFile& file,
+                                     NetworkPrecision precision) {
+  if (precision != NetworkPrecision::kEightBits || !may_be_in_eight_bits(file)) return false;
+  ROOMWISE_TRY(const auto stored, stored_precision_check(home, file));
+  return !stored;
+}
+
+Expected<PrecisionCheck> check_precision(home::Home& home, const std::filesystem::path& weights,
+                                         std::size_t pictures, const network::PictureAt& picture,
+                                         std::size_t threads) {
+  constexpr std::size_t kTaken = network::kMinQuantizationPictures;
+  if (pictures < kTaken) {
+    return PrecisionCheck{
+        std::nullopt, fmt::format("8 bits need {} pictures of the home to be checked on, not {}",
+                                  kTaken, pictures)};
+  }
+  ROOMWISE_TRY(
+      auto quantized,
+      network::quantize_classifier(
+          weights, kTaken, [&](std::size_t i) { return picture(i * pictures / kTaken); }, threads));
+  PrecisionCheck check{.eight_bits = std::nullopt, .why = quantized.report.reason};
+  if (quantized.report.is_used) check = {quantized.file, quantized.file.checked};
+  ROOMWISE_TRY(const std::string text, text_of(check, quantized.file));
+  ROOMWISE_CHECK_OK(home.put_setting(setting_of(quantized.file.sha256), text));
+  return check;
+}
+
+Expected<NetworkFile> in_precision(const home::Home& home, NetworkFile file,
+                                   NetworkPrecision precision) {
+  if (precision == NetworkPrecision::kFloat || !may_be_in_eight_bits(file)) return file;
+  ROOMWISE_TRY(auto check, stored_precision_check(home, file));
+  if (precision == NetworkPrecision::kEightBits && (!check || !check->eight_bits)) {
+    return fail("{}: the network {} cannot look at it in 8 bits: {}", home.file(), file.card.name,
+                check
+                    ? check->why
+                    : "that was not checked yet; map, objects find and rooms learn --photos do so "
+                      "with --network-precision eight-bits, on 80 pictures or more");
+  }
+  if (!check || !check->eight_bits) return file;
+  if (precision == NetworkPrecision::kAuto) {
+    ROOMWISE_TRY(const bool are_in_floats, were_rooms_learned_with(home, file.fingerprint));
+    if (are_in_floats) return file;
+  }
+  return network::in_eight_bits(std::move(file), *std::move(check->eight_bits));
+}
+
+}  // namespace roomwise::pipeline

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "roomwise/home/home.h"
+#include "roomwise/network/formats/network_file.h"
+#include "roomwise/network/vision/classifier_quantization.h"
+
+namespace roomwise::pipeline {
+
+// How networks that serve features only, which tell rooms apart, look at a home's pictures. All
+// others look in floats.
+enum class NetworkPrecision {
+  // As the home's rooms were learned; else in 8 bits where a check on the home's own pictures was
+  // asked for and found that near enough to floats; else in floats.
+  kAuto,
+  kFloat,
+  kEightBits,
+};
+// "auto", "float", "eight-bits".
+[[nodiscard]] Expected<NetworkPrecision> parse_network_precision(std::string_view name);
+
+// What a check on a home's own pictures (network::quantize_classifier) found of a network. The home
+// keeps it among its settings, since what is learned with other ranges would have to be learned
+// anew.
+struct PrecisionCheck {
+  std::optional<network::EightBitFile> eight_bits;  // absent: it stays in floats
+  std::string why;                                  // for people: how near 8 bits came
+};
+
+// That of this network, with the card of now; nothing where there was none.
+[[nodiscard]] Expected<std::optional<PrecisionCheck>> stored_precision_check(
+    const home::Home& home, const network::NetworkFile& file);
+
+// Whether the network is to be checked before it looks at pictures of the home in 8 bits for
+// the first time.
+[[nodiscard]] Expected<bool> needs_precision_check(const home::Home& home,
+                                                   const network::NetworkFile& file,
+                                                   NetworkPrecision precision);
+
+// Checks the network on at most 80 of these pictures of the home, evenly spread, and stores what
+// came of it. Too few are no error, but a reason for floats, and not stored. Fails where a picture
+// cannot be read.
+[[nodiscard]] Expected<PrecisionCheck> check_precision(home::Home& home,
+                                                       const std::filesystem::path& weights,
+                                                       std::size_t pictures,
+                                                       const network::PictureAt& picture,
+                                                       std::size_t threads);
+
+// The network as it is to look at the home's pictures. Fails where it is to do so in 8 bits and no
+// check allows that.
+[[nodiscard]] Expected<network::NetworkFile> in_precision(const home::Home& home,
+                                                          network::NetworkFile file,
+                                                          NetworkPrecision precision);
+
+}  // namespace roomwise::pipeline
