@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cstdio>
 #include <cstdlib>
 #include <memory>
@@ -224,11 +225,10 @@ void add_precision_option(CLI::App& command, NetworkOptions& options) {
           [&options](const std::string& name) {
             options.precision = *pipeline::parse_network_precision(name);
           },
-          "How networks that serve features, and name nothing, look at this home's pictures: "
-          "float, "
-          "eight-bits (after a check on 80 of the home's own pictures), or auto (as its rooms were "
-          "learned, else as was checked, else in floats); all others look in floats. What was "
-          "learned in one is not asked in the other [auto]")
+          "How networks that serve features, and name nothing, look at this home's pictures: auto "
+          "(in 8 bits where a check on 80 of the home's own pictures allowed that, and as its "
+          "rooms were learned), float, or eight-bits; all others look in floats. What was learned "
+          "in one is not asked in the other [auto]")
       ->check(CLI::IsMember({"auto", "float", "eight-bits"}));
 }
 
@@ -278,13 +278,17 @@ Expected<pipeline::Networks> load_networks_for_new(const NetworkOptions& options
     ROOMWISE_TRY(const bool is_new,
                  pipeline::needs_precision_check(home, *read, options.precision));
     if (!is_new) continue;
-    context.progress.begin("checking 8 bits", std::nullopt);
+    constexpr const char* kWork = "checking whether 8 bits will do";
+    context.progress.begin(kWork, std::nullopt);
+    std::atomic<std::uint64_t> looked_at = 0;
     const auto shown = [&](std::size_t i) -> Expected<image::ColorImage> {
-      if (context.progress.interrupted()) return fail("interrupted while 8 bits were checked");
+      ROOMWISE_CHECK_OK(context.progress.check(kWork));
+      ++looked_at;
       return picture(i);
     };
     ROOMWISE_TRY(const pipeline::PrecisionCheck check,
                  pipeline::check_precision(home, file, pictures, shown, context.threads));
+    context.progress.advance(looked_at, "");
     context.progress.end();
     context.progress.note(fmt::format("{} looks at this home in {}: {}", card->name,
                                       check.eight_bits ? "8 bits" : "floats", check.why));

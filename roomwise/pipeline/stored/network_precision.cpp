@@ -47,6 +47,14 @@ Expected<bool> were_rooms_learned_with(const home::Home& home, const std::string
   return learned && learned->network_fingerprint == fingerprint;
 }
 
+Expected<bool> is_known_in_floats(const home::Home& home, const std::string& fingerprint) {
+  ROOMWISE_TRY(const auto networks, home.networks());
+  const bool has_looked = std::ranges::any_of(
+      networks, [&](const auto& entry) { return entry.second.fingerprint == fingerprint; });
+  if (has_looked) return true;
+  return were_rooms_learned_with(home, fingerprint);
+}
+
 }  // namespace
 
 Expected<NetworkPrecision> parse_network_precision(std::string_view name) {
@@ -83,9 +91,12 @@ Expected<std::optional<PrecisionCheck>> stored_precision_check(const home::Home&
 
 Expected<bool> needs_precision_check(const home::Home& home, const NetworkFile& file,
                                      NetworkPrecision precision) {
-  if (precision != NetworkPrecision::kEightBits || !may_be_in_eight_bits(file)) return false;
+  if (precision == NetworkPrecision::kFloat || !may_be_in_eight_bits(file)) return false;
   ROOMWISE_TRY(const auto stored, stored_precision_check(home, file));
-  return !stored;
+  if (stored) return false;
+  if (precision == NetworkPrecision::kEightBits) return true;
+  ROOMWISE_TRY(const bool is_known, is_known_in_floats(home, file.fingerprint));
+  return !is_known;
 }
 
 Expected<PrecisionCheck> check_precision(home::Home& home, const std::filesystem::path& weights,

@@ -14,8 +14,8 @@ namespace roomwise::pipeline {
 // How networks that serve features only, which tell rooms apart, look at a home's pictures. All
 // others look in floats.
 enum class NetworkPrecision {
-  // As the home's rooms were learned; else in 8 bits where a check on the home's own pictures was
-  // asked for and found that near enough to floats; else in floats.
+  // In 8 bits where a check on the home's own pictures found that near enough to floats, and as its
+  // rooms were learned, where they were; else in floats.
   kAuto,
   kFloat,
   kEightBits,
@@ -35,8 +35,8 @@ struct PrecisionCheck {
 [[nodiscard]] Expected<std::optional<PrecisionCheck>> stored_precision_check(
     const home::Home& home, const network::NetworkFile& file);
 
-// Whether the network is to be checked before it looks at pictures of the home in 8 bits for
-// the first time.
+// Whether the network is to be checked before it looks at pictures of the home for the first time:
+// not where a check is stored, nor, with kAuto, where it has looked at the home in floats already.
 [[nodiscard]] Expected<bool> needs_precision_check(const home::Home& home,
                                                    const network::NetworkFile& file,
                                                    NetworkPrecision precision);

@@ -57,7 +57,7 @@ class NetworkPrecisionTest : public ::testing::Test {
   PrecisionCheck check(std::size_t pictures, std::size_t threads = 1) {
     return check_precision(home_, weights(), pictures, noisy_picture, threads).value();
   }
-  [[nodiscard]] bool needs_check(NetworkPrecision precision = NetworkPrecision::kEightBits) const {
+  [[nodiscard]] bool needs_check(NetworkPrecision precision = NetworkPrecision::kAuto) const {
     return needs_precision_check(home_, file(), precision).value();
   }
   [[nodiscard]] bool looks_in_eight_bits(
@@ -72,7 +72,6 @@ class NetworkPrecisionTest : public ::testing::Test {
 TEST_F(NetworkPrecisionTest, IsThatOfTheCheckThatTheHomeKeeps) {
   EXPECT_TRUE(needs_check());
   EXPECT_FALSE(needs_check(NetworkPrecision::kFloat));
-  EXPECT_FALSE(needs_check(NetworkPrecision::kAuto));
   EXPECT_FALSE(looks_in_eight_bits());
 
   const PrecisionCheck made = check(200);
@@ -114,8 +113,15 @@ TEST_F(NetworkPrecisionTest, IsThatOfTheCardThatWasChecked) {
   EXPECT_TRUE(needs_check());
 }
 
+TEST_F(NetworkPrecisionTest, IsFloatsWhereTheHomeWasLookedAtInFloats) {
+  ASSERT_OK(home_.add_network({"tiny", file().fingerprint, {}, 40}));
+  EXPECT_FALSE(needs_check());
+  EXPECT_TRUE(needs_check(NetworkPrecision::kEightBits)) << "unless it is asked for";
+}
+
 TEST_F(NetworkPrecisionTest, IsThatByWhichRoomsWereLearned) {
   ASSERT_OK(home_.put_room_classifier({"tiny", file().fingerprint, {}, "{}"}));
+  EXPECT_FALSE(needs_check());
   const PrecisionCheck made = check(80);
   EXPECT_FALSE(looks_in_eight_bits());
   EXPECT_TRUE(looks_in_eight_bits(NetworkPrecision::kEightBits));
