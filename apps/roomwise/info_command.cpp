@@ -85,7 +85,7 @@ Expected<Answer> describe_home(const InfoOptions& options, Context& context) {
   facts.add("frames placed", placed);
   facts.add("key-frames", keyframes.size());
   facts.add("edges", edges.size());
-  facts.add("returns to a place", std::ranges::count_if(edges, mapping::is_return));
+  facts.add("returns to a place", std::ranges::count_if(edges, mapping::spans_long_loop));
   facts.add("objects", instances.size());
   facts.add("by the paper's rules", objects.size());
   facts.add("rooms", fmt::format("{}", fmt::join(room_names, ", ")));
@@ -136,7 +136,7 @@ Expected<Answer> describe_pose_graph(const fs::path& path) {
   Facts facts(path, "pose graph");
   facts.add("poses", graph.world_from_node.size());
   facts.add("edges", graph.edges.size());
-  facts.add("returns to a place", std::ranges::count_if(graph.edges, mapping::is_return));
+  facts.add("returns to a place", std::ranges::count_if(graph.edges, mapping::spans_long_loop));
   facts.add("F", mapping::pose_graph_error(graph));
   return std::move(facts).answer();
 }

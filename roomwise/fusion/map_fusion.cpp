@@ -11,8 +11,8 @@ Expected<void> MapFusionOptions::validate() const {
   return {};
 }
 
-std::vector<FusionStep> MapFusion::steps_to(const FramePoses& poses) const {
-  std::vector<FusionStep> steps;
+std::vector<Reintegration> MapFusion::reintegrations_for(const FramePoses& poses) const {
+  std::vector<Reintegration> steps;
   for (const auto& [frame, pose] : fused_) {
     if (!poses.contains(frame)) steps.push_back({frame, pose, std::nullopt});
   }
@@ -30,7 +30,7 @@ std::vector<FusionStep> MapFusion::steps_to(const FramePoses& poses) const {
   return steps;
 }
 
-Expected<void> MapFusion::apply(const FusionStep& step, const FrameSurface& frame,
+Expected<void> MapFusion::apply(const Reintegration& step, const FrameSurface& frame,
                                 ThreadPool& pool) {
   if (step.in && !step.in->is_finite())
     return fail("the pose of frame {} is not finite", step.frame);

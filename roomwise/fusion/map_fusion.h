@@ -27,7 +27,7 @@ struct MapFusionOptions {
 };
 
 // A frame to take out of the field where it is, to put in where it belongs, or both.
-struct FusionStep {
+struct Reintegration {
   FrameId frame = 0;
   std::optional<geometry::RigidTransform> out, in;  // field_from_camera
 };
@@ -36,7 +36,8 @@ struct FusionStep {
 // are taken out at the old pose and put in at the new one (Dai et al., "BundleFusion: Real-time
 // Globally Consistent 3D Reconstruction using On-the-fly Surface Re-integration", 2017). Since
 // fusion is exact, the field is then the same, to the bit, as if all frames had been fused at those
-// poses from the start. Frames are not kept: steps_to() says which are needed, one after the other.
+// poses from the start. Frames are not kept: reintegrations_for() says which are needed, one after
+// the other.
 class MapFusion {
  public:
   // The options must be valid.
@@ -44,10 +45,10 @@ class MapFusion {
 
   // What leads from the poses that are fused to `poses`, by frame. Frames that are missing there
   // are taken out.
-  [[nodiscard]] std::vector<FusionStep> steps_to(const FramePoses& poses) const;
+  [[nodiscard]] std::vector<Reintegration> reintegrations_for(const FramePoses& poses) const;
   // Carries out a step of steps_to(); `frame` must be the same each time. Fails, changing nothing,
   // where the pose is not finite or the field holds all the frames that it can.
-  [[nodiscard]] Expected<void> apply(const FusionStep& step, const FrameSurface& frame,
+  [[nodiscard]] Expected<void> apply(const Reintegration& step, const FrameSurface& frame,
                                      ThreadPool& pool);
 
   [[nodiscard]] const TsdfVolume& field() const { return field_; }

@@ -37,7 +37,7 @@ class MapFusionTest : public ::testing::Test {
   }
 
   void move_to(MapFusion& map, const FramePoses& poses, ThreadPool& pool) const {
-    for (const FusionStep& step : map.steps_to(poses)) {
+    for (const Reintegration& step : map.reintegrations_for(poses)) {
       EXPECT_OK(map.apply(step, frames_[step.frame], pool));
     }
   }
@@ -116,7 +116,7 @@ TEST_F(MapFusionTest, FramesThatHardlyMovedStay) {
       moved[3] * RigidTransform{Eigen::Quaterniond(Eigen::AngleAxisd(0.003, Vector3d::UnitX())),
                                 Vector3d::Zero()};
   moved.erase(7);
-  const auto steps = map.steps_to(moved);
+  const auto steps = map.reintegrations_for(moved);
   ASSERT_EQ(steps.size(), 3U);
   EXPECT_EQ(steps[0].frame, 7U);
   EXPECT_FALSE(steps[0].in.has_value());

@@ -22,8 +22,8 @@ bool is_sure(const ViewAlignment& alignment, const PosePrior& prior,
 }
 
 bool is_large(const geometry::RigidTransform& motion, const LocatorOptions& options) {
-  return motion.distance_m() >= options.confirmed_from_m ||
-         motion.angle_rad() >= options.confirmed_from_rad;
+  return motion.distance_m() >= options.cross_check_min_translation_m ||
+         motion.angle_rad() >= options.cross_check_min_rotation_rad;
 }
 
 // Not the same minimum, found from another side.
@@ -60,8 +60,9 @@ Expected<void> LocatorOptions::validate() const {
     return fail("sure_rms = {} must be positive and not above max_rms = {}", sure_rms, max_rms);
   }
   for (const auto& [name, value] :
-       {std::pair("sure_sigma", sure_sigma), std::pair("confirmed_from_m", confirmed_from_m),
-        std::pair("confirmed_from_rad", confirmed_from_rad)}) {
+       {std::pair("sure_sigma", sure_sigma),
+        std::pair("cross_check_min_translation_m", cross_check_min_translation_m),
+        std::pair("cross_check_min_rotation_rad", cross_check_min_rotation_rad)}) {
     if (!(value > 0)) return fail("{} = {} must be positive", name, value);
   }
   if (!(sure_squared_mahalanobis > 0) || !(max_squared_mahalanobis >= sure_squared_mahalanobis)) {

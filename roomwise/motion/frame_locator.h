@@ -22,8 +22,8 @@ struct LocatorOptions {
   double sure_squared_mahalanobis = 6;
   // A sure alignment is still compared with what features say if the camera moved this far, or was
   // predicted to: where a pattern repeats, views also fit a period off.
-  double confirmed_from_m = 0.12;
-  double confirmed_from_rad = 0.14;
+  double cross_check_min_translation_m = 0.12;
+  double cross_check_min_rotation_rad = 0.14;
   double max_rms = 2.0;  // an alignment with a larger residual than this is none
   // Further from what was predicted than this (e^T Omega e) an alignment is not believed, nor are
   // fewer inliers among the features.

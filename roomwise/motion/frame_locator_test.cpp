@@ -263,8 +263,8 @@ TEST(LocatorOptions, SaysWhichFieldIsWrong) {
   options.sure_sigma = 0;
   EXPECT_ERROR(options.validate(), "sure_sigma");
   options = {};
-  options.confirmed_from_rad = 0;
-  EXPECT_ERROR(options.validate(), "confirmed_from_rad");
+  options.cross_check_min_rotation_rad = 0;
+  EXPECT_ERROR(options.validate(), "cross_check_min_rotation_rad");
   options = {};
   options.features.confidence = 1;
   EXPECT_ERROR(options.validate(), "confidence");

@@ -21,7 +21,7 @@ struct Landmark {
 // Cameras, what they see, and what is known of their motion besides.
 struct Bundle {
   ViewModel model;
-  std::vector<MovingCamera> cameras;
+  std::vector<RollingShutterCamera> cameras;
   std::size_t fixed_cameras = 1;  // so many of the first cameras stay where they are
   std::vector<Landmark> landmarks;
   std::vector<PoseGraphEdge> edges;  // between places among the cameras

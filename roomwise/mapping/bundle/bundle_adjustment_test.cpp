@@ -196,7 +196,7 @@ struct EdgeCost {
 
 double optimum_of_ceres(const Bundle& bundle, const BundleOptions& options) {
   std::vector<std::array<double, 6>> cameras;
-  for (const MovingCamera& camera : bundle.cameras) {
+  for (const RollingShutterCamera& camera : bundle.cameras) {
     const Eigen::AngleAxisd turn(camera.world_from_camera.rotation);
     const Eigen::Vector3d vector = turn.angle() * turn.axis();
     const Eigen::Vector3d& place = camera.world_from_camera.translation;

@@ -93,25 +93,25 @@ void BundleProblem::add_landmark(std::size_t index) {
   point.readout_hessian.setZero();
   for (std::size_t k = 0; k < landmark.views.size(); ++k) {
     const LandmarkView& view = landmark.views[k];
-    const MovingCamera& camera = bundle_.cameras[view.camera];
+    const RollingShutterCamera& camera = bundle_.cameras[view.camera];
     const Eigen::Vector3d error =
         reprojection_residual(view, landmark.point_world, camera, bundle_.model);
     const double weight = view_loss(error, options_).derivative;
     const auto [d_pose, d_point, d_readout] =
         reprojection_jacobians(view, landmark.point_world, camera, bundle_.model);
-    const Eigen::Matrix3d point_weight = weight * d_point.transpose();
-    point.hessian += point_weight * d_point;
-    point.rhs -= point_weight * error;
-    point.readout_hessian += point_weight * d_readout;
+    const Eigen::Matrix3d weighted_point_jacobian_t = weight * d_point.transpose();
+    point.hessian += weighted_point_jacobian_t * d_point;
+    point.rhs -= weighted_point_jacobian_t * error;
+    point.readout_hessian += weighted_point_jacobian_t * d_readout;
     readout_hessian_ += weight * d_readout.squaredNorm();
     readout_rhs_ -= weight * d_readout.dot(error);
-    const Matrix63d pose_weight = weight * d_pose.transpose();
-    camera_point_hessian_[first_view_[index] + k] = pose_weight * d_point;
+    const Matrix63d weighted_pose_jacobian_t = weight * d_pose.transpose();
+    camera_point_hessian_[first_view_[index] + k] = weighted_pose_jacobian_t * d_point;
     if (!is_variable(view.camera)) continue;
     const std::size_t a = view.camera - bundle_.fixed_cameras;
-    camera_hessian_[a] += pose_weight * d_pose;
-    camera_segment(camera_rhs_, a) -= pose_weight * error;
-    camera_segment(camera_readout_hessian_, a) += pose_weight * d_readout;
+    camera_hessian_[a] += weighted_pose_jacobian_t * d_pose;
+    camera_segment(camera_rhs_, a) -= weighted_pose_jacobian_t * error;
+    camera_segment(camera_readout_hessian_, a) += weighted_pose_jacobian_t * d_readout;
   }
 }
 

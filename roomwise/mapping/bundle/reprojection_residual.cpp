@@ -6,7 +6,7 @@ namespace {
 using geometry::RigidTransform;
 
 // The camera's motion from the middle row to the view's.
-RigidTransform middle_from_row(const LandmarkView& view, const MovingCamera& camera,
+RigidTransform middle_from_row(const LandmarkView& view, const RollingShutterCamera& camera,
                                const ViewModel& model) {
   if (model.readout_s == 0) return RigidTransform::identity();
   return RigidTransform::exp(view.row * model.readout_s * camera.velocity);
@@ -15,7 +15,7 @@ RigidTransform middle_from_row(const LandmarkView& view, const MovingCamera& cam
 }  // namespace
 
 Eigen::Vector3d reprojection_residual(const LandmarkView& view, const Eigen::Vector3d& point_world,
-                                      const MovingCamera& camera, const ViewModel& model) {
+                                      const RollingShutterCamera& camera, const ViewModel& model) {
   const RigidTransform& pose = camera.world_from_camera;
   Eigen::Vector3d point = pose.rotation.conjugate() * (point_world - pose.translation).eval();
   if (model.readout_s != 0) point = middle_from_row(view, camera, model).inverse() * point;
@@ -24,7 +24,8 @@ Eigen::Vector3d reprojection_residual(const LandmarkView& view, const Eigen::Vec
 
 ReprojectionJacobians reprojection_jacobians(const LandmarkView& view,
                                              const Eigen::Vector3d& point_world,
-                                             const MovingCamera& camera, const ViewModel& model) {
+                                             const RollingShutterCamera& camera,
+                                             const ViewModel& model) {
   const RigidTransform& pose = camera.world_from_camera;
   const Eigen::Matrix3d middle_from_world = pose.rotation.conjugate().toRotationMatrix();
   const Eigen::Vector3d middle = middle_from_world * (point_world - pose.translation);

@@ -19,7 +19,7 @@ struct LandmarkView {
 };
 
 // A camera and how it moved while it took its picture.
-struct MovingCamera {
+struct RollingShutterCamera {
   geometry::RigidTransform world_from_camera;  // at the middle row
   // A twist in the camera's own frame: rotation in rad/s, then translation in m/s; zero where it is
   // not known.
@@ -37,7 +37,7 @@ struct ViewModel {
 // motion::point_residual() of a view from where the camera stood when it exposed that row.
 [[nodiscard]] Eigen::Vector3d reprojection_residual(const LandmarkView& view,
                                                     const Eigen::Vector3d& point_world,
-                                                    const MovingCamera& camera,
+                                                    const RollingShutterCamera& camera,
                                                     const ViewModel& model);
 
 // How reprojection_residual() changes: with a step of the pose (translation along the world's axes,
@@ -50,7 +50,7 @@ struct ReprojectionJacobians {
 // The point must lie in front of the camera.
 [[nodiscard]] ReprojectionJacobians reprojection_jacobians(const LandmarkView& view,
                                                            const Eigen::Vector3d& point_world,
-                                                           const MovingCamera& camera,
+                                                           const RollingShutterCamera& camera,
                                                            const ViewModel& model);
 
 }  // namespace roomwise::mapping

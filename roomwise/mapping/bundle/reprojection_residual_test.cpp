@@ -15,7 +15,7 @@ using testing::random_transform;
 struct Trial {
   LandmarkView view;
   Eigen::Vector3d point_world;
-  MovingCamera camera;
+  RollingShutterCamera camera;
   ViewModel model;
 };
 
@@ -44,7 +44,7 @@ TEST(ReprojectionResidual, ItsJacobiansAreItsDerivatives) {
     };
     for (Eigen::Index k = 0; k < 6; ++k) {
       const Eigen::Vector3d d_pose = column([&](double step) {
-        MovingCamera camera = trial.camera;
+        RollingShutterCamera camera = trial.camera;
         camera.world_from_camera =
             retract(camera.world_from_camera, step * geometry::Vector6d::Unit(k));
         return reprojection_residual(trial.view, trial.point_world, camera, trial.model);

@@ -111,7 +111,7 @@ Expected<std::vector<PoseGraphEdge>> close_loops(const KeyframeStamp& newest,
   return result;
 }
 
-bool is_return(const PoseGraphEdge& edge) {
+bool spans_long_loop(const PoseGraphEdge& edge) {
   constexpr NodeId kNeighborhood = 10;
   return edge.is_loop &&
          std::max(edge.from, edge.to) - std::min(edge.from, edge.to) > kNeighborhood;

@@ -45,7 +45,7 @@ using CompareKeyframes = std::function<Expected<motion::MotionOutcome>(KeyframeI
 
 // Whether the edge is a return to a place that was left, and not one between neighbours on the
 // walk: its key-frames are more than ten apart.
-[[nodiscard]] bool is_return(const PoseGraphEdge& edge);
+[[nodiscard]] bool spans_long_loop(const PoseGraphEdge& edge);
 
 // The edge between two key-frames from the motion that was found between them.
 [[nodiscard]] PoseGraphEdge edge_from_motion(KeyframeId from, KeyframeId to,

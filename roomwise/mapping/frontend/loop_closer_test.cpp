@@ -124,9 +124,9 @@ TEST_F(CloseLoops, PassesOnWhyAComparisonFailed) {
 
 TEST(IsReturn, TellsAReturnFromANeighbour) {
   const geometry::Matrix6d information = geometry::Matrix6d::Identity();
-  EXPECT_TRUE(is_return({2, 40, {}, information, true}));
-  EXPECT_FALSE(is_return({37, 40, {}, information, true}));
-  EXPECT_FALSE(is_return({2, 40, {}, information, false}));
+  EXPECT_TRUE(spans_long_loop({2, 40, {}, information, true}));
+  EXPECT_FALSE(spans_long_loop({37, 40, {}, information, true}));
+  EXPECT_FALSE(spans_long_loop({2, 40, {}, information, false}));
 }
 
 TEST(LoopOptions, SaysWhichFieldIsWrong) {

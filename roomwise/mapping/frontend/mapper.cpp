@@ -17,7 +17,7 @@ constexpr double kStepsSigma_rad = 0.03;
 constexpr KeyframeId kNeighbors = 5;
 // By how much of a key-frame's motion the way along edges to a known place may be wrong, and how
 // many places are tried.
-constexpr double kWaySlack = 0.2;
+constexpr double kGraphPathSlackRatio = 0.2;
 constexpr int kMaxKnownTried = 2;
 // A component of the map makes new key-frames also on known ground until it has so many: only new
 // ones find the loops that join it with the others.
@@ -31,7 +31,7 @@ constexpr int kMaxFramesToCheckpoint = 300;
 constexpr std::size_t kMinFramesKept = 4;
 
 // Whether edges lead from the key-frame to so many, itself included.
-bool is_joined_with(const KeyframeGraph& graph, KeyframeId keyframe, std::size_t count) {
+bool component_has_at_least(const KeyframeGraph& graph, KeyframeId keyframe, std::size_t count) {
   std::vector<KeyframeId> open{keyframe};
   std::set<KeyframeId> reached{keyframe};
   while (!open.empty() && reached.size() < count) {
@@ -210,7 +210,7 @@ std::vector<KeyframeId> Mapper::neighbors(std::size_t passed_over) const {
   return distinct;
 }
 
-std::optional<RigidTransform> Mapper::along_steps(KeyframeId from) const {
+std::optional<RigidTransform> Mapper::chain_odometry(KeyframeId from) const {
   RigidTransform from_newest;
   for (std::size_t back = 1; back < std::min<std::size_t>(reference_history_.size(), kNeighbors);
        ++back) {
@@ -228,8 +228,8 @@ Expected<std::optional<Mapper::RevisitedKeyframe>> Mapper::find_revisited(
   if (options_.reuse.max_motion_ratio == 0) return std::nullopt;
   const auto min_age = static_cast<std::size_t>(options_.reuse.min_age);
   if (keyframes_.size() < kLargeMap_ages * min_age) return std::nullopt;
-  if (!is_joined_with(graph_, reference_history_.back(),
-                      std::min(keyframes_.size(), kGrownComponent)))
+  if (!component_has_at_least(graph_, reference_history_.back(),
+                              std::min(keyframes_.size(), kGrownComponent)))
     return std::nullopt;
   struct Candidate {
     KeyframeId id = 0;
@@ -240,7 +240,7 @@ Expected<std::optional<Mapper::RevisitedKeyframe>> Mapper::find_revisited(
   for (const KeyframeGraph::Nearby& nearby : graph_.around(reference_history_.back())) {
     const RigidTransform pose = nearby.keyframe_from_nearby.inverse() * motion;
     const double far = motion_ratio(pose);
-    if (far < options_.reuse.max_motion_ratio + kWaySlack)
+    if (far < options_.reuse.max_motion_ratio + kGraphPathSlackRatio)
       candidates.push_back({nearby.id, pose, far});
   }
   std::ranges::stable_sort(candidates, {}, &Candidate::motion_ratio);
@@ -289,7 +289,7 @@ Expected<void> Mapper::add_keyframe(std::size_t frame_position,
   const auto compare_newest = [&](KeyframeId reference) {
     // Where the steps between two neighbours are known, so is nearly where they are.
     std::optional<motion::PosePrior> prior;
-    if (const auto steps = along_steps(reference))
+    if (const auto steps = chain_odometry(reference))
       prior = motion::PosePrior::around(*steps, kStepsSigma_m, kStepsSigma_rad);
     return compare(reference, *measured, newest.frame_index, prior);
   };

@@ -99,7 +99,7 @@ class Mapper {
   // The references of the walk before the last one.
   [[nodiscard]] std::vector<KeyframeId> neighbors(std::size_t passed_over) const;
   // A reference a little before the newest: where the newest is along the steps between them.
-  [[nodiscard]] std::optional<geometry::RigidTransform> along_steps(KeyframeId from) const;
+  [[nodiscard]] std::optional<geometry::RigidTransform> chain_odometry(KeyframeId from) const;
   // Those with an id below `before` that look most like it, best first.
   [[nodiscard]] std::vector<KeyframeId> similar_keyframes(
       const motion::FrameMeasurements& measurements, KeyframeId before) const;

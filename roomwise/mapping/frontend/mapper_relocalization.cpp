@@ -27,7 +27,8 @@ Mapper::Outcome Mapper::compare(KeyframeId reference, const motion::FrameMeasure
   strict.rests_on_prior = false;
   // A prior, where there is one, is too narrow here for the views to fit a period off it; and who
   // finds a known place takes an answer without matches for one by views alone.
-  strict.confirmed_from_m = strict.confirmed_from_rad = std::numeric_limits<double>::infinity();
+  strict.cross_check_min_translation_m = strict.cross_check_min_rotation_rad =
+      std::numeric_limits<double>::infinity();
   motion::MotionOptions& features = strict.features;
   features.min_inliers = std::max(features.min_inliers, options_.loops.min_inliers);
   features.min_matches = std::max(features.min_matches, options_.loops.min_inliers);

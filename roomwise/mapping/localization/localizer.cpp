@@ -44,10 +44,11 @@ double min_normal_eigenvalue(const motion::RgbdPyramid& view) {
 // with it in depth and pattern, and that several lead to it, of which each further one says less.
 // The form was chosen on walks through simulated homes (docs/experiments/finding-a-picture.md).
 double support(const Localization& pose, double rms) {
-  constexpr double kUnconvinced = 0.6;  // what is left of a doubt after one witness more
+  constexpr double kResidualDoubtPerSupport =
+      0.6;  // what is left of a doubt after one witness more
   const double fit = 1 / std::max(0.5, rms);
   return fit * pose.agreement.overlap * std::pow(pose.agreement.agreeing, 4) *
-         (1 - std::pow(kUnconvinced, pose.supporting_keyframes)) *
+         (1 - std::pow(kResidualDoubtPerSupport, pose.supporting_keyframes)) *
          (0.5 + std::max(0.0, pose.pattern_correlation));
 }
 
@@ -161,7 +162,7 @@ bool Localizer::can_compare_shapes(const Query& query) const {
          std::abs(a.fy / b.fy - 1) < kAlike;
 }
 
-bool Localizer::is_known_well(const Localization& found) const {
+bool Localizer::is_precise(const Localization& found) const {
   return found.position_sigma_m() <= options_.max_position_sigma_m &&
          found.rotation_sigma_rad() <= options_.max_rotation_sigma_rad;
 }
@@ -246,7 +247,7 @@ Localization Localizer::locate_in(const Place& place, const Query& query) const 
                agreement.agreeing >= options_.sure_agreeing)) {
     here.status = LocalizationStatus::kDoubtful;
   } else {
-    here.status = is_known_well(here) ? LocalizationStatus::kFound : LocalizationStatus::kVague;
+    here.status = is_precise(here) ? LocalizationStatus::kFound : LocalizationStatus::kVague;
   }
   return here;
 }
@@ -332,7 +333,7 @@ std::optional<Localization> Localizer::confirmed(const Query& query,
                                   is_elsewhere(other) &&
                                   other.inliers >= options_.clearly_more_inliers * best.inliers;
                          });
-  if (has_rival || !is_known_well(best)) return std::nullopt;
+  if (has_rival || !is_precise(best)) return std::nullopt;
   best.status = LocalizationStatus::kFound;
   best.is_weak_hypothesis = true;
   return best;
@@ -394,7 +395,7 @@ Localization Localizer::by_shape(const Query& query) const {
   } else if (poses.size() > 1 && poses[1].support > options_.max_rival_share * best.support) {
     best.status = LocalizationStatus::kAmbiguous;
   } else {
-    best.status = is_known_well(best) ? LocalizationStatus::kFound : LocalizationStatus::kVague;
+    best.status = is_precise(best) ? LocalizationStatus::kFound : LocalizationStatus::kVague;
   }
   return best;
 }
@@ -423,7 +424,7 @@ Localization Localizer::propagate(const Localization& earlier, const motion::Ref
   }
   if (is_contradicted(carried.agreement)) {
     carried.status = LocalizationStatus::kContradicted;
-  } else if (carried.found() && !is_known_well(carried)) {
+  } else if (carried.found() && !is_precise(carried)) {
     carried.status = LocalizationStatus::kVague;
   }
   return carried;
@@ -465,7 +466,7 @@ void Localizer::bind(const Query& first, const Query& second, PairLocalization& 
     // Where a picture alone leaves two places open, the motion fits both.
     const bool one_is_open = earlier.status == LocalizationStatus::kAmbiguous ||
                              later.status == LocalizationStatus::kAmbiguous;
-    if ((earlier.found() || !one_is_open) && is_known_well(later)) {
+    if ((earlier.found() || !one_is_open) && is_precise(later)) {
       later.status = LocalizationStatus::kFound;
     }
     if (earlier.found())

@@ -70,7 +70,7 @@ class Localizer {
                                                   const motion::ViewPattern& pattern,
                                                   const geometry::RigidTransform& pose) const;
   [[nodiscard]] bool is_contradicted(const motion::ViewAgreement& agreement) const;
-  [[nodiscard]] bool is_known_well(const Localization& found) const;
+  [[nodiscard]] bool is_precise(const Localization& found) const;
   [[nodiscard]] bool can_compare_shapes(const Query& query) const;
 
   [[nodiscard]] std::vector<Place> similar_places(const motion::FrameMeasurements& picture) const;

@@ -54,7 +54,8 @@ inline std::vector<KeyframeFeatures> small_features(const FeatureWalk& walk,
 
 inline std::vector<geometry::RigidTransform> poses_of(const Bundle& bundle) {
   std::vector<geometry::RigidTransform> poses;
-  for (const MovingCamera& camera : bundle.cameras) poses.push_back(camera.world_from_camera);
+  for (const RollingShutterCamera& camera : bundle.cameras)
+    poses.push_back(camera.world_from_camera);
   return poses;
 }
 

@@ -29,7 +29,7 @@ class SyntheticScene {
     truth_.model.readout_s = options.readout_s;
     for (std::size_t i = 0; i < options.cameras; ++i) {
       const double angle = 0.06 * static_cast<double>(i);
-      MovingCamera& camera = truth_.cameras.emplace_back();
+      RollingShutterCamera& camera = truth_.cameras.emplace_back();
       camera.world_from_camera = {
           Eigen::Quaterniond(Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitY())),
           {0.1 * static_cast<double>(i), 0.05 * std::sin(3 * angle), 0}};
@@ -66,7 +66,7 @@ class SyntheticScene {
     Landmark landmark;
     landmark.point_world = {between(-2, 4), between(-1.5, 1.5), between(2, 5)};
     for (std::uint32_t i = 0; i < truth_.cameras.size(); ++i) {
-      const MovingCamera& camera = truth_.cameras[i];
+      const RollingShutterCamera& camera = truth_.cameras[i];
       LandmarkView view{i, {}, 0, 0};
       // The row depends on where the point is seen, and that on the row.
       Eigen::Vector3d seen;

@@ -8,10 +8,10 @@
 
 namespace roomwise::network {
 
-WorkingThreads::WorkingThreads(std::size_t count) : before_(omp_get_max_threads()) {
+ScopedOmpThreads::ScopedOmpThreads(std::size_t count) : before_(omp_get_max_threads()) {
   omp_set_num_threads(static_cast<int>(count));
 }
-WorkingThreads::~WorkingThreads() {
+ScopedOmpThreads::~ScopedOmpThreads() {
   omp_set_num_threads(before_);
 }
 
@@ -38,13 +38,13 @@ float* PlanRun::data(const Place& place) const {
   return reinterpret_cast<float*>(begin + place.offset);
 }
 
-std::vector<float> PlanRun::read(const Located& value) const {
+std::vector<float> PlanRun::read(const TensorView& value) const {
   const float* begin = data(value.place);
   return {begin, begin + value.layout.get_size() / sizeof(float)};
 }
 
 std::vector<std::vector<float>> PlanRun::run(std::span<const std::span<const float>> inputs) {
-  const WorkingThreads threads(plan_->threads);
+  const ScopedOmpThreads threads(plan_->threads);
   for (std::size_t i = 0; i < inputs.size(); ++i) {
     std::memcpy(data(plan_->inputs[i].place), inputs[i].data(), inputs[i].size_bytes());
   }
@@ -62,7 +62,7 @@ std::vector<std::vector<float>> PlanRun::run(std::span<const std::span<const flo
   }
   stream_.wait();
   std::vector<std::vector<float>> outputs;
-  for (const Located& output : plan_->outputs) outputs.push_back(read(output));
+  for (const TensorView& output : plan_->outputs) outputs.push_back(read(output));
   return outputs;
 }
 

@@ -21,7 +21,7 @@ struct Place {
 };
 
 // A value in one layout.
-struct Located {
+struct TensorView {
   Place place;
   dnnl::memory::desc layout;
 };
@@ -31,7 +31,7 @@ struct Located {
 struct Step {
   struct Operand {
     int argument = 0;  // of the primitive
-    Located value;
+    TensorView value;
   };
   dnnl::primitive primitive;
   Kernel kernel;  // empty: the primitive
@@ -45,8 +45,8 @@ struct Plan {
   std::vector<Step> steps;
   std::vector<dnnl::memory> constants;
   MemoryPlan memory;
-  std::vector<Located> inputs;   // row by row
-  std::vector<Located> outputs;  // row by row
+  std::vector<TensorView> inputs;   // row by row
+  std::vector<TensorView> outputs;  // row by row
   std::vector<Shape> output_shapes;
   std::size_t threads = 1;
 };
@@ -77,7 +77,7 @@ class PlanRun {
     void operator()(void* memory) const { std::free(memory); }
   };
   [[nodiscard]] float* data(const Place& place) const;
-  [[nodiscard]] std::vector<float> read(const Located& value) const;
+  [[nodiscard]] std::vector<float> read(const TensorView& value) const;
 
   std::shared_ptr<const Plan> plan_;
   std::unique_ptr<std::byte, Free> memory_;
@@ -87,12 +87,12 @@ class PlanRun {
 
 // While it lives, oneDNN works on so many threads for the calling one. Left alone it would start as
 // many as there are processors, besides our own.
-class WorkingThreads {
+class ScopedOmpThreads {
  public:
-  explicit WorkingThreads(std::size_t count);
-  ~WorkingThreads();
-  WorkingThreads(const WorkingThreads&) = delete;
-  WorkingThreads& operator=(const WorkingThreads&) = delete;
+  explicit ScopedOmpThreads(std::size_t count);
+  ~ScopedOmpThreads();
+  ScopedOmpThreads(const ScopedOmpThreads&) = delete;
+  ScopedOmpThreads& operator=(const ScopedOmpThreads&) = delete;
 
  private:
   int before_;

@@ -32,7 +32,7 @@ PlanBuilder::PlanBuilder(const Program& program, const PlanOptions& options)
       joins_(program.values.size()) {}
 
 std::shared_ptr<const Plan> PlanBuilder::build() {
-  const WorkingThreads threads(options_.threads);
+  const ScopedOmpThreads threads(options_.threads);
   plan_->threads = options_.threads;
   for (const ValueId input : program_.inputs) {
     located_[input] = new_buffer(plain(shape(input)));
@@ -121,12 +121,12 @@ memory PlanBuilder::reordered(memory from, const Layout& layout,
   return to;
 }
 
-Located PlanBuilder::add_constant(memory constant) {
+TensorView PlanBuilder::add_constant(memory constant) {
   plan_->constants.push_back(constant);
   return {{true, plan_->constants.size() - 1, 0}, constant.get_desc()};
 }
 
-Located PlanBuilder::located(ValueId value) {
+TensorView PlanBuilder::located(ValueId value) {
   if (!located_[value]) {
     const Value& known = program_.values[value];
     located_[value] = add_constant(constant_memory(plain(known.shape), known.constant->floats));
@@ -134,13 +134,13 @@ Located PlanBuilder::located(ValueId value) {
   return *located_[value];
 }
 
-Located PlanBuilder::in_layout(ValueId value, const Layout& layout) {
-  const Located present = located(value);
+TensorView PlanBuilder::in_layout(ValueId value, const Layout& layout) {
+  const TensorView present = located(value);
   if (present.layout == layout) return present;
-  for (const Located& further : reordered_[value]) {
+  for (const TensorView& further : reordered_[value]) {
     if (further.layout == layout) return further;
   }
-  Located result;
+  TensorView result;
   if (present.place.is_constant) {
     result = add_constant(reordered(plan_->constants[present.place.index], layout));
   } else {
@@ -151,8 +151,8 @@ Located PlanBuilder::in_layout(ValueId value, const Layout& layout) {
   return result;
 }
 
-Located PlanBuilder::in_floats(ValueId value) {
-  const Located present = located(value);
+TensorView PlanBuilder::in_floats(ValueId value) {
+  const TensorView present = located(value);
   return present.layout.data_type() == memory::data_type::f32
              ? present
              : in_layout(value, usual(shape(value)));
@@ -165,13 +165,13 @@ float PlanBuilder::scale_between(ValueId value, const Layout& from, const Layout
   return from_floats ? 1 / step : step;
 }
 
-Located PlanBuilder::new_buffer(const Layout& layout) {
+TensorView PlanBuilder::new_buffer(const Layout& layout) {
   buffers_.push_back({layout.get_size(), static_cast<std::size_t>(-1), 0});
   return {{false, buffers_.size() - 1, 0}, layout};
 }
 
-Located PlanBuilder::place_output(ValueId value, const Layout& layout) {
-  Located result;
+TensorView PlanBuilder::place_output(ValueId value, const Layout& layout) {
+  TensorView result;
   if (joins_[value] && layout == usual(shape(value))) {
     const Join& join = *joins_[value];
     result = {place_of_join(join.target), layout};
@@ -189,7 +189,7 @@ Place PlanBuilder::place_of_join(ValueId target) {
   return *place;
 }
 
-void PlanBuilder::copy(const Located& from, const Located& to, float scale) {
+void PlanBuilder::copy(const TensorView& from, const TensorView& to, float scale) {
   dnnl::primitive_attr attributes;
   if (scale != 1) attributes.set_output_scales(0, {scale});
   const dnnl::reorder::primitive_desc description(plan_->engine, from.layout, plan_->engine,
@@ -204,10 +204,10 @@ void PlanBuilder::add_primitive(const dnnl::primitive& primitive, const Layout& 
   plan_->steps.push_back({primitive, nullptr, std::move(operands)});
 }
 
-void PlanBuilder::add_kernel(Kernel kernel, std::vector<Located> operands) {
+void PlanBuilder::add_kernel(Kernel kernel, std::vector<TensorView> operands) {
   Step step;
   step.kernel = std::move(kernel);
-  for (const Located& operand : operands) step.operands.push_back({0, operand});
+  for (const TensorView& operand : operands) step.operands.push_back({0, operand});
   plan_->steps.push_back(std::move(step));
 }
 
@@ -222,11 +222,11 @@ void PlanBuilder::plan_memory_of_steps() {
     buffer.first = std::min(buffer.first, step);
     buffer.last = std::max(buffer.last, step);
   };
-  for (const Located& input : plan_->inputs) needs(input.place, 0);
+  for (const TensorView& input : plan_->inputs) needs(input.place, 0);
   for (std::size_t i = 0; i < plan_->steps.size(); ++i) {
     for (const Step::Operand& operand : plan_->steps[i].operands) needs(operand.value.place, i);
   }
-  for (const Located& output : plan_->outputs) needs(output.place, plan_->steps.size());
+  for (const TensorView& output : plan_->outputs) needs(output.place, plan_->steps.size());
   plan_->memory = plan_memory(buffers_);
 }
 

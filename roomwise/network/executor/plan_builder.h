@@ -45,22 +45,22 @@ class PlanBuilder {
   [[nodiscard]] dnnl::memory given_weights(const Convolution& convolution) const;
   [[nodiscard]] dnnl::memory reordered(dnnl::memory from, const Layout& layout,
                                        const dnnl::primitive_attr& attributes = {});
-  [[nodiscard]] Located add_constant(dnnl::memory memory);
+  [[nodiscard]] TensorView add_constant(dnnl::memory memory);
 
   // The value as it lies, and in a layout (reordered if need be).
-  [[nodiscard]] Located located(ValueId value);
-  [[nodiscard]] Located in_layout(ValueId value, const Layout& layout);
-  [[nodiscard]] Located in_floats(ValueId value);
+  [[nodiscard]] TensorView located(ValueId value);
+  [[nodiscard]] TensorView in_layout(ValueId value, const Layout& layout);
+  [[nodiscard]] TensorView in_floats(ValueId value);
   // What numbers of a value are multiplied by from one layout to the other: its step, or 1.
   [[nodiscard]] float scale_between(ValueId value, const Layout& from, const Layout& to) const;
-  [[nodiscard]] Located new_buffer(const Layout& layout);
+  [[nodiscard]] TensorView new_buffer(const Layout& layout);
   // Where a new value of this layout is written.
-  [[nodiscard]] Located place_output(ValueId value, const Layout& layout);
+  [[nodiscard]] TensorView place_output(ValueId value, const Layout& layout);
   [[nodiscard]] Place place_of_join(ValueId target);
-  void copy(const Located& from, const Located& to, float scale);
+  void copy(const TensorView& from, const TensorView& to, float scale);
   void add_primitive(const dnnl::primitive& primitive, const Layout& scratchpad,
                      std::vector<Step::Operand> operands);
-  void add_kernel(Kernel kernel, std::vector<Located> operands);
+  void add_kernel(Kernel kernel, std::vector<TensorView> operands);
 
   void plan_layer(const Layer& layer, const Convolution& convolution);
   void plan_layer(const Layer& layer, const Pooling& pooling);
@@ -75,7 +75,7 @@ class PlanBuilder {
   void plan_layer(const Layer& layer, const Mean& mean);
   void add_convolution(const Layer& layer, const ConvolutionDescription& description,
                        const dnnl::memory& weights, const std::vector<float>& bias);
-  [[nodiscard]] Located residual_in_place(const Layer& layer, const Layout& layout);
+  [[nodiscard]] TensorView residual_in_place(const Layer& layer, const Layout& layout);
   void gather_in_place(const Layer& layer);
 
   // In 8 bits, channels last (plan_quantized.cpp). The layout of a value that is held so.
@@ -93,12 +93,12 @@ class PlanBuilder {
   std::size_t block_;
   std::shared_ptr<Plan> plan_ = std::make_shared<Plan>();
   dnnl::stream stream_;
-  std::vector<std::optional<Located>> located_;          // by value, as it was made
-  std::map<ValueId, std::vector<Located>> reordered_;    // the same in further layouts
-  std::vector<std::size_t> last_use_;                    // by value: the last layer that reads it
-  std::vector<bool> shares_memory_;                      // by value: with another value
-  std::vector<std::optional<Join>> joins_;               // by value
-  std::map<ValueId, std::optional<Place>> join_places_;  // by target; set when first needed
+  std::vector<std::optional<TensorView>> located_;        // by value, as it was made
+  std::map<ValueId, std::vector<TensorView>> reordered_;  // the same in further layouts
+  std::vector<std::size_t> last_use_;                     // by value: the last layer that reads it
+  std::vector<bool> shares_memory_;                       // by value: with another value
+  std::vector<std::optional<Join>> joins_;                // by value
+  std::map<ValueId, std::optional<Place>> join_places_;   // by target; set when first needed
   std::vector<Buffer> buffers_;
   std::size_t layer_ = 0;  // in work
 };

@@ -61,9 +61,9 @@ dnnl::memory PlanBuilder::given_weights(const Convolution& convolution) const {
 
 // oneDNN adds to what lies where it writes. That is the residual itself where nobody reads it
 // afterwards, else a copy.
-Located PlanBuilder::residual_in_place(const Layer& layer, const Layout& layout) {
+TensorView PlanBuilder::residual_in_place(const Layer& layer, const Layout& layout) {
   const ValueId value = layer.inputs[1];
-  const Located residual = in_layout(value, layout);
+  const TensorView residual = in_layout(value, layout);
   const bool is_free = last_use_[value] == layer_ && layer.inputs[0] != value &&
                        !shares_memory_[value] && !joins_[value] && !joins_[layer.output] &&
                        !join_places_.contains(value) && !residual.place.is_constant;
@@ -71,7 +71,7 @@ Located PlanBuilder::residual_in_place(const Layer& layer, const Layout& layout)
     located_[layer.output] = residual;
     return residual;
   }
-  const Located output = place_output(layer.output, layout);
+  const TensorView output = place_output(layer.output, layout);
   copy(residual, output, 1);
   return output;
 }
@@ -86,24 +86,24 @@ void PlanBuilder::plan_layer(const Layer& layer, const Pooling& pooling) {
   const auto layout = [&](ValueId value) {
     return in_bytes ? in_eight_bits(value) : blocked(shape(value));
   };
-  const Located input = in_layout(layer.inputs[0], layout(layer.inputs[0]));
+  const TensorView input = in_layout(layer.inputs[0], layout(layer.inputs[0]));
   const dnnl::pooling_forward::primitive_desc description(
       {prop_kind::forward_inference, way, input.layout, layout(layer.output),
        dims_of(window.strides), dims_of(window.kernel), dims_of(window.pads_begin),
        dims_of(window.pads_end)},
       user_scratchpad(), plan_->engine);
-  const Located output = place_output(layer.output, description.dst_desc());
+  const TensorView output = place_output(layer.output, description.dst_desc());
   add_primitive(dnnl::pooling_forward(description), description.scratchpad_desc(),
                 {{DNNL_ARG_SRC, input}, {DNNL_ARG_DST, output}});
 }
 
 void PlanBuilder::plan_layer(const Layer& layer, const Activation& activation) {
   const auto [function, alpha, beta] = elementwise_of(activation);
-  const Located input = in_floats(layer.inputs[0]);
+  const TensorView input = in_floats(layer.inputs[0]);
   const dnnl::eltwise_forward::primitive_desc description(
       {prop_kind::forward_inference, function, input.layout, alpha, beta}, user_scratchpad(),
       plan_->engine);
-  const Located output = place_output(layer.output, description.dst_desc());
+  const TensorView output = place_output(layer.output, description.dst_desc());
   add_primitive(dnnl::eltwise_forward(description), description.scratchpad_desc(),
                 {{DNNL_ARG_SRC, input}, {DNNL_ARG_DST, output}});
 }
@@ -117,19 +117,19 @@ void PlanBuilder::plan_layer(const Layer& layer, const Arithmetic& arithmetic) {
       operation == Arithmetic::Operator::kAdd || operation == Arithmetic::Operator::kMultiply;
   if (commutes && shape(a) != result) std::swap(a, b);
   if (shape(a) != result || result.empty()) {
-    const Located of_a = in_layout(a, plain(shape(a))), of_b = in_layout(b, plain(shape(b)));
-    const Located output = place_output(layer.output, plain(result));
+    const TensorView of_a = in_layout(a, plain(shape(a))), of_b = in_layout(b, plain(shape(b)));
+    const TensorView output = place_output(layer.output, plain(result));
     add_kernel(arithmetic_kernel(operation, shape(a), shape(b), result), {of_a, of_b, output});
     return;
   }
   const bool in_blocks = is_blocked(a) || (result.size() == 4 && is_blocked(b));
-  const Located of_a = in_layout(a, in_blocks ? blocked(result) : plain(result));
+  const TensorView of_a = in_layout(a, in_blocks ? blocked(result) : plain(result));
   const bool blocks_of_b = in_blocks && shape(b)[1] != 1;
-  const Located of_b = in_layout(b, blocks_of_b ? blocked(shape(b)) : plain(shape(b)));
+  const TensorView of_b = in_layout(b, blocks_of_b ? blocked(shape(b)) : plain(shape(b)));
   const dnnl::binary::primitive_desc description(
       {algorithm_of(operation), of_a.layout, of_b.layout, of_a.layout}, user_scratchpad(),
       plan_->engine);
-  const Located output = place_output(layer.output, of_a.layout);
+  const TensorView output = place_output(layer.output, of_a.layout);
   add_primitive(dnnl::binary(description), description.scratchpad_desc(),
                 {{DNNL_ARG_SRC_0, of_a}, {DNNL_ARG_SRC_1, of_b}, {DNNL_ARG_DST, output}});
 }
@@ -153,7 +153,7 @@ void PlanBuilder::plan_layer(const Layer& layer, const AxisGather& gather) {
     return BlockedShape::around(shape(value), gather.axis, in_blocks ? block_ : 1);
   };
   std::vector<BlockedShape> shapes;
-  std::vector<Located> operands;
+  std::vector<TensorView> operands;
   for (const ValueId input : layer.inputs) {
     shapes.push_back(around_axis(input));
     operands.push_back(in_layout(input, layout(input)));
@@ -168,8 +168,8 @@ void PlanBuilder::gather_in_place(const Layer& layer) {
   const Place whole = place_of_join(layer.output);
   Place part = whole;
   for (const ValueId input : layer.inputs) {
-    const Located wanted{part, usual(shape(input))};
-    const Located present = located(input);
+    const TensorView wanted{part, usual(shape(input))};
+    const TensorView present = located(input);
     if (!(present.place == wanted.place && present.layout == wanted.layout))
       copy(present, wanted, scale_between(input, present.layout, wanted.layout));
     part.offset += count_of(shape(input)) * sizeof(float);
@@ -195,11 +195,11 @@ void PlanBuilder::plan_layer(const Layer& layer, const MatrixProduct& product) {
 }
 
 void PlanBuilder::plan_layer(const Layer& layer, const Softmax& softmax) {
-  const Located input = in_layout(layer.inputs[0], plain(shape(layer.inputs[0])));
+  const TensorView input = in_layout(layer.inputs[0], plain(shape(layer.inputs[0])));
   const dnnl::softmax_forward::primitive_desc description(
       {prop_kind::forward_inference, input.layout, static_cast<int>(softmax.axis)},
       user_scratchpad(), plan_->engine);
-  const Located output = place_output(layer.output, input.layout);
+  const TensorView output = place_output(layer.output, input.layout);
   add_primitive(dnnl::softmax_forward(description), description.scratchpad_desc(),
                 {{DNNL_ARG_SRC, input}, {DNNL_ARG_DST, output}});
 }
@@ -207,24 +207,24 @@ void PlanBuilder::plan_layer(const Layer& layer, const Softmax& softmax) {
 void PlanBuilder::plan_layer(const Layer& layer, const Resampling& resampling) {
   const ValueId from = layer.inputs[0];
   const bool in_blocks = is_blocked(from);
-  const Located input = in_layout(from, in_blocks ? blocked(shape(from)) : plain(shape(from)));
+  const TensorView input = in_layout(from, in_blocks ? blocked(shape(from)) : plain(shape(from)));
   const Shape& result = shape(layer.output);
-  const Located output = place_output(layer.output, in_blocks ? blocked(result) : plain(result));
+  const TensorView output = place_output(layer.output, in_blocks ? blocked(result) : plain(result));
   add_kernel(resampling_kernel(resampling, shape(from), in_blocks ? block_ : 1), {input, output});
 }
 
 void PlanBuilder::plan_layer(const Layer& layer, const View&) {
   const ValueId from = layer.inputs[0];
   located_[layer.output] =
-      Located{in_layout(from, plain(shape(from))).place, plain(shape(layer.output))};
+      TensorView{in_layout(from, plain(shape(from))).place, plain(shape(layer.output))};
   shares_memory_[from] = shares_memory_[layer.output] = true;
 }
 
 // A reordering from a layout that says the axes in another order.
 void PlanBuilder::plan_layer(const Layer& layer, const Permutation& permutation) {
   const ValueId from = layer.inputs[0];
-  const Located input = in_layout(from, plain(shape(from)));
-  const Located output = place_output(layer.output, plain(shape(layer.output)));
+  const TensorView input = in_layout(from, plain(shape(from)));
+  const TensorView output = place_output(layer.output, plain(shape(layer.output)));
   std::vector<int> places(permutation.axes.size());
   for (std::size_t i = 0; i < places.size(); ++i) places[permutation.axes[i]] = static_cast<int>(i);
   copy({input.place, input.layout.permute_axes(places)}, output, 1);
@@ -232,8 +232,8 @@ void PlanBuilder::plan_layer(const Layer& layer, const Permutation& permutation)
 
 void PlanBuilder::plan_layer(const Layer& layer, const Mean& mean) {
   const ValueId from = layer.inputs[0];
-  const Located input = in_layout(from, plain(shape(from)));
-  const Located output = place_output(layer.output, plain(shape(layer.output)));
+  const TensorView input = in_layout(from, plain(shape(from)));
+  const TensorView output = place_output(layer.output, plain(shape(layer.output)));
   add_kernel(mean_kernel(mean, shape(from)), {input, output});
 }
 

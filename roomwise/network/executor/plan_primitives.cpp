@@ -108,7 +108,7 @@ std::optional<ConvolutionDescription> winograd_convolution(const Convolution& co
                                                            const dnnl::engine& engine) {
   way.algorithm = algorithm::convolution_winograd;
   {
-    const WorkingThreads one(1);
+    const ScopedOmpThreads one(1);
     const auto found = fast_convolution(convolution, way, from, to, engine);
     if (!found) return std::nullopt;
     way.implementation = found->impl_info_str();

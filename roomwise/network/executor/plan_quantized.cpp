@@ -125,7 +125,7 @@ bool PlanBuilder::propagates_eight_bits(const Layer& layer) const {
 
 void PlanBuilder::join_in_eight_bits(const Layer& layer) {
   std::vector<std::size_t> channels;
-  std::vector<Located> operands;
+  std::vector<TensorView> operands;
   for (const ValueId input : layer.inputs) {
     channels.push_back(static_cast<std::size_t>(shape(input)[1]));
     operands.push_back(in_layout(input, in_eight_bits(input)));

@@ -147,7 +147,7 @@ Expected<void> ObjectRules::validate() const {
   }
   if (window < 1) return fail("window is {}; expected at least 1 key-frame", window);
   if (min_observations < 1 || min_observations > window) {
-    return fail("min_sightings is {}; expected 1 to window ({})", min_observations, window);
+    return fail("min_observations is {}; expected 1 to window ({})", min_observations, window);
   }
   if (!(same_object_distance_m >= 0 && std::isfinite(same_object_distance_m))) {
     return fail("same_object_distance_m is {}; expected 0 m or more", same_object_distance_m);

@@ -193,7 +193,7 @@ TEST(ObjectRules, NamesTheFieldThatIsWrong) {
   EXPECT_ERROR(rules.validate(), "window");
   rules = {};
   rules.min_observations = 5;
-  EXPECT_ERROR(rules.validate(), "min_sightings");
+  EXPECT_ERROR(rules.validate(), "min_observations");
   rules = {};
   rules.same_object_distance_m = -1;
   EXPECT_ERROR(rules.validate(), "same_object_distance_m");

@@ -12,7 +12,7 @@
 namespace roomwise::objects {
 namespace {
 
-const std::string& max_called(const Candidate& candidate) {
+const std::string& best_class(const Candidate& candidate) {
   return std::ranges::max_element(candidate.scores, {}, [](const auto& one) { return one.second; })
       ->first;
 }
@@ -44,7 +44,7 @@ double overlap(const Candidate& a, const Candidate& b) {
   const bool are_alike = std::min(volume_a, volume_b) >= kLikeSize * std::max(volume_a, volume_b);
   const double of = are_alike ? smaller : smaller + larger - shared;
   const double of_cells = shared / std::max(1.0, of);
-  if (max_called(a) != max_called(b)) return of_cells;
+  if (best_class(a) != best_class(b)) return of_cells;
   return std::max(
       {of_cells, share_inside(a.box_world, b.box_world), share_inside(b.box_world, a.box_world)});
 }
@@ -57,8 +57,8 @@ bool fits(const Candidate& candidate, const std::string& name) {
 // them is as large as such things are, and both together are larger than any. So two chairs whose
 // pictures were taken for those of one do not swallow the one of them that was measured.
 bool are_two(const Candidate& a, const Candidate& b, const Candidate& joined) {
-  const std::string &name = max_called(a), &whole = max_called(joined);
-  return name == max_called(b) && joined.has_extent() &&
+  const std::string &name = best_class(a), &whole = best_class(joined);
+  return name == best_class(b) && joined.has_extent() &&
          size_prior_of(whole).is_smaller_than(joined.box_world.size_m) &&
          (fits(a, name) || fits(b, name));
 }
@@ -124,10 +124,10 @@ struct Existence {
 // there depth says, and what its best views do not say of it is in its score: it is not missed
 // elsewhere.
 struct Evidence {
-  static constexpr double kBefore = -2.5;
+  static constexpr double kPriorLogOdds = -2.5;
   static constexpr double kActivation = 0.45;
 
-  static double of_miss(DetectionSource source) {
+  static double log_odds_of_miss(DetectionSource source) {
     switch (source) {
       case DetectionSource::kDetector:
         return -0.15;
@@ -163,10 +163,11 @@ Existence existence_of(const Candidate& candidate, std::span<const WorldObservat
     return observations[index].detection->source == DetectionSource::kProposal;
   });
   for (std::size_t k = 0; k < keyframes.size() && !stands_apart; ++k) {
-    if (speaks_for.contains(k) || keyframes[k].not_asked.contains(candidate.source)) continue;
+    if (speaks_for.contains(k) || keyframes[k].sources_not_run.contains(candidate.source)) continue;
     if (should_see(keyframes[k], candidate.surface_world, max_range_m)) ++existence.missed;
   }
-  double log_odds = Evidence::kBefore + existence.missed * Evidence::of_miss(candidate.source);
+  double log_odds =
+      Evidence::kPriorLogOdds + existence.missed * Evidence::log_odds_of_miss(candidate.source);
   for (const auto& [keyframe, evidence] : speaks_for) log_odds += evidence;
   existence.probability = logistic(log_odds);
   return existence;
@@ -349,7 +350,7 @@ Expected<void> InstanceOptions::validate() const {
     return fail("max_range_m is {}; expected more than 0 m", max_range_m);
   }
   if (min_observations < 1) {
-    return fail("min_sightings is {}; expected at least 1 key-frame", min_observations);
+    return fail("min_observations is {}; expected at least 1 key-frame", min_observations);
   }
   if (!(min_probability >= 0 && min_probability <= 1)) {
     return fail("min_probability is {}; expected a probability, 0 to 1", min_probability);

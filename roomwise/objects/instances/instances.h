@@ -67,7 +67,7 @@ struct ObservedKeyframe : KeyframeDetections {
   // What a classifier says of the whole picture, which is mostly what stands in its middle.
   std::vector<Observation> said;
   // That did not look at it: what they find elsewhere is not missed here.
-  std::set<DetectionSource> not_asked;
+  std::set<DetectionSource> sources_not_run;
 
   // What was measured where the picture shows a point before the camera, m; 0 where nothing was,
   // absent outside of the picture.

@@ -191,11 +191,11 @@ TEST(FindInstances, WhoDidNotLookMissesNothing) {
   };
   EXPECT_GT(missed(), 3);
   for (ObservedKeyframe& keyframe : room.keyframes()) {
-    if (keyframe.detections.empty()) keyframe.not_asked = {DetectionSource::kDetector};
+    if (keyframe.detections.empty()) keyframe.sources_not_run = {DetectionSource::kDetector};
   }
   EXPECT_GT(missed(), 3) << "the crops were shown them";
   for (ObservedKeyframe& keyframe : room.keyframes()) {
-    if (keyframe.detections.empty()) keyframe.not_asked = {DetectionSource::kCrop};
+    if (keyframe.detections.empty()) keyframe.sources_not_run = {DetectionSource::kCrop};
   }
   EXPECT_EQ(missed(), 0);
 }
@@ -636,7 +636,7 @@ TEST(InstanceOptions, NamesTheFieldThatIsWrong) {
   EXPECT_ERROR(options.validate(), "max_range_m");
   options = {};
   options.min_observations = 0;
-  EXPECT_ERROR(options.validate(), "min_sightings");
+  EXPECT_ERROR(options.validate(), "min_observations");
   options = {};
   options.min_probability = -1;
   EXPECT_ERROR(options.validate(), "min_probability");

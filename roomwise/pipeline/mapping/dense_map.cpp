@@ -12,8 +12,9 @@ Expected<void> DenseMap::follow(const home::Home& home, std::span<const home::Ke
   for (const home::Keyframe& keyframe : keyframes) {
     poses[keyframe.id] = keyframe.pose.world_from_keyframe;
   }
-  std::map<fusion::FrameId, fusion::FusionStep> steps;
-  for (const fusion::FusionStep& step : fusion_.steps_to(poses)) steps[step.frame] = step;
+  std::map<fusion::FrameId, fusion::Reintegration> steps;
+  for (const fusion::Reintegration& step : fusion_.reintegrations_for(poses))
+    steps[step.frame] = step;
   ROOMWISE_TRY(auto moving, home.keyframes());
   std::erase_if(moving,
                 [&](const home::Keyframe& keyframe) { return !steps.contains(keyframe.id); });

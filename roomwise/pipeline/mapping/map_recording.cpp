@@ -179,7 +179,7 @@ Expected<MapSummary> map_recording(recording::FrameSource& source, const home::R
   summary.frames = mapper.frame_count();
   summary.keyframes = mapper.keyframes().size();
   summary.loops =
-      static_cast<std::uint64_t>(std::ranges::count_if(mapper.edges(), mapping::is_return));
+      static_cast<std::uint64_t>(std::ranges::count_if(mapper.edges(), mapping::spans_long_loop));
   summary.edges = mapper.edges().size();
   return summary;
 }

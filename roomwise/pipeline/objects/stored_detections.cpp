@@ -82,7 +82,7 @@ Expected<std::map<std::uint64_t, std::vector<objects::ObservedKeyframe>>> observ
     observed.camera = cameras.at(keyframe.recording);
     observed.said = std::move(said[keyframe.id]);
     for (const DetectionSource source : kSources) {
-      if (!all.sources.at(keyframe.id).contains(source)) observed.not_asked.insert(source);
+      if (!all.sources.at(keyframe.id).contains(source)) observed.sources_not_run.insert(source);
     }
   }
   return components;

@@ -79,9 +79,10 @@ TEST(StoredDetections, SayWhoDidNotLookAtAKeyframe) {
   std::size_t others = 0;
   for (const auto& [component, keyframes] : *components) {
     for (const objects::ObservedKeyframe& keyframe : keyframes) {
-      EXPECT_FALSE(keyframe.not_asked.contains(DetectionSource::kDetector));
-      EXPECT_TRUE(keyframe.not_asked.contains(DetectionSource::kActivation));
-      EXPECT_EQ(keyframe.not_asked.contains(DetectionSource::kCrop), keyframe.keyframe_id != 1);
+      EXPECT_FALSE(keyframe.sources_not_run.contains(DetectionSource::kDetector));
+      EXPECT_TRUE(keyframe.sources_not_run.contains(DetectionSource::kActivation));
+      EXPECT_EQ(keyframe.sources_not_run.contains(DetectionSource::kCrop),
+                keyframe.keyframe_id != 1);
       others += keyframe.keyframe_id != 1 ? 1 : 0;
     }
   }

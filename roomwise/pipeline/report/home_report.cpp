@@ -119,7 +119,7 @@ double path_length_m(std::span<const recording::StampedPose> trajectory) {
 }
 
 std::vector<ReportContent::Figure> summary(const Stored& stored, double path_m) {
-  const auto loops = std::ranges::count_if(stored.edges, mapping::is_return);
+  const auto loops = std::ranges::count_if(stored.edges, mapping::spans_long_loop);
   std::vector<ReportContent::Figure> figures;
   for (const home::StoredRecording& recording : stored.recordings) {
     figures.push_back({"Recording", recording.recording.name});
