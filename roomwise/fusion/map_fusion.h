@@ -46,8 +46,8 @@ class MapFusion {
   // What leads from the poses that are fused to `poses`, by frame. Frames that are missing there
   // are taken out.
   [[nodiscard]] std::vector<Reintegration> reintegrations_for(const FramePoses& poses) const;
-  // Carries out a step of steps_to(); `frame` must be the same each time. Fails, changing nothing,
-  // where the pose is not finite or the field holds all the frames that it can.
+  // Carries out one of reintegrations_for(); `frame` must be the same each time. Fails, changing
+  // nothing, where the pose is not finite or the field holds all the frames that it can.
   [[nodiscard]] Expected<void> apply(const Reintegration& step, const FrameSurface& frame,
                                      ThreadPool& pool);
 
