@@ -304,7 +304,7 @@ void print_unknown(const std::vector<json>& homes, const RoomsOptions& options) 
   }
 }
 
-// Of all homes: `way` is "instances" or "rules".
+// Of all homes: `way` is "instances", "naive" or "rules".
 void print_objects_row(const std::vector<json>& homes, const char* way, const char* title) {
   std::uint64_t found = 0, missed = 0, beyond = 0, twice = 0, wrong = 0;
   std::vector<double> errors_m;
@@ -362,6 +362,7 @@ Expected<void> print_things(const Words& seeds, const fs::path& folder) {
       "\n| things | found of expected | beyond | found twice | false | from the box's middle, "
       "median (90 %) |\n| --- | --- | --- | --- | --- | --- |\n");
   print_objects_row(homes, "instances", "joined from regions");
+  print_objects_row(homes, "naive", "naive clustering");
   print_objects_row(homes, "rules", "the paper's rules");
   fmt::print(
       "\n| visits with things moved | changed: noticed | of those that the home had found | alarms "

@@ -88,7 +88,7 @@ TEST_F(SimulatedTruth, ThingsThatNobodyNamedAreMissed) {
   const std::string missed = objects.at("instances").at("missed").dump();
   EXPECT_THAT(read_text_file(path("objects.html")).value(),
               HasSubstr("Missed, joined from regions: " + missed));
-  for (const char* way : {"instances", "rules"}) {
+  for (const char* way : {"instances", "naive", "rules", "ours", "paper"}) {
     EXPECT_EQ(objects.at(way).at("found"), 0) << "there was no network";
     EXPECT_EQ(objects.at(way).at("false"), 0);
     EXPECT_EQ(objects.at(way).at("missed"), objects.at("instances").at("missed"));

@@ -53,7 +53,7 @@ std::string row_of(
     const std::string& name, const trials::ObjectEvaluation& result,
     const std::function<evaluation::ObjectCounts(const trials::FoundObjectErrors&)>& counts_of) {
   std::string row = fmt::format("{:<16}", name);
-  for (const auto* way : {&result.instances, &result.by_rules}) {
+  for (const auto* way : {&result.instances, &result.naive, &result.by_rules}) {
     const evaluation::ObjectCounts counts = counts_of(*way);
     row += fmt::format(" | {:>5} {:>6} {:>6} {:>6} {:>5}", counts.matched, counts.missed,
                        counts.beyond, counts.duplicates, counts.wrong);
@@ -96,10 +96,11 @@ Expected<Answer> evaluate_objects(const HomeEvaluationOptions& options, Context&
                trials::evaluate_objects(home, options.truth, options.max_distance_m));
   const char* columns = "found missed beyond double false";
   Answer answer;
-  answer.text = fmt::format("{:<16} | {:<32} | {}\n{:<16} | {} | {}\n", "", "joined from regions",
-                            "the paper's rules", "object", columns, columns);
+  answer.text = fmt::format("{:<16} | {:<32} | {:<32} | {}\n{:<16} | {} | {} | {}\n", "",
+                            "joined from regions", "naive clustering", "the paper's rules",
+                            "object", columns, columns, columns);
   std::set<std::string> kinds;
-  for (const auto* way : {&result.instances, &result.by_rules}) {
+  for (const auto* way : {&result.instances, &result.naive, &result.by_rules}) {
     for (const auto& [kind, counts] : way->errors.by_kind) kinds.insert(kind);
   }
   for (const std::string& kind : kinds) {
@@ -111,15 +112,21 @@ Expected<Answer> evaluate_objects(const HomeEvaluationOptions& options, Context&
   answer.text +=
       row_of("all", result, [](const trials::FoundObjectErrors& way) { return way.errors.all; });
   answer.text += distances_of("joined from regions", result.instances) +
+                 distances_of("naive clustering", result.naive) +
                  distances_of("the paper's rules", result.by_rules);
   if (!result.instances.errors.matches.empty()) {
     answer.text +=
         fmt::format("within two standard deviations: {:.0f} % (of a normal error 95 %)\n",
                     100 * result.within_two_sigma);
   }
-  answer.json = {{"instances", to_json(result.instances)}, {"rules", to_json(result.by_rules)}};
+  answer.json = {{"instances", to_json(result.instances)},
+                 {"naive", to_json(result.naive)},
+                 {"rules", to_json(result.by_rules)},
+                 {"ours", to_json(result.instances.errors.all)},
+                 {"paper", to_json(result.by_rules.errors.all)}};
   answer.json["instances"]["within_two_sigma"] = result.within_two_sigma;
   answer.json["instances"]["pairs"] = details_of(result, result.instances);
+  answer.json["naive"]["pairs"] = details_of(result, result.naive);
   answer.json["rules"]["pairs"] = details_of(result, result.by_rules);
   if (!options.report.empty()) {
     ROOMWISE_TRY(const evaluation::ObjectReportContent content,
@@ -218,7 +225,8 @@ std::pair<CLI::App*, HomeEvaluationOptions&> add_evaluation(
 void add_home_evaluations(CLI::App& group, Context& context) {
   const auto [objects, of_objects] = add_evaluation(
       group, context, "objects",
-      "The objects of a home, both ways, against the truth of a simulated recording: found and "
+      "The objects of a home, both ways and by naive clustering, against the truth of a simulated "
+      "recording: found and "
       "missed of what it shows well, found beyond that, found twice, false, and how far from where "
       "they are",
       " --report objects.html", evaluate_objects);

@@ -6,8 +6,10 @@
 #include <map>
 
 #include "laboratory/simulation/home/ground_truth.h"
+#include "laboratory/trials/naive_objects.h"
 #include "laboratory/trials/true_objects.h"
 #include "laboratory/trials/truth_evaluation.h"
+#include "roomwise/pipeline/objects/stored_detections.h"
 #include "roomwise/pipeline/stored/keyframe_images.h"
 
 namespace roomwise::trials {
@@ -149,6 +151,16 @@ Expected<ObjectEvaluation> evaluate_objects(const home::Home& home,
   }
   ROOMWISE_TRY(result.by_rules.errors,
                evaluation::object_errors(result.truth, result.by_rules.found, max_distance_m));
+
+  ROOMWISE_TRY(const auto observed, pipeline::observed_keyframes(home));
+  if (const auto main_component = observed.find(0); main_component != observed.end()) {
+    result.naive.found = naive_objects(main_component->second);
+  }
+  for (evaluation::FoundObject& found : result.naive.found) {
+    found.position = truth_from_world * found.position;
+  }
+  ROOMWISE_TRY(result.naive.errors,
+               evaluation::object_errors(result.truth, result.naive.found, max_distance_m));
 
   ROOMWISE_TRY(const auto instances, home.instances());
   std::vector<std::pair<geometry::OrientedBox, Eigen::Vector3d>> boxes;  // with sigma

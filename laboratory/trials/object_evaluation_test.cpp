@@ -6,6 +6,7 @@
 #include "laboratory/trials/object_report.h"
 #include "laboratory/trials/truth_evaluation.h"
 #include "roomwise/base/testing/testing.h"
+#include "roomwise/home/testing/sample_home.h"
 #include "roomwise/pipeline/mapping/map_recording.h"
 #include "roomwise/pipeline/rooms/room_learning.h"
 #include "roomwise/pipeline/testing/synthetic_walk.h"
@@ -85,7 +86,7 @@ TEST(ObjectEvaluation, ComparesWithWhatIsThere) {
   made_up.instances.errors.missed = {0};
   const auto report = object_report(home, "a", made_up);
   ASSERT_OK(report);
-  EXPECT_EQ(report->ways.size(), 2U);
+  EXPECT_EQ(report->ways.size(), 3U);
   ASSERT_EQ(report->found.size(), 1U);
   EXPECT_EQ(report->found[0].text,
             "0.20 m from the middle of the true bed, which need not be found.");

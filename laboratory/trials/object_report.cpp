@@ -65,6 +65,7 @@ Expected<ObjectReportContent> object_report(const home::Home& home, const std::s
       "the thing near that key-frame, or it lies in part behind the camera."};
   content.ways = {
       {"joined from regions", things.errors, things.without_place},
+      {"naive clustering", evaluation.naive.errors, evaluation.naive.without_place},
       {"the paper's rules", evaluation.by_rules.errors, evaluation.by_rules.without_place}};
   content.shown_way = content.ways.front().name;
   const auto note_of_found = [&](std::size_t f, const std::string& what, std::string text) {

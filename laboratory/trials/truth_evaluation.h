@@ -50,6 +50,7 @@ struct ObjectEvaluation {
   std::vector<evaluation::TrueObject> truth;
   std::vector<std::optional<ShownIn>> truth_shown;  // largest; absent where no key-frame shows it
   FoundObjectErrors by_rules;                       // the paper's way
+  FoundObjectErrors naive;                          // naive_objects()
   FoundObjectErrors instances;                      // joined from regions
   std::vector<ShownIn> instances_shown;             // best, of each of instances.found
   double max_distance_m = 0;                        // from a true box, of what counts as found
