@@ -164,7 +164,7 @@ TEST_F(ThingsCommandsTest, AClassifierBesideADetectorFindsWhatTheDetectorHasNoWo
   for (const auto& [id, record] : *finders) {
     if (id == finders->begin()->first) continue;
     EXPECT_THAT(record.name, AnyOf("activation maps", "crops of boxes", "closer looks"));
-    const auto looks = found->looks(id);
+    const auto looks = found->detections(id);
     ASSERT_OK(looks);
     EXPECT_EQ(looks->size(), keyframes->size()) << record.name;
     if (record.name == "closer looks") continue;  // nothing need stand apart here
@@ -196,7 +196,7 @@ TEST_F(ThingsCommandsTest, TheMapsOfOneClassifierAreAskedForAllItsWordsWhereThey
   const auto finders = found->region_finders();
   ASSERT_OK(finders);
   ASSERT_EQ(finders->size(), 2U) << "what the detector found when it was mapped is kept";
-  const auto looks = found->looks(finders->rbegin()->first);
+  const auto looks = found->detections(finders->rbegin()->first);
   ASSERT_OK(looks);
   ASSERT_FALSE(looks->empty());
   for (const auto& [keyframe, look] : *looks) {

@@ -146,8 +146,8 @@ Expected<Answer> export_tum(const ExportOptions& options, Context& context) {
   return wrote(options.output, "poses", trajectory.size());
 }
 
-// Without the loops that the map left out. Pieces that no loop joined are parts of the one graph
-// without an edge between them.
+// Without the loops that the map left out. Components that no loop joined are parts of the one
+// graph without an edge between them.
 Expected<Answer> export_g2o(const ExportOptions& options, Context& context) {
   ROOMWISE_TRY(const home::Home home, open_home_read_only(options.home, context));
   ROOMWISE_TRY(const auto settings, pipeline::stored_map_settings(home));

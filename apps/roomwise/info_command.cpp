@@ -61,7 +61,7 @@ Expected<Answer> describe_home(const InfoOptions& options, Context& context) {
   ROOMWISE_TRY(const auto recordings, home.recordings());
   ROOMWISE_TRY(const auto keyframes, home.keyframes());
   ROOMWISE_TRY(const auto edges, home.edges());
-  ROOMWISE_TRY(const auto objects, home.objects());
+  ROOMWISE_TRY(const auto objects, home.paper_objects());
   ROOMWISE_TRY(const auto instances, home.instances());
   ROOMWISE_TRY(const auto rooms, home.rooms());
   ROOMWISE_TRY(const auto networks, home.networks());

@@ -323,11 +323,11 @@ Expected<rooms::RoomDecision> recognize_walk(const pipeline::RoomRecognizer& rec
   for (std::size_t i = 0; i < pictures.size(); ++i) {
     ROOMWISE_TRY(const network::Prediction seen, recognizer.features().predict(pictures[i]));
     ROOMWISE_TRY(const rooms::PictureEvidence evidence, recognizer.evidence(seen));
-    pipeline::RoomRecognizer::FindPlace find_place;
+    pipeline::RoomRecognizer::Localize localize;
     if (places != nullptr) {
-      find_place = [&] { return places->look(to_locate.subspan(i, 1), recognizer.rooms()); };
+      localize = [&] { return places->look(to_locate.subspan(i, 1), recognizer.rooms()); };
     }
-    ROOMWISE_TRY(decision, recognizer.update(stream, evidence, interval_s, find_place));
+    ROOMWISE_TRY(decision, recognizer.update(stream, evidence, interval_s, localize));
   }
   return decision;
 }

@@ -26,14 +26,14 @@ class ChangeEvaluationTest : public ::testing::Test {
     ROOMWISE_MUST(home_->add_network(home::testing::sample_network()));
     ROOMWISE_MUST(home_->replace_concepts(rooms::Concepts::standard()));
     for (home::KeyframeId id = 0; id < 8; ++id) {
-      home::Step step = home::testing::sample_step(1, 1, id);
+      home::MapCommit step = home::testing::sample_commit(1, 1, id);
       const auto time_of = [](std::uint64_t frame) {
         return static_cast<TimestampNs>(frame + 1) * 100'000'000;
       };
       for (home::Frame& frame : step.frames) frame.timestamp_ns = time_of(frame.index);
       step.keyframes[0].timestamp_ns = time_of(step.keyframes[0].frame_index);
       step.keyframes[0].pose.component = 0;
-      ROOMWISE_MUST(home_->commit_step(step));
+      ROOMWISE_MUST(home_->commit(step));
     }
     std::filesystem::create_directories(mapped());
     std::filesystem::create_directories(visit());

@@ -139,8 +139,8 @@ Expected<ObjectEvaluation> evaluate_objects(const home::Home& home,
   ROOMWISE_TRY(const geometry::RigidTransform truth_from_world, truth_from_map(home, recording));
   ROOMWISE_TRY(const auto keyframes, home.keyframes());
 
-  ROOMWISE_TRY(const auto objects, home.objects());
-  for (const objects::MapObject& object : objects) {
+  ROOMWISE_TRY(const auto objects, home.paper_objects());
+  for (const objects::PaperObject& object : objects) {
     const home::KeyframePose& pose = keyframes.at(object.keyframe_id).pose;
     if (!object.position_keyframe || pose.component != 0) {
       ++result.by_rules.without_place;

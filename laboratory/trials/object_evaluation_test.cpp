@@ -37,7 +37,7 @@ TEST(ObjectEvaluation, ComparesWithWhatIsThere) {
   const roomwise::testing::ScratchFolder folder;
   pipeline::testing::SyntheticWalk walk(45);
   const home::Home home = mapped_home(folder / "a.home", walk);
-  const objects::MapObject bed = home.objects()->front();
+  const objects::PaperObject bed = home.paper_objects()->front();
   ASSERT_EQ(bed.name, "bed");
   const Eigen::Vector3d place =
       home.keyframes()->at(bed.keyframe_id).pose.world_from_keyframe * *bed.position_keyframe;

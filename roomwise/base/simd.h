@@ -25,6 +25,7 @@ enum class Simd { kPortable, kAvx2 };
 // reference, since by value they would travel differently with and without AVX.
 using Float8 = float __attribute__((vector_size(32)));
 using Int8 = std::int32_t __attribute__((vector_size(32)));
+using UInt8 = std::uint32_t __attribute__((vector_size(32)));  // for sums modulo 2^32
 
 // Eight numbers from or to any address.
 template <typename Number, typename Vector>

@@ -22,15 +22,15 @@ __attribute__((target("avx2"))) void add_row_avx2(const std::uint16_t* pixels, i
                                                   const std::uint32_t* above,
                                                   std::uint32_t* __restrict below) {
   using Pixels = std::uint16_t __attribute__((vector_size(16)));
-  const Int8 zero{};
-  Int8 sum_before{};
+  const UInt8 zero{};
+  UInt8 sum_before{};
   int x = 0;
   for (; x + 8 <= width; x += 8) {
     Pixels loaded;
-    Int8 over;
+    UInt8 over;
     load(pixels + x, loaded);
     load(above + x + 1, over);
-    Int8 sum = __builtin_convertvector(loaded, Int8);
+    UInt8 sum = __builtin_convertvector(loaded, UInt8);
     sum += __builtin_shufflevector(zero, sum, 0, 8, 9, 10, 11, 12, 13, 14);
     sum += __builtin_shufflevector(zero, sum, 0, 0, 8, 9, 10, 11, 12, 13);
     sum += __builtin_shufflevector(zero, sum, 0, 0, 0, 0, 8, 9, 10, 11);
@@ -38,7 +38,7 @@ __attribute__((target("avx2"))) void add_row_avx2(const std::uint16_t* pixels, i
     sum_before = __builtin_shufflevector(sum, sum, 7, 7, 7, 7, 7, 7, 7, 7);
     store(over + sum, below + x + 1);
   }
-  add_row(pixels, x, width, static_cast<std::uint32_t>(sum_before[0]), above, below);
+  add_row(pixels, x, width, sum_before[0], above, below);
 }
 #endif
 

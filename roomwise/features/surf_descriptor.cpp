@@ -25,16 +25,16 @@ using Tables = SurfDescriptor::Tables;
 
 template <Simd simd>
 [[gnu::always_inline]] inline void gather(const std::uint32_t* from, const Int8& places,
-                                          Int8& values) {
+                                          UInt8& values) {
 #if defined(__x86_64__) && !defined(__clang__)
   if constexpr (simd == Simd::kAvx2) {
     // GCC's builtin, since the intrinsic cannot be taken into a template that is not AVX2's own.
-    values = (Int8)__builtin_ia32_gathersiv8si(Int8{}, reinterpret_cast<const int*>(from), places,
-                                               ~Int8{}, sizeof *from);
+    values = (UInt8)__builtin_ia32_gathersiv8si(Int8{}, reinterpret_cast<const int*>(from), places,
+                                                ~Int8{}, sizeof *from);
     return;
   }
 #endif
-  for (int i = 0; i < 8; ++i) values[i] = static_cast<std::int32_t>(from[places[i]]);
+  for (int i = 0; i < 8; ++i) values[i] = from[places[i]];
 }
 
 // Haar wavelets of side 2 * half px around the pixel corners nearest to eight places; zero where
@@ -61,7 +61,7 @@ class Haar {
         (column >= half_) & (row >= half_) & (column <= last_column_) & (row <= last_row_);
     // Of the wavelet's top left corner; any that can be read where there is none.
     const Int8 place = ((row - half_) * stride_ + column - half_) & inside;
-    Int8 top_left, top, top_right, left, right, bottom_left, bottom, bottom_right;
+    UInt8 top_left, top, top_right, left, right, bottom_left, bottom, bottom_right;
     gather<simd>(top_, place, top_left);
     gather<simd>(top_ + half_, place, top);
     gather<simd>(top_ + 2 * half_, place, top_right);
@@ -70,12 +70,12 @@ class Haar {
     gather<simd>(bottom_, place, bottom_left);
     gather<simd>(bottom_ + half_, place, bottom);
     gather<simd>(bottom_ + 2 * half_, place, bottom_right);
-    const Int8 falling = bottom_right - top_left;
-    const Int8 rising = top_right - bottom_left;
-    const Int8 sum_dx = falling - rising + 2 * (top - bottom);
-    const Int8 sum_dy = falling + rising + 2 * (left - right);
-    dx = __builtin_convertvector(sum_dx & inside, Float8);
-    dy = __builtin_convertvector(sum_dy & inside, Float8);
+    const UInt8 falling = bottom_right - top_left;
+    const UInt8 rising = top_right - bottom_left;
+    const UInt8 sum_dx = falling - rising + 2 * (top - bottom);
+    const UInt8 sum_dy = falling + rising + 2 * (left - right);
+    dx = __builtin_convertvector((Int8)sum_dx & inside, Float8);
+    dy = __builtin_convertvector((Int8)sum_dy & inside, Float8);
   }
 
  private:

@@ -7,7 +7,7 @@ namespace {
 [[gnu::always_inline]] inline void split_row(const std::uint32_t* row, const Samples& samples,
                                              std::uint32_t* even, std::uint32_t* odd) {
   for (int i = samples.first; i < samples.end; i += 8) {
-    Int8 a, b;
+    UInt8 a, b;
     load(row + 2 * i, a);
     load(row + 2 * i + 8, b);
     store(__builtin_shufflevector(a, b, 0, 2, 4, 6, 8, 10, 12, 14), even + i);
@@ -20,7 +20,7 @@ namespace {
   const FilterRows rows = from;
   const Differences target = to;
   for (int i = samples.first; i < samples.end; i += 8) {
-    Int8 a, b, c, d;
+    UInt8 a, b, c, d;
     load(rows.xx[0] + i, a);
     load(rows.xx[1] + i, b);
     store(b - a, target.xx + i);
@@ -28,7 +28,7 @@ namespace {
     load(rows.yy[1] + i, b);
     load(rows.yy[2] + i, c);
     load(rows.yy[3] + i, d);
-    const Int8 middle = c - b;
+    const UInt8 middle = c - b;
     store(d - a - (middle + middle + middle), target.yy + i);
     load(rows.xy[0] + i, a);
     load(rows.xy[1] + i, b);
@@ -46,21 +46,21 @@ namespace {
   const FilterColumns columns = from;
   const float per_squared_area = per_area * per_area;
   for (int i = samples.first; i < samples.end; i += 8) {
-    Int8 a, b, c, d;
+    UInt8 a, b, c, d;
     load(columns.xx[0] + i, a);
     load(columns.xx[1] + i, b);
     load(columns.xx[2] + i, c);
     load(columns.xx[3] + i, d);
-    const Int8 middle = c - b;
-    const Float8 dxx = __builtin_convertvector(d - a - (middle + middle + middle), Float8);
+    const UInt8 middle = c - b;
+    const Float8 dxx = __builtin_convertvector((Int8)(d - a - (middle + middle + middle)), Float8);
     load(columns.yy[0] + i, a);
     load(columns.yy[1] + i, b);
-    const Float8 dyy = __builtin_convertvector(b - a, Float8);
+    const Float8 dyy = __builtin_convertvector((Int8)(b - a), Float8);
     load(columns.xy[0] + i, a);
     load(columns.xy[1] + i, b);
     load(columns.xy[2] + i, c);
     load(columns.xy[3] + i, d);
-    const Float8 dxy = __builtin_convertvector((b - a) - (d - c), Float8);
+    const Float8 dxy = __builtin_convertvector((Int8)((b - a) - (d - c)), Float8);
     const Float8 determinant = (dxx * dyy - dxy * dxy) * per_squared_area;
     store(determinant, responses + i);
   }

@@ -191,7 +191,7 @@ Expected<Home> Home::open(const std::filesystem::path& path, const OpenOptions& 
   ROOMWISE_CHECK_OK(check_tables(database));
   set_checkpoint_on_close(database, true);
   ROOMWISE_CHECK_OK(begin_writing(database));
-  return unlocked(Home(std::move(lock), std::move(database)), options);
+  return with_protection_state(Home(std::move(lock), std::move(database)), options);
 }
 
 Expected<Home> Home::open_read_only(const std::filesystem::path& path, const OpenOptions& options) {
@@ -199,7 +199,7 @@ Expected<Home> Home::open_read_only(const std::filesystem::path& path, const Ope
   ROOMWISE_CHECK_OK(configure(database));
   ROOMWISE_CHECK_OK(check_again(database));
   ROOMWISE_CHECK_OK(check_tables(database));
-  return unlocked(Home(std::nullopt, std::move(database)), options);
+  return with_protection_state(Home(std::nullopt, std::move(database)), options);
 }
 
 Home::~Home() {
@@ -254,7 +254,7 @@ Expected<std::map<std::string, StageClock::Stage>> Home::stage_timings() const {
 Expected<std::string> Home::content_digest() const {
   if (is_locked()) return Unexpected(locked_error());
   return home::content_digest(database_, [this](KeyframeId id, PictureKind kind, Bytes stored) {
-    return plain_picture(id, kind, std::move(stored));
+    return decrypt_if_sealed(id, kind, std::move(stored));
   });
 }
 
@@ -268,7 +268,7 @@ Expected<void> Home::verify() const {
         "of it",
         file(), *table);
   }
-  return cipher_ ? check_seals() : Expected<void>();
+  return cipher_ ? authenticate_images() : Expected<void>();
 }
 
 Expected<void> Home::erase_removed() {

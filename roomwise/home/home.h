@@ -24,7 +24,7 @@
 #include "roomwise/home/picture_cipher.h"
 #include "roomwise/home/writer_lock.h"
 #include "roomwise/network/vision/classifier.h"
-#include "roomwise/objects/detection/object_map.h"
+#include "roomwise/objects/detection/paper_objects.h"
 #include "roomwise/objects/detection/region_surface.h"
 #include "roomwise/objects/instances/instances.h"
 #include "roomwise/recording/room_labels.h"
@@ -152,11 +152,11 @@ struct NewKeyframe : scene::KeyframeStamp {
   KeyframePose pose;
   KeyframeImages images;
   std::vector<std::pair<NetworkId, network::Prediction>> predictions;
-  std::vector<objects::Observation> observations;
+  std::vector<objects::ObjectScore> observations;
 };
 
 // What mapping adds between two commits.
-struct Step {
+struct MapCommit {
   RecordingId recording = 0;
   std::vector<NewKeyframe> keyframes;       // in the order of their ids
   std::vector<scene::PoseGraphEdge> edges;  // between key-frames of this step and earlier ones
@@ -204,9 +204,9 @@ struct OpenOptions {
 //
 // One program writes at a time; others may read meanwhile, and each call of a reader sees one state
 // of the home. The pictures of a protected home (protect()) are sealed in the file: the colour and
-// depth images of its key-frames, and the small depth images of put_look(); nothing else is. They
-// are opened and sealed by the functions that read and write them, which fail where the home was
-// opened without its passphrase.
+// depth images of its key-frames, and the small depth images of put_detections(); nothing else is.
+// They are opened and sealed by the functions that read and write them, which fail where the home
+// was opened without its passphrase.
 //
 // Doubles come back to the bit, except that -0.0 becomes 0.0. Errors name the file.
 // Not thread-safe.
@@ -239,7 +239,7 @@ class Home {
   [[nodiscard]] Expected<RecordingId> add_recording(const Recording& recording);
   [[nodiscard]] Expected<std::vector<StoredRecording>> recordings() const;  // as they were added
   // Adds what was mapped since the last step. Fails where it does not continue what is stored.
-  [[nodiscard]] Expected<void> commit_step(const Step& step);
+  [[nodiscard]] Expected<void> commit(const MapCommit& step);
   // Marks that all its frames are stored and its map is optimised.
   [[nodiscard]] Expected<void> finish_recording(RecordingId id);
   // Removes the recording and all that came from it; frames of other recordings that were placed by
@@ -269,12 +269,13 @@ class Home {
   // ---- objects ----
   // These take the place of the key-frame's earlier observations.
   [[nodiscard]] Expected<void> put_observations(KeyframeId keyframe,
-                                                std::span<const objects::Observation> observations);
+                                                std::span<const objects::ObjectScore> observations);
   // Best first (by name where equal); key-frames without observations are left out.
-  [[nodiscard]] Expected<std::map<KeyframeId, std::vector<objects::Observation>>> observations()
+  [[nodiscard]] Expected<std::map<KeyframeId, std::vector<objects::ObjectScore>>> observations()
       const;
-  [[nodiscard]] Expected<void> replace_objects(std::span<const objects::MapObject> objects);
-  [[nodiscard]] Expected<std::vector<objects::MapObject>> objects() const;  // in the order given
+  [[nodiscard]] Expected<void> replace_paper_objects(std::span<const objects::PaperObject> objects);
+  [[nodiscard]] Expected<std::vector<objects::PaperObject>> paper_objects()
+      const;  // in the order given
 
   // ---- where in key-frames things are, and what they are together ----
   // The finder's id; adds it if it is new. Known by its fingerprint.
@@ -284,7 +285,7 @@ class Home {
   [[nodiscard]] Expected<void> put_detections(KeyframeId keyframe, FinderId finder,
                                               const objects::KeyframeDetections& look);
   // Of every key-frame that the finder has looked at.
-  [[nodiscard]] Expected<std::map<KeyframeId, objects::KeyframeDetections>> looks(
+  [[nodiscard]] Expected<std::map<KeyframeId, objects::KeyframeDetections>> detections(
       FinderId finder) const;
   // The key-frames alone.
   [[nodiscard]] Expected<std::set<KeyframeId>> looked_at(FinderId finder) const;
@@ -333,11 +334,11 @@ class Home {
   // Those of one network and one way to vary pictures take the place of all others; they go with
   // their key-frame.
   [[nodiscard]] Expected<void> replace_picture_features(const std::string& network_fingerprint,
-                                                        const std::string& variation,
+                                                        const std::string& augmentation,
                                                         std::span<const PictureFeatures> features);
   // By digest and variant; none where others are stored.
   [[nodiscard]] Expected<std::vector<PictureFeatures>> picture_features(
-      const std::string& network_fingerprint, const std::string& variation) const;
+      const std::string& network_fingerprint, const std::string& augmentation) const;
 
   // ---- times: all that differs between two runs of one seed ----
   // Adds to the times of earlier runs.
@@ -358,7 +359,7 @@ class Home {
 
   // ---- protection of the pictures ----
   [[nodiscard]] bool is_protected() const { return protected_; }
-  // Whether pictures can be read and written.
+  // Whether pictures cannot be read nor written: it was opened without its passphrase.
   [[nodiscard]] bool is_locked() const { return protected_ && !cipher_; }
   // Says how the passphrase is given.
   [[nodiscard]] Error locked_error() const;
@@ -382,16 +383,17 @@ class Home {
   Home(std::optional<WriterLock> lock, Database database)
       : lock_(std::move(lock)), database_(std::move(database)) {}
 
-  // Makes ready for the pictures of a protected home.
-  [[nodiscard]] static Expected<Home> unlocked(Home home, const OpenOptions& options);
+  // The home with what it needs for its pictures: locked where it is protected and `options` has no
+  // passphrase.
+  [[nodiscard]] static Expected<Home> with_protection_state(Home home, const OpenOptions& options);
   [[nodiscard]] Expected<void> begin_protection(const Passphrase& passphrase, ProtectionState state,
                                                 const PassphraseCost& cost);
-  // As it is to stand in the file, and as it was before.
-  [[nodiscard]] Expected<Bytes> stored_picture(KeyframeId keyframe, PictureKind kind,
-                                               Bytes picture) const;
-  [[nodiscard]] Expected<Bytes> plain_picture(KeyframeId keyframe, PictureKind kind,
-                                              Bytes stored) const;
-  [[nodiscard]] Expected<void> check_seals() const;
+  // A picture as the file holds it, from the picture itself, and back.
+  [[nodiscard]] Expected<Bytes> encrypt_if_protected(KeyframeId keyframe, PictureKind kind,
+                                                     Bytes picture) const;
+  [[nodiscard]] Expected<Bytes> decrypt_if_sealed(KeyframeId keyframe, PictureKind kind,
+                                                  Bytes stored) const;
+  [[nodiscard]] Expected<void> authenticate_images() const;
   // Seals every picture, or opens every one.
   [[nodiscard]] Expected<std::size_t> convert_pictures(bool to_sealed);
   [[nodiscard]] Expected<void> insert_keyframe(RecordingId recording, const NewKeyframe& keyframe);

@@ -32,11 +32,11 @@ class KilledHome : public ::testing::Test {
       (void)home.add_recording(testing::sample_recording());
       (void)home.add_network(testing::sample_network());
       for (KeyframeId id = 0; id < 2; ++id) {
-        if (!home.commit_step(testing::sample_step(1, 1, id))) return 1;
+        if (!home.commit(testing::sample_commit(1, 1, id))) return 1;
       }
       int left = statement;
       kill_at_statement(home, &left);
-      if (!home.commit_step(testing::sample_step(1, 1, 2))) return 2;
+      if (!home.commit(testing::sample_commit(1, 1, 2))) return 2;
       sqlite3_trace_v2(home.database().handle(), 0, nullptr, nullptr);
       return 3;
     });
@@ -66,7 +66,7 @@ TEST_F(KilledHome, HasExactlyTheStepsThatWereCommitted) {
       EXPECT_THAT(home->predictions(1).value(), SizeIs(2));
       EXPECT_EQ(home->recordings().value()[0].next_frame_index, 4U);
       // And goes on.
-      EXPECT_OK(home->commit_step(testing::sample_step(1, 1, 2)));
+      EXPECT_OK(home->commit(testing::sample_commit(1, 1, 2)));
     }
     remove_files();
   }
@@ -78,7 +78,7 @@ TEST_F(KilledHome, KeepsAStepThatWasCommittedJustBefore) {
     Home home = Home::create(path_).value();
     (void)home.add_recording(testing::sample_recording());
     (void)home.add_network(testing::sample_network());
-    for (KeyframeId id = 0; id < 3; ++id) (void)home.commit_step(testing::sample_step(1, 1, id));
+    for (KeyframeId id = 0; id < 3; ++id) (void)home.commit(testing::sample_commit(1, 1, id));
     return ::kill(::getpid(), SIGKILL);
   });
   ASSERT_TRUE(WIFSIGNALED(status));
@@ -107,12 +107,12 @@ TEST(FullDisk, IsSaidAndTheStepsBeforeAreKept) {
   const std::string before = home.content_digest().value();
   const auto pages = home.database().get<int>("PRAGMA page_count").value();
   ASSERT_OK(home.database().run(fmt::format("PRAGMA max_page_count = {}", pages + 2)));
-  EXPECT_ERROR(home.commit_step(testing::sample_step(1, 1, 4)), "a.home: the disk is full; free");
+  EXPECT_ERROR(home.commit(testing::sample_commit(1, 1, 4)), "a.home: the disk is full; free");
   EXPECT_EQ(home.content_digest().value(), before);
   EXPECT_OK(home.verify());
   // Space is made.
   ASSERT_OK(home.database().run("PRAGMA max_page_count = 1000000"));
-  EXPECT_OK(home.commit_step(testing::sample_step(1, 1, 4)));
+  EXPECT_OK(home.commit(testing::sample_commit(1, 1, 4)));
 }
 
 // The operating system itself refuses to let files grow, at every size there is on the way.
@@ -129,7 +129,7 @@ TEST(DiskThatRefuses, NeverLeavesAHomeInvalid) {
       (void)home->add_recording(testing::sample_recording());
       (void)home->add_network(testing::sample_network());
       for (KeyframeId id = 0; id < 40; ++id) {
-        const auto done = home->commit_step(testing::sample_step(1, 1, id));
+        const auto done = home->commit(testing::sample_commit(1, 1, id));
         if (done) continue;
         const bool clear = done.error().message.find("check the disk") != std::string::npos ||
                            done.error().message.find("disk is full") != std::string::npos;

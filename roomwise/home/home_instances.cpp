@@ -57,8 +57,8 @@ Expected<std::map<FinderId, RegionFinderRecord>> Home::region_finders() const {
 Expected<void> Home::put_detections(KeyframeId keyframe, FinderId finder,
                                     const objects::KeyframeDetections& look) {
   return atomically([&]() -> Expected<void> {
-    ROOMWISE_TRY(const Bytes depth, stored_picture(keyframe, PictureKind::kCoarseDepth,
-                                                   depth_to_blob(look.coarse_depth)));
+    ROOMWISE_TRY(const Bytes depth, encrypt_if_protected(keyframe, PictureKind::kCoarseDepth,
+                                                         depth_to_blob(look.coarse_depth)));
     ROOMWISE_CHECK_OK(database_.put("keyframe_depths (keyframe_id, width_px, depth)", keyframe,
                                     look.coarse_depth.width(), depth));
     ROOMWISE_CHECK_OK(database_.put("keyframe_finders (keyframe_id, finder_id)", keyframe, finder));
@@ -78,12 +78,13 @@ Expected<void> Home::put_detections(KeyframeId keyframe, FinderId finder,
   });
 }
 
-Expected<std::map<KeyframeId, objects::KeyframeDetections>> Home::looks(FinderId finder) const {
+Expected<std::map<KeyframeId, objects::KeyframeDetections>> Home::detections(
+    FinderId finder) const {
   std::map<KeyframeId, objects::KeyframeDetections> looks;
   const auto read_depth = [&](const Statement& row) -> Expected<void> {
     const auto id = row.column<KeyframeId>(0);
     ROOMWISE_TRY(const Bytes plain,
-                 plain_picture(id, PictureKind::kCoarseDepth, row.column<Bytes>(2)));
+                 decrypt_if_sealed(id, PictureKind::kCoarseDepth, row.column<Bytes>(2)));
     auto depth = blob_to_depth(plain, row.column<int>(1));
     if (!depth) {
       return fail(

@@ -12,7 +12,7 @@ class HomeInstances : public ::testing::Test {
 };
 
 TEST_F(HomeInstances, LooksComeBackAsTheyWere) {
-  const auto looks = home_.looks(1).value();
+  const auto looks = home_.detections(1).value();
   ASSERT_EQ(looks.size(), 2U);
   const objects::KeyframeDetections& look = looks.at(1);
   const objects::KeyframeDetections expected = testing::sample_look(1);
@@ -31,7 +31,7 @@ TEST_F(HomeInstances, ALookReplacesTheOneBefore) {
   objects::KeyframeDetections nothing = testing::sample_look(1);
   nothing.detections.clear();
   ASSERT_OK(home_.put_detections(1, 1, nothing));
-  EXPECT_TRUE(home_.looks(1)->at(1).detections.empty());
+  EXPECT_TRUE(home_.detections(1)->at(1).detections.empty());
   EXPECT_EQ(home_.looked_at(1).value(), (std::set<KeyframeId>{1, 2}))
       << "it was looked at all the same";
   EXPECT_ERROR(home_.put_detections(99, 1, nothing), "a.home");
@@ -64,7 +64,7 @@ TEST_F(HomeInstances, InstancesComeBackAsTheyWere) {
 
 TEST_F(HomeInstances, GoWithTheirKeyframes) {
   ASSERT_OK(home_.remove_recording(1));
-  EXPECT_TRUE(home_.looks(1)->empty());
+  EXPECT_TRUE(home_.detections(1)->empty());
   EXPECT_TRUE(home_.instances()->empty());
   EXPECT_EQ(home_.database().get<int>("SELECT count(*) FROM instance_names").value(), 0);
 }

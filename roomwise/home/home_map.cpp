@@ -43,7 +43,7 @@ bool is_symmetric(const Matrix6d& m) {
 }
 
 // What is wrong with the order of a step's frames, which must continue what is stored.
-Expected<void> check_frame_order(const std::string& file, const Step& step,
+Expected<void> check_frame_order(const std::string& file, const MapCommit& step,
                                  std::uint64_t stored_below) {
   std::uint64_t least = stored_below;
   for (const Frame& frame : step.frames) {
@@ -119,7 +119,7 @@ Expected<std::vector<StoredRecording>> Home::recordings() const {
                                                read_recording);
 }
 
-Expected<void> Home::commit_step(const Step& step) {
+Expected<void> Home::commit(const MapCommit& step) {
   const auto write = [&]() -> Expected<void> {
     ROOMWISE_TRY(
         const auto stored_below,
@@ -159,9 +159,9 @@ Expected<void> Home::insert_keyframe(RecordingId recording, const NewKeyframe& k
                     keyframe.id, recording, keyframe.frame_index, keyframe.timestamp_ns,
                     to_numbers(keyframe.pose.world_from_keyframe), keyframe.pose.component));
   ROOMWISE_TRY(const Bytes color,
-               stored_picture(keyframe.id, PictureKind::kColor, keyframe.images.color));
+               encrypt_if_protected(keyframe.id, PictureKind::kColor, keyframe.images.color));
   ROOMWISE_TRY(const Bytes depth,
-               stored_picture(keyframe.id, PictureKind::kDepth, keyframe.images.depth));
+               encrypt_if_protected(keyframe.id, PictureKind::kDepth, keyframe.images.depth));
   ROOMWISE_CHECK_OK(
       database_.add("keyframe_images (keyframe_id, color, depth)", keyframe.id, color, depth));
   for (const auto& [network, prediction] : keyframe.predictions) {
@@ -253,8 +253,8 @@ Expected<KeyframeImages> Home::images(KeyframeId id) const {
       },
       id));
   if (!images) return fail("{}: has no key-frame {}", file(), id);
-  ROOMWISE_TRY(images->color, plain_picture(id, PictureKind::kColor, std::move(images->color)));
-  ROOMWISE_TRY(images->depth, plain_picture(id, PictureKind::kDepth, std::move(images->depth)));
+  ROOMWISE_TRY(images->color, decrypt_if_sealed(id, PictureKind::kColor, std::move(images->color)));
+  ROOMWISE_TRY(images->depth, decrypt_if_sealed(id, PictureKind::kDepth, std::move(images->depth)));
   return *std::move(images);
 }
 

@@ -34,7 +34,7 @@ Error Home::locked_error() const {
       file())};
 }
 
-Expected<Home> Home::unlocked(Home home, const OpenOptions& options) {
+Expected<Home> Home::with_protection_state(Home home, const OpenOptions& options) {
   ROOMWISE_TRY(const auto wrapped,
                home.database_.find<std::string>("SELECT value FROM settings WHERE key = ?",
                                                 kProtectionSetting));
@@ -103,8 +103,9 @@ Expected<std::size_t> Home::convert_pictures(bool to_sealed) {
       ROOMWISE_CHECK_OK(atomically([&]() -> Expected<void> {
         for (std::size_t i = begin; i < end; ++i) {
           ROOMWISE_TRY(Bytes picture, database_.get<Bytes>(read, ids[i]));
-          ROOMWISE_TRY(picture, to_sealed ? stored_picture(ids[i], column.kind, std::move(picture))
-                                          : plain_picture(ids[i], column.kind, std::move(picture)));
+          ROOMWISE_TRY(picture, to_sealed
+                                    ? encrypt_if_protected(ids[i], column.kind, std::move(picture))
+                                    : decrypt_if_sealed(ids[i], column.kind, std::move(picture)));
           ROOMWISE_CHECK_OK(database_.run(write, picture, ids[i]));
         }
         return {};
@@ -115,25 +116,26 @@ Expected<std::size_t> Home::convert_pictures(bool to_sealed) {
   return converted;
 }
 
-Expected<void> Home::check_seals() const {
+Expected<void> Home::authenticate_images() const {
   for (const PictureColumn& column : kPictureColumns) {
     ROOMWISE_CHECK_OK(database_.for_each(
         fmt::format("SELECT keyframe_id, {} FROM {}", column.column, column.table),
         [&](const Statement& row) -> Expected<void> {
           ROOMWISE_CHECK_OK(
-              plain_picture(row.column<KeyframeId>(0), column.kind, row.column<Bytes>(1)));
+              decrypt_if_sealed(row.column<KeyframeId>(0), column.kind, row.column<Bytes>(1)));
           return {};
         }));
   }
   return {};
 }
 
-Expected<Bytes> Home::stored_picture(KeyframeId keyframe, PictureKind kind, Bytes picture) const {
+Expected<Bytes> Home::encrypt_if_protected(KeyframeId keyframe, PictureKind kind,
+                                           Bytes picture) const {
   if (is_locked()) return Unexpected(locked_error());
   return cipher_ ? cipher_->seal(keyframe, kind, picture) : std::move(picture);
 }
 
-Expected<Bytes> Home::plain_picture(KeyframeId keyframe, PictureKind kind, Bytes stored) const {
+Expected<Bytes> Home::decrypt_if_sealed(KeyframeId keyframe, PictureKind kind, Bytes stored) const {
   // A reader may have opened the home before a writer protected it.
   if (is_locked() || (!cipher_ && is_sealed(stored))) return Unexpected(locked_error());
   if (!cipher_) return stored;

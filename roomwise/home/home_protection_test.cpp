@@ -45,8 +45,8 @@ objects::KeyframeDetections unique_look(KeyframeId id) {
   return look;
 }
 
-Step unique_step(KeyframeId id) {
-  Step step = testing::sample_step(1, 1, id);
+MapCommit unique_step(KeyframeId id) {
+  MapCommit step = testing::sample_commit(1, 1, id);
   step.keyframes[0].images = unique_images(id);
   return step;
 }
@@ -56,7 +56,7 @@ void fill_with_unique_pictures(Home& home) {
   ROOMWISE_MUST(home.add_network(testing::sample_network()));
   ROOMWISE_MUST(home.add_region_finder({"finder", "f1nd", {"couch", "bed"}}));
   for (KeyframeId id = 0; id < kKeyframes; ++id) {
-    ROOMWISE_MUST(home.commit_step(unique_step(id)));
+    ROOMWISE_MUST(home.commit(unique_step(id)));
     ROOMWISE_MUST(home.put_detections(id, 1, unique_look(id)));
   }
 }
@@ -76,7 +76,7 @@ class ProtectedHome : public ::testing::Test {
     return digest;
   }
   static void expect_all_pictures(const Home& home) {
-    const auto looks = home.looks(1);
+    const auto looks = home.detections(1);
     ASSERT_OK(looks);
     for (KeyframeId id = 0; id < kKeyframes; ++id) {
       EXPECT_EQ(home.images(id).value(), unique_images(id));
@@ -144,7 +144,7 @@ TEST_F(ProtectedHome, WithoutItsPassphraseAnswersAllButPictures) {
   EXPECT_TRUE(home.is_locked());
   EXPECT_THAT(home.keyframes().value(), SizeIs(kKeyframes));
   EXPECT_THAT(home.frames(1).value(), SizeIs(10));
-  EXPECT_OK(home.objects());
+  EXPECT_OK(home.paper_objects());
   EXPECT_OK(home.rooms());
   EXPECT_OK(home.instances());
   EXPECT_OK(home.verify());
@@ -152,9 +152,9 @@ TEST_F(ProtectedHome, WithoutItsPassphraseAnswersAllButPictures) {
   EXPECT_OK(home.replace_rooms(std::vector<rooms::Room>{{"hall", "corridor"}}));
   const char* why = "a.home: its pictures are protected by a passphrase; give the file";
   EXPECT_ERROR(home.images(0), why);
-  EXPECT_ERROR(home.looks(1), why);
+  EXPECT_ERROR(home.detections(1), why);
   EXPECT_ERROR(home.content_digest(), why);
-  EXPECT_ERROR(home.commit_step(unique_step(kKeyframes)), why);
+  EXPECT_ERROR(home.commit(unique_step(kKeyframes)), why);
   EXPECT_ERROR(home.put_detections(0, 1, unique_look(0)), why);
   EXPECT_ERROR(home.protect(phrase("mine"), kCheap), why);
   EXPECT_ERROR(home.unprotect(phrase("mine"), kCheap), why);
@@ -202,7 +202,7 @@ TEST_F(ProtectedHome, SealsWhatIsAddedLater) {
   Home home = Home::open(path_, with("open sesame")).value();
   ASSERT_OK(home.add_recording(testing::sample_recording()));
   for (KeyframeId id = 0; id < kKeyframes; ++id) {
-    ASSERT_OK(home.commit_step(unique_step(id)));
+    ASSERT_OK(home.commit(unique_step(id)));
     ASSERT_OK(home.put_detections(id, 1, unique_look(id)));
   }
   expect_all_pictures(home);

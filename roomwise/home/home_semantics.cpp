@@ -81,11 +81,11 @@ Expected<std::map<KeyframeId, network::Prediction>> Home::predictions(NetworkId 
 }
 
 Expected<void> Home::put_observations(KeyframeId keyframe,
-                                      std::span<const objects::Observation> observations) {
+                                      std::span<const objects::ObjectScore> observations) {
   return atomically([&]() -> Expected<void> {
     ROOMWISE_CHECK_OK(
         database_.run("DELETE FROM keyframe_observations WHERE keyframe_id = ?", keyframe));
-    for (const objects::Observation& observation : observations) {
+    for (const objects::ObjectScore& observation : observations) {
       ROOMWISE_CHECK_OK(database_.add("keyframe_observations (keyframe_id, object, score)",
                                       keyframe, observation.object, observation.score));
     }
@@ -93,8 +93,8 @@ Expected<void> Home::put_observations(KeyframeId keyframe,
   });
 }
 
-Expected<std::map<KeyframeId, std::vector<objects::Observation>>> Home::observations() const {
-  std::map<KeyframeId, std::vector<objects::Observation>> observations;
+Expected<std::map<KeyframeId, std::vector<objects::ObjectScore>>> Home::observations() const {
+  std::map<KeyframeId, std::vector<objects::ObjectScore>> observations;
   ROOMWISE_CHECK_OK(
       database_.for_each("SELECT keyframe_id, object, score FROM keyframe_observations "
                          "ORDER BY keyframe_id, score DESC, object",
@@ -105,10 +105,10 @@ Expected<std::map<KeyframeId, std::vector<objects::Observation>>> Home::observat
   return observations;
 }
 
-Expected<void> Home::replace_objects(std::span<const objects::MapObject> objects) {
+Expected<void> Home::replace_paper_objects(std::span<const objects::PaperObject> objects) {
   return atomically([&]() -> Expected<void> {
     ROOMWISE_CHECK_OK(database_.run("DELETE FROM objects"));
-    for (const objects::MapObject& object : objects) {
+    for (const objects::PaperObject& object : objects) {
       std::optional<std::array<double, 3>> position;
       if (const auto& p = object.position_keyframe) {
         if (!p->allFinite()) {
@@ -124,17 +124,17 @@ Expected<void> Home::replace_objects(std::span<const objects::MapObject> objects
   });
 }
 
-Expected<std::vector<objects::MapObject>> Home::objects() const {
-  return collect<std::vector<objects::MapObject>>(
+Expected<std::vector<objects::PaperObject>> Home::paper_objects() const {
+  return collect<std::vector<objects::PaperObject>>(
       database_,
       "SELECT name, keyframe_id, score, observations, x_m, y_m, z_m FROM objects "
       "ORDER BY object_id",
       [](const Statement& row) {
-        return objects::MapObject{.name = row.column<std::string>(0),
-                                  .keyframe_id = row.column<KeyframeId>(1),
-                                  .score = row.column<double>(2),
-                                  .observations = row.column<int>(3),
-                                  .position_keyframe = point_column(row, 4)};
+        return objects::PaperObject{.name = row.column<std::string>(0),
+                                    .keyframe_id = row.column<KeyframeId>(1),
+                                    .score = row.column<double>(2),
+                                    .observations = row.column<int>(3),
+                                    .position_keyframe = point_column(row, 4)};
       });
 }
 
@@ -291,15 +291,15 @@ Expected<std::optional<RoomClassifierRecord>> Home::room_classifier() const {
 }
 
 Expected<void> Home::replace_picture_features(const std::string& network_fingerprint,
-                                              const std::string& variation,
+                                              const std::string& augmentation,
                                               std::span<const PictureFeatures> features) {
   return atomically([&]() -> Expected<void> {
     ROOMWISE_CHECK_OK(database_.run("DELETE FROM picture_features"));
     for (const PictureFeatures& of_picture : features) {
       ROOMWISE_CHECK_OK(
-          database_.add("picture_features (picture_digest, network_fingerprint, variation, "
+          database_.add("picture_features (picture_digest, network_fingerprint, augmentation, "
                         "variant, keyframe_id, features)",
-                        of_picture.picture_digest, network_fingerprint, variation,
+                        of_picture.picture_digest, network_fingerprint, augmentation,
                         of_picture.variant, of_picture.keyframe, to_blob(of_picture.features)));
     }
     return {};
@@ -307,17 +307,17 @@ Expected<void> Home::replace_picture_features(const std::string& network_fingerp
 }
 
 Expected<std::vector<PictureFeatures>> Home::picture_features(
-    const std::string& network_fingerprint, const std::string& variation) const {
+    const std::string& network_fingerprint, const std::string& augmentation) const {
   return collect<std::vector<PictureFeatures>>(
       database_,
       "SELECT picture_digest, variant, keyframe_id, features FROM picture_features "
-      "WHERE network_fingerprint = ? AND variation = ? ORDER BY picture_digest, variant",
+      "WHERE network_fingerprint = ? AND augmentation = ? ORDER BY picture_digest, variant",
       [](const Statement& row) {
         return PictureFeatures{row.column<std::string>(0), row.column<int>(1),
                                row.column<std::optional<KeyframeId>>(2),
                                to_floats(row.column<Bytes>(3))};
       },
-      network_fingerprint, variation);
+      network_fingerprint, augmentation);
 }
 
 Expected<void> Home::replace_keyframe_rooms(

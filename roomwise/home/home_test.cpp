@@ -28,7 +28,7 @@ class HomeTest : public ::testing::Test {
   }
   void commit_keyframes(KeyframeId count) {
     for (KeyframeId id = 0; id < count; ++id) {
-      ASSERT_OK(home_.commit_step(testing::sample_step(1, 1, id)));
+      ASSERT_OK(home_.commit(testing::sample_commit(1, 1, id)));
     }
   }
 
@@ -142,50 +142,53 @@ TEST_F(HomeTest, KeepsTheStepsOfAMap) {
 }
 
 TEST_F(HomeTest, AStepMayHaveNoKeyframeOrSeveral) {
-  Step two = testing::sample_step(1, 1, 0);
-  Step second = testing::sample_step(1, 1, 1);
+  MapCommit two = testing::sample_commit(1, 1, 0);
+  MapCommit second = testing::sample_commit(1, 1, 1);
   two.keyframes.push_back(second.keyframes[0]);
   two.edges = {testing::sample_edge(0, 1, false), testing::sample_edge(0, 1, true)};
   two.next_frame_index = 4;
-  ASSERT_OK(home_.commit_step(two));
+  ASSERT_OK(home_.commit(two));
   EXPECT_THAT(home_.keyframes().value(), SizeIs(2));
   EXPECT_TRUE(home_.edges().value()[1].is_loop);
 
-  ASSERT_OK(home_.commit_step({.recording = 1,
-                               .keyframes = {},
-                               .edges = {},
-                               .frames = {{9, 1, std::nullopt, "dark"}},
-                               .next_frame_index = 12}));
+  ASSERT_OK(home_.commit({.recording = 1,
+                          .keyframes = {},
+                          .edges = {},
+                          .frames = {{9, 1, std::nullopt, "dark"}},
+                          .next_frame_index = 12}));
   EXPECT_EQ(home_.recordings().value()[0].next_frame_index, 12U);
 }
 
 TEST_F(HomeTest, AStepThatDoesNotContinueIsRefusedWhole) {
   commit_keyframes(2);
   const std::string before = home_.content_digest().value();
-  const auto refused = [&](const std::function<void(Step&)>& spoil, const std::string& why) {
-    Step step = testing::sample_step(1, 1, 2);
+  const auto refused = [&](const std::function<void(MapCommit&)>& spoil, const std::string& why) {
+    MapCommit step = testing::sample_commit(1, 1, 2);
     spoil(step);
-    EXPECT_ERROR(home_.commit_step(step), why);
+    EXPECT_ERROR(home_.commit(step), why);
     EXPECT_EQ(home_.content_digest().value(), before) << why;
   };
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-  refused([](Step& step) { step.recording = 9; }, "no recording 9");
-  refused([](Step& step) { step.keyframes[0].id = 5; }, "must have the number 2, not 5");
-  refused([](Step& step) { step.keyframes[0].images.color.clear(); }, "without its encoded");
-  refused([](Step& step) { step.frames[0].index = 3; }, "frame 3 is stored already");
-  refused([](Step& step) { std::swap(step.frames[0], step.frames[1]); }, "out of order");
-  refused([](Step& step) { step.next_frame_index = 6; }, "next frame is said to be 6");
-  refused([](Step& step) { step.frames[0].place->keyframe = 77; }, "contradicts what is stored");
-  refused([](Step& step) { step.edges[0].from = 77; }, "contradicts what is stored");
-  refused([](Step& step) { step.edges[0].information(1, 2) = 4; }, "not symmetric");
-  refused([=](Step& step) { step.edges[0].from_from_to.translation.x() = kNan; }, "not finite");
-  refused([=](Step& step) { step.frames[0].place->keyframe_from_camera.translation.x() = kNan; },
-          "pose of frame 4 is not finite");
-  refused([=](Step& step) { step.keyframes[0].pose.world_from_keyframe.rotation.x() = kNan; },
+  refused([](MapCommit& step) { step.recording = 9; }, "no recording 9");
+  refused([](MapCommit& step) { step.keyframes[0].id = 5; }, "must have the number 2, not 5");
+  refused([](MapCommit& step) { step.keyframes[0].images.color.clear(); }, "without its encoded");
+  refused([](MapCommit& step) { step.frames[0].index = 3; }, "frame 3 is stored already");
+  refused([](MapCommit& step) { std::swap(step.frames[0], step.frames[1]); }, "out of order");
+  refused([](MapCommit& step) { step.next_frame_index = 6; }, "next frame is said to be 6");
+  refused([](MapCommit& step) { step.frames[0].place->keyframe = 77; },
+          "contradicts what is stored");
+  refused([](MapCommit& step) { step.edges[0].from = 77; }, "contradicts what is stored");
+  refused([](MapCommit& step) { step.edges[0].information(1, 2) = 4; }, "not symmetric");
+  refused([=](MapCommit& step) { step.edges[0].from_from_to.translation.x() = kNan; },
+          "not finite");
+  refused(
+      [=](MapCommit& step) { step.frames[0].place->keyframe_from_camera.translation.x() = kNan; },
+      "pose of frame 4 is not finite");
+  refused([=](MapCommit& step) { step.keyframes[0].pose.world_from_keyframe.rotation.x() = kNan; },
           "pose of key-frame 2 is not finite");
-  refused([](Step& step) { step.keyframes[0].predictions[0].second.features.pop_back(); },
+  refused([](MapCommit& step) { step.keyframes[0].predictions[0].second.features.pop_back(); },
           "has 2 features, but its network gives 3");
-  refused([](Step& step) { step.keyframes[0].predictions[0].first = 8; }, "no network 8");
+  refused([](MapCommit& step) { step.keyframes[0].predictions[0].first = 8; }, "no network 8");
 }
 
 TEST_F(HomeTest, PosesAreReplaced) {
@@ -227,7 +230,7 @@ TEST_F(HomeTest, KeepsNetworksAndWhatTheySee) {
 TEST_F(HomeTest, KeepsSightings) {
   commit_keyframes(2);
   ASSERT_OK(home_.put_observations(
-      1, std::vector<objects::Observation>{{"stove", 0.4}, {"bed", 0.4}, {"lamp", 0.6}}));
+      1, std::vector<objects::ObjectScore>{{"stove", 0.4}, {"bed", 0.4}, {"lamp", 0.6}}));
   ASSERT_OK(home_.put_observations(0, {}));
   const auto observations = home_.observations().value();
   ASSERT_THAT(observations, SizeIs(1));
@@ -241,11 +244,11 @@ TEST_F(HomeTest, KeepsSightings) {
 
 TEST_F(HomeTest, KeepsObjectsInTheirOrder) {
   commit_keyframes(2);
-  const std::vector<objects::MapObject> objects{
+  const std::vector<objects::PaperObject> objects{
       {"lamp", 1, 0.9, 4, std::nullopt}, {"bed", 0, 1.0 / 3, 7, Eigen::Vector3d(0.1, -0.2, 2.5)}};
-  ASSERT_OK(home_.replace_objects(objects));
-  ASSERT_OK(home_.replace_objects(objects));
-  const auto stored = home_.objects().value();
+  ASSERT_OK(home_.replace_paper_objects(objects));
+  ASSERT_OK(home_.replace_paper_objects(objects));
+  const auto stored = home_.paper_objects().value();
   ASSERT_THAT(stored, SizeIs(2));
   EXPECT_EQ(stored[0].name, "lamp");
   EXPECT_EQ(stored[0].position_keyframe, std::nullopt);
@@ -254,9 +257,9 @@ TEST_F(HomeTest, KeepsObjectsInTheirOrder) {
   EXPECT_EQ(stored[1].observations, 7);
   EXPECT_EQ(stored[1].position_keyframe, objects[1].position_keyframe);
 
-  EXPECT_ERROR(home_.replace_objects(std::vector<objects::MapObject>{{"bed", 9, 1, 4, {}}}),
+  EXPECT_ERROR(home_.replace_paper_objects(std::vector<objects::PaperObject>{{"bed", 9, 1, 4, {}}}),
                "contradicts");
-  EXPECT_THAT(home_.objects().value(), SizeIs(2)) << "the earlier ones are still there";
+  EXPECT_THAT(home_.paper_objects().value(), SizeIs(2)) << "the earlier ones are still there";
 }
 
 TEST_F(HomeTest, KeepsConcepts) {
@@ -332,15 +335,15 @@ TEST_F(HomeTest, RemovingARecordingTakesAllThatCameFromIt) {
   commit_keyframes(3);
   ASSERT_OK(home_.replace_rooms(std::vector<rooms::Room>{{"kitchen", "kitchen"}}));
   ASSERT_OK(home_.replace_room_ranges(1, {{0, 4, "kitchen", 1}}));
-  ASSERT_OK(home_.replace_objects(std::vector<objects::MapObject>{{"bed", 0, 0.5, 4, {}}}));
+  ASSERT_OK(home_.replace_paper_objects(std::vector<objects::PaperObject>{{"bed", 0, 0.5, 4, {}}}));
   ASSERT_OK(home_.replace_keyframe_rooms({{0, {{"kitchen", 0.75}}}}));
   // Another walk, placed by a key-frame of the first one.
   ASSERT_EQ(home_.add_recording(testing::sample_recording()).value(), 2);
-  ASSERT_OK(home_.commit_step({.recording = 2,
-                               .keyframes = {},
-                               .edges = {},
-                               .frames = {{0, 1, FramePlace{1, testing::sample_pose(1)}, ""}},
-                               .next_frame_index = 1}));
+  ASSERT_OK(home_.commit({.recording = 2,
+                          .keyframes = {},
+                          .edges = {},
+                          .frames = {{0, 1, FramePlace{1, testing::sample_pose(1)}, ""}},
+                          .next_frame_index = 1}));
 
   ASSERT_OK(home_.remove_recording(1));
   EXPECT_THAT(home_.recordings().value(), SizeIs(1));
@@ -350,7 +353,7 @@ TEST_F(HomeTest, RemovingARecordingTakesAllThatCameFromIt) {
   EXPECT_THAT(home_.predictions(1).value(), IsEmpty());
   EXPECT_THAT(home_.observations().value(), IsEmpty());
   EXPECT_THAT(home_.keyframe_rooms().value(), IsEmpty());
-  EXPECT_THAT(home_.objects().value(), IsEmpty());
+  EXPECT_THAT(home_.paper_objects().value(), IsEmpty());
   EXPECT_THAT(home_.room_ranges(1).value().ranges(), IsEmpty());
   const auto frames = home_.frames(2).value();
   ASSERT_THAT(frames, SizeIs(1));
@@ -367,8 +370,8 @@ TEST_F(HomeTest, SeveralWritesAreOneWhenAskedFor) {
     return home_.atomically([&]() -> Expected<void> {
       ROOMWISE_CHECK_OK(home_.replace_poses({{1, {testing::sample_pose(9), 0}}}));
       ROOMWISE_CHECK_OK(home_.finish_recording(1));
-      return home_.replace_objects(
-          std::vector<objects::MapObject>{{"bed", object_keyframe, 0.5, 4, std::nullopt}});
+      return home_.replace_paper_objects(
+          std::vector<objects::PaperObject>{{"bed", object_keyframe, 0.5, 4, std::nullopt}});
     });
   };
   EXPECT_ERROR(finish(99), "contradicts");
@@ -391,16 +394,16 @@ TEST_F(HomeTest, DigestIsOfTheContentNotOfItsHistory) {
     ROOMWISE_CHECK_OK(b.add_network(testing::sample_network()).map([](auto) {}));
     ROOMWISE_CHECK_OK(b.add_recording(testing::sample_recording()).map([](auto) {}));
     for (KeyframeId id = 0; id < 4; ++id) {
-      Step step = testing::sample_step(1, 1, id);
+      MapCommit step = testing::sample_commit(1, 1, id);
       step.keyframes[0].predictions.clear();
       step.keyframes[0].observations = {{"bed", 0.1}};
       step.keyframes[0].pose = {};
-      ROOMWISE_CHECK_OK(b.commit_step(step));
+      ROOMWISE_CHECK_OK(b.commit(step));
     }
     for (const KeyframeId id : {3U, 1U, 0U, 2U}) {
       ROOMWISE_CHECK_OK(b.put_prediction(id, 1, testing::sample_prediction(id)));
       ROOMWISE_CHECK_OK(
-          b.put_observations(id, std::vector<objects::Observation>{{"bed", 0.5}, {"lamp", 0.9}}));
+          b.put_observations(id, std::vector<objects::ObjectScore>{{"bed", 0.5}, {"lamp", 0.9}}));
       ROOMWISE_CHECK_OK(
           b.replace_poses({{id, {testing::sample_pose(static_cast<double>(id)), id % 2}}}));
     }
@@ -408,7 +411,7 @@ TEST_F(HomeTest, DigestIsOfTheContentNotOfItsHistory) {
         std::vector<rooms::Room>{{"kitchen", "kitchen"}, {"Anna's room", "bedroom"}}));
     ROOMWISE_CHECK_OK(b.replace_keyframe_rooms({{0, {{"Anna's room", 0.2}, {"kitchen", 0.8}}}}));
     ROOMWISE_CHECK_OK(b.replace_room_ranges(1, {{0, 4, "kitchen", 1}, {5, 9, "Anna's room", 1}}));
-    ROOMWISE_CHECK_OK(b.replace_objects(std::vector<objects::MapObject>{
+    ROOMWISE_CHECK_OK(b.replace_paper_objects(std::vector<objects::PaperObject>{
         {"bed", 1, 0.5, 4, Eigen::Vector3d(0.1, -0.2, 2.5)}, {"lamp", 2, 0.9, 4, std::nullopt}}));
     const std::vector<std::string> labels{"couch", "bed"};
     ROOMWISE_CHECK_OK(b.add_region_finder({"finder", "f1nd", labels}).map([](auto) {}));

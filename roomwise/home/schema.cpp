@@ -289,11 +289,11 @@ CREATE TABLE picture_features (
   -- learning from them again needs no network. It follows from the pictures and can be deleted.
   picture_digest TEXT NOT NULL,        -- SHA-256 of the picture's file
   network_fingerprint TEXT NOT NULL,
-  variation TEXT NOT NULL,             -- how pictures are varied
+  augmentation TEXT NOT NULL,             -- how pictures are varied
   variant INTEGER NOT NULL,            -- 0 is the picture itself
   keyframe_id INTEGER REFERENCES keyframes ON DELETE CASCADE,  -- whose picture it is; NULL for a photo
   features BLOB NOT NULL,
-  PRIMARY KEY (picture_digest, network_fingerprint, variation, variant)
+  PRIMARY KEY (picture_digest, network_fingerprint, augmentation, variant)
 ) STRICT;
 CREATE INDEX picture_features_by_keyframe ON picture_features (keyframe_id);
 

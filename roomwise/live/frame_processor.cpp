@@ -45,14 +45,14 @@ Expected<std::optional<rooms::RoomDecision>> FrameProcessor::decide(
   ROOMWISE_TRY(const auto seen, recognizer.features().predict(color));
   ROOMWISE_TRY(const rooms::PictureEvidence evidence, recognizer.evidence(seen));
   last_t_ms_ = t_ms;
-  pipeline::RoomRecognizer::FindPlace find_place;
+  pipeline::RoomRecognizer::Localize localize;
   if (answer) {
-    find_place = [&]() -> Expected<rooms::PlaceEvidence> {
-      return rooms::place_evidence(*answer, has_depth, home->map->frame, home->layout,
-                                   recognizer.rooms());
+    localize = [&]() -> Expected<rooms::LocalizationEvidence> {
+      return rooms::localization_evidence(*answer, has_depth, home->map->frame, home->layout,
+                                          recognizer.rooms());
     };
   }
-  return recognizer.update(*stream_, evidence, elapsed_s, find_place);
+  return recognizer.update(*stream_, evidence, elapsed_s, localize);
 }
 
 Expected<std::optional<mapping::Localization>> FrameProcessor::locate(

@@ -212,7 +212,7 @@ Expected<void> LiveHome::forget_home() {
       ROOMWISE_CHECK_OK(home.atomically([&]() -> Expected<void> {
         ROOMWISE_CHECK_OK(home.forget_learned_rooms());
         ROOMWISE_CHECK_OK(home.replace_instances({}));
-        ROOMWISE_CHECK_OK(home.replace_objects({}));
+        ROOMWISE_CHECK_OK(home.replace_paper_objects({}));
         ROOMWISE_CHECK_OK(pipeline::store_object_claims(home, {}));
         return home.replace_rooms({});
       }));

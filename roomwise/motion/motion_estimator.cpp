@@ -156,7 +156,7 @@ std::string_view to_string(MotionStatus status) {
       return "motion too large";
     case MotionStatus::kContradicted:
       return "the depth images contradict the pose";
-    case MotionStatus::kNothingInCommon:
+    case MotionStatus::kTooLittleOverlap:
       return "nothing in common";
     case MotionStatus::kContradictsPrior:
       return "the motion is not what was predicted";
@@ -177,7 +177,7 @@ std::string MotionOutcome::describe() const {
       return fmt::format("{} ({:.2f} m, {:.0f} degrees)", reason,
                          pose.reference_from_current.distance_m(),
                          pose.reference_from_current.angle_rad() * 180 / EIGEN_PI);
-    case MotionStatus::kNothingInCommon:
+    case MotionStatus::kTooLittleOverlap:
       return std::string(reason);
     case MotionStatus::kFound:
     case MotionStatus::kContradicted:

@@ -38,7 +38,7 @@ enum class MotionStatus {
   kTooFewInliers,
   kMotionTooLarge,
   kContradicted,      // by the depth images
-  kNothingInCommon,   // views that do not overlap
+  kTooLittleOverlap,  // views that do not overlap
   kContradictsPrior,  // too far from what was predicted for so few inliers
 };
 [[nodiscard]] std::string_view to_string(MotionStatus status);  // "found", "too few matches", ...

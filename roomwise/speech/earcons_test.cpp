@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "roomwise/speech/test_sounds.h"
+#include "roomwise/speech/testing/test_sounds.h"
 
 namespace roomwise::speech {
 namespace {

@@ -6,7 +6,7 @@
 #include <thread>
 
 #include "roomwise/base/testing/testing.h"
-#include "roomwise/speech/test_sounds.h"
+#include "roomwise/speech/testing/test_sounds.h"
 
 namespace roomwise::speech {
 namespace {

@@ -65,13 +65,13 @@ inline scene::PoseGraphEdge sample_edge(KeyframeId from, KeyframeId to, bool is_
 
 // Key-frame `id` at frame 3 * id, the two frames before it (the second of which has no pose), its
 // edge from the key-frame before.
-inline Step sample_step(RecordingId recording, NetworkId network, KeyframeId id) {
+inline MapCommit sample_commit(RecordingId recording, NetworkId network, KeyframeId id) {
   const std::uint64_t index = 3 * id;
-  Step step{.recording = recording,
-            .keyframes = {},
-            .edges = {},
-            .frames = {},
-            .next_frame_index = index + 1};
+  MapCommit step{.recording = recording,
+                 .keyframes = {},
+                 .edges = {},
+                 .frames = {},
+                 .next_frame_index = index + 1};
   NewKeyframe& keyframe = step.keyframes.emplace_back();
   keyframe.id = id;
   keyframe.frame_index = index;
@@ -165,8 +165,8 @@ inline void fill(Home& home) {
   ROOMWISE_MUST(home.put_setting("seed", "7"));
   ROOMWISE_MUST(home.add_recording(sample_recording()));
   ROOMWISE_MUST(home.add_network(sample_network()));
-  for (KeyframeId id = 0; id < 4; ++id) ROOMWISE_MUST(home.commit_step(sample_step(1, 1, id)));
-  ROOMWISE_MUST(home.replace_objects(std::vector<objects::MapObject>{
+  for (KeyframeId id = 0; id < 4; ++id) ROOMWISE_MUST(home.commit(sample_commit(1, 1, id)));
+  ROOMWISE_MUST(home.replace_paper_objects(std::vector<objects::PaperObject>{
       {"bed", 1, 0.5, 4, Eigen::Vector3d(0.1, -0.2, 2.5)}, {"lamp", 2, 0.9, 4, std::nullopt}}));
   ROOMWISE_MUST(home.add_region_finder({"finder", "f1nd", {"couch", "bed"}}));
   ROOMWISE_MUST(home.put_detections(1, 1, sample_look(1)));

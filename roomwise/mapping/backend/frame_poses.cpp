@@ -14,7 +14,7 @@ RigidTransform part_of(const RigidTransform& motion, double share) {
   return {Eigen::Quaterniond::Identity().slerp(share, motion.rotation), share * motion.translation};
 }
 
-// By key-frame: how the next one was measured from it, if it was and lies in the same piece.
+// By key-frame: how the next one was measured from it, if it was and lies in the same component.
 std::vector<std::optional<RigidTransform>> steps_to_next(std::span<const std::size_t> component,
                                                          std::span<const PoseGraphEdge> edges) {
   std::vector<std::optional<RigidTransform>> steps(component.size());

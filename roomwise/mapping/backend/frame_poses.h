@@ -29,8 +29,8 @@ struct SolvedKeyframes {
     std::span<const PoseGraphEdge> edges);
 
 // How each key-frame's camera moved while it took its picture: a twist in its own frame (rad/s,
-// m/s) from the poses of the frames before and after. Zero where frames of its piece are too far
-// apart in time to tell.
+// m/s) from the poses of the frames before and after. Zero where frames of its component are too
+// far apart in time to tell.
 [[nodiscard]] std::vector<geometry::Vector6d> keyframe_velocities(
     std::span<const Frame> frames,
     std::span<const std::optional<geometry::RigidTransform>> world_from_frame,

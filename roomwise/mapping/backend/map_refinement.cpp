@@ -10,7 +10,7 @@ namespace {
 using geometry::RigidTransform;
 using geometry::Vector6d;
 
-// Key-frames in the order of a bundle's cameras: first the first of each piece, which are held.
+// Key-frames in the order of a bundle's cameras: first the first of each component, which are held.
 std::vector<std::uint32_t> places_of(const MapSolution& solution) {
   std::vector<std::uint32_t> places(solution.component.size());
   std::vector<bool> is_met(solution.components, false);

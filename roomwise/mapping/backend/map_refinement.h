@@ -32,7 +32,7 @@ struct RefinementInputs {
 };
 
 struct MapRefinement {
-  // By key-frame id; the first of each piece stays where it was.
+  // By key-frame id; the first of each component stays where it was.
   std::vector<geometry::RigidTransform> world_from_keyframe;
   std::size_t landmarks = 0;
   std::size_t views = 0;

@@ -86,7 +86,7 @@ TEST(RefineMap, FindsARollingShutter) {
 
 TEST(RefineMap, KeepsComponentsApartAndTheirFirstKeyframesFixed) {
   Map map({.landmarks = 600, .noise_sigmas = 0.5}, 0.002);
-  map.edges.erase(map.edges.begin() + 6);  // two pieces: 0 to 6 and 7 to 11
+  map.edges.erase(map.edges.begin() + 6);  // two components: 0 to 6 and 7 to 11
   const MapSolution solution = map.solution();
   ASSERT_EQ(solution.components, 2U);
   const auto refined = map.refined();

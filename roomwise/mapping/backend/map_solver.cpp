@@ -77,7 +77,7 @@ std::vector<int> triangle_votes(std::size_t count, std::span<const PoseGraphEdge
 
 // Poses along a spanning tree of the edges: first those for which triangles vote, then those that
 // are in none, last those that others contradict, and in each odometry before loops. The first
-// key-frame of each piece is at the origin.
+// key-frame of each component is at the origin.
 std::vector<RigidTransform> initial_poses(std::size_t count, std::span<const PoseGraphEdge> edges,
                                           const std::vector<int>& votes) {
   StepsFrom tree(count);
@@ -111,7 +111,7 @@ std::vector<RigidTransform> initial_poses(std::size_t count, std::span<const Pos
   return poses;
 }
 
-// The piece of each key-frame, the largest first; among equals the earlier.
+// The component of each key-frame, the largest first; among equals the earlier.
 std::vector<std::size_t> components_by_size(std::size_t count, std::span<const PoseGraphEdge> edges,
                                             std::size_t& components) {
   DisjointSets joined(count);
@@ -194,7 +194,7 @@ Expected<MapSolution> solve_map(std::size_t keyframe_count, std::span<const Pose
   solution.report.error_before = first.error_before;
   solution.report.iterations += first.iterations;
 
-  // The world of each piece is its first key-frame, also where leaving out a loop split it off.
+  // The world of each component is its first key-frame, also where leaving out a loop split it off.
   std::map<std::size_t, RigidTransform> first_from_world;
   for (const auto& [id, pose] : graph.world_from_node) {
     const auto [anchor, is_first] =

@@ -21,10 +21,10 @@ struct MapSolverOptions {
 
 // Where the key-frames are, once all measurements agree as well as they can.
 struct MapSolution {
-  // By key-frame id. Each piece lies in a world of its own, its first key-frame's camera
+  // By key-frame id. Each component lies in a world of its own, its first key-frame's camera
   // frame.
   std::vector<geometry::RigidTransform> world_from_keyframe;
-  // By key-frame id: its piece, 0 for the largest (by key-frames), then by size.
+  // By key-frame id: its component, 0 for the largest (by key-frames), then by size.
   std::vector<std::size_t> component;
   std::size_t components = 0;
   std::size_t rejected_loops = 0;  // and steps, where triangles made them doubtful

@@ -73,13 +73,13 @@ void Mapper::release_frames(std::size_t keep) {
   }
 }
 
-Expected<MapStep> Mapper::add_frame(std::uint64_t frame_index, TimestampNs timestamp_ns,
-                                    motion::FrameMeasurements measurements) {
-  MapStep step;
+Expected<MapUpdate> Mapper::add_frame(std::uint64_t frame_index, TimestampNs timestamp_ns,
+                                      motion::FrameMeasurements measurements) {
+  MapUpdate step;
   frames_.push_back({frame_index, timestamp_ns, std::nullopt, {}});
   const std::size_t position = frames_.size() - 1;
   if (keyframes_.empty()) {
-    if (!can_begin(measurements)) {
+    if (!can_start_component(measurements)) {
       frames_[position].no_pose_reason = to_string(motion::MotionStatus::kTooFewFeatures);
       return step;
     }
@@ -101,7 +101,8 @@ Expected<MapStep> Mapper::add_frame(std::uint64_t frame_index, TimestampNs times
   if (!outcome.found()) {
     previous_.reset();
     frames_[position].no_pose_reason = outcome.describe();
-    if (++frames_lost_ >= options_.frames_until_new_component && can_begin(measurements)) {
+    if (++frames_lost_ >= options_.frames_until_new_component &&
+        can_start_component(measurements)) {
       ROOMWISE_CHECK_OK(add_keyframe(position, std::move(measurements), std::nullopt, step));
     } else if (is_checkpoint_due) {
       reach_checkpoint(step);
@@ -136,7 +137,7 @@ Expected<MapStep> Mapper::add_frame(std::uint64_t frame_index, TimestampNs times
   return step;
 }
 
-bool Mapper::can_begin(const motion::FrameMeasurements& measurements) const {
+bool Mapper::can_start_component(const motion::FrameMeasurements& measurements) const {
   return static_cast<int>(measurements.features().size()) >= options_.locator.features.min_features;
 }
 
@@ -158,20 +159,20 @@ void Mapper::set_reference(KeyframeId id) {
   if (reference_history_.size() > needed) reference_history_.pop_front();
 }
 
-void Mapper::reach_checkpoint(MapStep& step) {
+void Mapper::reach_checkpoint(MapUpdate& step) {
   previous_.reset();
   frames_since_checkpoint_ = 0;
   step.is_checkpoint = true;
 }
 
-std::optional<StampedPlace> Mapper::from_reference(const Frame& frame) const {
+std::optional<StampedMotion> Mapper::pose_in_reference(const Frame& frame) const {
   if (!frame.place) return std::nullopt;
   const FramePlace& place = *frame.place;
   if (place.keyframe == reference_history_.back())
-    return StampedPlace{place.keyframe_from_camera, frame.timestamp_ns};
+    return StampedMotion{place.keyframe_from_camera, frame.timestamp_ns};
   const auto way = graph_.between(reference_history_.back(), place.keyframe);
   if (!way) return std::nullopt;
-  return StampedPlace{*way * place.keyframe_from_camera, frame.timestamp_ns};
+  return StampedMotion{*way * place.keyframe_from_camera, frame.timestamp_ns};
 }
 
 std::optional<motion::PosePrior> Mapper::predict_pose() const {
@@ -179,9 +180,9 @@ std::optional<motion::PosePrior> Mapper::predict_pose() const {
   const std::size_t position = frames_.size() - 1;
   std::size_t last = position;
   if (last > 1 && !frames_[last - 1].place) --last;
-  const auto newer = from_reference(frames_[last - 1]);
+  const auto newer = pose_in_reference(frames_[last - 1]);
   if (!newer) return std::nullopt;
-  const auto older = last >= 2 ? from_reference(frames_[last - 2]) : std::nullopt;
+  const auto older = last >= 2 ? pose_in_reference(frames_[last - 2]) : std::nullopt;
   return predict_motion(older, *newer, frames_[position].timestamp_ns);
 }
 
@@ -197,16 +198,16 @@ Mapper::Outcome Mapper::track(const motion::FrameMeasurements& current) {
                               random);
 }
 
-std::vector<KeyframeId> Mapper::neighbors(std::size_t passed_over) const {
+std::vector<KeyframeId> Mapper::recent_references(std::size_t skip_newest) const {
   // The same key-frame may have been the reference several times.
   std::vector<KeyframeId> distinct;
-  const std::size_t most = passed_over + static_cast<std::size_t>(options_.loops.neighbors);
+  const std::size_t most = skip_newest + static_cast<std::size_t>(options_.loops.neighbors);
   for (auto id = reference_history_.rbegin();
        id != reference_history_.rend() && distinct.size() < most; ++id) {
     if (std::ranges::find(distinct, *id) == distinct.end()) distinct.push_back(*id);
   }
   distinct.erase(distinct.begin(), distinct.begin() + static_cast<std::ptrdiff_t>(
-                                                          std::min(passed_over, distinct.size())));
+                                                          std::min(skip_newest, distinct.size())));
   return distinct;
 }
 
@@ -216,7 +217,7 @@ std::optional<RigidTransform> Mapper::chain_odometry(KeyframeId from) const {
        ++back) {
     const KeyframeId at = reference_history_[reference_history_.size() - 1 - back];
     const auto step = graph_.between(at, reference_history_[reference_history_.size() - back]);
-    if (!step) return std::nullopt;  // a piece begins there
+    if (!step) return std::nullopt;  // a component begins there
     from_newest = *step * from_newest;
     if (at == from) return from_newest;
   }
@@ -274,7 +275,7 @@ void Mapper::go_on_from(const RevisitedKeyframe& known, const motion::RefinedPos
 
 Expected<void> Mapper::add_keyframe(std::size_t frame_position,
                                     motion::FrameMeasurements measurements,
-                                    const std::optional<PoseGraphEdge>& link, MapStep& step) {
+                                    const std::optional<PoseGraphEdge>& link, MapUpdate& step) {
   Frame& frame = frames_[frame_position];
   const KeyframeStamp newest{keyframes_.size(), frame.index, frame.timestamp_ns};
   frames_lost_ = 0;
@@ -295,9 +296,9 @@ Expected<void> Mapper::add_keyframe(std::size_t frame_position,
   };
   const std::vector<KeyframeId> similar =
       similar_keyframes(*measured, newest.id - std::min(newest.id, kNeighbors));
-  ROOMWISE_TRY(
-      const std::vector<PoseGraphEdge> loops,
-      close_loops(newest, options_.loops, neighbors(2), similar, compare_newest, options_.seed));
+  ROOMWISE_TRY(const std::vector<PoseGraphEdge> loops,
+               close_loops(newest, options_.loops, recent_references(2), similar, compare_newest,
+                           options_.seed));
   for (const PoseGraphEdge& loop : loops) {
     if (!link || loop.from != link->from) graph_.add(loop);
   }

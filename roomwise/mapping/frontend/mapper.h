@@ -19,7 +19,7 @@ using scene::Frame;
 using scene::FramePlace;
 
 // What one frame changed, for those who store or show the map as it grows.
-struct MapStep {
+struct MapUpdate {
   // Key-frames made in this step, in order: none, the frame before (kept late, because this one no
   // longer matched the reference), this frame, or both.
   std::vector<KeyframeId> new_keyframes;
@@ -37,9 +37,9 @@ struct MapStep {
 // again and no new one is made: one or two edges lead to it from the reference, and the frame is
 // located against it as surely as a loop. So a map grows with the home and not with the walk.
 //
-// Key-frames that are connected by edges make a piece. When tracking is lost and no key-frame is
-// recognised, mapping goes on in a new piece; a loop closure joins pieces by itself, since it is an
-// edge between them.
+// Key-frames that are connected by edges make a component. When tracking is lost and no key-frame
+// is recognised, mapping goes on in a new component; a loop closure joins components by itself,
+// since it is an edge between them.
 //
 // Key-frames' measurements beyond the working set lie on the disk; of frames only those are kept
 // that were not released. Same frames and options, same bits, whatever the working set. A Mapper
@@ -58,8 +58,8 @@ class Mapper {
 
   // Frames must come in the order of time. The combined method gains nothing over the paper's for
   // frames without views.
-  [[nodiscard]] Expected<MapStep> add_frame(std::uint64_t frame_index, TimestampNs timestamp_ns,
-                                            motion::FrameMeasurements measurements);
+  [[nodiscard]] Expected<MapUpdate> add_frame(std::uint64_t frame_index, TimestampNs timestamp_ns,
+                                              motion::FrameMeasurements measurements);
 
   [[nodiscard]] const std::vector<KeyframeStamp>& keyframes() const { return keyframes_; }
   [[nodiscard]] const std::vector<PoseGraphEdge>& edges() const { return graph_.edges(); }
@@ -88,8 +88,8 @@ class Mapper {
   // last; nothing where it was lost for long.
   [[nodiscard]] std::optional<motion::PosePrior> predict_pose() const;
   // A placed frame relative to the reference, if an edge leads there from where it was placed.
-  [[nodiscard]] std::optional<StampedPlace> from_reference(const Frame& frame) const;
-  [[nodiscard]] bool can_begin(const motion::FrameMeasurements& measurements) const;
+  [[nodiscard]] std::optional<StampedMotion> pose_in_reference(const Frame& frame) const;
+  [[nodiscard]] bool can_start_component(const motion::FrameMeasurements& measurements) const;
   [[nodiscard]] bool needs_keyframe(const geometry::RigidTransform& motion) const;
   // A motion by what makes a key-frame: 1 just does.
   [[nodiscard]] double motion_ratio(const geometry::RigidTransform& motion) const;
@@ -97,14 +97,15 @@ class Mapper {
 
   [[nodiscard]] Outcome track(const motion::FrameMeasurements& current);
   // The references of the walk before the last one.
-  [[nodiscard]] std::vector<KeyframeId> neighbors(std::size_t passed_over) const;
-  // A reference a little before the newest: where the newest is along the steps between them.
+  [[nodiscard]] std::vector<KeyframeId> recent_references(std::size_t skip_newest) const;
+  // A reference a little before the newest: where the newest is along the odometry edges between
+  // them.
   [[nodiscard]] std::optional<geometry::RigidTransform> chain_odometry(KeyframeId from) const;
   // Those with an id below `before` that look most like it, best first.
   [[nodiscard]] std::vector<KeyframeId> similar_keyframes(
       const motion::FrameMeasurements& measurements, KeyframeId before) const;
-  // The frame against any key-frame, as loops are compared: surer than a step must be, and without
-  // resting on what the map holds already, which may say nearly where it is.
+  // The frame against any key-frame, as loops are compared: surer than an odometry edge must be,
+  // and without resting on what the map holds already, which may say nearly where it is.
   [[nodiscard]] Outcome compare(KeyframeId reference, const motion::FrameMeasurements& current,
                                 std::uint64_t frame_index,
                                 const std::optional<motion::PosePrior>& prior);
@@ -118,9 +119,9 @@ class Mapper {
   [[nodiscard]] Expected<void> add_keyframe(std::size_t frame_position,
                                             motion::FrameMeasurements measurements,
                                             const std::optional<PoseGraphEdge>& link,
-                                            MapStep& step);
+                                            MapUpdate& step);
   // Nothing that is needed of the newest frame is anywhere but in frames_.
-  void reach_checkpoint(MapStep& step);
+  void reach_checkpoint(MapUpdate& step);
 
   geometry::PinholeCamera camera_;
   MapperOptions options_;

@@ -34,7 +34,7 @@ struct MapperOptions {
   double keyframe_rotation_rad = 0.14;
   LoopOptions loops;
   ReuseOptions reuse;
-  // After so many frames in a row that match nothing, mapping goes on in a new piece.
+  // After so many frames in a row that match nothing, mapping goes on in a new component.
   int frames_until_new_component = 5;
   std::uint64_t seed = 1;
 

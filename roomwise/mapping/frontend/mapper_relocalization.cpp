@@ -45,7 +45,7 @@ Mapper::Outcome Mapper::compare(KeyframeId reference, const motion::FrameMeasure
             .overlap;
     if (overlap < strict.views.min_overlap) {
       motion::MotionOutcome nothing;
-      nothing.status = motion::MotionStatus::kNothingInCommon;
+      nothing.status = motion::MotionStatus::kTooLittleOverlap;
       return nothing;
     }
   }
@@ -57,7 +57,7 @@ Expected<void> Mapper::relocalize(const motion::FrameMeasurements& current, Keyf
   // Being lost, any key-frame may be the one: the candidates of a loop closure, as if this frame
   // were a key-frame.
   const std::uint64_t frame_index = frames_.back().index;
-  std::vector<KeyframeId> ids = neighbors(1);
+  std::vector<KeyframeId> ids = recent_references(1);
   const std::vector<KeyframeId> similar = similar_keyframes(current, keyframes_.size());
   ids.insert(ids.end(), similar.begin(), similar.end());
   const std::vector<KeyframeId> drawn = draw_loop_candidates(

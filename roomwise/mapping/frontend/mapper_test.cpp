@@ -260,11 +260,11 @@ class CombinedMapperTest : public MapperTest {
     const int within = index % (2 * frames);
     return within < frames ? within : 2 * frames - 1 - within;
   }
-  MapStep add_at(Mapper& mapper, int index, int frame) {
+  MapUpdate add_at(Mapper& mapper, int index, int frame) {
     const auto step =
         mapper.add_frame(static_cast<std::uint64_t>(index), index * 33'000'000LL, measure(frame));
     EXPECT_OK(step);
-    return step.value_or(MapStep());
+    return step.value_or(MapUpdate());
   }
   static void expect_same_frames(const Mapper& mapper, const Mapper& expected) {
     ASSERT_EQ(mapper.frames().size(), expected.frames().size());
@@ -387,7 +387,7 @@ TEST_F(CombinedMapperTest, RestoredOnKnownGroundGoesOnAsIfNeverStopped) {
 
   Mapper first(kCamera, reuses_all());
   int next = 0;
-  for (MapStep step; next < 45 || !step.is_checkpoint || !step.new_keyframes.empty(); ++next) {
+  for (MapUpdate step; next < 45 || !step.is_checkpoint || !step.new_keyframes.empty(); ++next) {
     ASSERT_LT(next, 70) << "no key-frame was gone on from";
     step = add_at(first, next, to_and_fro(next));
   }

@@ -24,8 +24,8 @@ RigidTransform scaled(const RigidTransform& motion, double ratio) {
 
 }  // namespace
 
-motion::PosePrior predict_motion(const std::optional<StampedPlace>& older,
-                                 const StampedPlace& newer, TimestampNs later_ns) {
+motion::PosePrior predict_motion(const std::optional<StampedMotion>& older,
+                                 const StampedMotion& newer, TimestampNs later_ns) {
   const double ahead_s = seconds_between(newer.timestamp_ns, later_ns);
   // How far a person's movement can differ from what is predicted.
   const double translation_m = kTranslationSigma_m + kTranslationSigma_m_s * ahead_s;

@@ -8,14 +8,14 @@
 namespace roomwise::mapping {
 
 // Where a camera was, relative to some key-frame, and when.
-struct StampedPlace {
+struct StampedMotion {
   geometry::RigidTransform keyframe_from_camera;
   TimestampNs timestamp_ns = 0;
 };
 
 // Where it is later if it goes on as it moved last (from `older` to `newer`, where both are known),
 // give or take what a person who holds it does.
-[[nodiscard]] motion::PosePrior predict_motion(const std::optional<StampedPlace>& older,
-                                               const StampedPlace& newer, TimestampNs later_ns);
+[[nodiscard]] motion::PosePrior predict_motion(const std::optional<StampedMotion>& older,
+                                               const StampedMotion& newer, TimestampNs later_ns);
 
 }  // namespace roomwise::mapping

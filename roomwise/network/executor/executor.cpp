@@ -163,7 +163,7 @@ class Executor::Implementation {
       quantize(program, ranges, options_.eight_bits->min_channels);
     }
     auto shared = std::make_shared<SharedPlan>();
-    ROOMWISE_TRY(shared->plan, make_plan(program, {passes.joins_in_place, passes.uses_winograd,
+    ROOMWISE_TRY(shared->plan, make_plan(program, {passes.concat_in_place, passes.uses_winograd,
                                                    options_.threads_per_input}));
     return shared;
   }

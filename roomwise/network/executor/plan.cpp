@@ -21,10 +21,10 @@ PlanRun::PlanRun(std::shared_ptr<const Plan> plan)
   const std::size_t bytes = std::max(plan_->memory.bytes, kAlignment);
   memory_.reset(static_cast<std::byte*>(std::aligned_alloc(kAlignment, bytes)));
   if (memory_ == nullptr) throw std::bad_alloc();
-  for (const Step& step : plan_->steps) {
+  for (const PlannedOp& step : plan_->steps) {
     auto& arguments = arguments_.emplace_back();
     if (step.kernel) continue;
-    for (const Step::Operand& operand : step.operands) {
+    for (const PlannedOp::Operand& operand : step.operands) {
       arguments.insert({operand.argument, dnnl::memory(operand.value.layout, plan_->engine,
                                                        data(operand.value.place))});
     }
@@ -50,13 +50,14 @@ std::vector<std::vector<float>> PlanRun::run(std::span<const std::span<const flo
   }
   std::vector<const float*> sources;
   for (std::size_t i = 0; i < plan_->steps.size(); ++i) {
-    const Step& step = plan_->steps[i];
+    const PlannedOp& step = plan_->steps[i];
     if (!step.kernel) {
       step.primitive.execute(stream_, arguments_[i]);
       continue;
     }
     sources.clear();
-    for (const Step::Operand& operand : step.operands) sources.push_back(data(operand.value.place));
+    for (const PlannedOp::Operand& operand : step.operands)
+      sources.push_back(data(operand.value.place));
     step.kernel(std::span(sources).first(sources.size() - 1),
                 data(step.operands.back().value.place));
   }

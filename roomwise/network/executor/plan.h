@@ -28,7 +28,7 @@ struct TensorView {
 
 // One call: of a oneDNN primitive, or of a kernel of our own (reads operands in their order, writes
 // the last).
-struct Step {
+struct PlannedOp {
   struct Operand {
     int argument = 0;  // of the primitive
     TensorView value;
@@ -42,7 +42,7 @@ struct Step {
 // weights packed, memory laid out. Made once and shared by all runs; it does not change.
 struct Plan {
   dnnl::engine engine{dnnl::engine::kind::cpu, 0};
-  std::vector<Step> steps;
+  std::vector<PlannedOp> steps;
   std::vector<dnnl::memory> constants;
   MemoryPlan memory;
   std::vector<TensorView> inputs;   // row by row
@@ -52,9 +52,9 @@ struct Plan {
 };
 
 struct PlanOptions {
-  bool joins_in_place = true;  // what is joined is written where it is wanted
-  bool uses_winograd = true;   // for 3x3 convolutions, where that is faster
-  std::size_t threads = 1;     // that share the work of one picture
+  bool concat_in_place = true;  // what is joined is written where it is wanted
+  bool uses_winograd = true;    // for 3x3 convolutions, where that is faster
+  std::size_t threads = 1;      // that share the work of one picture
 };
 
 // Fails where oneDNN refuses a layer, naming its node.

@@ -43,7 +43,7 @@ std::shared_ptr<const Plan> PlanBuilder::build() {
     for (const ValueId input : program_.layers[i].inputs) last_use_[input] = i;
   }
   for (const ValueId output : program_.outputs) last_use_[output] = program_.layers.size();
-  if (options_.joins_in_place) plan_joins();
+  if (options_.concat_in_place) plan_joins();
   for (layer_ = 0; layer_ < program_.layers.size(); ++layer_) {
     const Layer& layer = program_.layers[layer_];
     std::visit([&](const auto& operation) { plan_layer(layer, operation); }, layer.operation);
@@ -199,13 +199,13 @@ void PlanBuilder::copy(const TensorView& from, const TensorView& to, float scale
 }
 
 void PlanBuilder::add_primitive(const dnnl::primitive& primitive, const Layout& scratchpad,
-                                std::vector<Step::Operand> operands) {
+                                std::vector<PlannedOp::Operand> operands) {
   if (scratchpad.get_size() > 0) operands.push_back({DNNL_ARG_SCRATCHPAD, new_buffer(scratchpad)});
   plan_->steps.push_back({primitive, nullptr, std::move(operands)});
 }
 
 void PlanBuilder::add_kernel(Kernel kernel, std::vector<TensorView> operands) {
-  Step step;
+  PlannedOp step;
   step.kernel = std::move(kernel);
   for (const TensorView& operand : operands) step.operands.push_back({0, operand});
   plan_->steps.push_back(std::move(step));
@@ -224,7 +224,8 @@ void PlanBuilder::plan_memory_of_steps() {
   };
   for (const TensorView& input : plan_->inputs) needs(input.place, 0);
   for (std::size_t i = 0; i < plan_->steps.size(); ++i) {
-    for (const Step::Operand& operand : plan_->steps[i].operands) needs(operand.value.place, i);
+    for (const PlannedOp::Operand& operand : plan_->steps[i].operands)
+      needs(operand.value.place, i);
   }
   for (const TensorView& output : plan_->outputs) needs(output.place, plan_->steps.size());
   plan_->memory = plan_memory(buffers_);

@@ -59,7 +59,7 @@ class PlanBuilder {
   [[nodiscard]] Place place_of_join(ValueId target);
   void copy(const TensorView& from, const TensorView& to, float scale);
   void add_primitive(const dnnl::primitive& primitive, const Layout& scratchpad,
-                     std::vector<Step::Operand> operands);
+                     std::vector<PlannedOp::Operand> operands);
   void add_kernel(Kernel kernel, std::vector<TensorView> operands);
 
   void plan_layer(const Layer& layer, const Convolution& convolution);

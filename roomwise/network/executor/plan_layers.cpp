@@ -41,7 +41,7 @@ void PlanBuilder::plan_layer(const Layer& layer, const Convolution& convolution)
 
 void PlanBuilder::add_convolution(const Layer& layer, const ConvolutionDescription& description,
                                   const memory& weights, const std::vector<float>& bias) {
-  std::vector<Step::Operand> operands{{DNNL_ARG_WEIGHTS, add_constant(weights)}};
+  std::vector<PlannedOp::Operand> operands{{DNNL_ARG_WEIGHTS, add_constant(weights)}};
   if (!bias.empty()) {
     operands.push_back(
         {DNNL_ARG_BIAS, add_constant(constant_memory(description.bias_desc(), bias))});
@@ -186,8 +186,9 @@ void PlanBuilder::plan_layer(const Layer& layer, const MatrixProduct& product) {
   const Layout bias = product.bias.empty() ? Layout() : plain(bias_shape);
   const dnnl::matmul::primitive_desc description({of_a, of_b, bias, result}, user_scratchpad(),
                                                  plan_->engine);
-  std::vector<Step::Operand> operands{{DNNL_ARG_SRC, in_layout(a, of_a)},
-                                      {DNNL_ARG_WEIGHTS, in_layout(b, description.weights_desc())}};
+  std::vector<PlannedOp::Operand> operands{
+      {DNNL_ARG_SRC, in_layout(a, of_a)},
+      {DNNL_ARG_WEIGHTS, in_layout(b, description.weights_desc())}};
   if (!product.bias.empty())
     operands.push_back({DNNL_ARG_BIAS, add_constant(constant_memory(bias, product.bias))});
   operands.push_back({DNNL_ARG_DST, place_output(layer.output, result)});

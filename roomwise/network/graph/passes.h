@@ -14,7 +14,7 @@ struct PassOptions {
   bool fuses_residuals = true;    // sums become part of a convolution
   bool combines_gathers = true;   // chains of joins, splits and channel shuffles become one
   bool swaps_means = true;        // a 1x1 convolution comes before a mean, on fewer channels
-  bool joins_in_place = true;     // what is joined is written where it is wanted (plan.h)
+  bool concat_in_place = true;    // what is joined is written where it is wanted (plan.h)
   bool uses_winograd = true;      // for 3x3 convolutions (plan.h)
 };
 

@@ -68,7 +68,7 @@ const std::vector<std::pair<const char*, bool PassOptions::*>> kPasses = {
     {"constants", &PassOptions::folds_constants}, {"padding", &PassOptions::folds_padding},
     {"scales", &PassOptions::folds_scales},       {"activations", &PassOptions::fuses_activations},
     {"residuals", &PassOptions::fuses_residuals}, {"gathers", &PassOptions::combines_gathers},
-    {"means", &PassOptions::swaps_means},         {"joins", &PassOptions::joins_in_place},
+    {"means", &PassOptions::swaps_means},         {"joins", &PassOptions::concat_in_place},
     {"Winograd", &PassOptions::uses_winograd}};
 
 PassOptions no_passes() {
@@ -108,7 +108,7 @@ TEST(Passes, TakeLayersAway) {
   const TinyGraph graph = busy_graph();
   for (const auto& [name, pass] : kPasses) {
     // The last two are of the plan, not of the program.
-    if (pass == &PassOptions::swaps_means || pass == &PassOptions::joins_in_place ||
+    if (pass == &PassOptions::swaps_means || pass == &PassOptions::concat_in_place ||
         pass == &PassOptions::uses_winograd) {
       continue;
     }

@@ -109,9 +109,10 @@ class ChangeFinder {
       state.now = pair.b;
       state.evidence_now = earlier_[pair.b];
       taken_[pair.b] = true;
-      const bool shifted = differs(state.evidence, options_.min_shifted) &&
-                           is_new(pair.b, options_.min_shifted) &&
-                           distance_m(before_[pair.a], now_[pair.b]) >= options_.min_shift_m;
+      const bool shifted =
+          differs(state.evidence, options_.min_moved_gone_share) &&
+          is_new(pair.b, options_.min_moved_gone_share) &&
+          distance_m(before_[pair.a], now_[pair.b]) >= options_.min_moved_distance_m;
       state.state = shifted ? ChangeState::kMoved : ChangeState::kThere;
     });
   }
@@ -121,9 +122,10 @@ class ChangeFinder {
     for (InstanceChange& state : changes_.before) {
       if (state.now) continue;
       if (!is_looked_at(state.evidence)) continue;
-      state.state = differs(state.evidence, options_.min_gone)          ? ChangeState::kRemoved
-                    : differs(state.evidence, options_.min_partly_gone) ? ChangeState::kShifted
-                                                                        : ChangeState::kThere;
+      state.state = differs(state.evidence, options_.min_gone) ? ChangeState::kRemoved
+                    : differs(state.evidence, options_.min_shifted_gone_share)
+                        ? ChangeState::kShifted
+                        : ChangeState::kThere;
     }
   }
 
@@ -203,7 +205,8 @@ std::vector<Vector3f> remaining_surface(std::span<const Vector3f> surface_world,
 
 PlacedInstance placed_instance(const Instance& instance, const geometry::OrientedBox& box_world,
                                std::span<const ObservedKeyframe> keyframes,
-                               const GroundPlane& level, std::vector<std::size_t>* seen_in) {
+                               const GroundPlane& level,
+                               std::vector<std::size_t>* supporting_keyframes) {
   constexpr double kFoot_m = 0.03;  // what a thing stands on reaches into its box
   constexpr float kSample_m = 0.04F;
   PlacedInstance thing{instance.name, box_world, {}};
@@ -228,7 +231,7 @@ PlacedInstance placed_instance(const Instance& instance, const geometry::Oriente
       }
       shows = shows || 2 * inside >= detection.surface.points.size();
     }
-    if (shows && seen_in != nullptr) seen_in->push_back(k);
+    if (shows && supporting_keyframes != nullptr) supporting_keyframes->push_back(k);
   }
   return thing;
 }
@@ -256,12 +259,12 @@ Expected<void> ChangeOptions::validate() const {
   };
   ROOMWISE_CHECK_OK(check_share(min_decided, "min_decided"));
   ROOMWISE_CHECK_OK(check_share(min_gone, "min_gone"));
-  ROOMWISE_CHECK_OK(check_share(min_shifted, "min_shifted"));
-  ROOMWISE_CHECK_OK(check_share(min_partly_gone, "min_partly_gone"));
+  ROOMWISE_CHECK_OK(check_share(min_moved_gone_share, "min_moved_gone_share"));
+  ROOMWISE_CHECK_OK(check_share(min_shifted_gone_share, "min_shifted_gone_share"));
   ROOMWISE_CHECK_OK(check_share(same_place, "same_place"));
   if (min_views < 1) return fail("min_views is {}; expected at least 1", min_views);
-  if (!(min_shift_m >= 0 && std::isfinite(min_shift_m))) {
-    return fail("min_shift_m is {}; expected 0 m or more", min_shift_m);
+  if (!(min_moved_distance_m >= 0 && std::isfinite(min_moved_distance_m))) {
+    return fail("min_moved_distance_m is {}; expected 0 m or more", min_moved_distance_m);
   }
   return {};
 }

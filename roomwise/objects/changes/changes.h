@@ -49,12 +49,12 @@ struct PlacedInstance {
 };
 
 // The thing of an instance. Its surface is what the key-frames' detections of its names show inside
-// its box, but for what it stands on; `seen_in` gets the key-frames' places in the span, ascending.
-[[nodiscard]] PlacedInstance placed_instance(const Instance& instance,
-                                             const geometry::OrientedBox& box_world,
-                                             std::span<const ObservedKeyframe> keyframes,
-                                             const GroundPlane& level,
-                                             std::vector<std::size_t>* seen_in = nullptr);
+// its box, but for what it stands on; `supporting_keyframes` gets the key-frames' places in the
+// span, ascending.
+[[nodiscard]] PlacedInstance placed_instance(
+    const Instance& instance, const geometry::OrientedBox& box_world,
+    std::span<const ObservedKeyframe> keyframes, const GroundPlane& level,
+    std::vector<std::size_t>* supporting_keyframes = nullptr);
 
 enum class ChangeState {
   kThere,       // where it was
@@ -82,12 +82,14 @@ struct Changes {
 };
 
 struct ChangeOptions {
-  double min_decided = 0.3;       // of the surface; less was not looked at
-  int min_views = 2;              // that looked at it
-  double min_gone = 0.6;          // of the decided surface; the same of what is new
-  double min_shifted = 0.12;      // the same, of both surfaces of what is found again nearly there
-  double min_partly_gone = 0.15;  // the same, of what is not found again but still there in part
-  double min_shift_m = 0.08;      // less is no move
+  double min_decided = 0.3;  // of the surface; less was not looked at
+  int min_views = 2;         // that looked at it
+  double min_gone = 0.6;     // of the decided surface; the same of what is new
+  double min_moved_gone_share =
+      0.12;  // the same, of both surfaces of what is found again nearly there
+  double min_shifted_gone_share =
+      0.15;  // the same, of what is not found again but still there in part
+  double min_moved_distance_m = 0.08;  // less is no move
   // A thing in the place of another has this share of its surface in the other's box or more.
   double same_place = 0.3;
 

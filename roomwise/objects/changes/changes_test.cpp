@@ -240,9 +240,9 @@ TEST(ChangeOptions, NamesTheFieldThatIsWrong) {
   EXPECT_ERROR(ChangeOptions{.min_decided = 2}.validate(), "min_decided");
   EXPECT_ERROR(ChangeOptions{.min_views = 0}.validate(), "min_views");
   EXPECT_ERROR(ChangeOptions{.min_gone = -1}.validate(), "min_gone");
-  EXPECT_ERROR(ChangeOptions{.min_shifted = 1.5}.validate(), "min_shifted");
-  EXPECT_ERROR(ChangeOptions{.min_partly_gone = 7}.validate(), "min_partly_gone");
-  EXPECT_ERROR(ChangeOptions{.min_shift_m = -1}.validate(), "min_shift_m");
+  EXPECT_ERROR(ChangeOptions{.min_moved_gone_share = 1.5}.validate(), "min_moved_gone_share");
+  EXPECT_ERROR(ChangeOptions{.min_shifted_gone_share = 7}.validate(), "min_shifted_gone_share");
+  EXPECT_ERROR(ChangeOptions{.min_moved_distance_m = -1}.validate(), "min_moved_distance_m");
   EXPECT_ERROR(ChangeOptions{.same_place = -0.1}.validate(), "same_place");
 }
 

@@ -246,7 +246,7 @@ Candidate candidate_of(ObservationCluster group, std::span<const WorldObservatio
     candidate.scores[observation.detection->class_name] += observation.weighted_score();
     const ObservedKeyframe& keyframe = keyframes[observation.keyframe];
     if (!stands_in_middle(observation.detection->box, keyframe.camera)) continue;
-    for (const Observation& said : keyframe.said)
+    for (const ObjectScore& said : keyframe.said)
       candidate.scores[said.object] += kSaidWeight * said.score;
   }
   return candidate;

@@ -13,7 +13,7 @@
 #include "roomwise/geometry/oriented_box.h"
 #include "roomwise/geometry/pinhole_camera.h"
 #include "roomwise/geometry/rigid_transform.h"
-#include "roomwise/objects/detection/object_map.h"
+#include "roomwise/objects/detection/paper_objects.h"
 #include "roomwise/objects/detection/region_surface.h"
 
 // From a network's box to a spoken prompt, a type for each step:
@@ -65,7 +65,7 @@ struct ObservedKeyframe : KeyframeDetections {
   geometry::RigidTransform world_from_camera;
   geometry::PinholeCamera camera;
   // What a classifier says of the whole picture, which is mostly what stands in its middle.
-  std::vector<Observation> said;
+  std::vector<ObjectScore> said;
   // That did not look at it: what they find elsewhere is not missed here.
   std::set<DetectionSource> sources_not_run;
 

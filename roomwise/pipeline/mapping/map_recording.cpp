@@ -75,7 +75,7 @@ Expected<void> map_frames(recording::FrameSource& source,
       return {};
     }
     const std::shared_ptr<const image::RgbdFrame> frame = std::move(next->frame);
-    ROOMWISE_TRY(const mapping::MapStep step, [&] {
+    ROOMWISE_TRY(const mapping::MapUpdate step, [&] {
       const auto timing = run.clock.measure("tracking and loops");
       return mapper.add_frame(frame->index, frame->timestamp_ns, std::move(next->measurements));
     }());

@@ -92,15 +92,15 @@ TEST_F(MapRecording, MapsAWalkIntoAHome) {
   // Every key-frame was seen by both networks; "studio couch" means bed.
   EXPECT_EQ(home.predictions(1)->size(), summary->keyframes);
   EXPECT_EQ(home.predictions(2)->size(), summary->keyframes);
-  ASSERT_EQ(summary->objects, home.objects()->size());
+  ASSERT_EQ(summary->objects, home.paper_objects()->size());
   EXPECT_EQ(summary->instances, home.instances()->size());
-  const auto looks = home.looks(1);
+  const auto looks = home.detections(1);
   ASSERT_OK(looks);
   ASSERT_EQ(looks->size(), summary->keyframes) << "the finder has looked at every key-frame, too";
   EXPECT_EQ(looks->at(0).detections.at(0).label, "couch");
   EXPECT_GT(looks->at(0).detections.at(0).surface.points.size(), 20U);
   ASSERT_GT(summary->objects, 0U);
-  EXPECT_EQ(home.objects()->front().name, "bed");
+  EXPECT_EQ(home.paper_objects()->front().name, "bed");
 }
 
 TEST_F(MapRecording, GivesTheSameHomeAtAnyNumberOfThreads) {

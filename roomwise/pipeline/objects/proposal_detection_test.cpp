@@ -61,7 +61,7 @@ TEST_F(CloserLooks, NameWhatStandsByItselfAndNoFinderFound) {
   EXPECT_EQ(home.looked_at(2)->size(), keyframes->size()) << "what it does not show was asked, too";
   const auto concepts = home.concepts();
   ASSERT_OK(concepts);
-  const auto looks = home.looks(2);
+  const auto looks = home.detections(2);
   ASSERT_OK(looks);
   for (const auto& [keyframe, look] : *looks) {
     EXPECT_FALSE(look.coarse_depth.empty());

@@ -25,7 +25,7 @@ Expected<AllDetections> all_detections(const home::Home& home) {
   AllDetections all;
   ROOMWISE_TRY(const auto finders, home.region_finders());
   for (const auto& [id, finder] : finders) {
-    ROOMWISE_TRY(auto looks, home.looks(id));
+    ROOMWISE_TRY(auto looks, home.detections(id));
     const DetectionSource source = objects::source_of(finder.fingerprint);
     for (auto& [keyframe, look] : looks) {
       all.sources[keyframe].insert(source);
@@ -45,9 +45,9 @@ Expected<AllDetections> all_detections(const home::Home& home) {
 
 }  // namespace
 
-Expected<std::map<home::KeyframeId, std::vector<objects::Observation>>> said_of_pictures(
+Expected<std::map<home::KeyframeId, std::vector<objects::ObjectScore>>> said_of_pictures(
     const home::Home& home, const objects::ObjectVocabulary& vocabulary, double min_score) {
-  std::map<home::KeyframeId, std::vector<objects::Observation>> said;
+  std::map<home::KeyframeId, std::vector<objects::ObjectScore>> said;
   ROOMWISE_TRY(const auto networks, home.networks());
   // One that was interrupted has not looked at all: what was said before stands elsewhere.
   for (const auto& [id, network] : networks) {

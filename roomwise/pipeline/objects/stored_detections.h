@@ -11,7 +11,7 @@ namespace roomwise::pipeline {
 
 // What networks said of each key-frame as a whole, in the home's words: of those that name things
 // the newest that has looked at it. Scores below `min_score` are left out.
-[[nodiscard]] Expected<std::map<home::KeyframeId, std::vector<objects::Observation>>>
+[[nodiscard]] Expected<std::map<home::KeyframeId, std::vector<objects::ObjectScore>>>
 said_of_pictures(const home::Home& home, const objects::ObjectVocabulary& vocabulary,
                  double min_score);
 

@@ -53,12 +53,12 @@ Expected<std::uint64_t> update_by_rules(home::Home& home, const objects::ObjectR
         std::ranges::find(recordings, keyframe.recording, &home::StoredRecording::id);
     view.center_point = objects::center_point(depth, recording->recording.camera);
   }
-  // Pieces of the map that nothing joined have nothing to do with each other.
+  // Components of the map that nothing joined have nothing to do with each other.
   std::map<std::uint64_t, std::vector<objects::KeyframeView>> views_of_component;
   for (std::size_t i = 0; i < keyframes.size(); ++i)
     views_of_component[keyframes[i].pose.component].push_back(views[i]);
   const std::map<home::KeyframeId, home::KeyframePose> poses = poses_by_id(keyframes);
-  std::vector<objects::MapObject> found;
+  std::vector<objects::PaperObject> found;
   for (const auto& [component, views_there] : views_of_component) {
     const auto there = objects::confirm_objects(
         views_there, rules, [&](std::uint64_t id) { return poses.at(id).world_from_keyframe; });
@@ -68,7 +68,7 @@ Expected<std::uint64_t> update_by_rules(home::Home& home, const objects::ObjectR
     for (const objects::KeyframeView& view : views) {
       ROOMWISE_CHECK_OK(home.put_observations(view.keyframe_id, view.observations));
     }
-    return home.replace_objects(found);
+    return home.replace_paper_objects(found);
   }));
   return found.size();
 }

@@ -7,10 +7,10 @@
 namespace roomwise::pipeline {
 namespace {
 
-Expected<std::optional<TimedPlace>> find_place(const HomePlaces& places,
-                                               std::span<const LabelledPicture> pictures,
-                                               const PictureSpan& span,
-                                               std::span<const std::string> rooms) {
+Expected<std::optional<TimedPlace>> localize(const HomePlaces& places,
+                                             std::span<const LabelledPicture> pictures,
+                                             const PictureSpan& span,
+                                             std::span<const std::string> rooms) {
   const LabelledPicture& first = pictures[span.first];
   const LabelledPicture& second = pictures[span.second];
   if (!first.read_to_locate || !second.read_to_locate) return std::optional<TimedPlace>();
@@ -20,7 +20,7 @@ Expected<std::optional<TimedPlace>> find_place(const HomePlaces& places,
   }
   ROOMWISE_TRY(read.emplace_back(), second.read_to_locate());
   const auto start = std::chrono::steady_clock::now();
-  ROOMWISE_TRY(rooms::PlaceEvidence evidence, places.look(read, rooms));
+  ROOMWISE_TRY(rooms::LocalizationEvidence evidence, places.look(read, rooms));
   const std::chrono::duration<double, std::milli> elapsed =
       std::chrono::steady_clock::now() - start;
   return TimedPlace{std::move(evidence), elapsed.count()};
@@ -35,7 +35,7 @@ Expected<TimedPlaces> find_places(const HomePlaces& places,
   TimedPlaces found;
   const auto span = [&](std::size_t i) -> Expected<PictureSpan> { return spans[i]; };
   const auto find = [&](std::size_t, const PictureSpan& of_pictures) {
-    return find_place(places, pictures, of_pictures, rooms);
+    return localize(places, pictures, of_pictures, rooms);
   };
   const auto take = [&](std::size_t, std::optional<TimedPlace> place) -> Expected<void> {
     found.push_back(std::move(place));

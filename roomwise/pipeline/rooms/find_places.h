@@ -19,7 +19,7 @@ struct PictureSpan {
 
 // What a place told, and how long it took to measure the pictures and to find it (wall time).
 struct TimedPlace {
-  rooms::PlaceEvidence evidence;
+  rooms::LocalizationEvidence evidence;
   double ms = 0;
 };
 // Of each span; nothing where a picture of it has no depth.

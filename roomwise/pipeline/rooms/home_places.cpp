@@ -20,15 +20,15 @@ Expected<HomePlaces> HomePlaces::create(const home::Home& home,
   return places;
 }
 
-Expected<rooms::PlaceEvidence> HomePlaces::look(std::span<const PictureToLocate> pictures,
-                                                std::span<const std::string> rooms) const {
+Expected<rooms::LocalizationEvidence> HomePlaces::look(std::span<const PictureToLocate> pictures,
+                                                       std::span<const std::string> rooms) const {
   if (pictures.empty() || pictures.size() > 2) {
     throw std::invalid_argument("HomePlaces: one picture or two have a place");
   }
   const PictureToLocate& last = pictures.back();
   ROOMWISE_TRY(const motion::FrameMeasurements measured, localizer_.measure(last));
   const auto tell = [&](const auto& answer) {
-    return rooms::place_evidence(answer, last.depth.has_value(), frame_, layout_, rooms);
+    return rooms::localization_evidence(answer, last.depth.has_value(), frame_, layout_, rooms);
   };
   const mapping::Localizer& localizer = localizer_.localizer();
   if (pictures.size() == 1) return tell(localizer.locate({measured, last.camera}));

@@ -5,7 +5,7 @@
 
 #include "roomwise/fusion/gravity_aligned_frame.h"
 #include "roomwise/pipeline/mapping/home_localizer.h"
-#include "roomwise/rooms/recognition/place_evidence.h"
+#include "roomwise/rooms/recognition/localization_evidence.h"
 
 namespace roomwise::pipeline {
 
@@ -22,12 +22,13 @@ class HomePlaces {
 
   // Of one picture, or of two that were taken shortly after one another (of both together).
   // `rooms`: those that were learned. Fails where an image is not of its camera's size.
-  [[nodiscard]] Expected<rooms::PlaceEvidence> look(std::span<const PictureToLocate> pictures,
-                                                    std::span<const std::string> rooms) const;
+  [[nodiscard]] Expected<rooms::LocalizationEvidence> look(
+      std::span<const PictureToLocate> pictures, std::span<const std::string> rooms) const;
   // The same from what localizer() answered.
-  [[nodiscard]] rooms::PlaceEvidence evidence(const mapping::Localization& answer, bool has_depth,
-                                              std::span<const std::string> rooms) const {
-    return rooms::place_evidence(answer, has_depth, frame_, layout_, rooms);
+  [[nodiscard]] rooms::LocalizationEvidence evidence(const mapping::Localization& answer,
+                                                     bool has_depth,
+                                                     std::span<const std::string> rooms) const {
+    return rooms::localization_evidence(answer, has_depth, frame_, layout_, rooms);
   }
 
   [[nodiscard]] const HomeLocalizer& localizer() const { return localizer_; }

@@ -6,7 +6,7 @@
 #include <ranges>
 #include <set>
 
-#include "roomwise/objects/detection/object_map.h"
+#include "roomwise/objects/detection/paper_objects.h"
 #include "roomwise/pipeline/rooms/room_learning.h"
 #include "roomwise/pipeline/stored/stored_rooms.h"
 
@@ -32,7 +32,7 @@ Expected<std::map<home::KeyframeId, std::set<std::string>>> objects_of_keyframes
     if (predictions.empty()) continue;  // it has looked at nothing yet
     for (const auto& [keyframe, prediction] : predictions) {
       std::set<std::string>& objects = seen[keyframe];
-      for (const objects::Observation& observation :
+      for (const objects::ObjectScore& observation :
            objects::top_objects(prediction.scores, network.labels, vocabulary, kTopLabels)) {
         if (observation.score >= kMinScore) objects.insert(observation.object);
       }

@@ -27,11 +27,11 @@ class RoomContentsTest : public ::testing::Test {
         home_->add_network({"net", "c0ffee", {"microwave", "four-poster", "a", "b", "c"}, 3}));
     ROOMWISE_MUST(home_->replace_concepts(rooms::Concepts::standard()));
     for (home::KeyframeId id = 0; id < 20; ++id) {
-      home::Step step = home::testing::sample_step(1, 1, id);
+      home::MapCommit step = home::testing::sample_commit(1, 1, id);
       const bool in_kitchen = id < 10;
       step.keyframes[0].predictions[0].second.scores = {
           in_kitchen ? 0.9F : 0.0F, in_kitchen ? 0.0F : 0.9F, 0.05F, 0.03F, 0.02F};
-      ROOMWISE_MUST(home_->commit_step(step));
+      ROOMWISE_MUST(home_->commit(step));
     }
     ROOMWISE_MUST(home_->replace_rooms(
         std::vector<rooms::Room>{{"Anna's room", "Anna's room"}, {"kitchen", "kitchen"}}));

@@ -207,10 +207,10 @@ class Evaluator {
 
  private:
   // Gives the place of an entry and adds the time that it took; empty where there is none.
-  static RoomRecognizer::FindPlace finder(const TimedPlaces& places, std::size_t entry,
-                                          double& taken_ms) {
+  static RoomRecognizer::Localize finder(const TimedPlaces& places, std::size_t entry,
+                                         double& taken_ms) {
     if (places.empty() || !places[entry]) return {};
-    return [&place = *places[entry], &taken_ms]() -> Expected<rooms::PlaceEvidence> {
+    return [&place = *places[entry], &taken_ms]() -> Expected<rooms::LocalizationEvidence> {
       taken_ms += place.ms;
       return place.evidence;
     };
@@ -342,7 +342,7 @@ class Evaluator {
 
   // Gives what the naming network sees in a picture, looked at once for all rules, and adds the
   // time that it took.
-  RoomRecognizer::SeeNames namer(std::size_t picture, double& taken_ms) {
+  RoomRecognizer::PredictLabels namer(std::size_t picture, double& taken_ms) {
     return [this, picture, &taken_ms]() -> Expected<network::Prediction> {
       auto named = named_.find(picture);
       if (named == named_.end()) {

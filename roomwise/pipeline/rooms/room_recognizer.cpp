@@ -96,32 +96,32 @@ Expected<RoomRecognizer> RoomRecognizer::create(const home::Home& home, const Ne
                         std::move(room_objects), std::move(topology), same->get(), naming);
 }
 
-Expected<std::vector<objects::Observation>> RoomRecognizer::objects_in(
-    const SeeNames& names) const {
+Expected<std::vector<objects::ObjectScore>> RoomRecognizer::objects_in(
+    const PredictLabels& names) const {
   constexpr std::size_t kTop = 3;  // the paper looks at the three best
-  if (naming_ == nullptr || !names) return std::vector<objects::Observation>{};
+  if (naming_ == nullptr || !names) return std::vector<objects::ObjectScore>{};
   ROOMWISE_TRY(const network::Prediction seen, names());
   return objects::top_objects(seen.scores, naming_->labels(), concepts_.vocabulary, kTop);
 }
 
-Expected<std::optional<rooms::PlaceEvidence>> RoomRecognizer::place_of(
-    const rooms::PictureEvidence& pictures, const FindPlace& find_place) const {
-  const bool is_asked = find_place && rooms::place_may_tell(pictures, calibration());
-  if (!is_asked) return std::optional<rooms::PlaceEvidence>();
-  return find_place();
+Expected<std::optional<rooms::LocalizationEvidence>> RoomRecognizer::localize_if_needed(
+    const rooms::PictureEvidence& pictures, const Localize& localize) const {
+  const bool is_asked = localize && rooms::place_may_tell(pictures, calibration());
+  if (!is_asked) return std::optional<rooms::LocalizationEvidence>();
+  return localize();
 }
 
 Expected<rooms::RoomDecision> RoomRecognizer::decide(
-    std::span<const rooms::PictureEvidence> pictures, const SeeNames& named_last,
-    const FindPlace& find_place) const {
+    std::span<const rooms::PictureEvidence> pictures, const PredictLabels& predict_labels,
+    const Localize& localize) const {
   rooms::PictureEvidence combined = rooms::combine(pictures);
-  ROOMWISE_TRY(const auto place, place_of(combined, find_place));
+  ROOMWISE_TRY(const auto place, localize_if_needed(combined, localize));
   if (place) combined = rooms::with_place(combined, *place, calibration());
   rooms::RoomDecision decision = rooms::decide(combined, rooms(), calibration());
   const bool objects_may_tell = decision.verdict == rooms::Verdict::kNotSure &&
                                 combined.familiarity >= calibration().acceptance_threshold;
   if (objects_may_tell) {
-    ROOMWISE_TRY(const auto objects, objects_in(named_last));
+    ROOMWISE_TRY(const auto objects, objects_in(predict_labels));
     decision = rooms::decide_with_objects(combined, objects, concepts_, rooms_, calibration(),
                                           room_objects_);
   }
@@ -130,7 +130,7 @@ Expected<rooms::RoomDecision> RoomRecognizer::decide(
 }
 
 Expected<rooms::RoomDecision> RoomRecognizer::recognize(std::span<const image::ColorImage> pictures,
-                                                        const FindPlace& find_place) const {
+                                                        const Localize& localize) const {
   if (pictures.empty()) return fail("no picture is given; give at least one");
   std::vector<rooms::PictureEvidence> seen;
   for (const image::ColorImage& picture : pictures) {
@@ -138,14 +138,14 @@ Expected<rooms::RoomDecision> RoomRecognizer::recognize(std::span<const image::C
     ROOMWISE_TRY(seen.emplace_back(), evidence(prediction));
   }
   return decide(
-      seen, [&] { return naming_->predict(pictures.back()); }, find_place);
+      seen, [&] { return naming_->predict(pictures.back()); }, localize);
 }
 
 Expected<rooms::RoomDecision> RoomRecognizer::update(rooms::RoomStream& stream,
                                                      const rooms::PictureEvidence& picture,
                                                      double elapsed_s,
-                                                     const FindPlace& find_place) const {
-  ROOMWISE_TRY(const auto place, place_of(picture, find_place));
+                                                     const Localize& localize) const {
+  ROOMWISE_TRY(const auto place, localize_if_needed(picture, localize));
   if (!place) return stream.update(picture, elapsed_s);
   rooms::RoomDecision decision =
       stream.update(rooms::with_place(picture, *place, calibration()), elapsed_s);
@@ -153,12 +153,12 @@ Expected<rooms::RoomDecision> RoomRecognizer::update(rooms::RoomStream& stream,
   return decision;
 }
 
-Expected<rooms::RoomAnswer> RoomRecognizer::paper_decide(const rooms::RoomScore& first,
-                                                         const rooms::RoomScore& second,
-                                                         const SeeNames& named_second) const {
+Expected<rooms::RoomAnswer> RoomRecognizer::paper_decide(
+    const rooms::RoomScore& first, const rooms::RoomScore& second,
+    const PredictLabels& predict_labels) const {
   Expected<void> status;
-  const auto objects = [&]() -> std::vector<objects::Observation> {
-    auto found = objects_in(named_second);
+  const auto objects = [&]() -> std::vector<objects::ObjectScore> {
+    auto found = objects_in(predict_labels);
     if (!found) {
       status = Unexpected(found.error());
       return {};

@@ -5,7 +5,7 @@
 
 #include "roomwise/home/home.h"
 #include "roomwise/pipeline/objects/keyframe_observer.h"
-#include "roomwise/rooms/recognition/place_evidence.h"
+#include "roomwise/rooms/recognition/localization_evidence.h"
 #include "roomwise/rooms/recognition/room_classifier.h"
 #include "roomwise/rooms/recognition/room_decision.h"
 #include "roomwise/rooms/recognition/room_stream.h"
@@ -28,11 +28,11 @@ class RoomRecognizer {
 
   // What naming() sees in a picture; asked only where it is needed. Empty: no objects are looked
   // for.
-  using SeeNames = std::function<Expected<network::Prediction>()>;
+  using PredictLabels = std::function<Expected<network::Prediction>()>;
 
   // What the place of the pictures tells (HomePlaces); asked only where it may change the answer.
   // Empty: no place is looked for.
-  using FindPlace = std::function<Expected<rooms::PlaceEvidence>()>;
+  using Localize = std::function<Expected<rooms::LocalizationEvidence>()>;
 
   // ---- by comparing ----
   // For what features() saw in a picture.
@@ -42,18 +42,18 @@ class RoomRecognizer {
   // From pictures of one place. Objects of the last one are looked for only where the pictures are
   // known but, with their place, do not tell the room.
   [[nodiscard]] Expected<rooms::RoomDecision> decide(
-      std::span<const rooms::PictureEvidence> pictures, const SeeNames& named_last,
-      const FindPlace& find_place = {}) const;
+      std::span<const rooms::PictureEvidence> pictures, const PredictLabels& predict_labels,
+      const Localize& localize = {}) const;
   // From the pictures themselves, one or more of one place.
   [[nodiscard]] Expected<rooms::RoomDecision> recognize(std::span<const image::ColorImage> pictures,
-                                                        const FindPlace& find_place = {}) const;
+                                                        const Localize& localize = {}) const;
   // For pictures of a walk, one after the other.
   [[nodiscard]] rooms::RoomStream stream() const { return {topology_, calibration()}; }
   // The next picture of a walk, `elapsed_s` after the one before, by what features() saw in it.
   [[nodiscard]] Expected<rooms::RoomDecision> update(rooms::RoomStream& stream,
                                                      const rooms::PictureEvidence& picture,
                                                      double elapsed_s,
-                                                     const FindPlace& find_place = {}) const;
+                                                     const Localize& localize = {}) const;
 
   // ---- the paper's way ----
   // Every room with its probability, best first.
@@ -61,10 +61,10 @@ class RoomRecognizer {
       const network::Prediction& seen) const {
     return classifier_.scores(seen.features);
   }
-  // The rule of two frames; named_second is asked only when the pictures differ.
+  // The rule of two frames; predict_labels is asked only when the pictures differ.
   [[nodiscard]] Expected<rooms::RoomAnswer> paper_decide(const rooms::RoomScore& first,
                                                          const rooms::RoomScore& second,
-                                                         const SeeNames& named_second) const;
+                                                         const PredictLabels& predict_labels) const;
   // From pictures; without a second one the first alone decides.
   [[nodiscard]] Expected<rooms::RoomAnswer> paper_recognize(
       const image::ColorImage& first, const std::optional<image::ColorImage>& second) const;
@@ -92,9 +92,10 @@ class RoomRecognizer {
         topology_(std::move(topology)),
         features_(features),
         naming_(naming) {}
-  [[nodiscard]] Expected<std::vector<objects::Observation>> objects_in(const SeeNames& names) const;
-  [[nodiscard]] Expected<std::optional<rooms::PlaceEvidence>> place_of(
-      const rooms::PictureEvidence& pictures, const FindPlace& find_place) const;
+  [[nodiscard]] Expected<std::vector<objects::ObjectScore>> objects_in(
+      const PredictLabels& names) const;
+  [[nodiscard]] Expected<std::optional<rooms::LocalizationEvidence>> localize_if_needed(
+      const rooms::PictureEvidence& pictures, const Localize& localize) const;
 
   rooms::RoomClassifier classifier_;
   rooms::Concepts concepts_;

@@ -9,8 +9,8 @@
 namespace roomwise::pipeline {
 namespace {
 
+using rooms::LocalizationEvidence;
 using rooms::PictureEvidence;
-using rooms::PlaceEvidence;
 using rooms::Verdict;
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -27,14 +27,14 @@ class RoomRecognizerTest : public ::testing::Test {
     ROOMWISE_MUST(home.add_recording(home::testing::sample_recording()));
     ROOMWISE_MUST(home.add_network({"colors", fingerprint, {}, 12}));
     for (home::KeyframeId id = 0; id < 40; ++id) {
-      home::Step step = home::testing::sample_step(1, 1, id);
+      home::MapCommit step = home::testing::sample_commit(1, 1, id);
       RandomStream random(id);
       std::vector<float> features(12);
       for (float& value : features) value = static_cast<float>(random.uniform());
       features[id < 20 ? 0 : 1] += 4;
       step.keyframes[0].predictions = {{1, {features, {}}}};
       step.keyframes[0].observations.clear();
-      ROOMWISE_MUST(home.commit_step(step));
+      ROOMWISE_MUST(home.commit(step));
     }
     ROOMWISE_MUST(home.replace_concepts(rooms::Concepts::standard()));
     ROOMWISE_MUST(
@@ -61,19 +61,19 @@ class RoomRecognizerTest : public ::testing::Test {
   static PictureEvidence open_question() { return picture(0.5, 3); }
 
   // Says what it was told to, and counts how often it was asked.
-  RoomRecognizer::FindPlace place(double hall, double log_likelihood_ratio) {
-    return [=, this]() -> Expected<PlaceEvidence> {
+  RoomRecognizer::Localize place(double hall, double log_likelihood_ratio) {
+    return [=, this]() -> Expected<LocalizationEvidence> {
       ++asked_;
-      return PlaceEvidence{Eigen::Vector2d(hall, 1 - hall), log_likelihood_ratio,
-                           "its place is told"};
+      return LocalizationEvidence{Eigen::Vector2d(hall, 1 - hall), log_likelihood_ratio,
+                                  "its place is told"};
     };
   }
-  RoomRecognizer::FindPlace broken_place() {
-    return []() -> Expected<PlaceEvidence> { return fail("the depth image is damaged"); };
+  RoomRecognizer::Localize broken_place() {
+    return []() -> Expected<LocalizationEvidence> { return fail("the depth image is damaged"); };
   }
   Expected<rooms::RoomDecision> decide(const PictureEvidence& picture,
-                                       const RoomRecognizer::FindPlace& find_place) {
-    return recognizer_->decide(std::span(&picture, 1), {}, find_place);
+                                       const RoomRecognizer::Localize& localize) {
+    return recognizer_->decide(std::span(&picture, 1), {}, localize);
   }
 
   roomwise::testing::ScratchFolder folder_;
@@ -184,17 +184,17 @@ class RoomRecognizerObjects : public RoomRecognizerTest {
   static image::ColorImage green() { return {8, 8, Rgb8{20, 250, 20}}; }
 
   // What the naming network says of the five labels; counts how often it is asked.
-  RoomRecognizer::SeeNames names(std::vector<float> scores) {
+  RoomRecognizer::PredictLabels names(std::vector<float> scores) {
     return [=, this]() -> Expected<network::Prediction> {
       ++asked_;
       return network::Prediction{{}, scores};
     };
   }
   Expected<rooms::RoomDecision> decide_by(const PictureEvidence& picture,
-                                          const RoomRecognizer::SeeNames& update) {
+                                          const RoomRecognizer::PredictLabels& update) {
     return recognizer_->decide(std::span(&picture, 1), update);
   }
-  RoomRecognizer::SeeNames sees_microwave() { return names({0, 0.9F, 0, 0, 0}); }
+  RoomRecognizer::PredictLabels sees_microwave() { return names({0, 0.9F, 0, 0, 0}); }
 
   int shown_ = 0;
 };

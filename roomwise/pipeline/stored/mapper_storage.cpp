@@ -53,7 +53,7 @@ Expected<MapWriter> MapWriter::create(home::Home& home, home::RecordingId record
 }
 
 Expected<void> MapWriter::write(
-    const mapping::MapStep& step,
+    const mapping::MapUpdate& step,
     const std::function<const image::RgbdFrame&(std::uint64_t)>& frame_of) {
   const std::uint64_t waiting = mapper_.frame_count() - frames_written_;
   if (step.new_keyframes.empty() && (!step.is_checkpoint || waiting < kFramesACommit)) return {};
@@ -76,7 +76,7 @@ Expected<void> MapWriter::write_rest() {
 
 Expected<void> MapWriter::commit(std::vector<home::NewKeyframe> keyframes,
                                  std::uint64_t next_frame_index) {
-  home::Step step;
+  home::MapCommit step;
   step.recording = recording_;
   step.keyframes = std::move(keyframes);
   step.next_frame_index = next_frame_index;
@@ -90,7 +90,7 @@ Expected<void> MapWriter::commit(std::vector<home::NewKeyframe> keyframes,
     step.frames.push_back(frame);
   }
   mapper_.release_frames(mapper_.frame_count() - frames_written_);
-  return home_.commit_step(step);
+  return home_.commit(step);
 }
 
 home::KeyframePose MapWriter::first_pose(mapping::KeyframeId id) const {

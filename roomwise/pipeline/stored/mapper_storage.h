@@ -32,7 +32,7 @@ class MapWriter {
 
   // After each step; `frame_of` gives the images of its key-frames, by frame index.
   [[nodiscard]] Expected<void> write(
-      const mapping::MapStep& step,
+      const mapping::MapUpdate& step,
       const std::function<const image::RgbdFrame&(std::uint64_t)>& frame_of);
 
   // The frames after the last key-frame, when the recording has ended.

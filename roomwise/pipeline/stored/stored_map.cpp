@@ -32,7 +32,7 @@ Expected<mapping::MapRefinement> refine(const home::Home& home,
       settings.solver, settings.refinement, progress);
 }
 
-// Where the frames of one recording are, those of other pieces than the largest left out.
+// Where the frames of one recording are, those of other components than the largest left out.
 std::vector<mapping::PlacedFrame> place_frames(
     std::span<const scene::Frame> frames,
     std::span<const std::optional<geometry::RigidTransform>> poses,

@@ -26,7 +26,7 @@ TEST(StoredRooms, KeyframesHaveTheRoomsOfTheirFrames) {
   ROOMWISE_MUST(home.add_recording(home::testing::sample_recording()));
   for (home::KeyframeId id = 0; id < 4; ++id) {
     ROOMWISE_MUST(home.add_network(home::testing::sample_network()));
-    ROOMWISE_MUST(home.commit_step(home::testing::sample_step(1, 1, id)));
+    ROOMWISE_MUST(home.commit(home::testing::sample_commit(1, 1, id)));
   }
   EXPECT_TRUE(rooms_of_keyframes(home)->empty());
   ROOMWISE_MUST(home.replace_rooms(std::vector<rooms::Room>{{"hall", "hall"}, {"bath", "bath"}}));

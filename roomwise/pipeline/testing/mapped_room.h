@@ -30,7 +30,7 @@ class MappedRoom : public ::testing::Test {
     home_ = std::make_unique<home::Home>(home::Home::create(folder_ / "a.home").value());
     const geometry::PinholeCamera camera = fusion::testing::small_camera();
     const auto recording = home_->add_recording({"room", "", camera, kKeyframes}).value();
-    home::Step step;
+    home::MapCommit step;
     step.recording = recording;
     step.next_frame_index = kKeyframes;
     recording::Trajectory truth;
@@ -47,7 +47,7 @@ class MappedRoom : public ::testing::Test {
            {}});
       step.frames.push_back({i, time_ns, home::FramePlace{i, {}}, ""});
     }
-    ASSERT_OK(home_->commit_step(step));
+    ASSERT_OK(home_->commit(step));
     ASSERT_OK(recording::write_trajectory(folder_ / "groundtruth.txt", truth));
   }
 

@@ -89,11 +89,12 @@ class VisitComparison {
       const home::KeyframePose& pose = pose_of(one);
       if (pose.component != 0) continue;
       const geometry::OrientedBox box = one.box_world(pose.world_from_keyframe);
-      std::vector<std::size_t> seen_in;
-      PlacedInstance thing = objects::placed_instance(one, box, looked, level, &seen_in);
+      std::vector<std::size_t> supporting_keyframes;
+      PlacedInstance thing =
+          objects::placed_instance(one, box, looked, level, &supporting_keyframes);
       std::pair<TimestampNs, TimestampNs> seen{keyframes_[one.keyframe_id].timestamp_ns,
                                                keyframes_[one.keyframe_id].timestamp_ns};
-      for (const std::size_t k : seen_in) {
+      for (const std::size_t k : supporting_keyframes) {
         const TimestampNs time_ns = keyframes_.at(looked[k].keyframe_id).timestamp_ns;
         seen = {std::min(seen.first, time_ns), std::max(seen.second, time_ns)};
       }
@@ -136,7 +137,7 @@ class VisitComparison {
     return views;
   }
 
-  // Things that the home knew; what did not change is kept, other pieces too.
+  // Things that the home knew; what did not change is kept, other components too.
   void report_known(const objects::Changes& changes, const VisitFrames& frames,
                     HomeUpdate& update) {
     std::size_t at = 0;  // in known_

@@ -16,7 +16,7 @@ namespace roomwise::pipeline {
 struct SeenPicture {
   home::VisitPicture picture;  // without a room
   rooms::PictureEvidence evidence;
-  rooms::PlaceEvidence place;
+  rooms::LocalizationEvidence place;
 };
 
 // What a picture of a visit tells of its room, with the pictures before it.

@@ -24,10 +24,10 @@ class VisitRoomsTest : public ::testing::Test {
     ROOMWISE_MUST(home_->add_recording(home::testing::sample_recording()));
     ROOMWISE_MUST(home_->add_network({"net", "c0ffee", {}, 8}));
     for (home::KeyframeId id = 0; id < 60; ++id) {
-      home::Step step = home::testing::sample_step(1, 1, id);
+      home::MapCommit step = home::testing::sample_commit(1, 1, id);
       step.keyframes[0].predictions = {{1, {features(id < 30 ? kHall : kKitchen, 0, id / 6), {}}}};
       step.keyframes[0].observations.clear();
-      ROOMWISE_MUST(home_->commit_step(step));
+      ROOMWISE_MUST(home_->commit(step));
     }
     ROOMWISE_MUST(
         home_->replace_rooms(std::vector<rooms::Room>{{"hall", "hall"}, {"kitchen", "kitchen"}}));

@@ -36,7 +36,7 @@ Expected<void> VisitLearningOptions::validate() const {
   return {};
 }
 
-std::optional<std::size_t> room_by_place(const PlaceEvidence& place,
+std::optional<std::size_t> room_by_place(const LocalizationEvidence& place,
                                          const VisitLearningOptions& options) {
   Eigen::Index best = 0;
   const double inside = place.probabilities.maxCoeff(&best);

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "roomwise/rooms/recognition/place_evidence.h"
+#include "roomwise/rooms/recognition/localization_evidence.h"
 #include "roomwise/rooms/recognition/room_classifier.h"
 #include "roomwise/rooms/recognition/room_decision.h"
 
@@ -38,7 +38,7 @@ struct RoomAgreement {
 
 // The room that the place alone tells: where the pose is certain and its uncertainty lies in one
 // room.
-[[nodiscard]] std::optional<std::size_t> room_by_place(const PlaceEvidence& place,
+[[nodiscard]] std::optional<std::size_t> room_by_place(const LocalizationEvidence& place,
                                                        const VisitLearningOptions& options);
 // The room that pictures alone tell: that which is named by the walk's pictures up to this one
 // (RoomStream, without places), where this one is familiar itself and looks most like it, too.

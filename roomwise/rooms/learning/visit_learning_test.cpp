@@ -14,12 +14,13 @@ using ::testing::ElementsAre;
 using ::testing::Optional;
 using ::testing::SizeIs;
 
-PlaceEvidence place_in(double bath, double hall, double kitchen, double log_likelihood_ratio = 5) {
+LocalizationEvidence place_in(double bath, double hall, double kitchen,
+                              double log_likelihood_ratio = 5) {
   return {Eigen::Vector3d(bath, hall, kitchen), log_likelihood_ratio, ""};
 }
 
 // Of the first picture of a walk.
-RoomAgreement agreement(const PictureEvidence& picture, const PlaceEvidence& place) {
+RoomAgreement agreement(const PictureEvidence& picture, const LocalizationEvidence& place) {
   const RoomDecision along_walk = decide(picture, kRooms, calibration());
   return {room_by_picture(picture, along_walk, kRooms, calibration()), room_by_place(place, {})};
 }
@@ -39,7 +40,7 @@ TEST(RoomAgreement, WhatContradictsItsPlaceIsNotAgreed) {
 
 TEST(RoomAgreement, WhatIsUnsureIsNeitherAgreedNorContradictory) {
   const PictureEvidence sure = evidence(0.02, 0.9, 0.08);
-  const PlaceEvidence deep = place_in(0.005, 0.99, 0.005);
+  const LocalizationEvidence deep = place_in(0.005, 0.99, 0.005);
   for (const RoomAgreement& one :
        {agreement(evidence(0.05, 0.7, 0.25), deep),         // two rooms by the picture
         agreement(evidence(0.02, 0.9, 0.08, -1.5), deep),   // hardly known

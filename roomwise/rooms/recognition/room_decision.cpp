@@ -94,7 +94,7 @@ PictureEvidence combine(std::span<const PictureEvidence> pictures) {
   return combined;
 }
 
-Eigen::VectorXd likelihood_of_objects(std::span<const objects::Observation> objects,
+Eigen::VectorXd likelihood_of_objects(std::span<const objects::ObjectScore> objects,
                                       const Concepts& concepts, std::span<const Room> rooms,
                                       const RoomObjects& learned) {
   const auto count = static_cast<Eigen::Index>(rooms.size());
@@ -102,7 +102,7 @@ Eigen::VectorXd likelihood_of_objects(std::span<const objects::Observation> obje
   // then the rooms are as probable as the object's shares. Else it says nothing.
   Eigen::VectorXd likelihood = Eigen::VectorXd::Zero(count);
   double said = 0;
-  for (const objects::Observation& observation : objects) {
+  for (const objects::ObjectScore& observation : objects) {
     const Eigen::VectorXd shares = shares_of(observation.object, concepts, rooms, learned);
     if (shares.isZero()) continue;
     const double trusted = std::min(kTrustInObjects * observation.score, 1 - said);
@@ -140,7 +140,7 @@ RoomDecision decide(const PictureEvidence& evidence, std::span<const std::string
 }
 
 RoomDecision decide_with_objects(const PictureEvidence& evidence,
-                                 std::span<const objects::Observation> objects,
+                                 std::span<const objects::ObjectScore> objects,
                                  const Concepts& concepts, std::span<const Room> rooms,
                                  const RoomCalibration& calibration, const RoomObjects& learned) {
   PictureEvidence weighed = evidence;
@@ -150,7 +150,7 @@ RoomDecision decide_with_objects(const PictureEvidence& evidence,
   std::vector<std::string> names;
   for (const Room& room : rooms) names.push_back(room.name);
   RoomDecision decision = decide(weighed, names, calibration);
-  for (const objects::Observation& observation : objects) {
+  for (const objects::ObjectScore& observation : objects) {
     const Eigen::VectorXd shares = shares_of(observation.object, concepts, rooms, learned);
     if (!speaks_for(decision.rooms.front().room, shares, rooms)) continue;
     decision.object = observation.object;

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "roomwise/objects/detection/object_map.h"
+#include "roomwise/objects/detection/paper_objects.h"
 #include "roomwise/rooms/concepts/concepts.h"
 #include "roomwise/rooms/concepts/room_objects.h"
 #include "roomwise/rooms/recognition/room_classifier.h"
@@ -50,7 +50,7 @@ struct RoomDecision {
 // objects, up to a factor: the mean over all rooms is 1. An object speaks for the rooms whose
 // pictures show it, by how often they do; one that no picture of the home shows for those of the
 // type that alone has it; both as far as the network's word is trusted.
-[[nodiscard]] Eigen::VectorXd likelihood_of_objects(std::span<const objects::Observation> objects,
+[[nodiscard]] Eigen::VectorXd likelihood_of_objects(std::span<const objects::ObjectScore> objects,
                                                     const Concepts& concepts,
                                                     std::span<const Room> rooms,
                                                     const RoomObjects& learned = {});
@@ -64,7 +64,7 @@ struct RoomDecision {
 // The same with what objects say (likelihood_of_objects, with its objects and the types of rooms).
 // They do not make it more familiar.
 [[nodiscard]] RoomDecision decide_with_objects(const PictureEvidence& evidence,
-                                               std::span<const objects::Observation> objects,
+                                               std::span<const objects::ObjectScore> objects,
                                                const Concepts& concepts,
                                                std::span<const Room> rooms,
                                                const RoomCalibration& calibration,

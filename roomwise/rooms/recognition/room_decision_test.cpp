@@ -9,7 +9,7 @@
 namespace roomwise::rooms {
 namespace {
 
-using objects::Observation;
+using objects::ObjectScore;
 using ::testing::HasSubstr;
 
 const std::vector<Room> kLearned = {{"bath", "toilet"}, {"hall", "hall"}, {"kitchen", "kitchen"}};
@@ -81,7 +81,7 @@ TEST(LikelihoodOfObjects, TheHomesOwnPicturesCountMoreThanTypes) {
   pictures.insert(pictures.end(), 9, {"kitchen", {}});
   pictures.insert(pictures.end(), 9, {"bath", {}});
   const RoomObjects learned(pictures);
-  const std::vector<Observation> seen = {{"stove", 0.5}};
+  const std::vector<ObjectScore> seen = {{"stove", 0.5}};
   const Eigen::VectorXd likelihood =
       likelihood_of_objects(seen, Concepts::standard(), kLearned, learned);
   // Weights 0.95, 0.05 and 0.05; trusted by 0.35.
@@ -93,12 +93,12 @@ TEST(LikelihoodOfObjects, TheHomesOwnPicturesCountMoreThanTypes) {
   EXPECT_EQ(decision.object, "stove");
   EXPECT_EQ(decision.rooms.front().room, "hall");
   // What no picture shows is known by its type.
-  const std::vector<Observation> fridge = {{"fridge", 1}};
+  const std::vector<ObjectScore> fridge = {{"fridge", 1}};
   EXPECT_GT(likelihood_of_objects(fridge, Concepts::standard(), kLearned, learned)[2], 2);
 }
 
 TEST(LikelihoodOfObjects, AnObjectSpeaksForTheRoomsOfItsType) {
-  const std::vector<Observation> seen = {{"stove", 0.5}};
+  const std::vector<ObjectScore> seen = {{"stove", 0.5}};
   const Eigen::VectorXd likelihood = likelihood_of_objects(seen, Concepts::standard(), kLearned);
   // Trusted by 0.7 * 0.5 = 0.35: then it is the kitchen, one of three.
   EXPECT_NEAR(likelihood[2], 0.65 + 0.35 * 3, 1e-12);
@@ -108,7 +108,7 @@ TEST(LikelihoodOfObjects, AnObjectSpeaksForTheRoomsOfItsType) {
 
 TEST(LikelihoodOfObjects, SeveralRoomsOfATypeShareIt) {
   const std::vector<Room> rooms = {{"Anna's", "bedroom"}, {"Ben's", "bedroom"}, {"hall", "hall"}};
-  const std::vector<Observation> seen = {{"bed", 1.0}};
+  const std::vector<ObjectScore> seen = {{"bed", 1.0}};
   const Eigen::VectorXd likelihood = likelihood_of_objects(seen, Concepts::standard(), rooms);
   EXPECT_NEAR(likelihood[0], 0.3 + 0.7 * 1.5, 1e-12);
   EXPECT_DOUBLE_EQ(likelihood[0], likelihood[1]);
@@ -117,13 +117,13 @@ TEST(LikelihoodOfObjects, SeveralRoomsOfATypeShareIt) {
 TEST(LikelihoodOfObjects, WhatStandsAnywhereOrNowhereHereSaysNothing) {
   Concepts concepts = Concepts::standard();
   concepts.objects_of_room_type["kitchen"].insert("lamp");  // and in bedrooms
-  const std::vector<Observation> seen = {{"lamp", 0.9}, {"bed", 0.9}, {"banana", 0.9}};
+  const std::vector<ObjectScore> seen = {{"lamp", 0.9}, {"bed", 0.9}, {"banana", 0.9}};
   EXPECT_TRUE(likelihood_of_objects(seen, concepts, kLearned).isApprox(Eigen::Vector3d::Ones()))
       << "this home has no bedroom";
 }
 
 TEST(DecideWithObjects, AnObjectDecidesWhereRoomsLookAlike) {
-  const std::vector<Observation> seen = {{"stove", 0.95}, {"toilet seat", 0.02}};
+  const std::vector<ObjectScore> seen = {{"stove", 0.95}, {"toilet seat", 0.02}};
   const auto alone = evidence(0.05, 0.4, 0.55);
   EXPECT_EQ(decide(alone, kRooms, calibration()).verdict, Verdict::kNotSure);
   const RoomDecision decision =
@@ -135,7 +135,7 @@ TEST(DecideWithObjects, AnObjectDecidesWhereRoomsLookAlike) {
 
 TEST(DecideWithObjects, AnObjectIsNoMatchForACertainPicture) {
   // Other than under the paper's rule, under which it decides over any score.
-  const std::vector<Observation> seen = {{"stove", 0.6}};
+  const std::vector<ObjectScore> seen = {{"stove", 0.6}};
   const RoomDecision decision = decide_with_objects(evidence(0.005, 0.99, 0.005), seen,
                                                     Concepts::standard(), kLearned, calibration());
   EXPECT_EQ(decision.room(), "hall");
@@ -143,7 +143,7 @@ TEST(DecideWithObjects, AnObjectIsNoMatchForACertainPicture) {
 }
 
 TEST(DecideWithObjects, ObjectsMakeNoUnknownPlaceAKnownOne) {
-  const std::vector<Observation> seen = {{"stove", 1.0}};
+  const std::vector<ObjectScore> seen = {{"stove", 1.0}};
   EXPECT_EQ(decide_with_objects(evidence(0, 0, 1, -3), seen, Concepts::standard(), kLearned,
                                 calibration())
                 .verdict,

@@ -29,11 +29,11 @@ std::string_view to_string(Reason reason) {
 }
 
 RoomAnswer decide(const RoomScore& first, const RoomScore& second,
-                  const std::function<std::vector<objects::Observation>()>& objects_of_second,
+                  const std::function<std::vector<objects::ObjectScore>()>& objects_of_second,
                   const Concepts& concepts, std::span<const Room> rooms) {
   const RoomScore& surer = first.score > second.score ? first : second;
   if (first.room == second.room) return {surer.room, surer.score, Reason::kFramesAgree, ""};
-  for (const objects::Observation& observation : objects_of_second()) {
+  for (const objects::ObjectScore& observation : objects_of_second()) {
     const auto type = concepts.represented_room_type(observation.object);
     if (!type) continue;
     if (const auto room = only_room_of(*type, rooms)) {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "roomwise/objects/detection/object_map.h"
+#include "roomwise/objects/detection/paper_objects.h"
 #include "roomwise/rooms/concepts/concepts.h"
 
 namespace roomwise::rooms {
@@ -51,7 +51,7 @@ struct Room {
 // objects are asked for only when they are needed, since a network must look for them.
 [[nodiscard]] RoomAnswer decide(
     const RoomScore& first, const RoomScore& second,
-    const std::function<std::vector<objects::Observation>()>& objects_of_second,
+    const std::function<std::vector<objects::ObjectScore>()>& objects_of_second,
     const Concepts& concepts, std::span<const Room> rooms);
 
 }  // namespace roomwise::rooms

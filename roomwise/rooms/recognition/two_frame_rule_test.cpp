@@ -7,12 +7,12 @@
 namespace roomwise::rooms {
 namespace {
 
-using objects::Observation;
+using objects::ObjectScore;
 
 class TwoFrameRuleTest : public ::testing::Test {
  protected:
   RoomAnswer decide(const RoomScore& first, const RoomScore& second,
-                    std::vector<Observation> objects_of_second = {}) {
+                    std::vector<ObjectScore> objects_of_second = {}) {
     const auto look = [&] {
       ++looks_;
       return objects_of_second;

@@ -177,7 +177,7 @@ MatrixXd minimize(const Loss& loss, MatrixXd parameters, const SoftmaxOptions& o
   std::deque<Step> steps;
   double share = 1;
   MatrixXd direction;
-  for (int i = 1; i < options.max_iterations; ++i) {
+  for (int i = 1; i < options.max_evaluations; ++i) {
     if (share == 1) {
       if (gradient.cwiseAbs().maxCoeff() < options.gradient_tolerance) break;
       direction = -quasi_newton(loss, gradient, steps);
@@ -208,7 +208,7 @@ Expected<void> SoftmaxOptions::validate() const {
   if (!(weight_decay >= 0 && std::isfinite(weight_decay))) {
     return fail("weight_decay is {}; expected 0 or more", weight_decay);
   }
-  if (max_iterations < 1) return fail("max_iterations is {}; expected 1 or more", max_iterations);
+  if (max_evaluations < 1) return fail("max_evaluations is {}; expected 1 or more", max_evaluations);
   if (!(gradient_tolerance > 0 && std::isfinite(gradient_tolerance))) {
     return fail("gradient_tolerance is {}; expected more than 0", gradient_tolerance);
   }

@@ -10,7 +10,7 @@ namespace roomwise::rooms {
 
 struct SoftmaxOptions {
   double weight_decay = 1e-3;        // factor of |W|^2 / 2 in the loss
-  int max_iterations = 300;          // evaluations of the loss
+  int max_evaluations = 300;         // of the loss and its gradient
   double gradient_tolerance = 1e-5;  // stops when the largest element of the gradient is below
 
   [[nodiscard]] Expected<void> validate() const;

@@ -177,7 +177,7 @@ TEST(SoftmaxRegression, IsThereInFewEvaluations) {
   const auto samples = mixed_features(labels);
   SoftmaxOptions thorough, hasty;
   thorough.gradient_tolerance = 1e-7;
-  hasty.max_iterations = 15;
+  hasty.max_evaluations = 15;
   const auto exact = SoftmaxRegression::train(samples, labels, 4, thorough);
   const auto soon = SoftmaxRegression::train(samples, labels, 4, hasty);
   ASSERT_OK(exact);

@@ -1,4 +1,4 @@
-#include "roomwise/rooms/recognition/place_evidence.h"
+#include "roomwise/rooms/recognition/localization_evidence.h"
 
 #include <algorithm>
 #include <cmath>
@@ -88,12 +88,12 @@ std::string place_in_words(std::vector<RoomScore> named) {
 }
 
 // `moved_sigma_m`: how far from the place that was found the camera may be by now.
-PlaceEvidence evidence_of(const mapping::Localization& answer, bool has_depth, double moved_sigma_m,
-                          const fusion::GravityAlignedFrame& frame,
-                          const std::optional<RoomLayout>& layout,
-                          std::span<const std::string> rooms) {
+LocalizationEvidence evidence_of(const mapping::Localization& answer, bool has_depth,
+                                 double moved_sigma_m, const fusion::GravityAlignedFrame& frame,
+                                 const std::optional<RoomLayout>& layout,
+                                 std::span<const std::string> rooms) {
   const auto count = static_cast<Eigen::Index>(rooms.size());
-  PlaceEvidence evidence;
+  LocalizationEvidence evidence;
   evidence.probabilities = Eigen::VectorXd::Constant(count, 1.0 / static_cast<double>(count));
   evidence.log_likelihood_ratio = log_likelihood_ratio(answer, has_depth);
   if (!answer.found()) {
@@ -119,21 +119,22 @@ PlaceEvidence evidence_of(const mapping::Localization& answer, bool has_depth, d
 
 }  // namespace
 
-PlaceEvidence place_evidence(const mapping::Localization& answer, bool has_depth,
-                             const fusion::GravityAlignedFrame& frame,
-                             const std::optional<RoomLayout>& layout,
-                             std::span<const std::string> rooms) {
+LocalizationEvidence localization_evidence(const mapping::Localization& answer, bool has_depth,
+                                           const fusion::GravityAlignedFrame& frame,
+                                           const std::optional<RoomLayout>& layout,
+                                           std::span<const std::string> rooms) {
   return evidence_of(answer, has_depth, 0, frame, layout, rooms);
 }
 
-PlaceEvidence place_evidence(const mapping::PairLocalization& answers, bool has_depth,
-                             const fusion::GravityAlignedFrame& frame,
-                             const std::optional<RoomLayout>& layout,
-                             std::span<const std::string> rooms) {
+LocalizationEvidence localization_evidence(const mapping::PairLocalization& answers, bool has_depth,
+                                           const fusion::GravityAlignedFrame& frame,
+                                           const std::optional<RoomLayout>& layout,
+                                           std::span<const std::string> rooms) {
   const auto& [first, second, contradictory] = answers;
-  const PlaceEvidence before = evidence_of(first, has_depth, kStepSigma_m, frame, layout, rooms);
-  const PlaceEvidence now = evidence_of(second, has_depth, 0, frame, layout, rooms);
-  PlaceEvidence evidence = first.found() && !second.found() && !contradictory ? before : now;
+  const LocalizationEvidence before =
+      evidence_of(first, has_depth, kStepSigma_m, frame, layout, rooms);
+  const LocalizationEvidence now = evidence_of(second, has_depth, 0, frame, layout, rooms);
+  LocalizationEvidence evidence = first.found() && !second.found() && !contradictory ? before : now;
   // Without depth, that there is no place says nothing.
   const int speak = has_depth ? 2 : int{first.found()} + int{second.found()};
   evidence.log_likelihood_ratio =
@@ -151,7 +152,7 @@ bool place_may_tell(const PictureEvidence& pictures, const RoomCalibration& cali
                           calibration.acceptance_threshold;
 }
 
-PictureEvidence with_place(const PictureEvidence& pictures, const PlaceEvidence& place,
+PictureEvidence with_place(const PictureEvidence& pictures, const LocalizationEvidence& place,
                            const RoomCalibration& calibration) {
   PictureEvidence joined;
   joined.probabilities = pictures.probabilities.cwiseProduct(place.probabilities);

@@ -15,7 +15,7 @@
 namespace roomwise::objects {
 
 // An object of the vocabulary that the network named in one key-frame, with its best label's score.
-struct Observation {
+struct ObjectScore {
   std::string object;
   double score = 0;  // probability, [0, 1]
 };
@@ -23,14 +23,14 @@ struct Observation {
 // The paper's first two rules: the objects of the vocabulary whose score reaches the threshold,
 // best first. `scores` are in the order of `labels`. An object's score is the highest of its
 // labels'.
-[[nodiscard]] std::vector<Observation> observations_in(std::span<const float> scores,
+[[nodiscard]] std::vector<ObjectScore> observations_in(std::span<const float> scores,
                                                        std::span<const std::string> labels,
                                                        const ObjectVocabulary& vocabulary,
                                                        double min_score);
 
 // Every object of the vocabulary among the `most` best labels of a picture, best first, whatever
 // its score (the two-frame rule looks at the top three).
-[[nodiscard]] std::vector<Observation> top_objects(std::span<const float> scores,
+[[nodiscard]] std::vector<ObjectScore> top_objects(std::span<const float> scores,
                                                    std::span<const std::string> labels,
                                                    const ObjectVocabulary& vocabulary,
                                                    std::size_t most);
@@ -40,7 +40,7 @@ struct Observation {
 struct KeyframeView {
   std::uint64_t keyframe_id = 0;
   bool is_continuous = true;  // with the one before
-  std::vector<Observation> observations;
+  std::vector<ObjectScore> observations;
   // The point that the image centre sees, in the key-frame's camera frame, m; absent without depth
   // there.
   std::optional<Eigen::Vector3d> center_point;
@@ -59,7 +59,7 @@ struct ObjectRules {
 
 // An object of the home. Its place is kept relative to the key-frame that saw it best, so that it
 // follows when the key-frame's pose changes: world_from_keyframe * position_keyframe.
-struct MapObject {
+struct PaperObject {
   std::string name;
   std::uint64_t keyframe_id = 0;
   double score = 0;
@@ -71,7 +71,7 @@ struct MapObject {
 
 // The paper's three rules over a whole recording. world_from_keyframe gives the optimised pose of a
 // key-frame. By name, then by key-frame.
-[[nodiscard]] std::vector<MapObject> confirm_objects(
+[[nodiscard]] std::vector<PaperObject> confirm_objects(
     std::span<const KeyframeView> views, const ObjectRules& rules,
     const std::function<geometry::RigidTransform(std::uint64_t keyframe_id)>& world_from_keyframe);
 

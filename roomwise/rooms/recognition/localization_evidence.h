@@ -13,7 +13,7 @@
 namespace roomwise::rooms {
 
 // What looking for pictures on the home's map tells of the room in which they were taken.
-struct PlaceEvidence {
+struct LocalizationEvidence {
   // Of each room, every room alike beforehand, by the place alone; they add up to 1. All alike
   // where there is no place, or none of these rooms is there.
   Eigen::VectorXd probabilities;
@@ -32,20 +32,22 @@ struct PlaceEvidence {
 //
 // `layout` may be absent: then no room is told. `rooms`: the learned ones, by name; one of them
 // without floor is none that the place tells.
-[[nodiscard]] PlaceEvidence place_evidence(const mapping::Localization& answer, bool has_depth,
-                                           const fusion::GravityAlignedFrame& frame,
-                                           const std::optional<RoomLayout>& layout,
-                                           std::span<const std::string> rooms);
+[[nodiscard]] LocalizationEvidence localization_evidence(const mapping::Localization& answer,
+                                                         bool has_depth,
+                                                         const fusion::GravityAlignedFrame& frame,
+                                                         const std::optional<RoomLayout>& layout,
+                                                         std::span<const std::string> rooms);
 
 // The same of two pictures that were taken shortly after one another, both with depth or neither:
 // of the room in which the second was taken. Where it has no place, the first's tells the room
 // nearly as surely; where the two contradict each other, neither does. Whether this is their home
 // both say, as much as two pictures of one place tell more than one (effective_sample_size()): a
 // place that one of them seems to have, and the other has not, says little.
-[[nodiscard]] PlaceEvidence place_evidence(const mapping::PairLocalization& answers, bool has_depth,
-                                           const fusion::GravityAlignedFrame& frame,
-                                           const std::optional<RoomLayout>& layout,
-                                           std::span<const std::string> rooms);
+[[nodiscard]] LocalizationEvidence localization_evidence(const mapping::PairLocalization& answers,
+                                                         bool has_depth,
+                                                         const fusion::GravityAlignedFrame& frame,
+                                                         const std::optional<RoomLayout>& layout,
+                                                         std::span<const std::string> rooms);
 
 // Whether a place, or that there is none, may change what is said of pictures (combined): they
 // leave the room open, or are not so familiar that it would be named without a place, too.
@@ -57,7 +59,7 @@ struct PlaceEvidence {
 // below by RoomCalibration::reject_threshold, so that a sure place in one of the rooms makes any
 // picture familiar, and any pair where both have one.
 [[nodiscard]] PictureEvidence with_place(const PictureEvidence& pictures,
-                                         const PlaceEvidence& place,
+                                         const LocalizationEvidence& place,
                                          const RoomCalibration& calibration);
 
 }  // namespace roomwise::rooms

@@ -1,4 +1,4 @@
-#include "roomwise/objects/detection/object_map.h"
+#include "roomwise/objects/detection/paper_objects.h"
 
 #include <gmock/gmock.h>
 
@@ -15,9 +15,9 @@ using ::testing::IsEmpty;
 const std::vector<std::string> kLabels = {"banana", "studio couch, day bed", "four-poster",
                                           "table lamp", "stove"};
 
-std::vector<std::string> names_of(const std::vector<Observation>& observations) {
+std::vector<std::string> names_of(const std::vector<ObjectScore>& observations) {
   std::vector<std::string> names;
-  for (const Observation& observation : observations) names.push_back(observation.object);
+  for (const ObjectScore& observation : observations) names.push_back(observation.object);
   return names;
 }
 
@@ -59,7 +59,7 @@ class ConfirmObjectsTest : public ::testing::Test {
       views_.push_back(view);
     }
   }
-  std::vector<MapObject> confirm(const ObjectRules& rules = {}) {
+  std::vector<PaperObject> confirm(const ObjectRules& rules = {}) {
     return confirm_objects(views_, rules, [&](std::uint64_t id) {
       return id == moved_keyframe_ ? world_from_moved_ : RigidTransform::identity();
     });

@@ -1,4 +1,4 @@
-#include "roomwise/rooms/recognition/place_evidence.h"
+#include "roomwise/rooms/recognition/localization_evidence.h"
 
 #include <gmock/gmock.h>
 
@@ -41,27 +41,27 @@ mapping::Localization not_found(LocalizationStatus status) {
   return answer;
 }
 
-PlaceEvidence place(const mapping::Localization& answer, bool has_depth = true) {
+LocalizationEvidence place(const mapping::Localization& answer, bool has_depth = true) {
   static const std::optional<RoomLayout> layout = three_rooms();
-  return place_evidence(answer, has_depth, {}, layout, kRooms);
+  return localization_evidence(answer, has_depth, {}, layout, kRooms);
 }
 
-RoomDecision decide_at(const PictureEvidence& pictures, const PlaceEvidence& at) {
+RoomDecision decide_at(const PictureEvidence& pictures, const LocalizationEvidence& at) {
   return decide(with_place(pictures, at, calibration()), kRooms, calibration());
 }
 
-TEST(PlaceEvidence, APoseDeepInARoomDecidesWherePicturesLeaveTwoOpen) {
+TEST(LocalizationEvidence, APoseDeepInARoomDecidesWherePicturesLeaveTwoOpen) {
   const PictureEvidence pictures = evidence(0.02, 0.48, 0.5);
   EXPECT_EQ(decide(pictures, kRooms, calibration()).verdict, Verdict::kNotSure);
-  const PlaceEvidence at = place(found_at(4.5));
+  const LocalizationEvidence at = place(found_at(4.5));
   EXPECT_NEAR(at.probabilities.sum(), 1, 1e-12);
   EXPECT_GT(at.probabilities[1], 0.98);
   EXPECT_THAT(at.why, HasSubstr("in hall"));
   EXPECT_EQ(decide_at(pictures, at).room(), "hall");
 }
 
-TEST(PlaceEvidence, APoseAtADoorwayLeavesBothRooms) {
-  const PlaceEvidence at = place(found_at(6));
+TEST(LocalizationEvidence, APoseAtADoorwayLeavesBothRooms) {
+  const LocalizationEvidence at = place(found_at(6));
   EXPECT_GT(at.probabilities[1], 0.35);
   EXPECT_GT(at.probabilities[2], 0.35);
   EXPECT_LT(at.probabilities[0], 0.01);
@@ -71,20 +71,20 @@ TEST(PlaceEvidence, APoseAtADoorwayLeavesBothRooms) {
       << "there the pictures tell";
 }
 
-TEST(PlaceEvidence, ThePlaceIsAsWideAsItIsUncertain) {
+TEST(LocalizationEvidence, ThePlaceIsAsWideAsItIsUncertain) {
   mapping::Localization vague = found_at(5.2);
   const double exact = place(vague).probabilities[1];
   vague.information = geometry::Matrix6d::Identity();  // 1 m
   EXPECT_LT(place(vague).probabilities[1], exact - 0.1);
 }
 
-TEST(PlaceEvidence, WhereItContradictsThePicturesNoRoomIsSaid) {
+TEST(LocalizationEvidence, WhereItContradictsThePicturesNoRoomIsSaid) {
   const RoomDecision decision = decide_at(evidence(0.005, 0.015, 0.98), place(found_at(1.5)));
   EXPECT_EQ(decision.verdict, Verdict::kNotSure);
 }
 
-TEST(PlaceEvidence, APoseOutsideEveryFloorTellsNoRoom) {
-  const PlaceEvidence outside = place(found_at(40));
+TEST(LocalizationEvidence, APoseOutsideEveryFloorTellsNoRoom) {
+  const LocalizationEvidence outside = place(found_at(40));
   EXPECT_NEAR(outside.probabilities.maxCoeff(), outside.probabilities.minCoeff(), 1e-12);
   EXPECT_EQ(outside.log_likelihood_ratio, 0) << "and does not say that it is one of these rooms";
   const PictureEvidence pictures = evidence(0.1, 0.2, 0.7);
@@ -92,10 +92,10 @@ TEST(PlaceEvidence, APoseOutsideEveryFloorTellsNoRoom) {
       with_place(pictures, outside, calibration()).probabilities.isApprox(pictures.probabilities));
 }
 
-TEST(PlaceEvidence, ARoomThatWasNotLearnedSpeaksAgainstThoseThatWere) {
+TEST(LocalizationEvidence, ARoomThatWasNotLearnedSpeaksAgainstThoseThatWere) {
   const std::optional<RoomLayout> layout = three_rooms();
   const std::vector<std::string> learned{"bath", "hall"};
-  const PlaceEvidence at = place_evidence(found_at(7.5), true, {}, layout, learned);
+  const LocalizationEvidence at = localization_evidence(found_at(7.5), true, {}, layout, learned);
   EXPECT_NEAR(at.probabilities[0], at.probabilities[1], 1e-12);
   EXPECT_LT(at.log_likelihood_ratio,
             place(not_found(LocalizationStatus::kNothingSimilar)).log_likelihood_ratio)
@@ -107,12 +107,12 @@ TEST(PlaceEvidence, ARoomThatWasNotLearnedSpeaksAgainstThoseThatWere) {
             Verdict::kNoneOfThem);
   // Between the hall and the kitchen it speaks for both, in proportion.
   const double between =
-      place_evidence(found_at(6), true, {}, layout, learned).log_likelihood_ratio;
+      localization_evidence(found_at(6), true, {}, layout, learned).log_likelihood_ratio;
   EXPECT_GT(between, 0);
   EXPECT_LT(between, place(found_at(6)).log_likelihood_ratio - 2);
 }
 
-TEST(PlaceEvidence, ARoomThatNobodyNamedSpeaksAgainstTheOthers) {
+TEST(LocalizationEvidence, ARoomThatNobodyNamedSpeaksAgainstTheOthers) {
   const image::Image<fusion::FloorCell> cells(90, 20, fusion::FloorCell::kFree);
   WalkedPath walk;
   for (double x_m = 0.5; x_m < 8.6; x_m += 0.1) {
@@ -121,31 +121,32 @@ TEST(PlaceEvidence, ARoomThatNobodyNamedSpeaksAgainstTheOthers) {
   const std::optional<RoomLayout> layout =
       RoomLayout::make({Vector2d::Zero(), 0.1, cells}, std::span(&walk, 1)).value();
   const std::vector<std::string> learned{"bath", "hall"};
-  const PlaceEvidence at = place_evidence(found_at(7.5), true, {}, layout, learned);
+  const LocalizationEvidence at = localization_evidence(found_at(7.5), true, {}, layout, learned);
   EXPECT_LT(at.log_likelihood_ratio, -2.5);
   EXPECT_THAT(at.why, HasSubstr("in a room without a name"));
 }
 
-TEST(PlaceEvidence, AHintThatWasConfirmedTellsTheRoomAndNotTheHome) {
+TEST(LocalizationEvidence, AHintThatWasConfirmedTellsTheRoomAndNotTheHome) {
   mapping::Localization hint = found_at(4.5);
   hint.is_weak_hypothesis = true;
   EXPECT_EQ(place(hint).log_likelihood_ratio, 0) << "homes have windows and tiles alike";
   EXPECT_TRUE(place(hint).probabilities.isApprox(place(found_at(4.5)).probabilities));
 }
 
-TEST(PlaceEvidence, AMapWithoutRoomsSaysThatItIsThisHome) {
-  const PlaceEvidence at = place_evidence(found_at(4.5), true, {}, std::nullopt, kRooms);
+TEST(LocalizationEvidence, AMapWithoutRoomsSaysThatItIsThisHome) {
+  const LocalizationEvidence at =
+      localization_evidence(found_at(4.5), true, {}, std::nullopt, kRooms);
   EXPECT_GT(at.log_likelihood_ratio, 0);
   EXPECT_NEAR(at.probabilities.maxCoeff(), at.probabilities.minCoeff(), 1e-12);
 }
 
-TEST(PlaceEvidence, APlaceOnTheMapMakesAnyPictureKnown) {
+TEST(LocalizationEvidence, APlaceOnTheMapMakesAnyPictureKnown) {
   const PictureEvidence strange = evidence(0.1, 0.7, 0.2, -9);
   EXPECT_EQ(decide(strange, kRooms, calibration()).verdict, Verdict::kNoneOfThem);
   EXPECT_EQ(decide_at(strange, place(found_at(4.5))).room(), "hall");
 }
 
-TEST(PlaceEvidence, APlaceByShapeWithLittleSupportMakesNothingKnown) {
+TEST(LocalizationEvidence, APlaceByShapeWithLittleSupportMakesNothingKnown) {
   mapping::Localization by_shape = found_at(4.5);
   by_shape.supporting_keyframes = 3;
   by_shape.support = 0.7;
@@ -158,7 +159,7 @@ TEST(PlaceEvidence, APlaceByShapeWithLittleSupportMakesNothingKnown) {
   EXPECT_EQ(decide_at(strange, place(by_shape)).room(), "hall");
 }
 
-TEST(PlaceEvidence, LittleThatFitsSaysLessOfTheHomeThanMuch) {
+TEST(LocalizationEvidence, LittleThatFitsSaysLessOfTheHomeThanMuch) {
   const double sure = place(found_at(4.5)).log_likelihood_ratio;
   mapping::Localization by_few = found_at(4.5);
   by_few.inliers = 13;
@@ -177,14 +178,14 @@ TEST(PlaceEvidence, LittleThatFitsSaysLessOfTheHomeThanMuch) {
   EXPECT_EQ(place(by_shape).log_likelihood_ratio, sure);
 }
 
-TEST(PlaceEvidence, ThatThereIsNoPlaceSpeaksAgainstThisHome) {
+TEST(LocalizationEvidence, ThatThereIsNoPlaceSpeaksAgainstThisHome) {
   const PictureEvidence alike = evidence(0.01, 0.97, 0.02, -0.5);
   EXPECT_EQ(decide(alike, kRooms, calibration()).room(), "hall");
-  const PlaceEvidence nowhere = place(not_found(LocalizationStatus::kNoMotion));
+  const LocalizationEvidence nowhere = place(not_found(LocalizationStatus::kNoMotion));
   EXPECT_NE(decide_at(alike, nowhere).verdict, Verdict::kRoom);
   EXPECT_TRUE(with_place(alike, nowhere, calibration()).probabilities.isApprox(alike.probabilities))
       << "it tells nothing of the rooms";
-  const PlaceEvidence wall = place(not_found(LocalizationStatus::kDegenerate));
+  const LocalizationEvidence wall = place(not_found(LocalizationStatus::kDegenerate));
   EXPECT_EQ(wall.log_likelihood_ratio, nowhere.log_likelihood_ratio);
   EXPECT_EQ(
       place(not_found(LocalizationStatus::kNoMotion), /*has_depth=*/false).log_likelihood_ratio, 0)
@@ -192,30 +193,30 @@ TEST(PlaceEvidence, ThatThereIsNoPlaceSpeaksAgainstThisHome) {
 }
 
 // Of two pictures, where `first` and `second` were found.
-PlaceEvidence pair(const mapping::Localization& first, const mapping::Localization& second,
-                   bool has_depth = true, bool contradictory = false) {
+LocalizationEvidence pair(const mapping::Localization& first, const mapping::Localization& second,
+                          bool has_depth = true, bool contradictory = false) {
   static const std::optional<RoomLayout> layout = three_rooms();
-  return place_evidence(mapping::PairLocalization{first, second, contradictory}, has_depth, {},
-                        layout, kRooms);
+  return localization_evidence(mapping::PairLocalization{first, second, contradictory}, has_depth,
+                               {}, layout, kRooms);
 }
 
-TEST(PlaceEvidence, OfTwoPicturesTheSecondTellsTheRoom) {
-  const PlaceEvidence both = pair(found_at(2), found_at(4.5));
+TEST(LocalizationEvidence, OfTwoPicturesTheSecondTellsTheRoom) {
+  const LocalizationEvidence both = pair(found_at(2), found_at(4.5));
   EXPECT_TRUE(both.probabilities.isApprox(place(found_at(4.5)).probabilities));
 }
 
-TEST(PlaceEvidence, OfTwoPicturesTheFirstTellsWhereTheSecondHasNoPlace) {
+TEST(LocalizationEvidence, OfTwoPicturesTheFirstTellsWhereTheSecondHasNoPlace) {
   const auto lost = not_found(LocalizationStatus::kDegenerate);
-  const PlaceEvidence deep = pair(found_at(4.5), lost);
+  const LocalizationEvidence deep = pair(found_at(4.5), lost);
   EXPECT_GT(deep.probabilities[1], 0.9);
   EXPECT_THAT(deep.why, HasSubstr("in hall"));
   // One step on it may be in the next room.
-  const PlaceEvidence near_door = pair(found_at(5.6), lost);
+  const LocalizationEvidence near_door = pair(found_at(5.6), lost);
   EXPECT_LT(near_door.probabilities[1], place(found_at(5.6)).probabilities[1] - 0.1);
   EXPECT_GT(near_door.probabilities[2], 0.1);
 }
 
-TEST(PlaceEvidence, WhetherItIsThisHomeBothPicturesSay) {
+TEST(LocalizationEvidence, WhetherItIsThisHomeBothPicturesSay) {
   const auto lost = not_found(LocalizationStatus::kNothingSimilar);
   const double of_one = place(found_at(4.5)).log_likelihood_ratio;
   const double of_both = pair(found_at(4.5), found_at(4.5)).log_likelihood_ratio;
@@ -236,9 +237,10 @@ TEST(PlaceEvidence, WhetherItIsThisHomeBothPicturesSay) {
   EXPECT_LT(pair(doubtful, lost).log_likelihood_ratio, 1e-9);
 }
 
-TEST(PlaceEvidence, TwoPicturesThatContradictEachOtherTellNothing) {
+TEST(LocalizationEvidence, TwoPicturesThatContradictEachOtherTellNothing) {
   for (const auto status : {LocalizationStatus::kAmbiguous, LocalizationStatus::kContradicted}) {
-    const PlaceEvidence open = pair(found_at(4.5), not_found(status), true, /*contradictory=*/true);
+    const LocalizationEvidence open =
+        pair(found_at(4.5), not_found(status), true, /*contradictory=*/true);
     EXPECT_EQ(open.log_likelihood_ratio, 0);
     EXPECT_NEAR(open.probabilities[0], open.probabilities[1], 1e-12);
   }
@@ -247,7 +249,7 @@ TEST(PlaceEvidence, TwoPicturesThatContradictEachOtherTellNothing) {
   EXPECT_GT(pair(found_at(4.5), twins).probabilities[1], 0.9);
 }
 
-TEST(PlaceEvidence, ThatTwoPicturesHaveNoPlaceSpeaksMoreAgainstThisHomeThanThatOneHasNone) {
+TEST(LocalizationEvidence, ThatTwoPicturesHaveNoPlaceSpeaksMoreAgainstThisHomeThanThatOneHasNone) {
   const auto nowhere = not_found(LocalizationStatus::kNothingSimilar);
   const double of_one = place(nowhere).log_likelihood_ratio;
   const double of_two = pair(nowhere, nowhere).log_likelihood_ratio;
@@ -256,7 +258,7 @@ TEST(PlaceEvidence, ThatTwoPicturesHaveNoPlaceSpeaksMoreAgainstThisHomeThanThatO
   EXPECT_EQ(pair(nowhere, nowhere, /*has_depth=*/false).log_likelihood_ratio, 0);
 }
 
-TEST(PlaceEvidence, IsAskedOnlyWhereItMayChangeTheAnswer) {
+TEST(LocalizationEvidence, IsAskedOnlyWhereItMayChangeTheAnswer) {
   EXPECT_TRUE(place_may_tell(evidence(0.1, 0.5, 0.4, 2), calibration())) << "two rooms are open";
   EXPECT_TRUE(place_may_tell(evidence(0, 1, 0, -1.5), calibration())) << "not known well enough";
   EXPECT_TRUE(place_may_tell(evidence(0, 1, 0, -0.9), calibration())) << "it might be elsewhere";
@@ -265,7 +267,7 @@ TEST(PlaceEvidence, IsAskedOnlyWhereItMayChangeTheAnswer) {
   EXPECT_EQ(decide_at(sure, place(not_found(LocalizationStatus::kNoMotion))).room(), "hall");
 }
 
-TEST(PlaceEvidence, WorksOnAWalk) {
+TEST(LocalizationEvidence, WorksOnAWalk) {
   RoomStream walk(RoomTopology(kRooms, kWalk), calibration());
   const PictureEvidence strange = evidence(0.2, 0.4, 0.4, -4);
   RoomDecision decision;

@@ -1,4 +1,4 @@
-#include "roomwise/objects/detection/object_map.h"
+#include "roomwise/objects/detection/paper_objects.h"
 
 #include <algorithm>
 #include <cmath>
@@ -18,7 +18,7 @@ void expect_same_length(std::span<const float> scores, std::span<const std::stri
 
 // The observations of the given labels: an object has the highest score of its labels. Best first;
 // equal scores by name.
-std::vector<Observation> observations_of(std::span<const std::size_t> chosen,
+std::vector<ObjectScore> observations_of(std::span<const std::size_t> chosen,
                                          std::span<const float> scores,
                                          std::span<const std::string> labels,
                                          const ObjectVocabulary& vocabulary) {
@@ -29,9 +29,9 @@ std::vector<Observation> observations_of(std::span<const std::size_t> chosen,
     double& score = score_of[*object];
     score = std::max(score, static_cast<double>(scores[i]));
   }
-  std::vector<Observation> observations;
+  std::vector<ObjectScore> observations;
   for (const auto& [object, score] : score_of) observations.push_back({object, score});
-  std::ranges::stable_sort(observations, std::ranges::greater{}, &Observation::score);
+  std::ranges::stable_sort(observations, std::ranges::greater{}, &ObjectScore::score);
   return observations;
 }
 
@@ -46,7 +46,7 @@ std::vector<std::optional<double>> scores_along(std::span<const KeyframeView> vi
                                                 const std::string& object, double min_score) {
   std::vector<std::optional<double>> scores(views.size());
   for (std::size_t i = 0; i < views.size(); ++i) {
-    for (const Observation& observation : views[i].observations) {
+    for (const ObjectScore& observation : views[i].observations) {
       if (observation.object == object && observation.score >= min_score) {
         scores[i] = std::max(scores[i].value_or(0), observation.score);
       }
@@ -77,10 +77,10 @@ std::vector<Run> confirmed_runs(std::span<const std::optional<double>> scores,
 }
 
 // One object from one run: the key-frame with the highest score, the first where several have it.
-MapObject object_of_run(const Run& run, const std::string& name,
-                        std::span<const std::optional<double>> scores,
-                        std::span<const KeyframeView> views) {
-  MapObject object;
+PaperObject object_of_run(const Run& run, const std::string& name,
+                          std::span<const std::optional<double>> scores,
+                          std::span<const KeyframeView> views) {
+  PaperObject object;
   object.name = name;
   for (std::size_t i = run.first; i <= run.last; ++i) {
     if (!scores[i]) continue;
@@ -95,16 +95,16 @@ MapObject object_of_run(const Run& run, const std::string& name,
 
 // Objects of one name that stand closer than the distance become one, which keeps the place of the
 // better seen. Those without a place stay apart: nothing says that they are the same.
-std::vector<MapObject> merge_close(
-    std::vector<MapObject> objects, double distance_m,
+std::vector<PaperObject> merge_close(
+    std::vector<PaperObject> objects, double distance_m,
     const std::function<geometry::RigidTransform(std::uint64_t)>& world_from_keyframe) {
-  std::ranges::stable_sort(objects, std::ranges::greater{}, &MapObject::score);
-  const auto place = [&](const MapObject& object) -> Eigen::Vector3d {
+  std::ranges::stable_sort(objects, std::ranges::greater{}, &PaperObject::score);
+  const auto place = [&](const PaperObject& object) -> Eigen::Vector3d {
     return world_from_keyframe(object.keyframe_id) * *object.position_keyframe;
   };
-  std::vector<MapObject> merged;
-  for (const MapObject& object : objects) {
-    const auto same = std::ranges::find_if(merged, [&](const MapObject& other) {
+  std::vector<PaperObject> merged;
+  for (const PaperObject& object : objects) {
+    const auto same = std::ranges::find_if(merged, [&](const PaperObject& other) {
       return object.position_keyframe && other.position_keyframe &&
              (place(object) - place(other)).norm() < distance_m;
     });
@@ -119,7 +119,7 @@ std::vector<MapObject> merge_close(
 
 }  // namespace
 
-std::vector<Observation> observations_in(std::span<const float> scores,
+std::vector<ObjectScore> observations_in(std::span<const float> scores,
                                          std::span<const std::string> labels,
                                          const ObjectVocabulary& vocabulary, double min_score) {
   expect_same_length(scores, labels);
@@ -130,7 +130,7 @@ std::vector<Observation> observations_in(std::span<const float> scores,
   return observations_of(chosen, scores, labels, vocabulary);
 }
 
-std::vector<Observation> top_objects(std::span<const float> scores,
+std::vector<ObjectScore> top_objects(std::span<const float> scores,
                                      std::span<const std::string> labels,
                                      const ObjectVocabulary& vocabulary, std::size_t most) {
   expect_same_length(scores, labels);
@@ -155,24 +155,24 @@ Expected<void> ObjectRules::validate() const {
   return {};
 }
 
-std::vector<MapObject> confirm_objects(
+std::vector<PaperObject> confirm_objects(
     std::span<const KeyframeView> views, const ObjectRules& rules,
     const std::function<geometry::RigidTransform(std::uint64_t keyframe_id)>& world_from_keyframe) {
   std::set<std::string> names;
   for (const KeyframeView& view : views) {
-    for (const Observation& observation : view.observations) names.insert(observation.object);
+    for (const ObjectScore& observation : view.observations) names.insert(observation.object);
   }
-  std::vector<MapObject> objects;
+  std::vector<PaperObject> objects;
   for (const std::string& name : names) {
     const auto scores = scores_along(views, name, rules.min_score);
-    std::vector<MapObject> of_name;
+    std::vector<PaperObject> of_name;
     for (const Run& run : confirmed_runs(scores, views, rules)) {
       of_name.push_back(object_of_run(run, name, scores, views));
     }
     of_name = merge_close(std::move(of_name), rules.same_object_distance_m, world_from_keyframe);
     objects.insert(objects.end(), of_name.begin(), of_name.end());
   }
-  std::ranges::sort(objects, {}, [](const MapObject& object) {
+  std::ranges::sort(objects, {}, [](const PaperObject& object) {
     return std::tie(object.name, object.keyframe_id);
   });
   return objects;

@@ -62,7 +62,7 @@ inline Expected<Pcm> read_wav(std::span<const std::uint8_t> bytes) {
   if (bytes.size() < 44 + data_bytes) return fail("shorter than its header says");
   Pcm pcm{static_cast<int>(number(24, 4)), {}};
   pcm.samples.resize(data_bytes / 2);
-  std::memcpy(pcm.samples.data(), bytes.data() + 44, data_bytes);
+  if (data_bytes > 0) std::memcpy(pcm.samples.data(), bytes.data() + 44, data_bytes);
   return pcm;
 }
 inline Expected<Pcm> read_wav(const std::filesystem::path& path) {
