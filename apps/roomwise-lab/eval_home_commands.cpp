@@ -21,6 +21,7 @@ namespace fs = std::filesystem;
 struct HomeEvaluationOptions {
   fs::path home;
   fs::path truth;
+  fs::path recording;
   double max_distance_m = 1.0;
   std::string surface = "cloud";
   trials::MapEvaluationOptions map;
@@ -92,8 +93,9 @@ Json details_of(const trials::ObjectEvaluation& result, const trials::FoundObjec
 
 Expected<Answer> evaluate_objects(const HomeEvaluationOptions& options, Context& context) {
   ROOMWISE_TRY(const home::Home home, open_home_read_only(options.home, context));
-  ROOMWISE_TRY(const trials::ObjectEvaluation result,
-               trials::evaluate_objects(home, options.truth, options.max_distance_m));
+  ROOMWISE_TRY(
+      const trials::ObjectEvaluation result,
+      trials::evaluate_objects(home, {options.truth, options.recording}, options.max_distance_m));
   const char* columns = "found missed beyond double false";
   Answer answer;
   answer.text = fmt::format("{:<16} | {:<32} | {:<32} | {}\n{:<16} | {} | {} | {}\n", "",
@@ -207,16 +209,17 @@ Expected<Answer> evaluate_layout(const HomeEvaluationOptions& options, Context& 
        {"right_things", result.right_things}}};
 }
 
-// A command that measures a home against the simulated recording that it was mapped from.
+// A command that measures a home against the recording that it was mapped from.
 std::pair<CLI::App*, HomeEvaluationOptions&> add_evaluation(
     CLI::App& group, Context& context, const std::string& name, const std::string& description,
     const std::string& more_example,
-    Expected<Answer> (*body)(const HomeEvaluationOptions&, Context&)) {
+    Expected<Answer> (*body)(const HomeEvaluationOptions&, Context&),
+    const std::string& truth = "Simulated recording") {
   const auto [command, options] = add_command<HomeEvaluationOptions>(
       group, context, name, description,
       "roomwise eval " + name + " --home flat.home --truth flat" + more_example, body);
   command->add_option("--home", options.home, "Home mapped from the recording")->required();
-  command->add_option("--truth", options.truth, "Simulated recording")->required();
+  command->add_option("--truth", options.truth, truth)->required();
   return {command, options};
 }
 
@@ -225,11 +228,16 @@ std::pair<CLI::App*, HomeEvaluationOptions&> add_evaluation(
 void add_home_evaluations(CLI::App& group, Context& context) {
   const auto [objects, of_objects] = add_evaluation(
       group, context, "objects",
-      "The objects of a home, both ways and by naive clustering, against the truth of a simulated "
-      "recording: found and "
-      "missed of what it shows well, found beyond that, found twice, false, and how far from where "
-      "they are",
-      " --report objects.html", evaluate_objects);
+      "The objects of a home, both ways and by naive clustering, against the truth of a recording, "
+      "simulated or labelled by people: found and missed of what it shows well, found beyond that, "
+      "found twice, false, and how far from where they are",
+      " --report objects.html\n"
+      "roomwise eval objects --home office.home --truth tests/truth/office_walk.objects.json",
+      evaluate_objects, "Simulated recording, or the file of what people labelled in a real one");
+  objects
+      ->add_option("--recording", of_objects.recording,
+                   "Real recording that the home was mapped from; default: where it was then")
+      ->check(CLI::ExistingDirectory);
   add_setting(*objects, "--max-distance", of_objects.max_distance_m,
               "Maximum distance of a found thing from the true one, m", positive());
   objects->add_option("--report", of_objects.report,

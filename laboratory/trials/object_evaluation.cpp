@@ -1,10 +1,13 @@
-// Objects of a home against those of the simulated home that it was mapped in.
+// Objects of a home against those of the simulated home that it was mapped in, or against what
+// people marked in a real recording.
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 
+#include "laboratory/labelling/recording_truth.h"
 #include "laboratory/simulation/home/ground_truth.h"
 #include "laboratory/trials/naive_objects.h"
 #include "laboratory/trials/true_objects.h"
@@ -114,6 +117,61 @@ Expected<void> add_nameable(const home::Home& home, const std::filesystem::path&
   return {};
 }
 
+// The key-frame from the nearest place whose picture holds the middle of a thing, and where.
+std::optional<ShownIn> shown_nearest(const geometry::OrientedBox& box,
+                                     std::span<const home::Keyframe> true_poses,
+                                     const Cameras& cameras) {
+  std::optional<ShownIn> shown;
+  double nearest_m = std::numeric_limits<double>::infinity();
+  for (const home::Keyframe& keyframe : true_poses) {
+    const geometry::RigidTransform& pose = keyframe.pose.world_from_keyframe;
+    const geometry::PinholeCamera& camera = cameras.at(keyframe.recording);
+    const Eigen::AlignedBox2d picture(Eigen::Vector2d::Zero(),
+                                      Eigen::Vector2d(camera.width, camera.height));
+    const double distance_m = (box.center() - pose.translation).norm();
+    const auto about = rectangle_about(box, pose, camera);
+    if (!about || !picture.contains(about->center()) || distance_m >= nearest_m) continue;
+    nearest_m = distance_m;
+    const Eigen::AlignedBox2d in_picture = about->intersection(picture);
+    shown = ShownIn{keyframe.id, network::PixelBox{static_cast<float>(in_picture.min().x()),
+                                                   static_cast<float>(in_picture.min().y()),
+                                                   static_cast<float>(in_picture.max().x()),
+                                                   static_cast<float>(in_picture.max().y())}};
+  }
+  return shown;
+}
+
+// What readers marked, in the home's words: what it has no word for is left out.
+Expected<void> add_marked(const home::Home& home, const labelling::RecordingTruth& truth,
+                          const std::filesystem::path& recording, ObjectEvaluation& result) {
+  ROOMWISE_TRY(const rooms::Concepts concepts, home.concepts());
+  ROOMWISE_TRY(auto keyframes, home.keyframes());
+  ROOMWISE_TRY(const auto true_poses, at_true_poses(std::move(keyframes), recording));
+  ROOMWISE_TRY(const auto cameras, pipeline::recording_cameras(home));
+  for (const labelling::TrueThing& thing : truth.things) {
+    auto entry = in_words(thing, concepts.vocabulary);
+    if (!entry) continue;
+    result.truth.push_back(*std::move(entry));
+    result.truth_shown.push_back(shown_nearest(thing.box_world, true_poses, cameras));
+  }
+  return {};
+}
+
+// The folder of the recording that a home was mapped from, as the user gave it then.
+Expected<std::filesystem::path> recording_of(const home::Home& home) {
+  ROOMWISE_TRY(const auto recordings, home.recordings());
+  if (recordings.empty()) return fail("{}: nothing was mapped into it yet", home.file());
+  const std::filesystem::path folder = recordings.back().recording.folder;
+  std::error_code ignored;
+  if (!std::filesystem::exists(folder / "groundtruth.txt", ignored)) {
+    return fail(
+        "{} was mapped from {}, where there is no groundtruth.txt now; give the folder by "
+        "--recording",
+        home.file(), folder.string());
+  }
+  return folder;
+}
+
 // The share of a found box's axes along which the truth lies within two standard deviations.
 struct SigmaCount {
   std::size_t axes = 0, within = 0;
@@ -129,13 +187,31 @@ void count_sigma(SigmaCount& count, const geometry::OrientedBox& found_truth,
 
 }  // namespace
 
-Expected<ObjectEvaluation> evaluate_objects(const home::Home& home,
-                                            const std::filesystem::path& recording,
+Expected<ObjectEvaluation> evaluate_objects(const home::Home& home, const ObjectTruthFiles& truth,
                                             double max_distance_m) {
+  if (!std::filesystem::exists(truth.truth)) {
+    return fail(
+        "{}: there is nothing; give the folder of a simulated recording or a "
+        "RECORDING.objects.json",
+        truth.truth.string());
+  }
+  const bool is_simulated = std::filesystem::is_directory(truth.truth);
+  std::filesystem::path recording = is_simulated ? truth.truth : truth.recording;
+  std::optional<labelling::RecordingTruth> marked;
+  if (!is_simulated) {
+    ROOMWISE_TRY(marked, labelling::read_recording_truth(truth.truth));
+    if (recording.empty()) {
+      ROOMWISE_TRY(recording, recording_of(home));
+    }
+  }
   ROOMWISE_CHECK_OK(check_mapped_from(home, recording));
   ObjectEvaluation result;
   result.max_distance_m = max_distance_m;
-  ROOMWISE_CHECK_OK(add_nameable(home, recording, result));
+  if (marked) {
+    ROOMWISE_CHECK_OK(add_marked(home, *marked, recording, result));
+  } else {
+    ROOMWISE_CHECK_OK(add_nameable(home, recording, result));
+  }
   ROOMWISE_TRY(const geometry::RigidTransform truth_from_world, truth_from_map(home, recording));
   ROOMWISE_TRY(const auto keyframes, home.keyframes());
 

@@ -64,7 +64,7 @@ TEST(ObjectEvaluation, ComparesWithWhatIsThere) {
   ASSERT_OK(simulation::write_objects_truth(folder / "objects.json", things));
 
   pipeline::testing::write_mapped_pictures(home, folder.path());
-  const auto result = evaluate_objects(home, folder.path(), 1.0);
+  const auto result = evaluate_objects(home, {folder.path(), {}}, 1.0);
   ASSERT_OK(result);
   EXPECT_EQ(result->truth.size(), 2U) << "the fridge was never shown, a hat has no name here";
   const evaluation::ObjectErrors& errors = result->by_rules.errors;
@@ -98,8 +98,8 @@ TEST(ObjectEvaluation, ComparesWithWhatIsThere) {
   ASSERT_EQ(report->missed.size(), 1U);
   EXPECT_EQ(report->missed[0].heading, fmt::format("bed, key-frame {}", keyframe));
   std::filesystem::remove(folder / "objects.json");
-  EXPECT_ERROR(evaluate_objects(home, folder.path(), 1.0), "objects.json");
-  EXPECT_ERROR(evaluate_objects(home, folder / "nowhere", 1.0), "nowhere: is no folder");
+  EXPECT_ERROR(evaluate_objects(home, {folder.path(), {}}, 1.0), "objects.json");
+  EXPECT_ERROR(evaluate_objects(home, {folder / "nowhere", {}}, 1.0), "nowhere: there is nothing");
 }
 
 }  // namespace

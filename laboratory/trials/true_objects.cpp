@@ -7,7 +7,7 @@
 namespace roomwise::trials {
 namespace {
 
-// What a kind of simulated thing may be called besides its own label. The first word is the one
+// What a kind of thing may be called besides its own label. The first word is the one
 // that it ought to be found by, if `has_word`.
 struct OtherNames {
   bool has_word = false;
@@ -30,8 +30,34 @@ const std::map<std::string, OtherNames, std::less<>>& other_names() {
       {"teapot", {false, {"cup", "vase"}}},
       {"fruit", {false, {"bowl"}}},
       {"bookcase", {true, {"bookcase", "wardrobe"}}},
+      {"cabinet", {false, {"wardrobe", "table"}}},
+      {"shelf", {false, {"bookcase"}}},
+      {"game table", {false, {"table"}}},
   };
   return kNames;
+}
+
+// Expected where the vocabulary has a word for it.
+std::optional<evaluation::TrueObject> in_words(const std::string& label,
+                                               const geometry::OrientedBox& box,
+                                               const objects::ObjectVocabulary& vocabulary) {
+  const auto& words = vocabulary.objects();
+  evaluation::TrueObject entry{.kind = label, .box = box};
+  bool has_word = words.contains(label);
+  if (const auto word = vocabulary.object_of(label); word && !has_word) {
+    entry.kind = *word;
+    has_word = true;
+  }
+  if (const auto other = other_names().find(label); other != other_names().end()) {
+    for (const std::string& name : other->second.names) {
+      if (words.contains(name)) entry.also_called.insert(name);
+    }
+    has_word = has_word || (other->second.has_word && !entry.also_called.empty());
+    if (has_word && !words.contains(entry.kind)) entry.kind = other->second.names.front();
+  }
+  if (!has_word && entry.also_called.empty()) return std::nullopt;
+  entry.is_expected = has_word;
+  return entry;
 }
 
 }  // namespace
@@ -43,22 +69,22 @@ geometry::OrientedBox box_of(const simulation::ObjectTruth& object) {
 
 std::optional<evaluation::TrueObject> in_words(const simulation::ObjectTruth& object,
                                                const objects::ObjectVocabulary& vocabulary) {
-  const auto& words = vocabulary.objects();
-  evaluation::TrueObject entry{.kind = object.label, .box = box_of(object)};
-  bool has_word = words.contains(object.label);
-  if (const auto word = vocabulary.object_of(object.label); word && !has_word) {
-    entry.kind = *word;
-    has_word = true;
-  }
-  if (const auto other = other_names().find(object.label); other != other_names().end()) {
-    for (const std::string& name : other->second.names) {
-      if (words.contains(name)) entry.also_called.insert(name);
+  return in_words(object.label, box_of(object), vocabulary);
+}
+
+std::optional<evaluation::TrueObject> in_words(const labelling::TrueThing& thing,
+                                               const objects::ObjectVocabulary& vocabulary) {
+  auto entry = in_words(thing.name, thing.box_world, vocabulary);
+  for (const std::string& name : thing.also_called) {
+    const auto other = in_words(name, thing.box_world, vocabulary);
+    if (!other) continue;
+    if (!entry) {
+      entry = other;
+    } else {
+      entry->also_called.insert(other->kind);
     }
-    has_word = has_word || (other->second.has_word && !entry.also_called.empty());
-    if (has_word && !words.contains(entry.kind)) entry.kind = other->second.names.front();
   }
-  if (!has_word && entry.also_called.empty()) return std::nullopt;
-  entry.is_expected = has_word;
+  if (entry) entry->is_expected = entry->is_expected && thing.is_expected;
   return entry;
 }
 

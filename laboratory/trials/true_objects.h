@@ -2,6 +2,7 @@
 
 #include <optional>
 
+#include "laboratory/labelling/recording_truth.h"
 #include "laboratory/simulation/home/ground_truth.h"
 #include "roomwise/evaluation/object_error.h"
 #include "roomwise/objects/detection/object_vocabulary.h"
@@ -15,5 +16,8 @@ namespace roomwise::trials {
 // word for it; absent where it has none, nor one for what is like it.
 [[nodiscard]] std::optional<evaluation::TrueObject> in_words(
     const simulation::ObjectTruth& object, const objects::ObjectVocabulary& vocabulary);
+// The same of what people marked in a real recording; what else they called it is not wrong.
+[[nodiscard]] std::optional<evaluation::TrueObject> in_words(
+    const labelling::TrueThing& thing, const objects::ObjectVocabulary& vocabulary);
 
 }  // namespace roomwise::trials

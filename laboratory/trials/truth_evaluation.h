@@ -11,7 +11,7 @@
 #include "roomwise/home/home.h"
 #include "roomwise/pipeline/run_context.h"
 
-// A home against the truth of the simulated recording that it was mapped from.
+// A home against the truth of the recording that it was mapped from.
 namespace roomwise::trials {
 
 // Fails where the home was mapped from another recording: its first and last key-frame must be
@@ -44,9 +44,9 @@ struct FoundObjectErrors {
 };
 
 struct ObjectEvaluation {
-  // What the home can name and the walk showed. Expected is what it showed well: in four key-frames
-  // or more, from two metres or nearer, half a percent of the picture or more, 15 % or more of the
-  // rectangle about its box.
+  // What the home can name and the walk showed. Of a simulated home what it showed well is
+  // expected: in four key-frames or more, from two metres or nearer, half a percent of the picture
+  // or more, 15 % or more of the rectangle about its box.
   std::vector<evaluation::TrueObject> truth;
   std::vector<std::optional<ShownIn>> truth_shown;  // largest; absent where no key-frame shows it
   FoundObjectErrors by_rules;                       // the paper's way
@@ -59,12 +59,21 @@ struct ObjectEvaluation {
   double within_two_sigma = 0;
 };
 
-// Objects of the home against objects.json: a thing counts as found within `max_distance_m` of its
-// box. Things that the walk never showed are left out. What has several words in a home may be
+// What is there: the folder of a simulated recording, or what people marked in a real one
+// (labelling::RecordingTruth).
+struct ObjectTruthFiles {
+  std::filesystem::path truth;
+  // The real recording that the home was mapped from; empty: where it was then.
+  std::filesystem::path recording;
+};
+
+// Objects of the home against what is there: a thing counts as found within `max_distance_m` of its
+// box. Things that the walk never showed are left out; of what people marked, what both readers
+// marked alike is expected. What has several words in a home may be
 // called by each (an armchair is a chair or a sofa), and what is like a thing that the home has a
 // word for, and has none itself, may be called so or not be found (a stool is a chair).
 [[nodiscard]] Expected<ObjectEvaluation> evaluate_objects(const home::Home& home,
-                                                          const std::filesystem::path& recording,
+                                                          const ObjectTruthFiles& truth,
                                                           double max_distance_m);
 
 // As what a map is measured.

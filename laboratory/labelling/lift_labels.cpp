@@ -1,0 +1,69 @@
+#include "laboratory/labelling/lift_labels.h"
+
+#include <algorithm>
+#include <cstdlib>
+
+namespace roomwise::labelling {
+namespace {
+
+constexpr TimestampNs kMaxApart_ns = 20'000'000;
+
+std::optional<geometry::RigidTransform> pose_at(const recording::Trajectory& truth,
+                                                TimestampNs timestamp_ns) {
+  const auto apart = [&](const recording::StampedPose& pose) {
+    return std::abs(pose.timestamp_ns - timestamp_ns);
+  };
+  const auto nearest = std::ranges::min_element(truth, {}, apart);
+  if (nearest == truth.end() || apart(*nearest) > kMaxApart_ns) return std::nullopt;
+  return nearest->world_from_camera;
+}
+
+Expected<std::optional<PlacedView>> place(const LabelledView& view,
+                                          const recording::TumRecording& recording,
+                                          const recording::Trajectory& truth) {
+  constexpr float kOver_px = 1;  // a border that was drawn on the picture's own
+  const geometry::PinholeCamera& camera = recording.info().camera;
+  if (view.frame >= recording.colors().size()) {
+    return fail("frame {}: the recording has {} pictures", view.frame, recording.colors().size());
+  }
+  if (view.box.left < -kOver_px || view.box.top < -kOver_px ||
+      view.box.right > static_cast<float>(camera.width) + kOver_px ||
+      view.box.bottom > static_cast<float>(camera.height) + kOver_px) {
+    return fail("frame {}: its box leaves the picture of {}x{}", view.frame, camera.width,
+                camera.height);
+  }
+  const auto pose = pose_at(truth, recording.colors().timestamps_ns()[view.frame]);
+  if (!pose) return std::nullopt;
+  PlacedView placed{view.box, view.cut, view.is_occluded, camera, *pose, std::nullopt};
+  ROOMWISE_TRY(const auto frame, recording.frame(view.frame));
+  if (frame) placed.depth_m = depth_in_middle_m(frame->depth, camera, view.box);
+  return placed;
+}
+
+}  // namespace
+
+Expected<LiftedLabels> lift_labels(const ReaderLabels& labels,
+                                   const recording::TumRecording& recording,
+                                   const recording::Trajectory& truth) {
+  if (labels.recording != recording.info().name) {
+    return fail("labels of {} do not belong to {}; give that recording's", labels.recording,
+                recording.info().name);
+  }
+  LiftedLabels lifted{labels.recording, labels.reader, {}, {}};
+  for (const LabelledThing& thing : labels.things) {
+    std::vector<PlacedView> views;
+    for (const LabelledView& view : thing.views) {
+      const auto placed = place(view, recording, truth);
+      if (!placed) return fail("thing {} ({}), {}", thing.id, thing.name, placed.error().message);
+      if (*placed) views.push_back(**placed);
+    }
+    if (const auto in_space = lift(views)) {
+      lifted.things.emplace_back(thing, *in_space);
+    } else {
+      lifted.not_lifted.push_back(thing);
+    }
+  }
+  return lifted;
+}
+
+}  // namespace roomwise::labelling
