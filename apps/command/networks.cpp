@@ -14,7 +14,6 @@
 #include "roomwise/network/formats/network_file.h"
 #include "roomwise/network/vision/onnx_classifier.h"
 #include "roomwise/objects/detection/activation_regions.h"
-#include "roomwise/objects/detection/crop_regions.h"
 
 namespace roomwise::app {
 namespace {
@@ -53,8 +52,7 @@ Expected<std::vector<fs::path>> networks_for(network::Task task) {
 }
 
 // The smallest classifier of the folders that names such things, for what no detector finds: it is
-// shown what is in a detector's boxes, asked by its activation maps, and looks closer beside the
-// detector.
+// asked by its activation maps, and looks closer beside the detector.
 Expected<void> add_classifying_finders(objects::ObjectFinders& all,
                                        const std::shared_ptr<const network::Detector>& detector) {
   objects::DetectionFinders& finders = all.in_pictures;
@@ -72,7 +70,8 @@ Expected<void> add_classifying_finders(objects::ObjectFinders& all,
       fmt::print(stderr, "left out: {}\n", whole.error().message);
       continue;
     }
-    const auto words = objects::classes_of_crops((*whole)->labels(), vocabulary);
+    const auto words = objects::classes_with_labels(vocabulary, (*whole)->labels(),
+                                                    [](const std::string&) { return true; });
     if (words.objects().empty()) continue;  // it names other things: rooms, or animals
     if (auto cells = network::DenseClassifier::load(file)) {
       const auto of_maps = objects::classes_of_maps(finders, (*cells)->labels(), vocabulary);
@@ -81,7 +80,6 @@ Expected<void> add_classifying_finders(objects::ObjectFinders& all,
       fmt::print(stderr, "no activation maps: {}\n", cells.error().message);
     }
     const std::shared_ptr<const network::Classifier> classifier = *std::move(whole);
-    finders.push_back(objects::crop_finder(detector, classifier, words));
     all.of_proposals = objects::network_proposal_classifier(detector, classifier);
     return {};
   }

@@ -99,7 +99,7 @@ std::optional<ShownIn> shown_best(const simulation::ObjectTruth& object,
 
 // The truth in the home's words: what it has no word for, nor one like it, is left out.
 Expected<void> add_nameable(const home::Home& home, const std::filesystem::path& recording,
-                            ObjectEvaluation& result) {
+                            HomeTruth& result) {
   ROOMWISE_TRY(const auto objects, simulation::read_objects_truth(recording / "objects.json"));
   ROOMWISE_TRY(const rooms::Concepts concepts, home.concepts());
   ROOMWISE_TRY(auto keyframes, home.keyframes());
@@ -111,8 +111,8 @@ Expected<void> add_nameable(const home::Home& home, const std::filesystem::path&
     if (!entry) continue;
     const std::vector<TruthObservation> observations = truth_observations(object, true_poses);
     entry->is_expected = entry->is_expected && is_seen_well(object, observations, cameras);
-    result.truth.push_back(*std::move(entry));
-    result.truth_shown.push_back(shown_best(object, observations, cameras));
+    result.things.push_back(*std::move(entry));
+    result.shown.push_back(shown_best(object, observations, cameras));
   }
   return {};
 }
@@ -143,7 +143,7 @@ std::optional<ShownIn> shown_nearest(const geometry::OrientedBox& box,
 
 // What readers marked, in the home's words: what it has no word for is left out.
 Expected<void> add_marked(const home::Home& home, const labelling::RecordingTruth& truth,
-                          const std::filesystem::path& recording, ObjectEvaluation& result) {
+                          const std::filesystem::path& recording, HomeTruth& result) {
   ROOMWISE_TRY(const rooms::Concepts concepts, home.concepts());
   ROOMWISE_TRY(auto keyframes, home.keyframes());
   ROOMWISE_TRY(const auto true_poses, at_true_poses(std::move(keyframes), recording));
@@ -151,8 +151,8 @@ Expected<void> add_marked(const home::Home& home, const labelling::RecordingTrut
   for (const labelling::TrueThing& thing : truth.things) {
     auto entry = in_words(thing, concepts.vocabulary);
     if (!entry) continue;
-    result.truth.push_back(*std::move(entry));
-    result.truth_shown.push_back(shown_nearest(thing.box_world, true_poses, cameras));
+    result.things.push_back(*std::move(entry));
+    result.shown.push_back(shown_nearest(thing.box_world, true_poses, cameras));
   }
   return {};
 }
@@ -187,8 +187,7 @@ void count_sigma(SigmaCount& count, const geometry::OrientedBox& found_truth,
 
 }  // namespace
 
-Expected<ObjectEvaluation> evaluate_objects(const home::Home& home, const ObjectTruthFiles& truth,
-                                            double max_distance_m) {
+Expected<HomeTruth> home_truth(const home::Home& home, const ObjectTruthFiles& truth) {
   if (!std::filesystem::exists(truth.truth)) {
     return fail(
         "{}: there is nothing; give the folder of a simulated recording or a "
@@ -205,14 +204,24 @@ Expected<ObjectEvaluation> evaluate_objects(const home::Home& home, const Object
     }
   }
   ROOMWISE_CHECK_OK(check_mapped_from(home, recording));
-  ObjectEvaluation result;
-  result.max_distance_m = max_distance_m;
+  HomeTruth result;
   if (marked) {
     ROOMWISE_CHECK_OK(add_marked(home, *marked, recording, result));
   } else {
     ROOMWISE_CHECK_OK(add_nameable(home, recording, result));
   }
-  ROOMWISE_TRY(const geometry::RigidTransform truth_from_world, truth_from_map(home, recording));
+  ROOMWISE_TRY(result.truth_from_world, truth_from_map(home, recording));
+  return result;
+}
+
+Expected<ObjectEvaluation> evaluate_objects(const home::Home& home, const ObjectTruthFiles& truth,
+                                            double max_distance_m) {
+  ObjectEvaluation result;
+  result.max_distance_m = max_distance_m;
+  ROOMWISE_TRY(HomeTruth there, home_truth(home, truth));
+  result.truth = std::move(there.things);
+  result.truth_shown = std::move(there.shown);
+  const geometry::RigidTransform& truth_from_world = there.truth_from_world;
   ROOMWISE_TRY(const auto keyframes, home.keyframes());
 
   ROOMWISE_TRY(const auto objects, home.paper_objects());

@@ -33,6 +33,8 @@ const std::map<std::string, OtherNames, std::less<>>& other_names() {
       {"cabinet", {false, {"wardrobe", "table"}}},
       {"shelf", {false, {"bookcase"}}},
       {"game table", {false, {"table"}}},
+      {"telephone", {true, {"phone"}}},
+      {"remote", {true, {"remote control"}}},
   };
   return kNames;
 }
@@ -57,6 +59,7 @@ std::optional<evaluation::TrueObject> in_words(const std::string& label,
   }
   if (!has_word && entry.also_called.empty()) return std::nullopt;
   entry.is_expected = has_word;
+  if (label == "bookcase" || label == "shelf") entry.holds = {"book"};
   return entry;
 }
 

@@ -67,6 +67,14 @@ struct ObjectTruthFiles {
   std::filesystem::path recording;
 };
 
+// What is there, in the home's words, and the way from the map to it.
+struct HomeTruth {
+  std::vector<evaluation::TrueObject> things;
+  std::vector<std::optional<ShownIn>> shown;  // largest; absent where no key-frame shows it
+  geometry::RigidTransform truth_from_world;
+};
+[[nodiscard]] Expected<HomeTruth> home_truth(const home::Home& home, const ObjectTruthFiles& truth);
+
 // Objects of the home against what is there: a thing counts as found within `max_distance_m` of its
 // box. Things that the walk never showed are left out; of what people marked, what both readers
 // marked alike is expected. What has several words in a home may be

@@ -28,6 +28,13 @@ std::vector<ObjectMatch> candidates(std::span<const TrueObject> truth,
   return pairs;
 }
 
+bool is_held(std::span<const TrueObject> truth, const FoundObject& found) {
+  constexpr double kReach_m = 0.1;
+  return std::ranges::any_of(truth, [&](const TrueObject& thing) {
+    return thing.holds.contains(found.kind) && thing.box.distance_m(found.position) <= kReach_m;
+  });
+}
+
 double quantile_of(std::span<const ObjectMatch> matches, double ObjectMatch::*value, double share) {
   std::vector<double> values;
   for (const ObjectMatch& match : matches) values.push_back(match.*value);
@@ -80,7 +87,7 @@ Expected<ObjectErrors> object_errors(std::span<const TrueObject> truth,
     if (nearest[f]) {
       errors.duplicates.push_back(*nearest[f]);
       ++errors.by_kind[truth[nearest[f]->truth].kind].duplicates;
-    } else {
+    } else if (!is_held(truth, found[f])) {
       errors.wrong.push_back(f);
       ++errors.by_kind[found[f].kind].wrong;
     }

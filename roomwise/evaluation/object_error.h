@@ -20,6 +20,9 @@ struct TrueObject {
   // for it.
   bool is_expected = true;
   std::set<std::string> also_called = {};  // other names that are not wrong
+  // What stands in it without being told of one by one, as books in a bookcase: found there it is
+  // neither right nor wrong.
+  std::set<std::string> holds = {};
 };
 
 // A thing that was found, in the truth's frame, m.

@@ -97,7 +97,8 @@ TEST(WordsOfMaps, AreThoseThatMapsFindRightlyAndNoDetectorHas) {
   finders.push_back(std::make_unique<NamesOnly>(std::vector<std::string>{"bed", "lampshade"}));
   const auto words = classes_of_maps(finders, labels, ObjectVocabulary::standard());
   EXPECT_EQ(words.objects().size(), 2U);
-  EXPECT_TRUE(words.objects().contains("bookcase")) << "crops find lamps and wardrobes better";
+  EXPECT_TRUE(words.objects().contains("bookcase"))
+      << "closer looks find lamps and wardrobes better";
   EXPECT_EQ(words.object_of("radiator"), "radiator") << "not in the table: a look-alike";
   finders.push_back(std::make_unique<NamesOnly>(std::vector<std::string>{"bookcase"}));
   const auto few = classes_of_maps(finders, labels, ObjectVocabulary::standard());

@@ -9,7 +9,6 @@ DetectionSource source_of(std::string_view fingerprint) {
     return fingerprint.find(method) != std::string_view::npos;
   };
   if (is_by(kActivationMethod)) return DetectionSource::kActivation;
-  if (is_by(kCropMethod)) return DetectionSource::kCrop;
   return is_by(kProposalMethod) ? DetectionSource::kProposal : DetectionSource::kDetector;
 }
 

@@ -27,14 +27,12 @@ struct DetectionSurface {
 // How something was detected, the surest first.
 enum class DetectionSource {
   kDetector,    // by a network that gives boxes
-  kCrop,        // by a classifier that is shown what is in a detector's box (crop_regions.h)
   kProposal,    // by networks that are shown what stands apart in depth (proposal_classifier.h)
   kActivation,  // by the class-activation maps of a classifier (activation_regions.h)
 };
 
 // How a finder with this fingerprint detects: the method stands in it, behind the weights'.
 constexpr std::string_view kActivationMethod = " activation maps ";
-constexpr std::string_view kCropMethod = " crops ";
 constexpr std::string_view kProposalMethod = " proposals ";
 [[nodiscard]] DetectionSource source_of(std::string_view fingerprint);
 

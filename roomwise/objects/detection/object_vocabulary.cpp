@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "roomwise/objects/kinds/kinds.h"
+
 namespace roomwise::objects {
 namespace {
 
@@ -36,40 +38,19 @@ bool same_label(std::string_view a, std::string_view b) {
 }
 
 ObjectVocabulary ObjectVocabulary::standard() {
-  ObjectVocabulary vocabulary;
-  // Left the words of a home, right what ImageNet (long) and COCO and our own network (short) call
-  // them. Labels that they share stand once, as ImageNet spells them. ImageNet has no plain bed,
-  // lamp, sofa or chair.
-  vocabulary.objects_ = {
-      {"bath", {"bathtub, bathing tub, bath, tub", "tub, vat"}},
-      {"bed", {"studio couch, day bed", "four-poster", "quilt, comforter, comfort, puff", "bed"}},
-      {"bookcase", {"bookcase"}},
-      {"bottle",
-       {"bottle", "wine bottle", "water bottle", "beer bottle", "pop bottle, soda bottle"}},
-      {"chair", {"chair", "folding chair", "rocking chair, rocker", "armchair", "office chair"}},
-      {"clock", {"clock", "analog clock", "wall clock", "digital clock"}},
-      {"fridge", {"fridge", "refrigerator, icebox"}},
-      {"lamp", {"lamp", "table lamp", "lampshade, lamp shade"}},
-      {"laptop", {"laptop, laptop computer", "notebook, notebook computer"}},
-      {"microwave", {"microwave, microwave oven"}},
-      {"plant", {"plant", "potted plant", "pot, flowerpot"}},
-      {"sink", {"sink", "kitchen sink", "washbasin, handbasin, washbowl, lavabo, wash-hand basin"}},
-      {"sofa", {"sofa", "couch"}},
-      {"stove", {"stove", "oven"}},
-      {"table", {"dining table, board", "coffee table", "desk"}},
-      {"toaster", {"toaster"}},
-      {"toilet seat", {"toilet seat", "toilet"}},
-      {"tv", {"tv", "television, television system", "screen, CRT screen", "monitor"}},
-      {"vase", {"vase"}},
-      {"wardrobe", {"wardrobe, closet, press", "chiffonier, commode"}},
-      {"washing machine", {"washer, automatic washer, washing machine"}},
-  };
-  return vocabulary;
+  return of_kinds(true);
 }
 
 ObjectVocabulary ObjectVocabulary::look_alikes() {
+  return of_kinds(false);
+}
+
+ObjectVocabulary ObjectVocabulary::of_kinds(bool spoken_of) {
   ObjectVocabulary vocabulary;
-  vocabulary.objects_ = {{"radiator", {"radiator", "space heater"}}};
+  for (const Kind& kind : standard_kinds()) {
+    if (kind.is_spoken_of != spoken_of) continue;
+    vocabulary.objects_[kind.name] = {kind.labels.begin(), kind.labels.end()};
+  }
   return vocabulary;
 }
 

@@ -18,9 +18,9 @@ namespace roomwise::objects {
 // form in memory.
 class ObjectVocabulary {
  public:
-  // Words for what stands in homes, with the labels of ImageNet (classifiers), COCO (detectors) and
-  // our compact network that mean them. The paper's seven are among them: bed, lamp, wardrobe,
-  // microwave, stove, fridge and toilet seat.
+  // Words for what homes have, with the labels of ImageNet (classifiers), COCO (detectors) and our
+  // compact network that mean them, as kinds.json has them. The paper's seven are among them: bed,
+  // lamp, wardrobe, microwave, stove, fridge and toilet seat.
   [[nodiscard]] static ObjectVocabulary standard();
 
   // What stands in homes and is in no table, but is taken for what is: a radiator for a toilet.
@@ -40,6 +40,8 @@ class ObjectVocabulary {
   }
 
  private:
+  [[nodiscard]] static ObjectVocabulary of_kinds(bool spoken_of);
+
   std::map<std::string, std::set<std::string>> objects_;
 };
 

@@ -108,7 +108,7 @@ TEST(ObjectVocabulary, RemovesObjects) {
   auto vocabulary = ObjectVocabulary::standard();
   ASSERT_OK(vocabulary.remove("bed"));
   EXPECT_EQ(vocabulary.object_of("four-poster"), std::nullopt);
-  EXPECT_ERROR(vocabulary.remove("bed"), "no object \"bed\"; there are bath");
+  EXPECT_ERROR(vocabulary.remove("bed"), "no object \"bed\"; there are backpack");
 }
 
 TEST(FindLabel, GivesTheNetworksSpelling) {

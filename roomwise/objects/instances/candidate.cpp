@@ -2,12 +2,8 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <numbers>
 #include <optional>
-#include <string_view>
 
-#include "roomwise/base/median.h"
-#include "roomwise/objects/instances/class_size_prior.h"
 #include "roomwise/objects/instances/upright_box.h"
 #include "roomwise/objects/instances/world_observation.h"
 
@@ -90,55 +86,6 @@ bool is_in_hull(const Vector3f& point_world, const ObservationCluster& group,
   return inside >= kHullShare * shown;
 }
 
-// What the best observations call it.
-std::string_view name_of(const ObservationCluster& group,
-                         std::span<const WorldObservation> observations) {
-  std::map<std::string_view, double> scores;
-  for (const std::size_t index : group) {
-    scores[observations[index].detection->class_name] += observations[index].weighted_score();
-  }
-  return std::ranges::max_element(scores, {}, [](const auto& one) { return one.second; })->first;
-}
-
-// How high a detector's boxes show a thing to be: the median over those that lie within their
-// pictures, each without what they show of the thing's width from above or below. 0 where fewer
-// than three do.
-double shown_height_m(const ObservationCluster& group,
-                      std::span<const WorldObservation> observations,
-                      std::span<const ObservedKeyframe> keyframes, const Vector3d& middle_world,
-                      double width_m, const Vector3d& up_world) {
-  constexpr std::size_t kFewest = 3;
-  constexpr float kRim_px = 3;
-  constexpr double kNearest_m = 0.3, kMinOfHeight = 0.5;
-  std::vector<double> heights_m;
-  for (const std::size_t index : group) {
-    const Detection& detection = *observations[index].detection;
-    const ObservedKeyframe& keyframe = keyframes[observations[index].keyframe];
-    const auto picture_height = static_cast<float>(keyframe.camera.height);
-    if (detection.source != DetectionSource::kDetector || detection.box.top < kRim_px ||
-        detection.box.bottom > picture_height - kRim_px) {
-      continue;
-    }
-    const geometry::RigidTransform camera_from_world = keyframe.world_from_camera.inverse();
-    const Vector3d middle = camera_from_world * middle_world;
-    if (middle.z() < kNearest_m) continue;
-    // By how much of a metre along a direction the picture's rows change, at the middle's depth.
-    const auto in_rows = [&](const Vector3d& direction_world) {
-      const Vector3d direction = camera_from_world.rotation * direction_world;
-      return std::abs(direction.y() - middle.y() / middle.z() * direction.z());
-    };
-    const Vector3d ray = middle_world - keyframe.world_from_camera.translation;
-    const Vector3d ahead = (ray - up_world.dot(ray) * up_world).normalized();
-    const double of_height = in_rows(up_world);
-    if (of_height < kMinOfHeight) continue;
-    const double shown_m = static_cast<double>(detection.box.bottom - detection.box.top) *
-                           middle.z() / keyframe.camera.fy;
-    heights_m.push_back((shown_m - width_m * in_rows(ahead)) / of_height);
-  }
-  if (heights_m.size() < kFewest) return 0;
-  return median_of(heights_m);
-}
-
 // How much the middle along an axis hangs on single pictures: the delete-a-group jackknife (Kott,
 // Journal of Official Statistics 17, 2001).
 double jackknife_sigma(std::span<const SurfaceCell> cells, std::size_t observations,
@@ -163,15 +110,7 @@ double jackknife_sigma(std::span<const SurfaceCell> cells, std::size_t observati
   return std::sqrt(squares * static_cast<double>(parts - 1) / static_cast<double>(parts));
 }
 
-// Whether what a classifier says of the picture is said of a box: it holds the middle of the
-// picture and a tenth of it or more.
-bool stands_in_middle(const network::PixelBox& box, const geometry::PinholeCamera& camera) {
-  const auto width = static_cast<float>(camera.width), height = static_cast<float>(camera.height);
-  return box.left < width / 2 && box.right > width / 2 && box.top < height / 2 &&
-         box.bottom > height / 2 && box.area() >= 0.1F * width * height;
-}
-
-// The box, how sure its middle is, the surface and whether its size fits.
+// The box, how sure its middle is, and the surface.
 void measure(Candidate& result, std::span<const WorldObservation> observations,
              std::span<const ObservedKeyframe> keyframes, const GroundPlane& level) {
   const ObservationCluster& group = result.group;
@@ -196,34 +135,8 @@ void measure(Candidate& result, std::span<const WorldObservation> observations,
         std::hypot(jackknife_sigma(kept, group.size(), axes.col(i)), kCommonSigma_m);
   }
   // What begins that low stands on the floor; its foot was cut away with the floor.
-  const ClassSizePrior shape = size_prior_of(name_of(group, observations));
-  if (shape.on_floor || low.z() - level.floor_m < kStandsBelow_m) {
+  if (level.is_floor_known && low.z() - level.floor_m < kStandsBelow_m) {
     low.z() = std::min(level.floor_m, high.z());
-  }
-  // Of what is small depth may show the foot alone: a bottle is as high as pictures show it to be.
-  if (shape.shows_foot_alone && high.z() - low.z() < shape.min_height_m) {
-    const double width_m = (high - low).head<2>().maxCoeff();
-    const double shown_m =
-        shown_height_m(group, observations, keyframes, axes * ((low + high) / 2), width_m, up);
-    const double lacks_m = shown_m - (high.z() - low.z());
-    if (lacks_m > 0 && shown_m <= shape.max_height_m) {
-      high.z() += lacks_m;
-      result.sigma_m.z() = std::hypot(result.sigma_m.z(), lacks_m / 2);
-    }
-  }
-  result.fits_size_prior = shape.fits_when_partial(high - low);
-  // Away from the cameras, where nobody saw it.
-  Vector3d cameras = Vector3d::Zero();
-  for (const std::size_t index : group) {
-    cameras += keyframes[observations[index].keyframe].world_from_camera.translation /
-               static_cast<double>(group.size());
-  }
-  for (int i = 0; i < 2; ++i) {
-    const double lacks_m = shape.min_side_m - (high[i] - low[i]);
-    if (lacks_m <= 0) continue;
-    const bool camera_is_low = axes.col(i).dot(cameras) < (low[i] + high[i]) / 2;
-    (camera_is_low ? high[i] : low[i]) += camera_is_low ? lacks_m : -lacks_m;
-    result.sigma_m[i] = std::hypot(result.sigma_m[i], lacks_m / 2);
   }
   result.box_world = {geometry::RigidTransform::from_matrix(axes, axes * ((low + high) / 2)),
                       high - low};
@@ -231,25 +144,51 @@ void measure(Candidate& result, std::span<const WorldObservation> observations,
 
 }  // namespace
 
+double Candidate::extent_m() const {
+  constexpr double kMin_m = 0.05;
+  return std::cbrt(box_world.size_m.cwiseMax(kMin_m).prod());
+}
+
 Candidate candidate_of(ObservationCluster group, std::span<const WorldObservation> observations,
                        std::span<const ObservedKeyframe> keyframes, const GroundPlane& level) {
-  constexpr double kSaidWeight = 0.5;  // a picture's name is about all of it
   Candidate candidate;
   candidate.group = std::move(group);
-  measure(candidate, observations, keyframes, level);
-  candidate.voxels = voxels_of(candidate.surface_world, kObservationVoxel_m);
-  const geometry::OrientedBox& box = candidate.box_world;
-  candidate.foot_m = level.height_m(box.center()) - box.size_m.z() / 2;
-  for (const std::size_t index : candidate.group) {
-    const WorldObservation& observation = observations[index];
-    candidate.source = std::min(candidate.source, observation.detection->source);
-    candidate.scores[observation.detection->class_name] += observation.weighted_score();
-    const ObservedKeyframe& keyframe = keyframes[observation.keyframe];
-    if (!stands_in_middle(observation.detection->box, keyframe.camera)) continue;
-    for (const ObjectScore& said : keyframe.said)
-      candidate.scores[said.object] += kSaidWeight * said.score;
+  candidate.class_name = observations[candidate.group.front()].detection->class_name;
+  const auto count = static_cast<double>(candidate.group.size());
+  for (const std::size_t i : candidate.group) {
+    candidate.middle_world += observations[i].middle_world / count;
   }
+  double squares = 0;
+  for (const std::size_t i : candidate.group) {
+    squares += (observations[i].middle_world - candidate.middle_world).squaredNorm() / count;
+  }
+  candidate.spread_m = std::sqrt(squares);
+  measure(candidate, observations, keyframes, level);
   return candidate;
+}
+
+std::vector<Candidate> find_candidates(std::span<const WorldObservation> observations,
+                                       std::span<const ObservedKeyframe> keyframes,
+                                       const GroundPlane& level) {
+  std::vector<Candidate> candidates;
+  for (ObservationCluster& group : associate(observations)) {
+    if (group.size() < 2) continue;
+    Candidate candidate = candidate_of(std::move(group), observations, keyframes, level);
+    if (candidate.has_extent()) candidates.push_back(std::move(candidate));
+  }
+  return candidates;
+}
+
+double share_inside(const geometry::OrientedBox& box, const geometry::OrientedBox& of) {
+  constexpr int kSteps = 6;  // a side
+  int inside = 0;
+  for (int i = 0; i < kSteps * kSteps * kSteps; ++i) {
+    const Vector3d step(i % kSteps, i / kSteps % kSteps, i / (kSteps * kSteps));
+    const Vector3d place =
+        box.size_m.cwiseProduct((step.array() + 0.5).matrix() / kSteps) - box.size_m / 2;
+    if (of.distance_m(box.world_from_box * place) == 0) ++inside;
+  }
+  return static_cast<double>(inside) / (kSteps * kSteps * kSteps);
 }
 
 bool should_see(const ObservedKeyframe& keyframe, std::span<const Eigen::Vector3f> surface_world,

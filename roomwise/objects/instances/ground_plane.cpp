@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kBin_m = 0.02;
 constexpr double kFloorOfFullest = 1.0 / 3;
+constexpr double kMinCameraHeight_m = 0.8;
 
 // The camera of the small depth image.
 geometry::PinholeCamera coarse_camera(const geometry::PinholeCamera& camera,
@@ -67,6 +68,7 @@ GroundPlane fit_ground_plane(std::span<const ObservedKeyframe> keyframes) {
       points += static_cast<double>(bin->second);
     }
     level.floor_m = sum / points;
+    level.is_floor_known = median_of(camera_heights) - level.floor_m >= kMinCameraHeight_m;
     break;
   }
   return level;

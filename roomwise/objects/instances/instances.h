@@ -21,7 +21,7 @@
 // 2. objects::Detection: the same in a key-frame (KeyframeDetections; ObservedKeyframe, which has
 //    the pose), with the surface that depth shows in it, and its class. Stored.
 // 3. WorldObservation: a detection that counts, with its surface in the world.
-// 4. Candidate: the observations that show one thing, with the box about them and their classes.
+// 4. Candidate: the observations of one class that show one thing, with the box about them.
 // 5. Instance: a candidate that is believed, relative to the key-frame that shows it best. Stored.
 // 6. guide::KnownThing: an instance, its place on the map and its room.
 // 7. guide::Prompt: what is said of it.
@@ -34,7 +34,7 @@ namespace roomwise::objects {
 struct Instance {
   std::string name;
   double probability = 0;  // that it is there and is called so, [0, 1]
-  // What it is called, by the share of the observations' scores that speak for it; they sum to 1.
+  // What it may be called, by how probable that is beside the others; they sum to 1.
   std::map<std::string, double> names;
   int observations = 0;  // key-frames that saw it
   // Key-frames that should have; of what stands apart in depth (DetectionSource::kProposal) those
@@ -64,8 +64,6 @@ struct ObservedKeyframe : KeyframeDetections {
   std::uint64_t keyframe_id = 0;
   geometry::RigidTransform world_from_camera;
   geometry::PinholeCamera camera;
-  // What a classifier says of the whole picture, which is mostly what stands in its middle.
-  std::vector<ObjectScore> said;
   // That did not look at it: what they find elsewhere is not missed here.
   std::set<DetectionSource> sources_not_run;
 
@@ -78,6 +76,8 @@ struct ObservedKeyframe : KeyframeDetections {
 struct GroundPlane {
   Eigen::Vector3d up_world = -Eigen::Vector3d::UnitY();  // unit length
   double floor_m = 0;
+  // Otherwise the lowest that was seen is no floor: a desk's top, say, or nothing at all.
+  bool is_floor_known = false;
 
   [[nodiscard]] double height_m(const Eigen::Vector3d& point_world) const {
     return up_world.dot(point_world) - floor_m;
@@ -86,23 +86,24 @@ struct GroundPlane {
 
 // Which way is up, by the surfaces that the key-frames show (mapping::UpDirectionEstimator), and
 // the floor: the lowest height that holds a third of the points of the fullest one below the
-// cameras, or more.
+// cameras, or more. It is known where it lies at least 0.8 m below the cameras, which nobody
+// carries lower.
 [[nodiscard]] GroundPlane fit_ground_plane(std::span<const ObservedKeyframe> keyframes);
 
 struct InstanceOptions {
   double min_score = 0.3;    // of a detection that counts
   double max_range_m = 4.5;  // detections beyond are not measured well enough
-  int min_observations = 3;  // key-frames
-  double min_probability = 0.36;
-  // Of some names more is asked. What a detector calls a toilet is as often a bin, a washbasin or a
-  // chair, and then it is less sure or others name it, too (docs/objects.md).
-  std::map<std::string, double> min_probability_of{{"toilet seat", 0.93}};
+  int min_observations = 2;  // key-frames
+  // Of what is told; absent: as it was fitted (InstanceModel).
+  std::optional<double> min_probability = std::nullopt;
 
   [[nodiscard]] Expected<void> validate() const;
 };
 
-// Joins the detections of all key-frames of one component of a map into instances. The result hangs
-// on the key-frames' poses as they are now, and not on the order in which key-frames and detections
+// Joins the detections of all key-frames of one component of a map into instances: candidates by
+// association (world_observation.h), each with the probability that its evidence gives it
+// (instance_model.h); of those that share their space the most probable stays. The result hangs on
+// the key-frames' poses as they are now, and not on the order in which key-frames and detections
 // come.
 // By name, then by key-frame.
 [[nodiscard]] std::vector<Instance> find_instances(std::span<const ObservedKeyframe> keyframes,

@@ -1,15 +1,16 @@
 #include "roomwise/objects/instances/world_observation.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <tuple>
 
 #include "roomwise/base/median.h"
+#include "roomwise/objects/kinds/kinds.h"
 
 namespace roomwise::objects {
 namespace {
 
+constexpr double kBehindSurface = 0.15;  // of the usual shorter level side
 constexpr int kKeyBits = 21;
 constexpr std::int64_t kKeyOffset = std::int64_t{1} << (kKeyBits - 1);
 constexpr VoxelKey kStepX = 1;
@@ -21,14 +22,29 @@ double median_depth(std::vector<Eigen::Vector3f> points) {
   return static_cast<double>(median_of(points, depth).z());
 }
 
-// Whether the box leaves the picture on three sides or four: a door, a wall, a blurred corner
-// look like many a thing from so near.
-bool is_cut_all_round(const network::PixelBox& box, const geometry::PinholeCamera& camera) {
-  constexpr float kRim_px = 3;
-  const int sides = (box.left < kRim_px ? 1 : 0) + (box.top < kRim_px ? 1 : 0) +
-                    (box.right > static_cast<float>(camera.width) - kRim_px ? 1 : 0) +
-                    (box.bottom > static_cast<float>(camera.height) - kRim_px ? 1 : 0);
-  return sides >= 3;
+// Behind the median of the surface in the inner half of the box, by side (of the whole surface
+// where little is there), by a share of the usual depth of such things; in the camera frame.
+Eigen::Vector3d middle_of(const Detection& detection, const geometry::PinholeCamera& camera) {
+  constexpr std::size_t kFewestInside = 5;
+  const network::PixelBox& box = detection.box;
+  const Eigen::Vector2d middle(0.5F * (box.left + box.right), 0.5F * (box.top + box.bottom));
+  const Eigen::Vector2d reach(0.25F * (box.right - box.left), 0.25F * (box.bottom - box.top));
+  std::vector<Eigen::Vector3f> inside;
+  for (const Eigen::Vector3f& point : detection.surface.points) {
+    const Eigen::Vector2d off = camera.project(point.cast<double>()) - middle;
+    if ((off.cwiseAbs().array() <= reach.array()).all()) inside.push_back(point);
+  }
+  std::vector<Eigen::Vector3f>& of =
+      inside.size() >= kFewestInside ? inside : (inside = detection.surface.points);
+  Eigen::Vector3d median;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto along = [axis](const Eigen::Vector3f& point) { return point[axis]; };
+    median[axis] = static_cast<double>(along(median_of(of, along)));
+  }
+  // What is seen is the side that faces the camera.
+  const Kind* kind = find_kind(detection.class_name);
+  const double behind_m = kind == nullptr ? 0 : kBehindSurface * kind->size_m.y();
+  return median + behind_m * median.normalized();
 }
 
 }  // namespace
@@ -49,10 +65,6 @@ std::vector<VoxelKey> voxels_of(std::span<const Eigen::Vector3f> points, float s
   const auto repeats = std::ranges::unique(keys);
   keys.erase(repeats.begin(), repeats.end());
   return keys;
-}
-
-std::array<VoxelKey, 6> face_neighbors(VoxelKey key) {
-  return {key - kStepX, key + kStepX, key - kStepY, key + kStepY, key - kStepZ, key + kStepZ};
 }
 
 std::vector<VoxelKey> cube_neighbors(VoxelKey key, int reach) {
@@ -82,23 +94,19 @@ std::vector<WorldObservation> world_observations(std::span<const ObservedKeyfram
   constexpr std::size_t kFewestPoints = 8;
   std::vector<WorldObservation> observations;
   for (std::size_t k = 0; k < keyframes.size(); ++k) {
-    for (const Detection& detection : keyframes[k].detections) {
+    const ObservedKeyframe& keyframe = keyframes[k];
+    for (const Detection& detection : keyframe.detections) {
       const std::vector<Eigen::Vector3f>& points = detection.surface.points;
       if (detection.score < options.min_score || points.size() < kFewestPoints) continue;
-      if (detection.source != DetectionSource::kProposal &&
-          is_cut_all_round(detection.box, keyframes[k].camera)) {
-        continue;
-      }
       if (median_depth(points) > options.max_range_m) continue;
-      WorldObservation observation{&detection, k, {}, {}};
+      WorldObservation observation{
+          &detection, k, {}, keyframe.world_from_camera * middle_of(detection, keyframe.camera)};
       for (const Eigen::Vector3f& point : points) {
-        const Eigen::Vector3d point_world = keyframes[k].world_from_camera * point.cast<double>();
-        if (level.height_m(point_world) > kFloorReach_m) {
+        const Eigen::Vector3d point_world = keyframe.world_from_camera * point.cast<double>();
+        if (!level.is_floor_known || level.height_m(point_world) > kFloorReach_m) {
           observation.points_world.push_back(point_world.cast<float>());
         }
       }
-      if (observation.points_world.size() < kFewestPoints) continue;
-      observation.voxels = voxels_of(observation.points_world, kObservationVoxel_m);
       observations.push_back(std::move(observation));
     }
   }

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -9,7 +8,7 @@
 
 #include "roomwise/objects/instances/instances.h"
 
-// Steps of find_instances(); private to objects/.
+// Steps of find_instances(); private to objects/ and to what fits its model.
 namespace roomwise::objects {
 
 // A cell of space, packed into one number.
@@ -18,74 +17,72 @@ using VoxelKey = std::int64_t;
 // Sorted, each once.
 [[nodiscard]] std::vector<VoxelKey> voxels_of(std::span<const Eigen::Vector3f> points,
                                               float size_m);
-// The cells that share a face with this one.
-[[nodiscard]] std::array<VoxelKey, 6> face_neighbors(VoxelKey key);
 // The cells of the cube that reaches so many cells from this one to each side, but for this one.
 [[nodiscard]] std::vector<VoxelKey> cube_neighbors(VoxelKey key, int reach);
+
+constexpr double kFloorReach_m = 0.06;  // what lies lower over a floor is floor
 
 // A detection that counts, in the world.
 struct WorldObservation {
   const Detection* detection = nullptr;
   std::size_t keyframe = 0;                   // index of ObservedKeyframe
-  std::vector<Eigen::Vector3f> points_world;  // above the floor
-  std::vector<VoxelKey> voxels;               // of kObservationVoxel_m
-
-  // How much its score counts for its class: cells of activation maps see far beyond themselves, so
-  // that what they say is in part about the whole picture. Detections on proposals say the mean of
-  // all views, of what was measured before.
-  [[nodiscard]] double weighted_score() const {
-    const bool is_of_proposal = detection->source == DetectionSource::kProposal;
-    const bool is_of_map = detection->source == DetectionSource::kActivation;
-    return (is_of_proposal ? 2 : is_of_map ? 0.5 : 1) * static_cast<double>(detection->score);
-  }
+  std::vector<Eigen::Vector3f> points_world;  // above the floor, where one is known
+  // Where it has the thing: a little behind the median of the surface in the inner half of its box.
+  Eigen::Vector3d middle_world = Eigen::Vector3d::Zero();
 };
-constexpr float kObservationVoxel_m = 0.1F;
-// What lies lower is floor.
-constexpr double kFloorReach_m = 0.06;
 
-// The detections that score enough, are near enough and have a surface above the floor; the best
-// first, by their score, more for what fills more of the picture, then by key-frame, class and box,
-// so that their order is theirs alone.
+// The detections that score enough, are near enough and have a surface; the best first, by their
+// score, more for what fills more of the picture, then by key-frame, class and box, so that their
+// order is theirs alone.
 [[nodiscard]] std::vector<WorldObservation> world_observations(
     std::span<const ObservedKeyframe> keyframes, const GroundPlane& level,
     const InstanceOptions& options);
 
-// Observations of one instance, by index, the best first.
+// Observations of one thing, by index, the best first.
 using ObservationCluster = std::vector<std::size_t>;
 
-// Groups observations of one class and source that show the same part of space. Two detections
-// beside each other in one picture are two things, and so are groups that are often seen so. A
-// detector's boxes that show what detections on proposals measured belong to their group.
-[[nodiscard]] std::vector<ObservationCluster> cluster_observations(
+// Groups observations of one class that have their thing in one place (association by votes). The
+// place where most key-frames have one becomes a group and takes those within reach of it, of each
+// key-frame and source the nearest; then the place where most of the rest have one, and so on. A
+// reach is 0.6 of the class's usual extent, a hand's breadth at least. Groups within reach of each
+// other are joined unless they are seen side by side in more than 0.15 of the smaller one's
+// pictures.
+[[nodiscard]] std::vector<ObservationCluster> associate(
     std::span<const WorldObservation> observations);
 
 // A group of observations that may be an instance.
 struct Candidate {
   ObservationCluster group;
+  std::string class_name;
+  Eigen::Vector3d middle_world = Eigen::Vector3d::Zero();  // mean of what its observations say
+  double spread_m = 0;                                     // RMS distance of those from it
   // What most of its pictures' boxes hold of its surfaces, and how sure the middle is. Fewer than
   // four cells of it: a box without size.
   geometry::OrientedBox box_world;
   Eigen::Vector3d sigma_m = Eigen::Vector3d::Zero();
   std::vector<Eigen::Vector3f> surface_world;  // the middles of its cells
-  std::vector<VoxelKey> voxels;                // of the surface, of kObservationVoxel_m
-  // Whether what was seen of it is as large as such things are (ClassSizePrior): a door is no
-  // wardrobe, nor is the corner of a room, and a bowl no bath.
-  bool fits_size_prior = true;
-  double foot_m = 0;                                      // the box's lower end, over the floor
-  std::map<std::string, double> scores;                   // by class
-  DetectionSource source = DetectionSource::kActivation;  // the surest of the group's
-  Instance instance;                                      // once it was found to be one
 
   [[nodiscard]] bool has_extent() const { return box_world.size_m.norm() > 0; }
+  // As of a cube of the same volume, m; 5 cm at least.
+  [[nodiscard]] double extent_m() const;
 };
 [[nodiscard]] Candidate candidate_of(ObservationCluster group,
                                      std::span<const WorldObservation> observations,
                                      std::span<const ObservedKeyframe> keyframes,
                                      const GroundPlane& level);
 
+// All of them, those without extent left out.
+[[nodiscard]] std::vector<Candidate> find_candidates(std::span<const WorldObservation> observations,
+                                                     std::span<const ObservedKeyframe> keyframes,
+                                                     const GroundPlane& level);
+
 // Whether a key-frame should have shown a surface: most of it lies in the picture, near enough and
 // large enough, and not behind something.
 [[nodiscard]] bool should_see(const ObservedKeyframe& keyframe,
                               std::span<const Eigen::Vector3f> surface_world, double max_range_m);
+
+// The share of a box that lies in another, by a grid of its points.
+[[nodiscard]] double share_inside(const geometry::OrientedBox& box,
+                                  const geometry::OrientedBox& of);
 
 }  // namespace roomwise::objects

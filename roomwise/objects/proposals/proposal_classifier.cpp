@@ -10,10 +10,10 @@
 #include <utility>
 
 #include "roomwise/image/resample.h"
-#include "roomwise/objects/detection/crop_regions.h"
 #include "roomwise/objects/instances/class_size_prior.h"
 #include "roomwise/objects/instances/world_observation.h"
 #include "roomwise/objects/proposals/cell_components.h"
+#include "roomwise/objects/proposals/square_about.h"
 
 namespace roomwise::objects {
 namespace {

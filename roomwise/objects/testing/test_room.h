@@ -59,8 +59,11 @@ class TestRoom {
     }
   }
   [[nodiscard]] std::vector<ObservedKeyframe>& keyframes() { return keyframes_; }
-  [[nodiscard]] std::vector<Instance> instances(const InstanceOptions& options = {}) const {
-    return find_instances(keyframes_, {Eigen::Vector3d::UnitZ(), 0}, options);
+  // All that may be things, however little the fitted model believes of a few clean pictures.
+  [[nodiscard]] std::vector<Instance> instances(double min_probability = 0) const {
+    InstanceOptions options;
+    options.min_probability = min_probability;
+    return find_instances(keyframes_, {Eigen::Vector3d::UnitZ(), 0, true}, options);
   }
   // In the room.
   [[nodiscard]] geometry::OrientedBox box_of(const Instance& instance) const {

@@ -11,8 +11,8 @@ namespace roomwise::pipeline {
 namespace {
 
 using objects::DetectionSource;
-constexpr std::array kSources{DetectionSource::kDetector, DetectionSource::kCrop,
-                              DetectionSource::kProposal, DetectionSource::kActivation};
+constexpr std::array kSources{DetectionSource::kDetector, DetectionSource::kProposal,
+                              DetectionSource::kActivation};
 
 // What all finders detected in the key-frames, together, and which of the sources looked at each;
 // of several finders of one name that looked at it the newest counts.
@@ -63,12 +63,10 @@ Expected<std::map<home::KeyframeId, std::vector<objects::ObjectScore>>> said_of_
 
 Expected<std::map<std::uint64_t, std::vector<objects::ObservedKeyframe>>> observed_keyframes(
     const home::Home& home) {
-  constexpr double kMinSaid = 0.1;
   ROOMWISE_TRY(const rooms::Concepts concepts, home.concepts());
   ROOMWISE_TRY(const auto keyframes, home.keyframes());
   ROOMWISE_TRY(const auto cameras, recording_cameras(home));
   ROOMWISE_TRY(AllDetections all, all_detections(home));
-  ROOMWISE_TRY(auto said, said_of_pictures(home, concepts.vocabulary, kMinSaid));
   std::map<std::uint64_t, std::vector<objects::ObservedKeyframe>> components;
   for (const home::Keyframe& keyframe : keyframes) {
     const auto found = all.of_keyframe.find(keyframe.id);
@@ -80,7 +78,6 @@ Expected<std::map<std::uint64_t, std::vector<objects::ObservedKeyframe>>> observ
     observed.keyframe_id = keyframe.id;
     observed.world_from_camera = keyframe.pose.world_from_keyframe;
     observed.camera = cameras.at(keyframe.recording);
-    observed.said = std::move(said[keyframe.id]);
     for (const DetectionSource source : kSources) {
       if (!all.sources.at(keyframe.id).contains(source)) observed.sources_not_run.insert(source);
     }

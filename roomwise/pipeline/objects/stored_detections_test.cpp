@@ -71,17 +71,17 @@ TEST(StoredDetections, SayWhoDidNotLookAtAKeyframe) {
   auto home = home::Home::create(folder / "a.home");
   ASSERT_OK(home);
   home::testing::fill(*home);
-  const auto crops = home->add_region_finder({"crops", "f00 crops 1 f01: 0.1", {"table lamp"}});
-  ASSERT_OK(crops);
-  ASSERT_OK(home->put_detections(1, *crops, look_with({"table lamp"})));
+  const auto maps = home->add_region_finder({"maps", "f00 activation maps 1: 0.1", {"table lamp"}});
+  ASSERT_OK(maps);
+  ASSERT_OK(home->put_detections(1, *maps, look_with({"table lamp"})));
   const auto components = observed_keyframes(*home);
   ASSERT_OK(components);
   std::size_t others = 0;
   for (const auto& [component, keyframes] : *components) {
     for (const objects::ObservedKeyframe& keyframe : keyframes) {
       EXPECT_FALSE(keyframe.sources_not_run.contains(DetectionSource::kDetector));
-      EXPECT_TRUE(keyframe.sources_not_run.contains(DetectionSource::kActivation));
-      EXPECT_EQ(keyframe.sources_not_run.contains(DetectionSource::kCrop),
+      EXPECT_TRUE(keyframe.sources_not_run.contains(DetectionSource::kProposal));
+      EXPECT_EQ(keyframe.sources_not_run.contains(DetectionSource::kActivation),
                 keyframe.keyframe_id != 1);
       others += keyframe.keyframe_id != 1 ? 1 : 0;
     }

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "laboratory/trials/truth_evaluation.h"
+#include "roomwise/objects/instances/instance_model.h"
+
+// Fits the model that says which candidates are things (objects::InstanceModel), from homes whose
+// things are known.
+namespace roomwise::trials {
+
+// What a candidate turned out to be.
+enum class CandidateTruth {
+  kThing,      // an expected one
+  kUnasked,    // one that need not be found: neither learned from nor counted
+  kDuplicate,  // one that another candidate is, too
+  kNothing,
+};
+
+// A home to learn from. Its candidates hang on no model and are weighed once.
+struct FittingCase {
+  std::string name;
+  bool is_real = false;
+  std::vector<objects::ObservedKeyframe> keyframes;  // of the largest component
+  objects::WeighedCandidates weighed;
+  std::vector<evaluation::TrueObject> truth;  // in the map's world
+  std::vector<CandidateTruth> candidate_truth;
+};
+// `truth` in the world of the key-frames.
+[[nodiscard]] FittingCase fitting_case(std::string name, bool is_real,
+                                       std::vector<objects::ObservedKeyframe> keyframes,
+                                       std::vector<evaluation::TrueObject> truth);
+// Of a home; a real one where the truth is a file of what people marked.
+[[nodiscard]] Expected<FittingCase> fitting_case(const home::Home& home,
+                                                 const ObjectTruthFiles& truth);
+
+struct FittingOptions {
+  // Ridge penalties, in units of one weighed candidate, of standardised evidence and of the kinds'
+  // intercepts: half the square of a number costs so much.
+  double weight_penalty = 10;
+  double kind_penalty = 10;
+  double max_distance_m = 1.0;  // as in evaluate_objects()
+};
+
+// Logistic regression by Newton's method with ridge penalties. Candidates of real cases together
+// weigh as much as those of simulated ones. The threshold is the one with the best F1, of all real
+// and of all simulated cases in equal shares. Fails
+// where no candidate is a thing or none is nothing.
+[[nodiscard]] Expected<objects::InstanceModel> fit_instances(
+    std::span<const FittingCase* const> cases, const FittingOptions& options);
+
+// What a model finds in a case.
+[[nodiscard]] evaluation::ObjectCounts counts_of(const FittingCase& of,
+                                                 const objects::InstanceModel& model,
+                                                 double max_distance_m);
+// What plain clustering finds (naive_objects()).
+[[nodiscard]] evaluation::ObjectCounts naive_counts(const FittingCase& of, double max_distance_m);
+
+// As instance_model.json has it.
+[[nodiscard]] std::string to_json(const objects::InstanceModel& model,
+                                  std::span<const FittingCase> fitted_on,
+                                  const FittingOptions& options);
+
+}  // namespace roomwise::trials

@@ -1,0 +1,82 @@
+#include "laboratory/trials/instance_fitting.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "roomwise/base/testing/testing.h"
+#include "roomwise/objects/testing/test_room.h"
+
+namespace roomwise::trials {
+namespace {
+
+using Eigen::Vector3d;
+using objects::testing::TestRoom;
+
+const TestRoom::Thing kChair{"chair", {-0.8, 0, 0.4}, {0.45, 0.45, 0.8}};
+const TestRoom::Thing kBed{"bed", {1.0, 0.2, 0.25}, {2.0, 1.4, 0.5}};
+
+evaluation::TrueObject there(const TestRoom::Thing& thing, bool is_expected = true) {
+  return {thing.name, {{Eigen::Quaterniond::Identity(), thing.center}, thing.size_m}, is_expected};
+}
+
+// A bed and a chair, seen from all sides; two pictures of the bed call it a sofa. `turned` makes
+// another room of it.
+FittingCase room_case(const std::string& name, bool is_real, double turned_rad,
+                      std::vector<evaluation::TrueObject> truth) {
+  TestRoom room;
+  room.things = {kChair, kBed};
+  room.look_around({0.2, 0, 0.3}, 12, 2.4, turned_rad);
+  room.things = {kBed};
+  for (const double y : {1.2, 1.6}) room.look({2.6, y, 1.4}, kBed.center, true, "sofa");
+  return fitting_case(name, is_real, room.keyframes(), std::move(truth));
+}
+
+TEST(FittingCase, SaysWhatEachCandidateIs) {
+  const FittingCase one = room_case("a", true, 0, {there(kChair), there(kBed, false)});
+  ASSERT_FALSE(one.candidate_truth.empty());
+  for (std::size_t i = 0; i < one.candidate_truth.size(); ++i) {
+    const std::string& name = one.weighed.candidates[i].class_name;
+    EXPECT_EQ(one.candidate_truth[i], name == "chair" ? CandidateTruth::kThing
+                                      : name == "bed" ? CandidateTruth::kUnasked
+                                                      : CandidateTruth::kNothing)
+        << name;
+  }
+}
+
+TEST(FittingCase, WhatStandsInAThingUncountedIsUnasked) {
+  evaluation::TrueObject bed = there(kBed);
+  bed.holds = {"sofa"};
+  const FittingCase one = room_case("a", true, 0, {bed, there(kChair)});
+  for (std::size_t i = 0; i < one.candidate_truth.size(); ++i) {
+    if (one.weighed.candidates[i].class_name != "sofa") continue;
+    EXPECT_EQ(one.candidate_truth[i], CandidateTruth::kUnasked);
+  }
+}
+
+TEST(FitInstances, FindsInAnotherRoomWhatItLearned) {
+  const std::vector<evaluation::TrueObject> truth{there(kChair), there(kBed)};
+  const FittingCase real = room_case("a", true, 0, truth);
+  const FittingCase simulated = room_case("b", false, 0.2, truth);
+  const FittingCase unseen = room_case("c", true, 0.1, truth);
+  const std::vector<const FittingCase*> cases{&real, &simulated};
+  const auto model = fit_instances(cases, {.weight_penalty = 0.1, .kind_penalty = 0.1});
+  ASSERT_OK(model);
+  const evaluation::ObjectCounts counts = counts_of(unseen, *model, 1.0);
+  EXPECT_EQ(counts.matched, 2U);
+  EXPECT_EQ(counts.wrong, 0U) << "two pictures make no sofa";
+  // What is written is what was fitted.
+  const std::vector<FittingCase> all{real, simulated};
+  const auto read = objects::InstanceModel::parse(to_json(*model, all, {}));
+  ASSERT_OK(read);
+  EXPECT_NEAR(read->bias, model->bias, 1e-4);
+  EXPECT_EQ(read->min_probability, model->min_probability);
+}
+
+TEST(FitInstances, NeedsThingsAndWhatIsNone) {
+  const FittingCase nothing = room_case("a", true, 0, {});
+  const std::vector<const FittingCase*> cases{&nothing};
+  EXPECT_ERROR(fit_instances(cases, {}), "0 of ");
+}
+
+}  // namespace
+}  // namespace roomwise::trials
