@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "roomwise/image/resample.h"
-#include "roomwise/objects/instances/class_size_prior.h"
+#include "roomwise/objects/proposals/class_size_prior.h"
 #include "roomwise/objects/instances/world_observation.h"
 #include "roomwise/objects/proposals/cell_components.h"
 #include "roomwise/objects/proposals/square_about.h"

@@ -23,14 +23,10 @@ struct ClassSizePrior {
   // The height and the longer level side, at least, m; less than such things have.
   double min_height_m = 0;
   double min_length_m = 0;
-  double usual_height_m = 0;  // few are lower
   // What is higher is no longer than that: fridges of two metres are narrow (max_length_at()).
   double tall_m = kAny;
   double max_length_of_tall_m = kAny;
-  // Another one of the kind is seldom nearer, from a middle to a box.
-  double min_apart_m = 0;
-  bool shows_foot_alone = false;  // to depth, often: then pictures say how high it is
-  bool built_in = false;          // often; then the front alone is seen
+  bool built_in = false;  // often; then the front alone is seen
 
   // The longer level side of what is as high, at most, m.
   [[nodiscard]] double max_length_at(double height_m) const {
@@ -39,8 +35,6 @@ struct ClassSizePrior {
   // Whether something can be one that is as large as that. `size_m`: two level sides and the
   // height of the whole.
   [[nodiscard]] bool holds(const Eigen::Vector3d& size_m) const;
-  // Whether it is larger than any.
-  [[nodiscard]] bool is_smaller_than(const Eigen::Vector3d& size_m) const;
   // What was seen of a thing may be a part of it: its shorter level side half of the least side,
   // unless it is built in, its longer one nearly that. It may not be larger; where it stands on the
   // floor, without its rim.
@@ -50,9 +44,6 @@ struct ClassSizePrior {
   [[nodiscard]] static Eigen::Vector3d without_rim(const Eigen::Vector3d& seen_m) {
     constexpr double kRim = 1.15;
     return {seen_m.x() / kRim, seen_m.y() / kRim, seen_m.z()};
-  }
-  [[nodiscard]] bool is_usual(const Eigen::Vector3d& size_m) const {
-    return size_m.z() >= usual_height_m;
   }
 };
 

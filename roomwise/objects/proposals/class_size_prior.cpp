@@ -1,4 +1,4 @@
-#include "roomwise/objects/instances/class_size_prior.h"
+#include "roomwise/objects/proposals/class_size_prior.h"
 
 #include <algorithm>
 #include <array>
@@ -34,8 +34,7 @@ constexpr std::array kShapes = {
                    .max_side_m = 0.2,
                    .max_length_m = 0.35,
                    .max_height_m = 0.55,
-                   .min_height_m = 0.17,
-                   .shows_foot_alone = true},
+                   .min_height_m = 0.17},
     ClassSizePrior{.name = "chair",
                    .on_floor = true,
                    .min_side_m = 0.42,
@@ -51,7 +50,6 @@ constexpr std::array kShapes = {
                    .max_length_m = 1.3,
                    .max_height_m = 2.4,
                    .min_height_m = 0.4,
-                   .usual_height_m = 1.1,
                    .tall_m = 1.9,
                    .max_length_of_tall_m = 1.0},
     ClassSizePrior{.name = "lamp",
@@ -64,8 +62,7 @@ constexpr std::array kShapes = {
                    .min_side_m = 0.35,
                    .max_side_m = 0.75,
                    .max_length_m = 0.9,
-                   .max_height_m = 0.7,
-                   .min_apart_m = 1},
+                   .max_height_m = 0.7},
     ClassSizePrior{.name = "sink",
                    .on_floor = true,
                    .min_side_m = 0.4,
@@ -133,10 +130,6 @@ bool is_at_most(const ClassSizePrior& shape, const Eigen::Vector3d& size_m) {
 }
 
 }  // namespace
-
-bool ClassSizePrior::is_smaller_than(const Eigen::Vector3d& size_m) const {
-  return !is_at_most(*this, size_m);
-}
 
 bool ClassSizePrior::holds(const Eigen::Vector3d& size_m) const {
   return is_at_most(*this, size_m) && size_m.z() >= min_height_m &&

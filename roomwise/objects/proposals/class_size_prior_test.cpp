@@ -1,4 +1,4 @@
-#include "roomwise/objects/instances/class_size_prior.h"
+#include "roomwise/objects/proposals/class_size_prior.h"
 
 #include <gtest/gtest.h>
 
@@ -62,14 +62,6 @@ TEST(ClassSizePrior, FridgesOfTwoMetresAreNarrow) {
   EXPECT_TRUE(fridge.holds({0.7, 0.7, 2.03}));
   EXPECT_TRUE(fridge.holds({1.1, 0.8, 1.8}));
   EXPECT_FALSE(fridge.holds({1.1, 0.7, 2.0})) << "a wardrobe";
-  EXPECT_TRUE(fridge.is_smaller_than({1.1, 0.7, 2.0}));
-}
-
-TEST(ClassSizePrior, FewFridgesAreLow) {
-  EXPECT_TRUE(size_prior_of("fridge").holds({0.6, 0.6, 0.85}));
-  EXPECT_FALSE(size_prior_of("fridge").is_usual({0.6, 0.6, 0.85}));
-  EXPECT_TRUE(size_prior_of("fridge").is_usual({0.6, 0.6, 1.7}));
-  EXPECT_TRUE(size_prior_of("chair").is_usual({0.45, 0.45, 0.45}));
 }
 
 }  // namespace
