@@ -154,10 +154,10 @@ std::optional<LiftedThing> lift(std::span<const PlacedView> views) {
     equations = equations_at(middle, views);
   }
   if (!middle.allFinite()) return std::nullopt;
-  const double least_information =
+  const double min_information =
       Eigen::SelfAdjointEigenSolver<Matrix3d>(equations.information).eigenvalues()[0];
   LiftedThing thing;
-  thing.sigma_m = 1 / std::sqrt(std::max(least_information, 1e-9));
+  thing.sigma_m = 1 / std::sqrt(std::max(min_information, 1e-9));
   if (thing.sigma_m > kMostSigma_m) return std::nullopt;
 
   const PlacedView& best = best_of(views);
