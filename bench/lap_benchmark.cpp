@@ -24,7 +24,7 @@
 #include "roomwise/pipeline/mapping/map_recording.h"
 #include "roomwise/pipeline/rooms/room_learning.h"
 #include "roomwise/pipeline/stored/stored_map.h"
-#include "roomwise/recording/tum_recording.h"
+#include "roomwise/recording/open_recording.h"
 
 namespace {
 
@@ -36,7 +36,7 @@ constexpr std::uint64_t kThousand = 1000;
 // Frames 0 to n-1, then n-1 to 0, and so on: the motion stays continuous, the time goes on.
 class Laps final : public recording::FrameSource {
  public:
-  Laps(const recording::TumRecording& recording, std::uint64_t frames, std::uint64_t seed)
+  Laps(const recording::Recording& recording, std::uint64_t frames, std::uint64_t seed)
       : recording_(recording), frames_(frames), seed_(seed), info_(recording.info()) {
     info_.frame_count = frames;
   }
@@ -45,9 +45,7 @@ class Laps final : public recording::FrameSource {
   void skip_before(std::uint64_t index) override { next_ = index; }
   [[nodiscard]] Expected<std::optional<image::RgbdFrame>> next() override {
     if (next_ == frames_) return std::nullopt;
-    recording::TumRecording at = recording_;  // a copy, to be wound to the frame
-    at.skip_before(recording_.associations()[original(next_)].first);
-    Expected<std::optional<image::RgbdFrame>> frame = at.next();
+    auto frame = recording_.frame(recording_.frames()[original(next_)]);
     if (!frame || !*frame) return frame;
     (*frame)->index = next_;
     (*frame)->timestamp_ns = timestamp_ns(next_);
@@ -76,14 +74,14 @@ class Laps final : public recording::FrameSource {
   [[nodiscard]] double noise_cpu_s() const { return noise_cpu_s_; }
 
  private:
-  [[nodiscard]] std::uint64_t size() const { return recording_.associations().size(); }
+  [[nodiscard]] std::uint64_t size() const { return recording_.frames().size(); }
   [[nodiscard]] std::uint64_t lap(std::uint64_t i) const { return i / size(); }
   [[nodiscard]] std::uint64_t original(std::uint64_t i) const {
     const std::uint64_t within = i % size();
     return lap(i) % 2 == 0 ? within : size() - 1 - within;
   }
   [[nodiscard]] TimestampNs time_of(std::uint64_t original) const {
-    return recording_.colors().timestamps_ns()[recording_.associations()[original].first];
+    return recording_.find(recording_.frames()[original])->timestamp_ns;
   }
   // Each lap begins one mean interval after the one before ended.
   [[nodiscard]] TimestampNs timestamp_ns(std::uint64_t i) const {
@@ -126,7 +124,7 @@ class Laps final : public recording::FrameSource {
     noise_cpu_s_ += thread_cpu_time_s() - begin_s;
   }
 
-  const recording::TumRecording& recording_;
+  const recording::Recording& recording_;
   std::uint64_t frames_;
   std::uint64_t seed_;
   std::uint64_t next_ = 0;
@@ -170,12 +168,12 @@ struct Task {
   fs::path folder;
   std::uint64_t frames = 10'000;
   std::uint64_t seed = 1;
-  recording::TumOptions tum;
+  recording::RecordingOptions how;
   std::size_t working_set_mb = 128;
 };
 
 Expected<void> map_laps(const Task& task, const fs::path& file) {
-  ROOMWISE_TRY(const auto source, recording::TumRecording::open(task.folder, task.tum));
+  ROOMWISE_TRY(const auto source, recording::open_recording(task.folder, task.how));
   Laps laps(*source, task.frames, task.seed);
   pipeline::MapSettings settings;
   settings.mapper.seed = task.seed;
@@ -185,7 +183,7 @@ Expected<void> map_laps(const Task& task, const fs::path& file) {
   EachThousand progress(laps, file);
   pipeline::RunContext run{pool, progress, clock, task.working_set_mb << 20U};
   fmt::print("{}: {} frames to and fro, {} in all, seed {}\n\n", source->info().name,
-             source->associations().size(), task.frames, task.seed);
+             source->frames().size(), task.frames, task.seed);
   fmt::print(
       "| frames | CPU-ms a frame | resident MB | key-frames | edges |\n| --- | --- | --- | --- | "
       "--- |\n");
@@ -227,7 +225,7 @@ Expected<Task> read_task(std::span<const char* const> arguments) {
   ROOMWISE_CHECK_OK(take_count(2, task.seed));
   ROOMWISE_CHECK_OK(take_count(4, task.working_set_mb));
   if (arguments.size() > 3 && std::string_view(arguments[3]) != "own") {
-    ROOMWISE_TRY(task.tum.camera, geometry::camera_preset(arguments[3]));
+    ROOMWISE_TRY(task.how.camera, geometry::camera_preset(arguments[3]));
   }
   return task;
 }

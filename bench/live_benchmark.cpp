@@ -20,7 +20,7 @@
 #include "roomwise/evaluation/quantile.h"
 #include "roomwise/live/home_routes.h"
 #include "roomwise/network/vision/onnx_classifier.h"
-#include "roomwise/recording/tum_recording.h"
+#include "roomwise/recording/open_recording.h"
 #include "roomwise/service/client.h"
 #include "roomwise/speech/espeak.h"
 #include "timing.h"
@@ -211,7 +211,7 @@ void run(const Options& options) {
   const auto server = need(service::Server::start(
       std::move(server_options), service::Router(live::home_routes(*home)), *access, *home));
 
-  const auto source = need(recording::TumRecording::open(options.recording, {}));
+  const auto source = need(recording::open_recording(options.recording, {}));
   const std::vector<EncodedFrame> frames = read_frames(*source);
   std::vector<std::unique_ptr<BenchDevice>> devices;
   for (std::size_t i = 0; i < options.devices; ++i) {

@@ -29,7 +29,7 @@
 #include "roomwise/pipeline/mapping/map_recording.h"
 #include "roomwise/pipeline/rooms/room_learning.h"
 #include "roomwise/pipeline/stored/stored_map.h"
-#include "roomwise/recording/tum_recording.h"
+#include "roomwise/recording/open_recording.h"
 
 namespace {
 
@@ -91,7 +91,7 @@ double path_length_m(const recording::Trajectory& trajectory) {
 
 Expected<Run> map_once(const Task& task, const Way& way, std::uint64_t seed) {
   const fs::path& folder = task.folder;
-  ROOMWISE_TRY(const auto source, recording::TumRecording::open(folder, {.camera = task.camera}));
+  ROOMWISE_TRY(const auto source, recording::open_recording(folder, {.camera = task.camera}));
   const fs::path file =
       fs::temp_directory_path() / fmt::format("roomwise-benchmark-{}.home", getpid());
   pipeline::MapSettings settings;

@@ -22,8 +22,8 @@
 #include "roomwise/motion/motion_estimator.h"
 #include "roomwise/pipeline/stored/map_settings.h"
 #include "roomwise/pipeline/stored/measured_frame_reader.h"
+#include "roomwise/recording/open_recording.h"
 #include "roomwise/recording/trajectory_file.h"
-#include "roomwise/recording/tum_recording.h"
 
 namespace {
 
@@ -149,7 +149,7 @@ std::optional<RigidTransform> pose_at(const recording::Trajectory& truth, Timest
 Expected<Trials> real_trials(const std::filesystem::path& folder,
                              const std::optional<PinholeCamera>& camera, std::size_t apart,
                              std::size_t every) {
-  ROOMWISE_TRY(const auto source, recording::TumRecording::open(folder, {.camera = camera}));
+  ROOMWISE_TRY(const auto source, recording::open_recording(folder, {.camera = camera}));
   ROOMWISE_TRY(const auto truth, recording::read_trajectory(folder / "groundtruth.txt"));
   const pipeline::MapSettings settings;
   const auto extractor = features::make_extractor(settings.features, settings.max_keypoints);

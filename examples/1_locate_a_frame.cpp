@@ -7,17 +7,17 @@
 #include "roomwise/image/resample.h"
 #include "roomwise/motion/motion_estimator.h"
 #include "roomwise/recording/camera_file.h"
-#include "roomwise/recording/tum_recording.h"
+#include "roomwise/recording/open_recording.h"
 
 using namespace roomwise;
 
 static Expected<motion::MotionOutcome> locate(const std::string& folder,
                                               const std::string& camera_name) {
-  recording::TumOptions options;
+  recording::RecordingOptions options;
   if (!camera_name.empty()) {
     ROOMWISE_TRY(options.camera, recording::resolve_camera(camera_name));
   }
-  ROOMWISE_TRY(const auto source, recording::TumRecording::open(folder, options));
+  ROOMWISE_TRY(const auto source, recording::open_recording(folder, options));
   const geometry::PinholeCamera& camera = source->info().camera;
   const auto surf = features::make_extractor(features::FeatureKind::kSurf, 1000);
 

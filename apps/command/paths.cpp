@@ -5,10 +5,6 @@
 
 namespace roomwise::app {
 
-std::filesystem::path truth_file(const std::filesystem::path& truth) {
-  return std::filesystem::is_directory(truth) ? truth / "groundtruth.txt" : truth;
-}
-
 std::string shell_word(const std::filesystem::path& path) {
   const std::string text = path.string();
   const auto is_plain = [](char c) {

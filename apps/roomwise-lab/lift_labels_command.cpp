@@ -4,6 +4,7 @@
 #include "commands.h"
 #include "laboratory/labelling/lift_labels.h"
 #include "roomwise/evaluation/quantile.h"
+#include "roomwise/recording/open_recording.h"
 
 namespace roomwise::app {
 namespace {
@@ -19,10 +20,10 @@ struct LiftLabelsOptions {
 
 Expected<Answer> lift(const LiftLabelsOptions& options, Context& /*context*/) {
   if (options.labels.size() > 2) return fail("--labels: one reader's file or two, no more");
-  recording::TumOptions tum;
-  ROOMWISE_TRY(tum.camera, given_camera(options.camera));
-  ROOMWISE_TRY(const auto recording, recording::TumRecording::open(options.recording, tum));
-  ROOMWISE_TRY(const auto poses, recording::read_trajectory(options.recording / "groundtruth.txt"));
+  ROOMWISE_TRY(const auto camera, given_camera(options.camera));
+  ROOMWISE_TRY(const auto recording,
+               recording::open_recording(options.recording, {.camera = camera}));
+  ROOMWISE_TRY(const auto poses, recording::read_truth(options.recording));
   std::vector<labelling::LiftedLabels> readers;
   Answer answer;
   answer.json["readers"] = Json::array();
@@ -79,10 +80,12 @@ void add_lift_labels_command(CLI::App& app, Context& context) {
       "office.objects.json\n"
       "What two readers marked alike is expected to be found; eval objects takes the file.",
       lift);
-  command->add_option("recording", options.recording, "Folder with groundtruth.txt")
+  command
+      ->add_option("recording", options.recording,
+                   "Recording with groundtruth.txt or its device's own poses")
       ->required()
-      ->check(CLI::ExistingDirectory);
-  add_camera_option(*command, options.camera, "the recording's camera.txt");
+      ->check(CLI::ExistingPath);
+  add_camera_option(*command, options.camera, "the recording's own");
   command->add_option("--labels", options.labels, "A reader's file; twice for two readers")
       ->required()
       ->check(CLI::ExistingFile);

@@ -10,8 +10,8 @@
 #include "device_credentials.h"
 #include "device_session.h"
 #include "roomwise/recording/camera_file.h"
+#include "roomwise/recording/open_recording.h"
 #include "roomwise/recording/openni2_source.h"
-#include "roomwise/recording/tum_recording.h"
 
 namespace roomwise::app {
 namespace {
@@ -97,7 +97,7 @@ Expected<std::unique_ptr<DeviceCamera>> open_camera(const DeviceOptions& options
     };
     ROOMWISE_TRY(source, reopen());
   } else if (!options.recording.empty()) {
-    ROOMWISE_TRY(source, recording::TumRecording::open(options.recording));
+    ROOMWISE_TRY(source, recording::open_recording(options.recording));
   } else {
     return nullptr;
   }

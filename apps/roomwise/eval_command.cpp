@@ -1,11 +1,10 @@
 #include <filesystem>
 
 #include "commands.h"
-#include "paths.h"
 #include "roomwise/base/file.h"
 #include "roomwise/evaluation/trajectory_error.h"
 #include "roomwise/evaluation/trajectory_plot.h"
-#include "roomwise/recording/trajectory_file.h"
+#include "roomwise/recording/open_recording.h"
 
 namespace roomwise::app {
 namespace {
@@ -60,13 +59,12 @@ Answer describe(const AbsoluteTrajectoryError& absolute,
 }
 
 Expected<Answer> run(const TrajectoryOptions& options, Context& /*context*/) {
-  const fs::path truth_path = truth_file(options.truth);
-  ROOMWISE_TRY(const recording::Trajectory truth, recording::read_trajectory(truth_path));
+  ROOMWISE_TRY(const recording::Trajectory truth, recording::read_truth(options.truth));
   ROOMWISE_TRY(const recording::Trajectory estimate, recording::read_trajectory(options.estimate));
   const auto absolute =
       evaluation::absolute_trajectory_error(truth, estimate, options.max_time_difference_s);
   if (!absolute) {
-    return fail("{} and {}: {}", truth_path.string(), options.estimate.string(),
+    return fail("{} and {}: {}", options.truth.string(), options.estimate.string(),
                 absolute.error().message);
   }
   const auto relative = evaluation::relative_pose_error(
@@ -96,8 +94,9 @@ void add_eval_commands(CLI::App& app, Context& context) {
       "roomwise eval trajectory --truth groundtruth.txt --estimate trajectory.txt --plot ate.svg",
       run);
   command
-      ->add_option("--truth", options.truth,
-                   "True trajectory (TUM), or the recording's folder that holds groundtruth.txt")
+      ->add_option(
+          "--truth", options.truth,
+          "True trajectory (TUM), or a recording: its groundtruth.txt, else its device's poses")
       ->required();
   command->add_option("--estimate", options.estimate, "Estimated trajectory (TUM)")->required();
   command->add_option("--plot", options.plot,

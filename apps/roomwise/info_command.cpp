@@ -12,7 +12,7 @@
 #include "roomwise/network/vision/detector.h"
 #include "roomwise/network/vision/onnx_classifier.h"
 #include "roomwise/recording/association.h"
-#include "roomwise/recording/camera_file.h"
+#include "roomwise/recording/open_recording.h"
 #include "roomwise/recording/room_labels.h"
 #include "roomwise/recording/tum_recording.h"
 
@@ -103,24 +103,16 @@ Expected<Answer> describe_home(const InfoOptions& options, Context& context) {
   return std::move(facts).answer();
 }
 
-Expected<Answer> describe_recording(const fs::path& folder) {
-  ROOMWISE_TRY(const auto colors, recording::ImageList::open(folder, "rgb.txt"));
-  ROOMWISE_TRY(const auto depths, recording::ImageList::open(folder, "depth.txt"));
-  const auto frames = recording::associate(colors.timestamps_ns(), depths.timestamps_ns(),
-                                           recording::TumOptions{}.tolerance_ns);
-  Facts facts(folder, "recording");
-  facts.add("colour images", colors.size());
-  facts.add("depth images", depths.size());
-  facts.add("frames", frames.size());
-  const TimestampNs length_ns = colors.timestamps_ns().back() - colors.timestamps_ns().front();
-  facts.add("seconds", std::round(static_cast<double>(length_ns) * kSecondsPerNs * 1000) / 1000);
-  if (fs::exists(folder / "camera.txt")) {
-    ROOMWISE_TRY(const auto camera, recording::read_camera(folder / "camera.txt"));
-    facts.add("camera", fmt::format("{}x{}, fx {:g} fy {:g} cx {:g} cy {:g}", camera.width,
-                                    camera.height, camera.fx, camera.fy, camera.cx, camera.cy));
-  } else {
-    facts.add("camera", "not given (no camera.txt; use --camera)");
-  }
+std::string describe(const geometry::PinholeCamera& camera) {
+  return fmt::format("{}x{}, fx {:g} fy {:g} cx {:g} cy {:g}", camera.width, camera.height,
+                     camera.fx, camera.fy, camera.cx, camera.cy);
+}
+
+double seconds_of(TimestampNs length_ns) {
+  return std::round(static_cast<double>(length_ns) * kSecondsPerNs * 1000) / 1000;
+}
+
+Expected<void> add_rooms_and_truth(const fs::path& folder, Facts& facts) {
   if (fs::exists(folder / "rooms.txt")) {
     ROOMWISE_TRY(const auto labels, recording::RoomLabels::read(folder / "rooms.txt"));
     std::set<std::string> rooms;
@@ -128,6 +120,40 @@ Expected<Answer> describe_recording(const fs::path& folder) {
     facts.add("rooms", fmt::format("{}", fmt::join(rooms, ", ")));
   }
   facts.add("ground truth", fs::exists(folder / "groundtruth.txt"));
+  return {};
+}
+
+// A TUM folder whose camera nobody says can be looked at all the same.
+Expected<Answer> describe_without_camera(const fs::path& folder) {
+  ROOMWISE_TRY(const auto colors, recording::ImageList::open(folder, "rgb.txt"));
+  ROOMWISE_TRY(const auto depths, recording::ImageList::open(folder, "depth.txt"));
+  const auto frames = recording::associate(colors.timestamps_ns(), depths.timestamps_ns(),
+                                           recording::RecordingOptions{}.tolerance_ns);
+  Facts facts(folder, "recording");
+  facts.add("format", "TUM folder");
+  facts.add("colour images", colors.size());
+  facts.add("frames", frames.size());
+  facts.add("seconds", seconds_of(colors.timestamps_ns().back() - colors.timestamps_ns().front()));
+  facts.add("camera", "not given (no camera.txt; use --camera)");
+  ROOMWISE_CHECK_OK(add_rooms_and_truth(folder, facts));
+  return std::move(facts).answer();
+}
+
+Expected<Answer> describe_recording(const fs::path& path) {
+  const bool is_tum = recording::TumRecording::recognises(path);
+  if (is_tum && !fs::exists(path / "camera.txt")) return describe_without_camera(path);
+  ROOMWISE_TRY(const auto recording, recording::open_recording(path));
+  const auto& pictures = recording->pictures();
+  Facts facts(path, "recording");
+  facts.add("format", recording->kind());
+  facts.add("colour images", pictures.size());
+  facts.add("frames", recording->frames().size());
+  facts.add("from", format_timestamp(pictures.front().timestamp_ns));
+  facts.add("to", format_timestamp(pictures.back().timestamp_ns));
+  facts.add("seconds", seconds_of(pictures.back().timestamp_ns - pictures.front().timestamp_ns));
+  facts.add("camera", describe(recording->info().camera));
+  facts.add("device's poses", recording->device_poses().size());
+  ROOMWISE_CHECK_OK(add_rooms_and_truth(path, facts));
   return std::move(facts).answer();
 }
 
@@ -202,7 +228,9 @@ std::string first_bytes(const fs::path& path) {
 Expected<Answer> run(const InfoOptions& options, Context& context) {
   const fs::path& path = options.path;
   if (!fs::exists(path)) return fail("{}: there is no such file or folder", path.string());
-  if (fs::is_directory(path)) return describe_recording(path);
+  if (fs::is_directory(path) || recording::find_recording_kind(path) != nullptr) {
+    return describe_recording(path);
+  }
   if (path.extension() == ".g2o") return describe_pose_graph(path);
   const bool is_network = path.extension() == ".onnx" || network::is_eight_bit_file(path);
   if (is_network) return describe_network(path);
@@ -214,7 +242,7 @@ Expected<Answer> run(const InfoOptions& options, Context& context) {
     return describe_home(options, context);
   }
   return fail(
-      "{}: is not known; expected a home, a recording's folder, .g2o, .onnx, .eightbits, PNG or "
+      "{}: is not known; expected a home, a recording, .g2o, .onnx, .eightbits, PNG or "
       "JPEG",
       path.string());
 }

@@ -12,7 +12,7 @@
 #include "roomwise/pipeline/mapping/map_recording.h"
 #include "roomwise/pipeline/rooms/room_learning.h"
 #include "roomwise/pipeline/stored/stored_map.h"
-#include "roomwise/recording/tum_recording.h"
+#include "roomwise/recording/open_recording.h"
 
 namespace roomwise::app {
 namespace {
@@ -71,13 +71,13 @@ Expected<pipeline::MapSettings> choose_settings(const MapOptions& options, std::
   return settings;
 }
 
-Expected<std::unique_ptr<recording::TumRecording>> open_recording(const MapOptions& options,
-                                                                  const home::Home& home) {
-  recording::TumOptions tum;
+Expected<std::unique_ptr<recording::Recording>> open_recording(const MapOptions& options,
+                                                               const home::Home& home) {
+  recording::RecordingOptions how;
   ROOMWISE_TRY(const auto stored, home.recordings());
-  ROOMWISE_TRY(tum.camera, given_camera(options.camera));
-  if (!tum.camera && !stored.empty()) tum.camera = stored.back().recording.camera;
-  return recording::TumRecording::open(options.recording, tum);
+  ROOMWISE_TRY(how.camera, given_camera(options.camera));
+  if (!how.camera && !stored.empty()) how.camera = stored.back().recording.camera;
+  return recording::open_recording(options.recording, how);
 }
 
 // A recording that says its rooms itself needs no --labels later.
@@ -139,25 +139,21 @@ Expected<Answer> map(const MapOptions& options, Context& context) {
   // The recording is looked at before a home is made: a wrong path leaves nothing behind.
   ROOMWISE_TRY(const auto labels, rooms_of_recording(options.recording));
   if (!fs::exists(options.home)) {
-    recording::TumOptions tum;
-    ROOMWISE_TRY(tum.camera, given_camera(options.camera));
-    ROOMWISE_CHECK_OK(recording::TumRecording::open(options.recording, tum));
+    ROOMWISE_TRY(const auto camera, given_camera(options.camera));
+    ROOMWISE_CHECK_OK(recording::open_recording(options.recording, {.camera = camera}));
     ROOMWISE_CHECK_OK(new_settings(options));
   }
   ROOMWISE_TRY(home::Home home, make_or_open_home(options, context));
-  ROOMWISE_TRY(const std::unique_ptr<recording::TumRecording> source,
-               open_recording(options, home));
+  ROOMWISE_TRY(const std::unique_ptr<recording::Recording> source, open_recording(options, home));
   ROOMWISE_TRY(const pipeline::MapSettings settings, choose_settings(options, context.seed, home));
   pipeline::Networks networks;
   objects::ObjectFinders finders;
   if (!options.no_networks) {
-    ROOMWISE_TRY(networks,
-                 load_networks_for_new(
-                     options.networks, home, source->associations().size(),
-                     [&](std::size_t i) {
-                       return source->colors().read_color(source->associations()[i].first);
-                     },
-                     context));
+    ROOMWISE_TRY(
+        networks,
+        load_networks_for_new(
+            options.networks, home, source->frames().size(),
+            [&](std::size_t i) { return source->read_color(source->frames()[i]); }, context));
     ROOMWISE_TRY(finders, load_object_finders());
   }
   if (networks.empty()) {
@@ -226,7 +222,10 @@ void add_map_command(CLI::App& app, Context& context) {
       app, context, "map",
       "Turn a recording into a home: map, key-frames, what networks see in them",
       "roomwise map office_walk --home office.home", run);
-  command->add_option("RECORDING", options.recording, "Folder in TUM's format")->required();
+  command
+      ->add_option("RECORDING", options.recording,
+                   "Folder or file of any kind that is read (docs/recordings.md)")
+      ->required();
   command
       ->add_option("--home", options.home, "Home file to make (or, with --resume, to go on with)")
       ->required();

@@ -6,9 +6,9 @@
 
 #include "camera_option.h"
 #include "commands.h"
+#include "roomwise/recording/open_recording.h"
 #include "roomwise/recording/openni2_source.h"
 #include "roomwise/recording/room_labels.h"
-#include "roomwise/recording/tum_recording.h"
 #include "roomwise/recording/tum_writer.h"
 
 namespace roomwise::app {
@@ -38,7 +38,7 @@ Expected<std::unique_ptr<recording::FrameSource>> open_source(const RecordOption
   if (const auto uri = openni2_uri(options.source)) {
     return recording::OpenNi2Source::open({.uri = *uri, .camera = camera});
   }
-  return recording::TumRecording::open(options.source, {.camera = camera});
+  return recording::open_recording(options.source, {.camera = camera});
 }
 
 // The lines that the user types while the recording runs, without waiting for them.
@@ -172,7 +172,7 @@ void add_record_command(CLI::App& app, Context& context) {
       ->add_option(
           "--source", options.source,
           "openni2 (the first camera found), openni2:URI (one camera, or an .oni file), or "
-          "the folder of a recording")
+          "a recording of any kind that is read")
       ->required();
   command->add_option("-o,--output", options.output, "Folder to write; new or empty")->required();
   command->add_option("--room", options.room, "The room that the recording starts in");

@@ -59,7 +59,7 @@ Expected<Answer> run(const ReportOptions& options, Context& context) {
   pipeline::ReportExtras extras;
   extras.name = options.home.stem().string();
   if (!options.truth.empty()) {
-    ROOMWISE_TRY(extras.truth, recording::read_trajectory(truth_file(options.truth)));
+    ROOMWISE_TRY(extras.truth, recording::read_truth(options.truth));
   }
   if (!options.evaluation.empty()) {
     ROOMWISE_TRY(extras.recognition, read_evaluation(options.evaluation));

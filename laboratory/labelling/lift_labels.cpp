@@ -19,12 +19,14 @@ std::optional<geometry::RigidTransform> pose_at(const recording::Trajectory& tru
 }
 
 Expected<std::optional<PlacedView>> place(const LabelledView& view,
-                                          const recording::TumRecording& recording,
+                                          const recording::Recording& recording,
                                           const recording::Trajectory& truth) {
   constexpr float kOver_px = 1;  // a border that was drawn on the picture's own
   const geometry::PinholeCamera& camera = recording.info().camera;
-  if (view.frame >= recording.colors().size()) {
-    return fail("frame {}: the recording has {} pictures", view.frame, recording.colors().size());
+  const recording::RecordedPicture* picture = recording.find(view.frame);
+  if (picture == nullptr) {
+    return fail("frame {}: the recording has no such picture among its {}", view.frame,
+                recording.pictures().size());
   }
   if (view.box.left < -kOver_px || view.box.top < -kOver_px ||
       view.box.right > static_cast<float>(camera.width) + kOver_px ||
@@ -32,7 +34,7 @@ Expected<std::optional<PlacedView>> place(const LabelledView& view,
     return fail("frame {}: its box leaves the picture of {}x{}", view.frame, camera.width,
                 camera.height);
   }
-  const auto pose = pose_at(truth, recording.colors().timestamps_ns()[view.frame]);
+  const auto pose = pose_at(truth, picture->timestamp_ns);
   if (!pose) return std::nullopt;
   PlacedView placed{view.box, view.cut, view.is_occluded, camera, *pose, std::nullopt};
   ROOMWISE_TRY(const auto frame, recording.frame(view.frame));
@@ -43,7 +45,7 @@ Expected<std::optional<PlacedView>> place(const LabelledView& view,
 }  // namespace
 
 Expected<LiftedLabels> lift_labels(const ReaderLabels& labels,
-                                   const recording::TumRecording& recording,
+                                   const recording::Recording& recording,
                                    const recording::Trajectory& truth) {
   if (labels.recording != recording.info().name) {
     return fail("labels of {} do not belong to {}; give that recording's", labels.recording,

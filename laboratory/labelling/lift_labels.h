@@ -1,8 +1,7 @@
 #pragma once
 
 #include "laboratory/labelling/recording_truth.h"
-#include "roomwise/recording/trajectory_file.h"
-#include "roomwise/recording/tum_recording.h"
+#include "roomwise/recording/recording.h"
 
 namespace roomwise::labelling {
 
@@ -10,7 +9,7 @@ namespace roomwise::labelling {
 // picture has a pose within 0.02 s; depth is used where there is some. Fails where the labels are
 // of another recording, or a box lies outside of its picture.
 [[nodiscard]] Expected<LiftedLabels> lift_labels(const ReaderLabels& labels,
-                                                 const recording::TumRecording& recording,
+                                                 const recording::Recording& recording,
                                                  const recording::Trajectory& truth);
 
 }  // namespace roomwise::labelling

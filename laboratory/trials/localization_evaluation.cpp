@@ -6,8 +6,8 @@
 
 #include "laboratory/trials/truth_evaluation.h"
 #include "roomwise/recording/association.h"
+#include "roomwise/recording/open_recording.h"
 #include "roomwise/recording/trajectory_file.h"
-#include "roomwise/recording/tum_recording.h"
 
 namespace roomwise::trials {
 namespace {
@@ -48,15 +48,16 @@ LocalizationTrial ask(const pipeline::HomeLocalizer& home, const Question& quest
 }
 
 // True poses by the index of the colour image.
-std::map<std::uint64_t, RigidTransform> true_poses(const recording::TumRecording& recording,
+std::map<std::uint64_t, RigidTransform> true_poses(const recording::Recording& recording,
                                                    const recording::Trajectory& truth) {
   constexpr TimestampNs kTolerance_ns = 20'000'000;
-  std::vector<TimestampNs> times_ns;
+  std::vector<TimestampNs> times_ns, picture_times_ns;
+  for (const auto& picture : recording.pictures()) picture_times_ns.push_back(picture.timestamp_ns);
   for (const recording::StampedPose& pose : truth) times_ns.push_back(pose.timestamp_ns);
   std::map<std::uint64_t, RigidTransform> poses;
   for (const recording::Association& pair :
-       recording::associate(recording.colors().timestamps_ns(), times_ns, kTolerance_ns)) {
-    poses.emplace(pair.first, truth[pair.second].world_from_camera);
+       recording::associate(picture_times_ns, times_ns, kTolerance_ns)) {
+    poses.emplace(recording.pictures()[pair.first].index, truth[pair.second].world_from_camera);
   }
   return poses;
 }
@@ -69,9 +70,8 @@ Expected<std::vector<LocalizationTrial>> evaluate_localization(
     const LocalizationEvaluationOptions& options, pipeline::RunContext& run) {
   if (options.every < 1) return fail("every = {} must be at least 1", options.every);
   ROOMWISE_TRY(const RigidTransform truth_from_world, truth_from_map(home, mapped_recording));
-  ROOMWISE_TRY(const auto recording, recording::TumRecording::open(visit));
-  ROOMWISE_TRY(const recording::Trajectory truth,
-               recording::read_trajectory(visit / "groundtruth.txt"));
+  ROOMWISE_TRY(const auto recording, recording::open_recording(visit));
+  ROOMWISE_TRY(const recording::Trajectory truth, recording::read_truth(visit));
   const auto poses = true_poses(*recording, truth);
   ROOMWISE_TRY(const pipeline::HomeLocalizer home_localizer,
                pipeline::HomeLocalizer::create(home, localizer, run));
@@ -88,7 +88,7 @@ Expected<std::vector<LocalizationTrial>> evaluate_localization(
     });
     block.clear();
   };
-  run.progress.begin("localising", recording->associations().size());
+  run.progress.begin("localising", recording->frames().size());
   std::optional<image::RgbdFrame> before;
   for (std::uint64_t count = 0; !run.progress.interrupted(); ++count) {
     ROOMWISE_TRY(auto frame, recording->next());

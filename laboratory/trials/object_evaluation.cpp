@@ -163,9 +163,9 @@ Expected<std::filesystem::path> recording_of(const home::Home& home) {
   if (recordings.empty()) return fail("{}: nothing was mapped into it yet", home.file());
   const std::filesystem::path folder = recordings.back().recording.folder;
   std::error_code ignored;
-  if (!std::filesystem::exists(folder / "groundtruth.txt", ignored)) {
+  if (!std::filesystem::exists(folder, ignored)) {
     return fail(
-        "{} was mapped from {}, where there is no groundtruth.txt now; give the folder by "
+        "{} was mapped from {}, where there is nothing now; give its recording by "
         "--recording",
         home.file(), folder.string());
   }

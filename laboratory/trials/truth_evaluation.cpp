@@ -14,8 +14,7 @@
 #include "roomwise/pipeline/mapping/map_cloud.h"
 #include "roomwise/pipeline/stored/keyframe_images.h"
 #include "roomwise/pipeline/stored/stored_map.h"
-#include "roomwise/recording/trajectory_file.h"
-#include "roomwise/recording/tum_recording.h"
+#include "roomwise/recording/open_recording.h"
 
 namespace roomwise::trials {
 namespace {
@@ -41,8 +40,7 @@ Expected<std::vector<Eigen::Vector3f>> surface_points(const home::Home& home,
 Expected<std::vector<home::Keyframe>> at_true_poses(std::vector<home::Keyframe> keyframes,
                                                     const std::filesystem::path& recording) {
   constexpr TimestampNs kMaxApart_ns = 20'000'000;
-  const std::filesystem::path file = recording / "groundtruth.txt";
-  ROOMWISE_TRY(const recording::Trajectory truth, recording::read_trajectory(file));
+  ROOMWISE_TRY(const recording::Trajectory truth, recording::read_truth(recording));
   std::vector<home::Keyframe> placed;
   for (home::Keyframe& keyframe : keyframes) {
     const auto nearest = std::ranges::min_element(truth, {}, [&](const auto& pose) {
@@ -53,21 +51,21 @@ Expected<std::vector<home::Keyframe>> at_true_poses(std::vector<home::Keyframe> 
     keyframe.pose.world_from_keyframe = nearest->world_from_camera;
     placed.push_back(keyframe);
   }
-  if (placed.empty()) return fail("{}: has no pose at the time of a key-frame", file.string());
+  if (placed.empty())
+    return fail("{}: has no true pose at the time of a key-frame", recording.string());
   return placed;
 }
 
 Expected<void> check_mapped_from(const home::Home& home, const std::filesystem::path& recording) {
   ROOMWISE_TRY(const auto keyframes, home.keyframes());
   if (keyframes.empty()) return {};
-  ROOMWISE_TRY(const auto pictures, recording::ImageList::open(recording, "rgb.txt"));
+  ROOMWISE_TRY(const auto recordings, home.recordings());
+  ROOMWISE_TRY(const auto pictures, recording::open_recording(
+                                        recording, {.camera = recordings.back().recording.camera}));
   for (const home::Keyframe* keyframe : {&keyframes.front(), &keyframes.back()}) {
     ROOMWISE_TRY(const home::KeyframeImages images, home.images(keyframe->id));
-    const std::uint64_t picture = keyframe->frame_index;
-    if (picture < pictures.size()) {
-      ROOMWISE_TRY(const Bytes bytes, pictures.read(picture));
-      if (bytes == images.color) continue;
-    }
+    ROOMWISE_TRY(const auto frame, pictures->frame(keyframe->frame_index));
+    if (frame && frame->encoded_color == images.color) continue;
     return fail(
         "{} was not mapped from {}: its key-frame {} is no picture of it; give the recording that "
         "was mapped",
@@ -78,11 +76,10 @@ Expected<void> check_mapped_from(const home::Home& home, const std::filesystem::
 
 Expected<geometry::RigidTransform> truth_from_map(const home::Home& home,
                                                   const std::filesystem::path& recording) {
-  const std::filesystem::path file = recording / "groundtruth.txt";
-  ROOMWISE_TRY(const recording::Trajectory truth, recording::read_trajectory(file));
+  ROOMWISE_TRY(const recording::Trajectory truth, recording::read_truth(recording));
   ROOMWISE_TRY(const recording::Trajectory estimate, pipeline::stored_trajectory(home));
   const auto error = evaluation::absolute_trajectory_error(truth, estimate);
-  if (!error) return fail("{} and {}: {}", home.file(), file.string(), error.error().message);
+  if (!error) return fail("{} and {}: {}", home.file(), recording.string(), error.error().message);
   return error->truth_from_estimate;
 }
 

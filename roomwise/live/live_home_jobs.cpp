@@ -4,7 +4,7 @@
 #include "roomwise/live/walk_frames.h"
 #include "roomwise/pipeline/mapping/map_recording.h"
 #include "roomwise/pipeline/rooms/room_learning.h"
-#include "roomwise/recording/tum_recording.h"
+#include "roomwise/recording/open_recording.h"
 
 // The long work of a home that is open: recording, mapping, learning.
 namespace roomwise::live {
@@ -113,7 +113,7 @@ Expected<void> LiveHome::end_recording() {
 
 Expected<void> LiveHome::start_mapping(const fs::path& folder) {
   return jobs_->start("map", [this, folder](Progress& progress) -> Expected<std::string> {
-    ROOMWISE_TRY(const auto walk, recording::TumRecording::open(folder));
+    ROOMWISE_TRY(const auto walk, recording::open_recording(folder));
     return map(folder, *walk, progress);
   });
 }

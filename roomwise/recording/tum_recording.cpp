@@ -34,14 +34,8 @@ Expected<ListedImage> parse_listed_image(const DataLine& line) {
   return image;
 }
 
-// The folder's own name, also of "." and "recordings/home/".
-std::string name_of(const std::filesystem::path& folder) {
-  const auto path = (std::filesystem::absolute(folder) / "").lexically_normal();
-  return path.parent_path().filename().string();
-}
-
 Expected<geometry::PinholeCamera> camera_of(const std::filesystem::path& folder,
-                                            const TumOptions& options) {
+                                            const RecordingOptions& options) {
   if (options.camera) return *options.camera;
   const auto file = folder / kCameraFile;
   std::error_code ignored;
@@ -55,6 +49,16 @@ Expected<geometry::PinholeCamera> camera_of(const std::filesystem::path& folder,
 std::string span_of(const ImageList& list) {
   return fmt::format("{} to {} s", format_timestamp(list.timestamps_ns().front()),
                      format_timestamp(list.timestamps_ns().back()));
+}
+
+std::vector<RecordedPicture> pictures_of(const ImageList& colors,
+                                         const std::vector<Association>& associations) {
+  std::vector<RecordedPicture> pictures;
+  for (const TimestampNs timestamp_ns : colors.timestamps_ns()) {
+    pictures.push_back({pictures.size(), timestamp_ns, false});
+  }
+  for (const Association& pair : associations) pictures[pair.first].has_depth = true;
+  return pictures;
 }
 
 }  // namespace
@@ -121,21 +125,21 @@ std::string ImageList::describe(std::size_t entry) const {
   return fmt::format("{}: {}", place(entry), path(entry).string());
 }
 
-Expected<void> TumOptions::validate() const {
-  if (tolerance_ns <= 0) return fail("tolerance_ns = {} must be positive", tolerance_ns);
-  if (camera) ROOMWISE_CHECK_OK(camera->validate());
-  return {};
-}
-
-TumRecording::TumRecording(SourceInfo info, ImageList colors, ImageList depths,
+TumRecording::TumRecording(RecordingContents contents, ImageList colors, ImageList depths,
                            std::vector<Association> associations)
-    : info_(std::move(info)),
+    : Recording(std::move(contents)),
       colors_(std::move(colors)),
       depths_(std::move(depths)),
       associations_(std::move(associations)) {}
 
+bool TumRecording::recognises(const std::filesystem::path& folder) {
+  std::error_code ignored;
+  return std::filesystem::is_regular_file(folder / kColorList, ignored) &&
+         std::filesystem::is_regular_file(folder / kDepthList, ignored);
+}
+
 Expected<std::unique_ptr<TumRecording>> TumRecording::open(const std::filesystem::path& folder,
-                                                           const TumOptions& options) {
+                                                           const RecordingOptions& options) {
   ROOMWISE_CHECK_OK(options.validate());
   ROOMWISE_TRY(ImageList colors, ImageList::open(folder, kColorList));
   ROOMWISE_TRY(ImageList depths, ImageList::open(folder, kDepthList));
@@ -149,33 +153,27 @@ Expected<std::unique_ptr<TumRecording>> TumRecording::open(const std::filesystem
         folder.string(), kColorList, span_of(colors), kDepthList, span_of(depths),
         static_cast<double>(options.tolerance_ns) * kSecondsPerNs);
   }
-  SourceInfo info{name_of(folder), camera, associations.size()};
+  RecordingContents contents;
+  contents.kind = "TUM folder";
+  contents.info.name = recording_name(folder);
+  contents.info.camera = camera;
+  contents.pictures = pictures_of(colors, associations);
   return std::unique_ptr<TumRecording>(new TumRecording(
-      std::move(info), std::move(colors), std::move(depths), std::move(associations)));
+      std::move(contents), std::move(colors), std::move(depths), std::move(associations)));
 }
 
-Expected<std::optional<image::RgbdFrame>> TumRecording::next() {
-  if (position_ == associations_.size()) return std::optional<image::RgbdFrame>();
-  const Association& association = associations_[position_++];
-  info_.frame_count = associations_.size() - position_;
-  return read_frame(association);
+std::string TumRecording::describe(const RecordedPicture& picture) const {
+  return colors_.path(picture.index).string();
 }
 
-void TumRecording::skip_before(std::uint64_t index) {
-  while (position_ < associations_.size() && associations_[position_].first < index) ++position_;
-  info_.frame_count = associations_.size() - position_;
+Expected<image::ColorImage> TumRecording::read_picture(const RecordedPicture& picture) const {
+  return colors_.read_color(picture.index);
 }
 
-Expected<std::optional<image::RgbdFrame>> TumRecording::frame(std::uint64_t index) const {
-  const auto association = std::ranges::lower_bound(associations_, index, {}, &Association::first);
-  if (association == associations_.end() || association->first != index) {
-    return std::optional<image::RgbdFrame>();
-  }
-  return read_frame(*association);
-}
-
-Expected<image::RgbdFrame> TumRecording::read_frame(const Association& association) const {
-  const auto [color_entry, depth_entry] = association;
+Expected<image::RgbdFrame> TumRecording::read_frame(const RecordedPicture& picture) const {
+  const auto association =
+      std::ranges::lower_bound(associations_, picture.index, {}, &Association::first);
+  const auto [color_entry, depth_entry] = *association;
   image::RgbdFrame frame;
   frame.index = color_entry;
   frame.timestamp_ns = colors_.timestamps_ns()[color_entry];
@@ -186,10 +184,10 @@ Expected<image::RgbdFrame> TumRecording::read_frame(const Association& associati
   if (!color) return Unexpected(std::move(color).error().in(colors_.describe(color_entry)));
   auto depth = image::decode_depth(frame.encoded_depth);
   if (!depth) return Unexpected(std::move(depth).error().in(depths_.describe(depth_entry)));
-  if (color->width() != info_.camera.width || color->height() != info_.camera.height) {
+  if (color->width() != info().camera.width || color->height() != info().camera.height) {
     return fail("{}: has {}x{} pixels, the camera {}x{}; give the camera that took it",
-                colors_.describe(color_entry), color->width(), color->height(), info_.camera.width,
-                info_.camera.height);
+                colors_.describe(color_entry), color->width(), color->height(), info().camera.width,
+                info().camera.height);
   }
   if (depth->width() != color->width() || depth->height() != color->height()) {
     return fail("{}: has {}x{} pixels, its colour image {}x{}; depth must be registered to colour",

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "roomwise/recording/association.h"
-#include "roomwise/recording/frame_source.h"
+#include "roomwise/recording/recording.h"
 
 namespace roomwise::recording {
 
@@ -42,47 +42,35 @@ class ImageList {
   std::vector<std::size_t> lines_;
 };
 
-struct TumOptions {
-  // Replaces the folder's camera.txt.
-  std::optional<geometry::PinholeCamera> camera;
-  // A colour and a depth image less than this apart (ns) make a frame.
-  TimestampNs tolerance_ns = 20'000'000;
-
-  [[nodiscard]] Expected<void> validate() const;
-};
-
 // A recording on disk in the format of the TUM RGB-D benchmark (Sturm et al., "A Benchmark for the
 // Evaluation of RGB-D SLAM Systems", IROS 2012): rgb.txt, depth.txt, the images they list, and,
 // where the camera is not given by option, camera.txt. Colour is PNG or JPEG, depth 16-bit PNG.
-class TumRecording final : public FrameSource {
+class TumRecording final : public Recording {
  public:
+  // By rgb.txt and depth.txt in the folder.
+  [[nodiscard]] static bool recognises(const std::filesystem::path& folder);
+  // Reading fails, naming the image and its line in the list, where an image is missing, truncated,
+  // of another size than the camera's, or where depth is no 16-bit greyscale PNG.
   [[nodiscard]] static Expected<std::unique_ptr<TumRecording>> open(
-      const std::filesystem::path& folder, const TumOptions& options = {});
-
-  [[nodiscard]] const SourceInfo& info() const override { return info_; }
-  // Fails, naming the image and its line in the list, where an image is missing, truncated, of
-  // another size than the camera's, or where depth is no 16-bit greyscale PNG.
-  [[nodiscard]] Expected<std::optional<image::RgbdFrame>> next() override;
-  void skip_before(std::uint64_t index) override;
-  // The frame of a colour image, whatever next() has given; nothing where it has no depth image.
-  // Fails as next() does. Thread-safe.
-  [[nodiscard]] Expected<std::optional<image::RgbdFrame>> frame(std::uint64_t index) const;
+      const std::filesystem::path& folder, const RecordingOptions& options = {});
 
   // All colour images, with depth or without; RgbdFrame::index counts in this list.
   [[nodiscard]] const ImageList& colors() const { return colors_; }
   // The frames: first is the place in colors(), second that in the list of depth images.
   [[nodiscard]] const std::vector<Association>& associations() const { return associations_; }
+  [[nodiscard]] std::string describe(const RecordedPicture& picture) const override;
 
  private:
-  TumRecording(SourceInfo info, ImageList colors, ImageList depths,
+  TumRecording(RecordingContents contents, ImageList colors, ImageList depths,
                std::vector<Association> associations);
-  [[nodiscard]] Expected<image::RgbdFrame> read_frame(const Association& association) const;
+  [[nodiscard]] Expected<image::RgbdFrame> read_frame(
+      const RecordedPicture& picture) const override;
+  [[nodiscard]] Expected<image::ColorImage> read_picture(
+      const RecordedPicture& picture) const override;
 
-  SourceInfo info_;
   ImageList colors_;
   ImageList depths_;
   std::vector<Association> associations_;
-  std::size_t position_ = 0;  // in associations_
 };
 
 }  // namespace roomwise::recording

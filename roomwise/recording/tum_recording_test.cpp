@@ -40,7 +40,8 @@ class TumFolder : public ::testing::Test {
     std::filesystem::create_directories((folder_ / name).parent_path());
     EXPECT_OK(write_file(folder_ / name, content));
   }
-  [[nodiscard]] Expected<std::unique_ptr<TumRecording>> open(const TumOptions& options = {}) const {
+  [[nodiscard]] Expected<std::unique_ptr<TumRecording>> open(
+      const RecordingOptions& options = {}) const {
     return TumRecording::open(folder_.path(), options);
   }
   // "FOLDER/rgb.txt:3"
@@ -106,7 +107,7 @@ TEST_F(TumFolder, GivesColourWithoutDepthToo) {
 }
 
 TEST_F(TumFolder, TakesTheCameraGivenInsteadOfTheFile) {
-  TumOptions options;
+  RecordingOptions options;
   options.camera = geometry::PinholeCamera{9, 9, 4, 3, kWidth, kHeight, {}, 5000};
   EXPECT_EQ(open(options).value()->info().camera.fx, 9);
   std::filesystem::remove(folder_ / "camera.txt");
@@ -115,7 +116,7 @@ TEST_F(TumFolder, TakesTheCameraGivenInsteadOfTheFile) {
 }
 
 TEST_F(TumFolder, TakesADifferenceOfTimeAsToleratedByOption) {
-  TumOptions options;
+  RecordingOptions options;
   options.tolerance_ns = 80'000'000;
   EXPECT_EQ(open(options).value()->info().frame_count, 4U);
   options.tolerance_ns = 0;
@@ -214,7 +215,7 @@ TEST(TumRecordingOfRealData, HasAsManyPairsAsTheToolOfTumFinds) {
   const auto walk = find_data("office_walk");
   const auto desk = find_data("tum_fr1_desk_9frames");
   ROOMWISE_REQUIRE_FILE(rpy && walk && desk);
-  TumOptions fr1;
+  RecordingOptions fr1;
   fr1.camera = geometry::camera_preset("fr1").value();
   EXPECT_EQ(TumRecording::open(*rpy, fr1).value()->info().frame_count, 694U);
   EXPECT_EQ(TumRecording::open(*walk).value()->info().frame_count, 373U);
@@ -225,7 +226,7 @@ TEST(TumRecordingOfRealData, HasAsManyPairsAsTheToolOfTumFinds) {
 TEST(TumRecordingOfRealData, GivesUntouchedTumImages) {
   const auto desk = find_data("tum_fr1_desk_9frames");
   ROOMWISE_REQUIRE_FILE(desk);
-  TumOptions fr1;
+  RecordingOptions fr1;
   fr1.camera = geometry::camera_preset("fr1").value();
   auto recording = TumRecording::open(*desk, fr1);
   ASSERT_OK(recording);

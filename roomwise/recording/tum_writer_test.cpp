@@ -209,7 +209,7 @@ TEST_F(TumWriterFolder, StaysValidWhenAListFindsTheDiskFull) {
 TEST(TumWriterOfRealData, CopiesARecordingByteForByte) {
   const auto desk = roomwise::testing::find_data("tum_fr1_desk_9frames");
   ROOMWISE_REQUIRE_FILE(desk);
-  TumOptions options;
+  RecordingOptions options;
   options.camera = geometry::camera_preset("fr1").value();
   auto recording = TumRecording::open(*desk, options);
   ASSERT_OK(recording);

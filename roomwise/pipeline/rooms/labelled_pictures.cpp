@@ -6,11 +6,32 @@
 #include "roomwise/image/codec.h"
 #include "roomwise/image/picture_files.h"
 #include "roomwise/pipeline/rooms/room_learning.h"
+#include "roomwise/recording/open_recording.h"
+#include "roomwise/recording/tum_recording.h"
 
 namespace roomwise::pipeline {
 namespace {
 
 namespace fs = std::filesystem;
+
+// A TUM folder whose pictures have no depth, or no known camera.
+bool lists_colors_alone(const fs::path& folder) {
+  std::error_code ignored;
+  const auto has = [&](const char* file) { return fs::exists(folder / file, ignored); };
+  return has("rgb.txt") && !(has("depth.txt") && has("camera.txt"));
+}
+
+Expected<RecordedPictures> open_colors(const fs::path& folder) {
+  ROOMWISE_TRY(auto opened, recording::ImageList::open(folder, "rgb.txt"));
+  const auto list = std::make_shared<const recording::ImageList>(std::move(opened));
+  RecordedPictures recorded;
+  for (const TimestampNs timestamp_ns : list->timestamps_ns()) {
+    recorded.pictures.push_back({recorded.pictures.size(), timestamp_ns, false});
+  }
+  recorded.read_color = [list](std::uint64_t index) { return list->read_color(index); };
+  recorded.describe = [list](const auto& one) { return list->path(one.index).string(); };
+  return recorded;
+}
 
 bool is_learned(const std::string& room, const std::vector<std::string>& learned) {
   return std::ranges::count(learned, room) > 0;
@@ -24,31 +45,28 @@ Expected<void> check_not_empty(const std::vector<LabelledPicture>& pictures) {
 
 }  // namespace
 
-Expected<RecordedPictures> RecordedPictures::open(const fs::path& folder) {
+Expected<RecordedPictures> RecordedPictures::open(const fs::path& path) {
+  if (lists_colors_alone(path)) return open_colors(path);
+  ROOMWISE_TRY(auto opened, recording::open_recording(path));
   RecordedPictures recorded;
-  ROOMWISE_TRY(auto colors, recording::ImageList::open(folder, "rgb.txt"));
-  recorded.colors = std::make_shared<const recording::ImageList>(std::move(colors));
-  if (fs::exists(folder / "depth.txt") && fs::exists(folder / "camera.txt")) {
-    ROOMWISE_TRY(recorded.with_depth, recording::TumRecording::open(folder));
-  }
+  recorded.with_depth = std::move(opened);
+  recorded.pictures = recorded.with_depth->pictures();
+  recorded.read_color = [all = recorded.with_depth](std::uint64_t i) { return all->read_color(i); };
+  recorded.describe = [all = recorded.with_depth](const auto& one) { return all->describe(one); };
   return recorded;
 }
 
-LabelledPicture RecordedPictures::picture(std::size_t entry) const {
+LabelledPicture RecordedPictures::picture(const recording::RecordedPicture& one) const {
   LabelledPicture picture;
-  picture.read = [list = colors, entry] { return list->read_color(entry); };
-  picture.frame = entry;
-  const auto& times = colors->timestamps_ns();
-  picture.time_s = 1e-9 * static_cast<double>(times[entry] - times[0]);
-  const bool has_depth =
-      with_depth && std::ranges::binary_search(with_depth->associations(), entry, {},
-                                               &recording::Association::first);
-  if (has_depth) {
-    picture.read_to_locate = [frames = with_depth, entry]() -> Expected<PictureToLocate> {
-      ROOMWISE_TRY(auto frame, frames->frame(entry));
-      if (!frame) return fail("{}: has no depth image", frames->colors().describe(entry));
-      return PictureToLocate{std::move(frame->color), std::move(frame->depth),
-                             frames->info().camera};
+  picture.read = [read = read_color, index = one.index] { return read(index); };
+  picture.frame = one.index;
+  const TimestampNs first_ns = pictures.front().timestamp_ns;
+  picture.time_s = 1e-9 * static_cast<double>(one.timestamp_ns - first_ns);
+  if (with_depth && one.has_depth) {
+    picture.read_to_locate = [all = with_depth, index = one.index]() -> Expected<PictureToLocate> {
+      ROOMWISE_TRY(auto frame, all->frame(index));
+      if (!frame) return fail("{}: picture {} has no depth", all->info().name, index);
+      return PictureToLocate{std::move(frame->color), std::move(frame->depth), all->info().camera};
     };
   }
   return picture;
@@ -67,15 +85,18 @@ Expected<void> add_frames(const RecordedPictures& recorded, const recording::Roo
   for (const recording::RoomRange& range : labels.ranges()) {
     ++sequence;
     if (!selection.rooms.contains(range) || !is_learned(range.room, learned)) continue;
-    if (range.last_frame >= recorded.colors->size()) {
+    const std::uint64_t last = recorded.pictures.back().index;
+    if (range.last_frame > last) {
       return fail(
-          "the labels name frame {}, but the recording has {} colour images; are they of another "
-          "recording?",
-          range.last_frame, recorded.colors->size());
+          "the labels name frame {}, but the recording has {} colour images, the last of them {}; "
+          "are they of another recording?",
+          range.last_frame, recorded.pictures.size(), last);
     }
-    for (std::uint64_t frame = range.first_frame; frame <= range.last_frame; ++frame) {
+    for (const recording::RecordedPicture& one : recorded.pictures) {
+      const std::uint64_t frame = one.index;
+      if (frame < range.first_frame || frame > range.last_frame) continue;
       if (labels.frames_to_boundary(frame) < selection.margin) continue;
-      LabelledPicture picture = recorded.picture(frame);
+      LabelledPicture picture = recorded.picture(one);
       picture.room = range.room;
       picture.sequence = sequence;
       picture.walk = walk;
@@ -108,12 +129,11 @@ Expected<void> add_unknown_pictures(const fs::path& folder,
   const std::size_t before = pictures.size();
   std::size_t sequence = pictures.empty() ? 0 : pictures.back().sequence + 1;
   const std::size_t walk = pictures.empty() ? 0 : pictures.back().walk + 1;
-  std::error_code error;
-  if (fs::exists(folder / "rgb.txt", error)) {
+  if (lists_colors_alone(folder) || recording::find_recording_kind(folder) != nullptr) {
     ROOMWISE_TRY(const RecordedPictures recorded, RecordedPictures::open(folder));
-    for (std::size_t i = 0; i < recorded.colors->size(); ++i) {
-      pictures.push_back(recorded.picture(i));
-      pictures.back().name = recorded.colors->path(i).string();
+    for (const recording::RecordedPicture& one : recorded.pictures) {
+      pictures.push_back(recorded.picture(one));
+      pictures.back().name = recorded.describe(one);
       pictures.back().sequence = sequence;
       pictures.back().walk = walk;
     }

@@ -9,7 +9,7 @@
 
 #include "roomwise/pipeline/mapping/home_localizer.h"
 #include "roomwise/pipeline/rooms/room_selection.h"
-#include "roomwise/recording/tum_recording.h"
+#include "roomwise/recording/recording.h"
 
 namespace roomwise::pipeline {
 
@@ -28,15 +28,17 @@ struct LabelledPicture {
   std::function<Expected<PictureToLocate>()> read_to_locate = {};
 };
 
-// The pictures of a recording, with depth where depth.txt lists any and camera.txt is there.
+// The pictures of a recording, with depth where it has some and its camera is known.
 struct RecordedPictures {
-  std::shared_ptr<const recording::ImageList> colors;
-  std::shared_ptr<const recording::TumRecording> with_depth;  // null: none has depth
+  std::vector<recording::RecordedPicture> pictures;
+  std::function<Expected<image::ColorImage>(std::uint64_t index)> read_color;
+  std::function<std::string(const recording::RecordedPicture&)> describe;
+  std::shared_ptr<const recording::Recording> with_depth;  // null: none is to be located
 
-  // Fails as ImageList and TumRecording do.
-  [[nodiscard]] static Expected<RecordedPictures> open(const std::filesystem::path& folder);
-  // One of `colors`, of no room and no walk yet.
-  [[nodiscard]] LabelledPicture picture(std::size_t entry) const;
+  // Of a TUM folder rgb.txt alone is enough. Fails as the recording's kind does.
+  [[nodiscard]] static Expected<RecordedPictures> open(const std::filesystem::path& path);
+  // One of `pictures`, of no room and no walk yet.
+  [[nodiscard]] LabelledPicture picture(const recording::RecordedPicture& picture) const;
 };
 
 struct FrameSelection {
@@ -57,7 +59,7 @@ struct FrameSelection {
 [[nodiscard]] Expected<std::vector<LabelledPicture>> select_photos(
     const std::filesystem::path& folder, const std::vector<std::string>& learned);
 // Adds every JPEG and PNG file under a folder, each a sequence of its own, or, where it is a
-// recording, the images of its rgb.txt, one sequence: pictures of places that were never learned.
+// recording, its pictures, one sequence: pictures of places that were never learned.
 // All are one walk. Fails where there is none.
 [[nodiscard]] Expected<void> add_unknown_pictures(const std::filesystem::path& folder,
                                                   std::vector<LabelledPicture>& pictures);

@@ -12,7 +12,7 @@
 #include "roomwise/pipeline/objects/keyframe_observer.h"
 #include "roomwise/pipeline/objects/proposal_observations.h"
 #include "roomwise/pipeline/objects/stored_detections.h"
-#include "roomwise/recording/tum_recording.h"
+#include "roomwise/recording/open_recording.h"
 
 namespace roomwise::pipeline {
 namespace {
@@ -100,7 +100,7 @@ Expected<std::optional<RoomUpdate>> VisitLooker::update_rooms(
 }
 
 // All frames of the recording that are found on the map.
-Expected<VisitFrames> place_frames(recording::TumRecording& recording,
+Expected<VisitFrames> place_frames(recording::Recording& recording,
                                    const std::filesystem::path& folder, const VisitLooker& looker,
                                    std::uint64_t every, RunContext& run) {
   VisitFrames frames;
@@ -124,7 +124,7 @@ Expected<VisitFrames> place_frames(recording::TumRecording& recording,
     }
     return {};
   };
-  run.progress.begin("looking at the visit", recording.associations().size());
+  run.progress.begin("looking at the visit", recording.frames().size());
   for (std::uint64_t count = 0; !run.progress.interrupted(); ++count) {
     ROOMWISE_TRY(auto frame, recording.next());
     if (!frame) break;
@@ -162,7 +162,7 @@ std::vector<objects::ObservedKeyframe> spaced_frames(const VisitFrames& frames) 
 }
 
 // Shows the classifier what stands apart in the visit's own depth, from its best views.
-Expected<void> look_closer_at_visit(VisitFrames& frames, const recording::TumRecording& recording,
+Expected<void> look_closer_at_visit(VisitFrames& frames, const recording::Recording& recording,
                                     const objects::ProposalClassifier& proposal_classifier,
                                     const objects::ObjectVocabulary& vocabulary,
                                     const objects::GroundPlane& level, RunContext& run) {
@@ -177,7 +177,7 @@ Expected<void> look_closer_at_visit(VisitFrames& frames, const recording::TumRec
   }
   ROOMWISE_CHECK_OK(in_blocks(
       shown.size(), "looking closer at the visit", run,
-      [&](std::size_t i) { return recording.colors().read_color(frames.placed[shown[i]].index); },
+      [&](std::size_t i) { return recording.read_color(frames.placed[shown[i]].index); },
       [&](std::size_t i, const image::ColorImage& color) {
         const auto timing = run.clock.measure("closer looks");
         return proposals.look(shown[i], color, frames.placed[shown[i]].depth, proposal_classifier);
@@ -206,7 +206,7 @@ Expected<VisitFrames> observe_visit(const home::Home& home, const std::filesyste
                                     const objects::ObjectFinders& finders, const Networks& networks,
                                     const objects::GroundPlane& level, const VisitOptions& options,
                                     RunContext& run) {
-  ROOMWISE_TRY(const auto recording, recording::TumRecording::open(folder));
+  ROOMWISE_TRY(const auto recording, recording::open_recording(folder));
   ROOMWISE_TRY(const VisitLooker looker,
                VisitLooker::create(home, finders.in_pictures, networks, options, run));
   ROOMWISE_TRY(VisitFrames frames, place_frames(*recording, folder, looker, options.every, run));

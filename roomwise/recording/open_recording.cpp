@@ -1,0 +1,74 @@
+#include "roomwise/recording/open_recording.h"
+
+#include <algorithm>
+#include <array>
+
+#include "roomwise/recording/tum_recording.h"
+
+namespace roomwise::recording {
+namespace {
+
+namespace fs = std::filesystem;
+
+template <typename Kind>
+Expected<std::unique_ptr<Recording>> open_as(const fs::path& path,
+                                             const RecordingOptions& options) {
+  return Kind::open(path, options);
+}
+
+constexpr std::array kKinds{
+    RecordingKind{"TUM folder", "rgb.txt and depth.txt", &TumRecording::recognises,
+                  &open_as<TumRecording>},
+};
+
+std::string what_is_read() {
+  std::string kinds;
+  for (const RecordingKind& kind : kKinds) {
+    kinds += fmt::format("{}{} ({})", kinds.empty() ? "" : ", ", kind.name, kind.told_by);
+  }
+  return kinds;
+}
+
+}  // namespace
+
+std::span<const RecordingKind> recording_kinds() {
+  return kKinds;
+}
+
+const RecordingKind* find_recording_kind(const fs::path& path) {
+  const auto kind =
+      std::ranges::find_if(kKinds, [&](const RecordingKind& one) { return one.recognises(path); });
+  return kind == kKinds.end() ? nullptr : &*kind;
+}
+
+Expected<std::unique_ptr<Recording>> open_recording(const fs::path& path,
+                                                    const RecordingOptions& options) {
+  ROOMWISE_CHECK_OK(options.validate());
+  std::error_code error;
+  if (!fs::exists(path, error)) {
+    return fail("{}: there is no such file or folder", path.string());
+  }
+  const RecordingKind* kind = find_recording_kind(path);
+  if (kind == nullptr) {
+    return fail("{}: is no recording of a kind that is read; these are: {}", path.string(),
+                what_is_read());
+  }
+  return kind->open(path, options);
+}
+
+Expected<Trajectory> read_truth(const fs::path& path) {
+  std::error_code error;
+  const fs::path file = path / "groundtruth.txt";
+  if (fs::exists(file, error)) return read_trajectory(file);
+  if (fs::is_regular_file(path, error) && find_recording_kind(path) == nullptr) {
+    return read_trajectory(path);
+  }
+  ROOMWISE_TRY(const auto recording, open_recording(path));
+  if (recording->device_poses().empty()) {
+    return fail("{}: has no groundtruth.txt, and its device wrote no poses; give a trajectory",
+                path.string());
+  }
+  return recording->device_poses();
+}
+
+}  // namespace roomwise::recording

@@ -1,0 +1,87 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "roomwise/recording/frame_source.h"
+#include "roomwise/recording/trajectory_file.h"
+
+namespace roomwise::recording {
+
+// A colour image of a recording.
+struct RecordedPicture {
+  std::uint64_t index = 0;  // RgbdFrame::index of its frame
+  TimestampNs timestamp_ns = 0;
+  bool has_depth = false;  // with depth it is a frame
+};
+
+struct RecordingOptions {
+  // Replaces what the recording says of its camera; a kind whose camera cannot be another refuses
+  // it.
+  std::optional<geometry::PinholeCamera> camera;
+  // A colour and a depth image less than this apart (ns) make a frame, where they are matched by
+  // time.
+  TimestampNs tolerance_ns = 20'000'000;
+
+  [[nodiscard]] Expected<void> validate() const;
+};
+
+// What opening a recording finds out before any picture is read.
+struct RecordingContents {
+  std::string kind;                       // for people: "TUM folder"
+  SourceInfo info;                        // frame_count is counted from `pictures`
+  std::vector<RecordedPicture> pictures;  // index and time both strictly increasing
+  // Where the device says that it was: camera to world, x right, y down, z forward in the camera,
+  // the world as the device had it. Empty where it wrote none.
+  Trajectory device_poses;
+};
+
+// A recording that is complete on the disk, of any kind: its frames in the order of time, and each
+// picture by its index.
+class Recording : public FrameSource {
+ public:
+  [[nodiscard]] const SourceInfo& info() const final { return contents_.info; }
+  [[nodiscard]] const std::string& kind() const { return contents_.kind; }
+  // All colour images, with depth or without.
+  [[nodiscard]] const std::vector<RecordedPicture>& pictures() const { return contents_.pictures; }
+  // The indices of those with depth.
+  [[nodiscard]] const std::vector<std::uint64_t>& frames() const { return frames_; }
+  [[nodiscard]] const Trajectory& device_poses() const { return contents_.device_poses; }
+  // Null where there is no such colour image.
+  [[nodiscard]] const RecordedPicture* find(std::uint64_t index) const;
+
+  [[nodiscard]] Expected<std::optional<image::RgbdFrame>> next() final;
+  void skip_before(std::uint64_t index) final;
+  // The frame of a colour image, whatever next() has given; nothing where there is none. Fails as
+  // next() does. Thread-safe.
+  [[nodiscard]] Expected<std::optional<image::RgbdFrame>> frame(std::uint64_t index) const;
+  // A colour image, with depth or without, as it is in its frame. Fails where there is none of that
+  // index or it cannot be read. Thread-safe.
+  [[nodiscard]] Expected<image::ColorImage> read_color(std::uint64_t index) const;
+  // A colour image as errors and people name it: its file, or the recording and its number.
+  [[nodiscard]] virtual std::string describe(const RecordedPicture& picture) const;
+
+ protected:
+  explicit Recording(RecordingContents contents);
+  // Both are called from several threads at once; errors name the picture's file. The frame has
+  // info().camera's size, its index and its time those of `picture`, which has depth.
+  [[nodiscard]] virtual Expected<image::RgbdFrame> read_frame(
+      const RecordedPicture& picture) const = 0;
+  [[nodiscard]] virtual Expected<image::ColorImage> read_picture(
+      const RecordedPicture& picture) const = 0;
+
+ private:
+  void count_what_is_left();
+
+  RecordingContents contents_;
+  std::vector<std::uint64_t> frames_;
+  std::size_t position_ = 0;  // in frames_
+};
+
+// What is common to opening a folder: its own name, also of "." and "recordings/home/"; of a file,
+// its name.
+[[nodiscard]] std::string recording_name(const std::filesystem::path& path);
+
+}  // namespace roomwise::recording
