@@ -214,7 +214,7 @@ Expected<Task> read_task(std::span<const char* const> arguments) {
   constexpr std::string_view kUsage =
       "lap_benchmark RECORDING [FRAMES] [SEED] [CAMERA] [WORKING_SET_MB]";
   if (arguments.empty() || arguments.size() > 5) return fail("usage: {}", kUsage);
-  Task task{.folder = arguments[0], .tum = {}};
+  Task task{.folder = arguments[0], .how = {}};
   const auto take_count = [&](std::size_t place, auto& count) -> Expected<void> {
     if (arguments.size() <= place) return {};
     ROOMWISE_TRY(const int value, bench::parse_count(arguments[place], kUsage));

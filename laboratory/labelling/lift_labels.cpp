@@ -18,16 +18,26 @@ std::optional<geometry::RigidTransform> pose_at(const recording::Trajectory& tru
   return nearest->world_from_camera;
 }
 
+// A box of one camera's picture in the picture of another that looks the same way.
+network::PixelBox seen_by(const geometry::PinholeCamera& other,
+                          const geometry::PinholeCamera& camera, const network::PixelBox& box) {
+  const auto seen = [&](float x, float y) {
+    return other.project(camera.unproject({x, y}, 1)).cast<float>().eval();
+  };
+  const Eigen::Vector2f first = seen(box.left, box.top), last = seen(box.right, box.bottom);
+  return {first.x(), first.y(), last.x(), last.y()};
+}
+
 Expected<std::optional<PlacedView>> place(const LabelledView& view,
                                           const recording::Recording& recording,
                                           const recording::Trajectory& truth) {
   constexpr float kOver_px = 1;  // a border that was drawn on the picture's own
-  const geometry::PinholeCamera& camera = recording.info().camera;
   const recording::RecordedPicture* picture = recording.find(view.frame);
   if (picture == nullptr) {
     return fail("frame {}: the recording has no such picture among its {}", view.frame,
                 recording.pictures().size());
   }
+  const geometry::PinholeCamera camera = recording.original_camera(*picture);
   if (view.box.left < -kOver_px || view.box.top < -kOver_px ||
       view.box.right > static_cast<float>(camera.width) + kOver_px ||
       view.box.bottom > static_cast<float>(camera.height) + kOver_px) {
@@ -38,7 +48,10 @@ Expected<std::optional<PlacedView>> place(const LabelledView& view,
   if (!pose) return std::nullopt;
   PlacedView placed{view.box, view.cut, view.is_occluded, camera, *pose, std::nullopt};
   ROOMWISE_TRY(const auto frame, recording.frame(view.frame));
-  if (frame) placed.depth_m = depth_in_middle_m(frame->depth, camera, view.box);
+  if (frame) {
+    const geometry::PinholeCamera& of_frame = recording.info().camera;
+    placed.depth_m = depth_in_middle_m(frame->depth, of_frame, seen_by(of_frame, camera, view.box));
+  }
   return placed;
 }
 

@@ -64,8 +64,10 @@ Expected<void> check_mapped_from(const home::Home& home, const std::filesystem::
                                         recording, {.camera = recordings.back().recording.camera}));
   for (const home::Keyframe* keyframe : {&keyframes.front(), &keyframes.back()}) {
     ROOMWISE_TRY(const home::KeyframeImages images, home.images(keyframe->id));
-    ROOMWISE_TRY(const auto frame, pictures->frame(keyframe->frame_index));
-    if (frame && frame->encoded_color == images.color) continue;
+    if (pictures->find(keyframe->frame_index) != nullptr) {
+      ROOMWISE_TRY(const Bytes picture, pictures->read_color_file(keyframe->frame_index));
+      if (picture == images.color) continue;
+    }
     return fail(
         "{} was not mapped from {}: its key-frame {} is no picture of it; give the recording that "
         "was mapped",

@@ -37,4 +37,12 @@ Expected<DepthImage> read_depth(const std::filesystem::path& path) {
   return read_decoded(path, [](const Bytes& bytes) { return decode_depth(bytes); });
 }
 
+Bytes color_file(const RgbdFrame& frame) {
+  return frame.encoded_color.empty() ? encode_png(frame.color) : frame.encoded_color;
+}
+
+Bytes depth_file(const RgbdFrame& frame) {
+  return frame.encoded_depth.empty() ? encode_png(frame.depth) : frame.encoded_depth;
+}
+
 }  // namespace roomwise::image

@@ -4,7 +4,7 @@
 #include <span>
 
 #include "roomwise/base/file.h"
-#include "roomwise/image/image.h"
+#include "roomwise/image/rgbd_frame.h"
 
 namespace roomwise::image {
 
@@ -38,5 +38,9 @@ constexpr std::int64_t kMaxPixels = 100'000'000;
 [[nodiscard]] Bytes encode_jpeg(const ColorImage& image, int quality);
 [[nodiscard]] Bytes encode_png(const ColorImage& image);
 [[nodiscard]] Bytes encode_png(const DepthImage& image);
+
+// The images of a frame as files: as its source gave them, else encoded without loss.
+[[nodiscard]] Bytes color_file(const RgbdFrame& frame);
+[[nodiscard]] Bytes depth_file(const RgbdFrame& frame);
 
 }  // namespace roomwise::image

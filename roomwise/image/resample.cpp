@@ -15,9 +15,10 @@ struct Mix {
 };
 
 // The part of each old pixel that the new one covers.
-Mix covered_by(int pixel, double scale, int old_size) {
-  const double begin = pixel * scale;
-  const double end = std::min((pixel + 1) * scale, static_cast<double>(old_size));
+Mix covered_by(double first, int pixel, double scale, int old_size) {
+  const double begin = std::max(first + pixel * scale, 0.0);
+  const double end = std::min(first + (pixel + 1) * scale, static_cast<double>(old_size));
+  if (begin >= end) return {begin > 0 ? static_cast<std::size_t>(old_size - 1) : 0, {1.0F}};
   Mix mix{static_cast<std::size_t>(begin), {}};
   for (int i = static_cast<int>(begin); i < old_size && i < end; ++i) {
     const double part = std::min(end, i + 1.0) - std::max(begin, static_cast<double>(i));
@@ -27,21 +28,22 @@ Mix covered_by(int pixel, double scale, int old_size) {
 }
 
 // The two old pixels whose centres lie on both sides of the new one's; the edge continues.
-Mix between(int pixel, double scale, int old_size) {
-  const double centre = std::clamp((pixel + 0.5) * scale - 0.5, 0.0, old_size - 1.0);
+Mix between(double first, int pixel, double scale, int old_size) {
+  const double centre = std::clamp(first + (pixel + 0.5) * scale - 0.5, 0.0, old_size - 1.0);
   const int left = std::min(static_cast<int>(centre), std::max(old_size - 2, 0));
   const auto right_weight = static_cast<float>(centre - left);
   if (old_size == 1) return {0, {1.0F}};
   return {static_cast<std::size_t>(left), {1.0F - right_weight, right_weight}};
 }
 
-std::vector<Mix> line_of_mixes(int old_size, int new_size) {
-  const double scale = static_cast<double>(old_size) / new_size;
+// Of the old pixels from `first` to `last`.
+std::vector<Mix> line_of_mixes(double first, double last, int old_size, int new_size) {
+  const double scale = (last - first) / new_size;
   std::vector<Mix> line;
   line.reserve(static_cast<std::size_t>(new_size));
   for (int pixel = 0; pixel < new_size; ++pixel) {
-    line.push_back(scale > 1 ? covered_by(pixel, scale, old_size)
-                             : between(pixel, scale, old_size));
+    line.push_back(scale > 1 ? covered_by(first, pixel, scale, old_size)
+                             : between(first, pixel, scale, old_size));
   }
   return line;
 }
@@ -64,9 +66,16 @@ GrayImage to_gray(const ColorImage& image) {
 }
 
 ColorImage resize(const ColorImage& image, int width, int height) {
-  if (image.empty() || width <= 0 || height <= 0) throw std::invalid_argument("resize: no pixels");
-  const std::vector<Mix> columns = line_of_mixes(image.width(), width);
-  const std::vector<Mix> rows = line_of_mixes(image.height(), height);
+  return resize(image, {0, 0, 1.0 * image.width(), 1.0 * image.height()}, width, height);
+}
+
+ColorImage resize(const ColorImage& image, const PictureArea& part, int width, int height) {
+  const bool has_pixels = part.left < part.right && part.top < part.bottom;
+  if (image.empty() || width <= 0 || height <= 0 || !has_pixels) {
+    throw std::invalid_argument("resize: no pixels");
+  }
+  const auto columns = line_of_mixes(part.left, part.right, image.width(), width);
+  const auto rows = line_of_mixes(part.top, part.bottom, image.height(), height);
 
   // Row by row: the old rows that a new row needs are first mixed into one, then its pixels.
   ColorImage resized(width, height);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "roomwise/recording/phone/scanner_app.h"
 #include "roomwise/recording/tum_recording.h"
 
 namespace roomwise::recording {
@@ -19,6 +20,8 @@ Expected<std::unique_ptr<Recording>> open_as(const fs::path& path,
 constexpr std::array kKinds{
     RecordingKind{"TUM folder", "rgb.txt and depth.txt", &TumRecording::recognises,
                   &open_as<TumRecording>},
+    RecordingKind{"3D Scanner App, All Data", "frame_00000.json and depth_00000.png",
+                  &is_scanner_app_export, &open_scanner_app_export},
 };
 
 std::string what_is_read() {

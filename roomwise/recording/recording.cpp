@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "roomwise/image/codec.h"
+
 namespace roomwise::recording {
 
 Expected<void> RecordingOptions::validate() const {
@@ -48,6 +50,25 @@ Expected<image::ColorImage> Recording::read_color(std::uint64_t index) const {
   const RecordedPicture* picture = find(index);
   if (picture == nullptr) return fail("{}: has no picture {}", info().name, index);
   return read_picture(*picture);
+}
+
+Expected<Bytes> Recording::read_color_file(std::uint64_t index) const {
+  const RecordedPicture* picture = find(index);
+  if (picture == nullptr) return fail("{}: has no picture {}", info().name, index);
+  return read_picture_file(*picture);
+}
+
+Expected<Bytes> Recording::read_picture_file(const RecordedPicture& picture) const {
+  if (picture.has_depth) {
+    ROOMWISE_TRY(const image::RgbdFrame frame, read_frame(picture));
+    return image::color_file(frame);
+  }
+  ROOMWISE_TRY(const image::ColorImage color, read_picture(picture));
+  return image::encode_png(color);
+}
+
+geometry::PinholeCamera Recording::original_camera(const RecordedPicture& /*picture*/) const {
+  return info().camera;
 }
 
 std::string Recording::describe(const RecordedPicture& picture) const {

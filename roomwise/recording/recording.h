@@ -60,17 +60,26 @@ class Recording : public FrameSource {
   // A colour image, with depth or without, as it is in its frame. Fails where there is none of that
   // index or it cannot be read. Thread-safe.
   [[nodiscard]] Expected<image::ColorImage> read_color(std::uint64_t index) const;
+  // The same as a file: what image::color_file() makes of its frame.
+  [[nodiscard]] Expected<Bytes> read_color_file(std::uint64_t index) const;
+  // The camera of a picture as its file has it, of its own size: what is told in pixels of the file
+  // is to be brought to info().camera, which its frame has.
+  [[nodiscard]] virtual geometry::PinholeCamera original_camera(
+      const RecordedPicture& picture) const;
   // A colour image as errors and people name it: its file, or the recording and its number.
   [[nodiscard]] virtual std::string describe(const RecordedPicture& picture) const;
 
  protected:
   explicit Recording(RecordingContents contents);
   // Both are called from several threads at once; errors name the picture's file. The frame has
-  // info().camera's size, its index and its time those of `picture`, which has depth.
+  // info().camera's size, and the index and time of `picture`, which has depth; read again, it is
+  // the same bit for bit. Its encoded images may be absent (RgbdFrame).
   [[nodiscard]] virtual Expected<image::RgbdFrame> read_frame(
       const RecordedPicture& picture) const = 0;
   [[nodiscard]] virtual Expected<image::ColorImage> read_picture(
       const RecordedPicture& picture) const = 0;
+  // For kinds that have it at hand: without it, the picture is read and encoded.
+  [[nodiscard]] virtual Expected<Bytes> read_picture_file(const RecordedPicture& picture) const;
 
  private:
   void count_what_is_left();

@@ -170,6 +170,10 @@ Expected<image::ColorImage> TumRecording::read_picture(const RecordedPicture& pi
   return colors_.read_color(picture.index);
 }
 
+Expected<Bytes> TumRecording::read_picture_file(const RecordedPicture& picture) const {
+  return colors_.read(picture.index);
+}
+
 Expected<image::RgbdFrame> TumRecording::read_frame(const RecordedPicture& picture) const {
   const auto association =
       std::ranges::lower_bound(associations_, picture.index, {}, &Association::first);

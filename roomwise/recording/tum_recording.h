@@ -67,6 +67,7 @@ class TumRecording final : public Recording {
       const RecordedPicture& picture) const override;
   [[nodiscard]] Expected<image::ColorImage> read_picture(
       const RecordedPicture& picture) const override;
+  [[nodiscard]] Expected<Bytes> read_picture_file(const RecordedPicture& picture) const override;
 
   ImageList colors_;
   ImageList depths_;

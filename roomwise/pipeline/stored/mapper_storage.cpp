@@ -12,11 +12,9 @@ namespace {
 // A commit waits for the disk: where no key-frame is made, so many frames share one.
 constexpr std::uint64_t kFramesACommit = 30;
 
-// As the camera gave them, else encoded without loss: a resumed run finds its features in them
-// again.
+// Nothing of them is lost: a resumed run finds its features in them again.
 home::KeyframeImages images_of(const image::RgbdFrame& frame) {
-  return {frame.encoded_color.empty() ? image::encode_png(frame.color) : frame.encoded_color,
-          frame.encoded_depth.empty() ? image::encode_png(frame.depth) : frame.encoded_depth};
+  return {image::color_file(frame), image::depth_file(frame)};
 }
 
 }  // namespace

@@ -152,7 +152,7 @@ class ColorNetwork final : public network::Classifier {
 
 // The pictures of a home's key-frames, listed as in the recording that it was mapped from.
 inline void write_mapped_pictures(const home::Home& home, const std::filesystem::path& folder) {
-  std::string list;
+  std::string list, depths;
   const std::vector<home::Keyframe> keyframes = home.keyframes().value();
   for (const home::Keyframe& keyframe : keyframes) {
     for (std::size_t next = static_cast<std::size_t>(std::ranges::count(list, '\n'));
@@ -160,9 +160,13 @@ inline void write_mapped_pictures(const home::Home& home, const std::filesystem:
       list += fmt::format("{0}.0 {0}.png\n", next);
     }
     const auto picture = folder / fmt::format("{}.png", keyframe.frame_index);
-    EXPECT_OK(write_file(picture, home.images(keyframe.id).value().color));
+    const home::KeyframeImages images = home.images(keyframe.id).value();
+    EXPECT_OK(write_file(picture, images.color));
+    EXPECT_OK(write_file(folder / fmt::format("{}.depth.png", keyframe.frame_index), images.depth));
+    depths += fmt::format("{0}.0 {0}.depth.png\n", keyframe.frame_index);
   }
   EXPECT_OK(write_file(folder / "rgb.txt", std::string_view(list)));
+  EXPECT_OK(write_file(folder / "depth.txt", std::string_view(depths)));
 }
 
 }  // namespace roomwise::pipeline::testing

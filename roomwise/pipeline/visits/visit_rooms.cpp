@@ -4,6 +4,7 @@
 #include <map>
 
 #include "roomwise/base/file.h"
+#include "roomwise/image/codec.h"
 
 namespace roomwise::pipeline {
 namespace {
@@ -53,7 +54,7 @@ Expected<SeenPicture> VisitRooms::look(const image::RgbdFrame& frame,
   ROOMWISE_TRY(rooms::PictureEvidence evidence, recognizer_.evidence(seen));
   return SeenPicture{.picture = {.keyframe = found.keyframe,
                                  .timestamp_ns = frame.timestamp_ns,
-                                 .picture_digest = sha256_hex(frame.encoded_color),
+                                 .picture_digest = sha256_hex(image::color_file(frame)),
                                  .room = {},
                                  .network_fingerprint = recognizer_.features().fingerprint(),
                                  .features = std::move(seen.features)},

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <span>
+#include <vector>
+
+#include "roomwise/base/expected.h"
+#include "roomwise/base/timestamp.h"
+#include "roomwise/geometry/rigid_transform.h"
+
+namespace roomwise::recording {
+
+// A JSON file that describes a frame or a recording. Fails, naming it,
+// where it is larger than `max_bytes`, or no JSON.
+[[nodiscard]] Expected<nlohmann::json> read_json_file(const std::filesystem::path& path,
+                                                      std::uintmax_t max_bytes = 1 << 20);
+
+// A finite number, or list of `Count` of them, that the object has under `key`; errors name the
+// key.
+[[nodiscard]] Expected<double> number_of(const nlohmann::json& object, const char* key);
+[[nodiscard]] Expected<std::vector<double>> numbers_of(const nlohmann::json& object,
+                                                       const char* key, std::size_t count);
+
+// A pose as the first three rows of a matrix, row after row: camera to world. Fails where its
+// rotation is none.
+[[nodiscard]] Expected<geometry::RigidTransform> pose_of_rows(std::span<const double> rows);
+// The same where the camera's axes are ARKit's and OpenGL's, x right, y up, z back: it is turned to
+// Roomwise's; the world stays.
+[[nodiscard]] Expected<geometry::RigidTransform> pose_of_arkit(std::span<const double> rows);
+
+// The time of `seconds`; fails where it is none.
+[[nodiscard]] Expected<TimestampNs> timestamp_of(double seconds);
+
+}  // namespace roomwise::recording

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <vector>
+
+#include "roomwise/recording/recording.h"
+
+namespace roomwise::recording {
+
+// A picture of a phone and what its LiDAR measured at the same moment.
+struct PhonePicture {
+  std::uint64_t index = 0;
+  TimestampNs timestamp_ns = 0;
+  std::filesystem::path color;     // JPEG or PNG
+  std::filesystem::path depth;     // 16-bit PNG, mm; empty where there is none
+  geometry::PinholeCamera camera;  // its size may be absent: that of the picture
+};
+
+// What the files of a phone's recording say.
+struct PhoneListing {
+  std::string kind, name;
+  std::vector<PhonePicture> pictures;
+  Trajectory device_poses;
+};
+
+// A recording of a phone: pictures, each with a camera of its own, and smaller depth images, as
+// files. Its frames are as if one camera had taken them all (one_camera.h), with at most 640 px a
+// side; depth is in mm. All depth counts, whatever confidence the phone has in it: without that of
+// the lowest, which is the far end of a corridor, maps get worse.
+class PhoneRecording final : public Recording {
+ public:
+  // Fails where there is no picture with depth, where times do not increase, where the first
+  // picture cannot be read and where `options` ask for another camera.
+  [[nodiscard]] static Expected<std::unique_ptr<Recording>> open(PhoneListing listing,
+                                                                 const RecordingOptions& options);
+  [[nodiscard]] geometry::PinholeCamera original_camera(
+      const RecordedPicture& picture) const override;
+  [[nodiscard]] std::string describe(const RecordedPicture& picture) const override;
+
+ private:
+  PhoneRecording(RecordingContents contents, PhoneListing listing)
+      : Recording(std::move(contents)), listing_(std::move(listing)) {}
+  [[nodiscard]] const PhonePicture& original(const RecordedPicture& picture) const;
+  [[nodiscard]] Expected<Bytes> read_encoded(const PhonePicture& picture) const;
+  [[nodiscard]] Expected<image::DepthImage> read_depth(const PhonePicture& picture) const;
+  [[nodiscard]] Expected<image::RgbdFrame> read_frame(
+      const RecordedPicture& picture) const override;
+  [[nodiscard]] Expected<image::ColorImage> read_picture(
+      const RecordedPicture& picture) const override;
+  [[nodiscard]] Expected<Bytes> read_picture_file(const RecordedPicture& picture) const override;
+
+  PhoneListing listing_;
+};
+
+}  // namespace roomwise::recording

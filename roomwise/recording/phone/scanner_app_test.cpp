@@ -1,0 +1,159 @@
+#include "roomwise/recording/phone/scanner_app.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "roomwise/base/testing/testing.h"
+#include "roomwise/image/codec.h"
+#include "roomwise/recording/open_recording.h"
+
+namespace roomwise::recording {
+namespace {
+
+using nlohmann::json;
+using roomwise::testing::ScratchFolder;
+
+constexpr int kWidth_px = 64, kHeight_px = 48;
+
+json frame_json(int number) {
+  return {{"time", 100 + 0.2 * number},
+          {"intrinsics", {50 + number, 0, 32, 0, 50 + number, 23, 0, 0, 1}},
+          {"cameraPoseARFrame", {1, 0, 0, 0.5 * number, 0, 1, 0, 1.5, 0, 0, 1, 0, 0, 0, 0, 1}},
+          {"latitude", 50.1},
+          {"longitude", 8.7}};
+}
+
+// Six frames as the app writes them; every third has a picture, of brightness 10 * its number.
+class ScannerAppFolder : public ::testing::Test {
+ protected:
+  ScannerAppFolder() {
+    for (int i = 0; i < 6; ++i) {
+      write(i, "frame_{:05}.json", frame_json(i).dump());
+      image::DepthImage depth(16, 12, static_cast<std::uint16_t>(1000 + i));
+      write(i, "depth_{:05}.png", image::encode_png(depth));
+      const auto grey = static_cast<std::uint8_t>(10 * i);
+      const image::ColorImage color(kWidth_px, kHeight_px, {grey, grey, grey});
+      if (i % 3 == 0) write(i, "frame_{:05}.jpg", image::encode_jpeg(color, 95));
+    }
+  }
+  template <typename Content>  // text or bytes
+  void write(int number, const char* name, const Content& content) const {
+    EXPECT_OK(write_file(file(number, name), content));
+  }
+  [[nodiscard]] std::filesystem::path file(int number, const char* name) const {
+    return folder_ / fmt::format(fmt::runtime(name), number);
+  }
+  [[nodiscard]] auto open() const { return open_recording(folder_.path()); }
+
+  ScratchFolder folder_;
+};
+
+TEST_F(ScannerAppFolder, IsToldWithoutAnyOptionAndGivesItsFramesByTheirNumbers) {
+  const auto recording = open();
+  ASSERT_OK(recording);
+  EXPECT_EQ((*recording)->kind(), "3D Scanner App, All Data");
+  EXPECT_THAT((*recording)->frames(), ::testing::ElementsAre(0, 3));
+  const auto frame = (*recording)->frame(3);
+  ASSERT_OK(frame);
+  EXPECT_EQ((*frame)->timestamp_ns, 100'600'000'000);
+  EXPECT_EQ((*frame)->color.width(), kWidth_px);
+  EXPECT_NEAR((*frame)->color.at(30, 20).r, 30, 1);
+  EXPECT_EQ((*frame)->depth.width(), kWidth_px);
+  EXPECT_EQ((*frame)->depth.at(30, 20), 1003);
+  EXPECT_EQ(image::decode_color((*frame)->encoded_color).value(), (*frame)->color);
+  EXPECT_EQ(image::decode_depth((*frame)->encoded_depth).value(), (*frame)->depth);
+}
+
+TEST_F(ScannerAppFolder, GivesThePosesOfAllFramesInOurAxes) {
+  const auto recording = open();
+  ASSERT_OK(recording);
+  const Trajectory& poses = (*recording)->device_poses();
+  ASSERT_EQ(poses.size(), 6U) << "also of those without a picture";
+  const auto& pose = poses[4].world_from_camera;
+  EXPECT_EQ(poses[4].timestamp_ns, 100'800'000'000);
+  EXPECT_LT((pose.translation - Eigen::Vector3d(2, 1.5, 0)).norm(), 1e-12);
+  const Eigen::Vector3d ahead = pose.rotation * Eigen::Vector3d::UnitZ();
+  const Eigen::Vector3d down = pose.rotation * Eigen::Vector3d::UnitY();
+  EXPECT_LT((ahead - Eigen::Vector3d(0, 0, -1)).norm(), 1e-12) << "ARKit looks along -z";
+  EXPECT_LT((down - Eigen::Vector3d(0, -1, 0)).norm(), 1e-12) << "and its y is up";
+  EXPECT_EQ(read_truth(folder_.path())->size(), 6U);
+}
+
+TEST_F(ScannerAppFolder, TakesAPictureWithoutDepthAsNoFrame) {
+  std::filesystem::remove(file(3, "depth_{:05}.png"));
+  const auto recording = open();
+  ASSERT_OK(recording);
+  EXPECT_THAT((*recording)->frames(), ::testing::ElementsAre(0));
+  EXPECT_OK((*recording)->read_color(3));
+}
+
+TEST_F(ScannerAppFolder, RefusesAnotherCamera) {
+  const auto own = open().value()->info().camera;
+  EXPECT_OK(open_recording(folder_.path(), {.camera = own}));
+  geometry::PinholeCamera other = own;
+  other.fx += 1;
+  EXPECT_ERROR(open_recording(folder_.path(), {.camera = other}), "says itself which camera");
+}
+
+TEST_F(ScannerAppFolder, NamesTheFileThatIsDamaged) {
+  const auto is_refused = [&](const json& content, const char* why) {
+    write(1, "frame_{:05}.json", content.dump());
+    const auto opened = open();
+    EXPECT_ERROR(opened, why);
+    EXPECT_ERROR(opened, "frame_00001.json");
+  };
+  json one = frame_json(1);
+  one["time"] = 99;
+  is_refused(one, "is not after");
+  one = frame_json(1);
+  one.erase("time");
+  is_refused(one, "'time' is missing");
+  one = frame_json(1);
+  one["intrinsics"] = {1, 2};
+  is_refused(one, "no list of 9 numbers");
+  one = frame_json(1);
+  one["cameraPoseARFrame"][0] = 7;
+  is_refused(one, "no rotation");
+  one["cameraPoseARFrame"][0] = nullptr;
+  is_refused(one, "no finite number");
+  is_refused("text", "no JSON object");
+  write(1, "frame_{:05}.json", std::string_view("{\"time\": 1"));
+  EXPECT_ERROR(open(), "frame_00001.json: is no JSON object");
+  std::filesystem::resize_file(file(1, "frame_{:05}.json"), 1 << 21);
+  EXPECT_ERROR(open(), "more than");
+}
+
+TEST_F(ScannerAppFolder, NamesThePictureThatCannotBeRead) {
+  write(3, "frame_{:05}.jpg", image::encode_jpeg(image::ColorImage(8, 8), 90));
+  EXPECT_ERROR(open().value()->frame(3), "frame_00003.jpg: has 8x8 pixels");
+  write(3, "frame_{:05}.jpg", std::string_view("no picture"));
+  EXPECT_ERROR(open().value()->frame(3), "frame_00003.jpg");
+  write(0, "depth_{:05}.png", std::string_view("no picture"));
+  EXPECT_ERROR(open().value()->frame(0), "depth_00000.png");
+}
+
+TEST_F(ScannerAppFolder, WantsAnExportThatIsWhole) {
+  std::filesystem::remove(file(3, "frame_{:05}.json"));
+  EXPECT_ERROR(open(), "frame_00003.jpg: has no .json of its number");
+  std::filesystem::remove(file(3, "frame_{:05}.jpg"));
+  std::filesystem::remove(file(0, "frame_{:05}.jpg"));
+  EXPECT_ERROR(open(), "holds no picture");
+}
+
+TEST(ScannerAppOfRealData, ReadsACorridor) {
+  const auto folder = roomwise::testing::find_data("phone_corridor");
+  if (!folder) GTEST_SKIP() << "there is no phone_corridor";
+  const auto recording = open_recording(*folder);
+  ASSERT_OK(recording);
+  EXPECT_EQ((*recording)->frames().size(), 146U);
+  EXPECT_EQ((*recording)->device_poses().size(), 436U);
+  EXPECT_EQ((*recording)->info().camera.width, 640);
+  const auto frame = (*recording)->frame(435);
+  ASSERT_OK(frame);
+  EXPECT_TRUE(frame->has_value());
+}
+
+}  // namespace
+}  // namespace roomwise::recording
