@@ -25,6 +25,8 @@ install(FILES
   ${PROJECT_BINARY_DIR}/RoomwiseConfig.cmake
   ${PROJECT_BINARY_DIR}/RoomwiseConfigVersion.cmake
   ${CMAKE_CURRENT_LIST_DIR}/FindLibZip.cmake
+  ${CMAKE_CURRENT_LIST_DIR}/FindLZ4.cmake
+  ${CMAKE_CURRENT_LIST_DIR}/FindZstd.cmake
   ${CMAKE_CURRENT_LIST_DIR}/FindOneDNN.cmake
   ${CMAKE_CURRENT_LIST_DIR}/FindOpenCVModules.cmake
   ${CMAKE_CURRENT_LIST_DIR}/FindOpenNI2.cmake
