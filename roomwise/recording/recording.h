@@ -36,6 +36,8 @@ struct RecordingContents {
   // Where the device says that it was: camera to world, x right, y down, z forward in the camera,
   // the world as the device had it. Empty where it wrote none.
   Trajectory device_poses;
+  // For people: what was chosen among several, what was found wrong and passed over.
+  std::vector<std::string> notes;
 };
 
 // A recording that is complete on the disk, of any kind: its frames in the order of time, and each
@@ -49,6 +51,8 @@ class Recording : public FrameSource {
   // The indices of those with depth.
   [[nodiscard]] const std::vector<std::uint64_t>& frames() const { return frames_; }
   [[nodiscard]] const Trajectory& device_poses() const { return contents_.device_poses; }
+  // For people, a sentence each: what was chosen among several streams, what was passed over.
+  [[nodiscard]] const std::vector<std::string>& notes() const { return contents_.notes; }
   // Null where there is no such colour image.
   [[nodiscard]] const RecordedPicture* find(std::uint64_t index) const;
 

@@ -3,38 +3,14 @@
 #include <gmock/gmock.h>
 
 #include <array>
-#include <string_view>
 
 #include "roomwise/base/testing/testing.h"
+#include "roomwise/recording/bytes/testing/lzfse_vectors.h"
 
 namespace roomwise::recording {
 namespace {
 
-// Packed by Apple's published encoder: the bytes of walls(4200) as one block of LZFSE (bvx2), of
-// walls(400) as one of LZVN, of walls(5) as a plain one.
-constexpr std::string_view kLzfse =
-    "6276783268100000bc00d0040031007040ca79cb79560070a600000024c8b00307af00b2810d142c0814de010000"
-    "38e743380100d6e27d801300801700b8e69a1316000000000000009fe5bab939bcb959373737eb70dd1cde70c35a"
-    "8b9bb5d6e2909bc5ba81b5b861ddc062b1586b010b586b018b050b160b58002c0016000000000000000000000000"
-    "000000000000000000000000000000000000000000000000000000003f1eefdf3d08a48fa287141feda09759cec8"
-    "1e8cc86206dfd1e196971aebf1767d8fb90dbf5c99ce4d41286fcd2f3ed709957aee8e9e4d98935b0be5458792f9"
-    "a0132ea9e09e5832560fcb01780000000000000000000053000611f0ac503c06047a5d1cf49bb5518035511bcb01"
-    "60a0f52a1f604524013cd8f61a4c8840592c9c350cadaf64c0ac61804903560f185532f06af887c8aa902001cc6b"
-    "1019865901f99862767824";
-constexpr std::string_view kLzvn =
-    "6276786e9001000025000000680100f0e7400401460246034604460598010600381cf056e4010000000600000000"
-    "00000062767824";
-constexpr std::string_view kPlain = "6276782d05000000000000000062767824";
-constexpr std::string_view kNothing = "6276782d0000000062767824";
-
-Bytes from_hex(std::string_view hex) {
-  const auto digit = [](char c) { return c <= '9' ? c - '0' : c - 'a' + 10; };
-  Bytes bytes;
-  for (std::size_t i = 0; i + 1 < hex.size(); i += 2) {
-    bytes.push_back(static_cast<std::uint8_t>(16 * digit(hex[i]) + digit(hex[i + 1])));
-  }
-  return bytes;
-}
+using namespace recording::testing;
 
 // Numbers of four bytes that repeat here and there, as depths do.
 Bytes walls(std::size_t size) {
@@ -76,7 +52,7 @@ Bytes block_with_plain_tables() {
 
 TEST(Lzfse, DecodesWhatApplesEncoderWrote) {
   for (const auto& [hex, size] :
-       {std::pair{kLzfse, 4200}, {kLzvn, 400}, {kPlain, 5}, {kNothing, 0}}) {
+       {std::pair{kLzfseBlock, 4200}, {kLzvnBlock, 400}, {kPlainBlock, 5}, {kNoBlock, 0}}) {
     const auto bytes = decode_lzfse(from_hex(hex), 5000);
     ASSERT_OK(bytes);
     EXPECT_EQ(*bytes, walls(static_cast<std::size_t>(size)));
@@ -92,7 +68,7 @@ TEST(Lzfse, DecodesABlockWithPlainTables) {
 TEST(Lzfse, JoinsBlocksOfAllKinds) {
   Bytes packed = block_with_plain_tables();
   packed.resize(packed.size() - 4);
-  const Bytes more = from_hex(kLzvn);
+  const Bytes more = from_hex(kLzvnBlock);
   packed.insert(packed.end(), more.begin(), more.end());
   const auto bytes = decode_lzfse(packed, 412);
   ASSERT_OK(bytes);
@@ -103,13 +79,13 @@ TEST(Lzfse, JoinsBlocksOfAllKinds) {
 }
 
 TEST(Lzfse, RefusesMoreThanItMayGive) {
-  EXPECT_ERROR(decode_lzfse(from_hex(kLzfse), 4199), "damaged LZFSE data");
-  EXPECT_ERROR(decode_lzfse(from_hex(kLzvn), 399), "damaged LZFSE data");
-  EXPECT_ERROR(decode_lzfse(from_hex(kPlain), 4), "larger than it should be");
+  EXPECT_ERROR(decode_lzfse(from_hex(kLzfseBlock), 4199), "damaged LZFSE data");
+  EXPECT_ERROR(decode_lzfse(from_hex(kLzvnBlock), 399), "damaged LZFSE data");
+  EXPECT_ERROR(decode_lzfse(from_hex(kPlainBlock), 4), "larger than it should be");
 }
 
 TEST(Lzfse, RefusesWhatIsCutOffAnywhere) {
-  for (const std::string_view hex : {kLzfse, kLzvn, kPlain, kNothing}) {
+  for (const std::string_view hex : {kLzfseBlock, kLzvnBlock, kPlainBlock, kNoBlock}) {
     const Bytes packed = from_hex(hex);
     for (std::size_t size = 0; size < packed.size(); ++size) {
       EXPECT_ERROR(decode_lzfse(std::span(packed).first(size), 5000), "damaged LZFSE data");
@@ -118,7 +94,7 @@ TEST(Lzfse, RefusesWhatIsCutOffAnywhere) {
 }
 
 TEST(Lzfse, SurvivesEveryFlippedBit) {
-  for (const std::string_view hex : {kLzfse, kLzvn}) {
+  for (const std::string_view hex : {kLzfseBlock, kLzvnBlock}) {
     const Bytes whole = from_hex(hex);
     for (std::size_t bit = 0; bit < 8 * whole.size(); ++bit) {
       Bytes packed = whole;
@@ -132,7 +108,7 @@ TEST(Lzfse, SurvivesEveryFlippedBit) {
 }
 
 TEST(Lzfse, KnowsItsFirstBytes) {
-  EXPECT_TRUE(is_lzfse(from_hex(kLzvn)));
+  EXPECT_TRUE(is_lzfse(from_hex(kLzvnBlock)));
   EXPECT_FALSE(is_lzfse(from_hex("0102")));
   EXPECT_FALSE(is_lzfse(from_hex("01020304")));
 }

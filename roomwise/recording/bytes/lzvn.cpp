@@ -78,10 +78,11 @@ bool LzOutput::repeat(std::size_t distance, std::size_t count) {
   if (distance == 0 || distance > begin || count > max_size_ - begin) return false;
   bytes_.resize(begin + count);
   std::uint8_t* to = bytes_.data() + begin;
+  const std::uint8_t* from = bytes_.data() + (begin - distance);
   if (distance >= count) {
-    std::copy_n(to - distance, count, to);
+    std::copy_n(from, count, to);
   } else {
-    for (std::size_t i = 0; i < count; ++i) to[i] = to[i - distance];
+    for (std::size_t i = 0; i < count; ++i) to[i] = from[i];
   }
   return true;
 }

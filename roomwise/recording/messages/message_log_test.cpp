@@ -2,9 +2,8 @@
 
 #include <gmock/gmock.h>
 
-#include <fstream>
-
 #include "roomwise/base/testing/testing.h"
+#include "roomwise/recording/bytes/testing/quick_file.h"
 #include "roomwise/recording/messages/mcap_file.h"
 #include "roomwise/recording/messages/messages.h"
 #include "roomwise/recording/messages/ros1_bag.h"
@@ -51,10 +50,7 @@ class LogTest : public ::testing::TestWithParam<FileKind> {
   }
   Expected<MessageLog> read_bytes(std::span<const std::uint8_t> bytes) const {
     const auto path = folder_ / "log";
-    // Thousands of times; write_file() would wait for the disk.
-    std::ofstream(path, std::ios::binary)
-        .write(reinterpret_cast<const char*>(bytes.data()),
-               static_cast<std::streamsize>(bytes.size()));
+    write_quickly(path, bytes);
     return GetParam() == FileKind::kBag ? read_ros1_bag(path) : read_mcap(path);
   }
   Expected<MessageLog> read(const LogPlan& plan) const { return read_bytes(written(plan)); }

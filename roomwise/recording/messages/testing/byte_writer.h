@@ -16,17 +16,14 @@ class ByteWriter {
  public:
   template <typename Number>
   ByteWriter& number(std::type_identity_t<Number> value) {
-    const auto* bytes = reinterpret_cast<const std::uint8_t*>(&value);
-    bytes_.insert(bytes_.end(), bytes, bytes + sizeof(Number));
-    return *this;
+    return bytes({reinterpret_cast<const std::uint8_t*>(&value), sizeof(Number)});
   }
   ByteWriter& bytes(std::span<const std::uint8_t> bytes) {
-    bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
+    for (const std::uint8_t byte : bytes) bytes_.push_back(byte);
     return *this;
   }
   ByteWriter& text(std::string_view text) {
-    bytes_.insert(bytes_.end(), text.begin(), text.end());
-    return *this;
+    return bytes({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
   }
   template <typename Length>
   ByteWriter& counted(std::string_view text) {

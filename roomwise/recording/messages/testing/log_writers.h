@@ -45,6 +45,7 @@ struct LogPlan {
   std::vector<std::vector<WrittenMessage>> chunks;
   std::string packing;  // "", "lz4", "zstd", "bz2"
   bool has_index = true;
+  bool has_sums = true;    // MCAP: a CRC-32 of each chunk
   bool has_chunks = true;  // MCAP: else messages lie between the other records
 };
 
@@ -131,7 +132,7 @@ class McapWriter {
     put_messages(records, messages);
     index_.emplace_back(out_.size(), &messages);
     const Bytes packed = pack_bytes(plan_.packing, records.all());
-    const auto crc = crc32_z(0, records.all().data(), records.size());
+    const auto crc = plan_.has_sums ? crc32_z(0, records.all().data(), records.size()) : 0;
     record(out_, 0x06,
            ByteWriter()
                .number<std::uint64_t>(0)

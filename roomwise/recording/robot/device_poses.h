@@ -1,0 +1,20 @@
+#pragma once
+
+#include "roomwise/recording/messages/message_log.h"
+#include "roomwise/recording/robot/transform_tree.h"
+#include "roomwise/recording/trajectory_file.h"
+
+namespace roomwise::recording {
+
+// All transforms between frames that the log holds, RealSense's extrinsics among them. Messages
+// that cannot be read are left out, and `notes` says how many.
+[[nodiscard]] TransformTree read_transforms(const MessageLog& log, std::vector<std::string>& notes);
+
+// Where the camera's frame was at these times (increasing), as far as it is known: in the frame
+// above all others, where the camera moves in it; else by the odometry with most messages whose
+// child is connected with the camera. Empty where the log tells neither.
+[[nodiscard]] Trajectory find_device_poses(const MessageLog& log, const TransformTree& tree,
+                                           const std::string& camera_frame,
+                                           const std::vector<TimestampNs>& times);
+
+}  // namespace roomwise::recording
