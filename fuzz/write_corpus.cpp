@@ -7,8 +7,12 @@
 #include "roomwise/network/formats/built_in_cards.h"
 #include "roomwise/network/formats/eight_bit_file.h"
 #include "roomwise/network/formats/safetensors.h"
-#include "roomwise/network/testing/torch_checkpoint.h"
 #include "roomwise/network/testing/tiny_network.h"
+#include "roomwise/network/testing/torch_checkpoint.h"
+#include "roomwise/recording/bytes/testing/lzfse_vectors.h"
+#include "roomwise/recording/phone/testing/record3d_writer.h"
+#include "roomwise/recording/robot/testing/robot_log.h"
+#include "roomwise/recording/sens/testing/sens_writer.h"
 #include "roomwise/service/messages.h"
 
 namespace {
@@ -172,6 +176,98 @@ std::vector<Seed> protocol_seeds() {
   return seeds;
 }
 
+// Small files of robots, and their messages: each of these begins with the type and the encoding
+// that messages_fuzz.cpp reads by its first bytes.
+namespace robots = roomwise::recording::testing;
+using roomwise::recording::Encoding;
+
+std::vector<Seed> mcap_seeds() {
+  std::vector<Seed> seeds;
+  for (const char* packing : {"", "lz4", "zstd"}) {
+    auto plan = robots::small_robot(Encoding::kCdr).plan(packing);
+    plan.has_sums = false;
+    seeds.push_back(
+        {std::string("robot") + packing + ".mcap", text_of(robots::McapWriter::write(plan))});
+  }
+  auto plan = robots::small_robot(Encoding::kRos1).plan("");
+  plan.has_chunks = plan.has_index = false;
+  seeds.push_back({"robot_flat.mcap", text_of(robots::McapWriter::write(plan))});
+  return seeds;
+}
+
+std::vector<Seed> bag_seeds() {
+  std::vector<Seed> seeds;
+  for (const char* packing : {"", "lz4", "bz2"}) {
+    auto plan = robots::small_robot(Encoding::kRos1).plan(packing);
+    seeds.push_back(
+        {std::string("robot") + packing + ".bag", text_of(robots::BagWriter::write(plan))});
+    plan.has_index = false;
+    seeds.push_back(
+        {std::string("open") + packing + ".bag", text_of(robots::BagWriter::write(plan))});
+  }
+  return seeds;
+}
+
+std::vector<Seed> message_seeds() {
+  std::vector<Seed> seeds;
+  for (const Encoding encoding : {Encoding::kRos1, Encoding::kCdr}) {
+    const auto plan = robots::small_robot(encoding).plan("");
+    for (const auto& chunk : plan.chunks) {
+      for (const auto& message : chunk) {
+        const auto type = plan.channels[message.channel].type;
+        seeds.push_back({fmt::format("{}_{}", robots::encoding_name(encoding), message.channel),
+                         std::string{static_cast<char>(static_cast<int>(type) - 1),
+                                     static_cast<char>(encoding)} +
+                             text_of(message.data)});
+      }
+    }
+  }
+  const auto raw = robots::ProtoWriter()
+                       .time(1, 5)
+                       .fixed32(2, 1)
+                       .fixed32(3, 1)
+                       .text(4, "mono8")
+                       .fixed32(5, 1)
+                       .blob(6, roomwise::Bytes{7})
+                       .text(7, "camera");
+  seeds.push_back({"protobuf_image", std::string{0, 2} + text_of(raw.all())});
+  seeds.push_back(
+      {"json_image",
+       std::string{1, 3} +
+           R"({"timestamp":{"sec":5,"nsec":7},"frame_id":"c","data":"AQIDBA==","format":"jpeg"})"});
+  seeds.push_back(
+      {"json_camera",
+       std::string{2, 3} +
+           R"({"width":4,"height":3,"distortion_model":"","D":[],"K":[1,0,2,0,1,1,0,0,1],"P":[]})"});
+  return seeds;
+}
+
+std::vector<Seed> sens_seeds() {
+  robots::SensPlan plan;
+  plan.color_width = 16;
+  plan.color_height = 12;
+  std::vector<Seed> seeds{{"zlib.sens", text_of(robots::sens_file(plan))}};
+  plan.depth_packing = 0;
+  seeds.push_back({"plain.sens", text_of(robots::sens_file(plan))});
+  return seeds;
+}
+
+std::vector<Seed> record3d_seeds() {
+  const fs::path path = fs::temp_directory_path() / "roomwise-seed.r3d";
+  const bool is_written = robots::write_zip(path, robots::phone_files());
+  const auto bytes = roomwise::read_file(path);
+  std::error_code ignored;
+  fs::remove(path, ignored);
+  if (!is_written || !bytes) return {};
+  return {{"two.r3d", text_of(*bytes)}};
+}
+
+std::vector<Seed> lzfse_seeds() {
+  return {{"lzfse", text_of(robots::from_hex(robots::kLzfseBlock))},
+          {"lzvn", text_of(robots::from_hex(robots::kLzvnBlock))},
+          {"plain", text_of(robots::lzfse(roomwise::Bytes(20, 'a')))}};
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -185,7 +281,10 @@ int main(int argc, char** argv) {
   for (const auto& written :
        {write(corpus / "onnx", onnx_seeds()), write(corpus / "model_card", card_seeds()),
         write(corpus / "eight_bits", eight_bits_seeds()), write(corpus / "catalogue", list),
-        write(corpus / "weights", weights_seeds()), write(corpus / "protocol", protocol_seeds())}) {
+        write(corpus / "weights", weights_seeds()), write(corpus / "protocol", protocol_seeds()),
+        write(corpus / "mcap", mcap_seeds()), write(corpus / "ros1_bag", bag_seeds()),
+        write(corpus / "messages", message_seeds()), write(corpus / "sens", sens_seeds()),
+        write(corpus / "record3d", record3d_seeds()), write(corpus / "lzfse", lzfse_seeds())}) {
     if (written) continue;
     std::fprintf(stderr, "%s\n", written.error().message.c_str());
     return 1;

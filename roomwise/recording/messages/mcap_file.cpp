@@ -138,15 +138,26 @@ class McapScan {
 
   [[nodiscard]] bool is_wanted(const IndexedChunk& chunk) const {
     const auto is_read = [this](std::uint16_t number) {
-      const Channel* channel = builder_.channel(number);
-      return channel == nullptr || channel->is_read();
+      return builder_.channel(number)->is_read();
     };
     return chunk.channels.empty() || std::ranges::any_of(chunk.channels, is_read);
   }
 
+  // Some writers describe the channels in chunks alone, perhaps in one that has none of their
+  // messages.
+  [[nodiscard]] bool knows_all_channels(const Index& index) const {
+    const auto is_known = [this](std::uint16_t number) {
+      return builder_.channel(number) != nullptr;
+    };
+    return std::ranges::all_of(index, [&](const IndexedChunk& chunk) {
+      return std::ranges::all_of(chunk.channels, is_known);
+    });
+  }
+
   Expected<void> read_indexed(const Index& index) {
+    const bool may_pass_over = knows_all_channels(index);
     for (const IndexedChunk& chunk : index) {
-      if (!is_wanted(chunk)) continue;
+      if (may_pass_over && !is_wanted(chunk)) continue;
       ROOMWISE_TRY(const auto record, record_at(space_, chunk.offset));
       if (!record || record->opcode != kChunkRecord) return damaged(chunk.offset, "the chunk");
       ROOMWISE_CHECK_OK(read_chunk(*record));

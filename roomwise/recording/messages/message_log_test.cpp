@@ -188,6 +188,18 @@ TEST(McapFile, RefusesAChunkWhoseSumIsWrong) {
   EXPECT_ERROR(read_mcap(folder / "a.mcap"), "CRC-32");
 }
 
+TEST(McapFile, ReadsAnIndexWithoutChannels) {
+  const roomwise::testing::ScratchFolder folder;
+  LogPlan plan = small_plan(FileKind::kMcap);
+  plan.has_channels_at_end = false;
+  // The first chunk describes the channels, and has no message that is read.
+  std::swap(plan.chunks[0], plan.chunks[2]);
+  ASSERT_OK(write_file(folder / "a.mcap", McapWriter::write(plan)));
+  const auto log = read_mcap(folder / "a.mcap");
+  ASSERT_OK(log);
+  EXPECT_THAT(log->messages(0), SizeIs(2));
+}
+
 TEST(McapFile, ReadsMessagesOutsideOfChunks) {
   const roomwise::testing::ScratchFolder folder;
   LogPlan plan = small_plan(FileKind::kMcap);

@@ -22,12 +22,6 @@ std::vector<std::string_view> parts_of(std::string_view topic) {
   return parts;
 }
 
-std::size_t shared_parts(std::string_view a, std::string_view b) {
-  const auto parts_a = parts_of(a), parts_b = parts_of(b);
-  const auto [end, unused] = std::ranges::mismatch(parts_a, parts_b);
-  return static_cast<std::size_t>(end - parts_a.begin());
-}
-
 std::string frame_of(const std::string& topic, const std::string& frame) {
   const std::string stream = realsense_stream_of(topic);
   return stream.empty() ? frame : stream;
@@ -55,18 +49,36 @@ std::vector<InfoStream> find_infos(const MessageLog& log, std::vector<std::strin
   return infos;
 }
 
+// The part of a topic's name under which the images of its camera lie: "/camera/color" of
+// "/camera/color/camera_info", RealSense's ".../Color_0" of ".../Color_0/info/camera_info".
+std::vector<std::string_view> namespace_of(const InfoStream& info) {
+  auto parts = parts_of(info.topic);
+  if (!parts.empty()) parts.pop_back();
+  if (!parts.empty() && parts.back() == "info") parts.pop_back();
+  return parts;
+}
+
+// How well an info belongs to a stream: the parts of the namespace that holds it, whether the frame
+// is the same, the letters that their topics begin with alike. Nothing where it does not.
+std::optional<std::tuple<std::size_t, bool, std::size_t>> fit_of(const InfoStream& one,
+                                                                 const ImageStream& stream) {
+  const bool has_size = one.info.width != 0 && one.info.height != 0;
+  const bool is_of_size = !has_size || (static_cast<int>(one.info.width) == stream.width &&
+                                        static_cast<int>(one.info.height) == stream.height);
+  const auto above = namespace_of(one);
+  const auto topic = parts_of(stream.topic);
+  const bool holds = !above.empty() && std::ranges::mismatch(above, topic).in1 == above.end();
+  const bool is_of_frame = !one.frame.empty() && one.frame == stream.frame;
+  if (!is_of_size || (!holds && !is_of_frame)) return std::nullopt;
+  const auto alike = std::ranges::mismatch(one.topic, stream.topic).in1 - one.topic.begin();
+  return std::tuple(holds ? above.size() : 0, is_of_frame, static_cast<std::size_t>(alike));
+}
+
 const InfoStream* info_of(const ImageStream& stream, const std::vector<InfoStream>& infos) {
   const InfoStream* best = nullptr;
-  std::tuple<std::size_t, bool> best_fit{0, false};
   for (const InfoStream& one : infos) {
-    const bool has_size = one.info.width != 0 && one.info.height != 0;
-    const bool fits = !has_size || (static_cast<int>(one.info.width) == stream.width &&
-                                    static_cast<int>(one.info.height) == stream.height);
-    const std::tuple fit{shared_parts(one.topic, stream.topic), one.frame == stream.frame};
-    if (fits && fit > best_fit) {
-      best = &one;
-      best_fit = fit;
-    }
+    const auto fit = fit_of(one, stream);
+    if (fit && (best == nullptr || *fit > *fit_of(*best, stream))) best = &one;
   }
   return best;
 }

@@ -26,9 +26,10 @@ struct ImageStream {
   double depth_unit_m = 0.001;  // of a depth stream of whole numbers
 };
 
-// The image channels of a log, with their cameras. Of the camera infos of a picture's size that one
-// belongs to it whose topic begins as its own does for the most parts, and of these that of its
-// frame. A channel whose first message cannot be read is left out, and `notes` says why.
+// The image channels of a log, with their cameras. To a picture belongs a camera info of its size
+// whose namespace holds its topic, or whose frame is its own: the closest namespace, then the
+// frame, then the name that is most alike. A channel whose first message cannot be read is left
+// out, and `notes` says why.
 [[nodiscard]] std::vector<ImageStream> find_image_streams(const MessageLog& log,
                                                           std::vector<std::string>& notes);
 

@@ -45,8 +45,9 @@ struct LogPlan {
   std::vector<std::vector<WrittenMessage>> chunks;
   std::string packing;  // "", "lz4", "zstd", "bz2"
   bool has_index = true;
-  bool has_sums = true;    // MCAP: a CRC-32 of each chunk
-  bool has_chunks = true;  // MCAP: else messages lie between the other records
+  bool has_sums = true;             // MCAP: a CRC-32 of each chunk
+  bool has_channels_at_end = true;  // MCAP
+  bool has_chunks = true;           // MCAP: else messages lie between the other records
 };
 
 inline const char* encoding_name(Encoding encoding) {
@@ -143,7 +144,7 @@ class McapWriter {
                .counted<std::uint64_t>(packed));
   }
   void put_summary() {
-    describe(out_);
+    if (plan_.has_channels_at_end) describe(out_);
     for (const auto& [offset, messages] : index_) {
       ByteWriter channels;
       std::map<std::size_t, int> seen;

@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <array>
 
+#include "roomwise/recording/phone/record3d.h"
 #include "roomwise/recording/phone/scanner_app.h"
+#include "roomwise/recording/robot/robot_recording.h"
+#include "roomwise/recording/sens/sens_recording.h"
 #include "roomwise/recording/tum_recording.h"
 
 namespace roomwise::recording {
@@ -22,6 +25,12 @@ constexpr std::array kKinds{
                   &open_as<TumRecording>},
     RecordingKind{"3D Scanner App, All Data", "frame_00000.json and depth_00000.png",
                   &is_scanner_app_export, &open_scanner_app_export},
+    RecordingKind{"MCAP", "the first bytes of an .mcap file", &is_mcap_file, &open_mcap_recording},
+    RecordingKind{"ROS 1 bag, RealSense", "the first bytes of a .bag file", &is_ros1_bag_file,
+                  &open_ros1_bag_recording},
+    RecordingKind{"ScanNet .sens", "the head of the file", &is_sens_file, &open_sens_recording},
+    RecordingKind{"Record3D .r3d", "a zip with metadata and rgbd/0.jpg", &is_record3d_file,
+                  &open_record3d},
 };
 
 std::string what_is_read() {

@@ -1,0 +1,10 @@
+// Any bytes as an MCAP file.
+
+#include "fuzz_target.h"
+#include "read_recording.h"
+#include "roomwise/recording/robot/robot_recording.h"
+
+int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  read_recording(data, size, roomwise::recording::open_mcap_recording);
+  return 0;
+}

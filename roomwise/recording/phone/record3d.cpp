@@ -1,0 +1,262 @@
+#include "roomwise/recording/phone/record3d.h"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "roomwise/image/codec.h"
+#include "roomwise/recording/bytes/byte_reader.h"
+#include "roomwise/recording/bytes/lzfse.h"
+#include "roomwise/recording/phone/json_file.h"
+#include "roomwise/recording/phone/one_camera.h"
+#include "roomwise/recording/phone/zip_file.h"
+
+namespace roomwise::recording {
+namespace {
+
+using geometry::PinholeCamera;
+using Json = nlohmann::json;
+
+constexpr int kMaxRecord3dSide_px = 640;
+constexpr std::uint8_t kMinRecord3dConfidence = 1;
+constexpr std::size_t kMaxMetadataBytes = std::size_t{1} << 27;
+constexpr std::size_t kMaxJpegBytes = std::size_t{1} << 26;
+constexpr int kMaxDepthSide = 4096;
+
+struct Record3dFrame {
+  TimestampNs timestamp_ns = 0;
+  PinholeCamera camera;
+  std::optional<geometry::RigidTransform> world_from_camera;
+};
+
+struct Record3dFacts {
+  int depth_width = 0, depth_height = 0;
+  std::vector<Record3dFrame> frames;
+};
+
+Expected<int> side_of(const Json& json, const char* key, int max) {
+  ROOMWISE_TRY(const double number, number_of(json, key));
+  if (number < 1 || number > max || number != std::floor(number)) {
+    return fail("'{}' = {} is no size of a picture", key, number);
+  }
+  return static_cast<int>(number);
+}
+
+const Json* list_in(const Json& json, const char* key) {
+  const auto found = json.find(key);
+  return found != json.end() && found->is_array() && !found->empty() ? &*found : nullptr;
+}
+
+std::optional<std::vector<double>> numbers_from(const Json& list, std::size_t count) {
+  if (!list.is_array() || list.size() != count) return std::nullopt;
+  std::vector<double> numbers;
+  for (const Json& one : list) {
+    if (!one.is_number() || !std::isfinite(one.get<double>())) return std::nullopt;
+    numbers.push_back(one.get<double>());
+  }
+  return numbers;
+}
+
+// fx, fy, cx, cy of each frame; older versions have the first one's alone, column after column.
+Expected<PinholeCamera> camera_of_frame(const Json& json, std::size_t frame, PinholeCamera camera) {
+  const Json* all = list_in(json, "perFrameIntrinsicCoeffs");
+  if (all != nullptr) {
+    const auto numbers = frame < all->size() ? numbers_from((*all)[frame], 4) : std::nullopt;
+    if (!numbers) return fail("perFrameIntrinsicCoeffs has no four numbers of frame {}", frame);
+    std::tie(camera.fx, camera.fy, camera.cx, camera.cy) =
+        std::tuple((*numbers)[0], (*numbers)[1], (*numbers)[2], (*numbers)[3]);
+  } else {
+    ROOMWISE_TRY(const auto k, numbers_of(json, "K", 9));
+    std::tie(camera.fx, camera.fy, camera.cx, camera.cy) = std::tuple(k[0], k[4], k[6], k[7]);
+  }
+  if (auto valid = camera.validate(); !valid) return Unexpected(std::move(valid).error());
+  return camera;
+}
+
+// qx, qy, qz, qw, px, py, pz, in the axes of ARKit: x right, y up, z back.
+Expected<geometry::RigidTransform> pose_of_frame(const Json& poses, std::size_t frame) {
+  const auto numbers = frame < poses.size() ? numbers_from(poses[frame], 7) : std::nullopt;
+  if (!numbers) return fail("poses has no seven numbers of frame {}", frame);
+  const auto& n = *numbers;
+  Eigen::Quaterniond rotation(n[3], n[0], n[1], n[2]);
+  if (!(rotation.norm() > 0.5 && rotation.norm() < 2)) {
+    return fail("the pose of frame {} has no rotation", frame);
+  }
+  const Eigen::Quaterniond arkit_from_camera(0, 1, 0, 0);  // half a turn about x
+  return geometry::RigidTransform{rotation.normalized() * arkit_from_camera, {n[4], n[5], n[6]}};
+}
+
+Expected<TimestampNs> time_of_frame(const Json& json, std::size_t frame) {
+  if (const Json* times = list_in(json, "frameTimestamps")) {
+    if (frame >= times->size() || !(*times)[frame].is_number()) {
+      return fail("frameTimestamps has no number of frame {}", frame);
+    }
+    return timestamp_of((*times)[frame].get<double>());
+  }
+  ROOMWISE_TRY(const double fps, number_of(json, "fps"));
+  if (!(fps >= 0.1 && fps <= 1000)) return fail("'fps' = {} is no number of frames a second", fps);
+  return timestamp_of(static_cast<double>(frame) / fps);
+}
+
+Expected<Record3dFacts> facts_from(const Json& json, const ZipFile& zip) {
+  Record3dFacts facts;
+  PinholeCamera size;
+  ROOMWISE_TRY(size.width, side_of(json, "w", 65'535));
+  ROOMWISE_TRY(size.height, side_of(json, "h", 65'535));
+  ROOMWISE_TRY(facts.depth_width, side_of(json, "dw", kMaxDepthSide));
+  ROOMWISE_TRY(facts.depth_height, side_of(json, "dh", kMaxDepthSide));
+  const Json* poses = list_in(json, "poses");
+  for (std::size_t i = 0; zip.contains(fmt::format("rgbd/{}.jpg", i)); ++i) {
+    Record3dFrame frame;
+    ROOMWISE_TRY(frame.timestamp_ns, time_of_frame(json, i));
+    ROOMWISE_TRY(frame.camera, camera_of_frame(json, i, size));
+    if (poses != nullptr) {
+      ROOMWISE_TRY(frame.world_from_camera, pose_of_frame(*poses, i));
+    }
+    if (!facts.frames.empty() && frame.timestamp_ns <= facts.frames.back().timestamp_ns) {
+      return fail("the time of frame {} is not after that of the frame before", i);
+    }
+    facts.frames.push_back(std::move(frame));
+  }
+  return facts;
+}
+
+Expected<Record3dFacts> read_facts(const ZipFile& zip) {
+  const std::string name = zip.path().string() + ": metadata";
+  ROOMWISE_TRY(const Bytes bytes, zip.read("metadata", kMaxMetadataBytes));
+  const Json json = Json::parse(bytes.begin(), bytes.end(), nullptr, false);
+  if (!json.is_object()) return fail("{}: is no JSON object", name);
+  auto facts = facts_from(json, zip);
+  if (!facts) return Unexpected(std::move(facts).error().in(name));
+  return facts;
+}
+
+// The app turns a portrait and its depth a quarter clockwise, so that what was the first row, on
+// which ARKit's measurements begin, is the last column.
+PinholeCamera record3d_depth_camera(const PinholeCamera& camera, int width, int height) {
+  PinholeCamera depth = depth_camera(camera, width, height);
+  const double step = 1.0 * camera.width / width;
+  if (camera.height > camera.width) depth.cx = (camera.cx - (step - 1)) / step;
+  return depth;
+}
+
+class Record3dRecording final : public Recording {
+ public:
+  Record3dRecording(RecordingContents contents, ZipFile zip, Record3dFacts facts)
+      : Recording(std::move(contents)), zip_(std::move(zip)), facts_(std::move(facts)) {}
+
+  [[nodiscard]] std::string describe(const RecordedPicture& picture) const override {
+    return entry_name(picture, "jpg");
+  }
+
+ private:
+  static std::string entry(const RecordedPicture& picture, std::string_view ending) {
+    return fmt::format("rgbd/{}.{}", picture.index, ending);
+  }
+  [[nodiscard]] std::string entry_name(const RecordedPicture& picture,
+                                       std::string_view ending) const {
+    return fmt::format("{}: {}", zip_.path().string(), entry(picture, ending));
+  }
+
+  [[nodiscard]] Expected<image::ColorImage> read_picture(
+      const RecordedPicture& picture) const override {
+    ROOMWISE_TRY(const Bytes bytes, zip_.read(entry(picture, "jpg"), kMaxJpegBytes));
+    auto color = image::decode_color(bytes);
+    if (!color) return Unexpected(std::move(color).error().in(entry_name(picture, "jpg")));
+    const PinholeCamera& camera = facts_.frames[picture.index].camera;
+    if (color->width() != camera.width || color->height() != camera.height) {
+      return fail("{}: has {}x{} pixels, metadata says {}x{}", entry_name(picture, "jpg"),
+                  color->width(), color->height(), camera.width, camera.height);
+    }
+    return as_seen_by(*color, camera, info().camera);
+  }
+
+  // One value of `size` bytes for each pixel of depth, packed or as it is.
+  [[nodiscard]] Expected<Bytes> read_values(const RecordedPicture& picture, std::string_view ending,
+                                            std::size_t size) const {
+    const std::size_t expected = size * static_cast<std::size_t>(facts_.depth_width) *
+                                 static_cast<std::size_t>(facts_.depth_height);
+    ROOMWISE_TRY(Bytes bytes, zip_.read(entry(picture, ending), 2 * expected + 4096));
+    if (is_lzfse(bytes) && bytes.size() != expected) {
+      auto decoded = decode_lzfse(bytes, expected);
+      if (!decoded) return Unexpected(std::move(decoded).error().in(entry_name(picture, ending)));
+      bytes = *std::move(decoded);
+    }
+    if (bytes.size() == expected) return bytes;
+    return fail("{}: has {} bytes, {}x{} pixels need {}", entry_name(picture, ending), bytes.size(),
+                facts_.depth_width, facts_.depth_height, expected);
+  }
+
+  [[nodiscard]] Expected<image::DepthImage> read_depth(const RecordedPicture& picture) const {
+    ROOMWISE_TRY(const Bytes metres, read_values(picture, "depth", sizeof(float)));
+    Bytes confidence;
+    if (zip_.contains(entry(picture, "conf"))) {
+      ROOMWISE_TRY(confidence, read_values(picture, "conf", 1));
+    }
+    image::DepthImage depth(facts_.depth_width, facts_.depth_height);
+    for (std::size_t i = 0; i < depth.pixels().size(); ++i) {
+      if (!confidence.empty() && confidence[i] < kMinRecord3dConfidence) continue;
+      const float mm = 1000 * load<float>(metres.data() + sizeof(float) * i);
+      // Numbers that are none fail both.
+      if (mm >= 1 && mm < 65'535) depth.pixels()[i] = static_cast<std::uint16_t>(std::lround(mm));
+    }
+    const PinholeCamera& camera = facts_.frames[picture.index].camera;
+    return as_seen_by(depth, record3d_depth_camera(camera, depth.width(), depth.height()),
+                      info().camera);
+  }
+
+  [[nodiscard]] Expected<image::RgbdFrame> read_frame(
+      const RecordedPicture& picture) const override {
+    image::RgbdFrame frame;
+    frame.index = picture.index;
+    frame.timestamp_ns = picture.timestamp_ns;
+    ROOMWISE_TRY(frame.color, read_picture(picture));
+    ROOMWISE_TRY(frame.depth, read_depth(picture));
+    return frame;
+  }
+
+  ZipFile zip_;
+  Record3dFacts facts_;
+};
+
+}  // namespace
+
+bool is_record3d_file(const std::filesystem::path& path) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) return false;
+  const auto zip = ZipFile::open(path);
+  // One that names files elsewhere is said to be so when it is opened.
+  if (!zip) return path.extension() == ".r3d";
+  return zip->contains("metadata") && zip->contains("rgbd/0.jpg");
+}
+
+Expected<std::unique_ptr<Recording>> open_record3d(const std::filesystem::path& path,
+                                                   const RecordingOptions& options) {
+  ROOMWISE_TRY(ZipFile zip, ZipFile::open(path));
+  ROOMWISE_TRY(Record3dFacts facts, read_facts(zip));
+  if (facts.frames.empty()) return fail("{}: holds no rgbd/0.jpg", path.string());
+  RecordingContents contents;
+  contents.kind = "Record3D .r3d";
+  contents.info.name = recording_name(path);
+  std::vector<PinholeCamera> cameras;
+  for (std::size_t i = 0; i < facts.frames.size(); ++i) {
+    const Record3dFrame& frame = facts.frames[i];
+    cameras.push_back(frame.camera);
+    contents.pictures.push_back(
+        {i, frame.timestamp_ns, zip.contains(fmt::format("rgbd/{}.depth", i))});
+    if (frame.world_from_camera) {
+      contents.device_poses.push_back({frame.timestamp_ns, *frame.world_from_camera});
+    }
+  }
+  if (std::ranges::none_of(contents.pictures, &RecordedPicture::has_depth)) {
+    return fail("{}: no picture has a depth image", path.string());
+  }
+  contents.info.camera = common_camera(cameras, kMaxRecord3dSide_px);
+  if (options.camera && *options.camera != contents.info.camera) {
+    return fail("{}: says itself which camera took it; leave the other camera out", path.string());
+  }
+  return std::unique_ptr<Recording>(
+      new Record3dRecording(std::move(contents), std::move(zip), std::move(facts)));
+}
+
+}  // namespace roomwise::recording

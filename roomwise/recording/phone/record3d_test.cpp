@@ -1,0 +1,161 @@
+#include "roomwise/recording/phone/record3d.h"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+#include "roomwise/base/testing/testing.h"
+#include "roomwise/recording/bytes/testing/quick_file.h"
+#include "roomwise/recording/phone/testing/record3d_writer.h"
+
+namespace roomwise::recording {
+namespace {
+
+using namespace recording::testing;
+using ::testing::ElementsAre;
+using ::testing::SizeIs;
+
+class Record3dTest : public ::testing::Test {
+ protected:
+  Expected<std::unique_ptr<Recording>> open(const ZipContents& files) {
+    EXPECT_TRUE(write_zip(path_, files));
+    return open_record3d(path_, {});
+  }
+  const roomwise::testing::ScratchFolder folder_;
+  const std::filesystem::path path_ = folder_ / "room.r3d";
+  ZipContents files_ = phone_files();
+};
+
+TEST_F(Record3dTest, GivesFramesAndPoses) {
+  const auto opened = open(files_);
+  ASSERT_OK(opened);
+  const Recording& recording = **opened;
+  EXPECT_TRUE(is_record3d_file(path_));
+  EXPECT_EQ(recording.info().camera.width, 48);
+  EXPECT_EQ(recording.info().camera.fy, 61);
+  EXPECT_EQ(recording.info().camera.cx, 23.5);
+  EXPECT_THAT(recording.frames(), ElementsAre(0, 1));
+  EXPECT_EQ(recording.pictures()[1].timestamp_ns, 10'600'000'000);
+  const auto frame = recording.frame(1);
+  ASSERT_OK(frame);
+  EXPECT_NEAR((*frame)->color.at(20, 20).g, 100, 2);
+  for (const auto& [x, y] : {std::pair(4, 0), {47, 0}, {20, 30}, {47, 61}}) {
+    EXPECT_EQ((*frame)->depth.at(x, y), 1250) << x << ", " << y;
+  }
+}
+
+TEST_F(Record3dTest, PosesAreTurnedToLookForward) {
+  const auto opened = open(files_);
+  ASSERT_OK(opened);
+  ASSERT_THAT((*opened)->device_poses(), SizeIs(2));
+  // ARKit's camera looks along -z, up is y: what lies 1 m ahead and 0.5 m below.
+  const Eigen::Vector3d ahead(0, 0.5, 1);
+  EXPECT_TRUE(((*opened)->device_poses()[0].world_from_camera * ahead)
+                  .isApprox(Eigen::Vector3d(1, 1.5, 2), 1e-6));
+  EXPECT_TRUE(((*opened)->device_poses()[1].world_from_camera * ahead)
+                  .isApprox(Eigen::Vector3d(0, 1.5, 4), 1e-6));
+}
+
+TEST_F(Record3dTest, EachFrameMayHaveACameraOfItsOwn) {
+  files_["metadata"] = bytes_of(R"({"w": 48, "h": 64, "dw": 12, "dh": 16, "fps": 10,
+    "K": [1, 0, 0, 0, 1, 0, 1, 1, 1],
+    "perFrameIntrinsicCoeffs": [[60, 60, 23.5, 31.5], [66, 66, 23.5, 31.5]]})");
+  const auto opened = open(files_);
+  ASSERT_OK(opened);
+  EXPECT_EQ((*opened)->info().camera.fx, 66) << "the median";
+  EXPECT_EQ((*opened)->pictures()[1].timestamp_ns, 100'000'000) << "by frames a second";
+  EXPECT_TRUE((*opened)->device_poses().empty());
+}
+
+TEST_F(Record3dTest, DepthThatThePhoneDoubtsIsLeftOut) {
+  Bytes confidence(kDepthWidth * kDepthHeight, 1);
+  for (int y = 0; y < kDepthHeight; ++y) confidence[static_cast<std::size_t>(kDepthWidth * y)] = 0;
+  files_["rgbd/0.conf"] = lzfse(confidence);
+  const auto opened = open(files_);
+  ASSERT_OK(opened);
+  const auto frame = (*opened)->frame(0);
+  ASSERT_OK(frame);
+  EXPECT_EQ((*frame)->depth.at(0, 30), 0);
+  EXPECT_EQ((*frame)->depth.at(30, 30), 1250);
+}
+
+TEST_F(Record3dTest, DepthLiesWhereThePhoneMeasuredIt) {
+  // Of a square of 4x4 pixels in a portrait at its pixel at the right and top.
+  ByteWriter metres;
+  for (int i = 0; i < kDepthWidth * kDepthHeight; ++i) {
+    metres.number<float>(i % kDepthWidth == 6 && i / kDepthWidth == 9 ? 1.05F : 1.0F);
+  }
+  files_["rgbd/0.depth"] = lzfse(metres.all());
+  const auto opened = open(files_);
+  ASSERT_OK(opened);
+  const auto frame = (*opened)->frame(0);
+  ASSERT_OK(frame);
+  EXPECT_EQ((*frame)->depth.at(4 * 6 + 3, 4 * 9), 1050);
+}
+
+TEST_F(Record3dTest, WhatIsNoDepthIsZero) {
+  for (const float metres : {std::nanf(""), -1.0F, 0.0F, INFINITY, 70.0F}) {
+    files_["rgbd/0.depth"] = lzfse(depth_of_metres(metres));
+    const auto opened = open(files_);
+    ASSERT_OK(opened);
+    EXPECT_EQ((*opened)->frame(0).value()->depth, image::DepthImage(48, 64));
+  }
+}
+
+TEST_F(Record3dTest, AFrameWithoutDepthIsAPicture) {
+  files_.erase("rgbd/0.depth");
+  const auto opened = open(files_);
+  ASSERT_OK(opened);
+  EXPECT_THAT((*opened)->frames(), ElementsAre(1));
+  EXPECT_OK((*opened)->read_color(0));
+  files_.erase("rgbd/1.depth");
+  EXPECT_ERROR(open(files_), "no picture has a depth image");
+}
+
+TEST_F(Record3dTest, PathsThatClimbAreRefused) {
+  files_["../../outside"] = bytes_of("evil");
+  EXPECT_ERROR(open(files_), "'../../outside'");
+  EXPECT_TRUE(is_record3d_file(path_)) << "so that it is said";
+}
+
+TEST_F(Record3dTest, WhatGrowsBeyondItsSizeIsRefused) {
+  files_["rgbd/0.depth"] = Bytes(50'000'000);  // packs into 50 KB
+  const auto opened = open(files_);
+  ASSERT_OK(opened);
+  EXPECT_ERROR((*opened)->frame(0), "rgbd/0.depth: has more than");
+}
+
+TEST_F(Record3dTest, DamagedPartsAreNamed) {
+  files_["rgbd/0.depth"] = lzfse(Bytes(100));
+  files_["rgbd/1.jpg"] = bytes_of("no picture");
+  const auto opened = open(files_);
+  ASSERT_OK(opened);
+  EXPECT_ERROR((*opened)->frame(0), "rgbd/0.depth: has 100 bytes, 12x16 pixels need 768");
+  EXPECT_ERROR((*opened)->frame(1), "rgbd/1.jpg");
+  files_["metadata"] = bytes_of("[]");
+  EXPECT_ERROR(open(files_), "metadata: is no JSON object");
+  files_["metadata"] = bytes_of(R"({"w": 48, "h": 64, "dw": 1e9, "dh": 16})");
+  EXPECT_ERROR(open(files_), "'dw'");
+  files_.erase("metadata");
+  EXPECT_ERROR(open(files_), "metadata: is not in the archive");
+  EXPECT_FALSE(is_record3d_file(path_));
+}
+
+TEST_F(Record3dTest, ASizeThatIsNotThePicturesIsRefused) {
+  files_["rgbd/0.jpg"] = image::encode_jpeg(image::ColorImage(64, 48), 90);
+  const auto opened = open(files_);
+  ASSERT_OK(opened);
+  EXPECT_ERROR((*opened)->frame(0), "64x48 pixels, metadata says 48x64");
+}
+
+TEST_F(Record3dTest, AFileThatWasCutOffIsRefused) {
+  ASSERT_TRUE(write_zip(path_, files_));
+  const Bytes whole = read_file(path_).value();
+  for (std::size_t size = 0; size < whole.size(); size += 11) {
+    write_quickly(path_, std::span(whole).first(size));
+    EXPECT_ERROR(open_record3d(path_, {}), "room.r3d");
+  }
+}
+
+}  // namespace
+}  // namespace roomwise::recording
