@@ -153,6 +153,9 @@ Expected<Answer> describe_recording(const fs::path& path) {
   facts.add("seconds", seconds_of(pictures.back().timestamp_ns - pictures.front().timestamp_ns));
   facts.add("camera", describe(recording->info().camera));
   facts.add("device's poses", recording->device_poses().size());
+  if (!recording->notes().empty()) {
+    facts.add("notes", fmt::format("{}", fmt::join(recording->notes(), "; ")));
+  }
   ROOMWISE_CHECK_OK(add_rooms_and_truth(path, facts));
   return std::move(facts).answer();
 }

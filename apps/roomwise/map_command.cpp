@@ -145,6 +145,7 @@ Expected<Answer> map(const MapOptions& options, Context& context) {
   }
   ROOMWISE_TRY(home::Home home, make_or_open_home(options, context));
   ROOMWISE_TRY(const std::unique_ptr<recording::Recording> source, open_recording(options, home));
+  for (const std::string& note : source->notes()) context.progress.note(note);
   ROOMWISE_TRY(const pipeline::MapSettings settings, choose_settings(options, context.seed, home));
   pipeline::Networks networks;
   objects::ObjectFinders finders;
