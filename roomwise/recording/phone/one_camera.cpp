@@ -46,18 +46,18 @@ struct Cell {
     const auto farthest = *std::ranges::max_element(depths);
     return nearest > 0 && farthest < kMaxRatio * nearest;
   }
-  // Of a plane the inverse depth is linear in the picture.
+  // Of a plane the inverse depth is linear in the picture: 1 / (a/A + b/B + c/C + d/D), with one
+  // division.
   [[nodiscard]] double on_plane() const {
-    const auto inverse = [&](std::size_t i) { return 1.0 / depths[i]; };
-    const double above = (1 - right) * inverse(0) + right * inverse(1);
-    const double under = (1 - right) * inverse(2) + right * inverse(3);
-    return 1 / ((1 - below) * above + below * under);
+    const double a = depths[0], b = depths[1], c = depths[2], d = depths[3];
+    const double above = (1 - right) * b + right * a, under = (1 - right) * d + right * c;
+    return a * b * c * d / ((1 - below) * above * c * d + below * under * a * b);
   }
 };
 
 Cell cell_at(const DepthImage& depth, double x, double y) {
-  const int left = std::clamp(static_cast<int>(std::floor(x)), 0, std::max(depth.width() - 2, 0));
-  const int top = std::clamp(static_cast<int>(std::floor(y)), 0, std::max(depth.height() - 2, 0));
+  const int left = std::min(static_cast<int>(std::max(x, 0.0)), std::max(depth.width() - 2, 0));
+  const int top = std::min(static_cast<int>(std::max(y, 0.0)), std::max(depth.height() - 2, 0));
   const int right = std::min(left + 1, depth.width() - 1);
   const int bottom = std::min(top + 1, depth.height() - 1);
   return {
@@ -122,7 +122,7 @@ DepthImage as_seen_by(const DepthImage& depth, const PinholeCamera& from, const 
       if (!is_seen(from_x, depth.width()) || !is_seen(from_y, depth.height())) continue;
       const Cell cell = cell_at(depth, from_x, from_y);
       if (!cell.is_one_surface()) continue;
-      seen.at(x, y) = static_cast<std::uint16_t>(std::lround(cell.on_plane()));
+      seen.at(x, y) = static_cast<std::uint16_t>(cell.on_plane() + 0.5);
     }
   }
   return seen;
