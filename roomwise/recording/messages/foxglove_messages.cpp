@@ -13,7 +13,8 @@ using Json = nlohmann::json;
 
 // JSON needs many times its size when it is read; a picture as JSON is some MB.
 constexpr std::size_t kMaxJsonBytes = std::size_t{1} << 26;
-constexpr std::int64_t kMaxSeconds = 9'000'000'000;
+// So that any two times have a difference.
+constexpr std::int64_t kMaxSeconds = 4'000'000'000;
 constexpr std::size_t kMaxCoefficients = 64;
 
 Unexpected broken() {

@@ -15,6 +15,8 @@ constexpr std::array<std::uint8_t, 8> kMcapMagic{0x89, 'M', 'C', 'A', 'P', '0', 
 constexpr std::uint64_t kMcapRecordHead = 9;  // opcode and length
 constexpr std::uint64_t kFooterBytes = 20;
 constexpr std::uint64_t kMessageHead = 22;
+// So that any two times, a negative one among them, have a difference.
+constexpr std::uint64_t kMaxTime = std::uint64_t{1} << 62;
 // Schemas and channels hold texts; what claims more is damaged.
 constexpr std::uint64_t kMaxTextRecord = std::uint64_t{1} << 26;
 // Of a chunk's fields in front of its records; the compression's name is short.
@@ -233,7 +235,8 @@ class McapScan {
     ByteReader reader(head);
     const auto channel = reader.number<std::uint16_t>();
     reader.number<std::uint32_t>();  // a count
-    const auto logged = static_cast<TimestampNs>(reader.number<std::uint64_t>());
+    const auto logged =
+        static_cast<TimestampNs>(std::min(reader.number<std::uint64_t>(), kMaxTime));
     if (builder_.channel(channel) == nullptr) {
       return damaged(record.begin, fmt::format("the message of the unknown channel {}", channel));
     }

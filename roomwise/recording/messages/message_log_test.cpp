@@ -188,6 +188,17 @@ TEST(McapFile, RefusesAChunkWhoseSumIsWrong) {
   EXPECT_ERROR(read_mcap(folder / "a.mcap"), "CRC-32");
 }
 
+TEST(McapFile, TimesThatMakeNoSenseHaveADifferenceAllTheSame) {
+  const roomwise::testing::ScratchFolder folder;
+  LogPlan plan = small_plan(FileKind::kMcap);
+  plan.channels[0] = channel("/tf", "tf2_msgs/msg/TFMessage", Encoding::kCdr);
+  plan.chunks = {{{0, -1, {}}, {0, 5, {}}}};  // -1 is written as the largest number
+  ASSERT_OK(write_file(folder / "a.mcap", McapWriter::write(plan)));
+  const auto log = read_mcap(folder / "a.mcap");
+  ASSERT_OK(log);
+  EXPECT_THAT(times_of(*log, 0), ElementsAre(5, TimestampNs{1} << 62));
+}
+
 TEST(McapFile, ReadsAnIndexWithoutChannels) {
   const roomwise::testing::ScratchFolder folder;
   LogPlan plan = small_plan(FileKind::kMcap);
