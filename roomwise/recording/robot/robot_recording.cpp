@@ -160,6 +160,12 @@ class RobotRecording final : public Recording {
   std::optional<DepthRegistration> registration_;
 };
 
+// What was passed over may be why nothing fits.
+Expected<StreamPair> with_notes(Expected<StreamPair> pair, const std::vector<std::string>& notes) {
+  if (pair || notes.empty()) return pair;
+  return fail("{}; {}", pair.error().message, fmt::join(notes, "; "));
+}
+
 Expected<std::unique_ptr<Recording>> open_log(std::string kind, MessageLog whole_log,
                                               const RecordingOptions& options) {
   const auto log = std::make_shared<const MessageLog>(std::move(whole_log));
@@ -169,7 +175,8 @@ Expected<std::unique_ptr<Recording>> open_log(std::string kind, MessageLog whole
   contents.notes = log->notes();
   const TransformTree tree = read_transforms(*log, contents.notes);
   const auto streams = find_image_streams(*log, contents.notes);
-  ROOMWISE_TRY(StreamPair pair, choose_streams(streams, tree, contents.notes));
+  ROOMWISE_TRY(StreamPair pair,
+               with_notes(choose_streams(streams, tree, contents.notes), contents.notes));
   pair.color.camera->depth_units_per_metre = 1 / pair.depth.depth_unit_m;
   ROOMWISE_TRY(const WorkingCamera camera, working_camera(*pair.color.camera, options.camera));
   contents.info.camera = camera.working;

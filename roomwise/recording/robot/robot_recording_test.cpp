@@ -291,6 +291,8 @@ TEST_F(RobotTest, WhatLacksColourOrDepthOrACameraIsRefused) {
   apart.depth("/camera/depth", kStart + 10 * kTenth, "color");
   EXPECT_ERROR(open(apart), "within 0.02 s");
   EXPECT_ERROR(open(RobotLog()), "colour none; depth none");
+  const Bytes whole = BagWriter::write(simple_robot().plan());
+  EXPECT_ERROR(open_bytes(std::span(whole).first(200)), "the file ends within a record");
 }
 
 TEST_F(RobotTest, ACameraInfoOfAnotherCameraIsNotTaken) {

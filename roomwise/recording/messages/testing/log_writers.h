@@ -8,6 +8,7 @@
 #include <map>
 #include <vector>
 
+#include "roomwise/base/timestamp.h"
 #include "roomwise/recording/messages/channel.h"
 #include "roomwise/recording/messages/testing/byte_writer.h"
 
