@@ -218,13 +218,13 @@ Answer to_answer(const rooms::LearningReport& report) {
       "held out: {:.3f} of {} ({:.3f} by the paper's regression, weight decay {:g})\n"
       "a room is named from a probability of {:.2f} on\n",
       report.held_out_precision(), report.held_out, report.paper_held_out_precision,
-      report.weight_decay, report.calibration.confidence_threshold);
+      report.weight_decay, report.min_probability);
   for (const std::string& warning : report.warnings) answer.text += "warning: " + warning + "\n";
   answer.json["held_out"] = report.held_out;
   answer.json["held_out_precision"] = report.held_out_precision();
   answer.json["paper_held_out_precision"] = report.paper_held_out_precision;
   answer.json["weight_decay"] = report.weight_decay;
-  answer.json["sure_from"] = report.calibration.confidence_threshold;
+  answer.json["sure_from"] = report.min_probability;
   answer.json["warnings"] = report.warnings;
   return answer;
 }
@@ -262,8 +262,15 @@ Json to_json(const std::vector<rooms::RoomScore>& scores) {
   return json;
 }
 
+std::string said_of(const rooms::RoomDecision& decision) {
+  if (decision.verdict == rooms::Verdict::kEither) {
+    return fmt::format("{} or {}", decision.rooms[0].room, decision.rooms[1].room);
+  }
+  return decision.room().value_or(std::string(to_string(decision.verdict)));
+}
+
 Answer to_answer(const rooms::RoomDecision& decision, const std::string& hint) {
-  const std::string said = decision.room().value_or(std::string(to_string(decision.verdict)));
+  const std::string said = said_of(decision);
   Answer answer{fmt::format("{}: {}\n", said, decision.why),
                 {{"verdict", to_string(decision.verdict)},
                  {"room", decision.room() ? Json(*decision.room()) : Json(nullptr)},
@@ -369,7 +376,8 @@ Expected<Answer> recognize(const RecognizeOptions& options, Context& context) {
                options.interval_s
                    ? recognize_walk(recognizer, pictures, *options.interval_s, asked, to_locate)
                    : recognize_at_once(recognizer, pictures, asked, to_locate));
-  const bool asks = decision.verdict == rooms::Verdict::kNotSure;
+  const bool asks =
+      decision.verdict == rooms::Verdict::kNotSure || decision.verdict == rooms::Verdict::kEither;
   return to_answer(decision, asks ? pipeline::turn_hint(pictures.back()) : "");
 }
 

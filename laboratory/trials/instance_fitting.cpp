@@ -1,12 +1,12 @@
 #include "laboratory/trials/instance_fitting.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <numeric>
 
+#include "laboratory/trials/logistic_regression.h"
 #include "laboratory/trials/naive_objects.h"
 #include "roomwise/objects/kinds/kinds.h"
 #include "roomwise/pipeline/objects/stored_detections.h"
@@ -160,30 +160,15 @@ Samples samples_of(std::span<const FittingCase* const> cases) {
 
 // The bias first, then a number a column.
 VectorXd regress(const Samples& samples, const FittingOptions& options) {
-  constexpr int kIterations = 50;
-  constexpr double kEnough = 1e-8;
+  constexpr double kBiasPenalty = 1e-6;
   const Eigen::Index columns = samples.rows.cols();
   const auto numbers = static_cast<Eigen::Index>(kEvidenceNames.size());
   MatrixXd rows(samples.rows.rows(), columns + 1);
   rows << VectorXd::Ones(samples.rows.rows()), samples.rows;
   VectorXd penalty = VectorXd::Constant(columns + 1, options.weight_penalty);
-  penalty[0] = 1e-6;
+  penalty[0] = kBiasPenalty;
   penalty.tail(columns - numbers).setConstant(options.kind_penalty);
-  VectorXd weights = VectorXd::Zero(columns + 1);
-  for (int i = 0; i < kIterations; ++i) {
-    const VectorXd probability = (1 + (-(rows * weights)).array().exp()).inverse();
-    const VectorXd gradient =
-        rows.transpose() * samples.weights.cwiseProduct(probability - samples.is_thing) +
-        penalty.cwiseProduct(weights);
-    const VectorXd curvature =
-        samples.weights.array() * (probability.array() * (1 - probability.array())).max(1e-6);
-    MatrixXd hessian = rows.transpose() * curvature.asDiagonal() * rows;
-    hessian.diagonal() += penalty;
-    const VectorXd step = hessian.ldlt().solve(gradient);
-    weights -= step;
-    if (step.cwiseAbs().maxCoeff() < kEnough) break;
-  }
-  return weights;
+  return logistic_regression(rows, samples.is_thing, samples.weights, penalty);
 }
 
 double f1_of(const evaluation::ObjectCounts& counts) {

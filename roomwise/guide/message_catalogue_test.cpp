@@ -32,6 +32,7 @@ Values some_values(const std::set<std::string>& names) {
       {"things", thing_list({"bed", "chair", "tv"})},
       {"goal", thing("washing machine")},
       {"room", room("living room")},
+      {"other", room("dining room")},
       {"via", room_list({"corridor"})},
       {"hour", "11"},
       {"count", "3"},

@@ -29,6 +29,11 @@ Prompt room_prompt(const rooms::RoomDecision& decision, TurnHint hint, const Wor
     prompt.sound = Sound::kLost;
     return prompt;
   }
+  if (decision.verdict == rooms::Verdict::kEither) {
+    const Values values{{"room", room(decision.rooms[0].room)},
+                        {"other", room(decision.rooms[1].room)}};
+    return made("room.either", values, Confidence::kProbable);
+  }
   const auto name = decision.room();
   if (!name) return made(unsure_message(hint), {}, Confidence::kUnsure);
   const bool sure = is_sure(decision);

@@ -11,7 +11,8 @@ namespace roomwise::guide {
 // Where there is more to see, for somebody whose pictures do not tell the room.
 enum class TurnHint { kAnywhere, kLeft, kRight };
 
-// The answer to "where am I": "You are in the kitchen.", "Probably the kitchen.", "I am not sure.
+// The answer to "where am I": "You are in the kitchen.", "Probably the kitchen.", "Either
+// the kitchen or the hall.", "I am not sure.
 // Turn slowly to the left.", "I do not know this place."
 [[nodiscard]] Prompt room_prompt(const rooms::RoomDecision& decision, TurnHint hint,
                                  const Wording& wording, TimestampNs now_ns);

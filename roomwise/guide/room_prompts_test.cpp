@@ -40,6 +40,20 @@ TEST_F(RoomPromptsTest, ARoomIsSaidAsSurelyAsItIsKnown) {
   EXPECT_EQ(probable.confidence, Confidence::kProbable);
 }
 
+TEST_F(RoomPromptsTest, OneOfTwoRoomsIsSaidWithBoth) {
+  const rooms::RoomDecision either = decision(rooms::Verdict::kEither, 0.6);
+  const Prompt prompt = room_prompt(either, TurnHint::kLeft, english_, kNow);
+  EXPECT_EQ(prompt.text, "Either the kitchen or the hall.");
+  EXPECT_EQ(prompt.confidence, Confidence::kProbable);
+  SpeakingStyle german;
+  german.language = "de";
+  rooms::RoomDecision rooms = either;
+  rooms.rooms = {{"Küche", 0.6}, {"Flur", 0.4}};
+  EXPECT_EQ(room_prompt(rooms, TurnHint::kLeft, {&catalogue_, german}, kNow).text,
+            "Entweder die Küche oder der Flur.");
+  EXPECT_EQ(entered_prompt(either, english_, kNow), std::nullopt) << "nobody asked";
+}
+
 TEST_F(RoomPromptsTest, WhoIsNotSureSaysSoAndWhereToTurn) {
   const auto text = [&](TurnHint hint) {
     const Prompt prompt =

@@ -156,7 +156,7 @@ TEST_F(EyeWithPlaces, WithoutALayoutThePlaceTellsNoRoom) {
   ASSERT_OK(result);
   ASSERT_TRUE(result->place);
   EXPECT_EQ(result->place->room, std::nullopt);
-  EXPECT_EQ(result->decision->verdict, rooms::Verdict::kNotSure);
+  EXPECT_EQ(result->decision->verdict, rooms::Verdict::kEither);
   EXPECT_THAT(result->decision->why, ::testing::HasSubstr("the map has no rooms"));
 }
 
@@ -168,7 +168,7 @@ TEST_F(EyeWithPlaces, ACameraThatIsNotCalibratedIsNotPlaced) {
   const auto result = looking.look(frame, home_all_of("hall"));
   ASSERT_OK(result);
   EXPECT_FALSE(result->place);
-  EXPECT_EQ(result->decision->verdict, rooms::Verdict::kNotSure);
+  EXPECT_EQ(result->decision->verdict, rooms::Verdict::kEither);
   EXPECT_THAT(result->decision->why, ::testing::Not(::testing::HasSubstr("place on the map")));
 }
 

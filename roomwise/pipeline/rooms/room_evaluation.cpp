@@ -254,9 +254,8 @@ class Evaluator {
       const rooms::PictureEvidence shown = rooms::combine(evidence_of(evidence, spans[i]));
       const bool is_placed = !places.empty() && places[i];
       known.push_back(
-          is_placed
-              ? rooms::with_place(shown, places[i]->evidence, recognizer_.calibration()).familiarity
-              : shown.familiarity);
+          is_placed ? rooms::with_place(shown, places[i]->evidence, recognizer_.model()).familiarity
+                    : shown.familiarity);
     }
     return known;
   }

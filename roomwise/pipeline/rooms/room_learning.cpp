@@ -26,7 +26,7 @@ std::string to_json(const rooms::LearningReport& report,
   json["held_out_precision"] = report.held_out_precision();
   json["paper_held_out_precision"] = report.paper_held_out_precision;
   json["weight_decay"] = report.weight_decay;
-  json["sure_from"] = report.calibration.confidence_threshold;
+  json["sure_from"] = report.min_probability;
   json["warnings"] = report.warnings;
   json["keyframes"] = keyframes;
   return json.dump();
@@ -51,11 +51,8 @@ Expected<std::size_t> check_visit_pictures(home::Home& home,
   for (const home::VisitPicture& picture : pictures) {
     if (picture.network_fingerprint == classifier.network().fingerprint) {
       ROOMWISE_TRY(const rooms::PictureEvidence evidence, classifier.evidence(picture.features));
-      const auto decision =
-          rooms::decide(evidence, classifier.rooms(), classifier.retrieval().calibration);
-      const bool is_known =
-          evidence.familiarity >= classifier.retrieval().calibration.acceptance_threshold;
-      if (!is_known || decision.rooms.front().room != picture.room) continue;
+      const auto decision = rooms::decide(evidence, classifier.rooms(), classifier.model());
+      if (evidence.familiarity < 0 || decision.rooms.front().room != picture.room) continue;
     }
     kept.push_back(picture);
   }
@@ -84,8 +81,7 @@ Expected<void> store(home::Home& home, rooms::LearnedRooms& learned,
     ROOMWISE_TRY(const auto predictions, home.predictions(id));
     for (const auto& [keyframe, prediction] : predictions) {
       ROOMWISE_TRY(const rooms::PictureEvidence evidence, classifier.evidence(prediction.features));
-      const auto decision =
-          rooms::decide(evidence, classifier.rooms(), classifier.retrieval().calibration);
+      const auto decision = rooms::decide(evidence, classifier.rooms(), classifier.model());
       rooms_of[keyframe] = decision.rooms;
     }
   }

@@ -106,7 +106,7 @@ Expected<std::vector<objects::ObjectScore>> RoomRecognizer::objects_in(
 
 Expected<std::optional<rooms::LocalizationEvidence>> RoomRecognizer::localize_if_needed(
     const rooms::PictureEvidence& pictures, const Localize& localize) const {
-  const bool is_asked = localize && rooms::place_may_tell(pictures, calibration());
+  const bool is_asked = localize && rooms::place_may_tell(pictures, model());
   if (!is_asked) return std::optional<rooms::LocalizationEvidence>();
   return localize();
 }
@@ -116,14 +116,15 @@ Expected<rooms::RoomDecision> RoomRecognizer::decide(
     const Localize& localize) const {
   rooms::PictureEvidence combined = rooms::combine(pictures);
   ROOMWISE_TRY(const auto place, localize_if_needed(combined, localize));
-  if (place) combined = rooms::with_place(combined, *place, calibration());
-  rooms::RoomDecision decision = rooms::decide(combined, rooms(), calibration());
-  const bool objects_may_tell = decision.verdict == rooms::Verdict::kNotSure &&
-                                combined.familiarity >= calibration().acceptance_threshold;
+  if (place) combined = rooms::with_place(combined, *place, model());
+  rooms::RoomDecision decision = rooms::decide(combined, rooms(), model());
+  const bool is_open =
+      decision.verdict == rooms::Verdict::kNotSure || decision.verdict == rooms::Verdict::kEither;
+  const bool objects_may_tell = is_open && combined.familiarity >= 0;
   if (objects_may_tell) {
     ROOMWISE_TRY(const auto objects, objects_in(predict_labels));
-    decision = rooms::decide_with_objects(combined, objects, concepts_, rooms_, calibration(),
-                                          room_objects_);
+    decision =
+        rooms::decide_with_objects(combined, objects, concepts_, rooms_, model(), room_objects_);
   }
   if (place) decision.why += "; " + place->why;
   return decision;
@@ -148,7 +149,7 @@ Expected<rooms::RoomDecision> RoomRecognizer::update(rooms::RoomStream& stream,
   ROOMWISE_TRY(const auto place, localize_if_needed(picture, localize));
   if (!place) return stream.update(picture, elapsed_s);
   rooms::RoomDecision decision =
-      stream.update(rooms::with_place(picture, *place, calibration()), elapsed_s);
+      stream.update(rooms::with_place(picture, *place, model()), elapsed_s);
   decision.why += "; " + place->why;
   return decision;
 }

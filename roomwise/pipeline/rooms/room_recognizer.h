@@ -15,8 +15,8 @@ namespace roomwise::pipeline {
 
 // Says the room that pictures show: what a home learned, and the networks that it learned with. In
 // two ways: by comparing them with the pictures that were learned from, and by their place on the
-// map where that can be asked, which may end in "not sure" and "none of them"; and by the paper's
-// rule of two frames, which always names a room.
+// map where that can be asked, which may end in "either", "not sure" and "none of them"; and by the
+// paper's rule of two frames, which always names a room.
 class RoomRecognizer {
  public:
   // `networks` must hold the one that the home's rooms were learned with (known by its fingerprint)
@@ -48,7 +48,7 @@ class RoomRecognizer {
   [[nodiscard]] Expected<rooms::RoomDecision> recognize(std::span<const image::ColorImage> pictures,
                                                         const Localize& localize = {}) const;
   // For pictures of a walk, one after the other.
-  [[nodiscard]] rooms::RoomStream stream() const { return {topology_, calibration()}; }
+  [[nodiscard]] rooms::RoomStream stream() const { return {topology_, model()}; }
   // The next picture of a walk, `elapsed_s` after the one before, by what features() saw in it.
   [[nodiscard]] Expected<rooms::RoomDecision> update(rooms::RoomStream& stream,
                                                      const rooms::PictureEvidence& picture,
@@ -77,6 +77,7 @@ class RoomRecognizer {
   [[nodiscard]] const rooms::RoomCalibration& calibration() const {
     return classifier_.retrieval().calibration;
   }
+  [[nodiscard]] const rooms::RoomModel& model() const { return classifier_.model(); }
   // Which rooms doors lead between, by the walks whose rooms were named.
   [[nodiscard]] const rooms::RoomTopology& topology() const { return topology_; }
 

@@ -57,8 +57,8 @@ class RoomRecognizerTest : public ::testing::Test {
     return {Eigen::Vector2d(hall, 1 - hall), known};
   }
   // Well known, and sure enough to be named.
-  static PictureEvidence sure_hall() { return picture(0.999, 3); }
-  static PictureEvidence open_question() { return picture(0.5, 3); }
+  static PictureEvidence sure_hall() { return picture(0.999, 12); }
+  static PictureEvidence open_question() { return picture(0.5, 12); }
 
   // Says what it was told to, and counts how often it was asked.
   RoomRecognizer::Localize place(double hall, double log_likelihood_ratio) {
@@ -93,7 +93,7 @@ TEST_F(RoomRecognizerPlaces, IsNotAskedWhereThePictureTellsTheRoom) {
 }
 
 TEST_F(RoomRecognizerPlaces, DecidesWhereThePictureLeavesRoomsOpen) {
-  EXPECT_EQ(decide(open_question(), {})->verdict, Verdict::kNotSure);
+  EXPECT_EQ(decide(open_question(), {})->verdict, Verdict::kEither);
   const auto decision = decide(open_question(), place(0.01, 5));
   ASSERT_OK(decision);
   EXPECT_EQ(asked_, 1);
@@ -102,15 +102,14 @@ TEST_F(RoomRecognizerPlaces, DecidesWhereThePictureLeavesRoomsOpen) {
 }
 
 TEST_F(RoomRecognizerPlaces, MakesAHardlyKnownPictureKnown) {
-  const PictureEvidence dark = picture(0.999, recognizer_->calibration().reject_threshold - 1);
+  const PictureEvidence dark = picture(0.999, recognizer_->model().reject_log_odds - 1);
   EXPECT_EQ(decide(dark, {})->verdict, Verdict::kNoneOfThem);
-  EXPECT_EQ(decide(dark, place(0.99, 5))->room(), "hall");
+  EXPECT_EQ(decide(dark, place(0.99, 7))->room(), "hall");
   EXPECT_EQ(asked_, 1);
 }
 
 TEST_F(RoomRecognizerPlaces, ThatThereIsNoneSpeaksAgainstThisHome) {
-  const PictureEvidence hardly =
-      picture(0.999, recognizer_->calibration().acceptance_threshold + 0.1);
+  const PictureEvidence hardly = picture(0.999, 4);
   EXPECT_EQ(decide(hardly, {})->room(), "hall");
   const auto decision = decide(hardly, place(0.5, -3));
   ASSERT_OK(decision);
@@ -119,9 +118,8 @@ TEST_F(RoomRecognizerPlaces, ThatThereIsNoneSpeaksAgainstThisHome) {
 }
 
 TEST_F(RoomRecognizerPlaces, ThatContradictsAHardlyKnownPictureLeavesNoRoom) {
-  const PictureEvidence hardly =
-      picture(0.99, recognizer_->calibration().acceptance_threshold + 0.1);
-  EXPECT_EQ(decide(hardly, place(0.01, 5))->verdict, Verdict::kNotSure);
+  const PictureEvidence hardly = picture(0.99, 4);
+  EXPECT_EQ(decide(hardly, place(0.01, 5))->verdict, Verdict::kEither);
 }
 
 TEST_F(RoomRecognizerPlaces, WhatGoesWrongWhileLookingIsSaid) {
@@ -139,7 +137,7 @@ TEST_F(RoomRecognizerPlaces, IsJoinedWithEveryPictureOfAWalkThatNeedsIt) {
   EXPECT_EQ(asked_, 1);
   EXPECT_EQ(decision->room(), "kitchen");
   EXPECT_THAT(decision->why, HasSubstr("; its place is told"));
-  decision = recognizer_->update(stream, picture(0.001, 3), 1, place(0.99, 5));
+  decision = recognizer_->update(stream, picture(0.001, 20), 1, place(0.99, 5));
   ASSERT_OK(decision);
   EXPECT_EQ(asked_, 1);
   EXPECT_EQ(decision->room(), "kitchen");
@@ -231,15 +229,14 @@ TEST_F(RoomRecognizerObjects, ThePapersRuleTakesTheTopThreeLabelsOnly) {
 }
 
 TEST_F(RoomRecognizerObjects, AreLookedForOnlyWherePicturesAreKnownAndDoNotTellTheRoom) {
-  const rooms::RoomCalibration& calibration = recognizer_->calibration();
+  const double reject = recognizer_->model().reject_log_odds;
   EXPECT_EQ(decide_by(sure_hall(), sees_microwave())->room(), "hall");
   EXPECT_EQ(asked_, 0) << "the picture tells the room";
-  const double between = (calibration.reject_threshold + calibration.acceptance_threshold) / 2;
+  const double between = reject / 2;
   EXPECT_EQ(decide_by(picture(0.5, between), sees_microwave())->verdict, Verdict::kNotSure);
-  EXPECT_EQ(decide_by(picture(0.5, calibration.reject_threshold - 1), sees_microwave())->verdict,
-            Verdict::kNoneOfThem);
+  EXPECT_EQ(decide_by(picture(0.5, reject - 1), sees_microwave())->verdict, Verdict::kNoneOfThem);
   EXPECT_EQ(asked_, 0) << "the pictures are not known";
-  EXPECT_EQ(decide_by(open_question(), {})->verdict, Verdict::kNotSure);
+  EXPECT_EQ(decide_by(open_question(), {})->verdict, Verdict::kEither);
   const auto decision = decide_by(open_question(), sees_microwave());
   ASSERT_OK(decision);
   EXPECT_EQ(asked_, 1);

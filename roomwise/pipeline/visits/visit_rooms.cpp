@@ -69,14 +69,13 @@ Expected<RoomUpdate> VisitRooms::update(const home::Home& home,
   }
   rooms::RoomStream stream = recognizer_.stream();
   ROOMWISE_TRY(const auto before, home.visit_pictures());
-  const auto looks = observations_along_walk(std::move(stream), recognizer_.rooms(),
-                                             recognizer_.calibration(), walk, options_);
+  const auto looks =
+      observations_along_walk(std::move(stream), recognizer_.rooms(), walk, options_);
   return refresh_rooms(recognizer_.classifier(), looks, before, options_);
 }
 
 std::vector<RoomObservation> observations_along_walk(rooms::RoomStream stream,
                                                      std::span<const std::string> names,
-                                                     const rooms::RoomCalibration& calibration,
                                                      std::span<const SeenPicture> walk,
                                                      const rooms::VisitLearningOptions& options) {
   std::vector<RoomObservation> looks;
@@ -87,7 +86,7 @@ std::vector<RoomObservation> observations_along_walk(rooms::RoomStream stream,
         seen.evidence, 1e-9 * static_cast<double>(seen.picture.timestamp_ns - before_ns));
     RoomObservation& look =
         looks.emplace_back(RoomObservation{seen.picture.picture_digest, {}, {}});
-    look.agreement = {rooms::room_by_picture(seen.evidence, decision, names, calibration),
+    look.agreement = {rooms::room_by_picture(seen.evidence, decision, names),
                       rooms::room_by_place(seen.place, options)};
     if (!look.agreement.is_agreed()) continue;
     look.picture = seen.picture;

@@ -47,8 +47,7 @@ struct RoomUpdate {
 // Of all pictures of a visit, in the order of time. `stream` has seen nothing yet; `names`: of the
 // rooms.
 [[nodiscard]] std::vector<RoomObservation> observations_along_walk(
-    rooms::RoomStream stream, std::span<const std::string> names,
-    const rooms::RoomCalibration& calibration, std::span<const SeenPicture> walk,
+    rooms::RoomStream stream, std::span<const std::string> names, std::span<const SeenPicture> walk,
     const rooms::VisitLearningOptions& options);
 
 // `looks`: of all pictures of a visit, in the order of time. `classifier`: as RoomRecognizer has

@@ -246,6 +246,7 @@ Expected<LearnedRooms> learn_rooms(std::span<const RoomSample> samples,
                                         {.weight_decay = chosen.weight_decay}));
   LearnedRetrieval retrieval = learn_retrieval(set.retrieval, set.classes(), options.folds, *pool);
   LearningReport report = make_report(set, chosen, retrieval, options);
+  report.min_probability = RoomModel::of(network.name).min_probability;
   return LearnedRooms{
       RoomClassifier(network, set.rooms, std::move(regression), std::move(retrieval.retrieval)),
       std::move(report)};

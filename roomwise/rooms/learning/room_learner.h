@@ -51,6 +51,7 @@ struct LearningReport {
   double paper_held_out_precision = 0;
   double weight_decay = 0;  // the chosen one of the paper's regression
   RoomCalibration calibration;
+  double min_probability = 0;  // from which on a room is named (RoomModel)
 
   [[nodiscard]] double held_out_precision() const {
     return held_out == 0 ? 0

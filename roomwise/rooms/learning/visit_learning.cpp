@@ -5,19 +5,20 @@
 namespace roomwise::rooms {
 namespace {
 
-// The familiarity from which on a picture brings nothing new: about that of half of a development
-// home's own pictures to their neighbours on the walk
-// (docs/experiments/rooms-refresh.md).
-constexpr double kNothingNew = 1.5;
+// A picture that is more similar to what is remembered than held-out pictures are, by so many of
+// their standard deviations, brings nothing new: so are about half of a development home's own
+// pictures to their neighbours on the walk (docs/experiments/rooms-refresh.md).
+constexpr double kNothingNew_deviations = 1.5;
 
-// Of `left`, which is not empty: the least familiar, and its familiarity.
-Expected<std::pair<std::size_t, double>> least_familiar(const RoomClassifier& classifier,
-                                                        std::span<const RoomPicture> pictures,
-                                                        std::span<const std::size_t> left) {
+// Of `left`, which is not empty: the least similar to what is remembered, and how similar it is.
+Expected<std::pair<std::size_t, double>> least_similar(const RoomClassifier& classifier,
+                                                       std::span<const RoomPicture> pictures,
+                                                       std::span<const std::size_t> left) {
   std::pair<std::size_t, double> least{left.front(), 0};
   for (const std::size_t i : left) {
-    ROOMWISE_TRY(const PictureEvidence evidence, classifier.evidence(pictures[i].features));
-    if (i == left.front() || evidence.familiarity < least.second) least = {i, evidence.familiarity};
+    ROOMWISE_TRY(const Similarity similarity, classifier.similarity(pictures[i].features));
+    const double deviations = classifier.retrieval().calibration.deviations(similarity);
+    if (i == left.front() || deviations < least.second) least = {i, deviations};
   }
   return least;
 }
@@ -46,13 +47,11 @@ std::optional<std::size_t> room_by_place(const LocalizationEvidence& place,
 
 std::optional<std::size_t> room_by_picture(const PictureEvidence& picture,
                                            const RoomDecision& along_walk,
-                                           std::span<const std::string> names,
-                                           const RoomCalibration& calibration) {
+                                           std::span<const std::string> names) {
   Eigen::Index best = 0;
   picture.probabilities.maxCoeff(&best);
   const auto room = static_cast<std::size_t>(best);
-  const bool is_told =
-      picture.familiarity >= calibration.acceptance_threshold && along_walk.room() == names[room];
+  const bool is_told = picture.familiarity >= 0 && along_walk.room() == names[room];
   return is_told ? std::optional(room) : std::nullopt;
 }
 
@@ -70,8 +69,8 @@ Expected<std::vector<std::size_t>> choose_pictures(
     const auto before = remembered.find(room);
     std::size_t count = before == remembered.end() ? 0 : before->second;
     for (; count < options.max_of_visit && !left.empty(); ++count) {
-      ROOMWISE_TRY(const auto least, least_familiar(knowing, agreed, left));
-      if (least.second >= kNothingNew) break;
+      ROOMWISE_TRY(const auto least, least_similar(knowing, agreed, left));
+      if (least.second >= kNothingNew_deviations) break;
       ROOMWISE_TRY(knowing, knowing.with(agreed.subspan(least.first, 1)));
       std::erase(left, least.first);
       chosen.push_back(least.first);

@@ -41,18 +41,19 @@ struct RoomAgreement {
 [[nodiscard]] std::optional<std::size_t> room_by_place(const LocalizationEvidence& place,
                                                        const VisitLearningOptions& options);
 // The room that pictures alone tell: that which is named by the walk's pictures up to this one
-// (RoomStream, without places), where this one is familiar itself and looks most like it, too.
+// (RoomStream, without places), where this one looks more like it than like any other, and more
+// like these rooms than like another home.
 // `names`: of each room.
 [[nodiscard]] std::optional<std::size_t> room_by_picture(const PictureEvidence& picture,
                                                          const RoomDecision& along_walk,
-                                                         std::span<const std::string> names,
-                                                         const RoomCalibration& calibration);
+                                                         std::span<const std::string> names);
 
 // Which of a visit's pictures to know the rooms by, in ascending order: of each room the least
-// familiar, then that which is least familiar once the first is remembered, and so on, until
-// max_of_visit are chosen or all that are left are about as familiar as the pictures that the rooms
-// were learned from are to each other. `remembered`: by room, how many of the visit's pictures the
-// classifier remembers already, which count. Fails as RoomClassifier::with() does.
+// similar to what is remembered, then that which is least similar once the first is remembered, and
+// so on, until max_of_visit are chosen or all that are left are about as similar as the pictures
+// that the rooms were learned from are to each other. `remembered`: by room, how many of the
+// visit's pictures the classifier remembers already, which count. Fails as RoomClassifier::with()
+// does.
 [[nodiscard]] Expected<std::vector<std::size_t>> choose_pictures(
     const RoomClassifier& classifier, std::span<const RoomPicture> agreed,
     const VisitLearningOptions& options, const std::map<std::string, std::size_t>& remembered = {});

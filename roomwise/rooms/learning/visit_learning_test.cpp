@@ -21,8 +21,8 @@ LocalizationEvidence place_in(double bath, double hall, double kitchen,
 
 // Of the first picture of a walk.
 RoomAgreement agreement(const PictureEvidence& picture, const LocalizationEvidence& place) {
-  const RoomDecision along_walk = decide(picture, kRooms, calibration());
-  return {room_by_picture(picture, along_walk, kRooms, calibration()), room_by_place(place, {})};
+  const RoomDecision along_walk = decide(picture, kRooms, test_model());
+  return {room_by_picture(picture, along_walk, kRooms), room_by_place(place, {})};
 }
 
 TEST(RoomAgreement, TakesPictureAndPlaceThatBothAreSure) {
@@ -54,9 +54,9 @@ TEST(RoomAgreement, WhatIsUnsureIsNeitherAgreedNorContradictory) {
 }
 
 TEST(RoomAgreement, APictureMustShowTheRoomThatTheWalkIsIn) {
-  const RoomDecision in_hall = decide(evidence(0.02, 0.96, 0.02), kRooms, calibration());
+  const RoomDecision in_hall = decide(evidence(0.02, 0.96, 0.02), kRooms, test_model());
   const auto room = [&](const PictureEvidence& picture) {
-    return room_by_picture(picture, in_hall, kRooms, calibration());
+    return room_by_picture(picture, in_hall, kRooms);
   };
   EXPECT_THAT(room(evidence(0.3, 0.5, 0.2)), Optional(std::size_t{1})) << "the walk makes it sure";
   EXPECT_EQ(room(evidence(0.5, 0.3, 0.2)), std::nullopt) << "it looks more like the bath";

@@ -19,8 +19,6 @@ constexpr int kManyInliers = 16;
 constexpr double kMuchSupport = 1.4, kSomeSupport = 0.8;  // other homes' doors and walls fit, too
 constexpr double kNoPlaceLogRatio = -2;    // a bare wall, nothing alike, or too little for a pose
 constexpr double kElsewhereLogRatio = -3;  // a place in a room that was not learned
-// A standard deviation of RoomCalibration::familiarity() in the logarithm of the odds of this home.
-constexpr double kLogOddsPerDeviation = 2.5;
 // How often the floor at a pose is that of another room than the camera was in, where no doorway is
 // near: wrong poses, and faults of the layout.
 constexpr double kWrongRoom = 0.01;
@@ -144,21 +142,19 @@ LocalizationEvidence localization_evidence(const mapping::PairLocalization& answ
   return evidence;
 }
 
-bool place_may_tell(const PictureEvidence& pictures, const RoomCalibration& calibration) {
-  const bool is_named = pictures.familiarity >= calibration.acceptance_threshold &&
-                        pictures.probabilities.maxCoeff() >= calibration.confidence_threshold;
-  const double min_log_ratio = effective_sample_size(2) * kElsewhereLogRatio;
-  return !is_named || pictures.familiarity + min_log_ratio / kLogOddsPerDeviation <
-                          calibration.acceptance_threshold;
+bool place_may_tell(const PictureEvidence& pictures, const RoomModel& model) {
+  // Named even if the place speaks against it as much as one can.
+  const double familiarity = pictures.familiarity + effective_sample_size(2) * kElsewhereLogRatio;
+  return probability_of(familiarity) * pictures.probabilities.maxCoeff() < model.min_probability;
 }
 
 PictureEvidence with_place(const PictureEvidence& pictures, const LocalizationEvidence& place,
-                           const RoomCalibration& calibration) {
+                           const RoomModel& model) {
   PictureEvidence joined;
   joined.probabilities = pictures.probabilities.cwiseProduct(place.probabilities);
   joined.probabilities /= joined.probabilities.sum();
-  joined.familiarity = std::max(pictures.familiarity, calibration.reject_threshold) +
-                       place.log_likelihood_ratio / kLogOddsPerDeviation;
+  joined.familiarity =
+      std::max(pictures.familiarity, model.reject_log_odds) + place.log_likelihood_ratio;
   return joined;
 }
 

@@ -9,6 +9,7 @@
 #include "roomwise/mapping/localization/localization.h"
 #include "roomwise/rooms/layout/room_layout.h"
 #include "roomwise/rooms/recognition/room_classifier.h"
+#include "roomwise/rooms/recognition/room_model.h"
 
 namespace roomwise::rooms {
 
@@ -51,15 +52,13 @@ struct LocalizationEvidence {
 
 // Whether a place, or that there is none, may change what is said of pictures (combined): they
 // leave the room open, or are not so familiar that it would be named without a place, too.
-[[nodiscard]] bool place_may_tell(const PictureEvidence& pictures,
-                                  const RoomCalibration& calibration);
+[[nodiscard]] bool place_may_tell(const PictureEvidence& pictures, const RoomModel& model);
 
 // What pictures (combined) and their place tell together, by Bayes' rule: probabilities multiply,
 // and so do the odds of being in this home. The familiarity of the pictures alone is bounded from
-// below by RoomCalibration::reject_threshold, so that a sure place in one of the rooms makes any
+// below by RoomModel::reject_log_odds, so that a sure place in one of the rooms makes any
 // picture familiar, and any pair where both have one.
 [[nodiscard]] PictureEvidence with_place(const PictureEvidence& pictures,
-                                         const LocalizationEvidence& place,
-                                         const RoomCalibration& calibration);
+                                         const LocalizationEvidence& place, const RoomModel& model);
 
 }  // namespace roomwise::rooms

@@ -10,7 +10,7 @@ namespace roomwise::rooms {
 namespace {
 
 constexpr std::string_view kMagic = "RWRC";
-constexpr std::uint32_t kVersion = 1;
+constexpr std::uint32_t kVersion = 2;
 
 bool has_duplicates(std::vector<std::string> names) {
   std::ranges::sort(names);
@@ -37,9 +37,6 @@ RoomClassifier::RoomClassifier(NetworkIdentity network, std::vector<std::string>
   if (rooms_.empty() || rooms_.size() != classes ||
       regression_.weights().rows() != regression_.biases().size()) {
     throw std::invalid_argument("RoomClassifier: not one class a room");
-  }
-  if (retrieval_.calibration.room_familiarity_means.size() != rooms_.size()) {
-    throw std::invalid_argument("RoomClassifier: not one mean familiarity a room");
   }
 }
 
@@ -71,11 +68,18 @@ Expected<RoomClassifier> RoomClassifier::with(std::span<const RoomPicture> pictu
   return more;
 }
 
-Expected<PictureEvidence> RoomClassifier::evidence(std::span<const float> features) const {
+Expected<Similarity> RoomClassifier::similarity(std::span<const float> features) const {
   ROOMWISE_CHECK_OK(check(features));
-  const Similarity similarity = retrieval_.gallery.compare(root_features(features));
-  return PictureEvidence{retrieval_.calibration.probabilities(similarity),
-                         retrieval_.calibration.familiarity(similarity)};
+  return retrieval_.gallery.compare(root_features(features));
+}
+
+Expected<PictureEvidence> RoomClassifier::evidence(std::span<const float> features) const {
+  ROOMWISE_TRY(const Similarity similarity, this->similarity(features));
+  const RoomCalibration& calibration = retrieval_.calibration;
+  return PictureEvidence{
+      model().probabilities(
+          similarity, regression_.probabilities(unit_length(features)).cast<double>(), calibration),
+      model().familiarity(familiarity_numbers(similarity, calibration))};
 }
 
 Expected<std::vector<RoomScore>> RoomClassifier::scores(std::span<const float> features) const {

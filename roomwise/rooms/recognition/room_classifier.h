@@ -6,6 +6,7 @@
 
 #include "roomwise/base/expected.h"
 #include "roomwise/base/file.h"
+#include "roomwise/rooms/recognition/room_model.h"
 #include "roomwise/rooms/recognition/room_retrieval.h"
 #include "roomwise/rooms/recognition/two_frame_rule.h"
 #include "roomwise/rooms/statistics/softmax_regression.h"
@@ -34,22 +35,24 @@ struct RoomPicture {
 // What one picture says about the room, without any other.
 struct PictureEvidence {
   Eigen::VectorXd probabilities;  // of each room, every room alike beforehand; add up to 1
-  double familiarity = 0;         // RoomCalibration::familiarity()
+  double familiarity = 0;         // log odds that it shows one of these rooms
 };
 
 // Names the room that a picture shows from the network's features of it, in two ways: the paper's,
-// a softmax regression on the features scaled to unit length; and by comparing it with the pictures
-// that were learned from (RoomRetrieval).
+// a softmax regression on the features scaled to unit length; and by that together with how similar
+// it is to the pictures that were learned from (RoomRetrieval, RoomModel).
 class RoomClassifier {
  public:
   // One room a class of the regression, in its order. Throws std::invalid_argument where their
-  // numbers differ, and where the calibration is of another number of rooms.
+  // numbers differ.
   RoomClassifier(NetworkIdentity network, std::vector<std::string> rooms,
                  SoftmaxRegression regression, RoomRetrieval retrieval);
 
   // What the picture says, rooms in the order of rooms(). Fails where the features are not of
   // feature_size() or not finite.
   [[nodiscard]] Expected<PictureEvidence> evidence(std::span<const float> features) const;
+  // How similar it is to the pictures that were learned from. Fails likewise.
+  [[nodiscard]] Expected<Similarity> similarity(std::span<const float> features) const;
   // The regression's probability of every room, best first (equal ones in the order of rooms()).
   // Fails as evidence() does.
   [[nodiscard]] Expected<std::vector<RoomScore>> scores(std::span<const float> features) const;
@@ -60,6 +63,8 @@ class RoomClassifier {
   [[nodiscard]] Expected<RoomClassifier> with(std::span<const RoomPicture> pictures) const;
 
   [[nodiscard]] const NetworkIdentity& network() const { return network_; }
+  // What decides, for its network.
+  [[nodiscard]] const RoomModel& model() const { return RoomModel::of(network_.name); }
   [[nodiscard]] const std::vector<std::string>& rooms() const { return rooms_; }
   [[nodiscard]] const SoftmaxRegression& regression() const { return regression_; }
   [[nodiscard]] const RoomRetrieval& retrieval() const { return retrieval_; }
@@ -67,7 +72,7 @@ class RoomClassifier {
     return static_cast<std::size_t>(regression_.weights().cols());
   }
 
-  // The form in which a home file keeps it: "RWRC", version 1, then little-endian counts, texts and
+  // The form in which a home file keeps it: "RWRC", version 2, then little-endian counts, texts and
   // floats. Reading fails on anything else: another version, a cut or longer text, a room twice, a
   // value that is not finite or out of range.
   [[nodiscard]] Bytes to_bytes() const;

@@ -66,12 +66,19 @@ std::string_view to_string(Verdict verdict) {
   switch (verdict) {
     case Verdict::kRoom:
       return "room";
+    case Verdict::kEither:
+      return "either";
     case Verdict::kNotSure:
       return "not sure";
     case Verdict::kNoneOfThem:
       return "none of them";
   }
   return "unknown";
+}
+
+bool RoomDecision::allows(std::string_view room) const {
+  if (verdict == Verdict::kRoom) return rooms.front().room == room;
+  return verdict == Verdict::kEither && (rooms[0].room == room || rooms[1].room == room);
 }
 
 double effective_sample_size(double pictures) {
@@ -86,9 +93,8 @@ PictureEvidence combine(std::span<const PictureEvidence> pictures) {
   PictureEvidence combined;
   for (const PictureEvidence& picture : pictures) {
     logs += picture.probabilities.array().max(kMinProbability).log() * (counts_as / count);
-    combined.familiarity += picture.familiarity / count;
+    combined.familiarity += picture.familiarity * (counts_as / count);
   }
-  combined.familiarity *= std::sqrt(counts_as);
   const Eigen::ArrayXd powers = (logs - logs.maxCoeff()).exp();
   combined.probabilities = powers / powers.sum();
   return combined;
@@ -113,28 +119,26 @@ Eigen::VectorXd likelihood_of_objects(std::span<const objects::ObjectScore> obje
 }
 
 RoomDecision decide(const PictureEvidence& evidence, std::span<const std::string> names,
-                    const RoomCalibration& calibration) {
+                    const RoomModel& model) {
   RoomDecision decision;
   decision.rooms = best_first(evidence.probabilities, names);
   decision.familiarity = evidence.familiarity;
-  const RoomScore& best = decision.rooms.front();
-  if (evidence.familiarity < calibration.reject_threshold) {
+  const double home = probability_of(evidence.familiarity);
+  const double best = home * decision.rooms.front().score;
+  const double best_two = decision.rooms.size() < 2 ? best : best + home * decision.rooms[1].score;
+  if (evidence.familiarity < model.reject_log_odds) {
     decision.verdict = Verdict::kNoneOfThem;
-    decision.why = fmt::format(
-        "nothing that was learned looks like this (how well it is known: {:.2f}; "
-        "asked: {:.2f})",
-        evidence.familiarity, calibration.reject_threshold);
-  } else if (evidence.familiarity < calibration.acceptance_threshold) {
-    decision.why = fmt::format(
-        "it looks a little like {}, but not enough like what was learned (how "
-        "well it is known: {:.2f}; asked: {:.2f})",
-        candidates(decision.rooms), evidence.familiarity, calibration.acceptance_threshold);
-  } else if (best.score < calibration.confidence_threshold) {
-    decision.why = fmt::format("it could be {}; a room is named from {:.2f} on",
-                               candidates(decision.rooms), calibration.confidence_threshold);
-  } else {
+    decision.why = fmt::format("nothing that was learned looks like this ({:.2f})", home);
+  } else if (best >= model.min_probability) {
     decision.verdict = Verdict::kRoom;
-    decision.why = fmt::format("it looks like {} ({:.2f})", best.room, best.score);
+    decision.why = fmt::format("it looks like {} ({:.2f})", decision.rooms.front().room, best);
+  } else if (best_two >= model.min_probability) {
+    decision.verdict = Verdict::kEither;
+    decision.why = fmt::format("it looks like {}", candidates(decision.rooms));
+  } else {
+    decision.why = fmt::format(
+        "it could be {}, and looks like what was learned by {:.2f}; a room is named from {:.2f} on",
+        candidates(decision.rooms), home, model.min_probability);
   }
   return decision;
 }
@@ -142,14 +146,14 @@ RoomDecision decide(const PictureEvidence& evidence, std::span<const std::string
 RoomDecision decide_with_objects(const PictureEvidence& evidence,
                                  std::span<const objects::ObjectScore> objects,
                                  const Concepts& concepts, std::span<const Room> rooms,
-                                 const RoomCalibration& calibration, const RoomObjects& learned) {
+                                 const RoomModel& model, const RoomObjects& learned) {
   PictureEvidence weighed = evidence;
   weighed.probabilities =
       evidence.probabilities.cwiseProduct(likelihood_of_objects(objects, concepts, rooms, learned));
   weighed.probabilities /= weighed.probabilities.sum();
   std::vector<std::string> names;
   for (const Room& room : rooms) names.push_back(room.name);
-  RoomDecision decision = decide(weighed, names, calibration);
+  RoomDecision decision = decide(weighed, names, model);
   for (const objects::ObjectScore& observation : objects) {
     const Eigen::VectorXd shares = shares_of(observation.object, concepts, rooms, learned);
     if (!speaks_for(decision.rooms.front().room, shares, rooms)) continue;

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include <cmath>
 #include <stdexcept>
 
 #include "roomwise/rooms/testing/test_rooms.h"
@@ -15,7 +16,7 @@ using ::testing::HasSubstr;
 const std::vector<Room> kLearned = {{"bath", "toilet"}, {"hall", "hall"}, {"kitchen", "kitchen"}};
 
 TEST(Decide, NamesAProbableRoom) {
-  const RoomDecision decision = decide(evidence(0.05, 0.05, 0.9), kRooms, calibration());
+  const RoomDecision decision = decide(evidence(0.05, 0.05, 0.9), kRooms, test_model());
   EXPECT_EQ(decision.verdict, Verdict::kRoom);
   EXPECT_EQ(decision.room(), "kitchen");
   EXPECT_DOUBLE_EQ(decision.rooms[0].score, 0.9);
@@ -24,22 +25,35 @@ TEST(Decide, NamesAProbableRoom) {
 }
 
 TEST(Decide, IsNotSureBelowTheThreshold) {
-  const RoomDecision decision = decide(evidence(0.02, 0.2, 0.78), kRooms, calibration());
+  const RoomDecision decision = decide(evidence(0.25, 0.36, 0.39), kRooms, test_model());
   EXPECT_EQ(decision.verdict, Verdict::kNotSure);
   EXPECT_EQ(decision.room(), std::nullopt);
-  EXPECT_THAT(decision.why, HasSubstr("kitchen (0.78) or hall (0.20)"));
-  EXPECT_EQ(decide(evidence(0, 0.2, 0.8), kRooms, calibration()).verdict, Verdict::kRoom)
-      << "the threshold itself is enough";
+  EXPECT_FALSE(decision.allows("kitchen"));
+  EXPECT_THAT(decision.why, HasSubstr("kitchen (0.39) or hall (0.36)"));
 }
 
-TEST(Decide, IsNotSureOfWhatIsNotWellKnown) {
-  const RoomDecision decision = decide(evidence(0, 0.01, 0.99, -1.5), kRooms, calibration());
+TEST(Decide, SaysTheTwoRoomsThatItMayBe) {
+  const RoomDecision decision = decide(evidence(0.02, 0.2, 0.78), kRooms, test_model());
+  EXPECT_EQ(decision.verdict, Verdict::kEither);
+  EXPECT_EQ(decision.room(), std::nullopt);
+  EXPECT_TRUE(decision.allows("kitchen"));
+  EXPECT_TRUE(decision.allows("hall"));
+  EXPECT_FALSE(decision.allows("bath"));
+  EXPECT_THAT(decision.why, HasSubstr("kitchen (0.78) or hall (0.20)"));
+  EXPECT_EQ(decide(evidence(0.01, 0.18, 0.81), kRooms, test_model()).verdict, Verdict::kRoom);
+}
+
+TEST(Decide, ARoomIsAsProbableAsThatItIsOneOfThemAtAll) {
+  // Log odds of log 4: 0.8 that it is one of the rooms.
+  const RoomDecision unsure = decide(evidence(0, 0.04, 0.96, std::log(4)), kRooms, test_model());
+  EXPECT_EQ(unsure.verdict, Verdict::kEither) << "0.77 for the kitchen, 0.8 for both";
+  const RoomDecision decision = decide(evidence(0, 0.01, 0.99, -1.5), kRooms, test_model());
   EXPECT_EQ(decision.verdict, Verdict::kNotSure);
-  EXPECT_THAT(decision.why, HasSubstr("known: -1.50; asked: -1.00"));
+  EXPECT_THAT(decision.why, HasSubstr("looks like what was learned by 0.18"));
 }
 
 TEST(Decide, KnowsNoRoomThatLooksLikeThis) {
-  const RoomDecision decision = decide(evidence(0, 0.01, 0.99, -2.1), kRooms, calibration());
+  const RoomDecision decision = decide(evidence(0, 0.01, 0.99, -2.1), kRooms, test_model());
   EXPECT_EQ(decision.verdict, Verdict::kNoneOfThem);
   EXPECT_EQ(decision.room(), std::nullopt);
   EXPECT_THAT(decision.why, HasSubstr("nothing that was learned"));
@@ -56,8 +70,7 @@ TEST(Combine, TwoPicturesCountAsFourThirds) {
   const std::vector<PictureEvidence> two = {evidence(0.2, 0.2, 0.6, 1), evidence(0.2, 0.2, 0.6, 2)};
   const PictureEvidence combined = combine(two);
   EXPECT_NEAR(combined.probabilities[2] / combined.probabilities[0], std::pow(3, 4.0 / 3), 1e-9);
-  // The mean of both, 1.5, in deviations of the mean of two: 0.87 of a picture's.
-  EXPECT_DOUBLE_EQ(combined.familiarity, 1.5 * std::sqrt(4.0 / 3));
+  EXPECT_DOUBLE_EQ(combined.familiarity, (1 + 2) / 2.0 * 4 / 3);
   EXPECT_NEAR(combined.probabilities.sum(), 1, 1e-12);
 }
 
@@ -89,7 +102,7 @@ TEST(LikelihoodOfObjects, TheHomesOwnPicturesCountMoreThanTypes) {
   EXPECT_NEAR(likelihood[2], 0.65 + 0.35 * 3 * 0.05 / 1.05, 1e-12);
   EXPECT_NEAR(likelihood.sum(), 3, 1e-12);
   const RoomDecision decision = decide_with_objects(
-      evidence(0.3, 0.4, 0.3), seen, Concepts::standard(), kLearned, calibration(), learned);
+      evidence(0.3, 0.4, 0.3), seen, Concepts::standard(), kLearned, test_model(), learned);
   EXPECT_EQ(decision.object, "stove");
   EXPECT_EQ(decision.rooms.front().room, "hall");
   // What no picture shows is known by its type.
@@ -125,9 +138,9 @@ TEST(LikelihoodOfObjects, WhatStandsAnywhereOrNowhereHereSaysNothing) {
 TEST(DecideWithObjects, AnObjectDecidesWhereRoomsLookAlike) {
   const std::vector<ObjectScore> seen = {{"stove", 0.95}, {"toilet seat", 0.02}};
   const auto alone = evidence(0.05, 0.4, 0.55);
-  EXPECT_EQ(decide(alone, kRooms, calibration()).verdict, Verdict::kNotSure);
+  EXPECT_EQ(decide(alone, kRooms, test_model()).verdict, Verdict::kEither);
   const RoomDecision decision =
-      decide_with_objects(alone, seen, Concepts::standard(), kLearned, calibration());
+      decide_with_objects(alone, seen, Concepts::standard(), kLearned, test_model());
   EXPECT_EQ(decision.room(), "kitchen");
   EXPECT_EQ(decision.object, "stove");
   EXPECT_THAT(decision.why, HasSubstr("there is a stove"));
@@ -137,21 +150,22 @@ TEST(DecideWithObjects, AnObjectIsNoMatchForACertainPicture) {
   // Other than under the paper's rule, under which it decides over any score.
   const std::vector<ObjectScore> seen = {{"stove", 0.6}};
   const RoomDecision decision = decide_with_objects(evidence(0.005, 0.99, 0.005), seen,
-                                                    Concepts::standard(), kLearned, calibration());
+                                                    Concepts::standard(), kLearned, test_model());
   EXPECT_EQ(decision.room(), "hall");
   EXPECT_EQ(decision.object, "");
 }
 
 TEST(DecideWithObjects, ObjectsMakeNoUnknownPlaceAKnownOne) {
   const std::vector<ObjectScore> seen = {{"stove", 1.0}};
-  EXPECT_EQ(decide_with_objects(evidence(0, 0, 1, -3), seen, Concepts::standard(), kLearned,
-                                calibration())
-                .verdict,
-            Verdict::kNoneOfThem);
+  EXPECT_EQ(
+      decide_with_objects(evidence(0, 0, 1, -3), seen, Concepts::standard(), kLearned, test_model())
+          .verdict,
+      Verdict::kNoneOfThem);
 }
 
 TEST(Verdict, HasWordsForPeople) {
   EXPECT_EQ(to_string(Verdict::kRoom), "room");
+  EXPECT_EQ(to_string(Verdict::kEither), "either");
   EXPECT_EQ(to_string(Verdict::kNotSure), "not sure");
   EXPECT_EQ(to_string(Verdict::kNoneOfThem), "none of them");
 }

@@ -6,14 +6,10 @@ namespace roomwise::rooms {
 namespace {
 
 // Every single number of a calibration, in the order in which it is stored.
-constexpr std::array kCalibration = {&RoomCalibration::temperature,
-                                     &RoomCalibration::whitened_cosine_mean,
-                                     &RoomCalibration::whitened_cosine_deviation,
-                                     &RoomCalibration::plain_cosine_mean,
-                                     &RoomCalibration::plain_cosine_deviation,
-                                     &RoomCalibration::confidence_threshold,
-                                     &RoomCalibration::acceptance_threshold,
-                                     &RoomCalibration::reject_threshold};
+constexpr std::array kCalibration = {
+    &RoomCalibration::temperature, &RoomCalibration::whitened_cosine_mean,
+    &RoomCalibration::whitened_cosine_deviation, &RoomCalibration::plain_cosine_mean,
+    &RoomCalibration::plain_cosine_deviation};
 
 // Column by column.
 void write_matrix(NumberWriter& writer, const Eigen::MatrixXf& matrix) {
@@ -44,9 +40,6 @@ void write(NumberWriter& writer, const RoomRetrieval& retrieval) {
   writer.numbers(std::span(gallery.room()));
   writer.numbers(std::span(gallery.picture()));
   for (const auto number : kCalibration) writer.number(retrieval.calibration.*number);
-  const std::vector<double>& means = retrieval.calibration.room_familiarity_means;
-  writer.number(static_cast<std::uint32_t>(means.size()));
-  writer.numbers(std::span(means));
 }
 
 Expected<RoomRetrieval> read_retrieval(NumberReader& reader, std::size_t rooms,
@@ -69,10 +62,6 @@ Expected<RoomRetrieval> read_retrieval(NumberReader& reader, std::size_t rooms,
   reader.numbers(std::span(picture));
   RoomRetrieval retrieval;
   for (const auto number : kCalibration) retrieval.calibration.*number = reader.number<double>();
-  if (reader.number<std::uint32_t>() != rooms) return fail("not one mean familiarity a room");
-  std::vector<double>& means = retrieval.calibration.room_familiarity_means;
-  means.resize(rooms);
-  reader.numbers(std::span(means));
   if (reader.failed()) return fail("it is cut short");
   if (!mean.allFinite() || !axes.allFinite() || !projections.allFinite() ||
       !are_deviations(deviations)) {

@@ -17,7 +17,7 @@ RoomDecision RoomStream::update(const PictureEvidence& picture, double elapsed_s
   const double share = has_seen_ ? 1 - std::exp(-elapsed_s / kAveraged_s) : 1;
   familiarity_ += share * (picture.familiarity - familiarity_);
   has_seen_ = true;
-  return decide(PictureEvidence{filter_.belief(), familiarity_}, filter_.rooms(), calibration_);
+  return decide(PictureEvidence{filter_.belief(), familiarity_}, filter_.rooms(), model_);
 }
 
 }  // namespace roomwise::rooms

@@ -12,9 +12,9 @@ namespace roomwise::rooms {
 // last seconds' pictures are familiar at all.
 class RoomStream {
  public:
-  RoomStream(const RoomTopology& topology, const RoomCalibration& calibration,
+  RoomStream(const RoomTopology& topology, const RoomModel& model,
              const RoomFilterOptions& options = {})
-      : filter_(topology, options), calibration_(calibration) {}
+      : filter_(topology, options), model_(model) {}
 
   // A picture, taken `elapsed_s` after the one before. Its probabilities are in the order of the
   // topology's rooms.
@@ -22,7 +22,7 @@ class RoomStream {
 
  private:
   RoomFilter filter_;
-  RoomCalibration calibration_;
+  RoomModel model_;
   double familiarity_ = 0;
   bool has_seen_ = false;
 };

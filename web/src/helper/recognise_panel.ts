@@ -90,6 +90,8 @@ export function verdictWords(verdict: Verdict, room: string, probability: number
   switch (verdict) {
     case 'room':
       return text('verdict.room', values);
+    case 'either':
+      return text('verdict.either', values);
     case 'not sure':
       return room === '' ? text('verdict.not_sure_at_all') : text('verdict.not_sure', values);
     default: // no room is likeliest where none was learned

@@ -9,7 +9,7 @@ export type Role = 'device' | 'helper';
 export type Priority = 'hazard' | 'answer' | 'notice' | 'callout';
 export type Confidence = 'sure' | 'probable' | 'unsure';
 export type Sound = 'answer' | 'unsure' | 'lost' | 'back' | 'alert' | 'none';
-export type Verdict = 'room' | 'not sure' | 'none of them';
+export type Verdict = 'room' | 'either' | 'not sure' | 'none of them';
 export type Vector = [number, number, number];
 
 // Times `t` are milliseconds of this device's steady clock (performance.now()).
