@@ -354,7 +354,9 @@ Expected<rooms::RoomModel> fit_rooms(std::span<const RoomCase* const> cases,
   fit_pool(cases, model);
   fit_familiarity(cases, model);
   model.reject_log_odds = fit_reject(cases, model, options.max_rejected);
-  model.min_probability = fit_min_probability(cases, model, options);
+  RoomFittingOptions asked = options;
+  if (network.empty()) asked.max_elsewhere_named = options.max_elsewhere_named_any;
+  model.min_probability = fit_min_probability(cases, model, asked);
   return model;
 }
 
@@ -389,6 +391,7 @@ std::string to_json(std::span<const rooms::RoomModel> models, std::span<const Ro
               {"fitted_on", std::move(cases)},
               {"min_precision", options.min_precision},
               {"max_elsewhere_named", options.max_elsewhere_named},
+              {"max_elsewhere_named_any", options.max_elsewhere_named_any},
               {"max_rejected", options.max_rejected},
               {"models", std::move(fitted)}}
              .dump(1) +

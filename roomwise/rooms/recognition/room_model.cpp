@@ -15,7 +15,7 @@ constexpr double kMinRegression = 1e-6;
 
 // Of a cosine, in times that of what is usual.
 double relative_distance(double cosine, double usual_cosine) {
-  constexpr double kSmallest = 1e-4;  // of the very same picture
+  constexpr double kSmallest = 1e-6;  // of the very same picture, in floats
   return std::log(std::max(1 - cosine, kSmallest) / std::max(1 - usual_cosine, kSmallest));
 }
 
