@@ -175,6 +175,37 @@ TEST_F(HomeCommandsTest, MapWritesTheTrajectoryThatExportWrites) {
   EXPECT_EQ(digest(path("again.home")), digest(path("my.home"))) << "at another number of threads";
 }
 
+TEST_F(HomeCommandsTest, OneDamagedPictureDoesNotCostTheMap) {
+  EXPECT_OK(testing::write_made_up_recording(path("damaged"), kFrames));
+  const std::string picture = path("damaged/rgb/") + first_file("damaged/rgb");
+  EXPECT_OK(write_file(picture, std::string_view("no picture")));
+  std::vector<std::string> map{"map", path("damaged"), "--no-networks", "--home",
+                               path("damaged.home")};
+  const ProgramResult stopped = run_roomwise(map);
+  EXPECT_EQ(stopped.exit_code, 1);
+  EXPECT_THAT(stopped.errors, HasSubstr(picture));
+  EXPECT_THAT(stopped.errors, HasSubstr("--skip-damaged"));
+  map.emplace_back("--skip-damaged");
+  const json mapped = result_of(map);
+  EXPECT_EQ(mapped.at("placed"), kFrames - 1);
+  EXPECT_THAT(mapped.at("damaged").at(0).get<std::string>(), HasSubstr(picture));
+}
+
+TEST_F(HomeCommandsTest, ACameraThatCannotBeIsRefused) {
+  EXPECT_OK(testing::write_made_up_recording(path("odd"), 2));
+  const std::vector<std::string> map{"map", path("odd"), "--no-networks", "--home",
+                                     path("odd.home")};
+  for (const char* camera : {"1e300 300 160 120 320 240 5000", "5 300 160 120 320 240 5000",
+                             "300 300 99999 120 320 240 5000", "300 300 160 120 320 240 1e-6"}) {
+    EXPECT_OK(write_file(path("odd/camera.txt"), std::string_view(camera)));
+    const ProgramResult refused = run_roomwise(map);
+    EXPECT_EQ(refused.exit_code, 1) << camera;
+    EXPECT_THAT(refused.errors, HasSubstr("odd/camera.txt:1")) << camera;
+  }
+  EXPECT_OK(write_file(path("odd/camera.txt"), std::string_view("900 900 160 120 320 240 5000")));
+  EXPECT_THAT(run_roomwise(map).errors, HasSubstr("may be wrong: a focal length of 900 px"));
+}
+
 TEST_F(HomeCommandsTest, AnyProcessorMakesTheSameMap) {
   const auto map_with = [&](const char* instructions, const std::string& home) {
     ::setenv("ROOMWISE_SIMD", instructions, 1);

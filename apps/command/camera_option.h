@@ -22,4 +22,14 @@ inline Expected<std::optional<geometry::PinholeCamera>> given_camera(const std::
   return recording::resolve_camera(camera);
 }
 
+// Says to the user what is so unusual of a camera that it is likely a mistake, where anything is.
+inline void warn_of_camera(const geometry::PinholeCamera& camera, Context& context) {
+  if (const auto doubt = camera.doubt()) {
+    context.progress.note(
+        fmt::format("the camera of this recording may be wrong: {}; give the right one by --camera "
+                    "where it is",
+                    *doubt));
+  }
+}
+
 }  // namespace roomwise::app

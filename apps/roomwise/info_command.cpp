@@ -152,6 +152,7 @@ Expected<Answer> describe_recording(const fs::path& path) {
   facts.add("to", format_timestamp(pictures.back().timestamp_ns));
   facts.add("seconds", seconds_of(pictures.back().timestamp_ns - pictures.front().timestamp_ns));
   facts.add("camera", describe(recording->info().camera));
+  if (const auto doubt = recording->info().camera.doubt()) facts.add("doubt", *doubt);
   facts.add("device's poses", recording->device_poses().size());
   if (!recording->notes().empty()) {
     facts.add("notes", fmt::format("{}", fmt::join(recording->notes(), "; ")));

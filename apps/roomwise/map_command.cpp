@@ -13,6 +13,7 @@
 #include "roomwise/pipeline/rooms/room_learning.h"
 #include "roomwise/pipeline/stored/stored_map.h"
 #include "roomwise/recording/open_recording.h"
+#include "roomwise/recording/undamaged_frames.h"
 
 namespace roomwise::app {
 namespace {
@@ -33,6 +34,7 @@ struct MapOptions {
   pipeline::MapSettings settings;
   NetworkOptions networks;
   bool no_networks = false;
+  bool skip_damaged = false;
   fs::path trajectory;
 };
 
@@ -118,6 +120,23 @@ std::string to_text(const pipeline::MapSummary& summary, const std::vector<std::
   return text;
 }
 
+// Of the frames that --skip-damaged left out.
+std::string damage_text(const std::vector<std::string>& damage) {
+  if (damage.empty()) return "";
+  std::string text = fmt::format("left out    {} frames that cannot be read:\n", damage.size());
+  for (const std::string& one : damage) text += fmt::format("  {}\n", one);
+  return text;
+}
+
+// The first picture from frame i on that can be read; the error of frame i where none can.
+Expected<image::ColorImage> first_color_from(const recording::Recording& recording, std::size_t i) {
+  auto picture = recording.read_color(recording.frames()[i]);
+  for (std::size_t next = i + 1; !picture && next < recording.frames().size(); ++next) {
+    if (auto other = recording.read_color(recording.frames()[next])) return other;
+  }
+  return picture;
+}
+
 // A home that this run made and that holds nothing is taken away again: the next try, with the
 // mistake mended, is a first try too.
 void remove_empty_home(const fs::path& path) {
@@ -147,14 +166,16 @@ Expected<Answer> map(const MapOptions& options, Context& context) {
   ROOMWISE_TRY(const std::unique_ptr<recording::Recording> source, open_recording(options, home));
   for (const std::string& note : source->notes()) context.progress.note(note);
   ROOMWISE_TRY(const pipeline::MapSettings settings, choose_settings(options, context.seed, home));
+  warn_of_camera(source->info().camera, context);
   pipeline::Networks networks;
   objects::ObjectFinders finders;
   if (!options.no_networks) {
-    ROOMWISE_TRY(
-        networks,
-        load_networks_for_new(
-            options.networks, home, source->frames().size(),
-            [&](std::size_t i) { return source->read_color(source->frames()[i]); }, context));
+    const auto picture = [&](std::size_t i) {
+      return options.skip_damaged ? first_color_from(*source, i)
+                                  : source->read_color(source->frames()[i]);
+    };
+    ROOMWISE_TRY(networks, load_networks_for_new(options.networks, home, source->frames().size(),
+                                                 picture, context));
     ROOMWISE_TRY(finders, load_object_finders());
   }
   if (networks.empty()) {
@@ -167,7 +188,8 @@ Expected<Answer> map(const MapOptions& options, Context& context) {
   run.working_set_bytes = options.working_set_mb << 20U;
   const home::Recording recording{source->info().name, options.recording.string(),
                                   source->info().camera, source->info().frame_count};
-  auto mapped = pipeline::map_recording(*source, recording, home, networks, settings, run, finders);
+  recording::UndamagedFrames frames(*source, options.skip_damaged);
+  auto mapped = pipeline::map_recording(frames, recording, home, networks, settings, run, finders);
   if (!mapped) return Unexpected(std::move(mapped).error());
   const pipeline::MapSummary& summary = *mapped;
   if (!summary.finished) {
@@ -186,7 +208,7 @@ Expected<Answer> map(const MapOptions& options, Context& context) {
   Answer answer;
   std::vector<std::string> names;
   for (const auto& network : networks) names.push_back(network->name());
-  answer.text = to_text(summary, names);
+  answer.text = to_text(summary, names) + damage_text(frames.damage());
   answer.json = {{"finished", summary.finished},
                  {"networks", names},
                  {"frames", summary.frames},
@@ -204,6 +226,7 @@ Expected<Answer> map(const MapOptions& options, Context& context) {
                  {"objects", summary.objects},
                  {"instances", summary.instances},
                  {"home", options.home.string()}};
+  if (options.skip_damaged) answer.json["damaged"] = frames.damage();
   add_stages(answer, run.clock);
   answer.json["cpu_s"] = process_cpu_time_s();
   return answer;
@@ -234,6 +257,9 @@ void add_map_command(CLI::App& app, Context& context) {
       "--resume", options.resume, "Go on with a run that was stopped, with its own settings");
   command->get_option("--seed")->excludes(resume);
   add_camera_option(*command, options.camera, "the recording's own");
+  command->add_flag("--skip-damaged", options.skip_damaged,
+                    "Leave out frames that cannot be read, and name them; without it the first "
+                    "such frame ends the work");
   const auto option = [resume, &map = *command](const char* name, auto& value, const char* meaning,
                                                 const CLI::Validator& check) {
     return map.add_option(name, value, meaning)->check(check)->excludes(resume);

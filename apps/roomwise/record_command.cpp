@@ -142,6 +142,7 @@ Expected<void> copy_ground_truth(const RecordOptions& options) {
 
 Expected<Answer> run(const RecordOptions& options, Context& context) {
   ROOMWISE_TRY(const std::unique_ptr<recording::FrameSource> source, open_source(options));
+  warn_of_camera(source->info().camera, context);
   ROOMWISE_TRY(const std::unique_ptr<recording::TumWriter> writer,
                recording::TumWriter::create(options.output, source->info().camera));
   context.progress.begin("recording", expected_frames(options, source->info().frame_count));

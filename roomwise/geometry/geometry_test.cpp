@@ -77,7 +77,40 @@ TEST(PinholeCamera, SaysWhatIsWrong) {
   PinholeCamera camera = camera_preset("fr3").value();
   camera.fx = std::numeric_limits<double>::quiet_NaN();
   EXPECT_ERROR(camera.validate(), "fx");
+  const auto is_refused = [](double PinholeCamera::*value, double is, const char* why) {
+    PinholeCamera wrong = camera_preset("fr3").value();
+    wrong.*value = is;
+    EXPECT_ERROR(wrong.validate(), why);
+  };
+  for (const double f : {1e300, 5.0, 0.0, -535.0, 127.0, 3201.0}) {
+    is_refused(&PinholeCamera::fx, f,
+               "cannot be: a camera of pictures 640 px wide has 128 to 3200");
+    is_refused(&PinholeCamera::fy, f, "focal lengths");
+  }
+  for (const double c : {99999.0, -1.0, 640.0, std::numeric_limits<double>::infinity()}) {
+    is_refused(&PinholeCamera::cx, c, "lies outside the picture of 640x480");
+    is_refused(&PinholeCamera::cy, c, "lies outside");
+  }
+  for (const double units : {1e-6, 99.0, 100'001.0, 0.0}) {
+    is_refused(&PinholeCamera::depth_units_per_metre, units, "expected 100 to 100000");
+  }
   EXPECT_ERROR(camera_preset("fr9"), "fr1, fr2");
+}
+
+TEST(PinholeCamera, DoubtsWhatIsUnusual) {
+  for (const char* name : {"fr1", "fr2", "fr3", "kinect-v1", "xtion"}) {
+    EXPECT_EQ(camera_preset(name)->doubt(), std::nullopt) << name;
+  }
+  const auto is_doubted = [](double PinholeCamera::*value, double is, const char* why) {
+    PinholeCamera unusual = camera_preset("fr3").value();
+    unusual.*value = is;
+    EXPECT_OK(unusual.validate());
+    EXPECT_THAT(unusual.doubt().value_or(""), ::testing::HasSubstr(why));
+  };
+  is_doubted(&PinholeCamera::fx, 2000, "focal length of 2000 px is unusual");
+  is_doubted(&PinholeCamera::fy, 300, "far from square");
+  is_doubted(&PinholeCamera::cx, 20, "far from the middle");
+  is_doubted(&PinholeCamera::depth_units_per_metre, 100, "100 depth units per metre are unusual");
 }
 
 TEST(AlignPoints, FindsTheTransformOfNoisyPoints) {

@@ -1,5 +1,6 @@
 #include "roomwise/geometry/pinhole_camera.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <tuple>
@@ -16,6 +17,11 @@ Eigen::Vector2d distort(const LensDistortion& lens, const Eigen::Vector2d& p) {
           p.y() * radial + lens.p1 * (r2 + 2 * p.y() * p.y()) + 2 * lens.p2 * p.x() * p.y()};
 }
 
+// False for NaN.
+bool is_within(double value, double least, double most) {
+  return value >= least && value <= most;
+}
+
 auto tie(const PinholeCamera& c) {
   return std::tie(c.fx, c.fy, c.cx, c.cy, c.width, c.height, c.distortion.k1, c.distortion.k2,
                   c.distortion.p1, c.distortion.p2, c.distortion.k3, c.depth_units_per_metre);
@@ -24,20 +30,52 @@ auto tie(const PinholeCamera& c) {
 }  // namespace
 
 Expected<void> PinholeCamera::validate() const {
-  const auto positive = [](double value) { return std::isfinite(value) && value > 0; };
-  if (!positive(fx) || !positive(fy))
-    return fail("focal lengths fx = {}, fy = {} must be positive", fx, fy);
-  if (!std::isfinite(cx) || !std::isfinite(cy))
-    return fail("cx = {}, cy = {} must be finite", cx, cy);
   if (width <= 0 || height <= 0) return fail("image size {}x{} must be positive", width, height);
-  if (!positive(depth_units_per_metre)) {
-    return fail("depth_units_per_metre = {} must be positive", depth_units_per_metre);
+  // From a fish-eye to a telescope; a pinhole camera of a room is far from both.
+  constexpr double kMinWidths = 0.2, kMaxWidths = 5;
+  for (const double f : {fx, fy}) {
+    if (!is_within(f / width, kMinWidths, kMaxWidths)) {
+      return fail(
+          "focal lengths fx = {} px, fy = {} px cannot be: a camera of pictures {} px wide has "
+          "{:g} "
+          "to {:g} px",
+          fx, fy, width, kMinWidths * width, kMaxWidths * width);
+    }
+  }
+  if (!is_within(cx, -0.5, width - 0.5) || !is_within(cy, -0.5, height - 0.5)) {
+    return fail("the principal point cx = {} px, cy = {} px lies outside the picture of {}x{} px",
+                cx, cy, width, height);
+  }
+  constexpr double kMinUnits = 100, kMaxUnits = 100'000;  // centimetres, hundredths of a millimetre
+  if (!is_within(depth_units_per_metre, kMinUnits, kMaxUnits)) {
+    return fail(
+        "depth_units_per_metre = {} cannot be: expected {} to {}, 1000 where depth is in mm",
+        depth_units_per_metre, kMinUnits, kMaxUnits);
   }
   for (const double k :
        {distortion.k1, distortion.k2, distortion.p1, distortion.p2, distortion.k3}) {
     if (!std::isfinite(k)) return fail("distortion values must be finite, found {}", k);
   }
   return {};
+}
+
+std::optional<std::string> PinholeCamera::doubt() const {
+  const double widths = fx / std::max(width, height);
+  if (!is_within(widths, 0.4, 2)) {
+    return fmt::format("a focal length of {:.4g} px is unusual for pictures of {}x{} px", fx, width,
+                       height);
+  }
+  if (!is_within(fy / fx, 0.9, 1.1)) {
+    return fmt::format("its pixels are far from square: fx = {:.4g}, fy = {:.4g}", fx, fy);
+  }
+  if (!is_within(cx / width, 0.3, 0.7) || !is_within(cy / height, 0.3, 0.7)) {
+    return fmt::format("its principal point {:.4g}, {:.4g} is far from the middle of {}x{} px", cx,
+                       cy, width, height);
+  }
+  if (!is_within(depth_units_per_metre, 1000, 10'000)) {
+    return fmt::format("{:g} depth units per metre are unusual", depth_units_per_metre);
+  }
+  return std::nullopt;
 }
 
 Eigen::Vector2d PinholeCamera::project(const Eigen::Vector3d& point_camera) const {

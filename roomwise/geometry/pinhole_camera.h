@@ -1,6 +1,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
+#include <string>
 #include <string_view>
 
 #include "roomwise/base/expected.h"
@@ -23,8 +25,12 @@ struct PinholeCamera {
   LensDistortion distortion;
   double depth_units_per_metre = 1000;  // a depth image holds metres times this
 
-  // Says which value is wrong.
+  // Fails on what cannot be, saying which value and why: a focal length out of 0.2 to 5 picture
+  // widths, a principal point outside the picture, depth units out of 100 to 100,000 per metre.
   [[nodiscard]] Expected<void> validate() const;
+  // What of a valid camera is so unusual that it is likely a mistake; nothing where all is as
+  // cameras of rooms have it.
+  [[nodiscard]] std::optional<std::string> doubt() const;
 
   // The pixel that sees a point of the camera frame (s p = C [R|T] P with [R|T] applied already).
   // The point must lie in front of the camera (z > 0).

@@ -1,0 +1,24 @@
+#include "roomwise/recording/undamaged_frames.h"
+
+namespace roomwise::recording {
+
+Expected<std::optional<image::RgbdFrame>> UndamagedFrames::next() {
+  for (;;) {
+    // An error leaves the source at the frame after it, so this ends.
+    Expected<std::optional<image::RgbdFrame>> frame = source_.next();
+    if (frame && !*frame && !gave_any_ && !damage_.empty()) {
+      return fail("{}: none of its {} frames can be read; the first: {}", source_.info().name,
+                  damage_.size(), damage_.front());
+    }
+    if (frame || frame.error().code == ErrorCode::kInterrupted) {
+      gave_any_ = gave_any_ || frame.has_value();
+      return frame;
+    }
+    if (!skip_damaged_) {
+      return fail("{}; or give --skip-damaged to go on without it", frame.error().message);
+    }
+    damage_.push_back(frame.error().message);
+  }
+}
+
+}  // namespace roomwise::recording
