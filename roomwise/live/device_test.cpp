@@ -301,9 +301,7 @@ TEST_F(DeviceTest, RoomsAreNamedWhileAWalkIsRecorded) {
   EXPECT_EQ(refused[0].answer_to, 5);
 
   const testing::ScratchFolder folder;
-  geometry::PinholeCamera pinhole = *geometry::camera_preset("fr1");
-  pinhole.width = 8;
-  pinhole.height = 6;
+  const geometry::PinholeCamera pinhole{8, 8, 3.5, 2.5, 8, 6, {}, 1000};
   const auto recorder = WalkRecorder::begin(folder / "walk", {8, 6, pinhole, true});
   ASSERT_OK(recorder);
   host.recorder = *recorder;
