@@ -36,7 +36,8 @@ inline Bytes zlib_packed(const Bytes& plain) {
 inline Bytes sens_file(const SensPlan& plan) {
   ByteWriter out;
   out.number<std::uint32_t>(plan.version).counted<std::uint64_t>("StructureSensor");
-  put_matrix(out, 100, (plan.color_width - 1) / 2.0, (plan.color_height - 1) / 2.0, 0);
+  put_matrix(out, 1.25 * plan.color_width, (plan.color_width - 1) / 2.0,
+             (plan.color_height - 1) / 2.0, 0);
   put_matrix(out, 1, 0, 0, plan.color_offset_m);
   put_matrix(out, 50, 19.5, 14.5, 0);
   put_matrix(out, 1, 0, 0, 0);
