@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <array>
 
+#include "roomwise/recording/phone/folders.h"
 #include "roomwise/recording/phone/record3d.h"
 #include "roomwise/recording/phone/scanner_app.h"
+#include "roomwise/recording/phone/stray_scanner.h"
 #include "roomwise/recording/robot/robot_recording.h"
 #include "roomwise/recording/sens/sens_recording.h"
 #include "roomwise/recording/tum_recording.h"
@@ -25,6 +27,14 @@ constexpr std::array kKinds{
                   &open_as<TumRecording>},
     RecordingKind{"3D Scanner App, All Data", "frame_00000.json and depth_00000.png",
                   &is_scanner_app_export, &open_scanner_app_export},
+    RecordingKind{"Stray Scanner", "rgb.mp4 and odometry.csv", &is_stray_scanner_folder,
+                  &open_stray_scanner_folder},
+    RecordingKind{"Polycam, raw data", "keyframes/cameras", &is_polycam_folder,
+                  &open_polycam_folder},
+    RecordingKind{"ARKitScenes", "lowres_depth and lowres_wide_intrinsics", &is_arkitscenes_folder,
+                  &open_arkitscenes_folder},
+    RecordingKind{"7-Scenes", "frame-000000.color.png and .depth.png", &is_seven_scenes_folder,
+                  &open_seven_scenes_folder},
     RecordingKind{"MCAP", "the first bytes of an .mcap file", &is_mcap_file, &open_mcap_recording},
     RecordingKind{"ROS 1 bag, RealSense", "the first bytes of a .bag file", &is_ros1_bag_file,
                   &open_ros1_bag_recording},

@@ -13,10 +13,24 @@ using geometry::PinholeCamera;
 constexpr int kMaxSide_px = 640;
 constexpr int kJpegQuality = 95;
 
+Expected<image::ColorImage> read_color_of(const PhoneListing& listing, std::size_t place) {
+  if (listing.read_color) return listing.read_color(place);
+  return image::read_color(listing.pictures[place].color);
+}
+
+// The first that can be read; the first's error where none can.
+Expected<image::ColorImage> any_color_of(const PhoneListing& listing) {
+  auto first = read_color_of(listing, 0);
+  for (std::size_t i = 1; !first && i < listing.pictures.size(); ++i) {
+    if (auto other = read_color_of(listing, i)) return other;
+  }
+  return first;
+}
+
 // The cameras of a phone are of its pictures' size, which only the pictures say.
-Expected<void> give_size(std::vector<PhonePicture>& pictures) {
-  ROOMWISE_TRY(const auto first, image::read_color(pictures.front().color));
-  for (PhonePicture& picture : pictures) {
+Expected<void> give_size(PhoneListing& listing) {
+  ROOMWISE_TRY(const auto first, any_color_of(listing));
+  for (PhonePicture& picture : listing.pictures) {
     PinholeCamera& camera = picture.camera;
     if (camera.width == 0) camera.width = first.width();
     if (camera.height == 0) camera.height = first.height();
@@ -59,7 +73,7 @@ Expected<std::unique_ptr<Recording>> PhoneRecording::open(PhoneListing listing,
   if (std::ranges::none_of(contents.pictures, &RecordedPicture::has_depth)) {
     return fail("{}: no picture has a depth image; was it recorded without a LiDAR?", listing.name);
   }
-  ROOMWISE_CHECK_OK(give_size(listing.pictures));
+  ROOMWISE_CHECK_OK(give_size(listing));
   std::vector<PinholeCamera> cameras;
   for (const PhonePicture& picture : listing.pictures) cameras.push_back(picture.camera);
   contents.info.camera = common_camera(cameras, kMaxSide_px);
@@ -79,11 +93,16 @@ PinholeCamera PhoneRecording::original_camera(const RecordedPicture& picture) co
 }
 
 std::string PhoneRecording::describe(const RecordedPicture& picture) const {
-  return original(picture).color.string();
+  const std::string file = original(picture).color.string();
+  return listing_.read_color ? fmt::format("{}: picture {}", file, picture.index) : file;
+}
+
+Expected<image::ColorImage> PhoneRecording::read_original(const PhonePicture& picture) const {
+  return read_color_of(listing_, static_cast<std::size_t>(&picture - listing_.pictures.data()));
 }
 
 Expected<Bytes> PhoneRecording::read_encoded(const PhonePicture& picture) const {
-  ROOMWISE_TRY(const auto color, image::read_color(picture.color));
+  ROOMWISE_TRY(const auto color, read_original(picture));
   if (color.width() != picture.camera.width || color.height() != picture.camera.height) {
     return fail("{}: has {}x{} pixels, the recording's first picture {}x{}", picture.color.string(),
                 color.width(), color.height(), picture.camera.width, picture.camera.height);
@@ -92,8 +111,14 @@ Expected<Bytes> PhoneRecording::read_encoded(const PhonePicture& picture) const 
 }
 
 Expected<image::DepthImage> PhoneRecording::read_depth(const PhonePicture& picture) const {
-  ROOMWISE_TRY(const image::DepthImage depth, image::read_depth(picture.depth));
-  const PinholeCamera from = depth_camera(picture.camera, depth.width(), depth.height());
+  ROOMWISE_TRY(image::DepthImage depth, image::read_depth(picture.depth));
+  if (listing_.no_depth != 0) std::ranges::replace(depth.pixels(), listing_.no_depth, 0);
+  const PinholeCamera from =
+      listing_.depth_camera.value_or(depth_camera(picture.camera, depth.width(), depth.height()));
+  if (from.width != depth.width() || from.height != depth.height()) {
+    return fail("{}: has {}x{} pixels, expected {}x{}", picture.depth.string(), depth.width(),
+                depth.height(), from.width, from.height);
+  }
   return as_seen_by(depth, from, info().camera);
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -22,6 +23,13 @@ struct PhoneListing {
   std::string kind, name;
   std::vector<PhonePicture> pictures;
   Trajectory device_poses;
+  // What a depth image has where nothing was measured, besides 0.
+  std::uint16_t no_depth = 0;
+  // Of the depth images, where it does not follow from that of the pictures.
+  std::optional<geometry::PinholeCamera> depth_camera = {};
+  // Reads pictures[place] where its file holds more than one; empty: each is a file of its own.
+  // Called from several threads at once.
+  std::function<Expected<image::ColorImage>(std::size_t place)> read_color = {};
 };
 
 // A recording of a phone: pictures, each with a camera of its own, and smaller depth images, as
@@ -30,8 +38,8 @@ struct PhoneListing {
 // the lowest, which is the far end of a corridor, maps get worse.
 class PhoneRecording final : public Recording {
  public:
-  // Fails where there is no picture with depth, where times do not increase, where the first
-  // picture cannot be read and where `options` ask for another camera.
+  // Fails where there is no picture with depth, where times do not increase, where no picture can
+  // be read and where `options` ask for another camera.
   [[nodiscard]] static Expected<std::unique_ptr<Recording>> open(PhoneListing listing,
                                                                  const RecordingOptions& options);
   [[nodiscard]] geometry::PinholeCamera original_camera(
@@ -42,6 +50,7 @@ class PhoneRecording final : public Recording {
   PhoneRecording(RecordingContents contents, PhoneListing listing)
       : Recording(std::move(contents)), listing_(std::move(listing)) {}
   [[nodiscard]] const PhonePicture& original(const RecordedPicture& picture) const;
+  [[nodiscard]] Expected<image::ColorImage> read_original(const PhonePicture& picture) const;
   [[nodiscard]] Expected<Bytes> read_encoded(const PhonePicture& picture) const;
   [[nodiscard]] Expected<image::DepthImage> read_depth(const PhonePicture& picture) const;
   [[nodiscard]] Expected<image::RgbdFrame> read_frame(

@@ -1,44 +1,16 @@
 #include "roomwise/recording/phone/scanner_app.h"
 
 #include <algorithm>
-#include <charconv>
 #include <map>
 
 #include "roomwise/recording/phone/json_file.h"
+#include "roomwise/recording/phone/numbered_files.h"
 #include "roomwise/recording/phone/phone_recording.h"
 
 namespace roomwise::recording {
 namespace {
 
 namespace fs = std::filesystem;
-
-// 12 of "frame_00012.json"; nothing where it is another file.
-std::optional<std::uint64_t> number_in(const std::string& name, std::string_view before,
-                                       std::string_view after) {
-  if (!name.starts_with(before) || !name.ends_with(after)) return std::nullopt;
-  if (name.size() <= before.size() + after.size()) return std::nullopt;
-  const char* first = name.data() + before.size();
-  const char* last = name.data() + name.size() - after.size();
-  std::uint64_t number = 0;
-  const auto [end, error] = std::from_chars(first, last, number);
-  if (error != std::errc() || end != last) return std::nullopt;
-  return number;
-}
-
-// The files of a kind by the number in their names.
-Expected<std::map<std::uint64_t, fs::path>> numbered(const fs::path& folder,
-                                                     std::string_view before,
-                                                     std::string_view after) {
-  std::map<std::uint64_t, fs::path> files;
-  std::error_code error;
-  for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
-       entry.increment(error)) {
-    const auto number = number_in(entry->path().filename().string(), before, after);
-    if (number) files.emplace(*number, entry->path());
-  }
-  if (error) return fail("{}: cannot be read: {}", folder.string(), error.message());
-  return files;
-}
 
 // What a frame's JSON says; nothing else of it is read.
 struct FrameFacts {
@@ -69,8 +41,7 @@ Expected<FrameFacts> read_facts(const fs::path& file) {
 }
 
 // The app writes every frame's file before the next one's, so times that go back are damage.
-Expected<std::map<std::uint64_t, FrameFacts>> read_all_facts(
-    const std::map<std::uint64_t, fs::path>& files) {
+Expected<std::map<std::uint64_t, FrameFacts>> read_all_facts(const NumberedFiles& files) {
   std::map<std::uint64_t, FrameFacts> all;
   for (const auto& [number, file] : files) {
     ROOMWISE_TRY(const FrameFacts facts, read_facts(file));
@@ -83,11 +54,6 @@ Expected<std::map<std::uint64_t, FrameFacts>> read_all_facts(
   return all;
 }
 
-fs::path at_or_none(const std::map<std::uint64_t, fs::path>& files, std::uint64_t number) {
-  const auto file = files.find(number);
-  return file == files.end() ? fs::path() : file->second;
-}
-
 }  // namespace
 
 bool is_scanner_app_export(const fs::path& folder) {
@@ -95,7 +61,7 @@ bool is_scanner_app_export(const fs::path& folder) {
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
        entry.increment(error)) {
     const std::string name = entry->path().filename().string();
-    if (!number_in(name, "frame_", ".json")) continue;
+    if (!number_in_name(name, "frame_", ".json")) continue;
     const std::string digits = name.substr(6, name.size() - 11);
     if (fs::exists(folder / ("depth_" + digits + ".png"), error)) return true;
   }
@@ -104,9 +70,9 @@ bool is_scanner_app_export(const fs::path& folder) {
 
 Expected<std::unique_ptr<Recording>> open_scanner_app_export(const fs::path& folder,
                                                              const RecordingOptions& options) {
-  ROOMWISE_TRY(const auto json, numbered(folder, "frame_", ".json"));
-  ROOMWISE_TRY(const auto colors, numbered(folder, "frame_", ".jpg"));
-  ROOMWISE_TRY(const auto depths, numbered(folder, "depth_", ".png"));
+  ROOMWISE_TRY(const auto json, numbered_files(folder, "frame_", ".json"));
+  ROOMWISE_TRY(const auto colors, numbered_files(folder, "frame_", ".jpg"));
+  ROOMWISE_TRY(const auto depths, numbered_files(folder, "depth_", ".png"));
   ROOMWISE_TRY(const auto facts, read_all_facts(json));
   PhoneListing listing{"3D Scanner App, All Data", recording_name(folder), {}, {}};
   for (const auto& [number, file] : colors) {
@@ -115,7 +81,7 @@ Expected<std::unique_ptr<Recording>> open_scanner_app_export(const fs::path& fol
       return fail("{}: has no .json of its number; copy the recording again", file.string());
     }
     listing.pictures.push_back({number, of_frame->second.timestamp_ns, file,
-                                at_or_none(depths, number), of_frame->second.camera});
+                                file_or_none(depths, number), of_frame->second.camera});
   }
   for (const auto& [number, of_frame] : facts) {
     listing.device_poses.push_back({of_frame.timestamp_ns, of_frame.world_from_camera});

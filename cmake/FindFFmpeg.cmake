@@ -1,0 +1,16 @@
+# FFmpeg's libraries, imported as FFmpeg::avformat, FFmpeg::avcodec, FFmpeg::avutil and FFmpeg::swscale.
+include(FindPackageHandleStandardArgs)
+find_path(FFmpeg_INCLUDE_DIR libavformat/avformat.h)
+set(_libraries "")
+foreach(_library avformat avcodec avutil swscale)
+  find_library(FFmpeg_${_library}_LIBRARY ${_library})
+  list(APPEND _libraries FFmpeg_${_library}_LIBRARY)
+endforeach()
+find_package_handle_standard_args(FFmpeg REQUIRED_VARS ${_libraries} FFmpeg_INCLUDE_DIR)
+if(FFmpeg_FOUND AND NOT TARGET FFmpeg::avformat)
+  foreach(_library avformat avcodec avutil swscale)
+    add_library(FFmpeg::${_library} UNKNOWN IMPORTED)
+    set_target_properties(FFmpeg::${_library} PROPERTIES
+      IMPORTED_LOCATION ${FFmpeg_${_library}_LIBRARY} INTERFACE_INCLUDE_DIRECTORIES ${FFmpeg_INCLUDE_DIR})
+  endforeach()
+endif()

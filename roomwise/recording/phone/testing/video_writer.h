@@ -1,0 +1,85 @@
+#pragma once
+
+extern "C" {
+#include <libavcodec/avcodec.h>
+#include <libavformat/avformat.h>
+#include <libavutil/opt.h>
+}
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+namespace roomwise::recording::testing {
+
+// An MP4 file of `count` grey pictures, the i-th of brightness 20 + 6 * (i % 32), with pictures
+// that are predicted from later ones and a whole one every `gop`.
+inline void write_grey_video(const std::filesystem::path& path, int count,
+                             AVCodecID kind = AV_CODEC_ID_MPEG4, int gop = 6, int width = 64,
+                             int height = 48) {
+  AVFormatContext* format = nullptr;
+  ASSERT_GE(avformat_alloc_output_context2(&format, nullptr, "mp4", path.c_str()), 0);
+  const AVCodec* encoder = avcodec_find_encoder(kind);
+  ASSERT_NE(encoder, nullptr);
+  AVStream* stream = avformat_new_stream(format, nullptr);
+  AVCodecContext* codec = avcodec_alloc_context3(encoder);
+  codec->width = width;
+  codec->height = height;
+  codec->pix_fmt = AV_PIX_FMT_YUV420P;
+  codec->time_base = {1, 30};
+  codec->gop_size = gop;
+  codec->max_b_frames = 2;
+  codec->thread_count = 1;
+  codec->flags |= AV_CODEC_FLAG_GLOBAL_HEADER | AV_CODEC_FLAG_QSCALE;
+  codec->global_quality = FF_QP2LAMBDA * 2;
+  av_opt_set(codec->priv_data, "x265-params", "log-level=none:pools=none:frame-threads=1", 0);
+  ASSERT_GE(avcodec_open2(codec, encoder, nullptr), 0);
+  avcodec_parameters_from_context(stream->codecpar, codec);
+  stream->time_base = codec->time_base;
+  ASSERT_GE(avio_open(&format->pb, path.c_str(), AVIO_FLAG_WRITE), 0);
+  ASSERT_GE(avformat_write_header(format, nullptr), 0);
+
+  AVPacket* packet = av_packet_alloc();
+  const auto write_packets = [&] {
+    while (avcodec_receive_packet(codec, packet) >= 0) {
+      av_packet_rescale_ts(packet, codec->time_base, stream->time_base);
+      packet->stream_index = stream->index;
+      ASSERT_GE(av_interleaved_write_frame(format, packet), 0);
+    }
+  };
+  AVFrame* frame = av_frame_alloc();
+  frame->format = codec->pix_fmt;
+  frame->width = width;
+  frame->height = height;
+  ASSERT_GE(av_frame_get_buffer(frame, 0), 0);
+  for (int i = 0; i < count; ++i) {
+    ASSERT_GE(av_frame_make_writable(frame), 0);
+    for (int y = 0; y < height; ++y) {
+      std::fill_n(frame->data[0] + y * frame->linesize[0], width,
+                  static_cast<std::uint8_t>(20 + 6 * (i % 32)));
+    }
+    for (const int plane : {1, 2}) {
+      for (int y = 0; y < height / 2; ++y) {
+        std::fill_n(frame->data[plane] + y * frame->linesize[plane], width / 2, std::uint8_t{128});
+      }
+    }
+    frame->pts = i;
+    ASSERT_GE(avcodec_send_frame(codec, frame), 0);
+    write_packets();
+  }
+  avcodec_send_frame(codec, nullptr);
+  write_packets();
+  av_write_trailer(format);
+  avio_closep(&format->pb);
+  av_frame_free(&frame);
+  av_packet_free(&packet);
+  avcodec_free_context(&codec);
+  avformat_free_context(format);
+}
+
+// What a picture of such a video shows: luma 16 to 235 spread to 0 to 255.
+inline int brightness_of_grey_video(int i) {
+  return static_cast<int>((20 + 6 * (i % 32) - 16) * 255 / 219.0 + 0.5);
+}
+
+}  // namespace roomwise::recording::testing

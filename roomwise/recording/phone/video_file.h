@@ -1,0 +1,33 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+
+#include "roomwise/base/expected.h"
+#include "roomwise/image/image.h"
+
+namespace roomwise::recording {
+
+// The pictures of an MP4 or QuickTime file (H.264, HEVC, ...), each by its place in the order in
+// which they are shown. Reading one after the other decodes each once; any other order decodes from
+// the key picture before.
+class VideoFile {
+ public:
+  // Reads the packets' times, and decodes nothing. Fails, naming the file, where it is no such
+  // video or was cut off.
+  [[nodiscard]] static Expected<std::unique_ptr<VideoFile>> open(const std::filesystem::path& path);
+  ~VideoFile();
+  VideoFile(const VideoFile&) = delete;
+  VideoFile& operator=(const VideoFile&) = delete;
+
+  [[nodiscard]] std::size_t size() const;
+  // place < size(). Fails where it is damaged. Thread-safe, one at a time.
+  [[nodiscard]] Expected<image::ColorImage> read(std::size_t place);
+
+ private:
+  struct Stream;
+  explicit VideoFile(std::unique_ptr<Stream> stream);
+  std::unique_ptr<Stream> stream_;
+};
+
+}  // namespace roomwise::recording
