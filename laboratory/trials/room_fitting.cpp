@@ -85,36 +85,43 @@ bool is_known(const SeenPicture& picture) {
   return picture.room >= 0;
 }
 
-// The two weights of the opinion pool, by Newton's method on the cross-entropy, which is convex.
+// A cross-entropy's derivatives by the two weights of the opinion pool.
+struct PoolDerivatives {
+  Eigen::Vector2d gradient;
+  Eigen::Matrix2d hessian;
+};
+
+// Adds those of one picture of a room.
+void add_picture(const SeenPicture& picture, const rooms::RoomCalibration& calibration,
+                 const rooms::RoomModel& model, double weight, PoolDerivatives& sum) {
+  const Eigen::MatrixX2d opinions =
+      rooms::pooled_opinions(picture.similarity, picture.regression, calibration);
+  const Eigen::VectorXd probabilities =
+      model.probabilities(picture.similarity, picture.regression, calibration);
+  const Eigen::Vector2d mean = opinions.transpose() * probabilities;
+  sum.gradient += weight * (mean - opinions.row(picture.room).transpose());
+  sum.hessian += weight * (opinions.transpose() * probabilities.asDiagonal() * opinions -
+                           mean * mean.transpose());
+}
+
+// By Newton's method: the cross-entropy is convex in both weights.
 void fit_pool(std::span<const RoomCase* const> cases, rooms::RoomModel& model) {
   constexpr int kIterations = 30;
   constexpr double kRidge = 1e-6;
-  constexpr double kMinRegression = 1e-6;
-  Eigen::Vector2d weights(1, 1);
   for (int i = 0; i < kIterations; ++i) {
-    Eigen::Vector2d gradient = kRidge * weights;
-    Eigen::Matrix2d hessian = kRidge * Eigen::Matrix2d::Identity();
+    const Eigen::Vector2d weights(model.similarity_weight, model.regression_weight);
+    PoolDerivatives sum{kRidge * weights, kRidge * Eigen::Matrix2d::Identity()};
     for (const RoomCase* one : cases) {
       const auto known = std::ranges::count_if(one->pictures, is_known);
+      const double weight = share_of(*one, cases) / static_cast<double>(known);
       for (const SeenPicture& picture : one->pictures) {
-        if (!is_known(picture)) continue;
-        Eigen::MatrixX2d said(picture.regression.size(), 2);
-        said.col(0) = picture.similarity.of_rooms / one->calibration.temperature;
-        said.col(1) = picture.regression.array().max(kMinRegression).log();
-        const Eigen::ArrayXd logs = said * weights;
-        Eigen::VectorXd probabilities = (logs - logs.maxCoeff()).exp();
-        probabilities /= probabilities.sum();
-        const Eigen::Vector2d mean = said.transpose() * probabilities;
-        const double weight = share_of(*one, cases) / static_cast<double>(known);
-        gradient += weight * (mean - said.row(picture.room).transpose());
-        hessian += weight *
-                   (said.transpose() * probabilities.asDiagonal() * said - mean * mean.transpose());
+        if (is_known(picture)) add_picture(picture, one->calibration, model, weight, sum);
       }
     }
-    weights -= hessian.ldlt().solve(gradient);
+    const Eigen::Vector2d step = sum.hessian.ldlt().solve(sum.gradient);
+    model.similarity_weight -= step[0];
+    model.regression_weight -= step[1];
   }
-  model.similarity_weight = weights[0];
-  model.regression_weight = weights[1];
 }
 
 // What speaks for a picture, as far as it means the same for all networks that the model is for.

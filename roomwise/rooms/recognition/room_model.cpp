@@ -10,9 +10,6 @@
 namespace roomwise::rooms {
 namespace {
 
-// No picture rules a room out.
-constexpr double kMinRegression = 1e-6;
-
 // Of a cosine, in times that of what is usual.
 double relative_distance(double cosine, double usual_cosine) {
   constexpr double kSmallest = 1e-6;  // of the very same picture, in floats
@@ -48,6 +45,15 @@ FamiliarityNumbers familiarity_numbers(const Similarity& similarity,
           relative_distance(similarity.whitened_cosine, calibration.whitened_cosine_mean)};
 }
 
+Eigen::MatrixX2d pooled_opinions(const Similarity& similarity, const Eigen::VectorXd& regression,
+                                 const RoomCalibration& calibration) {
+  constexpr double kMinRegression = 1e-6;  // no picture rules a room out
+  Eigen::MatrixX2d opinions(regression.size(), 2);
+  opinions << similarity.of_rooms / calibration.temperature,
+      regression.array().max(kMinRegression).log().matrix();
+  return opinions;
+}
+
 double probability_of(double log_odds) {
   return 1 / (1 + std::exp(-log_odds));
 }
@@ -55,9 +61,8 @@ double probability_of(double log_odds) {
 Eigen::VectorXd RoomModel::probabilities(const Similarity& similarity,
                                          const Eigen::VectorXd& regression,
                                          const RoomCalibration& calibration) const {
-  const Eigen::ArrayXd logs =
-      similarity_weight / calibration.temperature * similarity.of_rooms.array() +
-      regression_weight * regression.array().max(kMinRegression).log();
+  const Eigen::ArrayXd logs = pooled_opinions(similarity, regression, calibration) *
+                              Eigen::Vector2d(similarity_weight, regression_weight);
   const Eigen::ArrayXd powers = (logs - logs.maxCoeff()).exp();
   return powers / powers.sum();
 }

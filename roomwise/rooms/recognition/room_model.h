@@ -22,6 +22,12 @@ using FamiliarityNumbers = std::array<double, kFamiliarityNumbers>;
 [[nodiscard]] FamiliarityNumbers familiarity_numbers(const Similarity& similarity,
                                                      const RoomCalibration& calibration);
 
+// What the opinion pool weighs, a row a room: the logarithm of the similarities' softmax, up to a
+// number that is the same for all, and that of the regression's probability.
+[[nodiscard]] Eigen::MatrixX2d pooled_opinions(const Similarity& similarity,
+                                               const Eigen::VectorXd& regression,
+                                               const RoomCalibration& calibration);
+
 // What the decision about rooms is made with, the same for every home that was learned with a
 // network. Its numbers are those of room_model.json, which roomwise-lab fit-rooms writes; where
 // they come from stands there.
