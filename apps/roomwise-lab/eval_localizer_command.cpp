@@ -37,6 +37,7 @@ Json to_json(const trials::LocalizationTrial& trial) {
                {"status", to_string(found.status)},
                {"matches", found.matches},
                {"inliers", found.inliers}};
+  if (trial.focal_ratio) json["focal_ratio"] = *trial.focal_ratio;
   if (found.has_pose()) {
     json["error_m"] = trial.error_m;
     json["error_degrees"] = kDegrees * trial.error_rad;
@@ -50,6 +51,16 @@ Json to_json(const trials::LocalizationTrial& trial) {
     json["agreeing"] = found.agreement.agreeing;
   }
   return json;
+}
+
+// How far off the focal length is that was known when a picture was asked for.
+std::string describe_focal_length(const std::vector<trials::LocalizationTrial>& trials) {
+  std::string text = "focal length over the true one, after pictures:";
+  for (const std::size_t pictures : {0, 1, 3, 10, 30, 100}) {
+    if (pictures < trials.size() && trials[pictures].focal_ratio)
+      text += fmt::format("  {}: {:.3f}", pictures, *trials[pictures].focal_ratio);
+  }
+  return text + '\n';
 }
 
 // All trials as figures.
@@ -100,6 +111,7 @@ Answer describe(const std::vector<trials::LocalizationTrial>& trials,
         quantile(errors_degrees, 0.95));
   answer.text += fmt::format("processor time a question: median {:.0f} ms, 95 % within {:.0f} ms\n",
                              quantile(cpu_ms, 0.5), quantile(cpu_ms, 0.95));
+  if (options.trials.unknown_lens) answer.text += describe_focal_length(trials);
   answer.json = {{"questions", trials.size()},
                  {"near", near.value()},
                  {"further_off", beside.value()},
@@ -121,6 +133,9 @@ Expected<Answer> evaluate(const LocalizerEvaluationOptions& options, Context& co
   cv::setNumThreads(1);
   if (options.near_m > options.far_m || options.near_degrees > options.far_degrees) {
     return fail("--near must not be above --far, nor --near-degrees above --far-degrees");
+  }
+  if (options.trials.unknown_lens && options.trials.pairs) {
+    return fail("--unknown-lens asks about single pictures; leave out --pairs");
   }
   ROOMWISE_TRY(const home::Home home, open_home_read_only(options.home, context));
   CommandRun run(context);
@@ -156,6 +171,9 @@ void add_localizer_evaluation(CLI::App& group, Context& context) {
   add_setting(*command, "--every", options.trials.every, "Ask about every N-th frame",
               CLI::PositiveNumber);
   command->add_flag("--without-depth", options.without_depth, "Localise by colour alone");
+  command->add_flag("--unknown-lens", options.trials.unknown_lens,
+                    "Localise by colour alone, as of a phone: focal length and distortion are "
+                    "found from picture to picture");
   command->add_flag("--pairs", options.trials.pairs,
                     "Two pictures a question: a frame and the one before it");
   const auto add_limit = [&](const char* name, double& value, const char* meaning) {

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "laboratory/trials/truth_evaluation.h"
+#include "roomwise/mapping/localization/lens_calibration.h"
 #include "roomwise/recording/association.h"
 #include "roomwise/recording/open_recording.h"
 #include "roomwise/recording/trajectory_file.h"
@@ -21,15 +22,27 @@ struct Question {
   RigidTransform truth_from_camera;
 };
 
-LocalizationTrial ask(const pipeline::HomeLocalizer& home, const Question& question,
-                      const geometry::PinholeCamera& camera, bool with_depth,
-                      const RigidTransform& truth_from_world) {
+// The answer to a question, right or wrong by the truth.
+struct Asker {
+  const pipeline::HomeLocalizer& home;
+  const geometry::PinholeCamera& camera;
+  bool with_depth;
+  RigidTransform truth_from_world;
+
+  [[nodiscard]] LocalizationTrial ask(const Question& question) const;
+  [[nodiscard]] LocalizationTrial ask(const Question& question,
+                                      mapping::LensCalibration& lens) const;
+
+ private:
+  void judge(const Question& question, LocalizationTrial& trial) const;
+};
+
+LocalizationTrial Asker::ask(const Question& question) const {
   const auto measure = [&](const image::RgbdFrame& frame) {
     return home.measure(
         {frame.color, with_depth ? std::optional(frame.depth) : std::nullopt, camera});
   };
   LocalizationTrial trial;
-  trial.frame_index = question.frame.index;
   const double start_s = thread_cpu_time_s();
   // Frames of a recording have its camera's size.
   const motion::FrameMeasurements second = measure(question.frame).value();
@@ -40,11 +53,27 @@ LocalizationTrial ask(const pipeline::HomeLocalizer& home, const Question& quest
     trial.answer = home.localizer().locate({second, camera});
   }
   trial.cpu_s = thread_cpu_time_s() - start_s;
+  judge(question, trial);
+  return trial;
+}
+
+LocalizationTrial Asker::ask(const Question& question, mapping::LensCalibration& lens) const {
+  LocalizationTrial trial;
+  trial.focal_ratio = lens.known().camera(camera.width, camera.height).fx / camera.fx;
+  const double start_s = thread_cpu_time_s();
+  trial.answer = home.locate_uncalibrated(question.frame.color, lens.estimate()).value();
+  lens.add(trial.answer);
+  trial.cpu_s = thread_cpu_time_s() - start_s;
+  judge(question, trial);
+  return trial;
+}
+
+void Asker::judge(const Question& question, LocalizationTrial& trial) const {
+  trial.frame_index = question.frame.index;
   const RigidTransform error =
       question.truth_from_camera.inverse() * truth_from_world * trial.answer.world_from_camera;
   trial.error_m = error.distance_m();
   trial.error_rad = error.angle_rad();
-  return trial;
 }
 
 // True poses by the index of the colour image.
@@ -77,15 +106,20 @@ Expected<std::vector<LocalizationTrial>> evaluate_localization(
                pipeline::HomeLocalizer::create(home, localizer, run));
   const geometry::PinholeCamera& camera = recording->info().camera;
 
+  const Asker asker{home_localizer, camera, options.with_depth, truth_from_world};
+  mapping::LensCalibration lens;
+
   std::vector<LocalizationTrial> trials;
   std::vector<Question> block;
   const auto ask_block = [&] {
     const std::size_t first = trials.size();
     trials.resize(first + block.size());
-    run.pool.parallel_for(block.size(), [&](std::size_t i) {
-      trials[first + i] =
-          ask(home_localizer, block[i], camera, options.with_depth, truth_from_world);
-    });
+    if (options.unknown_lens) {  // each picture by what the earlier ones told
+      for (std::size_t i = 0; i < block.size(); ++i) trials[first + i] = asker.ask(block[i], lens);
+    } else {
+      run.pool.parallel_for(block.size(),
+                            [&](std::size_t i) { trials[first + i] = asker.ask(block[i]); });
+    }
     block.clear();
   };
   run.progress.begin("localising", recording->frames().size());

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <vector>
 
 #include "roomwise/pipeline/mapping/home_localizer.h"
@@ -13,12 +14,17 @@ struct LocalizationTrial {
   mapping::Localization answer;
   double error_m = 0;    // of an answer with a pose
   double error_rad = 0;  // of an answer with a pose
-  double cpu_s = 0;      // to measure the picture and to localise it
+  // Of an unknown lens, before the picture was asked for: over the true one.
+  std::optional<double> focal_ratio;
+  double cpu_s = 0;  // to measure the picture and to localise it
 };
 
 struct LocalizationEvaluationOptions {
   std::uint64_t every = 1;  // of the frames that are tried
   bool with_depth = true;
+  // As of a phone: by colour alone, the focal length and the distortion found from picture to
+  // picture.
+  bool unknown_lens = false;
   bool pairs = false;  // two pictures a question: a frame and the one before it
 };
 

@@ -17,4 +17,11 @@ struct RobustLoss {
   return {kernel * std::log1p(squares / kernel), derivative, -derivative * derivative / kernel};
 }
 
+// Huber's kernel: square up to a residual of `limit`, linear beyond. Without a second derivative.
+[[nodiscard]] inline RobustLoss huber_loss(double squares, double limit) {
+  const double norm = std::sqrt(squares);
+  if (norm <= limit) return {squares, 1};
+  return {limit * (2 * norm - limit), limit / norm};
+}
+
 }  // namespace roomwise::geometry

@@ -2,103 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
-#include "roomwise/motion/perspective_three_point.h"
+#include "roomwise/motion/pnp_ransac.h"
 
 namespace roomwise::motion {
 namespace {
 
 using geometry::PinholeCamera;
 using geometry::RigidTransform;
-
-double reprojection_error2_px2(const PointObservation& observation,
-                               const RigidTransform& current_from_reference,
-                               const PinholeCamera& camera) {
-  const Eigen::Vector3d point = current_from_reference * observation.point_reference;
-  if (!(point.z() > 0)) return std::numeric_limits<double>::infinity();
-  return (camera.project_undistorted(point) - observation.pixel_current).squaredNorm();
-}
-
-// A pose and how well it explains the matches: the sum over all of them of the squared distance,
-// cut off at the inlier threshold (MSAC of Torr and Zisserman 2000), which tells equal counts of
-// inliers apart.
-struct Hypothesis {
-  RigidTransform current_from_reference;
-  double cost = std::numeric_limits<double>::infinity();
-  int inliers = 0;
-};
-
-Hypothesis score(std::span<const PointObservation> observations,
-                 const RigidTransform& current_from_reference, const PinholeCamera& camera,
-                 double inlier_px, double cost_to_beat) {
-  const double threshold2 = inlier_px * inlier_px;
-  Hypothesis hypothesis{current_from_reference, 0, 0};
-  for (const PointObservation& observation : observations) {
-    const double error2 = reprojection_error2_px2(observation, current_from_reference, camera);
-    hypothesis.cost += std::min(error2, threshold2);
-    if (error2 < threshold2) ++hypothesis.inliers;
-    if (hypothesis.cost >= cost_to_beat) break;
-  }
-  return hypothesis;
-}
-
-// How many samples of three make it improbable that none was free of outliers.
-double samples_needed(double inlier_ratio, double confidence) {
-  const double all_inliers = inlier_ratio * inlier_ratio * inlier_ratio;
-  if (all_inliers >= 1) return 1;
-  return std::log(1 - confidence) / std::log1p(-all_inliers);
-}
-
-std::array<std::size_t, 3> draw_three(RandomStream& random, std::size_t count) {
-  std::array<std::size_t, 3> drawn{};
-  do {
-    for (std::size_t& index : drawn) index = random.index(count);
-  } while (drawn[0] == drawn[1] || drawn[0] == drawn[2] || drawn[1] == drawn[2]);
-  return drawn;
-}
-
-// Whether two points are about as far apart as the current frame measured them; true where it did
-// not. Depth errors grow with the square of the distance.
-bool has_same_edge_length(const PointObservation& a, const Eigen::Vector3d& ray_a,
-                          const PointObservation& b, const Eigen::Vector3d& ray_b) {
-  const double za = a.depth_current_m, zb = b.depth_current_m;
-  if (za <= 0 || zb <= 0) return true;
-  const double now_m = (ray_a * (za / ray_a.z()) - ray_b * (zb / ray_b.z())).norm();
-  const double then_m = (a.point_reference - b.point_reference).norm();
-  return std::abs(now_m - then_m) <= 0.03 + 0.015 * (za * za + zb * zb);
-}
-
-Hypothesis solve_pnp_ransac(std::span<const PointObservation> observations,
-                            const PinholeCamera& camera, const MotionOptions& options,
-                            RandomStream& random) {
-  std::vector<Eigen::Vector3d> rays;
-  rays.reserve(observations.size());
-  for (const PointObservation& observation : observations) {
-    rays.push_back(camera.unproject_undistorted(observation.pixel_current, 1.0).normalized());
-  }
-  Hypothesis best;
-  double needed = options.max_iterations;
-  for (int iteration = 0; iteration < needed; ++iteration) {
-    const auto [i, j, k] = draw_three(random, observations.size());
-    if (options.checks_edge_lengths &&
-        !(has_same_edge_length(observations[i], rays[i], observations[j], rays[j]) &&
-          has_same_edge_length(observations[i], rays[i], observations[k], rays[k]) &&
-          has_same_edge_length(observations[j], rays[j], observations[k], rays[k]))) {
-      continue;
-    }
-    const std::array points{observations[i].point_reference, observations[j].point_reference,
-                            observations[k].point_reference};
-    for (const RigidTransform& pose : solve_p3p(points, {rays[i], rays[j], rays[k]})) {
-      const Hypothesis hypothesis = score(observations, pose, camera, options.inlier_px, best.cost);
-      if (hypothesis.cost >= best.cost) continue;
-      best = hypothesis;
-      const double ratio = best.inliers / static_cast<double>(observations.size());
-      needed = std::min<double>(options.max_iterations, samples_needed(ratio, options.confidence));
-    }
-  }
-  return best;
-}
 
 // The matches that a pose explains, by pixel and, where measured, by depth.
 std::vector<PointObservation> inliers_of(std::span<const PointObservation> observations,
@@ -211,7 +122,10 @@ MotionOutcome estimate_motion(std::span<const PointObservation> observations,
   outcome.matches = static_cast<int>(observations.size());
   if (outcome.matches < options.min_matches) return stop(MotionStatus::kTooFewMatches);
 
-  const Hypothesis hypothesis = solve_pnp_ransac(observations, camera, options, random);
+  PinholeCamera ideal = camera;  // observations are undistorted
+  ideal.distortion = {};
+  const PnpHypothesis hypothesis = solve_pnp_ransac(
+      observations, [&](RandomStream&) { return ideal; }, 1, options, random);
   outcome.inliers = hypothesis.inliers;
   const auto enough = [&] {
     return outcome.inliers >= options.min_inliers &&

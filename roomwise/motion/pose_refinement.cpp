@@ -11,20 +11,13 @@
 namespace roomwise::motion {
 namespace {
 
+using geometry::huber_loss;
 using geometry::Matrix6d;
 using geometry::PinholeCamera;
 using geometry::RigidTransform;
-using geometry::RobustLoss;
 using geometry::Vector6d;
 
 constexpr double kHuberSigmas = 2.0;
-
-// Huber's kernel.
-RobustLoss huber_loss(double squares) {
-  const double norm = std::sqrt(squares);
-  if (norm <= kHuberSigmas) return {squares, 1};
-  return {kHuberSigmas * (2 * norm - kHuberSigmas), kHuberSigmas / norm};
-}
 
 // What levenberg_marquardt.h minimises.
 class PoseProblem {
@@ -41,7 +34,7 @@ class PoseProblem {
     double cost = 0;
     for_each_residual(
         [&](const PointObservation&, const RigidTransform&, const Eigen::Vector3d& error) {
-          cost += huber_loss(error.squaredNorm()).value;
+          cost += huber_loss(error.squaredNorm(), kHuberSigmas).value;
         });
     return cost;
   }
@@ -53,7 +46,7 @@ class PoseProblem {
                           const Eigen::Vector3d& error) {
       if (!error.allFinite()) return;
       const auto jacobian = residual_jacobian(observation, current_from_reference, camera_, model_);
-      const double weight = huber_loss(error.squaredNorm()).derivative;
+      const double weight = huber_loss(error.squaredNorm(), kHuberSigmas).derivative;
       hessian_ += weight * jacobian.transpose() * jacobian;
       rhs_ -= weight * jacobian.transpose() * error;
     });

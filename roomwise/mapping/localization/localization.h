@@ -1,9 +1,11 @@
 #pragma once
 
+#include <optional>
 #include <string_view>
 
 #include "roomwise/mapping/frontend/keyframe.h"
 #include "roomwise/motion/frame_locator.h"
+#include "roomwise/motion/lens_estimate.h"
 
 namespace roomwise::mapping {
 
@@ -93,6 +95,8 @@ struct Localization {
   // By shape or a weak hypothesis: of its pattern and theirs around the pose, -1 to 1.
   double pattern_correlation = 0;
   double support = 0;  // by shape: what speaks for the pose; 3 at most
+  // Where the camera was not calibrated: what is known of its lens, this picture counted.
+  std::optional<motion::LensEstimate> lens;
 
   // By a weak hypothesis that was confirmed: the place is right, if this is the home.
   bool is_weak_hypothesis = false;

@@ -152,7 +152,7 @@ bool Localizer::is_contradicted(const motion::ViewAgreement& agreement) const {
 // Depth images are compared pixel by pixel, so they must be of cameras alike.
 bool Localizer::can_compare_shapes(const Query& query) const {
   const motion::RgbdPyramid& view = query.measurements.view();
-  if (view.empty() || keyframes_.empty()) return false;
+  if (view.empty() || keyframes_.empty() || query.lens) return false;
   const motion::RgbdPyramid& known = keyframes_.front().keyframe.measurements.view();
   if (known.empty()) return false;
   const geometry::PinholeCamera& a = view.levels.back().camera;
@@ -219,13 +219,24 @@ std::vector<motion::PointObservation> Localizer::match(const Place& place,
   return observations;
 }
 
+// The picture's pose relative to the first key-frame of a place, by its points.
+motion::LensMotion Localizer::pose_in(const Place& place, const Query& query) const {
+  const RandomStream random(options_.seed, {keyframes_[place.members.front()].keyframe.id});
+  const auto observations = match(place, query);
+  const motion::MotionOptions options = with_weak_hypotheses(options_);
+  if (query.lens) {
+    return motion::estimate_motion_and_lens(observations, query.camera.width, query.camera.height,
+                                            *query.lens, options, random);
+  }
+  return {motion::estimate_motion(observations, query.camera, options, random), {}};
+}
+
 // The picture's pose by the points of one place.
 Localization Localizer::locate_in(const Place& place, const Query& query) const {
   Localization here;
   const Placed& first = keyframes_[place.members.front()];
-  const motion::MotionOutcome outcome =
-      motion::estimate_motion(match(place, query), query.camera, with_weak_hypotheses(options_),
-                              RandomStream(options_.seed, {first.keyframe.id}));
+  const auto [outcome, lens] = pose_in(place, query);
+  if (query.lens) here.lens = lens;
   here.keyframe = first.keyframe.id;
   here.matches = outcome.matches;
   here.inliers = outcome.inliers;

@@ -7,14 +7,18 @@
 #include "roomwise/mapping/frontend/keyframe.h"
 #include "roomwise/mapping/localization/depth_index.h"
 #include "roomwise/mapping/localization/localization.h"
+#include "roomwise/motion/lens_motion.h"
 #include "roomwise/motion/view_pattern.h"
 
 namespace roomwise::mapping {
 
-// A picture to be localised, and the camera that took it. Depth is welcome, and not needed.
+// A picture to be localised, and the camera that took it. Depth is welcome, and not needed. Of a
+// camera that nobody calibrated `lens` is what is known: then `camera` says no more than how large
+// the picture is, its measurements are as without distortion, and its depth does not count.
 struct Query {
   const motion::FrameMeasurements& measurements;
   const geometry::PinholeCamera& camera;
+  std::optional<motion::LensEstimate> lens = std::nullopt;
 };
 
 // Says where in a finished map a picture was taken, from nothing but the picture: on another day,
@@ -76,6 +80,7 @@ class Localizer {
   [[nodiscard]] std::vector<Place> similar_places(const motion::FrameMeasurements& picture) const;
   [[nodiscard]] std::vector<motion::PointObservation> match(const Place& place,
                                                             const Query& query) const;
+  [[nodiscard]] motion::LensMotion pose_in(const Place& place, const Query& query) const;
   [[nodiscard]] Localization locate_in(const Place& place, const Query& query) const;
   void refine(const Query& query, Localization& found) const;
   // The pose of too few inliers that pattern and depth around confirm best, if they do and nothing

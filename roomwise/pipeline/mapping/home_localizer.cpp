@@ -52,4 +52,12 @@ Expected<motion::FrameMeasurements> HomeLocalizer::measure(const PictureToLocate
   return measure_frame(picture.color, none, picture.camera, *extractor_, without_views);
 }
 
+Expected<mapping::Localization> HomeLocalizer::locate_uncalibrated(
+    const image::ColorImage& color, const motion::LensEstimate& lens) const {
+  geometry::PinholeCamera camera = lens.camera(color.width(), color.height());
+  camera.distortion = {};  // pixels are to stay where they are
+  ROOMWISE_TRY(const motion::FrameMeasurements measured, measure({color, std::nullopt, camera}));
+  return localizer_.locate({measured, camera, lens});
+}
+
 }  // namespace roomwise::pipeline

@@ -30,6 +30,9 @@ class HomeLocalizer {
   // What the localiser needs of a picture, to be measured once. Fails where an image is not of the
   // camera's size.
   [[nodiscard]] Expected<motion::FrameMeasurements> measure(const PictureToLocate& picture) const;
+  // Where a picture was taken by a camera that nobody calibrated, of whose lens this is known.
+  [[nodiscard]] Expected<mapping::Localization> locate_uncalibrated(
+      const image::ColorImage& color, const motion::LensEstimate& lens) const;
   [[nodiscard]] const mapping::Localizer& localizer() const { return localizer_; }
 
  private:

@@ -1,0 +1,96 @@
+#include "roomwise/mapping/localization/lens_calibration.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+namespace roomwise::mapping {
+namespace {
+
+using motion::LensEstimate;
+
+// What the residuals of one view do not show, of (logarithm of the focal length, k1): the map's own
+// errors, a principal point beside the middle.
+constexpr double kViewFocalSigma = 0.02, kViewDistortionSigma = 0.02;
+// The focal length is never known better than this, relative to it: lenses breathe as they focus.
+constexpr double kMinFocalSigma = 0.01;
+// Views no further apart and no further turned than this are one, m and rad.
+constexpr double kSameView_m = 0.4, kSameView_rad = 0.3;
+// So many pictures without a pose may mean another lens.
+constexpr int kManyWithoutPose = 10;
+// Two focal lengths this many standard deviations apart are of two lenses.
+constexpr double kOtherLensSigmas = 5;
+
+// What a picture told alone, as information and information times mean.
+struct Told {
+  Eigen::Matrix2d information;
+  Eigen::Vector2d weighted_mean;
+};
+
+// That is the difference of what was known before and after it, weakened by what it does not show:
+// (I^-1 + S)^-1 = (I S + 1)^-1 I.
+Told told_by(const LensEstimate& before, const LensEstimate& after) {
+  const Eigen::Matrix2d information = after.information - before.information;
+  const Eigen::Vector2d weighted =
+      after.information * after.mean - before.information * before.mean;
+  const Eigen::Vector2d systematic(kViewFocalSigma * kViewFocalSigma,
+                                   kViewDistortionSigma * kViewDistortionSigma);
+  const Eigen::Matrix2d weaken =
+      (information * systematic.asDiagonal() + Eigen::Matrix2d::Identity()).inverse();
+  return {weaken * information, weaken * weighted};
+}
+
+LensEstimate with(const LensEstimate& known, const Told& told) {
+  LensEstimate both;
+  both.information = known.information + told.information;
+  both.mean = both.information.inverse() * (known.information * known.mean + told.weighted_mean);
+  const double share = both.focal_sigma() / kMinFocalSigma;
+  both.information *= std::min(1.0, share * share);
+  return both;
+}
+
+bool are_of_two_lenses(const LensEstimate& a, const LensEstimate& b) {
+  return std::abs(a.mean[0] - b.mean[0]) >
+         kOtherLensSigmas * std::hypot(a.focal_sigma(), b.focal_sigma());
+}
+
+// Only what a doubt remains of says nothing; a vague pose is right, and says how much it knows.
+bool has_sure_pose(const Localization& answer) {
+  return answer.found() || answer.status == LocalizationStatus::kVague;
+}
+
+}  // namespace
+
+bool LensCalibration::is_asked_anew() const {
+  return without_pose_ >= kManyWithoutPose;
+}
+
+LensEstimate LensCalibration::estimate() const {
+  return is_asked_anew() ? LensEstimate::of_phones() : known_;
+}
+
+bool LensCalibration::counts(const geometry::RigidTransform& world_from_camera) const {
+  return std::ranges::none_of(counted_, [&](const geometry::RigidTransform& counted) {
+    const geometry::RigidTransform apart = counted.inverse() * world_from_camera;
+    return apart.distance_m() <= kSameView_m && apart.angle_rad() <= kSameView_rad;
+  });
+}
+
+void LensCalibration::add(const Localization& answer) {
+  if (!answer.lens) return;
+  if (!has_sure_pose(answer)) {
+    ++without_pose_;
+    return;
+  }
+  const LensEstimate asked = estimate();
+  if (is_asked_anew() && are_of_two_lenses(known_, *answer.lens)) {
+    known_ = asked;
+    counted_.clear();
+  }
+  without_pose_ = 0;
+  if (!counts(answer.world_from_camera)) return;
+  counted_.push_back(answer.world_from_camera);
+  known_ = with(known_, told_by(asked, *answer.lens));
+}
+
+}  // namespace roomwise::mapping

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <vector>
+
+#include "roomwise/mapping/localization/localization.h"
+
+namespace roomwise::mapping {
+
+// What the pictures of one device told of its lens, each a Query with estimate() that was answered:
+// a calibration without a pattern, by the map. Pictures of one view share the map's errors, so a
+// view counts once. Not thread-safe: what is asked by an estimate must be answered before the next.
+class LensCalibration {
+ public:
+  explicit LensCalibration(const motion::LensEstimate& known = motion::LensEstimate::of_phones())
+      : known_(known) {}
+
+  // To be asked with next. After many pictures without a pose, as if nothing were known: the device
+  // may have another lens now.
+  [[nodiscard]] motion::LensEstimate estimate() const;
+  // What is known by now, to be kept.
+  [[nodiscard]] const motion::LensEstimate& known() const { return known_; }
+  void add(const Localization& answer);
+
+ private:
+  [[nodiscard]] bool is_asked_anew() const;
+  [[nodiscard]] bool counts(const geometry::RigidTransform& world_from_camera) const;
+
+  motion::LensEstimate known_;
+  std::vector<geometry::RigidTransform> counted_;  // world_from_camera of the views
+  int without_pose_ = 0;                           // pictures, in a row
+};
+
+}  // namespace roomwise::mapping
