@@ -9,6 +9,7 @@ void add_home_evaluations(CLI::App& group, Context& context);      // of "eval"
 void add_localizer_evaluation(CLI::App& group, Context& context);  // of "eval"
 void add_changes_evaluation(CLI::App& group, Context& context);    // of "eval"
 void add_fit_instances_command(CLI::App& app, Context& context);
+void add_fit_localizer_command(CLI::App& app, Context& context);
 void add_fit_rooms_command(CLI::App& app, Context& context);
 void add_lift_labels_command(CLI::App& app, Context& context);
 void add_simulate_command(CLI::App& app, Context& context);

@@ -21,6 +21,7 @@ int main(int argc, char** argv) {
   add_simulate_command(app, context);
   add_simulate_views_command(app, context);
   add_fit_instances_command(app, context);
+  add_fit_localizer_command(app, context);
   add_fit_rooms_command(app, context);
   add_lift_labels_command(app, context);
   add_command_elsewhere(app, context, "train",

@@ -248,8 +248,8 @@ bool Device::work() {
     frame = std::move(newest_);
     newest_.reset();
     looking_ = true;
-    if (!frame_processor_) frame_processor_.emplace(camera_);
   }
+  if (!frame_processor_) frame_processor_.emplace(camera(), host_.lens_of(*this));
   Expected<FrameResult> result = look(*std::move(frame));
   bool more = false;
   {

@@ -42,6 +42,9 @@ class Host final : public DeviceHost {
   void recorded(const Device&, const service::RecordingState& state) override {
     recordings.push_back(state);
   }
+  [[nodiscard]] motion::LensEstimate lens_of(const Device&) const override {
+    return motion::LensEstimate::of_phones();
+  }
 
   [[nodiscard]] std::shared_ptr<WalkRecorder> recorder_for(const Device&) override {
     return recorder;

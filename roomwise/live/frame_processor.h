@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "roomwise/live/home_view.h"
+#include "roomwise/mapping/localization/lens_calibration.h"
 #include "roomwise/pipeline/rooms/turn_hint.h"
 #include "roomwise/service/messages.h"
 
@@ -27,6 +28,8 @@ struct FrameResult {
   std::optional<rooms::RoomDecision> decision;
   std::optional<pipeline::Side> more_to_see;  // where the room is not sure
   std::optional<CameraPose> place;
+  // What is known by now of the lens of a camera that nobody calibrated.
+  std::optional<motion::LensEstimate> lens;
   std::optional<double> obstacle_m;  // straight ahead, by depth
   Bytes picture;                     // as the device sent it
 };
@@ -42,8 +45,10 @@ struct CameraFrame {
 // said by the whole walk. Not thread-safe.
 class FrameProcessor {
  public:
-  explicit FrameProcessor(std::optional<service::DeviceCamera> camera)
-      : camera_(std::move(camera)) {}
+  // `lens`: what is known of it where the camera is not calibrated.
+  explicit FrameProcessor(std::optional<service::DeviceCamera> camera,
+                          const motion::LensEstimate& lens = motion::LensEstimate::of_phones())
+      : camera_(std::move(camera)), lens_(lens) {}
 
   // Fails on pictures that cannot be read or are not of the camera's size; the next frame is looked
   // at as if this one had not been.
@@ -56,12 +61,13 @@ class FrameProcessor {
       const image::ColorImage& color, double t_ms,
       const std::optional<mapping::Localization>& answer, bool has_depth,
       const std::shared_ptr<const HomeView>& home);
-  // Nothing where the home has no map, or the camera is not calibrated.
+  // Nothing where the home has no map.
   [[nodiscard]] Expected<std::optional<mapping::Localization>> locate(
       const image::ColorImage& color, const std::optional<image::DepthImage>& depth,
-      const HomeView& home) const;
+      const HomeView& home);
 
   std::optional<service::DeviceCamera> camera_;
+  mapping::LensCalibration lens_;
   // Belongs to the recognizer with which it was made.
   std::optional<rooms::RoomStream> stream_;
   std::shared_ptr<const pipeline::RoomRecognizer> stream_of_;

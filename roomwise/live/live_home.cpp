@@ -45,6 +45,7 @@ LiveHome::LiveHome(fs::path file, home::Home home, home::Home reader,
 LiveHome::~LiveHome() {
   jobs_.reset();
   looking_.reset();
+  if (lenses_) (void)lenses_->save();  // what is lost is learned anew
   if (recorder_) (void)recorder_->close();
 }
 
@@ -59,6 +60,7 @@ Expected<std::unique_ptr<LiveHome>> LiveHome::open(const fs::path& file,
   ROOMWISE_TRY(home::Home reader, home::Home::open_read_only(file, options.open));
   std::unique_ptr<LiveHome> live(new LiveHome(file, std::move(home), std::move(reader), networks,
                                               finders, std::move(options)));
+  ROOMWISE_TRY(live->lenses_, LensMemory::open(live->lenses_file()));
   ROOMWISE_CHECK_OK(live->refresh(nullptr));
   live->jobs_ = std::make_unique<Jobs>(
       [raw = live.get()](const service::JobState& state) { raw->tell_helpers(state); });
@@ -96,6 +98,7 @@ void LiveHome::left(const std::shared_ptr<Device>& device) {
     devices_.erase(device);
   }
   dropped_by_gone_ += device->dropped();
+  (void)lenses_->save();  // a full disk is told by what must not be lost
   // It may have come back before the old connection was found to be dead.
   const auto others = all_devices();
   const auto again = std::ranges::find_if(others, [&](const auto& one) {
@@ -136,11 +139,17 @@ void LiveHome::has_work(const std::shared_ptr<Device>& device) {
 
 void LiveHome::saw(const Device& device, const FrameResult& result) {
   ++frames_processed_;
+  if (result.lens) lenses_->learn(device.who().device, device.camera()->lens, *result.lens);
   const service::DeviceSeen seen = device.seen();
   if (seen.seen && result.decision) {
     recognitions_.add(device.who(), options_.clock(), *seen.seen, result.picture);
   }
   tell_helpers(seen);
+}
+
+motion::LensEstimate LiveHome::lens_of(const Device& device) const {
+  const auto camera = device.camera();
+  return lenses_->recall(device.who().device, camera ? camera->lens : "");
 }
 
 void LiveHome::recorded(const Device& device, const service::RecordingState& state) {
@@ -236,6 +245,10 @@ Expected<void> LiveHome::check_idle() const {
 
 fs::path LiveHome::walks_folder() const {
   return fs::path(file_.string() + ".walks");
+}
+
+fs::path LiveHome::lenses_file() const {
+  return fs::path(file_.string() + ".lenses.json");
 }
 
 }  // namespace roomwise::live

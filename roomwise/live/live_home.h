@@ -13,6 +13,7 @@
 #include "roomwise/live/frame_workers.h"
 #include "roomwise/live/home_view.h"
 #include "roomwise/live/jobs.h"
+#include "roomwise/live/lens_memory.h"
 #include "roomwise/live/recognition_log.h"
 #include "roomwise/objects/proposals/object_finders.h"
 #include "roomwise/service/server.h"
@@ -93,6 +94,7 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
   void has_work(const std::shared_ptr<Device>& device) override;
   void saw(const Device& device, const FrameResult& result) override;
   void recorded(const Device& device, const service::RecordingState& state) override;
+  [[nodiscard]] motion::LensEstimate lens_of(const Device& device) const override;
   [[nodiscard]] std::shared_ptr<WalkRecorder> recorder_for(const Device& device) override;
   [[nodiscard]] Expected<void> name_recorded_room(const Device& device,
                                                   const std::string& room) override;
@@ -124,6 +126,7 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
   [[nodiscard]] Expected<std::string> prepare(Progress& progress);
   [[nodiscard]] Expected<std::string> learn_now(Progress& progress);
   [[nodiscard]] std::filesystem::path walks_folder() const;
+  [[nodiscard]] std::filesystem::path lenses_file() const;
   // A walk that was recorded and is not in the home yet: the newest.
   [[nodiscard]] std::optional<std::filesystem::path> unmapped_walk() const;
 
@@ -146,6 +149,7 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
   std::int64_t recording_device_ = 0;
 
   RecognitionLog recognitions_;
+  std::unique_ptr<LensMemory> lenses_;
   std::atomic<std::uint64_t> frames_processed_{0};
   std::atomic<std::uint64_t> dropped_by_gone_{0};  // by devices that are not here any more
 

@@ -219,6 +219,7 @@ Expected<void> LiveHome::forget_home() {
       return erase_removed(home);
     }));
     recognitions_.clear();
+    ROOMWISE_CHECK_OK(lenses_->forget());
     std::error_code error;
     fs::remove_all(walks_folder(), error);
     if (error) {

@@ -48,6 +48,7 @@ Expected<DeviceCamera> read_camera(const OrderedJson& json) {
     if (!members.error()) ROOMWISE_CHECK_OK(pinhole.validate());
     camera.calibrated = pinhole;
   }
+  if (members.has("lens")) camera.lens = members.text("lens");
   return members.finish(std::move(camera));
 }
 
@@ -133,6 +134,7 @@ void write_settings(const SettingsChange& change, OrderedJson& json) {
 
 OrderedJson camera_json(const DeviceCamera& camera) {
   OrderedJson json{{"width", camera.width}, {"height", camera.height}};
+  if (!camera.lens.empty()) json["lens"] = camera.lens;
   if (!camera.calibrated) return json;
   const geometry::PinholeCamera& pinhole = *camera.calibrated;
   json.update({{"fx", pinhole.fx}, {"fy", pinhole.fy}, {"cx", pinhole.cx}, {"cy", pinhole.cy}});

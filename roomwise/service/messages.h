@@ -38,11 +38,15 @@ struct SpeakingSettings {
   friend bool operator==(const SpeakingSettings&, const SpeakingSettings&) = default;
 };
 
-// What is known of a device's camera. Without calibration (a phone) there is no position.
+// What is known of a device's camera. Without calibration (a phone) its focal length is found from
+// the pictures.
 struct DeviceCamera {
   int width = 0, height = 0;  // px
-  std::optional<geometry::PinholeCamera> calibrated;
+  std::optional<geometry::PinholeCamera> calibrated = std::nullopt;
   bool has_depth = false;
+  // Of a camera without calibration, the device's name for its lens: what is learned of one says
+  // nothing of another.
+  std::string lens = {};
 };
 
 struct Hello {

@@ -23,6 +23,16 @@ double worst_sigma(const geometry::Matrix6d& information, Eigen::Index first) {
 
 }  // namespace
 
+double PoseModel::probability(const PoseEvidence& evidence) const {
+  double log_odds = bias;
+  for (std::size_t i = 0; i < evidence.size(); ++i) log_odds += weights[i] * evidence[i];
+  return 1 / (1 + std::exp(-log_odds));
+}
+
+PoseModel PoseModel::fitted() {
+  return {0, {1, 1, 1, -1}, 0.99};
+}
+
 LocalizerOptions::LocalizerOptions() {
   // Of all that a place shows much was moved or lies in another light.
   features.checks_edge_lengths = true;
@@ -43,6 +53,9 @@ Expected<void> LocalizerOptions::validate() const {
   }
   if (min_hypothesis_inliers < 4) {
     return fail("min_hypothesis_inliers = {} must be at least 4", min_hypothesis_inliers);
+  }
+  if (!(by_color.min_probability >= 0 && by_color.min_probability <= 1)) {
+    return fail("by_color.min_probability = {} must be between 0 and 1", by_color.min_probability);
   }
   if (sure_inliers < 0) return fail("sure_inliers = {} must not be negative", sure_inliers);
   for (const auto& [name, share] :
@@ -93,6 +106,11 @@ std::string_view to_string(LocalizationStatus status) {
       return "found";
   }
   return "unknown";
+}
+
+PoseEvidence Localization::evidence() const {
+  return {std::log(inliers), std::log(static_cast<double>(inliers) / matches), std::log(coverage),
+          std::log((rival_inliers + 1.0) / inliers)};
 }
 
 double Localization::position_sigma_m() const {

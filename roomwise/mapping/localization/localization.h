@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string_view>
 
@@ -8,6 +9,23 @@
 #include "roomwise/motion/lens_estimate.h"
 
 namespace roomwise::mapping {
+
+// What speaks for a pose that features give without a depth image to check it by.
+inline constexpr std::array kPoseEvidenceNames{"log inliers", "log inlier ratio", "log coverage",
+                                               "log rival ratio"};
+using PoseEvidence = std::array<double, kPoseEvidenceNames.size()>;
+
+// How probable it is that such a pose is right: a logistic regression, fitted by roomwise-lab
+// fit-localizer on pictures of other walks and of other homes, each left out of the fit that
+// measures it (docs/experiments/localizer-fitted.md).
+struct PoseModel {
+  double bias = 0;
+  PoseEvidence weights{};
+  double min_probability = 1;  // of an answer
+
+  [[nodiscard]] double probability(const PoseEvidence& evidence) const;
+  [[nodiscard]] static PoseModel fitted();
+};
 
 struct LocalizerOptions {
   LocalizerOptions();
@@ -25,6 +43,8 @@ struct LocalizerOptions {
   int sure_inliers = 40;
   double sure_overlap = 0.4;
   double sure_agreeing = 0.8;
+  // Without a depth image all of that is left to the model.
+  PoseModel by_color = PoseModel::fitted();
   // Even fewer inliers, down to so many, are a weak hypothesis: an answer if what the key-frames
   // around show is like the picture in pattern and depth. `min_confirmation` is likeness *
   // agreeing^4, over an overlap of `confirmed_overlap`, of which no more than
@@ -84,6 +104,9 @@ struct Localization {
   LocalizationStatus status = LocalizationStatus::kNothingSimilar;
   int matches = 0;
   int inliers = 0;  // different features of the picture
+  // The share of the cells of a grid over the picture that hold an inlier.
+  double coverage = 0;
+  int rival_inliers = 0;  // of the pose from elsewhere that has most
   // The rest means something where there is a pose.
   KeyframeId keyframe = 0;  // that shows the same
   geometry::RigidTransform world_from_camera;
@@ -104,6 +127,7 @@ struct Localization {
   [[nodiscard]] bool found() const { return status == LocalizationStatus::kFound; }
   // Found, or with something against it.
   [[nodiscard]] bool has_pose() const { return status >= LocalizationStatus::kDoubtful; }
+  [[nodiscard]] PoseEvidence evidence() const;  // of features; there must be inliers
   // Standard deviation along the direction that is known worst.
   [[nodiscard]] double position_sigma_m() const;
   [[nodiscard]] double rotation_sigma_rad() const;

@@ -65,6 +65,25 @@ bool is_weak_hypothesis(const motion::MotionOutcome& found, const motion::Motion
          found.inliers < features.min_inlier_ratio * found.matches;
 }
 
+// The share of the cells of a grid over a picture that hold a match which the pose explains.
+double coverage(std::span<const motion::PointObservation> observations,
+                const RigidTransform& current_from_reference, const geometry::PinholeCamera& camera,
+                double inlier_px) {
+  constexpr int kCells = 8;  // along each side
+  std::array<bool, kCells * kCells> holds_one{};
+  const auto cell = [](double pixel, int pixels) {
+    return std::clamp(static_cast<int>(kCells * pixel / pixels), 0, kCells - 1);
+  };
+  for (const motion::PointObservation& observation : observations) {
+    const Eigen::Vector3d point = current_from_reference * observation.point_reference;
+    const Eigen::Vector2d& pixel = observation.pixel_current;
+    if (!(point.z() > 0) || (camera.project(point) - pixel).norm() >= inlier_px) continue;
+    holds_one.at(static_cast<std::size_t>(kCells * cell(pixel.y(), camera.height) +
+                                          cell(pixel.x(), camera.width))) = true;
+  }
+  return static_cast<double>(std::ranges::count(holds_one, true)) / holds_one.size();
+}
+
 // How much pattern and depth around a pose are the picture's.
 double confirmation(const Localization& pose) {
   return pose.pattern_correlation * std::pow(pose.agreement.agreeing, 4);
@@ -219,10 +238,11 @@ std::vector<motion::PointObservation> Localizer::match(const Place& place,
   return observations;
 }
 
-// The picture's pose relative to the first key-frame of a place, by its points.
-motion::LensMotion Localizer::pose_in(const Place& place, const Query& query) const {
+// The picture's pose relative to the first key-frame of a place.
+motion::LensMotion Localizer::pose_in(const Place& place,
+                                      std::span<const motion::PointObservation> observations,
+                                      const Query& query) const {
   const RandomStream random(options_.seed, {keyframes_[place.members.front()].keyframe.id});
-  const auto observations = match(place, query);
   const motion::MotionOptions options = with_weak_hypotheses(options_);
   if (query.lens) {
     return motion::estimate_motion_and_lens(observations, query.camera.width, query.camera.height,
@@ -235,7 +255,8 @@ motion::LensMotion Localizer::pose_in(const Place& place, const Query& query) co
 Localization Localizer::locate_in(const Place& place, const Query& query) const {
   Localization here;
   const Placed& first = keyframes_[place.members.front()];
-  const auto [outcome, lens] = pose_in(place, query);
+  const auto observations = match(place, query);
+  const auto [outcome, lens] = pose_in(place, observations, query);
   if (query.lens) here.lens = lens;
   here.keyframe = first.keyframe.id;
   here.matches = outcome.matches;
@@ -244,6 +265,11 @@ Localization Localizer::locate_in(const Place& place, const Query& query) const 
     here.status = LocalizationStatus::kNoMotion;
     return here;
   }
+  geometry::PinholeCamera camera = query.camera;
+  camera.distortion = {};  // observations are undistorted
+  if (query.lens) camera = lens.camera(camera.width, camera.height);
+  here.coverage = coverage(observations, outcome.pose.reference_from_current.inverse(), camera,
+                           options_.features.inlier_px);
   here.world_from_camera = first.world_from_keyframe * outcome.pose.reference_from_current;
   here.information = with_systematic_error(outcome.pose.information);
   if (!query.measurements.view().empty()) refine(query, here);
@@ -290,6 +316,26 @@ void Localizer::refine(const Query& query, Localization& found) const {
   found.agreement = agreement_around(query, found.world_from_camera);
 }
 
+Localization Localizer::most_probable(const std::vector<Localization>& answers) const {
+  const auto has_hypothesis = [](const Localization& answer) {
+    return answer.status > LocalizationStatus::kNoMotion;
+  };
+  Localization best = *std::ranges::max_element(answers, {}, [&](const Localization& answer) {
+    return std::pair(has_hypothesis(answer), answer.inliers);
+  });
+  if (!has_hypothesis(best)) return best;
+  for (const Localization& other : answers) {
+    if (has_hypothesis(other) && !is_same(other.world_from_camera, best.world_from_camera))
+      best.rival_inliers = std::max(best.rival_inliers, other.inliers);
+  }
+  if (options_.by_color.probability(best.evidence()) >= options_.by_color.min_probability) {
+    best.status = is_precise(best) ? LocalizationStatus::kFound : LocalizationStatus::kVague;
+  } else if (best.status > LocalizationStatus::kDoubtful) {
+    best.status = LocalizationStatus::kDoubtful;
+  }
+  return best;
+}
+
 // The best of what the similar places say.
 Localization Localizer::by_features(const Query& query) const {
   std::vector<Localization> answers;
@@ -297,6 +343,7 @@ Localization Localizer::by_features(const Query& query) const {
     answers.push_back(locate_in(place, query));
   }
   if (answers.empty()) return {};
+  if (query.measurements.view().empty()) return most_probable(answers);
   std::ranges::stable_sort(answers, [](const Localization& a, const Localization& b) {
     return std::pair(a.status, a.inliers) > std::pair(b.status, b.inliers);
   });

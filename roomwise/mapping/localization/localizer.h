@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "roomwise/mapping/frontend/appearance_index.h"
@@ -80,13 +81,17 @@ class Localizer {
   [[nodiscard]] std::vector<Place> similar_places(const motion::FrameMeasurements& picture) const;
   [[nodiscard]] std::vector<motion::PointObservation> match(const Place& place,
                                                             const Query& query) const;
-  [[nodiscard]] motion::LensMotion pose_in(const Place& place, const Query& query) const;
+  [[nodiscard]] motion::LensMotion pose_in(const Place& place,
+                                           std::span<const motion::PointObservation> observations,
+                                           const Query& query) const;
   [[nodiscard]] Localization locate_in(const Place& place, const Query& query) const;
   void refine(const Query& query, Localization& found) const;
   // The pose of too few inliers that pattern and depth around confirm best, if they do and nothing
   // speaks for another.
   [[nodiscard]] std::optional<Localization> confirmed(
       const Query& query, const std::vector<Localization>& answers) const;
+  // Of answers without depth the one with most inliers, if it is probable enough.
+  [[nodiscard]] Localization most_probable(const std::vector<Localization>& answers) const;
   [[nodiscard]] Localization by_features(const Query& query) const;
 
   [[nodiscard]] std::vector<Localization> align_shapes(const Query& query) const;

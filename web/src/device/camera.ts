@@ -5,6 +5,7 @@ import { greyFromRgba, type GreyPicture } from './picture_quality';
 export const kPictureSide = 640; // longest, pixels
 export const kGreySide = 120;
 const kJpegQuality = 0.8;
+const kMaxLensName = 60;
 
 export type CameraFailure = 'refused' | 'failed';
 
@@ -70,9 +71,17 @@ export class Camera {
     return this.stream?.getVideoTracks().find((track) => track.readyState === 'live') ?? null;
   }
 
+  private get hasPictures(): boolean {
+    return this.running && this.video.videoWidth > 0;
+  }
+
   // Of the pictures that are sent; null while there are none.
   get description(): CameraDescription | null {
-    return this.running && this.video.videoWidth > 0 ? this.sizeWithin(kPictureSide) : null;
+    if (!this.hasPictures) {
+      return null;
+    }
+    const label = this.track?.label.slice(0, kMaxLensName) ?? '';
+    return { ...this.sizeWithin(kPictureSide), ...(label && { lens: label }) };
   }
 
   grey(): GreyPicture | null {
@@ -96,7 +105,7 @@ export class Camera {
 
   private draw(canvas: HTMLCanvasElement, longest: number): CanvasRenderingContext2D | null {
     const context = canvas.getContext('2d', { willReadFrequently: true });
-    if (!context || !this.description) {
+    if (!context || !this.hasPictures) {
       return null;
     }
     const { width, height } = this.sizeWithin(longest);
@@ -108,7 +117,7 @@ export class Camera {
     return context;
   }
 
-  private sizeWithin(longest: number): CameraDescription {
+  private sizeWithin(longest: number): { width: number; height: number } {
     const { videoWidth, videoHeight } = this.video;
     const scale = Math.min(1, longest / Math.max(videoWidth, videoHeight));
     return { width: Math.round(videoWidth * scale), height: Math.round(videoHeight * scale) };

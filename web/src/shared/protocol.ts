@@ -101,6 +101,7 @@ export type FromComputer =
 export interface CameraDescription {
   width: number;
   height: number;
+  lens?: string; // by which the device tells its lenses apart
 }
 
 export interface Hello {

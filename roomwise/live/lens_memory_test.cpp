@@ -1,0 +1,91 @@
+#include "roomwise/live/lens_memory.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "roomwise/base/file.h"
+#include "roomwise/base/testing/testing.h"
+
+namespace roomwise::live {
+namespace {
+
+motion::LensEstimate lens(double focal) {
+  motion::LensEstimate lens = motion::LensEstimate::of_phones();
+  lens.mean << std::log(focal), -0.02;
+  lens.information << 4000, 30, 30, 900;
+  return lens;
+}
+double focal(const motion::LensEstimate& lens) {
+  return std::exp(lens.mean[0]);
+}
+
+class LensMemoryTest : public ::testing::Test {
+ protected:
+  [[nodiscard]] std::unique_ptr<LensMemory> open() const {
+    auto memory = LensMemory::open(file_);
+    EXPECT_OK(memory);
+    return memory ? *std::move(memory) : nullptr;
+  }
+  testing::ScratchFolder folder_;
+  const std::filesystem::path file_ = folder_ / "a.home.lenses.json";
+};
+
+TEST_F(LensMemoryTest, KnowsNothingOfANewDevice) {
+  const auto memory = open();
+  EXPECT_EQ(memory->recall(1, "back").mean, motion::LensEstimate::of_phones().mean);
+  ASSERT_OK(memory->save());
+  EXPECT_FALSE(std::filesystem::exists(file_)) << "nothing was learned";
+}
+
+TEST_F(LensMemoryTest, KeepsWhatWasLearnedOfEachLensOverARestart) {
+  const auto before = open();
+  before->learn(1, "back", lens(0.8));
+  before->learn(1, "wide", lens(0.4));
+  before->learn(2, "back", lens(0.7));
+  before->learn(1, "back", lens(0.81));
+  ASSERT_OK(before->save());
+  const auto after = open();
+  EXPECT_EQ(after->recall(1, "back").mean, lens(0.81).mean);
+  EXPECT_EQ(after->recall(1, "back").information, lens(0.81).information);
+  EXPECT_EQ(after->recall(1, "wide").mean, lens(0.4).mean);
+  EXPECT_EQ(after->recall(2, "back").mean, lens(0.7).mean);
+  EXPECT_EQ(after->recall(2, "wide").mean, motion::LensEstimate::of_phones().mean);
+}
+
+TEST_F(LensMemoryTest, ADeviceThatNamesEverNewLensesFillsNothing) {
+  const auto memory = open();
+  memory->learn(2, "back", lens(0.7));
+  for (int i = 0; i < 100; ++i) {
+    memory->learn(1, "lens " + std::to_string(i), lens(0.5 + 0.001 * i));
+    if (i == 50) {
+      ASSERT_OK(memory->save());
+    }
+  }
+  EXPECT_NEAR(focal(memory->recall(1, "lens 99")), 0.599, 1e-9);
+  EXPECT_NEAR(focal(memory->recall(1, "lens 92")), 0.592, 1e-9);
+  EXPECT_EQ(memory->recall(1, "lens 91").mean, motion::LensEstimate::of_phones().mean);
+  EXPECT_NEAR(focal(memory->recall(2, "back")), 0.7, 1e-9);
+}
+
+TEST_F(LensMemoryTest, ForgetsAllAndTheFile) {
+  const auto memory = open();
+  memory->learn(1, "back", lens(0.8));
+  ASSERT_OK(memory->save());
+  ASSERT_OK(memory->forget());
+  EXPECT_FALSE(std::filesystem::exists(file_));
+  EXPECT_EQ(memory->recall(1, "back").mean, motion::LensEstimate::of_phones().mean);
+}
+
+TEST_F(LensMemoryTest, ADamagedFileIsNamedWithTheMend) {
+  for (
+      const std::string text :
+      {"{", "[]", R"({"lenses": [{"device": 1, "lens": "a"}]})",
+       R"({"lenses": [{"device": 1, "lens": "a", "log_focal": 0, "k1": 0, "information": [0,0,0]}]})"}) {
+    ASSERT_OK(write_file(file_, text));
+    EXPECT_ERROR(LensMemory::open(file_), "delete the file");
+  }
+}
+
+}  // namespace
+}  // namespace roomwise::live
