@@ -8,6 +8,7 @@
 #include "laboratory/trials/object_report.h"
 #include "laboratory/trials/truth_evaluation.h"
 #include "open_home.h"
+#include "reliability_json.h"
 #include "render_options.h"
 #include "roomwise/base/file.h"
 #include "roomwise/evaluation/quantile.h"
@@ -117,16 +118,19 @@ Expected<Answer> evaluate_objects(const HomeEvaluationOptions& options, Context&
                  distances_of("naive clustering", result.naive) +
                  distances_of("the paper's rules", result.by_rules);
   if (!result.instances.errors.matches.empty()) {
-    answer.text +=
-        fmt::format("within two standard deviations: {:.0f} % (of a normal error 95 %)\n",
-                    100 * result.within_two_sigma);
+    answer.text += fmt::format(
+        "middles within one standard deviation: {:.0f} %, within two: {:.0f} % (of a "
+        "normal error 68 %, 95 %)\n",
+        100 * result.coverage.one_sigma.value(), 100 * result.coverage.two_sigma.value());
   }
   answer.json = {{"instances", to_json(result.instances)},
                  {"naive", to_json(result.naive)},
                  {"rules", to_json(result.by_rules)},
                  {"ours", to_json(result.instances.errors.all)},
                  {"paper", to_json(result.by_rules.errors.all)}};
-  answer.json["instances"]["within_two_sigma"] = result.within_two_sigma;
+  answer.json["instances"]["within_one_sigma"] = result.coverage.one_sigma.value();
+  answer.json["instances"]["within_two_sigma"] = result.coverage.two_sigma.value();
+  answer.json["instances"]["reliability"] = reliability_json(result.forecasts);
   answer.json["instances"]["pairs"] = details_of(result, result.instances);
   answer.json["naive"]["pairs"] = details_of(result, result.naive);
   answer.json["rules"]["pairs"] = details_of(result, result.by_rules);

@@ -4,6 +4,7 @@
 #include "commands.h"
 #include "laboratory/trials/instance_fitting.h"
 #include "open_home.h"
+#include "reliability_json.h"
 #include "roomwise/base/file.h"
 
 namespace roomwise::app {
@@ -59,33 +60,119 @@ Expected<void> write_evidence(const fs::path& path, std::span<const trials::Fitt
   return write_file(path, lines);
 }
 
+// What a model finds in the case that was left out of its fit.
+struct LeftOut {
+  const trials::FittingCase* of = nullptr;
+  double min_probability = 0;
+  trials::CaseResult fitted;
+  evaluation::Coverage by_jackknife;
+  evaluation::ObjectCounts naive;
+};
+Expected<LeftOut> leave_out(std::size_t held_out, std::span<const trials::FittingCase> cases,
+                            const trials::FittingOptions& options) {
+  std::vector<const trials::FittingCase*> others;
+  for (std::size_t i = 0; i < cases.size(); ++i) {
+    if (i != held_out) others.push_back(&cases[i]);
+  }
+  const trials::FittingCase& one = cases[held_out];
+  ROOMWISE_TRY(const objects::InstanceModel model, fit_instances(others, options));
+  const double max_distance_m = options.max_distance_m;
+  const auto jackknife = trials::with_jackknife_alone(model);
+  return LeftOut{&one, model.min_probability, measure_case(one, model, max_distance_m),
+                 measure_case(one, jackknife, max_distance_m).coverage,
+                 naive_counts(one, max_distance_m)};
+}
+
+std::string text_of(const evaluation::Coverage& coverage) {
+  return fmt::format("{:>9.2f} {:>10.2f}", coverage.one_sigma.value(), coverage.two_sigma.value());
+}
+Json json_of(const evaluation::Coverage& coverage) {
+  return {{"axes", coverage.two_sigma.n},
+          {"one_sigma", coverage.one_sigma.value()},
+          {"two_sigma", coverage.two_sigma.value()}};
+}
+
+std::string counts_table(std::span<const LeftOut> all) {
+  const char* columns = "found missed double false";
+  std::string text =
+      fmt::format("{:<34} | {:<25} | {}\n{:<34} | {} | {}\n", "", "fitted on the others",
+                  "naive clustering", "left out", columns, columns);
+  for (const LeftOut& one : all) {
+    text += fmt::format("{:<34} | {} | {}\n", one.of->name, text_of(one.fitted.counts),
+                        text_of(one.naive));
+  }
+  return text;
+}
+
+std::string coverage_table(std::span<const LeftOut> all) {
+  const char* columns = "one sigma two sigmas";
+  std::string text =
+      fmt::format("\n{:<34} | {:<20} | {}\n{:<34} | {} | {}\n", "middles within",
+                  "fitted on the others", "jackknife alone", "left out", columns, columns);
+  for (const LeftOut& one : all) {
+    text += fmt::format("{:<34} | {} | {}\n", one.of->name, text_of(one.fitted.coverage),
+                        text_of(one.by_jackknife));
+  }
+  for (const bool is_real : {true, false}) {
+    evaluation::Coverage fitted, by_jackknife;
+    for (const LeftOut& one : all) {
+      if (one.of->is_real != is_real) continue;
+      fitted += one.fitted.coverage;
+      by_jackknife += one.by_jackknife;
+    }
+    text += fmt::format("{:<34} | {} | {}\n", is_real ? "all real" : "all simulated",
+                        text_of(fitted), text_of(by_jackknife));
+  }
+  return text;
+}
+
+std::vector<evaluation::Forecast> forecasts_of(std::span<const LeftOut> all, bool is_real) {
+  std::vector<evaluation::Forecast> forecasts;
+  for (const LeftOut& one : all) {
+    if (one.of->is_real != is_real) continue;
+    forecasts.insert(forecasts.end(), one.fitted.forecasts.begin(), one.fitted.forecasts.end());
+  }
+  return forecasts;
+}
+
+std::string reliability_text(std::span<const LeftOut> all) {
+  std::string text = "\n";
+  for (const bool is_real : {true, false}) {
+    const auto curve = evaluation::reliability_curve(forecasts_of(all, is_real));
+    text += fmt::format("probability, left out, {}: off by {:.3f} in the mean\n",
+                        is_real ? "real" : "simulated", evaluation::calibration_error(curve));
+    for (const evaluation::ReliabilityBin& bin : curve) {
+      if (bin.right.n == 0) continue;
+      text += fmt::format("  {:.1f} to {:.1f}: said {:.2f}, right {:.2f} ({} of {})\n", bin.low,
+                          bin.high, bin.mean, bin.right.value(), bin.right.successes, bin.right.n);
+    }
+  }
+  return text;
+}
+
 Expected<Answer> fit(const FitInstancesOptions& options, Context& context) {
   std::vector<trials::FittingCase> cases;
   for (const std::string& text : options.cases) {
     ROOMWISE_TRY(cases.emplace_back(), read_case(text, context));
   }
   if (!options.evidence.empty()) ROOMWISE_CHECK_OK(write_evidence(options.evidence, cases));
+  std::vector<LeftOut> left_out;
   Answer answer;
-  const char* columns = "found missed double false";
-  answer.text = fmt::format("{:<32} | {:<25} | {}\n{:<32} | {} | {}\n", "", "fitted on the others",
-                            "naive clustering", "left out", columns, columns);
   answer.json["left_out"] = Json::array();
-  for (std::size_t held_out = 0; held_out < cases.size(); ++held_out) {
-    std::vector<const trials::FittingCase*> others;
-    for (std::size_t i = 0; i < cases.size(); ++i) {
-      if (i != held_out) others.push_back(&cases[i]);
-    }
-    const trials::FittingCase& one = cases[held_out];
-    ROOMWISE_TRY(const objects::InstanceModel model, fit_instances(others, options.fitting));
-    const auto fitted = counts_of(one, model, options.fitting.max_distance_m);
-    const auto naive = naive_counts(one, options.fitting.max_distance_m);
-    answer.text += fmt::format("{:<32} | {} | {}\n", one.name, text_of(fitted), text_of(naive));
-    answer.json["left_out"].push_back({{"case", one.name},
-                                       {"real", one.is_real},
-                                       {"min_probability", model.min_probability},
-                                       {"fitted", json_of(fitted)},
-                                       {"naive", json_of(naive)}});
+  for (std::size_t i = 0; i < cases.size(); ++i) {
+    ROOMWISE_TRY(left_out.emplace_back(), leave_out(i, cases, options.fitting));
+    const LeftOut& one = left_out.back();
+    answer.json["left_out"].push_back({{"case", one.of->name},
+                                       {"real", one.of->is_real},
+                                       {"min_probability", one.min_probability},
+                                       {"fitted", json_of(one.fitted.counts)},
+                                       {"naive", json_of(one.naive)},
+                                       {"coverage", json_of(one.fitted.coverage)},
+                                       {"coverage_by_jackknife", json_of(one.by_jackknife)}});
   }
+  answer.text = counts_table(left_out) + coverage_table(left_out) + reliability_text(left_out);
+  answer.json["reliability"] = {{"real", reliability_json(forecasts_of(left_out, true))},
+                                {"simulated", reliability_json(forecasts_of(left_out, false))}};
   std::vector<const trials::FittingCase*> all;
   for (const trials::FittingCase& one : cases) all.push_back(&one);
   ROOMWISE_TRY(const objects::InstanceModel model, fit_instances(all, options.fitting));
@@ -101,7 +188,8 @@ Expected<Answer> fit(const FitInstancesOptions& options, Context& context) {
 void add_fit_instances_command(CLI::App& app, Context& context) {
   const auto [command, options] = add_command<FitInstancesOptions>(
       app, context, "fit-instances",
-      "Fit the model that says which candidates are things, and measure it on each home left out",
+      "Fit the model that says which candidates are things and how surely their middles are known, "
+      "and measure it on each home left out",
       "roomwise-lab fit-instances --case office.home,tests/truth/office_walk.objects.json \\\n"
       "  --case flat.home,flat -o roomwise/objects/instances/instance_model.json\n"
       "Two homes or more; the file is compiled in by the next build.",
@@ -111,6 +199,9 @@ void add_fit_instances_command(CLI::App& app, Context& context) {
   command->add_option("--evidence", options.evidence, "Write all candidates, a JSON object a line");
   add_setting(*command, "--weight-penalty", options.fitting.weight_penalty,
               "Ridge penalty of standardised evidence", positive());
+  add_setting(*command, "--degrees-of-freedom", options.fitting.degrees_of_freedom,
+              "Of the Student's t that the error of a middle is taken for, more than 2",
+              CLI::Range(2.01, 1e6));
   add_setting(*command, "--kind-penalty", options.fitting.kind_penalty,
               "Ridge penalty of the kinds' intercepts", positive());
 }

@@ -8,6 +8,7 @@
 
 #include "laboratory/trials/logistic_regression.h"
 #include "laboratory/trials/naive_objects.h"
+#include "laboratory/trials/variance_regression.h"
 #include "roomwise/objects/kinds/kinds.h"
 #include "roomwise/pipeline/objects/stored_detections.h"
 
@@ -34,14 +35,17 @@ double sum_of_scores(const objects::Candidate& candidate,
 
 // The candidates that most speaks for choose first; each is the nearest thing of its name that is
 // free and that it touches.
-std::vector<CandidateTruth> truth_of_candidates(const objects::WeighedCandidates& weighed,
-                                                std::span<const evaluation::TrueObject> truth) {
+void find_truth(FittingCase& of) {
+  const objects::WeighedCandidates& weighed = of.weighed;
+  const std::span<const evaluation::TrueObject> truth = of.truth;
   std::vector<std::size_t> order(weighed.candidates.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::ranges::stable_sort(order, std::ranges::greater(), [&](std::size_t i) {
     return sum_of_scores(weighed.candidates[i], weighed.observations);
   });
-  std::vector<CandidateTruth> result(order.size(), CandidateTruth::kNothing);
+  std::vector<CandidateTruth>& result = of.candidate_truth;
+  result.assign(order.size(), CandidateTruth::kNothing);
+  of.thing_of.assign(order.size(), std::nullopt);
   std::vector<bool> used(truth.size());
   for (const std::size_t i : order) {
     const objects::Candidate& candidate = weighed.candidates[i];
@@ -69,6 +73,7 @@ std::vector<CandidateTruth> truth_of_candidates(const objects::WeighedCandidates
     }
     if (nearest) {
       used[*nearest] = true;
+      of.thing_of[i] = nearest;
       result[i] = truth[*nearest].is_expected ? CandidateTruth::kThing : CandidateTruth::kUnasked;
     } else if (is_another) {
       result[i] = CandidateTruth::kDuplicate;
@@ -79,7 +84,6 @@ std::vector<CandidateTruth> truth_of_candidates(const objects::WeighedCandidates
       result[i] = CandidateTruth::kUnasked;
     }
   }
-  return result;
 }
 
 // What is learned from: a row a candidate, standardised evidence and then the kinds.
@@ -98,15 +102,22 @@ std::size_t learned_from(const FittingCase& of) {
   return static_cast<std::size_t>(std::ranges::count_if(of.candidate_truth, is_learned_from));
 }
 
-// Of a candidate, so that real and simulated ones weigh the same together, and 1 in the mean.
+std::size_t true_things(const FittingCase& of) {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(of.thing_of, [](const auto& thing) { return thing.has_value(); }));
+}
+
+// Of what is learned from, so that real and simulated ones weigh the same together, and 1 in the
+// mean.
 struct SortWeights {
   double real = 1, simulated = 1;
   [[nodiscard]] double of(const FittingCase& one) const { return one.is_real ? real : simulated; }
 };
-SortWeights sort_weights(std::span<const FittingCase* const> cases) {
+SortWeights sort_weights(std::span<const FittingCase* const> cases,
+                         std::size_t (*count)(const FittingCase&)) {
   double real = 0, simulated = 0;
   for (const FittingCase* one : cases) {
-    (one->is_real ? real : simulated) += static_cast<double>(learned_from(*one));
+    (one->is_real ? real : simulated) += static_cast<double>(count(*one));
   }
   if (real == 0 || simulated == 0) return {};
   return {(real + simulated) / (2 * real), (real + simulated) / (2 * simulated)};
@@ -131,7 +142,7 @@ Samples samples_of(std::span<const FittingCase* const> cases) {
   samples.rows = MatrixXd::Zero(count, numbers + static_cast<int>(places.size()));
   samples.is_thing = VectorXd::Zero(count);
   samples.weights = VectorXd::Zero(count);
-  const SortWeights sort = sort_weights(cases);
+  const SortWeights sort = sort_weights(cases, learned_from);
   int row = 0;
   for (std::size_t c = 0; c < cases.size(); ++c) {
     const FittingCase& one = *cases[c];
@@ -177,36 +188,46 @@ double f1_of(const evaluation::ObjectCounts& counts) {
   return matched == 0 ? 0 : 2 * matched / (2 * matched + wrong);
 }
 
-std::vector<evaluation::FoundObject> found_in(const FittingCase& of,
-                                              std::span<const objects::Instance> instances) {
+// Instances of a case, in the world, beside what is there.
+struct Comparison {
+  std::vector<geometry::OrientedBox> boxes_world;
+  evaluation::ObjectErrors errors;
+};
+evaluation::ObjectErrors errors_of(const FittingCase& of,
+                                   std::span<const evaluation::FoundObject> found,
+                                   double max_distance_m) {
+  return evaluation::object_errors(of.truth, found, max_distance_m)
+      .value_or(evaluation::ObjectErrors{});
+}
+Comparison compare(const FittingCase& of, std::span<const objects::Instance> instances,
+                   double max_distance_m) {
   std::map<std::uint64_t, const objects::ObservedKeyframe*> keyframes;
   for (const objects::ObservedKeyframe& keyframe : of.keyframes) {
     keyframes[keyframe.keyframe_id] = &keyframe;
   }
+  Comparison result;
   std::vector<evaluation::FoundObject> found;
   for (const objects::Instance& instance : instances) {
     const auto& pose = keyframes.at(instance.keyframe_id)->world_from_camera;
-    found.push_back({instance.name, instance.box_world(pose).center()});
+    result.boxes_world.push_back(instance.box_world(pose));
+    found.push_back({instance.name, result.boxes_world.back().center()});
   }
-  return found;
+  result.errors = errors_of(of, found, max_distance_m);
+  return result;
 }
 
-evaluation::ObjectCounts count(const FittingCase& of,
-                               std::span<const evaluation::FoundObject> found,
-                               double max_distance_m) {
-  const auto errors = evaluation::object_errors(of.truth, found, max_distance_m);
-  return errors ? errors->all : evaluation::ObjectCounts{};
+std::vector<objects::Instance> all_instances(const FittingCase& of,
+                                             const objects::InstanceModel& model) {
+  objects::InstanceOptions options;
+  options.min_probability = 0;
+  return believed_instances(of.weighed, of.keyframes, model, options);
 }
 
 // The one with the best F1, of all real and of all simulated cases in equal shares.
 double best_threshold(std::span<const FittingCase* const> cases,
                       const objects::InstanceModel& model, double max_distance_m) {
-  objects::InstanceOptions options;
-  options.min_probability = 0;
   std::vector<std::vector<objects::Instance>> all;
-  for (const FittingCase* one : cases) {
-    all.push_back(believed_instances(one->weighed, one->keyframes, model, options));
-  }
+  for (const FittingCase* one : cases) all.push_back(all_instances(*one, model));
   double best = 0.5, most = -1;
   for (int percent = 10; percent <= 90; percent += 2) {
     const double threshold = percent / 100.0;
@@ -216,7 +237,7 @@ double best_threshold(std::span<const FittingCase* const> cases,
       std::ranges::copy_if(all[c], std::back_inserter(believed),
                            [&](const auto& instance) { return instance.probability >= threshold; });
       (cases[c]->is_real ? real : simulated) +=
-          count(*cases[c], found_in(*cases[c], believed), max_distance_m);
+          compare(*cases[c], believed, max_distance_m).errors.all;
     }
     const double both = f1_of(real) + f1_of(simulated);
     if (both <= most) continue;
@@ -226,8 +247,38 @@ double best_threshold(std::span<const FittingCase* const> cases,
   return best;
 }
 
-double rounded(double value) {
-  return std::round(value * 1e4) / 1e4;
+// Of the true things among the candidates, an axis of a box a row.
+objects::VarianceTerms fit_variance(std::span<const FittingCase* const> cases,
+                                    double degrees_of_freedom) {
+  std::vector<objects::VarianceTerms> terms;
+  std::vector<double> errors_m, weights;
+  const SortWeights sort = sort_weights(cases, true_things);
+  for (const FittingCase* one : cases) {
+    for (std::size_t i = 0; i < one->thing_of.size(); ++i) {
+      if (!one->thing_of[i]) continue;
+      const objects::Candidate& candidate = one->weighed.candidates[i];
+      const Eigen::Vector3d error_m =
+          candidate.box_world.world_from_box.inverse() * one->truth[*one->thing_of[i]].box.center();
+      const auto along = variance_terms(candidate);
+      terms.insert(terms.end(), along.begin(), along.end());
+      errors_m.insert(errors_m.end(), error_m.begin(), error_m.end());
+      weights.insert(weights.end(), 3, sort.of(*one));
+    }
+  }
+  using Rows =
+      Eigen::Matrix<double, Eigen::Dynamic, objects::kVarianceNames.size(), Eigen::RowMajor>;
+  const auto count = static_cast<Eigen::Index>(errors_m.size());
+  const VectorXd fitted = variance_regression(
+      Eigen::Map<const Rows>(terms.front().data(), count, objects::kVarianceNames.size()),
+      Eigen::Map<const VectorXd>(errors_m.data(), count),
+      Eigen::Map<const VectorXd>(weights.data(), count), degrees_of_freedom);
+  objects::VarianceTerms result{};
+  std::ranges::copy(fitted, result.begin());
+  return result;
+}
+
+double rounded(double value, double parts = 1e4) {
+  return std::round(value * parts) / parts;
 }
 
 }  // namespace
@@ -235,9 +286,9 @@ double rounded(double value) {
 FittingCase fitting_case(std::string name, bool is_real,
                          std::vector<objects::ObservedKeyframe> keyframes,
                          std::vector<evaluation::TrueObject> truth) {
-  FittingCase result{std::move(name), is_real, std::move(keyframes), {}, std::move(truth), {}};
+  FittingCase result{std::move(name), is_real, std::move(keyframes), {}, std::move(truth), {}, {}};
   result.weighed = weigh_candidates(result.keyframes, fit_ground_plane(result.keyframes), {});
-  result.candidate_truth = truth_of_candidates(result.weighed, result.truth);
+  find_truth(result);
   return result;
 }
 
@@ -274,43 +325,77 @@ Expected<objects::InstanceModel> fit_instances(std::span<const FittingCase* cons
         weights[static_cast<Eigen::Index>(kEvidenceNames.size() + 1 + k)];
   }
   model.min_probability = best_threshold(cases, model, options.max_distance_m);
+  model.variance_weights = fit_variance(cases, options.degrees_of_freedom);
   return model;
 }
 
-evaluation::ObjectCounts counts_of(const FittingCase& of, const objects::InstanceModel& model,
-                                   double max_distance_m) {
-  return count(of, found_in(of, believed_instances(of.weighed, of.keyframes, model, {})),
-               max_distance_m);
+CaseResult measure_case(const FittingCase& of, const objects::InstanceModel& model,
+                        double max_distance_m) {
+  CaseResult result;
+  const auto told = believed_instances(of.weighed, of.keyframes, model, {});
+  const Comparison of_told = compare(of, told, max_distance_m);
+  result.counts = of_told.errors.all;
+  for (const evaluation::ObjectMatch& match : of_told.errors.matches) {
+    result.coverage.add(of_told.boxes_world[match.found].world_from_box.inverse() *
+                            of.truth[match.truth].box.center(),
+                        told[match.found].sigma_m);
+  }
+  const auto all = all_instances(of, model);
+  std::vector<double> probabilities;
+  for (const objects::Instance& one : all) probabilities.push_back(one.probability);
+  result.forecasts =
+      evaluation::forecasts_of(compare(of, all, max_distance_m).errors, of.truth, probabilities);
+  return result;
+}
+
+objects::InstanceModel with_jackknife_alone(objects::InstanceModel model) {
+  constexpr double kPoses_m2 = 0.02 * 0.02;
+  for (std::size_t i = 0; i < objects::kVarianceNames.size(); ++i) {
+    const std::string_view name = objects::kVarianceNames[i];
+    model.variance_weights[i] = name == "jackknife" ? 1 : name == "constant" ? kPoses_m2 : 0;
+  }
+  return model;
 }
 
 evaluation::ObjectCounts naive_counts(const FittingCase& of, double max_distance_m) {
-  return count(of, naive_objects(of.keyframes), max_distance_m);
+  return errors_of(of, naive_objects(of.keyframes), max_distance_m).all;
 }
 
 std::string to_json(const objects::InstanceModel& model, std::span<const FittingCase> fitted_on,
                     const FittingOptions& options) {
   using Json = nlohmann::ordered_json;
+  constexpr double kVarianceParts = 1e6;
   Json cases = Json::array(), weights = Json::object(), of_kind = Json::object();
+  Json variance = Json::object();
   for (const FittingCase& one : fitted_on) {
     cases.push_back({{"name", one.name},
                      {"real", one.is_real},
                      {"candidates", one.candidate_truth.size()},
-                     {"things", std::ranges::count(one.candidate_truth, CandidateTruth::kThing)}});
+                     {"things", std::ranges::count(one.candidate_truth, CandidateTruth::kThing)},
+                     {"middles", true_things(one)}});
   }
   for (std::size_t e = 0; e < kEvidenceNames.size(); ++e) {
     weights[std::string(kEvidenceNames[e])] = rounded(model.weights[e]);
   }
   for (const auto& [kind, bias] : model.bias_of_kind) of_kind[kind] = rounded(bias);
-  return Json{{"about",
-               "Logistic regression of whether a candidate is a thing and is called so, written by "
-               "roomwise-lab fit-instances; see docs/objects.md."},
-              {"fitted_on", std::move(cases)},
-              {"weight_penalty", options.weight_penalty},
-              {"kind_penalty", options.kind_penalty},
-              {"bias", rounded(model.bias)},
-              {"min_probability", model.min_probability},
-              {"weights", std::move(weights)},
-              {"of_kind", std::move(of_kind)}}
+  for (std::size_t i = 0; i < objects::kVarianceNames.size(); ++i) {
+    variance[std::string(objects::kVarianceNames[i])] =
+        rounded(model.variance_weights[i], kVarianceParts);
+  }
+  return Json{
+             {"about",
+              "Logistic regression of whether a candidate is a thing and is called so, and of what "
+              "the variance of its middle is a sum, written by roomwise-lab fit-instances; see "
+              "docs/objects.md."},
+             {"fitted_on", std::move(cases)},
+             {"weight_penalty", options.weight_penalty},
+             {"kind_penalty", options.kind_penalty},
+             {"bias", rounded(model.bias)},
+             {"min_probability", model.min_probability},
+             {"weights", std::move(weights)},
+             {"of_kind", std::move(of_kind)},
+             {"degrees_of_freedom", options.degrees_of_freedom},
+             {"variance", std::move(variance)}}
              .dump(1) +
          "\n";
 }

@@ -61,15 +61,24 @@ TEST(FitInstances, FindsInAnotherRoomWhatItLearned) {
   const std::vector<const FittingCase*> cases{&real, &simulated};
   const auto model = fit_instances(cases, {.weight_penalty = 0.1, .kind_penalty = 0.1});
   ASSERT_OK(model);
-  const evaluation::ObjectCounts counts = counts_of(unseen, *model, 1.0);
-  EXPECT_EQ(counts.matched, 2U);
-  EXPECT_EQ(counts.wrong, 0U) << "two pictures make no sofa";
+  const CaseResult result = measure_case(unseen, *model, 1.0);
+  EXPECT_EQ(result.counts.matched, 2U);
+  EXPECT_EQ(result.counts.wrong, 0U) << "two pictures make no sofa";
+  // The sides that are seen are all alike to the jackknife; what was fitted knows how far that is
+  // from the truth.
+  EXPECT_GE(result.coverage.two_sigma.value(), 0.8);
+  EXPECT_GE(result.coverage.two_sigma.value(),
+            measure_case(unseen, with_jackknife_alone(*model), 1.0).coverage.two_sigma.value());
+  EXPECT_EQ(std::ranges::count_if(result.forecasts, &evaluation::Forecast::is_right), 2);
   // What is written is what was fitted.
   const std::vector<FittingCase> all{real, simulated};
   const auto read = objects::InstanceModel::parse(to_json(*model, all, {}));
   ASSERT_OK(read);
   EXPECT_NEAR(read->bias, model->bias, 1e-4);
   EXPECT_EQ(read->min_probability, model->min_probability);
+  for (std::size_t i = 0; i < objects::kVarianceNames.size(); ++i) {
+    EXPECT_NEAR(read->variance_weights[i], model->variance_weights[i], 1e-6);
+  }
 }
 
 TEST(FitInstances, NeedsThingsAndWhatIsNone) {

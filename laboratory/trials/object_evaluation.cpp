@@ -172,19 +172,6 @@ Expected<std::filesystem::path> recording_of(const home::Home& home) {
   return folder;
 }
 
-// The share of a found box's axes along which the truth lies within two standard deviations.
-struct SigmaCount {
-  std::size_t axes = 0, within = 0;
-};
-void count_sigma(SigmaCount& count, const geometry::OrientedBox& found_truth,
-                 const Eigen::Vector3d& sigma_m, const Eigen::Vector3d& true_center) {
-  const Eigen::Vector3d error = found_truth.world_from_box.inverse() * true_center;
-  for (int axis = 0; axis < 3; ++axis) {
-    ++count.axes;
-    if (std::abs(error[axis]) <= 2 * sigma_m[axis]) ++count.within;
-  }
-}
-
 }  // namespace
 
 Expected<HomeTruth> home_truth(const home::Home& home, const ObjectTruthFiles& truth) {
@@ -249,6 +236,7 @@ Expected<ObjectEvaluation> evaluate_objects(const home::Home& home, const Object
 
   ROOMWISE_TRY(const auto instances, home.instances());
   std::vector<std::pair<geometry::OrientedBox, Eigen::Vector3d>> boxes;  // with sigma
+  std::vector<double> probabilities;
   for (const objects::Instance& instance : instances) {
     const home::KeyframePose& pose = keyframes.at(instance.keyframe_id).pose;
     if (pose.component != 0) {
@@ -257,6 +245,7 @@ Expected<ObjectEvaluation> evaluate_objects(const home::Home& home, const Object
     }
     boxes.emplace_back(instance.box_world(truth_from_world * pose.world_from_keyframe),
                        instance.sigma_m);
+    probabilities.push_back(instance.probability);
     result.instances.found.push_back({instance.name, boxes.back().first.center()});
     result.instances_shown.push_back(
         {instance.keyframe_id,
@@ -264,14 +253,12 @@ Expected<ObjectEvaluation> evaluate_objects(const home::Home& home, const Object
   }
   ROOMWISE_TRY(result.instances.errors,
                evaluation::object_errors(result.truth, result.instances.found, max_distance_m));
-  SigmaCount count;
   for (const evaluation::ObjectMatch& match : result.instances.errors.matches) {
-    count_sigma(count, boxes[match.found].first, boxes[match.found].second,
-                result.truth[match.truth].box.center());
+    const auto& [box, sigma_m] = boxes[match.found];
+    result.coverage.add(box.world_from_box.inverse() * result.truth[match.truth].box.center(),
+                        sigma_m);
   }
-  if (count.axes > 0) {
-    result.within_two_sigma = static_cast<double>(count.within) / static_cast<double>(count.axes);
-  }
+  result.forecasts = evaluation::forecasts_of(result.instances.errors, result.truth, probabilities);
   return result;
 }
 

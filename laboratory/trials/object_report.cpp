@@ -68,6 +68,7 @@ Expected<ObjectReportContent> object_report(const home::Home& home, const std::s
       {"naive clustering", evaluation.naive.errors, evaluation.naive.without_place},
       {"the paper's rules", evaluation.by_rules.errors, evaluation.by_rules.without_place}};
   content.shown_way = content.ways.front().name;
+  content.reliability = evaluation::reliability_curve(evaluation.forecasts);
   const auto note_of_found = [&](std::size_t f, const std::string& what, std::string text) {
     return note_of(home, evaluation.instances_shown[f], things.found[f].kind, what,
                    std::move(text));

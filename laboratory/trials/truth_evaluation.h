@@ -6,8 +6,10 @@
 #include <vector>
 
 #include "roomwise/evaluation/cloud_error.h"
+#include "roomwise/evaluation/coverage.h"
 #include "roomwise/evaluation/floor_error.h"
 #include "roomwise/evaluation/object_error.h"
+#include "roomwise/evaluation/reliability.h"
 #include "roomwise/home/home.h"
 #include "roomwise/pipeline/run_context.h"
 
@@ -54,9 +56,9 @@ struct ObjectEvaluation {
   FoundObjectErrors instances;                      // joined from regions
   std::vector<ShownIn> instances_shown;             // best, of each of instances.found
   double max_distance_m = 0;                        // from a true box, of what counts as found
-  // Of the matched instances' middles, along the axes of their boxes, the share that lies within
-  // two standard deviations of the truth.
-  double within_two_sigma = 0;
+  evaluation::Coverage coverage;                    // of the matched instances' middles
+  // Of the instances' probabilities; what need not be found is left out.
+  std::vector<evaluation::Forecast> forecasts;
 };
 
 // What is there: the folder of a simulated recording, or what people marked in a real one

@@ -54,6 +54,9 @@ std::string section(const std::string& heading, const std::vector<PictureNote>& 
 std::string render_object_report(const ObjectReportContent& content) {
   std::string body = "<h2>Found and missed</h2>\n" + shares_table(content.ways);
   for (const ObjectReportContent::Way& way : content.ways) body += kinds_table(way);
+  body += "<h2>How often it was so</h2>\n" +
+          reliability_table(fmt::format("What was told, by its probability, {}", content.shown_way),
+                            content.reliability);
   body += section(fmt::format("Not there, {}", content.shown_way), content.wrong) +
           section(fmt::format("Found once more, {}", content.shown_way), content.duplicates) +
           section(fmt::format("Missed, {}", content.shown_way), content.missed) +

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "roomwise/evaluation/object_error.h"
+#include "roomwise/evaluation/reliability.h"
 #include "roomwise/evaluation/report_page.h"
 
 namespace roomwise::evaluation {
@@ -18,7 +19,8 @@ struct ObjectReportContent {
   std::string title;
   std::vector<std::string> notes;  // how it was measured
   std::vector<Way> ways;
-  std::string shown_way;  // the one whose pictures follow
+  std::string shown_way;                    // the one whose pictures follow
+  std::vector<ReliabilityBin> reliability;  // of its probabilities
   std::vector<PictureNote> wrong, duplicates, missed, found;
 };
 

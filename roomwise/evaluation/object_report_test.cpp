@@ -20,6 +20,7 @@ ObjectReportContent bed_home() {
   way.errors.matches = {{0, 0, 0, 0.25}};
   content.ways = {way, {"the paper's rules", {}, 0}};
   content.shown_way = "joined from regions";
+  content.reliability = reliability_curve(std::vector<Forecast>{{0.7, true}, {0.7, false}});
   content.wrong = {{image::ColorImage(8, 6), "Key-frame 3, with a frame about the bed", "bed",
                     "the nearest thing is a table"}};
   return content;
@@ -37,6 +38,10 @@ TEST(ObjectReport, SaysWhatWasFoundMissedAndFalse) {
       << "6 of 8 to be found; 1 and 2 of 10 that were found";
   EXPECT_THAT(page, HasSubstr("<td class=\"number\">–</td>")) << "no way without a match is near";
   EXPECT_THAT(page, HasSubstr("<caption>Things, the paper"));
+  EXPECT_THAT(page, HasSubstr("<th scope=\"row\">60.0 % to 80.0 %</th>"
+                              "<td class=\"number\">2</td>"
+                              "<td class=\"number\">70.0 %</td>"
+                              "<td class=\"number\">50.0 %</td>"));
 }
 
 TEST(ObjectReport, ShowsThePicturesOfEachKind) {

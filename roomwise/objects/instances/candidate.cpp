@@ -17,7 +17,6 @@ constexpr float kCell_m = 0.03F;
 constexpr double kHullShare = 0.85;  // of the pictures whose boxes hold a cell
 constexpr double kStandsBelow_m = 0.25;
 constexpr std::size_t kJackknifeParts = 8;
-constexpr double kCommonSigma_m = 0.02;  // of poses and calibration
 
 // A cell of the group's surface: the mean of its points and which observations show it.
 struct SurfaceCell {
@@ -131,8 +130,7 @@ void measure(Candidate& result, std::span<const WorldObservation> observations,
   Vector3d low, high;
   for (int i = 0; i < 3; ++i) {
     std::tie(low[i], high[i]) = range_along(result.surface_world, axes.col(i));
-    result.sigma_m[i] =
-        std::hypot(jackknife_sigma(kept, group.size(), axes.col(i)), kCommonSigma_m);
+    result.jackknife_m[i] = jackknife_sigma(kept, group.size(), axes.col(i));
   }
   // What begins that low stands on the floor; its foot was cut away with the floor.
   if (level.is_floor_known && low.z() - level.floor_m < kStandsBelow_m) {

@@ -5,23 +5,29 @@
 #include <string_view>
 
 #include "roomwise/objects/instances/evidence.h"
+#include "roomwise/objects/instances/middle_variance.h"
 
 namespace roomwise::objects {
 
 // How probable it is that a candidate is there and is called so: a logistic regression on its
-// evidence, with an intercept for each kind (shrunk, since few kinds were seen often). Its numbers
-// are those of instance_model.json, which roomwise-lab fit-instances writes; where they come from
-// stands there.
+// evidence, with an intercept for each kind (shrunk, since few kinds were seen often); and how far
+// its middle may be off: a variance that is a sum of what may cause it. Its numbers are those of
+// instance_model.json, which roomwise-lab fit-instances writes; where they come from stands
+// there.
 struct InstanceModel {
   double bias = 0;
   Evidence weights{};
   std::map<std::string, double, std::less<>> bias_of_kind;  // more than `bias`; absent: 0
   double min_probability = 0.5;                             // of what is told
+  VarianceTerms variance_weights{};                         // 0 or more
 
   [[nodiscard]] double probability(const Evidence& evidence, std::string_view kind) const;
 
-  // Fails, naming the field, where one is missing, of another type or not finite, or evidence is
-  // named that this program does not know.
+  // The standard deviation of a candidate's middle along the axes of its box, m.
+  [[nodiscard]] Eigen::Vector3d sigma_m(const Candidate& candidate) const;
+
+  // Fails, naming the field, where one is missing, of another type or not finite, or evidence or a
+  // term of the variance is named that this program does not know.
   [[nodiscard]] static Expected<InstanceModel> parse(std::string_view json);
   // That of instance_model.json, which is compiled in.
   [[nodiscard]] static const InstanceModel& built_in();

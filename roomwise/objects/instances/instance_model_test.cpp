@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "roomwise/base/testing/testing.h"
+#include "roomwise/objects/kinds/kinds.h"
 #include "roomwise/objects/testing/test_room.h"
 
 namespace roomwise::objects {
@@ -14,7 +15,7 @@ using testing::TestRoom;
 TEST(InstanceModel, IsALogisticRegressionWithAnInterceptOfTheKind) {
   const auto model = InstanceModel::parse(
       R"({"bias": -1, "min_probability": 0.4, "weights": {"sum of scores": 2, "larger": -1},
-          "of_kind": {"chair": 0.5}})");
+          "of_kind": {"chair": 0.5}, "variance": {}})");
   ASSERT_OK(model);
   EXPECT_DOUBLE_EQ(model->min_probability, 0.4);
   Evidence evidence{};
@@ -23,14 +24,53 @@ TEST(InstanceModel, IsALogisticRegressionWithAnInterceptOfTheKind) {
   EXPECT_NEAR(model->probability(evidence, "dragon"), 1 / (1 + std::exp(-1.0)), 1e-12);
 }
 
+Candidate chair_of(const Eigen::Vector3d& size_m) {
+  Candidate chair;
+  chair.class_name = "chair";
+  chair.box_world.size_m = size_m;
+  return chair;
+}
+
+TEST(InstanceModel, TheVarianceIsASumOfWhatMayCauseIt) {
+  const auto model = InstanceModel::parse(
+      R"({"bias": 0, "min_probability": 0.5, "weights": {}, "of_kind": {},
+          "variance": {"constant": 0.0009, "jackknife": 4, "extent": 0.01,
+                       "off usual extent": 0.25}})");
+  ASSERT_OK(model);
+  const Eigen::Vector3d usual_m = find_kind("chair")->size_m;
+  Candidate chair = chair_of({usual_m.y() - 0.2, usual_m.x(), usual_m.z()});
+  chair.jackknife_m = {0.05, 0, 0};
+  const Eigen::Vector3d sigma_m = model->sigma_m(chair);
+  EXPECT_NEAR(sigma_m.x(),
+              std::sqrt(0.0009 + 4 * 0.0025 + 0.01 * std::pow(usual_m.y() - 0.2, 2) + 0.25 * 0.04),
+              1e-12)
+      << "its shorter side is 0.2 m short";
+  EXPECT_NEAR(sigma_m.y(), std::sqrt(0.0009 + 0.01 * std::pow(usual_m.x(), 2)), 1e-12);
+}
+
+TEST(InstanceModel, OfAThingSeenInPartTheMiddleIsLessSure) {
+  const InstanceModel& model = InstanceModel::built_in();
+  const Eigen::Vector3d usual_m = find_kind("chair")->size_m;
+  const Eigen::Vector3d whole = model.sigma_m(chair_of(usual_m));
+  const Eigen::Vector3d part = model.sigma_m(chair_of({0.3, 0.1, 0.3}));
+  EXPECT_GT(part.minCoeff(), whole.minCoeff());
+  EXPECT_GT(whole.minCoeff(), 0);
+}
+
 TEST(InstanceModel, NamesWhatIsWrong) {
   EXPECT_ERROR(InstanceModel::parse(R"({"bias": 0})"), "min_probability");
   EXPECT_ERROR(InstanceModel::parse(R"({"bias": 0, "min_probability": 0.5, "of_kind": {},
                                         "weights": {"its colour": 1}})"),
                "\"its colour\", which is no evidence");
   EXPECT_ERROR(InstanceModel::parse(R"({"bias": 0, "min_probability": 2, "of_kind": {},
-                                        "weights": {}})"),
+                                        "weights": {}, "variance": {}})"),
                "not in [0, 1]");
+  EXPECT_ERROR(InstanceModel::parse(R"({"bias": 0, "min_probability": 0.5, "of_kind": {},
+                                        "weights": {}, "variance": {"luck": 1}})"),
+               "\"luck\", which is no term of the variance");
+  EXPECT_ERROR(InstanceModel::parse(R"({"bias": 0, "min_probability": 0.5, "of_kind": {},
+                                        "weights": {}, "variance": {"extent": -1}})"),
+               "a weight of the variance is negative");
   EXPECT_ERROR(InstanceModel::parse("{"), "the model of instances");
 }
 

@@ -51,7 +51,8 @@ std::vector<Thing> each_once(std::vector<Hypothesis> hypotheses) {
 }
 
 Instance instance_of(const Thing& thing, std::span<const WorldObservation> observations,
-                     std::span<const ObservedKeyframe> keyframes, double max_range_m) {
+                     std::span<const ObservedKeyframe> keyframes, const InstanceModel& model,
+                     double max_range_m) {
   const Candidate& candidate = *thing.hypothesis.candidate;
   Instance instance;
   instance.name = candidate.class_name;
@@ -69,7 +70,7 @@ Instance instance_of(const Thing& thing, std::span<const WorldObservation> obser
   instance.box_keyframe = {
       keyframe.world_from_camera.inverse() * candidate.box_world.world_from_box,
       candidate.box_world.size_m};
-  instance.sigma_m = candidate.sigma_m;
+  instance.sigma_m = model.sigma_m(candidate);
   return instance;
 }
 
@@ -122,7 +123,8 @@ std::vector<Instance> believed_instances(const WeighedCandidates& weighed,
         !is_spoken_of(thing.hypothesis.candidate->class_name)) {
       continue;
     }
-    Instance instance = instance_of(thing, weighed.observations, keyframes, options.max_range_m);
+    Instance instance =
+        instance_of(thing, weighed.observations, keyframes, model, options.max_range_m);
     if (instance.observations >= options.min_observations) {
       instances.push_back(std::move(instance));
     }

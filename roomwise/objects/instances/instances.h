@@ -44,8 +44,8 @@ struct Instance {
   network::PixelBox picture_box;  // there
   // Upright: z of the box frame is up. Its "world" is the key-frame's camera frame.
   geometry::OrientedBox box_keyframe;
-  // Standard deviation of the box's middle along x, y, z of the box frame, m: at least so much. It
-  // knows what differs from picture to picture, not what all share, nor what cells were left out.
+  // Standard deviation of the box's middle along x, y, z of the box frame, m, as it was fitted
+  // (InstanceModel).
   Eigen::Vector3d sigma_m = Eigen::Vector3d::Zero();
   // Of what only a later visit to the home showed (home::VisitId): its key-frame is one near by,
   // which does not show it, and has no box in its picture. 0: the key-frames of the map show it.

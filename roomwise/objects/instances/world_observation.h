@@ -56,10 +56,12 @@ struct Candidate {
   std::string class_name;
   Eigen::Vector3d middle_world = Eigen::Vector3d::Zero();  // mean of what its observations say
   double spread_m = 0;                                     // RMS distance of those from it
-  // What most of its pictures' boxes hold of its surfaces, and how sure the middle is. Fewer than
-  // four cells of it: a box without size.
+  // What most of its pictures' boxes hold of its surfaces. Fewer than four cells of it: a box
+  // without size.
   geometry::OrientedBox box_world;
-  Eigen::Vector3d sigma_m = Eigen::Vector3d::Zero();
+  // The standard deviation of the box's middle along its axes, by what differs from picture to
+  // picture alone.
+  Eigen::Vector3d jackknife_m = Eigen::Vector3d::Zero();
   std::vector<Eigen::Vector3f> surface_world;  // the middles of its cells
 
   [[nodiscard]] bool has_extent() const { return box_world.size_m.norm() > 0; }

@@ -53,14 +53,17 @@ const Kind* find_kind(std::string_view name) {
 
 constexpr double kUnknown_m = 0.5;
 
-double usual_length_m(std::string_view name) {
+Eigen::Vector3d usual_size_m(std::string_view name) {
   const Kind* kind = find_kind(name);
-  return kind == nullptr ? kUnknown_m : kind->size_m.x();
+  return kind == nullptr ? Eigen::Vector3d::Constant(kUnknown_m) : kind->size_m;
+}
+
+double usual_length_m(std::string_view name) {
+  return usual_size_m(name).x();
 }
 
 double usual_extent_m(std::string_view name) {
-  const Kind* kind = find_kind(name);
-  return kind == nullptr ? kUnknown_m : std::cbrt(kind->size_m.prod());
+  return std::cbrt(usual_size_m(name).prod());
 }
 
 }  // namespace roomwise::objects

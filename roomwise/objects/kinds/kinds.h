@@ -30,6 +30,8 @@ struct Kind {
 // the sides by their logarithms, and the longer level side.
 [[nodiscard]] double usual_extent_m(std::string_view name);
 [[nodiscard]] double usual_length_m(std::string_view name);
+// As Kind::size_m, m; half a metre each where nobody knows.
+[[nodiscard]] Eigen::Vector3d usual_size_m(std::string_view name);
 
 // Fails, naming the row, where a field is missing or of another type, a size is not positive, or
 // two rows have one name.
