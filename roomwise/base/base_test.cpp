@@ -7,6 +7,7 @@
 #include <fstream>
 #include <numeric>
 
+#include "roomwise/base/calendar_time.h"
 #include "roomwise/base/disjoint_sets.h"
 #include "roomwise/base/file.h"
 #include "roomwise/base/progress.h"
@@ -82,6 +83,26 @@ TEST(Timestamp, KeepsEveryNanosecond) {
   EXPECT_EQ(format_timestamp(1305031229528748000), "1305031229.528748");
   EXPECT_EQ(format_timestamp(1305031229123456789), "1305031229.123456789");
   EXPECT_EQ(format_timestamp(-250'000'000), "-0.250000");
+}
+
+TEST(CalendarTime, TellsTheDayOfStampsThatCountFrom1970Only) {
+  const auto time = calendar_time(1305031229'528748000);  // 10 May 2011, 12:40 in Greenwich
+  ASSERT_TRUE(time.has_value());
+  EXPECT_EQ(time->year, 2011);
+  EXPECT_EQ(time->month, 5);
+  EXPECT_NEAR(time->day, 10, 1) << "wherever this computer stands";
+  EXPECT_EQ(calendar_time(0), std::nullopt);
+  EXPECT_EQ(calendar_time(1'000'000 * std::int64_t{1'000'000'000}), std::nullopt)
+      << "a device that has run for eleven days";
+  EXPECT_TRUE(calendar_time(unix_now_ns()).has_value());
+}
+
+TEST(CalendarTime, CountsDaysOverMonthsAndYears) {
+  const CalendarTime eve{2023, 12, 31, 23};
+  EXPECT_EQ(eve.days_until({2024, 1, 1, 0}), 1);
+  EXPECT_EQ(eve.days_until({2023, 12, 31, 1}), 0);
+  EXPECT_EQ(eve.days_until({2023, 12, 30, 1}), -1);
+  EXPECT_EQ((CalendarTime{2024, 2, 28, 1}).days_until({2024, 3, 1, 1}), 2);
 }
 
 TEST(Timestamp, RefusesWhatIsNoTime) {

@@ -39,6 +39,9 @@ Values some_values(const std::set<std::string>& names) {
       {"distance", "12 steps"},
       {"turn", "Turn slightly right"},
       {"code", "1 2 3, 4 5 6"},
+      {"day", "25"},
+      {"month", "November"},
+      {"year", "2026"},
       {"text", "The bed is in the bedroom."}};
   Values some;
   for (const std::string& name : names) {

@@ -102,6 +102,7 @@ Expected<Phrasebook> Phrasebook::parse(std::string_view text) {
     file.at("forms").get_to(book.forms_);
     file.at("counts").get_to(book.counts_);
     file.at("decimal").get_to(book.decimal_);
+    file.at("months").get_to(book.months_);
     file.at("and").get_to(book.and_);
     read_words(file.at("things"), book.things_);
     read_words(file.at("rooms"), book.rooms_);
@@ -135,6 +136,9 @@ Expected<void> Phrasebook::validate() const {
         return fail("form \"{}\", \"{}\": there is no {{}}", form, word_class);
       }
     }
+  }
+  if (months_.size() != 12 || std::ranges::count(months_, std::string()) > 0) {
+    return fail("months: expected twelve names");
   }
   for (const auto& [unit, numbers] : counts_) {
     if (!numbers.contains("one") || !numbers.contains("other")) {
@@ -216,6 +220,10 @@ std::string Phrasebook::text(const std::string& message, const Values& values) c
   }
   make_first_a_capital(result);
   return result;
+}
+
+const std::string& Phrasebook::month(int number) const {
+  return months_.at(static_cast<std::size_t>(number - 1));
 }
 
 std::string Phrasebook::count(const std::string& unit, double number) const {

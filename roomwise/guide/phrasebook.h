@@ -38,7 +38,8 @@ using Values = std::map<std::string, std::variant<std::string, Nouns>>;
 //             for "bedroom 2", where the language has that.
 //   things, rooms  the home's word -> its name here, its class, any forms of its own ("plural"),
 //             and under "also" what else people call it.
-//   counts    unit -> "one", "other" ("{n} steps"); decimal: the sign in 1.5; and: of lists.
+//   counts    unit -> "one", "other" ("{n} steps"); decimal: the sign in 1.5; and: of lists;
+//             months: their names.
 class Phrasebook {
  public:
   // Fails on anything that is missing, of a wrong type or unknown, and names it.
@@ -53,6 +54,8 @@ class Phrasebook {
   // Throws std::invalid_argument where there is no such message or a value is missing: names of
   // messages stand in code.
   [[nodiscard]] std::string text(const std::string& message, const Values& values = {}) const;
+  // "November"; 1 to 12.
+  [[nodiscard]] const std::string& month(int number) const;
   // "1 step", "2.5 metres". One decimal where the number has one.
   [[nodiscard]] std::string count(const std::string& unit, double number) const;
   // The home's words that somebody may mean who calls it so here ("Couch" -> "sofa"), whatever the
@@ -91,6 +94,7 @@ class Phrasebook {
   std::map<std::string, std::map<std::string, std::string>> forms_;
   std::map<std::string, std::map<std::string, std::string>> counts_;
   std::string decimal_;
+  std::vector<std::string> months_;
   std::string and_;
   Words things_;
   Words rooms_;

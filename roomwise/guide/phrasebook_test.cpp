@@ -78,6 +78,11 @@ TEST_F(PhrasebookTest, CountsAreInflected) {
   EXPECT_EQ(german_.count("step", 1), "1 Schritt");
 }
 
+TEST_F(PhrasebookTest, MonthsHaveNames) {
+  EXPECT_EQ(english_.month(1), "January");
+  EXPECT_EQ(german_.month(12), "Dezember");
+}
+
 TEST_F(PhrasebookTest, FindsWhatSomebodyMeansByItsNames) {
   EXPECT_THAT(english_.words_for(Noun::Kind::kThing, "Couch"), ElementsAre("sofa"));
   EXPECT_THAT(english_.words_for(Noun::Kind::kThing, "oven"), ElementsAre("oven", "stove"));
@@ -96,6 +101,7 @@ TEST_F(PhrasebookTest, AMissingValueOrMessageIsABug) {
 nlohmann::json small_file() {
   return nlohmann::json::parse(R"({"language": "xx", "name": "X", "messages": {"a": "{the thing}!"},
     "counts": {"step": {"one": "1", "other": "{n}"}}, "decimal": ".", "and": "&",
+    "months": ["1", "2", "3", "4", "5", "6", "7", "8", "9", "10", "11", "12"],
     "forms": {"the": {"c": "le {}", "proper": "{}", "other": "{}"}},
     "things": {"bed": {"name": "bett", "class": "c"}}, "rooms": {}})");
 }
@@ -115,6 +121,8 @@ TEST(PhrasebookFileTest, SaysWhatIsWrong) {
   EXPECT_ERROR(spoiled("/forms/the", {{"c", "{}"}, {"other", "{}"}}), "lacks \"proper\"");
   EXPECT_ERROR(spoiled("/forms/the/c", "le"), "form \"the\", \"c\": there is no {}");
   EXPECT_ERROR(spoiled("/counts/step", {{"one", "1"}}), "count \"step\" lacks");
+  EXPECT_ERROR(spoiled("/months", {"January"}), "months: expected twelve names");
+  EXPECT_ERROR(spoiled("/months/11", ""), "months: expected twelve names");
   EXPECT_ERROR(spoiled("/things/bed/class", "q"), "word \"bed\": neither it nor its class \"q\"");
   EXPECT_ERROR(spoiled("/things/bed/la", "la bett"), "there is no form \"la\"");
 }

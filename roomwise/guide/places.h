@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "roomwise/base/calendar_time.h"
 #include "roomwise/objects/instances/instances.h"
 #include "roomwise/rooms/layout/room_layout.h"
 
@@ -36,6 +37,9 @@ struct KnownThing : objects::Instance {
   std::optional<Eigen::Vector3d> position_gravity = std::nullopt;  // its middle
   std::optional<std::string> room = std::nullopt;
   bool is_old = false;  // seen so long ago that it may have been moved
+  // When the recording or the visit was made that it is known by; absent where its stamps do not
+  // tell.
+  std::optional<CalendarTime> seen = std::nullopt;
 
   [[nodiscard]] bool is_sure() const;
   [[nodiscard]] const Eigen::Vector3d& size_m() const { return box_keyframe.size_m; }

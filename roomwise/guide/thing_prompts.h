@@ -28,12 +28,12 @@ namespace roomwise::guide {
                                                      const Phrasebook& phrases);
 
 // The answer to "where is X": the nearest of that name by direction and distance in the same room,
-// else its room and the rooms on the way there; then how many there are, if several. Never empty.
-[[nodiscard]] std::vector<Prompt> where_prompts(const std::string& asked,
-                                                const UserLocation& location,
-                                                std::span<const KnownThing> things,
-                                                std::span<const rooms::Doorway> doorways,
-                                                const objects::ObjectVocabulary& vocabulary,
-                                                const Wording& wording, TimestampNs now_ns);
+// else its room and the rooms on the way there; of a kind that people carry about (objects::Kind)
+// when it was seen, if that and `today` are known; then how many there are, if several. Never
+// empty.
+[[nodiscard]] std::vector<Prompt> where_prompts(
+    const std::string& asked, const UserLocation& location, std::span<const KnownThing> things,
+    std::span<const rooms::Doorway> doorways, const objects::ObjectVocabulary& vocabulary,
+    const Wording& wording, TimestampNs now_ns, const std::optional<CalendarTime>& today = {});
 
 }  // namespace roomwise::guide

@@ -158,6 +158,48 @@ TEST_F(ThingPromptsTest, SeveralAreTheNearestAndTheirNumber) {
   EXPECT_THAT(texts(where("bed", {})), ElementsAre("The bed is in the bedroom.", "I know 3 beds."));
 }
 
+TEST_F(ThingPromptsTest, OfWhatPeopleCarryAboutItIsToldWhenItWasSeen) {
+  const CalendarTime today{2026, 11, 28, 14};
+  const auto told = [&](const std::string& name, std::optional<CalendarTime> seen,
+                        const Wording& wording) {
+    KnownThing thing = at(name, 5, 10, "bedroom");
+    thing.seen = seen;
+    things_ = {thing};
+    return texts(where_prompts(name, {}, things_, doorways_, vocabulary_, wording, kNow, today));
+  };
+  EXPECT_THAT(told("cup", CalendarTime{2026, 11, 25, 9}, english_),
+              ElementsAre("The cup is in the bedroom.", "Seen on 25 November."));
+  EXPECT_THAT(told("cup", CalendarTime{2025, 3, 1, 9}, english_),
+              ElementsAre("The cup is in the bedroom.", "Seen on 1 March 2025."));
+  EXPECT_THAT(told("cup", CalendarTime{2026, 11, 27, 23}, english_),
+              ElementsAre("The cup is in the bedroom.", "Seen yesterday."));
+  EXPECT_THAT(told("cup", CalendarTime{2026, 11, 28, 8}, english_),
+              ElementsAre("The cup is in the bedroom.", "Seen this morning."));
+  EXPECT_THAT(told("cup", CalendarTime{2026, 11, 28, 13}, english_),
+              ElementsAre("The cup is in the bedroom.", "Seen this afternoon."));
+  const Wording german{&catalogue_, {"de", DistanceUnit::kSteps, 1.0}};
+  EXPECT_EQ(told("cup", CalendarTime{2026, 3, 5, 9}, german)[1], "Gesehen am 5. März.");
+  // Not of what stays, not without a date, and not by a clock that is wrong.
+  EXPECT_THAT(told("bed", CalendarTime{2026, 11, 25, 9}, english_),
+              ElementsAre("The bed is in the bedroom."));
+  EXPECT_THAT(told("cup", std::nullopt, english_), ElementsAre("The cup is in the bedroom."));
+  EXPECT_THAT(told("cup", CalendarTime{2026, 11, 29, 9}, english_),
+              ElementsAre("The cup is in the bedroom."));
+  EXPECT_THAT(texts(where("cup", {})), ElementsAre("The cup is in the bedroom."))
+      << "today is not known";
+}
+
+TEST_F(ThingPromptsTest, WhenItWasSeenComesBeforeHowManyThereAre) {
+  things_ = {at("cup", 5, 10, "bedroom"), at("cup", 5, 11, "bedroom")};
+  for (KnownThing& cup : things_) cup.seen = CalendarTime{2026, 11, 27, 9};
+  const auto prompts = where_prompts("cup", {}, things_, doorways_, vocabulary_, english_, kNow,
+                                     CalendarTime{2026, 11, 28, 9});
+  EXPECT_THAT(texts(prompts),
+              ElementsAre("The cup is in the bedroom.", "Seen yesterday.", "I know 2 cups."));
+  EXPECT_EQ(prompts[1].key, "thing cup/seen");
+  EXPECT_EQ(prompts[1].sound, Sound::kNone);
+}
+
 TEST_F(ThingPromptsTest, AHomeWithoutRoomsStillTellsWhatIsNear) {
   for (KnownThing& thing : things_) thing.room = std::nullopt;
   const UserLocation location{standing_.pose, std::nullopt};

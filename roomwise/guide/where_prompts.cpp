@@ -3,6 +3,7 @@
 #include <tuple>
 
 #include "roomwise/guide/thing_prompts.h"
+#include "roomwise/objects/kinds/kinds.h"
 
 namespace roomwise::guide {
 namespace {
@@ -91,6 +92,46 @@ std::string key_of(const std::string& name) {
   return "thing " + name;
 }
 
+bool is_carried_about(const std::string& name) {
+  const objects::Kind* kind = objects::find_kind(name);
+  return kind != nullptr && kind->is_moved_about;
+}
+
+struct Seen {
+  std::string message;
+  Values values = {};
+};
+// What to say of when a thing was seen; absent where a clock is wrong: it was not seen yet.
+std::optional<Seen> seen_on(const CalendarTime& time, const CalendarTime& today,
+                            const Phrasebook& phrases) {
+  constexpr int kNoon = 12, kEvening = 18;
+  const int days = time.days_until(today);
+  if (days < 0) return std::nullopt;
+  if (days == 1) return Seen{"where.seen_yesterday"};
+  if (days == 0) {
+    return Seen{time.hour < kNoon      ? "where.seen_morning"
+                : time.hour < kEvening ? "where.seen_afternoon"
+                                       : "where.seen_evening"};
+  }
+  Seen seen{time.year == today.year ? "where.seen_on" : "where.seen_on_year",
+            {{"day", fmt::format("{}", time.day)}, {"month", phrases.month(time.month)}}};
+  if (time.year != today.year) seen.values["year"] = fmt::format("{}", time.year);
+  return seen;
+}
+
+// Of what people carry about, the answer's second part.
+std::optional<Prompt> seen_prompt(const KnownThing& thing, const Wording& wording,
+                                  TimestampNs now_ns, const std::optional<CalendarTime>& today) {
+  if (!today || !thing.seen || !is_carried_about(thing.name)) return std::nullopt;
+  const auto seen = seen_on(*thing.seen, *today, wording.phrases());
+  if (!seen) return std::nullopt;
+  Prompt prompt =
+      make_prompt(wording, key_of(thing.name) + "/seen", seen->message, seen->values,
+                  Confidence::kSure, after(now_ns, kHomeValid_s), "people carry such things about");
+  prompt.sound = Sound::kNone;
+  return prompt;
+}
+
 Prompt unknown_thing(const std::string& asked, const Wording& wording, TimestampNs now_ns) {
   const auto words = wording.phrases().words_for(Noun::Kind::kThing, asked);
   const std::string name = words.empty() ? asked : words.front();
@@ -122,7 +163,8 @@ std::vector<Prompt> where_prompts(const std::string& asked, const UserLocation& 
                                   std::span<const KnownThing> things,
                                   std::span<const rooms::Doorway> doorways,
                                   const objects::ObjectVocabulary& vocabulary,
-                                  const Wording& wording, TimestampNs now_ns) {
+                                  const Wording& wording, TimestampNs now_ns,
+                                  const std::optional<CalendarTime>& today) {
   const auto name = thing_meant(asked, things, vocabulary, wording.phrases());
   if (!name) return {unknown_thing(asked, wording, now_ns)};
   const auto candidates = nearest_first(*name, location, things, doorways);
@@ -138,6 +180,9 @@ std::vector<Prompt> where_prompts(const std::string& asked, const UserLocation& 
                   candidates.size(), nearest.thing->probability);
   std::vector<Prompt> prompts{make_prompt(wording, key_of(*name), place.message, place.values,
                                           confidence, after(now_ns, place.valid_s), because)};
+  if (auto seen = seen_prompt(*nearest.thing, wording, now_ns, today)) {
+    prompts.push_back(*std::move(seen));
+  }
   if (candidates.size() > 1) {
     const bool knows_nearest = !nearest.way.empty() || nearest.bearing;
     Prompt count = make_prompt(

@@ -137,7 +137,7 @@ std::vector<guide::Prompt> answer(const service::Ask& ask, const Situation& situ
     case service::Question::kWhereIs:
       return guide::where_prompts(ask.subject, location, situation.home.things,
                                   doorways_of(situation.home), situation.home.concepts.vocabulary,
-                                  wording, now_ns);
+                                  wording, now_ns, situation.today);
     case service::Question::kWayTo:
       return way_to(ask.subject, situation, wording, now_ns);
     case service::Question::kNameRoom:

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "roomwise/base/calendar_time.h"
 #include "roomwise/guide/message_catalogue.h"
 #include "roomwise/guide/prompt.h"
 #include "roomwise/live/frame_processor.h"
@@ -17,6 +18,7 @@ struct Situation {
   const FrameResult* result;  // null: there is no picture that is new enough
   const service::SpeakingSettings& settings;
   double now_t_ms;  // by the device's clock
+  std::optional<CalendarTime> today = std::nullopt;
 };
 
 // A glance that is older than this at the time of a question is not answered by, ms: a direction

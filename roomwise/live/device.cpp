@@ -196,7 +196,8 @@ void Device::hear_now(const service::Ask& ask) {
     const bool is_fresh = last_result_ && ask.t_ms - last_result_->t_ms <= kMaxFrameAge_ms;
     if (is_fresh) based_on_t_ms = last_result_->t_ms;
     const auto view = host_.view();
-    const Situation now{*view, is_fresh ? &*last_result_ : nullptr, settings_, ask.t_ms};
+    const Situation now{*view, is_fresh ? &*last_result_ : nullptr, settings_, ask.t_ms,
+                        calendar_time(unix_now_ns())};
     prompts = answer(ask, now);
     announcer_.answered(now, prompts);
   }

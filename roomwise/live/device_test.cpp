@@ -305,7 +305,7 @@ TEST_F(DeviceTest, RoomsAreNamedWhileAWalkIsRecorded) {
 
   const testing::ScratchFolder folder;
   const geometry::PinholeCamera pinhole{8, 8, 3.5, 2.5, 8, 6, {}, 1000};
-  const auto recorder = WalkRecorder::begin(folder / "walk", {8, 6, pinhole, true});
+  const auto recorder = WalkRecorder::begin(folder / "walk", {8, 6, pinhole, true}, 0);
   ASSERT_OK(recorder);
   host.recorder = *recorder;
   device->record_to(*recorder);

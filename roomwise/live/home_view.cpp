@@ -31,6 +31,7 @@ Expected<void> view_walks(const home::Home& home, HomeView& view) {
 
 Expected<void> view_things(const home::Home& home, HomeView& view) {
   ROOMWISE_TRY(const auto instances, home.instances());
+  ROOMWISE_TRY(const auto visits, home.visits());
   std::map<home::KeyframeId, const home::Keyframe*> keyframes;
   pipeline::KeyframeRooms rooms;
   for (const ViewedKeyframe& one : view.keyframes) {
@@ -44,6 +45,11 @@ Expected<void> view_things(const home::Home& home, HomeView& view) {
     if (view.map && keyframe != keyframes.end()) {
       thing.position_gravity =
           pipeline::middle_on_map(instance, keyframe->second->pose, view.map->frame);
+    }
+    if (instance.visit != 0) {
+      thing.seen = calendar_time(visits.at(instance.visit).last_timestamp_ns);
+    } else if (keyframe != keyframes.end()) {
+      thing.seen = calendar_time(keyframe->second->timestamp_ns);
     }
     thing.room = pipeline::room_of_thing(thing.position_gravity, instance.keyframe_id,
                                          view.layout ? &*view.layout : nullptr, rooms);

@@ -80,7 +80,8 @@ Expected<void> LiveHome::begin_recording(std::int64_t device, const std::string&
   {
     const std::scoped_lock lock(devices_mutex_);
     if (recorder_) return fail("'{}' is being recorded; stop it first", recorder_->name());
-    ROOMWISE_TRY(recorder, WalkRecorder::begin(walks_folder() / name, *(*found)->camera()));
+    ROOMWISE_TRY(recorder,
+                 WalkRecorder::begin(walks_folder() / name, *(*found)->camera(), unix_now_ns()));
     recorder_ = recorder;
     recording_device_ = device;
   }

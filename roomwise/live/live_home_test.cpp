@@ -143,6 +143,8 @@ TEST_F(LiveHomeTest, FromAnEmptyHomeToAnAnswer) {
   EXPECT_TRUE(std::filesystem::exists(folder / "flat.home.walks/first walk/rgb.txt"));
   ASSERT_THAT(home->view()->walks, SizeIs(1));
   EXPECT_TRUE(home->view()->walks[0].stored.finished);
+  EXPECT_TRUE(calendar_time(home->view()->keyframes.front().keyframe.timestamp_ns).has_value())
+      << "whatever the device's clock begins with, it is known of what day the walk is";
   ASSERT_TRUE(home->view()->map);
   EXPECT_GT(home->view()->map->cloud_gravity.size(), 1000U);
   EXPECT_GT(home->view()->map->coarse_cloud_gravity.size(), 1000U);

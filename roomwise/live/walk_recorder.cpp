@@ -8,7 +8,8 @@
 namespace roomwise::live {
 
 Expected<std::shared_ptr<WalkRecorder>> WalkRecorder::begin(const std::filesystem::path& folder,
-                                                            const service::DeviceCamera& camera) {
+                                                            const service::DeviceCamera& camera,
+                                                            TimestampNs begun_ns) {
   if (!camera.calibrated || !camera.has_depth) {
     return fail("this device has no depth camera that is calibrated; a map needs one");
   }
@@ -21,7 +22,7 @@ Expected<std::shared_ptr<WalkRecorder>> WalkRecorder::begin(const std::filesyste
   }
   ROOMWISE_TRY(auto writer, recording::TumWriter::create(folder, *camera.calibrated));
   return std::shared_ptr<WalkRecorder>(
-      new WalkRecorder(folder, *camera.calibrated, std::move(writer)));
+      new WalkRecorder(folder, *camera.calibrated, std::move(writer), begun_ns));
 }
 
 Expected<void> WalkRecorder::store(const CameraFrame& frame) {
@@ -30,7 +31,8 @@ Expected<void> WalkRecorder::store(const CameraFrame& frame) {
   if (frame.depth.empty()) return fail("the frame has no depth image; a map needs one");
   image::RgbdFrame rgbd;
   rgbd.index = writer_->frames_written();
-  rgbd.timestamp_ns = std::llround(frame.t_ms * 1e6);
+  rgbd.timestamp_ns =
+      begun_ns_ + std::llround((frame.t_ms - first_t_ms_.value_or(frame.t_ms)) * 1e6);
   const std::int64_t pixels = std::int64_t{camera_.width} * camera_.height;
   ROOMWISE_TRY(rgbd.color, image::decode_color(frame.color, pixels));
   ROOMWISE_TRY(rgbd.depth, image::decode_depth(frame.depth, pixels));
@@ -45,6 +47,7 @@ Expected<void> WalkRecorder::store(const CameraFrame& frame) {
   if (!image::is_webp(frame.color)) rgbd.encoded_color = frame.color;
   rgbd.encoded_depth = frame.depth;
   ROOMWISE_CHECK_OK(writer_->write(rgbd));
+  if (!first_t_ms_) first_t_ms_ = frame.t_ms;
   last_t_ms_ = frame.t_ms;
   grown_.notify_all();
   return {};

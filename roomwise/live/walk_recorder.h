@@ -17,10 +17,12 @@ namespace roomwise::live {
 // the frame in hand and nothing else.
 class WalkRecorder {
  public:
-  // Makes the folder. Fails where the camera is not calibrated or has no depth: nothing could be
-  // mapped.
+  // Makes the folder. Its first frame gets the stamp `begun_ns` (since 1970), so that it is known
+  // of what day the recording is; later ones follow by the device's clock. Fails where the camera
+  // is not calibrated or has no depth: nothing could be mapped.
   [[nodiscard]] static Expected<std::shared_ptr<WalkRecorder>> begin(
-      const std::filesystem::path& folder, const service::DeviceCamera& camera);
+      const std::filesystem::path& folder, const service::DeviceCamera& camera,
+      TimestampNs begun_ns);
 
   // Stores a frame before it returns; frames that are not newer than the last are left out. Fails
   // on pictures that cannot be read and on a full disk; the frame is then not stored, the ones
@@ -40,15 +42,19 @@ class WalkRecorder {
 
  private:
   WalkRecorder(std::filesystem::path folder, geometry::PinholeCamera camera,
-               std::unique_ptr<recording::TumWriter> writer)
-      : folder_(std::move(folder)), camera_(camera), writer_(std::move(writer)) {}
+               std::unique_ptr<recording::TumWriter> writer, TimestampNs begun_ns)
+      : folder_(std::move(folder)),
+        camera_(camera),
+        writer_(std::move(writer)),
+        begun_ns_(begun_ns) {}
 
   std::filesystem::path folder_;
   geometry::PinholeCamera camera_;
   mutable std::mutex mutex_;
   mutable std::condition_variable grown_;  // or closed
   std::unique_ptr<recording::TumWriter> writer_;
-  std::optional<double> last_t_ms_;
+  TimestampNs begun_ns_ = 0;
+  std::optional<double> first_t_ms_, last_t_ms_;
   bool closed_ = false;
 };
 
