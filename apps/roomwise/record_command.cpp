@@ -6,6 +6,7 @@
 
 #include "camera_option.h"
 #include "commands.h"
+#include "roomwise/base/calendar_time.h"
 #include "roomwise/recording/open_recording.h"
 #include "roomwise/recording/openni2_source.h"
 #include "roomwise/recording/room_labels.h"
@@ -112,18 +113,30 @@ std::optional<std::uint64_t> expected_frames(const RecordOptions& options,
   return std::min(*options.frames, *in_source);
 }
 
+// What brings a camera's stamps to the calendar's time: its own clock begins with itself. Those of
+// a recording stay.
+TimestampNs to_calendar_ns(const recording::FrameSource& source, TimestampNs first_ns) {
+  const bool is_live_camera = !source.info().frame_count;
+  return is_live_camera ? unix_now_ns() - first_ns : 0;
+}
+
 Expected<void> copy_frames(recording::FrameSource& source, recording::TumWriter& writer,
                            const RecordOptions& options, Progress& progress) {
   ROOMWISE_TRY(CurrentRoom current, CurrentRoom::start(options));
   std::optional<TimestampNs> first_ns;
+  TimestampNs offset_ns = 0;
   while (!progress.interrupted() && writer.frames_written() != options.frames) {
-    ROOMWISE_TRY(const std::optional<image::RgbdFrame> frame, source.next());
+    ROOMWISE_TRY(std::optional<image::RgbdFrame> frame, source.next());
     if (!frame) break;
-    if (!first_ns) first_ns = frame->timestamp_ns;
+    if (!first_ns) {
+      first_ns = frame->timestamp_ns;
+      offset_ns = to_calendar_ns(source, *first_ns);
+    }
     const double elapsed_s = static_cast<double>(frame->timestamp_ns - *first_ns) * kSecondsPerNs;
     if (options.seconds && elapsed_s > *options.seconds) break;
     const std::optional<std::string> room = current.at(frame->index);
     ROOMWISE_CHECK_OK(writer.name_room(room));
+    frame->timestamp_ns += offset_ns;
     ROOMWISE_CHECK_OK(writer.write(*frame));
     progress.advance(writer.frames_written(), room ? "room " + *room : "");
   }
