@@ -28,6 +28,7 @@ struct MapOptions {
   std::string features = "surf";
   std::string method = "combined";
   bool no_bundle_adjustment = false;
+  bool no_device_motion = false;
   std::optional<int> loop_random, loop_similar;  // default: the method's own
   std::optional<double> reuse;                   // likewise
   std::size_t working_set_mb = 128;
@@ -52,6 +53,7 @@ Expected<pipeline::MapSettings> new_settings(const MapOptions& options) {
   ROOMWISE_TRY(settings.features, features::parse_feature_kind(options.features));
   ROOMWISE_TRY(settings.mapper.method, mapping::parse_mapping_method(options.method));
   settings.bundle_adjustment = !options.no_bundle_adjustment;
+  settings.mapper.device_motion = !options.no_device_motion;
   settings.mapper.loops = mapping::MapperOptions::of(settings.mapper.method).loops;
   settings.mapper.loops.neighbors = options.settings.mapper.loops.neighbors;
   settings.mapper.loops.random = options.loop_random.value_or(settings.mapper.loops.random);
@@ -98,6 +100,20 @@ Expected<void> name_rooms_if_unnamed(home::Home& home, const recording::RoomLabe
   return pipeline::name_rooms(home, stored.back().id, labels);
 }
 
+// Of the device's own motion, where it tells it.
+std::string motion_text(const pipeline::MapSummary& summary) {
+  if (summary.with_device_motion == 0) return "";
+  std::string text =
+      fmt::format("device      tells its motion at {} frames; {} placed by it alone\n",
+                  summary.with_device_motion, summary.motion_alone);
+  if (summary.motion_dropped > 0) {
+    text += fmt::format(
+        "            the device's own motion was dropped for {} of {} frames: it jumped\n",
+        summary.motion_dropped, summary.with_device_motion);
+  }
+  return text;
+}
+
 std::string to_text(const pipeline::MapSummary& summary, const std::vector<std::string>& networks) {
   std::string text = fmt::format(
       "frames      {} of {} have a place on the map\n"
@@ -108,6 +124,7 @@ std::string to_text(const pipeline::MapSummary& summary, const std::vector<std::
       "pose graph  F {:.6g} -> {:.6g}\n",
       summary.placed, summary.frames, summary.keyframes, summary.edges, summary.rejected_loops,
       summary.loops, summary.components, summary.graph_error_before, summary.graph_error_after);
+  text += motion_text(summary);
   if (summary.landmarks > 0) {
     text += fmt::format("landmarks   {}, seen {} times; rolling shutter {}\n", summary.landmarks,
                         summary.landmark_views, readout_text(summary.readout_s));
@@ -213,6 +230,10 @@ Expected<Answer> map(const MapOptions& options, Context& context) {
                  {"networks", names},
                  {"frames", summary.frames},
                  {"placed", summary.placed},
+                 {"device_motion",
+                  {{"frames", summary.with_device_motion},
+                   {"alone", summary.motion_alone},
+                   {"dropped", summary.motion_dropped}}},
                  {"keyframes", summary.keyframes},
                  {"edges", summary.edges},
                  {"loops", summary.loops},
@@ -301,6 +322,11 @@ void add_map_command(CLI::App& app, Context& context) {
   command
       ->add_flag("--no-bundle-adjustment", options.no_bundle_adjustment,
                  "Leave the map as the pose graph says: no landmarks, no rolling shutter (so does "
+                 "--method paper)")
+      ->excludes(resume);
+  command
+      ->add_flag("--no-device-motion", options.no_device_motion,
+                 "Leave aside what the device says of its own motion (ARKit, odometry.txt; so does "
                  "--method paper)")
       ->excludes(resume);
   setting("--object-score", options.settings.objects.min_score,

@@ -116,15 +116,17 @@ RigidTransform frame_on(const Plane& floor) {
 }  // namespace
 
 GravityAlignedFrame find_gravity_aligned_frame(const TriangleMesh& mesh_world,
-                                               std::span<const RigidTransform> world_from_cameras) {
+                                               std::span<const RigidTransform> world_from_cameras,
+                                               std::span<const Vector3d> gravity_up_world) {
   mapping::UpDirectionEstimator estimator;
+  for (const Vector3d& up : gravity_up_world) estimator.add_gravity(up);
   for (const RigidTransform& camera : world_from_cameras) estimator.add_camera(camera);
   for (const auto& triangle : mesh_world.triangles) {
     if (const auto normal = flat_normal(mesh_world, triangle)) estimator.add_normal(*normal);
   }
   const mapping::UpDirection up = estimator.estimate();
   GravityAlignedFrame frame;
-  frame.has_up = up.support > 0;
+  frame.has_up = up.support > 0 || up.is_by_gravity;
   Plane floor{up.up_world, 0};
   const auto level = level_vertices(mesh_world, up.up_world);
   const auto height_m = floor_height_m(level, up.up_world, world_from_cameras);

@@ -13,15 +13,17 @@ struct GravityAlignedFrame {
   geometry::RigidTransform gravity_from_world;
   // Whether a floor was found. Without one z = 0 is the height of the first camera.
   bool has_floor = false;
-  bool has_up = false;  // without level surfaces up is the mean up of the cameras
+  // Without level surfaces up is as devices feel it, or where none does the mean up of the cameras.
+  bool has_up = false;
 };
 
 // By the normals of the map's surface, which vote for the direction up (see UpDirectionEstimator),
 // and its floor: the lowest level that holds at least a third as much upward surface as the fullest
 // one below the cameras. A plane through the floor then corrects the direction, since half a degree
-// would be 9 cm at the other end of a flat.
+// would be 9 cm at the other end of a flat. `gravity_up_world` is up where devices feel it.
 [[nodiscard]] GravityAlignedFrame find_gravity_aligned_frame(
-    const TriangleMesh& mesh_world, std::span<const geometry::RigidTransform> world_from_cameras);
+    const TriangleMesh& mesh_world, std::span<const geometry::RigidTransform> world_from_cameras,
+    std::span<const Eigen::Vector3d> gravity_up_world = {});
 
 // The mesh in another frame.
 [[nodiscard]] TriangleMesh transformed(const geometry::RigidTransform& to_from_mesh,

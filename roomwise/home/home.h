@@ -399,6 +399,8 @@ class Home {
   [[nodiscard]] Expected<void> insert_keyframe(RecordingId recording, const NewKeyframe& keyframe);
   [[nodiscard]] Expected<void> insert_edge(const scene::PoseGraphEdge& edge);
   [[nodiscard]] Expected<void> insert_frame(RecordingId recording, const Frame& frame);
+  [[nodiscard]] Expected<void> insert_motion(RecordingId recording, std::uint64_t frame_index,
+                                             const scene::FrameMotion& motion);
 
   std::optional<WriterLock> lock_;  // outlives the database; empty for a reader
   Database database_;

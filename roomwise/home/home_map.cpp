@@ -1,6 +1,8 @@
 // The part of Home that stores recordings and the map: key-frames, frames, pose graph.
 
+#include <array>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "roomwise/home/home.h"
 #include "roomwise/home/stored_values.h"
@@ -60,6 +62,28 @@ Expected<void> check_frame_order(const std::string& file, const MapCommit& step,
   return {};
 }
 
+// As the schema's check names them.
+constexpr std::array<std::pair<scene::MotionUse, std::string_view>, 3> kUses{{
+    {scene::MotionUse::kTaken, "taken"},
+    {scene::MotionUse::kDropped, "dropped"},
+    {scene::MotionUse::kAlone, "alone"},
+}};
+
+std::string_view name_of(scene::MotionUse use) {
+  return std::ranges::find(kUses, use, [](const auto& pair) { return pair.first; })->second;
+}
+
+scene::MotionUse use_of(std::string_view name) {
+  const auto* found = std::ranges::find(kUses, name, [](const auto& pair) { return pair.second; });
+  return found == kUses.end() ? scene::MotionUse::kDropped : found->first;
+}
+
+std::optional<Eigen::Vector3d> up_column(const Statement& row, int first) {
+  if (!row.column<std::optional<double>>(first)) return std::nullopt;
+  const auto n = row.columns<3>(first);
+  return Eigen::Vector3d(n[0], n[1], n[2]);
+}
+
 Frame read_frame(const Statement& row) {
   Frame frame{.index = row.column<std::uint64_t>(0),
               .timestamp_ns = row.column<TimestampNs>(1),
@@ -67,6 +91,9 @@ Frame read_frame(const Statement& row) {
               .no_pose_reason = row.column<std::string>(10)};
   if (const auto keyframe = row.column<std::optional<KeyframeId>>(2)) {
     frame.place = FramePlace{*keyframe, pose_column(row, 3)};
+  }
+  if (const auto use = row.column<std::optional<std::string>>(11)) {
+    frame.motion = scene::FrameMotion{{pose_column(row, 12), up_column(row, 19)}, use_of(*use)};
   }
   return frame;
 }
@@ -180,9 +207,9 @@ Expected<void> Home::insert_edge(const scene::PoseGraphEdge& edge) {
   }
   return database_.add(
       "pose_graph_edges (from_keyframe_id, to_keyframe_id, tx_m, ty_m, tz_m, qx, qy, qz, qw, "
-      "information_upper, is_loop)",
+      "information_upper, is_loop, is_device_motion)",
       edge.from, edge.to, to_numbers(edge.from_from_to), upper_triangle_json(information),
-      edge.is_loop);
+      edge.is_loop, edge.is_device_motion);
 }
 
 Expected<void> Home::insert_frame(RecordingId recording, const Frame& frame) {
@@ -198,10 +225,25 @@ Expected<void> Home::insert_frame(RecordingId recording, const Frame& frame) {
   } else {
     reason = frame.no_pose_reason;
   }
-  return database_.add(
+  ROOMWISE_CHECK_OK(database_.add(
       "frames (recording_id, frame_index, timestamp_ns, keyframe_id, tx_m, ty_m, tz_m, qx, qy, qz, "
       "qw, no_pose_reason)",
-      recording, frame.index, frame.timestamp_ns, keyframe, pose, reason);
+      recording, frame.index, frame.timestamp_ns, keyframe, pose, reason));
+  return frame.motion ? insert_motion(recording, frame.index, *frame.motion) : Expected<void>();
+}
+
+Expected<void> Home::insert_motion(RecordingId recording, std::uint64_t frame_index,
+                                   const scene::FrameMotion& motion) {
+  const auto& [world_from_camera, up] = motion.device;
+  if (!world_from_camera.is_finite() || (up && !up->allFinite())) {
+    return fail("{}: the device's motion at frame {} is not finite", file(), frame_index);
+  }
+  std::optional<std::array<double, 3>> up_numbers;
+  if (up) up_numbers = {up->x(), up->y(), up->z()};
+  return database_.add(
+      "device_motions (recording_id, frame_index, tx_m, ty_m, tz_m, qx, qy, qz, qw, up_x, up_y, "
+      "up_z, use)",
+      recording, frame_index, to_numbers(world_from_camera), up_numbers, name_of(motion.use));
 }
 
 Expected<void> Home::finish_recording(RecordingId id) {
@@ -261,8 +303,10 @@ Expected<KeyframeImages> Home::images(KeyframeId id) const {
 Expected<std::vector<Frame>> Home::frames(RecordingId id) const {
   return collect<std::vector<Frame>>(
       database_,
-      "SELECT frame_index, timestamp_ns, keyframe_id, tx_m, ty_m, tz_m, qx, qy, qz, qw, "
-      "no_pose_reason FROM frames WHERE recording_id = ? ORDER BY frame_index",
+      "SELECT f.frame_index, timestamp_ns, keyframe_id, f.tx_m, f.ty_m, f.tz_m, f.qx, f.qy, f.qz, "
+      "f.qw, no_pose_reason, m.use, m.tx_m, m.ty_m, m.tz_m, m.qx, m.qy, m.qz, m.qw, up_x, up_y, "
+      "up_z FROM frames f LEFT JOIN device_motions m USING (recording_id, frame_index) "
+      "WHERE recording_id = ? ORDER BY f.frame_index",
       read_frame, id);
 }
 
@@ -276,12 +320,13 @@ Expected<std::vector<scene::PoseGraphEdge>> Home::edges() const {
           file(), row.column<std::int64_t>(0), kUpperTriangleSize);
     }
     return scene::PoseGraphEdge{row.column<KeyframeId>(1), row.column<KeyframeId>(2),
-                                pose_column(row, 3), *information, row.column<bool>(11)};
+                                pose_column(row, 3),       *information,
+                                row.column<bool>(11),      row.column<bool>(12)};
   };
   return collect<std::vector<scene::PoseGraphEdge>>(
       database_,
       "SELECT edge_id, from_keyframe_id, to_keyframe_id, tx_m, ty_m, tz_m, qx, qy, qz, qw, "
-      "information_upper, is_loop FROM pose_graph_edges ORDER BY edge_id",
+      "information_upper, is_loop, is_device_motion FROM pose_graph_edges ORDER BY edge_id",
       read);
 }
 

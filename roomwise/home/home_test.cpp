@@ -128,6 +128,11 @@ TEST_F(HomeTest, KeepsTheStepsOfAMap) {
   ASSERT_TRUE(frames[4].place);
   EXPECT_EQ(frames[4].place->keyframe, 1U);
   expect_same(frames[4].place->keyframe_from_camera, testing::sample_pose(0.01));
+  ASSERT_TRUE(frames[4].motion);
+  expect_same(frames[4].motion->device.world_from_camera, testing::sample_pose(0.7));
+  EXPECT_EQ(frames[4].motion->device.up_camera, Eigen::Vector3d(0, -0.6, 0.8));
+  EXPECT_EQ(frames[4].motion->use, scene::MotionUse::kAlone);
+  EXPECT_FALSE(frames[5].motion);
   EXPECT_FALSE(frames[5].place);
   EXPECT_EQ(frames[5].no_pose_reason, "too few matches");
 
@@ -137,6 +142,7 @@ TEST_F(HomeTest, KeepsTheStepsOfAMap) {
   EXPECT_EQ(edges[1].from, 1U);
   EXPECT_EQ(edges[1].to, 2U);
   EXPECT_FALSE(edges[1].is_loop);
+  EXPECT_FALSE(edges[1].is_device_motion);
   expect_same(edges[1].from_from_to, expected.from_from_to);
   EXPECT_EQ(edges[1].information, expected.information);
 }
@@ -179,6 +185,8 @@ TEST_F(HomeTest, AStepThatDoesNotContinueIsRefusedWhole) {
           "contradicts what is stored");
   refused([](MapCommit& step) { step.edges[0].from = 77; }, "contradicts what is stored");
   refused([](MapCommit& step) { step.edges[0].information(1, 2) = 4; }, "not symmetric");
+  refused([=](MapCommit& step) { step.frames[0].motion->device.up_camera->x() = kNan; },
+          "the device's motion");
   refused([=](MapCommit& step) { step.edges[0].from_from_to.translation.x() = kNan; },
           "not finite");
   refused(

@@ -70,6 +70,19 @@ CREATE TABLE frames (
 ) STRICT;
 CREATE INDEX frames_by_keyframe ON frames (keyframe_id);
 
+CREATE TABLE device_motions (
+  -- Where the device itself believed its camera when it took a frame (ARKit, odometry).
+  recording_id INTEGER NOT NULL,
+  frame_index INTEGER NOT NULL,
+  tx_m REAL NOT NULL, ty_m REAL NOT NULL, tz_m REAL NOT NULL,  -- device_from_camera, in a world of its own
+  qx REAL NOT NULL, qy REAL NOT NULL, qz REAL NOT NULL, qw REAL NOT NULL,
+  up_x REAL, up_y REAL, up_z REAL,     -- unit vector up in the camera's frame; NULL: it feels no gravity
+  use TEXT NOT NULL CHECK (use IN ('taken', 'dropped', 'alone')),  -- what mapping made of it
+  PRIMARY KEY (recording_id, frame_index),
+  FOREIGN KEY (recording_id, frame_index) REFERENCES frames ON DELETE CASCADE,
+  CHECK ((up_x IS NULL) = (up_y IS NULL) AND (up_y IS NULL) = (up_z IS NULL))
+) STRICT;
+
 CREATE TABLE pose_graph_edges (
   -- Measurements of one key-frame's pose relative to another's, in the order in which they were made.
   edge_id INTEGER PRIMARY KEY,
@@ -79,7 +92,8 @@ CREATE TABLE pose_graph_edges (
   qx REAL NOT NULL, qy REAL NOT NULL, qz REAL NOT NULL, qw REAL NOT NULL,
   information_upper TEXT NOT NULL,     -- JSON: upper triangle of the 6x6 inverse covariance, row by row,
                                        -- in the order x, y, z (m), qx, qy, qz
-  is_loop INTEGER NOT NULL CHECK (is_loop IN (0, 1))
+  is_loop INTEGER NOT NULL CHECK (is_loop IN (0, 1)),
+  is_device_motion INTEGER NOT NULL CHECK (is_device_motion IN (0, 1))  -- not by what pictures show
 ) STRICT;
 CREATE INDEX pose_graph_edges_by_from ON pose_graph_edges (from_keyframe_id);
 CREATE INDEX pose_graph_edges_by_to ON pose_graph_edges (to_keyframe_id);

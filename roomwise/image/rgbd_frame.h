@@ -1,10 +1,12 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "roomwise/base/file.h"
 #include "roomwise/base/timestamp.h"
+#include "roomwise/geometry/device_motion.h"
 #include "roomwise/geometry/pinhole_camera.h"
 #include "roomwise/image/image.h"
 
@@ -22,6 +24,7 @@ struct RgbdFrame {
   // storing a frame loses nothing. Empty where the source gave raw pixels.
   Bytes encoded_color;
   Bytes encoded_depth;
+  std::optional<geometry::DeviceMotion> device_motion = std::nullopt;  // where the device tells it
 };
 
 // The measured distance along the optical axis at a pixel, m; 0 where nothing was measured.

@@ -99,7 +99,8 @@ MotionOutcome locate_frame(const FrameMeasurements& reference, const FrameMeasur
   if (prior) {
     predicted = align_views(reference.view(), current.view(), *prior, options.views);
     if (contradicts_prior(predicted->pose)) predicted->found = false;
-    if (!options.rests_on_prior) predicted->pose.information = predicted->measured_information;
+    if (!options.rests_on_prior || !options.counts_prior)
+      predicted->pose.information = predicted->measured_information;
   }
   const bool is_predicted = predicted && is_sure(*predicted, *prior, options);
   if (is_predicted && !is_large(predicted->pose.reference_from_current, options) &&
@@ -147,6 +148,7 @@ MotionOutcome locate_frame(const FrameMeasurements& reference, const FrameMeasur
     constexpr double kSigmas = 7;
     outcome = found_by_views(*predicted);
     outcome.pose.information /= kSigmas * kSigmas;
+    outcome.rests_on_prior = true;
   }
   return outcome;
 }

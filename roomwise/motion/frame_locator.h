@@ -32,6 +32,8 @@ struct LocatorOptions {
   // Whether the prior is evidence of its own, on which the pose may rest where the views do not
   // tell. Not where it follows from what the map holds already, which would then count twice.
   bool rests_on_prior = true;
+  // Whether a pose's information takes in that of the prior; not where that is kept besides.
+  bool counts_prior = true;
 
   [[nodiscard]] Expected<void> validate() const;
 };

@@ -50,6 +50,8 @@ struct MotionOutcome {
   int matches = 0;   // of reference points with depth
   int inliers = 0;
   RefinedPose pose;  // only meaningful when found
+  // Found where it was expected, and the pictures only do not contradict: a bare wall.
+  bool rests_on_prior = false;
 
   [[nodiscard]] bool found() const { return status == MotionStatus::kFound; }
   // "too few inliers (9 of 214 matches)".

@@ -52,6 +52,35 @@ TEST_F(SomeRecording, GivesEachPictureByItsIndexWhateverWasReadBefore) {
   EXPECT_FALSE(recording->next().value().has_value());
 }
 
+TEST_F(SomeRecording, GivesTheDevicesMotionOfOdometryTxt) {
+  write("odometry.txt",
+        "# a phone\n# up 0 0 1\n-0.05 0 0 0 0.6 0 0 0.8\n0.05 1 0 0 0.6 0 0 0.8\n0.5 9 0 0 0 0 0 "
+        "1\n");
+  const auto recording = open_recording(folder_.path()).value();
+  EXPECT_TRUE(recording->has_device_motion());
+  const auto between = recording->frame(0).value()->device_motion;
+  ASSERT_TRUE(between);
+  EXPECT_NEAR(between->world_from_camera.translation.x(), 0.5, 1e-9) << "halfway between two poses";
+  EXPECT_TRUE(between->up_camera->isApprox(Eigen::Vector3d(0, 0.96, 0.28), 1e-9));
+  EXPECT_FALSE(recording->frame(2).value()->device_motion) << "poses are too far apart there";
+}
+
+TEST_F(SomeRecording, RefusesAnUpThatIsNoDirection) {
+  for (const char* up : {"0 0", "0 0 2", "0 0 nan", "0 0 1 0"}) {
+    write("odometry.txt", fmt::format("0.0 0 0 0 0 0 0 1\n# up {}\n", up));
+    EXPECT_ERROR(open_recording(folder_.path()), "odometry.txt:2");
+  }
+  write("odometry.txt", "0.0 0 0 0 0 0 0\n");
+  EXPECT_ERROR(open_recording(folder_.path()), "odometry.txt:1");
+}
+
+TEST_F(SomeRecording, TakesTheTruthForNoMotion) {
+  write("groundtruth.txt", "0.0 0 0 0 0 0 0 1\n");
+  const auto recording = open_recording(folder_.path()).value();
+  EXPECT_FALSE(recording->has_device_motion());
+  EXPECT_FALSE(recording->frame(0).value()->device_motion);
+}
+
 TEST_F(SomeRecording, CountsTheFramesThatAreStillToCome) {
   const auto recording = open_recording(folder_.path()).value();
   EXPECT_EQ(recording->info().frame_count, 2U);

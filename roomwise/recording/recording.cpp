@@ -1,10 +1,27 @@
 #include "roomwise/recording/recording.h"
 
 #include <algorithm>
+#include <iterator>
+#include <utility>
 
 #include "roomwise/image/codec.h"
 
 namespace roomwise::recording {
+namespace {
+
+// Within this time a hand moves evenly, or nearly.
+constexpr TimestampNs kMostBetweenPoses_ns = 150'000'000;
+
+geometry::RigidTransform between(const StampedPose& before, const StampedPose& after,
+                                 TimestampNs timestamp_ns) {
+  const double share = static_cast<double>(timestamp_ns - before.timestamp_ns) /
+                       static_cast<double>(after.timestamp_ns - before.timestamp_ns);
+  const auto& [a, b] = std::pair(before.world_from_camera, after.world_from_camera);
+  return {a.rotation.slerp(share, b.rotation),
+          a.translation + share * (b.translation - a.translation)};
+}
+
+}  // namespace
 
 Expected<void> RecordingOptions::validate() const {
   if (tolerance_ns <= 0) return fail("tolerance_ns = {} must be positive", tolerance_ns);
@@ -43,7 +60,25 @@ void Recording::skip_before(std::uint64_t index) {
 Expected<std::optional<image::RgbdFrame>> Recording::frame(std::uint64_t index) const {
   const RecordedPicture* picture = find(index);
   if (picture == nullptr || !picture->has_depth) return std::optional<image::RgbdFrame>();
-  return read_frame(*picture);
+  ROOMWISE_TRY(image::RgbdFrame read, read_frame(*picture));
+  if (contents_.poses_are_motion) read.device_motion = motion_at(picture->timestamp_ns);
+  return std::optional(std::move(read));
+}
+
+std::optional<geometry::DeviceMotion> Recording::motion_at(TimestampNs timestamp_ns) const {
+  const Trajectory& poses = contents_.device_poses;
+  const auto after = std::ranges::lower_bound(poses, timestamp_ns, {}, &StampedPose::timestamp_ns);
+  if (after == poses.end()) return std::nullopt;
+  geometry::RigidTransform world_from_camera = after->world_from_camera;
+  if (after->timestamp_ns != timestamp_ns) {
+    if (after == poses.begin()) return std::nullopt;
+    const StampedPose& before = *std::prev(after);
+    if (after->timestamp_ns - before.timestamp_ns > kMostBetweenPoses_ns) return std::nullopt;
+    world_from_camera = between(before, *after, timestamp_ns);
+  }
+  if (!contents_.device_up) return geometry::DeviceMotion{world_from_camera};
+  return geometry::DeviceMotion{world_from_camera,
+                                world_from_camera.rotation.conjugate() * *contents_.device_up};
 }
 
 Expected<image::ColorImage> Recording::read_color(std::uint64_t index) const {

@@ -36,6 +36,11 @@ struct RecordingContents {
   // Where the device says that it was: camera to world, x right, y down, z forward in the camera,
   // the world as the device had it. Empty where it wrote none.
   Trajectory device_poses;
+  // Whether the device knew these poses while it recorded, so that mapping may take them for its
+  // motion; not where they were reconstructed from the pictures afterwards.
+  bool poses_are_motion = false;
+  // The direction up in the device's world, unit length, where that is level.
+  std::optional<Eigen::Vector3d> device_up = std::nullopt;
   // For people: what was chosen among several, what was found wrong and passed over.
   std::vector<std::string> notes;
 };
@@ -51,6 +56,10 @@ class Recording : public FrameSource {
   // The indices of those with depth.
   [[nodiscard]] const std::vector<std::uint64_t>& frames() const { return frames_; }
   [[nodiscard]] const Trajectory& device_poses() const { return contents_.device_poses; }
+  // Whether frames carry device_poses() as their device_motion.
+  [[nodiscard]] bool has_device_motion() const {
+    return contents_.poses_are_motion && !contents_.device_poses.empty();
+  }
   // For people, a sentence each: what was chosen among several streams, what was passed over.
   [[nodiscard]] const std::vector<std::string>& notes() const { return contents_.notes; }
   // Null where there is no such colour image.
@@ -87,6 +96,8 @@ class Recording : public FrameSource {
 
  private:
   void count_what_is_left();
+  // At a picture's time: the device's pose of that time, or between two that are close together.
+  [[nodiscard]] std::optional<geometry::DeviceMotion> motion_at(TimestampNs timestamp_ns) const;
 
   RecordingContents contents_;
   std::vector<std::uint64_t> frames_;

@@ -56,8 +56,7 @@ Expected<Trajectory> read_trajectory(const std::filesystem::path& path) {
   return trajectory;
 }
 
-Expected<void> write_trajectory(const std::filesystem::path& path,
-                                std::span<const StampedPose> trajectory) {
+std::string trajectory_text(std::span<const StampedPose> trajectory) {
   std::string text = fmt::format("# {}\n", kPoseLayout);
   for (const auto& [timestamp_ns, pose] : trajectory) {
     const auto& t = pose.translation;
@@ -66,7 +65,12 @@ Expected<void> write_trajectory(const std::filesystem::path& path,
                         format_timestamp(timestamp_ns), t.x(), t.y(), t.z(), q.x(), q.y(), q.z(),
                         q.w());
   }
-  return write_file(path, text);
+  return text;
+}
+
+Expected<void> write_trajectory(const std::filesystem::path& path,
+                                std::span<const StampedPose> trajectory) {
+  return write_file(path, trajectory_text(trajectory));
 }
 
 }  // namespace roomwise::recording

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "roomwise/base/expected.h"
@@ -20,6 +21,7 @@ using Trajectory = std::vector<StampedPose>;  // in the order of time
 // naming the line, on missing or not-finite numbers, a quaternion of no length, times that do not
 // increase, an empty file.
 [[nodiscard]] Expected<Trajectory> read_trajectory(const std::filesystem::path& path);
+[[nodiscard]] std::string trajectory_text(std::span<const StampedPose> trajectory);
 [[nodiscard]] Expected<void> write_trajectory(const std::filesystem::path& path,
                                               std::span<const StampedPose> trajectory);
 

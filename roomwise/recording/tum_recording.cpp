@@ -5,6 +5,7 @@
 #include "roomwise/image/codec.h"
 #include "roomwise/recording/camera_file.h"
 #include "roomwise/recording/data_lines.h"
+#include "roomwise/recording/odometry_file.h"
 
 namespace roomwise::recording {
 namespace {
@@ -12,6 +13,7 @@ namespace {
 constexpr const char* kColorList = "rgb.txt";
 constexpr const char* kDepthList = "depth.txt";
 constexpr const char* kCameraFile = "camera.txt";
+constexpr const char* kOdometryFile = "odometry.txt";
 constexpr std::string_view kExample = "1305031229.528748 rgb/1305031229.528748.png";
 
 struct ListedImage {
@@ -158,6 +160,13 @@ Expected<std::unique_ptr<TumRecording>> TumRecording::open(const std::filesystem
   contents.info.name = recording_name(folder);
   contents.info.camera = camera;
   contents.pictures = pictures_of(colors, associations);
+  std::error_code ignored;
+  if (std::filesystem::exists(folder / kOdometryFile, ignored)) {
+    ROOMWISE_TRY(Odometry odometry, read_odometry(folder / kOdometryFile));
+    contents.device_poses = std::move(odometry.poses);
+    contents.device_up = odometry.up;
+    contents.poses_are_motion = true;
+  }
   return std::unique_ptr<TumRecording>(new TumRecording(
       std::move(contents), std::move(colors), std::move(depths), std::move(associations)));
 }

@@ -44,7 +44,8 @@ class ImageList {
 
 // A recording on disk in the format of the TUM RGB-D benchmark (Sturm et al., "A Benchmark for the
 // Evaluation of RGB-D SLAM Systems", IROS 2012): rgb.txt, depth.txt, the images they list, and,
-// where the camera is not given by option, camera.txt. Colour is PNG or JPEG, depth 16-bit PNG.
+// where the camera is not given by option, camera.txt; odometry.txt (odometry_file.h), where there
+// is one, is the device's motion. Colour is PNG or JPEG, depth 16-bit PNG.
 class TumRecording final : public Recording {
  public:
   // By rgb.txt and depth.txt in the folder.

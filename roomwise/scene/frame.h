@@ -5,6 +5,7 @@
 #include <string>
 
 #include "roomwise/base/timestamp.h"
+#include "roomwise/geometry/device_motion.h"
 #include "roomwise/geometry/rigid_transform.h"
 #include "roomwise/scene/keyframe.h"
 
@@ -16,12 +17,25 @@ struct FramePlace {
   geometry::RigidTransform keyframe_from_camera;
 };
 
+// What mapping made of the device's own motion up to a frame, from the one before.
+enum class MotionUse {
+  kTaken,    // expected, and not contradicted by the pictures
+  kDropped,  // it jumped: the pictures say otherwise, or nobody moves so fast
+  kAlone,    // the pictures say nothing: the frame's place is from it alone
+};
+
+struct FrameMotion {
+  geometry::DeviceMotion device;
+  MotionUse use = MotionUse::kTaken;
+};
+
 // A frame of a walk that mapping has looked at.
 struct Frame {
   std::uint64_t index = 0;  // RgbdFrame::index
   TimestampNs timestamp_ns = 0;
   std::optional<FramePlace> place;
   std::string no_pose_reason;  // the motion's outcome, where there is no place
+  std::optional<FrameMotion> motion = std::nullopt;  // where its device tells it
 };
 
 }  // namespace roomwise::scene

@@ -82,7 +82,9 @@ inline MapCommit sample_commit(RecordingId recording, NetworkId network, Keyfram
   keyframe.observations = {{"lamp", 0.9}, {"bed", 0.5}};
   if (id > 0) {
     step.edges.push_back(sample_edge(id - 1, id, false));
-    step.frames.push_back({index - 2, 5, FramePlace{id - 1, sample_pose(0.01)}, ""});
+    const scene::FrameMotion motion{{sample_pose(0.7), Eigen::Vector3d(0, -0.6, 0.8)},
+                                    scene::MotionUse::kAlone};
+    step.frames.push_back({index - 2, 5, FramePlace{id - 1, sample_pose(0.01)}, "", motion});
     step.frames.push_back({index - 1, 6, std::nullopt, "too few matches"});
   }
   step.frames.push_back({index, 7, FramePlace{id, geometry::RigidTransform::identity()}, ""});

@@ -48,11 +48,15 @@ std::vector<int> triangle_votes(std::size_t count, std::span<const PoseGraphEdge
   constexpr double kClosed_rad = 0.03;
   constexpr double kSigmas = 2;
   StepsFrom steps(count);
-  for (const PoseGraphEdge& edge : edges) add_both_ways(steps, edge);
+  // The device's motion is asked only where pictures say nothing: it has no vote on what they say.
+  for (const PoseGraphEdge& edge : edges) {
+    if (!edge.is_device_motion) add_both_ways(steps, edge);
+  }
   for (std::vector<Step>& from : steps) std::ranges::stable_sort(from, {}, &Step::to);
   std::vector<int> votes;
   for (const PoseGraphEdge& edge : edges) {
     int& vote = votes.emplace_back(0);
+    if (edge.is_device_motion) continue;
     const Spread own = spread_of(edge);
     // Both lists are sorted: a walk along them finds the common neighbours.
     auto b = steps[edge.to].begin();

@@ -113,15 +113,18 @@ Expected<std::vector<PoseGraphEdge>> close_loops(const KeyframeStamp& newest,
 
 bool spans_long_loop(const PoseGraphEdge& edge) {
   constexpr NodeId kNeighborhood = 10;
-  return edge.is_loop &&
+  return edge.is_loop && !edge.is_device_motion &&
          std::max(edge.from, edge.to) - std::min(edge.from, edge.to) > kNeighborhood;
 }
 
 PoseGraphEdge edge_from_motion(KeyframeId from, KeyframeId to, const motion::RefinedPose& pose,
                                bool is_loop) {
-  return {from, to, pose.reference_from_current,
+  return {from,
+          to,
+          pose.reference_from_current,
           motion::with_systematic_error(pose.information, kViewTranslation_m, kViewHalfAngle),
-          is_loop};
+          is_loop,
+          false};
 }
 
 PoseGraphEdge edge_through_frame(KeyframeId from, const motion::RefinedPose& in_from, KeyframeId to,

@@ -63,6 +63,10 @@ void Mapper::restore(std::span<const PoseGraphEdge> edges, std::span<const Frame
     if (frame.place) set_reference(frame.place->keyframe);
     frames_lost_ = frame.place ? 0 : frames_lost_ + 1;
     frames_.push_back(frame);
+    mark_ = device_.mark(frame);
+    if (mark_ && is_keyframe(frame))
+      marked_keyframe_ = MarkedKeyframe{frame.place->keyframe, *mark_};
+    take_device_motion(frame);
   }
 }
 
@@ -74,9 +78,19 @@ void Mapper::release_frames(std::size_t keep) {
 }
 
 Expected<MapUpdate> Mapper::add_frame(std::uint64_t frame_index, TimestampNs timestamp_ns,
-                                      motion::FrameMeasurements measurements) {
+                                      motion::FrameMeasurements measurements,
+                                      const std::optional<geometry::DeviceMotion>& device) {
+  Frame& frame = frames_.emplace_back(Frame{frame_index, timestamp_ns, std::nullopt, {}});
+  if (device && options_.takes_device_motion()) frame.motion = scene::FrameMotion{*device};
+  mark_ = device_.mark(frame);
+  if (device_.jumps_to(frame)) drop_device_motion();
+  ROOMWISE_TRY(MapUpdate step, place_newest(std::move(measurements)));
+  take_device_motion(frames_.back());
+  return step;
+}
+
+Expected<MapUpdate> Mapper::place_newest(motion::FrameMeasurements measurements) {
   MapUpdate step;
-  frames_.push_back({frame_index, timestamp_ns, std::nullopt, {}});
   const std::size_t position = frames_.size() - 1;
   if (keyframes_.empty()) {
     if (!can_start_component(measurements)) {
@@ -98,6 +112,11 @@ Expected<MapUpdate> Mapper::add_frame(std::uint64_t frame_index, TimestampNs tim
   }
   KeyframeId reference = reference_history_.back();
   if (!outcome.found()) ROOMWISE_CHECK_OK(relocalize(measurements, reference, outcome));
+  if (const auto by_device = outcome.found() ? std::nullopt : carried_pose()) {
+    ROOMWISE_CHECK_OK(carry(*by_device, std::move(measurements), step));
+    if (is_checkpoint_due && !step.is_checkpoint) reach_checkpoint(step);
+    return step;
+  }
   if (!outcome.found()) {
     previous_.reset();
     frames_[position].no_pose_reason = outcome.describe();
@@ -167,12 +186,16 @@ void Mapper::reach_checkpoint(MapUpdate& step) {
 
 std::optional<StampedMotion> Mapper::pose_in_reference(const Frame& frame) const {
   if (!frame.place) return std::nullopt;
-  const FramePlace& place = *frame.place;
-  if (place.keyframe == reference_history_.back())
-    return StampedMotion{place.keyframe_from_camera, frame.timestamp_ns};
+  const auto pose = pose_in_reference(*frame.place);
+  if (!pose) return std::nullopt;
+  return StampedMotion{*pose, frame.timestamp_ns};
+}
+
+std::optional<RigidTransform> Mapper::pose_in_reference(const FramePlace& place) const {
+  if (place.keyframe == reference_history_.back()) return place.keyframe_from_camera;
   const auto way = graph_.between(reference_history_.back(), place.keyframe);
   if (!way) return std::nullopt;
-  return StampedMotion{*way * place.keyframe_from_camera, frame.timestamp_ns};
+  return *way * place.keyframe_from_camera;
 }
 
 std::optional<motion::PosePrior> Mapper::predict_pose() const {
@@ -194,8 +217,12 @@ Mapper::Outcome Mapper::track(const motion::FrameMeasurements& current) {
     return motion::estimate_motion(measured->features(), current.features(), camera_,
                                    options_.locator.features, random);
   }
-  return motion::locate_frame(*measured, current, predict_pose(), camera_, options_.locator,
-                              random);
+  const auto by_device = device_pose_in_reference();
+  // What pictures said while the device was silent is newer than what it knows.
+  const bool is_outdated =
+      by_device && frames_[frames_.size() - 2].place && !frames_[frames_.size() - 2].motion;
+  if (by_device && !is_outdated) return track_by_device(*measured, current, *by_device, random);
+  return track_by_walk(*measured, current, random);
 }
 
 std::vector<KeyframeId> Mapper::recent_references(std::size_t skip_newest) const {
@@ -287,6 +314,8 @@ Expected<void> Mapper::add_keyframe(std::size_t frame_position,
   ROOMWISE_TRY(const SharedMeasurements measured, store_.get(newest.id));
   set_reference(newest.id);
   if (link) graph_.add(*link);
+  const bool is_newest_frame = frame_position + 1 == frames_.size();
+  add_device_edge(newest.id, is_newest_frame, link && link->is_device_motion);
   const auto compare_newest = [&](KeyframeId reference) {
     // Where the steps between two neighbours are known, so is nearly where they are.
     std::optional<motion::PosePrior> prior;
@@ -300,11 +329,11 @@ Expected<void> Mapper::add_keyframe(std::size_t frame_position,
                close_loops(newest, options_.loops, recent_references(2), similar, compare_newest,
                            options_.seed));
   for (const PoseGraphEdge& loop : loops) {
-    if (!link || loop.from != link->from) graph_.add(loop);
+    if (!link || link->is_device_motion || loop.from != link->from) graph_.add(loop);
   }
   if (options_.loops.similar > 0) index_.add(newest.id, measured->features().features);
   step.new_keyframes.push_back(newest.id);
-  step.is_checkpoint = frame_position + 1 == frames_.size();
+  step.is_checkpoint = is_newest_frame;
   frames_since_checkpoint_ = static_cast<int>(frames_.size() - 1 - frame_position);
   return {};
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "roomwise/mapping/frontend/appearance_index.h"
+#include "roomwise/mapping/frontend/device_odometry.h"
 #include "roomwise/mapping/frontend/keyframe.h"
 #include "roomwise/mapping/frontend/keyframe_graph.h"
 #include "roomwise/mapping/frontend/mapper_options.h"
@@ -37,6 +38,11 @@ struct MapUpdate {
 // again and no new one is made: one or two edges lead to it from the reference, and the frame is
 // located against it as surely as a loop. So a map grows with the home and not with the walk.
 //
+// Where the device tells its own motion, that is the prediction, and consecutive key-frames get an
+// edge by it besides what pictures say; it is dropped where the pictures surely say otherwise. A
+// frame that pictures do not place at all is placed by it alone, as a key-frame where the camera
+// moved far and shows something.
+//
 // Key-frames that are connected by edges make a component. When tracking is lost and no key-frame
 // is recognised, mapping goes on in a new component; a loop closure joins components by itself,
 // since it is an edge between them.
@@ -58,8 +64,9 @@ class Mapper {
 
   // Frames must come in the order of time. The combined method gains nothing over the paper's for
   // frames without views.
-  [[nodiscard]] Expected<MapUpdate> add_frame(std::uint64_t frame_index, TimestampNs timestamp_ns,
-                                              motion::FrameMeasurements measurements);
+  [[nodiscard]] Expected<MapUpdate> add_frame(
+      std::uint64_t frame_index, TimestampNs timestamp_ns, motion::FrameMeasurements measurements,
+      const std::optional<geometry::DeviceMotion>& device = std::nullopt);
 
   [[nodiscard]] const std::vector<KeyframeStamp>& keyframes() const { return keyframes_; }
   [[nodiscard]] const std::vector<PoseGraphEdge>& edges() const { return graph_.edges(); }
@@ -83,12 +90,56 @@ class Mapper {
     motion::RefinedPose pose;
   };
   using Outcome = Expected<motion::MotionOutcome>;
+  // The last frame whose place does not rest on the device's motion, and that has some.
+  struct DeviceAnchor {
+    std::uint64_t frame_index = 0;
+    FramePlace place;
+    DeviceMark mark;
+  };
+  // Where a frame is that no picture places.
+  struct CarriedPose {
+    KeyframeId keyframe = 0;
+    motion::PosePrior in_keyframe;
+  };
+  struct MarkedKeyframe {
+    KeyframeId id = 0;
+    DeviceMark mark;
+  };
+
+  [[nodiscard]] Expected<MapUpdate> place_newest(motion::FrameMeasurements measurements);
+  // What the newest frame says of the device's motion, once it has its place.
+  void take_device_motion(const Frame& frame);
+  void drop_device_motion();
+  // Where the newest frame is by the device's motion since the anchor, relative to the anchor's
+  // key-frame, and relative to the reference.
+  [[nodiscard]] std::optional<motion::PosePrior> device_pose() const;
+  [[nodiscard]] std::optional<motion::PosePrior> device_pose_in_reference() const;
+  // The first, or where the device has just jumped, the walk as it goes on.
+  [[nodiscard]] std::optional<CarriedPose> carried_pose() const;
+  // track() as the walk goes on, and as the device says; the second asks the pictures alone where
+  // they disagree.
+  [[nodiscard]] motion::MotionOutcome track_by_walk(const motion::FrameMeasurements& reference,
+                                                    const motion::FrameMeasurements& current,
+                                                    const RandomStream& random);
+  [[nodiscard]] motion::MotionOutcome track_by_device(const motion::FrameMeasurements& reference,
+                                                      const motion::FrameMeasurements& current,
+                                                      const motion::PosePrior& prior,
+                                                      const RandomStream& random);
+  // The newest frame, which the pictures do not place, gets this place.
+  [[nodiscard]] Expected<void> carry(const CarriedPose& pose,
+                                     motion::FrameMeasurements measurements, MapUpdate& step);
+  // The device's motion from the last key-frame that has some to the newest, unless its link is
+  // that already. The newest is the newest frame, or the one before.
+  void add_device_edge(KeyframeId newest, bool is_newest_frame, bool is_linked_by_device);
+  [[nodiscard]] bool is_keyframe(const Frame& frame) const;
 
   // Where the newest frame will be relative to the reference if the camera goes on as it moved
   // last; nothing where it was lost for long.
   [[nodiscard]] std::optional<motion::PosePrior> predict_pose() const;
   // A placed frame relative to the reference, if an edge leads there from where it was placed.
   [[nodiscard]] std::optional<StampedMotion> pose_in_reference(const Frame& frame) const;
+  [[nodiscard]] std::optional<geometry::RigidTransform> pose_in_reference(
+      const FramePlace& place) const;
   [[nodiscard]] bool can_start_component(const motion::FrameMeasurements& measurements) const;
   [[nodiscard]] bool needs_keyframe(const geometry::RigidTransform& motion) const;
   // A motion by what makes a key-frame: 1 just does.
@@ -136,6 +187,10 @@ class Mapper {
   std::optional<PreviousFrame> previous_;  // the frame before, if it was placed and is no key-frame
   int frames_lost_ = 0;
   int frames_since_checkpoint_ = 0;
+  DeviceOdometry device_;                          // up to the frame before
+  std::optional<DeviceMark> mark_;                 // of the newest frame
+  std::optional<MarkedKeyframe> marked_keyframe_;  // the newest one
+  std::optional<DeviceAnchor> anchor_;
   AppearanceIndex index_;  // of all key-frames, where the method looks for similar ones
 };
 

@@ -36,8 +36,14 @@ struct MapperOptions {
   ReuseOptions reuse;
   // After so many frames in a row that match nothing, mapping goes on in a new component.
   int frames_until_new_component = 5;
+  // Whether the device's own motion, where it tells it, is taken for a prior. Not in the paper's
+  // method.
+  bool device_motion = true;
   std::uint64_t seed = 1;
 
+  [[nodiscard]] bool takes_device_motion() const {
+    return device_motion && method != MappingMethod::kPaper;
+  }
   // The defaults of a method: the paper's draws all its far loop candidates at random.
   [[nodiscard]] static MapperOptions of(MappingMethod method);
   [[nodiscard]] Expected<void> validate() const;

@@ -332,6 +332,120 @@ TEST_F(CombinedMapperTest, RestoredAtAKeyframeGoesOnAsIfNeverStopped) {
   expect_same_edges(second, whole);
 }
 
+// A walk whose device tells its motion, in a world of its own and one percent too long.
+class DeviceMotionTest : public CombinedMapperTest {
+ protected:
+  using Use = scene::MotionUse;
+
+  static geometry::DeviceMotion device_at(int frame) {
+    RigidTransform pose = pose_at(frame);
+    pose.translation *= 1.01;
+    return {RigidTransform{Eigen::Quaterniond(0.6, 0, 0.8, 0), {1, 2, 3}} * pose};
+  }
+  // It finds itself aside from this frame on.
+  static geometry::DeviceMotion jumped_at(int frame, int jump, double aside_m) {
+    geometry::DeviceMotion device = device_at(frame);
+    if (frame >= jump) device.world_from_camera.translation.x() += aside_m;
+    return device;
+  }
+  void add(Mapper& mapper, int frame, Shows shows,
+           const std::optional<geometry::DeviceMotion>& device) {
+    ASSERT_OK(mapper.add_frame(static_cast<std::uint64_t>(frame), frame * 33'000'000LL,
+                               measure(frame, shows), device));
+  }
+  static Shows dark_from_10_to_25(int frame) {
+    return frame >= 10 && frame < 25 ? Shows::kNothing : Shows::kAll;
+  }
+  static Use use_at(const Mapper& mapper, std::size_t frame) {
+    return mapper.frames()[frame].motion->use;
+  }
+};
+
+TEST_F(DeviceMotionTest, CarriesItThroughDarkness) {
+  Mapper mapper(kCamera, {});
+  for (int frame = 0; frame < 40; ++frame)
+    add(mapper, frame, dark_from_10_to_25(frame), device_at(frame));
+  expect_all_placed(mapper);
+  expect_one_component_within(mapper, 0.03);
+  for (std::size_t frame = 0; frame < 40; ++frame) {
+    const bool is_dark = frame >= 10 && frame < 25;
+    // The first that is lit again shows what no key-frame shows.
+    if (frame == 25) continue;
+    EXPECT_EQ(use_at(mapper, frame), is_dark ? Use::kAlone : Use::kTaken) << frame;
+  }
+}
+
+TEST_F(DeviceMotionTest, LeftAsideIsAsIfThereWereNone) {
+  MapperOptions without;
+  without.device_motion = false;
+  Mapper left_aside(kCamera, without);
+  Mapper none(kCamera, {});
+  for (int frame = 0; frame < 30; ++frame) {
+    add(left_aside, frame, dark_from_10_to_25(frame), device_at(frame));
+    add(none, frame, dark_from_10_to_25(frame), std::nullopt);
+  }
+  EXPECT_FALSE(left_aside.frames()[15].place.has_value());
+  expect_same_edges(left_aside, none);
+  expect_same_frames(left_aside, none);
+}
+
+TEST_F(DeviceMotionTest, IsDroppedWhereThePicturesSaySurelyThatItJumped) {
+  Mapper mapper(kCamera, {});
+  for (int frame = 0; frame < 30; ++frame)
+    add(mapper, frame, Shows::kAll, jumped_at(frame, 15, 0.15));
+  expect_all_placed(mapper);
+  expect_one_component_within(mapper, 0.02);
+  for (std::size_t frame = 0; frame < 30; ++frame)
+    EXPECT_EQ(use_at(mapper, frame), frame == 15 ? Use::kDropped : Use::kTaken) << frame;
+}
+
+TEST_F(DeviceMotionTest, AJumpInTheDarkLeavesTheMapInOnePiece) {
+  Mapper mapper(kCamera, {});
+  for (int frame = 0; frame < 40; ++frame)
+    add(mapper, frame, dark_from_10_to_25(frame), jumped_at(frame, 18, 5));
+  expect_all_placed(mapper);
+  EXPECT_EQ(use_at(mapper, 18), Use::kDropped) << "nobody moves five metres in a thirtieth second";
+  expect_one_component_within(mapper, 0.2);
+}
+
+TEST_F(DeviceMotionTest, AShortSilenceIsBridged) {
+  Mapper mapper(kCamera, {});
+  for (int frame = 0; frame < 40; ++frame) {
+    const bool is_silent = frame >= 14 && frame < 18;
+    const std::optional<geometry::DeviceMotion> device =
+        is_silent ? std::nullopt : std::optional(device_at(frame));
+    add(mapper, frame, dark_from_10_to_25(frame), device);
+  }
+  for (const Frame& frame : mapper.frames()) {
+    const bool nobody_knows = frame.index >= 14 && frame.index < 18;
+    EXPECT_EQ(frame.place.has_value(), !nobody_knows) << frame.index;
+  }
+  expect_one_component_within(mapper, 0.05);
+}
+
+TEST_F(DeviceMotionTest, RestoredGoesOnAsIfNeverStopped) {
+  const auto add_all = [&](Mapper& mapper, int from, int to) {
+    for (int frame = from; frame < to; ++frame)
+      add(mapper, frame, dark_from_10_to_25(frame), jumped_at(frame, 6, 0.15));
+  };
+  Mapper whole(kCamera, {});
+  add_all(whole, 0, 40);
+  for (const int stop : {8, 9, 26, 30}) {
+    Mapper first(kCamera, {});
+    int frame = stop;
+    add_all(first, 0, stop);
+    while (first.keyframes().back().frame_index != static_cast<std::uint64_t>(frame - 1)) {
+      add_all(first, frame, frame + 1);
+      ++frame;
+    }
+    Mapper second(kCamera, {});
+    restore(second, first);
+    add_all(second, frame, 40);
+    expect_same_edges(second, whole);
+    expect_same_frames(second, whole);
+  }
+}
+
 TEST_F(CombinedMapperTest, GoesOnFromKeyframesThatItKnows) {
   Mapper mapper(kCamera, reuses_all());
   for (int i = 0; i < 25; ++i) add_at(mapper, i, to_and_fro(i));

@@ -98,6 +98,20 @@ Vector3d fullest_direction(const std::vector<Vector3d>& normals, const Vector3d&
   return fullest;
 }
 
+// The mean of directions; nothing where they are none or do not agree.
+std::optional<Vector3d> agreed_direction(const std::vector<Vector3d>& directions) {
+  // Half of them within 5 degrees or so: gravity is felt to one, and the map may be bent a little.
+  constexpr double kMinCosine = 0.996;
+  Vector3d sum = Vector3d::Zero();
+  for (const Vector3d& direction : directions) sum += direction;
+  if (!(sum.norm() > 0)) return std::nullopt;
+  const Vector3d mean = sum.normalized();
+  const auto agreeing = std::ranges::count_if(
+      directions, [&](const Vector3d& one) { return one.dot(mean) >= kMinCosine; });
+  if (2 * static_cast<std::size_t>(agreeing) < directions.size()) return std::nullopt;
+  return mean;
+}
+
 }  // namespace
 
 Expected<void> UpDirectionOptions::validate() const {
@@ -137,10 +151,14 @@ void UpDirectionEstimator::add_camera(const geometry::RigidTransform& world_from
 }
 
 UpDirection UpDirectionEstimator::estimate() const {
-  UpDirection cameras_up;
-  if (camera_up_sum_.norm() > 0) cameras_up.up_world = camera_up_sum_.normalized();
+  UpDirection expected;
+  if (camera_up_sum_.norm() > 0) expected.up_world = camera_up_sum_.normalized();
+  if (const auto gravity = agreed_direction(gravity_world_)) {
+    expected.up_world = *gravity;
+    expected.is_by_gravity = true;
+  }
 
-  Vector3d up = fullest_direction(normals_world_, cameras_up.up_world, options_.max_tilt_rad);
+  Vector3d up = fullest_direction(normals_world_, expected.up_world, options_.max_tilt_rad);
   std::size_t inliers = 0;
   // The first mean is about the centre of a cell; a few more about the mean itself settle it.
   constexpr int kRefinements = 5;
@@ -151,9 +169,9 @@ UpDirection UpDirectionEstimator::estimate() const {
                                                 : static_cast<double>(inliers) /
                                                       static_cast<double>(normals_world_.size());
   if (inliers < static_cast<std::size_t>(options_.min_inliers) || support < options_.min_support) {
-    return cameras_up;
+    return expected;
   }
-  return {up, support};
+  return {up, support, expected.is_by_gravity};
 }
 
 }  // namespace roomwise::mapping

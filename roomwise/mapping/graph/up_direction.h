@@ -27,13 +27,18 @@ struct UpDirection {
   // The share of the measured surface normals that belong to level surfaces under this direction.
   // 0: too few did, and up_world is the mean up of the cameras (the world's -y without any).
   double support = 0;
+  // Whether it began at gravity as devices felt it, and not at the cameras' mean up. Without level
+  // surfaces it is up_world.
+  bool is_by_gravity = false;
 };
 
 // Finds the direction up of a mapped home, whose world frame is tilted as its first camera was: the
 // direction that most floors, tables and ceilings face, near to where the cameras' up points. Every
 // normal votes in a plane across the mean up of the cameras; the normals about the fullest place
 // are averaged. Takes one key-frame after the other and keeps only its normals; or the cameras and
-// the normals of the map's surface, where there is one.
+// the normals of the map's surface, where there is one. Where devices feel gravity and agree, that
+// is taken in the place of the cameras' up, which is far off in a phone that is held upright; level
+// surfaces within `max_tilt_rad` still decide.
 class UpDirectionEstimator {
  public:
   explicit UpDirectionEstimator(const UpDirectionOptions& options = {});
@@ -41,6 +46,8 @@ class UpDirectionEstimator {
   // The depth image must have the camera's size.
   void add(const geometry::RigidTransform& world_from_camera, const image::DepthImage& depth,
            const geometry::PinholeCamera& camera);
+  // Where the device of a key-frame feels up, unit length.
+  void add_gravity(const Eigen::Vector3d& up_world) { gravity_world_.push_back(up_world); }
   void add_camera(const geometry::RigidTransform& world_from_camera);
   void add_normal(const Eigen::Vector3d& normal_world) { normals_world_.push_back(normal_world); }
   [[nodiscard]] UpDirection estimate() const;
@@ -48,6 +55,7 @@ class UpDirectionEstimator {
  private:
   UpDirectionOptions options_;
   Eigen::Vector3d camera_up_sum_ = Eigen::Vector3d::Zero();
+  std::vector<Eigen::Vector3d> gravity_world_;
   std::vector<Eigen::Vector3d> normals_world_;
 };
 

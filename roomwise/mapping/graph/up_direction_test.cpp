@@ -135,6 +135,53 @@ TEST(UpDirection, FallsBackToTheCamerasWhereNoLevelSurfaceIsSeen) {
   EXPECT_LT(angle_between(up.up_world, camera.rotation * -Vector3d::UnitY()), 1e-9);
 }
 
+// A phone held upright: its pictures lie on their side.
+RigidTransform sideways(const RigidTransform& camera) {
+  return camera *
+         RigidTransform{Eigen::Quaterniond(Eigen::AngleAxisd(90 * kDegree, Vector3d::UnitZ())),
+                        Vector3d::Zero()};
+}
+
+UpDirection estimate_with_gravity(const std::vector<Plane>& planes, const RigidTransform& camera,
+                                  const std::vector<Vector3d>& felt) {
+  UpDirectionEstimator estimator;
+  estimator.add(camera, render(planes, camera, small_camera(), 0.002), small_camera());
+  for (const Vector3d& up : felt) estimator.add_gravity(up);
+  return estimator.estimate();
+}
+
+TEST(UpDirection, IsTheFloorsInPicturesThatLieOnTheirSideWhereGravityIsFelt) {
+  const RigidTransform camera = sideways(walker(0.4, 0.5, 0));
+  const Vector3d felt = Vector3d(0.03, 0.02, 1).normalized();
+  const UpDirection up = estimate_with_gravity({kFloor, kWallAhead, kWallLeft}, camera, {felt});
+  EXPECT_TRUE(up.is_by_gravity);
+  EXPECT_LT(angle_between(up.up_world, Vector3d::UnitZ()), 1 * kDegree) << "surer than gravity";
+  const UpDirection without = estimate_with_gravity({kFloor, kWallAhead, kWallLeft}, camera, {});
+  EXPECT_GT(angle_between(without.up_world, Vector3d::UnitZ()), 45 * kDegree);
+}
+
+TEST(UpDirection, LevelSurfacesCorrectGravityThatIsWrong) {
+  const RigidTransform camera = walker(0.4, 0.5, 0);
+  const Vector3d felt = Vector3d(0.4, 0, 1).normalized();
+  const UpDirection up = estimate_with_gravity({kFloor, kWallAhead}, camera, {felt});
+  EXPECT_LT(angle_between(up.up_world, Vector3d::UnitZ()), 1 * kDegree);
+}
+
+TEST(UpDirection, GravityThatContradictsItselfIsNotTaken) {
+  const UpDirection up = estimate_with_gravity(
+      {kFloor, kWallAhead}, walker(0.4, 0.5, 0),
+      {Vector3d::UnitX(), Vector3d::UnitY(), Vector3d(0, -1, 0.2).normalized()});
+  EXPECT_FALSE(up.is_by_gravity);
+  EXPECT_LT(angle_between(up.up_world, Vector3d::UnitZ()), 1 * kDegree);
+}
+
+TEST(UpDirection, IsGravityWhereNoLevelSurfaceIsSeen) {
+  const Vector3d felt = Vector3d(0.1, 0.2, 1).normalized();
+  const UpDirection up = estimate_with_gravity({kWallAhead}, walker(0, 0, 0), {felt});
+  EXPECT_EQ(up.support, 0);
+  EXPECT_LT(angle_between(up.up_world, felt), 0.01 * kDegree);
+}
+
 TEST(UpDirection, ADepthImageWithHolesOrJumpsGivesNoWrongNormals) {
   // Depth that jumps from pixel to pixel holds no surface at all.
   const PinholeCamera camera = small_camera();

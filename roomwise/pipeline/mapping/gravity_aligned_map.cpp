@@ -1,6 +1,7 @@
 #include "roomwise/pipeline/mapping/gravity_aligned_map.h"
 
 #include "roomwise/pipeline/stored/keyframe_images.h"
+#include "roomwise/pipeline/stored/stored_map.h"
 
 namespace roomwise::pipeline {
 
@@ -17,7 +18,9 @@ Expected<GravityAlignedMap> build_gravity_aligned_map(const home::Home& home, do
   for (const home::Keyframe& keyframe : keyframes) {
     cameras.push_back(keyframe.pose.world_from_keyframe);
   }
-  const fusion::GravityAlignedFrame frame = fusion::find_gravity_aligned_frame(mesh, cameras);
+  ROOMWISE_TRY(const auto gravity, stored_gravity(home, keyframes));
+  const fusion::GravityAlignedFrame frame =
+      fusion::find_gravity_aligned_frame(mesh, cameras, gravity);
   return GravityAlignedMap{std::move(dense), std::move(mesh), frame};
 }
 

@@ -4,6 +4,7 @@
 
 #include "roomwise/mapping/cloud/frame_cloud.h"
 #include "roomwise/pipeline/stored/keyframe_images.h"
+#include "roomwise/pipeline/stored/stored_map.h"
 
 namespace roomwise::pipeline {
 
@@ -26,6 +27,8 @@ Expected<MapCloud> build_map_cloud(const home::Home& home,
   };
   geometry::VoxelGrid grid(voxel_size_m);
   mapping::UpDirectionEstimator up;
+  ROOMWISE_TRY(const auto gravity, stored_gravity(home, keyframes));
+  for (const Eigen::Vector3d& one : gravity) up.add_gravity(one);
   ROOMWISE_CHECK_OK(for_each_keyframe(
       home, keyframes, "building the cloud", run,
       [&](const home::Keyframe& keyframe, const DecodedImages& images) {

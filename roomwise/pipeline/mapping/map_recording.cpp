@@ -77,7 +77,8 @@ Expected<void> map_frames(recording::FrameSource& source,
     const std::shared_ptr<const image::RgbdFrame> frame = std::move(next->frame);
     ROOMWISE_TRY(const mapping::MapUpdate step, [&] {
       const auto timing = run.clock.measure("tracking and loops");
-      return mapper.add_frame(frame->index, frame->timestamp_ns, std::move(next->measurements));
+      return mapper.add_frame(frame->index, frame->timestamp_ns, std::move(next->measurements),
+                              frame->device_motion);
     }());
     {
       const auto timing = run.clock.measure("store");
@@ -106,6 +107,15 @@ Expected<std::vector<mapping::KeyframeFeatures>> landmark_features(
                                                   settings.refinement.landmarks));
   }
   return features;
+}
+
+void count_motion(std::span<const scene::Frame> frames, MapSummary& summary) {
+  for (const scene::Frame& frame : frames) {
+    if (!frame.motion) continue;
+    ++summary.with_device_motion;
+    if (frame.motion->use == scene::MotionUse::kDropped) ++summary.motion_dropped;
+    if (frame.motion->use == scene::MotionUse::kAlone) ++summary.motion_alone;
+  }
 }
 
 }  // namespace
@@ -162,6 +172,8 @@ Expected<MapSummary> map_recording(recording::FrameSource& source, const home::R
       summary.graph_error_after = solution.report.error_after;
       ROOMWISE_TRY(const recording::Trajectory trajectory, stored_trajectory(home));
       summary.placed = trajectory.size();
+      ROOMWISE_TRY(const auto frames, home.frames(stored.id));
+      count_motion(frames, summary);
     }
     if (finders.of_proposals) {
       ROOMWISE_CHECK_OK(redetect_on_proposals(home, *finders.of_proposals, run));

@@ -13,7 +13,10 @@ namespace roomwise::pipeline {
 
 struct MapSummary {
   std::uint64_t frames = 0;
-  std::uint64_t placed = 0;  // frames that have a pose in the map's largest component
+  std::uint64_t placed = 0;              // frames that have a pose in the map's largest component
+  std::uint64_t with_device_motion = 0;  // frames whose device tells its own motion
+  std::uint64_t motion_dropped = 0;      // of these, those to which it jumped
+  std::uint64_t motion_alone = 0;        // of these, those that are placed by it alone
   std::uint64_t keyframes = 0;
   std::uint64_t edges = 0;  // of the pose graph
   std::uint64_t loops = 0;  // returns to a place that was left: edges over more than ten key-frames

@@ -188,6 +188,81 @@ TEST_F(MapRecording, InterruptedAndResumedEndsAsIfNeverStopped) {
   EXPECT_EQ(digest(folder_ / "resumed.home"), digest(folder_ / "whole.home"));
 }
 
+// A walk whose device tells where it is, in a level world (y up) that is a little tilted for the
+// walk's, and which is dark for a while.
+class WalkOfADevice final : public recording::FrameSource {
+ public:
+  static constexpr std::uint64_t kDark = 20, kLit = 26;
+
+  explicit WalkOfADevice(int frames) : walk_(frames) {}
+  [[nodiscard]] const recording::SourceInfo& info() const override { return walk_.info(); }
+  void skip_before(std::uint64_t index) override { walk_.skip_before(index); }
+  [[nodiscard]] Expected<std::optional<image::RgbdFrame>> next() override {
+    ROOMWISE_TRY(auto frame, walk_.next());
+    if (!frame) return frame;
+    const auto& pose = walk_.truth()[frame->index].world_from_camera;
+    frame->device_motion =
+        geometry::DeviceMotion{kDeviceFromWorld * pose, pose.rotation.conjugate() * kUp};
+    if (frame->index >= kDark && frame->index < kLit) {
+      frame->color = image::ColorImage(frame->color.width(), frame->color.height());
+      frame->depth = image::DepthImage(frame->depth.width(), frame->depth.height());
+      frame->encoded_color.clear();
+      frame->encoded_depth.clear();
+    }
+    return frame;
+  }
+
+  static inline const Eigen::Vector3d kUp = Eigen::Vector3d(0.1, -1, 0).normalized();
+
+ private:
+  static inline const geometry::RigidTransform kDeviceFromWorld{Eigen::Quaterniond(0.6, 0.8, 0, 0),
+                                                                {3, 2, 1}};
+  SyntheticWalk walk_;
+};
+
+TEST_F(MapRecording, TheDevicesMotionCarriesItThroughDarkness) {
+  WalkOfADevice walk(kFrames);
+  const auto summary = map(folder_ / "a.home", walk, 2);
+  ASSERT_OK(summary);
+  EXPECT_EQ(summary->placed, static_cast<std::uint64_t>(kFrames));
+  EXPECT_EQ(summary->components, 1U);
+  EXPECT_EQ(summary->with_device_motion, static_cast<std::uint64_t>(kFrames));
+  EXPECT_EQ(summary->motion_alone, WalkOfADevice::kLit - WalkOfADevice::kDark);
+  EXPECT_EQ(summary->motion_dropped, 0U);
+
+  const home::Home home = *home::Home::open_read_only(folder_ / "a.home");
+  const auto keyframes = home.keyframes().value();
+  const auto gravity = stored_gravity(home, keyframes);
+  ASSERT_OK(gravity);
+  ASSERT_EQ(gravity->size(), keyframes.size());
+  const auto& first = SyntheticWalk(1).truth()[0].world_from_camera;
+  for (const Eigen::Vector3d& up : *gravity)
+    EXPECT_GT(up.dot(first.rotation.conjugate() * WalkOfADevice::kUp), 0.999);
+}
+
+TEST_F(MapRecording, LeavesTheDevicesMotionAsideWhenToldTo) {
+  settings_.mapper.device_motion = false;
+  WalkOfADevice walk(kFrames);
+  const auto summary = map(folder_ / "a.home", walk, 2);
+  ASSERT_OK(summary);
+  EXPECT_EQ(summary->with_device_motion, 0U);
+  EXPECT_EQ(summary->placed, kFrames - (WalkOfADevice::kLit - WalkOfADevice::kDark));
+}
+
+TEST_F(MapRecording, InterruptedWhereTheDeviceCarriesItEndsAsIfNeverStopped) {
+  WalkOfADevice whole(kFrames);
+  ASSERT_OK(map(folder_ / "whole.home", whole, 2));
+  for (const std::uint64_t stop : {12U, 23U, 30U}) {
+    const auto file = folder_ / fmt::format("{}.home", stop);
+    WalkOfADevice first(kFrames);
+    InterruptAfter interrupt(stop);
+    ASSERT_OK(map(file, first, 2, &interrupt));
+    WalkOfADevice second(kFrames);
+    ASSERT_OK(map(file, second, 2));
+    EXPECT_EQ(digest(file), digest(folder_ / "whole.home")) << stop;
+  }
+}
+
 // Plays a walk to and fro, the frames numbered on.
 class ToAndFro final : public recording::FrameSource {
  public:
@@ -498,6 +573,8 @@ TEST(MapSettings, SurviveTheHome) {
   EXPECT_EQ(to_json(*again), to_json(settings));
   EXPECT_EQ(again->mapper.keyframe_translation_m, 0.1 + 0.2);
   EXPECT_TRUE(again->bundle_adjustment);
+  settings.mapper.device_motion = false;
+  EXPECT_FALSE(map_settings_from_json(to_json(settings))->mapper.device_motion);
   settings.bundle_adjustment = false;
   EXPECT_FALSE(map_settings_from_json(to_json(settings))->bundle_adjustment);
   EXPECT_ERROR(map_settings_from_json("{}"), "cannot be read");

@@ -32,6 +32,7 @@ std::string to_json(const MapSettings& settings) {
       {"keyframe_reuse", settings.mapper.reuse.max_motion_ratio},
       {"keyframe_reuse_age", settings.mapper.reuse.min_age},
       {"bundle_adjustment", settings.adjusts_bundle()},
+      {"device_motion", settings.mapper.device_motion},
       {"object_score", settings.objects.min_score},
       {"seed", settings.mapper.seed},
   }
@@ -55,6 +56,7 @@ Expected<MapSettings> map_settings_from_json(std::string_view json) {
     values.at("keyframe_reuse").get_to(settings.mapper.reuse.max_motion_ratio);
     values.at("keyframe_reuse_age").get_to(settings.mapper.reuse.min_age);
     values.at("bundle_adjustment").get_to(settings.bundle_adjustment);
+    values.at("device_motion").get_to(settings.mapper.device_motion);
     values.at("object_score").get_to(settings.objects.min_score);
     values.at("seed").get_to(settings.mapper.seed);
   } catch (const nlohmann::json::exception& error) {

@@ -87,6 +87,26 @@ Expected<mapping::PoseGraph> stored_pose_graph(const home::Home& home,
   return graph;
 }
 
+Expected<std::vector<Eigen::Vector3d>> stored_gravity(const home::Home& home,
+                                                      std::span<const home::Keyframe> keyframes) {
+  std::map<std::pair<home::RecordingId, std::uint64_t>, Eigen::Vector3d> up_of_frame;
+  ROOMWISE_TRY(const auto recordings, home.recordings());
+  for (const home::StoredRecording& recording : recordings) {
+    ROOMWISE_TRY(const auto frames, home.frames(recording.id));
+    for (const scene::Frame& frame : frames) {
+      if (frame.motion && frame.motion->device.up_camera)
+        up_of_frame[{recording.id, frame.index}] = *frame.motion->device.up_camera;
+    }
+  }
+  std::vector<Eigen::Vector3d> up_world;
+  for (const home::Keyframe& keyframe : keyframes) {
+    const auto up = up_of_frame.find({keyframe.recording, keyframe.frame_index});
+    if (up != up_of_frame.end())
+      up_world.emplace_back(keyframe.pose.world_from_keyframe.rotation * up->second);
+  }
+  return up_world;
+}
+
 Expected<recording::Trajectory> stored_trajectory(const home::Home& home) {
   ROOMWISE_TRY(const auto keyframes, home.keyframes());
   ROOMWISE_TRY(const auto recordings, home.recordings());

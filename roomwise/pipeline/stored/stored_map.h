@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "roomwise/base/progress.h"
@@ -34,6 +35,11 @@ struct SolvedMap {
 // out).
 [[nodiscard]] Expected<mapping::PoseGraph> stored_pose_graph(
     const home::Home& home, const mapping::MapSolverOptions& options);
+
+// Up in the map's world as the device felt it at these key-frames, at the poses given with them;
+// fewer, or none, where it felt no gravity.
+[[nodiscard]] Expected<std::vector<Eigen::Vector3d>> stored_gravity(
+    const home::Home& home, std::span<const home::Keyframe> keyframes);
 
 struct FoundObjects {
   std::uint64_t by_rules = 0;   // the paper's

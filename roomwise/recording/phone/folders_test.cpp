@@ -119,6 +119,7 @@ TEST_F(PhoneFolders, SevenScenesIsReadWithDepthOfItsOwnCamera) {
   const auto recording = open();
   ASSERT_OK(recording);
   EXPECT_EQ((*recording)->kind(), "7-Scenes");
+  EXPECT_FALSE((*recording)->has_device_motion()) << "its poses are KinectFusion's";
   EXPECT_EQ((*recording)->info().camera.fx, 525);
   const auto frame = (*recording)->frame(1);
   ASSERT_OK(frame);

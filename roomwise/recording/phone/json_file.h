@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <span>
@@ -10,6 +11,9 @@
 #include "roomwise/geometry/rigid_transform.h"
 
 namespace roomwise::recording {
+
+// The direction up in the world of pose_of_arkit(): ARKit turns it by gravity.
+inline const Eigen::Vector3d kArkitUp = Eigen::Vector3d::UnitY();
 
 // A JSON file that describes a frame or a recording. Fails, naming it,
 // where it is larger than `max_bytes`, or no JSON.

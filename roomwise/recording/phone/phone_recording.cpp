@@ -81,6 +81,8 @@ Expected<std::unique_ptr<Recording>> PhoneRecording::open(PhoneListing listing,
     return fail("{}: says itself which camera took it; leave the other camera out", listing.name);
   }
   contents.device_poses = std::move(listing.device_poses);
+  contents.poses_are_motion = listing.poses_are_motion;
+  contents.device_up = listing.device_up;
   return std::unique_ptr<Recording>(new PhoneRecording(std::move(contents), std::move(listing)));
 }
 

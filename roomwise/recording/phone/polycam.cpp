@@ -64,6 +64,9 @@ Expected<std::unique_ptr<Recording>> open_polycam_folder(const fs::path& folder,
   ROOMWISE_TRY(const auto images, numbered_files(frames / (which + "images"), "", ".jpg"));
   ROOMWISE_TRY(const auto depths, numbered_files(frames / "depth", "", ".png"));
   PhoneListing listing{"Polycam, raw data", recording_name(folder), {}, {}};
+  listing.device_up = kArkitUp;
+  // Corrected ones were adjusted to the pictures afterwards.
+  listing.poses_are_motion = !is_corrected;
   for (const auto& [microseconds, image] : images) {
     constexpr std::uint64_t kLatest = 1ULL << 53U;
     if (microseconds > kLatest) return fail("{}: its name is no time", image.string());

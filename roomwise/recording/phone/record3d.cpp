@@ -238,6 +238,8 @@ Expected<std::unique_ptr<Recording>> open_record3d(const std::filesystem::path& 
   RecordingContents contents;
   contents.kind = "Record3D .r3d";
   contents.info.name = recording_name(path);
+  contents.poses_are_motion = true;
+  contents.device_up = kArkitUp;
   std::vector<PinholeCamera> cameras;
   for (std::size_t i = 0; i < facts.frames.size(); ++i) {
     const Record3dFrame& frame = facts.frames[i];

@@ -79,6 +79,11 @@ TEST_F(ScannerAppFolder, GivesThePosesOfAllFramesInOurAxes) {
   EXPECT_LT((ahead - Eigen::Vector3d(0, 0, -1)).norm(), 1e-12) << "ARKit looks along -z";
   EXPECT_LT((down - Eigen::Vector3d(0, -1, 0)).norm(), 1e-12) << "and its y is up";
   EXPECT_EQ(read_truth(folder_.path())->size(), 6U);
+  const auto motion = (*recording)->frame(0).value()->device_motion;
+  ASSERT_TRUE(motion) << "what ARKit said while it recorded";
+  EXPECT_LT(
+      (motion->world_from_camera.rotation * *motion->up_camera - Eigen::Vector3d::UnitY()).norm(),
+      1e-12);
 }
 
 TEST_F(ScannerAppFolder, TakesAPictureWithoutDepthAsNoFrame) {

@@ -40,6 +40,7 @@ TEST_F(SensTest, GivesFramesAndPoses) {
   EXPECT_EQ(recording.info().camera.fx, 100);
   EXPECT_THAT(recording.frames(), ElementsAre(0, 1, 2));
   EXPECT_EQ(recording.pictures()[1].timestamp_ns, 1'033'000'000);
+  EXPECT_FALSE(recording.has_device_motion()) << "its poses are BundleFusion's";
   ASSERT_THAT(recording.device_poses(), SizeIs(2)) << "the second frame has no pose";
   EXPECT_NEAR(recording.device_poses()[1].world_from_camera.translation.x(), 2, 1e-6);
   EXPECT_THAT(recording.notes(), IsEmpty());

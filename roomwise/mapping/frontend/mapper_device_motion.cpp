@@ -1,0 +1,165 @@
+// The part of Mapper that takes the device's own motion for a prior.
+
+#include <algorithm>
+#include <numeric>
+
+#include "roomwise/mapping/frontend/mapper.h"
+
+namespace roomwise::mapping {
+namespace {
+
+using scene::MotionUse;
+
+// e^T Omega e with six degrees of freedom is above this once in ten thousand times.
+constexpr double kContradiction = 28;
+// What pictures err by although they are sure: rolling shutter, depth.
+constexpr double kPicturesSigma_m = 0.01;
+constexpr double kPicturesSigma_rad = 0.01;
+
+bool contradicts(const motion::MotionOutcome& outcome, const motion::PosePrior& prior) {
+  motion::PosePrior both = prior;
+  both.information =
+      motion::with_systematic_error(prior.information, kPicturesSigma_m, 0.5 * kPicturesSigma_rad);
+  return motion::squared_mahalanobis(outcome.pose.reference_from_current, both) > kContradiction;
+}
+
+bool is_seen(const motion::MotionOutcome& outcome) {
+  return outcome.found() && !outcome.rests_on_prior;
+}
+
+// Whether enough of the picture has depth for later ones to be aligned with it.
+bool has_depth(const motion::RgbdPyramid& view, double min_share) {
+  if (view.empty()) return false;
+  const auto& pixels = view.levels.back().depth.pixels();
+  const auto measured = std::ranges::count_if(pixels, [](std::uint16_t mm) { return mm > 0; });
+  return static_cast<double>(measured) >= min_share * static_cast<double>(pixels.size());
+}
+
+}  // namespace
+
+bool Mapper::is_keyframe(const Frame& frame) const {
+  return frame.place && keyframes_[frame.place->keyframe].frame_index == frame.index;
+}
+
+void Mapper::take_device_motion(const Frame& frame) {
+  device_.pass(frame);
+  if (!mark_ || !frame.place) return;
+  // Relative to itself a key-frame is where it is, whatever brought it there.
+  if (frame.motion->use != MotionUse::kAlone || is_keyframe(frame))
+    anchor_ = DeviceAnchor{frame.index, *frame.place, *mark_};
+}
+
+void Mapper::drop_device_motion() {
+  frames_.back().motion->use = MotionUse::kDropped;
+  mark_ = device_.mark(frames_.back());
+}
+
+std::optional<motion::PosePrior> Mapper::device_pose() const {
+  if (!mark_ || !anchor_) return std::nullopt;
+  auto step = device_step(anchor_->mark, *mark_);
+  if (step)
+    step->reference_from_current =
+        anchor_->place.keyframe_from_camera * step->reference_from_current;
+  return step;
+}
+
+std::optional<motion::PosePrior> Mapper::device_pose_in_reference() const {
+  auto in_anchor = device_pose();
+  if (!in_anchor) return std::nullopt;
+  const auto pose =
+      pose_in_reference(FramePlace{anchor_->place.keyframe, in_anchor->reference_from_current});
+  if (!pose) return std::nullopt;
+  in_anchor->reference_from_current = *pose;
+  return in_anchor;
+}
+
+std::optional<Mapper::CarriedPose> Mapper::carried_pose() const {
+  if (const auto by_device = device_pose()) return CarriedPose{anchor_->place.keyframe, *by_device};
+  const bool has_jumped = mark_ && frames_.back().motion->use == MotionUse::kDropped;
+  if (!has_jumped || frames_.size() < 2 || !frames_[frames_.size() - 2].place) return std::nullopt;
+  const auto by_walk = predict_pose();
+  if (!by_walk) return std::nullopt;
+  return CarriedPose{reference_history_.back(), *by_walk};
+}
+
+motion::MotionOutcome Mapper::track_by_walk(const motion::FrameMeasurements& reference,
+                                            const motion::FrameMeasurements& current,
+                                            const RandomStream& random) {
+  const motion::MotionOutcome outcome =
+      motion::locate_frame(reference, current, predict_pose(), camera_, options_.locator, random);
+  const auto by_device = device_pose_in_reference();
+  if (is_seen(outcome) && by_device && contradicts(outcome, *by_device)) drop_device_motion();
+  return outcome;
+}
+
+motion::MotionOutcome Mapper::track_by_device(const motion::FrameMeasurements& reference,
+                                              const motion::FrameMeasurements& current,
+                                              const motion::PosePrior& prior,
+                                              const RandomStream& random) {
+  // The device's motion has an edge of its own.
+  motion::LocatorOptions apart = options_.locator;
+  apart.counts_prior = false;
+  const motion::MotionOutcome expected =
+      motion::locate_frame(reference, current, prior, camera_, apart, random);
+  if (is_seen(expected) && !contradicts(expected, prior)) return expected;
+
+  const auto by_walk = predict_pose();
+  const motion::MotionOutcome seen =
+      motion::locate_frame(reference, current, by_walk, camera_, options_.locator, random);
+  if (is_seen(seen) && !contradicts(seen, prior)) return seen;
+  const auto is_sure = [&](const motion::MotionOutcome& outcome) {
+    // By whole views, by many features, or by few that agree with how the walk goes on where the
+    // device does not.
+    return outcome.matches == 0 || outcome.inliers >= options_.locator.min_inliers_against_prior ||
+           (by_walk && motion::squared_mahalanobis(prior.reference_from_current, *by_walk) >
+                           options_.locator.max_squared_mahalanobis);
+  };
+  for (const motion::MotionOutcome& outcome : {seen, expected}) {
+    if (!is_seen(outcome) || !is_sure(outcome)) continue;
+    drop_device_motion();
+    return outcome;
+  }
+  if (!is_seen(expected)) return expected;
+  motion::MotionOutcome nothing = expected;
+  nothing.status = motion::MotionStatus::kContradictsPrior;
+  return nothing;
+}
+
+Expected<void> Mapper::carry(const CarriedPose& pose, motion::FrameMeasurements measurements,
+                             MapUpdate& step) {
+  previous_.reset();
+  frames_lost_ = 0;
+  Frame& frame = frames_.back();
+  frame.place = FramePlace{pose.keyframe, pose.in_keyframe.reference_from_current};
+  set_reference(pose.keyframe);
+  // Across a jump the walk is a guess, whose covariance an edge is to hold.
+  bool becomes_keyframe = frame.motion->use == MotionUse::kDropped;
+  if (!becomes_keyframe) {
+    frame.motion->use = MotionUse::kAlone;
+    becomes_keyframe = needs_keyframe(frame.place->keyframe_from_camera) &&
+                       (has_depth(measurements.view(), options_.locator.views.min_overlap) ||
+                        can_start_component(measurements));
+  }
+  if (!becomes_keyframe) return {};
+  return add_keyframe(frames_.size() - 1, std::move(measurements),
+                      edge_from_device(pose.keyframe, keyframes_.size(), pose.in_keyframe), step);
+}
+
+void Mapper::add_device_edge(KeyframeId newest, bool is_newest_frame, bool is_linked_by_device) {
+  std::optional<DeviceMark> mark;
+  if (is_newest_frame) {
+    mark = mark_;
+  } else if (anchor_ && anchor_->frame_index == keyframes_[newest].frame_index) {
+    // From now on it is where it is by itself.
+    anchor_->place = FramePlace{newest, geometry::RigidTransform::identity()};
+    mark = anchor_->mark;
+  }
+  if (!mark) return;
+  if (!is_linked_by_device && marked_keyframe_) {
+    if (const auto device = device_step(marked_keyframe_->mark, *mark))
+      graph_.add(edge_from_device(marked_keyframe_->id, newest, *device));
+  }
+  marked_keyframe_ = MarkedKeyframe{newest, *mark};
+}
+
+}  // namespace roomwise::mapping
