@@ -19,6 +19,7 @@ int main(int argc, char** argv) {
   Context context;
 
   add_simulate_command(app, context);
+  add_simulate_odometry_command(app, context);
   add_simulate_views_command(app, context);
   add_fit_instances_command(app, context);
   add_fit_localizer_command(app, context);

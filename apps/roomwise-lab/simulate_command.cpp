@@ -163,6 +163,8 @@ void add_simulate_command(CLI::App& app, Context& context) {
                    "The home's rooms, separated by commas: bedroom, kitchen, toilet, living-room, "
                    "dining-room, hall, study; default: 3 to 8 by the seed")
       ->delimiter(',');
+  command->add_flag("--bare-halls", simulated.bare_halls,
+                    "Nothing stands or hangs in halls, and all there is painted plainly");
   add_setting(*command, "--scenario", options.scenario,
               "day, evening, night, moved or moved-night");
   command->add_option("--scenario-seed", options.scenario_seed, "What is moved; default: --seed")

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <set>
 
+#include "laboratory/simulation/home/bare_halls.h"
 #include "laboratory/simulation/home/furnishing_rules.h"
 #include "laboratory/simulation/home/home_checks.h"
 #include "laboratory/simulation/home/home_geometry.h"
@@ -48,6 +49,28 @@ TEST_P(HomesOfSeeds, AreRightByDayAndWithThingsMoved) {
   EXPECT_THAT(find_faults(*home), ::testing::IsEmpty());
   const HomeModel moved = apply_scenario(*home, Scenario::kMoved, GetParam() + 1, models());
   EXPECT_THAT(find_faults(moved), ::testing::IsEmpty());
+}
+
+TEST_P(HomesOfSeeds, AreRightWithBareHalls) {
+  const auto home = generate_home({GetParam(), {}}, models());
+  ASSERT_OK(home);
+  const HomeModel bare = with_bare_halls(*home);
+  EXPECT_THAT(find_faults(bare), ::testing::IsEmpty());
+  const auto is_in_hall = [&](const auto& thing) {
+    return bare.rooms[thing.room].kind == RoomKind::kHall;
+  };
+  EXPECT_TRUE(std::ranges::none_of(bare.objects, is_in_hall));
+  EXPECT_TRUE(std::ranges::none_of(bare.pictures, is_in_hall));
+  for (const PlacedObject& object : home->objects) {
+    const PlacedObject* kept = find(bare, object.name);
+    EXPECT_EQ(kept == nullptr, home->rooms[object.room].kind == RoomKind::kHall) << object.name;
+    if (kept == nullptr || !object.stands_on) continue;
+    EXPECT_EQ(bare.objects[*kept->stands_on].name, home->objects[*object.stands_on].name);
+  }
+  for (const Light& light : bare.lights) {
+    if (!light.object) continue;
+    EXPECT_EQ(bare.objects[*light.object].room, light.room);
+  }
 }
 
 TEST(GenerateHome, GivesTheSameHomeForTheSameSeed) {

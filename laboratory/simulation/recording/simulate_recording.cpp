@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "laboratory/simulation/home/bare_halls.h"
 #include "laboratory/simulation/home/ground_truth.h"
 #include "laboratory/simulation/home/scenario.h"
 #include "laboratory/simulation/recording/recording_folder.h"
@@ -120,6 +121,7 @@ Expected<HomeModel> make_home(const SimulationOptions& options,
                               const FurnitureCatalogue& catalogue) {
   ROOMWISE_TRY(HomeModel by_day,
                options.home ? generate_home(*options.home, catalogue) : reference_flat(catalogue));
+  if (options.bare_halls) by_day = with_bare_halls(std::move(by_day));
   return apply_scenario(std::move(by_day), options.scenario, options.scenario_seed,
                         catalogue.models());
 }

@@ -22,6 +22,7 @@ struct SimulationOptions {
   std::optional<HomeOptions> home;
   Scenario scenario = Scenario::kDay;
   std::uint64_t scenario_seed = 0;  // of what is moved
+  bool bare_halls = false;          // see with_bare_halls()
   WalkOptions walk;
   geometry::PinholeCamera camera = default_camera();
   RenderOptions render;

@@ -80,6 +80,7 @@ ordered_json to_json(const SimulationOptions& options) {
     for (const RoomKind kind : options.home->rooms) rooms.emplace_back(name_of(kind));
     json["home"] = {{"seed", options.home->seed}, {"rooms", rooms}};
   }
+  if (options.bare_halls) json["bare_halls"] = true;
   json["scenario"] = name_of(options.scenario);
   json["scenario_seed"] = options.scenario_seed;
   const auto writer = [&](const char* part) {
@@ -102,6 +103,7 @@ Expected<SimulationOptions> from_json(const ordered_json& json) {
       options.home->rooms.push_back(kind);
     }
   }
+  options.bare_halls = json.value("bare_halls", false);
   ROOMWISE_TRY(options.scenario, parse_scenario(json.at("scenario").get<std::string>()));
   json.at("scenario_seed").get_to(options.scenario_seed);
   const auto reader = [&](const char* part) {
