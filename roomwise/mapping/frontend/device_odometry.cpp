@@ -8,8 +8,8 @@ namespace {
 using geometry::RigidTransform;
 
 // Where picture and pose are a little out of step, and what filters smooth away.
-constexpr double kPlaceSigma_m = 0.004;
-constexpr double kPlaceSigma_rad = 0.003;
+constexpr double kPlaceSigma_m = 0.002;
+constexpr double kPlaceSigma_rad = 0.001;
 // Visual-inertial odometry of phones drifts by 0.5 to 2 % of the way, mostly by a wrong scale and
 // by turning: errors that go on in the same direction, so that the share is taken whole.
 constexpr double kDriftOfPath = 0.02;

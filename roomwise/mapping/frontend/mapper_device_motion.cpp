@@ -16,6 +16,10 @@ constexpr double kContradiction = 28;
 constexpr double kPicturesSigma_m = 0.01;
 constexpr double kPicturesSigma_rad = 0.01;
 
+// What the place of the anchor errs by itself.
+constexpr double kAnchorSigma_m = 0.004;
+constexpr double kAnchorSigma_rad = 0.003;
+
 bool contradicts(const motion::MotionOutcome& outcome, const motion::PosePrior& prior) {
   motion::PosePrior both = prior;
   both.information =
@@ -57,9 +61,10 @@ void Mapper::drop_device_motion() {
 std::optional<motion::PosePrior> Mapper::device_pose() const {
   if (!mark_ || !anchor_) return std::nullopt;
   auto step = device_step(anchor_->mark, *mark_);
-  if (step)
-    step->reference_from_current =
-        anchor_->place.keyframe_from_camera * step->reference_from_current;
+  if (!step) return std::nullopt;
+  step->reference_from_current = anchor_->place.keyframe_from_camera * step->reference_from_current;
+  step->information =
+      motion::with_systematic_error(step->information, kAnchorSigma_m, 0.5 * kAnchorSigma_rad);
   return step;
 }
 

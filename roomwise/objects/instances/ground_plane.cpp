@@ -34,6 +34,7 @@ GroundPlane fit_ground_plane(std::span<const ObservedKeyframe> keyframes) {
   for (const ObservedKeyframe& keyframe : keyframes) {
     estimator.add(keyframe.world_from_camera, keyframe.coarse_depth,
                   coarse_camera(keyframe.camera, keyframe.coarse_depth));
+    if (keyframe.up_world) estimator.add_gravity(*keyframe.up_world);
   }
   GroundPlane level{.up_world = estimator.estimate().up_world};
 

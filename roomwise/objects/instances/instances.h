@@ -66,6 +66,7 @@ struct ObservedKeyframe : KeyframeDetections {
   geometry::PinholeCamera camera;
   // That did not look at it: what they find elsewhere is not missed here.
   std::set<DetectionSource> sources_not_run;
+  std::optional<Eigen::Vector3d> up_world = std::nullopt;  // where its device feels gravity
 
   // What was measured where the picture shows a point before the camera, m; 0 where nothing was,
   // absent outside of the picture.

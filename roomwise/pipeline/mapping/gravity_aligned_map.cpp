@@ -18,7 +18,9 @@ Expected<GravityAlignedMap> build_gravity_aligned_map(const home::Home& home, do
   for (const home::Keyframe& keyframe : keyframes) {
     cameras.push_back(keyframe.pose.world_from_keyframe);
   }
-  ROOMWISE_TRY(const auto gravity, stored_gravity(home, keyframes));
+  ROOMWISE_TRY(const auto felt, stored_gravity(home, keyframes));
+  std::vector<Eigen::Vector3d> gravity;
+  for (const auto& [id, up_world] : felt) gravity.push_back(up_world);
   const fusion::GravityAlignedFrame frame =
       fusion::find_gravity_aligned_frame(mesh, cameras, gravity);
   return GravityAlignedMap{std::move(dense), std::move(mesh), frame};

@@ -28,7 +28,7 @@ Expected<MapCloud> build_map_cloud(const home::Home& home,
   geometry::VoxelGrid grid(voxel_size_m);
   mapping::UpDirectionEstimator up;
   ROOMWISE_TRY(const auto gravity, stored_gravity(home, keyframes));
-  for (const Eigen::Vector3d& one : gravity) up.add_gravity(one);
+  for (const auto& [id, up_world] : gravity) up.add_gravity(up_world);
   ROOMWISE_CHECK_OK(for_each_keyframe(
       home, keyframes, "building the cloud", run,
       [&](const home::Keyframe& keyframe, const DecodedImages& images) {

@@ -236,7 +236,7 @@ TEST_F(MapRecording, TheDevicesMotionCarriesItThroughDarkness) {
   ASSERT_OK(gravity);
   ASSERT_EQ(gravity->size(), keyframes.size());
   const auto& first = SyntheticWalk(1).truth()[0].world_from_camera;
-  for (const Eigen::Vector3d& up : *gravity)
+  for (const auto& [id, up] : *gravity)
     EXPECT_GT(up.dot(first.rotation.conjugate() * WalkOfADevice::kUp), 0.999);
 }
 

@@ -6,6 +6,7 @@
 
 #include "roomwise/objects/detection/region_finder.h"
 #include "roomwise/pipeline/stored/keyframe_images.h"
+#include "roomwise/pipeline/stored/stored_map.h"
 
 namespace roomwise::pipeline {
 namespace {
@@ -67,6 +68,7 @@ Expected<std::map<std::uint64_t, std::vector<objects::ObservedKeyframe>>> observ
   ROOMWISE_TRY(const auto keyframes, home.keyframes());
   ROOMWISE_TRY(const auto cameras, recording_cameras(home));
   ROOMWISE_TRY(AllDetections all, all_detections(home));
+  ROOMWISE_TRY(const auto gravity, stored_gravity(home, keyframes));
   std::map<std::uint64_t, std::vector<objects::ObservedKeyframe>> components;
   for (const home::Keyframe& keyframe : keyframes) {
     const auto found = all.of_keyframe.find(keyframe.id);
@@ -78,6 +80,8 @@ Expected<std::map<std::uint64_t, std::vector<objects::ObservedKeyframe>>> observ
     observed.keyframe_id = keyframe.id;
     observed.world_from_camera = keyframe.pose.world_from_keyframe;
     observed.camera = cameras.at(keyframe.recording);
+    if (const auto up = gravity.find(keyframe.id); up != gravity.end())
+      observed.up_world = up->second;
     for (const DetectionSource source : kSources) {
       if (!all.sources.at(keyframe.id).contains(source)) observed.sources_not_run.insert(source);
     }

@@ -87,8 +87,8 @@ Expected<mapping::PoseGraph> stored_pose_graph(const home::Home& home,
   return graph;
 }
 
-Expected<std::vector<Eigen::Vector3d>> stored_gravity(const home::Home& home,
-                                                      std::span<const home::Keyframe> keyframes) {
+Expected<std::map<home::KeyframeId, Eigen::Vector3d>> stored_gravity(
+    const home::Home& home, std::span<const home::Keyframe> keyframes) {
   std::map<std::pair<home::RecordingId, std::uint64_t>, Eigen::Vector3d> up_of_frame;
   ROOMWISE_TRY(const auto recordings, home.recordings());
   for (const home::StoredRecording& recording : recordings) {
@@ -98,11 +98,11 @@ Expected<std::vector<Eigen::Vector3d>> stored_gravity(const home::Home& home,
         up_of_frame[{recording.id, frame.index}] = *frame.motion->device.up_camera;
     }
   }
-  std::vector<Eigen::Vector3d> up_world;
+  std::map<home::KeyframeId, Eigen::Vector3d> up_world;
   for (const home::Keyframe& keyframe : keyframes) {
     const auto up = up_of_frame.find({keyframe.recording, keyframe.frame_index});
     if (up != up_of_frame.end())
-      up_world.emplace_back(keyframe.pose.world_from_keyframe.rotation * up->second);
+      up_world.emplace(keyframe.id, keyframe.pose.world_from_keyframe.rotation * up->second);
   }
   return up_world;
 }

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <optional>
 #include <span>
 #include <vector>
@@ -37,8 +38,8 @@ struct SolvedMap {
     const home::Home& home, const mapping::MapSolverOptions& options);
 
 // Up in the map's world as the device felt it at these key-frames, at the poses given with them;
-// fewer, or none, where it felt no gravity.
-[[nodiscard]] Expected<std::vector<Eigen::Vector3d>> stored_gravity(
+// those where it felt no gravity are left out.
+[[nodiscard]] Expected<std::map<home::KeyframeId, Eigen::Vector3d>> stored_gravity(
     const home::Home& home, std::span<const home::Keyframe> keyframes);
 
 struct FoundObjects {
