@@ -206,7 +206,19 @@ Expected<void> TumWriter::write(const image::RgbdFrame& frame) {
   note_room_of_next_frame();
   ++frames_;
   last_timestamp_ns_ = frame.timestamp_ns;
+  if (frame.device_motion) note_motion(frame.timestamp_ns, *frame.device_motion);
   return {};
+}
+
+void TumWriter::note_motion(TimestampNs timestamp_ns, const geometry::DeviceMotion& device) {
+  odometry_.poses.push_back({timestamp_ns, device.world_from_camera});
+  if (device.up_camera && !odometry_.up)
+    odometry_.up = device.world_from_camera.rotation * *device.up_camera;
+}
+
+Expected<void> TumWriter::write_motion() const {
+  if (odometry_.poses.empty()) return {};
+  return write_odometry(folder_ / "odometry.txt", odometry_, "the device's own motion");
 }
 
 void TumWriter::note_room_of_next_frame() {
@@ -240,6 +252,7 @@ Expected<void> TumWriter::close() {
   const auto colors = std::exchange(color_list_, nullptr);
   const auto depths = std::exchange(depth_list_, nullptr);
   ROOMWISE_CHECK_OK(write_rooms());
+  ROOMWISE_CHECK_OK(write_motion());
   ROOMWISE_CHECK_OK(depths->flush_to_disk());
   return colors->flush_to_disk();
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "roomwise/recording/frame_source.h"
+#include "roomwise/recording/odometry_file.h"
 #include "roomwise/recording/room_labels.h"
 
 namespace roomwise::recording {
@@ -17,7 +18,8 @@ namespace roomwise::recording {
 [[nodiscard]] image::RgbdFrame encode_images(image::RgbdFrame frame);
 
 // Writes a recording that TumRecording reads: rgb/, depth/, rgb.txt, depth.txt, camera.txt and,
-// where rooms were named, rooms.txt. Frames are numbered from 0 as they come.
+// where rooms were named, rooms.txt; when it is closed odometry.txt, where devices told their
+// motion. Frames are numbered from 0 as they come.
 //
 // A frame's images are written before its lines, and each line in one piece, rgb.txt last: a killed
 // recording can be read up to its last whole frame. When the disk is full, write() fails, takes
@@ -51,6 +53,8 @@ class TumWriter final : public FrameSink {
   [[nodiscard]] Expected<void> check(const image::RgbdFrame& frame) const;
   [[nodiscard]] Expected<void> write_rooms() const;
   void note_room_of_next_frame();
+  void note_motion(TimestampNs timestamp_ns, const geometry::DeviceMotion& device);
+  [[nodiscard]] Expected<void> write_motion() const;
 
   std::filesystem::path folder_;
   geometry::PinholeCamera camera_;
@@ -59,6 +63,7 @@ class TumWriter final : public FrameSink {
   TimestampNs last_timestamp_ns_ = 0;
   std::optional<std::string> room_;  // that the next frame shows
   std::vector<RoomRange> rooms_;     // of the frames written
+  Odometry odometry_;                // likewise, where their device tells it
 };
 
 }  // namespace roomwise::recording

@@ -92,6 +92,22 @@ TEST_F(TumWriterFolder, KeepsEncodedImagesAsTheyAre) {
   EXPECT_TRUE(std::filesystem::exists(folder_ / "rgb/1.033333333.jpg"));
 }
 
+TEST_F(TumWriterFolder, KeepsTheDevicesMotion) {
+  image::RgbdFrame first = raw_frame(0);
+  first.device_motion = geometry::DeviceMotion{{Eigen::Quaterniond(0.6, 0.8, 0, 0), {1, 2, 3}},
+                                               Eigen::Vector3d(0, 0.96, 0.28)};
+  ASSERT_OK(writer_->write(first));
+  ASSERT_OK(writer_->write(raw_frame(1)));
+  ASSERT_OK(writer_->close());
+  const auto frames = read_all(folder_);
+  ASSERT_EQ(frames.size(), 2U);
+  ASSERT_TRUE(frames[0].device_motion);
+  EXPECT_TRUE(frames[0].device_motion->world_from_camera.translation.isApprox(
+      first.device_motion->world_from_camera.translation, 1e-9));
+  EXPECT_TRUE(frames[0].device_motion->up_camera->isApprox(*first.device_motion->up_camera, 1e-6));
+  EXPECT_FALSE(frames[1].device_motion);
+}
+
 TEST_F(TumWriterFolder, CanBeReadWhileItIsWritten) {
   ASSERT_OK(writer_->write(raw_frame(0)));
   ASSERT_OK(writer_->write(raw_frame(1)));
