@@ -27,6 +27,21 @@ bool contradicts(const motion::MotionOutcome& outcome, const motion::PosePrior& 
   return motion::squared_mahalanobis(outcome.pose.reference_from_current, both) > kContradiction;
 }
 
+// What a device says alone, where the walk would go on elsewhere: that is how unsure it is, since
+// it may have jumped and no picture tells.
+geometry::Matrix6d doubted(const geometry::Matrix6d& information,
+                           const std::optional<motion::PosePrior>& by_device,
+                           const std::optional<motion::PosePrior>& by_walk) {
+  constexpr double kUsual = 6;  // e^T Omega e, with six degrees of freedom
+  if (!by_device || !by_walk ||
+      motion::squared_mahalanobis(by_device->reference_from_current, *by_walk) < kUsual) {
+    return information;
+  }
+  const geometry::RigidTransform apart =
+      by_walk->reference_from_current.inverse() * by_device->reference_from_current;
+  return motion::with_systematic_error(information, apart.distance_m(), 0.5 * apart.angle_rad());
+}
+
 bool is_seen(const motion::MotionOutcome& outcome) {
   return outcome.found() && !outcome.rests_on_prior;
 }
@@ -79,7 +94,12 @@ std::optional<motion::PosePrior> Mapper::device_pose_in_reference() const {
 }
 
 std::optional<Mapper::CarriedPose> Mapper::carried_pose() const {
-  if (const auto by_device = device_pose()) return CarriedPose{anchor_->place.keyframe, *by_device};
+  if (const auto by_device = device_pose()) {
+    CarriedPose carried{anchor_->place.keyframe, *by_device};
+    carried.in_keyframe.information =
+        doubted(by_device->information, device_pose_in_reference(), predict_pose());
+    return carried;
+  }
   const bool has_jumped = mark_ && frames_.back().motion->use == MotionUse::kDropped;
   if (!has_jumped || frames_.size() < 2 || !frames_[frames_.size() - 2].place) return std::nullopt;
   const auto by_walk = predict_pose();
