@@ -285,6 +285,23 @@ TEST_F(HomeCommandsTest, LocateSaysWhereAPictureWasTaken) {
   EXPECT_EQ(run_roomwise({"locate", "--home", path("absent.home"), picture}).exit_code, 1);
 }
 
+// The walk shows a flat wall, of which a picture tells nothing of the focal length: the same from
+// nearer by is the same.
+TEST_F(HomeCommandsTest, LocateSaysWhenAnUnknownCameraLeavesThePlaceOpen) {
+  const std::string picture = path("walk/rgb/") + first_file("walk/rgb");
+  const std::string depth = path("walk/depth/") + first_file("walk/depth");
+  const std::vector<std::string> command{"locate", "--home",   path("my.home"),
+                                         picture,  "--camera", "unknown"};
+  const json vague = result_of(command);
+  EXPECT_EQ(vague.at("found"), false);
+  EXPECT_EQ(vague.at("status"), "the pose is not known well enough");
+  EXPECT_GT(vague.at("focal_length_sigma").get<double>(), 0.05);
+
+  std::vector<std::string> with_depth = command;
+  with_depth.insert(with_depth.end(), {"--depth", depth});
+  EXPECT_THAT(run_roomwise(with_depth).errors, HasSubstr("--depth needs a camera that is known"));
+}
+
 TEST_F(HomeCommandsTest, EvalLocalizerAsksForTheFramesOfAVisit) {
   // As if the walk were walked again.
   const std::vector<std::string> command{"eval",    "localizer",  "--home",  path("my.home"),

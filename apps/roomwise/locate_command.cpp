@@ -1,3 +1,4 @@
+#include <cmath>
 #include <filesystem>
 #include <opencv2/core/utility.hpp>
 #include <vector>
@@ -8,6 +9,7 @@
 #include "open_home.h"
 #include "pose_json.h"
 #include "roomwise/image/codec.h"
+#include "roomwise/mapping/localization/lens_calibration.h"
 #include "roomwise/pipeline/mapping/home_localizer.h"
 
 namespace roomwise::app {
@@ -20,6 +22,8 @@ struct LocateOptions {
   std::vector<fs::path> pictures;
   std::vector<fs::path> depths;
   std::string camera;
+
+  [[nodiscard]] bool has_unknown_camera() const { return camera == "unknown"; }
 };
 
 Expected<pipeline::PictureToLocate> read_picture(const LocateOptions& options, std::size_t i,
@@ -45,6 +49,10 @@ Expected<std::string> room_of(const home::Home& home, home::KeyframeId id) {
 Expected<Answer> describe(const home::Home& home, const mapping::Localization& found) {
   Answer answer;
   answer.json = {{"found", found.found()}, {"status", to_string(found.status)}};
+  if (found.lens) {
+    answer.json["focal_length"] = std::exp(found.lens->mean[0]);
+    answer.json["focal_length_sigma"] = found.lens->focal_sigma();
+  }
   if (!found.found()) {
     answer.text = fmt::format("not known: {}\n", to_string(found.status));
     return answer;
@@ -63,6 +71,11 @@ Expected<Answer> describe(const home::Home& home, const mapping::Localization& f
       "{}, like key-frame {}\n",
       position.x(), position.y(), position.z(), sigma_m, sigma_degrees,
       room.empty() ? "" : ", where the map shows the " + room, how, found.keyframe);
+  if (found.lens) {
+    answer.text +=
+        fmt::format("focal length {:.3f} of the picture's longer side, give or take {:.1f} %\n",
+                    std::exp(found.lens->mean[0]), 100 * found.lens->focal_sigma());
+  }
   answer.json["position_m"] = xyz(position);
   answer.json["rotation_xyzw"] = xyzw(found.world_from_camera.rotation);
   answer.json["position_sigma_m"] = sigma_m;
@@ -74,17 +87,50 @@ Expected<Answer> describe(const home::Home& home, const mapping::Localization& f
   return answer;
 }
 
+// The last picture's place; each picture tells of the lens that took the next.
+Expected<mapping::Localization> locate_uncalibrated(const LocateOptions& options,
+                                                    const pipeline::HomeLocalizer& localizing) {
+  mapping::LensCalibration lens;
+  mapping::Localization last;
+  for (const fs::path& picture : options.pictures) {
+    ROOMWISE_TRY(const image::ColorImage color, image::read_color(picture));
+    ROOMWISE_TRY(last, localizing.locate_uncalibrated(color, lens.estimate()));
+    lens.add(last);
+  }
+  return last;
+}
+
+Expected<mapping::Localization> locate_calibrated(
+    const std::vector<pipeline::PictureToLocate>& pictures, const LocateOptions& options,
+    const pipeline::HomeLocalizer& localizing) {
+  std::vector<motion::FrameMeasurements> measured;
+  for (std::size_t i = 0; i < pictures.size(); ++i) {
+    auto one = localizing.measure(pictures[i]);
+    if (!one) return Unexpected(std::move(one).error().in(options.pictures[i].string()));
+    measured.push_back(*std::move(one));
+  }
+  const mapping::Localizer& where = localizing.localizer();
+  const geometry::PinholeCamera& camera = pictures.front().camera;
+  return measured.size() == 1 ? where.locate({measured[0], camera})
+                              : where.locate({measured[0], camera}, {measured[1], camera}).second;
+}
+
 Expected<Answer> locate(const LocateOptions& options, Context& context) {
   cv::setNumThreads(1);
   if (!options.depths.empty() && options.depths.size() != options.pictures.size()) {
     return fail("{} pictures and {} depth images; give a depth image for every picture or none",
                 options.pictures.size(), options.depths.size());
   }
+  if (options.has_unknown_camera() && !options.depths.empty()) {
+    return fail("--depth needs a camera that is known; leave it out, or give --camera");
+  }
   ROOMWISE_TRY(const home::Home home, open_home_read_only(options.home, context));
   ROOMWISE_TRY(const auto recordings, home.recordings());
   if (recordings.empty()) return fail("{}: the home holds no recording", home.file());
-  ROOMWISE_TRY(const auto given, given_camera(options.camera));
-  const geometry::PinholeCamera camera = given.value_or(recordings.front().recording.camera);
+  geometry::PinholeCamera camera = recordings.front().recording.camera;
+  if (!options.camera.empty() && !options.has_unknown_camera()) {
+    ROOMWISE_TRY(camera, recording::resolve_camera(options.camera));
+  }
   // Before the map is loaded, which takes a moment.
   std::vector<pipeline::PictureToLocate> pictures;
   for (std::size_t i = 0; i < options.pictures.size(); ++i) {
@@ -95,16 +141,10 @@ Expected<Answer> locate(const LocateOptions& options, Context& context) {
   mapping::LocalizerOptions localizer;
   localizer.seed = context.seed;
   ROOMWISE_TRY(const auto localizing, pipeline::HomeLocalizer::create(home, localizer, run));
-  std::vector<motion::FrameMeasurements> measured;
-  for (std::size_t i = 0; i < pictures.size(); ++i) {
-    auto one = localizing.measure(pictures[i]);
-    if (!one) return Unexpected(std::move(one).error().in(options.pictures[i].string()));
-    measured.push_back(*std::move(one));
-  }
-  const mapping::Localizer& where = localizing.localizer();
-  return describe(home, measured.size() == 1
-                            ? where.locate({measured[0], camera})
-                            : where.locate({measured[0], camera}, {measured[1], camera}).second);
+  ROOMWISE_TRY(const mapping::Localization found,
+               options.has_unknown_camera() ? locate_uncalibrated(options, localizing)
+                                            : locate_calibrated(pictures, options, localizing));
+  return describe(home, found);
 }
 
 }  // namespace
@@ -124,7 +164,8 @@ void add_locate_command(CLI::App& app, Context& context) {
                    "The picture's depth image (16-bit PNG, registered to it), one for each; "
                    "without it far fewer pictures have an answer")
       ->expected(1, 2);
-  add_camera_option(*command, options.camera, "that of the home's recording");
+  add_camera_option(*command, options.camera,
+                    "that of the home's recording; unknown: its focal length is found, too");
 }
 
 }  // namespace roomwise::app

@@ -106,7 +106,7 @@ std::optional<Seen> seen_on(const CalendarTime& time, const CalendarTime& today,
                             const Phrasebook& phrases) {
   constexpr int kNoon = 12, kEvening = 18;
   const int days = time.days_until(today);
-  if (days < 0) return std::nullopt;
+  if (days < 0 || (days == 0 && time.hour > today.hour)) return std::nullopt;
   if (days == 1) return Seen{"where.seen_yesterday"};
   if (days == 0) {
     return Seen{time.hour < kNoon      ? "where.seen_morning"

@@ -26,7 +26,7 @@ class DeviceHost {
   virtual void saw(const Device& device, const FrameResult& result) = 0;
   virtual void recorded(const Device& device, const service::RecordingState& state) = 0;
   // What is known of the device's lens, where its camera is not calibrated.
-  [[nodiscard]] virtual motion::LensEstimate lens_of(const Device& device) const = 0;
+  [[nodiscard]] virtual mapping::LensCalibration lens_of(const Device& device) const = 0;
   // What this device's frames are stored by; null: they are not.
   [[nodiscard]] virtual std::shared_ptr<WalkRecorder> recorder_for(const Device& device) = 0;
   // What is recorded from now on shows this room. A helper says so of any device's walk, a device

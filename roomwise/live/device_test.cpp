@@ -42,9 +42,7 @@ class Host final : public DeviceHost {
   void recorded(const Device&, const service::RecordingState& state) override {
     recordings.push_back(state);
   }
-  [[nodiscard]] motion::LensEstimate lens_of(const Device&) const override {
-    return motion::LensEstimate::of_phones();
-  }
+  [[nodiscard]] mapping::LensCalibration lens_of(const Device&) const override { return {}; }
 
   [[nodiscard]] std::shared_ptr<WalkRecorder> recorder_for(const Device&) override {
     return recorder;

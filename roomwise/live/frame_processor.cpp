@@ -57,12 +57,12 @@ Expected<std::optional<rooms::RoomDecision>> FrameProcessor::decide(
 
 Expected<std::optional<mapping::Localization>> FrameProcessor::locate(
     const image::ColorImage& color, const std::optional<image::DepthImage>& depth,
-    const HomeView& home) {
+    const HomeView& home, FrameResult& result) {
   if (!home.map || !home.map->localizer) return std::optional<mapping::Localization>();
   if (!camera_->calibrated) {
     ROOMWISE_TRY(const mapping::Localization answer,
                  home.map->localizer->locate_uncalibrated(color, lens_.estimate()));
-    lens_.add(answer);
+    if (lens_.add(answer)) result.lens = lens_;
     return std::optional(answer);
   }
   const geometry::PinholeCamera& camera = *camera_->calibrated;
@@ -92,8 +92,7 @@ Expected<FrameResult> FrameProcessor::look(CameraFrame frame,
   }
   FrameResult result;
   result.t_ms = frame.t_ms;
-  ROOMWISE_TRY(const auto answer, locate(color, depth, *home));
-  if (!camera_->calibrated) result.lens = lens_.known();
+  ROOMWISE_TRY(const auto answer, locate(color, depth, *home, result));
   if (answer && answer->found()) {
     result.place = CameraPose{home->map->frame.gravity_from_world * answer->world_from_camera,
                               answer->position_sigma_m(),

@@ -28,8 +28,8 @@ struct FrameResult {
   std::optional<rooms::RoomDecision> decision;
   std::optional<pipeline::Side> more_to_see;  // where the room is not sure
   std::optional<CameraPose> place;
-  // What is known by now of the lens of a camera that nobody calibrated.
-  std::optional<motion::LensEstimate> lens;
+  // Of a camera that nobody calibrated, what is known of its lens, where this frame told of it.
+  std::optional<mapping::LensCalibration> lens;
   std::optional<double> obstacle_m;  // straight ahead, by depth
   Bytes picture;                     // as the device sent it
 };
@@ -47,8 +47,8 @@ class FrameProcessor {
  public:
   // `lens`: what is known of it where the camera is not calibrated.
   explicit FrameProcessor(std::optional<service::DeviceCamera> camera,
-                          const motion::LensEstimate& lens = motion::LensEstimate::of_phones())
-      : camera_(std::move(camera)), lens_(lens) {}
+                          mapping::LensCalibration lens = {})
+      : camera_(std::move(camera)), lens_(std::move(lens)) {}
 
   // Fails on pictures that cannot be read or are not of the camera's size; the next frame is looked
   // at as if this one had not been.
@@ -64,7 +64,7 @@ class FrameProcessor {
   // Nothing where the home has no map.
   [[nodiscard]] Expected<std::optional<mapping::Localization>> locate(
       const image::ColorImage& color, const std::optional<image::DepthImage>& depth,
-      const HomeView& home);
+      const HomeView& home, FrameResult& result);
 
   std::optional<service::DeviceCamera> camera_;
   mapping::LensCalibration lens_;

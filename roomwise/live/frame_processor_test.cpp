@@ -139,19 +139,19 @@ TEST_F(EyeWithPlaces, APhoneThatNobodyCalibratedHasAPlaceToo) {
   const geometry::PinholeCamera camera = pipeline::testing::SyntheticWalk(1).info().camera;
   FrameProcessor looking(service::DeviceCamera{camera.width, camera.height});
   std::optional<CameraPose> place;
-  std::optional<motion::LensEstimate> lens;
+  std::optional<mapping::LensCalibration> lens;
   for (std::uint64_t index = 3; index < kFrames; index += 6) {
     CameraFrame picture = message(seen(index));
     picture.depth.clear();
     const auto result = looking.look(picture, home_all_of("hall"));
     ASSERT_OK(result);
     if (result->place) place = result->place;
-    lens = result->lens;
+    if (result->lens) lens = result->lens;
   }
   ASSERT_TRUE(place);
   EXPECT_EQ(place->room, "hall");
   ASSERT_TRUE(lens);
-  const double focal_px = lens->camera(camera.width, camera.height).fx;
+  const double focal_px = lens->known().camera(camera.width, camera.height).fx;
   EXPECT_NEAR(focal_px / camera.fx, 1, 0.05);
 }
 

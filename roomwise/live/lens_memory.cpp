@@ -2,6 +2,7 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <nlohmann/json.hpp>
 
@@ -30,7 +31,8 @@ motion::LensEstimate lens_of(const Json& json) {
 }
 
 bool is_usable(const motion::LensEstimate& lens) {
-  return lens.mean.allFinite() && lens.information(0, 0) > 0 && lens.information.determinant() > 0;
+  return std::abs(lens.mean[0]) < 3 && std::abs(lens.mean[1]) < 3 && lens.information.allFinite() &&
+         lens.information(0, 0) > 0 && lens.information.determinant() > 0;
 }
 
 }  // namespace
@@ -53,7 +55,7 @@ Expected<void> LensMemory::read() {
       const motion::LensEstimate lens = lens_of(one);
       if (!is_usable(lens)) return damaged("a lens has numbers that cannot be");
       lenses_[{one.at("device").get<std::int64_t>(), one.at("lens").get<std::string>()}] = {
-          lens, ++learned_};
+          mapping::LensCalibration(lens), ++learned_};
     }
   } catch (const Json::exception& error) {
     return damaged(error.what());
@@ -62,16 +64,16 @@ Expected<void> LensMemory::read() {
   return {};
 }
 
-motion::LensEstimate LensMemory::recall(std::int64_t device, const std::string& lens) const {
+mapping::LensCalibration LensMemory::recall(std::int64_t device, const std::string& lens) const {
   const std::scoped_lock lock(mutex_);
   const auto known = lenses_.find({device, lens});
-  return known == lenses_.end() ? motion::LensEstimate::of_phones() : known->second.estimate;
+  return known == lenses_.end() ? mapping::LensCalibration() : known->second.calibration;
 }
 
 void LensMemory::learn(std::int64_t device, const std::string& lens,
-                       const motion::LensEstimate& estimate) {
+                       const mapping::LensCalibration& calibration) {
   const std::scoped_lock lock(mutex_);
-  lenses_[{device, lens}] = {estimate, ++learned_};
+  lenses_[{device, lens}] = {calibration, ++learned_};
   const auto first = lenses_.lower_bound({device, ""});
   const auto last = lenses_.lower_bound({device + 1, ""});
   if (static_cast<std::size_t>(std::distance(first, last)) <= kMaxLensesOfDevice) return;
@@ -89,7 +91,7 @@ Expected<void> LensMemory::save() {
   std::ranges::sort(latest, {}, [](const auto& one) { return one->second.learned_at; });
   Json json{{"lenses", Json::array()}};
   for (const auto& one : latest) {
-    Json lens = to_json(one->second.estimate);
+    Json lens = to_json(one->second.calibration.known());
     lens["device"] = one->first.first;
     lens["lens"] = one->first.second;
     json["lenses"].push_back(std::move(lens));

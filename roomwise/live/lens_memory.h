@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "roomwise/base/expected.h"
-#include "roomwise/motion/lens_estimate.h"
+#include "roomwise/mapping/localization/lens_calibration.h"
 
 namespace roomwise::live {
 
@@ -20,9 +20,10 @@ class LensMemory {
   [[nodiscard]] static Expected<std::unique_ptr<LensMemory>> open(std::filesystem::path file);
 
   // Of a device's lens by the name that the device gives it; that of phones where none is known.
-  [[nodiscard]] motion::LensEstimate recall(std::int64_t device, const std::string& lens) const;
+  [[nodiscard]] mapping::LensCalibration recall(std::int64_t device, const std::string& lens) const;
   // Of a device the latest lenses are kept, some eight.
-  void learn(std::int64_t device, const std::string& lens, const motion::LensEstimate& estimate);
+  void learn(std::int64_t device, const std::string& lens,
+             const mapping::LensCalibration& calibration);
   // Writes what was learned since it was last written.
   [[nodiscard]] Expected<void> save();
   // All of it, the file too.
@@ -30,7 +31,7 @@ class LensMemory {
 
  private:
   struct Known {
-    motion::LensEstimate estimate;
+    mapping::LensCalibration calibration;
     std::uint64_t learned_at = 0;  // counts what was learned
   };
   using Lenses = std::map<std::pair<std::int64_t, std::string>, Known>;

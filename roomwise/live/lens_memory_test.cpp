@@ -10,14 +10,14 @@
 namespace roomwise::live {
 namespace {
 
-motion::LensEstimate lens(double focal) {
+mapping::LensCalibration lens(double focal) {
   motion::LensEstimate lens = motion::LensEstimate::of_phones();
   lens.mean << std::log(focal), -0.02;
   lens.information << 4000, 30, 30, 900;
-  return lens;
+  return mapping::LensCalibration(lens);
 }
-double focal(const motion::LensEstimate& lens) {
-  return std::exp(lens.mean[0]);
+double focal(const mapping::LensCalibration& lens) {
+  return std::exp(lens.known().mean[0]);
 }
 
 class LensMemoryTest : public ::testing::Test {
@@ -33,7 +33,7 @@ class LensMemoryTest : public ::testing::Test {
 
 TEST_F(LensMemoryTest, KnowsNothingOfANewDevice) {
   const auto memory = open();
-  EXPECT_EQ(memory->recall(1, "back").mean, motion::LensEstimate::of_phones().mean);
+  EXPECT_EQ(memory->recall(1, "back").known().mean, motion::LensEstimate::of_phones().mean);
   ASSERT_OK(memory->save());
   EXPECT_FALSE(std::filesystem::exists(file_)) << "nothing was learned";
 }
@@ -46,11 +46,11 @@ TEST_F(LensMemoryTest, KeepsWhatWasLearnedOfEachLensOverARestart) {
   before->learn(1, "back", lens(0.81));
   ASSERT_OK(before->save());
   const auto after = open();
-  EXPECT_EQ(after->recall(1, "back").mean, lens(0.81).mean);
-  EXPECT_EQ(after->recall(1, "back").information, lens(0.81).information);
-  EXPECT_EQ(after->recall(1, "wide").mean, lens(0.4).mean);
-  EXPECT_EQ(after->recall(2, "back").mean, lens(0.7).mean);
-  EXPECT_EQ(after->recall(2, "wide").mean, motion::LensEstimate::of_phones().mean);
+  EXPECT_EQ(after->recall(1, "back").known().mean, lens(0.81).known().mean);
+  EXPECT_EQ(after->recall(1, "back").known().information, lens(0.81).known().information);
+  EXPECT_EQ(after->recall(1, "wide").known().mean, lens(0.4).known().mean);
+  EXPECT_EQ(after->recall(2, "back").known().mean, lens(0.7).known().mean);
+  EXPECT_EQ(after->recall(2, "wide").known().mean, motion::LensEstimate::of_phones().mean);
 }
 
 TEST_F(LensMemoryTest, ADeviceThatNamesEverNewLensesFillsNothing) {
@@ -64,7 +64,7 @@ TEST_F(LensMemoryTest, ADeviceThatNamesEverNewLensesFillsNothing) {
   }
   EXPECT_NEAR(focal(memory->recall(1, "lens 99")), 0.599, 1e-9);
   EXPECT_NEAR(focal(memory->recall(1, "lens 92")), 0.592, 1e-9);
-  EXPECT_EQ(memory->recall(1, "lens 91").mean, motion::LensEstimate::of_phones().mean);
+  EXPECT_EQ(memory->recall(1, "lens 91").known().mean, motion::LensEstimate::of_phones().mean);
   EXPECT_NEAR(focal(memory->recall(2, "back")), 0.7, 1e-9);
 }
 
@@ -74,14 +74,15 @@ TEST_F(LensMemoryTest, ForgetsAllAndTheFile) {
   ASSERT_OK(memory->save());
   ASSERT_OK(memory->forget());
   EXPECT_FALSE(std::filesystem::exists(file_));
-  EXPECT_EQ(memory->recall(1, "back").mean, motion::LensEstimate::of_phones().mean);
+  EXPECT_EQ(memory->recall(1, "back").known().mean, motion::LensEstimate::of_phones().mean);
 }
 
 TEST_F(LensMemoryTest, ADamagedFileIsNamedWithTheMend) {
   for (
       const std::string text :
       {"{", "[]", R"({"lenses": [{"device": 1, "lens": "a"}]})",
-       R"({"lenses": [{"device": 1, "lens": "a", "log_focal": 0, "k1": 0, "information": [0,0,0]}]})"}) {
+       R"({"lenses": [{"device": 1, "lens": "a", "log_focal": 0, "k1": 0, "information": [0,0,0]}]})",
+       R"({"lenses": [{"device": 1, "lens": "a", "log_focal": 1000, "k1": 0, "information": [1,0,1]}]})"}) {
     ASSERT_OK(write_file(file_, text));
     EXPECT_ERROR(LensMemory::open(file_), "delete the file");
   }

@@ -147,7 +147,7 @@ void LiveHome::saw(const Device& device, const FrameResult& result) {
   tell_helpers(seen);
 }
 
-motion::LensEstimate LiveHome::lens_of(const Device& device) const {
+mapping::LensCalibration LiveHome::lens_of(const Device& device) const {
   const auto camera = device.camera();
   return lenses_->recall(device.who().device, camera ? camera->lens : "");
 }

@@ -94,7 +94,7 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
   void has_work(const std::shared_ptr<Device>& device) override;
   void saw(const Device& device, const FrameResult& result) override;
   void recorded(const Device& device, const service::RecordingState& state) override;
-  [[nodiscard]] motion::LensEstimate lens_of(const Device& device) const override;
+  [[nodiscard]] mapping::LensCalibration lens_of(const Device& device) const override;
   [[nodiscard]] std::shared_ptr<WalkRecorder> recorder_for(const Device& device) override;
   [[nodiscard]] Expected<void> name_recorded_room(const Device& device,
                                                   const std::string& room) override;

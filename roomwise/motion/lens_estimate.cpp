@@ -16,7 +16,7 @@ constexpr double kNearEnough = 0.06;
 }  // namespace
 
 LensEstimate LensEstimate::of_phones() {
-  constexpr double kFocal = 0.8, kFocalSigma = 0.25, kDistortionSigma = 0.1;
+  constexpr double kFocal = 0.8, kFocalSigma = 0.35, kDistortionSigma = 0.1;
   LensEstimate phones;
   phones.mean << std::log(kFocal), 0;
   phones.information.diagonal() << 1 / (kFocalSigma * kFocalSigma),

@@ -17,7 +17,7 @@ struct LensEstimate {
 
   // Before any picture. Main cameras of phones say 24 to 28 mm in their EXIF data, which is 0.7 to
   // 0.8 of the longer side of a picture of 4 to 3; video is cut out of that, webcams lie about
-  // there, wide-angle lenses at half of it.
+  // there, wide-angle lenses at half of it, telephoto lenses at twice.
   [[nodiscard]] static LensEstimate of_phones();
 
   [[nodiscard]] geometry::PinholeCamera camera(int width, int height) const;

@@ -60,7 +60,7 @@ double error_m(const LensMotion& found) {
 }
 
 TEST(LensMotion, FindsPoseAndFocalLengthAmongWrongMatches) {
-  for (const double focal_px : {350.0, 500.0, 780.0}) {
+  for (const double focal_px : {265.0, 350.0, 500.0, 780.0, 980.0}) {
     for (std::uint64_t seed = 1; seed <= 5; ++seed) {
       const LensMotion found = find(see(phone(focal_px), seed), seed);
       ASSERT_TRUE(found.motion.found()) << found.motion.describe();

@@ -50,12 +50,16 @@ TEST(Messages, HelloComesBack) {
 
 TEST(Messages, ACameraThatIsNotCalibratedHasNoPinhole) {
   const auto read = read_device_message(
-      R"({"type":"hello","version":1,"name":"a","kind":"phone","camera":{"width":640,"height":480}})");
+      R"({"type":"hello","version":1,"name":"a","kind":"phone","camera":{"width":640,"height":480,"lens":"back camera"}})");
   ASSERT_TRUE(read);
   const auto& camera = std::get<Hello>(*read).camera;
   ASSERT_TRUE(camera);
   EXPECT_FALSE(camera->calibrated);
   EXPECT_FALSE(camera->has_depth);
+  EXPECT_EQ(camera->lens, "back camera");
+  const auto back = read_device_message(write(DeviceMessage(std::get<Hello>(*read))));
+  ASSERT_OK(back);
+  EXPECT_EQ(std::get<Hello>(*back).camera->lens, "back camera");
 }
 
 TEST(Messages, QuestionsComeBackWithTheirSubject) {

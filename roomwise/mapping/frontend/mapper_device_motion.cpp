@@ -100,8 +100,15 @@ std::optional<Mapper::CarriedPose> Mapper::carried_pose() const {
         doubted(by_device->information, device_pose_in_reference(), predict_pose());
     return carried;
   }
-  const bool has_jumped = mark_ && frames_.back().motion->use == MotionUse::kDropped;
-  if (!has_jumped || frames_.size() < 2 || !frames_[frames_.size() - 2].place) return std::nullopt;
+  // Across one jump, not over many: the walk goes on as it went for a frame, no longer.
+  const auto is_jump = [](const Frame& frame) {
+    return frame.motion && frame.motion->use == MotionUse::kDropped;
+  };
+  const bool has_jumped = mark_ && is_jump(frames_.back());
+  if (!has_jumped || frames_.size() < 2 || !frames_[frames_.size() - 2].place ||
+      is_jump(frames_[frames_.size() - 2])) {
+    return std::nullopt;
+  }
   const auto by_walk = predict_pose();
   if (!by_walk) return std::nullopt;
   return CarriedPose{reference_history_.back(), *by_walk};

@@ -16,7 +16,7 @@ constexpr double kViewFocalSigma = 0.02, kViewDistortionSigma = 0.02;
 constexpr double kMinFocalSigma = 0.01;
 // Views no further apart and no further turned than this are one, m and rad.
 constexpr double kSameView_m = 0.4, kSameView_rad = 0.3;
-// So many pictures without a pose may mean another lens.
+// After so many pictures without a pose one is asked as of another lens, which costs most.
 constexpr int kManyWithoutPose = 10;
 // Two focal lengths this many standard deviations apart are of two lenses.
 constexpr double kOtherLensSigmas = 5;
@@ -62,7 +62,7 @@ bool has_sure_pose(const Localization& answer) {
 }  // namespace
 
 bool LensCalibration::is_asked_anew() const {
-  return without_pose_ >= kManyWithoutPose;
+  return without_pose_ > 0 && without_pose_ % kManyWithoutPose == 0;
 }
 
 LensEstimate LensCalibration::estimate() const {
@@ -76,11 +76,11 @@ bool LensCalibration::counts(const geometry::RigidTransform& world_from_camera) 
   });
 }
 
-void LensCalibration::add(const Localization& answer) {
-  if (!answer.lens) return;
+bool LensCalibration::add(const Localization& answer) {
+  if (!answer.lens) return false;
   if (!has_sure_pose(answer)) {
     ++without_pose_;
-    return;
+    return false;
   }
   const LensEstimate asked = estimate();
   if (is_asked_anew() && are_of_two_lenses(known_, *answer.lens)) {
@@ -88,9 +88,10 @@ void LensCalibration::add(const Localization& answer) {
     counted_.clear();
   }
   without_pose_ = 0;
-  if (!counts(answer.world_from_camera)) return;
+  if (!counts(answer.world_from_camera)) return false;
   counted_.push_back(answer.world_from_camera);
   known_ = with(known_, told_by(asked, *answer.lens));
+  return true;
 }
 
 }  // namespace roomwise::mapping

@@ -11,15 +11,16 @@ namespace roomwise::mapping {
 // view counts once. Not thread-safe: what is asked by an estimate must be answered before the next.
 class LensCalibration {
  public:
-  explicit LensCalibration(const motion::LensEstimate& known = motion::LensEstimate::of_phones())
-      : known_(known) {}
+  LensCalibration() : LensCalibration(motion::LensEstimate::of_phones()) {}
+  explicit LensCalibration(const motion::LensEstimate& known) : known_(known) {}
 
-  // To be asked with next. After many pictures without a pose, as if nothing were known: the device
-  // may have another lens now.
+  // To be asked with next. Every tenth of pictures in a row without a pose as if nothing were
+  // known: the device may have another lens now.
   [[nodiscard]] motion::LensEstimate estimate() const;
   // What is known by now, to be kept.
   [[nodiscard]] const motion::LensEstimate& known() const { return known_; }
-  void add(const Localization& answer);
+  // Whether the answer told something.
+  bool add(const Localization& answer);
 
  private:
   [[nodiscard]] bool is_asked_anew() const;

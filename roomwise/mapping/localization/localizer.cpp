@@ -328,7 +328,10 @@ Localization Localizer::most_probable(const std::vector<Localization>& answers) 
     if (has_hypothesis(other) && !is_same(other.world_from_camera, best.world_from_camera))
       best.rival_inliers = std::max(best.rival_inliers, other.inliers);
   }
-  if (options_.by_color.probability(best.evidence()) >= options_.by_color.min_probability) {
+  if (best.inliers < options_.clearly_more_inliers * best.rival_inliers) {
+    // Twin rooms: nothing but more inliers tells them apart.
+    if (best.status > LocalizationStatus::kDoubtful) best.status = LocalizationStatus::kAmbiguous;
+  } else if (options_.by_color.probability(best.evidence()) >= options_.by_color.min_probability) {
     best.status = is_precise(best) ? LocalizationStatus::kFound : LocalizationStatus::kVague;
   } else if (best.status > LocalizationStatus::kDoubtful) {
     best.status = LocalizationStatus::kDoubtful;

@@ -26,8 +26,9 @@ struct InstanceModel {
   // The standard deviation of a candidate's middle along the axes of its box, m.
   [[nodiscard]] Eigen::Vector3d sigma_m(const Candidate& candidate) const;
 
-  // Fails, naming the field, where one is missing, of another type or not finite, or evidence or a
-  // term of the variance is named that this program does not know.
+  // Fails, naming the field, where one is missing (but a single weight, which then is 0), of
+  // another type or not finite, or evidence or a term of the variance is named that this program
+  // does not know.
   [[nodiscard]] static Expected<InstanceModel> parse(std::string_view json);
   // That of instance_model.json, which is compiled in.
   [[nodiscard]] static const InstanceModel& built_in();

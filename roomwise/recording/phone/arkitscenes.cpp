@@ -126,6 +126,7 @@ Expected<std::unique_ptr<Recording>> open_arkitscenes_folder(const fs::path& fol
   ROOMWISE_TRY(const auto cameras, timed_files(folder / (which + "_intrinsics"), ".pincam"));
   ROOMWISE_TRY(const auto depths, timed_files(folder / "lowres_depth", ".png"));
   PhoneListing listing{"ARKitScenes", recording_name(folder), {}, {}};
+  listing.poses_are_motion = true;  // ARKit's
   for (const auto& [time, color] : colors) {
     const fs::path pincam = nearest(cameras, time);
     if (pincam.empty()) {

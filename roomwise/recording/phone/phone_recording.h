@@ -23,7 +23,7 @@ struct PhoneListing {
   std::string kind, name;
   std::vector<PhonePicture> pictures;
   Trajectory device_poses;
-  bool poses_are_motion = true;  // see RecordingContents
+  bool poses_are_motion = false;  // see RecordingContents
   std::optional<Eigen::Vector3d> device_up = std::nullopt;
   // What a depth image has where nothing was measured, besides 0.
   std::uint16_t no_depth = 0;

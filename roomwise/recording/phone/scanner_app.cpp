@@ -75,6 +75,7 @@ Expected<std::unique_ptr<Recording>> open_scanner_app_export(const fs::path& fol
   ROOMWISE_TRY(const auto depths, numbered_files(folder, "depth_", ".png"));
   ROOMWISE_TRY(const auto facts, read_all_facts(json));
   PhoneListing listing{"3D Scanner App, All Data", recording_name(folder), {}, {}};
+  listing.poses_are_motion = true;  // ARKit's
   listing.device_up = kArkitUp;
   for (const auto& [number, file] : colors) {
     const auto of_frame = facts.find(number);

@@ -48,7 +48,6 @@ Expected<std::unique_ptr<Recording>> open_seven_scenes_folder(const fs::path& fo
   ROOMWISE_TRY(const auto depths, numbered_files(folder, "frame-", ".depth.png"));
   ROOMWISE_TRY(const auto poses, numbered_files(folder, "frame-", ".pose.txt"));
   PhoneListing listing{"7-Scenes", recording_name(folder), {}, {}};
-  listing.poses_are_motion = false;  // KinectFusion's
   listing.no_depth = kNoDepth;
   listing.depth_camera = kinect(585);
   for (const auto& [number, color] : colors) {

@@ -164,6 +164,7 @@ Expected<std::unique_ptr<Recording>> open_stray_scanner_folder(const fs::path& f
                 file.string(), video->size(), table.size());
   }
   PhoneListing listing{"Stray Scanner", recording_name(folder), {}, {}};
+  listing.poses_are_motion = true;  // ARKit's
   for (std::size_t row = 0; row < table.size(); ++row) {
     PhonePicture picture;
     ROOMWISE_TRY(picture.index, table.number<std::uint64_t>(row, "frame"));

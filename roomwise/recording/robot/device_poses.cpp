@@ -105,6 +105,11 @@ TransformTree read_transforms(const MessageLog& log, std::vector<std::string>& n
   return tree;
 }
 
+bool are_odometry(const TransformTree& tree, const std::string& camera_frame) {
+  const std::string world = tree.root_of(camera_frame);
+  return !tree.moves(camera_frame, world) || world.find("odom") != std::string::npos;
+}
+
 Trajectory find_device_poses(const MessageLog& log, const TransformTree& tree,
                              const std::string& camera_frame,
                              const std::vector<TimestampNs>& times) {

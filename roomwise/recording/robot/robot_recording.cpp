@@ -198,7 +198,7 @@ Expected<std::unique_ptr<Recording>> open_log(std::string kind, MessageLog whole
     return fail("no image of {} has one of {} within {} s", pair.color.topic, pair.depth.topic,
                 static_cast<double>(options.tolerance_ns) * kSecondsPerNs);
   }
-  contents.poses_are_motion = true;
+  contents.poses_are_motion = are_odometry(tree, pair.color.frame);
   contents.device_poses = find_device_poses(*log, tree, pair.color.frame, colors.times);
   return std::unique_ptr<Recording>(new RobotRecording(std::move(contents), log, std::move(pair),
                                                        camera, std::move(colors),

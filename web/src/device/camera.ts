@@ -5,7 +5,7 @@ import { greyFromRgba, type GreyPicture } from './picture_quality';
 export const kPictureSide = 640; // longest, pixels
 export const kGreySide = 120;
 const kJpegQuality = 0.8;
-const kMaxLensName = 60;
+const kMaxLensName = 50; // characters, of at most 200 bytes
 
 export type CameraFailure = 'refused' | 'failed';
 
@@ -80,7 +80,7 @@ export class Camera {
     if (!this.hasPictures) {
       return null;
     }
-    const label = this.track?.label.slice(0, kMaxLensName) ?? '';
+    const label = [...(this.track?.label ?? '')].slice(0, kMaxLensName).join('');
     return { ...this.sizeWithin(kPictureSide), ...(label && { lens: label }) };
   }
 
