@@ -244,7 +244,7 @@ test('frames flow one by one, and a frame that is not acknowledged holds the nex
   const visit = await openVisit(server, { role: 'device', size: kPhone });
   await start(visit, 'reader');
   await until(() => server.newest('device').frames >= 3);
-  assert.deepEqual(server.newest('device').hello?.camera, { width: 640, height: 480 });
+  assert.deepEqual(server.newest('device').hello?.camera, { width: 640, height: 480, lens: 'fake_device_0' });
   server.acknowledges = false;
   const client = server.newest('device');
   await visit.hears('The connection is lost.');
