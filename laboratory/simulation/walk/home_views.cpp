@@ -15,7 +15,7 @@ namespace roomwise::simulation {
 namespace {
 
 constexpr std::uint64_t kPieceStream = 0x91ECEu, kRoomStream = 0x4003u;
-constexpr double kRadian = std::numbers::pi / 180;
+constexpr double kDegree = std::numbers::pi / 180;
 
 // Furniture kinds and what a view of them is said to show.
 constexpr std::array<std::pair<std::string_view, std::string_view>, 27> kNames{{
@@ -60,7 +60,7 @@ geometry::PinholeCamera draw_camera(RandomStream& random, int longer_side_px) {
                                                   {square_px, square_px}}};
   geometry::PinholeCamera camera = {};
   std::tie(camera.width, camera.height) = sizes[random.index(sizes.size())];
-  const double half_angle = random.between(kMinDegrees, kMaxDegrees) * kRadian / 2;
+  const double half_angle = random.between(kMinDegrees, kMaxDegrees) * kDegree / 2;
   camera.fx = camera.fy = std::max(camera.width, camera.height) / (2 * std::tan(half_angle));
   camera.cx = (camera.width - 1) / 2.0;
   camera.cy = (camera.height - 1) / 2.0;
@@ -75,7 +75,7 @@ void zoom(geometry::PinholeCamera& camera, double times) {
 
 geometry::RigidTransform rolled(const geometry::RigidTransform& world_from_camera,
                                 RandomStream& random) {
-  constexpr double kMax_rad = 5 * kRadian;
+  constexpr double kMax_rad = 5 * kDegree;
   geometry::Vector6d turn = geometry::Vector6d::Zero();
   turn[2] = random.between(-kMax_rad, kMax_rad);
   return world_from_camera * geometry::RigidTransform::exp(turn);
@@ -181,10 +181,10 @@ class Chooser {
 
   bool shows_piece(const HomeView& view, std::size_t object,
                    const std::vector<Eigen::Vector3d>& points) const {
-    constexpr double kMinSeen = 0.5, kMinPixels = 0.07;
+    constexpr double kMinSeen = 0.5, kMinPixelShare = 0.07;
     const geometry::PinholeCamera camera = coarse(view.camera);
     const RenderedFrame frame = renderer_.render(camera, view.world_from_camera, pool_);
-    return share_of_pixels(frame, object) >= kMinPixels &&
+    return share_of_pixels(frame, object) >= kMinPixelShare &&
            share_seen(points, object, frame, camera, view.world_from_camera) >= kMinSeen;
   }
 
@@ -212,8 +212,8 @@ class Chooser {
     view.camera = draw_camera(random, options_.longer_side_px);
     const Eigen::Vector2d place = places[random.index(places.size())];
     const Eigen::Vector3d eye(place.x(), place.y(), draw_height_m(random));
-    const double heading = random.between(0, 360 * kRadian);
-    const double up = random.between(-15 * kRadian, 15 * kRadian);
+    const double heading = random.between(0, 360 * kDegree);
+    const double up = random.between(-15 * kDegree, 15 * kDegree);
     const Eigen::Vector3d forward(std::cos(up) * std::cos(heading),
                                   std::cos(up) * std::sin(heading), std::sin(up));
     view.world_from_camera = rolled(looking_at(eye, eye + forward), random);
