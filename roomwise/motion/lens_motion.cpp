@@ -9,6 +9,7 @@
 
 #include "roomwise/geometry/levenberg_marquardt.h"
 #include "roomwise/geometry/robust_loss.h"
+#include "roomwise/motion/damped_step.h"
 #include "roomwise/motion/pnp_ransac.h"
 
 namespace roomwise::motion {
@@ -64,13 +65,7 @@ class PosedLensProblem {
     });
   }
   [[nodiscard]] std::optional<geometry::DampedStep> solve(double damping) {
-    const Vector8d weights = damping * geometry::damping_weights(hessian_.diagonal());
-    Matrix8d damped = hessian_;
-    damped.diagonal() += weights;
-    step_ = damped.ldlt().solve(rhs_);
-    if (!step_.allFinite()) return std::nullopt;
-    return geometry::DampedStep{rhs_.dot(step_) + step_.dot(weights.cwiseProduct(step_)),
-                                step_.norm()};
+    return solve_damped(hessian_, rhs_, damping, step_);
   }
   void take_step() {
     before_ = at_;
