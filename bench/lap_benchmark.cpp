@@ -38,7 +38,7 @@ class Laps final : public recording::FrameSource {
  public:
   Laps(const recording::Recording& recording, std::uint64_t frames, std::uint64_t seed)
       : recording_(recording), frames_(frames), seed_(seed), info_(recording.info()) {
-    info_.frame_count = frames;
+    info_.frames_remaining = frames;
   }
 
   [[nodiscard]] const recording::SourceInfo& info() const override { return info_; }
@@ -190,7 +190,7 @@ Expected<void> map_laps(const Task& task, const fs::path& file) {
   const home::Recording stored{"laps", task.folder.string(), source->info().camera, task.frames};
   ROOMWISE_TRY(const auto summary, pipeline::map_recording(laps, stored, home, {}, settings, run));
   fmt::print("\n{} of {} frames placed, {} pieces, {} edges rejected", summary.placed,
-             summary.frames, summary.components, summary.rejected_loops);
+             summary.frames, summary.components, summary.rejected_edges);
   if (progress.cpu_ms().size() > 1) {
     fmt::print("; CPU-ms of the last thousand over the first: {:.2f}",
                progress.cpu_ms().back() / progress.cpu_ms().front());

@@ -106,7 +106,7 @@ bool DeviceCamera::reopen() {
 
 bool DeviceCamera::wait_for(TimestampNs timestamp_ns) {
   std::unique_lock lock(mutex_);
-  const bool is_live = !info_.frame_count;
+  const bool is_live = !info_.frames_remaining;
   if (!first_ns_) first_ns_ = timestamp_ns;
   const double due_s = pace_.recorded ? seconds_between(*first_ns_, timestamp_ns)
                                       : static_cast<double>(taken_++) / pace_.rate_hz;

@@ -19,7 +19,7 @@ class SameView final : public recording::FrameSource {
     info_.name = "test";
     info_.camera.fx = info_.camera.fy = 10;
     info_.camera.width = info_.camera.height = 8;
-    info_.frame_count = 1'000'000;
+    info_.frames_remaining = 1'000'000;
     // The pixels too: on a slow network they are put smaller.
     frame_.color = image::ColorImage(8, 8);
     frame_.depth = image::DepthImage(8, 8);
@@ -41,7 +41,7 @@ class SameView final : public recording::FrameSource {
 // A live camera that is unplugged after a few frames.
 class UnpluggedView final : public recording::FrameSource {
  public:
-  UnpluggedView() : info_(view_.info()) { info_.frame_count.reset(); }
+  UnpluggedView() : info_(view_.info()) { info_.frames_remaining.reset(); }
   [[nodiscard]] const recording::SourceInfo& info() const override { return info_; }
   [[nodiscard]] Expected<std::optional<image::RgbdFrame>> next() override {
     if (left_-- > 0) return view_.next();

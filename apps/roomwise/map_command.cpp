@@ -12,8 +12,8 @@
 #include "roomwise/pipeline/mapping/map_recording.h"
 #include "roomwise/pipeline/rooms/room_learning.h"
 #include "roomwise/pipeline/stored/stored_map.h"
+#include "roomwise/recording/damage_tolerant_source.h"
 #include "roomwise/recording/open_recording.h"
-#include "roomwise/recording/undamaged_frames.h"
 
 namespace roomwise::app {
 namespace {
@@ -122,7 +122,7 @@ std::string to_text(const pipeline::MapSummary& summary, const std::vector<std::
       "returns     {} to a place seen more than ten key-frames before\n"
       "pieces      {}\n"
       "pose graph  F {:.6g} -> {:.6g}\n",
-      summary.placed, summary.frames, summary.keyframes, summary.edges, summary.rejected_loops,
+      summary.placed, summary.frames, summary.keyframes, summary.edges, summary.rejected_edges,
       summary.loops, summary.components, summary.graph_error_before, summary.graph_error_after);
   text += motion_text(summary);
   if (summary.landmarks > 0) {
@@ -204,8 +204,8 @@ Expected<Answer> map(const MapOptions& options, Context& context) {
   CommandRun run(context);
   run.working_set_bytes = options.working_set_mb << 20U;
   const home::Recording recording{source->info().name, options.recording.string(),
-                                  source->info().camera, source->info().frame_count};
-  recording::UndamagedFrames frames(*source, options.skip_damaged);
+                                  source->info().camera, source->info().frames_remaining};
+  recording::DamageTolerantSource frames(*source, options.skip_damaged);
   auto mapped = pipeline::map_recording(frames, recording, home, networks, settings, run, finders);
   if (!mapped) return Unexpected(std::move(mapped).error());
   const pipeline::MapSummary& summary = *mapped;
@@ -237,7 +237,7 @@ Expected<Answer> map(const MapOptions& options, Context& context) {
                  {"keyframes", summary.keyframes},
                  {"edges", summary.edges},
                  {"loops", summary.loops},
-                 {"rejected_loops", summary.rejected_loops},
+                 {"rejected_loops", summary.rejected_edges},
                  {"pieces", summary.components},
                  {"f_before", summary.graph_error_before},
                  {"f_after", summary.graph_error_after},

@@ -77,7 +77,7 @@ Expected<Answer> optimize_home(const OptimizeOptions& options, Context& context)
   report.error_before = error_before;
   Answer answer = answer_of(report, solution.world_from_keyframe.size(), edges.size());
   answer.text += fmt::format("loops left out  {}\nobjects         {} ({} by the paper's rules)\n",
-                             solution.rejected_loops, objects.instances, objects.by_rules);
+                             solution.rejected_edges, objects.instances, objects.by_rules);
   if (solved.refinement) {
     answer.text +=
         fmt::format("landmarks       {}, seen {} times, {:.2f} px off; rolling shutter {}\n",
@@ -88,7 +88,7 @@ Expected<Answer> optimize_home(const OptimizeOptions& options, Context& context)
     answer.json["landmark_rms_px"] = solved.refinement->rms_px;
     answer.json["readout_s"] = readout_json(solved.refinement->readout_s);
   }
-  answer.json["rejected_loops"] = solution.rejected_loops;
+  answer.json["rejected_loops"] = solution.rejected_edges;
   answer.json["objects"] = objects.by_rules;
   answer.json["instances"] = objects.instances;
   answer.json["home"] = options.home.string();

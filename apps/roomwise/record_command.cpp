@@ -116,7 +116,7 @@ std::optional<std::uint64_t> expected_frames(const RecordOptions& options,
 // What brings a camera's stamps to the calendar's time: its own clock begins with itself. Those of
 // a recording stay.
 TimestampNs to_calendar_ns(const recording::FrameSource& source, TimestampNs first_ns) {
-  const bool is_live_camera = !source.info().frame_count;
+  const bool is_live_camera = !source.info().frames_remaining;
   return is_live_camera ? unix_now_ns() - first_ns : 0;
 }
 
@@ -158,7 +158,7 @@ Expected<Answer> run(const RecordOptions& options, Context& context) {
   warn_of_camera(source->info().camera, context);
   ROOMWISE_TRY(const std::unique_ptr<recording::TumWriter> writer,
                recording::TumWriter::create(options.output, source->info().camera));
-  context.progress.begin("recording", expected_frames(options, source->info().frame_count));
+  context.progress.begin("recording", expected_frames(options, source->info().frames_remaining));
   // What was recorded until an error is kept: the writer is closed in any case.
   const Expected<void> copied = copy_frames(*source, *writer, options, context.progress);
   context.progress.end();

@@ -28,7 +28,7 @@ home::Home mapped_home(const std::filesystem::path& file, recording::FrameSource
   StageClock clock;
   pipeline::RunContext run{pool, progress, clock};
   ROOMWISE_MUST(pipeline::map_recording(
-      walk, {walk.info().name, "made up", walk.info().camera, walk.info().frame_count}, home,
+      walk, {walk.info().name, "made up", walk.info().camera, walk.info().frames_remaining}, home,
       networks, pipeline::MapSettings{}, run, objects::ObjectFinders{}));
   return home;
 }

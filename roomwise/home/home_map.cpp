@@ -207,9 +207,9 @@ Expected<void> Home::insert_edge(const scene::PoseGraphEdge& edge) {
   }
   return database_.add(
       "pose_graph_edges (from_keyframe_id, to_keyframe_id, tx_m, ty_m, tz_m, qx, qy, qz, qw, "
-      "information_upper, is_loop, is_device_motion)",
+      "information_upper, is_robust, is_device_motion)",
       edge.from, edge.to, to_numbers(edge.from_from_to), upper_triangle_json(information),
-      edge.is_loop, edge.is_device_motion);
+      edge.is_robust, edge.is_device_motion);
 }
 
 Expected<void> Home::insert_frame(RecordingId recording, const Frame& frame) {
@@ -326,7 +326,7 @@ Expected<std::vector<scene::PoseGraphEdge>> Home::edges() const {
   return collect<std::vector<scene::PoseGraphEdge>>(
       database_,
       "SELECT edge_id, from_keyframe_id, to_keyframe_id, tx_m, ty_m, tz_m, qx, qy, qz, qw, "
-      "information_upper, is_loop, is_device_motion FROM pose_graph_edges ORDER BY edge_id",
+      "information_upper, is_robust, is_device_motion FROM pose_graph_edges ORDER BY edge_id",
       read);
 }
 

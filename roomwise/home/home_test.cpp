@@ -141,7 +141,7 @@ TEST_F(HomeTest, KeepsTheStepsOfAMap) {
   const auto expected = testing::sample_edge(1, 2, false);
   EXPECT_EQ(edges[1].from, 1U);
   EXPECT_EQ(edges[1].to, 2U);
-  EXPECT_FALSE(edges[1].is_loop);
+  EXPECT_FALSE(edges[1].is_robust);
   EXPECT_FALSE(edges[1].is_device_motion);
   expect_same(edges[1].from_from_to, expected.from_from_to);
   EXPECT_EQ(edges[1].information, expected.information);
@@ -155,7 +155,7 @@ TEST_F(HomeTest, AStepMayHaveNoKeyframeOrSeveral) {
   two.next_frame_index = 4;
   ASSERT_OK(home_.commit(two));
   EXPECT_THAT(home_.keyframes().value(), SizeIs(2));
-  EXPECT_TRUE(home_.edges().value()[1].is_loop);
+  EXPECT_TRUE(home_.edges().value()[1].is_robust);
 
   ASSERT_OK(home_.commit({.recording = 1,
                           .keyframes = {},

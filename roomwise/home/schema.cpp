@@ -92,7 +92,7 @@ CREATE TABLE pose_graph_edges (
   qx REAL NOT NULL, qy REAL NOT NULL, qz REAL NOT NULL, qw REAL NOT NULL,
   information_upper TEXT NOT NULL,     -- JSON: upper triangle of the 6x6 inverse covariance, row by row,
                                        -- in the order x, y, z (m), qx, qy, qz
-  is_loop INTEGER NOT NULL CHECK (is_loop IN (0, 1)),
+  is_robust INTEGER NOT NULL CHECK (is_robust IN (0, 1)),
   is_device_motion INTEGER NOT NULL CHECK (is_device_motion IN (0, 1))  -- not by what pictures show
 ) STRICT;
 CREATE INDEX pose_graph_edges_by_from ON pose_graph_edges (from_keyframe_id);

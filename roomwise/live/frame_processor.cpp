@@ -38,9 +38,9 @@ Expected<std::optional<rooms::RoomDecision>> FrameProcessor::decide(
   if (!home->recognizer) return std::optional<rooms::RoomDecision>();
   const pipeline::RoomRecognizer& recognizer = *home->recognizer;
   const double elapsed_s = (t_ms - last_t_ms_) / 1000;
-  if (stream_of_ != home->recognizer || !(elapsed_s >= 0 && elapsed_s < kForgetAfter_s)) {
+  if (stream_recognizer_ != home->recognizer || !(elapsed_s >= 0 && elapsed_s < kForgetAfter_s)) {
     stream_ = recognizer.stream();
-    stream_of_ = home->recognizer;
+    stream_recognizer_ = home->recognizer;
   }
   ROOMWISE_TRY(const auto seen, recognizer.features().predict(color));
   ROOMWISE_TRY(const rooms::PictureEvidence evidence, recognizer.evidence(seen));

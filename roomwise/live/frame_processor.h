@@ -70,7 +70,7 @@ class FrameProcessor {
   mapping::LensCalibration lens_;
   // Belongs to the recognizer with which it was made.
   std::optional<rooms::RoomStream> stream_;
-  std::shared_ptr<const pipeline::RoomRecognizer> stream_of_;
+  std::shared_ptr<const pipeline::RoomRecognizer> stream_recognizer_;
   double last_t_ms_ = 0;
 };
 

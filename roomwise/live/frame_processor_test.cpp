@@ -80,8 +80,8 @@ class EyeWithPlaces : public ::testing::Test {
     home::Home home = pipeline::create_home(*folder_ / "a.home").value();
     networks_.push_back(std::make_unique<pipeline::testing::ColorNetwork>());
     ASSERT_OK(pipeline::map_recording(
-        walk, {"walk", "made up", walk.info().camera, walk.info().frame_count}, home, networks_, {},
-        run));
+        walk, {"walk", "made up", walk.info().camera, walk.info().frames_remaining}, home,
+        networks_, {}, run));
     std::vector<recording::RoomRange> ranges;
     for (std::uint64_t first = 0; first < kFrames; first += 2) {
       const int visit = static_cast<int>(first / 4) + 1;

@@ -136,7 +136,7 @@ Expected<std::string> LiveHome::map(const fs::path& folder, recording::FrameSour
     pipeline::MapSettings settings = stored.value_or(pipeline::MapSettings{});
     if (!stored) settings.mapper.seed = options_.seed;
     const home::Recording recording{walk.info().name, folder.string(), walk.info().camera,
-                                    walk.info().frame_count};
+                                    walk.info().frames_remaining};
     ROOMWISE_TRY(summary, pipeline::map_recording(walk, recording, home_, networks_, settings, run,
                                                   finders_));
     if (!summary.finished) {

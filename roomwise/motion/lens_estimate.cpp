@@ -39,8 +39,8 @@ double LensEstimate::focal_sigma() const {
   return std::sqrt(information.inverse()(0, 0));
 }
 
-geometry::PinholeCamera LensEstimate::draw_camera(int width, int height,
-                                                  RandomStream& random) const {
+geometry::PinholeCamera LensEstimate::sample_camera(int width, int height,
+                                                    RandomStream& random) const {
   const double reach = kDrawnSigmas * focal_sigma();
   LensEstimate drawn = *this;
   drawn.mean[0] += random.between(-reach, reach);

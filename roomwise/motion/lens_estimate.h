@@ -26,8 +26,8 @@ struct LensEstimate {
 
   // A camera with a focal length drawn from what is known, and how probable it is that such a one
   // is near enough to the true one for its poses to be refined.
-  [[nodiscard]] geometry::PinholeCamera draw_camera(int width, int height,
-                                                    RandomStream& random) const;
+  [[nodiscard]] geometry::PinholeCamera sample_camera(int width, int height,
+                                                      RandomStream& random) const;
   [[nodiscard]] double right_draw() const;
 };
 

@@ -176,7 +176,7 @@ LensMotion estimate_motion_and_lens(std::span<const PointObservation> observatio
   const int matches = outcome.matches = static_cast<int>(observations.size());
   if (matches < options.min_matches) return stop(MotionStatus::kTooFewMatches);
   const PnpHypothesis hypothesis = solve_pnp_ransac(
-      observations, [&](RandomStream& draws) { return lens.draw_camera(width, height, draws); },
+      observations, [&](RandomStream& draws) { return lens.sample_camera(width, height, draws); },
       lens.right_draw(), options, random);
   const auto enough = [&](int inliers) {
     return inliers >= options.min_inliers && inliers >= options.min_inlier_ratio * matches;

@@ -40,7 +40,7 @@ double samples_needed(double right_samples, double confidence) {
   return std::log(1 - confidence) / std::log1p(-right_samples);
 }
 
-std::array<std::size_t, 3> draw_three(RandomStream& random, std::size_t count) {
+std::array<std::size_t, 3> sample_three(RandomStream& random, std::size_t count) {
   std::array<std::size_t, 3> drawn{};
   do {
     for (std::size_t& index : drawn) index = random.index(count);
@@ -69,15 +69,15 @@ bool has_same_edge_lengths(const std::array<PointObservation, 3>& sample,
 }  // namespace
 
 PnpHypothesis solve_pnp_ransac(std::span<const PointObservation> observations,
-                               const std::function<PinholeCamera(RandomStream&)>& draw_camera,
+                               const std::function<PinholeCamera(RandomStream&)>& sample_camera,
                                double right_camera, const MotionOptions& options,
                                RandomStream& random) {
   const double max_iterations = options.max_iterations / right_camera;
   PnpHypothesis best;
   double needed = max_iterations;
   for (int iteration = 0; iteration < needed; ++iteration) {
-    const auto [i, j, k] = draw_three(random, observations.size());
-    const PinholeCamera camera = draw_camera(random);
+    const auto [i, j, k] = sample_three(random, observations.size());
+    const PinholeCamera camera = sample_camera(random);
     const std::array sample{observations[i], observations[j], observations[k]};
     std::array<Eigen::Vector3d, 3> rays;
     std::ranges::transform(sample, rays.begin(), [&](const PointObservation& observation) {

@@ -26,7 +26,7 @@ struct PnpHypothesis {
 // what the camera sees, its distortion included.
 [[nodiscard]] PnpHypothesis solve_pnp_ransac(
     std::span<const PointObservation> observations,
-    const std::function<geometry::PinholeCamera(RandomStream&)>& draw_camera, double right_camera,
+    const std::function<geometry::PinholeCamera(RandomStream&)>& sample_camera, double right_camera,
     const MotionOptions& options, RandomStream& random);
 
 }  // namespace roomwise::motion

@@ -12,7 +12,8 @@ namespace roomwise::recording {
 struct SourceInfo {
   std::string name;  // for people: the folder of a recording, the model of a camera
   geometry::PinholeCamera camera;
-  std::optional<std::uint64_t> frame_count;  // RGB-D frames still to come; absent for a live camera
+  std::optional<std::uint64_t>
+      frames_remaining;  // RGB-D frames still to come; absent for a live camera
 };
 
 // Where RGB-D frames come from: a recording, a live camera, the network, a simulated home. Frames

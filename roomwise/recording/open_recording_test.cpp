@@ -83,9 +83,9 @@ TEST_F(SomeRecording, TakesTheTruthForNoMotion) {
 
 TEST_F(SomeRecording, CountsTheFramesThatAreStillToCome) {
   const auto recording = open_recording(folder_.path()).value();
-  EXPECT_EQ(recording->info().frame_count, 2U);
+  EXPECT_EQ(recording->info().frames_remaining, 2U);
   recording->skip_before(1);
-  EXPECT_EQ(recording->info().frame_count, 1U);
+  EXPECT_EQ(recording->info().frames_remaining, 1U);
 }
 
 TEST_F(SomeRecording, NamesAllKindsWhereNoneFits) {

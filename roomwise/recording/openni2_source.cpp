@@ -409,7 +409,7 @@ void OpenNi2Source::Session::count_remaining() {
   if (!device_.isFile()) return;
   const int remaining = std::min(color_.frames_in_file - color_.frames_passed,
                                  depth_.frames_in_file - depth_.frames_passed);
-  info_.frame_count = static_cast<std::uint64_t>(std::max(remaining, 0));
+  info_.frames_remaining = static_cast<std::uint64_t>(std::max(remaining, 0));
 }
 
 OpenNi2Source::OpenNi2Source(std::unique_ptr<Session> session) : session_(std::move(session)) {}

@@ -55,7 +55,7 @@ TEST(OpenNi2Source, GivesTheFramesOfACamera) {
   auto source = OpenNi2Source::open(device(""));
   ASSERT_OK(source);
   EXPECT_THAT((*source)->info().name, ::testing::HasSubstr("Fake camera"));
-  EXPECT_FALSE((*source)->info().frame_count.has_value());
+  EXPECT_FALSE((*source)->info().frames_remaining.has_value());
   TimestampNs last_ns = -1;
   for (std::uint64_t i = 0; i < 10; ++i) {
     auto frame = (*source)->next();
@@ -154,7 +154,7 @@ TEST(OpenNi2Source, ReadsAnOniFileToItsEnd) {
   record_oni(file, 20);
   auto source = OpenNi2Source::open(device(file));
   ASSERT_OK(source);
-  const auto promised = (*source)->info().frame_count;
+  const auto promised = (*source)->info().frames_remaining;
   ASSERT_TRUE(promised.has_value());
   std::uint64_t frames = 0;
   std::optional<int> offset;
@@ -170,7 +170,7 @@ TEST(OpenNi2Source, ReadsAnOniFileToItsEnd) {
   }
   ASSERT_GT(frames, 0U);
   EXPECT_LE(frames, *promised);
-  EXPECT_EQ((*source)->info().frame_count, 0U);
+  EXPECT_EQ((*source)->info().frames_remaining, 0U);
   EXPECT_FALSE((*source)->next()->has_value()) << "stays at the end";
 
   source->reset();

@@ -37,7 +37,7 @@ Recording::Recording(RecordingContents contents) : contents_(std::move(contents)
 }
 
 void Recording::count_what_is_left() {
-  contents_.info.frame_count = frames_.size() - position_;
+  contents_.info.frames_remaining = frames_.size() - position_;
 }
 
 const RecordedPicture* Recording::find(std::uint64_t index) const {

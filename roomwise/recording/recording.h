@@ -31,7 +31,7 @@ struct RecordingOptions {
 // What opening a recording finds out before any picture is read.
 struct RecordingContents {
   std::string kind;                       // for people: "TUM folder"
-  SourceInfo info;                        // frame_count is counted from `pictures`
+  SourceInfo info;                        // frames_remaining is counted from `pictures`
   std::vector<RecordedPicture> pictures;  // index and time both strictly increasing
   // Where the device says that it was: camera to world, x right, y down, z forward in the camera,
   // the world as the device had it. Empty where it wrote none.

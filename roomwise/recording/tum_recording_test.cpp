@@ -58,7 +58,7 @@ TEST_F(TumFolder, GivesFramesWithTheirPlaceInTheListOfColour) {
   FrameSource& source = **recording;
   EXPECT_EQ(source.info().name, folder_.path().filename());
   EXPECT_EQ(source.info().camera.fx, 7);
-  EXPECT_EQ(source.info().frame_count, 3U);
+  EXPECT_EQ(source.info().frames_remaining, 3U);
   std::vector<std::uint64_t> indices;
   for (;;) {
     auto frame = source.next();
@@ -73,7 +73,7 @@ TEST_F(TumFolder, GivesFramesWithTheirPlaceInTheListOfColour) {
     EXPECT_EQ(image::decode_depth((*frame)->encoded_depth).value(), (*frame)->depth);
   }
   EXPECT_THAT(indices, ::testing::ElementsAre(0, 1, 3)) << "2 has no depth";
-  EXPECT_EQ(source.info().frame_count, 0U);
+  EXPECT_EQ(source.info().frames_remaining, 0U);
   EXPECT_FALSE(source.next()->has_value()) << "stays at the end";
 }
 
@@ -81,7 +81,7 @@ TEST_F(TumFolder, SkipsFramesByIndex) {
   auto recording = open();
   ASSERT_OK(recording);
   (*recording)->skip_before(2);
-  EXPECT_EQ((*recording)->info().frame_count, 1U);
+  EXPECT_EQ((*recording)->info().frames_remaining, 1U);
   EXPECT_EQ((*recording)->next()->value().index, 3U);
   (*recording)->skip_before(100);
   EXPECT_FALSE((*recording)->next()->has_value());
@@ -118,7 +118,7 @@ TEST_F(TumFolder, TakesTheCameraGivenInsteadOfTheFile) {
 TEST_F(TumFolder, TakesADifferenceOfTimeAsToleratedByOption) {
   RecordingOptions options;
   options.tolerance_ns = 80'000'000;
-  EXPECT_EQ(open(options).value()->info().frame_count, 4U);
+  EXPECT_EQ(open(options).value()->info().frames_remaining, 4U);
   options.tolerance_ns = 0;
   EXPECT_ERROR(open(options), "tolerance_ns = 0");
 }
@@ -128,7 +128,7 @@ TEST_F(TumFolder, ReadsWindowsLinesBlankLinesAndManyBlanks) {
         "\xEF\xBB\xBF# color images\r\n\r\n  0.000 \t rgb/0.png\r\n0.033   rgb/1.jpg\r\n");
   auto recording = open();
   ASSERT_OK(recording);
-  EXPECT_EQ((*recording)->info().frame_count, 2U);
+  EXPECT_EQ((*recording)->info().frames_remaining, 2U);
   EXPECT_OK((*recording)->next());
 }
 
@@ -217,9 +217,9 @@ TEST(TumRecordingOfRealData, HasAsManyPairsAsTheToolOfTumFinds) {
   ROOMWISE_REQUIRE_FILE(rpy && walk && desk);
   RecordingOptions fr1;
   fr1.camera = geometry::camera_preset("fr1").value();
-  EXPECT_EQ(TumRecording::open(*rpy, fr1).value()->info().frame_count, 694U);
-  EXPECT_EQ(TumRecording::open(*walk).value()->info().frame_count, 373U);
-  EXPECT_EQ(TumRecording::open(*desk, fr1).value()->info().frame_count, 9U);
+  EXPECT_EQ(TumRecording::open(*rpy, fr1).value()->info().frames_remaining, 694U);
+  EXPECT_EQ(TumRecording::open(*walk).value()->info().frames_remaining, 373U);
+  EXPECT_EQ(TumRecording::open(*desk, fr1).value()->info().frames_remaining, 9U);
   EXPECT_ERROR(TumRecording::open(*desk), "has no camera.txt");
 }
 

@@ -17,7 +17,7 @@ struct PoseGraphEdge {
   // semi-definite.
   geometry::Matrix6d information = geometry::Matrix6d::Identity();
   // A loop closure may be wrong and gets a robust kernel; a step of the odometry does not.
-  bool is_loop = false;
+  bool is_robust = false;
   // By the device's own motion, and not by what pictures show. It is one of the loops, too: it may
   // be wrong.
   bool is_device_motion = false;

@@ -87,7 +87,7 @@ TEST_F(SimulateRecording, IsARecordingThatEveryReaderReads) {
   const std::filesystem::path walk = folder_ / "walk";
   const auto recording = recording::TumRecording::open(walk, {});
   ASSERT_OK(recording);
-  EXPECT_EQ((*recording)->info().frame_count, 12U);
+  EXPECT_EQ((*recording)->info().frames_remaining, 12U);
   EXPECT_EQ(recording::read_trajectory(walk / "groundtruth.txt")->size(), 12U);
   const auto rooms = recording::RoomLabels::read(walk / "rooms.txt");
   ASSERT_OK(rooms);
@@ -156,7 +156,7 @@ TEST_F(SimulateRecording, InterruptedKeepsWhatWasDrawnAndIsNotTakenForWhole) {
   EXPECT_FALSE(summary->finished);
   const std::filesystem::path walk = folder_ / "walk";
   EXPECT_EQ(recording::read_trajectory(walk / "groundtruth.txt")->size(), summary->frames);
-  EXPECT_EQ((*recording::TumRecording::open(walk, {}))->info().frame_count, summary->frames);
+  EXPECT_EQ((*recording::TumRecording::open(walk, {}))->info().frames_remaining, summary->frames);
   EXPECT_FALSE(std::filesystem::exists(walk / "simulation.json"));
 
   // Another walk does not take its place; the same one is begun anew and gives what it always

@@ -111,7 +111,7 @@ class HomePhotographer {
     sensor_options_.seed = RandomStream(options.seed, {home.seed}).next();
   }
 
-  Expected<void> take(const HomeView& view, std::size_t index) {
+  Expected<void> take(const SampledView& view, std::size_t index) {
     const RenderedFrame seen = renderer_.render(view.camera, view.world_from_camera, pool_);
     ROOMWISE_TRY(const Sensor sensor, Sensor::create(view.camera, sensor_options_));
     ExposureControl exposure(sensor_options_);

@@ -32,10 +32,10 @@ struct ViewsSummary {
 // The scenario of a home, drawn by the seed: of six homes two by day.
 [[nodiscard]] Scenario scenario_of(std::uint64_t home_seed, std::uint64_t seed);
 
-// Writes a folder a class (HomeView::shows) of JPEGs as the sensor gives them, views.json (of what
-// they are made, and each home's scenario and number of pictures) and credits.txt (who made the
-// furniture). Goes on where the folder holds homes of the same options, which may name a later last
-// home; fails where it holds anything else.
+// Writes a folder a class (SampledView::shows) of JPEGs as the sensor gives them, views.json (of
+// what they are made, and each home's scenario and number of pictures) and credits.txt (who made
+// the furniture). Goes on where the folder holds homes of the same options, which may name a later
+// last home; fails where it holds anything else.
 [[nodiscard]] Expected<ViewsSummary> simulate_views(const ViewsOptions& options,
                                                     const FurnitureCatalogue& catalogue,
                                                     const std::filesystem::path& folder,

@@ -49,7 +49,7 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 27> kNames{{
 }};
 
 // A camera whose longer side sees this angle; two of four lie, one stands, one is square.
-geometry::PinholeCamera draw_camera(RandomStream& random, int longer_side_px) {
+geometry::PinholeCamera sample_camera(RandomStream& random, int longer_side_px) {
   constexpr double kMaxDegrees = 66, kMinDegrees = 54;
   const int shorter_px = longer_side_px * 3 / 4;
   constexpr double kSquare = 0.87;  // has about as many pixels
@@ -81,7 +81,7 @@ geometry::RigidTransform rolled(const geometry::RigidTransform& world_from_camer
   return world_from_camera * geometry::RigidTransform::exp(turn);
 }
 
-double draw_height_m(RandomStream& random) {
+double sample_height_m(RandomStream& random) {
   return random.between(1.2, 1.6);
 }
 
@@ -93,10 +93,10 @@ double share_of_pixels(const RenderedFrame& frame, std::size_t object) {
   return pixels / (frame.object.width() * frame.object.height());
 }
 
-class Chooser {
+class ViewSampler {
  public:
-  Chooser(const HomeModel& home, const Renderer& renderer, const HomeViewOptions& options,
-          ThreadPool& pool)
+  ViewSampler(const HomeModel& home, const Renderer& renderer, const HomeViewOptions& options,
+              ThreadPool& pool)
       : home_(home),
         renderer_(renderer),
         options_(options),
@@ -125,7 +125,7 @@ class Chooser {
     for (std::size_t turn = 0; turn < options_.of_room; ++turn) {
       RandomStream random(options_.seed, {kRoomStream, home_.seed, room, turn});
       for (int draw = 0; draw < kDraws; ++draw) {
-        HomeView view = draw_room_view(room, places, random);
+        SampledView view = sample_room_view(room, places, random);
         if (!shows_room(view)) continue;
         views_.push_back(std::move(view));
         break;
@@ -133,7 +133,7 @@ class Chooser {
     }
   }
 
-  std::vector<HomeView> take() { return std::move(views_); }
+  std::vector<SampledView> take() { return std::move(views_); }
 
  private:
   static constexpr int kDraws = 8;
@@ -147,7 +147,7 @@ class Chooser {
     const auto points = points_on(home_.objects[object], mesh);
     RandomStream random(options_.seed, {kPieceStream, home_.seed, object, turn});
     for (int draw = 0; draw < kDraws; ++draw) {
-      HomeView view = draw_piece_view(object, places[random.index(places.size())], random);
+      SampledView view = sample_piece_view(object, places[random.index(places.size())], random);
       if (!shows_piece(view, object, points)) continue;
       view.shows = std::move(name);
       views_.push_back(std::move(view));
@@ -156,13 +156,14 @@ class Chooser {
     return {};
   }
 
-  HomeView draw_piece_view(std::size_t object, const StandingPlace& from, RandomStream& random) {
+  SampledView sample_piece_view(std::size_t object, const StandingPlace& from,
+                                RandomStream& random) {
     const PlacedObject& piece = home_.objects[object];
-    HomeView view;
+    SampledView view;
     view.room = piece.room;
     view.pace = random.between(-2, 2);
-    view.camera = draw_camera(random, options_.longer_side_px);
-    const Eigen::Vector3d eye(from.place.x(), from.place.y(), draw_height_m(random));
+    view.camera = sample_camera(random, options_.longer_side_px);
+    const Eigen::Vector3d eye(from.place.x(), from.place.y(), sample_height_m(random));
     Eigen::Vector3d aim(0, 0, piece.size_m.z() / 2);
     constexpr double kBeside = 0.25;  // of the piece's sizes
     for (int axis = 0; axis < 3; ++axis) {
@@ -179,7 +180,7 @@ class Chooser {
     return view;
   }
 
-  bool shows_piece(const HomeView& view, std::size_t object,
+  bool shows_piece(const SampledView& view, std::size_t object,
                    const std::vector<Eigen::Vector3d>& points) const {
     constexpr double kMinSeen = 0.5, kMinPixelShare = 0.07;
     const geometry::PinholeCamera camera = coarse(view.camera);
@@ -203,15 +204,15 @@ class Chooser {
     return places;
   }
 
-  HomeView draw_room_view(std::size_t room, const std::vector<Eigen::Vector2d>& places,
-                          RandomStream& random) {
-    HomeView view;
+  SampledView sample_room_view(std::size_t room, const std::vector<Eigen::Vector2d>& places,
+                               RandomStream& random) {
+    SampledView view;
     view.shows = name_in_views(home_.rooms[room].kind);
     view.room = room;
     view.pace = random.between(-2, 2);
-    view.camera = draw_camera(random, options_.longer_side_px);
+    view.camera = sample_camera(random, options_.longer_side_px);
     const Eigen::Vector2d place = places[random.index(places.size())];
-    const Eigen::Vector3d eye(place.x(), place.y(), draw_height_m(random));
+    const Eigen::Vector3d eye(place.x(), place.y(), sample_height_m(random));
     const double heading = random.between(0, 360 * kDegree);
     const double up = random.between(-15 * kDegree, 15 * kDegree);
     const Eigen::Vector3d forward(std::cos(up) * std::cos(heading),
@@ -220,7 +221,7 @@ class Chooser {
     return view;
   }
 
-  bool shows_room(const HomeView& view) const {
+  bool shows_room(const SampledView& view) const {
     constexpr double kMaxOfOne = 0.3;  // of the picture, of a piece that has a name
     constexpr float kMinDepth_m = 1.2F;
     const RenderedFrame frame =
@@ -245,7 +246,7 @@ class Chooser {
   const HomeViewOptions& options_;
   ThreadPool& pool_;
   FreeSpace space_;
-  std::vector<HomeView> views_;
+  std::vector<SampledView> views_;
 };
 
 }  // namespace
@@ -260,14 +261,14 @@ std::string name_in_views(RoomKind kind) {
   return fmt::format("room: {}", name_of(kind));
 }
 
-Expected<std::vector<HomeView>> choose_home_views(const HomeModel& home, const MeshLoader& load,
-                                                  const Renderer& renderer,
-                                                  const HomeViewOptions& options,
-                                                  ThreadPool& pool) {
-  Chooser chooser(home, renderer, options, pool);
-  ROOMWISE_CHECK_OK(chooser.look_at_pieces(load));
-  for (std::size_t room = 0; room < home.rooms.size(); ++room) chooser.look_around(room);
-  return chooser.take();
+Expected<std::vector<SampledView>> choose_home_views(const HomeModel& home, const MeshLoader& load,
+                                                     const Renderer& renderer,
+                                                     const HomeViewOptions& options,
+                                                     ThreadPool& pool) {
+  ViewSampler sampler(home, renderer, options, pool);
+  ROOMWISE_CHECK_OK(sampler.look_at_pieces(load));
+  for (std::size_t room = 0; room < home.rooms.size(); ++room) sampler.look_around(room);
+  return sampler.take();
 }
 
 }  // namespace roomwise::simulation

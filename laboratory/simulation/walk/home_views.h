@@ -18,7 +18,7 @@ struct HomeViewOptions {
   int longer_side_px = 184;  // of the pictures
 };
 
-struct HomeView {
+struct SampledView {
   std::string shows;  // "bed", "coffee table"; a room is "room: bedroom"
   geometry::PinholeCamera camera;
   geometry::RigidTransform world_from_camera;
@@ -37,10 +37,10 @@ struct HomeView {
 // drawn nearer) at 1.2 to 1.6 m, not quite level and not quite at the middle. At least half of a
 // piece is seen and it takes a good part of the picture; a view of a room is not filled by one
 // piece or a near wall. What finds no such view in a few draws has fewer.
-[[nodiscard]] Expected<std::vector<HomeView>> choose_home_views(const HomeModel& home,
-                                                                const MeshLoader& load,
-                                                                const Renderer& renderer,
-                                                                const HomeViewOptions& options,
-                                                                ThreadPool& pool);
+[[nodiscard]] Expected<std::vector<SampledView>> choose_home_views(const HomeModel& home,
+                                                                   const MeshLoader& load,
+                                                                   const Renderer& renderer,
+                                                                   const HomeViewOptions& options,
+                                                                   ThreadPool& pool);
 
 }  // namespace roomwise::simulation

@@ -32,14 +32,14 @@ class Drift {
   explicit Drift(const OdometryOptions& options)
       : options_(options), random_(options.seed, {0x6472696674}) {
     scale_ = 1 + options.drift * std::numbers::sqrt2 / 2 * random_.normal();
-    draw_turning();
+    sample_turning();
   }
 
   // device_from_device of a true step.
   RigidTransform of(const RigidTransform& step) {
     const double length_m = step.distance_m();
     path_m_ += length_m;
-    if (path_m_ > kSteadyPath_m) draw_turning();
+    if (path_m_ > kSteadyPath_m) sample_turning();
     RigidTransform drifted = step;
     drifted.translation *= scale_;
     turned_rad_ = turning_rad_m_ * length_m;
@@ -56,7 +56,7 @@ class Drift {
   }
 
  private:
-  void draw_turning() {
+  void sample_turning() {
     path_m_ = 0;
     turning_rad_m_ = options_.drift * std::numbers::sqrt2 / 2 * kTurn_rad_m * random_.normal();
   }
@@ -74,7 +74,7 @@ RigidTransform jump(RandomStream& random) {
 }
 
 // Frames, none of them the first, at which something happens.
-std::set<std::size_t> draw_frames(std::size_t frames, int count, RandomStream& random) {
+std::set<std::size_t> sample_frames(std::size_t frames, int count, RandomStream& random) {
   std::set<std::size_t> drawn;
   const auto most = std::min<std::size_t>(static_cast<std::size_t>(count), (frames - 1) / 2);
   while (drawn.size() < most) drawn.insert(1 + random.index(frames - 1));
@@ -82,10 +82,10 @@ std::set<std::size_t> draw_frames(std::size_t frames, int count, RandomStream& r
 }
 
 // Times (from, to) without a pose.
-std::vector<std::pair<TimestampNs, TimestampNs>> draw_dropouts(std::span<const StampedPose> truth,
-                                                               int count, RandomStream& random) {
+std::vector<std::pair<TimestampNs, TimestampNs>> sample_dropouts(std::span<const StampedPose> truth,
+                                                                 int count, RandomStream& random) {
   std::vector<std::pair<TimestampNs, TimestampNs>> dropouts;
-  for (const std::size_t at : draw_frames(truth.size(), count, random)) {
+  for (const std::size_t at : sample_frames(truth.size(), count, random)) {
     const double seconds = random.between(kShortestDropout_s, kLongestDropout_s);
     const TimestampNs from = truth[at].timestamp_ns;
     dropouts.emplace_back(from, from + static_cast<TimestampNs>(seconds / kSecondsPerNs));
@@ -108,8 +108,8 @@ recording::Odometry simulate_odometry(std::span<const StampedPose> truth,
   odometry.up = Vector3d::UnitZ();
   if (truth.empty()) return odometry;
   RandomStream random(options.seed, {0x6a756d70});
-  const auto jumps = draw_frames(truth.size(), options.jumps, random);
-  const auto dropouts = draw_dropouts(truth, options.dropouts, random);
+  const auto jumps = sample_frames(truth.size(), options.jumps, random);
+  const auto dropouts = sample_dropouts(truth, options.dropouts, random);
   Drift drift(options);
   // The first pose, turned and moved: its world is not the home's.
   RigidTransform device_from_camera =

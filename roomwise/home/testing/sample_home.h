@@ -54,12 +54,12 @@ inline KeyframeImages sample_images(KeyframeId id) {
           .depth = Bytes(9000 + id, static_cast<std::uint8_t>(~id))};
 }
 
-inline scene::PoseGraphEdge sample_edge(KeyframeId from, KeyframeId to, bool is_loop) {
+inline scene::PoseGraphEdge sample_edge(KeyframeId from, KeyframeId to, bool is_robust) {
   scene::PoseGraphEdge edge{.from = from, .to = to, .from_from_to = sample_pose(0.3)};
   edge.information.setConstant(-0.0);
   edge.information.diagonal() << 1, 1.0 / 3, 1e300, 1e-300, 0.1, 7;
   edge.information(0, 5) = edge.information(5, 0) = 2.0 / 3;
-  edge.is_loop = is_loop;
+  edge.is_robust = is_robust;
   return edge;
 }
 

@@ -19,7 +19,7 @@ std::vector<std::optional<RigidTransform>> steps_to_next(std::span<const std::si
                                                          std::span<const PoseGraphEdge> edges) {
   std::vector<std::optional<RigidTransform>> steps(component.size());
   for (const PoseGraphEdge& edge : edges) {
-    const bool is_step = !edge.is_loop || edge.is_device_motion;
+    const bool is_step = !edge.is_robust || edge.is_device_motion;
     if (edge.to == edge.from + 1 && is_step && component[edge.from] == component[edge.to] &&
         !steps[edge.from]) {
       steps[edge.from] = edge.from_from_to;

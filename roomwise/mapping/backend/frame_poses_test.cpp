@@ -51,7 +51,7 @@ TEST(FramePoses, FollowBothKeyframesInTheCourseOfTime) {
     EXPECT_NEAR(poses[i]->angle_rad(), 0.04 * share, 1e-9);
   }
   // Without a step between the two nothing says so.
-  walk.edges[0].is_loop = true;
+  walk.edges[0].is_robust = true;
   EXPECT_EQ(walk.poses(solved)[2]->translation.y(), 0);
 }
 

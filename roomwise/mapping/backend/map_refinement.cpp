@@ -42,8 +42,8 @@ std::vector<PoseGraphEdge> agreeing_edges(const MapSolution& solution,
 
 // How unsure the edges are of which views were taken by a rolling shutter: the top and the bottom
 // of a picture stand half a readout's motion from where the middle is.
-PoseGraphEdge loosened(const PoseGraphEdge& edge, std::span<const Vector6d> velocities,
-                       double readout_s) {
+PoseGraphEdge with_shutter_motion(const PoseGraphEdge& edge, std::span<const Vector6d> velocities,
+                                  double readout_s) {
   constexpr double kShare = 0.5;     // of a picture's distortion that goes into the pose
   constexpr double kDistance_m = 1;  // at which a turn passes for a shift
   const Vector6d difference = readout_s * (velocities[edge.from] - velocities[edge.to]);
@@ -87,7 +87,7 @@ class Refiner {
       return progress_.check("landmarks were adjusted");
     };
     for (int round = 0; round < options_.rounds; ++round) {
-      take_poses();
+      set_bundle_cameras();
       cull_views(bundle_, (round == 0 ? kFirstSigmas : 1) * options_.max_sigmas);
       ROOMWISE_TRY(const BundleReport report, adjust_bundle(bundle_, options_.bundle, go_on));
       refinement.iterations += report.solver.iterations;
@@ -105,7 +105,7 @@ class Refiner {
 
  private:
   // The cameras as the poses are now, with the motions that follow from them.
-  void take_poses() {
+  void set_bundle_cameras() {
     const SolvedKeyframes keyframes{poses_, inputs_.keyframe_times, component_};
     const auto frames = frame_poses(inputs_.frames, keyframes, edges_);
     const auto velocities = keyframe_velocities(inputs_.frames, frames, keyframes);
@@ -115,8 +115,8 @@ class Refiner {
       bundle_.cameras[places_[id]] = {poses_[id], velocities[id]};
     bundle_.edges.clear();
     for (const PoseGraphEdge& edge : edges_) {
-      PoseGraphEdge& placed =
-          bundle_.edges.emplace_back(loosened(edge, velocities, bundle_.model.readout_s));
+      PoseGraphEdge& placed = bundle_.edges.emplace_back(
+          with_shutter_motion(edge, velocities, bundle_.model.readout_s));
       placed.from = places_[edge.from];
       placed.to = places_[edge.to];
     }

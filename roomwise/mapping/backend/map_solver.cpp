@@ -90,7 +90,7 @@ std::vector<RigidTransform> initial_poses(std::size_t count, std::span<const Pos
     for (const bool loops : {false, true}) {
       for (std::size_t i = 0; i < edges.size(); ++i) {
         const PoseGraphEdge& edge = edges[i];
-        if (edge.is_loop != loops || (votes[i] > 0) - (votes[i] < 0) != sign) continue;
+        if (edge.is_robust != loops || (votes[i] > 0) - (votes[i] < 0) != sign) continue;
         if (joined.join(edge.from, edge.to)) add_both_ways(tree, edge);
       }
     }
@@ -140,7 +140,7 @@ std::vector<PoseGraphEdge> demote_inconsistent_odometry(std::span<const PoseGrap
                                                         const std::vector<int>& votes) {
   std::vector<PoseGraphEdge> doubted(edges.begin(), edges.end());
   for (std::size_t i = 0; i < edges.size(); ++i) {
-    if (votes[i] < 0) doubted[i].is_loop = true;
+    if (votes[i] < 0) doubted[i].is_robust = true;
   }
   return doubted;
 }
@@ -161,7 +161,7 @@ Expected<void> MapSolverOptions::validate() const {
 
 bool is_contradicted(const PoseGraph& graph, const PoseGraphEdge& edge,
                      const MapSolverOptions& options) {
-  return edge.is_loop && loop_error(graph, edge) > options.max_loop_error;
+  return edge.is_robust && loop_error(graph, edge) > options.max_loop_error;
 }
 
 std::vector<PoseGraphEdge> demote_inconsistent_odometry(std::size_t keyframe_count,
@@ -190,7 +190,7 @@ Expected<MapSolution> solve_map(std::size_t keyframe_count, std::span<const Pose
   PoseGraphOptions robust = options.graph;
   robust.loop_kernel = options.max_loop_error / 4;
   ROOMWISE_TRY(const PoseGraphReport first, optimize(graph, robust));
-  solution.rejected_loops = std::erase_if(graph.edges, [&](const PoseGraphEdge& edge) {
+  solution.rejected_edges = std::erase_if(graph.edges, [&](const PoseGraphEdge& edge) {
     return is_contradicted(graph, edge, options);
   });
   solution.component = components_by_size(keyframe_count, graph.edges, solution.components);

@@ -27,7 +27,7 @@ struct MapSolution {
   // By key-frame id: its component, 0 for the largest (by key-frames), then by size.
   std::vector<std::size_t> component;
   std::size_t components = 0;
-  std::size_t rejected_loops = 0;  // and steps, where triangles made them doubtful
+  std::size_t rejected_edges = 0;  // and steps, where triangles made them doubtful
   PoseGraphReport report;
 };
 

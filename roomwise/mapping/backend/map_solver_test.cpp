@@ -26,9 +26,10 @@ std::vector<RigidTransform> walk(std::size_t count) {
   return poses;
 }
 
-PoseGraphEdge edge(const std::vector<RigidTransform>& poses, NodeId from, NodeId to, bool is_loop,
+PoseGraphEdge edge(const std::vector<RigidTransform>& poses, NodeId from, NodeId to, bool is_robust,
                    const RigidTransform& error = {}) {
-  return {from, to, poses[from].inverse() * poses[to] * error, 1e4 * Matrix6d::Identity(), is_loop};
+  return {from, to, poses[from].inverse() * poses[to] * error, 1e4 * Matrix6d::Identity(),
+          is_robust};
 }
 // Each key-frame is linked with the one before it and the `neighbors` before that.
 std::vector<PoseGraphEdge> edges_of(const std::vector<RigidTransform>& poses, NodeId neighbors) {
@@ -57,7 +58,7 @@ TEST(SolveMap, LeavesARightChainAsItIs) {
   const auto solution = solve_map(truth.size(), edges_of(truth, 0));
   ASSERT_OK(solution);
   EXPECT_LT(worst_error_m(solution->world_from_keyframe, truth), 1e-9);
-  EXPECT_EQ(solution->rejected_loops, 0U);
+  EXPECT_EQ(solution->rejected_edges, 0U);
   EXPECT_EQ(solution->components, 1U);
   EXPECT_NEAR(solution->report.error_after, 0, 1e-9);
 }
@@ -67,12 +68,13 @@ TEST(SolveMap, AWrongStepThatOtherEdgesContradictDoesNotBendTheMap) {
   for (const NodeId wrong : {1, 10, 23}) {
     std::vector<PoseGraphEdge> edges = edges_of(truth, 3);
     for (PoseGraphEdge& each : edges) {
-      if (each.to == wrong && !each.is_loop) each = edge(truth, wrong - 1, wrong, false, mistake());
+      if (each.to == wrong && !each.is_robust)
+        each = edge(truth, wrong - 1, wrong, false, mistake());
     }
     const auto solution = solve_map(truth.size(), edges);
     ASSERT_OK(solution);
     EXPECT_LT(worst_error_m(solution->world_from_keyframe, truth), 1e-4) << wrong;
-    EXPECT_EQ(solution->rejected_loops, 1U);
+    EXPECT_EQ(solution->rejected_edges, 1U);
     EXPECT_EQ(solution->components, 1U);
   }
 }
@@ -84,7 +86,7 @@ TEST(IsContradicted, TellsTheStepsThatTheSolverLeftOut) {
   edges[0] = edge(truth, 0, 1, false, mistake());
   const auto solution = solve_map(truth.size(), edges);
   ASSERT_OK(solution);
-  ASSERT_EQ(solution->rejected_loops, 1U);
+  ASSERT_EQ(solution->rejected_edges, 1U);
   PoseGraph graph;
   for (NodeId id = 0; id < truth.size(); ++id)
     graph.world_from_node[id] = solution->world_from_keyframe[id];
@@ -101,17 +103,17 @@ TEST(SolveMap, SeveralWrongEdgesDoNotBendTheMapEither) {
   edges.push_back(edge(truth, 2, 37, true));
   std::size_t wrong = 0;
   for (PoseGraphEdge& each : edges) {
-    const bool is_wrong_step = !each.is_loop && (each.to == 8 || each.to == 25);
-    const bool is_wrong_loop = each.is_loop && each.from == 15 && each.to == 17;
+    const bool is_wrong_step = !each.is_robust && (each.to == 8 || each.to == 25);
+    const bool is_wrong_loop = each.is_robust && each.from == 15 && each.to == 17;
     if (!is_wrong_step && !is_wrong_loop) continue;
-    each = edge(truth, each.from, each.to, each.is_loop, mistake());
+    each = edge(truth, each.from, each.to, each.is_robust, mistake());
     ++wrong;
   }
   edges.push_back(edge(truth, 0, 39, true, {Eigen::Quaterniond::Identity(), {2, 0, 1}}));
   const auto solution = solve_map(truth.size(), edges);
   ASSERT_OK(solution);
   EXPECT_LT(worst_error_m(solution->world_from_keyframe, truth), 1e-4);
-  EXPECT_EQ(solution->rejected_loops, wrong + 1);
+  EXPECT_EQ(solution->rejected_edges, wrong + 1);
 }
 
 TEST(SolveMap, ALoopLosesAgainstTheTwoStepsThatItContradicts) {
@@ -120,7 +122,7 @@ TEST(SolveMap, ALoopLosesAgainstTheTwoStepsThatItContradicts) {
   edges.push_back(edge(truth, 2, 4, true, mistake()));
   const auto solution = solve_map(truth.size(), edges);
   ASSERT_OK(solution);
-  EXPECT_EQ(solution->rejected_loops, 1U);
+  EXPECT_EQ(solution->rejected_edges, 1U);
   EXPECT_LT(worst_error_m(solution->world_from_keyframe, truth), 1e-4);
 }
 
@@ -131,7 +133,7 @@ TEST(SolveMap, KeepsAStepThatNoTriangleJudges) {
   edges.push_back(edge(truth, 1, 6, true, {Eigen::Quaterniond::Identity(), {3, 0, 0}}));
   const auto solution = solve_map(truth.size(), edges);
   ASSERT_OK(solution);
-  EXPECT_EQ(solution->rejected_loops, 1U);
+  EXPECT_EQ(solution->rejected_edges, 1U);
   EXPECT_LT(worst_error_m(solution->world_from_keyframe, truth), 1e-4);
 }
 
@@ -148,7 +150,7 @@ TEST(SolveMap, LeavesOutAWrongLoop) {
   edges.push_back({0, 10, RigidTransform::identity(), information, true});
   const auto solution = solve_map(11, edges);
   ASSERT_OK(solution);
-  EXPECT_EQ(solution->rejected_loops, 1U);
+  EXPECT_EQ(solution->rejected_edges, 1U);
   EXPECT_NEAR(solution->world_from_keyframe[10].translation.x(), 10, 1e-6);
 }
 
@@ -168,7 +170,7 @@ TEST(SolveMap, ARightLoopTakesTheDriftAway) {
   for (const NodeId from : {0, 5, 10}) edges.push_back(edge(truth, from, 39 - from, true));
   const auto solution = solve_map(40, edges);
   ASSERT_OK(solution);
-  EXPECT_EQ(solution->rejected_loops, 0U);
+  EXPECT_EQ(solution->rejected_edges, 0U);
   EXPECT_LT(end_error_m(*solution), 0.3 * drift);
 }
 

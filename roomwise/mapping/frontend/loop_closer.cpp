@@ -11,18 +11,19 @@ namespace {
 
 // What no residual at the key-points shows: colour and depth a little out of step, calibration,
 // rolling shutter.
-constexpr double kViewTranslation_m = 0.004;
-constexpr double kViewHalfAngle = 0.5 * 0.003;
+constexpr double kSystematicTranslation_m = 0.004;
+constexpr double kSystematicHalfAngle_rad = 0.5 * 0.003;
 
 }  // namespace
 
 Expected<void> LoopOptions::validate() const {
-  if (neighbors < 0 || random < 0 || similar < 0 || explored < 0) {
-    return fail("neighbors = {}, random = {}, similar = {} and explored = {} must not be negative",
-                neighbors, random, similar, explored);
+  if (neighbors < 0 || random < 0 || similar < 0 || hit_neighbors < 0) {
+    return fail(
+        "neighbors = {}, random = {}, similar = {} and hit_neighbors = {} must not be negative",
+        neighbors, random, similar, hit_neighbors);
   }
-  if (!(earliest_preference >= 1)) {
-    return fail("earliest_preference = {} must be at least 1", earliest_preference);
+  if (!(age_preference >= 1)) {
+    return fail("age_preference = {} must be at least 1", age_preference);
   }
   if (min_inliers < 4) return fail("min_inliers = {} must be at least 4", min_inliers);
   if (!(min_inlier_ratio >= 0 && min_inlier_ratio <= 1)) {
@@ -31,8 +32,8 @@ Expected<void> LoopOptions::validate() const {
   return {};
 }
 
-std::vector<KeyframeId> draw_loop_candidates(std::size_t keyframe_count, const LoopOptions& options,
-                                             RandomStream random) {
+std::vector<KeyframeId> sample_loop_candidates(std::size_t keyframe_count,
+                                               const LoopOptions& options, RandomStream random) {
   std::vector<KeyframeId> drawn;
   const std::size_t not_drawn = 2 + static_cast<std::size_t>(options.neighbors);
   if (keyframe_count <= not_drawn) return drawn;
@@ -43,7 +44,7 @@ std::vector<KeyframeId> draw_loop_candidates(std::size_t keyframe_count, const L
   for (std::size_t id = 0; id < pool.size(); ++id) pool[id] = id;
   const auto weight = [&](KeyframeId id) {
     const double age = 1 - static_cast<double>(id) / static_cast<double>(keyframe_count);
-    return 1 + (options.earliest_preference - 1) * age;
+    return 1 + (options.age_preference - 1) * age;
   };
   for (int draw = 0; draw < options.random && !pool.empty(); ++draw) {
     double total = 0;
@@ -90,15 +91,15 @@ Expected<std::vector<PoseGraphEdge>> close_loops(const KeyframeStamp& newest,
       if (outcome->found()) add_edge(id, *outcome);
     }
   }
-  for (const KeyframeId hit : draw_loop_candidates(
+  for (const KeyframeId hit : sample_loop_candidates(
            newest.id + 1, options, RandomStream(seed, {newest.frame_index, ~0ULL}))) {
     ROOMWISE_TRY(const motion::MotionOutcome* best, compare(hit));
     if (!best->found()) continue;
     KeyframeId best_id = hit;
-    const auto explored = static_cast<KeyframeId>(options.explored);
+    const auto reach = static_cast<KeyframeId>(options.hit_neighbors);
     // The newest and the last before it are no loop.
-    const KeyframeId end = std::min<KeyframeId>(hit + explored + 1, newest.id - 1);
-    for (KeyframeId id = hit - std::min(hit, explored); id < end; ++id) {
+    const KeyframeId end = std::min<KeyframeId>(hit + reach + 1, newest.id - 1);
+    for (KeyframeId id = hit - std::min(hit, reach); id < end; ++id) {
       ROOMWISE_TRY(const motion::MotionOutcome* outcome, compare(id));
       if (!outcome->found() || distance(*outcome) >= distance(*best)) continue;
       best = outcome;
@@ -113,39 +114,40 @@ Expected<std::vector<PoseGraphEdge>> close_loops(const KeyframeStamp& newest,
 
 bool spans_long_loop(const PoseGraphEdge& edge) {
   constexpr NodeId kNeighborhood = 10;
-  return edge.is_loop && !edge.is_device_motion &&
+  return edge.is_robust && !edge.is_device_motion &&
          std::max(edge.from, edge.to) - std::min(edge.from, edge.to) > kNeighborhood;
 }
 
 PoseGraphEdge edge_from_motion(KeyframeId from, KeyframeId to, const motion::RefinedPose& pose,
-                               bool is_loop) {
+                               bool is_robust) {
   return {from,
           to,
           pose.reference_from_current,
-          motion::with_systematic_error(pose.information, kViewTranslation_m, kViewHalfAngle),
-          is_loop,
+          motion::with_systematic_error(pose.information, kSystematicTranslation_m,
+                                        kSystematicHalfAngle_rad),
+          is_robust,
           false};
 }
 
 PoseGraphEdge edge_through_frame(KeyframeId from, const motion::RefinedPose& in_from, KeyframeId to,
                                  const motion::RefinedPose& in_to) {
   // With errors a and b of the frame's poses A and B, A a (B b)^-1 = A B^-1 (B a b^-1 B^-1): the
-  // covariances add, and are carried from the frame to `to` (the adjoint, to first order, where the
+  // covariances add, and the adjoint takes them from the frame to `to` (to first order, where the
   // rotation's part is half an angle).
   const geometry::RigidTransform& to_from_frame = in_to.reference_from_current;
-  const Eigen::Matrix3d turn = to_from_frame.rotation.toRotationMatrix();
-  geometry::Matrix6d carry = geometry::Matrix6d::Zero();
-  carry.topLeftCorner<3, 3>() = turn;
-  carry.bottomRightCorner<3, 3>() = turn;
+  const Eigen::Matrix3d rotation = to_from_frame.rotation.toRotationMatrix();
+  geometry::Matrix6d adjoint = geometry::Matrix6d::Zero();
+  adjoint.topLeftCorner<3, 3>() = rotation;
+  adjoint.bottomRightCorner<3, 3>() = rotation;
   for (Eigen::Index i = 0; i < 3; ++i) {
-    carry.topRightCorner<3, 3>().col(i) = 2 * to_from_frame.translation.cross(turn.col(i));
+    adjoint.topRightCorner<3, 3>().col(i) = 2 * to_from_frame.translation.cross(rotation.col(i));
   }
   // What neither pose determines stays nearly undetermined.
   constexpr double kMinInformation = 1e-6;
-  const geometry::Matrix6d least = kMinInformation * geometry::Matrix6d::Identity();
-  const geometry::Matrix6d covariance =
-      (in_from.information + least).inverse() + (in_to.information + least).inverse();
-  const geometry::Matrix6d inverse = (carry * covariance * carry.transpose()).inverse();
+  const geometry::Matrix6d regularization = kMinInformation * geometry::Matrix6d::Identity();
+  const geometry::Matrix6d covariance = (in_from.information + regularization).inverse() +
+                                        (in_to.information + regularization).inverse();
+  const geometry::Matrix6d inverse = (adjoint * covariance * adjoint.transpose()).inverse();
   motion::RefinedPose between;
   between.reference_from_current = in_from.reference_from_current * to_from_frame.inverse();
   between.information = 0.5 * (inverse + inverse.transpose());

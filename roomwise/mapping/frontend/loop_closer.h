@@ -11,13 +11,13 @@
 namespace roomwise::mapping {
 
 struct LoopOptions {
-  int neighbors = 3;  // key-frames just before the last one that are tried, always
-  int random = 2;     // further key-frames drawn at random
-  int similar = 3;    // further key-frames that look most like it, by an index
-  int explored = 2;   // neighbours on either side of a random hit that are tried after it
+  int neighbors = 3;      // key-frames just before the last one that are tried, always
+  int random = 2;         // further key-frames drawn at random
+  int similar = 3;        // further key-frames that look most like it, by an index
+  int hit_neighbors = 2;  // neighbours on either side of a random hit that are tried after it
   // A key-frame's chance to be drawn falls with its place in time: the first is this many times as
   // likely as the newest. Earlier ones are preferred, since they take away more drift.
-  double earliest_preference = 4.0;
+  double age_preference = 4.0;
   int min_inliers = 30;  // a loop must be surer than a step of the odometry
   double min_inlier_ratio = 0.25;
 
@@ -27,9 +27,9 @@ struct LoopOptions {
 // Drawn at random with a preference for earlier ones, which take away more drift: the further
 // key-frames that a new one is compared with when there are so many, itself included. Neither the
 // last nor the neighbours before it are among them.
-[[nodiscard]] std::vector<KeyframeId> draw_loop_candidates(std::size_t keyframe_count,
-                                                           const LoopOptions& options,
-                                                           RandomStream random);
+[[nodiscard]] std::vector<KeyframeId> sample_loop_candidates(std::size_t keyframe_count,
+                                                             const LoopOptions& options,
+                                                             RandomStream random);
 
 // Where the newest key-frame is relative to an earlier one, or why that is not known.
 using CompareKeyframes = std::function<Expected<motion::MotionOutcome>(KeyframeId reference)>;
@@ -49,7 +49,7 @@ using CompareKeyframes = std::function<Expected<motion::MotionOutcome>(KeyframeI
 
 // The edge between two key-frames from the motion that was found between them.
 [[nodiscard]] PoseGraphEdge edge_from_motion(KeyframeId from, KeyframeId to,
-                                             const motion::RefinedPose& pose, bool is_loop);
+                                             const motion::RefinedPose& pose, bool is_robust);
 
 // The edge between two key-frames from one frame that was located against both: a loop, since that
 // a place was known again may be wrong.

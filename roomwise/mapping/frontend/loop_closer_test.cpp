@@ -22,7 +22,7 @@ TEST(DrawLoopCandidates, DrawsFromThoseBeforeTheNeighbours) {
   LoopOptions options;
   options.neighbors = 3;
   options.random = 4;
-  const std::vector<KeyframeId> drawn = draw_loop_candidates(20, options, RandomStream(1));
+  const std::vector<KeyframeId> drawn = sample_loop_candidates(20, options, RandomStream(1));
   EXPECT_EQ(drawn.size(), 4U);
   const std::set<KeyframeId> distinct(drawn.begin(), drawn.end());
   EXPECT_EQ(distinct.size(), 4U);
@@ -33,22 +33,22 @@ TEST(DrawLoopCandidates, DrawsAllWhereThereAreFew) {
   LoopOptions options;
   options.neighbors = 2;
   options.random = 10;
-  const std::vector<KeyframeId> drawn = draw_loop_candidates(6, options, RandomStream(1));
+  const std::vector<KeyframeId> drawn = sample_loop_candidates(6, options, RandomStream(1));
   EXPECT_EQ(std::set<KeyframeId>(drawn.begin(), drawn.end()), (std::set<KeyframeId>{0, 1}));
-  EXPECT_THAT(draw_loop_candidates(4, options, RandomStream(1)), IsEmpty());
-  EXPECT_THAT(draw_loop_candidates(1, options, RandomStream(1)), IsEmpty());
+  EXPECT_THAT(sample_loop_candidates(4, options, RandomStream(1)), IsEmpty());
+  EXPECT_THAT(sample_loop_candidates(1, options, RandomStream(1)), IsEmpty());
 }
 
 TEST(DrawLoopCandidates, PrefersEarlierKeyframes) {
   LoopOptions options;
   options.neighbors = 0;
   options.random = 1;
-  options.earliest_preference = 4;
+  options.age_preference = 4;
   int early = 0;
   constexpr int kDraws = 4000;
   for (int i = 0; i < kDraws; ++i) {
     const auto drawn =
-        draw_loop_candidates(102, options, RandomStream(1, {static_cast<std::uint64_t>(i)}));
+        sample_loop_candidates(102, options, RandomStream(1, {static_cast<std::uint64_t>(i)}));
     early += drawn.at(0) < 50;
   }
   // Weights fall linearly from 4 to 1: the earlier half holds (4 + 2.5) / (4 + 2.5 + 2.5 + 1) of
@@ -61,7 +61,7 @@ class CloseLoops : public ::testing::Test {
   CloseLoops() {
     options_.neighbors = 2;
     options_.random = 0;
-    options_.explored = 0;
+    options_.hit_neighbors = 0;
   }
   // Compares by a table of distances; key-frames that are not in it do not match.
   std::vector<KeyframeId> linked(const std::vector<KeyframeId>& neighbors,
@@ -82,7 +82,7 @@ class CloseLoops : public ::testing::Test {
     std::vector<KeyframeId> from;
     for (const PoseGraphEdge& edge : edges.value_or(std::vector<PoseGraphEdge>())) {
       EXPECT_EQ(edge.to, 39U);
-      EXPECT_TRUE(edge.is_loop);
+      EXPECT_TRUE(edge.is_robust);
       EXPECT_EQ(edge.from_from_to.translation.x(), matching_.at(edge.from));
       from.push_back(edge.from);
     }
@@ -110,7 +110,7 @@ TEST_F(CloseLoops, ComparesEachKeyframeOnce) {
 TEST_F(CloseLoops, ExploresAroundARandomHitForTheNearest) {
   options_.neighbors = 0;
   options_.random = 37;  // all but the last two, in some order
-  options_.explored = 1;
+  options_.hit_neighbors = 1;
   matching_ = {{10, 0.5}, {11, 0.2}, {30, 0.4}};
   EXPECT_THAT(linked({}, {}), ElementsAre(11, 30));
 }
@@ -132,8 +132,8 @@ TEST(IsReturn, TellsAReturnFromANeighbour) {
 TEST(LoopOptions, SaysWhichFieldIsWrong) {
   LoopOptions options;
   EXPECT_OK(options.validate());
-  options.earliest_preference = 0.5;
-  EXPECT_ERROR(options.validate(), "earliest_preference");
+  options.age_preference = 0.5;
+  EXPECT_ERROR(options.validate(), "age_preference");
   options = {};
   options.similar = -1;
   EXPECT_ERROR(options.validate(), "similar = -1");
@@ -168,7 +168,7 @@ TEST(EdgeThroughFrame, LeadsFromOneKeyframeToTheOther) {
   const PoseGraphEdge edge = edge_through_frame(3, in_from, 8, in_to);
   EXPECT_EQ(edge.from, 3U);
   EXPECT_EQ(edge.to, 8U);
-  EXPECT_TRUE(edge.is_loop);
+  EXPECT_TRUE(edge.is_robust);
   const geometry::RigidTransform way =
       in_from.reference_from_current * in_to.reference_from_current.inverse();
   EXPECT_LT((edge.from_from_to.inverse() * way).distance_m(), 1e-12);

@@ -112,8 +112,8 @@ Expected<MapUpdate> Mapper::place_newest(motion::FrameMeasurements measurements)
   }
   KeyframeId reference = reference_history_.back();
   if (!outcome.found()) ROOMWISE_CHECK_OK(relocalize(measurements, reference, outcome));
-  if (const auto by_device = outcome.found() ? std::nullopt : carried_pose()) {
-    ROOMWISE_CHECK_OK(carry(*by_device, std::move(measurements), step));
+  if (const auto by_device = outcome.found() ? std::nullopt : dead_reckoned_pose()) {
+    ROOMWISE_CHECK_OK(place_by_dead_reckoning(*by_device, std::move(measurements), step));
     if (is_checkpoint_due && !step.is_checkpoint) reach_checkpoint(step);
     return step;
   }

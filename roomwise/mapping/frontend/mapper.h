@@ -97,7 +97,7 @@ class Mapper {
     DeviceMark mark;
   };
   // Where a frame is that no picture places.
-  struct CarriedPose {
+  struct DeadReckonedPose {
     KeyframeId keyframe = 0;
     motion::PosePrior in_keyframe;
   };
@@ -115,7 +115,7 @@ class Mapper {
   [[nodiscard]] std::optional<motion::PosePrior> device_pose() const;
   [[nodiscard]] std::optional<motion::PosePrior> device_pose_in_reference() const;
   // The first, or where the device has just jumped, the walk as it goes on.
-  [[nodiscard]] std::optional<CarriedPose> carried_pose() const;
+  [[nodiscard]] std::optional<DeadReckonedPose> dead_reckoned_pose() const;
   // track() as the walk goes on, and as the device says; the second asks the pictures alone where
   // they disagree.
   [[nodiscard]] motion::MotionOutcome track_by_walk(const motion::FrameMeasurements& reference,
@@ -126,8 +126,9 @@ class Mapper {
                                                       const motion::PosePrior& prior,
                                                       const RandomStream& random);
   // The newest frame, which the pictures do not place, gets this place.
-  [[nodiscard]] Expected<void> carry(const CarriedPose& pose,
-                                     motion::FrameMeasurements measurements, MapUpdate& step);
+  [[nodiscard]] Expected<void> place_by_dead_reckoning(const DeadReckonedPose& pose,
+                                                       motion::FrameMeasurements measurements,
+                                                       MapUpdate& step);
   // The device's motion from the last key-frame that has some to the newest, unless its link is
   // that already. The newest is the newest frame, or the one before.
   void add_device_edge(KeyframeId newest, bool is_newest_frame, bool is_linked_by_device);

@@ -93,12 +93,12 @@ std::optional<motion::PosePrior> Mapper::device_pose_in_reference() const {
   return in_anchor;
 }
 
-std::optional<Mapper::CarriedPose> Mapper::carried_pose() const {
+std::optional<Mapper::DeadReckonedPose> Mapper::dead_reckoned_pose() const {
   if (const auto by_device = device_pose()) {
-    CarriedPose carried{anchor_->place.keyframe, *by_device};
-    carried.in_keyframe.information =
+    DeadReckonedPose reckoned{anchor_->place.keyframe, *by_device};
+    reckoned.in_keyframe.information =
         doubted(by_device->information, device_pose_in_reference(), predict_pose());
-    return carried;
+    return reckoned;
   }
   // Across one jump, not over many: the walk goes on as it went for a frame, no longer.
   const auto is_jump = [](const Frame& frame) {
@@ -111,7 +111,7 @@ std::optional<Mapper::CarriedPose> Mapper::carried_pose() const {
   }
   const auto by_walk = predict_pose();
   if (!by_walk) return std::nullopt;
-  return CarriedPose{reference_history_.back(), *by_walk};
+  return DeadReckonedPose{reference_history_.back(), *by_walk};
 }
 
 motion::MotionOutcome Mapper::track_by_walk(const motion::FrameMeasurements& reference,
@@ -157,8 +157,9 @@ motion::MotionOutcome Mapper::track_by_device(const motion::FrameMeasurements& r
   return nothing;
 }
 
-Expected<void> Mapper::carry(const CarriedPose& pose, motion::FrameMeasurements measurements,
-                             MapUpdate& step) {
+Expected<void> Mapper::place_by_dead_reckoning(const DeadReckonedPose& pose,
+                                               motion::FrameMeasurements measurements,
+                                               MapUpdate& step) {
   previous_.reset();
   frames_lost_ = 0;
   Frame& frame = frames_.back();

@@ -60,7 +60,7 @@ Expected<void> Mapper::relocalize(const motion::FrameMeasurements& current, Keyf
   std::vector<KeyframeId> ids = recent_references(1);
   const std::vector<KeyframeId> similar = similar_keyframes(current, keyframes_.size());
   ids.insert(ids.end(), similar.begin(), similar.end());
-  const std::vector<KeyframeId> drawn = draw_loop_candidates(
+  const std::vector<KeyframeId> drawn = sample_loop_candidates(
       keyframes_.size() + 1, options_.loops, RandomStream(options_.seed, {frame_index, ~1ULL}));
   ids.insert(ids.end(), drawn.begin(), drawn.end());
   for (const KeyframeId id : ids) {

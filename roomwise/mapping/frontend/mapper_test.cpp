@@ -125,9 +125,10 @@ class MapperTest : public ::testing::Test {
     EXPECT_LT(worst_error_m(mapper, *solution), max_error_m);
   }
   static void expect_a_loop_over(const Mapper& mapper, KeyframeId keyframes) {
-    EXPECT_TRUE(std::ranges::any_of(
-        mapper.edges(),
-        [&](const PoseGraphEdge& edge) { return edge.is_loop && edge.to > edge.from + keyframes; }))
+    EXPECT_TRUE(std::ranges::any_of(mapper.edges(),
+                                    [&](const PoseGraphEdge& edge) {
+                                      return edge.is_robust && edge.to > edge.from + keyframes;
+                                    }))
         << "no loop over " << keyframes << " key-frames";
   }
   static void expect_same_edges(const Mapper& mapper, const Mapper& expected) {
@@ -217,7 +218,7 @@ TEST_F(MapperTest, GoesOnInANewComponentAndJoinsItWhenTheyMeet) {
     return edge.to > edge.from + 1 && edge.from < 10 && edge.to > 10;
   });
   ASSERT_NE(recognized, mapper.edges().end()) << "an edge leads back to the first room";
-  EXPECT_TRUE(recognized->is_loop) << "it may be wrong, and must be open to rejection";
+  EXPECT_TRUE(recognized->is_robust) << "it may be wrong, and must be open to rejection";
 }
 
 TEST_F(MapperTest, RestoredAtAKeyframeGoesOnAsIfNeverStopped) {

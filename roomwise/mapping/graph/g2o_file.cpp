@@ -108,7 +108,7 @@ class Reader {
                       id);
         }
       }
-      edge.is_loop = !is_next(edge.from, edge.to);
+      edge.is_robust = !is_next(edge.from, edge.to);
     }
     if (fixed_ && (graph_.world_from_node.empty() ||
                    fixed_->first != graph_.world_from_node.begin()->first)) {

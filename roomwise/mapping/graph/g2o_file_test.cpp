@@ -58,10 +58,10 @@ TEST_F(G2oFile, AnEdgeThatSkipsANodeIsALoop) {
   }
   const auto graph = read(text);
   ASSERT_OK(graph);
-  EXPECT_FALSE(graph->edges[0].is_loop);
-  EXPECT_FALSE(graph->edges[1].is_loop);
-  EXPECT_TRUE(graph->edges[2].is_loop);
-  EXPECT_TRUE(graph->edges[3].is_loop);
+  EXPECT_FALSE(graph->edges[0].is_robust);
+  EXPECT_FALSE(graph->edges[1].is_robust);
+  EXPECT_TRUE(graph->edges[2].is_robust);
+  EXPECT_TRUE(graph->edges[3].is_robust);
 }
 
 TEST_F(G2oFile, RoundedQuaternionsBecomeUnitLength) {
@@ -106,7 +106,7 @@ TEST_F(G2oFile, WritingAndReadingLosesNothing) {
     EXPECT_EQ(other.from_from_to.translation, edge.from_from_to.translation);
     EXPECT_EQ(other.from_from_to.rotation.coeffs(), edge.from_from_to.rotation.coeffs());
     EXPECT_EQ(other.information, edge.information);
-    EXPECT_EQ(other.is_loop, edge.is_loop);
+    EXPECT_EQ(other.is_robust, edge.is_robust);
   }
 }
 

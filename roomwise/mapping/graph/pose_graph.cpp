@@ -90,7 +90,7 @@ NumberedGraph numbered(const PoseGraph& graph, const PoseGraphOptions& options,
   }
   for (const PoseGraphEdge& edge : graph.edges) {
     result.edges.push_back({numbers.at(edge.from), numbers.at(edge.to), &edge,
-                            edge.is_loop ? options.loop_kernel : 0});
+                            edge.is_robust ? options.loop_kernel : 0});
   }
   return result;
 }

@@ -36,11 +36,11 @@ PoseGraph random_graph(std::uint64_t seed, std::size_t wrong_every) {
   while (truth.size() < nodes)
     truth.push_back(truth.back() * testing::random_transform(random, 0.4, 0.4));
   PoseGraph graph;
-  const auto measure = [&](NodeId from, NodeId to, bool is_loop, double noise) {
+  const auto measure = [&](NodeId from, NodeId to, bool is_robust, double noise) {
     graph.edges.push_back(
         {from, to,
          truth[from].inverse() * truth[to] * testing::random_transform(random, noise, noise),
-         random_information(random), is_loop});
+         random_information(random), is_robust});
   };
   RigidTransform pose = truth[0];
   graph.world_from_node[0] = pose;
@@ -65,8 +65,8 @@ double cost_of(const PoseGraph& graph, double loop_kernel) {
     const Vector6d error = edge_error(edge.from_from_to, graph.world_from_node.at(edge.from),
                                       graph.world_from_node.at(edge.to));
     const double squares = error.dot(edge.information * error);
-    sum +=
-        edge.is_loop && loop_kernel > 0 ? loop_kernel * std::log1p(squares / loop_kernel) : squares;
+    sum += edge.is_robust && loop_kernel > 0 ? loop_kernel * std::log1p(squares / loop_kernel)
+                                             : squares;
   }
   return sum;
 }

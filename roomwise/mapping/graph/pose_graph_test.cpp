@@ -45,7 +45,7 @@ PoseGraph square() {
     graph.edges.push_back({.from = id, .to = (id + 1) % 4, .from_from_to = side});
     pose = pose * side;
   }
-  graph.edges.back().is_loop = true;
+  graph.edges.back().is_robust = true;
   return graph;
 }
 

@@ -59,7 +59,7 @@ inline ceres::Solver::Summary optimize_with_ceres(PoseGraph& graph, double loop_
     geometry::RigidTransform& to = graph.world_from_node.at(edge.to);
     problem.AddResidualBlock(new ceres::AutoDiffCostFunction<CeresEdge, 6, 4, 3, 4, 3>(
                                  new CeresEdge{edge.from_from_to, square_root(edge.information)}),
-                             edge.is_loop && loop_kernel > 0 ? &loop_loss : nullptr,
+                             edge.is_robust && loop_kernel > 0 ? &loop_loss : nullptr,
                              from.rotation.coeffs().data(), from.translation.data(),
                              to.rotation.coeffs().data(), to.translation.data());
   }

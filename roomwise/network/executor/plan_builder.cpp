@@ -29,7 +29,7 @@ PlanBuilder::PlanBuilder(const Program& program, const PlanOptions& options)
       located_(program.values.size()),
       last_use_(program.values.size(), 0),
       shares_memory_(program.values.size(), false),
-      joins_(program.values.size()) {}
+      concats_(program.values.size()) {}
 
 std::shared_ptr<const Plan> PlanBuilder::build() {
   const ScopedOmpThreads threads(options_.threads);
@@ -43,7 +43,7 @@ std::shared_ptr<const Plan> PlanBuilder::build() {
     for (const ValueId input : program_.layers[i].inputs) last_use_[input] = i;
   }
   for (const ValueId output : program_.outputs) last_use_[output] = program_.layers.size();
-  if (options_.concat_in_place) plan_joins();
+  if (options_.concat_in_place) plan_concats();
   for (layer_ = 0; layer_ < program_.layers.size(); ++layer_) {
     const Layer& layer = program_.layers[layer_];
     std::visit([&](const auto& operation) { plan_layer(layer, operation); }, layer.operation);
@@ -57,18 +57,18 @@ std::shared_ptr<const Plan> PlanBuilder::build() {
 }
 
 // Which values are written straight into what they are joined to: feature maps whose channels fill
-// whole blocks, and other values that are joined along their first axis that is not 1.
-void PlanBuilder::plan_joins() {
+// whole blocks, and other values that are concatenated along their first axis that is not 1.
+void PlanBuilder::plan_concats() {
   for (const Layer& layer : program_.layers) {
     if (const AxisGather* gather = layer.as<AxisGather>();
-        gather != nullptr && joins_whole_inputs(program_, layer) &&
+        gather != nullptr && concatenates_whole_inputs(program_, layer) &&
         BlockedShape::around(shape(layer.output), gather->axis).outer == 1) {
-      plan_join(layer);
+      plan_concat(layer);
     }
   }
 }
 
-void PlanBuilder::plan_join(const Layer& layer) {
+void PlanBuilder::plan_concat(const Layer& layer) {
   const bool in_blocks = shape(layer.output).size() == 4;
   if (in_blocks && layer.as<AxisGather>()->axis != 1) return;
   const auto fills_blocks = [&](ValueId input) {
@@ -79,10 +79,10 @@ void PlanBuilder::plan_join(const Layer& layer) {
   std::size_t values = 0;
   for (const ValueId input : layer.inputs) {
     const bool is_computed = program_.values[input].constant == nullptr && !shares_memory_[input];
-    if (is_computed && !joins_[input]) joins_[input] = Join{layer.output, values};
+    if (is_computed && !concats_[input]) concats_[input] = ConcatSlot{layer.output, values};
     values += count_of(shape(input));
   }
-  join_places_.insert({layer.output, std::nullopt});
+  concat_places_.insert({layer.output, std::nullopt});
 }
 
 PlanBuilder::Layout PlanBuilder::plain(const Shape& shape) const {
@@ -172,10 +172,10 @@ TensorView PlanBuilder::new_buffer(const Layout& layout) {
 
 TensorView PlanBuilder::place_output(ValueId value, const Layout& layout) {
   TensorView result;
-  if (joins_[value] && layout == usual(shape(value))) {
-    const Join& join = *joins_[value];
-    result = {place_of_join(join.target), layout};
-    result.place.offset += join.values_before * sizeof(float);
+  if (concats_[value] && layout == usual(shape(value))) {
+    const ConcatSlot& slot = *concats_[value];
+    result = {place_of_join(slot.target), layout};
+    result.place.offset += slot.values_before * sizeof(float);
   } else {
     result = new_buffer(layout);
   }
@@ -184,7 +184,7 @@ TensorView PlanBuilder::place_output(ValueId value, const Layout& layout) {
 }
 
 Place PlanBuilder::place_of_join(ValueId target) {
-  std::optional<Place>& place = join_places_.at(target);
+  std::optional<Place>& place = concat_places_.at(target);
   if (!place) place = place_output(target, usual(shape(target))).place;
   return *place;
 }

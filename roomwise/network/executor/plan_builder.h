@@ -26,14 +26,14 @@ class PlanBuilder {
 
  private:
   using Layout = dnnl::memory::desc;
-  // A value that is written straight to where it is joined to others.
-  struct Join {
+  // A value that is written straight to into the value that concatenates it with others.
+  struct ConcatSlot {
     ValueId target = 0;
     std::size_t values_before = 0;
   };
 
-  void plan_joins();
-  void plan_join(const Layer& layer);
+  void plan_concats();
+  void plan_concat(const Layer& layer);
 
   [[nodiscard]] Layout plain(const Shape& shape) const;
   [[nodiscard]] Layout blocked(const Shape& shape) const;
@@ -93,12 +93,12 @@ class PlanBuilder {
   std::size_t block_;
   std::shared_ptr<Plan> plan_ = std::make_shared<Plan>();
   dnnl::stream stream_;
-  std::vector<std::optional<TensorView>> located_;        // by value, as it was made
-  std::map<ValueId, std::vector<TensorView>> reordered_;  // the same in further layouts
-  std::vector<std::size_t> last_use_;                     // by value: the last layer that reads it
-  std::vector<bool> shares_memory_;                       // by value: with another value
-  std::vector<std::optional<Join>> joins_;                // by value
-  std::map<ValueId, std::optional<Place>> join_places_;   // by target; set when first needed
+  std::vector<std::optional<TensorView>> located_;         // by value, as it was made
+  std::map<ValueId, std::vector<TensorView>> reordered_;   // the same in further layouts
+  std::vector<std::size_t> last_use_;                      // by value: the last layer that reads it
+  std::vector<bool> shares_memory_;                        // by value: with another value
+  std::vector<std::optional<ConcatSlot>> concats_;         // by value
+  std::map<ValueId, std::optional<Place>> concat_places_;  // by target; set when first needed
   std::vector<Buffer> buffers_;
   std::size_t layer_ = 0;  // in work
 };

@@ -65,8 +65,8 @@ TensorView PlanBuilder::residual_in_place(const Layer& layer, const Layout& layo
   const ValueId value = layer.inputs[1];
   const TensorView residual = in_layout(value, layout);
   const bool is_free = last_use_[value] == layer_ && layer.inputs[0] != value &&
-                       !shares_memory_[value] && !joins_[value] && !joins_[layer.output] &&
-                       !join_places_.contains(value) && !residual.place.is_constant;
+                       !shares_memory_[value] && !concats_[value] && !concats_[layer.output] &&
+                       !concat_places_.contains(value) && !residual.place.is_constant;
   if (is_free) {
     located_[layer.output] = residual;
     return residual;
@@ -139,7 +139,7 @@ void PlanBuilder::plan_layer(const Layer& layer, const AxisGather& gather) {
     join_in_eight_bits(layer);
     return;
   }
-  if (join_places_.contains(layer.output)) {
+  if (concat_places_.contains(layer.output)) {
     gather_in_place(layer);
     return;
   }

@@ -50,7 +50,7 @@ bool preserves_quantization(const Program& program, const Layer& layer) {
     return pooling->kind == Pooling::Kind::kMaximum || shape[2] * shape[3] > 1;
   }
   const AxisGather* gather = layer.as<AxisGather>();
-  return gather != nullptr && gather->axis == 1 && joins_whole_inputs(program, layer);
+  return gather != nullptr && gather->axis == 1 && concatenates_whole_inputs(program, layer);
 }
 
 std::vector<std::string> names_of_layers(const Program& program) {

@@ -104,12 +104,12 @@ void tidy_inputs(Layer& layer) {
 
 bool is_whole_input(const Program& program, const Layer& layer) {
   return layer.as<AxisGather>() != nullptr && layer.inputs.size() == 1 &&
-         joins_whole_inputs(program, layer);
+         concatenates_whole_inputs(program, layer);
 }
 
 }  // namespace
 
-bool joins_whole_inputs(const Program& program, const Layer& layer) {
+bool concatenates_whole_inputs(const Program& program, const Layer& layer) {
   const AxisGather& gather = *layer.as<AxisGather>();
   std::vector<Pick> expected;
   for (std::size_t input = 0; input < layer.inputs.size(); ++input) {

@@ -31,6 +31,6 @@ void swap_means(Program& program);
 void remove_unused(Program& program);
 
 // Whether it gives input 0, 1, ... one after the other, each whole: a concatenation.
-[[nodiscard]] bool joins_whole_inputs(const Program& program, const Layer& layer);
+[[nodiscard]] bool concatenates_whole_inputs(const Program& program, const Layer& layer);
 
 }  // namespace roomwise::network

@@ -142,7 +142,7 @@ std::string AugmentationOptions::key() const {
                      mirror ? 1 : 0);
 }
 
-PictureVariation draw_variation(const AugmentationOptions& options, RandomStream& random) {
+PictureVariation sample_variation(const AugmentationOptions& options, RandomStream& random) {
   const auto either_side = [&](double most) { return most * (2 * random.uniform() - 1); };
   PictureVariation variation;
   variation.exposure_stops = either_side(options.exposure_stops);
@@ -171,7 +171,7 @@ ColorImage vary(const ColorImage& image, const PictureVariation& variation) {
 
 ColorImage augment(const ColorImage& image, const AugmentationOptions& options,
                    RandomStream& random) {
-  return vary(image, draw_variation(options, random));
+  return vary(image, sample_variation(options, random));
 }
 
 }  // namespace roomwise::network

@@ -66,8 +66,8 @@ struct AugmentationOptions {
 inline constexpr AugmentationOptions kNoAugmentation{0, 0, 0, 0, 0, 0, 1, 0, 0, 0, false};
 
 // Draws always as much from the stream, so that one option does not shift what others draw.
-[[nodiscard]] PictureVariation draw_variation(const AugmentationOptions& options,
-                                              RandomStream& random);
+[[nodiscard]] PictureVariation sample_variation(const AugmentationOptions& options,
+                                                RandomStream& random);
 
 // The picture varied. It is `side` times as large; turned, it becomes as much smaller as keeps it
 // inside of what was seen. A picture without pixels stays without.

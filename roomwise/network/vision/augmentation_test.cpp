@@ -211,8 +211,8 @@ TEST(Augmentation, OneOptionDoesNotShiftWhatOthersDraw) {
   without.noise = 0;
   RandomStream first(4);
   RandomStream second(4);
-  PictureVariation all = draw_variation({}, first);
-  const PictureVariation fewer = draw_variation(without, second);
+  PictureVariation all = sample_variation({}, first);
+  const PictureVariation fewer = sample_variation(without, second);
   all.roll_deg = 0;
   all.noise = 0;
   EXPECT_EQ(all, fewer);
@@ -225,7 +225,7 @@ TEST(Augmentation, DrawsWithinItsOptions) {
   int mirrored = 0;
   double warmest = 0;
   for (int i = 0; i < 1000; ++i) {
-    const PictureVariation variation = draw_variation(options, random);
+    const PictureVariation variation = sample_variation(options, random);
     EXPECT_LE(std::abs(variation.lamp_mired), options.lamp_mired);
     EXPECT_GT(variation.side, options.min_side);
     EXPECT_LE(variation.side, 1);

@@ -29,11 +29,12 @@ Eigen::Vector3d mean_middle(std::span<const WorldObservation> observations,
   return sum / static_cast<double>(group.size());
 }
 
-// Of the open ones those within reach of a place.
-Indices within(std::span<const WorldObservation> observations, std::span<const std::size_t> open,
-               const Eigen::Vector3d& place, double reach_m) {
+// Of the unassigned ones those within reach of a place.
+Indices within(std::span<const WorldObservation> observations,
+               std::span<const std::size_t> unassigned, const Eigen::Vector3d& place,
+               double reach_m) {
   Indices near;
-  for (const std::size_t i : open) {
+  for (const std::size_t i : unassigned) {
     if ((observations[i].middle_world - place).norm() <= reach_m) near.push_back(i);
   }
   return near;
@@ -56,13 +57,14 @@ Indices nearest_of_each_look(std::span<const WorldObservation> observations,
   return chosen;
 }
 
-// The place where most key-frames have something, of the open ones.
-Eigen::Vector3d fullest_place(std::span<const WorldObservation> observations,
-                              std::span<const std::size_t> open, double reach_m) {
-  std::size_t most = 0, best = open.front();
-  for (const std::size_t i : open) {
+// The place where most key-frames have something, of the unassigned ones.
+Eigen::Vector3d densest_place(std::span<const WorldObservation> observations,
+                              std::span<const std::size_t> unassigned, double reach_m) {
+  std::size_t most = 0, best = unassigned.front();
+  for (const std::size_t i : unassigned) {
     std::set<std::size_t> keyframes;
-    for (const std::size_t j : within(observations, open, observations[i].middle_world, reach_m)) {
+    for (const std::size_t j :
+         within(observations, unassigned, observations[i].middle_world, reach_m)) {
       keyframes.insert(observations[j].keyframe);
     }
     if (keyframes.size() <= most) continue;
@@ -71,7 +73,7 @@ Eigen::Vector3d fullest_place(std::span<const WorldObservation> observations,
   }
   Eigen::Vector3d place = observations[best].middle_world;
   for (int i = 0; i < kMeanShifts; ++i) {
-    const Indices near = within(observations, open, place, reach_m);
+    const Indices near = within(observations, unassigned, place, reach_m);
     if (near.empty()) break;
     place = mean_middle(observations, near);
   }
@@ -88,8 +90,8 @@ double share_in_picture(const network::PixelBox& a, const network::PixelBox& b) 
 
 // Of those near by, the ones that a picture shows inside, or about, one of the group: the same
 // thing once more.
-Indices shown_again(std::span<const WorldObservation> observations,
-                    std::span<const std::size_t> near, const Indices& group) {
+Indices duplicates_in_pictures(std::span<const WorldObservation> observations,
+                               std::span<const std::size_t> near, const Indices& group) {
   constexpr double kSameThing = 0.6;
   Indices again;
   for (const std::size_t i : near) {
@@ -103,19 +105,19 @@ Indices shown_again(std::span<const WorldObservation> observations,
   return again;
 }
 
-std::vector<Indices> group_by_votes(std::span<const WorldObservation> observations, Indices open,
-                                    double reach_m) {
+std::vector<Indices> group_by_votes(std::span<const WorldObservation> observations,
+                                    Indices unassigned, double reach_m) {
   std::vector<Indices> groups;
-  while (!open.empty()) {
-    const Eigen::Vector3d place = fullest_place(observations, open, reach_m);
-    const Indices near = within(observations, open, place, reach_m);
+  while (!unassigned.empty()) {
+    const Eigen::Vector3d place = densest_place(observations, unassigned, reach_m);
+    const Indices near = within(observations, unassigned, place, reach_m);
     Indices group = nearest_of_each_look(observations, near, place);
-    if (group.empty()) group = {open.front()};  // shifts led away from all of them
-    Indices rest, taken = shown_again(observations, near, group);
+    if (group.empty()) group = {unassigned.front()};  // shifts led away from all of them
+    Indices rest, taken = duplicates_in_pictures(observations, near, group);
     taken.insert(taken.end(), group.begin(), group.end());
     std::ranges::sort(taken);
-    std::ranges::set_difference(open, taken, std::back_inserter(rest));
-    open = std::move(rest);
+    std::ranges::set_difference(unassigned, taken, std::back_inserter(rest));
+    unassigned = std::move(rest);
     groups.push_back(std::move(group));
   }
   return groups;
@@ -167,9 +169,9 @@ std::vector<ObservationCluster> associate(std::span<const WorldObservation> obse
     of_class[observations[i].detection->class_name].push_back(i);
   }
   std::vector<ObservationCluster> clusters;
-  for (auto& [class_name, open] : of_class) {
-    const double reach_m = std::max(kMinReach_m, kReachOfLength * usual_length_m(class_name));
-    std::vector<Indices> groups = group_by_votes(observations, std::move(open), reach_m);
+  for (auto& [class_name, unassigned] : of_class) {
+    const double reach_m = std::max(kMinReach_m, kReachOfLength * typical_length_m(class_name));
+    std::vector<Indices> groups = group_by_votes(observations, std::move(unassigned), reach_m);
     join_near(groups, observations, reach_m);
     std::ranges::move(groups, std::back_inserter(clusters));
   }

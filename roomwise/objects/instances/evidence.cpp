@@ -45,7 +45,7 @@ bool are_rivals(const Candidate& a, const Candidate& b) {
 
 // Within which another candidate of its class may be the same thing.
 double twin_reach_m(const Candidate& candidate) {
-  return 1.5 * usual_length_m(candidate.class_name);
+  return 1.5 * typical_length_m(candidate.class_name);
 }
 
 // Standings among the others.

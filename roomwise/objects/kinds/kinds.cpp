@@ -58,7 +58,7 @@ Eigen::Vector3d usual_size_m(std::string_view name) {
   return kind == nullptr ? Eigen::Vector3d::Constant(kUnknown_m) : kind->size_m;
 }
 
-double usual_length_m(std::string_view name) {
+double typical_length_m(std::string_view name) {
   return usual_size_m(name).x();
 }
 

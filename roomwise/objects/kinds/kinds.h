@@ -29,7 +29,7 @@ struct Kind {
 // How large such things usually are, in one number, m; half a metre where nobody knows: the mean of
 // the sides by their logarithms, and the longer level side.
 [[nodiscard]] double usual_extent_m(std::string_view name);
-[[nodiscard]] double usual_length_m(std::string_view name);
+[[nodiscard]] double typical_length_m(std::string_view name);
 // As Kind::size_m, m; half a metre each where nobody knows.
 [[nodiscard]] Eigen::Vector3d usual_size_m(std::string_view name);
 

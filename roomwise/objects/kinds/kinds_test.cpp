@@ -29,9 +29,9 @@ TEST(Kinds, AreCompiledInAndMeanEachLabelOnce) {
 }
 
 TEST(Kinds, KnowHowLargeThingsAre) {
-  EXPECT_DOUBLE_EQ(usual_length_m("bed"), 2);
+  EXPECT_DOUBLE_EQ(typical_length_m("bed"), 2);
   EXPECT_GT(usual_extent_m("bed"), 5 * usual_extent_m("cup"));
-  EXPECT_DOUBLE_EQ(usual_length_m("dragon"), 0.5);
+  EXPECT_DOUBLE_EQ(typical_length_m("dragon"), 0.5);
   EXPECT_DOUBLE_EQ(usual_extent_m("dragon"), 0.5);
 }
 

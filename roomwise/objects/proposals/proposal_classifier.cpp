@@ -10,9 +10,9 @@
 #include <utility>
 
 #include "roomwise/image/resample.h"
-#include "roomwise/objects/proposals/class_size_prior.h"
 #include "roomwise/objects/instances/world_observation.h"
 #include "roomwise/objects/proposals/cell_components.h"
+#include "roomwise/objects/proposals/class_size_prior.h"
 #include "roomwise/objects/proposals/square_about.h"
 
 namespace roomwise::objects {
@@ -20,7 +20,8 @@ namespace {
 
 using network::PixelBox;
 
-constexpr float kClassifierMargin = 1.15F, kDetectorMargin = 1.4F;  // in longest sides of the box
+constexpr float kClassifierCropMargin = 1.15F,
+                kDetectorCropMargin = 1.4F;  // in longest sides of the box
 constexpr float kMinDetection = 0.15F;
 constexpr float kSameBox = 0.5F;  // a detection that covers the proposal's box so well is of it
 
@@ -281,13 +282,13 @@ class NetworkNamer final : public ProposalClassifier {
                                            const PixelBox& box) const override {
     if (picture.empty()) return fail("a picture without pixels shows nothing");
     ROOMWISE_TRY(const network::Prediction said,
-                 classifier_->predict(cut_out(picture, box, kClassifierMargin).picture));
+                 classifier_->predict(cut_out(picture, box, kClassifierCropMargin).picture));
     ClassScores by_classifier;
     for (std::size_t i = 0; i < said.scores.size(); ++i) {
       if (word_of_class_[i].empty()) continue;
       by_classifier[word_of_class_[i]] += static_cast<double>(said.scores[i]);
     }
-    const Square square = cut_out(picture, box, kDetectorMargin);
+    const Square square = cut_out(picture, box, kDetectorCropMargin);
     ROOMWISE_TRY(auto found, detector_->detect(square.picture, kMinDetection));
     for (network::Detection& detection : found) {
       detection.box.left += square.left_px;

@@ -25,7 +25,8 @@ class HomeLocalizerTest : public ::testing::Test {
     ASSERT_OK(home);
     MapSettings settings;
     settings.mapper = mapping::MapperOptions::of(method);
-    ASSERT_OK(map_recording(walk, {"walk", "made up", walk.info().camera, walk.info().frame_count},
+    ASSERT_OK(map_recording(walk,
+                            {"walk", "made up", walk.info().camera, walk.info().frames_remaining},
                             *home, {}, settings, run_));
   }
   Expected<HomeLocalizer> localizer() {

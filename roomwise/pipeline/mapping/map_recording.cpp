@@ -67,7 +67,7 @@ Expected<void> map_frames(recording::FrameSource& source,
                           RunContext& run) {
   MeasuredFrameReader reader(source, extractor, settings, run);
   std::shared_ptr<const image::RgbdFrame> previous;
-  run.progress.begin("mapping", source.info().frame_count);
+  run.progress.begin("mapping", source.info().frames_remaining);
   for (std::uint64_t done = 1; !run.progress.interrupted(); ++done) {
     ROOMWISE_TRY(auto next, reader.next());
     if (!next) {
@@ -166,7 +166,7 @@ Expected<MapSummary> map_recording(recording::FrameSource& source, const home::R
         summary.landmark_views = solved.refinement->views;
         summary.readout_s = solved.refinement->readout_s;
       }
-      summary.rejected_loops = solution.rejected_loops;
+      summary.rejected_edges = solution.rejected_edges;
       summary.components = solution.components;
       summary.graph_error_before = solution.report.error_before;
       summary.graph_error_after = solution.report.error_after;

@@ -20,7 +20,7 @@ struct MapSummary {
   std::uint64_t keyframes = 0;
   std::uint64_t edges = 0;  // of the pose graph
   std::uint64_t loops = 0;  // returns to a place that was left: edges over more than ten key-frames
-  std::uint64_t rejected_loops = 0;  // edges that contradicted the others and were left out
+  std::uint64_t rejected_edges = 0;  // edges that contradicted the others and were left out
   std::uint64_t components = 0;
   std::uint64_t objects = 0;      // by the paper's rules
   std::uint64_t instances = 0;    // joined from the regions of many key-frames

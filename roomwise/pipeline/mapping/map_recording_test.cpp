@@ -56,9 +56,9 @@ class MapRecording : public ::testing::Test {
     ThreadPool pool(threads);
     StageClock clock;
     RunContext run{pool, progress != nullptr ? *progress : silent_, clock, working_set_bytes_};
-    return map_recording(walk,
-                         {walk.info().name, "made up", walk.info().camera, walk.info().frame_count},
-                         home, networks, settings_, run, finders_);
+    return map_recording(
+        walk, {walk.info().name, "made up", walk.info().camera, walk.info().frames_remaining}, home,
+        networks, settings_, run, finders_);
   }
   void SetUp() override { finders_.in_pictures.push_back(std::make_unique<MiddleFinder>()); }
   static std::string digest(const std::filesystem::path& file) {
@@ -268,7 +268,7 @@ class ToAndFro final : public recording::FrameSource {
  public:
   ToAndFro(int frames, int laps) : frames_(frames), laps_(laps), walk_(frames) {
     info_ = walk_.info();
-    info_.frame_count = static_cast<std::uint64_t>(frames * laps);
+    info_.frames_remaining = static_cast<std::uint64_t>(frames * laps);
   }
   [[nodiscard]] const recording::SourceInfo& info() const override { return info_; }
   void skip_before(std::uint64_t index) override { next_ = static_cast<int>(index); }

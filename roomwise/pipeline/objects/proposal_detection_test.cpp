@@ -27,7 +27,8 @@ class CloserLooks : public ::testing::Test {
     objects::ObjectFinders finders;
     finders.in_pictures.push_back(std::make_unique<BlindFinder>());
     if (looks_closer) finders.of_proposals = std::make_unique<RedProposalClassifier>();
-    return map_recording(walk, {"walk", "made up", walk.info().camera, walk.info().frame_count},
+    return map_recording(walk,
+                         {"walk", "made up", walk.info().camera, walk.info().frames_remaining},
                          home, {}, MapSettings{}, run, finders);
   }
   home::Home mapped(const std::string& name, bool looks_closer) {

@@ -23,7 +23,7 @@ std::map<home::KeyframeId, home::KeyframePose> poses_by_id(
 std::set<home::KeyframeId> after_known_ground(std::span<const mapping::PoseGraphEdge> edges) {
   std::set<home::KeyframeId> after;
   for (const mapping::PoseGraphEdge& edge : edges) {
-    if (!edge.is_loop && edge.from + 1 != edge.to) after.insert(edge.to);
+    if (!edge.is_robust && edge.from + 1 != edge.to) after.insert(edge.to);
   }
   return after;
 }

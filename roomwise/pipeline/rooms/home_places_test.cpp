@@ -31,7 +31,8 @@ class HomePlacesTest : public ::testing::Test {
     auto home = create_home(*folder_ / "a.home");
     ASSERT_OK(home);
     networks_.push_back(std::make_unique<ColorNetwork>());
-    ASSERT_OK(map_recording(walk, {"walk", "made up", walk.info().camera, walk.info().frame_count},
+    ASSERT_OK(map_recording(walk,
+                            {"walk", "made up", walk.info().camera, walk.info().frames_remaining},
                             *home, networks_, {}, run));
     const auto labels = recording::RoomLabels::from_ranges(
         {{0, kFrames / 2 - 1, "hall", 1}, {kFrames / 2, kFrames - 1, "kitchen", 1}});

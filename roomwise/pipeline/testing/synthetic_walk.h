@@ -28,18 +28,18 @@ class SyntheticWalk final : public recording::FrameSource {
       : frames_(frames), step_rad_(step_rad) {
     info_.name = "synthetic walk";
     info_.camera = {260, 260, 159.5, 119.5, 320, 240, {}, 1000};
-    info_.frame_count = static_cast<std::uint64_t>(frames);
+    info_.frames_remaining = static_cast<std::uint64_t>(frames);
   }
 
   [[nodiscard]] const recording::SourceInfo& info() const override { return info_; }
   void skip_before(std::uint64_t index) override {
     next_ = std::min(static_cast<int>(index), frames_);
-    info_.frame_count = static_cast<std::uint64_t>(frames_ - next_);
+    info_.frames_remaining = static_cast<std::uint64_t>(frames_ - next_);
   }
   [[nodiscard]] Expected<std::optional<image::RgbdFrame>> next() override {
     if (next_ == frames_) return std::nullopt;
     if (next_ == fail_at) return fail("frame {} is damaged", next_);
-    --*info_.frame_count;
+    --*info_.frames_remaining;
     return render(next_++);
   }
 

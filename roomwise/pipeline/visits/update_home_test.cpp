@@ -56,7 +56,8 @@ class UpdateHome : public ::testing::Test {
     Expected<home::Home> made = create_home(folder_ / "a.home");
     ASSERT_OK(made);
     home_.emplace(*std::move(made));
-    ASSERT_OK(map_recording(walk, {"walk", "made up", walk.info().camera, walk.info().frame_count},
+    ASSERT_OK(map_recording(walk,
+                            {"walk", "made up", walk.info().camera, walk.info().frames_remaining},
                             *home_, {}, MapSettings{}, run_, finders_));
     ASSERT_EQ(home_->instances()->size(), 1U);
   }

@@ -81,7 +81,7 @@ TEST_F(RobotTest, FramesComeOneAfterTheOther) {
   ASSERT_OK(opened);
   Recording& recording = **opened;
   recording.skip_before(1);
-  EXPECT_EQ(recording.info().frame_count, 2U);
+  EXPECT_EQ(recording.info().frames_remaining, 2U);
   EXPECT_EQ(recording.next().value()->index, 1U);
   EXPECT_EQ(recording.next().value()->index, 3U);
   EXPECT_FALSE(recording.next().value().has_value());

@@ -1,8 +1,8 @@
-#include "roomwise/recording/undamaged_frames.h"
+#include "roomwise/recording/damage_tolerant_source.h"
 
 namespace roomwise::recording {
 
-Expected<std::optional<image::RgbdFrame>> UndamagedFrames::next() {
+Expected<std::optional<image::RgbdFrame>> DamageTolerantSource::next() {
   for (;;) {
     // An error leaves the source at the frame after it, so this ends.
     Expected<std::optional<image::RgbdFrame>> frame = source_.next();

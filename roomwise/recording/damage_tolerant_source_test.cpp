@@ -1,4 +1,4 @@
-#include "roomwise/recording/undamaged_frames.h"
+#include "roomwise/recording/damage_tolerant_source.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -36,7 +36,7 @@ class DamagedRecording : public ::testing::Test {
 TEST_F(DamagedRecording, IsReadWithoutTheFramesThatCannotBeRead) {
   write("1.png", std::string_view("no picture"));
   const auto recording = open_recording(folder_.path()).value();
-  UndamagedFrames frames(*recording, true);
+  DamageTolerantSource frames(*recording, true);
   EXPECT_EQ(frames.next().value()->index, 0U);
   EXPECT_EQ(frames.next().value()->index, 2U) << "a gap, so that labels by number stay true";
   EXPECT_FALSE(frames.next().value().has_value());
@@ -46,7 +46,7 @@ TEST_F(DamagedRecording, IsReadWithoutTheFramesThatCannotBeRead) {
 TEST_F(DamagedRecording, EndsAtTheFirstSuchFrameWhereNoneIsToBeLeftOut) {
   write("1.png", std::string_view("no picture"));
   const auto recording = open_recording(folder_.path()).value();
-  UndamagedFrames frames(*recording, false);
+  DamageTolerantSource frames(*recording, false);
   EXPECT_OK(frames.next());
   EXPECT_ERROR(frames.next(), "or give --skip-damaged");
 }
@@ -54,7 +54,7 @@ TEST_F(DamagedRecording, EndsAtTheFirstSuchFrameWhereNoneIsToBeLeftOut) {
 TEST_F(DamagedRecording, IsNoneWhereNothingCanBeRead) {
   write("d.png", std::string_view("no picture"));
   const auto recording = open_recording(folder_.path()).value();
-  UndamagedFrames frames(*recording, true);
+  DamageTolerantSource frames(*recording, true);
   EXPECT_ERROR(frames.next(), "none of its 3 frames can be read; the first: ");
 }
 

@@ -9,10 +9,10 @@ namespace roomwise::recording {
 
 // The frames of another source that can be read. The others are left out, so that one picture that
 // is damaged does not cost the walk; what was wrong with each is kept. Or the first such ends it.
-class UndamagedFrames final : public FrameSource {
+class DamageTolerantSource final : public FrameSource {
  public:
   // `source` must outlive it.
-  UndamagedFrames(FrameSource& source, bool skip_damaged)
+  DamageTolerantSource(FrameSource& source, bool skip_damaged)
       : source_(source), skip_damaged_(skip_damaged) {}
 
   [[nodiscard]] const SourceInfo& info() const override { return source_.info(); }
