@@ -316,7 +316,7 @@ void Localizer::refine(const Query& query, Localization& found) const {
   found.agreement = agreement_around(query, found.world_from_camera);
 }
 
-Localization Localizer::most_probable(const std::vector<Localization>& answers) const {
+Localization Localizer::likeliest(const std::vector<Localization>& answers) const {
   const auto has_hypothesis = [](const Localization& answer) {
     return answer.status > LocalizationStatus::kNoMotion;
   };
@@ -346,7 +346,7 @@ Localization Localizer::by_features(const Query& query) const {
     answers.push_back(locate_in(place, query));
   }
   if (answers.empty()) return {};
-  if (query.measurements.view().empty()) return most_probable(answers);
+  if (query.measurements.view().empty()) return likeliest(answers);
   std::ranges::stable_sort(answers, [](const Localization& a, const Localization& b) {
     return std::pair(a.status, a.inliers) > std::pair(b.status, b.inliers);
   });

@@ -91,7 +91,7 @@ class Localizer {
   [[nodiscard]] std::optional<Localization> confirmed(
       const Query& query, const std::vector<Localization>& answers) const;
   // Of answers without depth the one with most inliers, if it is probable enough.
-  [[nodiscard]] Localization most_probable(const std::vector<Localization>& answers) const;
+  [[nodiscard]] Localization likeliest(const std::vector<Localization>& answers) const;
   [[nodiscard]] Localization by_features(const Query& query) const;
 
   [[nodiscard]] std::vector<Localization> align_shapes(const Query& query) const;

@@ -11,9 +11,9 @@ namespace {
 constexpr double kNothingNew_deviations = 1.5;
 
 // Of `left`, which is not empty: the least similar to what is remembered, and how similar it is.
-Expected<std::pair<std::size_t, double>> least_similar(const RoomClassifier& classifier,
-                                                       std::span<const RoomPicture> pictures,
-                                                       std::span<const std::size_t> left) {
+Expected<std::pair<std::size_t, double>> lowest_similarity(const RoomClassifier& classifier,
+                                                           std::span<const RoomPicture> pictures,
+                                                           std::span<const std::size_t> left) {
   std::pair<std::size_t, double> least{left.front(), 0};
   for (const std::size_t i : left) {
     ROOMWISE_TRY(const Similarity similarity, classifier.similarity(pictures[i].features));
@@ -69,11 +69,11 @@ Expected<std::vector<std::size_t>> choose_pictures(
     const auto before = remembered.find(room);
     std::size_t count = before == remembered.end() ? 0 : before->second;
     for (; count < options.max_of_visit && !left.empty(); ++count) {
-      ROOMWISE_TRY(const auto least, least_similar(knowing, agreed, left));
-      if (least.second >= kNothingNew_deviations) break;
-      ROOMWISE_TRY(knowing, knowing.with(agreed.subspan(least.first, 1)));
-      std::erase(left, least.first);
-      chosen.push_back(least.first);
+      ROOMWISE_TRY(const auto lowest, lowest_similarity(knowing, agreed, left));
+      if (lowest.second >= kNothingNew_deviations) break;
+      ROOMWISE_TRY(knowing, knowing.with(agreed.subspan(lowest.first, 1)));
+      std::erase(left, lowest.first);
+      chosen.push_back(lowest.first);
     }
   }
   std::ranges::sort(chosen);
