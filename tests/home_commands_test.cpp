@@ -322,6 +322,50 @@ TEST_F(HomeCommandsTest, EvalLocalizerAsksForTheFramesOfAVisit) {
   EXPECT_EQ(strict.at("further_off"), 1);
 }
 
+// A walk along the other half of the wall and beyond.
+TEST_F(HomeCommandsTest, AFurtherWalkJoinsTheMapAndCanBeTakenOut) {
+  ASSERT_OK(testing::write_made_up_recording(path("later"), kFrames, 12));
+  const std::string home = path("grown.home");
+  std::filesystem::copy(path("my.home"), home);
+  const std::vector<std::string> map{"map", path("later"), "--no-networks", "--home", home};
+  const json grown = result_of(map);
+  EXPECT_EQ(grown.at("walks"), 2);
+  EXPECT_EQ(grown.at("joined"), true);
+  EXPECT_EQ(grown.at("pieces"), 1);
+  const json recordings = result_of({"info", home, "--verify"}).at("recordings");
+  ASSERT_EQ(recordings.size(), 2U);
+  for (const json& one : recordings) {
+    EXPECT_EQ(one.at("frames"), kFrames);
+    EXPECT_EQ(one.at("placed"), kFrames);
+    EXPECT_EQ(one.at("component"), 0);
+  }
+  EXPECT_EQ(recordings[0].at("name"), "walk");
+  EXPECT_EQ(recordings[1].at("name"), "later");
+
+  result_of({"export", "tum", "--home", home, "--walk", "later", "-o", path("later.txt")});
+  EXPECT_LT(
+      result_of({"eval", "trajectory", "--truth", path("later"), "--estimate", path("later.txt")})
+          .at("ate_rmse_m")
+          .get<double>(),
+      0.01);
+
+  const auto error_of = [](const std::vector<std::string>& command) {
+    const ProgramResult refused = run_roomwise(command);
+    EXPECT_EQ(refused.exit_code, 1);
+    return refused.errors;
+  };
+  EXPECT_THAT(error_of(map), HasSubstr("holds this recording already, as later"));
+  EXPECT_THAT(error_of({"map", path("later"), "--home", home, "--features", "orb"}),
+              HasSubstr("leave out --features"));
+  EXPECT_THAT(error_of({"map", path("later"), "--home", home, "--resume"}),
+              HasSubstr("is finished"));
+  EXPECT_THAT(error_of({"forget", "sunday", "--home", home}),
+              HasSubstr("give one of walk (#1), later (#2)"));
+  const json left = result_of({"forget", "walk", "--home", home});
+  EXPECT_EQ(left.at("walks"), 1);
+  EXPECT_EQ(result_of({"info", home, "--verify"}).at("recordings")[0].at("name"), "later");
+}
+
 TEST_F(HomeCommandsTest, NoCommandWritesOverAHome) {
   const std::string before = result_of({"info", path("my.home"), "--digest"}).dump();
   for (const std::vector<std::string>& command : std::vector<std::vector<std::string>>{

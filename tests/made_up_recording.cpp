@@ -57,13 +57,13 @@ image::ColorImage picture_of_wall(const geometry::PinholeCamera& camera, Shift s
 
 }  // namespace
 
-Expected<void> write_made_up_recording(const std::filesystem::path& folder, int frames) {
+Expected<void> write_made_up_recording(const std::filesystem::path& folder, int frames, int first) {
   const geometry::PinholeCamera camera = made_up_camera();
   ROOMWISE_TRY(const auto writer, recording::TumWriter::create(folder, camera));
   recording::Trajectory truth;
   const auto depth = static_cast<std::uint16_t>(kWallDistance_m * camera.depth_units_per_metre);
   for (int i = 0; i < frames; ++i) {
-    const Shift shift = shift_at(i);
+    const Shift shift = shift_at(first + i);
     image::RgbdFrame frame;
     frame.index = static_cast<std::uint64_t>(i);
     frame.timestamp_ns = (i + 1) * kFramePeriod_ns;

@@ -78,6 +78,22 @@ Expected<home::Home> open_home_read_only(const std::filesystem::path& path,
   return home::Home::open_read_only(path, options);
 }
 
+Expected<home::RecordingId> find_walk(const home::Home& home, const std::string& text) {
+  ROOMWISE_TRY(const auto recordings, home.recordings());
+  if (recordings.empty()) return fail("{}: holds no walk; use roomwise map first", home.file());
+  if (text.empty()) return recordings.back().id;
+  std::vector<std::string> names;
+  std::vector<home::RecordingId> found;
+  for (const home::StoredRecording& walk : recordings) {
+    const std::string number = fmt::format("#{}", names.size() + 1);
+    if (walk.recording.name == text || number == text) found.push_back(walk.id);
+    names.push_back(fmt::format("{} ({})", walk.recording.name, number));
+  }
+  if (found.size() == 1) return found.front();
+  return fail("{}: has {} walks '{}'; give one of {}", home.file(), found.size(), text,
+              fmt::join(names, ", "));
+}
+
 Expected<home::Passphrase> ask_passphrase(int terminal, const std::string& question) {
   constexpr std::uint8_t kCtrlC = 3, kCtrlD = 4, kBackspace = 8, kCtrlU = 21, kDelete = 127;
   ROOMWISE_TRY(const SilentTerminal silent, SilentTerminal::take(terminal));

@@ -16,6 +16,11 @@ namespace roomwise::app {
 [[nodiscard]] Expected<home::Home> open_home_read_only(const std::filesystem::path& path,
                                                        const Context& context);
 
+// The walk of that name, or with "#2" the second that roomwise info lists; no text: the newest.
+// Fails where there is none, or several of the name.
+[[nodiscard]] Expected<home::RecordingId> find_walk(const home::Home& home,
+                                                    const std::string& text);
+
 // Asks at the terminal, which does not show what is typed. Fails where it is broken off (Ctrl-C,
 // Ctrl-D).
 [[nodiscard]] Expected<home::Passphrase> ask_passphrase(int terminal, const std::string& question);

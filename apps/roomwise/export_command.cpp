@@ -25,6 +25,7 @@ namespace fs = std::filesystem;
 struct ExportOptions {
   fs::path home;
   fs::path output;
+  std::string walk;
   std::string surface = "cloud";
   double voxel_size_m = 0.02;
   double cell_m = 0.05;
@@ -141,7 +142,11 @@ Expected<Answer> export_floor(const ExportOptions& options, Context& context) {
 
 Expected<Answer> export_tum(const ExportOptions& options, Context& context) {
   ROOMWISE_TRY(const home::Home home, open_home_read_only(options.home, context));
-  ROOMWISE_TRY(const recording::Trajectory trajectory, pipeline::stored_trajectory(home));
+  std::optional<home::RecordingId> walk;
+  if (!options.walk.empty()) {
+    ROOMWISE_TRY(walk, find_walk(home, options.walk));
+  }
+  ROOMWISE_TRY(const recording::Trajectory trajectory, pipeline::stored_trajectory(home, walk));
   ROOMWISE_CHECK_OK(recording::write_trajectory(options.output, trajectory));
   return wrote(options.output, "poses", trajectory.size());
 }
@@ -228,9 +233,13 @@ void add_export_commands(CLI::App& app, Context& context) {
   add_fused_voxel(*octomap, of_octomap);
   add_cell(*octomap, of_octomap);
   add_floor_export(*group, context);
-  add_export(*group, context, "tum",
-             "The pose of every frame (TUM: timestamp tx ty tz qx qy qz qw)",
-             "tum --home my.home -o trajectory.txt", export_tum);
+  {
+    const auto [command, options] = add_export(
+        *group, context, "tum", "The pose of every frame (TUM: timestamp tx ty tz qx qy qz qw)",
+        "tum --home my.home -o trajectory.txt", export_tum);
+    command->add_option("--walk", options.walk,
+                        "Of this walk alone; default: of all, one after the other");
+  }
   add_export(*group, context, "g2o", "The pose graph of the key-frames (.g2o)",
              "g2o --home my.home -o my.g2o", export_g2o);
 }

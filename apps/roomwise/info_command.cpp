@@ -43,6 +43,11 @@ class Facts {
     }
     answer_.json[key(name)] = value;
   }
+  // The same, where machines get more than people.
+  void add(const std::string& name, const std::string& text, Json value) {
+    add(name, text);
+    answer_.json[key(name)] = std::move(value);
+  }
   [[nodiscard]] Answer answer() && { return std::move(answer_); }
 
  private:
@@ -68,19 +73,37 @@ Expected<Answer> describe_home(const InfoOptions& options, Context& context) {
   ROOMWISE_TRY(const auto classifier, home.room_classifier());
 
   Facts facts(options.path, "home");
+  Json walks = Json::array();
   std::vector<std::string> recording_names, room_names, network_names;
   std::size_t frames = 0, placed = 0;
   for (const home::StoredRecording& stored : recordings) {
-    recording_names.push_back(stored.recording.name + (stored.finished ? "" : " (unfinished)"));
     ROOMWISE_TRY(const auto of_recording, home.frames(stored.id));
-    frames += of_recording.size();
-    placed += static_cast<std::size_t>(std::ranges::count_if(
+    const auto placed_here = static_cast<std::size_t>(std::ranges::count_if(
         of_recording, [](const home::Frame& frame) { return frame.place.has_value(); }));
+    frames += of_recording.size();
+    placed += placed_here;
+    // A walk's own largest component says where it belongs.
+    std::optional<std::uint64_t> component;
+    std::size_t own_keyframes = 0;
+    for (const home::Keyframe& keyframe : keyframes) {
+      if (keyframe.recording != stored.id) continue;
+      ++own_keyframes;
+      component = std::min(component.value_or(keyframe.pose.component), keyframe.pose.component);
+    }
+    std::string note = stored.finished ? "" : " (unfinished)";
+    if (component.value_or(0) != 0) note += " (not joined with the map)";
+    recording_names.push_back(stored.recording.name + note);
+    walks.push_back({{"name", stored.recording.name},
+                     {"frames", of_recording.size()},
+                     {"placed", placed_here},
+                     {"keyframes", own_keyframes},
+                     {"component", component ? Json(*component) : Json()},
+                     {"finished", stored.finished}});
   }
   for (const rooms::Room& room : rooms) room_names.push_back(room.name);
   for (const auto& [id, network] : networks) network_names.push_back(network.name);
 
-  facts.add("recordings", fmt::format("{}", fmt::join(recording_names, ", ")));
+  facts.add("recordings", fmt::format("{}", fmt::join(recording_names, ", ")), std::move(walks));
   facts.add("frames", frames);
   facts.add("frames placed", placed);
   facts.add("key-frames", keyframes.size());

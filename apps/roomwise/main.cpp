@@ -16,6 +16,7 @@ int main(int argc, char** argv) {
   add_info_command(app, context);
   add_record_command(app, context);
   add_map_command(app, context);
+  add_forget_command(app, context);
   add_locate_command(app, context);
   add_update_command(app, context);
   add_rooms_commands(app, context);

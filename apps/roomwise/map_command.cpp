@@ -1,4 +1,5 @@
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <opencv2/core.hpp>
 
@@ -37,14 +38,30 @@ struct MapOptions {
   bool no_networks = false;
   bool skip_damaged = false;
   fs::path trajectory;
+  std::function<std::vector<std::string>()> given_settings;  // names of options that say how to map
 };
 
+// A home that is there takes a further walk, or goes on with the one that it was left in.
 Expected<home::Home> make_or_open_home(const MapOptions& options, const Context& context) {
   ROOMWISE_TRY(const home::OpenOptions open, open_options(context));
   if (!fs::exists(options.home)) return pipeline::create_home(options.home, open);
-  if (options.resume) return home::Home::open(options.home, open);
-  return fail("{}: exists already; give --resume to go on with it, or another name",
-              options.home.string());
+  ROOMWISE_TRY(home::Home home, home::Home::open(options.home, open));
+  ROOMWISE_TRY(const auto recordings, home.recordings());
+  const bool is_unfinished = !recordings.empty() && !recordings.back().finished;
+  if (is_unfinished && recordings.back().next_frame_index > 0 && !options.resume) {
+    return fail("{}: its walk {} was not mapped to the end; give --resume to go on with it",
+                options.home.string(), recordings.back().recording.name);
+  }
+  if (!recordings.empty() && !is_unfinished && options.resume) {
+    return fail("{}: is finished; without --resume {} is added to it as a further walk",
+                options.home.string(), options.recording.string());
+  }
+  const std::vector<std::string> given = options.given_settings();
+  if (!recordings.empty() && !given.empty()) {
+    return fail("{}: holds a map, and a further walk is mapped as that was; leave out {}",
+                options.home.string(), fmt::join(given, ", "));
+  }
+  return home;
 }
 
 // Those that the options ask for.
@@ -80,7 +97,7 @@ Expected<std::unique_ptr<recording::Recording>> open_recording(const MapOptions&
   recording::RecordingOptions how;
   ROOMWISE_TRY(const auto stored, home.recordings());
   ROOMWISE_TRY(how.camera, given_camera(options.camera));
-  if (!how.camera && !stored.empty()) how.camera = stored.back().recording.camera;
+  if (!how.camera && options.resume && !stored.empty()) how.camera = stored.back().recording.camera;
   return recording::open_recording(options.recording, how);
 }
 
@@ -114,6 +131,16 @@ std::string motion_text(const pipeline::MapSummary& summary) {
   return text;
 }
 
+// Of what a further walk is to the map.
+std::string walks_text(const pipeline::MapSummary& summary) {
+  if (summary.walks < 2) return "";
+  return fmt::format("walks       {}; this one {}\n", summary.walks,
+                     summary.is_joined
+                         ? "has joined the map"
+                         : "shows too little that the map knows: it stays a piece of its own until "
+                           "a later walk joins the two");
+}
+
 std::string to_text(const pipeline::MapSummary& summary, const std::vector<std::string>& networks) {
   std::string text = fmt::format(
       "frames      {} of {} have a place on the map\n"
@@ -124,6 +151,7 @@ std::string to_text(const pipeline::MapSummary& summary, const std::vector<std::
       "pose graph  F {:.6g} -> {:.6g}\n",
       summary.placed, summary.frames, summary.keyframes, summary.edges, summary.rejected_edges,
       summary.loops, summary.components, summary.graph_error_before, summary.graph_error_after);
+  text += walks_text(summary);
   text += motion_text(summary);
   if (summary.landmarks > 0) {
     text += fmt::format("landmarks   {}, seen {} times; rolling shutter {}\n", summary.landmarks,
@@ -218,7 +246,9 @@ Expected<Answer> map(const MapOptions& options, Context& context) {
   }
   if (labels) ROOMWISE_CHECK_OK(name_rooms_if_unnamed(home, *labels));
   if (!options.trajectory.empty()) {
-    ROOMWISE_TRY(const recording::Trajectory trajectory, pipeline::stored_trajectory(home));
+    ROOMWISE_TRY(const auto recordings, home.recordings());
+    ROOMWISE_TRY(const recording::Trajectory trajectory,
+                 pipeline::stored_trajectory(home, recordings.back().id));
     ROOMWISE_CHECK_OK(recording::write_trajectory(options.trajectory, trajectory));
   }
 
@@ -239,6 +269,8 @@ Expected<Answer> map(const MapOptions& options, Context& context) {
                  {"loops", summary.loops},
                  {"rejected_loops", summary.rejected_edges},
                  {"pieces", summary.components},
+                 {"walks", summary.walks},
+                 {"joined", summary.is_joined},
                  {"f_before", summary.graph_error_before},
                  {"f_after", summary.graph_error_after},
                  {"landmarks", summary.landmarks},
@@ -265,25 +297,34 @@ Expected<Answer> run(const MapOptions& options, Context& context) {
 void add_map_command(CLI::App& app, Context& context) {
   const auto [command, options] = add_command<MapOptions>(
       app, context, "map",
-      "Turn a recording into a home: map, key-frames, what networks see in them",
+      "Turn a recording into a home, or add a further walk to one: map, key-frames, what networks "
+      "see in them",
       "roomwise map office_walk --home office.home", run);
   command
       ->add_option("RECORDING", options.recording,
                    "Folder or file of any kind that is read (docs/recordings.md)")
       ->required();
   command
-      ->add_option("--home", options.home, "Home file to make (or, with --resume, to go on with)")
+      ->add_option("--home", options.home,
+                   "Home file to make; to one that is there the recording is added as a further "
+                   "walk")
       ->required();
   CLI::Option* resume = command->add_flag(
       "--resume", options.resume, "Go on with a run that was stopped, with its own settings");
   command->get_option("--seed")->excludes(resume);
+  const auto settings = std::make_shared<std::vector<const CLI::Option*>>();
+  settings->push_back(command->get_option("--seed"));
   add_camera_option(*command, options.camera, "the recording's own");
   command->add_flag("--skip-damaged", options.skip_damaged,
                     "Leave out frames that cannot be read, and name them; without it the first "
                     "such frame ends the work");
-  const auto option = [resume, &map = *command](const char* name, auto& value, const char* meaning,
-                                                const CLI::Validator& check) {
-    return map.add_option(name, value, meaning)->check(check)->excludes(resume);
+  const auto how = [resume, settings](CLI::Option* option) {
+    settings->push_back(option);
+    return option->excludes(resume);
+  };
+  const auto option = [how, &map = *command](const char* name, auto& value, const char* meaning,
+                                             const CLI::Validator& check) {
+    return how(map.add_option(name, value, meaning)->check(check));
   };
   const auto setting = [&](const char* name, auto& value, const char* meaning,
                            const CLI::Validator& check) {
@@ -295,9 +336,8 @@ void add_map_command(CLI::App& app, Context& context) {
           CLI::IsMember({"combined", "paper"}));
   setting("--features", options.features, "surf, sift or orb",
           CLI::IsMember({"surf", "sift", "orb"}));
-  add_setting(*command, "--keypoints", options.settings.max_keypoints,
-              "Maximum number of key-points in a frame")
-      ->excludes(resume);
+  how(add_setting(*command, "--keypoints", options.settings.max_keypoints,
+                  "Maximum number of key-points in a frame"));
   setting("--keyframe-translation", options.settings.mapper.keyframe_translation_m,
           "A key-frame after this much motion, m", positive());
   setting("--keyframe-rotation", options.settings.mapper.keyframe_rotation_rad,
@@ -319,16 +359,12 @@ void add_map_command(CLI::App& app, Context& context) {
   add_setting(*command, "--working-set", options.working_set_mb,
               "Memory for what was measured in key-frames, MB; the others wait in a scratch "
               "file beside the home. Changes no result");
-  command
-      ->add_flag("--no-bundle-adjustment", options.no_bundle_adjustment,
-                 "Leave the map as the pose graph says: no landmarks, no rolling shutter (so does "
-                 "--method paper)")
-      ->excludes(resume);
-  command
-      ->add_flag("--no-device-motion", options.no_device_motion,
-                 "Leave aside what the device says of its own motion (ARKit, odometry.txt; so does "
-                 "--method paper)")
-      ->excludes(resume);
+  how(command->add_flag("--no-bundle-adjustment", options.no_bundle_adjustment,
+                        "Leave the map as the pose graph says: no landmarks, no rolling shutter "
+                        "(so does --method paper)"));
+  how(command->add_flag("--no-device-motion", options.no_device_motion,
+                        "Leave aside what the device says of its own motion (ARKit, odometry.txt; "
+                        "so does --method paper)"));
   setting("--object-score", options.settings.objects.min_score,
           "Minimum score of an object, 0 to 1", CLI::Range(0.0, 1.0));
   add_network_options(*command, options.networks);
@@ -338,7 +374,14 @@ void add_map_command(CLI::App& app, Context& context) {
                  "can be learned")
       ->excludes("--network");
   command->add_option("--trajectory", options.trajectory,
-                      "Also write the trajectory there, in TUM's format");
+                      "Also write the walk's trajectory there, in TUM's format");
+  options.given_settings = [settings] {
+    std::vector<std::string> given;
+    for (const CLI::Option* one : *settings) {
+      if (one->count() > 0) given.push_back(one->get_name());
+    }
+    return given;
+  };
 }
 
 }  // namespace roomwise::app

@@ -20,17 +20,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-Expected<home::RecordingId> only_recording(const home::Home& home) {
-  ROOMWISE_TRY(const auto recordings, home.recordings());
-  if (recordings.empty())
-    return fail("{}: holds no recording; use roomwise map first", home.file());
-  return recordings.back().id;
-}
-
 // ---- rooms name ----
 
 struct NameOptions {
   fs::path home;
+  std::string walk;
   fs::path labels;
   std::vector<std::string> frames;  // "0-19=corridor"
   std::vector<std::string> times;   // "12.5-30=kitchen", seconds from the first frame
@@ -119,7 +113,7 @@ Expected<Answer> name(const NameOptions& options, Context& context) {
   }
   ROOMWISE_TRY(home::Home home, open_home(options.home, context));
   if (has_ranges || !options.labels.empty()) {
-    ROOMWISE_TRY(const home::RecordingId recording, only_recording(home));
+    ROOMWISE_TRY(const home::RecordingId recording, find_walk(home, options.walk));
     ROOMWISE_TRY(const auto frames, home.frames(recording));
     ROOMWISE_TRY(const recording::RoomLabels labels,
                  options.labels.empty() ? parse_ranges(options, frames)
@@ -144,6 +138,7 @@ struct LearnOptions {
   fs::path home;
   fs::path labels;
   fs::path photos;
+  std::vector<std::string> walks;
   SelectionOptions selection;
   int augment = 2;
   NetworkOptions networks;
@@ -181,15 +176,22 @@ Expected<rooms::LearningReport> learn_photos(const LearnOptions& options, Contex
                pipeline::features_network(opened->networks));
   CommandRun run(context);
   return pipeline::learn_rooms_from_photos(opened->home, options.photos, *network,
-                                           {{}, options.augment}, run);
+                                           {.variants = options.augment}, run);
 }
 
 Expected<rooms::LearningReport> learn_keyframes(const LearnOptions& options, Context& context) {
   ROOMWISE_TRY(home::Home home, open_home(options.home, context));
-  ROOMWISE_TRY(const home::RecordingId recording, only_recording(home));
+  pipeline::RoomLearning learning{.variants = options.augment};
+  for (const std::string& name : options.walks) {
+    ROOMWISE_TRY(learning.walks.emplace_back(), find_walk(home, name));
+  }
   if (!options.labels.empty()) {
+    if (options.walks.size() > 1)
+      return fail("--labels names the rooms of one walk; --walks gives {}", options.walks.size());
+    ROOMWISE_TRY(const home::RecordingId walk,
+                 find_walk(home, options.walks.empty() ? "" : options.walks.front()));
     ROOMWISE_TRY(const recording::RoomLabels labels, recording::RoomLabels::read(options.labels));
-    ROOMWISE_CHECK_OK(pipeline::name_rooms(home, recording, labels));
+    ROOMWISE_CHECK_OK(pipeline::name_rooms(home, walk, labels));
   }
   ROOMWISE_TRY(const pipeline::RoomSelection selection, parse(options.selection));
   pipeline::Networks networks;  // what they saw in the key-frames themselves is stored
@@ -197,8 +199,7 @@ Expected<rooms::LearningReport> learn_keyframes(const LearnOptions& options, Con
     ROOMWISE_TRY(networks, load_networks(options.networks, &home, /*also_brought=*/true));
   }
   CommandRun run(context);
-  return pipeline::learn_rooms_from_keyframes(home, recording, selection, {{}, options.augment},
-                                              networks, run);
+  return pipeline::learn_rooms_from_keyframes(home, selection, learning, networks, run);
 }
 
 Answer to_answer(const rooms::LearningReport& report) {
@@ -397,6 +398,7 @@ void add_rooms_commands(CLI::App& app, Context& context) {
         *group, context, "name", "Name the rooms of a recording, and their types",
         "roomwise rooms name --home my.home --times 0-12.5=hall --times 12.6-40=kitchen", name);
     add_home_option(*command, options.home);
+    command->add_option("--walk", options.walk, "Name of the walk; default: the newest");
     command->add_option("--labels", options.labels,
                         "rooms.txt: a line a range, \"first_frame last_frame room visit\"");
     command->add_option("--frames", options.frames,
@@ -412,12 +414,19 @@ void add_rooms_commands(CLI::App& app, Context& context) {
         "Learn the rooms from a mapped recording, or from photos (one folder a room)",
         "roomwise rooms learn --home my.home --labels rooms.txt --visits 1", learn);
     add_home_option(*command, options.home);
-    CLI::Option* labels = command->add_option(
-        "--labels", options.labels, "rooms.txt of the recording; default: as named before");
+    CLI::Option* labels = command->add_option("--labels", options.labels,
+                                              "rooms.txt of the walk; default: as named before");
+    CLI::Option* walks =
+        command
+            ->add_option("--walks", options.walks,
+                         "Names of the walks to learn from, separated by commas; default: all "
+                         "whose rooms are named")
+            ->delimiter(',');
     CLI::Option* photos =
         command->add_option("--photos", options.photos, "Folder with one folder of photos a room");
     add_selection_options(*command, options.selection);
     photos->excludes(labels)
+        ->excludes(walks)
         ->excludes(command->get_option("--visits"))
         ->excludes(command->get_option("--rooms"));
     add_setting(*command, "--augment", options.augment,

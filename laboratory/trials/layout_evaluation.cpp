@@ -70,7 +70,7 @@ void count_doors(const rooms::RoomLayout& layout, const simulation::FloorPlanTru
 Expected<LayoutEvaluation> evaluate_layout(const home::Home& home,
                                            const std::filesystem::path& recording,
                                            pipeline::RunContext& run) {
-  ROOMWISE_CHECK_OK(check_mapped_from(home, recording));
+  ROOMWISE_CHECK_OK(mapped_walk(home, recording));
   ROOMWISE_TRY(const simulation::FloorPlanTruth plan,
                simulation::read_floor_plan(recording / "floorplan.json"));
   ROOMWISE_TRY(const auto things, simulation::read_objects_truth(recording / "objects.json"));

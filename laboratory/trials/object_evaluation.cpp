@@ -190,7 +190,7 @@ Expected<HomeTruth> home_truth(const home::Home& home, const ObjectTruthFiles& t
       ROOMWISE_TRY(recording, recording_of(home));
     }
   }
-  ROOMWISE_CHECK_OK(check_mapped_from(home, recording));
+  ROOMWISE_CHECK_OK(mapped_walk(home, recording));
   HomeTruth result;
   if (marked) {
     ROOMWISE_CHECK_OK(add_marked(home, *marked, recording, result));

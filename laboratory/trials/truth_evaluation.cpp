@@ -56,30 +56,38 @@ Expected<std::vector<home::Keyframe>> at_true_poses(std::vector<home::Keyframe> 
   return placed;
 }
 
-Expected<void> check_mapped_from(const home::Home& home, const std::filesystem::path& recording) {
+Expected<home::RecordingId> mapped_walk(const home::Home& home,
+                                        const std::filesystem::path& recording) {
   ROOMWISE_TRY(const auto keyframes, home.keyframes());
-  if (keyframes.empty()) return {};
   ROOMWISE_TRY(const auto recordings, home.recordings());
-  ROOMWISE_TRY(const auto pictures, recording::open_recording(
-                                        recording, {.camera = recordings.back().recording.camera}));
-  for (const home::Keyframe* keyframe : {&keyframes.front(), &keyframes.back()}) {
-    ROOMWISE_TRY(const home::KeyframeImages images, home.images(keyframe->id));
-    if (pictures->find(keyframe->frame_index) != nullptr) {
-      ROOMWISE_TRY(const Bytes picture, pictures->read_color_file(keyframe->frame_index));
-      if (picture == images.color) continue;
-    }
-    return fail(
-        "{} was not mapped from {}: its key-frame {} is no picture of it; give the recording that "
-        "was mapped",
-        home.file(), recording.string(), keyframe->id);
+  for (const home::StoredRecording& walk : recordings) {
+    const auto of_walk =
+        std::ranges::equal_range(keyframes, walk.id, {}, &home::Keyframe::recording);
+    if (of_walk.empty()) continue;
+    ROOMWISE_TRY(const auto pictures,
+                 recording::open_recording(recording, {.camera = walk.recording.camera}));
+    const auto is_picture = [&](const home::Keyframe& keyframe) -> Expected<bool> {
+      if (pictures->find(keyframe.frame_index) == nullptr) return false;
+      ROOMWISE_TRY(const home::KeyframeImages images, home.images(keyframe.id));
+      return pictures->read_color_file(keyframe.frame_index).map([&](const Bytes& picture) {
+        return picture == images.color;
+      });
+    };
+    ROOMWISE_TRY(const bool has_first, is_picture(of_walk.front()));
+    ROOMWISE_TRY(const bool has_last, is_picture(of_walk.back()));
+    if (has_first && has_last) return walk.id;
   }
-  return {};
+  return fail(
+      "{} was not mapped from {}: the key-frames of none of its walks are pictures of it; give a "
+      "recording that was mapped",
+      home.file(), recording.string());
 }
 
 Expected<geometry::RigidTransform> truth_from_map(const home::Home& home,
                                                   const std::filesystem::path& recording) {
   ROOMWISE_TRY(const recording::Trajectory truth, recording::read_truth(recording));
-  ROOMWISE_TRY(const recording::Trajectory estimate, pipeline::stored_trajectory(home));
+  ROOMWISE_TRY(const home::RecordingId walk, mapped_walk(home, recording));
+  ROOMWISE_TRY(const recording::Trajectory estimate, pipeline::stored_trajectory(home, walk));
   const auto error = evaluation::absolute_trajectory_error(truth, estimate);
   if (!error) return fail("{} and {}: {}", home.file(), recording.string(), error.error().message);
   return error->truth_from_estimate;
@@ -90,7 +98,7 @@ Expected<evaluation::CloudError> evaluate_map(const home::Home& home,
                                               const std::filesystem::path& furniture,
                                               const MapEvaluationOptions& options,
                                               pipeline::RunContext& run) {
-  ROOMWISE_CHECK_OK(check_mapped_from(home, recording));
+  ROOMWISE_CHECK_OK(mapped_walk(home, recording));
   const std::filesystem::path made_of = recording / "simulation.json";
   ROOMWISE_TRY(const auto made, simulation::read_simulation(made_of));
   ROOMWISE_TRY(const auto catalogue, simulation::FurnitureCatalogue::open(furniture));

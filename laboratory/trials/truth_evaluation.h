@@ -16,10 +16,10 @@
 // A home against the truth of the recording that it was mapped from.
 namespace roomwise::trials {
 
-// Fails where the home was mapped from another recording: its first and last key-frame must be
-// pictures of this one.
-[[nodiscard]] Expected<void> check_mapped_from(const home::Home& home,
-                                               const std::filesystem::path& recording);
+// The walk of the home that this recording is: its first and last key-frame must be pictures of it.
+// Fails where there is none.
+[[nodiscard]] Expected<home::RecordingId> mapped_walk(const home::Home& home,
+                                                      const std::filesystem::path& recording);
 
 // The map has a world of its own: this moves it onto that of the recording's groundtruth.txt as its
 // trajectory fits best.

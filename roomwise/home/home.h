@@ -59,7 +59,8 @@ struct StoredRecording {
   Recording recording;
   // Frames below this index are stored; an interrupted run goes on from here.
   std::uint64_t next_frame_index = 0;
-  bool finished = false;  // all its frames are stored and its map is optimised
+  bool finished = false;            // all its frames are stored and its map is optimised
+  std::optional<double> readout_s;  // of its camera's rolling shutter, as the map was refined
 };
 
 struct Keyframe : scene::KeyframeStamp {
@@ -240,10 +241,12 @@ class Home {
   [[nodiscard]] Expected<std::vector<StoredRecording>> recordings() const;  // as they were added
   // Adds what was mapped since the last step. Fails where it does not continue what is stored.
   [[nodiscard]] Expected<void> commit(const MapCommit& step);
+  [[nodiscard]] Expected<void> put_readout(RecordingId id, double readout_s);
   // Marks that all its frames are stored and its map is optimised.
   [[nodiscard]] Expected<void> finish_recording(RecordingId id);
   // Removes the recording and all that came from it; frames of other recordings that were placed by
-  // its key-frames lose their place. What was learned from it stays learned.
+  // its key-frames lose their place, and the key-frames of later ones are numbered anew, so that
+  // the numbers have no gap. What was learned from it stays learned.
   [[nodiscard]] Expected<void> remove_recording(RecordingId id);
 
   [[nodiscard]] Expected<KeyframeId> next_keyframe_id() const;
@@ -396,6 +399,9 @@ class Home {
   [[nodiscard]] Expected<void> authenticate_images() const;
   // Seals every picture, or opens every one.
   [[nodiscard]] Expected<std::size_t> convert_pictures(bool to_sealed);
+  [[nodiscard]] Expected<void> renumber_keyframes();
+  // The sealed pictures of key-frames from `first` on, whose numbers were larger by `shift`.
+  [[nodiscard]] Expected<void> reseal_pictures(KeyframeId first, KeyframeId shift);
   [[nodiscard]] Expected<void> insert_keyframe(RecordingId recording, const NewKeyframe& keyframe);
   [[nodiscard]] Expected<void> insert_edge(const scene::PoseGraphEdge& edge);
   [[nodiscard]] Expected<void> insert_frame(RecordingId recording, const Frame& frame);

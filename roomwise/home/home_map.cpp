@@ -1,6 +1,7 @@
 // The part of Home that stores recordings and the map: key-frames, frames, pose graph.
 
 #include <array>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -120,7 +121,8 @@ StoredRecording read_recording(const Statement& row) {
                         .camera = camera,
                         .frame_count = row.column<std::optional<std::uint64_t>>(15)},
           .next_frame_index = row.column<std::uint64_t>(16),
-          .finished = row.column<bool>(17)};
+          .finished = row.column<bool>(17),
+          .readout_s = row.column<std::optional<double>>(18)};
 }
 
 }  // namespace
@@ -142,7 +144,7 @@ Expected<RecordingId> Home::add_recording(const Recording& recording) {
 Expected<std::vector<StoredRecording>> Home::recordings() const {
   return collect<std::vector<StoredRecording>>(database_,
                                                "SELECT recording_id, " ROOMWISE_RECORDING_COLUMNS
-                                               " FROM recordings ORDER BY recording_id",
+                                               ", readout_s FROM recordings ORDER BY recording_id",
                                                read_recording);
 }
 
@@ -246,6 +248,11 @@ Expected<void> Home::insert_motion(RecordingId recording, std::uint64_t frame_in
       recording, frame_index, to_numbers(world_from_camera), up_numbers, name_of(motion.use));
 }
 
+Expected<void> Home::put_readout(RecordingId id, double readout_s) {
+  if (!std::isfinite(readout_s)) return fail("{}: a readout time is not finite", file());
+  return database_.run("UPDATE recordings SET readout_s = ? WHERE recording_id = ?", readout_s, id);
+}
+
 Expected<void> Home::finish_recording(RecordingId id) {
   ROOMWISE_CHECK_OK(database_.run("UPDATE recordings SET finished = 1 WHERE recording_id = ?", id));
   if (sqlite3_changes(database_.handle()) == 0) return fail("{}: has no recording {}", file(), id);
@@ -264,9 +271,40 @@ Expected<void> Home::remove_recording(RecordingId id) {
     if (sqlite3_changes(database_.handle()) == 0) {
       return fail("{}: has no recording {}", file(), id);
     }
+    ROOMWISE_CHECK_OK(renumber_keyframes());
     // Nor was a home visited again that was never walked through.
     return database_.run("DELETE FROM visits WHERE NOT EXISTS (SELECT 1 FROM recordings)");
   });
+}
+
+// Key-frames are numbered without gaps, in the order of their walks.
+Expected<void> Home::renumber_keyframes() {
+  ROOMWISE_TRY(const auto left, keyframes());
+  std::optional<std::pair<KeyframeId, KeyframeId>> gap;  // the first behind it, and how long it is
+  for (std::size_t i = 0; i < left.size() && !gap; ++i) {
+    if (left[i].id != i) gap.emplace(left[i].id, left[i].id - i);
+  }
+  if (!gap) return {};
+  const auto read = [](const Statement& row) {
+    return std::pair(row.column<std::string>(0), row.column<std::string>(1));
+  };
+  ROOMWISE_TRY(auto columns, (collect<std::vector<std::pair<std::string, std::string>>>(
+                                 database_,
+                                 "SELECT tables.name, keys.\"from\" FROM sqlite_master AS tables, "
+                                 "pragma_foreign_key_list(tables.name) AS keys "
+                                 "WHERE tables.type = 'table' AND keys.\"table\" = 'keyframes'",
+                                 read)));
+  columns.emplace_back("keyframes", "keyframe_id");
+  ROOMWISE_CHECK_OK(database_.run("PRAGMA defer_foreign_keys = ON"));
+  for (const auto& [table, column] : columns) {
+    // By way of numbers that none has, since rows are changed one after the other.
+    ROOMWISE_CHECK_OK(database_.run(
+        fmt::format("UPDATE {0} SET {1} = -1 - {1} WHERE {1} >= ?", table, column), gap->first));
+    ROOMWISE_CHECK_OK(
+        database_.run(fmt::format("UPDATE {0} SET {1} = -1 - {1} - ? WHERE {1} < 0", table, column),
+                      gap->second));
+  }
+  return reseal_pictures(gap->first - gap->second, gap->second);
 }
 
 Expected<KeyframeId> Home::next_keyframe_id() const {

@@ -116,6 +116,29 @@ Expected<std::size_t> Home::convert_pictures(bool to_sealed) {
   return converted;
 }
 
+Expected<void> Home::reseal_pictures(KeyframeId first, KeyframeId shift) {
+  for (const PictureColumn& column : kPictureColumns) {
+    ROOMWISE_TRY(const auto ids,
+                 collect<std::vector<KeyframeId>>(
+                     database_,
+                     fmt::format("SELECT keyframe_id FROM {} WHERE keyframe_id >= ?", column.table),
+                     [](const Statement& row) { return row.column<KeyframeId>(0); }, first));
+    for (const KeyframeId id : ids) {
+      ROOMWISE_TRY(Bytes picture,
+                   database_.get<Bytes>(fmt::format("SELECT {} FROM {} WHERE keyframe_id = ?",
+                                                    column.column, column.table),
+                                        id));
+      if (!is_sealed(picture)) continue;
+      ROOMWISE_TRY(picture, decrypt_if_sealed(id + shift, column.kind, std::move(picture)));
+      if (!cipher_) return Unexpected(locked_error());
+      ROOMWISE_CHECK_OK(database_.run(
+          fmt::format("UPDATE {} SET {} = ? WHERE keyframe_id = ?", column.table, column.column),
+          cipher_->seal(id, column.kind, picture), id));
+    }
+  }
+  return {};
+}
+
 Expected<void> Home::authenticate_images() const {
   for (const PictureColumn& column : kPictureColumns) {
     ROOMWISE_CHECK_OK(database_.for_each(

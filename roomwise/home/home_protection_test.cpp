@@ -209,6 +209,24 @@ TEST_F(ProtectedHome, SealsWhatIsAddedLater) {
   EXPECT_EQ(plain_pieces(), 0U);
 }
 
+TEST_F(ProtectedHome, SealsPicturesAnewWhoseKeyframesGetOtherNumbers) {
+  make_protected("open sesame");
+  {
+    Home home = Home::open(path_, with("open sesame")).value();
+    ASSERT_EQ(home.add_recording(testing::sample_recording()).value(), 2);
+    MapCommit step = unique_step(0);
+    step.recording = 2;
+    step.keyframes[0].id = kKeyframes;
+    step.frames.back().place->keyframe = kKeyframes;
+    ASSERT_OK(home.commit(step));
+    ASSERT_OK(home.remove_recording(1));
+    EXPECT_EQ(home.images(0).value(), unique_images(0));
+    ASSERT_OK(home.verify());
+  }
+  Home locked = Home::open(path_).value();
+  EXPECT_FALSE(locked.images(0));
+}
+
 TEST_F(ProtectedHome, TakesAnotherPassphraseWithoutTouchingThePictures) {
   const std::string digest = make_protected("open sesame");
   const auto stored = [&] {

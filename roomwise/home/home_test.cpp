@@ -371,6 +371,50 @@ TEST_F(HomeTest, RemovingARecordingTakesAllThatCameFromIt) {
   EXPECT_ERROR(home_.remove_recording(1), "no recording 1");
 }
 
+TEST_F(HomeTest, RemovingTheFirstOfTwoWalksLeavesTheOtherNumberedFromZero) {
+  ASSERT_OK(home_.add_network(testing::sample_network()));
+  ASSERT_EQ(home_.add_recording(testing::sample_recording()).value(), 2);
+  ASSERT_EQ(home_.add_recording(testing::sample_recording()).value(), 3);
+  // Each walk's key-frames as the sample's, but for their numbers.
+  const auto commit = [&](RecordingId walk, KeyframeId first, KeyframeId count) {
+    for (KeyframeId i = 0; i < count; ++i) {
+      MapCommit step = testing::sample_commit(walk, 1, i);
+      step.keyframes[0].id += first;
+      for (auto& edge : step.edges) edge.from += first, edge.to += first;
+      for (Frame& frame : step.frames)
+        if (frame.place) frame.place->keyframe += first;
+      ASSERT_OK(home_.commit(step));
+    }
+  };
+  commit(1, 0, 2);
+  commit(2, 2, 3);
+  commit(3, 5, 2);
+  ASSERT_OK(
+      home_.commit({.recording = 3,
+                    .keyframes = {},
+                    .edges = {testing::sample_edge(1, 6, true), testing::sample_edge(4, 6, true)},
+                    .frames = {},
+                    .next_frame_index = 4}));
+  ASSERT_OK(home_.replace_paper_objects(std::vector<objects::PaperObject>{{"bed", 5, 0.5, 4, {}}}));
+
+  ASSERT_OK(home_.remove_recording(1));
+  const auto keyframes = home_.keyframes().value();
+  ASSERT_THAT(keyframes, SizeIs(5));
+  for (KeyframeId id = 0; id < 5; ++id) {
+    EXPECT_EQ(keyframes[id].id, id);
+    EXPECT_EQ(keyframes[id].recording, id < 3 ? 2 : 3);
+    EXPECT_EQ(home_.images(id).value(), testing::sample_images(id < 3 ? id : id - 3));
+    EXPECT_TRUE(home_.prediction(id, 1).value());
+  }
+  const auto edges = home_.edges().value();
+  ASSERT_THAT(edges, SizeIs(4)) << "that from the walk that is gone went with it";
+  EXPECT_EQ(edges[3].from, 2U);
+  EXPECT_EQ(edges[3].to, 4U);
+  EXPECT_EQ(home_.frames(3).value().back().place->keyframe, 4U);
+  EXPECT_EQ(home_.paper_objects().value()[0].keyframe_id, 3U);
+  EXPECT_OK(home_.verify());
+}
+
 TEST_F(HomeTest, SeveralWritesAreOneWhenAskedFor) {
   commit_keyframes(2);
   const std::string before = home_.content_digest().value();
@@ -428,6 +472,7 @@ TEST_F(HomeTest, DigestIsOfTheContentNotOfItsHistory) {
     one.detections.resize(1);
     ROOMWISE_CHECK_OK(b.put_detections(2, 1, one));
     ROOMWISE_CHECK_OK(b.put_detections(1, 1, testing::sample_look(1)));
+    ROOMWISE_CHECK_OK(b.put_readout(1, 0.02));
     ROOMWISE_CHECK_OK(b.replace_instances(std::vector{testing::sample_instance(3)}));
     ROOMWISE_CHECK_OK(testing::add_visits(b));
     return b.put_setting("seed", "7");

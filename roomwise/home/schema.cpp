@@ -31,7 +31,8 @@ CREATE TABLE recordings (
   depth_units_per_metre REAL NOT NULL,
   frame_count INTEGER,                 -- RGB-D frames in all; NULL for a live camera
   next_frame_index INTEGER NOT NULL,   -- frames below this one are stored; mapping goes on here
-  finished INTEGER NOT NULL CHECK (finished IN (0, 1))
+  finished INTEGER NOT NULL CHECK (finished IN (0, 1)),
+  readout_s REAL                       -- of a rolling shutter, first row to last; NULL: not known
 ) STRICT;
 
 -- ---- the map ----

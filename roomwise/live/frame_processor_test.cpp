@@ -88,7 +88,7 @@ class EyeWithPlaces : public ::testing::Test {
       ranges.push_back({first, first + 1, first % 4 == 0 ? "hall" : "kitchen", visit});
     }
     ASSERT_OK(pipeline::name_rooms(home, 1, *recording::RoomLabels::from_ranges(ranges)));
-    ASSERT_OK(pipeline::learn_rooms_from_keyframes(home, 1, {}, {}, {}, run));
+    ASSERT_OK(pipeline::learn_rooms_from_keyframes(home, {}, {}, {}, run));
     auto localizer = pipeline::HomeLocalizer::create(home, {}, run);
     ASSERT_OK(localizer);
     auto map = std::make_shared<LiveMap>();

@@ -3,6 +3,7 @@
 #include "roomwise/live/live_home.h"
 #include "roomwise/pipeline/rooms/room_contents.h"
 #include "roomwise/pipeline/rooms/room_learning.h"
+#include "roomwise/pipeline/stored/stored_map.h"
 
 // What people change in a home that is open.
 namespace roomwise::live {
@@ -185,10 +186,7 @@ Expected<void> LiveHome::forget_walk(home::RecordingId walk) {
       const auto found = std::ranges::find(recordings, walk, &home::StoredRecording::id);
       if (found == recordings.end()) return fail("this home has no recording {}", walk);
       folder = found->recording.folder;
-      ROOMWISE_CHECK_OK(home.atomically([&]() -> Expected<void> {
-        ROOMWISE_CHECK_OK(home.forget_learned_rooms());
-        return home.remove_recording(walk);
-      }));
+      ROOMWISE_CHECK_OK(pipeline::forget_walk(home, walk));
       is_gone = true;
       const Expected<void> erased = erase_removed(home);
       recognitions_.clear();                // before pages hear of it and look again

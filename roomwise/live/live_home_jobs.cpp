@@ -51,9 +51,8 @@ Expected<std::string> LiveHome::learn_now(Progress& progress) {
   pipeline::OwnRunContext run(options_.threads, progress);
   ROOMWISE_TRY(const auto recordings, home_.recordings());
   if (recordings.empty()) return fail("this home holds no walk to learn from; record one first");
-  ROOMWISE_TRY(const auto report,
-               pipeline::learn_rooms_from_keyframes(home_, recordings.back().id, {},
-                                                    {{}, options_.augment}, networks_, run));
+  ROOMWISE_TRY(const auto report, pipeline::learn_rooms_from_keyframes(
+                                      home_, {}, {.variants = options_.augment}, networks_, run));
   ROOMWISE_CHECK_OK(refresh(view()->map));
   return fmt::format(
       "{} rooms learned; {} of {} pictures that were held out were named rightly",
@@ -66,9 +65,6 @@ Expected<void> LiveHome::begin_recording(std::int64_t device, const std::string&
   ROOMWISE_CHECK_OK(recording::validate_room_name(name));
   if (name.find_first_of("/\\") != std::string::npos || name.starts_with('.')) {
     return fail("'{}' is no name for a recording: it must not hold '/' or begin with '.'", name);
-  }
-  if (!view()->walks.empty()) {
-    return fail("this home holds a walk already; forget it before another is recorded");
   }
   ROOMWISE_CHECK_OK(check_idle());
   const auto connected = all_devices();

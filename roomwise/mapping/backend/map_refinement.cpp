@@ -42,11 +42,11 @@ std::vector<PoseGraphEdge> agreeing_edges(const MapSolution& solution,
 
 // How unsure the edges are of which views were taken by a rolling shutter: the top and the bottom
 // of a picture stand half a readout's motion from where the middle is.
-PoseGraphEdge with_shutter_motion(const PoseGraphEdge& edge, std::span<const Vector6d> velocities,
-                                  double readout_s) {
+PoseGraphEdge with_shutter_motion(const PoseGraphEdge& edge,
+                                  std::span<const Vector6d> readout_motions) {
   constexpr double kShare = 0.5;     // of a picture's distortion that goes into the pose
   constexpr double kDistance_m = 1;  // at which a turn passes for a shift
-  const Vector6d difference = readout_s * (velocities[edge.from] - velocities[edge.to]);
+  const Vector6d difference = readout_motions[edge.from] - readout_motions[edge.to];
   const double angle = kShare * difference.head<3>().norm();
   PoseGraphEdge loose = edge;
   loose.information = motion::with_systematic_error(
@@ -66,13 +66,15 @@ class Refiner {
         places_(places_of(solution)),
         edges_(agreeing_edges(solution, inputs.edges, solver)),
         poses_(solution.world_from_keyframe) {
-    bundle_.model = {inputs.camera, options.residuals, 0};
+    bundle_.models.clear();
+    for (const RefinedWalk& walk : inputs.walks)
+      bundle_.models.push_back({walk.camera, options.residuals, walk.readout_s});
+    bundle_.models.back().readout_s = 0;
     bundle_.fixed_cameras = solution.components;
     bundle_.cameras.resize(poses_.size());
-    const auto pairs = covisible_keyframes(inputs.features, poses_, solution.component,
-                                           inputs.camera, options.landmarks);
-    bundle_.landmarks =
-        find_landmarks(inputs.features, poses_, pairs, inputs.camera, options.landmarks);
+    const auto pairs =
+        covisible_keyframes(inputs.features, poses_, solution.component, options.landmarks);
+    bundle_.landmarks = find_landmarks(inputs.features, poses_, pairs, options.landmarks);
     for (Landmark& landmark : bundle_.landmarks)
       for (LandmarkView& view : landmark.views) view.camera = places_[view.camera];
   }
@@ -97,7 +99,7 @@ class Refiner {
         poses_[id] = bundle_.cameras[places_[id]].world_from_camera;
     }
     refinement.world_from_keyframe = poses_;
-    if (knows_velocity_) refinement.readout_s = bundle_.model.readout_s;
+    if (knows_velocity_) refinement.readout_s = bundle_.models.back().readout_s;
     refinement.landmarks = bundle_.landmarks.size();
     for (const Landmark& landmark : bundle_.landmarks) refinement.views += landmark.views.size();
     return refinement;
@@ -107,16 +109,24 @@ class Refiner {
   // The cameras as the poses are now, with the motions that follow from them.
   void set_bundle_cameras() {
     const SolvedKeyframes keyframes{poses_, inputs_.keyframe_times, component_};
-    const auto frames = frame_poses(inputs_.frames, keyframes, edges_);
-    const auto velocities = keyframe_velocities(inputs_.frames, frames, keyframes);
-    knows_velocity_ =
-        std::ranges::any_of(velocities, [](const Vector6d& m) { return !m.isZero(); });
-    for (std::size_t id = 0; id < poses_.size(); ++id)
-      bundle_.cameras[places_[id]] = {poses_[id], velocities[id]};
+    std::vector<Vector6d> readout_motions;  // by key-frame id: while its picture was read out
+    knows_velocity_ = false;
+    for (std::uint32_t i = 0; i < inputs_.walks.size(); ++i) {
+      const RefinedWalk& walk = inputs_.walks[i];
+      const auto frames = frame_poses(walk.frames, keyframes, edges_);
+      const auto of_walk = keyframe_velocities(walk.frames, frames, keyframes);
+      const bool is_last = i + 1 == inputs_.walks.size();
+      const std::size_t end = is_last ? poses_.size() : inputs_.walks[i + 1].first_keyframe;
+      for (std::size_t id = walk.first_keyframe; id < end; ++id) {
+        readout_motions.emplace_back(bundle_.models[i].readout_s * of_walk[id]);
+        bundle_.cameras[places_[id]] = {poses_[id], of_walk[id], i};
+        knows_velocity_ = knows_velocity_ || (is_last && !of_walk[id].isZero());
+      }
+    }
     bundle_.edges.clear();
     for (const PoseGraphEdge& edge : edges_) {
-      PoseGraphEdge& placed = bundle_.edges.emplace_back(
-          with_shutter_motion(edge, velocities, bundle_.model.readout_s));
+      PoseGraphEdge& placed =
+          bundle_.edges.emplace_back(with_shutter_motion(edge, readout_motions));
       placed.from = places_[edge.from];
       placed.to = places_[edge.to];
     }
@@ -126,7 +136,7 @@ class Refiner {
   const RefinementOptions& options_;
   Progress& progress_;
   std::span<const std::size_t> component_;  // by key-frame id
-  bool knows_velocity_ = false;             // of any key-frame
+  bool knows_velocity_ = false;             // of any key-frame of the last walk
   std::vector<std::uint32_t> places_;       // by key-frame id: its camera's place in the bundle
   std::vector<PoseGraphEdge> edges_;
   std::vector<RigidTransform> poses_;  // by key-frame id
@@ -158,6 +168,11 @@ Expected<MapRefinement> refine_map(const MapSolution& solution, const Refinement
   if (inputs.features.size() != count || inputs.keyframe_times.size() != count) {
     return fail("features of {} and times of {} key-frames for a map of {}", inputs.features.size(),
                 inputs.keyframe_times.size(), count);
+  }
+  if (inputs.walks.empty() || inputs.walks.front().first_keyframe != 0 ||
+      !std::ranges::is_sorted(inputs.walks, {}, &RefinedWalk::first_keyframe)) {
+    return fail("the key-frames of {} walks do not follow each other from 0 on",
+                inputs.walks.size());
   }
   if (count == 0) return MapRefinement{};
   progress.begin("adjusting landmarks",

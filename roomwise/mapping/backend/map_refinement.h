@@ -22,13 +22,21 @@ struct RefinementOptions {
   [[nodiscard]] Expected<void> validate() const;
 };
 
+// One of the walks that a map was made from.
+struct RefinedWalk {
+  KeyframeId first_keyframe = 0;  // the others down to the next walk's first are its, too
+  std::span<const Frame> frames;  // in the order of time
+  geometry::PinholeCamera camera;
+  double readout_s =
+      0;  // what is known of its rolling shutter; that of the last walk is found anew
+};
+
 // What a map is refined from, besides its solution.
 struct RefinementInputs {
   std::span<const PoseGraphEdge> edges;         // those that the solution was found from
   std::span<const KeyframeFeatures> features;   // by key-frame id
   std::span<const TimestampNs> keyframe_times;  // by key-frame id
-  std::span<const Frame> frames;                // in the order of time
-  geometry::PinholeCamera camera;
+  std::span<const RefinedWalk> walks;           // in the order of their key-frames, at least one
 };
 
 struct MapRefinement {
@@ -36,8 +44,8 @@ struct MapRefinement {
   std::vector<geometry::RigidTransform> world_from_keyframe;
   std::size_t landmarks = 0;
   std::size_t views = 0;
-  // Of the camera's rolling shutter; nothing where no frame is near enough in time to another for
-  // the camera's motion to be known.
+  // Of the last walk's rolling shutter; nothing where no frame is near enough in time to another
+  // for the camera's motion to be known.
   std::optional<double> readout_s;
   double rms_px = 0;  // of the views: see BundleReport
   int iterations = 0;

@@ -21,7 +21,7 @@ constexpr TimestampNs kBetweenFrames_ns = 30'000'000;
 // each key-frame that tell its motion.
 struct Map {
   explicit Map(const SceneOptions& scene_options, double step_error_m)
-      : scene(scene_options), camera(scene.truth().model.camera) {
+      : scene(scene_options), camera(scene.truth().models[0].camera) {
     RandomStream random(9);
     const Bundle& truth = scene.truth();
     features = testing::small_features(testing::feature_walk(truth), camera);
@@ -45,7 +45,8 @@ struct Map {
   [[nodiscard]] MapSolution solution() const { return solve_map(times.size(), edges).value(); }
   [[nodiscard]] Expected<MapRefinement> refined() const {
     SilentProgress silent;
-    return refine_map(solution(), {edges, features, times, frames, camera}, {}, {}, silent);
+    const std::vector<RefinedWalk> walks{{0, frames, camera}};
+    return refine_map(solution(), {edges, features, times, walks}, {}, {}, silent);
   }
   [[nodiscard]] double worst_error_m(const std::vector<RigidTransform>& poses) const {
     const auto truth = testing::poses_of(scene.truth());

@@ -115,26 +115,6 @@ std::vector<RigidTransform> initial_poses(std::size_t count, std::span<const Pos
   return poses;
 }
 
-// The component of each key-frame, the largest first; among equals the earlier.
-std::vector<std::size_t> components_by_size(std::size_t count, std::span<const PoseGraphEdge> edges,
-                                            std::size_t& components) {
-  DisjointSets joined(count);
-  for (const PoseGraphEdge& edge : edges) joined.join(edge.from, edge.to);
-  std::vector<std::size_t> size(count, 0);
-  std::vector<std::size_t> roots;
-  for (std::size_t id = 0; id < count; ++id) {
-    if (joined.find(id) == id) roots.push_back(id);
-    ++size[joined.find(id)];
-  }
-  std::ranges::stable_sort(roots, [&](std::size_t a, std::size_t b) { return size[a] > size[b]; });
-  std::vector<std::size_t> rank(count, 0);
-  for (std::size_t i = 0; i < roots.size(); ++i) rank[roots[i]] = i;
-  std::vector<std::size_t> component(count);
-  for (std::size_t id = 0; id < count; ++id) component[id] = rank[joined.find(id)];
-  components = roots.size();
-  return component;
-}
-
 // A step that most triangles contradict is no surer than a loop.
 std::vector<PoseGraphEdge> demote_inconsistent_odometry(std::span<const PoseGraphEdge> edges,
                                                         const std::vector<int>& votes) {
@@ -157,6 +137,25 @@ Expected<void> MapSolverOptions::validate() const {
   ROOMWISE_CHECK_OK(graph.validate());
   if (!(max_loop_error > 0)) return fail("max_loop_error = {} must be positive", max_loop_error);
   return {};
+}
+
+std::vector<std::size_t> components_by_size(std::size_t count, std::span<const PoseGraphEdge> edges,
+                                            std::size_t& components) {
+  DisjointSets joined(count);
+  for (const PoseGraphEdge& edge : edges) joined.join(edge.from, edge.to);
+  std::vector<std::size_t> size(count, 0);
+  std::vector<std::size_t> roots;
+  for (std::size_t id = 0; id < count; ++id) {
+    if (joined.find(id) == id) roots.push_back(id);
+    ++size[joined.find(id)];
+  }
+  std::ranges::stable_sort(roots, [&](std::size_t a, std::size_t b) { return size[a] > size[b]; });
+  std::vector<std::size_t> rank(count, 0);
+  for (std::size_t i = 0; i < roots.size(); ++i) rank[roots[i]] = i;
+  std::vector<std::size_t> component(count);
+  for (std::size_t id = 0; id < count; ++id) component[id] = rank[joined.find(id)];
+  components = roots.size();
+  return component;
 }
 
 bool is_contradicted(const PoseGraph& graph, const PoseGraphEdge& edge,

@@ -31,6 +31,12 @@ struct MapSolution {
   PoseGraphReport report;
 };
 
+// The connected component of each key-frame, the largest (by key-frames) first, among equals the
+// earlier; their number goes to `components`.
+[[nodiscard]] std::vector<std::size_t> components_by_size(std::size_t keyframe_count,
+                                                          std::span<const PoseGraphEdge> edges,
+                                                          std::size_t& components);
+
 // The edges as solve_map() takes them: a step that most triangles of edges contradict is no surer
 // than a loop, and becomes one. All edges must be between key-frames below the count.
 [[nodiscard]] std::vector<PoseGraphEdge> demote_inconsistent_odometry(

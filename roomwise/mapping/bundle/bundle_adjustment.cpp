@@ -19,8 +19,8 @@ Expected<void> check_landmark(const Bundle& bundle, std::size_t index) {
                   bundle.cameras.size());
     }
     seen.push_back(view.camera);
-    if (!reprojection_residual(view, landmark.point_world, bundle.cameras[view.camera],
-                               bundle.model)
+    const RollingShutterCamera& camera = bundle.cameras[view.camera];
+    if (!reprojection_residual(view, landmark.point_world, camera, bundle.model_of(camera))
              .allFinite()) {
       return fail("landmark {} is not in front of camera {}, or its view is not finite", index,
                   view.camera);
@@ -37,6 +37,10 @@ Expected<void> check(const Bundle& bundle) {
     return fail("{} of {} cameras are fixed; at least one must be", bundle.fixed_cameras,
                 bundle.cameras.size());
   }
+  for (const RollingShutterCamera& camera : bundle.cameras) {
+    if (camera.model >= bundle.models.size())
+      return fail("a camera is of model {} of {}", camera.model, bundle.models.size());
+  }
   for (std::size_t i = 0; i < bundle.landmarks.size(); ++i)
     ROOMWISE_CHECK_OK(check_landmark(bundle, i));
   for (const PoseGraphEdge& edge : bundle.edges) {
@@ -52,8 +56,9 @@ template <typename Visit>
 void for_each_residual(const Bundle& bundle, const Visit& visit) {
   for (const Landmark& landmark : bundle.landmarks) {
     for (const LandmarkView& view : landmark.views) {
-      visit(reprojection_residual(view, landmark.point_world, bundle.cameras[view.camera],
-                                  bundle.model));
+      const RollingShutterCamera& camera = bundle.cameras[view.camera];
+      const ViewModel& model = bundle.model_of(camera);
+      visit(reprojection_residual(view, landmark.point_world, camera, model), model);
     }
   }
 }
@@ -61,12 +66,12 @@ void for_each_residual(const Bundle& bundle, const Visit& visit) {
 double rms_px(const Bundle& bundle) {
   double squares = 0;
   std::size_t views = 0;
-  for_each_residual(bundle, [&](const Eigen::Vector3d& error) {
-    squares += error.head<2>().squaredNorm();
+  for_each_residual(bundle, [&](const Eigen::Vector3d& error, const ViewModel& model) {
+    const double sigma_px = model.residuals.pixel_sigma_px;
+    squares += sigma_px * sigma_px * error.head<2>().squaredNorm();
     ++views;
   });
-  if (views == 0) return 0;
-  return bundle.model.residuals.pixel_sigma_px * std::sqrt(squares / static_cast<double>(views));
+  return views == 0 ? 0 : std::sqrt(squares / static_cast<double>(views));
 }
 
 }  // namespace
@@ -83,14 +88,15 @@ Expected<void> BundleOptions::validate() const {
 
 double bundle_cost(const Bundle& bundle, const BundleOptions& options) {
   double sum = 0;
-  for_each_residual(bundle,
-                    [&](const Eigen::Vector3d& error) { sum += view_loss(error, options).value; });
+  for_each_residual(bundle, [&](const Eigen::Vector3d& error, const ViewModel&) {
+    sum += view_loss(error, options).value;
+  });
   for (const PoseGraphEdge& edge : bundle.edges) {
     sum += edge_cost(edge, bundle.cameras[edge.from].world_from_camera,
                      bundle.cameras[edge.to].world_from_camera);
   }
   if (options.readout_sigma_s > 0)
-    sum += std::pow(bundle.model.readout_s / options.readout_sigma_s, 2);
+    sum += std::pow(bundle.models.back().readout_s / options.readout_sigma_s, 2);
   return sum;
 }
 
@@ -123,8 +129,8 @@ std::size_t cull_views(Bundle& bundle, double max_sigmas, std::size_t min_views)
   std::size_t culled = 0;
   for (Landmark& landmark : bundle.landmarks) {
     culled += std::erase_if(landmark.views, [&](const LandmarkView& view) {
-      return !(reprojection_residual(view, landmark.point_world, bundle.cameras[view.camera],
-                                     bundle.model)
+      const RollingShutterCamera& camera = bundle.cameras[view.camera];
+      return !(reprojection_residual(view, landmark.point_world, camera, bundle.model_of(camera))
                    .norm() <= max_sigmas);
     });
   }

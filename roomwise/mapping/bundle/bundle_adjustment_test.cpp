@@ -38,7 +38,7 @@ TEST(AdjustBundle, RecoversASceneWithoutNoise) {
     EXPECT_LT((bundle.landmarks[i].point_world - scene.truth().landmarks[i].point_world).norm(),
               1e-4);
   }
-  EXPECT_NEAR(bundle.model.readout_s, 0, 1e-6);
+  EXPECT_NEAR(bundle.models[0].readout_s, 0, 1e-6);
 }
 
 TEST(AdjustBundle, FindsTheReadoutTimeOfARollingShutter) {
@@ -47,14 +47,14 @@ TEST(AdjustBundle, FindsTheReadoutTimeOfARollingShutter) {
   BundleOptions options = thorough();
   options.readout_sigma_s = 1e3;  // nothing is expected
   ASSERT_OK(adjust_bundle(bundle, options));
-  EXPECT_NEAR(bundle.model.readout_s, 0.025, 1e-6);
+  EXPECT_NEAR(bundle.models[0].readout_s, 0.025, 1e-6);
   EXPECT_LT(worst_error_m(bundle, scene.truth()), 1e-5);
 
   // Taken for a camera that exposes all rows at once, it bends the map.
   Bundle rigid = scene.guess();
   options.readout_sigma_s = 0;
   ASSERT_OK(adjust_bundle(rigid, options));
-  EXPECT_EQ(rigid.model.readout_s, 0);
+  EXPECT_EQ(rigid.models[0].readout_s, 0);
   EXPECT_GT(worst_error_m(rigid, scene.truth()), 0.005);
 }
 
@@ -117,7 +117,7 @@ TEST(AdjustBundle, SaysHowFarThePixelsAreOff) {
   SyntheticScene scene({.cameras = 4, .landmarks = 50});
   Bundle bundle = scene.truth();
   bundle.fixed_cameras = bundle.cameras.size();
-  bundle.model.residuals.pixel_sigma_px = 2;
+  bundle.models[0].residuals.pixel_sigma_px = 2;
   double views = 0;
   for (const Landmark& landmark : bundle.landmarks)
     views += static_cast<double>(landmark.views.size());
@@ -133,7 +133,7 @@ TEST(BundleProblem, PredictsWhatADampedStepGains) {
   for (std::size_t i = 0; i < bundle.landmarks.size(); ++i)
     bundle.landmarks[i].point_world =
         scene.truth().landmarks[i].point_world + 1e-3 * Eigen::Vector3d::Ones();
-  bundle.model.readout_s = 0.009;
+  bundle.models[0].readout_s = 0.009;
   const BundleOptions options{.kernel_sigmas = 1e3};
   BundleProblem problem(bundle, options);
   const double cost = problem.cost();
@@ -154,7 +154,7 @@ TEST(AdjustBundle, GivesTheSameBitsAgainAndOnAnotherThread) {
   std::array<Bundle, 2> bundles{guess, guess};
   ASSERT_OK(adjust_bundle(bundles[0]));
   std::thread([&] { ASSERT_OK(adjust_bundle(bundles[1])); }).join();
-  EXPECT_EQ(bundles[0].model.readout_s, bundles[1].model.readout_s);
+  EXPECT_EQ(bundles[0].models[0].readout_s, bundles[1].models[0].readout_s);
   for (std::size_t i = 0; i < guess.cameras.size(); ++i) {
     EXPECT_EQ(bundles[0].cameras[i].world_from_camera.translation,
               bundles[1].cameras[i].world_from_camera.translation);
@@ -209,7 +209,7 @@ double optimum_of_ceres(const Bundle& bundle, const BundleOptions& options) {
     for (const LandmarkView& view : bundle.landmarks[i].views) {
       problem.AddResidualBlock(
           new ceres::NumericDiffCostFunction<ViewCost, ceres::CENTRAL, 3, 6, 3>(
-              new ViewCost{view, bundle.model}),
+              new ViewCost{view, bundle.models[0]}),
           new ceres::CauchyLoss(options.kernel_sigmas), cameras[view.camera].data(),
           points[i].data());
     }

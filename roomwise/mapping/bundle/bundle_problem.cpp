@@ -94,11 +94,12 @@ void BundleProblem::add_landmark(std::size_t index) {
   for (std::size_t k = 0; k < landmark.views.size(); ++k) {
     const LandmarkView& view = landmark.views[k];
     const RollingShutterCamera& camera = bundle_.cameras[view.camera];
-    const Eigen::Vector3d error =
-        reprojection_residual(view, landmark.point_world, camera, bundle_.model);
+    const ViewModel& model = bundle_.model_of(camera);
+    const Eigen::Vector3d error = reprojection_residual(view, landmark.point_world, camera, model);
     const double weight = view_loss(error, options_).derivative;
-    const auto [d_pose, d_point, d_readout] =
-        reprojection_jacobians(view, landmark.point_world, camera, bundle_.model);
+    auto [d_pose, d_point, d_readout] =
+        reprojection_jacobians(view, landmark.point_world, camera, model);
+    if (camera.model + 1 != bundle_.models.size()) d_readout.setZero();
     const Eigen::Matrix3d weighted_point_jacobian_t = weight * d_point.transpose();
     point.hessian += weighted_point_jacobian_t * d_point;
     point.rhs -= weighted_point_jacobian_t * error;
@@ -126,7 +127,7 @@ void BundleProblem::linearize() {
   if (options_.readout_sigma_s > 0) {
     const double weight = 1 / (options_.readout_sigma_s * options_.readout_sigma_s);
     readout_hessian_ += weight;
-    readout_rhs_ -= weight * bundle_.model.readout_s;
+    readout_rhs_ -= weight * bundle_.models.back().readout_s;
   }
 }
 
@@ -222,8 +223,9 @@ void BundleProblem::take_step() {
     before_.points_world[i] = bundle_.landmarks[i].point_world;
     bundle_.landmarks[i].point_world += point_step_[i];
   }
-  before_.readout_s = bundle_.model.readout_s;
-  bundle_.model.readout_s += readout_step_s_;
+  double& readout_s = bundle_.models.back().readout_s;
+  before_.readout_s = readout_s;
+  readout_s += readout_step_s_;
 }
 
 void BundleProblem::undo_step() {
@@ -231,7 +233,7 @@ void BundleProblem::undo_step() {
     bundle_.cameras[bundle_.fixed_cameras + i].world_from_camera = before_.world_from_camera[i];
   for (std::size_t i = 0; i < points_.size(); ++i)
     bundle_.landmarks[i].point_world = before_.points_world[i];
-  bundle_.model.readout_s = before_.readout_s;
+  bundle_.models.back().readout_s = before_.readout_s;
 }
 
 }  // namespace roomwise::mapping

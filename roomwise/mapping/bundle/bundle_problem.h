@@ -16,7 +16,7 @@ namespace roomwise::mapping {
 }
 
 // A bundle as levenberg_marquardt.h minimises it. The variables are cameras, landmarks, and the
-// readout time, which touches all.
+// last readout time, which touches all of its model.
 class BundleProblem {
  public:
   // Plans the elimination for a bundle whose views and edges stay the same. Both must outlive it.

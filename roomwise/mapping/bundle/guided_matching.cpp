@@ -30,12 +30,8 @@ bool is_in_picture(const Eigen::Vector3d& point_camera, const PinholeCamera& cam
 }
 
 GuidedMatcher::GuidedMatcher(std::span<const KeyframeFeatures> keyframes,
-                             const PinholeCamera& camera, const GuidedMatchingOptions& options)
-    : keyframes_(keyframes),
-      camera_(camera),
-      options_(options),
-      columns_(static_cast<int>(camera.width / options.search_px) + 1),
-      rows_(static_cast<int>(camera.height / options.search_px) + 1) {
+                             const GuidedMatchingOptions& options)
+    : keyframes_(keyframes), options_(options) {
   for (const KeyframeFeatures& keyframe : keyframes) cells_.push_back(cells_of(keyframe));
 }
 
@@ -44,14 +40,16 @@ int GuidedMatcher::cell_along(double pixel) const {
 }
 
 GuidedMatcher::Cells GuidedMatcher::cells_of(const KeyframeFeatures& keyframe) const {
+  Cells cells;
+  cells.columns = static_cast<int>(keyframe.camera.width / options_.search_px) + 1;
+  cells.rows = static_cast<int>(keyframe.camera.height / options_.search_px) + 1;
   // Without its lens, a picture's corners may lie a little outside: they go to the nearest cell.
   const auto cell_at = [&](const Eigen::Vector2d& pixel) {
-    const int column = std::clamp(cell_along(pixel.x()), 0, columns_ - 1);
-    const int row = std::clamp(cell_along(pixel.y()), 0, rows_ - 1);
-    return static_cast<std::size_t>(row * columns_ + column);
+    const int column = std::clamp(cell_along(pixel.x()), 0, cells.columns - 1);
+    const int row = std::clamp(cell_along(pixel.y()), 0, cells.rows - 1);
+    return static_cast<std::size_t>(row * cells.columns + column);
   };
-  Cells cells;
-  cells.first.assign(static_cast<std::size_t>(columns_ * rows_) + 1, 0);
+  cells.first.assign(static_cast<std::size_t>(cells.columns * cells.rows) + 1, 0);
   for (const LandmarkView& view : keyframe.views) ++cells.first[cell_at(view.pixel) + 1];
   for (std::size_t i = 1; i < cells.first.size(); ++i) cells.first[i] += cells.first[i - 1];
   std::vector<std::uint32_t> next(cells.first);
@@ -73,9 +71,9 @@ GuidedMatcher::Nearest GuidedMatcher::nearest(const KeyframeFeatures& from, std:
   Nearest nearest;
   const int column = cell_along(expected.x());
   const int row = cell_along(expected.y());
-  for (int y = std::max(0, row - 1); y <= std::min(rows_ - 1, row + 1); ++y) {
-    for (int x = std::max(0, column - 1); x <= std::min(columns_ - 1, column + 1); ++x) {
-      const auto cell = static_cast<std::size_t>(y * columns_ + x);
+  for (int y = std::max(0, row - 1); y <= std::min(cells.rows - 1, row + 1); ++y) {
+    for (int x = std::max(0, column - 1); x <= std::min(cells.columns - 1, column + 1); ++x) {
+      const auto cell = static_cast<std::size_t>(y * cells.columns + x);
       for (std::uint32_t i = cells.first[cell]; i < cells.first[cell + 1]; ++i) {
         const std::uint32_t candidate = cells.features[i];
         if (other.bright[candidate] != from.bright[feature]) continue;
@@ -104,12 +102,13 @@ GuidedMatcher::Nearest GuidedMatcher::nearest(const KeyframeFeatures& from, std:
 std::vector<GuidedMatcher::Nearest> GuidedMatcher::find(std::uint32_t from, std::uint32_t to,
                                                         const RigidTransform& to_from_from) const {
   const KeyframeFeatures& keyframe = keyframes_[from];
+  const PinholeCamera& camera = keyframes_[to].camera;
   std::vector<Nearest> found(keyframe.size());
   for (std::size_t i = 0; i < keyframe.size(); ++i) {
     if (!keyframe.has_point(i)) continue;
     const Eigen::Vector3d point = to_from_from * keyframe.points[i];
-    if (is_in_picture(point, camera_))
-      found[i] = nearest(keyframe, i, to, camera_.project_undistorted(point));
+    if (is_in_picture(point, camera))
+      found[i] = nearest(keyframe, i, to, camera.project_undistorted(point));
   }
   return found;
 }

@@ -21,8 +21,7 @@ struct GuidedMatchingOptions {
 class GuidedMatcher {
  public:
   // The key-frames must outlive it.
-  GuidedMatcher(std::span<const KeyframeFeatures> keyframes, const geometry::PinholeCamera& camera,
-                const GuidedMatchingOptions& options);
+  GuidedMatcher(std::span<const KeyframeFeatures> keyframes, const GuidedMatchingOptions& options);
 
   // Adds the matches between two key-frames: each other's nearest, or the nearest of one that the
   // other, having no depth, could not look for.
@@ -32,6 +31,7 @@ class GuidedMatcher {
  private:
   // A picture's features by square cells as large as the search reaches.
   struct Cells {
+    int columns = 0, rows = 0;
     std::vector<std::uint32_t> first;  // by cell, and the end
     std::vector<std::uint32_t> features;
   };
@@ -47,9 +47,7 @@ class GuidedMatcher {
                                 const Eigen::Vector2d& expected) const;
 
   std::span<const KeyframeFeatures> keyframes_;
-  geometry::PinholeCamera camera_;
   GuidedMatchingOptions options_;
-  int columns_ = 0, rows_ = 0;
   std::vector<Cells> cells_;  // by key-frame
 };
 

@@ -44,14 +44,14 @@ Eigen::Index length_of(const features::BinaryDescriptors& all) {
 
 // The share of a key-frame's points that another one's picture holds.
 double share_seen(const KeyframeFeatures& from, const RigidTransform& to_from_from,
-                  const PinholeCamera& camera) {
+                  const KeyframeFeatures& to) {
   constexpr std::size_t kStride = 8;  // an eighth of the points tells enough
   int points = 0;
   int seen = 0;
   for (std::size_t i = 0; i < from.size(); i += kStride) {
     if (!from.has_point(i)) continue;
     ++points;
-    if (is_in_picture(to_from_from * from.points[i], camera)) ++seen;
+    if (is_in_picture(to_from_from * from.points[i], to.camera)) ++seen;
   }
   return points == 0 ? 0 : static_cast<double>(seen) / points;
 }
@@ -73,6 +73,7 @@ Expected<void> LandmarkOptions::validate() const {
 KeyframeFeatures keyframe_features(const motion::MeasuredFeatures& features,
                                    const PinholeCamera& camera, const LandmarkOptions& options) {
   KeyframeFeatures taken;
+  taken.camera = camera;
   const std::size_t count =
       std::min(features.size(), static_cast<std::size_t>(options.max_features));
   std::visit(
@@ -96,7 +97,6 @@ KeyframeFeatures keyframe_features(const motion::MeasuredFeatures& features,
 std::vector<Covisible> covisible_keyframes(std::span<const KeyframeFeatures> keyframes,
                                            std::span<const RigidTransform> world_from_keyframe,
                                            std::span<const std::size_t> groups,
-                                           const PinholeCamera& camera,
                                            const LandmarkOptions& options) {
   // Further apart than this, features look too different.
   constexpr double kMax_m = 3;
@@ -111,9 +111,9 @@ std::vector<Covisible> covisible_keyframes(std::span<const KeyframeFeatures> key
       if (groups[a] != groups[b]) continue;
       const RigidTransform a_from_b = world_from_keyframe[a].inverse() * world_from_keyframe[b];
       if (a_from_b.distance_m() > kMax_m || a_from_b.angle_rad() > kMax_rad) continue;
-      double overlap = share_seen(keyframes[a], a_from_b.inverse(), camera);
+      double overlap = share_seen(keyframes[a], a_from_b.inverse(), keyframes[b]);
       if (overlap < options.min_overlap) continue;
-      overlap = std::min(overlap, share_seen(keyframes[b], a_from_b, camera));
+      overlap = std::min(overlap, share_seen(keyframes[b], a_from_b, keyframes[a]));
       if (overlap < options.min_overlap) continue;
       partners[a].push_back({overlap, b});
       partners[b].push_back({overlap, a});
@@ -136,9 +136,9 @@ std::vector<Covisible> covisible_keyframes(std::span<const KeyframeFeatures> key
 
 std::vector<Landmark> find_landmarks(std::span<const KeyframeFeatures> keyframes,
                                      std::span<const RigidTransform> world_from_keyframe,
-                                     std::span<const Covisible> pairs, const PinholeCamera& camera,
+                                     std::span<const Covisible> pairs,
                                      const LandmarkOptions& options) {
-  const GuidedMatcher matcher(keyframes, camera,
+  const GuidedMatcher matcher(keyframes,
                               {options.search_px, kUnit * static_cast<float>(options.max_distance),
                                static_cast<float>(options.max_distance_ratio)});
   std::vector<FeatureMatch> matches;

@@ -30,6 +30,7 @@ struct LandmarkOptions {
 // for vectors of unit length (the bits of binary ones for plus and minus, of half that) in 8-bit
 // numbers.
 struct KeyframeFeatures {
+  geometry::PinholeCamera camera;       // its lens is taken out of the views
   std::vector<LandmarkView> views;      // LandmarkView::camera is left at 0
   std::vector<Eigen::Vector3d> points;  // in the camera frame, m; z = 0: no depth
   std::vector<bool> bright;             // Keypoint::bright
@@ -51,8 +52,7 @@ struct Covisible {
 [[nodiscard]] std::vector<Covisible> covisible_keyframes(
     std::span<const KeyframeFeatures> keyframes,
     std::span<const geometry::RigidTransform> world_from_keyframe,
-    std::span<const std::size_t> groups, const geometry::PinholeCamera& camera,
-    const LandmarkOptions& options = {});
+    std::span<const std::size_t> groups, const LandmarkOptions& options = {});
 
 // Features that show the same point: each pair of covisible key-frames is compared where their
 // poses say that a point should be seen again, and what is each other's nearest belongs together;
@@ -61,6 +61,6 @@ struct Covisible {
 [[nodiscard]] std::vector<Landmark> find_landmarks(
     std::span<const KeyframeFeatures> keyframes,
     std::span<const geometry::RigidTransform> world_from_keyframe, std::span<const Covisible> pairs,
-    const geometry::PinholeCamera& camera, const LandmarkOptions& options = {});
+    const LandmarkOptions& options = {});
 
 }  // namespace roomwise::mapping

@@ -17,11 +17,11 @@ using testing::poses_of;
 using testing::SyntheticScene;
 
 std::vector<Landmark> landmarks_of(const Bundle& bundle, const testing::FeatureWalk& walk) {
-  const auto features = testing::small_features(walk, bundle.model.camera);
+  const auto features = testing::small_features(walk, bundle.models[0].camera);
   const auto poses = poses_of(bundle);
   const std::vector<std::size_t> groups(poses.size(), 0);
-  const auto pairs = covisible_keyframes(features, poses, groups, bundle.model.camera);
-  return find_landmarks(features, poses, pairs, bundle.model.camera);
+  const auto pairs = covisible_keyframes(features, poses, groups);
+  return find_landmarks(features, poses, pairs);
 }
 
 TEST(FindLandmarks, FindsThePointsThatSeveralKeyframesSee) {
@@ -66,12 +66,12 @@ TEST(FindLandmarks, LooksOnlyWhereThePosesExpectAFeature) {
 TEST(CovisibleKeyframes, SeeTheSameAndBelongToOneGroup) {
   SyntheticScene scene({});
   const auto features =
-      testing::small_features(feature_walk(scene.truth()), scene.truth().model.camera);
+      testing::small_features(feature_walk(scene.truth()), scene.truth().models[0].camera);
   auto poses = poses_of(scene.truth());
   std::vector<std::size_t> groups(poses.size(), 0);
   groups.back() = 1;
   poses[3].rotation = poses[3].rotation * Eigen::AngleAxisd(3, Eigen::Vector3d::UnitY());
-  const auto pairs = covisible_keyframes(features, poses, groups, scene.truth().model.camera);
+  const auto pairs = covisible_keyframes(features, poses, groups);
   ASSERT_FALSE(pairs.empty());
   for (const Covisible& pair : pairs) {
     EXPECT_LT(pair.a, pair.b);
@@ -81,7 +81,7 @@ TEST(CovisibleKeyframes, SeeTheSameAndBelongToOneGroup) {
   }
   LandmarkOptions one;
   one.max_partners = 1;
-  const auto fewer = covisible_keyframes(features, poses, groups, scene.truth().model.camera, one);
+  const auto fewer = covisible_keyframes(features, poses, groups, one);
   EXPECT_LT(fewer.size(), pairs.size());
   EXPECT_GE(2 * fewer.size(), poses.size() - 2);
 }
@@ -92,7 +92,8 @@ TEST(KeyframeFeatures, AreTheStrongestInEightBits) {
   LandmarkOptions options;
   options.max_features = 20;
   const auto& measured = walk.features[5];
-  const KeyframeFeatures small = keyframe_features(measured, scene.truth().model.camera, options);
+  const KeyframeFeatures small =
+      keyframe_features(measured, scene.truth().models[0].camera, options);
   ASSERT_EQ(small.size(), 20U);
   const auto& descriptors = std::get<features::RealDescriptors>(measured.features.descriptors);
   for (std::size_t i = 0; i < small.size(); ++i) {

@@ -24,9 +24,10 @@ struct RollingShutterCamera {
   // A twist in the camera's own frame: rotation in rad/s, then translation in m/s; zero where it is
   // not known.
   geometry::Vector6d velocity = geometry::Vector6d::Zero();
+  std::uint32_t model = 0;  // by what its views are predicted: its place among the models
 };
 
-// What all views have in common.
+// What all views by one device have in common.
 struct ViewModel {
   geometry::PinholeCamera camera;  // its lens is taken out of the views already
   motion::ResidualModel residuals;

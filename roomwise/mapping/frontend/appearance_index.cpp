@@ -54,7 +54,8 @@ AppearanceIndex::Hashes AppearanceIndex::hash(const features::Features& features
 }
 
 std::vector<AppearanceIndex::Hit> AppearanceIndex::find(const features::Features& features,
-                                                        KeyframeId before, std::size_t most) const {
+                                                        KeyframeId first, KeyframeId before,
+                                                        std::size_t most) const {
   if (std::ranges::all_of(tables_, [](const auto& table) { return table.empty(); })) return {};
   std::map<KeyframeId, double> votes;
   const Hashes hashes = hash(features);
@@ -65,7 +66,7 @@ std::vector<AppearanceIndex::Hit> AppearanceIndex::find(const features::Features
         continue;
       const double weight = 1 / static_cast<double>(bucket->second.size());
       for (const KeyframeId id : bucket->second) {
-        if (id < before) votes[id] += weight;
+        if (id >= first && id < before) votes[id] += weight;
       }
     }
   }

@@ -34,10 +34,10 @@ class AppearanceIndex {
     KeyframeId id = 0;
     double votes = 0;  // each weighs less the more features share its hash
   };
-  // The `most` key-frames with the most votes among those added with id below `before`, best first;
-  // of equals the earlier.
-  [[nodiscard]] std::vector<Hit> find(const features::Features& features, KeyframeId before,
-                                      std::size_t most) const;
+  // The `most` key-frames with the most votes among those added with id from `first` to below
+  // `before`, best first; of equals the earlier.
+  [[nodiscard]] std::vector<Hit> find(const features::Features& features, KeyframeId first,
+                                      KeyframeId before, std::size_t most) const;
   void add(KeyframeId id, const features::Features& features);
 
  private:

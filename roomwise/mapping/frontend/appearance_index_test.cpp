@@ -76,13 +76,13 @@ TEST_P(AppearanceIndexTest, FindsTheKeyframeThatWasSeenAgain) {
   AppearanceIndex index(1);
   for (KeyframeId id = 0; id < kKeyframes; ++id) index.add(id, some_features(100, id));
   for (const KeyframeId id : {0, 17, 59}) {
-    const auto hits = index.find(seen_again(some_features(100, id), 99), kKeyframes, 3);
+    const auto hits = index.find(seen_again(some_features(100, id), 99), 0, kKeyframes, 3);
     ASSERT_FALSE(hits.empty());
     EXPECT_EQ(hits[0].id, id);
     EXPECT_GT(hits[0].votes, 50) << "of 400: 100 features in four tables";
     for (std::size_t i = 1; i < hits.size(); ++i) EXPECT_LT(hits[i].votes, 0.1 * hits[0].votes);
   }
-  for (const auto& chance : index.find(some_features(100, 1000), kKeyframes, 3)) {
+  for (const auto& chance : index.find(some_features(100, 1000), 0, kKeyframes, 3)) {
     EXPECT_LT(chance.votes, 5) << "never seen before";
   }
 }
@@ -102,20 +102,20 @@ TEST_P(AppearanceIndexTest, PutsTheMoreAlikeFirst) {
   index.add(5, all);
   index.add(8, top(25));
   index.add(9, some_features(100, 2));
-  const auto hits = index.find(all, 10, 3);
+  const auto hits = index.find(all, 0, 10, 3);
   ASSERT_THAT(hits, SizeIs(3));
   EXPECT_EQ(hits[0].id, 5U);
   EXPECT_EQ(hits[1].id, 2U);
   EXPECT_EQ(hits[2].id, 8U);
-  EXPECT_THAT(index.find(all, 10, 2), SizeIs(2));
-  EXPECT_THAT(index.find(all, 10, 0), IsEmpty());
+  EXPECT_THAT(index.find(all, 0, 10, 2), SizeIs(2));
+  EXPECT_THAT(index.find(all, 0, 10, 0), IsEmpty());
 }
 
 TEST_P(AppearanceIndexTest, OfEqualsTheEarlierComesFirst) {
   const Features features = some_features(50, 1);
   AppearanceIndex index(1);
   for (const KeyframeId id : {7, 3, 5}) index.add(id, features);
-  const auto hits = index.find(features, 10, 10);
+  const auto hits = index.find(features, 0, 10, 10);
   ASSERT_THAT(hits, SizeIs(3));
   EXPECT_EQ(hits[0].id, 3U);
   EXPECT_EQ(hits[1].id, 5U);
@@ -127,10 +127,10 @@ TEST_P(AppearanceIndexTest, NamesOnlyKeyframesBeforeTheOneGiven) {
   const Features features = some_features(50, 1);
   AppearanceIndex index(1);
   for (const KeyframeId id : {3, 5, 7}) index.add(id, features);
-  const auto hits = index.find(features, 5, 10);
+  const auto hits = index.find(features, 0, 5, 10);
   ASSERT_THAT(hits, SizeIs(1));
   EXPECT_EQ(hits[0].id, 3U);
-  EXPECT_THAT(index.find(features, 3, 10), IsEmpty());
+  EXPECT_THAT(index.find(features, 0, 3, 10), IsEmpty());
 }
 
 TEST_P(AppearanceIndexTest, PassesOverWhatTooManyShare) {
@@ -139,11 +139,11 @@ TEST_P(AppearanceIndexTest, PassesOverWhatTooManyShare) {
   AppearanceIndex index(1, options);
   const Features common = some_features(50, 1);
   for (const KeyframeId id : {0, 1, 2}) index.add(id, common);
-  EXPECT_THAT(index.find(common, 10, 10), SizeIs(3)) << "so many may";
+  EXPECT_THAT(index.find(common, 0, 10, 10), SizeIs(3)) << "so many may";
   index.add(3, common);
-  EXPECT_THAT(index.find(common, 10, 10), IsEmpty());
+  EXPECT_THAT(index.find(common, 0, 10, 10), IsEmpty());
   index.add(4, some_features(50, 2));
-  EXPECT_THAT(index.find(some_features(50, 2), 10, 10), SizeIs(1)) << "others still count";
+  EXPECT_THAT(index.find(some_features(50, 2), 0, 10, 10), SizeIs(1)) << "others still count";
 }
 
 TEST_P(AppearanceIndexTest, LooksAtTheStrongestFeaturesOnly) {
@@ -151,19 +151,19 @@ TEST_P(AppearanceIndexTest, LooksAtTheStrongestFeaturesOnly) {
   options.features = 50;
   AppearanceIndex index(1, options);
   index.add(0, some_features(100, 1));
-  const double votes = index.find(some_features(100, 1), 1, 1).at(0).votes;
+  const double votes = index.find(some_features(100, 1), 0, 1, 1).at(0).votes;
   EXPECT_DOUBLE_EQ(votes, 50.0 * static_cast<double>(options.tables));
 }
 
 TEST_P(AppearanceIndexTest, WithoutFeaturesThereIsNothing) {
   AppearanceIndex index(1);
-  EXPECT_THAT(index.find(some_features(50, 1), 10, 3), IsEmpty()) << "nothing was added";
+  EXPECT_THAT(index.find(some_features(50, 1), 0, 10, 3), IsEmpty()) << "nothing was added";
   index.add(0, some_features(0, 1));
-  EXPECT_THAT(index.find(some_features(50, 1), 10, 3), IsEmpty())
+  EXPECT_THAT(index.find(some_features(50, 1), 0, 10, 3), IsEmpty())
       << "nothing was in what was added";
   index.add(1, some_features(50, 1));
-  EXPECT_THAT(index.find(some_features(0, 1), 10, 3), IsEmpty()) << "nothing is asked for";
-  EXPECT_THAT(index.find(some_features(50, 1), 10, 3), SizeIs(1));
+  EXPECT_THAT(index.find(some_features(0, 1), 0, 10, 3), IsEmpty()) << "nothing is asked for";
+  EXPECT_THAT(index.find(some_features(50, 1), 0, 10, 3), SizeIs(1));
 }
 
 TEST_P(AppearanceIndexTest, AnswersTheSameForTheSameSeed) {
@@ -173,8 +173,8 @@ TEST_P(AppearanceIndexTest, AnswersTheSameForTheSameSeed) {
     second.add(id, some_features(100, id));
   }
   const Features query = seen_again(some_features(100, 4), 1);
-  const auto a = first.find(query, 20, 20);
-  const auto b = second.find(query, 20, 20);
+  const auto a = first.find(query, 0, 20, 20);
+  const auto b = second.find(query, 0, 20, 20);
   ASSERT_EQ(a.size(), b.size());
   for (std::size_t i = 0; i < a.size(); ++i) {
     EXPECT_EQ(a[i].id, b[i].id);

@@ -57,7 +57,9 @@ Expected<void> Mapper::restore_keyframe(Keyframe keyframe) {
   return store_.add(std::move(keyframe.measurements));
 }
 
-void Mapper::restore(std::span<const PoseGraphEdge> edges, std::span<const Frame> frames) {
+void Mapper::restore(std::span<const PoseGraphEdge> edges, std::span<const Frame> frames,
+                     KeyframeId first_keyframe) {
+  first_keyframe_ = first_keyframe;
   for (const PoseGraphEdge& edge : edges) graph_.add(edge);
   for (const Frame& frame : frames) {
     if (frame.place) set_reference(frame.place->keyframe);
@@ -92,7 +94,7 @@ Expected<MapUpdate> Mapper::add_frame(std::uint64_t frame_index, TimestampNs tim
 Expected<MapUpdate> Mapper::place_newest(motion::FrameMeasurements measurements) {
   MapUpdate step;
   const std::size_t position = frames_.size() - 1;
-  if (keyframes_.empty()) {
+  if (keyframes_.size() == first_keyframe_) {
     if (!can_start_component(measurements)) {
       frames_[position].no_pose_reason = to_string(motion::MotionStatus::kTooFewFeatures);
       return step;
@@ -255,9 +257,10 @@ Expected<std::optional<Mapper::RevisitedKeyframe>> Mapper::find_revisited(
     const motion::FrameMeasurements& current, const RigidTransform& motion) {
   if (options_.reuse.max_motion_ratio == 0) return std::nullopt;
   const auto min_age = static_cast<std::size_t>(options_.reuse.min_age);
-  if (keyframes_.size() < kLargeMap_ages * min_age) return std::nullopt;
+  const std::size_t of_walk = keyframes_.size() - first_keyframe_;
+  if (of_walk < kLargeMap_ages * min_age) return std::nullopt;
   if (!component_has_at_least(graph_, reference_history_.back(),
-                              std::min(keyframes_.size(), kGrownComponent)))
+                              std::min(of_walk, kGrownComponent)))
     return std::nullopt;
   struct Candidate {
     KeyframeId id = 0;
@@ -266,6 +269,7 @@ Expected<std::optional<Mapper::RevisitedKeyframe>> Mapper::find_revisited(
   };
   std::vector<Candidate> candidates;
   for (const KeyframeGraph::Nearby& nearby : graph_.around(reference_history_.back())) {
+    if (nearby.id < first_keyframe_) continue;
     const RigidTransform pose = nearby.keyframe_from_nearby.inverse() * motion;
     const double far = motion_ratio(pose);
     if (far < options_.reuse.max_motion_ratio + kGraphPathSlackRatio)

@@ -43,6 +43,10 @@ struct MapUpdate {
 // frame that pictures do not place at all is placed by it alone, as a key-frame where the camera
 // moved far and shows something.
 //
+// A map may be made from several walks, one after the other. A later walk begins as a component of
+// its own, and its key-frames are compared with those of the walks before it as with its own. It
+// goes on from none of theirs where it comes back to a place: what it saw is to be kept.
+//
 // Key-frames that are connected by edges make a component. When tracking is lost and no key-frame
 // is recognised, mapping goes on in a new component; a loop closure joins components by itself,
 // since it is an edge between them.
@@ -57,10 +61,12 @@ class Mapper {
   Mapper(const geometry::PinholeCamera& camera, const MapperOptions& options,
          WorkingSet working_set = {});
 
-  // Takes back what an earlier run had mapped up to a checkpoint: first all key-frames, by id, then
-  // the rest.
+  // Takes back what earlier runs had mapped up to a checkpoint: first all key-frames, by id, then
+  // the rest. Those from `first_keyframe` on, and the frames, are of the walk that goes on: none
+  // where it is to begin. What was measured in each key-frame was so with its own camera.
   [[nodiscard]] Expected<void> restore_keyframe(Keyframe keyframe);
-  void restore(std::span<const PoseGraphEdge> edges, std::span<const Frame> frames);
+  void restore(std::span<const PoseGraphEdge> edges, std::span<const Frame> frames,
+               KeyframeId first_keyframe = 0);
 
   // Frames must come in the order of time. The combined method gains nothing over the paper's for
   // frames without views.
@@ -153,7 +159,8 @@ class Mapper {
   // A reference a little before the newest: where the newest is along the odometry edges between
   // them.
   [[nodiscard]] std::optional<geometry::RigidTransform> chain_odometry(KeyframeId from) const;
-  // Those with an id below `before` that look most like it, best first.
+  // Of this walk's with an id below `before` those that look most like it, best first, and then as
+  // many of earlier walks'.
   [[nodiscard]] std::vector<KeyframeId> similar_keyframes(
       const motion::FrameMeasurements& measurements, KeyframeId before) const;
   // The frame against any key-frame, as loops are compared: surer than an odometry edge must be,
@@ -175,9 +182,10 @@ class Mapper {
   // Nothing that is needed of the newest frame is anywhere but in frames_.
   void reach_checkpoint(MapUpdate& step);
 
-  geometry::PinholeCamera camera_;
+  geometry::PinholeCamera camera_;  // of this walk
   MapperOptions options_;
   std::vector<KeyframeStamp> keyframes_;
+  KeyframeId first_keyframe_ = 0;  // of this walk; the others before it are of earlier ones
   MeasurementStore store_;
   KeyframeGraph graph_;
   std::deque<Frame> frames_;

@@ -11,11 +11,15 @@ std::vector<KeyframeId> Mapper::similar_keyframes(const motion::FrameMeasurement
                                                   KeyframeId before) const {
   std::vector<KeyframeId> similar;
   if (options_.loops.similar == 0) return similar;
-  for (const AppearanceIndex::Hit& hit :
-       index_.find(measurements.features().features, before,
-                   static_cast<std::size_t>(options_.loops.similar))) {
-    similar.push_back(hit.id);
-  }
+  const auto find = [&](KeyframeId first, KeyframeId end) {
+    for (const AppearanceIndex::Hit& hit :
+         index_.find(measurements.features().features, first, end,
+                     static_cast<std::size_t>(options_.loops.similar))) {
+      similar.push_back(hit.id);
+    }
+  };
+  find(first_keyframe_, before);
+  if (first_keyframe_ > 0) find(0, first_keyframe_);
   return similar;
 }
 

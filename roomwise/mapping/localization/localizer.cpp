@@ -190,7 +190,7 @@ std::vector<Localizer::Place> Localizer::similar_places(
     const motion::FrameMeasurements& picture) const {
   std::vector<Place> places;
   for (const AppearanceIndex::Hit& hit :
-       appearances_.find(picture.features().features, keyframes_.size(), options_.similar)) {
+       appearances_.find(picture.features().features, 0, keyframes_.size(), options_.similar)) {
     const RigidTransform& pose = keyframes_[hit.id].world_from_keyframe;
     const auto known = std::ranges::find_if(places, [&](const Place& place) {
       return may_show_the_same(keyframes_[place.members.front()].world_from_keyframe, pose);

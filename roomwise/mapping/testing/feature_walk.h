@@ -31,7 +31,8 @@ inline FeatureWalk feature_walk(const Bundle& bundle) {
       keypoint.position_px = view.pixel.cast<float>();
       seen.features.keypoints.push_back(keypoint);
       seen.pixels.push_back(view.pixel);
-      seen.points.push_back(bundle.model.camera.unproject_undistorted(view.pixel, view.depth_m));
+      seen.points.push_back(
+          bundle.models[0].camera.unproject_undistorted(view.pixel, view.depth_m));
       walk.landmark_of[view.camera].push_back(i);
     }
   }

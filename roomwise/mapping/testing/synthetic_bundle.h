@@ -25,8 +25,8 @@ struct SceneOptions {
 class SyntheticScene {
  public:
   explicit SyntheticScene(const SceneOptions& options) : random_(options.seed) {
-    truth_.model.camera = {500, 500, 319.5, 239.5, 640, 480, {}, 1000};
-    truth_.model.readout_s = options.readout_s;
+    truth_.models[0].camera = {500, 500, 319.5, 239.5, 640, 480, {}, 1000};
+    truth_.models[0].readout_s = options.readout_s;
     for (std::size_t i = 0; i < options.cameras; ++i) {
       const double angle = 0.06 * static_cast<double>(i);
       RollingShutterCamera& camera = truth_.cameras.emplace_back();
@@ -48,7 +48,7 @@ class SyntheticScene {
   // The same with cameras, landmarks and readout time that err.
   [[nodiscard]] Bundle guess(double translation_m = 0.03, double rotation_rad = 0.01) {
     Bundle guess = truth_;
-    guess.model.readout_s = 0;
+    guess.models[0].readout_s = 0;
     for (std::size_t i = guess.fixed_cameras; i < guess.cameras.size(); ++i) {
       auto& pose = guess.cameras[i].world_from_camera;
       pose = pose * random_transform(random_, translation_m, rotation_rad);
@@ -73,20 +73,20 @@ class SyntheticScene {
       for (int round = 0; round < 20; ++round) {
         const geometry::RigidTransform world_from_row =
             camera.world_from_camera *
-            geometry::RigidTransform::exp(view.row * truth_.model.readout_s * camera.velocity);
+            geometry::RigidTransform::exp(view.row * truth_.models[0].readout_s * camera.velocity);
         seen = world_from_row.inverse() * landmark.point_world;
-        view.pixel = truth_.model.camera.project_undistorted(seen);
-        view.row = view.pixel.y() / (truth_.model.camera.height - 1) - 0.5;
+        view.pixel = truth_.models[0].camera.project_undistorted(seen);
+        view.row = view.pixel.y() / (truth_.models[0].camera.height - 1) - 0.5;
       }
       if (!(seen.z() > 0.5) || std::abs(view.row) > 0.5 || view.pixel.x() < 0 ||
-          view.pixel.x() > truth_.model.camera.width - 1) {
+          view.pixel.x() > truth_.models[0].camera.width - 1) {
         continue;
       }
       for (double& value : view.pixel) value += options.noise_sigmas * random_.normal();
-      const double disparity = truth_.model.residuals.focal_baseline_px_m / seen.z() +
+      const double disparity = truth_.models[0].residuals.focal_baseline_px_m / seen.z() +
                                options.noise_sigmas * random_.normal();
       const bool has_depth = random_.uniform() >= options.without_depth;
-      view.depth_m = has_depth ? truth_.model.residuals.focal_baseline_px_m / disparity : 0;
+      view.depth_m = has_depth ? truth_.models[0].residuals.focal_baseline_px_m / disparity : 0;
       landmark.views.push_back(view);
     }
     if (landmark.views.size() >= 2) truth_.landmarks.push_back(std::move(landmark));

@@ -18,17 +18,15 @@ Expected<HomeLocalizer> HomeLocalizer::create(const home::Home& home,
                                               RunContext& run) {
   ROOMWISE_CHECK_OK(options.validate());
   ROOMWISE_TRY(auto settings, stored_map_settings(home));
-  ROOMWISE_TRY(const auto recordings, home.recordings());
   ROOMWISE_TRY(const auto placed, map_keyframes(home));
-  if (!settings || recordings.empty() || placed.empty()) {
+  if (!settings || placed.empty()) {
     return fail("{}: the home has no map yet; make one with roomwise map", home.file());
   }
   // Views tell whether a pose is right, however the map was made.
   settings->mapper.method = mapping::MappingMethod::kCombined;
   HomeLocalizer result(*std::move(settings), options);
   ROOMWISE_TRY(std::vector<mapping::Keyframe> keyframes,
-               measure_keyframes(home, placed, recordings.front().recording.camera,
-                                 *result.extractor_, result.settings_, run));
+               measure_keyframes(home, placed, *result.extractor_, result.settings_, run));
   for (std::size_t i = 0; i < keyframes.size(); ++i) {
     result.localizer_.add(std::move(keyframes[i]), placed[i].pose.world_from_keyframe);
   }

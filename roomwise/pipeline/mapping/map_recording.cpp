@@ -21,23 +21,23 @@ Expected<home::StoredRecording> begin_or_resume(home::Home& home, const home::Re
     ROOMWISE_CHECK_OK(home.remove_recording(stored.back().id));
     stored.pop_back();
   }
+  ROOMWISE_TRY(const std::optional<MapSettings> own, stored_map_settings(home));
   if (stored.empty()) {
     ROOMWISE_CHECK_OK(store_map_settings(home, settings));
+  } else if (!own || to_json(*own) != to_json(settings)) {
+    return fail("{}: its map was begun with other settings", home.file());
+  }
+  if (stored.empty() || stored.back().finished) {
     ROOMWISE_TRY(const home::RecordingId id, home.add_recording(recording));
-    return home::StoredRecording{id, recording, 0, false};
+    home::StoredRecording added;
+    added.id = id;
+    added.recording = recording;
+    return added;
   }
   const home::StoredRecording& last = stored.back();
-  if (last.finished) {
-    return fail("{}: holds the finished map of {} already; choose another home file", home.file(),
-                last.recording.name);
-  }
   if (!(last.recording.camera == recording.camera)) {
     return fail("{}: its recording {} was begun with another camera; choose another home file",
                 home.file(), last.recording.name);
-  }
-  ROOMWISE_TRY(const std::optional<MapSettings> own, stored_map_settings(home));
-  if (!own || to_json(*own) != to_json(settings)) {
-    return fail("{}: its map was begun with other settings", home.file());
   }
   return last;
 }
@@ -47,7 +47,7 @@ Expected<home::StoredRecording> begin_or_resume(home::Home& home, const home::Re
 Expected<void> go_to_next_frame(recording::FrameSource& source, const home::Home& home,
                                 const home::StoredRecording& stored) {
   ROOMWISE_TRY(const auto keyframes, home.keyframes());
-  if (!keyframes.empty()) {
+  if (!keyframes.empty() && keyframes.back().recording == stored.id) {
     source.skip_before(keyframes.back().frame_index);
     ROOMWISE_TRY(const auto frame, source.next());
     if (!frame || frame->index != keyframes.back().frame_index ||
@@ -60,11 +60,31 @@ Expected<void> go_to_next_frame(recording::FrameSource& source, const home::Home
   return {};
 }
 
+// A walk that the home holds already begins with the same key-frame: nothing is to be doubled.
+Expected<void> check_is_new(const home::Home& home, const image::RgbdFrame& first_keyframe) {
+  ROOMWISE_TRY(const auto keyframes, home.keyframes());
+  for (const home::Keyframe& keyframe : keyframes) {
+    if (keyframe.frame_index != first_keyframe.index ||
+        keyframe.timestamp_ns != first_keyframe.timestamp_ns) {
+      continue;
+    }
+    ROOMWISE_TRY(const home::KeyframeImages images, home.images(keyframe.id));
+    if (!(images == images_of(first_keyframe))) continue;
+    ROOMWISE_TRY(const auto recordings, home.recordings());
+    const auto known =
+        std::ranges::find(recordings, keyframe.recording, &home::StoredRecording::id);
+    return fail("{}: holds this recording already, as {}; nothing was added", home.file(),
+                known->recording.name);
+  }
+  return {};
+}
+
 // Takes frames from the source until it ends; fails as it does, and where the user interrupts.
-Expected<void> map_frames(recording::FrameSource& source,
+Expected<void> map_frames(recording::FrameSource& source, const home::Home& home,
                           const features::FeatureExtractor& extractor, const MapSettings& settings,
                           mapping::Mapper& mapper, MapWriter& writer, KeyframeObserver& observer,
                           RunContext& run) {
+  bool is_begun = writer.has_begun();
   MeasuredFrameReader reader(source, extractor, settings, run);
   std::shared_ptr<const image::RgbdFrame> previous;
   run.progress.begin("mapping", source.info().frames_remaining);
@@ -80,6 +100,8 @@ Expected<void> map_frames(recording::FrameSource& source,
       return mapper.add_frame(frame->index, frame->timestamp_ns, std::move(next->measurements),
                               frame->device_motion);
     }());
+    if (!step.new_keyframes.empty() && !std::exchange(is_begun, true))
+      ROOMWISE_CHECK_OK(check_is_new(home, *frame));
     {
       const auto timing = run.clock.measure("store");
       ROOMWISE_CHECK_OK(writer.write(step, [&](std::uint64_t index) -> const image::RgbdFrame& {
@@ -98,15 +120,28 @@ Expected<void> map_frames(recording::FrameSource& source,
 }
 
 // What landmarks are found by, one key-frame after the other.
-Expected<std::vector<mapping::KeyframeFeatures>> landmark_features(
-    mapping::Mapper& mapper, const geometry::PinholeCamera& camera, const MapSettings& settings) {
+Expected<std::vector<mapping::KeyframeFeatures>> landmark_features(const home::Home& home,
+                                                                   mapping::Mapper& mapper,
+                                                                   const MapSettings& settings) {
+  ROOMWISE_TRY(const auto cameras, recording_cameras(home));
+  ROOMWISE_TRY(const auto keyframes, home.keyframes());
   std::vector<mapping::KeyframeFeatures> features;
-  for (mapping::KeyframeId id = 0; id < mapper.keyframes().size(); ++id) {
-    ROOMWISE_TRY(const auto measurements, mapper.measurements(id));
-    features.push_back(mapping::keyframe_features(measurements->features(), camera,
-                                                  settings.refinement.landmarks));
+  for (const home::Keyframe& keyframe : keyframes) {
+    ROOMWISE_TRY(const auto measurements, mapper.measurements(keyframe.id));
+    features.push_back(mapping::keyframe_features(
+        measurements->features(), cameras.at(keyframe.recording), settings.refinement.landmarks));
   }
   return features;
+}
+
+// Whether a key-frame of the walk lies in one component with one of an earlier walk. The first walk
+// has none to join.
+bool is_joined(const mapping::MapSolution& solution, home::KeyframeId first_keyframe) {
+  const auto earlier = std::span(solution.component).first(first_keyframe);
+  const auto own = std::span(solution.component).subspan(first_keyframe);
+  return earlier.empty() || std::ranges::any_of(own, [&](std::size_t component) {
+           return std::ranges::find(earlier, component) != earlier.end();
+         });
 }
 
 void count_motion(std::span<const scene::Frame> frames, MapSummary& summary) {
@@ -131,7 +166,7 @@ Expected<MapSummary> map_recording(recording::FrameSource& source, const home::R
   const auto extractor = features::make_extractor(settings.features, settings.max_keypoints);
   const std::filesystem::path folder = std::filesystem::absolute(home.file()).parent_path();
   mapping::Mapper mapper(camera, settings.mapper, {run.working_set_bytes, folder});
-  ROOMWISE_CHECK_OK(restore_mapper(mapper, home, stored.id, camera, *extractor, settings, run));
+  ROOMWISE_CHECK_OK(restore_mapper(mapper, home, stored.id, *extractor, settings, run));
   ROOMWISE_TRY(MapWriter writer, MapWriter::create(home, stored.id, mapper));
   ROOMWISE_TRY(KeyframeObserver observer,
                KeyframeObserver::create(home, networks, finders.in_pictures, run));
@@ -140,16 +175,23 @@ Expected<MapSummary> map_recording(recording::FrameSource& source, const home::R
   const auto is_error = [](const Expected<void>& outcome) {
     return !outcome && outcome.error().code != ErrorCode::kInterrupted;
   };
-  Expected<void> outcome = map_frames(source, *extractor, settings, mapper, writer, observer, run);
+  Expected<void> outcome =
+      map_frames(source, home, *extractor, settings, mapper, writer, observer, run);
   ROOMWISE_CHECK_OK(observer.finish());
+  const auto keyframes_of_walk = [&] {
+    return mapper.keyframes().size() - writer.first_keyframe();
+  };
   if (is_error(outcome)) {
-    return mapper.keyframes().empty()
-               ? Unexpected(std::move(outcome).error())
-               : fail("{}; the {} key-frames before it are kept: resume the map to go on",
-                      outcome.error().message, mapper.keyframes().size());
+    if (writer.has_begun()) {
+      return fail("{}; the {} key-frames before it are kept: resume the map to go on",
+                  outcome.error().message, keyframes_of_walk());
+    }
+    ROOMWISE_CHECK_OK(home.remove_recording(stored.id));
+    return Unexpected(std::move(outcome).error());
   }
   const auto finish = [&]() -> Expected<void> {
-    if (mapper.keyframes().empty()) {
+    if (keyframes_of_walk() == 0) {
+      ROOMWISE_CHECK_OK(home.remove_recording(stored.id));
       return fail("{}: no frame has enough features to map; is the lens covered or the room dark?",
                   recording.name);
     }
@@ -157,7 +199,7 @@ Expected<MapSummary> map_recording(recording::FrameSource& source, const home::R
     ROOMWISE_CHECK_OK(observer.observe_missing());
     {
       const auto timing = run.clock.measure("optimisation");
-      const auto features = [&] { return landmark_features(mapper, camera, settings); };
+      const auto features = [&] { return landmark_features(home, mapper, settings); };
       ROOMWISE_TRY(const SolvedMap solved,
                    solve_stored_map(home, settings, features, run.progress));
       const mapping::MapSolution& solution = solved.solution;
@@ -168,9 +210,10 @@ Expected<MapSummary> map_recording(recording::FrameSource& source, const home::R
       }
       summary.rejected_edges = solution.rejected_edges;
       summary.components = solution.components;
+      summary.is_joined = is_joined(solution, writer.first_keyframe());
       summary.graph_error_before = solution.report.error_before;
       summary.graph_error_after = solution.report.error_after;
-      ROOMWISE_TRY(const recording::Trajectory trajectory, stored_trajectory(home));
+      ROOMWISE_TRY(const recording::Trajectory trajectory, stored_trajectory(home, stored.id));
       summary.placed = trajectory.size();
       ROOMWISE_TRY(const auto frames, home.frames(stored.id));
       count_motion(frames, summary);
@@ -188,8 +231,10 @@ Expected<MapSummary> map_recording(recording::FrameSource& source, const home::R
   if (is_error(outcome)) return Unexpected(std::move(outcome).error());
   summary.finished = outcome.has_value();
   ROOMWISE_CHECK_OK(home.add_stage_timings(run.clock.stages()));
+  ROOMWISE_TRY(const auto recordings, home.recordings());
+  summary.walks = recordings.size();
   summary.frames = mapper.frame_count();
-  summary.keyframes = mapper.keyframes().size();
+  summary.keyframes = keyframes_of_walk();
   summary.loops =
       static_cast<std::uint64_t>(std::ranges::count_if(mapper.edges(), mapping::spans_long_loop));
   summary.edges = mapper.edges().size();

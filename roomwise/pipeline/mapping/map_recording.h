@@ -17,12 +17,14 @@ struct MapSummary {
   std::uint64_t with_device_motion = 0;  // frames whose device tells its own motion
   std::uint64_t motion_dropped = 0;      // of these, those to which it jumped
   std::uint64_t motion_alone = 0;        // of these, those that are placed by it alone
-  std::uint64_t keyframes = 0;
-  std::uint64_t edges = 0;  // of the pose graph
+  std::uint64_t keyframes = 0;           // of this walk
+  std::uint64_t edges = 0;               // of the pose graph, all walks' together
   std::uint64_t loops = 0;  // returns to a place that was left: edges over more than ten key-frames
   std::uint64_t rejected_edges = 0;  // edges that contradicted the others and were left out
   std::uint64_t components = 0;
-  std::uint64_t objects = 0;      // by the paper's rules
+  std::uint64_t walks = 0;    // in the home
+  bool is_joined = true;      // the walk shares a component with an earlier one, where there is one
+  std::uint64_t objects = 0;  // by the paper's rules
   std::uint64_t instances = 0;    // joined from the regions of many key-frames
   double graph_error_before = 0;  // F of the pose graph
   double graph_error_after = 0;
@@ -35,10 +37,12 @@ struct MapSummary {
 };
 
 // The main job: frames -> key-frames -> loops -> pose graph -> objects, all into a home. A home
-// that holds an unfinished recording is gone on with, exactly as if it had never been stopped; its
-// settings must then be the home's own. A home with a finished recording is an error. Networks and
-// finders may be empty: then nothing is named or learned, or found. On an error of the source (a
-// damaged image) everything before it is in the home.
+// that holds an unfinished recording is gone on with, exactly as if it had never been stopped. A
+// finished one stays, and the recording is a further walk, with a camera of its own: it joins the
+// map where it shows the same, else it is a component of its own, which a later walk may join. The
+// settings must be the home's own, where it has some; a recording that it holds already is an
+// error. Networks and finders may be empty: then nothing is named or learned, or found. On an error
+// of the source (a damaged image) everything before it is in the home.
 [[nodiscard]] Expected<MapSummary> map_recording(recording::FrameSource& source,
                                                  const home::Recording& recording, home::Home& home,
                                                  const Networks& networks,

@@ -440,7 +440,7 @@ TEST_F(MapRecording, BeginsAnewWhereNothingWasMapped) {
   ASSERT_OK(map(folder_ / "a.home", mended, 1));
 }
 
-TEST_F(MapRecording, RefusesAFinishedHomeAndOtherSettings) {
+TEST_F(MapRecording, RefusesOtherSettings) {
   SyntheticWalk walk(12);
   InterruptAfter interrupt(6);
   ASSERT_OK(map(folder_ / "a.home", walk, 1, &interrupt));
@@ -449,7 +449,121 @@ TEST_F(MapRecording, RefusesAFinishedHomeAndOtherSettings) {
   EXPECT_ERROR(map(folder_ / "a.home", other, 1), "other settings");
   settings_.max_keypoints = MapSettings{}.max_keypoints;
   ASSERT_OK(map(folder_ / "a.home", other, 1));
-  EXPECT_ERROR(map(folder_ / "a.home", other, 1), "finished map");
+}
+
+// Looks around from elsewhere with another camera, a little later in the same times.
+SyntheticWalk further_walk(int frames) {
+  SyntheticWalk walk(frames, 0.041, 0.3);
+  walk.take_camera({231, 229, 151, 122, 304, 232, {}, 500});
+  walk.begins_ns += 100'000'000;
+  return walk;
+}
+
+class MapFurtherWalks : public MapRecording {
+ protected:
+  void SetUp() override {
+    MapRecording::SetUp();
+    SyntheticWalk first(kFrames);
+    ASSERT_OK(map(home_, first, 2));
+  }
+  // How far the stored walk lies from where it was, in the world that the first walk began.
+  static double error_m(const home::Home& home, home::RecordingId id, const SyntheticWalk& walk) {
+    const auto trajectory = stored_trajectory(home, id);
+    EXPECT_OK(trajectory);
+    double worst = trajectory->empty() ? 1e9 : 0;
+    const auto truth = walk.truth();
+    for (const auto& [time_ns, pose] : *trajectory) {
+      const auto was = std::ranges::find(truth, time_ns, &recording::StampedPose::timestamp_ns);
+      worst = std::max(worst, (pose.translation - was->world_from_camera.translation).norm());
+    }
+    return worst;
+  }
+
+  const std::filesystem::path home_ = folder_ / "a.home";
+};
+
+TEST_F(MapFurtherWalks, JoinTheMapWithTheirOwnCamera) {
+  const std::string one_walk = digest(home_);
+  SyntheticWalk further = further_walk(kFrames);
+  const auto summary = map(home_, further, 2);
+  ASSERT_OK(summary);
+  EXPECT_TRUE(summary->finished);
+  EXPECT_TRUE(summary->is_joined);
+  EXPECT_EQ(summary->walks, 2U);
+  EXPECT_EQ(summary->components, 1U);
+  EXPECT_EQ(summary->frames, static_cast<std::uint64_t>(kFrames));
+  EXPECT_EQ(summary->placed, static_cast<std::uint64_t>(kFrames));
+  EXPECT_GT(summary->keyframes, 10U);
+  EXPECT_NE(digest(home_), one_walk);
+
+  const home::Home home = *home::Home::open_read_only(home_);
+  EXPECT_LT(error_m(home, 1, SyntheticWalk(kFrames)), 0.03);
+  EXPECT_LT(error_m(home, 2, further_walk(kFrames)), 0.03);
+  EXPECT_EQ(stored_trajectory(home)->size(), 2U * kFrames);
+}
+
+TEST_F(MapFurtherWalks, OfAnotherHomeStaysAComponentOfItsOwn) {
+  SyntheticWalk elsewhere = further_walk(30);
+  elsewhere.home = 1;
+  const auto summary = map(home_, elsewhere, 2);
+  ASSERT_OK(summary);
+  EXPECT_FALSE(summary->is_joined);
+  EXPECT_EQ(summary->components, 2U);
+  EXPECT_EQ(summary->placed, 0U) << "on the map that is there";
+  const home::Home home = *home::Home::open_read_only(home_);
+  EXPECT_LT(error_m(home, 1, SyntheticWalk(kFrames)), 0.03) << "the map is what it was";
+}
+
+TEST_F(MapFurtherWalks, InterruptedEndAsIfNeverStopped) {
+  std::filesystem::copy(home_, folder_ / "whole.home");
+  SyntheticWalk whole = further_walk(kFrames);
+  ASSERT_OK(map(folder_ / "whole.home", whole, 1));
+  for (const std::uint64_t stop : {1U, 27U, 36U}) {  // the first while the map is loaded
+    const auto file = folder_ / fmt::format("{}.home", stop);
+    std::filesystem::copy(home_, file);
+    SyntheticWalk first = further_walk(kFrames);
+    InterruptAfter interrupt(stop);
+    const auto stopped = map(file, first, 2, &interrupt);
+    ASSERT_FALSE(stopped && stopped->finished) << stop;
+    SyntheticWalk second = further_walk(kFrames);
+    ASSERT_OK(map(file, second, 2));
+    EXPECT_EQ(digest(file), digest(folder_ / "whole.home")) << stop;
+  }
+}
+
+TEST_F(MapFurtherWalks, OfWhatTheHomeHoldsAlreadyAddNothing) {
+  const std::string before = digest(home_);
+  SyntheticWalk again(kFrames);
+  EXPECT_ERROR(map(home_, again, 2), "holds this recording already, as synthetic walk");
+  EXPECT_EQ(digest(home_), before);
+}
+
+TEST_F(MapFurtherWalks, WhoseFirstFrameIsDamagedAddNothing) {
+  const std::string before = digest(home_);
+  SyntheticWalk damaged = further_walk(kFrames);
+  damaged.fail_at = 0;
+  EXPECT_ERROR(map(home_, damaged, 2), "frame 0 is damaged");
+  EXPECT_EQ(digest(home_), before);
+}
+
+TEST_F(MapFurtherWalks, StandWhereTheFirstIsTakenOut) {
+  SyntheticWalk further = further_walk(kFrames);
+  ASSERT_OK(map(home_, further, 2));
+  {
+    home::Home home = *home::Home::open(home_);
+    ASSERT_OK(forget_walk(home, 1));
+    ASSERT_OK(home.verify());
+    EXPECT_EQ(home.keyframes()->front().pose.world_from_keyframe.translation,
+              Eigen::Vector3d::Zero());
+    EXPECT_EQ(stored_trajectory(home)->size(), static_cast<std::size_t>(kFrames));
+    EXPECT_FALSE(home.paper_objects()->empty()) << "what it shows is still there";
+  }
+  SyntheticWalk first(kFrames);
+  const auto summary = map(home_, first, 2);
+  ASSERT_OK(summary);
+  EXPECT_TRUE(summary->is_joined);
+  EXPECT_EQ(summary->walks, 2U);
+  EXPECT_EQ(summary->components, 1U);
 }
 
 TEST_F(MapRecording, RefusesToGoOnWithAnotherRecording) {
@@ -475,7 +589,7 @@ TEST_F(MapRecording, LearnsAndRecognisesItsRooms) {
   ThreadPool pool(2);
   StageClock clock;
   RunContext run{pool, silent_, clock};
-  ASSERT_OK(learn_rooms_from_keyframes(home, 1, {}, {}, {}, run));
+  ASSERT_OK(learn_rooms_from_keyframes(home, {}, {}, {}, run));
   EXPECT_EQ(home.keyframe_rooms()->size(), home.keyframes()->size())
       << "every key-frame has a room";
 
@@ -501,13 +615,13 @@ TEST_F(MapRecording, LearnsAndRecognisesItsRooms) {
   Networks others;
   others.push_back(std::make_unique<ColorNetwork>(std::vector<std::string>{"a", "b"}));
   EXPECT_ERROR(RoomRecognizer::create(home, others), "give that file by --network");
-  EXPECT_ERROR(learn_rooms_from_keyframes(home, 1, {.visits = {}, .rooms = {"attic"}}, {}, {}, run),
+  EXPECT_ERROR(learn_rooms_from_keyframes(home, {.visits = {}, .rooms = {"attic"}}, {}, {}, run),
                "no room 'attic'");
-  EXPECT_ERROR(learn_rooms_from_keyframes(home, 1, {}, {{}, 2}, others, run),
+  EXPECT_ERROR(learn_rooms_from_keyframes(home, {}, {.variants = 2}, others, run),
                "give its file by --network");
 
   // With varied pictures; what the network made of them goes with its key-frames.
-  ASSERT_OK(learn_rooms_from_keyframes(home, 1, {}, {{}, 2}, networks, run));
+  ASSERT_OK(learn_rooms_from_keyframes(home, {}, {.variants = 2}, networks, run));
   const auto kept = [&] {
     return home.database().get<int>("SELECT count(*) FROM picture_features").value();
   };

@@ -42,7 +42,10 @@ Expected<std::uint64_t> update_by_rules(home::Home& home, const objects::ObjectR
   for (const home::Keyframe& keyframe : keyframes) {
     objects::KeyframeView& view = views.emplace_back();
     view.keyframe_id = keyframe.id;
-    view.is_continuous = !not_continuous.contains(keyframe.id);
+    // Nor does a walk go on from where the one before it ended.
+    const bool begins_walk =
+        views.size() > 1 && keyframes[views.size() - 2].recording != keyframe.recording;
+    view.is_continuous = !begins_walk && !not_continuous.contains(keyframe.id);
     if (const auto found = said.find(keyframe.id); found != said.end()) {
       view.observations = found->second;
     }

@@ -38,8 +38,7 @@ class HomePlacesTest : public ::testing::Test {
         {{0, kFrames / 2 - 1, "hall", 1}, {kFrames / 2, kFrames - 1, "kitchen", 1}});
     ASSERT_OK(labels);
     ASSERT_OK(name_rooms(*home, home->recordings()->back().id, *labels));
-    ASSERT_OK(
-        learn_rooms_from_keyframes(*home, home->recordings()->back().id, {}, {{}, 0}, {}, run));
+    ASSERT_OK(learn_rooms_from_keyframes(*home, {}, {.variants = 0}, {}, run));
     home_.emplace(*std::move(home));
   }
   static void TearDownTestSuite() {

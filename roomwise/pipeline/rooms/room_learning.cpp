@@ -133,6 +133,35 @@ Expected<void> add_variants(home::Home& home, const home::Network& network,
   return {};
 }
 
+// The rooms' names along these walks, or along all; those whose rooms nobody named are left out.
+Expected<std::map<home::RecordingId, recording::RoomLabels>> named_walks(
+    const home::Home& home, std::span<const home::RecordingId> walks) {
+  ROOMWISE_TRY(const auto recordings, home.recordings());
+  std::map<home::RecordingId, recording::RoomLabels> named;
+  for (const home::StoredRecording& recording : recordings) {
+    if (!walks.empty() && std::ranges::find(walks, recording.id) == walks.end()) continue;
+    ROOMWISE_TRY(recording::RoomLabels labels, home.room_ranges(recording.id));
+    if (!labels.ranges().empty()) named.emplace(recording.id, std::move(labels));
+  }
+  if (named.empty()) {
+    return fail(
+        "{}: the rooms of its walks are not named; give --labels rooms.txt or use rooms name",
+        home.file());
+  }
+  return named;
+}
+
+// Each selected room must be one that some walk names.
+Expected<void> check_rooms(const RoomSelection& selection,
+                           const std::map<home::RecordingId, recording::RoomLabels>& walks) {
+  Expected<void> outcome;
+  for (const auto& [id, labels] : walks) {
+    outcome = selection.check_against(labels);
+    if (outcome) break;
+  }
+  return outcome;
+}
+
 Expected<rooms::LearnedRooms> learn(std::span<const rooms::RoomSample> samples,
                                     const rooms::NetworkIdentity& network,
                                     const RoomLearning& learning, RunContext& run) {
@@ -159,16 +188,13 @@ Expected<void> name_rooms(home::Home& home, home::RecordingId recording,
   });
 }
 
-Expected<rooms::LearningReport> learn_rooms_from_keyframes(
-    home::Home& home, home::RecordingId recording, const RoomSelection& selection,
-    const RoomLearning& learning, const Networks& networks, RunContext& run) {
-  ROOMWISE_TRY(const recording::RoomLabels labels, home.room_ranges(recording));
-  if (labels.ranges().empty()) {
-    return fail(
-        "{}: its recording's rooms are not named; give --labels rooms.txt or use rooms name",
-        home.file());
-  }
-  ROOMWISE_CHECK_OK(selection.check_against(labels));
+Expected<rooms::LearningReport> learn_rooms_from_keyframes(home::Home& home,
+                                                           const RoomSelection& selection,
+                                                           const RoomLearning& learning,
+                                                           const Networks& networks,
+                                                           RunContext& run) {
+  ROOMWISE_TRY(const auto labels, named_walks(home, learning.walks));
+  ROOMWISE_CHECK_OK(check_rooms(selection, labels));
   ROOMWISE_TRY(const home::NetworkId network_id, stored_features_network(home, networks));
   ROOMWISE_TRY(const auto stored_networks, home.networks());
   ROOMWISE_TRY(const auto predictions, home.predictions(network_id));
@@ -177,13 +203,15 @@ Expected<rooms::LearningReport> learn_rooms_from_keyframes(
   std::vector<rooms::RoomSample> samples;
   std::vector<home::KeyframeId> ids;  // of the samples
   for (const home::Keyframe& keyframe : keyframes) {
-    if (keyframe.recording != recording) continue;
-    const recording::RoomRange* range = labels.find(keyframe.frame_index);
+    const auto of_walk = labels.find(keyframe.recording);
+    if (of_walk == labels.end()) continue;
+    const recording::RoomRange* range = of_walk->second.find(keyframe.frame_index);
     const auto prediction = predictions.find(keyframe.id);
     if (range == nullptr || !selection.contains(*range) || prediction == predictions.end())
       continue;
-    samples.push_back(
-        {prediction->second.features, range->room, static_cast<std::uint64_t>(range->visit)});
+    samples.push_back({prediction->second.features, range->room,
+                       static_cast<std::uint64_t>(keyframe.recording),
+                       static_cast<std::uint64_t>(range->visit)});
     ids.push_back(keyframe.id);
   }
   const home::Network& network = stored_networks.at(network_id);

@@ -25,16 +25,17 @@ struct RoomLearning {
   // Of each picture so many varied ones are learned from beside it (network/augmentation.h), at
   // most kMaxVariants.
   int variants = 0;
+  std::vector<home::RecordingId> walks = {};  // from which; none: from all whose rooms are named
 };
 
-// Learns the rooms from the key-frames of a recording that lie in the selected ranges, on what a
-// features network saw in them; stores the classifier and what it says of every key-frame. With
+// Learns the rooms from the key-frames of walks that lie in the selected ranges, on what a features
+// network saw in them; stores the classifier and what it says of every key-frame. With
 // variants, that network must be among `networks`, to look at them. Pictures that later visits
 // brought stay where the new classifier names the same room by them; a warning says how many do
 // not.
 [[nodiscard]] Expected<rooms::LearningReport> learn_rooms_from_keyframes(
-    home::Home& home, home::RecordingId recording, const RoomSelection& selection,
-    const RoomLearning& learning, const Networks& networks, RunContext& run);
+    home::Home& home, const RoomSelection& selection, const RoomLearning& learning,
+    const Networks& networks, RunContext& run);
 
 // A picture and the room that it shows.
 struct RoomPhoto {

@@ -44,7 +44,7 @@ class RoomRecognizerTest : public ::testing::Test {
     SilentProgress progress;
     StageClock clock;
     RunContext run{pool, progress, clock};
-    ASSERT_OK(learn_rooms_from_keyframes(home, 1, {}, {}, {}, run));
+    ASSERT_OK(learn_rooms_from_keyframes(home, {}, {}, {}, run));
     make_recognizer();
   }
   void make_recognizer() {

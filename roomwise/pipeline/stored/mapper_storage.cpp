@@ -12,25 +12,30 @@ namespace {
 // A commit waits for the disk: where no key-frame is made, so many frames share one.
 constexpr std::uint64_t kFramesACommit = 30;
 
-// Nothing of them is lost: a resumed run finds its features in them again.
+}  // namespace
+
 home::KeyframeImages images_of(const image::RgbdFrame& frame) {
   return {image::color_file(frame), image::depth_file(frame)};
 }
 
-}  // namespace
+home::KeyframeId first_keyframe_of(std::span<const home::Keyframe> keyframes,
+                                   home::RecordingId recording) {
+  const auto first = std::ranges::find(keyframes, recording, &home::Keyframe::recording);
+  return static_cast<home::KeyframeId>(first - keyframes.begin());
+}
 
 Expected<void> restore_mapper(mapping::Mapper& mapper, const home::Home& home,
-                              home::RecordingId recording, const geometry::PinholeCamera& camera,
+                              home::RecordingId recording,
                               const features::FeatureExtractor& extractor,
                               const MapSettings& settings, RunContext& run) {
   ROOMWISE_TRY(const auto stored, home.keyframes());
   const auto take = [&](mapping::Keyframe keyframe) {
     return mapper.restore_keyframe(std::move(keyframe));
   };
-  ROOMWISE_CHECK_OK(measure_each_keyframe(home, stored, camera, extractor, settings, run, take));
+  ROOMWISE_CHECK_OK(measure_each_keyframe(home, stored, extractor, settings, run, take));
   ROOMWISE_TRY(const auto edges, home.edges());
   ROOMWISE_TRY(const auto frames, home.frames(recording));
-  mapper.restore(edges, frames);
+  mapper.restore(edges, frames, first_keyframe_of(stored, recording));
   return {};
 }
 
@@ -38,6 +43,7 @@ MapWriter::MapWriter(home::Home& home, home::RecordingId recording, mapping::Map
     : home_(home),
       recording_(recording),
       mapper_(mapper),
+      first_keyframe_(0),
       edges_written_(mapper.edges().size()),
       frames_written_(mapper.frame_count()) {}
 
@@ -45,6 +51,7 @@ Expected<MapWriter> MapWriter::create(home::Home& home, home::RecordingId record
                                       mapping::Mapper& mapper) {
   MapWriter writer(home, recording, mapper);
   ROOMWISE_TRY(const auto stored, home.keyframes());
+  writer.first_keyframe_ = first_keyframe_of(stored, recording);
   for (const home::Keyframe& keyframe : stored) writer.poses_.push_back(keyframe.pose);
   mapper.release_frames(0);
   return writer;
@@ -94,7 +101,7 @@ Expected<void> MapWriter::commit(std::vector<home::NewKeyframe> keyframes,
 home::KeyframePose MapWriter::first_pose(mapping::KeyframeId id) const {
   for (std::size_t i = edges_written_; i < mapper_.edges().size(); ++i) {
     const mapping::PoseGraphEdge& edge = mapper_.edges()[i];
-    if (edge.to != id) continue;
+    if (edge.to != id || edge.from < first_keyframe_) continue;
     return {poses_[edge.from].world_from_keyframe * edge.from_from_to, poses_[edge.from].component};
   }
   std::uint64_t components = 0;

@@ -10,12 +10,13 @@ namespace roomwise::pipeline {
 
 Expected<void> measure_each_keyframe(const home::Home& home,
                                      std::span<const home::Keyframe> keyframes,
-                                     const geometry::PinholeCamera& camera,
                                      const features::FeatureExtractor& extractor,
                                      const MapSettings& settings, RunContext& run,
                                      const TakeKeyframe& take) {
-  const auto measure = [&](const home::Keyframe&, const DecodedImages& images) {
-    return measure_frame(images.color, images.depth, camera, extractor, settings);
+  ROOMWISE_TRY(const auto cameras, recording_cameras(home));
+  const auto measure = [&](const home::Keyframe& keyframe, const DecodedImages& images) {
+    return measure_frame(images.color, images.depth, cameras.at(keyframe.recording), extractor,
+                         settings);
   };
   const auto hand_over = [&](const home::Keyframe& keyframe,
                              motion::FrameMeasurements measurements) {
@@ -26,14 +27,13 @@ Expected<void> measure_each_keyframe(const home::Home& home,
 
 Expected<std::vector<mapping::Keyframe>> measure_keyframes(
     const home::Home& home, std::span<const home::Keyframe> keyframes,
-    const geometry::PinholeCamera& camera, const features::FeatureExtractor& extractor,
-    const MapSettings& settings, RunContext& run) {
+    const features::FeatureExtractor& extractor, const MapSettings& settings, RunContext& run) {
   std::vector<mapping::Keyframe> measured;
   const auto keep = [&](mapping::Keyframe keyframe) -> Expected<void> {
     measured.push_back(std::move(keyframe));
     return {};
   };
-  ROOMWISE_CHECK_OK(measure_each_keyframe(home, keyframes, camera, extractor, settings, run, keep));
+  ROOMWISE_CHECK_OK(measure_each_keyframe(home, keyframes, extractor, settings, run, keep));
   return measured;
 }
 

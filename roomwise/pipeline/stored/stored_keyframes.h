@@ -20,15 +20,13 @@ using TakeKeyframe = std::function<Expected<void>(mapping::Keyframe)>;
 // by one, in the order given.
 [[nodiscard]] Expected<void> measure_each_keyframe(const home::Home& home,
                                                    std::span<const home::Keyframe> keyframes,
-                                                   const geometry::PinholeCamera& camera,
                                                    const features::FeatureExtractor& extractor,
                                                    const MapSettings& settings, RunContext& run,
                                                    const TakeKeyframe& take);
 // The same, all together.
 [[nodiscard]] Expected<std::vector<mapping::Keyframe>> measure_keyframes(
     const home::Home& home, std::span<const home::Keyframe> keyframes,
-    const geometry::PinholeCamera& camera, const features::FeatureExtractor& extractor,
-    const MapSettings& settings, RunContext& run);
+    const features::FeatureExtractor& extractor, const MapSettings& settings, RunContext& run);
 
 // What landmarks are found by, found again in all stored key-frames, by id.
 [[nodiscard]] Expected<std::vector<mapping::KeyframeFeatures>> stored_keyframe_features(

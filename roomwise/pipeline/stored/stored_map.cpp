@@ -2,6 +2,8 @@
 
 #include "roomwise/mapping/backend/frame_poses.h"
 #include "roomwise/mapping/backend/frame_smoothing.h"
+#include "roomwise/mapping/backend/walk_joins.h"
+#include "roomwise/pipeline/stored/mapper_storage.h"
 
 namespace roomwise::pipeline {
 namespace {
@@ -19,17 +21,17 @@ Expected<mapping::MapRefinement> refine(const home::Home& home,
                                         std::span<const mapping::KeyframeFeatures> features,
                                         const MapSettings& settings, Progress& progress) {
   ROOMWISE_TRY(const auto recordings, home.recordings());
-  std::vector<scene::Frame> frames;
+  std::vector<std::vector<scene::Frame>> frames;
   for (const home::StoredRecording& recording : recordings) {
-    if (!(recording.recording.camera == recordings.front().recording.camera))
-      return fail("{}: holds recordings of several cameras; their map cannot be refined",
-                  home.file());
-    ROOMWISE_TRY(const auto own, home.frames(recording.id));
-    frames.insert(frames.end(), own.begin(), own.end());
+    ROOMWISE_TRY(frames.emplace_back(), home.frames(recording.id));
   }
-  return mapping::refine_map(
-      solution, {edges, features, times_of(keyframes), frames, recordings.front().recording.camera},
-      settings.solver, settings.refinement, progress);
+  std::vector<mapping::RefinedWalk> walks;
+  for (std::size_t i = 0; i < recordings.size(); ++i) {
+    walks.push_back({first_keyframe_of(keyframes, recordings[i].id), frames[i],
+                     recordings[i].recording.camera, recordings[i].readout_s.value_or(0)});
+  }
+  return mapping::refine_map(solution, {edges, features, times_of(keyframes), walks},
+                             settings.solver, settings.refinement, progress);
 }
 
 // Where the frames of one recording are, those of other components than the largest left out.
@@ -55,9 +57,16 @@ Expected<SolvedMap> solve_stored_map(
     const std::function<Expected<std::vector<mapping::KeyframeFeatures>>()>& find_features,
     Progress& progress) {
   ROOMWISE_TRY(const auto keyframes, home.keyframes());
-  ROOMWISE_TRY(const auto edges, home.edges());
+  ROOMWISE_TRY(const auto recordings, home.recordings());
+  ROOMWISE_TRY(const auto measured, home.edges());
+  std::vector<home::KeyframeId> first_keyframes;
+  for (const home::StoredRecording& recording : recordings)
+    first_keyframes.push_back(first_keyframe_of(keyframes, recording.id));
+  ROOMWISE_TRY(const auto edges, mapping::without_unsupported_joins(
+                                     keyframes.size(), measured, first_keyframes, settings.solver));
   SolvedMap solved;
   ROOMWISE_TRY(solved.solution, mapping::solve_map(keyframes.size(), edges, settings.solver));
+  solved.solution.rejected_edges += measured.size() - edges.size();
   if (settings.adjusts_bundle() && !keyframes.empty()) {
     ROOMWISE_TRY(const auto features, find_features());
     ROOMWISE_TRY(solved.refinement,
@@ -68,8 +77,39 @@ Expected<SolvedMap> solve_stored_map(
   std::map<home::KeyframeId, home::KeyframePose> poses;
   for (std::size_t id = 0; id < keyframes.size(); ++id)
     poses[id] = {solution_poses[id], solved.solution.component[id]};
-  ROOMWISE_CHECK_OK(home.replace_poses(poses));
+  ROOMWISE_CHECK_OK(home.atomically([&]() -> Expected<void> {
+    if (solved.refinement && solved.refinement->readout_s)
+      ROOMWISE_CHECK_OK(home.put_readout(recordings.back().id, *solved.refinement->readout_s));
+    return home.replace_poses(poses);
+  }));
   return solved;
+}
+
+Expected<void> forget_walk(home::Home& home, home::RecordingId walk) {
+  return home.atomically([&]() -> Expected<void> {
+    ROOMWISE_CHECK_OK(home.forget_learned_rooms());
+    ROOMWISE_CHECK_OK(home.remove_recording(walk));
+    ROOMWISE_TRY(const auto keyframes, home.keyframes());
+    ROOMWISE_TRY(const auto settings, stored_map_settings(home));
+    if (keyframes.empty() || !settings) return {};
+    ROOMWISE_TRY(const mapping::PoseGraph graph, stored_pose_graph(home, settings->solver));
+    std::size_t components = 0;
+    const auto component_of =
+        mapping::components_by_size(keyframes.size(), graph.edges, components);
+    // Each lies in the world of its first key-frame, also where that was another's before.
+    std::map<home::KeyframeId, home::KeyframePose> poses;
+    std::map<std::size_t, geometry::RigidTransform> first_from_world;
+    for (const home::Keyframe& keyframe : keyframes) {
+      const std::size_t component = component_of[keyframe.id];
+      const auto [anchor, is_first] =
+          first_from_world.try_emplace(component, keyframe.pose.world_from_keyframe.inverse());
+      poses[keyframe.id] = {is_first ? geometry::RigidTransform::identity()
+                                     : anchor->second * keyframe.pose.world_from_keyframe,
+                            component};
+    }
+    ROOMWISE_CHECK_OK(home.replace_poses(poses));
+    return update_objects(home, settings->objects).map([](const FoundObjects&) {});
+  });
 }
 
 Expected<mapping::PoseGraph> stored_pose_graph(const home::Home& home,
@@ -82,7 +122,8 @@ Expected<mapping::PoseGraph> stored_pose_graph(const home::Home& home,
   ROOMWISE_TRY(const auto edges, home.edges());
   graph.edges = mapping::demote_inconsistent_odometry(keyframes.size(), edges);
   std::erase_if(graph.edges, [&](const mapping::PoseGraphEdge& edge) {
-    return mapping::is_contradicted(graph, edge, options);
+    return mapping::is_contradicted(graph, edge, options) ||
+           keyframes[edge.from].pose.component != keyframes[edge.to].pose.component;
   });
   return graph;
 }
@@ -107,7 +148,8 @@ Expected<std::map<home::KeyframeId, Eigen::Vector3d>> stored_gravity(
   return up_world;
 }
 
-Expected<recording::Trajectory> stored_trajectory(const home::Home& home) {
+Expected<recording::Trajectory> stored_trajectory(const home::Home& home,
+                                                  std::optional<home::RecordingId> walk) {
   ROOMWISE_TRY(const auto keyframes, home.keyframes());
   ROOMWISE_TRY(const auto recordings, home.recordings());
   ROOMWISE_TRY(const auto settings, stored_map_settings(home));
@@ -126,6 +168,7 @@ Expected<recording::Trajectory> stored_trajectory(const home::Home& home) {
   }
   recording::Trajectory trajectory;
   for (const home::StoredRecording& recording : recordings) {
+    if (walk && recording.id != *walk) continue;
     ROOMWISE_TRY(const auto frames, home.frames(recording.id));
     const auto poses =
         mapping::frame_poses(frames, {world_from_keyframe, times_ns, component}, edges);

@@ -32,6 +32,11 @@ struct SolvedMap {
     const std::function<Expected<std::vector<mapping::KeyframeFeatures>>()>& find_features,
     Progress& progress);
 
+// Takes a walk out of the home, and what was learned of rooms, for which it may have counted; the
+// others stay where they are. Where it joined two of them they come apart. Things are joined anew
+// from what is left.
+[[nodiscard]] Expected<void> forget_walk(home::Home& home, home::RecordingId walk);
+
 // The pose graph as the map is now: without the loops that contradict it (solve_map() left them
 // out).
 [[nodiscard]] Expected<mapping::PoseGraph> stored_pose_graph(
@@ -52,9 +57,11 @@ struct FoundObjects {
 [[nodiscard]] Expected<FoundObjects> update_objects(home::Home& home,
                                                     const objects::ObjectRules& rules);
 
-// The poses of all frames that the largest component of the map places, in the order of time: along
-// the key-frames that they hang on and, where the map's settings adjust the bundle, as the
-// key-frames around and the motion of a hand say (mapping::frame_poses, mapping::smooth_frames).
-[[nodiscard]] Expected<recording::Trajectory> stored_trajectory(const home::Home& home);
+// The poses of all frames that the largest component of the map places, walk by walk in the order
+// of time, or of those of one walk: along the key-frames that they hang on and, where the map's
+// settings adjust the bundle, as the key-frames around and the motion of a hand say
+// (mapping::frame_poses, mapping::smooth_frames).
+[[nodiscard]] Expected<recording::Trajectory> stored_trajectory(
+    const home::Home& home, std::optional<home::RecordingId> walk = std::nullopt);
 
 }  // namespace roomwise::pipeline

@@ -24,8 +24,8 @@ namespace roomwise::pipeline::testing {
 // A walk that looks around inside a box with mosaic walls: exact images, depth and poses.
 class SyntheticWalk final : public recording::FrameSource {
  public:
-  explicit SyntheticWalk(int frames, double step_rad = 0.05)
-      : frames_(frames), step_rad_(step_rad) {
+  explicit SyntheticWalk(int frames, double step_rad = 0.05, double first_rad = 0)
+      : frames_(frames), step_rad_(step_rad), first_rad_(first_rad) {
     info_.name = "synthetic walk";
     info_.camera = {260, 260, 159.5, 119.5, 320, 240, {}, 1000};
     info_.frames_remaining = static_cast<std::uint64_t>(frames);
@@ -43,14 +43,16 @@ class SyntheticWalk final : public recording::FrameSource {
     return render(next_++);
   }
 
-  // Frame i's true pose; the world is the first camera's frame.
+  void take_camera(const geometry::PinholeCamera& camera) { info_.camera = camera; }
+
+  // Frame i's true pose; the world is the first camera's frame where the walk begins at 0 rad.
   [[nodiscard]] geometry::RigidTransform world_from_camera(int frame) const {
     const auto pose = [&](double angle) {
       return geometry::RigidTransform{
           Eigen::Quaterniond(Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitY())),
           {0.5 * std::sin(angle), 0.06 * std::sin(3 * angle), 0.3 * std::cos(angle)}};
     };
-    return pose(0).inverse() * pose(step_rad_ * frame);
+    return pose(0).inverse() * pose(first_rad_ + step_rad_ * frame);
   }
   [[nodiscard]] recording::Trajectory truth() const {
     recording::Trajectory truth;
@@ -60,18 +62,21 @@ class SyntheticWalk final : public recording::FrameSource {
 
   int fail_at = -1;  // the frame at which next() gives an error
   TimestampNs begins_ns = 1'000'000'000;
+  int home = 0;  // the walls of each have mosaics of their own
 
  private:
   TimestampNs timestamp_ns(int frame) const { return begins_ns + frame * 33'333'333LL; }
 
   // The colour of a wall at (u, v), m: blocks of three sizes, each with a shade of its own.
-  static Rgb8 mosaic(int wall, double u, double v) {
+  [[nodiscard]] Rgb8 mosaic(int wall, double u, double v) const {
     double shade = 0;
     for (const double size_m : {0.11, 0.27, 0.71}) {
       const auto cell = [&](double x) {
         return static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(x / size_m)) + 1000);
       };
-      shade += RandomStream(static_cast<std::uint64_t>(wall), {cell(u), cell(v)}).uniform() / 3;
+      shade +=
+          RandomStream(static_cast<std::uint64_t>(wall + 6 * home), {cell(u), cell(v)}).uniform() /
+          3;
     }
     const auto level = [&](double least, double most) {
       return static_cast<std::uint8_t>(least + (most - least) * shade);
@@ -102,14 +107,15 @@ class SyntheticWalk final : public recording::FrameSource {
         const Eigen::Array3d point = origin + z_m * ray;
         const int wall = static_cast<int>(2 * axis) + (ray[axis] > 0 ? 1 : 0);
         frame.color.at(x, y) = mosaic(wall, point[(axis + 1) % 3], point[(axis + 2) % 3]);
-        frame.depth.at(x, y) = static_cast<std::uint16_t>(std::lround(1000 * z_m));
+        frame.depth.at(x, y) =
+            static_cast<std::uint16_t>(std::lround(camera.depth_units_per_metre * z_m));
       }
     }
     return frame;
   }
 
   int frames_;
-  double step_rad_;
+  double step_rad_, first_rad_;
   int next_ = 0;
   recording::SourceInfo info_;
 };

@@ -32,7 +32,7 @@ class VisitRoomsTest : public ::testing::Test {
     ROOMWISE_MUST(
         home_->replace_rooms(std::vector<rooms::Room>{{"hall", "hall"}, {"kitchen", "kitchen"}}));
     ROOMWISE_MUST(home_->replace_room_ranges(1, {{0, 89, "hall", 1}, {90, 179, "kitchen", 1}}));
-    ASSERT_OK(learn_rooms_from_keyframes(*home_, 1, {}, {}, {}, run_));
+    ASSERT_OK(learn_rooms_from_keyframes(*home_, {}, {}, {}, run_));
   }
 
   static std::vector<float> features(std::size_t room, double light, std::uint64_t seed) {
@@ -205,14 +205,14 @@ TEST_F(VisitRoomsTest, LearningAnewKeepsWhatStillAgreesAndForgetsTheRest) {
   }
   ASSERT_FALSE(named.empty());
   ASSERT_LT(named.size(), learned.size());
-  auto report = learn_rooms_from_keyframes(*home_, 1, {}, {}, {}, run_);
+  auto report = learn_rooms_from_keyframes(*home_, {}, {}, {}, run_);
   ASSERT_OK(report);
   EXPECT_EQ(*home_->visit_pictures(), named);
   EXPECT_THAT(report->warnings,
               Contains(HasSubstr("pictures of later visits do not look like these rooms")));
   // The helper finds that both rooms have each other's name.
   ASSERT_OK(home_->replace_room_ranges(1, {{0, 89, "kitchen", 1}, {90, 179, "hall", 1}}));
-  report = learn_rooms_from_keyframes(*home_, 1, {}, {}, {}, run_);
+  report = learn_rooms_from_keyframes(*home_, {}, {}, {}, run_);
   ASSERT_OK(report);
   EXPECT_THAT(*home_->visit_pictures(), SizeIs(0));
   EXPECT_THAT(report->warnings,

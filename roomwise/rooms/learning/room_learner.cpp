@@ -73,24 +73,37 @@ Expected<std::vector<std::string>> rooms_of(std::span<const RoomSample> samples,
   return rooms;
 }
 
-// Cuts the samples of every room and group into blocks, one a fold. A group with fewer samples than
-// folds begins at another fold than the group before it, so that the folds fill evenly.
-std::vector<int> block_folds(std::span<const RoomSample> samples, int folds) {
-  std::map<std::string, std::map<std::uint64_t, std::vector<std::size_t>>> members;
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    members[samples[i].room][samples[i].group].push_back(i);
-  }
-  std::vector<int> fold_of(samples.size(), 0);
+using Visits = std::map<std::uint64_t, std::vector<std::size_t>>;  // the samples of each
+
+// Cuts the samples of every visit into blocks, one a fold. A visit with fewer samples than folds
+// begins at another fold than the visit before it, so that the folds fill evenly.
+void hold_out_blocks(const Visits& visits, int folds, std::vector<int>& fold_of) {
   const auto fold_count = static_cast<std::size_t>(folds);
-  for (const auto& [room, groups] : members) {
-    std::size_t first_fold = 0;
-    for (const auto& [group, indices] : groups) {
-      const std::size_t blocks = std::min(fold_count, indices.size());
-      for (std::size_t i = 0; i < indices.size(); ++i) {
-        const std::size_t block = i * blocks / indices.size();
-        fold_of[indices[i]] = static_cast<int>((first_fold + block) % fold_count);
-      }
-      first_fold += blocks;
+  std::size_t first_fold = 0;
+  for (const auto& [visit, indices] : visits) {
+    const std::size_t blocks = std::min(fold_count, indices.size());
+    for (std::size_t i = 0; i < indices.size(); ++i) {
+      const std::size_t block = i * blocks / indices.size();
+      fold_of[indices[i]] = static_cast<int>((first_fold + block) % fold_count);
+    }
+    first_fold += blocks;
+  }
+}
+
+// By sample: the fold that holds it out.
+std::vector<int> folds_of(std::span<const RoomSample> samples, int folds) {
+  std::map<std::string, std::map<std::uint64_t, Visits>> walks_of_room;
+  for (std::size_t i = 0; i < samples.size(); ++i)
+    walks_of_room[samples[i].room][samples[i].walk][samples[i].visit].push_back(i);
+  std::vector<int> fold_of(samples.size(), 0);
+  for (const auto& [room, walks] : walks_of_room) {
+    if (walks.size() == 1) hold_out_blocks(walks.begin()->second, folds, fold_of);
+    if (walks.size() == 1) continue;
+    int fold = 0;
+    for (const auto& [walk, visits] : walks) {
+      for (const auto& [visit, indices] : visits)
+        for (const std::size_t i : indices) fold_of[i] = fold;
+      fold = (fold + 1) % folds;
     }
   }
   return fold_of;
@@ -106,7 +119,7 @@ TrainingSet make_training_set(std::span<const RoomSample> samples, std::vector<s
   set.unit_length.resize(static_cast<Eigen::Index>(rows),
                          static_cast<Eigen::Index>(samples.front().features.size()));
   retrieval.rows.resize(set.unit_length.rows(), set.unit_length.cols());
-  const std::vector<int> fold_of = block_folds(samples, folds);
+  const std::vector<int> fold_of = folds_of(samples, folds);
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const auto room = std::ranges::lower_bound(set.rooms, samples[i].room);
     const auto add = [&](std::span<const float> features) {

@@ -15,9 +15,10 @@ namespace roomwise::rooms {
 struct RoomSample {
   std::vector<float> features;  // as the network gives them
   std::string room;
-  // The recording or visit it was taken on. The samples of one room and group stand in the order of
-  // time: neighbours show nearly the same.
-  std::uint64_t group = 0;
+  // The walk it was taken on, and which visit of the room on that. The samples of one room, walk
+  // and visit stand in the order of time: neighbours show nearly the same.
+  std::uint64_t walk = 0;
+  std::uint64_t visit = 0;
   // The same of varied pictures of it (network/augmentation.h). They are learned from beside the
   // picture, and held out with it; the held-out test looks at the picture itself alone.
   std::vector<std::vector<float>> variants = {};
@@ -68,13 +69,14 @@ struct LearnedRooms {
 // Learns to tell the rooms of a home apart, in both ways of RoomClassifier. Rooms weigh the same
 // however many pictures each has.
 //
-// The held-out test: the pictures of a room on a visit are cut into `folds` blocks that follow each
-// other, and in each round one block of every room is held out (not single pictures, whose
-// neighbours on the walk are nearly the same and would make the test too easy). Of the weight
-// decays whose precision on what was held out is within one standard error of the best, the
-// strongest is chosen, and the classifier then learns from every picture. In the same rounds
-// held-out pictures are compared with the others: what their similarity means, and from where on an
-// answer is given, is found from that (retrieval_learner.h).
+// The held-out test: of a room that several walks show, each round holds out the pictures of other
+// walks, so that it knows what another day looks like. The pictures of a room on a visit of an only
+// walk are cut into `folds` blocks that follow each other, and in each round one block of every
+// room is held out (not single pictures, whose neighbours on the walk are nearly the same and would
+// make the test too easy). Of the weight decays whose precision on what was held out is within one
+// standard error of the best, the strongest is chosen, and the classifier then learns from every
+// picture. In the same rounds held-out pictures are compared with the others: what their similarity
+// means, and from where on an answer is given, is found from that (retrieval_learner.h).
 //
 // Rooms are sorted by name, so that the order of the samples' rooms does not count. Fails where
 // there are fewer than two rooms, a room has fewer than min_pictures, or features differ in

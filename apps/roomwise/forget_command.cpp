@@ -1,0 +1,51 @@
+#include <algorithm>
+#include <filesystem>
+
+#include "commands.h"
+#include "open_home.h"
+#include "roomwise/pipeline/stored/stored_map.h"
+
+namespace roomwise::app {
+namespace {
+
+struct ForgetOptions {
+  std::filesystem::path home;
+  std::string walk;
+};
+
+Expected<Answer> forget(const ForgetOptions& options, Context& context) {
+  ROOMWISE_TRY(home::Home home, open_home(options.home, context));
+  ROOMWISE_TRY(const auto recordings, home.recordings());
+  if (options.walk.empty()) return fail("an empty name is no walk's");
+  ROOMWISE_TRY(const home::RecordingId walk, find_walk(home, options.walk));
+  const std::string name =
+      std::ranges::find(recordings, walk, &home::StoredRecording::id)->recording.name;
+  ROOMWISE_TRY(const auto learned, home.room_classifier());
+  ROOMWISE_CHECK_OK(pipeline::forget_walk(home, walk));
+  ROOMWISE_CHECK_OK(home.erase_removed());
+  ROOMWISE_TRY(const auto left, home.keyframes());
+  return Answer{
+      fmt::format(
+          "{}: {} is forgotten, its pictures are erased; {} key-frames of {} walks are left{}\n",
+          home.file(), name, left.size(), recordings.size() - 1,
+          learned ? "; learn the rooms again with roomwise rooms learn" : ""),
+      {{"home", home.file()},
+       {"forgotten", name},
+       {"walks", recordings.size() - 1},
+       {"keyframes", left.size()}}};
+}
+
+}  // namespace
+
+void add_forget_command(CLI::App& app, Context& context) {
+  const auto [command, options] = add_command<ForgetOptions>(
+      app, context, "forget",
+      "Take a walk out of a home, with its pictures and what was learned of rooms; the other walks "
+      "stay",
+      "roomwise forget sunday_walk --home my.home", forget);
+  command->add_option("WALK", options.walk, "Name of the walk, as roomwise info lists it")
+      ->required();
+  command->add_option("--home", options.home, "Home file")->required();
+}
+
+}  // namespace roomwise::app

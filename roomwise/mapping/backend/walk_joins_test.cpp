@@ -1,0 +1,109 @@
+#include "roomwise/mapping/backend/walk_joins.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "roomwise/base/testing/testing.h"
+
+namespace roomwise::mapping {
+namespace {
+
+using geometry::Matrix6d;
+using geometry::RigidTransform;
+using geometry::Vector6d;
+using ::testing::SizeIs;
+
+constexpr std::size_t kOfWalk = 10;
+constexpr std::array<KeyframeId, 2> kFirst{0, kOfWalk};
+
+// Two walks of ten key-frames each along the same arc, the second some way beside the first.
+class WalkJoins : public ::testing::Test {
+ protected:
+  WalkJoins() {
+    Vector6d step;
+    step << 0.02, 0.12, -0.01, 0.2, 0.02, 0.3;
+    const RigidTransform beside({1, 0, 0, 0}, {0.3, 0, 0.1});
+    RigidTransform pose;
+    for (std::size_t i = 0; i < kOfWalk; ++i) {
+      truth_[i] = pose;
+      truth_[kOfWalk + i] = pose * beside;
+      pose = pose * RigidTransform::exp(step);
+    }
+    for (KeyframeId to = 1; to < 2 * kOfWalk; ++to) {
+      if (to != kOfWalk) add(to - 1, to, false);
+    }
+    within_ = edges_.size();
+  }
+
+  void add(KeyframeId from, KeyframeId to, bool is_robust, const RigidTransform& error = {}) {
+    edges_.push_back({from, to, truth_[from].inverse() * truth_[to] * error,
+                      1e4 * Matrix6d::Identity(), is_robust});
+  }
+  // The number of edges between the walks that are left.
+  [[nodiscard]] std::size_t joins_left(const WalkJoinOptions& options = {}) const {
+    const auto kept = without_unsupported_joins(2 * kOfWalk, edges_, kFirst, {}, options);
+    EXPECT_TRUE(kept.has_value());
+    EXPECT_GE(kept->size(), within_) << "what is measured within a walk stays";
+    return kept->size() - within_;
+  }
+
+  std::array<RigidTransform, 2 * kOfWalk> truth_;
+  std::vector<PoseGraphEdge> edges_;
+  std::size_t within_ = 0;
+};
+
+RigidTransform wrong_place() {
+  return {Eigen::Quaterniond(Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitY())), {0.4, -0.1, 0.3}};
+}
+
+TEST_F(WalkJoins, ThreeThatAgreeAreBelieved) {
+  add(0, 10, true);
+  add(2, 12, true);
+  EXPECT_EQ(joins_left(), 0U) << "two are too few";
+  add(14, 5, true);  // whichever way round
+  EXPECT_EQ(joins_left(), 3U);
+}
+
+TEST_F(WalkJoins, OneThatContradictsTheOthersGoes) {
+  for (const KeyframeId id : {0U, 3U, 6U}) add(id, kOfWalk + id, true);
+  add(5, 15, true, wrong_place());
+  EXPECT_EQ(joins_left(), 3U);
+}
+
+TEST_F(WalkJoins, WrongOnesDoNotAgreeWithEachOther) {
+  for (const KeyframeId id : {0U, 3U, 6U, 8U}) {
+    const auto far = static_cast<double>(id);
+    add(id, kOfWalk + id, true, RigidTransform({1, 0, 0, 0}, {0.4 * far, 0, 0.5}) * wrong_place());
+  }
+  EXPECT_EQ(joins_left(), 0U);
+}
+
+TEST_F(WalkJoins, OneKeyframeOfAWalkIsNotSeveralWitnesses) {
+  for (const KeyframeId id : {10U, 11U, 12U, 13U}) add(4, id, true);
+  EXPECT_EQ(joins_left(), 0U);
+}
+
+TEST_F(WalkJoins, DriftBetweenTheEndsIsForgiven) {
+  const auto drift = [](double m) { return RigidTransform({1, 0, 0, 0}, {m, 0, 0}); };
+  add(0, 10, true);
+  add(4, 14, true, drift(0.08));
+  add(9, 19, true, drift(0.15));
+  EXPECT_EQ(joins_left(), 3U);
+  EXPECT_EQ(joins_left({.max_distance_m = 0.02, .max_drift = 0}), 0U);
+}
+
+TEST_F(WalkJoins, OneWalkKeepsAllItsEdges) {
+  add(0, 8, true, wrong_place());
+  const auto kept = without_unsupported_joins(2 * kOfWalk, edges_, std::array<KeyframeId, 1>{0});
+  ASSERT_OK(kept);
+  EXPECT_THAT(*kept, SizeIs(edges_.size()));
+}
+
+TEST_F(WalkJoins, SaysWhichOptionIsWrong) {
+  EXPECT_ERROR((WalkJoinOptions{.min_agreeing = 0}.validate()), "min_agreeing");
+  EXPECT_ERROR((WalkJoinOptions{.max_drift = -1}.validate()), "max_drift");
+  EXPECT_OK(WalkJoinOptions{}.validate());
+}
+
+}  // namespace
+}  // namespace roomwise::mapping
