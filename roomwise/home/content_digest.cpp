@@ -40,7 +40,7 @@ void append_value(Bytes& bytes, const Statement& row, int column) {
 // What the digest leaves out: only what may differ between two runs of one seed, or follows from
 // the rest.
 bool is_left_out(std::string_view table) {
-  return table == "stage_timings" || table == "picture_features";
+  return table == "stage_timings" || table == "picture_features" || table == "derived_data";
 }
 std::string_view column_left_out(std::string_view table) {
   return table == "recordings" || table == "visits" ? "folder" : "";

@@ -63,6 +63,14 @@ struct StoredRecording {
   std::optional<double> readout_s;  // of its camera's rolling shutter, as the map was refined
 };
 
+struct DerivedData {
+  std::string name;
+  std::string made_from;
+  Bytes data;
+
+  friend bool operator==(const DerivedData&, const DerivedData&) = default;
+};
+
 struct Keyframe : scene::KeyframeStamp {
   RecordingId recording = 0;
   KeyframePose pose;
@@ -244,9 +252,13 @@ class Home {
   [[nodiscard]] Expected<void> put_readout(RecordingId id, double readout_s);
   // Marks that all its frames are stored and its map is optimised.
   [[nodiscard]] Expected<void> finish_recording(RecordingId id);
+  // What was worked out from the rest, and what from (a digest), so that a reader knows whether it
+  // is stale. It takes the place of the data of that name.
+  [[nodiscard]] Expected<void> put_derived_data(const DerivedData& data);
+  [[nodiscard]] Expected<std::optional<DerivedData>> derived_data(const std::string& name) const;
   // Removes the recording and all that came from it; frames of other recordings that were placed by
   // its key-frames lose their place, and the key-frames of later ones are numbered anew, so that
-  // the numbers have no gap. What was learned from it stays learned.
+  // the numbers have no gap. Derived data goes; what was learned from it stays learned.
   [[nodiscard]] Expected<void> remove_recording(RecordingId id);
 
   [[nodiscard]] Expected<KeyframeId> next_keyframe_id() const;

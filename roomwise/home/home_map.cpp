@@ -253,6 +253,24 @@ Expected<void> Home::put_readout(RecordingId id, double readout_s) {
   return database_.run("UPDATE recordings SET readout_s = ? WHERE recording_id = ?", readout_s, id);
 }
 
+Expected<void> Home::put_derived_data(const DerivedData& data) {
+  return database_.put("derived_data (name, made_from, data)", data.name, data.made_from,
+                       data.data);
+}
+
+Expected<std::optional<DerivedData>> Home::derived_data(const std::string& name) const {
+  const auto read = [](const Statement& row) {
+    return DerivedData{row.column<std::string>(0), row.column<std::string>(1),
+                       row.column<Bytes>(2)};
+  };
+  ROOMWISE_TRY(
+      auto found,
+      collect<std::vector<DerivedData>>(
+          database_, "SELECT name, made_from, data FROM derived_data WHERE name = ?", read, name));
+  if (found.empty()) return std::nullopt;
+  return std::move(found.front());
+}
+
 Expected<void> Home::finish_recording(RecordingId id) {
   ROOMWISE_CHECK_OK(database_.run("UPDATE recordings SET finished = 1 WHERE recording_id = ?", id));
   if (sqlite3_changes(database_.handle()) == 0) return fail("{}: has no recording {}", file(), id);
@@ -272,6 +290,8 @@ Expected<void> Home::remove_recording(RecordingId id) {
       return fail("{}: has no recording {}", file(), id);
     }
     ROOMWISE_CHECK_OK(renumber_keyframes());
+    // It followed from what is gone, too.
+    ROOMWISE_CHECK_OK(database_.run("DELETE FROM derived_data"));
     // Nor was a home visited again that was never walked through.
     return database_.run("DELETE FROM visits WHERE NOT EXISTS (SELECT 1 FROM recordings)");
   });

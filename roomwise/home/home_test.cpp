@@ -69,6 +69,16 @@ TEST_F(HomeTest, WhatWasRemovedIsErasedFromTheFiles) {
   EXPECT_OK(home_.verify());
 }
 
+TEST_F(HomeTest, KeepsWhatWasWorkedOutUntilItIsWorkedOutAnew) {
+  EXPECT_FALSE(home_.derived_data("floor").value());
+  const std::string digest = home_.content_digest().value();
+  ASSERT_OK(home_.put_derived_data({"floor", "one", {1, 2}}));
+  const DerivedData anew{"floor", "two", {3}};
+  ASSERT_OK(home_.put_derived_data(anew));
+  EXPECT_EQ(home_.derived_data("floor").value(), anew);
+  EXPECT_EQ(home_.content_digest().value(), digest) << "it follows from the rest";
+}
+
 TEST_F(HomeTest, KeepsSettings) {
   ASSERT_OK(home_.put_setting("features", "orb"));
   ASSERT_OK(home_.put_setting("seed", "1"));
@@ -396,6 +406,7 @@ TEST_F(HomeTest, RemovingTheFirstOfTwoWalksLeavesTheOtherNumberedFromZero) {
                     .frames = {},
                     .next_frame_index = 4}));
   ASSERT_OK(home_.replace_paper_objects(std::vector<objects::PaperObject>{{"bed", 5, 0.5, 4, {}}}));
+  ASSERT_OK(home_.put_derived_data({"floor", "c0ffee", {1}}));
 
   ASSERT_OK(home_.remove_recording(1));
   const auto keyframes = home_.keyframes().value();
@@ -412,6 +423,7 @@ TEST_F(HomeTest, RemovingTheFirstOfTwoWalksLeavesTheOtherNumberedFromZero) {
   EXPECT_EQ(edges[3].to, 4U);
   EXPECT_EQ(home_.frames(3).value().back().place->keyframe, 4U);
   EXPECT_EQ(home_.paper_objects().value()[0].keyframe_id, 3U);
+  EXPECT_FALSE(home_.derived_data("floor").value());
   EXPECT_OK(home_.verify());
 }
 

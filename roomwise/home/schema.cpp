@@ -312,6 +312,13 @@ CREATE TABLE picture_features (
 ) STRICT;
 CREATE INDEX picture_features_by_keyframe ON picture_features (keyframe_id);
 
+CREATE TABLE derived_data (
+  -- What takes long to work out from the rest, kept so that questions are answered at once. It can be deleted.
+  name TEXT NOT NULL PRIMARY KEY,
+  made_from TEXT NOT NULL,             -- SHA-256 of all that it follows from: stale where that has changed
+  data BLOB NOT NULL
+) STRICT;
+
 CREATE TABLE visit_pictures (
   -- Pictures of later visits by which rooms are known, beside those that they were learned from. The pictures
   -- themselves are not kept.

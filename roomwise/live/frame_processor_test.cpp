@@ -92,7 +92,7 @@ class EyeWithPlaces : public ::testing::Test {
     auto localizer = pipeline::HomeLocalizer::create(home, {}, run);
     ASSERT_OK(localizer);
     auto map = std::make_shared<LiveMap>();
-    map->localizer = std::make_unique<const pipeline::HomeLocalizer>(*std::move(localizer));
+    map->localizer = std::make_shared<const pipeline::HomeLocalizer>(*std::move(localizer));
     auto view = view_home(home, networks_, map);
     ASSERT_OK(view);
     ASSERT_TRUE((*view)->recognizer) << (*view)->why_no_recognizer;

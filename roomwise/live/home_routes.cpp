@@ -88,13 +88,14 @@ std::optional<std::string> find(const std::map<std::string, std::string>& texts,
 }
 
 // A handler that sends one of the map's clouds.
-auto cloud_of(LiveHome& home, geometry::PointCloud LiveMap::*cloud) {
+auto cloud_of(LiveHome& home, geometry::PointCloud MapClouds::*cloud) {
   return [&home, cloud](const HttpRequest&, const Placeholders&) {
     const auto view = home.view();
-    if (!view->map) return error_answer(503, "the map is not ready yet; try again soon");
+    if (!view->map || !view->map->clouds)
+      return error_answer(503, "the map is not ready yet; try again soon");
     HttpAnswer answer;
     answer.content_type = "application/octet-stream";
-    answer.body = cloud_bytes((*view->map).*cloud);
+    answer.body = cloud_bytes((*view->map->clouds).*cloud);
     return answer;
   };
 }
@@ -104,8 +105,8 @@ std::vector<service::Route> looking_routes(LiveHome& home) {
            [&home](const auto&, const auto&) { return json_answer(home_json(*home.view())); }},
           {"GET", "/api/map/keyframes", Role::kHelper,
            [&home](const auto&, const auto&) { return json_answer(keyframes_json(*home.view())); }},
-          {"GET", "/api/map/cloud", Role::kHelper, cloud_of(home, &LiveMap::coarse_cloud_gravity)},
-          {"GET", "/api/map/cloud/fine", Role::kHelper, cloud_of(home, &LiveMap::cloud_gravity)},
+          {"GET", "/api/map/cloud", Role::kHelper, cloud_of(home, &MapClouds::coarse)},
+          {"GET", "/api/map/cloud/fine", Role::kHelper, cloud_of(home, &MapClouds::fine)},
           {"GET", "/api/keyframes/{id}/picture", Role::kHelper,
            numbered("id",
                     [&home](const HttpRequest&, std::int64_t id) {

@@ -178,7 +178,7 @@ Expected<void> LiveHome::forget_thing(std::int64_t id) {
 }
 
 Expected<void> LiveHome::forget_walk(home::RecordingId walk) {
-  return while_idle([&]() -> Expected<void> {
+  ROOMWISE_CHECK_OK(while_idle([&]() -> Expected<void> {
     fs::path folder;
     bool is_gone = false;
     const Expected<void> forgotten = change([&](home::Home& home) -> Expected<void> {
@@ -199,7 +199,8 @@ Expected<void> LiveHome::forget_walk(home::RecordingId walk) {
     ROOMWISE_CHECK_OK(forgotten);
     if (error) return fail("{}: could not be removed: {}", folder.string(), error.message());
     return {};
-  });
+  }));
+  return go_on_preparing(true);  // with the walks that are left
 }
 
 Expected<void> LiveHome::forget_home() {

@@ -2,6 +2,7 @@
 
 #include "roomwise/live/live_home.h"
 #include "roomwise/live/walk_frames.h"
+#include "roomwise/pipeline/mapping/home_floor.h"
 #include "roomwise/pipeline/mapping/map_recording.h"
 #include "roomwise/pipeline/rooms/room_learning.h"
 #include "roomwise/recording/open_recording.h"
@@ -23,7 +24,7 @@ bool LiveHome::stop_preparing() {
 
 Expected<void> LiveHome::go_on_preparing(bool was_stopped) {
   const auto now = view();
-  if (!was_stopped || now->map || now->walks.empty()) return {};
+  if (!was_stopped || (now->map && now->map->clouds) || now->walks.empty()) return {};
   return start_preparing();
 }
 
@@ -31,17 +32,28 @@ Expected<std::string> LiveHome::prepare(Progress& progress) {
   pipeline::OwnRunContext run(options_.threads, progress);
   // By a reader of its own, so that pictures can be looked at meanwhile.
   ROOMWISE_TRY(const home::Home reader, home::Home::open_read_only(file_, options_.open));
-  ROOMWISE_TRY(auto map, make_live_map(reader, run));
+  std::shared_ptr<const LiveMap> map = view()->map;
+  if (!map) {
+    // Questions come first: what helpers look at is fused while they are answered.
+    ROOMWISE_TRY(map, make_live_map(reader, run));
+    const std::scoped_lock lock(home_mutex_);
+    ROOMWISE_CHECK_OK(pipeline::keep_home_floor(home_, {map->frame, map->floor}));
+    ROOMWISE_CHECK_OK(refresh(map));
+  }
+  ROOMWISE_TRY(map, with_clouds(*map, reader, run));
   const std::scoped_lock lock(home_mutex_);
   ROOMWISE_CHECK_OK(refresh(std::move(map)));
   return "places can be found on the map now";
 }
 
 Expected<void> LiveHome::learn() {
+  if (!jobs_->running() && view()->walks.empty())
+    return fail("this home holds no walk to learn from; record one first");
   static_cast<void>(stop_preparing());  // it is gone on with afterwards
   return jobs_->start("learn", [this](Progress& progress) -> Expected<std::string> {
     ROOMWISE_TRY(std::string learned, learn_now(progress));
-    if (!view()->map) ROOMWISE_CHECK_OK(prepare(progress));
+    const auto map = view()->map;
+    if (!map || !map->clouds) ROOMWISE_CHECK_OK(prepare(progress));
     return learned;
   });
 }
@@ -49,8 +61,6 @@ Expected<void> LiveHome::learn() {
 Expected<std::string> LiveHome::learn_now(Progress& progress) {
   const std::scoped_lock lock(home_mutex_);
   pipeline::OwnRunContext run(options_.threads, progress);
-  ROOMWISE_TRY(const auto recordings, home_.recordings());
-  if (recordings.empty()) return fail("this home holds no walk to learn from; record one first");
   ROOMWISE_TRY(const auto report, pipeline::learn_rooms_from_keyframes(
                                       home_, {}, {.variants = options_.augment}, networks_, run));
   ROOMWISE_CHECK_OK(refresh(view()->map));

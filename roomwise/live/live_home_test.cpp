@@ -146,8 +146,8 @@ TEST_F(LiveHomeTest, FromAnEmptyHomeToAnAnswer) {
   EXPECT_TRUE(calendar_time(home->view()->keyframes.front().keyframe.timestamp_ns).has_value())
       << "whatever the device's clock begins with, it is known of what day the walk is";
   ASSERT_TRUE(home->view()->map);
-  EXPECT_GT(home->view()->map->cloud_gravity.size(), 1000U);
-  EXPECT_GT(home->view()->map->coarse_cloud_gravity.size(), 1000U);
+  EXPECT_GT(home->view()->map->clouds->fine.size(), 1000U);
+  EXPECT_GT(home->view()->map->clouds->coarse.size(), 1000U);
   learn_two_rooms();
   ASSERT_TRUE(home->view()->recognizer);
 
@@ -262,6 +262,35 @@ TEST_F(LiveHomeTest, AForgottenWalkLeavesNothingInTheFiles) {
   EXPECT_THAT(bytes_of_home(), HasSubstr("kitchen"));
   ASSERT_OK(home->forget_home());
   EXPECT_THAT(home->view()->rooms, IsEmpty());
+}
+
+TEST_F(LiveHomeTest, AFurtherWalkJoinsTheMapAndIsForgottenAlone) {
+  open();
+  record_the_walk();
+  walk = pipeline::testing::SyntheticWalk(kFrames, 0.045, 0.2);
+  const Client belt = connect(7, service::Role::kDevice);
+  ASSERT_OK(home->begin_recording(7, "second walk"));
+  record_the_rest(belt);
+  ASSERT_THAT(home->view()->walks, SizeIs(2));
+  EXPECT_TRUE(std::ranges::all_of(home->view()->keyframes, &ViewedKeyframe::on_map));
+  ASSERT_OK(home->name_rooms(2, {{0, 29, "kitchen", 1}, {30, kFrames - 1, "bedroom", 1}}));
+  ASSERT_OK(home->learn());
+  home->jobs().wait();
+  ASSERT_EQ(home->jobs().state()->state, "done") << home->jobs().state()->text;
+
+  ASSERT_OK(home->forget_walk(1));
+  home->jobs().wait();
+  ASSERT_THAT(home->view()->walks, SizeIs(1));
+  EXPECT_EQ(home->view()->walks[0].stored.recording.name, "second walk");
+  EXPECT_TRUE(home->view()->map) << "of what is left";
+  EXPECT_FALSE(std::filesystem::exists(folder / "flat.home.walks/first walk"));
+  EXPECT_TRUE(std::filesystem::exists(folder / "flat.home.walks/second walk"));
+}
+
+TEST_F(LiveHomeTest, LearningNeedsAWalk) {
+  open();
+  EXPECT_ERROR(home->learn(), "holds no walk to learn from");
+  EXPECT_FALSE(home->jobs().state()) << "nothing was begun";
 }
 
 TEST_F(LiveHomeTest, EverythingThatIsForgottenLeavesNothingInTheFiles) {
@@ -484,9 +513,8 @@ TEST_F(LiveHomeTest, RequestsWithWrongValuesAreRefusedByName) {
       ask("PUT", "/api/recordings/1/rooms", R"({"ranges":[{"first":5,"last":2,"room":"a"}]})"),
       HasSubstr("409"));
   EXPECT_THAT(ask("PUT", "/api/rooms/attic", R"({"type":"bedroom"})"), HasSubstr("409"));
-  EXPECT_THAT(ask("POST", "/api/learn", ""), HasSubstr("200"));
-  home->jobs().wait();
-  EXPECT_THAT(ask("GET", "/api/job", ""), HasSubstr("record one first"));
+  EXPECT_THAT(ask("POST", "/api/learn", ""), HasSubstr("record one first"));
+  EXPECT_THAT(ask("GET", "/api/job", ""), HasSubstr("none")) << "nothing was begun";
   EXPECT_THAT(ask("POST", "/api/job/stop", ""), HasSubstr("409"));
   EXPECT_THAT(ask("POST", "/api/test", "no picture"), HasSubstr("400"));
   EXPECT_THAT(ask("POST", "/api/recording", R"({"device":"x","name":"a"})"), HasSubstr("'device'"));

@@ -1,6 +1,6 @@
 #include "roomwise/live/live_map.h"
 
-#include "roomwise/pipeline/mapping/gravity_aligned_map.h"
+#include "roomwise/pipeline/mapping/home_floor.h"
 
 namespace roomwise::live {
 
@@ -17,20 +17,24 @@ geometry::PointCloud thinned(const fusion::TriangleMesh& mesh, std::size_t most)
 Expected<std::shared_ptr<const LiveMap>> make_live_map(const home::Home& home,
                                                        pipeline::RunContext& run) {
   ROOMWISE_TRY(auto localizer, pipeline::HomeLocalizer::create(home, {}, run));
-  ROOMWISE_TRY(const pipeline::GravityAlignedMap level,
-               pipeline::build_gravity_aligned_map(home, fusion::TsdfOptions{}.voxel_size_m, run));
-  std::optional<fusion::FloorGrid> floor;
-  if (level.frame.has_floor) {
-    ROOMWISE_TRY(floor, pipeline::floor_grid_of(level, {}, run));
-  }
-  const auto surface_gravity =
-      fusion::transformed(level.frame.gravity_from_world, level.mesh_world);
+  ROOMWISE_TRY(pipeline::HomeFloor floor, pipeline::find_home_floor(home, run));
   return std::make_shared<const LiveMap>(
-      LiveMap{.frame = level.frame,
-              .floor = std::move(floor),
-              .cloud_gravity = thinned(surface_gravity, LiveMap::kMaxPoints),
-              .coarse_cloud_gravity = thinned(surface_gravity, LiveMap::kMaxCoarsePoints),
-              .localizer = std::make_unique<const pipeline::HomeLocalizer>(std::move(localizer))});
+      LiveMap{.frame = floor.frame,
+              .floor = std::move(floor.grid),
+              .clouds = nullptr,
+              .localizer = std::make_shared<const pipeline::HomeLocalizer>(std::move(localizer))});
+}
+
+Expected<std::shared_ptr<const LiveMap>> with_clouds(const LiveMap& map, const home::Home& home,
+                                                     pipeline::RunContext& run) {
+  ROOMWISE_TRY(const pipeline::GravityAlignedMap fused,
+               pipeline::build_gravity_aligned_map(home, fusion::TsdfOptions{}.voxel_size_m, run));
+  const auto surface_gravity = fusion::transformed(map.frame.gravity_from_world, fused.mesh_world);
+  auto whole = std::make_shared<LiveMap>(map);
+  whole->clouds =
+      std::make_shared<const MapClouds>(MapClouds{thinned(surface_gravity, MapClouds::kMaxFine),
+                                                  thinned(surface_gravity, MapClouds::kMaxCoarse)});
+  return whole;
 }
 
 }  // namespace roomwise::live

@@ -11,25 +11,34 @@
 
 namespace roomwise::live {
 
-// A home's map made ready for questions: made once, which takes up to a minute, and only read
-// afterwards.
+// The map's surface for looking at, in the gravity-aligned frame: at most kMaxFine points, and at
+// most kMaxCoarse to begin with.
+struct MapClouds {
+  geometry::PointCloud fine, coarse;
+
+  static constexpr std::size_t kMaxFine = 200'000;
+  static constexpr std::size_t kMaxCoarse = 40'000;
+};
+
+// A home's map made ready for questions, and only read afterwards.
 struct LiveMap {
   fusion::GravityAlignedFrame frame;
-  std::optional<fusion::FloorGrid> floor;  // where the map shows one
-  // For looking at: at most kMaxPoints, and at most kMaxCoarsePoints to begin with.
-  geometry::PointCloud cloud_gravity, coarse_cloud_gravity;
-  std::unique_ptr<const pipeline::HomeLocalizer> localizer;  // null: pictures are not placed
-
-  static constexpr std::size_t kMaxPoints = 200'000;
-  static constexpr std::size_t kMaxCoarsePoints = 40'000;
+  std::optional<fusion::FloorGrid> floor;                    // where the map shows one
+  std::shared_ptr<const MapClouds> clouds;                   // null: not fused yet
+  std::shared_ptr<const pipeline::HomeLocalizer> localizer;  // null: pictures are not placed
 };
 
 // The surface's vertices, one a voxel, in voxels large enough that there are at most so many
 // points.
 [[nodiscard]] geometry::PointCloud thinned(const fusion::TriangleMesh& mesh, std::size_t most);
 
-// Fails where the home has no map, and when the user interrupts.
+// Without its clouds: some seconds, where the home keeps its floor. Fails where the home has no
+// map, and when the user interrupts.
 [[nodiscard]] Expected<std::shared_ptr<const LiveMap>> make_live_map(const home::Home& home,
                                                                      pipeline::RunContext& run);
+// The same with clouds, for which the map is fused: up to a minute.
+[[nodiscard]] Expected<std::shared_ptr<const LiveMap>> with_clouds(const LiveMap& map,
+                                                                   const home::Home& home,
+                                                                   pipeline::RunContext& run);
 
 }  // namespace roomwise::live

@@ -20,9 +20,9 @@ fusion::TriangleMesh large_floor() {
 }
 
 TEST(LiveMapTest, ALargeSurfaceIsThinnedEvenly) {
-  const geometry::PointCloud coarse = thinned(large_floor(), LiveMap::kMaxCoarsePoints);
-  EXPECT_LE(coarse.size(), LiveMap::kMaxCoarsePoints);
-  EXPECT_GT(coarse.size(), LiveMap::kMaxCoarsePoints / 2);
+  const geometry::PointCloud coarse = thinned(large_floor(), MapClouds::kMaxCoarse);
+  EXPECT_LE(coarse.size(), MapClouds::kMaxCoarse);
+  EXPECT_GT(coarse.size(), MapClouds::kMaxCoarse / 2);
   std::map<std::pair<int, int>, int> of_square_metre;
   for (const Eigen::Vector3f& point : coarse.points) {
     ++of_square_metre[{static_cast<int>(point.x()), static_cast<int>(point.y())}];
@@ -40,7 +40,7 @@ TEST(LiveMapTest, ASmallSurfaceStaysWhatItIs) {
     mesh.vertices.emplace_back(0.1F * static_cast<float>(i) + 0.01F, 0.01F, 0.01F);
     mesh.colors.push_back({1, 2, 3});
   }
-  EXPECT_EQ(thinned(mesh, LiveMap::kMaxCoarsePoints).size(), 10U);
+  EXPECT_EQ(thinned(mesh, MapClouds::kMaxCoarse).size(), 10U);
 }
 
 }  // namespace

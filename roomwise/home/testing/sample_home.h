@@ -167,6 +167,7 @@ inline void fill(Home& home) {
   ROOMWISE_MUST(home.put_setting("seed", "7"));
   ROOMWISE_MUST(home.add_recording(sample_recording()));
   ROOMWISE_MUST(home.put_readout(1, 0.02));
+  ROOMWISE_MUST(home.put_derived_data({"floor", "c0ffee", {1, 2, 3}}));
   ROOMWISE_MUST(home.add_network(sample_network()));
   for (KeyframeId id = 0; id < 4; ++id) ROOMWISE_MUST(home.commit(sample_commit(1, 1, id)));
   ROOMWISE_MUST(home.replace_paper_objects(std::vector<objects::PaperObject>{

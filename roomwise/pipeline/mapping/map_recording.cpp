@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "roomwise/pipeline/mapping/home_floor.h"
 #include "roomwise/pipeline/objects/proposal_detection.h"
 #include "roomwise/pipeline/stored/mapper_storage.h"
 #include "roomwise/pipeline/stored/measured_frame_reader.h"
@@ -221,10 +222,14 @@ Expected<MapSummary> map_recording(recording::FrameSource& source, const home::R
     if (finders.of_proposals) {
       ROOMWISE_CHECK_OK(redetect_on_proposals(home, *finders.of_proposals, run));
     }
-    const auto timing = run.clock.measure("joining objects");
-    ROOMWISE_TRY(const FoundObjects found, update_objects(home, settings.objects));
-    summary.objects = found.by_rules;
-    summary.instances = found.instances;
+    {
+      const auto timing = run.clock.measure("joining objects");
+      ROOMWISE_TRY(const FoundObjects found, update_objects(home, settings.objects));
+      summary.objects = found.by_rules;
+      summary.instances = found.instances;
+    }
+    const auto timing = run.clock.measure("floor");
+    ROOMWISE_CHECK_OK(keep_home_floor(home, run));
     return home.finish_recording(stored.id);
   };
   if (outcome) outcome = finish();

@@ -2,8 +2,6 @@
 
 #include <map>
 
-#include "roomwise/pipeline/mapping/dense_map.h"
-
 namespace roomwise::pipeline {
 namespace {
 
@@ -55,17 +53,19 @@ Expected<HomeLayout> build_home_layout(const home::Home& home,
                                        const rooms::RoomLayoutOptions& options, RunContext& run) {
   ROOMWISE_CHECK_OK(options.validate());
   ROOMWISE_CHECK_OK(check_rooms_are_named(home));
-  ROOMWISE_TRY(const GravityAlignedMap map,
-               build_gravity_aligned_map(home, fusion::TsdfOptions{}.voxel_size_m, run));
-  ROOMWISE_TRY(fusion::FloorGrid grid, floor_grid_of(map, {}, run));
-  ROOMWISE_TRY(auto layout, find_room_layout(home, map.frame, grid, options));
+  ROOMWISE_TRY(HomeFloor floor, find_home_floor(home, run));
+  if (!floor.grid) {
+    return fail("{}: the map shows no floor; walk with the camera tilted down a little",
+                home.file());
+  }
+  ROOMWISE_TRY(auto layout, find_room_layout(home, floor.frame, *floor.grid, options));
   if (!layout) {
     return fail(
         "{}: no named place of the walk lies on free floor; name the rooms of the walk, or walk "
         "with the camera tilted down a little",
         home.file());
   }
-  return HomeLayout{map.frame, std::move(grid), *std::move(layout)};
+  return HomeLayout{floor.frame, *std::move(floor.grid), *std::move(layout)};
 }
 
 Expected<std::optional<HomeLayout>> find_home_layout(const home::Home& home, RunContext& run) {
@@ -73,13 +73,11 @@ Expected<std::optional<HomeLayout>> find_home_layout(const home::Home& home, Run
   ROOMWISE_TRY(const auto rooms, home.rooms());
   ROOMWISE_TRY(const auto keyframes, home.keyframes());
   if (rooms.empty() || keyframes.empty()) return none;
-  ROOMWISE_TRY(const GravityAlignedMap map,
-               build_gravity_aligned_map(home, fusion::TsdfOptions{}.voxel_size_m, run));
-  if (!map.frame.has_floor) return none;
-  ROOMWISE_TRY(fusion::FloorGrid grid, floor_grid_of(map, {}, run));
-  ROOMWISE_TRY(auto layout, find_room_layout(home, map.frame, grid));
+  ROOMWISE_TRY(HomeFloor floor, find_home_floor(home, run));
+  if (!floor.grid) return none;
+  ROOMWISE_TRY(auto layout, find_room_layout(home, floor.frame, *floor.grid));
   if (!layout) return none;
-  return HomeLayout{map.frame, std::move(grid), *std::move(layout)};
+  return HomeLayout{floor.frame, *std::move(floor.grid), *std::move(layout)};
 }
 
 }  // namespace roomwise::pipeline

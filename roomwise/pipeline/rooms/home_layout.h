@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "roomwise/home/home.h"
-#include "roomwise/pipeline/mapping/gravity_aligned_map.h"
+#include "roomwise/pipeline/mapping/home_floor.h"
 #include "roomwise/rooms/layout/room_layout.h"
 
 namespace roomwise::pipeline {
@@ -23,7 +23,8 @@ struct HomeLayout {
     const home::Home& home, const fusion::GravityAlignedFrame& frame, const fusion::FloorGrid& grid,
     const rooms::RoomLayoutOptions& options = {});
 
-// Fuses the map, finds its floor and spreads the rooms over it that the walks were named with.
+// Spreads the rooms that the walks were named with over the floor of the home's map (see
+// find_home_floor).
 // Fails where the home has no map or no named rooms, where the map shows no floor, and when the
 // user interrupts.
 [[nodiscard]] Expected<HomeLayout> build_home_layout(const home::Home& home,

@@ -9,13 +9,11 @@ namespace roomwise::pipeline {
 Expected<HomePlaces> HomePlaces::create(const home::Home& home,
                                         const mapping::LocalizerOptions& options, RunContext& run) {
   ROOMWISE_TRY(HomeLocalizer localizer, HomeLocalizer::create(home, options, run));
-  ROOMWISE_TRY(const GravityAlignedMap map,
-               build_gravity_aligned_map(home, fusion::TsdfOptions{}.voxel_size_m, run));
-  HomePlaces places(std::move(localizer), map.frame);
+  ROOMWISE_TRY(const HomeFloor floor, find_home_floor(home, run));
+  HomePlaces places(std::move(localizer), floor.frame);
   ROOMWISE_TRY(const auto rooms, home.rooms());
-  if (map.frame.has_floor && !rooms.empty()) {
-    ROOMWISE_TRY(const fusion::FloorGrid floor, floor_grid_of(map, {}, run));
-    ROOMWISE_TRY(places.layout_, find_room_layout(home, map.frame, floor));
+  if (floor.grid && !rooms.empty()) {
+    ROOMWISE_TRY(places.layout_, find_room_layout(home, floor.frame, *floor.grid));
   }
   return places;
 }

@@ -13,8 +13,8 @@ namespace roomwise::pipeline {
 // and which room's floor that is.
 class HomePlaces {
  public:
-  // Makes the localiser ready and fuses the map, which takes up to a minute. Fails where the home
-  // has no map, and when the user interrupts. Where no rooms were named, or the map shows no floor,
+  // Makes the localiser ready and finds the floor (see find_home_floor). Fails where the home has
+  // no map, and when the user interrupts. Where no rooms were named, or the map shows no floor,
   // places tell whether pictures are of this home, and no rooms.
   [[nodiscard]] static Expected<HomePlaces> create(const home::Home& home,
                                                    const mapping::LocalizerOptions& options,

@@ -35,6 +35,14 @@ export function recordCard(helper: Helper, me: Me): HTMLElement {
     actOrSay(helper, () => request('POST', '/api/recording/stop'), text('record.stopped'));
   }
 
+  // A further walk needs another name; one that was typed is left alone.
+  let suggested = name.value();
+  store.watch(['home'], () => {
+    if (name.value() === suggested) {
+      suggested = freeName(text('record.default_name'), store.state.home?.recordings.map((one) => one.name) ?? []);
+      (name.input as HTMLInputElement).value = suggested;
+    }
+  });
   store.watch(['devices'], () => {
     const online = store.state.devices.filter((one) => one.online && one.device !== me.device);
     fill(device.input as HTMLSelectElement, online.map((one) => ({ value: String(one.device), label: one.name })));
@@ -44,6 +52,16 @@ export function recordCard(helper: Helper, me: Me): HTMLElement {
     progress.textContent = recording ? wordsOf(recording) : '';
   });
   return card(text('record.heading'), h('p', { class: 'hint' }, text('record.explain')), form, progress, jobView(helper, 'map', 'prepare'));
+}
+
+// "walk", "walk 2", "walk 3", ...
+function freeName(base: string, taken: readonly string[]): string {
+  for (let number = 1; ; ++number) {
+    const name = number === 1 ? base : `${base} ${number}`;
+    if (!taken.includes(name)) {
+      return name;
+    }
+  }
 }
 
 function wordsOf(recording: { state: 'recording' | 'saved' | 'failed'; name: string; frames: number; text: string }): string {

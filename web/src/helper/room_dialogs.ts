@@ -8,9 +8,11 @@ import { openFormDialog, required } from './form_dialog';
 
 export function editRoom(helper: Helper, home: Home, room: Room): void {
   const name = textField(text('room.name'), { value: room.name, attributes: { maxlength: 60 } });
+  // A type that is none of the home's own stays what it is.
+  const types = room.type === null || home.room_types.includes(room.type) ? home.room_types : [room.type, ...home.room_types];
   const type = selectField(text('room.type'), [
     ...(room.type === null ? [{ value: '', label: text('room.no_type') }] : []),
-    ...home.room_types.map((one) => ({ value: one, label: one })),
+    ...types.map((one) => ({ value: one, label: one })),
   ], { value: room.type ?? '' });
   openFormDialog({
     title: text('room.edit_title', { room: room.name }),

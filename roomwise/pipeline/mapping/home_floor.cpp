@@ -1,0 +1,137 @@
+#include "roomwise/pipeline/mapping/home_floor.h"
+
+#include <bit>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "roomwise/pipeline/stored/keyframe_images.h"
+
+namespace roomwise::pipeline {
+namespace {
+
+using nlohmann::json;
+
+const std::string kName = "floor";
+// To be raised where fusing, the frame or the grid come out otherwise than before.
+constexpr std::uint64_t kMethod = 1;
+
+// All that the floor follows from: which key-frames the map has, and where they are. Their images
+// and cameras never change.
+Expected<std::string> made_from(const home::Home& home) {
+  ROOMWISE_TRY(const auto keyframes, map_keyframes(home));
+  if (keyframes.empty()) {
+    return fail("{}: the home has no map yet; make one with roomwise map", home.file());
+  }
+  Bytes bytes;
+  const auto append = [&](std::uint64_t number) {
+    for (int shift = 0; shift < 64; shift += 8)
+      bytes.push_back(static_cast<std::uint8_t>(number >> shift));
+  };
+  append(kMethod);
+  for (const home::Keyframe& keyframe : keyframes) {
+    append(static_cast<std::uint64_t>(keyframe.recording));
+    append(keyframe.frame_index);
+    const geometry::RigidTransform& pose = keyframe.pose.world_from_keyframe;
+    for (const double value : pose.translation) append(std::bit_cast<std::uint64_t>(value));
+    for (const double value : pose.rotation.coeffs()) append(std::bit_cast<std::uint64_t>(value));
+  }
+  return sha256_hex(bytes);
+}
+
+Bytes to_bytes(const HomeFloor& floor) {
+  const geometry::RigidTransform& pose = floor.frame.gravity_from_world;
+  const Eigen::Vector3d& t = pose.translation;
+  const Eigen::Quaterniond& q = pose.rotation;
+  json value{{"gravity_from_world", {t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w()}},
+             {"has_floor", floor.frame.has_floor},
+             {"has_up", floor.frame.has_up}};
+  if (floor.grid) {
+    std::vector<std::uint8_t> cells;
+    for (int row = 0; row < floor.grid->rows(); ++row) {
+      for (int column = 0; column < floor.grid->columns(); ++column)
+        cells.push_back(static_cast<std::uint8_t>(floor.grid->at(column, row)));
+    }
+    value["grid"] = {{"origin_m", {floor.grid->origin_m().x(), floor.grid->origin_m().y()}},
+                     {"cell_m", floor.grid->cell_m()},
+                     {"columns", floor.grid->columns()},
+                     {"cells", json::binary(std::move(cells))}};
+  }
+  return json::to_cbor(value);
+}
+
+fusion::FloorGrid grid_from(const json& value) {
+  const auto origin_m = value.at("origin_m").get<std::array<double, 2>>();
+  const auto columns = value.at("columns").get<std::size_t>();
+  const std::vector<std::uint8_t>& cells = value.at("cells").get_binary();
+  if (columns == 0 || cells.empty() || cells.size() % columns != 0)
+    throw json::other_error::create(501, "cells are no rectangle", &value);
+  image::Image<fusion::FloorCell> image(static_cast<int>(columns),
+                                        static_cast<int>(cells.size() / columns));
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    if (cells[i] > static_cast<std::uint8_t>(fusion::FloorCell::kOccupied))
+      throw json::other_error::create(501, "a cell is of no kind", &value);
+    image.at(static_cast<int>(i % columns), static_cast<int>(i / columns)) =
+        static_cast<fusion::FloorCell>(cells[i]);
+  }
+  return {{origin_m[0], origin_m[1]}, value.at("cell_m").get<double>(), std::move(image)};
+}
+
+// Nothing where they are not what to_bytes() gave.
+std::optional<HomeFloor> from_bytes(const Bytes& bytes) {
+  try {
+    const json value = json::from_cbor(bytes);
+    const auto n = value.at("gravity_from_world").get<std::array<double, 7>>();
+    HomeFloor floor;
+    floor.frame.gravity_from_world = {Eigen::Quaterniond(n[6], n[3], n[4], n[5]),
+                                      {n[0], n[1], n[2]}};
+    value.at("has_floor").get_to(floor.frame.has_floor);
+    value.at("has_up").get_to(floor.frame.has_up);
+    if (value.contains("grid")) floor.grid = grid_from(value.at("grid"));
+    return floor;
+  } catch (const json::exception&) {
+    return std::nullopt;
+  }
+}
+
+Expected<HomeFloor> build_home_floor(const home::Home& home, RunContext& run) {
+  ROOMWISE_TRY(const GravityAlignedMap map,
+               build_gravity_aligned_map(home, fusion::TsdfOptions{}.voxel_size_m, run));
+  return floor_of(map, run);
+}
+
+}  // namespace
+
+Expected<HomeFloor> floor_of(const GravityAlignedMap& map, RunContext& run) {
+  HomeFloor floor{map.frame, std::nullopt};
+  if (map.frame.has_floor) {
+    ROOMWISE_TRY(floor.grid, floor_grid_of(map, {}, run));
+  }
+  return floor;
+}
+
+Expected<HomeFloor> find_home_floor(const home::Home& home, RunContext& run) {
+  ROOMWISE_TRY(const std::string now, made_from(home));
+  ROOMWISE_TRY(const auto kept, home.derived_data(kName));
+  if (!kept || kept->made_from != now) return build_home_floor(home, run);
+  auto floor = from_bytes(kept->data);
+  if (floor) return *std::move(floor);
+  return fail("{}: is damaged: what it keeps of its floor cannot be read; put back a copy of it",
+              home.file());
+}
+
+Expected<void> keep_home_floor(home::Home& home, RunContext& run) {
+  ROOMWISE_TRY(const std::string now, made_from(home));
+  ROOMWISE_TRY(const auto kept, home.derived_data(kName));
+  if (kept && kept->made_from == now) return {};
+  ROOMWISE_TRY(const HomeFloor floor, build_home_floor(home, run));
+  return keep_home_floor(home, floor);
+}
+
+Expected<void> keep_home_floor(home::Home& home, const HomeFloor& floor) {
+  ROOMWISE_TRY(const std::string now, made_from(home));
+  ROOMWISE_TRY(const auto kept, home.derived_data(kName));
+  if (kept && kept->made_from == now) return {};
+  return home.put_derived_data({kName, now, to_bytes(floor)});
+}
+
+}  // namespace roomwise::pipeline

@@ -1,0 +1,90 @@
+#include "roomwise/pipeline/mapping/home_floor.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "roomwise/base/testing/testing.h"
+#include "roomwise/pipeline/testing/mapped_room.h"
+
+namespace roomwise::pipeline {
+namespace {
+
+// Counts how often the map is fused.
+class CountFused final : public Progress {
+ public:
+  void begin(std::string_view work, std::optional<std::uint64_t>) override {
+    if (work == "fusing the map") ++times;
+  }
+  void advance(std::uint64_t, std::string_view) override {}
+  void end() override {}
+
+  int times = 0;
+};
+
+class HomeFloorTest : public testing::MappedRoom {
+ protected:
+  void SetUp() override {
+    MappedRoom::SetUp();
+    ASSERT_OK(keep_home_floor(*home_, run_));
+    fused_.times = 0;
+  }
+
+  ThreadPool pool_{2};
+  CountFused fused_;
+  StageClock clock_;
+  RunContext run_{pool_, fused_, clock_};
+};
+
+TEST_F(HomeFloorTest, ThatIsKeptIsThereAtOnce) {
+  const auto floor = find_home_floor(*home_, run_);
+  ASSERT_OK(floor);
+  EXPECT_EQ(fused_.times, 0);
+  const auto map = build_gravity_aligned_map(*home_, fusion::TsdfOptions{}.voxel_size_m, run_);
+  ASSERT_OK(map);
+  const auto fresh = floor_of(*map, run_);
+  ASSERT_OK(fresh);
+  EXPECT_EQ(floor->frame.has_floor, fresh->frame.has_floor);
+  EXPECT_EQ(floor->frame.gravity_from_world.translation,
+            fresh->frame.gravity_from_world.translation);
+  EXPECT_EQ(floor->frame.gravity_from_world.rotation.coeffs(),
+            fresh->frame.gravity_from_world.rotation.coeffs());
+  ASSERT_TRUE(floor->grid) << "the room has a floor";
+  ASSERT_EQ(floor->grid->columns(), fresh->grid->columns());
+  ASSERT_EQ(floor->grid->rows(), fresh->grid->rows());
+  EXPECT_EQ(floor->grid->origin_m(), fresh->grid->origin_m());
+  for (int row = 0; row < floor->grid->rows(); ++row) {
+    for (int column = 0; column < floor->grid->columns(); ++column)
+      ASSERT_EQ(floor->grid->at(column, row), fresh->grid->at(column, row));
+  }
+}
+
+TEST_F(HomeFloorTest, IsMadeAnewOnceTheMapHasMoved) {
+  auto pose = home_->keyframes()->at(3).pose;
+  pose.world_from_keyframe.translation.x() += 0.001;
+  ASSERT_OK(home_->replace_poses({{3, pose}}));
+  ASSERT_OK(find_home_floor(*home_, run_));
+  EXPECT_EQ(fused_.times, 1);
+  ASSERT_OK(keep_home_floor(*home_, run_));
+  EXPECT_EQ(fused_.times, 2);
+  ASSERT_OK(keep_home_floor(*home_, run_));
+  ASSERT_OK(find_home_floor(*home_, run_));
+  EXPECT_EQ(fused_.times, 2) << "it is kept now";
+}
+
+TEST_F(HomeFloorTest, ThatIsDamagedIsRefused) {
+  auto kept = home_->derived_data("floor").value().value();
+  for (const std::size_t size : {std::size_t{0}, std::size_t{5}, kept.data.size() - 1}) {
+    home::DerivedData damaged = kept;
+    damaged.data.resize(size);
+    ASSERT_OK(home_->put_derived_data(damaged));
+    EXPECT_ERROR(find_home_floor(*home_, run_), "is damaged");
+  }
+}
+
+TEST_F(HomeFloorTest, NeedsAMap) {
+  EXPECT_ERROR(find_home_floor(home::Home::create(folder_ / "empty.home").value(), run_),
+               "no map yet");
+}
+
+}  // namespace
+}  // namespace roomwise::pipeline
