@@ -101,6 +101,26 @@ TEST(CommandLine, TellsItsVersion) {
   EXPECT_THAT(version.output, ::testing::MatchesRegex("[0-9]+\\.[0-9]+\\.[0-9]+\n"));
 }
 
+TEST(Record, SaysWhatALiveCameraNeeds) {
+  const ScratchFolder folder;
+  const auto refused = [&](const Words& more, const std::string& why) {
+    Words words{"record", "-o", folder / "walk"};
+    words.insert(words.end(), more.begin(), more.end());
+    expect_failure(run_roomwise(words), 1, why);
+  };
+  refused({"--source", "v4l2"}, "v4l2 needs --calibration FILE");
+  refused({"--source", "v4l2", "--camera", "fr1"}, "--camera is not for v4l2");
+  refused({"--source", "openni2", "--calibration", "a"}, "--calibration is for v4l2");
+  refused({"--source", folder / "none", "--calibration", "a"}, "--calibration is for v4l2");
+  ASSERT_OK(write_file(folder / "rgbd.txt", std::string("colour 1\n")));
+  refused({"--source", "v4l2:/dev/null", "--calibration", folder / "rgbd.txt"},
+          "rgbd.txt:1: 'colour' is not known");
+  ASSERT_OK(write_file(folder / "rgbd.txt",
+                       std::string("color 50 50 32 24 64 48\ndepth_units_per_metre 1000\n")));
+  refused({"--source", "v4l2:/dev/null", "--calibration", folder / "rgbd.txt"},
+          "/dev/null: is no video device");
+}
+
 // Two poses that the odometry and a second measurement place at 1 m and at 1.2 m: F is least in the
 // middle, where each is 0.1 m off.
 constexpr const char* kTwoPoses =

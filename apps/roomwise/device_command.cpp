@@ -9,9 +9,8 @@
 #include "commands.h"
 #include "device_credentials.h"
 #include "device_session.h"
-#include "roomwise/recording/camera_file.h"
+#include "live_camera.h"
 #include "roomwise/recording/open_recording.h"
-#include "roomwise/recording/openni2_source.h"
 
 namespace roomwise::app {
 namespace {
@@ -23,7 +22,8 @@ struct DeviceOptions {
   std::string code;
   std::string name;
   fs::path recording;
-  bool camera = false;
+  std::string camera;  // openni2, v4l2, ...; empty: none
+  fs::path calibration;
   std::optional<double> rate_hz;
   std::string speak = "speech-dispatcher";
   fs::path buttons;
@@ -91,9 +91,9 @@ Expected<service::ServerCredentials> find_credentials_aloud(const DeviceOptions&
 Expected<std::unique_ptr<DeviceCamera>> open_camera(const DeviceOptions& options) {
   std::unique_ptr<recording::FrameSource> source;
   DeviceCamera::Reopen reopen;
-  if (options.camera) {
-    reopen = []() -> Expected<std::unique_ptr<recording::FrameSource>> {
-      return recording::OpenNi2Source::open({});
+  if (!options.camera.empty()) {
+    reopen = [chosen = LiveCamera{options.camera, "", options.calibration}] {
+      return open_live_camera(chosen);
     };
     ROOMWISE_TRY(source, reopen());
   } else if (!options.recording.empty()) {
@@ -180,8 +180,12 @@ void add_device_command(CLI::App& app, Context& context) {
                       "Name of this device that helpers see; default: this computer's name");
   auto* recording = command->add_option("--recording", options.recording,
                                         "Folder of a recording, sent as if it were a camera");
-  command->add_flag("--camera", options.camera, "The first depth camera that is found (OpenNI 2)")
+  command
+      ->add_flag("--camera{openni2}", options.camera,
+                 std::string("The first depth camera that OpenNI 2 finds; --camera=WHICH: ") +
+                     kLiveCameras)
       ->excludes(recording);
+  add_calibration_option(*command, options.calibration);
   command
       ->add_option("--rate", options.rate_hz,
                    "Frames a second of a recording; default: as it was recorded")

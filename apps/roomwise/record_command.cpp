@@ -6,9 +6,9 @@
 
 #include "camera_option.h"
 #include "commands.h"
+#include "live_camera.h"
 #include "roomwise/base/calendar_time.h"
 #include "roomwise/recording/open_recording.h"
-#include "roomwise/recording/openni2_source.h"
 #include "roomwise/recording/room_labels.h"
 #include "roomwise/recording/tum_writer.h"
 
@@ -21,24 +21,20 @@ struct RecordOptions {
   std::string source;
   fs::path output;
   std::string camera;  // preset or file; empty: what the source says
+  fs::path calibration;
   std::string room;
   std::optional<std::uint64_t> frames;
   std::optional<double> seconds;
 };
 
-// "openni2" or "openni2:URI".
-std::optional<std::string> openni2_uri(const std::string& source) {
-  const std::string prefix = "openni2";
-  if (source == prefix) return "";
-  if (source.starts_with(prefix + ":")) return source.substr(prefix.size() + 1);
-  return std::nullopt;
-}
-
 Expected<std::unique_ptr<recording::FrameSource>> open_source(const RecordOptions& options) {
-  ROOMWISE_TRY(const auto camera, given_camera(options.camera));
-  if (const auto uri = openni2_uri(options.source)) {
-    return recording::OpenNi2Source::open({.uri = *uri, .camera = camera});
+  if (is_live_camera(options.source)) {
+    return open_live_camera({options.source, options.camera, options.calibration});
   }
+  if (!options.calibration.empty()) {
+    return fail("--calibration is for v4l2; a recording says itself, or by --camera");
+  }
+  ROOMWISE_TRY(const auto camera, given_camera(options.camera));
   return recording::open_recording(options.source, {.camera = camera});
 }
 
@@ -84,7 +80,7 @@ class CurrentRoom {
     CurrentRoom current;
     if (!options.room.empty()) current.room_ = options.room;
     const fs::path labels = fs::path(options.source) / "rooms.txt";
-    if (options.room.empty() && !openni2_uri(options.source) && fs::exists(labels)) {
+    if (options.room.empty() && !is_live_camera(options.source) && fs::exists(labels)) {
       ROOMWISE_TRY(current.labels_, recording::RoomLabels::read(labels));
     }
     return current;
@@ -146,7 +142,7 @@ Expected<void> copy_frames(recording::FrameSource& source, recording::TumWriter&
 // A copy of a recording keeps its ground truth.
 Expected<void> copy_ground_truth(const RecordOptions& options) {
   const fs::path truth = fs::path(options.source) / "groundtruth.txt";
-  if (openni2_uri(options.source) || !fs::exists(truth)) return {};
+  if (is_live_camera(options.source) || !fs::exists(truth)) return {};
   std::error_code error;
   fs::copy_file(truth, options.output / "groundtruth.txt", error);
   if (error) return fail("{}: cannot be copied: {}", truth.string(), error.message());
@@ -166,9 +162,12 @@ Expected<Answer> run(const RecordOptions& options, Context& context) {
   ROOMWISE_CHECK_OK(copied);
   ROOMWISE_CHECK_OK(copy_ground_truth(options));
 
-  return Answer{fmt::format("recorded {} frames from {} to {}\n", writer->frames_written(),
-                            source->info().name, options.output.string()),
+  const std::uint64_t lost = source->info().lost_frames;
+  return Answer{fmt::format("recorded {} frames from {} to {}{}\n", writer->frames_written(),
+                            source->info().name, options.output.string(),
+                            lost == 0 ? "" : fmt::format("; {} more were lost on the way", lost)),
                 {{"frames", writer->frames_written()},
+                 {"lost_frames", lost},
                  {"source", source->info().name},
                  {"output", options.output.string()}}};
 }
@@ -183,14 +182,13 @@ void add_record_command(CLI::App& app, Context& context) {
       "Ctrl-C ends the recording.",
       "roomwise record --source openni2 -o walk --room corridor", run);
   command
-      ->add_option(
-          "--source", options.source,
-          "openni2 (the first camera found), openni2:URI (one camera, or an .oni file), or "
-          "a recording of any kind that is read")
+      ->add_option("--source", options.source,
+                   std::string(kLiveCameras) + ", or a recording of any kind that is read")
       ->required();
   command->add_option("-o,--output", options.output, "Folder to write; new or empty")->required();
   command->add_option("--room", options.room, "The room that the recording starts in");
   add_camera_option(*command, options.camera, "as the source says");
+  add_calibration_option(*command, options.calibration);
   command->add_option("--frames", options.frames, "Stop after this many frames")
       ->check(not_negative());
   command->add_option("--seconds", options.seconds, "Stop after this many seconds of the recording")

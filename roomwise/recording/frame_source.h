@@ -14,6 +14,8 @@ struct SourceInfo {
   geometry::PinholeCamera camera;
   std::optional<std::uint64_t>
       frames_remaining;  // RGB-D frames still to come; absent for a live camera
+  // Of a live camera, so far: what came damaged, or came while nobody took it.
+  std::uint64_t lost_frames = 0;
 };
 
 // Where RGB-D frames come from: a recording, a live camera, the network, a simulated home. Frames
