@@ -87,15 +87,54 @@ Expected<Answer> describe(const home::Home& home, const mapping::Localization& f
   return answer;
 }
 
-// The last picture's place; each picture tells of the lens that took the next.
+// Places photos of a lens of which only they tell something, each of what the next is asked with.
+class PhotoLocator {
+ public:
+  explicit PhotoLocator(const pipeline::HomeLocalizer& localizing) : localizing_(localizing) {}
+
+  Expected<mapping::Localization> locate(const image::Photo& photo) {
+    if (photo.lens != says_) begin_with(photo);
+    ROOMWISE_TRY(mapping::Localization found,
+                 localizing_.locate_uncalibrated(photo.color, lens_.estimate()));
+    lens_.add(found);
+    if (found.found() || !says_) return found;
+    return locate_as_if_it_said_nothing(photo, std::move(found));
+  }
+
+ private:
+  // Another photo's word is of another lens.
+  void begin_with(const image::Photo& photo) {
+    says_ = photo.lens;
+    const auto said =
+        says_ ? motion::LensEstimate::of_photo(*says_, photo.color.width(), photo.color.height())
+              : std::nullopt;
+    lens_ = said ? mapping::LensCalibration(*said) : mapping::LensCalibration();
+  }
+  // It may have been cropped, and its words copied.
+  Expected<mapping::Localization> locate_as_if_it_said_nothing(const image::Photo& photo,
+                                                               mapping::Localization otherwise) {
+    mapping::LensCalibration unknown;
+    ROOMWISE_TRY(const mapping::Localization found,
+                 localizing_.locate_uncalibrated(photo.color, unknown.estimate()));
+    if (!found.found()) return otherwise;
+    unknown.add(found);
+    lens_ = unknown;
+    return found;
+  }
+
+  const pipeline::HomeLocalizer& localizing_;
+  std::optional<image::ExifLens> says_;
+  mapping::LensCalibration lens_;
+};
+
+// The last picture's place.
 Expected<mapping::Localization> locate_uncalibrated(const LocateOptions& options,
                                                     const pipeline::HomeLocalizer& localizing) {
-  mapping::LensCalibration lens;
+  PhotoLocator locator(localizing);
   mapping::Localization last;
   for (const fs::path& picture : options.pictures) {
-    ROOMWISE_TRY(const image::ColorImage color, image::read_color(picture));
-    ROOMWISE_TRY(last, localizing.locate_uncalibrated(color, lens.estimate()));
-    lens.add(last);
+    ROOMWISE_TRY(const image::Photo photo, image::read_photo(picture));
+    ROOMWISE_TRY(last, locator.locate(photo));
   }
   return last;
 }
@@ -164,8 +203,10 @@ void add_locate_command(CLI::App& app, Context& context) {
                    "The picture's depth image (16-bit PNG, registered to it), one for each; "
                    "without it far fewer pictures have an answer")
       ->expected(1, 2);
-  add_camera_option(*command, options.camera,
-                    "that of the home's recording; unknown: its focal length is found, too");
+  add_camera_option(
+      *command, options.camera,
+      "that of the home's recording; unknown: its focal length is found, too, beginning with what "
+      "the photo's Exif says of it");
 }
 
 }  // namespace roomwise::app

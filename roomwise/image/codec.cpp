@@ -37,6 +37,17 @@ Expected<DepthImage> read_depth(const std::filesystem::path& path) {
   return read_decoded(path, [](const Bytes& bytes) { return decode_depth(bytes); });
 }
 
+Expected<Photo> decode_photo(std::span<const std::uint8_t> bytes, std::int64_t max_pixels) {
+  Photo photo;
+  ROOMWISE_TRY(photo.color, decode_color(bytes, max_pixels));
+  if (is_jpeg(bytes)) photo.lens = lens_of_jpeg(bytes);
+  return photo;
+}
+
+Expected<Photo> read_photo(const std::filesystem::path& path) {
+  return read_decoded(path, [](const Bytes& bytes) { return decode_photo(bytes); });
+}
+
 Bytes color_file(const RgbdFrame& frame) {
   return frame.encoded_color.empty() ? encode_png(frame.color) : frame.encoded_color;
 }

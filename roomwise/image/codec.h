@@ -4,6 +4,7 @@
 #include <span>
 
 #include "roomwise/base/file.h"
+#include "roomwise/image/exif.h"
 #include "roomwise/image/rgbd_frame.h"
 
 namespace roomwise::image {
@@ -32,6 +33,15 @@ constexpr std::int64_t kMaxPixels = 100'000'000;
 // The same from a file; errors name it.
 [[nodiscard]] Expected<ColorImage> read_color(const std::filesystem::path& path);
 [[nodiscard]] Expected<DepthImage> read_depth(const std::filesystem::path& path);
+
+// A picture, and what it says itself of the lens that took it (a JPEG's Exif).
+struct Photo {
+  ColorImage color;
+  std::optional<ExifLens> lens;
+};
+[[nodiscard]] Expected<Photo> decode_photo(std::span<const std::uint8_t> bytes,
+                                           std::int64_t max_pixels = kMaxPixels);
+[[nodiscard]] Expected<Photo> read_photo(const std::filesystem::path& path);
 
 // quality: 1 to 100. The image must have pixels, for a JPEG at most 65,500 a side. A depth image is
 // packed for speed: a live camera's frames are stored as they come.

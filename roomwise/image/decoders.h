@@ -4,6 +4,7 @@
 #include <span>
 
 #include "roomwise/base/expected.h"
+#include "roomwise/image/exif.h"
 #include "roomwise/image/image.h"
 
 // The decoders that codec.h chooses from: libjpeg-turbo, libpng and libwebp; callers use codec.h.
@@ -11,6 +12,8 @@ namespace roomwise::image {
 
 [[nodiscard]] Expected<ColorImage> decode_jpeg(std::span<const std::uint8_t> bytes,
                                                std::int64_t max_pixels);
+// What its Exif says of the lens.
+[[nodiscard]] std::optional<ExifLens> lens_of_jpeg(std::span<const std::uint8_t> bytes);
 [[nodiscard]] Expected<ColorImage> decode_png_color(std::span<const std::uint8_t> bytes,
                                                     std::int64_t max_pixels);
 [[nodiscard]] Expected<DepthImage> decode_png_depth(std::span<const std::uint8_t> bytes,

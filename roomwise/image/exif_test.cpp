@@ -3,8 +3,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "roomwise/base/file.h"
 #include "roomwise/base/random.h"
+#include "roomwise/base/testing/testing.h"
+#include "roomwise/image/codec.h"
+#include "roomwise/image/testing/exif_writer.h"
 
 namespace roomwise::image {
 namespace {
@@ -54,6 +59,65 @@ TEST(Exif, SurvivesRandomBytes) {
     const int orientation = exif_orientation(bytes);
     EXPECT_TRUE(orientation >= 1 && orientation <= 8);
   }
+}
+
+using testing::ExifEntry;
+using testing::ExifWriter;
+using testing::kPhoneExif;
+
+TEST(ExifLens, ReadsWhatAPhoneSaysInBothByteOrders) {
+  for (const bool big_endian : {false, true}) {
+    const Bytes bytes = ExifWriter(big_endian).write(kPhoneExif);
+    EXPECT_EQ(exif_orientation(bytes), 6);
+    const auto lens = exif_lens(bytes);
+    ASSERT_TRUE(lens.has_value());
+    EXPECT_EQ(lens->focal_length_mm, 4.25);
+    EXPECT_EQ(lens->focal_length_35mm_mm, 26);
+    EXPECT_EQ(lens->pixels_per_mm, 800);
+    EXPECT_EQ(lens->digital_zoom, 1.5);
+    EXPECT_EQ(lens->width, 4032);
+    EXPECT_EQ(lens->height, 3024);
+  }
+}
+
+TEST(ExifLens, LeavesOutWhatMakesNoSense) {
+  const auto read = [](std::vector<ExifEntry> entries) {
+    return exif_lens(ExifWriter(true).write(entries));
+  };
+  EXPECT_FALSE(read({{0xA405, 3, 0}})) << "0 stands for unknown";
+  EXPECT_FALSE(read({{0x920A, 5, 425, 100}})) << "without the sensor it tells nothing";
+  EXPECT_FALSE(read({{0x920A, 5, 425, 0}, {0xA20E, 5, 8000, 1}}));
+  EXPECT_FALSE(read({{0xA405, 5, 26, 1}})) << "of another kind";
+  const auto lens = read({{0xA405, 3, 26}, {0xA404, 5, 0, 1}, {0x920A, 5, 1, 1000}});
+  ASSERT_TRUE(lens.has_value());
+  EXPECT_FALSE(lens->digital_zoom) << "0: no zoom";
+  EXPECT_FALSE(lens->focal_length_mm);
+}
+
+TEST(ExifLens, SurvivesAnyCutAndRandomBytes) {
+  const Bytes whole = ExifWriter(false).write(kPhoneExif);
+  for (std::size_t size = 0; size < whole.size(); ++size) {
+    static_cast<void>(exif_lens(std::span(whole).first(size)));
+  }
+  RandomStream random(6);
+  for (int round = 0; round < 2000; ++round) {
+    Bytes bytes = ExifWriter(round % 2 == 0).write(kPhoneExif);
+    for (int flips = 0; flips < 4; ++flips) {
+      bytes[random.index(bytes.size())] = static_cast<std::uint8_t>(random.next());
+    }
+    const auto lens = exif_lens(bytes);
+    EXPECT_TRUE(!lens || std::isfinite(lens->focal_length_mm.value_or(0)));
+  }
+}
+
+TEST(ExifLens, ComesWithAPhoto) {
+  const Bytes plain = encode_jpeg(ColorImage(8, 6), 90);
+  EXPECT_FALSE(decode_photo(plain).value().lens);
+  const Bytes jpeg = testing::with_exif(plain, ExifWriter(true).write(kPhoneExif));
+  const auto photo = decode_photo(jpeg);
+  ASSERT_OK(photo);
+  EXPECT_EQ(photo->color.width(), 6) << "upright";
+  EXPECT_EQ(photo->lens.value().focal_length_35mm_mm, 26);
 }
 
 // A picture of 3 x 2 pixels, 0 1 2 / 3 4 5, as the numbers of the upright picture row by row.

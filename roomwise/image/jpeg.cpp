@@ -102,6 +102,13 @@ class JpegReader : public JumpTarget {
 
   [[nodiscard]] const jpeg_decompress_struct& header() const { return codec_; }
 
+  [[nodiscard]] std::optional<ExifLens> lens() const {
+    for (const jpeg_marker_struct* marker = codec_.marker_list; marker; marker = marker->next) {
+      if (auto lens = exif_lens({marker->data, marker->data_length})) return lens;
+    }
+    return std::nullopt;
+  }
+
   [[nodiscard]] int orientation() const {
     for (const jpeg_marker_struct* marker = codec_.marker_list; marker; marker = marker->next) {
       const int orientation = exif_orientation({marker->data, marker->data_length});
@@ -176,6 +183,11 @@ Expected<ColorImage> decode_jpeg(std::span<const std::uint8_t> bytes, std::int64
   const int orientation = reader.orientation();  // libjpeg forgets it with the last row
   if (!reader.read(image.pixels().data())) return damaged();
   return apply_orientation(std::move(image), orientation);
+}
+
+std::optional<ExifLens> lens_of_jpeg(std::span<const std::uint8_t> bytes) {
+  JpegReader reader;
+  return reader.open(bytes.data(), bytes.size()) ? reader.lens() : std::nullopt;
 }
 
 Bytes encode_jpeg(const ColorImage& image, int quality) {

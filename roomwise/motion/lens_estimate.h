@@ -1,9 +1,11 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 
 #include "roomwise/base/random.h"
 #include "roomwise/geometry/pinhole_camera.h"
+#include "roomwise/image/exif.h"
 
 namespace roomwise::motion {
 
@@ -19,6 +21,14 @@ struct LensEstimate {
   // 0.8 of the longer side of a picture of 4 to 3; video is cut out of that, webcams lie about
   // there, wide-angle lenses at half of it, telephoto lenses at twice.
   [[nodiscard]] static LensEstimate of_phones();
+
+  // Of a photo of so many pixels, by what its Exif says; nothing where it was cropped since, so
+  // that what it says is of another picture. Exif gives a focal length in whole millimetres, does
+  // not say whether it compares diagonals or widths, nor whether of the whole sensor or of the
+  // picture cut out of it: these ways to read it and its rounding, and how lenses differ from their
+  // names, make its uncertainty.
+  [[nodiscard]] static std::optional<LensEstimate> of_photo(const image::ExifLens& exif, int width,
+                                                            int height);
 
   [[nodiscard]] geometry::PinholeCamera camera(int width, int height) const;
   // Standard deviation of the focal length, relative to it.

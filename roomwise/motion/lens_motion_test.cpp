@@ -134,6 +134,75 @@ TEST(LensMotion, SaysWhyThereIsNone) {
             MotionStatus::kTooFewInliers);
 }
 
+image::ExifLens of_35mm(double focal_mm) {
+  image::ExifLens exif;
+  exif.focal_length_35mm_mm = focal_mm;
+  return exif;
+}
+
+TEST(LensOfAPhoto, HasTheFocalLengthThatItsExifSays) {
+  // 26 mm on 36 mm, or on the diagonal of 43.3 mm: 0.72 or 0.75 of the longer side.
+  const auto lens = LensEstimate::of_photo(of_35mm(26), 4032, 3024);
+  ASSERT_TRUE(lens.has_value());
+  const double focal = std::exp(lens->mean[0]);
+  EXPECT_GT(focal, 26 / 36.0);
+  EXPECT_LT(focal, 26 / 43.27 * 1.25);
+  EXPECT_GT(lens->focal_sigma(), 0.03);
+  EXPECT_LT(lens->focal_sigma(), 0.06);
+  EXPECT_EQ(lens->mean[1], 0);
+  EXPECT_EQ(lens->information(1, 1), LensEstimate::of_phones().information(1, 1));
+  EXPECT_EQ(LensEstimate::of_photo(of_35mm(26), 3024, 4032)->mean, lens->mean) << "upright";
+}
+
+TEST(LensOfAPhoto, IsLessSureOfAWidePictureThatMayBeCutOutOfTheSensor) {
+  EXPECT_GT(LensEstimate::of_photo(of_35mm(26), 1920, 1080)->focal_sigma(),
+            LensEstimate::of_photo(of_35mm(26), 1920, 1440)->focal_sigma());
+}
+
+TEST(LensOfAPhoto, MayFollowFromTheSensorsPixels) {
+  image::ExifLens exif;
+  exif.focal_length_mm = 6;
+  exif.pixels_per_mm = 400;
+  exif.width = 3000;
+  exif.height = 2000;
+  EXPECT_NEAR(std::exp(LensEstimate::of_photo(exif, 600, 400)->mean[0]), 0.8, 1e-9);
+}
+
+TEST(LensOfAPhoto, IsUnsureWhereItsWordsDiffer) {
+  image::ExifLens exif = of_35mm(26);
+  const double sigma = LensEstimate::of_photo(exif, 4032, 3024)->focal_sigma();
+  exif.digital_zoom = 2;
+  const auto zoomed = LensEstimate::of_photo(exif, 4032, 3024);
+  EXPECT_GT(zoomed->focal_sigma(), 0.3);
+  EXPECT_GT(zoomed->mean[0], LensEstimate::of_photo(of_35mm(26), 4032, 3024)->mean[0]);
+  EXPECT_LT(sigma, 0.06);
+}
+
+TEST(LensOfAPhoto, IsNotKnownOfAPictureThatWasCroppedOrOfNoSuchLens) {
+  image::ExifLens exif = of_35mm(26);
+  exif.width = 4032;
+  exif.height = 3024;
+  EXPECT_TRUE(LensEstimate::of_photo(exif, 480, 640).has_value()) << "made smaller and turned";
+  EXPECT_FALSE(LensEstimate::of_photo(exif, 640, 640).has_value());
+  EXPECT_FALSE(LensEstimate::of_photo(of_35mm(1), 640, 480).has_value());
+  EXPECT_FALSE(LensEstimate::of_photo(of_35mm(1000), 640, 480).has_value());
+}
+
+// Beyond what is taken for granted of phones a lens is found only where its photo tells of it.
+TEST(LensOfAPhoto, FindsThePoseOfATelephotoLens) {
+  const PinholeCamera camera = phone(2.2 * 640);
+  int without = 0, with = 0;
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    const auto seen = see(camera, seed);
+    without += find(seen, seed).motion.status == MotionStatus::kFound ? 1 : 0;
+    const auto lens = LensEstimate::of_photo(of_35mm(77), 480, 640);
+    const LensMotion found = find(seen, seed, *lens);
+    with += found.motion.status == MotionStatus::kFound && error_m(found) < 0.25 ? 1 : 0;
+  }
+  EXPECT_EQ(with, 8);
+  EXPECT_LT(without, 4);
+}
+
 TEST(LensEstimate, IsTheSameOfAPictureTurned) {
   const LensEstimate lens = LensEstimate::of_phones();
   const PinholeCamera upright = lens.camera(480, 640), flat = lens.camera(640, 480);
