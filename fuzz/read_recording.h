@@ -3,17 +3,17 @@
 #include <algorithm>
 
 #include "memory_file.h"
+#include "memory_folder.h"
 #include "roomwise/recording/recording.h"
+
+constexpr std::size_t kMaxRecordingBytes = 1 << 16;
 
 // Opens a recording of one kind and reads its first frames.
 template <typename Open>
-void read_recording(const std::uint8_t* data, std::size_t size, Open open) {
+void read_frames(const std::filesystem::path& path, Open open) {
   using namespace roomwise;
-  constexpr std::size_t kMaxFileBytes = 1 << 16;
   constexpr std::size_t kFrames = 3;
-  if (size > kMaxFileBytes) return;
-  const MemoryFile file(data, size);
-  const auto recording = open(file.path(), recording::RecordingOptions{});
+  const auto recording = open(path, recording::RecordingOptions{});
   if (!recording) {
     if (recording.error().message.empty()) __builtin_trap();
     return;
@@ -28,4 +28,20 @@ void read_recording(const std::uint8_t* data, std::size_t size, Open open) {
       __builtin_trap();
     }
   }
+}
+
+// The bytes are its file.
+template <typename Open>
+void read_recording(const std::uint8_t* data, std::size_t size, Open open) {
+  if (size > kMaxRecordingBytes) return;
+  read_frames(MemoryFile(data, size).path(), open);
+}
+
+// The bytes are its folder's files. Whether it is one of this kind is asked, too.
+template <typename Is, typename Open>
+void read_folder(const std::uint8_t* data, std::size_t size, Is is_of_kind, Open open) {
+  if (size > kMaxRecordingBytes) return;
+  const MemoryFolder folder(data, size);
+  static_cast<void>(is_of_kind(folder.path()));
+  read_frames(folder.path(), open);
 }

@@ -1,9 +1,13 @@
 // Writes the seeds of the fuzz targets: small files of every kind, made here.
 
+#include <fmt/format.h>
+
 #include <cstdio>
 #include <filesystem>
 
+#include "memory_folder.h"
 #include "roomwise/base/file.h"
+#include "roomwise/image/testing/exif_writer.h"
 #include "roomwise/network/formats/built_in_cards.h"
 #include "roomwise/network/formats/eight_bit_file.h"
 #include "roomwise/network/formats/safetensors.h"
@@ -11,6 +15,7 @@
 #include "roomwise/network/testing/torch_checkpoint.h"
 #include "roomwise/recording/bytes/testing/lzfse_vectors.h"
 #include "roomwise/recording/phone/testing/record3d_writer.h"
+#include "roomwise/recording/phone/testing/video_writer.h"
 #include "roomwise/recording/robot/testing/robot_log.h"
 #include "roomwise/recording/sens/testing/sens_writer.h"
 #include "roomwise/service/messages.h"
@@ -262,6 +267,123 @@ std::vector<Seed> record3d_seeds() {
   return {{"two.r3d", text_of(*bytes)}};
 }
 
+// The files of a folder, as memory_folder.h reads them.
+class FolderSeed {
+ public:
+  FolderSeed& add(const std::string& name, const std::string& content) {
+    if (!bytes_.empty()) bytes_ += MemoryFolder::kBetween;
+    bytes_ += name + "\n" + content;
+    return *this;
+  }
+  FolderSeed& add(const std::string& name, const roomwise::Bytes& content) {
+    return add(name, text_of(content));
+  }
+  [[nodiscard]] const std::string& bytes() const { return bytes_; }
+
+ private:
+  std::string bytes_;
+};
+
+roomwise::Bytes small_jpeg() {
+  return roomwise::image::encode_jpeg(roomwise::image::ColorImage(16, 12, {90, 80, 70}), 90);
+}
+roomwise::Bytes small_png(int width, int height) {
+  return roomwise::image::encode_png(roomwise::image::ColorImage(width, height, {90, 80, 70}));
+}
+roomwise::Bytes small_depth(int width, int height) {
+  return roomwise::image::encode_png(roomwise::image::DepthImage(width, height, 1500));
+}
+
+std::vector<Seed> scanner_app_seeds() {
+  FolderSeed folder;
+  for (int i = 0; i < 3; ++i) {
+    folder.add(fmt::format("frame_{:05}.json", i),
+               fmt::format(R"({{"time": {}, "intrinsics": [14, 0, 8, 0, 14, 6, 0, 0, 1],)"
+                           R"( "cameraPoseARFrame": [1,0,0,{},0,1,0,1.5,0,0,1,0,0,0,0,1]}})",
+                           100 + 0.2 * i, 0.5 * i));
+    folder.add(fmt::format("depth_{:05}.png", i), small_depth(8, 6));
+    if (i != 1) folder.add(fmt::format("frame_{:05}.jpg", i), small_jpeg());
+  }
+  return {{"three", folder.bytes()}};
+}
+
+std::vector<Seed> polycam_seeds() {
+  std::vector<Seed> seeds;
+  for (const std::string which : {"", "corrected_"}) {
+    FolderSeed folder;
+    for (int i = 0; i < 2; ++i) {
+      const std::string name = std::to_string(5'000'000 + 100'000 * i);
+      folder.add("keyframes/" + which + "cameras/" + name + ".json",
+                 fmt::format(R"({{"fx":14,"fy":14,"cx":8,"cy":6,"width":16,"height":12,)"
+                             R"("t_00":1,"t_01":0,"t_02":0,"t_03":{},"t_10":0,"t_11":1,"t_12":0,)"
+                             R"("t_13":0,"t_20":0,"t_21":0,"t_22":1,"t_23":0}})",
+                             i));
+      folder.add("keyframes/" + which + "images/" + name + ".jpg", small_jpeg());
+      folder.add("keyframes/depth/" + name + ".png", small_depth(8, 6));
+    }
+    seeds.push_back({which + "two", folder.bytes()});
+  }
+  return seeds;
+}
+
+std::vector<Seed> arkitscenes_seeds() {
+  std::vector<Seed> seeds;
+  for (const std::string which : {"lowres_wide", "vga_wide"}) {
+    FolderSeed folder;
+    for (const std::string time : {"12.345", "12.445"}) {
+      const std::string name = "/4242_" + time;
+      folder.add(which + name + ".png", small_png(16, 12));
+      folder.add("lowres_depth" + name + ".png", small_depth(8, 6));
+      folder.add(which + "_intrinsics" + name + ".pincam", std::string("16 12 14 14 8 6\n"));
+    }
+    folder.add("lowres_wide.traj", std::string("12.3449 0 3.1415 0 1 2 3\n12.4449 0 0 0 1 2 3\n"));
+    seeds.push_back({which, folder.bytes()});
+  }
+  return seeds;
+}
+
+std::vector<Seed> seven_scenes_seeds() {
+  FolderSeed folder;
+  for (int i = 0; i < 2; ++i) {
+    const std::string name = fmt::format("frame-{:06}", i);
+    folder.add(name + ".color.png", small_png(640, 480));
+    folder.add(name + ".depth.png", small_depth(640, 480));
+    folder.add(name + ".pose.txt", std::string("0 0 1 4\n0 1 0 5\n-1 0 0 6\n0 0 0 1\n"));
+  }
+  return {{"two", folder.bytes()}};
+}
+
+std::vector<Seed> stray_scanner_seeds() {
+  const fs::path path = fs::temp_directory_path() / "roomwise-seed.mp4";
+  const bool is_written = robots::write_grey_video(path, 3, AV_CODEC_ID_MPEG4, 2, 16, 16);
+  const auto video = roomwise::read_file(path);
+  std::error_code ignored;
+  fs::remove(path, ignored);
+  if (!is_written || !video) return {};
+  const std::string header = "timestamp, frame, x, y, z, qx, qy, qz, qw";
+  std::vector<Seed> seeds;
+  for (const bool is_newer : {false, true}) {
+    std::string table = header + (is_newer ? ", fx, fy, cx, cy\n" : "\n");
+    FolderSeed folder;
+    for (int i = 0; i < 3; ++i) {
+      table += fmt::format("{:.3f}, {:06}, 0.1, 0, 1.5, 0, 1, 0, 0{}\n", 7 + 0.017 * i, i,
+                           is_newer ? ", 14, 14, 8, 8" : "");
+      folder.add(fmt::format("depth/{:06}.png", i), small_depth(8, 8));
+    }
+    folder.add("odometry.csv", table);
+    folder.add("camera_matrix.csv", std::string("14, 0, 8\n0, 14, 8\n0, 0, 1\n"));
+    folder.add("rgb.mp4", *video);
+    seeds.push_back({is_newer ? "newer" : "older", folder.bytes()});
+  }
+  return seeds;
+}
+
+std::vector<Seed> exif_seeds() {
+  using namespace roomwise::image::testing;
+  return {{"phone", text_of(ExifWriter(true).write(kPhoneExif))},
+          {"phone_little", text_of(ExifWriter(false).write(kPhoneExif))}};
+}
+
 std::vector<Seed> lzfse_seeds() {
   return {{"lzfse", text_of(robots::from_hex(robots::kLzfseBlock))},
           {"lzvn", text_of(robots::from_hex(robots::kLzvnBlock))},
@@ -284,7 +406,12 @@ int main(int argc, char** argv) {
         write(corpus / "weights", weights_seeds()), write(corpus / "protocol", protocol_seeds()),
         write(corpus / "mcap", mcap_seeds()), write(corpus / "ros1_bag", bag_seeds()),
         write(corpus / "messages", message_seeds()), write(corpus / "sens", sens_seeds()),
-        write(corpus / "record3d", record3d_seeds()), write(corpus / "lzfse", lzfse_seeds())}) {
+        write(corpus / "record3d", record3d_seeds()), write(corpus / "lzfse", lzfse_seeds()),
+        write(corpus / "exif", exif_seeds()), write(corpus / "scanner_app", scanner_app_seeds()),
+        write(corpus / "polycam", polycam_seeds()),
+        write(corpus / "arkitscenes", arkitscenes_seeds()),
+        write(corpus / "seven_scenes", seven_scenes_seeds()),
+        write(corpus / "stray_scanner", stray_scanner_seeds())}) {
     if (written) continue;
     std::fprintf(stderr, "%s\n", written.error().message.c_str());
     return 1;

@@ -23,7 +23,7 @@ class VideoFileOf : public ::testing::TestWithParam<AVCodecID> {};
 TEST_P(VideoFileOf, GivesEachPictureInAnyOrder) {
   if (avcodec_find_encoder(GetParam()) == nullptr) GTEST_SKIP() << "there is no encoder";
   const ScratchFolder folder;
-  write_grey_video(folder / "a.mp4", kStrayFrames, GetParam());
+  EXPECT_TRUE(write_grey_video(folder / "a.mp4", kStrayFrames, GetParam()));
   const auto video = VideoFile::open(folder / "a.mp4");
   ASSERT_OK(video);
   ASSERT_EQ((*video)->size(), std::size_t{kStrayFrames});
@@ -43,7 +43,7 @@ TEST(VideoFile, SaysWhichFileIsNoVideoOrWasCutOff) {
   EXPECT_ERROR(VideoFile::open(folder / "none.mp4"), "none.mp4: is no MP4 video");
   EXPECT_OK(write_file(folder / "text.mp4", std::string_view("no video")));
   EXPECT_ERROR(VideoFile::open(folder / "text.mp4"), "text.mp4: is no MP4 video");
-  write_grey_video(folder / "cut.mp4", kStrayFrames);
+  EXPECT_TRUE(write_grey_video(folder / "cut.mp4", kStrayFrames));
   const auto size = std::filesystem::file_size(folder / "cut.mp4");
   std::filesystem::resize_file(folder / "cut.mp4", size / 2);
   EXPECT_ERROR(VideoFile::open(folder / "cut.mp4"), "cut.mp4");
@@ -51,7 +51,7 @@ TEST(VideoFile, SaysWhichFileIsNoVideoOrWasCutOff) {
 
 TEST(VideoFile, NeverTakesADamagedPictureForAnother) {
   const ScratchFolder folder;
-  write_grey_video(folder / "a.mp4", kStrayFrames);
+  EXPECT_TRUE(write_grey_video(folder / "a.mp4", kStrayFrames));
   Bytes bytes = read_file(folder / "a.mp4").value();
   for (std::size_t at = 60; at < bytes.size() / 2; at += 7) {
     Bytes damaged = bytes;
@@ -67,7 +67,7 @@ TEST(VideoFile, NeverTakesADamagedPictureForAnother) {
 class StrayScannerFolder : public ::testing::Test {
  protected:
   StrayScannerFolder() {
-    write_grey_video(folder_ / "rgb.mp4", kStrayFrames);
+    EXPECT_TRUE(write_grey_video(folder_ / "rgb.mp4", kStrayFrames));
     std::filesystem::create_directory(folder_ / "depth");
     for (int i = 0; i < kStrayFrames; ++i) {
       const image::DepthImage depth(16, 12, static_cast<std::uint16_t>(1500 + i));
@@ -145,7 +145,7 @@ TEST_F(StrayScannerFolder, NamesTheLineThatIsDamaged) {
 }
 
 TEST_F(StrayScannerFolder, WantsAPictureForEachLine) {
-  write_grey_video(folder_ / "rgb.mp4", kStrayFrames - 1);
+  EXPECT_TRUE(write_grey_video(folder_ / "rgb.mp4", kStrayFrames - 1));
   EXPECT_ERROR(open(), "rgb.mp4: has 19 pictures, odometry.csv 20 frames");
 }
 

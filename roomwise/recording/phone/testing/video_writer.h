@@ -6,21 +6,24 @@ extern "C" {
 #include <libavutil/opt.h>
 }
 
-#include <gtest/gtest.h>
-
+#include <algorithm>
+#include <cstdint>
 #include <filesystem>
 
 namespace roomwise::recording::testing {
 
 // An MP4 file of `count` grey pictures, the i-th of brightness 20 + 6 * (i % 32), with pictures
-// that are predicted from later ones and a whole one every `gop`.
-inline void write_grey_video(const std::filesystem::path& path, int count,
-                             AVCodecID kind = AV_CODEC_ID_MPEG4, int gop = 6, int width = 64,
-                             int height = 48) {
+// that are predicted from later ones and a whole one every `gop`. False where it cannot be made.
+[[nodiscard]] inline bool write_grey_video(const std::filesystem::path& path, int count,
+                                           AVCodecID kind = AV_CODEC_ID_MPEG4, int gop = 6,
+                                           int width = 64, int height = 48) {
   AVFormatContext* format = nullptr;
-  ASSERT_GE(avformat_alloc_output_context2(&format, nullptr, "mp4", path.c_str()), 0);
   const AVCodec* encoder = avcodec_find_encoder(kind);
-  ASSERT_NE(encoder, nullptr);
+  if (encoder == nullptr ||
+      avformat_alloc_output_context2(&format, nullptr, "mp4", path.c_str()) < 0) {
+    return false;
+  }
+  format->flags |= AVFMT_FLAG_BITEXACT;  // the same bytes at any time
   AVStream* stream = avformat_new_stream(format, nullptr);
   AVCodecContext* codec = avcodec_alloc_context3(encoder);
   codec->width = width;
@@ -30,51 +33,52 @@ inline void write_grey_video(const std::filesystem::path& path, int count,
   codec->gop_size = gop;
   codec->max_b_frames = 2;
   codec->thread_count = 1;
-  codec->flags |= AV_CODEC_FLAG_GLOBAL_HEADER | AV_CODEC_FLAG_QSCALE;
+  codec->flags |= AV_CODEC_FLAG_GLOBAL_HEADER | AV_CODEC_FLAG_QSCALE | AV_CODEC_FLAG_BITEXACT;
   codec->global_quality = FF_QP2LAMBDA * 2;
   av_opt_set(codec->priv_data, "x265-params", "log-level=none:pools=none:frame-threads=1", 0);
-  ASSERT_GE(avcodec_open2(codec, encoder, nullptr), 0);
-  avcodec_parameters_from_context(stream->codecpar, codec);
+  bool is_fine = avcodec_open2(codec, encoder, nullptr) >= 0 &&
+                 avcodec_parameters_from_context(stream->codecpar, codec) >= 0;
   stream->time_base = codec->time_base;
-  ASSERT_GE(avio_open(&format->pb, path.c_str(), AVIO_FLAG_WRITE), 0);
-  ASSERT_GE(avformat_write_header(format, nullptr), 0);
+  is_fine = is_fine && avio_open(&format->pb, path.c_str(), AVIO_FLAG_WRITE) >= 0 &&
+            avformat_write_header(format, nullptr) >= 0;
 
   AVPacket* packet = av_packet_alloc();
   const auto write_packets = [&] {
-    while (avcodec_receive_packet(codec, packet) >= 0) {
+    while (is_fine && avcodec_receive_packet(codec, packet) >= 0) {
       av_packet_rescale_ts(packet, codec->time_base, stream->time_base);
       packet->stream_index = stream->index;
-      ASSERT_GE(av_interleaved_write_frame(format, packet), 0);
+      is_fine = av_interleaved_write_frame(format, packet) >= 0;
     }
   };
   AVFrame* frame = av_frame_alloc();
   frame->format = codec->pix_fmt;
   frame->width = width;
   frame->height = height;
-  ASSERT_GE(av_frame_get_buffer(frame, 0), 0);
-  for (int i = 0; i < count; ++i) {
-    ASSERT_GE(av_frame_make_writable(frame), 0);
-    for (int y = 0; y < height; ++y) {
+  is_fine = is_fine && av_frame_get_buffer(frame, 0) >= 0;
+  for (int i = 0; i < count && is_fine; ++i) {
+    is_fine = av_frame_make_writable(frame) >= 0;
+    for (int y = 0; y < height && is_fine; ++y) {
       std::fill_n(frame->data[0] + y * frame->linesize[0], width,
                   static_cast<std::uint8_t>(20 + 6 * (i % 32)));
     }
     for (const int plane : {1, 2}) {
-      for (int y = 0; y < height / 2; ++y) {
+      for (int y = 0; y < height / 2 && is_fine; ++y) {
         std::fill_n(frame->data[plane] + y * frame->linesize[plane], width / 2, std::uint8_t{128});
       }
     }
     frame->pts = i;
-    ASSERT_GE(avcodec_send_frame(codec, frame), 0);
+    is_fine = is_fine && avcodec_send_frame(codec, frame) >= 0;
     write_packets();
   }
-  avcodec_send_frame(codec, nullptr);
+  if (is_fine) avcodec_send_frame(codec, nullptr);
   write_packets();
-  av_write_trailer(format);
+  is_fine = is_fine && av_write_trailer(format) >= 0;
   avio_closep(&format->pb);
   av_frame_free(&frame);
   av_packet_free(&packet);
   avcodec_free_context(&codec);
   avformat_free_context(format);
+  return is_fine;
 }
 
 // What a picture of such a video shows: luma 16 to 235 spread to 0 to 255.
