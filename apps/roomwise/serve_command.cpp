@@ -92,6 +92,7 @@ class HomeServer {
     ROOMWISE_TRY(all.access_,
                  service::AccessRegister::open(access, server.certificate.fingerprint));
     all.fingerprint_ = server.certificate.fingerprint;
+    if (const auto& why = all.home_->why_lenses_are_new()) all.log_.write(*why);
     if (!all.home_->view()->recognizer) all.log_.write(all.home_->view()->why_no_recognizer);
     server.address = options.address;
     server.port = options.port;

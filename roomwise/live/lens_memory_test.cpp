@@ -1,8 +1,10 @@
 #include "roomwise/live/lens_memory.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "roomwise/base/file.h"
 #include "roomwise/base/testing/testing.h"
@@ -77,15 +79,68 @@ TEST_F(LensMemoryTest, ForgetsAllAndTheFile) {
   EXPECT_EQ(memory->recall(1, "back").known().mean, motion::LensEstimate::of_phones().mean);
 }
 
-TEST_F(LensMemoryTest, ADamagedFileIsNamedWithTheMend) {
-  for (
-      const std::string text :
-      {"{", "[]", R"({"lenses": [{"device": 1, "lens": "a"}]})",
-       R"({"lenses": [{"device": 1, "lens": "a", "log_focal": 0, "k1": 0, "information": [0,0,0]}]})",
-       R"({"lenses": [{"device": 1, "lens": "a", "log_focal": 1000, "k1": 0, "information": [1,0,1]}]})"}) {
-    ASSERT_OK(write_file(file_, text));
-    EXPECT_ERROR(LensMemory::open(file_), "delete the file");
+// A quarter turn and a metre between views.
+geometry::RigidTransform view(int number) {
+  return {Eigen::Quaterniond(
+              Eigen::AngleAxisd(number * std::numbers::pi / 2, Eigen::Vector3d::UnitY())),
+          {1.0 * number, 0.25, -2}};
+}
+
+TEST_F(LensMemoryTest, KeepsTheViewsThatWereCountedOverARestart) {
+  const auto before = open();
+  before->learn(1, "back", mapping::LensCalibration(lens(0.8).known(), {view(0), view(1)}));
+  ASSERT_OK(before->save());
+  const auto counted = open()->recall(1, "back").counted();
+  ASSERT_EQ(counted.size(), 2U);
+  for (int i = 0; i < 2; ++i) {
+    const auto off = counted[static_cast<std::size_t>(i)].inverse() * view(i);
+    EXPECT_LT(off.distance_m(), 1e-3);
+    EXPECT_LT(off.angle_rad(), 1e-3);
   }
+}
+
+constexpr const char* kLensText =
+    R"({"device": 1, "lens": "a", "log_focal": 0, "k1": 0, "information": [1,0,1])";
+
+TEST_F(LensMemoryTest, ReadsAFileWithoutViews) {
+  ASSERT_OK(write_file(file_, std::string(R"({"lenses": [)") + kLensText + "}]}"));
+  const auto memory = open();
+  EXPECT_FALSE(memory->set_aside());
+  EXPECT_EQ(memory->recall(1, "a").known().mean[0], 0);
+  EXPECT_TRUE(memory->recall(1, "a").counted().empty());
+}
+
+TEST_F(LensMemoryTest, SetsADamagedFileAsideAndGoesOn) {
+  const std::string lens_text = kLensText;
+  for (const std::string& text :
+       {std::string("{"), std::string("[]"), std::string(), lens_text,
+        std::string(R"({"lenses": [{"device": 1, "lens": "a"}]})"),
+        std::string(R"({"lenses": [{"device": 1, "lens": "a", "log_focal": 0, "k1": 0, )"
+                    R"("information": [0,0,0]}]})"),
+        std::string(R"({"lenses": [{"device": 1, "lens": "a", "log_focal": 1000, "k1": 0, )"
+                    R"("information": [1,0,1]}]})"),
+        R"({"lenses": [)" + lens_text + R"(, "views": [[1, 2]]}]})",
+        R"({"lenses": [)" + lens_text + R"(, "views": [[1, 2, 3, 0, 0, 0, 0]]}]})",
+        R"({"lenses": [)" + lens_text + R"(}, {"device": 2, "le)"}) {
+    ASSERT_OK(write_file(file_, text));
+    const auto memory = open();
+    ASSERT_NE(memory, nullptr);
+    ASSERT_TRUE(memory->set_aside()) << text;
+    EXPECT_THAT(*memory->set_aside(),
+                ::testing::AllOf(::testing::HasSubstr("a.home.lenses.json: is damaged: "),
+                                 ::testing::HasSubstr("it is now "),
+                                 ::testing::HasSubstr("lenses are learned anew")));
+    EXPECT_EQ(memory->recall(1, "a").known().mean, motion::LensEstimate::of_phones().mean)
+        << "nothing of it is believed";
+    EXPECT_FALSE(std::filesystem::exists(file_));
+    EXPECT_EQ(read_text_file(file_.string() + ".damaged").value(), text);
+    EXPECT_FALSE(open()->set_aside()) << "the next time all is well";
+    memory->learn(1, "back", lens(0.8));
+    ASSERT_OK(memory->save());
+    EXPECT_NEAR(focal(open()->recall(1, "back")), 0.8, 1e-9);
+  }
+  ASSERT_OK(open()->forget());
+  EXPECT_FALSE(std::filesystem::exists(file_.string() + ".damaged"));
 }
 
 }  // namespace

@@ -52,6 +52,11 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
   [[nodiscard]] std::uint64_t frames_dropped() const;
   [[nodiscard]] const RecognitionLog& recognitions() const { return recognitions_; }
 
+  // Why what was learned of phones' lenses is gone, where it is.
+  [[nodiscard]] const std::optional<std::string>& why_lenses_are_new() const {
+    return lenses_->set_aside();
+  }
+
   // ---- looking ----
   [[nodiscard]] std::shared_ptr<const HomeView> view() const override;
   [[nodiscard]] Expected<Bytes> keyframe_picture(home::KeyframeId id) const;

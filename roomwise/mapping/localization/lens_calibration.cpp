@@ -18,6 +18,8 @@ constexpr double kMinFocalSigma = 0.01;
 constexpr double kSameView_m = 0.4, kSameView_rad = 0.3;
 // After so many pictures without a pose one is asked as of another lens, which costs most.
 constexpr int kManyWithoutPose = 10;
+// By then a lens is known as well as it can be, and what older views told is a small part of it.
+constexpr std::size_t kMaxCounted = 200;
 // Two focal lengths this many standard deviations apart are of two lenses.
 constexpr double kOtherLensSigmas = 5;
 
@@ -89,6 +91,7 @@ bool LensCalibration::add(const Localization& answer) {
   }
   without_pose_ = 0;
   if (!counts(answer.world_from_camera)) return false;
+  if (counted_.size() >= kMaxCounted) counted_.erase(counted_.begin());
   counted_.push_back(answer.world_from_camera);
   known_ = with(known_, told_by(asked, *answer.lens));
   return true;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <utility>
 #include <vector>
 
 #include "roomwise/mapping/localization/localization.h"
@@ -12,13 +13,18 @@ namespace roomwise::mapping {
 class LensCalibration {
  public:
   LensCalibration() : LensCalibration(motion::LensEstimate::of_phones()) {}
-  explicit LensCalibration(const motion::LensEstimate& known) : known_(known) {}
+  // Also goes on where another left off, which counted these views.
+  explicit LensCalibration(const motion::LensEstimate& known,
+                           std::vector<geometry::RigidTransform> counted = {})
+      : known_(known), counted_(std::move(counted)) {}
 
   // To be asked with next. Every tenth of pictures in a row without a pose as if nothing were
   // known: the device may have another lens now.
   [[nodiscard]] motion::LensEstimate estimate() const;
   // What is known by now, to be kept.
   [[nodiscard]] const motion::LensEstimate& known() const { return known_; }
+  // world_from_camera of the views that it was learned from, the latest last: some 200 at most.
+  [[nodiscard]] const std::vector<geometry::RigidTransform>& counted() const { return counted_; }
   // Whether the answer told something.
   bool add(const Localization& answer);
 
@@ -27,8 +33,8 @@ class LensCalibration {
   [[nodiscard]] bool counts(const geometry::RigidTransform& world_from_camera) const;
 
   motion::LensEstimate known_;
-  std::vector<geometry::RigidTransform> counted_;  // world_from_camera of the views
-  int without_pose_ = 0;                           // pictures, in a row
+  std::vector<geometry::RigidTransform> counted_;
+  int without_pose_ = 0;  // pictures, in a row
 };
 
 }  // namespace roomwise::mapping

@@ -50,6 +50,22 @@ TEST(LensCalibration, CountsAViewOnce) {
   EXPECT_EQ(lens.known().focal_sigma(), sigma);
 }
 
+TEST(LensCalibration, GoesOnWhereAnotherLeftOff) {
+  LensCalibration before;
+  before.add(answer(before.estimate(), 0.7, 0.03, 0));
+  LensCalibration after(before.known(), before.counted());
+  EXPECT_FALSE(after.add(answer(after.estimate(), 0.7, 0.03, 0))) << "it counted this view";
+  EXPECT_EQ(after.known().mean, before.known().mean);
+  EXPECT_TRUE(after.add(answer(after.estimate(), 0.7, 0.03, 1)));
+}
+
+TEST(LensCalibration, KeepsTheLatestViews) {
+  LensCalibration lens;
+  for (int view = 0; view < 300; ++view) lens.add(answer(lens.estimate(), 0.7, 0.05, view));
+  EXPECT_EQ(lens.counted().size(), 200U);
+  EXPECT_EQ(lens.counted().back().translation.x(), 299);
+}
+
 TEST(LensCalibration, DoesNotBelieveOnePictureToItsWord) {
   LensCalibration lens;
   lens.add(answer(lens.estimate(), 0.7, 1e-4, 0));
