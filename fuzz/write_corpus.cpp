@@ -13,6 +13,7 @@
 #include "roomwise/network/formats/safetensors.h"
 #include "roomwise/network/testing/tiny_network.h"
 #include "roomwise/network/testing/torch_checkpoint.h"
+#include "roomwise/recording/bytes/testing/exr_writer.h"
 #include "roomwise/recording/bytes/testing/lzfse_vectors.h"
 #include "roomwise/recording/phone/testing/record3d_writer.h"
 #include "roomwise/recording/phone/testing/video_writer.h"
@@ -378,6 +379,31 @@ std::vector<Seed> stray_scanner_seeds() {
   return seeds;
 }
 
+std::vector<Seed> record3d_exr_seeds() {
+  const robots::ZipContents files = robots::phone_files();
+  FolderSeed folder;
+  folder.add("metadata.json", files.at("metadata"));
+  for (const std::string number : {"0", "1"}) {
+    folder.add("rgb/" + number + ".jpg", files.at("rgbd/" + number + ".jpg"));
+    folder.add("depth/" + number + ".exr", robots::exr_file({}));
+  }
+  return {{"two", folder.bytes()}};
+}
+
+std::vector<Seed> exr_seeds() {
+  std::vector<Seed> seeds;
+  for (const int packing : {0, 2, 3}) {
+    robots::ExrPlan plan;
+    plan.height = 21;
+    plan.packing = static_cast<std::uint8_t>(packing);
+    seeds.push_back({fmt::format("half_{}.exr", packing), text_of(robots::exr_file(plan))});
+    plan.is_half = false;
+    plan.channels = {"A", "R"};
+    seeds.push_back({fmt::format("float_{}.exr", packing), text_of(robots::exr_file(plan))});
+  }
+  return seeds;
+}
+
 std::vector<Seed> exif_seeds() {
   using namespace roomwise::image::testing;
   return {{"phone", text_of(ExifWriter(true).write(kPhoneExif))},
@@ -400,18 +426,26 @@ int main(int argc, char** argv) {
   const fs::path corpus = argv[1];
   const std::vector<Seed> list{
       {"catalogue.json", std::string(roomwise::network::built_in_catalogue())}};
-  for (const auto& written :
-       {write(corpus / "onnx", onnx_seeds()), write(corpus / "model_card", card_seeds()),
-        write(corpus / "eight_bits", eight_bits_seeds()), write(corpus / "catalogue", list),
-        write(corpus / "weights", weights_seeds()), write(corpus / "protocol", protocol_seeds()),
-        write(corpus / "mcap", mcap_seeds()), write(corpus / "ros1_bag", bag_seeds()),
-        write(corpus / "messages", message_seeds()), write(corpus / "sens", sens_seeds()),
-        write(corpus / "record3d", record3d_seeds()), write(corpus / "lzfse", lzfse_seeds()),
-        write(corpus / "exif", exif_seeds()), write(corpus / "scanner_app", scanner_app_seeds()),
-        write(corpus / "polycam", polycam_seeds()),
-        write(corpus / "arkitscenes", arkitscenes_seeds()),
-        write(corpus / "seven_scenes", seven_scenes_seeds()),
-        write(corpus / "stray_scanner", stray_scanner_seeds())}) {
+  for (const auto& written : {write(corpus / "onnx", onnx_seeds()),
+                              write(corpus / "model_card", card_seeds()),
+                              write(corpus / "eight_bits", eight_bits_seeds()),
+                              write(corpus / "catalogue", list),
+                              write(corpus / "weights", weights_seeds()),
+                              write(corpus / "protocol", protocol_seeds()),
+                              write(corpus / "mcap", mcap_seeds()),
+                              write(corpus / "ros1_bag", bag_seeds()),
+                              write(corpus / "messages", message_seeds()),
+                              write(corpus / "sens", sens_seeds()),
+                              write(corpus / "record3d", record3d_seeds()),
+                              write(corpus / "lzfse", lzfse_seeds()),
+                              write(corpus / "exr", exr_seeds()),
+                              write(corpus / "record3d_exr", record3d_exr_seeds()),
+                              write(corpus / "exif", exif_seeds()),
+                              write(corpus / "scanner_app", scanner_app_seeds()),
+                              write(corpus / "polycam", polycam_seeds()),
+                              write(corpus / "arkitscenes", arkitscenes_seeds()),
+                              write(corpus / "seven_scenes", seven_scenes_seeds()),
+                              write(corpus / "stray_scanner", stray_scanner_seeds())}) {
     if (written) continue;
     std::fprintf(stderr, "%s\n", written.error().message.c_str());
     return 1;

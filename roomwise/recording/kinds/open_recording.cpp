@@ -41,6 +41,8 @@ constexpr std::array kKinds{
     RecordingKind{"ScanNet .sens", "the head of the file", &is_sens_file, &open_sens_recording},
     RecordingKind{"Record3D .r3d", "a zip with metadata and rgbd/0.jpg", &is_record3d_file,
                   &open_record3d},
+    RecordingKind{"Record3D, EXR and JPG", "metadata.json, rgb/0.jpg and depth",
+                  &is_record3d_exr_folder, &open_record3d_exr_folder},
 };
 
 std::string what_is_read() {

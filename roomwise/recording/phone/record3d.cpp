@@ -5,10 +5,9 @@
 #include <nlohmann/json.hpp>
 
 #include "roomwise/image/codec.h"
-#include "roomwise/recording/bytes/byte_reader.h"
-#include "roomwise/recording/bytes/lzfse.h"
 #include "roomwise/recording/phone/json_file.h"
 #include "roomwise/recording/phone/one_camera.h"
+#include "roomwise/recording/phone/record3d_files.h"
 #include "roomwise/recording/phone/zip_file.h"
 
 namespace roomwise::recording {
@@ -18,9 +17,6 @@ using geometry::PinholeCamera;
 using Json = nlohmann::json;
 
 constexpr int kMaxRecord3dSide_px = 640;
-constexpr std::uint8_t kMinRecord3dConfidence = 1;
-constexpr std::size_t kMaxMetadataBytes = std::size_t{1} << 27;
-constexpr std::size_t kMaxJpegBytes = std::size_t{1} << 26;
 constexpr int kMaxDepthSide = 4096;
 
 struct Record3dFrame {
@@ -98,7 +94,7 @@ Expected<TimestampNs> time_of_frame(const Json& json, std::size_t frame) {
   return timestamp_of(static_cast<double>(frame) / fps);
 }
 
-Expected<Record3dFacts> facts_from(const Json& json, const ZipFile& zip) {
+Expected<Record3dFacts> facts_from(const Json& json, const Record3dFiles& files) {
   Record3dFacts facts;
   PinholeCamera size;
   ROOMWISE_TRY(size.width, side_of(json, "w", 65'535));
@@ -106,7 +102,7 @@ Expected<Record3dFacts> facts_from(const Json& json, const ZipFile& zip) {
   ROOMWISE_TRY(facts.depth_width, side_of(json, "dw", kMaxDepthSide));
   ROOMWISE_TRY(facts.depth_height, side_of(json, "dh", kMaxDepthSide));
   const Json* poses = list_in(json, "poses");
-  for (std::size_t i = 0; zip.contains(fmt::format("rgbd/{}.jpg", i)); ++i) {
+  for (std::size_t i = 0; files.has_color(i); ++i) {
     Record3dFrame frame;
     ROOMWISE_TRY(frame.timestamp_ns, time_of_frame(json, i));
     ROOMWISE_TRY(frame.camera, camera_of_frame(json, i, size));
@@ -121,12 +117,12 @@ Expected<Record3dFacts> facts_from(const Json& json, const ZipFile& zip) {
   return facts;
 }
 
-Expected<Record3dFacts> read_facts(const ZipFile& zip) {
-  const std::string name = zip.path().string() + ": metadata";
-  ROOMWISE_TRY(const Bytes bytes, zip.read("metadata", kMaxMetadataBytes));
+Expected<Record3dFacts> read_facts(const Record3dFiles& files) {
+  const std::string name = files.name_of_metadata();
+  ROOMWISE_TRY(const Bytes bytes, files.read_metadata());
   const Json json = Json::parse(bytes.begin(), bytes.end(), nullptr, false);
   if (!json.is_object()) return fail("{}: is no JSON object", name);
-  auto facts = facts_from(json, zip);
+  auto facts = facts_from(json, files);
   if (!facts) return Unexpected(std::move(facts).error().in(name));
   return facts;
 }
@@ -142,61 +138,34 @@ PinholeCamera record3d_depth_camera(const PinholeCamera& camera, int width, int 
 
 class Record3dRecording final : public Recording {
  public:
-  Record3dRecording(RecordingContents contents, ZipFile zip, Record3dFacts facts)
-      : Recording(std::move(contents)), zip_(std::move(zip)), facts_(std::move(facts)) {}
+  Record3dRecording(RecordingContents contents, std::unique_ptr<Record3dFiles> files,
+                    Record3dFacts facts)
+      : Recording(std::move(contents)), files_(std::move(files)), facts_(std::move(facts)) {}
 
   [[nodiscard]] std::string describe(const RecordedPicture& picture) const override {
-    return entry_name(picture, "jpg");
+    return files_->name_of_color(picture.index);
   }
 
  private:
-  static std::string entry(const RecordedPicture& picture, std::string_view ending) {
-    return fmt::format("rgbd/{}.{}", picture.index, ending);
-  }
-  [[nodiscard]] std::string entry_name(const RecordedPicture& picture,
-                                       std::string_view ending) const {
-    return fmt::format("{}: {}", zip_.path().string(), entry(picture, ending));
-  }
-
   [[nodiscard]] Expected<image::ColorImage> read_picture(
       const RecordedPicture& picture) const override {
-    ROOMWISE_TRY(const Bytes bytes, zip_.read(entry(picture, "jpg"), kMaxJpegBytes));
+    ROOMWISE_TRY(const Bytes bytes, files_->read_color(picture.index));
     auto color = image::decode_color(bytes);
-    if (!color) return Unexpected(std::move(color).error().in(entry_name(picture, "jpg")));
+    if (!color) return Unexpected(std::move(color).error().in(describe(picture)));
     const PinholeCamera& camera = facts_.frames[picture.index].camera;
     if (color->width() != camera.width || color->height() != camera.height) {
-      return fail("{}: has {}x{} pixels, metadata says {}x{}", entry_name(picture, "jpg"),
-                  color->width(), color->height(), camera.width, camera.height);
+      return fail("{}: has {}x{} pixels, metadata says {}x{}", describe(picture), color->width(),
+                  color->height(), camera.width, camera.height);
     }
     return as_seen_by(*color, camera, info().camera);
   }
 
-  // One value of `size` bytes for each pixel of depth, packed or as it is.
-  [[nodiscard]] Expected<Bytes> read_values(const RecordedPicture& picture, std::string_view ending,
-                                            std::size_t size) const {
-    const std::size_t expected = size * static_cast<std::size_t>(facts_.depth_width) *
-                                 static_cast<std::size_t>(facts_.depth_height);
-    ROOMWISE_TRY(Bytes bytes, zip_.read(entry(picture, ending), 2 * expected + 4096));
-    if (is_lzfse(bytes) && bytes.size() != expected) {
-      auto decoded = decode_lzfse(bytes, expected);
-      if (!decoded) return Unexpected(std::move(decoded).error().in(entry_name(picture, ending)));
-      bytes = *std::move(decoded);
-    }
-    if (bytes.size() == expected) return bytes;
-    return fail("{}: has {} bytes, {}x{} pixels need {}", entry_name(picture, ending), bytes.size(),
-                facts_.depth_width, facts_.depth_height, expected);
-  }
-
   [[nodiscard]] Expected<image::DepthImage> read_depth(const RecordedPicture& picture) const {
-    ROOMWISE_TRY(const Bytes metres, read_values(picture, "depth", sizeof(float)));
-    Bytes confidence;
-    if (zip_.contains(entry(picture, "conf"))) {
-      ROOMWISE_TRY(confidence, read_values(picture, "conf", 1));
-    }
+    ROOMWISE_TRY(const auto depth_m,
+                 files_->read_depth_m(picture.index, facts_.depth_width, facts_.depth_height));
     image::DepthImage depth(facts_.depth_width, facts_.depth_height);
     for (std::size_t i = 0; i < depth.pixels().size(); ++i) {
-      if (!confidence.empty() && confidence[i] < kMinRecord3dConfidence) continue;
-      const float mm = 1000 * load<float>(metres.data() + sizeof(float) * i);
+      const float mm = 1000 * depth_m.pixels()[i];
       // Numbers that are none fail both.
       if (mm >= 1 && mm < 65'535) depth.pixels()[i] = static_cast<std::uint16_t>(std::lround(mm));
     }
@@ -215,9 +184,39 @@ class Record3dRecording final : public Recording {
     return frame;
   }
 
-  ZipFile zip_;
+  std::unique_ptr<Record3dFiles> files_;
   Record3dFacts facts_;
 };
+
+Expected<std::unique_ptr<Recording>> open_record3d_files(std::unique_ptr<Record3dFiles> files,
+                                                         const RecordingOptions& options) {
+  const std::string path = files->path().string();
+  ROOMWISE_TRY(Record3dFacts facts, read_facts(*files));
+  if (facts.frames.empty()) return fail("{}: holds no first picture", path);
+  RecordingContents contents;
+  contents.kind = files->kind();
+  contents.info.name = recording_name(files->path());
+  contents.poses_are_motion = true;
+  contents.device_up = kArkitUp;
+  std::vector<PinholeCamera> cameras;
+  for (std::size_t i = 0; i < facts.frames.size(); ++i) {
+    const Record3dFrame& frame = facts.frames[i];
+    cameras.push_back(frame.camera);
+    contents.pictures.push_back({i, frame.timestamp_ns, files->has_depth(i)});
+    if (frame.world_from_camera) {
+      contents.device_poses.push_back({frame.timestamp_ns, *frame.world_from_camera});
+    }
+  }
+  if (std::ranges::none_of(contents.pictures, &RecordedPicture::has_depth)) {
+    return fail("{}: no picture has a depth image", path);
+  }
+  contents.info.camera = common_camera(cameras, kMaxRecord3dSide_px);
+  if (options.camera && *options.camera != contents.info.camera) {
+    return fail("{}: says itself which camera took it; leave the other camera out", path);
+  }
+  return std::unique_ptr<Recording>(
+      new Record3dRecording(std::move(contents), std::move(files), std::move(facts)));
+}
 
 }  // namespace
 
@@ -232,33 +231,20 @@ bool is_record3d_file(const std::filesystem::path& path) {
 
 Expected<std::unique_ptr<Recording>> open_record3d(const std::filesystem::path& path,
                                                    const RecordingOptions& options) {
-  ROOMWISE_TRY(ZipFile zip, ZipFile::open(path));
-  ROOMWISE_TRY(Record3dFacts facts, read_facts(zip));
-  if (facts.frames.empty()) return fail("{}: holds no rgbd/0.jpg", path.string());
-  RecordingContents contents;
-  contents.kind = "Record3D .r3d";
-  contents.info.name = recording_name(path);
-  contents.poses_are_motion = true;
-  contents.device_up = kArkitUp;
-  std::vector<PinholeCamera> cameras;
-  for (std::size_t i = 0; i < facts.frames.size(); ++i) {
-    const Record3dFrame& frame = facts.frames[i];
-    cameras.push_back(frame.camera);
-    contents.pictures.push_back(
-        {i, frame.timestamp_ns, zip.contains(fmt::format("rgbd/{}.depth", i))});
-    if (frame.world_from_camera) {
-      contents.device_poses.push_back({frame.timestamp_ns, *frame.world_from_camera});
-    }
+  ROOMWISE_TRY(auto files, open_record3d_zip(path));
+  return open_record3d_files(std::move(files), options);
+}
+
+bool is_record3d_exr_folder(const std::filesystem::path& folder) {
+  return !find_record3d_folder(folder).empty();
+}
+
+Expected<std::unique_ptr<Recording>> open_record3d_exr_folder(const std::filesystem::path& folder,
+                                                              const RecordingOptions& options) {
+  if (!is_record3d_exr_folder(folder)) {
+    return fail("{}: has no metadata.json, rgb/0.jpg and depth/", folder.string());
   }
-  if (std::ranges::none_of(contents.pictures, &RecordedPicture::has_depth)) {
-    return fail("{}: no picture has a depth image", path.string());
-  }
-  contents.info.camera = common_camera(cameras, kMaxRecord3dSide_px);
-  if (options.camera && *options.camera != contents.info.camera) {
-    return fail("{}: says itself which camera took it; leave the other camera out", path.string());
-  }
-  return std::unique_ptr<Recording>(
-      new Record3dRecording(std::move(contents), std::move(zip), std::move(facts)));
+  return open_record3d_files(open_record3d_exr(folder), options);
 }
 
 }  // namespace roomwise::recording

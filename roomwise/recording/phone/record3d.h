@@ -15,4 +15,10 @@ namespace roomwise::recording {
 [[nodiscard]] Expected<std::unique_ptr<Recording>> open_record3d(const std::filesystem::path& path,
                                                                  const RecordingOptions& options);
 
+// The same recording exported as "EXR + JPG", a folder with metadata.json, rgb/0.jpg and
+// depth/0.exr (metres as 16- or 32-bit floats, without confidence), or one that holds EXR_RGBD.
+[[nodiscard]] bool is_record3d_exr_folder(const std::filesystem::path& folder);
+[[nodiscard]] Expected<std::unique_ptr<Recording>> open_record3d_exr_folder(
+    const std::filesystem::path& folder, const RecordingOptions& options);
+
 }  // namespace roomwise::recording

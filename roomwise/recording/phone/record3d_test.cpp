@@ -5,7 +5,9 @@
 #include <cmath>
 
 #include "roomwise/base/testing/testing.h"
+#include "roomwise/recording/bytes/testing/exr_writer.h"
 #include "roomwise/recording/bytes/testing/quick_file.h"
+#include "roomwise/recording/open_recording.h"
 #include "roomwise/recording/phone/testing/record3d_writer.h"
 
 namespace roomwise::recording {
@@ -146,6 +148,70 @@ TEST_F(Record3dTest, ASizeThatIsNotThePicturesIsRefused) {
   const auto opened = open(files_);
   ASSERT_OK(opened);
   EXPECT_ERROR((*opened)->frame(0), "64x48 pixels, metadata says 48x64");
+}
+
+// The same recording as the app exports it to a folder.
+class Record3dExrTest : public ::testing::Test {
+ protected:
+  Record3dExrTest() {
+    const ZipContents files = phone_files();
+    write("metadata.json", files.at("metadata"));
+    for (const char* number : {"0", "1"}) {
+      write(fmt::format("rgb/{}.jpg", number), files.at(fmt::format("rgbd/{}.jpg", number)));
+      write(fmt::format("depth/{}.exr", number), exr_file(ExrPlan()));
+    }
+  }
+  void write(const std::string& name, const Bytes& bytes) const {
+    std::filesystem::create_directories((exported_ / name).parent_path());
+    EXPECT_OK(write_file(exported_ / name, bytes));
+  }
+  [[nodiscard]] auto open() const { return open_recording(folder_.path()); }
+
+  const roomwise::testing::ScratchFolder folder_;
+  const std::filesystem::path exported_ = folder_ / "EXR_RGBD";
+};
+
+TEST_F(Record3dExrTest, IsTheSameAsTheZip) {
+  const auto opened = open();
+  ASSERT_OK(opened);
+  EXPECT_EQ((*opened)->kind(), "Record3D, EXR and JPG");
+  EXPECT_OK(open_recording(exported_));
+  const roomwise::testing::ScratchFolder other;
+  ASSERT_TRUE(write_zip(other / "room.r3d", phone_files()));
+  const auto zipped = open_record3d(other / "room.r3d", {});
+  ASSERT_OK(zipped);
+  EXPECT_EQ((*opened)->info().camera, (*zipped)->info().camera);
+  ASSERT_THAT((*opened)->device_poses(), SizeIs(2));
+  for (const std::size_t i : {0U, 1U}) {
+    const auto frame = (*opened)->frame(i), same = (*zipped)->frame(i);
+    ASSERT_OK(frame);
+    EXPECT_EQ((*frame)->depth, (*same)->depth);
+    EXPECT_EQ((*frame)->color, (*same)->color);
+    EXPECT_EQ((*frame)->timestamp_ns, (*same)->timestamp_ns);
+  }
+}
+
+TEST_F(Record3dExrTest, NamesTheFileThatIsDamaged) {
+  write("depth/0.exr", bytes_of("no depth"));
+  ExrPlan other;
+  other.width = 16;
+  other.height = 12;
+  write("depth/1.exr", exr_file(other));
+  const auto opened = open();
+  ASSERT_OK(opened);
+  EXPECT_ERROR((*opened)->frame(0), "0.exr: it is no OpenEXR file");
+  EXPECT_ERROR((*opened)->frame(1), "1.exr: has 16x12 pixels, metadata.json says 12x16");
+  write("metadata.json", bytes_of("{"));
+  EXPECT_ERROR(open(), "metadata.json: is no JSON object");
+}
+
+TEST_F(Record3dExrTest, AFrameWithoutDepthIsAPicture) {
+  std::filesystem::remove(exported_ / "depth/0.exr");
+  const auto opened = open();
+  ASSERT_OK(opened);
+  EXPECT_THAT((*opened)->frames(), ElementsAre(1));
+  std::filesystem::remove(exported_ / "depth/1.exr");
+  EXPECT_ERROR(open(), "no picture has a depth image");
 }
 
 TEST_F(Record3dTest, AFileThatWasCutOffIsRefused) {
