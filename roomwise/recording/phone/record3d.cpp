@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "roomwise/image/codec.h"
@@ -27,7 +28,7 @@ struct Record3dFrame {
 
 struct Record3dFacts {
   int depth_width = 0, depth_height = 0;
-  std::vector<Record3dFrame> frames;
+  std::map<std::size_t, Record3dFrame> frames;  // that have a picture, by their numbers
 };
 
 Expected<int> side_of(const Json& json, const char* key, int max) {
@@ -94,6 +95,15 @@ Expected<TimestampNs> time_of_frame(const Json& json, std::size_t frame) {
   return timestamp_of(static_cast<double>(frame) / fps);
 }
 
+// How many frames there should be; 0 where that is not said.
+std::size_t frames_listed(const Json& json) {
+  std::size_t frames = 0;
+  for (const char* key : {"frameTimestamps", "poses"}) {
+    if (const Json* list = list_in(json, key)) frames = std::max(frames, list->size());
+  }
+  return frames;
+}
+
 Expected<Record3dFacts> facts_from(const Json& json, const Record3dFiles& files) {
   Record3dFacts facts;
   PinholeCamera size;
@@ -102,17 +112,19 @@ Expected<Record3dFacts> facts_from(const Json& json, const Record3dFiles& files)
   ROOMWISE_TRY(facts.depth_width, side_of(json, "dw", kMaxDepthSide));
   ROOMWISE_TRY(facts.depth_height, side_of(json, "dh", kMaxDepthSide));
   const Json* poses = list_in(json, "poses");
-  for (std::size_t i = 0; files.has_color(i); ++i) {
+  const std::size_t listed = frames_listed(json);
+  for (std::size_t i = 0; i < listed || (listed == 0 && files.has_color(i)); ++i) {
+    if (!files.has_color(i)) continue;  // a copy may lack some
     Record3dFrame frame;
     ROOMWISE_TRY(frame.timestamp_ns, time_of_frame(json, i));
     ROOMWISE_TRY(frame.camera, camera_of_frame(json, i, size));
     if (poses != nullptr) {
       ROOMWISE_TRY(frame.world_from_camera, pose_of_frame(*poses, i));
     }
-    if (!facts.frames.empty() && frame.timestamp_ns <= facts.frames.back().timestamp_ns) {
+    if (!facts.frames.empty() && frame.timestamp_ns <= facts.frames.rbegin()->second.timestamp_ns) {
       return fail("the time of frame {} is not after that of the frame before", i);
     }
-    facts.frames.push_back(std::move(frame));
+    facts.frames.emplace(i, std::move(frame));
   }
   return facts;
 }
@@ -152,7 +164,7 @@ class Record3dRecording final : public Recording {
     ROOMWISE_TRY(const Bytes bytes, files_->read_color(picture.index));
     auto color = image::decode_color(bytes);
     if (!color) return Unexpected(std::move(color).error().in(describe(picture)));
-    const PinholeCamera& camera = facts_.frames[picture.index].camera;
+    const PinholeCamera& camera = facts_.frames.at(picture.index).camera;
     if (color->width() != camera.width || color->height() != camera.height) {
       return fail("{}: has {}x{} pixels, metadata says {}x{}", describe(picture), color->width(),
                   color->height(), camera.width, camera.height);
@@ -169,7 +181,7 @@ class Record3dRecording final : public Recording {
       // Numbers that are none fail both.
       if (mm >= 1 && mm < 65'535) depth.pixels()[i] = static_cast<std::uint16_t>(std::lround(mm));
     }
-    const PinholeCamera& camera = facts_.frames[picture.index].camera;
+    const PinholeCamera& camera = facts_.frames.at(picture.index).camera;
     return as_seen_by(depth, record3d_depth_camera(camera, depth.width(), depth.height()),
                       info().camera);
   }
@@ -192,15 +204,14 @@ Expected<std::unique_ptr<Recording>> open_record3d_files(std::unique_ptr<Record3
                                                          const RecordingOptions& options) {
   const std::string path = files->path().string();
   ROOMWISE_TRY(Record3dFacts facts, read_facts(*files));
-  if (facts.frames.empty()) return fail("{}: holds no first picture", path);
+  if (facts.frames.empty()) return fail("{}: holds no picture", path);
   RecordingContents contents;
   contents.kind = files->kind();
   contents.info.name = recording_name(files->path());
   contents.poses_are_motion = true;
   contents.device_up = kArkitUp;
   std::vector<PinholeCamera> cameras;
-  for (std::size_t i = 0; i < facts.frames.size(); ++i) {
-    const Record3dFrame& frame = facts.frames[i];
+  for (const auto& [i, frame] : facts.frames) {
     cameras.push_back(frame.camera);
     contents.pictures.push_back({i, frame.timestamp_ns, files->has_depth(i)});
     if (frame.world_from_camera) {

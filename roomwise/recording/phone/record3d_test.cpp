@@ -205,6 +205,17 @@ TEST_F(Record3dExrTest, NamesTheFileThatIsDamaged) {
   EXPECT_ERROR(open(), "metadata.json: is no JSON object");
 }
 
+TEST_F(Record3dExrTest, APictureThatACopyLacksLeavesAGap) {
+  write("metadata.json", bytes_of(R"({"w": 48, "h": 64, "dw": 12, "dh": 16, "fps": 60,
+    "K": [60, 0, 0, 0, 61, 0, 23.5, 31.5, 1], "frameTimestamps": [10.5, 10.6, 10.7, 10.8]})"));
+  std::filesystem::rename(exported_ / "rgb/1.jpg", exported_ / "rgb/3.jpg");
+  std::filesystem::rename(exported_ / "depth/1.exr", exported_ / "depth/3.exr");
+  const auto opened = open();
+  ASSERT_OK(opened);
+  EXPECT_THAT((*opened)->frames(), ElementsAre(0, 3));
+  EXPECT_EQ((*opened)->frame(3).value()->timestamp_ns, 10'800'000'000);
+}
+
 TEST_F(Record3dExrTest, AFrameWithoutDepthIsAPicture) {
   std::filesystem::remove(exported_ / "depth/0.exr");
   const auto opened = open();
