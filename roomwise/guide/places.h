@@ -40,6 +40,7 @@ struct KnownThing : objects::Instance {
   // When the recording or the visit was made that it is known by; absent where its stamps do not
   // tell.
   std::optional<CalendarTime> seen = std::nullopt;
+  double yaw_rad = 0;  // of its box about z, from x of the gravity-aligned frame
 
   [[nodiscard]] bool is_sure() const;
   [[nodiscard]] const Eigen::Vector3d& size_m() const { return box_keyframe.size_m; }

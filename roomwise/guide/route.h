@@ -24,8 +24,8 @@ struct RouteOptions {
 using Route = std::vector<Eigen::Vector2d>;
 [[nodiscard]] double length_m(const Route& route);
 
-// The shortest way for a person along floor that was seen free (A* on the grid; places near
-// obstacles count as longer), straightened where nothing is in the way. It ends on the free place
+// The shortest way for a person along floor that was seen free (places near obstacles count as
+// longer; FloorSearch), straightened where nothing is in the way. It ends on the free place
 // nearest to the goal, in `goal_room` where that and the layout are given, so that it does not end
 // on the other side of a wall. Fails where somebody stands off the free floor, no free floor is
 // near the goal, or no way leads there.

@@ -8,6 +8,7 @@
 #include "roomwise/base/random.h"
 #include "roomwise/base/testing/testing.h"
 #include "roomwise/guide/route_prompts.h"
+#include "roomwise/guide/testing/drawn_floor.h"
 
 namespace roomwise::guide {
 namespace {
@@ -16,27 +17,8 @@ using Eigen::Vector2d;
 using fusion::FloorCell;
 using fusion::FloorGrid;
 using ::testing::ElementsAre;
+using testing::Floor;
 using ::testing::HasSubstr;
-
-constexpr double kCell_m = 0.1;
-
-// Walls all around a floor of that many cells, and what is drawn on it. Cells of 0.1 m from (0, 0).
-class Floor {
- public:
-  Floor(int columns, int rows) : cells_(columns, rows, FloorCell::kOccupied) {
-    fill({1, 1}, {columns - 1, rows - 1}, FloorCell::kFree);
-  }
-  Floor& fill(Eigen::Vector2i from, Eigen::Vector2i to, FloorCell state) {
-    for (int row = from.y(); row < to.y(); ++row) {
-      for (int column = from.x(); column < to.x(); ++column) cells_.at(column, row) = state;
-    }
-    return *this;
-  }
-  [[nodiscard]] FloorGrid grid() const { return {Vector2d::Zero(), kCell_m, cells_}; }
-
- private:
-  image::Image<FloorCell> cells_;
-};
 
 // A straight corridor of 6 m by 1.2 m.
 FloorGrid corridor() {
@@ -152,7 +134,7 @@ TEST(RouteTest, StaysClearOfEverything) {
       for (int step = 0; step <= 100; ++step) {
         const Vector2d place = (*route)[i - 1] + ((*route)[i] - (*route)[i - 1]) * step / 100.0;
         // Between the checked places of a line, half a cell may be missing.
-        EXPECT_TRUE(grid.fits(place, 0.3 - kCell_m / 2)) << seed;
+        EXPECT_TRUE(grid.fits(place, 0.3 - Floor::kCell_m / 2)) << seed;
       }
     }
   }

@@ -1,0 +1,87 @@
+#include "roomwise/guide/legs.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+namespace roomwise::guide {
+namespace {
+
+using Eigen::Vector2d;
+
+constexpr double kShortLeg_m = 0.4;  // a corner that is cut, not a leg
+constexpr double kStraight_rad = 20 * std::numbers::pi / 180;
+// A door for a wheelchair is 0.9 m wide, one of two leaves 1.3 m and wider; an opening that both
+// hands can find at once is no wider than the arms' reach.
+constexpr double kWidestDoor_m = 1.4;
+
+// The place on a leg where it passes a doorway; nothing where it does not.
+std::optional<Vector2d> door_on(const Vector2d& from, const Vector2d& to,
+                                const rooms::Doorway& doorway) {
+  const Vector2d along = to - from;
+  const double share = (doorway.middle_gravity - from).dot(along) / along.squaredNorm();
+  const Vector2d place = from + share * along;
+  const double reach_m = std::max(0.4, doorway.width_m / 2);
+  const bool is_passed =
+      share > 0 && share < 1 && (place - doorway.middle_gravity).norm() <= reach_m;
+  return is_passed ? std::optional(place) : std::nullopt;
+}
+
+// A leg from each corner to the next, in parts where it leads through doors.
+std::vector<Leg> parts_of(const Route& route, std::span<const rooms::Doorway> doors) {
+  std::vector<Leg> legs;
+  for (std::size_t i = 1; i < route.size(); ++i) {
+    Vector2d from = route[i - 1];
+    std::vector<Vector2d> places;
+    for (const rooms::Doorway& door : doors) {
+      if (const auto place = door_on(from, route[i], door)) places.push_back(*place);
+    }
+    std::ranges::sort(places, {},
+                      [&](const Vector2d& place) { return (place - route[i - 1]).norm(); });
+    for (const Vector2d& place : places) {
+      legs.push_back({from, place, (place - from).norm(), true});
+      from = place;
+    }
+    legs.push_back({from, route[i], (route[i] - from).norm(), false});
+  }
+  return legs;
+}
+
+}  // namespace
+
+double Leg::heading_rad() const {
+  return std::atan2(to.y() - from.y(), to.x() - from.x());
+}
+
+std::vector<Leg> legs_of(const Route& route, std::span<const rooms::Doorway> doors) {
+  std::vector<Leg> result;
+  for (const Leg& leg : parts_of(route, doors)) {
+    if (!result.empty() && !result.back().ends_at_door) {
+      Leg& last = result.back();
+      const double turn = turn_rad(last.heading_rad(), leg.heading_rad());
+      if (std::abs(turn) < kStraight_rad || std::min(last.length_m, leg.length_m) < kShortLeg_m) {
+        last = {last.from, leg.to, last.length_m + leg.length_m, leg.ends_at_door};
+        continue;
+      }
+    }
+    result.push_back(leg);
+  }
+  return result;
+}
+
+bool is_door(const rooms::Doorway& doorway) {
+  return doorway.width_m <= kWidestDoor_m && (doorway.width_m > 0 || doorway.is_walked);
+}
+
+std::vector<rooms::Doorway> doors_of(std::span<const rooms::Doorway> doorways) {
+  std::vector<rooms::Doorway> doors;
+  std::ranges::copy_if(doorways, std::back_inserter(doors), is_door);
+  return doors;
+}
+
+double turn_rad(double from_rad, double to_rad) {
+  return std::remainder(to_rad - from_rad, 2 * std::numbers::pi);
+}
+
+}  // namespace roomwise::guide

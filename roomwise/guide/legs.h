@@ -1,0 +1,35 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+#include <vector>
+
+#include "roomwise/guide/route.h"
+#include "roomwise/rooms/layout/room_layout.h"
+
+namespace roomwise::guide {
+
+// A straight part of a way, as it is spoken of.
+struct Leg {
+  Eigen::Vector2d from = Eigen::Vector2d::Zero();
+  Eigen::Vector2d to = Eigen::Vector2d::Zero();
+  double length_m = 0;  // along corners that are not spoken of
+  bool ends_at_door = false;
+
+  // Counter-clockwise from x.
+  [[nodiscard]] double heading_rad() const;
+};
+
+// The legs of a way: corners and doors end one. Corners that hardly turn, and legs shorter than a
+// step, are joined with what comes after them, unless there is a door between.
+[[nodiscard]] std::vector<Leg> legs_of(const Route& route, std::span<const rooms::Doorway> doors);
+
+// Of the places where rooms meet those that a hand can find: a door's frame, an opening in a wall.
+// The border of two rooms that are open to each other is wider than any door.
+[[nodiscard]] bool is_door(const rooms::Doorway& doorway);
+[[nodiscard]] std::vector<rooms::Doorway> doors_of(std::span<const rooms::Doorway> doorways);
+
+// From one heading to another, from -pi to pi, positive to the left.
+[[nodiscard]] double turn_rad(double from_rad, double to_rad);
+
+}  // namespace roomwise::guide
