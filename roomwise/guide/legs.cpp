@@ -11,7 +11,6 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr double kShortLeg_m = 0.4;  // a corner that is cut, not a leg
-constexpr double kStraight_rad = 20 * std::numbers::pi / 180;
 // A door for a wheelchair is 0.9 m wide, one of two leaves 1.3 m and wider; an opening that both
 // hands can find at once is no wider than the arms' reach.
 constexpr double kWidestDoor_m = 1.4;
@@ -60,7 +59,7 @@ std::vector<Leg> legs_of(const Route& route, std::span<const rooms::Doorway> doo
     if (!result.empty() && !result.back().ends_at_door) {
       Leg& last = result.back();
       const double turn = turn_rad(last.heading_rad(), leg.heading_rad());
-      if (std::abs(turn) < kStraight_rad || std::min(last.length_m, leg.length_m) < kShortLeg_m) {
+      if (std::abs(turn) < kNoTurn_rad || std::min(last.length_m, leg.length_m) < kShortLeg_m) {
         last = {last.from, leg.to, last.length_m + leg.length_m, leg.ends_at_door};
         continue;
       }

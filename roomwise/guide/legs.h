@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <numbers>
 #include <span>
 #include <vector>
 
@@ -8,6 +9,9 @@
 #include "roomwise/rooms/layout/room_layout.h"
 
 namespace roomwise::guide {
+
+constexpr double kDegree_rad = std::numbers::pi / 180;
+constexpr double kNoTurn_rad = 20 * kDegree_rad;  // of two legs: one goes on nearly straight
 
 // A straight part of a way, as it is spoken of.
 struct Leg {

@@ -31,6 +31,7 @@ Values some_values(const std::set<std::string>& names) {
       {"thing", thing("washing machine")},
       {"things", thing_list({"bed", "chair", "tv"})},
       {"goal", thing("washing machine")},
+      {"place", thing("washing machine")},
       {"room", room("living room")},
       {"other", room("dining room")},
       {"via", room_list({"corridor"})},

@@ -10,8 +10,6 @@
 namespace roomwise::guide {
 namespace {
 
-// With a pose less sure, "at 2 o'clock" would be a guess for all that is in reach of a few steps.
-constexpr double kMaxSigma_m = 0.5;
 // An hour reaches 15 degrees to each side.
 constexpr double kHalfHour_rad = std::numbers::pi / 12;
 // In reach of a hand that is stretched out: nobody needs steps to get there.

@@ -25,6 +25,9 @@ struct Pose {
 
 // What is known of where somebody is: a pose, a room, both or nothing.
 struct UserLocation {
+  // With a pose less sure, "at 2 o'clock" would be a guess for all that is in reach of a few steps.
+  static constexpr double kMaxSigma_m = 0.5;
+
   std::optional<Pose> pose = std::nullopt;
   std::optional<std::string> room = std::nullopt;
 

@@ -159,6 +159,14 @@ Plan by_rooms(const HomeMap& map, const UserLocation& from, const Goal& goal, st
   return plan;
 }
 
+// By rooms, or else by a step at least.
+bool gets_nearer(const Plan& plan, const Plan& other) {
+  constexpr double kStep_m = 0.7;
+  if (plan.rooms.size() != other.rooms.size()) return plan.rooms.size() < other.rooms.size();
+  return (plan.touch_gravity - plan.route.back()).norm() <
+         (other.touch_gravity - other.route.back()).norm() - kStep_m;
+}
+
 }  // namespace
 
 std::optional<std::string> HomeMap::room_at(const Vector2d& point_gravity) const {
@@ -234,11 +242,12 @@ Plan plan_way(const HomeMap& map, const UserLocation& from, const Goal& goal,
     if (auto plan = planner.whole(radius_m)) return *std::move(plan);
   }
   const char* const why = "no free floor that is wide enough leads to the goal";
-  for (const double radius_m : {options.narrow_radius_m, wide_m}) {
-    if (auto plan = planner.near(radius_m)) {
-      plan->because = why;
-      return *std::move(plan);
-    }
+  auto plan = planner.near(wide_m);
+  auto narrow = planner.near(options.narrow_radius_m);
+  if (!plan || (narrow && gets_nearer(*narrow, *plan))) plan = std::move(narrow);
+  if (plan) {
+    plan->because = why;
+    return *std::move(plan);
   }
   return by_rooms(map, from, goal, "no free floor is known where the way begins");
 }

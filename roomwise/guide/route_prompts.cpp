@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "roomwise/guide/legs.h"
 
@@ -11,11 +10,10 @@ namespace {
 
 constexpr std::size_t kMaxLegs = 4;
 constexpr double kThere_m = 0.5;  // less than a step: nobody needs to be told
-constexpr double kDegree = std::numbers::pi / 180;
 
 const char* turn_message(double turn_rad) {
-  const double degrees = turn_rad / kDegree;
-  if (std::abs(degrees) < 20) return "route.straight";
+  const double degrees = turn_rad / kDegree_rad;
+  if (std::abs(turn_rad) < kNoTurn_rad) return "route.straight";
   if (std::abs(degrees) > 135) return "route.around";
   if (std::abs(degrees) < 60) return degrees > 0 ? "route.slight_left" : "route.slight_right";
   return degrees > 0 ? "route.left" : "route.right";

@@ -24,6 +24,11 @@ std::string Wording::distance(double distance_m) const {
   return phrases().count("metre", std::max(0.5, std::round(distance_m * 2) / 2));
 }
 
+double speaking_s(const std::string& text) {
+  constexpr double kSound_s = 0.3, kLetter_s = 0.065;
+  return kSound_s + kLetter_s * static_cast<double>(text.size());
+}
+
 Prompt make_prompt(const Wording& wording, std::string key, std::string message,
                    const Values& values, Confidence confidence, TimestampNs valid_until_ns,
                    std::string because) {

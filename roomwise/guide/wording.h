@@ -44,6 +44,10 @@ constexpr double kNoticeValid_s = 10;    // the device's own state; a later one 
 // withdraws the rest of the answer. A direction takes 3.1 s at 175 words a minute, 4 s at 120.
 constexpr double kSpokenIn_s = 4;
 
+// About how long it takes to speak a text and the sound before it, s, at the rate of most voices
+// (175 words a minute).
+[[nodiscard]] double speaking_s(const std::string& text);
+
 [[nodiscard]] constexpr TimestampNs after(TimestampNs now_ns, double seconds) {
   return now_ns + static_cast<TimestampNs>(seconds * 1e9);
 }

@@ -1,0 +1,605 @@
+#include "roomwise/guide/guidance.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace roomwise::guide {
+namespace {
+
+using Eigen::Vector2d;
+
+constexpr double kLegEnd_m = 0.35;  // half a step before a leg's end one is at it
+constexpr double kPastEnd_m = 0.5;  // a step beyond it
+constexpr double kHand_m = 0.7;     // beside the way a hand finds what stands there
+
+// What people hear, they do within a second and a half (see docs/guide.md).
+constexpr double kReaction_s = 1.0;
+constexpr double kStandsAfter_s = 1.5;
+// A person keeps a line to about so much: from there on a word helps more than it disturbs.
+constexpr double kMissed_m = 0.35;
+constexpr double kCorrection_s = 3;  // between two of them: the first must be heard and done
+
+// Straight enough to begin to walk a leg: at its end it would be missed by a step's half; but not
+// finer than people turn.
+double straight_enough_rad(double length_m) {
+  return std::clamp(std::atan2(0.4, length_m), 15 * kDegree_rad, 25 * kDegree_rad);
+}
+
+double heading_to(const Vector2d& from, const Vector2d& to) {
+  const Vector2d towards = to - from;
+  return std::atan2(towards.y(), towards.x());
+}
+
+}  // namespace
+
+Expected<void> GuidanceOptions::validate() const {
+  ROOMWISE_CHECK_OK(plan.validate());
+  if (!(announce_to_m > 0 && announce_from_m > announce_to_m)) {
+    return fail("announce_from_m is {} and announce_to_m {}; expected the first to be larger",
+                announce_from_m, announce_to_m);
+  }
+  for (const auto& [name, value] :
+       {std::pair{"reassure_m", reassure_m}, std::pair{"reassure_s", reassure_s},
+        std::pair{"off_way_m", off_way_m}, std::pair{"off_way_degrees", off_way_degrees},
+        std::pair{"off_way_s", off_way_s}, std::pair{"lost_s", lost_s},
+        std::pair{"arrived_m", arrived_m}, std::pair{"body_radius_m", body_radius_m},
+        std::pair{"remind_s", remind_s}}) {
+    if (!(value > 0)) return fail("{} is {}; expected more than 0", name, value);
+  }
+  return {};
+}
+
+Guidance::Guidance(const HomeMap& map, Goal goal, const Wording& wording,
+                   const GuidanceOptions& options)
+    : map_(map),
+      goal_(std::move(goal)),
+      wording_(wording),
+      options_(options),
+      doors_(doors_of(map.doorways)) {}
+
+// ---- saying ----
+
+Prompt Guidance::say(const Phrase& phrase, TimestampNs now_ns, Confidence confidence,
+                     double valid_s) {
+  Prompt prompt = make_prompt(wording_, "guide", phrase.message, phrase.values, confidence,
+                              guide::after(now_ns, valid_s),
+                              fmt::format("guidance, {:.1f} m planned", length_m(plan_.route)));
+  if (confidence == Confidence::kSure) prompt.sound = Sound::kNone;
+  silent_from_ns_ = guide::after(now_ns, speaking_s(prompt.text));
+  said_at_walked_m_ = track_.walked_m();
+  return prompt;
+}
+
+std::string Guidance::distance(double distance_m) const {
+  return wording_.distance(distance_m);
+}
+
+Prompt Guidance::stop(const std::string& message, TimestampNs now_ns) {
+  state_ = State::kStopped;
+  Prompt prompt = say({message}, now_ns);
+  prompt.sound = Sound::kAlert;
+  return prompt;
+}
+
+// ---- where on the way ----
+
+void Guidance::plan_from(const Pose& pose) {
+  HomeMap map = map_;
+  if (barred_floor_) map.floor = &*barred_floor_;
+  plan_ = plan_way(map, {.pose = pose, .room = room_}, goal_, options_.plan);
+  legs_ = legs_of(plan_.route, doors_);
+  leg_ = 0;
+  // What is left of a leg that ends here is done.
+  while (leg_ + 1 < legs_.size() && left_on_leg_m(pose) < kLegEnd_m) ++leg_;
+  passes_door_ = leg_ > 0 && legs_[leg_ - 1].ends_at_door;
+  announced_ = false;
+  reminded_ = false;
+  off_since_ns_.reset();
+}
+
+double Guidance::left_on_leg_m(const Pose& pose) const {
+  const Leg& leg = legs_[leg_];
+  const Vector2d along = Vector2d(std::cos(leg.heading_rad()), std::sin(leg.heading_rad()));
+  return (leg.to - pose.position_gravity).dot(along);
+}
+
+double Guidance::left_m(const Pose& pose) const {
+  double left_m = 0;
+  for (std::size_t i = leg_; i < legs_.size(); ++i) {
+    left_m += i == leg_ ? (legs_[i].to - pose.position_gravity).norm() : legs_[i].length_m;
+  }
+  return left_m;
+}
+
+// How far somebody would have to turn to face the leg's end, positive to the left.
+double Guidance::bearing_error_rad(const Pose& pose) const {
+  const Leg& leg = legs_[leg_];
+  // So near to its end, its own direction says more than that of a point underfoot.
+  const bool is_near = (leg.to - pose.position_gravity).norm() < 2 * kLegEnd_m;
+  return turn_rad(pose.heading_rad,
+                  is_near ? leg.heading_rad() : heading_to(pose.position_gravity, leg.to));
+}
+
+bool Guidance::goes_straight_on() const {
+  return !is_last_leg() &&
+         std::abs(turn_rad(legs_[leg_].heading_rad(), legs_[leg_ + 1].heading_rad())) < kNoTurn_rad;
+}
+
+std::optional<Noun> Guidance::place_at_end(const Leg& leg, bool is_last) const {
+  if (is_last && plan_.reach == Reach::kWhole) return goal_.noun;
+  if (leg.ends_at_door) return Noun{Noun::Kind::kThing, "door"};
+  std::optional<Noun> nearest;
+  double nearest_m = kHand_m + options_.body_radius_m;
+  for (const KnownThing& thing : map_.things) {
+    if (!thing.position_gravity || !thing.is_sure()) continue;
+    const double distance_m = Goal::of(thing).outline->distance_m(leg.to);
+    if (distance_m >= nearest_m) continue;
+    nearest_m = distance_m;
+    nearest = Noun{Noun::Kind::kThing, thing.name};
+  }
+  return nearest;
+}
+
+bool Guidance::is_in_goal_room(const Pose& pose) const {
+  return map_.layout == nullptr || !goal_.room || goal_.kind == Goal::Kind::kDoor ||
+         map_.room_at(pose.position_gravity) == goal_.room;
+}
+
+bool Guidance::is_at_goal(const Pose& pose) const {
+  if (plan_.reach != Reach::kWhole || !is_in_goal_room(pose)) return false;
+  const double to_end_m = (plan_.route.back() - pose.position_gravity).norm();
+  if (to_end_m < kLegEnd_m) return true;
+  // Anywhere beyond the door is in the room, but who stands in the door is not.
+  if (goal_.kind == Goal::Kind::kRoom) {
+    return std::ranges::all_of(map_.doorways, [&](const rooms::Doorway& doorway) {
+      return !doorway.joins(*goal_.room) ||
+             (doorway.middle_gravity - pose.position_gravity).norm() >
+                 options_.plan.into_room_m - kLegEnd_m;
+    });
+  }
+  return goal_.outline->distance_m(pose.position_gravity) <=
+         options_.arrived_m + options_.body_radius_m;
+}
+
+// ---- what happens ----
+
+std::optional<Prompt> Guidance::update(const Walker& walker) {
+  if (walker.pose && walker.pose->sigma_m <= UserLocation::kMaxSigma_m) {
+    track_.add(*walker.pose, walker.pose_ns);
+  }
+  room_ = walker.room;
+  if (!room_ && track_.pose(walker.now_ns) != nullptr) {
+    room_ = map_.room_at(track_.pose(walker.now_ns)->position_gravity);
+  }
+  if (state_ == State::kPaused || state_ == State::kEnded) return std::nullopt;
+  if (is_over()) return is_speaking(walker.now_ns) ? std::nullopt : finish(walker.now_ns);
+  if (began_ns_ == 0) began_ns_ = walker.now_ns;
+  const Pose* const pose = track_.pose(walker.now_ns);
+  if (pose != nullptr) {
+    if (auto warning = hazard(walker)) return warning;
+    if (auto warning = off_the_way(*pose, walker.now_ns)) return warning;
+  }
+  if (is_speaking(walker.now_ns)) return std::nullopt;
+  if (state_ == State::kByRooms) return by_rooms(walker);
+  if (pose == nullptr || state_ == State::kLost) return without_pose(walker);
+  switch (state_) {
+    case State::kBeginning:
+      return begin(walker);
+    case State::kTurning:
+      return turning(*pose, walker.now_ns);
+    case State::kWalking:
+      return walking(*pose, walker.now_ns);
+    case State::kCorner:
+      return corner(*pose, walker.now_ns);
+    case State::kStopped:
+      return stopped(*pose, walker.now_ns);
+    default:
+      return std::nullopt;
+  }
+}
+
+// What is ahead of the way, how far, and where somebody stands: a prompt each.
+std::optional<Prompt> Guidance::begin(const Walker& walker) {
+  const TimestampNs now_ns = walker.now_ns;
+  const Pose pose = *track_.pose(now_ns);
+  const int said = begun_++;
+  if (said == 0) {
+    plan_from(pose);
+    if (plan_.reach == Reach::kRooms || plan_.reach == Reach::kUnknown) {
+      state_ = goal_.room ? State::kByRooms : State::kEnded;
+    }
+    if (plan_.reach != Reach::kWhole) return say({"route.none"}, now_ns, Confidence::kUnsure);
+    if (is_at_goal(pose)) return arrive(pose, now_ns);
+    return say({"guide.begin", {{"goal", Nouns{goal_.noun}}, {"distance", distance(left_m(pose))}}},
+               now_ns, goal_.is_sure ? Confidence::kSure : Confidence::kProbable);
+  }
+  if (said == 1 && plan_.reach == Reach::kNear) {
+    if (length_m(plan_.route) < kHand_m) return end_of_way(pose, now_ns);
+    return say({"guide.near"}, now_ns);
+  }
+  if (said <= 2 && plan_.is_narrow) {
+    begun_ = 3;
+    return say({"guide.narrow"}, now_ns);
+  }
+  if (said <= 3) {
+    begun_ = 4;
+    if (auto standing = where_one_stands(pose, now_ns)) return standing;
+  }
+  return act(pose, now_ns);
+}
+
+// By what a hand finds first on the way, or else by the nearest thing.
+std::optional<Prompt> Guidance::where_one_stands(const Pose& pose, TimestampNs now_ns) {
+  if (legs_.empty()) return std::nullopt;
+  std::optional<Noun> place = place_at_end(legs_[leg_], is_last_leg());
+  Vector2d at = legs_[leg_].to;
+  if (!place || place->kind != Noun::Kind::kThing) {
+    place.reset();
+    double nearest_m = 2 * kHand_m;
+    for (const KnownThing& thing : map_.things) {
+      if (!thing.position_gravity || !thing.is_sure()) continue;
+      const Outline outline = *Goal::of(thing).outline;
+      const double distance_m = outline.distance_m(pose.position_gravity);
+      if (distance_m >= nearest_m) continue;
+      nearest_m = distance_m;
+      place = Noun{Noun::Kind::kThing, thing.name};
+      at = outline.nearest_to(pose.position_gravity);
+    }
+  }
+  if (!place) return std::nullopt;
+  return say({with_side("guide.place", at, pose), {{"place", Nouns{*place}}}}, now_ns);
+}
+
+Prompt Guidance::act(const Pose& pose, TimestampNs now_ns) {
+  plan_from(pose);
+  if (plan_.reach != Reach::kWhole && plan_.reach != Reach::kNear) {
+    state_ = State::kByRooms;
+    told_room_.reset();
+    return say({"route.none"}, now_ns, Confidence::kUnsure);
+  }
+  if (is_at_goal(pose)) return arrive(pose, now_ns);
+  const bool is_at_end = legs_.empty() || (is_last_leg() && left_m(pose) < kLegEnd_m);
+  if (is_at_end) return end_of_way(pose, now_ns);
+  const double turn = bearing_error_rad(pose);
+  const Leg& leg = legs_[leg_];
+  const double length_m = (leg.to - pose.position_gravity).norm();
+  if (std::abs(turn) > straight_enough_rad(length_m)) {
+    state_ = State::kTurning;
+    turn_from_rad_ = pose.heading_rad;
+    return say(turn_phrase(turn), now_ns);
+  }
+  state_ = State::kWalking;
+  return say(walk_phrase(distance(length_m), place_at_end(leg, is_last_leg())), now_ns);
+}
+
+std::optional<Prompt> Guidance::turning(const Pose& pose, TimestampNs now_ns) {
+  const double quiet_s = silent_for_s(now_ns);
+  const bool has_turned = std::abs(turn_rad(turn_from_rad_, pose.heading_rad)) > 8 * kDegree_rad;
+  const bool is_turning = track_.turned_rad(0.7) > 6 * kDegree_rad;
+  if (!track_.is_standing() && !has_turned && quiet_s > kReaction_s) {
+    return stop("guide.stop", now_ns);  // walks instead
+  }
+  if (has_turned && !is_turning && quiet_s > 0.5) return act(pose, now_ns);
+  // Waits while one stands; a word that was not heard is said again once.
+  if (!has_turned && !reminded_ && quiet_s > options_.remind_s) {
+    Prompt prompt = act(pose, now_ns);
+    reminded_ = true;
+    return prompt;
+  }
+  return std::nullopt;
+}
+
+std::optional<Prompt> Guidance::walking(const Pose& pose, TimestampNs now_ns) {
+  if (is_at_goal(pose)) return arrive(pose, now_ns);
+  if (left_on_leg_m(pose) < kLegEnd_m) {
+    if (auto prompt = at_leg_end(pose, now_ns)) return prompt;
+    if (state_ != State::kWalking) return std::nullopt;
+  }
+  const double quiet_s = silent_for_s(now_ns);
+  if (track_.is_standing()) {
+    // Who stands short of the end counted differently, and is told what is left.
+    const bool has_walked = track_.walked_m() - said_at_walked_m_ > kLegEnd_m;
+    const double wait_s = has_walked ? kStandsAfter_s : options_.remind_s;
+    if (quiet_s < wait_s || reminded_) return std::nullopt;
+    Prompt prompt = act(pose, now_ns);
+    reminded_ = !has_walked;
+    return prompt;
+  }
+  reminded_ = false;
+  if (auto prompt = keep_on_way(pose, now_ns)) return prompt;
+  if (auto prompt = announce(pose, now_ns)) return prompt;
+  const double walked_m = track_.walked_m() - said_at_walked_m_;
+  if (quiet_s > options_.reassure_s || walked_m > options_.reassure_m) {
+    const Leg& leg = legs_[leg_];
+    return say(more_phrase(distance((leg.to - pose.position_gravity).norm()),
+                           place_at_end(leg, is_last_leg())),
+               now_ns);
+  }
+  return std::nullopt;
+}
+
+std::optional<Prompt> Guidance::at_leg_end(const Pose& pose, TimestampNs now_ns) {
+  if (is_last_leg()) {
+    if (!track_.is_standing()) return stop("guide.stop", now_ns);
+    return act(pose, now_ns);
+  }
+  if (goes_straight_on()) {
+    const bool was_door = legs_[leg_].ends_at_door;
+    ++leg_;
+    announced_ = false;
+    if (!was_door) return std::nullopt;
+    return say({"guide.through",
+                {{"place", thing("door")},
+                 {"distance", distance((legs_[leg_].to - pose.position_gravity).norm())}}},
+               now_ns);
+  }
+  state_ = State::kCorner;
+  return std::nullopt;
+}
+
+std::optional<Prompt> Guidance::corner(const Pose& pose, TimestampNs now_ns) {
+  if (is_at_goal(pose)) return arrive(pose, now_ns);
+  const double next = legs_[leg_ + 1].heading_rad();
+  const bool has_turned = std::abs(turn_rad(pose.heading_rad, next)) < 25 * kDegree_rad;
+  if (has_turned && track_.turned_rad(0.7) < 6 * kDegree_rad) return act(pose, now_ns);
+  const bool is_past = left_on_leg_m(pose) < -kPastEnd_m;
+  if (!track_.is_standing() && (is_past || !announced_)) return stop("guide.stop", now_ns);
+  // Who was told of the turn before makes it by themselves; who stands still is told.
+  const bool waits = track_.is_standing() && track_.turned_rad(1) < 6 * kDegree_rad;
+  if (waits && silent_for_s(now_ns) > kStandsAfter_s) return act(pose, now_ns);
+  return std::nullopt;
+}
+
+// Also while something is spoken: it goes before all but obstacles.
+std::optional<Prompt> Guidance::off_the_way(const Pose& pose, TimestampNs now_ns) {
+  const bool walks = state_ == State::kWalking && !track_.is_standing();
+  const Leg* const leg = walks ? &legs_[leg_] : nullptr;
+  const auto is_off = [&] {
+    const Vector2d along(std::cos(leg->heading_rad()), std::sin(leg->heading_rad()));
+    const Vector2d aside = pose.position_gravity - leg->from;
+    const double beside_m = std::abs(along.x() * aside.y() - along.y() * aside.x());
+    return beside_m > options_.off_way_m ||
+           std::abs(bearing_error_rad(pose)) > options_.off_way_degrees * kDegree_rad;
+  };
+  if (!walks || !is_off()) {
+    off_since_ns_.reset();
+    return std::nullopt;
+  }
+  if (!off_since_ns_) off_since_ns_ = now_ns;
+  if (seconds_between(*off_since_ns_, now_ns) < options_.off_way_s) return std::nullopt;
+  off_since_ns_.reset();
+  Prompt prompt = stop("guide.off", now_ns);
+  prompt.priority = Priority::kHazard;
+  return prompt;
+}
+
+std::optional<Prompt> Guidance::keep_on_way(const Pose& pose, TimestampNs now_ns) {
+  const Leg& leg = legs_[leg_];
+  const double error = bearing_error_rad(pose);
+  const double to_end_m = (leg.to - pose.position_gravity).norm();
+  const bool misses = std::abs(error) > 12 * kDegree_rad && std::abs(error) < 45 * kDegree_rad &&
+                      to_end_m * std::sin(std::abs(error)) > kMissed_m;
+  const bool is_settled = !corrected_ns_ || seconds_between(*corrected_ns_, now_ns) > kCorrection_s;
+  if (!misses || !is_settled || silent_for_s(now_ns) < kReaction_s) return std::nullopt;
+  corrected_ns_ = now_ns;
+  return say({error > 0 ? "guide.little_left" : "guide.little_right"}, now_ns);
+}
+
+std::optional<Phrase> Guidance::next_phrase(const Pose& pose) const {
+  if (legs_.empty()) return std::nullopt;
+  const Leg& leg = legs_[leg_];
+  const std::string left = distance((leg.to - pose.position_gravity).norm());
+  if (is_last_leg()) {
+    if (plan_.reach == Reach::kNear) return Phrase{"guide.soon_end", {{"distance", left}}};
+    return Phrase{"guide.soon_goal", {{"distance", left}, {"goal", Nouns{goal_.noun}}}};
+  }
+  if (goes_straight_on()) {
+    if (!leg.ends_at_door) return std::nullopt;
+    return Phrase{"guide.soon_through", {{"distance", left}, {"place", thing("door")}}};
+  }
+  return soon_turn_phrase(turn_rad(leg.heading_rad(), legs_[leg_ + 1].heading_rad()), left,
+                          place_at_end(leg, false));
+}
+
+std::optional<Prompt> Guidance::announce(const Pose& pose, TimestampNs now_ns) {
+  const double left_m = (legs_[leg_].to - pose.position_gravity).norm();
+  if (announced_ || left_m > options_.announce_from_m || left_m < options_.announce_to_m) {
+    return std::nullopt;
+  }
+  const auto phrase = next_phrase(pose);
+  if (!phrase) return std::nullopt;
+  announced_ = true;
+  return say(*phrase, now_ns);
+}
+
+// Has been told to stop: hears what to do as soon as they stand.
+std::optional<Prompt> Guidance::stopped(const Pose& pose, TimestampNs now_ns) {
+  const double quiet_s = silent_for_s(now_ns);
+  const bool is_late = quiet_s > kReaction_s;  // then it is told while they walk
+  if (!is_late && !track_.is_standing()) return std::nullopt;
+  return act(pose, now_ns);
+}
+
+std::optional<Prompt> Guidance::hazard(const Walker& walker) {
+  constexpr double kSameHazard_s = 4;
+  if (!walker.obstacle_m || state_ != State::kWalking || legs_.empty()) return std::nullopt;
+  if (hazard_ns_ && seconds_between(*hazard_ns_, walker.now_ns) < kSameHazard_s) {
+    return std::nullopt;
+  }
+  const Pose& pose = *track_.pose(walker.now_ns);
+  const double left_m = (legs_[leg_].to - pose.position_gravity).norm();
+  // The goal itself is no hazard.
+  if (is_last_leg() && *walker.obstacle_m > left_m - kHand_m) return std::nullopt;
+  hazard_ns_ = walker.now_ns;
+  const bool is_door =
+      legs_[leg_].ends_at_door && std::abs(*walker.obstacle_m - left_m) < kLegEnd_m;
+  Prompt prompt = stop(is_door ? "guide.stop_door" : "guide.stop_obstacle", walker.now_ns);
+  prompt.priority = Priority::kHazard;
+  if (!is_door) bar_what_is_ahead(pose);
+  return prompt;
+}
+
+// ---- without a place ----
+
+std::optional<Prompt> Guidance::without_pose(const Walker& walker) {
+  const TimestampNs now_ns = walker.now_ns;
+  if (state_ != State::kLost) {
+    const double missing_s = std::min(track_.age_s(now_ns), seconds_between(began_ns_, now_ns));
+    const bool is_new = begun_ == 0;
+    if (missing_s < (is_new ? kReaction_s : options_.lost_s)) return std::nullopt;
+    state_ = State::kLost;
+    told_room_.reset();
+    reminded_ = false;
+    Prompt prompt = say({is_new ? "route.no_place" : "guide.lost"}, now_ns, Confidence::kUnsure,
+                        kNoticeValid_s);
+    prompt.sound = Sound::kLost;
+    return prompt;
+  }
+  if (track_.pose(now_ns) != nullptr) {
+    state_ = begun_ == 0 ? State::kBeginning : State::kStopped;
+    Prompt prompt = say({"guide.found"}, now_ns);
+    prompt.sound = Sound::kBack;
+    return prompt;
+  }
+  if (auto prompt = by_rooms(walker)) return prompt;
+  if (!reminded_ && silent_for_s(now_ns) > options_.remind_s) {
+    reminded_ = true;
+    return say({"route.no_place"}, now_ns, Confidence::kUnsure, kNoticeValid_s);
+  }
+  return std::nullopt;
+}
+
+// Once in each room.
+std::optional<Prompt> Guidance::by_rooms(const Walker& walker) {
+  if (!room_ || !goal_.room || room_ == told_room_) return std::nullopt;
+  told_room_ = room_;
+  std::vector<std::string> rooms;
+  if (*room_ != *goal_.room) {
+    rooms = way_between_rooms(*room_, *goal_.room, map_.doorways);
+    if (rooms.empty()) return std::nullopt;
+  } else if (goal_.kind == Goal::Kind::kRoom) {
+    state_ = State::kArrived;
+    finished_ = 1;
+  }
+  const auto phrase = rooms_phrase(goal_, rooms);
+  if (!phrase) return std::nullopt;
+  return say(*phrase, walker.now_ns, Confidence::kSure, kRoomValid_s);
+}
+
+// ---- the end ----
+
+Prompt Guidance::arrive(const Pose& pose, TimestampNs now_ns) {
+  state_ = State::kArrived;
+  Phrase phrase{"guide.there_room", {}};
+  if (goal_.kind == Goal::Kind::kRoom) {
+    phrase.values = {{"room", room(*goal_.room)}};
+    finished_ = 1;
+  } else {
+    const Vector2d touch = goal_.outline->nearest_to(pose.position_gravity);
+    phrase = {with_side("guide.there", touch, pose), {{"goal", Nouns{goal_.noun}}}};
+  }
+  Prompt prompt = say(phrase, now_ns);
+  prompt.sound = Sound::kBack;
+  return prompt;
+}
+
+// As near as the way is known: the rest by direction, or by rooms.
+Prompt Guidance::end_of_way(const Pose& /*pose*/, TimestampNs now_ns) {
+  state_ = State::kNearest;
+  return say({"guide.near_end"}, now_ns, Confidence::kUnsure);
+}
+
+// What is said after the first word of the end: how high to reach, or what is left.
+std::optional<Prompt> Guidance::finish(TimestampNs now_ns) {
+  if (finished_++ > 0) return std::nullopt;
+  if (state_ == State::kArrived) {
+    if (!goal_.height_m || goal_.kind != Goal::Kind::kThing) return std::nullopt;
+    return say({height_message(*goal_.height_m)}, now_ns);
+  }
+  if (!plan_.rooms.empty()) {
+    const auto phrase = rooms_phrase(goal_, plan_.rooms);
+    return phrase ? std::optional(say(*phrase, now_ns)) : std::nullopt;
+  }
+  const Pose* const pose = track_.pose(now_ns);
+  if (pose == nullptr || !goal_.outline) return std::nullopt;
+  const Bearing bearing = bearing_of(goal_.outline->nearest_to(pose->position_gravity), *pose);
+  return say({"where.direction",
+              {{"thing", Nouns{goal_.noun}},
+               {"hour", fmt::format("{}", bearing.hour)},
+               {"distance", distance(bearing.distance_m)}}},
+             now_ns, bearing.is_sure ? Confidence::kSure : Confidence::kProbable);
+}
+
+// ---- requests ----
+
+void Guidance::bar_what_is_ahead(const Pose& pose) {
+  if (map_.floor == nullptr) return;
+  const fusion::FloorGrid& floor = barred_floor_ ? *barred_floor_ : *map_.floor;
+  image::Image<fusion::FloorCell> cells(floor.columns(), floor.rows(), fusion::FloorCell::kUnknown);
+  // A person's width across the way, as deep as a hand reaches beyond a step.
+  const Vector2d ahead(std::cos(pose.heading_rad), std::sin(pose.heading_rad));
+  const Vector2d middle = pose.position_gravity + (options_.body_radius_m + 0.35) * ahead;
+  for (int row = 0; row < floor.rows(); ++row) {
+    for (int column = 0; column < floor.columns(); ++column) {
+      const bool is_barred =
+          (floor.cell_middle_m(column, row) - middle).norm() < options_.body_radius_m;
+      cells.at(column, row) = is_barred ? fusion::FloorCell::kOccupied : floor.at(column, row);
+    }
+  }
+  barred_floor_ = fusion::FloorGrid(floor.origin_m(), floor.cell_m(), std::move(cells));
+}
+
+Prompt Guidance::request(GuidanceRequest request, TimestampNs now_ns) {
+  if (state_ == State::kEnded) return say({"guide.not_running"}, now_ns);
+  const Pose* const pose = track_.pose(now_ns);
+  const bool is_led = pose != nullptr && !is_over() && state_ != State::kByRooms;
+  const auto no_place = [&] {
+    return say({"route.no_place"}, now_ns, Confidence::kUnsure, kNoticeValid_s);
+  };
+  switch (request) {
+    case GuidanceRequest::kEnd:
+      state_ = State::kEnded;
+      return say({"guide.ended"}, now_ns, Confidence::kSure, kNoticeValid_s);
+    case GuidanceRequest::kPause:
+      if (!is_over()) state_ = State::kPaused;
+      return say({is_over() ? "guide.not_running" : "guide.paused"}, now_ns, Confidence::kSure,
+                 kNoticeValid_s);
+    case GuidanceRequest::kResume:
+      if (state_ == State::kPaused) state_ = begun_ > 0 ? State::kStopped : State::kBeginning;
+      return say({"guide.resumed"}, now_ns, Confidence::kSure, kNoticeValid_s);
+    case GuidanceRequest::kRepeat:
+      if (state_ == State::kPaused) return say({"guide.paused"}, now_ns);
+      if (is_over()) {
+        finished_ = goal_.kind == Goal::Kind::kRoom ? 1 : 0;
+        return pose == nullptr             ? no_place()
+               : state_ == State::kArrived ? arrive(*pose, now_ns)
+                                           : end_of_way(*pose, now_ns);
+      }
+      return is_led ? act(*pose, now_ns) : no_place();
+    case GuidanceRequest::kHowFar:
+      if (!is_led) return no_place();
+      plan_from(*pose);
+      if (legs_.empty()) return say({"route.none"}, now_ns, Confidence::kUnsure);
+      return say(
+          {"guide.far", {{"goal", Nouns{goal_.noun}}, {"distance", distance(left_m(*pose))}}},
+          now_ns);
+    case GuidanceRequest::kNext: {
+      if (!is_led) return no_place();
+      const auto phrase = next_phrase(*pose);
+      return phrase ? say(*phrase, now_ns) : act(*pose, now_ns);
+    }
+    case GuidanceRequest::kBlocked: {
+      if (!is_led) return no_place();
+      bar_what_is_ahead(*pose);
+      Prompt prompt = act(*pose, now_ns);
+      if (plan_.reach == Reach::kWhole) return prompt;
+      // Not around it: what was known before holds again.
+      barred_floor_.reset();
+      state_ = State::kStopped;
+      return say({"guide.no_way_around"}, now_ns, Confidence::kUnsure);
+    }
+  }
+  return no_place();
+}
+
+}  // namespace roomwise::guide

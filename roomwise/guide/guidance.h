@@ -1,0 +1,158 @@
+#pragma once
+
+#include <deque>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "roomwise/guide/guidance_words.h"
+#include "roomwise/guide/legs.h"
+#include "roomwise/guide/plan.h"
+#include "roomwise/guide/prompt.h"
+#include "roomwise/guide/walker_track.h"
+#include "roomwise/guide/wording.h"
+
+namespace roomwise::guide {
+
+struct GuidanceOptions {
+  PlanOptions plan = {};
+  // The next action is announced while it is so far ahead, m.
+  double announce_from_m = 3, announce_to_m = 1.5;
+  // Who walks hears something after so much, whichever comes first.
+  double reassure_m = 5, reassure_s = 8;
+  // Off the way: so far beside it or turned so far from it, for so long.
+  double off_way_m = 1, off_way_degrees = 30, off_way_s = 2;
+  double lost_s = 3;  // without a pose
+  // From a person's edge to a thing that is reached, and a person's radius seen from above, m.
+  double arrived_m = 0.3, body_radius_m = 0.25;
+  // Who stands where there is something to do hears of it again after so long, once.
+  double remind_s = 8;
+
+  [[nodiscard]] Expected<void> validate() const;
+};
+
+// What is known of who is led, now.
+struct Walker {
+  TimestampNs now_ns = 0;         // of a clock that never goes back
+  std::optional<Pose> pose = {};  // by the newest picture that told of one
+  TimestampNs pose_ns = 0;        // when that was
+  std::optional<std::string> room = {};
+  std::optional<double> obstacle_m = {};  // straight ahead, where that is measured
+};
+
+// What the person led may want meanwhile.
+enum class GuidanceRequest { kPause, kResume, kRepeat, kHowFar, kNext, kBlocked, kEnd };
+
+// Leads somebody to a goal: told where they are again and again, it says what to do next, one
+// action at a time. No sound, no threads, no clock of its own.
+//
+//   Guidance guidance(map, goal, wording);
+//   if (auto prompt = guidance.update(walker)) ...say it...     some times a second
+//
+// It plans anew from where the person really is before each action, so that errors of steps and
+// turns do not add up. Rules: docs/guide.md, each with a test.
+class Guidance {
+ public:
+  enum class State {
+    kBeginning,  // tells where things stand
+    kTurning,    // on the spot
+    kWalking,
+    kCorner,   // at a leg's end, where a turn was announced
+    kStopped,  // was told to stop; is told what to do once they stand
+    kLost,     // nobody knows where the person is
+    kPaused,
+    kByRooms,  // only rooms are known
+    kArrived,
+    kNearest,  // at the end of the way that is known
+    kEnded,    // by request, or since nothing is known
+  };
+
+  // What map and wording point to must outlive it.
+  Guidance(const HomeMap& map, Goal goal, const Wording& wording,
+           const GuidanceOptions& options = {});
+
+  // What to say now, if anything. While an earlier prompt of its own is still being spoken only
+  // what warns of a hazard.
+  [[nodiscard]] std::optional<Prompt> update(const Walker& walker);
+  // The answer to a request.
+  [[nodiscard]] Prompt request(GuidanceRequest request, TimestampNs now_ns);
+
+  [[nodiscard]] State state() const { return state_; }
+  [[nodiscard]] bool is_over() const {
+    return state_ == State::kArrived || state_ == State::kNearest || state_ == State::kEnded;
+  }
+  [[nodiscard]] const Goal& goal() const { return goal_; }
+  // The way that is followed now; of it the first leg is being walked.
+  [[nodiscard]] const Plan& plan() const { return plan_; }
+
+ private:
+  using MaybePrompt = std::optional<Prompt>;
+  [[nodiscard]] Prompt say(const Phrase& phrase, TimestampNs now_ns,
+                           Confidence confidence = Confidence::kSure, double valid_s = 2);
+  [[nodiscard]] MaybePrompt begin(const Walker& walker);
+  [[nodiscard]] MaybePrompt where_one_stands(const Pose& pose, TimestampNs now_ns);
+  [[nodiscard]] MaybePrompt turning(const Pose& pose, TimestampNs now_ns);
+  [[nodiscard]] MaybePrompt walking(const Pose& pose, TimestampNs now_ns);
+  [[nodiscard]] MaybePrompt at_leg_end(const Pose& pose, TimestampNs now_ns);
+  [[nodiscard]] MaybePrompt corner(const Pose& pose, TimestampNs now_ns);
+  [[nodiscard]] MaybePrompt keep_on_way(const Pose& pose, TimestampNs now_ns);
+  [[nodiscard]] MaybePrompt announce(const Pose& pose, TimestampNs now_ns);
+  [[nodiscard]] MaybePrompt stopped(const Pose& pose, TimestampNs now_ns);
+  [[nodiscard]] MaybePrompt without_pose(const Walker& walker);
+  [[nodiscard]] MaybePrompt by_rooms(const Walker& walker);
+  [[nodiscard]] MaybePrompt off_the_way(const Pose& pose, TimestampNs now_ns);
+  [[nodiscard]] MaybePrompt hazard(const Walker& walker);
+  [[nodiscard]] MaybePrompt finish(TimestampNs now_ns);
+  [[nodiscard]] Prompt arrive(const Pose& pose, TimestampNs now_ns);
+  [[nodiscard]] Prompt stop(const std::string& message, TimestampNs now_ns);
+  // Plans anew and says what to do now.
+  [[nodiscard]] Prompt act(const Pose& pose, TimestampNs now_ns);
+  [[nodiscard]] Prompt end_of_way(const Pose& pose, TimestampNs now_ns);
+  void plan_from(const Pose& pose);
+  void bar_what_is_ahead(const Pose& pose);
+
+  [[nodiscard]] bool is_at_goal(const Pose& pose) const;
+  [[nodiscard]] bool is_in_goal_room(const Pose& pose) const;
+  [[nodiscard]] double left_on_leg_m(const Pose& pose) const;
+  [[nodiscard]] double left_m(const Pose& pose) const;
+  [[nodiscard]] double bearing_error_rad(const Pose& pose) const;
+  [[nodiscard]] bool goes_straight_on() const;  // after this leg
+  [[nodiscard]] bool is_last_leg() const { return leg_ + 1 >= legs_.size(); }
+  // What a hand finds at the end of the leg.
+  [[nodiscard]] std::optional<Noun> place_at_end(const Leg& leg, bool is_last) const;
+  [[nodiscard]] std::optional<Phrase> next_phrase(const Pose& pose) const;
+  [[nodiscard]] std::string distance(double distance_m) const;
+  [[nodiscard]] bool is_speaking(TimestampNs now_ns) const { return now_ns < silent_from_ns_; }
+  [[nodiscard]] double silent_for_s(TimestampNs now_ns) const {
+    return seconds_between(silent_from_ns_, now_ns);
+  }
+
+  const HomeMap map_;
+  const Goal goal_;
+  const Wording wording_;
+  const GuidanceOptions options_;
+  const std::vector<rooms::Doorway> doors_;
+
+  State state_ = State::kBeginning;
+  WalkerTrack track_;
+  std::optional<std::string> room_;
+  std::optional<fusion::FloorGrid> barred_floor_;  // where the person found the way barred
+  Plan plan_;
+  std::vector<Leg> legs_;
+  std::size_t leg_ = 0;
+  int begun_ = 0;             // how much of the beginning was said
+  int finished_ = 0;          // how much of the end was said
+  bool announced_ = false;    // what comes after this leg
+  bool reminded_ = false;     // of what to do now
+  bool passes_door_ = false;  // has not been told yet
+  double turn_from_rad_ = 0;  // the heading when a turn was asked for
+  double said_at_walked_m_ = 0;
+  std::optional<TimestampNs> off_since_ns_;
+  std::optional<TimestampNs> corrected_ns_;
+  std::optional<TimestampNs> hazard_ns_;
+  TimestampNs silent_from_ns_ = 0;  // the newest prompt has been spoken by then
+  TimestampNs began_ns_ = 0;
+  std::optional<std::string> told_room_;
+};
+
+}  // namespace roomwise::guide

@@ -1,0 +1,419 @@
+#include "roomwise/guide/guidance.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "roomwise/base/random.h"
+#include "roomwise/base/testing/testing.h"
+#include "roomwise/guide/testing/drawn_floor.h"
+#include "roomwise/guide/testing/test_times.h"
+
+namespace roomwise::guide {
+namespace {
+
+using Eigen::Vector2d;
+using fusion::FloorCell;
+using ::testing::AnyOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::StartsWith;
+using State = Guidance::State;
+
+constexpr double kPi = std::numbers::pi;
+constexpr TimestampNs kTick = kSecond / 5;
+
+// Somebody who is moved by hand through two rooms (drawn_floor.h) on a simulated clock, and hears
+// what is said. Steps of half a metre.
+class GuidanceTest : public ::testing::Test {
+ protected:
+  GuidanceTest()
+      : grid_(testing::two_rooms().grid()), layout_(testing::layout_of_two_rooms(grid_)) {}
+
+  void lead_to(Goal goal, const Vector2d& from, double heading_rad) {
+    place_ = from;
+    heading_rad_ = heading_rad;
+    guidance_.emplace(map(), std::move(goal), wording_);
+  }
+  [[nodiscard]] HomeMap map() const {
+    if (!has_rooms_) return {&grid_, nullptr, {}, things_};
+    return {&grid_, &layout_, layout_.doorways(), things_};
+  }
+  [[nodiscard]] static Goal bed_at(const Vector2d& middle, const std::string& room) {
+    Goal goal;
+    goal.noun = {Noun::Kind::kThing, "bed"};
+    goal.outline = Outline{middle, {1, 1}};
+    goal.room = room;
+    goal.height_m = 0.5;
+    return goal;
+  }
+  [[nodiscard]] Goal room(const std::string& name) const {
+    return Goal::of(*std::ranges::find(layout_.rooms(), name, &rooms::RoomExtent::name));
+  }
+
+  // What is said until so many seconds have passed while they walk and turn evenly.
+  std::vector<Prompt> go(double seconds, double speed_m_s = 0, double turning_rad_s = 0) {
+    std::vector<Prompt> said;
+    const auto ticks = static_cast<int>(std::lround(seconds * kSecond / kTick));
+    for (int i = 0; i < ticks; ++i) {
+      now_ns_ += kTick;
+      const double dt = kTick * 1e-9;
+      heading_rad_ += turning_rad_s * dt;
+      place_ += speed_m_s * dt * Vector2d(std::cos(heading_rad_), std::sin(heading_rad_));
+      if (auto prompt = guidance_->update(walker())) said.push_back(*prompt);
+    }
+    return said;
+  }
+  [[nodiscard]] Walker walker() const {
+    Walker walker{now_ns_};
+    if (is_seen_) {
+      walker.pose = Pose{place_, heading_rad_, 0.02};
+      walker.pose_ns = now_ns_;
+    }
+    walker.room = room_;
+    walker.obstacle_m = obstacle_m_;
+    return walker;
+  }
+  [[nodiscard]] static std::vector<std::string> texts(const std::vector<Prompt>& prompts) {
+    std::vector<std::string> texts;
+    for (const Prompt& prompt : prompts) texts.push_back(prompt.text);
+    return texts;
+  }
+  std::vector<std::string> hear(double seconds, double speed_m_s = 0, double turning_rad_s = 0) {
+    return texts(go(seconds, speed_m_s, turning_rad_s));
+  }
+  [[nodiscard]] std::string ask(GuidanceRequest request) {
+    return guidance_->request(request, now_ns_).text;
+  }
+
+  const MessageCatalogue catalogue_ = MessageCatalogue::built_in();
+  const Wording wording_{&catalogue_, {"en", DistanceUnit::kSteps, 0.5}};
+  fusion::FloorGrid grid_;
+  rooms::RoomLayout layout_;
+  std::vector<KnownThing> things_;
+  std::optional<Guidance> guidance_;
+  TimestampNs now_ns_ = kNow;
+  Vector2d place_ = Vector2d::Zero();
+  double heading_rad_ = 0;
+  bool is_seen_ = true, has_rooms_ = true;
+  std::optional<std::string> room_;
+  std::optional<double> obstacle_m_;
+};
+
+TEST_F(GuidanceTest, BeginsByWhereOneStandsAndThenOneActionAtATime) {
+  lead_to(room("kitchen"), {1, 3.45}, kPi);
+  EXPECT_THAT(hear(9), ElementsAre("To the kitchen: about 8 steps.", "The door is behind you.",
+                                   "Turn around."));
+  EXPECT_EQ(guidance_->state(), State::kTurning);
+  EXPECT_THAT(hear(2, 0, kPi / 2), IsEmpty()) << "while one turns";
+  EXPECT_THAT(hear(2), ElementsAre("Straight on, 6 steps to the door."));
+  EXPECT_EQ(guidance_->state(), State::kWalking);
+}
+
+TEST_F(GuidanceTest, ADoorThatOneWalksThroughIsAnnouncedAndPassed) {
+  lead_to(room("kitchen"), {1, 3.45}, 0);
+  EXPECT_THAT(hear(7), ElementsAre("To the kitchen: about 8 steps.", "The door is ahead of you.",
+                                   "Straight on, 6 steps to the door."));
+  const auto said = hear(8, 0.6);
+  ASSERT_THAT(said, ::testing::SizeIs(3));
+  EXPECT_THAT(said[0], AnyOf("In 5 steps: through the door.", "In 6 steps: through the door."));
+  EXPECT_THAT(said[1], StartsWith("Through the door, "));
+  EXPECT_EQ(said[2], "You are there, in the kitchen.");
+  EXPECT_EQ(guidance_->state(), State::kArrived);
+  EXPECT_THAT(hear(20), IsEmpty());
+}
+
+TEST_F(GuidanceTest, TheNextActionIsAnnouncedOneAndAHalfToThreeMetresBefore) {
+  lead_to(bed_at({7.2, 0.8}, "kitchen"), {0.6, 3.45}, 0);
+  (void)hear(8);
+  for (int i = 0; i < 60; ++i) {
+    const double left_m = layout_.doorways()[0].middle_gravity.x() - place_.x();
+    for (const Prompt& prompt : go(0.2, 0.6)) {
+      if (!prompt.message.starts_with("guide.soon")) continue;
+      EXPECT_GE(left_m, 1.5);
+      EXPECT_LE(left_m, 3.0 + 0.12);
+      return;
+    }
+  }
+  FAIL() << "nothing was announced";
+}
+
+TEST_F(GuidanceTest, ATurnThatWasAnnouncedIsNotSaidAgainToWhoMakesIt) {
+  lead_to(bed_at({7.2, 0.8}, "kitchen"), {0.6, 3.45}, 0);
+  (void)hear(8);
+  std::string turn;
+  while (guidance_->state() == State::kWalking && place_.x() < 7) {
+    for (const std::string& text : hear(0.2, 0.6)) turn = text;
+  }
+  EXPECT_EQ(guidance_->state(), State::kCorner) << turn;
+  const Vector2d towards = guidance_->plan().route.back() - place_;
+  const double turning =
+      std::remainder(std::atan2(towards.y(), towards.x()) - heading_rad_, 2 * kPi);
+  const auto said = go(3, 0, turning / 3);
+  for (const Prompt& prompt : said) {
+    EXPECT_THAT(prompt.message, ::testing::Not(StartsWith("guide.turn"))) << prompt.text;
+  }
+  EXPECT_THAT(hear(2), ElementsAre(StartsWith("Straight on")));
+}
+
+TEST_F(GuidanceTest, WhoWalksHearsSomethingAfterFiveMetresOrEightSeconds) {
+  grid_ = testing::Floor(140, 16).grid();  // a corridor
+  has_rooms_ = false;
+  for (const double speed_m_s : {0.4, 0.9}) {
+    lead_to(bed_at({13, 0.8}, "hall"), {0.6, 0.8}, 0);
+    (void)hear(8);
+    const double from = place_.x();
+    const TimestampNs from_ns = now_ns_;
+    std::vector<std::string> said;
+    while (said.empty() && place_.x() < 10) said = hear(0.2, speed_m_s);
+    ASSERT_THAT(said, ElementsAre(StartsWith("Good. ")));
+    EXPECT_THAT(said[0], HasSubstr("to the bed."));
+    // It had been silent for a while before it walked.
+    const double seconds = seconds_between(from_ns, now_ns_) + 1;
+    const double walked_m = place_.x() - from;
+    EXPECT_TRUE(seconds > 7 || walked_m > 4.8);
+    EXPECT_TRUE(seconds < 9 && walked_m < 5.7) << seconds << " s, " << walked_m << " m";
+  }
+}
+
+TEST_F(GuidanceTest, OffTheWayAfterThirtyDegreesForTwoSecondsItPlansAnew) {
+  lead_to(bed_at({7.3, 0.8}, "kitchen"), {0.6, 3.45}, 0);
+  (void)hear(8);
+  (void)hear(1, 0.6);
+  heading_rad_ = -1;
+  std::vector<Prompt> said;
+  const TimestampNs turned_ns = now_ns_;
+  while (said.empty() && now_ns_ < turned_ns + 10 * kSecond) said = go(0.2, 0.6);
+  ASSERT_FALSE(said.empty());
+  EXPECT_EQ(said[0].text, "Off the way. Stop.");
+  EXPECT_NEAR(seconds_between(turned_ns, now_ns_), 2, 0.5);
+  const TimestampNs spoken_ns = now_ns_ + static_cast<TimestampNs>(speaking_s(said[0].text) * 1e9);
+  said.clear();
+  while (said.empty()) said = go(0.2);
+  EXPECT_LE(seconds_between(spoken_ns, now_ns_), 1.0);
+  EXPECT_THAT(said[0].text, StartsWith("Turn "));
+}
+
+TEST_F(GuidanceTest, OffTheWayAfterAMetreBesideIt) {
+  lead_to(bed_at({3.3, 3.3}, "bedroom"), {0.6, 0.6}, kPi / 4);
+  (void)hear(8);
+  place_ += Vector2d(1.5, -0.6);  // pushed aside, looking at the goal
+  heading_rad_ = std::atan2(3.3 - place_.y(), 3.3 - place_.x());
+  const auto said = hear(3, 0.3);
+  EXPECT_THAT(said, ::testing::Contains("Off the way. Stop."));
+}
+
+TEST_F(GuidanceTest, AWordSetsRightWhoVeers) {
+  lead_to(room("kitchen"), {0.6, 3.45}, 0);
+  (void)hear(8);
+  heading_rad_ = 0.35;
+  EXPECT_THAT(hear(2, 0.3), ElementsAre("A little to the right."));
+}
+
+TEST_F(GuidanceTest, WaitsWhileOneStandsAndRemindsOnce) {
+  lead_to(room("kitchen"), {1, 3.45}, 0);
+  (void)hear(7);
+  EXPECT_THAT(hear(40), ElementsAre("Straight on, 6 steps to the door."));
+  EXPECT_EQ(hear(3, 0.3).size(), 1u) << "and goes on with who goes on";
+}
+
+TEST_F(GuidanceTest, WhoStandsShortOfTheEndHearsWhatIsLeft) {
+  lead_to(bed_at({3.3, 3.3}, "bedroom"), {0.6, 0.6}, kPi / 4);
+  (void)hear(8);
+  (void)hear(2, 0.6);
+  EXPECT_THAT(hear(6), ::testing::Contains(AnyOf(StartsWith("Straight on, 3 steps to the bed"),
+                                                 StartsWith("Straight on, 4 steps to the bed"))));
+}
+
+TEST_F(GuidanceTest, StopsBeforeADoorThatIsClosed) {
+  lead_to(room("kitchen"), {2.6, 3.45}, 0);
+  (void)hear(7);
+  (void)hear(0.4, 0.6);
+  obstacle_m_ = 4.05 - place_.x();
+  const auto said = go(0.4, 0.6);
+  ASSERT_EQ(said.size(), 1u);
+  EXPECT_EQ(said[0].text, "Stop. The door is closed. Open it.");
+  EXPECT_EQ(said[0].priority, Priority::kHazard);
+}
+
+TEST_F(GuidanceTest, StopsBeforeWhatStandsInTheWayAndLeadsAroundIt) {
+  lead_to(bed_at({3.3, 3.3}, "bedroom"), {0.6, 0.6}, kPi / 4);
+  (void)hear(8);
+  (void)hear(1, 0.6);
+  obstacle_m_ = 0.6;
+  const auto said = go(0.4, 0.6);
+  ASSERT_FALSE(said.empty());
+  EXPECT_EQ(said[0].text, "Stop. Something is in the way.");
+  obstacle_m_.reset();
+  const auto then = go(4);
+  ASSERT_FALSE(then.empty());
+  EXPECT_THAT(then[0].message, AnyOf("guide.turn_hour", "guide.little_left", "guide.little_right"));
+}
+
+TEST_F(GuidanceTest, TheLastMetreIsBySideReachAndHeight) {
+  lead_to(bed_at({3.3, 1.2}, "bedroom"), {1, 1.2}, 0);
+  (void)hear(8);
+  std::vector<std::string> said;
+  while (guidance_->state() != State::kArrived && place_.x() < 3) {
+    said = hear(0.2, 0.5);
+  }
+  EXPECT_THAT(said, ElementsAre("You are there: the bed ahead, in reach."));
+  EXPECT_LE(2.8 - place_.x(), 0.3 + 0.25);
+  EXPECT_THAT(hear(5), ElementsAre("At knee height."));
+  EXPECT_THAT(hear(30), IsEmpty());
+}
+
+TEST_F(GuidanceTest, WhoIsLostHearsRoomsAndNoDirections) {
+  lead_to(bed_at({7.3, 0.8}, "kitchen"), {0.6, 3.45}, 0);
+  (void)hear(8);
+  (void)hear(1, 0.6);
+  is_seen_ = false;
+  EXPECT_THAT(hear(4, 0.6), ElementsAre("I lost where you are. Stop and turn slowly."));
+  EXPECT_EQ(guidance_->state(), State::kLost);
+  room_ = "bedroom";
+  EXPECT_THAT(hear(5), ElementsAre("The bed is in the kitchen, the next room."));
+  room_ = "kitchen";
+  EXPECT_THAT(hear(5), ElementsAre("The bed is in this room."));
+  EXPECT_THAT(hear(30), ElementsAre("I do not know where you stand. Turn slowly."));
+  is_seen_ = true;
+  const auto said = hear(5);
+  ASSERT_GE(said.size(), 2u);
+  EXPECT_EQ(said[0], "I know again where you are.");
+}
+
+TEST_F(GuidanceTest, APlaceThatNobodyWalksToIsNotBelievedAtOnce) {
+  lead_to(room("kitchen"), {0.6, 3.45}, 0);
+  (void)hear(8);
+  (void)hear(1, 0.6);
+  const Vector2d here = place_;
+  place_ = {7, 1};  // a wrong answer
+  EXPECT_THAT(hear(0.2), IsEmpty());
+  place_ = here;
+  (void)hear(1, 0.6);
+  EXPECT_EQ(guidance_->state(), State::kWalking);
+}
+
+TEST_F(GuidanceTest, WhereNothingButRoomsIsKnownTheyAreTold) {
+  Goal goal = bed_at({7.3, 0.8}, "kitchen");
+  goal.outline.reset();
+  lead_to(goal, {0.6, 3.45}, 0);
+  EXPECT_THAT(hear(8), ElementsAre("I know no safe way there.",
+                                   "The bed is in the kitchen, the next room."));
+  EXPECT_EQ(guidance_->state(), State::kByRooms);
+}
+
+TEST_F(GuidanceTest, WhereNoSafeWayIsKnownItLeadsNearAndTellsTheRest) {
+  grid_ = testing::two_rooms().fill({20, 1}, {40, 39}, FloorCell::kUnknown).grid();
+  lead_to(bed_at({3.4, 3.4}, "bedroom"), {0.6, 3.45}, 0);
+  EXPECT_THAT(hear(9), ElementsAre("I know no safe way there.", "I bring you as near as I know.",
+                                   "Straight on, 3 steps."));
+  std::vector<std::string> said;
+  while (said.empty()) said = hear(0.2, 0.5);
+  (void)hear(1, 0.2);
+  EXPECT_THAT(hear(9),
+              ElementsAre("I know the way no further.", "The bed is at 12 o'clock, 2 steps."));
+  EXPECT_EQ(guidance_->state(), State::kNearest);
+}
+
+TEST_F(GuidanceTest, PausesRepeatsAndEndsByRequest) {
+  lead_to(room("kitchen"), {1, 3.45}, 0);
+  (void)hear(7);
+  EXPECT_EQ(ask(GuidanceRequest::kHowFar), "8 steps to the kitchen.");
+  EXPECT_EQ(ask(GuidanceRequest::kNext), "In 6 steps: through the door.");
+  EXPECT_EQ(ask(GuidanceRequest::kRepeat), "Straight on, 6 steps to the door.");
+  EXPECT_EQ(ask(GuidanceRequest::kPause), "Paused.");
+  EXPECT_THAT(hear(30, 0.05), IsEmpty());
+  EXPECT_EQ(ask(GuidanceRequest::kResume), "Going on.");
+  EXPECT_THAT(hear(4), ElementsAre(StartsWith("Straight on, ")));
+  EXPECT_EQ(ask(GuidanceRequest::kEnd), "Guidance has ended.");
+  EXPECT_THAT(hear(30, 0.3), IsEmpty());
+  EXPECT_EQ(ask(GuidanceRequest::kRepeat), "I am not guiding you anywhere.");
+}
+
+TEST_F(GuidanceTest, WhatSomebodyFindsInTheWayIsGoneAround) {
+  lead_to(bed_at({3.3, 3.3}, "bedroom"), {0.6, 0.6}, kPi / 4);
+  (void)hear(8);
+  (void)hear(1, 0.6);
+  (void)hear(1);
+  EXPECT_THAT(ask(GuidanceRequest::kBlocked), AnyOf(StartsWith("Turn to"), StartsWith("A little")));
+  // The door is the only way.
+  lead_to(room("kitchen"), {3.6, 3.45}, 0);
+  (void)hear(8);
+  EXPECT_EQ(ask(GuidanceRequest::kBlocked), "I know no way around it.");
+}
+
+// Somebody who walks, turns, stands, is lost and asks as it comes: whatever happens, the rules
+// hold.
+TEST_F(GuidanceTest, RulesHoldForAnythingThatHappens) {
+  std::map<std::string, int> heard;
+  for (std::uint64_t seed = 0; seed < 60; ++seed) {
+    RandomStream random(seed);
+    lead_to(random.uniform() < 0.5 ? room("kitchen") : bed_at({7.3, 0.8}, "kitchen"),
+            {random.between(0.5, 3.5), random.between(0.5, 3.5)}, random.between(-kPi, kPi));
+    TimestampNs silent_from_ns = 0, seen_ns = now_ns_;
+    double speed = 0, turning = 0;
+    for (int tick = 0; tick < 600 && !guidance_->is_over(); ++tick) {
+      now_ns_ += kTick;
+      if (random.uniform() < 0.05) speed = random.uniform() < 0.4 ? 0 : random.between(0.2, 0.8);
+      if (random.uniform() < 0.05) turning = random.uniform() < 0.5 ? 0 : random.between(-1, 1);
+      if (random.uniform() < 0.02) is_seen_ = random.uniform() < 0.7;
+      room_ = is_seen_ || random.uniform() < 0.5 ? layout_.room_at(place_) : std::nullopt;
+      heading_rad_ += 0.2 * turning;
+      const Vector2d next =
+          place_ + 0.2 * speed * Vector2d(std::cos(heading_rad_), std::sin(heading_rad_));
+      if (grid_.fits(next, 0.2)) place_ = next;
+      if (is_seen_) seen_ns = now_ns_;
+      const bool asks = random.uniform() < 0.01;
+      std::optional<Prompt> prompt;
+      if (asks) {
+        prompt = guidance_->request(static_cast<GuidanceRequest>(random.index(7)), now_ns_);
+      } else {
+        prompt = guidance_->update(walker());
+      }
+      if (!prompt) continue;
+      ++heard[prompt->message];
+      SCOPED_TRACE(fmt::format("seed {}, {} s: {}", seed, tick / 5, prompt->text));
+      // One at a time, and each may be begun.
+      const bool breaks_off = prompt->priority == Priority::kHazard;
+      EXPECT_TRUE(asks || breaks_off || now_ns_ >= silent_from_ns);
+      EXPECT_GE(prompt->valid_until_ns, now_ns_);
+      silent_from_ns = now_ns_ + static_cast<TimestampNs>(speaking_s(prompt->text) * 1e9);
+      // Never a direction of one whose place is not known.
+      const bool is_direction = prompt->message.starts_with("guide.turn") ||
+                                prompt->message.starts_with("guide.little") ||
+                                prompt->message.starts_with("guide.walk") ||
+                                prompt->message.starts_with("guide.soon") ||
+                                prompt->message.starts_with("guide.place");
+      EXPECT_TRUE(!is_direction || seconds_between(seen_ns, now_ns_) < 1.5);
+      // Never two turns in one sentence.
+      std::size_t turns = 0;
+      for (std::size_t at = 0; (at = prompt->text.find("urn", at)) != std::string::npos; ++at)
+        ++turns;
+      EXPECT_LE(turns, 1u);
+      EXPECT_TRUE(guidance_->state() != State::kArrived || layout_.room_at(place_) == "kitchen");
+    }
+    is_seen_ = true;
+    room_.reset();
+  }
+  // All of it happened.
+  for (const char* message : {"guide.begin", "guide.turn_around", "guide.turn_left",
+                              "guide.walk_to", "guide.off", "guide.lost", "guide.found",
+                              "guide.stop", "guide.paused", "guide.little_left", "guide.ended"}) {
+    EXPECT_GT(heard[message], 0) << message;
+  }
+}
+
+TEST(GuidanceOptionsTest, SayWhatIsWrong) {
+  EXPECT_OK(GuidanceOptions{}.validate());
+  GuidanceOptions options;
+  options.announce_from_m = 1;
+  EXPECT_ERROR(options.validate(), "announce_from_m is 1");
+  options = {};
+  options.remind_s = 0;
+  EXPECT_ERROR(options.validate(), "remind_s is 0");
+}
+
+}  // namespace
+}  // namespace roomwise::guide

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "roomwise/guide/plan.h"
+#include "roomwise/guide/wording.h"
+
+namespace roomwise::guide {
+
+// A message and what it is filled with.
+struct Phrase {
+  std::string message;
+  Values values = {};
+};
+
+// What there is to do by turning so far, positive to the left; nothing where that is straight on.
+[[nodiscard]] Phrase turn_phrase(double turn_rad);
+// The same, announced: after so far, at a place where one is known.
+[[nodiscard]] Phrase soon_turn_phrase(double turn_rad, const std::string& distance,
+                                      const std::optional<Noun>& place);
+// "Straight on, 4 steps to the door."
+[[nodiscard]] Phrase walk_phrase(const std::string& distance, const std::optional<Noun>& place);
+// "Good. 3 steps to the door."
+[[nodiscard]] Phrase more_phrase(const std::string& distance, const std::optional<Noun>& place);
+
+// "guide.place" and a point behind one: "guide.place_behind".
+[[nodiscard]] std::string with_side(const std::string& message,
+                                    const Eigen::Vector2d& point_gravity, const Pose& pose);
+// How high a hand has to reach: "guide.height_knee".
+[[nodiscard]] std::string height_message(double height_m);
+
+// Where it takes a direction that nobody knows, the rooms on the way: "The bed is in the bedroom,
+// through the hall." Nothing where the goal's room is not known.
+[[nodiscard]] std::optional<Phrase> rooms_phrase(const Goal& goal,
+                                                 const std::vector<std::string>& rooms);
+
+}  // namespace roomwise::guide

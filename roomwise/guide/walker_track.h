@@ -1,0 +1,43 @@
+#pragma once
+
+#include <deque>
+#include <optional>
+
+#include "roomwise/base/timestamp.h"
+#include "roomwise/guide/places.h"
+
+namespace roomwise::guide {
+
+// Where somebody was in the last seconds, by poses that may be late, missing or wrong.
+class WalkerTrack {
+ public:
+  // A pose as of `at_ns`; older ones than the newest are ignored. One that is farther from the last
+  // than anybody walks is believed once the next one agrees with it.
+  void add(const Pose& pose, TimestampNs at_ns);
+  void forget();
+
+  // The newest that is believed, if it is fresh: what is said rests on it.
+  [[nodiscard]] const Pose* pose(TimestampNs now_ns) const;
+  // Since the newest that is believed; infinity where there is none.
+  [[nodiscard]] double age_s(TimestampNs now_ns) const;
+  // Over the last second; 0 where that is not known. What the poses' own uncertainty may be is not
+  // walked.
+  [[nodiscard]] double speed_m_s() const;
+  [[nodiscard]] bool is_standing() const;
+  // How far the heading was from what it is now within the last so many seconds, rad.
+  [[nodiscard]] double turned_rad(double seconds) const;
+  // How far the person walked in all, m.
+  [[nodiscard]] double walked_m() const { return walked_m_; }
+
+ private:
+  struct Stop {
+    Pose pose;
+    TimestampNs at_ns = 0;
+  };
+  std::deque<Stop> stops_;  // of the last seconds, believed
+  std::optional<Stop> doubted_;
+  double walked_m_ = 0;
+  std::optional<Eigen::Vector2d> counted_to_;  // of walked_m_
+};
+
+}  // namespace roomwise::guide
