@@ -24,6 +24,7 @@ int main(int argc, char** argv) {
   add_fit_instances_command(app, context);
   add_fit_localizer_command(app, context);
   add_fit_rooms_command(app, context);
+  add_guidance_command(app, context);
   add_lift_labels_command(app, context);
   add_command_elsewhere(app, context, "train",
                         "Fine-tune a network on pictures of your own classes", kTraining);

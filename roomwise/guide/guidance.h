@@ -82,8 +82,12 @@ class Guidance {
     return state_ == State::kArrived || state_ == State::kNearest || state_ == State::kEnded;
   }
   [[nodiscard]] const Goal& goal() const { return goal_; }
-  // The way that is followed now; of it the first leg is being walked.
+  // The way that is followed now.
   [[nodiscard]] const Plan& plan() const { return plan_; }
+  // Where the leg ends that is being walked.
+  [[nodiscard]] std::optional<Eigen::Vector2d> next_place() const {
+    return legs_.empty() ? std::nullopt : std::optional(legs_[leg_].to);
+  }
 
  private:
   using MaybePrompt = std::optional<Prompt>;

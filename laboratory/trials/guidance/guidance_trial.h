@@ -1,0 +1,87 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "laboratory/trials/guidance/guided_home.h"
+#include "laboratory/trials/guidance/modelled_position.h"
+#include "laboratory/trials/guidance/simulated_walker.h"
+#include "roomwise/guide/guidance.h"
+
+// Made-up people are led through made-up homes by what they hear.
+namespace roomwise::trials {
+
+// By what somebody is led.
+enum class Guide {
+  kSession,   // guide::Guidance
+  kListOnce,  // the list of legs that "way to" answers with, asked for once
+  kList,      // the same, asked for again at each list's end
+};
+[[nodiscard]] std::string_view to_string(Guide guide);
+
+struct TrialOptions {
+  std::uint64_t seed = 0;
+  Guide guide = Guide::kSession;
+  GoalOptions goals = {};
+  WalkerFaults faults = {};
+  PositionModel position = {};
+  guide::SpeakingStyle style = {};
+  guide::GuidanceOptions guidance = {};
+  double max_s = 300;      // then they give up
+  double patience_s = 12;  // who hears nothing so long asks for the last word again
+
+  [[nodiscard]] Expected<void> validate() const;
+};
+
+struct HeardPrompt {
+  double at_s = 0;  // began to be spoken
+  std::string message, text;
+  Eigen::Vector2d place = Eigen::Vector2d::Zero();
+  bool is_late = false;   // for more than a second it could not be begun
+  bool is_wrong = false;  // asked for a way that the true place does not need, by 45 degrees
+};
+
+struct GuidedWalk {
+  GuidedGoal goal;
+  bool is_offered = false;  // the guide knew of the goal
+  bool has_ended = false;   // by the guide's word, and not by giving up
+  bool says_there = false;
+  bool is_there = false;  // in truth, at the end
+  double walked_m = 0;
+  double seconds = 0;
+  int contacts = 0;    // of the body with things and walls
+  int deviations = 0;  // off the way
+  int lost = 0;
+  int expired = 0;               // prompts that came too late to be begun
+  int repeats = 0, blocked = 0;  // asked for by the person
+  double to_goal_m = 0;          // from their edge, at the end
+  std::vector<HeardPrompt> heard;
+  std::vector<Eigen::Vector2d> path;  // five times a second
+
+  // Was led there and told so.
+  [[nodiscard]] bool arrived() const { return says_there && is_there; }
+  [[nodiscard]] int late() const;
+  [[nodiscard]] int wrong() const;
+};
+
+[[nodiscard]] GuidedWalk lead(const GuidedMap& map, const WalkedHome& home, const GuidedGoal& goal,
+                              const TrialOptions& options, std::uint64_t walk);
+
+struct TrialSummary {
+  std::size_t goals = 0, offered = 0, arrived = 0;
+  std::size_t says_there_wrongly = 0;  // told so, and is not
+  double spl = 0;  // success weighted by path length: mean of arrived * shortest / max(both)
+  // Of those who arrived: the path over the shortest one; mean, and standard deviation.
+  double path_ratio = 0, path_ratio_deviation = 0;
+  double mean_s = 0;  // of those who arrived
+  double walked_m = 0;
+  double contacts_per_walk = 0, prompts_per_m = 0;
+  std::size_t prompts = 0, late = 0, wrong = 0, expired = 0;
+  double deviations_per_walk = 0, lost_per_walk = 0;
+  double median_to_goal_m = 0;  // of things that were reached
+};
+[[nodiscard]] TrialSummary summarise(std::span<const GuidedWalk> walks);
+
+}  // namespace roomwise::trials

@@ -1,0 +1,241 @@
+#include "laboratory/trials/guidance/guided_home.h"
+
+#include <algorithm>
+#include <numbers>
+
+#include "laboratory/simulation/home/ground_truth.h"
+#include "laboratory/simulation/home/home_geometry.h"
+#include "laboratory/simulation/walk/walk.h"
+#include "roomwise/base/random.h"
+#include "roomwise/guide/floor_search.h"
+#include "roomwise/guide/legs.h"
+
+namespace roomwise::trials {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector2i;
+using simulation::Footprint;
+using simulation::FreeSpace;
+using simulation::HomeModel;
+
+constexpr double kCaneReachesUpTo_m = 0.7;
+
+guide::Outline outline_of(const Footprint& footprint) {
+  return {footprint.center, 2 * footprint.half_size, footprint.yaw_rad};
+}
+
+// Nobody is led to a carpet or to a lamp at the ceiling.
+bool is_goal(const simulation::ObjectTruth& object) {
+  const double bottom_m = object.center_m.z() - object.size_m.z() / 2;
+  return object.size_m.z() > simulation::kCarpetHeight && bottom_m < simulation::kBodyToHeight;
+}
+
+Expected<rooms::RoomLayout> layout_of(const HomeModel& home, const fusion::FloorGrid& floor,
+                                      std::uint64_t seed) {
+  simulation::WalkOptions options;
+  options.seed = seed;
+  ROOMWISE_TRY(const auto walk, simulation::plan_walk(home, options));
+  rooms::WalkedPath path;
+  for (const simulation::WalkPose& pose : walk) {
+    path.push_back({pose.world_from_camera.translation.head<2>(), home.rooms[pose.room].name});
+  }
+  const std::vector<rooms::WalkedPath> walks{path};
+  return rooms::RoomLayout::make(floor, walks);
+}
+
+FreeSpace space_up_to(const HomeModel& home, double height_m) {
+  return {simulation::floors_of(home),
+          simulation::obstacles_of(home, simulation::kBodyFromHeight, height_m)};
+}
+
+// The shortest way from a place to where somebody is there; nothing where there is none.
+std::optional<double> shortest_way_m(const WalkedHome& home, const GuidedGoal& goal,
+                                     const GoalOptions& options) {
+  const guide::FloorSearch search(home.floor, options.body_radius_m, options.body_radius_m);
+  const auto from =
+      search.nearest_free(goal.start, home.floor.cell_m(), [](const Vector2d&) { return true; });
+  if (!from) return std::nullopt;
+  const auto way = search.find(*from, [&](const Vector2d& place) {
+    return is_there(home.model, goal, place, options) ? std::optional(0.0) : std::nullopt;
+  });
+  if (way.empty()) return std::nullopt;
+  return guide::length_m(search.straightened(way));
+}
+
+class GoalChooser {
+ public:
+  GoalChooser(const GuidedMap& map, const WalkedHome& home, const GoalOptions& options)
+      : map_(map), home_(home), options_(options), random_(options.seed, {0x676f616c}) {}
+
+  [[nodiscard]] std::vector<GuidedGoal> choose() {
+    std::vector<GuidedGoal> goals;
+    constexpr std::size_t kTries = 50;  // for each
+    for (std::size_t i = 0; i < kTries * options_.goals && goals.size() < options_.goals; ++i) {
+      std::optional<GuidedGoal> goal = draw_goal();
+      if (!goal) continue;
+      goal->start = free_place();
+      goal->start_heading_rad = random_.between(-std::numbers::pi, std::numbers::pi);
+      const auto shortest_m = shortest_way_m(home_, *goal, options_);
+      if (!shortest_m || *shortest_m < options_.min_way_m) continue;
+      goal->shortest_m = *shortest_m;
+      goals.push_back(*std::move(goal));
+    }
+    return goals;
+  }
+
+ private:
+  [[nodiscard]] std::optional<GuidedGoal> draw_goal() {
+    const double kind = random_.uniform();
+    if (kind < 0.6) return thing();
+    if (kind < 0.8) return room();
+    if (kind < 0.9) return door();
+    return kind < 0.95 ? way_out() : spot();
+  }
+
+  // Of those that still stand where the map has them.
+  [[nodiscard]] std::optional<GuidedGoal> thing() {
+    if (map_.things.empty()) return std::nullopt;
+    const std::size_t i = random_.index(map_.things.size());
+    const std::string& name = map_.object_of_thing[i];
+    const auto now = std::ranges::find(home_.model.objects, name, &simulation::PlacedObject::name);
+    if (now == home_.model.objects.end()) return std::nullopt;
+    const Footprint footprint = simulation::footprint_of(*now);
+    GuidedGoal goal{guide::Goal::of(map_.things[i]), {outline_of(footprint)}, now->room};
+    constexpr double kMoved_m = 0.2;
+    if ((footprint.center - goal.goal.outline->middle_gravity).norm() > kMoved_m) {
+      return std::nullopt;
+    }
+    if (now->stands_on) {
+      goal.outlines.push_back(
+          outline_of(simulation::footprint_of(home_.model.objects[*now->stands_on])));
+    }
+    return goal;
+  }
+  [[nodiscard]] std::optional<GuidedGoal> room() {
+    const std::size_t i = random_.index(map_.layout.rooms().size());
+    const rooms::RoomExtent& extent = map_.layout.rooms()[i];
+    const auto now = std::ranges::find(home_.model.rooms, extent.name, &simulation::Room::name);
+    return GuidedGoal{
+        guide::Goal::of(extent), {}, static_cast<std::size_t>(now - home_.model.rooms.begin())};
+  }
+  [[nodiscard]] std::optional<GuidedGoal> door() {
+    const auto doors = guide::doors_of(map_.layout.doorways());
+    if (doors.empty()) return std::nullopt;
+    const rooms::Doorway& door = doors[random_.index(doors.size())];
+    GuidedGoal goal{guide::Goal::of(door), {}};
+    // As wide as it is: who is between its jambs, or before them, is at the door.
+    goal.outlines.push_back({door.middle_gravity, Vector2d::Constant(door.width_m)});
+    return goal;
+  }
+  [[nodiscard]] std::optional<GuidedGoal> way_out() {
+    if (!map_.way_out) return std::nullopt;
+    GuidedGoal goal;
+    goal.goal.kind = guide::Goal::Kind::kWayOut;
+    goal.goal.noun = {guide::Noun::Kind::kThing, "way out"};
+    goal.goal.outline = map_.way_out;
+    goal.goal.room = map_.way_out_room;
+    goal.outlines = {*map_.way_out};
+    return goal;
+  }
+  [[nodiscard]] std::optional<GuidedGoal> spot() {
+    GuidedGoal goal;
+    goal.goal.kind = guide::Goal::Kind::kSpot;
+    goal.goal.noun = {guide::Noun::Kind::kThing, "spot"};
+    goal.goal.outline = guide::Outline{free_place()};
+    goal.goal.room = map_.layout.room_at(goal.goal.outline->middle_gravity);
+    goal.outlines = {*goal.goal.outline};
+    return goal;
+  }
+
+  [[nodiscard]] Vector2d free_place() {
+    const fusion::FloorGrid& floor = home_.floor;
+    while (true) {
+      const auto column =
+          static_cast<int>(random_.index(static_cast<std::uint64_t>(floor.columns())));
+      const auto row = static_cast<int>(random_.index(static_cast<std::uint64_t>(floor.rows())));
+      if (floor.fits(column, row, simulation::kWalkingRadius))
+        return floor.cell_middle_m(column, row);
+    }
+  }
+
+  const GuidedMap& map_;
+  const WalkedHome& home_;
+  const GoalOptions& options_;
+  RandomStream random_;
+};
+
+}  // namespace
+
+Expected<void> GoalOptions::validate() const {
+  if (goals == 0) return fail("goals is 0; expected 1 or more");
+  if (!(arrived_m > 0 && body_radius_m > 0 && min_way_m > 0)) {
+    return fail("arrived_m is {}, body_radius_m {} and min_way_m {}; expected more than 0",
+                arrived_m, body_radius_m, min_way_m);
+  }
+  return {};
+}
+
+fusion::FloorGrid grid_of(const FreeSpace& space) {
+  image::Image<fusion::FloorCell> cells(space.columns(), space.rows(),
+                                        fusion::FloorCell::kOccupied);
+  for (int row = 0; row < space.rows(); ++row) {
+    for (int column = 0; column < space.columns(); ++column) {
+      if (space.clearance_m(column, row) > 0) cells.at(column, row) = fusion::FloorCell::kFree;
+    }
+  }
+  return {space.origin(), FreeSpace::kCellSize, std::move(cells)};
+}
+
+WalkedHome::WalkedHome(const HomeModel& home)
+    : model(home),
+      body(FreeSpace::of(home)),
+      cane(space_up_to(home, kCaneReachesUpTo_m)),
+      floor(grid_of(body)) {}
+
+Expected<GuidedMap> map_truth(const HomeModel& home,
+                              std::span<const simulation::FurnitureModel> models,
+                              std::uint64_t seed) {
+  fusion::FloorGrid floor = grid_of(FreeSpace::of(home));
+  ROOMWISE_TRY(rooms::RoomLayout layout, layout_of(home, floor, seed));
+  GuidedMap map{std::move(floor), std::move(layout), {}, {}, std::nullopt};
+  const auto objects =
+      simulation::objects_truth(home, models, simulation::ObservationCounter(home.objects.size()));
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    if (!is_goal(objects[i])) continue;
+    guide::KnownThing& thing = map.things.emplace_back();
+    thing.name = objects[i].label;
+    thing.probability = 1;
+    thing.position_gravity = objects[i].center_m;
+    thing.box_keyframe.size_m = objects[i].size_m;
+    thing.yaw_rad = objects[i].yaw_rad;
+    thing.room = objects[i].room;
+    map.object_of_thing.push_back(objects[i].name);
+  }
+  for (const simulation::Door& door : home.doors) {
+    if (door.other_room) continue;
+    const simulation::Rectangle hole = simulation::hole_of(door.opening, home.wall_thickness_m);
+    map.way_out = guide::Outline{simulation::center(hole), simulation::size(hole)};
+    map.way_out_room = home.rooms[door.room].name;
+  }
+  return map;
+}
+
+bool is_there(const HomeModel& home, const GuidedGoal& goal, const Vector2d& place,
+              const GoalOptions& options) {
+  if (goal.room && simulation::room_at(home, place) != *goal.room) return false;
+  if (goal.outlines.empty()) return contains(home.rooms[*goal.room].interior, place);
+  return std::ranges::any_of(goal.outlines, [&](const guide::Outline& outline) {
+    return outline.distance_m(place) <= options.arrived_m + options.body_radius_m;
+  });
+}
+
+Expected<std::vector<GuidedGoal>> choose_goals(const GuidedMap& map, const WalkedHome& home,
+                                               const GoalOptions& options) {
+  ROOMWISE_CHECK_OK(options.validate());
+  std::vector<GuidedGoal> goals = GoalChooser(map, home, options).choose();
+  if (goals.empty()) return fail("the home has no goal that a person can reach");
+  return goals;
+}
+
+}  // namespace roomwise::trials

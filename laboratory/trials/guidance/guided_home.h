@@ -1,0 +1,75 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "laboratory/simulation/furniture/furniture_catalogue.h"
+#include "laboratory/simulation/home/free_space.h"
+#include "laboratory/simulation/home/home_model.h"
+#include "roomwise/base/expected.h"
+#include "roomwise/guide/plan.h"
+
+// Made-up homes to lead made-up people through. World frame: that of the home, z up, metres; it is
+// the gravity-aligned frame of the map, too.
+namespace roomwise::trials {
+
+// What the guide is told of a home: floor, rooms and things as they truly are by day, with the
+// doorways that the layout finds along a walk that is named rightly.
+struct GuidedMap {
+  fusion::FloorGrid floor;
+  rooms::RoomLayout layout;
+  std::vector<guide::KnownThing> things;
+  std::vector<std::string> object_of_thing;  // its name in the home: "chair 3"
+  std::optional<guide::Outline> way_out;     // the front door
+  std::optional<std::string> way_out_room = {};
+
+  // Borrows from this.
+  [[nodiscard]] guide::HomeMap view() const { return {&floor, &layout, layout.doorways(), things}; }
+};
+[[nodiscard]] Expected<GuidedMap> map_truth(const simulation::HomeModel& home,
+                                            std::span<const simulation::FurnitureModel> models,
+                                            std::uint64_t seed);
+
+// Where things are when somebody is led: what a body runs into, and what a cane finds of it.
+struct WalkedHome {
+  explicit WalkedHome(const simulation::HomeModel& home);
+
+  simulation::HomeModel model;
+  simulation::FreeSpace body;  // between ankle and head
+  simulation::FreeSpace cane;  // up to the hip: what hangs higher is not found
+  fusion::FloorGrid floor;     // of what a body runs into
+};
+
+[[nodiscard]] fusion::FloorGrid grid_of(const simulation::FreeSpace& space);
+
+// Where somebody is to be led, and what is true of it.
+struct GuidedGoal {
+  guide::Goal goal;                      // as the guide is told
+  std::vector<guide::Outline> outlines;  // it, and what carries it: who is at one of them is there
+  std::optional<std::size_t> room = {};  // index into HomeModel::rooms: one must be in it
+  Eigen::Vector2d start = Eigen::Vector2d::Zero();
+  double start_heading_rad = 0;
+  double shortest_m = 0;  // from the start to the nearest place that counts as there
+};
+
+struct GoalOptions {
+  std::uint64_t seed = 0;
+  std::size_t goals = 20;
+  double arrived_m = 0.3;  // from a person's edge to a thing
+  double body_radius_m = 0.25;
+  double min_way_m = 2;  // shorter ones need no guide
+
+  [[nodiscard]] Expected<void> validate() const;
+};
+
+// Whether somebody who stands there is at the goal.
+[[nodiscard]] bool is_there(const simulation::HomeModel& home, const GuidedGoal& goal,
+                            const Eigen::Vector2d& place, const GoalOptions& options);
+
+// Things, rooms, doors, spots and the way out, drawn by the seed, and places to begin from; only
+// what a person can reach as things are now.
+[[nodiscard]] Expected<std::vector<GuidedGoal>> choose_goals(const GuidedMap& map,
+                                                             const WalkedHome& home,
+                                                             const GoalOptions& options);
+
+}  // namespace roomwise::trials

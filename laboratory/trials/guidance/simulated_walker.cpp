@@ -1,0 +1,206 @@
+#include "laboratory/trials/guidance/simulated_walker.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "roomwise/guide/legs.h"
+
+namespace roomwise::trials {
+namespace {
+
+using Eigen::Vector2d;
+using guide::kDegree_rad;
+using Kind = Instruction::Kind;
+
+constexpr double kSpeed_m_s = 0.6;          // of a person who walks with a cane at home
+constexpr double kCarefulSpeed_m_s = 0.35;  // while the cane finds something
+constexpr double kTurning_rad_s = 60 * kDegree_rad;
+constexpr double kLooking_rad_s = 30 * kDegree_rad;
+constexpr double kCane_m = 0.9;
+// Half a person's width and half a cell that the grid may lack; the grid's clearance is up to two
+// cells too small aslant.
+constexpr double kHalfWidth_m = 0.2;
+constexpr double kTouch_m = 0.15;
+constexpr double kInside_m = 0.08;
+constexpr double kNoseToWall_m = 0.3;  // with the cane at it they stand so near
+
+Vector2d direction(double heading_rad) {
+  return {std::cos(heading_rad), std::sin(heading_rad)};
+}
+
+}  // namespace
+
+Expected<void> WalkerFaults::validate() const {
+  if (!(scale >= 0 && scale <= 3)) return fail("scale is {}; expected 0 to 3", scale);
+  if (!(step_share >= 0 && step_share * scale < 0.9)) {
+    return fail("step_share is {}; expected 0 to less than 0.9, times scale", step_share);
+  }
+  if (!(min_reaction_s >= 0 && max_reaction_s >= min_reaction_s)) {
+    return fail("min_reaction_s is {} and max_reaction_s {}; expected 0 or more, the second larger",
+                min_reaction_s, max_reaction_s);
+  }
+  return {};
+}
+
+SimulatedWalker::SimulatedWalker(const WalkedHome& home, const Vector2d& start, double heading_rad,
+                                 const WalkerFaults& faults, std::uint64_t seed)
+    : home_(home),
+      faults_(faults),
+      random_(seed, {0x77616c6b6572}),
+      place_(start),
+      heading_rad_(heading_rad),
+      line_rad_(heading_rad) {
+  veer_rad_per_m_ = fault(faults_.veer_degrees_per_m) * kDegree_rad;
+  step_factor_ = 1 + fault(faults_.step_share);
+}
+
+double SimulatedWalker::fault(double most) {
+  return faults_.scale * random_.between(-most, most);
+}
+
+void SimulatedWalker::hear(const Instruction& instruction) {
+  if (instruction.kind == Kind::kNothing) return;
+  const double reaction_s =
+      faults_.min_reaction_s +
+      faults_.scale * random_.uniform() * (faults_.max_reaction_s - faults_.min_reaction_s);
+  list_.clear();
+  heard_.push_back({instruction, reaction_s});
+}
+
+void SimulatedWalker::hear_list(const std::vector<Instruction>& instructions) {
+  list_.insert(list_.end(), instructions.begin(), instructions.end());
+}
+
+bool SimulatedWalker::take_is_blocked() {
+  return std::exchange(is_blocked_, false);
+}
+
+void SimulatedWalker::turn_by(double turn_rad, double rate_rad_s) {
+  mode_ = Mode::kTurn;
+  const double share = std::min(1.0, std::abs(turn_rad) / (std::numbers::pi / 2));
+  turn_left_rad_ = turn_rad + share * fault(faults_.turn_degrees) * kDegree_rad;
+  turn_rate_rad_s_ = rate_rad_s;
+}
+
+void SimulatedWalker::act(Instruction instruction) {
+  if (random_.uniform() < faults_.scale * faults_.wrong_share) {
+    if (instruction.turn_rad == 0) return;  // did not hear it
+    instruction.turn_rad = -instruction.turn_rad;
+  }
+  is_blocked_ = false;
+  switch (instruction.kind) {
+    case Kind::kNothing:
+      return;
+    case Kind::kStop:
+      mode_ = Mode::kStand;
+      turn_then_rad_.reset();
+      return;
+    case Kind::kTurn:
+      turn_then_rad_.reset();
+      return turn_by(instruction.turn_rad, kTurning_rad_s);
+    case Kind::kLookAround:
+      turn_then_rad_.reset();
+      return turn_by(2 * std::numbers::pi, kLooking_rad_s);
+    case Kind::kLittle:
+      if (mode_ != Mode::kWalk) return turn_by(instruction.turn_rad, kTurning_rad_s);
+      line_rad_ += instruction.turn_rad * (1 + fault(faults_.turn_degrees / 90));
+      return;
+    case Kind::kWalk:
+    case Kind::kSoon:
+      // Who is told while turning by themselves finishes that first.
+      if (mode_ != Mode::kWalk) line_rad_ = heading_rad_;
+      mode_ = Mode::kWalk;
+      counted_m_ = instruction.distance_m * step_factor_;
+      turn_then_rad_.reset();
+      if (instruction.kind == Kind::kSoon) turn_then_rad_ = instruction.turn_rad;
+      return;
+  }
+}
+
+void SimulatedWalker::step(double dt_s) {
+  for (Heard& heard : heard_) heard.in_s -= dt_s;
+  while (!heard_.empty() && heard_.front().in_s <= 0) {
+    const Instruction instruction = heard_.front().instruction;
+    heard_.pop_front();
+    act(instruction);
+  }
+  if (mode_ == Mode::kStand && heard_.empty() && !list_.empty()) {
+    const Instruction next = list_.front();
+    list_.pop_front();
+    act(next);
+  }
+  idle_s_ = mode_ == Mode::kStand && heard_.empty() ? idle_s_ + dt_s : 0;
+  if (mode_ == Mode::kTurn) {
+    const double turned =
+        std::clamp(turn_left_rad_, -turn_rate_rad_s_ * dt_s, turn_rate_rad_s_ * dt_s);
+    heading_rad_ += turned;
+    line_rad_ = heading_rad_;
+    turn_left_rad_ -= turned;
+    if (std::abs(turn_left_rad_) < 1e-9) mode_ = Mode::kStand;
+  } else if (mode_ == Mode::kWalk) {
+    walk(dt_s);
+  }
+}
+
+void SimulatedWalker::walk(double dt_s) {
+  const double reach_m = std::min(kCane_m, counted_m_ + kNoseToWall_m);
+  const auto around = way_around(reach_m);
+  const bool finds = !around || *around != line_rad_ || free_ahead_m(line_rad_, kCane_m) < kCane_m;
+  const double heading = around.value_or(line_rad_);
+  // Faces where they walk, turning as fast as people do.
+  const double turn = guide::turn_rad(heading_rad_, heading);
+  heading_rad_ += std::clamp(turn, -kTurning_rad_s * dt_s, kTurning_rad_s * dt_s);
+  if (!around && free_ahead_m(line_rad_, kCane_m) <= kNoseToWall_m) {
+    is_blocked_ = counted_m_ > 1;
+    mode_ = Mode::kStand;
+    return;
+  }
+  const double step_m = (finds ? kCarefulSpeed_m_s : kSpeed_m_s) * dt_s;
+  line_rad_ += veer_rad_per_m_ * step_m;
+  move(step_m * direction(heading_rad_));
+  counted_m_ -= step_m;
+  if (counted_m_ > 0) return;
+  mode_ = Mode::kStand;
+  if (turn_then_rad_) turn_by(*std::exchange(turn_then_rad_, std::nullopt), kTurning_rad_s);
+}
+
+void SimulatedWalker::move(const Vector2d& by) {
+  const double clearance_m = home_.body.clearance_m(place_ + by);
+  const bool touches = clearance_m < kTouch_m;
+  if (touches && !touches_) ++contacts_;
+  touches_ = touches;
+  // Does not go through things; away from what they touch they may.
+  if (clearance_m < kInside_m && clearance_m <= home_.body.clearance_m(place_)) {
+    is_blocked_ = counted_m_ > 1;
+    mode_ = Mode::kStand;
+    return;
+  }
+  place_ += by;
+  walked_m_ += by.norm();
+}
+
+double SimulatedWalker::free_ahead_m(double heading_rad, double reach_m) const {
+  constexpr double kStep_m = 0.05;
+  const Vector2d ahead = direction(heading_rad);
+  const double here_m = home_.cane.clearance_m(place_);
+  for (double distance_m = kStep_m; distance_m < reach_m; distance_m += kStep_m) {
+    // Along what they stand at already they may go, not nearer.
+    const double needed_m = std::min(kHalfWidth_m, here_m);
+    if (home_.cane.clearance_m(place_ + distance_m * ahead) < needed_m) return distance_m;
+  }
+  return reach_m;
+}
+
+std::optional<double> SimulatedWalker::way_around(double reach_m) const {
+  if (free_ahead_m(line_rad_, reach_m) >= reach_m) return line_rad_;
+  for (const int degrees : {15, 30, 45, 60}) {
+    for (const double side : {1.0, -1.0}) {
+      const double heading = line_rad_ + side * degrees * kDegree_rad;
+      if (free_ahead_m(heading, reach_m) >= reach_m) return heading;
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace roomwise::trials
