@@ -35,6 +35,7 @@ Json to_json(const GuidedWalk& walk) {
           {"arrived", walk.arrived()},
           {"says_there", walk.says_there},
           {"gave_up", !walk.has_ended},
+          {"to_goal_m", walk.to_goal_m},
           {"shortest_m", walk.goal.shortest_m},
           {"walked_m", walk.walked_m},
           {"seconds", walk.seconds},

@@ -89,11 +89,11 @@ std::vector<Vector2i> FloorSearch::find(const Vector2i& from, const EndCost& end
   return way;
 }
 
-Route FloorSearch::straightened(const std::vector<Vector2i>& way) const {
+Route FloorSearch::straightened(const std::vector<Vector2i>& way, double enough_m) const {
   Route route{middle(way.front())};
   for (std::size_t here = 0; here + 1 < way.size();) {
     std::size_t farthest = here + 1;
-    double min_m = std::min(comfort_m_, clearance_m(way[here]));
+    double min_m = std::min(enough_m, clearance_m(way[here]));
     for (std::size_t next = here + 1; next < way.size(); ++next) {
       min_m = std::min(min_m, clearance_m(way[next]));
       if (is_clear(middle(way[here]), middle(way[next]), min_m)) farthest = next;

@@ -33,8 +33,8 @@ class FloorSearch {
                                                   const EndCost& end_cost) const;
 
   // Leaves out corners where the straight line is as far from everything as the way was, or
-  // comfortably far.
-  [[nodiscard]] Route straightened(const std::vector<Eigen::Vector2i>& way) const;
+  // `enough_m` far.
+  [[nodiscard]] Route straightened(const std::vector<Eigen::Vector2i>& way, double enough_m) const;
   // Whether the whole straight line keeps that clearance.
   [[nodiscard]] bool is_clear(const Eigen::Vector2d& from, const Eigen::Vector2d& to,
                               double min_m) const;

@@ -9,11 +9,14 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr double kLegEnd_m = 0.35;  // half a step before a leg's end one is at it
+constexpr double kAtEnd_m = 0.25;   // a foot's length from the way's end one is there
+constexpr double kSlack_m = 0.05;   // of positions: whoever is told so is to be there
 constexpr double kPastEnd_m = 0.5;  // a step beyond it
 constexpr double kHand_m = 0.7;     // beside the way a hand finds what stands there
 
 // What people hear, they do within a second and a half (see docs/guide.md).
 constexpr double kReaction_s = 1.0;
+constexpr double kWalks_m_s = 0.3;  // nobody turns on the spot so fast
 constexpr double kStandsAfter_s = 1.5;
 // A person keeps a line to about so much: from there on a word helps more than it disturbs.
 constexpr double kMissed_m = 0.35;
@@ -88,6 +91,7 @@ void Guidance::plan_from(const Pose& pose) {
   if (barred_floor_) map.floor = &*barred_floor_;
   plan_ = plan_way(map, {.pose = pose, .room = room_}, goal_, options_.plan);
   legs_ = legs_of(plan_.route, doors_);
+  if (plan_.reach == Reach::kWhole) reach_out();
   leg_ = 0;
   // What is left of a leg that ends here is done.
   while (leg_ + 1 < legs_.size() && left_on_leg_m(pose) < kLegEnd_m) ++leg_;
@@ -95,6 +99,20 @@ void Guidance::plan_from(const Pose& pose) {
   announced_ = false;
   reminded_ = false;
   off_since_ns_.reset();
+}
+
+// Up to a thing one walks until a hand or a cane is at it: the last leg goes on to where the body
+// would touch it.
+void Guidance::reach_out() {
+  if (legs_.empty() || goal_.kind == Goal::Kind::kRoom || goal_.kind == Goal::Kind::kDoor) return;
+  Leg& last = legs_.back();
+  const Vector2d towards = plan_.touch_gravity - last.to;
+  const double further_m = std::min(towards.norm() - options_.body_radius_m, kHand_m / 2);
+  if (further_m <= 0) return;
+  const Vector2d end = last.to + further_m * towards.normalized();
+  if (map_.floor->at(end) != fusion::FloorCell::kFree) return;
+  last.to = end;
+  last.length_m += further_m;
 }
 
 double Guidance::left_on_leg_m(const Pose& pose) const {
@@ -145,20 +163,31 @@ bool Guidance::is_in_goal_room(const Pose& pose) const {
          map_.room_at(pose.position_gravity) == goal_.room;
 }
 
+// By two pictures: one may be wrong.
+bool Guidance::has_arrived(const Pose& pose) {
+  if (!is_at_goal(pose)) {
+    at_goal_by_.reset();
+    return false;
+  }
+  if (!at_goal_by_) at_goal_by_ = pose.position_gravity;
+  return *at_goal_by_ != pose.position_gravity || track_.is_standing();
+}
+
 bool Guidance::is_at_goal(const Pose& pose) const {
   if (plan_.reach != Reach::kWhole || !is_in_goal_room(pose)) return false;
   const double to_end_m = (plan_.route.back() - pose.position_gravity).norm();
-  if (to_end_m < kLegEnd_m) return true;
   // Anywhere beyond the door is in the room, but who stands in the door is not.
   if (goal_.kind == Goal::Kind::kRoom) {
-    return std::ranges::all_of(map_.doorways, [&](const rooms::Doorway& doorway) {
-      return !doorway.joins(*goal_.room) ||
-             (doorway.middle_gravity - pose.position_gravity).norm() >
-                 options_.plan.into_room_m - kLegEnd_m;
-    });
+    return to_end_m < kLegEnd_m ||
+           std::ranges::all_of(map_.doorways, [&](const rooms::Doorway& doorway) {
+             return !doorway.joins(*goal_.room) ||
+                    (doorway.middle_gravity - pose.position_gravity).norm() >
+                        options_.plan.into_room_m - kLegEnd_m;
+           });
   }
-  return goal_.outline->distance_m(pose.position_gravity) <=
-         options_.arrived_m + options_.body_radius_m;
+  // What stands on something is reached from where the way ends.
+  return to_end_m < kAtEnd_m || goal_.outline->distance_m(pose.position_gravity) <=
+                                    options_.arrived_m + options_.body_radius_m - kSlack_m;
 }
 
 // ---- what happens ----
@@ -209,7 +238,7 @@ std::optional<Prompt> Guidance::begin(const Walker& walker) {
       state_ = goal_.room ? State::kByRooms : State::kEnded;
     }
     if (plan_.reach != Reach::kWhole) return say({"route.none"}, now_ns, Confidence::kUnsure);
-    if (is_at_goal(pose)) return arrive(pose, now_ns);
+    if (has_arrived(pose)) return arrive(pose, now_ns);
     return say({"guide.begin", {{"goal", Nouns{goal_.noun}}, {"distance", distance(left_m(pose))}}},
                now_ns, goal_.is_sure ? Confidence::kSure : Confidence::kProbable);
   }
@@ -257,9 +286,11 @@ Prompt Guidance::act(const Pose& pose, TimestampNs now_ns) {
     told_room_.reset();
     return say({"route.none"}, now_ns, Confidence::kUnsure);
   }
-  if (is_at_goal(pose)) return arrive(pose, now_ns);
+  if (has_arrived(pose)) return arrive(pose, now_ns);
   const bool is_at_end = legs_.empty() || (is_last_leg() && left_m(pose) < kLegEnd_m);
-  if (is_at_end) return end_of_way(pose, now_ns);
+  if (is_at_end) {
+    return plan_.reach == Reach::kWhole ? arrive(pose, now_ns) : end_of_way(pose, now_ns);
+  }
   const double turn = bearing_error_rad(pose);
   const Leg& leg = legs_[leg_];
   const double length_m = (leg.to - pose.position_gravity).norm();
@@ -275,11 +306,11 @@ Prompt Guidance::act(const Pose& pose, TimestampNs now_ns) {
 std::optional<Prompt> Guidance::turning(const Pose& pose, TimestampNs now_ns) {
   const double quiet_s = silent_for_s(now_ns);
   const bool has_turned = std::abs(turn_rad(turn_from_rad_, pose.heading_rad)) > 8 * kDegree_rad;
-  const bool is_turning = track_.turned_rad(0.7) > 6 * kDegree_rad;
-  if (!track_.is_standing() && !has_turned && quiet_s > kReaction_s) {
+  if (track_.speed_m_s().value_or(0) > kWalks_m_s && !has_turned && quiet_s > kReaction_s) {
     return stop("guide.stop", now_ns);  // walks instead
   }
-  if (has_turned && !is_turning && quiet_s > 0.5) return act(pose, now_ns);
+  if (has_turned && !track_.may_turn() && track_.is_standing() && quiet_s > 0.5)
+    return act(pose, now_ns);
   // Waits while one stands; a word that was not heard is said again once.
   if (!has_turned && !reminded_ && quiet_s > options_.remind_s) {
     Prompt prompt = act(pose, now_ns);
@@ -290,7 +321,7 @@ std::optional<Prompt> Guidance::turning(const Pose& pose, TimestampNs now_ns) {
 }
 
 std::optional<Prompt> Guidance::walking(const Pose& pose, TimestampNs now_ns) {
-  if (is_at_goal(pose)) return arrive(pose, now_ns);
+  if (has_arrived(pose)) return arrive(pose, now_ns);
   if (left_on_leg_m(pose) < kLegEnd_m) {
     if (auto prompt = at_leg_end(pose, now_ns)) return prompt;
     if (state_ != State::kWalking) return std::nullopt;
@@ -338,14 +369,14 @@ std::optional<Prompt> Guidance::at_leg_end(const Pose& pose, TimestampNs now_ns)
 }
 
 std::optional<Prompt> Guidance::corner(const Pose& pose, TimestampNs now_ns) {
-  if (is_at_goal(pose)) return arrive(pose, now_ns);
+  if (has_arrived(pose)) return arrive(pose, now_ns);
   const double next = legs_[leg_ + 1].heading_rad();
   const bool has_turned = std::abs(turn_rad(pose.heading_rad, next)) < 25 * kDegree_rad;
-  if (has_turned && track_.turned_rad(0.7) < 6 * kDegree_rad) return act(pose, now_ns);
+  if (has_turned && !track_.may_turn()) return act(pose, now_ns);
   const bool is_past = left_on_leg_m(pose) < -kPastEnd_m;
-  if (!track_.is_standing() && (is_past || !announced_)) return stop("guide.stop", now_ns);
+  if (!track_.is_standing() && is_past) return stop("guide.stop", now_ns);
   // Who was told of the turn before makes it by themselves; who stands still is told.
-  const bool waits = track_.is_standing() && track_.turned_rad(1) < 6 * kDegree_rad;
+  const bool waits = track_.is_standing() && !track_.may_turn();
   if (waits && silent_for_s(now_ns) > kStandsAfter_s) return act(pose, now_ns);
   return std::nullopt;
 }
@@ -415,8 +446,8 @@ std::optional<Prompt> Guidance::announce(const Pose& pose, TimestampNs now_ns) {
 // Has been told to stop: hears what to do as soon as they stand.
 std::optional<Prompt> Guidance::stopped(const Pose& pose, TimestampNs now_ns) {
   const double quiet_s = silent_for_s(now_ns);
-  const bool is_late = quiet_s > kReaction_s;  // then it is told while they walk
-  if (!is_late && !track_.is_standing()) return std::nullopt;
+  const bool is_late = quiet_s > 2 * kReaction_s;  // then it is told while they walk
+  if (!is_late && (!track_.is_standing() || track_.may_turn())) return std::nullopt;
   return act(pose, now_ns);
 }
 
@@ -446,7 +477,7 @@ std::optional<Prompt> Guidance::without_pose(const Walker& walker) {
   if (state_ != State::kLost) {
     const double missing_s = std::min(track_.age_s(now_ns), seconds_between(began_ns_, now_ns));
     const bool is_new = begun_ == 0;
-    if (missing_s < (is_new ? kReaction_s : options_.lost_s)) return std::nullopt;
+    if (missing_s < (is_new ? 2 * kReaction_s : options_.lost_s)) return std::nullopt;
     state_ = State::kLost;
     told_room_.reset();
     reminded_ = false;
@@ -590,6 +621,10 @@ Prompt Guidance::request(GuidanceRequest request, TimestampNs now_ns) {
     }
     case GuidanceRequest::kBlocked: {
       if (!is_led) return no_place();
+      // What is in the way at the end of the way is the goal, or what it stands on.
+      if (plan_.reach == Reach::kWhole && is_last_leg() && left_m(*pose) < 2 * kLegEnd_m) {
+        return arrive(*pose, now_ns);
+      }
       bar_what_is_ahead(*pose);
       Prompt prompt = act(*pose, now_ns);
       if (plan_.reach == Reach::kWhole) return prompt;

@@ -22,7 +22,7 @@ struct GuidanceOptions {
   double reassure_m = 5, reassure_s = 8;
   // Off the way: so far beside it or turned so far from it, for so long.
   double off_way_m = 1, off_way_degrees = 30, off_way_s = 2;
-  double lost_s = 3;  // without a pose
+  double lost_s = 4;  // without a pose
   // From a person's edge to a thing that is reached, and a person's radius seen from above, m.
   double arrived_m = 0.3, body_radius_m = 0.25;
   // Who stands where there is something to do hears of it again after so long, once.
@@ -113,6 +113,8 @@ class Guidance {
   [[nodiscard]] Prompt act(const Pose& pose, TimestampNs now_ns);
   [[nodiscard]] Prompt end_of_way(const Pose& pose, TimestampNs now_ns);
   void plan_from(const Pose& pose);
+  void reach_out();
+  [[nodiscard]] bool has_arrived(const Pose& pose);
   void bar_what_is_ahead(const Pose& pose);
 
   [[nodiscard]] bool is_at_goal(const Pose& pose) const;
@@ -152,6 +154,7 @@ class Guidance {
   double turn_from_rad_ = 0;  // the heading when a turn was asked for
   double said_at_walked_m_ = 0;
   std::optional<TimestampNs> off_since_ns_;
+  std::optional<Eigen::Vector2d> at_goal_by_;  // the first place that was at the goal
   std::optional<TimestampNs> corrected_ns_;
   std::optional<TimestampNs> hazard_ns_;
   TimestampNs silent_from_ns_ = 0;  // the newest prompt has been spoken by then

@@ -80,7 +80,7 @@ class Planner {
     const std::vector<Vector2i> way = search.find(*start, end_cost);
     if (way.empty()) return std::nullopt;
     Plan plan;
-    plan.route = search.straightened(way);
+    plan.route = search.straightened(way, std::max(radius_m, options_.straight_m));
     plan.is_narrow = radius_m < person.person_radius_m;
     plan.touch_gravity = goal_.outline->nearest_to(plan.route.back());
     return plan;
@@ -220,11 +220,12 @@ Expected<void> PlanOptions::validate() const {
     return fail("narrow_radius_m is {}; expected more than 0, at most person_radius_m, {}",
                 narrow_radius_m, room_for_a_person.person_radius_m);
   }
-  if (!(farthest_start_m > 0 && arm_m > 0 && reach_weight >= 0 && into_room_m >= 0)) {
+  if (!(farthest_start_m > 0 && arm_m > 0 && straight_m > 0 && reach_weight >= 0 &&
+        into_room_m >= 0)) {
     return fail(
-        "farthest_start_m is {}, arm_m {}, reach_weight {} and into_room_m {}; expected more than "
-        "0, and 0 at least for the last two",
-        farthest_start_m, arm_m, reach_weight, into_room_m);
+        "farthest_start_m is {}, arm_m {}, straight_m {}, reach_weight {} and into_room_m {}; "
+        "expected more than 0, and 0 at least for the last two",
+        farthest_start_m, arm_m, straight_m, reach_weight, into_room_m);
   }
   return {};
 }

@@ -57,6 +57,9 @@ struct PlanOptions {
   double narrow_radius_m = 0.22;
   // From where the map says that somebody stands to free floor, where nothing is nearer, m.
   double farthest_start_m = 1.5;
+  // Of two ways the one with fewer corners, where it is so far from what stands: a corner costs
+  // somebody who is led a stop and a turn, m.
+  double straight_m = 0.4;
   // A stretched arm from the body's middle: what is so near to the way's end is reached, m.
   double arm_m = 0.8;
   // A metre that the end lies nearer to the goal is worth so many metres of way.

@@ -49,7 +49,7 @@ Expected<Route> find_route(const FloorGrid& grid, const Vector2d& from, const Ve
     return place == end ? std::optional(0.0) : std::nullopt;
   });
   if (way.empty()) return fail("no free floor that is wide enough leads to the goal");
-  return search.straightened(way);
+  return search.straightened(way, options.comfort_m);
 }
 
 }  // namespace roomwise::guide

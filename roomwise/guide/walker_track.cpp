@@ -12,15 +12,20 @@ namespace {
 constexpr double kKept_s = 4;
 // A direction holds for two seconds, and words take one.
 constexpr double kFresh_s = 1.2;
-// Nobody goes farther, at home.
-constexpr double kQuickest_m_s = 1.8;
+// Nobody who is led through a home goes or turns faster.
+constexpr double kQuickest_m_s = 1.0;
+constexpr double kQuickest_rad_s = 120 * kDegree_rad;
 constexpr double kSlack_m = 0.6;
+constexpr double kSlack_rad = 40 * kDegree_rad;
 constexpr double kStanding_m_s = 0.15;
 
 bool may_follow(const Pose& before, TimestampNs before_ns, const Pose& pose, TimestampNs at_ns) {
-  const double reach_m = kSlack_m + 3 * std::max(before.sigma_m, pose.sigma_m) +
-                         kQuickest_m_s * seconds_between(before_ns, at_ns);
-  return (pose.position_gravity - before.position_gravity).norm() <= reach_m;
+  const double passed_s = seconds_between(before_ns, at_ns);
+  const double reach_m =
+      kSlack_m + 3 * std::max(before.sigma_m, pose.sigma_m) + kQuickest_m_s * passed_s;
+  return (pose.position_gravity - before.position_gravity).norm() <= reach_m &&
+         std::abs(turn_rad(before.heading_rad, pose.heading_rad)) <=
+             kSlack_rad + kQuickest_rad_s * passed_s;
 }
 
 }  // namespace
@@ -61,29 +66,44 @@ double WalkerTrack::age_s(TimestampNs now_ns) const {
                         : seconds_between(stops_.back().at_ns, now_ns);
 }
 
-double WalkerTrack::speed_m_s() const {
-  if (stops_.size() < 2) return 0;
+const WalkerTrack::Stop* WalkerTrack::a_while_ago() const {
+  constexpr double kShortest_s = 0.35, kLongest_s = 1.6;
+  const Stop* earliest = nullptr;
+  for (const Stop& stop : stops_) {
+    const double ago_s = seconds_between(stop.at_ns, stops_.back().at_ns);
+    if (ago_s < kShortest_s || ago_s > kLongest_s) continue;
+    // The nearest to a second ago.
+    if (earliest == nullptr || ago_s >= 0.9) earliest = &stop;
+  }
+  return earliest;
+}
+
+std::optional<double> WalkerTrack::speed_m_s() const {
+  const Stop* const before = a_while_ago();
+  if (before == nullptr) return std::nullopt;
   const Stop& newest = stops_.back();
-  const auto first = std::ranges::find_if(
-      stops_, [&](const Stop& stop) { return seconds_between(stop.at_ns, newest.at_ns) <= 1.05; });
-  const double seconds = seconds_between(first->at_ns, newest.at_ns);
-  const double apart_m = (newest.pose.position_gravity - first->pose.position_gravity).norm();
+  const double apart_m = (newest.pose.position_gravity - before->pose.position_gravity).norm();
   const double walked_m = std::max(0.0, apart_m - 2 * newest.pose.sigma_m);
-  return seconds > 0 ? walked_m / seconds : 0;
+  return walked_m / seconds_between(before->at_ns, newest.at_ns);
 }
 
 bool WalkerTrack::is_standing() const {
-  return speed_m_s() < kStanding_m_s;
+  const auto speed = speed_m_s();
+  return speed && *speed < kStanding_m_s;
 }
 
-double WalkerTrack::turned_rad(double seconds) const {
-  double most_rad = 0;
-  for (const Stop& stop : stops_) {
-    if (seconds_between(stop.at_ns, stops_.back().at_ns) > seconds) continue;
-    most_rad = std::max(most_rad,
-                        std::abs(turn_rad(stop.pose.heading_rad, stops_.back().pose.heading_rad)));
+bool WalkerTrack::may_turn() const {
+  constexpr double kTurning_rad_s = 10 * kDegree_rad;
+  constexpr double kNewer_s = 0.15, kOlder_s = 0.85;
+  for (auto before = stops_.rbegin(); before != stops_.rend(); ++before) {
+    const double ago_s = seconds_between(before->at_ns, stops_.back().at_ns);
+    if (ago_s < kNewer_s) continue;
+    if (ago_s > kOlder_s) return true;
+    const double turned =
+        std::abs(turn_rad(before->pose.heading_rad, stops_.back().pose.heading_rad));
+    return turned > kTurning_rad_s * ago_s;
   }
-  return most_rad;
+  return true;
 }
 
 }  // namespace roomwise::guide

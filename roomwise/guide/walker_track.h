@@ -20,12 +20,13 @@ class WalkerTrack {
   [[nodiscard]] const Pose* pose(TimestampNs now_ns) const;
   // Since the newest that is believed; infinity where there is none.
   [[nodiscard]] double age_s(TimestampNs now_ns) const;
-  // Over the last second; 0 where that is not known. What the poses' own uncertainty may be is not
-  // walked.
-  [[nodiscard]] double speed_m_s() const;
+  // Over the last second or so; nothing where too few poses tell. What the poses' own uncertainty
+  // may be is not walked.
+  [[nodiscard]] std::optional<double> speed_m_s() const;
+  // False where it is not known.
   [[nodiscard]] bool is_standing() const;
-  // How far the heading was from what it is now within the last so many seconds, rad.
-  [[nodiscard]] double turned_rad(double seconds) const;
+  // Turns, or may turn: true where it is not known.
+  [[nodiscard]] bool may_turn() const;
   // How far the person walked in all, m.
   [[nodiscard]] double walked_m() const { return walked_m_; }
 
@@ -34,6 +35,9 @@ class WalkerTrack {
     Pose pose;
     TimestampNs at_ns = 0;
   };
+  // A second or so before the newest; null where there is none.
+  [[nodiscard]] const Stop* a_while_ago() const;
+
   std::deque<Stop> stops_;  // of the last seconds, believed
   std::optional<Stop> doubted_;
   double walked_m_ = 0;

@@ -60,7 +60,7 @@ std::optional<double> shortest_way_m(const WalkedHome& home, const GuidedGoal& g
     return is_there(home.model, goal, place, options) ? std::optional(0.0) : std::nullopt;
   });
   if (way.empty()) return std::nullopt;
-  return guide::length_m(search.straightened(way));
+  return guide::length_m(search.straightened(way, options.body_radius_m));
 }
 
 class GoalChooser {

@@ -23,6 +23,7 @@ constexpr double kCane_m = 0.9;
 constexpr double kHalfWidth_m = 0.2;
 constexpr double kTouch_m = 0.15;
 constexpr double kInside_m = 0.08;
+constexpr double kBlocked_m = 0.4;  // so much more was to be walked
 constexpr double kNoseToWall_m = 0.3;  // with the cane at it they stand so near
 
 Vector2d direction(double heading_rad) {
@@ -152,7 +153,7 @@ void SimulatedWalker::walk(double dt_s) {
   const double turn = guide::turn_rad(heading_rad_, heading);
   heading_rad_ += std::clamp(turn, -kTurning_rad_s * dt_s, kTurning_rad_s * dt_s);
   if (!around && free_ahead_m(line_rad_, kCane_m) <= kNoseToWall_m) {
-    is_blocked_ = counted_m_ > 1;
+    is_blocked_ = counted_m_ > kBlocked_m;
     mode_ = Mode::kStand;
     return;
   }
@@ -172,7 +173,7 @@ void SimulatedWalker::move(const Vector2d& by) {
   touches_ = touches;
   // Does not go through things; away from what they touch they may.
   if (clearance_m < kInside_m && clearance_m <= home_.body.clearance_m(place_)) {
-    is_blocked_ = counted_m_ > 1;
+    is_blocked_ = counted_m_ > kBlocked_m;
     mode_ = Mode::kStand;
     return;
   }
