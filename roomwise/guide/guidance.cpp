@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "roomwise/guide/floor_search.h"
+
 namespace roomwise::guide {
 namespace {
 
@@ -16,6 +18,8 @@ constexpr double kHand_m = 0.7;     // beside the way a hand finds what stands t
 
 // What people hear, they do within a second and a half (see docs/guide.md).
 constexpr double kReaction_s = 1.0;
+constexpr double kSpoken_s = 2;  // a prompt of some words
+constexpr int kMaxTries = 3;
 constexpr double kWalks_m_s = 0.3;  // nobody turns on the spot so fast
 constexpr double kStandsAfter_s = 1.5;
 // A person keeps a line to about so much: from there on a word helps more than it disturbs.
@@ -77,6 +81,11 @@ std::string Guidance::distance(double distance_m) const {
   return wording_.distance(distance_m);
 }
 
+// What will be left when it has been heard: who walks goes on meanwhile.
+double Guidance::left_when_heard_m(double distance_m) const {
+  return distance_m - track_.speed_m_s().value_or(0) * (kSpoken_s + kReaction_s);
+}
+
 Prompt Guidance::stop(const std::string& message, TimestampNs now_ns) {
   state_ = State::kStopped;
   Prompt prompt = say({message}, now_ns);
@@ -88,13 +97,13 @@ Prompt Guidance::stop(const std::string& message, TimestampNs now_ns) {
 
 void Guidance::plan_from(const Pose& pose) {
   HomeMap map = map_;
-  if (barred_floor_) map.floor = &*barred_floor_;
+  if (map.floor != nullptr) map.floor = &floor();
   plan_ = plan_way(map, {.pose = pose, .room = room_}, goal_, options_.plan);
   legs_ = legs_of(plan_.route, doors_);
   if (plan_.reach == Reach::kWhole) reach_out();
   leg_ = 0;
   // What is left of a leg that ends here is done.
-  while (leg_ + 1 < legs_.size() && left_on_leg_m(pose) < kLegEnd_m) ++leg_;
+  while (leg_ + 1 < legs_.size() && (left_on_leg_m(pose) < kLegEnd_m || may_skip_leg(pose))) ++leg_;
   passes_door_ = leg_ > 0 && legs_[leg_ - 1].ends_at_door;
   announced_ = false;
   reminded_ = false;
@@ -113,6 +122,14 @@ void Guidance::reach_out() {
   if (map_.floor->at(end) != fusion::FloorCell::kFree) return;
   last.to = end;
   last.length_m += further_m;
+}
+
+// A leg of less than a step, which only leads to where one may go at once.
+bool Guidance::may_skip_leg(const Pose& pose) const {
+  const Vector2d& here = pose.position_gravity;
+  if ((legs_[leg_].to - here).norm() > kHand_m || legs_[leg_].ends_at_door) return false;
+  const double narrow_m = options_.plan.narrow_radius_m;
+  return FloorSearch(floor(), narrow_m, narrow_m).is_clear(here, legs_[leg_ + 1].to, narrow_m);
 }
 
 double Guidance::left_on_leg_m(const Pose& pose) const {
@@ -173,9 +190,18 @@ bool Guidance::has_arrived(const Pose& pose) {
   return *at_goal_by_ != pose.position_gravity || track_.is_standing();
 }
 
+// Without being told: at what stands before them, or anywhere in a room.
+bool Guidance::comes_to_rest(const Pose& pose) const {
+  if (goal_.kind == Goal::Kind::kRoom) return true;
+  const bool is_solid = goal_.kind == Goal::Kind::kThing || goal_.kind == Goal::Kind::kWayOut;
+  const Vector2d touch = goal_.outline->nearest_to(pose.position_gravity);
+  return is_solid && with_side("", touch, pose) == "_ahead";
+}
+
 bool Guidance::is_at_goal(const Pose& pose) const {
   if (plan_.reach != Reach::kWhole || !is_in_goal_room(pose)) return false;
-  const double to_end_m = (plan_.route.back() - pose.position_gravity).norm();
+  const Vector2d& end = legs_.empty() ? plan_.route.back() : legs_.back().to;
+  const double to_end_m = (end - pose.position_gravity).norm();
   // Anywhere beyond the door is in the room, but who stands in the door is not.
   if (goal_.kind == Goal::Kind::kRoom) {
     return to_end_m < kLegEnd_m ||
@@ -286,8 +312,8 @@ Prompt Guidance::act(const Pose& pose, TimestampNs now_ns) {
     told_room_.reset();
     return say({"route.none"}, now_ns, Confidence::kUnsure);
   }
-  if (has_arrived(pose)) return arrive(pose, now_ns);
-  const bool is_at_end = legs_.empty() || (is_last_leg() && left_m(pose) < kLegEnd_m);
+  if (has_arrived(pose)) return arrive_or_stop(pose, now_ns);
+  const bool is_at_end = legs_.empty() || (is_last_leg() && left_m(pose) < kAtEnd_m);
   if (is_at_end) {
     return plan_.reach == Reach::kWhole ? arrive(pose, now_ns) : end_of_way(pose, now_ns);
   }
@@ -321,7 +347,9 @@ std::optional<Prompt> Guidance::turning(const Pose& pose, TimestampNs now_ns) {
 }
 
 std::optional<Prompt> Guidance::walking(const Pose& pose, TimestampNs now_ns) {
-  if (has_arrived(pose)) return arrive(pose, now_ns);
+  if (has_arrived(pose) && (track_.is_standing() || comes_to_rest(pose))) {
+    return arrive(pose, now_ns);
+  }
   if (left_on_leg_m(pose) < kLegEnd_m) {
     if (auto prompt = at_leg_end(pose, now_ns)) return prompt;
     if (state_ != State::kWalking) return std::nullopt;
@@ -342,7 +370,7 @@ std::optional<Prompt> Guidance::walking(const Pose& pose, TimestampNs now_ns) {
   const double walked_m = track_.walked_m() - said_at_walked_m_;
   if (quiet_s > options_.reassure_s || walked_m > options_.reassure_m) {
     const Leg& leg = legs_[leg_];
-    return say(more_phrase(distance((leg.to - pose.position_gravity).norm()),
+    return say(more_phrase(distance(left_when_heard_m((leg.to - pose.position_gravity).norm())),
                            place_at_end(leg, is_last_leg())),
                now_ns);
   }
@@ -350,9 +378,11 @@ std::optional<Prompt> Guidance::walking(const Pose& pose, TimestampNs now_ns) {
 }
 
 std::optional<Prompt> Guidance::at_leg_end(const Pose& pose, TimestampNs now_ns) {
+  // The steps that were told end here: who takes more of them is stopped.
   if (is_last_leg()) {
-    if (!track_.is_standing()) return stop("guide.stop", now_ns);
-    return act(pose, now_ns);
+    const bool is_past = left_on_leg_m(pose) < -kLegEnd_m;
+    if (is_past && !track_.is_standing()) return stop("guide.stop", now_ns);
+    return std::nullopt;
   }
   if (goes_straight_on()) {
     const bool was_door = legs_[leg_].ends_at_door;
@@ -361,7 +391,8 @@ std::optional<Prompt> Guidance::at_leg_end(const Pose& pose, TimestampNs now_ns)
     if (!was_door) return std::nullopt;
     return say({"guide.through",
                 {{"place", thing("door")},
-                 {"distance", distance((legs_[leg_].to - pose.position_gravity).norm())}}},
+                 {"distance",
+                  distance(left_when_heard_m((legs_[leg_].to - pose.position_gravity).norm()))}}},
                now_ns);
   }
   state_ = State::kCorner;
@@ -369,7 +400,7 @@ std::optional<Prompt> Guidance::at_leg_end(const Pose& pose, TimestampNs now_ns)
 }
 
 std::optional<Prompt> Guidance::corner(const Pose& pose, TimestampNs now_ns) {
-  if (has_arrived(pose)) return arrive(pose, now_ns);
+  if (has_arrived(pose)) return arrive_or_stop(pose, now_ns);
   const double next = legs_[leg_ + 1].heading_rad();
   const bool has_turned = std::abs(turn_rad(pose.heading_rad, next)) < 25 * kDegree_rad;
   if (has_turned && !track_.may_turn()) return act(pose, now_ns);
@@ -419,7 +450,7 @@ std::optional<Prompt> Guidance::keep_on_way(const Pose& pose, TimestampNs now_ns
 std::optional<Phrase> Guidance::next_phrase(const Pose& pose) const {
   if (legs_.empty()) return std::nullopt;
   const Leg& leg = legs_[leg_];
-  const std::string left = distance((leg.to - pose.position_gravity).norm());
+  const std::string left = distance(left_when_heard_m((leg.to - pose.position_gravity).norm()));
   if (is_last_leg()) {
     if (plan_.reach == Reach::kNear) return Phrase{"guide.soon_end", {{"distance", left}}};
     return Phrase{"guide.soon_goal", {{"distance", left}, {"goal", Nouns{goal_.noun}}}};
@@ -519,6 +550,13 @@ std::optional<Prompt> Guidance::by_rooms(const Walker& walker) {
 
 // ---- the end ----
 
+// Who walks on would not be there any more when they have heard it.
+Prompt Guidance::arrive_or_stop(const Pose& pose, TimestampNs now_ns) {
+  const bool walks = track_.speed_m_s().value_or(0) > kWalks_m_s;
+  if (walks && !comes_to_rest(pose)) return stop("guide.stop", now_ns);
+  return arrive(pose, now_ns);
+}
+
 Prompt Guidance::arrive(const Pose& pose, TimestampNs now_ns) {
   state_ = State::kArrived;
   Phrase phrase{"guide.there_room", {}};
@@ -565,7 +603,7 @@ std::optional<Prompt> Guidance::finish(TimestampNs now_ns) {
 
 void Guidance::bar_what_is_ahead(const Pose& pose) {
   if (map_.floor == nullptr) return;
-  const fusion::FloorGrid& floor = barred_floor_ ? *barred_floor_ : *map_.floor;
+  const fusion::FloorGrid& floor = this->floor();
   image::Image<fusion::FloorCell> cells(floor.columns(), floor.rows(), fusion::FloorCell::kUnknown);
   // A person's width across the way, as deep as a hand reaches beyond a step.
   const Vector2d ahead(std::cos(pose.heading_rad), std::sin(pose.heading_rad));
@@ -630,6 +668,11 @@ Prompt Guidance::request(GuidanceRequest request, TimestampNs now_ns) {
       if (plan_.reach == Reach::kWhole) return prompt;
       // Not around it: what was known before holds again.
       barred_floor_.reset();
+      const bool was_here = barred_at_ && (*barred_at_ - pose->position_gravity).norm() < kHand_m;
+      barred_times_ = was_here ? barred_times_ + 1 : 1;
+      barred_at_ = pose->position_gravity;
+      // Who comes no further after some tries is told what is left, and is not sent again.
+      if (barred_times_ > kMaxTries) return end_of_way(*pose, now_ns);
       state_ = State::kStopped;
       return say({"guide.no_way_around"}, now_ns, Confidence::kUnsure);
     }

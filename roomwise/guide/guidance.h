@@ -107,6 +107,8 @@ class Guidance {
   [[nodiscard]] MaybePrompt off_the_way(const Pose& pose, TimestampNs now_ns);
   [[nodiscard]] MaybePrompt hazard(const Walker& walker);
   [[nodiscard]] MaybePrompt finish(TimestampNs now_ns);
+  [[nodiscard]] double left_when_heard_m(double distance_m) const;
+  [[nodiscard]] Prompt arrive_or_stop(const Pose& pose, TimestampNs now_ns);
   [[nodiscard]] Prompt arrive(const Pose& pose, TimestampNs now_ns);
   [[nodiscard]] Prompt stop(const std::string& message, TimestampNs now_ns);
   // Plans anew and says what to do now.
@@ -114,6 +116,11 @@ class Guidance {
   [[nodiscard]] Prompt end_of_way(const Pose& pose, TimestampNs now_ns);
   void plan_from(const Pose& pose);
   void reach_out();
+  [[nodiscard]] bool may_skip_leg(const Pose& pose) const;
+  [[nodiscard]] bool comes_to_rest(const Pose& pose) const;
+  [[nodiscard]] const fusion::FloorGrid& floor() const {
+    return barred_floor_ ? *barred_floor_ : *map_.floor;
+  }
   [[nodiscard]] bool has_arrived(const Pose& pose);
   void bar_what_is_ahead(const Pose& pose);
 
@@ -143,6 +150,8 @@ class Guidance {
   WalkerTrack track_;
   std::optional<std::string> room_;
   std::optional<fusion::FloorGrid> barred_floor_;  // where the person found the way barred
+  std::optional<Eigen::Vector2d> barred_at_;       // and where no other one is known
+  int barred_times_ = 0;                           // there
   Plan plan_;
   std::vector<Leg> legs_;
   std::size_t leg_ = 0;

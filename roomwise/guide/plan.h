@@ -60,10 +60,11 @@ struct PlanOptions {
   // Of two ways the one with fewer corners, where it is so far from what stands: a corner costs
   // somebody who is led a stop and a turn, m.
   double straight_m = 0.4;
-  // A stretched arm from the body's middle: what is so near to the way's end is reached, m.
-  double arm_m = 0.8;
+  // A stretched arm from the body's middle, of somebody who leans over a table: what is so near to
+  // the way's end is reached, m.
+  double arm_m = 1.0;
   // A metre that the end lies nearer to the goal is worth so many metres of way.
-  double reach_weight = 2;
+  double reach_weight = 4;
   double into_room_m = 0.8;  // who has gone so far beyond the door is in the room
 
   [[nodiscard]] Expected<void> validate() const;

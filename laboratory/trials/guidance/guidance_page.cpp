@@ -19,8 +19,8 @@ constexpr double kMargin_m = 0.3;
 class HomeDrawing {
  public:
   HomeDrawing(const WalkedHome& home, const std::string& title)
-      : lowest_(home.body.origin() - Vector2d::Constant(kMargin_m)),
-        size_m_(Vector2d(home.body.columns(), home.body.rows()) * simulation::FreeSpace::kCellSize +
+      : lowest_(home.floor.origin_m() - Vector2d::Constant(kMargin_m)),
+        size_m_(Vector2d(home.floor.columns(), home.floor.rows()) * home.floor.cell_m() +
                 Vector2d::Constant(2 * kMargin_m)),
         svg_(size_m_.x() * kPixelsPerMetre, size_m_.y() * kPixelsPerMetre, title) {
     for (const simulation::Rectangle& floor : simulation::floors_of(home.model)) {
@@ -37,7 +37,8 @@ class HomeDrawing {
   }
 
   void draw(const GuidedWalk& walk) {
-    for (const guide::Outline& goal : walk.goal.outlines) {
+    if (walk.goal.outline) {
+      const guide::Outline& goal = *walk.goal.outline;
       outline({goal.middle_gravity, goal.size_m.cwiseMax(0.1) / 2, goal.yaw_rad, 0, 0},
               "fill=\"#bfe3c0\" stroke=\"#2c7a2f\"");
     }

@@ -223,11 +223,10 @@ class Walk {
     record_.contacts = walker_.contacts();
     record_.expired = voice_.take_expired();
     record_.is_there = is_there(home_.model, record_.goal, walker_.place(), options_.goals);
-    double nearest_m = 1e9;
-    for (const guide::Outline& outline : record_.goal.outlines) {
-      nearest_m = std::min(nearest_m, outline.distance_m(walker_.place()));
+    if (record_.goal.outline) {
+      record_.to_goal_m = std::max(
+          0.0, record_.goal.outline->distance_m(walker_.place()) - options_.goals.body_radius_m);
     }
-    record_.to_goal_m = std::max(0.0, nearest_m - options_.goals.body_radius_m);
     return std::move(record_);
   }
 
@@ -306,7 +305,7 @@ TrialSummary summarise(std::span<const GuidedWalk> walks) {
     ratios.push_back(ratio);
     summary.spl += 1 / ratio;
     seconds += walk.seconds;
-    if (!walk.goal.outlines.empty()) to_goal_m.push_back(walk.to_goal_m);
+    if (walk.goal.outline) to_goal_m.push_back(walk.to_goal_m);
   }
   const auto count = static_cast<double>(std::max<std::size_t>(1, walks.size()));
   const auto arrived = static_cast<double>(std::max<std::size_t>(1, summary.arrived));

@@ -74,6 +74,7 @@ class GoalChooser {
     for (std::size_t i = 0; i < kTries * options_.goals && goals.size() < options_.goals; ++i) {
       std::optional<GuidedGoal> goal = draw_goal();
       if (!goal) continue;
+      if (!find_stand(*goal)) continue;
       goal->start = free_place();
       goal->start_heading_rad = random_.between(-std::numbers::pi, std::numbers::pi);
       const auto shortest_m = shortest_way_m(home_, *goal, options_);
@@ -101,14 +102,10 @@ class GoalChooser {
     const auto now = std::ranges::find(home_.model.objects, name, &simulation::PlacedObject::name);
     if (now == home_.model.objects.end()) return std::nullopt;
     const Footprint footprint = simulation::footprint_of(*now);
-    GuidedGoal goal{guide::Goal::of(map_.things[i]), {outline_of(footprint)}, now->room};
+    GuidedGoal goal{guide::Goal::of(map_.things[i]), outline_of(footprint), now->room};
     constexpr double kMoved_m = 0.2;
     if ((footprint.center - goal.goal.outline->middle_gravity).norm() > kMoved_m) {
       return std::nullopt;
-    }
-    if (now->stands_on) {
-      goal.outlines.push_back(
-          outline_of(simulation::footprint_of(home_.model.objects[*now->stands_on])));
     }
     return goal;
   }
@@ -123,10 +120,9 @@ class GoalChooser {
     const auto doors = guide::doors_of(map_.layout.doorways());
     if (doors.empty()) return std::nullopt;
     const rooms::Doorway& door = doors[random_.index(doors.size())];
-    GuidedGoal goal{guide::Goal::of(door), {}};
     // As wide as it is: who is between its jambs, or before them, is at the door.
-    goal.outlines.push_back({door.middle_gravity, Vector2d::Constant(door.width_m)});
-    return goal;
+    return GuidedGoal{guide::Goal::of(door),
+                      guide::Outline{door.middle_gravity, Vector2d::Constant(door.width_m)}};
   }
   [[nodiscard]] std::optional<GuidedGoal> way_out() {
     if (!map_.way_out) return std::nullopt;
@@ -135,7 +131,7 @@ class GoalChooser {
     goal.goal.noun = {guide::Noun::Kind::kThing, "way out"};
     goal.goal.outline = map_.way_out;
     goal.goal.room = map_.way_out_room;
-    goal.outlines = {*map_.way_out};
+    goal.outline = map_.way_out;
     return goal;
   }
   [[nodiscard]] std::optional<GuidedGoal> spot() {
@@ -144,8 +140,26 @@ class GoalChooser {
     goal.goal.noun = {guide::Noun::Kind::kThing, "spot"};
     goal.goal.outline = guide::Outline{free_place()};
     goal.goal.room = map_.layout.room_at(goal.goal.outline->middle_gravity);
-    goal.outlines = {*goal.goal.outline};
+    goal.outline = goal.goal.outline;
     return goal;
+  }
+
+  // False where nobody can stand anywhere near.
+  [[nodiscard]] bool find_stand(GuidedGoal& goal) const {
+    if (!goal.outline) return true;
+    constexpr double kArm_m = 1;
+    double nearest_m = kArm_m;
+    const fusion::FloorGrid& floor = home_.floor;
+    for (int row = 0; row < floor.rows(); ++row) {
+      for (int column = 0; column < floor.columns(); ++column) {
+        if (!floor.fits(column, row, options_.body_radius_m)) continue;
+        const Vector2d place = floor.cell_middle_m(column, row);
+        if (goal.room && simulation::room_at(home_.model, place) != *goal.room) continue;
+        nearest_m = std::min(nearest_m, goal.outline->distance_m(place));
+      }
+    }
+    goal.nearest_stand_m = nearest_m;
+    return nearest_m < kArm_m;
   }
 
   [[nodiscard]] Vector2d free_place() {
@@ -189,9 +203,8 @@ fusion::FloorGrid grid_of(const FreeSpace& space) {
 
 WalkedHome::WalkedHome(const HomeModel& home)
     : model(home),
-      body(FreeSpace::of(home)),
-      cane(space_up_to(home, kCaneReachesUpTo_m)),
-      floor(grid_of(body)) {}
+      floor(grid_of(FreeSpace::of(home))),
+      cane(grid_of(space_up_to(home, kCaneReachesUpTo_m))) {}
 
 Expected<GuidedMap> map_truth(const HomeModel& home,
                               std::span<const simulation::FurnitureModel> models,
@@ -224,10 +237,8 @@ Expected<GuidedMap> map_truth(const HomeModel& home,
 bool is_there(const HomeModel& home, const GuidedGoal& goal, const Vector2d& place,
               const GoalOptions& options) {
   if (goal.room && simulation::room_at(home, place) != *goal.room) return false;
-  if (goal.outlines.empty()) return contains(home.rooms[*goal.room].interior, place);
-  return std::ranges::any_of(goal.outlines, [&](const guide::Outline& outline) {
-    return outline.distance_m(place) <= options.arrived_m + options.body_radius_m;
-  });
+  if (!goal.outline) return contains(home.rooms[*goal.room].interior, place);
+  return goal.outline->distance_m(place) <= goal.nearest_stand_m + options.arrived_m;
 }
 
 Expected<std::vector<GuidedGoal>> choose_goals(const GuidedMap& map, const WalkedHome& home,

@@ -35,34 +35,37 @@ struct WalkedHome {
   explicit WalkedHome(const simulation::HomeModel& home);
 
   simulation::HomeModel model;
-  simulation::FreeSpace body;  // between ankle and head
-  simulation::FreeSpace cane;  // up to the hip: what hangs higher is not found
-  fusion::FloorGrid floor;     // of what a body runs into
+  fusion::FloorGrid floor;  // of what a body runs into, between ankle and head
+  fusion::FloorGrid cane;   // up to the hip: what hangs higher is not found
 };
 
 [[nodiscard]] fusion::FloorGrid grid_of(const simulation::FreeSpace& space);
 
 // Where somebody is to be led, and what is true of it.
 struct GuidedGoal {
-  guide::Goal goal;                      // as the guide is told
-  std::vector<guide::Outline> outlines;  // it, and what carries it: who is at one of them is there
-  std::optional<std::size_t> room = {};  // index into HomeModel::rooms: one must be in it
+  guide::Goal goal;                            // as the guide is told
+  std::optional<guide::Outline> outline = {};  // where it truly is; a room has none
+  std::optional<std::size_t> room = {};        // index into HomeModel::rooms: one must be in it
   Eigen::Vector2d start = Eigen::Vector2d::Zero();
   double start_heading_rad = 0;
+  // From the goal to the nearest place where a person can stand: beside it, or before what it
+  // stands on or behind.
+  double nearest_stand_m = 0;
   double shortest_m = 0;  // from the start to the nearest place that counts as there
 };
 
 struct GoalOptions {
   std::uint64_t seed = 0;
   std::size_t goals = 20;
-  double arrived_m = 0.3;  // from a person's edge to a thing
+  double arrived_m = 0.3;  // so much farther from the goal than a person can get
   double body_radius_m = 0.25;
   double min_way_m = 2;  // shorter ones need no guide
 
   [[nodiscard]] Expected<void> validate() const;
 };
 
-// Whether somebody who stands there is at the goal.
+// Whether somebody who stands there is at the goal: in its room, and as near as a person can get,
+// give or take arrived_m.
 [[nodiscard]] bool is_there(const simulation::HomeModel& home, const GuidedGoal& goal,
                             const Eigen::Vector2d& place, const GoalOptions& options);
 

@@ -18,16 +18,22 @@ constexpr double kCarefulSpeed_m_s = 0.35;  // while the cane finds something
 constexpr double kTurning_rad_s = 60 * kDegree_rad;
 constexpr double kLooking_rad_s = 30 * kDegree_rad;
 constexpr double kCane_m = 0.9;
-// Half a person's width and half a cell that the grid may lack; the grid's clearance is up to two
-// cells too small aslant.
+// Half of a person's width with the shoulders turned a little, and how near things come to it.
 constexpr double kHalfWidth_m = 0.2;
-constexpr double kTouch_m = 0.15;
-constexpr double kInside_m = 0.08;
-constexpr double kBlocked_m = 0.4;  // so much more was to be walked
+constexpr double kTouch_m = 0.17;
+constexpr double kInside_m = 0.1;
+constexpr double kBlocked_m = 0.4;     // so much more was to be walked
 constexpr double kNoseToWall_m = 0.3;  // with the cane at it they stand so near
 
 Vector2d direction(double heading_rad) {
   return {std::cos(heading_rad), std::sin(heading_rad)};
+}
+
+double clearance_m(const fusion::FloorGrid& floor, const Vector2d& place) {
+  const Vector2d cell = (place - floor.origin_m()) / floor.cell_m();
+  const bool is_inside =
+      cell.x() >= 0 && cell.y() >= 0 && cell.x() < floor.columns() && cell.y() < floor.rows();
+  return is_inside ? floor.clearance_m(static_cast<int>(cell.x()), static_cast<int>(cell.y())) : 0;
 }
 
 }  // namespace
@@ -167,12 +173,12 @@ void SimulatedWalker::walk(double dt_s) {
 }
 
 void SimulatedWalker::move(const Vector2d& by) {
-  const double clearance_m = home_.body.clearance_m(place_ + by);
-  const bool touches = clearance_m < kTouch_m;
+  const double near_m = clearance_m(home_.floor, place_ + by);
+  const bool touches = near_m < kTouch_m;
   if (touches && !touches_) ++contacts_;
   touches_ = touches;
   // Does not go through things; away from what they touch they may.
-  if (clearance_m < kInside_m && clearance_m <= home_.body.clearance_m(place_)) {
+  if (near_m < kInside_m && near_m <= clearance_m(home_.floor, place_)) {
     is_blocked_ = counted_m_ > kBlocked_m;
     mode_ = Mode::kStand;
     return;
@@ -184,21 +190,24 @@ void SimulatedWalker::move(const Vector2d& by) {
 double SimulatedWalker::free_ahead_m(double heading_rad, double reach_m) const {
   constexpr double kStep_m = 0.05;
   const Vector2d ahead = direction(heading_rad);
-  const double here_m = home_.cane.clearance_m(place_);
+  const double here_m = clearance_m(home_.cane, place_);
   for (double distance_m = kStep_m; distance_m < reach_m; distance_m += kStep_m) {
     // Along what they stand at already they may go, not nearer.
     const double needed_m = std::min(kHalfWidth_m, here_m);
-    if (home_.cane.clearance_m(place_ + distance_m * ahead) < needed_m) return distance_m;
+    if (clearance_m(home_.cane, place_ + distance_m * ahead) < needed_m) return distance_m;
   }
   return reach_m;
 }
 
 std::optional<double> SimulatedWalker::way_around(double reach_m) const {
-  if (free_ahead_m(line_rad_, reach_m) >= reach_m) return line_rad_;
-  for (const int degrees : {15, 30, 45, 60}) {
-    for (const double side : {1.0, -1.0}) {
-      const double heading = line_rad_ + side * degrees * kDegree_rad;
-      if (free_ahead_m(heading, reach_m) >= reach_m) return heading;
+  // As far as the cane reaches, or else into a gap that a hand finds.
+  constexpr double kGap_m = 0.5;
+  for (const double free_m : {reach_m, std::min(reach_m, kGap_m)}) {
+    for (const int degrees : {0, 15, 30, 45, 60, 75}) {
+      for (const double side : {1.0, -1.0}) {
+        const double heading = line_rad_ + side * degrees * kDegree_rad;
+        if (free_ahead_m(heading, free_m) >= free_m) return heading;
+      }
     }
   }
   return std::nullopt;
