@@ -31,12 +31,11 @@ bool continues_character(char byte) {
 template <typename Key>
 using KeyKinds = std::initializer_list<std::pair<Key, Kind>>;
 constexpr KeyKinds<char> kLettersBeforeName = {
-    {'f', Kind::kFind}, {'g', Kind::kWay}, {'n', Kind::kNameRoom}};
-constexpr KeyKinds<char> kLetters = {{'w', Kind::kWhere},
-                                     {'a', Kind::kAround},
-                                     {'r', Kind::kRepeat},
-                                     {'q', Kind::kQuiet},
-                                     {'x', Kind::kExit}};
+    {'f', Kind::kFind}, {'g', Kind::kTake}, {'l', Kind::kWay}, {'n', Kind::kNameRoom}};
+constexpr KeyKinds<char> kLetters = {
+    {'w', Kind::kWhere},   {'a', Kind::kAround}, {'r', Kind::kRepeat}, {'q', Kind::kQuiet},
+    {'p', Kind::kPause},   {'o', Kind::kGoOn},   {'h', Kind::kHowFar}, {'t', Kind::kNext},
+    {'b', Kind::kBlocked}, {'e', Kind::kEnd},    {'x', Kind::kExit}};
 constexpr KeyKinds<int> kButtons = {{KEY_1, Kind::kWhere},
                                     {KEY_2, Kind::kAround},
                                     {KEY_3, Kind::kFindNext},

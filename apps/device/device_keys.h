@@ -23,7 +23,14 @@ struct KeyRequest {
     kAround,
     kFind,
     kFindNext,
-    kWay,
+    kTake,   // be led there
+    kWay,    // hear the whole way
+    kPause,  // of the guide
+    kGoOn,
+    kHowFar,
+    kNext,
+    kBlocked,
+    kEnd,
     kNameRoom,
     kRepeat,
     kQuiet,
@@ -33,15 +40,16 @@ struct KeyRequest {
     kNoName,  // that was given up
   };
   Kind kind = Kind::kWhere;
-  std::string name;  // the thing of kFind and kWay, the room of kNameRoom
+  std::string name;  // the thing of kFind, kTake and kWay, the room of kNameRoom
 
   bool operator==(const KeyRequest&) const = default;
 };
 
 // Letters as they come from a keyboard or a pipe: w (where am I), a (around me), f NAME Enter
-// (find), g NAME Enter (go there), n NAME Enter (name the room while it is recorded), r (repeat), q
-// (quiet), x (exit). Others mean nothing. Backspace takes back the last letter of a name; Escape,
-// or ten seconds without a key, ends it.
+// (find), g NAME Enter (go there), l NAME Enter (list the way there), n NAME Enter (name the room
+// while it is recorded), r (repeat), q (quiet), x (exit); to the guide p (pause), o (go on), h (how
+// far), t (what is next), b (the way is blocked), e (end). Others mean nothing. Backspace takes
+// back the last letter of a name; Escape, or ten seconds without a key, ends it.
 class TypedKeys {
  public:
   // Also without bytes, to see that time passes.

@@ -30,7 +30,9 @@ TEST(TypedKeysTest, AreLettersAndNames) {
   EXPECT_THAT(keys.take("ing ma", 0), IsEmpty());
   EXPECT_THAT(keys.take("chine\nr", 0), ElementsAre(KeyRequest{Kind::kFind, "washing machine"},
                                                     KeyRequest{Kind::kRepeat, ""}));
-  EXPECT_THAT(keys.take("g bed\n", 0), ElementsAre(KeyRequest{Kind::kWay, "bed"}));
+  EXPECT_THAT(keys.take("g bed\nl bed\nb", 0),
+              ElementsAre(KeyRequest{Kind::kTake, "bed"}, KeyRequest{Kind::kWay, "bed"},
+                          KeyRequest{Kind::kBlocked, ""}));
   EXPECT_THAT(keys.take("n", 0), ElementsAre(KeyRequest{Kind::kWhichRoom, ""}));
   EXPECT_THAT(keys.take("kitchen\n", 0), ElementsAre(KeyRequest{Kind::kNameRoom, "kitchen"}));
   EXPECT_THAT(keys.take("f\nqx", 0),

@@ -166,8 +166,9 @@ void DeviceSession::take_error(const service::ErrorMessage& error, TimestampNs n
   if (!error.answer_to) return;
   const auto asked = asked_.find(*error.answer_to);
   if (asked == asked_.end()) return;
-  const bool names_a_thing =
-      asked->second == service::Question::kWhereIs || asked->second == service::Question::kWayTo;
+  const bool names_a_thing = asked->second == service::Question::kWhereIs ||
+                             asked->second == service::Question::kWayTo ||
+                             asked->second == service::Question::kTakeMeTo;
   asked_.erase(asked);
   parts_.voice->notice(names_a_thing ? "device.not_understood" : "device.failed",
                        guide::Sound::kUnsure, now_ns);
@@ -209,8 +210,22 @@ void DeviceSession::act(const KeyRequest& request, TimestampNs now_ns) {
       return ask(service::Question::kAroundMe, "", now_ns);
     case Kind::kFind:
       return ask(service::Question::kWhereIs, request.name, now_ns);
+    case Kind::kTake:
+      return ask(service::Question::kTakeMeTo, request.name, now_ns);
     case Kind::kWay:
       return ask(service::Question::kWayTo, request.name, now_ns);
+    case Kind::kPause:
+      return tell_guide(service::GuideWish::kPause, now_ns);
+    case Kind::kGoOn:
+      return tell_guide(service::GuideWish::kResume, now_ns);
+    case Kind::kHowFar:
+      return tell_guide(service::GuideWish::kHowFar, now_ns);
+    case Kind::kNext:
+      return tell_guide(service::GuideWish::kNext, now_ns);
+    case Kind::kBlocked:
+      return tell_guide(service::GuideWish::kBlocked, now_ns);
+    case Kind::kEnd:
+      return tell_guide(service::GuideWish::kEnd, now_ns);
     case Kind::kFindNext:
       if (things_.empty()) {
         return parts_.voice->notice("device.nothing_learned", guide::Sound::kUnsure, now_ns);
@@ -236,17 +251,28 @@ void DeviceSession::act(const KeyRequest& request, TimestampNs now_ns) {
 
 void DeviceSession::ask(service::Question question, const std::string& subject,
                         TimestampNs now_ns) {
+  service::Ask ask;
+  ask.question = question;
+  ask.subject = subject;
+  this->ask(std::move(ask), now_ns);
+}
+
+void DeviceSession::tell_guide(service::GuideWish wish, TimestampNs now_ns) {
+  service::Ask ask;
+  ask.question = service::Question::kGuide;
+  ask.wish = wish;
+  this->ask(std::move(ask), now_ns);
+}
+
+void DeviceSession::ask(service::Ask ask, TimestampNs now_ns) {
   // They would outlast the time for which the new answer holds.
   parts_.voice->withdraw_answers(now_ns);
   if (!connection_) {
     return parts_.voice->notice("device.connection_lost", guide::Sound::kLost, now_ns);
   }
-  service::Ask ask;
   ask.id = ++questions_;
   ask.t_ms = static_cast<double>(now_ns) * 1e-6;
-  ask.question = question;
-  ask.subject = subject;
-  asked_[ask.id] = question;
+  asked_[ask.id] = ask.question;
   heard_ns_ = now_ns;  // the answer is waited for
   send(ask, now_ns);
 }

@@ -60,6 +60,8 @@ class DeviceSession : private Interruption {
   void watch_camera(TimestampNs now_ns);
   void send_frames(TimestampNs now_ns);
   void act(const KeyRequest& request, TimestampNs now_ns);
+  void ask(service::Ask ask, TimestampNs now_ns);
+  void tell_guide(service::GuideWish wish, TimestampNs now_ns);
   void ask(service::Question question, const std::string& subject, TimestampNs now_ns);
   void send(const service::DeviceMessage& message, TimestampNs now_ns);
   [[nodiscard]] bool is_over(TimestampNs now_ns) const;

@@ -36,6 +36,7 @@ Json to_json(const GuidedWalk& walk) {
           {"says_there", walk.says_there},
           {"gave_up", !walk.has_ended},
           {"to_goal_m", walk.to_goal_m},
+          {"nearest_stand_m", walk.goal.nearest_stand_m},
           {"shortest_m", walk.goal.shortest_m},
           {"walked_m", walk.walked_m},
           {"seconds", walk.seconds},

@@ -169,7 +169,7 @@ void add_device_command(CLI::App& app, Context& context) {
   const auto [command, options] = add_command<DeviceOptions>(
       app, context, "device",
       "Be a home's device: send what a camera sees, ask, speak what comes back.\n"
-      "Keys: w where am I, a around me, f NAME Enter find, g NAME Enter go there, n "
+      "Keys: w where am I, a around me, f NAME Enter find, g NAME Enter be led there, n "
       "NAME Enter name the room that is recorded, r repeat, q quiet, x exit.",
       "roomwise device --server flat.local:8443 --pair 123456 --camera", run_device);
   command->add_option("--server", options.server, "The home's computer, HOST:PORT")->required();

@@ -19,8 +19,9 @@ constexpr double kHand_m = 0.7;     // beside the way a hand finds what stands t
 // What people hear, they do within a second and a half (see docs/guide.md).
 constexpr double kReaction_s = 1.0;
 constexpr double kSpoken_s = 2;  // a prompt of some words
-constexpr int kMaxTries = 3;
-constexpr double kWalks_m_s = 0.3;  // nobody turns on the spot so fast
+constexpr int kMaxTries = 4;
+constexpr double kPrecise_rad = 10 * kDegree_rad;  // where it was barred: a door's frame, mostly
+constexpr double kWalks_m_s = 0.3;                 // nobody turns on the spot so fast
 constexpr double kStandsAfter_s = 1.5;
 // A person keeps a line to about so much: from there on a word helps more than it disturbs.
 constexpr double kMissed_m = 0.35;
@@ -211,9 +212,10 @@ bool Guidance::is_at_goal(const Pose& pose) const {
                         options_.plan.into_room_m - kLegEnd_m;
            });
   }
-  // What stands on something is reached from where the way ends.
-  return to_end_m < kAtEnd_m || goal_.outline->distance_m(pose.position_gravity) <=
-                                    options_.arrived_m + options_.body_radius_m - kSlack_m;
+  // What stands on something is reached from where the way ends; a spot is stood on.
+  const double body_m = goal_.kind == Goal::Kind::kSpot ? 0 : options_.body_radius_m;
+  return to_end_m < kAtEnd_m ||
+         goal_.outline->distance_m(pose.position_gravity) <= options_.arrived_m + body_m - kSlack_m;
 }
 
 // ---- what happens ----
@@ -320,7 +322,16 @@ Prompt Guidance::act(const Pose& pose, TimestampNs now_ns) {
   const double turn = bearing_error_rad(pose);
   const Leg& leg = legs_[leg_];
   const double length_m = (leg.to - pose.position_gravity).norm();
-  if (std::abs(turn) > straight_enough_rad(length_m)) {
+  const double enough_rad = tries_side_ ? kPrecise_rad : straight_enough_rad(length_m);
+  if (tries_side_ && std::abs(turn) <= enough_rad) {
+    // As it should be, and barred: there may be more room to one side.
+    const double side = *std::exchange(tries_side_, std::nullopt);
+    state_ = State::kTurning;
+    turn_from_rad_ = pose.heading_rad;
+    return say(turn_phrase(side * kPrecise_rad), now_ns);
+  }
+  tries_side_.reset();
+  if (std::abs(turn) > enough_rad) {
     state_ = State::kTurning;
     turn_from_rad_ = pose.heading_rad;
     return say(turn_phrase(turn), now_ns);
@@ -618,6 +629,20 @@ void Guidance::bar_what_is_ahead(const Pose& pose) {
   barred_floor_ = fusion::FloorGrid(floor.origin_m(), floor.cell_m(), std::move(cells));
 }
 
+// 1: to the left, -1: to the right; there is more room ahead.
+double Guidance::freer_side(const Pose& pose) const {
+  constexpr double kAhead_m = 0.5;
+  const auto room_m = [&](double side) {
+    const double heading = pose.heading_rad + side * 30 * kDegree_rad;
+    const Vector2d place =
+        pose.position_gravity + kAhead_m * Vector2d(std::cos(heading), std::sin(heading));
+    double clear_m = 0;
+    while (clear_m < kAhead_m && floor().fits(place, clear_m)) clear_m += floor().cell_m();
+    return clear_m;
+  };
+  return room_m(1) >= room_m(-1) ? 1 : -1;
+}
+
 Prompt Guidance::request(GuidanceRequest request, TimestampNs now_ns) {
   if (state_ == State::kEnded) return say({"guide.not_running"}, now_ns);
   const Pose* const pose = track_.pose(now_ns);
@@ -644,6 +669,7 @@ Prompt Guidance::request(GuidanceRequest request, TimestampNs now_ns) {
                : state_ == State::kArrived ? arrive(*pose, now_ns)
                                            : end_of_way(*pose, now_ns);
       }
+      if (pose == nullptr) state_ = State::kLost;
       return is_led ? act(*pose, now_ns) : no_place();
     case GuidanceRequest::kHowFar:
       if (!is_led) return no_place();
@@ -671,6 +697,7 @@ Prompt Guidance::request(GuidanceRequest request, TimestampNs now_ns) {
       const bool was_here = barred_at_ && (*barred_at_ - pose->position_gravity).norm() < kHand_m;
       barred_times_ = was_here ? barred_times_ + 1 : 1;
       barred_at_ = pose->position_gravity;
+      tries_side_ = freer_side(*pose);
       // Who comes no further after some tries is told what is left, and is not sent again.
       if (barred_times_ > kMaxTries) return end_of_way(*pose, now_ns);
       state_ = State::kStopped;

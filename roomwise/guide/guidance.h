@@ -113,6 +113,7 @@ class Guidance {
   [[nodiscard]] Prompt stop(const std::string& message, TimestampNs now_ns);
   // Plans anew and says what to do now.
   [[nodiscard]] Prompt act(const Pose& pose, TimestampNs now_ns);
+  [[nodiscard]] double freer_side(const Pose& pose) const;
   [[nodiscard]] Prompt end_of_way(const Pose& pose, TimestampNs now_ns);
   void plan_from(const Pose& pose);
   void reach_out();
@@ -151,6 +152,7 @@ class Guidance {
   std::optional<std::string> room_;
   std::optional<fusion::FloorGrid> barred_floor_;  // where the person found the way barred
   std::optional<Eigen::Vector2d> barred_at_;       // and where no other one is known
+  std::optional<double> tries_side_;               // where it has more room, after it was barred
   int barred_times_ = 0;                           // there
   Plan plan_;
   std::vector<Leg> legs_;

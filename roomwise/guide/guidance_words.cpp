@@ -8,8 +8,8 @@ namespace roomwise::guide {
 namespace {
 
 // Hours of a clock are 30 degrees wide; a quarter of a turn and half a one have names of their own,
-// and what is less than one and a half hours is "a little".
-constexpr double kLittle_rad = 45 * kDegree_rad;
+// and what is less than an hour is "a little".
+constexpr double kLittle_rad = 25 * kDegree_rad;
 constexpr double kAround_rad = 135 * kDegree_rad;
 
 std::string hour_of(double turn) {

@@ -23,12 +23,6 @@ std::string spoken_language(const std::string& tag) {
   return catalogue().speaks(language) ? language : "en";
 }
 
-guide::Wording wording_of(const service::SpeakingSettings& settings) {
-  const auto unit = settings.distances == service::Distances::kSteps ? guide::DistanceUnit::kSteps
-                                                                     : guide::DistanceUnit::kMetres;
-  return {&catalogue(), {spoken_language(settings.language), unit, settings.step_m}};
-}
-
 TimestampNs nanoseconds(double t_ms) {
   return std::llround(t_ms * 1e6);
 }
@@ -37,18 +31,6 @@ guide::TurnHint hint_of(const FrameResult& result) {
   if (!result.more_to_see) return guide::TurnHint::kAnywhere;
   return *result.more_to_see == pipeline::Side::kLeft ? guide::TurnHint::kLeft
                                                       : guide::TurnHint::kRight;
-}
-
-guide::UserLocation standing_of(const FrameResult* result) {
-  guide::UserLocation location;
-  if (result == nullptr) return location;
-  if (result->place) {
-    location.pose = guide::Pose{result->place->position_gravity().head<2>(),
-                                result->place->heading_rad(), result->place->sigma_m};
-    location.room = result->place->room;
-  }
-  if (!location.room && result->decision) location.room = result->decision->room();
-  return location;
 }
 
 // Of the computer's or the device's state: what there is to say instead of an answer.
@@ -105,6 +87,24 @@ std::vector<guide::Prompt> way_to(const std::string& asked, const Situation& sit
 
 }  // namespace
 
+guide::Wording wording_of(const service::SpeakingSettings& settings) {
+  const auto unit = settings.distances == service::Distances::kSteps ? guide::DistanceUnit::kSteps
+                                                                     : guide::DistanceUnit::kMetres;
+  return {&catalogue(), {spoken_language(settings.language), unit, settings.step_m}};
+}
+
+guide::UserLocation standing_of(const FrameResult* result) {
+  guide::UserLocation location;
+  if (result == nullptr) return location;
+  if (result->place) {
+    location.pose = guide::Pose{result->place->position_gravity().head<2>(),
+                                result->place->heading_rad(), result->place->sigma_m};
+    location.room = result->place->room;
+  }
+  if (!location.room && result->decision) location.room = result->decision->room();
+  return location;
+}
+
 std::vector<std::string> names_of_things(const HomeView& home,
                                          const service::SpeakingSettings& settings) {
   const guide::Wording wording = wording_of(settings);
@@ -138,10 +138,13 @@ std::vector<guide::Prompt> answer(const service::Ask& ask, const Situation& situ
       return guide::where_prompts(ask.subject, location, situation.home.things,
                                   doorways_of(situation.home), situation.home.concepts.vocabulary,
                                   wording, now_ns, situation.today);
+    case service::Question::kTakeMeTo:  // who cannot be led is told
     case service::Question::kWayTo:
       return way_to(ask.subject, situation, wording, now_ns);
     case service::Question::kNameRoom:
       return {guide::named_prompt(ask.subject, wording, nanoseconds(situation.now_t_ms))};
+    case service::Question::kGuide:
+      return {excuse("guide.not_running", wording, situation.now_t_ms)};
     case service::Question::kRepeat:
       return {excuse("repeat.nothing", wording, situation.now_t_ms)};
   }

@@ -6,7 +6,9 @@
 
 #include "roomwise/base/calendar_time.h"
 #include "roomwise/guide/message_catalogue.h"
+#include "roomwise/guide/places.h"
 #include "roomwise/guide/prompt.h"
+#include "roomwise/guide/wording.h"
 #include "roomwise/live/frame_processor.h"
 #include "roomwise/service/messages.h"
 
@@ -24,6 +26,11 @@ struct Situation {
 // A glance that is older than this at the time of a question is not answered by, ms: a direction
 // holds for two seconds from its picture, and words take their time.
 constexpr double kMaxFrameAge_ms = 800;
+
+// How somebody is spoken to who wants that; English where their language is not known.
+[[nodiscard]] guide::Wording wording_of(const service::SpeakingSettings& settings);
+// What a picture tells of where somebody is; nothing of none.
+[[nodiscard]] guide::UserLocation standing_of(const FrameResult* result);
 
 // The names of the home's things in the language that is spoken, each once, in order; answer()
 // knows what is meant by them.

@@ -167,13 +167,15 @@ void Device::hear(const service::Ask& ask) {
   bool waits = false;
   {
     const std::scoped_lock lock(mutex_);
-    if (ask.question == service::Question::kRepeat && last_ask_) {
+    const bool to_guide = ask.question == service::Question::kGuide ||
+                          (ask.question == service::Question::kRepeat && is_led());
+    if (ask.question == service::Question::kRepeat && !to_guide && last_ask_) {
       // What was true then need not be now: the question is asked anew.
       now = *last_ask_;
       now.id = ask.id;
       now.t_ms = ask.t_ms;
     }
-    if (now.question != service::Question::kRepeat) {
+    if (now.question != service::Question::kRepeat && !to_guide) {
       last_ask_ = now;
       waits = newest_ || looking_;  // the frame in hand answers it
     }
@@ -198,10 +200,23 @@ void Device::hear_now(const service::Ask& ask) {
     const auto view = host_.view();
     const Situation now{*view, is_fresh ? &*last_result_ : nullptr, settings_, ask.t_ms,
                         calendar_time(unix_now_ns())};
-    prompts = answer(ask, now);
+    prompts = answer_now(ask, view, now);
     announcer_.answered(now, prompts);
   }
   say(prompts, ask.id, based_on_t_ms);
+}
+
+std::vector<guide::Prompt> Device::answer_now(const service::Ask& ask,
+                                              const std::shared_ptr<const HomeView>& home,
+                                              const Situation& now) {
+  using service::Question;
+  if (ask.question == Question::kTakeMeTo) {
+    led_ = LedWalk::to(ask, home, now);
+    if (led_) return {led_->begin(now)};
+  }
+  if (ask.question == Question::kGuide && led_) return {led_->hear(ask.wish, ask.t_ms)};
+  if (ask.question == Question::kRepeat && is_led()) return {led_->repeat(ask.t_ms)};
+  return answer(ask, now);
 }
 
 void Device::answer_waiting(bool more_frames_wait) {
@@ -277,8 +292,12 @@ void Device::call_out(const FrameResult& result) {
     const auto view = host_.view();
     prompts = announcer_.after({*view, &result, settings_, result.t_ms});
     std::erase_if(prompts, [this](const guide::Prompt& prompt) {
-      return prompt.priority == guide::Priority::kCallout && (quiet_ || !settings_.callouts);
+      return prompt.priority == guide::Priority::kCallout &&
+             (quiet_ || !settings_.callouts || is_led());
     });
+    if (led_) {
+      for (guide::Prompt& prompt : led_->after(result, view)) prompts.push_back(std::move(prompt));
+    }
   }
   say(prompts, {}, result.t_ms);
 }

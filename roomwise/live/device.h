@@ -8,6 +8,7 @@
 
 #include "roomwise/live/answers.h"
 #include "roomwise/live/frame_processor.h"
+#include "roomwise/live/led_walk.h"
 #include "roomwise/live/walk_recorder.h"
 #include "roomwise/service/identity.h"
 #include "roomwise/service/server.h"
@@ -69,6 +70,11 @@ class Device : public std::enable_shared_from_this<Device> {
   void hear(const service::Ask& ask);
   void hear_now(const service::Ask& ask);
   [[nodiscard]] Expected<FrameResult> look(CameraFrame frame);
+  // With mutex_ held.
+  [[nodiscard]] std::vector<guide::Prompt> answer_now(const service::Ask& ask,
+                                                      const std::shared_ptr<const HomeView>& home,
+                                                      const Situation& now);
+  [[nodiscard]] bool is_led() const { return led_ && !led_->is_over(); }
   void answer_waiting(bool more_frames_wait);
   void say(const std::vector<guide::Prompt>& prompts, std::optional<std::int64_t> answer_to,
            std::optional<double> based_on_t_ms);
@@ -98,6 +104,7 @@ class Device : public std::enable_shared_from_this<Device> {
   std::optional<service::Ask> last_ask_;
   std::optional<FrameResult> last_result_;
   Announcer announcer_;
+  std::unique_ptr<LedWalk> led_;  // who is led somewhere, or was
   std::shared_ptr<WalkRecorder> recorder_;
   bool storing_fails_ = false;
 

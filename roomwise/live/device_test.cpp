@@ -99,6 +99,27 @@ TEST_F(DeviceTest, IsWelcomedWithWhatTheHomeHas) {
   EXPECT_FALSE(welcome[0].sees_rooms);
 }
 
+TEST_F(DeviceTest, WhoIsLedTalksToTheGuide) {
+  guide::KnownThing bed;
+  bed.name = "bed";
+  bed.room = "bedroom";
+  host.home->things = {bed};
+  say(hello());
+  say(service::Ask{1, 100, service::Question::kGuide, "", false, service::GuideWish::kPause});
+  EXPECT_EQ(wire->take<service::PromptMessage>().at(0).message, "guide.not_running");
+  ask(2, 200, service::Question::kTakeMeTo, "bed");
+  const auto begun = wire->take<service::PromptMessage>();
+  ASSERT_THAT(begun, SizeIs(1));
+  EXPECT_EQ(begun[0].answer_to, 2);
+  EXPECT_EQ(begun[0].message, "route.no_place");
+  ask(3, 300, service::Question::kRepeat);
+  EXPECT_EQ(wire->take<service::PromptMessage>().at(0).message, "route.no_place");
+  say(service::Ask{4, 400, service::Question::kGuide, "", false, service::GuideWish::kEnd});
+  EXPECT_EQ(wire->take<service::PromptMessage>().at(0).message, "guide.ended");
+  ask(5, 500, service::Question::kTakeMeTo, "piano");
+  EXPECT_EQ(wire->take<service::PromptMessage>().at(0).message, "where.unknown");
+}
+
 TEST_F(DeviceTest, ThingsAreNamedInTheLanguageThatIsSpoken) {
   guide::KnownThing bed;
   bed.name = "bed";

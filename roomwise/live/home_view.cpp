@@ -43,8 +43,13 @@ Expected<void> view_things(const home::Home& home, HomeView& view) {
     static_cast<objects::Instance&>(thing) = instance;
     const auto keyframe = keyframes.find(instance.keyframe_id);
     if (view.map && keyframe != keyframes.end()) {
-      thing.position_gravity =
-          pipeline::middle_on_map(instance, keyframe->second->pose, view.map->frame);
+      const home::KeyframePose& pose = keyframe->second->pose;
+      thing.position_gravity = pipeline::middle_on_map(instance, pose, view.map->frame);
+      const Eigen::Vector3d along =
+          view.map->frame.gravity_from_world.rotation *
+          (instance.box_world(pose.world_from_keyframe).world_from_box.rotation *
+           Eigen::Vector3d::UnitX());
+      thing.yaw_rad = std::atan2(along.y(), along.x());
     }
     if (instance.visit != 0) {
       thing.seen = calendar_time(visits.at(instance.visit).last_timestamp_ns);

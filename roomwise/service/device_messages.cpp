@@ -9,12 +9,20 @@ constexpr std::array<Word<DeviceKind>, 3> kKinds{{{"phone", DeviceKind::kPhone},
                                                   {"page", DeviceKind::kPage}}};
 constexpr std::array<Word<Distances>, 2> kDistances{
     {{"metres", Distances::kMetres}, {"steps", Distances::kSteps}}};
-constexpr std::array<Word<Question>, 6> kQuestions{{{"where_am_i", Question::kWhereAmI},
+constexpr std::array<Word<Question>, 8> kQuestions{{{"where_am_i", Question::kWhereAmI},
                                                     {"around_me", Question::kAroundMe},
                                                     {"where_is", Question::kWhereIs},
                                                     {"way_to", Question::kWayTo},
                                                     {"repeat", Question::kRepeat},
-                                                    {"name_room", Question::kNameRoom}}};
+                                                    {"name_room", Question::kNameRoom},
+                                                    {"take_me_to", Question::kTakeMeTo},
+                                                    {"guide", Question::kGuide}}};
+constexpr std::array<Word<GuideWish>, 6> kWishes{{{"pause", GuideWish::kPause},
+                                                  {"resume", GuideWish::kResume},
+                                                  {"how_far", GuideWish::kHowFar},
+                                                  {"next", GuideWish::kNext},
+                                                  {"blocked", GuideWish::kBlocked},
+                                                  {"end", GuideWish::kEnd}}};
 
 constexpr int kMaxSide_px = 4096;
 
@@ -78,8 +86,9 @@ Expected<DeviceMessage> read_hello(const OrderedJson& json) {
   return members.finish<DeviceMessage>(std::move(hello));
 }
 
-bool asks_for_thing(Question question) {
-  return question == Question::kWhereIs || question == Question::kWayTo;
+bool asks_for_thing(const Ask& ask) {
+  return ask.question == Question::kWhereIs || ask.question == Question::kWayTo ||
+         (ask.question == Question::kTakeMeTo && !ask.is_room);
 }
 
 Expected<DeviceMessage> read_ask(const OrderedJson& json) {
@@ -88,8 +97,10 @@ Expected<DeviceMessage> read_ask(const OrderedJson& json) {
   ask.id = members.whole("id", 0, std::int64_t{1} << 53U);
   ask.t_ms = members.number("t", -kMaxTime_ms, kMaxTime_ms);
   ask.question = members.one_of("question", kQuestions);
-  if (asks_for_thing(ask.question)) ask.subject = members.text("thing");
-  if (ask.question == Question::kNameRoom) ask.subject = members.text("room");
+  if (ask.question == Question::kTakeMeTo) ask.is_room = members.has("room");
+  if (ask.question == Question::kGuide) ask.wish = members.one_of("wish", kWishes);
+  if (asks_for_thing(ask)) ask.subject = members.text("thing");
+  if (ask.question == Question::kNameRoom || ask.is_room) ask.subject = members.text("room");
   return members.finish<DeviceMessage>(std::move(ask));
 }
 
@@ -163,8 +174,9 @@ OrderedJson to_json(const Ask& ask) {
                    {"id", ask.id},
                    {"t", ask.t_ms},
                    {"question", word_of(kQuestions, ask.question)}};
-  if (asks_for_thing(ask.question)) json["thing"] = ask.subject;
-  if (ask.question == Question::kNameRoom) json["room"] = ask.subject;
+  if (asks_for_thing(ask)) json["thing"] = ask.subject;
+  if (ask.question == Question::kGuide) json["wish"] = word_of(kWishes, ask.wish);
+  if (ask.question == Question::kNameRoom || ask.is_room) json["room"] = ask.subject;
   return json;
 }
 

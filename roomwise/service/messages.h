@@ -57,13 +57,27 @@ struct Hello {
   SpeakingSettings settings;
 };
 
-enum class Question { kWhereAmI, kAroundMe, kWhereIs, kWayTo, kRepeat, kNameRoom };
+enum class Question {
+  kWhereAmI,
+  kAroundMe,
+  kWhereIs,
+  kWayTo,  // all of the way, at once
+  kRepeat,
+  kNameRoom,
+  kTakeMeTo,  // is led there
+  kGuide,     // to whoever leads
+};
+// What there is to say to a guide on the way.
+enum class GuideWish { kPause, kResume, kHowFar, kNext, kBlocked, kEnd };
 
 struct Ask {
   std::int64_t id = 0;
   double t_ms = 0;  // by the device's clock
   Question question = Question::kWhereAmI;
-  std::string subject;  // the thing of kWhereIs and kWayTo, the room of kNameRoom
+  // The thing of kWhereIs and kWayTo, the room of kNameRoom, either of kTakeMeTo.
+  std::string subject;
+  bool is_room = false;                // the subject of kTakeMeTo
+  GuideWish wish = GuideWish::kPause;  // of kGuide
 };
 
 // Those that are given take the place of the earlier ones.

@@ -108,6 +108,10 @@ function open(me: Me | null, cameraFailure: CameraFailure | null): void {
     find: () => openChoice({
       title: text('find.title'), label: text('find.label'), go: text('find.go'), missing: text('find.missing'),
     }, phone.state.things, (thing) => phone.ask({ question: 'where_is', thing })),
+    take: () => openChoice({
+      title: text('take.title'), label: text('take.label'), go: text('take.go'), missing: text('take.missing'),
+    }, [...phone.state.rooms, ...phone.state.things], (goal) => phone.takeMeTo(goal)),
+    guide: (wish) => phone.ask({ question: 'guide', wish }),
     nameRoom: () => openChoice({
       title: text('name_room.title'), label: text('name_room.label'), go: text('name_room.go'),
       missing: text('name_room.missing'),

@@ -18,6 +18,9 @@ import { measureQuality, troubleOf } from './picture_quality';
 import type { PromptPlayer } from './prompt_player';
 import type { Settings } from './settings';
 
+// After these the guide has nothing more to do, but for how high to reach.
+const kEndsOfGuidance = ['guide.there', 'guide.ended', 'guide.near_end', 'guide.not_running', 'where.unknown'];
+
 export interface PhoneState {
   home: string;
   rooms: string[];
@@ -26,11 +29,12 @@ export interface PhoneState {
   camera: 'off' | 'good' | 'dark' | 'covered' | 'blurred';
   recording: string | null;
   quiet: boolean;
+  led: boolean; // is being led somewhere
 }
 
 export class Phone {
   readonly state: PhoneState = {
-    home: '', rooms: [], things: [], online: false, camera: 'off', recording: null, quiet: false,
+    home: '', rooms: [], things: [], online: false, camera: 'off', recording: null, quiet: false, led: false,
   };
   private readonly session: Session;
   private readonly sender = new FrameSender();
@@ -81,6 +85,12 @@ export class Phone {
       this.lastAsked = id;
       this.answers.ask(id, now);
     }
+  }
+
+  takeMeTo(goal: string): void {
+    this.state.led = true;
+    this.ask(this.state.rooms.includes(goal) ? { question: 'take_me_to', room: goal } : { question: 'take_me_to', thing: goal });
+    this.changed();
   }
 
   setQuiet(on: boolean): void {
@@ -142,6 +152,9 @@ export class Phone {
     const isOutdated = prompt.priority === 'answer' && prompt.answer_to !== null && prompt.answer_to < this.lastAsked;
     if (!isOutdated) {
       this.player.push(prompt);
+    }
+    if (kEndsOfGuidance.some((end) => prompt.message.startsWith(end))) {
+      this.state.led = false;
     }
   }
 

@@ -1,6 +1,7 @@
 // What is on the phone's page: the state above, what was said in the middle, the questions within a thumb's reach.
 import { h, replaceChildren } from '../shared/dom';
 import { icon } from '../shared/icons';
+import type { GuideWish } from '../shared/protocol';
 import { text } from '../shared/texts';
 import type { PhoneState } from './phone';
 import type { SaidLog } from './said_log';
@@ -9,6 +10,8 @@ export interface ViewActions {
   whereAmI: () => void;
   aroundMe: () => void;
   find: () => void;
+  take: () => void;
+  guide: (wish: GuideWish) => void;
   repeat: () => void;
   quiet: () => void;
   nameRoom: () => void;
@@ -22,11 +25,17 @@ export class PhoneView {
   private readonly camera = h('li', { class: 'chip' });
   private readonly quiet: HTMLButtonElement;
   private readonly nameRoom: HTMLButtonElement;
+  private readonly guide: HTMLElement;
 
   constructor(video: HTMLVideoElement, log: SaidLog, actions: ViewActions) {
     const question = (name: string, label: string, shape: Parameters<typeof icon>[0], run: () => void) =>
       h('button', { type: 'button', class: `question ${name}`, onclick: run }, icon(shape), h('span', {}, label));
     this.nameRoom = h('button', { type: 'button', class: 'tool', hidden: true, onclick: actions.nameRoom }, text('phone.name_room'));
+    const wish = (name: GuideWish) =>
+      h('button', { type: 'button', class: 'tool', onclick: () => actions.guide(name) }, text(`guide.${name}`));
+    this.guide = h('section', { class: 'guide', hidden: true, 'aria-labelledby': 'guide-heading' },
+      h('h2', { id: 'guide-heading', class: 'visually-hidden' }, text('guide.label')),
+      wish('next'), wish('how_far'), wish('blocked'), wish('pause'), wish('resume'), wish('end'));
     this.quiet = question('quiet', text('phone.quiet'), 'quiet', actions.quiet);
     this.quiet.setAttribute('aria-pressed', 'false');
     this.element = h('div', { class: 'phone' },
@@ -34,12 +43,14 @@ export class PhoneView {
         this.heading,
         h('div', { class: 'tools' },
           this.nameRoom,
+          h('button', { type: 'button', class: 'tool take', onclick: actions.take }, text('phone.take')),
           h('button', { type: 'button', class: 'tool', onclick: actions.settings }, text('phone.settings')))),
       h('main', {},
         h('section', { class: 'now', 'aria-label': text('phone.state') },
           h('ul', { class: 'chips' }, this.connection, this.camera), video),
         h('section', { class: 'answers', 'aria-labelledby': 'said-heading' },
           h('h2', { id: 'said-heading', class: 'visually-hidden' }, text('said.label')), log.element),
+        this.guide,
         h('section', { class: 'questions', 'aria-labelledby': 'ask-heading' },
           h('h2', { id: 'ask-heading', class: 'visually-hidden' }, text('phone.ask')),
           question('find', text('phone.find'), 'find', actions.find),
@@ -64,6 +75,10 @@ export class PhoneView {
       this.element.querySelector<HTMLElement>('.question.where')?.focus();
     }
     this.nameRoom.hidden = state.recording === null;
+    if (!state.led && this.guide.contains(document.activeElement)) {
+      this.element.querySelector<HTMLElement>('.tool.take')?.focus();
+    }
+    this.guide.hidden = !state.led;
   }
 }
 

@@ -116,9 +116,15 @@ export interface Hello {
   callouts: boolean;
 }
 
+// What somebody who is led may say to the guide.
+export type GuideWish = 'pause' | 'resume' | 'how_far' | 'next' | 'blocked' | 'end';
+
 export type Question =
   | { question: 'where_am_i' | 'around_me' | 'repeat' }
   | { question: 'where_is'; thing: string }
+  | { question: 'take_me_to'; thing: string } // or what else the computer knows by that name
+  | { question: 'take_me_to'; room: string }
+  | { question: 'guide'; wish: GuideWish }
   | { question: 'name_room'; room: string };
 
 // Answers of requests.

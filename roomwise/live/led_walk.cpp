@@ -1,0 +1,169 @@
+#include "roomwise/live/led_walk.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "roomwise/guide/thing_prompts.h"
+
+namespace roomwise::live {
+namespace {
+
+using guide::Goal;
+using guide::Noun;
+
+std::vector<rooms::Doorway> doorways_in(const HomeView& home) {
+  return home.layout ? home.layout->doorways() : std::vector<rooms::Doorway>{};
+}
+
+guide::HomeMap map_of(const HomeView& home, std::span<const rooms::Doorway> doorways) {
+  guide::HomeMap map;
+  if (home.map && home.map->floor) map.floor = &*home.map->floor;
+  if (home.layout) map.layout = &*home.layout;
+  map.doorways = doorways;
+  map.things = home.things;
+  return map;
+}
+
+// Of several the one that costs the least way, where a whole way is known; else the surest.
+std::optional<Goal> nearest(std::vector<Goal> goals, const guide::HomeMap& map,
+                            const guide::UserLocation& location) {
+  if (goals.empty()) return std::nullopt;
+  std::size_t best = 0;
+  double least_m = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; goals.size() > 1 && i < goals.size(); ++i) {
+    const guide::Plan plan = guide::plan_way(map, location, goals[i]);
+    if (plan.reach != guide::Reach::kWhole || guide::length_m(plan.route) >= least_m) continue;
+    least_m = guide::length_m(plan.route);
+    best = i;
+  }
+  return goals[best];
+}
+
+bool is_called(const std::string& asked, const std::string& word,
+               const guide::Phrasebook& phrases) {
+  return std::ranges::count(phrases.words_for(Noun::Kind::kThing, asked), word) > 0;
+}
+
+std::optional<Goal> room_called(const std::string& asked, const HomeView& home,
+                                const guide::Phrasebook& phrases) {
+  if (!home.layout) return std::nullopt;
+  std::vector<std::string> names = phrases.words_for(Noun::Kind::kRoom, asked);
+  names.insert(names.begin(), asked);
+  for (const std::string& name : names) {
+    for (const rooms::RoomExtent& room : home.layout->rooms()) {
+      if (room.name == name) return Goal::of(room);
+    }
+  }
+  return std::nullopt;
+}
+
+// A thing of the home, a room, or "door": the nearest one.
+std::optional<Goal> goal_of(const service::Ask& asked, const HomeView& home,
+                            std::span<const rooms::Doorway> doorways,
+                            const guide::UserLocation& location, const guide::Wording& wording) {
+  const guide::HomeMap map = map_of(home, doorways);
+  const guide::Phrasebook& phrases = wording.phrases();
+  if (!asked.is_room) {
+    const auto meant =
+        guide::thing_meant(asked.subject, home.things, home.concepts.vocabulary, phrases);
+    std::vector<Goal> goals;
+    for (const guide::KnownThing& thing : home.things) {
+      if (meant && thing.name == *meant) goals.push_back(Goal::of(thing));
+    }
+    if (auto goal = nearest(std::move(goals), map, location)) return goal;
+  }
+  if (auto room = room_called(asked.subject, home, phrases)) return room;
+  std::vector<Goal> doors;
+  if (is_called(asked.subject, "door", phrases)) {
+    for (const rooms::Doorway& door : guide::doors_of(doorways)) doors.push_back(Goal::of(door));
+  }
+  return nearest(std::move(doors), map, location);
+}
+
+}  // namespace
+
+LedWalk::LedWalk(service::Ask asked, std::shared_ptr<const HomeView> home, Goal goal,
+                 const service::SpeakingSettings& settings)
+    : asked_(std::move(asked)),
+      settings_(settings),
+      home_(std::move(home)),
+      doorways_(doorways_in(*home_)),
+      guidance_(std::make_unique<guide::Guidance>(map_of(*home_, doorways_), std::move(goal),
+                                                  wording_of(settings))) {}
+
+std::unique_ptr<LedWalk> LedWalk::to(const service::Ask& goal,
+                                     const std::shared_ptr<const HomeView>& home,
+                                     const Situation& situation) {
+  const std::vector<rooms::Doorway> doorways = doorways_in(*home);
+  auto found =
+      goal_of(goal, *home, doorways, standing_of(situation.result), wording_of(situation.settings));
+  if (!found) return nullptr;
+  return std::unique_ptr<LedWalk>(new LedWalk(goal, home, *std::move(found), situation.settings));
+}
+
+TimestampNs LedWalk::at(double t_ms) {
+  now_ns_ = std::max(now_ns_, static_cast<TimestampNs>(std::llround(t_ms * 1e6)));
+  return now_ns_;
+}
+
+guide::Prompt LedWalk::begin(const Situation& situation) {
+  const guide::UserLocation location = standing_of(situation.result);
+  guide::Walker walker;
+  walker.now_ns = at(situation.now_t_ms);
+  walker.pose = location.pose;
+  walker.pose_ns =
+      situation.result != nullptr ? std::llround(situation.result->t_ms * 1e6) : walker.now_ns;
+  walker.room = location.room;
+  if (auto prompt = guidance_->update(walker)) return *std::move(prompt);
+  return guidance_->request(guide::GuidanceRequest::kRepeat, walker.now_ns);
+}
+
+std::vector<guide::Prompt> LedWalk::after(const FrameResult& result,
+                                          const std::shared_ptr<const HomeView>& home) {
+  if (home->map != home_->map && !is_over()) {
+    const Situation now{*home, &result, settings_, result.t_ms};
+    if (auto anew = to(asked_, home, now)) {
+      anew->now_ns_ = now_ns_;
+      *this = std::move(*anew);
+    }
+  }
+  const guide::UserLocation location = standing_of(&result);
+  guide::Walker walker;
+  walker.now_ns = at(result.t_ms);
+  walker.pose = location.pose;
+  walker.pose_ns = std::llround(result.t_ms * 1e6);
+  walker.room = location.room;
+  walker.obstacle_m = result.obstacle_m;
+  auto prompt = guidance_->update(walker);
+  if (!prompt) return {};
+  return {*std::move(prompt)};
+}
+
+guide::Prompt LedWalk::hear(service::GuideWish wish, double now_t_ms) {
+  using service::GuideWish;
+  const auto request = [&] {
+    switch (wish) {
+      case GuideWish::kPause:
+        return guide::GuidanceRequest::kPause;
+      case GuideWish::kResume:
+        return guide::GuidanceRequest::kResume;
+      case GuideWish::kHowFar:
+        return guide::GuidanceRequest::kHowFar;
+      case GuideWish::kNext:
+        return guide::GuidanceRequest::kNext;
+      case GuideWish::kBlocked:
+        return guide::GuidanceRequest::kBlocked;
+      case GuideWish::kEnd:
+        break;
+    }
+    return guide::GuidanceRequest::kEnd;
+  };
+  return guidance_->request(request(), at(now_t_ms));
+}
+
+guide::Prompt LedWalk::repeat(double now_t_ms) {
+  return guidance_->request(guide::GuidanceRequest::kRepeat, at(now_t_ms));
+}
+
+}  // namespace roomwise::live

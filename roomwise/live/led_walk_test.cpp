@@ -1,0 +1,120 @@
+#include "roomwise/live/led_walk.h"
+
+#include <gmock/gmock.h>
+
+namespace roomwise::live {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::StartsWith;
+
+constexpr double kTick_ms = 200;
+
+std::shared_ptr<HomeView> home_with_microwave() {
+  LiveMap map;  // with a floor of 6 x 4 m that is free
+  map.floor.emplace(Eigen::Vector2d(-1, -2), 0.05,
+                    image::Image<fusion::FloorCell>(120, 80, fusion::FloorCell::kFree));
+  auto home = std::make_shared<HomeView>();
+  home->map = std::make_shared<const LiveMap>(std::move(map));
+  guide::KnownThing thing;
+  thing.name = "microwave";
+  thing.probability = 0.99;
+  thing.position_gravity = Eigen::Vector3d(4, 0, 1.2);
+  thing.box_keyframe.size_m = {0.5, 0.5, 0.5};
+  home->things = {thing};
+  return home;
+}
+
+// A camera 1.3 m up, that looks along x.
+FrameResult picture_at(const Eigen::Vector2d& place, double t_ms) {
+  Eigen::Matrix3d gravity_from_camera;
+  gravity_from_camera << 0, 0, 1, -1, 0, 0, 0, -1, 0;
+  FrameResult result;
+  result.t_ms = t_ms;
+  result.place.emplace();
+  result.place->gravity_from_camera = {Eigen::Quaterniond(gravity_from_camera),
+                                       {place.x(), place.y(), 1.3}};
+  result.place->sigma_m = 0.03;
+  return result;
+}
+
+service::Ask ask_for(const std::string& goal) {
+  return {1, 1000, service::Question::kTakeMeTo, goal};
+}
+
+class LedWalkTest : public ::testing::Test {
+ protected:
+  [[nodiscard]] Situation at(const FrameResult& result) const {
+    return {*home, &result, settings, result.t_ms};
+  }
+  std::vector<std::string> walk(LedWalk& led, double seconds, double speed_m_s) {
+    std::vector<std::string> said;
+    for (double passed_ms = 0; passed_ms < 1000 * seconds; passed_ms += kTick_ms) {
+      t_ms += kTick_ms;
+      x_m += speed_m_s * kTick_ms / 1000;
+      for (const guide::Prompt& prompt : led.after(picture_at({x_m, 0}, t_ms), home)) {
+        said.push_back(prompt.text);
+      }
+    }
+    return said;
+  }
+
+  std::shared_ptr<HomeView> home = home_with_microwave();
+  service::SpeakingSettings settings;
+  double t_ms = 1000, x_m = 0;
+};
+
+TEST_F(LedWalkTest, LeadsAlongWithThePicturesThatCome) {
+  const FrameResult first = picture_at({0, 0}, t_ms);
+  const auto led = LedWalk::to(ask_for("microwave"), home, at(first));
+  ASSERT_NE(led, nullptr);
+  EXPECT_THAT(led->begin(at(first)).text, StartsWith("To the microwave: about 4"));
+  EXPECT_THAT(walk(*led, 6, 0), ::testing::ElementsAre("The microwave is ahead of you.",
+                                                       StartsWith("Straight on, 4")));
+  const auto said = walk(*led, 12, 0.5);
+  EXPECT_THAT(said, ::testing::Contains("You are there: the microwave ahead, in reach."));
+  EXPECT_THAT(said, ::testing::Contains("At chest height."));
+  EXPECT_TRUE(led->is_over());
+}
+
+TEST_F(LedWalkTest, HearsWhatIsWished) {
+  const FrameResult first = picture_at({0, 0}, t_ms);
+  const auto led = LedWalk::to(ask_for("microwave"), home, at(first));
+  (void)led->begin(at(first));
+  EXPECT_THAT(led->hear(service::GuideWish::kHowFar, t_ms).text, HasSubstr("to the microwave."));
+  EXPECT_EQ(led->hear(service::GuideWish::kPause, t_ms).text, "Paused.");
+  EXPECT_THAT(walk(*led, 10, 0.1), IsEmpty());
+  EXPECT_EQ(led->hear(service::GuideWish::kResume, t_ms).text, "Going on.");
+  EXPECT_THAT(led->repeat(t_ms).text, StartsWith("Straight on"));
+  EXPECT_EQ(led->hear(service::GuideWish::kEnd, t_ms).text, "Guidance has ended.");
+  EXPECT_TRUE(led->is_over());
+}
+
+TEST_F(LedWalkTest, WhoIsNotSeenIsAnsweredAndLedOnceTheyAre) {
+  const Situation blind{*home, nullptr, settings, t_ms};
+  const auto led = LedWalk::to(ask_for("microwave"), home, blind);
+  ASSERT_NE(led, nullptr);
+  EXPECT_EQ(led->begin(blind).text, "I do not know where you stand. Turn slowly.");
+  EXPECT_THAT(walk(*led, 12, 0),
+              ::testing::ElementsAre("I know again where you are.", StartsWith("To the microwave"),
+                                     "The microwave is ahead of you.", StartsWith("Straight on")));
+}
+
+TEST_F(LedWalkTest, WhatTheHomeDoesNotKnowIsNoGoal) {
+  const FrameResult first = picture_at({0, 0}, t_ms);
+  EXPECT_EQ(LedWalk::to(ask_for("piano"), home, at(first)), nullptr);
+  EXPECT_EQ(LedWalk::to(ask_for("door"), home, at(first)), nullptr) << "no layout, no doors";
+}
+
+TEST_F(LedWalkTest, BeginsAnewOnANewMap) {
+  const FrameResult first = picture_at({0, 0}, t_ms);
+  const auto led = LedWalk::to(ask_for("microwave"), home, at(first));
+  (void)led->begin(at(first));
+  (void)walk(*led, 6, 0);
+  home = home_with_microwave();
+  EXPECT_THAT(walk(*led, 1, 0), ::testing::ElementsAre(StartsWith("To the microwave")));
+}
+
+}  // namespace
+}  // namespace roomwise::live
