@@ -123,7 +123,10 @@ void Device::on_message(Bytes bytes) {
   }
   CameraFrame frame{read->t_ms,
                     {read->color.begin(), read->color.end()},
-                    {read->depth.begin(), read->depth.end()}};
+                    {read->depth.begin(), read->depth.end()},
+                    read->camera,
+                    read->depth_size,
+                    read->pose};
   store(frame);
   service::FrameArrived arrived{frame.t_ms, 0};
   {

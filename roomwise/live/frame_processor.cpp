@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include "roomwise/guide/obstacle.h"
-#include "roomwise/image/codec.h"
 
 namespace roomwise::live {
 namespace {
@@ -74,22 +73,9 @@ Expected<std::optional<mapping::Localization>> FrameProcessor::locate(
 Expected<FrameResult> FrameProcessor::look(CameraFrame frame,
                                            const std::shared_ptr<const HomeView>& home) {
   if (!camera_) return fail("this device said in its hello that it has no camera");
-  // What is a little larger gets a clear error below; what is far larger is not even decoded.
-  const std::int64_t max_pixels = 2 * std::int64_t{camera_->width} * camera_->height;
-  ROOMWISE_TRY(const image::ColorImage color, image::decode_color(frame.color, max_pixels));
-  if (color.width() != camera_->width || color.height() != camera_->height) {
-    return fail("the picture has {} x {} pixels, the camera of the hello {} x {}", color.width(),
-                color.height(), camera_->width, camera_->height);
-  }
-  std::optional<image::DepthImage> depth;
-  if (!frame.depth.empty()) {
-    if (!camera_->has_depth) return fail("a depth image comes from a camera without depth");
-    ROOMWISE_TRY(depth, image::decode_depth(frame.depth, max_pixels));
-    if (depth->width() != color.width() || depth->height() != color.height()) {
-      return fail("the depth image has {} x {} pixels, the picture {} x {}", depth->width(),
-                  depth->height(), color.width(), color.height());
-    }
-  }
+  ROOMWISE_TRY(const FrameImages images, images_of(frame, *camera_));
+  const image::ColorImage& color = images.color;
+  const std::optional<image::DepthImage>& depth = images.depth;
   FrameResult result;
   result.t_ms = frame.t_ms;
   ROOMWISE_TRY(const auto answer, locate(color, depth, *home, result));

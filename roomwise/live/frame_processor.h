@@ -3,10 +3,10 @@
 #include <memory>
 #include <optional>
 
+#include "roomwise/live/frame_images.h"
 #include "roomwise/live/home_view.h"
 #include "roomwise/mapping/localization/lens_calibration.h"
 #include "roomwise/pipeline/rooms/turn_hint.h"
-#include "roomwise/service/messages.h"
 
 namespace roomwise::live {
 
@@ -32,13 +32,6 @@ struct FrameResult {
   std::optional<mapping::LensCalibration> lens;
   std::optional<double> obstacle_m;  // straight ahead, by depth
   Bytes picture;                     // as the device sent it
-};
-
-// A frame as it came, whole.
-struct CameraFrame {
-  double t_ms = 0;
-  Bytes color;  // JPEG, PNG or WebP
-  Bytes depth;  // 16-bit PNG, or empty
 };
 
 // Looks at the frames of one device, one after the other, and remembers what it saw: the room is

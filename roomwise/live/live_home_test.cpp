@@ -411,6 +411,29 @@ TEST_F(LiveHomeTest, AMapThatWasStoppedWhileItIsRecordedIsGoneOnWith) {
   record_the_rest(belt);
 }
 
+// A phone's browser knows how it moved; mapping takes it, though the walk is mapped as it comes.
+TEST_F(LiveHomeTest, WhatADeviceTellsOfItsMotionReachesTheMap) {
+  open();
+  const Client phone = connect(7, service::Role::kDevice);
+  ASSERT_OK(home->begin_recording(7, "walk"));
+  for (int i = 0; auto frame = walk.next().value(); ++i) {
+    const Bytes color = image::encode_jpeg(frame->color, 95);
+    const Bytes depth = image::encode_png(frame->depth);
+    service::FrameMessage message{static_cast<double>(frame->timestamp_ns) / 1e6, color, depth};
+    message.camera = walk.info().camera;
+    message.pose = service::FramePose{"webxr", {walk.world_from_camera(i)}};
+    phone.session->on_message(write(message));
+  }
+  ASSERT_OK(home->end_recording());
+  home->jobs().wait();
+  ASSERT_EQ(home->jobs().state()->state, "done") << home->jobs().state()->text;
+  const auto frames = home::Home::open_read_only(file)->frames(1).value();
+  ASSERT_THAT(frames, SizeIs(kFrames));
+  EXPECT_TRUE(std::ranges::all_of(frames, [](const home::Frame& frame) {
+    return frame.motion && frame.motion->use == scene::MotionUse::kTaken;
+  }));
+}
+
 TEST_F(LiveHomeTest, OnlyWhoIsRecordedOrAHelperNamesTheWalksRooms) {
   open();
   const Client page = connect(1, service::Role::kHelper);

@@ -33,20 +33,19 @@ Expected<void> WalkRecorder::store(const CameraFrame& frame) {
   rgbd.index = writer_->frames_written();
   rgbd.timestamp_ns =
       begun_ns_ + std::llround((frame.t_ms - first_t_ms_.value_or(frame.t_ms)) * 1e6);
-  const std::int64_t pixels = std::int64_t{camera_.width} * camera_.height;
-  ROOMWISE_TRY(rgbd.color, image::decode_color(frame.color, pixels));
-  ROOMWISE_TRY(rgbd.depth, image::decode_depth(frame.depth, pixels));
-  const auto fits = [&](const auto& image) {
-    return image.width() == camera_.width && image.height() == camera_.height;
-  };
-  if (!fits(rgbd.color) || !fits(rgbd.depth)) {
-    return fail("the images of the frame are not of the camera's {} x {} pixels", camera_.width,
-                camera_.height);
-  }
+  auto images = images_of(frame, {camera_.width, camera_.height, camera_, true});
+  if (!images) return Unexpected(std::move(images).error());
+  rgbd.color = std::move(images->color);
+  if (images->depth) rgbd.depth = std::move(*images->depth);
   // A recording holds JPEG and PNG; a WebP is stored as the writer stores pictures.
-  if (!image::is_webp(frame.color)) rgbd.encoded_color = frame.color;
-  rgbd.encoded_depth = frame.depth;
-  ROOMWISE_CHECK_OK(writer_->write(rgbd));
+  if (images->color_is_as_sent && !image::is_webp(frame.color)) rgbd.encoded_color = frame.color;
+  if (images->depth_is_as_sent) rgbd.encoded_depth = frame.depth;
+  std::optional<recording::PoseCovariance> covariance;
+  if (frame.pose) {
+    rgbd.device_motion = frame.pose->motion;
+    covariance = frame.pose->covariance;
+  }
+  ROOMWISE_CHECK_OK(writer_->write(rgbd, covariance));
   if (!first_t_ms_) first_t_ms_ = frame.t_ms;
   last_t_ms_ = frame.t_ms;
   grown_.notify_all();

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "roomwise/base/progress.h"
-#include "roomwise/live/frame_processor.h"
+#include "roomwise/live/frame_images.h"
 #include "roomwise/recording/tum_writer.h"
 
 namespace roomwise::live {
@@ -24,9 +24,10 @@ class WalkRecorder {
       const std::filesystem::path& folder, const service::DeviceCamera& camera,
       TimestampNs begun_ns);
 
-  // Stores a frame before it returns; frames that are not newer than the last are left out. Fails
-  // on pictures that cannot be read and on a full disk; the frame is then not stored, the ones
-  // before it are.
+  // Stores a frame before it returns, as the hello's camera takes it (images_of()) and with what
+  // the device knew of its motion; frames that are not newer than the last are left out. Fails on
+  // pictures that cannot be read and on a full disk; the frame is then not stored, the ones before
+  // it are.
   [[nodiscard]] Expected<void> store(const CameraFrame& frame);
   // What is stored from now on shows this room.
   [[nodiscard]] Expected<void> name_room(const std::string& room);

@@ -48,13 +48,14 @@ Expected<Odometry> read_odometry(const std::filesystem::path& path) {
   return odometry;
 }
 
+std::string up_line(const Eigen::Vector3d& up) {
+  return fmt::format("{}{} {} {}\n", kUpMark, up.x(), up.y(), up.z());
+}
+
 Expected<void> write_odometry(const std::filesystem::path& path, const Odometry& odometry,
                               std::string_view what) {
   std::string head = fmt::format("# {}\n", what);
-  if (odometry.up) {
-    head +=
-        fmt::format("{}{} {} {}\n", kUpMark, odometry.up->x(), odometry.up->y(), odometry.up->z());
-  }
+  if (odometry.up) head += up_line(*odometry.up);
   return write_file(path, head + trajectory_text(odometry.poses));
 }
 

@@ -45,6 +45,8 @@ Expected<Trajectory> read_trajectory(const std::filesystem::path& path) {
   for (const DataLine& line : data_lines(text)) {
     const std::string place = fmt::format("{}:{}", path.string(), line.number);
     auto pose = parse_pose(line.words);
+    // What was written while a device recorded may end in the middle of a line.
+    if (!pose && !line.complete && !trajectory.empty()) break;
     if (!pose) return Unexpected(std::move(pose).error().in(place));
     if (!trajectory.empty() && pose->timestamp_ns <= trajectory.back().timestamp_ns) {
       return fail("{}: the time {} does not increase; sort the lines by time, each time once",
@@ -58,14 +60,16 @@ Expected<Trajectory> read_trajectory(const std::filesystem::path& path) {
 
 std::string trajectory_text(std::span<const StampedPose> trajectory) {
   std::string text = fmt::format("# {}\n", kPoseLayout);
-  for (const auto& [timestamp_ns, pose] : trajectory) {
-    const auto& t = pose.translation;
-    const auto& q = pose.rotation;
-    text += fmt::format("{} {:.9f} {:.9f} {:.9f} {:.9f} {:.9f} {:.9f} {:.9f}\n",
-                        format_timestamp(timestamp_ns), t.x(), t.y(), t.z(), q.x(), q.y(), q.z(),
-                        q.w());
-  }
+  for (const StampedPose& pose : trajectory) text += trajectory_line(pose);
   return text;
+}
+
+std::string trajectory_line(const StampedPose& pose) {
+  const auto& t = pose.world_from_camera.translation;
+  const auto& q = pose.world_from_camera.rotation;
+  return fmt::format("{} {:.9f} {:.9f} {:.9f} {:.9f} {:.9f} {:.9f} {:.9f}\n",
+                     format_timestamp(pose.timestamp_ns), t.x(), t.y(), t.z(), q.x(), q.y(), q.z(),
+                     q.w());
 }
 
 Expected<void> write_trajectory(const std::filesystem::path& path,

@@ -146,6 +146,51 @@ class TumWriter::List {
   std::size_t size_before_last_ = 0;
 };
 
+// odometry.txt.
+class TumWriter::MotionFile {
+ public:
+  explicit MotionFile(const std::filesystem::path& folder) : file_(folder / "odometry.txt") {}
+
+  // Which way is up is said once, as soon as the device knows it; how sure it is, behind its pose.
+  [[nodiscard]] Expected<void> add(TimestampNs timestamp_ns, const geometry::DeviceMotion& device,
+                                   const std::optional<PoseCovariance>& covariance) {
+    size_before_last_ = file_.size();
+    had_up_ = has_up_;
+    std::string lines = size_before_last_ == 0 ? "# the device's own motion\n" : "";
+    if (device.up_camera && !has_up_) {
+      lines += up_line(device.world_from_camera.rotation * *device.up_camera);
+      has_up_ = true;
+    }
+    lines += trajectory_line({timestamp_ns, device.world_from_camera});
+    if (covariance) {
+      lines.pop_back();
+      lines += " # covariance";
+      for (int row = 0; row < 6; ++row) {
+        for (int column = row; column < 6; ++column) {
+          lines += fmt::format(" {:.9g}", (*covariance)(row, column));
+        }
+      }
+      lines += '\n';
+    }
+    auto added = file_.append(lines);
+    if (!added) has_up_ = had_up_;
+    return added;
+  }
+
+  // Takes back the pose added last.
+  void take_back() {
+    file_.cut_to(size_before_last_);
+    has_up_ = had_up_;
+  }
+
+  [[nodiscard]] Expected<void> flush_to_disk() { return file_.flush_to_disk(); }
+
+ private:
+  NewFile file_;
+  std::size_t size_before_last_ = 0;
+  bool has_up_ = false, had_up_ = false;
+};
+
 TumWriter::TumWriter(std::filesystem::path folder, const geometry::PinholeCamera& camera)
     : folder_(std::move(folder)),
       camera_(camera),
@@ -190,35 +235,33 @@ Expected<void> TumWriter::check(const image::RgbdFrame& frame) const {
   return {};
 }
 
-Expected<void> TumWriter::write(const image::RgbdFrame& frame) {
+Expected<void> TumWriter::write(const image::RgbdFrame& frame,
+                                const std::optional<PoseCovariance>& covariance) {
   ROOMWISE_CHECK_OK(check(frame));
-  ROOMWISE_CHECK_OK(depth_list_->add(frame.timestamp_ns, frame.encoded_depth.empty()
-                                                             ? image::encode_png(frame.depth)
-                                                             : frame.encoded_depth));
+  if (frame.device_motion && motion_ == nullptr) motion_ = std::make_unique<MotionFile>(folder_);
+  if (frame.device_motion) {
+    ROOMWISE_CHECK_OK(motion_->add(frame.timestamp_ns, *frame.device_motion, covariance));
+  }
+  auto depth_added = depth_list_->add(frame.timestamp_ns, frame.encoded_depth.empty()
+                                                              ? image::encode_png(frame.depth)
+                                                              : frame.encoded_depth);
+  if (!depth_added) {
+    if (frame.device_motion) motion_->take_back();
+    return depth_added;
+  }
   auto color_added =
       color_list_->add(frame.timestamp_ns, frame.encoded_color.empty()
                                                ? image::encode_jpeg(frame.color, kJpegQuality)
                                                : frame.encoded_color);
   if (!color_added) {
     depth_list_->take_back();
+    if (frame.device_motion) motion_->take_back();
     return color_added;
   }
   note_room_of_next_frame();
   ++frames_;
   last_timestamp_ns_ = frame.timestamp_ns;
-  if (frame.device_motion) note_motion(frame.timestamp_ns, *frame.device_motion);
   return {};
-}
-
-void TumWriter::note_motion(TimestampNs timestamp_ns, const geometry::DeviceMotion& device) {
-  odometry_.poses.push_back({timestamp_ns, device.world_from_camera});
-  if (device.up_camera && !odometry_.up)
-    odometry_.up = device.world_from_camera.rotation * *device.up_camera;
-}
-
-Expected<void> TumWriter::write_motion() const {
-  if (odometry_.poses.empty()) return {};
-  return write_odometry(folder_ / "odometry.txt", odometry_, "the device's own motion");
 }
 
 void TumWriter::note_room_of_next_frame() {
@@ -252,7 +295,7 @@ Expected<void> TumWriter::close() {
   const auto colors = std::exchange(color_list_, nullptr);
   const auto depths = std::exchange(depth_list_, nullptr);
   ROOMWISE_CHECK_OK(write_rooms());
-  ROOMWISE_CHECK_OK(write_motion());
+  if (motion_ != nullptr) ROOMWISE_CHECK_OK(motion_->flush_to_disk());
   ROOMWISE_CHECK_OK(depths->flush_to_disk());
   return colors->flush_to_disk();
 }

@@ -18,12 +18,12 @@ namespace roomwise::recording {
 [[nodiscard]] image::RgbdFrame encode_images(image::RgbdFrame frame);
 
 // Writes a recording that TumRecording reads: rgb/, depth/, rgb.txt, depth.txt, camera.txt and,
-// where rooms were named, rooms.txt; when it is closed odometry.txt, where devices told their
-// motion. Frames are numbered from 0 as they come.
+// where devices told their motion, odometry.txt; where rooms were named, rooms.txt. Frames are
+// numbered from 0 as they come.
 //
 // A frame's images are written before its lines, and each line in one piece, rgb.txt last: a killed
-// recording can be read up to its last whole frame. When the disk is full, write() fails, takes
-// back the frame in hand, and what was written before stays valid.
+// recording can be read up to its last whole frame, and so can one that still grows. When the disk
+// is full, write() fails, takes back the frame in hand, and what was written before stays valid.
 class TumWriter final : public FrameSink {
  public:
   // Makes the folder; one that exists must be empty.
@@ -36,7 +36,12 @@ class TumWriter final : public FrameSink {
 
   // Stores the frame's encoded images as they are; raw ones as encode_images() does.
   // Fails where the time does not increase.
-  [[nodiscard]] Expected<void> write(const image::RgbdFrame& frame) override;
+  [[nodiscard]] Expected<void> write(const image::RgbdFrame& frame) override {
+    return write(frame, std::nullopt);
+  }
+  // `covariance`: of the frame's device motion; kept behind its pose, for who reads the file.
+  [[nodiscard]] Expected<void> write(const image::RgbdFrame& frame,
+                                     const std::optional<PoseCovariance>& covariance);
   [[nodiscard]] Expected<void> close() override;
 
   // From the next frame on the recording shows `room` (absent: no named room). Each time a room is
@@ -48,22 +53,21 @@ class TumWriter final : public FrameSink {
 
  private:
   class List;
+  class MotionFile;
 
   TumWriter(std::filesystem::path folder, const geometry::PinholeCamera& camera);
   [[nodiscard]] Expected<void> check(const image::RgbdFrame& frame) const;
   [[nodiscard]] Expected<void> write_rooms() const;
   void note_room_of_next_frame();
-  void note_motion(TimestampNs timestamp_ns, const geometry::DeviceMotion& device);
-  [[nodiscard]] Expected<void> write_motion() const;
 
   std::filesystem::path folder_;
   geometry::PinholeCamera camera_;
   std::unique_ptr<List> color_list_, depth_list_;  // null once closed
+  std::unique_ptr<MotionFile> motion_;             // null until a device told its motion
   std::uint64_t frames_ = 0;
   TimestampNs last_timestamp_ns_ = 0;
   std::optional<std::string> room_;  // that the next frame shows
   std::vector<RoomRange> rooms_;     // of the frames written
-  Odometry odometry_;                // likewise, where their device tells it
 };
 
 }  // namespace roomwise::recording

@@ -16,6 +16,7 @@ namespace {
 
 using roomwise::testing::ScratchFolder;
 using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 
 const geometry::PinholeCamera kCamera{7, 7, 4, 3, 8, 6, {0.1, 0, 0, 0, 0.5}, 5000};
 
@@ -98,13 +99,35 @@ TEST_F(TumWriterFolder, KeepsTheDevicesMotion) {
                                                Eigen::Vector3d(0, 0.96, 0.28)};
   ASSERT_OK(writer_->write(first));
   ASSERT_OK(writer_->write(raw_frame(1)));
-  ASSERT_OK(writer_->close());
   const auto frames = read_all(folder_);
-  ASSERT_EQ(frames.size(), 2U);
+  ASSERT_EQ(frames.size(), 2U) << "as after a kill: nothing was closed";
   ASSERT_TRUE(frames[0].device_motion);
   EXPECT_TRUE(frames[0].device_motion->world_from_camera.translation.isApprox(
       first.device_motion->world_from_camera.translation, 1e-9));
   EXPECT_TRUE(frames[0].device_motion->up_camera->isApprox(*first.device_motion->up_camera, 1e-6));
+  EXPECT_FALSE(frames[1].device_motion);
+}
+
+TEST_F(TumWriterFolder, KeepsHowSureTheDeviceIsAndReadsOverIt) {
+  image::RgbdFrame frame = raw_frame(0);
+  frame.device_motion = geometry::DeviceMotion{{Eigen::Quaterniond::Identity(), {1, 2, 3}}};
+  ASSERT_OK(writer_->write(frame, PoseCovariance(0.25 * PoseCovariance::Identity())));
+  EXPECT_THAT(read_text_file(folder_ / "odometry.txt").value(),
+              HasSubstr(" # covariance 0.25 0 0 0 0 0 0.25 "));
+  EXPECT_TRUE(read_all(folder_).at(0).device_motion);
+}
+
+TEST_F(TumWriterFolder, AMotionThatWasCutOffInItsLastLineIsReadUpToThere) {
+  for (int i = 0; i < 2; ++i) {
+    image::RgbdFrame frame = raw_frame(i);
+    frame.device_motion = geometry::DeviceMotion{{Eigen::Quaterniond::Identity(), {1, 2, 3}}};
+    ASSERT_OK(writer_->write(frame));
+  }
+  const std::string text = read_text_file(folder_ / "odometry.txt").value();
+  ASSERT_OK(write_file(folder_ / "odometry.txt", text.substr(0, text.size() - 30)));
+  const auto frames = read_all(folder_);
+  ASSERT_EQ(frames.size(), 2U);
+  EXPECT_TRUE(frames[0].device_motion);
   EXPECT_FALSE(frames[1].device_motion);
 }
 

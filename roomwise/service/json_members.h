@@ -105,6 +105,21 @@ class Members {
     }
     return all;
   }
+  // So many numbers, each within the bounds.
+  std::vector<double> numbers(const char* name, std::size_t count, double least, double most) {
+    const OrderedJson* value = member(name);
+    if (value == nullptr) return {};
+    std::vector<double> all;
+    const bool is_list = value->is_array() && value->size() == count;
+    for (std::size_t i = 0; is_list && i < count; ++i) {
+      const OrderedJson& one = (*value)[i];
+      const double number = one.is_number() ? one.get<double>() : std::nan("");
+      if (number >= least && number <= most) all.push_back(number);
+    }
+    if (all.size() == count) return all;
+    wrong(name, fmt::format("a list of {} numbers from {:g} to {:g}", count, least, most));
+    return {};
+  }
   // An object; nullptr where it is wrong.
   const OrderedJson* object(const char* name) {
     const OrderedJson* value = member(name);

@@ -10,6 +10,7 @@
 
 #include "roomwise/base/expected.h"
 #include "roomwise/base/file.h"
+#include "roomwise/geometry/device_motion.h"
 #include "roomwise/geometry/pinhole_camera.h"
 
 // The messages of the socket between a device and the home's computer, as docs/protocol.md has
@@ -101,12 +102,34 @@ using DeviceMessage = std::variant<Hello, Ask, SettingsChange, Quiet>;
 [[nodiscard]] std::optional<std::int64_t> id_of_ask(std::string_view json);
 void apply(const SettingsChange& change, SpeakingSettings& settings);
 
-// A frame of the camera. The images lie in the message that it was read from.
+struct ImageSize {
+  int width = 0, height = 0;  // px
+
+  friend bool operator==(const ImageSize&, const ImageSize&) = default;
+};
+
+// What a device knew of its motion when it took a picture.
+struct FramePose {
+  std::string source;  // who told it: "webxr"
+  geometry::DeviceMotion motion;
+  // How sure it is, where it says so: of the position (x, y, z in its world, m) and of the rotation
+  // (about the same axes, rad), in this order.
+  std::optional<Eigen::Matrix<double, 6, 6>> covariance = std::nullopt;
+};
+
+// A frame of the camera. The images lie in the message that it was read from. From `camera` on it
+// is what version 2 of the header may add.
 struct FrameMessage {
   double t_ms = 0;
   std::span<const std::uint8_t> color;  // JPEG, PNG or WebP
   std::span<const std::uint8_t> depth;  // 16-bit PNG, or empty
+  // Of this picture, where the device's lens moves; without distortion. Absent: that of the hello.
+  std::optional<geometry::PinholeCamera> camera = std::nullopt;
+  // Of a depth image that shows what the picture shows in another size.
+  std::optional<ImageSize> depth_size = std::nullopt;
+  std::optional<FramePose> pose = std::nullopt;
 };
+// A header without what version 2 adds is written as version 1.
 [[nodiscard]] Expected<FrameMessage> read_frame(std::span<const std::uint8_t> message);
 [[nodiscard]] Bytes write(const FrameMessage& frame);
 

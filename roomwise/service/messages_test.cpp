@@ -202,6 +202,18 @@ TEST(Messages, BytesThatAreNoUtf8DoNotThrow) {
   EXPECT_THAT(write(HomeMessage(ErrorMessage{"caf\xE9", {}})), HasSubstr("caf\xEF\xBF\xBD"));
 }
 
+// A message with that header and an image of a byte each.
+Bytes frame_with(const std::string& header, std::optional<std::uint32_t> told_length = {}) {
+  const std::uint32_t length = told_length.value_or(static_cast<std::uint32_t>(header.size()));
+  Bytes message{'R', 'W', 'F', '1'};
+  for (unsigned i = 0; i < 4; ++i) {
+    message.push_back(static_cast<std::uint8_t>(length >> (8 * i)));
+  }
+  message.insert(message.end(), header.begin(), header.end());
+  message.insert(message.end(), {9, 9});
+  return message;
+}
+
 TEST(Frames, ComeBackWithTheirImages) {
   const Bytes color{1, 2, 3}, depth{4, 5};
   const Bytes message = write(FrameMessage{1234.5, color, depth});
@@ -211,6 +223,74 @@ TEST(Frames, ComeBackWithTheirImages) {
   EXPECT_THAT(frame->color, ElementsAreArray(color));
   EXPECT_THAT(frame->depth, ElementsAreArray(depth));
   EXPECT_TRUE(read_frame(write(FrameMessage{1, color, {}}))->depth.empty());
+}
+
+FrameMessage frame_of_a_phone(const Bytes& color, const Bytes& depth) {
+  FrameMessage frame{1234.5, color, depth};
+  frame.camera = geometry::PinholeCamera{500, 501, 239.5, 319.5, 480, 640, {}};
+  frame.depth_size = ImageSize{90, 160};
+  frame.pose = FramePose{"webxr", {{Eigen::Quaterniond(0.6, 0, 0.8, 0), {1, -2, 3}}}};
+  frame.pose->motion.up_camera = Eigen::Vector3d(0, -1, 0);
+  frame.pose->covariance = 0.01 * Eigen::Matrix<double, 6, 6>::Identity();
+  return frame;
+}
+
+TEST(Frames, OfVersion2TellCameraDepthAndPose) {
+  const Bytes color{1, 2, 3}, depth{4, 5};
+  const FrameMessage sent = frame_of_a_phone(color, depth);
+  const Bytes message = write(sent);
+  const auto frame = read_frame(message);
+  ASSERT_TRUE(frame) << frame.error().message;
+  EXPECT_EQ(frame->camera, sent.camera);
+  EXPECT_EQ(frame->depth_size, sent.depth_size);
+  ASSERT_TRUE(frame->pose);
+  EXPECT_EQ(frame->pose->source, "webxr");
+  const geometry::DeviceMotion& motion = frame->pose->motion;
+  EXPECT_TRUE(motion.world_from_camera.rotation.isApprox(
+      sent.pose->motion.world_from_camera.rotation, 1e-12));
+  EXPECT_EQ(motion.world_from_camera.translation, Eigen::Vector3d(1, -2, 3));
+  EXPECT_TRUE(motion.up_camera->isApprox(*sent.pose->motion.up_camera, 1e-12));
+  EXPECT_EQ(*frame->pose->covariance, *sent.pose->covariance);
+  for (std::size_t length = 0; length < message.size(); ++length) {
+    EXPECT_FALSE(read_frame(std::span(message).first(length))) << length;
+  }
+}
+
+TEST(Frames, OfVersion1AreReadAsBeforeWhateverElseTheyHold) {
+  const auto frame = read_frame(frame_with(R"({"t":1,"color_bytes":1,"depth_bytes":1,"pose":7})"));
+  ASSERT_TRUE(frame);
+  EXPECT_FALSE(frame->pose);
+}
+
+TEST(Frames, WhatVersion2AddsIsRefusedByName) {
+  const auto why = [](const std::string& more) {
+    const auto frame =
+        read_frame(frame_with(R"({"t":1,"color_bytes":1,"depth_bytes":1,)" + more + "}"));
+    return frame ? std::string("read") : frame.error().message;
+  };
+  EXPECT_EQ(why(R"("version":2)"), "read");
+  EXPECT_EQ(why(R"("version":2,"pose":null,"camera":null,"depth":null)"), "read");
+  EXPECT_THAT(why(R"("version":3)"), HasSubstr("'version' must be a whole number from 1 to 2"));
+  EXPECT_THAT(why(R"("version":2,"depth":{"width":0,"height":1})"), HasSubstr("'depth': 'width'"));
+  EXPECT_THAT(
+      why(R"("version":2,"camera":{"width":640,"height":480,"fx":5,"fy":500,"cx":1,"cy":1})"),
+      HasSubstr("'camera'"));
+  const auto pose = [&](const std::string& more) {
+    return why(R"("version":2,"pose":{"source":"webxr","position":[0,0,0],)" + more + "}");
+  };
+  EXPECT_EQ(pose(R"("rotation_xyzw":[0,0,0,1])"), "read");
+  EXPECT_THAT(pose(R"("rotation_xyzw":[0,0,0])"), HasSubstr("a list of 4 numbers"));
+  EXPECT_THAT(pose(R"("rotation_xyzw":[0,0,0,0.5])"),
+              HasSubstr("'rotation_xyzw' must be of length 1"));
+  EXPECT_THAT(pose(R"("rotation_xyzw":[0,0,0,1],"up":[0,0,0])"), HasSubstr("'up'"));
+  EXPECT_THAT(pose(R"("rotation_xyzw":[0,0,0,1],"covariance":[1,2])"), HasSubstr("'covariance'"));
+  EXPECT_THAT(
+      pose(
+          R"("rotation_xyzw":[0,0,0,1],"covariance":[-1,0,0,0,0,0,1,0,0,0,0,1,0,0,0,1,0,0,1,0,1])"),
+      HasSubstr("negative variance"));
+  EXPECT_THAT(
+      why(R"("version":2,"pose":{"source":"webxr","position":[0,1e9,0],"rotation_xyzw":[0,0,0,1]})"),
+      HasSubstr("'position'"));
 }
 
 // Every frame that is cut short, and every one with more behind it, is refused.
@@ -225,20 +305,11 @@ TEST(Frames, OfAnotherLengthAreRefused) {
 }
 
 TEST(Frames, AHeaderThatLiesIsRefused) {
-  const auto frame_with = [](const std::string& header, std::uint32_t length) {
-    Bytes message{'R', 'W', 'F', '1'};
-    for (unsigned i = 0; i < 4; ++i) {
-      message.push_back(static_cast<std::uint8_t>(length >> (8 * i)));
-    }
-    message.insert(message.end(), header.begin(), header.end());
-    message.insert(message.end(), {9, 9});
-    return message;
-  };
   const auto size = [](const std::string& text) { return static_cast<std::uint32_t>(text.size()); };
   const std::string good = R"({"t":1,"color_bytes":1,"depth_bytes":1})";
   EXPECT_TRUE(read_frame(frame_with(good, size(good))));
   EXPECT_FALSE(read_frame(frame_with(good, 0xFFFFFFFF)));
-  EXPECT_FALSE(read_frame(frame_with(good, 1025)));
+  EXPECT_FALSE(read_frame(frame_with(good, 2049)));
   for (const std::string bad :
        {R"({"t":1,"color_bytes":2,"depth_bytes":1})",
         R"({"t":1,"color_bytes":18446744073709551615,"depth_bytes":3})",

@@ -62,7 +62,8 @@ std::vector<std::pair<std::string, std::string>> security_headers(const HttpRequ
       {"X-Content-Type-Options", "nosniff"},
       {"X-Frame-Options", "DENY"},
       {"Referrer-Policy", "no-referrer"},
-      {"Permissions-Policy", "camera=(self), microphone=(), geolocation=()"},
+      {"Permissions-Policy",
+       "camera=(self), xr-spatial-tracking=(self), microphone=(), geolocation=()"},
       {"Cross-Origin-Opener-Policy", "same-origin"},
       {"Cross-Origin-Resource-Policy", "same-origin"}};
   return headers;
