@@ -6,7 +6,7 @@ import type { AddressInfo } from 'node:net';
 import { extname, join, normalize } from 'node:path';
 import { WebSocketServer, type WebSocket } from 'ws';
 
-import { kSubprotocol, type Hello, type Prompt, type Role } from '../src/shared/protocol';
+import { kSubprotocol, type FrameAdditions, type Hello, type Prompt, type Role } from '../src/shared/protocol';
 import { answerApi } from './stand_in_api';
 import { StandInState } from './stand_in_state';
 
@@ -20,11 +20,18 @@ const kTypes: Record<string, string> = {
 };
 const kPages: Record<string, string> = { '/': '/index.html', '/device': '/device.html', '/pair': '/pair.html' };
 
+export interface FrameHeader extends Partial<FrameAdditions> {
+  t: number;
+  color_bytes: number;
+  depth_bytes: number;
+}
+
 export interface Client {
   socket: WebSocket;
   role: Role;
   hello: Hello | null;
   frames: number;
+  newest: { header: FrameHeader; color: Buffer; depth: Buffer } | null; // frame
   asked: Record<string, unknown>[];
   told: Record<string, unknown>[]; // everything but frames, hello and questions
 }
@@ -85,7 +92,7 @@ export class StandInServer {
   }
 
   private connected(socket: WebSocket, role: Role): void {
-    const client: Client = { socket, role, hello: null, frames: 0, asked: [], told: [] };
+    const client: Client = { socket, role, hello: null, frames: 0, newest: null, asked: [], told: [] };
     this.clients.push(client);
     socket.on('close', () => {
       const at = this.clients.indexOf(client);
@@ -111,11 +118,12 @@ export class StandInServer {
       throw new Error('a frame without RWF1');
     }
     const length = bytes.readUInt32LE(4);
-    const header = JSON.parse(bytes.subarray(8, 8 + length).toString()) as { t: number; color_bytes: number };
-    if (header.color_bytes !== bytes.length - 8 - length || bytes.readUInt16BE(8 + length) !== 0xffd8) {
+    const header = JSON.parse(bytes.subarray(8, 8 + length).toString()) as FrameHeader;
+    if (header.color_bytes + header.depth_bytes !== bytes.length - 8 - length || bytes.readUInt16BE(8 + length) !== 0xffd8) {
       throw new Error('a frame that is not what its header says');
     }
     client.frames += 1;
+    client.newest = { header, color: bytes.subarray(8 + length, 8 + length + header.color_bytes), depth: bytes.subarray(8 + length + header.color_bytes) };
     if (this.acknowledges) {
       client.socket.send(JSON.stringify({ type: 'frame', t: header.t, dropped: 0 }));
     }

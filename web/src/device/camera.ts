@@ -1,18 +1,18 @@
 // The phone's camera: pictures as JPEG for the computer, small grey copies to look after the camera itself.
 import type { CameraDescription } from '../shared/protocol';
 import { greyFromRgba, type GreyPicture } from './picture_quality';
+import { kGreySide, kPictureSide, type FramePicture, type PictureSource } from './picture_source';
 
-export const kPictureSide = 640; // longest, pixels
-export const kGreySide = 120;
 const kJpegQuality = 0.8;
 const kMaxLensName = 50; // characters, of at most 200 bytes
 
 export type CameraFailure = 'refused' | 'failed';
 
-export class Camera {
+export class Camera implements PictureSource {
   private stream: MediaStream | null = null;
   private starting: Promise<CameraFailure | null> | null = null;
   private wasOpen = false;
+  private isHeld = false; // somebody else on this page needs the camera
   private readonly picture = document.createElement('canvas');
   private readonly small = document.createElement('canvas');
 
@@ -20,6 +20,9 @@ export class Camera {
 
   // Asks for leave where it was not given. What stands against it: no leave, or no camera that works.
   async start(): Promise<CameraFailure | null> {
+    if (this.isHeld) {
+      return null;
+    }
     this.starting ??= this.tryToOpen().finally(() => (this.starting = null));
     return this.starting;
   }
@@ -49,13 +52,24 @@ export class Camera {
     this.stream = null;
   }
 
+  // Leaves the phone's camera to others until it is let go.
+  hold(): void {
+    this.isHeld = true;
+    this.stop();
+  }
+
+  letGo(): Promise<CameraFailure | null> {
+    this.isHeld = false;
+    return this.start();
+  }
+
   get running(): boolean {
     return this.track !== null;
   }
 
   // It ran and runs no more: somebody else took it, or the leave was taken back.
   get ended(): boolean {
-    return this.wasOpen && !this.running;
+    return this.wasOpen && !this.isHeld && !this.running;
   }
 
   // Changes with every picture; null while none come. A track is muted while a call or another app has the camera.
@@ -93,14 +107,14 @@ export class Camera {
     return greyFromRgba(drawn.getImageData(0, 0, width, height).data, width, height);
   }
 
-  async jpeg(): Promise<Uint8Array | null> {
+  async frame(): Promise<FramePicture | null> {
     if (!this.draw(this.picture, kPictureSide)) {
       return null;
     }
     const blob = await new Promise<Blob | null>((resolve) => {
       this.picture.toBlob(resolve, 'image/jpeg', kJpegQuality);
     });
-    return blob && new Uint8Array(await blob.arrayBuffer());
+    return blob && { t: null, color: new Uint8Array(await blob.arrayBuffer()) };
   }
 
   private draw(canvas: HTMLCanvasElement, longest: number): CanvasRenderingContext2D | null {

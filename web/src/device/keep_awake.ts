@@ -8,7 +8,7 @@ export function keepAwake(camera: Camera, cameraFailed: (why: CameraFailure) => 
     }
     // Not everywhere there, and refused when the battery is low: then the screen goes off as it is set.
     await navigator.wakeLock?.request('screen').catch(() => undefined);
-    if (started && !camera.running) {
+    if (started && camera.ended) {
       const failure = await camera.start(); // iOS ends it when the page goes out of sight
       if (failure) {
         cameraFailed(failure);

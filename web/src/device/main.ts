@@ -17,6 +17,7 @@ import { openSettings } from './settings_dialog';
 import { OwnVoice, ScreenReaderVoice, type Speaker } from './speaker';
 import { startView } from './start_view';
 import { PhoneView } from './view';
+import { WalkRecording } from './walk_recording';
 
 
 chooseLanguage();
@@ -100,6 +101,8 @@ function goToPairing(): void {
 
 function open(me: Me | null, cameraFailure: CameraFailure | null): void {
   const phone: Phone = new Phone(me, camera, player, settings, () => view.show(phone.state), whoAmI);
+  const isHelper = (): boolean => me?.role === 'helper';
+  const recording = new WalkRecording(phone, camera, player, () => (isHelper() ? 'helper' : 'device'));
   const view = new PhoneView(video, log, {
     whereAmI: () => phone.ask({ question: 'where_am_i' }),
     aroundMe: () => phone.ask({ question: 'around_me' }),
@@ -116,8 +119,11 @@ function open(me: Me | null, cameraFailure: CameraFailure | null): void {
       title: text('name_room.title'), label: text('name_room.label'), go: text('name_room.go'),
       missing: text('name_room.missing'),
     }, phone.state.rooms, (room) => phone.ask({ question: 'name_room', room })),
+    record: () => void recording.begin(),
+    stopRecording: () => void recording.stop(),
+    howFar: () => recording.tellState(),
     settings: () => openSettings(settings, { changed: () => void settingsChanged(phone), languageChanged, leave }),
-  });
+  }, isHelper);
   view.show(phone.state);
   replaceChildren(page, view.element);
   view.element.querySelector<HTMLElement>('.question.where')?.focus();

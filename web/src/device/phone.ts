@@ -2,19 +2,19 @@
 import { browserSession } from '../shared/browser_session';
 import { frameEnvelope } from '../shared/frame_envelope';
 import {
-  kProtocolVersion, type FromComputer, type Hello, type Me, type Priority, type Prompt, type Question, type RecordingState, type Welcome,
+  kProtocolVersion, type FromComputer, type Hello, type Job, type Me, type Priority, type Prompt, type Question, type RecordingState, type Welcome,
 } from '../shared/protocol';
 import type { Session } from '../shared/session';
 import type { SpokenKey } from '../shared/spoken';
 import { language, text } from '../shared/texts';
 import { AnswerWatch } from './answer_watch';
-import type { Camera } from './camera';
 import { CameraWatch, type CameraNews } from './camera_watch';
 import { ConnectionWatch, kLookEveryMs, type ConnectionNews } from './connection_watch';
 import { FrameSender, kFrameGapMs } from './frame_sender';
 import { ownPrompt } from './own_prompt';
 import { PictureFlow } from './picture_flow';
 import { measureQuality, troubleOf } from './picture_quality';
+import type { PictureSource } from './picture_source';
 import type { PromptPlayer } from './prompt_player';
 import type { Settings } from './settings';
 
@@ -28,13 +28,17 @@ export interface PhoneState {
   online: boolean;
   camera: 'off' | 'good' | 'dark' | 'covered' | 'blurred';
   recording: string | null;
+  pictures: number; // of the recording, that the computer has
+  isWalking: boolean; // by augmented reality: for a recording
+  waits: boolean; // a recording, for this phone's pictures
   quiet: boolean;
   led: boolean; // is being led somewhere
 }
 
 export class Phone {
   readonly state: PhoneState = {
-    home: '', rooms: [], things: [], online: false, camera: 'off', recording: null, quiet: false, led: false,
+    home: '', rooms: [], things: [], online: false, camera: 'off', recording: null, pictures: 0, isWalking: false, waits: false, quiet: false,
+    led: false,
   };
   private readonly session: Session;
   private readonly sender = new FrameSender();
@@ -52,10 +56,14 @@ export class Phone {
   private lastAsked = 0;
   private device: number | null; // this one's number, once the computer told it
   private heldRecording: RecordingState | null = null; // came before that
+  private greeted: (() => void)[] = []; // to be told once hello was said of the camera that is used now
+  // Of what is recorded and what became of it; set by who records.
+  whenRecording: (state: RecordingState['state']) => void = () => undefined;
+  whenJob: (job: Job) => void = () => undefined;
 
   constructor(
     private readonly me: Me | null,
-    private readonly camera: Camera,
+    private camera: PictureSource,
     private readonly player: PromptPlayer,
     private readonly settings: Settings,
     private readonly changed: () => void,
@@ -68,6 +76,11 @@ export class Phone {
       onOnline: () => this.online(),
       onOffline: () => this.offline(),
     });
+  }
+
+  // This device's, as the computer counts them; null until it told.
+  get number(): number | null {
+    return this.device;
   }
 
   begin(): void {
@@ -110,6 +123,26 @@ export class Phone {
     this.player.push(ownPrompt(key, performance.now(), priority));
   }
 
+  // Another source of pictures: hello is said anew of it. Resolves when the computer knows it.
+  use(source: PictureSource, isWalking: boolean): Promise<void> {
+    this.camera = source;
+    this.state.isWalking = isWalking;
+    this.changed();
+    return new Promise((resolve) => this.greeted.push(resolve));
+  }
+
+  setWaits(waits: boolean): void {
+    this.state.waits = waits;
+    this.changed();
+  }
+
+  // A source that takes its pictures by itself has a new one.
+  pictureCame(): void {
+    if (document.visibilityState === 'visible') {
+      this.lookAtPicture(performance.now());
+    }
+  }
+
   private hello(): Hello {
     const { distances, step_m, callouts } = this.settings;
     const camera = this.camera.description;
@@ -141,6 +174,9 @@ export class Phone {
           this.say('device.failed', 'answer');
         }
         break;
+      case 'job':
+        this.whenJob(message);
+        return;
       default: // `seen` is for showing; the rest is for helpers
         return;
     }
@@ -169,6 +205,9 @@ export class Phone {
     this.everOnline = true;
     this.sender.reset();
     this.answers.reset();
+    if (this.camera.description && this.helloCamera === JSON.stringify(this.camera.description)) {
+      this.greeted.splice(0).forEach((tell) => tell());
+    }
     if (this.state.quiet) {
       this.session.send({ type: 'quiet', on: true });
     }
@@ -261,9 +300,10 @@ export class Phone {
     }
     this.grabbing = true;
     try {
-      const picture = await this.camera.jpeg();
-      if (picture && this.session.sendFrame(frameEnvelope(t, picture))) {
-        this.sender.sent(t, performance.now());
+      const picture = await this.camera.frame();
+      const taken = picture?.t ?? t;
+      if (picture && this.session.sendFrame(frameEnvelope(taken, picture))) {
+        this.sender.sent(taken, performance.now());
         this.sentPicture = newest;
       }
     } finally {
@@ -280,9 +320,11 @@ export class Phone {
     }
   }
 
-  private tellRecording({ state, name }: RecordingState): void {
+  private tellRecording({ state, name, frames }: RecordingState): void {
     const before = this.state.recording;
     this.state.recording = state === 'recording' ? name : null;
+    this.state.pictures = frames;
+    this.whenRecording(state);
     if (state !== 'recording') {
       this.say(`device.recording_${state}`);
     } else if (before === null) {

@@ -15,6 +15,9 @@ export interface ViewActions {
   repeat: () => void;
   quiet: () => void;
   nameRoom: () => void;
+  record: () => void;
+  stopRecording: () => void;
+  howFar: () => void;
   settings: () => void;
 }
 
@@ -26,8 +29,12 @@ export class PhoneView {
   private readonly quiet: HTMLButtonElement;
   private readonly nameRoom: HTMLButtonElement;
   private readonly guide: HTMLElement;
+  private readonly record: HTMLButtonElement;
+  private readonly stop: HTMLButtonElement; // of a recording that goes on without its pictures
+  private readonly questions: HTMLElement;
+  private readonly walk: HTMLElement; // what is asked and done while one walks
 
-  constructor(video: HTMLVideoElement, log: SaidLog, actions: ViewActions) {
+  constructor(video: HTMLVideoElement, log: SaidLog, actions: ViewActions, private readonly isHelper: () => boolean) {
     const question = (name: string, label: string, shape: Parameters<typeof icon>[0], run: () => void) =>
       h('button', { type: 'button', class: `question ${name}`, onclick: run }, icon(shape), h('span', {}, label));
     this.nameRoom = h('button', { type: 'button', class: 'tool', hidden: true, onclick: actions.nameRoom }, text('phone.name_room'));
@@ -36,28 +43,37 @@ export class PhoneView {
     this.guide = h('section', { class: 'guide', hidden: true, 'aria-labelledby': 'guide-heading' },
       h('h2', { id: 'guide-heading', class: 'visually-hidden' }, text('guide.label')),
       wish('next'), wish('how_far'), wish('blocked'), wish('pause'), wish('resume'), wish('end'));
+    this.record = h('button', { type: 'button', class: 'tool', onclick: actions.record }, text('phone.record'));
+    this.stop = h('button', { type: 'button', class: 'tool', hidden: true, onclick: actions.stopRecording }, text('record.stop'));
     this.quiet = question('quiet', text('phone.quiet'), 'quiet', actions.quiet);
     this.quiet.setAttribute('aria-pressed', 'false');
+    this.questions = h('section', { class: 'questions', 'aria-labelledby': 'ask-heading' },
+      h('h2', { id: 'ask-heading', class: 'visually-hidden' }, text('phone.ask')),
+      question('find', text('phone.find'), 'find', actions.find),
+      question('around', text('phone.around_me'), 'around', actions.aroundMe),
+      question('where', text('phone.where_am_i'), 'where', actions.whereAmI),
+      question('repeat', text('phone.repeat'), 'repeat', actions.repeat),
+      this.quiet);
+    this.walk = h('section', { class: 'questions walk', hidden: true, 'aria-labelledby': 'walk-heading' },
+      h('h2', { id: 'walk-heading', class: 'visually-hidden' }, text('phone.walk')),
+      question('name', text('phone.name_room'), 'tick', actions.nameRoom),
+      question('how-far', text('phone.how_far'), 'around', actions.howFar),
+      question('where stop', text('record.stop'), 'cross', actions.stopRecording));
     this.element = h('div', { class: 'phone' },
       h('header', { class: 'bar' },
         this.heading,
         h('div', { class: 'tools' },
           this.nameRoom,
           h('button', { type: 'button', class: 'tool take', onclick: actions.take }, text('phone.take')),
+          this.stop,
+          this.record,
           h('button', { type: 'button', class: 'tool', onclick: actions.settings }, text('phone.settings')))),
       h('main', {},
         h('section', { class: 'now', 'aria-label': text('phone.state') },
           h('ul', { class: 'chips' }, this.connection, this.camera), video),
         h('section', { class: 'answers', 'aria-labelledby': 'said-heading' },
           h('h2', { id: 'said-heading', class: 'visually-hidden' }, text('said.label')), log.element),
-        this.guide,
-        h('section', { class: 'questions', 'aria-labelledby': 'ask-heading' },
-          h('h2', { id: 'ask-heading', class: 'visually-hidden' }, text('phone.ask')),
-          question('find', text('phone.find'), 'find', actions.find),
-          question('around', text('phone.around_me'), 'around', actions.aroundMe),
-          question('where', text('phone.where_am_i'), 'where', actions.whereAmI),
-          question('repeat', text('phone.repeat'), 'repeat', actions.repeat),
-          this.quiet)));
+        this.guide, this.questions, this.walk));
   }
 
   show(state: PhoneState): void {
@@ -70,15 +86,20 @@ export class PhoneView {
       chip(this.camera, state.camera === 'good' ? 'good' : 'bad', text(`phone.camera_${state.camera}`));
     }
     this.quiet.setAttribute('aria-pressed', String(state.quiet));
+    document.body.classList.toggle('walking', state.isWalking);
     // Only a walk that is being recorded by this device can be named from here.
-    if (state.recording === null && document.activeElement === this.nameRoom) {
-      this.element.querySelector<HTMLElement>('.question.where')?.focus();
+    const shown: [HTMLElement, boolean][] = [
+      [this.guide, state.led && !state.isWalking],
+      [this.questions, !state.isWalking], [this.walk, state.isWalking], [this.record, !state.isWalking],
+      [this.nameRoom, state.recording !== null && !state.isWalking], [this.stop, state.waits && this.isHelper()],
+    ];
+    const focused = document.activeElement;
+    for (const [part, isShown] of shown) {
+      part.hidden = !isShown;
     }
-    this.nameRoom.hidden = state.recording === null;
-    if (!state.led && this.guide.contains(document.activeElement)) {
-      this.element.querySelector<HTMLElement>('.tool.take')?.focus();
+    if (shown.some(([part, isShown]) => !isShown && part.contains(focused))) {
+      this.element.querySelector<HTMLElement>(state.isWalking ? '.question.stop' : '.question.where')?.focus();
     }
-    this.guide.hidden = !state.led;
   }
 }
 

@@ -51,7 +51,8 @@ export function recordCard(helper: Helper, me: Me): HTMLElement {
     const { recording } = store.state;
     progress.textContent = recording ? wordsOf(recording) : '';
   });
-  return card(text('record.heading'), h('p', { class: 'hint' }, text('record.explain')), form, progress, jobView(helper, 'map', 'prepare'));
+  return card(text('record.heading'), h('p', { class: 'hint' }, text('record.explain')), form,
+    h('p', {}, h('a', { href: '/device' }, text('record.with_this_phone'))), progress, jobView(helper, 'map', 'prepare'));
 }
 
 // "walk", "walk 2", "walk 3", ...

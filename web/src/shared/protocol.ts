@@ -98,9 +98,40 @@ export type FromComputer =
   | { type: 'frame'; t: number; dropped: number }
   | { type: 'error'; text: string; answer_to: number | null };
 
+export interface Intrinsics {
+  width: number;
+  height: number;
+  fx: number;
+  fy: number;
+  cx: number;
+  cy: number;
+}
+
+// What the device knew of its motion when it took a picture.
+export interface FramePose {
+  source: string;
+  position: Vector; // of the camera in the device's world
+  rotation_xyzw: [number, number, number, number]; // from the camera (x right, y down, z forward) to that world
+  up: Vector | null;
+  covariance: number[] | null;
+}
+
+// What version 2 of a frame's header adds.
+export interface FrameAdditions {
+  version: 2;
+  camera: Intrinsics | null;
+  depth: { width: number; height: number } | null;
+  pose: FramePose | null;
+}
+
 export interface CameraDescription {
   width: number;
   height: number;
+  fx?: number; // where it is calibrated, with the others
+  fy?: number;
+  cx?: number;
+  cy?: number;
+  depth_units_per_metre?: number; // where it has depth
   lens?: string; // by which the device tells its lenses apart
 }
 
