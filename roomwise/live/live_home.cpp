@@ -4,10 +4,22 @@
 
 #include "roomwise/image/codec.h"
 #include "roomwise/pipeline/rooms/room_learning.h"
+#include "roomwise/recording/open_recording.h"
 
 namespace roomwise::live {
 
 namespace fs = std::filesystem;
+
+namespace {
+
+// When it was written last.
+fs::file_time_type time_of_walk(const fs::path& walk) {
+  std::error_code error;
+  const fs::path list = walk / "rgb.txt";  // of a recording that grew
+  return fs::last_write_time(fs::exists(list, error) ? list : walk, error);
+}
+
+}  // namespace
 
 // A connection's way to its device.
 class LiveHome::Session final : public service::SocketSession {
@@ -61,6 +73,8 @@ Expected<std::unique_ptr<LiveHome>> LiveHome::open(const fs::path& file,
   std::unique_ptr<LiveHome> live(new LiveHome(file, std::move(home), std::move(reader), networks,
                                               finders, std::move(options)));
   ROOMWISE_TRY(live->lenses_, LensMemory::open(live->lenses_file()));
+  ROOMWISE_TRY(Uploads uploads, Uploads::open(live->uploads_folder(), {}));
+  live->uploads_ = std::make_unique<Uploads>(std::move(uploads));
   ROOMWISE_CHECK_OK(live->refresh(nullptr));
   live->jobs_ = std::make_unique<Jobs>(
       [raw = live.get()](const service::JobState& state) { raw->tell_helpers(state); });
@@ -225,11 +239,9 @@ std::optional<fs::path> LiveHome::unmapped_walk() const {
   std::error_code error;
   std::optional<fs::path> newest;
   for (const auto& entry : fs::directory_iterator(walks_folder(), error)) {
-    if (!fs::exists(entry.path() / "rgb.txt", error)) continue;
-    if (!newest || fs::last_write_time(*newest / "rgb.txt", error) <
-                       fs::last_write_time(entry.path() / "rgb.txt", error)) {
-      newest = entry.path();
-    }
+    const bool is_being_made = entry.path().filename().string().starts_with('.');
+    if (is_being_made || recording::find_recording_kind(entry.path()) == nullptr) continue;
+    if (!newest || time_of_walk(*newest) < time_of_walk(entry.path())) newest = entry.path();
   }
   return newest;
 }

@@ -15,6 +15,7 @@
 #include "roomwise/live/jobs.h"
 #include "roomwise/live/lens_memory.h"
 #include "roomwise/live/recognition_log.h"
+#include "roomwise/live/uploads.h"
 #include "roomwise/objects/proposals/object_finders.h"
 #include "roomwise/service/server.h"
 
@@ -89,6 +90,12 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
   [[nodiscard]] Expected<void> end_recording();
   [[nodiscard]] Jobs& jobs() { return *jobs_; }
 
+  // ---- recordings that are handed in as files ----
+  [[nodiscard]] Uploads& uploads() { return *uploads_; }
+  // Unpacks a file that is whole, if it is an archive, and maps the recording (job "map"). The file
+  // becomes the walk; where it cannot be read, or the disk is full, it waits as it is.
+  [[nodiscard]] Expected<void> map_upload(const std::string& id);
+
  private:
   class Session;
   LiveHome(std::filesystem::path file, home::Home home, home::Home reader,
@@ -132,6 +139,12 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
   [[nodiscard]] Expected<std::string> learn_now(Progress& progress);
   [[nodiscard]] std::filesystem::path walks_folder() const;
   [[nodiscard]] std::filesystem::path lenses_file() const;
+  [[nodiscard]] std::filesystem::path uploads_folder() const;
+  // Makes a walk's folder, or file, of what was handed in.
+  [[nodiscard]] Expected<std::filesystem::path> take_in(const Upload& upload, Progress& progress);
+  [[nodiscard]] Expected<std::filesystem::path> take_in(const Upload& upload,
+                                                        const std::filesystem::path& unpacked,
+                                                        Progress& progress);
   // A walk that was recorded and is not in the home yet: the newest.
   [[nodiscard]] std::optional<std::filesystem::path> unmapped_walk() const;
 
@@ -155,6 +168,7 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
 
   RecognitionLog recognitions_;
   std::unique_ptr<LensMemory> lenses_;
+  std::unique_ptr<Uploads> uploads_;
   std::atomic<std::uint64_t> frames_processed_{0};
   std::atomic<std::uint64_t> dropped_by_gone_{0};  // by devices that are not here any more
 

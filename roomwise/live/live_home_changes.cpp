@@ -219,6 +219,7 @@ Expected<void> LiveHome::forget_home() {
     }));
     recognitions_.clear();
     ROOMWISE_CHECK_OK(lenses_->forget());
+    ROOMWISE_CHECK_OK(uploads_->remove_all());
     std::error_code error;
     fs::remove_all(walks_folder(), error);
     if (error) {

@@ -1,13 +1,16 @@
 #include "roomwise/live/live_home.h"
 
 #include <gmock/gmock.h>
+#include <zip.h>
 
 #include <algorithm>
 #include <fstream>
+#include <nlohmann/json.hpp>
 
 #include "roomwise/image/codec.h"
 #include "roomwise/live/home_routes.h"
 #include "roomwise/pipeline/testing/synthetic_walk.h"
+#include "roomwise/recording/tum_writer.h"
 
 namespace roomwise::live {
 namespace {
@@ -508,6 +511,103 @@ TEST_F(LiveHomeTest, NoRouteOfTheHomeIsForEveryone) {
     EXPECT_EQ(*route.role, for_devices ? service::Role::kDevice : service::Role::kHelper)
         << route.method << ' ' << route.pattern;
   }
+}
+
+// ---- a recording that is handed in ----
+
+class HandedIn : public LiveHomeTest {
+ protected:
+  HandedIn() { open(); }
+  // A zip of a TUM folder of the walk within another folder, as apps pack it.
+  [[nodiscard]] Bytes archive_of_the_walk() {
+    const auto recorded = folder / "recorded";
+    auto writer = recording::TumWriter::create(recorded, walk.info().camera).value();
+    while (auto frame = walk.next().value()) EXPECT_OK(writer->write(*frame));
+    EXPECT_OK(writer->close());
+    const auto path = folder / "walk.zip";
+    int code = 0;
+    zip_t* archive = zip_open(path.c_str(), ZIP_CREATE | ZIP_TRUNCATE, &code);
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(recorded)) {
+      if (!entry.is_regular_file()) continue;
+      const auto name = "export" / std::filesystem::relative(entry.path(), recorded);
+      zip_file_add(archive, name.c_str(), zip_source_file(archive, entry.path().c_str(), 0, -1), 0);
+    }
+    EXPECT_EQ(zip_close(archive), 0);
+    return read_file(path).value();
+  }
+  // By the requests of the helper's page: asks where to go on, then piece by piece.
+  nlohmann::json ask(const char* method, const std::string& path, const Bytes& body = {}) {
+    const service::Router router(home_routes(*home));
+    service::HttpRequest request;
+    request.method = method;
+    request.path = path;
+    request.body = body;
+    request.headers["content-type"] = "application/json";
+    request.who = service::Identity{1, "page", service::Role::kHelper};
+    const service::HttpAnswer answer = router.answer(request);
+    return nlohmann::json::parse(answer.body);
+  }
+  nlohmann::json begin(std::size_t bytes) {
+    const std::string body =
+        fmt::format(R"({{"name":"My flat.zip","bytes":{},"modified":"7"}})", bytes);
+    return ask("POST", "/api/uploads", {body.begin(), body.end()});
+  }
+  std::string hand_in(const Bytes& whole, std::size_t up_to = SIZE_MAX) {
+    nlohmann::json state = begin(whole.size());
+    constexpr std::size_t kPiece = 100'000;
+    while (state.at("offset") < std::min(whole.size(), up_to)) {
+      const std::size_t from = state.at("offset");
+      const std::size_t size = std::min(kPiece, whole.size() - from);
+      state = ask("PUT", fmt::format("/api/uploads/{}/{}", std::string(state.at("upload")), from),
+                  {whole.begin() + static_cast<std::ptrdiff_t>(from),
+                   whole.begin() + static_cast<std::ptrdiff_t>(from + size)});
+    }
+    return state.at("upload");
+  }
+};
+
+TEST_F(HandedIn, AnExportIsMappedThoughTheComputerStoppedMeanwhile) {
+  const Bytes archive = archive_of_the_walk();
+  const std::string id = hand_in(archive, archive.size() / 2);
+  EXPECT_THAT(ask("POST", "/api/uploads/" + id + "/map").dump(), HasSubstr("is not whole"));
+  home.reset();
+  open();
+  EXPECT_THAT(ask("GET", "/api/uploads").at("uploads"), SizeIs(1));
+  EXPECT_GE(begin(archive.size()).at("offset"), archive.size() / 2) << "nothing is sent again";
+  EXPECT_EQ(hand_in(archive), id);
+  EXPECT_EQ(ask("POST", "/api/uploads/" + id + "/map").dump(), "{}");
+  home->jobs().wait();
+  ASSERT_EQ(home->jobs().state()->state, "done") << home->jobs().state()->text;
+  ASSERT_THAT(home->view()->walks, SizeIs(1));
+  EXPECT_EQ(home->view()->walks[0].stored.recording.name, "My flat");
+  EXPECT_TRUE(std::filesystem::exists(folder / "flat.home.walks/My flat/rgb.txt"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "flat.home.walks/.unpacking"));
+  EXPECT_THAT(ask("GET", "/api/uploads").at("uploads"), IsEmpty());
+  ASSERT_OK(home->forget_walk(1));
+  EXPECT_FALSE(std::filesystem::exists(folder / "flat.home.walks/My flat"));
+}
+
+TEST_F(HandedIn, WhatIsNoRecordingIsToldAndWaits) {
+  const std::string text = "neither a picture nor an archive";
+  const std::string id = hand_in({text.begin(), text.end()});
+  ask("POST", "/api/uploads/" + id + "/map");
+  home->jobs().wait();
+  EXPECT_EQ(home->jobs().state()->state, "failed");
+  EXPECT_THAT(home->jobs().state()->text, HasSubstr("neither a zip archive nor a recording"));
+  EXPECT_THAT(home->uploads().list().value(), SizeIs(1));
+  ask("DELETE", "/api/uploads/" + id);
+  EXPECT_THAT(home->uploads().list().value(), IsEmpty());
+}
+
+TEST_F(HandedIn, APieceThatDoesNotFitIsAnsweredByWhereToGoOn) {
+  const std::string id = begin(10).at("upload");
+  const auto answer = ask("PUT", "/api/uploads/" + id + "/4", {1, 2});
+  EXPECT_THAT(std::string(answer.at("error")), HasSubstr("go on from 0"));
+  EXPECT_EQ(answer.at("offset"), 0);
+  EXPECT_THAT(ask("PUT", "/api/uploads/nothing/0", {1}).dump(), HasSubstr("no upload"));
+  EXPECT_THAT(ask("POST", "/api/uploads", {'{', '}'}).dump(), HasSubstr("'name' is missing"));
+  ASSERT_OK(home->forget_home());
+  EXPECT_FALSE(std::filesystem::exists(folder / "flat.home.uploads"));
 }
 
 TEST_F(LiveHomeTest, RequestsWithWrongValuesAreRefusedByName) {

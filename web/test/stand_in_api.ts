@@ -75,6 +75,18 @@ const kRoutes: [string, RegExp, Role | '-', Handler][] = [
   ['POST', /^\/api\/test$/, 'helper', testPicture],
   ['GET', /^\/api\/recognitions$/, 'helper', ({ server }) => ({ recognitions: server.state.recognitions })],
   ['GET', /^\/api\/recognitions\/(\d+)\/picture$/, 'helper', ({ parts }) => drawnRoom(parts[0] === '12' ? 'kitchen' : 'corridor', Number(parts[0]))],
+  ['GET', /^\/api\/uploads$/, 'helper', ({ server }) => ({ uploads: server.state.uploads })],
+  ['POST', /^\/api\/uploads$/, 'helper', beginUpload],
+  ['PUT', /^\/api\/uploads\/([^/]+)\/(\d+)$/, 'helper', putPiece],
+  ['POST', /^\/api\/uploads\/([^/]+)\/map$/, 'helper', ({ server }) => {
+    server.state.uploads = [];
+    tellJob(server, 'running', 0, 'unpacking', 'map');
+    return {};
+  }],
+  ['DELETE', /^\/api\/uploads\/([^/]+)$/, 'helper', ({ server, parts }) => {
+    server.state.uploads = server.state.uploads.filter((one) => one.upload !== parts[0]);
+    return {};
+  }],
   ['POST', /^\/api\/recording$/, 'helper', startRecording],
   ['POST', /^\/api\/recording\/stop$/, 'helper', ({ server }) => {
     tellRecording(server, 'saved', 17);
@@ -208,6 +220,36 @@ function testPicture({ body }: Call): object {
     verdict: 'room', room: 'kitchen', probability: 0.94, known: 0.99, why: 'the picture looks like the kitchen (0.94)',
     rooms: [{ room: 'kitchen', probability: 0.94 }, { room: 'corridor', probability: 0.04 }, { room: 'bathroom', probability: 0.02 }],
   };
+}
+
+const kPieceBytes = 1000;
+
+function beginUpload({ server, body }: Call): object {
+  const { name, bytes } = json<{ name: string; bytes: number }>(body);
+  if (bytes > 1_000_000) {
+    throw new Refusal(409, "the computer's disk has room for 1 MB more");
+  }
+  let upload = server.state.uploads.find((one) => one.name === name && one.bytes === bytes);
+  if (!upload) {
+    upload = { upload: 'u1', name, bytes, offset: 0, chunk_bytes: kPieceBytes };
+    server.state.uploads.push(upload);
+    server.state.uploaded = Buffer.alloc(0);
+  }
+  return upload;
+}
+
+function putPiece({ server, parts, body }: Call): object {
+  const upload = server.state.uploads.find((one) => one.upload === parts[0]);
+  if (!upload) {
+    throw new Refusal(404, 'there is no such upload');
+  }
+  if (server.state.failsPieces > 0) {
+    server.state.failsPieces -= 1;
+    throw new Refusal(503, 'the computer is busy');
+  }
+  server.state.uploaded = Buffer.concat([server.state.uploaded.subarray(0, Number(parts[1])), body]);
+  upload.offset = server.state.uploaded.length;
+  return upload;
 }
 
 function startRecording({ server, body }: Call): object {

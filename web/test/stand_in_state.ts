@@ -1,6 +1,7 @@
 // What the stand-in remembers: the home, who is paired, what is going on.
 import { randomUUID } from 'node:crypto';
 
+import type { UploadState } from '../src/shared/upload';
 import type { Device, Job, Recognition, RecordingState, Role, Welcome } from '../src/shared/protocol';
 import { makeHome, makeKeyframes } from './made_up_home';
 
@@ -14,6 +15,9 @@ export class StandInState {
   keyframes = makeKeyframes();
   job: Job | null = null;
   recording: RecordingState | null = null;
+  uploads: UploadState[] = [];
+  uploaded = Buffer.alloc(0); // the bytes of the newest
+  failsPieces = 0; // so many are answered by 503
   readonly requests: string[] = []; // those that change something: "PUT /api/rooms/kitchen {…}"
   devices: Device[] = [
     { device: 1, name: 'Kitchen tablet', role: 'helper', paired: kNoon - 30 * kDay, last_seen: kNoon, online: true },

@@ -97,8 +97,10 @@ export class PhoneView {
     for (const [part, isShown] of shown) {
       part.hidden = !isShown;
     }
-    if (shown.some(([part, isShown]) => !isShown && part.contains(focused))) {
-      this.element.querySelector<HTMLElement>(state.isWalking ? '.question.stop' : '.question.where')?.focus();
+    const left = shown.find(([part, isShown]) => !isShown && part.contains(focused))?.[0];
+    if (left !== undefined) {
+      const next = state.isWalking ? '.question.stop' : left === this.guide ? '.tool.take' : '.question.where';
+      this.element.querySelector<HTMLElement>(next)?.focus();
     }
   }
 }

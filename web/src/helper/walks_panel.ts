@@ -7,6 +7,7 @@ import type { Helper } from './actions';
 import { namingView } from './naming_view';
 import { recordCard } from './record_card';
 import { card, panel } from './shell';
+import { uploadCard } from './upload_card';
 
 export function walksPanel(helper: Helper, me: Me): HTMLElement {
   const { store } = helper;
@@ -35,7 +36,7 @@ export function walksPanel(helper: Helper, me: Me): HTMLElement {
   store.watch(['home'], show);
   return panel(text('nav.walks'),
     card(text('walks.name_rooms'), h('p', { class: 'hint' }, text('walks.explain')), choice.element, place),
-    recordCard(helper, me));
+    recordCard(helper, me), uploadCard(helper));
 }
 
 // Keeps what was chosen, where it is still there.

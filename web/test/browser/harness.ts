@@ -233,7 +233,7 @@ async function guard(visit: Visit): Promise<void> {
   page.on('pageerror', (error) => visit.failures.push(String(error)));
   page.on('console', (message) => {
     // A computer that is away, and refusals that a test asks for, are in the browser's log by themselves.
-    if (message.type() === 'error' && !/ERR_CONNECTION|WebSocket|status of 4\d\d/.test(message.text())) {
+    if (message.type() === 'error' && !/ERR_CONNECTION|WebSocket|status of (4\d\d|503)/.test(message.text())) {
       visit.failures.push(message.text());
     }
   });

@@ -26,17 +26,22 @@ async function change(visit: Visit, more: Partial<XrWorld>): Promise<void> {
   await visit.page.evaluate((values) => void Object.assign((window as unknown as { xrWorld: XrWorld }).xrWorld, values), more);
 }
 
-// The newest connection's frames, once one with depth has come.
-async function frameOf(server: StandInServer, role: 'helper' | 'device'): Promise<NonNullable<Client['newest']>> {
+async function comes<What>(what: string, look: () => What | undefined | null | false): Promise<What> {
   const patience = Date.now() + kPatience;
   while (Date.now() < patience) {
-    const newest = server.clients.filter((client) => client.role === role).map((client) => client.newest).find((one) => one?.header.version === 2);
-    if (newest) {
-      return newest;
+    const found = look();
+    if (found) {
+      return found;
     }
     await new Promise((resolve) => setImmediate(resolve));
   }
-  assert.fail('no frame of augmented reality came');
+  assert.fail(`${what} did not come`);
+}
+
+// The newest connection's frame, once one with depth has come.
+function frameOf(server: StandInServer, role: 'helper' | 'device'): Promise<NonNullable<Client['newest']>> {
+  const frames = (): Client['newest'][] => server.clients.filter((client) => client.role === role).map((client) => client.newest);
+  return comes('a frame of augmented reality', () => frames().find((one) => one?.header.version === 2));
 }
 
 function depthOf(png: Buffer): number[][] {
@@ -101,6 +106,7 @@ test('a walk is recorded by the phone’s own browser, by keyboard and ear alone
 
   await visit.press('Stop recording');
   await visit.hears('The recording is saved.');
+  await comes('hello of the usual camera', () => server.clients.some((client) => client.hello?.camera && !client.hello.camera.fx));
   tellJob(server, 'done', 1, '', 'map');
   await visit.hears('The map is made. Name and learn the rooms');
   await visit.sees('Where am I', '.question');

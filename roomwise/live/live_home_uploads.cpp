@@ -1,0 +1,132 @@
+#include <algorithm>
+#include <cctype>
+
+#include "roomwise/live/live_home.h"
+#include "roomwise/recording/open_recording.h"
+#include "roomwise/recording/phone/zip_unpack.h"
+
+// Recordings that somebody hands in as files.
+namespace roomwise::live {
+namespace {
+
+namespace fs = std::filesystem;
+
+// What a walk's folder is called after the file that was handed in: "Flat 3.zip" gives "Flat 3".
+std::string name_of_walk(const std::string& file_name) {
+  std::string name = fs::path(file_name).stem().string();
+  std::ranges::replace_if(
+      name, [](unsigned char c) { return c == '/' || c == '\\' || std::iscntrl(c) != 0; }, '_');
+  name.erase(0, name.find_first_not_of(". "));
+  if (const auto valid = recording::validate_room_name(name); !valid) return "walk";
+  return name;
+}
+
+// A path in `folder` that nothing has yet.
+fs::path unused_path(const fs::path& folder, const std::string& stem, const std::string& ending) {
+  std::error_code error;
+  fs::path path = folder / (stem + ending);
+  for (int i = 2; fs::exists(path, error); ++i)
+    path = folder / fmt::format("{} {}{}", stem, i, ending);
+  return path;
+}
+
+// The recordings in a folder: itself, or those below it.
+std::vector<fs::path> recordings_in(const fs::path& folder, int depth) {
+  if (recording::find_recording_kind(folder) != nullptr) return {folder};
+  std::vector<fs::path> found;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    if (entry.is_directory(error) && depth > 0) {
+      std::ranges::move(recordings_in(entry.path(), depth - 1), std::back_inserter(found));
+    } else if (entry.is_regular_file(error) && recording::find_recording_kind(entry.path())) {
+      found.push_back(entry.path());
+    }
+    if (found.size() > 1) break;
+  }
+  return found;
+}
+
+Expected<fs::path> recording_in(const fs::path& folder, const std::string& name) {
+  constexpr int kMaxDepth = 3;  // apps put one or two folders around
+  const std::vector<fs::path> found = recordings_in(folder, kMaxDepth);
+  if (found.size() == 1) return found.front();
+  if (found.size() > 1) {
+    return fail("'{}' holds several recordings; hand them in one by one", name);
+  }
+  std::string kinds;
+  for (const recording::RecordingKind& kind : recording::recording_kinds()) {
+    kinds += fmt::format("{}{}", kinds.empty() ? "" : ", ", kind.name);
+  }
+  return fail("'{}' holds no recording of a kind that is read; these are: {}", name, kinds);
+}
+
+Expected<void> move_to(const fs::path& from, const fs::path& to) {
+  std::error_code error;
+  fs::rename(from, to, error);
+  if (error) return fail("{}: cannot become {}: {}", from.string(), to.string(), error.message());
+  return {};
+}
+
+}  // namespace
+
+fs::path LiveHome::uploads_folder() const {
+  return fs::path(file_.string() + ".uploads");
+}
+
+Expected<void> LiveHome::map_upload(const std::string& id) {
+  ROOMWISE_TRY(const Upload upload, uploads_->find(id));
+  if (!upload.is_complete()) {
+    return fail("'{}' is not whole: {} of {} bytes are there", upload.name, upload.offset,
+                upload.bytes);
+  }
+  if (!view()->walks.empty()) {
+    return fail("this home holds a walk already; forget it before another is mapped");
+  }
+  ROOMWISE_CHECK_OK(check_idle());
+  return jobs_->start("map", [this, upload](Progress& progress) -> Expected<std::string> {
+    ROOMWISE_TRY(const fs::path path, take_in(upload, progress));
+    ROOMWISE_TRY(const auto walk, recording::open_recording(path));
+    return map(path, *walk, progress);
+  });
+}
+
+Expected<fs::path> LiveHome::take_in(const Upload& upload, Progress& progress) {
+  const fs::path unpacked = walks_folder() / ".unpacking";
+  std::error_code error;
+  fs::remove_all(unpacked, error);  // of a time when the computer was stopped
+  fs::create_directories(walks_folder(), error);
+  if (error) return fail("{}: cannot be made: {}", walks_folder().string(), error.message());
+  auto taken = take_in(upload, unpacked, progress);
+  fs::remove_all(unpacked, error);
+  if (taken) ROOMWISE_CHECK_OK(uploads_->remove(upload.id));
+  return taken;
+}
+
+Expected<fs::path> LiveHome::take_in(const Upload& upload, const fs::path& unpacked,
+                                     Progress& progress) {
+  const fs::path file = uploads_->file_of(upload.id);
+  const std::string name = name_of_walk(upload.name);
+  // Record3D's recordings are zip archives that are read as they are.
+  if (recording::find_recording_kind(file) != nullptr) {
+    const fs::path path =
+        unused_path(walks_folder(), name, fs::path(upload.name).extension().string());
+    ROOMWISE_CHECK_OK(move_to(file, path));
+    return path;
+  }
+  if (!recording::is_zip_file(file)) {
+    return fail("'{}' is neither a zip archive nor a recording that is read", upload.name);
+  }
+  recording::UnpackLimits limits;
+  ROOMWISE_TRY(limits.max_bytes, uploads_->room_bytes());
+  if (limits.max_bytes == 0) {
+    return fail("the computer's disk has no room to unpack '{}'; free some space", upload.name);
+  }
+  ROOMWISE_CHECK_OK(recording::unpack_zip(file, unpacked, limits, progress));
+  ROOMWISE_TRY(const fs::path found, recording_in(unpacked, upload.name));
+  const fs::path path = unused_path(
+      walks_folder(), name, fs::is_directory(found) ? std::string() : found.extension().string());
+  ROOMWISE_CHECK_OK(move_to(found, path));
+  return path;
+}
+
+}  // namespace roomwise::live

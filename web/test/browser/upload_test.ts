@@ -1,0 +1,84 @@
+// Handing in what an app recorded.
+import assert from 'node:assert/strict';
+import { mkdtempSync, rmSync, writeFileSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import { after, test } from 'node:test';
+import type { ElementHandle } from 'puppeteer-core';
+
+import { tellJob } from '../stand_in_api';
+import { closeBrowser, kPhone, openVisit, skipReason, withServer, type Visit } from './harness';
+import { goTo, heardOnce } from './person';
+
+const folder = mkdtempSync(join(tmpdir(), 'roomwise-'));
+after(async () => {
+  rmSync(folder, { recursive: true });
+  await closeBrowser();
+});
+const options = { skip: skipReason };
+
+function exportOf(bytes: number): { path: string; content: Buffer } {
+  const content = Buffer.from(Array.from({ length: bytes }, (_, i) => i % 251));
+  const path = join(folder, `scan ${bytes}.zip`);
+  writeFileSync(path, content);
+  return { path, content };
+}
+
+async function choose(visit: Visit, path: string): Promise<void> {
+  const input = await visit.page.evaluateHandle(() => [...document.querySelectorAll<HTMLInputElement>('input[type=file]')]
+    .find((one) => one.labels?.[0]?.innerText === 'The exported file'));
+  await (input as ElementHandle<HTMLInputElement>).uploadFile(path);
+}
+
+test('an export is handed in in pieces, over a busy computer, and mapped', options, () => withServer(async (server) => {
+  const visit = await openVisit(server, { role: 'helper', size: kPhone });
+  await visit.go('/');
+  await goTo(visit, 'Walks', 'Walks');
+  await visit.press('Hand in');
+  await visit.sees('Choose the exported file first.', '[role=alert]');
+  const { path, content } = exportOf(12_345);
+  server.state.failsPieces = 2;
+  await choose(visit, path);
+  await visit.press('Hand in');
+  await visit.hears('The connection is gone; it goes on as soon as it is back.');
+  await heardOnce(visit, 'The file is there; the map is made now.');
+  assert.ok(server.state.uploaded.equals(content));
+  await visit.sees('Making the map: unpacking', '.progress-words');
+  tellJob(server, 'done', 1, '', 'map');
+  await visit.hears('The map is made.');
+  await visit.assertAccessible('handing in');
+  await visit.assertReflows();
+  await visit.close();
+}));
+
+test('what is there already is not sent again, and what waits can be mapped or removed', options, () => withServer(async (server) => {
+  const { path, content } = exportOf(2500);
+  server.state.uploads = [
+    { upload: 'u1', name: 'scan 2500.zip', bytes: 2500, offset: 2000, chunk_bytes: 1000 },
+    { upload: 'u2', name: 'old.zip', bytes: 10, offset: 10, chunk_bytes: 1000 },
+  ];
+  server.state.uploaded = Buffer.from(content.subarray(0, 2000));
+  const visit = await openVisit(server, { role: 'helper' });
+  await visit.go('/#walks');
+  await visit.sees('scan 2500.zip: 80% is there');
+  await visit.sees('old.zip is there and not mapped');
+  await visit.assertAccessible('what waits');
+  await visit.press('Remove old.zip');
+  await heardOnce(visit, 'old.zip is removed.');
+  await choose(visit, path);
+  await visit.press('Hand in');
+  await visit.hears('The file is there; the map is made now.');
+  assert.ok(server.state.uploaded.equals(content));
+  assert.deepEqual(server.state.requests.filter((one) => one.startsWith('PUT')).map((one) => one.split(' ')[1]), ['/api/uploads/u1/2000']);
+  await visit.close();
+}));
+
+test('a file that the computer has no room for is refused beside its field', options, () => withServer(async (server) => {
+  const visit = await openVisit(server, { role: 'helper' });
+  await visit.go('/#walks');
+  await visit.sees('Hand in what an app recorded');
+  await choose(visit, exportOf(1_500_000).path);
+  await visit.press('Hand in');
+  await visit.sees("the computer's disk has room for 1 MB more", '[role=alert]');
+  await visit.close();
+}));
