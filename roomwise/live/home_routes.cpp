@@ -4,6 +4,7 @@
 
 #include "roomwise/image/codec.h"
 #include "roomwise/live/home_json.h"
+#include "roomwise/live/photo_routes.h"
 #include "roomwise/live/upload_routes.h"
 #include "roomwise/service/json_members.h"
 
@@ -212,6 +213,7 @@ std::vector<service::Route> home_routes(LiveHome& home) {
   std::ranges::move(changing_routes(home), std::back_inserter(routes));
   std::ranges::move(working_routes(home), std::back_inserter(routes));
   std::ranges::move(upload_routes(home), std::back_inserter(routes));
+  std::ranges::move(photo_routes(home), std::back_inserter(routes));
   return routes;
 }
 

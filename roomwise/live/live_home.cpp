@@ -75,6 +75,7 @@ Expected<std::unique_ptr<LiveHome>> LiveHome::open(const fs::path& file,
   ROOMWISE_TRY(live->lenses_, LensMemory::open(live->lenses_file()));
   ROOMWISE_TRY(Uploads uploads, Uploads::open(live->uploads_folder(), {}));
   live->uploads_ = std::make_unique<Uploads>(std::move(uploads));
+  live->photos_ = std::make_unique<RoomPhotos>(live->photos_folder());
   ROOMWISE_CHECK_OK(live->refresh(nullptr));
   live->jobs_ = std::make_unique<Jobs>(
       [raw = live.get()](const service::JobState& state) { raw->tell_helpers(state); });
@@ -257,6 +258,10 @@ Expected<void> LiveHome::check_idle() const {
 
 fs::path LiveHome::walks_folder() const {
   return fs::path(file_.string() + ".walks");
+}
+
+fs::path LiveHome::photos_folder() const {
+  return fs::path(file_.string() + ".photos");
 }
 
 fs::path LiveHome::lenses_file() const {

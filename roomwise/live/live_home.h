@@ -15,6 +15,7 @@
 #include "roomwise/live/jobs.h"
 #include "roomwise/live/lens_memory.h"
 #include "roomwise/live/recognition_log.h"
+#include "roomwise/live/room_photos.h"
 #include "roomwise/live/uploads.h"
 #include "roomwise/objects/proposals/object_finders.h"
 #include "roomwise/service/server.h"
@@ -90,6 +91,9 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
   [[nodiscard]] Expected<void> end_recording();
   [[nodiscard]] Jobs& jobs() { return *jobs_; }
 
+  // ---- photos of rooms, from which they can be learned without a walk ----
+  [[nodiscard]] RoomPhotos& photos() { return *photos_; }
+
   // ---- recordings that are handed in as files ----
   [[nodiscard]] Uploads& uploads() { return *uploads_; }
   // Unpacks a file that is whole, if it is an archive, and maps the recording (job "map"). The file
@@ -140,6 +144,7 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
   [[nodiscard]] std::filesystem::path walks_folder() const;
   [[nodiscard]] std::filesystem::path lenses_file() const;
   [[nodiscard]] std::filesystem::path uploads_folder() const;
+  [[nodiscard]] std::filesystem::path photos_folder() const;
   // Makes a walk's folder, or file, of what was handed in.
   [[nodiscard]] Expected<std::filesystem::path> take_in(const Upload& upload, Progress& progress);
   [[nodiscard]] Expected<std::filesystem::path> take_in(const Upload& upload,
@@ -169,6 +174,7 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
   RecognitionLog recognitions_;
   std::unique_ptr<LensMemory> lenses_;
   std::unique_ptr<Uploads> uploads_;
+  std::unique_ptr<RoomPhotos> photos_;
   std::atomic<std::uint64_t> frames_processed_{0};
   std::atomic<std::uint64_t> dropped_by_gone_{0};  // by devices that are not here any more
 

@@ -117,7 +117,8 @@ Expected<void> LiveHome::change_room(const std::string& name,
         ROOMWISE_CHECK_OK(home.replace_rooms(rooms));
       }
       if (!new_name || *new_name == name) return {};
-      return rename_room(home, name, *new_name);
+      ROOMWISE_CHECK_OK(rename_room(home, name, *new_name));
+      return photos_->rename(name, *new_name);
     });
   });
 }
@@ -148,6 +149,7 @@ Expected<void> LiveHome::forget_room(const std::string& name) {
         std::erase_if(rooms, [&](const rooms::Room& one) { return one.name == name; });
         return home.replace_rooms(rooms);
       }));
+      ROOMWISE_CHECK_OK(photos_->remove(name));
       const Expected<void> erased = erase_removed(home);
       if (erased) return {};
       ROOMWISE_CHECK_OK(refresh(view()->map));  // it is gone, whatever became of its bytes
@@ -220,6 +222,7 @@ Expected<void> LiveHome::forget_home() {
     recognitions_.clear();
     ROOMWISE_CHECK_OK(lenses_->forget());
     ROOMWISE_CHECK_OK(uploads_->remove_all());
+    ROOMWISE_CHECK_OK(photos_->remove_all());
     std::error_code error;
     fs::remove_all(walks_folder(), error);
     if (error) {

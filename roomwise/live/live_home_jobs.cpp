@@ -47,13 +47,19 @@ Expected<std::string> LiveHome::prepare(Progress& progress) {
 }
 
 Expected<void> LiveHome::learn() {
-  if (!jobs_->running() && view()->walks.empty())
-    return fail("this home holds no walk to learn from; record one first");
+  if (!jobs_->running() && view()->walks.empty()) {
+    ROOMWISE_TRY(const auto photos, photos_->all());
+    if (photos.empty()) {
+      return fail(
+          "this home holds no walk to learn from; take photos of its rooms, or record one first");
+    }
+  }
   static_cast<void>(stop_preparing());  // it is gone on with afterwards
   return jobs_->start("learn", [this](Progress& progress) -> Expected<std::string> {
     ROOMWISE_TRY(std::string learned, learn_now(progress));
-    const auto map = view()->map;
-    if (!map || !map->clouds) ROOMWISE_CHECK_OK(prepare(progress));
+    const auto now = view();
+    const bool is_ready = now->map && now->map->clouds;
+    if (!is_ready && !now->walks.empty()) ROOMWISE_CHECK_OK(prepare(progress));
     return learned;
   });
 }
@@ -61,8 +67,18 @@ Expected<void> LiveHome::learn() {
 Expected<std::string> LiveHome::learn_now(Progress& progress) {
   const std::scoped_lock lock(home_mutex_);
   pipeline::OwnRunContext run(options_.threads, progress);
-  ROOMWISE_TRY(const auto report, pipeline::learn_rooms_from_keyframes(
-                                      home_, {}, {.variants = options_.augment}, networks_, run));
+  ROOMWISE_TRY(const auto recordings, home_.recordings());
+  ROOMWISE_TRY(const auto photos, photos_->all());
+  const auto learn_from_photos = [&]() -> Expected<rooms::LearningReport> {
+    ROOMWISE_TRY(const network::Classifier* network, pipeline::features_network(networks_));
+    return pipeline::learn_rooms_from_photos(home_, photos, *network,
+                                             {.variants = options_.augment}, run);
+  };
+  ROOMWISE_TRY(const auto report,
+               recordings.empty() ? learn_from_photos()
+                                  : pipeline::learn_rooms_from_keyframes(
+                                        home_, {}, {.variants = options_.augment, .photos = photos},
+                                        networks_, run));
   ROOMWISE_CHECK_OK(refresh(view()->map));
   return fmt::format(
       "{} rooms learned; {} of {} pictures that were held out were named rightly",

@@ -513,6 +513,59 @@ TEST_F(LiveHomeTest, NoRouteOfTheHomeIsForEveryone) {
   }
 }
 
+// ---- a home that is begun with photos ----
+
+TEST_F(LiveHomeTest, RoomsAreLearnedFromPhotosAndALaterWalkMakesTheMap) {
+  open();
+  EXPECT_ERROR(home->photos().add("", {}), "name");
+  const auto photograph = [&](const std::string& room, int first) {
+    for (int i = 0; i < static_cast<int>(RoomPhotos::kPerRoom); ++i) {
+      pipeline::testing::SyntheticWalk turn(kFrames);
+      turn.skip_before(static_cast<std::uint64_t>(first + 2 * i));
+      const auto picture = image::encode_jpeg(turn.next().value()->color, 95);
+      EXPECT_EQ(home->photos().add(room, picture).value(), static_cast<std::size_t>(i + 1));
+    }
+  };
+  photograph("kitchen", 0);
+  photograph("bedroom", 30);
+  ASSERT_OK(home->learn());
+  home->jobs().wait();
+  ASSERT_EQ(home->jobs().state()->state, "done") << home->jobs().state()->text;
+  ASSERT_TRUE(home->view()->recognizer) << home->view()->why_no_recognizer;
+  EXPECT_FALSE(home->view()->map);
+
+  // It is asked at once, by a phone whose camera nobody calibrated.
+  Client phone{std::make_shared<WaitingWire>(), nullptr};
+  phone.session = home->connect({8, "phone", service::Role::kDevice}, phone.wire);
+  service::Hello hello;
+  hello.version = 1;
+  hello.camera = service::DeviceCamera{walk.info().camera.width, walk.info().camera.height};
+  phone.session->on_text(write(service::DeviceMessage(hello)));
+  const Bytes color =
+      image::encode_jpeg(pipeline::testing::SyntheticWalk(kFrames).next().value()->color, 95);
+  phone.session->on_message(write(service::FrameMessage{1, color, {}}));
+  EXPECT_EQ(phone.wire->next<service::Seen>().room, "kitchen");
+  phone.session->on_closed();
+
+  record_the_walk();
+  EXPECT_TRUE(home->view()->map);
+  EXPECT_TRUE(home->view()->recognizer) << "what was learned stays";
+  // Learned anew, of the walk and the photos: a room that nobody named on the walk stays known.
+  ASSERT_OK(home->name_rooms(1, {{0, 29, "kitchen", 1}}));
+  ASSERT_OK(home->learn());
+  home->jobs().wait();
+  ASSERT_EQ(home->jobs().state()->state, "done") << home->jobs().state()->text;
+  EXPECT_THAT(home->view()->recognizer->rooms(), ::testing::ElementsAre("bedroom", "kitchen"));
+
+  ASSERT_OK(home->change_room("bedroom", "guest room", {}));
+  EXPECT_EQ(home->photos().counts()->at(0),
+            (RoomPhotos::Count{"guest room", RoomPhotos::kPerRoom}));
+  ASSERT_OK(home->forget_room("guest room"));
+  EXPECT_THAT(home->photos().counts().value(), SizeIs(1));
+  ASSERT_OK(home->forget_home());
+  EXPECT_FALSE(std::filesystem::exists(folder / "flat.home.photos"));
+}
+
 // ---- a recording that is handed in ----
 
 class HandedIn : public LiveHomeTest {

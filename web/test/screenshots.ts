@@ -64,7 +64,7 @@ async function helper(visit: Visit, shoot: (name: string) => Promise<void>, serv
   tellJob(server, 'running', 0.4, 'looking at pictures', 'learn');
   const file = join(folder, 'kitchen.png');
   writeFileSync(file, drawnRoom('kitchen', 3));
-  const input = await visit.page.$('input[type=file]');
+  const input = await visit.page.$('input[accept="image/jpeg,image/png,image/webp"]');
   await (input as unknown as { uploadFile: (path: string) => Promise<void> }).uploadFile(file);
   await visit.press('Which room is it?');
   await visit.sees('How likely each room is');

@@ -75,6 +75,19 @@ const kRoutes: [string, RegExp, Role | '-', Handler][] = [
   ['POST', /^\/api\/test$/, 'helper', testPicture],
   ['GET', /^\/api\/recognitions$/, 'helper', ({ server }) => ({ recognitions: server.state.recognitions })],
   ['GET', /^\/api\/recognitions\/(\d+)\/picture$/, 'helper', ({ parts }) => drawnRoom(parts[0] === '12' ? 'kitchen' : 'corridor', Number(parts[0]))],
+  ['GET', /^\/api\/photos$/, 'helper', ({ server }) => ({
+    rooms: [...server.state.photos].map(([room, photos]) => ({ room, photos })), wanted: kWantedPhotos,
+  })],
+  ['POST', /^\/api\/rooms\/([^/]+)\/photos$/, 'helper', ({ server, parts, body }) => {
+    if (body.readUInt16BE(0) !== 0xffd8) {
+      throw new Refusal(409, 'this is no picture');
+    }
+    const room = parts[0] ?? '';
+    const photos = (server.state.photos.get(room) ?? 0) + 1;
+    server.state.photos.set(room, photos);
+    return { room, photos, wanted: kWantedPhotos };
+  }],
+  ['DELETE', /^\/api\/rooms\/([^/]+)\/photos$/, 'helper', ({ server, parts }) => (server.state.photos.delete(parts[0] ?? ''), {})],
   ['GET', /^\/api\/uploads$/, 'helper', ({ server }) => ({ uploads: server.state.uploads })],
   ['POST', /^\/api\/uploads$/, 'helper', beginUpload],
   ['PUT', /^\/api\/uploads\/([^/]+)\/(\d+)$/, 'helper', putPiece],
@@ -223,6 +236,7 @@ function testPicture({ body }: Call): object {
 }
 
 const kPieceBytes = 1000;
+const kWantedPhotos = 3;
 
 function beginUpload({ server, body }: Call): object {
   const { name, bytes } = json<{ name: string; bytes: number }>(body);

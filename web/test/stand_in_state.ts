@@ -15,6 +15,7 @@ export class StandInState {
   keyframes = makeKeyframes();
   job: Job | null = null;
   recording: RecordingState | null = null;
+  photos = new Map<string, number>(); // by room
   uploads: UploadState[] = [];
   uploaded = Buffer.alloc(0); // the bytes of the newest
   failsPieces = 0; // so many are answered by 503

@@ -106,20 +106,25 @@ Expected<home::NetworkId> stored_features_network(const home::Home& home, const 
   return nameless != networks.rend() ? nameless->first : networks.rbegin()->first;
 }
 
+// The one that has looked at the home's key-frames.
+Expected<const network::Classifier*> loaded_network(const home::Home& home,
+                                                    const home::Network& network,
+                                                    const Networks& networks) {
+  const auto same = std::ranges::find_if(
+      networks, [&](const auto& loaded) { return loaded->fingerprint() == network.fingerprint; });
+  if (same != networks.end()) return same->get();
+  return fail(
+      "{}: varied pictures and photos are to be shown to the network {}, which has looked at the "
+      "key-frames; give its file by --network, or have another look at them first by objects find",
+      home.file(), network.name);
+}
+
 // Gives each sample, a key-frame's, the features of variants of its picture.
 Expected<void> add_variants(home::Home& home, const home::Network& network,
                             std::span<const home::KeyframeId> keyframes,
                             std::span<rooms::RoomSample> samples, int variants,
                             const Networks& networks, RunContext& run) {
-  const auto same = std::ranges::find_if(
-      networks, [&](const auto& loaded) { return loaded->fingerprint() == network.fingerprint; });
-  if (same == networks.end()) {
-    return fail(
-        "{}: varied pictures are to be shown to the network {}, which has looked at the "
-        "key-frames; give its file by --network, or have another look at them first by objects "
-        "find",
-        home.file(), network.name);
-  }
+  ROOMWISE_TRY(const network::Classifier* same, loaded_network(home, network, networks));
   const PictureSource source{
       keyframes.size(),
       [&](std::size_t i) -> Expected<Bytes> {
@@ -128,14 +133,16 @@ Expected<void> add_variants(home::Home& home, const home::Network& network,
       },
       [&](std::size_t i) { return fmt::format("{}: key-frame {}", home.file(), keyframes[i]); },
       [&](std::size_t i) { return keyframes[i]; }};
-  ROOMWISE_TRY(auto features, picture_features(home, source, **same, {1, variants}, run));
+  ROOMWISE_TRY(auto features, picture_features(home, source, *same, {1, variants}, run));
   for (std::size_t i = 0; i < samples.size(); ++i) samples[i].variants = std::move(features[i]);
   return {};
 }
 
-// The rooms' names along these walks, or along all; those whose rooms nobody named are left out.
+// The rooms' names along the walks that are learned from; those whose rooms nobody named are left
+// out.
 Expected<std::map<home::RecordingId, recording::RoomLabels>> named_walks(
-    const home::Home& home, std::span<const home::RecordingId> walks) {
+    const home::Home& home, const RoomLearning& learning) {
+  const std::vector<home::RecordingId>& walks = learning.walks;
   ROOMWISE_TRY(const auto recordings, home.recordings());
   std::map<home::RecordingId, recording::RoomLabels> named;
   for (const home::StoredRecording& recording : recordings) {
@@ -143,7 +150,7 @@ Expected<std::map<home::RecordingId, recording::RoomLabels>> named_walks(
     ROOMWISE_TRY(recording::RoomLabels labels, home.room_ranges(recording.id));
     if (!labels.ranges().empty()) named.emplace(recording.id, std::move(labels));
   }
-  if (named.empty()) {
+  if (named.empty() && learning.photos.empty()) {
     return fail(
         "{}: the rooms of its walks are not named; give --labels rooms.txt or use rooms name",
         home.file());
@@ -160,6 +167,31 @@ Expected<void> check_rooms(const RoomSelection& selection,
     if (outcome) break;
   }
   return outcome;
+}
+
+// The photos as samples, as if of a walk of their own.
+Expected<std::vector<rooms::RoomSample>> samples_of(home::Home& home,
+                                                    std::span<const RoomPhoto> photos,
+                                                    const network::Classifier& network,
+                                                    int variants, RunContext& run) {
+  const PictureSource source{photos.size(),
+                             [&](std::size_t i) { return read_file(photos[i].path); },
+                             [&](std::size_t i) { return photos[i].path.string(); }};
+  ROOMWISE_TRY(auto features, picture_features(home, source, network, {0, variants}, run));
+  std::vector<rooms::RoomSample> samples;
+  for (std::size_t i = 0; i < photos.size(); ++i) {
+    rooms::RoomSample& sample =
+        samples.emplace_back(rooms::RoomSample{std::move(features[i].front()), photos[i].room});
+    sample.variants.assign(std::make_move_iterator(features[i].begin() + 1),
+                           std::make_move_iterator(features[i].end()));
+  }
+  return samples;
+}
+
+std::set<std::string> names_of_rooms(std::span<const RoomPhoto> photos) {
+  std::set<std::string> names;
+  for (const RoomPhoto& photo : photos) names.insert(photo.room);
+  return names;
 }
 
 Expected<rooms::LearnedRooms> learn(std::span<const rooms::RoomSample> samples,
@@ -193,7 +225,7 @@ Expected<rooms::LearningReport> learn_rooms_from_keyframes(home::Home& home,
                                                            const RoomLearning& learning,
                                                            const Networks& networks,
                                                            RunContext& run) {
-  ROOMWISE_TRY(const auto labels, named_walks(home, learning.walks));
+  ROOMWISE_TRY(const auto labels, named_walks(home, learning));
   ROOMWISE_CHECK_OK(check_rooms(selection, labels));
   ROOMWISE_TRY(const home::NetworkId network_id, stored_features_network(home, networks));
   ROOMWISE_TRY(const auto stored_networks, home.networks());
@@ -218,9 +250,17 @@ Expected<rooms::LearningReport> learn_rooms_from_keyframes(home::Home& home,
   if (learning.variants > 0) {
     ROOMWISE_CHECK_OK(add_variants(home, network, ids, samples, learning.variants, networks, run));
   }
+  if (!learning.photos.empty()) {
+    ROOMWISE_TRY(const network::Classifier* same, loaded_network(home, network, networks));
+    ROOMWISE_TRY(auto photos, samples_of(home, learning.photos, *same, learning.variants, run));
+    std::ranges::move(photos, std::back_inserter(samples));
+  }
   ROOMWISE_TRY(rooms::LearnedRooms learned,
                learn(samples, {network.name, network.fingerprint}, learning, run));
-  ROOMWISE_CHECK_OK(home.atomically([&] { return store(home, learned, ids); }));
+  ROOMWISE_CHECK_OK(home.atomically([&]() -> Expected<void> {
+    ROOMWISE_CHECK_OK(add_rooms(home, names_of_rooms(learning.photos)));
+    return store(home, learned, ids);
+  }));
   return learned.report;
 }
 
@@ -254,23 +294,19 @@ Expected<rooms::LearningReport> learn_rooms_from_photos(home::Home& home,
                                                         const RoomLearning& learning,
                                                         RunContext& run) {
   ROOMWISE_TRY(const std::vector<RoomPhoto> photos, list_room_photos(folder));
-  const PictureSource source{photos.size(),
-                             [&](std::size_t i) { return read_file(photos[i].path); },
-                             [&](std::size_t i) { return photos[i].path.string(); }};
-  ROOMWISE_TRY(auto features, picture_features(home, source, network, {0, learning.variants}, run));
-  std::vector<rooms::RoomSample> samples;
-  std::set<std::string> names;
-  for (std::size_t i = 0; i < photos.size(); ++i) {
-    rooms::RoomSample& sample =
-        samples.emplace_back(rooms::RoomSample{std::move(features[i].front()), photos[i].room});
-    sample.variants.assign(std::make_move_iterator(features[i].begin() + 1),
-                           std::make_move_iterator(features[i].end()));
-    names.insert(photos[i].room);
-  }
+  return learn_rooms_from_photos(home, photos, network, learning, run);
+}
+
+Expected<rooms::LearningReport> learn_rooms_from_photos(home::Home& home,
+                                                        std::span<const RoomPhoto> photos,
+                                                        const network::Classifier& network,
+                                                        const RoomLearning& learning,
+                                                        RunContext& run) {
+  ROOMWISE_TRY(const auto samples, samples_of(home, photos, network, learning.variants, run));
   ROOMWISE_TRY(rooms::LearnedRooms learned,
                learn(samples, {network.name(), network.fingerprint()}, learning, run));
   ROOMWISE_CHECK_OK(home.atomically([&]() -> Expected<void> {
-    ROOMWISE_CHECK_OK(add_rooms(home, names));
+    ROOMWISE_CHECK_OK(add_rooms(home, names_of_rooms(photos)));
     return store(home, learned, {});
   }));
   return learned.report;

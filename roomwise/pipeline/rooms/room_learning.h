@@ -19,6 +19,12 @@ namespace roomwise::pipeline {
 [[nodiscard]] Expected<void> name_rooms(home::Home& home, home::RecordingId recording,
                                         const recording::RoomLabels& labels);
 
+// A picture and the room that it shows.
+struct RoomPhoto {
+  std::filesystem::path path;
+  std::string room;
+};
+
 // How rooms are learned.
 struct RoomLearning {
   rooms::LearningOptions options = {};
@@ -26,22 +32,19 @@ struct RoomLearning {
   // most kMaxVariants.
   int variants = 0;
   std::vector<home::RecordingId> walks = {};  // from which; none: from all whose rooms are named
+  // Learned from beside the walks' key-frames: of the same rooms, or of others.
+  std::vector<RoomPhoto> photos = {};
 };
 
 // Learns the rooms from the key-frames of walks that lie in the selected ranges, on what a features
-// network saw in them; stores the classifier and what it says of every key-frame. With
-// variants, that network must be among `networks`, to look at them. Pictures that later visits
+// network saw in them; stores the classifier and what it says of every key-frame. With variants or
+// photos, that network must be among `networks`, to look at them. Pictures that later visits
 // brought stay where the new classifier names the same room by them; a warning says how many do
 // not.
 [[nodiscard]] Expected<rooms::LearningReport> learn_rooms_from_keyframes(
     home::Home& home, const RoomSelection& selection, const RoomLearning& learning,
     const Networks& networks, RunContext& run);
 
-// A picture and the room that it shows.
-struct RoomPhoto {
-  std::filesystem::path path;
-  std::string room;
-};
 // The JPEG and PNG files of a folder that has one folder a room, by room and name. Fails where
 // there are none.
 [[nodiscard]] Expected<std::vector<RoomPhoto>> list_room_photos(
@@ -50,6 +53,10 @@ struct RoomPhoto {
 // The same from plain photos, for a home without a recording. The photos themselves are not kept.
 [[nodiscard]] Expected<rooms::LearningReport> learn_rooms_from_photos(
     home::Home& home, const std::filesystem::path& folder, const network::Classifier& network,
+    const RoomLearning& learning, RunContext& run);
+
+[[nodiscard]] Expected<rooms::LearningReport> learn_rooms_from_photos(
+    home::Home& home, std::span<const RoomPhoto> photos, const network::Classifier& network,
     const RoomLearning& learning, RunContext& run);
 
 // The key-frames that the home's rooms were learned from; none where they were learned from photos,

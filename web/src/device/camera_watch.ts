@@ -1,5 +1,5 @@
 // When the camera's trouble is worth saying: once it has lasted, and again only after it got better. Pure.
-import type { CameraTrouble as PictureTrouble } from './picture_quality';
+import type { CameraTrouble as PictureTrouble } from '../shared/picture_quality';
 
 export type CameraTrouble = PictureTrouble | 'failed'; // failed: no pictures come, though they did
 

@@ -1,5 +1,5 @@
 // Holds the screen on, and the camera running, while the page is in sight.
-import type { Camera, CameraFailure } from './camera';
+import type { Camera, CameraFailure } from '../shared/camera';
 
 export function keepAwake(camera: Camera, cameraFailed: (why: CameraFailure) => void): void {
   const inSight = async (): Promise<void> => {

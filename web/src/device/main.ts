@@ -3,7 +3,7 @@ import { ApiError, request } from '../shared/api';
 import { byId, h, replaceChildren } from '../shared/dom';
 import type { Language, Me, Sound } from '../shared/protocol';
 import { chooseLanguage, language, rememberLanguage, text } from '../shared/texts';
-import { Camera, type CameraFailure } from './camera';
+import { Camera, type CameraFailure } from '../shared/camera';
 import { openChoice } from './choice_dialog';
 import { Earcons, vibrate } from './earcons';
 import { keepAwake } from './keep_awake';

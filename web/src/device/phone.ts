@@ -13,8 +13,8 @@ import { ConnectionWatch, kLookEveryMs, type ConnectionNews } from './connection
 import { FrameSender, kFrameGapMs } from './frame_sender';
 import { ownPrompt } from './own_prompt';
 import { PictureFlow } from './picture_flow';
-import { measureQuality, troubleOf } from './picture_quality';
-import type { PictureSource } from './picture_source';
+import { measureQuality, troubleOf } from '../shared/picture_quality';
+import type { PictureSource } from '../shared/picture_source';
 import type { PromptPlayer } from './prompt_player';
 import type { Settings } from './settings';
 

@@ -6,7 +6,7 @@ import type { Job, Role } from '../shared/protocol';
 import { counted, text, type TextKey } from '../shared/texts';
 import { ArCamera, canRecord, failureOf, type Taken } from './ar/ar_camera';
 import { WalkCoach } from './ar/walk_coach';
-import type { Camera } from './camera';
+import type { Camera } from '../shared/camera';
 import { ownNotice } from './own_prompt';
 import type { Phone } from './phone';
 import type { PromptPlayer } from './prompt_player';

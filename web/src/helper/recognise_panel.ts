@@ -6,11 +6,12 @@ import type { Recognition, TestResult, Verdict } from '../shared/protocol';
 import { formatNumber, formatPercent, formatTime, text } from '../shared/texts';
 import { actOrSay, type Helper } from './actions';
 import { jobView } from './job_view';
+import { photosCard } from './photos_card';
 import { rerender } from './rerender';
 import { card, panel } from './shell';
 
 export function recognisePanel(helper: Helper): HTMLElement {
-  return panel(text('nav.recognise'), learnCard(helper), testCard(helper), recognitionsCard(helper));
+  return panel(text('nav.recognise'), photosCard(helper), learnCard(helper), testCard(helper), recognitionsCard(helper));
 }
 
 function learnCard(helper: Helper): HTMLElement {

@@ -216,7 +216,7 @@ test('trying a picture, and what is no picture', options, () => withServer(async
     await visit.go('/#recognise');
     await visit.press('Which room is it?');
     await heardOnce(visit, 'Choose a picture first.');
-    const file = await visit.page.waitForSelector('input[type=file]');
+    const file = await visit.page.waitForSelector('input[accept="image/jpeg,image/png,image/webp"]');
     await (file as unknown as { uploadFile: (path: string) => Promise<void> }).uploadFile(join(folder, 'letter.png'));
     await visit.press('Which room is it?');
     await heardOnce(visit, 'this is no picture');

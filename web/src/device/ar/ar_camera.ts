@@ -1,8 +1,8 @@
 // The phone's camera in a session of augmented reality: pictures with depth, intrinsics and where the phone was. One
 // picture at a time is taken, within the session's callback, since the camera's texture holds no longer.
 import type { CameraDescription, FramePose, Intrinsics } from '../../shared/protocol';
-import { greyFromRgba, type GreyPicture } from '../picture_quality';
-import { kGreySide, kPictureSide, type FramePicture, type PictureSource } from '../picture_source';
+import { greyFromRgba, type GreyPicture } from '../../shared/picture_quality';
+import { kGreySide, kPictureSide, type FramePicture, type PictureSource } from '../../shared/picture_source';
 import { GlPicture } from './gl_picture';
 import { encodePng16 } from './png16';
 import { depthOfView, intrinsicsOf, measured, poseOf, type DepthGrid } from './view_geometry';

@@ -1,5 +1,5 @@
 // Where the phone's pictures come from: its camera, or a session of augmented reality.
-import type { CameraDescription, FrameAdditions } from '../shared/protocol';
+import type { CameraDescription, FrameAdditions } from './protocol';
 import type { GreyPicture } from './picture_quality';
 
 export const kPictureSide = 640; // longest, pixels

@@ -1,5 +1,5 @@
 // The phone's camera: pictures as JPEG for the computer, small grey copies to look after the camera itself.
-import type { CameraDescription } from '../shared/protocol';
+import type { CameraDescription } from './protocol';
 import { greyFromRgba, type GreyPicture } from './picture_quality';
 import { kGreySide, kPictureSide, type FramePicture, type PictureSource } from './picture_source';
 

@@ -1,0 +1,126 @@
+#include "roomwise/live/room_photos.h"
+
+#include <algorithm>
+#include <tuple>
+
+#include "roomwise/base/file.h"
+#include "roomwise/image/codec.h"
+
+namespace roomwise::live {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kDigits = 24;  // of names that are made of a digest
+constexpr const char* kNameFile = "room.txt";
+constexpr std::int64_t kMaxPhotoPixels = 24'000'000;
+constexpr int kMinPhotoSide_px = 160;
+
+std::string digest_of(std::span<const std::uint8_t> bytes) {
+  return sha256_hex(bytes).substr(0, kDigits);
+}
+
+const char* ending_of(std::span<const std::uint8_t> picture) {
+  if (image::is_png(picture)) return ".png";
+  return image::is_webp(picture) ? ".webp" : ".jpg";
+}
+
+}  // namespace
+
+// A room's name may be longer than a file's, and hold a slash.
+fs::path RoomPhotos::folder_of(const std::string& room) const {
+  return folder_ / digest_of({reinterpret_cast<const std::uint8_t*>(room.data()), room.size()});
+}
+
+Expected<std::vector<pipeline::RoomPhoto>> RoomPhotos::read_all() const {
+  std::vector<pipeline::RoomPhoto> photos;
+  std::error_code error;
+  for (const auto& room : fs::directory_iterator(folder_, error)) {
+    if (!fs::exists(room.path() / kNameFile, error)) continue;
+    ROOMWISE_TRY(const std::string name, read_text_file(room.path() / kNameFile));
+    for (const auto& file : fs::directory_iterator(room.path(), error)) {
+      if (file.path().filename() != kNameFile && file.path().stem().string().size() == kDigits) {
+        photos.push_back({file.path(), name});
+      }
+    }
+  }
+  std::ranges::sort(photos, {}, [](const pipeline::RoomPhoto& photo) {
+    return std::tie(photo.room, photo.path);
+  });
+  return photos;
+}
+
+Expected<std::vector<pipeline::RoomPhoto>> RoomPhotos::all() const {
+  const std::scoped_lock lock(mutex_);
+  return read_all();
+}
+
+Expected<std::vector<RoomPhotos::Count>> RoomPhotos::counts() const {
+  ROOMWISE_TRY(const auto photos, all());
+  std::vector<Count> counts;
+  for (const pipeline::RoomPhoto& photo : photos) {
+    if (counts.empty() || counts.back().room != photo.room) counts.push_back({photo.room, 0});
+    ++counts.back().photos;
+  }
+  return counts;
+}
+
+Expected<std::size_t> RoomPhotos::add(const std::string& room,
+                                      std::span<const std::uint8_t> picture) {
+  ROOMWISE_CHECK_OK(recording::validate_room_name(room));
+  ROOMWISE_TRY(const image::ColorImage color, image::decode_color(picture, kMaxPhotoPixels));
+  if (std::min(color.width(), color.height()) < kMinPhotoSide_px) {
+    return fail("the photo has {} x {} pixels; at least {} a side are needed", color.width(),
+                color.height(), kMinPhotoSide_px);
+  }
+  const std::scoped_lock lock(mutex_);
+  ROOMWISE_TRY(const auto photos, read_all());
+  std::vector<std::string> rooms;
+  for (const auto& photo : photos) rooms.push_back(photo.room);
+  const auto of_room = static_cast<std::size_t>(std::ranges::count(rooms, room));
+  rooms.erase(std::unique(rooms.begin(), rooms.end()), rooms.end());
+  if (of_room >= kMaxPerRoom)
+    return fail("there are {} photos of '{}', which is enough", of_room, room);
+  if (of_room == 0 && rooms.size() >= kMaxRooms) {
+    return fail("there are photos of {} rooms; no more are taken", rooms.size());
+  }
+  const fs::path folder = folder_of(room);
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) return fail("{}: cannot be made: {}", folder.string(), error.message());
+  fs::permissions(folder_, fs::perms::owner_all, error);  // pictures of a home
+  ROOMWISE_CHECK_OK(write_file(folder / kNameFile, room));
+  const fs::path file = folder / (digest_of(picture) + ending_of(picture));
+  const bool is_new = !fs::exists(file, error);
+  ROOMWISE_CHECK_OK(write_file(file, picture));
+  return of_room + (is_new ? 1 : 0);
+}
+
+Expected<void> RoomPhotos::rename(const std::string& room, const std::string& new_name) {
+  const std::scoped_lock lock(mutex_);
+  std::error_code error;
+  const fs::path from = folder_of(room), to = folder_of(new_name);
+  if (!fs::exists(from, error) || from == to) return {};
+  if (fs::exists(to, error)) return fail("there are photos of a room '{}' already", new_name);
+  fs::rename(from, to, error);
+  if (error) return fail("{}: cannot become {}: {}", from.string(), to.string(), error.message());
+  return write_file(to / kNameFile, new_name);
+}
+
+Expected<void> RoomPhotos::remove(const std::string& room) {
+  const std::scoped_lock lock(mutex_);
+  std::error_code error;
+  fs::remove_all(folder_of(room), error);
+  if (error) return fail("{}: could not be removed: {}", folder_of(room).string(), error.message());
+  return {};
+}
+
+Expected<void> RoomPhotos::remove_all() {
+  const std::scoped_lock lock(mutex_);
+  std::error_code error;
+  fs::remove_all(folder_, error);
+  if (error) return fail("{}: could not be removed: {}", folder_.string(), error.message());
+  return {};
+}
+
+}  // namespace roomwise::live

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <mutex>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "roomwise/pipeline/rooms/room_learning.h"
+
+namespace roomwise::live {
+
+// Photos of rooms, by which a home can be begun before anybody walked through it, kept as files so
+// that rooms can be learned anew when another is added. Thread-safe.
+class RoomPhotos {
+ public:
+  // A whole turn on the spot: with every eighth of it a picture, the pictures of a phone's camera,
+  // some 60 degrees wide, overlap.
+  static constexpr std::size_t kPerRoom = 8;
+  static constexpr std::size_t kMaxPerRoom = 64;
+  static constexpr std::size_t kMaxRooms = 200;
+
+  struct Count {
+    std::string room;
+    std::size_t photos = 0;
+
+    friend bool operator==(const Count&, const Count&) = default;
+  };
+
+  // `folder` is made with the first photo.
+  explicit RoomPhotos(std::filesystem::path folder) : folder_(std::move(folder)) {}
+
+  // How many photos of the room there are now; one that is there already is not counted again.
+  // Fails on what is no picture or a tiny one, and where there are enough.
+  [[nodiscard]] Expected<std::size_t> add(const std::string& room,
+                                          std::span<const std::uint8_t> picture);
+  [[nodiscard]] Expected<std::vector<Count>> counts() const;             // by room
+  [[nodiscard]] Expected<std::vector<pipeline::RoomPhoto>> all() const;  // by room and file
+  // Where the room has photos.
+  [[nodiscard]] Expected<void> rename(const std::string& room, const std::string& new_name);
+  [[nodiscard]] Expected<void> remove(const std::string& room);
+  [[nodiscard]] Expected<void> remove_all();
+
+ private:
+  [[nodiscard]] std::filesystem::path folder_of(const std::string& room) const;
+  [[nodiscard]] Expected<std::vector<pipeline::RoomPhoto>> read_all() const;
+
+  std::filesystem::path folder_;
+  mutable std::mutex mutex_;
+};
+
+}  // namespace roomwise::live

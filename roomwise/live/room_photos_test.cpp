@@ -1,0 +1,65 @@
+#include "roomwise/live/room_photos.h"
+
+#include <gmock/gmock.h>
+
+#include "roomwise/base/testing/testing.h"
+#include "roomwise/image/codec.h"
+
+namespace roomwise::live {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+Bytes photo(std::uint8_t level, int side_px = 200) {
+  return image::encode_png(image::ColorImage(side_px, side_px, {level, level, level}));
+}
+
+class RoomPhotosFolder : public ::testing::Test {
+ protected:
+  testing::ScratchFolder folder;
+  RoomPhotos photos{folder / "photos"};
+};
+
+TEST_F(RoomPhotosFolder, AreCountedByRoomAndKeptWhenTheComputerStops) {
+  EXPECT_THAT(photos.counts().value(), IsEmpty());
+  EXPECT_EQ(photos.add("kitchen", photo(10)).value(), 1U);
+  EXPECT_EQ(photos.add("kitchen", photo(20)).value(), 2U);
+  EXPECT_EQ(photos.add("kitchen", photo(20)).value(), 2U) << "the same again";
+  EXPECT_EQ(photos.add("bath/toilet", photo(10)).value(), 1U);
+  const RoomPhotos later(folder / "photos");
+  EXPECT_THAT(later.counts().value(),
+              ElementsAre(RoomPhotos::Count{"bath/toilet", 1}, RoomPhotos::Count{"kitchen", 2}));
+  EXPECT_EQ(later.all()->size(), 3U);
+}
+
+TEST_F(RoomPhotosFolder, WhatIsNoPhotoIsRefused) {
+  EXPECT_ERROR(photos.add("kitchen", Bytes{1, 2, 3}), "neither a JPEG");
+  EXPECT_ERROR(photos.add("kitchen", photo(1, 100)), "at least 160 a side");
+  EXPECT_FALSE(photos.add("", photo(1)));
+  EXPECT_THAT(photos.counts().value(), IsEmpty());
+}
+
+TEST_F(RoomPhotosFolder, AreRenamedAndRemovedWithTheirRoom) {
+  EXPECT_TRUE(photos.add("kitchen", photo(1)));
+  EXPECT_TRUE(photos.add("hall", photo(2)));
+  ASSERT_OK(photos.rename("kitchen", "galley"));
+  ASSERT_OK(photos.rename("nowhere", "anywhere"));
+  EXPECT_ERROR(photos.rename("galley", "hall"), "already");
+  EXPECT_THAT(photos.counts().value(),
+              ElementsAre(RoomPhotos::Count{"galley", 1}, RoomPhotos::Count{"hall", 1}));
+  ASSERT_OK(photos.remove("galley"));
+  EXPECT_THAT(photos.counts().value(), ElementsAre(RoomPhotos::Count{"hall", 1}));
+  ASSERT_OK(photos.remove_all());
+  EXPECT_FALSE(std::filesystem::exists(folder / "photos"));
+}
+
+TEST_F(RoomPhotosFolder, ThereAreEnoughAtSomeNumber) {
+  for (std::size_t i = 0; i < RoomPhotos::kMaxPerRoom; ++i) {
+    EXPECT_TRUE(photos.add("hall", photo(static_cast<std::uint8_t>(i))));
+  }
+  EXPECT_ERROR(photos.add("hall", photo(200)), "which is enough");
+}
+
+}  // namespace
+}  // namespace roomwise::live
