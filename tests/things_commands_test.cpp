@@ -20,7 +20,7 @@ namespace roomwise {
 namespace {
 
 using nlohmann::json;
-using ::testing::AnyOf;
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 using testing::ProgramResult;
@@ -49,7 +49,7 @@ std::string detector_of_the_middle() {
 }
 
 // A classifier of two labels that says the first of every place of every picture.
-std::string classifier_of_the_first(float logit = 5) {
+std::string classifier_of_the_first(float logit) {
   testing::TinyGraph graph;
   graph.nodes = {
       testing::layer("AveragePool", {"picture"}, {"map"},
@@ -135,77 +135,53 @@ class ThingsCommandsTest : public ::testing::Test {
 
 // ---- objects find ----
 
-TEST_F(ThingsCommandsTest, AClassifierBesideADetectorFindsWhatTheDetectorHasNoWordFor) {
-  const std::string networks = path("with-maps/roomwise/networks/");
+TEST_F(ThingsCommandsTest, AClassifierBesideADetectorLooksCloser) {
+  const std::string networks = path("with-closer/roomwise/networks/");
   std::filesystem::create_directories(networks);
   std::filesystem::copy(path("data/roomwise/networks"), networks);
-  EXPECT_OK(write_file(networks + "shelves.onnx", classifier_of_the_first()));
-  EXPECT_OK(write_file(
-      networks + "shelves.card.json",
-      R"({"task": "classify", "input": {"width": 64, "height": 64}, "labels": "shelves.txt"})"));
-  EXPECT_OK(write_file(networks + "shelves.txt", std::string("bookcase\nbed\n")));
-  // One of the same size that names nothing of a home comes first by name, and is passed over.
-  EXPECT_OK(write_file(networks + "animals.onnx", classifier_of_the_first(6)));
-  EXPECT_OK(write_file(
-      networks + "animals.card.json",
-      R"({"task": "classify", "input": {"width": 64, "height": 64}, "labels": "animals.txt"})"));
-  EXPECT_OK(write_file(networks + "animals.txt", std::string("zebra\ntabby\n")));
-  const std::string home = copy_of_home("maps.home");
+  const auto write_classifier = [&](const std::string& name, const std::string& labels,
+                                    float logit) {
+    EXPECT_OK(write_file(networks + name + ".onnx", classifier_of_the_first(logit)));
+    EXPECT_OK(
+        write_file(networks + name + ".card.json",
+                   R"({"task": "classify", "input": {"width": 64, "height": 64}, "labels": ")" +
+                       name + R"(.txt"})"));
+    EXPECT_OK(write_file(networks + name + ".txt", labels));
+  };
+  const std::string home = copy_of_home("closer.home");
   const std::vector<std::string> find{"objects", "find", "--home", home};
-  testing::result_of(find, path("with-maps"));
-
+  const auto finders = [&] { return home::Home::open_read_only(home)->region_finders().value(); };
+  write_classifier("animals", "zebra\ntabby\n", 6);
+  testing::result_of(find, path("with-closer"));
+  EXPECT_EQ(finders().size(), 1U) << "it names nothing of a home, and is passed over";
+  write_classifier("shelves", "bookcase\nbed\n", 5);
+  testing::result_of(find, path("with-closer"));
+  ASSERT_EQ(finders().size(), 2U) << "the detector's detections were there";
+  EXPECT_EQ(finders().rbegin()->second.name, "closer looks");
   const auto found = home::Home::open_read_only(home);
   ASSERT_OK(found);
-  const auto keyframes = found->keyframes();
-  ASSERT_OK(keyframes);
-  const auto finders = found->region_finders();
-  ASSERT_OK(finders);
-  ASSERT_EQ(finders->size(), 3U) << "the detector's detections were there";
-  for (const auto& [id, record] : *finders) {
-    if (id == finders->begin()->first) continue;
-    EXPECT_THAT(record.name, AnyOf("activation maps", "closer looks"));
-    const auto looks = found->detections(id);
-    ASSERT_OK(looks);
-    EXPECT_EQ(looks->size(), keyframes->size()) << record.name;
-    if (record.name == "closer looks") continue;  // nothing need stand apart here
-    for (const auto& [keyframe, look] : *looks) {
-      ASSERT_EQ(look.detections.size(), 1U) << record.name << " " << keyframe;
-      EXPECT_EQ(look.detections[0].label, "bookcase") << "and no bed, which the detector has";
-    }
-  }
+  EXPECT_EQ(found->detections(finders().rbegin()->first)->size(), found->keyframes()->size());
 
   const std::string digest = digest_of(home);
-  testing::result_of(find, path("with-maps"));
+  testing::result_of(find, path("with-closer"));
   EXPECT_EQ(digest_of(home), digest) << "all was looked at";
 }
 
-TEST_F(ThingsCommandsTest, TheMapsOfOneClassifierAreAskedForAllItsWordsWhereTheyAreToldTo) {
-  std::filesystem::create_directories(path("alone"));
-  EXPECT_OK(write_file(path("alone/beds.onnx"), classifier_of_the_first()));
-  EXPECT_OK(write_file(
-      path("alone/beds.card.json"),
-      R"({"task": "classify", "input": {"width": 64, "height": 64}, "labels": "beds.txt"})"));
-  EXPECT_OK(write_file(path("alone/beds.txt"), std::string("bed\ntable lamp\n")));
-  const std::string home = copy_of_home("alone.home");
-  const auto find_by = [&](const std::string& network) {
-    return run({"objects", "find", "--home", home, "--maps", network});
+// ---- somebody's own kinds ----
+
+TEST(OwnKinds, StandInANewHomesVocabularyAndTheirFaultsAreNamed) {
+  const ScratchFolder folder;
+  std::filesystem::create_directories(folder / "roomwise");
+  const auto write = [&](const std::string& rows) {
+    EXPECT_OK(write_file(folder / "roomwise/kinds.json", R"({"kinds": [)" + rows + "]}"));
   };
-  EXPECT_EQ(find_by(path("alone/beds.onnx")).exit_code, 0);
-  const auto found = home::Home::open_read_only(home);
-  ASSERT_OK(found);
-  const auto finders = found->region_finders();
-  ASSERT_OK(finders);
-  ASSERT_EQ(finders->size(), 2U) << "what the detector found when it was mapped is kept";
-  const auto looks = found->detections(finders->rbegin()->first);
-  ASSERT_OK(looks);
-  ASSERT_FALSE(looks->empty());
-  for (const auto& [keyframe, look] : *looks) {
-    ASSERT_EQ(look.detections.size(), 1U) << keyframe;
-    EXPECT_EQ(look.detections[0].label, "bed") << "which the detector has, too";
-  }
-  const ProgramResult unknown = find_by("nowhere");
-  EXPECT_NE(unknown.exit_code, 0);
-  EXPECT_THAT(unknown.errors, HasSubstr("nowhere: no such network"));
+  const std::vector<std::string> list{"concepts", "list"};
+  write(R"({"name": "walking frame", "labels": ["walker"], "moves": true})");
+  EXPECT_THAT(testing::result_of(list, folder.path().string()).dump(), HasSubstr("walking frame"));
+  write(R"({"name": "walking frame", "moves": "often"})");
+  const ProgramResult wrong = testing::run_roomwise(list, folder.path().string());
+  EXPECT_EQ(wrong.exit_code, 1);
+  EXPECT_THAT(wrong.errors, AllOf(HasSubstr("kinds.json"), HasSubstr("row 1")));
 }
 
 // ---- objects list --past ----

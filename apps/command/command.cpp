@@ -3,6 +3,7 @@
 #include <iostream>
 #include <new>
 
+#include "own_kinds.h"
 #include "roomwise/base/file.h"
 #include "roomwise/base/simd.h"
 
@@ -145,6 +146,9 @@ int run(CLI::App& app, Context& context, int argc, const char* const* argv) {
     return kUsage;
   }
   if (const auto simd = simd_of_environment(); !simd) return print_failure(simd.error().message);
+  if (const auto kinds = add_own_kinds(); !kinds) {
+    return print_failure(on_one_line(kinds.error().message));
+  }
   const Expected<Answer> answer = carry_out(context.chosen);
   context.progress.finish_line();
   if (!answer) return print_failure(on_one_line(answer.error().message));

@@ -13,7 +13,6 @@
 #include "roomwise/network/formats/eight_bit_file.h"
 #include "roomwise/network/formats/network_file.h"
 #include "roomwise/network/vision/onnx_classifier.h"
-#include "roomwise/objects/detection/activation_regions.h"
 
 namespace roomwise::app {
 namespace {
@@ -51,11 +50,9 @@ Expected<std::vector<fs::path>> networks_for(network::Task task) {
   return usable;
 }
 
-// The smallest classifier of the folders that names such things, for what no detector finds: it is
-// asked by its activation maps, and looks closer beside the detector.
-Expected<void> add_classifying_finders(objects::ObjectFinders& all,
-                                       const std::shared_ptr<const network::Detector>& detector) {
-  objects::DetectionFinders& finders = all.in_pictures;
+// The smallest classifier of the folders that names such things looks closer beside the detector.
+Expected<void> add_closer_looks(objects::ObjectFinders& all,
+                                const std::shared_ptr<const network::Detector>& detector) {
   ROOMWISE_TRY(auto files, networks_for(network::Task::kClassify));
   std::ranges::stable_sort(files, {}, [](const fs::path& file) {
     std::error_code ignored;
@@ -73,12 +70,6 @@ Expected<void> add_classifying_finders(objects::ObjectFinders& all,
     const auto words = objects::classes_with_labels(vocabulary, (*whole)->labels(),
                                                     [](const std::string&) { return true; });
     if (words.objects().empty()) continue;  // it names other things: rooms, or animals
-    if (auto cells = network::DenseClassifier::load(file)) {
-      const auto of_maps = objects::classes_of_maps(finders, (*cells)->labels(), vocabulary);
-      finders.push_back(objects::activation_finder(*std::move(cells), of_maps));
-    } else {
-      fmt::print(stderr, "no activation maps: {}\n", cells.error().message);
-    }
     const std::shared_ptr<const network::Classifier> classifier = *std::move(whole);
     all.of_proposals = objects::network_proposal_classifier(detector, classifier);
     return {};
@@ -326,7 +317,7 @@ Expected<objects::ObjectFinders> load_object_finders() {
       fmt::print(stderr, "left out: {}\n", loaded.error().message);
     }
   }
-  if (first != nullptr) ROOMWISE_CHECK_OK(add_classifying_finders(finders, first));
+  if (first != nullptr) ROOMWISE_CHECK_OK(add_closer_looks(finders, first));
   return finders;
 }
 

@@ -48,9 +48,8 @@ void add_network_options(CLI::App& command, NetworkOptions& options);
                                                        std::vector<home::Keyframe> keyframes);
 
 // The finders: the detectors of the folders of networks, whatever --network names, and, beside
-// them, the smallest classifier there that names things, for what no detector finds: shown the
-// first detector's boxes, by its activation maps, and, with that detector, for detections on
-// proposals. None where there is no detector.
+// them, the smallest classifier there that names things: with the first detector it is shown what
+// stands apart in depth. None where there is no detector.
 [[nodiscard]] Expected<objects::ObjectFinders> load_object_finders();
 
 // Where "networks pull" puts files: $XDG_DATA_HOME/roomwise/networks, else

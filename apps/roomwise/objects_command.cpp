@@ -8,7 +8,6 @@
 #include "open_home.h"
 #include "pose_json.h"
 #include "roomwise/home/home.h"
-#include "roomwise/objects/detection/activation_regions.h"
 #include "roomwise/pipeline/objects/keyframe_observer.h"
 #include "roomwise/pipeline/objects/proposal_detection.h"
 #include "roomwise/pipeline/stored/map_settings.h"
@@ -22,7 +21,6 @@ struct ObjectsOptions {
   std::string rule = "regions";
   bool past = false;
   NetworkOptions networks;
-  std::optional<std::string> maps;  // of which classifier
 };
 
 // What the home says about where its things stand.
@@ -170,25 +168,13 @@ Expected<Answer> list(const ObjectsOptions& options, Context& context) {
   return options.past ? list_past(home) : list_found(home, options.rule);
 }
 
-// All words that this classifier has, by its activation maps.
-Expected<objects::ObjectFinders> maps_alone(const std::string& name) {
-  ROOMWISE_TRY(const auto file, find_network_file(name));
-  ROOMWISE_TRY(auto classifier, network::DenseClassifier::load(file));
-  const auto words =
-      objects::classes_of_maps({}, classifier->labels(), objects::ObjectVocabulary::standard());
-  objects::ObjectFinders finders;
-  finders.in_pictures.push_back(objects::activation_finder(std::move(classifier), words));
-  return finders;
-}
-
 // Networks look at a home that was mapped without them, or with others; then all is joined anew.
 Expected<Answer> find(const ObjectsOptions& options, Context& context) {
   cv::setNumThreads(1);  // the threads are ours
   ROOMWISE_TRY(home::Home home, open_home(options.home, context));
   ROOMWISE_TRY(const pipeline::Networks networks,
                load_networks_for_keyframes(options.networks, home, context));
-  ROOMWISE_TRY(const objects::ObjectFinders finders,
-               options.maps ? maps_alone(*options.maps) : load_object_finders());
+  ROOMWISE_TRY(const objects::ObjectFinders finders, load_object_finders());
   if (networks.empty() && finders.in_pictures.empty()) {
     return fail("no network is here; give --network FILE or set ROOMWISE_MODELS");
   }
@@ -254,10 +240,6 @@ void add_objects_commands(CLI::App& app, Context& context) {
       "anew",
       "", find);
   add_network_options(*find_command, of_find.networks);
-  find_command->add_option("--maps", of_find.maps,
-                           "No detector, but the activation maps of this classifier alone, for all "
-                           "things that it names: finds more kinds, and more that are not there "
-                           "(docs/objects.md)");
 }
 
 }  // namespace roomwise::app

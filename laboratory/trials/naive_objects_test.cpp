@@ -58,7 +58,7 @@ TEST_F(NaiveObjectsTest, FourKeyframesMustShowItAndOneMustBeSure) {
 }
 
 TEST_F(NaiveObjectsTest, OnlyADetectorsBoxesWithASurfaceAndAWordCount) {
-  for (int k = 0; k < 4; ++k) see({{"sink", 0.9F, {0, 0, 1}}}, DetectionSource::kActivation);
+  for (int k = 0; k < 4; ++k) see({{"sink", 0.9F, {0, 0, 1}}}, DetectionSource::kProposal);
   EXPECT_TRUE(naive_objects(keyframes_).empty());
 
   keyframes_.clear();

@@ -14,13 +14,14 @@ namespace roomwise::guide {
 // All that Roomwise says, in every language that it speaks.
 class MessageCatalogue {
  public:
-  // The files of roomwise/guide/messages, which are compiled in. A test reads them, so they are
-  // right.
+  // The files of roomwise/guide/messages and the kinds' names (kinds.json), which are compiled in.
+  // A test reads them, so they are right.
   [[nodiscard]] static MessageCatalogue built_in();
   // One file a language. Fails where one is wrong, a language comes twice or there is none, and
-  // where two languages differ in their messages, the values of one, or in their words: a message
-  // that is missing would be silence.
-  [[nodiscard]] static Expected<MessageCatalogue> parse(std::span<const std::string_view> files);
+  // where two languages differ in their messages, the values of one, or in their words for rooms: a
+  // message that is missing would be silence.
+  [[nodiscard]] static Expected<MessageCatalogue> parse(std::span<const std::string_view> files,
+                                                        std::span<const objects::Kind> kinds);
 
   [[nodiscard]] std::vector<std::string> languages() const;  // by name
   [[nodiscard]] bool speaks(const std::string& language) const;

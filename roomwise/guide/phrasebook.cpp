@@ -75,25 +75,9 @@ Nouns room_list(const std::vector<std::string>& names) {
   return nouns(Noun::Kind::kRoom, names);
 }
 
-Expected<Phrasebook> Phrasebook::parse(std::string_view text) {
+Expected<Phrasebook> Phrasebook::parse(std::string_view text,
+                                       std::span<const objects::Kind> kinds) {
   Phrasebook book;
-  const auto read_words = [](const json& object, Words& words) {
-    for (const auto& [key, value] : object.items()) {
-      Word word;
-      for (const auto& [member, content] : value.items()) {
-        if (member == "name") {
-          word.name = content.get<std::string>();
-        } else if (member == "class") {
-          word.word_class = content.get<std::string>();
-        } else if (member == "also") {
-          word.also = content.get<std::vector<std::string>>();
-        } else {
-          word.own_forms[member] = content.get<std::string>();
-        }
-      }
-      words[key] = std::move(word);
-    }
-  };
   try {
     const json file = json::parse(text);
     file.at("language").get_to(book.language_);
@@ -104,10 +88,14 @@ Expected<Phrasebook> Phrasebook::parse(std::string_view text) {
     file.at("decimal").get_to(book.decimal_);
     file.at("months").get_to(book.months_);
     file.at("and").get_to(book.and_);
-    read_words(file.at("things"), book.things_);
-    read_words(file.at("rooms"), book.rooms_);
+    file.at("rooms").get_to(book.rooms_);
+    file.at("goals").get_to(book.things_);
   } catch (const json::exception& error) {
     return fail("messages of language \"{}\": {}", book.language_, error.what());
+  }
+  for (const objects::Kind& kind : kinds) {
+    const auto called = kind.called.find(book.language_);
+    if (called != kind.called.end()) book.things_.insert({kind.name, called->second});
   }
   if (auto valid = book.validate(); !valid) {
     return Unexpected(
@@ -158,12 +146,12 @@ Expected<void> Phrasebook::validate(const std::string& word, const Word& descrip
   for (const auto& [form, patterns] : forms_) {
     // Rooms are not counted.
     if (form == "plural" && rooms_.contains(word)) continue;
-    if (!patterns.contains(description.word_class) && !description.own_forms.contains(form)) {
+    if (!patterns.contains(description.word_class) && !description.forms.contains(form)) {
       return fail("word \"{}\": neither it nor its class \"{}\" has the form \"{}\"", word,
                   description.word_class, form);
     }
   }
-  for (const auto& [form, text] : description.own_forms) {
+  for (const auto& [form, text] : description.forms) {
     if (!forms_.contains(form)) return fail("word \"{}\": there is no form \"{}\"", word, form);
   }
   return {};
@@ -252,8 +240,8 @@ std::vector<std::string> Phrasebook::words_for(Noun::Kind kind, std::string_view
   std::vector<std::string> by_name;
   std::vector<std::string> by_other_names;
   for (const auto& [word, description] : words_of(kind)) {
-    const auto plural = description.own_forms.find("plural");
-    const bool is_plural = plural != description.own_forms.end() && is_wanted(plural->second);
+    const auto plural = description.forms.find("plural");
+    const bool is_plural = plural != description.forms.end() && is_wanted(plural->second);
     if (is_wanted(word)) {
       exact.push_back(word);
     } else if (is_wanted(description.name) || is_plural) {
@@ -290,8 +278,8 @@ std::string Phrasebook::in_form(const std::string& form, const Noun& noun) const
   }
   const std::string spoken = word->name + std::string(number);
   if (form.empty()) return spoken;
-  const auto own = word->own_forms.find(form);
-  if (own != word->own_forms.end()) return own->second + std::string(number);
+  const auto own = word->forms.find(form);
+  if (own != word->forms.end()) return own->second + std::string(number);
   const auto& patterns = forms_.at(form);
   const auto numbered = patterns.find(word->word_class + "-numbered");
   const bool is_numbered = !number.empty() && numbered != patterns.end();

@@ -2,12 +2,14 @@
 
 #include <map>
 #include <set>
+#include <span>
 #include <string>
 #include <string_view>
 #include <variant>
 #include <vector>
 
 #include "roomwise/base/expected.h"
+#include "roomwise/objects/kinds/kinds.h"
 
 namespace roomwise::guide {
 
@@ -36,14 +38,17 @@ using Values = std::map<std::string, std::variant<std::string, Nouns>>;
 //             language's own (genders), and two for names that it does not know: "proper" for one
 //             with a capital or an apostrophe ("Anna's room"), else "other". CLASS-numbered is
 //             for "bedroom 2", where the language has that.
-//   things, rooms  the home's word -> its name here, its class, any forms of its own ("plural"),
-//             and under "also" what else people call it.
+//   rooms     the home's word -> its name here, its class, any forms of its own, and under "also"
+//             what else people call it (objects::SpokenName). Things have theirs in kinds.json.
+//   goals     the same for what one may be led to that is no thing: the way out.
 //   counts    unit -> "one", "other" ("{n} steps"); decimal: the sign in 1.5; and: of lists;
 //             months: their names.
 class Phrasebook {
  public:
   // Fails on anything that is missing, of a wrong type or unknown, and names it.
-  [[nodiscard]] static Expected<Phrasebook> parse(std::string_view json);
+  // `kinds`: what things are called; those that have no name in this language are left out.
+  [[nodiscard]] static Expected<Phrasebook> parse(std::string_view json,
+                                                  std::span<const objects::Kind> kinds);
 
   [[nodiscard]] const std::string& language() const { return language_; }  // "en"
   [[nodiscard]] const std::string& name() const { return name_; }          // "English"
@@ -67,12 +72,7 @@ class Phrasebook {
   [[nodiscard]] std::set<std::string> words(Noun::Kind kind) const;
 
  private:
-  struct Word {
-    std::string name;
-    std::string word_class;
-    std::map<std::string, std::string> own_forms;
-    std::vector<std::string> also;
-  };
+  using Word = objects::SpokenName;
   using Words = std::map<std::string, Word>;
   // A piece of a text between two placeholders, and the placeholder after it.
   struct Piece {

@@ -103,17 +103,17 @@ nlohmann::json small_file() {
     "counts": {"step": {"one": "1", "other": "{n}"}}, "decimal": ".", "and": "&",
     "months": ["1", "2", "3", "4", "5", "6", "7", "8", "9", "10", "11", "12"],
     "forms": {"the": {"c": "le {}", "proper": "{}", "other": "{}"}},
-    "things": {"bed": {"name": "bett", "class": "c"}}, "rooms": {}})");
+    "rooms": {"hall": {"name": "gang", "class": "c"}}, "goals": {}})");
 }
 
 TEST(PhrasebookFileTest, SaysWhatIsWrong) {
-  EXPECT_OK(Phrasebook::parse(small_file().dump()));
-  EXPECT_ERROR(Phrasebook::parse("{"), "parse error");
-  EXPECT_ERROR(Phrasebook::parse("{}"), "'language' not found");
+  EXPECT_OK(Phrasebook::parse(small_file().dump(), {}));
+  EXPECT_ERROR(Phrasebook::parse("{", {}), "parse error");
+  EXPECT_ERROR(Phrasebook::parse("{}", {}), "'language' not found");
   const auto spoiled = [](const char* pointer, const nlohmann::json& value) {
     nlohmann::json file = small_file();
     file[nlohmann::json::json_pointer(pointer)] = value;
-    return Phrasebook::parse(file.dump());
+    return Phrasebook::parse(file.dump(), {});
   };
   EXPECT_ERROR(spoiled("/messages/a", 7), "must be string");
   EXPECT_ERROR(spoiled("/messages/a", "{the thing"), "message \"a\": a brace is not closed");
@@ -123,8 +123,22 @@ TEST(PhrasebookFileTest, SaysWhatIsWrong) {
   EXPECT_ERROR(spoiled("/counts/step", {{"one", "1"}}), "count \"step\" lacks");
   EXPECT_ERROR(spoiled("/months", {"January"}), "months: expected twelve names");
   EXPECT_ERROR(spoiled("/months/11", ""), "months: expected twelve names");
-  EXPECT_ERROR(spoiled("/things/bed/class", "q"), "word \"bed\": neither it nor its class \"q\"");
-  EXPECT_ERROR(spoiled("/things/bed/la", "la bett"), "there is no form \"la\"");
+  EXPECT_ERROR(spoiled("/rooms/hall/class", "q"), "word \"hall\": neither it nor its class \"q\"");
+  EXPECT_ERROR(spoiled("/rooms/hall/la", "la gang"), "there is no form \"la\"");
+}
+
+TEST(PhrasebookFileTest, ThingsAreCalledAsTheirKindsSay) {
+  objects::Kind bed, unnamed;
+  bed.name = "bed";
+  bed.called["xx"] = {"bett", "c", {}, {"lager"}};
+  unnamed.name = "rug";
+  const auto book = Phrasebook::parse(small_file().dump(), std::vector{bed, unnamed});
+  ASSERT_OK(book);
+  EXPECT_EQ(book->text("a", {{"thing", thing("bed")}}), "Le bett!");
+  EXPECT_EQ(book->text("a", {{"thing", thing("rug")}}), "Rug!") << "nobody gave it a name here";
+  EXPECT_THAT(book->words_for(Noun::Kind::kThing, "Lager"), ElementsAre("bed"));
+  bed.called["xx"].word_class = "q";
+  EXPECT_ERROR(Phrasebook::parse(small_file().dump(), std::vector{bed}), "word \"bed\": neither");
 }
 
 }  // namespace

@@ -128,7 +128,7 @@ CREATE TABLE keyframe_observations (
 ) STRICT;
 
 CREATE TABLE region_finders (
-  -- What looks where in key-frames things are: detectors, classifiers with their activation maps.
+  -- What looks where in key-frames things are: detectors, and closer looks at what stands apart.
   finder_id INTEGER PRIMARY KEY,
   name TEXT NOT NULL,
   fingerprint TEXT NOT NULL UNIQUE,    -- SHA-256 of the weights file, with the method where there are several

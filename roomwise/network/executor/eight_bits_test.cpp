@@ -10,7 +10,6 @@
 #include "roomwise/network/formats/onnx_writer.h"
 #include "roomwise/network/graph/graph_builder.h"
 #include "roomwise/network/vision/classifier_quantization.h"
-#include "roomwise/network/vision/dense_classifier.h"
 #include "roomwise/network/vision/detector.h"
 #include "roomwise/network/vision/onnx_classifier.h"
 
@@ -156,7 +155,6 @@ TEST_F(EightBits, WithALayerThatNobodyMeasuredAreRefused) {
 TEST_F(EightBits, AreForWholePicturesOnly) {
   const auto path = quantized();
   EXPECT_ERROR(read_network_in_floats(path), "give the network's own file here");
-  EXPECT_ERROR(DenseClassifier::load(path), "give the network's own file here");
   EXPECT_ERROR(Detector::load(path), "give the network's own file here");
   EXPECT_ERROR(quantize_classifier(path, 80, noise), "give the network's own file here");
 }

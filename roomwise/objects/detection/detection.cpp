@@ -4,11 +4,11 @@
 
 namespace roomwise::objects {
 
-DetectionSource source_of(std::string_view fingerprint) {
+std::optional<DetectionSource> source_of(std::string_view fingerprint) {
   const auto is_by = [&](std::string_view method) {
     return fingerprint.find(method) != std::string_view::npos;
   };
-  if (is_by(kActivationMethod)) return DetectionSource::kActivation;
+  if (is_by(" activation maps ")) return std::nullopt;
   return is_by(kProposalMethod) ? DetectionSource::kProposal : DetectionSource::kDetector;
 }
 

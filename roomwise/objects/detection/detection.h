@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -26,15 +27,14 @@ struct DetectionSurface {
 
 // How something was detected, the surest first.
 enum class DetectionSource {
-  kDetector,    // by a network that gives boxes
-  kProposal,    // by networks that are shown what stands apart in depth (proposal_classifier.h)
-  kActivation,  // by the class-activation maps of a classifier (activation_regions.h)
+  kDetector,  // by a network that gives boxes
+  kProposal,  // by networks that are shown what stands apart in depth (proposal_classifier.h)
 };
 
-// How a finder with this fingerprint detects: the method stands in it, behind the weights'.
-constexpr std::string_view kActivationMethod = " activation maps ";
+// How a finder with this fingerprint detects: the method stands in it, behind the weights'. Absent
+// for those of earlier programs (class-activation maps), which count no more.
 constexpr std::string_view kProposalMethod = " proposals ";
-[[nodiscard]] DetectionSource source_of(std::string_view fingerprint);
+[[nodiscard]] std::optional<DetectionSource> source_of(std::string_view fingerprint);
 
 // What a finder detected in a key-frame, and where depth has it.
 struct Detection {

@@ -48,7 +48,7 @@ ObjectVocabulary ObjectVocabulary::look_alikes() {
 ObjectVocabulary ObjectVocabulary::of_kinds(bool spoken_of) {
   ObjectVocabulary vocabulary;
   for (const Kind& kind : standard_kinds()) {
-    if (kind.is_spoken_of != spoken_of) continue;
+    if (kind.is_spoken_of != spoken_of || kind.labels.empty()) continue;
     vocabulary.objects_[kind.name] = {kind.labels.begin(), kind.labels.end()};
   }
   return vocabulary;

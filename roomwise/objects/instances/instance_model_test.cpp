@@ -37,7 +37,7 @@ TEST(InstanceModel, TheVarianceIsASumOfWhatMayCauseIt) {
           "variance": {"constant": 0.0009, "jackknife": 4, "extent": 0.01,
                        "off usual extent": 0.25}})");
   ASSERT_OK(model);
-  const Eigen::Vector3d usual_m = find_kind("chair")->size_m;
+  const Eigen::Vector3d usual_m = find_kind("chair")->size->usual_m;
   Candidate chair = chair_of({usual_m.y() - 0.2, usual_m.x(), usual_m.z()});
   chair.jackknife_m = {0.05, 0, 0};
   const Eigen::Vector3d sigma_m = model->sigma_m(chair);
@@ -50,7 +50,7 @@ TEST(InstanceModel, TheVarianceIsASumOfWhatMayCauseIt) {
 
 TEST(InstanceModel, OfAThingSeenInPartTheMiddleIsLessSure) {
   const InstanceModel& model = InstanceModel::built_in();
-  const Eigen::Vector3d usual_m = find_kind("chair")->size_m;
+  const Eigen::Vector3d usual_m = find_kind("chair")->size->usual_m;
   const Eigen::Vector3d whole = model.sigma_m(chair_of(usual_m));
   const Eigen::Vector3d part = model.sigma_m(chair_of({0.3, 0.1, 0.3}));
   EXPECT_GT(part.minCoeff(), whole.minCoeff());

@@ -43,7 +43,8 @@ Eigen::Vector3d middle_of(const Detection& detection, const geometry::PinholeCam
   }
   // What is seen is the side that faces the camera.
   const Kind* kind = find_kind(detection.class_name);
-  const double behind_m = kind == nullptr ? 0 : kBehindSurface * kind->size_m.y();
+  const bool is_known = kind != nullptr && kind->size;
+  const double behind_m = is_known ? kBehindSurface * kind->size->usual_m.y() : 0;
   return median + behind_m * median.normalized();
 }
 

@@ -5,30 +5,107 @@
 #include <cmath>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
+#include <numbers>
+#include <set>
 
 #include "roomwise/objects/built_in_data.h"
 
 namespace roomwise::objects {
+namespace {
 
-Expected<std::vector<Kind>> parse_kinds(std::string_view json) {
+using Eigen::Vector3d;
+using nlohmann::json;
+
+SizeDistribution size_of(const json& size) {
+  const auto sides = [&](const char* which) -> Vector3d {
+    return Vector3d(size.at(which).get<std::array<double, 3>>().data());
+  };
+  return {sides("least"), sides("usual"), sides("most")};
+}
+
+// The row's fields; what is not given stays.
+Kind kind_of(const json& row) {
+  Kind kind;
+  row.at("name").get_to(kind.name);
+  for (const auto& [field, value] : row.items()) {
+    if (field == "labels") value.get_to(kind.labels);
+    if (field == "size_m") kind.size = size_of(value);
+    if (field == "on_floor") value.get_to(kind.stands_on_floor);
+    if (field == "moves") value.get_to(kind.is_moved_about);
+    if (field == "spoken") value.get_to(kind.is_spoken_of);
+    if (field == "room_type") value.get_to(kind.room_type);
+    if (field == "called") value.get_to(kind.called);
+  }
+  return kind;
+}
+
+Expected<void> check_fields(const json& row) {
+  static const std::set<std::string> kFields{"name",  "labels", "size_m",    "on_floor",
+                                             "moves", "spoken", "room_type", "called"};
+  for (const auto& [field, value] : row.items()) {
+    if (!kFields.contains(field)) return fail("there is no field \"{}\"", field);
+  }
+  return {};
+}
+
+bool is_ordered(const SizeDistribution& size) {
+  return (size.least_m.array() > 0).all() && (size.least_m.array() < size.usual_m.array()).all() &&
+         (size.usual_m.array() < size.most_m.array()).all();
+}
+
+std::vector<Kind>& all_kinds() {
+  static std::vector<Kind> kinds = [] {
+    auto built_in = parse_kinds(kKindsJson);
+    if (!built_in) std::abort();  // the program's own data, which a test reads
+    return *std::move(built_in);
+  }();
+  return kinds;
+}
+
+}  // namespace
+
+void from_json(const json& members, SpokenName& name) {
+  for (const auto& [member, content] : members.items()) {
+    if (member == "name") {
+      content.get_to(name.name);
+    } else if (member == "class") {
+      content.get_to(name.word_class);
+    } else if (member == "also") {
+      content.get_to(name.also);
+    } else {
+      content.get_to(name.forms[member]);
+    }
+  }
+}
+
+double SizeDistribution::log_density(const Vector3d& size_m) const {
+  double log_density = 0;
+  for (int side = 0; side < 3; ++side) {
+    // From the usual size to the least or the most are two standard deviations.
+    const double below = std::log(usual_m[side] / least_m[side]) / 2;
+    const double above = std::log(most_m[side] / usual_m[side]) / 2;
+    const double off = std::log(size_m[side] / usual_m[side]);
+    const double z = off / (off < 0 ? below : above);
+    log_density -= z * z / 2 + std::log(std::sqrt(std::numbers::pi / 2) * (below + above));
+  }
+  return log_density;
+}
+
+Expected<std::vector<Kind>> parse_kinds(std::string_view text) {
   std::vector<Kind> kinds;
   try {
-    const auto parsed = nlohmann::json::parse(json);
-    for (const auto& row : parsed.at("kinds")) {
-      Kind& kind = kinds.emplace_back();
-      row.at("name").get_to(kind.name);
-      row.at("labels").get_to(kind.labels);
-      const auto size = row.at("size_m").get<std::array<double, 3>>();
-      if (!(std::ranges::min(size) > 0)) {
-        return fail("kind \"{}\": size_m must be positive", kind.name);
+    const auto parsed = json::parse(text);
+    for (const json& row : parsed.at("kinds")) {
+      const Kind& kind = kinds.emplace_back(kind_of(row));
+      if (auto checked = check_fields(row); !checked) {
+        return Unexpected(std::move(checked).error().in(fmt::format("kind \"{}\"", kind.name)));
       }
-      kind.size_m = {size[0], size[1], size[2]};
-      row.at("on_floor").get_to(kind.stands_on_floor);
-      row.at("moves").get_to(kind.is_moved_about);
-      kind.is_spoken_of = row.value("spoken", true);
+      if (kind.size && !is_ordered(*kind.size)) {
+        return fail("kind \"{}\": size_m must be positive, and least < usual < most", kind.name);
+      }
     }
-  } catch (const nlohmann::json::exception& error) {
-    return fail("kind {}: {}", kinds.size(), error.what());
+  } catch (const json::exception& error) {
+    return fail("the kind in row {}: {}", kinds.size() + 1, error.what());
   }
   std::ranges::sort(kinds, {}, &Kind::name);
   const auto twice = std::ranges::adjacent_find(kinds, {}, &Kind::name);
@@ -36,13 +113,22 @@ Expected<std::vector<Kind>> parse_kinds(std::string_view json) {
   return kinds;
 }
 
+Expected<void> add_kinds(std::string_view text) {
+  ROOMWISE_TRY(std::vector<Kind> added, parse_kinds(text));
+  std::vector<Kind>& kinds = all_kinds();
+  for (Kind& kind : added) {
+    const auto place = std::ranges::lower_bound(kinds, kind.name, {}, &Kind::name);
+    if (place != kinds.end() && place->name == kind.name) {
+      *place = std::move(kind);
+    } else {
+      kinds.insert(place, std::move(kind));
+    }
+  }
+  return {};
+}
+
 std::span<const Kind> standard_kinds() {
-  static const std::vector<Kind> kKinds = [] {
-    auto kinds = parse_kinds(kKindsJson);
-    if (!kinds) std::abort();  // the program's own data, which a test reads
-    return *std::move(kinds);
-  }();
-  return kKinds;
+  return all_kinds();
 }
 
 const Kind* find_kind(std::string_view name) {
@@ -51,11 +137,11 @@ const Kind* find_kind(std::string_view name) {
   return found != kinds.end() && found->name == name ? &*found : nullptr;
 }
 
-constexpr double kUnknown_m = 0.5;
-
-Eigen::Vector3d usual_size_m(std::string_view name) {
+Vector3d usual_size_m(std::string_view name) {
+  constexpr double kUnknown_m = 0.5;
   const Kind* kind = find_kind(name);
-  return kind == nullptr ? Eigen::Vector3d::Constant(kUnknown_m) : kind->size_m;
+  const bool is_known = kind != nullptr && kind->size;
+  return is_known ? kind->size->usual_m : Vector3d::Constant(kUnknown_m);
 }
 
 double typical_length_m(std::string_view name) {

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <map>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <span>
 #include <string>
@@ -11,18 +13,39 @@
 
 namespace roomwise::objects {
 
+// What something is called in a language, as guide::Phrasebook says it.
+struct SpokenName {
+  std::string name;
+  std::string word_class;                    // of the language's own, as a rule its gender
+  std::map<std::string, std::string> forms;  // where the class does not give them: "plural"
+  std::vector<std::string> also;             // what else people call it
+};
+// {"name": ..., "class": ..., "also": [...], FORM: ...}
+void from_json(const nlohmann::json& json, SpokenName& name);
+
+// How large things of a kind are as a map shows them: longer and shorter level side and height, m.
+// One in forty lies below the least, one above the most.
+struct SizeDistribution {
+  Eigen::Vector3d least_m, usual_m, most_m;
+
+  // The logarithm of how dense such sizes lie about this one, by the logarithms of the sides:
+  // normal on each side of the usual one.
+  [[nodiscard]] double log_density(const Eigen::Vector3d& size_m) const;
+};
+
 // A kind of thing that homes have: one row of kinds.json.
 struct Kind {
   std::string name;
-  std::vector<std::string> labels;  // of networks, that mean it
-  // Usual sizes: longer and shorter level side and height, m.
-  Eigen::Vector3d size_m = Eigen::Vector3d::Zero();
+  std::vector<std::string> labels;  // of networks, that mean it; none: networks do not name it
+  std::optional<SizeDistribution> size;
   bool stands_on_floor = false;
-  bool is_moved_about = false;  // by people, from day to day
-  bool is_spoken_of = true;     // otherwise it only competes with what looks like it
+  bool is_moved_about = false;               // by people, from day to day
+  bool is_spoken_of = true;                  // otherwise it only competes with what looks like it
+  std::string room_type;                     // that the paper's home has it in; may be empty
+  std::map<std::string, SpokenName> called;  // by language: "de"
 };
 
-// The rows of kinds.json, which is compiled in; by name.
+// The rows of kinds.json, which is compiled in, and those that were added; by name.
 [[nodiscard]] std::span<const Kind> standard_kinds();
 // Absent for a word that somebody added to a home's vocabulary.
 [[nodiscard]] const Kind* find_kind(std::string_view name);
@@ -30,11 +53,14 @@ struct Kind {
 // the sides by their logarithms, and the longer level side.
 [[nodiscard]] double usual_extent_m(std::string_view name);
 [[nodiscard]] double typical_length_m(std::string_view name);
-// As Kind::size_m, m; half a metre each where nobody knows.
+// As SizeDistribution::usual_m; half a metre each where nobody knows.
 [[nodiscard]] Eigen::Vector3d usual_size_m(std::string_view name);
 
-// Fails, naming the row, where a field is missing or of another type, a size is not positive, or
-// two rows have one name.
+// By name. Fails, naming the row, where a field is of another type or unknown, sizes are not
+// positive and in order, or two rows have one name.
 [[nodiscard]] Expected<std::vector<Kind>> parse_kinds(std::string_view json);
+// Rows of somebody's own: each takes the place of the one of its name, or is added. A program does
+// that once, before it asks for kinds. Fails as parse_kinds() does; then nothing is added.
+[[nodiscard]] Expected<void> add_kinds(std::string_view json);
 
 }  // namespace roomwise::objects

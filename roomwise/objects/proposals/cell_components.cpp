@@ -52,48 +52,6 @@ std::vector<Component> pieces_above(const std::vector<LevelCell>& cells,
   return components;
 }
 
-// Where a column's cells end upwards, and those below it, down to the next such end.
-struct Surface {
-  Column column;
-  float top_m = 0;
-  Component below;
-};
-std::vector<Surface> surfaces_of(const std::vector<LevelCell>& cells) {
-  constexpr float kClear_m = 6.5F * kLevelCell_m;
-  std::map<Column, Component> of_column;
-  for (std::size_t i = 0; i < cells.size(); ++i) of_column[column_of(cells[i].middle)].push_back(i);
-  std::vector<Surface> surfaces;
-  for (auto& [column, from_top] : of_column) {
-    std::ranges::sort(from_top, std::greater{}, [&](std::size_t i) { return cells[i].middle.z(); });
-    float last_m = std::numeric_limits<float>::max();
-    for (const std::size_t i : from_top) {
-      const float height_m = cells[i].middle.z();
-      if (last_m - height_m > kClear_m) surfaces.push_back({column, height_m, {}});
-      surfaces.back().below.push_back(i);
-      last_m = height_m;
-    }
-  }
-  return surfaces;
-}
-
-// Those within reach of each other that are as high but for a cell, by their index.
-DisjointSets levels_of(const std::vector<Surface>& surfaces) {
-  constexpr float kStep_m = 1.5F * kLevelCell_m;
-  std::map<Column, std::vector<std::size_t>> in_column;
-  for (std::size_t i = 0; i < surfaces.size(); ++i) in_column[surfaces[i].column].push_back(i);
-  DisjointSets sets(surfaces.size());
-  for (std::size_t i = 0; i < surfaces.size(); ++i) {
-    for (const Column& near : columns_about(surfaces[i].column, kGap_cells)) {
-      const auto there = in_column.find(near);
-      if (there == in_column.end()) continue;
-      for (const std::size_t other : there->second) {
-        if (std::abs(surfaces[other].top_m - surfaces[i].top_m) < kStep_m) sets.join(i, other);
-      }
-    }
-  }
-  return sets;
-}
-
 }  // namespace
 
 Column column_of(const Vector3f& middle) {
@@ -131,22 +89,6 @@ std::vector<Component> components_above(const std::vector<LevelCell>& cells) {
           components, [&](const Component& lower) { return is_mostly_in(lower, component); });
       if (!is_known) components.push_back(std::move(component));
     }
-  }
-  return components;
-}
-
-std::vector<Component> components_of_one_height(const std::vector<LevelCell>& cells) {
-  const std::vector<Surface> surfaces = surfaces_of(cells);
-  DisjointSets levels = levels_of(surfaces);
-  std::map<std::size_t, Component> of_level;  // known by its lowest index
-  for (std::size_t i = 0; i < surfaces.size(); ++i) {
-    std::ranges::copy(surfaces[i].below, std::back_inserter(of_level[levels.find(i)]));
-  }
-  std::vector<Component> components;
-  for (auto& [level, component] : of_level) {
-    if (component.size() < kFewestCells) continue;
-    std::ranges::sort(component);
-    components.push_back(std::move(component));
   }
   return components;
 }

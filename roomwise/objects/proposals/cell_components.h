@@ -35,10 +35,4 @@ using Component = std::vector<std::size_t>;
 // every 0.1 m; those of lower heights first, without those that hold most of one from lower down.
 [[nodiscard]] std::vector<Component> components_above(const std::vector<LevelCell>& cells);
 
-// What is seen below each surface of one height, which ends where the height jumps by more than a
-// cell; twelve cells or more. Each cell is in one surface's piece at most. What touches something
-// higher is one of these, and never one of pieces_apart(). A column has a surface wherever nothing
-// is seen for six cells above: a seat is none of the table's that it stands so far under.
-[[nodiscard]] std::vector<Component> components_of_one_height(const std::vector<LevelCell>& cells);
-
 }  // namespace roomwise::objects

@@ -9,45 +9,53 @@
 
 #include "roomwise/network/vision/classifier.h"
 #include "roomwise/network/vision/detector.h"
-#include "roomwise/objects/detection/region_finder.h"
+#include "roomwise/objects/kinds/kinds.h"
 #include "roomwise/objects/proposals/proposals.h"
 
 namespace roomwise::objects {
 
-// What one picture of a proposal says for each word, [0, 1]; words that nothing speaks for may be
-// missing.
+// How probable a picture makes it that a thing is of each kind, by name, [0, 1]; kinds that nothing
+// speaks for may be missing.
 using ClassScores = std::map<std::string, double>;
 
-// Says what a box of a picture shows, in words of the standard table or look-alikes. look() may be
-// called from several threads at once.
+// Says of which kind a thing is that a box of a picture shows. look() may be called from several
+// threads at once.
 class ProposalClassifier {
  public:
   virtual ~ProposalClassifier() = default;
 
   [[nodiscard]] virtual Expected<ClassScores> look(const image::ColorImage& picture,
-                                                   const network::PixelBox& box) const = 0;
+                                                   const network::PixelBox& box,
+                                                   const Proposal& thing) const = 0;
 };
 
 // Shows the square about the box to a detector and to a classifier, large and in the middle, as
-// they want it: what is small or far in a whole picture, or fills it, is named so. Each is asked
-// for the words that it says rightly of such squares (docs/objects.md).
+// they want it: what is small or far in a whole picture, or fills it, is named so. What they say is
+// weighed by the thing's size (KindsOfLabels); of a kind the surer of both is believed.
 [[nodiscard]] std::unique_ptr<ProposalClassifier> network_proposal_classifier(
     std::shared_ptr<const network::Detector> detector,
     std::shared_ptr<const network::Classifier> classifier);
 
-// Every word that may be said, with a label that means it.
-[[nodiscard]] std::map<std::string, std::string> labels_of_proposals();
+// What a network's labels say of a thing as large as that. The probability of a label is given to
+// the kinds that it means by Bayes' rule: in proportion to how dense such sizes are among them, and
+// among things of no kind, whose sides are spread evenly from 2 cm to 4 m.
+class KindsOfLabels {
+ public:
+  // Of each label the kinds that it means, by index of kinds. Kinds must outlive it.
+  KindsOfLabels(std::span<const std::string> labels, std::span<const Kind> kinds);
+  // `said`: the probability of each label.
+  [[nodiscard]] ClassScores scores(std::span<const float> said, const Proposal& thing) const;
 
-// What a detector says of a box: by word, the best of the detections that overlap it by half.
-// `word_of_label` in the order of the detector's labels, empty for what is not asked.
-[[nodiscard]] ClassScores scores_of(std::span<const network::Detection> found,
-                                    const network::PixelBox& box,
-                                    std::span<const std::string> word_of_label);
-// A word that both are asked for gets the mean of what they say, so that either alone is believed
-// by half; chairs and tables what the detector says, where that is more.
-[[nodiscard]] ClassScores join_scores(const ClassScores& by_classifier,
-                                      const ClassScores& by_detector,
-                                      const std::set<std::string>& asked_of_both);
+ private:
+  std::vector<std::vector<const Kind*>> of_label_;
+};
+
+// What a detector says of a box: of each label the best of the detections that overlap it by half.
+[[nodiscard]] std::vector<float> labels_of_box(std::span<const network::Detection> found,
+                                               const network::PixelBox& box, std::size_t labels);
+
+// Every kind that may be said, with a label that means it.
+[[nodiscard]] std::map<std::string, std::string> labels_of_proposals();
 
 // A proposal and all that its pictures say.
 struct ScoredProposal {
@@ -59,12 +67,10 @@ struct ScoredProposal {
 struct ProposalClass {
   std::size_t proposal = 0;  // index of ScoredProposal
   std::string word;
-  double score = 0;  // mean over its views, and what its form adds; 1 at most
+  double score = 0;  // mean over its views
 };
-// What proposals are called: the word that their views say most in the mean, with what their form
-// adds (FurnitureForm), of those that such things are as large as (ClassSizePrior). Of proposals of
-// one word, or of words that are taken for each other, that share cells only one is; what is cut
-// from what it touches gives way to what stands apart. By index.
+// What proposals are called: the kind that their views make most probable in the mean. Of proposals
+// of one kind that share three in ten of the smaller one's cells only the surest is told. By index.
 [[nodiscard]] std::vector<ProposalClass> classify_proposals(std::span<const ScoredProposal> looked);
 
 }  // namespace roomwise::objects

@@ -10,7 +10,6 @@
 #include <unordered_map>
 #include <utility>
 
-#include "roomwise/base/median.h"
 #include "roomwise/objects/instances/upright_box.h"
 #include "roomwise/objects/instances/world_observation.h"
 #include "roomwise/objects/proposals/cell_components.h"
@@ -121,86 +120,11 @@ std::vector<LevelCell> standing_cells(const std::vector<LevelCell>& cells,
   return standing;
 }
 
-// Of what reaches to a wall behind it often the front alone is seen: a wardrobe between others.
-// What is tall, with a wall behind and nothing that was ever seen between, reaches to that wall.
-class HiddenDepth {
- public:
-  HiddenDepth(const std::vector<LevelCell>& cells, const std::set<Column>& walls,
-              const LevelAxes& axes)
-      : walls_(&walls), axes_(&axes) {
-    for (const LevelCell& cell : cells) {
-      if (cell.shown < kMinShown || cell.height_m() > kFurnitureReach_m) continue;
-      seen_.insert(column_of(cell.middle));
-    }
-  }
-
-  void add(geometry::OrientedBox& box_world, const GroundPlane& level) const {
-    constexpr double kMaxThick_m = 0.2, kMinWide_m = 0.6, kTop_m = 1.6;
-    const int thin = box_world.size_m.x() < box_world.size_m.y() ? 0 : 1;
-    const double top_m = level.height_m(box_world.center()) + box_world.size_m.z() / 2;
-    if (box_world.size_m[thin] > kMaxThick_m || box_world.size_m[1 - thin] < kMinWide_m ||
-        top_m < kTop_m) {
-      return;
-    }
-    for (const double side : {-1.0, 1.0}) {
-      const auto depth_m = behind_m(box_world, thin, side);
-      if (!depth_m) continue;
-      const Vector3d back = side * box_world.world_from_box.rotation.toRotationMatrix().col(thin);
-      box_world.world_from_box.translation += *depth_m / 2 * back;
-      box_world.size_m[thin] += *depth_m;
-      return;
-    }
-  }
-
- private:
-  // How far behind the front the wall stands; absent where there is none, or something between.
-  [[nodiscard]] std::optional<double> behind_m(const geometry::OrientedBox& front, int thin,
-                                               double side) const {
-    constexpr double kStep_m = static_cast<double>(kLevelCell_m);
-    constexpr double kMin_m = 0.25, kMax_m = 0.8, kRim_m = 0.12;
-    // As wide as a door's leaf, it may be one that stands open before a wall.
-    constexpr double kMinIfLeaf_m = 0.45;
-    constexpr double kMinWall = 0.6, kMaxSeen = 0.25;
-    const Eigen::Matrix3d turn = front.world_from_box.rotation.toRotationMatrix();
-    const Vector3d back = side * turn.col(thin), along = turn.col(1 - thin);
-    const double half_m = front.size_m[1 - thin] / 2;
-    std::vector<double> walls_m;
-    int lines = 0, between = 0, seen = 0;
-    for (double at = -half_m + kStep_m; at < half_m; at += kStep_m) {
-      ++lines;
-      const Vector3d middle = front.center() + at * along;
-      const auto column = [&](double depth_m) {
-        return column_of(axes_->from_world(middle + depth_m * back).cast<float>());
-      };
-      for (double depth_m = kMin_m; depth_m < kMax_m; depth_m += kStep_m / 2) {
-        if (!walls_->contains(column(depth_m))) continue;
-        walls_m.push_back(depth_m);
-        for (double d = kRim_m; d < depth_m - kRim_m; d += kStep_m) {
-          ++between;
-          if (seen_.contains(column(d))) ++seen;
-        }
-        break;
-      }
-    }
-    if (static_cast<double>(walls_m.size()) < kMinWall * lines || seen > kMaxSeen * between) {
-      return std::nullopt;
-    }
-    const double median_m = median_of(walls_m);
-    const bool may_be_leaf = front.size_m[1 - thin] < kLeafWidth_m;
-    return may_be_leaf && median_m < kMinIfLeaf_m ? std::nullopt : std::optional(median_m);
-  }
-
-  const std::set<Column>* walls_;
-  const LevelAxes* axes_;
-  std::set<Column> seen_;  // not of the ceiling alone
-};
-
 bool may_be_a_thing(const Vector3d& size_m) {
   constexpr double kMin_m = 0.2, kMax_m = 4;
   return size_m.maxCoeff() >= kMin_m && size_m.head<2>().maxCoeff() <= kMax_m;
 }
 
-// With the box of what is seen.
 Proposal proposal_of(const Component& component, const std::vector<LevelCell>& cells,
                      const LevelAxes& axes, const GroundPlane& level) {
   Proposal proposal;
@@ -209,6 +133,7 @@ Proposal proposal_of(const Component& component, const std::vector<LevelCell>& c
   }
   proposal.box_world = upright_box(proposal.surface_world, level.up_world);
   proposal.box_world.size_m.array() += static_cast<double>(kLevelCell_m);
+  proposal.top_m = level.height_m(proposal.box_world.center()) + proposal.box_world.size_m.z() / 2;
   return proposal;
 }
 
@@ -255,36 +180,11 @@ std::vector<Proposal> find_proposals(std::span<const ObservedKeyframe> keyframes
                                      const GroundPlane& level) {
   const LevelAxes axes(level);
   const std::vector<LevelCell> all = cells_of_depth(keyframes, axes);
-  const std::set<Column> walls = wall_columns(all);
-  const std::vector<LevelCell> cells = standing_cells(all, walls);
-  const HiddenDepth hidden(all, walls, axes);
+  const std::vector<LevelCell> cells = standing_cells(all, wall_columns(all));
   std::vector<Proposal> proposals;
-  std::vector<Component> leaves;
-  const auto propose = [&](const Component& component, bool is_cut) {
-    const bool is_part_of_leaf = std::ranges::any_of(
-        leaves, [&](const Component& leaf) { return is_mostly_in(component, leaf); });
-    if (is_part_of_leaf) return;
+  for (const Component& component : components_above(cells)) {
     Proposal proposal = proposal_of(component, cells, axes, level);
-    proposal.is_cut = is_cut;
-    hidden.add(proposal.box_world, level);
-    proposal.top_m =
-        level.height_m(proposal.box_world.center()) + proposal.box_world.size_m.z() / 2;
-    if (is_like_a_leaf(proposal.box_world, level)) {
-      leaves.push_back(component);
-    } else if (may_be_a_thing(proposal.box_world.size_m)) {
-      std::vector<Vector3f> in_level;
-      for (const std::size_t i : component) in_level.push_back(cells[i].middle);
-      proposal.form = form_of(in_level, kLevelCell_m);
-      proposals.push_back(std::move(proposal));
-    }
-  };
-  const std::vector<Component> apart = components_above(cells);
-  for (const Component& component : apart) propose(component, false);
-  for (const Component& component : components_of_one_height(cells)) {
-    const bool stands_apart = std::ranges::any_of(apart, [&](const Component& other) {
-      return is_mostly_in(other, component) && is_mostly_in(component, other);
-    });
-    if (!stands_apart) propose(component, true);
+    if (may_be_a_thing(proposal.box_world.size_m)) proposals.push_back(std::move(proposal));
   }
   return proposals;
 }

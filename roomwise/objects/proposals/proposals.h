@@ -1,13 +1,11 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <optional>
 #include <span>
 #include <vector>
 
 #include "roomwise/geometry/oriented_box.h"
 #include "roomwise/objects/instances/instances.h"
-#include "roomwise/objects/proposals/furniture_form.h"
 
 namespace roomwise::objects {
 
@@ -16,18 +14,13 @@ struct Proposal {
   std::vector<Eigen::Vector3f> surface_world;  // the middles of its cells of 5 cm, m
   geometry::OrientedBox box_world;             // upright
   double top_m = 0;                            // of the box, above the floor
-  std::optional<FurnitureForm> form;
-  // Where the height of the surface jumps, from what it touches. Else it stands apart from all else
-  // above some height, which says more.
-  bool is_cut = false;
 };
 
 // What stands in the rooms once floor and walls are taken away (object proposals; that furniture
 // stands apart when seen as pieces of a map's depth: A. Karpathy, S. Miller, L. Fei-Fei, "Object
-// discovery in 3D scenes via shape analysis", 2013). First the pieces into which the cells above
-// each height fall (components_above()), then what touches something higher, cut from it where the
-// height of its surface jumps. Columns that cross a height of 2.15 m are walls, so that of
-// furniture that is higher nothing is left; what is like a door's leaf is none.
+// discovery in 3D scenes via shape analysis", 2013): the pieces into which the cells above each
+// height fall (components_above()). Columns that cross a height of 2.15 m are walls, so that of
+// furniture that is higher nothing is left.
 [[nodiscard]] std::vector<Proposal> find_proposals(std::span<const ObservedKeyframe> keyframes,
                                                    const GroundPlane& level);
 

@@ -84,22 +84,6 @@ TEST(FindProposals, WhatStandsApartIsOne) {
   }
 }
 
-TEST(FindProposals, WhatTouchesSomethingHigherIsCutFromIt) {
-  const TestRoom::Thing machine{"washing machine", {2.58, 0.9, 0.43}, {0.6, 0.6, 0.86}};
-  TestRoom room = seen_room({kWardrobe, machine});
-  std::vector<Proposal> apart, cut;
-  for (Proposal& one : find_proposals(room.keyframes(), kLevel)) {
-    (one.is_cut ? cut : apart).push_back(std::move(one));
-  }
-  EXPECT_LT(misfit_m(machine, cut), 0.15);
-  ASSERT_FALSE(apart.empty());
-  EXPECT_GT(misfit_m(machine, apart), 0.3);
-  TestRoom alone = seen_room({machine});
-  const auto of_alone = find_proposals(alone.keyframes(), kLevel);
-  EXPECT_LT(misfit_m(machine, of_alone), 0.15);
-  for (const Proposal& one : of_alone) EXPECT_FALSE(one.is_cut);
-}
-
 TEST(FindProposals, HangsOnNoOrderOfTheKeyframes) {
   TestRoom room = seen_room({kWardrobe, kBed});
   const auto proposals = find_proposals(room.keyframes(), kLevel);
@@ -117,72 +101,10 @@ TEST(FindProposals, AnEmptyRoomHasNone) {
   EXPECT_THAT(find_proposals({}, kLevel), IsEmpty());
 }
 
-TEST(FindProposals, ADoorsLeafIsNone) {
-  const TestRoom::Thing leaf{"", {0.4, 1.2, 1.0}, {0.05, 0.85, 2.0}};
-  TestRoom room = seen_room({leaf});
-  EXPECT_THAT(find_proposals(room.keyframes(), kLevel), IsEmpty());
-  TestRoom with_wardrobe = seen_room({kWardrobe});
-  EXPECT_FALSE(find_proposals(with_wardrobe.keyframes(), kLevel).empty());
-}
-
-TEST(FindProposals, OfWhatOnlyTheFrontIsSeenTheDepthReachesToTheWall) {
-  const TestRoom::Thing wardrobe{"wardrobe", {2.69, 0, 1.0}, {0.6, 1.6, 2.0}};
-  const TestRoom::Thing left{"", {2.3, -1.5, 1.0}, {1.2, 0.9, 2.0}},
-      right{"", {2.3, 1.5, 1.0}, {1.2, 0.9, 2.0}};
-  TestRoom room = seen_from_middle({wardrobe, left, right});
-  EXPECT_LT(misfit_m(wardrobe, find_proposals(room.keyframes(), kLevel)), 0.2);
-}
-
-// How deep the tallest proposal is, m; 0 without any.
-double depth_of_tallest_m(std::span<const Proposal> proposals) {
-  const auto tallest = std::ranges::max_element(
-      proposals, {}, [](const Proposal& one) { return one.box_world.size_m.z(); });
-  return tallest == proposals.end() ? 0 : tallest->box_world.size_m.head<2>().minCoeff();
-}
-
-TEST(FindProposals, BehindWhatIsNoWiderThanALeafTheWallMustStandAWardrobesDepthAway) {
-  const auto depth_m = [](double from_wall_m) {
-    const TestRoom::Thing front{"", {2.95 - from_wall_m, 0, 1.0}, {0.1, 0.9, 2.0}};
-    TestRoom room = seen_from_middle({front});
-    return depth_of_tallest_m(find_proposals(room.keyframes(), kLevel));
-  };
-  EXPECT_GT(depth_m(0.6), 0.5);
-  EXPECT_EQ(depth_m(0.2), 0) << "an open door's leaf";
-}
-
-TEST(FindProposals, WhatWasSeenThroughHasNoHiddenDepth) {
-  const TestRoom::Thing screen{"", {2.4, 0, 1.0}, {0.05, 1.6, 2.0}};
-  TestRoom hidden = seen_from_middle({screen});
-  EXPECT_GT(depth_of_tallest_m(find_proposals(hidden.keyframes(), kLevel)), 0.5);
-  TestRoom seen = seen_from_middle({screen});
-  for (const double side : {-1.0, 1.0}) {
-    for (const double x : {2.6, 2.7, 2.8}) {
-      seen.look({x, 2.4 * side, 1.5}, {2.7, 0.2 * side, 0.1}, false);
-      seen.look({x, 2.2 * side, 1.5}, {2.7, -0.4 * side, 0.1}, false);
-      seen.look({x, 2.0 * side, 1.5}, {2.7, 0.6 * side, 0.1}, false);
-    }
-  }
-  EXPECT_LT(depth_of_tallest_m(find_proposals(seen.keyframes(), kLevel)), 0.2)
-      << "there is floor between it and the wall";
-}
-
 TEST(FindProposals, WhatStandsUnderALowCeilingIsOne) {
   const TestRoom::Thing ceiling{"", {-1.2, 1.2, 2.35}, {3.0, 3.0, 0.05}};
   TestRoom room = seen_room({kBed, ceiling});
   EXPECT_LT(misfit_m(kBed, find_proposals(room.keyframes(), kLevel)), 0.15);
-}
-
-TEST(FindProposals, ATableHasATopAndABedHasNone) {
-  const TestRoom::Thing table{"table", {1.2, -0.6, 0.72}, {1.4, 0.8, 0.05}};
-  TestRoom room = seen_room({kBed, table});
-  int tables = 0;
-  for (const Proposal& proposal : find_proposals(room.keyframes(), kLevel)) {
-    if (proposal.form != FurnitureForm::kTable) continue;
-    ++tables;
-    EXPECT_LT((proposal.box_world.center() - table.center).head<2>().norm(), 0.15);
-    EXPECT_NEAR(proposal.top_m, 0.745, 0.05);
-  }
-  EXPECT_GT(tables, 0);
 }
 
 TEST(FindProposals, WhatOneKeyframeAloneShowsIsNone) {

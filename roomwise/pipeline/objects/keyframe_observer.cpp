@@ -17,7 +17,7 @@ Expected<objects::KeyframeDetections> look_at(const objects::DetectionFinder& fi
   for (const network::Detection& detection : detections) {
     look.detections.push_back({finder.labels().at(detection.label), detection.score, detection.box,
                                objects::region_surface(depth, camera, detection.box),
-                               objects::source_of(finder.fingerprint())});
+                               objects::DetectionSource::kDetector});
   }
   return look;
 }

@@ -44,7 +44,7 @@ home::RegionFinderRecord finder_record() {
   home::RegionFinderRecord record{.name = "closer looks", .fingerprint = {}, .labels = {}};
   for (const auto& [word, label] : objects::labels_of_proposals()) record.labels.push_back(label);
   record.fingerprint =
-      fmt::format("{}1: {}", objects::kProposalMethod, fmt::join(record.labels, ", "));
+      fmt::format("{}2: {}", objects::kProposalMethod, fmt::join(record.labels, ", "));
   return record;
 }
 

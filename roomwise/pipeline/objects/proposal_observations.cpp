@@ -33,7 +33,7 @@ Expected<std::vector<ProposalObservations::ViewObservation>> ProposalObservation
     const objects::ObservedKeyframe& from = (*pictures_)[view.keyframe];
     const geometry::OrientedBox& box = looked.proposal.box_world;
     ViewObservation& observation = observations.emplace_back();
-    ROOMWISE_TRY(observation.said, proposal_classifier.look(color, view.box));
+    ROOMWISE_TRY(observation.said, proposal_classifier.look(color, view.box, looked.proposal));
     observation.surface = objects::surface_within(
         depth, from.camera, view.box,
         {from.world_from_camera.inverse() * box.world_from_box, box.size_m});

@@ -12,8 +12,7 @@ namespace roomwise::pipeline {
 namespace {
 
 using objects::DetectionSource;
-constexpr std::array kSources{DetectionSource::kDetector, DetectionSource::kProposal,
-                              DetectionSource::kActivation};
+constexpr std::array kSources{DetectionSource::kDetector, DetectionSource::kProposal};
 
 // What all finders detected in the key-frames, together, and which of the sources looked at each;
 // of several finders of one name that looked at it the newest counts.
@@ -26,11 +25,12 @@ Expected<AllDetections> all_detections(const home::Home& home) {
   AllDetections all;
   ROOMWISE_TRY(const auto finders, home.region_finders());
   for (const auto& [id, finder] : finders) {
+    const auto source = objects::source_of(finder.fingerprint);
+    if (!source) continue;
     ROOMWISE_TRY(auto looks, home.detections(id));
-    const DetectionSource source = objects::source_of(finder.fingerprint);
     for (auto& [keyframe, look] : looks) {
-      all.sources[keyframe].insert(source);
-      for (objects::Detection& detection : look.detections) detection.source = source;
+      all.sources[keyframe].insert(*source);
+      for (objects::Detection& detection : look.detections) detection.source = *source;
       newest[finder.name][keyframe] = std::move(look);
     }
   }

@@ -11,7 +11,7 @@ namespace {
 using ::testing::FieldsAre;
 using ::testing::UnorderedElementsAre;
 
-// The classes of the detections of key-frame 1, whether they are words, and how they were found.
+// The classes of the detections of key-frame 1, whether they are words, and by closer looks.
 std::vector<std::tuple<std::string, bool, bool>> names_in(const home::Home& home) {
   const auto components = observed_keyframes(home);
   EXPECT_OK(components);
@@ -19,8 +19,8 @@ std::vector<std::tuple<std::string, bool, bool>> names_in(const home::Home& home
   for (const objects::ObservedKeyframe& keyframe : components->at(1)) {
     if (keyframe.keyframe_id != 1) continue;
     for (const objects::Detection& detection : keyframe.detections) {
-      const bool by_maps = detection.source == objects::DetectionSource::kActivation;
-      names.emplace_back(detection.class_name, detection.is_in_vocabulary, by_maps);
+      const bool is_closer = detection.source == objects::DetectionSource::kProposal;
+      names.emplace_back(detection.class_name, detection.is_in_vocabulary, is_closer);
     }
   }
   return names;
@@ -38,7 +38,7 @@ objects::KeyframeDetections look_with(const std::vector<std::string>& labels) {
   return look;
 }
 
-TEST(StoredDetections, AnActivationFinderStandsBesideTheDetectorAndReplacesItsOlderSelf) {
+TEST(StoredDetections, CloserLooksStandBesideTheDetectorAndReplaceTheirOlderSelf) {
   const roomwise::testing::ScratchFolder folder;
   auto home = home::Home::create(folder / "a.home");
   ASSERT_OK(home);
@@ -47,7 +47,7 @@ TEST(StoredDetections, AnActivationFinderStandsBesideTheDetectorAndReplacesItsOl
               UnorderedElementsAre(FieldsAre("sofa", true, false), FieldsAre("bed", true, false)));
 
   const std::vector<std::string> labels{"table lamp", "radiator", "zebra", "bookcase"};
-  const auto first = home->add_region_finder({"net activation", "f00 activation maps 1", labels});
+  const auto first = home->add_region_finder({"closer looks", " proposals 1", labels});
   ASSERT_OK(first);
   ASSERT_OK(home->put_detections(1, *first, look_with({"table lamp", "radiator", "zebra"})));
   EXPECT_THAT(
@@ -56,7 +56,7 @@ TEST(StoredDetections, AnActivationFinderStandsBesideTheDetectorAndReplacesItsOl
                            FieldsAre("lamp", true, true), FieldsAre("radiator", false, true)))
       << "a look-alike speaks, a zebra does not";
 
-  const auto second = home->add_region_finder({"net activation", "f00 activation maps 2", labels});
+  const auto second = home->add_region_finder({"closer looks", " proposals 2", labels});
   ASSERT_OK(second);
   EXPECT_THAT(names_in(*home), ::testing::SizeIs(4)) << "it has looked at nothing yet";
   ASSERT_OK(home->put_detections(1, *second, look_with({"bookcase"})));
@@ -65,13 +65,25 @@ TEST(StoredDetections, AnActivationFinderStandsBesideTheDetectorAndReplacesItsOl
                                    FieldsAre("bookcase", true, true)));
 }
 
+TEST(StoredDetections, WhatAnEarlierProgramFoundByActivationMapsCountsNoMore) {
+  const roomwise::testing::ScratchFolder folder;
+  auto home = home::Home::create(folder / "a.home");
+  ASSERT_OK(home);
+  home::testing::fill(*home);
+  const auto maps = home->add_region_finder({"maps", "f00 activation maps 1", {"table lamp"}});
+  ASSERT_OK(maps);
+  ASSERT_OK(home->put_detections(1, *maps, look_with({"table lamp"})));
+  EXPECT_THAT(names_in(*home),
+              UnorderedElementsAre(FieldsAre("sofa", true, false), FieldsAre("bed", true, false)));
+}
+
 TEST(StoredDetections, SayWhoDidNotLookAtAKeyframe) {
   using objects::DetectionSource;
   const roomwise::testing::ScratchFolder folder;
   auto home = home::Home::create(folder / "a.home");
   ASSERT_OK(home);
   home::testing::fill(*home);
-  const auto maps = home->add_region_finder({"maps", "f00 activation maps 1: 0.1", {"table lamp"}});
+  const auto maps = home->add_region_finder({"closer looks", " proposals 1", {"table lamp"}});
   ASSERT_OK(maps);
   ASSERT_OK(home->put_detections(1, *maps, look_with({"table lamp"})));
   const auto components = observed_keyframes(*home);
@@ -80,8 +92,7 @@ TEST(StoredDetections, SayWhoDidNotLookAtAKeyframe) {
   for (const auto& [component, keyframes] : *components) {
     for (const objects::ObservedKeyframe& keyframe : keyframes) {
       EXPECT_FALSE(keyframe.sources_not_run.contains(DetectionSource::kDetector));
-      EXPECT_TRUE(keyframe.sources_not_run.contains(DetectionSource::kProposal));
-      EXPECT_EQ(keyframe.sources_not_run.contains(DetectionSource::kActivation),
+      EXPECT_EQ(keyframe.sources_not_run.contains(DetectionSource::kProposal),
                 keyframe.keyframe_id != 1);
       others += keyframe.keyframe_id != 1 ? 1 : 0;
     }

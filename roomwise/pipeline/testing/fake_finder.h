@@ -42,7 +42,8 @@ class RedProposalClassifier final : public objects::ProposalClassifier {
   std::string word = "lamp";
 
   [[nodiscard]] Expected<objects::ClassScores> look(const image::ColorImage& picture,
-                                                    const network::PixelBox& box) const override {
+                                                    const network::PixelBox& box,
+                                                    const objects::Proposal&) const override {
     if (fails) return fail("the classifier sees nothing");
     const Rgb8 middle = picture.at(static_cast<int>((box.left + box.right) / 2),
                                    static_cast<int>((box.top + box.bottom) / 2));

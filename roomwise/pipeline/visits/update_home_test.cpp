@@ -232,10 +232,11 @@ TEST_F(UpdateHomeByCloserLooks, WhatMovedIsThereOnceMore) {
 class CountingProposalClassifier final : public objects::ProposalClassifier {
  public:
   [[nodiscard]] Expected<objects::ClassScores> look(const image::ColorImage& picture,
-                                                    const network::PixelBox& box) const override {
+                                                    const network::PixelBox& box,
+                                                    const objects::Proposal& thing) const override {
     const std::scoped_lock lock(mutex_);
     ++looks_;
-    return red_.look(picture, box);
+    return red_.look(picture, box, thing);
   }
   [[nodiscard]] int looks() const { return looks_; }
 

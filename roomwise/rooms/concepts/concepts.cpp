@@ -1,15 +1,16 @@
 #include "roomwise/rooms/concepts/concepts.h"
 
+#include "roomwise/objects/kinds/kinds.h"
+
 namespace roomwise::rooms {
 
 Concepts Concepts::standard() {
   Concepts concepts;
   concepts.vocabulary = objects::ObjectVocabulary::standard();
-  concepts.objects_of_room_type = {
-      {"bedroom", {"bed", "lamp", "wardrobe"}},
-      {"kitchen", {"fridge", "microwave", "stove"}},
-      {"toilet", {"toilet seat"}},
-  };
+  for (const objects::Kind& kind : objects::standard_kinds()) {
+    if (kind.room_type.empty()) continue;
+    concepts.objects_of_room_type[kind.room_type].insert(kind.name);
+  }
   return concepts;
 }
 
