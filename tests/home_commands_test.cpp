@@ -11,6 +11,8 @@
 #include "made_up_recording.h"
 #include "roomwise/base/file.h"
 #include "roomwise/base/testing/testing.h"
+#include "roomwise/image/codec.h"
+#include "roomwise/image/testing/exif_writer.h"
 #include "run_program.h"
 
 namespace roomwise {
@@ -300,6 +302,25 @@ TEST_F(HomeCommandsTest, LocateSaysWhenAnUnknownCameraLeavesThePlaceOpen) {
   std::vector<std::string> with_depth = command;
   with_depth.insert(with_depth.end(), {"--depth", depth});
   EXPECT_THAT(run_roomwise(with_depth).errors, HasSubstr("--depth needs a camera that is known"));
+}
+
+// What the flat wall does not tell, the photo's own words do.
+TEST_F(HomeCommandsTest, LocateTakesAPhotosWordForItsFocalLength) {
+  const auto color = image::read_color(path("walk/rgb/") + first_file("walk/rgb"));
+  ASSERT_OK(color);
+  const auto photo_of = [&](std::uint32_t focal_35mm_mm) {
+    const Bytes exif = image::testing::ExifWriter(true).write({{0xA405, 3, focal_35mm_mm}});
+    EXPECT_OK(write_file(path("photo.jpg"),
+                         image::testing::with_exif(image::encode_jpeg(*color, 95), exif)));
+    return result_of(
+        {"locate", "--home", path("my.home"), path("photo.jpg"), "--camera", "unknown"});
+  };
+  // 300 px of 320, between 36 and 34.6 mm of the longer side.
+  const json told = photo_of(33);
+  EXPECT_NEAR(told.at("focal_length").get<double>(), 300.0 / 320, 0.05);
+  EXPECT_LT(told.at("focal_length_sigma").get<double>(), 0.05);
+  // And of another lens that it does not have, so that the same picture is taken from elsewhere.
+  EXPECT_NEAR(photo_of(28).at("focal_length").get<double>(), 0.8, 0.05);
 }
 
 TEST_F(HomeCommandsTest, EvalLocalizerAsksForTheFramesOfAVisit) {

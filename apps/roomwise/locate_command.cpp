@@ -87,18 +87,45 @@ Expected<Answer> describe(const home::Home& home, const mapping::Localization& f
   return answer;
 }
 
+// Whether a picture's points tell of another lens than was said: further away from it than one in a
+// hundred would be by chance (chi-square of two numbers).
+bool is_another_lens(const motion::LensEstimate& said, const motion::LensEstimate& found) {
+  constexpr double kOneInAHundred = 9.21;
+  const Eigen::Vector2d off = found.mean - said.mean;
+  return off.dot(said.information * off) > kOneInAHundred;
+}
+
+// Which of two answers about one picture is to be believed: the one that is one, or that explains
+// more of the picture.
+bool explains_more(const mapping::Localization& a, const mapping::Localization& b) {
+  return a.found() != b.found() ? a.found() : a.found() && a.inliers > b.inliers;
+}
+
 // Places photos of a lens of which only they tell something, each of what the next is asked with.
+// A photo that was cropped may have kept the words of the whole: a place found by them can be a
+// wrong one. So what it says of its lens has to explain the picture at least as well as nothing.
 class PhotoLocator {
  public:
   explicit PhotoLocator(const pipeline::HomeLocalizer& localizing) : localizing_(localizing) {}
 
   Expected<mapping::Localization> locate(const image::Photo& photo) {
     if (photo.lens != says_) begin_with(photo);
-    ROOMWISE_TRY(mapping::Localization found,
-                 localizing_.locate_uncalibrated(photo.color, lens_.estimate()));
+    const motion::LensEstimate asked = lens_.estimate();
+    ROOMWISE_TRY(mapping::Localization found, localizing_.locate_uncalibrated(photo.color, asked));
+    if (is_told_) {
+      mapping::LensCalibration untold;
+      ROOMWISE_TRY(mapping::Localization otherwise,
+                   localizing_.locate_uncalibrated(photo.color, untold.estimate()));
+      const bool contradicts_itself =
+          found.found() && found.lens && is_another_lens(asked, *found.lens);
+      if (contradicts_itself || explains_more(otherwise, found)) {
+        is_told_ = false;
+        lens_ = untold;
+        found = std::move(otherwise);
+      }
+    }
     lens_.add(found);
-    if (found.found() || !says_) return found;
-    return locate_as_if_it_said_nothing(photo, std::move(found));
+    return found;
   }
 
  private:
@@ -108,22 +135,13 @@ class PhotoLocator {
     const auto said =
         says_ ? motion::LensEstimate::of_photo(*says_, photo.color.width(), photo.color.height())
               : std::nullopt;
+    is_told_ = said.has_value();
     lens_ = said ? mapping::LensCalibration(*said) : mapping::LensCalibration();
-  }
-  // It may have been cropped, and its words copied.
-  Expected<mapping::Localization> locate_as_if_it_said_nothing(const image::Photo& photo,
-                                                               mapping::Localization otherwise) {
-    mapping::LensCalibration unknown;
-    ROOMWISE_TRY(const mapping::Localization found,
-                 localizing_.locate_uncalibrated(photo.color, unknown.estimate()));
-    if (!found.found()) return otherwise;
-    unknown.add(found);
-    lens_ = unknown;
-    return found;
   }
 
   const pipeline::HomeLocalizer& localizing_;
   std::optional<image::ExifLens> says_;
+  bool is_told_ = false;  // by the photo, and nothing spoke against it
   mapping::LensCalibration lens_;
 };
 
