@@ -155,6 +155,15 @@ TEST_F(V4l2SourceTest, TakesADriverThatKnowsNothingOfRates) {
   for (int i = 0; i < 3; ++i) EXPECT_EQ(number_of(frame_of(**source)), i);
 }
 
+TEST_F(V4l2SourceTest, TakesADriverThatListsNoSizes) {
+  depth().lists_sizes = color().lists_sizes = false;
+  const auto source = open();
+  ASSERT_OK(source);
+  EXPECT_EQ(number_of(frame_of(**source)), 0);
+  options_.calibration.color = camera_of_size(320, 240);
+  EXPECT_ERROR(open(), "/dev/video2: gives Z16 64x48 where Z16 320x240 was asked for");
+}
+
 TEST_F(V4l2SourceTest, PairsStreamsThatAreAThirdOfAPeriodApart) {
   for (const int offset : {-11, 11}) {
     (offset < 0 ? color() : depth()).offset_ns = 11 * kMsNs;

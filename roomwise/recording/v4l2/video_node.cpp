@@ -125,7 +125,9 @@ std::optional<std::uint32_t> VideoNode::pixels_of_size(std::span<const std::uint
   for (const std::uint32_t one : pixels) {
     const VideoFormat* const format = format_of({&one, 1});
     const auto is_of_size = [&](const VideoSizes& sizes) { return sizes.contains(width, height); };
-    if (format != nullptr && std::ranges::any_of(format->sizes, is_of_size)) return one;
+    if (format == nullptr) continue;
+    // A driver that lists no sizes says when the mode is set which it gives.
+    if (format->sizes.empty() || std::ranges::any_of(format->sizes, is_of_size)) return one;
   }
   return std::nullopt;
 }

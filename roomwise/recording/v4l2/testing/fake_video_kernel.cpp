@@ -108,6 +108,7 @@ int FakeVideoKernel::list_format(const Open& open, v4l2_fmtdesc& listed) {
 }
 
 int FakeVideoKernel::list_size(const Open& open, v4l2_frmsizeenum& listed) {
+  if (!open.node->lists_sizes) return -ENOTTY;
   const auto& formats = open.node->formats;
   const auto format = std::ranges::find(formats, listed.pixel_format, &FakeVideoFormat::pixels);
   if (format == formats.end() || listed.index >= format->sizes.size()) return -EINVAL;

@@ -36,6 +36,7 @@ struct FakeVideoNode {
   bool is_all_damaged = false;      // every one of them
   bool is_silent = false;           // no picture ever comes
   bool knows_rates = true;          // it can be asked and told
+  bool lists_sizes = true;          // else it tells them only when a mode is set
   int open_error = 0, format_error = 0, start_error = 0;
   std::pair<std::uint32_t, std::uint32_t> size_given{};  // in place of the one asked for
   TimestampNs unplugged_at_ns = 1'000'000'000'000;
