@@ -188,6 +188,16 @@ TEST_F(LiveHomeTest, FromAnEmptyHomeToAnAnswer) {
   EXPECT_TRUE(home->view()->recognizer);
 }
 
+TEST_F(LiveHomeTest, OpensThoughWhatItKnewOfPhonesLensesIsDamaged) {
+  open();
+  EXPECT_FALSE(home->why_lenses_are_new());
+  home.reset();
+  ASSERT_OK(write_file(file.string() + ".lenses.json", std::string_view("{\"lenses\": [{\"dev")));
+  open();
+  ASSERT_TRUE(home->why_lenses_are_new());
+  EXPECT_THAT(*home->why_lenses_are_new(), HasSubstr("flat.home.lenses.json: is damaged"));
+}
+
 TEST_F(LiveHomeTest, RoomsAreRenamedAndWhatWasLearnedGoesOn) {
   open();
   record_the_walk();

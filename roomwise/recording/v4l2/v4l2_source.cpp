@@ -181,8 +181,8 @@ Expected<void> V4l2Options::validate() const {
 // The two open streams.
 class V4l2Source::Session {
  public:
-  Session(const V4l2Options& options, std::shared_ptr<VideoKernel> kernel)
-      : options_(options), kernel_(std::move(kernel)) {}
+  Session(V4l2Options options, std::shared_ptr<VideoKernel> kernel)
+      : options_(std::move(options)), kernel_(std::move(kernel)) {}
 
   [[nodiscard]] Expected<void> open();
   [[nodiscard]] Expected<std::optional<image::RgbdFrame>> next();
