@@ -10,11 +10,12 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kLegEnd_m = 0.35;  // half a step before a leg's end one is at it
-constexpr double kAtEnd_m = 0.25;   // a foot's length from the way's end one is there
-constexpr double kSlack_m = 0.05;   // of positions: whoever is told so is to be there
-constexpr double kPastEnd_m = 0.5;  // a step beyond it
-constexpr double kHand_m = 0.7;     // beside the way a hand finds what stands there
+constexpr double kLegEnd_m = 0.35;     // half a step before a leg's end one is at it
+constexpr double kAtEnd_m = 0.22;      // a foot's length from the way's end one is there
+constexpr double kSmallStep_m = 0.45;  // a whole one would lead past it
+constexpr double kSlack_m = 0.05;      // of positions: whoever is told so is to be there
+constexpr double kPastEnd_m = 0.5;     // a step beyond it
+constexpr double kHand_m = 0.7;        // beside the way a hand finds what stands there
 
 // What people hear, they do within a second and a half (see docs/guide.md).
 constexpr double kReaction_s = 1.0;
@@ -212,8 +213,10 @@ bool Guidance::is_at_goal(const Pose& pose) const {
                         options_.plan.into_room_m - kLegEnd_m;
            });
   }
-  // What stands on something is reached from where the way ends; a spot is stood on.
-  const double body_m = goal_.kind == Goal::Kind::kSpot ? 0 : options_.body_radius_m;
+  // What stands on something is reached from where the way ends; a spot is stood on, and so is what
+  // lies so low that the floor counts as free.
+  const bool is_low = map_.floor->at(goal_.outline->nearest_to(end)) == fusion::FloorCell::kFree;
+  const double body_m = is_low && goal_.kind != Goal::Kind::kDoor ? 0 : options_.body_radius_m;
   return to_end_m < kAtEnd_m ||
          goal_.outline->distance_m(pose.position_gravity) <= options_.arrived_m + body_m - kSlack_m;
 }
@@ -337,6 +340,7 @@ Prompt Guidance::act(const Pose& pose, TimestampNs now_ns) {
     return say(turn_phrase(turn), now_ns);
   }
   state_ = State::kWalking;
+  if (length_m < kSmallStep_m) return say({"guide.small_step"}, now_ns);
   return say(walk_phrase(distance(length_m), place_at_end(leg, is_last_leg())), now_ns);
 }
 
@@ -358,7 +362,9 @@ std::optional<Prompt> Guidance::turning(const Pose& pose, TimestampNs now_ns) {
 }
 
 std::optional<Prompt> Guidance::walking(const Pose& pose, TimestampNs now_ns) {
-  if (has_arrived(pose) && (track_.is_standing() || comes_to_rest(pose))) {
+  // Who stands may be about to do what they have just heard.
+  const bool rests = track_.is_standing() && silent_for_s(now_ns) > kStandsAfter_s;
+  if (has_arrived(pose) && (rests || comes_to_rest(pose))) {
     return arrive(pose, now_ns);
   }
   if (left_on_leg_m(pose) < kLegEnd_m) {

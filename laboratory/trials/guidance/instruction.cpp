@@ -14,6 +14,7 @@ using Kind = Instruction::Kind;
 using guide::kDegree_rad;
 
 constexpr double kLittle_rad = 20 * kDegree_rad;
+constexpr double kSmallStep_m = 0.3;
 constexpr double kThrough_m = 1;  // who goes through a door stands behind it
 
 std::vector<double> numbers_in(std::string_view text) {
@@ -62,6 +63,7 @@ Instruction understand(const guide::Prompt& prompt, const guide::Wording& wordin
   if (is("guide.walk") || is("guide.more") || message == "guide.through") {
     return {Kind::kWalk, 0, metres_of(number(0), wording)};
   }
+  if (message == "guide.small_step") return {Kind::kWalk, 0, kSmallStep_m};
   if (message == "guide.soon_through") {
     return {Kind::kWalk, 0, metres_of(number(0), wording) + kThrough_m};
   }

@@ -22,7 +22,7 @@ constexpr double kCane_m = 0.9;
 constexpr double kHalfWidth_m = 0.2;
 constexpr double kTouch_m = 0.17;
 constexpr double kInside_m = 0.1;
-constexpr double kBlocked_m = 0.4;     // so much more was to be walked
+constexpr double kBlocked_m = 0.15;     // so much more was to be walked
 constexpr double kNoseToWall_m = 0.3;  // with the cane at it they stand so near
 
 Vector2d direction(double heading_rad) {
