@@ -418,6 +418,7 @@ std::optional<Prompt> Guidance::at_leg_end(const Pose& pose, TimestampNs now_ns)
 
 std::optional<Prompt> Guidance::corner(const Pose& pose, TimestampNs now_ns) {
   if (has_arrived(pose)) return arrive_or_stop(pose, now_ns);
+  if (is_last_leg()) return act(pose, now_ns);
   const double next = legs_[leg_ + 1].heading_rad();
   const bool has_turned = std::abs(turn_rad(pose.heading_rad, next)) < 25 * kDegree_rad;
   if (has_turned && !track_.may_turn()) return act(pose, now_ns);
@@ -679,7 +680,7 @@ Prompt Guidance::request(GuidanceRequest request, TimestampNs now_ns) {
       return is_led ? act(*pose, now_ns) : no_place();
     case GuidanceRequest::kHowFar:
       if (!is_led) return no_place();
-      plan_from(*pose);
+      if (legs_.empty()) plan_from(*pose);
       if (legs_.empty()) return say({"route.none"}, now_ns, Confidence::kUnsure);
       return say(
           {"guide.far", {{"goal", Nouns{goal_.noun}}, {"distance", distance(left_m(*pose))}}},

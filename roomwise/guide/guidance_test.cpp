@@ -344,6 +344,39 @@ TEST_F(GuidanceTest, WhatSomebodyFindsInTheWayIsGoneAround) {
   EXPECT_EQ(ask(GuidanceRequest::kBlocked), "I know no way around it.");
 }
 
+TEST_F(GuidanceTest, WhoComesNoFurtherIsToldTheRestAndNotSentAgain) {
+  lead_to(room("kitchen"), {3.4, 3.45}, 0);
+  (void)hear(8);
+  for (int i = 0; i < 4; ++i) {
+    EXPECT_EQ(ask(GuidanceRequest::kBlocked), "I know no way around it.");
+    (void)hear(4);
+  }
+  EXPECT_EQ(ask(GuidanceRequest::kBlocked), "I know the way no further.");
+  EXPECT_THAT(hear(10), ElementsAre("The kitchen is the next room."));
+  EXPECT_EQ(guidance_->state(), State::kNearest);
+}
+
+TEST_F(GuidanceTest, LessThanHalfAStepIsASmallOne) {
+  Goal spot;
+  spot.kind = Goal::Kind::kSpot;
+  spot.noun = {Noun::Kind::kThing, "spot"};
+  spot.outline = Outline{{2, 1}};
+  lead_to(spot, {1.6, 1.05}, 0);
+  EXPECT_EQ(hear(9).back(), "One small step straight on.");
+}
+
+TEST_F(GuidanceTest, AskingChangesNothingOfTheWay) {
+  lead_to(bed_at({7.2, 0.8}, "kitchen"), {0.6, 3.45}, 0);
+  (void)hear(8);
+  while (guidance_->state() == State::kWalking && place_.x() < 7) {
+    (void)hear(0.2, 0.6);
+    (void)ask(GuidanceRequest::kHowFar);
+    (void)ask(GuidanceRequest::kNext);
+    now_ns_ += 5 * kSecond;
+  }
+  EXPECT_THAT(guidance_->state(), AnyOf(State::kCorner, State::kStopped, State::kTurning));
+}
+
 // Somebody who walks, turns, stands, is lost and asks as it comes: whatever happens, the rules
 // hold.
 TEST_F(GuidanceTest, RulesHoldForAnythingThatHappens) {
