@@ -5,7 +5,6 @@ import { textField } from '../shared/forms';
 import { formatNumber, formatPercent, text } from '../shared/texts';
 import { handIn, UploadStopped, type UploadState } from '../shared/upload';
 import { act, actOrSay, type Helper } from './actions';
-import { jobView } from './job_view';
 import { rerender } from './rerender';
 import { card } from './shell';
 
@@ -86,8 +85,7 @@ export function uploadCard(helper: Helper): HTMLElement {
 
   helper.store.watch(['job', 'online'], showWaiting);
   replaceChildren(waiting);
-  return card(text('upload.heading'), h('p', { class: 'hint' }, text('upload.explain')), form, bar, words, news, waiting,
-    jobView(helper, 'map', 'prepare'));
+  return card(text('upload.heading'), h('p', { class: 'hint' }, text('upload.explain')), form, bar, words, news, waiting);
 }
 
 const browserParts = {
