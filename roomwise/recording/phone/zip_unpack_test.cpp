@@ -48,7 +48,7 @@ class ZipUnpackFolder : public ::testing::Test {
     ASSERT_OK(write_file(archive_, bytes));
   }
 
-  testing::ScratchFolder folder_;
+  roomwise::testing::ScratchFolder folder_;
   std::filesystem::path archive_ = folder_ / "export.zip";
   std::filesystem::path out_ = folder_ / "out";
   mutable std::deque<std::string> contents_;
