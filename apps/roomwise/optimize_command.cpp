@@ -22,17 +22,27 @@ struct OptimizeOptions {
   mapping::PoseGraphOptions graph;
 };
 
+std::string indefinite_text(std::size_t edges) {
+  if (edges == 0) return "";
+  return fmt::format(
+      "warning: the information of {} edges is not positive semi-definite; where it is negative it "
+      "was taken to say nothing\n",
+      edges);
+}
+
 Answer answer_of(const mapping::PoseGraphReport& report, std::size_t poses, std::size_t edges) {
   return Answer{fmt::format("{} poses, {} edges\n"
                             "F before {:.6g}\n"
                             "F after  {:.6g} ({} iterations, {})\n",
                             poses, edges, report.error_before, report.error_after,
-                            report.iterations, geometry::to_string(report.termination)),
+                            report.iterations, geometry::to_string(report.termination)) +
+                    indefinite_text(report.indefinite_edges),
                 {{"poses", poses},
                  {"edges", edges},
                  {"f_before", report.error_before},
                  {"f_after", report.error_after},
                  {"iterations", report.iterations},
+                 {"indefinite_edges", report.indefinite_edges},
                  {"converged", report.termination == geometry::Termination::kConverged}}};
 }
 

@@ -79,9 +79,6 @@ Expected<void> LiveHome::map_upload(const std::string& id) {
     return fail("'{}' is not whole: {} of {} bytes are there", upload.name, upload.offset,
                 upload.bytes);
   }
-  if (!view()->walks.empty()) {
-    return fail("this home holds a walk already; forget it before another is mapped");
-  }
   ROOMWISE_CHECK_OK(check_idle());
   return jobs_->start("map", [this, upload](Progress& progress) -> Expected<std::string> {
     ROOMWISE_TRY(const fs::path path, take_in(upload, progress));

@@ -1,6 +1,7 @@
 #include "roomwise/motion/pose_refinement.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <cmath>
 #include <optional>
@@ -130,9 +131,13 @@ Matrix6d with_systematic_error(const Matrix6d& information, double translation_s
   Vector6d systematic;
   systematic.head<3>().setConstant(translation_sigma_m * translation_sigma_m);
   systematic.tail<3>().setConstant(half_angle_sigma * half_angle_sigma);
-  // (I^-1 + S)^-1 = (I S + 1)^-1 I, which needs no inverse of a curvature that may be singular.
-  const Matrix6d mixed = information * systematic.asDiagonal() + Matrix6d::Identity();
-  const Matrix6d weakened = mixed.partialPivLu().solve(information);
+  // With I = L L^T, (I^-1 + S)^-1 = L (1 + L^T S L)^-1 L^T: no inverse of a curvature that may be
+  // singular, and positive semi-definite however it rounds.
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(information);
+  const Matrix6d root =
+      eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal();
+  const Matrix6d mixed = Matrix6d::Identity() + root.transpose() * systematic.asDiagonal() * root;
+  const Matrix6d weakened = root * mixed.llt().solve(root.transpose());
   return 0.5 * (weakened + weakened.transpose());
 }
 

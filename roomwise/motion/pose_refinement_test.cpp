@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <vector>
 
 #include "roomwise/base/random.h"
@@ -10,6 +12,7 @@
 namespace roomwise::motion {
 namespace {
 
+using geometry::Matrix6d;
 using geometry::PinholeCamera;
 using geometry::RigidTransform;
 using geometry::Vector6d;
@@ -86,6 +89,35 @@ TEST(RefinePose, InformationMatchesTheSpreadOfTheErrors) {
   }
   // Noise of half a sigma: a quarter of the squared error that the model expects.
   EXPECT_NEAR(sum / kTrials, 6 * 0.25, 0.2);
+}
+
+TEST(WithSystematicError, AddsItToTheCovariance) {
+  RandomStream random(5);
+  Matrix6d root;
+  for (double& value : root.reshaped()) value = random.normal();
+  const Matrix6d information = root * root.transpose() + Matrix6d::Identity();
+  const Matrix6d weakened = with_systematic_error(information, 0.3, 0.2);
+  Matrix6d covariance = information.inverse();
+  covariance.diagonal().head<3>().array() += 0.09;
+  covariance.diagonal().tail<3>().array() += 0.04;
+  EXPECT_LT((weakened.inverse() - covariance).cwiseAbs().maxCoeff(), 1e-9);
+  EXPECT_LT((with_systematic_error(information, 0, 0) - information).cwiseAbs().maxCoeff(), 1e-9);
+}
+
+// A bare wall says nothing along itself, and much across.
+TEST(WithSystematicError, KeepsWhatIsNotDeterminedSemidefinite) {
+  RandomStream random(6);
+  for (int trial = 0; trial < 200; ++trial) {
+    Matrix6d information = Matrix6d::Zero();
+    for (int seen = 0; seen < 2; ++seen) {
+      Vector6d direction;
+      for (double& value : direction) value = random.normal();
+      information += 1e9 * direction * direction.transpose();
+    }
+    const Matrix6d weakened = with_systematic_error(information, 0.004, 0.0015);
+    const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(weakened, Eigen::EigenvaluesOnly);
+    EXPECT_GE(eigen.eigenvalues()[0], -1e-12 * eigen.eigenvalues()[5]) << trial;
+  }
 }
 
 TEST(Residual, ItsJacobianIsItsDerivative) {

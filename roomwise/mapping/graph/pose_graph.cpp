@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "roomwise/base/disjoint_sets.h"
 #include "roomwise/mapping/graph/edge_error.h"
@@ -29,25 +30,34 @@ Expected<void> check_pose(const RigidTransform& pose) {
   return {};
 }
 
-// Symmetric positive semi-definite, give or take rounding.
+constexpr double kRounding = 1e-9;  // of an information's largest entry
+
+// Finite and symmetric, give or take rounding.
 Expected<void> check_information(const PoseGraphEdge& edge) {
   const Matrix6d& information = edge.information;
   if (!information.allFinite()) {
     return fail("the information of {} holds a number that is not finite", name_of(edge));
   }
-  constexpr double kRounding = 1e-9;
   const double largest = information.cwiseAbs().maxCoeff();
   if ((information - information.transpose()).cwiseAbs().maxCoeff() > kRounding * largest) {
     return fail("the information of {} is not symmetric", name_of(edge));
   }
-  if (largest == 0) return {};
-  const Matrix6d lifted = information + kRounding * largest * Matrix6d::Identity();
-  if (lifted.llt().info() != Eigen::Success) {
-    const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(information, Eigen::EigenvaluesOnly);
-    return fail("the information of {} is not positive semi-definite (smallest eigenvalue {:.3g})",
-                name_of(edge), eigen.eigenvalues().minCoeff());
-  }
   return {};
+}
+
+bool is_semidefinite(const Matrix6d& information) {
+  const double largest = information.cwiseAbs().maxCoeff();
+  if (largest == 0) return true;
+  const Matrix6d lifted = information + kRounding * largest * Matrix6d::Identity();
+  return lifted.llt().info() == Eigen::Success;
+}
+
+// The nearest that is: what is negative becomes nothing (Higham, "Computing a nearest symmetric
+// positive semidefinite matrix", 1988).
+Matrix6d nearest_semidefinite(const Matrix6d& information) {
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(information);
+  return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).asDiagonal() *
+         eigen.eigenvectors().transpose();
 }
 
 Expected<void> check(const PoseGraph& graph) {
@@ -95,6 +105,20 @@ NumberedGraph numbered(const PoseGraph& graph, const PoseGraphOptions& options,
   return result;
 }
 
+// The same for edges whose information is positive semi-definite.
+Expected<PoseGraphReport> optimize_semidefinite(PoseGraph& graph, const PoseGraphOptions& options) {
+  const double error_before = pose_graph_error(graph);
+  if (!std::isfinite(error_before)) {
+    return fail("the pose graph holds lengths or weights too large to square; expected metres");
+  }
+  std::map<NodeId, std::uint32_t> numbers;
+  NumberedGraph solved = numbered(graph, options, numbers);
+  const geometry::MinimizerSummary summary = minimize(solved, options);
+  for (auto& [id, pose] : graph.world_from_node) pose = solved.world_from_node[numbers.at(id)];
+  return PoseGraphReport{error_before, pose_graph_error(graph), summary.iterations,
+                         summary.termination, 0};
+}
+
 }  // namespace
 
 Expected<void> PoseGraphOptions::validate() const {
@@ -120,16 +144,17 @@ double pose_graph_error(const PoseGraph& graph) {
 Expected<PoseGraphReport> optimize(PoseGraph& graph, const PoseGraphOptions& options) {
   ROOMWISE_CHECK_OK(options.validate());
   ROOMWISE_CHECK_OK(check(graph));
-  const double error_before = pose_graph_error(graph);
-  if (!std::isfinite(error_before)) {
-    return fail("the pose graph holds lengths or weights too large to square; expected metres");
+  // Edges are solved by what of them makes sense, and stay as they are.
+  std::map<std::size_t, Matrix6d> indefinite;  // by edge: as it was given
+  for (std::size_t i = 0; i < graph.edges.size(); ++i) {
+    Matrix6d& information = graph.edges[i].information;
+    if (is_semidefinite(information)) continue;
+    indefinite.emplace(i, std::exchange(information, nearest_semidefinite(information)));
   }
-  std::map<NodeId, std::uint32_t> numbers;
-  NumberedGraph solved = numbered(graph, options, numbers);
-  const geometry::MinimizerSummary summary = minimize(solved, options);
-  for (auto& [id, pose] : graph.world_from_node) pose = solved.world_from_node[numbers.at(id)];
-  return PoseGraphReport{error_before, pose_graph_error(graph), summary.iterations,
-                         summary.termination};
+  auto report = optimize_semidefinite(graph, options);
+  for (const auto& [i, information] : indefinite) graph.edges[i].information = information;
+  if (report) report->indefinite_edges = indefinite.size();
+  return report;
 }
 
 }  // namespace roomwise::mapping

@@ -41,6 +41,9 @@ struct PoseGraphReport {
   double error_after = 0;   // F at the end
   int iterations = 0;
   geometry::Termination termination = geometry::Termination::kConverged;
+  // Edges whose information is not positive semi-definite, as some published graphs have them: in
+  // the directions in which it is negative they were taken to say nothing.
+  std::size_t indefinite_edges = 0;
 };
 
 // Moves the poses to a minimum of F (Levenberg and Marquardt's method, sparse Cholesky
@@ -48,8 +51,7 @@ struct PoseGraphReport {
 // each connected part held still. Runs on one thread and calls no BLAS, so that the same graph
 // gives the same bits. Fails, naming node or edge and leaving the graph as it was, on an edge to a
 // node that is not there or to itself, poses or information that are not finite, quaternions not of
-// unit length, information that is not symmetric positive semi-definite. Where `max_iterations`
-// did not suffice, the poses are the best so far and the report says so.
+// unit length, information that is not symmetric. Where `max_iterations` did not suffice, the poses are the best so far and the report says so.
 [[nodiscard]] Expected<PoseGraphReport> optimize(PoseGraph& graph,
                                                  const PoseGraphOptions& options = {});
 
