@@ -2,6 +2,7 @@
 import assert from 'node:assert/strict';
 import { copyFileSync, mkdirSync, readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
+import { inflateSync } from 'node:zlib';
 
 import { Program } from './programs';
 
@@ -53,6 +54,47 @@ export function standing(walk: Walk, { color, depth }: Picture, folder: string):
     writeFileSync(join(folder, `${name}.txt`), Array.from({ length: 3600 }, (_, second) => `${second}.0 ${name}${ending}\n`).join(''));
   }
   return folder;
+}
+
+// Where the camera truly was at each picture: from its frame (x right, y down, z forward) to the home's, z up.
+export function posesOf(walk: Walk): { position: number[]; rotation: number[] }[] {
+  const poses = new Map(linesOf(join(walk.folder, 'groundtruth.txt')).map((line) => line.split(' ')).map(([time = '', ...numbers]) => [time, numbers.map(Number)]));
+  return linesOf(join(walk.folder, 'rgb.txt')).map((line) => {
+    const numbers = poses.get(line.split(' ')[0] ?? '');
+    assert.ok(numbers, `the walk has no pose for ${line}`);
+    return { position: numbers.slice(0, 3), rotation: numbers.slice(3, 7) };
+  });
+}
+
+// The levels of a grey PNG of 16 bits, row by row.
+export function depthOf(file: string): Uint16Array {
+  const png = readFileSync(file);
+  const [width, height] = [png.readUInt32BE(16), png.readUInt32BE(20)];
+  const parts: Buffer[] = [];
+  for (let at = 8; at < png.length; at += 12 + png.readUInt32BE(at)) {
+    if (png.subarray(at + 4, at + 8).toString() === 'IDAT') {
+      parts.push(png.subarray(at + 8, at + 8 + png.readUInt32BE(at)));
+    }
+  }
+  const packed = inflateSync(Buffer.concat(parts));
+  const bytes = Buffer.alloc(2 * width * height);
+  const at = (x: number, y: number): number => (x < 0 || y < 0 ? 0 : bytes[y * 2 * width + x] ?? 0);
+  for (let y = 0; y < height; y += 1) {
+    const filter = packed[y * (2 * width + 1)];
+    for (let x = 0; x < 2 * width; x += 1) {
+      const [left, above, corner] = [at(x - 2, y), at(x, y - 1), at(x - 2, y - 1)];
+      const guesses = [0, left, above, (left + above) >> 1, paeth(left, above, corner)];
+      bytes[y * 2 * width + x] = (packed[y * (2 * width + 1) + 1 + x] ?? 0) + (guesses[filter ?? 0] ?? 0);
+    }
+  }
+  return Uint16Array.from({ length: width * height }, (_, i) => bytes.readUInt16BE(2 * i));
+}
+
+// The PNG specification's predictor.
+function paeth(left: number, above: number, corner: number): number {
+  const guess = left + above - corner;
+  const [l, a, c] = [left, above, corner].map((one) => Math.abs(guess - one)) as [number, number, number];
+  return l <= a && l <= c ? left : a <= c ? above : corner;
 }
 
 // What a browser plays as its camera, 30 pictures a second: these forth and back, again and again, four a second.
