@@ -686,11 +686,13 @@ Prompt Guidance::request(GuidanceRequest request, TimestampNs now_ns) {
           {"guide.far", {{"goal", Nouns{goal_.noun}}, {"distance", distance(left_m(*pose))}}},
           now_ns);
     case GuidanceRequest::kNext: {
+      if (state_ == State::kPaused) return say({"guide.paused"}, now_ns);
       if (!is_led) return no_place();
       const auto phrase = next_phrase(*pose);
       return phrase ? say(*phrase, now_ns) : act(*pose, now_ns);
     }
     case GuidanceRequest::kBlocked: {
+      if (state_ == State::kPaused) return say({"guide.paused"}, now_ns);
       if (!is_led) return no_place();
       // What is in the way at the end of the way is the goal, or what it stands on.
       if (plan_.reach == Reach::kWhole && is_last_leg() && left_m(*pose) < 2 * kLegEnd_m) {

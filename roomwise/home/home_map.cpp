@@ -279,6 +279,9 @@ Expected<void> Home::finish_recording(RecordingId id) {
 
 Expected<void> Home::remove_recording(RecordingId id) {
   return atomically([&]() -> Expected<void> {
+    ROOMWISE_TRY(
+        const bool had_keyframes,
+        database_.get<bool>("SELECT EXISTS (SELECT 1 FROM keyframes WHERE recording_id = ?)", id));
     ROOMWISE_CHECK_OK(database_.run(
         "UPDATE frames SET keyframe_id = NULL, tx_m = NULL, ty_m = NULL, tz_m = NULL, qx = NULL, "
         "qy = NULL, qz = NULL, qw = NULL, "
@@ -291,7 +294,7 @@ Expected<void> Home::remove_recording(RecordingId id) {
     }
     ROOMWISE_CHECK_OK(renumber_keyframes());
     // It followed from what is gone, too.
-    ROOMWISE_CHECK_OK(database_.run("DELETE FROM derived_data"));
+    if (had_keyframes) ROOMWISE_CHECK_OK(database_.run("DELETE FROM derived_data"));
     // Nor was a home visited again that was never walked through.
     return database_.run("DELETE FROM visits WHERE NOT EXISTS (SELECT 1 FROM recordings)");
   });

@@ -373,8 +373,11 @@ Expected<void> check_tables(const Database& database) {
   for (const auto& [table, columns] : expected) {
     const auto at = found.find(table);
     if (at == found.end()) {
-      return fail("{}: is damaged: it has no table '{}'; put back a copy of it", database.file(),
-                  table);
+      return fail(
+          "{}: is damaged, or was made before this version: it has no table '{}'; put back a copy "
+          "of it, or "
+          "map its recordings anew",
+          database.file(), table);
     }
     for (const std::string& column : columns) {
       if (!at->second.contains(column)) {

@@ -294,7 +294,10 @@ void Device::call_out(const FrameResult& result) {
     const std::scoped_lock lock(mutex_);
     const auto view = host_.view();
     prompts = announcer_.after({*view, &result, settings_, result.t_ms});
-    std::erase_if(prompts, [this](const guide::Prompt& prompt) {
+    // What is in the way of somebody who is led is told by the guidance: it knows the goal.
+    const bool tells_obstacles = led_ && led_->is_walking();
+    std::erase_if(prompts, [&](const guide::Prompt& prompt) {
+      if (prompt.priority == guide::Priority::kHazard) return tells_obstacles;
       return prompt.priority == guide::Priority::kCallout &&
              (quiet_ || !settings_.callouts || is_led());
     });

@@ -121,7 +121,11 @@ guide::Prompt LedWalk::begin(const Situation& situation) {
 
 std::vector<guide::Prompt> LedWalk::after(const FrameResult& result,
                                           const std::shared_ptr<const HomeView>& home) {
-  if (home->map != home_->map && !is_over()) {
+  // What helpers look at may be fused later: the floor and the places stay what they are.
+  const bool is_same_map =
+      home->map == home_->map || (home->map && home_->map && home->map->localizer &&
+                                  home->map->localizer == home_->map->localizer);
+  if (!is_same_map && !is_over()) {
     const Situation now{*home, &result, settings_, result.t_ms};
     if (auto anew = to(asked_, home, now)) {
       anew->now_ns_ = now_ns_;

@@ -26,6 +26,10 @@ class LedWalk {
   [[nodiscard]] guide::Prompt hear(service::GuideWish wish, double now_t_ms);
   [[nodiscard]] guide::Prompt repeat(double now_t_ms);
   [[nodiscard]] bool is_over() const { return guidance_->is_over(); }
+  // What is in the way is then told by the guidance.
+  [[nodiscard]] bool is_walking() const {
+    return guidance_->state() == guide::Guidance::State::kWalking;
+  }
 
  private:
   LedWalk(service::Ask asked, std::shared_ptr<const HomeView> home, guide::Goal goal,

@@ -81,14 +81,8 @@ Expected<std::unique_ptr<LiveHome>> LiveHome::open(const fs::path& file,
       [raw = live.get()](const service::JobState& state) { raw->tell_helpers(state); });
   live->looking_ = std::make_unique<FrameWorkers>(live->options_.frame_workers);
 
-  ROOMWISE_TRY(const auto recordings, live->home_.recordings());
-  if (!recordings.empty() && !recordings.back().finished) {
-    ROOMWISE_CHECK_OK(live->start_mapping(recordings.back().recording.folder));
-  } else if (!recordings.empty()) {
-    ROOMWISE_CHECK_OK(live->start_preparing());
-  } else if (const auto walk = live->unmapped_walk()) {
-    ROOMWISE_CHECK_OK(live->start_mapping(*walk));
-  }
+  ROOMWISE_TRY(const auto waiting, live->waiting_walk());
+  ROOMWISE_CHECK_OK(waiting ? live->start_mapping_what_waits() : live->go_on_preparing());
   return live;
 }
 
@@ -236,12 +230,31 @@ Expected<void> LiveHome::change(const std::function<Expected<void>(home::Home&)>
   return refresh(view()->map);
 }
 
-std::optional<fs::path> LiveHome::unmapped_walk() const {
+Expected<std::optional<fs::path>> LiveHome::unfinished_walk() {
+  const std::scoped_lock lock(home_mutex_);
+  ROOMWISE_TRY(const auto recordings, home_.recordings());
+  if (recordings.empty() || recordings.back().finished) return std::nullopt;
+  return fs::path(recordings.back().recording.folder);
+}
+
+Expected<bool> LiveHome::has_recording_of(const fs::path& folder) {
+  const std::scoped_lock lock(home_mutex_);
+  ROOMWISE_TRY(const auto recordings, home_.recordings());
+  return std::ranges::any_of(recordings, [&](const home::StoredRecording& one) {
+    return fs::path(one.recording.folder) == folder;
+  });
+}
+
+Expected<std::optional<fs::path>> LiveHome::waiting_walk() {
+  ROOMWISE_TRY(auto unfinished, unfinished_walk());
+  if (unfinished) return unfinished;
   std::error_code error;
   std::optional<fs::path> newest;
   for (const auto& entry : fs::directory_iterator(walks_folder(), error)) {
     const bool is_being_made = entry.path().filename().string().starts_with('.');
     if (is_being_made || recording::find_recording_kind(entry.path()) == nullptr) continue;
+    ROOMWISE_TRY(const bool is_mapped, has_recording_of(entry.path()));
+    if (is_mapped) continue;
     if (!newest || time_of_walk(*newest) < time_of_walk(entry.path())) newest = entry.path();
   }
   return newest;

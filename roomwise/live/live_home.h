@@ -130,13 +130,18 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
   [[nodiscard]] Expected<void> start_preparing();
   // Whether the map was being made ready. It can wait; whoever stops it has it gone on with.
   [[nodiscard]] bool stop_preparing();
-  [[nodiscard]] Expected<void> go_on_preparing(bool was_stopped);
-  // Runs `forget` while no job is at work.
+  [[nodiscard]] Expected<void> go_on_preparing();
+  // Runs `forget` while no job is at work; then the map of what is left is made ready.
   [[nodiscard]] Expected<void> while_idle(const std::function<Expected<void>()>& forget);
+  [[nodiscard]] Expected<void> erase_walk(home::RecordingId walk);
   [[nodiscard]] Expected<void> start_mapping(const std::filesystem::path& folder);
+  // All that waits to be mapped, one walk after the other.
+  [[nodiscard]] Expected<void> start_mapping_what_waits();
+  [[nodiscard]] Expected<std::string> map_folder(const std::filesystem::path& folder,
+                                                 Progress& progress);
   // While it is recorded, to its end.
   [[nodiscard]] Expected<void> start_mapping(std::shared_ptr<const WalkRecorder> walk);
-  // `walk`: the frames in the folder.
+  // `walk`: the frames in the folder. A walk that was left unfinished is finished first.
   [[nodiscard]] Expected<std::string> map(const std::filesystem::path& folder,
                                           recording::FrameSource& walk, Progress& progress);
   [[nodiscard]] Expected<std::string> prepare(Progress& progress);
@@ -150,8 +155,12 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
   [[nodiscard]] Expected<std::filesystem::path> take_in(const Upload& upload,
                                                         const std::filesystem::path& unpacked,
                                                         Progress& progress);
-  // A walk that was recorded and is not in the home yet: the newest.
-  [[nodiscard]] std::optional<std::filesystem::path> unmapped_walk() const;
+  // The folder of the walk whose map is not finished, if there is one; the folder of a recording of
+  // this home.
+  [[nodiscard]] Expected<std::optional<std::filesystem::path>> unfinished_walk();
+  [[nodiscard]] Expected<bool> has_recording_of(const std::filesystem::path& folder);
+  // The unfinished one, else one that was recorded and is not in the home yet: the newest.
+  [[nodiscard]] Expected<std::optional<std::filesystem::path>> waiting_walk();
 
   const std::filesystem::path file_;
   const pipeline::Networks& networks_;

@@ -129,10 +129,10 @@ Expected<void> LiveHome::erase_removed(home::Home& home) {
 }
 
 Expected<void> LiveHome::while_idle(const std::function<Expected<void>()>& forget) {
-  const bool was_preparing = stop_preparing();
+  static_cast<void>(stop_preparing());
   Expected<void> forgotten = check_idle();
   if (forgotten) forgotten = forget();
-  Expected<void> prepared = go_on_preparing(was_preparing);
+  Expected<void> prepared = go_on_preparing();
   return forgotten ? prepared : forgotten;
 }
 
@@ -180,35 +180,41 @@ Expected<void> LiveHome::forget_thing(std::int64_t id) {
 }
 
 Expected<void> LiveHome::forget_walk(home::RecordingId walk) {
-  ROOMWISE_CHECK_OK(while_idle([&]() -> Expected<void> {
-    fs::path folder;
-    bool is_gone = false;
-    const Expected<void> forgotten = change([&](home::Home& home) -> Expected<void> {
-      ROOMWISE_TRY(const auto recordings, home.recordings());
-      const auto found = std::ranges::find(recordings, walk, &home::StoredRecording::id);
-      if (found == recordings.end()) return fail("this home has no recording {}", walk);
-      folder = found->recording.folder;
-      ROOMWISE_CHECK_OK(pipeline::forget_walk(home, walk));
-      is_gone = true;
-      const Expected<void> erased = erase_removed(home);
-      recognitions_.clear();                // before pages hear of it and look again
-      ROOMWISE_CHECK_OK(refresh(nullptr));  // the map was made of it
-      return erased;
-    });
-    // Whatever became of its bytes in the home: its pictures go, since nobody can ask again.
-    std::error_code error;
-    if (is_gone && folder.parent_path() == walks_folder()) fs::remove_all(folder, error);
-    ROOMWISE_CHECK_OK(forgotten);
-    if (error) return fail("{}: could not be removed: {}", folder.string(), error.message());
-    return {};
-  }));
-  return go_on_preparing(true);  // with the walks that are left
+  return while_idle([&] { return erase_walk(walk); });
+}
+
+Expected<void> LiveHome::erase_walk(home::RecordingId walk) {
+  fs::path folder;
+  bool is_gone = false;
+  const Expected<void> forgotten = change([&](home::Home& home) -> Expected<void> {
+    ROOMWISE_TRY(const auto recordings, home.recordings());
+    const auto found = std::ranges::find(recordings, walk, &home::StoredRecording::id);
+    if (found == recordings.end()) return fail("this home has no recording {}", walk);
+    folder = found->recording.folder;
+    ROOMWISE_CHECK_OK(pipeline::forget_walk(home, walk));
+    is_gone = true;
+    const Expected<void> erased = erase_removed(home);
+    recognitions_.clear();                // before pages hear of it and look again
+    ROOMWISE_CHECK_OK(refresh(nullptr));  // the map was made of it
+    return erased;
+  });
+  // Whatever became of its bytes in the home: its pictures go, since nobody can ask again.
+  std::error_code error;
+  if (is_gone && folder.parent_path() == walks_folder()) fs::remove_all(folder, error);
+  ROOMWISE_CHECK_OK(forgotten);
+  if (error) return fail("{}: could not be removed: {}", folder.string(), error.message());
+  return {};
 }
 
 Expected<void> LiveHome::forget_home() {
   return while_idle([&]() -> Expected<void> {
-    const auto now = view();
-    for (const ViewedWalk& walk : now->walks) ROOMWISE_CHECK_OK(forget_walk(walk.stored.id));
+    // Those, too, whose map was never finished.
+    const auto recordings = [&] {
+      const std::scoped_lock lock(home_mutex_);
+      return home_.recordings();
+    }();
+    ROOMWISE_CHECK_OK(recordings);
+    for (const home::StoredRecording& walk : *recordings) ROOMWISE_CHECK_OK(erase_walk(walk.id));
     ROOMWISE_CHECK_OK(change([&](home::Home& home) -> Expected<void> {
       ROOMWISE_CHECK_OK(home.atomically([&]() -> Expected<void> {
         ROOMWISE_CHECK_OK(home.forget_learned_rooms());

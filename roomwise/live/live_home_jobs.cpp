@@ -5,6 +5,7 @@
 #include "roomwise/pipeline/mapping/home_floor.h"
 #include "roomwise/pipeline/mapping/map_recording.h"
 #include "roomwise/pipeline/rooms/room_learning.h"
+#include "roomwise/recording/damage_tolerant_source.h"
 #include "roomwise/recording/open_recording.h"
 
 // The long work of a home that is open: recording, mapping, learning.
@@ -22,9 +23,9 @@ bool LiveHome::stop_preparing() {
   return true;
 }
 
-Expected<void> LiveHome::go_on_preparing(bool was_stopped) {
+Expected<void> LiveHome::go_on_preparing() {
   const auto now = view();
-  if (!was_stopped || (now->map && now->map->clouds) || now->walks.empty()) return {};
+  if ((now->map && now->map->clouds) || now->walks.empty() || jobs_->running()) return {};
   return start_preparing();
 }
 
@@ -135,10 +136,28 @@ Expected<void> LiveHome::end_recording() {
 }
 
 Expected<void> LiveHome::start_mapping(const fs::path& folder) {
-  return jobs_->start("map", [this, folder](Progress& progress) -> Expected<std::string> {
-    ROOMWISE_TRY(const auto walk, recording::open_recording(folder));
-    return map(folder, *walk, progress);
+  return jobs_->start("map",
+                      [this, folder](Progress& progress) { return map_folder(folder, progress); });
+}
+
+Expected<void> LiveHome::start_mapping_what_waits() {
+  return jobs_->start("map", [this](Progress& progress) -> Expected<std::string> {
+    Expected<std::string> mapped = "nothing waited to be mapped";
+    while (mapped) {
+      ROOMWISE_TRY(const auto walk, waiting_walk());
+      if (!walk) return mapped;
+      mapped = map_folder(*walk, progress);
+    }
+    // What is mapped already answers all the same.
+    const bool is_stopped = mapped.error().code == ErrorCode::kInterrupted;
+    if (!is_stopped && !view()->walks.empty()) ROOMWISE_CHECK_OK(prepare(progress));
+    return mapped;
   });
+}
+
+Expected<std::string> LiveHome::map_folder(const fs::path& folder, Progress& progress) {
+  ROOMWISE_TRY(const auto walk, recording::open_recording(folder));
+  return map(folder, *walk, progress);
 }
 
 Expected<void> LiveHome::start_mapping(std::shared_ptr<const WalkRecorder> walk) {
@@ -150,6 +169,17 @@ Expected<void> LiveHome::start_mapping(std::shared_ptr<const WalkRecorder> walk)
 
 Expected<std::string> LiveHome::map(const fs::path& folder, recording::FrameSource& walk,
                                     Progress& progress) {
+  ROOMWISE_TRY(const auto unfinished, unfinished_walk());
+  if (unfinished && *unfinished != folder) {
+    const auto finished = map_folder(*unfinished, progress);
+    if (!finished) {
+      return fail_with(finished.error().code,
+                       "'{}' was not mapped to its end, and must be first, or be forgotten: {}",
+                       unfinished->filename().string(), finished.error().message);
+    }
+  }
+  // One picture that is damaged is not to cost the walk.
+  recording::DamageTolerantSource frames(walk, true);
   pipeline::MapSummary summary;
   {
     const std::scoped_lock lock(home_mutex_);
@@ -159,8 +189,10 @@ Expected<std::string> LiveHome::map(const fs::path& folder, recording::FrameSour
     if (!stored) settings.mapper.seed = options_.seed;
     const home::Recording recording{walk.info().name, folder.string(), walk.info().camera,
                                     walk.info().frames_remaining};
-    ROOMWISE_TRY(summary, pipeline::map_recording(walk, recording, home_, networks_, settings, run,
-                                                  finders_));
+    auto mapped =
+        pipeline::map_recording(frames, recording, home_, networks_, settings, run, finders_);
+    if (!mapped || !mapped->finished) ROOMWISE_CHECK_OK(refresh(nullptr));  // it may be forgotten
+    ROOMWISE_TRY(summary, std::move(mapped));
     if (!summary.finished) {
       return fail_with(ErrorCode::kInterrupted,
                        "stopped; it goes on when the computer starts again");
@@ -173,8 +205,11 @@ Expected<std::string> LiveHome::map(const fs::path& folder, recording::FrameSour
     ROOMWISE_CHECK_OK(refresh(nullptr));
   }
   ROOMWISE_CHECK_OK(prepare(progress));
-  return fmt::format("{} of {} frames have a place on the map; {} things found", summary.placed,
-                     summary.frames, summary.instances);
+  std::string text = fmt::format("{} of {} frames have a place on the map; {} things found",
+                                 summary.placed, summary.frames, summary.instances);
+  if (!frames.damage().empty())
+    text += fmt::format("; {} pictures cannot be read", frames.damage().size());
+  return text;
 }
 
 }  // namespace roomwise::live

@@ -82,8 +82,18 @@ Expected<void> LiveHome::map_upload(const std::string& id) {
   ROOMWISE_CHECK_OK(check_idle());
   return jobs_->start("map", [this, upload](Progress& progress) -> Expected<std::string> {
     ROOMWISE_TRY(const fs::path path, take_in(upload, progress));
-    ROOMWISE_TRY(const auto walk, recording::open_recording(path));
-    return map(path, *walk, progress);
+    auto mapped = map_folder(path, progress);
+    ROOMWISE_TRY(const bool is_in_home, has_recording_of(path));
+    if (is_in_home) {
+      ROOMWISE_CHECK_OK(uploads_->remove(upload.id));
+    } else {
+      // It waits as it was: nothing of it is kept twice.
+      std::error_code error;
+      const fs::path file = uploads_->file_of(upload.id);
+      if (!fs::exists(file, error)) ROOMWISE_CHECK_OK(move_to(path, file));
+      fs::remove_all(path, error);
+    }
+    return mapped;
   });
 }
 
@@ -95,7 +105,6 @@ Expected<fs::path> LiveHome::take_in(const Upload& upload, Progress& progress) {
   if (error) return fail("{}: cannot be made: {}", walks_folder().string(), error.message());
   auto taken = take_in(upload, unpacked, progress);
   fs::remove_all(unpacked, error);
-  if (taken) ROOMWISE_CHECK_OK(uploads_->remove(upload.id));
   return taken;
 }
 

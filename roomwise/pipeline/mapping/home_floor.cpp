@@ -112,17 +112,14 @@ Expected<HomeFloor> floor_of(const GravityAlignedMap& map, RunContext& run) {
 Expected<HomeFloor> find_home_floor(const home::Home& home, RunContext& run) {
   ROOMWISE_TRY(const std::string now, made_from(home));
   ROOMWISE_TRY(const auto kept, home.derived_data(kName));
-  if (!kept || kept->made_from != now) return build_home_floor(home, run);
-  auto floor = from_bytes(kept->data);
-  if (floor) return *std::move(floor);
-  return fail("{}: is damaged: what it keeps of its floor cannot be read; put back a copy of it",
-              home.file());
+  auto floor = kept && kept->made_from == now ? from_bytes(kept->data) : std::nullopt;
+  return floor ? *std::move(floor) : build_home_floor(home, run);
 }
 
 Expected<void> keep_home_floor(home::Home& home, RunContext& run) {
   ROOMWISE_TRY(const std::string now, made_from(home));
   ROOMWISE_TRY(const auto kept, home.derived_data(kName));
-  if (kept && kept->made_from == now) return {};
+  if (kept && kept->made_from == now && from_bytes(kept->data)) return {};
   ROOMWISE_TRY(const HomeFloor floor, build_home_floor(home, run));
   return keep_home_floor(home, floor);
 }
@@ -130,7 +127,7 @@ Expected<void> keep_home_floor(home::Home& home, RunContext& run) {
 Expected<void> keep_home_floor(home::Home& home, const HomeFloor& floor) {
   ROOMWISE_TRY(const std::string now, made_from(home));
   ROOMWISE_TRY(const auto kept, home.derived_data(kName));
-  if (kept && kept->made_from == now) return {};
+  if (kept && kept->made_from == now && from_bytes(kept->data)) return {};
   return home.put_derived_data({kName, now, to_bytes(floor)});
 }
 

@@ -20,13 +20,13 @@ struct HomeFloor {
 // That of a fused map.
 [[nodiscard]] Expected<HomeFloor> floor_of(const GravityAlignedMap& map, RunContext& run);
 
-// As the home keeps it, or, where that is not there or the map has changed since, from the map,
-// which is fused for it: up to a minute. Fails where the home has no map, where what it keeps is
-// damaged, and when the user interrupts.
+// As the home keeps it, or, where that is not there, cannot be read, or the map has changed since,
+// from the map, which is fused for it: up to a minute. Fails where the home has no map, and when
+// the user interrupts.
 [[nodiscard]] Expected<HomeFloor> find_home_floor(const home::Home& home, RunContext& run);
 
-// Keeps it in the home, unless it is there and fresh. The same failures. Or keeps one that was
-// found already, of the map as it is.
+// Keeps it in the home, unless it is there, whole and fresh. The same failures. Or keeps one that
+// was found already, of the map as it is.
 [[nodiscard]] Expected<void> keep_home_floor(home::Home& home, RunContext& run);
 [[nodiscard]] Expected<void> keep_home_floor(home::Home& home, const HomeFloor& floor);
 

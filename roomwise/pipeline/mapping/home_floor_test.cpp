@@ -71,14 +71,20 @@ TEST_F(HomeFloorTest, IsMadeAnewOnceTheMapHasMoved) {
   EXPECT_EQ(fused_.times, 2) << "it is kept now";
 }
 
-TEST_F(HomeFloorTest, ThatIsDamagedIsRefused) {
+TEST_F(HomeFloorTest, ThatIsDamagedIsMadeAnew) {
   auto kept = home_->derived_data("floor").value().value();
   for (const std::size_t size : {std::size_t{0}, std::size_t{5}, kept.data.size() - 1}) {
     home::DerivedData damaged = kept;
     damaged.data.resize(size);
     ASSERT_OK(home_->put_derived_data(damaged));
-    EXPECT_ERROR(find_home_floor(*home_, run_), "is damaged");
+    fused_.times = 0;
+    ASSERT_OK(find_home_floor(*home_, run_));
+    EXPECT_EQ(fused_.times, 1);
   }
+  ASSERT_OK(keep_home_floor(*home_, run_));
+  fused_.times = 0;
+  ASSERT_OK(find_home_floor(*home_, run_));
+  EXPECT_EQ(fused_.times, 0) << "it is kept whole again";
 }
 
 TEST_F(HomeFloorTest, NeedsAMap) {

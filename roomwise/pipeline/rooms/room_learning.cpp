@@ -161,12 +161,15 @@ Expected<std::map<home::RecordingId, recording::RoomLabels>> named_walks(
 // Each selected room must be one that some walk names.
 Expected<void> check_rooms(const RoomSelection& selection,
                            const std::map<home::RecordingId, recording::RoomLabels>& walks) {
-  Expected<void> outcome;
-  for (const auto& [id, labels] : walks) {
-    outcome = selection.check_against(labels);
-    if (outcome) break;
+  const auto names = [&](const std::string& room) {
+    return std::ranges::any_of(walks, [&](const auto& walk) {
+      return RoomSelection{{}, {room}}.check_against(walk.second).has_value();
+    });
+  };
+  for (const std::string& room : selection.rooms) {
+    if (!names(room)) return fail("the labels of the walks have no room '{}'", room);
   }
-  return outcome;
+  return {};
 }
 
 // The photos as samples, as if of a walk of their own.

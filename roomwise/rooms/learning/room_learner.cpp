@@ -90,27 +90,48 @@ void hold_out_blocks(const Visits& visits, int folds, std::vector<int>& fold_of)
   }
 }
 
+std::size_t count_of(const Visits& visits) {
+  std::size_t count = 0;
+  for (const auto& [visit, indices] : visits) count += indices.size();
+  return count;
+}
+
+// Whether enough is left to learn the room from, whichever of the walks is held out.
+bool can_hold_out_walks(const std::map<std::uint64_t, Visits>& walks, std::size_t min_pictures) {
+  std::size_t all = 0, largest = 0;
+  for (const auto& [walk, visits] : walks) {
+    all += count_of(visits);
+    largest = std::max(largest, count_of(visits));
+  }
+  return all - largest >= min_pictures;
+}
+
 // By sample: the fold that holds it out.
-std::vector<int> folds_of(std::span<const RoomSample> samples, int folds) {
+std::vector<int> folds_of(std::span<const RoomSample> samples, const LearningOptions& options) {
   std::map<std::string, std::map<std::uint64_t, Visits>> walks_of_room;
   for (std::size_t i = 0; i < samples.size(); ++i)
     walks_of_room[samples[i].room][samples[i].walk][samples[i].visit].push_back(i);
   std::vector<int> fold_of(samples.size(), 0);
   for (const auto& [room, walks] : walks_of_room) {
-    if (walks.size() == 1) hold_out_blocks(walks.begin()->second, folds, fold_of);
-    if (walks.size() == 1) continue;
+    if (!can_hold_out_walks(walks, options.min_pictures)) {
+      Visits of_all;
+      for (const auto& [walk, visits] : walks)
+        for (const auto& [visit, indices] : visits) of_all.emplace(of_all.size(), indices);
+      hold_out_blocks(of_all, options.folds, fold_of);
+      continue;
+    }
     int fold = 0;
     for (const auto& [walk, visits] : walks) {
       for (const auto& [visit, indices] : visits)
         for (const std::size_t i : indices) fold_of[i] = fold;
-      fold = (fold + 1) % folds;
+      fold = (fold + 1) % options.folds;
     }
   }
   return fold_of;
 }
 
 TrainingSet make_training_set(std::span<const RoomSample> samples, std::vector<std::string> rooms,
-                              int folds) {
+                              const LearningOptions& options) {
   TrainingSet set;
   set.rooms = std::move(rooms);
   std::size_t rows = samples.size();
@@ -119,7 +140,7 @@ TrainingSet make_training_set(std::span<const RoomSample> samples, std::vector<s
   set.unit_length.resize(static_cast<Eigen::Index>(rows),
                          static_cast<Eigen::Index>(samples.front().features.size()));
   retrieval.rows.resize(set.unit_length.rows(), set.unit_length.cols());
-  const std::vector<int> fold_of = folds_of(samples, folds);
+  const std::vector<int> fold_of = folds_of(samples, options);
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const auto room = std::ranges::lower_bound(set.rooms, samples[i].room);
     const auto add = [&](std::span<const float> features) {
@@ -249,7 +270,7 @@ Expected<LearnedRooms> learn_rooms(std::span<const RoomSample> samples,
   ROOMWISE_CHECK_OK(options.validate());
   ROOMWISE_CHECK_OK(check_samples(samples));
   ROOMWISE_TRY(std::vector<std::string> rooms, rooms_of(samples, options));
-  const TrainingSet set = make_training_set(samples, std::move(rooms), options.folds);
+  const TrainingSet set = make_training_set(samples, std::move(rooms), options);
   std::optional<ThreadPool> own_pool;
   if (pool == nullptr) pool = &own_pool.emplace(1);
   ROOMWISE_TRY(const auto tests, held_out_tests(set, options, *pool));

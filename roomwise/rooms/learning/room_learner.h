@@ -70,13 +70,14 @@ struct LearnedRooms {
 // however many pictures each has.
 //
 // The held-out test: of a room that several walks show, each round holds out the pictures of other
-// walks, so that it knows what another day looks like. The pictures of a room on a visit of an only
-// walk are cut into `folds` blocks that follow each other, and in each round one block of every
-// room is held out (not single pictures, whose neighbours on the walk are nearly the same and would
-// make the test too easy). Of the weight decays whose precision on what was held out is within one
-// standard error of the best, the strongest is chosen, and the classifier then learns from every
-// picture. In the same rounds held-out pictures are compared with the others: what their similarity
-// means, and from where on an answer is given, is found from that (retrieval_learner.h).
+// walks, so that it knows what another day looks like, where enough are left without them. Else the
+// pictures of a room on a visit are cut into `folds` blocks that follow each other, and in each
+// round one block of every room is held out (not single pictures, whose neighbours on the walk are
+// nearly the same and would make the test too easy). Of the weight decays whose precision on what
+// was held out is within one standard error of the best, the strongest is chosen, and the
+// classifier then learns from every picture. In the same rounds held-out pictures are compared with
+// the others: what their similarity means, and from where on an answer is given, is found from that
+// (retrieval_learner.h).
 //
 // Rooms are sorted by name, so that the order of the samples' rooms does not count. Fails where
 // there are fewer than two rooms, a room has fewer than min_pictures, or features differ in

@@ -75,6 +75,11 @@ TEST(LearnRooms, HoldsOutWholeWalksWhereARoomWasSeenOnSeveral) {
   const auto with_hall = learn_rooms(samples, kNetwork);
   ASSERT_OK(with_hall);
   EXPECT_EQ(with_hall->report.rooms[1], (LearningReport::RoomCount{"hall", 40, 40, 40}));
+  // So is one of which a second walk shows too little to learn from.
+  add_pictures(samples, "hall", 5, 1, 0.05, 3);
+  const auto with_one_more = learn_rooms(samples, kNetwork);
+  ASSERT_OK(with_one_more);
+  EXPECT_EQ(with_one_more->report.rooms[1], (LearningReport::RoomCount{"hall", 41, 41, 41}));
 }
 
 TEST(LearnRooms, TheHeldOutTestIsHonest) {
