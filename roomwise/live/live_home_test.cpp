@@ -300,6 +300,27 @@ TEST_F(LiveHomeTest, AFurtherWalkJoinsTheMapAndIsForgottenAlone) {
   EXPECT_TRUE(std::filesystem::exists(folder / "flat.home.walks/second walk"));
 }
 
+TEST_F(LiveHomeTest, OfThreeWalksAllAreForgottenWithTheHome) {
+  open();
+  record_the_walk();
+  for (const std::string name : {"second walk", "third walk"}) {
+    walk = pipeline::testing::SyntheticWalk(kFrames, 0.045, name == "third walk" ? 0.4 : 0.2);
+    const Client belt = connect(7, service::Role::kDevice);
+    ASSERT_OK(home->begin_recording(7, name));
+    record_the_rest(belt);
+  }
+  ASSERT_THAT(home->view()->walks, SizeIs(3));
+  home.reset();
+  open();  // it is being made ready: forgetting stops that
+  ASSERT_OK(home->forget_walk(2));
+  ASSERT_THAT(home->view()->walks, SizeIs(2));
+  ASSERT_OK(home->forget_home());
+  home->jobs().wait();
+  EXPECT_THAT(home->view()->walks, IsEmpty());
+  EXPECT_THAT(home->view()->keyframes, IsEmpty());
+  EXPECT_FALSE(std::filesystem::exists(folder / "flat.home.walks"));
+}
+
 TEST_F(LiveHomeTest, LearningNeedsAWalk) {
   open();
   EXPECT_ERROR(home->learn(), "holds no walk to learn from");

@@ -546,6 +546,27 @@ TEST_F(MapFurtherWalks, WhoseFirstFrameIsDamagedAddNothing) {
   EXPECT_EQ(digest(home_), before);
 }
 
+TEST_F(MapFurtherWalks, TogetherTeachRoomsThatOneAloneDoesNotName) {
+  SyntheticWalk further = further_walk(kFrames);
+  ASSERT_OK(map(home_, further, 2));
+  home::Home home = *home::Home::open(home_);
+  const auto name = [&](home::RecordingId walk, const std::string& room) {
+    const auto labels = recording::RoomLabels::from_ranges({{0, kFrames - 1, room, 1}});
+    ASSERT_OK(name_rooms(home, walk, labels.value()));
+  };
+  name(1, "bath");
+  ThreadPool pool(2);
+  StageClock clock;
+  RunContext run{pool, silent_, clock};
+  EXPECT_ERROR(learn_rooms_from_keyframes(home, {}, {}, {}, run), "bath alone");
+  name(2, "hall");
+  const auto learned = learn_rooms_from_keyframes(home, {{}, {"bath", "hall"}}, {}, {}, run);
+  ASSERT_OK(learned);
+  EXPECT_EQ(learned->rooms.size(), 2U);
+  EXPECT_ERROR(learn_rooms_from_keyframes(home, {}, {.walks = {1}}, {}, run), "bath alone");
+  EXPECT_ERROR(learn_rooms_from_keyframes(home, {{}, {"attic"}}, {}, {}, run), "no room 'attic'");
+}
+
 TEST_F(MapFurtherWalks, StandWhereTheFirstIsTakenOut) {
   SyntheticWalk further = further_walk(kFrames);
   ASSERT_OK(map(home_, further, 2));
