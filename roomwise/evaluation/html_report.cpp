@@ -37,7 +37,7 @@ std::string map_section(const ReportContent& content) {
   std::vector<MapObject> objects;
   for (const ReportContent::Object& entry : content.objects) objects.push_back(entry.object);
   return "<h2>Map from above</h2>\n"
-         "<p class=\"quiet\">The line is the walk, a dot a key-frame. The numbers are those of the "
+         "<p class=\"quiet\">Each line is a walk, a dot a key-frame. The numbers are those of the "
          "objects below.</p>\n" +
          scrolling("Map from above", draw_map(*content.map, content.key_frames, objects).element(),
                    "map");

@@ -108,6 +108,17 @@ void draw_walk(SvgDrawing& drawing, const TopView& view, std::span<const MapKeyF
   }
 }
 
+// Walk by walk: between two nobody went.
+void draw_walks(SvgDrawing& drawing, const TopView& view, std::span<const MapKeyFrame> key_frames,
+                const RoomStyles& styles) {
+  while (!key_frames.empty()) {
+    const auto next = std::ranges::find_if(key_frames.subspan(1), &MapKeyFrame::begins_walk);
+    const auto count = static_cast<std::size_t>(next - key_frames.begin());
+    draw_walk(drawing, view, key_frames.first(count), styles);
+    key_frames = key_frames.subspan(count);
+  }
+}
+
 // The key-frame of the room that is nearest to all others of it.
 Vector2d centre_of_room(const TopView& view, std::span<const MapKeyFrame> key_frames,
                         const std::string& room) {
@@ -230,7 +241,7 @@ SvgDrawing draw_map(const TopView& view, std::span<const MapKeyFrame> key_frames
                                  key_frames.size(), styles.named().size(), objects.size()));
   drawing.rectangle({0, 0}, drawing.size(), "class=\"map-paper\"");
   drawing.picture({0, 0}, picture_size, jpeg_address(view.picture, kMapJpegQuality));
-  draw_walk(drawing, view, key_frames, styles);
+  draw_walks(drawing, view, key_frames, styles);
   LabelSpace space(picture_size);
   draw_room_names(drawing, view, key_frames, styles, space);
   draw_objects(drawing, view, objects, space);

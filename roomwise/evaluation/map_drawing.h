@@ -11,6 +11,7 @@ namespace roomwise::evaluation {
 struct MapKeyFrame {
   Eigen::Vector3d place_world = Eigen::Vector3d::Zero();  // of the camera, m
   std::string room;                                       // empty: not named
+  bool begins_walk = false;                               // no line leads to it from the one before
 };
 
 struct MapObject {
@@ -18,9 +19,10 @@ struct MapObject {
   Eigen::Vector3d place_world = Eigen::Vector3d::Zero();  // m
 };
 
-// The map from above: the walk through the key-frames, its colour and its dashes those of the room,
-// the rooms' names at the centre of their key-frames, objects by their number (from 1, in their
-// order) and name, a ruler of 1 m and a legend of the rooms. The picture stands inside the drawing.
+// The map from above: the walks through the key-frames, each a line, its colour and its dashes
+// those of the room, the rooms' names at the centre of their key-frames, objects by their number
+// (from 1, in their order) and name, a ruler of 1 m and a legend of the rooms. The picture stands
+// inside the drawing.
 [[nodiscard]] SvgDrawing draw_map(const TopView& view, std::span<const MapKeyFrame> key_frames,
                                   std::span<const MapObject> objects);
 

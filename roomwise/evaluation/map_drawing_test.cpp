@@ -44,6 +44,15 @@ TEST(MapDrawing, DrawsEachStretchInTheStyleOfItsRoom) {
   EXPECT_THAT(svg, HasSubstr("x1=\"24\" y1=\"626\" x2=\"124\" y2=\"626\" class=\"ruler\""));
 }
 
+TEST(MapDrawing, DrawsNoLineFromOneWalkToTheNext) {
+  std::vector<MapKeyFrame> walks = kWalk;
+  walks.front().begins_walk = walks[2].begins_walk = true;
+  const std::string svg = draw_map(plain_view(), walks, {}).element();
+  EXPECT_THAT(svg, HasSubstr("points=\"100,500 200,500\" fill=\"none\" class=\"path room-0\""));
+  EXPECT_THAT(svg, Not(HasSubstr("200,500 300,500")));
+  EXPECT_EQ(count_of(svg, "class=\"casing\""), 2);
+}
+
 TEST(MapDrawing, RoomsOfOneColourDifferInTheirDashes) {
   std::vector<MapKeyFrame> walk;
   for (int i = 0; i < 20; ++i) walk.push_back({{0.4 * i, 2, 0}, "room " + std::to_string(i)});

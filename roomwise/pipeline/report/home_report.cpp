@@ -211,13 +211,21 @@ Expected<ReportContent> report_content(const home::Home& home, const ReportExtra
   ReportContent content;
   content.home = extras.name;
   content.warnings = warnings(stored, map.up);
-  content.summary = summary(stored, path_length_m(trajectory));
+  double length_m = 0;
+  for (const home::StoredRecording& recording : stored.recordings) {
+    ROOMWISE_TRY(const recording::Trajectory of_walk, stored_trajectory(home, recording.id));
+    length_m += path_length_m(of_walk);
+  }
+  content.summary = summary(stored, length_m);
   content.recognition = extras.recognition;
   std::vector<Eigen::Vector3d> cameras;
+  std::optional<home::RecordingId> walk;
   for (const home::Keyframe& keyframe : stored.keyframes | std::views::values) {
     if (keyframe.pose.component != 0) continue;
     cameras.push_back(keyframe.pose.world_from_keyframe.translation);
-    content.key_frames.push_back({cameras.back(), room_of(stored, keyframe.id)});
+    content.key_frames.push_back(
+        {cameras.back(), room_of(stored, keyframe.id), walk != keyframe.recording});
+    walk = keyframe.recording;
   }
   if (map.cloud.size() > 0 && !cameras.empty()) {
     ROOMWISE_TRY(content.map, evaluation::render_top_view(map.cloud, cameras, map.up.up_world));
