@@ -10,6 +10,7 @@ namespace {
 
 using Eigen::Vector2d;
 
+constexpr double kSameHazard_s = 4;    // what is in the way is told again after this
 constexpr double kLegEnd_m = 0.35;     // half a step before a leg's end one is at it
 constexpr double kAtEnd_m = 0.22;      // a foot's length from the way's end one is there
 constexpr double kSmallStep_m = 0.45;  // a whole one would lead past it
@@ -497,11 +498,19 @@ std::optional<Prompt> Guidance::stopped(const Pose& pose, TimestampNs now_ns) {
   const double quiet_s = silent_for_s(now_ns);
   const bool is_late = quiet_s > 2 * kReaction_s;  // then it is told while they walk
   if (!is_late && (!track_.is_standing() || track_.may_turn())) return std::nullopt;
-  return act(pose, now_ns);
+  if (waits_since_ns_ && seconds_between(*waits_since_ns_, now_ns) < kSameHazard_s)
+    return std::nullopt;
+  waits_since_ns_.reset();
+  Prompt prompt = act(pose, now_ns);
+  if (!std::exchange(is_barred_by_hazard_, false) || plan_.reach == Reach::kWhole) return prompt;
+  // Not around it, and it may go, as people do: the way of before holds again after a while.
+  barred_floor_.reset();
+  waits_since_ns_ = now_ns;
+  state_ = State::kStopped;
+  return say({"guide.no_way_around"}, now_ns, Confidence::kUnsure);
 }
 
 std::optional<Prompt> Guidance::hazard(const Walker& walker) {
-  constexpr double kSameHazard_s = 4;
   if (!walker.obstacle_m || state_ != State::kWalking || legs_.empty()) return std::nullopt;
   if (hazard_ns_ && seconds_between(*hazard_ns_, walker.now_ns) < kSameHazard_s) {
     return std::nullopt;
@@ -515,7 +524,10 @@ std::optional<Prompt> Guidance::hazard(const Walker& walker) {
       legs_[leg_].ends_at_door && std::abs(*walker.obstacle_m - left_m) < kLegEnd_m;
   Prompt prompt = stop(is_door ? "guide.stop_door" : "guide.stop_obstacle", walker.now_ns);
   prompt.priority = Priority::kHazard;
-  if (!is_door) bar_what_is_ahead(pose);
+  if (!is_door) {
+    is_barred_by_hazard_ = plan_.reach == Reach::kWhole;
+    bar_what_is_ahead(pose);
+  }
   return prompt;
 }
 

@@ -154,6 +154,8 @@ class Guidance {
   std::optional<Eigen::Vector2d> barred_at_;       // and where no other one is known
   std::optional<double> tries_side_;               // where it has more room, after it was barred
   int barred_times_ = 0;                           // there
+  bool is_barred_by_hazard_ = false;               // just now, on a way that led to the goal
+  std::optional<TimestampNs> waits_since_ns_;      // for what is in the way and may go
   Plan plan_;
   std::vector<Leg> legs_;
   std::size_t leg_ = 0;

@@ -252,6 +252,19 @@ TEST_F(GuidanceTest, StopsBeforeWhatStandsInTheWayAndLeadsAroundIt) {
   EXPECT_THAT(then[0].message, AnyOf("guide.turn_hour", "guide.little_left", "guide.little_right"));
 }
 
+// In the doorway, where nobody comes past: somebody who will go on.
+TEST_F(GuidanceTest, WaitsForWhatStandsWhereThereIsNoWayAround) {
+  lead_to(room("kitchen"), {2.6, 3.45}, 0);
+  (void)hear(7);
+  (void)hear(0.4, 0.6);
+  obstacle_m_ = 3.4 - place_.x();
+  EXPECT_THAT(hear(0.4, 0.6), ElementsAre("Stop. Something is in the way."));
+  const auto waiting = hear(3);
+  obstacle_m_.reset();
+  EXPECT_FALSE(guidance_->is_over()) << ::testing::PrintToString(waiting);
+  EXPECT_THAT(hear(8), ::testing::Contains(::testing::StartsWith("Straight on")));
+}
+
 TEST_F(GuidanceTest, TheLastMetreIsBySideReachAndHeight) {
   lead_to(bed_at({3.3, 1.2}, "bedroom"), {1, 1.2}, 0);
   (void)hear(8);
