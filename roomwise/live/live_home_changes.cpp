@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "roomwise/live/live_home.h"
+#include "roomwise/live/remove_folder.h"
 #include "roomwise/pipeline/rooms/room_contents.h"
 #include "roomwise/pipeline/rooms/room_learning.h"
 #include "roomwise/pipeline/stored/stored_map.h"
@@ -229,12 +230,7 @@ Expected<void> LiveHome::forget_home() {
     ROOMWISE_CHECK_OK(lenses_->forget());
     ROOMWISE_CHECK_OK(uploads_->remove_all());
     ROOMWISE_CHECK_OK(photos_->remove_all());
-    std::error_code error;
-    fs::remove_all(walks_folder(), error);
-    if (error) {
-      return fail("{}: could not be removed: {}", walks_folder().string(), error.message());
-    }
-    return {};
+    return remove_folder(walks_folder());
   });
 }
 

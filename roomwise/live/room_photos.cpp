@@ -5,6 +5,7 @@
 
 #include "roomwise/base/file.h"
 #include "roomwise/image/codec.h"
+#include "roomwise/live/remove_folder.h"
 
 namespace roomwise::live {
 namespace {
@@ -109,18 +110,12 @@ Expected<void> RoomPhotos::rename(const std::string& room, const std::string& ne
 
 Expected<void> RoomPhotos::remove(const std::string& room) {
   const std::scoped_lock lock(mutex_);
-  std::error_code error;
-  fs::remove_all(folder_of(room), error);
-  if (error) return fail("{}: could not be removed: {}", folder_of(room).string(), error.message());
-  return {};
+  return remove_folder(folder_of(room));
 }
 
 Expected<void> RoomPhotos::remove_all() {
   const std::scoped_lock lock(mutex_);
-  std::error_code error;
-  fs::remove_all(folder_, error);
-  if (error) return fail("{}: could not be removed: {}", folder_.string(), error.message());
-  return {};
+  return remove_folder(folder_);
 }
 
 }  // namespace roomwise::live

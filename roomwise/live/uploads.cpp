@@ -8,6 +8,7 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
+#include "roomwise/live/remove_folder.h"
 #include "roomwise/service/json_members.h"
 
 namespace roomwise::live {
@@ -182,10 +183,7 @@ Expected<void> Uploads::remove(const std::string& id) {
 
 Expected<void> Uploads::remove_all() {
   const std::scoped_lock lock(mutex_);
-  std::error_code error;
-  fs::remove_all(folder_, error);
-  if (error) return fail("{}: could not be removed: {}", folder_.string(), error.message());
-  return {};
+  return remove_folder(folder_);
 }
 
 }  // namespace roomwise::live

@@ -16,7 +16,7 @@ namespace roomwise::live {
 
 struct UploadLimits {
   std::uint64_t max_bytes = std::uint64_t{32} << 30U;     // of one file
-  std::size_t max_uploads = 4;                            // that are not complete, at once
+  std::size_t max_uploads = 4;                            // that wait at once, complete or not
   std::uint64_t reserve_bytes = std::uint64_t{1} << 30U;  // of the disk, that stay free
   // How many bytes are free where a file lies.
   std::function<Expected<std::uint64_t>(const std::filesystem::path&)> free_bytes = {};
