@@ -56,9 +56,11 @@ int print_answer(const Answer& answer, const Context& context) {
   std::cout << (context.json ? json : answer.text);
   std::cout.flush();
   if (!std::cout) return print_failure("standard output: cannot be written");
-  if (context.json_file.empty()) return kDone;
-  const Expected<void> written = write_file(context.json_file, json);
-  return written ? kDone : print_failure(written.error().message);
+  if (!context.json_file.empty()) {
+    const Expected<void> written = write_file(context.json_file, json);
+    if (!written) return print_failure(written.error().message);
+  }
+  return answer.is_good ? kDone : kFailed;
 }
 
 Expected<Answer> carry_out(const std::function<Expected<Answer>()>& body) {

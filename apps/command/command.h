@@ -24,6 +24,8 @@ using Json = nlohmann::ordered_json;
 struct Answer {
   std::string text;  // lines, each with its line end
   Json json;
+  bool is_good =
+      true;  // otherwise the exit code is 1, though all was done: a check found something
 };
 
 // What every command is given: the options that all commands share, and the means to report.

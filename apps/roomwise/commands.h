@@ -6,6 +6,8 @@
 namespace roomwise::app {
 
 void add_info_command(CLI::App& app, Context& context);
+void add_check_command(CLI::App& app, Context& context);
+void add_backup_commands(CLI::App& app, Context& context);
 void add_record_command(CLI::App& app, Context& context);
 void add_optimize_command(CLI::App& app, Context& context);
 void add_concepts_commands(CLI::App& app, Context& context);

@@ -14,6 +14,8 @@ int main(int argc, char** argv) {
   Context context;
 
   add_info_command(app, context);
+  add_check_command(app, context);
+  add_backup_commands(app, context);
   add_record_command(app, context);
   add_map_command(app, context);
   add_forget_command(app, context);

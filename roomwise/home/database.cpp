@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstring>
 
+#include "roomwise/home/page_checksums.h"
+
 namespace roomwise::home {
 namespace {
 
@@ -34,6 +36,12 @@ Error describe_error(sqlite3* connection, const std::string& file) {
   const int system_error = sqlite3_system_errno(connection);
   const std::string detail =
       system_error != 0 ? std::strerror(system_error) : sqlite3_errmsg(connection);
+  if (code == kWrongChecksum) {
+    return {
+        fmt::format("{0}: is damaged (a page differs from its checksum); put back a copy of it, or "
+                    "see what is left of it with: roomwise check {0}",
+                    file)};
+  }
   switch (code & 0xff) {
     case SQLITE_FULL:
       return {
@@ -50,8 +58,8 @@ Error describe_error(sqlite3* connection, const std::string& file) {
                       file)};
     case SQLITE_CORRUPT:
       return {
-          fmt::format("{0}: is damaged ({1}); put back a copy of it, or save what can be read "
-                      "with: sqlite3 {0} .recover",
+          fmt::format("{0}: is damaged ({1}); put back a copy of it, or see what is left of it "
+                      "with: roomwise check {0}",
                       file, sqlite3_errmsg(connection))};
     case SQLITE_READONLY:
       return {
@@ -138,10 +146,12 @@ Expected<Database> Database::open(const std::filesystem::path& path, Access acce
     return fail("{}: is a folder; expected a home file", path.string());
   }
   if (!std::filesystem::exists(path, ignored)) return fail("{}: no such file", path.string());
+  if (checksum_vfs() == nullptr) return fail("SQLite cannot be made ready on this machine");
   const int flags = access == Access::kReadWrite ? SQLITE_OPEN_READWRITE : SQLITE_OPEN_READONLY;
   sqlite3* connection = nullptr;
-  const int result = sqlite3_open_v2(uri(path, access == Access::kImmutable).c_str(), &connection,
-                                     flags | SQLITE_OPEN_URI | SQLITE_OPEN_EXRESCODE, nullptr);
+  const int result =
+      sqlite3_open_v2(uri(path, access == Access::kImmutable).c_str(), &connection,
+                      flags | SQLITE_OPEN_URI | SQLITE_OPEN_EXRESCODE, checksum_vfs());
   Database database(connection, path.string());
   if (result != SQLITE_OK) return Unexpected(describe_error(connection, database.file_));
   // SQLite falls back to reading where it may not write.
@@ -182,6 +192,7 @@ Expected<DatabaseHeader> Database::header() const {
   // The layout: https://www.sqlite.org/fileformat2.html, section 1.3.
   header.is_sqlite = std::memcmp(bytes.data(), "SQLite format 3", 16) == 0;
   header.user_version = static_cast<std::int32_t>(big_endian_32(&bytes[60]));
+  header.reserved_bytes = bytes[20];
   header.application_id = big_endian_32(&bytes[68]);
   const std::uint64_t page_size = std::uint64_t{bytes[16]} << 8 | std::uint64_t{bytes[17]};
   const bool page_count_is_valid = big_endian_32(&bytes[24]) == big_endian_32(&bytes[92]);
@@ -194,6 +205,21 @@ Expected<DatabaseHeader> Database::header() const {
 Expected<void> Database::run_script(const std::string& sql) {
   if (sqlite3_exec(handle(), sql.c_str(), nullptr, nullptr, nullptr) == SQLITE_OK) return {};
   return Unexpected(describe_error(handle(), file_));
+}
+
+Expected<void> Database::copy_to(Database& copy) const {
+  struct Finisher {
+    void operator()(sqlite3_backup* backup) const { sqlite3_backup_finish(backup); }
+  };
+  std::unique_ptr<sqlite3_backup, Finisher> backup(
+      sqlite3_backup_init(copy.handle(), "main", handle(), "main"));
+  if (!backup) return Unexpected(describe_error(copy.handle(), copy.file_));
+  const int result = sqlite3_backup_step(backup.get(), -1);
+  if (result == SQLITE_DONE) return {};
+  backup.reset();
+  const bool is_source = sqlite3_errcode(copy.handle()) == SQLITE_OK;
+  return Unexpected(is_source ? describe_error(handle(), file_)
+                              : describe_error(copy.handle(), copy.file_));
 }
 
 Expected<Statement> Database::prepare_sql(std::string_view sql) const {

@@ -79,6 +79,7 @@ struct DatabaseHeader {
   bool is_sqlite = false;  // the rest is meaningful only then
   std::uint32_t application_id = 0;
   std::int32_t user_version = 0;
+  int reserved_bytes = 0;            // at the end of each page
   std::uint64_t expected_bytes = 0;  // pages times page size; 0 where the header does not know
   std::uint64_t file_bytes = 0;      // of the file itself, also where it is no database
 };
@@ -131,6 +132,8 @@ class Database {
   }
   // Carries out several statements without parameters.
   [[nodiscard]] Expected<void> run_script(const std::string& sql);
+  // All that is here takes the place of all that `copy` holds; others may write here meanwhile.
+  [[nodiscard]] Expected<void> copy_to(Database& copy) const;
   // Calls visit(statement) for every row of the result. A visit that returns Expected<void> ends it
   // with an error.
   template <typename Visit, typename... Values>

@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "roomwise/home/content_digest.h"
+#include "roomwise/home/page_checksums.h"
 #include "roomwise/home/schema.h"
 #include "roomwise/home/stored_values.h"
 
@@ -48,6 +49,12 @@ Expected<void> check_header(const Database& database) {
         "map' wrote",
         file);
   }
+  if (header.reserved_bytes != kChecksumBytes) {
+    return fail(
+        "{}: is damaged, or was made before this version: its pages have no checksums; put back a "
+        "copy of it, or map its recordings anew",
+        file);
+  }
   ROOMWISE_CHECK_OK(check_version(file, header.user_version));
   // A write-ahead log or a journal may make it whole.
   if (header.file_bytes < header.expected_bytes && !has_part_beside(file, "-wal") &&
@@ -74,9 +81,10 @@ Expected<void> run_check(const Database& database, const std::string& pragma) {
   ROOMWISE_TRY(const std::string answer, database.get<std::string>(pragma));
   if (answer == "ok") return {};
   return fail(
-      "{0}: is damaged ({1}); put back a copy of it, or save what can be read with: sqlite3 "
-      "{0} .recover",
-      database.file(), answer.substr(0, answer.find('\n')));
+      "{0}: is damaged ({1}); put back a copy of it, or see what is left of it with: roomwise "
+      "check "
+      "{0}",
+      database.file(), answer.substr(answer.rfind('\n') + 1));
 }
 
 Expected<void> check_all_but_images(const Database& database) {
@@ -126,7 +134,7 @@ void set_checkpoint_on_close(Database& database, bool on) {
 }
 
 Expected<void> make_empty_file(const std::filesystem::path& path) {
-  const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
+  const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
   if (file < 0 && errno == EEXIST) {
     return fail("{}: exists already; choose another name, or go on with it by --resume",
                 path.string());
@@ -165,6 +173,7 @@ Expected<Home> Home::create(const std::filesystem::path& path, const OpenOptions
   const auto make = [&]() -> Expected<Home> {
     ROOMWISE_TRY(Database database, Database::open(path, Database::Access::kReadWrite));
     ROOMWISE_TRY(WriterLock lock, WriterLock::take(path));
+    ROOMWISE_CHECK_OK(keep_checksums(database.handle(), database.file()));
     ROOMWISE_CHECK_OK(configure(database));
     ROOMWISE_CHECK_OK(create_tables(database));
     ROOMWISE_CHECK_OK(begin_writing(database));
@@ -258,17 +267,28 @@ Expected<std::string> Home::content_digest() const {
   });
 }
 
-Expected<void> Home::verify() const {
-  ROOMWISE_CHECK_OK(run_check(database_, "PRAGMA integrity_check"));
-  ROOMWISE_TRY(const auto table,
-               database_.find<std::string>("SELECT \"table\" FROM pragma_foreign_key_check"));
-  if (table) {
-    return fail(
-        "{}: is damaged: a row of table '{}' belongs to one that is not there; put back a copy "
-        "of it",
-        file(), *table);
+Expected<void> Home::copy_to(const std::filesystem::path& path) const {
+  std::filesystem::path partial = path;
+  partial += ".part";
+  std::error_code ignored;
+  if (std::filesystem::exists(path, ignored)) {
+    return fail("{}: exists already; choose another name", path.string());
   }
-  return cipher_ ? authenticate_images() : Expected<void>();
+  std::filesystem::remove(partial, ignored);  // of a copy that was stopped
+  const auto copy = [&]() -> Expected<void> {
+    ROOMWISE_CHECK_OK(make_empty_file(partial));
+    {
+      ROOMWISE_TRY(Database target, Database::open(partial, Database::Access::kReadWrite));
+      ROOMWISE_CHECK_OK(database_.copy_to(target));
+    }
+    ROOMWISE_TRY(const Home copied, open_read_only(partial));
+    return copied.verify();
+  };
+  Expected<void> copied = copy();
+  if (copied && ::rename(partial.c_str(), path.c_str()) == 0) return {};
+  if (copied) copied = fail("{}: cannot be made: {}", path.string(), std::strerror(errno));
+  std::filesystem::remove(partial, ignored);
+  return copied;
 }
 
 Expected<void> Home::erase_removed() {

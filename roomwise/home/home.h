@@ -201,6 +201,21 @@ struct OpenOptions {
   std::shared_ptr<const Passphrase> passphrase = nullptr;
 };
 
+// What a check found.
+struct HomeCheck {
+  std::uint64_t pages = 0;                          // of the file
+  std::vector<std::uint64_t> damaged_pages;         // from 1; free ones may be among them
+  std::vector<std::string> damaged_tables;          // not all of their rows can be read
+  std::map<KeyframeId, std::string> lost_pictures;  // why a key-frame's images cannot be read
+  std::vector<std::string> broken_references;  // tables with rows that belong to one that is gone
+  std::vector<std::string> doubtful_cameras;   // a recording, and what is unusual about its camera
+
+  [[nodiscard]] bool is_whole() const {
+    return damaged_pages.empty() && damaged_tables.empty() && lost_pictures.empty() &&
+           broken_references.empty();
+  }
+};
+
 // A home: one file, a SQLite database, that holds what was mapped and learned. It stores and finds,
 // and knows no algorithm.
 //
@@ -365,9 +380,13 @@ class Home {
   // SHA-256 over all content but the times: equal for homes that hold the same, however they were
   // written, protected or not.
   [[nodiscard]] Expected<std::string> content_digest() const;
-  // Reads the whole file, images too, and fails at the first damage. Sealed pictures are opened
-  // where the home was opened with its passphrase; else only the file is known to be whole.
+  // Reads the whole file, images too. Sealed pictures are opened where the home was opened with its
+  // passphrase; else only the file is known to be whole.
+  [[nodiscard]] Expected<HomeCheck> check() const;
+  // The same, and fails where something is damaged.
   [[nodiscard]] Expected<void> verify() const;
+  // Writes a whole copy, also while another program writes the home. Fails where the file exists.
+  [[nodiscard]] Expected<void> copy_to(const std::filesystem::path& path) const;
   // Writes the file anew without what was removed, whose bytes stay in it until then, and empties
   // NAME-wal. Takes as long as copying the file. Fails while somebody else reads the home.
   [[nodiscard]] Expected<void> erase_removed();
@@ -408,7 +427,7 @@ class Home {
                                                      Bytes picture) const;
   [[nodiscard]] Expected<Bytes> decrypt_if_sealed(KeyframeId keyframe, PictureKind kind,
                                                   Bytes stored) const;
-  [[nodiscard]] Expected<void> authenticate_images() const;
+  [[nodiscard]] Expected<std::map<KeyframeId, std::string>> unreadable_pictures() const;
   // Seals every picture, or opens every one.
   [[nodiscard]] Expected<std::size_t> convert_pictures(bool to_sealed);
   [[nodiscard]] Expected<void> renumber_keyframes();

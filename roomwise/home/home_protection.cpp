@@ -139,19 +139,6 @@ Expected<void> Home::reseal_pictures(KeyframeId first, KeyframeId shift) {
   return {};
 }
 
-Expected<void> Home::authenticate_images() const {
-  for (const PictureColumn& column : kPictureColumns) {
-    ROOMWISE_CHECK_OK(database_.for_each(
-        fmt::format("SELECT keyframe_id, {} FROM {}", column.column, column.table),
-        [&](const Statement& row) -> Expected<void> {
-          ROOMWISE_CHECK_OK(
-              decrypt_if_sealed(row.column<KeyframeId>(0), column.kind, row.column<Bytes>(1)));
-          return {};
-        }));
-  }
-  return {};
-}
-
 Expected<Bytes> Home::encrypt_if_protected(KeyframeId keyframe, PictureKind kind,
                                            Bytes picture) const {
   if (is_locked()) return Unexpected(locked_error());

@@ -27,7 +27,7 @@ Expected<WriterLock> WriterLock::take(const std::filesystem::path& path) {
   std::filesystem::path lock_path = path;
   lock_path += "-lock";
   for (;;) {
-    const int descriptor = ::open(lock_path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+    const int descriptor = ::open(lock_path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
     if (descriptor < 0) {
       return fail("{}: cannot be written: {} ({}); to write a home, its folder must be writable",
                   path.string(), std::strerror(errno), lock_path.string());

@@ -94,6 +94,8 @@ Expected<void> make_empty_folder(const std::filesystem::path& folder) {
     if (!std::filesystem::create_directories(part, error) && error) {
       return fail("{}: cannot be made: {}", part.string(), error.message());
     }
+    // Pictures of where somebody lives are for nobody else on the machine.
+    std::filesystem::permissions(part, std::filesystem::perms::owner_all, error);
   }
   return {};
 }
