@@ -40,6 +40,13 @@ if(CCACHE)
     ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros ${CCACHE})
 endif()
 
+# What is compiled as part of a module can also become part of a shared library (Python's, or a user's). Names stay within
+# it, so that the code is what a program's would be: calls are direct and can be inlined.
+function(roomwise_compile_for_sharing target)
+  set_target_properties(${target} PROPERTIES
+    POSITION_INDEPENDENT_CODE ON CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
+endfunction()
+
 # Half of what the compiler reads are the same few headers of libraries, so they are compiled once for all
 # modules (roomwise_module_headers) and once for all tests (roomwise_test_headers). The sanitizers' presets
 # do without, which keeps every file including what it uses.
@@ -70,6 +77,7 @@ function(roomwise_module name)
     add_library(roomwise_${name} STATIC ${ARG_SOURCES})
     set(visibility PUBLIC)
     target_link_libraries(roomwise_${name} PRIVATE ${ARG_PRIVATE_LINKS})
+    roomwise_compile_for_sharing(roomwise_${name})
     target_precompile_headers(roomwise_${name} REUSE_FROM roomwise_module_headers)
     roomwise_compile_in_batches(roomwise_${name})
   else()

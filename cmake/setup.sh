@@ -6,7 +6,7 @@ heading() { printf '\n== %s\n' "$*"; }
 stop() { printf '%s: %s\n' "$(basename "$0")" "$*" >&2; exit 1; }
 
 # install_missing_packages PART ...: installs what is missing of what cmake/packages.txt lists for these parts (product,
-# laboratory, tests). Quick and without network when nothing is.
+# laboratory, python, tests). Quick and without network when nothing is.
 install_missing_packages() {
   if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
     echo "This is no Debian system: the packages of cmake/packages.txt are taken to be installed." >&2

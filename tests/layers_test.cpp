@@ -26,8 +26,8 @@ struct Arrow {
 
 std::vector<Arrow> arrows_of(const fs::path& root) {
   std::vector<Arrow> arrows;
-  const std::regex include(R"(#include \"((?:roomwise|laboratory)/[^\"]+)\")");
-  for (const char* top : {"roomwise", "laboratory", "apps"}) {
+  const std::regex include(R"(#include \"((?:roomwise|laboratory|python)/[^\"]+)\")");
+  for (const char* top : {"roomwise", "laboratory", "apps", "python"}) {
     for (const auto& entry : fs::recursive_directory_iterator(root / top)) {
       const std::string extension = entry.path().extension();
       if (extension != ".h" && extension != ".cpp") continue;
@@ -105,6 +105,15 @@ TEST_F(LayersTest, TheProductKnowsNothingOfTheLaboratory) {
     const bool is_laboratory =
         arrow.from.starts_with("laboratory/") || arrow.from.starts_with("apps/roomwise-lab/");
     if (!is_laboratory && arrow.to.starts_with("laboratory/"))
+      climbing.push_back(arrow.from + " -> " + arrow.to);
+  }
+  EXPECT_THAT(climbing, IsEmpty());
+}
+
+TEST_F(LayersTest, NothingIncludesThePythonPackage) {
+  std::vector<std::string> climbing;
+  for (const Arrow& arrow : arrows_) {
+    if (arrow.to.starts_with("python/") && !arrow.from.starts_with("python/"))
       climbing.push_back(arrow.from + " -> " + arrow.to);
   }
   EXPECT_THAT(climbing, IsEmpty());
