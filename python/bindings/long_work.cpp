@@ -80,6 +80,10 @@ std::optional<py::error_already_set> AttendedProgress::attend(const py::object& 
     } catch (py::error_already_set& error) {
       raised.emplace(std::move(error));
       stop();
+    } catch (const std::exception& error) {  // what cannot be told in Python
+      PyErr_SetString(PyExc_RuntimeError, error.what());
+      raised.emplace();
+      stop();
     }
     if (news.is_over) return raised;
     if (news.is_awaited) release();

@@ -1,5 +1,6 @@
 """What fails says what is wrong and how to mend it."""
 
+import os
 import pathlib
 import unittest
 
@@ -16,6 +17,14 @@ class Failures(unittest.TestCase):
         self.assertIs(raised.exception.code, roomwise.ErrorCode.FAILED)
         self.assertIsInstance(raised.exception, Exception)
         self.assertNotIsInstance(raised.exception, ValueError)
+
+    def test_a_name_that_is_no_utf_8_is_told_as_python_tells_it(self):
+        path = os.fsdecode(bytes(made_up.scratch_folder()) + b"/w\xff")
+        with self.assertRaises(roomwise.Error) as raised:
+            roomwise.read_recording(path)
+        self.assertIn(path, str(raised.exception))
+        made_up.write_recording(pathlib.Path(path), frames=1)
+        self.assertEqual(len(roomwise.read_recording(path)), 1)
 
     def test_a_file_that_is_no_home_is_an_error(self):
         path = made_up.scratch_folder() / "not.home"

@@ -1,0 +1,32 @@
+"""What cmake --install puts somewhere can be imported from there."""
+
+import os
+import subprocess
+import sys
+import unittest
+
+import made_up
+
+
+class Installed(unittest.TestCase):
+    @unittest.skipUnless("ROOMWISE_BUILD" in os.environ, "run it by ctest")
+    def test_the_package_alone_is_installed_and_says_its_version(self):
+        prefix = made_up.scratch_folder()
+        cmake, build = os.environ["ROOMWISE_CMAKE"], os.environ["ROOMWISE_BUILD"]
+        command = [cmake, "--install", build, "--component", "python", "--prefix", str(prefix)]
+        subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
+        self.assertEqual([path.name for path in prefix.iterdir()], ["lib"])
+        (package,) = prefix.glob("lib/*/dist-packages/roomwise")
+        files = {path.name for path in package.iterdir()}
+        self.assertLessEqual({"__init__.py", "__init__.pyi", "_errors.py", "py.typed"}, files)
+        code = (
+            "import importlib.metadata, roomwise; print(roomwise.__file__); "
+            "print(roomwise.__version__ == importlib.metadata.version('roomwise'))"
+        )
+        environment = {**os.environ, "PYTHONPATH": str(package.parent)}
+        said = subprocess.run([sys.executable, "-c", code], env=environment, check=True, capture_output=True, text=True)
+        self.assertEqual(said.stdout.split(), [str(package / "__init__.py"), "True"])
+
+
+if __name__ == "__main__":
+    unittest.main()
