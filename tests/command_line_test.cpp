@@ -129,6 +129,46 @@ constexpr const char* kTwoPoses =
     "EDGE_SE3:QUAT 0 1 1 0 0 0 0 0 1 1 0 0 0 0 0 1 0 0 0 0 1 0 0 0 1 0 0 1 0 1\n"
     "EDGE_SE3:QUAT 0 1 1.2 0 0 0 0 0 1 1 0 0 0 0 0 1 0 0 0 0 1 0 0 0 1 0 0 1 0 1\n";
 
+// The paths of a command and of all below it, as "help --json" tells them.
+void collect_commands(const nlohmann::json& command, std::vector<std::string>& paths) {
+  paths.push_back(command.at("command"));
+  for (const auto& below : command.at("commands")) collect_commands(below, paths);
+}
+
+TEST(Help, TellsProgramsOfEveryCommandThatPeopleAreToldOf) {
+  std::vector<std::string> paths;
+  collect_commands(testing::result_of({"help"}), paths);
+  EXPECT_THAT(paths, ::testing::Contains("roomwise rooms learn"));
+  const auto below = [&](const std::string& path) {
+    Words names;
+    for (const std::string& other : paths) {
+      const std::string name = other.substr(std::min(other.size(), path.size() + 1));
+      if (other.starts_with(path + " ") && name.find(' ') == std::string::npos)
+        names.push_back(name);
+    }
+    return names;
+  };
+  EXPECT_EQ(below("roomwise"), subcommands_in(run_roomwise({"--help"}).output));
+  EXPECT_EQ(below("roomwise rooms"), subcommands_in(run_roomwise({"rooms", "--help"}).output));
+}
+
+TEST(Help, SaysOfACommandWhatItSaysItself) {
+  EXPECT_EQ(run_roomwise({"help", "rooms", "learn"}).output,
+            run_roomwise({"rooms", "learn", "--help"}).output);
+  expect_failure(run_roomwise({"help", "rooms", "paint"}), 1,
+                 "'paint' is no command of roomwise rooms");
+}
+
+TEST(Help, WritesWhatShellsAndManRead) {
+  EXPECT_THAT(run_roomwise({"help", "--as", "bash"}).output, HasSubstr("complete -o default"));
+  EXPECT_THAT(run_roomwise({"help", "--as", "zsh"}).output, StartsWith("#compdef roomwise\n"));
+  const ScratchFolder folder;
+  EXPECT_EQ(run_roomwise({"help", "rooms", "--manual", folder.path()}).exit_code, 0);
+  const auto page = read_text_file(folder / "roomwise-rooms-learn.1");
+  ASSERT_OK(page);
+  EXPECT_EQ(*page, run_roomwise({"help", "rooms", "learn", "--as", "man"}).output);
+}
+
 TEST(Optimize, PrintsTheErrorBeforeAndAfterAndWritesTheGraph) {
   const ScratchFolder folder;
   ASSERT_OK(write_file(folder / "in.g2o", kTwoPoses));

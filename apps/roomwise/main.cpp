@@ -33,5 +33,6 @@ int main(int argc, char** argv) {
   add_protect_command(app, context);
   add_networks_commands(app, context);
   add_laboratory_commands(app, context);
+  add_help_command(app, context);
   return run(app, context, argc, argv);
 }
