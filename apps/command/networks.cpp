@@ -1,5 +1,6 @@
 #include "networks.h"
 
+#include <dlfcn.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -127,6 +128,18 @@ Expected<std::unique_ptr<network::OnnxClassifier>> load_network(
   return network::OnnxClassifier::create(std::move(read), file);
 }
 
+// The program, or the shared library that this is compiled into: Python's.
+fs::path file_of_this_code() {
+  static const char in_this_code = 0;
+  Dl_info info{};
+  if (dladdr(&in_this_code, &info) != 0 && fs::path(info.dli_fname).extension() == ".so") {
+    return fs::absolute(info.dli_fname);
+  }
+  std::error_code error;
+  const fs::path program = fs::read_symlink("/proc/self/exe", error);
+  return error ? fs::path() : program;
+}
+
 }  // namespace
 
 Expected<fs::path> own_network_folder() {
@@ -155,11 +168,16 @@ std::vector<fs::path> network_folders() {
 }
 
 std::optional<fs::path> brought_network_folder() {
-  std::error_code error;
-  const fs::path program = fs::read_symlink("/proc/self/exe", error);
-  const fs::path folder = program.parent_path().parent_path() / "share" / "roomwise" / "networks";
-  if (error || !fs::is_directory(folder, error)) return std::nullopt;
-  return folder;
+  // bin/ of a build or of an installation, or deeper: a Python package has folders of its own.
+  constexpr int kMaxDepth = 5;
+  std::error_code ignored;
+  fs::path prefix = file_of_this_code().parent_path();
+  for (int depth = 1; depth < kMaxDepth && prefix.has_relative_path(); ++depth) {
+    prefix = prefix.parent_path();
+    const fs::path folder = prefix / "share" / "roomwise" / "networks";
+    if (fs::is_directory(folder, ignored)) return folder;
+  }
+  return std::nullopt;
 }
 
 Expected<std::vector<fs::path>> usable_networks() {

@@ -60,7 +60,8 @@ void add_network_options(CLI::App& command, NetworkOptions& options);
 // (ROOMWISE_MODELS), then the user's own. Only folders that are there.
 [[nodiscard]] std::vector<std::filesystem::path> network_folders();
 
-// The folder of networks that come with Roomwise: ../share/roomwise/networks of the program's.
+// The folder of networks that come with Roomwise: share/roomwise/networks beside the program's
+// folder, or beside one above the Python package's.
 [[nodiscard]] std::optional<std::filesystem::path> brought_network_folder();
 
 // The networks of network_folders() that look at whole pictures, by their cards, in the order of

@@ -1,11 +1,13 @@
 """A recording becomes a home; what a home says; how long work is told of and interrupted."""
 
 import gc
+import os
 import pathlib
 import shutil
 import signal
 import threading
 import unittest
+import unittest.mock
 
 import numpy as np
 
@@ -300,6 +302,19 @@ class Interruptions(unittest.TestCase):
         self.assertEqual(report.frames, 19)
         (text,) = report.damaged
         self.assertIn("0.500000.png", text)
+
+
+class InstalledNetworks(unittest.TestCase):
+    def test_where_no_other_is_installed_the_one_that_comes_with_roomwise_looks(self):
+        folder = made_up.scratch_folder()
+        walk = made_up.write_recording(folder / "walk", FRAMES)
+        (folder / "nothing").mkdir()
+        nowhere = {"ROOMWISE_MODELS": str(folder / "nothing"), "XDG_DATA_HOME": str(folder / "nothing")}
+        with unittest.mock.patch.dict(os.environ, nowhere):
+            roomwise.map_recording(walk, folder / "my.home")
+            roomwise.learn_rooms(folder / "my.home", variants=0)
+            recognizer = roomwise.open_home(folder / "my.home").recognizer()
+            self.assertEqual(recognizer.recognize(made_up.color_of(5)).rooms[0][0], "hall")
 
 
 class ProtectedHomes(unittest.TestCase):
