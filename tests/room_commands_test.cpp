@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 
 #include "made_up_recording.h"
@@ -223,6 +224,23 @@ TEST_F(RoomCommandsTest, RoomsAreNamedByFramesAndByTime) {
       run_roomwise({"rooms", "name", "--home", home, "--frames", "9 to 12 is the porch"});
   EXPECT_EQ(wrong.exit_code, 1);
   EXPECT_THAT(wrong.errors, HasSubstr("FIRST-LAST=ROOM"));
+}
+
+TEST_F(RoomCommandsTest, WhatTheWalksLackIsTold) {
+  const std::string home = copy_of_home("coverage.home");
+  const std::vector<std::string> command{"rooms", "coverage", "--home", home};
+  const json found = result_of(command);
+  ASSERT_EQ(found.at("rooms").size(), 2U);
+  const json& hall = found.at("rooms")[0];
+  EXPECT_EQ(hall.at("room"), "hall");
+  ASSERT_EQ(hall.at("walks").size(), 1U);
+  EXPECT_GT(hall.at("walks")[0].at("light").at("brightness"), 0);
+  EXPECT_EQ(hall.at("several_lights"), false);
+  const json& missing = found.at("missing");
+  EXPECT_TRUE(std::ranges::any_of(missing, [](const json& one) {
+    return one.at("what") == "second walk" && one.at("room") == "hall";
+  })) << missing;
+  EXPECT_THAT(run(command).output, HasSubstr("hall: only one walk saw it"));
 }
 
 TEST_F(RoomCommandsTest, WhatIsSaidOfObjectsIsKeptUntilItIsUnsaid) {

@@ -229,6 +229,31 @@ TEST_F(ThingsCommandsTest, WhatStandsThereNoMoreIsListed) {
   EXPECT_EQ(run({"objects", "list", "--past", "--rule", "paper", "--home", home}).exit_code, 2);
 }
 
+// ---- objects history ----
+
+TEST_F(ThingsCommandsTest, WhatBecameOfThingsIsToldWalkByWalk) {
+  const std::string home = copy_of_home("history.home");
+  const json told = result_of({"objects", "history", "--home", home});
+  EXPECT_EQ(told.at("walks").size(), 1U);
+  EXPECT_EQ(told.at("changed_by_newest").size(), 0U);
+  ASSERT_EQ(told.at("things").size(), mapped_.at("instances").get<std::size_t>());
+  const json& thing = told.at("things")[0];
+  EXPECT_FALSE(thing.at("gone"));
+  EXPECT_EQ(thing.at("walks")[0].at("what"), "found");
+  EXPECT_EQ(thing.at("last_seen").at("walk"), told.at("walks")[0]);
+  EXPECT_THAT(run({"objects", "history", "--home", home}).output,
+              AllOf(HasSubstr("toilet seat"), HasSubstr("found by"),
+                    HasSubstr("one walk alone is on the map")));
+  const json listed = result_of({"objects", "list", "--home", home}).at("objects")[0];
+  EXPECT_EQ(listed.at("last_seen"), thing.at("last_seen"));
+  EXPECT_EQ(listed.at("walks"), thing.at("walks"));
+  EXPECT_EQ(result_of({"objects", "history", "--home", home, "toilet seat"}).at("things").size(),
+            told.at("things").size());
+  const ProgramResult none = run({"objects", "history", "--home", home, "dragon"});
+  EXPECT_EQ(none.exit_code, 1);
+  EXPECT_THAT(none.errors, HasSubstr("no walk showed a thing called dragon"));
+}
+
 // ---- optimize ----
 
 TEST_F(ThingsCommandsTest, ThingsAreJoinedAnewWhereOptimizingMovesKeyframes) {

@@ -23,6 +23,7 @@ void add_map_command(CLI::App& app, Context& context);
 void add_forget_command(CLI::App& app, Context& context);
 void add_rooms_commands(CLI::App& app, Context& context);
 void add_layout_command(CLI::App& group, Context& context);         // of "rooms"
+void add_coverage_command(CLI::App& group, Context& context);       // likewise
 void add_room_objects_commands(CLI::App& group, Context& context);  // likewise
 void add_networks_commands(CLI::App& app, Context& context);
 void add_networks_looks(CLI::App& group, Context& context);     // of "networks"

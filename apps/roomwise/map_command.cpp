@@ -6,6 +6,7 @@
 #include "camera_option.h"
 #include "command_run.h"
 #include "commands.h"
+#include "history_words.h"
 #include "networks.h"
 #include "open_home.h"
 #include "paths.h"
@@ -165,6 +166,22 @@ std::string to_text(const pipeline::MapSummary& summary, const std::vector<std::
   return text;
 }
 
+// What the walk changed of what the walks before it had shown.
+Expected<void> add_changes(const home::Home& home, Answer& answer) {
+  answer.json["changes"] = Json::array();
+  ROOMWISE_TRY(const auto recordings, home.recordings());
+  if (recordings.size() < 2) return {};
+  ROOMWISE_TRY(const HistoryWords words, HistoryWords::of(home));
+  const home::RecordingId walk = recordings.back().id;
+  answer.json["changes"] = words.changes_json(walk);
+  const char* label = "changed    ";
+  for (const std::string& one : words.changes(walk)) {
+    answer.text += fmt::format("{} {}\n", label, one);
+    label = "           ";
+  }
+  return {};
+}
+
 // Of the frames that --skip-damaged left out.
 std::string damage_text(const std::vector<std::string>& damage) {
   if (damage.empty()) return "";
@@ -279,6 +296,7 @@ Expected<Answer> map(const MapOptions& options, Context& context) {
                  {"objects", summary.objects},
                  {"instances", summary.instances},
                  {"home", options.home.string()}};
+  ROOMWISE_CHECK_OK(add_changes(home, answer));
   if (options.skip_damaged) answer.json["damaged"] = frames.damage();
   add_stages(answer, run.clock);
   answer.json["cpu_s"] = process_cpu_time_s();

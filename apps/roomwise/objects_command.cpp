@@ -4,6 +4,7 @@
 
 #include "command_run.h"
 #include "commands.h"
+#include "history_words.h"
 #include "networks.h"
 #include "open_home.h"
 #include "pose_json.h"
@@ -66,7 +67,19 @@ void add(Answer& answer, const objects::PaperObject& object, const Places& place
                                     {"room", word_or_null(room)}});
 }
 
-void add(Answer& answer, const objects::Instance& instance, const Places& places) {
+// Of when a thing was seen, and by which walks; nothing of what none of them showed.
+Json seen_json(const objects::Instance& instance, const HistoryWords& words) {
+  const pipeline::ThingHistory* const history = words.history().of(instance);
+  if (history == nullptr) {
+    return {{"first_seen", nullptr}, {"last_seen", nullptr}, {"walks", Json::array()}};
+  }
+  return {{"first_seen", words.sighting_json(history->first_seen)},
+          {"last_seen", words.sighting_json(history->last_seen)},
+          {"walks", words.events_json(*history)}};
+}
+
+void add(Answer& answer, const objects::Instance& instance, const Places& places,
+         const HistoryWords& words) {
   const home::Keyframe& keyframe = places.keyframes.at(instance.keyframe_id);
   const std::string room = places.room_of(instance.keyframe_id);
   const geometry::OrientedBox box = instance.box_world(keyframe.pose.world_from_keyframe);
@@ -93,6 +106,7 @@ void add(Answer& answer, const objects::Instance& instance, const Places& places
        {"size_m", xyz(box.size_m)},
        {"sigma_m", xyz(instance.sigma_m)},
        {"room", word_or_null(room)}});
+  answer.json["objects"].back().update(seen_json(instance, words));
 }
 
 Expected<Answer> list_found(const home::Home& home, const std::string& rule) {
@@ -110,7 +124,8 @@ Expected<Answer> list_found(const home::Home& home, const std::string& rule) {
           home.file());
     }
     ROOMWISE_TRY(const auto instances, home.instances());
-    for (const objects::Instance& instance : instances) add(answer, instance, places);
+    ROOMWISE_TRY(const HistoryWords words, HistoryWords::of(home));
+    for (const objects::Instance& instance : instances) add(answer, instance, places, words);
   }
   if (answer.text.empty()) answer.text = "no objects were found in this home\n";
   return answer;
@@ -132,6 +147,31 @@ void add(Answer& answer, const home::PastInstance& past, const home::Visit& noti
                                  {"first_seen_s", seconds_between(0, past.first_seen_ns)},
                                  {"last_seen_s", seconds_between(0, past.last_seen_ns)},
                                  {"noticed_by", past.noticed_by},
+                                 {"noticed_by_walk", nullptr},
+                                 {"piece", keyframe.pose.component},
+                                 {"position_world_m", xyz(at)},
+                                 {"room", word_or_null(room)}});
+}
+
+// The same of what a walk that joined the map found gone.
+void add(Answer& answer, const pipeline::ThingHistory& gone, const HistoryWords& words,
+         const Places& places) {
+  const objects::Instance& thing = gone.thing;
+  const home::Keyframe& keyframe = places.keyframes.at(thing.keyframe_id);
+  const std::string room = words.room(thing);
+  const std::string& noticed_by = words.walks().name(gone.events.back().walk);
+  const Eigen::Vector3d at = thing.box_world(keyframe.pose.world_from_keyframe).center();
+  answer.text += fmt::format(
+      "{:<16} {:<5}  stood at {:.2f} {:.2f} {:.2f} m{}; seen from {} to {} s; noticed by {}\n",
+      thing.name, "gone", at.x(), at.y(), at.z(), room.empty() ? "" : ", " + room,
+      format_timestamp(gone.first_seen.time_ns), format_timestamp(gone.last_seen.time_ns),
+      noticed_by);
+  answer.json["past"].push_back({{"name", thing.name},
+                                 {"became", "gone"},
+                                 {"first_seen_s", seconds_between(0, gone.first_seen.time_ns)},
+                                 {"last_seen_s", seconds_between(0, gone.last_seen.time_ns)},
+                                 {"noticed_by", nullptr},
+                                 {"noticed_by_walk", noticed_by},
                                  {"piece", keyframe.pose.component},
                                  {"position_world_m", xyz(at)},
                                  {"room", word_or_null(room)}});
@@ -144,6 +184,10 @@ Expected<Answer> list_past(const home::Home& home) {
   ROOMWISE_TRY(const auto past, home.past_instances());
   Answer answer;
   answer.json = {{"past", Json::array()}, {"visits", Json::array()}};
+  ROOMWISE_TRY(const HistoryWords words, HistoryWords::of(home));
+  for (const pipeline::ThingHistory& one : words.history().things) {
+    if (one.is_gone) add(answer, one, words, places);
+  }
   for (const home::PastInstance& one : past) add(answer, one, visits.at(one.noticed_by), places);
   for (const auto& [id, visit] : visits) {
     answer.json["visits"].push_back({{"visit", id},
@@ -154,7 +198,7 @@ Expected<Answer> list_past(const home::Home& home) {
                                      {"frames", visit.frames},
                                      {"placed", visit.placed}});
   }
-  if (past.empty()) {
+  if (answer.text.empty()) {
     answer.text = fmt::format(
         "no later walk noticed that a thing moved or went; compare one with this home: roomwise "
         "update --home {} RECORDING\n",
@@ -166,6 +210,101 @@ Expected<Answer> list_past(const home::Home& home) {
 Expected<Answer> list(const ObjectsOptions& options, Context& context) {
   ROOMWISE_TRY(const home::Home home, open_home_read_only(options.home, context));
   return options.past ? list_past(home) : list_found(home, options.rule);
+}
+
+// ---- objects history ----
+
+struct ObjectHistoryOptions {
+  std::filesystem::path home;
+  std::string name;  // of things; empty: all
+};
+
+void add(Answer& answer, const pipeline::ThingHistory& one, const HistoryWords& words) {
+  answer.text += words.line(one) + "\n";
+  answer.json["things"].push_back({{"name", one.thing.name},
+                                   {"room", word_or_null(words.room(one.thing))},
+                                   {"gone", one.is_gone},
+                                   {"first_seen", words.sighting_json(one.first_seen)},
+                                   {"last_seen", words.sighting_json(one.last_seen)},
+                                   {"walks", words.events_json(one)},
+                                   {"visit", nullptr}});
+}
+
+// One that a visit brought (update), or somebody by hand.
+void add_without_history(Answer& answer, const objects::Instance& one,
+                         const std::map<home::VisitId, home::Visit>& visits,
+                         const HistoryWords& words) {
+  const std::string room = words.room(one);
+  const std::string visit = one.visit != 0 ? visits.at(one.visit).name : "";
+  answer.text += fmt::format("{}{}: {}\n", one.name, room.empty() ? "" : ", " + room,
+                             visit.empty() ? "no walk is known to have found it"
+                                           : "stands there since the visit " + visit);
+  answer.json["things"].push_back({{"name", one.name},
+                                   {"room", word_or_null(room)},
+                                   {"gone", false},
+                                   {"first_seen", nullptr},
+                                   {"last_seen", nullptr},
+                                   {"walks", Json::array()},
+                                   {"visit", word_or_null(visit)}});
+}
+
+// What the newest walk changed, in words.
+std::string newest_changes(const HistoryWords& words) {
+  const auto& walks = words.history().walks;
+  if (walks.size() < 2) return "one walk alone is on the map: nothing can have changed\n";
+  const auto changes = words.changes(walks.back());
+  std::string text = fmt::format("since {}, {} found {}\n", words.walks().name(walks.end()[-2]),
+                                 words.walks().name(walks.back()),
+                                 changes.empty() ? "nothing changed" : "changed:");
+  for (const std::string& one : changes) text += "  " + one + "\n";
+  return text;
+}
+
+Expected<Answer> tell_history(const ObjectHistoryOptions& options, Context& context) {
+  ROOMWISE_TRY(const home::Home home, open_home_read_only(options.home, context));
+  ROOMWISE_TRY(const HistoryWords words, HistoryWords::of(home));
+  ROOMWISE_TRY(const Places places, Places::read(home));
+  ROOMWISE_TRY(const auto visits, home.visits());
+  ROOMWISE_TRY(const auto past, home.past_instances());
+  const auto& walks = words.history().walks;
+  const auto is_asked = [&](const std::string& name) {
+    return options.name.empty() || name == options.name;
+  };
+  Answer answer;
+  answer.json = {{"walks", Json::array()},
+                 {"changed_by_newest", Json::array()},
+                 {"things", Json::array()},
+                 {"past", Json::array()}};
+  for (const home::RecordingId walk : walks) {
+    answer.json["walks"].push_back(words.walks().name(walk));
+  }
+  if (walks.size() > 1) answer.json["changed_by_newest"] = words.changes_json(walks.back());
+  ROOMWISE_TRY(const auto instances, home.instances());
+  for (const objects::Instance& one : instances) {
+    if (!is_asked(one.name)) continue;
+    if (const pipeline::ThingHistory* history = words.history().of(one)) {
+      add(answer, *history, words);
+    } else {
+      add_without_history(answer, one, visits, words);
+    }
+  }
+  for (const pipeline::ThingHistory& one : words.history().things) {
+    if (one.is_gone && is_asked(one.thing.name)) add(answer, one, words);
+  }
+  for (const home::PastInstance& one : past) {
+    if (is_asked(one.instance.name)) add(answer, one, visits.at(one.noticed_by), places);
+  }
+  if (answer.text.empty()) {
+    return options.name.empty()
+               ? fail("{}: nothing was found in this home; look: roomwise objects find --home {}",
+                      home.file(), home.file())
+               : fail(
+                     "{}: no walk showed a thing called {}; see what there is: roomwise objects "
+                     "list --home {}",
+                     home.file(), options.name, home.file());
+  }
+  if (options.name.empty()) answer.text += newest_changes(words);
+  return answer;
 }
 
 // Networks look at a home that was mapped without them, or with others; then all is joined anew.
@@ -234,6 +373,14 @@ void add_objects_commands(CLI::App& app, Context& context) {
                  "Those that stand there no more instead: what became of them (moved, gone), when "
                  "they were first and last seen, and the visit that noticed")
       ->excludes("--rule");
+  const auto [history_command, of_history] = add_command<ObjectHistoryOptions>(
+      *group, context, "history",
+      "What became of the objects from walk to walk: found, there, moved, shifted, gone, new or "
+      "not "
+      "looked at; and what the newest walk changed",
+      "roomwise objects history --home my.home chair", tell_history);
+  history_command->add_option("--home", of_history.home, "Home file")->required();
+  history_command->add_option("NAME", of_history.name, "Things of that name; default: all");
   const auto [find_command, of_find] = add_objects_command(
       *group, context, "find",
       "Let the networks look at those key-frames that they have not seen, and find the objects "

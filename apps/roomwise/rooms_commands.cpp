@@ -392,6 +392,7 @@ void add_rooms_commands(CLI::App& app, Context& context) {
   CLI::App* group = add_group(app, "rooms", "Name, learn and recognise rooms",
                               "roomwise rooms learn --home my.home --labels rooms.txt");
   add_layout_command(*group, context);
+  add_coverage_command(*group, context);
   add_room_objects_commands(*group, context);
   {
     const auto [command, options] = add_command<NameOptions>(

@@ -103,6 +103,8 @@ TEST(CalendarTime, CountsDaysOverMonthsAndYears) {
   EXPECT_EQ(eve.days_until({2023, 12, 31, 1}), 0);
   EXPECT_EQ(eve.days_until({2023, 12, 30, 1}), -1);
   EXPECT_EQ((CalendarTime{2024, 2, 28, 1}).days_until({2024, 3, 1, 1}), 2);
+  EXPECT_EQ((CalendarTime{2024, 2, 28, 22}).hours_until({2024, 2, 29, 1}), 3);
+  EXPECT_EQ((CalendarTime{2026, 11, 26, 0}).weekday(), 4) << "a Thursday";
 }
 
 TEST(Timestamp, RefusesWhatIsNoTime) {

@@ -17,6 +17,10 @@ int CalendarTime::days_until(const CalendarTime& later) const {
   return static_cast<int>((day_of(later) - day_of(*this)).count());
 }
 
+int CalendarTime::weekday() const {
+  return static_cast<int>(std::chrono::weekday(day_of(*this)).c_encoding());
+}
+
 std::optional<CalendarTime> calendar_time(TimestampNs timestamp_ns) {
   constexpr TimestampNs kNsPerSecond = 1'000'000'000;
   constexpr TimestampNs kFirst_s = 1'000'000'000;

@@ -15,6 +15,10 @@ struct CalendarTime {
 
   // From one day to another, counted at midnight; negative where `later` is not.
   [[nodiscard]] int days_until(const CalendarTime& later) const;
+  [[nodiscard]] int hours_until(const CalendarTime& later) const {
+    return 24 * days_until(later) + later.hour - hour;
+  }
+  [[nodiscard]] int weekday() const;  // 0 is Sunday, 6 Saturday
 
   friend bool operator==(const CalendarTime&, const CalendarTime&) = default;
 };

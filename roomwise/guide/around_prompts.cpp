@@ -6,6 +6,8 @@
 namespace roomwise::guide {
 namespace {
 
+using Today = std::optional<CalendarTime>;
+
 constexpr std::size_t kMaxThings = 4;  // more is forgotten before the last is spoken
 // What is nowhere longer than this stands on something and is in nobody's way; it is named as if
 // it were so much farther away.
@@ -25,14 +27,14 @@ struct Near {
 
 // The things of this room as somebody meets them, one of a name.
 std::vector<Near> nearest_things(const Pose& pose, const std::optional<std::string>& room,
-                                 std::span<const KnownThing> things) {
+                                 std::span<const KnownThing> things, const Today& today) {
   std::vector<Near> near;
   for (const KnownThing& thing : things) {
     const auto bearing = bearing_of(thing, pose);
     if (!bearing) continue;
     const bool knows_rooms = room && thing.room;
     if (knows_rooms ? *room != *thing.room : bearing->distance_m > kSameRoom_m) continue;
-    near.push_back({&thing, *bearing, knows_rooms && thing.is_sure() && bearing->is_sure});
+    near.push_back({&thing, *bearing, knows_rooms && thing.is_sure(today) && bearing->is_sure});
   }
   std::ranges::stable_sort(near, {}, &Near::rank_m);
   std::set<std::string> names;
@@ -44,10 +46,10 @@ std::vector<Near> nearest_things(const Pose& pose, const std::optional<std::stri
 
 // The names of a room's things, the surest first.
 std::vector<std::string> names_in(const std::string& room, std::span<const KnownThing> things,
-                                  bool sure) {
+                                  bool sure, const Today& today) {
   std::vector<const KnownThing*> there;
   for (const KnownThing& thing : things) {
-    if (thing.room == room && thing.is_sure() == sure) there.push_back(&thing);
+    if (thing.room == room && thing.is_sure(today) == sure) there.push_back(&thing);
   }
   std::ranges::stable_sort(there, std::ranges::greater{}, &KnownThing::probability);
   std::vector<std::string> names;
@@ -73,10 +75,10 @@ void add_part(std::vector<Prompt>& answer, const Wording& wording, TimestampNs n
 }
 
 std::vector<Prompt> things_of_room(const std::string& room, std::span<const KnownThing> things,
-                                   const Wording& wording, TimestampNs now_ns) {
+                                   const Wording& wording, TimestampNs now_ns, const Today& today) {
   std::vector<Prompt> answer;
   for (const bool sure : {true, false}) {
-    const auto names = names_in(room, things, sure);
+    const auto names = names_in(room, things, sure, today);
     if (names.empty()) continue;
     add_part(answer, wording, now_ns, kRoomValid_s, "around.room", {{"things", thing_list(names)}},
              sure, fmt::format("the map has them in \"{}\"; the position is not known", room));
@@ -86,14 +88,14 @@ std::vector<Prompt> things_of_room(const std::string& room, std::span<const Know
 
 std::vector<Prompt> things_of_place(const Pose& pose, const std::optional<std::string>& room,
                                     std::span<const KnownThing> things, const Wording& wording,
-                                    TimestampNs now_ns) {
-  const std::vector<Near> near = nearest_things(pose, room, things);
+                                    TimestampNs now_ns, const Today& today) {
+  const std::vector<Near> near = nearest_things(pose, room, things, today);
   std::vector<Prompt> answer;
   for (const bool sure : {true, false}) {
     std::vector<std::string> names;
     for (const Near& each : near) {
       // The direction of what is close may be unsure, but it is not spoken.
-      const bool counts_as_sure = each.is_sure || (room && each.thing->is_sure());
+      const bool counts_as_sure = each.is_sure || (room && each.thing->is_sure(today));
       if (each.bearing.is_close() && counts_as_sure == sure) names.push_back(each.thing->name);
     }
     if (names.empty()) continue;
@@ -114,14 +116,16 @@ std::vector<Prompt> things_of_place(const Pose& pose, const std::optional<std::s
 }  // namespace
 
 std::vector<Prompt> around_prompts(const UserLocation& location, std::span<const KnownThing> things,
-                                   const Wording& wording, TimestampNs now_ns) {
+                                   const Wording& wording, TimestampNs now_ns,
+                                   const std::optional<CalendarTime>& today) {
   const Pose* pose = location.sure_pose();
   if (pose == nullptr && !location.room) {
     return {make_prompt(wording, "around", "around.no_place", {}, Confidence::kUnsure,
                         after(now_ns, kRoomValid_s), "neither position nor room is known")};
   }
-  auto prompts = pose != nullptr ? things_of_place(*pose, location.room, things, wording, now_ns)
-                                 : things_of_room(*location.room, things, wording, now_ns);
+  auto prompts = pose != nullptr
+                     ? things_of_place(*pose, location.room, things, wording, now_ns, today)
+                     : things_of_room(*location.room, things, wording, now_ns, today);
   if (!prompts.empty()) return prompts;
   return {make_prompt(wording, "around", "around.nothing", {}, Confidence::kSure,
                       after(now_ns, kRoomValid_s), "the map has no thing here")};

@@ -7,6 +7,8 @@
 #include <numbers>
 #include <set>
 
+#include "roomwise/objects/kinds/kinds.h"
+
 namespace roomwise::guide {
 namespace {
 
@@ -23,8 +25,16 @@ const Pose* UserLocation::sure_pose() const {
   return pose && pose->sigma_m <= kMaxSigma_m ? &*pose : nullptr;
 }
 
-bool KnownThing::is_sure() const {
-  return probability >= kThingSureFrom && !is_old;
+double KnownThing::probability_at(const std::optional<CalendarTime>& today) const {
+  constexpr double kHoursPerDay = 24;
+  if (!seen || !today) return probability;
+  const int hours = seen->hours_until(*today);
+  if (hours <= 0) return probability;  // or a clock is wrong
+  return probability * objects::still_there(name, hours / kHoursPerDay);
+}
+
+bool KnownThing::is_sure(const std::optional<CalendarTime>& today) const {
+  return probability_at(today) >= kThingSureFrom;
 }
 
 bool Bearing::is_close() const {

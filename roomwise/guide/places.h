@@ -39,13 +39,14 @@ struct UserLocation {
 struct KnownThing : objects::Instance {
   std::optional<Eigen::Vector3d> position_gravity = std::nullopt;  // its middle
   std::optional<std::string> room = std::nullopt;
-  bool is_old = false;  // seen so long ago that it may have been moved
-  // When the recording or the visit was made that it is known by; absent where its stamps do not
-  // tell.
+  // When a walk or a visit last saw it; absent where its stamps do not tell.
   std::optional<CalendarTime> seen = std::nullopt;
   double yaw_rad = 0;  // of its box about z, from x of the gravity-aligned frame
 
-  [[nodiscard]] bool is_sure() const;
+  // The probability that it is there still and is called so: less the longer ago it was seen
+  // (objects::still_there()), where that and the present are known.
+  [[nodiscard]] double probability_at(const std::optional<CalendarTime>& today) const;
+  [[nodiscard]] bool is_sure(const std::optional<CalendarTime>& today = {}) const;
   [[nodiscard]] const Eigen::Vector3d& size_m() const { return box_keyframe.size_m; }
 };
 

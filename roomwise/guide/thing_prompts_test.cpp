@@ -87,8 +87,7 @@ TEST_F(ThingPromptsTest, AtMostFourThingsOneOfANameAndLargeOnesBeforeSmallOnes) 
 TEST_F(ThingPromptsTest, UnsureThingsAreProbable) {
   things_ = {at("fridge", 7.3, 5, "kitchen", 0.6), at("chair", 4.2, 5, "kitchen", 0.6),
              at("table", 5, 4.0, "kitchen")};
-  KnownThing moved = at("bin", 5, 8.3, "kitchen");
-  moved.is_old = true;
+  KnownThing moved = at("bin", 5, 8.3, "kitchen", 0.79);
   things_.push_back(moved);
   EXPECT_THAT(around(standing_),
               ElementsAre("Close to you: table.", "Probably close to you: chair.",
@@ -168,13 +167,15 @@ TEST_F(ThingPromptsTest, OfWhatPeopleCarryAboutItIsToldWhenItWasSeen) {
     return texts(where_prompts(name, {}, things_, doorways_, vocabulary_, wording, kNow, today));
   };
   EXPECT_THAT(told("cup", CalendarTime{2026, 11, 25, 9}, english_),
-              ElementsAre("The cup is in the bedroom.", "Seen on 25 November."));
+              ElementsAre("The cup is probably in the bedroom.", "Seen on Wednesday."));
+  EXPECT_THAT(told("cup", CalendarTime{2026, 11, 20, 9}, english_),
+              ElementsAre("The cup is probably in the bedroom.", "Seen on 20 November."));
   EXPECT_THAT(told("cup", CalendarTime{2025, 3, 1, 9}, english_),
-              ElementsAre("The cup is in the bedroom.", "Seen on 1 March 2025."));
+              ElementsAre("The cup is probably in the bedroom.", "Seen on 1 March 2025."));
   EXPECT_THAT(told("cup", CalendarTime{2026, 11, 27, 23}, english_),
-              ElementsAre("The cup is in the bedroom.", "Seen yesterday."));
+              ElementsAre("The cup is probably in the bedroom.", "Seen yesterday."));
   EXPECT_THAT(told("cup", CalendarTime{2026, 11, 28, 8}, english_),
-              ElementsAre("The cup is in the bedroom.", "Seen this morning."));
+              ElementsAre("The cup is probably in the bedroom.", "Seen this morning."));
   EXPECT_THAT(told("cup", CalendarTime{2026, 11, 28, 13}, english_),
               ElementsAre("The cup is in the bedroom.", "Seen this afternoon."));
   const Wording german{&catalogue_, {"de", DistanceUnit::kSteps, 1.0}};
@@ -189,13 +190,29 @@ TEST_F(ThingPromptsTest, OfWhatPeopleCarryAboutItIsToldWhenItWasSeen) {
       << "today is not known";
 }
 
+TEST_F(ThingPromptsTest, TheLongerAgoAThingWasSeenTheLessSurelyItIsThere) {
+  KnownThing bed = at("bed", 7.3, 5, "kitchen"), cup = at("cup", 5, 8.3, "kitchen");
+  bed.seen = cup.seen = CalendarTime{2026, 11, 27, 9};
+  things_ = {bed, cup};
+  const auto told = [&](const CalendarTime& today) {
+    return texts(around_prompts(standing_, things_, english_, kNow, today));
+  };
+  EXPECT_THAT(told({2026, 11, 27, 10}),
+              ElementsAre("Bed at 3 o'clock, 2 steps.", "Cup at 12 o'clock, 3 steps."));
+  EXPECT_THAT(told({2026, 11, 28, 9}),
+              ElementsAre("Bed at 3 o'clock, 2 steps.", "Probably cup at 12 o'clock, 3 steps."));
+  EXPECT_THAT(told({2027, 11, 28, 9}), ElementsAre("Probably bed at 3 o'clock, 2 steps.",
+                                                   "Probably cup at 12 o'clock, 3 steps."));
+  EXPECT_EQ(cup.probability_at(std::nullopt), cup.probability) << "nobody knows how long ago";
+}
+
 TEST_F(ThingPromptsTest, WhenItWasSeenComesBeforeHowManyThereAre) {
   things_ = {at("cup", 5, 10, "bedroom"), at("cup", 5, 11, "bedroom")};
   for (KnownThing& cup : things_) cup.seen = CalendarTime{2026, 11, 27, 9};
   const auto prompts = where_prompts("cup", {}, things_, doorways_, vocabulary_, english_, kNow,
                                      CalendarTime{2026, 11, 28, 9});
-  EXPECT_THAT(texts(prompts),
-              ElementsAre("The cup is in the bedroom.", "Seen yesterday.", "I know 2 cups."));
+  EXPECT_THAT(texts(prompts), ElementsAre("The cup is probably in the bedroom.", "Seen yesterday.",
+                                          "I know 2 cups."));
   EXPECT_EQ(prompts[1].key, "thing cup/seen");
   EXPECT_EQ(prompts[1].sound, Sound::kNone);
 }

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <tuple>
 
@@ -55,10 +56,11 @@ struct Place {
   bool is_sure = true;
 };
 
-Place place_of(const Candidate& candidate, const Wording& wording) {
+Place place_of(const Candidate& candidate, const Wording& wording,
+               const std::optional<CalendarTime>& today) {
   const KnownThing& thing = *candidate.thing;
   Place place{.message = {}, .values = {{"thing", guide::thing(thing.name)}}};
-  place.is_sure = thing.is_sure();
+  place.is_sure = thing.is_sure(today);
   if (candidate.is_here() && candidate.bearing) {
     const Bearing& bearing = *candidate.bearing;
     place.message = bearing.is_close() ? "where.close" : "where.direction";
@@ -104,7 +106,10 @@ struct Seen {
 // What to say of when a thing was seen; absent where a clock is wrong: it was not seen yet.
 std::optional<Seen> seen_on(const CalendarTime& time, const CalendarTime& today,
                             const Phrasebook& phrases) {
-  constexpr int kNoon = 12, kEvening = 18;
+  constexpr int kNoon = 12, kEvening = 18, kWeek = 7;
+  constexpr std::array kOnDay{"where.seen_sunday",    "where.seen_monday",   "where.seen_tuesday",
+                              "where.seen_wednesday", "where.seen_thursday", "where.seen_friday",
+                              "where.seen_saturday"};
   const int days = time.days_until(today);
   if (days < 0 || (days == 0 && time.hour > today.hour)) return std::nullopt;
   if (days == 1) return Seen{"where.seen_yesterday"};
@@ -113,6 +118,7 @@ std::optional<Seen> seen_on(const CalendarTime& time, const CalendarTime& today,
                 : time.hour < kEvening ? "where.seen_afternoon"
                                        : "where.seen_evening"};
   }
+  if (days < kWeek) return Seen{kOnDay.at(static_cast<std::size_t>(time.weekday()))};
   Seen seen{time.year == today.year ? "where.seen_on" : "where.seen_on_year",
             {{"day", fmt::format("{}", time.day)}, {"month", phrases.month(time.month)}}};
   if (time.year != today.year) seen.values["year"] = fmt::format("{}", time.year);
@@ -169,15 +175,15 @@ std::vector<Prompt> where_prompts(const std::string& asked, const UserLocation& 
   if (!name) return {unknown_thing(asked, wording, now_ns)};
   const auto candidates = nearest_first(*name, location, things, doorways);
   const Candidate& nearest = candidates.front();
-  Place place = place_of(nearest, wording);
+  Place place = place_of(nearest, wording, today);
   const bool has_variant = place.message != "where.no_room";
   const Confidence confidence = !has_variant    ? Confidence::kUnsure
                                 : place.is_sure ? Confidence::kSure
                                                 : Confidence::kProbable;
   if (confidence == Confidence::kProbable) place.message += "_probable";
   const std::string because =
-      fmt::format("the map has {} of this name; the probability of this one is {:.2f}",
-                  candidates.size(), nearest.thing->probability);
+      fmt::format("the map has {} of this name; the probability that this one is there is {:.2f}",
+                  candidates.size(), nearest.thing->probability_at(today));
   std::vector<Prompt> prompts{make_prompt(wording, key_of(*name), place.message, place.values,
                                           confidence, after(now_ns, place.valid_s), because)};
   if (auto seen = seen_prompt(*nearest.thing, wording, now_ns, today)) {

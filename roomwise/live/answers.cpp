@@ -133,7 +133,8 @@ std::vector<guide::Prompt> answer(const service::Ask& ask, const Situation& situ
         return {excuse("device.no_map", wording, situation.now_t_ms)};
       }
       if (situation.result == nullptr) return {no_picture(situation.settings, situation.now_t_ms)};
-      return guide::around_prompts(location, situation.home.things, wording, now_ns);
+      return guide::around_prompts(location, situation.home.things, wording, now_ns,
+                                   situation.today);
     case service::Question::kWhereIs:
       return guide::where_prompts(ask.subject, location, situation.home.things,
                                   doorways_of(situation.home), situation.home.concepts.vocabulary,

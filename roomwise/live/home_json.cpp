@@ -62,6 +62,18 @@ Json walk_json(const ViewedWalk& walk) {
           {"ranges", ranges}};
 }
 
+Json changes_json(const HomeView& view) {
+  if (!view.changes) return nullptr;
+  Json things = Json::array();
+  for (const ViewedChange& one : view.changes->things) {
+    things.push_back({{"what", one.what},
+                      {"name", one.name},
+                      {"room", or_null(one.room)},
+                      {"moved_m", one.moved_m ? Json(*one.moved_m) : Json(nullptr)}});
+  }
+  return {{"walk", view.changes->walk}, {"since", view.changes->since}, {"things", things}};
+}
+
 void put_float(float value, Bytes& bytes) {
   const auto bits = std::bit_cast<std::uint32_t>(value);
   for (unsigned i = 0; i < 4; ++i) bytes.push_back(static_cast<std::uint8_t>(bits >> (8 * i)));
@@ -96,6 +108,7 @@ Json home_json(const HomeView& view) {
   }
   for (const guide::KnownThing& thing : view.things) json["things"].push_back(thing_json(thing));
   for (const ViewedWalk& walk : view.walks) json["recordings"].push_back(walk_json(walk));
+  json["changes"] = changes_json(view);
   return json;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "roomwise/pipeline/objects/thing_history.h"
 #include "roomwise/pipeline/rooms/home_layout.h"
 #include "roomwise/pipeline/stored/stored_rooms.h"
 
@@ -29,7 +30,8 @@ Expected<void> view_walks(const home::Home& home, HomeView& view) {
   return {};
 }
 
-Expected<void> view_things(const home::Home& home, HomeView& view) {
+Expected<void> view_things(const home::Home& home, const pipeline::HomeHistory& history,
+                           HomeView& view) {
   ROOMWISE_TRY(const auto instances, home.instances());
   ROOMWISE_TRY(const auto visits, home.visits());
   std::map<home::KeyframeId, const home::Keyframe*> keyframes;
@@ -51,7 +53,9 @@ Expected<void> view_things(const home::Home& home, HomeView& view) {
            Eigen::Vector3d::UnitX());
       thing.yaw_rad = std::atan2(along.y(), along.x());
     }
-    if (instance.visit != 0) {
+    if (const pipeline::ThingHistory* told = history.of(instance)) {
+      thing.seen = calendar_time(told->last_seen.time_ns);
+    } else if (instance.visit != 0) {
       thing.seen = calendar_time(visits.at(instance.visit).last_timestamp_ns);
     } else if (keyframe != keyframes.end()) {
       thing.seen = calendar_time(keyframe->second->timestamp_ns);
@@ -60,6 +64,32 @@ Expected<void> view_things(const home::Home& home, HomeView& view) {
                                          view.layout ? &*view.layout : nullptr, rooms);
   }
   return {};
+}
+
+void view_changes(const pipeline::HomeHistory& history, HomeView& view) {
+  if (history.walks.size() < 2) return;
+  pipeline::KeyframeRooms rooms;
+  std::vector<home::Keyframe> keyframes;
+  for (const ViewedKeyframe& one : view.keyframes) {
+    keyframes.push_back(one.keyframe);
+    if (!one.room.empty()) rooms[one.keyframe.id] = one.room;
+  }
+  ViewedChanges& changes = view.changes.emplace();
+  changes.walk = history.walks.back();
+  changes.since = history.walks.end()[-2];
+  for (const pipeline::ThingHistory& thing : history.things) {
+    const pipeline::WalkEvent& event = thing.events.back();
+    if (event.walk != changes.walk || !pipeline::is_change(event.what)) continue;
+    std::optional<Eigen::Vector3d> middle;
+    if (view.map) {
+      middle = pipeline::middle_on_map(thing.thing, keyframes[thing.thing.keyframe_id].pose,
+                                       view.map->frame);
+    }
+    changes.things.push_back({std::string(pipeline::to_string(event.what)), thing.thing.name,
+                              pipeline::room_of_thing(middle, thing.thing.keyframe_id,
+                                                      view.layout ? &*view.layout : nullptr, rooms),
+                              pipeline::moved_m(thing, event, keyframes)});
+  }
 }
 
 }  // namespace
@@ -97,7 +127,9 @@ Expected<std::shared_ptr<const HomeView>> view_home(const home::Home& home,
     // Without one the rooms of things are left to the pictures.
     ROOMWISE_TRY(view.layout, pipeline::find_room_layout(home, view.map->frame, *view.map->floor));
   }
-  ROOMWISE_CHECK_OK(view_things(home, view));
+  ROOMWISE_TRY(const pipeline::HomeHistory history, pipeline::find_home_history(home));
+  ROOMWISE_CHECK_OK(view_things(home, history, view));
+  view_changes(history, view);
   ROOMWISE_TRY(const auto classifier, home.room_classifier());
   if (classifier) {
     view.learned_report = classifier->report_json;

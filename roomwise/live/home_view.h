@@ -27,6 +27,18 @@ struct ViewedKeyframe {
   bool on_map = false;
 };
 
+// What the newest walk changed of what the walks before it had shown.
+struct ViewedChange {
+  std::string what;  // "new", "moved", "shifted" or "gone"
+  std::string name;
+  std::optional<std::string> room;  // where it stands now or, gone, stood
+  std::optional<double> moved_m;
+};
+struct ViewedChanges {
+  home::RecordingId walk = 0, since = 0;  // the newest walk of the map, and the one before it
+  std::vector<ViewedChange> things;
+};
+
 // By what picture shows an instance best, and where in it: the same as long as the thing is,
 // whatever it is called and whichever others come and go. Positive, at most 2^53.
 [[nodiscard]] std::int64_t thing_id(const objects::Instance& instance);
@@ -37,6 +49,7 @@ struct HomeView {
   std::vector<rooms::Room> rooms;         // by name
   std::vector<guide::KnownThing> things;  // as stored; without a place until the map is ready
   std::vector<ViewedWalk> walks;          // as stored
+  std::optional<ViewedChanges> changes;   // absent where the map is of one walk
   std::vector<ViewedKeyframe> keyframes;  // by id
   std::vector<std::string> room_types;    // of the concepts, by name
   rooms::Concepts concepts;

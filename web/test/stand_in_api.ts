@@ -186,7 +186,7 @@ function forgetHome({ server, body }: Call): object {
   if (json<{ really: string }>(body).really !== home.name) {
     throw new Refusal(400, `'really' must be the home's name, '${home.name}'`);
   }
-  Object.assign(home, { learned: null, rooms: [], doorways: [], things: [], recordings: [] });
+  Object.assign(home, { learned: null, rooms: [], doorways: [], things: [], recordings: [], changes: null });
   server.state.keyframes = [];
   server.state.recognitions = [];
   return changed(server);

@@ -65,6 +65,9 @@ enum class ChangeState {
 };
 [[nodiscard]] std::string_view to_string(ChangeState state);
 
+// Of what was shifted and not found again: so much less sure is its place along the floor, m.
+constexpr double kShiftSigma_m = 0.2;
+
 struct InstanceChange {
   ChangeState state = ChangeState::kUnobserved;
   FreeSpaceEvidence evidence;      // of the visit's depth

@@ -32,6 +32,7 @@ Kind kind_of(const json& row) {
     if (field == "size_m") kind.size = size_of(value);
     if (field == "on_floor") value.get_to(kind.stands_on_floor);
     if (field == "moves") value.get_to(kind.is_moved_about);
+    if (field == "fixed") value.get_to(kind.is_fixed);
     if (field == "spoken") value.get_to(kind.is_spoken_of);
     if (field == "room_type") value.get_to(kind.room_type);
     if (field == "called") value.get_to(kind.called);
@@ -40,8 +41,8 @@ Kind kind_of(const json& row) {
 }
 
 Expected<void> check_fields(const json& row) {
-  static const std::set<std::string> kFields{"name",  "labels", "size_m",    "on_floor",
-                                             "moves", "spoken", "room_type", "called"};
+  static const std::set<std::string> kFields{"name",  "labels", "size_m",    "on_floor", "moves",
+                                             "fixed", "spoken", "room_type", "called"};
   for (const auto& [field, value] : row.items()) {
     if (!kFields.contains(field)) return fail("there is no field \"{}\"", field);
   }
@@ -51,6 +52,12 @@ Expected<void> check_fields(const json& row) {
 bool is_ordered(const SizeDistribution& size) {
   return (size.least_m.array() > 0).all() && (size.least_m.array() < size.usual_m.array()).all() &&
          (size.usual_m.array() < size.most_m.array()).all();
+}
+
+StayTimes parse_stay_times(std::string_view text) {
+  const json stays = json::parse(text).at("stays");
+  return {stays.at("carried_days").get<double>(), stays.at("furniture_days").get<double>(),
+          stays.at("fixed_days").get<double>()};
 }
 
 std::vector<Kind>& all_kinds() {
@@ -100,6 +107,9 @@ Expected<std::vector<Kind>> parse_kinds(std::string_view text) {
       if (auto checked = check_fields(row); !checked) {
         return Unexpected(std::move(checked).error().in(fmt::format("kind \"{}\"", kind.name)));
       }
+      if (kind.is_moved_about && kind.is_fixed) {
+        return fail("kind \"{}\": moves and is fixed; expected one of both at most", kind.name);
+      }
       if (kind.size && !is_ordered(*kind.size)) {
         return fail("kind \"{}\": size_m must be positive, and least < usual < most", kind.name);
       }
@@ -135,6 +145,20 @@ const Kind* find_kind(std::string_view name) {
   const auto kinds = standard_kinds();
   const auto found = std::ranges::lower_bound(kinds, name, {}, &Kind::name);
   return found != kinds.end() && found->name == name ? &*found : nullptr;
+}
+
+const StayTimes& stay_times() {
+  static const StayTimes times = parse_stay_times(kKindsJson);
+  return times;
+}
+
+double still_there(std::string_view name, double days) {
+  const Kind* const kind = find_kind(name);
+  const StayTimes& times = stay_times();
+  const double mean_days = kind != nullptr && kind->is_moved_about ? times.carried_days
+                           : kind != nullptr && kind->is_fixed     ? times.fixed_days
+                                                                   : times.furniture_days;
+  return std::exp(-days / mean_days);
 }
 
 Vector3d usual_size_m(std::string_view name) {

@@ -40,6 +40,7 @@ struct Kind {
   std::optional<SizeDistribution> size;
   bool stands_on_floor = false;
   bool is_moved_about = false;               // by people, from day to day
+  bool is_fixed = false;                     // to the house, or too heavy to be moved
   bool is_spoken_of = true;                  // otherwise it only competes with what looks like it
   std::string room_type;                     // that the paper's home has it in; may be empty
   std::map<std::string, SpokenName> called;  // by language: "de"
@@ -55,6 +56,17 @@ struct Kind {
 [[nodiscard]] double typical_length_m(std::string_view name);
 // As SizeDistribution::usual_m; half a metre each where nobody knows.
 [[nodiscard]] Eigen::Vector3d usual_size_m(std::string_view name);
+
+// How long things stay where they are, by whether they are carried about, are furniture or are
+// fixed: the mean time, in days, until one is moved ("stays" of kinds.json).
+struct StayTimes {
+  double carried_days = 0, furniture_days = 0, fixed_days = 0;
+};
+[[nodiscard]] const StayTimes& stay_times();
+// The probability that a thing of that name stands still where it stood some days (0 at least) ago,
+// if things are moved at a constant rate: exp(-days / mean time). What nobody knows is taken for
+// furniture.
+[[nodiscard]] double still_there(std::string_view name, double days);
 
 // By name. Fails, naming the row, where a field is of another type or unknown, sizes are not
 // positive and in order, or two rows have one name.

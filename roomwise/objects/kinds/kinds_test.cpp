@@ -45,6 +45,14 @@ TEST(Kinds, KnowHowLargeThingsAre) {
   EXPECT_DOUBLE_EQ(usual_extent_m("stairs"), 0.5);
 }
 
+TEST(Kinds, WhatIsCarriedAboutIsSoonElsewhereAndWhatIsFixedStays) {
+  EXPECT_DOUBLE_EQ(still_there("cup", 0), 1);
+  EXPECT_NEAR(still_there("cup", stay_times().carried_days), std::exp(-1), 1e-12);
+  EXPECT_NEAR(still_there("sofa", stay_times().furniture_days), std::exp(-1), 1e-12);
+  EXPECT_GT(still_there("toilet", 365), still_there("sofa", 365));
+  EXPECT_DOUBLE_EQ(still_there("dragon", 30), still_there("sofa", 30)) << "nobody knows";
+}
+
 TEST(Kinds, ASizeIsMostProbableNearTheUsualOne) {
   const SizeDistribution size{{1, 0.5, 0.5}, {2, 1, 1}, {3, 2, 2}};
   const double usual = size.log_density({2, 1, 1});
@@ -70,6 +78,7 @@ TEST(Kinds, NameTheRowThatIsWrong) {
   EXPECT_ERROR(parse_kinds(of_size("[0.04, 0.03]")), "row 1");
   EXPECT_ERROR(parse_kinds(row(R"(, "lables": ["egg"])")), "no field \"lables\"");
   EXPECT_ERROR(parse_kinds(row(R"(, "moves": "often")")), "row 1");
+  EXPECT_ERROR(parse_kinds(row(R"(, "moves": true, "fixed": true)")), "one of both at most");
   EXPECT_ERROR(parse_kinds(R"({"kinds": [{"name": "egg"}, {"name": "egg"}]})"),
                "kind \"egg\" has two rows");
   EXPECT_ERROR(parse_kinds("{"), "row 1");

@@ -5,6 +5,7 @@
 #include "roomwise/objects/changes/changes.h"
 #include "roomwise/objects/instances/center_point.h"
 #include "roomwise/pipeline/objects/stored_detections.h"
+#include "roomwise/pipeline/objects/thing_history.h"
 #include "roomwise/pipeline/stored/keyframe_images.h"
 #include "roomwise/pipeline/stored/stored_map.h"
 
@@ -116,16 +117,16 @@ Expected<std::vector<objects::Instance>> as_visits_left_it(
 }
 
 Expected<std::uint64_t> update_instances(home::Home& home) {
-  ROOMWISE_TRY(const auto components, observed_keyframes(home));
+  ROOMWISE_TRY(const HomeHistory history, follow_things(home));
   ROOMWISE_TRY(const auto keyframes, home.keyframes());
   std::vector<objects::Instance> joined;
-  for (const auto& [component, looked] : components) {
-    const auto there = objects::find_instances(looked, objects::fit_ground_plane(looked), {});
-    joined.insert(joined.end(), there.begin(), there.end());
+  for (const ThingHistory& one : history.things) {
+    if (!one.is_gone) joined.push_back(one.as_it_stands());
   }
   ROOMWISE_TRY(const auto instances,
                as_visits_left_it(home, std::move(joined), poses_by_id(keyframes)));
   ROOMWISE_CHECK_OK(home.replace_instances(instances));
+  ROOMWISE_CHECK_OK(keep_home_history(home, history));
   return instances.size();
 }
 

@@ -6,6 +6,7 @@
 
 #include "roomwise/objects/instances/upright_box.h"
 #include "roomwise/pipeline/objects/stored_detections.h"
+#include "roomwise/pipeline/objects/thing_history.h"
 #include "roomwise/pipeline/stored/stored_rooms.h"
 
 namespace roomwise::pipeline {
@@ -33,6 +34,13 @@ class VisitComparison {
     ROOMWISE_TRY(result.past_, home.past_instances());
     ROOMWISE_TRY(result.visits_, home.visits());
     ROOMWISE_TRY(result.rooms_, rooms_of_keyframes(home));
+    ROOMWISE_TRY(const HomeHistory history, find_home_history(home));
+    for (const ThingHistory& one : history.things) {
+      if (one.is_gone) result.gone_or_moved_.push_back(one.thing);
+      for (const WalkEvent& event : one.events) {
+        if (event.from) result.gone_or_moved_.push_back(*event.from);
+      }
+    }
     return result;
   }
 
@@ -111,11 +119,13 @@ class VisitComparison {
 
   [[nodiscard]] std::vector<PlacedInstance> past_things() const {
     std::vector<PlacedInstance> things;
-    for (const home::PastInstance& past : past_) {
-      const home::KeyframePose& pose = pose_of(past.instance);
-      if (pose.component != 0) continue;
-      things.push_back({past.instance.name, past.instance.box_world(pose.world_from_keyframe), {}});
-    }
+    const auto add = [&](const objects::Instance& past) {
+      const home::KeyframePose& pose = pose_of(past);
+      if (pose.component != 0) return;
+      things.push_back({past.name, past.box_world(pose.world_from_keyframe), {}});
+    };
+    for (const home::PastInstance& past : past_) add(past.instance);
+    for (const objects::Instance& past : gone_or_moved_) add(past);
     return things;
   }
 
@@ -202,10 +212,9 @@ class VisitComparison {
 
   // What was shifted and not found again: where it was, less surely, with what is left there.
   [[nodiscard]] objects::Instance nearly_there(std::size_t at, const VisitFrames& frames) const {
-    constexpr double kShiftSigma_m = 0.2;
     objects::Instance instance = instances_[known_[at]];
     instance.picture_box = {};
-    instance.sigma_m += Eigen::Vector3d(kShiftSigma_m, kShiftSigma_m, 0);
+    instance.sigma_m += Eigen::Vector3d(objects::kShiftSigma_m, objects::kShiftSigma_m, 0);
     instance.surface_keyframe =
         transformed(objects::remaining_surface(before_[at].surface_world, views_of(frames)),
                     pose_of(instance).world_from_keyframe.inverse());
@@ -273,6 +282,7 @@ class VisitComparison {
   std::vector<home::Keyframe> keyframes_;
   std::vector<objects::Instance> instances_;
   std::vector<home::PastInstance> past_;
+  std::vector<objects::Instance> gone_or_moved_;  // by what walks of the map found, as they stood
   std::map<home::VisitId, home::Visit> visits_;
   KeyframeRooms rooms_;
   // Of the home's things that have a place: which instance, when it was seen, where it stands.

@@ -205,6 +205,14 @@ export interface Recording {
   ranges: RoomRange[];
 }
 
+// What a walk found other than the walks before it.
+export interface ThingChange {
+  what: 'new' | 'moved' | 'shifted' | 'gone';
+  name: string;
+  room: string | null; // where it stands now or, gone, stood
+  moved_m: number | null;
+}
+
 export interface Home {
   name: string;
   learned: { pictures: number; network: string } | null;
@@ -213,6 +221,7 @@ export interface Home {
   things: Thing[];
   recordings: Recording[];
   room_types: string[];
+  changes: { walk: number; since: number; things: ThingChange[] } | null; // of one walk: null
 }
 
 export interface Keyframe {

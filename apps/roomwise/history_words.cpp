@@ -1,0 +1,103 @@
+#include "history_words.h"
+
+#include "pose_json.h"
+
+namespace roomwise::app {
+
+using pipeline::ThingEvent;
+using pipeline::ThingHistory;
+using pipeline::WalkEvent;
+
+Expected<HistoryWords> HistoryWords::of(const home::Home& home) {
+  HistoryWords words;
+  ROOMWISE_TRY(words.history_, pipeline::find_home_history(home));
+  ROOMWISE_TRY(words.walks_, WalkWords::of(home));
+  ROOMWISE_TRY(words.keyframes_, home.keyframes());
+  ROOMWISE_TRY(words.rooms_, pipeline::rooms_of_keyframes(home));
+  return words;
+}
+
+std::string HistoryWords::room(const objects::Instance& thing) const {
+  const auto room = rooms_.find(thing.keyframe_id);
+  return room == rooms_.end() ? std::string() : room->second;
+}
+
+std::string HistoryWords::line(const ThingHistory& thing) const {
+  const std::string in = room(thing.thing);
+  std::string line = thing.thing.name + (in.empty() ? "" : ", " + in) + ":";
+  for (const WalkEvent& event : thing.events) {
+    const std::string& walk = walks_.name(event.walk);
+    if (&event != &thing.events.front()) line += ";";
+    if (event.what == ThingEvent::kUnobserved) {
+      line += fmt::format(" not looked at by {}", walk);
+    } else if (event.what == ThingEvent::kFound) {
+      line += fmt::format(" found by {}", walk);
+    } else if (const auto distance_m = pipeline::moved_m(thing, event, keyframes_)) {
+      const std::string from = room(*event.from);
+      line += fmt::format(" moved by {:.1f} m{} on {}", *distance_m,
+                          from.empty() ? "" : ", from the " + from + ",", walk);
+    } else {
+      line += fmt::format(" {} on {}", pipeline::to_string(event.what), walk);
+    }
+  }
+  const auto when = date_words(thing.last_seen.time_ns);
+  return line + fmt::format("; last seen on {}{}", walks_.name(thing.last_seen.walk),
+                            when ? ", " + *when : std::string());
+}
+
+std::vector<std::string> HistoryWords::changes(home::RecordingId walk) const {
+  std::vector<std::string> lines;
+  for (const ThingHistory& thing : history_.things) {
+    for (const WalkEvent& event : thing.events) {
+      if (event.walk != walk || !pipeline::is_change(event.what)) continue;
+      const std::string in = room(thing.thing);
+      std::string line = fmt::format("{} {}", thing.thing.name, pipeline::to_string(event.what));
+      if (const auto distance_m = pipeline::moved_m(thing, event, keyframes_)) {
+        const std::string from = room(*event.from);
+        line += fmt::format(" by {:.1f} m", *distance_m);
+        if (!from.empty() && from != in) line += ", from the " + from;
+      }
+      lines.push_back(line + (in.empty() ? "" : fmt::format(" ({})", in)));
+    }
+  }
+  return lines;
+}
+
+Json HistoryWords::event_json(const ThingHistory& thing, const WalkEvent& event) const {
+  const auto distance_m = pipeline::moved_m(thing, event, keyframes_);
+  return {{"what", pipeline::to_string(event.what)},
+          {"moved_m", distance_m ? Json(*distance_m) : Json(nullptr)},
+          {"room_before", event.from ? word_or_null(room(*event.from)) : Json(nullptr)}};
+}
+
+Json HistoryWords::changes_json(home::RecordingId walk) const {
+  Json changes = Json::array();
+  for (const ThingHistory& thing : history_.things) {
+    for (const WalkEvent& event : thing.events) {
+      if (event.walk != walk || !pipeline::is_change(event.what)) continue;
+      Json one = event_json(thing, event);
+      one["name"] = thing.thing.name;
+      one["room"] = word_or_null(room(thing.thing));
+      changes.push_back(std::move(one));
+    }
+  }
+  return changes;
+}
+
+Json HistoryWords::events_json(const ThingHistory& thing) const {
+  Json events = Json::array();
+  for (const WalkEvent& event : thing.events) {
+    Json one = event_json(thing, event);
+    one["walk"] = walks_.name(event.walk);
+    events.push_back(std::move(one));
+  }
+  return events;
+}
+
+Json HistoryWords::sighting_json(const pipeline::Sighting& seen) const {
+  return {{"walk", walks_.name(seen.walk)},
+          {"time_s", seconds_between(0, seen.time_ns)},
+          {"date", date_json(seen.time_ns)}};
+}
+
+}  // namespace roomwise::app

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "command.h"
+#include "roomwise/pipeline/objects/thing_history.h"
+#include "roomwise/pipeline/stored/stored_rooms.h"
+#include "walk_words.h"
+
+namespace roomwise::app {
+
+// What became of a home's things from walk to walk, in words and in JSON.
+class HistoryWords {
+ public:
+  [[nodiscard]] static Expected<HistoryWords> of(const home::Home& home);
+
+  [[nodiscard]] const pipeline::HomeHistory& history() const { return history_; }
+  [[nodiscard]] const WalkWords& walks() const { return walks_; }
+  // "chair, kitchen: found by monday; there on tuesday; moved by 1.2 m, from the lounge, on
+  // friday".
+  [[nodiscard]] std::string line(const pipeline::ThingHistory& thing) const;
+  // What a walk changed, a line each: "chair moved by 1.2 m, from the lounge to the kitchen".
+  [[nodiscard]] std::vector<std::string> changes(home::RecordingId walk) const;
+  // {"what", "name", "room", "moved_m", "room_before"} each.
+  [[nodiscard]] Json changes_json(home::RecordingId walk) const;
+  // {"walk", "time_s", "date"}.
+  [[nodiscard]] Json sighting_json(const pipeline::Sighting& seen) const;
+  // {"walk", "what", "moved_m", "room_before"} each.
+  [[nodiscard]] Json events_json(const pipeline::ThingHistory& thing) const;
+  // As the helper named it where the thing is seen best; empty: not known.
+  [[nodiscard]] std::string room(const objects::Instance& thing) const;
+
+ private:
+  [[nodiscard]] Json event_json(const pipeline::ThingHistory& thing,
+                                const pipeline::WalkEvent& event) const;
+
+  pipeline::HomeHistory history_;
+  WalkWords walks_;
+  std::vector<home::Keyframe> keyframes_;
+  pipeline::KeyframeRooms rooms_;
+};
+
+}  // namespace roomwise::app

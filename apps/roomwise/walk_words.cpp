@@ -1,0 +1,39 @@
+#include "walk_words.h"
+
+#include <array>
+
+#include "roomwise/base/calendar_time.h"
+
+namespace roomwise::app {
+
+Expected<WalkWords> WalkWords::of(const home::Home& home) {
+  WalkWords words;
+  ROOMWISE_TRY(const auto recordings, home.recordings());
+  std::map<std::string, int> count;
+  for (const home::StoredRecording& one : recordings) ++count[one.recording.name];
+  std::size_t number = 0;
+  for (const home::StoredRecording& one : recordings) {
+    ++number;
+    const std::string& name = one.recording.name;
+    words.names_[one.id] = count[name] > 1 ? fmt::format("{} (walk {})", name, number) : name;
+  }
+  return words;
+}
+
+std::optional<std::string> date_words(TimestampNs timestamp_ns) {
+  constexpr std::array kMonths{"January",   "February", "March",    "April",
+                               "May",       "June",     "July",     "August",
+                               "September", "October",  "November", "December"};
+  const auto time = calendar_time(timestamp_ns);
+  if (!time) return std::nullopt;
+  return fmt::format("{} {} {} at {} o'clock", time->day,
+                     kMonths.at(static_cast<std::size_t>(time->month - 1)), time->year, time->hour);
+}
+
+Json date_json(TimestampNs timestamp_ns) {
+  const auto time = calendar_time(timestamp_ns);
+  if (!time) return nullptr;
+  return fmt::format("{:04}-{:02}-{:02}T{:02}", time->year, time->month, time->day, time->hour);
+}
+
+}  // namespace roomwise::app
