@@ -72,10 +72,13 @@ ItemWords words_of(const CoverageItem& item, const pipeline::CoverageOptions& op
     case Missing::kFloor:
       break;
   }
-  return {fmt::format("{}: {:.1f} m2 of floor {}, {}", item.room, item.gap->area_m2,
-                      item.gap->is_unseen ? "that no walk saw" : "that was seen from afar only",
-                      at_place(*item.gap)),
-          "go there, and point the camera down a little"};
+  return {
+      item.gap->is_unseen
+          ? fmt::format("{}: the floor goes on where no walk saw it, over {:.1f} m, {}", item.room,
+                        item.gap->length_m, at_place(*item.gap))
+          : fmt::format("{}: floor was seen from afar only, over {:.1f} m, {}", item.room,
+                        item.gap->length_m, at_place(*item.gap)),
+      "go there with the camera, tilted down a little, or leave it if it is no room of the home"};
 }
 
 Json light_json(const std::optional<pipeline::RoomLight>& light) {
@@ -105,7 +108,7 @@ Json room_json(const RoomSeen& room, const WalkWords& walks) {
 
 Json gap_json(const std::optional<pipeline::FloorGap>& gap) {
   if (!gap) return nullptr;
-  return {{"area_m2", gap->area_m2},
+  return {{"length_m", gap->length_m},
           {"middle_m", {gap->middle_gravity.x(), gap->middle_gravity.y()}},
           {"unseen", gap->is_unseen},
           {"beside", word_or_null(gap->beside)}};

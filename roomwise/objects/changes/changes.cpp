@@ -88,7 +88,9 @@ class ChangeFinder {
     return evidence.decided_share() >= options_.min_decided && evidence.views >= options_.min_views;
   }
   [[nodiscard]] bool differs(const FreeSpaceEvidence& evidence, double least) const {
-    return is_looked_at(evidence) && evidence.gone_share() >= least;
+    const double gone =
+        options_.of_whole_surface ? evidence.gone_share_of_whole() : evidence.gone_share();
+    return is_looked_at(evidence) && gone >= least;
   }
   [[nodiscard]] bool is_new(std::size_t now, double least) const {
     return on_record_[now] || differs(earlier_[now], least);
@@ -177,6 +179,10 @@ double FreeSpaceEvidence::decided_share() const {
 
 double FreeSpaceEvidence::gone_share() const {
   return static_cast<double>(gone) / static_cast<double>(std::max<std::size_t>(1, decided));
+}
+
+double FreeSpaceEvidence::gone_share_of_whole() const {
+  return static_cast<double>(gone) / static_cast<double>(std::max<std::size_t>(1, points));
 }
 
 FreeSpaceEvidence surface_evidence(std::span<const Vector3f> surface_world,

@@ -31,6 +31,7 @@ struct FreeSpaceEvidence {
   // Shares in [0, 1]; of nothing: 0.
   [[nodiscard]] double decided_share() const;
   [[nodiscard]] double gone_share() const;
+  [[nodiscard]] double gone_share_of_whole() const;
 };
 // A view sees a point where the depth around it is the point's, and looks through it where all that
 // is measured around it lies behind. What is hidden, outside of the picture or not measured says
@@ -93,6 +94,8 @@ struct ChangeOptions {
   double min_shifted_gone_share =
       0.15;  // the same, of what is not found again but still there in part
   double min_moved_distance_m = 0.08;  // less is no move
+  // The three shares above are of the whole surface: what no view decides counts as still there.
+  bool of_whole_surface = false;
   // A thing in the place of another has this share of its surface in the other's box or more.
   double same_place = 0.3;
 

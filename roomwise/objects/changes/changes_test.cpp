@@ -223,6 +223,13 @@ TEST_F(ChangesTest, WhatComesBackIsNewThoughTheMapShowsIt) {
   EXPECT_TRUE(find_changes({}, views_of(map_), now_, views_of(visit_), {}, {}).arrived.empty());
 }
 
+TEST(FreeSpaceEvidences, WhatNoViewDecidesCountsAsThereWhereTheWholeSurfaceIsAskedFor) {
+  const FreeSpaceEvidence evidence{.points = 10, .decided = 5, .gone = 4, .views = 2};
+  EXPECT_DOUBLE_EQ(evidence.gone_share(), 0.8);
+  EXPECT_DOUBLE_EQ(evidence.gone_share_of_whole(), 0.4);
+  EXPECT_DOUBLE_EQ(FreeSpaceEvidence{}.gone_share_of_whole(), 0);
+}
+
 TEST(MatchPast, TakesTheNearestOfTheNameEachOnce) {
   const auto thing = [](const std::string& name, double x) {
     return PlacedInstance{name, {{Eigen::Quaterniond::Identity(), {x, 0, 0}}, {0.5, 0.5, 1}}, {}};

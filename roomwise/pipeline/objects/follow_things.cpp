@@ -43,6 +43,16 @@ std::vector<objects::DepthView> depth_views(std::span<const ObservedKeyframe> ke
   return views;
 }
 
+// A walk has some five times fewer key-frames than a visit has pictures. What is gone goes from the
+// list of things, so most of its whole surface must be looked through, not of a part that a few
+// show.
+objects::ChangeOptions change_options() {
+  objects::ChangeOptions options;
+  options.min_decided = options.min_gone;
+  options.of_whole_surface = true;
+  return options;
+}
+
 ThingEvent event_of(ChangeState state) {
   switch (state) {
     case ChangeState::kThere:
@@ -73,7 +83,8 @@ class ThingFollower {
       take_joined(walk, 0, {});
       return;
     }
-    const JoinedThings now = join_things(own, level_);
+    JoinedThings now = join_things(own, level_);
+    for (std::size_t i = 0; i < now.placed.size(); ++i) keep_what_stands(now, i, own);
     std::vector<std::size_t> standing;  // in followed_
     std::vector<PlacedInstance> before, past;
     for (std::size_t i = 0; i < followed_.size(); ++i) {
@@ -88,7 +99,7 @@ class ThingFollower {
     }
     const auto views_before = depth_views(seen_), views_now = depth_views(own);
     const objects::Changes changes =
-        objects::find_changes(before, views_before, now.placed, views_now, past, {});
+        objects::find_changes(before, views_before, now.placed, views_now, past, change_options());
     for (std::size_t at = 0; at < standing.size(); ++at) {
       judge(followed_[standing[at]], walk, changes.before[at], now, own);
     }
@@ -178,11 +189,29 @@ class ThingFollower {
     }
   }
 
+  // Of a thing's surface, what the walk that saw it last does not look through itself: what depth
+  // measured at its rim, or behind it, would be gone on every later walk.
+  void keep_what_stands(JoinedThings& joined, std::size_t j,
+                        std::span<const ObservedKeyframe> keyframes) const {
+    const auto& supporting = joined.supporting[j];
+    if (supporting.empty()) return;
+    const auto walk_of = [&](const ObservedKeyframe& one) {
+      return keyframes_[one.keyframe_id].recording;
+    };
+    const home::RecordingId walk = walk_of(keyframes[supporting.back()]);
+    const auto first = std::ranges::find(keyframes, walk, walk_of);
+    const auto last = std::find_if(
+        first, keyframes.end(), [&](const ObservedKeyframe& one) { return walk_of(one) != walk; });
+    joined.placed[j].surface_world = objects::remaining_surface(
+        joined.placed[j].surface_world, depth_views(std::span(first, last)));
+  }
+
   // Joins what is left of all walks so far anew, and gives each instance to the thing that it is.
   // `first_of_walk`: from there on the key-frames are the newest walk's.
   void take_joined(home::RecordingId walk, std::size_t first_of_walk,
                    std::span<const PlacedInstance> arrived) {
-    const JoinedThings joined = join_things(seen_, level_);
+    JoinedThings joined = join_things(seen_, level_);
+    for (std::size_t j = 0; j < joined.placed.size(); ++j) keep_what_stands(joined, j, seen_);
     std::vector<std::size_t> standing;
     std::vector<PlacedInstance> places;
     for (std::size_t i = 0; i < followed_.size(); ++i) {
@@ -223,11 +252,11 @@ class ThingFollower {
     if (first_of_walk == 0) return false;
     const auto& supporting = joined.supporting[j];
     if (!supporting.empty() && supporting.back() >= first_of_walk) return false;
-    const objects::ChangeOptions options;
+    const objects::ChangeOptions options = change_options();
     const auto evidence =
         objects::surface_evidence(joined.placed[j].surface_world, depth_views(newest));
     return evidence.decided_share() >= options.min_decided && evidence.views >= options.min_views &&
-           evidence.gone_share() >= options.min_gone;
+           evidence.gone_share_of_whole() >= options.min_gone;
   }
 
   void take(Followed& one, const JoinedThings& joined, std::size_t j) {

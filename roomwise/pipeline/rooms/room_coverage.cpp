@@ -1,5 +1,6 @@
 #include "roomwise/pipeline/rooms/room_coverage.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -102,18 +103,19 @@ class FloorGapFinder {
   std::vector<FloorGap> find() {
     mark_far_floor();
     mark_unseen_floor();
+    mark_edges();
     std::vector<FloorGap> gaps;
     for (int row = 0; row < grid_.rows(); ++row) {
       for (int column = 0; column < grid_.columns(); ++column) {
         if (auto gap = take_component({column, row})) gaps.push_back(*std::move(gap));
       }
     }
-    std::ranges::stable_sort(gaps, std::greater{}, &FloorGap::area_m2);
+    std::ranges::stable_sort(gaps, std::greater{}, &FloorGap::length_m);
     return gaps;
   }
 
  private:
-  enum class State : std::uint8_t { kNone, kFar, kUnseen, kTaken };
+  enum class State : std::uint8_t { kNone, kFar, kUnseen, kUnseenEdge, kTaken };
   struct Cell {
     int column, row;
   };
@@ -188,58 +190,89 @@ class FloorGapFinder {
     return true;
   }
 
-  [[nodiscard]] bool is_gap(Cell cell) const {
-    return state_.contains(cell.column, cell.row) &&
-           state_.at(cell.column, cell.row) != State::kNone;
-  }
-  // Whether a square of the least side lies about the cell in gaps alone.
-  [[nodiscard]] bool is_wide(Cell cell) const {
-    const int reach = static_cast<int>(options_.min_gap_m / (2 * grid_.cell_m()));
-    for (int dy = -reach; dy <= reach; ++dy) {
-      for (int dx = -reach; dx <= reach; ++dx) {
-        if (!is_gap({cell.column + dx, cell.row + dy})) return false;
+  // Unseen cells beside floor that was seen.
+  void mark_edges() {
+    for (int row = 0; row < grid_.rows(); ++row) {
+      for (int column = 0; column < grid_.columns(); ++column) {
+        if (state_.at(column, row) != State::kUnseen) continue;
+        const bool is_edge = std::ranges::any_of(neighbors({column, row}), [&](Cell next) {
+          return state_.contains(next.column, next.row) &&
+                 grid_.at(next.column, next.row) == FloorCell::kFree;
+        });
+        if (is_edge) state_.at(column, row) = State::kUnseenEdge;
       }
     }
-    return true;
   }
 
-  // The cells that hang together with this one, once; nothing where no person would stand there.
-  std::optional<FloorGap> take_component(Cell seed) {
-    if (!is_gap(seed) || state_.at(seed.column, seed.row) == State::kTaken) return std::nullopt;
-    std::vector<Cell> cells{seed};
-    std::size_t unseen = 0;
-    std::map<std::string, std::size_t> rooms;
-    bool is_wide_somewhere = false;
-    const auto take = [&](Cell cell) {
-      State& state = state_.at(cell.column, cell.row);
-      if (state == State::kUnseen) ++unseen;
-      state = State::kTaken;
-      ++rooms[room_of(cell)];
+  [[nodiscard]] bool is_unseen(Cell cell) const {
+    return state_.contains(cell.column, cell.row) &&
+           grid_.at(cell.column, cell.row) == FloorCell::kUnknown &&
+           state_.at(cell.column, cell.row) != State::kNone;
+  }
+  // Whether so much of the same lies about the cell, or, of an edge, beyond it.
+  [[nodiscard]] bool is_wide_at(Cell cell, State state) const {
+    const int reach = static_cast<int>(options_.min_gap_m / (2 * grid_.cell_m()));
+    const auto fills_square = [&](Cell middle) {
+      for (int dy = -reach; dy <= reach; ++dy) {
+        for (int dx = -reach; dx <= reach; ++dx) {
+          const Cell at{middle.column + dx, middle.row + dy};
+          const bool is_same = state == State::kUnseenEdge
+                                   ? is_unseen(at)
+                                   : state_.contains(at.column, at.row) &&
+                                         grid_.at(at.column, at.row) == FloorCell::kFree &&
+                                         state_.at(at.column, at.row) != State::kNone;
+          if (!is_same) return false;
+        }
+      }
+      return true;
     };
-    take(seed);
-    Eigen::Vector2d sum = Eigen::Vector2d::Zero();
-    for (std::size_t i = 0; i < cells.size(); ++i) {
-      const Cell cell = cells[i];
-      sum += grid_.cell_middle_m(cell.column, cell.row);
-      is_wide_somewhere = is_wide_somewhere || is_wide(cell);
-      for (const Cell next : neighbors(cell)) {
-        if (!is_gap(next) || state_.at(next.column, next.row) == State::kTaken) continue;
-        take(next);
-        cells.push_back(next);
+    if (state == State::kFar) return fills_square(cell);
+    for (const int dx : {-reach - 1, 0, reach + 1}) {
+      for (const int dy : {-reach - 1, 0, reach + 1}) {
+        if (fills_square({cell.column + dx, cell.row + dy})) return true;
       }
     }
-    if (!is_wide_somewhere) return std::nullopt;
+    return false;
+  }
+
+  // The cells of the seed's state that hang together with it, corners too, once; nothing where no
+  // person would stand there.
+  std::optional<FloorGap> take_component(Cell seed) {
+    const State state = state_.at(seed.column, seed.row);
+    if (state != State::kFar && state != State::kUnseenEdge) return std::nullopt;
+    std::vector<Cell> cells{seed};
+    std::map<std::string, std::size_t> rooms;
+    state_.at(seed.column, seed.row) = State::kTaken;
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+      const Cell cell = cells[i];
+      ++rooms[room_of(cell)];
+      for (int dy = -1; dy <= 1; ++dy) {
+        for (int dx = -1; dx <= 1; ++dx) {
+          const Cell next{cell.column + dx, cell.row + dy};
+          if (!state_.contains(next.column, next.row)) continue;
+          if (state_.at(next.column, next.row) != state) continue;
+          state_.at(next.column, next.row) = State::kTaken;
+          cells.push_back(next);
+        }
+      }
+    }
+    const auto middle_of = [&](Cell cell) { return grid_.cell_middle_m(cell.column, cell.row); };
+    Eigen::AlignedBox2d extent;
+    Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+    for (const Cell cell : cells) {
+      extent.extend(middle_of(cell));
+      sum += middle_of(cell);
+    }
+    const double length_m = extent.sizes().norm() + grid_.cell_m();
+    const bool is_wide =
+        std::ranges::any_of(cells, [&](Cell cell) { return is_wide_at(cell, state); });
+    if (!is_wide || length_m < options_.min_gap_m) return std::nullopt;
     const Eigen::Vector2d mean = sum / static_cast<double>(cells.size());
-    const Cell middle = *std::ranges::min_element(cells, {}, [&](Cell cell) {
-      return (grid_.cell_middle_m(cell.column, cell.row) - mean).squaredNorm();
-    });
+    const Cell middle = *std::ranges::min_element(
+        cells, {}, [&](Cell cell) { return (middle_of(cell) - mean).squaredNorm(); });
     const auto room =
         std::ranges::max_element(rooms, {}, [](const auto& one) { return one.second; });
-    return FloorGap{room->first,
-                    static_cast<double>(cells.size()) * grid_.cell_m() * grid_.cell_m(),
-                    grid_.cell_middle_m(middle.column, middle.row),
-                    2 * unseen > cells.size(),
-                    {}};
+    return FloorGap{room->first, state == State::kUnseenEdge, length_m, middle_of(middle), {}};
   }
 
   const HomeLayout& home_;

@@ -43,20 +43,23 @@ struct RoomSeen {
   [[nodiscard]] std::optional<bool> by_several_lights() const;
 };
 
-// Floor of a room that nothing was seen of, or only from afar.
+// Where the floor of a room goes on and nothing was seen of it, or floor that was only seen from
+// afar.
 struct FloorGap {
-  std::string room;  // that it belongs to, or leads on from
-  double area_m2 = 0;
-  Eigen::Vector2d middle_gravity = Eigen::Vector2d::Zero();  // m
-  bool is_unseen = false;  // nothing was seen of most of it; else it was only seen from afar
-  std::string beside;      // the thing that stands nearest, within 1.5 m; empty: none
+  std::string room;
+  bool is_unseen = false;  // else it was seen from afar
+  // Of what is unseen the length of the edge to the floor that was seen: how far it goes on is not
+  // known. Of the rest its own. From end to end, m.
+  double length_m = 0;
+  Eigen::Vector2d middle_gravity = Eigen::Vector2d::Zero();  // of the edge, or of the floor, m
+  std::string beside;  // the thing that stands nearest, within 1.5 m; empty: none
 };
 
 struct CoverageOptions {
   rooms::LearningOptions learning;  // how many pictures of a room learning needs
   // Farther things are not measured well enough to be found (objects::InstanceOptions).
   double near_m = 4.5;
-  double min_gap_m = 0.5;  // a gap holds a square of that side: room for a person to stand
+  double min_gap_m = 0.5;  // what is narrower or shorter is no place for a person to stand
 
   [[nodiscard]] Expected<void> validate() const;
 };

@@ -101,7 +101,7 @@ TEST_F(CoverageOfMappedRoom, FloorThatNoCameraCameNearIsToldWithItsPlace) {
   const FloorGap& gap = coverage->gaps.front();
   EXPECT_EQ(gap.room, "hall");
   EXPECT_FALSE(gap.is_unseen) << "its floor was seen, from afar";
-  EXPECT_GT(gap.area_m2, 0.25);
+  EXPECT_GE(gap.length_m, options.min_gap_m);
 }
 
 TEST_F(CoverageOfMappedRoom, WrongOptionsAreRefused) {
