@@ -240,7 +240,7 @@ TEST_F(RoomCommandsTest, WhatTheWalksLackIsTold) {
   EXPECT_TRUE(std::ranges::any_of(missing, [](const json& one) {
     return one.at("what") == "second walk" && one.at("room") == "hall";
   })) << missing;
-  EXPECT_THAT(run(command).output, HasSubstr("hall: only one walk saw it"));
+  EXPECT_THAT(run_roomwise(command).output, HasSubstr("hall: only one walk saw it"));
 }
 
 TEST_F(RoomCommandsTest, WhatIsSaidOfObjectsIsKeptUntilItIsUnsaid) {

@@ -67,7 +67,7 @@ Expected<void> view_things(const home::Home& home, const pipeline::HomeHistory& 
 }
 
 void view_changes(const pipeline::HomeHistory& history, HomeView& view) {
-  if (history.walks.size() < 2) return;
+  if (history.walks.size() < 2 || history.things.empty()) return;
   pipeline::KeyframeRooms rooms;
   std::vector<home::Keyframe> keyframes;
   for (const ViewedKeyframe& one : view.keyframes) {

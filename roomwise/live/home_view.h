@@ -49,7 +49,8 @@ struct HomeView {
   std::vector<rooms::Room> rooms;         // by name
   std::vector<guide::KnownThing> things;  // as stored; without a place until the map is ready
   std::vector<ViewedWalk> walks;          // as stored
-  std::optional<ViewedChanges> changes;   // absent where the map is of one walk
+  // Absent where the map is of one walk, or nothing was found on it.
+  std::optional<ViewedChanges> changes;
   std::vector<ViewedKeyframe> keyframes;  // by id
   std::vector<std::string> room_types;    // of the concepts, by name
   rooms::Concepts concepts;

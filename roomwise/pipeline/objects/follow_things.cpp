@@ -301,6 +301,11 @@ class ThingFollower {
                                     last.time_ns > one.history.last_seen.time_ns))) {
       one.history.last_seen = last;
     }
+    // Depth did not decide, but the walk's own pictures show it there.
+    if (begins) return;
+    WalkEvent& newest = one.history.events.back();
+    if (newest.walk == last.walk && newest.what == ThingEvent::kUnobserved)
+      newest.what = ThingEvent::kThere;
   }
 
   std::span<const home::Keyframe> keyframes_;  // by id
