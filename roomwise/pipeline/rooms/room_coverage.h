@@ -1,11 +1,11 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "roomwise/home/home.h"
+#include "roomwise/pipeline/rooms/floor_gaps.h"
 #include "roomwise/pipeline/run_context.h"
 #include "roomwise/rooms/learning/room_learner.h"
 
@@ -43,23 +43,9 @@ struct RoomSeen {
   [[nodiscard]] std::optional<bool> by_several_lights() const;
 };
 
-// Where the floor of a room goes on and nothing was seen of it, or floor that was only seen from
-// afar.
-struct FloorGap {
-  std::string room;
-  bool is_unseen = false;  // else it was seen from afar
-  // Of what is unseen the length of the edge to the floor that was seen: how far it goes on is not
-  // known. Of the rest its own. From end to end, m.
-  double length_m = 0;
-  Eigen::Vector2d middle_gravity = Eigen::Vector2d::Zero();  // of the edge, or of the floor, m
-  std::string beside;  // the thing that stands nearest, within 1.5 m; empty: none
-};
-
 struct CoverageOptions {
   rooms::LearningOptions learning;  // how many pictures of a room learning needs
-  // Farther things are not measured well enough to be found (objects::InstanceOptions).
-  double near_m = 4.5;
-  double min_gap_m = 0.5;  // what is narrower or shorter is no place for a person to stand
+  FloorGapOptions floor;
 
   [[nodiscard]] Expected<void> validate() const;
 };
@@ -69,7 +55,7 @@ struct RoomCoverage {
   std::vector<home::RecordingId> not_joined;  // walks of which nothing lies on the map
   std::vector<std::size_t> unnamed;           // of each walk: key-frames that nobody named
   std::vector<RoomSeen> rooms;                // by name
-  std::vector<FloorGap> gaps;                 // the largest first
+  std::vector<FloorGap> gaps;                 // the longest first
   bool knows_floor = false;                   // the map shows where the named rooms lie
 };
 

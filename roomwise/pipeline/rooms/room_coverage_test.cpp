@@ -94,19 +94,19 @@ TEST_F(CoverageOfMappedRoom, FloorThatWasWalkedAroundLacksNothing) {
 
 TEST_F(CoverageOfMappedRoom, FloorThatNoCameraCameNearIsToldWithItsPlace) {
   CoverageOptions options;
-  options.near_m = 0.6;  // all cameras stand near the middle
+  options.floor.near_m = 0.6;  // all cameras stand near the middle
   const auto coverage = find_room_coverage(*home_, options, run_);
   ASSERT_OK(coverage);
   ASSERT_FALSE(coverage->gaps.empty());
   const FloorGap& gap = coverage->gaps.front();
   EXPECT_EQ(gap.room, "hall");
   EXPECT_FALSE(gap.is_unseen) << "its floor was seen, from afar";
-  EXPECT_GE(gap.length_m, options.min_gap_m);
+  EXPECT_GE(gap.length_m, options.floor.min_gap_m);
 }
 
 TEST_F(CoverageOfMappedRoom, WrongOptionsAreRefused) {
   CoverageOptions options;
-  options.near_m = 0;
+  options.floor.near_m = 0;
   EXPECT_ERROR(find_room_coverage(*home_, options, run_), "near_m is 0");
 }
 
