@@ -10,6 +10,7 @@ namespace {
 
 using nlohmann::json;
 
+constexpr std::string_view kBelowTwo = "below 2";
 constexpr unsigned kLatinSupplement = 0xC3;  // first byte of UTF-8's "À" to "ÿ"
 
 // One UTF-8 text with letters from A to Z and from À to Þ made small.
@@ -85,11 +86,17 @@ Expected<Phrasebook> Phrasebook::parse(std::string_view text,
     file.at("messages").get_to(book.messages_);
     file.at("forms").get_to(book.forms_);
     file.at("counts").get_to(book.counts_);
+    file.at("singular").get_to(book.singular_);
     file.at("decimal").get_to(book.decimal_);
     file.at("months").get_to(book.months_);
     file.at("and").get_to(book.and_);
     file.at("rooms").get_to(book.rooms_);
     file.at("goals").get_to(book.things_);
+    auto grammar = Grammar::parse(file.at("questions"));
+    if (!grammar) {
+      return fail("messages of language \"{}\": {}", book.language_, grammar.error().message);
+    }
+    book.grammar_ = *std::move(grammar);
   } catch (const json::exception& error) {
     return fail("messages of language \"{}\": {}", book.language_, error.what());
   }
@@ -132,6 +139,9 @@ Expected<void> Phrasebook::validate() const {
     if (!numbers.contains("one") || !numbers.contains("other")) {
       return fail("count \"{}\" lacks \"one\" or \"other\"", unit);
     }
+  }
+  if (singular_ != "1" && singular_ != kBelowTwo) {
+    return fail("singular is \"{}\"; expected \"1\" or \"{}\"", singular_, kBelowTwo);
   }
   for (const Words* words : {&things_, &rooms_}) {
     for (const auto& [word, description] : *words) {
@@ -220,7 +230,10 @@ std::string Phrasebook::count(const std::string& unit, double number) const {
   const bool is_whole = std::fmod(tenths, 10) == 0;
   std::string digits = is_whole ? fmt::format("{:.0f}", tenths / 10)
                                 : replaced(fmt::format("{:.1f}", tenths / 10), ".", decimal_);
-  return replaced(texts.at(tenths == 10 ? "one" : "other"), "{n}", digits);
+  const bool is_one = tenths == 10 || (singular_ == kBelowTwo && tenths >= 0 && tenths < 20);
+  // Where 1.5 is singular, so is its text, but for the number in it.
+  const std::string& text = texts.at(is_one ? "one" : "other");
+  return replaced(text, "{n}", digits);
 }
 
 const Phrasebook::Words& Phrasebook::words_of(Noun::Kind kind) const {
@@ -253,6 +266,15 @@ std::vector<std::string> Phrasebook::words_for(Noun::Kind kind, std::string_view
   exact.insert(exact.end(), by_name.begin(), by_name.end());
   exact.insert(exact.end(), by_other_names.begin(), by_other_names.end());
   return exact;
+}
+
+Phrasebook::Called Phrasebook::ways_to_call(const Noun& noun) const {
+  const Word* const word = find(noun);
+  if (word == nullptr) return {{noun.name}, {}};
+  Called called{{word->name}, word->also};
+  const auto plural = word->forms.find("plural");
+  if (plural != word->forms.end()) called.names.push_back(plural->second);
+  return called;
 }
 
 // A home's name for something is known where it is a word or a word's name here; what else people

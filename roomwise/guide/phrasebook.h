@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "roomwise/base/expected.h"
+#include "roomwise/guide/questions/grammar.h"
 #include "roomwise/objects/kinds/kinds.h"
 
 namespace roomwise::guide {
@@ -41,8 +42,10 @@ using Values = std::map<std::string, std::variant<std::string, Nouns>>;
 //   rooms     the home's word -> its name here, its class, any forms of its own, and under "also"
 //             what else people call it (objects::SpokenName). Things have theirs in kinds.json.
 //   goals     the same for what one may be led to that is no thing: the way out.
-//   counts    unit -> "one", "other" ("{n} steps"); decimal: the sign in 1.5; and: of lists;
-//             months: their names.
+//   questions how one asks: questions/grammar.h.
+//   counts    unit -> "one", "other" ("{n} steps"); singular: the numbers of "one", "1" or "below 2"
+//             (CLDR's rules of plurals); decimal: the sign in 1.5; and: of lists; months: their
+//             names.
 class Phrasebook {
  public:
   // Fails on anything that is missing, of a wrong type or unknown, and names it.
@@ -68,6 +71,14 @@ class Phrasebook {
   [[nodiscard]] std::vector<std::string> words_for(Noun::Kind kind, std::string_view called) const;
   // What the thing or room is called here by itself ("Sofa"); as it is where it has no word here.
   [[nodiscard]] std::string called(const Noun& noun) const { return in_form("", noun); }
+  // What people call the thing or room here, by name or in the plural, and what else they call it
+  // ("also"); its own name where it has no word here.
+  struct Called {
+    std::vector<std::string> names, also;
+  };
+  [[nodiscard]] Called ways_to_call(const Noun& noun) const;
+  // How one asks here.
+  [[nodiscard]] const Grammar& grammar() const { return grammar_; }
   // The home's words that are known here.
   [[nodiscard]] std::set<std::string> words(Noun::Kind kind) const;
 
@@ -93,11 +104,13 @@ class Phrasebook {
   std::map<std::string, std::string> messages_;
   std::map<std::string, std::map<std::string, std::string>> forms_;
   std::map<std::string, std::map<std::string, std::string>> counts_;
+  std::string singular_;
   std::string decimal_;
   std::vector<std::string> months_;
   std::string and_;
   Words things_;
   Words rooms_;
+  Grammar grammar_;
 };
 
 }  // namespace roomwise::guide

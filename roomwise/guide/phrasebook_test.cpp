@@ -99,11 +99,13 @@ TEST_F(PhrasebookTest, AMissingValueOrMessageIsABug) {
 
 // A smallest file, to be spoiled.
 nlohmann::json small_file() {
-  return nlohmann::json::parse(R"({"language": "xx", "name": "X", "messages": {"a": "{the thing}!"},
-    "counts": {"step": {"one": "1", "other": "{n}"}}, "decimal": ".", "and": "&",
+  nlohmann::json file = nlohmann::json::parse(R"({"language": "xx", "name": "X", "messages": {"a": "{the thing}!"},
+    "counts": {"step": {"one": "1", "other": "{n}"}}, "singular": "1", "decimal": ".", "and": "&",
     "months": ["1", "2", "3", "4", "5", "6", "7", "8", "9", "10", "11", "12"],
     "forms": {"the": {"c": "le {}", "proper": "{}", "other": "{}"}},
     "rooms": {"hall": {"name": "gang", "class": "c"}}, "goals": {}})");
+  file["questions"] = nlohmann::json::parse(built_in_messages()[0])["questions"];
+  return file;
 }
 
 TEST(PhrasebookFileTest, SaysWhatIsWrong) {
@@ -121,6 +123,8 @@ TEST(PhrasebookFileTest, SaysWhatIsWrong) {
   EXPECT_ERROR(spoiled("/forms/the", {{"c", "{}"}, {"other", "{}"}}), "lacks \"proper\"");
   EXPECT_ERROR(spoiled("/forms/the/c", "le"), "form \"the\", \"c\": there is no {}");
   EXPECT_ERROR(spoiled("/counts/step", {{"one", "1"}}), "count \"step\" lacks");
+  EXPECT_ERROR(spoiled("/singular", "2"), "singular is \"2\"; expected \"1\" or \"below 2\"");
+  EXPECT_ERROR(spoiled("/questions/endings", 1), "questions:");
   EXPECT_ERROR(spoiled("/months", {"January"}), "months: expected twelve names");
   EXPECT_ERROR(spoiled("/months/11", ""), "months: expected twelve names");
   EXPECT_ERROR(spoiled("/rooms/hall/class", "q"), "word \"hall\": neither it nor its class \"q\"");

@@ -1,0 +1,171 @@
+#include "roomwise/guide/questions/grammar.h"
+
+#include <algorithm>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "roomwise/guide/questions/folded_words.h"
+
+namespace roomwise::guide {
+namespace {
+
+constexpr std::size_t kMaxWaysOfOne = 4096;  // that a pattern stands for
+
+constexpr std::array<std::pair<std::string_view, Slot>, 4> kSlots{{{"{thing}", Slot::kThing},
+                                                                   {"{room}", Slot::kRoom},
+                                                                   {"{place}", Slot::kPlace},
+                                                                   {"{goal}", Slot::kGoal}}};
+
+// Reads "where (is|are) [all] {place}" into all the texts that it stands for.
+class PatternReader {
+ public:
+  explicit PatternReader(std::string_view text) : rest_(text) {}
+
+  Expected<std::vector<std::string>> read() {
+    ROOMWISE_TRY(std::vector<std::string> all, alternatives());
+    if (!rest_.empty()) return fail("\"{}\" closes nothing", rest_.substr(0, 1));
+    return all;
+  }
+
+ private:
+  Expected<std::vector<std::string>> alternatives() {
+    std::vector<std::string> all;
+    while (true) {
+      ROOMWISE_TRY(std::vector<std::string> some, sequence());
+      all.insert(all.end(), some.begin(), some.end());
+      if (!rest_.starts_with('|')) return all;
+      rest_.remove_prefix(1);
+    }
+  }
+
+  Expected<std::vector<std::string>> sequence() {
+    std::vector<std::string> all{""};
+    while (!rest_.empty() && rest_.find_first_of(")]|") != 0) {
+      ROOMWISE_TRY(const std::vector<std::string> next, part());
+      if (all.size() * next.size() > kMaxWaysOfOne)
+        return fail("it stands for too many ways to ask");
+      std::vector<std::string> longer;
+      for (const std::string& begin : all) {
+        for (const std::string& end : next) longer.push_back(begin + end);
+      }
+      all = std::move(longer);
+    }
+    return all;
+  }
+
+  Expected<std::vector<std::string>> part() {
+    const char open = rest_.front();
+    if (open != '(' && open != '[') {
+      const std::string_view words = rest_.substr(0, rest_.find_first_of("()[]|"));
+      rest_.remove_prefix(words.size());
+      return std::vector<std::string>{std::string(words)};
+    }
+    rest_.remove_prefix(1);
+    ROOMWISE_TRY(std::vector<std::string> all, alternatives());
+    const char close = open == '(' ? ')' : ']';
+    if (!rest_.starts_with(close)) return fail("\"{}\" is not closed", open);
+    rest_.remove_prefix(1);
+    if (open == '[') all.emplace_back();
+    return all;
+  }
+
+  std::string_view rest_;
+};
+
+Expected<QuestionPattern> pattern_of(QuestionType type, std::string_view text) {
+  QuestionPattern pattern{.type = type, .before = {}, .slot = std::nullopt, .after = {}};
+  const std::size_t open = std::min(text.find('{'), text.size());
+  const std::size_t close = std::min(text.find('}', open), text.size());
+  pattern.before = folded_words(text.substr(0, open));
+  if (open < text.size()) {
+    const std::string_view name = text.substr(open, close - open + 1);
+    const auto* const slot =
+        std::ranges::find(kSlots, name, [](const auto& one) { return one.first; });
+    if (slot == kSlots.end()) return fail("there is no \"{}\"", name);
+    pattern.slot = slot->second;
+    const std::string_view after = text.substr(close + 1);
+    if (after.find('{') != std::string_view::npos) return fail("it has two names");
+    pattern.after = folded_words(after);
+  }
+  if (pattern.before.empty() && !pattern.slot) return fail("it may be empty");
+  return pattern;
+}
+
+// "where is {place}" for words that mean the same by themselves.
+std::string text_of(const QuestionPattern& pattern) {
+  std::string text;
+  for (const std::string& word : pattern.before) text += word + " ";
+  if (pattern.slot) text += std::string(kSlots.at(static_cast<std::size_t>(*pattern.slot)).first);
+  for (const std::string& word : pattern.after) text += " " + word;
+  return text;
+}
+
+Expected<void> add_patterns(QuestionType type, std::string_view text,
+                            std::map<std::string, QuestionType>& types,
+                            std::vector<QuestionPattern>& patterns) {
+  ROOMWISE_TRY(const std::vector<std::string> ways, PatternReader(text).read());
+  for (const std::string& way : ways) {
+    ROOMWISE_TRY(QuestionPattern pattern, pattern_of(type, way));
+    const auto [known, is_new] = types.emplace(text_of(pattern), type);
+    if (known->second != type) return fail("\"{}\" asks something else, too", known->first);
+    if (is_new) patterns.push_back(std::move(pattern));
+  }
+  return {};
+}
+
+}  // namespace
+
+Expected<Grammar> Grammar::parse(const nlohmann::json& questions) {
+  Grammar grammar;
+  std::map<std::string, std::vector<std::string>> patterns;
+  try {
+    questions.at("patterns").get_to(patterns);
+    for (const auto& word : questions.at("determiners")) {
+      for (std::string& folded : folded_words(word.get<std::string>())) {
+        grammar.determiners_.insert(std::move(folded));
+      }
+    }
+    for (const auto& filler : questions.at("fillers")) {
+      grammar.fillers_.push_back(folded_words(filler.get<std::string>()));
+    }
+    questions.at("endings").get_to(grammar.endings_);
+  } catch (const nlohmann::json::exception& error) {
+    return fail("questions: {}", error.what());
+  }
+  std::erase_if(grammar.fillers_, [](const auto& words) { return words.empty(); });
+  std::ranges::stable_sort(grammar.fillers_, std::ranges::greater{},
+                           &std::vector<std::string>::size);
+  std::map<std::string, QuestionType> types;
+  for (const auto& [name, type] : kQuestionTypes) {
+    const auto found = patterns.find(std::string(name));
+    if (found == patterns.end() || found->second.empty()) {
+      return fail("questions: there is no pattern of \"{}\"", name);
+    }
+    for (const std::string& text : found->second) {
+      if (auto added = add_patterns(type, text, types, grammar.patterns_); !added) {
+        return fail("questions: \"{}\", \"{}\": {}", name, text, added.error().message);
+      }
+    }
+    patterns.erase(found);
+  }
+  if (!patterns.empty()) return fail("questions: there is no type \"{}\"", patterns.begin()->first);
+  return grammar;
+}
+
+std::vector<std::string> Grammar::without_fillers(std::vector<std::string> words) const {
+  for (std::size_t at = 0; at < words.size();) {
+    const auto begin = words.begin() + static_cast<std::ptrdiff_t>(at);
+    const auto stands_here = [&](const std::vector<std::string>& filler) {
+      return filler.size() <= words.size() - at && std::equal(filler.begin(), filler.end(), begin);
+    };
+    const auto filler = std::ranges::find_if(fillers_, stands_here);
+    if (filler == fillers_.end()) {
+      ++at;
+    } else {
+      words.erase(begin, begin + static_cast<std::ptrdiff_t>(filler->size()));
+    }
+  }
+  return words;
+}
+
+}  // namespace roomwise::guide

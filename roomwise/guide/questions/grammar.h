@@ -1,0 +1,59 @@
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <set>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "roomwise/base/expected.h"
+#include "roomwise/guide/questions/question.h"
+
+namespace roomwise::guide {
+
+// What a name in a question may be of.
+enum class Slot {
+  kThing,
+  kRoom,
+  kPlace,  // a thing or a room
+  kGoal,   // or what else one may be led to: a door
+};
+
+// One way to ask: folded words, and where among them a name stands, if one does.
+struct QuestionPattern {
+  QuestionType type = QuestionType::kWhereAmI;
+  std::vector<std::string> before;
+  std::optional<Slot> slot;
+  std::vector<std::string> after;
+};
+
+// How one asks in a language: "questions" of its file.
+//
+//   patterns     type -> ways to ask. "where is {place}": words and a slot for a name. "(a|b)": one
+//                of them; "[a|b]": one of them or none; both may hold each other.
+//   determiners  what may stand before a name and says nothing: articles, "my", "nearest".
+//   fillers      what may stand anywhere and says nothing: "please".
+//   endings      what a name may end with besides: "s".
+class Grammar {
+ public:
+  // Fails, naming the pattern, where one cannot be read, is two types' or has two slots, and where
+  // a type has none.
+  [[nodiscard]] static Expected<Grammar> parse(const nlohmann::json& questions);
+
+  [[nodiscard]] std::span<const QuestionPattern> patterns() const { return patterns_; }
+  [[nodiscard]] bool is_determiner(const std::string& word) const {
+    return determiners_.contains(word);
+  }
+  [[nodiscard]] std::span<const std::string> endings() const { return endings_; }
+  [[nodiscard]] std::vector<std::string> without_fillers(std::vector<std::string> words) const;
+
+ private:
+  std::vector<QuestionPattern> patterns_;
+  std::set<std::string> determiners_;
+  std::vector<std::vector<std::string>> fillers_;  // the longest first
+  std::vector<std::string> endings_;
+};
+
+}  // namespace roomwise::guide

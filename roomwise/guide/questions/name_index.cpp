@@ -1,0 +1,178 @@
+#include "roomwise/guide/questions/name_index.h"
+
+#include <algorithm>
+#include <set>
+
+#include "roomwise/guide/questions/folded_words.h"
+
+namespace roomwise::guide {
+namespace {
+
+constexpr std::size_t kMinStem = 3;  // letters that stay when an ending is taken off
+
+bool fits(Slot slot, Noun::Kind kind, bool is_goal) {
+  if (is_goal) return slot == Slot::kGoal;
+  return slot == Slot::kPlace || slot == Slot::kGoal ||
+         (slot == Slot::kThing) == (kind == Noun::Kind::kThing);
+}
+
+// "bedroom 2" -> "bedroom".
+std::string without_last_number(const std::string& name) {
+  const std::size_t end = name.find_last_not_of("0123456789");
+  const bool has_number = end != std::string::npos && end + 1 < name.size() && name[end] == ' ';
+  return has_number ? name.substr(0, end) : name;
+}
+
+bool is_same_but_for_ending(const std::string& a, const std::string& b,
+                            std::span<const std::string> endings) {
+  const std::string& shorter = a.size() < b.size() ? a : b;
+  const std::string& longer = a.size() < b.size() ? b : a;
+  if (shorter.size() < kMinStem || !longer.starts_with(shorter)) return false;
+  return std::ranges::count(endings, longer.substr(shorter.size())) > 0;
+}
+
+}  // namespace
+
+NameIndex::NameIndex(const Phrasebook& phrases, const HomeNames& home) : phrases_(phrases) {
+  for (const std::string& name : home.things) add_noun({Noun::Kind::kThing, name}, true, false);
+  for (const std::string& name : home.rooms) add_noun({Noun::Kind::kRoom, name}, true, false);
+  for (const std::string& name : home.goals) add_noun({Noun::Kind::kThing, name}, true, true);
+  add_labels(home);
+  for (const auto kind : {Noun::Kind::kThing, Noun::Kind::kRoom}) {
+    for (const std::string& word : phrases.words(kind)) add_noun({kind, word}, false, false);
+  }
+}
+
+void NameIndex::add(const std::string& name, const Noun& noun, Way way, bool is_of_home,
+                    bool is_goal) {
+  const std::vector<std::string> words = folded_words(name);
+  if (words.empty()) return;
+  entries_.push_back({joined(words), noun, way, is_goal, is_of_home});
+  if (!is_of_home) return;
+  // Its first or last words alone: "chair" of "Anna's chair", "coffee" of "coffee machine".
+  for (std::size_t i = 1; i < words.size(); ++i) {
+    const auto middle = words.begin() + static_cast<std::ptrdiff_t>(i);
+    for (const auto& part : {std::vector<std::string>(words.begin(), middle),
+                             std::vector<std::string>(middle, words.end())}) {
+      entries_.push_back({joined(part), noun, Way::kPart, is_goal, true});
+    }
+  }
+}
+
+void NameIndex::add_noun(const Noun& noun, bool is_of_home, bool is_goal) {
+  add(noun.name, noun, Way::kName, is_of_home, is_goal);
+  Noun unnumbered = noun;
+  unnumbered.name = without_last_number(noun.name);
+  const std::string number = noun.name.substr(unnumbered.name.size());
+  const Phrasebook::Called called = phrases_.ways_to_call(unnumbered);
+  for (const std::string& name : called.names) {
+    add(name + number, noun, Way::kName, is_of_home, is_goal);
+    if (!number.empty()) add(name, noun, Way::kOtherName, is_of_home, is_goal);
+  }
+  for (const std::string& name : called.also) {
+    add(name + number, noun, Way::kOtherName, is_of_home, is_goal);
+  }
+}
+
+void NameIndex::add_labels(const HomeNames& home) {
+  if (home.vocabulary == nullptr) return;
+  for (const auto& [object, labels] : home.vocabulary->objects()) {
+    if (std::ranges::count(home.things, object) == 0) continue;
+    for (const std::string& label : labels) {
+      // ImageNet's list synonyms.
+      for (std::size_t at = 0; at < label.size();) {
+        const std::size_t comma = std::min(label.find(',', at), label.size());
+        entries_.push_back({joined(folded_words(label.substr(at, comma - at))),
+                            {Noun::Kind::kThing, object},
+                            Way::kLabel,
+                            false,
+                            true});
+        at = comma + 1;
+      }
+    }
+  }
+}
+
+std::span<const std::string> NameIndex::without_determiners(
+    std::span<const std::string> words) const {
+  while (words.size() > 1 && phrases_.grammar().is_determiner(words.front())) {
+    words = words.subspan(1);
+  }
+  return words;
+}
+
+Nouns NameIndex::nouns_of(std::vector<const Entry*> entries) const {
+  if (entries.empty()) return {};
+  const auto most_exact = std::ranges::min(entries, {}, &Entry::way)->way;
+  std::erase_if(entries, [&](const Entry* entry) { return entry->way != most_exact; });
+  // A thing before the room that is called so, too: it stands there.
+  const auto is_thing = [](const Entry* entry) { return entry->noun.kind == Noun::Kind::kThing; };
+  if (std::ranges::any_of(entries, is_thing)) {
+    std::erase_if(entries, [&](const Entry* entry) { return !is_thing(entry); });
+  }
+  Nouns nouns;
+  std::set<std::string> called;  // who hears two of one name could not choose
+  for (const Entry* entry : entries) {
+    if (called.insert(phrases_.called(entry->noun)).second) nouns.push_back(entry->noun);
+  }
+  return nouns;
+}
+
+Nouns NameIndex::exact(const std::string& key, Slot slot, bool is_of_home, bool with_parts) const {
+  std::vector<const Entry*> found;
+  for (const Entry& entry : entries_) {
+    const bool is_same = entry.key == key && entry.is_of_home == is_of_home &&
+                         (with_parts || entry.way != Way::kPart);
+    if (is_same && fits(slot, entry.noun.kind, entry.is_goal)) found.push_back(&entry);
+  }
+  return nouns_of(std::move(found));
+}
+
+Nouns NameIndex::with_endings(const std::string& key, Slot slot) const {
+  std::vector<const Entry*> found;
+  for (const Entry& entry : entries_) {
+    if (entry.is_of_home && entry.way != Way::kPart && fits(slot, entry.noun.kind, entry.is_goal) &&
+        is_same_but_for_ending(entry.key, key, phrases_.grammar().endings())) {
+      found.push_back(&entry);
+    }
+  }
+  return nouns_of(std::move(found));
+}
+
+Nouns NameIndex::nearest(const std::string& key, Slot slot) const {
+  int least = forgiven_slips(key);
+  std::vector<const Entry*> found;
+  for (const Entry& entry : entries_) {
+    if (!entry.is_of_home || entry.way == Way::kPart) continue;
+    if (!fits(slot, entry.noun.kind, entry.is_goal)) continue;
+    const int slips = slips_between(entry.key, key);
+    if (slips > std::min(least, forgiven_slips(entry.key))) continue;
+    if (slips < least) found.clear();
+    least = slips;
+    found.push_back(&entry);
+  }
+  return nouns_of(std::move(found));
+}
+
+FoundName NameIndex::find(std::span<const std::string> words, Slot slot) const {
+  const auto bare = without_determiners(words);
+  const std::string key = joined({bare.begin(), bare.end()});
+  if (Nouns nouns = exact(key, slot, true, false); !nouns.empty()) {
+    return {NameMatch::kKnown, std::move(nouns)};
+  }
+  if (Nouns nouns = with_endings(key, slot); !nouns.empty()) {
+    return {NameMatch::kKnown, std::move(nouns)};
+  }
+  if (Nouns nouns = exact(key, slot, false, false); !nouns.empty()) {
+    return {NameMatch::kAbsent, {nouns.front()}};
+  }
+  if (Nouns nouns = exact(key, slot, true, true); !nouns.empty()) {
+    return {NameMatch::kKnown, std::move(nouns)};
+  }
+  if (Nouns nouns = nearest(key, slot); !nouns.empty()) {
+    return {NameMatch::kNear, std::move(nouns)};
+  }
+  return {};
+}
+
+}  // namespace roomwise::guide

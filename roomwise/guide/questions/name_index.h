@@ -1,0 +1,62 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "roomwise/guide/questions/grammar.h"
+#include "roomwise/guide/questions/understand.h"
+
+namespace roomwise::guide {
+
+// What a name that somebody said may be; the surest first.
+enum class NameMatch {
+  kKnown,   // of the home
+  kAbsent,  // a word of the language for what the home does not have
+  kNear,    // a slip away from one of the home
+  kUnknown,
+};
+
+struct FoundName {
+  NameMatch match = NameMatch::kUnknown;
+  Nouns nouns;  // of kKnown and kNear those that it may mean, of kAbsent the first
+};
+
+// All that may be named in a question, for one home in one language.
+class NameIndex {
+ public:
+  // What `phrases` points to must outlive it.
+  NameIndex(const Phrasebook& phrases, const HomeNames& home);
+
+  // `words`: folded, as they stand in the question, with articles.
+  [[nodiscard]] FoundName find(std::span<const std::string> words, Slot slot) const;
+  // The words of a name without what stands before it and says nothing.
+  [[nodiscard]] std::span<const std::string> without_determiners(
+      std::span<const std::string> words) const;
+
+ private:
+  // How a name may be said, the most exact first.
+  enum class Way { kName, kOtherName, kLabel, kPart };
+  struct Entry {
+    std::string key;  // joined folded words
+    Noun noun;
+    Way way = Way::kName;
+    bool is_goal = false;     // and no thing
+    bool is_of_home = false;  // else the language only knows the word
+  };
+
+  void add(const std::string& name, const Noun& noun, Way way, bool is_of_home, bool is_goal);
+  void add_noun(const Noun& noun, bool is_of_home, bool is_goal);
+  void add_labels(const HomeNames& home);
+  [[nodiscard]] Nouns exact(const std::string& key, Slot slot, bool is_of_home,
+                            bool with_parts) const;
+  [[nodiscard]] Nouns with_endings(const std::string& key, Slot slot) const;
+  [[nodiscard]] Nouns nearest(const std::string& key, Slot slot) const;
+  // Of entries that fit, those that are meant.
+  [[nodiscard]] Nouns nouns_of(std::vector<const Entry*> entries) const;
+
+  const Phrasebook& phrases_;
+  std::vector<Entry> entries_;
+};
+
+}  // namespace roomwise::guide

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <array>
+#include <string>
+#include <string_view>
+#include <utility>
+
+namespace roomwise::guide {
+
+// What may be asked in one's own words.
+enum class QuestionType {
+  kWhereAmI,
+  kAroundMe,
+  kWhereIs,
+  kWayTo,
+  kTakeMeTo,
+  kWhatIsOn,
+  kWhatIsIn,
+  kWhichRooms,
+  kWhichWay,
+  kWhatIsAhead,
+  kWhatChanged,
+  kDescribeRoom,
+  kRepeat,
+  kPause,  // to whoever leads, down to kEnd
+  kResume,
+  kHowFar,
+  kNext,
+  kBlocked,
+  kEnd,
+  kWhatCanIAsk,
+  kYes,         // to "Did you mean ...?"
+  kNamed,       // a name alone
+  kCannotTell,  // what no picture and no map can answer
+};
+
+// As catalogues call them.
+constexpr std::array<std::pair<std::string_view, QuestionType>, 23> kQuestionTypes{
+    {{"where_am_i", QuestionType::kWhereAmI},
+     {"around_me", QuestionType::kAroundMe},
+     {"where_is", QuestionType::kWhereIs},
+     {"way_to", QuestionType::kWayTo},
+     {"take_me_to", QuestionType::kTakeMeTo},
+     {"what_is_on", QuestionType::kWhatIsOn},
+     {"what_is_in", QuestionType::kWhatIsIn},
+     {"which_rooms", QuestionType::kWhichRooms},
+     {"which_way", QuestionType::kWhichWay},
+     {"what_is_ahead", QuestionType::kWhatIsAhead},
+     {"what_changed", QuestionType::kWhatChanged},
+     {"describe_room", QuestionType::kDescribeRoom},
+     {"repeat", QuestionType::kRepeat},
+     {"pause", QuestionType::kPause},
+     {"resume", QuestionType::kResume},
+     {"how_far", QuestionType::kHowFar},
+     {"next", QuestionType::kNext},
+     {"blocked", QuestionType::kBlocked},
+     {"end", QuestionType::kEnd},
+     {"what_can_i_ask", QuestionType::kWhatCanIAsk},
+     {"yes", QuestionType::kYes},
+     {"named", QuestionType::kNamed},
+     {"cannot_tell", QuestionType::kCannotTell}}};
+
+}  // namespace roomwise::guide

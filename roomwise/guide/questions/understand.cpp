@@ -1,0 +1,142 @@
+#include "roomwise/guide/questions/understand.h"
+
+#include <algorithm>
+#include <tuple>
+
+#include "roomwise/guide/questions/folded_words.h"
+#include "roomwise/guide/questions/grammar.h"
+#include "roomwise/guide/questions/name_index.h"
+
+namespace roomwise::guide {
+namespace {
+
+using Outcome = Understood::Outcome;
+
+constexpr std::size_t kMaxWords = 40;
+constexpr std::size_t kMaxWordsOfAName = 5;  // that nobody gave; more are no name
+
+// One way to read a text.
+struct Reading {
+  const QuestionPattern* pattern = nullptr;
+  FoundName name;  // kKnown where the pattern has no slot
+  std::vector<std::string> said;
+
+  [[nodiscard]] auto rank() const {
+    const auto own_words = static_cast<int>(pattern->before.size() + pattern->after.size());
+    return std::tuple(name.match, -own_words);
+  }
+};
+
+bool is_word(const std::string& wanted, const std::string& said, bool forgives) {
+  return wanted == said || (forgives && slips_between(wanted, said) <= forgiven_slips(wanted));
+}
+
+// What stands in the slot; nothing where the words are no such question. Empty without a slot.
+std::optional<std::span<const std::string>> words_in_slot(const QuestionPattern& pattern,
+                                                          std::span<const std::string> words,
+                                                          bool forgives) {
+  const std::size_t own = pattern.before.size() + pattern.after.size();
+  if (pattern.slot ? words.size() <= own : words.size() != own) return std::nullopt;
+  const auto agree = [&](const std::vector<std::string>& wanted,
+                         std::span<const std::string> said) {
+    return std::ranges::equal(wanted, said, [&](const std::string& one, const std::string& other) {
+      return is_word(one, other, forgives);
+    });
+  };
+  const bool is_asked = agree(pattern.before, words.first(pattern.before.size())) &&
+                        agree(pattern.after, words.last(pattern.after.size()));
+  if (!is_asked) return std::nullopt;
+  return words.subspan(pattern.before.size(), words.size() - own);
+}
+
+std::optional<Reading> read_as(const QuestionPattern& pattern, std::span<const std::string> words,
+                               const NameIndex& names, bool forgives) {
+  const auto inside = words_in_slot(pattern, words, forgives);
+  if (!inside) return std::nullopt;
+  Reading reading{&pattern, {NameMatch::kKnown, {}}, {}};
+  if (!pattern.slot) return reading;
+  reading.name = names.find(*inside, *pattern.slot);
+  const auto said = names.without_determiners(*inside);
+  reading.said.assign(said.begin(), said.end());
+  const bool is_name_alone = pattern.before.empty() && pattern.after.empty();
+  const bool is_believed = !is_name_alone && said.size() <= kMaxWordsOfAName;
+  if (reading.name.match == NameMatch::kUnknown && !is_believed) return std::nullopt;
+  return reading;
+}
+
+std::optional<Reading> best_reading(std::span<const std::string> words, const Grammar& grammar,
+                                    const NameIndex& names, bool forgives) {
+  std::optional<Reading> best;
+  for (const QuestionPattern& pattern : grammar.patterns()) {
+    auto reading = read_as(pattern, words, names, forgives);
+    if (reading && (!best || reading->rank() < best->rank())) best = std::move(reading);
+  }
+  return best;
+}
+
+bool is_whole(const std::optional<Reading>& reading) {
+  return reading && reading->name.match == NameMatch::kKnown;
+}
+
+Noun noun_said(const std::vector<std::string>& words) {
+  std::string name;
+  for (const std::string& word : words) name += (name.empty() ? "" : " ") + word;
+  return {Noun::Kind::kThing, name};
+}
+
+Understood meaning_of(Reading reading) {
+  Understood meaning{.type = reading.pattern->type, .names = std::move(reading.name.nouns)};
+  if (meaning.type == QuestionType::kCannotTell) {
+    return {.outcome = Outcome::kCannotTell, .type = meaning.type, .names = {}};
+  }
+  switch (reading.name.match) {
+    case NameMatch::kKnown:
+      meaning.outcome = meaning.names.size() > 1 ? Outcome::kWhichOne : Outcome::kQuestion;
+      break;
+    case NameMatch::kNear:
+      meaning.outcome = meaning.names.size() > 1 ? Outcome::kWhichOne : Outcome::kDidYouMean;
+      break;
+    case NameMatch::kAbsent:
+      meaning.outcome = Outcome::kUnknownName;
+      break;
+    case NameMatch::kUnknown:
+      meaning.outcome = Outcome::kUnknownName;
+      meaning.names = {noun_said(reading.said)};
+      break;
+  }
+  return meaning;
+}
+
+}  // namespace
+
+Understood understand(std::string_view text, const Phrasebook& phrases, const HomeNames& home) {
+  if (text.size() > kMaxQuestionBytes) return {};
+  const std::vector<std::string> whole = folded_words(text);
+  if (whole.size() > kMaxWords) return {};
+  const Grammar& grammar = phrases.grammar();
+  const NameIndex names(phrases, home);
+  // A name may hold what says nothing elsewhere, so the text counts first as it is.
+  std::optional<Reading> first;
+  for (const bool forgives : {false, true}) {
+    for (const auto& words : {whole, grammar.without_fillers(whole)}) {
+      auto reading = best_reading(words, grammar, names, forgives);
+      if (is_whole(reading)) return meaning_of(*std::move(reading));
+      const bool is_better = reading && (!first || reading->rank() < first->rank());
+      if (is_better && !forgives) first = std::move(reading);
+    }
+  }
+  return first ? meaning_of(*std::move(first)) : Understood{};
+}
+
+Understood in_answer_to(const Understood& offer, Understood said) {
+  const bool is_offer =
+      offer.outcome == Outcome::kDidYouMean || offer.outcome == Outcome::kWhichOne;
+  if (!is_offer || said.outcome != Outcome::kQuestion) return said;
+  if (said.type == QuestionType::kYes && offer.outcome == Outcome::kDidYouMean) {
+    return {Outcome::kQuestion, offer.type, offer.names};
+  }
+  if (said.type == QuestionType::kNamed) said.type = offer.type;
+  return said;
+}
+
+}  // namespace roomwise::guide

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "roomwise/guide/phrasebook.h"
+#include "roomwise/guide/questions/question.h"
+#include "roomwise/objects/detection/object_vocabulary.h"
+
+namespace roomwise::guide {
+
+// What a home calls its own.
+struct HomeNames {
+  std::vector<std::string> things;  // each once, by name
+  std::vector<std::string> rooms;
+  std::vector<std::string> goals;  // what one may be led to besides, by the home's word
+  // What networks call things; null: nothing.
+  const objects::ObjectVocabulary* vocabulary = nullptr;
+};
+
+// What somebody meant by a text.
+struct Understood {
+  enum class Outcome {
+    kQuestion,       // `names`: none, or what is asked for, as the home calls it
+    kWhichOne,       // several of the home are called so: `names`
+    kDidYouMean,     // the name is a slip away from the one of `names`
+    kUnknownName,    // the home has nothing that is called so: `names`, a thing, as it was said
+    kCannotTell,     // nothing that Roomwise knows can answer that
+    kNotUnderstood,  // it is no question that is known
+  };
+  Outcome outcome = Outcome::kNotUnderstood;
+  QuestionType type = QuestionType::kWhatCanIAsk;  // of all but the last two
+  Nouns names = {};
+};
+
+// Texts that are longer are not understood, bytes.
+constexpr std::size_t kMaxQuestionBytes = 500;
+
+// Finds the question and the name in it by the language's grammar and the home's names. Of several
+// ways to read a text: one whose name the home has, then one with more words of its own. Slips are
+// forgiven in the question's own words; a name with slips is asked about. The same for the same
+// values; any bytes are a text. Time: patterns and names times the words of the text.
+[[nodiscard]] Understood understand(std::string_view text, const Phrasebook& phrases,
+                                    const HomeNames& home);
+
+// What is meant by "yes", or by a name alone, after an `offer` (kDidYouMean, kWhichOne); else
+// `said` as it is.
+[[nodiscard]] Understood in_answer_to(const Understood& offer, Understood said);
+
+}  // namespace roomwise::guide

@@ -1,0 +1,319 @@
+#include "roomwise/guide/questions/understand.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "roomwise/base/random.h"
+#include "roomwise/base/testing/testing.h"
+#include "roomwise/guide/message_catalogue.h"
+#include "roomwise/guide/questions/folded_words.h"
+
+namespace roomwise::guide {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+using Outcome = Understood::Outcome;
+using Type = QuestionType;
+
+const MessageCatalogue& catalogue() {
+  static const MessageCatalogue built_in = MessageCatalogue::built_in();
+  return built_in;
+}
+
+HomeNames some_home() {
+  return {
+      .things = {"Anna's chair", "bed", "cup", "keys", "microwave", "oven", "stove", "table"},
+      .rooms = {"bedroom 1", "bedroom 2", "children's room", "kitchen", "living room", "toilet"},
+      .goals = {"door"},
+      .vocabulary = nullptr};
+}
+
+Understood hear(const std::string& text, const std::string& language = "en") {
+  return understand(text, catalogue().in(language), some_home());
+}
+
+std::vector<std::string> names_of(const Understood& heard) {
+  std::vector<std::string> names;
+  for (const Noun& noun : heard.names) names.push_back(noun.name);
+  return names;
+}
+
+// "where_is keys", "take_me_to kitchen", "which one: ...".
+std::string told(const Understood& heard) {
+  std::string text;
+  switch (heard.outcome) {
+    case Outcome::kQuestion:
+      break;
+    case Outcome::kWhichOne:
+      text = "which one: ";
+      break;
+    case Outcome::kDidYouMean:
+      text = "did you mean: ";
+      break;
+    case Outcome::kUnknownName:
+      text = "unknown: ";
+      break;
+    case Outcome::kCannotTell:
+      return "cannot tell";
+    case Outcome::kNotUnderstood:
+      return "not understood";
+  }
+  text += std::ranges::find(kQuestionTypes, heard.type, [](const auto& one) {
+            return one.second;
+          })->first;
+  for (const std::string& name : names_of(heard)) text += " " + name;
+  return text;
+}
+
+std::string english(const std::string& text) {
+  return told(hear(text));
+}
+std::string german(const std::string& text) {
+  return told(hear(text, "de"));
+}
+
+TEST(UnderstandTest, QuestionsInEnglish) {
+  EXPECT_EQ(english("Where did I leave my keys?"), "where_is keys");
+  EXPECT_EQ(english("where is the key"), "where_is keys");
+  EXPECT_EQ(english("bring me to the loo"), "take_me_to toilet");
+  EXPECT_EQ(english("What is on the table?"), "what_is_on table");
+  EXPECT_EQ(english("what's on the table"), "what_is_on table");
+  EXPECT_EQ(english("Is the window open?"), "cannot tell");
+  EXPECT_EQ(english("is somebody in the room"), "cannot tell");
+  EXPECT_EQ(english("Where am I?"), "where_am_i");
+  EXPECT_EQ(english("please, can you tell me where the microwave is"), "where_is microwave");
+  EXPECT_EQ(english("whats in the kitchen"), "what_is_in kitchen");
+  EXPECT_EQ(english("Which rooms are there"), "which_rooms");
+  EXPECT_EQ(english("which way do I face"), "which_way");
+  EXPECT_EQ(english("what is ahead of me"), "what_is_ahead");
+  EXPECT_EQ(english("describe this room"), "describe_room");
+  EXPECT_EQ(english("describe the kitchen"), "describe_room kitchen");
+  EXPECT_EQ(english("how far is it to the bed"), "where_is bed");
+  EXPECT_EQ(english("how far is the wall"), "what_is_ahead");
+  EXPECT_EQ(english("take me to the door"), "take_me_to door");
+  EXPECT_EQ(english("the way to the kitchen"), "take_me_to kitchen");
+  EXPECT_EQ(english("the way to the bed"), "way_to bed");
+  EXPECT_EQ(english("repeat that"), "repeat");
+  EXPECT_EQ(english("stop"), "end");
+}
+
+TEST(UnderstandTest, QuestionsInGerman) {
+  EXPECT_EQ(german("Wo habe ich denn meine Tasse hingestellt?"), "where_is cup");
+  EXPECT_EQ(german("Bring mich bitte zum Klo!"), "take_me_to toilet");
+  EXPECT_EQ(german("Was liegt auf dem Tisch?"), "what_is_on table");
+  EXPECT_EQ(german("finde den Tisch"), "where_is table");
+  EXPECT_EQ(german("Wo sind die Tische?"), "where_is table");
+  EXPECT_EQ(german("Ist das Fenster offen?"), "cannot tell");
+  EXPECT_EQ(german("führ mich in die Küche"), "take_me_to kitchen");
+  EXPECT_EQ(german("FUEHRE mich in die KUCHE"), "take_me_to kitchen") << "a slip is forgiven";
+  EXPECT_EQ(german("Wie groß ist die Küche?"), "describe_room kitchen");
+  EXPECT_EQ(german("welche Räume gibt es"), "which_rooms");
+  EXPECT_EQ(german("Weißt du, wo die Mikrowelle ist?"), "where_is microwave");
+  EXPECT_EQ(german("Was kann ich fragen?"), "what_can_i_ask");
+}
+
+TEST(UnderstandTest, ANameThatIsASlipAwayIsAskedAbout) {
+  EXPECT_EQ(english("take me to the kichen"), "did you mean: take_me_to kitchen");
+  EXPECT_EQ(english("where is the mircowave"), "did you mean: where_is microwave");
+  EXPECT_EQ(english("wehre is the microwave"), "where_is microwave");
+  EXPECT_EQ(english("where is the cap"), "unknown: where_is cap") << "three letters: no slips";
+}
+
+TEST(UnderstandTest, ANameOfSeveralIsAskedAbout) {
+  EXPECT_EQ(english("take me to the bedroom"), "which one: take_me_to bedroom 1 bedroom 2");
+  EXPECT_EQ(english("take me to bedroom 2"), "take_me_to bedroom 2");
+  EXPECT_EQ(german("Wo ist der Ofen?"), "which one: where_is oven stove");
+  EXPECT_EQ(german("Wo ist der Backofen?"), "where_is oven");
+}
+
+TEST(UnderstandTest, NamesThatAHelperGaveAreKnownByTheirPartsToo) {
+  EXPECT_EQ(english("where is Anna's chair"), "where_is Anna's chair");
+  EXPECT_EQ(english("where is annas chair"), "where_is Anna's chair");
+  EXPECT_EQ(english("take me to the livingroom"), "take_me_to living room");
+  EXPECT_EQ(english("take me to the childrens room"), "take_me_to children's room");
+  HomeNames home = some_home();
+  home.things = {"blue box"};
+  EXPECT_EQ(told(understand("find my box", catalogue().in("en"), home)), "where_is blue box");
+}
+
+TEST(UnderstandTest, WhatTheHomeDoesNotHaveKeepsItsName) {
+  EXPECT_EQ(english("where is the piano"), "unknown: where_is piano");
+  EXPECT_EQ(english("where are my red socks"), "unknown: where_is red socks");
+  EXPECT_EQ(german("Wo ist das Klavier?"), "unknown: where_is piano");
+  EXPECT_EQ(english("sing a song for us all and do it well"), "not understood");
+  EXPECT_EQ(english(""), "not understood");
+  EXPECT_EQ(english("?!"), "not understood");
+  EXPECT_EQ(english(std::string(kMaxQuestionBytes + 1, 'a')), "not understood");
+}
+
+TEST(UnderstandTest, ALabelOfANetworkNamesTheThing) {
+  const auto vocabulary = objects::ObjectVocabulary::standard();
+  HomeNames home = some_home();
+  home.vocabulary = &vocabulary;
+  EXPECT_EQ(told(understand("where is the four-poster", catalogue().in("en"), home)),
+            "where_is bed");
+}
+
+TEST(UnderstandTest, YesAndANameAnswerWhatWasAsked) {
+  const Understood kichen = hear("take me to the kichen");
+  EXPECT_EQ(told(in_answer_to(kichen, hear("yes"))), "take_me_to kitchen");
+  EXPECT_EQ(told(in_answer_to(kichen, hear("the bed"))), "take_me_to bed");
+  const Understood bedroom = hear("take me to the bedroom");
+  EXPECT_EQ(told(in_answer_to(bedroom, hear("bedroom 2"))), "take_me_to bedroom 2");
+  EXPECT_EQ(told(in_answer_to(bedroom, hear("where am I"))), "where_am_i");
+  EXPECT_EQ(told(in_answer_to(bedroom, hear("yes"))), "yes") << "of two, that says nothing";
+  EXPECT_EQ(told(in_answer_to({}, hear("yes"))), "yes");
+}
+
+// A text that a pattern stands for, with a name of the home in its slot.
+std::string example_of(const QuestionPattern& pattern, const Phrasebook& phrases,
+                       const std::string& determiner) {
+  std::string text;
+  for (const std::string& word : pattern.before) text += word + " ";
+  if (pattern.slot) {
+    const bool is_room = pattern.slot == Slot::kRoom;
+    const Noun noun = is_room ? room("kitchen").front() : thing("table").front();
+    text += determiner + " " + phrases.called(noun);
+  }
+  for (const std::string& word : pattern.after) text += " " + word;
+  return text;
+}
+
+std::string in_capitals(std::string text) {
+  for (char& letter : text) {
+    if (letter >= 'a' && letter <= 'z') letter = static_cast<char>(letter - 'a' + 'A');
+  }
+  return text;
+}
+
+TEST(UnderstandTest, EveryWayToAskOfEveryLanguageIsUnderstood) {
+  for (const std::string& language : catalogue().languages()) {
+    const Phrasebook& phrases = catalogue().in(language);
+    for (const QuestionPattern& pattern : phrases.grammar().patterns()) {
+      const std::string text = example_of(pattern, phrases, "");
+      const Understood heard = understand(text, phrases, some_home());
+      EXPECT_EQ(heard.type, pattern.type) << language << ": " << text;
+      if (pattern.type == Type::kCannotTell) continue;
+      EXPECT_EQ(heard.outcome, Outcome::kQuestion) << language << ": " << text;
+      EXPECT_EQ(heard.names.size(), pattern.slot ? 1U : 0U) << language << ": " << text;
+    }
+  }
+}
+
+TEST(UnderstandTest, ArticlesCapitalsAndSignsDoNotChangeTheMeaning) {
+  const std::map<std::string, std::vector<std::string>> determiners{
+      {"en", {"the", "my", "a"}},
+      {"de", {"der", "meinen", "einem"}},
+      {"es", {"la", "mi", "una"}},
+      {"fr", {"le", "ma", "l'"}}};
+  for (const std::string& language : catalogue().languages()) {
+    const Phrasebook& phrases = catalogue().in(language);
+    for (const QuestionPattern& pattern : phrases.grammar().patterns()) {
+      const Understood plain = understand(example_of(pattern, phrases, ""), phrases, some_home());
+      for (const std::string& determiner : determiners.at(language)) {
+        const std::string text = example_of(pattern, phrases, determiner);
+        for (const std::string& said :
+             {text, in_capitals(text), "¿ " + text + " ?!", "«" + text + ".»"}) {
+          EXPECT_EQ(told(understand(said, phrases, some_home())), told(plain)) << said;
+        }
+      }
+    }
+  }
+}
+
+// What a refusal names as an example must work.
+TEST(UnderstandTest, WhatRefusalsSayCanBeAskedCanBeAsked) {
+  for (const std::string& language : catalogue().languages()) {
+    const Phrasebook& phrases = catalogue().in(language);
+    for (const char* message : {"ask.examples", "ask.examples_thing", "ask.examples_room"}) {
+      std::string text =
+          phrases.text(message, {{"thing", thing("microwave")}, {"room", room("kitchen")}});
+      text = text.substr(text.find(':') + 1);
+      const std::size_t comma = text.find(',');
+      ASSERT_NE(comma, std::string::npos) << text;
+      for (const std::string& one : {text.substr(0, comma), text.substr(comma)}) {
+        EXPECT_EQ(understand(one, phrases, some_home()).outcome, Outcome::kQuestion) << one;
+      }
+    }
+  }
+}
+
+void expect_one_meaning(const std::string& text, const std::string& language) {
+  const Understood heard = hear(text, language);
+  EXPECT_EQ(told(hear(text, language)), told(heard)) << text;
+  EXPECT_EQ(heard.outcome == Outcome::kWhichOne, heard.names.size() > 1) << text;
+}
+
+TEST(UnderstandTest, AnyBytesAreATextAndMeanOneThing) {
+  for (const std::string& language : catalogue().languages()) {
+    for (std::uint64_t seed = 0; seed < 100; ++seed) {
+      RandomStream random(seed);
+      std::string text(random.index(60), ' ');
+      for (char& byte : text) byte = static_cast<char>(random.index(256));
+      expect_one_meaning(text, language);
+    }
+  }
+}
+
+// Parts of questions in any order, with letters lost, come nearer to what is understood.
+TEST(UnderstandTest, WordsInAnyOrderAreATextAndMeanOneThing) {
+  for (const std::string& language : catalogue().languages()) {
+    const auto patterns = catalogue().in(language).grammar().patterns();
+    for (std::uint64_t seed = 0; seed < 100; ++seed) {
+      RandomStream random(seed);
+      std::string text;
+      for (std::uint64_t parts = random.index(4); parts > 0; --parts) {
+        text += example_of(patterns[random.index(patterns.size())], catalogue().in(language), " ");
+        if (random.index(2) == 0) text.erase(random.index(text.size()), 1);
+        text += ' ';
+      }
+      expect_one_meaning(text, language);
+    }
+  }
+}
+
+TEST(FoldedWordsTest, AreSmallWithoutAccentsAndSigns) {
+  EXPECT_THAT(folded_words("Wo ist die KÜCHE?"), ElementsAre("wo", "ist", "die", "kuche"));
+  EXPECT_THAT(folded_words("Große Äpfel, œuf; Łódź"),
+              ElementsAre("grosse", "apfel", "oeuf", "lodz"));
+  EXPECT_THAT(folded_words("u\u0308ber"), ElementsAre("uber")) << "a mark of its own";
+  EXPECT_THAT(folded_words("¿Qué hay?"), ElementsAre("que", "hay"));
+  EXPECT_THAT(folded_words("qu’est-ce"), ElementsAre("qu", "est", "ce"));
+  EXPECT_THAT(folded_words("дом 2"), ElementsAre("дом", "2"));
+  EXPECT_THAT(folded_words("a\xFF\xC3z\xE2\x82"), ElementsAre("a", "z"));
+  EXPECT_THAT(folded_words("¡«»!"), IsEmpty());
+}
+
+TEST(FoldedWordsTest, SlipsAreCounted) {
+  EXPECT_EQ(slips_between("kitchen", "kitchen"), 0);
+  EXPECT_EQ(slips_between("kitchen", "kichen"), 1);
+  EXPECT_EQ(slips_between("kitchen", "kicthen"), 1) << "two exchanged";
+  EXPECT_EQ(slips_between("kitchen", ""), 7);
+  EXPECT_EQ(slips_between("bed", "bath"), 3);
+}
+
+TEST(GrammarTest, NamesThePatternThatIsWrong) {
+  nlohmann::json file = nlohmann::json::parse(built_in_messages()[0]);
+  const auto with = [&](const nlohmann::json& patterns) {
+    nlohmann::json questions = file["questions"];
+    questions["patterns"]["next"] = patterns;
+    return Grammar::parse(questions);
+  };
+  EXPECT_OK(with({"and (now|then) [what]"}));
+  EXPECT_ERROR(with({"and (now|then"}), "\"next\", \"and (now|then\": \"(\" is not closed");
+  EXPECT_ERROR(with({"and now)"}), "\")\" closes nothing");
+  EXPECT_ERROR(with({"to {thing} and {thing}"}), "it has two names");
+  EXPECT_ERROR(with({"to {home}"}), "there is no \"{home}\"");
+  EXPECT_ERROR(with({"[now]"}), "it may be empty");
+  EXPECT_ERROR(with(nlohmann::json::array()), "there is no pattern of \"next\"");
+  EXPECT_ERROR(with({"(a|b)(a|b)(a|b)(a|b)(a|b)(a|b)(a|b)(a|b)(a|b)(a|b)(a|b)(a|b)(a|b)"}),
+               "too many ways");
+  file["questions"]["patterns"]["dance"] = {"dance"};
+  EXPECT_ERROR(Grammar::parse(file["questions"]), "there is no type \"dance\"");
+}
+
+}  // namespace
+}  // namespace roomwise::guide
