@@ -20,6 +20,7 @@ using Kind = KeyRequest::Kind;
 
 constexpr double kNameWaits_s = 10;  // for its next letter
 constexpr std::size_t kMaxNameBytes = 100;
+constexpr std::size_t kMaxQuestionBytes = 500;
 constexpr char kEscape = 0x1B;
 constexpr char kBackspace = 0x08;
 constexpr char kDelete = 0x7F;  // what most terminals send for the key Backspace
@@ -30,8 +31,11 @@ bool continues_character(char byte) {
 
 template <typename Key>
 using KeyKinds = std::initializer_list<std::pair<Key, Kind>>;
-constexpr KeyKinds<char> kLettersBeforeName = {
-    {'f', Kind::kFind}, {'g', Kind::kTake}, {'l', Kind::kWay}, {'n', Kind::kNameRoom}};
+constexpr KeyKinds<char> kLettersBeforeName = {{'f', Kind::kFind},
+                                               {'g', Kind::kTake},
+                                               {'l', Kind::kWay},
+                                               {'n', Kind::kNameRoom},
+                                               {'?', Kind::kInWords}};
 constexpr KeyKinds<char> kLetters = {
     {'w', Kind::kWhere},   {'a', Kind::kAround}, {'r', Kind::kRepeat}, {'q', Kind::kQuiet},
     {'p', Kind::kPause},   {'o', Kind::kGoOn},   {'h', Kind::kHowFar}, {'t', Kind::kNext},
@@ -46,6 +50,12 @@ template <typename Key>
 std::optional<Kind> kind_of(Key key, KeyKinds<Key> kinds) {
   const auto* const found = std::ranges::find(kinds, key, &std::pair<Key, Kind>::first);
   return found == kinds.end() ? std::nullopt : std::optional(found->second);
+}
+
+// What says that a name is waited for.
+Kind asking_for(Kind naming) {
+  if (naming == Kind::kInWords) return Kind::kWhichQuestion;
+  return naming == Kind::kNameRoom ? Kind::kWhichRoom : Kind::kWhichThing;
 }
 
 // What can be read now; nothing where the other end is gone.
@@ -70,7 +80,7 @@ std::vector<KeyRequest> TypedKeys::take(std::string_view bytes, TimestampNs now_
   for (const char key : bytes) take_key(key, requests);
   // A name that came whole, from a pipe, needs no question.
   if (naming_ && !std::exchange(is_announced_, true)) {
-    requests.push_back({naming_ == Kind::kNameRoom ? Kind::kWhichRoom : Kind::kWhichThing, ""});
+    requests.push_back({asking_for(*naming_), ""});
   }
   return requests;
 }
@@ -83,6 +93,7 @@ void TypedKeys::take_key(char key, std::vector<KeyRequest>& requests) {
 }
 
 void TypedKeys::take_letter_of_name(char key, std::vector<KeyRequest>& requests) {
+  const std::size_t longest = naming_ == Kind::kInWords ? kMaxQuestionBytes : kMaxNameBytes;
   if (key == '\n' || key == '\r') {
     end_name(requests);
   } else if (key == kEscape) {
@@ -91,7 +102,7 @@ void TypedKeys::take_letter_of_name(char key, std::vector<KeyRequest>& requests)
   } else if (key == kBackspace || key == kDelete) {
     while (!name_.empty() && continues_character(name_.back())) name_.pop_back();
     if (!name_.empty()) name_.pop_back();
-  } else if (static_cast<unsigned char>(key) >= ' ' && name_.size() < kMaxNameBytes) {
+  } else if (static_cast<unsigned char>(key) >= ' ' && name_.size() < longest) {
     name_ += key;
   }
 }

@@ -32,24 +32,28 @@ struct KeyRequest {
     kBlocked,
     kEnd,
     kNameRoom,
+    kInWords,
     kRepeat,
     kQuiet,
     kExit,
     kWhichThing,  // its name is to be typed now
     kWhichRoom,
+    kWhichQuestion,
     kNoName,  // that was given up
   };
   Kind kind = Kind::kWhere;
-  std::string name;  // the thing of kFind, kTake and kWay, the room of kNameRoom
+  // The thing of kFind, kTake and kWay, the room of kNameRoom, the question of kInWords.
+  std::string name;
 
   bool operator==(const KeyRequest&) const = default;
 };
 
 // Letters as they come from a keyboard or a pipe: w (where am I), a (around me), f NAME Enter
 // (find), g NAME Enter (go there), l NAME Enter (list the way there), n NAME Enter (name the room
-// while it is recorded), r (repeat), q (quiet), x (exit); to the guide p (pause), o (go on), h (how
-// far), t (what is next), b (the way is blocked), e (end). Others mean nothing. Backspace takes
-// back the last letter of a name; Escape, or ten seconds without a key, ends it.
+// while it is recorded), ? QUESTION Enter (ask in one's own words), r (repeat), q (quiet), x
+// (exit); to the guide p (pause), o (go on), h (how far), t (what is next), b (the way is blocked),
+// e (end). Others mean nothing. Backspace takes back the last letter of a name; Escape, or ten
+// seconds without a key, ends it.
 class TypedKeys {
  public:
   // Also without bytes, to see that time passes.
@@ -60,7 +64,7 @@ class TypedKeys {
   void take_letter_of_name(char key, std::vector<KeyRequest>& requests);
   void end_name(std::vector<KeyRequest>& requests);
 
-  std::optional<KeyRequest::Kind> naming_;  // after f, g or n, until Enter
+  std::optional<KeyRequest::Kind> naming_;  // after f, g, l, n or ?, until Enter
   bool is_announced_ = false;               // that a name is waited for
   TimestampNs last_key_ns_ = 0;
   std::string name_;  // UTF-8

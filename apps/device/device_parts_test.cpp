@@ -40,6 +40,14 @@ TEST(TypedKeysTest, AreLettersAndNames) {
                           KeyRequest{Kind::kExit, ""}));
 }
 
+TEST(TypedKeysTest, AQuestionIsTypedAfterAQuestionMark) {
+  TypedKeys keys;
+  EXPECT_THAT(keys.take("?", 0), ElementsAre(KeyRequest{Kind::kWhichQuestion, ""}));
+  EXPECT_THAT(
+      keys.take("where is my cup?\nr", 0),
+      ElementsAre(KeyRequest{Kind::kInWords, "where is my cup?"}, KeyRequest{Kind::kRepeat, ""}));
+}
+
 TEST(TypedKeysTest, NamesAreMendedAndGivenUp) {
   TypedKeys keys;
   // A letter of two bytes is taken back as one.

@@ -233,6 +233,10 @@ void DeviceSession::act(const KeyRequest& request, TimestampNs now_ns) {
       return ask(service::Question::kWhereIs, things_[next_thing_++ % things_.size()], now_ns);
     case Kind::kNameRoom:
       return ask(service::Question::kNameRoom, request.name, now_ns);
+    case Kind::kInWords:
+      return ask(service::Question::kInWords, request.name, now_ns);
+    case Kind::kWhichQuestion:
+      return parts_.voice->notice("device.which_question", guide::Sound::kNone, now_ns);
     case Kind::kWhichThing:
       return parts_.voice->notice("device.which_thing", guide::Sound::kNone, now_ns);
     case Kind::kWhichRoom:

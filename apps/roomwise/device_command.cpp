@@ -169,8 +169,9 @@ void add_device_command(CLI::App& app, Context& context) {
   const auto [command, options] = add_command<DeviceOptions>(
       app, context, "device",
       "Be a home's device: send what a camera sees, ask, speak what comes back.\n"
-      "Keys: w where am I, a around me, f NAME Enter find, g NAME Enter be led there, n "
-      "NAME Enter name the room that is recorded, r repeat, q quiet, x exit.",
+      "Keys: w where am I, a around me, f NAME Enter find, g NAME Enter be led there, "
+      "? QUESTION Enter ask in your own words, n NAME Enter name the room that is recorded, "
+      "r repeat, q quiet, x exit.",
       "roomwise device --server flat.local:8443 --pair 123456 --camera", run_device);
   command->add_option("--server", options.server, "The home's computer, HOST:PORT")->required();
   command->add_option("--pair", options.code,
@@ -196,7 +197,7 @@ void add_device_command(CLI::App& app, Context& context) {
   command->add_option("--buttons", options.buttons,
                       "Input device whose keys 1 to 5 ask too: where, around, the next thing, "
                       "repeat, quiet; /dev/input/eventN");
-  add_setting(*command, "--language", options.language, "en or de");
+  add_setting(*command, "--language", options.language, "en, de, es or fr");
   add_setting(*command, "--distances", options.distances, "metres or steps",
               CLI::IsMember({"metres", "steps"}));
   add_setting(*command, "--step", options.step_m, "Length of a step, m", positive());

@@ -348,7 +348,7 @@ void add_serve_command(CLI::App& app, Context& context) {
   command->add_option("--speak", options.speak,
                       "Say devices' codes, too: speech-dispatcher, text (lines on standard output) "
                       "or wav:FILE; Enter makes and says a new one");
-  add_setting(*command, "--language", options.language, "Language of what is said: en or de");
+  add_setting(*command, "--language", options.language, "Language of what is said: en, de, es or fr");
   add_network_options(*command, options.networks);
 }
 

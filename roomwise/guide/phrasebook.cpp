@@ -117,7 +117,8 @@ Expected<void> Phrasebook::validate() const {
       return fail("message \"{}\": a brace is not closed", message);
     }
     for (const Piece& piece : pieces_of(text)) {
-      if (!piece.form.empty() && !forms_.contains(piece.form)) {
+      const bool is_known = forms_.contains(piece.form) || counts_.contains(piece.form);
+      if (!piece.form.empty() && !is_known) {
         return fail("message \"{}\": there is no form \"{}\"", message, piece.form);
       }
     }
@@ -213,8 +214,12 @@ std::string Phrasebook::text(const std::string& message, const Values& values) c
     if (value == values.end()) {
       throw std::invalid_argument("message " + message + " needs a value " + piece.value);
     }
-    const auto* nouns = std::get_if<Nouns>(&value->second);
-    result += nouns != nullptr ? list(piece.form, *nouns) : std::get<std::string>(value->second);
+    if (const auto* const nouns = std::get_if<Nouns>(&value->second)) {
+      result += list(piece.form, *nouns);
+      continue;
+    }
+    const auto& as_it_is = std::get<std::string>(value->second);
+    result += counts_.contains(piece.form) ? count(piece.form, std::stod(as_it_is)) : as_it_is;
   }
   make_first_a_capital(result);
   return result;

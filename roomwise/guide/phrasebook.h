@@ -34,7 +34,8 @@ using Values = std::map<std::string, std::variant<std::string, Nouns>>;
 // web pages read too:
 //
 //   messages  name -> text. "{hour}" is a value as it is. "{the thing}" is the value "thing" in the
-//             form "the". The first letter of a text is made a capital.
+//             form "the", "{hour hour}" the number "hour" as the unit "hour" is counted ("las 3").
+//             The first letter of a text is made a capital.
 //   forms     form -> class of word -> pattern ("in" -> "f" -> "in der {}"). The classes are the
 //             language's own (genders), and two for names that it does not know: "proper" for one
 //             with a capital or an apostrophe ("Anna's room"), else "other". CLASS-numbered is
@@ -43,7 +44,8 @@ using Values = std::map<std::string, std::variant<std::string, Nouns>>;
 //             what else people call it (objects::SpokenName). Things have theirs in kinds.json.
 //   goals     the same for what one may be led to that is no thing: the way out.
 //   questions how one asks: questions/grammar.h.
-//   counts    unit -> "one", "other" ("{n} steps"); singular: the numbers of "one", "1" or "below 2"
+//   counts    unit -> "one", "other" ("{n} steps"); singular: the numbers of "one", "1" or "below
+//   2"
 //             (CLDR's rules of plurals); decimal: the sign in 1.5; and: of lists; months: their
 //             names.
 class Phrasebook {

@@ -3,6 +3,7 @@
 #include <limits>
 #include <tuple>
 
+#include "roomwise/guide/seen_prompt.h"
 #include "roomwise/guide/thing_prompts.h"
 #include "roomwise/objects/kinds/kinds.h"
 
@@ -99,43 +100,12 @@ bool is_carried_about(const std::string& name) {
   return kind != nullptr && kind->is_moved_about;
 }
 
-struct Seen {
-  std::string message;
-  Values values = {};
-};
-// What to say of when a thing was seen; absent where a clock is wrong: it was not seen yet.
-std::optional<Seen> seen_on(const CalendarTime& time, const CalendarTime& today,
-                            const Phrasebook& phrases) {
-  constexpr int kNoon = 12, kEvening = 18, kWeek = 7;
-  constexpr std::array kOnDay{"where.seen_sunday",    "where.seen_monday",   "where.seen_tuesday",
-                              "where.seen_wednesday", "where.seen_thursday", "where.seen_friday",
-                              "where.seen_saturday"};
-  const int days = time.days_until(today);
-  if (days < 0 || (days == 0 && time.hour > today.hour)) return std::nullopt;
-  if (days == 1) return Seen{"where.seen_yesterday"};
-  if (days == 0) {
-    return Seen{time.hour < kNoon      ? "where.seen_morning"
-                : time.hour < kEvening ? "where.seen_afternoon"
-                                       : "where.seen_evening"};
-  }
-  if (days < kWeek) return Seen{kOnDay.at(static_cast<std::size_t>(time.weekday()))};
-  Seen seen{time.year == today.year ? "where.seen_on" : "where.seen_on_year",
-            {{"day", fmt::format("{}", time.day)}, {"month", phrases.month(time.month)}}};
-  if (time.year != today.year) seen.values["year"] = fmt::format("{}", time.year);
-  return seen;
-}
-
 // Of what people carry about, the answer's second part.
-std::optional<Prompt> seen_prompt(const KnownThing& thing, const Wording& wording,
-                                  TimestampNs now_ns, const std::optional<CalendarTime>& today) {
-  if (!today || !thing.seen || !is_carried_about(thing.name)) return std::nullopt;
-  const auto seen = seen_on(*thing.seen, *today, wording.phrases());
-  if (!seen) return std::nullopt;
-  Prompt prompt =
-      make_prompt(wording, key_of(thing.name) + "/seen", seen->message, seen->values,
-                  Confidence::kSure, after(now_ns, kHomeValid_s), "people carry such things about");
-  prompt.sound = Sound::kNone;
-  return prompt;
+std::optional<Prompt> seen_part(const KnownThing& thing, const Wording& wording, TimestampNs now_ns,
+                                const std::optional<CalendarTime>& today) {
+  if (!is_carried_about(thing.name)) return std::nullopt;
+  return seen_prompt(key_of(thing.name) + "/seen", thing.seen, today, wording, now_ns,
+                     "people carry such things about");
 }
 
 Prompt unknown_thing(const std::string& asked, const Wording& wording, TimestampNs now_ns) {
@@ -186,7 +156,7 @@ std::vector<Prompt> where_prompts(const std::string& asked, const UserLocation& 
                   candidates.size(), nearest.thing->probability_at(today));
   std::vector<Prompt> prompts{make_prompt(wording, key_of(*name), place.message, place.values,
                                           confidence, after(now_ns, place.valid_s), because)};
-  if (auto seen = seen_prompt(*nearest.thing, wording, now_ns, today)) {
+  if (auto seen = seen_part(*nearest.thing, wording, now_ns, today)) {
     prompts.push_back(*std::move(seen));
   }
   if (candidates.size() > 1) {

@@ -3,7 +3,10 @@
 #include <cmath>
 #include <set>
 
+#include "roomwise/guide/legs.h"
 #include "roomwise/guide/obstacle.h"
+#include "roomwise/guide/questions/home_prompts.h"
+#include "roomwise/guide/questions/refusal_prompts.h"
 #include "roomwise/guide/room_prompts.h"
 #include "roomwise/guide/route_prompts.h"
 #include "roomwise/guide/thing_prompts.h"
@@ -37,10 +40,6 @@ guide::TurnHint hint_of(const FrameResult& result) {
 guide::Prompt excuse(const std::string& message, const guide::Wording& wording, double now_t_ms) {
   return guide::make_prompt(wording, "answer", message, {}, guide::Confidence::kUnsure,
                             guide::after(nanoseconds(now_t_ms), guide::kNoticeValid_s));
-}
-
-std::vector<rooms::Doorway> doorways_of(const HomeView& home) {
-  return home.layout ? home.layout->doorways() : std::vector<rooms::Doorway>{};
 }
 
 guide::Prompt where_am_i(const Situation& situation, const guide::Wording& wording) {
@@ -85,7 +84,195 @@ std::vector<guide::Prompt> way_to(const std::string& asked, const Situation& sit
                               wording, now_ns);
 }
 
+// The room of the home that somebody means: by its own name, or as it is called in their language.
+std::optional<std::string> room_meant(const std::string& asked, const HomeView& home,
+                                      const guide::Phrasebook& phrases) {
+  const auto has = [&](const std::string& name) {
+    return std::ranges::find(home.rooms, name, &rooms::Room::name) != home.rooms.end();
+  };
+  if (has(asked)) return asked;
+  const auto words = phrases.words_for(guide::Noun::Kind::kRoom, asked);
+  const auto found = std::ranges::find_if(words, has);
+  return found == words.end() ? std::nullopt : std::optional(*found);
+}
+
+// Of questions that rest on the picture in hand: directions, and where one stands.
+bool rests_on_picture(const service::Ask& ask) {
+  using service::Question;
+  return ask.question == Question::kWhichWay || ask.question == Question::kWhatIsAhead ||
+         (ask.question == Question::kDescribeRoom && ask.subject.empty());
+}
+
+// What the map of the home answers.
+class HomeAnswers {
+ public:
+  HomeAnswers(const Situation& situation, const guide::Wording& wording, TimestampNs now_ns)
+      : situation_(situation),
+        wording_(wording),
+        location_(standing_of(situation.result)),
+        doorways_(doorways_of(situation.home)),
+        map_(map_of(situation.home, doorways_)),
+        today_{now_ns, situation.today} {}
+
+  [[nodiscard]] std::vector<guide::Prompt> to(const service::Ask& ask) const {
+    using service::Question;
+    const HomeView& home = situation_.home;
+    if (rests_on_picture(ask) && situation_.result == nullptr) {
+      return {no_picture(situation_.settings, situation_.now_t_ms)};
+    }
+    switch (ask.question) {
+      case Question::kWhatIsOn:
+        return on(ask.subject);
+      case Question::kWhatIsAhead:
+        return guide::ahead_prompts(map_, location_, situation_.result->obstacle_m, wording_,
+                                    today_);
+      case Question::kWhichWay:
+        return guide::facing_prompts(map_, location_, wording_, today_);
+      case Question::kWhatChanged:
+        return guide::change_prompts(home.arrived, home.gone, wording_, today_);
+      case Question::kWhichRooms:
+        return which_rooms();
+      default:
+        return of_room(ask);
+    }
+  }
+
+ private:
+  [[nodiscard]] std::vector<guide::Prompt> on(const std::string& asked) const {
+    const HomeView& home = situation_.home;
+    const auto surface =
+        guide::thing_meant(asked, home.things, home.concepts.vocabulary, wording_.phrases());
+    if (!surface) return unknown(guide::thing(asked));
+    return guide::on_prompts(*surface, map_, location_, wording_, today_);
+  }
+  [[nodiscard]] std::vector<guide::Prompt> which_rooms() const {
+    std::vector<std::string> names;
+    for (const rooms::Room& room : situation_.home.rooms) names.push_back(room.name);
+    return guide::rooms_prompts(names, wording_, today_);
+  }
+  // Where it is, what is in it, or how it is.
+  [[nodiscard]] std::vector<guide::Prompt> of_room(const service::Ask& ask) const {
+    if (ask.subject.empty() && !location_.room) {
+      return {excuse("route.no_place", wording_, situation_.now_t_ms)};
+    }
+    const std::string asked = ask.subject.empty() ? *location_.room : ask.subject;
+    const auto room = room_meant(asked, situation_.home, wording_.phrases());
+    if (!room) return unknown(guide::room(asked));
+    switch (ask.question) {
+      case service::Question::kWhatIsIn:
+        return guide::in_prompts(*room, map_, wording_, today_);
+      case service::Question::kDescribeRoom:
+        return guide::describe_prompts(*room, map_, location_, wording_, today_);
+      default:
+        return guide::room_way_prompts(*room, map_, location_, wording_, today_);
+    }
+  }
+  [[nodiscard]] std::vector<guide::Prompt> unknown(const guide::Nouns& name) const {
+    const guide::Understood heard{guide::Understood::Outcome::kUnknownName,
+                                  guide::QuestionType::kNamed, name};
+    return guide::refusal_prompts(heard, names_in(situation_.home), wording_, today_.now_ns);
+  }
+
+  const Situation& situation_;
+  const guide::Wording& wording_;
+  guide::UserLocation location_;
+  std::vector<rooms::Doorway> doorways_;
+  guide::HomeMap map_;
+  guide::Today today_;
+};
+
+std::optional<service::GuideWish> wish_of(guide::QuestionType type) {
+  using guide::QuestionType;
+  switch (type) {
+    case QuestionType::kPause:
+      return service::GuideWish::kPause;
+    case QuestionType::kResume:
+      return service::GuideWish::kResume;
+    case QuestionType::kHowFar:
+      return service::GuideWish::kHowFar;
+    case QuestionType::kNext:
+      return service::GuideWish::kNext;
+    case QuestionType::kBlocked:
+      return service::GuideWish::kBlocked;
+    case QuestionType::kEnd:
+      return service::GuideWish::kEnd;
+    default:
+      return std::nullopt;
+  }
+}
+
+// Of what is no wish to a guide; absent for a "yes" to nothing.
+std::optional<service::Question> question_of(guide::QuestionType type, bool is_room) {
+  using guide::QuestionType;
+  using service::Question;
+  switch (type) {
+    case QuestionType::kWhereAmI:
+      return Question::kWhereAmI;
+    case QuestionType::kAroundMe:
+      return Question::kAroundMe;
+    case QuestionType::kWhereIs:
+      return Question::kWhereIs;
+    case QuestionType::kWayTo:
+      return Question::kWayTo;
+    case QuestionType::kTakeMeTo:
+      return Question::kTakeMeTo;
+    case QuestionType::kWhatIsOn:
+      return Question::kWhatIsOn;
+    case QuestionType::kWhatIsIn:
+      return Question::kWhatIsIn;
+    case QuestionType::kWhichRooms:
+      return Question::kWhichRooms;
+    case QuestionType::kWhichWay:
+      return Question::kWhichWay;
+    case QuestionType::kWhatIsAhead:
+      return Question::kWhatIsAhead;
+    case QuestionType::kWhatChanged:
+      return Question::kWhatChanged;
+    case QuestionType::kDescribeRoom:
+      return Question::kDescribeRoom;
+    case QuestionType::kRepeat:
+      return Question::kRepeat;
+    case QuestionType::kWhatCanIAsk:
+      return Question::kWhatCanIAsk;
+    case QuestionType::kNamed:  // a room is told of, a thing is looked for
+      return is_room ? Question::kDescribeRoom : Question::kWhereIs;
+    default:
+      return std::nullopt;
+  }
+}
+
 }  // namespace
+
+guide::HomeNames names_in(const HomeView& home) {
+  guide::HomeNames names;
+  std::set<std::string> things;
+  for (const guide::KnownThing& thing : home.things) things.insert(thing.name);
+  names.things.assign(things.begin(), things.end());
+  for (const rooms::Room& room : home.rooms) names.rooms.push_back(room.name);
+  if (!guide::doors_of(doorways_of(home)).empty()) names.goals = {"door"};
+  names.vocabulary = &home.concepts.vocabulary;
+  return names;
+}
+
+std::optional<service::Ask> ask_of(const guide::Understood& heard, const service::Ask& in_words) {
+  if (heard.outcome != guide::Understood::Outcome::kQuestion) return std::nullopt;
+  const bool is_room = !heard.names.empty() && heard.names.front().kind == guide::Noun::Kind::kRoom;
+  service::Ask ask;
+  ask.id = in_words.id;
+  ask.t_ms = in_words.t_ms;
+  if (!heard.names.empty()) ask.subject = heard.names.front().name;
+  if (const auto wish = wish_of(heard.type)) {
+    ask.question = service::Question::kGuide;
+    ask.wish = *wish;
+    return ask;
+  }
+  const auto question = question_of(heard.type, is_room);
+  if (!question) return std::nullopt;
+  ask.question = *question;
+  ask.is_room = is_room && (ask.question == service::Question::kWhereIs ||
+                            ask.question == service::Question::kTakeMeTo);
+  return ask;
+}
 
 guide::Wording wording_of(const service::SpeakingSettings& settings) {
   const auto unit = settings.distances == service::Distances::kSteps ? guide::DistanceUnit::kSteps
@@ -136,10 +323,13 @@ std::vector<guide::Prompt> answer(const service::Ask& ask, const Situation& situ
       return guide::around_prompts(location, situation.home.things, wording, now_ns,
                                    situation.today);
     case service::Question::kWhereIs:
+      if (ask.is_room) return HomeAnswers(situation, wording, now_ns).to(ask);
       return guide::where_prompts(ask.subject, location, situation.home.things,
                                   doorways_of(situation.home), situation.home.concepts.vocabulary,
                                   wording, now_ns, situation.today);
     case service::Question::kTakeMeTo:  // who cannot be led is told
+      if (ask.is_room) return HomeAnswers(situation, wording, now_ns).to(ask);
+      [[fallthrough]];
     case service::Question::kWayTo:
       return way_to(ask.subject, situation, wording, now_ns);
     case service::Question::kNameRoom:
@@ -148,6 +338,18 @@ std::vector<guide::Prompt> answer(const service::Ask& ask, const Situation& situ
       return {excuse("guide.not_running", wording, situation.now_t_ms)};
     case service::Question::kRepeat:
       return {excuse("repeat.nothing", wording, situation.now_t_ms)};
+    case service::Question::kWhatCanIAsk:
+      return guide::example_prompts(names_in(situation.home), wording, now_ns);
+    case service::Question::kInWords:  // was understood before
+      break;
+    case service::Question::kWhatIsOn:
+    case service::Question::kWhatIsIn:
+    case service::Question::kWhichRooms:
+    case service::Question::kWhichWay:
+    case service::Question::kWhatIsAhead:
+    case service::Question::kWhatChanged:
+    case service::Question::kDescribeRoom:
+      return HomeAnswers(situation, wording, now_ns).to(ask);
   }
   return {};
 }

@@ -8,6 +8,7 @@
 #include "roomwise/guide/message_catalogue.h"
 #include "roomwise/guide/places.h"
 #include "roomwise/guide/prompt.h"
+#include "roomwise/guide/questions/understand.h"
 #include "roomwise/guide/wording.h"
 #include "roomwise/live/frame_processor.h"
 #include "roomwise/service/messages.h"
@@ -37,8 +38,16 @@ constexpr double kMaxFrameAge_ms = 800;
 [[nodiscard]] std::vector<std::string> names_of_things(const HomeView& home,
                                                        const service::SpeakingSettings& settings);
 
+// What may be named in a question in one's own words. The home must outlive it.
+[[nodiscard]] guide::HomeNames names_in(const HomeView& home);
+// The question that was meant by one in words, as if it had been asked so; nothing where it is none
+// that can be answered.
+[[nodiscard]] std::optional<service::Ask> ask_of(const guide::Understood& heard,
+                                                 const service::Ask& in_words);
+
 // What is said to a question, the most important first; never nothing. The room of kNameRoom has
-// been named already; kRepeat is asked here only where nothing was asked before.
+// been named already; kRepeat is asked here only where nothing was asked before,
+// kInWords never.
 [[nodiscard]] std::vector<guide::Prompt> answer(const service::Ask& ask,
                                                 const Situation& situation);
 

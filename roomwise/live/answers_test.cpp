@@ -166,6 +166,52 @@ TEST(Answers, AroundSomebodyIsWhatIsInTheirRoom) {
   EXPECT_THAT(prompts[0].text, ::testing::HasSubstr("icrowave at 12 o'clock"));
 }
 
+TEST(Answers, TellWhatTheMapKnowsOfThingsAndRooms) {
+  HomeView home;
+  home.rooms = {{"bedroom", "bedroom"}, {"kitchen", "kitchen"}};
+  home.things = {thing("table", "kitchen", {2, 0, 0.3}), thing("cup", "kitchen", {2, 0, 0.6})};
+  FrameResult result = glance_in("kitchen", 500, rooms::Verdict::kRoom);
+  const service::SpeakingSettings settings;
+  const auto told = [&](service::Question question, const std::string& subject,
+                        bool is_room = false, const FrameResult* seen = nullptr) {
+    return answer({1, 600, question, subject, is_room}, {home, seen, settings, 600}).at(0).text;
+  };
+  using service::Question;
+  EXPECT_EQ(told(Question::kWhatIsOn, "table"), "On the table: cup.");
+  EXPECT_EQ(told(Question::kWhatIsOn, "piano"), "I know no piano here.");
+  EXPECT_EQ(told(Question::kWhatIsIn, "kitchen"), "In the kitchen: table and cup.");
+  EXPECT_EQ(told(Question::kWhatIsIn, "attic"), "I know no attic here.");
+  EXPECT_EQ(told(Question::kWhichRooms, ""), "I know 2 rooms.");
+  EXPECT_EQ(told(Question::kWhatChanged, ""), "I know of no change.");
+  home.gone = {thing("chair", "kitchen", {1, 1, 0.5})};
+  EXPECT_EQ(told(Question::kWhatChanged, ""), "No longer in the kitchen: chair.");
+  EXPECT_EQ(told(Question::kWhereIs, "kitchen", true, &result), "You are in the kitchen.");
+  EXPECT_EQ(told(Question::kWhatCanIAsk, ""), "You can ask: where am I, what is around me.");
+  EXPECT_EQ(told(Question::kDescribeRoom, "", false, &result),
+            "I do not know how large the kitchen is.");
+}
+
+TEST(Answers, DirectionsRestOnAPictureAndSayWhatIsAheadNow) {
+  HomeView home;
+  FrameResult result = glance_in("kitchen", 500, rooms::Verdict::kRoom);
+  const service::SpeakingSettings settings;
+  using service::Question;
+  for (const auto question :
+       {Question::kWhichWay, Question::kWhatIsAhead, Question::kDescribeRoom}) {
+    EXPECT_EQ(answer({1, 0, question, ""}, {home, nullptr, settings, 0}).at(0).message,
+              "device.no_picture");
+  }
+  const service::Ask ahead{1, 600, Question::kWhatIsAhead, ""};
+  EXPECT_EQ(answer(ahead, {home, &result, settings, 600}).at(0).message, "ahead.unknown");
+  result.obstacle_m = 1;
+  EXPECT_EQ(answer(ahead, {home, &result, settings, 600}).at(0).text,
+            "Something is ahead now, 1 metre.");
+  result.place = at_the_origin();
+  home.things = {thing("fridge", "kitchen", {3, 0, 1})};
+  EXPECT_EQ(answer({1, 600, Question::kWhichWay, ""}, {home, &result, settings, 600}).at(0).text,
+            "You face the fridge, 3 metres.");
+}
+
 TEST(Answers, WhereAmIRestsOnAPicture) {
   HomeView home;
   const service::SpeakingSettings settings;

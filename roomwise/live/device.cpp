@@ -1,7 +1,10 @@
 #include "roomwise/live/device.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
+
+#include "roomwise/guide/questions/refusal_prompts.h"
 
 namespace roomwise::live {
 namespace {
@@ -165,6 +168,7 @@ void Device::hear(const service::Ask& ask) {
     }
     return hear_now(ask);
   }
+  if (ask.question == service::Question::kInWords) return understand(ask);
   service::Ask now = ask;
   std::optional<std::int64_t> pushed_out;
   bool waits = false;
@@ -190,6 +194,28 @@ void Device::hear(const service::Ask& ask) {
   }
   if (pushed_out) refuse(Error{"too many questions at once"}, pushed_out);
   if (!waits) hear_now(now);
+}
+
+void Device::understand(const service::Ask& in_words) {
+  static_assert(service::kMaxWordsBytes <= guide::kMaxQuestionBytes);
+  const auto view = host_.view();
+  const guide::HomeNames names = names_in(*view);
+  guide::Wording wording;
+  guide::Understood offered;
+  {
+    const std::scoped_lock lock(mutex_);
+    wording = wording_of(settings_);
+    offered = std::exchange(offered_, {});
+  }
+  const guide::Understood heard =
+      guide::in_answer_to(offered, guide::understand(in_words.subject, wording.phrases(), names));
+  if (const auto ask = ask_of(heard, in_words)) return hear(*ask);
+  {
+    const std::scoped_lock lock(mutex_);
+    offered_ = heard;
+  }
+  say(guide::refusal_prompts(heard, names, wording, std::llround(in_words.t_ms * 1e6)), in_words.id,
+      {});
 }
 
 // Answers by the last glance, if it is new enough.

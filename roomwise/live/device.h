@@ -69,6 +69,8 @@ class Device : public std::enable_shared_from_this<Device> {
   void take(const service::DeviceMessage& message);
   void hear(const service::Ask& ask);
   void hear_now(const service::Ask& ask);
+  // A question in one's own words.
+  void understand(const service::Ask& in_words);
   [[nodiscard]] Expected<FrameResult> look(CameraFrame frame);
   // With mutex_ held.
   [[nodiscard]] std::vector<guide::Prompt> answer_now(const service::Ask& ask,
@@ -102,6 +104,7 @@ class Device : public std::enable_shared_from_this<Device> {
   std::uint64_t dropped_ = 0;
   std::deque<service::Ask> waiting_;  // for a frame that is being looked at
   std::optional<service::Ask> last_ask_;
+  guide::Understood offered_;  // "Did you mean ...?", while the next question may answer it
   std::optional<FrameResult> last_result_;
   Announcer announcer_;
   std::unique_ptr<LedWalk> led_;  // who is led somewhere, or was

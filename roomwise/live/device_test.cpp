@@ -120,6 +120,55 @@ TEST_F(DeviceTest, WhoIsLedTalksToTheGuide) {
   EXPECT_EQ(wire->take<service::PromptMessage>().at(0).message, "where.unknown");
 }
 
+TEST_F(DeviceTest, AQuestionInWordsIsAnsweredAsByItsButton) {
+  guide::KnownThing bed;
+  bed.name = "bed";
+  bed.room = "bedroom";
+  bed.probability = 0.95;
+  host.home->things = {bed};
+  host.home->rooms = {{"bedroom", "bedroom"}};
+  say(hello());
+  const auto answers = [&](std::int64_t id, service::Question question,
+                           const std::string& subject) {
+    ask(id, 100, question, subject);
+    const auto prompts = wire->take<service::PromptMessage>();
+    EXPECT_FALSE(prompts.empty());
+    for (const auto& prompt : prompts) EXPECT_EQ(prompt.answer_to, id);
+    return prompts.empty() ? std::string() : prompts.front().text;
+  };
+  const std::string by_button = answers(1, service::Question::kWhereIs, "bed");
+  EXPECT_EQ(by_button, "The bed is in the bedroom.");
+  EXPECT_EQ(answers(2, service::Question::kInWords, "Where is my bed?"), by_button);
+  EXPECT_EQ(answers(3, service::Question::kInWords, "say it again"), by_button);
+  EXPECT_EQ(answers(4, service::Question::kInWords, "is the window open"), "I cannot tell that.");
+  EXPECT_EQ(answers(5, service::Question::kInWords, "yes"), "I did not understand.");
+  EXPECT_EQ(answers(6, service::Question::kInWords, "where is the bedrom"),
+            "Did you mean the bedroom? Then answer yes.");
+  EXPECT_EQ(answers(7, service::Question::kInWords, "yes"),
+            "I do not know where you stand. Turn slowly.");
+  EXPECT_EQ(answers(8, service::Question::kInWords, "yes"), "I did not understand.")
+      << "that was answered";
+}
+
+TEST_F(DeviceTest, WhoAsksInWordsToBeLedTalksToTheGuide) {
+  guide::KnownThing bed;
+  bed.name = "bed";
+  bed.room = "bedroom";
+  host.home->things = {bed};
+  service::Hello german = hello();
+  german.settings.language = "de";
+  say(german);
+  const auto message = [&](std::int64_t id, const std::string& words) {
+    ask(id, 100, service::Question::kInWords, words);
+    return wire->take<service::PromptMessage>().at(0).message;
+  };
+  EXPECT_EQ(message(1, "Pause"), "guide.not_running");
+  EXPECT_EQ(message(2, "Bring mich bitte zum Bett"), "route.no_place");
+  EXPECT_EQ(message(3, "warte kurz"), "guide.paused");
+  EXPECT_EQ(message(4, "weiter"), "guide.resumed");
+  EXPECT_EQ(message(5, "Schluss!"), "guide.ended");
+}
+
 TEST_F(DeviceTest, ThingsAreNamedInTheLanguageThatIsSpoken) {
   guide::KnownThing bed;
   bed.name = "bed";

@@ -30,38 +30,86 @@ Expected<void> view_walks(const home::Home& home, HomeView& view) {
   return {};
 }
 
-Expected<void> view_things(const home::Home& home, const pipeline::HomeHistory& history,
-                           HomeView& view) {
-  ROOMWISE_TRY(const auto instances, home.instances());
-  ROOMWISE_TRY(const auto visits, home.visits());
-  std::map<home::KeyframeId, const home::Keyframe*> keyframes;
-  pipeline::KeyframeRooms rooms;
-  for (const ViewedKeyframe& one : view.keyframes) {
-    keyframes[one.keyframe.id] = &one.keyframe;
-    if (!one.room.empty()) rooms[one.keyframe.id] = one.room;
+// Places instances on the map and in rooms, as far as these are known.
+class ThingPlacer {
+ public:
+  explicit ThingPlacer(const HomeView& view) : view_(view) {
+    for (const ViewedKeyframe& one : view.keyframes) {
+      keyframes_[one.keyframe.id] = &one.keyframe;
+      if (!one.room.empty()) rooms_[one.keyframe.id] = one.room;
+    }
   }
-  for (const objects::Instance& instance : instances) {
-    guide::KnownThing& thing = view.things.emplace_back();
+
+  // Seen when its key-frame was.
+  [[nodiscard]] guide::KnownThing known_thing(const objects::Instance& instance) const {
+    guide::KnownThing thing;
     static_cast<objects::Instance&>(thing) = instance;
-    const auto keyframe = keyframes.find(instance.keyframe_id);
-    if (view.map && keyframe != keyframes.end()) {
+    const auto keyframe = keyframes_.find(instance.keyframe_id);
+    const bool is_known = keyframe != keyframes_.end();
+    if (is_known) thing.seen = calendar_time(keyframe->second->timestamp_ns);
+    if (view_.map && is_known) {
       const home::KeyframePose& pose = keyframe->second->pose;
-      thing.position_gravity = pipeline::middle_on_map(instance, pose, view.map->frame);
+      thing.position_gravity = pipeline::middle_on_map(instance, pose, view_.map->frame);
       const Eigen::Vector3d along =
-          view.map->frame.gravity_from_world.rotation *
+          view_.map->frame.gravity_from_world.rotation *
           (instance.box_world(pose.world_from_keyframe).world_from_box.rotation *
            Eigen::Vector3d::UnitX());
       thing.yaw_rad = std::atan2(along.y(), along.x());
     }
+    thing.room = pipeline::room_of_thing(thing.position_gravity, instance.keyframe_id,
+                                         view_.layout ? &*view_.layout : nullptr, rooms_);
+    return thing;
+  }
+
+ private:
+  const HomeView& view_;
+  std::map<home::KeyframeId, const home::Keyframe*> keyframes_;
+  pipeline::KeyframeRooms rooms_;
+};
+
+Expected<void> view_things(const home::Home& home, const pipeline::HomeHistory& history,
+                           HomeView& view) {
+  ROOMWISE_TRY(const auto instances, home.instances());
+  ROOMWISE_TRY(const auto visits, home.visits());
+  const ThingPlacer placer(view);
+  for (const objects::Instance& instance : instances) {
+    guide::KnownThing thing = placer.known_thing(instance);
     if (const pipeline::ThingHistory* told = history.of(instance)) {
       thing.seen = calendar_time(told->last_seen.time_ns);
     } else if (instance.visit != 0) {
       thing.seen = calendar_time(visits.at(instance.visit).last_timestamp_ns);
-    } else if (keyframe != keyframes.end()) {
-      thing.seen = calendar_time(keyframe->second->timestamp_ns);
     }
-    thing.room = pipeline::room_of_thing(thing.position_gravity, instance.keyframe_id,
-                                         view.layout ? &*view.layout : nullptr, rooms);
+    view.things.push_back(std::move(thing));
+  }
+  return {};
+}
+
+// By the last visit, or where there was none by the last of several walks.
+Expected<void> view_arrived_and_gone(const home::Home& home, const pipeline::HomeHistory& history,
+                                     HomeView& view) {
+  ROOMWISE_TRY(const auto visits, home.visits());
+  const ThingPlacer placer(view);
+  if (!visits.empty()) {
+    const auto& [id, visit] = *visits.rbegin();
+    ROOMWISE_TRY(const auto past, home.past_instances());
+    for (const guide::KnownThing& thing : view.things) {
+      if (thing.visit == id) view.arrived.push_back(thing);
+    }
+    for (const home::PastInstance& one : past) {
+      if (one.noticed_by != id) continue;
+      view.gone.push_back(placer.known_thing(one.instance));
+      view.gone.back().seen = calendar_time(visit.last_timestamp_ns);
+    }
+    return {};
+  }
+  for (const pipeline::ThingHistory& told : history.things) {
+    const pipeline::WalkEvent& event = told.events.back();
+    if (event.walk != history.walks.back()) continue;
+    const bool is_new = event.what == pipeline::ThingEvent::kNew;
+    if (!is_new && event.what != pipeline::ThingEvent::kGone) continue;
+    guide::KnownThing& thing =
+        (is_new ? view.arrived : view.gone).emplace_back(placer.known_thing(told.thing));
+    thing.seen = calendar_time(told.last_seen.time_ns);
   }
   return {};
 }
@@ -109,6 +157,19 @@ std::optional<std::string> HomeView::room_at(const Eigen::Vector3d& point_gravit
   return layout->room_at(point_gravity.head<2>());
 }
 
+std::vector<rooms::Doorway> doorways_of(const HomeView& home) {
+  return home.layout ? home.layout->doorways() : std::vector<rooms::Doorway>{};
+}
+
+guide::HomeMap map_of(const HomeView& home, std::span<const rooms::Doorway> doorways) {
+  guide::HomeMap map;
+  if (home.map && home.map->floor) map.floor = &*home.map->floor;
+  if (home.layout) map.layout = &*home.layout;
+  map.doorways = doorways;
+  map.things = home.things;
+  return map;
+}
+
 Expected<std::shared_ptr<const HomeView>> view_home(const home::Home& home,
                                                     const pipeline::Networks& networks,
                                                     std::shared_ptr<const LiveMap> map) {
@@ -129,6 +190,7 @@ Expected<std::shared_ptr<const HomeView>> view_home(const home::Home& home,
   }
   ROOMWISE_TRY(const pipeline::HomeHistory history, pipeline::find_home_history(home));
   ROOMWISE_CHECK_OK(view_things(home, history, view));
+  ROOMWISE_CHECK_OK(view_arrived_and_gone(home, history, view));
   view_changes(history, view);
   ROOMWISE_TRY(const auto classifier, home.room_classifier());
   if (classifier) {

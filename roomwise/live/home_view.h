@@ -4,10 +4,11 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
-#include "roomwise/guide/places.h"
+#include "roomwise/guide/plan.h"
 #include "roomwise/home/home.h"
 #include "roomwise/live/live_map.h"
 #include "roomwise/pipeline/rooms/room_recognizer.h"
@@ -48,6 +49,9 @@ struct HomeView {
   std::string name;
   std::vector<rooms::Room> rooms;         // by name
   std::vector<guide::KnownThing> things;  // as stored; without a place until the map is ready
+  // What the last visit, or without one the last of several walks, found new (these are among
+  // things), and no longer there.
+  std::vector<guide::KnownThing> arrived, gone;
   std::vector<ViewedWalk> walks;          // as stored
   // Absent where the map is of one walk, or nothing was found on it.
   std::optional<ViewedChanges> changes;
@@ -65,6 +69,11 @@ struct HomeView {
   // The room that a point lies in by the layout.
   [[nodiscard]] std::optional<std::string> room_at(const Eigen::Vector3d& point_gravity) const;
 };
+
+// Where its rooms meet; none where rooms or a floor are not known.
+[[nodiscard]] std::vector<rooms::Doorway> doorways_of(const HomeView& home);
+// What it points to are the home and the doorways: they must outlive it.
+[[nodiscard]] guide::HomeMap map_of(const HomeView& home, std::span<const rooms::Doorway> doorways);
 
 // `networks` must outlive the view; `map` may be null.
 [[nodiscard]] Expected<std::shared_ptr<const HomeView>> view_home(

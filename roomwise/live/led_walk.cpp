@@ -12,19 +12,6 @@ namespace {
 using guide::Goal;
 using guide::Noun;
 
-std::vector<rooms::Doorway> doorways_in(const HomeView& home) {
-  return home.layout ? home.layout->doorways() : std::vector<rooms::Doorway>{};
-}
-
-guide::HomeMap map_of(const HomeView& home, std::span<const rooms::Doorway> doorways) {
-  guide::HomeMap map;
-  if (home.map && home.map->floor) map.floor = &*home.map->floor;
-  if (home.layout) map.layout = &*home.layout;
-  map.doorways = doorways;
-  map.things = home.things;
-  return map;
-}
-
 // Of several the one that costs the least way, where a whole way is known; else the surest.
 std::optional<Goal> nearest(std::vector<Goal> goals, const guide::HomeMap& map,
                             const guide::UserLocation& location) {
@@ -88,14 +75,14 @@ LedWalk::LedWalk(service::Ask asked, std::shared_ptr<const HomeView> home, Goal 
     : asked_(std::move(asked)),
       settings_(settings),
       home_(std::move(home)),
-      doorways_(doorways_in(*home_)),
+      doorways_(doorways_of(*home_)),
       guidance_(std::make_unique<guide::Guidance>(map_of(*home_, doorways_), std::move(goal),
                                                   wording_of(settings))) {}
 
 std::unique_ptr<LedWalk> LedWalk::to(const service::Ask& goal,
                                      const std::shared_ptr<const HomeView>& home,
                                      const Situation& situation) {
-  const std::vector<rooms::Doorway> doorways = doorways_in(*home);
+  const std::vector<rooms::Doorway> doorways = doorways_of(*home);
   auto found =
       goal_of(goal, *home, doorways, standing_of(situation.result), wording_of(situation.settings));
   if (!found) return nullptr;

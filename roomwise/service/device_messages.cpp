@@ -9,14 +9,23 @@ constexpr std::array<Word<DeviceKind>, 3> kKinds{{{"phone", DeviceKind::kPhone},
                                                   {"page", DeviceKind::kPage}}};
 constexpr std::array<Word<Distances>, 2> kDistances{
     {{"metres", Distances::kMetres}, {"steps", Distances::kSteps}}};
-constexpr std::array<Word<Question>, 8> kQuestions{{{"where_am_i", Question::kWhereAmI},
-                                                    {"around_me", Question::kAroundMe},
-                                                    {"where_is", Question::kWhereIs},
-                                                    {"way_to", Question::kWayTo},
-                                                    {"repeat", Question::kRepeat},
-                                                    {"name_room", Question::kNameRoom},
-                                                    {"take_me_to", Question::kTakeMeTo},
-                                                    {"guide", Question::kGuide}}};
+constexpr std::array<Word<Question>, 17> kQuestions{{{"where_am_i", Question::kWhereAmI},
+                                                     {"around_me", Question::kAroundMe},
+                                                     {"where_is", Question::kWhereIs},
+                                                     {"way_to", Question::kWayTo},
+                                                     {"repeat", Question::kRepeat},
+                                                     {"name_room", Question::kNameRoom},
+                                                     {"take_me_to", Question::kTakeMeTo},
+                                                     {"guide", Question::kGuide},
+                                                     {"in_words", Question::kInWords},
+                                                     {"what_is_on", Question::kWhatIsOn},
+                                                     {"what_is_in", Question::kWhatIsIn},
+                                                     {"which_rooms", Question::kWhichRooms},
+                                                     {"which_way", Question::kWhichWay},
+                                                     {"what_is_ahead", Question::kWhatIsAhead},
+                                                     {"what_changed", Question::kWhatChanged},
+                                                     {"describe_room", Question::kDescribeRoom},
+                                                     {"what_can_i_ask", Question::kWhatCanIAsk}}};
 constexpr std::array<Word<GuideWish>, 6> kWishes{{{"pause", GuideWish::kPause},
                                                   {"resume", GuideWish::kResume},
                                                   {"how_far", GuideWish::kHowFar},
@@ -87,8 +96,20 @@ Expected<DeviceMessage> read_hello(const OrderedJson& json) {
 }
 
 bool asks_for_thing(const Ask& ask) {
-  return ask.question == Question::kWhereIs || ask.question == Question::kWayTo ||
-         (ask.question == Question::kTakeMeTo && !ask.is_room);
+  switch (ask.question) {
+    case Question::kWayTo:
+    case Question::kWhatIsOn:
+      return true;
+    case Question::kWhereIs:
+    case Question::kTakeMeTo:
+      return !ask.is_room;
+    default:
+      return false;
+  }
+}
+
+bool asks_for_room(const Ask& ask) {
+  return ask.question == Question::kNameRoom || ask.question == Question::kWhatIsIn || ask.is_room;
 }
 
 Expected<DeviceMessage> read_ask(const OrderedJson& json) {
@@ -98,9 +119,13 @@ Expected<DeviceMessage> read_ask(const OrderedJson& json) {
   ask.t_ms = members.number("t", -kMaxTime_ms, kMaxTime_ms);
   ask.question = members.one_of("question", kQuestions);
   if (ask.question == Question::kTakeMeTo) ask.is_room = members.has("room");
+  if (ask.question == Question::kWhereIs)
+    ask.is_room = members.has("room") && !members.has("thing");
   if (ask.question == Question::kGuide) ask.wish = members.one_of("wish", kWishes);
   if (asks_for_thing(ask)) ask.subject = members.text("thing");
-  if (ask.question == Question::kNameRoom || ask.is_room) ask.subject = members.text("room");
+  const bool may_name_room = ask.question == Question::kDescribeRoom && members.has("room");
+  if (asks_for_room(ask) || may_name_room) ask.subject = members.text("room");
+  if (ask.question == Question::kInWords) ask.subject = members.text("text", kMaxWordsBytes);
   return members.finish<DeviceMessage>(std::move(ask));
 }
 
@@ -176,7 +201,9 @@ OrderedJson to_json(const Ask& ask) {
                    {"question", word_of(kQuestions, ask.question)}};
   if (asks_for_thing(ask)) json["thing"] = ask.subject;
   if (ask.question == Question::kGuide) json["wish"] = word_of(kWishes, ask.wish);
-  if (ask.question == Question::kNameRoom || ask.is_room) json["room"] = ask.subject;
+  const bool may_name_room = ask.question == Question::kDescribeRoom && !ask.subject.empty();
+  if (asks_for_room(ask) || may_name_room) json["room"] = ask.subject;
+  if (ask.question == Question::kInWords) json["text"] = ask.subject;
   return json;
 }
 

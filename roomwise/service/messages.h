@@ -22,6 +22,7 @@ constexpr int kProtocolVersion = 1;
 // A message that is longer is refused before it is parsed.
 constexpr std::size_t kMaxFrameBytes = 4'000'000;
 constexpr std::size_t kMaxTextBytes = 16'384;       // from a device
+constexpr std::size_t kMaxWordsBytes = 500;         // of a question in one's own words
 constexpr std::size_t kMaxHomeTextBytes = 262'144;  // from the computer: lists of rooms and things
 
 // ---- from the device ----
@@ -67,6 +68,15 @@ enum class Question {
   kNameRoom,
   kTakeMeTo,  // is led there
   kGuide,     // to whoever leads
+  kInWords,   // in one's own words
+  kWhatIsOn,
+  kWhatIsIn,
+  kWhichRooms,
+  kWhichWay,  // does one look
+  kWhatIsAhead,
+  kWhatChanged,
+  kDescribeRoom,
+  kWhatCanIAsk,
 };
 // What there is to say to a guide on the way.
 enum class GuideWish { kPause, kResume, kHowFar, kNext, kBlocked, kEnd };
@@ -75,9 +85,10 @@ struct Ask {
   std::int64_t id = 0;
   double t_ms = 0;  // by the device's clock
   Question question = Question::kWhereAmI;
-  // The thing of kWhereIs and kWayTo, the room of kNameRoom, either of kTakeMeTo.
+  // The thing of kWayTo and kWhatIsOn, the room of kNameRoom, kWhatIsIn and kDescribeRoom (empty:
+  // where one stands), either of kWhereIs and kTakeMeTo; the words of kInWords.
   std::string subject;
-  bool is_room = false;                // the subject of kTakeMeTo
+  bool is_room = false;                // the subject of kWhereIs and kTakeMeTo
   GuideWish wish = GuideWish::kPause;  // of kGuide
 };
 

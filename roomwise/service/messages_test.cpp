@@ -68,6 +68,16 @@ TEST(Messages, QuestionsComeBackWithTheirSubject) {
   EXPECT_EQ(ask.t_ms, 1300.25);
   EXPECT_EQ(ask.question, Question::kWhereIs);
   EXPECT_EQ(ask.subject, "Mikrowelle \xC3\xBC");
+  const Ask words = read_back<Ask>(Ask{9, 0, Question::kInWords, "where is it?"});
+  EXPECT_EQ(words.question, Question::kInWords);
+  EXPECT_EQ(words.subject, "where is it?");
+  const Ask room = read_back<Ask>(Ask{10, 0, Question::kWhereIs, "kitchen", true});
+  EXPECT_TRUE(room.is_room);
+  EXPECT_EQ(room.subject, "kitchen");
+  EXPECT_EQ(read_back<Ask>(Ask{11, 0, Question::kDescribeRoom, "kitchen"}).subject, "kitchen");
+  EXPECT_EQ(read_back<Ask>(Ask{12, 0, Question::kDescribeRoom, ""}).subject, "");
+  EXPECT_EQ(read_back<Ask>(Ask{13, 0, Question::kWhatIsOn, "table"}).subject, "table");
+  EXPECT_EQ(read_back<Ask>(Ask{14, 0, Question::kWhatIsIn, "kitchen"}).subject, "kitchen");
   EXPECT_EQ(read_back<Ask>(Ask{9, 1, Question::kWayTo, "bed"}).subject, "bed");
   EXPECT_EQ(read_back<Ask>(Ask{9, 1, Question::kTakeMeTo, "bed"}).subject, "bed");
   EXPECT_FALSE(read_back<Ask>(Ask{9, 1, Question::kTakeMeTo, "bed"}).is_room);
@@ -166,6 +176,11 @@ TEST(Messages, AnErrorNamesWhatIsWrong) {
               HasSubstr("'t' must be a number"));
   EXPECT_THAT(error_of(R"({"type":"ask","id":1,"t":0,"question":"why"})"),
               HasSubstr("'where_am_i'"));
+  EXPECT_THAT(error_of(R"({"type":"ask","id":1,"t":0,"question":"in_words"})"),
+              HasSubstr("'text'"));
+  EXPECT_THAT(error_of(R"({"type":"ask","id":1,"t":0,"question":"in_words","text":")" +
+                       std::string(501, 'a') + R"("})"),
+              HasSubstr("at most 500 bytes"));
   EXPECT_THAT(error_of(R"({"type":"ask","id":1,"t":0,"question":"where_is"})"),
               HasSubstr("'thing' is missing"));
   EXPECT_THAT(error_of(R"({"type":"settings","step_m":-3})"), HasSubstr("'step_m'"));

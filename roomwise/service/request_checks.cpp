@@ -63,7 +63,8 @@ std::vector<std::pair<std::string, std::string>> security_headers(const HttpRequ
       {"X-Frame-Options", "DENY"},
       {"Referrer-Policy", "no-referrer"},
       {"Permissions-Policy",
-       "camera=(self), xr-spatial-tracking=(self), microphone=(), geolocation=()"},
+       "camera=(self), xr-spatial-tracking=(self), microphone=(self), "
+       "on-device-speech-recognition=(self), geolocation=()"},
       {"Cross-Origin-Opener-Policy", "same-origin"},
       {"Cross-Origin-Resource-Policy", "same-origin"}};
   return headers;

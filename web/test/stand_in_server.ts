@@ -193,6 +193,10 @@ function answerTo(message: Record<string, unknown>): Prompt {
       });
     case 'around_me':
       return makePrompt({ answer_to, key: 'around', text: 'Before you the dining table, to the right the stove.' });
+    case 'in_words':
+      return makePrompt({
+        answer_to, key: /take me/i.test(String(message['text'])) ? 'guide' : 'asked', message: 'asked', text: `You asked: ${String(message['text'])}.`,
+      });
     case 'name_room':
       return makePrompt({ answer_to, key: 'named', text: `This room is called ${String(message['room'])} now.` });
     default:

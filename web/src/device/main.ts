@@ -8,6 +8,7 @@ import { openChoice } from './choice_dialog';
 import { Earcons, vibrate } from './earcons';
 import { keepAwake } from './keep_awake';
 import { hasLocalVoice, localVoice } from './local_voices';
+import { localHearing } from './local_hearing';
 import { ownNotice, ownPrompt } from './own_prompt';
 import { Phone } from './phone';
 import { PromptPlayer } from './prompt_player';
@@ -17,6 +18,7 @@ import { openSettings } from './settings_dialog';
 import { OwnVoice, ScreenReaderVoice, type Speaker } from './speaker';
 import { startView } from './start_view';
 import { PhoneView } from './view';
+import { WordsForm } from './words_form';
 import { WalkRecording } from './walk_recording';
 
 
@@ -103,7 +105,13 @@ function open(me: Me | null, cameraFailure: CameraFailure | null): void {
   const phone: Phone = new Phone(me, camera, player, settings, () => view.show(phone.state), whoAmI);
   const isHelper = (): boolean => me?.role === 'helper';
   const recording = new WalkRecording(phone, camera, player, () => (isHelper() ? 'helper' : 'device'));
-  const view = new PhoneView(video, log, {
+  const words = new WordsForm({
+    ask: (asked) => phone.ask({ question: 'in_words', text: asked }),
+    listening: () => phone.listen(),
+    failed: (why) => phone.say(why === 'refused' ? 'device.microphone_refused' : 'device.not_understood', 'answer'),
+  });
+  void localHearing(language(), navigator.languages).then((hearing) => hearing && words.offer(hearing));
+  const view = new PhoneView(video, log, words.element, {
     whereAmI: () => phone.ask({ question: 'where_am_i' }),
     aroundMe: () => phone.ask({ question: 'around_me' }),
     repeat: () => phone.ask({ question: 'repeat' }),

@@ -54,6 +54,7 @@ export class Phone {
   private timer = 0;
   private isOver = false;
   private lastAsked = 0;
+  private inWords: number | null = null; // the newest question in one's own words
   private device: number | null; // this one's number, once the computer told it
   private heldRecording: RecordingState | null = null; // came before that
   private greeted: (() => void)[] = []; // to be told once hello was said of the camera that is used now
@@ -96,6 +97,7 @@ export class Phone {
       this.say('device.connection_lost', 'answer');
     } else {
       this.lastAsked = id;
+      this.inWords = question.question === 'in_words' ? id : this.inWords;
       this.answers.ask(id, now);
     }
   }
@@ -104,6 +106,11 @@ export class Phone {
     this.state.led = true;
     this.ask(this.state.rooms.includes(goal) ? { question: 'take_me_to', room: goal } : { question: 'take_me_to', thing: goal });
     this.changed();
+  }
+
+  // While somebody speaks a question nobody answers an earlier one.
+  listen(): void {
+    this.player.withdrawAnswers();
   }
 
   setQuiet(on: boolean): void {
@@ -191,6 +198,8 @@ export class Phone {
     }
     if (kEndsOfGuidance.some((end) => prompt.message.startsWith(end))) {
       this.state.led = false;
+    } else if (prompt.key === 'guide' && prompt.answer_to !== null && prompt.answer_to === this.inWords) {
+      this.state.led = true; // a way was asked for in words
     }
   }
 

@@ -152,6 +152,7 @@ export type GuideWish = 'pause' | 'resume' | 'how_far' | 'next' | 'blocked' | 'e
 
 export type Question =
   | { question: 'where_am_i' | 'around_me' | 'repeat' }
+  | { question: 'in_words'; text: string }
   | { question: 'where_is'; thing: string }
   | { question: 'take_me_to'; thing: string } // or what else the computer knows by that name
   | { question: 'take_me_to'; room: string }

@@ -37,6 +37,35 @@ function sceneCamera(): void {
   };
 }
 
+// A recogniser on the phone, that hears what the test says: window.says(words); '' is nothing.
+function understandsSpeech(): void {
+  class Recognition extends EventTarget {
+    static available = async (asked: { processLocally: boolean }): Promise<string> => (asked.processLocally ? 'available' : 'unavailable');
+    lang = '';
+    get processLocally(): boolean {
+      return this.isLocal;
+    }
+    set processLocally(on: boolean) {
+      this.isLocal = on;
+    }
+    private isLocal = false;
+    start(): void {
+      const world = window as unknown as { says: (words: string) => void; heardBy: unknown[] };
+      world.heardBy = [...(world.heardBy ?? []), { lang: this.lang, processLocally: this.processLocally }];
+      world.says = (words) => {
+        if (words !== '') {
+          this.dispatchEvent(Object.assign(new Event('result'), { results: [[{ transcript: words }]] }));
+        }
+        this.dispatchEvent(new Event('end'));
+      };
+    }
+    abort(): void {
+      this.dispatchEvent(new Event('end'));
+    }
+  }
+  Object.assign(window, { SpeechRecognition: Recognition });
+}
+
 function noCamera(): void {
   navigator.mediaDevices.getUserMedia = () => Promise.reject(new Error('no camera'));
 }
@@ -180,6 +209,52 @@ test('find: by typing and by the list; what is asked again is repeated', options
   assert.deepEqual(server.newest('device').asked.map((one) => one['thing']), ['microwave', 'my keys']);
   await visit.press('Repeat');
   await visit.hears('You are in the kitchen.');
+  await visit.close();
+}));
+
+test('a question in one\'s own words, typed; whoever asks for a way is led', options, () => withServer(async (server) => {
+  const visit = await openVisit(server, { role: 'device', size: kPhone, before: recordSpeech });
+  await start(visit, 'reader');
+  await visit.sees('This browser does not understand speech on the phone itself.', '.words .hint');
+  assert.equal(await visit.page.$$eval('.words button', (all) => all.length), 1, 'no microphone');
+  await visit.tabTo('Ask in your own words');
+  await visit.page.keyboard.press('Enter');
+  await visit.sees('Type a question', '[role=alert]');
+  await visit.assertAccessible('nothing typed');
+  await visit.type('where are my keys');
+  await visit.page.keyboard.press('Enter');
+  await visit.hears('You asked: where are my keys.');
+  assert.equal(await visit.focused(), 'Ask in your own words', 'the next question may answer');
+  const isLed = (): Promise<boolean> => visit.page.$eval('.guide', (guide) => guide.checkVisibility());
+  assert.equal(await isLed(), false);
+  await visit.type('take me to the bed');
+  await visit.page.keyboard.press('Enter');
+  await visit.hears('You asked: take me to the bed.');
+  assert.equal(await isLed(), true);
+  assert.deepEqual(server.newest('device').asked.map((one) => [one['question'], one['text']]), [
+    ['in_words', 'where are my keys'], ['in_words', 'take me to the bed'],
+  ]);
+  await visit.close();
+}));
+
+test('a question in one\'s own words, spoken, where the phone itself understands', options, () => withServer(async (server) => {
+  const visit = await openVisit(server, { role: 'device', size: kPhone, before: [recordSpeech, understandsSpeech] });
+  await start(visit, 'reader');
+  await visit.sees('this phone understands you by itself', '.words .hint');
+  const says = (what: string): Promise<void> =>
+    visit.page.evaluate((event) => (window as unknown as { says: (what: string) => void }).says(event), what);
+  await visit.press('Speak');
+  await visit.sees('Listening…', '[aria-pressed=true]');
+  await visit.assertAccessible('listening');
+  await says('Where is the sofa');
+  await visit.hears('You asked: Where is the sofa.');
+  await visit.press('Speak');
+  await says('');
+  await visit.hears('I did not understand.');
+  assert.deepEqual(await visit.page.evaluate(() => (window as unknown as { heardBy: unknown }).heardBy), [
+    { lang: 'en-US', processLocally: true }, { lang: 'en-US', processLocally: true },
+  ]);
+  assert.deepEqual(server.newest('device').asked.map((one) => one['text']), ['Where is the sofa']);
   await visit.close();
 }));
 

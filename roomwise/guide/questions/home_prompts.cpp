@@ -1,0 +1,406 @@
+#include "roomwise/guide/questions/home_prompts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include "roomwise/guide/legs.h"
+#include "roomwise/guide/seen_prompt.h"
+#include "roomwise/objects/kinds/kinds.h"
+
+namespace roomwise::guide {
+namespace {
+
+constexpr std::size_t kThingsOfAPrompt = 4;  // more is forgotten before the last is spoken
+constexpr double kHand_m = 0.1;              // boxes end a hand's breadth early or late
+constexpr double kFarthestAhead_m = 6;
+constexpr double kHalfPerson_m = 0.25;
+constexpr double kOwnPlace_m = 0.3;  // what is nearer is the person, or the place is a little wrong
+
+// An answer in the making.
+class HomeAnswer {
+ public:
+  HomeAnswer(std::string key, const Wording& wording, const Today& today)
+      : key_(std::move(key)), wording_(wording), today_(today) {}
+
+  void say(const std::string& message, const Values& values, double valid_s = kHomeValid_s,
+           bool is_sure = true) {
+    prompts_.push_back(make_part(wording_, key_, prompts_.size(), message, values,
+                                 is_sure ? Confidence::kSure : Confidence::kProbable, today_.now_ns,
+                                 valid_s, "by the map of the home"));
+  }
+  void say_unsure(const std::string& message, double valid_s = kRoomValid_s) {
+    prompts_.push_back(make_prompt(wording_, key_, message, {}, Confidence::kUnsure,
+                                   after(today_.now_ns, valid_s), "the map does not tell"));
+  }
+  // Several prompts where there are many.
+  void list(const std::string& message, Values values, const std::string& value, const Nouns& nouns,
+            bool is_sure = true) {
+    for (std::size_t i = 0; i < nouns.size(); i += kThingsOfAPrompt) {
+      const auto begin = nouns.begin() + static_cast<std::ptrdiff_t>(i);
+      const std::size_t count = std::min(kThingsOfAPrompt, nouns.size() - i);
+      const Nouns some(begin, begin + static_cast<std::ptrdiff_t>(count));
+      values[i == 0 ? value : "things"] = some;
+      say(i == 0 ? message : "describe.then", values, kHomeValid_s, is_sure);
+    }
+  }
+  void say_things(const std::string& message, const Values& values,
+                  std::span<const KnownThing* const> things) {
+    for (const bool is_sure : {true, false}) {
+      const Nouns nouns = names_of(things, is_sure);
+      list(message + (is_sure ? "" : "_probable"), values, "things", nouns, is_sure);
+    }
+    say_seen(things);
+  }
+  // When the one was seen that was not seen for longest.
+  void say_seen(std::span<const KnownThing* const> things) {
+    std::optional<CalendarTime> oldest;
+    for (const KnownThing* thing : things) {
+      const bool is_older = thing->seen && (!oldest || thing->seen->days_until(*oldest) > 0);
+      if (is_older) oldest = thing->seen;
+    }
+    auto seen = seen_prompt(part_key(key_, prompts_.size()), oldest, today_.date, wording_,
+                            today_.now_ns, "one was not seen since then");
+    if (seen) prompts_.push_back(*std::move(seen));
+  }
+  [[nodiscard]] bool empty() const { return prompts_.empty(); }
+  [[nodiscard]] std::vector<Prompt> take() { return std::move(prompts_); }
+
+ private:
+  // Each name once.
+  static Nouns names_of(std::span<const KnownThing* const> things, bool is_sure) {
+    Nouns nouns;
+    for (const KnownThing* thing : things) {
+      const bool is_known = std::ranges::count(nouns, thing->name, &Noun::name) > 0;
+      if (thing->is_sure() == is_sure && !is_known) {
+        nouns.push_back({Noun::Kind::kThing, thing->name});
+      }
+    }
+    return nouns;
+  }
+
+  std::string key_;
+  const Wording& wording_;
+  const Today& today_;
+  std::vector<Prompt> prompts_;
+};
+
+Outline outline_of(const KnownThing& thing) {
+  return {thing.position_gravity->head<2>(), thing.size_m().head<2>(), thing.yaw_rad};
+}
+
+bool stands_on(const KnownThing& thing, const KnownThing& surface) {
+  if (&thing == &surface || !thing.position_gravity || !surface.position_gravity) return false;
+  const objects::Kind* const kind = objects::find_kind(thing.name);
+  if (kind != nullptr && kind->stands_on_floor) return false;
+  const double middle_m = thing.position_gravity->z();
+  const double bottom_m = middle_m - thing.size_m().z() / 2;
+  const double surface_m = surface.position_gravity->z();
+  const double top_m = surface_m + surface.size_m().z() / 2;
+  return middle_m > surface_m && bottom_m <= top_m + kHand_m &&
+         outline_of(surface).distance_m(thing.position_gravity->head<2>()) == 0;
+}
+
+double distance_to(const KnownThing& thing, const UserLocation& location) {
+  const Pose* const pose = location.sure_pose();
+  if (pose == nullptr || !thing.position_gravity) return 0;
+  return outline_of(thing).distance_m(pose->position_gravity);
+}
+
+std::vector<const KnownThing*> things_in(const std::string& room, const HomeMap& map) {
+  std::vector<const KnownThing*> there;
+  for (const KnownThing& thing : map.things) {
+    if (thing.room == room) there.push_back(&thing);
+  }
+  std::ranges::stable_sort(there, std::ranges::greater{}, &KnownThing::probability);
+  return there;
+}
+
+const rooms::RoomExtent* extent_of(const std::string& room, const HomeMap& map) {
+  if (map.layout == nullptr) return nullptr;
+  const auto found = std::ranges::find(map.layout->rooms(), room, &rooms::RoomExtent::name);
+  return found == map.layout->rooms().end() ? nullptr : &*found;
+}
+
+// Of the room; the nearest first where the person's place is known, else the widest.
+std::vector<const rooms::Doorway*> doors_of_room(const std::string& room, const HomeMap& map,
+                                                 const UserLocation& location) {
+  std::vector<const rooms::Doorway*> doors;
+  for (const rooms::Doorway& door : map.doorways) {
+    if (door.joins(room)) doors.push_back(&door);
+  }
+  const Pose* const pose = location.sure_pose();
+  std::ranges::stable_sort(doors, {}, [&](const rooms::Doorway* door) {
+    return pose != nullptr ? (door->middle_gravity - pose->position_gravity).norm()
+                           : -door->width_m;
+  });
+  return doors;
+}
+
+double clockwise_rad(double from_rad, double to_rad) {
+  const double turn_rad = std::fmod(from_rad - to_rad, 2 * std::numbers::pi);
+  return turn_rad < 0 ? turn_rad + 2 * std::numbers::pi : turn_rad;
+}
+
+double angle_rad(const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
+  return std::atan2(to.y() - from.y(), to.x() - from.x());
+}
+
+struct Ahead {
+  double distance_m = 0;
+  fusion::FloorCell cell = fusion::FloorCell::kFree;  // what ends the free floor there
+  Eigen::Vector2d place_gravity = Eigen::Vector2d::Zero();
+};
+
+// Along one line beside the heading.
+Ahead look_along(const fusion::FloorGrid& floor, const Pose& pose, double aside_m) {
+  const Eigen::Vector2d forward(std::cos(pose.heading_rad), std::sin(pose.heading_rad));
+  const Eigen::Vector2d left(-forward.y(), forward.x());
+  Ahead ahead;
+  for (ahead.distance_m = kOwnPlace_m; ahead.distance_m < kFarthestAhead_m;
+       ahead.distance_m += floor.cell_m() / 2) {
+    ahead.place_gravity = pose.position_gravity + ahead.distance_m * forward + aside_m * left;
+    ahead.cell = floor.at(ahead.place_gravity);
+    if (ahead.cell != fusion::FloorCell::kFree) return ahead;
+  }
+  return ahead;
+}
+
+Ahead look_ahead(const fusion::FloorGrid& floor, const Pose& pose) {
+  Ahead nearest = look_along(floor, pose, 0);
+  for (const double aside_m : {-kHalfPerson_m, kHalfPerson_m}) {
+    const Ahead one = look_along(floor, pose, aside_m);
+    // What the map does not know beside the line is no end of it.
+    const bool ends = one.cell == fusion::FloorCell::kOccupied;
+    if (ends && one.distance_m < nearest.distance_m) nearest = one;
+  }
+  return nearest;
+}
+
+const KnownThing* thing_at(const Eigen::Vector2d& place_gravity, const HomeMap& map) {
+  const KnownThing* nearest = nullptr;
+  double least_m = kHand_m;
+  for (const KnownThing& thing : map.things) {
+    if (!thing.position_gravity) continue;
+    const double distance_m = outline_of(thing).distance_m(place_gravity);
+    if (distance_m > least_m || (nearest != nullptr && distance_m == least_m)) continue;
+    least_m = distance_m;
+    nearest = &thing;
+  }
+  return nearest;
+}
+
+void say_ahead_by_map(const HomeMap& map, const Pose& pose, const Wording& wording,
+                      HomeAnswer& answer) {
+  const Ahead ahead = look_ahead(*map.floor, pose);
+  const Values far{{"distance", wording.distance(ahead.distance_m)}};
+  if (ahead.cell == fusion::FloorCell::kFree) {
+    answer.say("ahead.free", far, kDirectionValid_s);
+    return;
+  }
+  if (ahead.cell == fusion::FloorCell::kUnknown) {
+    if (ahead.distance_m <= kOwnPlace_m) return answer.say_unsure("ahead.unknown");
+    answer.say("ahead.free", far, kDirectionValid_s);
+    return;
+  }
+  const KnownThing* const there = thing_at(ahead.place_gravity, map);
+  if (there == nullptr) {
+    answer.say("ahead.something", far, kDirectionValid_s);
+    return;
+  }
+  Values values = far;
+  values["thing"] = thing(there->name);
+  answer.say(there->is_sure() ? "ahead.thing" : "ahead.thing_probable", values, kDirectionValid_s,
+             there->is_sure());
+}
+
+}  // namespace
+
+std::vector<Prompt> on_prompts(const std::string& surface, const HomeMap& map,
+                               const UserLocation& location, const Wording& wording,
+                               const Today& today) {
+  HomeAnswer answer("on " + surface, wording, today);
+  std::vector<const KnownThing*> surfaces;
+  for (const KnownThing& thing : map.things) {
+    if (thing.name == surface) surfaces.push_back(&thing);
+  }
+  std::ranges::stable_sort(surfaces, {}, [&](const KnownThing* one) {
+    return std::pair(distance_to(*one, location), -one->probability);
+  });
+  const Values values{{"thing", thing(surface)}};
+  std::vector<const KnownThing*> there;
+  for (const KnownThing& thing : map.things) {
+    if (!surfaces.empty() && stands_on(thing, *surfaces.front())) there.push_back(&thing);
+  }
+  if (there.empty()) answer.say("on.nothing", values);
+  answer.say_things("on.things", values, there);
+  return answer.take();
+}
+
+std::vector<Prompt> in_prompts(const std::string& room, const HomeMap& map, const Wording& wording,
+                               const Today& today) {
+  HomeAnswer answer("in " + room, wording, today);
+  const Values values{{"room", guide::room(room)}};
+  const auto there = things_in(room, map);
+  if (there.empty()) answer.say("in.nothing", values);
+  answer.say_things("in.things", values, there);
+  return answer.take();
+}
+
+std::vector<Prompt> rooms_prompts(const std::vector<std::string>& rooms, const Wording& wording,
+                                  const Today& today) {
+  HomeAnswer answer("rooms", wording, today);
+  const auto count = wording.phrases().count("room", static_cast<double>(rooms.size()));
+  answer.say("rooms.count", {{"count", count}});
+  answer.list("rooms.list", {}, "rooms", room_list(rooms));
+  return answer.take();
+}
+
+std::vector<Prompt> room_way_prompts(const std::string& room, const HomeMap& map,
+                                     const UserLocation& location, const Wording& wording,
+                                     const Today& today) {
+  HomeAnswer answer("room " + room, wording, today);
+  const Nouns goal = guide::room(room);
+  if (location.room == room) {
+    answer.say("room.is", {{"room", goal}}, kRoomValid_s);
+    return answer.take();
+  }
+  const auto way = location.room ? way_between_rooms(*location.room, room, map.doorways)
+                                 : std::vector<std::string>{};
+  const rooms::RoomExtent* const extent = extent_of(room, map);
+  const Pose* const pose = location.sure_pose();
+  if (way.size() == 2) {
+    answer.say("guide.room_next", {{"goal", goal}}, kRoomValid_s);
+  } else if (way.size() > 2) {
+    const Nouns via = room_list({way.begin() + 1, way.end() - 1});
+    answer.say("guide.room_through", {{"goal", goal}, {"via", via}}, kRoomValid_s);
+  }
+  if (pose != nullptr && extent != nullptr && extent->floor_m2 > 0) {
+    const Bearing bearing = bearing_of(extent->middle_gravity, *pose);
+    answer.say("where.direction",
+               {{"thing", goal},
+                {"hour", fmt::format("{}", bearing.hour)},
+                {"distance", wording.distance(bearing.distance_m)}},
+               kDirectionValid_s);
+  }
+  if (answer.empty()) answer.say_unsure("route.no_place");
+  return answer.take();
+}
+
+std::vector<Prompt> facing_prompts(const HomeMap& map, const UserLocation& location,
+                                   const Wording& wording, const Today& today) {
+  HomeAnswer answer("facing", wording, today);
+  const Pose* const pose = location.sure_pose();
+  if (pose == nullptr) {
+    answer.say_unsure("route.no_place");
+    return answer.take();
+  }
+  std::optional<std::pair<double, Noun>> nearest;
+  const auto consider = [&](const Bearing& bearing, const Noun& noun) {
+    const bool is_ahead = bearing.hour == 12 && bearing.is_sure;
+    if (is_ahead && (!nearest || bearing.distance_m < nearest->first)) {
+      nearest = {bearing.distance_m, noun};
+    }
+  };
+  for (const KnownThing& thing : map.things) {
+    const bool is_elsewhere = location.room && thing.room && *thing.room != *location.room;
+    const auto bearing = bearing_of(thing, *pose);
+    if (bearing && !is_elsewhere && thing.is_sure()) {
+      consider(*bearing, {Noun::Kind::kThing, thing.name});
+    }
+  }
+  for (const rooms::Doorway& door : doors_of(map.doorways)) {
+    if (!location.room || !door.joins(*location.room)) continue;
+    consider(bearing_of(door.middle_gravity, *pose), Goal::of(door).noun);
+  }
+  if (nearest) {
+    answer.say("facing.place",
+               {{"place", Nouns{nearest->second}}, {"distance", wording.distance(nearest->first)}},
+               kDirectionValid_s);
+  } else {
+    answer.say_unsure("facing.nothing", kDirectionValid_s);
+  }
+  return answer.take();
+}
+
+std::vector<Prompt> ahead_prompts(const HomeMap& map, const UserLocation& location,
+                                  const std::optional<double>& obstacle_m, const Wording& wording,
+                                  const Today& today) {
+  HomeAnswer answer("ahead", wording, today);
+  if (obstacle_m) {
+    answer.say("ahead.now", {{"distance", wording.distance(*obstacle_m)}}, kDirectionValid_s);
+  }
+  const Pose* const pose = location.sure_pose();
+  if (pose != nullptr && map.floor != nullptr) say_ahead_by_map(map, *pose, wording, answer);
+  if (answer.empty()) answer.say_unsure("ahead.unknown");
+  return answer.take();
+}
+
+std::vector<Prompt> describe_prompts(const std::string& room, const HomeMap& map,
+                                     const UserLocation& location, const Wording& wording,
+                                     const Today& today) {
+  HomeAnswer answer("describe " + room, wording, today);
+  const rooms::RoomExtent* const extent = extent_of(room, map);
+  const Values values{{"room", guide::room(room)}};
+  const bool is_large_enough = extent != nullptr && extent->floor_m2 >= 1;
+  if (is_large_enough) {
+    const auto area = wording.phrases().count("square_metre", std::round(extent->floor_m2));
+    answer.say("describe.floor", {{"room", guide::room(room)}, {"area", area}});
+  } else {
+    answer.say("describe.unknown", values);
+  }
+  const auto doors = doors_of_room(room, map, location);
+  std::vector<std::string> others;
+  for (const rooms::Doorway* door : doors) {
+    const std::string& other = door->rooms[0] == room ? door->rooms[1] : door->rooms[0];
+    if (std::ranges::count(others, other) == 0) others.push_back(other);
+  }
+  answer.list("describe.leads_to", {}, "rooms", room_list(others));
+  auto there = things_in(room, map);
+  if (there.empty() || doors.empty() || extent == nullptr) {
+    if (there.empty()) answer.say("in.nothing", values);
+    answer.say_things("in.things", values, there);
+    return answer.take();
+  }
+  const Eigen::Vector2d& middle = extent->middle_gravity;
+  const double door_rad = angle_rad(middle, doors.front()->middle_gravity);
+  std::erase_if(there, [](const KnownThing* one) { return !one->position_gravity; });
+  std::ranges::stable_sort(there, {}, [&](const KnownThing* one) {
+    return clockwise_rad(door_rad, angle_rad(middle, one->position_gravity->head<2>()));
+  });
+  Nouns names;
+  for (const KnownThing* one : there) {
+    if (std::ranges::count(names, one->name, &Noun::name) == 0 && one->is_sure()) {
+      names.push_back({Noun::Kind::kThing, one->name});
+    }
+  }
+  answer.list("describe.clockwise", {}, "things", names);
+  answer.say_seen(there);
+  return answer.take();
+}
+
+std::vector<Prompt> change_prompts(std::span<const KnownThing> arrived,
+                                   std::span<const KnownThing> gone, const Wording& wording,
+                                   const Today& today) {
+  HomeAnswer answer("changed", wording, today);
+  std::vector<const KnownThing*> all;
+  const auto say = [&](const char* message, std::span<const KnownThing> things) {
+    std::map<std::string, Nouns> of_room;
+    for (const KnownThing& thing : things) {
+      if (!thing.room) continue;
+      of_room[*thing.room].push_back({Noun::Kind::kThing, thing.name});
+      all.push_back(&thing);
+    }
+    for (const auto& [room, names] : of_room) {
+      answer.list(message, {{"room", guide::room(room)}}, "things", names);
+    }
+  };
+  say("changed.new", arrived);
+  say("changed.gone", gone);
+  if (answer.empty()) answer.say("changed.none", {});
+  answer.say_seen(all);
+  return answer.take();
+}
+
+}  // namespace roomwise::guide

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "roomwise/guide/plan.h"
+#include "roomwise/guide/wording.h"
+
+// Answers from what the map knows. Each is never empty; what holds of the map only, and not of this
+// moment, is said as what is known. Where things are named, the day of the one that was not seen
+// for longest follows, if it and `today` are known.
+namespace roomwise::guide {
+
+struct Today {
+  TimestampNs now_ns = 0;
+  std::optional<CalendarTime> date = std::nullopt;
+};
+
+// "what is on the table": what does not stand on the floor, and whose middle lies over the box of
+// the nearest thing of this name, no more than a hand's breadth above it.
+[[nodiscard]] std::vector<Prompt> on_prompts(const std::string& surface, const HomeMap& map,
+                                             const UserLocation& location, const Wording& wording,
+                                             const Today& today);
+// "what is in the kitchen".
+[[nodiscard]] std::vector<Prompt> in_prompts(const std::string& room, const HomeMap& map,
+                                             const Wording& wording, const Today& today);
+// "which rooms are there".
+[[nodiscard]] std::vector<Prompt> rooms_prompts(const std::vector<std::string>& rooms,
+                                                const Wording& wording, const Today& today);
+// "where is the kitchen": here, the rooms on the way there, or its direction.
+[[nodiscard]] std::vector<Prompt> room_way_prompts(const std::string& room, const HomeMap& map,
+                                                   const UserLocation& location,
+                                                   const Wording& wording, const Today& today);
+// "which way do I face": the nearest thing or door at 12 o'clock.
+[[nodiscard]] std::vector<Prompt> facing_prompts(const HomeMap& map, const UserLocation& location,
+                                                 const Wording& wording, const Today& today);
+// "what is ahead": what depth shows now (`obstacle_m`, absent: nothing), then what the map's floor
+// has within six metres, in the breadth of a person.
+[[nodiscard]] std::vector<Prompt> ahead_prompts(const HomeMap& map, const UserLocation& location,
+                                                const std::optional<double>& obstacle_m,
+                                                const Wording& wording, const Today& today);
+// "describe the room": its free floor, where it leads, and its things clockwise about its middle,
+// from the door on that is nearest to the person.
+[[nodiscard]] std::vector<Prompt> describe_prompts(const std::string& room, const HomeMap& map,
+                                                   const UserLocation& location,
+                                                   const Wording& wording, const Today& today);
+// "what changed": what the last visit found new, and no longer there.
+[[nodiscard]] std::vector<Prompt> change_prompts(std::span<const KnownThing> arrived,
+                                                 std::span<const KnownThing> gone,
+                                                 const Wording& wording, const Today& today);
+
+}  // namespace roomwise::guide

@@ -1,0 +1,63 @@
+#include "roomwise/guide/questions/refusal_prompts.h"
+
+namespace roomwise::guide {
+namespace {
+
+class Refusal {
+ public:
+  Refusal(const Wording& wording, TimestampNs now_ns) : wording_(wording), now_ns_(now_ns) {}
+
+  void say(const std::string& message, const Values& values = {}) {
+    prompts_.push_back(make_part(wording_, "ask", prompts_.size(), message, values,
+                                 Confidence::kUnsure, now_ns_, kHomeValid_s,
+                                 "what was asked is no question that can be answered"));
+  }
+  void say_examples(const HomeNames& home) {
+    say("ask.examples");
+    if (!home.things.empty()) say("ask.examples_thing", {{"thing", thing(home.things.front())}});
+    if (!home.rooms.empty()) say("ask.examples_room", {{"room", room(home.rooms.front())}});
+  }
+  [[nodiscard]] std::vector<Prompt> take() { return std::move(prompts_); }
+
+ private:
+  const Wording& wording_;
+  TimestampNs now_ns_;
+  std::vector<Prompt> prompts_;
+};
+
+}  // namespace
+
+std::vector<Prompt> example_prompts(const HomeNames& home, const Wording& wording,
+                                    TimestampNs now_ns) {
+  Refusal refusal(wording, now_ns);
+  refusal.say_examples(home);
+  return refusal.take();
+}
+
+std::vector<Prompt> refusal_prompts(const Understood& heard, const HomeNames& home,
+                                    const Wording& wording, TimestampNs now_ns) {
+  using Outcome = Understood::Outcome;
+  Refusal refusal(wording, now_ns);
+  switch (heard.outcome) {
+    case Outcome::kWhichOne:
+      refusal.say("ask.which_one", {{"names", heard.names}});
+      return refusal.take();
+    case Outcome::kDidYouMean:
+      refusal.say("ask.did_you_mean", {{"name", heard.names}});
+      return refusal.take();
+    case Outcome::kUnknownName:
+      refusal.say("where.unknown", {{"thing", heard.names}});
+      break;
+    case Outcome::kCannotTell:
+      refusal.say("ask.cannot");
+      break;
+    case Outcome::kQuestion:  // a "yes" to nothing
+    case Outcome::kNotUnderstood:
+      refusal.say("ask.not_understood");
+      break;
+  }
+  refusal.say_examples(home);
+  return refusal.take();
+}
+
+}  // namespace roomwise::guide
