@@ -57,10 +57,10 @@ Values some_values(const std::set<std::string>& names) {
   return some;
 }
 
-TEST(MessageCatalogueTest, SpeaksEnglishAndGerman) {
-  EXPECT_THAT(MessageCatalogue::built_in().languages(), ElementsAre("de", "en"));
-  EXPECT_FALSE(MessageCatalogue::built_in().speaks("fr"));
-  EXPECT_THROW((void)MessageCatalogue::built_in().in("fr"), std::invalid_argument);
+TEST(MessageCatalogueTest, SpeaksFourLanguages) {
+  EXPECT_THAT(MessageCatalogue::built_in().languages(), ElementsAre("de", "en", "es", "fr"));
+  EXPECT_FALSE(MessageCatalogue::built_in().speaks("it"));
+  EXPECT_THROW((void)MessageCatalogue::built_in().in("it"), std::invalid_argument);
 }
 
 // That all languages have the same messages, values and words is checked by parse(), which

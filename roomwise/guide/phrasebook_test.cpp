@@ -21,7 +21,35 @@ class PhrasebookTest : public ::testing::Test {
   const MessageCatalogue catalogue_ = MessageCatalogue::built_in();
   const Phrasebook& english_ = catalogue_.in("en");
   const Phrasebook& german_ = catalogue_.in("de");
+  const Phrasebook& spanish_ = catalogue_.in("es");
+  const Phrasebook& french_ = catalogue_.in("fr");
 };
+
+TEST_F(PhrasebookTest, SpanishAndFrenchAgreeAndElide) {
+  EXPECT_EQ(spanish_.text("room.is", {{"room", room("kitchen")}}), "Está en la cocina.");
+  EXPECT_EQ(spanish_.text("room.is", {{"room", room("bedroom 2")}}), "Está en dormitorio 2.");
+  EXPECT_EQ(spanish_.text("where.unknown", {{"thing", thing("bed")}}),
+            "Aquí no conozco ninguna cama.");
+  EXPECT_EQ(french_.text("room.is", {{"room", room("kitchen")}}), "Vous êtes dans la cuisine.");
+  EXPECT_EQ(french_.text("room.is", {{"room", room("workshop")}}), "Vous êtes dans l'atelier.");
+  EXPECT_EQ(french_.text("guide.far", {{"distance", "3 pas"}, {"goal", thing("wardrobe")}}),
+            "3 pas jusqu'à l'armoire.");
+  EXPECT_EQ(french_.text("where.no_room", {{"thing", thing("sink")}}),
+            "Je ne sais pas où est l'évier.");
+}
+
+TEST_F(PhrasebookTest, NumbersAreCountedByTheRuleOfTheLanguage) {
+  EXPECT_EQ(french_.count("metre", 0.5), "0,5 mètre");
+  EXPECT_EQ(french_.count("metre", 1.5), "1,5 mètre");
+  EXPECT_EQ(french_.count("metre", 2), "2 mètres");
+  EXPECT_EQ(spanish_.count("metre", 0.5), "0,5 metros");
+  EXPECT_EQ(spanish_.count("metre", 1), "1 metro");
+  const auto at_hour = [&](const char* hour) {
+    return spanish_.text("guide.turn_hour", {{"hour", hour}});
+  };
+  EXPECT_EQ(at_hour("1"), "Gire a la 1.");
+  EXPECT_EQ(at_hour("3"), "Gire a las 3.");
+}
 
 TEST_F(PhrasebookTest, WordsOfTheHomeTakeTheArticleOfTheirGender) {
   EXPECT_EQ(english_.text("room.is", {{"room", room("kitchen")}}), "You are in the kitchen.");
@@ -99,7 +127,8 @@ TEST_F(PhrasebookTest, AMissingValueOrMessageIsABug) {
 
 // A smallest file, to be spoiled.
 nlohmann::json small_file() {
-  nlohmann::json file = nlohmann::json::parse(R"({"language": "xx", "name": "X", "messages": {"a": "{the thing}!"},
+  nlohmann::json file =
+      nlohmann::json::parse(R"({"language": "xx", "name": "X", "messages": {"a": "{the thing}!"},
     "counts": {"step": {"one": "1", "other": "{n}"}}, "singular": "1", "decimal": ".", "and": "&",
     "months": ["1", "2", "3", "4", "5", "6", "7", "8", "9", "10", "11", "12"],
     "forms": {"the": {"c": "le {}", "proper": "{}", "other": "{}"}},

@@ -115,6 +115,26 @@ TEST(UnderstandTest, QuestionsInGerman) {
   EXPECT_EQ(german("Was kann ich fragen?"), "what_can_i_ask");
 }
 
+TEST(UnderstandTest, QuestionsInSpanish) {
+  const auto spanish = [](const std::string& text) { return told(hear(text, "es")); };
+  EXPECT_EQ(spanish("¿Dónde he dejado mi taza?"), "where_is cup");
+  EXPECT_EQ(spanish("donde esta la mesa"), "where_is table") << "typed without accents";
+  EXPECT_EQ(spanish("Llévame al aseo, por favor"), "take_me_to toilet");
+  EXPECT_EQ(spanish("¿Qué hay encima de la mesa?"), "what_is_on table");
+  EXPECT_EQ(spanish("¿Está abierta la ventana?"), "cannot tell");
+  EXPECT_EQ(spanish("¿Qué hay en la cocina?"), "what_is_in kitchen");
+}
+
+TEST(UnderstandTest, QuestionsInFrench) {
+  const auto french = [](const std::string& text) { return told(hear(text, "fr")); };
+  EXPECT_EQ(french("Où ai-je posé ma tasse ?"), "where_is cup");
+  EXPECT_EQ(french("ou est la table"), "where_is table") << "typed without accents";
+  EXPECT_EQ(french("Emmène-moi jusqu’à la cuisine, s’il te plaît"), "take_me_to kitchen");
+  EXPECT_EQ(french("Qu'y a-t-il sur la table ?"), "what_is_on table");
+  EXPECT_EQ(french("La fenêtre est-elle ouverte ?"), "cannot tell");
+  EXPECT_EQ(french("où est l'ordinateur"), "unknown: where_is computer");
+}
+
 TEST(UnderstandTest, ANameThatIsASlipAwayIsAskedAbout) {
   EXPECT_EQ(english("take me to the kichen"), "did you mean: take_me_to kitchen");
   EXPECT_EQ(english("where is the mircowave"), "did you mean: where_is microwave");

@@ -2,7 +2,7 @@
 import { ApiError, request } from '../shared/api';
 import { byId, h, replaceChildren } from '../shared/dom';
 import type { Language, Me, Sound } from '../shared/protocol';
-import { chooseLanguage, language, rememberLanguage, text } from '../shared/texts';
+import { chooseLanguage, language, text } from '../shared/texts';
 import { Camera, type CameraFailure } from '../shared/camera';
 import { openChoice } from './choice_dialog';
 import { Earcons, vibrate } from './earcons';
@@ -18,7 +18,7 @@ import { openSettings } from './settings_dialog';
 import { OwnVoice, ScreenReaderVoice, type Speaker } from './speaker';
 import { startView } from './start_view';
 import { PhoneView } from './view';
-import { WordsForm } from './words_form';
+import { openWords, SpeakButton } from './words_dialog';
 import { WalkRecording } from './walk_recording';
 
 
@@ -105,13 +105,14 @@ function open(me: Me | null, cameraFailure: CameraFailure | null): void {
   const phone: Phone = new Phone(me, camera, player, settings, () => view.show(phone.state), whoAmI);
   const isHelper = (): boolean => me?.role === 'helper';
   const recording = new WalkRecording(phone, camera, player, () => (isHelper() ? 'helper' : 'device'));
-  const words = new WordsForm({
-    ask: (asked) => phone.ask({ question: 'in_words', text: asked }),
+  const ask = (words: string): void => phone.ask({ question: 'in_words', text: words });
+  const speak = new SpeakButton({
+    ask,
     listening: () => phone.listen(),
     failed: (why) => phone.say(why === 'refused' ? 'device.microphone_refused' : 'device.not_understood', 'answer'),
   });
-  void localHearing(language(), navigator.languages).then((hearing) => hearing && words.offer(hearing));
-  const view = new PhoneView(video, log, words.element, {
+  void localHearing(language(), navigator.languages).then((hearing) => speak.offer(hearing));
+  const view = new PhoneView(video, log, speak.element, {
     whereAmI: () => phone.ask({ question: 'where_am_i' }),
     aroundMe: () => phone.ask({ question: 'around_me' }),
     repeat: () => phone.ask({ question: 'repeat' }),
@@ -122,6 +123,7 @@ function open(me: Me | null, cameraFailure: CameraFailure | null): void {
     take: () => openChoice({
       title: text('take.title'), label: text('take.label'), go: text('take.go'), missing: text('take.missing'),
     }, [...phone.state.rooms, ...phone.state.things], (goal) => phone.takeMeTo(goal)),
+    askInWords: () => openWords(speak.hears, ask),
     guide: (wish) => phone.ask({ question: 'guide', wish }),
     nameRoom: () => openChoice({
       title: text('name_room.title'), label: text('name_room.label'), go: text('name_room.go'),
@@ -130,7 +132,7 @@ function open(me: Me | null, cameraFailure: CameraFailure | null): void {
     record: () => void recording.begin(),
     stopRecording: () => void recording.stop(),
     howFar: () => recording.tellState(),
-    settings: () => openSettings(settings, { changed: () => void settingsChanged(phone), languageChanged, leave }),
+    settings: () => openSettings(settings, { changed: () => void settingsChanged(phone), leave }),
   }, isHelper);
   view.show(phone.state);
   replaceChildren(page, view.element);
@@ -179,11 +181,6 @@ async function settingsChanged(phone: Phone): Promise<void> {
   }
   log.setLive(!speaksItself(language()));
   tellOfNoVoice();
-}
-
-function languageChanged(language: Language): void {
-  rememberLanguage(language);
-  location.reload();
 }
 
 async function leave(): Promise<void> {

@@ -2,14 +2,13 @@
 import { openDialog } from '../shared/dialog';
 import { h } from '../shared/dom';
 import { checkField, radioField } from '../shared/forms';
-import type { Language } from '../shared/protocol';
-import { formatNumber, language, text } from '../shared/texts';
+import { languageChoice } from '../shared/language_choice';
+import { formatNumber, text } from '../shared/texts';
 import { kRates, kSteps, type Settings } from './settings';
 import { OwnVoice } from './speaker';
 
 export interface SettingsActions {
   changed: () => void; // `settings` holds what was chosen
-  languageChanged: (language: Language) => void;
   leave: () => void;
 }
 
@@ -31,10 +30,8 @@ export function openSettings(settings: Settings, actions: SettingsActions): void
     checkField(text('settings.sounds'), settings.sounds, set('sounds')).element,
     'vibrate' in navigator
       ? checkField(text('settings.vibration'), settings.vibration, set('vibration')).element : null,
-    radioField(text('settings.language'), [
-      { value: 'en', label: 'English' },
-      { value: 'de', label: 'Deutsch' },
-    ], language(), (chosen) => actions.languageChanged(chosen as Language)),
+    h('p', { 'aria-hidden': 'true' }, text('settings.language')),
+    languageChoice(),
     h('button', { type: 'button', class: 'danger', onclick: actions.leave }, text('settings.leave')),
   ]);
 }

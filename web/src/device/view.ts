@@ -11,6 +11,7 @@ export interface ViewActions {
   aroundMe: () => void;
   find: () => void;
   take: () => void;
+  askInWords: () => void;
   guide: (wish: GuideWish) => void;
   repeat: () => void;
   quiet: () => void;
@@ -32,11 +33,9 @@ export class PhoneView {
   private readonly record: HTMLButtonElement;
   private readonly stop: HTMLButtonElement; // of a recording that goes on without its pictures
   private readonly questions: HTMLElement;
-  private readonly words: HTMLElement;
   private readonly walk: HTMLElement; // what is asked and done while one walks
 
-  constructor(video: HTMLVideoElement, log: SaidLog, words: HTMLElement, actions: ViewActions, private readonly isHelper: () => boolean) {
-    this.words = words;
+  constructor(video: HTMLVideoElement, log: SaidLog, speak: HTMLElement, actions: ViewActions, private readonly isHelper: () => boolean) {
     const question = (name: string, label: string, shape: Parameters<typeof icon>[0], run: () => void) =>
       h('button', { type: 'button', class: `question ${name}`, onclick: run }, icon(shape), h('span', {}, label));
     this.nameRoom = h('button', { type: 'button', class: 'tool', hidden: true, onclick: actions.nameRoom }, text('phone.name_room'));
@@ -67,6 +66,8 @@ export class PhoneView {
         h('div', { class: 'tools' },
           this.nameRoom,
           h('button', { type: 'button', class: 'tool take', onclick: actions.take }, text('phone.take')),
+          h('button', { type: 'button', class: 'tool', onclick: actions.askInWords }, text('phone.in_words')),
+          speak,
           this.stop,
           this.record,
           h('button', { type: 'button', class: 'tool', onclick: actions.settings }, text('phone.settings')))),
@@ -75,7 +76,7 @@ export class PhoneView {
           h('ul', { class: 'chips' }, this.connection, this.camera), video),
         h('section', { class: 'answers', 'aria-labelledby': 'said-heading' },
           h('h2', { id: 'said-heading', class: 'visually-hidden' }, text('said.label')), log.element),
-        words, this.guide, this.questions, this.walk));
+        this.guide, this.questions, this.walk));
   }
 
   show(state: PhoneState): void {
@@ -92,7 +93,7 @@ export class PhoneView {
     // Only a walk that is being recorded by this device can be named from here.
     const shown: [HTMLElement, boolean][] = [
       [this.guide, state.led && !state.isWalking],
-      [this.questions, !state.isWalking], [this.words, !state.isWalking], [this.walk, state.isWalking], [this.record, !state.isWalking],
+      [this.questions, !state.isWalking], [this.walk, state.isWalking], [this.record, !state.isWalking],
       [this.nameRoom, state.recording !== null && !state.isWalking], [this.stop, state.waits && this.isHelper()],
     ];
     const focused = document.activeElement;

@@ -1,8 +1,8 @@
 // The frame of the helper's page: the home's name, the ways to its parts, the part that is shown.
 import { h, replaceChildren } from '../shared/dom';
 import { icon } from '../shared/icons';
-import type { Language } from '../shared/protocol';
-import { language, rememberLanguage, text } from '../shared/texts';
+import { languageChoice } from '../shared/language_choice';
+import { text } from '../shared/texts';
 import type { Helper } from './actions';
 
 export interface Part {
@@ -63,16 +63,6 @@ function skipTo(main: HTMLElement): (event: Event) => void {
     event.preventDefault();
     main.querySelector<HTMLElement>('h2')?.focus();
   };
-}
-
-function languageChoice(): HTMLElement {
-  const other: Language = language() === 'en' ? 'de' : 'en';
-  const change = (): void => {
-    rememberLanguage(other);
-    location.reload();
-  };
-  return h('button', { type: 'button', class: 'language quiet-button', lang: other, onclick: change },
-    other === 'de' ? 'Deutsch' : 'English');
 }
 
 export function panel(title: string, ...children: (Node | string | null)[]): HTMLElement {

@@ -3,7 +3,7 @@
 export const kProtocolVersion = 1;
 export const kSubprotocol = 'roomwise.1';
 
-export type Language = 'en' | 'de';
+export type Language = 'en' | 'de' | 'es' | 'fr';
 export type Distances = 'metres' | 'steps';
 export type Role = 'device' | 'helper';
 export type Priority = 'hazard' | 'answer' | 'notice' | 'callout';

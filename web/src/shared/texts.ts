@@ -1,25 +1,34 @@
 // The words of the pages, in the language that was chosen.
 import de from '../messages/de.json';
 import en from '../messages/en.json';
+import es from '../messages/es.json';
+import fr from '../messages/fr.json';
 import type { Language } from './protocol';
 import { spoken, type SpokenKey } from './spoken';
 
 export type TextKey = keyof typeof en;
 type Values = Record<string, string | number>;
 
-const catalogues: Record<Language, Record<TextKey, string>> = { en, de };
+const catalogues: Record<Language, Record<TextKey, string>> = { en, de, es, fr };
+export const kLanguages: readonly { value: Language; label: string }[] = [
+  { value: 'en', label: 'English' }, { value: 'de', label: 'Deutsch' }, { value: 'es', label: 'Español' }, { value: 'fr', label: 'Français' },
+];
 const kStored = 'roomwise.language';
 let chosen: Language = 'en';
 
 export function languageOf(tags: readonly string[]): Language {
   const known = tags.map((tag) => tag.slice(0, 2).toLowerCase());
-  return known.find((tag): tag is Language => tag === 'en' || tag === 'de') ?? 'en';
+  return known.find(isLanguage) ?? 'en';
+}
+
+function isLanguage(tag: string | null): tag is Language {
+  return kLanguages.some(({ value }) => value === tag);
 }
 
 // What was chosen before, else what the browser prefers.
 export function chooseLanguage(): Language {
   const stored = window.localStorage.getItem(kStored);
-  setLanguage(stored === 'en' || stored === 'de' ? stored : languageOf(navigator.languages));
+  setLanguage(isLanguage(stored) ? stored : languageOf(navigator.languages));
   return chosen;
 }
 
@@ -43,13 +52,13 @@ export function text(key: TextKey, values: Values = {}): string {
   return filled(catalogues[chosen][key], values);
 }
 
-// `count` chooses between the texts `key.one` and `key.other`.
+// `count` chooses between the texts `key.one` and `key.other`, by the language's rule: 0 is singular in French.
 export function counted(
   key: TextKey extends infer Key ? (Key extends `${infer Stem}.other` ? Stem : never) : never,
   count: number,
   values: Values = {},
 ): string {
-  const form = count === 1 ? 'one' : 'other';
+  const form = new Intl.PluralRules(chosen).select(count) === 'one' ? 'one' : 'other';
   return text(`${key}.${form}` as TextKey, { count: formatNumber(count), ...values });
 }
 

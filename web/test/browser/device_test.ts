@@ -215,18 +215,19 @@ test('find: by typing and by the list; what is asked again is repeated', options
 test('a question in one\'s own words, typed; whoever asks for a way is led', options, () => withServer(async (server) => {
   const visit = await openVisit(server, { role: 'device', size: kPhone, before: recordSpeech });
   await start(visit, 'reader');
-  await visit.sees('This browser does not understand speech on the phone itself.', '.words .hint');
-  assert.equal(await visit.page.$$eval('.words button', (all) => all.length), 1, 'no microphone');
-  await visit.tabTo('Ask in your own words');
+  assert.equal(await visit.page.$eval('.speak', (speak) => speak.checkVisibility()), false, 'no microphone');
+  await visit.press('Ask…');
+  await visit.sees('This browser does not understand speech on the phone itself.', '.hint');
   await visit.page.keyboard.press('Enter');
   await visit.sees('Type a question', '[role=alert]');
   await visit.assertAccessible('nothing typed');
   await visit.type('where are my keys');
   await visit.page.keyboard.press('Enter');
   await visit.hears('You asked: where are my keys.');
-  assert.equal(await visit.focused(), 'Ask in your own words', 'the next question may answer');
+  assert.equal(await visit.focused(), 'Ask…', 'the next question may answer');
   const isLed = (): Promise<boolean> => visit.page.$eval('.guide', (guide) => guide.checkVisibility());
   assert.equal(await isLed(), false);
+  await visit.page.keyboard.press('Enter');
   await visit.type('take me to the bed');
   await visit.page.keyboard.press('Enter');
   await visit.hears('You asked: take me to the bed.');
@@ -240,14 +241,16 @@ test('a question in one\'s own words, typed; whoever asks for a way is led', opt
 test('a question in one\'s own words, spoken, where the phone itself understands', options, () => withServer(async (server) => {
   const visit = await openVisit(server, { role: 'device', size: kPhone, before: [recordSpeech, understandsSpeech] });
   await start(visit, 'reader');
-  await visit.sees('this phone understands you by itself', '.words .hint');
   const says = (what: string): Promise<void> =>
     visit.page.evaluate((event) => (window as unknown as { says: (what: string) => void }).says(event), what);
   await visit.press('Speak');
-  await visit.sees('Listening…', '[aria-pressed=true]');
+  await visit.sees('Listening…', '.speak[aria-pressed=true]');
   await visit.assertAccessible('listening');
   await says('Where is the sofa');
   await visit.hears('You asked: Where is the sofa.');
+  await visit.press('Ask…');
+  await visit.sees('this phone understands you by itself', '.hint');
+  await visit.page.keyboard.press('Escape');
   await visit.press('Speak');
   await says('');
   await visit.hears('I did not understand.');
@@ -484,12 +487,29 @@ test('settings: steps, German; they are kept, and told to the computer', options
   assert.deepEqual(server.newest('device').told[0], {
     type: 'settings', language: 'en', distances: 'steps', step_m: 0.7, callouts: true,
   });
-  await Promise.all([visit.page.waitForNavigation(), visit.page.click('input[value=de]')]);
+  await Promise.all([visit.page.waitForNavigation(), visit.page.click('button[lang=de]')]);
   await visit.sees('Wer soll sprechen?');
   await visit.press('Los');
   await visit.sees('Verbunden', '.chip');
   assert.equal(server.newest('device').hello?.language, 'de');
   assert.equal(server.newest('device').hello?.distances, 'steps');
+  await visit.close();
+}));
+
+test('the page speaks Spanish and French, to axe-core as well', options, () => withServer(async (server) => {
+  const visit = await openVisit(server, { role: 'device', size: kPhone });
+  await start(visit, 'reader');
+  for (const [tag, begin, settings, where] of [['es', 'Empezar', 'Ajustes', 'Dónde estoy'], ['fr', 'Commencer', 'Réglages', 'Où suis-je']] as const) {
+    await visit.page.click('.tools button:last-child');
+    await visit.page.waitForSelector(`button[lang=${tag}]`);
+    await visit.assertAccessible(`settings, before ${tag}`);
+    await Promise.all([visit.page.waitForNavigation(), visit.page.click(`button[lang=${tag}]`)]);
+    await visit.press(begin);
+    await visit.sees(settings, '.tools button:last-child');
+    await visit.sees(where, '.question.where');
+    await visit.assertAccessible(tag);
+    await until(() => server.newest('device').hello?.language === tag);
+  }
   await visit.close();
 }));
 
