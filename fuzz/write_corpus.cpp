@@ -410,6 +410,14 @@ std::vector<Seed> exif_seeds() {
           {"phone_little", text_of(ExifWriter(false).write(kPhoneExif))}};
 }
 
+std::vector<Seed> question_seeds() {
+  return {{"english", "Where did I leave my keys?"},
+          {"german", "Bring mich bitte zum Klo"},
+          {"spanish", "¿Qué hay encima de la mesa?"},
+          {"french", "Où est l'armoire ?"},
+          {"no_utf8", "take me to the \xFF\xC3kichen"}};
+}
+
 std::vector<Seed> lzfse_seeds() {
   return {{"lzfse", text_of(robots::from_hex(robots::kLzfseBlock))},
           {"lzvn", text_of(robots::from_hex(robots::kLzvnBlock))},
@@ -432,6 +440,7 @@ int main(int argc, char** argv) {
                               write(corpus / "catalogue", list),
                               write(corpus / "weights", weights_seeds()),
                               write(corpus / "protocol", protocol_seeds()),
+                              write(corpus / "question", question_seeds()),
                               write(corpus / "mcap", mcap_seeds()),
                               write(corpus / "ros1_bag", bag_seeds()),
                               write(corpus / "messages", message_seeds()),

@@ -96,6 +96,37 @@ std::optional<std::string> room_meant(const std::string& asked, const HomeView& 
   return found == words.end() ? std::nullopt : std::optional(*found);
 }
 
+// The home's doors as things, where they are asked for and nobody named a thing so.
+std::vector<guide::KnownThing> doors_asked_for(const std::string& asked, const HomeView& home,
+                                               const guide::UserLocation& location,
+                                               const guide::Phrasebook& phrases) {
+  std::vector<guide::KnownThing> doors;
+  if (guide::thing_meant(asked, home.things, home.concepts.vocabulary, phrases)) return doors;
+  for (const rooms::Doorway& door : guide::doors_of(doorways_of(home))) {
+    const guide::Goal goal = guide::Goal::of(door);
+    const auto words = phrases.words_for(guide::Noun::Kind::kThing, asked);
+    if (std::ranges::count(words, goal.noun.name) == 0) return {};
+    guide::KnownThing& thing = doors.emplace_back();
+    thing.name = goal.noun.name;
+    thing.probability = 1;
+    thing.position_gravity =
+        Eigen::Vector3d(door.middle_gravity.x(), door.middle_gravity.y(), 1);  // a handle's height
+    const bool leads_here = location.room && door.joins(*location.room);
+    thing.room = leads_here ? location.room : goal.room;
+  }
+  return doors;
+}
+
+std::vector<guide::Prompt> where_is(const std::string& asked, const Situation& situation,
+                                    const guide::Wording& wording, TimestampNs now_ns) {
+  const HomeView& home = situation.home;
+  const guide::UserLocation location = standing_of(situation.result);
+  const auto doors = doors_asked_for(asked, home, location, wording.phrases());
+  return guide::where_prompts(asked, location, doors.empty() ? home.things : doors,
+                              doorways_of(home), home.concepts.vocabulary, wording, now_ns,
+                              situation.today);
+}
+
 // Of questions that rest on the picture in hand: directions, and where one stands.
 bool rests_on_picture(const service::Ask& ask) {
   using service::Question;
@@ -324,9 +355,7 @@ std::vector<guide::Prompt> answer(const service::Ask& ask, const Situation& situ
                                    situation.today);
     case service::Question::kWhereIs:
       if (ask.is_room) return HomeAnswers(situation, wording, now_ns).to(ask);
-      return guide::where_prompts(ask.subject, location, situation.home.things,
-                                  doorways_of(situation.home), situation.home.concepts.vocabulary,
-                                  wording, now_ns, situation.today);
+      return where_is(ask.subject, situation, wording, now_ns);
     case service::Question::kTakeMeTo:  // who cannot be led is told
       if (ask.is_room) return HomeAnswers(situation, wording, now_ns).to(ask);
       [[fallthrough]];

@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include "roomwise/guide/testing/drawn_floor.h"
+
 namespace roomwise::live {
 namespace {
 
@@ -189,6 +191,26 @@ TEST(Answers, TellWhatTheMapKnowsOfThingsAndRooms) {
   EXPECT_EQ(told(Question::kWhatCanIAsk, ""), "You can ask: where am I, what is around me.");
   EXPECT_EQ(told(Question::kDescribeRoom, "", false, &result),
             "I do not know how large the kitchen is.");
+}
+
+TEST(Answers, ADoorIsWhereRoomsMeet) {
+  HomeView home;
+  const auto floor = guide::testing::two_rooms().grid();
+  home.layout = guide::testing::layout_of_two_rooms(floor);
+  FrameResult result = glance_in("bedroom", 500, rooms::Verdict::kRoom);
+  result.place = at_the_origin();
+  result.place->room = "bedroom";
+  result.place->gravity_from_camera.translation = {1, 3.45, 1.3};
+  const service::SpeakingSettings settings;
+  const auto where = [&] {
+    return answer({1, 600, service::Question::kWhereIs, "door"}, {home, &result, settings, 600})
+        .at(0)
+        .text;
+  };
+  EXPECT_EQ(where(), "The door is at 12 o'clock, 3 metres.");
+  EXPECT_THAT(names_in(home).goals, ::testing::ElementsAre("door"));
+  home.things = {thing("door", "bedroom", {1, 1, 1})};
+  EXPECT_EQ(where(), "The door is at 3 o'clock, 2 metres.") << "one that was found counts";
 }
 
 TEST(Answers, DirectionsRestOnAPictureAndSayWhatIsAheadNow) {

@@ -17,8 +17,8 @@ namespace roomwise::guide {
 enum class Slot {
   kThing,
   kRoom,
-  kPlace,  // a thing or a room
-  kGoal,   // or what else one may be led to: a door
+  kPlace,  // a thing, a room, or what else has a place: a door
+  kGoal,   // what one may be led to: the same
 };
 
 // One way to ask: folded words, and where among them a name stands, if one does.

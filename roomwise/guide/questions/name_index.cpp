@@ -11,7 +11,7 @@ namespace {
 constexpr std::size_t kMinStem = 3;  // letters that stay when an ending is taken off
 
 bool fits(Slot slot, Noun::Kind kind, bool is_goal) {
-  if (is_goal) return slot == Slot::kGoal;
+  if (is_goal) return slot == Slot::kGoal || slot == Slot::kPlace;
   return slot == Slot::kPlace || slot == Slot::kGoal ||
          (slot == Slot::kThing) == (kind == Noun::Kind::kThing);
 }

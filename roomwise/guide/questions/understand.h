@@ -16,7 +16,7 @@ namespace roomwise::guide {
 struct HomeNames {
   std::vector<std::string> things;  // each once, by name
   std::vector<std::string> rooms;
-  std::vector<std::string> goals;  // what one may be led to besides, by the home's word
+  std::vector<std::string> goals;  // what has a place besides, by the home's word
   // What networks call things; null: nothing.
   const objects::ObjectVocabulary* vocabulary = nullptr;
 };

@@ -94,6 +94,7 @@ TEST(UnderstandTest, QuestionsInEnglish) {
   EXPECT_EQ(english("how far is it to the bed"), "where_is bed");
   EXPECT_EQ(english("how far is the wall"), "what_is_ahead");
   EXPECT_EQ(english("take me to the door"), "take_me_to door");
+  EXPECT_EQ(english("where is the door"), "where_is door");
   EXPECT_EQ(english("the way to the kitchen"), "take_me_to kitchen");
   EXPECT_EQ(english("the way to the bed"), "way_to bed");
   EXPECT_EQ(english("repeat that"), "repeat");
