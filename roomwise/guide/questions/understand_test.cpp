@@ -296,6 +296,46 @@ TEST(UnderstandTest, WordsInAnyOrderAreATextAndMeanOneThing) {
   }
 }
 
+// One letter of a text missing, too many, or wrong.
+std::string with_a_slip(std::string text, RandomStream& random) {
+  const auto is_letter = [](char letter) { return letter >= 'a' && letter <= 'z'; };
+  std::size_t at = random.index(text.size());
+  while (!is_letter(text[at])) at = random.index(text.size());
+  const char letter = static_cast<char>('a' + random.index(26));
+  switch (random.index(3)) {
+    case 0:
+      text.erase(at, 1);
+      break;
+    case 1:
+      text.insert(at, 1, letter);
+      break;
+    default:
+      text[at] = letter;
+  }
+  return text;
+}
+
+TEST(UnderstandTest, ASlipIsForgivenAskedAboutOrRefusedAndNoOtherQuestion) {
+  for (const std::string& language : catalogue().languages()) {
+    const Phrasebook& phrases = catalogue().in(language);
+    const auto patterns = phrases.grammar().patterns();
+    std::map<Outcome, int> outcomes;
+    for (std::size_t i = 0; i < patterns.size(); ++i) {
+      if (patterns[i].type == Type::kCannotTell) continue;
+      RandomStream random(i);
+      const std::string text = example_of(patterns[i], phrases, "");
+      const std::string slipped = with_a_slip(text, random);
+      const Understood heard = understand(slipped, phrases, some_home());
+      ++outcomes[heard.outcome];
+      if (heard.outcome != Outcome::kQuestion) continue;
+      EXPECT_EQ(told(heard), told(understand(text, phrases, some_home()))) << slipped;
+    }
+    for (const auto& [outcome, count] : outcomes) {
+      RecordProperty(fmt::format("{}_{}", language, static_cast<int>(outcome)), count);
+    }
+  }
+}
+
 TEST(FoldedWordsTest, AreSmallWithoutAccentsAndSigns) {
   EXPECT_THAT(folded_words("Wo ist die KÜCHE?"), ElementsAre("wo", "ist", "die", "kuche"));
   EXPECT_THAT(folded_words("Große Äpfel, œuf; Łódź"),
