@@ -30,9 +30,9 @@ class HomeAnswer {
                                  is_sure ? Confidence::kSure : Confidence::kProbable, today_.now_ns,
                                  valid_s, "by the map of the home"));
   }
-  void say_unsure(const std::string& message, double valid_s = kRoomValid_s) {
-    prompts_.push_back(make_prompt(wording_, key_, message, {}, Confidence::kUnsure,
-                                   after(today_.now_ns, valid_s), "the map does not tell"));
+  void say_unsure(const std::string& message, const Values& values = {}) {
+    prompts_.push_back(make_prompt(wording_, key_, message, values, Confidence::kUnsure,
+                                   after(today_.now_ns, kRoomValid_s), "the map does not tell"));
   }
   // Several prompts where there are many.
   void list(const std::string& message, Values values, const std::string& value, const Nouns& nouns,
@@ -45,6 +45,7 @@ class HomeAnswer {
       say(i == 0 ? message : "describe.then", values, kHomeValid_s, is_sure);
     }
   }
+  // Those that are sure first, then the others as probable, each name once.
   void say_things(const std::string& message, const Values& values,
                   std::span<const KnownThing* const> things) {
     for (const bool is_sure : {true, false}) {
@@ -68,7 +69,6 @@ class HomeAnswer {
   [[nodiscard]] std::vector<Prompt> take() { return std::move(prompts_); }
 
  private:
-  // Each name once.
   static Nouns names_of(std::span<const KnownThing* const> things, bool is_sure) {
     Nouns nouns;
     for (const KnownThing* thing : things) {
@@ -233,6 +233,12 @@ std::vector<Prompt> on_prompts(const std::string& surface, const HomeMap& map,
   for (const KnownThing& thing : map.things) {
     if (!surfaces.empty() && stands_on(thing, *surfaces.front())) there.push_back(&thing);
   }
+  const bool has_place = std::ranges::any_of(
+      surfaces, [](const KnownThing* one) { return one->position_gravity.has_value(); });
+  if (!has_place) {
+    answer.say_unsure("on.no_place", values);
+    return answer.take();
+  }
   if (there.empty()) answer.say("on.nothing", values);
   answer.say_things("on.things", values, there);
   return answer.take();
@@ -296,30 +302,34 @@ std::vector<Prompt> facing_prompts(const HomeMap& map, const UserLocation& locat
     answer.say_unsure("route.no_place");
     return answer.take();
   }
-  std::optional<std::pair<double, Noun>> nearest;
-  const auto consider = [&](const Bearing& bearing, const Noun& noun) {
-    const bool is_ahead = bearing.hour == 12 && bearing.is_sure;
-    if (is_ahead && (!nearest || bearing.distance_m < nearest->first)) {
-      nearest = {bearing.distance_m, noun};
-    }
+  struct Faced {
+    Bearing bearing;
+    Noun noun;
+    bool is_sure = true;
+  };
+  std::optional<Faced> nearest;
+  const auto consider = [&](const Bearing& bearing, const Noun& noun, bool is_sure) {
+    const bool is_nearer = !nearest || bearing.distance_m < nearest->bearing.distance_m;
+    if (bearing.hour == 12 && is_nearer) nearest = {bearing, noun, is_sure && bearing.is_sure};
   };
   for (const KnownThing& thing : map.things) {
     const bool is_elsewhere = location.room && thing.room && *thing.room != *location.room;
     const auto bearing = bearing_of(thing, *pose);
-    if (bearing && !is_elsewhere && thing.is_sure()) {
-      consider(*bearing, {Noun::Kind::kThing, thing.name});
+    if (bearing && !is_elsewhere) {
+      consider(*bearing, {Noun::Kind::kThing, thing.name}, thing.is_sure());
     }
   }
   for (const rooms::Doorway& door : doors_of(map.doorways)) {
     if (!location.room || !door.joins(*location.room)) continue;
-    consider(bearing_of(door.middle_gravity, *pose), Goal::of(door).noun);
+    consider(bearing_of(door.middle_gravity, *pose), Goal::of(door).noun, true);
   }
   if (nearest) {
-    answer.say("facing.place",
-               {{"place", Nouns{nearest->second}}, {"distance", wording.distance(nearest->first)}},
-               kDirectionValid_s);
+    answer.say(nearest->is_sure ? "facing.place" : "facing.place_probable",
+               {{"place", Nouns{nearest->noun}},
+                {"distance", wording.distance(nearest->bearing.distance_m)}},
+               kDirectionValid_s, nearest->is_sure);
   } else {
-    answer.say_unsure("facing.nothing", kDirectionValid_s);
+    answer.say_unsure("facing.nothing");
   }
   return answer.take();
 }
@@ -369,14 +379,7 @@ std::vector<Prompt> describe_prompts(const std::string& room, const HomeMap& map
   std::ranges::stable_sort(there, {}, [&](const KnownThing* one) {
     return clockwise_rad(door_rad, angle_rad(middle, one->position_gravity->head<2>()));
   });
-  Nouns names;
-  for (const KnownThing* one : there) {
-    if (std::ranges::count(names, one->name, &Noun::name) == 0 && one->is_sure()) {
-      names.push_back({Noun::Kind::kThing, one->name});
-    }
-  }
-  answer.list("describe.clockwise", {}, "things", names);
-  answer.say_seen(there);
+  answer.say_things("describe.clockwise", {}, there);
   return answer.take();
 }
 

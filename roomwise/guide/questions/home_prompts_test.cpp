@@ -60,6 +60,8 @@ TEST_F(HomePromptsTest, OnATableIsWhatStandsOverItAndNotOnTheFloor) {
   EXPECT_THAT(on("cup"), ElementsAre("I know of nothing on the cup."));
   things_[0].yaw_rad = 1.5707963;
   EXPECT_THAT(on("table"), ElementsAre("On the table: bottle.")) << "the table is turned";
+  things_[0].position_gravity.reset();
+  EXPECT_THAT(on("table"), ElementsAre("I do not know yet where the table stands."));
 }
 
 TEST_F(HomePromptsTest, OfThingsItIsToldSinceWhenOneWasNotSeen) {
@@ -115,6 +117,9 @@ TEST_F(HomePromptsTest, FacingIsTheNearestAtTwelve) {
              standing("tv", {4, 1, 1}, {0, 0, 0})};
   EXPECT_THAT(said(facing_prompts(map(), here, english_, today_)),
               ElementsAre("You face the lamp, 2 steps."));
+  things_[1].probability = 0.6;
+  EXPECT_THAT(said(facing_prompts(map(), here, english_, today_)),
+              ElementsAre("You probably face the lamp, 2 steps."));
   things_.resize(1);
   const auto nothing = facing_prompts(map(), here, english_, today_);
   ASSERT_EQ(nothing.size(), 1U);
@@ -139,6 +144,10 @@ TEST_F(HomePromptsTest, ARoomIsItsFloorWhereItLeadsAndItsThingsClockwiseFromTheD
   EXPECT_TRUE(told[0].starts_with("The bedroom has about ")) << told[0];
   EXPECT_EQ(told[1], "It leads to the kitchen.");
   EXPECT_EQ(told[2], "Clockwise from the door: wardrobe, bed and lamp.");
+  things_[0].probability = 0.6;
+  const auto unsure = said(describe_prompts("bedroom", map(), nowhere_, english_, today_));
+  ASSERT_EQ(unsure.size(), 4U);
+  EXPECT_EQ(unsure[3], "Probably, clockwise from the door: bed.");
   EXPECT_THAT(
       said(describe_prompts("attic", {}, nowhere_, english_, today_)),
       ElementsAre("I do not know how large the attic is.", "I know of nothing in the attic."));
@@ -166,7 +175,7 @@ TEST_F(HomePromptsTest, ChangesAreWhatTheLastVisitFound) {
 }
 
 TEST_F(HomePromptsTest, EveryRefusalSaysWhatCanBeAsked) {
-  const HomeNames home{.things = {"bed"}, .rooms = {"kitchen"}, .goals = {}};
+  const HomeNames home{.things = {"apple", "bed"}, .rooms = {"kitchen"}, .goals = {}};
   const auto refusal = [&](const std::string& text) {
     const auto heard = understand(text, english_.phrases(), home);
     return said(refusal_prompts(heard, home, english_, 0));

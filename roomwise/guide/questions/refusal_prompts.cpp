@@ -1,7 +1,20 @@
 #include "roomwise/guide/questions/refusal_prompts.h"
 
+#include <algorithm>
+
+#include "roomwise/objects/kinds/kinds.h"
+
 namespace roomwise::guide {
 namespace {
+
+// What something may lie on, where the home has it.
+const std::string& example_of(const HomeNames& home) {
+  const auto found = std::ranges::find_if(home.things, [](const std::string& name) {
+    const objects::Kind* const kind = objects::find_kind(name);
+    return kind != nullptr && kind->stands_on_floor;
+  });
+  return found == home.things.end() ? home.things.front() : *found;
+}
 
 class Refusal {
  public:
@@ -14,7 +27,7 @@ class Refusal {
   }
   void say_examples(const HomeNames& home) {
     say("ask.examples");
-    if (!home.things.empty()) say("ask.examples_thing", {{"thing", thing(home.things.front())}});
+    if (!home.things.empty()) say("ask.examples_thing", {{"thing", thing(example_of(home))}});
     if (!home.rooms.empty()) say("ask.examples_room", {{"room", room(home.rooms.front())}});
   }
   [[nodiscard]] std::vector<Prompt> take() { return std::move(prompts_); }
