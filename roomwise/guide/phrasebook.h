@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "roomwise/base/expected.h"
-#include "roomwise/guide/questions/grammar.h"
+#include "roomwise/guide/grammar/grammar.h"
 #include "roomwise/objects/kinds/kinds.h"
 
 namespace roomwise::guide {
@@ -43,7 +43,7 @@ using Values = std::map<std::string, std::variant<std::string, Nouns>>;
 //   rooms     the home's word -> its name here, its class, any forms of its own, and under "also"
 //             what else people call it (objects::SpokenName). Things have theirs in kinds.json.
 //   goals     the same for what one may be led to that is no thing: the way out.
-//   questions how one asks: questions/grammar.h.
+//   questions how one asks: grammar/grammar.h.
 //   counts    unit -> "one", "other" ("{n} steps"); singular: the numbers of "one", "1" or "below
 //   2"
 //             (CLDR's rules of plurals); decimal: the sign in 1.5; and: of lists; months: their

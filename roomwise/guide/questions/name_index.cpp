@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <set>
 
-#include "roomwise/guide/questions/folded_words.h"
+#include "roomwise/guide/grammar/folded_words.h"
 
 namespace roomwise::guide {
 namespace {

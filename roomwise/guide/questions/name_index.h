@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "roomwise/guide/questions/grammar.h"
+#include "roomwise/guide/grammar/grammar.h"
 #include "roomwise/guide/questions/understand.h"
 
 namespace roomwise::guide {

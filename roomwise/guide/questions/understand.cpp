@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <tuple>
 
-#include "roomwise/guide/questions/folded_words.h"
-#include "roomwise/guide/questions/grammar.h"
+#include "roomwise/guide/grammar/folded_words.h"
+#include "roomwise/guide/grammar/grammar.h"
 #include "roomwise/guide/questions/name_index.h"
 
 namespace roomwise::guide {

@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
+#include "roomwise/guide/grammar/question_type.h"
 #include "roomwise/guide/phrasebook.h"
-#include "roomwise/guide/questions/question.h"
 #include "roomwise/objects/detection/object_vocabulary.h"
 
 namespace roomwise::guide {

@@ -1,10 +1,10 @@
-#include "roomwise/guide/questions/grammar.h"
+#include "roomwise/guide/grammar/grammar.h"
 
 #include <algorithm>
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "roomwise/guide/questions/folded_words.h"
+#include "roomwise/guide/grammar/folded_words.h"
 
 namespace roomwise::guide {
 namespace {

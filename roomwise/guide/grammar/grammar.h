@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "roomwise/base/expected.h"
-#include "roomwise/guide/questions/question.h"
+#include "roomwise/guide/grammar/question_type.h"
 
 namespace roomwise::guide {
 

@@ -1,4 +1,4 @@
-#include "roomwise/guide/questions/folded_words.h"
+#include "roomwise/guide/grammar/folded_words.h"
 
 #include <algorithm>
 #include <array>
