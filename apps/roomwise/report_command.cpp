@@ -6,6 +6,7 @@
 #include "paths.h"
 #include "roomwise/base/file.h"
 #include "roomwise/pipeline/report/home_report.h"
+#include "roomwise/recording/open_recording.h"
 
 namespace roomwise::app {
 namespace {

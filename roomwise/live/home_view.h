@@ -52,7 +52,7 @@ struct HomeView {
   // What the last visit, or without one the last of several walks, found new (these are among
   // things), and no longer there.
   std::vector<guide::KnownThing> arrived, gone;
-  std::vector<ViewedWalk> walks;          // as stored
+  std::vector<ViewedWalk> walks;  // as stored
   // Absent where the map is of one walk, or nothing was found on it.
   std::optional<ViewedChanges> changes;
   std::vector<ViewedKeyframe> keyframes;  // by id
