@@ -28,9 +28,18 @@ const char* ending_of(std::span<const std::uint8_t> picture) {
 
 }  // namespace
 
-// A room's name may be longer than a file's, and hold a slash.
+// The folder whose name file says so. A new one is called by a digest, since a room's name may be
+// longer than a file's, and hold a slash; a room that was renamed keeps the folder it had.
 fs::path RoomPhotos::folder_of(const std::string& room) const {
-  return folder_ / digest_of({reinterpret_cast<const std::uint8_t*>(room.data()), room.size()});
+  std::error_code error;
+  for (const auto& one : fs::directory_iterator(folder_, error)) {
+    const auto name = read_text_file(one.path() / kNameFile);
+    if (name && *name == room) return one.path();
+  }
+  fs::path fresh =
+      folder_ / digest_of({reinterpret_cast<const std::uint8_t*>(room.data()), room.size()});
+  while (fs::exists(fresh / kNameFile, error)) fresh += "+";
+  return fresh;
 }
 
 Expected<std::vector<pipeline::RoomPhoto>> RoomPhotos::read_all() const {
@@ -100,12 +109,12 @@ Expected<std::size_t> RoomPhotos::add(const std::string& room,
 Expected<void> RoomPhotos::rename(const std::string& room, const std::string& new_name) {
   const std::scoped_lock lock(mutex_);
   std::error_code error;
-  const fs::path from = folder_of(room), to = folder_of(new_name);
-  if (!fs::exists(from, error) || from == to) return {};
-  if (fs::exists(to, error)) return fail("there are photos of a room '{}' already", new_name);
-  fs::rename(from, to, error);
-  if (error) return fail("{}: cannot become {}: {}", from.string(), to.string(), error.message());
-  return write_file(to / kNameFile, new_name);
+  const fs::path folder = folder_of(room);
+  if (!fs::exists(folder / kNameFile, error) || room == new_name) return {};
+  if (fs::exists(folder_of(new_name) / kNameFile, error)) {
+    return fail("there are photos of a room '{}' already", new_name);
+  }
+  return write_file(folder / kNameFile, new_name);
 }
 
 Expected<void> RoomPhotos::remove(const std::string& room) {

@@ -54,6 +54,17 @@ TEST_F(RoomPhotosFolder, AreRenamedAndRemovedWithTheirRoom) {
   EXPECT_FALSE(std::filesystem::exists(folder / "photos"));
 }
 
+TEST_F(RoomPhotosFolder, ANameThatARoomGaveUpCanBeGivenAgain) {
+  EXPECT_TRUE(photos.add("kitchen", photo(1)));
+  ASSERT_OK(photos.rename("kitchen", "galley"));
+  EXPECT_TRUE(photos.add("kitchen", photo(2)));
+  EXPECT_EQ(photos.add("galley", photo(3)).value(), 2U);
+  EXPECT_THAT(photos.counts().value(),
+              ElementsAre(RoomPhotos::Count{"galley", 2}, RoomPhotos::Count{"kitchen", 1}));
+  ASSERT_OK(photos.remove("galley"));
+  EXPECT_THAT(photos.counts().value(), ElementsAre(RoomPhotos::Count{"kitchen", 1}));
+}
+
 TEST_F(RoomPhotosFolder, ThereAreEnoughAtSomeNumber) {
   for (std::size_t i = 0; i < RoomPhotos::kMaxPerRoom; ++i) {
     EXPECT_TRUE(photos.add("hall", photo(static_cast<std::uint8_t>(i))));

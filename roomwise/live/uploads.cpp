@@ -106,8 +106,12 @@ Expected<std::vector<Upload>> Uploads::read_all() const {
   for (const auto& entry : fs::directory_iterator(folder_, error)) {
     const std::string id = entry.path().stem().string();
     if (entry.path().extension() != ".json" || !is_id(id)) continue;
-    ROOMWISE_TRY(Upload upload, read(id));
-    all.push_back(std::move(upload));
+    if (auto upload = read(id)) {
+      all.push_back(*std::move(upload));
+    } else {
+      // Set aside, so that one damaged file does not stand in the way of all others.
+      fs::rename(entry.path(), entry.path().string() + ".damaged", error);
+    }
   }
   std::ranges::sort(all, {}, &Upload::id);
   return all;

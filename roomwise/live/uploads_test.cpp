@@ -66,6 +66,18 @@ TEST_F(UploadsFolder, WhereverItWasStoppedItGoesOn) {
 }
 
 // An answer that was lost has the same piece sent again.
+TEST_F(UploadsFolder, WhatIsDamagedIsSetAsideAndTheOthersStay) {
+  const Upload damaged = uploads.begin("scan.zip", 11, "1").value();
+  const Upload whole = uploads.begin("other.zip", 11, "2").value();
+  const auto facts = folder / "uploads" / (damaged.id + ".json");
+  ASSERT_OK(write_file(facts, std::string_view("{")));
+  const auto listed = uploads.list().value();
+  ASSERT_THAT(listed, SizeIs(1));
+  EXPECT_EQ(listed[0].id, whole.id);
+  EXPECT_EQ(read_text_file(facts.string() + ".damaged").value(), "{");
+  EXPECT_EQ(uploads.begin("scan.zip", 11, "1")->id, damaged.id) << "it can be sent anew";
+}
+
 TEST_F(UploadsFolder, APieceThatIsSentAgainChangesNothing) {
   const Upload begun = uploads.begin("scan.zip", 10, "1").value();
   ASSERT_OK(uploads.put(begun.id, 0, bytes_of("01234")));

@@ -50,6 +50,11 @@ export function recordCard(helper: Helper, me: Me): HTMLElement {
   store.watch(['recording'], () => {
     const { recording } = store.state;
     progress.textContent = recording ? wordsOf(recording) : '';
+    const wasFocused = document.activeElement === stop;
+    stop.hidden = recording?.state !== 'recording';
+    if (wasFocused && stop.hidden) {
+      start.focus(); // not lost with the button
+    }
   });
   return card(text('record.heading'), h('p', { class: 'hint' }, text('record.explain')), form,
     h('p', {}, h('a', { href: '/device' }, text('record.with_this_phone'))), progress, jobView(helper, 'map', 'prepare'));

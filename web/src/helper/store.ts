@@ -76,13 +76,15 @@ export class HelperStore {
         void this.refreshHome().catch(() => undefined); // told again by the next change
         void this.refreshRecognitions().catch(() => undefined); // forgotten with a room or a walk
         break;
-      case 'job':
+      case 'job': {
+        const isTold = this.state.job?.kind === message.kind && this.state.job.state === message.state;
         this.state.job = message;
         this.tell('job');
-        if (message.state !== 'running') {
+        if (message.state !== 'running' && !isTold) {
           void this.refreshHome().catch(() => undefined);
         }
         break;
+      }
       case 'recording':
         this.state.recording = message;
         this.tell('recording');

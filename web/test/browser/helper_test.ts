@@ -176,6 +176,7 @@ test('recording a walk: started, watched, stopped', options, () => withServer(as
   await visit.go('/#walks');
   await visit.tabTo('Name of the walk');
   await retype(visit, 'evening');
+  assert.ok(!(await visit.accessibleTexts()).includes('Stop recording'), 'nothing is recorded yet');
   await visit.press('Start recording');
   await heardOnce(visit, 'Recording evening has started.');
   tellRecording(server, 'recording', 17);
@@ -183,6 +184,9 @@ test('recording a walk: started, watched, stopped', options, () => withServer(as
   await visit.press('Stop recording');
   await heardOnce(visit, 'Recording has stopped; the map is made now.');
   await visit.sees('Making the map: mapping, 0%', '.progress-words');
+  tellRecording(server, 'saved', 17);
+  await visit.page.waitForFunction(() => document.activeElement?.textContent === 'Start recording');
+  assert.ok(!(await visit.accessibleTexts()).includes('Stop recording'), 'nothing is recorded any more');
   assert.deepEqual(server.state.requests, ['POST /api/recording {"device":3,"name":"evening"}', 'POST /api/recording/stop']);
   await visit.close();
 }));
