@@ -81,9 +81,9 @@ TEST(Messages, QuestionsComeBackWithTheirSubject) {
   EXPECT_EQ(read_back<Ask>(Ask{9, 1, Question::kWayTo, "bed"}).subject, "bed");
   EXPECT_EQ(read_back<Ask>(Ask{9, 1, Question::kTakeMeTo, "bed"}).subject, "bed");
   EXPECT_FALSE(read_back<Ask>(Ask{9, 1, Question::kTakeMeTo, "bed"}).is_room);
-  const Ask room = read_back<Ask>(Ask{9, 1, Question::kTakeMeTo, "bath", true});
-  EXPECT_EQ(room.subject, "bath");
-  EXPECT_TRUE(room.is_room);
+  const Ask bath = read_back<Ask>(Ask{9, 1, Question::kTakeMeTo, "bath", true});
+  EXPECT_EQ(bath.subject, "bath");
+  EXPECT_TRUE(bath.is_room);
   EXPECT_EQ(read_back<Ask>(Ask{9, 1, Question::kGuide, "", false, GuideWish::kBlocked}).wish,
             GuideWish::kBlocked);
   EXPECT_EQ(read_back<Ask>(Ask{9, 1, Question::kNameRoom, "kitchen"}).subject, "kitchen");
