@@ -168,11 +168,13 @@ std::vector<fs::path> network_folders() {
 }
 
 std::optional<fs::path> brought_network_folder() {
-  // bin/ of a build or of an installation, or deeper: a Python package has folders of its own.
-  constexpr int kMaxDepth = 5;
+  // Beside bin/ of a build or of an installation; a Python package lies deeper, in folders of its
+  // own.
+  const fs::path code = file_of_this_code();
+  const int max_depth = code.extension() == ".so" ? 5 : 2;
   std::error_code ignored;
-  fs::path prefix = file_of_this_code().parent_path();
-  for (int depth = 1; depth < kMaxDepth && prefix.has_relative_path(); ++depth) {
+  fs::path prefix = code.parent_path();
+  for (int depth = 1; depth < max_depth && prefix.has_relative_path(); ++depth) {
     prefix = prefix.parent_path();
     const fs::path folder = prefix / "share" / "roomwise" / "networks";
     if (fs::is_directory(folder, ignored)) return folder;

@@ -1,6 +1,4 @@
-#include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <vector>
 
 #include "commands.h"
@@ -44,9 +42,8 @@ std::string for_people(const home::Home& home, const home::HomeCheck& check) {
   }
   if (!check.is_whole()) {
     line(
-        fmt::format("put back a copy of it (roomwise restore); what is not named above is whole "
-                    "and can be read with: sqlite3 {} .recover",
-                    home.file()));
+        "put back a copy of it (roomwise restore); what is not named above is whole, and of a copy "
+        "of this file can be read with: sqlite3 COPY .recover");
   }
   return text;
 }

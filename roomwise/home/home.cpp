@@ -6,6 +6,7 @@
 #include <cerrno>
 #include <cstring>
 
+#include "roomwise/base/put_in_place.h"
 #include "roomwise/home/content_digest.h"
 #include "roomwise/home/page_checksums.h"
 #include "roomwise/home/schema.h"
@@ -279,14 +280,19 @@ Expected<void> Home::copy_to(const std::filesystem::path& path) const {
     ROOMWISE_CHECK_OK(make_empty_file(partial));
     {
       ROOMWISE_TRY(Database target, Database::open(partial, Database::Access::kReadWrite));
+      ROOMWISE_CHECK_OK(keep_checksums(target.handle(), target.file()));
+      // The first page is copied last; with it on the disk before, the others get their checksums.
+      ROOMWISE_CHECK_OK(target.run_script("PRAGMA user_version = 1"));
       ROOMWISE_CHECK_OK(database_.copy_to(target));
+      // The copy of a home that is written would want a log beside it.
+      ROOMWISE_CHECK_OK(target.run("PRAGMA journal_mode = DELETE"));
     }
     ROOMWISE_TRY(const Home copied, open_read_only(partial));
     return copied.verify();
   };
   Expected<void> copied = copy();
-  if (copied && ::rename(partial.c_str(), path.c_str()) == 0) return {};
-  if (copied) copied = fail("{}: cannot be made: {}", path.string(), std::strerror(errno));
+  if (copied) copied = put_in_place(partial, path);
+  if (copied) return {};
   std::filesystem::remove(partial, ignored);
   return copied;
 }

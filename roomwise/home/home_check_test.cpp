@@ -82,6 +82,18 @@ TEST_F(HomeChecked, IsCopiedWhileItIsWritten) {
   EXPECT_ERROR(writer.copy_to(copy), "exists already");
 }
 
+// More than SQLite keeps in memory, and all of it in the log yet.
+TEST_F(HomeChecked, IsCopiedWholeWhereItIsLarge) {
+  Home writer = Home::open(path_).value();
+  ASSERT_OK(writer.put_derived_data({"floor", "one", Bytes(6'000'000, 7)}));
+  const std::filesystem::path copy = folder_ / "copy.home";
+  ASSERT_OK(Home::open_read_only(path_)->copy_to(copy));
+  EXPECT_TRUE(check(copy).is_whole());
+  EXPECT_EQ(Home::open_read_only(copy)->derived_data("floor").value()->data.size(), 6'000'000U);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "copy.home-wal"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "copy.home.part-wal"));
+}
+
 TEST_F(HomeChecked, IsNotCopiedWhereItIsDamaged) {
   const Bytes color = Home::open_read_only(path_)->images(1)->color;
   damage({reinterpret_cast<const char*>(color.data()), color.size()});

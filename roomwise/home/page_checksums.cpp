@@ -51,8 +51,9 @@ struct CheckedFile {
   [[nodiscard]] const sqlite3_io_methods& io() { return *inner()->pMethods; }
 
   void learn(std::span<const unsigned char> bytes, sqlite3_int64 offset) {
-    if (offset != 0 || bytes.size() < 100) return;
-    page_bytes = checked_page_bytes(bytes);
+    if (offset != 0) return;
+    // Once known it stays so: a header that is damaged must not end the checks.
+    if (const std::uint32_t found = checked_page_bytes(bytes); found != 0) page_bytes = found;
   }
   // Whether this is a whole page with a checksum.
   [[nodiscard]] bool is_page(std::size_t size, sqlite3_int64 offset) const {
@@ -185,12 +186,16 @@ Expected<PageCheck> check_pages(sqlite3* connection, const std::string& file) {
   if (main->pMethods != &kFileMethods || page_bytes == 0) {
     return fail("{}: its pages have no checksums; it was made before this version", file);
   }
+  constexpr int kTries = 3;  // another program may be writing the page just now
   PageCheck check{.pages = static_cast<std::uint64_t>(size) / page_bytes, .damaged = {}};
   Bytes page(page_bytes);
   for (std::uint64_t i = 0; i < check.pages; ++i) {
-    const int result =
-        main->pMethods->xRead(main, page.data(), static_cast<int>(page_bytes),
-                              static_cast<sqlite3_int64>(i) * sqlite3_int64{page_bytes});
+    int result = SQLITE_OK;
+    for (int tries = 0; tries < kTries; ++tries) {
+      result = main->pMethods->xRead(main, page.data(), static_cast<int>(page_bytes),
+                                     static_cast<sqlite3_int64>(i) * sqlite3_int64{page_bytes});
+      if (result == SQLITE_OK) break;
+    }
     // A page that is free may never have been written; one in use is found when it is read.
     const bool is_blank = std::ranges::all_of(page, [](std::uint8_t byte) { return byte == 0; });
     if (result != SQLITE_OK && !is_blank) check.damaged.push_back(i + 1);

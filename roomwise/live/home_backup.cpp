@@ -1,10 +1,17 @@
 #include "roomwise/live/home_backup.h"
 
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <array>
+#include <cerrno>
+#include <cstring>
 #include <string_view>
 #include <vector>
 
+#include "roomwise/base/descriptor.h"
 #include "roomwise/base/file.h"
+#include "roomwise/base/put_in_place.h"
 #include "roomwise/live/remove_folder.h"
 #include "roomwise/service/private_folder.h"
 
@@ -81,13 +88,6 @@ Expected<void> copy_beside(const fs::path& from, const fs::path& to, bool with_w
   return {};
 }
 
-Expected<void> put_in_place(const fs::path& from, const fs::path& to) {
-  std::error_code error;
-  fs::rename(from, to, error);
-  if (error) return fail("{}: cannot be made: {}", to.string(), error.message());
-  return {};
-}
-
 // The one home that lies in a folder.
 Expected<fs::path> home_in(const fs::path& folder) {
   std::vector<fs::path> databases;
@@ -99,6 +99,25 @@ Expected<fs::path> home_in(const fs::path& folder) {
   if (databases.size() == 1) return databases.front();
   return fail("{}: holds {} homes; give a folder that roomwise backup made", folder.string(),
               databases.size());
+}
+
+// Nothing of that name is there, not even what a home that was moved away left: its log would be
+// played into the one that comes.
+Expected<void> check_free(const fs::path& home) {
+  std::vector<std::string_view> endings{"", "-wal", "-shm", "-journal"};
+  endings.insert(endings.end(), kBeside.begin(), kBeside.end());
+  for (const std::string_view ending : endings) {
+    if (!fs::exists(beside(home, ending))) continue;
+    return fail("{}: is there; move it away first", beside(home, ending).string());
+  }
+  return {};
+}
+
+// All that was copied is on the disk.
+Expected<void> flush(const fs::path& folder) {
+  const Descriptor descriptor{::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)};
+  if (descriptor.value >= 0 && ::syncfs(descriptor.value) == 0) return {};
+  return fail("{}: cannot be flushed to the disk: {}", folder.string(), std::strerror(errno));
 }
 
 }  // namespace
@@ -114,6 +133,7 @@ Expected<Backup> back_up(const home::Home& home, const fs::path& folder,
     const fs::path target = partial / file.filename();
     ROOMWISE_CHECK_OK(copy_home(home, target, backup));
     ROOMWISE_CHECK_OK(copy_beside(file, target, options.with_walks, backup));
+    ROOMWISE_CHECK_OK(flush(partial));
     return put_in_place(partial, folder);
   };
   const Expected<void> copied = copy();
@@ -124,26 +144,30 @@ Expected<Backup> back_up(const home::Home& home, const fs::path& folder,
 
 Expected<Backup> restore(const fs::path& folder, const fs::path& home) {
   ROOMWISE_TRY(const fs::path source, home_in(folder));
-  for (const std::string_view ending : kBeside) {
-    if (!fs::exists(beside(home, ending))) continue;
-    return fail("{}: is there; move it away first", beside(home, ending).string());
-  }
+  ROOMWISE_CHECK_OK(check_free(home));
   ROOMWISE_TRY(const home::Home backed_up, home::Home::open_read_only(source));
   Backup backup;
-  // The home comes last: until it is there, nothing looks at what lies beside it.
   const fs::path partial = home.string() + ".restored";
+  // The home comes last: until it is there, nothing looks at what lies beside it.
+  const auto remove_partial = [&]() -> Expected<void> {
+    for (const std::string_view ending : kBeside)
+      ROOMWISE_CHECK_OK(remove_folder(beside(partial, ending)));
+    return remove_folder(partial);
+  };
   const auto copy = [&]() -> Expected<void> {
-    if (fs::exists(home)) return fail("{}: is there; move it away first", home.string());
-    ROOMWISE_CHECK_OK(remove_folder(partial));
+    ROOMWISE_CHECK_OK(remove_partial());  // of a restoring that was stopped
     ROOMWISE_CHECK_OK(copy_home(backed_up, partial, backup));
-    ROOMWISE_CHECK_OK(copy_beside(source, home, true, backup));
+    ROOMWISE_CHECK_OK(copy_beside(source, partial, true, backup));
+    for (const std::string_view ending : kBeside) {
+      if (fs::exists(beside(partial, ending)))
+        ROOMWISE_CHECK_OK(put_in_place(beside(partial, ending), beside(home, ending)));
+    }
+    ROOMWISE_CHECK_OK(flush(fs::absolute(home).parent_path()));
     return put_in_place(partial, home);
   };
   const Expected<void> copied = copy();
   if (copied) return backup;
-  std::error_code ignored;
-  fs::remove(partial, ignored);
-  for (const std::string_view ending : kBeside) (void)remove_folder(beside(home, ending));
+  (void)remove_partial();
   return Unexpected(copied.error());
 }
 

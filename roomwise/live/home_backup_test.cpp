@@ -84,6 +84,27 @@ TEST_F(HomeBackup, OverwritesNothing) {
   EXPECT_EQ(home::Home::open(home_)->content_digest().value(), digest_);
 }
 
+// The log of a home that was moved away would be played into the one that comes.
+TEST_F(HomeBackup, IsNotRestoredBesideALogThatWasLeft) {
+  ASSERT_OK(make(home_, backup_));
+  put(folder_ / "c.home-wal", "left");
+  EXPECT_ERROR(restore(backup_, folder_ / "c.home"), "c.home-wal: is there");
+  EXPECT_EQ(read_text_file(folder_ / "c.home-wal").value(), "left");
+}
+
+TEST_F(HomeBackup, LeavesNothingBesideWhatItMakes) {
+  const home::Home writer = home::Home::open(home_).value();  // keeps a log
+  ASSERT_OK(make(home_, backup_));
+  ASSERT_OK(restore(backup_, folder_ / "c.home"));
+  for (const auto& entry : fs::recursive_directory_iterator(folder_.path())) {
+    const std::string name = entry.path().filename().string();
+    EXPECT_TRUE(name.starts_with("a.home") || !name.ends_with("-wal")) << name;
+    EXPECT_EQ(name.find(".part"), std::string::npos) << name;
+    EXPECT_EQ(name.find(".restored"), std::string::npos) << name;
+  }
+  EXPECT_FALSE(fs::exists(backup_ / "a.home-wal"));
+}
+
 TEST_F(HomeBackup, IsToldFromOtherFolders) {
   fs::create_directory(folder_ / "empty");
   EXPECT_ERROR(restore(folder_ / "empty", folder_ / "c.home"), "holds 0 homes");

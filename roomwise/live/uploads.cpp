@@ -108,9 +108,12 @@ Expected<std::vector<Upload>> Uploads::read_all() const {
     if (entry.path().extension() != ".json" || !is_id(id)) continue;
     if (auto upload = read(id)) {
       all.push_back(*std::move(upload));
+    } else if (read_text_file(entry.path())) {
+      // What it says is damaged: set aside, so that it does not stand in the way of all others.
+      for (const fs::path& file : {file_of(id), entry.path()})
+        fs::rename(file, file.string() + ".damaged", error);
     } else {
-      // Set aside, so that one damaged file does not stand in the way of all others.
-      fs::rename(entry.path(), entry.path().string() + ".damaged", error);
+      return Unexpected(upload.error());
     }
   }
   std::ranges::sort(all, {}, &Upload::id);
