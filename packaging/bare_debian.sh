@@ -22,9 +22,9 @@ why_no_bare_debian() {
 # make_bare_debian FOLDER: what it installs it takes from where this machine's apt takes it, in the same way (proxies).
 make_bare_debian() {
   local log=$1.log
-  debian_sources >"$1.sources"
+  debian_sources >"$1.list"
   apt-config dump --format '%F "%v";%n' Acquire | grep -E '^Acquire::(http|https|Check-[A-Za-z-]+)[: ]' >"$1.apt" || true
-  mmdebstrap --variant=minbase --aptopt="$1.apt" bookworm "$1" "$1.sources" >"$log" 2>&1 ||
+  mmdebstrap --variant=minbase --aptopt="$1.apt" bookworm "$1" "$1.list" >"$log" 2>&1 ||
     { tail -n 20 "$log" >&2; return 1; }
   # Services are not started in it, of whatever package.
   printf '#!/bin/sh\nexit 101\n' >"$1/usr/sbin/policy-rc.d"
@@ -33,9 +33,10 @@ make_bare_debian() {
   mount --rbind --make-rslave /dev "$1/dev"
   in_bare_debian "$1" apt-get update >>"$log" 2>&1
 }
+unmount_bare_debian() { umount --recursive "$1/dev" "$1/proc"; }
 leave_bare_debian() {
-  umount --recursive "$1/dev" "$1/proc" 2>/dev/null || true
-  rm -rf --one-file-system "$1" "$1.log" "$1.sources" "$1.apt"
+  unmount_bare_debian "$1" 2>/dev/null || true
+  rm -rf --one-file-system "$1" "$1.log" "$1.list" "$1.apt"
 }
 
 # in_bare_debian FOLDER COMMAND [ARGUMENT ...]

@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
 # Checks the packages that "cmake --build --preset packages" made, as who installs them meets them: what is in them,
 # lintian's opinion, how exposed the service is, and in a bare Debian 12 that is made for it: install, run, map, serve,
-# compile against the library, remove, purge.
+# compile against the library, remove, purge; then the service, in that Debian booted as a container.
 #   packaging/check.sh [FOLDER]     default: build/release/packages
-# Needs root, mmdebstrap, a mirror of Debian 12 in apt's own sources, and ROOMWISE_DATA (tum_fr1_desk_9frames).
+# Needs lintian, root, mmdebstrap, systemd-nspawn (systemd-container), a mirror of Debian 12 in apt's own sources, and ROOMWISE_DATA (tum_fr1_desk_9frames).
 # Exit code 0: all checked and right; 1: something is wrong; 77: the rest is right, but not all could be checked.
 set -euo pipefail
 repository=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
@@ -70,6 +70,7 @@ check_in_bare_debian() {
   [ -n "$why" ] || [ -d "${ROOMWISE_DATA:-}/tum_fr1_desk_9frames" ] || why="ROOMWISE_DATA has no tum_fr1_desk_9frames"
   [ -z "$why" ] || { not_checked "installing into a bare Debian 12: $why"; return; }
   root=$(mktemp -d /tmp/bare-debian.XXXXXX)
+  chmod 755 "$root"
   trap 'leave_bare_debian "$root"' EXIT
   make_bare_debian "$root"
   mkdir "$root/packages"
@@ -86,6 +87,7 @@ check_in_bare_debian() {
   use_laboratory
   use_library
   check_removal
+  check_service
 }
 inside() { in_bare_debian "$root" "$@"; }
 as_service() { inside setpriv --reuid roomwise --regid roomwise --clear-groups "$@"; }
@@ -166,6 +168,37 @@ check_removal() {
   state_of_bare_debian "$root" >"$root/packages/after"
   diff "$root/packages/before" "$root/packages/after" || fail "something is left after purging (>) or is gone (<)"
   right "purged, nothing is left"
+}
+
+# As it is started in earnest: by systemd, in a container that is booted.
+check_service() {
+  heading "The service in a booted container"
+  command -v systemd-nspawn >/dev/null || { not_checked "the service: systemd-nspawn is not installed"; return; }
+  inside apt-get install --yes --no-install-recommends systemd systemd-sysv espeak-ng >"$root/packages/apt.log" 2>&1 ||
+    { tail -n 20 "$root/packages/apt.log"; fail "systemd cannot be installed"; }
+  install_packages >"$root/packages/dpkg.log" 2>&1 || fail "installing again"
+  cp "$repository/packaging/use_service.sh" "$root/packages"
+  cat >"$root/etc/systemd/system/use-service.service" <<'X'
+[Unit]
+After=multi-user.target
+[Service]
+Type=oneshot
+ExecStart=/bin/sh -c '/packages/use_service.sh >/packages/service.log 2>&1'
+ExecStopPost=/bin/systemctl --no-block poweroff
+X
+  mkdir -p "$root/etc/systemd/system/multi-user.target.wants"
+  ln -s ../use-service.service "$root/etc/systemd/system/multi-user.target.wants"
+  unmount_bare_debian "$root"
+  timeout 300 systemd-nspawn --quiet --directory "$root" --register=no --keep-unit --private-network --boot \
+    --console=pipe </dev/null >"$root/packages/boot.log" 2>&1 || true
+  if [ ! -f "$root/packages/service.log" ]; then
+    not_checked "the service: this machine lets no container boot: $(tail -n 1 "$root/packages/boot.log")"
+  elif [ "$(tail -n 1 "$root/packages/service.log")" != "all right" ]; then
+    cat "$root/packages/service.log"
+    fail "the service does not do its work"
+  else
+    right "started by systemd, hardened: mapped with the network, served, spoke; neither enabled nor started by itself"
+  fi
 }
 
 heading "Contents"
