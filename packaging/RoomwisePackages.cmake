@@ -5,6 +5,11 @@ set(ROOMWISE_PACKAGE_MAINTAINER "Roomwise maintainers <maintainers@roomwise.inva
 set(here ${CMAKE_CURRENT_LIST_DIR})
 set(built ${PROJECT_BINARY_DIR}/packaging)
 
+file(STRINGS ${here}/changelog newest LIMIT_COUNT 1)
+if(NOT newest MATCHES "^roomwise \\(${PROJECT_VERSION}\\)")
+  message(FATAL_ERROR "packaging/changelog begins with '${newest}': give it an entry for ${PROJECT_VERSION}")
+endif()
+
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME roomwise)
 set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})
@@ -30,8 +35,6 @@ set(CPACK_PRE_BUILD_SCRIPTS ${here}/as_debian_wants_it.cmake)
 # is the summary; no semicolon, which CPack would take for an end.
 function(roomwise_package component package)
   cmake_parse_arguments(ARG "" "SECTION;DESCRIPTION;DEPENDS;RECOMMENDS;SUGGESTS" "SCRIPTS" ${ARGN})
-  install(FILES ${here}/copyright ${here}/changelog
-    DESTINATION share/doc/${package} COMPONENT ${component} EXCLUDE_FROM_ALL)
   string(TOUPPER ${component} COMPONENT)
   foreach(field SECTION DESCRIPTION DEPENDS RECOMMENDS SUGGESTS)
     set(CPACK_DEBIAN_${COMPONENT}_PACKAGE_${field} "${ARG_${field}}" PARENT_SCOPE)
@@ -43,7 +46,6 @@ function(roomwise_package component package)
 endfunction()
 
 set(CPACK_COMPONENTS_ALL "")
-install(FILES ${here}/roomwise/roomwise.service DESTINATION lib/systemd/system COMPONENT program EXCLUDE_FROM_ALL)
 roomwise_package(program roomwise
   SECTION utils
   DEPENDS adduser

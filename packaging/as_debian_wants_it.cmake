@@ -1,6 +1,5 @@
 # Run by cpack between installing every component into a folder of its own and packing these: what Debian's policy
-# wants otherwise than cmake --install leaves it, which serves any system.
-file(GLOB packages LIST_DIRECTORIES true ${CPACK_TEMPORARY_DIRECTORY}/*)
+# wants otherwise than cmake --install leaves it, which serves any system, and what packages alone have.
 
 # run(COMMAND ARGUMENT ...)
 function(run)
@@ -16,21 +15,24 @@ function(move package from to)
   endif()
 endfunction()
 
-foreach(package IN LISTS packages)
-  # Where Debian's zsh, Python and systemd look.
+foreach(component IN LISTS CPACK_COMPONENTS_ALL)
+  set(package ${CPACK_TEMPORARY_DIRECTORY}/${component})
+  string(TOUPPER ${component} COMPONENT)
+  file(COPY ${CMAKE_CURRENT_LIST_DIR}/copyright ${CMAKE_CURRENT_LIST_DIR}/changelog
+    DESTINATION ${package}/usr/share/doc/${CPACK_DEBIAN_${COMPONENT}_PACKAGE_NAME})
+  if(component STREQUAL "program")
+    file(COPY ${CMAKE_CURRENT_LIST_DIR}/roomwise/roomwise.service DESTINATION ${package}/lib/systemd/system)
+  endif()
+  # Where Debian's zsh and Python look.
   move(${package} usr/share/zsh/site-functions usr/share/zsh/vendor-completions)
   file(GLOB python RELATIVE ${package} ${package}/usr/lib/python3.*)
   if(python)
     move(${package} ${python} usr/lib/python3)
   endif()
-  move(${package} usr/lib/systemd lib/systemd)
   run(find ${package} -type d -empty -delete)
   # Neither the name nor the time of what is compressed, which differs between builds.
-  file(GLOB_RECURSE texts ${package}/usr/share/man/*.1 ${package}/usr/share/doc/changelog
-    ${package}/usr/share/doc/*/changelog)
-  if(texts)
-    run(gzip --best --no-name ${texts})
-  endif()
+  file(GLOB_RECURSE texts ${package}/usr/share/man/*.1 ${package}/usr/share/doc/changelog)
+  run(gzip --best --no-name ${texts})
   run(find ${package} -exec touch --no-dereference --date=@$ENV{SOURCE_DATE_EPOCH} {} +)
   # Whatever the umask of who built it.
   run(chmod -R u=rwX,go=rX ${package})

@@ -34,9 +34,14 @@ for wait_s in [0.2] * 150:
 else:
     raise SystemExit("the service does not answer")
 X
+spoken=/var/lib/roomwise/code.wav tries=0
+until [ "$(stat -c %s $spoken 2>/dev/null || echo 0)" -gt 10000 ]; do
+  tries=$((tries + 1))
+  [ $tries -lt 150 ] || { log roomwise; echo "the code is not spoken"; exit 1; }
+  sleep 0.2
+done
 systemctl stop roomwise
 [ "$(systemctl show --property Result --value roomwise)" = success ] || { log roomwise; exit 1; }
-[ "$(stat -c %s /var/lib/roomwise/code.wav)" -gt 10000 ] || { echo "the code was not spoken"; exit 1; }
 [ "$(stat -c %a:%U /var/lib/roomwise /var/lib/roomwise/home.home | tr '\n' ' ')" = "700:roomwise 600:roomwise " ] ||
   { echo "others can read the home"; exit 1; }
 echo "all right"
