@@ -78,7 +78,7 @@ TEST_F(HomeBackup, IsNotMadeOfADamagedHome) {
 TEST_F(HomeBackup, OverwritesNothing) {
   ASSERT_OK(make(home_, backup_));
   EXPECT_ERROR(make(home_, backup_), "sunday: is there");
-  EXPECT_ERROR(restore(backup_, home_), "a.home.access: is there");
+  EXPECT_ERROR(restore(backup_, home_), "a.home: is there");
   EXPECT_ERROR(restore(backup_, folder_ / "b.home"), "b.home.photos: is there");
   EXPECT_EQ(read_text_file(folder_ / "b.home.photos" / "1.jpg").value(), "of another home");
   EXPECT_EQ(home::Home::open(home_)->content_digest().value(), digest_);
