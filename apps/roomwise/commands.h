@@ -17,6 +17,7 @@ void add_eval_commands(CLI::App& app, Context& context);
 void add_locate_command(CLI::App& app, Context& context);
 void add_device_command(CLI::App& app, Context& context);
 void add_export_commands(CLI::App& app, Context& context);
+void add_contents_exports(CLI::App& group, Context& context);  // of "export"
 void add_laboratory_commands(CLI::App& app, Context& context);
 void add_laboratory_evaluations(CLI::App& group, Context& context);  // of "eval"
 void add_map_command(CLI::App& app, Context& context);

@@ -242,6 +242,7 @@ void add_export_commands(CLI::App& app, Context& context) {
   }
   add_export(*group, context, "g2o", "The pose graph of the key-frames (.g2o)",
              "g2o --home my.home -o my.g2o", export_g2o);
+  add_contents_exports(*group, context);
 }
 
 }  // namespace roomwise::app

@@ -1,0 +1,214 @@
+#include "roomwise/pipeline/exports/home_json.h"
+
+#include <algorithm>
+#include <array>
+#include <nlohmann/json.hpp>
+
+#include "roomwise/geometry/cell_outline.h"
+
+namespace roomwise::pipeline {
+namespace {
+
+// Keeps its members in the order of writing.
+using Json = nlohmann::ordered_json;
+
+Json json_of(const Eigen::Vector3d& v) {
+  return {v.x(), v.y(), v.z()};
+}
+Json json_of(const Eigen::Vector2d& v) {
+  return {v.x(), v.y()};
+}
+Json json_of(const Eigen::Quaterniond& q) {
+  return {q.x(), q.y(), q.z(), q.w()};
+}
+Json word_or_null(const std::string& word) {
+  return word.empty() ? Json(nullptr) : Json(word);
+}
+
+// A closed ring: its first corner is also its last.
+Json ring_json(const geometry::CellRing& ring, const fusion::FloorGrid& grid) {
+  Json corners = Json::array();
+  for (std::size_t i = 0; i <= ring.size(); ++i) {
+    corners.push_back(json_of(
+        Eigen::Vector2d(grid.origin_m() + grid.cell_m() * ring[i % ring.size()].cast<double>())));
+  }
+  return corners;
+}
+
+// What the map shows of a room: its cells that were seen, and those that these enclose, as the
+// inside of a cupboard. The layout goes on beyond, through walls, to say where a thing belongs
+// whose middle nobody saw.
+geometry::CellSet shown_cells(const fusion::FloorGrid& grid, const rooms::RoomLayout& layout,
+                              std::size_t room) {
+  const auto index = [&](const Eigen::Vector2i& cell) {
+    return static_cast<std::size_t>(cell.y()) * static_cast<std::size_t>(grid.columns()) +
+           static_cast<std::size_t>(cell.x());
+  };
+  const auto is_of_room = [&](const Eigen::Vector2i& cell) {
+    return cell.x() >= 0 && cell.y() >= 0 && cell.x() < grid.columns() && cell.y() < grid.rows() &&
+           layout.room_of_cell(cell.x(), cell.y()) == room;
+  };
+  const auto is_unseen = [&](const Eigen::Vector2i& cell) {
+    return is_of_room(cell) && grid.at(cell.x(), cell.y()) == fusion::FloorCell::kUnknown;
+  };
+  geometry::CellSet cells{grid.columns(), grid.rows(), {}};
+  for (int row = 0; row < grid.rows(); ++row) {
+    for (int column = 0; column < grid.columns(); ++column) {
+      cells.has.push_back(is_of_room({column, row}));
+    }
+  }
+  // From outside the room through what was not seen.
+  std::vector<Eigen::Vector2i> open;
+  const auto leave_out = [&](const Eigen::Vector2i& cell) {
+    if (!is_unseen(cell) || !cells.has[index(cell)]) return;
+    cells.has[index(cell)] = false;
+    open.push_back(cell);
+  };
+  const std::array<Eigen::Vector2i, 4> steps{{Eigen::Vector2i(1, 0), Eigen::Vector2i(-1, 0),
+                                              Eigen::Vector2i(0, 1), Eigen::Vector2i(0, -1)}};
+  for (int row = 0; row < grid.rows(); ++row) {
+    for (int column = 0; column < grid.columns(); ++column) {
+      const Eigen::Vector2i cell(column, row);
+      if (std::ranges::any_of(steps, [&](const auto& step) { return !is_of_room(cell + step); })) {
+        leave_out(cell);
+      }
+    }
+  }
+  while (!open.empty()) {
+    const Eigen::Vector2i cell = open.back();
+    open.pop_back();
+    for (const Eigen::Vector2i& step : steps) leave_out(cell + step);
+  }
+  return cells;
+}
+
+Json polygons_json(const geometry::CellSet& cells, const fusion::FloorGrid& grid) {
+  Json polygons = Json::array();
+  for (const geometry::CellPolygon& polygon : geometry::cell_outlines(cells)) {
+    Json rings = Json::array({ring_json(polygon.outer, grid)});
+    for (const geometry::CellRing& hole : polygon.holes) rings.push_back(ring_json(hole, grid));
+    polygons.push_back(std::move(rings));
+  }
+  return polygons;
+}
+
+Json room_json(const rooms::Room& room, const HomeContents& contents) {
+  Json json{{"name", room.name},   {"type", word_or_null(room.type)}, {"floor_m2", nullptr},
+            {"middle_m", nullptr}, {"polygons", Json::array()},       {"neighbors", Json::array()}};
+  if (!contents.layout) return json;
+  const auto& extents = contents.layout->rooms();
+  const auto extent = std::ranges::find(extents, room.name, &rooms::RoomExtent::name);
+  if (extent == extents.end() || extent->floor_m2 == 0) return json;
+  json["floor_m2"] = extent->floor_m2;
+  json["middle_m"] = json_of(extent->middle_gravity);
+  json["polygons"] = polygons_json(shown_cells(*contents.floor.grid, *contents.layout,
+                                               static_cast<std::size_t>(extent - extents.begin())),
+                                   *contents.floor.grid);
+  json["neighbors"] = contents.layout->neighbors(room.name);
+  return json;
+}
+
+Json doors_json(const HomeContents& contents) {
+  Json doors = Json::array();
+  if (!contents.layout) return doors;
+  for (const rooms::Doorway& door : contents.layout->doorways()) {
+    doors.push_back({{"rooms", door.rooms},
+                     {"middle_m", json_of(door.middle_gravity)},
+                     {"width_m", door.width_m > 0 ? Json(door.width_m) : Json(nullptr)},
+                     {"walked", door.is_walked}});
+  }
+  return doors;
+}
+
+Json sighting_json(const std::optional<Sighting>& seen, const HomeContents& contents) {
+  if (!seen) return nullptr;
+  const auto walk = std::ranges::find(contents.walks, seen->walk,
+                                      [](const WalkContent& one) { return one.stored.id; });
+  return {{"walk", walk - contents.walks.begin()}, {"time_s", seconds_between(0, seen->time_ns)}};
+}
+
+Json box_json(const std::optional<geometry::OrientedBox>& box) {
+  if (!box) return nullptr;
+  return {{"middle_m", json_of(box->center())},
+          {"quaternion_xyzw", json_of(box->world_from_box.rotation)},
+          {"size_m", json_of(box->size_m)}};
+}
+
+Json thing_json(const ThingContent& thing, const HomeContents& contents) {
+  return {{"name", thing.instance.name},
+          {"probability", thing.instance.probability},
+          {"names", thing.instance.names},
+          {"piece", thing.component},
+          {"box", box_json(thing.box_gravity)},
+          {"sigma_m", json_of(thing.instance.sigma_m)},
+          {"room", thing.room ? Json(*thing.room) : Json(nullptr)},
+          {"first_seen", sighting_json(thing.first_seen, contents)},
+          {"last_seen", sighting_json(thing.last_seen, contents)},
+          {"visit", word_or_null(thing.visit)}};
+}
+
+Json camera_json(const geometry::PinholeCamera& camera) {
+  const geometry::LensDistortion& lens = camera.distortion;
+  return {{"width", camera.width}, {"height", camera.height}, {"fx", camera.fx}, {"fy", camera.fy},
+          {"cx", camera.cx},       {"cy", camera.cy},         {"k1", lens.k1},   {"k2", lens.k2},
+          {"p1", lens.p1},         {"p2", lens.p2},           {"k3", lens.k3}};
+}
+
+Json walk_json(const WalkContent& walk, const HomeContents& contents) {
+  Json path = Json::array();
+  for (const home::Keyframe& keyframe : walk.keyframes) {
+    if (keyframe.pose.component != 0) continue;
+    const geometry::RigidTransform pose =
+        contents.gravity_from_world() * keyframe.pose.world_from_keyframe;
+    const auto room = contents.keyframe_rooms.find(keyframe.id);
+    path.push_back(
+        {{"time_s", seconds_between(0, keyframe.timestamp_ns)},
+         {"frame", keyframe.frame_index},
+         {"position_m", json_of(pose.translation)},
+         {"quaternion_xyzw", json_of(pose.rotation)},
+         {"room", room == contents.keyframe_rooms.end() ? Json(nullptr) : Json(room->second)}});
+  }
+  const auto apart = walk.keyframes.size() - path.size();
+  return {{"name", walk.stored.recording.name},
+          {"finished", walk.stored.finished},
+          {"frames", walk.frames},
+          {"placed", walk.placed},
+          {"keyframes_elsewhere", apart},
+          {"camera", camera_json(walk.stored.recording.camera)},
+          {"path", std::move(path)}};
+}
+
+Json frames_json(const HomeContents& contents) {
+  const geometry::RigidTransform& pose = contents.gravity_from_world();
+  return {{"level",
+           "x, y on the floor, z up; z = 0 is the floor or, where floor_found is false, the height "
+           "of the first camera. All places are in it"},
+          {"camera", "x right, y down, z forward; pixel (0, 0) is the middle of the top left one"},
+          {"floor_found", contents.floor.frame.has_floor},
+          {"level_from_world",
+           {{"translation_m", json_of(pose.translation)},
+            {"quaternion_xyzw", json_of(pose.rotation)}}}};
+}
+
+}  // namespace
+
+std::string home_json(const HomeContents& contents) {
+  Json json{{"format", "roomwise-home"},
+            {"version", 1},
+            {"units", {{"length", "m"}, {"area", "m2"}, {"time", "s"}, {"image", "px"}}},
+            {"frames", frames_json(contents)},
+            {"rooms", Json::array()},
+            {"doors", doors_json(contents)},
+            {"things", Json::array()},
+            {"walks", Json::array()}};
+  for (const rooms::Room& room : contents.rooms) json["rooms"].push_back(room_json(room, contents));
+  for (const ThingContent& thing : contents.things) {
+    json["things"].push_back(thing_json(thing, contents));
+  }
+  for (const WalkContent& walk : contents.walks) {
+    json["walks"].push_back(walk_json(walk, contents));
+  }
+  return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace roomwise::pipeline

@@ -1,0 +1,222 @@
+#include "roomwise/pipeline/exports/scene_graph_json.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+
+namespace roomwise::pipeline {
+namespace {
+
+using nlohmann::ordered_json;
+
+// Layers as Spark-DSG numbers them.
+constexpr int kObjects = 2, kRooms = 4, kBuildings = 5;
+constexpr std::uint32_t kNoLabel = std::numeric_limits<std::uint32_t>::max();
+
+// A node's number: a letter of its layer in the highest byte, a count below.
+std::uint64_t node_id(char letter, std::uint64_t count) {
+  return std::uint64_t{static_cast<std::uint8_t>(letter)} << 56U | count;
+}
+
+ordered_json vector_json(const Eigen::Vector3d& v) {
+  return {v.x(), v.y(), v.z()};
+}
+
+ordered_json quaternion_json(const Eigen::Quaterniond& q) {
+  return {{"w", q.w()}, {"x", q.x()}, {"y", q.y()}, {"z", q.z()}};
+}
+
+ordered_json box_json(const std::string& type, const geometry::OrientedBox& box) {
+  return {{"type", type},
+          {"dimensions", vector_json(box.size_m)},
+          {"world_P_center", vector_json(box.center())},
+          {"world_R_center", quaternion_json(box.world_from_box.rotation)}};
+}
+
+// What nodes of all layers have. A node whose place is not known is not made.
+ordered_json semantic_attributes(const std::string& type, const std::string& name,
+                                 const Eigen::Vector3d& position, ordered_json box) {
+  return {{"type", type},
+          {"metadata", ordered_json::object()},
+          {"position", vector_json(position)},
+          {"last_update_time_ns", 0},
+          {"is_active", false},
+          {"is_predicted", false},
+          {"name", name},
+          {"color", {{"r", 160}, {"g", 160}, {"b", 160}, {"a", 255}}},
+          {"bounding_box", std::move(box)},
+          {"semantic_label", kNoLabel},
+          {"semantic_feature", {{"rows", 0}, {"cols", 0}, {"data", ordered_json::array()}}}};
+}
+
+ordered_json layer_key(int layer) {
+  return {{"layer", layer}, {"partition", 0}};
+}
+
+class SceneGraphWriter {
+ public:
+  explicit SceneGraphWriter(const HomeContents& contents) : contents_(contents) {}
+
+  std::string write() {
+    graph_ = {{"SPARK_DSG_header",
+               {{"project_name", "main"}, {"version", {{"major", 1}, {"minor", 1}, {"patch", 3}}}}},
+              {"directed", false},
+              {"multigraph", false},
+              {"layer_keys", {layer_key(kObjects), layer_key(kRooms), layer_key(kBuildings)}},
+              {"layer_names",
+               {{"OBJECTS", layer_key(kObjects)},
+                {"ROOMS", layer_key(kRooms)},
+                {"BUILDINGS", layer_key(kBuildings)}}},
+              {"metadata", {{"made_by", "roomwise"}, {"frame", "z up, z = 0 the floor, m"}}},
+              {"nodes", ordered_json::array()},
+              {"edges", ordered_json::array()}};
+    add_building();
+    if (contents_.layout) add_rooms();
+    add_things();
+    return graph_.dump(1, ' ', false, ordered_json::error_handler_t::replace) + "\n";
+  }
+
+ private:
+  void add_node(std::uint64_t id, int layer, ordered_json attributes) {
+    graph_["nodes"].push_back(
+        {{"id", id}, {"layer", layer}, {"partition", 0}, {"attributes", std::move(attributes)}});
+  }
+  void add_edge(std::uint64_t source, std::uint64_t target, ordered_json metadata) {
+    graph_["edges"].push_back({{"source", source},
+                               {"target", target},
+                               {"info",
+                                {{"type", "EdgeAttributes"},
+                                 {"metadata", std::move(metadata)},
+                                 {"weighted", false},
+                                 {"weight", 1.0}}}});
+  }
+
+  // In the middle of all that is known to be in it.
+  void add_building() {
+    Eigen::AlignedBox3d extent;
+    for (const WalkContent& walk : contents_.walks) {
+      for (const home::Keyframe& keyframe : walk.keyframes) {
+        if (keyframe.pose.component != 0) continue;
+        extent.extend(contents_.gravity_from_world() *
+                      keyframe.pose.world_from_keyframe.translation);
+      }
+    }
+    const Eigen::Vector3d middle = extent.center();
+    add_node(
+        kBuilding, kBuildings,
+        semantic_attributes("SemanticNodeAttributes", "home", middle,
+                            {{"type", "INVALID"},
+                             {"dimensions", {0, 0, 0}},
+                             {"world_P_center", {0, 0, 0}},
+                             {"world_R_center", quaternion_json(Eigen::Quaterniond::Identity())}}));
+  }
+
+  // Flat, on the floor: how high rooms are is not known.
+  [[nodiscard]] geometry::OrientedBox floor_box(std::size_t room) const {
+    const fusion::FloorGrid& grid = *contents_.floor.grid;
+    Eigen::AlignedBox2d extent;
+    for (int row = 0; row < grid.rows(); ++row) {
+      for (int column = 0; column < grid.columns(); ++column) {
+        if (contents_.layout->room_of_cell(column, row) != room ||
+            grid.at(column, row) != fusion::FloorCell::kFree) {
+          continue;
+        }
+        const Eigen::Vector2d middle = grid.cell_middle_m(column, row);
+        const Eigen::Vector2d half = Eigen::Vector2d::Constant(grid.cell_m() / 2);
+        extent.extend(Eigen::AlignedBox2d(middle - half, middle + half));
+      }
+    }
+    if (extent.isEmpty()) {
+      extent = Eigen::AlignedBox2d(contents_.layout->rooms()[room].middle_gravity);
+    }
+    geometry::OrientedBox box;
+    box.world_from_box.translation << extent.center(), 0;
+    box.size_m << extent.sizes(), 0;
+    return box;
+  }
+
+  void add_rooms() {
+    const auto& extents = contents_.layout->rooms();
+    for (std::size_t i = 0; i < extents.size(); ++i) {
+      if (extents[i].floor_m2 == 0) continue;
+      const std::uint64_t id = node_id('R', rooms_.size());
+      rooms_[extents[i].name] = id;
+      Eigen::Vector3d middle;
+      middle << extents[i].middle_gravity, 0;
+      ordered_json attributes = semantic_attributes("RoomNodeAttributes", extents[i].name, middle,
+                                                    box_json("AABB", floor_box(i)));
+      attributes["semantic_class_probabilities"] = ordered_json::object();
+      attributes["metadata"] = {{"floor_m2", extents[i].floor_m2}};
+      const auto named = std::ranges::find(contents_.rooms, extents[i].name, &rooms::Room::name);
+      if (named != contents_.rooms.end() && !named->type.empty()) {
+        attributes["metadata"]["type"] = named->type;
+      }
+      add_node(id, kRooms, std::move(attributes));
+      add_edge(kBuilding, id, ordered_json::object());
+    }
+    add_doors();
+  }
+
+  // Two rooms are joined once, by their widest door.
+  void add_doors() {
+    std::set<std::array<std::string, 2>> joined;
+    for (const rooms::Doorway& door : contents_.layout->doorways()) {
+      const auto from = rooms_.find(door.rooms[0]), to = rooms_.find(door.rooms[1]);
+      if (from == rooms_.end() || to == rooms_.end() || !joined.insert(door.rooms).second) continue;
+      add_edge(from->second, to->second,
+               {{"door_m", {door.middle_gravity.x(), door.middle_gravity.y()}},
+                {"width_m", door.width_m > 0 ? ordered_json(door.width_m) : ordered_json(nullptr)},
+                {"walked", door.is_walked}});
+    }
+  }
+
+  void add_things() {
+    std::uint64_t count = 0;
+    for (const ThingContent& thing : contents_.things) {
+      if (!thing.box_gravity) continue;
+      const std::uint64_t id = node_id('O', count++);
+      const geometry::OrientedBox& box = *thing.box_gravity;
+      ordered_json attributes = semantic_attributes("ObjectNodeAttributes", thing.instance.name,
+                                                    box.center(), box_json("OBB", box));
+      if (thing.last_seen) attributes["last_update_time_ns"] = stamp(thing.last_seen->time_ns);
+      attributes["mesh_connections"] = ordered_json::array();
+      attributes["registered"] = false;
+      attributes["world_R_object"] = quaternion_json(box.world_from_box.rotation);
+      attributes["metadata"] = {
+          {"probability", thing.instance.probability},
+          {"names", thing.instance.names},
+          {"room", thing.room ? ordered_json(*thing.room) : ordered_json(nullptr)}};
+      if (thing.first_seen) {
+        attributes["metadata"]["first_seen_ns"] = thing.first_seen->time_ns;
+        attributes["metadata"]["last_seen_ns"] = thing.last_seen->time_ns;
+      }
+      add_node(id, kObjects, std::move(attributes));
+      if (!thing.room) continue;
+      const auto room = rooms_.find(*thing.room);
+      if (room != rooms_.end()) add_edge(room->second, id, ordered_json::object());
+    }
+  }
+
+  // Spark-DSG counts from 0 on.
+  static std::uint64_t stamp(TimestampNs time_ns) {
+    return time_ns < 0 ? 0 : static_cast<std::uint64_t>(time_ns);
+  }
+
+  static inline const std::uint64_t kBuilding = node_id('B', 0);
+  const HomeContents& contents_;
+  ordered_json graph_;
+  std::map<std::string, std::uint64_t> rooms_;  // nodes, by name
+};
+
+}  // namespace
+
+std::string scene_graph_json(const HomeContents& contents) {
+  return SceneGraphWriter(contents).write();
+}
+
+}  // namespace roomwise::pipeline
