@@ -1,6 +1,5 @@
 #include "roomwise/pipeline/exports/shared_picture.h"
 
-#include <algorithm>
 #include <string_view>
 
 #include "roomwise/image/codec.h"
@@ -10,12 +9,8 @@ namespace {
 
 bool has_exif(const Bytes& picture) {
   constexpr std::string_view kJpegExif("Exif\0", 5), kPngExif("eXIf", 4);
-  const auto holds = [&](std::string_view mark) {
-    return !std::ranges::search(picture, mark, {}, {}, [](char c) {
-              return static_cast<std::uint8_t>(c);
-            }).empty();
-  };
-  return holds(kJpegExif) || holds(kPngExif);
+  const std::string_view bytes(reinterpret_cast<const char*>(picture.data()), picture.size());
+  return bytes.find(kJpegExif) != bytes.npos || bytes.find(kPngExif) != bytes.npos;
 }
 
 }  // namespace
