@@ -35,9 +35,9 @@ Json ring_json(const geometry::CellRing& ring, const fusion::FloorGrid& grid) {
   return corners;
 }
 
-// What the map shows of a room: its cells that were seen, and those that these enclose, as the
-// inside of a cupboard. The layout goes on beyond, through walls, to say where a thing belongs
-// whose middle nobody saw.
+// What the map shows of a room: its cells that were seen or walked on, and those that these
+// enclose, as the inside of a cupboard. The layout goes on beyond, through walls, to say where a
+// thing belongs whose middle nobody saw.
 geometry::CellSet shown_cells(const fusion::FloorGrid& grid, const rooms::RoomLayout& layout,
                               std::size_t room) {
   const auto index = [&](const Eigen::Vector2i& cell) {
@@ -49,7 +49,8 @@ geometry::CellSet shown_cells(const fusion::FloorGrid& grid, const rooms::RoomLa
            layout.room_of_cell(cell.x(), cell.y()) == room;
   };
   const auto is_unseen = [&](const Eigen::Vector2i& cell) {
-    return is_of_room(cell) && grid.at(cell.x(), cell.y()) == fusion::FloorCell::kUnknown;
+    return is_of_room(cell) && !layout.is_floor(cell.x(), cell.y()) &&
+           grid.at(cell.x(), cell.y()) == fusion::FloorCell::kUnknown;
   };
   geometry::CellSet cells{grid.columns(), grid.rows(), {}};
   for (int row = 0; row < grid.rows(); ++row) {

@@ -123,7 +123,7 @@ class SceneGraphWriter {
     for (int row = 0; row < grid.rows(); ++row) {
       for (int column = 0; column < grid.columns(); ++column) {
         if (contents_.layout->room_of_cell(column, row) != room ||
-            grid.at(column, row) != fusion::FloorCell::kFree) {
+            !contents_.layout->is_floor(column, row)) {
           continue;
         }
         const Eigen::Vector2d middle = grid.cell_middle_m(column, row);

@@ -171,7 +171,8 @@ Expected<RoomLayout> RoomLayout::make(const FloorGrid& grid, std::span<const Wal
   layout.origin_m_ = grid.origin_m();
   layout.cell_m_ = grid.cell_m();
   layout.room_of_cell_ = RoomCells(grid.columns(), grid.rows(), kNoRoom);
-  const FreeFloor floor = free_floor(grid, walks);
+  layout.floor_ = free_floor(grid, walks);
+  const FreeFloor& floor = layout.floor_;
   spread_over_floor(grid, floor, read, options.unsure_path_m, options.farthest_seed_m,
                     layout.room_of_cell_);
   take_furniture_in(grid, floor, options.furniture_depth_m, layout.room_of_cell_);

@@ -81,6 +81,10 @@ class RoomLayout {
                                              double sigma_m) const;
   // The same for a cell of the grid: index into rooms().
   [[nodiscard]] std::optional<std::size_t> room_of_cell(int column, int row) const;
+  // Whether the cell is floor: free, as the map shows it or because somebody walked there.
+  [[nodiscard]] bool is_floor(int column, int row) const {
+    return floor_.contains(column, row) && floor_.at(column, row) != 0;
+  }
   // The rooms that a doorway leads to from this one, by name.
   [[nodiscard]] std::vector<std::string> neighbors(const std::string& room) const;
 
@@ -91,6 +95,7 @@ class RoomLayout {
 
   Eigen::Vector2d origin_m_ = Eigen::Vector2d::Zero();
   double cell_m_ = 0;
+  image::Image<std::uint8_t> floor_;         // not 0 where a cell is floor
   image::Image<std::int16_t> room_of_cell_;  // index into rooms_, or below 0 (floor_rooms.h)
   std::vector<RoomExtent> rooms_;
   std::vector<Doorway> doorways_;

@@ -65,6 +65,19 @@ WalkedPath walk_through(double late_m) {
   return path;
 }
 
+TEST(RoomLayoutTest, FloorIsWhatTheMapShowsFreeOrSomebodyWalkedOn) {
+  auto rows = plan_of_two_rooms();
+  for (std::string& row : rows) row.replace(40, 5, "     ");  // nobody looked down there
+  const std::vector<WalkedPath> walks{walk_through(0)};
+  const auto layout = RoomLayout::make(grid_of(rows), walks);
+  ASSERT_OK(layout);
+  EXPECT_TRUE(layout->is_floor(5, 5));
+  EXPECT_TRUE(layout->is_floor(42, 6)) << "the walk led there";
+  EXPECT_FALSE(layout->is_floor(42, 18));
+  EXPECT_FALSE(layout->is_floor(12, 12)) << "a table";
+  EXPECT_FALSE(layout->is_floor(-1, 5));
+}
+
 TEST(RoomLayoutTest, RoomsMeetAtTheDoorAlthoughTheyWereNamedEarlyOrLate) {
   for (const double late_m : {-0.6, 0.0, 0.6}) {
     const std::vector<WalkedPath> walks{walk_through(late_m)};
