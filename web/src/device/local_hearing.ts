@@ -81,7 +81,13 @@ export class LocalHearing {
       }
     });
     this.now = recognition;
-    recognition.start();
+    try {
+      recognition.start();
+    } catch { // it is busy, or the browser forbids it just now
+      fail('nothing');
+      this.now = null;
+      ended();
+    }
   }
 
   // Without a word.

@@ -107,10 +107,12 @@ function open(me: Me | null, cameraFailure: CameraFailure | null): void {
   const recording = new WalkRecording(phone, camera, player, () => (isHelper() ? 'helper' : 'device'));
   const ask = (words: string): void => phone.ask({ question: 'in_words', text: words });
   const speak = new SpeakButton({
+    hold: (hazardComes) => phone.listen(hazardComes),
+    release: () => player.release(),
     ask,
-    listening: () => phone.listen(),
     failed: (why) => phone.say(why === 'refused' ? 'device.microphone_refused' : 'device.not_understood', 'answer'),
   });
+  phone.whenAsked = () => speak.stop();
   void localHearing(language(), navigator.languages).then((hearing) => speak.offer(hearing));
   const view = new PhoneView(video, log, speak.element, {
     whereAmI: () => phone.ask({ question: 'where_am_i' }),
@@ -123,7 +125,7 @@ function open(me: Me | null, cameraFailure: CameraFailure | null): void {
     take: () => openChoice({
       title: text('take.title'), label: text('take.label'), go: text('take.go'), missing: text('take.missing'),
     }, [...phone.state.rooms, ...phone.state.things], (goal) => phone.takeMeTo(goal)),
-    askInWords: () => openWords(speak.hears, ask),
+    askInWords: () => openWords(speak, ask),
     guide: (wish) => phone.ask({ question: 'guide', wish }),
     nameRoom: () => openChoice({
       title: text('name_room.title'), label: text('name_room.label'), go: text('name_room.go'),

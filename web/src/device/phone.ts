@@ -61,6 +61,7 @@ export class Phone {
   // Of what is recorded and what became of it; set by who records.
   whenRecording: (state: RecordingState['state']) => void = () => undefined;
   whenJob: (job: Job) => void = () => undefined;
+  whenAsked: () => void = () => undefined; // before any question is: who listens ends that
 
   constructor(
     private readonly me: Me | null,
@@ -90,6 +91,7 @@ export class Phone {
   }
 
   ask(question: Question): void {
+    this.whenAsked();
     this.player.withdrawAnswers();
     const now = performance.now();
     const id = this.session.ask(question, now);
@@ -108,9 +110,10 @@ export class Phone {
     this.changed();
   }
 
-  // While somebody speaks a question nobody answers an earlier one.
-  listen(): void {
+  // While somebody speaks a question nobody answers an earlier one, or says anything but a hazard. False: not now.
+  listen(hazardComes: () => void): boolean {
     this.player.withdrawAnswers();
+    return this.player.hold(hazardComes);
   }
 
   setQuiet(on: boolean): void {

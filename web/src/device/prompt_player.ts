@@ -16,6 +16,7 @@ export class PromptPlayer {
   private begun = 0; // counts prompts: what belongs to an earlier one is of no interest any more
   private speaker: Speaker | null = null; // who speaks now
   private isOver = false; // the last words were given
+  private hazardComes: (() => void) | null = null; // while nothing is said; told when that must end
 
   constructor(private readonly parts: PlayerParts) {}
 
@@ -50,6 +51,28 @@ export class PromptPlayer {
     }
   }
 
+  // Nothing is said from now on, so that a microphone hears the person alone; what waits comes after `release`. A hazard
+  // ends that by itself: `hazardComes` is called first. False where one is being said: then nothing is held.
+  hold(hazardComes: () => void): boolean {
+    if (this.queue.speaking?.priority === 'hazard') {
+      return false;
+    }
+    this.hazardComes = hazardComes;
+    if (this.queue.speaking) {
+      this.begun += 1;
+      this.speaker?.stop();
+      this.queue.putBack(this.parts.now());
+    }
+    return true;
+  }
+
+  release(): void {
+    if (this.hazardComes) {
+      this.hazardComes = null;
+      this.pump();
+    }
+  }
+
   private breakOff(): void {
     this.begun += 1;
     this.speaker?.stop();
@@ -62,6 +85,14 @@ export class PromptPlayer {
       return;
     }
     const now = this.parts.now();
+    const { hazardComes } = this;
+    if (hazardComes) {
+      if (!this.queue.warns(now)) {
+        return;
+      }
+      this.hazardComes = null;
+      hazardComes();
+    }
     if (this.queue.takeLost(now)) {
       this.queue.push(this.parts.lostAnswer(now), now);
     }

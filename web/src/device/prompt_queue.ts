@@ -80,6 +80,18 @@ export class PromptQueue<P extends QueuedPrompt = QueuedPrompt> {
     }
   }
 
+  // What is spoken was broken off, and not by a hazard: it begins again later, as after one.
+  putBack(now: number): void {
+    const broken = this.spoken;
+    this.ended(now);
+    this.keep(broken);
+  }
+
+  // A hazard waits that may be told now.
+  warns(now: number): boolean {
+    return this.mostUrgent(now)?.prompt.priority === 'hazard';
+  }
+
   get speaking(): P | null {
     return this.spoken;
   }

@@ -4,14 +4,16 @@ import { h } from '../shared/dom';
 import { textField } from '../shared/forms';
 import { icon } from '../shared/icons';
 import { text } from '../shared/texts';
-import type { HearingFailure, LocalHearing } from './local_hearing';
+import { Listening, type ListeningParts } from './listening';
+import type { LocalHearing } from './local_hearing';
 
 const kLongest = 160; // letters; the computer takes 500 bytes
 
-// `hears`: there is a button to speak, so that the hint need not tell of other ways.
-export function openWords(hears: boolean, ask: (words: string) => void): void {
+// `speak.hears`: there is a button to speak, so that the hint need not tell of other ways. Who types is not listened to.
+export function openWords(speak: SpeakButton, ask: (words: string) => void): void {
+  speak.stop();
   const field = textField(text('words.label'), {
-    hint: text(hears ? 'words.by_phone' : 'words.by_keyboard'),
+    hint: text(speak.hears ? 'words.by_phone' : 'words.by_keyboard'),
     attributes: { enterkeyhint: 'send', autocapitalize: 'sentences', maxlength: kLongest, autofocus: true },
   });
   field.input.addEventListener('input', () => field.clear());
@@ -26,46 +28,43 @@ export function openWords(hears: boolean, ask: (words: string) => void): void {
     dialog.close();
     ask(field.value());
   });
-  const dialog = openDialog(text('words.title'), [form]);
-}
-
-export interface SpeakActions {
-  ask: (words: string) => void;
-  listening: () => void; // nobody is to speak meanwhile
-  failed: (why: HearingFailure) => void;
+  const dialog = openDialog(text('words.title'), [form], () => speak.stop());
 }
 
 // Listens while it is pressed in; hidden until the phone is known to understand speech by itself.
 export class SpeakButton {
-  readonly element = h('button', { type: 'button', class: 'tool speak', hidden: true, 'aria-pressed': 'false', onclick: () => this.press() });
+  readonly element = h('button', {
+    type: 'button', class: 'tool speak', hidden: true, 'aria-pressed': 'false', onclick: () => this.listening.press(),
+  });
   private readonly label = h('span', {}, text('words.speak'));
-  private hearing: LocalHearing | null = null;
+  private readonly listening: Listening;
 
-  constructor(private readonly actions: SpeakActions) {
+  constructor(parts: Omit<ListeningParts, 'changed'>) {
+    this.listening = new Listening({ ...parts, changed: () => this.show() });
     this.element.append(icon('speak'), this.label);
+    document.addEventListener('visibilitychange', () => {
+      if (document.visibilityState !== 'visible') {
+        this.stop();
+      }
+    });
   }
 
   get hears(): boolean {
-    return this.hearing !== null;
+    return this.listening.hears;
   }
 
   offer(hearing: LocalHearing | null): void {
-    this.hearing = hearing;
+    this.listening.offer(hearing);
     this.element.hidden = hearing === null;
   }
 
-  private press(): void {
-    if (this.hearing?.listens) {
-      this.hearing.stop();
-    } else {
-      this.actions.listening();
-      this.hearing?.begin(this.actions.ask, this.actions.failed, () => this.show());
-    }
-    this.show();
+  // Without a word: something else is asked, or typed.
+  stop(): void {
+    this.listening.stop();
   }
 
   private show(): void {
-    const listens = this.hearing?.listens ?? false;
+    const { listens } = this.listening;
     this.element.setAttribute('aria-pressed', String(listens));
     this.label.textContent = text(listens ? 'words.listening' : 'words.speak');
   }
