@@ -72,6 +72,7 @@ void add_utf8(char32_t character, std::string& text) {
     return 0x80U | (static_cast<unsigned>(character) >> shift & 0x3FU);
   };
   const auto bits = static_cast<unsigned>(character);
+  if (character < 0x80) return add(bits);
   if (character < 0x800) {
     add(0xC0U | bits >> 6U);
   } else if (character < 0x10000) {
@@ -114,13 +115,26 @@ bool add_folded(char32_t character, std::string& word) {
 
 }  // namespace
 
-std::vector<std::string> folded_words(std::string_view utf8) {
-  std::vector<std::string> words(1);
+std::vector<SpelledWord> spelled_words(std::string_view utf8) {
+  std::vector<SpelledWord> words(1);
   while (!utf8.empty()) {
-    const bool goes_on = add_folded(take_character(utf8), words.back());
-    if (!goes_on && !words.back().empty()) words.emplace_back();
+    const char32_t character = take_character(utf8);
+    const bool goes_on = add_folded(character, words.back().folded);
+    if (goes_on) add_utf8(character, words.back().spelling);
+    if (goes_on) continue;
+    if (words.back().folded.empty()) {
+      words.back().spelling.clear();  // a mark without a letter
+    } else {
+      words.emplace_back();
+    }
   }
-  if (words.back().empty()) words.pop_back();
+  if (words.back().folded.empty()) words.pop_back();
+  return words;
+}
+
+std::vector<std::string> folded_words(std::string_view utf8) {
+  std::vector<std::string> words;
+  for (SpelledWord& word : spelled_words(utf8)) words.push_back(std::move(word.folded));
   return words;
 }
 

@@ -10,6 +10,12 @@ namespace roomwise::guide {
 // "ß" -> "ss"), parted at all that is neither a letter nor a digit. Any bytes: what is no UTF-8
 // parts words.
 [[nodiscard]] std::vector<std::string> folded_words(std::string_view utf8);
+// The same words, each beside the way it was written ("kuche", "Küche"), to be spoken back.
+struct SpelledWord {
+  std::string folded;
+  std::string spelling;
+};
+[[nodiscard]] std::vector<SpelledWord> spelled_words(std::string_view utf8);
 // The same without the spaces, so that "livingroom" is "living room".
 [[nodiscard]] std::string joined(const std::vector<std::string>& words);
 

@@ -48,13 +48,18 @@ void NameIndex::add(const std::string& name, const Noun& noun, Way way, bool is_
   const std::vector<std::string> words = folded_words(name);
   if (words.empty()) return;
   entries_.push_back({joined(words), noun, way, is_goal, is_of_home});
-  if (!is_of_home) return;
-  // Its first or last words alone: "chair" of "Anna's chair", "coffee" of "coffee machine".
+  if (is_of_home) add_parts(words, noun, is_goal);
+}
+
+// Its first or last words alone: "chair" of "Anna's chair", "coffee" of "coffee machine".
+void NameIndex::add_parts(const std::vector<std::string>& words, const Noun& noun, bool is_goal) {
+  const bool is_own = phrases_.words_for(noun.kind, without_last_number(noun.name)).empty();
+  const Way way = is_own ? Way::kPartOfOwn : Way::kPart;
   for (std::size_t i = 1; i < words.size(); ++i) {
     const auto middle = words.begin() + static_cast<std::ptrdiff_t>(i);
     for (const auto& part : {std::vector<std::string>(words.begin(), middle),
                              std::vector<std::string>(middle, words.end())}) {
-      entries_.push_back({joined(part), noun, Way::kPart, is_goal, true});
+      entries_.push_back({joined(part), noun, way, is_goal, true});
     }
   }
 }
@@ -118,11 +123,10 @@ Nouns NameIndex::nouns_of(std::vector<const Entry*> entries) const {
   return nouns;
 }
 
-Nouns NameIndex::exact(const std::string& key, Slot slot, bool is_of_home, bool with_parts) const {
+Nouns NameIndex::exact(const std::string& key, Slot slot, bool is_of_home, Way least) const {
   std::vector<const Entry*> found;
   for (const Entry& entry : entries_) {
-    const bool is_same = entry.key == key && entry.is_of_home == is_of_home &&
-                         (with_parts || entry.way != Way::kPart);
+    const bool is_same = entry.key == key && entry.is_of_home == is_of_home && entry.way <= least;
     if (is_same && fits(slot, entry.noun.kind, entry.is_goal)) found.push_back(&entry);
   }
   return nouns_of(std::move(found));
@@ -131,7 +135,8 @@ Nouns NameIndex::exact(const std::string& key, Slot slot, bool is_of_home, bool 
 Nouns NameIndex::with_endings(const std::string& key, Slot slot) const {
   std::vector<const Entry*> found;
   for (const Entry& entry : entries_) {
-    if (entry.is_of_home && entry.way != Way::kPart && fits(slot, entry.noun.kind, entry.is_goal) &&
+    if (entry.is_of_home && entry.way <= Way::kLabel &&
+        fits(slot, entry.noun.kind, entry.is_goal) &&
         is_same_but_for_ending(entry.key, key, phrases_.grammar().endings())) {
       found.push_back(&entry);
     }
@@ -143,7 +148,7 @@ Nouns NameIndex::nearest(const std::string& key, Slot slot) const {
   int least = forgiven_slips(key);
   std::vector<const Entry*> found;
   for (const Entry& entry : entries_) {
-    if (!entry.is_of_home || entry.way == Way::kPart) continue;
+    if (!entry.is_of_home || entry.way > Way::kLabel) continue;
     if (!fits(slot, entry.noun.kind, entry.is_goal)) continue;
     const int slips = slips_between(entry.key, key);
     if (slips > std::min(least, forgiven_slips(entry.key))) continue;
@@ -157,22 +162,39 @@ Nouns NameIndex::nearest(const std::string& key, Slot slot) const {
 FoundName NameIndex::find(std::span<const std::string> words, Slot slot) const {
   const auto bare = without_determiners(words);
   const std::string key = joined({bare.begin(), bare.end()});
-  if (Nouns nouns = exact(key, slot, true, false); !nouns.empty()) {
+  if (Nouns nouns = exact(key, slot, true, Way::kLabel); !nouns.empty()) {
     return {NameMatch::kKnown, std::move(nouns)};
   }
   if (Nouns nouns = with_endings(key, slot); !nouns.empty()) {
     return {NameMatch::kKnown, std::move(nouns)};
   }
-  if (Nouns nouns = exact(key, slot, false, false); !nouns.empty()) {
+  if (Nouns nouns = exact(key, slot, true, Way::kPartOfOwn); !nouns.empty()) {
+    return {NameMatch::kKnown, std::move(nouns)};
+  }
+  if (Nouns nouns = exact(key, slot, false, Way::kLabel); !nouns.empty()) {
     return {NameMatch::kAbsent, {nouns.front()}};
   }
-  if (Nouns nouns = exact(key, slot, true, true); !nouns.empty()) {
+  if (Nouns nouns = exact(key, slot, true, Way::kPart); !nouns.empty()) {
     return {NameMatch::kKnown, std::move(nouns)};
   }
   if (Nouns nouns = nearest(key, slot); !nouns.empty()) {
     return {NameMatch::kNear, std::move(nouns)};
   }
   return {};
+}
+
+bool NameIndex::has_name_inside(std::span<const std::string> words) const {
+  const auto is_name = [&](std::span<const std::string> part) {
+    const std::string key = joined({part.begin(), part.end()});
+    return !exact(key, Slot::kPlace, true, Way::kLabel).empty() ||
+           !with_endings(key, Slot::kPlace).empty();
+  };
+  for (std::size_t begin = 0; begin < words.size(); ++begin) {
+    for (std::size_t count = 1; count <= words.size() - begin; ++count) {
+      if (count < words.size() && is_name(words.subspan(begin, count))) return true;
+    }
+  }
+  return false;
 }
 
 }  // namespace roomwise::guide

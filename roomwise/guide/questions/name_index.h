@@ -30,13 +30,17 @@ class NameIndex {
 
   // `words`: folded, as they stand in the question, with articles.
   [[nodiscard]] FoundName find(std::span<const std::string> words, Slot slot) const;
+  // Whether a part of the words, not all of them, is a name of the home: "cup on the table".
+  [[nodiscard]] bool has_name_inside(std::span<const std::string> words) const;
   // The words of a name without what stands before it and says nothing.
   [[nodiscard]] std::span<const std::string> without_determiners(
       std::span<const std::string> words) const;
 
  private:
-  // How a name may be said, the most exact first.
-  enum class Way { kName, kOtherName, kLabel, kPart };
+  // How a name may be said, the most exact first. kPartOfOwn: a part of a name that a helper gave
+  // and that the language does not know as one: "chair" of "Anna's chair", but not "table" of
+  // "table lamp".
+  enum class Way { kName, kOtherName, kLabel, kPartOfOwn, kPart };
   struct Entry {
     std::string key;  // joined folded words
     Noun noun;
@@ -46,10 +50,11 @@ class NameIndex {
   };
 
   void add(const std::string& name, const Noun& noun, Way way, bool is_of_home, bool is_goal);
+  void add_parts(const std::vector<std::string>& words, const Noun& noun, bool is_goal);
   void add_noun(const Noun& noun, bool is_of_home, bool is_goal);
   void add_labels(const HomeNames& home);
-  [[nodiscard]] Nouns exact(const std::string& key, Slot slot, bool is_of_home,
-                            bool with_parts) const;
+  // `least`: the least exact way that counts.
+  [[nodiscard]] Nouns exact(const std::string& key, Slot slot, bool is_of_home, Way least) const;
   [[nodiscard]] Nouns with_endings(const std::string& key, Slot slot) const;
   [[nodiscard]] Nouns nearest(const std::string& key, Slot slot) const;
   // Of entries that fit, those that are meant.

@@ -1,6 +1,7 @@
 #include "roomwise/guide/questions/understand.h"
 
 #include <algorithm>
+#include <map>
 #include <tuple>
 
 #include "roomwise/guide/grammar/folded_words.h"
@@ -23,7 +24,7 @@ struct Reading {
 
   [[nodiscard]] auto rank() const {
     const auto own_words = static_cast<int>(pattern->before.size() + pattern->after.size());
-    return std::tuple(name.match, -own_words);
+    return std::tuple(name.match, -own_words, said.size());
   }
 };
 
@@ -49,6 +50,15 @@ std::optional<std::span<const std::string>> words_in_slot(const QuestionPattern&
   return words.subspan(pattern.before.size(), words.size() - own);
 }
 
+// That somebody may call something so. Of "is there a cup on the table" no name is left to deny:
+// the home has a table, and "I know no cup on the table" would say more than anybody knows.
+bool is_believed(const QuestionPattern& pattern, std::span<const std::string> said,
+                 const NameIndex& names) {
+  const bool is_name_alone = pattern.before.empty() && pattern.after.empty();
+  if (is_name_alone || said.size() > kMaxWordsOfAName) return false;
+  return pattern.type == QuestionType::kCannotTell || !names.has_name_inside(said);
+}
+
 std::optional<Reading> read_as(const QuestionPattern& pattern, std::span<const std::string> words,
                                const NameIndex& names, bool forgives) {
   const auto inside = words_in_slot(pattern, words, forgives);
@@ -58,9 +68,9 @@ std::optional<Reading> read_as(const QuestionPattern& pattern, std::span<const s
   reading.name = names.find(*inside, *pattern.slot);
   const auto said = names.without_determiners(*inside);
   reading.said.assign(said.begin(), said.end());
-  const bool is_name_alone = pattern.before.empty() && pattern.after.empty();
-  const bool is_believed = !is_name_alone && said.size() <= kMaxWordsOfAName;
-  if (reading.name.match == NameMatch::kUnknown && !is_believed) return std::nullopt;
+  if (reading.name.match == NameMatch::kUnknown && !is_believed(pattern, said, names)) {
+    return std::nullopt;
+  }
   return reading;
 }
 
@@ -78,13 +88,16 @@ bool is_whole(const std::optional<Reading>& reading) {
   return reading && reading->name.match == NameMatch::kKnown;
 }
 
-Noun noun_said(const std::vector<std::string>& words) {
+// How each word was written, by its folded form.
+using Spellings = std::map<std::string, std::string>;
+
+Noun noun_said(const std::vector<std::string>& words, const Spellings& spellings) {
   std::string name;
-  for (const std::string& word : words) name += (name.empty() ? "" : " ") + word;
+  for (const std::string& word : words) name += (name.empty() ? "" : " ") + spellings.at(word);
   return {Noun::Kind::kThing, name};
 }
 
-Understood meaning_of(Reading reading) {
+Understood meaning_of(Reading reading, const Spellings& spellings) {
   Understood meaning{.type = reading.pattern->type, .names = std::move(reading.name.nouns)};
   if (meaning.type == QuestionType::kCannotTell) {
     return {.outcome = Outcome::kCannotTell, .type = meaning.type, .names = {}};
@@ -101,7 +114,7 @@ Understood meaning_of(Reading reading) {
       break;
     case NameMatch::kUnknown:
       meaning.outcome = Outcome::kUnknownName;
-      meaning.names = {noun_said(reading.said)};
+      meaning.names = {noun_said(reading.said, spellings)};
       break;
   }
   return meaning;
@@ -111,7 +124,12 @@ Understood meaning_of(Reading reading) {
 
 Understood understand(std::string_view text, const Phrasebook& phrases, const HomeNames& home) {
   if (text.size() > kMaxQuestionBytes) return {};
-  const std::vector<std::string> whole = folded_words(text);
+  std::vector<std::string> whole;
+  Spellings spellings;
+  for (const SpelledWord& word : spelled_words(text)) {
+    whole.push_back(word.folded);
+    spellings.emplace(word.folded, word.spelling);
+  }
   if (whole.size() > kMaxWords) return {};
   const Grammar& grammar = phrases.grammar();
   const NameIndex names(phrases, home);
@@ -120,12 +138,12 @@ Understood understand(std::string_view text, const Phrasebook& phrases, const Ho
   for (const bool forgives : {false, true}) {
     for (const auto& words : {whole, grammar.without_fillers(whole)}) {
       auto reading = best_reading(words, grammar, names, forgives);
-      if (is_whole(reading)) return meaning_of(*std::move(reading));
+      if (is_whole(reading)) return meaning_of(*std::move(reading), spellings);
       const bool is_better = reading && (!first || reading->rank() < first->rank());
       if (is_better && !forgives) first = std::move(reading);
     }
   }
-  return first ? meaning_of(*std::move(first)) : Understood{};
+  return first ? meaning_of(*std::move(first), spellings) : Understood{};
 }
 
 Understood in_answer_to(const Understood& offer, Understood said) {

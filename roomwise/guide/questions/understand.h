@@ -40,9 +40,11 @@ struct Understood {
 constexpr std::size_t kMaxQuestionBytes = 500;
 
 // Finds the question and the name in it by the language's grammar and the home's names. Of several
-// ways to read a text: one whose name the home has, then one with more words of its own. Slips are
-// forgiven in the question's own words; a name with slips is asked about. The same for the same
-// values; any bytes are a text. Time: patterns and names times the words of the text.
+// ways to read a text: one whose name the home has, then one with more words of its own, then one
+// with fewer words in a name. An unknown name is as it was written, and no name of the home is a
+// part of it. Slips are forgiven in the question's own words; a name with slips is asked about. The
+// same for the same values; any bytes are a text. Time: patterns and names times the words of the
+// text.
 [[nodiscard]] Understood understand(std::string_view text, const Phrasebook& phrases,
                                     const HomeNames& home);
 

@@ -170,6 +170,52 @@ TEST(UnderstandTest, WhatTheHomeDoesNotHaveKeepsItsName) {
   EXPECT_EQ(english(std::string(kMaxQuestionBytes + 1, 'a')), "not understood");
 }
 
+TEST(UnderstandTest, NoNameIsDeniedThatHoldsANameOfTheHome) {
+  for (const char* text : {"Is there a cup on the table?", "where is the cup on the table",
+                           "where is my plate on the table", "where is the cup I left here"}) {
+    EXPECT_EQ(english(text), "not understood") << text;
+  }
+  EXPECT_EQ(german("gibt es eine Tasse auf dem Tisch"), "not understood");
+  EXPECT_EQ(told(hear("¿Hay una taza en la mesa?", "es")), "not understood");
+  EXPECT_EQ(told(hear("y a-t-il une tasse sur la table", "fr")), "not understood");
+  EXPECT_EQ(english("is the window in the kitchen open"), "cannot tell");
+}
+
+TEST(UnderstandTest, AWordForAThingIsThatOfTheHomeWhoseNameHoldsIt) {
+  EXPECT_EQ(english("where is the chair"), "where_is Anna's chair");
+  HomeNames home = some_home();
+  const auto asked = [&] {
+    return told(understand("where is the chair", catalogue().in("en"), home));
+  };
+  home.things.emplace_back("Ben's chair");
+  EXPECT_EQ(asked(), "which one: where_is Anna's chair Ben's chair");
+  home.things.emplace_back("chair");
+  EXPECT_EQ(asked(), "where_is chair") << "one is called so and no more";
+}
+
+TEST(UnderstandTest, AnUnknownNameIsSaidAsItWasWritten) {
+  EXPECT_EQ(told(hear("¿Dónde está el paño?", "es")), "unknown: where_is paño");
+  EXPECT_EQ(german("Wo ist bitte das Käsemesser?"), "unknown: where_is Käsemesser");
+  EXPECT_EQ(english("where is the cafe\u0301 sign"), "unknown: where_is cafe\u0301 sign");
+}
+
+TEST(UnderstandTest, WhatIsInAThingIsNotAnsweredByWhatStandsOnIt) {
+  const std::map<std::string, std::vector<std::string>> inside{
+      {"en", {"what is in the oven", "what is inside the oven", "is there anything in the oven"}},
+      {"de", {"was ist im Backofen", "was liegt in dem Backofen", "ist etwas im Backofen"}},
+      {"es", {"¿Qué hay en el horno?", "qué hay dentro del horno", "hay algo en el horno"}},
+      {"fr",
+       {"qu'y a-t-il dans le four", "qu'est-ce qu'il y a à l'intérieur du four",
+        "y a-t-il quelque chose dans le four"}}};
+  HomeNames home = some_home();
+  home.things = {"oven"};
+  for (const auto& [language, texts] : inside) {
+    for (const std::string& text : texts) {
+      EXPECT_EQ(told(understand(text, catalogue().in(language), home)), "cannot tell") << text;
+    }
+  }
+}
+
 TEST(UnderstandTest, ALabelOfANetworkNamesTheThing) {
   const auto vocabulary = objects::ObjectVocabulary::standard();
   HomeNames home = some_home();
