@@ -169,8 +169,8 @@ std::optional<Noun> Guidance::place_at_end(const Leg& leg, bool is_last) const {
   std::optional<Noun> nearest;
   double nearest_m = kHand_m + options_.body_radius_m;
   for (const KnownThing& thing : map_.things) {
-    if (!thing.position_gravity || !thing.is_sure()) continue;
-    const double distance_m = Goal::of(thing).outline->distance_m(leg.to);
+    if (!thing.position_gravity || !thing.is_sure(map_.today)) continue;
+    const double distance_m = Goal::of(thing, map_.today).outline->distance_m(leg.to);
     if (distance_m >= nearest_m) continue;
     nearest_m = distance_m;
     nearest = Noun{Noun::Kind::kThing, thing.name};
@@ -298,8 +298,8 @@ std::optional<Prompt> Guidance::where_one_stands(const Pose& pose, TimestampNs n
     place.reset();
     double nearest_m = 2 * kHand_m;
     for (const KnownThing& thing : map_.things) {
-      if (!thing.position_gravity || !thing.is_sure()) continue;
-      const Outline outline = *Goal::of(thing).outline;
+      if (!thing.position_gravity || !thing.is_sure(map_.today)) continue;
+      const Outline outline = *Goal::of(thing, map_.today).outline;
       const double distance_m = outline.distance_m(pose.position_gravity);
       if (distance_m >= nearest_m) continue;
       nearest_m = distance_m;

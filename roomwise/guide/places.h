@@ -46,7 +46,7 @@ struct KnownThing : objects::Instance {
   // The probability that it is there still and is called so: less the longer ago it was seen
   // (objects::still_there()), where that and the present are known.
   [[nodiscard]] double probability_at(const std::optional<CalendarTime>& today) const;
-  [[nodiscard]] bool is_sure(const std::optional<CalendarTime>& today = {}) const;
+  [[nodiscard]] bool is_sure(const std::optional<CalendarTime>& today) const;
   [[nodiscard]] const Eigen::Vector3d& size_m() const { return box_keyframe.size_m; }
 };
 

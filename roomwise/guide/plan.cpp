@@ -183,11 +183,11 @@ double Outline::distance_m(const Vector2d& point_gravity) const {
   return (nearest_to(point_gravity) - point_gravity).norm();
 }
 
-Goal Goal::of(const KnownThing& thing) {
+Goal Goal::of(const KnownThing& thing, const std::optional<CalendarTime>& today) {
   Goal goal;
   goal.noun = {Noun::Kind::kThing, thing.name};
   goal.room = thing.room;
-  goal.is_sure = thing.is_sure();
+  goal.is_sure = thing.is_sure(today);
   if (thing.position_gravity) {
     goal.outline =
         Outline{thing.position_gravity->head<2>(), thing.size_m().head<2>(), thing.yaw_rad};

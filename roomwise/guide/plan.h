@@ -21,6 +21,7 @@ struct HomeMap {
   const rooms::RoomLayout* layout = nullptr;
   std::span<const rooms::Doorway> doorways = {};  // where rooms meet: doors, and borders of others
   std::span<const KnownThing> things = {};
+  std::optional<CalendarTime> today = std::nullopt;  // a guide's; unknown: no belief ages
 
   [[nodiscard]] std::optional<std::string> room_at(const Eigen::Vector2d& point_gravity) const;
 };
@@ -46,7 +47,7 @@ struct Goal {
   std::optional<double> height_m;   // of a thing's middle over the floor
   bool is_sure = true;              // that it is there
 
-  [[nodiscard]] static Goal of(const KnownThing& thing);
+  [[nodiscard]] static Goal of(const KnownThing& thing, const std::optional<CalendarTime>& today);
   [[nodiscard]] static Goal of(const rooms::RoomExtent& room);
   [[nodiscard]] static Goal of(const rooms::Doorway& door);
 };

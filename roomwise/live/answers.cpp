@@ -61,7 +61,7 @@ std::vector<guide::Prompt> way_to(const std::string& asked, const Situation& sit
       guide::thing_meant(asked, home.things, home.concepts.vocabulary, wording.phrases());
   if (!meant) {  // says so
     return guide::where_prompts(asked, location, home.things, {}, home.concepts.vocabulary, wording,
-                                now_ns);
+                                now_ns, situation.today);
   }
   const guide::Pose* const pose = location.sure_pose();
   if (pose == nullptr)
@@ -155,8 +155,9 @@ class HomeAnswers {
       case Question::kWhatIsOn:
         return on(ask.subject);
       case Question::kWhatIsAhead:
-        return guide::ahead_prompts(map_, location_, situation_.result->obstacle_m, wording_,
-                                    today_);
+        return guide::ahead_prompts(map_, location_,
+                                    {situation_.result->has_depth, situation_.result->obstacle_m},
+                                    wording_, today_);
       case Question::kWhichWay:
         return guide::facing_prompts(map_, location_, wording_, today_);
       case Question::kWhatChanged:

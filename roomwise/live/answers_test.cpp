@@ -234,6 +234,23 @@ TEST(Answers, DirectionsRestOnAPictureAndSayWhatIsAheadNow) {
             "You face the fridge, 3 metres.");
 }
 
+TEST(Answers, WhatIsAheadIsSureOnlyWhereDepthIsMeasured) {
+  LiveMap map;  // with a floor of 6 x 4 m that is free
+  map.floor.emplace(Eigen::Vector2d(-1, -2), 0.05,
+                    image::Image<fusion::FloorCell>(120, 80, fusion::FloorCell::kFree));
+  HomeView home;
+  home.map = std::make_shared<const LiveMap>(std::move(map));
+  FrameResult result = glance_in("kitchen", 500, rooms::Verdict::kRoom);
+  result.place = at_the_origin();
+  const service::SpeakingSettings settings;
+  const service::Ask ahead{1, 600, service::Question::kWhatIsAhead, ""};
+  const auto told = [&] { return answer(ahead, {home, &result, settings, 600}).at(0); };
+  EXPECT_EQ(told().message, "ahead.free_by_map");
+  EXPECT_EQ(told().confidence, guide::Confidence::kProbable);
+  result.has_depth = true;
+  EXPECT_EQ(told().message, "ahead.free");
+}
+
 TEST(Answers, WhereAmIRestsOnAPicture) {
   HomeView home;
   const service::SpeakingSettings settings;

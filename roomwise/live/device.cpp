@@ -162,6 +162,10 @@ void Device::refuse_unread(const Error& error, std::optional<std::int64_t> answe
 // ---- questions ----
 
 void Device::hear(const service::Ask& ask) {
+  if (ask.question != service::Question::kInWords) {
+    const std::scoped_lock lock(mutex_);
+    offered_ = {};  // a "yes" after this would answer something else
+  }
   if (ask.question == service::Question::kNameRoom) {
     if (const auto named = host_.name_recorded_room(*this, ask.subject); !named) {
       return refuse(named.error(), ask.id);
@@ -206,16 +210,19 @@ void Device::understand(const service::Ask& in_words) {
     const std::scoped_lock lock(mutex_);
     wording = wording_of(settings_);
     offered = std::exchange(offered_, {});
+    if (in_words.t_ms > offered_until_t_ms_) offered = {};
   }
   const guide::Understood heard =
       guide::in_answer_to(offered, guide::understand(in_words.subject, wording.phrases(), names));
   if (const auto ask = ask_of(heard, in_words)) return hear(*ask);
+  const auto prompts =
+      guide::refusal_prompts(heard, names, wording, std::llround(in_words.t_ms * 1e6));
   {
     const std::scoped_lock lock(mutex_);
     offered_ = heard;
+    offered_until_t_ms_ = static_cast<double>(prompts.front().valid_until_ns) / 1e6;
   }
-  say(guide::refusal_prompts(heard, names, wording, std::llround(in_words.t_ms * 1e6)), in_words.id,
-      {});
+  say(prompts, in_words.id, {});
 }
 
 // Answers by the last glance, if it is new enough.

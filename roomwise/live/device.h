@@ -104,7 +104,9 @@ class Device : public std::enable_shared_from_this<Device> {
   std::uint64_t dropped_ = 0;
   std::deque<service::Ask> waiting_;  // for a frame that is being looked at
   std::optional<service::Ask> last_ask_;
-  guide::Understood offered_;  // "Did you mean ...?", while the next question may answer it
+  // "Did you mean ...?", while the next question may answer it: until then, by the device's clock.
+  guide::Understood offered_;
+  double offered_until_t_ms_ = 0;
   std::optional<FrameResult> last_result_;
   Announcer announcer_;
   std::unique_ptr<LedWalk> led_;  // who is led somewhere, or was

@@ -150,6 +150,28 @@ TEST_F(DeviceTest, AQuestionInWordsIsAnsweredAsByItsButton) {
       << "that was answered";
 }
 
+TEST_F(DeviceTest, AYesAnswersAnOfferOnlyUntilAnythingElseIsAskedAndWhileItHolds) {
+  host.home->rooms = {{"bedroom", "bedroom"}};
+  say(hello());
+  const auto message = [&](std::int64_t id, double t_ms, service::Question question,
+                           const std::string& subject) {
+    ask(id, t_ms, question, subject);
+    return wire->take<service::PromptMessage>().at(0).message;
+  };
+  const auto offer = [&](std::int64_t id, double t_ms) {
+    EXPECT_EQ(message(id, t_ms, service::Question::kInWords, "where is the bedrom"),
+              "ask.did_you_mean");
+  };
+  offer(1, 100);
+  EXPECT_EQ(message(2, 1000, service::Question::kInWords, "yes"), "route.no_place");
+  offer(3, 2000);
+  EXPECT_EQ(message(4, 3000, service::Question::kWhichRooms, ""), "rooms.count");
+  EXPECT_EQ(message(5, 4000, service::Question::kInWords, "yes"), "ask.not_understood");
+  offer(6, 5000);
+  const double holds_ms = guide::kHomeValid_s * 1000;
+  EXPECT_EQ(message(7, 5001 + holds_ms, service::Question::kInWords, "yes"), "ask.not_understood");
+}
+
 TEST_F(DeviceTest, WhoAsksInWordsToBeLedTalksToTheGuide) {
   guide::KnownThing bed;
   bed.name = "bed";

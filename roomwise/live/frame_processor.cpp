@@ -78,6 +78,7 @@ Expected<FrameResult> FrameProcessor::look(CameraFrame frame,
   const std::optional<image::DepthImage>& depth = images.depth;
   FrameResult result;
   result.t_ms = frame.t_ms;
+  result.has_depth = depth.has_value();
   ROOMWISE_TRY(const auto answer, locate(color, depth, *home, result));
   if (answer && answer->found()) {
     result.place = CameraPose{home->map->frame.gravity_from_world * answer->world_from_camera,

@@ -30,6 +30,7 @@ struct FrameResult {
   std::optional<CameraPose> place;
   // Of a camera that nobody calibrated, what is known of its lens, where this frame told of it.
   std::optional<mapping::LensCalibration> lens;
+  bool has_depth = false;            // the frame has; else nothing tells what is ahead now
   std::optional<double> obstacle_m;  // straight ahead, by depth
   Bytes picture;                     // as the device sent it
 };

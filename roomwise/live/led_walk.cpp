@@ -45,10 +45,18 @@ std::optional<Goal> room_called(const std::string& asked, const HomeView& home,
   return std::nullopt;
 }
 
+guide::HomeMap map_on(const std::optional<CalendarTime>& today, const HomeView& home,
+                      std::span<const rooms::Doorway> doorways) {
+  guide::HomeMap map = map_of(home, doorways);
+  map.today = today;
+  return map;
+}
+
 // A thing of the home, a room, or "door": the nearest one.
 std::optional<Goal> goal_of(const service::Ask& asked, const HomeView& home,
-                            std::span<const rooms::Doorway> doorways,
-                            const guide::UserLocation& location, const guide::Wording& wording) {
+                            std::span<const rooms::Doorway> doorways, const Situation& situation) {
+  const guide::UserLocation location = standing_of(situation.result);
+  const guide::Wording wording = wording_of(situation.settings);
   const guide::HomeMap map = map_of(home, doorways);
   const guide::Phrasebook& phrases = wording.phrases();
   if (!asked.is_room) {
@@ -56,7 +64,7 @@ std::optional<Goal> goal_of(const service::Ask& asked, const HomeView& home,
         guide::thing_meant(asked.subject, home.things, home.concepts.vocabulary, phrases);
     std::vector<Goal> goals;
     for (const guide::KnownThing& thing : home.things) {
-      if (meant && thing.name == *meant) goals.push_back(Goal::of(thing));
+      if (meant && thing.name == *meant) goals.push_back(Goal::of(thing, situation.today));
     }
     if (auto goal = nearest(std::move(goals), map, location)) return goal;
   }
@@ -71,22 +79,22 @@ std::optional<Goal> goal_of(const service::Ask& asked, const HomeView& home,
 }  // namespace
 
 LedWalk::LedWalk(service::Ask asked, std::shared_ptr<const HomeView> home, Goal goal,
-                 const service::SpeakingSettings& settings)
+                 const Situation& situation)
     : asked_(std::move(asked)),
-      settings_(settings),
+      settings_(situation.settings),
+      today_(situation.today),
       home_(std::move(home)),
       doorways_(doorways_of(*home_)),
-      guidance_(std::make_unique<guide::Guidance>(map_of(*home_, doorways_), std::move(goal),
-                                                  wording_of(settings))) {}
+      guidance_(std::make_unique<guide::Guidance>(map_on(today_, *home_, doorways_),
+                                                  std::move(goal), wording_of(settings_))) {}
 
 std::unique_ptr<LedWalk> LedWalk::to(const service::Ask& goal,
                                      const std::shared_ptr<const HomeView>& home,
                                      const Situation& situation) {
   const std::vector<rooms::Doorway> doorways = doorways_of(*home);
-  auto found =
-      goal_of(goal, *home, doorways, standing_of(situation.result), wording_of(situation.settings));
+  auto found = goal_of(goal, *home, doorways, situation);
   if (!found) return nullptr;
-  return std::unique_ptr<LedWalk>(new LedWalk(goal, home, *std::move(found), situation.settings));
+  return std::unique_ptr<LedWalk>(new LedWalk(goal, home, *std::move(found), situation));
 }
 
 TimestampNs LedWalk::at(double t_ms) {
@@ -113,7 +121,7 @@ std::vector<guide::Prompt> LedWalk::after(const FrameResult& result,
       home->map == home_->map || (home->map && home_->map && home->map->localizer &&
                                   home->map->localizer == home_->map->localizer);
   if (!is_same_map && !is_over()) {
-    const Situation now{*home, &result, settings_, result.t_ms};
+    const Situation now{*home, &result, settings_, result.t_ms, today_};
     if (auto anew = to(asked_, home, now)) {
       anew->now_ns_ = now_ns_;
       *this = std::move(*anew);

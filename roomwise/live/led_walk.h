@@ -33,11 +33,12 @@ class LedWalk {
 
  private:
   LedWalk(service::Ask asked, std::shared_ptr<const HomeView> home, guide::Goal goal,
-          const service::SpeakingSettings& settings);
+          const Situation& situation);
   [[nodiscard]] TimestampNs at(double t_ms);
 
   service::Ask asked_;
   service::SpeakingSettings settings_;
+  std::optional<CalendarTime> today_;  // when it was asked for
   std::shared_ptr<const HomeView> home_;
   std::vector<rooms::Doorway> doorways_;
   std::unique_ptr<guide::Guidance> guidance_;

@@ -102,7 +102,8 @@ class GoalChooser {
     const auto now = std::ranges::find(home_.model.objects, name, &simulation::PlacedObject::name);
     if (now == home_.model.objects.end()) return std::nullopt;
     const Footprint footprint = simulation::footprint_of(*now);
-    GuidedGoal goal{guide::Goal::of(map_.things[i]), outline_of(footprint), now->room};
+    GuidedGoal goal{guide::Goal::of(map_.things[i], std::nullopt), outline_of(footprint),
+                    now->room};
     constexpr double kMoved_m = 0.2;
     if ((footprint.center - goal.goal.outline->middle_gravity).norm() > kMoved_m) {
       return std::nullopt;

@@ -16,7 +16,6 @@ constexpr std::size_t kThingsOfAPrompt = 4;  // more is forgotten before the las
 constexpr double kHand_m = 0.1;              // boxes end a hand's breadth early or late
 constexpr double kFarthestAhead_m = 6;
 constexpr double kHalfPerson_m = 0.25;
-constexpr double kOwnPlace_m = 0.3;  // what is nearer is the person, or the place is a little wrong
 
 // An answer in the making.
 class HomeAnswer {
@@ -49,7 +48,7 @@ class HomeAnswer {
   void say_things(const std::string& message, const Values& values,
                   std::span<const KnownThing* const> things) {
     for (const bool is_sure : {true, false}) {
-      const Nouns nouns = names_of(things, is_sure);
+      const Nouns nouns = names_of(things, is_sure, today_.date);
       list(message + (is_sure ? "" : "_probable"), values, "things", nouns, is_sure);
     }
     say_seen(things);
@@ -69,11 +68,12 @@ class HomeAnswer {
   [[nodiscard]] std::vector<Prompt> take() { return std::move(prompts_); }
 
  private:
-  static Nouns names_of(std::span<const KnownThing* const> things, bool is_sure) {
+  static Nouns names_of(std::span<const KnownThing* const> things, bool is_sure,
+                        const std::optional<CalendarTime>& today) {
     Nouns nouns;
     for (const KnownThing* thing : things) {
       const bool is_known = std::ranges::count(nouns, thing->name, &Noun::name) > 0;
-      if (thing->is_sure() == is_sure && !is_known) {
+      if (thing->is_sure(today) == is_sure && !is_known) {
         nouns.push_back({Noun::Kind::kThing, thing->name});
       }
     }
@@ -90,8 +90,9 @@ Outline outline_of(const KnownThing& thing) {
   return {thing.position_gravity->head<2>(), thing.size_m().head<2>(), thing.yaw_rad};
 }
 
+// `surface` has a place.
 bool stands_on(const KnownThing& thing, const KnownThing& surface) {
-  if (&thing == &surface || !thing.position_gravity || !surface.position_gravity) return false;
+  if (&thing == &surface || !thing.position_gravity) return false;
   const objects::Kind* const kind = objects::find_kind(thing.name);
   if (kind != nullptr && kind->stands_on_floor) return false;
   const double middle_m = thing.position_gravity->z();
@@ -102,9 +103,10 @@ bool stands_on(const KnownThing& thing, const KnownThing& surface) {
          outline_of(surface).distance_m(thing.position_gravity->head<2>()) == 0;
 }
 
+// Of a thing that has a place; 0 where the person's is not known.
 double distance_to(const KnownThing& thing, const UserLocation& location) {
   const Pose* const pose = location.sure_pose();
-  if (pose == nullptr || !thing.position_gravity) return 0;
+  if (pose == nullptr) return 0;
   return outline_of(thing).distance_m(pose->position_gravity);
 }
 
@@ -153,17 +155,20 @@ struct Ahead {
   Eigen::Vector2d place_gravity = Eigen::Vector2d::Zero();
 };
 
-// Along one line beside the heading.
+// Along one line beside the heading. What somebody stands beside, up against it, is not ahead.
 Ahead look_along(const fusion::FloorGrid& floor, const Pose& pose, double aside_m) {
   const Eigen::Vector2d forward(std::cos(pose.heading_rad), std::sin(pose.heading_rad));
   const Eigen::Vector2d left(-forward.y(), forward.x());
   Ahead ahead;
-  for (ahead.distance_m = kOwnPlace_m; ahead.distance_m < kFarthestAhead_m;
+  bool is_beside = aside_m != 0;
+  for (ahead.distance_m = 0; ahead.distance_m < kFarthestAhead_m;
        ahead.distance_m += floor.cell_m() / 2) {
     ahead.place_gravity = pose.position_gravity + ahead.distance_m * forward + aside_m * left;
     ahead.cell = floor.at(ahead.place_gravity);
-    if (ahead.cell != fusion::FloorCell::kFree) return ahead;
+    is_beside = is_beside && ahead.cell == fusion::FloorCell::kOccupied;
+    if (ahead.cell != fusion::FloorCell::kFree && !is_beside) return ahead;
   }
+  ahead.cell = fusion::FloorCell::kFree;
   return ahead;
 }
 
@@ -171,9 +176,7 @@ Ahead look_ahead(const fusion::FloorGrid& floor, const Pose& pose) {
   Ahead nearest = look_along(floor, pose, 0);
   for (const double aside_m : {-kHalfPerson_m, kHalfPerson_m}) {
     const Ahead one = look_along(floor, pose, aside_m);
-    // What the map does not know beside the line is no end of it.
-    const bool ends = one.cell == fusion::FloorCell::kOccupied;
-    if (ends && one.distance_m < nearest.distance_m) nearest = one;
+    if (one.distance_m < nearest.distance_m) nearest = one;
   }
   return nearest;
 }
@@ -191,28 +194,23 @@ const KnownThing* thing_at(const Eigen::Vector2d& place_gravity, const HomeMap& 
   return nearest;
 }
 
-void say_ahead_by_map(const HomeMap& map, const Pose& pose, const Wording& wording,
-                      HomeAnswer& answer) {
+void say_ahead_by_map(const HomeMap& map, const Pose& pose, bool is_looked_at,
+                      const Wording& wording, const Today& today, HomeAnswer& answer) {
   const Ahead ahead = look_ahead(*map.floor, pose);
-  const Values far{{"distance", wording.distance(ahead.distance_m)}};
-  if (ahead.cell == fusion::FloorCell::kFree) {
-    answer.say("ahead.free", far, kDirectionValid_s);
-    return;
+  Values values{{"distance", wording.distance(ahead.distance_m)}};
+  const auto say = [&](const std::string& message, bool is_sure) {
+    answer.say(message + (is_looked_at ? "" : "_by_map"), values, kDirectionValid_s,
+               is_sure && is_looked_at);
+  };
+  if (ahead.cell == fusion::FloorCell::kUnknown && ahead.distance_m == 0) {
+    return answer.say_unsure("ahead.unknown");
   }
-  if (ahead.cell == fusion::FloorCell::kUnknown) {
-    if (ahead.distance_m <= kOwnPlace_m) return answer.say_unsure("ahead.unknown");
-    answer.say("ahead.free", far, kDirectionValid_s);
-    return;
-  }
+  if (ahead.cell != fusion::FloorCell::kOccupied) return say("ahead.free", true);
   const KnownThing* const there = thing_at(ahead.place_gravity, map);
-  if (there == nullptr) {
-    answer.say("ahead.something", far, kDirectionValid_s);
-    return;
-  }
-  Values values = far;
+  if (there == nullptr) return say("ahead.something", true);
   values["thing"] = thing(there->name);
-  answer.say(there->is_sure() ? "ahead.thing" : "ahead.thing_probable", values, kDirectionValid_s,
-             there->is_sure());
+  const bool is_sure = there->is_sure(today.date);
+  say(is_sure || !is_looked_at ? "ahead.thing" : "ahead.thing_probable", is_sure);
 }
 
 }  // namespace
@@ -223,21 +221,19 @@ std::vector<Prompt> on_prompts(const std::string& surface, const HomeMap& map,
   HomeAnswer answer("on " + surface, wording, today);
   std::vector<const KnownThing*> surfaces;
   for (const KnownThing& thing : map.things) {
-    if (thing.name == surface) surfaces.push_back(&thing);
+    if (thing.name == surface && thing.position_gravity) surfaces.push_back(&thing);
   }
   std::ranges::stable_sort(surfaces, {}, [&](const KnownThing* one) {
     return std::pair(distance_to(*one, location), -one->probability);
   });
   const Values values{{"thing", thing(surface)}};
-  std::vector<const KnownThing*> there;
-  for (const KnownThing& thing : map.things) {
-    if (!surfaces.empty() && stands_on(thing, *surfaces.front())) there.push_back(&thing);
-  }
-  const bool has_place = std::ranges::any_of(
-      surfaces, [](const KnownThing* one) { return one->position_gravity.has_value(); });
-  if (!has_place) {
+  if (surfaces.empty()) {
     answer.say_unsure("on.no_place", values);
     return answer.take();
+  }
+  std::vector<const KnownThing*> there;
+  for (const KnownThing& thing : map.things) {
+    if (stands_on(thing, *surfaces.front())) there.push_back(&thing);
   }
   if (there.empty()) answer.say("on.nothing", values);
   answer.say_things("on.things", values, there);
@@ -316,7 +312,7 @@ std::vector<Prompt> facing_prompts(const HomeMap& map, const UserLocation& locat
     const bool is_elsewhere = location.room && thing.room && *thing.room != *location.room;
     const auto bearing = bearing_of(thing, *pose);
     if (bearing && !is_elsewhere) {
-      consider(*bearing, {Noun::Kind::kThing, thing.name}, thing.is_sure());
+      consider(*bearing, {Noun::Kind::kThing, thing.name}, thing.is_sure(today.date));
     }
   }
   for (const rooms::Doorway& door : doors_of(map.doorways)) {
@@ -335,14 +331,16 @@ std::vector<Prompt> facing_prompts(const HomeMap& map, const UserLocation& locat
 }
 
 std::vector<Prompt> ahead_prompts(const HomeMap& map, const UserLocation& location,
-                                  const std::optional<double>& obstacle_m, const Wording& wording,
+                                  const DepthAhead& depth, const Wording& wording,
                                   const Today& today) {
   HomeAnswer answer("ahead", wording, today);
-  if (obstacle_m) {
-    answer.say("ahead.now", {{"distance", wording.distance(*obstacle_m)}}, kDirectionValid_s);
+  if (depth.obstacle_m) {
+    answer.say("ahead.now", {{"distance", wording.distance(*depth.obstacle_m)}}, kDirectionValid_s);
   }
   const Pose* const pose = location.sure_pose();
-  if (pose != nullptr && map.floor != nullptr) say_ahead_by_map(map, *pose, wording, answer);
+  if (pose != nullptr && map.floor != nullptr) {
+    say_ahead_by_map(map, *pose, depth.is_measured, wording, today, answer);
+  }
   if (answer.empty()) answer.say_unsure("ahead.unknown");
   return answer.take();
 }

@@ -36,11 +36,17 @@ struct Today {
 // "which way do I face": the nearest thing or door at 12 o'clock.
 [[nodiscard]] std::vector<Prompt> facing_prompts(const HomeMap& map, const UserLocation& location,
                                                  const Wording& wording, const Today& today);
-// "what is ahead": what depth shows now (`obstacle_m`, absent: nothing), then what the map's floor
-// has within six metres, in the breadth of a person.
+// What a camera's depth shows of the way, now.
+struct DepthAhead {
+  bool is_measured = false;                         // there is depth
+  std::optional<double> obstacle_m = std::nullopt;  // absent: it shows none within a step
+};
+// "what is ahead": what depth shows, then what the map's floor has within six metres, in the
+// breadth of a person. What the map does not know, also beside the line, ends what it tells of.
+// Without depth nobody looks at the way, and what the map has is said as the map's and probable.
 [[nodiscard]] std::vector<Prompt> ahead_prompts(const HomeMap& map, const UserLocation& location,
-                                                const std::optional<double>& obstacle_m,
-                                                const Wording& wording, const Today& today);
+                                                const DepthAhead& depth, const Wording& wording,
+                                                const Today& today);
 // "describe the room": its free floor, where it leads, and its things clockwise about its middle,
 // from the door on that is nearest to the person.
 [[nodiscard]] std::vector<Prompt> describe_prompts(const std::string& room, const HomeMap& map,

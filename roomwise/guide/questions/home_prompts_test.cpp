@@ -13,6 +13,8 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 using ::testing::ElementsAre;
 
+constexpr DepthAhead kFreeByDepth{.is_measured = true, .obstacle_m = {}};
+
 KnownThing standing(const std::string& name, const Vector3d& middle_m, const Vector3d& size_m,
                     const std::string& room = "bedroom", double probability = 0.95) {
   KnownThing thing;
@@ -70,7 +72,34 @@ TEST_F(HomePromptsTest, OfThingsItIsToldSinceWhenOneWasNotSeen) {
              standing("book", {2.4, 2.2, 0.79}, {0.1, 0.1, 0.1})};
   things_[1].seen = CalendarTime{2026, 11, 25, 9};
   things_[2].seen = CalendarTime{2026, 11, 20, 9};
-  EXPECT_THAT(on("table"), ElementsAre("On the table: cup and book.", "Seen on 20 November."));
+  EXPECT_THAT(on("table"), ElementsAre("Probably on the table: cup and book.", "Seen on Friday."));
+}
+
+TEST_F(HomePromptsTest, WhatWasSeenLongAgoIsProbable) {
+  things_ = {standing("table", {2, 2, 0.37}, {1.6, 0.8, 0.74}),
+             standing("remote control", {2.5, 2.2, 0.79}, {0.1, 0.1, 0.1})};
+  things_[1].seen = CalendarTime{2026, 10, 17, 9};
+  EXPECT_EQ(on("table").at(0), "Probably on the table: remote control.");
+  EXPECT_EQ(said(in_prompts("bedroom", map(), english_, today_)).at(1),
+            "Probably in the bedroom: remote control.");
+  things_[1].position_gravity = Vector3d(3, 1, 1);
+  const UserLocation here{Pose{Vector2d(1, 1), 0, 0.05}, "bedroom"};
+  EXPECT_TRUE(said(facing_prompts(map(), here, english_, today_))
+                  .at(0)
+                  .starts_with("You probably face the remote control, "));
+  EXPECT_FALSE(Goal::of(things_[1], today_.date).is_sure);
+  EXPECT_TRUE(Goal::of(things_[1], things_[1].seen).is_sure);
+}
+
+TEST_F(HomePromptsTest, OfSeveralTablesOneWhosePlaceIsKnownIsAnsweredOf) {
+  things_ = {standing("table", {5, 2, 0.37}, {1, 1, 0.74}),
+             standing("table", {2, 2, 0.37}, {1.6, 0.8, 0.74}, "bedroom", 0.9),
+             standing("cup", {2.5, 2.2, 0.79}, {0.1, 0.1, 0.1})};
+  things_[0].position_gravity.reset();
+  EXPECT_THAT(on("table"), ElementsAre("On the table: cup."));
+  const UserLocation here{Pose{Vector2d(1, 1), 0, 0.05}, "bedroom"};
+  EXPECT_THAT(said(on_prompts("table", map(), here, english_, today_)),
+              ElementsAre("On the table: cup."));
 }
 
 TEST_F(HomePromptsTest, InARoomAreItsThingsFourAtATime) {
@@ -94,9 +123,9 @@ TEST_F(HomePromptsTest, RoomsAreCountedAndNamed) {
 TEST_F(HomePromptsTest, AheadIsWhatDepthShowsNowAndWhatTheMapHas) {
   const Vector2d place(1, 1);
   const UserLocation here{Pose{place, 0, 0.05}, "bedroom"};
-  EXPECT_THAT(said(ahead_prompts(map(), nowhere_, {}, english_, today_)),
+  EXPECT_THAT(said(ahead_prompts(map(), nowhere_, kFreeByDepth, english_, today_)),
               ElementsAre("I do not know what is ahead."));
-  const auto wall = said(ahead_prompts(map(), here, 0.9, english_, today_));
+  const auto wall = said(ahead_prompts(map(), here, DepthAhead{true, 0.9}, english_, today_));
   ASSERT_EQ(wall.size(), 2U);
   EXPECT_EQ(wall[0], "Something is ahead now, 1 step.");
   EXPECT_TRUE(wall[1].starts_with("Something stands ahead, ")) << wall[1];
@@ -106,9 +135,40 @@ TEST_F(HomePromptsTest, AheadIsWhatDepthShowsNowAndWhatTheMapHas) {
     wall_m += 0.01;
   }
   things_ = {standing("wardrobe", {place.x() + wall_m + 0.2, 1, 1}, {0.5, 0.5, 2})};
-  const auto wardrobe = said(ahead_prompts(map(), here, {}, english_, today_));
+  const auto wardrobe = said(ahead_prompts(map(), here, kFreeByDepth, english_, today_));
   ASSERT_EQ(wardrobe.size(), 1U);
   EXPECT_TRUE(wardrobe[0].starts_with("The wardrobe is ahead, ")) << wardrobe[0];
+}
+
+TEST_F(HomePromptsTest, WithoutDepthWhatIsAheadIsTheMapsAndNeverSure) {
+  const UserLocation here{Pose{Vector2d(3, 1), 0, 0.05}, "bedroom"};
+  const auto told = [&] {
+    const auto prompts = ahead_prompts(map(), here, {}, english_, today_);
+    EXPECT_EQ(prompts.size(), 1U);
+    EXPECT_NE(prompts.at(0).confidence, Confidence::kSure);
+    return prompts.at(0).text;
+  };
+  EXPECT_TRUE(told().starts_with("By the map, something stands ahead, ")) << told();
+  things_ = {standing("wardrobe", {4.2, 1, 1}, {0.5, 0.5, 2})};
+  EXPECT_TRUE(told().starts_with("By the map, the wardrobe is ahead, ")) << told();
+}
+
+TEST_F(HomePromptsTest, TheFreeStretchAheadEndsWhereTheMapKnowsNoMoreAndBeginsAtTheFeet) {
+  using fusion::FloorCell;
+  const UserLocation here{Pose{Vector2d(1.05, 2.05), 0, 0.05}, "bedroom"};
+  const auto told = [&](const Eigen::Vector2i& cell, FloorCell state) {
+    const auto floor = testing::two_rooms().fill(cell, cell + Eigen::Vector2i(1, 1), state).grid();
+    const HomeMap map{&floor, &layout_, layout_.doorways(), {}};
+    return said(ahead_prompts(map, here, kFreeByDepth, english_, today_)).at(0);
+  };
+  EXPECT_EQ(told({30, 22}, FloorCell::kUnknown), "I know of nothing ahead for 2 steps.")
+      << "a place beside the line";
+  EXPECT_EQ(told({12, 20}, FloorCell::kOccupied).substr(0, 23), "Something stands ahead,")
+      << "right before the feet";
+  EXPECT_EQ(told({12, 20}, FloorCell::kOccupied), told({11, 20}, FloorCell::kOccupied));
+  EXPECT_EQ(told({10, 22}, FloorCell::kOccupied), "Something stands ahead, 3 steps.")
+      << "what one stands beside is not ahead";
+  EXPECT_EQ(told({10, 22}, FloorCell::kUnknown), "I do not know what is ahead.");
 }
 
 TEST_F(HomePromptsTest, FacingIsTheNearestAtTwelve) {
