@@ -25,6 +25,7 @@
 #include <vector>
 
 #include "arguments.h"
+#include "roomwise/evaluation/quantile.h"
 #include "roomwise/evaluation/trajectory_error.h"
 #include "roomwise/pipeline/mapping/map_recording.h"
 #include "roomwise/pipeline/rooms/room_learning.h"
@@ -168,10 +169,7 @@ std::optional<Run> map_apart(const Task& task, const Way& way, std::uint64_t see
 std::string median_and_range(const std::vector<Run>& runs, double Run::*field, int decimals) {
   std::vector<double> values;
   for (const Run& run : runs) values.push_back(run.*field);
-  std::ranges::sort(values);
-  if (values.front() == values.back()) return fmt::format("{:.{}f}", values.front(), decimals);
-  return fmt::format("{:.{}f} ({:.{}f} to {:.{}f})", values[values.size() / 2], decimals,
-                     values.front(), decimals, values.back(), decimals);
+  return evaluation::middle_and_range(std::move(values), decimals);
 }
 
 // The real recordings that lie in ROOMWISE_DATA.

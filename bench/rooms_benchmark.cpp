@@ -6,11 +6,7 @@
 // not done again. Prints a table over all homes. Intervals of 95 % resample whole walks (of what
 // was never learned: homes).
 
-#include <fcntl.h>
 #include <fmt/ranges.h>
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -21,6 +17,7 @@
 #include <nlohmann/json.hpp>
 
 #include "arguments.h"
+#include "laboratory/studies/roomwise_runs.h"
 #include "roomwise/base/file.h"
 #include "roomwise/evaluation/resampling.h"
 
@@ -30,7 +27,7 @@ namespace {
 namespace fs = std::filesystem;
 using evaluation::BlockedProportion;
 using nlohmann::json;
-using Words = std::vector<std::string>;
+using studies::Words;
 
 struct RoomsOptions {
   fs::path folder;
@@ -41,13 +38,8 @@ struct RoomsOptions {
   bool is_thinned = false;
 };
 
-struct Walk {
-  std::string_view name, scenario, condition;
-  int seed;
-};
-constexpr std::array kVisits{
-    Walk{"evening", "evening", "light", 2}, Walk{"night", "night", "light", 3},
-    Walk{"moved-1", "moved", "moved", 4}, Walk{"moved-2", "moved", "moved", 5}};
+using Walk = studies::SimulatedWalk;
+using studies::kVisits;
 
 // The rooms of a home, by its seed.
 constexpr std::array<std::string_view, 5> kRooms{
@@ -58,82 +50,30 @@ constexpr std::array<std::string_view, 5> kRooms{
     "bedroom,bedroom,kitchen,toilet,hall,living-room,dining-room,study",
 };
 
-// Fails where a result is there that another command made.
-Expected<void> check_made_by(const std::string& command, const fs::path& result) {
-  ROOMWISE_TRY(const std::string text, read_text_file(result));
-  const json made = json::parse(text, nullptr, false);
-  const std::string by = made.is_object() ? made.value("command", "") : "";
-  if (by == command) return {};
-  return fail("{} was made by another command, '{}'; remove it to have it made anew",
-              result.string(), by);
-}
-
-// Runs bin/roomwise and keeps what it prints in a file, with its command, which is there only when
-// it is done.
-Expected<void> run_once(Words words, const fs::path& result) {
-  const std::string command = fmt::format("{}", fmt::join(words, " "));
-  if (fs::exists(result)) return check_made_by(command, result);
-  static const std::string program =
-      (fs::read_symlink("/proc/self/exe").parent_path() / "roomwise").string();
-  fmt::print(stderr, "roomwise {}\n", command);
-  words.insert(words.begin(), program);
-  words.emplace_back("--json");
-  std::vector<char*> argv;
-  for (std::string& word : words) argv.push_back(word.data());
-  argv.push_back(nullptr);
-  const std::string unfinished = result.string() + ".unfinished";
-  posix_spawn_file_actions_t files;
-  posix_spawn_file_actions_init(&files);
-  posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, unfinished.c_str(),
-                                   O_WRONLY | O_CREAT | O_TRUNC, 0644);
-  pid_t process = -1;
-  const int spawned = posix_spawn(&process, program.c_str(), &files, nullptr, argv.data(), environ);
-  posix_spawn_file_actions_destroy(&files);
-  if (spawned != 0) return fail("{}: cannot be started", program);
-  int status = 0;
-  waitpid(process, &status, 0);
-  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
-    return fail("roomwise {} failed; the same command goes on from there", words[1]);
+// Runs bin/roomwise and keeps what it prints in a file, with its command.
+Expected<void> run_once(const Words& words, const fs::path& result) {
+  static const Interruption never;
+  const studies::RunProgram program = [](const studies::ProgramRun& run) {
+    fmt::print(stderr, "roomwise {}\n", fmt::join(run.words, " "));
+    return studies::roomwise_beside(never)(run);
+  };
+  auto made = studies::run_kept({words, {}, {}}, result, program);
+  if (!made) {
+    return fail("{}; the same command goes on from there", std::move(made).error().message);
   }
-  ROOMWISE_TRY(const std::string printed, read_text_file(unfinished));
-  json made = json::parse(printed, nullptr, false);
-  if (!made.is_object()) return fail("roomwise {} printed no JSON", words[1]);
-  made["command"] = command;
-  ROOMWISE_CHECK_OK(write_file(result, made.dump()));
-  fs::remove(unfinished);
   return {};
 }
 
 Words with_networks(Words words, const RoomsOptions& options) {
-  for (const fs::path& network : options.networks) {
-    words.insert(words.end(), {"--network", network.string()});
-  }
-  return words;
+  return studies::with_networks(std::move(words), options.networks);
 }
 
-Expected<void> simulate(const std::string& seed, const fs::path& folder, const Walk& walk,
-                        const Words& more) {
+Expected<void> simulate(const std::string& seed, const fs::path& folder, const Walk& walk) {
   const std::size_t kind = std::stoull(seed) % kRooms.size();
-  const fs::path output = folder / walk.name;
-  Words words{"simulate",
-              "--home-seed",
-              seed,
-              "--rooms",
-              std::string(kRooms[kind]),
-              "--scenario",
-              std::string(walk.scenario),
-              "--scenario-seed",
-              std::to_string(walk.seed),
-              "--walk-seed",
-              std::to_string(walk.seed),
-              "--samples",
-              "2",
-              "--bake-effort",
-              "0.4",
-              "-o",
-              output.string()};
-  words.insert(words.end(), more.begin(), more.end());
-  return run_once(std::move(words), folder / fmt::format("{}.json", walk.name));
+  return run_once(
+      studies::simulate_words({"--home-seed", seed, "--rooms", std::string(kRooms[kind])}, walk,
+                              folder / walk.name),
+      folder / fmt::format("{}.json", walk.name));
 }
 
 fs::path changes_file(const fs::path& folder, const Walk& walk) {
@@ -146,15 +86,14 @@ Expected<void> make_home(const std::string& seed, const RoomsOptions& options) {
   fs::create_directories(folder);
   const fs::path home = folder / "day.home";
   const fs::path mapped = folder / "mapped.json";
-  ROOMWISE_CHECK_OK(
-      simulate(seed, folder, {"day", "day", "", 1}, {"--fps", "3", "--no-fast-turns"}));
+  ROOMWISE_CHECK_OK(simulate(seed, folder, studies::kDayWalk));
   if (!fs::exists(mapped)) {
     for (const char* suffix : {"", "-wal", "-shm", "-lock"}) fs::remove(home.string() + suffix);
   }
   ROOMWISE_CHECK_OK(run_once(
       with_networks({"map", (folder / "day").string(), "--home", home.string()}, options), mapped));
   for (const Walk& walk : kVisits) {
-    ROOMWISE_CHECK_OK(simulate(seed, folder, walk, {"--fps", "0.7"}));
+    ROOMWISE_CHECK_OK(simulate(seed, folder, walk));
   }
   const Words of_day{"--home", home.string(), "--truth", (folder / "day").string()};
   Words objects{"eval", "objects"};
@@ -177,9 +116,7 @@ Expected<json> evaluate_home(std::size_t i, const Words& seeds, const RoomsOptio
   const std::string home = (folder / "day.home").string();
   ROOMWISE_CHECK_OK(run_once(with_networks({"rooms", "learn", "--home", home}, options),
                              folder / "learned.json"));
-  // The vote of features takes most of the time, and finds little
-  // (docs/experiments/rooms-first-homes.md).
-  Words words{"rooms", "eval", "--home", home, "--margin", "1", "--baselines", "--max-voted", "0"};
+  Words words = studies::room_trial_words(home);
   for (const Walk& walk : kVisits) {
     words.insert(words.end(), {"--recording", (folder / walk.name).string()});
   }
@@ -201,19 +138,6 @@ Expected<json> evaluate_home(std::size_t i, const Words& seeds, const RoomsOptio
 
 // ---- the table ----
 
-constexpr std::array<std::pair<const char*, const char*>, 11> kWays{
-    {{"baseline_colors", "baseline: most alike colours (HSV)"},
-     {"baseline_nearest", "baseline: nearest features"},
-     {"paper_single", "the paper's way, one picture"},
-     {"paper_pair_without_objects", "the paper's way, two pictures, no objects"},
-     {"paper_pair", "the paper's way, two pictures"},
-     {"single", "one picture"},
-     {"pair", "two pictures"},
-     {"stream", "every picture of a walk"},
-     {"single_place", "one picture, with its place"},
-     {"pair_place", "two pictures, with their place"},
-     {"stream_place", "every picture of a walk, with its place"}}};
-
 // `part` of `whole` trials of a block succeeded.
 void add(BlockedProportion& to, std::uint64_t block, std::uint64_t part, std::uint64_t whole) {
   for (std::uint64_t i = 0; i < whole; ++i) to.add(block, i < part);
@@ -229,7 +153,7 @@ void print_ways(const std::vector<json>& homes) {
   fmt::print(
       "| way | what changed | walks | decisions | named | of these right | best room right |\n"
       "| --- | --- | --- | --- | --- | --- | --- |\n");
-  for (const auto& [key, title] : kWays) {
+  for (const auto& [key, title] : studies::kRoomWays) {
     for (const auto& [condition, changed] :
          {std::pair("light", "light"), std::pair("moved", "things moved")}) {
       BlockedProportion named, right, best;

@@ -1,5 +1,7 @@
 #include "roomwise/evaluation/quantile.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 namespace roomwise::evaluation {
@@ -12,6 +14,13 @@ double quantile(std::vector<double> values, double share) {
   const std::size_t above = std::min(below + 1, values.size() - 1);
   const double part = place - static_cast<double>(below);
   return (1 - part) * values[below] + part * values[above];
+}
+
+std::string middle_and_range(std::vector<double> values, int decimals) {
+  std::ranges::sort(values);
+  if (values.front() == values.back()) return fmt::format("{:.{}f}", values.front(), decimals);
+  return fmt::format("{:.{}f} ({:.{}f} to {:.{}f})", values[values.size() / 2], decimals,
+                     values.front(), decimals, values.back(), decimals);
 }
 
 }  // namespace roomwise::evaluation

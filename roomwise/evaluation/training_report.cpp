@@ -64,17 +64,6 @@ std::string four_digits(double value) {
   return std::isfinite(value) ? fmt::format("{:.4f}", value) : "–";
 }
 
-std::string table_of(const TrainingReportContent& content) {
-  std::vector<std::vector<std::string>> rows;
-  for (const Point& point : content.points) {
-    rows.push_back({fmt::format("{}{}", point.step, point.step == content.best_step ? " *" : ""),
-                    four_digits(point.cross_entropy), four_digits(point.held_out_cross_entropy),
-                    four_digits(point.held_out_precision)});
-  }
-  return report_table("After so many steps; the best is marked with *",
-                      {"steps", "cross-entropy", "held out", "held-out precision"}, rows);
-}
-
 }  // namespace
 
 SvgDrawing plot_cross_entropy(const TrainingReportContent& content) {
@@ -93,6 +82,26 @@ SvgDrawing plot_precision(const TrainingReportContent& content) {
               1);
 }
 
+std::string training_plots(const TrainingReportContent& content) {
+  std::string html =
+      scrolling("Cross-entropy against steps", plot_cross_entropy(content).element());
+  if (has_held_out(content)) {
+    html += scrolling("Held-out precision against steps", plot_precision(content).element());
+  }
+  return html;
+}
+
+std::string training_table(const TrainingReportContent& content) {
+  std::vector<std::vector<std::string>> rows;
+  for (const Point& point : content.points) {
+    rows.push_back({fmt::format("{}{}", point.step, point.step == content.best_step ? " *" : ""),
+                    four_digits(point.cross_entropy), four_digits(point.held_out_cross_entropy),
+                    four_digits(point.held_out_precision)});
+  }
+  return report_table("After so many steps; the best is marked with *",
+                      {"steps", "cross-entropy", "held out", "held-out precision"}, rows);
+}
+
 std::string render_training_report(const TrainingReportContent& content) {
   std::vector<std::vector<std::string>> figures;
   for (const auto& [name, value] : content.figures) figures.push_back({name, value});
@@ -102,11 +111,7 @@ std::string render_training_report(const TrainingReportContent& content) {
   if (content.points.empty()) {
     body += "<p>It ended before the network was looked at for the first time.</p>\n";
   } else {
-    body += scrolling("Cross-entropy against steps", plot_cross_entropy(content).element());
-    if (has_held_out(content)) {
-      body += scrolling("Held-out precision against steps", plot_precision(content).element());
-    }
-    body += "<h2>Numbers</h2>\n" + table_of(content);
+    body += training_plots(content) + "<h2>Numbers</h2>\n" + training_table(content);
   }
   return report_page("Training of " + content.network, {}, body);
 }

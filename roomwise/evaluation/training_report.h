@@ -31,6 +31,11 @@ struct TrainingReportContent {
 // The share of held-out pictures that were named rightly, against steps.
 [[nodiscard]] SvgDrawing plot_precision(const TrainingReportContent& content);
 
+// Both plots, or one where nothing was held out, each in a frame that scrolls; and their numbers as
+// a table. HTML of a page's body. At least one point.
+[[nodiscard]] std::string training_plots(const TrainingReportContent& content);
+[[nodiscard]] std::string training_table(const TrainingReportContent& content);
+
 // One page of HTML that needs nothing else, with both plots and their numbers as a table.
 [[nodiscard]] std::string render_training_report(const TrainingReportContent& content);
 
