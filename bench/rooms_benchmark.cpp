@@ -57,7 +57,7 @@ Expected<void> run_once(const Words& words, const fs::path& result) {
     fmt::print(stderr, "roomwise {}\n", fmt::join(run.words, " "));
     return studies::roomwise_beside(never)(run);
   };
-  auto made = studies::run_kept({words, {}, {}}, result, program);
+  auto made = studies::run_kept({words, {}, {}, {}}, result, program);
   if (!made) {
     return fail("{}; the same command goes on from there", std::move(made).error().message);
   }

@@ -37,11 +37,24 @@ std::string command_of(const Words& words) {
   _exit(kNotFound);
 }
 
+std::string last_line(const fs::path& log) {
+  if (log.empty()) return "";
+  const auto text = read_text_file(log);
+  if (!text) return "";
+  const std::size_t end = text->find_last_not_of("\r\n ");
+  if (end == std::string::npos) return "";
+  const std::size_t before = text->find_last_of("\r\n", end);
+  const std::size_t begin = before == std::string::npos ? 0 : before + 1;
+  return text->substr(begin, end + 1 - begin);
+}
+
 // All that the child writes until it closes its output. Asks it to stop, once, where the work is
 // interrupted.
-std::string read_while_it_runs(int output, pid_t process, const Interruption& interruption) {
+std::string read_while_it_runs(int output, pid_t process, const ProgramRun& run,
+                               const Interruption& interruption) {
   constexpr int kLookEvery_ms = 200;
   std::string text;
+  std::string heard;
   bool was_asked = false;
   for (std::array<char, 4096> bytes{};;) {
     if (!was_asked && interruption.interrupted()) {
@@ -49,7 +62,12 @@ std::string read_while_it_runs(int output, pid_t process, const Interruption& in
       was_asked = true;
     }
     pollfd ready{output, POLLIN, 0};
-    if (poll(&ready, 1, kLookEvery_ms) <= 0) continue;
+    if (poll(&ready, 1, kLookEvery_ms) <= 0) {
+      if (!run.heard) continue;
+      std::string line = last_line(run.log);
+      if (line != heard) run.heard(heard = std::move(line));
+      continue;
+    }
     const ssize_t count = read(output, bytes.data(), bytes.size());
     if (count < 0 && errno == EINTR) continue;
     if (count <= 0) return text;
@@ -59,13 +77,7 @@ std::string read_while_it_runs(int output, pid_t process, const Interruption& in
 
 // The last line of the log says why a program failed.
 std::string reason_in(const fs::path& log) {
-  if (log.empty()) return "";
-  const auto text = read_text_file(log);
-  if (!text) return "";
-  const std::size_t end = text->find_last_not_of("\r\n ");
-  if (end == std::string::npos) return "";
-  const std::size_t line = text->find_last_of("\r\n", end);
-  std::string reason = text->substr(line == std::string::npos ? 0 : line + 1, end - (line + 1) + 1);
+  std::string reason = last_line(log);
   constexpr std::string_view kPrefix = "roomwise: ";
   if (reason.starts_with(kPrefix)) reason.erase(0, kPrefix.size());
   return reason;
@@ -73,7 +85,7 @@ std::string reason_in(const fs::path& log) {
 
 Error error_of(const ProgramRun& run, int status) {
   const std::string reason = reason_in(run.log);
-  const std::string name = command_of({run.words.begin(), run.words.begin() + 1});
+  const std::string& name = run.words.front();
   if (WIFSIGNALED(status)) {
     return {fmt::format("roomwise {} was ended by signal {}", name, WTERMSIG(status))};
   }
@@ -111,7 +123,7 @@ RunProgram roomwise_beside(const Interruption& interruption) {
       close(ends[0]);
       return fail("{}: cannot be started: {}", program.string(), std::strerror(errno));
     }
-    std::string printed = read_while_it_runs(ends[0], process, interruption);
+    std::string printed = read_while_it_runs(ends[0], process, run, interruption);
     close(ends[0]);
     int status = 0;
     while (waitpid(process, &status, 0) < 0 && errno == EINTR) continue;

@@ -21,6 +21,8 @@ struct ProgramRun {
   Words words;                // what is asked; with other words it is another result
   Words more;                 // what changes no result: --threads
   std::filesystem::path log;  // for what it says while it works; empty: standard error
+  // Is told the last line of the log now and then; empty: nobody.
+  std::function<void(const std::string& line)> heard;
 };
 
 // Runs the program to its end and gives its standard output. Fails, with the program's own reason

@@ -24,7 +24,7 @@ struct Counted {
 
 TEST(KeptRun, IsNotRunAgain) {
   const ScratchFolder folder;
-  const ProgramRun run{{"map", "walk"}, {}, {}};
+  const ProgramRun run{{"map", "walk"}, {}, {}, {}};
   Counted counted;
   for (int i = 0; i < 2; ++i) {
     const auto made = run_kept(run, folder / "map.json", counted.program());
@@ -38,9 +38,9 @@ TEST(KeptRun, IsOfItsWordsAlone) {
   const ScratchFolder folder;
   const std::string file = folder / "map.json";
   Counted counted;
-  ASSERT_OK(run_kept({{"map", "walk"}, {"--threads", "1"}, {}}, file, counted.program()));
+  ASSERT_OK(run_kept({{"map", "walk"}, {"--threads", "1"}, {}, {}}, file, counted.program()));
   EXPECT_OK(kept_result({"map", "walk"}, file)) << "what changes no result does not count";
-  EXPECT_ERROR(run_kept({{"map", "other"}, {}, {}}, file, counted.program()),
+  EXPECT_ERROR(run_kept({{"map", "other"}, {}, {}, {}}, file, counted.program()),
                "made by another command, 'map walk'");
   EXPECT_EQ(counted.runs, 1);
 }
@@ -50,8 +50,8 @@ TEST(KeptRun, KeepsNothingOfARunThatFailed) {
   const std::string file = folder / "map.json";
   const RunProgram fails = [](const ProgramRun&) -> Expected<std::string> { return fail("no"); };
   const RunProgram babbles = [](const ProgramRun&) -> Expected<std::string> { return "done"; };
-  EXPECT_ERROR(run_kept({{"map"}, {}, {}}, file, fails), "no");
-  EXPECT_ERROR(run_kept({{"map"}, {}, {}}, file, babbles), "printed no JSON");
+  EXPECT_ERROR(run_kept({{"map"}, {}, {}, {}}, file, fails), "no");
+  EXPECT_ERROR(run_kept({{"map"}, {}, {}, {}}, file, babbles), "printed no JSON");
   EXPECT_FALSE(std::filesystem::exists(file));
   ASSERT_OK(write_file(file, std::string_view("half")));
   EXPECT_ERROR(kept_result({"map"}, file), "made by another command");

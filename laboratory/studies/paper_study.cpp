@@ -1,10 +1,14 @@
 #include "laboratory/studies/paper_study.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <limits>
 #include <set>
+#include <utility>
 
 #include "laboratory/studies/paper_recordings.h"
 #include "laboratory/studies/roomwise_runs.h"
@@ -108,7 +112,10 @@ class Plan {
     for (std::size_t i = 0; i < steps_.size(); ++i) {
       progress.advance(i, steps_[i].name);
       ROOMWISE_CHECK_OK(progress.check("making the paper's tables"));
-      auto outcome = run_step(steps_[i], program);
+      const auto heard = [&](const std::string& line) {
+        progress.advance(i, fmt::format("{}: {}", steps_[i].name, line));
+      };
+      auto outcome = run_step(steps_[i], heard, program);
       if (!outcome && outcome.error().code == ErrorCode::kInterrupted) {
         return Unexpected(std::move(outcome).error());
       }
@@ -124,7 +131,8 @@ class Plan {
   }
 
  private:
-  Expected<json> run_step(const Step& step, const RunProgram& program) {
+  Expected<json> run_step(const Step& step, const std::function<void(const std::string&)>& heard,
+                          const RunProgram& program) {
     if (!step.after.empty() && !outcomes_.at(step.after)) {
       return Unexpected(outcomes_.at(step.after).error());
     }
@@ -139,7 +147,7 @@ class Plan {
     for (const auto* paths : {&step.made, &step.cleared}) {
       for (const fs::path& path : *paths) fs::remove_all(path, ignored);
     }
-    const ProgramRun run{step.words, options_.more, in_work(step.name + ".log")};
+    const ProgramRun run{step.words, options_.more, in_work(step.name + ".log"), heard};
     auto made = run_kept(run, file, program);
     if (!made) return made;
     for (const fs::path& path : step.removed) fs::remove_all(path, ignored);
@@ -537,6 +545,32 @@ void collect_training(const Plan& plan, PaperResults& results) {
   }
 }
 
+// Two studies in one folder would take each other's files away. The lock goes with the process,
+// however that ends.
+class WorkLock {
+ public:
+  static Expected<WorkLock> take(const fs::path& work) {
+    const fs::path file = work / "lock";
+    WorkLock lock(open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644));
+    if (lock.file_ < 0) return fail("{}: cannot be written to", file.string());
+    if (flock(lock.file_, LOCK_EX | LOCK_NB) != 0) {
+      return fail(
+          "{}: another run works in this folder; wait for its end or give another by --work",
+          work.string());
+    }
+    return lock;
+  }
+  ~WorkLock() {
+    if (file_ >= 0) close(file_);
+  }
+  WorkLock(WorkLock&& other) noexcept : file_(std::exchange(other.file_, -1)) {}
+  WorkLock& operator=(WorkLock&&) = delete;
+
+ private:
+  explicit WorkLock(int file) : file_(file) {}
+  int file_;
+};
+
 Expected<void> make_folders(const fs::path& work) {
   for (const char* part : {"flat", "mapping", "homes", "objects", "rooms", "training"}) {
     std::error_code error;
@@ -572,6 +606,7 @@ Expected<PaperResults> study_paper(const PaperStudyOptions& options, const RunPr
                                    Progress& progress) {
   ROOMWISE_CHECK_OK(options.validate());
   ROOMWISE_CHECK_OK(make_folders(options.work));
+  ROOMWISE_TRY(const WorkLock lock, WorkLock::take(options.work));
   const auto asks = [&](PaperPart part) {
     return std::ranges::find(options.parts, part) != options.parts.end();
   };

@@ -269,6 +269,20 @@ TEST_F(PaperStudyTest, SaysWhoseThingsNobodyMarked) {
   EXPECT_EQ(results.objects.size(), 3U);
 }
 
+TEST_F(PaperStudyTest, LeavesAFolderAloneInWhichAnotherWorks) {
+  have("rgbd_dataset_freiburg1_rpy");
+  options_.parts = {PaperPart::kMapping};
+  SilentProgress silent;
+  std::string refused;
+  const RunProgram meanwhile = [&](const ProgramRun& run) {
+    const auto second = study_paper(options_, made_up_.program(), silent);
+    if (!second) refused = second.error().message;
+    return made_up_.program()(run);
+  };
+  EXPECT_OK(study_paper(options_, meanwhile, silent));
+  EXPECT_THAT(refused, HasSubstr("another run works in this folder"));
+}
+
 TEST_F(PaperStudyTest, SaysWhichFolderIsWrong) {
   SilentProgress silent;
   options_.truth = folder_ / "no-truth";
