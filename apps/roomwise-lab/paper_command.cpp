@@ -33,10 +33,12 @@ Json to_json(const studies::MappingRow& row) {
                               {"ate_m", trial.ate_m},
                               {"rpe_m", trial.rpe_m ? Json(*trial.rpe_m) : Json(nullptr)},
                               {"cpu_ms",
-                               {{"features", trial.features_ms},
+                               {{"reading", trial.reading_ms},
+                                {"features", trial.features_ms},
                                 {"views", trial.views_ms},
                                 {"tracking_and_loops", trial.tracking_ms},
                                 {"solving", trial.solving_ms},
+                                {"floor", trial.floor_ms},
                                 {"all", trial.all_ms}}}});
   }
   return json;
@@ -136,11 +138,15 @@ Expected<Answer> run(const PaperOptions& given, Context& context) {
   ROOMWISE_TRY(study.networks, usable_networks());
   study.trained = trained_network();
   study.more = {"--threads", std::to_string(context.threads)};
-  ROOMWISE_TRY(
-      const PaperResults results,
-      studies::study_paper(study, studies::roomwise_beside(context.progress), context.progress));
-  ROOMWISE_CHECK_OK(write_file(options.output, studies::paper_page(results)));
-  return answer_of(results, options);
+  const auto results =
+      studies::study_paper(study, studies::roomwise_beside(context.progress), context.progress);
+  if (!results && results.error().code == ErrorCode::kInterrupted) {
+    return fail_with(ErrorCode::kInterrupted, "{}; the same command goes on from there",
+                     results.error().message);
+  }
+  if (!results) return Unexpected(results.error());
+  ROOMWISE_CHECK_OK(write_file(options.output, studies::paper_page(*results)));
+  return answer_of(*results, options);
 }
 
 }  // namespace

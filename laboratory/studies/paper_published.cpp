@@ -10,14 +10,15 @@ enum PublishedBy : std::size_t { kPaper, kRgbdSlam, kOrbSlamPublished, kOrbSlam,
 constexpr std::array<Source, 5> kSources{
     {{"the paper",
       "Using Semantic Maps for Room Recognition to Aid Visually Impaired People: as published. Its "
-      "rooms were its own recordings, decided on a GTX 980."},
-     {"RGBDSLAM", "Endres et al.: as published."},
-     {"ORB-SLAM2, published", "Mur-Artal and Tardós, with RGB-D: as published."},
-     {"ORB-SLAM2, run",
-      "ORB-SLAM2 on the same files, three runs, on such a machine as Roomwise's "
-      "benchmarks (docs/experiments/mapping-methods.md)."},
-     {"RTAB-Map 0.23, run",
-      "RTAB-Map on the same files, five runs, on such a machine (the same)."}}};
+      "rooms were its own recordings, decided on a GTX 980.",
+      true},
+     {"RGBDSLAM", "Endres et al.: as published.", true},
+     {"ORB-SLAM2", "with RGB-D: as published.", true},
+     {"ORB-SLAM2",
+      "on the same files, three runs, on such a machine as Roomwise's benchmarks name "
+      "(docs/experiments/mapping-methods.md).",
+      false},
+     {"RTAB-Map 0.23", "on the same files, five runs, on such a machine (the same).", false}}};
 
 constexpr std::array<PublishedTrajectory, 15> kTrajectories{{
     {"fr1/desk", kPaper, "", "0.064", ""},

@@ -10,6 +10,7 @@ namespace roomwise::studies {
 struct Source {
   std::string_view name;
   std::string_view about;  // what the figures are, a sentence
+  bool is_published;       // by those who made it; else their program was run on the same files
 };
 [[nodiscard]] std::span<const Source> published_sources();
 

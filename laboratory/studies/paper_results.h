@@ -36,10 +36,12 @@ struct MappingTrial {
   double placed = 0;  // frames with a pose
   double ate_m = 0;
   std::optional<double> rpe_m;  // over 1 s
+  double reading_ms = 0;
   double features_ms = 0;
   double views_ms = 0;
-  double tracking_ms = 0;  // with loops
+  double tracking_ms = 0;  // with loops; of the default with the features found on the way
   double solving_ms = 0;
+  double floor_ms = 0;  // the surface that the floor is found on, and the floor
   double all_ms = 0;
 };
 struct MappingRow {

@@ -256,6 +256,8 @@ MappingTrial trial_of(const json& map, const json& error) {
   trial.tracking_ms = stage_ms("tracking and loops");
   trial.solving_ms = stage_ms("optimisation");
   trial.all_ms = ms(map.at("cpu_s"));
+  trial.reading_ms = stage_ms("read");
+  trial.floor_ms = stage_ms("surfaces") + stage_ms("floor");
   return trial;
 }
 
