@@ -116,7 +116,7 @@ Expected<json> evaluate_home(std::size_t i, const Words& seeds, const RoomsOptio
   const std::string home = (folder / "day.home").string();
   ROOMWISE_CHECK_OK(run_once(with_networks({"rooms", "learn", "--home", home}, options),
                              folder / "learned.json"));
-  Words words = studies::room_trial_words(home);
+  Words words = studies::room_trial_words(home, 1);
   for (const Walk& walk : kVisits) {
     words.insert(words.end(), {"--recording", (folder / walk.name).string()});
   }

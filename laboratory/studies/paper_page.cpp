@@ -206,7 +206,9 @@ std::string rooms_table(const PaperResults& results) {
               "ms a decision"},
              rows, 4) +
          "<p>The paper's way always names a room; Roomwise's own says where it is not sure. "
-         "Intervals resample stays in rooms; of one walk they do not tell how walks differ. "
+         "Intervals resample stays in rooms; of one walk they do not tell how walks differ, and "
+         "where nothing "
+         "was wrong they have no width. "
          "What Roomwise's own decides by was fitted on pictures of which office_walk and "
          "room_photos are two (docs/experiments/rooms-fitted.md).</p>\n";
 }

@@ -372,6 +372,7 @@ struct RoomTrial {
   std::string step;
   std::string changed;
   MeasuredData data;
+  std::optional<int> margin;  // room_trial_words()
 };
 
 Words joined(Words words, const Words& more) {
@@ -395,7 +396,8 @@ void plan_room_trials(const fs::path& home, const std::string& before, const Wor
   for (const auto& [trial, asked] : trials) {
     plan.add({trial.step,
               learn,
-              with_networks(joined(room_trial_words(home), asked), plan.options().networks),
+              with_networks(joined(room_trial_words(home, trial.margin), asked),
+                            plan.options().networks),
               {},
               {},
               {}});
@@ -412,7 +414,7 @@ std::vector<RoomTrial> plan_flat_rooms(Plan& plan) {
        {std::pair("light", "light"), std::pair("moved", "things moved")}) {
     const auto* visit = std::ranges::find(kVisits, condition, &SimulatedWalk::condition);
     const Walk walk = plan.simulated_walk(*visit);
-    planned.push_back({fmt::format("rooms/{}", walk.name), changed, walk.data});
+    planned.push_back({fmt::format("rooms/{}", walk.name), changed, walk.data, 1});
     trials.push_back({planned.back(), {"--recording", walk.folder.string()}});
   }
   plan_room_trials(home_of(day, plan), home_step(day), {}, trials, plan);
@@ -424,7 +426,7 @@ void plan_office_rooms(const Walk& office, std::vector<RoomTrial>& planned, Plan
   plan_home(office, plan);
   const Words labels{"--labels", (office.folder / "rooms.txt").string(), "--rooms",
                      "corridor,lounge,dining"};
-  const RoomTrial trial{"rooms/" + office.name, "nothing: later stays", office.data};
+  const RoomTrial trial{"rooms/" + office.name, "nothing: later stays", office.data, 3};
   plan_room_trials(home_of(office, plan), home_step(office), joined(labels, {"--visits", "1"}),
                    {{trial, joined({"--recording", office.folder.string()},
                                    joined(labels, {"--visits", "2-"}))}},
@@ -434,7 +436,7 @@ void plan_office_rooms(const Walk& office, std::vector<RoomTrial>& planned, Plan
 
 // Types of rooms, learned in many homes and asked in others.
 void plan_photo_rooms(const fs::path& photos, std::vector<RoomTrial>& planned, Plan& plan) {
-  const RoomTrial trial{"rooms/photos", "the home: photos of others", {"room_photos", false}};
+  const RoomTrial trial{"rooms/photos", "the home: photos of others", {"room_photos", false}, {}};
   const fs::path home = plan.in_work("rooms/photos.home");
   plan_room_trials(home, "", {"--photos", (photos / "train").string()},
                    {{trial, {"--photos", (photos / "eval").string()}}}, plan);

@@ -42,6 +42,7 @@ json object_counts(int found) {
 class MadeUpProgram {
  public:
   std::vector<std::string> commands;  // that were run
+  std::vector<std::string> margins;   // of those that ask for rooms
   std::string failing;                // the first word of those that fail
   std::size_t interrupted_after = 1000;
 
@@ -52,6 +53,9 @@ class MadeUpProgram {
       }
       commands.push_back(run.words.front());
       if (run.words.front() == failing) return fail("roomwise {}: it is broken", failing);
+      if (run.words[0] == "rooms" && run.words[1] == "eval") {
+        margins.push_back(value_after(run.words, "--margin"));
+      }
       make_files(run.words);
       return answer(run.words).dump();
     };
@@ -182,6 +186,19 @@ TEST_F(PaperStudyTest, AsksForRoomsAfterLightAndThingsChanged) {
   EXPECT_EQ(results.rooms[3].changed, "things moved");
   EXPECT_EQ(results.rooms[3].way, "the paper's way, two pictures");
   EXPECT_DOUBLE_EQ(results.rooms[3].right_of_named.value(), 0.75);
+}
+
+TEST_F(PaperStudyTest, AsksForRoomsOnLaterStaysAndOnPhotosOfOtherHomes) {
+  have("office_walk");
+  have("room_photos");
+  options_.parts = {PaperPart::kRooms};
+  const PaperResults results = study();
+  ASSERT_EQ(results.rooms.size(), 8U);
+  EXPECT_EQ(results.rooms[4].data.name, "office_walk");
+  EXPECT_EQ(results.rooms[6].data.name, "room_photos");
+  EXPECT_FALSE(results.rooms[6].data.is_simulated);
+  EXPECT_EQ(made_up_.margins, (std::vector<std::string>{"1", "1", "3", ""}))
+      << "photos have no neighbours to leave out";
 }
 
 TEST_F(PaperStudyTest, IsInterruptedAndGoesOnToTheSamePage) {

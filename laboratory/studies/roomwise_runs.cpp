@@ -27,9 +27,11 @@ Words with_networks(Words words, std::span<const fs::path> networks) {
   return words;
 }
 
-Words room_trial_words(const fs::path& home) {
-  return {"rooms",       "eval",        "--home", home.string(), "--margin", "1",
-          "--baselines", "--max-voted", "0"};
+Words room_trial_words(const fs::path& home, std::optional<int> margin) {
+  Words words{"rooms", "eval", "--home", home.string()};
+  if (margin) words.insert(words.end(), {"--margin", std::to_string(*margin)});
+  words.insert(words.end(), {"--baselines", "--max-voted", "0"});
+  return words;
 }
 
 }  // namespace roomwise::studies
