@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "roomwise/image/codec.h"
+#include "roomwise/pipeline/objects/thing_history.h"
 #include "roomwise/pipeline/rooms/room_learning.h"
 #include "roomwise/recording/open_recording.h"
 
@@ -214,6 +215,7 @@ Expected<rooms::RoomDecision> LiveHome::test_picture(const Bytes& picture) const
 // ---- the view ----
 
 Expected<void> LiveHome::refresh(std::shared_ptr<const LiveMap> map) {
+  ROOMWISE_CHECK_OK(pipeline::keep_home_history(home_));  // else each view would follow things anew
   ROOMWISE_TRY(auto view, view_home(home_, networks_, std::move(map)));
   {
     const std::scoped_lock lock(view_mutex_);

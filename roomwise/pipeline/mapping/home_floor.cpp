@@ -1,10 +1,10 @@
 #include "roomwise/pipeline/mapping/home_floor.h"
 
-#include <bit>
 #include <nlohmann/json.hpp>
 #include <utility>
 
 #include "roomwise/pipeline/stored/keyframe_images.h"
+#include "roomwise/pipeline/stored/made_from.h"
 
 namespace roomwise::pipeline {
 namespace {
@@ -17,25 +17,15 @@ constexpr std::uint64_t kMethod = 1;
 
 // All that the floor follows from: which key-frames the map has, and where they are. Their images
 // and cameras never change.
-Expected<std::string> made_from(const home::Home& home) {
+Expected<std::string> floor_made_from(const home::Home& home) {
   ROOMWISE_TRY(const auto keyframes, map_keyframes(home));
   if (keyframes.empty()) {
     return fail("{}: the home has no map yet; make one with roomwise map", home.file());
   }
-  Bytes bytes;
-  const auto append = [&](std::uint64_t number) {
-    for (int shift = 0; shift < 64; shift += 8)
-      bytes.push_back(static_cast<std::uint8_t>(number >> shift));
-  };
-  append(kMethod);
-  for (const home::Keyframe& keyframe : keyframes) {
-    append(static_cast<std::uint64_t>(keyframe.recording));
-    append(keyframe.frame_index);
-    const geometry::RigidTransform& pose = keyframe.pose.world_from_keyframe;
-    for (const double value : pose.translation) append(std::bit_cast<std::uint64_t>(value));
-    for (const double value : pose.rotation.coeffs()) append(std::bit_cast<std::uint64_t>(value));
-  }
-  return sha256_hex(bytes);
+  MadeFrom made_from;
+  made_from.add(kMethod);
+  made_from.add(keyframes);
+  return made_from.digest();
 }
 
 Bytes to_bytes(const HomeFloor& floor) {
@@ -110,14 +100,14 @@ Expected<HomeFloor> floor_of(const GravityAlignedMap& map, RunContext& run) {
 }
 
 Expected<HomeFloor> find_home_floor(const home::Home& home, RunContext& run) {
-  ROOMWISE_TRY(const std::string now, made_from(home));
+  ROOMWISE_TRY(const std::string now, floor_made_from(home));
   ROOMWISE_TRY(const auto kept, home.derived_data(kName));
   auto floor = kept && kept->made_from == now ? from_bytes(kept->data) : std::nullopt;
   return floor ? *std::move(floor) : build_home_floor(home, run);
 }
 
 Expected<void> keep_home_floor(home::Home& home, RunContext& run) {
-  ROOMWISE_TRY(const std::string now, made_from(home));
+  ROOMWISE_TRY(const std::string now, floor_made_from(home));
   ROOMWISE_TRY(const auto kept, home.derived_data(kName));
   if (kept && kept->made_from == now && from_bytes(kept->data)) return {};
   ROOMWISE_TRY(const HomeFloor floor, build_home_floor(home, run));
@@ -125,7 +115,7 @@ Expected<void> keep_home_floor(home::Home& home, RunContext& run) {
 }
 
 Expected<void> keep_home_floor(home::Home& home, const HomeFloor& floor) {
-  ROOMWISE_TRY(const std::string now, made_from(home));
+  ROOMWISE_TRY(const std::string now, floor_made_from(home));
   ROOMWISE_TRY(const auto kept, home.derived_data(kName));
   if (kept && kept->made_from == now && from_bytes(kept->data)) return {};
   return home.put_derived_data({kName, now, to_bytes(floor)});

@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <utility>
 
-#include "roomwise/base/file.h"
 #include "roomwise/objects/changes/changes.h"
+#include "roomwise/pipeline/stored/made_from.h"
 
 namespace roomwise::pipeline {
 namespace {
@@ -15,7 +18,7 @@ using nlohmann::json;
 
 const std::string kHistoryName = "things";
 // To be raised where things are followed otherwise than before.
-constexpr int kHistoryMethod = 1;
+constexpr std::uint64_t kHistoryMethod = 1;
 
 constexpr std::array<std::pair<ThingEvent, std::string_view>, 7> kEvents{
     {{ThingEvent::kFound, "found"},
@@ -26,12 +29,23 @@ constexpr std::array<std::pair<ThingEvent, std::string_view>, 7> kEvents{
      {ThingEvent::kGone, "gone"},
      {ThingEvent::kUnobserved, "not looked at"}}};
 
-// Which walks the home holds: what it keeps of others is stale.
+// All that things are followed from: the key-frames and where they are, and which finders looked at
+// which of them. What a finder found in a key-frame never changes.
 Expected<std::string> history_made_from(const home::Home& home) {
-  ROOMWISE_TRY(const auto recordings, home.recordings());
-  std::string ids = fmt::format("{}", kHistoryMethod);
-  for (const home::StoredRecording& one : recordings) ids += fmt::format(" {}", one.id);
-  return sha256_hex({reinterpret_cast<const std::uint8_t*>(ids.data()), ids.size()});
+  ROOMWISE_TRY(const auto keyframes, home.keyframes());
+  ROOMWISE_TRY(const auto finders, home.region_finders());
+  MadeFrom made_from;
+  made_from.add(kHistoryMethod);
+  made_from.add(std::uint64_t{keyframes.size()});
+  made_from.add(keyframes);
+  for (const home::Keyframe& one : keyframes) made_from.add(one.pose.component);
+  for (const auto& [id, finder] : finders) {
+    ROOMWISE_TRY(const auto looked_at, home.looked_at(id));
+    made_from.add(finder.fingerprint);
+    made_from.add(std::uint64_t{looked_at.size()});
+    for (const home::KeyframeId keyframe : looked_at) made_from.add(std::uint64_t{keyframe});
+  }
+  return made_from.digest();
 }
 
 json instance_json(const objects::Instance& one) {
@@ -46,32 +60,8 @@ json instance_json(const objects::Instance& one) {
           {"box", {t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w(), size.x(), size.y(), size.z()}}};
 }
 
-objects::Instance instance_from(const json& value) {
-  objects::Instance one;
-  value.at("name").get_to(one.name);
-  value.at("probability").get_to(one.probability);
-  value.at("keyframe").get_to(one.keyframe_id);
-  const auto picture = value.at("picture_box").get<std::array<float, 4>>();
-  one.picture_box = {picture[0], picture[1], picture[2], picture[3]};
-  const auto n = value.at("box").get<std::array<double, 10>>();
-  one.box_keyframe = {{Eigen::Quaterniond(n[6], n[3], n[4], n[5]), {n[0], n[1], n[2]}},
-                      {n[7], n[8], n[9]}};
-  return one;
-}
-
 json sighting_json(const Sighting& one) {
   return {{"walk", one.walk}, {"time_ns", one.time_ns}};
-}
-Sighting sighting_from(const json& value) {
-  return {value.at("walk").get<home::RecordingId>(), value.at("time_ns").get<TimestampNs>()};
-}
-
-ThingEvent event_from(const std::string& word) {
-  const auto found = std::ranges::find(kEvents, std::string_view(word),
-                                       &std::pair<ThingEvent, std::string_view>::second);
-  if (found == kEvents.end())
-    throw json::other_error::create(501, "no event is called so", nullptr);
-  return found->first;
 }
 
 json history_json(const ThingHistory& one) {
@@ -88,29 +78,109 @@ json history_json(const ThingHistory& one) {
   return value;
 }
 
-ThingHistory history_from(const json& value) {
-  ThingHistory one{.thing = instance_from(value.at("thing")),
-                   .is_gone = value.at("is_gone").get<bool>(),
-                   .first_seen = sighting_from(value.at("first_seen")),
-                   .last_seen = sighting_from(value.at("last_seen")),
-                   .events = {}};
-  for (const json& written : value.at("events")) {
-    WalkEvent& event = one.events.emplace_back();
-    written.at("walk").get_to(event.walk);
-    event.what = event_from(written.at("what").get<std::string>());
-    if (written.contains("from")) event.from = instance_from(written.at("from"));
-  }
-  return one;
+[[noreturn]] void reject(const char* why) {
+  throw json::other_error::create(501, why, nullptr);
 }
 
-// Nothing where they are not what keep_home_history() wrote.
-std::optional<HomeHistory> history_from_bytes(const Bytes& bytes) {
-  try {
-    const json value = json::from_cbor(bytes);
+// Reads what keep_home_history() wrote; throws json::exception on anything else, since a file may
+// be damaged.
+class HistoryReader {
+ public:
+  // `keyframes`: of the home, which lie by id.
+  explicit HistoryReader(std::span<const home::Keyframe> keyframes) : keyframes_(keyframes.size()) {
+    for (const home::Keyframe& one : keyframes) known_walks_.insert(one.recording);
+  }
+
+  [[nodiscard]] HomeHistory history(const json& value) const {
     HomeHistory history;
-    value.at("walks").get_to(history.walks);
-    for (const json& one : value.at("things")) history.things.push_back(history_from(one));
+    for (const json& walk : listed(value, "walks")) history.walks.push_back(walk_id(walk));
+    for (const json& one : value.at("things")) history.things.push_back(thing_history(one));
     return history;
+  }
+
+ private:
+  // A list that has one entry or more.
+  static const json& listed(const json& value, const char* name) {
+    const json& list = value.at(name);
+    if (!list.is_array() || list.empty()) reject("a list is empty");
+    return list;
+  }
+  template <typename Number>
+  static Number whole(const json& value) {
+    if (!value.is_number_integer()) reject("a number is not whole");
+    return value.get<Number>();
+  }
+  template <std::size_t kCount>
+  static std::array<double, kCount> numbers(const json& value) {
+    const auto numbers = value.get<std::array<double, kCount>>();
+    // Pixels are kept as floats.
+    constexpr double kLargest = std::numeric_limits<float>::max();
+    if (!std::ranges::all_of(numbers, [](double one) { return std::abs(one) <= kLargest; }))
+      reject("a number is not finite");
+    return numbers;
+  }
+
+  [[nodiscard]] home::RecordingId walk_id(const json& value) const {
+    const auto id = whole<home::RecordingId>(value);
+    if (!known_walks_.contains(id)) reject("the home has no such walk");
+    return id;
+  }
+
+  [[nodiscard]] objects::Instance instance(const json& value) const {
+    objects::Instance one;
+    value.at("name").get_to(one.name);
+    one.probability = value.at("probability").get<double>();
+    if (!(one.probability >= 0 && one.probability <= 1)) reject("a probability is none");
+    one.keyframe_id = whole<std::uint64_t>(value.at("keyframe"));
+    if (one.keyframe_id >= keyframes_) reject("the home has no such key-frame");
+    const auto picture = numbers<4>(value.at("picture_box"));
+    one.picture_box = {static_cast<float>(picture[0]), static_cast<float>(picture[1]),
+                       static_cast<float>(picture[2]), static_cast<float>(picture[3])};
+    const auto n = numbers<10>(value.at("box"));
+    one.box_keyframe = {{Eigen::Quaterniond(n[6], n[3], n[4], n[5]), {n[0], n[1], n[2]}},
+                        {n[7], n[8], n[9]}};
+    return one;
+  }
+
+  [[nodiscard]] Sighting sighting(const json& value) const {
+    return {walk_id(value.at("walk")), whole<TimestampNs>(value.at("time_ns"))};
+  }
+
+  [[nodiscard]] WalkEvent event(const json& value) const {
+    WalkEvent event{walk_id(value.at("walk")), event_from(value.at("what").get<std::string>())};
+    if (value.contains("from")) event.from = instance(value.at("from"));
+    return event;
+  }
+
+  [[nodiscard]] ThingHistory thing_history(const json& value) const {
+    ThingHistory one{.thing = instance(value.at("thing")),
+                     .is_gone = value.at("is_gone").get<bool>(),
+                     .first_seen = sighting(value.at("first_seen")),
+                     .last_seen = sighting(value.at("last_seen")),
+                     .events = {}};
+    for (const json& written : listed(value, "events")) one.events.push_back(event(written));
+    return one;
+  }
+
+  static ThingEvent event_from(const std::string& word) {
+    const auto found = std::ranges::find(kEvents, std::string_view(word),
+                                         &std::pair<ThingEvent, std::string_view>::second);
+    if (found == kEvents.end()) reject("no event is called so");
+    return found->first;
+  }
+
+  std::uint64_t keyframes_ = 0;
+  std::set<home::RecordingId> known_walks_;
+};
+
+// What the home keeps of its things as they are now; nothing where it is stale or damaged.
+Expected<std::optional<HomeHistory>> kept_history(const home::Home& home) {
+  ROOMWISE_TRY(const std::string now, history_made_from(home));
+  ROOMWISE_TRY(const auto kept, home.derived_data(kHistoryName));
+  if (!kept || kept->made_from != now) return std::nullopt;
+  ROOMWISE_TRY(const auto keyframes, home.keyframes());
+  try {
+    return HistoryReader(keyframes).history(json::from_cbor(kept->data));
   } catch (const json::exception&) {
     return std::nullopt;
   }
@@ -170,10 +240,16 @@ const ThingHistory* HomeHistory::of(const objects::Instance& instance) const {
 }
 
 Expected<HomeHistory> find_home_history(const home::Home& home) {
-  ROOMWISE_TRY(const std::string now, history_made_from(home));
-  ROOMWISE_TRY(const auto kept, home.derived_data(kHistoryName));
-  auto history = kept && kept->made_from == now ? history_from_bytes(kept->data) : std::nullopt;
-  return history ? *std::move(history) : follow_things(home);
+  ROOMWISE_TRY(auto history, kept_history(home));
+  if (history) return *std::move(history);
+  return follow_things(home);
+}
+
+Expected<void> keep_home_history(home::Home& home) {
+  ROOMWISE_TRY(const auto kept, kept_history(home));
+  if (kept) return {};
+  ROOMWISE_TRY(const HomeHistory history, follow_things(home));
+  return keep_home_history(home, history);
 }
 
 Expected<void> keep_home_history(home::Home& home, const HomeHistory& history) {

@@ -89,9 +89,11 @@ struct HomeHistory {
 // joined each is a home of its own. Reads only; the same home gives the same.
 [[nodiscard]] Expected<HomeHistory> follow_things(const home::Home& home);
 
-// As the home keeps it or, where it keeps none of its walks, by follow_things().
+// As the home keeps it or, where that is missing, damaged or of other key-frames, poses or looks of
+// finders, by follow_things().
 [[nodiscard]] Expected<HomeHistory> find_home_history(const home::Home& home);
-// Keeps it in the home, as derived data.
+// Makes it anew where find_home_history() would, and keeps it in the home, as derived data.
+[[nodiscard]] Expected<void> keep_home_history(home::Home& home);
 [[nodiscard]] Expected<void> keep_home_history(home::Home& home, const HomeHistory& history);
 
 }  // namespace roomwise::pipeline

@@ -3,6 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <limits>
+#include <nlohmann/json.hpp>
+
 #include "roomwise/base/testing/testing.h"
 #include "roomwise/pipeline/mapping/map_recording.h"
 #include "roomwise/pipeline/rooms/room_learning.h"
@@ -166,6 +169,67 @@ TEST_F(ThingHistories, GoWithAWalkThatIsForgotten) {
   ASSERT_EQ(told.things.size(), 1U);
   EXPECT_FALSE(told.things[0].is_gone);
   EXPECT_EQ(home_->instances()->size(), 1U);
+}
+
+TEST_F(ThingHistories, ThatAreDamagedAreFollowedAnew) {
+  using nlohmann::json;
+  walk(kBox);
+  walk(kElsewhere);
+  const home::DerivedData whole = home_->derived_data("things").value().value();
+  const HomeHistory anew = follow_things(*home_).value();
+  const auto is_told_from = [&](const Bytes& data) {
+    ROOMWISE_MUST(home_->put_derived_data({whole.name, whole.made_from, data}));
+    const auto told = find_home_history(*home_);
+    ASSERT_OK(told);
+    ASSERT_EQ(told->things.size(), 1U);
+    EXPECT_EQ(told->things[0].thing.name, "sofa");
+    EXPECT_EQ(told->things[0].thing.keyframe_id, anew.things[0].thing.keyframe_id);
+    EXPECT_EQ(told->things[0].last_seen, anew.things[0].last_seen);
+    EXPECT_EQ(told->walks, anew.walks);
+    EXPECT_THAT(words(told->things[0]), ElementsAre("found", "moved"));
+  };
+  for (const std::size_t size : {std::size_t{0}, std::size_t{9}, whole.data.size() - 1}) {
+    is_told_from(Bytes(whole.data.begin(), whole.data.begin() + static_cast<std::ptrdiff_t>(size)));
+  }
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const std::vector<std::pair<const char*, json>> damages{
+      {"/walks", json::array()},
+      {"/walks/0", 99},
+      {"/things/0/events", json::array()},
+      {"/things/0/events/1/walk", 99},
+      {"/things/0/events/1/what", "stolen"},
+      {"/things/0/events/1/from/keyframe", 1'000'000'000},
+      {"/things/0/last_seen/walk", 99},
+      {"/things/0/last_seen/time_ns", 1e300},
+      {"/things/0/thing/keyframe", 1'000'000'000},
+      {"/things/0/thing/keyframe", -1},
+      {"/things/0/thing/probability", nan},
+      {"/things/0/thing/box/3", nan},
+      {"/things/0/thing/box/9", std::numeric_limits<double>::infinity()},
+      {"/things/0/thing/picture_box/0", 1e300},
+  };
+  for (const auto& [place, value] : damages) {
+    SCOPED_TRACE(place);
+    json damaged = json::from_cbor(whole.data);
+    ASSERT_TRUE(damaged.contains(json::json_pointer(place)));
+    damaged[json::json_pointer(place)] = value;
+    is_told_from(json::to_cbor(damaged));
+  }
+}
+
+TEST_F(ThingHistories, AreKeptAnewOnceTheMapHasMoved) {
+  const auto made_from = [&] { return home_->derived_data("things").value().value().made_from; };
+  walk(kBox);
+  const std::string before = made_from();
+  ASSERT_OK(keep_home_history(*home_));
+  EXPECT_EQ(made_from(), before) << "mapping a walk keeps them";
+  auto pose = home_->keyframes()->at(3).pose;
+  pose.world_from_keyframe.translation.x() += 0.001;
+  ASSERT_OK(home_->replace_poses({{3, pose}}));
+  ASSERT_OK(find_home_history(*home_));
+  EXPECT_EQ(made_from(), before) << "who only reads keeps nothing";
+  ASSERT_OK(keep_home_history(*home_));
+  EXPECT_NE(made_from(), before);
 }
 
 }  // namespace
