@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <map>
 #include <set>
 #include <utility>
 
@@ -45,7 +46,9 @@ std::vector<objects::DepthView> depth_views(std::span<const ObservedKeyframe> ke
 
 // A walk has some five times fewer key-frames than a visit has pictures. What is gone goes from the
 // list of things, so most of its whole surface must be looked through, not of a part that a few
-// show.
+// show. Not fitted: these were chosen by looking at the two homes that docs/objects.md measures
+// them on. What decides between gone and there over walks is to be fitted as of visits, on homes of
+// its own.
 objects::ChangeOptions change_options() {
   objects::ChangeOptions options;
   options.min_decided = options.min_gone;
@@ -79,12 +82,15 @@ class ThingFollower {
   void follow(home::RecordingId walk, std::vector<ObservedKeyframe> own) {
     if (own.empty()) return;
     if (seen_.empty()) {
-      seen_ = std::move(own);
+      add_seen(walk, std::move(own));
       take_joined(walk, 0, {});
       return;
     }
     JoinedThings now = join_things(own, level_);
-    for (std::size_t i = 0; i < now.placed.size(); ++i) keep_what_stands(now, i, own);
+    const auto views_now = depth_views(own);
+    for (std::size_t i = 0; i < now.placed.size(); ++i) {
+      if (!now.supporting[i].empty()) keep_what_stands(now.placed[i], views_now);
+    }
     std::vector<std::size_t> standing;  // in followed_
     std::vector<PlacedInstance> before, past;
     for (std::size_t i = 0; i < followed_.size(); ++i) {
@@ -97,17 +103,17 @@ class ThingFollower {
       }
       past.insert(past.end(), one.earlier_places.begin(), one.earlier_places.end());
     }
-    const auto views_before = depth_views(seen_), views_now = depth_views(own);
     const objects::Changes changes =
-        objects::find_changes(before, views_before, now.placed, views_now, past, change_options());
+        objects::find_changes(before, views_, now.placed, views_now, past, change_options());
+    const WalkLook look{walk, own, views_now};
     for (std::size_t at = 0; at < standing.size(); ++at) {
-      judge(followed_[standing[at]], walk, changes.before[at], now, own);
+      judge(followed_[standing[at]], changes.before[at], now, look);
     }
     std::vector<PlacedInstance> arrived;
     for (const objects::AddedInstance& one : changes.arrived)
       arrived.push_back(now.placed[one.now]);
     const std::size_t first_of_walk = seen_.size();
-    std::ranges::move(own, std::back_inserter(seen_));
+    add_seen(walk, std::move(own));
     take_joined(walk, first_of_walk, arrived);
   }
 
@@ -129,22 +135,40 @@ class ThingFollower {
     std::size_t place = 0;                       // of the instance among those joined last
   };
 
+  // What a walk looked at, by itself.
+  struct WalkLook {
+    home::RecordingId walk = 0;
+    std::span<const ObservedKeyframe> keyframes;
+    std::span<const objects::DepthView> views;  // of these
+  };
+
+  void add_seen(home::RecordingId walk, std::vector<ObservedKeyframe> own) {
+    places_of_walk_[walk] = {seen_.size(), own.size()};
+    std::ranges::move(own, std::back_inserter(seen_));
+    views_ = depth_views(seen_);  // all of them: the key-frames may lie elsewhere now
+    for (std::size_t i = seen_.size() - own.size(); i < seen_.size(); ++i)
+      place_of_[seen_[i].keyframe_id] = i;
+  }
+  [[nodiscard]] home::RecordingId walk_of(std::size_t place) const {
+    return keyframes_[seen_[place].keyframe_id].recording;
+  }
+
   [[nodiscard]] Sighting sighting(home::RecordingId walk, const ObservedKeyframe& one) const {
     return {walk, keyframes_[one.keyframe_id].timestamp_ns};
   }
 
   // What a further walk says of a thing that stood when it began.
-  void judge(Followed& one, home::RecordingId walk, const objects::InstanceChange& change,
-             const JoinedThings& now, std::span<const ObservedKeyframe> own) {
-    WalkEvent& event = one.history.events.emplace_back(WalkEvent{walk, event_of(change.state)});
+  void judge(Followed& one, const objects::InstanceChange& change, const JoinedThings& now,
+             const WalkLook& look) {
+    WalkEvent& event =
+        one.history.events.emplace_back(WalkEvent{look.walk, event_of(change.state)});
     if (event.what == ThingEvent::kUnobserved) return;
     if (event.what == ThingEvent::kThere || event.what == ThingEvent::kShifted) {
-      note_last_view(one, walk, own);
+      note_last_view(one, look);
     }
     if (event.what == ThingEvent::kShifted) {
       // The next walk is asked for what is left there.
-      one.placed.surface_world =
-          objects::remaining_surface(one.placed.surface_world, depth_views(own));
+      one.placed.surface_world = objects::remaining_surface(one.placed.surface_world, look.views);
     }
     if (event.what != ThingEvent::kGone && event.what != ThingEvent::kMoved) return;
     take_out(one);
@@ -158,14 +182,12 @@ class ThingFollower {
   }
 
   // The last picture of the walk that shows the thing's surface.
-  void note_last_view(Followed& one, home::RecordingId walk,
-                      std::span<const ObservedKeyframe> own) const {
-    const auto views = depth_views(own);
-    for (std::size_t i = own.size(); i-- > 0;) {
+  void note_last_view(Followed& one, const WalkLook& look) const {
+    for (std::size_t i = look.views.size(); i-- > 0;) {
       const auto evidence =
-          objects::surface_evidence(one.placed.surface_world, std::span(views).subspan(i, 1));
+          objects::surface_evidence(one.placed.surface_world, look.views.subspan(i, 1));
       if (evidence.views == 0 || 2 * evidence.gone > evidence.decided) continue;
-      one.history.last_seen = sighting(walk, own[i]);
+      one.history.last_seen = sighting(look.walk, look.keyframes[i]);
       return;
     }
   }
@@ -191,19 +213,8 @@ class ThingFollower {
 
   // Of a thing's surface, what the walk that saw it last does not look through itself: what depth
   // measured at its rim, or behind it, would be gone on every later walk.
-  void keep_what_stands(JoinedThings& joined, std::size_t j,
-                        std::span<const ObservedKeyframe> keyframes) const {
-    const auto& supporting = joined.supporting[j];
-    if (supporting.empty()) return;
-    const auto walk_of = [&](const ObservedKeyframe& one) {
-      return keyframes_[one.keyframe_id].recording;
-    };
-    const home::RecordingId walk = walk_of(keyframes[supporting.back()]);
-    const auto first = std::ranges::find(keyframes, walk, walk_of);
-    const auto last = std::find_if(
-        first, keyframes.end(), [&](const ObservedKeyframe& one) { return walk_of(one) != walk; });
-    joined.placed[j].surface_world = objects::remaining_surface(
-        joined.placed[j].surface_world, depth_views(std::span(first, last)));
+  static void keep_what_stands(PlacedInstance& thing, std::span<const objects::DepthView> walk) {
+    thing.surface_world = objects::remaining_surface(thing.surface_world, walk);
   }
 
   // Joins what is left of all walks so far anew, and gives each instance to the thing that it is.
@@ -211,7 +222,11 @@ class ThingFollower {
   void take_joined(home::RecordingId walk, std::size_t first_of_walk,
                    std::span<const PlacedInstance> arrived) {
     JoinedThings joined = join_things(seen_, level_);
-    for (std::size_t j = 0; j < joined.placed.size(); ++j) keep_what_stands(joined, j, seen_);
+    for (std::size_t j = 0; j < joined.placed.size(); ++j) {
+      if (joined.supporting[j].empty()) continue;
+      const auto [first, count] = places_of_walk_.at(walk_of(joined.supporting[j].back()));
+      keep_what_stands(joined.placed[j], std::span(views_).subspan(first, count));
+    }
     std::vector<std::size_t> standing;
     std::vector<PlacedInstance> places;
     for (std::size_t i = 0; i < followed_.size(); ++i) {
@@ -231,7 +246,7 @@ class ThingFollower {
     for (const auto& match : objects::match_past(arrived, joined.placed)) {
       if (match) is_new.insert(*match);
     }
-    const auto newest = std::span(seen_).subspan(first_of_walk);
+    const auto newest = std::span(views_).subspan(first_of_walk);
     for (std::size_t j = 0; j < joined.instances.size(); ++j) {
       if (thing_of[j]) {
         take(followed_[*thing_of[j]], joined, j);
@@ -248,13 +263,12 @@ class ThingFollower {
 
   // Whether the newest walk looks through where only earlier ones saw something.
   static bool is_empty_now(const JoinedThings& joined, std::size_t j, std::size_t first_of_walk,
-                           std::span<const ObservedKeyframe> newest) {
+                           std::span<const objects::DepthView> newest) {
     if (first_of_walk == 0) return false;
     const auto& supporting = joined.supporting[j];
     if (!supporting.empty() && supporting.back() >= first_of_walk) return false;
     const objects::ChangeOptions options = change_options();
-    const auto evidence =
-        objects::surface_evidence(joined.placed[j].surface_world, depth_views(newest));
+    const auto evidence = objects::surface_evidence(joined.placed[j].surface_world, newest);
     return evidence.decided_share() >= options.min_decided && evidence.views >= options.min_views &&
            evidence.gone_share_of_whole() >= options.min_gone;
   }
@@ -274,29 +288,21 @@ class ThingFollower {
     one.place = j;
     one.placed = joined.placed[j];
     one.history.thing = joined.instances[j];
-    const ObservedKeyframe& best = seen_[place_of(joined.instances[j].keyframe_id)];
-    const home::RecordingId best_walk = keyframes_[best.keyframe_id].recording;
-    one.history.first_seen = one.history.last_seen = sighting(best_walk, best);
+    const std::size_t best = place_of_.at(joined.instances[j].keyframe_id);
+    one.history.first_seen = one.history.last_seen = sighting(walk_of(best), seen_[best]);
     note_support(one, joined, j);
     one.history.events.push_back({walk, is_new ? ThingEvent::kNew : ThingEvent::kFound});
-  }
-
-  [[nodiscard]] std::size_t place_of(home::KeyframeId id) const {
-    const auto found = std::ranges::find(seen_, id, &ObservedKeyframe::keyframe_id);
-    return static_cast<std::size_t>(found - seen_.begin());
   }
 
   // First and last by the key-frames that show it, in the order of walks.
   void note_support(Followed& one, const JoinedThings& joined, std::size_t j) const {
     const auto& supporting = joined.supporting[j];
     if (supporting.empty()) return;
-    const auto at = [&](std::size_t place) {
-      return sighting(keyframes_[seen_[place].keyframe_id].recording, seen_[place]);
-    };
+    const auto at = [&](std::size_t place) { return sighting(walk_of(place), seen_[place]); };
     const bool begins = one.history.events.empty();
     if (begins) one.history.first_seen = at(supporting.front());
     const Sighting last = at(supporting.back());
-    const bool is_of_newest = last.walk == keyframes_[seen_.back().keyframe_id].recording;
+    const bool is_of_newest = last.walk == walk_of(seen_.size() - 1);
     if (begins || (is_of_newest && (last.walk != one.history.last_seen.walk ||
                                     last.time_ns > one.history.last_seen.time_ns))) {
       one.history.last_seen = last;
@@ -310,7 +316,11 @@ class ThingFollower {
 
   std::span<const home::Keyframe> keyframes_;  // by id
   const objects::GroundPlane& level_;
-  std::vector<ObservedKeyframe> seen_;  // of the walks so far, without what is there no more
+  std::vector<ObservedKeyframe> seen_;     // of the walks so far, without what is there no more
+  std::vector<objects::DepthView> views_;  // of these
+  std::map<home::KeyframeId, std::size_t> place_of_;  // in seen_
+  // Of each walk its first place in seen_, and how many it has there.
+  std::map<home::RecordingId, std::pair<std::size_t, std::size_t>> places_of_walk_;
   std::vector<Followed> followed_;
 };
 
