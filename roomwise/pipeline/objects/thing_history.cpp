@@ -186,6 +186,13 @@ Expected<std::optional<HomeHistory>> kept_history(const home::Home& home) {
   }
 }
 
+// Whether an instance of the home is the thing as it stands.
+bool is_of(const ThingHistory& one, const objects::Instance& instance) {
+  const network::PixelBox &a = one.thing.picture_box, &b = instance.picture_box;
+  return instance.visit == 0 && one.thing.keyframe_id == instance.keyframe_id && a.left == b.left &&
+         a.top == b.top && a.right == b.right && a.bottom == b.bottom;
+}
+
 }  // namespace
 
 std::string_view to_string(ThingEvent event) {
@@ -230,19 +237,45 @@ std::optional<double> moved_m(const ThingHistory& thing, const WalkEvent& event,
 }
 
 const ThingHistory* HomeHistory::of(const objects::Instance& instance) const {
-  if (instance.visit != 0) return nullptr;
-  const auto found = std::ranges::find_if(things, [&](const ThingHistory& one) {
-    const network::PixelBox &a = one.thing.picture_box, &b = instance.picture_box;
-    return !one.is_gone && one.thing.keyframe_id == instance.keyframe_id && a.left == b.left &&
-           a.top == b.top && a.right == b.right && a.bottom == b.bottom;
-  });
+  const auto found = std::ranges::find_if(
+      things, [&](const ThingHistory& one) { return !one.is_gone && is_of(one, instance); });
   return found == things.end() ? nullptr : &*found;
+}
+
+std::vector<ThingChange> HomeHistory::changes_by(home::RecordingId walk) const {
+  std::vector<ThingChange> changes;
+  for (const ThingHistory& thing : things) {
+    for (const WalkEvent& event : thing.events) {
+      if (event.walk == walk && is_change(event.what)) changes.push_back({&thing, &event});
+    }
+  }
+  return changes;
+}
+
+void HomeHistory::correct(std::span<const objects::Instance> instances) {
+  std::vector<ThingHistory> corrected;
+  for (ThingHistory& one : things) {
+    if (!one.is_gone) {
+      const auto stands = std::ranges::find_if(
+          instances, [&](const objects::Instance& instance) { return is_of(one, instance); });
+      if (stands == instances.end()) continue;
+      one.thing.name = stands->name;
+      one.thing.names = stands->names;
+      one.thing.probability = stands->probability;
+    }
+    corrected.push_back(std::move(one));
+  }
+  things = std::move(corrected);
 }
 
 Expected<HomeHistory> find_home_history(const home::Home& home) {
   ROOMWISE_TRY(auto history, kept_history(home));
-  if (history) return *std::move(history);
-  return follow_things(home);
+  if (!history) {
+    ROOMWISE_TRY(history, follow_things(home));
+  }
+  ROOMWISE_TRY(const auto instances, home.instances());
+  history->correct(instances);
+  return *std::move(history);
 }
 
 Expected<void> keep_home_history(home::Home& home) {

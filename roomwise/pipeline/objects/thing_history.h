@@ -60,6 +60,12 @@ struct ThingHistory {
 [[nodiscard]] std::optional<double> moved_m(const ThingHistory& thing, const WalkEvent& event,
                                             std::span<const home::Keyframe> keyframes);
 
+// What a walk changed; both of a HomeHistory, which must outlive it.
+struct ThingChange {
+  const ThingHistory* thing = nullptr;
+  const WalkEvent* event = nullptr;  // of the thing
+};
+
 struct HomeHistory {
   // The walks that have joined the map, in the order of time where all their stamps tell the date,
   // else as they were mapped.
@@ -70,6 +76,11 @@ struct HomeHistory {
   // Of an instance of the home; nullptr where it is none that walks show: a later visit brought it,
   // or somebody added it by hand.
   [[nodiscard]] const ThingHistory* of(const objects::Instance& instance) const;
+  // In the order of things.
+  [[nodiscard]] std::vector<ThingChange> changes_by(home::RecordingId walk) const;
+  // By the home's instances: what somebody renamed is called so, and what stands there and is among
+  // them no more, since somebody took it out or a visit found it gone, is left out.
+  void correct(std::span<const objects::Instance> instances);
 };
 
 // The walks of the map's largest component, as HomeHistory::walks.
@@ -90,7 +101,7 @@ struct HomeHistory {
 [[nodiscard]] Expected<HomeHistory> follow_things(const home::Home& home);
 
 // As the home keeps it or, where that is missing, damaged or of other key-frames, poses or looks of
-// finders, by follow_things().
+// finders, by follow_things(); then corrected by its instances.
 [[nodiscard]] Expected<HomeHistory> find_home_history(const home::Home& home);
 // Makes it anew where find_home_history() would, and keeps it in the home, as derived data.
 [[nodiscard]] Expected<void> keep_home_history(home::Home& home);

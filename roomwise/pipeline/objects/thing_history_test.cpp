@@ -217,6 +217,23 @@ TEST_F(ThingHistories, ThatAreDamagedAreFollowedAnew) {
   }
 }
 
+TEST_F(ThingHistories, FollowWhatSomebodyCorrects) {
+  walk(std::nullopt);
+  walk(kBox);
+  auto instances = home_->instances().value();
+  ASSERT_EQ(instances.size(), 1U);
+  instances[0].name = "armchair";
+  ASSERT_OK(home_->replace_instances(instances));
+  const HomeHistory renamed = history();
+  const auto changes = renamed.changes_by(renamed.walks.back());
+  ASSERT_EQ(changes.size(), 1U);
+  EXPECT_EQ(changes[0].thing->thing.name, "armchair");
+  EXPECT_EQ(changes[0].event->what, ThingEvent::kNew);
+  EXPECT_TRUE(renamed.changes_by(renamed.walks.front()).empty());
+  ASSERT_OK(home_->replace_instances({}));
+  EXPECT_TRUE(history().things.empty()) << "it was taken out: it never was there";
+}
+
 TEST_F(ThingHistories, AreKeptAnewOnceTheMapHasMoved) {
   const auto made_from = [&] { return home_->derived_data("things").value().value().made_from; };
   walk(kBox);
