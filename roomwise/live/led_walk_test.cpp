@@ -78,6 +78,19 @@ TEST_F(LedWalkTest, LeadsAlongWithThePicturesThatCome) {
   EXPECT_TRUE(led->is_over());
 }
 
+TEST_F(LedWalkTest, AGoalThatWasSeenLongAgoIsProbable) {
+  const CalendarTime seen{2023, 11, 26, 9};
+  home->things[0].seen = seen;
+  const FrameResult first = picture_at({0, 0}, t_ms);
+  const auto confidence_on = [&](const CalendarTime& today) {
+    Situation situation = at(first);
+    situation.today = today;
+    return LedWalk::to(ask_for("microwave"), home, situation)->begin(situation).confidence;
+  };
+  EXPECT_EQ(confidence_on(seen), guide::Confidence::kSure);
+  EXPECT_EQ(confidence_on({2026, 11, 26, 9}), guide::Confidence::kProbable);
+}
+
 TEST_F(LedWalkTest, HearsWhatIsWished) {
   const FrameResult first = picture_at({0, 0}, t_ms);
   const auto led = LedWalk::to(ask_for("microwave"), home, at(first));
