@@ -161,7 +161,7 @@ class HomeAnswers {
       case Question::kWhichWay:
         return guide::facing_prompts(map_, location_, wording_, today_);
       case Question::kWhatChanged:
-        return guide::change_prompts(home.arrived, home.gone, wording_, today_);
+        return guide::change_prompts(home.latest, wording_, today_);
       case Question::kWhichRooms:
         return which_rooms();
       default:

@@ -185,7 +185,7 @@ TEST(Answers, TellWhatTheMapKnowsOfThingsAndRooms) {
   EXPECT_EQ(told(Question::kWhatIsIn, "attic"), "I know no attic here.");
   EXPECT_EQ(told(Question::kWhichRooms, ""), "I know 2 rooms.");
   EXPECT_EQ(told(Question::kWhatChanged, ""), "I know of no change.");
-  home.gone = {thing("chair", "kitchen", {1, 1, 0.5})};
+  home.latest.gone = {thing("chair", "kitchen", {1, 1, 0.5})};
   EXPECT_EQ(told(Question::kWhatChanged, ""), "No longer in the kitchen: chair.");
   EXPECT_EQ(told(Question::kWhereIs, "kitchen", true, &result), "You are in the kitchen.");
   EXPECT_EQ(told(Question::kWhatCanIAsk, ""), "You can ask: where am I, what is around me.");

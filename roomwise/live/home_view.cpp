@@ -84,32 +84,72 @@ Expected<void> view_things(const home::Home& home, const pipeline::HomeHistory& 
   return {};
 }
 
-// By the last visit, or where there was none by the last of several walks.
-Expected<void> view_arrived_and_gone(const home::Home& home, const pipeline::HomeHistory& history,
-                                     HomeView& view) {
-  ROOMWISE_TRY(const auto visits, home.visits());
+// Whether the last visit is what looked at the home last.
+bool is_visit_newest(const std::map<home::VisitId, home::Visit>& visits,
+                     const pipeline::HomeHistory& history, const HomeView& view) {
+  if (visits.empty()) return false;
+  if (history.walks.size() < 2) return true;  // one walk alone changes nothing
+  TimestampNs walked_ns = 0;
+  for (const ViewedKeyframe& one : view.keyframes) {
+    if (one.keyframe.recording == history.walks.back())
+      walked_ns = std::max(walked_ns, one.keyframe.timestamp_ns);
+  }
+  const TimestampNs visited_ns = visits.rbegin()->second.last_timestamp_ns;
+  return calendar_time(walked_ns) && calendar_time(visited_ns) && visited_ns > walked_ns;
+}
+
+// What a visit changed. A thing that it moved is one that it brought and one that is past.
+guide::ChangedThings changed_by_visit(home::VisitId visit, std::span<const home::PastInstance> past,
+                                      const HomeView& view) {
   const ThingPlacer placer(view);
-  if (!visits.empty()) {
-    const auto& [id, visit] = *visits.rbegin();
-    ROOMWISE_TRY(const auto past, home.past_instances());
-    for (const guide::KnownThing& thing : view.things) {
-      if (thing.visit == id) view.arrived.push_back(thing);
+  guide::ChangedThings changed;
+  for (const guide::KnownThing& thing : view.things) {
+    if (thing.visit == visit) changed.arrived.push_back(thing);
+  }
+  for (const home::PastInstance& one : past) {
+    if (one.noticed_by != visit) continue;
+    const auto now =
+        std::ranges::find(changed.arrived, one.instance.name, &guide::KnownThing::name);
+    if (one.reason == home::PastReason::kMoved && now != changed.arrived.end()) {
+      changed.moved.push_back(std::move(*now));
+      changed.arrived.erase(now);
+      continue;
     }
-    for (const home::PastInstance& one : past) {
-      if (one.noticed_by != id) continue;
-      view.gone.push_back(placer.known_thing(one.instance));
-      view.gone.back().seen = calendar_time(visit.last_timestamp_ns);
-    }
-    return {};
+    changed.gone.push_back(placer.known_thing(one.instance));
+    changed.gone.back().seen = calendar_time(one.last_seen_ns);
+  }
+  return changed;
+}
+
+guide::ChangedThings changed_by_walk(home::RecordingId walk, const pipeline::HomeHistory& history,
+                                     const HomeView& view) {
+  using pipeline::ThingEvent;
+  const ThingPlacer placer(view);
+  guide::ChangedThings changed;
+  for (const guide::KnownThing& thing : view.things) {
+    const pipeline::ThingHistory* const told = history.of(thing);
+    if (told == nullptr || told->events.back().walk != walk) continue;
+    const ThingEvent what = told->events.back().what;
+    if (what == ThingEvent::kNew) changed.arrived.push_back(thing);
+    if (what == ThingEvent::kMoved) changed.moved.push_back(thing);
+    if (what == ThingEvent::kShifted) changed.shifted.push_back(thing);
   }
   for (const pipeline::ThingHistory& told : history.things) {
-    const pipeline::WalkEvent& event = told.events.back();
-    if (event.walk != history.walks.back()) continue;
-    const bool is_new = event.what == pipeline::ThingEvent::kNew;
-    if (!is_new && event.what != pipeline::ThingEvent::kGone) continue;
-    guide::KnownThing& thing =
-        (is_new ? view.arrived : view.gone).emplace_back(placer.known_thing(told.thing));
-    thing.seen = calendar_time(told.last_seen.time_ns);
+    if (!told.is_gone || told.events.back().walk != walk) continue;
+    changed.gone.push_back(placer.known_thing(told.thing));
+    changed.gone.back().seen = calendar_time(told.last_seen.time_ns);
+  }
+  return changed;
+}
+
+Expected<void> view_latest(const home::Home& home, const pipeline::HomeHistory& history,
+                           HomeView& view) {
+  ROOMWISE_TRY(const auto visits, home.visits());
+  if (is_visit_newest(visits, history, view)) {
+    ROOMWISE_TRY(const auto past, home.past_instances());
+    view.latest = changed_by_visit(visits.rbegin()->first, past, view);
+  } else if (history.walks.size() > 1) {
+    view.latest = changed_by_walk(history.walks.back(), history, view);
   }
   return {};
 }
@@ -125,18 +165,16 @@ void view_changes(const pipeline::HomeHistory& history, HomeView& view) {
   ViewedChanges& changes = view.changes.emplace();
   changes.walk = history.walks.back();
   changes.since = history.walks.end()[-2];
-  for (const pipeline::ThingHistory& thing : history.things) {
-    const pipeline::WalkEvent& event = thing.events.back();
-    if (event.walk != changes.walk || !pipeline::is_change(event.what)) continue;
+  for (const auto& [thing, event] : history.changes_by(changes.walk)) {
     std::optional<Eigen::Vector3d> middle;
     if (view.map) {
-      middle = pipeline::middle_on_map(thing.thing, keyframes[thing.thing.keyframe_id].pose,
+      middle = pipeline::middle_on_map(thing->thing, keyframes[thing->thing.keyframe_id].pose,
                                        view.map->frame);
     }
-    changes.things.push_back({std::string(pipeline::to_string(event.what)), thing.thing.name,
-                              pipeline::room_of_thing(middle, thing.thing.keyframe_id,
+    changes.things.push_back({std::string(pipeline::to_string(event->what)), thing->thing.name,
+                              pipeline::room_of_thing(middle, thing->thing.keyframe_id,
                                                       view.layout ? &*view.layout : nullptr, rooms),
-                              pipeline::moved_m(thing, event, keyframes)});
+                              pipeline::moved_m(*thing, *event, keyframes)});
   }
 }
 
@@ -190,7 +228,7 @@ Expected<std::shared_ptr<const HomeView>> view_home(const home::Home& home,
   }
   ROOMWISE_TRY(const pipeline::HomeHistory history, pipeline::find_home_history(home));
   ROOMWISE_CHECK_OK(view_things(home, history, view));
-  ROOMWISE_CHECK_OK(view_arrived_and_gone(home, history, view));
+  ROOMWISE_CHECK_OK(view_latest(home, history, view));
   view_changes(history, view);
   ROOMWISE_TRY(const auto classifier, home.room_classifier());
   if (classifier) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "roomwise/guide/plan.h"
+#include "roomwise/guide/questions/home_prompts.h"
 #include "roomwise/home/home.h"
 #include "roomwise/live/live_map.h"
 #include "roomwise/pipeline/rooms/room_recognizer.h"
@@ -49,9 +50,9 @@ struct HomeView {
   std::string name;
   std::vector<rooms::Room> rooms;         // by name
   std::vector<guide::KnownThing> things;  // as stored; without a place until the map is ready
-  // What the last visit, or without one the last of several walks, found new (these are among
-  // things), and no longer there.
-  std::vector<guide::KnownThing> arrived, gone;
+  // What the last visit or the last of several walks changed: the later of the two by their stamps
+  // or, where these do not tell the date, the walk. All but what is gone are among things.
+  guide::ChangedThings latest;
   std::vector<ViewedWalk> walks;  // as stored
   // Absent where the map is of one walk, or nothing was found on it.
   std::optional<ViewedChanges> changes;

@@ -381,25 +381,27 @@ std::vector<Prompt> describe_prompts(const std::string& room, const HomeMap& map
   return answer.take();
 }
 
-std::vector<Prompt> change_prompts(std::span<const KnownThing> arrived,
-                                   std::span<const KnownThing> gone, const Wording& wording,
+std::vector<Prompt> change_prompts(const ChangedThings& changed, const Wording& wording,
                                    const Today& today) {
   HomeAnswer answer("changed", wording, today);
   std::vector<const KnownThing*> all;
-  const auto say = [&](const char* message, std::span<const KnownThing> things) {
+  const auto say = [&](const std::string& message, std::span<const KnownThing> things) {
     std::map<std::string, Nouns> of_room;
+    Nouns somewhere;
     for (const KnownThing& thing : things) {
-      if (!thing.room) continue;
-      of_room[*thing.room].push_back({Noun::Kind::kThing, thing.name});
+      (thing.room ? of_room[*thing.room] : somewhere).push_back({Noun::Kind::kThing, thing.name});
       all.push_back(&thing);
     }
     for (const auto& [room, names] : of_room) {
       answer.list(message, {{"room", guide::room(room)}}, "things", names);
     }
+    answer.list(message + "_somewhere", {}, "things", somewhere);
   };
-  say("changed.new", arrived);
-  say("changed.gone", gone);
-  if (answer.empty()) answer.say("changed.none", {});
+  say("changed.new", changed.arrived);
+  say("changed.moved", changed.moved);
+  say("changed.shifted", changed.shifted);
+  say("changed.gone", changed.gone);
+  if (changed.empty()) answer.say("changed.none", {});
   answer.say_seen(all);
   return answer.take();
 }

@@ -52,9 +52,19 @@ struct DepthAhead {
 [[nodiscard]] std::vector<Prompt> describe_prompts(const std::string& room, const HomeMap& map,
                                                    const UserLocation& location,
                                                    const Wording& wording, const Today& today);
-// "what changed": what the last visit found new, and no longer there.
-[[nodiscard]] std::vector<Prompt> change_prompts(std::span<const KnownThing> arrived,
-                                                 std::span<const KnownThing> gone,
+// What the newest look at the home found otherwise than it was known.
+struct ChangedThings {
+  std::vector<KnownThing> arrived;
+  std::vector<KnownThing> moved;    // as they stand now
+  std::vector<KnownThing> shifted;  // pushed or turned, and not found again: about where they were
+  std::vector<KnownThing> gone;     // as they stood; seen when last they were
+
+  [[nodiscard]] bool empty() const {
+    return arrived.empty() && moved.empty() && shifted.empty() && gone.empty();
+  }
+};
+// "what changed": by what happened and by room, and of what has no known room, that it is so.
+[[nodiscard]] std::vector<Prompt> change_prompts(const ChangedThings& changed,
                                                  const Wording& wording, const Today& today);
 
 }  // namespace roomwise::guide

@@ -223,15 +223,26 @@ TEST_F(HomePromptsTest, WhereARoomIsIsToldByRoomsAndDirection) {
   EXPECT_THAT(told(nowhere_), ElementsAre("I do not know where you stand. Turn slowly."));
 }
 
-TEST_F(HomePromptsTest, ChangesAreWhatTheLastVisitFound) {
-  EXPECT_THAT(said(change_prompts({}, {}, english_, today_)), ElementsAre("I know of no change."));
-  std::vector<KnownThing> arrived{standing("chair", {1, 1, 0}, {1, 1, 1}, "kitchen")};
-  arrived[0].seen = CalendarTime{2026, 11, 25, 9};
-  const std::vector<KnownThing> gone{standing("chair", {1, 1, 0}, {1, 1, 1}),
-                                     standing("lamp", {1, 1, 0}, {1, 1, 1})};
-  EXPECT_THAT(said(change_prompts(arrived, gone, english_, today_)),
-              ElementsAre("New in the kitchen: chair.", "No longer in the bedroom: chair and lamp.",
-                          "Seen yesterday."));
+TEST_F(HomePromptsTest, ChangesAreToldByWhatHappenedAndByRoom) {
+  EXPECT_THAT(said(change_prompts({}, english_, today_)), ElementsAre("I know of no change."));
+  ChangedThings changed;
+  changed.arrived = {standing("chair", {1, 1, 0}, {1, 1, 1}, "kitchen")};
+  changed.arrived[0].seen = CalendarTime{2026, 11, 25, 9};
+  changed.moved = {standing("table", {1, 1, 0}, {1, 1, 1}, "hall")};
+  changed.shifted = {standing("bed", {1, 1, 0}, {1, 1, 1})};
+  changed.gone = {standing("chair", {1, 1, 0}, {1, 1, 1}), standing("lamp", {1, 1, 0}, {1, 1, 1})};
+  EXPECT_THAT(said(change_prompts(changed, english_, today_)),
+              ElementsAre("New in the kitchen: chair.", "Moved: table, now in the hall.",
+                          "Pushed or turned in the bedroom: bed.",
+                          "No longer in the bedroom: chair and lamp.", "Seen yesterday."));
+}
+
+TEST_F(HomePromptsTest, AChangeInARoomThatIsNotKnownIsToldToo) {
+  KnownThing lamp = standing("lamp", {1, 1, 0}, {1, 1, 1});
+  lamp.room.reset();
+  EXPECT_THAT(said(change_prompts({{lamp}, {lamp}, {lamp}, {lamp}}, english_, today_)),
+              ElementsAre("New, room unknown: lamp.", "Moved, room unknown: lamp.",
+                          "Pushed or turned, room unknown: lamp.", "Gone, room unknown: lamp."));
 }
 
 TEST_F(HomePromptsTest, EveryRefusalSaysWhatCanBeAsked) {
