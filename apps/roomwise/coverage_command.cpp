@@ -3,6 +3,7 @@
 #include "command_run.h"
 #include "commands.h"
 #include "open_home.h"
+#include "paths.h"
 #include "pose_json.h"
 #include "roomwise/pipeline/rooms/room_coverage.h"
 #include "walk_words.h"
@@ -23,7 +24,7 @@ struct CoverageCommandOptions {
 // "day_walk, 3 May 2026 at 10 o'clock: 41 pictures, brightness 0.42".
 std::string in_words(const RoomOnWalk& one, const WalkWords& walks) {
   std::string words = walks.name(one.walk);
-  if (const auto when = date_words(one.first_ns)) words += ", " + *when;
+  if (const auto when = walks.date(one.first_ns)) words += ", " + *when;
   words += fmt::format(": {} pictures", one.pictures);
   if (one.light) {
     words += fmt::format(", brightness {:.2f}, red over blue {:.2f}", one.light->brightness,
@@ -52,7 +53,8 @@ ItemWords words_of(const CoverageItem& item, const pipeline::CoverageOptions& op
     case Missing::kNames:
       return {fmt::format("{} pictures of the walk {} belong to no room", item.pictures,
                           walks.name(*item.walk)),
-              fmt::format("name them: roomwise rooms name --walk {}", walks.name(*item.walk))};
+              fmt::format("name them: roomwise rooms name --walk {}",
+                          shell_word(walks.name(*item.walk)))};
     case Missing::kPictures:
       return {fmt::format("{}: {} pictures, too few to learn it", item.room, item.pictures),
               fmt::format("walk through it and turn once in its middle; at least {} are needed",

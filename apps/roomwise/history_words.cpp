@@ -40,25 +40,22 @@ std::string HistoryWords::line(const ThingHistory& thing) const {
       line += fmt::format(" {} on {}", pipeline::to_string(event.what), walk);
     }
   }
-  const auto when = date_words(thing.last_seen.time_ns);
+  const auto when = walks_.date(thing.last_seen.time_ns);
   return line + fmt::format("; last seen on {}{}", walks_.name(thing.last_seen.walk),
                             when ? ", " + *when : std::string());
 }
 
 std::vector<std::string> HistoryWords::changes(home::RecordingId walk) const {
   std::vector<std::string> lines;
-  for (const ThingHistory& thing : history_.things) {
-    for (const WalkEvent& event : thing.events) {
-      if (event.walk != walk || !pipeline::is_change(event.what)) continue;
-      const std::string in = room(thing.thing);
-      std::string line = fmt::format("{} {}", thing.thing.name, pipeline::to_string(event.what));
-      if (const auto distance_m = pipeline::moved_m(thing, event, keyframes_)) {
-        const std::string from = room(*event.from);
-        line += fmt::format(" by {:.1f} m", *distance_m);
-        if (!from.empty() && from != in) line += ", from the " + from;
-      }
-      lines.push_back(line + (in.empty() ? "" : fmt::format(" ({})", in)));
+  for (const auto& [thing, event] : history_.changes_by(walk)) {
+    const std::string in = room(thing->thing);
+    std::string line = fmt::format("{} {}", thing->thing.name, pipeline::to_string(event->what));
+    if (const auto distance_m = pipeline::moved_m(*thing, *event, keyframes_)) {
+      const std::string from = room(*event->from);
+      line += fmt::format(" by {:.1f} m", *distance_m);
+      if (!from.empty() && from != in) line += ", from the " + from;
     }
+    lines.push_back(line + (in.empty() ? "" : fmt::format(" ({})", in)));
   }
   return lines;
 }
@@ -72,14 +69,11 @@ Json HistoryWords::event_json(const ThingHistory& thing, const WalkEvent& event)
 
 Json HistoryWords::changes_json(home::RecordingId walk) const {
   Json changes = Json::array();
-  for (const ThingHistory& thing : history_.things) {
-    for (const WalkEvent& event : thing.events) {
-      if (event.walk != walk || !pipeline::is_change(event.what)) continue;
-      Json one = event_json(thing, event);
-      one["name"] = thing.thing.name;
-      one["room"] = word_or_null(room(thing.thing));
-      changes.push_back(std::move(one));
-    }
+  for (const auto& [thing, event] : history_.changes_by(walk)) {
+    Json one = event_json(*thing, *event);
+    one["name"] = thing->thing.name;
+    one["room"] = word_or_null(room(thing->thing));
+    changes.push_back(std::move(one));
   }
   return changes;
 }

@@ -1,8 +1,7 @@
 #include "walk_words.h"
 
-#include <array>
-
 #include "roomwise/base/calendar_time.h"
+#include "roomwise/guide/message_catalogue.h"
 
 namespace roomwise::app {
 
@@ -17,17 +16,17 @@ Expected<WalkWords> WalkWords::of(const home::Home& home) {
     const std::string& name = one.recording.name;
     words.names_[one.id] = count[name] > 1 ? fmt::format("{} (walk {})", name, number) : name;
   }
+  const guide::MessageCatalogue catalogue = guide::MessageCatalogue::built_in();
+  for (int month = 1; month <= 12; ++month)
+    words.months_.push_back(catalogue.in("en").month(month));
   return words;
 }
 
-std::optional<std::string> date_words(TimestampNs timestamp_ns) {
-  constexpr std::array kMonths{"January",   "February", "March",    "April",
-                               "May",       "June",     "July",     "August",
-                               "September", "October",  "November", "December"};
+std::optional<std::string> WalkWords::date(TimestampNs timestamp_ns) const {
   const auto time = calendar_time(timestamp_ns);
   if (!time) return std::nullopt;
   return fmt::format("{} {} {} at {} o'clock", time->day,
-                     kMonths.at(static_cast<std::size_t>(time->month - 1)), time->year, time->hour);
+                     months_.at(static_cast<std::size_t>(time->month - 1)), time->year, time->hour);
 }
 
 Json date_json(TimestampNs timestamp_ns) {
