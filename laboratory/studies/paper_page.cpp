@@ -175,7 +175,7 @@ std::string objects_tables(const PaperResults& results) {
                          ruled, 3);
   }
   return html +
-         "<p>Both ways look at the same key-frames, at their poses by Roomwise's default. What "
+         "<p>All ways look at the same key-frames, at their poses by Roomwise's default. What "
          "that "
          "default believes was fitted on homes of which fr1/rpy and office_walk are two; left out "
          "of the fit it finds less (docs/experiments/objects-kinds-as-data.md). The paper's rules "

@@ -27,11 +27,9 @@ Words with_networks(Words words, std::span<const fs::path> networks) {
   return words;
 }
 
-Words room_trial_words(const fs::path& home, std::optional<int> margin) {
-  Words words{"rooms", "eval", "--home", home.string()};
-  if (margin) words.insert(words.end(), {"--margin", std::to_string(*margin)});
-  words.insert(words.end(), {"--baselines", "--max-voted", "0"});
-  return words;
+Words room_trial_words(const fs::path& home, int margin) {
+  return {"rooms",       "eval",        "--home", home.string(), "--margin", std::to_string(margin),
+          "--baselines", "--max-voted", "0"};
 }
 
 }  // namespace roomwise::studies

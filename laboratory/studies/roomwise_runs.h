@@ -2,7 +2,6 @@
 
 #include <array>
 #include <filesystem>
-#include <optional>
 #include <span>
 #include <string_view>
 
@@ -30,10 +29,10 @@ inline constexpr std::array kVisits{
 // Adds --network FILE for each.
 [[nodiscard]] Words with_networks(Words words, std::span<const std::filesystem::path> networks);
 
-// "rooms eval" of a home, with the simple methods but the vote of features, which takes most of the
-// time and finds little (docs/experiments/rooms-first-homes.md). `margin`: frames of a recording
-// that are left out on both sides of a room's boundary; absent for photos.
-[[nodiscard]] Words room_trial_words(const std::filesystem::path& home, std::optional<int> margin);
+// "rooms eval" of a home by recordings, with the simple methods but the vote of features, which
+// takes most of the time and finds little (docs/experiments/rooms-first-homes.md). `margin`: frames
+// that are left out on both sides of a room's boundary.
+[[nodiscard]] Words room_trial_words(const std::filesystem::path& home, int margin);
 
 // Keys of what "rooms eval" prints, and how a table calls them.
 struct RoomWay {

@@ -26,6 +26,7 @@ h1 { font-size: 2rem; line-height: 1.2; margin: 0; overflow-wrap: anywhere; }
 h2 { font-size: 1.375rem; margin: 2.5rem 0 0.75rem; }
 h3 { font-size: 1.0625rem; margin: 0; overflow-wrap: anywhere; }
 p { margin: 0.5rem 0; max-width: 45rem; }
+a { color: var(--accent); }
 .quiet { color: var(--quiet); }
 .warnings { border: 2px solid var(--warn-line); border-radius: 0.5rem; background: var(--warn);
   padding: 0.75rem 1rem; margin-top: 1.5rem; }
