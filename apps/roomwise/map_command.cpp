@@ -13,6 +13,7 @@
 #include "readout.h"
 #include "roomwise/pipeline/mapping/map_recording.h"
 #include "roomwise/pipeline/rooms/room_learning.h"
+#include "roomwise/pipeline/rooms/walk_into_home.h"
 #include "roomwise/pipeline/stored/stored_map.h"
 #include "roomwise/recording/damage_tolerant_source.h"
 #include "roomwise/recording/open_recording.h"
@@ -42,21 +43,11 @@ struct MapOptions {
   std::function<std::vector<std::string>()> given_settings;  // names of options that say how to map
 };
 
-// A home that is there takes a further walk, or goes on with the one that it was left in.
 Expected<home::Home> make_or_open_home(const MapOptions& options, const Context& context) {
   ROOMWISE_TRY(const home::OpenOptions open, open_options(context));
-  if (!fs::exists(options.home)) return pipeline::create_home(options.home, open);
-  ROOMWISE_TRY(home::Home home, home::Home::open(options.home, open));
+  ROOMWISE_TRY(home::Home home, pipeline::make_or_open_home({options.home, options.recording, open,
+                                                             options.resume, "--resume"}));
   ROOMWISE_TRY(const auto recordings, home.recordings());
-  const bool is_unfinished = !recordings.empty() && !recordings.back().finished;
-  if (is_unfinished && recordings.back().next_frame_index > 0 && !options.resume) {
-    return fail("{}: its walk {} was not mapped to the end; give --resume to go on with it",
-                options.home.string(), recordings.back().recording.name);
-  }
-  if (!recordings.empty() && !is_unfinished && options.resume) {
-    return fail("{}: is finished; without --resume {} is added to it as a further walk",
-                options.home.string(), options.recording.string());
-  }
   const std::vector<std::string> given = options.given_settings();
   if (!recordings.empty() && !given.empty()) {
     return fail("{}: holds a map, and a further walk is mapped as that was; leave out {}",
@@ -108,14 +99,6 @@ Expected<std::optional<recording::RoomLabels>> rooms_of_recording(const fs::path
   if (!fs::exists(file)) return std::nullopt;
   ROOMWISE_TRY(recording::RoomLabels labels, recording::RoomLabels::read(file));
   return labels;
-}
-
-// What a person named since is kept.
-Expected<void> name_rooms_if_unnamed(home::Home& home, const recording::RoomLabels& labels) {
-  ROOMWISE_TRY(const auto stored, home.recordings());
-  ROOMWISE_TRY(const recording::RoomLabels named, home.room_ranges(stored.back().id));
-  if (!named.ranges().empty()) return {};
-  return pipeline::name_rooms(home, stored.back().id, labels);
 }
 
 // Of the device's own motion, where it tells it.
@@ -199,19 +182,6 @@ Expected<image::ColorImage> first_color_from(const recording::Recording& recordi
   return picture;
 }
 
-// A home that this run made and that holds nothing is taken away again: the next try, with the
-// mistake mended, is a first try too.
-void remove_empty_home(const fs::path& path) {
-  const auto is_empty = [&] {
-    const auto home = home::Home::open_read_only(path);
-    if (!home) return false;
-    const auto keyframes = home->keyframes();
-    return keyframes && keyframes->empty();
-  };
-  std::error_code ignored;
-  if (is_empty()) fs::remove(path, ignored);
-}
-
 Expected<Answer> map(const MapOptions& options, Context& context) {
   cv::setNumThreads(1);  // the threads are ours
   if (!options.trajectory.empty() && fs::is_directory(options.trajectory)) {
@@ -261,7 +231,7 @@ Expected<Answer> map(const MapOptions& options, Context& context) {
         "--resume",
         summary.frames, summary.keyframes, shell_word(options.recording), shell_word(options.home));
   }
-  if (labels) ROOMWISE_CHECK_OK(name_rooms_if_unnamed(home, *labels));
+  if (labels) ROOMWISE_CHECK_OK(pipeline::name_rooms_if_unnamed(home, *labels));
   if (!options.trajectory.empty()) {
     ROOMWISE_TRY(const auto recordings, home.recordings());
     ROOMWISE_TRY(const recording::Trajectory trajectory,
@@ -306,7 +276,7 @@ Expected<Answer> map(const MapOptions& options, Context& context) {
 Expected<Answer> run(const MapOptions& options, Context& context) {
   const bool is_new = !fs::exists(options.home);
   Expected<Answer> answer = map(options, context);
-  if (!answer && is_new) remove_empty_home(options.home);
+  if (!answer && is_new) pipeline::remove_empty_home(options.home);
   return answer;
 }
 

@@ -12,6 +12,7 @@
 #include "roomwise/pipeline/mapping/map_recording.h"
 #include "roomwise/pipeline/rooms/picture_features.h"
 #include "roomwise/pipeline/rooms/room_learning.h"
+#include "roomwise/pipeline/rooms/walk_into_home.h"
 #include "roomwise/recording/damage_tolerant_source.h"
 #include "roomwise/recording/open_recording.h"
 
@@ -41,32 +42,12 @@ struct MapReport {
   std::vector<std::string> damaged;  // the errors of frames that were left out
 };
 
-// A home that is there takes a further walk, or goes on with the one that it was left in.
-Expected<home::Home> make_or_open_home(const MapRequest& request) {
-  if (!fs::exists(request.home)) return pipeline::create_home(request.home, request.open);
-  ROOMWISE_TRY(home::Home home, home::Home::open(request.home, request.open));
-  ROOMWISE_TRY(const auto recordings, home.recordings());
-  const bool is_unfinished = !recordings.empty() && !recordings.back().finished;
-  if (is_unfinished && recordings.back().next_frame_index > 0 && !request.resume) {
-    return fail("{}: its walk {} was not mapped to the end; give resume=True to go on with it",
-                request.home.string(), recordings.back().recording.name);
-  }
-  if (!recordings.empty() && !is_unfinished && request.resume) {
-    return fail("{}: is finished; without resume=True {} is added to it as a further walk",
-                request.home.string(), request.recording.string());
-  }
-  return home;
-}
-
 // A recording that says its rooms itself names them; what a person named since is kept.
-Expected<void> name_rooms_if_unnamed(const fs::path& recording, home::Home& home) {
+Expected<void> name_rooms_of_recording(const fs::path& recording, home::Home& home) {
   const fs::path file = recording / "rooms.txt";
   if (!fs::exists(file)) return {};
   ROOMWISE_TRY(const recording::RoomLabels labels, recording::RoomLabels::read(file));
-  ROOMWISE_TRY(const auto stored, home.recordings());
-  ROOMWISE_TRY(const recording::RoomLabels named, home.room_ranges(stored.back().id));
-  if (!named.ranges().empty()) return {};
-  return pipeline::name_rooms(home, stored.back().id, labels);
+  return pipeline::name_rooms_if_unnamed(home, labels);
 }
 
 Expected<MapReport> map_into(home::Home& home, recording::Recording& source,
@@ -90,7 +71,7 @@ Expected<MapReport> map_into(home::Home& home, recording::Recording& source,
                      "interrupted after {} frames, {} key-frames; go on with resume=True",
                      summary.frames, summary.keyframes);
   }
-  ROOMWISE_CHECK_OK(name_rooms_if_unnamed(request.recording, home));
+  ROOMWISE_CHECK_OK(name_rooms_of_recording(request.recording, home));
   return MapReport{std::move(summary), frames.damage()};
 }
 
@@ -103,21 +84,10 @@ Expected<MapReport> map(const MapRequest& request, Progress& shown) {
     if (!walks.empty()) how.camera = walks.back().recording.camera;
   }
   ROOMWISE_TRY(const auto source, recording::open_recording(request.recording, how));
-  ROOMWISE_TRY(home::Home home, make_or_open_home(request));
+  ROOMWISE_TRY(home::Home home,
+               pipeline::make_or_open_home(
+                   {request.home, request.recording, request.open, request.resume, "resume=True"}));
   return map_into(home, *source, request, shown);
-}
-
-// A home that this call made and that holds nothing is taken away again: the next try is a first
-// try too.
-void remove_empty_home(const fs::path& path) {
-  const auto is_empty = [&] {
-    const auto home = home::Home::open_read_only(path);
-    if (!home) return false;
-    const auto keyframes = home->keyframes();
-    return keyframes && keyframes->empty();
-  };
-  std::error_code ignored;
-  if (is_empty()) fs::remove(path, ignored);
 }
 
 pipeline::MapSettings settings_of(const std::string& method, const std::string& features,
@@ -149,7 +119,7 @@ MapReport map_recording(const py::object& path, const py::object& home, const py
   return run_long(progress, [&](Progress& shown) {
     const bool is_new = !fs::exists(request.home);
     Expected<MapReport> report = map(request, shown);
-    if (!report && is_new) remove_empty_home(request.home);
+    if (!report && is_new) pipeline::remove_empty_home(request.home);
     return report;
   });
 }
