@@ -13,20 +13,32 @@ if(LibTorch_API_INCLUDE_DIR)
   file(STRINGS ${LibTorch_API_INCLUDE_DIR}/torch/version.h _lines REGEX "#define TORCH_VERSION_(MAJOR|MINOR) ")
   string(REGEX REPLACE ".*MAJOR +([0-9]+).*MINOR +([0-9]+).*" "\\1.\\2" LibTorch_VERSION "${_lines}")
 endif()
+# The publisher's own build with CUDA has a BLAS inside, and NCCL in place of Gloo's headers.
+if(NOT LibTorch_CUDA_LIBRARY)
+  set(_of_debian LibTorch_BLAS_LIBRARY LibTorch_GLOO_INCLUDE_DIR)
+endif()
 find_package_handle_standard_args(LibTorch
-  REQUIRED_VARS LibTorch_LIBRARY LibTorch_C10_LIBRARY LibTorch_BLAS_LIBRARY LibTorch_INCLUDE_DIR
-    LibTorch_API_INCLUDE_DIR LibTorch_GLOO_INCLUDE_DIR
+  REQUIRED_VARS LibTorch_LIBRARY LibTorch_C10_LIBRARY LibTorch_INCLUDE_DIR LibTorch_API_INCLUDE_DIR ${_of_debian}
   VERSION_VAR LibTorch_VERSION HANDLE_VERSION_RANGE)
 if(LibTorch_FOUND AND NOT TARGET LibTorch::LibTorch)
   # Imported targets' headers are the system's, whose warnings are not ours.
   add_library(LibTorch::LibTorch UNKNOWN IMPORTED)
   set_target_properties(LibTorch::LibTorch PROPERTIES
     IMPORTED_LOCATION ${LibTorch_LIBRARY}
-    INTERFACE_INCLUDE_DIRECTORIES
-      "${LibTorch_INCLUDE_DIR};${LibTorch_API_INCLUDE_DIR};${LibTorch_GLOO_INCLUDE_DIR}"
-    INTERFACE_COMPILE_DEFINITIONS "USE_C10D_GLOO;USE_DISTRIBUTED"
+    INTERFACE_INCLUDE_DIRECTORIES "${LibTorch_INCLUDE_DIR};${LibTorch_API_INCLUDE_DIR}"
+    INTERFACE_COMPILE_DEFINITIONS "USE_DISTRIBUTED")
+  if(LibTorch_BLAS_LIBRARY)
     # BLAS before the rest: its symbols are found first, whichever BLAS libtorch asks for.
-    INTERFACE_LINK_LIBRARIES "-Wl,--no-as-needed;${LibTorch_BLAS_LIBRARY};-Wl,--as-needed;${LibTorch_C10_LIBRARY}")
+    set_property(TARGET LibTorch::LibTorch APPEND PROPERTY
+      INTERFACE_LINK_LIBRARIES "-Wl,--no-as-needed;${LibTorch_BLAS_LIBRARY};-Wl,--as-needed")
+    set_property(TARGET LibTorch::LibTorch APPEND PROPERTY INTERFACE_COMPILE_DEFINITIONS "ROOMWISE_OPENBLAS")
+  endif()
+  if(LibTorch_GLOO_INCLUDE_DIR)
+    set_property(TARGET LibTorch::LibTorch APPEND PROPERTY
+      INTERFACE_INCLUDE_DIRECTORIES "${LibTorch_GLOO_INCLUDE_DIR}")
+    set_property(TARGET LibTorch::LibTorch APPEND PROPERTY INTERFACE_COMPILE_DEFINITIONS "USE_C10D_GLOO")
+  endif()
+  set_property(TARGET LibTorch::LibTorch APPEND PROPERTY INTERFACE_LINK_LIBRARIES "${LibTorch_C10_LIBRARY}")
   if(LibTorch_CUDA_LIBRARY)
     # Nobody calls into it by name; it makes itself known when it is loaded.
     set_property(TARGET LibTorch::LibTorch APPEND PROPERTY

@@ -2,12 +2,15 @@
 
 #include <ATen/Functions.h>
 #include <ATen/core/grad_mode.h>
+#include <torch/version.h>
 
 #include <charconv>
 #include <chrono>
 #include <cstdlib>
-#include <torch/csrc/distributed/c10d/ProcessGroupGloo.hpp>
 #include <torch/csrc/distributed/c10d/TCPStore.hpp>
+#ifdef USE_C10D_GLOO
+#include <torch/csrc/distributed/c10d/ProcessGroupGloo.hpp>
+#endif
 #ifdef USE_C10D_NCCL
 #include <torch/csrc/distributed/c10d/ProcessGroupNCCL.hpp>
 #endif
@@ -16,6 +19,13 @@
 
 namespace roomwise::training {
 namespace {
+
+// What Gloo and NCCL are to c10d.
+#if TORCH_VERSION_MAJOR >= 2
+using Collectives = c10d::Backend;
+#else
+using Collectives = c10d::ProcessGroup;
+#endif
 
 class Alone final : public Processes {
  public:
@@ -27,7 +37,7 @@ class Alone final : public Processes {
 
 class Group final : public Processes {
  public:
-  Group(const ProcessPlace& place, c10::intrusive_ptr<c10d::ProcessGroup> group, bool on_gpu)
+  Group(const ProcessPlace& place, c10::intrusive_ptr<Collectives> group, bool on_gpu)
       : place_(place), group_(std::move(group)), on_gpu_(on_gpu) {}
 
   [[nodiscard]] int rank() const override { return place_.rank; }
@@ -79,17 +89,13 @@ class Group final : public Processes {
   }
 
   ProcessPlace place_;
-  c10::intrusive_ptr<c10d::ProcessGroup> group_;
+  c10::intrusive_ptr<Collectives> group_;
   bool on_gpu_;
 };
 
-c10::intrusive_ptr<c10d::ProcessGroup> make_group(const c10::intrusive_ptr<c10d::Store>& store,
-                                                  const ProcessPlace& place, bool on_gpu) {
-#ifdef USE_C10D_NCCL
-  if (on_gpu) return c10::make_intrusive<c10d::ProcessGroupNCCL>(store, place.rank, place.count);
-#else
-  TORCH_CHECK(!on_gpu, "this libtorch has no NCCL, by which GPUs talk; give --device cpu");
-#endif
+#ifdef USE_C10D_GLOO
+c10::intrusive_ptr<Collectives> gloo_group(const c10::intrusive_ptr<c10d::Store>& store,
+                                           const ProcessPlace& place) {
   auto options = c10d::ProcessGroupGloo::Options::create();
   const char* interface = std::getenv("GLOO_SOCKET_IFNAME");
   const bool local = place.address == "localhost" || place.address.starts_with("127.");
@@ -102,6 +108,21 @@ c10::intrusive_ptr<c10d::ProcessGroup> make_group(const c10::intrusive_ptr<c10d:
   }
   options->threads = 1;
   return c10::make_intrusive<c10d::ProcessGroupGloo>(store, place.rank, place.count, options);
+}
+#endif
+
+c10::intrusive_ptr<Collectives> make_group(const c10::intrusive_ptr<c10d::Store>& store,
+                                           const ProcessPlace& place, bool on_gpu) {
+#ifdef USE_C10D_NCCL
+  if (on_gpu) return c10::make_intrusive<c10d::ProcessGroupNCCL>(store, place.rank, place.count);
+#else
+  TORCH_CHECK(!on_gpu, "this libtorch has no NCCL, by which GPUs talk; give --device cpu");
+#endif
+#ifdef USE_C10D_GLOO
+  return gloo_group(store, place);
+#else
+  TORCH_CHECK(false, "this libtorch has no Gloo, by which processors talk; give --device cuda");
+#endif
 }
 
 Expected<int> number_from(const char* variable, int least, int most) {

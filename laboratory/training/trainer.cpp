@@ -16,19 +16,15 @@
 #include "laboratory/training/training_state.h"
 #include "roomwise/network/formats/onnx_writer.h"
 
-// OpenBLAS has threads of its own.
+#ifdef ROOMWISE_OPENBLAS
 extern "C" void openblas_set_num_threads(int count);
+#endif
 
 namespace roomwise::training {
 namespace {
 
 // Streams of random numbers that batch_loader.cpp does not draw from.
 constexpr std::uint64_t kDropout = 3;
-
-void set_threads(int count) {
-  at::set_num_threads(count);
-  openblas_set_num_threads(count);
-}
 
 bool is_better(const CurvePoint& point, const std::optional<CurvePoint>& best) {
   if (!best || std::isnan(point.held_out_precision)) return true;
@@ -250,6 +246,13 @@ Expected<TrainingResult> train(const TrainingTask& task, const TrainingOptions& 
   }
 }
 
+void set_threads(int count) {
+  at::set_num_threads(count);
+#ifdef ROOMWISE_OPENBLAS
+  openblas_set_num_threads(count);
+#endif
+}
+
 void keep_memory_of_large_tensors() {
   mallopt(M_MMAP_MAX, 0);
   mallopt(M_TRIM_THRESHOLD, -1);
@@ -260,8 +263,7 @@ Expected<bool> use_gpu(Device device) {
   if (device == Device::kCuda && !has_gpu) {
     return fail(
         "there is no GPU that this libtorch ({}) can use: it was built without CUDA, or the "
-        "machine "
-        "has none; give --device cpu",
+        "machine has none; give --device cpu",
         TORCH_VERSION);
   }
   return device != Device::kCpu && has_gpu;

@@ -66,6 +66,9 @@ struct TrainingResult {
 // their work.
 void keep_memory_of_large_tensors();
 
+// Threads of libtorch, and of the BLAS that it uses where that has threads of its own.
+void set_threads(int count);
+
 // On what tensors are computed, for `device`. Fails where a GPU is asked for and there is none.
 [[nodiscard]] Expected<bool> use_gpu(Device device);
 
