@@ -34,7 +34,7 @@ bool lies_in(const fs::path& file, const fs::path& folder) {
 }  // namespace
 
 std::string_view content_type_of(const fs::path& file) {
-  static constexpr std::array<std::pair<std::string_view, std::string_view>, 16> kTypes{{
+  static constexpr std::array<std::pair<std::string_view, std::string_view>, 17> kTypes{{
       {".html", "text/html; charset=utf-8"},
       {".js", "text/javascript; charset=utf-8"},
       {".mjs", "text/javascript; charset=utf-8"},
@@ -47,6 +47,7 @@ std::string_view content_type_of(const fs::path& file) {
       {".webp", "image/webp"},
       {".ico", "image/x-icon"},
       {".wav", "audio/wav"},
+      {".mp3", "audio/mpeg"},
       {".ogg", "audio/ogg"},
       {".woff2", "font/woff2"},
       {".txt", "text/plain; charset=utf-8"},
@@ -86,6 +87,13 @@ HttpAnswer PageFiles::answer(const HttpRequest& request) const {
   const std::optional<std::string> path = percent_decoded(request.path);
   const std::optional<fs::path> file = path ? find(*path) : std::nullopt;
   if (!file) return error_answer(404, "there is nothing under this address");
+  if (file->filename() == "index.html" && !path->ends_with('/') && !path->ends_with(".html")) {
+    // Its own links are relative to the folder.
+    HttpAnswer moved;
+    moved.status = 308;
+    moved.headers = {{"Location", fmt::format("{}/", request.path)}};
+    return moved;
+  }
   Expected<Bytes> bytes = read_file(*file);
   if (!bytes) return error_answer(404, "there is nothing under this address");
   HttpAnswer answer;

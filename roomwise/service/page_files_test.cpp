@@ -41,11 +41,18 @@ class PageFilesTest : public ::testing::Test {
 TEST_F(PageFilesTest, AreFoundByShortNames) {
   EXPECT_EQ(text("/"), "this is index.html");
   EXPECT_EQ(text("/pair"), "this is pair.html");
-  EXPECT_EQ(text("/device"), "this is device/index.html");
   EXPECT_EQ(text("/device/"), "this is device/index.html");
   EXPECT_EQ(text("/app%2Ejs"), "this is app.js");
   EXPECT_EQ(get("/app.js").content_type, "text/javascript; charset=utf-8");
   EXPECT_EQ(get("/pair").content_type, "text/html; charset=utf-8");
+}
+
+TEST_F(PageFilesTest, LieInAFolderWhoseAddressEndsWithASlash) {
+  const HttpAnswer answer = get("/device");
+  EXPECT_EQ(answer.status, 308);
+  ASSERT_EQ(answer.headers.size(), 1U);
+  EXPECT_EQ(answer.headers[0], (std::pair<std::string, std::string>("Location", "/device/")));
+  EXPECT_EQ(text("/device/index.html"), "this is device/index.html");
 }
 
 TEST_F(PageFilesTest, AreAllThatIsRead) {

@@ -1,10 +1,10 @@
-// Bundles the pages: node scripts/build.mjs [--out DIR] (default: ../build/web). The service worker comes last,
+// Bundles the pages and builds the manual: node scripts/build.mjs [--out DIR] (default: ../build/web). The service worker comes last,
 // since it lists the files of the phone's page and carries their digest as its version.
 import { build } from 'esbuild';
 import { createHash } from 'node:crypto';
 import { cpSync, mkdirSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { dirname, join, resolve } from 'node:path';
-import { fileURLToPath } from 'node:url';
+import { fileURLToPath, pathToFileURL } from 'node:url';
 
 const web = join(dirname(fileURLToPath(import.meta.url)), '..');
 const at = process.argv.indexOf('--out');
@@ -31,9 +31,12 @@ await build({
 });
 await build({
   ...common,
-  entryPoints: ['device', 'helper', 'pair'].map((page) => ({ in: join(web, `src/styles/${page}.css`), out: `css/${page}` })),
+  entryPoints: ['device', 'helper', 'manual', 'pair'].map((page) => ({ in: join(web, `src/styles/${page}.css`), out: `css/${page}` })),
   outdir: out,
 });
+
+const { buildManual } = await compiledForNode('src/manual/site.ts');
+buildManual(join(web, '..'), join(out, 'help'));
 
 const shell = ['device.html', 'pair.html', 'css/device.css', 'css/pair.css', 'js/device.js', 'js/pair.js',
   'manifest.webmanifest', 'icons/icon.svg', 'icons/icon-192.png', ...importedParts(['js/device.js', 'js/pair.js'])];
@@ -51,6 +54,26 @@ await build({
     SHELL_FILES: JSON.stringify(shell.map((file) => '/' + file)),
   },
 });
+
+// A module of the sources that runs here. It lies beside node_modules, where its libraries are found.
+async function compiledForNode(source) {
+  const outfile = join(web, `node_modules/.roomwise/build-${process.pid}.mjs`);
+  await build({
+    entryPoints: [join(web, source)],
+    outfile,
+    bundle: true,
+    packages: 'external',
+    platform: 'node',
+    format: 'esm',
+    target: 'node18',
+    logLevel: 'warning',
+  });
+  try {
+    return await import(pathToFileURL(outfile));
+  } finally {
+    rmSync(outfile);
+  }
+}
 
 // What the scripts load at once, not what they load later.
 function importedParts(files) {

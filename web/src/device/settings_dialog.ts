@@ -3,7 +3,7 @@ import { openDialog } from '../shared/dialog';
 import { h } from '../shared/dom';
 import { checkField, radioField } from '../shared/forms';
 import { languageChoice } from '../shared/language_choice';
-import { formatNumber, text } from '../shared/texts';
+import { formatNumber, language, text } from '../shared/texts';
 import { kRates, kSteps, type Settings } from './settings';
 import { OwnVoice } from './speaker';
 
@@ -32,6 +32,7 @@ export function openSettings(settings: Settings, actions: SettingsActions): void
       ? checkField(text('settings.vibration'), settings.vibration, set('vibration')).element : null,
     h('p', { 'aria-hidden': 'true' }, text('settings.language')),
     languageChoice(),
+    h('p', {}, h('a', { href: `/help/manual/card.${language()}.html` }, text('settings.help'))),
     h('button', { type: 'button', class: 'danger', onclick: actions.leave }, text('settings.leave')),
   ]);
 }

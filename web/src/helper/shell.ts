@@ -52,7 +52,8 @@ export function makeShell(helper: Helper, parts: readonly Part[]): HTMLElement {
     h('header', { class: 'bar' },
       h('div', { class: 'title' }, heading, state),
       h('nav', { 'aria-label': text('nav.label') }, h('ul', {}, ...links.map((link) => h('li', {}, link)))),
-      languageChoice()),
+      languageChoice(),
+      h('a', { href: '/help/index.html' }, text('nav.help'))),
     main,
     helper.announcer.element);
 }
