@@ -32,7 +32,7 @@ a { color: var(--accent); }
   padding: 0.75rem 1rem; margin-top: 1.5rem; }
 .warnings h2 { margin: 0; }
 .warnings ul { margin: 0.25rem 0 0; padding-left: 1.25rem; }
-.figures { display: grid; grid-template-columns: repeat(auto-fill, minmax(9rem, 1fr)); gap: 0.75rem;
+.figures { display: grid; grid-template-columns: repeat(auto-fill, minmax(10.5rem, 1fr)); gap: 0.75rem;
   margin: 0; }
 .figures div { background: var(--panel); border-radius: 0.5rem; padding: 0.625rem 0.875rem; }
 .figures dt { color: var(--quiet); font-size: 0.875rem; }
