@@ -14,6 +14,7 @@
 #include <memory>
 
 #include "roomwise/base/file.h"
+#include "roomwise/service/allowed_hosts.h"
 #include "roomwise/service/private_file.h"
 #include "roomwise/service/private_folder.h"
 #include "roomwise/service/secrets.h"
@@ -40,12 +41,6 @@ std::string text_in(const Memory& memory) {
   char* data = nullptr;
   const long size = BIO_get_mem_data(memory.get(), &data);
   return {data, static_cast<std::size_t>(size)};
-}
-
-bool is_address(const std::string& name) {
-  std::array<unsigned char, 16> ignored{};
-  return ::inet_pton(AF_INET, name.c_str(), ignored.data()) == 1 ||
-         ::inet_pton(AF_INET6, name.c_str(), ignored.data()) == 1;
 }
 
 // Only what can stand in OpenSSL's list of names.

@@ -130,6 +130,7 @@ class HttpConnection final : public Connection,
     expires_after(core_.options.limits.request_s);
     if (auto refusal = refuse_foreign(request_)) return answer_at_once(*std::move(refusal));
     if (auto refusal = identify()) return answer_at_once(*std::move(refusal));
+    if (auto refusal = refuse_other_names()) return answer_at_once(*std::move(refusal));
     find_handler();
   }
 
@@ -163,6 +164,17 @@ class HttpConnection final : public Connection,
     }
     core_.events.refused("too many requests", peer_, now.steady_s);
     return too_many("too many requests; wait a second");
+  }
+
+  // Who has shown a token was paired under that name, which no other site's page can be.
+  std::optional<HttpAnswer> refuse_other_names() {
+    const std::string_view host = request_.header("host");
+    if (request_.who || core_.hosts.allows(host)) return std::nullopt;
+    core_.events.refused("a name that is not this computer's", peer_, core_.now().steady_s);
+    return error_answer(
+        421, fmt::format("'{}' is no name of this computer; if it is, whoever runs it says so: "
+                         "roomwise serve --allowed-host NAME",
+                         host));
   }
 
   static HttpAnswer too_many(std::string_view what) {

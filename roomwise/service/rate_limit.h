@@ -12,8 +12,8 @@ class RateLimit {
  public:
   RateLimit(double burst, double rate) : burst_(burst), rate_(rate) {}
 
-  // Whether the key may do one more thing now.
-  [[nodiscard]] bool take(const std::string& key, double now_s);
+  // Whether the key may do one more thing now, or `amount` of them.
+  [[nodiscard]] bool take(const std::string& key, double now_s, double amount = 1);
   [[nodiscard]] std::size_t keys() const { return buckets_.size(); }
 
  private:

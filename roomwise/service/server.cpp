@@ -53,9 +53,10 @@ Expected<void> prepare_tls(asio::ssl::context& tls, const Certificate& certifica
 
 }  // namespace
 
-ServerCore::ServerCore(ServerOptions options_, Router router_, PageFiles pages_,
-                       AccessRegister& access_, SocketHandler& sockets_)
+ServerCore::ServerCore(ServerOptions options_, AllowedHosts hosts_, Router router_,
+                       PageFiles pages_, AccessRegister& access_, SocketHandler& sockets_)
     : options(std::move(options_)),
+      hosts(std::move(hosts_)),
       router(
           with_socket(router_, [this](std::string_view line) { events.say(std::string(line)); })),
       pages(std::move(pages_)),
@@ -194,8 +195,9 @@ class ListeningServer final : public Server {
 Expected<std::unique_ptr<Server>> Server::open(ServerOptions options, Router router,
                                                AccessRegister& access, SocketHandler& sockets) {
   ROOMWISE_TRY(PageFiles pages, PageFiles::open(options.pages));
-  auto core = std::make_shared<ServerCore>(std::move(options), std::move(router), std::move(pages),
-                                           access, sockets);
+  ROOMWISE_TRY(AllowedHosts hosts, AllowedHosts::of(options.allowed_hosts));
+  auto core = std::make_shared<ServerCore>(std::move(options), std::move(hosts), std::move(router),
+                                           std::move(pages), access, sockets);
   ROOMWISE_CHECK_OK(prepare_tls(core->tls, core->options.certificate));
   auto server = std::make_unique<ListeningServer>(std::move(core));
   ROOMWISE_CHECK_OK(server->listen());

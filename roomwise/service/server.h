@@ -9,6 +9,7 @@
 #include <set>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "roomwise/base/expected.h"
 #include "roomwise/base/file.h"
@@ -55,6 +56,12 @@ class SocketHandler {
 struct ServerLimits : ConnectionLimits {
   std::size_t header_bytes = 8 * 1024;
   std::size_t message_bytes = 4'000'000;  // of a WebSocket message from a client
+  // Of one WebSocket: so many messages and bytes at once, then so many a second. Far more than a
+  // device sends whose frames are acknowledged one by one; more closes it.
+  double burst_messages = 1000;
+  double rate_messages = 200;
+  double burst_bytes = 100e6;
+  double rate_bytes = 50e6;
   std::size_t waiting_bytes = 1'000'000;  // of messages that wait for one client
   std::size_t waiting_messages = 256;
   std::size_t waiting_requests = 64;  // that no worker has taken yet; more are answered by 503
@@ -75,6 +82,8 @@ struct ServerOptions {
   std::string address = "127.0.0.1";  // "0.0.0.0" or "::": every network card
   std::uint16_t port = 0;             // 0: any that is free
   Certificate certificate;
+  // Names by which strangers may call it (AllowedHosts); addresses always are.
+  std::vector<std::string> allowed_hosts;
   std::filesystem::path pages;  // folder of files for everyone; empty: none
   ServerLimits limits;
   std::size_t workers = 2;          // threads that answer requests

@@ -14,6 +14,7 @@
 #include <chrono>
 #include <memory>
 
+#include "roomwise/service/allowed_hosts.h"
 #include "roomwise/service/connection_table.h"
 #include "roomwise/service/page_files.h"
 #include "roomwise/service/server.h"
@@ -35,12 +36,13 @@ inline std::chrono::milliseconds milliseconds_of(double seconds) {
 // Connections share it, so that it outlives the last of them. One thread runs `io`; all that is
 // not said to be thread-safe belongs to it.
 struct ServerCore {
-  ServerCore(ServerOptions options, Router router, PageFiles pages, AccessRegister& access,
-             SocketHandler& sockets);
+  ServerCore(ServerOptions options, AllowedHosts hosts, Router router, PageFiles pages,
+             AccessRegister& access, SocketHandler& sockets);
 
   [[nodiscard]] Now now() const { return options.clock(); }
 
   const ServerOptions options;
+  const AllowedHosts hosts;
   const Router router;
   const PageFiles pages;
   AccessRegister& access;

@@ -129,6 +129,25 @@ TEST(ServerTest, RefusesPagesOfOtherSites) {
   EXPECT_EQ(client.receive().status, 400);
 }
 
+TEST(ServerTest, StrangersMustCallTheComputerByANameOfItsOwn) {
+  TestServer home({route("GET", "/health", std::nullopt)});
+  const auto status = [&](const std::string& host, const std::string& more = "") {
+    RawClient client(home.port());
+    if (!client.shake_hands()) return 0;
+    client.send(fmt::format("GET /health HTTP/1.1\r\nHost: {}\r\n{}\r\n", host, more));
+    return client.receive().status;
+  };
+  EXPECT_EQ(status("localhost:8443"), 200);
+  EXPECT_EQ(status("192.168.1.5"), 200);
+  // Another site's name that was made to lead here, also where its page says that it is its own.
+  EXPECT_EQ(status("evil.example"), 421);
+  EXPECT_EQ(status("evil.example", "Origin: https://evil.example\r\n"), 421);
+  EXPECT_EQ(status("evil.example", bearer("guessed")), 421);
+  EXPECT_EQ(home.server->counts().refusals.at("a name that is not this computer's"), 3u);
+  // Who was paired under a name of their network is known by the token.
+  EXPECT_EQ(status("flat.example", bearer(home.device.token)), 200);
+}
+
 TEST(ServerTest, LimitsWhatIsSent) {
   TestServer home(
       {route("POST", "/api/test", Role::kHelper, 1000), route("POST", "/open", std::nullopt, 10)});

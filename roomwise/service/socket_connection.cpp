@@ -59,6 +59,8 @@ class SocketConnection final : public Connection,
         peer_(std::move(peer)),
         stream_(std::move(stream)),
         buffer_(core_.options.limits.message_bytes),
+        messages_(core_.options.limits.burst_messages, core_.options.limits.rate_messages),
+        bytes_(core_.options.limits.burst_bytes, core_.options.limits.rate_bytes),
         hello_timer_(core_.io),
         strand_(asio::make_strand(core_.session_threads.get_executor())) {}
 
@@ -178,12 +180,42 @@ class SocketConnection final : public Connection,
 
   void on_message() {
     core_.events.message_in(buffer_.size());
+    if (is_too_much(buffer_.size())) return;
     const auto* begin = static_cast<const std::uint8_t*>(buffer_.data().data());
     auto bytes = std::make_shared<Bytes>(begin, begin + buffer_.size());
     on_session([self = shared_from_this(), bytes, is_text = stream_.got_text()] {
       if (!self->session_) return;
       if (!is_text) return self->session_->on_message(std::move(*bytes));
       self->session_->on_text({reinterpret_cast<const char*>(bytes->data()), bytes->size()});
+    });
+  }
+
+  // Closes a client that sends more than it may; what it sent is not read any more.
+  bool is_too_much(std::size_t bytes) {
+    const ServerLimits& limits = core_.options.limits;
+    const double now_s = core_.now().steady_s;
+    std::string why;
+    if (!messages_.take("", now_s)) {
+      why = fmt::format("too many messages: at most {:.0f} a second", limits.rate_messages);
+    } else if (!bytes_.take("", now_s, static_cast<double>(bytes))) {
+      why = fmt::format("too many bytes: at most {:.0f} a second", limits.rate_bytes);
+    }
+    if (why.empty()) return false;
+    core_.events.refused("too many messages of one client", peer_, now_s);
+    ending_ = websocket::close_code::policy_error;
+    end_reason_ = why;
+    out_->shut();
+    flush();
+    read_to_the_end();
+    return true;
+  }
+
+  // Until the other side has closed, too.
+  void read_to_the_end() {
+    buffer_.clear();
+    stream_.async_read(buffer_, [self = shared_from_this()](error_code error, std::size_t) {
+      if (error) return self->on_closed(error);
+      self->read_to_the_end();
     });
   }
 
@@ -205,6 +237,8 @@ class SocketConnection final : public Connection,
     if (error == websocket::error::buffer_overflow) {
       core_.events.refused("a message that is too large", peer_, core_.now().steady_s);
       ending_ = websocket::close_code::too_big;
+      end_reason_ =
+          fmt::format("a message has at most {} bytes", core_.options.limits.message_bytes);
       if (!closing_) close();
     } else if (error == beast::error::timeout) {
       core_.events.refused("a client that is gone", peer_, core_.now().steady_s);
@@ -229,6 +263,8 @@ class SocketConnection final : public Connection,
   const std::string peer_;
   websocket::stream<TlsStream> stream_;
   beast::flat_buffer buffer_;
+  RateLimit messages_;
+  RateLimit bytes_;
   asio::steady_timer hello_timer_;
   asio::strand<asio::thread_pool::executor_type> strand_;
   std::shared_ptr<Outbox> out_;

@@ -113,6 +113,38 @@ TEST_F(SocketTest, RefusesAMessageThatIsTooLarge) {
   EXPECT_EQ(home_.server->counts().refusals.at("a message that is too large"), 1u);
 }
 
+TEST_F(SocketTest, ClosesAClientThatSendsTooManyMessagesAndSaysWhy) {
+  home_.options.limits.burst_messages = 3;
+  home_.options.limits.rate_messages = 1;
+  home_.start();
+  const auto flooding = connect();
+  const auto neighbour = connect(home_.helper);
+  ASSERT_TRUE(flooding && neighbour);
+  for (int i = 0; i < 4; ++i) ASSERT_OK(flooding->send_text("more"));
+  Expected<std::optional<ServerConnection::Message>> last = flooding->receive(kMax);
+  for (int i = 0; i < 3 && last; ++i) last = flooding->receive(kMax);
+  EXPECT_ERROR(last, "too many messages: at most 1 a second");
+  EXPECT_EQ(home_.server->counts().refusals.at("too many messages of one client"), 1u);
+  // The other has a limit of its own, also from the same address.
+  ASSERT_OK(neighbour->send_text("still here"));
+  EXPECT_OK(neighbour->receive(kMax));
+  EXPECT_TRUE(home_.sockets.signal.wait([&] { return home_.sockets.closed == 1; }));
+  EXPECT_LE(home_.sockets.texts.size(), 4u);
+}
+
+TEST_F(SocketTest, ClosesAClientThatSendsTooManyBytesAndSaysWhy) {
+  home_.options.limits.burst_bytes = 3000;
+  home_.options.limits.rate_bytes = 1000;
+  home_.start();
+  const auto client = connect();
+  ASSERT_TRUE(client);
+  ASSERT_OK(client->send_binary(Bytes(2000, 7)));
+  ASSERT_OK(client->send_binary(Bytes(2000, 7)));
+  EXPECT_ERROR(client->receive(kMax), "too many bytes: at most 1000 a second");
+  EXPECT_TRUE(home_.sockets.signal.wait([&] { return home_.sockets.closed == 1; }));
+  EXPECT_THAT(home_.sockets.binaries, ElementsAre(2000u));
+}
+
 TEST_F(SocketTest, RefusesWhatIsNoFrame) {
   for (const std::string& bytes : {std::string(20, '\xFF'), frame(1, "\xC3\x28"),
                                    std::string("\x81\x05hello", 7),  // not masked

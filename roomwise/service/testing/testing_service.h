@@ -247,6 +247,7 @@ class TestServer {
     routes = std::move(more_routes);
     for (Route& route : access_routes(*access, context())) routes.push_back(std::move(route));
     options.certificate = certificate;
+    options.allowed_hosts = {"localhost", "a", "h"};
     options.limits = limits;
     options.pages = std::move(pages);
     options.clock = [this] { return now(); };
