@@ -11,6 +11,10 @@ const char* name_of(ErrorCode code) {
       return "INTERRUPTED";
     case ErrorCode::kRefused:
       return "REFUSED";
+    case ErrorCode::kDiskFull:
+      return "DISK_FULL";
+    case ErrorCode::kDamaged:
+      return "DAMAGED";
   }
   return "FAILED";
 }

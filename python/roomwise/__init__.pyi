@@ -22,6 +22,8 @@ class ErrorCode(enum.Enum):
     FAILED = "failed"
     INTERRUPTED = "interrupted"
     REFUSED = "refused"
+    DISK_FULL = "disk full"
+    DAMAGED = "damaged"
 
 class Error(Exception):
     code: ErrorCode

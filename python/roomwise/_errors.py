@@ -9,6 +9,8 @@ class ErrorCode(enum.Enum):
     FAILED = "failed"  # nothing in particular
     INTERRUPTED = "interrupted"  # somebody asked to stop; what was done till then is kept
     REFUSED = "refused"  # the other side lets nobody in: trying the same again is no use
+    DISK_FULL = "disk full"  # there is no room to write; what was written before is kept
+    DAMAGED = "damaged"  # what was stored is not what was written
 
 
 class Error(Exception):

@@ -13,6 +13,8 @@ enum class ErrorCode {
   kFailed,       // nothing in particular
   kInterrupted,  // the user asked to stop; what was done till then is kept where the work says so
   kRefused,      // the other side does not let this one in: trying the same again is no use
+  kDiskFull,     // there is no room to write; what was written before is kept
+  kDamaged,      // what was stored is not what was written
 };
 
 // Why something that can fail in normal use failed. The message is one line that names the file,

@@ -41,7 +41,8 @@ Expected<Container> read_whole(const std::filesystem::path& path) {
 Expected<void> write_into(const std::filesystem::path& path, std::span<const std::uint8_t> bytes) {
   const Descriptor file{::open(path.c_str(), O_WRONLY | O_CLOEXEC)};
   if (file.value < 0 || !write_whole(file.value, bytes)) {
-    return fail("{}: cannot be written: {}", path.string(), std::strerror(errno));
+    return fail_with(code_of_write_error(errno), "{}: cannot be written: {}", path.string(),
+                     std::strerror(errno));
   }
   return {};
 }
@@ -58,6 +59,11 @@ std::filesystem::path partial_of(std::filesystem::path path) {
 }
 
 }  // namespace
+
+ErrorCode code_of_write_error(int error) {
+  const bool is_full = error == ENOSPC || error == EDQUOT || error == EFBIG;
+  return is_full ? ErrorCode::kDiskFull : ErrorCode::kFailed;
+}
 
 Expected<Bytes> read_file(const std::filesystem::path& path) {
   return read_whole<Bytes>(path);
@@ -99,7 +105,8 @@ Expected<void> write_file(const std::filesystem::path& path, std::span<const std
   const auto failed = [&](const char* what) {
     const int error = errno;
     ::unlink(partial.c_str());
-    return fail("{}: {}: {}", path.string(), what, std::strerror(error));
+    return fail_with(code_of_write_error(error), "{}: {}: {}", path.string(), what,
+                     std::strerror(error));
   };
   Descriptor file{::open(partial.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644)};
   if (file.value < 0) return failed("cannot be written");

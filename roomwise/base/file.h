@@ -33,6 +33,10 @@ using Bytes = std::vector<std::uint8_t>;
 // before long work.
 [[nodiscard]] Expected<void> check_can_write(const std::filesystem::path& path);
 
+// What a call that wrote a file tells by errno: kDiskFull where there is no room (on the disk, of
+// the user's share, or for a file so large), else kFailed.
+[[nodiscard]] ErrorCode code_of_write_error(int error);
+
 // Lower-case hexadecimal SHA-256.
 [[nodiscard]] std::string sha256_hex(std::span<const std::uint8_t> bytes);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "roomwise/base/file.h"
 #include "roomwise/home/page_checksums.h"
 
 namespace roomwise::home {
@@ -40,27 +41,28 @@ Error describe_error(sqlite3* connection, const std::string& file) {
     return {
         fmt::format("{0}: is damaged (a page differs from its checksum); put back a copy of it, or "
                     "see what is left of it with: roomwise check {0}",
-                    file)};
+                    file),
+        ErrorCode::kDamaged};
   }
   switch (code & 0xff) {
     case SQLITE_FULL:
-      return {
-          fmt::format("{}: the disk is full; free some space and run again, what was stored "
-                      "before is kept",
-                      file)};
+      return {fmt::format("{}: the disk is full; free some space and run again, what was stored "
+                          "before is kept",
+                          file),
+              ErrorCode::kDiskFull};
     case SQLITE_BUSY:
     case SQLITE_LOCKED:
       return {fmt::format("{}: in use by another process; end that one and try again", file)};
     case SQLITE_NOTADB:
-      return {
-          fmt::format("{}: is not a database, or its first bytes are damaged; give a home file "
-                      "that 'roomwise map' wrote",
-                      file)};
+      return {fmt::format("{}: is not a database, or its first bytes are damaged; give a home file "
+                          "that 'roomwise map' wrote",
+                          file),
+              ErrorCode::kDamaged};
     case SQLITE_CORRUPT:
-      return {
-          fmt::format("{0}: is damaged ({1}); put back a copy of it, or see what is left of it "
-                      "with: roomwise check {0}",
-                      file, sqlite3_errmsg(connection))};
+      return {fmt::format("{0}: is damaged ({1}); put back a copy of it, or see what is left of it "
+                          "with: roomwise check {0}",
+                          file, sqlite3_errmsg(connection)),
+              ErrorCode::kDamaged};
     case SQLITE_READONLY:
       return {
           fmt::format("{}: cannot be written; it was opened for reading only, or the file or "
@@ -74,10 +76,10 @@ Error describe_error(sqlite3* connection, const std::string& file) {
                       "and write it and its folder",
                       file, detail)};
     case SQLITE_IOERR:
-      return {
-          fmt::format("{}: the disk cannot be read or written: {}; check the disk and its free "
-                      "space, what was stored before is kept",
-                      file, detail)};
+      return {fmt::format("{}: the disk cannot be read or written: {}; check the disk and its free "
+                          "space, what was stored before is kept",
+                          file, detail),
+              code_of_write_error(system_error)};
     case SQLITE_NOMEM:
       return {fmt::format("{}: not enough memory; end other programs and try again", file)};
     case SQLITE_CONSTRAINT:

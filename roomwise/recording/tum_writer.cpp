@@ -10,6 +10,7 @@
 #include <tuple>
 #include <utility>
 
+#include "roomwise/base/file.h"
 #include "roomwise/image/codec.h"
 #include "roomwise/recording/camera_file.h"
 
@@ -66,10 +67,12 @@ class NewFile {
 
  private:
   [[nodiscard]] Unexpected failed(int error) const {
-    const char* mend = error == ENOSPC || error == EDQUOT || error == EFBIG
+    const ErrorCode code = code_of_write_error(error);
+    const char* mend = code == ErrorCode::kDiskFull
                            ? "; what was recorded before is kept, free some space to go on"
                            : "";
-    return fail("{}: cannot be written: {}{}", path_.string(), std::strerror(error), mend);
+    return fail_with(code, "{}: cannot be written: {}{}", path_.string(), std::strerror(error),
+                     mend);
   }
 
   std::filesystem::path path_;

@@ -16,6 +16,8 @@
 #include <string>
 #include <vector>
 
+#include "roomwise/base/file.h"
+
 namespace roomwise::recording {
 namespace {
 
@@ -80,9 +82,9 @@ class UnpackedFile {
       }
     }
     if (error_ == 0) return {};
-    const bool is_full = error_ == ENOSPC || error_ == EDQUOT || error_ == EFBIG;
-    return fail("{}: cannot be written: {}{}", path_.string(), std::strerror(error_),
-                is_full ? "; free some space, then try again" : "");
+    const ErrorCode code = code_of_write_error(error_);
+    return fail_with(code, "{}: cannot be written: {}{}", path_.string(), std::strerror(error_),
+                     code == ErrorCode::kDiskFull ? "; free some space, then try again" : "");
   }
 
  private:
