@@ -14,6 +14,7 @@
 #include "roomwise/network/formats/eight_bit_file.h"
 #include "roomwise/network/formats/network_file.h"
 #include "roomwise/network/vision/onnx_classifier.h"
+#include "roomwise/pipeline/objects/changed_networks.h"
 
 namespace roomwise::app {
 namespace {
@@ -268,6 +269,12 @@ Expected<pipeline::Networks> load_networks(const NetworkOptions& options, const 
       fmt::print(stderr, "left out: {}\n", loaded.error().message);
     } else {
       return Unexpected(std::move(loaded).error());
+    }
+  }
+  if (home != nullptr) {
+    ROOMWISE_TRY(const auto changed, pipeline::changed_networks(*home, networks, {}));
+    for (const auto& one : changed) {
+      fmt::print(stderr, "{}\n", pipeline::in_words(one, home->file()));
     }
   }
   return networks;

@@ -4,6 +4,7 @@
 #include <map>
 #include <set>
 
+#include "roomwise/pipeline/objects/changed_networks.h"
 #include "roomwise/pipeline/rooms/room_contents.h"
 #include "roomwise/pipeline/rooms/room_learning.h"
 
@@ -77,6 +78,13 @@ Expected<RoomRecognizer> RoomRecognizer::create(const home::Home& home, const Ne
     return network->fingerprint() == record->network_fingerprint;
   });
   if (same == networks.end()) {
+    const auto changed = std::ranges::find_if(
+        networks, [&](const auto& network) { return network->name() == record->network_name; });
+    if (changed != networks.end()) {
+      return fail("{}", in_words({record->network_name, record->network_fingerprint,
+                                  (*changed)->fingerprint()},
+                                 home.file()));
+    }
     return fail(
         "{}: its rooms were learned with the network {}; give that file by --network or, where it "
         "is not one in 8 bits, its folder as ROOMWISE_MODELS",
