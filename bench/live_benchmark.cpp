@@ -205,7 +205,8 @@ void run(const Options& options) {
       fs::temp_directory_path() / fmt::format("roomwise-live-benchmark-{}", ::getpid());
   service::ServerOptions server_options;
   server_options.session_threads = live_options.threads;  // as serve has it
-  server_options.certificate = need(service::own_certificate(access_folder, {"127.0.0.1"}));
+  server_options.certificate =
+      need(service::own_certificate(access_folder, {"127.0.0.1"}, service::Now::read().unix_s));
   const auto access =
       need(service::AccessRegister::open(access_folder, server_options.certificate.fingerprint));
   const auto server = need(service::Server::start(

@@ -175,7 +175,8 @@ void add_device_command(CLI::App& app, Context& context) {
       "roomwise device --server flat.local:8443 --pair 123456 --camera", run_device);
   command->add_option("--server", options.server, "The home's computer, HOST:PORT")->required();
   command->add_option("--pair", options.code,
-                      "Code that the computer shows; needed once. The pairing is kept in "
+                      "Code, or the whole address with '#', that the computer shows; needed once. "
+                      "The pairing is kept in "
                       "$XDG_CONFIG_HOME/roomwise/device.json");
   command->add_option("--name", options.name,
                       "Name of this device that helpers see; default: this computer's name");

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <cmath>
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -20,6 +21,7 @@
 #include "qr_code.h"
 #include "roomwise/live/home_routes.h"
 #include "roomwise/service/access_routes.h"
+#include "roomwise/service/server_events.h"
 
 namespace roomwise::app {
 namespace {
@@ -31,6 +33,7 @@ struct Options {
   std::string address = "127.0.0.1";
   std::uint16_t port = 8443;
   std::vector<std::string> names;
+  std::vector<std::string> allowed_hosts;
   fs::path pages;
   std::string pair;
   std::string speak;
@@ -82,20 +85,25 @@ class HomeServer {
     home.frame_workers = context.threads;
     home.seed = context.seed;
     home.clock = seconds_since_1970;
+    home.log = [&log = all.log_](std::string_view line) { log.write(line); };
     ROOMWISE_TRY(home.open, open_options(context));
     ROOMWISE_TRY(all.home_, live::LiveHome::open(options.home, all.networks_, all.finders_, home));
     const fs::path access = service::access_folder(options.home);
-    std::vector<std::string> names = service::host_names();
-    names.insert(names.end(), options.names.begin(), options.names.end());
+    all.access_folder_ = access;
+    all.more_names_ = options.names;
+    const std::vector<std::string> names = all.names();
     service::ServerOptions server;
-    ROOMWISE_TRY(server.certificate, service::own_certificate(access, names));
+    ROOMWISE_TRY(server.certificate, service::own_certificate(access, names, seconds_since_1970()));
+    all.certificate_ = server.certificate;
     ROOMWISE_TRY(all.access_,
                  service::AccessRegister::open(access, server.certificate.fingerprint));
-    all.fingerprint_ = server.certificate.fingerprint;
     if (const auto& why = all.home_->why_lenses_are_new()) all.log_.write(*why);
     if (!all.home_->view()->recognizer) all.log_.write(all.home_->view()->why_no_recognizer);
     server.address = options.address;
     server.port = options.port;
+    server.allowed_hosts = names;
+    server.allowed_hosts.insert(server.allowed_hosts.end(), options.allowed_hosts.begin(),
+                                options.allowed_hosts.end());
     server.session_threads = context.threads;
     server.pages = options.pages.empty() ? brought_pages() : options.pages;
     server.log = [&log = all.log_](std::string_view line) { log.write(line); };
@@ -118,7 +126,19 @@ class HomeServer {
     return fmt::format("https://{}{}{}:{}", is_v6 ? "[" : "", host_, is_v6 ? "]" : "",
                        server_->port());
   }
-  [[nodiscard]] const std::string& fingerprint() const { return fingerprint_; }
+  [[nodiscard]] service::Certificate certificate() const {
+    const std::scoped_lock lock(certificate_mutex_);
+    return certificate_;
+  }
+  // Renews the certificate before it ends, and where the computer has got another address.
+  void renew_certificate() {
+    auto now = service::own_certificate(access_folder_, names(), seconds_since_1970());
+    if (!now) return tell_once(now.error().message);
+    const std::scoped_lock lock(certificate_mutex_);
+    if (now->own_fingerprint == certificate_.own_fingerprint) return;
+    certificate_ = *std::move(now);
+    server_->use_certificate(certificate_);
+  }
   [[nodiscard]] service::AccessRegister& access() { return *access_; }
   [[nodiscard]] live::LiveHome& home() { return *home_; }
   [[nodiscard]] bool has_helper() const {
@@ -139,6 +159,17 @@ class HomeServer {
     return load_networks(options.networks, &home, /*also_brought=*/true);
   }
 
+  [[nodiscard]] std::vector<std::string> names() const {
+    std::vector<std::string> names = service::host_names();
+    names.insert(names.end(), more_names_.begin(), more_names_.end());
+    return names;
+  }
+
+  // What is wrong again a minute later is said once.
+  void tell_once(const std::string& line) {
+    if (std::exchange(told_, line) != line) log_.write(line);
+  }
+
   // The name by which others in the network find this computer, if it has one.
   static std::string own_name(const std::vector<std::string>& names) {
     const auto local = std::ranges::find_if(
@@ -153,6 +184,7 @@ class HomeServer {
     context.disconnect = [this](std::int64_t device) {
       server_->disconnect(device, "this device was removed");
     };
+    context.authority = [this] { return certificate().authority; };
     context.pair_address = [this] { return address() + "/pair"; };
     context.qr = [](const std::string& text) {
       return qr_rows(text).value_or(std::vector<std::string>{});
@@ -167,32 +199,11 @@ class HomeServer {
     return routes;
   }
 
-  // In Prometheus' text format.
   service::HttpAnswer metrics() {
-    const service::ServerCounts counts = server_->counts();
-    std::string text;
-    const auto add = [&](std::string_view name, std::string_view type, const auto& value) {
-      text += fmt::format("# TYPE roomwise_{0} {1}\nroomwise_{0} {2}\n", name, type, value);
-    };
-    add("connections_total", "counter", counts.connections);
-    add("sockets_total", "counter", counts.sockets);
-    add("connections_open", "gauge", counts.open_connections);
-    add("sockets_open", "gauge", counts.open_sockets);
-    add("messages_received_total", "counter", counts.messages_in);
-    add("received_bytes_total", "counter", counts.message_bytes_in);
-    add("messages_sent_total", "counter", counts.messages_out);
-    add("messages_dropped_total", "counter", counts.messages_dropped);
-    add("frames_looked_at_total", "counter", home_->frames_processed());
-    add("frames_dropped_total", "counter", home_->frames_dropped());
-    text += "# TYPE roomwise_answers_total counter\n";
-    for (const auto& [status, count] : counts.answers) {
-      text += fmt::format("roomwise_answers_total{{status=\"{}\"}} {}\n", status, count);
-    }
-    text += "# TYPE roomwise_refusals_total counter\n";
-    for (const auto& [reason, count] : counts.refusals) {
-      text += fmt::format("roomwise_refusals_total{{reason=\"{}\"}} {}\n", reason, count);
-    }
-    service::HttpAnswer answer = service::text_answer(text);
+    service::MetricsText text;
+    service::write_metrics(server_->counts(), text);
+    home_->write_metrics(text);
+    service::HttpAnswer answer = service::text_answer(text.text());
     answer.content_type = "text/plain; version=0.0.4";
     return answer;
   }
@@ -202,7 +213,11 @@ class HomeServer {
   objects::ObjectFinders finders_;
   std::unique_ptr<live::LiveHome> home_;
   std::unique_ptr<service::AccessRegister> access_;
-  std::string fingerprint_;
+  fs::path access_folder_;
+  std::vector<std::string> more_names_;
+  mutable std::mutex certificate_mutex_;
+  service::Certificate certificate_;
+  std::string told_;
   std::string host_;
   std::unique_ptr<service::Server> server_;
 };
@@ -249,12 +264,19 @@ class SpokenCodes {
 };
 
 Expected<void> show_code(HomeServer& server, service::Role role, SpokenCodes* spoken) {
-  ROOMWISE_TRY(const std::string code, server.access().make_code(role, service::Now::read()));
-  const std::string address = server.address() + "/pair#" + code;
+  const service::Now now = service::Now::read();
+  ROOMWISE_TRY(const service::OpenCode made, server.access().make_code(role, now));
+  const std::string& code = made.digits;
+  const std::string address = server.address() + "/pair#" + made.secret;
   ROOMWISE_TRY(const auto rows, qr_rows(address));
   if (::isatty(STDOUT_FILENO) != 0) std::cout << qr_lines(rows);
   std::cout << fmt::format("To pair a {}: code {} {}, within five minutes, at {}\n",
                            to_string(role), code.substr(0, 3), code.substr(3), address);
+  if (const double wait_s = server.access().digits_wait_s(now); wait_s > 0) {
+    std::cout << fmt::format(
+        "Somebody guesses at codes: the digits are heard in {:.0f} s only, the address at once\n",
+        std::ceil(wait_s));
+  }
   std::cout.flush();
   if (spoken != nullptr) spoken->say(code);
   return {};
@@ -295,9 +317,15 @@ Expected<Answer> serve(const Options& options, Context& context) {
                "{} was not there: it is a new home, for walks recorded from the helper's page\n",
                options.home.string());
   }
+  const service::Certificate certificate = server->certificate();
   std::cout << fmt::format("{} serves {}\nIts certificate's fingerprint (SHA-256): {}\n",
                            server->address(), options.home.string(),
-                           service::fingerprint_with_colons(server->fingerprint()));
+                           service::fingerprint_with_colons(certificate.own_fingerprint));
+  if (certificate.authority) {
+    std::cout << fmt::format(
+        "A phone that installs {}/authority.crt is warned no more; that one's fingerprint: {}\n",
+        server->address(), service::fingerprint_with_colons(certificate.authority->fingerprint));
+  }
   if (options.pair == "helper" || !server->has_helper()) {
     ROOMWISE_CHECK_OK(show_code(*server, service::Role::kHelper, nullptr));
   }
@@ -306,6 +334,7 @@ Expected<Answer> serve(const Options& options, Context& context) {
   }
   std::cout << "Enter makes a new code for a device. Ctrl-C stops it.\n" << std::flush;
   EnterKey enter;
+  int turns = 0;
   while (!context.progress.interrupted()) {
     if (enter.take()) ROOMWISE_CHECK_OK(show_code(*server, service::Role::kDevice, codes));
     if (codes != nullptr) {
@@ -313,6 +342,11 @@ Expected<Answer> serve(const Options& options, Context& context) {
         std::cerr << "codes are not spoken any more: " << spoken_on.error().message << '\n';
         codes = nullptr;
       }
+    }
+    constexpr int kTurnsOfAMinute = 600;
+    if (turns++ % kTurnsOfAMinute == 0) {
+      server->home().watch_disk();
+      server->renew_certificate();
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
   }
@@ -338,6 +372,10 @@ void add_serve_command(CLI::App& app, Context& context) {
   command->add_option("--name", options.names,
                       "Another name or address of this computer, for its certificate (made at the "
                       "first start)");
+  command->add_option("--allowed-host", options.allowed_hosts,
+                      "Another name by which devices that are not paired yet may call this "
+                      "computer, beside its own and --name: of a router or a proxy, for example. "
+                      "Addresses are always allowed");
   command->add_option("--pages", options.pages,
                       "Folder of the web pages; default: those that come with Roomwise");
   command
@@ -348,7 +386,8 @@ void add_serve_command(CLI::App& app, Context& context) {
   command->add_option("--speak", options.speak,
                       "Say devices' codes, too: speech-dispatcher, text (lines on standard output) "
                       "or wav:FILE; Enter makes and says a new one");
-  add_setting(*command, "--language", options.language, "Language of what is said: en, de, es or fr");
+  add_setting(*command, "--language", options.language,
+              "Language of what is said: en, de, es or fr");
   add_network_options(*command, options.networks);
 }
 

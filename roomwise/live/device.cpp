@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "roomwise/guide/questions/refusal_prompts.h"
+#include "roomwise/live/seconds_since.h"
 
 namespace roomwise::live {
 namespace {
@@ -80,7 +81,7 @@ void Device::take(const service::DeviceMessage& message) {
                          ask != nullptr ? std::optional(ask->id) : std::nullopt);
   }
   if (is_other_language) home_changed();  // things have other names now
-  if (ask != nullptr) hear(*ask);
+  if (ask != nullptr) hear({*ask});
 }
 
 void Device::greet(const service::Hello& hello) {
@@ -161,7 +162,8 @@ void Device::refuse_unread(const Error& error, std::optional<std::int64_t> answe
 
 // ---- questions ----
 
-void Device::hear(const service::Ask& ask) {
+void Device::hear(const Asked& asked) {
+  const service::Ask& ask = asked.ask;
   if (ask.question != service::Question::kInWords) {
     const std::scoped_lock lock(mutex_);
     offered_ = {};  // a "yes" after this would answer something else
@@ -170,9 +172,9 @@ void Device::hear(const service::Ask& ask) {
     if (const auto named = host_.name_recorded_room(*this, ask.subject); !named) {
       return refuse(named.error(), ask.id);
     }
-    return hear_now(ask);
+    return hear_now(asked);
   }
-  if (ask.question == service::Question::kInWords) return understand(ask);
+  if (ask.question == service::Question::kInWords) return understand(asked);
   service::Ask now = ask;
   std::optional<std::int64_t> pushed_out;
   bool waits = false;
@@ -191,16 +193,17 @@ void Device::hear(const service::Ask& ask) {
       waits = newest_ || looking_;  // the frame in hand answers it
     }
     if (waits && waiting_.size() == kMaxWaiting) {
-      pushed_out = waiting_.front().id;
+      pushed_out = waiting_.front().ask.id;
       waiting_.pop_front();
     }
-    if (waits) waiting_.push_back(now);
+    if (waits) waiting_.push_back({now, asked.came});
   }
   if (pushed_out) refuse(Error{"too many questions at once"}, pushed_out);
-  if (!waits) hear_now(now);
+  if (!waits) hear_now({now, asked.came});
 }
 
-void Device::understand(const service::Ask& in_words) {
+void Device::understand(const Asked& asked) {
+  const service::Ask& in_words = asked.ask;
   static_assert(service::kMaxWordsBytes <= guide::kMaxQuestionBytes);
   const auto view = host_.view();
   const guide::HomeNames names = names_in(*view);
@@ -214,7 +217,7 @@ void Device::understand(const service::Ask& in_words) {
   }
   const guide::Understood heard =
       guide::in_answer_to(offered, guide::understand(in_words.subject, wording.phrases(), names));
-  if (const auto ask = ask_of(heard, in_words)) return hear(*ask);
+  if (const auto ask = ask_of(heard, in_words)) return hear({*ask, asked.came});
   const auto prompts =
       guide::refusal_prompts(heard, names, wording, std::llround(in_words.t_ms * 1e6));
   {
@@ -223,10 +226,12 @@ void Device::understand(const service::Ask& in_words) {
     offered_until_t_ms_ = static_cast<double>(prompts.front().valid_until_ns) / 1e6;
   }
   say(prompts, in_words.id, {});
+  host_.answered(in_words.question, seconds_since(asked.came));
 }
 
 // Answers by the last glance, if it is new enough.
-void Device::hear_now(const service::Ask& ask) {
+void Device::hear_now(const Asked& asked) {
+  const service::Ask& ask = asked.ask;
   std::vector<guide::Prompt> prompts;
   std::optional<double> based_on_t_ms;
   {
@@ -240,6 +245,7 @@ void Device::hear_now(const service::Ask& ask) {
     announcer_.answered(now, prompts);
   }
   say(prompts, ask.id, based_on_t_ms);
+  host_.answered(ask.question, seconds_since(asked.came));
 }
 
 std::vector<guide::Prompt> Device::answer_now(const service::Ask& ask,
@@ -256,7 +262,7 @@ std::vector<guide::Prompt> Device::answer_now(const service::Ask& ask,
 }
 
 void Device::answer_waiting(bool more_frames_wait) {
-  std::deque<service::Ask> asked;
+  std::deque<Asked> asked;
   {
     const std::scoped_lock lock(mutex_);
     // A question waits for a frame that is about as new as itself, if one is there.
@@ -264,11 +270,11 @@ void Device::answer_waiting(bool more_frames_wait) {
       return more_frames_wait &&
              (!last_result_ || last_result_->t_ms < ask.t_ms - kMaxFrameAge_ms / 4);
     };
-    std::deque<service::Ask> later;
-    for (service::Ask& ask : waiting_) (may_wait(ask) ? later : asked).push_back(std::move(ask));
+    std::deque<Asked> later;
+    for (Asked& one : waiting_) (may_wait(one.ask) ? later : asked).push_back(std::move(one));
     waiting_ = std::move(later);
   }
-  for (const service::Ask& ask : asked) hear_now(ask);
+  for (const Asked& one : asked) hear_now(one);
 }
 
 void Device::say(const std::vector<guide::Prompt>& prompts, std::optional<std::int64_t> answer_to,
@@ -302,7 +308,9 @@ bool Device::work() {
     looking_ = true;
   }
   if (!frame_processor_) frame_processor_.emplace(camera(), host_.lens_of(*this));
+  const Clock::time_point began = Clock::now();
   Expected<FrameResult> result = look(*std::move(frame));
+  host_.looked(seconds_since(began), result.has_value());
   bool more = false;
   {
     const std::scoped_lock lock(mutex_);
@@ -358,6 +366,7 @@ void Device::store(const CameraFrame& frame) {
     failed_before = std::exchange(storing_fails_, !stored);
   }
   if (!stored && failed_before) return;
+  if (!stored) host_.not_recorded(stored.error());
   host_.recorded(*this, {who_.device, stored ? "recording" : "failed", recorder->name(),
                          recorder->frames(), stored ? "" : stored.error().message});
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <deque>
 #include <memory>
 #include <mutex>
@@ -25,6 +26,12 @@ class DeviceHost {
   // A frame waits: Device::work() is to be called soon, on another thread.
   virtual void has_work(const std::shared_ptr<Device>& device) = 0;
   virtual void saw(const Device& device, const FrameResult& result) = 0;
+  // A frame was looked at, well or not, which took so long.
+  virtual void looked(double seconds, bool well) = 0;
+  // A question was answered so long after it had come.
+  virtual void answered(service::Question question, double seconds) = 0;
+  // A frame that was to be recorded could not be: told once, until one can again.
+  virtual void not_recorded(const Error& error) = 0;
   virtual void recorded(const Device& device, const service::RecordingState& state) = 0;
   // What is known of the device's lens, where its camera is not calibrated.
   [[nodiscard]] virtual mapping::LensCalibration lens_of(const Device& device) const = 0;
@@ -67,10 +74,16 @@ class Device : public std::enable_shared_from_this<Device> {
  private:
   void greet(const service::Hello& hello);
   void take(const service::DeviceMessage& message);
-  void hear(const service::Ask& ask);
-  void hear_now(const service::Ask& ask);
+  using Clock = std::chrono::steady_clock;
+  // What was asked, and when that came.
+  struct Asked {
+    service::Ask ask;
+    Clock::time_point came = Clock::now();
+  };
+  void hear(const Asked& asked);
+  void hear_now(const Asked& asked);
   // A question in one's own words.
-  void understand(const service::Ask& in_words);
+  void understand(const Asked& in_words);
   [[nodiscard]] Expected<FrameResult> look(CameraFrame frame);
   // With mutex_ held.
   [[nodiscard]] std::vector<guide::Prompt> answer_now(const service::Ask& ask,
@@ -102,7 +115,7 @@ class Device : public std::enable_shared_from_this<Device> {
   std::optional<CameraFrame> newest_;  // not looked at yet
   bool looking_ = false;
   std::uint64_t dropped_ = 0;
-  std::deque<service::Ask> waiting_;  // for a frame that is being looked at
+  std::deque<Asked> waiting_;  // for a frame that is being looked at
   std::optional<service::Ask> last_ask_;
   // "Did you mean ...?", while the next question may answer it: until then, by the device's clock.
   guide::Understood offered_;

@@ -39,6 +39,12 @@ class Host final : public DeviceHost {
   [[nodiscard]] std::shared_ptr<const HomeView> view() const override { return home; }
   void has_work(const std::shared_ptr<Device>&) override { ++asked_to_work; }
   void saw(const Device&, const FrameResult& result) override { seen.push_back(result.t_ms); }
+  void looked(double, bool well) override { looked_well.push_back(well); }
+  void answered(service::Question question, double seconds) override {
+    answers.push_back(question);
+    EXPECT_GE(seconds, 0);
+  }
+  void not_recorded(const Error& error) override { not_stored.push_back(error.message); }
   void recorded(const Device&, const service::RecordingState& state) override {
     recordings.push_back(state);
   }
@@ -55,6 +61,9 @@ class Host final : public DeviceHost {
   std::shared_ptr<HomeView> home = std::make_shared<HomeView>();
   int asked_to_work = 0;
   std::vector<double> seen;
+  std::vector<bool> looked_well;
+  std::vector<service::Question> answers;
+  std::vector<std::string> not_stored;
   std::vector<service::RecordingState> recordings;
 };
 
@@ -97,6 +106,21 @@ TEST_F(DeviceTest, IsWelcomedWithWhatTheHomeHas) {
   EXPECT_THAT(welcome[0].rooms, ::testing::ElementsAre("bath", "kitchen"));
   EXPECT_THAT(welcome[0].things, ::testing::ElementsAre("bed"));  // each name once
   EXPECT_FALSE(welcome[0].sees_rooms);
+}
+
+TEST_F(DeviceTest, EveryQuestionIsTimedUntilItsAnswerByWhatItMeans) {
+  say(hello());
+  ask(1, 100, service::Question::kWhereIs, "bed");
+  ask(2, 100, service::Question::kInWords, "where am I?");
+  ask(3, 100, service::Question::kInWords, "blorb");  // it is told what can be asked
+  show(200);
+  ask(4, 200, service::Question::kWhereAmI);  // waits for the frame
+  EXPECT_THAT(host.answers,
+              ::testing::ElementsAre(service::Question::kWhereIs, service::Question::kWhereAmI,
+                                     service::Question::kInWords));
+  device->work();
+  EXPECT_EQ(host.answers.size(), 4u);
+  EXPECT_EQ(host.looked_well.size(), 1u);
 }
 
 TEST_F(DeviceTest, WhoIsLedTalksToTheGuide) {

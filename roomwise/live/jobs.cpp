@@ -2,15 +2,13 @@
 
 #include <chrono>
 
+#include "roomwise/live/seconds_since.h"
+
 namespace roomwise::live {
 namespace {
 
 using Clock = std::chrono::steady_clock;
 constexpr auto kBetweenNews = std::chrono::milliseconds(200);
-
-double seconds_since(Clock::time_point begin) {
-  return std::chrono::duration<double>(Clock::now() - begin).count();
-}
 
 // A fault in the work must not end the program.
 Expected<std::string> carry_out(const Jobs::Body& body, Progress& progress) {
@@ -92,6 +90,8 @@ Expected<void> Jobs::start(const std::string& kind, Body body) {
   if (thread_.joinable()) thread_.join();
   thread_ = std::thread([this, kind, body = std::move(body)] {
     service::JobState state{kind, "running", "", 0, {}, ""};
+    const Clock::time_point began = Clock::now();
+    report_({.kind = kind, .state = state.state});
     publish(state);
     Teller teller(*this, state);
     const Expected<std::string> done = carry_out(body, teller);
@@ -100,6 +100,8 @@ Expected<void> Jobs::start(const std::string& kind, Body body) {
                   : done.error().code == ErrorCode::kInterrupted ? "stopped"
                                                                  : "failed";
     state.text = done ? *done : done.error().message;
+    report_({kind, state.state, state.text, done ? ErrorCode::kFailed : done.error().code,
+             seconds_since(began)});
     {
       const std::scoped_lock lock(mutex_);
       state_ = state;

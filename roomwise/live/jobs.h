@@ -14,12 +14,25 @@
 
 namespace roomwise::live {
 
+// That a job began ("running") or how it ended, for who keeps the computer running.
+struct JobNews {
+  std::string kind = {};
+  std::string state = {};               // as in JobState
+  std::string text = {};                // what came of it
+  ErrorCode code = ErrorCode::kFailed;  // where it failed
+  double seconds = 0;                   // that it took
+};
+
 // Long work in the background, one piece at a time, that tells how far it is and can be stopped.
 class Jobs {
  public:
   // `tell` is called with every change that people should see (at most five times a second while
-  // work goes on), on the job's thread or on that of start().
-  explicit Jobs(std::function<void(const service::JobState&)> tell) : tell_(std::move(tell)) {}
+  // work goes on), on the job's thread or on that of start(). `report`: of each job's begin and
+  // end, on the job's thread, before tell() is called.
+  explicit Jobs(
+      std::function<void(const service::JobState&)> tell,
+      std::function<void(const JobNews&)> report = [](const JobNews&) {})
+      : tell_(std::move(tell)), report_(std::move(report)) {}
   ~Jobs();  // stops the work and waits for it
 
   // What is done: gets a place to tell how far it is, which also says when to stop; returns a
@@ -40,6 +53,7 @@ class Jobs {
   void publish(const service::JobState& state);
 
   std::function<void(const service::JobState&)> tell_;
+  std::function<void(const JobNews&)> report_;
   std::mutex thread_mutex_;  // of thread_, taken before mutex_
   mutable std::mutex mutex_;
   std::condition_variable ended_;

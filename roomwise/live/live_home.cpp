@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "roomwise/image/codec.h"
+#include "roomwise/pipeline/objects/changed_networks.h"
 #include "roomwise/pipeline/objects/thing_history.h"
 #include "roomwise/pipeline/rooms/room_learning.h"
 #include "roomwise/recording/open_recording.h"
@@ -53,7 +54,8 @@ LiveHome::LiveHome(fs::path file, home::Home home, home::Home reader,
       finders_(finders),
       options_(std::move(options)),
       home_(std::move(home)),
-      reader_(std::move(reader)) {}
+      reader_(std::move(reader)),
+      meters_(options_.log) {}
 
 LiveHome::~LiveHome() {
   jobs_.reset();
@@ -78,13 +80,23 @@ Expected<std::unique_ptr<LiveHome>> LiveHome::open(const fs::path& file,
   live->uploads_ = std::make_unique<Uploads>(std::move(uploads));
   live->photos_ = std::make_unique<RoomPhotos>(live->photos_folder());
   ROOMWISE_CHECK_OK(live->refresh(nullptr));
+  ROOMWISE_CHECK_OK(live->check_networks());
   live->jobs_ = std::make_unique<Jobs>(
-      [raw = live.get()](const service::JobState& state) { raw->tell_helpers(state); });
+      [raw = live.get()](const service::JobState& state) { raw->tell_helpers(state); },
+      [raw = live.get()](const JobNews& news) { raw->meters_.on_job(news); });
   live->looking_ = std::make_unique<FrameWorkers>(live->options_.frame_workers);
 
   ROOMWISE_TRY(const auto waiting, live->waiting_walk());
   ROOMWISE_CHECK_OK(waiting ? live->start_mapping_what_waits() : live->go_on_preparing());
   return live;
+}
+
+Expected<void> LiveHome::check_networks() {
+  ROOMWISE_TRY(const auto changed,
+               pipeline::changed_networks(home_, networks_, finders_.in_pictures));
+  for (const auto& one : changed) options_.log(pipeline::in_words(one, home_.file()));
+  meters_.networks_changed(changed.size());
+  return {};
 }
 
 // ---- devices ----
@@ -191,6 +203,23 @@ Expected<void> LiveHome::name_recorded_room(const Device& device, const std::str
   return fail("rooms are named while a walk is recorded, or on the helper's page");
 }
 
+// ---- what happened ----
+
+void LiveHome::watch_disk() {
+  std::error_code error;
+  const fs::space_info space = fs::space(fs::absolute(file_).parent_path(), error);
+  if (!error) meters_.disk(space.available);
+}
+
+void LiveHome::write_metrics(service::MetricsText& text) {
+  watch_disk();
+  text.single("frames_looked_at_total", "counter", "Frames that were looked at.",
+              frames_processed());
+  text.single("frames_dropped_total", "counter", "Frames that a newer one took the place of.",
+              frames_dropped());
+  meters_.write(text);
+}
+
 // ---- looking ----
 
 std::shared_ptr<const HomeView> LiveHome::view() const {
@@ -200,7 +229,7 @@ std::shared_ptr<const HomeView> LiveHome::view() const {
 
 Expected<Bytes> LiveHome::keyframe_picture(home::KeyframeId id) const {
   const std::scoped_lock lock(reader_mutex_);
-  ROOMWISE_TRY(home::KeyframeImages images, reader_.images(id));
+  ROOMWISE_TRY(home::KeyframeImages images, watched("a picture", reader_.images(id)));
   return std::move(images.color);
 }
 
@@ -228,7 +257,7 @@ Expected<void> LiveHome::refresh(std::shared_ptr<const LiveMap> map) {
 Expected<void> LiveHome::change(const std::function<Expected<void>(home::Home&)>& change) {
   const std::unique_lock lock(home_mutex_, std::try_to_lock);
   if (!lock.owns_lock()) return fail("the computer is busy; wait until it is done, or stop it");
-  ROOMWISE_CHECK_OK(change(home_));
+  ROOMWISE_CHECK_OK(watched("a change", change(home_)));
   return refresh(view()->map);
 }
 

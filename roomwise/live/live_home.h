@@ -11,6 +11,7 @@
 
 #include "roomwise/live/device.h"
 #include "roomwise/live/frame_workers.h"
+#include "roomwise/live/home_meters.h"
 #include "roomwise/live/home_view.h"
 #include "roomwise/live/jobs.h"
 #include "roomwise/live/lens_memory.h"
@@ -30,6 +31,8 @@ struct LiveHomeOptions {
   home::OpenOptions open = {};  // the passphrase of a protected home
   // Seconds since 1970.
   std::function<std::int64_t()> clock = [] { return std::int64_t{0}; };
+  // A line of each job and of what failed, never of what was asked; on any thread.
+  std::function<void(std::string_view)> log = [](std::string_view) {};
 };
 
 // A home that is open for live use: devices connect to it, walks are recorded and mapped, rooms
@@ -53,6 +56,11 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
   [[nodiscard]] std::uint64_t frames_processed() const { return frames_processed_; }
   [[nodiscard]] std::uint64_t frames_dropped() const;
   [[nodiscard]] const RecognitionLog& recognitions() const { return recognitions_; }
+
+  // What happened since it was opened; how much of the disk is free is looked up.
+  void write_metrics(service::MetricsText& text);
+  // Tells in the log when the disk gets full; to be called now and then.
+  void watch_disk();
 
   // Why what was learned of phones' lenses is gone, where it is.
   [[nodiscard]] const std::optional<std::string>& why_lenses_are_new() const {
@@ -96,6 +104,9 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
 
   // ---- recordings that are handed in as files ----
   [[nodiscard]] Uploads& uploads() { return *uploads_; }
+  // As Uploads::put(); what a full disk refused is counted.
+  [[nodiscard]] Expected<Upload> put_upload(const std::string& id, std::uint64_t offset,
+                                            std::span<const std::uint8_t> piece);
   // Unpacks a file that is whole, if it is an archive, and maps the recording (job "map"). The file
   // becomes the walk; where it cannot be read, or the disk is full, it waits as it is.
   [[nodiscard]] Expected<void> map_upload(const std::string& id);
@@ -109,18 +120,35 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
   // DeviceHost
   void has_work(const std::shared_ptr<Device>& device) override;
   void saw(const Device& device, const FrameResult& result) override;
+  void looked(double seconds, bool well) override { meters_.looked(seconds, well); }
+  void answered(service::Question question, double seconds) override {
+    meters_.answered(question, seconds);
+  }
+  void not_recorded(const Error& error) override { meters_.failed("a recording", error); }
   void recorded(const Device& device, const service::RecordingState& state) override;
   [[nodiscard]] mapping::LensCalibration lens_of(const Device& device) const override;
   [[nodiscard]] std::shared_ptr<WalkRecorder> recorder_for(const Device& device) override;
   [[nodiscard]] Expected<void> name_recorded_room(const Device& device,
                                                   const std::string& room) override;
 
+  // Tells of networks that are not those that the home was made with.
+  [[nodiscard]] Expected<void> check_networks();
   [[nodiscard]] std::vector<std::shared_ptr<Device>> all_devices() const;
   void tell_helpers(const service::HomeMessage& message) const;
   // Helpers and the device whose frames are recorded.
   void tell_of_recording(std::int64_t device, const service::RecordingState& state);
   void left(const std::shared_ptr<Device>& device);
   [[nodiscard]] Expected<void> check_idle() const;
+  // Counts and tells what failed because of a full disk or damage. Else people were told all there
+  // is to say: that the home is busy, or that there is no such room.
+  template <typename T>
+  [[nodiscard]] Expected<T> watched(const char* what, Expected<T> outcome) const {
+    if (!outcome && (outcome.error().code == ErrorCode::kDiskFull ||
+                     outcome.error().code == ErrorCode::kDamaged)) {
+      meters_.failed(what, outcome.error());
+    }
+    return outcome;
+  }
   // Runs `change` on the home and shows what came of it.
   [[nodiscard]] Expected<void> change(const std::function<Expected<void>(home::Home&)>& change);
   // So that no byte of what was removed is left in the file.
@@ -180,6 +208,7 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
   std::shared_ptr<WalkRecorder> recorder_;
   std::int64_t recording_device_ = 0;
 
+  mutable HomeMeters meters_;  // counts also what only looks at the home
   RecognitionLog recognitions_;
   std::unique_ptr<LensMemory> lenses_;
   std::unique_ptr<Uploads> uploads_;

@@ -73,6 +73,11 @@ fs::path LiveHome::uploads_folder() const {
   return fs::path(file_.string() + ".uploads");
 }
 
+Expected<Upload> LiveHome::put_upload(const std::string& id, std::uint64_t offset,
+                                      std::span<const std::uint8_t> piece) {
+  return watched("an upload", uploads_->put(id, offset, piece));
+}
+
 Expected<void> LiveHome::map_upload(const std::string& id) {
   ROOMWISE_TRY(const Upload upload, uploads_->find(id));
   if (!upload.is_complete()) {

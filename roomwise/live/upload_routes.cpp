@@ -43,7 +43,7 @@ HttpAnswer put_chunk(LiveHome& home, const HttpRequest& request, const Placehold
   if (!offset) {
     return service::error_answer(404, fmt::format("'{}' is no number", values.at("offset")));
   }
-  const auto put = home.uploads().put(id, *offset, request.body);
+  const auto put = home.put_upload(id, *offset, request.body);
   if (put) return upload_answer(put);
   const auto now = home.uploads().find(id);
   if (!now) return service::error_answer(404, now.error().message);

@@ -8,6 +8,7 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
+#include "roomwise/base/file.h"
 #include "roomwise/live/remove_folder.h"
 #include "roomwise/service/json_members.h"
 
@@ -43,9 +44,11 @@ Expected<void> append_to(const fs::path& path, std::span<const std::uint8_t> byt
   }
   if (descriptor >= 0) ::close(descriptor);
   if (error == 0) return {};
-  const bool is_full = error == ENOSPC || error == EDQUOT || error == EFBIG;
-  return fail("{}: cannot be written: {}{}", path.string(), std::strerror(error),
-              is_full ? "; free some space, then go on: what came before is kept" : "");
+  const ErrorCode code = code_of_write_error(error);
+  return fail_with(code, "{}: cannot be written: {}{}", path.string(), std::strerror(error),
+                   code == ErrorCode::kDiskFull
+                       ? "; free some space, then go on: what came before is kept"
+                       : "");
 }
 
 Expected<std::uint64_t> free_bytes_at(const fs::path& path) {

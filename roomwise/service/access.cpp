@@ -35,6 +35,10 @@ PairingRefusal refusal_to_wait(double seconds) {
           wait_s};
 }
 
+tl::unexpected<PairingRefusal> refuse(int status, std::string message) {
+  return tl::unexpected(PairingRefusal{status, std::move(message), 0});
+}
+
 // A name that can be spoken, shown and logged on one line.
 bool is_good_name(std::string_view name) {
   return !name.empty() && name.size() <= 64 &&
@@ -84,28 +88,53 @@ Expected<void> AccessRegister::load() {
       });
 }
 
-Expected<std::string> AccessRegister::make_code(Role role, const Now& now) {
+Expected<OpenCode> AccessRegister::make_code(Role role, const Now& now) {
   const std::scoped_lock lock(guard_mutex_);
-  if (const double wait_s = guard_.wait_s(now.steady_s); wait_s > 0) {
-    return fail("{}", refusal_to_wait(wait_s).message);
-  }
-  ROOMWISE_TRY(std::string code, random_code());
-  guard_.open({code, role, now.steady_s + kCodeValid_s}, now.steady_s);
+  ROOMWISE_TRY(std::string digits, random_code());
+  ROOMWISE_TRY(const Bytes random, random_bytes(16));
+  OpenCode code{std::move(digits), base64url(random)};
+  guard_.open({code.digits, code.secret, role, now.steady_s + kCodeValid_s}, now.steady_s);
   return code;
+}
+
+double AccessRegister::digits_wait_s(const Now& now) {
+  const std::scoped_lock lock(guard_mutex_);
+  return guard_.wait_s(now.steady_s);
+}
+
+tl::expected<Pairing, PairingRefusal> AccessRegister::redeem_secret(const PairingAttempt& attempt,
+                                                                    const Now& now) {
+  std::optional<PairingGuard::Code> known;
+  std::string proof;
+  for (const PairingGuard::Code& code : guard_.codes(now.steady_s)) {
+    if (!attempt.proves_secret) {
+      if (equal_secrets(code.secret, attempt.secret)) known = code;
+      continue;
+    }
+    const auto ours = make_secret_proof(code.secret, fingerprint_, attempt.nonce);
+    if (!ours) return refuse(400, ours.error().message);
+    if (!equal_secrets(ours->device, attempt.proof)) continue;
+    known = code;
+    proof = ours->computer;
+  }
+  if (!known) return refuse(401, "the link is no longer valid; ask for a new one");
+  Expected<Pairing> pairing = add(known->role, attempt.name, now);
+  if (!pairing) return refuse(500, pairing.error().message);
+  guard_.redeemed(known->secret);
+  pairing->proof = proof;
+  return *std::move(pairing);
 }
 
 tl::expected<Pairing, PairingRefusal> AccessRegister::redeem(const PairingAttempt& attempt,
                                                              const Now& now) {
-  const auto refuse = [](int status, std::string message) {
-    return tl::unexpected(PairingRefusal{status, std::move(message), 0});
-  };
   if (!is_good_name(attempt.name)) {
     return refuse(400, "'name' must have 1 to 64 bytes, without control characters");
   }
+  const std::scoped_lock lock(guard_mutex_);
+  if (attempt.proves_secret || !attempt.secret.empty()) return redeem_secret(attempt, now);
   if (attempt.proof.empty() && !is_code(attempt.code)) {
     return refuse(400, "'code' must be the six digits that the computer shows");
   }
-  const std::scoped_lock lock(guard_mutex_);
   if (const double wait_s = guard_.wait_s(attempt.peer, now.steady_s); wait_s > 0) {
     return tl::unexpected(refusal_to_wait(wait_s));
   }
@@ -113,6 +142,7 @@ tl::expected<Pairing, PairingRefusal> AccessRegister::redeem(const PairingAttemp
   std::string proof;
   // All codes are compared, so that the time tells nothing.
   for (const PairingGuard::Code& code : guard_.codes(now.steady_s)) {
+    if (code.digits.empty()) continue;
     if (attempt.proof.empty()) {
       if (equal_secrets(code.digits, attempt.code)) known = code;
       continue;

@@ -31,11 +31,19 @@ struct PairedDevice {
 
 // What somebody sends who wants to be paired: the code itself, or a proof of knowing it.
 struct PairingAttempt {
-  std::string code;   // "123456"; empty where there is a proof
-  std::string nonce;  // chosen by the device, 32 hexadecimal digits or more
-  std::string proof;  // hexadecimal; see pairing_proof.h
-  std::string name;   // that the device gives itself: "Anna's phone"
-  std::string peer;   // address that it comes from
+  std::string code = {};       // "123456"; empty where there is a proof or a secret
+  std::string secret = {};     // of a link
+  std::string nonce = {};      // chosen by the device, 32 hexadecimal digits or more
+  std::string proof = {};      // hexadecimal; see pairing_proof.h
+  bool proves_secret = false;  // and not the digits
+  std::string name = {};       // that the device gives itself: "Anna's phone"
+  std::string peer = {};       // address that it comes from
+};
+
+// A code as it is shown: digits to be typed, or a link to be opened.
+struct OpenCode {
+  std::string digits;  // six
+  std::string secret;  // 128 bits, for links and QR codes: kSecretLength letters of base64url
 };
 
 struct Pairing {
@@ -60,9 +68,11 @@ class AccessRegister {
   [[nodiscard]] static Expected<std::unique_ptr<AccessRegister>> open(
       const std::filesystem::path& folder, std::string fingerprint);
 
-  // A new code of six digits: redeemed once, within kCodeValid_s. Fails while guessing is answered
-  // by waiting.
-  [[nodiscard]] Expected<std::string> make_code(Role role, const Now& now);
+  // A new code: redeemed once, within kCodeValid_s. While guessing is answered by waiting, only its
+  // secret is heard.
+  [[nodiscard]] Expected<OpenCode> make_code(Role role, const Now& now);
+  // How long digits are not heard from anybody.
+  [[nodiscard]] double digits_wait_s(const Now& now);
 
   // Pairs whoever knows an open code.
   [[nodiscard]] tl::expected<Pairing, PairingRefusal> redeem(const PairingAttempt& attempt,
@@ -90,6 +100,8 @@ class AccessRegister {
   AccessRegister(home::Database database, std::string fingerprint)
       : fingerprint_(std::move(fingerprint)), database_(std::move(database)) {}
   [[nodiscard]] Expected<void> load();
+  [[nodiscard]] tl::expected<Pairing, PairingRefusal> redeem_secret(const PairingAttempt& attempt,
+                                                                    const Now& now);
   [[nodiscard]] Expected<Pairing> add(Role role, const std::string& name, const Now& now);
 
   const std::string fingerprint_;

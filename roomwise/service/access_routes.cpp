@@ -1,5 +1,6 @@
 #include "roomwise/service/access_routes.h"
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 namespace roomwise::service {
@@ -33,10 +34,15 @@ HttpAnswer answer_pair(Access access, Context context, const HttpRequest& reques
                        const Placeholders&) {
   const auto json = json_of(request);
   if (!json) return error_answer(400, json.error().message);
-  PairingAttempt attempt{text_member(*json, "code").value_or(""),
-                         text_member(*json, "nonce").value_or(""),
-                         text_member(*json, "proof").value_or(""),
-                         text_member(*json, "name").value_or(""), request.peer};
+  const std::string secret_proof = text_member(*json, "secret_proof").value_or("");
+  PairingAttempt attempt;
+  attempt.code = text_member(*json, "code").value_or("");
+  attempt.secret = text_member(*json, "secret").value_or("");
+  attempt.nonce = text_member(*json, "nonce").value_or("");
+  attempt.proves_secret = !secret_proof.empty();
+  attempt.proof = attempt.proves_secret ? secret_proof : text_member(*json, "proof").value_or("");
+  attempt.name = text_member(*json, "name").value_or("");
+  attempt.peer = request.peer;
   auto pairing = access.redeem(attempt, context.clock());
   if (!pairing) return refusal_answer(pairing.error());
   Json answer = {{"role", to_string(pairing->who.role)}, {"device", pairing->who.device}};
@@ -94,11 +100,14 @@ HttpAnswer answer_code(Access access, Context context, const HttpRequest& reques
   if (!json) return error_answer(400, json.error().message);
   const auto role = parse_role(text_member(*json, "role").value_or(""));
   if (!role) return error_answer(400, "'role' must be \"device\" or \"helper\"");
-  const auto code = access.make_code(*role, context.clock());
-  if (!code) return error_answer(429, code.error().message);
-  Json answer = {{"code", *code}, {"valid_s", static_cast<int>(kCodeValid_s)}};
+  const Now now = context.clock();
+  const auto code = access.make_code(*role, now);
+  if (!code) return error_answer(500, code.error().message);
+  Json answer = {{"code", code->digits},
+                 {"valid_s", static_cast<int>(kCodeValid_s)},
+                 {"digits_wait_s", static_cast<int>(std::ceil(access.digits_wait_s(now)))}};
   if (context.pair_address) {
-    const std::string address = context.pair_address() + "#" + *code;
+    const std::string address = context.pair_address() + "#" + code->secret;
     answer["address"] = address;
     if (context.qr) answer["qr"] = context.qr(address);
   }
@@ -110,6 +119,33 @@ HttpAnswer answer_remove(Access access, Context context, const HttpRequest&,
   const auto device = number_of<std::int64_t>(values.at("device"));
   return device ? remove_device(access, context, *device)
                 : error_answer(404, "there is no such device");
+}
+
+std::optional<Authority> authority_of(Context context) {
+  return context.authority ? context.authority() : std::nullopt;
+}
+
+HttpAnswer no_authority() {
+  return error_answer(404,
+                      "this computer's certificate is from before there were authorities of homes");
+}
+
+HttpAnswer answer_authority(Access, Context context, const HttpRequest&, const Placeholders&) {
+  const auto authority = authority_of(context);
+  if (!authority) return no_authority();
+  return json_answer({{"name", authority->name},
+                      {"fingerprint", fingerprint_with_colons(authority->fingerprint)},
+                      {"ends", authority->ends_s},
+                      {"file", "/authority.crt"}});
+}
+
+HttpAnswer answer_authority_file(Access, Context context, const HttpRequest&, const Placeholders&) {
+  auto authority = authority_of(context);
+  if (!authority) return no_authority();
+  HttpAnswer answer;
+  answer.content_type = "application/x-x509-ca-cert";  // so that phones offer to install it
+  answer.body = std::move(authority->certificate);
+  return answer;
 }
 
 }  // namespace
@@ -133,6 +169,8 @@ std::vector<Route> access_routes(AccessRegister& access, AccessRoutesContext giv
   add("GET", "/api/devices", Role::kHelper, answer_list);
   add("DELETE", "/api/devices/{device}", Role::kHelper, answer_remove);
   add("POST", "/api/codes", Role::kHelper, answer_code);
+  add("GET", "/api/authority", std::nullopt, answer_authority);
+  add("GET", "/authority.crt", std::nullopt, answer_authority_file);
   return routes;
 }
 

@@ -1,11 +1,13 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
 
 #include "roomwise/service/access.h"
+#include "roomwise/service/certificate.h"
 #include "roomwise/service/router.h"
 
 namespace roomwise::service {
@@ -18,12 +20,14 @@ struct AccessRoutesContext {
   // Of the page that a code is typed into, to be shown as text and QR code:
   // "https://HOST:PORT/pair".
   std::function<std::string()> pair_address;
+  std::function<std::optional<Authority>()> authority;  // nothing where the home has none
   // The rows of modules ("1011...") of a QR code of a text.
   std::function<std::vector<std::string>(const std::string& text)> qr;
 };
 
 // POST /api/pair, GET /api/me, POST /api/leave, GET /api/devices, DELETE /api/devices/{device},
-// POST /api/codes: who may connect, as docs/protocol.md describes them.
+// POST /api/codes: who may connect; GET /api/authority and /authority.crt: what to install so that
+// browsers do not warn; as docs/protocol.md describes them.
 [[nodiscard]] std::vector<Route> access_routes(AccessRegister& access, AccessRoutesContext context);
 
 }  // namespace roomwise::service

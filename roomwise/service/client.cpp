@@ -24,6 +24,7 @@
 #include "roomwise/service/pairing_proof.h"
 #include "roomwise/service/secrets.h"
 #include "roomwise/service/tls_client.h"
+#include "roomwise/service/x509.h"
 
 namespace roomwise::service {
 namespace {
@@ -97,8 +98,8 @@ TlsClient::TlsClient(const ServerAddress& server, const ClientWait& wait)
       deadline_(std::chrono::steady_clock::now() + wait.timeout),
       stream_(*io_, tls_) {
   SSL_CTX_set_min_proto_version(tls_.native_handle(), TLS1_2_VERSION);
-  // No authority vouches for a home's computer: it is known by its fingerprint, which is compared
-  // before anything is sent.
+  // No authority that everybody trusts vouches for a home's computer: it, or its home's own
+  // authority, is known by its fingerprint, which is compared before anything is sent.
   tls_.set_verify_mode(asio::ssl::verify_none);
 }
 
@@ -131,12 +132,22 @@ Expected<void> TlsClient::connect() {
       "does not speak TLS");
 }
 
-std::string TlsClient::fingerprint() {
-  X509* const x509 = SSL_get1_peer_certificate(stream_.native_handle());
-  if (x509 == nullptr) return "";
-  const std::string fingerprint = fingerprint_of(x509);
-  X509_free(x509);
-  return fingerprint;
+TlsClient::Shown TlsClient::shown() {
+  Shown shown;
+  const STACK_OF(X509)* const chain = SSL_get_peer_cert_chain(stream_.native_handle());
+  if (chain == nullptr || sk_X509_num(chain) == 0) return shown;
+  X509* const own = sk_X509_value(chain, 0);
+  shown.own = fingerprint_of(own);
+  X509* const authority = sk_X509_num(chain) > 1 ? sk_X509_value(chain, 1) : nullptr;
+  if (authority != nullptr && is_signed_by(own, authority)) {
+    shown.authority = fingerprint_of(authority);
+  }
+  return shown;
+}
+
+bool TlsClient::is_known_by(const std::string& fingerprint) {
+  const Shown now = shown();
+  return equal_secrets(now.own, fingerprint) || equal_secrets(now.authority, fingerprint);
 }
 
 Expected<void> TlsClient::run_until(const std::optional<error_code>& result) {
@@ -186,13 +197,19 @@ Expected<PairedWith> pair_with(const ServerAddress& server, const std::string& c
                                const std::string& name, const ClientWait& wait) {
   TlsClient client(server, wait);
   ROOMWISE_CHECK_OK(client.connect());
-  const std::string fingerprint = client.fingerprint();
+  const TlsClient::Shown shown = client.shown();
+  const std::string& fingerprint = shown.authority.empty() ? shown.own : shown.authority;
   ROOMWISE_TRY(const Bytes random, random_bytes(16));
   const std::string nonce = hexadecimal(random);
-  ROOMWISE_TRY(const PairingProof proof, make_pairing_proof(code, fingerprint, nonce));
-  ROOMWISE_TRY(
-      const auto answer,
-      post(client, "/api/pair", {{"proof", proof.device}, {"nonce", nonce}, {"name", name}}));
+  // A link ends with the secret, behind "#".
+  const std::string known = code.substr(code.rfind('#') + 1);
+  const bool is_secret = known.size() == kSecretLength;
+  ROOMWISE_TRY(const PairingProof proof, is_secret ? make_secret_proof(known, fingerprint, nonce)
+                                                   : make_pairing_proof(known, fingerprint, nonce));
+  ROOMWISE_TRY(const auto answer, post(client, "/api/pair",
+                                       {{is_secret ? "secret_proof" : "proof", proof.device},
+                                        {"nonce", nonce},
+                                        {"name", name}}));
   ROOMWISE_TRY(PairedWith paired, read_pairing(client, answer, proof));
   paired.credentials.fingerprint = fingerprint;
   paired.who.name = name;
@@ -218,7 +235,7 @@ class WebSocketConnection final : public ServerConnection {
 
   Expected<void> connect(const ServerCredentials& credentials) {
     ROOMWISE_CHECK_OK(client_.connect());
-    if (!equal_secrets(client_.fingerprint(), credentials.fingerprint)) {
+    if (!client_.is_known_by(credentials.fingerprint)) {
       return fail(
           "{} shows another certificate than the one this device was paired with: it is another "
           "computer, or its certificate was made anew; if you know that it was, pair again",

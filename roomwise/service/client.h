@@ -24,7 +24,8 @@ struct ServerAddress {
 
 // What a device keeps of the computer that it is paired with.
 struct ServerCredentials {
-  std::string fingerprint;  // of the computer's certificate; it is trusted for nothing else
+  // Of the computer's certificate, or of the authority that signs it; trusted for nothing else.
+  std::string fingerprint;
   std::string token;
 };
 
@@ -42,7 +43,9 @@ struct ClientWait {
   const Interruption* interruption = nullptr;  // asked ten times a second; null: never
 };
 
-// Pairs with a computer that was never seen: shows that the code is known without sending it, and
+// Pairs with a computer that was never seen by the six digits, the secret, or the link that it
+// shows
+// ("https://flat.local:8443/pair#SECRET"): shows that the code is known without sending it, and
 // believes the computer only where it knows the code too (pairing_proof.h). ErrorCode::kRefused
 // where it is the code: the computer refuses it, or does not know it itself.
 [[nodiscard]] Expected<PairedWith> pair_with(const ServerAddress& server, const std::string& code,

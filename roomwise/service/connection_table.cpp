@@ -8,13 +8,17 @@ namespace roomwise::service {
 ConnectionTable::Verdict ConnectionTable::ask(const std::string& peer) {
   const std::scoped_lock lock(mutex_);
   const auto unknown = [](const Entry& entry) { return !entry.device; };
-  if (count([&](const Entry& entry) { return unknown(entry) && entry.peer == peer; }) >=
-      limits_.unknown_per_peer) {
-    return {"too many connections of one address", nullptr};
-  }
+  const auto unknown_there = [&](const Entry& entry) {
+    return unknown(entry) && entry.peer == peer;
+  };
+  if (count(unknown_there) >= limits_.unknown_per_peer) return make_room(unknown_there);
   if (count([](const Entry&) { return true; }) < limits_.connections) return {};
+  return make_room(unknown);
+}
+
+ConnectionTable::Verdict ConnectionTable::make_room(const Choice& chosen) {
   const auto oldest = std::ranges::find_if(entries_, [&](const auto& numbered) {
-    return unknown(numbered.second) && !numbered.second.leaving;
+    return !numbered.second.leaving && chosen(numbered.second);
   });
   if (oldest == entries_.end()) return {"too many connections", nullptr};
   oldest->second.leaving = true;

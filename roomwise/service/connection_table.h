@@ -28,8 +28,10 @@ class Connection {
 };
 
 struct ConnectionLimits {
-  std::size_t connections = 64;      // one more takes the place of the oldest without a token
-  std::size_t unknown_per_peer = 8;  // that have not shown a token; one more is refused
+  std::size_t connections = 64;  // one more takes the place of the oldest without a token
+  // That have not shown a token: one more takes the place of the address's oldest. So a client that
+  // holds them open keeps out nobody who shares its address.
+  std::size_t unknown_per_peer = 8;
   std::size_t connections_per_device = 16;
   std::size_t sockets_per_device = 2;  // the newest stay
 };
@@ -41,8 +43,9 @@ class ConnectionTable {
 
   explicit ConnectionTable(const ConnectionLimits& limits) : limits_(limits) {}
 
-  // Why a new connection from there is refused; empty: it is not. Where the table is full, the
-  // oldest connection without a token is named in `cut` and no longer counted.
+  // Why a new connection from there is refused; empty: it is not. Where the table is full, or the
+  // address has enough of them, the oldest connection without a token is named in `cut` and no
+  // longer counted.
   struct Verdict {
     std::string refused;
     std::shared_ptr<Connection> cut;
@@ -78,6 +81,7 @@ class ConnectionTable {
   };
   using Choice = std::function<bool(const Entry&)>;
   [[nodiscard]] std::size_t count(const Choice& chosen) const;
+  [[nodiscard]] Verdict make_room(const Choice& chosen);  // by the oldest of these
   [[nodiscard]] std::vector<std::shared_ptr<Connection>> choose(const Choice& chosen) const;
 
   ConnectionLimits limits_;

@@ -20,17 +20,30 @@ TEST(ConnectionTableTest, ADeviceCannotTakeAllPlaces) {
   EXPECT_EQ(table.ask("10.0.0.2").refused, "");
 }
 
-TEST(ConnectionTableTest, AnAddressGetsSoManyConnectionsWithoutATokenAndNoMore) {
+class IdleConnection final : public Connection {
+ public:
+  void end(const std::string&) override {}
+  void cut() override {}
+};
+
+// Who holds connections open and shows no token keeps nobody out who shares the address, and nobody
+// who has shown one.
+TEST(ConnectionTableTest, AnAddressesNewestConnectionsWithoutATokenStay) {
   ConnectionTable table = table_for(64, 16);
-  ConnectionTable::Number last = 0;
-  for (int i = 0; i < 8; ++i) {
-    EXPECT_EQ(table.ask("10.0.0.1").refused, "");
-    last = table.add("10.0.0.1");
+  std::vector<std::shared_ptr<IdleConnection>> connections;
+  for (int i = 0; i < 9; ++i) {
+    EXPECT_EQ(table.ask("10.0.0.1").cut, nullptr);
+    const auto number = table.add("10.0.0.1");
+    connections.push_back(std::make_shared<IdleConnection>());
+    table.set(number, connections.back());
+    if (i == 0) {
+      EXPECT_TRUE(table.identify(number, 3));
+    }
   }
-  EXPECT_NE(table.ask("10.0.0.1").refused, "");
-  EXPECT_EQ(table.ask("10.0.0.2").refused, "");
-  EXPECT_TRUE(table.identify(last, 3));
-  EXPECT_EQ(table.ask("10.0.0.1").refused, "");
+  EXPECT_EQ(table.ask("10.0.0.2").cut, nullptr);
+  const auto verdict = table.ask("10.0.0.1");
+  EXPECT_EQ(verdict.refused, "");
+  EXPECT_EQ(verdict.cut, connections[1]) << "the oldest without a token";
 }
 
 }  // namespace

@@ -138,6 +138,10 @@ void apply(const SettingsChange& change, SpeakingSettings& settings) {
   if (change.callouts) settings.callouts = *change.callouts;
 }
 
+std::string_view to_string(Question question) {
+  return word_of(kQuestions, question);
+}
+
 Expected<DeviceMessage> read_device_message(std::string_view text) {
   ROOMWISE_TRY(const OrderedJson json, parse_object(text, kMaxTextBytes));
   Members members(json);

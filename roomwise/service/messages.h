@@ -78,6 +78,7 @@ enum class Question {
   kDescribeRoom,
   kWhatCanIAsk,
 };
+[[nodiscard]] std::string_view to_string(Question question);  // as the protocol calls it
 // What there is to say to a guide on the way.
 enum class GuideWish { kPause, kResume, kHowFar, kNext, kBlocked, kEnd };
 

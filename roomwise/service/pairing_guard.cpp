@@ -50,12 +50,18 @@ void PairingGuard::right(const std::string& peer, std::string_view digits) {
   all_ = {};
 }
 
+void PairingGuard::redeemed(std::string_view secret) {
+  std::erase_if(codes_, [&](const Code& code) { return code.secret == secret; });
+}
+
 void PairingGuard::wrong(const std::string& peer, double now_s) {
   count(of(peer, now_s), kWrongOfPeer, now_s);
   // Where nothing can be guessed, guessing must not lock others out.
-  if (codes(now_s).empty()) return;
+  const auto open = codes(now_s);
+  if (std::ranges::all_of(open, [](const Code& code) { return code.digits.empty(); })) return;
   count(all_, kWrongOfAll, now_s);
-  if (wait_s(now_s) > 0) codes_.clear();
+  if (wait_s(now_s) == 0) return;
+  for (Code& code : codes_) code.digits.clear();
 }
 
 void PairingGuard::count(Guesses& guesses, int most, double now_s) {

@@ -24,12 +24,15 @@ inline constexpr double kCodeValid_s = 300;
 
 // The open codes, and how often they may be guessed at. Six digits are guessed in half a million
 // tries; so there are few tries: each peer has three, then it waits, and after five wrong ones of
-// all peers together every open code is void and nobody is heard for a while. Waits double each
-// time. Knows nothing of what a guess looks like. Not thread-safe.
+// all peers together the digits of every open code are void and nobody is heard for a while. Waits
+// double each time. A code's secret, which comes by a link or a QR code, cannot be guessed: it is
+// neither counted nor made to wait, so that whoever guesses digits, also from the same address,
+// keeps nobody out. Knows nothing of what a guess looks like. Not thread-safe.
 class PairingGuard {
  public:
   struct Code {
-    std::string digits;
+    std::string digits;  // empty: void
+    std::string secret;
     Role role = Role::kDevice;
     double until_s = 0;
   };
@@ -43,6 +46,8 @@ class PairingGuard {
   [[nodiscard]] std::vector<Code> codes(double now_s);
   // What came of a guess.
   void right(const std::string& peer, std::string_view digits);
+  // That a code was redeemed by its secret.
+  void redeemed(std::string_view secret);
   void wrong(const std::string& peer, double now_s);
 
   [[nodiscard]] std::size_t peers() const { return peers_.size(); }

@@ -23,4 +23,13 @@ struct PairingProof {
                                                         std::string_view fingerprint,
                                                         std::string_view nonce);
 
+// The same of a code's secret, which nobody can try out: HMAC-SHA256 by the secret, of what salts
+// the other and a word for each half.
+[[nodiscard]] Expected<PairingProof> make_secret_proof(std::string_view secret,
+                                                       std::string_view fingerprint,
+                                                       std::string_view nonce);
+
+// How many letters a secret has: 16 bytes in base64url without padding.
+inline constexpr std::size_t kSecretLength = 22;
+
 }  // namespace roomwise::service

@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "roomwise/base/descriptor.h"
+#include "roomwise/base/file.h"
 
 namespace roomwise::service {
 
@@ -18,7 +19,8 @@ Expected<void> write_private_file(const std::filesystem::path& path, std::string
   const bool written =
       file.value >= 0 && write_whole(file.value, bytes) && ::fsync(file.value) == 0;
   if (!written || ::rename(part.c_str(), path.c_str()) != 0) {
-    return fail("{}: cannot be written: {}", path.string(), std::strerror(errno));
+    return fail_with(code_of_write_error(errno), "{}: cannot be written: {}", path.string(),
+                     std::strerror(errno));
   }
   return {};
 }

@@ -136,6 +136,13 @@ class ListeningServer final : public Server {
     });
   }
 
+  void use_certificate(Certificate certificate) override {
+    asio::post(core_->io, [core = core_, certificate = std::move(certificate)] {
+      const auto used = prepare_tls(core->tls, certificate);
+      core->events.say(used ? "another certificate is shown from now on" : used.error().message);
+    });
+  }
+
   [[nodiscard]] std::uint16_t port() const override { return port_; }
   [[nodiscard]] ServerCounts counts() const override {
     ServerCounts counts = core_->events.counts();

@@ -135,6 +135,8 @@ class Server {
   [[nodiscard]] virtual ServerCounts counts() const = 0;
   // The devices that have a WebSocket open.
   [[nodiscard]] virtual std::set<std::int64_t> online() const = 0;
+  // Shows connections to come another certificate.
+  virtual void use_certificate(Certificate certificate) = 0;
   // Closes all connections of a device: after its token was revoked.
   virtual void disconnect(std::int64_t device, std::string reason) = 0;
 };

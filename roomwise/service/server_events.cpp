@@ -4,6 +4,29 @@
 
 namespace roomwise::service {
 
+void write_metrics(const ServerCounts& counts, MetricsText& text) {
+  const auto counter = [&](const char* name, const char* help, std::uint64_t value) {
+    text.single(name, "counter", help, value);
+  };
+  counter("connections_total", "Connections that were taken.", counts.connections);
+  counter("sockets_total", "WebSockets that were opened.", counts.sockets);
+  text.single("connections_open", "gauge", "Connections that are open.",
+              std::uint64_t{counts.open_connections});
+  text.single("sockets_open", "gauge", "WebSockets that are open.",
+              std::uint64_t{counts.open_sockets});
+  counter("messages_received_total", "Messages of WebSockets that came.", counts.messages_in);
+  counter("received_bytes_total", "Bytes of these.", counts.message_bytes_in);
+  counter("messages_sent_total", "Messages of WebSockets that went.", counts.messages_out);
+  counter("messages_dropped_total", "Messages to clients that did not read.",
+          counts.messages_dropped);
+  text.family("answers_total", "counter", "Answers to requests, by their status.");
+  for (const auto& [status, count] : counts.answers) {
+    text.sample({{"status", fmt::format("{}", status)}}, count);
+  }
+  text.family("refusals_total", "counter", "Connections and requests that were refused, and why.");
+  for (const auto& [reason, count] : counts.refusals) text.sample({{"reason", reason}}, count);
+}
+
 void ServerEvents::opened_connection() {
   const std::scoped_lock lock(mutex_);
   ++counts_.connections;

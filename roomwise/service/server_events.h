@@ -6,10 +6,14 @@
 #include <string>
 #include <string_view>
 
+#include "roomwise/service/metrics_text.h"
 #include "roomwise/service/rate_limit.h"
 #include "roomwise/service/server.h"
 
 namespace roomwise::service {
+
+// The counts as figures for Prometheus.
+void write_metrics(const ServerCounts& counts, MetricsText& text);
 
 // Counts what happens in a server, and says it in its log. Thread-safe.
 class ServerEvents {

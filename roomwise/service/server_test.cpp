@@ -293,8 +293,7 @@ TEST(ServerTest, AThousandIdleConnectionsKeepNobodyOut) {
   EXPECT_EQ(home.ask("GET", "/api/me", bearer(home.device.token), "", "127.0.2.1").status, 200);
   const ServerCounts counts = home.server->counts();
   EXPECT_LE(counts.open_connections, 64u + 1);
-  EXPECT_GE(counts.refusals.at("too many connections of one address"), 100u);
-  EXPECT_GE(counts.refusals.at("made room for a newer connection"), 1u);
+  EXPECT_GE(counts.refusals.at("made room for a newer connection"), 900u);
 }
 
 // Each limit by itself, so that a slow machine is not taken for a client that does not go on.

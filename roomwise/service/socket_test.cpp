@@ -246,6 +246,36 @@ TEST_F(SocketTest, TrustsOneCertificateOnly) {
   EXPECT_EQ(impostor.server->counts().answers.size(), 0u);
 }
 
+TEST_F(SocketTest, KnowsTheComputerAgainWhenItsCertificateWasRenewed) {
+  const auto before = home_.ask("GET", "/api/authority");
+  EXPECT_EQ(before.status, 200);
+  const Certificate renewed =
+      own_certificate(home_.access_files(), {"localhost", "127.0.0.1", "10.1.2.3"},
+                      home_.now().unix_s)
+          .value();
+  ASSERT_NE(renewed.own_fingerprint, home_.certificate.own_fingerprint);
+  home_.server->use_certificate(renewed);
+  EXPECT_TRUE(connect()) << "it is signed by the same authority";
+  EXPECT_EQ(home_.ask("GET", "/api/authority").body, before.body);
+  // Who knows this certificate alone, as before there were authorities, takes the next for
+  // another's.
+  const ServerCredentials old{renewed.own_fingerprint, home_.device.token};
+  EXPECT_OK(ServerConnection::open(address(), old, {.timeout = kMax}));
+  home_.server->use_certificate(home_.certificate);
+  EXPECT_ERROR(ServerConnection::open(address(), old, {.timeout = kMax}),
+               "shows another certificate");
+}
+
+TEST_F(SocketTest, GivesTheAuthorityToWhoeverAsks) {
+  const testing::Answer file = home_.ask("GET", "/authority.crt");
+  EXPECT_EQ(file.status, 200);
+  EXPECT_EQ(file.headers.at("content-type"), "application/x-x509-ca-cert");
+  const Bytes& der = home_.certificate.authority->certificate;
+  EXPECT_EQ(file.body, std::string(der.begin(), der.end()));
+  EXPECT_THAT(home_.ask("GET", "/api/authority").body,
+              HasSubstr(fingerprint_with_colons(home_.certificate.fingerprint)));
+}
+
 TEST_F(SocketTest, CanBeInterrupted) {
   struct Stopped final : Interruption {
     [[nodiscard]] bool interrupted() const override { return true; }
@@ -262,9 +292,10 @@ TEST_F(SocketTest, NothingSecretIsLogged) {
   (void)home_.ask("GET", "/" + home_.device.token, bearer(home_.helper.token));
   const auto code = home_.access->make_code(Role::kDevice, home_.now());
   ASSERT_OK(code);
-  (void)home_.ask("POST", "/api/pair", "", "{\"code\":\"" + *code + "\",\"name\":\"new\"}");
+  (void)home_.ask("POST", "/api/pair", "", "{\"code\":\"" + code->digits + "\",\"name\":\"new\"}");
   home_.server->stop();
-  for (const std::string& secret : {home_.device.token, home_.helper.token, *code}) {
+  for (const std::string& secret :
+       {home_.device.token, home_.helper.token, code->digits, code->secret}) {
     EXPECT_THAT(home_.log_text, Not(HasSubstr(secret)));
   }
   EXPECT_THAT(home_.log_text, HasSubstr("Anna's phone"));
@@ -274,14 +305,27 @@ TEST_F(SocketTest, PairsWithoutSayingTheCode) {
   const auto code = home_.access->make_code(Role::kHelper, home_.now());
   ASSERT_OK(code);
   const ClientWait wait{.timeout = kMax};
-  const std::string wrong = *code == "000000" ? "000001" : "000000";
+  const std::string wrong = code->digits == "000000" ? "000001" : "000000";
   EXPECT_ERROR(pair_with(address(), wrong, "Cap", wait), "the code is wrong");
-  const auto paired = pair_with(address(), *code, "Cap", wait);
+  const auto paired = pair_with(address(), code->digits, "Cap", wait);
   ASSERT_OK(paired);
   EXPECT_EQ(paired->who.role, Role::kHelper);
   EXPECT_EQ(paired->credentials.fingerprint, home_.certificate.fingerprint);
   EXPECT_OK(ServerConnection::open(address(), paired->credentials, wait));
-  EXPECT_ERROR(pair_with(address(), *code, "Cap", wait), "the code is wrong");
+  EXPECT_ERROR(pair_with(address(), code->digits, "Cap", wait), "the code is wrong");
+}
+
+TEST_F(SocketTest, PairsByALinkWithoutSayingItsSecret) {
+  const auto code = home_.access->make_code(Role::kDevice, home_.now());
+  ASSERT_OK(code);
+  const ClientWait wait{.timeout = kMax};
+  const std::string link = "https://flat.local:8443/pair#" + code->secret;
+  const auto paired = pair_with(address(), link, "Cap", wait);
+  ASSERT_OK(paired);
+  EXPECT_EQ(paired->who.role, Role::kDevice);
+  EXPECT_ERROR(pair_with(address(), link, "Cap", wait), "the link is no longer valid");
+  home_.server->stop();
+  EXPECT_THAT(home_.log_text, Not(HasSubstr(code->secret)));
 }
 
 TEST_F(SocketTest, PairsWithNobodyWhoDoesNotKnowTheCode) {
@@ -304,7 +348,7 @@ TEST_F(SocketTest, GuessesThroughHttpAreAnsweredByWaiting) {
     return home_.ask("POST", "/api/pair", "",
                      fmt::format(R"({{"code": "{}", "name": "x"}})", digits), from);
   };
-  const std::string wrong = *code == "000000" ? "000001" : "000000";
+  const std::string wrong = code->digits == "000000" ? "000001" : "000000";
   for (int i = 0; i < 3; ++i) EXPECT_EQ(guess(wrong, "127.0.0.5").status, 401);
   for (int i = 0; i < 50; ++i) {
     const testing::Answer answer = guess(wrong, "127.0.0.5");
@@ -313,7 +357,7 @@ TEST_F(SocketTest, GuessesThroughHttpAreAnsweredByWaiting) {
   }
   const testing::Answer paired =
       home_.ask("POST", "/api/pair", "",
-                fmt::format(R"({{"code": "{}", "name": "page", "cookie": true}})", *code));
+                fmt::format(R"({{"code": "{}", "name": "page", "cookie": true}})", code->digits));
   EXPECT_EQ(paired.status, 200);
   EXPECT_THAT(paired.headers.at("set-cookie"),
               HasSubstr("; Path=/; Max-Age=34560000; Secure; HttpOnly; SameSite=Strict"));

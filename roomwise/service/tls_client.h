@@ -24,9 +24,17 @@ class TlsClient {
 
   TlsClient(const ServerAddress& server, const ClientWait& wait);
 
-  // Connects. The certificate is any; fingerprint() says which.
+  // Connects. The certificate is any; shown() says which.
   [[nodiscard]] Expected<void> connect();
-  [[nodiscard]] std::string fingerprint();
+  // The fingerprints of the certificate that was shown and of the authority that was shown with it,
+  // where that signed it; empty: none.
+  struct Shown {
+    std::string own;
+    std::string authority;
+  };
+  [[nodiscard]] Shown shown();
+  // Whether it is the computer of that fingerprint, which was renewed perhaps by that authority.
+  [[nodiscard]] bool is_known_by(const std::string& fingerprint);
 
   // Runs an operation, start(handler), to its end. `what` cannot be done where it fails.
   template <typename Start>

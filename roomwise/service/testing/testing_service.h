@@ -240,7 +240,7 @@ class TestServer {
     const auto folder = folder_ / "flat.home.access";
     std::filesystem::create_directory(folder);
     std::filesystem::permissions(folder, std::filesystem::perms::owner_all);
-    certificate = own_certificate(folder, {"localhost", "127.0.0.1"}).value();
+    certificate = own_certificate(folder, {"localhost", "127.0.0.1"}, now().unix_s).value();
     access = AccessRegister::open(folder, certificate.fingerprint).value();
     device = access->pair_here(Role::kDevice, "Anna's phone", now()).value();
     helper = access->pair_here(Role::kHelper, "Ben's tablet", now()).value();
@@ -266,6 +266,7 @@ class TestServer {
     options.port = server->port();
   }
 
+  [[nodiscard]] std::filesystem::path access_files() const { return folder_ / "flat.home.access"; }
   [[nodiscard]] Now now() const { return {steady_s, 1'700'000'000}; }
   [[nodiscard]] std::uint16_t port() const { return server->port(); }
 
@@ -295,6 +296,7 @@ class TestServer {
             [this] { return server->online(); },
             [this](std::int64_t gone) { server->disconnect(gone, "removed"); },
             [] { return std::string("https://flat.local:8443/pair"); },
+            [this] { return certificate.authority; },
             {}};
   }
 

@@ -4,7 +4,7 @@ import { openDialog } from '../shared/dialog';
 import { h } from '../shared/dom';
 import { radioField } from '../shared/forms';
 import { icon } from '../shared/icons';
-import type { Device, Me, PairingCode, Role } from '../shared/protocol';
+import type { Authority, Device, Me, PairingCode, Role } from '../shared/protocol';
 import { counted, formatTime, text } from '../shared/texts';
 import { act, type Helper } from './actions';
 import { openFormDialog } from './form_dialog';
@@ -18,7 +18,7 @@ export function devicesPanel(helper: Helper, me: Me): HTMLElement {
   helper.store.watch(['devices', 'seen'], () => {
     rerender(list, helper.store.state.devices.map((device) => deviceView(helper, me, device)));
   });
-  return panel(text('nav.devices'), card(text('devices.paired'), list), pairCard(helper));
+  return panel(text('nav.devices'), card(text('devices.paired'), list), pairCard(helper), authorityCard());
 }
 
 function deviceView(helper: Helper, me: Me, device: Device): HTMLElement {
@@ -74,14 +74,34 @@ function pairCard(helper: Helper): HTMLElement {
     h('div', { class: 'row' }, h('button', { type: 'button', class: 'primary', onclick: () => void pair() }, text('devices.make_code'))));
 }
 
-function showCode(helper: Helper, { code, valid_s, address, qr }: PairingCode): void {
+function showCode(helper: Helper, { code, valid_s, digits_wait_s, address, qr }: PairingCode): void {
+  const page = address.split('#')[0] ?? address; // what follows is for the camera
   const grouped = `${code.slice(0, 3)} ${code.slice(3)}`;
   openDialog(text('devices.code_title'), [
     h('p', {}, text('devices.code_explain', { minutes: counted('devices.minutes', Math.round(valid_s / 60)) })),
     // Read digit by digit.
     h('p', { class: 'big-code', 'aria-hidden': 'true' }, grouped),
     h('p', { class: 'visually-hidden' }, text('devices.code_is', { code: [...code].join(' ') })),
-    qrPicture(qr, text('devices.qr', { address })),
-    h('p', { class: 'hint' }, address),
+    digits_wait_s > 0 && h('p', { role: 'alert' }, text('devices.digits_wait', { seconds: digits_wait_s })),
+    qrPicture(qr, text('devices.qr', { address: page })),
+    h('p', { class: 'hint' }, page),
   ], () => void helper.store.refreshDevices().catch(() => undefined));
+}
+
+// What to install on a phone so that its browser warns no more. A home from before there were authorities has none.
+function authorityCard(): HTMLElement {
+  const place = card(text('authority.title'));
+  place.hidden = true;
+  void request<Authority>('GET', '/api/authority').then(({ name, fingerprint, file }) => {
+    const steps = (list: string[]): HTMLElement => h('ol', {}, ...list.map((step) => h('li', {}, step)));
+    place.append(
+      h('p', {}, text('authority.explain')),
+      h('p', {}, h('a', { href: file }, text('authority.get'))),
+      h('h3', {}, 'iPhone, iPad'), steps([text('authority.iphone_1'), text('authority.iphone_2', { name })]),
+      h('h3', {}, 'Android'), steps([text('authority.android_1'), text('authority.android_2')]),
+      h('p', {}, text('authority.compare', { name })),
+      h('p', { class: 'hint' }, fingerprint));
+    place.hidden = false;
+  }, () => undefined);
+  return place;
 }

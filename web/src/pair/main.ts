@@ -1,17 +1,19 @@
-// The pairing page: six digits and a name. The code may come in the address, behind #, where no server sees it.
+// The pairing page: six digits and a name. In their place a secret may come in the address, behind #, where no server
+// sees it.
 import { ApiError, messageOf, request } from '../shared/api';
 import { byId, h, replaceChildren } from '../shared/dom';
 import { textField } from '../shared/forms';
 import type { Role } from '../shared/protocol';
 import { chooseLanguage, text } from '../shared/texts';
-import { codeFrom } from './code';
+import { codeFrom, secretFrom } from './code';
 import { fieldOf, fitsAsName } from './name';
 
 chooseLanguage();
 document.title = text('pair.title');
 
+const secret = secretFrom(location.hash);
 const given = codeFrom(location.hash);
-if (given) {
+if (secret || given) {
   history.replaceState(null, '', '/pair'); // the code is not kept in the history
 }
 const code = textField(text('pair.code'), {
@@ -26,21 +28,21 @@ const name = textField(text('pair.name'), {
 });
 const submit = h('button', { type: 'submit', class: 'primary big' }, text('pair.pair'));
 const failure = h('p', { class: 'form-error', role: 'alert' });
-const form = h('form', { novalidate: true, class: 'card' }, code.element, name.element, failure, submit);
+const form = h('form', { novalidate: true, class: 'card' }, secret ? null : code.element, name.element, failure, submit);
 form.addEventListener('submit', (event) => {
   event.preventDefault();
   void pair();
 });
 replaceChildren(byId('page'),
   h('main', { class: 'pair' },
-    h('h1', {}, text('pair.heading')), h('p', { class: 'lead' }, text('pair.lead')), form));
-(given ? submit : code.input).focus();
+    h('h1', {}, text('pair.heading')), h('p', { class: 'lead' }, text(secret ? 'pair.lead_link' : 'pair.lead')), form));
+(secret || given ? submit : code.input).focus();
 
 async function pair(): Promise<void> {
   [code, name].forEach((field) => field.clear());
   failure.textContent = '';
   const digits = codeFrom(code.value());
-  if (!digits) {
+  if (!secret && !digits) {
     code.fail(text('pair.code_wrong'));
     return;
   }
@@ -54,12 +56,12 @@ async function pair(): Promise<void> {
   }
   submit.setAttribute('aria-disabled', 'true');
   try {
-    const body = { code: digits, name: name.value(), cookie: true };
+    const body = { ...(secret ? { secret } : { code: digits }), name: name.value(), cookie: true };
     const { role } = await request<{ role: Role }>('POST', '/api/pair', body);
     location.replace(role === 'helper' ? '/' : '/device');
   } catch (error) {
     const field = error instanceof ApiError ? fieldOf(error.status, error.message) : null;
-    if (field) {
+    if (field && !(secret && field === 'code')) {
       (field === 'code' ? code : name).fail(messageOf(error));
     } else {
       failure.textContent = messageOf(error);

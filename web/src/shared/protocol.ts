@@ -244,9 +244,17 @@ export interface Device {
   online: boolean;
 }
 
+export interface Authority {
+  name: string;
+  fingerprint: string; // SHA-256, as certificates' viewers show it
+  ends: number; // seconds since 1970
+  file: string;
+}
+
 export interface PairingCode {
   code: string;
   valid_s: number;
+  digits_wait_s: number; // somebody guesses: so long only the address is heard
   address: string;
   qr: string[];
 }
