@@ -14,6 +14,7 @@ void add_fit_rooms_command(CLI::App& app, Context& context);
 void add_guidance_command(CLI::App& app, Context& context);
 void add_lift_labels_command(CLI::App& app, Context& context);
 void add_paper_command(CLI::App& app, Context& context);
+void add_study_commands(CLI::App& app, Context& context);  // study, study-task, study-table
 void add_simulate_command(CLI::App& app, Context& context);
 void add_simulate_odometry_command(CLI::App& app, Context& context);
 void add_simulate_views_command(CLI::App& app, Context& context);

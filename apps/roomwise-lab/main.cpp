@@ -27,6 +27,7 @@ int main(int argc, char** argv) {
   add_guidance_command(app, context);
   add_lift_labels_command(app, context);
   add_paper_command(app, context);
+  add_study_commands(app, context);
   add_command_elsewhere(app, context, "train",
                         "Fine-tune a network on pictures of your own classes", kTraining);
   CLI::App* group = add_group(app, "eval", "Measure results against the truth",

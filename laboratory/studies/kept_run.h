@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "laboratory/studies/child_process.h"
 #include "roomwise/base/expected.h"
 #include "roomwise/base/progress.h"
 
@@ -15,21 +16,20 @@
 // was killed goes on from there.
 namespace roomwise::studies {
 
-using Words = std::vector<std::string>;
-
 struct ProgramRun {
   Words words;                // what is asked; with other words it is another result
   Words more;                 // what changes no result: --threads
   std::filesystem::path log;  // for what it says while it works; empty: standard error
   // Is told the last line of the log now and then; empty: nobody.
   std::function<void(const std::string& line)> heard;
+  std::string program = "roomwise";  // or another that lies beside this one
 };
 
 // Runs the program to its end and gives its standard output. Fails, with the program's own reason
 // where there is a log, if it did not end well.
 using RunProgram = std::function<Expected<std::string>(const ProgramRun&)>;
 
-// The program `roomwise` beside this one. Where the work is interrupted it is asked to stop, too;
+// The program beside this one. Where the work is interrupted it is asked to stop, too;
 // it never outlives this process.
 [[nodiscard]] RunProgram roomwise_beside(const Interruption& interruption);
 

@@ -1,0 +1,206 @@
+#include <fmt/ranges.h>
+
+#include <filesystem>
+#include <thread>
+
+#include "commands.h"
+#include "laboratory/studies/study_run.h"
+#include "laboratory/studies/study_slurm.h"
+#include "laboratory/studies/study_table.h"
+#include "roomwise/base/file.h"
+
+namespace roomwise::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct StudyOptions {
+  fs::path study;
+  fs::path output;
+  fs::path data;
+  std::size_t workers = std::max(1U, std::thread::hardware_concurrency());
+  bool retry = false;
+  bool slurm = false;
+  bool wait = false;
+  std::vector<std::string> sbatch;
+  double look_every_s = 5;
+};
+
+struct StudyTaskOptions {
+  fs::path folder;
+  std::string list;
+  std::size_t index = 0;
+};
+
+struct StudyTableOptions {
+  std::vector<fs::path> folders;
+  fs::path output;
+};
+
+Expected<fs::path> this_program() {
+  std::error_code error;
+  fs::path program = fs::read_symlink("/proc/self/exe", error);
+  if (error) return fail("this program's own file is not known: {}", error.message());
+  return program;
+}
+
+// The release and the bytes of the programs: one that was built anew may measure something else.
+Expected<std::string> version_of_programs() {
+  ROOMWISE_TRY(const fs::path own, this_program());
+  std::string digests;
+  for (const fs::path& program : {own.parent_path() / "roomwise", own}) {
+    ROOMWISE_TRY(const Bytes bytes, read_file(program));
+    digests += sha256_hex(bytes);
+  }
+  const std::span bytes(reinterpret_cast<const std::uint8_t*>(digests.data()), digests.size());
+  constexpr std::size_t kShown = 12;
+  return fmt::format("{} ({})", ROOMWISE_VERSION, sha256_hex(bytes).substr(0, kShown));
+}
+
+Json to_json(const studies::StudyCount& count) {
+  return {
+      {"tasks", count.tasks}, {"done", count.done}, {"failed", count.failed}, {"open", count.open}};
+}
+
+Expected<std::string> table_in(const studies::StudyStore& store) {
+  ROOMWISE_TRY(const auto results, store.results());
+  return studies::table_of(store.study(), store.tasks(), results);
+}
+
+Expected<void> forget_failed(const studies::StudyStore& store) {
+  ROOMWISE_TRY(const auto results, store.results());
+  for (const studies::TaskResult& result : results) {
+    if (!result.is_good) ROOMWISE_CHECK_OK(store.forget(result.id));
+  }
+  return {};
+}
+
+Expected<studies::StudyCount> run_under_slurm(const studies::StudyStore& store,
+                                              const StudyOptions& options, Context& context,
+                                              Answer& answer) {
+  studies::SlurmOptions slurm;
+  ROOMWISE_TRY(const fs::path program, this_program());
+  slurm.program = program.string();
+  slurm.options = options.sbatch;
+  slurm.look_every_s = options.look_every_s;
+  const auto jobs = studies::submit(store, slurm, context.progress);
+  // What is in the queue already is waited for.
+  if (!jobs && !options.wait) return Unexpected(jobs.error());
+  if (jobs && !jobs->empty()) {
+    answer.text += fmt::format("handed to Slurm as job {}\n", fmt::join(*jobs, ", "));
+    answer.json["jobs"] = *jobs;
+  }
+  if (options.wait) ROOMWISE_CHECK_OK(studies::wait_for_jobs(store, slurm, context.progress));
+  ROOMWISE_CHECK_OK(store.write_tables());
+  return studies::count_of(store);
+}
+
+Expected<Answer> run_study(const StudyOptions& options, Context& context) {
+  ROOMWISE_TRY(const std::string version, version_of_programs());
+  ROOMWISE_TRY(const auto store,
+               studies::StudyStore::create(options.output, options.study, options.data, version));
+  if (options.retry) ROOMWISE_CHECK_OK(forget_failed(store));
+  Answer answer;
+  answer.json["study"] = store.study().name;
+  answer.json["version"] = version;
+  auto count = options.slurm ? run_under_slurm(store, options, context, answer)
+                             : studies::run_here(store, options.workers,
+                                                 studies::roomwise_beside(context.progress),
+                                                 context.progress);
+  if (!count) {
+    if (count.error().code != ErrorCode::kInterrupted) return Unexpected(count.error());
+    return fail_with(ErrorCode::kInterrupted, "{}; the same command goes on from there",
+                     count.error().message);
+  }
+  answer.json.update(to_json(*count));
+  ROOMWISE_TRY(const std::string table, table_in(store));
+  answer.text +=
+      table + fmt::format("\n{} tasks: {} done, {} failed, {} open; in {}\n", count->tasks,
+                          count->done, count->failed, count->open, options.output.string());
+  answer.is_good = count->failed == 0;
+  return answer;
+}
+
+Expected<Answer> run_study_task(const StudyTaskOptions& options, Context& context) {
+  ROOMWISE_TRY(const auto store, studies::StudyStore::open(options.folder));
+  ROOMWISE_TRY(const std::string version, version_of_programs());
+  if (version != store.version()) {
+    return fail("{}: was begun with {}, and this is {}", options.folder.string(), store.version(),
+                version);
+  }
+  ROOMWISE_TRY(const auto task, studies::task_in_list(store, options.list, options.index));
+  ROOMWISE_TRY(const bool ended,
+               studies::run_task(store, task, studies::roomwise_beside(context.progress)));
+  return Answer{fmt::format("{}: {}\n", task.title(), ended ? "ended" : "another is at it"),
+                {{"task", task.id}, {"ended", ended}}};
+}
+
+Expected<Answer> run_study_table(const StudyTableOptions& options, Context&) {
+  Answer answer;
+  answer.json["studies"] = Json::array();
+  for (const fs::path& folder : options.folders) {
+    ROOMWISE_TRY(const auto store, studies::StudyStore::open(folder));
+    ROOMWISE_TRY(const std::string table, table_in(store));
+    ROOMWISE_CHECK_OK(store.write_tables());
+    ROOMWISE_TRY(const studies::StudyCount count, studies::count_of(store));
+    Json json = to_json(count);
+    json["study"] = store.study().name;
+    json["version"] = store.version();
+    answer.json["studies"].push_back(json);
+    if (!answer.text.empty()) answer.text += "\n";
+    answer.text += fmt::format("**{}**\n\n{}", store.study().name, table);
+  }
+  if (!options.output.empty()) {
+    ROOMWISE_CHECK_OK(write_file(options.output, answer.text));
+    answer.text = fmt::format("wrote {}\n", options.output.string());
+  }
+  return answer;
+}
+
+}  // namespace
+
+void add_study_commands(CLI::App& app, Context& context) {
+  const auto [study, options] = add_command<StudyOptions>(
+      app, context, "study",
+      "Carry out commands for every combination of homes, seeds and options, on this machine or "
+      "under Slurm, and make a table of it",
+      "roomwise-lab study mapping.toml -o mapping --data recordings\n"
+      "After Ctrl-C, or a crash, the same command goes on. docs/experiments/studies.md says what "
+      "the file holds.",
+      run_study);
+  study->add_option("STUDY", options.study, "The study's file (.toml)")->required();
+  study
+      ->add_option(
+          "-o,--output", options.output,
+          "Folder of the study: results.csv, results.sqlite, and what is kept. Under Slurm "
+          "all nodes must see it under this name")
+      ->required();
+  study->add_option("--data", options.data, "What {data} in its commands stands for")
+      ->envname("ROOMWISE_DATA");
+  add_setting(*study, "--workers", options.workers, "Tasks at once on this machine", positive());
+  study->add_flag("--retry", options.retry, "Do the tasks that failed once more");
+  auto* slurm = study->add_flag("--slurm", options.slurm,
+                                "Hand the tasks to Slurm (sbatch, squeue) as a job array");
+  study->add_flag("--wait", options.wait, "Wait until Slurm has done them")->needs(slurm);
+  study
+      ->add_option("--sbatch", options.sbatch,
+                   "An option for sbatch, such as --sbatch=--partition=long; any number")
+      ->needs(slurm);
+  add_setting(*study, "--look-every", options.look_every_s, "Seconds between looks at the queue");
+
+  const auto [task, of_task] = add_command<StudyTaskOptions>(
+      app, context, "study-task", "Carry out one task of a study: what Slurm runs",
+      "roomwise-lab study-task mapping --list array-1 --index 0", run_study_task);
+  task->add_option("FOLDER", of_task.folder, "Folder of the study")->required();
+  task->add_option("--list", of_task.list, "List of tasks")->required();
+  task->add_option("--index", of_task.index, "Which of the list, from 0 on")->required();
+
+  const auto [table, of_table] = add_command<StudyTableOptions>(
+      app, context, "study-table", "Make tables of studies, of what is done so far",
+      "roomwise-lab study-table mapping rooms -o tables.md", run_study_table);
+  table->add_option("FOLDER", of_table.folders, "Folders of studies")->required();
+  table->add_option("-o,--output", of_table.output,
+                    "File to write (.md); default: standard output");
+}
+
+}  // namespace roomwise::app
