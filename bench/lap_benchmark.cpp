@@ -1,7 +1,10 @@
-// Maps a recording that is played to and fro again and again, as a person walks through a known
-// home, and prints what each thousand frames cost:
-//   lap_benchmark RECORDING [FRAMES] [SEED] [CAMERA] [WORKING_SET_MB]
-// CAMERA is a preset's name, or "own" for the recording's own.
+// Maps a recording that is played again and again, as a person walks through a known home, and
+// prints what each thousand frames cost:
+//   lap_benchmark RECORDING [FRAMES] [SEED] [CAMERA] [WORKING_SET_MB] [to-and-fro|again]
+// CAMERA is a preset's name, or "own" for the recording's own. Played to and fro the motion stays
+// continuous, but a shutter that rolls rolls the other way on the way back, as no camera's does;
+// played again from its beginning each lap follows the one before after a second's pause, from
+// another place.
 // The first lap is the recording itself; each later one has an exposure and noise of its own, so
 // that nothing is recognised by being the same picture. The processor time is that of the whole
 // process, less that of making the noise. No networks: this measures mapping alone.
@@ -33,11 +36,17 @@ namespace fs = std::filesystem;
 
 constexpr std::uint64_t kThousand = 1000;
 
-// Frames 0 to n-1, then n-1 to 0, and so on: the motion stays continuous, the time goes on.
+enum class Order { kToAndFro, kAgain };
+
+// Frames 0 to n-1, then n-1 to 0 or 0 to n-1 again, and so on: the time goes on.
 class Laps final : public recording::FrameSource {
  public:
-  Laps(const recording::Recording& recording, std::uint64_t frames, std::uint64_t seed)
-      : recording_(recording), frames_(frames), seed_(seed), info_(recording.info()) {
+  Laps(const recording::Recording& recording, std::uint64_t frames, std::uint64_t seed, Order order)
+      : recording_(recording),
+        frames_(frames),
+        seed_(seed),
+        order_(order),
+        info_(recording.info()) {
     info_.frames_remaining = frames;
   }
 
@@ -78,20 +87,26 @@ class Laps final : public recording::FrameSource {
   [[nodiscard]] std::uint64_t lap(std::uint64_t i) const { return i / size(); }
   [[nodiscard]] std::uint64_t original(std::uint64_t i) const {
     const std::uint64_t within = i % size();
-    return lap(i) % 2 == 0 ? within : size() - 1 - within;
+    return goes_back(i) ? size() - 1 - within : within;
+  }
+  [[nodiscard]] bool goes_back(std::uint64_t i) const {
+    return order_ == Order::kToAndFro && lap(i) % 2 == 1;
   }
   [[nodiscard]] TimestampNs time_of(std::uint64_t original) const {
     return recording_.find(recording_.frames()[original])->timestamp_ns;
   }
-  // Each lap begins one mean interval after the one before ended.
+  // Each lap begins one mean interval after the one before ended, or, from the beginning, a second.
   [[nodiscard]] TimestampNs timestamp_ns(std::uint64_t i) const {
     const TimestampNs first = time_of(0);
     const TimestampNs last = time_of(size() - 1);
     const auto n = static_cast<TimestampNs>(size());
-    const TimestampNs lap_ns = last - first + (last - first) / std::max<TimestampNs>(n - 1, 1);
+    constexpr TimestampNs kPause_ns = 1'000'000'000;
+    const TimestampNs interval_ns = (last - first) / std::max<TimestampNs>(n - 1, 1);
+    const TimestampNs lap_ns =
+        last - first + (order_ == Order::kToAndFro ? interval_ns : kPause_ns);
     const TimestampNs time = time_of(original(i));
     return first + static_cast<TimestampNs>(lap(i)) * lap_ns +
-           (lap(i) % 2 == 0 ? time - first : last - time);
+           (goes_back(i) ? last - time : time - first);
   }
 
   // Brightness: a gain and an offset of the lap, a few levels a pixel. Depth: noise that grows with
@@ -127,6 +142,7 @@ class Laps final : public recording::FrameSource {
   const recording::Recording& recording_;
   std::uint64_t frames_;
   std::uint64_t seed_;
+  Order order_;
   std::uint64_t next_ = 0;
   double noise_cpu_s_ = 0;
   recording::SourceInfo info_;
@@ -170,11 +186,12 @@ struct Task {
   std::uint64_t seed = 1;
   recording::RecordingOptions how;
   std::size_t working_set_mb = 128;
+  Order order = Order::kToAndFro;
 };
 
 Expected<void> map_laps(const Task& task, const fs::path& file) {
   ROOMWISE_TRY(const auto source, recording::open_recording(task.folder, task.how));
-  Laps laps(*source, task.frames, task.seed);
+  Laps laps(*source, task.frames, task.seed, task.order);
   pipeline::MapSettings settings;
   settings.mapper.seed = task.seed;
   ROOMWISE_TRY(home::Home home, pipeline::create_home(file));
@@ -182,8 +199,9 @@ Expected<void> map_laps(const Task& task, const fs::path& file) {
   StageClock clock;
   EachThousand progress(laps, file);
   pipeline::RunContext run{pool, progress, clock, task.working_set_mb << 20U};
-  fmt::print("{}: {} frames to and fro, {} in all, seed {}\n\n", source->info().name,
-             source->frames().size(), task.frames, task.seed);
+  fmt::print(
+      "{}: {} frames {}, {} in all, seed {}\n\n", source->info().name, source->frames().size(),
+      task.order == Order::kToAndFro ? "to and fro" : "again and again", task.frames, task.seed);
   fmt::print(
       "| frames | CPU-ms a frame | resident MB | key-frames | edges |\n| --- | --- | --- | --- | "
       "--- |\n");
@@ -212,8 +230,8 @@ Expected<void> map_laps(const Task& task, const fs::path& file) {
 
 Expected<Task> read_task(std::span<const char* const> arguments) {
   constexpr std::string_view kUsage =
-      "lap_benchmark RECORDING [FRAMES] [SEED] [CAMERA] [WORKING_SET_MB]";
-  if (arguments.empty() || arguments.size() > 5) return fail("usage: {}", kUsage);
+      "lap_benchmark RECORDING [FRAMES] [SEED] [CAMERA] [WORKING_SET_MB] [to-and-fro|again]";
+  if (arguments.empty() || arguments.size() > 6) return fail("usage: {}", kUsage);
   Task task{.folder = arguments[0], .how = {}};
   const auto take_count = [&](std::size_t place, auto& count) -> Expected<void> {
     if (arguments.size() <= place) return {};
@@ -226,6 +244,11 @@ Expected<Task> read_task(std::span<const char* const> arguments) {
   ROOMWISE_CHECK_OK(take_count(4, task.working_set_mb));
   if (arguments.size() > 3 && std::string_view(arguments[3]) != "own") {
     ROOMWISE_TRY(task.how.camera, geometry::camera_preset(arguments[3]));
+  }
+  if (arguments.size() > 5) {
+    const std::string_view order = arguments[5];
+    if (order != "again" && order != "to-and-fro") return fail("usage: {}", kUsage);
+    if (order == "again") task.order = Order::kAgain;
   }
   return task;
 }

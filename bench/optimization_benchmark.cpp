@@ -1,4 +1,5 @@
-// Optimises public pose graphs by Roomwise's solver and by Ceres, and prints what that costs:
+// Optimises public pose graphs, and one that is made here, by Roomwise's solver and by Ceres, and
+// prints what that costs:
 //   optimization_benchmark [RUNS]
 // Graphs are looked for in ROOMWISE_DATA/pose_graphs. Reading the file is not counted; checking it,
 // building the problem and planning the elimination are.
@@ -18,6 +19,7 @@
 #include "arguments.h"
 #include "roomwise/mapping/graph/g2o_file.h"
 #include "roomwise/mapping/testing/ceres_pose_graph.h"
+#include "roomwise/mapping/testing/torus_graph.h"
 
 namespace {
 
@@ -35,8 +37,8 @@ struct Way {
   std::function<int(mapping::PoseGraph&)> optimize;  // the number of iterations
 };
 
-int by_roomwise(mapping::PoseGraph& graph) {
-  const auto report = mapping::optimize(graph);
+int by_roomwise(mapping::PoseGraph& graph, bool relaxes_start) {
+  const auto report = mapping::optimize(graph, {.relaxes_start = relaxes_start});
   if (!report) {
     fmt::print(stderr, "{}\n", report.error().message);
     std::exit(1);
@@ -52,7 +54,12 @@ Way by_ceres(std::string name, const ceres::Solver::Options& options) {
 }
 
 std::vector<Way> ways() {
-  std::vector<Way> result{{"Roomwise (1 thread)", by_roomwise}};
+  std::vector<Way> result;
+  for (const bool relaxes : {true, false}) {
+    result.push_back(
+        {fmt::format("Roomwise (1 thread{})", relaxes ? "" : ", from the poses given"),
+         [relaxes](mapping::PoseGraph& graph) { return by_roomwise(graph, relaxes); }});
+  }
   for (const int threads : {1, 2}) {
     ceres::Solver::Options defaults;
     defaults.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
@@ -110,16 +117,21 @@ int main(int argc, char** argv) {
   fmt::print("Median (range) of {} runs.\n\n", runs);
   fmt::print("| graph | solver | F | iterations | CPU-ms | wall ms |\n");
   fmt::print("| --- | --- | --- | --- | --- | --- |\n");
+  std::vector<std::pair<std::string, mapping::PoseGraph>> graphs;
   for (const char* name : {"sphere2500", "parking-garage", "smallGrid3D"}) {
-    const auto graph = mapping::read_g2o(std::filesystem::path(data) / "pose_graphs" /
-                                         fmt::format("{}.g2o", name));
+    auto graph = mapping::read_g2o(std::filesystem::path(data) / "pose_graphs" /
+                                   fmt::format("{}.g2o", name));
     if (!graph) {
       fmt::print(stderr, "{}\n", graph.error().message);
       return 1;
     }
+    graphs.emplace_back(name, *std::move(graph));
+  }
+  graphs.emplace_back("noisy torus", mapping::testing::torus_graph());
+  for (const auto& [name, graph] : graphs) {
     for (const Way& way : ways()) {
       std::vector<Run> results;
-      for (int i = 0; i < runs; ++i) results.push_back(run_once(*graph, way));
+      for (int i = 0; i < runs; ++i) results.push_back(run_once(graph, way));
       fmt::print("| {} | {} | {:.8g} | {:.0f} | {} | {} |\n", name, way.name, results.front().error,
                  results.front().iterations, median_and_range(results, &Run::cpu_ms),
                  median_and_range(results, &Run::wall_ms));

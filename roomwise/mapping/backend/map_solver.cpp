@@ -186,14 +186,17 @@ Expected<MapSolution> solve_map(std::size_t keyframe_count, std::span<const Pose
   for (std::size_t id = 0; id < keyframe_count; ++id) graph.world_from_node[id] = start[id];
 
   // First robustly, to see which loops contradict the rest; then without those, as least squares.
-  PoseGraphOptions robust = options.graph;
+  // The spanning tree trusts what triangles bear out; a relaxation would trust wrong loops as well.
+  PoseGraphOptions plain = options.graph;
+  plain.relaxes_start = false;
+  PoseGraphOptions robust = plain;
   robust.loop_kernel = options.max_loop_error / 4;
   ROOMWISE_TRY(const PoseGraphReport first, optimize(graph, robust));
   solution.rejected_edges = std::erase_if(graph.edges, [&](const PoseGraphEdge& edge) {
     return is_contradicted(graph, edge, options);
   });
   solution.component = components_by_size(keyframe_count, graph.edges, solution.components);
-  ROOMWISE_TRY(solution.report, optimize(graph, options.graph));
+  ROOMWISE_TRY(solution.report, optimize(graph, plain));
   solution.report.error_before = first.error_before;
   solution.report.iterations += first.iterations;
 

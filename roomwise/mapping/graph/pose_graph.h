@@ -32,12 +32,15 @@ struct PoseGraphOptions {
   // e^T Omega e of a loop closure above which it counts less and less (Cauchy's kernel); 0: no
   // kernel.
   double loop_kernel = 0;
+  // Begins from a chordal relaxation (chordal_start.h) where the edges' costs are lower there than
+  // at the poses given: these may be far from all minima, as where noisy steps were added up.
+  bool relaxes_start = true;
 
   [[nodiscard]] Expected<void> validate() const;
 };
 
 struct PoseGraphReport {
-  double error_before = 0;  // F at the start
+  double error_before = 0;  // F at the poses given
   double error_after = 0;   // F at the end
   int iterations = 0;
   geometry::Termination termination = geometry::Termination::kConverged;
@@ -51,7 +54,8 @@ struct PoseGraphReport {
 // each connected part held still. Runs on one thread and calls no BLAS, so that the same graph
 // gives the same bits. Fails, naming node or edge and leaving the graph as it was, on an edge to a
 // node that is not there or to itself, poses or information that are not finite, quaternions not of
-// unit length, information that is not symmetric. Where `max_iterations` did not suffice, the poses are the best so far and the report says so.
+// unit length, information that is not symmetric. Where `max_iterations` did not suffice, the poses
+// are the best so far and the report says so.
 [[nodiscard]] Expected<PoseGraphReport> optimize(PoseGraph& graph,
                                                  const PoseGraphOptions& options = {});
 

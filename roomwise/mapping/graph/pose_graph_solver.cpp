@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include "roomwise/mapping/graph/block_cholesky.h"
+#include "roomwise/mapping/graph/chordal_start.h"
 #include "roomwise/mapping/graph/edge_error.h"
 
 namespace roomwise::mapping {
@@ -12,6 +14,14 @@ namespace {
 
 using geometry::Matrix6d;
 using geometry::RigidTransform;
+
+double cost_of(const NumberedGraph& graph, std::span<const RigidTransform> world_from_node) {
+  double sum = 0;
+  for (const NumberedEdge& edge : graph.edges) {
+    sum += edge_cost(*edge.edge, world_from_node[edge.from], world_from_node[edge.to], edge.kernel);
+  }
+  return sum;
+}
 
 auto segment(Eigen::VectorXd& numbers, std::size_t pose) {
   return numbers.segment<6>(6 * static_cast<Eigen::Index>(pose));
@@ -25,14 +35,7 @@ class PoseGraphProblem {
         variable_poses_(graph.world_from_node.size() - graph.fixed_poses),
         cholesky_(variable_poses_, pairs_of(graph)) {}
 
-  [[nodiscard]] double cost() const {
-    double sum = 0;
-    for (const NumberedEdge& edge : graph_.edges) {
-      sum += edge_cost(*edge.edge, graph_.world_from_node[edge.from],
-                       graph_.world_from_node[edge.to], edge.kernel);
-    }
-    return sum;
-  }
+  [[nodiscard]] double cost() const { return cost_of(graph_, graph_.world_from_node); }
 
   void linearize() {
     hessian_.assign(variable_poses_, Matrix6d::Zero());
@@ -99,6 +102,11 @@ class PoseGraphProblem {
 geometry::MinimizerSummary minimize(NumberedGraph& graph, const PoseGraphOptions& options) {
   constexpr double kRounding = 1e-12;  // steps that are so small next to the poses are none
   if (graph.fixed_poses == graph.world_from_node.size()) return {};
+  if (options.relaxes_start) {
+    auto relaxed = chordal_start(graph);
+    if (relaxed && cost_of(graph, *relaxed) < cost_of(graph, graph.world_from_node))
+      graph.world_from_node = *std::move(relaxed);
+  }
   double longest_m = 1;
   for (const RigidTransform& pose : graph.world_from_node)
     longest_m = std::max(longest_m, pose.translation.cwiseAbs().maxCoeff());
