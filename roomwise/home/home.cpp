@@ -212,6 +212,16 @@ Expected<Home> Home::open_read_only(const std::filesystem::path& path, const Ope
   return with_protection_state(Home(std::nullopt, std::move(database)), options);
 }
 
+Expected<Home> Home::another_reader() const {
+  ROOMWISE_TRY(Database database, open_for_reading(file()));
+  ROOMWISE_CHECK_OK(configure(database));
+  Home reader(std::nullopt, std::move(database));
+  reader.protected_ = protected_;
+  reader.cipher_ = cipher_;
+  reader.protection_ = protection_;
+  return reader;
+}
+
 Home::~Home() {
   if (lock_ && database_.handle() != nullptr) end_writing(database_);
 }

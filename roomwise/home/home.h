@@ -247,6 +247,8 @@ class Home {
   // For reading; also while another process writes, and on a medium that cannot be written.
   [[nodiscard]] static Expected<Home> open_read_only(const std::filesystem::path& path,
                                                      const OpenOptions& options = {});
+  // Another reader of the same home, which can decrypt what this one can.
+  [[nodiscard]] Expected<Home> another_reader() const;
   Home(Home&&) = default;
   Home& operator=(Home&&) = delete;
   ~Home();
@@ -278,6 +280,8 @@ class Home {
 
   [[nodiscard]] Expected<KeyframeId> next_keyframe_id() const;
   [[nodiscard]] Expected<std::vector<Keyframe>> keyframes() const;  // by id
+  // Nothing where there is none.
+  [[nodiscard]] Expected<std::optional<Keyframe>> find_keyframe(KeyframeId id) const;
   [[nodiscard]] Expected<KeyframeImages> images(KeyframeId id) const;
   [[nodiscard]] Expected<std::vector<Frame>> frames(RecordingId id) const;  // by index
   [[nodiscard]] Expected<std::vector<scene::PoseGraphEdge>> edges() const;  // as they were added

@@ -125,6 +125,12 @@ StoredRecording read_recording(const Statement& row) {
           .readout_s = row.column<std::optional<double>>(18)};
 }
 
+Keyframe read_keyframe(const Statement& row) {
+  return {{row.column<KeyframeId>(0), row.column<std::uint64_t>(1), row.column<TimestampNs>(2)},
+          row.column<RecordingId>(3),
+          {pose_column(row, 4), row.column<std::uint64_t>(11)}};
+}
+
 }  // namespace
 
 Expected<RecordingId> Home::add_recording(const Recording& recording) {
@@ -339,12 +345,17 @@ Expected<std::vector<Keyframe>> Home::keyframes() const {
       database_,
       "SELECT keyframe_id, frame_index, timestamp_ns, recording_id, tx_m, ty_m, tz_m, qx, qy, qz, "
       "qw, component FROM keyframes ORDER BY keyframe_id",
-      [](const Statement& row) {
-        return Keyframe{
-            {row.column<KeyframeId>(0), row.column<std::uint64_t>(1), row.column<TimestampNs>(2)},
-            row.column<RecordingId>(3),
-            {pose_column(row, 4), row.column<std::uint64_t>(11)}};
-      });
+      read_keyframe);
+}
+
+Expected<std::optional<Keyframe>> Home::find_keyframe(KeyframeId id) const {
+  ROOMWISE_TRY(const auto found,
+               collect<std::vector<Keyframe>>(
+                   database_,
+                   "SELECT keyframe_id, frame_index, timestamp_ns, recording_id, tx_m, ty_m, tz_m, "
+                   "qx, qy, qz, qw, component FROM keyframes WHERE keyframe_id = ?",
+                   read_keyframe, id));
+  return found.empty() ? std::nullopt : std::optional(found.front());
 }
 
 Expected<KeyframeImages> Home::images(KeyframeId id) const {

@@ -39,6 +39,8 @@ Expected<std::string> LiveHome::prepare(Progress& progress) {
     ROOMWISE_TRY(map, make_live_map(reader, run));
     const std::scoped_lock lock(home_mutex_);
     ROOMWISE_CHECK_OK(pipeline::keep_home_floor(home_, {map->frame, map->floor}));
+    if (map->localizer->new_index())
+      ROOMWISE_CHECK_OK(home_.put_derived_data(*map->localizer->new_index()));
     ROOMWISE_CHECK_OK(refresh(map));
   }
   ROOMWISE_TRY(map, with_clouds(*map, reader, run));

@@ -1,83 +1,22 @@
 #include "roomwise/motion/measurement_bytes.h"
 
-#include <cstring>
 #include <type_traits>
 #include <utility>
+
+#include "roomwise/base/plain_bytes.h"
 
 namespace roomwise::motion {
 namespace {
 
 static_assert(std::is_trivially_copyable_v<geometry::PinholeCamera>);
 
-class Writer {
- public:
-  template <typename T>
-  void put(const T* values, std::size_t count) {
-    static_assert(std::is_trivially_copyable_v<T>);
-    const std::size_t end = bytes_.size();
-    bytes_.resize(end + count * sizeof(T));
-    if (count > 0) std::memcpy(bytes_.data() + end, values, count * sizeof(T));
-  }
-  template <typename T>
-  void put(const T& value) {
-    put(&value, 1);
-  }
-  [[nodiscard]] Bytes take() { return std::move(bytes_); }
-
- private:
-  Bytes bytes_;
-};
-
-// Reads zeros from where the bytes end, and remembers that.
-class Reader {
- public:
-  explicit Reader(std::span<const std::uint8_t> bytes) : rest_(bytes) {}
-  template <typename T>
-  void get(T* values, std::size_t count) {
-    const std::size_t size = count * sizeof(T);
-    if (size > rest_.size()) {
-      is_short_ = true;
-      rest_ = {};
-    }
-    if (size == 0 || is_short_) return;
-    std::memcpy(values, rest_.data(), size);
-    rest_ = rest_.subspan(size);
-  }
-  template <typename T>
-  [[nodiscard]] T get() {
-    T value{};
-    get(&value, 1);
-    return value;
-  }
-  // A number of things of which each takes so many bytes; 0 where there cannot be as many.
-  [[nodiscard]] std::size_t get_count(std::size_t bytes_each) {
-    const auto count = get<std::uint64_t>();
-    if (count <= rest_.size() / bytes_each) return count;
-    is_short_ = true;
-    return 0;
-  }
-  // How long the rows are that follow; 0 where there cannot be as many so long.
-  [[nodiscard]] std::size_t get_columns(std::size_t rows, std::size_t bytes_each) {
-    constexpr std::uint64_t kMax = 65536;
-    const auto columns = get<std::uint64_t>();
-    if (columns <= kMax && columns * rows * bytes_each <= rest_.size()) return columns;
-    is_short_ = true;
-    return 0;
-  }
-  [[nodiscard]] bool is_whole() const { return !is_short_ && rest_.empty(); }
-
- private:
-  std::span<const std::uint8_t> rest_;
-  bool is_short_ = false;
-};
-
 template <typename Pixel>
-void put_image(Writer& writer, const image::Image<Pixel>& image) {
+void put_image(PlainWriter& writer, const image::Image<Pixel>& image) {
   writer.put(image.pixels().data(), image.pixels().size());
 }
 
 template <typename Pixel>
-void get_image(Reader& reader, image::Image<Pixel>& image) {
+void get_image(PlainReader& reader, image::Image<Pixel>& image) {
   reader.get(image.pixels().data(), image.pixels().size());
 }
 
@@ -87,7 +26,7 @@ struct PlainKeypoint {
   std::uint32_t bright;
 };
 
-void put_features(Writer& writer, const MeasuredFeatures& measured) {
+void put_features(PlainWriter& writer, const MeasuredFeatures& measured) {
   const std::size_t count = measured.size();
   const bool is_real =
       std::holds_alternative<features::RealDescriptors>(measured.features.descriptors);
@@ -108,14 +47,14 @@ void put_features(Writer& writer, const MeasuredFeatures& measured) {
 }
 
 template <typename Descriptors>
-Descriptors get_descriptors(Reader& reader, std::size_t count) {
+Descriptors get_descriptors(PlainReader& reader, std::size_t count) {
   const std::size_t columns = reader.get_columns(count, sizeof(typename Descriptors::Scalar));
   Descriptors descriptors(static_cast<Eigen::Index>(count), static_cast<Eigen::Index>(columns));
   reader.get(descriptors.data(), static_cast<std::size_t>(descriptors.size()));
   return descriptors;
 }
 
-MeasuredFeatures get_features(Reader& reader) {
+MeasuredFeatures get_features(PlainReader& reader) {
   MeasuredFeatures measured;
   const std::size_t count = reader.get_count(sizeof(PlainKeypoint));
   const bool is_real = reader.get<std::uint64_t>() == 1;
@@ -156,7 +95,7 @@ std::size_t memory_bytes(const FrameMeasurements& measurements) {
 }
 
 Bytes to_bytes(const FrameMeasurements& measurements) {
-  Writer writer;
+  PlainWriter writer;
   writer.put(static_cast<std::uint64_t>(measurements.view().levels.size()));
   for (const PyramidLevel& level : measurements.view().levels) {
     writer.put(level.camera);
@@ -168,7 +107,7 @@ Bytes to_bytes(const FrameMeasurements& measurements) {
 }
 
 Expected<FrameMeasurements> measurements_from_bytes(std::span<const std::uint8_t> bytes) {
-  Reader reader(bytes);
+  PlainReader reader(bytes);
   RgbdPyramid view;
   const std::size_t levels = reader.get_count(sizeof(geometry::PinholeCamera));
   for (std::size_t i = 0; i < levels; ++i) {

@@ -56,18 +56,19 @@ AppearanceIndex::Hashes AppearanceIndex::hash(const features::Features& features
 std::vector<AppearanceIndex::Hit> AppearanceIndex::find(const features::Features& features,
                                                         KeyframeId first, KeyframeId before,
                                                         std::size_t most) const {
-  if (std::ranges::all_of(tables_, [](const auto& table) { return table.empty(); })) return {};
+  if (std::ranges::all_of(tables_, [](const Table& table) {
+        return table.sorted.empty() && table.recent.empty();
+      })) {
+    return {};
+  }
   std::map<KeyframeId, double> votes;
   const Hashes hashes = hash(features);
   for (Eigen::Index row = 0; row < hashes.rows(); ++row) {
     for (std::size_t table = 0; table < tables_.size(); ++table) {
-      const auto bucket = tables_[table].find(hashes(row, static_cast<Eigen::Index>(table)));
-      if (bucket == tables_[table].end() || bucket->second.size() > options_.max_in_bucket)
-        continue;
-      const double weight = 1 / static_cast<double>(bucket->second.size());
-      for (const KeyframeId id : bucket->second) {
-        if (id >= first && id < before) votes[id] += weight;
-      }
+      for_each_in_bucket(tables_[table], hashes(row, static_cast<Eigen::Index>(table)),
+                         [&](KeyframeId id, double weight) {
+                           if (id >= first && id < before) votes[id] += weight;
+                         });
     }
   }
   std::vector<Hit> hits;
@@ -81,19 +82,83 @@ void AppearanceIndex::add(KeyframeId id, const features::Features& features) {
   if (center_.size() == 0 && features.size() > 0) {
     if (const auto* real = std::get_if<features::RealDescriptors>(&features.descriptors)) {
       center_ = real->colwise().mean();
-      RandomStream random(seed_, {kStream});
-      directions_ = Eigen::MatrixXf::NullaryExpr(
-          real->cols(), static_cast<Eigen::Index>(options_.tables) * options_.bits,
-          [&](Eigen::Index, Eigen::Index) { return static_cast<float>(random.normal()); });
+      set_directions(real->cols());
     }
   }
   const Hashes hashes = hash(features);
   for (Eigen::Index row = 0; row < hashes.rows(); ++row) {
     for (std::size_t table = 0; table < tables_.size(); ++table) {
-      auto& bucket = tables_[table][hashes(row, static_cast<Eigen::Index>(table))];
+      auto& bucket = tables_[table].recent[hashes(row, static_cast<Eigen::Index>(table))];
       // One more than is ever looked at marks a bucket as full.
-      if (bucket.size() <= options_.max_in_bucket) bucket.push_back(id);
+      if (bucket.size() <= options_.max_in_bucket) bucket.push_back(static_cast<std::uint32_t>(id));
     }
+  }
+  // Merging moves all entries: it is done the more seldom, the more there are.
+  constexpr std::size_t kMinRecent = 64;
+  if (++recent_keyframes_ < kMinRecent + id / 64) return;
+  recent_keyframes_ = 0;
+  for (Table& table : tables_) {
+    table.sorted = merged(table);
+    table.recent.clear();
+  }
+}
+
+template <typename Take>
+void AppearanceIndex::for_each_in_bucket(const Table& table, std::uint32_t hash,
+                                         const Take& take) const {
+  const auto old = std::ranges::equal_range(table.sorted, hash, {}, &Entry::hash);
+  const auto recent = table.recent.find(hash);
+  const std::size_t count = old.size() + (recent == table.recent.end() ? 0 : recent->second.size());
+  if (count == 0 || count > options_.max_in_bucket) return;
+  const double weight = 1 / static_cast<double>(count);
+  for (const Entry& entry : old) take(entry.id, weight);
+  if (recent == table.recent.end()) return;
+  for (const std::uint32_t id : recent->second) take(id, weight);
+}
+
+std::vector<AppearanceIndex::Entry> AppearanceIndex::merged(const Table& table) const {
+  std::vector<Entry> recent;
+  for (const auto& [hash, ids] : table.recent)
+    for (const std::uint32_t id : ids) recent.push_back({hash, id});
+  std::ranges::sort(recent);
+  std::vector<Entry> all(table.sorted.size() + recent.size());
+  std::ranges::merge(table.sorted, recent, all.begin());
+  std::size_t kept = 0, in_bucket = 0;
+  for (const Entry& entry : all) {
+    in_bucket = kept > 0 && all[kept - 1].hash == entry.hash ? in_bucket + 1 : 1;
+    if (in_bucket <= options_.max_in_bucket + 1) all[kept++] = entry;
+  }
+  all.resize(kept);
+  all.shrink_to_fit();
+  return all;
+}
+
+void AppearanceIndex::set_directions(Eigen::Index descriptor_size) {
+  RandomStream random(seed_, {kStream});
+  directions_ = Eigen::MatrixXf::NullaryExpr(
+      descriptor_size, static_cast<Eigen::Index>(options_.tables) * options_.bits,
+      [&](Eigen::Index, Eigen::Index) { return static_cast<float>(random.normal()); });
+}
+
+void AppearanceIndex::write(PlainWriter& writer) const {
+  writer.put(static_cast<std::uint64_t>(center_.size()));
+  writer.put(center_.data(), static_cast<std::size_t>(center_.size()));
+  for (const Table& table : tables_) {
+    const std::vector<Entry> all = merged(table);
+    writer.put(static_cast<std::uint64_t>(all.size()));
+    writer.put(all.data(), all.size());
+  }
+}
+
+void AppearanceIndex::read(PlainReader& reader) {
+  center_.resize(static_cast<Eigen::Index>(reader.get_count(sizeof(float))));
+  reader.get(center_.data(), static_cast<std::size_t>(center_.size()));
+  if (center_.size() > 0) set_directions(center_.size());
+  recent_keyframes_ = 0;
+  for (Table& table : tables_) {
+    table.recent.clear();
+    table.sorted.resize(reader.get_count(sizeof(Entry)));
+    reader.get(table.sorted.data(), table.sorted.size());
   }
 }
 

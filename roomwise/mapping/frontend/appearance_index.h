@@ -2,9 +2,11 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <unordered_map>
 #include <vector>
 
+#include "roomwise/base/plain_bytes.h"
 #include "roomwise/features/feature_extractor.h"
 #include "roomwise/mapping/frontend/keyframe.h"
 
@@ -38,7 +40,13 @@ class AppearanceIndex {
   // `before`, best first; of equals the earlier.
   [[nodiscard]] std::vector<Hit> find(const features::Features& features, KeyframeId first,
                                       KeyframeId before, std::size_t most) const;
+  // Ids grow.
   void add(KeyframeId id, const features::Features& features);
+
+  // The index as plain bytes and back; seed and options must be those that it was made with. Of
+  // bytes that are none of an index `reader` is not whole afterwards, or nothing is found.
+  void write(PlainWriter& writer) const;
+  void read(PlainReader& reader);
 
  private:
   // One row a feature, one column a table.
@@ -49,7 +57,26 @@ class AppearanceIndex {
   std::uint64_t seed_;
   Eigen::RowVectorXf center_;   // of the first key-frame's real descriptors
   Eigen::MatrixXf directions_;  // on which they are projected, a column a bit
-  std::vector<std::unordered_map<std::uint32_t, std::vector<KeyframeId>>> tables_;
+  struct Entry {
+    std::uint32_t hash = 0;
+    std::uint32_t id = 0;
+    friend auto operator<=>(const Entry&, const Entry&) = default;
+  };
+  // Most entries lie in one sorted row, eight bytes each; those of the newest key-frames wait
+  // beside it until they are worth merging.
+  struct Table {
+    std::vector<Entry> sorted;
+    std::unordered_map<std::uint32_t, std::vector<std::uint32_t>> recent;
+  };
+  // Calls take(id, weight) for those in a bucket, unless it is too full.
+  template <typename Take>
+  void for_each_in_bucket(const Table& table, std::uint32_t hash, const Take& take) const;
+  // All of a table, sorted; of a bucket that is too full no more than marks it as such.
+  [[nodiscard]] std::vector<Entry> merged(const Table& table) const;
+  void set_directions(Eigen::Index descriptor_size);
+
+  std::vector<Table> tables_;
+  std::size_t recent_keyframes_ = 0;
 };
 
 }  // namespace roomwise::mapping

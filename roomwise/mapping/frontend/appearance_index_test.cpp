@@ -197,5 +197,33 @@ TEST(AppearanceIndexOptions, SaysWhichFieldIsWrong) {
   EXPECT_OK((AppearanceIndexOptions{.bits = 32}.validate()));
 }
 
+TEST(AppearanceIndex, FindsTheSameHoweverManyWereMerged) {
+  // More than wait to be merged, and enough that some buckets are shared by many.
+  constexpr std::uint64_t kKeyframes = 150;
+  AppearanceIndex index(1, {.features = 10, .bits = 6});
+  for (std::uint64_t id = 0; id < kKeyframes; ++id) {
+    index.add(id, real_features(10, id));
+    const auto hits = index.find(real_features(10, id), 0, kKeyframes, 1);
+    ASSERT_THAT(hits, SizeIs(1));
+    EXPECT_EQ(hits.front().id, id);
+  }
+  PlainWriter writer;
+  index.write(writer);
+  const Bytes bytes = writer.take();
+  PlainReader reader(bytes);
+  AppearanceIndex again(1, {.features = 10, .bits = 6});
+  again.read(reader);
+  EXPECT_TRUE(reader.is_whole());
+  for (const std::uint64_t asked : {0, 63, 64, 149}) {
+    const auto one = index.find(real_features(10, asked), 20, 140, 9);
+    const auto other = again.find(real_features(10, asked), 20, 140, 9);
+    ASSERT_EQ(one.size(), other.size());
+    for (std::size_t i = 0; i < one.size(); ++i) {
+      EXPECT_EQ(one[i].id, other[i].id);
+      EXPECT_EQ(one[i].votes, other[i].votes);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace roomwise::mapping

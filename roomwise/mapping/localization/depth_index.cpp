@@ -57,6 +57,25 @@ void DepthIndex::add(const motion::RgbdPyramid& view) {
   thumbnails_.push_back(shrink(view.levels.back()));
 }
 
+void DepthIndex::write(PlainWriter& writer) const {
+  writer.put(static_cast<std::uint64_t>(thumbnails_.size()));
+  for (const Thumbnail& thumbnail : thumbnails_) {
+    writer.put(static_cast<std::uint64_t>(thumbnail.rows()));
+    writer.put(static_cast<std::uint64_t>(thumbnail.cols()));
+    writer.put(thumbnail.data(), static_cast<std::size_t>(thumbnail.size()));
+  }
+}
+
+void DepthIndex::read(PlainReader& reader) {
+  thumbnails_.resize(reader.get_count(2 * sizeof(std::uint64_t)));
+  for (Thumbnail& thumbnail : thumbnails_) {
+    const std::size_t rows = reader.get_count(1);
+    const std::size_t columns = reader.get_columns(rows, sizeof(float));
+    thumbnail.resize(static_cast<Eigen::Index>(rows), static_cast<Eigen::Index>(columns));
+    reader.get(thumbnail.data(), static_cast<std::size_t>(thumbnail.size()));
+  }
+}
+
 std::vector<DepthIndex::Hit> DepthIndex::find(const motion::RgbdPyramid& view,
                                               std::size_t most) const {
   // Of two that fit alike the less turned one.

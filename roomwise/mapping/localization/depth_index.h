@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "roomwise/base/plain_bytes.h"
 #include "roomwise/geometry/rigid_transform.h"
 #include "roomwise/motion/rgbd_pyramid.h"
 
@@ -26,6 +27,11 @@ class DepthIndex {
   void add(const motion::RgbdPyramid& view);
   // The `most` views that look most like one, best first; of equals the earlier.
   [[nodiscard]] std::vector<Hit> find(const motion::RgbdPyramid& view, std::size_t most) const;
+  [[nodiscard]] std::size_t size() const { return thumbnails_.size(); }
+
+  // The index as plain bytes and back.
+  void write(PlainWriter& writer) const;
+  void read(PlainReader& reader);
 
  private:
   // Metres, a row after another; 0 where nothing was measured.

@@ -91,14 +91,24 @@ double confirmation(const Localization& pose) {
 
 }  // namespace
 
-Localizer::Localizer(const LocalizerOptions& options)
-    : options_(options), appearances_(options.seed) {}
+Localizer::Localizer(const LocalizerOptions& options) : options_(options) {}
+
+Localizer::Localizer(const LocalizerOptions& options, LocalizerIndex index,
+                     std::vector<PlacedKeyframe> keyframes, MeasureKeyframe measure)
+    : options_(options),
+      keyframes_(std::move(keyframes)),
+      index_(std::move(index)),
+      measure_(std::move(measure)) {}
 
 void Localizer::add(Keyframe keyframe, const RigidTransform& world_from_keyframe) {
-  appearances_.add(keyframes_.size(), keyframe.measurements.features().features);
-  if (!keyframe.measurements.view().empty()) depths_.add(keyframe.measurements.view());
-  motion::ViewPattern pattern = motion::ViewPattern::of(keyframe.measurements.view());
-  keyframes_.push_back({std::move(keyframe), std::move(pattern), world_from_keyframe});
+  index_.add(keyframe.measurements);
+  keyframes_.push_back({keyframe.id, world_from_keyframe});
+  held_.push_back(std::make_shared<const MeasuredKeyframe>(
+      MeasuredKeyframe::of(std::move(keyframe.measurements))));
+}
+
+std::shared_ptr<const MeasuredKeyframe> Localizer::measured(std::size_t index) const {
+  return index < held_.size() ? held_[index] : measure_(index);
 }
 
 bool Localizer::may_show_the_same(const RigidTransform& a, const RigidTransform& b) const {
@@ -113,17 +123,17 @@ bool Localizer::is_same(const RigidTransform& a, const RigidTransform& b) const 
 
 // The key-frames from which nearly the same is seen as from a pose, the nearest first; a metre
 // counts as a radian.
-std::vector<const Localizer::Placed*> Localizer::nearest(const RigidTransform& pose) const {
+std::vector<std::size_t> Localizer::nearest(const RigidTransform& pose) const {
   constexpr std::size_t kMax = 4;
-  std::vector<std::pair<double, const Placed*>> near;
-  for (const Placed& keyframe : keyframes_) {
-    if (!may_show_the_same(keyframe.world_from_keyframe, pose)) continue;
-    const RigidTransform apart = keyframe.world_from_keyframe.inverse() * pose;
-    near.emplace_back(apart.distance_m() + apart.angle_rad(), &keyframe);
+  std::vector<std::pair<double, std::size_t>> near;
+  for (std::size_t i = 0; i < keyframes_.size(); ++i) {
+    if (!may_show_the_same(keyframes_[i].world_from_keyframe, pose)) continue;
+    const RigidTransform apart = keyframes_[i].world_from_keyframe.inverse() * pose;
+    near.emplace_back(apart.distance_m() + apart.angle_rad(), i);
   }
   std::ranges::stable_sort(near, {}, [](const auto& one) { return one.first; });
   near.resize(std::min(near.size(), kMax));
-  std::vector<const Placed*> keyframes;
+  std::vector<std::size_t> keyframes;
   for (const auto& [distance, keyframe] : near) keyframes.push_back(keyframe);
   return keyframes;
 }
@@ -132,10 +142,12 @@ motion::ViewAgreement Localizer::agreement_around(const Query& query,
                                                   const RigidTransform& pose) const {
   motion::ViewAgreement around;
   double overlaps = 0;
-  for (const Placed* keyframe : nearest(pose)) {
+  for (const std::size_t i : nearest(pose)) {
+    const auto keyframe = measured(i);
+    if (!keyframe) continue;
     const motion::ViewAgreement one =
-        motion::compare_views(keyframe->keyframe.measurements.view(), query.measurements.view(),
-                              keyframe->world_from_keyframe.inverse() * pose);
+        motion::compare_views(keyframe->measurements.view(), query.measurements.view(),
+                              keyframes_[i].world_from_keyframe.inverse() * pose);
     around.overlap = std::max(around.overlap, one.overlap);
     around.agreeing += one.overlap * one.agreeing;
     around.seen_through += one.overlap * one.seen_through;
@@ -153,10 +165,12 @@ motion::ViewAgreement Localizer::agreement_around(const Query& query,
 double Localizer::pattern_correlation_around(const Query& query, const motion::ViewPattern& pattern,
                                              const RigidTransform& pose) const {
   motion::PatternCorrelation pattern_correlation;
-  for (const Placed* keyframe : nearest(pose)) {
+  for (const std::size_t i : nearest(pose)) {
+    const auto keyframe = measured(i);
+    if (!keyframe) continue;
     pattern_correlation += motion::compare_patterns(
-        keyframe->keyframe.measurements.view(), keyframe->pattern, query.measurements.view(),
-        pattern, keyframe->world_from_keyframe.inverse() * pose);
+        keyframe->measurements.view(), keyframe->pattern, query.measurements.view(), pattern,
+        keyframes_[i].world_from_keyframe.inverse() * pose);
   }
   return pattern_correlation.value();
 }
@@ -171,11 +185,9 @@ bool Localizer::is_contradicted(const motion::ViewAgreement& agreement) const {
 // Depth images are compared pixel by pixel, so they must be of cameras alike.
 bool Localizer::can_compare_shapes(const Query& query) const {
   const motion::RgbdPyramid& view = query.measurements.view();
-  if (view.empty() || keyframes_.empty() || query.lens) return false;
-  const motion::RgbdPyramid& known = keyframes_.front().keyframe.measurements.view();
-  if (known.empty()) return false;
+  if (view.empty() || query.lens || !index_.view_camera()) return false;
   const geometry::PinholeCamera& a = view.levels.back().camera;
-  const geometry::PinholeCamera& b = known.levels.back().camera;
+  const geometry::PinholeCamera& b = *index_.view_camera();
   constexpr double kAlike = 0.02;
   return a.width == b.width && a.height == b.height && std::abs(a.fx / b.fx - 1) < kAlike &&
          std::abs(a.fy / b.fy - 1) < kAlike;
@@ -189,8 +201,8 @@ bool Localizer::is_precise(const Localization& found) const {
 std::vector<Localizer::Place> Localizer::similar_places(
     const motion::FrameMeasurements& picture) const {
   std::vector<Place> places;
-  for (const AppearanceIndex::Hit& hit :
-       appearances_.find(picture.features().features, 0, keyframes_.size(), options_.similar)) {
+  for (const AppearanceIndex::Hit& hit : index_.appearances().find(
+           picture.features().features, 0, keyframes_.size(), options_.similar)) {
     const RigidTransform& pose = keyframes_[hit.id].world_from_keyframe;
     const auto known = std::ranges::find_if(places, [&](const Place& place) {
       return may_show_the_same(keyframes_[place.members.front()].world_from_keyframe, pose);
@@ -221,7 +233,9 @@ std::vector<motion::PointObservation> Localizer::match(const Place& place,
   const RigidTransform first_from_world =
       keyframes_[place.members.front()].world_from_keyframe.inverse();
   for (const std::size_t member : place.members) {
-    const motion::MeasuredFeatures& seen = keyframes_[member].keyframe.measurements.features();
+    const auto keyframe = measured(member);
+    if (!keyframe) continue;
+    const motion::MeasuredFeatures& seen = keyframe->measurements.features();
     const RigidTransform first_from_member =
         first_from_world * keyframes_[member].world_from_keyframe;
     for (const features::Match& match :
@@ -242,7 +256,7 @@ std::vector<motion::PointObservation> Localizer::match(const Place& place,
 motion::LensMotion Localizer::pose_in(const Place& place,
                                       std::span<const motion::PointObservation> observations,
                                       const Query& query) const {
-  const RandomStream random(options_.seed, {keyframes_[place.members.front()].keyframe.id});
+  const RandomStream random(options_.seed, {keyframes_[place.members.front()].id});
   const motion::MotionOptions options = with_weak_hypotheses(options_);
   if (query.lens) {
     return motion::estimate_motion_and_lens(observations, query.camera.width, query.camera.height,
@@ -254,11 +268,11 @@ motion::LensMotion Localizer::pose_in(const Place& place,
 // The picture's pose by the points of one place.
 Localization Localizer::locate_in(const Place& place, const Query& query) const {
   Localization here;
-  const Placed& first = keyframes_[place.members.front()];
+  const PlacedKeyframe& first = keyframes_[place.members.front()];
   const auto observations = match(place, query);
   const auto [outcome, lens] = pose_in(place, observations, query);
   if (query.lens) here.lens = lens;
-  here.keyframe = first.keyframe.id;
+  here.keyframe = first.id;
   here.matches = outcome.matches;
   here.inliers = outcome.inliers;
   if (!outcome.found()) {
@@ -291,25 +305,29 @@ Localization Localizer::locate_in(const Place& place, const Query& query) const 
 
 // Aligns the picture as a whole with the key-frame around it that shows most of the same.
 void Localizer::refine(const Query& query, Localization& found) const {
-  const Placed* best = nullptr;
+  std::shared_ptr<const MeasuredKeyframe> best;
+  PlacedKeyframe where;
   double most = 0;
-  for (const Placed* candidate : nearest(found.world_from_camera)) {
-    const motion::ViewAgreement agreement =
-        motion::compare_views(candidate->keyframe.measurements.view(), query.measurements.view(),
-                              candidate->world_from_keyframe.inverse() * found.world_from_camera);
+  for (const std::size_t i : nearest(found.world_from_camera)) {
+    const auto candidate = measured(i);
+    if (!candidate) continue;
+    const motion::ViewAgreement agreement = motion::compare_views(
+        candidate->measurements.view(), query.measurements.view(),
+        keyframes_[i].world_from_keyframe.inverse() * found.world_from_camera);
     const double shared = agreement.overlap * agreement.agreeing;
     if (shared <= most) continue;
     most = shared;
     best = candidate;
+    where = keyframes_[i];
   }
-  if (best != nullptr) {
-    const motion::PosePrior prior{best->world_from_keyframe.inverse() * found.world_from_camera,
+  if (best) {
+    const motion::PosePrior prior{where.world_from_keyframe.inverse() * found.world_from_camera,
                                   found.information};
     const motion::ViewAlignment aligned = motion::align_views(
-        best->keyframe.measurements.view(), query.measurements.view(), prior, options_.views);
+        best->measurements.view(), query.measurements.view(), prior, options_.views);
     if (aligned.found) {
-      found.keyframe = best->keyframe.id;
-      found.world_from_camera = best->world_from_keyframe * aligned.pose.reference_from_current;
+      found.keyframe = where.id;
+      found.world_from_camera = where.world_from_keyframe * aligned.pose.reference_from_current;
       found.information = with_systematic_error(aligned.pose.information);
     }
   }
@@ -409,12 +427,14 @@ std::vector<Localization> Localizer::align_shapes(const Query& query) const {
   };
   std::vector<Aligned> found;
   const motion::RgbdPyramid& view = query.measurements.view();
-  for (const DepthIndex::Hit& hit : depths_.find(view, options_.similar_shapes)) {
-    const Placed& keyframe = keyframes_[hit.index];
+  for (const DepthIndex::Hit& hit : index_.depths().find(view, options_.similar_shapes)) {
+    const PlacedKeyframe& keyframe = keyframes_[hit.index];
+    const auto known_view = measured(hit.index);
+    if (!known_view) continue;
     const auto prior = motion::PosePrior::around(hit.indexed_from_query, options_.shape_sigma_m,
                                                  options_.shape_sigma_rad);
-    const motion::ViewAlignment aligned = motion::align_views(keyframe.keyframe.measurements.view(),
-                                                              view, prior, options_.shape_views);
+    const motion::ViewAlignment aligned =
+        motion::align_views(known_view->measurements.view(), view, prior, options_.shape_views);
     if (!aligned.found) continue;
     const RigidTransform pose = keyframe.world_from_keyframe * aligned.pose.reference_from_current;
     auto known = std::ranges::find_if(
@@ -425,7 +445,7 @@ std::vector<Localization> Localizer::align_shapes(const Query& query) const {
     ++known->pose.supporting_keyframes;
     if (aligned.pose.rms >= known->rms) continue;
     known->rms = aligned.pose.rms;
-    known->pose.keyframe = keyframe.keyframe.id;
+    known->pose.keyframe = keyframe.id;
     known->pose.world_from_camera = pose;
     known->pose.information = with_systematic_error(aligned.measured_information);
   }

@@ -1,15 +1,15 @@
 #pragma once
 
+#include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
 
-#include "roomwise/mapping/frontend/appearance_index.h"
 #include "roomwise/mapping/frontend/keyframe.h"
-#include "roomwise/mapping/localization/depth_index.h"
 #include "roomwise/mapping/localization/localization.h"
+#include "roomwise/mapping/localization/localizer_index.h"
 #include "roomwise/motion/lens_motion.h"
-#include "roomwise/motion/view_pattern.h"
 
 namespace roomwise::mapping {
 
@@ -21,6 +21,16 @@ struct Query {
   const geometry::PinholeCamera& camera;
   std::optional<motion::LensEstimate> lens = std::nullopt;
 };
+
+// A key-frame of a finished map, and where it is.
+struct PlacedKeyframe {
+  KeyframeId id = 0;
+  geometry::RigidTransform world_from_keyframe;
+};
+
+// What was measured in a key-frame, by its place among a map's; may be asked for from several
+// threads at once. Null where it cannot be had: then nothing is compared with the key-frame.
+using MeasureKeyframe = std::function<std::shared_ptr<const MeasuredKeyframe>(std::size_t)>;
 
 // Says where in a finished map a picture was taken, from nothing but the picture: on another day,
 // after the light changed and things moved.
@@ -41,9 +51,13 @@ class Localizer {
  public:
   // Options must be valid.
   explicit Localizer(const LocalizerOptions& options);
+  // Of key-frames of one world that were indexed in their order, and are measured when they are
+  // asked for.
+  Localizer(const LocalizerOptions& options, LocalizerIndex index,
+            std::vector<PlacedKeyframe> keyframes, MeasureKeyframe measure);
 
-  // Key-frames of one world. Their features must be of the queries' kind, and found already; all
-  // have views, of one camera, or none has (and nothing is found by shape).
+  // Key-frames of one world, held in memory. Their features must be of the queries' kind; all have
+  // views, of one camera, or none has (and nothing is found by shape).
   void add(Keyframe keyframe, const geometry::RigidTransform& world_from_keyframe);
   [[nodiscard]] std::size_t size() const { return keyframes_.size(); }
 
@@ -54,11 +68,6 @@ class Localizer {
   [[nodiscard]] PairLocalization locate(const Query& first, const Query& second) const;
 
  private:
-  struct Placed {
-    Keyframe keyframe;
-    motion::ViewPattern pattern;
-    geometry::RigidTransform world_from_keyframe;
-  };
   // Key-frames that show one place, by their index; the first looks most like the picture.
   struct Place {
     std::vector<std::size_t> members;
@@ -68,7 +77,7 @@ class Localizer {
                                        const geometry::RigidTransform& b) const;
   [[nodiscard]] bool is_same(const geometry::RigidTransform& a,
                              const geometry::RigidTransform& b) const;
-  [[nodiscard]] std::vector<const Placed*> nearest(const geometry::RigidTransform& pose) const;
+  [[nodiscard]] std::vector<std::size_t> nearest(const geometry::RigidTransform& pose) const;
   [[nodiscard]] motion::ViewAgreement agreement_around(const Query& query,
                                                        const geometry::RigidTransform& pose) const;
   [[nodiscard]] double pattern_correlation_around(const Query& query,
@@ -102,10 +111,14 @@ class Localizer {
                                        const motion::RefinedPose& motion,
                                        const Query& second) const;
 
+  // What is known of a key-frame, by its index; may be null.
+  [[nodiscard]] std::shared_ptr<const MeasuredKeyframe> measured(std::size_t index) const;
+
   LocalizerOptions options_;
-  std::vector<Placed> keyframes_;
-  AppearanceIndex appearances_;  // by index into keyframes_
-  DepthIndex depths_;            // likewise
+  std::vector<PlacedKeyframe> keyframes_;
+  LocalizerIndex index_;                                       // of keyframes_
+  std::vector<std::shared_ptr<const MeasuredKeyframe>> held_;  // of those that were added
+  MeasureKeyframe measure_;
 };
 
 }  // namespace roomwise::mapping

@@ -72,6 +72,53 @@ TEST_F(HomeLocalizerTest, AMapOfThePapersMethodServesAsWell) {
   expect_found(*found, true);
 }
 
+TEST_F(HomeLocalizerTest, MeasuresNoKeyframeBeforeAPictureAsksForIt) {
+  map(mapping::MappingMethod::kCombined);
+  const auto ready = localizer();
+  ASSERT_OK(ready);
+  EXPECT_FALSE(ready->new_index()) << "map keeps it";
+  {
+    home::Home home = home::Home::open(folder_ / "a.home").value();
+    auto kept = home.derived_data("localizer").value().value();
+    kept.data.pop_back();
+    ASSERT_OK(home.put_derived_data(kept));
+  }
+  const auto measured = localizer();
+  ASSERT_OK(measured);
+  ASSERT_TRUE(measured->new_index()) << "what is damaged is made anew";
+  home::Home home = home::Home::open(folder_ / "a.home").value();
+  ASSERT_OK(home.put_derived_data(*measured->new_index()));
+  EXPECT_FALSE(HomeLocalizer::create(home, {}, run_)->new_index());
+
+  // The same answers, to the bit.
+  SyntheticWalk visit(2 * kFrames, kStep_rad / 2);
+  visit.skip_before(31);
+  const image::RgbdFrame frame = visit.next().value().value();
+  const auto place = [&](const HomeLocalizer& localizer) {
+    const auto seen = localizer.measure({frame.color, frame.depth, visit.info().camera}).value();
+    return localizer.localizer().locate({seen, visit.info().camera});
+  };
+  const mapping::Localization a = place(*ready), b = place(*measured);
+  EXPECT_TRUE(a.found());
+  EXPECT_EQ(a.world_from_camera.translation, b.world_from_camera.translation);
+  EXPECT_EQ(a.information, b.information);
+}
+
+TEST_F(HomeLocalizerTest, DoesWithoutKeyframesThatWereTakenOutMeanwhile) {
+  map(mapping::MappingMethod::kCombined);
+  const auto found = localizer();
+  ASSERT_OK(found);
+  home::Home home = home::Home::open(folder_ / "a.home").value();
+  ASSERT_OK(home.remove_recording(home.recordings()->front().id));
+  SyntheticWalk visit(2 * kFrames, kStep_rad / 2);
+  visit.skip_before(31);
+  const image::RgbdFrame frame = visit.next().value().value();
+  const auto seen = found->measure({frame.color, frame.depth, visit.info().camera});
+  ASSERT_OK(seen);
+  EXPECT_FALSE(found->localizer().locate({*seen, visit.info().camera}).found());
+  EXPECT_FALSE(found->failure());
+}
+
 TEST_F(HomeLocalizerTest, PicturesOfAnotherSizeThanTheCamerasAreRefused) {
   map(mapping::MappingMethod::kCombined);
   const auto found = localizer();

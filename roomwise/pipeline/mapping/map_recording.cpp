@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "roomwise/pipeline/mapping/home_floor.h"
+#include "roomwise/pipeline/mapping/home_localizer.h"
 #include "roomwise/pipeline/objects/proposal_detection.h"
 #include "roomwise/pipeline/stored/mapper_storage.h"
 #include "roomwise/pipeline/stored/measured_frame_reader.h"
@@ -227,6 +228,13 @@ Expected<MapSummary> map_recording(recording::FrameSource& source, const home::R
       ROOMWISE_TRY(const FoundObjects found, update_objects(home, settings.objects));
       summary.objects = found.by_rules;
       summary.instances = found.instances;
+    }
+    // A map of the paper's method holds no views: its localiser measures them when it is first
+    // used.
+    if (settings.mapper.method != mapping::MappingMethod::kPaper) {
+      const auto timing = run.clock.measure("localiser");
+      ROOMWISE_CHECK_OK(
+          keep_localizer_index(home, [&](home::KeyframeId id) { return mapper.measurements(id); }));
     }
     const auto timing = run.clock.measure("floor");
     ROOMWISE_CHECK_OK(keep_home_floor(home, run));

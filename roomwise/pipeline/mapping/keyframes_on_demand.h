@@ -1,0 +1,63 @@
+#pragma once
+
+#include <cstddef>
+#include <list>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+#include "roomwise/features/feature_extractor.h"
+#include "roomwise/home/home.h"
+#include "roomwise/mapping/localization/localizer_index.h"
+#include "roomwise/pipeline/stored/map_settings.h"
+
+namespace roomwise::pipeline {
+
+// What was measured in a home's key-frames, found again in their stored images when it is asked
+// for; what was asked for last stays in memory. Thread-safe.
+class KeyframesOnDemand {
+ public:
+  // By a reader of its own. Fails where the first one's images cannot be read, as of a home that is
+  // locked.
+  [[nodiscard]] static Expected<std::shared_ptr<KeyframesOnDemand>> create(
+      const home::Home& home, std::vector<home::Keyframe> keyframes, MapSettings settings,
+      std::size_t max_bytes);
+
+  // By place among the key-frames. Null where the home does not hold the key-frame any more, and
+  // where it cannot be read: then failure() tells why.
+  [[nodiscard]] std::shared_ptr<const mapping::MeasuredKeyframe> get(std::size_t index);
+  // Keeps what was measured already, as if it had been asked for.
+  std::shared_ptr<const mapping::MeasuredKeyframe> put(std::size_t index,
+                                                       motion::FrameMeasurements measurements);
+  [[nodiscard]] std::optional<Error> failure() const;  // the first one
+
+ private:
+  using Shared = std::shared_ptr<const mapping::MeasuredKeyframe>;
+  KeyframesOnDemand(home::Home reader, std::vector<home::Keyframe> keyframes, MapSettings settings,
+                    std::size_t max_bytes);
+  [[nodiscard]] Expected<std::optional<home::KeyframeImages>> read(const home::Keyframe& keyframe);
+  [[nodiscard]] Expected<std::optional<motion::FrameMeasurements>> measure(std::size_t index);
+
+  home::Home reader_;
+  std::vector<home::Keyframe> keyframes_;
+  MapSettings settings_;
+  std::size_t max_bytes_;
+  std::map<home::RecordingId, geometry::PinholeCamera> cameras_;
+  std::unique_ptr<features::FeatureExtractor> extractor_;
+
+  struct Held {
+    Shared keyframe;
+    std::size_t bytes = 0;
+    std::list<std::size_t>::iterator use;
+  };
+  std::mutex reader_mutex_;
+  mutable std::mutex mutex_;  // for all below
+  std::map<std::size_t, Held> held_;
+  std::list<std::size_t> used_;  // the one used last first
+  std::size_t bytes_ = 0;
+  std::optional<Error> failure_;
+};
+
+}  // namespace roomwise::pipeline
