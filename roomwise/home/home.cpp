@@ -201,6 +201,7 @@ Expected<Home> Home::open(const std::filesystem::path& path, const OpenOptions& 
   ROOMWISE_CHECK_OK(check_tables(database));
   set_checkpoint_on_close(database, true);
   ROOMWISE_CHECK_OK(begin_writing(database));
+  ROOMWISE_CHECK_OK(add_later_tables(database));
   return with_protection_state(Home(std::move(lock), std::move(database)), options);
 }
 

@@ -45,6 +45,7 @@ using RecordingId = std::int64_t;
 using NetworkId = std::int64_t;
 using FinderId = std::int64_t;
 using VisitId = std::int64_t;  // from 1 on
+using EditId = std::int64_t;   // from 1 on, in the order in which they were made
 
 // A walk through the home with an RGB-D camera.
 struct Recording {
@@ -193,6 +194,26 @@ struct PictureFeatures {
   friend bool operator==(const PictureFeatures&, const PictureFeatures&) = default;
 };
 
+// A place that an edit is about. It hangs on a key-frame, and so moves with the map.
+struct EditPlace {
+  std::string name;  // what programs called the thing there; empty: none is meant
+  // Absent where the walk that it hung on was forgotten, and no other was there.
+  std::optional<KeyframeId> keyframe;
+  network::PixelBox picture_box;       // of the thing, in the key-frame's picture; else empty
+  geometry::OrientedBox box_keyframe;  // in the key-frame's camera frame; of a point without size
+};
+
+// What somebody changed by hand. It is kept beside what programs find, which never overwrites it.
+struct Edit {
+  EditId id = 0;            // set by the home
+  std::int64_t made_s = 0;  // seconds since 1970
+  std::string made_by;      // a device's name, or the command line
+  std::string what;         // "rename thing", ...: see pipeline::EditKind
+  std::string change;       // JSON: to what
+  std::string before;  // JSON: what it changed of the home's own rows, so that it can be undone
+  std::vector<EditPlace> places;
+};
+
 // How a home is opened or made.
 struct OpenOptions {
   // Of a protected home; without it everything but its pictures can be read. A new home is
@@ -337,6 +358,14 @@ class Home {
   // forget_learned_rooms().
   [[nodiscard]] Expected<void> replace_visit_pictures(std::span<const VisitPicture> pictures);
   [[nodiscard]] Expected<std::vector<VisitPicture>> visit_pictures() const;  // in the order given
+
+  // ---- what people changed by hand ----
+  // As the newest.
+  [[nodiscard]] Expected<EditId> add_edit(const Edit& edit);
+  [[nodiscard]] Expected<std::vector<Edit>> edits() const;  // as they were made
+  [[nodiscard]] Expected<void> remove_edit(EditId id);
+  // What it changes, what stood before and where; not who made it, and when.
+  [[nodiscard]] Expected<void> replace_edit(const Edit& edit);
 
   // ---- rooms ----
   // Fails where a room type has an object that the vocabulary does not know.

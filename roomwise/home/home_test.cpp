@@ -487,6 +487,7 @@ TEST_F(HomeTest, DigestIsOfTheContentNotOfItsHistory) {
     ROOMWISE_CHECK_OK(b.put_readout(1, 0.02));
     ROOMWISE_CHECK_OK(b.replace_instances(std::vector{testing::sample_instance(3)}));
     ROOMWISE_CHECK_OK(testing::add_visits(b));
+    ROOMWISE_CHECK_OK(b.add_edit(testing::sample_edit(2)));
     return b.put_setting("seed", "7");
   };
   ASSERT_OK(b.atomically(fill_b));

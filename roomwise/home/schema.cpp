@@ -10,7 +10,7 @@ namespace {
 // Poses are seven columns: the translation in metres (tx_m, ty_m, tz_m) and the unit quaternion
 // (qx, qy, qz, qw) of a_from_b, which takes points of frame b to frame a. Features, scores and
 // points are blobs of 32-bit floats, little-endian.
-constexpr const char* kTables = R"sql(
+constexpr const char* kFirstTables = R"sql(
 CREATE TABLE settings (
   -- With what the map was made (method, features, seed, options), so that a later run goes on alike.
   key TEXT NOT NULL PRIMARY KEY,
@@ -343,6 +343,38 @@ CREATE TABLE stage_timings (
 ) STRICT;
 )sql";
 
+// That a home of before has not; open() adds them.
+constexpr const char* kLaterTables = R"sql(
+CREATE TABLE IF NOT EXISTS edits (
+  -- What people changed by hand, in the order in which they did. Nothing that programs find changes it.
+  edit_id INTEGER PRIMARY KEY,
+  made_s INTEGER NOT NULL,             -- seconds since 1970
+  made_by TEXT NOT NULL,               -- a device's name, or the command line
+  what TEXT NOT NULL,                  -- 'rename thing', 'note', 'divide room', ...
+  change TEXT NOT NULL,                -- JSON: to what
+  before TEXT NOT NULL                 -- JSON: what it changed of other tables, so that it can be undone
+) STRICT;
+
+CREATE TABLE IF NOT EXISTS edit_places (
+  -- Where the things, lines and points of an edit are. They move with their key-frame.
+  edit_id INTEGER NOT NULL REFERENCES edits ON DELETE CASCADE,
+  place INTEGER NOT NULL,              -- 0, 1, 2, ...
+  name TEXT NOT NULL,                  -- what programs called the thing there; empty: no thing is meant
+  keyframe_id INTEGER REFERENCES keyframes ON DELETE SET NULL,  -- NULL: its walk was forgotten
+  left_px REAL NOT NULL, top_px REAL NOT NULL,      -- the thing in the key-frame's picture, as in instances;
+  right_px REAL NOT NULL, bottom_px REAL NOT NULL,  -- all 0: it is not shown there
+  tx_m REAL NOT NULL, ty_m REAL NOT NULL, tz_m REAL NOT NULL,  -- keyframe_from_box
+  qx REAL NOT NULL, qy REAL NOT NULL, qz REAL NOT NULL, qw REAL NOT NULL,
+  width_m REAL NOT NULL, depth_m REAL NOT NULL, height_m REAL NOT NULL,  -- 0 of a point
+  PRIMARY KEY (edit_id, place)
+) STRICT;
+CREATE INDEX IF NOT EXISTS edit_places_by_keyframe ON edit_places (keyframe_id);
+)sql";
+
+bool is_later(std::string_view table) {
+  return table == "edits" || table == "edit_places";
+}
+
 // The columns of each table, by name.
 Expected<std::map<std::string, std::set<std::string>>> columns_of(const Database& database) {
   std::map<std::string, std::set<std::string>> columns;
@@ -359,9 +391,16 @@ Expected<std::map<std::string, std::set<std::string>>> columns_of(const Database
 
 Expected<void> create_tables(Database& database) {
   ROOMWISE_TRY(Transaction transaction, Transaction::begin(database));
-  ROOMWISE_CHECK_OK(database.run_script(kTables));
+  ROOMWISE_CHECK_OK(database.run_script(kFirstTables));
+  ROOMWISE_CHECK_OK(database.run_script(kLaterTables));
   ROOMWISE_CHECK_OK(database.run_script(fmt::format(
       "PRAGMA application_id = {}; PRAGMA user_version = {};", kApplicationId, kHomeVersion)));
+  return transaction.commit();
+}
+
+Expected<void> add_later_tables(Database& database) {
+  ROOMWISE_TRY(Transaction transaction, Transaction::begin(database));
+  ROOMWISE_CHECK_OK(database.run_script(kLaterTables));
   return transaction.commit();
 }
 
@@ -372,6 +411,7 @@ Expected<void> check_tables(const Database& database) {
   ROOMWISE_TRY(const auto found, columns_of(database));
   for (const auto& [table, columns] : expected) {
     const auto at = found.find(table);
+    if (at == found.end() && is_later(table)) continue;
     if (at == found.end()) {
       return fail(
           "{}: is damaged, or was made before this version: it has no table '{}'; put back a copy "

@@ -20,7 +20,12 @@ constexpr int kHomeVersion = 1;
 // Makes an empty database a home with nothing in it, in one transaction.
 [[nodiscard]] Expected<void> create_tables(Database& database);
 
-// Fails, naming it, where a table or a column of a home is missing.
+// Adds the tables that homes of before have not, and a home cannot be read wrongly without: what
+// people changed by hand.
+[[nodiscard]] Expected<void> add_later_tables(Database& database);
+
+// Fails, naming it, where a table or a column of a home is missing; of a later table, where it is
+// there and lacks one.
 [[nodiscard]] Expected<void> check_tables(const Database& database);
 
 // The key of the setting that says how the home's pictures are protected (PictureCipher::wrap()).

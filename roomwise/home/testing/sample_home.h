@@ -142,6 +142,19 @@ inline HomeChanges sample_changes() {
   return changes;
 }
 
+inline Edit sample_edit(std::optional<KeyframeId> keyframe) {
+  const EditPlace point{"", keyframe, {}, {sample_pose(0.3), {0, 0, 0}}};
+  return {
+      .made_s = 1'753'000'000,
+      .made_by = "Anna's phone",
+      .what = "rename thing",
+      .change = R"({"name":"divan"})",
+      .before = "{}",
+      .places = {{"sofa", keyframe, {1.5F, 2, 30.25F, 40}, {sample_pose(0.2), {2, 0.9, 1.0 / 3}}},
+                 point,
+                 point}};
+}
+
 #define ROOMWISE_MUST(expression)                                                  \
   do {                                                                             \
     const auto done_ = (expression);                                               \
@@ -178,6 +191,7 @@ inline void fill(Home& home) {
   one.detections.resize(1);
   ROOMWISE_MUST(home.put_detections(2, 1, one));
   ROOMWISE_MUST(add_visits(home));
+  ROOMWISE_MUST(home.add_edit(sample_edit(2)));
   ROOMWISE_MUST(home.replace_concepts(rooms::Concepts::standard()));
   ROOMWISE_MUST(home.replace_rooms(
       std::vector<rooms::Room>{{"Anna's room", "bedroom"}, {"kitchen", "kitchen"}}));
