@@ -163,9 +163,11 @@ Expected<void> RoomLayoutOptions::validate() const {
 }
 
 Expected<RoomLayout> RoomLayout::make(const FloorGrid& grid, std::span<const WalkedPath> walks,
-                                      const RoomLayoutOptions& options) {
+                                      const RoomLayoutOptions& options,
+                                      std::span<const LayoutEdit> edits) {
   ROOMWISE_CHECK_OK(options.validate());
-  const NamedWalks read = read_walks(walks, options.unsure_path_m);
+  NamedWalks read = read_walks(walks, options.unsure_path_m);
+  add_edited_rooms(edits, read);
 
   RoomLayout layout;
   layout.origin_m_ = grid.origin_m();
@@ -176,10 +178,24 @@ Expected<RoomLayout> RoomLayout::make(const FloorGrid& grid, std::span<const Wal
   spread_over_floor(grid, floor, read, options.unsure_path_m, options.farthest_seed_m,
                     layout.room_of_cell_);
   take_furniture_in(grid, floor, options.furniture_depth_m, layout.room_of_cell_);
+  apply_edits(grid, floor, edits, read.names, layout.room_of_cell_);
   layout.rooms_ = find_extents(grid, floor, layout.room_of_cell_, read);
   if (!layout.has_floor()) return layout;
   layout.doorways_ = find_doorways(grid, floor, layout.room_of_cell_, read, options);
+  layout.add_doors(edits);
   return layout;
+}
+
+void RoomLayout::add_doors(std::span<const LayoutEdit> edits) {
+  const auto is_room = [&](const std::string& name) {
+    return std::ranges::find(rooms_, name, &RoomExtent::name) != rooms_.end();
+  };
+  for (const LayoutEdit& edit : edits) {
+    const auto* const door = std::get_if<AddedDoor>(&edit);
+    if (door == nullptr || !std::ranges::all_of(door->rooms, is_room)) continue;
+    doorways_.push_back({door->rooms, door->middle_gravity, 0, true});
+  }
+  std::ranges::stable_sort(doorways_, {}, &Doorway::rooms);
 }
 
 bool RoomLayout::has_floor() const {

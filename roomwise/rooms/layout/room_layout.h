@@ -10,6 +10,7 @@
 #include "roomwise/base/expected.h"
 #include "roomwise/fusion/floor_grid.h"
 #include "roomwise/image/image.h"
+#include "roomwise/rooms/layout/layout_edit.h"
 #include "roomwise/rooms/layout/named_walks.h"
 
 namespace roomwise::rooms {
@@ -30,8 +31,9 @@ struct RoomLayoutOptions {
 struct Doorway {
   std::array<std::string, 2> rooms;                          // by name
   Eigen::Vector2d middle_gravity = Eigen::Vector2d::Zero();  // m
-  double width_m = 0;  // of the free floor there; 0: the map shows none, but the walk led through
-  bool is_walked = false;  // the walk led through it
+  // Of the free floor there; 0: the map shows none, but the walk led through, or somebody says so.
+  double width_m = 0;
+  bool is_walked = false;  // the walk led through it, or somebody does who says so
 
   [[nodiscard]] bool joins(const std::string& room) const {
     return rooms[0] == room || rooms[1] == room;
@@ -58,10 +60,11 @@ struct RoomExtent {
 class RoomLayout {
  public:
   // A room that the walk names, but never on free floor, has no extent and stands in rooms() all
-  // the same. Fails where options are wrong.
+  // the same. `edits` overrule what the walks show. Fails where options are wrong.
   [[nodiscard]] static Expected<RoomLayout> make(const fusion::FloorGrid& grid,
                                                  std::span<const WalkedPath> walks,
-                                                 const RoomLayoutOptions& options = {});
+                                                 const RoomLayoutOptions& options = {},
+                                                 std::span<const LayoutEdit> edits = {});
 
   [[nodiscard]] const std::vector<RoomExtent>& rooms() const { return rooms_; }  // by name
   // Whether any walked place with a name lies on free floor; else nothing lies in a room.
@@ -90,6 +93,7 @@ class RoomLayout {
 
  private:
   RoomLayout() = default;
+  void add_doors(std::span<const LayoutEdit> edits);
   // As room_of_cell_ has it.
   [[nodiscard]] std::int16_t room_around(const Eigen::Vector2d& point_gravity) const;
 
