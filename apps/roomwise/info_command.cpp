@@ -11,6 +11,7 @@
 #include "roomwise/network/formats/eight_bit_file.h"
 #include "roomwise/network/vision/detector.h"
 #include "roomwise/network/vision/onnx_classifier.h"
+#include "roomwise/pipeline/objects/home_things.h"
 #include "roomwise/recording/association.h"
 #include "roomwise/recording/open_recording.h"
 #include "roomwise/recording/room_labels.h"
@@ -67,7 +68,8 @@ Expected<Answer> describe_home(const InfoOptions& options, Context& context) {
   ROOMWISE_TRY(const auto keyframes, home.keyframes());
   ROOMWISE_TRY(const auto edges, home.edges());
   ROOMWISE_TRY(const auto objects, home.paper_objects());
-  ROOMWISE_TRY(const auto instances, home.instances());
+  ROOMWISE_TRY(const pipeline::HomeThings things, pipeline::find_home_things(home));
+  ROOMWISE_TRY(const auto edits, home.edits());
   ROOMWISE_TRY(const auto rooms, home.rooms());
   ROOMWISE_TRY(const auto networks, home.networks());
   ROOMWISE_TRY(const auto classifier, home.room_classifier());
@@ -109,7 +111,8 @@ Expected<Answer> describe_home(const InfoOptions& options, Context& context) {
   facts.add("key-frames", keyframes.size());
   facts.add("edges", edges.size());
   facts.add("returns to a place", std::ranges::count_if(edges, mapping::spans_long_loop));
-  facts.add("objects", instances.size());
+  facts.add("objects", things.things.size());
+  facts.add("changed by hand", edits.size());
   facts.add("by the paper's rules", objects.size());
   facts.add("rooms", fmt::format("{}", fmt::join(room_names, ", ")));
   facts.add("networks", fmt::format("{}", fmt::join(network_names, ", ")));

@@ -9,6 +9,7 @@
 #include "open_home.h"
 #include "pose_json.h"
 #include "roomwise/home/home.h"
+#include "roomwise/pipeline/objects/home_things.h"
 #include "roomwise/pipeline/objects/keyframe_observer.h"
 #include "roomwise/pipeline/objects/proposal_detection.h"
 #include "roomwise/pipeline/stored/map_settings.h"
@@ -78,18 +79,20 @@ Json seen_json(const objects::Instance& instance, const HistoryWords& words) {
           {"walks", words.events_json(*history)}};
 }
 
-void add(Answer& answer, const objects::Instance& instance, const Places& places,
+void add(Answer& answer, const pipeline::HomeThing& instance, const Places& places,
          const HistoryWords& words) {
   const home::Keyframe& keyframe = places.keyframes.at(instance.keyframe_id);
-  const std::string room = places.room_of(instance.keyframe_id);
+  const std::string room = instance.room.value_or(places.room_of(instance.keyframe_id));
   const geometry::OrientedBox box = instance.box_world(keyframe.pose.world_from_keyframe);
   const Eigen::Vector3d& at = box.center();
   answer.text += fmt::format(
       "{:<16} {:.2f}  at {:.2f} {:.2f} {:.2f} m (+-{:.2f}), {:.2f} x {:.2f} x {:.2f} m, seen in {} "
-      "of {} key-frames, best {} (frame {}){}\n",
+      "of {} key-frames, best {} (frame {}){}{}{}\n",
       instance.name, instance.probability, at.x(), at.y(), at.z(), instance.sigma_m.maxCoeff(),
       box.size_m.x(), box.size_m.y(), box.size_m.z(), instance.observations, instance.expected,
-      instance.keyframe_id, keyframe.frame_index, room.empty() ? "" : ", " + room);
+      instance.keyframe_id, keyframe.frame_index, room.empty() ? "" : ", " + room,
+      instance.is_confirmed ? ", by hand" : "",
+      instance.note.empty() ? "" : fmt::format(", note: {}", instance.note));
   const network::PixelBox& picture = instance.picture_box;
   answer.json["objects"].push_back(
       {{"name", instance.name},
@@ -105,7 +108,9 @@ void add(Answer& answer, const objects::Instance& instance, const Places& places
        {"rotation_world_xyzw", xyzw(box.world_from_box.rotation)},
        {"size_m", xyz(box.size_m)},
        {"sigma_m", xyz(instance.sigma_m)},
-       {"room", word_or_null(room)}});
+       {"room", word_or_null(room)},
+       {"by_hand", instance.is_confirmed},
+       {"note", word_or_null(instance.note)}});
   answer.json["objects"].back().update(seen_json(instance, words));
 }
 
@@ -123,9 +128,9 @@ Expected<Answer> list_found(const home::Home& home, const std::string& rule) {
           "no detector has looked at this home; let one: roomwise objects find --home {}\n",
           home.file());
     }
-    ROOMWISE_TRY(const auto instances, home.instances());
+    ROOMWISE_TRY(const pipeline::HomeThings things, pipeline::find_home_things(home));
     ROOMWISE_TRY(const HistoryWords words, HistoryWords::of(home));
-    for (const objects::Instance& instance : instances) add(answer, instance, places, words);
+    for (const pipeline::HomeThing& one : things.things) add(answer, one, places, words);
   }
   if (answer.text.empty()) answer.text = "no objects were found in this home\n";
   return answer;
@@ -231,14 +236,15 @@ void add(Answer& answer, const pipeline::ThingHistory& one, const HistoryWords& 
 }
 
 // One that a visit brought (update), or somebody by hand.
-void add_without_history(Answer& answer, const objects::Instance& one,
+void add_without_history(Answer& answer, const pipeline::HomeThing& one,
                          const std::map<home::VisitId, home::Visit>& visits,
                          const HistoryWords& words) {
   const std::string room = words.room(one);
   const std::string visit = one.visit != 0 ? visits.at(one.visit).name : "";
   answer.text += fmt::format("{}{}: {}\n", one.name, room.empty() ? "" : ", " + room,
-                             visit.empty() ? "no walk is known to have found it"
-                                           : "stands there since the visit " + visit);
+                             one.added_by != 0 ? "somebody added it by hand"
+                             : visit.empty()   ? "no walk is known to have found it"
+                                               : "stands there since the visit " + visit);
   answer.json["things"].push_back({{"name", one.name},
                                    {"room", word_or_null(room)},
                                    {"gone", false},
@@ -279,8 +285,8 @@ Expected<Answer> tell_history(const ObjectHistoryOptions& options, Context& cont
     answer.json["walks"].push_back(words.walks().name(walk));
   }
   if (walks.size() > 1) answer.json["changed_by_newest"] = words.changes_json(walks.back());
-  ROOMWISE_TRY(const auto instances, home.instances());
-  for (const objects::Instance& one : instances) {
+  ROOMWISE_TRY(const pipeline::HomeThings things, pipeline::find_home_things(home));
+  for (const pipeline::HomeThing& one : things.things) {
     if (!is_asked(one.name)) continue;
     if (const pipeline::ThingHistory* history = words.history().of(one)) {
       add(answer, *history, words);

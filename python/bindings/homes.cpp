@@ -11,6 +11,7 @@
 #include "python/bindings/recordings.h"
 #include "python/bindings/trajectories.h"
 #include "roomwise/pipeline/mapping/map_cloud.h"
+#include "roomwise/pipeline/objects/home_things.h"
 #include "roomwise/pipeline/stored/keyframe_images.h"
 #include "roomwise/pipeline/stored/map_settings.h"
 #include "roomwise/pipeline/stored/stored_map.h"
@@ -93,7 +94,7 @@ std::vector<HomeObject> objects_of(const OpenHome& self) {
   }
   const auto rooms = value_of(self.home.keyframe_rooms());
   std::vector<HomeObject> objects;
-  for (objects::Instance& instance : value_of(self.home.instances())) {
+  for (pipeline::HomeThing& instance : value_of(pipeline::find_home_things(self.home)).things) {
     const auto room = rooms.find(instance.keyframe_id);
     const bool is_known = room != rooms.end() && !room->second.empty();
     const home::KeyframePose pose = poses.at(instance.keyframe_id);

@@ -31,11 +31,11 @@ Expected<std::vector<ThingContent>> things_of(const home::Home& home,
                                               std::span<const home::Keyframe> keyframes,
                                               const HomeContents& contents) {
   std::vector<ThingContent> things;
-  ROOMWISE_TRY(const auto instances, home.instances());
-  ROOMWISE_TRY(const HomeHistory history, find_home_history(home));
+  ROOMWISE_TRY(const HomeThings home_things, find_home_things(home));
+  ROOMWISE_TRY(const HomeHistory history, find_home_history(home, home_things));
   ROOMWISE_TRY(const auto visits, home.visits());
   const rooms::RoomLayout* const layout = contents.layout ? &*contents.layout : nullptr;
-  for (const objects::Instance& instance : instances) {
+  for (const HomeThing& instance : home_things.things) {
     const home::KeyframePose& pose = keyframes[instance.keyframe_id].pose;
     ThingContent& thing = things.emplace_back();
     thing.instance = instance;
@@ -44,8 +44,11 @@ Expected<std::vector<ThingContent>> things_of(const home::Home& home,
       thing.box_gravity =
           instance.box_world(contents.gravity_from_world() * pose.world_from_keyframe);
     }
-    thing.room = room_of_thing(middle_on_map(instance, pose, contents.floor.frame),
-                               instance.keyframe_id, layout, contents.keyframe_rooms);
+    thing.note = instance.note;
+    thing.is_confirmed = instance.is_confirmed;
+    thing.room =
+        room_of_thing(middle_on_map(instance, pose, contents.floor.frame), instance.keyframe_id,
+                      layout, contents.keyframe_rooms, instance.room);
     if (const ThingHistory* const seen = history.of(instance)) {
       thing.first_seen = seen->first_seen;
       thing.last_seen = seen->last_seen;

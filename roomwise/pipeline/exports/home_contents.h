@@ -23,6 +23,8 @@ struct ThingContent {
   std::optional<std::string> room;
   std::optional<Sighting> first_seen, last_seen;  // absent where no walk is known to have seen it
   std::string visit;                              // that brought it; empty: none did
+  std::string note;                               // that people wrote on it; may be empty
+  bool is_confirmed = false;                      // people who were there say so
 };
 
 struct WalkContent {

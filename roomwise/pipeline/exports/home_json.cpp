@@ -1,10 +1,9 @@
 #include "roomwise/pipeline/exports/home_json.h"
 
 #include <algorithm>
-#include <array>
 #include <nlohmann/json.hpp>
 
-#include "roomwise/geometry/cell_outline.h"
+#include "roomwise/pipeline/rooms/room_outline.h"
 
 namespace roomwise::pipeline {
 namespace {
@@ -35,54 +34,6 @@ Json ring_json(const geometry::CellRing& ring, const fusion::FloorGrid& grid) {
   return corners;
 }
 
-// What the map shows of a room: its cells that were seen or walked on, and those that these
-// enclose, as the inside of a cupboard. The layout goes on beyond, through walls, to say where a
-// thing belongs whose middle nobody saw.
-geometry::CellSet shown_cells(const fusion::FloorGrid& grid, const rooms::RoomLayout& layout,
-                              std::size_t room) {
-  const auto index = [&](const Eigen::Vector2i& cell) {
-    return static_cast<std::size_t>(cell.y()) * static_cast<std::size_t>(grid.columns()) +
-           static_cast<std::size_t>(cell.x());
-  };
-  const auto is_of_room = [&](const Eigen::Vector2i& cell) {
-    return cell.x() >= 0 && cell.y() >= 0 && cell.x() < grid.columns() && cell.y() < grid.rows() &&
-           layout.room_of_cell(cell.x(), cell.y()) == room;
-  };
-  const auto is_unseen = [&](const Eigen::Vector2i& cell) {
-    return is_of_room(cell) && !layout.is_floor(cell.x(), cell.y()) &&
-           grid.at(cell.x(), cell.y()) == fusion::FloorCell::kUnknown;
-  };
-  geometry::CellSet cells{grid.columns(), grid.rows(), {}};
-  for (int row = 0; row < grid.rows(); ++row) {
-    for (int column = 0; column < grid.columns(); ++column) {
-      cells.has.push_back(is_of_room({column, row}));
-    }
-  }
-  // From outside the room through what was not seen.
-  std::vector<Eigen::Vector2i> open;
-  const auto leave_out = [&](const Eigen::Vector2i& cell) {
-    if (!is_unseen(cell) || !cells.has[index(cell)]) return;
-    cells.has[index(cell)] = false;
-    open.push_back(cell);
-  };
-  const std::array<Eigen::Vector2i, 4> steps{{Eigen::Vector2i(1, 0), Eigen::Vector2i(-1, 0),
-                                              Eigen::Vector2i(0, 1), Eigen::Vector2i(0, -1)}};
-  for (int row = 0; row < grid.rows(); ++row) {
-    for (int column = 0; column < grid.columns(); ++column) {
-      const Eigen::Vector2i cell(column, row);
-      if (std::ranges::any_of(steps, [&](const auto& step) { return !is_of_room(cell + step); })) {
-        leave_out(cell);
-      }
-    }
-  }
-  while (!open.empty()) {
-    const Eigen::Vector2i cell = open.back();
-    open.pop_back();
-    for (const Eigen::Vector2i& step : steps) leave_out(cell + step);
-  }
-  return cells;
-}
-
 Json polygons_json(const geometry::CellSet& cells, const fusion::FloorGrid& grid) {
   Json polygons = Json::array();
   for (const geometry::CellPolygon& polygon : geometry::cell_outlines(cells)) {
@@ -102,8 +53,8 @@ Json room_json(const rooms::Room& room, const HomeContents& contents) {
   if (extent == extents.end() || extent->floor_m2 == 0) return json;
   json["floor_m2"] = extent->floor_m2;
   json["middle_m"] = json_of(extent->middle_gravity);
-  json["polygons"] = polygons_json(shown_cells(*contents.floor.grid, *contents.layout,
-                                               static_cast<std::size_t>(extent - extents.begin())),
+  json["polygons"] = polygons_json(room_cells(*contents.floor.grid, *contents.layout,
+                                              static_cast<std::size_t>(extent - extents.begin())),
                                    *contents.floor.grid);
   json["neighbors"] = contents.layout->neighbors(room.name);
   return json;
@@ -145,7 +96,9 @@ Json thing_json(const ThingContent& thing, const HomeContents& contents) {
           {"room", thing.room ? Json(*thing.room) : Json(nullptr)},
           {"first_seen", sighting_json(thing.first_seen, contents)},
           {"last_seen", sighting_json(thing.last_seen, contents)},
-          {"visit", word_or_null(thing.visit)}};
+          {"visit", word_or_null(thing.visit)},
+          {"by_hand", thing.is_confirmed},
+          {"note", word_or_null(thing.note)}};
 }
 
 Json camera_json(const geometry::PinholeCamera& camera) {

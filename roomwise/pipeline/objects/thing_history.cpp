@@ -252,13 +252,13 @@ std::vector<ThingChange> HomeHistory::changes_by(home::RecordingId walk) const {
   return changes;
 }
 
-void HomeHistory::correct(std::span<const objects::Instance> instances) {
+void HomeHistory::correct(std::span<const HomeThing> corrections) {
   std::vector<ThingHistory> corrected;
   for (ThingHistory& one : things) {
     if (!one.is_gone) {
       const auto stands = std::ranges::find_if(
-          instances, [&](const objects::Instance& instance) { return is_of(one, instance); });
-      if (stands == instances.end()) continue;
+          corrections, [&](const HomeThing& thing) { return is_of(one, thing); });
+      if (stands == corrections.end()) continue;
       one.thing.name = stands->name;
       one.thing.names = stands->names;
       one.thing.probability = stands->probability;
@@ -268,14 +268,21 @@ void HomeHistory::correct(std::span<const objects::Instance> instances) {
   things = std::move(corrected);
 }
 
-Expected<HomeHistory> find_home_history(const home::Home& home) {
+Expected<HomeHistory> home_history_as_found(const home::Home& home) {
   ROOMWISE_TRY(auto history, kept_history(home));
-  if (!history) {
-    ROOMWISE_TRY(history, follow_things(home));
-  }
-  ROOMWISE_TRY(const auto instances, home.instances());
-  history->correct(instances);
+  if (!history) return follow_things(home);
   return *std::move(history);
+}
+
+Expected<HomeHistory> find_home_history(const home::Home& home) {
+  ROOMWISE_TRY(const HomeThings things, find_home_things(home));
+  return find_home_history(home, things);
+}
+
+Expected<HomeHistory> find_home_history(const home::Home& home, const HomeThings& things) {
+  ROOMWISE_TRY(HomeHistory history, home_history_as_found(home));
+  history.correct(things.things);
+  return history;
 }
 
 Expected<void> keep_home_history(home::Home& home) {

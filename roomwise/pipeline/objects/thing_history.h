@@ -9,6 +9,7 @@
 
 #include "roomwise/home/home.h"
 #include "roomwise/objects/instances/instances.h"
+#include "roomwise/pipeline/objects/home_things.h"
 
 // What became of the things of a home from walk to walk: objects::find_changes() told of one walk
 // after the other, the walk's key-frames as the visit and those of the walks before it as the map.
@@ -78,9 +79,9 @@ struct HomeHistory {
   [[nodiscard]] const ThingHistory* of(const objects::Instance& instance) const;
   // In the order of things.
   [[nodiscard]] std::vector<ThingChange> changes_by(home::RecordingId walk) const;
-  // By the home's instances: what somebody renamed is called so, and what stands there and is among
+  // By the home's things: what somebody renamed is called so, and what stands there and is among
   // them no more, since somebody took it out or a visit found it gone, is left out.
-  void correct(std::span<const objects::Instance> instances);
+  void correct(std::span<const HomeThing> corrections);
 };
 
 // The walks of the map's largest component, as HomeHistory::walks.
@@ -101,8 +102,12 @@ struct HomeHistory {
 [[nodiscard]] Expected<HomeHistory> follow_things(const home::Home& home);
 
 // As the home keeps it or, where that is missing, damaged or of other key-frames, poses or looks of
-// finders, by follow_things(); then corrected by its instances.
+// finders, by follow_things().
+[[nodiscard]] Expected<HomeHistory> home_history_as_found(const home::Home& home);
+// The same, then corrected by its things.
 [[nodiscard]] Expected<HomeHistory> find_home_history(const home::Home& home);
+[[nodiscard]] Expected<HomeHistory> find_home_history(const home::Home& home,
+                                                      const HomeThings& things);
 // Makes it anew where find_home_history() would, and keeps it in the home, as derived data.
 [[nodiscard]] Expected<void> keep_home_history(home::Home& home);
 [[nodiscard]] Expected<void> keep_home_history(home::Home& home, const HomeHistory& history);

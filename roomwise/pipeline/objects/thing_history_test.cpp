@@ -220,10 +220,12 @@ TEST_F(ThingHistories, ThatAreDamagedAreFollowedAnew) {
 TEST_F(ThingHistories, FollowWhatSomebodyCorrects) {
   walk(std::nullopt);
   walk(kBox);
-  auto instances = home_->instances().value();
+  const auto instances = home_->instances().value();
   ASSERT_EQ(instances.size(), 1U);
-  instances[0].name = "armchair";
-  ASSERT_OK(home_->replace_instances(instances));
+  StoredEdit rename{.kind = EditKind::kRenameThing,
+                    .change = {.name = "armchair"},
+                    .places = {place_of(instances[0])}};
+  ASSERT_OK(home_->add_edit(rename.row()));
   const HomeHistory renamed = history();
   const auto changes = renamed.changes_by(renamed.walks.back());
   ASSERT_EQ(changes.size(), 1U);

@@ -8,6 +8,7 @@
 #include "roomwise/image/codec.h"
 #include "roomwise/mapping/frontend/loop_closer.h"
 #include "roomwise/pipeline/mapping/map_cloud.h"
+#include "roomwise/pipeline/objects/home_things.h"
 #include "roomwise/pipeline/stored/stored_map.h"
 #include "roomwise/pipeline/stored/stored_rooms.h"
 
@@ -47,8 +48,8 @@ Expected<std::vector<ShownObject>> shown_objects(const home::Home& home) {
     }
     return shown;
   }
-  ROOMWISE_TRY(const auto instances, home.instances());
-  for (const objects::Instance& instance : instances) {
+  ROOMWISE_TRY(const HomeThings things, find_home_things(home));
+  for (const HomeThing& instance : things.things) {
     const network::PixelBox& box = instance.picture_box;
     ShownObject& one = shown.emplace_back(ShownObject{instance.name,
                                                       instance.probability,
@@ -56,7 +57,7 @@ Expected<std::vector<ShownObject>> shown_objects(const home::Home& home) {
                                                       instance.keyframe_id,
                                                       instance.box_keyframe.center(),
                                                       {}});
-    if (instance.visit == 0) {
+    if (instance.visit == 0 && instance.added_by == 0) {
       one.picture_box = {Eigen::Vector2f(box.left, box.top),
                          Eigen::Vector2f(box.right, box.bottom)};
     }

@@ -7,6 +7,7 @@
 #include <map>
 #include <utility>
 
+#include "roomwise/pipeline/objects/home_things.h"
 #include "roomwise/pipeline/stored/keyframe_images.h"
 #include "roomwise/pipeline/stored/stored_rooms.h"
 
@@ -214,13 +215,13 @@ class FloorGapFinder {
   image::Image<State> state_;
 };
 
-void add_neighboring_things(const std::vector<objects::Instance>& things,
+void add_neighboring_things(std::span<const HomeThing> things,
                             std::span<const home::Keyframe> keyframes,
                             const fusion::GravityAlignedFrame& frame, std::vector<FloorGap>& gaps) {
   constexpr double kBeside_m = 1.5;
   for (FloorGap& gap : gaps) {
     double nearest_m = kBeside_m;
-    for (const objects::Instance& thing : things) {
+    for (const HomeThing& thing : things) {
       const auto middle = middle_on_map(thing, keyframes[thing.keyframe_id].pose, frame);
       if (!middle) continue;
       const double distance_m = (middle->head<2>() - gap.middle_gravity).norm();
@@ -254,8 +255,8 @@ Expected<std::vector<FloorGap>> find_floor_gaps(const home::Home& home, const Ho
                      layout.layout.room_at(gravity_from_camera.translation.head<2>())});
   }
   std::vector<FloorGap> gaps = FloorGapFinder(layout, std::move(views), options).find();
-  ROOMWISE_TRY(const auto things, home.instances());
-  add_neighboring_things(things, keyframes, layout.frame, gaps);
+  ROOMWISE_TRY(const HomeThings things, find_home_things(home));
+  add_neighboring_things(things.things, keyframes, layout.frame, gaps);
   return gaps;
 }
 

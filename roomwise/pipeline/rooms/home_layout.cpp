@@ -1,28 +1,87 @@
 #include "roomwise/pipeline/rooms/home_layout.h"
 
-#include <map>
+#include <algorithm>
+
+#include "roomwise/pipeline/stored/stored_edits.h"
 
 namespace roomwise::pipeline {
 namespace {
 
-// Where the camera was over the floor at each frame that the largest component of the map places.
-Expected<rooms::WalkedPath> walked_path(
-    const home::Home& home, home::RecordingId recording, const fusion::GravityAlignedFrame& frame,
-    const std::map<home::KeyframeId, home::KeyframePose>& poses) {
-  ROOMWISE_TRY(const recording::RoomLabels labels, home.room_ranges(recording));
-  ROOMWISE_TRY(const auto frames, home.frames(recording));
-  rooms::WalkedPath path;
-  for (const home::Frame& one : frames) {
-    if (!one.place) continue;
-    const auto pose = poses.find(one.place->keyframe);
-    if (pose == poses.end() || pose->second.component != 0) continue;
-    const Eigen::Vector3d camera_gravity =
-        frame.gravity_from_world *
-        (pose->second.world_from_keyframe * one.place->keyframe_from_camera.translation);
-    const recording::RoomRange* const range = labels.find(one.index);
-    path.push_back({camera_gravity.head<2>(), range != nullptr ? range->room : std::string()});
+// The points of a change on the floor; nothing where the walk that one hung on was forgotten, or it
+// lies on a part of the map that is not joined.
+std::optional<std::vector<Eigen::Vector2d>> points_on_floor(
+    const StoredEdit& edit, std::span<const home::Keyframe> keyframes,
+    const fusion::GravityAlignedFrame& frame) {
+  std::vector<Eigen::Vector2d> points;
+  for (const home::EditPlace& place : edit.places) {
+    const auto box = box_world(place, keyframes);
+    if (!box || keyframes[*place.keyframe].pose.component != 0) return std::nullopt;
+    points.push_back((frame.gravity_from_world * box->center()).head<2>());
   }
-  return path;
+  return points;
+}
+
+std::optional<rooms::LayoutEdit> on_the_floor(const StoredEdit& edit,
+                                              std::span<const home::Keyframe> keyframes,
+                                              const fusion::GravityAlignedFrame& frame) {
+  const auto points = points_on_floor(edit, keyframes, frame);
+  if (!points) return std::nullopt;
+  const EditChange& change = edit.change;
+  switch (edit.kind) {
+    case EditKind::kDivideRoom:
+      if (points->size() != 2) return std::nullopt;
+      return rooms::BorderLine{change.other_room, change.room, points->front(), points->back()};
+    case EditKind::kMoveBorder:
+      if (points->size() != 2) return std::nullopt;
+      return rooms::BorderLine{change.room, change.other_room, points->front(), points->back()};
+    case EditKind::kDrawRoom:
+      return rooms::DrawnRoom{change.room, *points};
+    case EditKind::kAddDoor:
+      if (points->size() != 1) return std::nullopt;
+      return rooms::AddedDoor{
+          {std::min(change.room, change.other_room), std::max(change.room, change.other_room)},
+          points->front()};
+    default:
+      return std::nullopt;
+  }
+}
+
+void follow_name(std::string& room, const std::string& from, const std::string& to) {
+  if (room == from) room = to;
+}
+
+// Rooms in what was said before are called as a later change calls them.
+void follow_names(const StoredEdit& edit, std::vector<rooms::LayoutEdit>& edits) {
+  const EditChange& change = edit.change;
+  const bool is_renamed = edit.kind == EditKind::kRenameRoom;
+  if (!is_renamed && edit.kind != EditKind::kJoinRooms) return;
+  const std::string& from = is_renamed ? change.old_name : change.other_room;
+  for (rooms::LayoutEdit& one : edits) {
+    if (auto* line = std::get_if<rooms::BorderLine>(&one)) {
+      follow_name(line->left, from, change.room);
+      follow_name(line->right, from, change.room);
+    } else if (auto* drawn = std::get_if<rooms::DrawnRoom>(&one)) {
+      follow_name(drawn->room, from, change.room);
+    } else if (auto* door = std::get_if<rooms::AddedDoor>(&one)) {
+      for (std::string& room : door->rooms) follow_name(room, from, change.room);
+      std::ranges::sort(door->rooms);
+    }
+  }
+  std::erase_if(edits, [](const rooms::LayoutEdit& one) {
+    const auto* const door = std::get_if<rooms::AddedDoor>(&one);
+    return door != nullptr && door->rooms[0] == door->rooms[1];
+  });
+}
+
+bool are_known(const rooms::LayoutEdit& edit, std::span<const rooms::Room> rooms) {
+  const auto is_known = [&](const std::string& name) {
+    return std::ranges::find(rooms, name, &rooms::Room::name) != rooms.end();
+  };
+  if (const auto* line = std::get_if<rooms::BorderLine>(&edit)) {
+    return is_known(line->left) && is_known(line->right);
+  }
+  if (const auto* drawn = std::get_if<rooms::DrawnRoom>(&edit)) return is_known(drawn->room);
+  return std::ranges::all_of(std::get<rooms::AddedDoor>(edit).rooms, is_known);
 }
 
 Expected<void> check_rooms_are_named(const home::Home& home) {
@@ -33,18 +92,56 @@ Expected<void> check_rooms_are_named(const home::Home& home) {
 
 }  // namespace
 
+Expected<std::vector<FrameOnFloor>> frames_on_floor(const home::Home& home,
+                                                    home::RecordingId recording,
+                                                    const fusion::GravityAlignedFrame& frame) {
+  ROOMWISE_TRY(const auto keyframes, home.keyframes());
+  ROOMWISE_TRY(const auto frames, home.frames(recording));
+  std::vector<FrameOnFloor> on_floor;
+  for (const home::Frame& one : frames) {
+    if (!one.place || one.place->keyframe >= keyframes.size()) continue;
+    const home::KeyframePose& pose = keyframes[one.place->keyframe].pose;
+    if (pose.component != 0) continue;
+    const Eigen::Vector3d camera_gravity =
+        frame.gravity_from_world *
+        (pose.world_from_keyframe * one.place->keyframe_from_camera.translation);
+    on_floor.push_back({one.index, camera_gravity.head<2>()});
+  }
+  return on_floor;
+}
+
+Expected<std::vector<rooms::LayoutEdit>> layout_edits(const home::Home& home,
+                                                      const fusion::GravityAlignedFrame& frame) {
+  ROOMWISE_TRY(const auto edits, stored_edits(home));
+  std::vector<rooms::LayoutEdit> on_floor;
+  if (edits.empty()) return on_floor;
+  ROOMWISE_TRY(const auto keyframes, home.keyframes());
+  for (const StoredEdit& edit : edits) {
+    follow_names(edit, on_floor);
+    if (auto laid = on_the_floor(edit, keyframes, frame)) on_floor.push_back(*std::move(laid));
+  }
+  // A room that was removed since takes what was said of it along.
+  ROOMWISE_TRY(const auto rooms, home.rooms());
+  std::erase_if(on_floor, [&](const rooms::LayoutEdit& one) { return !are_known(one, rooms); });
+  return on_floor;
+}
+
 Expected<std::optional<rooms::RoomLayout>> find_room_layout(
     const home::Home& home, const fusion::GravityAlignedFrame& frame, const fusion::FloorGrid& grid,
     const rooms::RoomLayoutOptions& options) {
-  std::map<home::KeyframeId, home::KeyframePose> poses;
-  ROOMWISE_TRY(const auto keyframes, home.keyframes());
-  for (const home::Keyframe& keyframe : keyframes) poses[keyframe.id] = keyframe.pose;
   ROOMWISE_TRY(const auto recordings, home.recordings());
   std::vector<rooms::WalkedPath> walks;
   for (const home::StoredRecording& recording : recordings) {
-    ROOMWISE_TRY(walks.emplace_back(), walked_path(home, recording.id, frame, poses));
+    ROOMWISE_TRY(const recording::RoomLabels labels, home.room_ranges(recording.id));
+    ROOMWISE_TRY(const auto frames, frames_on_floor(home, recording.id, frame));
+    rooms::WalkedPath& path = walks.emplace_back();
+    for (const FrameOnFloor& one : frames) {
+      const recording::RoomRange* const range = labels.find(one.index);
+      path.push_back({one.point_gravity, range != nullptr ? range->room : std::string()});
+    }
   }
-  ROOMWISE_TRY(rooms::RoomLayout layout, rooms::RoomLayout::make(grid, walks, options));
+  ROOMWISE_TRY(const auto edits, layout_edits(home, frame));
+  ROOMWISE_TRY(rooms::RoomLayout layout, rooms::RoomLayout::make(grid, walks, options, edits));
   if (!layout.has_floor()) return std::nullopt;
   return layout;
 }

@@ -17,8 +17,21 @@ struct HomeLayout {
   rooms::RoomLayout layout;
 };
 
-// Spreads the rooms that the walks were named with over the floor of the home's map. Nothing where
-// nobody walked on free floor in a named room.
+// What people changed of where rooms lie, as rooms are called now. `frame`: of the home's map.
+[[nodiscard]] Expected<std::vector<rooms::LayoutEdit>> layout_edits(
+    const home::Home& home, const fusion::GravityAlignedFrame& frame);
+
+// Where the camera was over the floor at each frame of a walk that the largest component of the map
+// places.
+struct FrameOnFloor {
+  std::uint64_t index = 0;
+  Eigen::Vector2d point_gravity = Eigen::Vector2d::Zero();
+};
+[[nodiscard]] Expected<std::vector<FrameOnFloor>> frames_on_floor(
+    const home::Home& home, home::RecordingId recording, const fusion::GravityAlignedFrame& frame);
+
+// Spreads the rooms that the walks were named with over the floor of the home's map, and lays over
+// it what people changed. Nothing where nobody walked on free floor in a named room.
 [[nodiscard]] Expected<std::optional<rooms::RoomLayout>> find_room_layout(
     const home::Home& home, const fusion::GravityAlignedFrame& frame, const fusion::FloorGrid& grid,
     const rooms::RoomLayoutOptions& options = {});

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "roomwise/objects/detection/paper_objects.h"
+#include "roomwise/pipeline/objects/home_things.h"
 #include "roomwise/pipeline/rooms/room_learning.h"
 #include "roomwise/pipeline/stored/stored_rooms.h"
 
@@ -117,16 +118,16 @@ Expected<std::map<std::string, rooms::RoomContents>> room_contents(
   for (const rooms::Room& room : rooms) contents[room.name];
   ROOMWISE_TRY(const KeyframeRooms keyframe_rooms, rooms_of_keyframes(home));
   ROOMWISE_TRY(const auto keyframes, home.keyframes());
-  ROOMWISE_TRY(const auto instances, home.instances());
+  ROOMWISE_TRY(const HomeThings things, find_home_things(home));
   std::map<home::KeyframeId, home::KeyframePose> poses;
   for (const home::Keyframe& keyframe : keyframes) poses[keyframe.id] = keyframe.pose;
   const rooms::RoomLayout* const rooms_on_floor = layout ? &layout->layout : nullptr;
-  for (const objects::Instance& instance : instances) {
+  for (const HomeThing& instance : things.things) {
     std::optional<Eigen::Vector3d> middle_gravity;
     if (layout)
       middle_gravity = middle_on_map(instance, poses.at(instance.keyframe_id), layout->frame);
-    const auto room =
-        room_of_thing(middle_gravity, instance.keyframe_id, rooms_on_floor, keyframe_rooms);
+    const auto room = room_of_thing(middle_gravity, instance.keyframe_id, rooms_on_floor,
+                                    keyframe_rooms, instance.room);
     if (!room) continue;
     double& probability = contents[*room][instance.name];
     probability = 1 - (1 - probability) * (1 - instance.probability);  // one of them at least

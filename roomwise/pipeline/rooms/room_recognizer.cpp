@@ -93,6 +93,13 @@ Expected<RoomRecognizer> RoomRecognizer::create(const home::Home& home, const Ne
   ROOMWISE_TRY(classifier, with_visit_pictures(home, *std::move(classifier)));
   ROOMWISE_TRY(rooms::Concepts concepts, home.concepts());
   ROOMWISE_TRY(const std::vector<rooms::Room> rooms, home.rooms());
+  for (const std::string& learned : classifier->rooms()) {
+    if (std::ranges::find(rooms, learned, &rooms::Room::name) != rooms.end()) continue;
+    return fail(
+        "{}: what was learned knows a room '{}', which is none of this home any more; learn the "
+        "rooms anew",
+        home.file(), learned);
+  }
   std::vector<rooms::Room> learned = in_order(classifier->rooms(), rooms);
   ROOMWISE_TRY(const network::Classifier* const naming, network_for_names(home, networks));
   rooms::RoomObjects room_objects;
