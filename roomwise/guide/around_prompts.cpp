@@ -74,6 +74,15 @@ void add_part(std::vector<Prompt>& answer, const Wording& wording, TimestampNs n
                              valid_s, std::move(because)));
 }
 
+// What a helper noted on a thing that is told.
+void add_note(std::vector<Prompt>& answer, const Wording& wording, TimestampNs now_ns,
+              double valid_s, const KnownThing& thing) {
+  if (thing.note.empty()) return;
+  add_part(answer, wording, now_ns, valid_s, "around.note",
+           {{"thing", guide::thing(thing.name)}, {"note", as_sentence(thing.note)}}, true,
+           "a helper's note");
+}
+
 std::vector<Prompt> things_of_room(const std::string& room, std::span<const KnownThing> things,
                                    const Wording& wording, TimestampNs now_ns, const Today& today) {
   std::vector<Prompt> answer;
@@ -82,6 +91,12 @@ std::vector<Prompt> things_of_room(const std::string& room, std::span<const Know
     if (names.empty()) continue;
     add_part(answer, wording, now_ns, kRoomValid_s, "around.room", {{"things", thing_list(names)}},
              sure, fmt::format("the map has them in \"{}\"; the position is not known", room));
+    for (const KnownThing& one : things) {
+      if (one.room == room && std::ranges::count(names, one.name) > 0 &&
+          one.is_sure(today) == sure) {
+        add_note(answer, wording, now_ns, kRoomValid_s, one);
+      }
+    }
   }
   return answer;
 }
@@ -101,6 +116,11 @@ std::vector<Prompt> things_of_place(const Pose& pose, const std::optional<std::s
     if (names.empty()) continue;
     add_part(answer, wording, now_ns, kDirectionValid_s, "around.close",
              {{"things", thing_list(names)}}, sure, "the map has them here");
+    for (const Near& each : near) {
+      if (each.bearing.is_close() && std::ranges::count(names, each.thing->name) > 0) {
+        add_note(answer, wording, now_ns, kDirectionValid_s, *each.thing);
+      }
+    }
   }
   for (const Near& each : near) {
     if (each.bearing.is_close()) continue;
@@ -109,6 +129,7 @@ std::vector<Prompt> things_of_place(const Pose& pose, const std::optional<std::s
               {"hour", fmt::format("{}", each.bearing.hour)},
               {"distance", wording.distance(each.bearing.distance_m)}},
              each.is_sure, because_of(each));
+    add_note(answer, wording, now_ns, kDirectionValid_s, *each.thing);
   }
   return answer;
 }

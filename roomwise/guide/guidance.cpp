@@ -608,13 +608,19 @@ Prompt Guidance::end_of_way(const Pose& /*pose*/, TimestampNs now_ns) {
   return say({"guide.near_end"}, now_ns, Confidence::kUnsure);
 }
 
-// What is said after the first word of the end: how high to reach, or what is left.
+// What is said after the first word of the end: how high to reach and what a helper noted, or what
+// is left.
 std::optional<Prompt> Guidance::finish(TimestampNs now_ns) {
-  if (finished_++ > 0) return std::nullopt;
+  const auto said = static_cast<std::size_t>(finished_++);
   if (state_ == State::kArrived) {
-    if (!goal_.height_m || goal_.kind != Goal::Kind::kThing) return std::nullopt;
-    return say({height_message(*goal_.height_m)}, now_ns);
+    std::vector<Phrase> left;
+    if (goal_.kind == Goal::Kind::kThing && goal_.height_m) {
+      left.push_back({height_message(*goal_.height_m)});
+    }
+    if (!goal_.note.empty()) left.push_back({"where.note", {{"note", as_sentence(goal_.note)}}});
+    return said < left.size() ? std::optional(say(left[said], now_ns)) : std::nullopt;
   }
+  if (said > 0) return std::nullopt;
   if (!plan_.rooms.empty()) {
     const auto phrase = rooms_phrase(goal_, plan_.rooms);
     return phrase ? std::optional(say(*phrase, now_ns)) : std::nullopt;

@@ -278,6 +278,15 @@ TEST_F(GuidanceTest, TheLastMetreIsBySideReachAndHeight) {
   EXPECT_THAT(hear(30), IsEmpty());
 }
 
+TEST_F(GuidanceTest, WhoIsThereHearsWhatAHelperNoted) {
+  Goal bed = bed_at({3.3, 1.2}, "bedroom");
+  bed.note = "low beam above it";
+  lead_to(bed, {1, 1.2}, 0);
+  (void)hear(8);
+  while (guidance_->state() != State::kArrived && place_.x() < 3) (void)hear(0.2, 0.5);
+  EXPECT_THAT(hear(12), ElementsAre("At knee height.", "Note: low beam above it."));
+}
+
 TEST_F(GuidanceTest, WhoIsLostHearsRoomsAndNoDirections) {
   lead_to(bed_at({7.3, 0.8}, "kitchen"), {0.6, 3.45}, 0);
   (void)hear(8);

@@ -47,6 +47,7 @@ Values some_values(const std::set<std::string>& names) {
       {"day", "25"},
       {"month", "November"},
       {"year", "2026"},
+      {"note", "Mind the step."},
       {"text", "The bed is in the bedroom."}};
   Values some;
   for (const std::string& name : names) {

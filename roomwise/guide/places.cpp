@@ -27,7 +27,7 @@ const Pose* UserLocation::sure_pose() const {
 
 double KnownThing::probability_at(const std::optional<CalendarTime>& today) const {
   constexpr double kHoursPerDay = 24;
-  if (!seen || !today) return probability;
+  if (added_by != 0 || !seen || !today) return probability;  // a helper's word stands
   const int hours = seen->hours_until(*today);
   if (hours <= 0) return probability;  // or a clock is wrong
   return probability * objects::still_there(name, hours / kHoursPerDay);

@@ -188,6 +188,7 @@ Goal Goal::of(const KnownThing& thing, const std::optional<CalendarTime>& today)
   goal.noun = {Noun::Kind::kThing, thing.name};
   goal.room = thing.room;
   goal.is_sure = thing.is_sure(today);
+  goal.note = thing.note;
   if (thing.position_gravity) {
     goal.outline =
         Outline{thing.position_gravity->head<2>(), thing.size_m().head<2>(), thing.yaw_rad};

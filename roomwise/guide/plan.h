@@ -46,6 +46,7 @@ struct Goal {
   std::optional<std::string> room;  // in which it lies, or which it is
   std::optional<double> height_m;   // of a thing's middle over the floor
   bool is_sure = true;              // that it is there
+  std::string note;                 // a helper's, to be said who is there; may be empty
 
   [[nodiscard]] static Goal of(const KnownThing& thing, const std::optional<CalendarTime>& today);
   [[nodiscard]] static Goal of(const rooms::RoomExtent& room);

@@ -47,6 +47,8 @@ class ThingPromptsTest : public ::testing::Test {
     return doorway;
   }
 
+  void note(std::size_t thing, const std::string& words) { things_.at(thing).note = words; }
+
   const MessageCatalogue catalogue_ = MessageCatalogue::built_in();
   // One step is a metre.
   const Wording english_{&catalogue_, {"en", DistanceUnit::kSteps, 1.0}};
@@ -245,6 +247,37 @@ TEST_F(ThingPromptsTest, ThingsAreMeantByOtherNames) {
   EXPECT_EQ(meant("stove", "en"), std::nullopt);
   things_.push_back(at("Oma's chest", 1, 1, "bedroom"));
   EXPECT_THAT(meant("oma's chest", "en"), Optional(std::string("Oma's chest")));
+}
+
+TEST_F(ThingPromptsTest, WhatAHelperNotedIsSaidWithTheThing) {
+  note(0, "hot");
+  EXPECT_THAT(texts(where("microwave", standing_)),
+              ElementsAre("The microwave is at 12 o'clock, 3 steps.", "Note: hot."));
+  EXPECT_THAT(around(standing_),
+              ElementsAre("Fridge at 3 o'clock, 2 steps.", "Microwave at 12 o'clock, 3 steps.",
+                          "Microwave: hot."));
+  note(0, "Mind the step!");
+  EXPECT_EQ(texts(where("microwave", standing_)).back(), "Note: Mind the step!");
+}
+
+TEST_F(ThingPromptsTest, WhatAHelperNotedIsSaidWhereTheRoomAloneIsKnown) {
+  note(1, "door sticks");
+  EXPECT_THAT(around({std::nullopt, "kitchen"}),
+              ElementsAre("In this room: microwave and fridge.", "Fridge: door sticks."));
+}
+
+TEST_F(ThingPromptsTest, WhatAHelperAddedIsToldAsSuchAndForCertain) {
+  KnownThing kettle = at("cup", 5, 8.2, "kitchen", 1);
+  kettle.added_by = 3;
+  kettle.is_confirmed = true;
+  things_ = {kettle};
+  CalendarTime later;
+  later.year = 2099;
+  EXPECT_TRUE(things_[0].is_sure(later)) << "nobody takes a helper's word back but a helper";
+  const auto prompts = where("cup", standing_);
+  EXPECT_THAT(texts(prompts),
+              ElementsAre("The cup is at 12 o'clock, 3 steps.", "Your helper added it."));
+  EXPECT_EQ(prompts[0].confidence, Confidence::kSure);
 }
 
 }  // namespace

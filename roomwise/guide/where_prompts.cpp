@@ -103,9 +103,25 @@ bool is_carried_about(const std::string& name) {
 // Of what people carry about, the answer's second part.
 std::optional<Prompt> seen_part(const KnownThing& thing, const Wording& wording, TimestampNs now_ns,
                                 const std::optional<CalendarTime>& today) {
-  if (!is_carried_about(thing.name)) return std::nullopt;
+  if (thing.added_by != 0 || !is_carried_about(thing.name)) return std::nullopt;
   return seen_prompt(key_of(thing.name) + "/seen", thing.seen, today, wording, now_ns,
                      "people carry such things about");
+}
+
+// What a helper said of it: that it is there, and what they noted.
+std::vector<Prompt> helper_parts(const KnownThing& thing, const Wording& wording,
+                                 TimestampNs now_ns) {
+  std::vector<Prompt> parts;
+  const auto add = [&](const char* part, const std::string& message, const Values& values,
+                       const char* because) {
+    parts.push_back(make_prompt(wording, key_of(thing.name) + part, message, values,
+                                Confidence::kSure, after(now_ns, kHomeValid_s), because));
+    parts.back().sound = Sound::kNone;
+  };
+  if (thing.added_by != 0) add("/added", "where.added", {}, "no picture shows it");
+  if (!thing.note.empty())
+    add("/note", "where.note", {{"note", as_sentence(thing.note)}}, "a helper's note");
+  return parts;
 }
 
 Prompt unknown_thing(const std::string& asked, const Wording& wording, TimestampNs now_ns) {
@@ -159,6 +175,7 @@ std::vector<Prompt> where_prompts(const std::string& asked, const UserLocation& 
   if (auto seen = seen_part(*nearest.thing, wording, now_ns, today)) {
     prompts.push_back(*std::move(seen));
   }
+  std::ranges::move(helper_parts(*nearest.thing, wording, now_ns), std::back_inserter(prompts));
   if (candidates.size() > 1) {
     const bool knows_nearest = !nearest.way.empty() || nearest.bearing;
     Prompt count = make_prompt(

@@ -58,4 +58,11 @@ Prompt make_part(const Wording& wording, const std::string& whole, std::size_t p
   return prompt;
 }
 
+std::string as_sentence(std::string note) {
+  if (!note.empty() && std::string_view(".!?").find(note.back()) == std::string_view::npos) {
+    note += '.';
+  }
+  return note;
+}
+
 }  // namespace roomwise::guide

@@ -52,6 +52,9 @@ constexpr double kSpokenIn_s = 4;
   return now_ns + static_cast<TimestampNs>(seconds * 1e9);
 }
 
+// As people write notes: with a full stop at the end, unless there is a sign that ends it.
+[[nodiscard]] std::string as_sentence(std::string note);
+
 // An answer in the words of the catalogue; the caller sets what is different. The sound tells the
 // confidence before the words do.
 [[nodiscard]] Prompt make_prompt(const Wording& wording, std::string key, std::string message,

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <bit>
 
+#include "roomwise/pipeline/rooms/room_outline.h"
+
 namespace roomwise::live {
 namespace {
 
@@ -14,6 +16,16 @@ Json json_of(const Eigen::Vector2d& v) {
 }
 Json or_null(const std::optional<std::string>& text) {
   return text ? Json(*text) : Json(nullptr);
+}
+
+// Its corners; the last leads back to the first.
+Json ring_json(const geometry::CellRing& ring, const fusion::FloorGrid& grid) {
+  Json corners = Json::array();
+  for (const Eigen::Vector2i& corner : ring) {
+    corners.push_back(
+        json_of(Eigen::Vector2d(grid.origin_m() + grid.cell_m() * corner.cast<double>())));
+  }
+  return corners;
 }
 
 Json room_json(const rooms::Room& room, const HomeView& view) {
@@ -37,6 +49,9 @@ Json thing_json(const guide::KnownThing& thing) {
           {"position", thing.position_gravity ? json_of(*thing.position_gravity) : Json(nullptr)},
           {"size", json_of(thing.size_m())},
           {"keyframe", thing.keyframe_id},
+          {"by_hand", thing.is_confirmed},
+          {"added", thing.added_by != 0},
+          {"note", thing.note},
           {"box", {box.left, box.top, box.right - box.left, box.bottom - box.top}}};
 }
 
@@ -110,6 +125,51 @@ Json home_json(const HomeView& view) {
   for (const ViewedWalk& walk : view.walks) json["recordings"].push_back(walk_json(walk));
   json["changes"] = changes_json(view);
   return json;
+}
+
+Json plan_json(const HomeView& view) {
+  Json rooms = Json::array(), doors = Json::array();
+  if (view.map && view.map->floor && view.layout) {
+    const fusion::FloorGrid& grid = *view.map->floor;
+    const auto& extents = view.layout->rooms();
+    for (std::size_t i = 0; i < extents.size(); ++i) {
+      Json polygons = Json::array();
+      for (const auto& polygon :
+           geometry::cell_outlines(pipeline::room_cells(grid, *view.layout, i))) {
+        Json rings = Json::array({ring_json(polygon.outer, grid)});
+        for (const auto& hole : polygon.holes) rings.push_back(ring_json(hole, grid));
+        polygons.push_back(std::move(rings));
+      }
+      rooms.push_back({{"name", extents[i].name}, {"polygons", std::move(polygons)}});
+    }
+    for (const rooms::Doorway& door : view.layout->doorways()) {
+      doors.push_back({{"rooms", door.rooms},
+                       {"middle", json_of(door.middle_gravity)},
+                       {"width_m", door.width_m}});
+    }
+  }
+  return {{"rooms", std::move(rooms)}, {"doors", std::move(doors)}};
+}
+
+Json edits_json(const HomeView& view) {
+  Json edits = Json::array();
+  for (const ViewedEdit& one : view.edits) {
+    const pipeline::EditChange& change = one.edit.change;
+    edits.push_back({{"edit", one.edit.id},
+                     {"what", pipeline::to_string(one.edit.kind)},
+                     {"made", one.edit.made_s},
+                     {"by", one.edit.made_by},
+                     {"name", change.name},
+                     {"old_name", change.old_name},
+                     {"note", change.note},
+                     {"room", change.room},
+                     {"other_room", change.other_room},
+                     {"type", change.type},
+                     {"without_effect", one.without_effect},
+                     {"is_final", one.edit.before.empty()},
+                     {"undo_first", one.why_not_undone}});
+  }
+  return {{"edits", std::move(edits)}};
 }
 
 Json keyframes_json(const HomeView& view) {

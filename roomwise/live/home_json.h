@@ -11,6 +11,8 @@ using Json = nlohmann::json;
 
 [[nodiscard]] Json home_json(const HomeView& view);       // GET /api/home
 [[nodiscard]] Json keyframes_json(const HomeView& view);  // GET /api/map/keyframes
+[[nodiscard]] Json plan_json(const HomeView& view);       // GET /api/map/plan
+[[nodiscard]] Json edits_json(const HomeView& view);      // GET /api/edits
 // GET /api/map/cloud, and /fine
 [[nodiscard]] Bytes cloud_bytes(const geometry::PointCloud& cloud_gravity);
 [[nodiscard]] Json decision_json(const rooms::RoomDecision& decision);

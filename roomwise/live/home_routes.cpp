@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "roomwise/image/codec.h"
+#include "roomwise/live/edit_routes.h"
 #include "roomwise/live/home_json.h"
 #include "roomwise/live/photo_routes.h"
 #include "roomwise/live/upload_routes.h"
@@ -24,6 +25,10 @@ constexpr std::size_t kMaxPictureBytes = std::size_t{20} << 20U;
 HttpAnswer done(const Expected<void>& outcome) {
   if (!outcome) return error_answer(409, outcome.error().message);
   return json_answer(Json::object());
+}
+
+std::string name_of(const HttpRequest& request) {
+  return request.who ? request.who->name : std::string();
 }
 
 HttpAnswer bad(const Error& error) {
@@ -140,29 +145,32 @@ std::vector<service::Route> changing_routes(LiveHome& home) {
                     [&home](const HttpRequest& request, std::int64_t id) {
                       auto ranges = read_ranges(request);
                       if (!ranges) return bad(ranges.error());
-                      return done(home.name_rooms(id, *std::move(ranges)));
+                      return done(home.name_rooms(id, *std::move(ranges), name_of(request)));
                     })},
           {"PUT", "/api/rooms/{name}", Role::kHelper,
            [&home](const HttpRequest& request, const Placeholders& values) {
              const auto texts = read_texts(request, {"name", "type"});
              if (!texts) return bad(texts.error());
-             return done(
-                 home.change_room(values.at("name"), find(*texts, "name"), find(*texts, "type")));
+             return done(home.change_room(values.at("name"), find(*texts, "name"),
+                                          find(*texts, "type"), name_of(request)));
            }},
           {"DELETE", "/api/rooms/{name}", Role::kHelper,
-           [&home](const HttpRequest&, const Placeholders& values) {
-             return done(home.forget_room(values.at("name")));
+           [&home](const HttpRequest& request, const Placeholders& values) {
+             return done(home.forget_room(values.at("name"), name_of(request)));
            }},
           {"PUT", "/api/things/{id}", Role::kHelper,
            numbered("id",
                     [&home](const HttpRequest& request, std::int64_t id) {
                       const auto texts = read_texts(request, {"name"});
                       if (!texts) return bad(texts.error());
-                      return done(home.rename_thing(id, find(*texts, "name").value_or("")));
+                      return done(home.rename_thing(id, find(*texts, "name").value_or(""),
+                                                    name_of(request)));
                     })},
           {"DELETE", "/api/things/{id}", Role::kHelper,
-           numbered("id", [&home](const HttpRequest&,
-                                  std::int64_t id) { return done(home.forget_thing(id)); })},
+           numbered("id",
+                    [&home](const HttpRequest& request, std::int64_t id) {
+                      return done(home.forget_thing(id, name_of(request)));
+                    })},
           {"DELETE", "/api/recordings/{id}", Role::kHelper,
            numbered("id", [&home](const HttpRequest&,
                                   std::int64_t id) { return done(home.forget_walk(id)); })},
@@ -212,6 +220,7 @@ std::vector<service::Route> home_routes(LiveHome& home) {
   std::vector<service::Route> routes = looking_routes(home);
   std::ranges::move(changing_routes(home), std::back_inserter(routes));
   std::ranges::move(working_routes(home), std::back_inserter(routes));
+  std::ranges::move(edit_routes(home), std::back_inserter(routes));
   std::ranges::move(upload_routes(home), std::back_inserter(routes));
   std::ranges::move(photo_routes(home), std::back_inserter(routes));
   return routes;

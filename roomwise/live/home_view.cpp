@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <ranges>
 
+#include "roomwise/pipeline/edits/undo_edit.h"
 #include "roomwise/pipeline/objects/thing_history.h"
 #include "roomwise/pipeline/rooms/home_layout.h"
 #include "roomwise/pipeline/stored/stored_rooms.h"
@@ -41,7 +43,17 @@ class ThingPlacer {
   }
 
   // Seen when its key-frame was.
-  [[nodiscard]] guide::KnownThing known_thing(const objects::Instance& instance) const {
+  [[nodiscard]] guide::KnownThing known_thing(const pipeline::HomeThing& one) const {
+    guide::KnownThing thing = known_thing(one, one.room);
+    thing.note = one.note;
+    thing.added_by = one.added_by;
+    thing.is_confirmed = one.is_confirmed;
+    return thing;
+  }
+  // `put_in`: where somebody put it, where the floor does not tell.
+  [[nodiscard]] guide::KnownThing known_thing(
+      const objects::Instance& instance,
+      const std::optional<std::string>& put_in = std::nullopt) const {
     guide::KnownThing thing;
     static_cast<objects::Instance&>(thing) = instance;
     const auto keyframe = keyframes_.find(instance.keyframe_id);
@@ -57,7 +69,7 @@ class ThingPlacer {
       thing.yaw_rad = std::atan2(along.y(), along.x());
     }
     thing.room = pipeline::room_of_thing(thing.position_gravity, instance.keyframe_id,
-                                         view_.layout ? &*view_.layout : nullptr, rooms_);
+                                         view_.layout ? &*view_.layout : nullptr, rooms_, put_in);
     return thing;
   }
 
@@ -67,14 +79,26 @@ class ThingPlacer {
   pipeline::KeyframeRooms rooms_;
 };
 
-Expected<void> view_things(const home::Home& home, const pipeline::HomeHistory& history,
-                           HomeView& view) {
-  ROOMWISE_TRY(const auto instances, home.instances());
+Expected<void> view_edits(const home::Home& home, const pipeline::HomeThings& things,
+                          HomeView& view) {
+  ROOMWISE_TRY(const auto edits, pipeline::stored_edits(home));
+  for (const pipeline::StoredEdit& edit : edits | std::views::reverse) {
+    const auto lost = things.without_effect.find(edit.id);
+    view.edits.push_back({edit, lost == things.without_effect.end() ? "" : lost->second,
+                          pipeline::why_not_undone(edits, edit, things)});
+  }
+  return {};
+}
+
+Expected<void> view_things(const home::Home& home, const pipeline::HomeThings& things,
+                           const pipeline::HomeHistory& history, HomeView& view) {
   ROOMWISE_TRY(const auto visits, home.visits());
   const ThingPlacer placer(view);
-  for (const objects::Instance& instance : instances) {
+  for (const pipeline::HomeThing& instance : things.things) {
     guide::KnownThing thing = placer.known_thing(instance);
-    if (const pipeline::ThingHistory* told = history.of(instance)) {
+    if (instance.added_by != 0) {
+      thing.seen = std::nullopt;  // no walk saw it
+    } else if (const pipeline::ThingHistory* told = history.of(instance)) {
       thing.seen = calendar_time(told->last_seen.time_ns);
     } else if (instance.visit != 0) {
       thing.seen = calendar_time(visits.at(instance.visit).last_timestamp_ns);
@@ -180,14 +204,31 @@ void view_changes(const pipeline::HomeHistory& history, HomeView& view) {
 
 }  // namespace
 
-std::int64_t thing_id(const objects::Instance& instance) {
-  const network::PixelBox& box = instance.picture_box;
-  const std::string place =
-      fmt::format("{} {} {} {} {}", instance.keyframe_id, box.left, box.top, box.right, box.bottom);
+namespace {
+
+std::int64_t number_of(const std::string& place) {
   const std::string digest =
       sha256_hex({reinterpret_cast<const std::uint8_t*>(place.data()), place.size()});
   constexpr std::size_t kDigits = 13;  // hexadecimal: 52 bits
   return std::stoll(digest.substr(0, kDigits), nullptr, 16);
+}
+
+}  // namespace
+
+std::int64_t thing_id(const objects::Instance& instance) {
+  const network::PixelBox& box = instance.picture_box;
+  return number_of(fmt::format("{} {} {} {} {}", instance.keyframe_id, box.left, box.top, box.right,
+                               box.bottom));
+}
+
+std::int64_t thing_id(const pipeline::HomeThing& thing) {
+  if (thing.added_by == 0) return thing_id(static_cast<const objects::Instance&>(thing));
+  return number_of(fmt::format("added {}", thing.added_by));
+}
+
+std::int64_t thing_id(const guide::KnownThing& thing) {
+  if (thing.added_by == 0) return thing_id(static_cast<const objects::Instance&>(thing));
+  return number_of(fmt::format("added {}", thing.added_by));
 }
 
 std::optional<std::string> HomeView::room_at(const Eigen::Vector3d& point_gravity) const {
@@ -226,8 +267,10 @@ Expected<std::shared_ptr<const HomeView>> view_home(const home::Home& home,
     // Without one the rooms of things are left to the pictures.
     ROOMWISE_TRY(view.layout, pipeline::find_room_layout(home, view.map->frame, *view.map->floor));
   }
-  ROOMWISE_TRY(const pipeline::HomeHistory history, pipeline::find_home_history(home));
-  ROOMWISE_CHECK_OK(view_things(home, history, view));
+  ROOMWISE_TRY(const pipeline::HomeThings things, pipeline::find_home_things(home));
+  ROOMWISE_TRY(const pipeline::HomeHistory history, pipeline::find_home_history(home, things));
+  ROOMWISE_CHECK_OK(view_things(home, things, history, view));
+  ROOMWISE_CHECK_OK(view_edits(home, things, view));
   ROOMWISE_CHECK_OK(view_latest(home, history, view));
   view_changes(history, view);
   ROOMWISE_TRY(const auto classifier, home.room_classifier());

@@ -12,6 +12,7 @@
 #include "roomwise/guide/questions/home_prompts.h"
 #include "roomwise/home/home.h"
 #include "roomwise/live/live_map.h"
+#include "roomwise/pipeline/objects/home_things.h"
 #include "roomwise/pipeline/rooms/room_recognizer.h"
 #include "roomwise/rooms/layout/room_layout.h"
 
@@ -44,12 +45,24 @@ struct ViewedChanges {
 // By what picture shows an instance best, and where in it: the same as long as the thing is,
 // whatever it is called and whichever others come and go. Positive, at most 2^53.
 [[nodiscard]] std::int64_t thing_id(const objects::Instance& instance);
+// The same; of what a helper added, and no picture shows, by the change that did.
+[[nodiscard]] std::int64_t thing_id(const pipeline::HomeThing& thing);
+[[nodiscard]] std::int64_t thing_id(const guide::KnownThing& thing);
+
+// A change that a helper made, and whether it holds.
+struct ViewedEdit {
+  pipeline::StoredEdit edit;
+  std::string without_effect;  // why nothing comes of it at present; empty: it holds
+  std::string why_not_undone;  // what must be undone first; empty: nothing
+};
 
 // All that is told of a home, at one moment: values that never change.
 struct HomeView {
   std::string name;
-  std::vector<rooms::Room> rooms;         // by name
-  std::vector<guide::KnownThing> things;  // as stored; without a place until the map is ready
+  std::vector<rooms::Room> rooms;  // by name
+  // As found and as helpers changed them; without a place until the map is ready.
+  std::vector<guide::KnownThing> things;
+  std::vector<ViewedEdit> edits;  // that helpers made, the newest first
   // What the last visit or the last of several walks changed: the later of the two by their stamps
   // or, where these do not tell the date, the walk. All but what is gone are among things.
   guide::ChangedThings latest;

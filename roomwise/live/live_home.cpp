@@ -62,6 +62,7 @@ LiveHome::~LiveHome() {
   looking_.reset();
   if (lenses_) (void)lenses_->save();  // what is lost is learned anew
   if (recorder_) (void)recorder_->close();
+  if (photos_) (void)forget_removed_rooms();  // where it fails, the next one that opens does it
 }
 
 Expected<std::unique_ptr<LiveHome>> LiveHome::open(const fs::path& file,
@@ -79,6 +80,7 @@ Expected<std::unique_ptr<LiveHome>> LiveHome::open(const fs::path& file,
   ROOMWISE_TRY(Uploads uploads, Uploads::open(live->uploads_folder(), {}));
   live->uploads_ = std::make_unique<Uploads>(std::move(uploads));
   live->photos_ = std::make_unique<RoomPhotos>(live->photos_folder());
+  ROOMWISE_CHECK_OK(live->forget_removed_rooms());
   ROOMWISE_CHECK_OK(live->refresh(nullptr));
   ROOMWISE_CHECK_OK(live->check_networks());
   live->jobs_ = std::make_unique<Jobs>(

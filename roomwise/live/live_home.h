@@ -19,6 +19,7 @@
 #include "roomwise/live/room_photos.h"
 #include "roomwise/live/uploads.h"
 #include "roomwise/objects/proposals/object_finders.h"
+#include "roomwise/pipeline/edits/edit_things.h"
 #include "roomwise/service/server.h"
 
 namespace roomwise::live {
@@ -75,16 +76,28 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
 
   // ---- changing; each fails while a job writes the home, forgetting while any is at work, but
   // for the job "prepare", which stops for it ----
+  // `by`: the name of who changes it. Each of these is kept as a row of its own
+  // (pipeline/stored/stored_edits.h), which outlives later walks and can be undone.
   [[nodiscard]] Expected<void> name_rooms(home::RecordingId walk,
-                                          std::vector<recording::RoomRange> ranges);
+                                          std::vector<recording::RoomRange> ranges,
+                                          const std::string& by = {});
   [[nodiscard]] Expected<void> change_room(const std::string& name,
                                            const std::optional<std::string>& new_name,
-                                           const std::optional<std::string>& new_type);
-  // The room, where it was on the walks, and what was learned of rooms.
-  [[nodiscard]] Expected<void> forget_room(const std::string& name);
+                                           const std::optional<std::string>& new_type,
+                                           const std::string& by = {});
+  // The room, and where it was on the walks. It can be undone until the home is closed; then its
+  // photos and what was learned of it go, and no byte of it is left.
+  [[nodiscard]] Expected<void> forget_room(const std::string& name, const std::string& by = {});
   // By thing_id().
-  [[nodiscard]] Expected<void> rename_thing(std::int64_t id, const std::string& name);
-  [[nodiscard]] Expected<void> forget_thing(std::int64_t id);
+  [[nodiscard]] Expected<void> rename_thing(std::int64_t id, const std::string& name,
+                                            const std::string& by = {});
+  [[nodiscard]] Expected<void> forget_thing(std::int64_t id, const std::string& by = {});
+  // Any other change of things or rooms; returns its number.
+  using Edit = std::function<Expected<home::EditId>(home::Home&, const HomeView&,
+                                                    const pipeline::EditAuthor&)>;
+  [[nodiscard]] Expected<home::EditId> edit(const std::string& by, const Edit& work);
+  // Takes a change back.
+  [[nodiscard]] Expected<void> undo(home::EditId id);
   // The recording, all that came from it, what was learned, and its folder if it was recorded here.
   [[nodiscard]] Expected<void> forget_walk(home::RecordingId walk);
   // Everything.
@@ -162,6 +175,9 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
   // Runs `forget` while no job is at work; then the map of what is left is made ready.
   [[nodiscard]] Expected<void> while_idle(const std::function<Expected<void>()>& forget);
   [[nodiscard]] Expected<void> erase_walk(home::RecordingId walk);
+  [[nodiscard]] pipeline::EditAuthor author(const std::string& name) const;
+  // What could be undone until now: when the home is closed, or was.
+  [[nodiscard]] Expected<void> forget_removed_rooms();
   [[nodiscard]] Expected<void> start_mapping(const std::filesystem::path& folder);
   // All that waits to be mapped, one walk after the other.
   [[nodiscard]] Expected<void> start_mapping_what_waits();

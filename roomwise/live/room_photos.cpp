@@ -14,6 +14,7 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kDigits = 24;  // of names that are made of a digest
 constexpr const char* kNameFile = "room.txt";
+constexpr const char* kAsideFile = "removed_room.txt";  // in its place, of a room that was removed
 constexpr std::int64_t kMaxPhotoPixels = 24'000'000;
 constexpr int kMinPhotoSide_px = 160;
 
@@ -38,7 +39,9 @@ fs::path RoomPhotos::folder_of(const std::string& room) const {
   }
   fs::path fresh =
       folder_ / digest_of({reinterpret_cast<const std::uint8_t*>(room.data()), room.size()});
-  while (fs::exists(fresh / kNameFile, error)) fresh += "+";
+  while (fs::exists(fresh / kNameFile, error) || fs::exists(fresh / kAsideFile, error)) {
+    fresh += "+";
+  }
   return fresh;
 }
 
@@ -120,6 +123,53 @@ Expected<void> RoomPhotos::rename(const std::string& room, const std::string& ne
 Expected<void> RoomPhotos::remove(const std::string& room) {
   const std::scoped_lock lock(mutex_);
   return remove_folder(folder_of(room));
+}
+
+std::vector<fs::path> RoomPhotos::folders_set_aside() const {
+  std::vector<fs::path> folders;
+  std::error_code error;
+  for (const auto& one : fs::directory_iterator(folder_, error)) {
+    if (fs::exists(one.path() / kAsideFile, error)) folders.push_back(one.path());
+  }
+  std::ranges::sort(folders);
+  return folders;
+}
+
+Expected<void> RoomPhotos::set_aside(const std::string& room) {
+  const std::scoped_lock lock(mutex_);
+  std::error_code error;
+  const fs::path folder = folder_of(room);
+  if (!fs::exists(folder / kNameFile, error)) return {};
+  fs::rename(folder / kNameFile, folder / kAsideFile, error);
+  if (error) return fail("{}: cannot be renamed: {}", folder.string(), error.message());
+  return {};
+}
+
+Expected<void> RoomPhotos::bring_back(const std::string& room) {
+  const std::scoped_lock lock(mutex_);
+  for (const fs::path& folder : folders_set_aside()) {
+    ROOMWISE_TRY(const std::string name, read_text_file(folder / kAsideFile));
+    if (name != room) continue;
+    std::error_code error;
+    const fs::path now = folder_of(room);  // there may be newer ones
+    if (fs::exists(now / kNameFile, error)) {
+      for (const auto& file : fs::directory_iterator(folder, error)) {
+        if (file.path().filename() == kAsideFile) continue;
+        fs::rename(file.path(), now / file.path().filename(), error);
+      }
+      return remove_folder(folder);
+    }
+    fs::rename(folder / kAsideFile, folder / kNameFile, error);
+    if (error) return fail("{}: cannot be renamed: {}", folder.string(), error.message());
+    return {};
+  }
+  return {};
+}
+
+Expected<void> RoomPhotos::forget_set_aside() {
+  const std::scoped_lock lock(mutex_);
+  for (const fs::path& folder : folders_set_aside()) ROOMWISE_CHECK_OK(remove_folder(folder));
+  return {};
 }
 
 Expected<void> RoomPhotos::remove_all() {

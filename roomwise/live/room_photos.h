@@ -40,10 +40,15 @@ class RoomPhotos {
   // Where the room has photos.
   [[nodiscard]] Expected<void> rename(const std::string& room, const std::string& new_name);
   [[nodiscard]] Expected<void> remove(const std::string& room);
+  // Keeps them where nothing finds them, until they are brought back or forgotten.
+  [[nodiscard]] Expected<void> set_aside(const std::string& room);
+  [[nodiscard]] Expected<void> bring_back(const std::string& room);
+  [[nodiscard]] Expected<void> forget_set_aside();
   [[nodiscard]] Expected<void> remove_all();
 
  private:
   [[nodiscard]] std::filesystem::path folder_of(const std::string& room) const;
+  [[nodiscard]] std::vector<std::filesystem::path> folders_set_aside() const;
   [[nodiscard]] Expected<std::vector<pipeline::RoomPhoto>> read_all() const;
 
   std::filesystem::path folder_;
