@@ -13,6 +13,7 @@ void add_record_command(CLI::App& app, Context& context);
 void add_optimize_command(CLI::App& app, Context& context);
 void add_concepts_commands(CLI::App& app, Context& context);
 void add_objects_commands(CLI::App& app, Context& context);
+void add_edit_commands(CLI::App& app, Context& context);
 void add_eval_commands(CLI::App& app, Context& context);
 void add_locate_command(CLI::App& app, Context& context);
 void add_device_command(CLI::App& app, Context& context);

@@ -25,6 +25,7 @@ int main(int argc, char** argv) {
   add_optimize_command(app, context);
   add_concepts_commands(app, context);
   add_objects_commands(app, context);
+  add_edit_commands(app, context);
   add_eval_commands(app, context);
   add_export_commands(app, context);
   add_report_command(app, context);
