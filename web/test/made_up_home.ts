@@ -1,5 +1,5 @@
 // A home of four rooms that nobody lives in: what the computer would answer of it.
-import type { Home, Keyframe, RoomRange, Thing } from '../src/shared/protocol';
+import type { Home, Keyframe, Plan, Point, RoomRange, Thing } from '../src/shared/protocol';
 
 // Rooms as rectangles on the floor, metres: x, y, width, depth.
 const kRooms: Record<string, [number, number, number, number]> = {
@@ -34,9 +34,22 @@ export function makeHome(): Home {
   };
 }
 
+export function makePlan(): Plan {
+  return {
+    rooms: Object.entries(kRooms).map(([name, [x, y, width, depth]]) => ({
+      name, polygons: [[[[x, y], [x + width, y], [x + width, y + depth], [x, y + depth]] as Point[]]],
+    })),
+    doors: [
+      { rooms: ['corridor', 'kitchen'], middle: [1.5, 1.5], width_m: 0.8 },
+      { rooms: ['bathroom', 'corridor'], middle: [4, 1.5], width_m: 0.8 },
+      { rooms: ['bedroom', 'corridor'], middle: [5.5, 1.5], width_m: 0.9 },
+    ],
+  };
+}
+
 const thing = (
   id: number, name: string, room: string, position: Thing['position'], size: Thing['size'], probability: number,
-): Thing => ({ id, name, room, position, size, probability, keyframe: id, box: [40, 60, 120, 90] });
+): Thing => ({ id, name, room, position, size, probability, keyframe: id, box: [40, 60, 120, 90], by_hand: false, added: false, note: '' });
 
 const kThings: Thing[] = [
   thing(0, 'microwave', 'kitchen', [0.4, 4.3, 1.2], [0.5, 0.4, 0.3], 0.93),

@@ -1,7 +1,7 @@
 // The stand-in's requests: docs/protocol.md, "Requests".
 import type { ServerResponse } from 'node:http';
 
-import type { Job, JobState, Role, RoomRange } from '../src/shared/protocol';
+import type { Edit, Job, JobState, Role, RoomRange, Thing } from '../src/shared/protocol';
 import { drawnRoom } from './drawn_picture';
 import { makeCloud, roomOfKeyframe } from './made_up_home';
 import type { StandInServer } from './stand_in_server';
@@ -54,15 +54,27 @@ const kRoutes: [string, RegExp, Role | '-', Handler][] = [
     return changed(server);
   }],
   ['PUT', /^\/api\/things\/(\d+)$/, 'helper', ({ server, parts, body }) => {
-    const thing = server.state.home.things.find((one) => one.id === Number(parts[0]));
-    if (!thing) {
-      throw new Refusal(404, 'there is no such thing');
-    }
-    thing.name = json<{ name: string }>(body).name;
-    return changed(server);
+    const thing = thingOf(server, Number(parts[0]));
+    const before = { name: thing.name, by_hand: thing.by_hand };
+    Object.assign(thing, { name: json<{ name: string }>(body).name, by_hand: true });
+    return edited(server, { what: 'rename thing', old_name: before.name, name: thing.name }, () => Object.assign(thing, before));
   }],
   ['DELETE', /^\/api\/things\/(\d+)$/, 'helper', ({ server, parts }) => {
-    server.state.home.things = server.state.home.things.filter((one) => one.id !== Number(parts[0]));
+    const thing = thingOf(server, Number(parts[0]));
+    const before = server.state.home.things;
+    server.state.home.things = before.filter((one) => one !== thing);
+    return edited(server, { what: 'remove thing', old_name: thing.name }, () => (server.state.home.things = before));
+  }],
+  ['GET', /^\/api\/map\/plan$/, 'helper', ({ server }) => server.state.plan],
+  ['GET', /^\/api\/edits$/, 'helper', ({ server }) => ({ edits: server.state.edits.map(({ undo: _, ...edit }) => edit).reverse() })],
+  ['POST', /^\/api\/edits$/, 'helper', makeEdit],
+  ['DELETE', /^\/api\/edits\/(\d+)$/, 'helper', ({ server, parts }) => {
+    const last = server.state.edits.at(-1);
+    if (last?.edit !== Number(parts[0])) {
+      throw new Refusal(409, 'something later is about the same; undo that first');
+    }
+    server.state.edits.pop();
+    last.undo();
     return changed(server);
   }],
   ['POST', /^\/api\/learn$/, 'helper', ({ server }) => {
@@ -109,6 +121,69 @@ const kRoutes: [string, RegExp, Role | '-', Handler][] = [
     return {};
   }],
 ];
+
+function thingOf(server: StandInServer, id: number): Thing {
+  const thing = server.state.home.things.find((one) => one.id === id);
+  if (!thing) {
+    throw new Refusal(409, 'this home has no such thing any more; look at it anew');
+  }
+  return thing;
+}
+
+// Keeps a change, so that it can be undone.
+function edited(server: StandInServer, edit: Partial<Edit>, undo: () => void): object {
+  const number = (server.state.edits.at(-1)?.edit ?? 0) + 1;
+  server.state.edits.push({
+    edit: number, what: 'note', made: 1_760_000_000, by: 'Kitchen tablet', name: '', old_name: '', note: '', room: '', other_room: '',
+    type: '', without_effect: '', is_final: false, undo_first: '', ...edit, undo,
+  });
+  changed(server);
+  return { edit: number };
+}
+
+interface AskedEdit extends Partial<Edit> {
+  thing?: number;
+  double?: number;
+  position?: [number, number];
+  line?: [number, number][];
+}
+
+// As far as the tests need it.
+function makeEdit({ server, body }: Call): object {
+  const asked = json<AskedEdit>(body);
+  const { home } = server.state;
+  const things = home.things;
+  const said = { name: asked.name ?? '', note: asked.note ?? '', room: asked.room ?? '', other_room: asked.other_room ?? '' };
+  switch (asked.what) {
+    case 'add thing':
+      home.things = [...things, {
+        id: 100 + server.state.edits.length, ...said, room: asked.room ?? 'kitchen', size: [0.3, 0.3, 0.3], probability: 1,
+        position: asked.position ? [...asked.position, 0.8] : [1.5, 2.2, 0.8], keyframe: 0, box: [0, 0, 0, 0], by_hand: true, added: true,
+      }];
+      return edited(server, { what: asked.what, ...said }, () => (home.things = things));
+    case 'note': {
+      const thing = thingOf(server, asked.thing ?? -1);
+      const { note } = thing;
+      thing.note = said.note;
+      return edited(server, { what: asked.what, ...said, old_name: thing.name }, () => (thing.note = note));
+    }
+    case 'merge things': {
+      const [kept, double] = [thingOf(server, asked.thing ?? -1), thingOf(server, asked.double ?? -1)];
+      home.things = things.filter((one) => one !== double);
+      return edited(server, { what: asked.what, old_name: kept.name, name: double.name }, () => (home.things = things));
+    }
+    case 'divide room': {
+      if (asked.line?.length !== 2) {
+        throw new Refusal(409, "'line' must be two points");
+      }
+      const { rooms } = home;
+      home.rooms = [...rooms, { name: said.other_room, type: said.other_room, floor_m2: 4, middle: [2, 4] }];
+      return edited(server, { what: asked.what, ...said }, () => (home.rooms = rooms));
+    }
+    default:
+      throw new Refusal(409, `'${asked.what}' is none`);
+  }
+}
 
 export function answerApi(
   server: StandInServer, method: string, path: string, body: Buffer, role: Role | null, response: ServerResponse,

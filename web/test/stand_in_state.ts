@@ -2,8 +2,8 @@
 import { randomUUID } from 'node:crypto';
 
 import type { UploadState } from '../src/shared/upload';
-import type { Device, Job, Recognition, RecordingState, Role, Welcome } from '../src/shared/protocol';
-import { makeHome, makeKeyframes } from './made_up_home';
+import type { Device, Edit, Job, Recognition, RecordingState, Role, Welcome } from '../src/shared/protocol';
+import { makeHome, makeKeyframes, makePlan } from './made_up_home';
 
 const kDay = 86_400;
 const kNoon = 1_760_000_000;
@@ -13,6 +13,8 @@ export class StandInState {
   codeRole: Role = 'device';
   home = makeHome();
   keyframes = makeKeyframes();
+  plan = makePlan();
+  edits: (Edit & { undo: () => void })[] = []; // the newest last
   job: Job | null = null;
   recording: RecordingState | null = null;
   photos = new Map<string, number>(); // by room

@@ -9,6 +9,7 @@ export interface FormDialog {
   title: string;
   explain?: string;
   fields: Field[];
+  extra?: HTMLElement[]; // below the fields
   submit: string;
   dangerous?: boolean;
   // Shows what is wrong at a field and gives false, or true.
@@ -23,6 +24,7 @@ export function openFormDialog(options: FormDialog): void {
   const form = h('form', { novalidate: true, class: 'form' },
     options.explain ? h('p', {}, options.explain) : null,
     ...options.fields.map((field) => field.element),
+    ...(options.extra ?? []),
     failure,
     h('div', { class: 'row' }, button, cancel));
   form.addEventListener('submit', (event) => {

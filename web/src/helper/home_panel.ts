@@ -8,13 +8,17 @@ import type { Helper } from './actions';
 import { jobView } from './job_view';
 import { countOf, outlineOf } from './outline';
 import { keyframePicture } from './pictures';
+import { editsView } from './plan/edits_view';
+import { planView } from './plan/plan_view';
 import { rerender } from './rerender';
 import { panel } from './shell';
 import { outlineView } from './tree_view';
 
 export function homePanel(helper: Helper): HTMLElement {
   return panel(text('nav.home'),
-    h('div', { class: 'home' }, spaceView(helper), wordsView(helper)));
+    h('div', { class: 'home' },
+      h('div', { class: 'views' }, planView(helper), spaceView(helper)),
+      wordsView(helper)));
 }
 
 function wordsView(helper: Helper): HTMLElement {
@@ -37,7 +41,7 @@ function wordsView(helper: Helper): HTMLElement {
   };
   search.input.addEventListener('input', show);
   store.watch(['home'], show);
-  return h('section', { class: 'words', 'aria-label': text('home.in_words') }, search.element, count, tree);
+  return h('section', { class: 'words', 'aria-label': text('home.in_words') }, editsView(helper), search.element, count, tree);
 }
 
 // Loads three.js only when this part is opened.

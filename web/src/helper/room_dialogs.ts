@@ -1,6 +1,7 @@
 // Renaming, typing and deleting a room.
 import { request } from '../shared/api';
-import { selectField, textField } from '../shared/forms';
+import { h, newId } from '../shared/dom';
+import { textField } from '../shared/forms';
 import type { Home, Room } from '../shared/protocol';
 import { text } from '../shared/texts';
 import { act, type Helper } from './actions';
@@ -8,21 +9,20 @@ import { openFormDialog, required } from './form_dialog';
 
 export function editRoom(helper: Helper, home: Home, room: Room): void {
   const name = textField(text('room.name'), { value: room.name, attributes: { maxlength: 60 } });
-  // A type that is none of the home's own stays what it is.
-  const types = room.type === null || home.room_types.includes(room.type) ? home.room_types : [room.type, ...home.room_types];
-  const type = selectField(text('room.type'), [
-    ...(room.type === null ? [{ value: '', label: text('room.no_type') }] : []),
-    ...types.map((one) => ({ value: one, label: one })),
-  ], { value: room.type ?? '' });
+  // Any word is a type; those that are known are offered.
+  const types = h('datalist', { id: newId('types') }, ...home.room_types.map((one) => h('option', { value: one })));
+  const type = textField(text('room.type'), {
+    value: room.type ?? '', hint: text('room.type_hint'), attributes: { maxlength: 60, list: types.id },
+  });
   openFormDialog({
     title: text('room.edit_title', { room: room.name }),
-    fields: [name, type],
+    fields: [name, type], extra: [types],
     submit: text('dialog.save'),
     check: () => required(name, text('room.name_missing')),
     run: async () => {
       const change = {
         ...(name.value() !== room.name ? { name: name.value() } : {}),
-        ...(type.value() !== (room.type ?? '') ? { type: type.value() } : {}),
+        ...(type.value() !== (room.type ?? '') && type.value() !== '' ? { type: type.value() } : {}),
       };
       await act(helper, async () => {
         await request('PUT', `/api/rooms/${encodeURIComponent(room.name)}`, change);

@@ -1,12 +1,14 @@
 // What the helper's page knows of the home; kept fresh by the socket.
 import { ApiError, request } from '../shared/api';
 import type {
-  Device, DeviceSeen, FromComputer, Home, Job, Keyframe, Recognition, RecordingState,
+  Device, DeviceSeen, Edit, FromComputer, Home, Job, Keyframe, Plan, Recognition, RecordingState,
 } from '../shared/protocol';
 
 export interface HelperState {
   home: Home | null;
   keyframes: Keyframe[];
+  plan: Plan;
+  edits: Edit[]; // the newest first
   devices: Device[];
   recognitions: Recognition[];
   job: Job | null;
@@ -19,7 +21,7 @@ export type Topic = 'home' | 'devices' | 'recognitions' | 'job' | 'recording' | 
 
 export class HelperStore {
   readonly state: HelperState = {
-    home: null, keyframes: [], devices: [], recognitions: [], job: null, recording: null, seen: new Map(), online: false,
+    home: null, keyframes: [], plan: { rooms: [], doors: [] }, edits: [], devices: [], recognitions: [], job: null, recording: null, seen: new Map(), online: false,
   };
   private readonly listeners: { topics: readonly Topic[]; run: () => void }[] = [];
 
@@ -30,10 +32,14 @@ export class HelperStore {
   }
 
   async refreshHome(): Promise<void> {
-    const [home, map] = await Promise.all([
+    const [home, map, plan, changes] = await Promise.all([
       request<Home>('GET', '/api/home'),
       request<{ keyframes: Keyframe[] }>('GET', '/api/map/keyframes').catch(noneYet),
+      request<Plan>('GET', '/api/map/plan'),
+      request<{ edits: Edit[] }>('GET', '/api/edits'),
     ]);
+    this.state.plan = plan;
+    this.state.edits = changes.edits;
     this.state.home = home;
     this.state.keyframes = map.keyframes;
     this.tell('home');

@@ -6,6 +6,8 @@ import { counted, formatNumber, formatPercent, text } from '../shared/texts';
 import type { Helper } from './actions';
 import type { Outline, RoomOutline } from './outline';
 import { thingPicture } from './pictures';
+import { openRoomActions } from './plan/room_actions';
+import { openThingActions } from './plan/thing_actions';
 import { editRoom, removeRoom } from './room_dialogs';
 import { correctThing, removeThing } from './thing_dialogs';
 
@@ -39,7 +41,8 @@ function roomView(helper: Helper, home: Home, { room, things, neighbours }: Room
       h('h3', {}, room.name),
       h('div', { class: 'row tight' },
         action(`edit ${room.name}`, text('room.edit'), room.name, () => editRoom(helper, home, room)),
-        action(`delete ${room.name}`, text('room.delete'), room.name, () => removeRoom(helper, room)))),
+        action(`delete ${room.name}`, text('room.delete'), room.name, () => removeRoom(helper, room)),
+        action(`more ${room.name}`, text('home.more'), room.name, () => openRoomActions(helper, home, room)))),
     facts.length > 0 ? h('p', { class: 'hint' }, facts.join(' · ')) : null,
     things.length > 0 ? thingList(helper, things) : h('p', { class: 'hint' }, text('home.no_things')),
   ];
@@ -47,13 +50,16 @@ function roomView(helper: Helper, home: Home, { room, things, neighbours }: Room
 
 function thingList(helper: Helper, things: readonly Thing[]): HTMLElement {
   return h('ul', { class: 'things' }, ...things.map((thing) => h('li', {},
-    h('span', { class: 'thing' }, thing.name, h('span', { class: 'hint' }, ` ${formatPercent(thing.probability)}`)),
+    h('span', { class: 'thing' }, thing.name,
+      h('span', { class: 'hint' }, ` ${thing.by_hand ? text('thing.by_hand') : formatPercent(thing.probability)}`),
+      thing.note !== '' ? h('span', { class: 'note' }, thing.note) : null),
     h('div', { class: 'row tight' },
-      action(`picture ${thing.id}`, text('thing.picture'), thing.name, () => {
+      thing.added ? null : action(`picture ${thing.id}`, text('thing.picture'), thing.name, () => {
         openDialog(thing.name, [thingPicture(thing)]);
       }),
       action(`correct ${thing.id}`, text('thing.correct'), thing.name, () => correctThing(helper, thing)),
-      action(`remove ${thing.id}`, text('thing.remove'), thing.name, () => removeThing(helper, thing))))));
+      action(`remove ${thing.id}`, text('thing.remove'), thing.name, () => removeThing(helper, thing)),
+      action(`more ${thing.id}`, text('home.more'), thing.name, () => openThingActions(helper, thing))))));
 }
 
 // A small button whose name says to what it belongs.

@@ -188,6 +188,35 @@ export interface Thing {
   size: Vector;
   keyframe: number;
   box: [number, number, number, number];
+  by_hand: boolean; // a helper who was there says so
+  added: boolean; // by a helper: no picture shows it
+  note: string; // that is said with it; may be empty
+}
+
+// What a helper changed; members that its kind has not are empty.
+export interface Edit {
+  edit: number;
+  what: 'add thing' | 'rename thing' | 'note' | 'move thing' | 'merge things' | 'remove thing' | 'rename room' | 'room type'
+    | 'name frames' | 'remove room' | 'join rooms' | 'divide room' | 'move border' | 'draw room' | 'add door';
+  made: number; // seconds since 1970
+  by: string;
+  name: string;
+  old_name: string;
+  note: string;
+  room: string;
+  other_room: string;
+  type: string;
+  without_effect: string; // why nothing comes of it now; empty: it holds
+  is_final: boolean; // a room was removed for good since: it cannot be undone any more
+  undo_first: string; // what must be undone before it; empty: nothing
+}
+
+export type Point = [number, number];
+
+// The home from above, in metres; y goes up.
+export interface Plan {
+  rooms: { name: string; polygons: Point[][][] }[]; // each an outer ring and holes
+  doors: { rooms: [string, string]; middle: Point; width_m: number }[];
 }
 
 export interface RoomRange {

@@ -100,7 +100,7 @@ export class Visit {
   }
 
   // Presses Tab until the control of this name has the focus.
-  async tabTo(name: string, most = 80): Promise<void> {
+  async tabTo(name: string, most = 160): Promise<void> {
     await this.page.waitForFunction(
       (wanted) => [...document.querySelectorAll<HTMLElement>('a, button, input, select, textarea, summary, [tabindex]')]
         .some((one) => [one.getAttribute('aria-label'), (one as HTMLInputElement).labels?.[0]?.innerText, one.innerText]
