@@ -3,6 +3,7 @@
 #include <chrono>
 #include <filesystem>
 
+#include "command_line_author.h"
 #include "command_run.h"
 #include "commands.h"
 #include "open_home.h"
@@ -27,11 +28,6 @@ struct EditOptions {
   std::vector<double> line_m, outline_m;
   home::EditId change = 0;  // 0: the newest
 };
-
-pipeline::EditAuthor author() {
-  const auto now = std::chrono::system_clock::now().time_since_epoch();
-  return {"command line", std::chrono::duration_cast<std::chrono::seconds>(now).count()};
-}
 
 // The photos of rooms lie beside the home, as serve keeps them.
 live::RoomPhotos photos_of(const EditOptions& options) {
@@ -98,7 +94,7 @@ using Made = Expected<home::EditId>;
 
 Made add_thing(home::Home& home, const EditOptions& options, Context& context) {
   ROOMWISE_TRY(const auto where, find_target(home, options, options.what, nullptr, context));
-  return pipeline::add_thing(home, author(), options.what, where, options.note);
+  return pipeline::add_thing(home, command_line_author(), options.what, where, options.note);
 }
 
 Made add_way_out(home::Home& home, const EditOptions& options, Context& context) {
@@ -109,66 +105,67 @@ Made add_way_out(home::Home& home, const EditOptions& options, Context& context)
 
 Made rename_thing(home::Home& home, const EditOptions& options, Context&) {
   ROOMWISE_TRY(const auto thing, find_thing(home, options.what));
-  return pipeline::rename_thing(home, author(), thing, options.other);
+  return pipeline::rename_thing(home, command_line_author(), thing, options.other);
 }
 
 Made note_thing(home::Home& home, const EditOptions& options, Context&) {
   ROOMWISE_TRY(const auto thing, find_thing(home, options.what));
-  return pipeline::note_thing(home, author(), thing, options.other);
+  return pipeline::note_thing(home, command_line_author(), thing, options.other);
 }
 
 Made move_thing(home::Home& home, const EditOptions& options, Context& context) {
   ROOMWISE_TRY(const auto thing, find_thing(home, options.what));
   ROOMWISE_TRY(const auto where, find_target(home, options, thing.name, &thing, context));
-  return pipeline::move_thing(home, author(), thing, where);
+  return pipeline::move_thing(home, command_line_author(), thing, where);
 }
 
 Made merge_things(home::Home& home, const EditOptions& options, Context&) {
   ROOMWISE_TRY(const auto kept, find_thing(home, options.what));
   ROOMWISE_TRY(const auto twin, find_thing(home, options.other));
-  return pipeline::merge_things(home, author(), kept, twin);
+  return pipeline::merge_things(home, command_line_author(), kept, twin);
 }
 
 Made remove_thing(home::Home& home, const EditOptions& options, Context&) {
   ROOMWISE_TRY(const auto thing, find_thing(home, options.what));
-  return pipeline::remove_thing(home, author(), thing);
+  return pipeline::remove_thing(home, command_line_author(), thing);
 }
 
 Made rename_room(home::Home& home, const EditOptions& options, Context&) {
   home::EditId id = 0;
   ROOMWISE_CHECK_OK(home.atomically([&]() -> Expected<void> {
-    ROOMWISE_TRY(id, pipeline::rename_room(home, author(), options.what, options.other));
+    ROOMWISE_TRY(id,
+                 pipeline::rename_room(home, command_line_author(), options.what, options.other));
     return photos_of(options).rename(options.what, options.other);
   }));
   return id;
 }
 
 Made set_room_type(home::Home& home, const EditOptions& options, Context&) {
-  return pipeline::set_room_type(home, author(), options.what, options.other);
+  return pipeline::set_room_type(home, command_line_author(), options.what, options.other);
 }
 
 Made remove_room(home::Home& home, const EditOptions& options, Context&) {
   home::EditId id = 0;
   ROOMWISE_CHECK_OK(home.atomically([&]() -> Expected<void> {
-    ROOMWISE_TRY(id, pipeline::remove_room(home, author(), options.what));
+    ROOMWISE_TRY(id, pipeline::remove_room(home, command_line_author(), options.what));
     return photos_of(options).set_aside(options.what);
   }));
   return id;
 }
 
 Made join_rooms(home::Home& home, const EditOptions& options, Context&) {
-  return pipeline::join_rooms(home, author(), options.what, options.other);
+  return pipeline::join_rooms(home, command_line_author(), options.what, options.other);
 }
 
 Made divide_room(home::Home& home, const EditOptions& options, Context& context) {
   ROOMWISE_TRY(const auto floor, find_floor(home, context));
-  return pipeline::divide_room(home, author(), floor, options.what, line_of(options),
+  return pipeline::divide_room(home, command_line_author(), floor, options.what, line_of(options),
                                options.other);
 }
 
 Made move_border(home::Home& home, const EditOptions& options, Context& context) {
   ROOMWISE_TRY(const auto floor, find_floor(home, context));
-  return pipeline::move_border(home, author(), floor, options.what, options.other,
+  return pipeline::move_border(home, command_line_author(), floor, options.what, options.other,
                                line_of(options));
 }
 
@@ -181,12 +178,12 @@ Made draw_room(home::Home& home, const EditOptions& options, Context& context) {
     outline.emplace_back(options.outline_m[i], options.outline_m[i + 1]);
   }
   ROOMWISE_TRY(const auto floor, find_floor(home, context));
-  return pipeline::draw_room(home, author(), floor, options.what, outline);
+  return pipeline::draw_room(home, command_line_author(), floor, options.what, outline);
 }
 
 Made add_door(home::Home& home, const EditOptions& options, Context& context) {
   ROOMWISE_TRY(const auto floor, find_floor(home, context));
-  return pipeline::add_door(home, author(), floor, {options.what, options.other},
+  return pipeline::add_door(home, command_line_author(), floor, {options.what, options.other},
                             {options.at_m[0], options.at_m[1]});
 }
 
@@ -368,7 +365,10 @@ void add_room_changes(EditGroup& group) {
   const auto [draw, of_draw] =
       group.add("draw-room", "Say what floor is a room's, which may be new, by its corners",
                 "pantry --outline 0 0 1 0 1 1.5 0 1.5 --home my.home", change<draw_room>, {"ROOM"});
-  draw->add_option("--outline", of_draw.outline_m, "x and y of each corner, m")->required();
+  constexpr int kFewest = 2 * 3, kMost = 2 * 100;
+  draw->add_option("--outline", of_draw.outline_m, "x and y of each corner, m")
+      ->expected(kFewest, kMost)
+      ->required();
   const auto [door, of_door] =
       group.add("add-door", "Say where one gets from a room to another",
                 "kitchen hall --at 2 1 --home my.home", change<add_door>, {"ROOM", "OTHER"});
@@ -376,6 +376,11 @@ void add_room_changes(EditGroup& group) {
 }
 
 }  // namespace
+
+pipeline::EditAuthor command_line_author() {
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  return {"command line", std::chrono::duration_cast<std::chrono::seconds>(now).count()};
+}
 
 void add_edit_commands(CLI::App& app, Context& context) {
   CLI::App* const app_group =

@@ -3,12 +3,14 @@
 #include <opencv2/core.hpp>
 
 #include "camera_option.h"
+#include "command_line_author.h"
 #include "command_run.h"
 #include "commands.h"
 #include "networks.h"
 #include "open_home.h"
 #include "rooms_options.h"
 #include "roomwise/image/codec.h"
+#include "roomwise/pipeline/edits/edit_rooms.h"
 #include "roomwise/pipeline/rooms/home_places.h"
 #include "roomwise/pipeline/rooms/picture_features.h"
 #include "roomwise/pipeline/rooms/room_learning.h"
@@ -92,16 +94,18 @@ Expected<recording::RoomLabels> parse_ranges(const NameOptions& options,
 
 Expected<void> set_types(home::Home& home, const std::vector<std::string>& types) {
   if (types.empty()) return {};
-  ROOMWISE_TRY(std::vector<rooms::Room> rooms, home.rooms());
+  ROOMWISE_TRY(const std::vector<rooms::Room> rooms, home.rooms());
   for (const std::string& text : types) {
     const std::size_t equals = text.find('=');
     const auto room = std::ranges::find(rooms, text.substr(0, equals), &rooms::Room::name);
     if (equals == std::string::npos || room == rooms.end()) {
       return fail("'{}' gives no room of this home a type; expected ROOM=TYPE", text);
     }
-    room->type = text.substr(equals + 1);
+    const std::string type = text.substr(equals + 1);
+    if (room->type == type) continue;
+    ROOMWISE_CHECK_OK(pipeline::set_room_type(home, command_line_author(), room->name, type));
   }
-  return home.replace_rooms(rooms);
+  return {};
 }
 
 Expected<Answer> name(const NameOptions& options, Context& context) {
@@ -118,7 +122,7 @@ Expected<Answer> name(const NameOptions& options, Context& context) {
     ROOMWISE_TRY(const recording::RoomLabels labels,
                  options.labels.empty() ? parse_ranges(options, frames)
                                         : recording::RoomLabels::read(options.labels));
-    ROOMWISE_CHECK_OK(pipeline::name_rooms(home, recording, labels));
+    ROOMWISE_CHECK_OK(pipeline::name_frames(home, command_line_author(), recording, labels));
   }
   ROOMWISE_CHECK_OK(set_types(home, options.types));
 

@@ -43,6 +43,7 @@ bool is_left_out(std::string_view table) {
   return table == "stage_timings" || table == "picture_features" || table == "derived_data";
 }
 std::string_view column_left_out(std::string_view table) {
+  if (table == "edits") return "made_s";
   return table == "recordings" || table == "visits" ? "folder" : "";
 }
 

@@ -3,7 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <csignal>
+
 #include "roomwise/base/testing/testing.h"
+#include "roomwise/home/testing/sample_home.h"
 #include "roomwise/pipeline/edits/undo_edit.h"
 #include "roomwise/pipeline/rooms/home_layout.h"
 #include "roomwise/pipeline/rooms/room_contents.h"
@@ -254,6 +257,52 @@ TEST_F(RoomEdits, OfARemovedRoomNothingIsLeftOnceTheHomeIsClosed) {
   EXPECT_ERROR(undo_edit(*home_, left[0].id), "removed for good");
   EXPECT_OK(undo_edit(*home_, left[1].id)) << "it is younger than the removal";
   EXPECT_EQ(type_of("study"), "study");
+}
+
+// Kills this process when `count` SQL statements have begun.
+void kill_at_statement(home::Home& home, int* count) {
+  const auto on_statement = [](unsigned, void* left, void*, void*) {
+    if (--*static_cast<int*>(left) == 0) ::kill(::getpid(), SIGKILL);
+    return 0;
+  };
+  sqlite3_trace_v2(home.database().handle(), SQLITE_TRACE_STMT, on_statement, count);
+}
+
+TEST_F(RoomEdits, AChangeAndItsUndoAreWholeOrNotThereWhereverTheProgramIsKilled) {
+  const std::string before = digest();
+  ASSERT_OK(divide_room(*home_, kAnna, floor_, "bedroom", upwards(4.5), "study"));
+  const std::string after = digest();
+  undo();
+  home_.reset();
+  const auto kept = folder_ / "kept.home", tried = folder_ / "tried.home";
+  std::filesystem::rename(folder_ / "a.home", kept);
+  int killed = 0;
+  for (int statement = 1;; statement += 3) {
+    for (const char* suffix : {"", "-wal", "-shm", "-lock"}) {
+      std::filesystem::remove(tried.string() + suffix);
+    }
+    std::filesystem::copy_file(kept, tried);
+    const int status = home::testing::run_in_child([&] {
+      home::Home home = home::Home::open(tried).value();
+      int left = statement;
+      kill_at_statement(home, &left);
+      const auto id = divide_room(home, kAnna, floor_, "bedroom", upwards(4.5), "study");
+      if (!id || !undo_edit(home, *id)) return 1;
+      sqlite3_trace_v2(home.database().handle(), 0, nullptr, nullptr);
+      return 3;
+    });
+    const auto home = home::Home::open(tried);
+    ASSERT_OK(home);
+    const std::string now = home->content_digest().value();
+    EXPECT_TRUE(now == before || now == after) << "killed at statement " << statement;
+    if (!WIFSIGNALED(status)) {
+      EXPECT_EQ(WEXITSTATUS(status), 3);
+      EXPECT_EQ(now, before);
+      break;
+    }
+    ++killed;
+  }
+  EXPECT_GT(killed, 20);
 }
 
 TEST_F(RoomEdits, ThatChangeNothingOrCannotBeAreRefused) {

@@ -39,15 +39,13 @@ class Overlay {
     if (!at) return {};
     note_about(edit, *at);
     HomeThing& thing = works_[*at].thing;
+    // Who notes, moves or merges it calls it so, too, whatever programs call it later.
+    confirm(thing, edit.kind == EditKind::kRenameThing ? edit.change.name : edit.change.old_name);
     switch (edit.kind) {
       case EditKind::kRenameThing:
-        thing.name = edit.change.name;
-        thing.names = {{thing.name, 1.0}};
-        confirm(thing);
         break;
       case EditKind::kNote:
         thing.note = edit.change.note;
-        confirm(thing);
         break;
       case EditKind::kMoveThing:
         return move(edit, *at);
@@ -74,7 +72,9 @@ class Overlay {
   };
 
   // Somebody says so who was there.
-  static void confirm(HomeThing& thing) {
+  static void confirm(HomeThing& thing, const std::string& name) {
+    thing.name = name;
+    thing.names = {{name, 1.0}};
     thing.probability = 1;
     thing.is_confirmed = true;
   }
@@ -114,10 +114,8 @@ class Overlay {
       thing.added_by = edit.id;
       if (!edit.change.room.empty()) thing.room = edit.change.room;
     }
-    thing.name = edit.change.name;
-    thing.names = {{thing.name, 1.0}};
     thing.note = edit.change.note;
-    confirm(thing);
+    confirm(thing, edit.change.name);
   }
 
   Expected<void> move(const StoredEdit& edit, std::size_t at) {
@@ -139,7 +137,6 @@ class Overlay {
     thing.box_keyframe = {keyframe_from_world * stands.world_from_box, stands.size_m};
     thing.room.reset();
     if (!edit.change.room.empty()) thing.room = edit.change.room;
-    confirm(thing);
     return {};
   }
 
@@ -149,7 +146,6 @@ class Overlay {
     if (!other || *other == at) return {};  // the walks made one thing of them meanwhile
     note_about(edit, *other);
     works_[*other].is_there = false;
-    confirm(works_[at].thing);
     if (works_[at].thing.note.empty()) works_[at].thing.note = works_[*other].thing.note;
     return {};
   }

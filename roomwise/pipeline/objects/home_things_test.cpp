@@ -96,6 +96,20 @@ TEST_F(HomeThingsOfWalks, ANameAndANoteOutliveALaterWalkThatFindsThingsAnew) {
   EXPECT_THAT(names(), ElementsAre("armchair"));
 }
 
+TEST_F(HomeThingsOfWalks, WhoNotedOnAThingCalledItSoWhateverProgramsCallItLater) {
+  walk(kBox);
+  ASSERT_OK(note_thing(*home_, kAnna, thing(), "soft"));
+  // As a later walk's pictures may have it: another class, and another best picture.
+  auto found = home_->instances().value();
+  found[0].name = "bed";
+  found[0].names = {{"bed", 1.0}};
+  found[0].picture_box.left += 1;
+  ASSERT_OK(home_->replace_instances(found));
+  ASSERT_THAT(names(), ElementsAre("sofa"));
+  EXPECT_EQ(thing().note, "soft");
+  EXPECT_EQ(thing().found_as, "bed");
+}
+
 TEST_F(HomeThingsOfWalks, ANameGoesWithAThingThatAWalkFindsMoved) {
   walk(kBox);
   const Eigen::Vector3d stood = middle(thing());
