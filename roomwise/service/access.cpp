@@ -211,6 +211,19 @@ Expected<bool> AccessRegister::revoke(std::int64_t device) {
                        [&](const Entry& entry) { return entry.device.who.device == device; }) > 0;
 }
 
+Expected<bool> AccessRegister::rename(std::int64_t device, const std::string& name) {
+  if (!is_good_name(name)) {
+    return fail("'name' must be a name of 1 to 64 bytes on one line");
+  }
+  const std::scoped_lock lock(mutex_);
+  const auto entry = std::ranges::find_if(
+      entries_, [&](const Entry& one) { return one.device.who.device == device; });
+  if (entry == entries_.end()) return false;
+  ROOMWISE_CHECK_OK(database_.run("UPDATE devices SET name = ? WHERE device = ?", name, device));
+  entry->device.who.name = name;
+  return true;
+}
+
 std::vector<PairedDevice> AccessRegister::devices() const {
   const std::scoped_lock lock(mutex_);
   std::vector<PairedDevice> devices;

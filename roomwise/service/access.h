@@ -87,6 +87,10 @@ class AccessRegister {
   // Takes the device's token away; false where there is no such device.
   [[nodiscard]] Expected<bool> revoke(std::int64_t device);
 
+  // Calls the device otherwise; false where there is no such device. Fails where nobody could speak
+  // the name.
+  [[nodiscard]] Expected<bool> rename(std::int64_t device, const std::string& name);
+
   [[nodiscard]] std::vector<PairedDevice> devices() const;  // by number
   [[nodiscard]] const std::string& fingerprint() const { return fingerprint_; }
 

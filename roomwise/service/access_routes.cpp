@@ -148,6 +148,18 @@ HttpAnswer answer_authority_file(Access, Context context, const HttpRequest&, co
   return answer;
 }
 
+HttpAnswer answer_rename(Access access, Context, const HttpRequest& request,
+                         const Placeholders& values) {
+  const auto json = json_of(request);
+  if (!json) return error_answer(400, json.error().message);
+  const auto device = number_of<std::int64_t>(values.at("device"));
+  if (!device) return error_answer(404, "there is no such device");
+  const auto renamed = access.rename(*device, text_member(*json, "name").value_or(""));
+  if (!renamed) return error_answer(400, renamed.error().message);
+  if (!*renamed) return error_answer(404, fmt::format("there is no device {}", *device));
+  return json_answer(Json::object());
+}
+
 }  // namespace
 
 std::vector<Route> access_routes(AccessRegister& access, AccessRoutesContext given) {
@@ -167,6 +179,7 @@ std::vector<Route> access_routes(AccessRegister& access, AccessRoutesContext giv
   add("GET", "/api/me", Role::kDevice, answer_me);
   add("POST", "/api/leave", Role::kDevice, answer_leave);
   add("GET", "/api/devices", Role::kHelper, answer_list);
+  add("PUT", "/api/devices/{device}", Role::kHelper, answer_rename);
   add("DELETE", "/api/devices/{device}", Role::kHelper, answer_remove);
   add("POST", "/api/codes", Role::kHelper, answer_code);
   add("GET", "/api/authority", std::nullopt, answer_authority);

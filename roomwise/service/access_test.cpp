@@ -104,6 +104,18 @@ TEST_F(AccessTest, ARemovedDevicesNumberIsNotGivenAgain) {
   EXPECT_EQ(redeem(code())->who.device, 2);
 }
 
+TEST_F(AccessTest, ADeviceIsCalledAsAHelperSays) {
+  const auto pairing = redeem(code());
+  EXPECT_TRUE(access_->rename(pairing->who.device, "Anna's belt").value());
+  EXPECT_EQ(access_->identify(pairing->token, now_)->name, "Anna's belt");
+  EXPECT_FALSE(access_->rename(99, "Anna's belt").value());
+  for (const std::string& name : {std::string(), std::string("a\nb"), std::string(65, 'a')}) {
+    EXPECT_ERROR(access_->rename(pairing->who.device, name), "1 to 64 bytes");
+  }
+  open();
+  EXPECT_EQ(access_->devices()[0].who.name, "Anna's belt") << "also after a restart";
+}
+
 TEST_F(AccessTest, BadRequestsAreNoGuesses) {
   const std::string open_code = code();
   for (int i = 0; i < 20; ++i) {

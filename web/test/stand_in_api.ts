@@ -29,6 +29,14 @@ const kRoutes: [string, RegExp, Role | '-', Handler][] = [
   ['GET', /^\/api\/home$/, 'device', ({ server }) => server.state.home],
   ['DELETE', /^\/api\/home$/, 'helper', forgetHome],
   ['GET', /^\/api\/devices$/, 'helper', ({ server }) => ({ devices: server.state.devices })],
+  ['PUT', /^\/api\/devices\/(\d+)$/, 'helper', ({ server, parts, body }) => {
+    const device = server.state.devices.find((one) => one.device === Number(parts[0]));
+    if (!device) {
+      throw new Refusal(404, `there is no device ${parts[0]}`);
+    }
+    device.name = json<{ name: string }>(body).name;
+    return {};
+  }],
   ['DELETE', /^\/api\/devices\/(\d+)$/, 'helper', ({ server, parts }) => {
     server.state.devices = server.state.devices.filter((one) => one.device !== Number(parts[0]));
     return {};

@@ -2,12 +2,12 @@
 import { messageOf, request } from '../shared/api';
 import { openDialog } from '../shared/dialog';
 import { h } from '../shared/dom';
-import { radioField } from '../shared/forms';
+import { radioField, textField } from '../shared/forms';
 import { icon } from '../shared/icons';
 import type { Authority, Device, Me, PairingCode, Role } from '../shared/protocol';
 import { counted, formatTime, text } from '../shared/texts';
 import { act, type Helper } from './actions';
-import { openFormDialog } from './form_dialog';
+import { openFormDialog, required } from './form_dialog';
 import { qrPicture } from './qr';
 import { verdictWords } from './recognise_panel';
 import { rerender } from './rerender';
@@ -34,10 +34,27 @@ function deviceView(helper: Helper, me: Me, device: Device): HTMLElement {
       h('p', { class: 'device-name' }, device.name, own ? ` (${text('devices.this_one')})` : ''),
       h('p', { class: `chip ${device.online ? 'good' : 'off'}` }, icon(device.online ? 'tick' : 'cross'), text(device.online ? 'phone.connected' : 'phone.not_connected')),
       h('p', { class: 'hint' }, facts.join(' · '))),
-    h('button', {
+    h('div', { class: 'row tight' }, h('button', {
+      type: 'button', class: 'small', 'data-key': `rename ${device.device}`,
+      'aria-label': `${text('devices.rename')} ${device.name}`, onclick: () => rename(helper, device),
+    }, text('devices.rename')), h('button', {
       type: 'button', class: 'small', 'data-key': `revoke ${device.device}`,
       'aria-label': `${text('devices.revoke')} ${device.name}`, onclick: () => revoke(helper, device, own),
-    }, text('devices.revoke')));
+    }, text('devices.revoke'))));
+}
+
+function rename(helper: Helper, device: Device): void {
+  const name = textField(text('devices.name'), { value: device.name, attributes: { maxlength: 40 } });
+  openFormDialog({
+    title: text('devices.rename_title', { device: device.name }),
+    fields: [name],
+    submit: text('dialog.save'),
+    check: () => required(name, text('devices.name_missing')),
+    run: () => act(helper, async () => {
+      await request('PUT', `/api/devices/${device.device}`, { name: name.value() });
+      await helper.store.refreshDevices();
+    }, text('devices.renamed', { device: name.value() })),
+  });
 }
 
 function revoke(helper: Helper, device: Device, own: boolean): void {

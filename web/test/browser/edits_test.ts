@@ -109,3 +109,15 @@ test('what another helper changed meanwhile is told, and the list is fresh', opt
   await visit.sees('Undo: renamed microwave to grill');
   await visit.close();
 }));
+
+test('a device is called otherwise', options, () => withServer(async (server) => {
+  const visit = await openVisit(server, { role: 'helper' });
+  await visit.go('/#devices');
+  await visit.press('Rename Chest camera');
+  await retype(visit, 'Belt');
+  await visit.page.keyboard.press('Enter');
+  await heardOnce(visit, 'It is called Belt now.');
+  await visit.sees('Belt', '.device-name');
+  assert.deepEqual(server.state.requests, ['PUT /api/devices/4 {"name":"Belt"}']);
+  await visit.close();
+}));
