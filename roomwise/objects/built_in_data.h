@@ -7,5 +7,6 @@ namespace roomwise::objects {
 
 extern const std::string_view kKindsJson;          // kinds/kinds.json
 extern const std::string_view kInstanceModelJson;  // instances/instance_model.json
+extern const std::string_view kOwnThingModelJson;  // own_things/own_thing_model.json
 
 }  // namespace roomwise::objects

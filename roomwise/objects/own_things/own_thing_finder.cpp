@@ -1,0 +1,334 @@
+#include "roomwise/objects/own_things/own_thing_finder.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "roomwise/image/resample.h"
+#include "roomwise/objects/own_things/placed_features.h"
+#include "roomwise/objects/proposals/square_about.h"
+
+namespace roomwise::objects {
+namespace {
+
+constexpr float kAround = 1.1F;       // a network sees a place with a rim about it
+constexpr float kSamePlace = 0.7F;    // boxes that overlap so are looked at once
+constexpr float kOtherWindow = 0.3F;  // windows of one thing overlap less
+constexpr std::size_t kViewsInMean = 3;
+constexpr int kWorkingWidth_px = 640;  // of pictures; wider ones are shrunk
+
+double inner(std::span<const float> a, std::span<const float> b) {
+  double sum = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    sum += static_cast<double>(a[i]) * static_cast<double>(b[i]);
+  }
+  return sum;
+}
+
+image::ColorImage part_of(const image::ColorImage& picture, const network::PixelBox& box) {
+  const network::PixelBox square = square_about(box, kAround, picture.width(), picture.height());
+  return image::crop(picture, static_cast<int>(square.left), static_cast<int>(square.top),
+                     std::max(1, static_cast<int>(square.right - square.left)),
+                     std::max(1, static_cast<int>(square.bottom - square.top)));
+}
+
+network::PixelBox cut_to(const network::PixelBox& box, const image::ColorImage& picture) {
+  return network::intersection(
+      box, {0, 0, static_cast<float>(picture.width()), static_cast<float>(picture.height())});
+}
+
+// Only those that the mask holds.
+features::Features inside(const features::Features& all, const image::GrayImage& mask) {
+  features::Features kept;
+  std::vector<Eigen::Index> rows;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const int x = static_cast<int>(std::lround(all.keypoints[i].position_px.x()));
+    const int y = static_cast<int>(std::lround(all.keypoints[i].position_px.y()));
+    if (!mask.contains(x, y) || mask.at(x, y) == 0) continue;
+    kept.keypoints.push_back(all.keypoints[i]);
+    rows.push_back(static_cast<Eigen::Index>(i));
+  }
+  std::visit(
+      [&](const auto& descriptors) {
+        auto some = descriptors;
+        some.resize(static_cast<Eigen::Index>(rows.size()), descriptors.cols());
+        for (std::size_t i = 0; i < rows.size(); ++i) {
+          some.row(static_cast<Eigen::Index>(i)) = descriptors.row(rows[i]);
+        }
+        kept.descriptors = std::move(some);
+      },
+      all.descriptors);
+  return kept;
+}
+
+// Where in a picture the colours are most like those of the view, best first, apart from each
+// other. Sides are those of things at arm's length to across a room.
+std::vector<network::PixelBox> colored_windows(const ColorTable& table, const PreparedView& view,
+                                               int width_px, int height_px, std::size_t most) {
+  constexpr std::array kSides{0.08F, 0.13F, 0.2F, 0.32F, 0.5F};  // of the picture's width
+  const float shape = static_cast<float>(view.width_px) / static_cast<float>(view.height_px);
+  struct Window {
+    network::PixelBox box;
+    double likeness;
+  };
+  std::vector<Window> windows;
+  const auto picture_width = static_cast<float>(width_px);
+  const auto picture_height = static_cast<float>(height_px);
+  for (const float side : kSides) {
+    const float width = side * picture_width * std::sqrt(shape);
+    const float height = side * picture_width / std::sqrt(shape);
+    if (width > picture_width || height > picture_height) continue;
+    for (float top = 0; top + height <= picture_height; top += height / 3) {
+      for (float left = 0; left + width <= picture_width; left += width / 3) {
+        const network::PixelBox box{left, top, left + width, top + height};
+        windows.push_back({box, color_likeness(view.color, table.shares(box))});
+      }
+    }
+  }
+  std::ranges::stable_sort(windows, std::ranges::greater{}, &Window::likeness);
+  std::vector<network::PixelBox> chosen;
+  for (const Window& window : windows) {
+    if (chosen.size() == most) break;
+    const bool is_apart = std::ranges::none_of(chosen, [&](const network::PixelBox& other) {
+      return network::intersection_over_union(other, window.box) > kOtherWindow;
+    });
+    if (is_apart) chosen.push_back(window.box);
+  }
+  return chosen;
+}
+
+// How many of the view's agreeing features lie in the box.
+std::size_t inliers_in(const PlacedView& placed, const network::PixelBox& box) {
+  return static_cast<std::size_t>(std::ranges::count_if(placed.places_px, [&](const auto& place) {
+    return place.x() >= box.left && place.x() < box.right && place.y() >= box.top &&
+           place.y() < box.bottom;
+  }));
+}
+
+}  // namespace
+
+// A picture as it is searched: what is the same for all things, and where each may be.
+struct OwnThingFinder::Picture {
+  const image::ColorImage& color;
+  features::Features features;
+  ColorTable colors;
+  std::vector<network::PixelBox> places;
+  std::vector<std::vector<PlacedView>> placed;  // by thing
+
+  // Of what is large enough to be seen.
+  void add(const network::PixelBox& box) {
+    constexpr float kLeastSide_px = 12;
+    const network::PixelBox cut = cut_to(box, color);
+    if (cut.right - cut.left < kLeastSide_px || cut.bottom - cut.top < kLeastSide_px) return;
+    const bool is_known = std::ranges::any_of(places, [&](const network::PixelBox& place) {
+      return network::intersection_over_union(place, cut) > kSamePlace;
+    });
+    if (!is_known) places.push_back(cut);
+  }
+};
+
+Expected<void> OwnThingSearch::validate() const {
+  if (max_places == 0) return fail("max_places is 0; a picture needs one place at least");
+  if (max_keypoints < 1 || view_keypoints < 1) {
+    return fail("max_keypoints is {}, view_keypoints {}; each must be 1 at least", max_keypoints,
+                view_keypoints);
+  }
+  return {};
+}
+
+OwnThingFinder::OwnThingFinder(const network::Classifier& network,
+                               const DetectionFinders& detectors, HomeBackground background,
+                               const OwnThingModel& model, const OwnThingSearch& search)
+    : network_(network),
+      detectors_(detectors),
+      background_(std::move(background)),
+      model_(model),
+      search_(search),
+      of_pictures_(features::make_extractor(features::FeatureKind::kSurf, search.max_keypoints)),
+      of_views_(features::make_extractor(features::FeatureKind::kSurf, search.view_keypoints)) {}
+
+OwnThingFinder::~OwnThingFinder() = default;
+
+std::vector<float> OwnThingFinder::centered(std::vector<float> features) const {
+  if (background_.mean.size() == features.size()) {
+    for (std::size_t i = 0; i < features.size(); ++i) features[i] -= background_.mean[i];
+  }
+  const double length = std::sqrt(inner(features, features));
+  if (length > 0) {
+    for (float& value : features) value = static_cast<float>(static_cast<double>(value) / length);
+  }
+  return features;
+}
+
+Expected<std::vector<float>> OwnThingFinder::embed(const image::ColorImage& picture) const {
+  ROOMWISE_TRY(network::Prediction seen, network_.predict(picture));
+  return centered(std::move(seen.features));
+}
+
+Expected<std::vector<std::size_t>> OwnThingFinder::choose_views(std::span<const ShownThing> shown,
+                                                                std::size_t most) const {
+  if (shown.empty()) return fail("nothing was shown");
+  std::vector<std::vector<float>> embeddings;
+  for (const ShownThing& one : shown) {
+    ROOMWISE_TRY(embeddings.emplace_back(), embed(one.crop));
+  }
+  const auto sharpest = std::ranges::max_element(shown, {}, &ShownThing::sharpness);
+  std::vector<std::size_t> chosen{static_cast<std::size_t>(sharpest - shown.begin())};
+  std::vector<double> nearest(shown.size(), -1);  // to what was chosen
+  while (chosen.size() < std::min(most, shown.size())) {
+    std::optional<std::size_t> farthest;
+    for (std::size_t i = 0; i < shown.size(); ++i) {
+      nearest[i] = std::max(nearest[i], inner(embeddings[i], embeddings[chosen.back()]));
+      if (std::ranges::count(chosen, i) > 0) continue;
+      if (!farthest || nearest[i] < nearest[*farthest]) farthest = i;
+    }
+    chosen.push_back(*farthest);
+  }
+  return chosen;
+}
+
+Expected<PreparedThing> OwnThingFinder::prepare(std::span<const TaughtView> views) const {
+  PreparedThing thing;
+  for (const TaughtView& view : views) {
+    ROOMWISE_TRY(const ShownThing shown, shown_again(view));
+    PreparedView& prepared = thing.views.emplace_back();
+    ROOMWISE_TRY(prepared.embedding, embed(shown.crop));
+    prepared.features = inside(of_views_->extract(image::to_gray(shown.crop)), shown.mask);
+    prepared.color = color_shares(shown.crop, shown.mask, light_of(shown.crop));
+    prepared.width_px = shown.crop.width();
+    prepared.height_px = shown.crop.height();
+  }
+  return thing;
+}
+
+void OwnThingFinder::add_places_of(const PreparedThing& thing, std::size_t index,
+                                   Picture& picture) const {
+  std::vector<PlacedView>& placed = picture.placed[index];
+  for (const PreparedView& view : thing.views) {
+    auto one = place_view(view.features, view.width_px, view.height_px, picture.features);
+    if (one) placed.push_back(*std::move(one));
+  }
+  std::ranges::stable_sort(placed, std::ranges::greater{}, &PlacedView::inliers);
+  for (std::size_t i = 0; i < std::min(placed.size(), search_.max_placed_views); ++i) {
+    picture.add(placed[i].box);
+  }
+  std::size_t windows = 0;
+  for (const PreparedView& view : thing.views) {
+    if (windows == search_.max_windows) break;
+    // The best of each view, since colours change from side to side.
+    for (const auto& box :
+         colored_windows(picture.colors, view, picture.color.width(), picture.color.height(), 1)) {
+      picture.add(box);
+      ++windows;
+    }
+  }
+}
+
+Expected<OwnThingFinder::Picture> OwnThingFinder::look(
+    const image::ColorImage& color, std::span<const PreparedThing> things) const {
+  Picture picture{color, of_pictures_->extract(image::to_gray(color)), ColorTable(color), {}, {}};
+  picture.placed.resize(things.size());
+  std::vector<network::Detection> found;
+  for (const auto& detector : detectors_) {
+    ROOMWISE_TRY(const auto some, detector->find(color));
+    found.insert(found.end(), some.begin(), some.end());
+  }
+  std::ranges::stable_sort(found, std::ranges::greater{}, &network::Detection::score);
+  for (const network::Detection& one : found) {
+    if (picture.places.size() == search_.max_detections) break;
+    picture.add(one.box);
+  }
+  for (std::size_t i = 0; i < things.size(); ++i) add_places_of(things[i], i, picture);
+  if (picture.places.size() > search_.max_places) picture.places.resize(search_.max_places);
+  return picture;
+}
+
+Expected<std::vector<OwnThingCandidate>> OwnThingFinder::compare(
+    const image::ColorImage& full, std::span<const PreparedThing> things) const {
+  const bool is_wide = full.width() > kWorkingWidth_px;
+  const int height = is_wide ? std::max(1, full.height() * kWorkingWidth_px / full.width()) : 0;
+  const image::ColorImage shrunk =
+      is_wide ? image::resize(full, kWorkingWidth_px, height) : image::ColorImage();
+  const image::ColorImage& color = is_wide ? shrunk : full;
+  const float back = static_cast<float>(full.width()) / static_cast<float>(color.width());
+  ROOMWISE_TRY(const Picture picture, look(color, things));
+  std::vector<OwnThingCandidate> candidates;
+  for (const network::PixelBox& place : picture.places) {
+    ROOMWISE_TRY(const std::vector<float> seen, embed(part_of(color, place)));
+    const ColorShares colors = picture.colors.shares(place);
+    for (std::size_t i = 0; i < things.size(); ++i) {
+      OwnThingCandidate candidate{
+          i, {place.left * back, place.top * back, place.right * back, place.bottom * back}, {}, 0};
+      std::vector<double> similar;
+      double color_of_best = 0;
+      for (const PreparedView& view : things[i].views) {
+        similar.push_back(inner(seen, view.embedding));
+        color_of_best = std::max(color_of_best, color_likeness(view.color, colors));
+      }
+      std::ranges::sort(similar, std::ranges::greater{});
+      std::size_t agreeing = 0;
+      for (const PlacedView& placed : picture.placed[i]) {
+        agreeing = std::max(agreeing, inliers_in(placed, place));
+      }
+      const std::size_t in_mean = std::min(kViewsInMean, similar.size());
+      const double sum = std::accumulate(
+          similar.begin(), similar.begin() + static_cast<std::ptrdiff_t>(in_mean), 0.0);
+      candidate.likeness = {similar.empty() ? 0 : similar.front(),
+                            in_mean == 0 ? 0 : sum / static_cast<double>(in_mean),
+                            std::log1p(static_cast<double>(agreeing)), color_of_best};
+      candidate.log_odds = model_.log_odds(candidate.likeness);
+      candidates.push_back(candidate);
+    }
+  }
+  return candidates;
+}
+
+Expected<std::vector<OwnThingCandidate>> OwnThingFinder::find(
+    const image::ColorImage& picture, std::span<const PreparedThing> things) const {
+  ROOMWISE_TRY(const auto candidates, compare(picture, things));
+  std::vector<OwnThingCandidate> best;
+  for (std::size_t i = 0; i < things.size(); ++i) {
+    const OwnThingCandidate* likeliest = nullptr;
+    for (const OwnThingCandidate& one : candidates) {
+      if (one.thing != i) continue;
+      if (likeliest == nullptr || one.log_odds > likeliest->log_odds) likeliest = &one;
+    }
+    if (likeliest != nullptr) best.push_back(*likeliest);
+  }
+  return best;
+}
+
+Expected<std::vector<std::vector<float>>> OwnThingFinder::place_features(
+    const image::ColorImage& color) const {
+  ROOMWISE_TRY(const Picture picture, look(color, {}));
+  std::vector<std::vector<float>> all;
+  for (const network::PixelBox& place : picture.places) {
+    ROOMWISE_TRY(network::Prediction seen, network_.predict(part_of(color, place)));
+    all.push_back(std::move(seen.features));
+  }
+  // Windows of any colour are places, too: the quarters of the picture.
+  for (const int left : {0, color.width() / 2}) {
+    for (const int top : {0, color.height() / 2}) {
+      ROOMWISE_TRY(
+          network::Prediction seen,
+          network_.predict(image::crop(color, left, top, color.width() / 2, color.height() / 2)));
+      all.push_back(std::move(seen.features));
+    }
+  }
+  return all;
+}
+
+HomeBackground background_of(std::span<const std::vector<float>> places) {
+  HomeBackground background;
+  if (places.empty()) return background;
+  std::vector<double> sum(places.front().size());
+  for (const auto& place : places) {
+    for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += static_cast<double>(place[i]);
+  }
+  for (const double value : sum) {
+    background.mean.push_back(static_cast<float>(value / static_cast<double>(places.size())));
+  }
+  return background;
+}
+
+}  // namespace roomwise::objects

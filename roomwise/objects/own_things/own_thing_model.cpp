@@ -1,0 +1,65 @@
+#include "roomwise/objects/own_things/own_thing_model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+#include <numeric>
+#include <vector>
+
+#include "roomwise/objects/built_in_data.h"
+
+namespace roomwise::objects {
+
+double OwnThingModel::log_odds(const Likeness& likeness) const {
+  return std::inner_product(likeness.begin(), likeness.end(), weights.begin(), bias);
+}
+
+Expected<OwnThingModel> OwnThingModel::parse(std::string_view json) {
+  OwnThingModel model;
+  try {
+    const auto parsed = nlohmann::json::parse(json);
+    parsed.at("bias").get_to(model.bias);
+    const auto& weights = parsed.at("weights");
+    for (std::size_t i = 0; i < kLikenesses; ++i) {
+      weights.at(std::string(kLikenessNames[i])).get_to(model.weights[i]);
+    }
+    if (weights.size() != kLikenesses) {
+      return fail("the model of own things: it weighs {} likenesses; this program knows {}",
+                  weights.size(), kLikenesses);
+    }
+  } catch (const nlohmann::json::exception& error) {
+    return fail("the model of own things: {}", error.what());
+  }
+  const bool is_finite =
+      std::isfinite(model.bias) &&
+      std::ranges::all_of(model.weights, [](double weight) { return std::isfinite(weight); });
+  if (!is_finite) return fail("the model of own things: a number is not finite");
+  return model;
+}
+
+const OwnThingModel& OwnThingModel::built_in() {
+  static const OwnThingModel kModel = [] {
+    auto model = parse(kOwnThingModelJson);
+    if (!model) std::abort();  // the program's own data, which a test reads
+    return *std::move(model);
+  }();
+  return kModel;
+}
+
+Expected<double> found_threshold(std::span<const double> scores, double max_false) {
+  if (scores.size() < kMinCalibrationPictures) {
+    return fail("{} pictures of the home do not tell what looks like the thing; {} do",
+                scores.size(), kMinCalibrationPictures);
+  }
+  std::vector<double> sorted(scores.begin(), scores.end());
+  std::ranges::sort(sorted);
+  const auto at = [&](double share) {
+    return sorted[static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1))];
+  };
+  // Half of the upper half lies within ln 2 of the scale of its exponential.
+  const double scale = (at(0.75) - at(0.5)) / std::log(2.0);
+  return at(0.5) + scale * std::log(0.5 / max_false);
+}
+
+}  // namespace roomwise::objects

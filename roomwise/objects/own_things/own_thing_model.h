@@ -1,0 +1,43 @@
+#pragma once
+
+#include <array>
+#include <span>
+#include <string_view>
+
+#include "roomwise/base/expected.h"
+
+namespace roomwise::objects {
+
+// What speaks for a place in a picture being a thing that was taught.
+//   embedding: cosine similarity of the network's features, without what all of the home's places
+//     have in common, to the view that is most alike;
+//   embedding_mean: the same in the mean over the three that are;
+//   inliers: log(1 + n), n local features that agree where the view lies;
+//   color: likeness of the colours.
+constexpr std::size_t kLikenesses = 4;
+using Likeness = std::array<double, kLikenesses>;
+constexpr std::array<std::string_view, kLikenesses> kLikenessNames{"embedding", "embedding_mean",
+                                                                   "inliers", "color"};
+
+// A logistic regression on likeness: own_thing_model.json, which roomwise-lab own-things writes and
+// where it stands what it was fitted on.
+struct OwnThingModel {
+  double bias = 0;
+  Likeness weights{};
+
+  [[nodiscard]] double log_odds(const Likeness& likeness) const;
+  // Fails, naming the field, where one is missing, of another type or not finite, or is none that
+  // this program knows.
+  [[nodiscard]] static Expected<OwnThingModel> parse(std::string_view json);
+  [[nodiscard]] static const OwnThingModel& built_in();
+};
+
+// From which log odds on a thing counts as found: such that pictures that do not show it reach them
+// with a probability of `max_false` each. `scores`: the best of each picture of the home. The upper
+// half of them is taken to fall off as an exponential does (peaks over a threshold; the shape that
+// the excesses of most distributions tend to), by the median of it, so that a tenth of the pictures
+// may well show the thing. Fails where there are fewer than kMinCalibrationPictures.
+constexpr std::size_t kMinCalibrationPictures = 20;
+[[nodiscard]] Expected<double> found_threshold(std::span<const double> scores, double max_false);
+
+}  // namespace roomwise::objects
