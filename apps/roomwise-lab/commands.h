@@ -13,6 +13,7 @@ void add_fit_localizer_command(CLI::App& app, Context& context);
 void add_fit_rooms_command(CLI::App& app, Context& context);
 void add_guidance_command(CLI::App& app, Context& context);
 void add_lift_labels_command(CLI::App& app, Context& context);
+void add_own_things_command(CLI::App& app, Context& context);
 void add_paper_command(CLI::App& app, Context& context);
 void add_study_commands(CLI::App& app, Context& context);  // study, study-task, study-table
 void add_simulate_command(CLI::App& app, Context& context);

@@ -26,6 +26,7 @@ int main(int argc, char** argv) {
   add_fit_rooms_command(app, context);
   add_guidance_command(app, context);
   add_lift_labels_command(app, context);
+  add_own_things_command(app, context);
   add_paper_command(app, context);
   add_study_commands(app, context);
   add_command_elsewhere(app, context, "train",

@@ -70,7 +70,8 @@ Expected<std::string> table_digest(const Database& database, const std::string& 
   std::vector<std::string> rows;
   const auto add_row = [&](const Statement& row) -> Expected<void> {
     Bytes bytes;
-    const int count = sqlite3_column_count(row.handle()) - 1;  // the last is keyframe_id, or 0
+    const int count =
+        sqlite3_column_count(row.handle()) - 1;  // the last is the pictures' number, or 0
     for (int i = 0; i < count; ++i) {
       const auto* picture = picture_column(table, sqlite3_column_name(row.handle(), i));
       if (picture == nullptr) {
@@ -84,14 +85,13 @@ Expected<std::string> table_digest(const Database& database, const std::string& 
     rows.push_back(sha256_hex(bytes));
     return {};
   };
-  const bool has_pictures =
-      std::ranges::find(kPictureColumns, table, &PictureColumn::table) != kPictureColumns.end();
+  const auto pictures = std::ranges::find(kPictureColumns, table, &PictureColumn::table);
   const std::string rows_left_out =
       table == "settings" ? fmt::format("key = '{}'", kProtectionSetting) : "FALSE";
-  ROOMWISE_CHECK_OK(
-      database.for_each(fmt::format("SELECT {}, {} FROM \"{}\" WHERE NOT ({})", columns,
-                                    has_pictures ? "keyframe_id" : "0", table, rows_left_out),
-                        add_row));
+  ROOMWISE_CHECK_OK(database.for_each(
+      fmt::format("SELECT {}, {} FROM \"{}\" WHERE NOT ({})", columns,
+                  pictures == kPictureColumns.end() ? "0" : pictures->id, table, rows_left_out),
+      add_row));
   std::ranges::sort(rows);
   const std::string text = fmt::format("{}\n{}\n", columns, fmt::join(rows, "\n"));
   return sha256_hex(Bytes(text.begin(), text.end()));

@@ -27,6 +27,7 @@
 #include "roomwise/objects/detection/paper_objects.h"
 #include "roomwise/objects/detection/region_surface.h"
 #include "roomwise/objects/instances/instances.h"
+#include "roomwise/objects/own_things/shown_thing.h"
 #include "roomwise/recording/room_labels.h"
 #include "roomwise/rooms/concepts/concepts.h"
 #include "roomwise/rooms/recognition/two_frame_rule.h"
@@ -214,6 +215,36 @@ struct Edit {
   std::vector<EditPlace> places;
 };
 
+// Where a thing that was taught was seen last.
+struct OwnThingSighting {
+  std::optional<std::int64_t> seen_s = std::nullopt;  // since 1970; absent: not known when
+  std::optional<std::string> room = std::nullopt;
+  // A key-frame near by, and the thing's middle in its camera frame, where it is known so well.
+  std::optional<KeyframeId> keyframe = std::nullopt;
+  std::optional<Eigen::Vector3d> middle_keyframe = std::nullopt;  // m
+
+  [[nodiscard]] bool is_known() const { return seen_s || room || keyframe; }
+  friend bool operator==(const OwnThingSighting&, const OwnThingSighting&) = default;
+};
+
+using OwnThingId = std::int64_t;  // never given again
+
+// A thing that somebody taught.
+struct OwnThing {
+  OwnThingId id = 0;  // set when it is stored
+  std::string name;
+  std::string owner;  // the name of their device; empty: the computer itself
+  bool is_shared = true;
+  std::int64_t taught_s = 0;  // since 1970
+  OwnThingSighting last_seen = {};
+
+  // Whether somebody is told of it.
+  [[nodiscard]] bool is_known_to(const std::string& who) const { return is_shared || owner == who; }
+  friend bool operator==(const OwnThing&, const OwnThing&) = default;
+};
+constexpr std::size_t kMaxOwnThingName = 60;  // bytes
+constexpr std::size_t kMaxOwnThings = 100;
+
 // How a home is opened or made.
 struct OpenOptions {
   // Of a protected home; without it everything but its pictures can be read. A new home is
@@ -249,9 +280,9 @@ struct HomeCheck {
 //
 // One program writes at a time; others may read meanwhile, and each call of a reader sees one state
 // of the home. The pictures of a protected home (protect()) are sealed in the file: the colour and
-// depth images of its key-frames, and the small depth images of put_detections(); nothing else is.
-// They are opened and sealed by the functions that read and write them, which fail where the home
-// was opened without its passphrase.
+// depth images of its key-frames, the small depth images of put_detections(), and the views of
+// things that people taught; nothing else is. They are opened and sealed by the functions that read
+// and write them, which fail where the home was opened without its passphrase.
 //
 // Doubles come back to the bit, except that -0.0 becomes 0.0. Errors name the file.
 // Not thread-safe.
@@ -403,6 +434,20 @@ class Home {
   [[nodiscard]] Expected<std::vector<PictureFeatures>> picture_features(
       const std::string& network_fingerprint, const std::string& augmentation) const;
 
+  // ---- things that people taught ----
+  // Gives it its number. Fails where the name is empty, too long, no UTF-8 text on one line, or
+  // that of another thing, capitals aside; where it has no views; where there are kMaxOwnThings.
+  [[nodiscard]] Expected<OwnThingId> add_own_thing(const OwnThing& thing,
+                                                   std::span<const objects::TaughtView> views);
+  [[nodiscard]] Expected<std::vector<OwnThing>> own_things() const;  // by name
+  // As they were taught; fails where the home is locked.
+  [[nodiscard]] Expected<std::vector<objects::TaughtView>> own_thing_views(OwnThingId id) const;
+  [[nodiscard]] Expected<void> share_own_thing(OwnThingId id, bool is_shared);
+  [[nodiscard]] Expected<void> put_own_thing_sighting(OwnThingId id,
+                                                      const OwnThingSighting& sighting);
+  // The thing, its views and where it was seen. No byte stays once erase_removed() ran.
+  [[nodiscard]] Expected<void> remove_own_thing(OwnThingId id);
+
   // ---- times: all that differs between two runs of one seed ----
   // Adds to the times of earlier runs.
   [[nodiscard]] Expected<void> add_stage_timings(
@@ -467,6 +512,10 @@ class Home {
   // The sealed pictures of key-frames from `first` on, whose numbers were larger by `shift`.
   [[nodiscard]] Expected<void> reseal_pictures(KeyframeId first, KeyframeId shift);
   [[nodiscard]] Expected<void> insert_keyframe(RecordingId recording, const NewKeyframe& keyframe);
+  [[nodiscard]] Expected<bool> has_own_things() const;
+  [[nodiscard]] Expected<void> check_new_name(const std::string& name) const;
+  [[nodiscard]] Expected<void> change_own_thing(OwnThingId id,
+                                                const std::function<Expected<void>()>& change);
   [[nodiscard]] Expected<void> insert_edge(const scene::PoseGraphEdge& edge);
   [[nodiscard]] Expected<void> insert_frame(RecordingId recording, const Frame& frame);
   [[nodiscard]] Expected<void> insert_motion(RecordingId recording, std::uint64_t frame_index,

@@ -81,6 +81,7 @@ Expected<std::map<KeyframeId, std::string>> Home::unreadable_pictures() const {
   std::map<KeyframeId, std::string> unreadable;
   for (const KeyframeId id : ids) {
     for (const PictureColumn& column : kPictureColumns) {
+      if (column.id != "keyframe_id") continue;
       const auto read = [&]() -> Expected<void> {
         ROOMWISE_TRY(auto picture,
                      database_.find<Bytes>(fmt::format("SELECT {} FROM {} WHERE keyframe_id = ?",

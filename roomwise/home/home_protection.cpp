@@ -17,9 +17,8 @@ Expected<std::vector<KeyframeId>> keyframes_to_convert(const Database& database,
   const Bytes mark(kSealedPictureMark.begin(), kSealedPictureMark.end());
   std::vector<KeyframeId> ids;
   ROOMWISE_CHECK_OK(database.for_each(
-      fmt::format("SELECT keyframe_id FROM {} WHERE (substr({}, 1, ?) = ?) <> ? "
-                  "ORDER BY keyframe_id",
-                  column.table, column.column),
+      fmt::format("SELECT {2} FROM {0} WHERE (substr({1}, 1, ?) = ?) <> ? ORDER BY {2}",
+                  column.table, column.column, column.id),
       [&](const Statement& row) { ids.push_back(row.column<KeyframeId>(0)); }, mark.size(), mark,
       to_sealed));
   return ids;
@@ -94,9 +93,9 @@ Expected<std::size_t> Home::convert_pictures(bool to_sealed) {
   std::size_t converted = 0;
   for (const PictureColumn& column : kPictureColumns) {
     const std::string read =
-        fmt::format("SELECT {} FROM {} WHERE keyframe_id = ?", column.column, column.table);
+        fmt::format("SELECT {} FROM {} WHERE {} = ?", column.column, column.table, column.id);
     const std::string write =
-        fmt::format("UPDATE {} SET {} = ? WHERE keyframe_id = ?", column.table, column.column);
+        fmt::format("UPDATE {} SET {} = ? WHERE {} = ?", column.table, column.column, column.id);
     ROOMWISE_TRY(const auto ids, keyframes_to_convert(database_, column, to_sealed));
     for (std::size_t begin = 0; begin < ids.size(); begin += kPicturesAtOnce) {
       const std::size_t end = std::min(begin + kPicturesAtOnce, ids.size());
@@ -118,6 +117,7 @@ Expected<std::size_t> Home::convert_pictures(bool to_sealed) {
 
 Expected<void> Home::reseal_pictures(KeyframeId first, KeyframeId shift) {
   for (const PictureColumn& column : kPictureColumns) {
+    if (column.id != "keyframe_id") continue;
     ROOMWISE_TRY(const auto ids,
                  collect<std::vector<KeyframeId>>(
                      database_,

@@ -29,7 +29,13 @@ enum class ProtectionState {
   kOpening,  // protection is being taken away: some pictures are sealed
 };
 
-enum class PictureKind : std::uint8_t { kColor = 1, kDepth = 2, kCoarseDepth = 3 };
+enum class PictureKind : std::uint8_t {
+  kColor = 1,
+  kDepth = 2,
+  kCoarseDepth = 3,
+  kOwnThing = 4,  // of a thing that somebody taught; its number is that of the view
+  kOwnThingMask = 5,
+};
 
 // Seals and opens the pictures of one home. Thread-safe.
 class PictureCipher {

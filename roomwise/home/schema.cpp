@@ -369,10 +369,34 @@ CREATE TABLE IF NOT EXISTS edit_places (
   PRIMARY KEY (edit_id, place)
 ) STRICT;
 CREATE INDEX IF NOT EXISTS edit_places_by_keyframe ON edit_places (keyframe_id);
+
+CREATE TABLE IF NOT EXISTS own_things (
+  -- Things that people taught by showing them, and where each was seen last.
+  own_thing_id INTEGER PRIMARY KEY AUTOINCREMENT,  -- never given again
+  name TEXT NOT NULL UNIQUE,
+  owner TEXT NOT NULL,                 -- who taught it, by the name of their device; '': the computer
+  is_shared INTEGER NOT NULL CHECK (is_shared IN (0, 1)),  -- 0: only its owner is told of it
+  taught_s INTEGER NOT NULL,           -- seconds since 1970
+  seen_s INTEGER,                      -- the same; NULL: not seen yet, or it is not known when
+  seen_room TEXT,
+  keyframe_id INTEGER REFERENCES keyframes ON DELETE SET NULL,  -- near where it was seen
+  x_m REAL, y_m REAL, z_m REAL,        -- of its middle, in the key-frame's camera frame
+  CHECK ((x_m IS NULL) = (y_m IS NULL) AND (y_m IS NULL) = (z_m IS NULL))
+) STRICT;
+
+CREATE TABLE IF NOT EXISTS own_thing_views (
+  -- By what a thing is known: pictures of it, sealed as those of key-frames are.
+  view_id INTEGER PRIMARY KEY AUTOINCREMENT,
+  own_thing_id INTEGER NOT NULL REFERENCES own_things ON DELETE CASCADE,
+  picture BLOB NOT NULL,               -- JPEG
+  mask BLOB NOT NULL                   -- 16-bit PNG: 1 where the thing is
+) STRICT;
+CREATE INDEX IF NOT EXISTS own_thing_views_by_thing ON own_thing_views (own_thing_id);
 )sql";
 
 bool is_later(std::string_view table) {
-  return table == "edits" || table == "edit_places";
+  return table == "edits" || table == "edit_places" || table == "own_things" ||
+         table == "own_thing_views" || table == "sqlite_sequence";  // the last is SQLite's own
 }
 
 // The columns of each table, by name.

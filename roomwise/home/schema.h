@@ -21,7 +21,7 @@ constexpr int kHomeVersion = 1;
 [[nodiscard]] Expected<void> create_tables(Database& database);
 
 // Adds the tables that homes of before have not, and a home cannot be read wrongly without: what
-// people changed by hand.
+// people changed by hand, and the things that they taught.
 [[nodiscard]] Expected<void> add_later_tables(Database& database);
 
 // Fails, naming it, where a table or a column of a home is missing; of a later table, where it is
@@ -32,15 +32,18 @@ constexpr int kHomeVersion = 1;
 // It is no part of what the home holds: the pictures are the same.
 inline constexpr std::string_view kProtectionSetting = "picture_protection";
 
-// Where pictures stand that a protected home seals, all beside a column keyframe_id.
+// Where pictures stand that a protected home seals, beside the number that they are bound to.
 struct PictureColumn {
   std::string_view table;
   std::string_view column;
   PictureKind kind;
+  std::string_view id = "keyframe_id";
 };
 inline constexpr std::array kPictureColumns = {
     PictureColumn{"keyframe_images", "color", PictureKind::kColor},
     PictureColumn{"keyframe_images", "depth", PictureKind::kDepth},
-    PictureColumn{"keyframe_depths", "depth", PictureKind::kCoarseDepth}};
+    PictureColumn{"keyframe_depths", "depth", PictureKind::kCoarseDepth},
+    PictureColumn{"own_thing_views", "picture", PictureKind::kOwnThing, "view_id"},
+    PictureColumn{"own_thing_views", "mask", PictureKind::kOwnThingMask, "view_id"}};
 
 }  // namespace roomwise::home

@@ -11,9 +11,8 @@
 namespace roomwise::objects {
 namespace {
 
-constexpr float kAround = 1.1F;       // a network sees a place with a rim about it
-constexpr float kSamePlace = 0.7F;    // boxes that overlap so are looked at once
-constexpr float kOtherWindow = 0.3F;  // windows of one thing overlap less
+constexpr float kAround = 1.1F;     // a network sees a place with a rim about it
+constexpr float kSamePlace = 0.7F;  // boxes that overlap so are looked at once
 constexpr std::size_t kViewsInMean = 3;
 constexpr int kWorkingWidth_px = 640;  // of pictures; wider ones are shrunk
 
@@ -61,40 +60,30 @@ features::Features inside(const features::Features& all, const image::GrayImage&
   return kept;
 }
 
-// Where in a picture the colours are most like those of the view, best first, apart from each
-// other. Sides are those of things at arm's length to across a room.
-std::vector<network::PixelBox> colored_windows(const ColorTable& table, const PreparedView& view,
-                                               int width_px, int height_px, std::size_t most) {
+// Where in a picture the colours are most like those of the view. Sides are those of things at
+// arm's length to across a room.
+std::optional<network::PixelBox> colored_window(const ColorTable& table, const PreparedView& view,
+                                                int width_px, int height_px) {
   constexpr std::array kSides{0.08F, 0.13F, 0.2F, 0.32F, 0.5F};  // of the picture's width
   const float shape = static_cast<float>(view.width_px) / static_cast<float>(view.height_px);
-  struct Window {
-    network::PixelBox box;
-    double likeness;
-  };
-  std::vector<Window> windows;
+  std::optional<network::PixelBox> best;
+  double most_alike = 0;
   const auto picture_width = static_cast<float>(width_px);
   const auto picture_height = static_cast<float>(height_px);
   for (const float side : kSides) {
     const float width = side * picture_width * std::sqrt(shape);
     const float height = side * picture_width / std::sqrt(shape);
-    if (width > picture_width || height > picture_height) continue;
     for (float top = 0; top + height <= picture_height; top += height / 3) {
       for (float left = 0; left + width <= picture_width; left += width / 3) {
         const network::PixelBox box{left, top, left + width, top + height};
-        windows.push_back({box, color_likeness(view.color, table.shares(box))});
+        const double alike = color_likeness(view.color, table.shares(box));
+        if (alike <= most_alike) continue;
+        most_alike = alike;
+        best = box;
       }
     }
   }
-  std::ranges::stable_sort(windows, std::ranges::greater{}, &Window::likeness);
-  std::vector<network::PixelBox> chosen;
-  for (const Window& window : windows) {
-    if (chosen.size() == most) break;
-    const bool is_apart = std::ranges::none_of(chosen, [&](const network::PixelBox& other) {
-      return network::intersection_over_union(other, window.box) > kOtherWindow;
-    });
-    if (is_apart) chosen.push_back(window.box);
-  }
-  return chosen;
+  return best;
 }
 
 // How many of the view's agreeing features lie in the box.
@@ -105,25 +94,38 @@ std::size_t inliers_in(const PlacedView& placed, const network::PixelBox& box) {
   }));
 }
 
+Likeness likeness_of(const PreparedThing& thing, std::span<const float> seen,
+                     const ColorShares& colors, std::size_t agreeing) {
+  std::vector<double> similar;
+  double color = 0;
+  for (const PreparedView& view : thing.views) {
+    similar.push_back(inner(seen, view.embedding));
+    color = std::max(color, color_likeness(view.color, colors));
+  }
+  if (similar.empty()) return {};
+  std::ranges::sort(similar, std::ranges::greater{});
+  const auto in_mean = static_cast<std::ptrdiff_t>(std::min(kViewsInMean, similar.size()));
+  const double sum = std::accumulate(similar.begin(), similar.begin() + in_mean, 0.0);
+  return {similar.front(), sum / static_cast<double>(in_mean),
+          std::log1p(static_cast<double>(agreeing)), color};
+}
+
 }  // namespace
 
-// A picture as it is searched: what is the same for all things, and where each may be.
-struct OwnThingFinder::Picture {
-  const image::ColorImage& color;
-  features::Features features;
-  ColorTable colors;
-  std::vector<network::PixelBox> places;
+struct OwnThingFinder::Places {
+  const SearchedPicture& picture;
+  std::vector<network::PixelBox> boxes;
   std::vector<std::vector<PlacedView>> placed;  // by thing
 
   // Of what is large enough to be seen.
   void add(const network::PixelBox& box) {
     constexpr float kLeastSide_px = 12;
-    const network::PixelBox cut = cut_to(box, color);
+    const network::PixelBox cut = cut_to(box, picture.color_);
     if (cut.right - cut.left < kLeastSide_px || cut.bottom - cut.top < kLeastSide_px) return;
-    const bool is_known = std::ranges::any_of(places, [&](const network::PixelBox& place) {
-      return network::intersection_over_union(place, cut) > kSamePlace;
+    const bool is_known = std::ranges::any_of(boxes, [&](const network::PixelBox& other) {
+      return network::intersection_over_union(other, cut) > kSamePlace;
     });
-    if (!is_known) places.push_back(cut);
+    if (!is_known) boxes.push_back(cut);
   }
 };
 
@@ -160,9 +162,17 @@ std::vector<float> OwnThingFinder::centered(std::vector<float> features) const {
   return features;
 }
 
-Expected<std::vector<float>> OwnThingFinder::embed(const image::ColorImage& picture) const {
-  ROOMWISE_TRY(network::Prediction seen, network_.predict(picture));
-  return centered(std::move(seen.features));
+Expected<std::vector<float>> OwnThingFinder::embed(SearchedPicture& picture,
+                                                   const network::PixelBox& place) const {
+  const auto is_place = [&](const auto& known) {
+    const network::PixelBox& box = known.first;
+    return box.left == place.left && box.top == place.top && box.right == place.right &&
+           box.bottom == place.bottom;
+  };
+  const auto found = std::ranges::find_if(picture.embedded_, is_place);
+  if (found != picture.embedded_.end()) return centered(found->second);
+  ROOMWISE_TRY(network::Prediction seen, network_.predict(part_of(picture.color_, place)));
+  return centered(picture.embedded_.emplace_back(place, std::move(seen.features)).second);
 }
 
 Expected<std::vector<std::size_t>> OwnThingFinder::choose_views(std::span<const ShownThing> shown,
@@ -170,7 +180,8 @@ Expected<std::vector<std::size_t>> OwnThingFinder::choose_views(std::span<const 
   if (shown.empty()) return fail("nothing was shown");
   std::vector<std::vector<float>> embeddings;
   for (const ShownThing& one : shown) {
-    ROOMWISE_TRY(embeddings.emplace_back(), embed(one.crop));
+    ROOMWISE_TRY(network::Prediction seen, network_.predict(one.crop));
+    embeddings.push_back(centered(std::move(seen.features)));
   }
   const auto sharpest = std::ranges::max_element(shown, {}, &ShownThing::sharpness);
   std::vector<std::size_t> chosen{static_cast<std::size_t>(sharpest - shown.begin())};
@@ -192,7 +203,8 @@ Expected<PreparedThing> OwnThingFinder::prepare(std::span<const TaughtView> view
   for (const TaughtView& view : views) {
     ROOMWISE_TRY(const ShownThing shown, shown_again(view));
     PreparedView& prepared = thing.views.emplace_back();
-    ROOMWISE_TRY(prepared.embedding, embed(shown.crop));
+    ROOMWISE_TRY(network::Prediction seen, network_.predict(shown.crop));
+    prepared.embedding = centered(std::move(seen.features));
     prepared.features = inside(of_views_->extract(image::to_gray(shown.crop)), shown.mask);
     prepared.color = color_shares(shown.crop, shown.mask, light_of(shown.crop));
     prepared.width_px = shown.crop.width();
@@ -202,80 +214,67 @@ Expected<PreparedThing> OwnThingFinder::prepare(std::span<const TaughtView> view
 }
 
 void OwnThingFinder::add_places_of(const PreparedThing& thing, std::size_t index,
-                                   Picture& picture) const {
-  std::vector<PlacedView>& placed = picture.placed[index];
+                                   Places& places) const {
+  const SearchedPicture& picture = places.picture;
+  std::vector<PlacedView>& placed = places.placed[index];
   for (const PreparedView& view : thing.views) {
-    auto one = place_view(view.features, view.width_px, view.height_px, picture.features);
+    auto one = place_view(view.features, view.width_px, view.height_px, picture.features_);
     if (one) placed.push_back(*std::move(one));
   }
   std::ranges::stable_sort(placed, std::ranges::greater{}, &PlacedView::inliers);
   for (std::size_t i = 0; i < std::min(placed.size(), search_.max_placed_views); ++i) {
-    picture.add(placed[i].box);
+    places.add(placed[i].box);
   }
-  std::size_t windows = 0;
-  for (const PreparedView& view : thing.views) {
-    if (windows == search_.max_windows) break;
-    // The best of each view, since colours change from side to side.
-    for (const auto& box :
-         colored_windows(picture.colors, view, picture.color.width(), picture.color.height(), 1)) {
-      picture.add(box);
-      ++windows;
-    }
+  // The best of each view, since colours change from side to side.
+  for (std::size_t i = 0; i < std::min(thing.views.size(), search_.max_windows); ++i) {
+    const auto window = colored_window(picture.colors_, thing.views[i], picture.color_.width(),
+                                       picture.color_.height());
+    if (window) places.add(*window);
   }
 }
 
-Expected<OwnThingFinder::Picture> OwnThingFinder::look(
-    const image::ColorImage& color, std::span<const PreparedThing> things) const {
-  Picture picture{color, of_pictures_->extract(image::to_gray(color)), ColorTable(color), {}, {}};
-  picture.placed.resize(things.size());
-  std::vector<network::Detection> found;
+OwnThingFinder::Places OwnThingFinder::places_in(const SearchedPicture& picture,
+                                                 std::span<const PreparedThing> things) const {
+  Places places{picture, {}, std::vector<std::vector<PlacedView>>(things.size())};
+  for (const network::Detection& one : picture.detections_) {
+    if (places.boxes.size() == search_.max_detections) break;
+    places.add(one.box);
+  }
+  for (std::size_t i = 0; i < things.size(); ++i) add_places_of(things[i], i, places);
+  if (places.boxes.size() > search_.max_places) places.boxes.resize(search_.max_places);
+  return places;
+}
+
+Expected<SearchedPicture> OwnThingFinder::begin(const image::ColorImage& full) const {
+  const int height = std::max(1, full.height() * kWorkingWidth_px / std::max(1, full.width()));
+  const bool is_wide = full.width() > kWorkingWidth_px;
+  SearchedPicture picture(is_wide ? image::resize(full, kWorkingWidth_px, height) : full,
+                          is_wide ? static_cast<float>(full.width()) / kWorkingWidth_px : 1.F);
+  picture.features_ = of_pictures_->extract(image::to_gray(picture.color_));
   for (const auto& detector : detectors_) {
-    ROOMWISE_TRY(const auto some, detector->find(color));
-    found.insert(found.end(), some.begin(), some.end());
+    ROOMWISE_TRY(const auto found, detector->find(picture.color_));
+    picture.detections_.insert(picture.detections_.end(), found.begin(), found.end());
   }
-  std::ranges::stable_sort(found, std::ranges::greater{}, &network::Detection::score);
-  for (const network::Detection& one : found) {
-    if (picture.places.size() == search_.max_detections) break;
-    picture.add(one.box);
-  }
-  for (std::size_t i = 0; i < things.size(); ++i) add_places_of(things[i], i, picture);
-  if (picture.places.size() > search_.max_places) picture.places.resize(search_.max_places);
+  std::ranges::stable_sort(picture.detections_, std::ranges::greater{}, &network::Detection::score);
   return picture;
 }
 
 Expected<std::vector<OwnThingCandidate>> OwnThingFinder::compare(
-    const image::ColorImage& full, std::span<const PreparedThing> things) const {
-  const bool is_wide = full.width() > kWorkingWidth_px;
-  const int height = is_wide ? std::max(1, full.height() * kWorkingWidth_px / full.width()) : 0;
-  const image::ColorImage shrunk =
-      is_wide ? image::resize(full, kWorkingWidth_px, height) : image::ColorImage();
-  const image::ColorImage& color = is_wide ? shrunk : full;
-  const float back = static_cast<float>(full.width()) / static_cast<float>(color.width());
-  ROOMWISE_TRY(const Picture picture, look(color, things));
+    SearchedPicture& picture, std::span<const PreparedThing> things) const {
+  const Places places = places_in(picture, things);
+  const float back = picture.back_;
   std::vector<OwnThingCandidate> candidates;
-  for (const network::PixelBox& place : picture.places) {
-    ROOMWISE_TRY(const std::vector<float> seen, embed(part_of(color, place)));
-    const ColorShares colors = picture.colors.shares(place);
+  for (const network::PixelBox& box : places.boxes) {
+    ROOMWISE_TRY(const std::vector<float> seen, embed(picture, box));
+    const ColorShares colors = picture.colors_.shares(box);
     for (std::size_t i = 0; i < things.size(); ++i) {
-      OwnThingCandidate candidate{
-          i, {place.left * back, place.top * back, place.right * back, place.bottom * back}, {}, 0};
-      std::vector<double> similar;
-      double color_of_best = 0;
-      for (const PreparedView& view : things[i].views) {
-        similar.push_back(inner(seen, view.embedding));
-        color_of_best = std::max(color_of_best, color_likeness(view.color, colors));
-      }
-      std::ranges::sort(similar, std::ranges::greater{});
       std::size_t agreeing = 0;
-      for (const PlacedView& placed : picture.placed[i]) {
-        agreeing = std::max(agreeing, inliers_in(placed, place));
+      for (const PlacedView& placed : places.placed[i]) {
+        agreeing = std::max(agreeing, inliers_in(placed, box));
       }
-      const std::size_t in_mean = std::min(kViewsInMean, similar.size());
-      const double sum = std::accumulate(
-          similar.begin(), similar.begin() + static_cast<std::ptrdiff_t>(in_mean), 0.0);
-      candidate.likeness = {similar.empty() ? 0 : similar.front(),
-                            in_mean == 0 ? 0 : sum / static_cast<double>(in_mean),
-                            std::log1p(static_cast<double>(agreeing)), color_of_best};
+      OwnThingCandidate candidate{
+          i, {box.left * back, box.top * back, box.right * back, box.bottom * back}, {}, 0};
+      candidate.likeness = likeness_of(things[i], seen, colors, agreeing);
       candidate.log_odds = model_.log_odds(candidate.likeness);
       candidates.push_back(candidate);
     }
@@ -284,7 +283,8 @@ Expected<std::vector<OwnThingCandidate>> OwnThingFinder::compare(
 }
 
 Expected<std::vector<OwnThingCandidate>> OwnThingFinder::find(
-    const image::ColorImage& picture, std::span<const PreparedThing> things) const {
+    const image::ColorImage& color, std::span<const PreparedThing> things) const {
+  ROOMWISE_TRY(SearchedPicture picture, begin(color));
   ROOMWISE_TRY(const auto candidates, compare(picture, things));
   std::vector<OwnThingCandidate> best;
   for (std::size_t i = 0; i < things.size(); ++i) {
@@ -300,20 +300,20 @@ Expected<std::vector<OwnThingCandidate>> OwnThingFinder::find(
 
 Expected<std::vector<std::vector<float>>> OwnThingFinder::place_features(
     const image::ColorImage& color) const {
-  ROOMWISE_TRY(const Picture picture, look(color, {}));
-  std::vector<std::vector<float>> all;
-  for (const network::PixelBox& place : picture.places) {
-    ROOMWISE_TRY(network::Prediction seen, network_.predict(part_of(color, place)));
-    all.push_back(std::move(seen.features));
-  }
-  // Windows of any colour are places, too: the quarters of the picture.
-  for (const int left : {0, color.width() / 2}) {
-    for (const int top : {0, color.height() / 2}) {
-      ROOMWISE_TRY(
-          network::Prediction seen,
-          network_.predict(image::crop(color, left, top, color.width() / 2, color.height() / 2)));
-      all.push_back(std::move(seen.features));
+  ROOMWISE_TRY(const SearchedPicture picture, begin(color));
+  std::vector<network::PixelBox> boxes = places_in(picture, {}).boxes;
+  // Of what no detector boxes, the quarters of the picture.
+  const auto width = static_cast<float>(picture.color_.width());
+  const auto height = static_cast<float>(picture.color_.height());
+  for (const float left : {0.F, width / 2}) {
+    for (const float top : {0.F, height / 2}) {
+      boxes.push_back({left, top, left + width / 2, top + height / 2});
     }
+  }
+  std::vector<std::vector<float>> all;
+  for (const network::PixelBox& box : boxes) {
+    ROOMWISE_TRY(network::Prediction seen, network_.predict(part_of(picture.color_, box)));
+    all.push_back(std::move(seen.features));
   }
   return all;
 }

@@ -40,6 +40,25 @@ struct OwnThingCandidate {
   double log_odds = 0;
 };
 
+// A picture that is searched: what is the same for all things, and what the network made of places
+// so far. Not thread-safe.
+class SearchedPicture {
+ public:
+  [[nodiscard]] const std::vector<network::Detection>& detections() const { return detections_; }
+
+ private:
+  friend class OwnThingFinder;
+  SearchedPicture(image::ColorImage color, float back)
+      : color_(std::move(color)), back_(back), colors_(color_) {}
+
+  image::ColorImage color_;  // as it is searched
+  float back_;               // pixels of the picture to one of color_
+  features::Features features_;
+  ColorTable colors_;
+  std::vector<network::Detection> detections_;  // best first, in pixels of color_
+  std::vector<std::pair<network::PixelBox, std::vector<float>>> embedded_;
+};
+
 struct OwnThingSearch {
   // Embeddings a picture, at most, whatever is searched for: most of the time that a picture takes.
   std::size_t max_places = 24;
@@ -67,23 +86,27 @@ class OwnThingFinder {
                                                                 std::size_t most) const;
   [[nodiscard]] Expected<PreparedThing> prepare(std::span<const TaughtView> views) const;
 
-  // Every place that was compared, with every thing.
+  [[nodiscard]] Expected<SearchedPicture> begin(const image::ColorImage& picture) const;
+  // Every place that was compared, with every thing; of a picture that a finder with the same
+  // network began.
   [[nodiscard]] Expected<std::vector<OwnThingCandidate>> compare(
-      const image::ColorImage& picture, std::span<const PreparedThing> things) const;
+      SearchedPicture& picture, std::span<const PreparedThing> things) const;
   // The likeliest place of each thing, by thing.
   [[nodiscard]] Expected<std::vector<OwnThingCandidate>> find(
       const image::ColorImage& picture, std::span<const PreparedThing> things) const;
 
-  // Features of places of a picture, as many as are compared: for a HomeBackground.
+  // The network's features of places of a picture: for a HomeBackground.
   [[nodiscard]] Expected<std::vector<std::vector<float>>> place_features(
       const image::ColorImage& picture) const;
 
  private:
-  struct Picture;
-  [[nodiscard]] Expected<Picture> look(const image::ColorImage& picture,
-                                       std::span<const PreparedThing> things) const;
-  void add_places_of(const PreparedThing& thing, std::size_t index, Picture& picture) const;
-  [[nodiscard]] Expected<std::vector<float>> embed(const image::ColorImage& picture) const;
+  // Where a picture is compared, and how the views of each thing lie in it.
+  struct Places;
+  [[nodiscard]] Places places_in(const SearchedPicture& picture,
+                                 std::span<const PreparedThing> things) const;
+  void add_places_of(const PreparedThing& thing, std::size_t index, Places& places) const;
+  [[nodiscard]] Expected<std::vector<float>> embed(SearchedPicture& picture,
+                                                   const network::PixelBox& place) const;
   [[nodiscard]] std::vector<float> centered(std::vector<float> features) const;
 
   const network::Classifier& network_;

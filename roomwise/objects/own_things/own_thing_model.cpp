@@ -7,6 +7,7 @@
 #include <numeric>
 #include <vector>
 
+#include "roomwise/base/median.h"
 #include "roomwise/objects/built_in_data.h"
 
 namespace roomwise::objects {
@@ -20,6 +21,7 @@ Expected<OwnThingModel> OwnThingModel::parse(std::string_view json) {
   try {
     const auto parsed = nlohmann::json::parse(json);
     parsed.at("bias").get_to(model.bias);
+    parsed.at("margin").get_to(model.margin);
     const auto& weights = parsed.at("weights");
     for (std::size_t i = 0; i < kLikenesses; ++i) {
       weights.at(std::string(kLikenessNames[i])).get_to(model.weights[i]);
@@ -32,7 +34,7 @@ Expected<OwnThingModel> OwnThingModel::parse(std::string_view json) {
     return fail("the model of own things: {}", error.what());
   }
   const bool is_finite =
-      std::isfinite(model.bias) &&
+      std::isfinite(model.bias) && std::isfinite(model.margin) &&
       std::ranges::all_of(model.weights, [](double weight) { return std::isfinite(weight); });
   if (!is_finite) return fail("the model of own things: a number is not finite");
   return model;
@@ -47,19 +49,12 @@ const OwnThingModel& OwnThingModel::built_in() {
   return kModel;
 }
 
-Expected<double> found_threshold(std::span<const double> scores, double max_false) {
+Expected<double> found_threshold(std::vector<double> scores, const OwnThingModel& model) {
   if (scores.size() < kMinCalibrationPictures) {
-    return fail("{} pictures of the home do not tell what looks like the thing; {} do",
-                scores.size(), kMinCalibrationPictures);
+    return fail("{} pictures of the home do not tell what is usual there; {} do", scores.size(),
+                kMinCalibrationPictures);
   }
-  std::vector<double> sorted(scores.begin(), scores.end());
-  std::ranges::sort(sorted);
-  const auto at = [&](double share) {
-    return sorted[static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1))];
-  };
-  // Half of the upper half lies within ln 2 of the scale of its exponential.
-  const double scale = (at(0.75) - at(0.5)) / std::log(2.0);
-  return at(0.5) + scale * std::log(0.5 / max_false);
+  return median_of(scores) + model.margin;
 }
 
 }  // namespace roomwise::objects

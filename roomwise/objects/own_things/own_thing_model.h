@@ -1,8 +1,8 @@
 #pragma once
 
 #include <array>
-#include <span>
 #include <string_view>
+#include <vector>
 
 #include "roomwise/base/expected.h"
 
@@ -24,6 +24,10 @@ constexpr std::array<std::string_view, kLikenesses> kLikenessNames{"embedding", 
 struct OwnThingModel {
   double bias = 0;
   Likeness weights{};
+  // Log odds above the usual ones of a home's pictures, from which on a thing counts as found: such
+  // that in an hour of walking, a picture a second, one that is not there is found once in the
+  // mean.
+  double margin = 0;
 
   [[nodiscard]] double log_odds(const Likeness& likeness) const;
   // Fails, naming the field, where one is missing, of another type or not finite, or is none that
@@ -32,12 +36,11 @@ struct OwnThingModel {
   [[nodiscard]] static const OwnThingModel& built_in();
 };
 
-// From which log odds on a thing counts as found: such that pictures that do not show it reach them
-// with a probability of `max_false` each. `scores`: the best of each picture of the home. The upper
-// half of them is taken to fall off as an exponential does (peaks over a threshold; the shape that
-// the excesses of most distributions tend to), by the median of it, so that a tenth of the pictures
-// may well show the thing. Fails where there are fewer than kMinCalibrationPictures.
+// From which log odds on a thing counts as found in a home. `scores`: the best of each of the
+// home's pictures; their median is what is usual there, so that up to half of them may show the
+// thing. Fails where there are fewer than kMinCalibrationPictures.
 constexpr std::size_t kMinCalibrationPictures = 20;
-[[nodiscard]] Expected<double> found_threshold(std::span<const double> scores, double max_false);
+[[nodiscard]] Expected<double> found_threshold(std::vector<double> scores,
+                                               const OwnThingModel& model);
 
 }  // namespace roomwise::objects
