@@ -5,6 +5,8 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "roomwise/guide/grammar/folded_words.h"
+
 namespace roomwise::guide {
 namespace {
 
@@ -296,12 +298,19 @@ const Phrasebook::Word* Phrasebook::find(const Noun& noun) const {
   return nullptr;
 }
 
+// "my blue mug".
+bool Phrasebook::begins_with_determiner(const std::string& name) const {
+  const std::vector<std::string> words = folded_words(name);
+  return words.size() > 1 && grammar_.is_determiner(words.front());
+}
+
 std::string Phrasebook::in_form(const std::string& form, const Noun& noun) const {
   const auto [name, number] = without_number(noun.name);
   const Word* word = find({noun.kind, std::string(name)});
   if (word == nullptr) {
     if (form.empty()) return noun.name;
-    return replaced(forms_.at(form).at(is_proper(noun.name) ? "proper" : "other"), "{}", noun.name);
+    const bool needs_no_article = is_proper(noun.name) || begins_with_determiner(noun.name);
+    return replaced(forms_.at(form).at(needs_no_article ? "proper" : "other"), "{}", noun.name);
   }
   const std::string spoken = word->name + std::string(number);
   if (form.empty()) return spoken;

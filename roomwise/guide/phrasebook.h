@@ -38,7 +38,8 @@ using Values = std::map<std::string, std::variant<std::string, Nouns>>;
 //             The first letter of a text is made a capital.
 //   forms     form -> class of word -> pattern ("in" -> "f" -> "in der {}"). The classes are the
 //             language's own (genders), and two for names that it does not know: "proper" for one
-//             with a capital or an apostrophe ("Anna's room"), else "other". CLASS-numbered is
+//             with a capital or an apostrophe ("Anna's room") or that begins with a determiner ("my
+//             mug"), else "other". CLASS-numbered is
 //             for "bedroom 2", where the language has that.
 //   rooms     the home's word -> its name here, its class, any forms of its own, and under "also"
 //             what else people call it (objects::SpokenName). Things have theirs in kinds.json.
@@ -85,6 +86,7 @@ class Phrasebook {
   [[nodiscard]] std::set<std::string> words(Noun::Kind kind) const;
 
  private:
+  [[nodiscard]] bool begins_with_determiner(const std::string& name) const;
   using Word = objects::SpokenName;
   using Words = std::map<std::string, Word>;
   // A piece of a text between two placeholders, and the placeholder after it.

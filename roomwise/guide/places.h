@@ -45,6 +45,7 @@ struct KnownThing : objects::Instance {
   std::string note;           // that a helper wrote on it, to be said with it; may be empty
   std::int64_t added_by = 0;  // the helper's change that added it; 0: pictures show it
   bool is_confirmed = false;  // a helper who was there says that it is there and is called so
+  bool is_own = false;        // somebody taught it; where it was seen last is all that is known
 
   // The probability that it is there still and is called so: less the longer ago it was seen
   // (objects::still_there()), where that and the present are known. What a helper added stays as

@@ -280,5 +280,34 @@ TEST_F(ThingPromptsTest, WhatAHelperAddedIsToldAsSuchAndForCertain) {
   EXPECT_EQ(prompts[0].confidence, Confidence::kSure);
 }
 
+KnownThing taught_mug() {
+  KnownThing mug = at("my blue mug", 5, 8.2, "kitchen", 1);
+  mug.box_keyframe.size_m = Vector3d::Zero();
+  mug.is_own = true;
+  return mug;
+}
+
+TEST_F(ThingPromptsTest, OfAThingThatWasTaughtItIsSaidWhereItLiesAndWhenItWasSeen) {
+  things_.front().name = "table";
+  KnownThing mug = taught_mug();
+  mug.position_gravity->z() = 0.85;  // the table's top is at 0.8 m
+  mug.seen = CalendarTime{2026, 3, 2, 8};
+  things_.push_back(mug);
+  const auto prompts =
+      where_prompts("my blue mug", {.pose = {}, .room = "bedroom"}, things_, doorways_, vocabulary_,
+                    english_, kNow, CalendarTime{2026, 3, 2, 17});
+  EXPECT_THAT(texts(prompts), ElementsAre("My blue mug is in the kitchen, through the corridor.",
+                                          "On the table.", "Seen this morning."));
+}
+
+TEST_F(ThingPromptsTest, AThingThatWasTaughtAndNotSeenSinceIsSaidToBeSo) {
+  KnownThing mug = taught_mug();
+  mug.position_gravity.reset();
+  mug.room.reset();
+  things_.push_back(mug);
+  EXPECT_THAT(texts(where("my blue mug", standing_)),
+              ElementsAre("I have not seen my blue mug yet."));
+}
+
 }  // namespace
 }  // namespace roomwise::guide

@@ -4,6 +4,7 @@
 #include <tuple>
 
 #include "roomwise/guide/seen_prompt.h"
+#include "roomwise/guide/surfaces.h"
 #include "roomwise/guide/thing_prompts.h"
 #include "roomwise/objects/kinds/kinds.h"
 
@@ -103,7 +104,7 @@ bool is_carried_about(const std::string& name) {
 // Of what people carry about, the answer's second part.
 std::optional<Prompt> seen_part(const KnownThing& thing, const Wording& wording, TimestampNs now_ns,
                                 const std::optional<CalendarTime>& today) {
-  if (thing.added_by != 0 || !is_carried_about(thing.name)) return std::nullopt;
+  if (thing.added_by != 0 || (!thing.is_own && !is_carried_about(thing.name))) return std::nullopt;
   return seen_prompt(key_of(thing.name) + "/seen", thing.seen, today, wording, now_ns,
                      "people carry such things about");
 }
@@ -122,6 +123,18 @@ std::vector<Prompt> helper_parts(const KnownThing& thing, const Wording& wording
   if (!thing.note.empty())
     add("/note", "where.note", {{"note", as_sentence(thing.note)}}, "a helper's note");
   return parts;
+}
+
+// Of what somebody taught, what it lies on.
+std::optional<Prompt> surface_part(const KnownThing& thing, std::span<const KnownThing> things,
+                                   const Wording& wording, TimestampNs now_ns) {
+  const KnownThing* const surface = thing.is_own ? surface_under(thing, things) : nullptr;
+  if (surface == nullptr) return std::nullopt;
+  Prompt prompt = make_prompt(wording, key_of(thing.name) + "/on", "where.on",
+                              {{"thing", guide::thing(surface->name)}}, Confidence::kSure,
+                              after(now_ns, kHomeValid_s), "there it was seen last");
+  prompt.sound = Sound::kNone;
+  return prompt;
 }
 
 Prompt unknown_thing(const std::string& asked, const Wording& wording, TimestampNs now_ns) {
@@ -159,6 +172,12 @@ std::vector<Prompt> where_prompts(const std::string& asked, const UserLocation& 
                                   const std::optional<CalendarTime>& today) {
   const auto name = thing_meant(asked, things, vocabulary, wording.phrases());
   if (!name) return {unknown_thing(asked, wording, now_ns)};
+  const auto own = std::ranges::find(things, *name, &KnownThing::name);
+  if (own->is_own && !own->room && !own->position_gravity && !own->seen) {
+    return {make_prompt(wording, key_of(*name), "where.not_seen", {{"thing", thing(*name)}},
+                        Confidence::kUnsure, after(now_ns, kHomeValid_s),
+                        "it was taught, and no picture has shown it since")};
+  }
   const auto candidates = nearest_first(*name, location, things, doorways);
   const Candidate& nearest = candidates.front();
   Place place = place_of(nearest, wording, today);
@@ -172,6 +191,9 @@ std::vector<Prompt> where_prompts(const std::string& asked, const UserLocation& 
                   candidates.size(), nearest.thing->probability_at(today));
   std::vector<Prompt> prompts{make_prompt(wording, key_of(*name), place.message, place.values,
                                           confidence, after(now_ns, place.valid_s), because)};
+  if (auto surface = surface_part(*nearest.thing, things, wording, now_ns)) {
+    prompts.push_back(*std::move(surface));
+  }
   if (auto seen = seen_part(*nearest.thing, wording, now_ns, today)) {
     prompts.push_back(*std::move(seen));
   }

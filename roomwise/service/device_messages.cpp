@@ -9,7 +9,7 @@ constexpr std::array<Word<DeviceKind>, 3> kKinds{{{"phone", DeviceKind::kPhone},
                                                   {"page", DeviceKind::kPage}}};
 constexpr std::array<Word<Distances>, 2> kDistances{
     {{"metres", Distances::kMetres}, {"steps", Distances::kSteps}}};
-constexpr std::array<Word<Question>, 17> kQuestions{{{"where_am_i", Question::kWhereAmI},
+constexpr std::array<Word<Question>, 23> kQuestions{{{"where_am_i", Question::kWhereAmI},
                                                      {"around_me", Question::kAroundMe},
                                                      {"where_is", Question::kWhereIs},
                                                      {"way_to", Question::kWayTo},
@@ -25,7 +25,13 @@ constexpr std::array<Word<Question>, 17> kQuestions{{{"where_am_i", Question::kW
                                                      {"what_is_ahead", Question::kWhatIsAhead},
                                                      {"what_changed", Question::kWhatChanged},
                                                      {"describe_room", Question::kDescribeRoom},
-                                                     {"what_can_i_ask", Question::kWhatCanIAsk}}};
+                                                     {"what_can_i_ask", Question::kWhatCanIAsk},
+                                                     {"teach_thing", Question::kTeachThing},
+                                                     {"name_thing", Question::kNameThing},
+                                                     {"stop_teaching", Question::kStopTeaching},
+                                                     {"forget_thing", Question::kForgetThing},
+                                                     {"share_thing", Question::kShareThing},
+                                                     {"keep_thing", Question::kKeepThing}}};
 constexpr std::array<Word<GuideWish>, 6> kWishes{{{"pause", GuideWish::kPause},
                                                   {"resume", GuideWish::kResume},
                                                   {"how_far", GuideWish::kHowFar},
@@ -99,6 +105,10 @@ bool asks_for_thing(const Ask& ask) {
   switch (ask.question) {
     case Question::kWayTo:
     case Question::kWhatIsOn:
+    case Question::kNameThing:
+    case Question::kForgetThing:
+    case Question::kShareThing:
+    case Question::kKeepThing:
       return true;
     case Question::kWhereIs:
     case Question::kTakeMeTo:
@@ -126,6 +136,9 @@ Expected<DeviceMessage> read_ask(const OrderedJson& json) {
   const bool may_name_room = ask.question == Question::kDescribeRoom && members.has("room");
   if (asks_for_room(ask) || may_name_room) ask.subject = members.text("room");
   if (ask.question == Question::kInWords) ask.subject = members.text("text", kMaxWordsBytes);
+  if (ask.question == Question::kNameThing && members.has("private")) {
+    ask.is_private = members.yes_or_no("private");
+  }
   return members.finish<DeviceMessage>(std::move(ask));
 }
 
@@ -204,6 +217,7 @@ OrderedJson to_json(const Ask& ask) {
                    {"t", ask.t_ms},
                    {"question", word_of(kQuestions, ask.question)}};
   if (asks_for_thing(ask)) json["thing"] = ask.subject;
+  if (ask.is_private) json["private"] = true;
   if (ask.question == Question::kGuide) json["wish"] = word_of(kWishes, ask.wish);
   const bool may_name_room = ask.question == Question::kDescribeRoom && !ask.subject.empty();
   if (asks_for_room(ask) || may_name_room) json["room"] = ask.subject;

@@ -77,6 +77,12 @@ enum class Question {
   kWhatChanged,
   kDescribeRoom,
   kWhatCanIAsk,
+  kTeachThing,  // a thing is shown from now on
+  kNameThing,   // enough was shown: what it is called
+  kStopTeaching,
+  kForgetThing,  // that was taught
+  kShareThing,   // with all people of the home
+  kKeepThing,    // its owner's alone
 };
 [[nodiscard]] std::string_view to_string(Question question);  // as the protocol calls it
 // What there is to say to a guide on the way.
@@ -86,11 +92,13 @@ struct Ask {
   std::int64_t id = 0;
   double t_ms = 0;  // by the device's clock
   Question question = Question::kWhereAmI;
-  // The thing of kWayTo and kWhatIsOn, the room of kNameRoom, kWhatIsIn and kDescribeRoom (empty:
-  // where one stands), either of kWhereIs and kTakeMeTo; the words of kInWords.
+  // The thing of kWayTo, kWhatIsOn and kNameThing to kKeepThing, the room of kNameRoom, kWhatIsIn
+  // and kDescribeRoom (empty: where one stands), either of kWhereIs and kTakeMeTo; the words of
+  // kInWords.
   std::string subject;
   bool is_room = false;                // the subject of kWhereIs and kTakeMeTo
   GuideWish wish = GuideWish::kPause;  // of kGuide
+  bool is_private = false;             // the thing of kNameThing: its owner's alone
 };
 
 // Those that are given take the place of the earlier ones.

@@ -29,13 +29,17 @@ enum class QuestionType {
   kBlocked,
   kEnd,
   kWhatCanIAsk,
-  kYes,         // to "Did you mean ...?"
-  kNamed,       // a name alone
-  kCannotTell,  // what no picture and no map can answer
+  kTeachThing,   // a thing is to be shown
+  kForgetThing,  // that was taught
+  kShareThing,   // with all people of the home
+  kKeepThing,    // its owner's alone
+  kYes,          // to "Did you mean ...?"
+  kNamed,        // a name alone
+  kCannotTell,   // what no picture and no map can answer
 };
 
 // As catalogues call them.
-constexpr std::array<std::pair<std::string_view, QuestionType>, 23> kQuestionTypes{
+constexpr std::array<std::pair<std::string_view, QuestionType>, 27> kQuestionTypes{
     {{"where_am_i", QuestionType::kWhereAmI},
      {"around_me", QuestionType::kAroundMe},
      {"where_is", QuestionType::kWhereIs},
@@ -58,6 +62,10 @@ constexpr std::array<std::pair<std::string_view, QuestionType>, 23> kQuestionTyp
      {"what_can_i_ask", QuestionType::kWhatCanIAsk},
      {"yes", QuestionType::kYes},
      {"named", QuestionType::kNamed},
-     {"cannot_tell", QuestionType::kCannotTell}}};
+     {"cannot_tell", QuestionType::kCannotTell},
+     {"teach_thing", QuestionType::kTeachThing},
+     {"forget_thing", QuestionType::kForgetThing},
+     {"share_thing", QuestionType::kShareThing},
+     {"keep_thing", QuestionType::kKeepThing}}};
 
 }  // namespace roomwise::guide

@@ -7,7 +7,7 @@
 
 #include "roomwise/guide/legs.h"
 #include "roomwise/guide/seen_prompt.h"
-#include "roomwise/objects/kinds/kinds.h"
+#include "roomwise/guide/surfaces.h"
 
 namespace roomwise::guide {
 namespace {
@@ -85,23 +85,6 @@ class HomeAnswer {
   const Today& today_;
   std::vector<Prompt> prompts_;
 };
-
-Outline outline_of(const KnownThing& thing) {
-  return {thing.position_gravity->head<2>(), thing.size_m().head<2>(), thing.yaw_rad};
-}
-
-// `surface` has a place.
-bool stands_on(const KnownThing& thing, const KnownThing& surface) {
-  if (&thing == &surface || !thing.position_gravity) return false;
-  const objects::Kind* const kind = objects::find_kind(thing.name);
-  if (kind != nullptr && kind->stands_on_floor) return false;
-  const double middle_m = thing.position_gravity->z();
-  const double bottom_m = middle_m - thing.size_m().z() / 2;
-  const double surface_m = surface.position_gravity->z();
-  const double top_m = surface_m + surface.size_m().z() / 2;
-  return middle_m > surface_m && bottom_m <= top_m + kHand_m &&
-         outline_of(surface).distance_m(thing.position_gravity->head<2>()) == 0;
-}
 
 // Of a thing that has a place; 0 where the person's is not known.
 double distance_to(const KnownThing& thing, const UserLocation& location) {

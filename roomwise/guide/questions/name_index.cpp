@@ -161,6 +161,11 @@ Nouns NameIndex::nearest(const std::string& key, Slot slot) const {
 
 FoundName NameIndex::find(std::span<const std::string> words, Slot slot) const {
   const auto bare = without_determiners(words);
+  // "my mug" may be the name of a thing, and another than the mugs of the home.
+  if (bare.size() < words.size()) {
+    Nouns nouns = exact(joined({words.begin(), words.end()}), slot, true, Way::kName);
+    if (!nouns.empty()) return {NameMatch::kKnown, std::move(nouns)};
+  }
   const std::string key = joined({bare.begin(), bare.end()});
   if (Nouns nouns = exact(key, slot, true, Way::kLabel); !nouns.empty()) {
     return {NameMatch::kKnown, std::move(nouns)};

@@ -136,6 +136,29 @@ TEST(UnderstandTest, QuestionsInFrench) {
   EXPECT_EQ(french("où est l'ordinateur"), "unknown: where_is computer");
 }
 
+TEST(UnderstandTest, ThingsThatWereTaughtAreKnownByTheirNames) {
+  HomeNames home = some_home();
+  home.things.push_back("my blue mug");
+  home.things.push_back("my microwave");
+  home.things.push_back("meine Tasse");
+  const auto said = [&](const std::string& text, const std::string& language) {
+    return told(understand(text, catalogue().in(language), home));
+  };
+  EXPECT_EQ(said("where is my blue mug", "en"), "where_is my blue mug");
+  EXPECT_EQ(said("where is the blue mug", "en"), "where_is my blue mug");
+  // Whose it is tells it from the home's own.
+  EXPECT_EQ(said("where is my microwave", "en"), "where_is my microwave");
+  EXPECT_EQ(said("where is the microwave", "en"), "where_is microwave");
+  EXPECT_EQ(said("forget my blue mug", "en"), "forget_thing my blue mug");
+  EXPECT_EQ(said("share my blue mug", "en"), "share_thing my blue mug");
+  EXPECT_EQ(said("keep my blue mug private", "en"), "keep_thing my blue mug");
+  EXPECT_EQ(said("teach a thing", "en"), "teach_thing");
+  EXPECT_EQ(said("Wo ist meine Tasse?", "de"), "where_is meine Tasse");
+  EXPECT_EQ(said("Vergiss meine Tasse", "de"), "forget_thing meine Tasse");
+  EXPECT_EQ(said("Olvida my blue mug", "es"), "forget_thing my blue mug");
+  EXPECT_EQ(said("Oubliez my blue mug", "fr"), "forget_thing my blue mug");
+}
+
 TEST(UnderstandTest, ANameThatIsASlipAwayIsAskedAbout) {
   EXPECT_EQ(english("take me to the kichen"), "did you mean: take_me_to kitchen");
   EXPECT_EQ(english("where is the mircowave"), "did you mean: where_is microwave");

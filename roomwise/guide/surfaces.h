@@ -1,0 +1,22 @@
+#pragma once
+
+#include <span>
+
+#include "roomwise/guide/places.h"
+#include "roomwise/guide/plan.h"
+
+// What lies on what.
+namespace roomwise::guide {
+
+// Of a thing that has a place.
+[[nodiscard]] Outline outline_of(const KnownThing& thing);
+
+// What does not stand on the floor, and whose middle lies over the surface's box, no more than a
+// hand's breadth above it. `surface` has a place.
+[[nodiscard]] bool stands_on(const KnownThing& thing, const KnownThing& surface);
+
+// What the thing lies on; of several the one whose top is highest; nullptr: nothing is known.
+[[nodiscard]] const KnownThing* surface_under(const KnownThing& thing,
+                                              std::span<const KnownThing> things);
+
+}  // namespace roomwise::guide
