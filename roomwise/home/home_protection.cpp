@@ -2,6 +2,7 @@
 
 #include "roomwise/home/home.h"
 #include "roomwise/home/schema.h"
+#include "roomwise/home/stored_values.h"
 
 namespace roomwise::home {
 namespace {
