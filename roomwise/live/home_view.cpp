@@ -123,23 +123,31 @@ bool is_visit_newest(const std::map<home::VisitId, home::Visit>& visits,
 }
 
 // What a visit changed. A thing that it moved is one that it brought and one that is past.
+// `things`: of the home, those of the view as they were found.
 guide::ChangedThings changed_by_visit(home::VisitId visit, std::span<const home::PastInstance> past,
-                                      const HomeView& view) {
+                                      const pipeline::HomeThings& things, const HomeView& view) {
   const ThingPlacer placer(view);
   guide::ChangedThings changed;
-  for (const guide::KnownThing& thing : view.things) {
-    if (thing.visit == visit) changed.arrived.push_back(thing);
+  std::vector<std::string> found_as;  // of those that arrived
+  for (std::size_t i = 0; i < view.things.size(); ++i) {
+    if (view.things[i].visit != visit) continue;
+    changed.arrived.push_back(view.things[i]);
+    found_as.push_back(things.things[i].found_as);
   }
   for (const home::PastInstance& one : past) {
     if (one.noticed_by != visit) continue;
-    const auto now =
-        std::ranges::find(changed.arrived, one.instance.name, &guide::KnownThing::name);
-    if (one.reason == home::PastReason::kMoved && now != changed.arrived.end()) {
-      changed.moved.push_back(std::move(*now));
-      changed.arrived.erase(now);
+    const auto now = std::ranges::find(found_as, one.instance.name);
+    if (one.reason == home::PastReason::kMoved && now != found_as.end()) {
+      const auto arrived = changed.arrived.begin() + (now - found_as.begin());
+      changed.moved.push_back(std::move(*arrived));
+      changed.arrived.erase(arrived);
+      found_as.erase(now);
       continue;
     }
+    const auto name = things.name_of_gone(one.instance);
+    if (!name) continue;
     changed.gone.push_back(placer.known_thing(one.instance));
+    changed.gone.back().name = *name;
     changed.gone.back().seen = calendar_time(one.last_seen_ns);
   }
   return changed;
@@ -166,12 +174,12 @@ guide::ChangedThings changed_by_walk(home::RecordingId walk, const pipeline::Hom
   return changed;
 }
 
-Expected<void> view_latest(const home::Home& home, const pipeline::HomeHistory& history,
-                           HomeView& view) {
+Expected<void> view_latest(const home::Home& home, const pipeline::HomeThings& things,
+                           const pipeline::HomeHistory& history, HomeView& view) {
   ROOMWISE_TRY(const auto visits, home.visits());
   if (is_visit_newest(visits, history, view)) {
     ROOMWISE_TRY(const auto past, home.past_instances());
-    view.latest = changed_by_visit(visits.rbegin()->first, past, view);
+    view.latest = changed_by_visit(visits.rbegin()->first, past, things, view);
   } else if (history.walks.size() > 1) {
     view.latest = changed_by_walk(history.walks.back(), history, view);
   }
@@ -271,7 +279,7 @@ Expected<std::shared_ptr<const HomeView>> view_home(const home::Home& home,
   ROOMWISE_TRY(const pipeline::HomeHistory history, pipeline::find_home_history(home, things));
   ROOMWISE_CHECK_OK(view_things(home, things, history, view));
   ROOMWISE_CHECK_OK(view_edits(home, things, view));
-  ROOMWISE_CHECK_OK(view_latest(home, history, view));
+  ROOMWISE_CHECK_OK(view_latest(home, things, history, view));
   view_changes(history, view);
   ROOMWISE_TRY(const auto classifier, home.room_classifier());
   if (classifier) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "roomwise/base/testing/testing.h"
+#include "roomwise/pipeline/edits/edit_things.h"
 #include "roomwise/pipeline/mapping/map_recording.h"
 #include "roomwise/pipeline/stored/stored_map.h"
 #include "roomwise/pipeline/testing/red_finder.h"
@@ -99,6 +100,14 @@ TEST_F(HomeViewOfWalks, TellsWhatAVisitFoundGoneAndWhenItWasSeenLast) {
   const guide::ChangedThings changed = latest();
   ASSERT_THAT(changed.gone, ElementsAre(called("sofa")));
   EXPECT_EQ(changed.gone[0].seen, calendar_time(kStamp_ns));
+}
+
+TEST_F(HomeViewOfWalks, TellsWhatAVisitFoundGoneAsSomebodyCorrectedIt) {
+  walk(kBox);
+  const auto things = pipeline::find_home_things(*home_).value().things;
+  ASSERT_OK(pipeline::rename_thing(*home_, {"Anna", 1}, things.at(0), "armchair"));
+  visit_that_misses_all(kStamp_ns + 86'400'000'000'000);
+  EXPECT_THAT(latest().gone, ElementsAre(called("armchair")));
 }
 
 TEST_F(HomeViewOfWalks, TellsTheWalkMappedLastWhereStampsDoNotTellTheDate) {

@@ -174,15 +174,28 @@ class Overlay {
       return none;
     }
     const std::uint64_t component = component_of(*place.keyframe);
-    ROOMWISE_TRY(const auto moved, by_walks(place, *box));
+    ROOMWISE_TRY(Later moved, by_walks(place, *box));
+    if (!moved.at) {
+      ROOMWISE_TRY(const Later visited, by_visits(place, *box));
+      moved.at = visited.at;
+      moved.gone.insert(moved.gone.end(), visited.gone.begin(), visited.gone.end());
+    }
     if (moved.at) return moved.at;
     if (const auto there = nearest({place.name, *box, {}}, component, true)) return there;
-    if (edit.kind != EditKind::kRemoveThing && !moved.is_gone) {
+    if (edit.kind != EditKind::kRemoveThing && moved.gone.empty()) {
       if (const auto there = nearest({place.name, *box, {}}, component, false)) return there;
     }
     things_.without_effect[edit.id] =
-        moved.is_gone ? "the walks found it gone" : "nothing is found in its place";
+        moved.gone.empty() ? "nothing is found in its place" : "the walks found it gone";
+    for (const objects::Instance& one : moved.gone) call_gone(one, edit);
     return none;
+  }
+
+  void call_gone(const objects::Instance& one, const StoredEdit& edit) {
+    std::string name = edit.change.old_name;
+    if (edit.kind == EditKind::kRenameThing) name = edit.change.name;
+    if (edit.kind == EditKind::kRemoveThing) name.clear();
+    things_.gone.push_back({one, std::move(name)});
   }
 
   // Of what programs found and stands in that place the nearest, `but` one; `by_name`: of those
@@ -203,34 +216,63 @@ class Overlay {
     return match ? std::optional(at[*match]) : std::nullopt;
   }
 
-  struct ByWalks {
-    std::optional<std::size_t> at;
-    bool is_gone = false;
+  // What became of what stood in a place.
+  struct Later {
+    std::optional<std::size_t> at;        // where it is now
+    std::vector<objects::Instance> gone;  // what it was that stands there no more
   };
+
+  // Whether programs found it where a change was made, called as then.
+  [[nodiscard]] bool stood_there(const objects::Instance& one, const home::EditPlace& place,
+                                 const geometry::OrientedBox& box) const {
+    if (one.name != place.name || component_of(one.keyframe_id) != component_of(*place.keyframe)) {
+      return false;
+    }
+    const PlacedInstance asked{place.name, box, {}}, stood = placed(one, one.name);
+    return objects::match_past(std::span(&asked, 1), std::span(&stood, 1)).front().has_value();
+  }
+
   // Where the walks say that what stood there is now.
-  Expected<ByWalks> by_walks(const home::EditPlace& place, const geometry::OrientedBox& box) {
+  Expected<Later> by_walks(const home::EditPlace& place, const geometry::OrientedBox& box) {
     if (!history_) {
       ROOMWISE_TRY(history_, home_history_as_found(home_));
     }
-    const PlacedInstance asked{place.name, box, {}};
-    const auto stood_there = [&](const objects::Instance& one) {
-      if (one.name != place.name ||
-          component_of(one.keyframe_id) != component_of(*place.keyframe)) {
-        return false;
-      }
-      const PlacedInstance stood = placed(one, one.name);
-      return objects::match_past(std::span(&asked, 1), std::span(&stood, 1)).front().has_value();
-    };
-    ByWalks told;
+    Later told;
     for (const ThingHistory& one : history_->things) {
       const bool has_moved = std::ranges::any_of(one.events, [&](const WalkEvent& event) {
-        return event.from && stood_there(*event.from);
+        return event.from && stood_there(*event.from, place, box);
       });
-      const bool was_there = has_moved || (one.is_gone && stood_there(one.thing));
+      const bool was_there = has_moved || (one.is_gone && stood_there(one.thing, place, box));
       if (!was_there) continue;
-      told.is_gone = one.is_gone;
+      if (one.is_gone) told.gone.push_back(one.thing);
       for (std::size_t i = 0; i < works_.size() && !one.is_gone; ++i) {
         if (history_->of(works_[i].thing) == &one) told.at = i;
+      }
+      if (told.at) return told;
+    }
+    return told;
+  }
+
+  // The same of visits, one after the other: what one brought the next may have moved.
+  Expected<Later> by_visits(const home::EditPlace& place, const geometry::OrientedBox& box) {
+    if (!past_) {
+      ROOMWISE_TRY(past_, home_.past_instances());
+    }
+    Later told;
+    home::VisitId brought_by = 0;
+    for (const home::PastInstance& one : *past_) {
+      const bool is_it = brought_by == 0
+                             ? stood_there(one.instance, place, box)
+                             : one.instance.visit == brought_by && one.instance.name == place.name;
+      if (!is_it) continue;
+      if (one.reason == home::PastReason::kRemoved) {
+        told.gone.push_back(one.instance);
+        continue;
+      }
+      brought_by = one.noticed_by;
+      for (std::size_t i = 0; i < works_.size(); ++i) {
+        const HomeThing& now = works_[i].thing;
+        if (now.visit == brought_by && now.found_as == place.name) told.at = i;
       }
       if (told.at) return told;
     }
@@ -242,10 +284,23 @@ class Overlay {
   std::vector<Work> works_;
   std::map<home::EditId, std::size_t> added_;
   std::optional<HomeHistory> history_;
+  std::optional<std::vector<home::PastInstance>> past_;
   HomeThings things_;
 };
 
 }  // namespace
+
+std::optional<std::string> HomeThings::name_of_gone(const objects::Instance& one) const {
+  std::optional<std::string> name = one.name;
+  for (const GoneThing& said : gone) {
+    const bool is_it = said.found.name == one.name && said.found.visit == one.visit &&
+                       said.found.keyframe_id == one.keyframe_id &&
+                       is_same_picture(said.found.picture_box, one.picture_box);
+    if (!is_it) continue;
+    name = said.name.empty() ? std::nullopt : std::optional(said.name);
+  }
+  return name;
+}
 
 Expected<HomeThings> find_home_things(const home::Home& home) {
   ROOMWISE_TRY(auto instances, home.instances());

@@ -125,9 +125,46 @@ TEST_F(HomeThingsOfWalks, AChangeOfWhatIsGoneIsKeptAndHoldsWhenItIsBack) {
   walk(std::nullopt);
   EXPECT_THAT(names(), IsEmpty());
   EXPECT_EQ(things().without_effect.at(1), "the walks found it gone");
+  ASSERT_THAT(find_home_history(*home_)->things, SizeIs(1));
+  EXPECT_EQ(find_home_history(*home_)->things[0].thing.name, "armchair") << "history, too";
   walk(kBoxAgain);
   EXPECT_THAT(names(), ElementsAre("armchair"));
   EXPECT_THAT(things().without_effect, IsEmpty());
+}
+
+TEST_F(HomeThingsOfWalks, OfWhatWasNotThereNobodySaysThatItIsGone) {
+  walk(kBox);
+  ASSERT_OK(remove_thing(*home_, kAnna, thing()));
+  walk(std::nullopt);
+  EXPECT_THAT(find_home_history(*home_)->things, IsEmpty());
+}
+
+TEST_F(HomeThingsOfWalks, ANameGoesWithAThingThatVisitsFindMovedOrGone) {
+  walk(kBox);
+  ASSERT_OK(rename_thing(*home_, kAnna, thing(), "armchair"));
+  const objects::Instance stood = home_->instances()->front();
+  const auto visit = [&](const objects::Instance& from, std::optional<double> to_m) {
+    home::HomeChanges changes;
+    changes.visit = {"visit", "made up", 1, 2, 9, 9};
+    changes.past.push_back(
+        {from, to_m ? home::PastReason::kMoved : home::PastReason::kRemoved, 0, 1});
+    if (to_m) {
+      objects::Instance to = from;
+      to.picture_box = {};
+      to.box_keyframe.world_from_box.translation.x() += *to_m;
+      changes.arrived.push_back(to);
+    }
+    ASSERT_OK(home_->apply_changes(changes));
+  };
+  visit(stood, 1.5);
+  EXPECT_THAT(names(), ElementsAre("armchair"));
+  visit(home_->instances()->front(), 1.5);
+  EXPECT_THAT(names(), ElementsAre("armchair")) << "and on";
+  const objects::Instance last = home_->instances()->front();
+  visit(last, std::nullopt);
+  EXPECT_THAT(names(), IsEmpty());
+  EXPECT_EQ(things().name_of_gone(last), "armchair");
+  EXPECT_EQ(things().without_effect.at(1), "the walks found it gone");
 }
 
 TEST_F(HomeThingsOfWalks, WhatIsNotThereStaysAwayWhenAWalkSeesItAgain) {

@@ -252,13 +252,17 @@ std::vector<ThingChange> HomeHistory::changes_by(home::RecordingId walk) const {
   return changes;
 }
 
-void HomeHistory::correct(std::span<const HomeThing> corrections) {
+void HomeHistory::correct(const HomeThings& corrections) {
   std::vector<ThingHistory> corrected;
   for (ThingHistory& one : things) {
-    if (!one.is_gone) {
+    if (one.is_gone) {
+      const auto name = corrections.name_of_gone(one.thing);
+      if (!name) continue;
+      one.thing.name = *name;
+    } else {
       const auto stands = std::ranges::find_if(
-          corrections, [&](const HomeThing& thing) { return is_of(one, thing); });
-      if (stands == corrections.end()) continue;
+          corrections.things, [&](const HomeThing& thing) { return is_of(one, thing); });
+      if (stands == corrections.things.end()) continue;
       one.thing.name = stands->name;
       one.thing.names = stands->names;
       one.thing.probability = stands->probability;
@@ -281,7 +285,7 @@ Expected<HomeHistory> find_home_history(const home::Home& home) {
 
 Expected<HomeHistory> find_home_history(const home::Home& home, const HomeThings& things) {
   ROOMWISE_TRY(HomeHistory history, home_history_as_found(home));
-  history.correct(things.things);
+  history.correct(things);
   return history;
 }
 

@@ -79,9 +79,10 @@ struct HomeHistory {
   [[nodiscard]] const ThingHistory* of(const objects::Instance& instance) const;
   // In the order of things.
   [[nodiscard]] std::vector<ThingChange> changes_by(home::RecordingId walk) const;
-  // By the home's things: what somebody renamed is called so, and what stands there and is among
-  // them no more, since somebody took it out or a visit found it gone, is left out.
-  void correct(std::span<const HomeThing> corrections);
+  // By the home's things: what somebody renamed is called so, also when it is gone, and what
+  // somebody took out, or stands there and is among them no more since a visit found it gone, is
+  // left out.
+  void correct(const HomeThings& corrections);
 };
 
 // The walks of the map's largest component, as HomeHistory::walks.
