@@ -5,6 +5,7 @@ import { textField } from '../shared/forms';
 import { counted, text } from '../shared/texts';
 import type { View3d } from '../view3d/view3d';
 import type { Helper } from './actions';
+import { firstStepsView } from './first_steps';
 import { jobView } from './job_view';
 import { countOf, outlineOf } from './outline';
 import { keyframePicture } from './pictures';
@@ -16,6 +17,7 @@ import { outlineView } from './tree_view';
 
 export function homePanel(helper: Helper): HTMLElement {
   return panel(text('nav.home'),
+    firstStepsView(helper),
     h('div', { class: 'home' },
       h('div', { class: 'views' }, planView(helper), spaceView(helper)),
       wordsView(helper)));

@@ -121,3 +121,16 @@ test('a device is called otherwise', options, () => withServer(async (server) =>
   assert.deepEqual(server.state.requests, ['PUT /api/devices/4 {"name":"Belt"}']);
   await visit.close();
 }));
+
+test('the first steps tell what is done and lead to what comes next', options, () => withServer(async (server) => {
+  server.state.home.learned = null;
+  server.state.recognitions = [];
+  const visit = await openVisit(server, { role: 'helper' });
+  await visit.go('/');
+  await visit.sees('Let the rooms be learned. next', '.steps');
+  await visit.sees('Name the rooms of the walk. done', '.steps');
+  await visit.assertAccessible('the first steps');
+  await visit.press('Let the rooms be learned.');
+  await visit.sees('Recognise', 'h2');
+  await visit.close();
+}));
