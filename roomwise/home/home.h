@@ -439,6 +439,8 @@ class Home {
   // that of another thing, capitals aside; where it has no views; where there are kMaxOwnThings.
   [[nodiscard]] Expected<OwnThingId> add_own_thing(const OwnThing& thing,
                                                    std::span<const objects::TaughtView> views);
+  // Whether one could be added by this name; fails as add_own_thing() does.
+  [[nodiscard]] Expected<void> check_new_name(const std::string& name) const;
   [[nodiscard]] Expected<std::vector<OwnThing>> own_things() const;  // by name
   // As they were taught; fails where the home is locked.
   [[nodiscard]] Expected<std::vector<objects::TaughtView>> own_thing_views(OwnThingId id) const;
@@ -513,7 +515,6 @@ class Home {
   [[nodiscard]] Expected<void> reseal_pictures(KeyframeId first, KeyframeId shift);
   [[nodiscard]] Expected<void> insert_keyframe(RecordingId recording, const NewKeyframe& keyframe);
   [[nodiscard]] Expected<bool> has_own_things() const;
-  [[nodiscard]] Expected<void> check_new_name(const std::string& name) const;
   [[nodiscard]] Expected<void> change_own_thing(OwnThingId id,
                                                 const std::function<Expected<void>()>& change);
   [[nodiscard]] Expected<void> insert_edge(const scene::PoseGraphEdge& edge);

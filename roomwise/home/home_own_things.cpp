@@ -42,18 +42,24 @@ Expected<bool> Home::has_own_things() const {
 
 Expected<void> Home::check_new_name(const std::string& name) const {
   if (name.find_first_not_of(' ') == std::string::npos) {
-    return fail("{}: a thing needs a name", file());
+    return fail_with(ErrorCode::kRefused, "{}: a thing needs a name", file());
   }
   if (name.size() > kMaxOwnThingName) {
-    return fail("{}: the name is {} bytes long; {} at most", file(), name.size(), kMaxOwnThingName);
+    return fail_with(ErrorCode::kRefused, "{}: the name is {} bytes long; {} at most", file(),
+                     name.size(), kMaxOwnThingName);
   }
-  if (!is_plain_text(name)) return fail("{}: a name is one line of text in UTF-8", file());
+  if (!is_plain_text(name))
+    return fail_with(ErrorCode::kRefused, "{}: a name is one line of text in UTF-8", file());
+  ROOMWISE_TRY(const bool has, has_own_things());
+  if (!has) return {};
   ROOMWISE_TRY(const auto alike,
                database_.find<std::string>(
                    "SELECT name FROM own_things WHERE name = ? COLLATE NOCASE", name));
   if (alike) {
-    return fail("{}: there is a thing called {} already; give another name, or forget that one",
-                file(), *alike);
+    return fail_with(
+        ErrorCode::kRefused,
+        "{}: there is a thing called {} already; give another name, or forget that one", file(),
+        *alike);
   }
   ROOMWISE_TRY(const auto count, database_.get<std::size_t>("SELECT count(*) FROM own_things"));
   if (count >= kMaxOwnThings) {

@@ -266,6 +266,14 @@ std::optional<service::Question> question_of(guide::QuestionType type, bool is_r
       return Question::kRepeat;
     case QuestionType::kWhatCanIAsk:
       return Question::kWhatCanIAsk;
+    case QuestionType::kTeachThing:
+      return Question::kTeachThing;
+    case QuestionType::kForgetThing:
+      return Question::kForgetThing;
+    case QuestionType::kShareThing:
+      return Question::kShareThing;
+    case QuestionType::kKeepThing:
+      return Question::kKeepThing;
     case QuestionType::kNamed:  // a room is told of, a thing is looked for
       return is_room ? Question::kDescribeRoom : Question::kWhereIs;
     default:
@@ -370,7 +378,13 @@ std::vector<guide::Prompt> answer(const service::Ask& ask, const Situation& situ
       return {excuse("repeat.nothing", wording, situation.now_t_ms)};
     case service::Question::kWhatCanIAsk:
       return guide::example_prompts(names_in(situation.home), wording, now_ns);
-    case service::Question::kInWords:  // was understood before
+    case service::Question::kInWords:     // was understood before
+    case service::Question::kTeachThing:  // these have been done
+    case service::Question::kNameThing:
+    case service::Question::kStopTeaching:
+    case service::Question::kForgetThing:
+    case service::Question::kShareThing:
+    case service::Question::kKeepThing:
       break;
     case service::Question::kWhatIsOn:
     case service::Question::kWhatIsIn:

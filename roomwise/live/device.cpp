@@ -45,6 +45,33 @@ service::PromptMessage message_of(const guide::Prompt& prompt) {
   return message;
 }
 
+bool is_of_own_things(service::Question question) {
+  using service::Question;
+  switch (question) {
+    case Question::kTeachThing:
+    case Question::kNameThing:
+    case Question::kStopTeaching:
+    case Question::kForgetThing:
+    case Question::kShareThing:
+    case Question::kKeepThing:
+      return true;
+    default:
+      return false;
+  }
+}
+
+guide::TeachingStep step_of(service::Question question) {
+  using service::Question;
+  switch (question) {
+    case Question::kForgetThing:
+      return guide::TeachingStep::kForgotten;
+    case Question::kShareThing:
+      return guide::TeachingStep::kShared;
+    default:
+      return guide::TeachingStep::kKept;
+  }
+}
+
 }  // namespace
 
 // ---- from the connection ----
@@ -107,7 +134,7 @@ void Device::greet(const service::Hello& hello) {
 }
 
 service::Welcome Device::welcome() const {
-  const auto view = host_.view();
+  const auto view = host_.view_for(who_);
   service::Welcome welcome;
   welcome.home = view->name;
   welcome.role = service::to_string(who_.role);
@@ -135,6 +162,7 @@ void Device::on_message(Bytes bytes) {
   service::FrameArrived arrived{frame.t_ms, 0};
   {
     const std::scoped_lock lock(mutex_);
+    last_heard_t_ms_ = frame.t_ms;
     if (newest_) ++dropped_;
     newest_ = std::move(frame);
     arrived.dropped = dropped_;
@@ -164,6 +192,10 @@ void Device::refuse_unread(const Error& error, std::optional<std::int64_t> answe
 
 void Device::hear(const Asked& asked) {
   const service::Ask& ask = asked.ask;
+  {
+    const std::scoped_lock lock(mutex_);
+    last_heard_t_ms_ = std::max(last_heard_t_ms_, ask.t_ms);
+  }
   if (ask.question != service::Question::kInWords) {
     const std::scoped_lock lock(mutex_);
     offered_ = {};  // a "yes" after this would answer something else
@@ -175,6 +207,10 @@ void Device::hear(const Asked& asked) {
     return hear_now(asked);
   }
   if (ask.question == service::Question::kInWords) return understand(asked);
+  if (is_of_own_things(ask.question)) {
+    hear_of_own_things(ask);
+    return host_.answered(ask.question, seconds_since(asked.came));
+  }
   service::Ask now = ask;
   std::optional<std::int64_t> pushed_out;
   bool waits = false;
@@ -205,7 +241,7 @@ void Device::hear(const Asked& asked) {
 void Device::understand(const Asked& asked) {
   const service::Ask& in_words = asked.ask;
   static_assert(service::kMaxWordsBytes <= guide::kMaxQuestionBytes);
-  const auto view = host_.view();
+  const auto view = host_.view_for(who_);
   const guide::HomeNames names = names_in(*view);
   guide::Wording wording;
   guide::Understood offered;
@@ -229,6 +265,113 @@ void Device::understand(const Asked& asked) {
   host_.answered(in_words.question, seconds_since(asked.came));
 }
 
+// ---- things that are taught ----
+
+std::shared_ptr<Teaching> Device::teaching() const {
+  const std::scoped_lock lock(mutex_);
+  return teaching_;
+}
+
+void Device::say_step(guide::TeachingStep step, const std::string& name, double t_ms,
+                      std::optional<std::int64_t> answer_to, const std::string& because) {
+  guide::Wording wording;
+  {
+    const std::scoped_lock lock(mutex_);
+    wording = wording_of(settings_);
+  }
+  say({guide::teaching_prompt(step, name, wording, std::llround(t_ms * 1e6), because)}, answer_to,
+      {});
+}
+
+void Device::hear_of_own_things(const service::Ask& ask) {
+  using service::Question;
+  switch (ask.question) {
+    case Question::kTeachThing:
+      return begin_teaching(ask);
+    case Question::kNameThing:
+      return name_taught(ask);
+    case Question::kStopTeaching: {
+      {
+        const std::scoped_lock lock(mutex_);
+        teaching_.reset();
+      }
+      return say_step(guide::TeachingStep::kStopped, {}, ask.t_ms, ask.id);
+    }
+    default:
+      break;
+  }
+  const auto changed = host_.change_own_thing(who_, ask.subject, ask.question);
+  const bool is_not_own = !changed && changed.error().code == ErrorCode::kRefused;
+  const guide::TeachingStep step = changed      ? step_of(ask.question)
+                                   : is_not_own ? guide::TeachingStep::kNotOwn
+                                                : guide::TeachingStep::kBusy;
+  say_step(step, ask.subject, ask.t_ms, ask.id, changed ? "" : changed.error().message);
+}
+
+void Device::begin_teaching(const service::Ask& ask) {
+  const bool has_camera = camera().has_value();
+  if (has_camera) {
+    const std::scoped_lock lock(mutex_);
+    teaching_ = std::make_shared<Teaching>();
+    has_shown_enough_ = false;
+  }
+  say_step(has_camera ? guide::TeachingStep::kBegin : guide::TeachingStep::kNoCamera, {}, ask.t_ms,
+           ask.id);
+}
+
+void Device::name_taught(const service::Ask& ask) {
+  std::shared_ptr<Teaching> shown;
+  {
+    const std::scoped_lock lock(mutex_);
+    if (has_shown_enough_) shown = teaching_;
+  }
+  if (!shown) return say_step(guide::TeachingStep::kMore, {}, ask.t_ms, ask.id);
+  // Once enough was shown it changes no more.
+  const auto begun = host_.teach(shared_from_this(), ask.subject, ask.is_private, shown->shown());
+  if (begun) {
+    {
+      const std::scoped_lock lock(mutex_);
+      teaching_.reset();
+    }
+    return say_step(guide::TeachingStep::kLearning, {}, ask.t_ms, ask.id);
+  }
+  const bool is_name = begun.error().code == ErrorCode::kRefused;
+  say_step(is_name ? guide::TeachingStep::kOtherName : guide::TeachingStep::kBusy, {}, ask.t_ms,
+           ask.id, begun.error().message);
+}
+
+void Device::was_taught(const std::string& name, const Expected<bool>& taught) {
+  double t_ms = 0;
+  {
+    const std::scoped_lock lock(mutex_);
+    t_ms = last_heard_t_ms_;
+  }
+  const guide::TeachingStep step = !taught   ? guide::TeachingStep::kFailed
+                                   : *taught ? guide::TeachingStep::kTaught
+                                             : guide::TeachingStep::kTaughtNotLookedFor;
+  say_step(step, name, t_ms, {}, taught ? "" : taught.error().message);
+}
+
+Expected<void> Device::teach(const CameraFrame& frame, Teaching& teaching) {
+  const auto known = camera();
+  if (!known) return fail("this device said in its hello that it has no camera");
+  ROOMWISE_TRY(const FrameImages images, images_of(frame, *known));
+  const double units = known->calibrated ? known->calibrated->depth_units_per_metre : 1000;
+  const Teaching::Reply reply = teaching.take(images, units, frame.t_ms);
+  guide::Wording wording;
+  {
+    const std::scoped_lock lock(mutex_);
+    has_shown_enough_ = has_shown_enough_ || teaching.has_enough();
+    wording = wording_of(settings_);
+  }
+  if (reply.step) say_step(*reply.step, {}, frame.t_ms, {});
+  if (reply.fault) {
+    say({guide::fault_prompt(*reply.fault, wording, std::llround(frame.t_ms * 1e6))}, {},
+        frame.t_ms);
+  }
+  return {};
+}
+
 // Answers by the last glance, if it is new enough.
 void Device::hear_now(const Asked& asked) {
   const service::Ask& ask = asked.ask;
@@ -238,7 +381,7 @@ void Device::hear_now(const Asked& asked) {
     const std::scoped_lock lock(mutex_);
     const bool is_fresh = last_result_ && ask.t_ms - last_result_->t_ms <= kMaxFrameAge_ms;
     if (is_fresh) based_on_t_ms = last_result_->t_ms;
-    const auto view = host_.view();
+    const auto view = host_.view_for(who_);
     const Situation now{*view, is_fresh ? &*last_result_ : nullptr, settings_, ask.t_ms,
                         calendar_time(unix_now_ns())};
     prompts = answer_now(ask, view, now);
@@ -292,7 +435,7 @@ void Device::say(const std::vector<guide::Prompt>& prompts, std::optional<std::i
 // A fault on one device's picture must not end the program.
 Expected<FrameResult> Device::look(CameraFrame frame) {
   try {
-    return frame_processor_->look(std::move(frame), host_.view());
+    return frame_processor_->look(std::move(frame), host_.view_for(who_));
   } catch (const std::exception& fault) {
     return fail("internal error, please report it: {}", fault.what());
   }
@@ -306,6 +449,18 @@ bool Device::work() {
     frame = std::move(newest_);
     newest_.reset();
     looking_ = true;
+  }
+  if (const auto shown = teaching()) {
+    // Nobody walks meanwhile, and the thing hides the room.
+    const auto taught = teach(*frame, *shown);
+    {
+      const std::scoped_lock lock(mutex_);
+      looking_ = false;
+    }
+    if (!taught) refuse(taught.error());
+    answer_waiting(false);
+    const std::scoped_lock lock(mutex_);
+    return newest_.has_value();
   }
   if (!frame_processor_) frame_processor_.emplace(camera(), host_.lens_of(*this));
   const Clock::time_point began = Clock::now();
@@ -333,7 +488,7 @@ void Device::call_out(const FrameResult& result) {
   std::vector<guide::Prompt> prompts;
   {
     const std::scoped_lock lock(mutex_);
-    const auto view = host_.view();
+    const auto view = host_.view_for(who_);
     prompts = announcer_.after({*view, &result, settings_, result.t_ms});
     // What is in the way of somebody who is led is told by the guidance: it knows the goal.
     const bool tells_obstacles = led_ && led_->is_walking();

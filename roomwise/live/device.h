@@ -10,6 +10,7 @@
 #include "roomwise/live/answers.h"
 #include "roomwise/live/frame_processor.h"
 #include "roomwise/live/led_walk.h"
+#include "roomwise/live/teaching.h"
 #include "roomwise/live/walk_recorder.h"
 #include "roomwise/service/identity.h"
 #include "roomwise/service/server.h"
@@ -22,7 +23,9 @@ class Device;
 class DeviceHost {
  public:
   virtual ~DeviceHost() = default;
-  [[nodiscard]] virtual std::shared_ptr<const HomeView> view() const = 0;
+  // With what this device may be told of.
+  [[nodiscard]] virtual std::shared_ptr<const HomeView> view_for(
+      const service::Identity& who) const = 0;
   // A frame waits: Device::work() is to be called soon, on another thread.
   virtual void has_work(const std::shared_ptr<Device>& device) = 0;
   virtual void saw(const Device& device, const FrameResult& result) = 0;
@@ -41,6 +44,16 @@ class DeviceHost {
   // of its own.
   [[nodiscard]] virtual Expected<void> name_recorded_room(const Device& device,
                                                           const std::string& room) = 0;
+  // Learns a thing that this device showed; says what came of it by Device::was_taught(). Fails at
+  // once where the name will not do or the computer is busy (ErrorCode::kRefused: the name).
+  [[nodiscard]] virtual Expected<void> teach(const std::shared_ptr<Device>& device,
+                                             const std::string& name, bool is_private,
+                                             std::vector<objects::ShownThing> shown) = 0;
+  // kForgetThing, kShareThing or kKeepThing. Fails where the device did not teach it
+  // (ErrorCode::kRefused) or the computer is busy.
+  [[nodiscard]] virtual Expected<void> change_own_thing(const service::Identity& who,
+                                                        const std::string& name,
+                                                        service::Question what) = 0;
 };
 
 // A client that is connected: takes its frames and questions, answers them by what its newest frame
@@ -62,6 +75,8 @@ class Device : public std::enable_shared_from_this<Device> {
   // Tells of rooms or things that changed.
   void home_changed();
   void send(const service::HomeMessage& message);
+  // Whether what it taught is looked for, or why it is not known.
+  void was_taught(const std::string& name, const Expected<bool>& taught);
   // The frames are stored from now on; null: no longer.
   void record_to(std::shared_ptr<WalkRecorder> recorder);
 
@@ -82,6 +97,13 @@ class Device : public std::enable_shared_from_this<Device> {
   };
   void hear(const Asked& asked);
   void hear_now(const Asked& asked);
+  void hear_of_own_things(const service::Ask& ask);
+  void begin_teaching(const service::Ask& ask);
+  void name_taught(const service::Ask& ask);
+  void say_step(guide::TeachingStep step, const std::string& name, double t_ms,
+                std::optional<std::int64_t> answer_to, const std::string& because = {});
+  [[nodiscard]] std::shared_ptr<Teaching> teaching() const;
+  [[nodiscard]] Expected<void> teach(const CameraFrame& frame, Teaching& teaching);
   // A question in one's own words.
   void understand(const Asked& in_words);
   [[nodiscard]] Expected<FrameResult> look(CameraFrame frame);
@@ -125,6 +147,9 @@ class Device : public std::enable_shared_from_this<Device> {
   std::unique_ptr<LedWalk> led_;  // who is led somewhere, or was
   std::shared_ptr<WalkRecorder> recorder_;
   bool storing_fails_ = false;
+  std::shared_ptr<Teaching> teaching_;  // while a thing is shown; what it holds: work() alone
+  bool has_shown_enough_ = false;
+  double last_heard_t_ms_ = 0;  // of its last frame or question
 
   std::optional<FrameProcessor> frame_processor_;  // work() alone
 };

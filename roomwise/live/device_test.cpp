@@ -36,7 +36,9 @@ class Wire final : public service::SocketOut {
 
 class Host final : public DeviceHost {
  public:
-  [[nodiscard]] std::shared_ptr<const HomeView> view() const override { return home; }
+  [[nodiscard]] std::shared_ptr<const HomeView> view_for(const service::Identity&) const override {
+    return home;
+  }
   void has_work(const std::shared_ptr<Device>&) override { ++asked_to_work; }
   void saw(const Device&, const FrameResult& result) override { seen.push_back(result.t_ms); }
   void looked(double, bool well) override { looked_well.push_back(well); }
@@ -57,6 +59,19 @@ class Host final : public DeviceHost {
     return recorder ? recorder->name_room(room) : fail("nothing is recorded");
   }
 
+  [[nodiscard]] Expected<void> teach(const std::shared_ptr<Device>&, const std::string& name, bool,
+                                     std::vector<objects::ShownThing> shown) override {
+    if (name == "chair") return fail_with(ErrorCode::kRefused, "any chair is called so");
+    taught.emplace_back(name, shown.size());
+    return {};
+  }
+  [[nodiscard]] Expected<void> change_own_thing(const service::Identity&, const std::string& name,
+                                                service::Question) override {
+    if (name == "my mug") return {};
+    return fail_with(ErrorCode::kRefused, "not taught by this device");
+  }
+
+  std::vector<std::pair<std::string, std::size_t>> taught;
   std::shared_ptr<WalkRecorder> recorder;
   std::shared_ptr<HomeView> home = std::make_shared<HomeView>();
   int asked_to_work = 0;
@@ -121,6 +136,75 @@ TEST_F(DeviceTest, EveryQuestionIsTimedUntilItsAnswerByWhatItMeans) {
   device->work();
   EXPECT_EQ(host.answers.size(), 4u);
   EXPECT_EQ(host.looked_well.size(), 1u);
+}
+
+// A checkered thing in the middle of an even picture of 64x48.
+Bytes picture_of_thing(std::uint8_t light) {
+  image::ColorImage picture(64, 48, {light, light, light});
+  for (int y = 16; y < 32; ++y) {
+    for (int x = 24; x < 40; ++x) {
+      if ((x / 4 + y / 4) % 2 == 0) picture.at(x, y) = {light, 0, 0};
+    }
+  }
+  return image::encode_png(picture);
+}
+
+TEST_F(DeviceTest, IsToldStepByStepHowAThingIsTaught) {
+  service::Hello with_camera = hello();
+  with_camera.camera = service::DeviceCamera{64, 48, {}, false};
+  say(with_camera);
+  wire->texts.clear();
+  const auto told = [&] {
+    std::vector<std::string> messages;
+    for (const auto& prompt : wire->take<service::PromptMessage>()) {
+      messages.push_back(prompt.message);
+    }
+    return messages;
+  };
+  const auto show_thing = [&](double t_ms, std::uint8_t light) {
+    device->on_message(write(service::FrameMessage{t_ms, picture_of_thing(light), {}}));
+    device->work();
+  };
+  ask(1, 100, service::Question::kTeachThing);
+  EXPECT_THAT(told(), ::testing::ElementsAre("teach.begin"));
+  show_thing(200, 10);
+  EXPECT_THAT(told(), ::testing::ElementsAre("teach.dark"));
+  ask(2, 300, service::Question::kNameThing, "my mug");
+  EXPECT_THAT(told(), ::testing::ElementsAre("teach.more"));
+  for (int i = 1; i <= 10; ++i) show_thing(1000.0 * i, 200);
+  EXPECT_THAT(told(), ::testing::ElementsAre("teach.go_on", "teach.enough"));
+  // A name that will not do can be mended without showing it again.
+  ask(3, 11'000, service::Question::kNameThing, "chair");
+  EXPECT_THAT(told(), ::testing::ElementsAre("teach.name"));
+  ask(4, 12'000, service::Question::kNameThing, "my mug");
+  EXPECT_THAT(told(), ::testing::ElementsAre("teach.learning"));
+  EXPECT_THAT(host.taught,
+              ::testing::ElementsAre(std::pair<std::string, std::size_t>("my mug", 10)));
+  device->was_taught("my mug", true);
+  EXPECT_THAT(told(), ::testing::ElementsAre("teach.taught"));
+}
+
+TEST_F(DeviceTest, WhatItTaughtIsForgottenByAWordAndNothingElse) {
+  guide::KnownThing mug;
+  mug.name = "my mug";
+  host.home->things = {mug};
+  say(hello());
+  wire->texts.clear();
+  ask(1, 100, service::Question::kInWords, "forget my mug");
+  ask(2, 200, service::Question::kShareThing, "my mug");
+  ask(3, 300, service::Question::kForgetThing, "your mug");
+  const auto prompts = wire->take<service::PromptMessage>();
+  ASSERT_THAT(prompts, SizeIs(3));
+  EXPECT_EQ(prompts[0].text, "My mug is forgotten.");
+  EXPECT_EQ(prompts[1].message, "own.shared");
+  EXPECT_EQ(prompts[2].message, "own.not_own");
+}
+
+TEST_F(DeviceTest, WithoutACameraNothingIsTaught) {
+  say(hello(false));
+  wire->texts.clear();
+  ask(1, 100, service::Question::kTeachThing);
+  EXPECT_EQ(wire->take<service::PromptMessage>().at(0).message, "teach.no_camera");
 }
 
 TEST_F(DeviceTest, WhoIsLedTalksToTheGuide) {

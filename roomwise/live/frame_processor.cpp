@@ -70,6 +70,31 @@ Expected<std::optional<mapping::Localization>> FrameProcessor::locate(
   return home.map->localizer->localizer().locate(mapping::Query{measured, camera});
 }
 
+// What it costs does not grow with the number of things: OwnThingSearch bounds the places that a
+// picture is compared at, and this how often.
+Expected<void> FrameProcessor::look_for_own_things(const FrameImages& images, const HomeView& home,
+                                                   FrameResult& result) {
+  constexpr double kBetweenLooks_ms = 1000;
+  if (home.own_thing_watch == nullptr) return {};
+  const bool has_just_looked = looked_for_own_t_ms_ && result.t_ms >= *looked_for_own_t_ms_ &&
+                               result.t_ms - *looked_for_own_t_ms_ < kBetweenLooks_ms;
+  if (has_just_looked) return {};
+  looked_for_own_t_ms_ = result.t_ms;
+  ROOMWISE_TRY(const auto found, home.own_thing_watch->look(images.color));
+  for (const pipeline::FoundOwnThing& one : found) {
+    SeenOwnThing seen{one.id, std::nullopt, std::nullopt};
+    if (images.depth && result.place && camera_->calibrated) {
+      const auto middle = pipeline::middle_by_depth(*images.depth, *camera_->calibrated, one.box);
+      if (middle) seen.place_gravity = result.place->gravity_from_camera * *middle;
+    }
+    if (seen.place_gravity) seen.room = home.room_at(*seen.place_gravity);
+    if (!seen.room && result.place) seen.room = result.place->room;
+    if (!seen.room && result.decision) seen.room = result.decision->room();
+    result.own_things.push_back(std::move(seen));
+  }
+  return {};
+}
+
 Expected<FrameResult> FrameProcessor::look(CameraFrame frame,
                                            const std::shared_ptr<const HomeView>& home) {
   if (!camera_) return fail("this device said in its hello that it has no camera");
@@ -87,6 +112,7 @@ Expected<FrameResult> FrameProcessor::look(CameraFrame frame,
     result.place->room = home->room_at(result.place->position_gravity());
   }
   ROOMWISE_TRY(result.decision, decide(color, frame.t_ms, answer, depth.has_value(), home));
+  ROOMWISE_CHECK_OK(look_for_own_things(images, *home, result));
   if (depth) {
     ROOMWISE_TRY(result.obstacle_m, obstacle_ahead(*depth, *camera_->calibrated, result.place,
                                                    home->map && home->map->frame.has_floor));

@@ -21,6 +21,13 @@ struct CameraPose {
   [[nodiscard]] double heading_rad() const;
 };
 
+// A thing that somebody taught, in a picture.
+struct SeenOwnThing {
+  home::OwnThingId id = 0;
+  std::optional<Eigen::Vector3d> place_gravity;  // its middle, where depth and the map tell it
+  std::optional<std::string> room;               // of the thing, else of the camera
+};
+
 // What one frame told.
 struct FrameResult {
   double t_ms = 0;  // of the frame, by the device's clock
@@ -30,9 +37,10 @@ struct FrameResult {
   std::optional<CameraPose> place;
   // Of a camera that nobody calibrated, what is known of its lens, where this frame told of it.
   std::optional<mapping::LensCalibration> lens;
-  bool has_depth = false;            // the frame has; else nothing tells what is ahead now
-  std::optional<double> obstacle_m;  // straight ahead, by depth
-  Bytes picture;                     // as the device sent it
+  bool has_depth = false;                // the frame has; else nothing tells what is ahead now
+  std::optional<double> obstacle_m;      // straight ahead, by depth
+  std::vector<SeenOwnThing> own_things;  // looked for once a second at most
+  Bytes picture;                         // as the device sent it
 };
 
 // Looks at the frames of one device, one after the other, and remembers what it saw: the room is
@@ -55,6 +63,8 @@ class FrameProcessor {
       const image::ColorImage& color, double t_ms,
       const std::optional<mapping::Localization>& answer, bool has_depth,
       const std::shared_ptr<const HomeView>& home);
+  [[nodiscard]] Expected<void> look_for_own_things(const FrameImages& images, const HomeView& home,
+                                                   FrameResult& result);
   // Nothing where the home has no map.
   [[nodiscard]] Expected<std::optional<mapping::Localization>> locate(
       const image::ColorImage& color, const std::optional<image::DepthImage>& depth,
@@ -66,6 +76,7 @@ class FrameProcessor {
   std::optional<rooms::RoomStream> stream_;
   std::shared_ptr<const pipeline::RoomRecognizer> stream_recognizer_;
   double last_t_ms_ = 0;
+  std::optional<double> looked_for_own_t_ms_;
 };
 
 }  // namespace roomwise::live

@@ -43,6 +43,25 @@ class ThingPlacer {
   }
 
   // Seen when its key-frame was.
+  [[nodiscard]] guide::KnownThing own_thing(const home::OwnThing& stored) const {
+    const home::OwnThingSighting& seen = stored.last_seen;
+    guide::KnownThing thing;
+    thing.name = stored.name;
+    thing.probability = 1;
+    thing.is_own = true;
+    if (seen.seen_s) thing.seen = calendar_time(*seen.seen_s * 1'000'000'000);
+    thing.room = seen.room;
+    const auto keyframe = seen.keyframe ? keyframes_.find(*seen.keyframe) : keyframes_.end();
+    if (keyframe == keyframes_.end()) return thing;
+    if (view_.map && seen.middle_keyframe) {
+      thing.position_gravity = view_.map->frame.gravity_from_world *
+                               (keyframe->second->pose.world_from_keyframe * *seen.middle_keyframe);
+    }
+    const auto by_place = pipeline::room_of_thing(thing.position_gravity, *seen.keyframe,
+                                                  view_.layout ? &*view_.layout : nullptr, rooms_);
+    if (by_place) thing.room = by_place;
+    return thing;
+  }
   [[nodiscard]] guide::KnownThing known_thing(const pipeline::HomeThing& one) const {
     guide::KnownThing thing = known_thing(one, one.room);
     thing.note = one.note;
@@ -104,6 +123,15 @@ Expected<void> view_things(const home::Home& home, const pipeline::HomeThings& t
       thing.seen = calendar_time(visits.at(instance.visit).last_timestamp_ns);
     }
     view.things.push_back(std::move(thing));
+  }
+  return {};
+}
+
+Expected<void> view_own_things(const home::Home& home, HomeView& view) {
+  ROOMWISE_TRY(const auto things, home.own_things());
+  const ThingPlacer placer(view);
+  for (const home::OwnThing& thing : things) {
+    view.own_things.push_back({thing, placer.own_thing(thing)});
   }
   return {};
 }
@@ -257,10 +285,11 @@ guide::HomeMap map_of(const HomeView& home, std::span<const rooms::Doorway> door
   return map;
 }
 
-Expected<std::shared_ptr<const HomeView>> view_home(const home::Home& home,
-                                                    const pipeline::Networks& networks,
-                                                    std::shared_ptr<const LiveMap> map) {
+Expected<std::shared_ptr<const HomeView>> view_home(
+    const home::Home& home, const pipeline::Networks& networks, std::shared_ptr<const LiveMap> map,
+    std::shared_ptr<const pipeline::OwnThingWatch> own_thing_watch) {
   HomeView view;
+  view.own_thing_watch = std::move(own_thing_watch);
   view.name = std::filesystem::path(home.file()).stem().string();
   view.map = std::move(map);
   ROOMWISE_TRY(view.rooms, home.rooms());
@@ -278,6 +307,7 @@ Expected<std::shared_ptr<const HomeView>> view_home(const home::Home& home,
   ROOMWISE_TRY(const pipeline::HomeThings things, pipeline::find_home_things(home));
   ROOMWISE_TRY(const pipeline::HomeHistory history, pipeline::find_home_history(home, things));
   ROOMWISE_CHECK_OK(view_things(home, things, history, view));
+  ROOMWISE_CHECK_OK(view_own_things(home, view));
   ROOMWISE_CHECK_OK(view_edits(home, things, view));
   ROOMWISE_CHECK_OK(view_latest(home, things, history, view));
   view_changes(history, view);

@@ -13,6 +13,7 @@
 #include "roomwise/home/home.h"
 #include "roomwise/live/live_map.h"
 #include "roomwise/pipeline/objects/home_things.h"
+#include "roomwise/pipeline/objects/own_things.h"
 #include "roomwise/pipeline/rooms/room_recognizer.h"
 #include "roomwise/rooms/layout/room_layout.h"
 
@@ -56,6 +57,12 @@ struct ViewedEdit {
   std::string why_not_undone;  // what must be undone first; empty: nothing
 };
 
+// A thing that somebody taught.
+struct ViewedOwnThing {
+  home::OwnThing stored;
+  guide::KnownThing thing;  // where it was seen last
+};
+
 // All that is told of a home, at one moment: values that never change.
 struct HomeView {
   std::string name;
@@ -67,6 +74,10 @@ struct HomeView {
   // or, where these do not tell the date, the walk. All but what is gone are among things.
   guide::ChangedThings latest;
   std::vector<ViewedWalk> walks;  // as stored
+  // What people taught, whoever may be told of it; not among things but in the view of who may.
+  std::vector<ViewedOwnThing> own_things;
+  // Looks for them in pictures; null where there are none, or what is usual is not known.
+  std::shared_ptr<const pipeline::OwnThingWatch> own_thing_watch;
   // Absent where the map is of one walk, or nothing was found on it.
   std::optional<ViewedChanges> changes;
   std::vector<ViewedKeyframe> keyframes;  // by id
@@ -91,6 +102,7 @@ struct HomeView {
 
 // `networks` must outlive the view; `map` may be null.
 [[nodiscard]] Expected<std::shared_ptr<const HomeView>> view_home(
-    const home::Home& home, const pipeline::Networks& networks, std::shared_ptr<const LiveMap> map);
+    const home::Home& home, const pipeline::Networks& networks, std::shared_ptr<const LiveMap> map,
+    std::shared_ptr<const pipeline::OwnThingWatch> own_thing_watch = nullptr);
 
 }  // namespace roomwise::live

@@ -60,6 +60,7 @@ LiveHome::LiveHome(fs::path file, home::Home home, home::Home reader,
 LiveHome::~LiveHome() {
   jobs_.reset();
   looking_.reset();
+  write_own_sightings();
   if (lenses_) (void)lenses_->save();  // what is lost is learned anew
   if (recorder_) (void)recorder_->close();
   if (photos_) (void)forget_removed_rooms();  // where it fails, the next one that opens does it
@@ -163,6 +164,7 @@ void LiveHome::has_work(const std::shared_ptr<Device>& device) {
 
 void LiveHome::saw(const Device& device, const FrameResult& result) {
   ++frames_processed_;
+  note_own_things(result);
   if (result.lens) lenses_->learn(device.who().device, device.camera()->lens, *result.lens);
   const service::DeviceSeen seen = device.seen();
   if (seen.seen && result.decision) {
@@ -247,9 +249,11 @@ Expected<rooms::RoomDecision> LiveHome::test_picture(const Bytes& picture) const
 
 Expected<void> LiveHome::refresh(std::shared_ptr<const LiveMap> map) {
   ROOMWISE_CHECK_OK(pipeline::keep_home_history(home_));  // else each view would follow things anew
-  ROOMWISE_TRY(auto view, view_home(home_, networks_, std::move(map)));
+  ROOMWISE_TRY(auto watch, own_thing_watch());
+  ROOMWISE_TRY(auto view, view_home(home_, networks_, std::move(map), std::move(watch)));
   {
     const std::scoped_lock lock(view_mutex_);
+    views_of_devices_.clear();
     view_ = std::move(view);
   }
   for (const auto& device : all_devices()) device->home_changed();

@@ -24,6 +24,10 @@
 
 namespace roomwise::live {
 
+// By whom a thing was taught, as the home keeps it: the device's number, which is never given
+// twice, and its name.
+[[nodiscard]] std::string owner_of(const service::Identity& who);
+
 struct LiveHomeOptions {
   std::size_t threads = 1;        // for long work: mapping, learning
   std::size_t frame_workers = 1;  // that look at devices' frames
@@ -69,7 +73,10 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
   }
 
   // ---- looking ----
-  [[nodiscard]] std::shared_ptr<const HomeView> view() const override;
+  [[nodiscard]] std::shared_ptr<const HomeView> view() const;
+  // With the taught things that this device may be told of.
+  [[nodiscard]] std::shared_ptr<const HomeView> view_for(
+      const service::Identity& who) const override;
   [[nodiscard]] Expected<Bytes> keyframe_picture(home::KeyframeId id) const;
   // What one picture tells, with nothing known from before.
   [[nodiscard]] Expected<rooms::RoomDecision> test_picture(const Bytes& picture) const;
@@ -143,6 +150,35 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
   [[nodiscard]] std::shared_ptr<WalkRecorder> recorder_for(const Device& device) override;
   [[nodiscard]] Expected<void> name_recorded_room(const Device& device,
                                                   const std::string& room) override;
+  [[nodiscard]] Expected<void> teach(const std::shared_ptr<Device>& device, const std::string& name,
+                                     bool is_private,
+                                     std::vector<objects::ShownThing> shown) override;
+  [[nodiscard]] Expected<void> change_own_thing(const service::Identity& who,
+                                                const std::string& name,
+                                                service::Question what) override;
+
+  // Where a thing was seen while the home is open.
+  struct OwnSighting {
+    std::int64_t seen_s = 0;  // since 1970
+    std::optional<std::string> room;
+    std::optional<Eigen::Vector3d> place_gravity;
+    std::int64_t written_s = 0;  // into the home
+    bool waits = false;          // to be written
+  };
+  [[nodiscard]] static guide::KnownThing with_sighting(guide::KnownThing thing,
+                                                       const OwnSighting& sighting);
+  void note_own_things(const FrameResult& result);
+  // Those that wait, unless a job writes the home.
+  void write_own_sightings();
+  // Whether it is looked for from now on.
+  [[nodiscard]] Expected<bool> teach_now(const home::OwnThing& thing,
+                                         const std::vector<objects::ShownThing>& shown,
+                                         Progress& progress);
+  // Learns what is usual where that is not known, then looks on the newest walk; false where the
+  // home does not tell what is usual yet. With home_mutex_ held.
+  [[nodiscard]] Expected<bool> look_for_own_things(Progress& progress);
+  // That of the view, or a new one where things or key-frames are others. With home_mutex_ held.
+  [[nodiscard]] Expected<std::shared_ptr<const pipeline::OwnThingWatch>> own_thing_watch() const;
 
   // Tells of networks that are not those that the home was made with.
   [[nodiscard]] Expected<void> check_networks();
@@ -218,6 +254,8 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
 
   mutable std::mutex view_mutex_;
   std::shared_ptr<const HomeView> view_;
+  mutable std::map<std::int64_t, std::shared_ptr<const HomeView>> views_of_devices_;  // of view_
+  std::map<home::OwnThingId, OwnSighting> own_sightings_;
 
   mutable std::mutex devices_mutex_;
   std::set<std::shared_ptr<Device>> devices_;

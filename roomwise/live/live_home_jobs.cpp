@@ -46,6 +46,9 @@ Expected<std::string> LiveHome::prepare(Progress& progress) {
   ROOMWISE_TRY(map, with_clouds(*map, reader, run));
   const std::scoped_lock lock(home_mutex_);
   ROOMWISE_CHECK_OK(refresh(std::move(map)));
+  // A new walk may show what was taught.
+  const bool is_looked_for = view()->own_things.empty() || view()->own_thing_watch != nullptr;
+  if (!is_looked_for) ROOMWISE_CHECK_OK(look_for_own_things(progress).map([](bool) {}));
   return "places can be found on the map now";
 }
 

@@ -224,14 +224,16 @@ Expected<std::shared_ptr<const OwnThingWatch>> watch_own_things(
 Expected<void> check_own_thing_name(const home::Home& home, const std::string& name) {
   ROOMWISE_TRY(const auto rooms, home.rooms());
   if (std::ranges::find(rooms, name, &rooms::Room::name) != rooms.end()) {
-    return fail("{0} is a room of this home; say more of the thing, such as \"my {0}\"", name);
+    return fail_with(ErrorCode::kRefused,
+                     "{0} is a room of this home; say more of the thing, such as \"my {0}\"", name);
   }
   ROOMWISE_TRY(const rooms::Concepts concepts, home.concepts());
   ROOMWISE_TRY(const auto instances, home.instances());
   const bool is_found =
       std::ranges::find(instances, name, &objects::Instance::name) != instances.end();
   if (is_found || concepts.vocabulary.objects().contains(name)) {
-    return fail("any {0} is called so; say whose or which it is, such as \"my {0}\"", name);
+    return fail_with(ErrorCode::kRefused,
+                     "any {0} is called so; say whose or which it is, such as \"my {0}\"", name);
   }
   return {};
 }

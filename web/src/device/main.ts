@@ -17,6 +17,7 @@ import { loadSettings, rememberPaired, saveSettings, wasPaired } from './setting
 import { openSettings } from './settings_dialog';
 import { OwnVoice, ScreenReaderVoice, type Speaker } from './speaker';
 import { startView } from './start_view';
+import { openTeach } from './teach_dialog';
 import { PhoneView } from './view';
 import { openWords, SpeakButton } from './words_dialog';
 import { WalkRecording } from './walk_recording';
@@ -114,6 +115,9 @@ function open(me: Me | null, cameraFailure: CameraFailure | null): void {
   });
   phone.whenAsked = () => speak.stop();
   void localHearing(language(), navigator.languages).then((hearing) => speak.offer(hearing));
+  const nameThing = (): void => openTeach((thing, isPrivate) =>
+    phone.ask({ question: 'name_thing', thing, ...(isPrivate ? { private: true } : {}) }));
+  phone.whenShown = nameThing;
   const view = new PhoneView(video, log, speak.element, {
     whereAmI: () => phone.ask({ question: 'where_am_i' }),
     aroundMe: () => phone.ask({ question: 'around_me' }),
@@ -134,6 +138,8 @@ function open(me: Me | null, cameraFailure: CameraFailure | null): void {
     record: () => void recording.begin(),
     stopRecording: () => void recording.stop(),
     howFar: () => recording.tellState(),
+    teach: () => (phone.state.teaching === 'shown' ? nameThing()
+      : phone.ask({ question: phone.state.teaching === 'no' ? 'teach_thing' : 'stop_teaching' })),
     settings: () => openSettings(settings, { changed: () => void settingsChanged(phone), leave }),
   }, isHelper);
   view.show(phone.state);

@@ -21,6 +21,12 @@ import type { Settings } from './settings';
 // After these the guide has nothing more to do, but for how high to reach.
 const kEndsOfGuidance = ['guide.there', 'guide.ended', 'guide.near_end', 'guide.not_running', 'where.unknown'];
 
+// Whether somebody shows a thing to the camera, and whether enough of it was seen to name it.
+export type Teaching = 'no' | 'showing' | 'shown';
+const kTeachingAfter: Readonly<Record<string, Teaching>> = {
+  'teach.begin': 'showing', 'teach.enough': 'shown', 'teach.learning': 'no', 'teach.stopped': 'no', 'teach.no_camera': 'no',
+};
+
 export interface PhoneState {
   home: string;
   rooms: string[];
@@ -33,12 +39,13 @@ export interface PhoneState {
   waits: boolean; // a recording, for this phone's pictures
   quiet: boolean;
   led: boolean; // is being led somewhere
+  teaching: Teaching;
 }
 
 export class Phone {
   readonly state: PhoneState = {
     home: '', rooms: [], things: [], online: false, camera: 'off', recording: null, pictures: 0, isWalking: false, waits: false, quiet: false,
-    led: false,
+    led: false, teaching: 'no',
   };
   private readonly session: Session;
   private readonly sender = new FrameSender();
@@ -61,6 +68,7 @@ export class Phone {
   // Of what is recorded and what became of it; set by who records.
   whenRecording: (state: RecordingState['state']) => void = () => undefined;
   whenJob: (job: Job) => void = () => undefined;
+  whenShown: () => void = () => undefined; // enough of a thing to name it
   whenAsked: () => void = () => undefined; // before any question is: who listens ends that
 
   constructor(
@@ -199,6 +207,13 @@ export class Phone {
     if (!isOutdated) {
       this.player.push(prompt);
     }
+    const teaching = kTeachingAfter[prompt.message];
+    if (teaching !== undefined && teaching !== this.state.teaching) {
+      this.state.teaching = teaching;
+      if (teaching === 'shown') {
+        this.whenShown();
+      }
+    }
     if (kEndsOfGuidance.some((end) => prompt.message.startsWith(end))) {
       this.state.led = false;
     } else if (prompt.key === 'guide' && prompt.answer_to !== null && prompt.answer_to === this.inWords) {
@@ -234,6 +249,7 @@ export class Phone {
     const wasOnline = this.state.online;
     this.state.online = false;
     this.state.recording = null;
+    this.state.teaching = 'no'; // the computer forgets what was shown
     this.sender.reset();
     this.answers.reset();
     this.connection.offline(performance.now());

@@ -19,6 +19,7 @@ export interface ViewActions {
   record: () => void;
   stopRecording: () => void;
   howFar: () => void;
+  teach: () => void;
   settings: () => void;
 }
 
@@ -31,6 +32,7 @@ export class PhoneView {
   private readonly nameRoom: HTMLButtonElement;
   private readonly guide: HTMLElement;
   private readonly record: HTMLButtonElement;
+  private readonly teach: HTMLButtonElement;
   private readonly stop: HTMLButtonElement; // of a recording that goes on without its pictures
   private readonly questions: HTMLElement;
   private readonly walk: HTMLElement; // what is asked and done while one walks
@@ -45,6 +47,7 @@ export class PhoneView {
       h('h2', { id: 'guide-heading', class: 'visually-hidden' }, text('guide.label')),
       wish('next'), wish('how_far'), wish('blocked'), wish('pause'), wish('resume'), wish('end'));
     this.record = h('button', { type: 'button', class: 'tool', onclick: actions.record }, text('phone.record'));
+    this.teach = h('button', { type: 'button', class: 'tool teach', onclick: actions.teach }, text('teach.begin'));
     this.stop = h('button', { type: 'button', class: 'tool', hidden: true, onclick: actions.stopRecording }, text('record.stop'));
     this.quiet = question('quiet', text('phone.quiet'), 'quiet', actions.quiet);
     this.quiet.setAttribute('aria-pressed', 'false');
@@ -70,6 +73,7 @@ export class PhoneView {
           speak,
           this.stop,
           this.record,
+          this.teach,
           h('button', { type: 'button', class: 'tool', onclick: actions.settings }, text('phone.settings')))),
       h('main', {},
         h('section', { class: 'now', 'aria-label': text('phone.state') },
@@ -89,11 +93,12 @@ export class PhoneView {
       chip(this.camera, state.camera === 'good' ? 'good' : 'bad', text(`phone.camera_${state.camera}`));
     }
     this.quiet.setAttribute('aria-pressed', String(state.quiet));
+    this.teach.textContent = text(state.teaching === 'no' ? 'teach.begin' : state.teaching === 'showing' ? 'teach.stop' : 'teach.go');
     document.body.classList.toggle('walking', state.isWalking);
     // Only a walk that is being recorded by this device can be named from here.
     const shown: [HTMLElement, boolean][] = [
       [this.guide, state.led && !state.isWalking],
-      [this.questions, !state.isWalking], [this.walk, state.isWalking], [this.record, !state.isWalking],
+      [this.questions, !state.isWalking], [this.walk, state.isWalking], [this.record, !state.isWalking], [this.teach, !state.isWalking],
       [this.nameRoom, state.recording !== null && !state.isWalking], [this.stop, state.waits && this.isHelper()],
     ];
     const focused = document.activeElement;

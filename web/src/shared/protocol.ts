@@ -157,7 +157,9 @@ export type Question =
   | { question: 'take_me_to'; thing: string } // or what else the computer knows by that name
   | { question: 'take_me_to'; room: string }
   | { question: 'guide'; wish: GuideWish }
-  | { question: 'name_room'; room: string };
+  | { question: 'name_room'; room: string }
+  | { question: 'teach_thing' | 'stop_teaching' }
+  | { question: 'name_thing'; thing: string; private?: boolean };
 
 // Answers of requests.
 

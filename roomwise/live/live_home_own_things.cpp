@@ -1,0 +1,202 @@
+#include <algorithm>
+
+#include "roomwise/live/live_home.h"
+
+// Things that people teach a home that is open.
+namespace roomwise::live {
+namespace {
+
+constexpr std::int64_t kNanoseconds = 1'000'000'000;
+// Where a thing was seen last is written this often at most: each writing waits for the disk.
+constexpr std::int64_t kBetweenWritings_s = 10;
+
+// The key-frame of the map that is nearest to a place, and the place in its camera's frame.
+std::optional<std::pair<home::KeyframeId, Eigen::Vector3d>> beside_keyframe(
+    const HomeView& view, const Eigen::Vector3d& place_gravity) {
+  if (!view.map) return std::nullopt;
+  const Eigen::Vector3d world = view.map->frame.gravity_from_world.inverse() * place_gravity;
+  const ViewedKeyframe* nearest = nullptr;
+  const auto apart = [&](const ViewedKeyframe& one) {
+    return (one.keyframe.pose.world_from_keyframe.translation - world).squaredNorm();
+  };
+  for (const ViewedKeyframe& one : view.keyframes) {
+    if (one.on_map && (nearest == nullptr || apart(one) < apart(*nearest))) nearest = &one;
+  }
+  if (nearest == nullptr) return std::nullopt;
+  const Eigen::Vector3d middle = nearest->keyframe.pose.world_from_keyframe.inverse() * world;
+  return std::pair(nearest->keyframe.id, middle);
+}
+
+}  // namespace
+
+std::string owner_of(const service::Identity& who) {
+  return fmt::format("{} {}", who.device, who.name);
+}
+
+// ---- what each is told ----
+
+std::shared_ptr<const HomeView> LiveHome::view_for(const service::Identity& who) const {
+  const std::scoped_lock lock(view_mutex_);
+  if (view_->own_things.empty()) return view_;
+  std::shared_ptr<const HomeView>& of_device = views_of_devices_[who.device];
+  if (of_device) return of_device;
+  auto view = std::make_shared<HomeView>(*view_);
+  for (const ViewedOwnThing& one : view_->own_things) {
+    if (!one.stored.is_known_to(owner_of(who))) continue;
+    const auto live = own_sightings_.find(one.stored.id);
+    const bool is_newer =
+        live != own_sightings_.end() && live->second.seen_s > one.stored.last_seen.seen_s;
+    view->things.push_back(is_newer ? with_sighting(one.thing, live->second) : one.thing);
+  }
+  of_device = std::move(view);
+  return of_device;
+}
+
+guide::KnownThing LiveHome::with_sighting(guide::KnownThing thing, const OwnSighting& sighting) {
+  thing.position_gravity = sighting.place_gravity;
+  thing.room = sighting.room;
+  thing.seen = calendar_time(sighting.seen_s * kNanoseconds);
+  return thing;
+}
+
+void LiveHome::note_own_things(const FrameResult& result) {
+  if (result.own_things.empty()) return;
+  const std::int64_t now_s = unix_now_ns() / kNanoseconds;
+  {
+    const std::scoped_lock lock(view_mutex_);
+    for (const SeenOwnThing& one : result.own_things) {
+      OwnSighting& sighting = own_sightings_[one.id];
+      const bool is_written =
+          sighting.seen_s != 0 && now_s - sighting.written_s < kBetweenWritings_s;
+      sighting = {now_s, one.room, one.place_gravity, sighting.written_s, !is_written};
+    }
+    views_of_devices_.clear();
+  }
+  write_own_sightings();
+}
+
+void LiveHome::write_own_sightings() {
+  const std::unique_lock home_lock(home_mutex_, std::try_to_lock);
+  if (!home_lock.owns_lock()) return;  // a job writes; the next sighting, or the end, tries again
+  const auto now = view();
+  const std::scoped_lock lock(view_mutex_);
+  for (auto& [id, sighting] : own_sightings_) {
+    if (!sighting.waits) continue;
+    home::OwnThingSighting stored{sighting.seen_s, sighting.room, std::nullopt, std::nullopt};
+    if (sighting.place_gravity) {
+      if (const auto beside = beside_keyframe(*now, *sighting.place_gravity)) {
+        stored.keyframe = beside->first;
+        stored.middle_keyframe = beside->second;
+      }
+    }
+    // Of a thing that was forgotten meanwhile nothing is kept; a full disk is told by what must not
+    // be lost.
+    (void)home_.put_own_thing_sighting(id, stored);
+    sighting.written_s = sighting.seen_s;
+    sighting.waits = false;
+  }
+}
+
+Expected<std::shared_ptr<const pipeline::OwnThingWatch>> LiveHome::own_thing_watch() const {
+  ROOMWISE_TRY(const auto things, home_.own_things());
+  if (things.empty()) return std::shared_ptr<const pipeline::OwnThingWatch>();
+  ROOMWISE_TRY(const auto keyframes, home_.keyframes());
+  {
+    const std::scoped_lock lock(view_mutex_);
+    const bool is_same = view_ && view_->own_thing_watch &&
+                         view_->keyframes.size() == keyframes.size() &&
+                         std::ranges::equal(view_->own_thing_watch->things(), things, {},
+                                            &home::OwnThing::id, &home::OwnThing::id);
+    if (is_same) return view_->own_thing_watch;
+  }
+  // Where what is usual is not known yet, a job learns it.
+  auto watch = pipeline::watch_own_things(home_, networks_, finders_.in_pictures);
+  return watch ? *std::move(watch) : nullptr;
+}
+
+// ---- teaching ----
+
+Expected<void> LiveHome::teach(const std::shared_ptr<Device>& device, const std::string& name,
+                               bool is_private, std::vector<objects::ShownThing> shown) {
+  {
+    const std::scoped_lock lock(reader_mutex_);
+    ROOMWISE_CHECK_OK(pipeline::check_own_thing_name(reader_, name));
+    ROOMWISE_CHECK_OK(reader_.check_new_name(name));
+  }
+  static_cast<void>(stop_preparing());  // it is gone on with afterwards
+  const home::OwnThing thing{.name = name,
+                             .owner = owner_of(device->who()),
+                             .is_shared = !is_private,
+                             .taught_s = unix_now_ns() / kNanoseconds};
+  return jobs_->start("teach", [this, device, thing, shown = std::move(shown)](Progress& progress) {
+    auto taught = teach_now(thing, shown, progress);
+    device->was_taught(thing.name, taught);
+    const auto now = view();
+    const bool is_ready = now->map && now->map->clouds;
+    if (taught && !is_ready && !now->walks.empty()) {
+      if (auto prepared = prepare(progress); !prepared) return prepared;
+    }
+    return taught.map([&](bool is_looked_for) {
+      return is_looked_for
+                 ? fmt::format("{} is known now", thing.name)
+                 : fmt::format("{} is known, and looked for once there is a walk", thing.name);
+    });
+  });
+}
+
+Expected<bool> LiveHome::teach_now(const home::OwnThing& thing,
+                                   const std::vector<objects::ShownThing>& shown,
+                                   Progress& progress) {
+  const std::scoped_lock lock(home_mutex_);
+  ROOMWISE_CHECK_OK(
+      pipeline::teach_own_thing(home_, thing, shown, networks_).map([](home::OwnThingId) {}));
+  return look_for_own_things(progress);
+}
+
+// With home_mutex_ held.
+Expected<bool> LiveHome::look_for_own_things(Progress& progress) {
+  pipeline::OwnRunContext run(options_.threads, progress);
+  ROOMWISE_TRY(const auto recordings, home_.recordings());
+  const Expected<void> calibrated =
+      pipeline::calibrate_own_things(home_, networks_, finders_.in_pictures, run);
+  if (!calibrated && calibrated.error().code == ErrorCode::kInterrupted) {
+    return Unexpected(calibrated.error());
+  }
+  if (calibrated && !recordings.empty()) {
+    ROOMWISE_TRY(const auto watch,
+                 pipeline::watch_own_things(home_, networks_, finders_.in_pictures));
+    if (watch != nullptr) {
+      ROOMWISE_CHECK_OK(
+          pipeline::find_own_things(home_, recordings.back().id, *watch, run).map([](std::size_t) {
+          }));
+    }
+  }
+  ROOMWISE_CHECK_OK(refresh(view()->map));
+  return calibrated.has_value();
+}
+
+Expected<void> LiveHome::change_own_thing(const service::Identity& who, const std::string& name,
+                                          service::Question what) {
+  const auto change_it = [&](home::Home& home) -> Expected<void> {
+    ROOMWISE_TRY(const auto things, home.own_things());
+    const auto thing = std::ranges::find(things, name, &home::OwnThing::name);
+    if (thing == things.end() || thing->owner != owner_of(who)) {
+      return fail_with(ErrorCode::kRefused, "'{}' was not taught by this device", name);
+    }
+    if (what != service::Question::kForgetThing) {
+      return home.share_own_thing(thing->id, what == service::Question::kShareThing);
+    }
+    ROOMWISE_CHECK_OK(home.remove_own_thing(thing->id));
+    {
+      const std::scoped_lock lock(view_mutex_);
+      own_sightings_.erase(thing->id);
+    }
+    return erase_removed(home);
+  };
+  if (what != service::Question::kForgetThing) return change(change_it);
+  ROOMWISE_CHECK_OK(while_idle([&] { return change(change_it); }));
+  // The others are looked for as before; what was usual was worked out with it.
+  return view()->own_things.empty() || jobs_->running() ? Expected<void>() : start_preparing();
+}
+
+}  // namespace roomwise::live
