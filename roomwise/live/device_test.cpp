@@ -138,12 +138,12 @@ TEST_F(DeviceTest, EveryQuestionIsTimedUntilItsAnswerByWhatItMeans) {
   EXPECT_EQ(host.looked_well.size(), 1u);
 }
 
-// A checkered thing in the middle of an even picture of 64x48.
+// A checkered thing in the middle of an even picture of 160x120.
 Bytes picture_of_thing(std::uint8_t light) {
-  image::ColorImage picture(64, 48, {light, light, light});
-  for (int y = 16; y < 32; ++y) {
-    for (int x = 24; x < 40; ++x) {
-      if ((x / 4 + y / 4) % 2 == 0) picture.at(x, y) = {light, 0, 0};
+  image::ColorImage picture(160, 120, {light, light, light});
+  for (int y = 40; y < 80; ++y) {
+    for (int x = 60; x < 100; ++x) {
+      if ((x / 10 + y / 10) % 2 == 0) picture.at(x, y) = {light, 0, 0};
     }
   }
   return image::encode_png(picture);
@@ -151,7 +151,7 @@ Bytes picture_of_thing(std::uint8_t light) {
 
 TEST_F(DeviceTest, IsToldStepByStepHowAThingIsTaught) {
   service::Hello with_camera = hello();
-  with_camera.camera = service::DeviceCamera{64, 48, {}, false};
+  with_camera.camera = service::DeviceCamera{160, 120, {}, false};
   say(with_camera);
   wire->texts.clear();
   const auto told = [&] {

@@ -8,10 +8,10 @@ namespace {
 // A checkered thing in the middle of an even picture.
 FrameImages shown(std::uint8_t light = 200) {
   FrameImages images;
-  images.color = image::ColorImage(64, 48, {light, light, light});
-  for (int y = 16; y < 32; ++y) {
-    for (int x = 24; x < 40; ++x) {
-      if ((x / 4 + y / 4) % 2 == 0) images.color.at(x, y) = {light, 0, 0};
+  images.color = image::ColorImage(160, 120, {light, light, light});
+  for (int y = 40; y < 80; ++y) {
+    for (int x = 60; x < 100; ++x) {
+      if ((x / 10 + y / 10) % 2 == 0) images.color.at(x, y) = {light, 0, 0};
     }
   }
   return images;
