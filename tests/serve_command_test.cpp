@@ -191,6 +191,34 @@ TEST(Serve, AHomeThatIsMadeWithAPassphraseIsServedWithItAlone) {
   EXPECT_THAT(wrong.errors, HasSubstr("the passphrase is wrong"));
 }
 
+TEST(Serve, GivesHelpersFiguresAndTakesNamesThatWereAllowed) {
+  const ScratchFolder folder;
+  ServeProcess home(serve(folder / "new.home", {"--allowed-host", "flat.example"}));
+  ASSERT_NE(home.server.port, 0) << home.said() << home.errors();
+  const auto helper = service::pair_with(home.server, home.code("helper"), "page");
+  ASSERT_OK(helper);
+  EXPECT_THAT(ask_for_the_bed(home.server, helper->credentials), HasSubstr("bed"));
+  service::testing::RawClient client(home.server.port);
+  ASSERT_TRUE(client.shake_hands());
+  const auto metrics =
+      client.ask("GET", "/metrics", service::testing::bearer(helper->credentials.token));
+  EXPECT_EQ(metrics.headers.at("content-type"), "text/plain; version=0.0.4");
+  EXPECT_THAT(metrics.body,
+              HasSubstr("roomwise_question_seconds_count{question=\"where_is\"} 1\n"));
+  EXPECT_THAT(metrics.body, HasSubstr("\nroomwise_disk_free_bytes "));
+  EXPECT_THAT(metrics.body, HasSubstr("\nroomwise_sockets_total 1\n"));
+  const auto status = [&](const std::string& host) {
+    client.send("GET /health HTTP/1.1\r\nHost: " + host + "\r\n\r\n");
+    return client.receive().status;
+  };
+  EXPECT_EQ(status("flat.example:8443"), 200);
+  EXPECT_EQ(status("evil.example:8443"), 421);
+  EXPECT_EQ(home.end(SIGTERM), 0);
+  const auto wrong = run_roomwise(serve(folder / "a.home", {"--allowed-host", "https://flat"}));
+  EXPECT_EQ(wrong.exit_code, 1);
+  EXPECT_THAT(wrong.errors, HasSubstr("'https://flat' is no name of a computer"));
+}
+
 // A row of the table of requests in docs/protocol.md.
 struct DocumentedRequest {
   std::string method, path, role;  // "-": everyone
