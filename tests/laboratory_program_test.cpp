@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <filesystem>
 
 #include "made_up_recording.h"
@@ -74,6 +75,102 @@ TEST_F(PaperCommandTest, SaysWhichRecordingIsBrokenAndMakesTheRest) {
   const auto result = paper("data");
   EXPECT_EQ(result.exit_code, 0) << result.errors;
   EXPECT_THAT(result.output, HasSubstr("office_walk, paper, surf: roomwise map: "));
+}
+
+// A study of how well made-up trajectories are measured, here and by stand-ins for sbatch and
+// squeue that behave like them: sbatch carries out the elements of the array one after the other,
+// but those of which the file "dead" holds the number, as where their node fails and nobody queues
+// them again.
+class StudyCommandTest : public ::testing::Test {
+ protected:
+  StudyCommandTest() {
+    for (int i = 0; i < 4; ++i) {
+      std::string path;
+      for (int t = 0; t < 20; ++t) {
+        path += fmt::format("{}.0 {} {} {} 0 0 0 1\n", t, 0.1 * t, 0.02 * (t * t % 7),
+                            i * 0.01 * (t % 3));
+      }
+      EXPECT_OK(write_file(folder_ / fmt::format("walk-{}.txt", i), path));
+    }
+    write_study("[\"walk-1\", \"walk-2\", \"walk-3\"]");
+    put_program("squeue", "exit 0\n");
+    put_program("sbatch",
+                "n=$(sed -n 's/^#SBATCH --array=0-//p' \"$2\")\n"
+                "for i in $(seq 0 $n); do\n"
+                "  grep -qx $i dead 2>/dev/null && continue\n"
+                "  SLURM_ARRAY_TASK_ID=$i SLURMD_NODENAME=n$i sh \"$2\" >>log 2>&1\n"
+                "done\necho 1\n");
+    path_ = std::getenv("PATH");
+    ::setenv("PATH", (folder_.path().string() + ":" + path_).c_str(), 1);
+  }
+  ~StudyCommandTest() override { ::setenv("PATH", path_.c_str(), 1); }
+
+  void put_program(const std::string& name, const std::string& body) {
+    const auto file = folder_ / name;
+    EXPECT_OK(write_file(file, "#!/bin/sh\ncd '" + folder_.path().string() + "'\n" + body));
+    std::filesystem::permissions(file, std::filesystem::perms::owner_all);
+  }
+  void write_study(const std::string& walks, const std::string& more = "") {
+    EXPECT_OK(write_file(
+        folder_ / "s.toml",
+        "[study]\nname = \"paths\"\n" + more + "[factors]\nwalk = " + walks +
+            "\nmax_difference = [0.02, 0.05]\n[[steps]]\nname = \"ate\"\n"
+            "run = [\"roomwise\", \"eval\", \"trajectory\", \"--truth\", \"{data}/walk-0.txt\", "
+            "\"--estimate\", \"{data}/{walk}.txt\", \"--max-difference\", \"{max_difference}\"]\n"
+            "[values]\nate_m = \"ate/ate_rmse_m\"\npairs = \"ate/pairs\"\n"
+            "[table]\nrows = [\"walk\"]\n"));
+  }
+  [[nodiscard]] testing::ProgramResult study(const std::string& output,
+                                             const std::vector<std::string>& more = {}) const {
+    std::vector<std::string> words{"study",          folder_ / "s.toml", "-o",
+                                   folder_ / output, "--data",           folder_.path().string()};
+    words.insert(words.end(), more.begin(), more.end());
+    return run_program(laboratory_, words);
+  }
+  [[nodiscard]] std::string table(const std::string& output) const {
+    return run_program(laboratory_, {"study-table", folder_ / output}).output;
+  }
+
+  const std::string laboratory_ =
+      std::filesystem::path(ROOMWISE_PROGRAM).parent_path() / "roomwise-lab";
+  const testing::ScratchFolder folder_;
+  std::string path_;
+};
+
+TEST_F(StudyCommandTest, GivesTheSameTableHereAndUnderSlurmWhereATaskWasLost) {
+  const auto here = study("here");
+  ASSERT_EQ(here.exit_code, 0) << here.errors;
+  EXPECT_THAT(here.output, HasSubstr("6 tasks: 6 done, 0 failed, 0 open"));
+  ASSERT_OK(write_file(folder_ / "dead", std::string_view("4\n")));
+  const auto lost = study("slurm", {"--slurm", "--wait"});
+  EXPECT_THAT(lost.output, HasSubstr("6 tasks: 5 done, 0 failed, 1 open")) << lost.errors;
+  std::filesystem::remove(folder_ / "dead");
+  const auto again = study("slurm", {"--slurm", "--wait"});
+  ASSERT_EQ(again.exit_code, 0) << again.errors;
+  EXPECT_THAT(again.output, HasSubstr("6 tasks: 6 done, 0 failed, 0 open"));
+  EXPECT_THAT(read_text_file(folder_ / "slurm/slurm/array-2.sh").value(),
+              HasSubstr("--array=0-0\n"))
+      << "the one that was lost, and no other";
+  EXPECT_EQ(table("slurm"), table("here"));
+  EXPECT_THAT(read_text_file(folder_ / "slurm/results.csv").value(), HasSubstr(",n3,"));
+}
+
+TEST_F(StudyCommandTest, ATaskThatFailsIsToldAndTheOthersGoOn) {
+  write_study("[\"walk-1\", \"nowhere\"]");
+  const auto result = study("out");
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.output,
+              AllOf(HasSubstr("4 tasks: 2 done, 2 failed"),
+                    HasSubstr("- max_difference=0.02 walk=nowhere: roomwise eval: ")));
+}
+
+TEST_F(StudyCommandTest, SaysWhichKeyIsWrongBeforeAnythingIsDone) {
+  write_study("[\"walk-1\"]", "thread = 1\n");
+  const auto result = study("out");
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.errors,
+              HasSubstr("s.toml:3: 'thread' is no key here; the nearest is 'threads'"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "out"));
 }
 
 TEST_F(PaperCommandTest, SaysThatTheFolderIsWrong) {

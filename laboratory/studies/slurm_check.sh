@@ -52,7 +52,7 @@ run = ["roomwise", "eval", "trajectory", "--truth", "{data}/{home}/groundtruth.t
 [values]
 placed = "map/placed"
 keyframes = "map/keyframes"
-ate_m = "ate/ate/rmse_m"
+ate_m = "ate/ate_rmse_m"
 [table]
 rows = ["home"]
 END
@@ -91,9 +91,11 @@ NodeName=n3 NodeHostname=$host NodeAddr=127.0.0.1 Port=17003 CPUs=1
 PartitionName=all Nodes=n1,n2,n3 Default=YES MaxTime=INFINITE State=UP
 END
 mkdir -p "$work/state"
-started=()
+declare -A node=()
+controller=
 stop_all() {
-  for process in "${started[@]}"; do kill "$process" 2>/dev/null || true; done
+  for process in "${node[@]}"; do kill -KILL "$process" 2>/dev/null || true; done # with all in it
+  [ -n "$controller" ] && kill "$controller" 2>/dev/null || true
   [ -s "$work/munged.pid" ] && kill "$(cat "$work/munged.pid")" 2>/dev/null || true
 }
 trap stop_all EXIT
@@ -101,13 +103,11 @@ trap stop_all EXIT
 munged --force --key-file="$work/munge.key" --socket="$work/munge.socket" --pid-file="$work/munged.pid" \
   --log-file="$work/munged.log" --seed-file="$work/munged.seed"
 slurmctld -D >"$work/slurmctld.out" 2>&1 &
-started+=($!)
-declare -A node
+controller=$!
 start_node() { # in processes of its own, which all end with it, as with a machine whose power goes
   mkdir -p "$work/spool-$1"
   unshare --pid --fork --kill-child=KILL --mount-proc slurmd -D -N "$1" >"$work/slurmd-$1.out" 2>&1 &
   node[$1]=$!
-  started+=($!)
 }
 for name in n1 n2 n3; do start_node $name; done
 for _ in $(seq 60); do
@@ -118,13 +118,15 @@ sinfo --Node || { tail -n 20 "$work"/*.log "$work"/*.out; exit 1; }
 
 # ---- the same study, here and there ----
 
-unset ROOMWISE_MODELS # else networks take most of the time
+export ROOMWISE_MODELS=$work/no-networks # they would take most of the time
+mkdir -p "$ROOMWISE_MODELS"
 lab() { "$bin/roomwise-lab" "$@" 2>>"$work/lab.log"; }
 clock() { date +%s.%N; }
 since() { awk -v a="$1" -v b="$(clock)" 'BEGIN { printf "%.1f", b - a }'; }
 
 begun=$(clock)
-lab study "$work/pieces.toml" -o "$work/here" --data "$work/data" >"$work/here.txt"
+lab study "$work/pieces.toml" -o "$work/here" --data "$work/data" >"$work/here.txt" ||
+  { tail -n 5 "$work/here.txt" "$work/lab.log"; exit 1; }
 echo "on this machine, $(nproc) workers: $(since "$begun") s"
 
 begun=$(clock)

@@ -86,8 +86,12 @@ Expected<void> take_values(const Study& study, const StudyStep& step, const nloh
     if (value.step != step.name) continue;
     const nlohmann::json::json_pointer pointer(value.pointer);
     if (!printed.contains(pointer)) {
-      return fail("{} printed no '{}', which is to be the figure {}", step.name, value.pointer,
-                  value.name);
+      std::string there;
+      for (const auto& [key, ignored] : printed.items()) {
+        if (key != "command") there += (there.empty() ? "" : ", ") + key;
+      }
+      return fail("{} printed no '{}', which is to be the figure {}; it printed: {}", step.name,
+                  value.pointer, value.name, there);
     }
     const nlohmann::json& found = printed.at(pointer);
     if (found.is_structured()) {

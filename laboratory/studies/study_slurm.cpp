@@ -17,6 +17,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kMaxElements = 1000;
+// A controller that is started anew answers nothing for a while, and the jobs go on.
+constexpr int kMaxUnanswered = 60;
 
 std::string quoted(const std::string& word) {
   std::string text = "'";
@@ -139,11 +141,17 @@ Expected<void> wait_for_jobs(const StudyStore& store, const SlurmOptions& option
                              Progress& progress) {
   const std::size_t all = store.tasks().size();
   progress.begin("study " + store.study().name + " under Slurm", all);
-  for (;;) {
-    ROOMWISE_TRY(const auto jobs, jobs_in_queue(store, progress));
+  for (int unanswered = 0;;) {
+    const auto jobs = jobs_in_queue(store, progress);
+    if (jobs) {
+      unanswered = 0;
+    } else if (jobs.error().code == ErrorCode::kInterrupted || ++unanswered > kMaxUnanswered) {
+      return Unexpected(jobs.error());
+    }
     ROOMWISE_TRY(const StudyCount count, count_of(store));
-    progress.advance(count.done + count.failed, fmt::format("{} failed", count.failed));
-    if (jobs.empty()) break;
+    progress.advance(count.done + count.failed,
+                     jobs ? fmt::format("{} failed", count.failed) : jobs.error().message);
+    if (jobs && jobs->empty()) break;
     const auto until =
         std::chrono::steady_clock::now() + std::chrono::duration<double>(options.look_every_s);
     while (std::chrono::steady_clock::now() < until) {

@@ -98,6 +98,16 @@ TEST_F(StudySlurm, NothingIsHandedOverWhereAllIsDone) {
   EXPECT_OK(wait_for_jobs(made, options_, progress_));
 }
 
+TEST_F(StudySlurm, AControllerThatAnswersNothingForAWhileIsWaitedFor) {
+  const StudyStore made = store();
+  ASSERT_OK(submit(made, options_, progress_));
+  put_program("squeue", "[ -e back ] && exit\ntouch back\nexit 1\n");
+  EXPECT_OK(wait_for_jobs(made, options_, progress_));
+  put_program("squeue", "echo 'cannot contact it' >&2\nexit 1\n");
+  options_.look_every_s = 0;
+  EXPECT_ERROR(wait_for_jobs(made, options_, progress_), "cannot contact it");
+}
+
 TEST_F(StudySlurm, WithoutSlurmItSaysSo) {
   put_program("sbatch", "echo 'sbatch: error: no controller' >&2\nexit 1\n");
   EXPECT_ERROR(submit(store(), options_, progress_), "no controller; is Slurm installed");
