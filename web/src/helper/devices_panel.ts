@@ -117,7 +117,7 @@ function authorityCard(): HTMLElement {
       h('h3', {}, 'iPhone, iPad'), steps([text('authority.iphone_1'), text('authority.iphone_2', { name })]),
       h('h3', {}, 'Android'), steps([text('authority.android_1'), text('authority.android_2')]),
       h('p', {}, text('authority.compare', { name })),
-      h('p', { class: 'hint' }, fingerprint));
+      h('p', { class: 'hint fingerprint' }, fingerprint));
     place.hidden = false;
   }, () => undefined);
   return place;
