@@ -6,6 +6,7 @@
 #include "roomwise/base/testing/testing.h"
 #include "roomwise/pipeline/edits/edit_things.h"
 #include "roomwise/pipeline/mapping/map_recording.h"
+#include "roomwise/pipeline/rooms/room_learning.h"
 #include "roomwise/pipeline/stored/stored_map.h"
 #include "roomwise/pipeline/testing/red_finder.h"
 #include "roomwise/pipeline/testing/walk_with_box.h"

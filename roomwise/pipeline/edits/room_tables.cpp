@@ -8,7 +8,7 @@
 namespace roomwise::pipeline {
 namespace {
 
-using Json = nlohmann::json;
+using Json = nlohmann::ordered_json;
 
 Json rooms_json(const std::vector<rooms::Room>& rooms) {
   Json json = Json::array();

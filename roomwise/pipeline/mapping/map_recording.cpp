@@ -7,6 +7,7 @@
 #include "roomwise/pipeline/mapping/home_floor.h"
 #include "roomwise/pipeline/mapping/home_localizer.h"
 #include "roomwise/pipeline/objects/proposal_detection.h"
+#include "roomwise/pipeline/stored/keyframe_images.h"
 #include "roomwise/pipeline/stored/mapper_storage.h"
 #include "roomwise/pipeline/stored/measured_frame_reader.h"
 #include "roomwise/pipeline/stored/stored_map.h"

@@ -7,7 +7,7 @@
 namespace roomwise::pipeline {
 namespace {
 
-using nlohmann::json;
+using Json = nlohmann::ordered_json;
 
 constexpr std::array<std::pair<EditKind, std::string_view>, 15> kEditKinds{
     {{EditKind::kAddThing, "add thing"},
@@ -37,18 +37,18 @@ constexpr std::array<std::pair<const char*, std::optional<home::EditId> EditChan
     {{"thing", &EditChange::thing}, {"double_of", &EditChange::double_of}}};
 
 std::string json_of(const EditChange& change) {
-  json written = json::object();
+  Json written = Json::object();
   for (const auto& [name, text] : kTexts) {
     if (!(change.*text).empty()) written[name] = change.*text;
   }
   for (const auto& [name, thing] : kThings) {
     if (change.*thing) written[name] = *(change.*thing);
   }
-  return written.dump(-1, ' ', false, json::error_handler_t::replace);
+  return written.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
 std::optional<EditChange> change_of(const std::string& text) {
-  const json written = json::parse(text, nullptr, false);
+  const Json written = Json::parse(text, nullptr, false);
   if (!written.is_object()) return std::nullopt;
   EditChange change;
   try {
@@ -56,7 +56,7 @@ std::optional<EditChange> change_of(const std::string& text) {
     for (const auto& [name, to] : kThings) {
       if (written.contains(name)) change.*to = written.at(name).get<home::EditId>();
     }
-  } catch (const json::exception&) {
+  } catch (const Json::exception&) {
     return std::nullopt;
   }
   return change;
@@ -74,8 +74,8 @@ Expected<void> validate_text(std::string_view what, std::string_view text, std::
     return code < 0x20U || code == 0x7FU;
   });
   if (has_control) return fail("{} has a line break or another sign that cannot be spoken", what);
-  if (json(std::string(text)).dump(-1, ' ', false, json::error_handler_t::ignore) !=
-      json(std::string(text)).dump(-1, ' ', false, json::error_handler_t::replace)) {
+  if (Json(std::string(text)).dump(-1, ' ', false, Json::error_handler_t::ignore) !=
+      Json(std::string(text)).dump(-1, ' ', false, Json::error_handler_t::replace)) {
     return fail("{} is not UTF-8 text", what);
   }
   return {};
