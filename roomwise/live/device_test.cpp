@@ -517,6 +517,7 @@ TEST_F(DeviceTest, RoomsAreNamedWhileAWalkIsRecorded) {
   EXPECT_EQ(host.recordings[0].device, 3);
   show(3);  // not again with every frame
   EXPECT_THAT(host.recordings, SizeIs(1));
+  EXPECT_THAT(host.not_stored, SizeIs(1));
 }
 
 }  // namespace

@@ -686,6 +686,11 @@ TEST_F(HandedIn, WhatIsNoRecordingIsToldAndWaits) {
   home->jobs().wait();
   EXPECT_EQ(home->jobs().state()->state, "failed");
   EXPECT_THAT(home->jobs().state()->text, HasSubstr("neither a zip archive nor a recording"));
+  service::MetricsText metrics;
+  home->write_metrics(metrics);
+  EXPECT_THAT(metrics.text(), HasSubstr("jobs_total{job=\"map\",state=\"failed\"} 1\n"));
+  EXPECT_THAT(metrics.text(), HasSubstr("failures_total{what=\"a job\",why=\"other\"} 1\n"));
+  EXPECT_THAT(metrics.text(), HasSubstr("roomwise_networks_changed 0\n"));
   EXPECT_THAT(home->uploads().list().value(), SizeIs(1));
   ask("DELETE", "/api/uploads/" + id);
   EXPECT_THAT(home->uploads().list().value(), IsEmpty());

@@ -129,6 +129,7 @@ TEST_F(UploadsFolder, OnADiskThatFillsUpMeanwhileWhatCameStays) {
   ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &before), 0);
   std::signal(SIGXFSZ, handler);
   EXPECT_ERROR(put, "free some space");
+  EXPECT_EQ(put.error().code, ErrorCode::kDiskFull);
   const Upload now = uploads.find(begun.id).value();
   EXPECT_EQ(now.offset, 700U) << "as far as it went";
   ASSERT_OK(uploads.put(begun.id, now.offset, Bytes(1300, 'b')));

@@ -88,6 +88,7 @@ TEST_F(WalkRecorderFolder, OnAFullDiskWhatWasStoredStays) {
   ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &before), 0);
   std::signal(SIGXFSZ, ignored);
   EXPECT_ERROR(failed, "free some space");
+  EXPECT_EQ(failed.error().code, ErrorCode::kDiskFull);
   EXPECT_EQ(stored().size(), 1U);
   ASSERT_OK(recorder->store(phone_frame(3, {0, 0, 2})));
   const auto frames = stored();

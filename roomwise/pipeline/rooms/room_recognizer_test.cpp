@@ -25,7 +25,7 @@ class RoomRecognizerTest : public ::testing::Test {
     home_.emplace(home::Home::create(folder_ / "a.home").value());
     home::Home& home = *home_;
     ROOMWISE_MUST(home.add_recording(home::testing::sample_recording()));
-    ROOMWISE_MUST(home.add_network({"colors", fingerprint, {}, 12}));
+    ROOMWISE_MUST(home.add_network({networks_.front()->name(), fingerprint, {}, 12}));
     for (home::KeyframeId id = 0; id < 40; ++id) {
       home::MapCommit step = home::testing::sample_commit(1, 1, id);
       RandomStream random(id);
@@ -83,6 +83,15 @@ class RoomRecognizerTest : public ::testing::Test {
   int asked_ = 0;
 };
 using RoomRecognizerPlaces = RoomRecognizerTest;
+
+TEST_F(RoomRecognizerTest, ANetworkWhoseFileIsAnotherNowIsRefusedInWords) {
+  networks_.front() =
+      std::make_unique<testing::ColorNetwork>(std::vector<std::string>{"lamp"});  // other weights
+  EXPECT_ERROR(RoomRecognizer::create(*home_, networks_),
+               "is not the one that this home was made with");
+  networks_.clear();
+  EXPECT_ERROR(RoomRecognizer::create(*home_, networks_), "give that file by --network");
+}
 
 TEST_F(RoomRecognizerPlaces, IsNotAskedWhereThePictureTellsTheRoom) {
   const auto decision = decide(sure_hall(), place(0.01, 5));
