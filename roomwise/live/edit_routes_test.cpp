@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "roomwise/base/testing/testing.h"
 #include "roomwise/fusion/testing/test_scenes.h"
@@ -274,6 +275,27 @@ TEST_F(EditRoutes, TwoHelpersAtOnceDoNotOverruleEachOther) {
   EXPECT_EQ(late.status, 409);
   EXPECT_THAT(late.body.at("error").get<std::string>(), HasSubstr("look at it anew"));
   EXPECT_THAT(edits(), SizeIs(1));
+}
+
+TEST_F(EditRoutes, HelpersWhoChangeThingsInOneMomentWaitForEachOther) {
+  constexpr int kEach = 4;
+  std::array<std::vector<int>, 2> statuses;
+  {
+    std::vector<std::thread> helpers;
+    for (std::size_t helper = 0; helper < statuses.size(); ++helper) {
+      helpers.emplace_back([&, helper] {
+        for (int i = 0; i < kEach; ++i) {
+          statuses[helper].push_back(
+              ask("POST", "/api/edits",
+                  {{"what", "add thing"}, {"name", "kettle"}, {"room", "kitchen"}})
+                  .status);
+        }
+      });
+    }
+    for (std::thread& helper : helpers) helper.join();
+  }
+  for (const auto& of_helper : statuses) EXPECT_THAT(of_helper, ::testing::Each(200));
+  EXPECT_THAT(edits(), SizeIs(2 * kEach));
 }
 
 TEST_F(EditRoutes, BadInputIsToldAndChangesNothing) {

@@ -261,6 +261,7 @@ Expected<void> LiveHome::refresh(std::shared_ptr<const LiveMap> map) {
 }
 
 Expected<void> LiveHome::change(const std::function<Expected<void>(home::Home&)>& change) {
+  const std::scoped_lock one_by_one(changes_mutex_);
   const std::unique_lock lock(home_mutex_, std::try_to_lock);
   if (!lock.owns_lock()) return fail("the computer is busy; wait until it is done, or stop it");
   ROOMWISE_CHECK_OK(watched("a change", change(home_)));

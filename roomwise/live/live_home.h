@@ -247,7 +247,8 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
   const objects::ObjectFinders& finders_;
   const LiveHomeOptions options_;
 
-  std::mutex home_mutex_;  // of home_; a job holds it as long as it writes
+  std::mutex changes_mutex_;  // helpers' changes wait for each other, and not for jobs
+  std::mutex home_mutex_;     // of home_; a job holds it as long as it writes
   home::Home home_;
   mutable std::mutex reader_mutex_;
   home::Home reader_;  // for pictures
