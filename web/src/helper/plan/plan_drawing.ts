@@ -8,6 +8,7 @@ const kLetter = 0.6; // about the width of a letter, of its size
 // Of names, in pixels, however large the home is; the plan is about as wide as the window, up to a column's width.
 const [kThingName_px, kRoomName_px, kMark_px] = [12, 14, 5];
 const [kLeastWidth_px, kMostWidth_px, kBeside_px] = [220, 690, 80];
+const [kMostHeight, kMostHeight_px] = [0.62, 640]; // of the window's
 
 export interface PlanDrawing {
   element: SVGSVGElement;
@@ -37,7 +38,10 @@ export function drawPlan(plan: Plan, home: Home | null, label: string): PlanDraw
     class: 'plan', role: 'img', 'aria-label': label,
     viewBox: `${span.left} ${-(span.bottom + span.height)} ${span.width} ${span.height}`,
   }) as SVGSVGElement;
-  const pixel_m = span.width / Math.max(kLeastWidth_px, Math.min(window.innerWidth - kBeside_px, kMostWidth_px));
+  // As the style sheet lets it be high.
+  const pixel_m = Math.max(
+    span.width / Math.max(kLeastWidth_px, Math.min(window.innerWidth - kBeside_px, kMostWidth_px)),
+    span.height / Math.min(kMostHeight * window.innerHeight, kMostHeight_px));
   const names: { at: Point; half: number; high: number }[] = [];
   const rooms = plan.rooms.map(({ name, polygons }) =>
     svg('path', { class: `floor tone-${toneOf(plan, name)}`, d: pathOf(polygons), 'fill-rule': 'evenodd', 'data-room': name }));
