@@ -1,6 +1,7 @@
 #include "roomwise/live/live_home.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "roomwise/image/codec.h"
 #include "roomwise/pipeline/objects/changed_networks.h"
@@ -60,7 +61,7 @@ LiveHome::LiveHome(fs::path file, home::Home home, home::Home reader,
 LiveHome::~LiveHome() {
   jobs_.reset();
   looking_.reset();
-  write_own_sightings();
+  write_own_sightings(std::numeric_limits<std::int64_t>::max());
   if (lenses_) (void)lenses_->save();  // what is lost is learned anew
   if (recorder_) (void)recorder_->close();
   if (photos_) (void)forget_removed_rooms();  // where it fails, the next one that opens does it

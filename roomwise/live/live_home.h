@@ -162,14 +162,13 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
     std::int64_t seen_s = 0;  // since 1970
     std::optional<std::string> room;
     std::optional<Eigen::Vector3d> place_gravity;
-    std::int64_t written_s = 0;  // into the home
-    bool waits = false;          // to be written
+    std::int64_t written_s = 0;  // seen_s of what the home has
   };
   [[nodiscard]] static guide::KnownThing with_sighting(guide::KnownThing thing,
                                                        const OwnSighting& sighting);
   void note_own_things(const FrameResult& result);
-  // Those that wait, unless a job writes the home.
-  void write_own_sightings();
+  // Into the home those of things that were written then, or before, last; unless a job writes it.
+  void write_own_sightings(std::int64_t before_s);
   // Whether it is looked for from now on.
   [[nodiscard]] Expected<bool> teach_now(const home::OwnThing& thing,
                                          const std::vector<objects::ShownThing>& shown,

@@ -66,22 +66,21 @@ void LiveHome::note_own_things(const FrameResult& result) {
     const std::scoped_lock lock(view_mutex_);
     for (const SeenOwnThing& one : result.own_things) {
       OwnSighting& sighting = own_sightings_[one.id];
-      const bool is_written =
-          sighting.seen_s != 0 && now_s - sighting.written_s < kBetweenWritings_s;
-      sighting = {now_s, one.room, one.place_gravity, sighting.written_s, !is_written};
+      sighting = {now_s, one.room, one.place_gravity, sighting.written_s};
     }
     views_of_devices_.clear();
   }
-  write_own_sightings();
+  write_own_sightings(now_s - kBetweenWritings_s);
 }
 
-void LiveHome::write_own_sightings() {
+void LiveHome::write_own_sightings(std::int64_t before_s) {
   const std::unique_lock home_lock(home_mutex_, std::try_to_lock);
   if (!home_lock.owns_lock()) return;  // a job writes; the next sighting, or the end, tries again
   const auto now = view();
   const std::scoped_lock lock(view_mutex_);
   for (auto& [id, sighting] : own_sightings_) {
-    if (!sighting.waits) continue;
+    const bool waits = sighting.seen_s > sighting.written_s && sighting.written_s <= before_s;
+    if (!waits) continue;
     home::OwnThingSighting stored{sighting.seen_s, sighting.room, std::nullopt, std::nullopt};
     if (sighting.place_gravity) {
       if (const auto beside = beside_keyframe(*now, *sighting.place_gravity)) {
@@ -93,7 +92,6 @@ void LiveHome::write_own_sightings() {
     // be lost.
     (void)home_.put_own_thing_sighting(id, stored);
     sighting.written_s = sighting.seen_s;
-    sighting.waits = false;
   }
 }
 
@@ -196,7 +194,12 @@ Expected<void> LiveHome::change_own_thing(const service::Identity& who, const st
   if (what != service::Question::kForgetThing) return change(change_it);
   ROOMWISE_CHECK_OK(while_idle([&] { return change(change_it); }));
   // The others are looked for as before; what was usual was worked out with it.
-  return view()->own_things.empty() || jobs_->running() ? Expected<void>() : start_preparing();
+  if (view()->own_things.empty() || jobs_->running()) return {};
+  return jobs_->start("teach", [this](Progress& progress) -> Expected<std::string> {
+    const std::scoped_lock lock(home_mutex_);
+    ROOMWISE_CHECK_OK(look_for_own_things(progress).map([](bool) {}));
+    return "what is left is looked for as before";
+  });
 }
 
 }  // namespace roomwise::live

@@ -742,5 +742,60 @@ TEST_F(LiveHomeTest, RequestsWithWrongValuesAreRefusedByName) {
   EXPECT_THAT(ask("DELETE", "/api/home", R"({"really":"flat"})"), HasSubstr("200"));
 }
 
+// A checkered thing in the middle of a picture as the walk's camera takes it.
+Bytes message_of_thing(const geometry::PinholeCamera& camera, double t_ms) {
+  image::ColorImage picture(camera.width, camera.height, {180, 180, 180});
+  for (int y = camera.height / 3; y < camera.height * 2 / 3; ++y) {
+    for (int x = camera.width / 3; x < camera.width * 2 / 3; ++x) {
+      if ((x / 16 + y / 16) % 2 == 0) picture.at(x, y) = {180, 20, 40};
+    }
+  }
+  const Bytes color = image::encode_jpeg(picture, 95);
+  return write(service::FrameMessage{t_ms, color, {}});
+}
+
+TEST_F(LiveHomeTest, AThingIsTaughtToldToItsOwnerAloneSharedAndForgotten) {
+  open();
+  const Client anna = connect(7, service::Role::kDevice), ben = connect(8, service::Role::kDevice);
+  std::int64_t id = 0;
+  const auto ask = [&](const Client& client, service::Question question, std::string subject = "",
+                       bool is_private = false) {
+    service::Ask asked{++id, 60'000, question, std::move(subject)};
+    asked.is_private = is_private;
+    client.session->on_text(write(service::DeviceMessage(asked)));
+    return client.wire->next<service::PromptMessage>(
+        [&](const auto& prompt) { return prompt.answer_to == id; });
+  };
+  const auto is_message = [](const std::string& message) {
+    return [message](const service::PromptMessage& prompt) { return prompt.message == message; };
+  };
+  const auto where = [&](const Client& client) {
+    return ask(client, service::Question::kInWords, "where is my mug").message;
+  };
+
+  EXPECT_EQ(ask(anna, service::Question::kTeachThing).message, "teach.begin");
+  for (int i = 0; i < 10; ++i) {
+    anna.session->on_message(message_of_thing(walk.info().camera, 1000.0 * (i + 1)));
+    // Answered once the picture has been looked at.
+    EXPECT_EQ(ask(anna, service::Question::kWhichRooms).message, "rooms.count");
+  }
+  EXPECT_EQ(ask(anna, service::Question::kNameThing, "my mug", true).message, "teach.learning");
+  // Without a walk nobody knows what is usual here.
+  anna.wire->next<service::PromptMessage>(is_message("teach.no_walk"));
+  home->jobs().wait();
+
+  EXPECT_EQ(where(anna), "where.not_seen");
+  EXPECT_EQ(where(ben), "where.unknown");
+  EXPECT_THAT(home->view()->things, IsEmpty());  // what helpers' pages show
+  EXPECT_EQ(ask(ben, service::Question::kForgetThing, "my mug").message, "own.not_own");
+  EXPECT_EQ(ask(anna, service::Question::kShareThing, "my mug").message, "own.shared");
+  EXPECT_EQ(where(ben), "where.not_seen");
+
+  EXPECT_THAT(bytes_of_home(), HasSubstr("my mug"));
+  EXPECT_EQ(ask(anna, service::Question::kInWords, "forget my mug").message, "own.forgotten");
+  EXPECT_EQ(where(anna), "where.unknown");
+  EXPECT_THAT(bytes_of_home(), Not(HasSubstr("my mug")));
+}
+
 }  // namespace
 }  // namespace roomwise::live
