@@ -34,7 +34,8 @@ class VisitComparison {
     ROOMWISE_TRY(result.past_, home.past_instances());
     ROOMWISE_TRY(result.visits_, home.visits());
     ROOMWISE_TRY(result.rooms_, rooms_of_keyframes(home));
-    ROOMWISE_TRY(const HomeHistory history, find_home_history(home));
+    // By the names of programs, which the visit's pictures are compared by.
+    ROOMWISE_TRY(const HomeHistory history, home_history_as_found(home));
     for (const ThingHistory& one : history.things) {
       if (one.is_gone) result.gone_or_moved_.push_back(one.thing);
       for (const WalkEvent& event : one.events) {
