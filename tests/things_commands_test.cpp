@@ -12,6 +12,7 @@
 #include "roomwise/base/random.h"
 #include "roomwise/base/testing/testing.h"
 #include "roomwise/home/home.h"
+#include "roomwise/image/codec.h"
 #include "roomwise/network/testing/tiny_network.h"
 #include "roomwise/recording/tum_writer.h"
 #include "run_program.h"
@@ -438,6 +439,58 @@ TEST_F(ThingsCommandsTest, RoomTypesSayWhatIsWrong) {
   const ProgramResult result = run({"rooms", "types", "--home", path("no.home"), "--accept"});
   EXPECT_EQ(result.exit_code, 1);
   EXPECT_THAT(result.errors, HasSubstr("no such file"));
+}
+
+// ---- things ----
+
+// A checkered thing in the middle of an even picture.
+Expected<void> write_picture_of_thing(const std::string& file, std::uint8_t light) {
+  image::ColorImage picture(160, 120, {light, light, light});
+  for (int y = 40; y < 80; ++y) {
+    for (int x = 60; x < 100; ++x) {
+      if ((x / 10 + y / 10) % 2 == 0) picture.at(x, y) = {light, 0, 0};
+    }
+  }
+  return write_file(file, image::encode_png(picture));
+}
+
+TEST_F(ThingsCommandsTest, AThingIsTaughtListedSharedAndForgotten) {
+  const std::string home = copy_of_home("taught.home");
+  std::vector<std::string> teach{"things", "teach",     "my blue mug",       "--home",
+                                 home,     "--network", path("colors.onnx"), "--private"};
+  for (int i = 0; i < 3; ++i) {
+    teach.push_back(path(fmt::format("mug{}.png", i)));
+    ASSERT_OK(write_picture_of_thing(teach.back(), static_cast<std::uint8_t>(200 + i)));
+  }
+  const std::string dark = path("dark.png");
+  ASSERT_OK(write_picture_of_thing(dark, 10));
+  std::vector<std::string> with_dark = teach;
+  with_dark.push_back(dark);
+  const json taught = result_of(with_dark);
+  EXPECT_EQ(taught.at("thing").at("name"), "my blue mug");
+  EXPECT_EQ(taught.at("refused")[0].at("why"), "dark");
+  EXPECT_THAT(run(teach).errors, HasSubstr("there is a thing called my blue mug already"));
+  const json things = result_of({"things", "list", "--home", home}).at("things");
+  ASSERT_EQ(things.size(), 1U);
+  EXPECT_EQ(things[0].at("shared"), false);
+  EXPECT_EQ(result_of({"things", "share", "my blue mug", "--home", home}).at("shared"), true);
+  EXPECT_EQ(result_of({"things", "forget", "my blue mug", "--home", home}).at("forgotten"),
+            "my blue mug");
+  EXPECT_TRUE(result_of({"things", "list", "--home", home}).at("things").empty());
+  EXPECT_THAT(read_text_file(home).value(), Not(HasSubstr("my blue mug")));
+}
+
+TEST_F(ThingsCommandsTest, TeachingSaysWhatIsWrong) {
+  const std::string home = copy_of_home("not_taught.home"), picture = path("dark_alone.png");
+  ASSERT_OK(write_picture_of_thing(picture, 10));
+  const auto errors_of = [&](const std::string& name) {
+    return run({"things", "teach", name, picture, "--home", home, "--network", path("colors.onnx")})
+        .errors;
+  };
+  EXPECT_THAT(errors_of("my mug"), HasSubstr("0 pictures show it well enough; 3 are needed"));
+  EXPECT_THAT(errors_of("bed"), HasSubstr("such as \"my bed\""));
+  EXPECT_THAT(run({"things", "forget", "my mug", "--home", home}).errors,
+              HasSubstr("nobody taught it a thing called my mug"));
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 #include "paths.h"
 #include "readout.h"
 #include "roomwise/pipeline/mapping/map_recording.h"
+#include "roomwise/pipeline/objects/own_things.h"
 #include "roomwise/pipeline/rooms/room_learning.h"
 #include "roomwise/pipeline/rooms/walk_into_home.h"
 #include "roomwise/pipeline/stored/stored_map.h"
@@ -239,10 +240,22 @@ Expected<Answer> map(const MapOptions& options, Context& context) {
     ROOMWISE_CHECK_OK(recording::write_trajectory(options.trajectory, trajectory));
   }
 
+  ROOMWISE_TRY(const auto taught, home.own_things());
+  pipeline::OwnThingLook look;
+  if (!taught.empty()) {
+    ROOMWISE_TRY(look, pipeline::look_for_own_things(home, networks, finders.in_pictures, run));
+  }
+
   Answer answer;
   std::vector<std::string> names;
   for (const auto& network : networks) names.push_back(network->name());
   answer.text = to_text(summary, names) + damage_text(frames.damage());
+  if (!taught.empty() && look.is_looked_for) {
+    answer.text +=
+        fmt::format("{} of {} things that were taught are on it\n", look.seen, taught.size());
+  } else if (!taught.empty()) {
+    answer.text += look.why + "\n";
+  }
   answer.json = {{"finished", summary.finished},
                  {"networks", names},
                  {"frames", summary.frames},

@@ -73,21 +73,6 @@ std::string line_of(const home::OwnThing& thing) {
                      thing.is_shared ? "shared" : "private", where);
 }
 
-Expected<std::string> look_on_walks(home::Home& home, const pipeline::Networks& networks,
-                                    const objects::ObjectFinders& finders, CommandRun& run) {
-  if (const auto calibrated =
-          pipeline::calibrate_own_things(home, networks, finders.in_pictures, run);
-      !calibrated) {
-    return calibrated.error().message + "\n";
-  }
-  ROOMWISE_TRY(const auto watch, pipeline::watch_own_things(home, networks, finders.in_pictures));
-  ROOMWISE_TRY(const auto recordings, home.recordings());
-  if (watch == nullptr || recordings.empty()) return std::string();
-  ROOMWISE_CHECK_OK(
-      pipeline::find_own_things(home, recordings.back().id, *watch, run).map([](std::size_t) {}));
-  return std::string();
-}
-
 Expected<Answer> teach(const ThingsOptions& options, Context& context) {
   ROOMWISE_TRY(home::Home home, open_home(options.home, context));
   if (home.is_locked()) return Unexpected(home.locked_error());
@@ -114,12 +99,13 @@ Expected<Answer> teach(const ThingsOptions& options, Context& context) {
                                                          .taught_s = unix_now_ns() / 1'000'000'000},
                                                         shown, networks));
   CommandRun run(context);
-  ROOMWISE_TRY(const std::string remark, look_on_walks(home, networks, finders, run));
+  ROOMWISE_TRY(const pipeline::OwnThingLook look,
+               pipeline::look_for_own_things(home, networks, finders.in_pictures, run));
   ROOMWISE_TRY(const home::OwnThing thing, find_thing(home, options.name));
-  answer.text += line_of(thing) + remark;
+  answer.text += line_of(thing) + (look.why.empty() ? "" : look.why + "\n");
   answer.json["thing"] = json_of(thing);
   answer.json["id"] = id;
-  answer.json["looked_for"] = remark.empty();
+  answer.json["looked_for"] = look.is_looked_for;
   return answer;
 }
 

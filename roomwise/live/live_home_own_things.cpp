@@ -154,23 +154,10 @@ Expected<bool> LiveHome::teach_now(const home::OwnThing& thing,
 // With home_mutex_ held.
 Expected<bool> LiveHome::look_for_own_things(Progress& progress) {
   pipeline::OwnRunContext run(options_.threads, progress);
-  ROOMWISE_TRY(const auto recordings, home_.recordings());
-  const Expected<void> calibrated =
-      pipeline::calibrate_own_things(home_, networks_, finders_.in_pictures, run);
-  if (!calibrated && calibrated.error().code == ErrorCode::kInterrupted) {
-    return Unexpected(calibrated.error());
-  }
-  if (calibrated && !recordings.empty()) {
-    ROOMWISE_TRY(const auto watch,
-                 pipeline::watch_own_things(home_, networks_, finders_.in_pictures));
-    if (watch != nullptr) {
-      ROOMWISE_CHECK_OK(
-          pipeline::find_own_things(home_, recordings.back().id, *watch, run).map([](std::size_t) {
-          }));
-    }
-  }
+  ROOMWISE_TRY(const pipeline::OwnThingLook look,
+               pipeline::look_for_own_things(home_, networks_, finders_.in_pictures, run));
   ROOMWISE_CHECK_OK(refresh(view()->map));
-  return calibrated.has_value();
+  return look.is_looked_for;
 }
 
 Expected<void> LiveHome::change_own_thing(const service::Identity& who, const std::string& name,

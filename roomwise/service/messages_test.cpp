@@ -76,6 +76,15 @@ TEST(Messages, QuestionsComeBackWithTheirSubject) {
   EXPECT_EQ(room.subject, "kitchen");
   EXPECT_EQ(read_back<Ask>(Ask{11, 0, Question::kDescribeRoom, "kitchen"}).subject, "kitchen");
   EXPECT_EQ(read_back<Ask>(Ask{12, 0, Question::kDescribeRoom, ""}).subject, "");
+  for (const Question question : {Question::kNameThing, Question::kForgetThing,
+                                  Question::kShareThing, Question::kKeepThing}) {
+    EXPECT_EQ(read_back<Ask>(Ask{13, 0, question, "my blue mug"}).subject, "my blue mug");
+  }
+  EXPECT_EQ(read_back<Ask>(Ask{14, 0, Question::kTeachThing, ""}).question, Question::kTeachThing);
+  Ask named{15, 0, Question::kNameThing, "my blue mug"};
+  EXPECT_FALSE(read_back<Ask>(named).is_private);
+  named.is_private = true;
+  EXPECT_TRUE(read_back<Ask>(named).is_private);
   EXPECT_EQ(read_back<Ask>(Ask{13, 0, Question::kWhatIsOn, "table"}).subject, "table");
   EXPECT_EQ(read_back<Ask>(Ask{14, 0, Question::kWhatIsIn, "kitchen"}).subject, "kitchen");
   EXPECT_EQ(read_back<Ask>(Ask{9, 1, Question::kWayTo, "bed"}).subject, "bed");

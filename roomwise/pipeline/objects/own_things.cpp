@@ -316,4 +316,21 @@ Expected<std::size_t> find_own_things(home::Home& home, home::RecordingId walk,
   return last.size();
 }
 
+Expected<OwnThingLook> look_for_own_things(home::Home& home, const Networks& networks,
+                                           const objects::DetectionFinders& detectors,
+                                           RunContext& run) {
+  OwnThingLook look;
+  if (const auto usual = calibrate_own_things(home, networks, detectors, run); !usual) {
+    if (usual.error().code == ErrorCode::kInterrupted) return Unexpected(usual.error());
+    look.is_looked_for = false;
+    look.why = usual.error().message;
+    return look;
+  }
+  ROOMWISE_TRY(const auto watch, watch_own_things(home, networks, detectors));
+  ROOMWISE_TRY(const auto recordings, home.recordings());
+  if (watch == nullptr || recordings.empty()) return look;
+  ROOMWISE_TRY(look.seen, find_own_things(home, recordings.back().id, *watch, run));
+  return look;
+}
+
 }  // namespace roomwise::pipeline

@@ -74,6 +74,18 @@ constexpr std::size_t kWalkPictures = 200;
 [[nodiscard]] Expected<std::size_t> find_own_things(home::Home& home, home::RecordingId walk,
                                                     const OwnThingWatch& watch, RunContext& run);
 
+// What became of looking for taught things.
+struct OwnThingLook {
+  bool is_looked_for = true;  // false: what is usual in the home is not known
+  std::string why;            // then
+  std::size_t seen = 0;       // things, on the newest walk
+};
+// Learns what is usual, where that is not known, then looks on the newest walk. Fails only where
+// the home cannot be written or the user interrupts.
+[[nodiscard]] Expected<OwnThingLook> look_for_own_things(home::Home& home, const Networks& networks,
+                                                         const objects::DetectionFinders& detectors,
+                                                         RunContext& run);
+
 // The middle of what a box shows, in the camera's frame, by the median of the depth in its inner
 // third; nothing where none was measured there.
 [[nodiscard]] std::optional<Eigen::Vector3d> middle_by_depth(const image::DepthImage& depth,
