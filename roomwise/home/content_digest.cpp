@@ -44,6 +44,7 @@ bool is_left_out(std::string_view table) {
 }
 std::string_view column_left_out(std::string_view table) {
   if (table == "edits") return "made_s";
+  if (table == "own_things") return "taught_s";
   return table == "recordings" || table == "visits" ? "folder" : "";
 }
 

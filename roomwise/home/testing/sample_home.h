@@ -155,6 +155,14 @@ inline Edit sample_edit(std::optional<KeyframeId> keyframe) {
                  point}};
 }
 
+inline OwnThing sample_own_thing() {
+  return {.name = "my blue mug",
+          .owner = "Anna's phone",
+          .is_shared = false,
+          .taught_s = 1'753'000'000,
+          .last_seen = {1'753'000'100, "kitchen", 2, Eigen::Vector3d(0.1, -0.2, 1.5)}};
+}
+
 #define ROOMWISE_MUST(expression)                                                  \
   do {                                                                             \
     const auto done_ = (expression);                                               \
@@ -192,6 +200,10 @@ inline void fill(Home& home) {
   ROOMWISE_MUST(home.put_detections(2, 1, one));
   ROOMWISE_MUST(add_visits(home));
   ROOMWISE_MUST(home.add_edit(sample_edit(2)));
+  const auto own_thing = home.add_own_thing(
+      sample_own_thing(), std::vector<objects::TaughtView>{{{0xFF, 0xD8, 1}, {2, 3}}});
+  ROOMWISE_MUST(own_thing);
+  ROOMWISE_MUST(home.put_own_thing_sighting(*own_thing, sample_own_thing().last_seen));
   ROOMWISE_MUST(home.replace_concepts(rooms::Concepts::standard()));
   ROOMWISE_MUST(home.replace_rooms(
       std::vector<rooms::Room>{{"Anna's room", "bedroom"}, {"kitchen", "kitchen"}}));
