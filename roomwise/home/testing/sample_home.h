@@ -183,6 +183,13 @@ inline Expected<void> add_visits(Home& home) {
   return home.apply_changes(second).map([](auto) {});
 }
 
+inline Expected<void> teach(Home& home, const OwnThing& thing) {
+  ROOMWISE_TRY(
+      const OwnThingId id,
+      home.add_own_thing(thing, std::vector<objects::TaughtView>{{{0xFF, 0xD8, 1}, {2, 3}}}));
+  return home.put_own_thing_sighting(id, thing.last_seen);
+}
+
 // Fills an empty home with something in every table.
 inline void fill(Home& home) {
   ROOMWISE_MUST(home.put_setting("seed", "7"));
@@ -200,10 +207,7 @@ inline void fill(Home& home) {
   ROOMWISE_MUST(home.put_detections(2, 1, one));
   ROOMWISE_MUST(add_visits(home));
   ROOMWISE_MUST(home.add_edit(sample_edit(2)));
-  const auto own_thing = home.add_own_thing(
-      sample_own_thing(), std::vector<objects::TaughtView>{{{0xFF, 0xD8, 1}, {2, 3}}});
-  ROOMWISE_MUST(own_thing);
-  ROOMWISE_MUST(home.put_own_thing_sighting(*own_thing, sample_own_thing().last_seen));
+  ROOMWISE_MUST(teach(home, sample_own_thing()));
   ROOMWISE_MUST(home.replace_concepts(rooms::Concepts::standard()));
   ROOMWISE_MUST(home.replace_rooms(
       std::vector<rooms::Room>{{"Anna's room", "bedroom"}, {"kitchen", "kitchen"}}));
