@@ -201,7 +201,7 @@ Expected<Answer> locate(const LocateOptions& options, Context& context) {
   ROOMWISE_TRY(const mapping::Localization found,
                options.has_unknown_camera() ? locate_uncalibrated(options, localizing)
                                             : locate_calibrated(pictures, options, localizing));
-  if (auto failed = localizing.failure()) return Unexpected(*std::move(failed));
+  if (auto failed = localizing.take_failure()) return Unexpected(*std::move(failed));
   return describe(home, found);
 }
 

@@ -118,7 +118,7 @@ Expected<motion::FrameMeasurements> HomeLocalizer::measure(const PictureToLocate
     return fail("the {} is {}x{}, the camera takes {}x{}; give its camera", what, image.width(),
                 image.height(), picture.camera.width, picture.camera.height);
   };
-  if (auto failed = failure()) return Unexpected(*std::move(failed));
+  if (auto failed = take_failure()) return Unexpected(*std::move(failed));
   ROOMWISE_CHECK_OK(check_size(picture.color, "picture"));
   if (picture.depth) ROOMWISE_CHECK_OK(check_size(*picture.depth, "depth image"));
   if (picture.depth) {

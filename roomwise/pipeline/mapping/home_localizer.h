@@ -33,15 +33,15 @@ class HomeLocalizer {
                                                       RunContext& run);
 
   // What the localiser needs of a picture, to be measured once. Fails where an image is not of the
-  // camera's size, and where failure() tells of one.
+  // camera's size, and where take_failure() tells of one.
   [[nodiscard]] Expected<motion::FrameMeasurements> measure(const PictureToLocate& picture) const;
   // Where a picture was taken by a camera that nobody calibrated, of whose lens this is known.
   [[nodiscard]] Expected<mapping::Localization> locate_uncalibrated(
       const image::ColorImage& color, const motion::LensEstimate& lens) const;
   [[nodiscard]] const mapping::Localizer& localizer() const { return localizer_; }
-  // Why a key-frame of the map could not be read when a picture asked for it: answers since then
-  // did without it.
-  [[nodiscard]] std::optional<Error> failure() const { return keyframes_->failure(); }
+  // Why a key-frame of the map could not be read when a picture asked for it: answers did without
+  // it. Told once; the next picture that needs it tries again.
+  [[nodiscard]] std::optional<Error> take_failure() const { return keyframes_->take_failure(); }
   // The index, where it was not kept or stale, to be kept.
   [[nodiscard]] const std::optional<home::DerivedData>& new_index() const { return new_index_; }
 

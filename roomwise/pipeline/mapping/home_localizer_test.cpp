@@ -116,7 +116,24 @@ TEST_F(HomeLocalizerTest, DoesWithoutKeyframesThatWereTakenOutMeanwhile) {
   const auto seen = found->measure({frame.color, frame.depth, visit.info().camera});
   ASSERT_OK(seen);
   EXPECT_FALSE(found->localizer().locate({*seen, visit.info().camera}).found());
-  EXPECT_FALSE(found->failure());
+  EXPECT_FALSE(found->take_failure());
+}
+
+TEST_F(HomeLocalizerTest, TellsOnceOfAKeyframeThatCannotBeReadAndGoesOn) {
+  map(mapping::MappingMethod::kCombined);
+  const auto found = localizer();
+  ASSERT_OK(found);
+  home::Home home = home::Home::open(folder_ / "a.home").value();
+  ASSERT_OK(home.database().run("UPDATE keyframe_images SET color = x'00'"));
+  SyntheticWalk visit(2 * kFrames, kStep_rad / 2);
+  visit.skip_before(31);
+  const image::RgbdFrame frame = visit.next().value().value();
+  const PictureToLocate picture{frame.color, frame.depth, visit.info().camera};
+  const auto seen = found->measure(picture);
+  ASSERT_OK(seen);
+  EXPECT_FALSE(found->localizer().locate({*seen, visit.info().camera}).found());
+  EXPECT_ERROR(found->measure(picture), "key-frame");
+  EXPECT_OK(found->measure(picture)) << "it is asked anew, and told again if it fails again";
 }
 
 TEST_F(HomeLocalizerTest, PicturesOfAnotherSizeThanTheCamerasAreRefused) {

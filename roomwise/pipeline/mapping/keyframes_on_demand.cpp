@@ -95,9 +95,9 @@ std::shared_ptr<const mapping::MeasuredKeyframe> KeyframesOnDemand::put(
   return keyframe;
 }
 
-std::optional<Error> KeyframesOnDemand::failure() const {
+std::optional<Error> KeyframesOnDemand::take_failure() {
   const std::scoped_lock lock(mutex_);
-  return failure_;
+  return std::exchange(failure_, std::nullopt);
 }
 
 }  // namespace roomwise::pipeline

@@ -26,12 +26,13 @@ class KeyframesOnDemand {
       std::size_t max_bytes);
 
   // By place among the key-frames. Null where the home does not hold the key-frame any more, and
-  // where it cannot be read: then failure() tells why.
+  // where it cannot be read: then take_failure() tells why.
   [[nodiscard]] std::shared_ptr<const mapping::MeasuredKeyframe> get(std::size_t index);
   // Keeps what was measured already, as if it had been asked for.
   std::shared_ptr<const mapping::MeasuredKeyframe> put(std::size_t index,
                                                        motion::FrameMeasurements measurements);
-  [[nodiscard]] std::optional<Error> failure() const;  // the first one
+  // The first one since it was asked last.
+  [[nodiscard]] std::optional<Error> take_failure();
 
  private:
   using Shared = std::shared_ptr<const mapping::MeasuredKeyframe>;
