@@ -38,7 +38,8 @@ TEST_F(HomeEdits, OneThatIsAddedAndRemovedLeavesTheHomeAsItWasToTheBit) {
   ASSERT_OK(home_.remove_edit(id));
   EXPECT_EQ(home_.content_digest().value(), before);
   EXPECT_ERROR(home_.remove_edit(id), "no change 2");
-  EXPECT_EQ(home_.add_edit(testing::sample_edit(1)).value(), 2) << "its number is free again";
+  EXPECT_EQ(home_.add_edit(testing::sample_edit(1)).value(), 3)
+      << "who undoes change 2 from an old list undoes nothing else";
 }
 
 TEST_F(HomeEdits, OneIsPutInThePlaceOfItself) {

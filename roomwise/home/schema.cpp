@@ -347,7 +347,7 @@ CREATE TABLE stage_timings (
 constexpr const char* kLaterTables = R"sql(
 CREATE TABLE IF NOT EXISTS edits (
   -- What people changed by hand, in the order in which they did. Nothing that programs find changes it.
-  edit_id INTEGER PRIMARY KEY,
+  edit_id INTEGER PRIMARY KEY AUTOINCREMENT,  -- never given again
   made_s INTEGER NOT NULL,             -- seconds since 1970
   made_by TEXT NOT NULL,               -- a device's name, or the command line
   what TEXT NOT NULL,                  -- 'rename thing', 'note', 'divide room', ...
