@@ -154,6 +154,7 @@ Made remove_room(home::Home& home, const EditOptions& options, Context&) {
 }
 
 Made join_rooms(home::Home& home, const EditOptions& options, Context&) {
+  ROOMWISE_CHECK_OK(photos_of(options).check_can_join(options.what, options.other));
   return pipeline::join_rooms(home, command_line_author(), options.what, options.other);
 }
 

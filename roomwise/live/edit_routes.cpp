@@ -25,6 +25,7 @@ struct Asked {
   home::Home& home;
   const HomeView& view;
   const pipeline::EditAuthor& author;
+  const RoomPhotos& photos;
 };
 using Outcome = Expected<home::EditId>;
 
@@ -136,6 +137,7 @@ Outcome remove_thing(const Asked& asked) {
 Outcome join_rooms(const Asked& asked) {
   ROOMWISE_TRY(const std::string kept, asked_text(asked, "room"));
   ROOMWISE_TRY(const std::string joined, asked_text(asked, "other_room"));
+  ROOMWISE_CHECK_OK(asked.photos.check_can_join(kept, joined));
   return pipeline::join_rooms(asked.home, asked.author, kept, joined);
 }
 
@@ -197,7 +199,7 @@ HttpAnswer make_change(LiveHome& home, const HttpRequest& request) {
   const auto done =
       home.edit(request.who ? request.who->name : "",
                 [&](home::Home& open, const HomeView& view, const pipeline::EditAuthor& author) {
-                  return do_asked(what, {json, open, view, author});
+                  return do_asked(what, {json, open, view, author, home.photos()});
                 });
   if (!done) return service::error_answer(409, done.error().message);
   return service::json_answer({{"edit", *done}});

@@ -255,6 +255,19 @@ TEST_F(EditRoutes, RoomsAreDividedJoinedDrawnAndTheirBorderMoves) {
   EXPECT_THAT(rooms(), ElementsAre("bedroom", "kitchen"));
 }
 
+TEST_F(EditRoutes, ARoomThatPhotosShowIsNotJoinedSinceLearningWouldBringItBack) {
+  const Bytes photo = image::encode_jpeg(image::ColorImage(200, 200), 90);
+  ASSERT_OK(live_->photos().add("bedroom", photo));
+  const json join{{"what", "join rooms"}, {"room", "kitchen"}, {"other_room", "bedroom"}};
+  const Answer refused = ask("POST", "/api/edits", join);
+  EXPECT_EQ(refused.status, 409);
+  EXPECT_THAT(refused.body.at("error").get<std::string>(), HasSubstr("take its photos away first"));
+  EXPECT_THAT(rooms(), ElementsAre("bedroom", "kitchen"));
+  ASSERT_OK(live_->photos().remove("bedroom"));
+  EXPECT_EQ(ask("POST", "/api/edits", join).status, 200);
+  EXPECT_THAT(rooms(), ElementsAre("kitchen"));
+}
+
 TEST_F(EditRoutes, ARemovedRoomComesBackUntilTheHomeIsClosed) {
   ASSERT_EQ(ask("DELETE", "/api/rooms/bedroom").status, 200);
   EXPECT_THAT(rooms(), ElementsAre("kitchen"));

@@ -78,6 +78,17 @@ Expected<std::vector<RoomPhotos::Count>> RoomPhotos::counts() const {
   return counts;
 }
 
+Expected<void> RoomPhotos::check_can_join(const std::string& kept,
+                                          const std::string& joined) const {
+  ROOMWISE_TRY(const auto rooms, counts());
+  const auto found = std::ranges::find(rooms, joined, &Count::room);
+  if (found == rooms.end()) return {};
+  return fail(
+      "{} photos show the room '{}', which would be back when rooms are learned anew; take its "
+      "photos away first, or join '{}' to '{}' and rename that",
+      found->photos, joined, kept, joined);
+}
+
 Expected<std::size_t> RoomPhotos::add(const std::string& room,
                                       std::span<const std::uint8_t> picture) {
   ROOMWISE_CHECK_OK(recording::validate_room_name(room));

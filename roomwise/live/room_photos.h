@@ -37,6 +37,10 @@ class RoomPhotos {
                                           std::span<const std::uint8_t> picture);
   [[nodiscard]] Expected<std::vector<Count>> counts() const;             // by room
   [[nodiscard]] Expected<std::vector<pipeline::RoomPhoto>> all() const;  // by room and file
+  // Fails, saying what to do, where the room has photos: rooms that are learned with them would
+  // have it again after it was joined to `kept`.
+  [[nodiscard]] Expected<void> check_can_join(const std::string& kept,
+                                              const std::string& joined) const;
   // Where the room has photos.
   [[nodiscard]] Expected<void> rename(const std::string& room, const std::string& new_name);
   [[nodiscard]] Expected<void> remove(const std::string& room);
