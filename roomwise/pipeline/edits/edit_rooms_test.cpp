@@ -5,12 +5,15 @@
 
 #include <csignal>
 
+#include "roomwise/base/file.h"
 #include "roomwise/base/testing/testing.h"
 #include "roomwise/home/testing/sample_home.h"
+#include "roomwise/pipeline/edits/edit_things.h"
 #include "roomwise/pipeline/edits/undo_edit.h"
 #include "roomwise/pipeline/rooms/home_layout.h"
 #include "roomwise/pipeline/rooms/room_contents.h"
 #include "roomwise/pipeline/rooms/room_learning.h"
+#include "roomwise/pipeline/stored/stored_map.h"
 
 namespace roomwise::pipeline {
 namespace {
@@ -234,6 +237,26 @@ TEST_F(RoomEdits, UndoingAnOldNameReachesAWalkThatCameSince) {
   EXPECT_EQ(room_of_frame(3, walk), "kitchen");
 }
 
+TEST_F(RoomEdits, UndoingANameOfAForgottenWalkNamesNoOtherWalkThatHasItsNumber) {
+  const auto forgotten = add_walk("tuesday");
+  ASSERT_OK(name_frames(*home_, kAnna, forgotten, labels({{0, 29, "kitchen"}})));
+  ASSERT_OK(name_frames(*home_, kAnna, forgotten, labels({{0, 29, "bedroom"}})));
+  ASSERT_OK(forget_walk(*home_, forgotten));
+  const auto left = home_->edits().value();
+  for (const home::Edit& edit : left) {
+    EXPECT_THAT(edit.change, ::testing::Not(::testing::HasSubstr("tuesday")));
+  }
+  EXPECT_EQ(describe(stored_edits(*home_)->back()),
+            "named rooms of a walk that was forgotten since");
+  const auto walk = add_walk("wednesday");
+  ASSERT_EQ(walk, forgotten) << "its number is given again";
+  ASSERT_OK(name_rooms(*home_, walk, labels({{30, 59, "bedroom"}})));
+  undo();
+  EXPECT_EQ(room_of_frame(3, walk), "");
+  EXPECT_EQ(room_of_frame(30, walk), "bedroom");
+  EXPECT_EQ(room_of_frame(3), "kitchen") << "nor is another walk touched";
+}
+
 TEST_F(RoomEdits, OfARemovedRoomNothingIsLeftOnceTheHomeIsClosed) {
   ASSERT_OK(rename_room(*home_, kAnna, "bedroom", "solarium"));
   ASSERT_OK(divide_room(*home_, kAnna, floor_, "solarium", upwards(4.5), "study"));
@@ -259,6 +282,31 @@ TEST_F(RoomEdits, OfARemovedRoomNothingIsLeftOnceTheHomeIsClosed) {
   EXPECT_EQ(type_of("study"), "study");
 }
 
+TEST_F(RoomEdits, OfARemovedRoomThingsTellNothingEither) {
+  ASSERT_OK(rename_room(*home_, kAnna, "bedroom", "solarium"));
+  const Eigen::Vector3d there(4, 1, 0.5);
+  ASSERT_OK(add_thing(*home_, kAnna, "kettle", {there, "solarium"}));
+  ASSERT_OK(add_thing(*home_, kAnna, "mug", {there, "kitchen"}));
+  home::OwnThing keys{.name = "keys", .owner = "Anna"};
+  keys.last_seen.room = "solarium";
+  ASSERT_OK(home_->add_own_thing(keys, std::array{objects::TaughtView{}}));
+  ASSERT_OK(remove_room(*home_, kAnna, "solarium"));
+  ASSERT_OK(rename_room(*home_, kAnna, "kitchen", "galley"));
+  ASSERT_OK(forget_removed_rooms(*home_));
+  ASSERT_OK(home_->erase_removed());
+  EXPECT_EQ(home_->own_things()->at(0).last_seen.room, std::nullopt);
+  const auto things = find_home_things(*home_)->things;
+  ASSERT_THAT(things, SizeIs(2)) << "they stay";
+  EXPECT_EQ(things[0].room, std::nullopt);
+  EXPECT_EQ(things[1].room, "galley");
+  undo();
+  EXPECT_EQ(find_home_things(*home_)->things[1].room, "kitchen");
+  home_.reset();
+  const std::string bytes = read_text_file(folder_ / "a.home").value();
+  EXPECT_NE(bytes.find("kettle"), std::string::npos);
+  EXPECT_EQ(bytes.find("solarium"), std::string::npos);
+}
+
 // Kills this process when `count` SQL statements have begun.
 void kill_at_statement(home::Home& home, int* count) {
   const auto on_statement = [](unsigned, void* left, void*, void*) {
@@ -270,18 +318,23 @@ void kill_at_statement(home::Home& home, int* count) {
 
 TEST_F(RoomEdits, AChangeAndItsUndoAreWholeOrNotThereWhereverTheProgramIsKilled) {
   const std::string before = digest();
-  ASSERT_OK(divide_room(*home_, kAnna, floor_, "bedroom", upwards(4.5), "study"));
-  const std::string after = digest();
-  undo();
   home_.reset();
   const auto kept = folder_ / "kept.home", tried = folder_ / "tried.home";
   std::filesystem::rename(folder_ / "a.home", kept);
-  int killed = 0;
-  for (int statement = 1;; statement += 3) {
+  const auto begin_anew = [&] {
     for (const char* suffix : {"", "-wal", "-shm", "-lock"}) {
       std::filesystem::remove(tried.string() + suffix);
     }
     std::filesystem::copy_file(kept, tried);
+  };
+  begin_anew();
+  home_.emplace(home::Home::open(tried).value());
+  ASSERT_OK(divide_room(*home_, kAnna, floor_, "bedroom", upwards(4.5), "study"));
+  const std::string after = digest();
+  home_.reset();
+  int killed = 0;
+  for (int statement = 1;; statement += 3) {
+    begin_anew();
     const int status = home::testing::run_in_child([&] {
       home::Home home = home::Home::open(tried).value();
       int left = statement;

@@ -1,6 +1,8 @@
 #include "roomwise/pipeline/edits/undo_edit.h"
 
 #include <algorithm>
+#include <functional>
+#include <ranges>
 
 #include "roomwise/pipeline/edits/room_tables.h"
 #include "roomwise/pipeline/objects/home_things.h"
@@ -44,16 +46,17 @@ bool is_on_floor(EditKind kind) {
   return kind >= EditKind::kDivideRoom;
 }
 
-// Calls its rooms as later changes do.
-void call_as_now(std::span<const StoredEdit> later, EditChange& change) {
-  for (const StoredEdit& edit : later) {
-    const bool is_renamed = edit.kind == EditKind::kRenameRoom;
-    if (!is_renamed && edit.kind != EditKind::kJoinRooms) continue;
-    const std::string& from = is_renamed ? edit.change.old_name : edit.change.other_room;
-    for (std::string* const room : {&change.room, &change.other_room}) {
-      if (*room == from) *room = edit.change.room;
-    }
+// Forgets where people's own things were seen, where that is a room that is none.
+Expected<void> forget_sightings(home::Home& home,
+                                const std::function<bool(const std::string&)>& is_known) {
+  ROOMWISE_TRY(const auto things, home.own_things());
+  for (const home::OwnThing& thing : things) {
+    home::OwnThingSighting seen = thing.last_seen;
+    if (!seen.room || is_known(*seen.room)) continue;
+    seen.room.reset();
+    ROOMWISE_CHECK_OK(home.put_own_thing_sighting(thing.id, seen));
   }
+  return {};
 }
 
 }  // namespace
@@ -98,23 +101,30 @@ Expected<void> forget_removed_rooms(home::Home& home) {
   const auto is_known = [&](const std::string& name) {
     return std::ranges::find(rooms, name, &rooms::Room::name) != rooms.end();
   };
-  home::EditId newest = 0;  // removal
-  for (const StoredEdit& edit : edits) {
-    if (edit.kind == EditKind::kRemoveRoom) newest = edit.id;
-  }
-  if (newest == 0) return {};
+  const auto reversed = edits | std::views::reverse;
+  const auto newest = std::ranges::find(reversed, EditKind::kRemoveRoom, &StoredEdit::kind);
+  if (newest == reversed.end()) return {};
+  const auto earlier = static_cast<std::size_t>(reversed.end() - newest) - 1;
   return home.atomically([&]() -> Expected<void> {
-    for (std::size_t i = 0; i < edits.size(); ++i) {
-      if (is_of_thing(edits[i].kind) || edits[i].id > newest) continue;
+    for (std::size_t i = 0; i <= earlier; ++i) {
       StoredEdit edit = edits[i];
-      // What lies on the floor stays, by the names of now; nothing else is needed to tell of it.
-      call_as_now(std::span(edits).subspan(i + 1), edit.change);
-      const bool stays = is_on_floor(edit.kind) && is_known(edit.change.room) &&
-                         (edit.change.other_room.empty() || is_known(edit.change.other_room)) &&
-                         edit.change.room != edit.change.other_room;
+      EditChange now = edit.change;
+      call_as_later(std::span(edits).subspan(i + 1), now);
+      // Later changes stay, and call it otherwise themselves.
+      call_as_later(std::span(edits).subspan(i + 1, earlier - i), edit.change);
+      if (is_of_thing(edit.kind)) {
+        if (!is_known(now.room)) edit.change.room.clear();
+        ROOMWISE_CHECK_OK(home.replace_edit(edit.row()));
+        continue;
+      }
+      // What lies on the floor stays; nothing else is needed to tell of it.
+      const bool stays = is_on_floor(edit.kind) && is_known(now.room) &&
+                         (now.other_room.empty() || is_known(now.other_room)) &&
+                         now.room != now.other_room;
       edit.before.clear();
       ROOMWISE_CHECK_OK(stays ? home.replace_edit(edit.row()) : home.remove_edit(edit.id));
     }
+    ROOMWISE_CHECK_OK(forget_sightings(home, is_known));
     ROOMWISE_TRY(const auto record, home.room_classifier());
     if (!record) return {};
     const auto classifier = rooms::RoomClassifier::from_bytes(record->classifier);
@@ -147,7 +157,8 @@ std::string describe(const StoredEdit& edit) {
     case EditKind::kRoomType:
       return fmt::format("made room {} a {}", change.room, change.type);
     case EditKind::kNameFrames:
-      return fmt::format("named rooms of the walk {}", change.name);
+      return change.name.empty() ? "named rooms of a walk that was forgotten since"
+                                 : fmt::format("named rooms of the walk {}", change.name);
     case EditKind::kRemoveRoom:
       return fmt::format("removed room {}", change.room);
     case EditKind::kJoinRooms:

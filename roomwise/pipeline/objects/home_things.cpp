@@ -308,8 +308,15 @@ Expected<HomeThings> find_home_things(const home::Home& home) {
   ROOMWISE_TRY(auto keyframes, home.keyframes());
   Overlay overlay(home, std::move(keyframes));
   for (objects::Instance& one : instances) overlay.add_found(std::move(one));
-  for (const StoredEdit& edit : edits) {
-    if (is_of_thing(edit.kind)) ROOMWISE_CHECK_OK(overlay.apply(edit));
+  ROOMWISE_TRY(const auto rooms, home.rooms());
+  for (std::size_t i = 0; i < edits.size(); ++i) {
+    StoredEdit edit = edits[i];
+    if (!is_of_thing(edit.kind)) continue;
+    // Its room may be called otherwise now, be part of another, or be none any more.
+    call_as_later(std::span(edits).subspan(i + 1), edit.change);
+    const auto room = std::ranges::find(rooms, edit.change.room, &rooms::Room::name);
+    if (room == rooms.end()) edit.change.room.clear();
+    ROOMWISE_CHECK_OK(overlay.apply(edit));
   }
   return std::move(overlay).take();
 }

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "roomwise/base/testing/testing.h"
+#include "roomwise/pipeline/edits/edit_rooms.h"
 #include "roomwise/pipeline/edits/edit_things.h"
 #include "roomwise/pipeline/edits/undo_edit.h"
 #include "roomwise/pipeline/mapping/map_recording.h"
@@ -57,6 +58,7 @@ class HomeThingsOfWalks : public ::testing::Test {
   inline static const DrawnBox kBoxAgain{kBox.extent, {245, 0, 0}};
   inline static const DrawnBox kElsewhere{
       {Eigen::Vector3d(0.7, -0.1, 0.8), Eigen::Vector3d(1.1, 0.35, 1.1)}};
+  inline static const std::vector<rooms::Room> kRooms{{"hall", "hall"}, {"kitchen", "kitchen"}};
   inline static const EditAuthor kAnna{"Anna's phone", 1'753'000'000};
 
   roomwise::testing::ScratchFolder folder_;
@@ -222,6 +224,7 @@ TEST_F(HomeThingsOfWalks, AChangeWithoutAWalkIsKeptAndItIsSaid) {
 
 TEST_F(HomeThingsOfWalks, WhatSomebodyAddedIsCertainAndHasItsNote) {
   walk(std::nullopt);
+  ASSERT_OK(home_->replace_rooms(kRooms));
   ASSERT_OK(add_thing(*home_, kAnna, "kettle", {Eigen::Vector3d(0.5, 0.1, 1), "kitchen"}, "hot"));
   ASSERT_THAT(names(), ElementsAre("kettle"));
   EXPECT_EQ(thing().probability, 1);
@@ -233,6 +236,26 @@ TEST_F(HomeThingsOfWalks, WhatSomebodyAddedIsCertainAndHasItsNote) {
   EXPECT_THAT(names(), ElementsAre("pot"));
   ASSERT_OK(remove_thing(*home_, kAnna, thing()));
   EXPECT_THAT(names(), IsEmpty());
+}
+
+TEST_F(HomeThingsOfWalks, AThingStandsInTheRoomThatItWasPutInWhateverThatIsCalledNow) {
+  walk(kBox);
+  ASSERT_OK(home_->replace_rooms(kRooms));
+  ASSERT_OK(add_thing(*home_, kAnna, "kettle", {Eigen::Vector3d(2, 0.1, 1), "kitchen"}));
+  ASSERT_OK(move_thing(*home_, kAnna, thing(), {middle(thing()), "kitchen"}));
+  const auto stand_in = [&] {
+    std::set<std::string> rooms;
+    for (const HomeThing& one : things().things) rooms.insert(one.room.value_or("no room"));
+    return rooms;
+  };
+  ASSERT_OK(rename_room(*home_, kAnna, "kitchen", "galley"));
+  EXPECT_THAT(stand_in(), ElementsAre("galley"));
+  ASSERT_OK(join_rooms(*home_, kAnna, "hall", "galley"));
+  EXPECT_THAT(stand_in(), ElementsAre("hall"));
+  ASSERT_OK(remove_room(*home_, kAnna, "hall"));
+  EXPECT_THAT(stand_in(), ElementsAre("no room"));
+  ASSERT_OK(undo_edit(*home_, home_->edits()->back().id));
+  EXPECT_THAT(stand_in(), ElementsAre("hall"));
 }
 
 TEST_F(HomeThingsOfWalks, WhatSomebodyAddedIsOneWithWhatALaterWalkFindsThere) {
@@ -254,6 +277,7 @@ TEST_F(HomeThingsOfWalks, WhatSomebodyMovedStaysThereAndIsOneWithWhatALaterWalkF
   ASSERT_OK(forget_walk(*home_, home_->recordings()->front().id));
   walk(kBox);
   const Eigen::Vector3d target = middle(thing()) + Eigen::Vector3d(0, 0, 1.5);
+  ASSERT_OK(home_->replace_rooms(kRooms));
   ASSERT_OK(move_thing(*home_, kAnna, thing(), {target, "hall"}));
   EXPECT_LT((middle(thing()) - target).norm(), 1e-9);
   EXPECT_EQ(thing().room, "hall");

@@ -81,6 +81,34 @@ Expected<void> validate_text(std::string_view what, std::string_view text, std::
   return {};
 }
 
+// Of what a change was before, the names that it keeps of one walk's frames; whether it had any.
+Expected<bool> drop_ranges(const home::Home& home, home::RecordingId walk, home::Edit& edit) {
+  if (edit.before.empty()) return false;
+  Json before = Json::parse(edit.before, nullptr, false);
+  if (!before.is_object()) {
+    return fail("{}: is damaged: what change {} changed cannot be read; put back a copy of it",
+                home.file(), edit.id);
+  }
+  const auto ranges = before.find("ranges");
+  if (ranges == before.end() || ranges->erase(std::to_string(walk)) == 0) return false;
+  edit.before = before.dump();
+  return true;
+}
+
+// The walk's number may be another's one day, so nothing of its names may come back by it.
+Expected<bool> drop_names(const home::Home& home, home::RecordingId walk, home::Edit& edit) {
+  ROOMWISE_TRY(const bool had_any, drop_ranges(home, walk, edit));
+  if (!had_any || edit.what != to_string(EditKind::kNameFrames)) return had_any;
+  auto change = change_of(edit.change);
+  if (!change) {
+    return fail("{}: is damaged: change {} cannot be read; put back a copy of it", home.file(),
+                edit.id);
+  }
+  change->name.clear();
+  edit.change = json_of(*change);
+  return true;
+}
+
 }  // namespace
 
 std::string_view to_string(EditKind kind) {
@@ -120,6 +148,17 @@ Expected<std::vector<StoredEdit>> stored_edits(const home::Home& home) {
                      std::move(row.places), std::move(row.before)});
   }
   return edits;
+}
+
+void call_as_later(std::span<const StoredEdit> later, EditChange& change) {
+  for (const StoredEdit& edit : later) {
+    const bool is_renamed = edit.kind == EditKind::kRenameRoom;
+    if (!is_renamed && edit.kind != EditKind::kJoinRooms) continue;
+    const std::string& from = is_renamed ? edit.change.old_name : edit.change.other_room;
+    for (std::string* const room : {&change.room, &change.other_room}) {
+      if (*room == from) *room = edit.change.room;
+    }
+  }
 }
 
 Expected<void> validate_spoken_name(std::string_view name) {
@@ -167,7 +206,7 @@ std::optional<geometry::OrientedBox> box_world(const home::EditPlace& place,
                                place.box_keyframe.size_m};
 }
 
-Expected<void> move_edits_off(home::Home& home, home::RecordingId walk) {
+Expected<void> take_edits_off(home::Home& home, home::RecordingId walk) {
   ROOMWISE_TRY(const auto edits, home.edits());
   if (edits.empty()) return {};
   ROOMWISE_TRY(const auto keyframes, home.keyframes());
@@ -175,16 +214,16 @@ Expected<void> move_edits_off(home::Home& home, home::RecordingId walk) {
   std::ranges::copy_if(keyframes, std::back_inserter(left),
                        [&](const home::Keyframe& one) { return one.recording != walk; });
   for (home::Edit edit : edits) {
-    bool is_moved = false;
+    ROOMWISE_TRY(bool is_changed, drop_names(home, walk, edit));
     for (home::EditPlace& place : edit.places) {
       const auto box = box_world(place, keyframes);
       if (!box || keyframes[*place.keyframe].recording != walk) continue;
       const auto moved = place_in(left, keyframes[*place.keyframe].pose.component, *box);
       if (!moved) continue;
       place = {place.name, moved->keyframe, {}, moved->box_keyframe};
-      is_moved = true;
+      is_changed = true;
     }
-    if (is_moved) ROOMWISE_CHECK_OK(home.replace_edit(edit));
+    if (is_changed) ROOMWISE_CHECK_OK(home.replace_edit(edit));
   }
   return {};
 }

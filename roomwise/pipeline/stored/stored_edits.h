@@ -65,6 +65,9 @@ struct StoredEdit {
 // As they were made. Fails where one is damaged, or another version of Roomwise made it.
 [[nodiscard]] Expected<std::vector<StoredEdit>> stored_edits(const home::Home& home);
 
+// Calls a change's rooms as changes after it do: those that renamed or joined them.
+void call_as_later(std::span<const StoredEdit> later, EditChange& change);
+
 // Fails, saying why, where a name is empty or too long, or has signs that nobody can speak.
 [[nodiscard]] Expected<void> validate_spoken_name(std::string_view name);
 [[nodiscard]] Expected<void> validate_note(std::string_view note);
@@ -82,7 +85,8 @@ struct StoredEdit {
     const home::EditPlace& place, std::span<const home::Keyframe> keyframes);
 
 // Before a walk is taken out of the home: hangs places that hang on its key-frames on others of the
-// same component. Where there are none they lose their place.
-[[nodiscard]] Expected<void> move_edits_off(home::Home& home, home::RecordingId walk);
+// same component; where there are none they lose their place. The walk's name, and the rooms' names
+// that its frames had before, go from changes, too.
+[[nodiscard]] Expected<void> take_edits_off(home::Home& home, home::RecordingId walk);
 
 }  // namespace roomwise::pipeline

@@ -90,7 +90,7 @@ Expected<SolvedMap> solve_stored_map(
 Expected<void> forget_walk(home::Home& home, home::RecordingId walk) {
   return home.atomically([&]() -> Expected<void> {
     ROOMWISE_CHECK_OK(home.forget_learned_rooms());
-    ROOMWISE_CHECK_OK(move_edits_off(home, walk));
+    ROOMWISE_CHECK_OK(take_edits_off(home, walk));
     ROOMWISE_CHECK_OK(home.remove_recording(walk));
     ROOMWISE_TRY(const auto keyframes, home.keyframes());
     ROOMWISE_TRY(const auto settings, stored_map_settings(home));
