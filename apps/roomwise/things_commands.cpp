@@ -47,7 +47,8 @@ std::string_view mend_of(objects::ShowFault fault) {
 }
 
 Json json_of(const home::OwnThing& thing) {
-  return {{"name", thing.name},
+  return {{"id", thing.id},
+          {"name", thing.name},
           {"owner", thing.owner},
           {"shared", thing.is_shared},
           {"taught_s", thing.taught_s},
@@ -68,8 +69,8 @@ std::string line_of(const home::OwnThing& thing) {
   if (seen.seen_s) where += " " + date_of(*seen.seen_s);
   if (seen.room) where += " in " + *seen.room;
   if (seen.keyframe) where += fmt::format(" by key-frame {}", *seen.keyframe);
-  const std::string owner = thing.owner.empty() ? "this computer" : thing.owner;
-  return fmt::format("{}: taught by {}, {}; {}\n", thing.name, owner,
+  const std::string owner = thing.owner.empty() ? "this computer" : "device " + thing.owner;
+  return fmt::format("{}: thing {}, taught by {}, {}; {}\n", thing.name, thing.id, owner,
                      thing.is_shared ? "shared" : "private", where);
 }
 
@@ -185,7 +186,7 @@ void add_things_commands(CLI::App& app, Context& context) {
     command->add_option("NAME", options.name, "What it is called")->required();
     command->add_option("PICTURE", options.pictures, "Three or more")->required();
     command->add_option("--owner", options.owner,
-                        "Name of the device of whom it is; default: this computer");
+                        "Number of the device of whom it is; default: this computer");
     command->add_flag("--private", options.is_private, "Only its owner is told of it");
     add_network_options(*command, options.networks);
     with_home(command, options);

@@ -233,7 +233,7 @@ using OwnThingId = std::int64_t;  // never given again
 struct OwnThing {
   OwnThingId id = 0;  // set when it is stored
   std::string name;
-  std::string owner;  // the name of their device; empty: the computer itself
+  std::string owner;  // the number of their device; empty: the computer itself
   bool is_shared = true;
   std::int64_t taught_s = 0;  // since 1970
   OwnThingSighting last_seen = {};

@@ -20,6 +20,13 @@ bool is_plain_text(const std::string& text) {
   }
 }
 
+// A device's number alone. It used to be kept with its name, which changes.
+std::string owner_number(std::string owner) {
+  const std::size_t digits = owner.find_first_not_of("0123456789");
+  if (digits != 0 && digits != std::string::npos && owner[digits] == ' ') owner.resize(digits);
+  return owner;
+}
+
 OwnThingSighting sighting_columns(const Statement& row, int first) {
   OwnThingSighting sighting{row.column<std::optional<std::int64_t>>(first),
                             row.column<std::optional<std::string>>(first + 1),
@@ -42,29 +49,28 @@ Expected<bool> Home::has_own_things() const {
 
 Expected<void> Home::check_new_name(const std::string& name) const {
   if (name.find_first_not_of(' ') == std::string::npos) {
-    return fail_with(ErrorCode::kRefused, "{}: a thing needs a name", file());
+    return fail_with(ErrorCode::kRefused, "a thing needs a name");
   }
   if (name.size() > kMaxOwnThingName) {
-    return fail_with(ErrorCode::kRefused, "{}: the name is {} bytes long; {} at most", file(),
-                     name.size(), kMaxOwnThingName);
+    return fail_with(ErrorCode::kRefused, "the name is {} bytes long; {} at most", name.size(),
+                     kMaxOwnThingName);
   }
   if (!is_plain_text(name))
-    return fail_with(ErrorCode::kRefused, "{}: a name is one line of text in UTF-8", file());
+    return fail_with(ErrorCode::kRefused, "a name is one line of text in UTF-8");
   ROOMWISE_TRY(const bool has, has_own_things());
   if (!has) return {};
-  ROOMWISE_TRY(const auto alike,
-               database_.find<std::string>(
-                   "SELECT name FROM own_things WHERE name = ? COLLATE NOCASE", name));
-  if (alike) {
-    return fail_with(
-        ErrorCode::kRefused,
-        "{}: there is a thing called {} already; give another name, or forget that one", file(),
-        *alike);
+  ROOMWISE_TRY(const bool is_taken,
+               database_.get<bool>(
+                   "SELECT count(*) > 0 FROM own_things WHERE name = ? COLLATE NOCASE", name));
+  if (is_taken) {
+    // Not as it is kept: it may be another's, who tells nobody of it.
+    return fail_with(ErrorCode::kRefused,
+                     "there is a thing called {} already; give another name, or forget that one",
+                     name);
   }
   ROOMWISE_TRY(const auto count, database_.get<std::size_t>("SELECT count(*) FROM own_things"));
   if (count >= kMaxOwnThings) {
-    return fail("{}: knows {} things already, as many as are looked for; forget one", file(),
-                count);
+    return fail("{} things are known already, as many as are looked for; forget one", count);
   }
   return {};
 }
@@ -105,9 +111,12 @@ Expected<std::vector<OwnThing>> Home::own_things() const {
       "SELECT own_thing_id, name, owner, is_shared, taught_s, seen_s, seen_room, keyframe_id, x_m, "
       "y_m, z_m FROM own_things ORDER BY name",
       [](const Statement& row) {
-        return OwnThing{row.column<OwnThingId>(0),   row.column<std::string>(1),
-                        row.column<std::string>(2),  row.column<bool>(3),
-                        row.column<std::int64_t>(4), sighting_columns(row, 5)};
+        return OwnThing{row.column<OwnThingId>(0),
+                        row.column<std::string>(1),
+                        owner_number(row.column<std::string>(2)),
+                        row.column<bool>(3),
+                        row.column<std::int64_t>(4),
+                        sighting_columns(row, 5)};
       });
 }
 

@@ -374,7 +374,8 @@ CREATE TABLE IF NOT EXISTS own_things (
   -- Things that people taught by showing them, and where each was seen last.
   own_thing_id INTEGER PRIMARY KEY AUTOINCREMENT,  -- never given again
   name TEXT NOT NULL UNIQUE,
-  owner TEXT NOT NULL,                 -- who taught it, by the name of their device; '': the computer
+  owner TEXT NOT NULL,                 -- who taught it: their device's number, in older rows and
+                                       -- its name behind a space; '': the computer
   is_shared INTEGER NOT NULL CHECK (is_shared IN (0, 1)),  -- 0: only its owner is told of it
   taught_s INTEGER NOT NULL,           -- seconds since 1970
   seen_s INTEGER,                      -- the same; NULL: not seen yet, or it is not known when

@@ -313,19 +313,16 @@ void Device::begin_teaching(const service::Ask& ask) {
   if (has_camera) {
     const std::scoped_lock lock(mutex_);
     teaching_ = std::make_shared<Teaching>();
-    has_shown_enough_ = false;
   }
   say_step(has_camera ? guide::TeachingStep::kBegin : guide::TeachingStep::kNoCamera, {}, ask.t_ms,
            ask.id);
 }
 
 void Device::name_taught(const service::Ask& ask) {
-  std::shared_ptr<Teaching> shown;
-  {
-    const std::scoped_lock lock(mutex_);
-    if (has_shown_enough_) shown = teaching_;
+  const std::shared_ptr<Teaching> shown = teaching();
+  if (!shown || !shown->has_enough()) {
+    return say_step(guide::TeachingStep::kMore, {}, ask.t_ms, ask.id);
   }
-  if (!shown) return say_step(guide::TeachingStep::kMore, {}, ask.t_ms, ask.id);
   // Once enough was shown it changes no more.
   const auto begun = host_.teach(shared_from_this(), ask.subject, ask.is_private, shown->shown());
   if (begun) {
@@ -361,7 +358,7 @@ Expected<void> Device::teach(const CameraFrame& frame, Teaching& teaching) {
   guide::Wording wording;
   {
     const std::scoped_lock lock(mutex_);
-    has_shown_enough_ = has_shown_enough_ || teaching.has_enough();
+    if (teaching_.get() != &teaching) return {};  // stopped, or begun anew, meanwhile
     wording = wording_of(settings_);
   }
   if (reply.step) say_step(*reply.step, {}, frame.t_ms, {});

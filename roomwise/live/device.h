@@ -147,9 +147,8 @@ class Device : public std::enable_shared_from_this<Device> {
   std::unique_ptr<LedWalk> led_;  // who is led somewhere, or was
   std::shared_ptr<WalkRecorder> recorder_;
   bool storing_fails_ = false;
-  std::shared_ptr<Teaching> teaching_;  // while a thing is shown; what it holds: work() alone
-  bool has_shown_enough_ = false;
-  double last_heard_t_ms_ = 0;  // of its last frame or question
+  std::shared_ptr<Teaching> teaching_;  // while a thing is shown; its pictures are taken by work()
+  double last_heard_t_ms_ = 0;          // of its last frame or question
 
   std::optional<FrameProcessor> frame_processor_;  // work() alone
 };

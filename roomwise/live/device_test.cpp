@@ -149,6 +149,23 @@ Bytes picture_of_thing(std::uint8_t light) {
   return image::encode_png(picture);
 }
 
+// What the thing before it was shown by does not count.
+TEST_F(DeviceTest, WhoBeginsToTeachAnewShowsAllOfTheThing) {
+  service::Hello with_camera = hello();
+  with_camera.camera = service::DeviceCamera{160, 120, {}, false};
+  say(with_camera);
+  ask(1, 100, service::Question::kTeachThing);
+  for (int i = 1; i <= 10; ++i) {
+    device->on_message(write(service::FrameMessage{1000.0 * i, picture_of_thing(200), {}}));
+    device->work();
+  }
+  ask(2, 11'000, service::Question::kTeachThing);
+  wire->texts.clear();
+  ask(3, 12'000, service::Question::kNameThing, "my mug");
+  EXPECT_EQ(wire->take<service::PromptMessage>().at(0).message, "teach.more");
+  EXPECT_THAT(host.taught, IsEmpty());
+}
+
 TEST_F(DeviceTest, IsToldStepByStepHowAThingIsTaught) {
   service::Hello with_camera = hello();
   with_camera.camera = service::DeviceCamera{160, 120, {}, false};

@@ -25,8 +25,19 @@
 namespace roomwise::live {
 
 // By whom a thing was taught, as the home keeps it: the device's number, which is never given
-// twice, and its name.
+// twice. Its name can change.
 [[nodiscard]] std::string owner_of(const service::Identity& who);
+
+// Where a thing was seen while the home is open.
+struct OwnSighting {
+  std::int64_t seen_s = 0;  // since 1970
+  std::optional<std::string> room;
+  std::optional<Eigen::Vector3d> place_gravity;
+  std::int64_t written_s = 0;  // seen_s of what the home has
+};
+// Those that the home has not, of things that were written then, or before, last.
+[[nodiscard]] std::map<home::OwnThingId, OwnSighting> due_sightings(
+    const std::map<home::OwnThingId, OwnSighting>& sightings, std::int64_t before_s);
 
 struct LiveHomeOptions {
   std::size_t threads = 1;        // for long work: mapping, learning
@@ -157,13 +168,6 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
                                                 const std::string& name,
                                                 service::Question what) override;
 
-  // Where a thing was seen while the home is open.
-  struct OwnSighting {
-    std::int64_t seen_s = 0;  // since 1970
-    std::optional<std::string> room;
-    std::optional<Eigen::Vector3d> place_gravity;
-    std::int64_t written_s = 0;  // seen_s of what the home has
-  };
   [[nodiscard]] static guide::KnownThing with_sighting(guide::KnownThing thing,
                                                        const OwnSighting& sighting);
   void note_own_things(const FrameResult& result);

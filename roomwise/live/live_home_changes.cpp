@@ -175,12 +175,18 @@ Expected<void> LiveHome::forget_home() {
       ROOMWISE_CHECK_OK(home.atomically([&]() -> Expected<void> {
         ROOMWISE_TRY(const auto edits, home.edits());
         for (const home::Edit& edit : edits) ROOMWISE_CHECK_OK(home.remove_edit(edit.id));
+        ROOMWISE_TRY(const auto taught, home.own_things());
+        for (const auto& thing : taught) ROOMWISE_CHECK_OK(home.remove_own_thing(thing.id));
         ROOMWISE_CHECK_OK(home.forget_learned_rooms());
         ROOMWISE_CHECK_OK(home.replace_instances({}));
         ROOMWISE_CHECK_OK(home.replace_paper_objects({}));
         ROOMWISE_CHECK_OK(pipeline::store_object_claims(home, {}));
         return home.replace_rooms({});
       }));
+      {
+        const std::scoped_lock lock(view_mutex_);
+        own_sightings_.clear();
+      }
       return erase_removed(home);
     }));
     recognitions_.clear();

@@ -30,7 +30,7 @@ std::optional<std::pair<home::KeyframeId, Eigen::Vector3d>> beside_keyframe(
 }  // namespace
 
 std::string owner_of(const service::Identity& who) {
-  return fmt::format("{} {}", who.device, who.name);
+  return std::to_string(who.device);
 }
 
 // ---- what each is told ----
@@ -73,14 +73,30 @@ void LiveHome::note_own_things(const FrameResult& result) {
   write_own_sightings(now_s - kBetweenWritings_s);
 }
 
-void LiveHome::write_own_sightings(std::int64_t before_s) {
-  const std::unique_lock home_lock(home_mutex_, std::try_to_lock);
-  if (!home_lock.owns_lock()) return;  // a job writes; the next sighting, or the end, tries again
-  const auto now = view();
-  const std::scoped_lock lock(view_mutex_);
-  for (auto& [id, sighting] : own_sightings_) {
+std::map<home::OwnThingId, OwnSighting> due_sightings(
+    const std::map<home::OwnThingId, OwnSighting>& sightings, std::int64_t before_s) {
+  std::map<home::OwnThingId, OwnSighting> due;
+  for (const auto& [id, sighting] : sightings) {
     const bool waits = sighting.seen_s > sighting.written_s && sighting.written_s <= before_s;
-    if (!waits) continue;
+    if (waits) due.emplace(id, sighting);
+  }
+  return due;
+}
+
+void LiveHome::write_own_sightings(std::int64_t before_s) {
+  const auto due_now = [&] {
+    const std::scoped_lock lock(view_mutex_);
+    return due_sightings(own_sightings_, before_s);
+  };
+  if (due_now().empty()) return;
+  // Helpers' changes wait for this one as for each other; else they would be refused.
+  const std::unique_lock one_by_one(changes_mutex_, std::try_to_lock);
+  if (!one_by_one.owns_lock()) return;  // the next sighting, or the end, tries again
+  const std::unique_lock home_lock(home_mutex_, std::try_to_lock);
+  if (!home_lock.owns_lock()) return;  // a job writes: the same
+  const auto now = view();
+  const auto due = due_now();  // another thread may have written some
+  for (const auto& [id, sighting] : due) {
     home::OwnThingSighting stored{sighting.seen_s, sighting.room, std::nullopt, std::nullopt};
     if (sighting.place_gravity) {
       if (const auto beside = beside_keyframe(*now, *sighting.place_gravity)) {
@@ -91,7 +107,11 @@ void LiveHome::write_own_sightings(std::int64_t before_s) {
     // Of a thing that was forgotten meanwhile nothing is kept; a full disk is told by what must not
     // be lost.
     (void)home_.put_own_thing_sighting(id, stored);
-    sighting.written_s = sighting.seen_s;
+  }
+  const std::scoped_lock lock(view_mutex_);
+  for (const auto& [id, sighting] : due) {
+    const auto written = own_sightings_.find(id);
+    if (written != own_sightings_.end()) written->second.written_s = sighting.seen_s;
   }
 }
 
@@ -126,20 +146,27 @@ Expected<void> LiveHome::teach(const std::shared_ptr<Device>& device, const std:
                              .owner = owner_of(device->who()),
                              .is_shared = !is_private,
                              .taught_s = unix_now_ns() / kNanoseconds};
-  return jobs_->start("teach", [this, device, thing, shown = std::move(shown)](Progress& progress) {
-    auto taught = teach_now(thing, shown, progress);
-    device->was_taught(thing.name, taught);
-    const auto now = view();
-    const bool is_ready = now->map && now->map->clouds;
-    if (taught && !is_ready && !now->walks.empty()) {
-      if (auto prepared = prepare(progress); !prepared) return prepared;
-    }
-    return taught.map([&](bool is_looked_for) {
-      return is_looked_for
-                 ? fmt::format("{} is known now", thing.name)
-                 : fmt::format("{} is known, and looked for once there is a walk", thing.name);
-    });
-  });
+  return jobs_->start(
+      "teach",
+      [this, device, thing, shown = std::move(shown)](Progress& progress) -> Expected<std::string> {
+        auto taught = teach_now(thing, shown, progress);
+        device->was_taught(thing.name, taught);
+        // Helpers and the log are told of the job, and not what the thing is called.
+        if (!taught && taught.error().code == ErrorCode::kRefused) {
+          return fail_with(ErrorCode::kRefused,
+                           "a thing's name will not do any more; give it another");
+        }
+        const auto now = view();
+        const bool is_ready = now->map && now->map->clouds;
+        if (taught && !is_ready && !now->walks.empty()) {
+          if (auto prepared = prepare(progress); !prepared) return prepared;
+        }
+        return taught.map([&](bool is_looked_for) {
+          return std::string(is_looked_for
+                                 ? "a thing is known now"
+                                 : "a thing is known, and looked for once there is a walk");
+        });
+      });
 }
 
 Expected<bool> LiveHome::teach_now(const home::OwnThing& thing,
@@ -176,7 +203,11 @@ Expected<void> LiveHome::change_own_thing(const service::Identity& who, const st
       const std::scoped_lock lock(view_mutex_);
       own_sightings_.erase(thing->id);
     }
-    return erase_removed(home);
+    // Whatever becomes of its bytes it is known no more, and that is what was asked.
+    if (const auto erased = erase_removed(home); !erased) {
+      meters_.failed("erasing a thing", erased.error());
+    }
+    return {};
   };
   if (what != service::Question::kForgetThing) return change(change_it);
   ROOMWISE_CHECK_OK(while_idle([&] { return change(change_it); }));

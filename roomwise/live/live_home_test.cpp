@@ -20,6 +20,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
 using ::testing::SizeIs;
+using ::testing::StartsWith;
 
 constexpr int kFrames = 60;
 
@@ -332,7 +333,23 @@ TEST_F(LiveHomeTest, LearningNeedsAWalk) {
   EXPECT_FALSE(home->jobs().state()) << "nothing was begun";
 }
 
+TEST(OwnSightings, AreDueOnceTheyAreNewerThanWhatTheHomeHasAndThatIsOldEnough) {
+  const std::map<home::OwnThingId, OwnSighting> sightings{
+      {1, {100, {}, {}, 90}},  // seen since it was written, and that is long ago
+      {2, {100, {}, {}, 95}},  // written a short while ago
+      {3, {50, {}, {}, 50}},   // written as it is
+      {4, {100, {}, {}, 0}}};  // never written
+  const auto due = due_sightings(sightings, 90);
+  EXPECT_THAT(due, ::testing::ElementsAre(::testing::Key(1), ::testing::Key(4)));
+  EXPECT_THAT(due_sightings({}, 90), IsEmpty());
+}
+
 TEST_F(LiveHomeTest, EverythingThatIsForgottenLeavesNothingInTheFiles) {
+  {
+    home::Home made = pipeline::create_home(file, {}).value();
+    ASSERT_OK(made.add_own_thing({.name = "my heirloom", .owner = "7", .is_shared = false},
+                                 std::vector<objects::TaughtView>{{Bytes(99, 1), Bytes(9, 1)}}));
+  }
   open();
   record_the_walk();
   ASSERT_OK(home->name_rooms(1, {{0, 29, "scullery", 1}, {30, kFrames - 1, "solarium", 1}}));
@@ -347,7 +364,8 @@ TEST_F(LiveHomeTest, EverythingThatIsForgottenLeavesNothingInTheFiles) {
     return bytes_of_home().find(trace) != std::string::npos;
   };
   const std::string depth = depth_of_home();
-  for (const std::string& trace : {depth, std::string("scullery"), std::string("solarium")}) {
+  for (const std::string& trace :
+       {depth, std::string("scullery"), std::string("solarium"), std::string("heirloom")}) {
     ASSERT_TRUE(holds(trace));
   }
   ASSERT_OK(home->forget_room("solarium"));
@@ -358,6 +376,7 @@ TEST_F(LiveHomeTest, EverythingThatIsForgottenLeavesNothingInTheFiles) {
   home->jobs().wait();
   ASSERT_OK(home->forget_home());
   EXPECT_FALSE(holds("scullery"));
+  EXPECT_FALSE(holds("heirloom"));
   EXPECT_FALSE(holds(depth));
   EXPECT_FALSE(holds("first walk"));
   EXPECT_FALSE(std::filesystem::exists(folder / "flat.home.walks"));
@@ -783,8 +802,10 @@ TEST_F(LiveHomeTest, AThingIsTaughtToldToItsOwnerAloneSharedAndForgotten) {
   // Without a walk nobody knows what is usual here.
   anna.wire->next<service::PromptMessage>(is_message("teach.no_walk"));
   home->jobs().wait();
+  EXPECT_THAT(home->jobs().state()->text, StartsWith("a thing is known"));  // to all helpers
 
   EXPECT_EQ(where(anna), "where.not_seen");
+  EXPECT_THAT(home->view_for({7, "another name", service::Role::kDevice})->things, SizeIs(1));
   EXPECT_EQ(where(ben), "where.unknown");
   EXPECT_THAT(home->view()->things, IsEmpty());  // what helpers' pages show
   EXPECT_EQ(ask(ben, service::Question::kForgetThing, "my mug").message, "own.not_own");
@@ -795,6 +816,31 @@ TEST_F(LiveHomeTest, AThingIsTaughtToldToItsOwnerAloneSharedAndForgotten) {
   EXPECT_EQ(ask(anna, service::Question::kInWords, "forget my mug").message, "own.forgotten");
   EXPECT_EQ(where(anna), "where.unknown");
   EXPECT_THAT(bytes_of_home(), Not(HasSubstr("my mug")));
+}
+
+TEST_F(LiveHomeTest, AThingIsForgottenAlsoWhereItsBytesCannotBeErasedNow) {
+  {
+    home::Home made = pipeline::create_home(file, {}).value();
+    ASSERT_OK(made.add_own_thing({.name = "my mug", .owner = "7"},
+                                 std::vector<objects::TaughtView>{{Bytes(9, 1), Bytes(9, 1)}}));
+  }
+  open();
+  const Client anna = connect(7, service::Role::kDevice);
+  const auto ask = [&](std::int64_t id, const std::string& words) {
+    anna.session->on_text(
+        write(service::DeviceMessage(service::Ask{id, 100, service::Question::kInWords, words})));
+    return anna.wire
+        ->next<service::PromptMessage>([&](const auto& prompt) { return prompt.answer_to == id; })
+        .message;
+  };
+  EXPECT_EQ(ask(1, "where is my mug"), "where.not_seen");
+  home::Home reader = home::Home::open_read_only(file).value();
+  {
+    home::Statement reading = reader.database().prepare("SELECT name FROM own_things").value();
+    ASSERT_TRUE(reading.step().value());  // in the middle of reading: nothing can be written anew
+    EXPECT_EQ(ask(2, "forget my mug"), "own.forgotten");
+  }
+  EXPECT_EQ(ask(3, "where is my mug"), "where.unknown");
 }
 
 }  // namespace

@@ -17,7 +17,8 @@ Teaching::Reply Teaching::take(const FrameImages& images, double depth_units_per
     return {std::nullopt, found.error()};
   }
   shown_.push_back(*std::move(found));
-  if (shown_.size() == kEnough) return {guide::TeachingStep::kEnough, std::nullopt};
+  has_enough_ = shown_.size() >= kEnough;
+  if (has_enough()) return {guide::TeachingStep::kEnough, std::nullopt};
   if (shown_.size() == kEnough / 2) return {guide::TeachingStep::kGoOn, std::nullopt};
   return {};
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <optional>
 #include <vector>
 
@@ -9,8 +10,8 @@
 
 namespace roomwise::live {
 
-// A thing that a person shows to a device's camera: takes its pictures, and says what to do. Not
-// thread-safe.
+// A thing that a person shows to a device's camera: takes its pictures, and says what to do. One
+// thread takes; others may ask whether that is enough, and read what was shown once it is.
 class Teaching {
  public:
   // As many as ten seconds at a picture a second bring; more are not needed.
@@ -25,11 +26,13 @@ class Teaching {
   // `t_ms`: of the picture, by the device's clock.
   Reply take(const FrameImages& images, double depth_units_per_metre, double t_ms);
 
-  [[nodiscard]] bool has_enough() const { return shown_.size() >= kEnough; }
+  [[nodiscard]] bool has_enough() const { return has_enough_; }
+  // Changes no more once that is enough.
   [[nodiscard]] const std::vector<objects::ShownThing>& shown() const { return shown_; }
 
  private:
   std::vector<objects::ShownThing> shown_;
+  std::atomic<bool> has_enough_ = false;  // after the last of them was taken
   std::optional<double> last_fault_t_ms_;
 };
 

@@ -69,8 +69,9 @@ Expected<std::vector<objects::PreparedThing>> prepare_all(const home::Home& home
     ROOMWISE_TRY(const auto views, home.own_thing_views(thing.id));
     auto one = finder.prepare(views);
     if (!one) {
-      return Unexpected(std::move(one).error().in(
-          fmt::format("{}: {}, which can be forgotten and taught anew", home.file(), thing.name)));
+      // By number: its name may be its owner's alone, and this stands in logs.
+      return Unexpected(std::move(one).error().in(fmt::format(
+          "{}: taught thing {}, which can be forgotten and taught anew", home.file(), thing.id)));
     }
     prepared.push_back(*std::move(one));
   }
@@ -213,7 +214,8 @@ Expected<std::shared_ptr<const OwnThingWatch>> watch_own_things(
   for (const home::OwnThing& thing : things) {
     const auto threshold = usual.thresholds.find(thing.id);
     if (threshold == usual.thresholds.end()) {
-      return fail("{}: what is usual in its pictures is not known of {}", home.file(), thing.name);
+      return fail("{}: what is usual in its pictures is not known of taught thing {}", home.file(),
+                  thing.id);
     }
     thresholds.push_back(threshold->second);
   }
