@@ -11,6 +11,9 @@ import { fieldOf, fitsAsName } from './name';
 chooseLanguage();
 document.title = text('pair.title');
 
+// A link that is opened where this page is shown already changes what stands behind # alone.
+window.addEventListener('hashchange', () => location.reload());
+
 const secret = secretFrom(location.hash);
 const given = codeFrom(location.hash);
 if (secret || given) {

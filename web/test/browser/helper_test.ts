@@ -78,8 +78,7 @@ test('a link needs no digits, and says so where it is over', options, () => with
   assert.equal(await visit.page.$('.code'), null);
   await visit.page.keyboard.press('Enter');
   await visit.sees('this code does not hold');
-  await visit.go('/');
-  await visit.go(`/pair#${kSecret}`);
+  await visit.go(`/pair#${kSecret}`); // the page is open already
   await visit.sees('Opened from the code');
   await visit.page.keyboard.press('Enter');
   await visit.sees('Our flat', 'h1');
