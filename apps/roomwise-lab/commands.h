@@ -12,6 +12,7 @@ void add_fit_instances_command(CLI::App& app, Context& context);
 void add_fit_localizer_command(CLI::App& app, Context& context);
 void add_fit_rooms_command(CLI::App& app, Context& context);
 void add_guidance_command(CLI::App& app, Context& context);
+void add_label_command(CLI::App& app, Context& context);
 void add_lift_labels_command(CLI::App& app, Context& context);
 void add_own_things_command(CLI::App& app, Context& context);
 void add_paper_command(CLI::App& app, Context& context);

@@ -25,6 +25,7 @@ int main(int argc, char** argv) {
   add_fit_localizer_command(app, context);
   add_fit_rooms_command(app, context);
   add_guidance_command(app, context);
+  add_label_command(app, context);
   add_lift_labels_command(app, context);
   add_own_things_command(app, context);
   add_paper_command(app, context);

@@ -1,14 +1,20 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
+#include "laboratory/labelling/label_page.h"
 #include "laboratory/labelling/lift.h"
 #include "laboratory/labelling/recording_truth.h"
 #include "roomwise/base/file.h"
 #include "roomwise/base/testing/testing.h"
+#include "roomwise/recording/open_recording.h"
+#include "roomwise/recording/tum_writer.h"
 
 namespace roomwise::labelling {
 namespace {
 
+namespace fs = std::filesystem;
 using Eigen::Vector3d;
 using roomwise::testing::ScratchFolder;
 using ::testing::ElementsAre;
@@ -220,6 +226,89 @@ TEST(ReaderLabelsFile, NamesWhatIsWrong) {
   EXPECT_ERROR(read(R"({"id": 3, "name": "a", "views": []}, {"id": 3, "name": "b", "views": []})"),
                "two things have the id 3");
   EXPECT_ERROR(read(R"({"id": "x"})"), "a.json: is no file of a reader's labels");
+}
+
+class LabelPage : public ::testing::Test {
+ protected:
+  LabelPage() {
+    auto writer = recording::TumWriter::create(folder_ / "walk", camera());
+    for (int i = 0; i < 10; ++i) {
+      image::RgbdFrame frame;
+      frame.timestamp_ns = (i + 1) * 100'000'000;
+      frame.color = image::ColorImage(640, 480, {static_cast<std::uint8_t>(i), 2, 3});
+      frame.depth = image::DepthImage(640, 480, 1500);
+      EXPECT_OK((*writer)->write(frame));
+    }
+    EXPECT_OK((*writer)->close());
+    recording_ = *recording::open_recording(folder_ / "walk");
+    fs::create_directories(folder_ / "page");
+    for (const char* file : {"index.html", "labelling.js", "labelling.css"}) {
+      EXPECT_OK(write_file(folder_ / "page" / file, file));
+    }
+  }
+
+  Expected<std::size_t> write(const LabelPageOptions& options) {
+    return write_label_page(*recording_, folder_ / "page", options, folder_ / "out");
+  }
+  // What recording.js gives `name`.
+  nlohmann::json given(const std::string& name) {
+    const std::string text = *read_text_file(folder_ / "out/recording.js");
+    const auto from = text.find("window." + name + " = ");
+    if (from == std::string::npos) return nullptr;
+    const auto begin = from + name.size() + 10;
+    return nlohmann::json::parse(text.substr(begin, text.find(";\n", begin) - begin));
+  }
+
+  ScratchFolder folder_;
+  std::unique_ptr<recording::Recording> recording_;
+};
+
+TEST_F(LabelPage, HoldsPicturesEvenlySpreadAndThoseOfTheLabels) {
+  LabelPageOptions options{4, {"chair", "</script>"}, ReaderLabels{"walk", "B", {}}};
+  options.labels->things.push_back({7,
+                                    "cup",
+                                    false,
+                                    {"top"},
+                                    {{3, {1, 2, 30, 40}, {true, false, false, false}, true}},
+                                    "x",
+                                    true});
+  EXPECT_EQ(write(options).value(), 5U);
+  const auto recording = given("recording");
+  EXPECT_EQ(recording["name"], "walk");
+  EXPECT_EQ(recording["words"][1], "</script>");
+  std::vector<int> frames;
+  for (const auto& picture : recording["pictures"]) {
+    frames.push_back(picture["frame"]);
+    EXPECT_EQ(picture["width"], 640);
+    const auto bytes = read_file(folder_ / "out" / picture["file"].get<std::string>());
+    EXPECT_EQ(bytes.value(), recording_->read_color_file(picture["frame"]).value());
+  }
+  EXPECT_THAT(frames, ElementsAre(0, 2, 3, 5, 7));
+  EXPECT_EQ(*read_text_file(folder_ / "out/labelling.js"), "labelling.js");
+  EXPECT_THAT(*read_text_file(folder_ / "out/recording.js"), ::testing::Not(HasSubstr("</")))
+      << "it would end the script";
+
+  EXPECT_OK(write_file(folder_ / "b.json", given("labels").dump()));
+  const auto again = read_reader_labels(folder_ / "b.json");
+  ASSERT_OK(again);
+  EXPECT_EQ(to_json(*again), to_json(*options.labels)) << "the page begins with what was given";
+}
+
+TEST_F(LabelPage, RefusesWhatWouldOverwriteOrDoesNotBelongTogether) {
+  EXPECT_ERROR(write({3, {}, ReaderLabels{"flat", "B", {}}}),
+               "labels of flat do not belong to walk");
+  EXPECT_ERROR(write({0, {}, std::nullopt}), "pictures is 0");
+  ReaderLabels labels{
+      "walk", "B", {{1, "cup", true, {}, {{99, {1, 2, 3, 4}, {}, false}}, "", false}}};
+  EXPECT_ERROR(write({3, {}, labels}), "frame 99 of the labels: the recording has no such picture");
+  fs::remove_all(folder_ / "out");
+  EXPECT_OK(write({3, {}, std::nullopt}));
+  EXPECT_TRUE(given("labels").is_null());
+  EXPECT_ERROR(write({3, {}, std::nullopt}), "out: is not empty; give a new folder");
+  fs::remove(folder_ / "page/labelling.css");
+  fs::remove_all(folder_ / "out");
+  EXPECT_ERROR(write({3, {}, std::nullopt}), "labelling.css");
+  EXPECT_FALSE(fs::exists(folder_ / "out")) << "nothing is begun that cannot be ended";
 }
 
 }  // namespace

@@ -73,7 +73,40 @@ Expected<ReaderLabels> labels_from(const Json& json) {
   return labels;
 }
 
+Json to_json(const CutBorders& cut) {
+  Json json = Json::array();
+  if (cut.left) json.push_back("left");
+  if (cut.top) json.push_back("top");
+  if (cut.right) json.push_back("right");
+  if (cut.bottom) json.push_back("bottom");
+  return json;
+}
+
+Json to_json(const LabelledThing& thing) {
+  Json views = Json::array();
+  for (const LabelledView& view : thing.views) {
+    const network::PixelBox& box = view.box;
+    views.push_back({{"frame", view.frame},
+                     {"box", {box.left, box.top, box.right, box.bottom}},
+                     {"cut", to_json(view.cut)},
+                     {"occluded", view.is_occluded}});
+  }
+  return {{"id", thing.id},
+          {"name", thing.name},
+          {"sure", thing.is_name_sure},
+          {"side", thing.sides},
+          {"views", views},
+          {"note", thing.note},
+          {"transient", thing.is_transient}};
+}
+
 }  // namespace
+
+Json to_json(const ReaderLabels& labels) {
+  Json things = Json::array();
+  for (const LabelledThing& thing : labels.things) things.push_back(to_json(thing));
+  return {{"recording", labels.recording}, {"reader", labels.reader}, {"things", things}};
+}
 
 Expected<ReaderLabels> read_reader_labels(const std::filesystem::path& path) {
   ROOMWISE_TRY(const std::string text, read_text_file(path));

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -45,5 +46,7 @@ struct ReaderLabels {
 // Fails, naming the file and the thing, where a field is missing or of another type, a box is empty
 // or not finite, a border has another name, or two things have one id.
 [[nodiscard]] Expected<ReaderLabels> read_reader_labels(const std::filesystem::path& path);
+// The same form.
+[[nodiscard]] nlohmann::ordered_json to_json(const ReaderLabels& labels);
 
 }  // namespace roomwise::labelling

@@ -1,4 +1,4 @@
-// Bundles the pages and builds the manual: node scripts/build.mjs [--out DIR] (default: ../build/web). The service worker comes last,
+// Bundles the pages and builds the manual: node scripts/build.mjs [--out DIR] (default: ../build/web); the labelling page beside DIR. The service worker comes last,
 // since it lists the files of the phone's page and carries their digest as its version.
 import { build } from 'esbuild';
 import { createHash } from 'node:crypto';
@@ -34,6 +34,17 @@ await build({
   entryPoints: ['device', 'helper', 'manual', 'pair'].map((page) => ({ in: join(web, `src/styles/${page}.css`), out: `css/${page}` })),
   outdir: out,
 });
+
+// The laboratory's page is opened as a file, which may load no modules.
+const labelling = join(out, '../labelling');
+rmSync(labelling, { recursive: true, force: true });
+await build({
+  ...common,
+  entryPoints: [{ in: join(web, 'src/labelling/main.ts'), out: 'labelling' }, { in: join(web, 'src/styles/labelling.css'), out: 'labelling' }],
+  format: 'iife',
+  outdir: labelling,
+});
+cpSync(join(web, 'src/labelling/page.html'), join(labelling, 'index.html'));
 
 const { buildManual } = await compiledForNode('src/manual/site.ts');
 buildManual(join(web, '..'), join(out, 'help'));
