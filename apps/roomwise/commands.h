@@ -23,6 +23,7 @@ void add_laboratory_commands(CLI::App& app, Context& context);
 void add_laboratory_evaluations(CLI::App& group, Context& context);  // of "eval"
 void add_map_command(CLI::App& app, Context& context);
 void add_forget_command(CLI::App& app, Context& context);
+void add_cull_command(CLI::App& app, Context& context);
 void add_rooms_commands(CLI::App& app, Context& context);
 void add_layout_command(CLI::App& group, Context& context);         // of "rooms"
 void add_coverage_command(CLI::App& group, Context& context);       // likewise

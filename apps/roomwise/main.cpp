@@ -19,6 +19,7 @@ int main(int argc, char** argv) {
   add_record_command(app, context);
   add_map_command(app, context);
   add_forget_command(app, context);
+  add_cull_command(app, context);
   add_locate_command(app, context);
   add_things_commands(app, context);
   add_update_command(app, context);

@@ -33,6 +33,7 @@ struct MapOptions {
   std::string method = "combined";
   bool no_bundle_adjustment = false;
   bool no_device_motion = false;
+  bool no_keyframe_culling = false;
   std::optional<int> loop_random, loop_similar;  // default: the method's own
   std::optional<double> reuse;                   // likewise
   std::size_t working_set_mb = 128;
@@ -63,6 +64,7 @@ Expected<pipeline::MapSettings> new_settings(const MapOptions& options) {
   ROOMWISE_TRY(settings.features, features::parse_feature_kind(options.features));
   ROOMWISE_TRY(settings.mapper.method, mapping::parse_mapping_method(options.method));
   settings.bundle_adjustment = !options.no_bundle_adjustment;
+  settings.keyframe_culling = !options.no_keyframe_culling;
   settings.mapper.device_motion = !options.no_device_motion;
   settings.mapper.loops = mapping::MapperOptions::of(settings.mapper.method).loops;
   settings.mapper.loops.neighbors = options.settings.mapper.loops.neighbors;
@@ -119,11 +121,15 @@ std::string motion_text(const pipeline::MapSummary& summary) {
 // Of what a further walk is to the map.
 std::string walks_text(const pipeline::MapSummary& summary) {
   if (summary.walks < 2) return "";
-  return fmt::format("walks       {}; this one {}\n", summary.walks,
-                     summary.is_joined
-                         ? "has joined the map"
-                         : "shows too little that the map knows: it stays a piece of its own until "
-                           "a later walk joins the two");
+  return fmt::format(
+      "walks       {}; this one {}\n{}", summary.walks,
+      summary.is_joined ? "has joined the map"
+                        : "shows too little that the map knows: it stays a piece of its own until "
+                          "a later walk joins the two",
+      summary.culled == 0 ? ""
+                          : fmt::format("culled      {} key-frames of the walk before, whose views "
+                                        "the walks before it have in the same light\n",
+                                        summary.culled));
 }
 
 std::string to_text(const pipeline::MapSummary& summary, const std::vector<std::string>& networks) {
@@ -265,6 +271,7 @@ Expected<Answer> map(const MapOptions& options, Context& context) {
                    {"alone", summary.motion_alone},
                    {"dropped", summary.motion_dropped}}},
                  {"keyframes", summary.keyframes},
+                 {"culled", summary.culled},
                  {"edges", summary.edges},
                  {"loops", summary.loops},
                  {"rejected_loops", summary.rejected_edges},
@@ -366,6 +373,9 @@ void add_map_command(CLI::App& app, Context& context) {
   how(command->add_flag("--no-device-motion", options.no_device_motion,
                         "Leave aside what the device says of its own motion (ARKit, odometry.txt; "
                         "so does --method paper)"));
+  how(command->add_flag("--no-keyframe-culling", options.no_keyframe_culling,
+                        "Keep every key-frame of every walk. Without it those go, once a further "
+                        "walk is mapped, that add nothing to what the walks before show"));
   setting("--object-score", options.settings.objects.min_score,
           "Minimum score of an object, 0 to 1", CLI::Range(0.0, 1.0));
   add_network_options(*command, options.networks);

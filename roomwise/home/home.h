@@ -175,6 +175,21 @@ struct MapCommit {
   std::uint64_t next_frame_index = 0;       // above the index of every frame so far
 };
 
+// Key-frames that give way to others, which show the same.
+struct KeyframeCulling {
+  std::vector<KeyframeId> culled;  // ascending
+  // By the numbers that key-frames have before: what stands in the place of the edges of those that
+  // go, between those that stay ...
+  std::vector<scene::PoseGraphEdge> edges;
+  // ... and where frames were taken whose place was told by one that goes.
+  struct Place {
+    RecordingId recording = 0;
+    std::uint64_t frame_index = 0;
+    FramePlace place;
+  };
+  std::vector<Place> places;
+};
+
 // A learned room classifier: the bytes of rooms::RoomClassifier.
 struct RoomClassifierRecord {
   std::string network_name;
@@ -329,6 +344,13 @@ class Home {
   // its key-frames lose their place, and the key-frames of later ones are numbered anew, so that
   // the numbers have no gap. Derived data goes; what was learned from it stays learned.
   [[nodiscard]] Expected<void> remove_recording(RecordingId id);
+
+  // Takes key-frames out, with their pictures and what was seen in them; the others are numbered
+  // anew, in their order. Fails where what must not be lost hangs on one: a frame, a change by
+  // hand, a thing, a visit's picture.
+  [[nodiscard]] Expected<void> cull_keyframes(const KeyframeCulling& culling);
+  // Key-frames on which something hangs that has no other place, and which cannot be culled.
+  [[nodiscard]] Expected<std::set<KeyframeId>> held_keyframes() const;
 
   [[nodiscard]] Expected<KeyframeId> next_keyframe_id() const;
   [[nodiscard]] Expected<std::vector<Keyframe>> keyframes() const;  // by id
@@ -511,8 +533,8 @@ class Home {
   // Seals every picture, or opens every one.
   [[nodiscard]] Expected<std::size_t> convert_pictures(bool to_sealed);
   [[nodiscard]] Expected<void> renumber_keyframes();
-  // The sealed pictures of key-frames from `first` on, whose numbers were larger by `shift`.
-  [[nodiscard]] Expected<void> reseal_pictures(KeyframeId first, KeyframeId shift);
+  // The sealed pictures of key-frames that had another number; by the present one.
+  [[nodiscard]] Expected<void> reseal_pictures(const std::map<KeyframeId, KeyframeId>& old_numbers);
   [[nodiscard]] Expected<void> insert_keyframe(RecordingId recording, const NewKeyframe& keyframe);
   [[nodiscard]] Expected<bool> has_own_things() const;
   [[nodiscard]] Expected<void> change_own_thing(OwnThingId id,

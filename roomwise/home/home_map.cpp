@@ -125,6 +125,26 @@ StoredRecording read_recording(const Statement& row) {
           .readout_s = row.column<std::optional<double>>(18)};
 }
 
+// What would be lost with its key-frame and comes from nowhere else.
+constexpr std::array<std::string_view, 5> kHoldingTables{"edit_places", "own_things", "instances",
+                                                         "past_instances", "visit_pictures"};
+
+// Where numbers of key-frames stand: table and column.
+Expected<std::vector<std::pair<std::string, std::string>>> keyframe_columns(
+    const Database& database) {
+  const auto read = [](const Statement& row) {
+    return std::pair(row.column<std::string>(0), row.column<std::string>(1));
+  };
+  ROOMWISE_TRY(auto columns, (collect<std::vector<std::pair<std::string, std::string>>>(
+                                 database,
+                                 "SELECT tables.name, keys.\"from\" FROM sqlite_master AS tables, "
+                                 "pragma_foreign_key_list(tables.name) AS keys "
+                                 "WHERE tables.type = 'table' AND keys.\"table\" = 'keyframes'",
+                                 read)));
+  columns.emplace_back("keyframes", "keyframe_id");
+  return columns;
+}
+
 Keyframe read_keyframe(const Statement& row) {
   return {{row.column<KeyframeId>(0), row.column<std::uint64_t>(1), row.column<TimestampNs>(2)},
           row.column<RecordingId>(3),
@@ -309,31 +329,69 @@ Expected<void> Home::remove_recording(RecordingId id) {
 // Key-frames are numbered without gaps, in the order of their walks.
 Expected<void> Home::renumber_keyframes() {
   ROOMWISE_TRY(const auto left, keyframes());
-  std::optional<std::pair<KeyframeId, KeyframeId>> gap;  // the first behind it, and how long it is
-  for (std::size_t i = 0; i < left.size() && !gap; ++i) {
-    if (left[i].id != i) gap.emplace(left[i].id, left[i].id - i);
+  std::map<KeyframeId, KeyframeId> old_numbers;  // by the new ones
+  for (std::size_t i = 0; i < left.size(); ++i) {
+    if (left[i].id != i) old_numbers[i] = left[i].id;
   }
-  if (!gap) return {};
-  const auto read = [](const Statement& row) {
-    return std::pair(row.column<std::string>(0), row.column<std::string>(1));
-  };
-  ROOMWISE_TRY(auto columns, (collect<std::vector<std::pair<std::string, std::string>>>(
-                                 database_,
-                                 "SELECT tables.name, keys.\"from\" FROM sqlite_master AS tables, "
-                                 "pragma_foreign_key_list(tables.name) AS keys "
-                                 "WHERE tables.type = 'table' AND keys.\"table\" = 'keyframes'",
-                                 read)));
-  columns.emplace_back("keyframes", "keyframe_id");
+  if (old_numbers.empty()) return {};
+  ROOMWISE_TRY(const auto columns, keyframe_columns(database_));
   ROOMWISE_CHECK_OK(database_.run("PRAGMA defer_foreign_keys = ON"));
+  ROOMWISE_CHECK_OK(
+      database_.run("CREATE TEMP TABLE IF NOT EXISTS renumbered (was INTEGER PRIMARY KEY, now "
+                    "INTEGER NOT NULL)"));
+  ROOMWISE_CHECK_OK(database_.run("DELETE FROM temp.renumbered"));
+  for (const auto& [now, was] : old_numbers)
+    ROOMWISE_CHECK_OK(database_.add("temp.renumbered (was, now)", was, now));
   for (const auto& [table, column] : columns) {
     // By way of numbers that none has, since rows are changed one after the other.
-    ROOMWISE_CHECK_OK(database_.run(
-        fmt::format("UPDATE {0} SET {1} = -1 - {1} WHERE {1} >= ?", table, column), gap->first));
     ROOMWISE_CHECK_OK(
-        database_.run(fmt::format("UPDATE {0} SET {1} = -1 - {1} - ? WHERE {1} < 0", table, column),
-                      gap->second));
+        database_.run(fmt::format("UPDATE {0} SET {1} = -1 - {1} WHERE {1} >= ?", table, column),
+                      old_numbers.begin()->second));
+    ROOMWISE_CHECK_OK(database_.run(
+        fmt::format("UPDATE {0} SET {1} = (SELECT now FROM temp.renumbered WHERE was = -1 - {1}) "
+                    "WHERE {1} < 0",
+                    table, column)));
   }
-  return reseal_pictures(gap->first - gap->second, gap->second);
+  return reseal_pictures(old_numbers);
+}
+
+Expected<std::set<KeyframeId>> Home::held_keyframes() const {
+  std::set<KeyframeId> held;
+  for (const std::string_view table : kHoldingTables) {
+    ROOMWISE_CHECK_OK(database_.for_each(
+        fmt::format("SELECT DISTINCT keyframe_id FROM {} WHERE keyframe_id IS NOT NULL", table),
+        [&](const Statement& row) { held.insert(row.column<KeyframeId>(0)); }));
+  }
+  return held;
+}
+
+Expected<void> Home::cull_keyframes(const KeyframeCulling& culling) {
+  return atomically([&]() -> Expected<void> {
+    ROOMWISE_TRY(const auto held, held_keyframes());
+    for (const KeyframeCulling::Place& moved : culling.places) {
+      if (!moved.place.keyframe_from_camera.is_finite())
+        return fail("{}: the pose of frame {} is not finite", file(), moved.frame_index);
+      ROOMWISE_CHECK_OK(
+          database_.run("UPDATE frames SET (keyframe_id, tx_m, ty_m, tz_m, qx, qy, qz, qw) = "
+                        "(?, ?, ?, ?, ?, ?, ?, ?) WHERE recording_id = ? AND frame_index = ?",
+                        moved.place.keyframe, to_numbers(moved.place.keyframe_from_camera),
+                        moved.recording, moved.frame_index));
+    }
+    for (const scene::PoseGraphEdge& edge : culling.edges) ROOMWISE_CHECK_OK(insert_edge(edge));
+    for (const KeyframeId id : culling.culled) {
+      ROOMWISE_TRY(
+          const bool has_frames,
+          database_.get<bool>("SELECT EXISTS (SELECT 1 FROM frames WHERE keyframe_id = ?)", id));
+      if (has_frames || held.contains(id)) {
+        return fail("{}: key-frame {} cannot be taken out: {} on it", file(), id,
+                    has_frames ? "the place of a frame hangs" : "something that is kept hangs");
+      }
+      ROOMWISE_CHECK_OK(database_.run("DELETE FROM keyframes WHERE keyframe_id = ?", id));
+      if (sqlite3_changes(database_.handle()) == 0)
+        return fail("{}: has no key-frame {}", file(), id);
+    }
+    return renumber_keyframes();
+  });
 }
 
 Expected<KeyframeId> Home::next_keyframe_id() const {

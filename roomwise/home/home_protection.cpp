@@ -116,21 +116,16 @@ Expected<std::size_t> Home::convert_pictures(bool to_sealed) {
   return converted;
 }
 
-Expected<void> Home::reseal_pictures(KeyframeId first, KeyframeId shift) {
+Expected<void> Home::reseal_pictures(const std::map<KeyframeId, KeyframeId>& old_numbers) {
   for (const PictureColumn& column : kPictureColumns) {
     if (column.id != "keyframe_id") continue;
-    ROOMWISE_TRY(const auto ids,
-                 collect<std::vector<KeyframeId>>(
-                     database_,
-                     fmt::format("SELECT keyframe_id FROM {} WHERE keyframe_id >= ?", column.table),
-                     [](const Statement& row) { return row.column<KeyframeId>(0); }, first));
-    for (const KeyframeId id : ids) {
-      ROOMWISE_TRY(Bytes picture,
-                   database_.get<Bytes>(fmt::format("SELECT {} FROM {} WHERE keyframe_id = ?",
-                                                    column.column, column.table),
-                                        id));
-      if (!is_sealed(picture)) continue;
-      ROOMWISE_TRY(picture, decrypt_if_sealed(id + shift, column.kind, std::move(picture)));
+    for (const auto& [id, old] : old_numbers) {
+      ROOMWISE_TRY(auto stored,
+                   database_.find<Bytes>(fmt::format("SELECT {} FROM {} WHERE keyframe_id = ?",
+                                                     column.column, column.table),
+                                         id));
+      if (!stored || !is_sealed(*stored)) continue;
+      ROOMWISE_TRY(const Bytes picture, decrypt_if_sealed(old, column.kind, *std::move(stored)));
       if (!cipher_) return Unexpected(locked_error());
       ROOMWISE_CHECK_OK(database_.run(
           fmt::format("UPDATE {} SET {} = ? WHERE keyframe_id = ?", column.table, column.column),

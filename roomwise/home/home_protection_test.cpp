@@ -227,6 +227,22 @@ TEST_F(ProtectedHome, SealsPicturesAnewWhoseKeyframesGetOtherNumbers) {
   EXPECT_FALSE(locked.images(0));
 }
 
+TEST_F(ProtectedHome, SealsPicturesAnewOfKeyframesBehindCulledOnes) {
+  make_protected("open sesame");
+  Home home = Home::open(path_, with("open sesame")).value();
+  KeyframeCulling culling;
+  culling.culled = {0};
+  const auto frames = home.frames(1).value();
+  for (const Frame& frame : frames) {
+    if (frame.place && frame.place->keyframe == 0)
+      culling.places.push_back({1, frame.index, {1, testing::sample_pose(2)}});
+  }
+  ASSERT_OK(home.cull_keyframes(culling));
+  for (KeyframeId id = 0; id + 1 < kKeyframes; ++id)
+    EXPECT_EQ(home.images(id).value(), unique_images(id + 1));
+  ASSERT_OK(home.verify());
+}
+
 TEST_F(ProtectedHome, TakesAnotherPassphraseWithoutTouchingThePictures) {
   const std::string digest = make_protected("open sesame");
   const auto stored = [&] {

@@ -427,6 +427,66 @@ TEST_F(HomeTest, RemovingTheFirstOfTwoWalksLeavesTheOtherNumberedFromZero) {
   EXPECT_OK(home_.verify());
 }
 
+TEST_F(HomeTest, CulledKeyframesLeaveNoGapAndFramesHangOnOthers) {
+  commit_keyframes(5);
+  ASSERT_OK(home_.put_derived_data({"floor", "c0ffee", {1}}));
+  const auto frames = home_.frames(1).value();
+  KeyframeCulling culling;
+  culling.culled = {1, 3};
+  culling.edges = {testing::sample_edge(0, 2, true), testing::sample_edge(2, 4, true)};
+  const std::string before = home_.content_digest().value();
+  EXPECT_ERROR(home_.cull_keyframes(culling),
+               "key-frame 1 cannot be taken out: the place of a frame");
+  EXPECT_EQ(home_.content_digest().value(), before);
+  for (const Frame& frame : frames) {
+    if (frame.place && (frame.place->keyframe == 1 || frame.place->keyframe == 3)) {
+      culling.places.push_back(
+          {1, frame.index, {frame.place->keyframe - 1, testing::sample_pose(2)}});
+    }
+  }
+  ASSERT_OK(home_.cull_keyframes(culling));
+  const auto keyframes = home_.keyframes().value();
+  ASSERT_THAT(keyframes, SizeIs(3));
+  for (KeyframeId id = 0; id < 3; ++id) {
+    EXPECT_EQ(keyframes[id].id, id);
+    EXPECT_EQ(home_.images(id).value(), testing::sample_images(2 * id));
+    EXPECT_TRUE(home_.prediction(id, 1).value());
+  }
+  const auto edges = home_.edges().value();
+  ASSERT_THAT(edges, SizeIs(2));
+  EXPECT_EQ(edges[1].from, 1U);
+  EXPECT_EQ(edges[1].to, 2U);
+  const auto after = home_.frames(1).value();
+  ASSERT_EQ(after.size(), frames.size());
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    ASSERT_EQ(after[i].place.has_value(), frames[i].place.has_value());
+    if (!after[i].place) continue;
+    EXPECT_EQ(after[i].place->keyframe, frames[i].place->keyframe / 2);
+  }
+  EXPECT_OK(home_.verify());
+}
+
+TEST_F(HomeTest, KeyframesOnWhichThingsHangAreNotCulled) {
+  commit_keyframes(3);
+  Edit note;
+  note.what = "note";
+  note.change = note.before = "{}";
+  EditPlace stove;
+  stove.keyframe = 1;
+  note.places = {stove};
+  ASSERT_OK(home_.add_edit(note));
+  EXPECT_THAT(home_.held_keyframes().value(), ElementsAre(1U));
+  KeyframeCulling culling;
+  culling.culled = {1};
+  const auto frames = home_.frames(1).value();
+  for (const Frame& frame : frames) {
+    if (frame.place && frame.place->keyframe == 1)
+      culling.places.push_back({1, frame.index, {0, testing::sample_pose(2)}});
+  }
+  EXPECT_ERROR(home_.cull_keyframes(culling), "something that is kept hangs on it");
+  EXPECT_THAT(home_.keyframes().value(), SizeIs(3));
+}
+
 TEST_F(HomeTest, SeveralWritesAreOneWhenAskedFor) {
   commit_keyframes(2);
   const std::string before = home_.content_digest().value();

@@ -82,21 +82,18 @@ Expected<void> WalkJoinOptions::validate() const {
   return {};
 }
 
-Expected<std::vector<PoseGraphEdge>> without_unsupported_joins(
-    std::size_t keyframe_count, std::span<const PoseGraphEdge> edges,
-    std::span<const KeyframeId> first_keyframes, const MapSolverOptions& solver,
-    const WalkJoinOptions& options) {
+Expected<std::vector<PoseGraphEdge>> without_unsupported_joins(std::span<const std::size_t> part_of,
+                                                               std::span<const PoseGraphEdge> edges,
+                                                               const MapSolverOptions& solver,
+                                                               const WalkJoinOptions& options) {
   ROOMWISE_CHECK_OK(options.validate());
-  const auto walk_of = [&](KeyframeId id) {
-    return std::ranges::upper_bound(first_keyframes, id) - first_keyframes.begin();
-  };
   const auto is_join = [&](const PoseGraphEdge& edge) {
-    return walk_of(edge.from) != walk_of(edge.to);
+    return part_of[edge.from] != part_of[edge.to];
   };
   std::vector<PoseGraphEdge> within(edges.begin(), edges.end());
   if (std::ranges::none_of(edges, is_join)) return within;
   std::erase_if(within, is_join);
-  ROOMWISE_TRY(const MapSolution solution, solve_map(keyframe_count, within, solver));
+  ROOMWISE_TRY(const MapSolution solution, solve_map(part_of.size(), within, solver));
   const JoinChecker checker(solution, options);
   std::map<std::pair<std::size_t, std::size_t>, std::vector<Join>> joins;  // by components
   for (std::size_t i = 0; i < edges.size(); ++i) {

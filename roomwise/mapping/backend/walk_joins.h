@@ -20,12 +20,11 @@ struct WalkJoinOptions {
   [[nodiscard]] Expected<void> validate() const;
 };
 
-// The edges without those between key-frames of different walks that too few others agree with.
-// `first_keyframes` are those of the walks, in their order, beginning with 0; all edges must be
-// between key-frames below the count.
+// The edges without those between key-frames of different parts of the map that too few others
+// agree with. `part_of` says of each key-frame in which part it is: those of a part were joined
+// before, or are of one walk; all edges must be between such key-frames.
 [[nodiscard]] Expected<std::vector<PoseGraphEdge>> without_unsupported_joins(
-    std::size_t keyframe_count, std::span<const PoseGraphEdge> edges,
-    std::span<const KeyframeId> first_keyframes, const MapSolverOptions& solver = {},
-    const WalkJoinOptions& options = {});
+    std::span<const std::size_t> part_of, std::span<const PoseGraphEdge> edges,
+    const MapSolverOptions& solver = {}, const WalkJoinOptions& options = {});
 
 }  // namespace roomwise::mapping

@@ -14,7 +14,8 @@ using geometry::Vector6d;
 using ::testing::SizeIs;
 
 constexpr std::size_t kOfWalk = 10;
-constexpr std::array<KeyframeId, 2> kFirst{0, kOfWalk};
+constexpr std::array<std::size_t, 2 * kOfWalk> kWalkOf{0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
+                                                       1, 1, 1, 1, 1, 1, 1, 1, 1, 1};
 
 // Two walks of ten key-frames each along the same arc, the second some way beside the first.
 class WalkJoins : public ::testing::Test {
@@ -41,7 +42,7 @@ class WalkJoins : public ::testing::Test {
   }
   // The number of edges between the walks that are left.
   [[nodiscard]] std::size_t joins_left(const WalkJoinOptions& options = {}) const {
-    const auto kept = without_unsupported_joins(2 * kOfWalk, edges_, kFirst, {}, options);
+    const auto kept = without_unsupported_joins(kWalkOf, edges_, {}, options);
     EXPECT_TRUE(kept.has_value());
     EXPECT_GE(kept->size(), within_) << "what is measured within a walk stays";
     return kept->size() - within_;
@@ -94,7 +95,7 @@ TEST_F(WalkJoins, DriftBetweenTheEndsIsForgiven) {
 
 TEST_F(WalkJoins, OneWalkKeepsAllItsEdges) {
   add(0, 8, true, wrong_place());
-  const auto kept = without_unsupported_joins(2 * kOfWalk, edges_, std::array<KeyframeId, 1>{0});
+  const auto kept = without_unsupported_joins(std::array<std::size_t, 2 * kOfWalk>{}, edges_);
   ASSERT_OK(kept);
   EXPECT_THAT(*kept, SizeIs(edges_.size()));
 }

@@ -55,7 +55,9 @@ AppearanceIndex::Hashes AppearanceIndex::hash(const features::Features& features
 
 std::vector<AppearanceIndex::Hit> AppearanceIndex::find(const features::Features& features,
                                                         KeyframeId first, KeyframeId before,
-                                                        std::size_t most) const {
+                                                        std::size_t most,
+                                                        const std::vector<bool>& left_out) const {
+  const auto is_left_out = [&](KeyframeId id) { return id < left_out.size() && left_out[id]; };
   if (std::ranges::all_of(tables_, [](const Table& table) {
         return table.sorted.empty() && table.recent.empty();
       })) {
@@ -67,7 +69,7 @@ std::vector<AppearanceIndex::Hit> AppearanceIndex::find(const features::Features
     for (std::size_t table = 0; table < tables_.size(); ++table) {
       for_each_in_bucket(tables_[table], hashes(row, static_cast<Eigen::Index>(table)),
                          [&](KeyframeId id, double weight) {
-                           if (id >= first && id < before) votes[id] += weight;
+                           if (id >= first && id < before && !is_left_out(id)) votes[id] += weight;
                          });
     }
   }
@@ -88,9 +90,8 @@ void AppearanceIndex::add(KeyframeId id, const features::Features& features) {
   const Hashes hashes = hash(features);
   for (Eigen::Index row = 0; row < hashes.rows(); ++row) {
     for (std::size_t table = 0; table < tables_.size(); ++table) {
-      auto& bucket = tables_[table].recent[hashes(row, static_cast<Eigen::Index>(table))];
-      // One more than is ever looked at marks a bucket as full.
-      if (bucket.size() <= options_.max_in_bucket) bucket.push_back(static_cast<std::uint32_t>(id));
+      tables_[table].recent[hashes(row, static_cast<Eigen::Index>(table))].push_back(
+          static_cast<std::uint32_t>(id));
     }
   }
   // Merging moves all entries: it is done the more seldom, the more there are.
@@ -123,14 +124,21 @@ std::vector<AppearanceIndex::Entry> AppearanceIndex::merged(const Table& table) 
   std::ranges::sort(recent);
   std::vector<Entry> all(table.sorted.size() + recent.size());
   std::ranges::merge(table.sorted, recent, all.begin());
-  std::size_t kept = 0, in_bucket = 0;
-  for (const Entry& entry : all) {
-    in_bucket = kept > 0 && all[kept - 1].hash == entry.hash ? in_bucket + 1 : 1;
-    if (in_bucket <= options_.max_in_bucket + 1) all[kept++] = entry;
-  }
-  all.resize(kept);
-  all.shrink_to_fit();
   return all;
+}
+
+void AppearanceIndex::keep_only(std::span<const KeyframeId> kept) {
+  for (Table& table : tables_) {
+    std::vector<Entry> entries;
+    for (const Entry& entry : merged(table)) {
+      const auto place = std::ranges::lower_bound(kept, KeyframeId{entry.id});
+      if (place != kept.end() && *place == entry.id)
+        entries.push_back({entry.hash, static_cast<std::uint32_t>(place - kept.begin())});
+    }
+    table.sorted = std::move(entries);
+    table.recent.clear();
+  }
+  recent_keyframes_ = 0;
 }
 
 void AppearanceIndex::set_directions(Eigen::Index descriptor_size) {

@@ -38,10 +38,16 @@ class AppearanceIndex {
   };
   // The `most` key-frames with the most votes among those added with id from `first` to below
   // `before`, best first; of equals the earlier.
+  // Those in `left_out`, by id, are as if they were not there, but that their features fill
+  // buckets.
   [[nodiscard]] std::vector<Hit> find(const features::Features& features, KeyframeId first,
-                                      KeyframeId before, std::size_t most) const;
+                                      KeyframeId before, std::size_t most,
+                                      const std::vector<bool>& left_out = {}) const;
   // Ids grow.
   void add(KeyframeId id, const features::Features& features);
+
+  // The index of some of its key-frames, ascending, which are numbered 0, 1, 2, ... from now on.
+  void keep_only(std::span<const KeyframeId> kept);
 
   // The index as plain bytes and back; seed and options must be those that it was made with. Of
   // bytes that are none of an index `reader` is not whole afterwards, or nothing is found.
@@ -71,7 +77,7 @@ class AppearanceIndex {
   // Calls take(id, weight) for those in a bucket, unless it is too full.
   template <typename Take>
   void for_each_in_bucket(const Table& table, std::uint32_t hash, const Take& take) const;
-  // All of a table, sorted; of a bucket that is too full no more than marks it as such.
+  // All of a table, sorted.
   [[nodiscard]] std::vector<Entry> merged(const Table& table) const;
   void set_directions(Eigen::Index descriptor_size);
 

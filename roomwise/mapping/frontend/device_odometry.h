@@ -2,6 +2,7 @@
 
 #include <optional>
 
+#include "roomwise/mapping/frontend/keyframe.h"
 #include "roomwise/mapping/graph/pose_graph.h"
 #include "roomwise/motion/view_alignment.h"
 #include "roomwise/scene/frame.h"

@@ -57,6 +57,12 @@ void DepthIndex::add(const motion::RgbdPyramid& view) {
   thumbnails_.push_back(shrink(view.levels.back()));
 }
 
+void DepthIndex::keep_only(std::span<const std::size_t> kept) {
+  std::vector<Thumbnail> thumbnails;
+  for (const std::size_t index : kept) thumbnails.push_back(std::move(thumbnails_[index]));
+  thumbnails_ = std::move(thumbnails);
+}
+
 void DepthIndex::write(PlainWriter& writer) const {
   writer.put(static_cast<std::uint64_t>(thumbnails_.size()));
   for (const Thumbnail& thumbnail : thumbnails_) {
@@ -76,8 +82,8 @@ void DepthIndex::read(PlainReader& reader) {
   }
 }
 
-std::vector<DepthIndex::Hit> DepthIndex::find(const motion::RgbdPyramid& view,
-                                              std::size_t most) const {
+std::vector<DepthIndex::Hit> DepthIndex::find(const motion::RgbdPyramid& view, std::size_t most,
+                                              const std::vector<bool>& left_out) const {
   // Of two that fit alike the less turned one.
   constexpr double kPerPixel = 0.006;
   constexpr int kMaxAside = 6, kMaxUp = 2, kBetween = 2;
@@ -85,6 +91,7 @@ std::vector<DepthIndex::Hit> DepthIndex::find(const motion::RgbdPyramid& view,
   const Thumbnail asked = shrink(view.levels.back());
   std::vector<Hit> hits;
   for (std::size_t i = 0; i < thumbnails_.size(); ++i) {
+    if (i < left_out.size() && left_out[i]) continue;
     Hit best{i, 2, {}};
     Shift best_shift;
     for (int x = -kMaxAside; x <= kMaxAside; x += kBetween) {

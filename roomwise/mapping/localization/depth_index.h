@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include "roomwise/base/plain_bytes.h"
@@ -26,8 +27,13 @@ class DepthIndex {
 
   void add(const motion::RgbdPyramid& view);
   // The `most` views that look most like one, best first; of equals the earlier.
-  [[nodiscard]] std::vector<Hit> find(const motion::RgbdPyramid& view, std::size_t most) const;
+  // Those in `left_out`, by index, are as if they were not there.
+  [[nodiscard]] std::vector<Hit> find(const motion::RgbdPyramid& view, std::size_t most,
+                                      const std::vector<bool>& left_out = {}) const;
   [[nodiscard]] std::size_t size() const { return thumbnails_.size(); }
+
+  // Only these, ascending, stay, and are numbered anew.
+  void keep_only(std::span<const std::size_t> kept);
 
   // The index as plain bytes and back.
   void write(PlainWriter& writer) const;

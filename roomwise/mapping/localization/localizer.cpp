@@ -123,11 +123,12 @@ bool Localizer::is_same(const RigidTransform& a, const RigidTransform& b) const 
 
 // The key-frames from which nearly the same is seen as from a pose, the nearest first; a metre
 // counts as a radian.
-std::vector<std::size_t> Localizer::nearest(const RigidTransform& pose) const {
+std::vector<std::size_t> Localizer::nearest(const Query& query, const RigidTransform& pose) const {
   constexpr std::size_t kMax = 4;
   std::vector<std::pair<double, std::size_t>> near;
   for (std::size_t i = 0; i < keyframes_.size(); ++i) {
-    if (!may_show_the_same(keyframes_[i].world_from_keyframe, pose)) continue;
+    if (query.leaves_out(i) || !may_show_the_same(keyframes_[i].world_from_keyframe, pose))
+      continue;
     const RigidTransform apart = keyframes_[i].world_from_keyframe.inverse() * pose;
     near.emplace_back(apart.distance_m() + apart.angle_rad(), i);
   }
@@ -142,7 +143,7 @@ motion::ViewAgreement Localizer::agreement_around(const Query& query,
                                                   const RigidTransform& pose) const {
   motion::ViewAgreement around;
   double overlaps = 0;
-  for (const std::size_t i : nearest(pose)) {
+  for (const std::size_t i : nearest(query, pose)) {
     const auto keyframe = measured(i);
     if (!keyframe) continue;
     const motion::ViewAgreement one =
@@ -165,7 +166,7 @@ motion::ViewAgreement Localizer::agreement_around(const Query& query,
 double Localizer::pattern_correlation_around(const Query& query, const motion::ViewPattern& pattern,
                                              const RigidTransform& pose) const {
   motion::PatternCorrelation pattern_correlation;
-  for (const std::size_t i : nearest(pose)) {
+  for (const std::size_t i : nearest(query, pose)) {
     const auto keyframe = measured(i);
     if (!keyframe) continue;
     pattern_correlation += motion::compare_patterns(
@@ -198,11 +199,11 @@ bool Localizer::is_precise(const Localization& found) const {
          found.rotation_sigma_rad() <= options_.max_rotation_sigma_rad;
 }
 
-std::vector<Localizer::Place> Localizer::similar_places(
-    const motion::FrameMeasurements& picture) const {
+std::vector<Localizer::Place> Localizer::similar_places(const Query& query) const {
   std::vector<Place> places;
-  for (const AppearanceIndex::Hit& hit : index_.appearances().find(
-           picture.features().features, 0, keyframes_.size(), options_.similar)) {
+  for (const AppearanceIndex::Hit& hit :
+       index_.appearances().find(query.measurements.features().features, 0, keyframes_.size(),
+                                 options_.similar, query.left_out)) {
     const RigidTransform& pose = keyframes_[hit.id].world_from_keyframe;
     const auto known = std::ranges::find_if(places, [&](const Place& place) {
       return may_show_the_same(keyframes_[place.members.front()].world_from_keyframe, pose);
@@ -308,7 +309,7 @@ void Localizer::refine(const Query& query, Localization& found) const {
   std::shared_ptr<const MeasuredKeyframe> best;
   PlacedKeyframe where;
   double most = 0;
-  for (const std::size_t i : nearest(found.world_from_camera)) {
+  for (const std::size_t i : nearest(query, found.world_from_camera)) {
     const auto candidate = measured(i);
     if (!candidate) continue;
     const motion::ViewAgreement agreement = motion::compare_views(
@@ -360,7 +361,7 @@ Localization Localizer::likeliest(const std::vector<Localization>& answers) cons
 // The best of what the similar places say.
 Localization Localizer::by_features(const Query& query) const {
   std::vector<Localization> answers;
-  for (const Place& place : similar_places(query.measurements)) {
+  for (const Place& place : similar_places(query)) {
     answers.push_back(locate_in(place, query));
   }
   if (answers.empty()) return {};
@@ -427,7 +428,8 @@ std::vector<Localization> Localizer::align_shapes(const Query& query) const {
   };
   std::vector<Aligned> found;
   const motion::RgbdPyramid& view = query.measurements.view();
-  for (const DepthIndex::Hit& hit : index_.depths().find(view, options_.similar_shapes)) {
+  for (const DepthIndex::Hit& hit :
+       index_.depths().find(view, options_.similar_shapes, query.left_out)) {
     const PlacedKeyframe& keyframe = keyframes_[hit.index];
     const auto known_view = measured(hit.index);
     if (!known_view) continue;

@@ -20,6 +20,13 @@ struct Query {
   const motion::FrameMeasurements& measurements;
   const geometry::PinholeCamera& camera;
   std::optional<motion::LensEstimate> lens = std::nullopt;
+  // By place among the map's key-frames: the answer is what a map without these would say. Empty:
+  // without none.
+  std::vector<bool> left_out = {};
+
+  [[nodiscard]] bool leaves_out(std::size_t place) const {
+    return place < left_out.size() && left_out[place];
+  }
 };
 
 // A key-frame of a finished map, and where it is.
@@ -77,7 +84,8 @@ class Localizer {
                                        const geometry::RigidTransform& b) const;
   [[nodiscard]] bool is_same(const geometry::RigidTransform& a,
                              const geometry::RigidTransform& b) const;
-  [[nodiscard]] std::vector<std::size_t> nearest(const geometry::RigidTransform& pose) const;
+  [[nodiscard]] std::vector<std::size_t> nearest(const Query& query,
+                                                 const geometry::RigidTransform& pose) const;
   [[nodiscard]] motion::ViewAgreement agreement_around(const Query& query,
                                                        const geometry::RigidTransform& pose) const;
   [[nodiscard]] double pattern_correlation_around(const Query& query,
@@ -87,7 +95,7 @@ class Localizer {
   [[nodiscard]] bool is_precise(const Localization& found) const;
   [[nodiscard]] bool can_compare_shapes(const Query& query) const;
 
-  [[nodiscard]] std::vector<Place> similar_places(const motion::FrameMeasurements& picture) const;
+  [[nodiscard]] std::vector<Place> similar_places(const Query& query) const;
   [[nodiscard]] std::vector<motion::PointObservation> match(const Place& place,
                                                             const Query& query) const;
   [[nodiscard]] motion::LensMotion pose_in(const Place& place,

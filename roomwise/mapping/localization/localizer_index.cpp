@@ -29,6 +29,13 @@ void LocalizerIndex::add(const motion::FrameMeasurements& measurements) {
   if (!view_camera_) view_camera_ = view.levels.back().camera;
 }
 
+void LocalizerIndex::keep_only(std::span<const std::size_t> kept) {
+  const std::vector<KeyframeId> ids(kept.begin(), kept.end());
+  appearances_.keep_only(ids);
+  if (depths_.size() > 0) depths_.keep_only(kept);
+  size_ = kept.size();
+}
+
 Bytes LocalizerIndex::to_bytes() const {
   PlainWriter writer;
   writer.put(static_cast<std::uint64_t>(size_));

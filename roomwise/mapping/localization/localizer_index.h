@@ -31,6 +31,9 @@ class LocalizerIndex {
   // The features must be of one kind; all key-frames have views, of one camera, or none has.
   void add(const motion::FrameMeasurements& measurements);
 
+  // Of some of its key-frames, by place, ascending.
+  void keep_only(std::span<const std::size_t> kept);
+
   [[nodiscard]] std::size_t size() const { return size_; }
   [[nodiscard]] const AppearanceIndex& appearances() const { return appearances_; }
   [[nodiscard]] const DepthIndex& depths() const { return depths_; }

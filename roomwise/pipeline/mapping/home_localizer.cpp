@@ -112,6 +112,29 @@ Expected<void> keep_localizer_index(
   return home.put_derived_data({kIndexName, made_from, index.to_bytes()});
 }
 
+Expected<std::optional<KeptLocalizerIndex>> take_localizer_index(const home::Home& home) {
+  ROOMWISE_TRY(const MapSettings settings, measuring_settings(home));
+  ROOMWISE_TRY(const auto placed, map_keyframes(home));
+  ROOMWISE_TRY(auto index, kept_index(home, index_made_from(placed, settings), placed.size()));
+  if (!index) return std::nullopt;
+  KeptLocalizerIndex kept{*std::move(index), {}};
+  for (const home::Keyframe& one : placed) kept.keyframes.push_back(one.id);
+  return kept;
+}
+
+Expected<void> keep_localizer_index_without(home::Home& home, KeptLocalizerIndex kept,
+                                            const std::set<home::KeyframeId>& gone) {
+  std::vector<std::size_t> left;
+  for (std::size_t i = 0; i < kept.keyframes.size(); ++i) {
+    if (!gone.contains(kept.keyframes[i])) left.push_back(i);
+  }
+  kept.index.keep_only(left);
+  ROOMWISE_TRY(const MapSettings settings, measuring_settings(home));
+  ROOMWISE_TRY(const auto placed, map_keyframes(home));
+  return home.put_derived_data(
+      {kIndexName, index_made_from(placed, settings), kept.index.to_bytes()});
+}
+
 Expected<motion::FrameMeasurements> HomeLocalizer::measure(const PictureToLocate& picture) const {
   const auto check_size = [&](const auto& image, std::string_view what) -> Expected<void> {
     if (image.width() == picture.camera.width && image.height() == picture.camera.height) return {};

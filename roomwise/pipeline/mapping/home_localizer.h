@@ -3,6 +3,8 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <set>
+#include <vector>
 
 #include "roomwise/features/feature_extractor.h"
 #include "roomwise/home/home.h"
@@ -39,6 +41,11 @@ class HomeLocalizer {
   [[nodiscard]] Expected<mapping::Localization> locate_uncalibrated(
       const image::ColorImage& color, const motion::LensEstimate& lens) const;
   [[nodiscard]] const mapping::Localizer& localizer() const { return localizer_; }
+  // What was measured in a key-frame, by its place among those of the map; null where it cannot be
+  // had. Thread-safe.
+  [[nodiscard]] std::shared_ptr<const mapping::MeasuredKeyframe> keyframe(std::size_t place) const {
+    return keyframes_->get(place);
+  }
   // Why a key-frame of the map could not be read when a picture asked for it: answers did without
   // it. Told once; the next picture that needs it tries again.
   [[nodiscard]] std::optional<Error> take_failure() const { return keyframes_->take_failure(); }
@@ -61,5 +68,16 @@ class HomeLocalizer {
 [[nodiscard]] Expected<void> keep_localizer_index(
     home::Home& home,
     const std::function<Expected<mapping::SharedMeasurements>(home::KeyframeId)>& measured);
+
+// The index that the home keeps, if it is fresh, and which key-frames it is of.
+struct KeptLocalizerIndex {
+  mapping::LocalizerIndex index;
+  std::vector<home::KeyframeId> keyframes;
+};
+[[nodiscard]] Expected<std::optional<KeptLocalizerIndex>> take_localizer_index(
+    const home::Home& home);
+// Keeps it without key-frames that the home had when it was taken and has no more.
+[[nodiscard]] Expected<void> keep_localizer_index_without(home::Home& home, KeptLocalizerIndex kept,
+                                                          const std::set<home::KeyframeId>& gone);
 
 }  // namespace roomwise::pipeline

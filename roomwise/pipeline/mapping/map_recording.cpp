@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <set>
 #include <utility>
 
+#include "roomwise/pipeline/mapping/culling.h"
 #include "roomwise/pipeline/mapping/home_floor.h"
 #include "roomwise/pipeline/mapping/home_localizer.h"
 #include "roomwise/pipeline/objects/proposal_detection.h"
@@ -139,12 +141,96 @@ Expected<std::vector<mapping::KeyframeFeatures>> landmark_features(const home::H
 
 // Whether a key-frame of the walk lies in one component with one of an earlier walk. The first walk
 // has none to join.
-bool is_joined(const mapping::MapSolution& solution, home::KeyframeId first_keyframe) {
-  const auto earlier = std::span(solution.component).first(first_keyframe);
-  const auto own = std::span(solution.component).subspan(first_keyframe);
-  return earlier.empty() || std::ranges::any_of(own, [&](std::size_t component) {
-           return std::ranges::find(earlier, component) != earlier.end();
+bool is_joined(std::span<const home::Keyframe> keyframes, home::RecordingId walk) {
+  std::set<std::uint64_t> of_earlier, of_walk;
+  for (const home::Keyframe& one : keyframes)
+    (one.recording == walk ? of_walk : of_earlier).insert(one.pose.component);
+  return of_earlier.empty() || std::ranges::any_of(of_walk, [&](std::uint64_t component) {
+           return of_earlier.contains(component);
          });
+}
+
+std::uint64_t count_components(std::span<const home::Keyframe> keyframes) {
+  std::set<std::uint64_t> components;
+  for (const home::Keyframe& one : keyframes) components.insert(one.pose.component);
+  return components.size();
+}
+
+// What a walk's map has come to once all its frames are stored, so that a run that was killed goes
+// on behind it: what comes before is not to be done twice, since it begins with the poses and
+// key-frames that it changes.
+enum class MapStage : std::uint8_t { kStored, kSolved, kCulled };
+const std::string kStageName = "map stage";
+Expected<MapStage> stage_of(const home::Home& home, home::RecordingId walk) {
+  ROOMWISE_TRY(const auto stored, home.derived_data(kStageName));
+  if (!stored || stored->made_from != std::to_string(walk) || stored->data.size() != 1 ||
+      stored->data.front() > static_cast<std::uint8_t>(MapStage::kCulled)) {
+    return MapStage::kStored;
+  }
+  return static_cast<MapStage>(stored->data.front());
+}
+Expected<void> put_stage(home::Home& home, home::RecordingId walk, MapStage stage) {
+  return home.put_derived_data(
+      {kStageName, std::to_string(walk), {static_cast<std::uint8_t>(stage)}});
+}
+
+Expected<void> solve(home::Home& home, const MapSettings& settings, mapping::Mapper& mapper,
+                     home::RecordingId walk, RunContext& run, MapSummary& summary) {
+  const auto timing = run.clock.measure("optimisation");
+  return home.atomically([&]() -> Expected<void> {
+    const auto features = [&] { return landmark_features(home, mapper, settings); };
+    ROOMWISE_TRY(const SolvedMap solved, solve_stored_map(home, settings, features, run.progress));
+    if (solved.refinement) {
+      summary.landmarks = solved.refinement->landmarks;
+      summary.landmark_views = solved.refinement->views;
+      summary.readout_s = solved.refinement->readout_s;
+    }
+    summary.rejected_edges = solved.solution.rejected_edges;
+    summary.graph_error_before = solved.solution.report.error_before;
+    summary.graph_error_after = solved.solution.report.error_after;
+    return put_stage(home, walk, MapStage::kSolved);
+  });
+}
+
+// Of the walk before this one, key-frames that add nothing to what the walks before it show. This
+// one stays whole until the next: what stands where now is known by it.
+Expected<void> cull_walk_before(home::Home& home, const MapSettings& settings, RunContext& run,
+                                MapSummary& summary) {
+  ROOMWISE_TRY(const auto recordings, home.recordings());
+  if (!settings.culls_keyframes() || recordings.size() < 3) return {};
+  const auto timing = run.clock.measure("culling");
+  ROOMWISE_TRY(const CullingVerdicts verdicts,
+               judge_keyframes(home, recordings[recordings.size() - 2].id, {}, run));
+  const std::vector<home::KeyframeId> culled = redundant_of(verdicts);
+  summary.culled = culled.size();
+  return cull_keyframes(home, culled, settings);
+}
+
+// Poses, things, the localiser's index, and what need not be kept. `mapper` holds what the home
+// does, as it was when this run began to store.
+Expected<void> finish_map(home::Home& home, const MapSettings& settings, mapping::Mapper& mapper,
+                          home::RecordingId walk, const objects::ObjectFinders& finders,
+                          RunContext& run, MapSummary& summary) {
+  ROOMWISE_TRY(const MapStage stage, stage_of(home, walk));
+  if (stage == MapStage::kCulled) return {};
+  if (stage == MapStage::kStored)
+    ROOMWISE_CHECK_OK(solve(home, settings, mapper, walk, run, summary));
+  if (finders.of_proposals)
+    ROOMWISE_CHECK_OK(redetect_on_proposals(home, *finders.of_proposals, run));
+  {
+    const auto timing = run.clock.measure("joining objects");
+    ROOMWISE_CHECK_OK(update_objects(home, settings.objects).map([](const FoundObjects&) {}));
+  }
+  // A map of the paper's method holds no views: its localiser measures them when it is first used.
+  if (settings.mapper.method != mapping::MappingMethod::kPaper) {
+    const auto timing = run.clock.measure("localiser");
+    ROOMWISE_CHECK_OK(
+        keep_localizer_index(home, [&](home::KeyframeId id) { return mapper.measurements(id); }));
+  }
+  return home.atomically([&]() -> Expected<void> {
+    ROOMWISE_CHECK_OK(cull_walk_before(home, settings, run, summary));
+    return put_stage(home, walk, MapStage::kCulled);
+  });
 }
 
 void count_motion(std::span<const scene::Frame> frames, MapSummary& summary) {
@@ -200,42 +286,19 @@ Expected<MapSummary> map_recording(recording::FrameSource& source, const home::R
     }
     ROOMWISE_CHECK_OK(writer.write_rest());
     ROOMWISE_CHECK_OK(observer.observe_missing());
+    ROOMWISE_CHECK_OK(finish_map(home, settings, mapper, stored.id, finders, run, summary));
     {
-      const auto timing = run.clock.measure("optimisation");
-      const auto features = [&] { return landmark_features(home, mapper, settings); };
-      ROOMWISE_TRY(const SolvedMap solved,
-                   solve_stored_map(home, settings, features, run.progress));
-      const mapping::MapSolution& solution = solved.solution;
-      if (solved.refinement) {
-        summary.landmarks = solved.refinement->landmarks;
-        summary.landmark_views = solved.refinement->views;
-        summary.readout_s = solved.refinement->readout_s;
-      }
-      summary.rejected_edges = solution.rejected_edges;
-      summary.components = solution.components;
-      summary.is_joined = is_joined(solution, writer.first_keyframe());
-      summary.graph_error_before = solution.report.error_before;
-      summary.graph_error_after = solution.report.error_after;
+      ROOMWISE_TRY(const auto keyframes, home.keyframes());
+      summary.components = count_components(keyframes);
+      summary.is_joined = is_joined(keyframes, stored.id);
       ROOMWISE_TRY(const recording::Trajectory trajectory, stored_trajectory(home, stored.id));
       summary.placed = trajectory.size();
       ROOMWISE_TRY(const auto frames, home.frames(stored.id));
       count_motion(frames, summary);
-    }
-    if (finders.of_proposals) {
-      ROOMWISE_CHECK_OK(redetect_on_proposals(home, *finders.of_proposals, run));
-    }
-    {
-      const auto timing = run.clock.measure("joining objects");
-      ROOMWISE_TRY(const FoundObjects found, update_objects(home, settings.objects));
-      summary.objects = found.by_rules;
-      summary.instances = found.instances;
-    }
-    // A map of the paper's method holds no views: its localiser measures them when it is first
-    // used.
-    if (settings.mapper.method != mapping::MappingMethod::kPaper) {
-      const auto timing = run.clock.measure("localiser");
-      ROOMWISE_CHECK_OK(
-          keep_localizer_index(home, [&](home::KeyframeId id) { return mapper.measurements(id); }));
+      ROOMWISE_TRY(const auto instances, home.instances());
+      summary.instances = instances.size();
+      ROOMWISE_TRY(const auto by_rules, home.paper_objects());
+      summary.objects = by_rules.size();
     }
     const auto timing = run.clock.measure("floor");
     ROOMWISE_CHECK_OK(keep_home_floor(home, run));

@@ -23,6 +23,7 @@ struct MapSummary {
   std::uint64_t rejected_edges = 0;  // edges that contradicted the others and were left out
   std::uint64_t components = 0;
   std::uint64_t walks = 0;    // in the home
+  std::uint64_t culled = 0;   // key-frames of the walk before this one that went
   bool is_joined = true;      // the walk shares a component with an earlier one, where there is one
   std::uint64_t objects = 0;  // by the paper's rules
   std::uint64_t instances = 0;    // joined from the regions of many key-frames
@@ -39,10 +40,12 @@ struct MapSummary {
 // The main job: frames -> key-frames -> loops -> pose graph -> objects, all into a home. A home
 // that holds an unfinished recording is gone on with, exactly as if it had never been stopped. A
 // finished one stays, and the recording is a further walk, with a camera of its own: it joins the
-// map where it shows the same, else it is a component of its own, which a later walk may join. The
-// settings must be the home's own, where it has some; a recording that it holds already is an
-// error. Networks and finders may be empty: then nothing is named or learned, or found. On an error
-// of the source (a damaged image) everything before it is in the home.
+// map where it shows the same, else it is a component of its own, which a later walk may join. Then
+// key-frames of the walk before go that add nothing to what the walks before that one show
+// (culling.h), where the settings say so. The settings must be the home's own, where it has some; a
+// recording that it holds already is an error. Networks and finders may be empty: then nothing is
+// named or learned, or found. On an error of the source (a damaged image) everything before it is
+// in the home.
 [[nodiscard]] Expected<MapSummary> map_recording(recording::FrameSource& source,
                                                  const home::Recording& recording, home::Home& home,
                                                  const Networks& networks,

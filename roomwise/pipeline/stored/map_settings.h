@@ -27,8 +27,14 @@ struct MapSettings {
   bool bundle_adjustment = true;
   mapping::RefinementOptions refinement;
   objects::ObjectRules objects;
+  // Of the walk before the last, key-frames that add nothing to what the walks before it show go
+  // when a further walk is mapped. The paper's method keeps all.
+  bool keyframe_culling = true;
 
   [[nodiscard]] Expected<void> validate() const;
+  [[nodiscard]] bool culls_keyframes() const {
+    return keyframe_culling && mapper.method != mapping::MappingMethod::kPaper;
+  }
   [[nodiscard]] bool adjusts_bundle() const {
     return bundle_adjustment && mapper.method != mapping::MappingMethod::kPaper;
   }

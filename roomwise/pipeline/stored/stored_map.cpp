@@ -36,6 +36,45 @@ Expected<mapping::MapRefinement> refine(const home::Home& home,
                              settings.solver, settings.refinement, progress);
 }
 
+// What is solved when a walk, whose first key-frame this is, joins a map that was solved before: of
+// the edges between earlier key-frames of one component those that the map was found from, and they
+// say where it is.
+std::vector<mapping::PoseGraphEdge> edges_to_join(std::span<const home::Keyframe> keyframes,
+                                                  std::span<const mapping::PoseGraphEdge> measured,
+                                                  home::KeyframeId first_of_walk,
+                                                  const mapping::MapSolverOptions& options) {
+  mapping::PoseGraph stored;
+  for (const home::Keyframe& keyframe : keyframes)
+    stored.world_from_node[keyframe.id] = keyframe.pose.world_from_keyframe;
+  const auto doubted = mapping::demote_inconsistent_odometry(keyframes.size(), measured);
+  std::vector<mapping::PoseGraphEdge> edges;
+  for (std::size_t i = 0; i < measured.size(); ++i) {
+    mapping::PoseGraphEdge edge = measured[i];
+    const home::KeyframePose& from = keyframes[edge.from].pose;
+    const home::KeyframePose& to = keyframes[edge.to].pose;
+    if (std::max(edge.from, edge.to) < first_of_walk && from.component == to.component) {
+      if (mapping::is_contradicted(stored, doubted[i], options)) continue;
+      edge.from_from_to = from.world_from_keyframe.inverse() * to.world_from_keyframe;
+    }
+    edges.push_back(edge);
+  }
+  return edges;
+}
+
+// By key-frame: its component, as it is stored; a walk that is not finished is a part of its own.
+std::vector<std::size_t> parts_of_map(std::span<const home::Keyframe> keyframes,
+                                      std::span<const home::StoredRecording> recordings) {
+  std::size_t components = 0;
+  for (const home::Keyframe& keyframe : keyframes)
+    components = std::max<std::size_t>(components, keyframe.pose.component + 1);
+  std::vector<std::size_t> parts;
+  for (const home::Keyframe& keyframe : keyframes) {
+    const bool is_new = keyframe.recording == recordings.back().id && !recordings.back().finished;
+    parts.push_back(is_new ? components : keyframe.pose.component);
+  }
+  return parts;
+}
+
 // Where the frames of one recording are, those of other components than the largest left out.
 std::vector<mapping::PlacedFrame> place_frames(
     std::span<const scene::Frame> frames,
@@ -61,11 +100,14 @@ Expected<SolvedMap> solve_stored_map(
   ROOMWISE_TRY(const auto keyframes, home.keyframes());
   ROOMWISE_TRY(const auto recordings, home.recordings());
   ROOMWISE_TRY(const auto measured, home.edges());
-  std::vector<home::KeyframeId> first_keyframes;
-  for (const home::StoredRecording& recording : recordings)
-    first_keyframes.push_back(first_keyframe_of(keyframes, recording.id));
-  ROOMWISE_TRY(const auto edges, mapping::without_unsupported_joins(
-                                     keyframes.size(), measured, first_keyframes, settings.solver));
+  if (recordings.empty()) return SolvedMap{};
+  std::vector<mapping::PoseGraphEdge> edges = measured;
+  if (!recordings.back().finished) {
+    edges = edges_to_join(keyframes, measured, first_keyframe_of(keyframes, recordings.back().id),
+                          settings.solver);
+  }
+  ROOMWISE_TRY(edges, mapping::without_unsupported_joins(parts_of_map(keyframes, recordings), edges,
+                                                         settings.solver));
   SolvedMap solved;
   ROOMWISE_TRY(solved.solution, mapping::solve_map(keyframes.size(), edges, settings.solver));
   solved.solution.rejected_edges += measured.size() - edges.size();
