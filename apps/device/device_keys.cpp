@@ -31,15 +31,14 @@ bool continues_character(char byte) {
 
 template <typename Key>
 using KeyKinds = std::initializer_list<std::pair<Key, Kind>>;
-constexpr KeyKinds<char> kLettersBeforeName = {{'f', Kind::kFind},
-                                               {'g', Kind::kTake},
-                                               {'l', Kind::kWay},
-                                               {'n', Kind::kNameRoom},
-                                               {'?', Kind::kInWords}};
+constexpr KeyKinds<char> kLettersBeforeName = {{'f', Kind::kFind}, {'g', Kind::kTake},
+                                               {'l', Kind::kWay},  {'n', Kind::kNameRoom},
+                                               {'m', Kind::kMark}, {'?', Kind::kInWords}};
 constexpr KeyKinds<char> kLetters = {
     {'w', Kind::kWhere},   {'a', Kind::kAround}, {'r', Kind::kRepeat}, {'q', Kind::kQuiet},
     {'p', Kind::kPause},   {'o', Kind::kGoOn},   {'h', Kind::kHowFar}, {'t', Kind::kNext},
-    {'b', Kind::kBlocked}, {'e', Kind::kEnd},    {'x', Kind::kExit}};
+    {'b', Kind::kBlocked}, {'e', Kind::kEnd},    {'x', Kind::kExit},   {'k', Kind::kBack},
+    {'s', Kind::kSpots}};
 constexpr KeyKinds<int> kButtons = {{KEY_1, Kind::kWhere},
                                     {KEY_2, Kind::kAround},
                                     {KEY_3, Kind::kFindNext},
@@ -55,6 +54,7 @@ std::optional<Kind> kind_of(Key key, KeyKinds<Key> kinds) {
 // What says that a name is waited for.
 Kind asking_for(Kind naming) {
   if (naming == Kind::kInWords) return Kind::kWhichQuestion;
+  if (naming == Kind::kMark) return Kind::kWhichSpot;
   return naming == Kind::kNameRoom ? Kind::kWhichRoom : Kind::kWhichThing;
 }
 
@@ -73,8 +73,7 @@ std::optional<std::vector<std::uint8_t>> read_some(int descriptor) {
 std::vector<KeyRequest> TypedKeys::take(std::string_view bytes, TimestampNs now_ns) {
   std::vector<KeyRequest> requests;
   if (naming_ && seconds_between(last_key_ns_, now_ns) > kNameWaits_s) {
-    name_.clear();
-    end_name(requests);
+    end_name(true, requests);
   }
   if (!bytes.empty()) last_key_ns_ = now_ns;
   for (const char key : bytes) take_key(key, requests);
@@ -95,10 +94,9 @@ void TypedKeys::take_key(char key, std::vector<KeyRequest>& requests) {
 void TypedKeys::take_letter_of_name(char key, std::vector<KeyRequest>& requests) {
   const std::size_t longest = naming_ == Kind::kInWords ? kMaxQuestionBytes : kMaxNameBytes;
   if (key == '\n' || key == '\r') {
-    end_name(requests);
+    end_name(false, requests);
   } else if (key == kEscape) {
-    name_.clear();
-    end_name(requests);
+    end_name(true, requests);
   } else if (key == kBackspace || key == kDelete) {
     while (!name_.empty() && continues_character(name_.back())) name_.pop_back();
     if (!name_.empty()) name_.pop_back();
@@ -107,9 +105,10 @@ void TypedKeys::take_letter_of_name(char key, std::vector<KeyRequest>& requests)
   }
 }
 
-void TypedKeys::end_name(std::vector<KeyRequest>& requests) {
-  const std::size_t begin = name_.find_first_not_of(' ');
-  if (begin == std::string::npos) {
+void TypedKeys::end_name(bool given_up, std::vector<KeyRequest>& requests) {
+  const std::size_t begin = std::min(name_.find_first_not_of(' '), name_.size());
+  const bool needs_name = naming_ != Kind::kMark;
+  if (given_up || (begin == name_.size() && needs_name)) {
     requests.push_back({Kind::kNoName, ""});
   } else {
     requests.push_back({*naming_, name_.substr(begin)});

@@ -33,16 +33,21 @@ struct KeyRequest {
     kEnd,
     kNameRoom,
     kInWords,
+    kMark,   // this place
+    kBack,   // to where that was, or where one set out
+    kSpots,  // which were marked
     kRepeat,
     kQuiet,
     kExit,
     kWhichThing,  // its name is to be typed now
     kWhichRoom,
     kWhichQuestion,
-    kNoName,  // that was given up
+    kWhichSpot,  // its name is to be typed now, or none
+    kNoName,     // that was given up
   };
   Kind kind = Kind::kWhere;
-  // The thing of kFind, kTake and kWay, the room of kNameRoom, the question of kInWords.
+  // The thing of kFind, kTake and kWay, the room of kNameRoom, the question of kInWords, the spot
+  // of kMark (empty: without a name).
   std::string name;
 
   bool operator==(const KeyRequest&) const = default;
@@ -50,10 +55,11 @@ struct KeyRequest {
 
 // Letters as they come from a keyboard or a pipe: w (where am I), a (around me), f NAME Enter
 // (find), g NAME Enter (go there), l NAME Enter (list the way there), n NAME Enter (name the room
-// while it is recorded), ? QUESTION Enter (ask in one's own words), r (repeat), q (quiet), x
-// (exit); to the guide p (pause), o (go on), h (how far), t (what is next), b (the way is blocked),
-// e (end). Others mean nothing. Backspace takes back the last letter of a name; Escape, or ten
-// seconds without a key, ends it.
+// while it is recorded), ? QUESTION Enter (ask in one's own words), m [NAME] Enter (mark this
+// place), k (back there, or to where one set out), s (which places were marked), r (repeat), q
+// (quiet), x (exit); to the guide p (pause), o (go on), h (how far), t (what is next), b (the way
+// is blocked), e (end). Others mean nothing. Backspace takes back the last letter of a name;
+// Escape, or ten seconds without a key, ends it.
 class TypedKeys {
  public:
   // Also without bytes, to see that time passes.
@@ -62,7 +68,8 @@ class TypedKeys {
  private:
   void take_key(char key, std::vector<KeyRequest>& requests);
   void take_letter_of_name(char key, std::vector<KeyRequest>& requests);
-  void end_name(std::vector<KeyRequest>& requests);
+  // `given_up`: by Escape, or since no key came.
+  void end_name(bool given_up, std::vector<KeyRequest>& requests);
 
   std::optional<KeyRequest::Kind> naming_;  // after f, g, l, n or ?, until Enter
   bool is_announced_ = false;               // that a name is waited for

@@ -48,6 +48,16 @@ TEST(TypedKeysTest, AQuestionIsTypedAfterAQuestionMark) {
       ElementsAre(KeyRequest{Kind::kInWords, "where is my cup?"}, KeyRequest{Kind::kRepeat, ""}));
 }
 
+TEST(TypedKeysTest, APlaceIsMarkedWithANameOrWithout) {
+  TypedKeys keys;
+  EXPECT_THAT(keys.take("m", 0), ElementsAre(KeyRequest{Kind::kWhichSpot, ""}));
+  EXPECT_THAT(keys.take("my chair\nks", 0),
+              ElementsAre(KeyRequest{Kind::kMark, "my chair"}, KeyRequest{Kind::kBack, ""},
+                          KeyRequest{Kind::kSpots, ""}));
+  EXPECT_THAT(keys.take("m\n", 0), ElementsAre(KeyRequest{Kind::kMark, ""}));
+  EXPECT_THAT(keys.take("m my\x1b", 0), ElementsAre(KeyRequest{Kind::kNoName, ""}));
+}
+
 TEST(TypedKeysTest, NamesAreMendedAndGivenUp) {
   TypedKeys keys;
   // A letter of two bytes is taken back as one.

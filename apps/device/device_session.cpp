@@ -235,6 +235,14 @@ void DeviceSession::act(const KeyRequest& request, TimestampNs now_ns) {
       return ask(service::Question::kNameRoom, request.name, now_ns);
     case Kind::kInWords:
       return ask(service::Question::kInWords, request.name, now_ns);
+    case Kind::kMark:
+      return ask(service::Question::kMarkSpot, request.name, now_ns);
+    case Kind::kBack:
+      return ask(service::Question::kTakeMeBack, "", now_ns);
+    case Kind::kSpots:
+      return ask(service::Question::kWhichSpots, "", now_ns);
+    case Kind::kWhichSpot:
+      return parts_.voice->notice("device.which_spot", guide::Sound::kNone, now_ns);
     case Kind::kWhichQuestion:
       return parts_.voice->notice("device.which_question", guide::Sound::kNone, now_ns);
     case Kind::kWhichThing:

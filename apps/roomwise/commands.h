@@ -35,6 +35,7 @@ void add_protect_command(CLI::App& app, Context& context);
 void add_report_command(CLI::App& app, Context& context);
 void add_serve_command(CLI::App& app, Context& context);
 void add_things_commands(CLI::App& app, Context& context);
+void add_spots_commands(CLI::App& app, Context& context);
 void add_update_command(CLI::App& app, Context& context);
 
 }  // namespace roomwise::app

@@ -171,6 +171,8 @@ void add_device_command(CLI::App& app, Context& context) {
       "Be a home's device: send what a camera sees, ask, speak what comes back.\n"
       "Keys: w where am I, a around me, f NAME Enter find, g NAME Enter be led there, "
       "? QUESTION Enter ask in your own words, n NAME Enter name the room that is recorded, "
+      "m NAME Enter mark this place (no name: remember it), k back there or to where you set out, "
+      "s which places you marked, "
       "r repeat, q quiet, x exit.",
       "roomwise device --server flat.local:8443 --pair 123456 --camera", run_device);
   command->add_option("--server", options.server, "The home's computer, HOST:PORT")->required();

@@ -22,6 +22,7 @@ int main(int argc, char** argv) {
   add_cull_command(app, context);
   add_locate_command(app, context);
   add_things_commands(app, context);
+  add_spots_commands(app, context);
   add_update_command(app, context);
   add_rooms_commands(app, context);
   add_optimize_command(app, context);

@@ -32,6 +32,8 @@ Values some_values(const std::set<std::string>& names) {
       {"things", thing_list({"bed", "chair", "tv"})},
       {"goal", thing("washing machine")},
       {"place", thing("washing machine")},
+      {"spot", thing("my chair")},
+      {"spots", thing_list({"my chair", "reading corner"})},
       {"name", thing("washing machine")},
       {"names", room_list({"bedroom 1", "bedroom 2"})},
       {"rooms", room_list({"kitchen", "living room"})},

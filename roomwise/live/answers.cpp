@@ -9,6 +9,7 @@
 #include "roomwise/guide/questions/refusal_prompts.h"
 #include "roomwise/guide/room_prompts.h"
 #include "roomwise/guide/route_prompts.h"
+#include "roomwise/guide/spot_prompts.h"
 #include "roomwise/guide/thing_prompts.h"
 
 namespace roomwise::live {
@@ -121,6 +122,10 @@ std::vector<guide::Prompt> where_is(const std::string& asked, const Situation& s
                                     const guide::Wording& wording, TimestampNs now_ns) {
   const HomeView& home = situation.home;
   const guide::UserLocation location = standing_of(situation.result);
+  if (const ViewedSpot* const spot = spot_called(asked, home)) {
+    return guide::where_prompts(asked, location, {&spot->thing, 1}, doorways_of(home),
+                                home.concepts.vocabulary, wording, now_ns, situation.today);
+  }
   const auto doors = doors_asked_for(asked, home, location, wording.phrases());
   return guide::where_prompts(asked, location, doors.empty() ? home.things : doors,
                               doorways_of(home), home.concepts.vocabulary, wording, now_ns,
@@ -274,6 +279,14 @@ std::optional<service::Question> question_of(guide::QuestionType type, bool is_r
       return Question::kShareThing;
     case QuestionType::kKeepThing:
       return Question::kKeepThing;
+    case QuestionType::kMarkSpot:
+      return Question::kMarkSpot;
+    case QuestionType::kTakeMeBack:
+      return Question::kTakeMeBack;
+    case QuestionType::kWhichSpots:
+      return Question::kWhichSpots;
+    case QuestionType::kForgetSpot:
+      return Question::kForgetSpot;
     case QuestionType::kNamed:  // a room is told of, a thing is looked for
       return is_room ? Question::kDescribeRoom : Question::kWhereIs;
     default:
@@ -290,6 +303,10 @@ guide::HomeNames names_in(const HomeView& home) {
   names.things.assign(things.begin(), things.end());
   for (const rooms::Room& room : home.rooms) names.rooms.push_back(room.name);
   if (!guide::doors_of(doorways_of(home)).empty()) names.goals = {"door"};
+  for (const ViewedSpot& spot : home.spots) {
+    const bool is_named = spot.thing.name == spot.stored.name;
+    (is_named ? names.spots : names.goals).push_back(spot.thing.name);
+  }
   names.vocabulary = &home.concepts.vocabulary;
   return names;
 }
@@ -312,6 +329,33 @@ std::optional<service::Ask> ask_of(const guide::Understood& heard, const service
   ask.is_room = is_room && (ask.question == service::Question::kWhereIs ||
                             ask.question == service::Question::kTakeMeTo);
   return ask;
+}
+
+const ViewedSpot* spot_called(const std::string& asked, const HomeView& home) {
+  const auto found = std::ranges::find_if(
+      home.spots, [&](const ViewedSpot& spot) { return spot.thing.name == asked; });
+  return found == home.spots.end() ? nullptr : &*found;
+}
+
+bool means_something(const std::string& name, const HomeView& home, const guide::Wording& wording) {
+  const guide::Phrasebook& phrases = wording.phrases();
+  return guide::thing_meant(name, home.things, home.concepts.vocabulary, phrases).has_value() ||
+         room_meant(name, home, phrases).has_value();
+}
+
+std::optional<std::string> way_back(const HomeView& home, std::int64_t now_s) {
+  constexpr std::int64_t kHalfADay_s = 12 * 60 * 60;
+  const ViewedSpot* const remembered = spot_called(guide::kRememberedPlace, home);
+  const ViewedSpot* const start = spot_called(guide::kStartingPlace, home);
+  const bool is_recent = remembered != nullptr && now_s - remembered->stored.marked_s < kHalfADay_s;
+  if (is_recent || (remembered != nullptr && start == nullptr)) return guide::kRememberedPlace;
+  return start != nullptr ? std::optional<std::string>(guide::kStartingPlace) : std::nullopt;
+}
+
+guide::Prompt excuse_for(const HomeView& home, bool has_picture, const guide::Wording& wording,
+                         double now_t_ms) {
+  const bool has_map = !home.walks.empty();
+  return excuse(has_map && !has_picture ? "device.no_picture" : "device.no_map", wording, now_t_ms);
 }
 
 guide::Wording wording_of(const service::SpeakingSettings& settings) {
@@ -369,6 +413,9 @@ std::vector<guide::Prompt> answer(const service::Ask& ask, const Situation& situ
       if (ask.is_room) return HomeAnswers(situation, wording, now_ns).to(ask);
       [[fallthrough]];
     case service::Question::kWayTo:
+      if (spot_called(ask.subject, situation.home) != nullptr) {
+        return where_is(ask.subject, situation, wording, now_ns);
+      }
       return way_to(ask.subject, situation, wording, now_ns);
     case service::Question::kNameRoom:
       return {guide::named_prompt(ask.subject, wording, nanoseconds(situation.now_t_ms))};
@@ -385,7 +432,13 @@ std::vector<guide::Prompt> answer(const service::Ask& ask, const Situation& situ
     case service::Question::kForgetThing:
     case service::Question::kShareThing:
     case service::Question::kKeepThing:
+    case service::Question::kMarkSpot:
+    case service::Question::kWhichSpots:
+    case service::Question::kForgetSpot:
+    case service::Question::kRenameSpot:
       break;
+    case service::Question::kTakeMeBack:  // there is no way back
+      return {guide::spot_prompt(guide::SpotStep::kNoWayBack, "", wording, now_ns)};
     case service::Question::kWhatIsOn:
     case service::Question::kWhatIsIn:
     case service::Question::kWhichRooms:

@@ -33,6 +33,19 @@ constexpr double kMaxFrameAge_ms = 800;
 // What a picture tells of where somebody is; nothing of none.
 [[nodiscard]] guide::UserLocation standing_of(const FrameResult* result);
 
+// With a place less sure nobody would be brought back within reach of a spot: its standard
+// deviation, m.
+constexpr double kMaxSpotSigma_m = 0.3;
+// The spot that is asked for by this name; null: none.
+[[nodiscard]] const ViewedSpot* spot_called(const std::string& asked, const HomeView& home);
+// Whether a name is one of a thing or a room of the home, as somebody may call it.
+[[nodiscard]] bool means_something(const std::string& name, const HomeView& home,
+                                   const guide::Wording& wording);
+// What "take me back" means, as a spot of the view is called: where somebody asked that their place
+// be remembered, not longer ago than half a day; else where they set out; else the first, though
+// long ago. Nothing where none of these is known. `now_s`: since 1970.
+[[nodiscard]] std::optional<std::string> way_back(const HomeView& home, std::int64_t now_s);
+
 // The names of the home's things in the language that is spoken, each once, in order; answer()
 // knows what is meant by them.
 [[nodiscard]] std::vector<std::string> names_of_things(const HomeView& home,
@@ -51,6 +64,9 @@ constexpr double kMaxFrameAge_ms = 800;
 [[nodiscard]] std::vector<guide::Prompt> answer(const service::Ask& ask,
                                                 const Situation& situation);
 
+// The answer where a map and a picture are needed, and one of them is missing.
+[[nodiscard]] guide::Prompt excuse_for(const HomeView& home, bool has_picture,
+                                       const guide::Wording& wording, double now_t_ms);
 // The answer where a picture is needed and there is none.
 [[nodiscard]] guide::Prompt no_picture(const service::SpeakingSettings& settings, double now_t_ms);
 

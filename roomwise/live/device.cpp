@@ -60,6 +60,12 @@ bool is_of_own_things(service::Question question) {
   }
 }
 
+// Of questions about spots those that need no picture.
+bool is_of_spots(service::Question question) {
+  return question == service::Question::kForgetSpot || question == service::Question::kRenameSpot ||
+         question == service::Question::kWhichSpots;
+}
+
 guide::TeachingStep step_of(service::Question question) {
   using service::Question;
   switch (question) {
@@ -140,6 +146,9 @@ service::Welcome Device::welcome() const {
   welcome.role = service::to_string(who_.role);
   for (const rooms::Room& room : view->rooms) welcome.rooms.push_back(room.name);
   welcome.things = names_of_things(*view, settings_);
+  for (const ViewedSpot& spot : view->spots) {
+    if (!spot.stored.name.empty()) welcome.spots.push_back(spot.stored.name);
+  }
   welcome.sees_rooms = view->recognizer != nullptr;
   welcome.sees_places = view->map != nullptr;
   return welcome;
@@ -211,6 +220,10 @@ void Device::hear(const Asked& asked) {
     hear_of_own_things(ask);
     return host_.answered(ask.question, seconds_since(asked.came));
   }
+  if (is_of_spots(ask.question)) {
+    hear_of_spots(ask);
+    return host_.answered(ask.question, seconds_since(asked.came));
+  }
   service::Ask now = ask;
   std::optional<std::int64_t> pushed_out;
   bool waits = false;
@@ -265,7 +278,75 @@ void Device::understand(const Asked& asked) {
   host_.answered(in_words.question, seconds_since(asked.came));
 }
 
+// ---- places that are marked ----
+
+void Device::say_spot(guide::SpotStep step, const std::string& name, const service::Ask& ask,
+                      const std::string& because) {
+  say({guide::spot_prompt(step, name, wording_now(), std::llround(ask.t_ms * 1e6), because)},
+      ask.id, {});
+}
+
+void Device::hear_of_spots(const service::Ask& ask) {
+  using service::Question;
+  if (ask.question == Question::kWhichSpots) {
+    std::vector<std::string> names;
+    for (const ViewedSpot& one : host_.view_for(who_)->spots) {
+      if (!one.stored.name.empty()) names.push_back(one.stored.name);
+    }
+    const TimestampNs now_ns = std::llround(ask.t_ms * 1e6);
+    return say(guide::spots_prompts(names, wording_now(), now_ns), ask.id, {});
+  }
+  const bool renames = ask.question == Question::kRenameSpot;
+  if (renames && means_something(ask.name, *host_.view_for(who_), wording_now())) {
+    return say_spot(guide::SpotStep::kOtherName, ask.name, ask);
+  }
+  const auto changed =
+      host_.change_spot(who_, ask.subject, renames ? std::optional(ask.name) : std::nullopt);
+  if (changed) {
+    return say_spot(renames ? guide::SpotStep::kRenamed : guide::SpotStep::kForgotten,
+                    renames ? ask.name : ask.subject, ask);
+  }
+  const bool is_refused = changed.error().code == ErrorCode::kRefused;
+  say_spot(is_refused ? guide::SpotStep::kNotYours : guide::SpotStep::kBusy, ask.subject, ask,
+           changed.error().message);
+}
+
+void Device::mark_spot(const Asked& asked) {
+  const service::Ask& ask = asked.ask;
+  std::optional<Eigen::Vector3d> place;
+  bool has_picture = false;
+  {
+    const std::scoped_lock lock(mutex_);
+    has_picture = last_result_ && ask.t_ms - last_result_->t_ms <= kMaxFrameAge_ms;
+    if (has_picture && last_result_->place && last_result_->place->sigma_m <= kMaxSpotSigma_m) {
+      place = last_result_->place->position_gravity();
+    }
+  }
+  const auto view = host_.view_for(who_);
+  const guide::Wording wording = wording_now();
+  if (view->walks.empty() || !has_picture) {
+    return say({excuse_for(*view, has_picture, wording, ask.t_ms)}, ask.id, {});
+  }
+  if (!place) return say_spot(guide::SpotStep::kNotSure, ask.subject, ask, "no sure place");
+  if (means_something(ask.subject, *view, wording)) {
+    return say_spot(guide::SpotStep::kOtherName, ask.subject, ask);
+  }
+  if (view->marked.size() >= pipeline::kMaxSpots) {
+    return say_spot(guide::SpotStep::kTooMany, ask.subject, ask);
+  }
+  const auto marked = host_.mark_spot(who_, ask.subject, *place);
+  if (marked) return say_spot(guide::SpotStep::kMarked, ask.subject, ask);
+  const bool is_name = marked.error().code == ErrorCode::kRefused;
+  say_spot(is_name ? guide::SpotStep::kOtherName : guide::SpotStep::kBusy, ask.subject, ask,
+           marked.error().message);
+}
+
 // ---- things that are taught ----
+
+guide::Wording Device::wording_now() const {
+  const std::scoped_lock lock(mutex_);
+  return wording_of(settings_);
+}
 
 std::shared_ptr<Teaching> Device::teaching() const {
   const std::scoped_lock lock(mutex_);
@@ -372,6 +453,10 @@ Expected<void> Device::teach(const CameraFrame& frame, Teaching& teaching) {
 // Answers by the last glance, if it is new enough.
 void Device::hear_now(const Asked& asked) {
   const service::Ask& ask = asked.ask;
+  if (ask.question == service::Question::kMarkSpot) {
+    mark_spot(asked);
+    return host_.answered(ask.question, seconds_since(asked.came));
+  }
   std::vector<guide::Prompt> prompts;
   std::optional<double> based_on_t_ms;
   {
@@ -388,13 +473,31 @@ void Device::hear_now(const Asked& asked) {
   host_.answered(ask.question, seconds_since(asked.came));
 }
 
+std::vector<guide::Prompt> Device::lead_to(const service::Ask& goal,
+                                           const std::shared_ptr<const HomeView>& home,
+                                           const Situation& now, bool is_way_back) {
+  led_ = LedWalk::to(goal, home, now);
+  if (!led_) return {};
+  // Who is led back keeps where they set out: it is where they go.
+  const bool is_sure =
+      now.result != nullptr && now.result->place && now.result->place->sigma_m <= kMaxSpotSigma_m;
+  if (is_sure && !is_way_back) host_.sets_out(who_, now.result->place->position_gravity());
+  return {led_->begin(now)};
+}
+
 std::vector<guide::Prompt> Device::answer_now(const service::Ask& ask,
                                               const std::shared_ptr<const HomeView>& home,
                                               const Situation& now) {
   using service::Question;
   if (ask.question == Question::kTakeMeTo) {
-    led_ = LedWalk::to(ask, home, now);
-    if (led_) return {led_->begin(now)};
+    if (auto prompts = lead_to(ask, home, now, false); !prompts.empty()) return prompts;
+  }
+  if (ask.question == Question::kTakeMeBack) {
+    const auto back = way_back(*home, unix_now_ns() / 1'000'000'000);
+    if (back) {
+      const service::Ask goal{ask.id, ask.t_ms, Question::kTakeMeTo, *back};
+      if (auto prompts = lead_to(goal, home, now, true); !prompts.empty()) return prompts;
+    }
   }
   if (ask.question == Question::kGuide && led_) return {led_->hear(ask.wish, ask.t_ms)};
   if (ask.question == Question::kRepeat && is_led()) return {led_->repeat(ask.t_ms)};

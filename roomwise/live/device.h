@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 
+#include "roomwise/guide/spot_prompts.h"
 #include "roomwise/live/answers.h"
 #include "roomwise/live/frame_processor.h"
 #include "roomwise/live/led_walk.h"
@@ -54,6 +55,19 @@ class DeviceHost {
   [[nodiscard]] virtual Expected<void> change_own_thing(const service::Identity& who,
                                                         const std::string& name,
                                                         service::Question what) = 0;
+  // Marks a place of the map as this device's. `name` may be empty. Fails where the name means
+  // something else (ErrorCode::kRefused) or the computer is busy.
+  [[nodiscard]] virtual Expected<void> mark_spot(const service::Identity& who,
+                                                 const std::string& name,
+                                                 const Eigen::Vector3d& place_gravity) = 0;
+  // Forgets one of the device's, or where `new_name` is given renames it; a helper may also change
+  // the computer's. Fails where it has none of that name or the new one will not do
+  // (ErrorCode::kRefused), or the computer is busy.
+  [[nodiscard]] virtual Expected<void> change_spot(const service::Identity& who,
+                                                   const std::string& name,
+                                                   const std::optional<std::string>& new_name) = 0;
+  // From there it is led somewhere: known until the computer closes the home, and never stored.
+  virtual void sets_out(const service::Identity& who, const Eigen::Vector3d& place_gravity) = 0;
 };
 
 // A client that is connected: takes its frames and questions, answers them by what its newest frame
@@ -98,10 +112,15 @@ class Device : public std::enable_shared_from_this<Device> {
   void hear(const Asked& asked);
   void hear_now(const Asked& asked);
   void hear_of_own_things(const service::Ask& ask);
+  void hear_of_spots(const service::Ask& ask);
+  void mark_spot(const Asked& asked);
+  void say_spot(guide::SpotStep step, const std::string& name, const service::Ask& ask,
+                const std::string& because = {});
   void begin_teaching(const service::Ask& ask);
   void name_taught(const service::Ask& ask);
   void say_step(guide::TeachingStep step, const std::string& name, double t_ms,
                 std::optional<std::int64_t> answer_to, const std::string& because = {});
+  [[nodiscard]] guide::Wording wording_now() const;
   [[nodiscard]] std::shared_ptr<Teaching> teaching() const;
   [[nodiscard]] Expected<void> teach(const CameraFrame& frame, Teaching& teaching);
   // A question in one's own words.
@@ -111,6 +130,10 @@ class Device : public std::enable_shared_from_this<Device> {
   [[nodiscard]] std::vector<guide::Prompt> answer_now(const service::Ask& ask,
                                                       const std::shared_ptr<const HomeView>& home,
                                                       const Situation& now);
+  // With mutex_ held: begins to lead; nothing where the home has no such goal.
+  [[nodiscard]] std::vector<guide::Prompt> lead_to(const service::Ask& goal,
+                                                   const std::shared_ptr<const HomeView>& home,
+                                                   const Situation& now, bool is_way_back);
   [[nodiscard]] bool is_led() const { return led_ && !led_->is_over(); }
   void answer_waiting(bool more_frames_wait);
   void say(const std::vector<guide::Prompt>& prompts, std::optional<std::int64_t> answer_to,

@@ -71,6 +71,19 @@ class Host final : public DeviceHost {
     return fail_with(ErrorCode::kRefused, "not taught by this device");
   }
 
+  [[nodiscard]] Expected<void> mark_spot(const service::Identity&, const std::string& name,
+                                         const Eigen::Vector3d&) override {
+    marked.push_back(name);
+    return {};
+  }
+  [[nodiscard]] Expected<void> change_spot(const service::Identity&, const std::string& name,
+                                           const std::optional<std::string>&) override {
+    if (name == "my chair") return {};
+    return fail_with(ErrorCode::kRefused, "not marked by this device");
+  }
+  void sets_out(const service::Identity&, const Eigen::Vector3d&) override {}
+
+  std::vector<std::string> marked;
   std::vector<std::pair<std::string, std::size_t>> taught;
   std::shared_ptr<WalkRecorder> recorder;
   std::shared_ptr<HomeView> home = std::make_shared<HomeView>();
@@ -215,6 +228,40 @@ TEST_F(DeviceTest, WhatItTaughtIsForgottenByAWordAndNothingElse) {
   EXPECT_EQ(prompts[0].text, "My mug is forgotten.");
   EXPECT_EQ(prompts[1].message, "own.shared");
   EXPECT_EQ(prompts[2].message, "own.not_own");
+}
+
+TEST_F(DeviceTest, NothingIsMarkedWhereNobodyKnowsWhereOneStands) {
+  const auto answer = [&](std::int64_t id, service::Question question, std::string subject = "") {
+    ask(id, 1100, question, std::move(subject));
+    return wire->take<service::PromptMessage>().back().message;
+  };
+  say(hello());
+  EXPECT_EQ(answer(1, service::Question::kMarkSpot, "my chair"), "device.no_map");
+  host.home->walks.emplace_back();
+  EXPECT_EQ(answer(2, service::Question::kMarkSpot, "my chair"), "device.no_picture");
+  show(1000);
+  (void)device->work();
+  EXPECT_EQ(answer(3, service::Question::kMarkSpot, "my chair"), "spot.not_sure");
+  EXPECT_THAT(host.marked, IsEmpty());
+  EXPECT_EQ(answer(4, service::Question::kTakeMeBack), "spot.no_way_back");
+}
+
+TEST_F(DeviceTest, WhatItMarkedIsListedRenamedAndForgotten) {
+  const auto answer = [&](service::Ask ask) {
+    say(ask);
+    return wire->take<service::PromptMessage>().back();
+  };
+  say(hello());
+  EXPECT_EQ(answer({1, 0, service::Question::kWhichSpots, ""}).message, "spot.none");
+  ViewedSpot& spot = host.home->spots.emplace_back();
+  spot.stored.name = spot.thing.name = "my chair";
+  EXPECT_EQ(answer({2, 0, service::Question::kWhichSpots, ""}).text, "You marked: my chair.");
+  service::Ask rename{3, 0, service::Question::kRenameSpot, "my chair"};
+  rename.name = "my seat";
+  EXPECT_EQ(answer(rename).text, "It is called my seat now.");
+  EXPECT_EQ(answer({4, 0, service::Question::kInWords, "forget my chair"}).message,
+            "own.forgotten");
+  EXPECT_EQ(answer({5, 0, service::Question::kForgetSpot, "my desk"}).message, "spot.not_yours");
 }
 
 TEST_F(DeviceTest, WithoutACameraNothingIsTaught) {

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <ranges>
 
+#include "roomwise/guide/spot_prompts.h"
 #include "roomwise/pipeline/edits/undo_edit.h"
 #include "roomwise/pipeline/objects/thing_history.h"
 #include "roomwise/pipeline/rooms/home_layout.h"
@@ -272,6 +273,31 @@ std::optional<std::string> HomeView::room_at(const Eigen::Vector3d& point_gravit
   return layout->room_at(point_gravity.head<2>());
 }
 
+ViewedSpot view_spot(const pipeline::MarkedSpot& spot, const std::string& name,
+                     const HomeView& view) {
+  ViewedSpot viewed{spot, {}};
+  viewed.thing.name = name;
+  viewed.thing.probability = 1;
+  viewed.thing.is_confirmed = true;  // somebody stood there
+  std::vector<home::Keyframe> keyframes;
+  for (const ViewedKeyframe& one : view.keyframes) keyframes.push_back(one.keyframe);
+  const auto world = pipeline::point_world(spot.place, keyframes);
+  if (!world || !view.map) return viewed;
+  viewed.thing.position_gravity = view.map->frame.gravity_from_world * *world;
+  viewed.thing.room = view.room_at(*viewed.thing.position_gravity);
+  return viewed;
+}
+
+Expected<void> view_spots(const home::Home& home, HomeView& view) {
+  view.marked.clear();
+  ROOMWISE_TRY(const auto spots, pipeline::marked_spots(home));
+  for (const pipeline::MarkedSpot& spot : spots) {
+    const std::string name = spot.name.empty() ? guide::kRememberedPlace : spot.name;
+    view.marked.push_back(view_spot(spot, name, view));
+  }
+  return {};
+}
+
 std::vector<rooms::Doorway> doorways_of(const HomeView& home) {
   return home.layout ? home.layout->doorways() : std::vector<rooms::Doorway>{};
 }
@@ -308,6 +334,7 @@ Expected<std::shared_ptr<const HomeView>> view_home(
   ROOMWISE_TRY(const pipeline::HomeHistory history, pipeline::find_home_history(home, things));
   ROOMWISE_CHECK_OK(view_things(home, things, history, view));
   ROOMWISE_CHECK_OK(view_own_things(home, view));
+  ROOMWISE_CHECK_OK(view_spots(home, view));
   ROOMWISE_CHECK_OK(view_edits(home, things, view));
   ROOMWISE_CHECK_OK(view_latest(home, things, history, view));
   view_changes(history, view);

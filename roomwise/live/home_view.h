@@ -12,6 +12,7 @@
 #include "roomwise/guide/questions/home_prompts.h"
 #include "roomwise/home/home.h"
 #include "roomwise/live/live_map.h"
+#include "roomwise/pipeline/edits/marked_spots.h"
 #include "roomwise/pipeline/objects/home_things.h"
 #include "roomwise/pipeline/objects/own_things.h"
 #include "roomwise/pipeline/rooms/room_recognizer.h"
@@ -63,6 +64,12 @@ struct ViewedOwnThing {
   guide::KnownThing thing;  // where it was seen last
 };
 
+// A place that somebody marked, or where they set out.
+struct ViewedSpot {
+  pipeline::MarkedSpot stored;
+  guide::KnownThing thing;  // where it is, as far as that is known; called as it is asked for
+};
+
 // All that is told of a home, at one moment: values that never change.
 struct HomeView {
   std::string name;
@@ -76,7 +83,10 @@ struct HomeView {
   std::vector<ViewedWalk> walks;  // as stored
   // What people taught, whoever may be told of it; not among things but in the view of who may.
   std::vector<ViewedOwnThing> own_things;
-  // Looks for them in pictures; null where there are none, or what is usual is not known.
+  // All that people marked; and of these, in the view of who may be told, those that they may name,
+  // with where they set out when they were last led somewhere.
+  std::vector<ViewedSpot> marked, spots;
+  // Looks for taught things in pictures; null where there are none, or what is usual is not known.
   std::shared_ptr<const pipeline::OwnThingWatch> own_thing_watch;
   // Absent where the map is of one walk, or nothing was found on it.
   std::optional<ViewedChanges> changes;
@@ -94,6 +104,12 @@ struct HomeView {
   // The room that a point lies in by the layout.
   [[nodiscard]] std::optional<std::string> room_at(const Eigen::Vector3d& point_gravity) const;
 };
+
+// A spot as the view's map and rooms have its place. `name`: as it is asked for.
+[[nodiscard]] ViewedSpot view_spot(const pipeline::MarkedSpot& spot, const std::string& name,
+                                   const HomeView& view);
+// Takes them from the home anew.
+[[nodiscard]] Expected<void> view_spots(const home::Home& home, HomeView& view);
 
 // Where its rooms meet; none where rooms or a floor are not known.
 [[nodiscard]] std::vector<rooms::Doorway> doorways_of(const HomeView& home);

@@ -52,7 +52,19 @@ guide::HomeMap map_on(const std::optional<CalendarTime>& today, const HomeView& 
   return map;
 }
 
-// A thing of the home, a room, or "door": the nearest one.
+Goal goal_of(const ViewedSpot& spot) {
+  Goal goal;
+  goal.kind = Goal::Kind::kSpot;
+  goal.noun = {Noun::Kind::kThing, spot.thing.name};
+  goal.room = spot.thing.room;
+  if (spot.thing.position_gravity) {
+    goal.outline.emplace();
+    goal.outline->middle_gravity = spot.thing.position_gravity->head<2>();
+  }
+  return goal;
+}
+
+// A spot, a thing of the home, a room, or "door": the nearest one.
 std::optional<Goal> goal_of(const service::Ask& asked, const HomeView& home,
                             std::span<const rooms::Doorway> doorways, const Situation& situation) {
   const guide::UserLocation location = standing_of(situation.result);
@@ -60,6 +72,7 @@ std::optional<Goal> goal_of(const service::Ask& asked, const HomeView& home,
   const guide::HomeMap map = map_of(home, doorways);
   const guide::Phrasebook& phrases = wording.phrases();
   if (!asked.is_room) {
+    if (const ViewedSpot* const spot = spot_called(asked.subject, home)) return goal_of(*spot);
     const auto meant =
         guide::thing_meant(asked.subject, home.things, home.concepts.vocabulary, phrases);
     std::vector<Goal> goals;

@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include "roomwise/guide/spot_prompts.h"
+
 namespace roomwise::live {
 namespace {
 
@@ -112,6 +114,32 @@ TEST_F(LedWalkTest, WhoIsNotSeenIsAnsweredAndLedOnceTheyAre) {
   EXPECT_THAT(walk(*led, 12, 0),
               ::testing::ElementsAre("I know again where you are.", StartsWith("To the microwave"),
                                      "The microwave is ahead of you.", StartsWith("Straight on")));
+}
+
+TEST_F(LedWalkTest, LeadsToAPlaceThatSomebodyMarked) {
+  ViewedSpot& spot = home->spots.emplace_back();
+  spot.stored.name = spot.thing.name = "my microwave";  // before the home's own
+  spot.thing.position_gravity = Eigen::Vector3d(2, 0, 1.3);
+  const FrameResult first = picture_at({0, 0}, t_ms);
+  const auto led = LedWalk::to(ask_for("my microwave"), home, at(first));
+  ASSERT_TRUE(led);
+  EXPECT_THAT(led->begin(at(first)).text, StartsWith("To my microwave: about 3 steps"));
+  for (int i = 0; i < 20 && !led->is_over(); ++i) (void)walk(*led, 1, x_m < 1.9 ? 0.5 : 0);
+  EXPECT_TRUE(led->is_over());
+  EXPECT_NEAR(x_m, 2, 0.4);
+}
+
+TEST(WayBack, IsWhereSomebodyAskedToBeRememberedElseWhereTheySetOut) {
+  HomeView home;
+  constexpr std::int64_t kNow_s = 1'000'000, kHour_s = 3600;
+  EXPECT_EQ(way_back(home, kNow_s), std::nullopt);
+  home.spots.emplace_back().thing.name = guide::kRememberedPlace;
+  home.spots.back().stored.marked_s = kNow_s - 24 * kHour_s;
+  EXPECT_EQ(way_back(home, kNow_s), guide::kRememberedPlace);
+  home.spots.emplace_back().thing.name = guide::kStartingPlace;
+  EXPECT_EQ(way_back(home, kNow_s), guide::kStartingPlace) << "yesterday's is seldom meant";
+  home.spots.front().stored.marked_s = kNow_s - kHour_s;
+  EXPECT_EQ(way_back(home, kNow_s), guide::kRememberedPlace);
 }
 
 TEST_F(LedWalkTest, WhatTheHomeDoesNotKnowIsNoGoal) {

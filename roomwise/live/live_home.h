@@ -168,6 +168,17 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
                                                 const std::string& name,
                                                 service::Question what) override;
 
+  [[nodiscard]] Expected<void> mark_spot(const service::Identity& who, const std::string& name,
+                                         const Eigen::Vector3d& place_gravity) override;
+  [[nodiscard]] Expected<void> change_spot(const service::Identity& who, const std::string& name,
+                                           const std::optional<std::string>& new_name) override;
+  void sets_out(const service::Identity& who, const Eigen::Vector3d& place_gravity) override;
+  // Runs `change` on the home and shows what came of spots, and of nothing else.
+  [[nodiscard]] Expected<void> change_spots(
+      const std::function<Expected<void>(home::Home&)>& change);
+  // What of the view's spots a device may name. With view_mutex_ held.
+  [[nodiscard]] std::vector<ViewedSpot> spots_for(const service::Identity& who) const;
+
   [[nodiscard]] static guide::KnownThing with_sighting(guide::KnownThing thing,
                                                        const OwnSighting& sighting);
   void note_own_things(const FrameResult& result);
@@ -260,6 +271,7 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
   std::shared_ptr<const HomeView> view_;
   mutable std::map<std::int64_t, std::shared_ptr<const HomeView>> views_of_devices_;  // of view_
   std::map<home::OwnThingId, OwnSighting> own_sightings_;
+  std::map<std::int64_t, home::EditPlace> set_out_;  // by device: from where it was led somewhere
 
   mutable std::mutex devices_mutex_;
   std::set<std::shared_ptr<Device>> devices_;

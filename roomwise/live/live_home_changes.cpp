@@ -186,6 +186,7 @@ Expected<void> LiveHome::forget_home() {
       {
         const std::scoped_lock lock(view_mutex_);
         own_sightings_.clear();
+        set_out_.clear();
       }
       return erase_removed(home);
     }));

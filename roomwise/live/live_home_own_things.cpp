@@ -37,7 +37,9 @@ std::string owner_of(const service::Identity& who) {
 
 std::shared_ptr<const HomeView> LiveHome::view_for(const service::Identity& who) const {
   const std::scoped_lock lock(view_mutex_);
-  if (view_->own_things.empty()) return view_;
+  const bool is_for_all =
+      view_->own_things.empty() && view_->marked.empty() && !set_out_.contains(who.device);
+  if (is_for_all) return view_;
   std::shared_ptr<const HomeView>& of_device = views_of_devices_[who.device];
   if (of_device) return of_device;
   auto view = std::make_shared<HomeView>(*view_);
@@ -48,6 +50,7 @@ std::shared_ptr<const HomeView> LiveHome::view_for(const service::Identity& who)
         live != own_sightings_.end() && live->second.seen_s > one.stored.last_seen.seen_s;
     view->things.push_back(is_newer ? with_sighting(one.thing, live->second) : one.thing);
   }
+  view->spots = spots_for(who);
   of_device = std::move(view);
   return of_device;
 }

@@ -818,6 +818,43 @@ TEST_F(LiveHomeTest, AThingIsTaughtToldToItsOwnerAloneSharedAndForgotten) {
   EXPECT_THAT(bytes_of_home(), Not(HasSubstr("my mug")));
 }
 
+TEST_F(LiveHomeTest, APlaceIsMarkedLedToToldToItsOwnerAloneAndForgotten) {
+  open();
+  record_the_walk();
+  pipeline::testing::SyntheticWalk again{kFrames};
+  const image::RgbdFrame frame = again.next().value().value();
+  const Client anna = connect(7, service::Role::kDevice), ben = connect(8, service::Role::kDevice);
+  std::int64_t id = 0;
+  const auto ask = [&](const Client& client, const std::string& words) {
+    client.session->on_message(message_of(frame));
+    const double t_ms = static_cast<double>(frame.timestamp_ns) / 1e6 + 10;
+    client.session->on_text(write(
+        service::DeviceMessage(service::Ask{++id, t_ms, service::Question::kInWords, words})));
+    return client.wire->next<service::PromptMessage>(
+        [&](const auto& prompt) { return prompt.answer_to == id; });
+  };
+  EXPECT_EQ(ask(anna, "take me back").message, "spot.no_way_back");
+  EXPECT_EQ(ask(anna, "mark my throne here").text, "My throne is marked here.");
+  EXPECT_EQ(ask(anna, "which places did I mark").text, "You marked: my throne.");
+  EXPECT_EQ(ask(ben, "which places did I mark").message, "spot.none");
+  EXPECT_EQ(ask(ben, "where is my throne").message, "where.unknown");
+  EXPECT_THAT(home->view()->spots, IsEmpty()) << "what helpers' pages show";
+  const auto there = ask(anna, "take me to my throne");
+  EXPECT_THAT(there.message, StartsWith("guide.")) << there.text;
+  EXPECT_THAT(ask(anna, "take me back").text, HasSubstr("tarting place"));
+  EXPECT_EQ(ask(anna, "remember where I am").message, "spot.marked_here");
+  EXPECT_THAT(ask(anna, "take me back").text, HasSubstr("emembered place"));
+  EXPECT_EQ(ask(ben, "forget my throne").message, "where.unknown");
+  EXPECT_THAT(bytes_of_home(), HasSubstr("my throne"));
+  home.reset();
+  open();
+  home->jobs().wait();
+  const Client anew = connect(7, service::Role::kDevice);
+  EXPECT_EQ(ask(anew, "forget my throne").message, "own.forgotten");
+  EXPECT_EQ(ask(anew, "where is my throne").message, "where.unknown");
+  EXPECT_THAT(bytes_of_home(), Not(HasSubstr("my throne")));
+}
+
 TEST_F(LiveHomeTest, AThingIsForgottenAlsoWhereItsBytesCannotBeErasedNow) {
   {
     home::Home made = pipeline::create_home(file, {}).value();

@@ -9,7 +9,7 @@ constexpr std::array<Word<DeviceKind>, 3> kKinds{{{"phone", DeviceKind::kPhone},
                                                   {"page", DeviceKind::kPage}}};
 constexpr std::array<Word<Distances>, 2> kDistances{
     {{"metres", Distances::kMetres}, {"steps", Distances::kSteps}}};
-constexpr std::array<Word<Question>, 23> kQuestions{{{"where_am_i", Question::kWhereAmI},
+constexpr std::array<Word<Question>, 28> kQuestions{{{"where_am_i", Question::kWhereAmI},
                                                      {"around_me", Question::kAroundMe},
                                                      {"where_is", Question::kWhereIs},
                                                      {"way_to", Question::kWayTo},
@@ -31,7 +31,12 @@ constexpr std::array<Word<Question>, 23> kQuestions{{{"where_am_i", Question::kW
                                                      {"stop_teaching", Question::kStopTeaching},
                                                      {"forget_thing", Question::kForgetThing},
                                                      {"share_thing", Question::kShareThing},
-                                                     {"keep_thing", Question::kKeepThing}}};
+                                                     {"keep_thing", Question::kKeepThing},
+                                                     {"mark_spot", Question::kMarkSpot},
+                                                     {"take_me_back", Question::kTakeMeBack},
+                                                     {"which_spots", Question::kWhichSpots},
+                                                     {"forget_spot", Question::kForgetSpot},
+                                                     {"rename_spot", Question::kRenameSpot}}};
 constexpr std::array<Word<GuideWish>, 6> kWishes{{{"pause", GuideWish::kPause},
                                                   {"resume", GuideWish::kResume},
                                                   {"how_far", GuideWish::kHowFar},
@@ -122,6 +127,11 @@ bool asks_for_room(const Ask& ask) {
   return ask.question == Question::kNameRoom || ask.question == Question::kWhatIsIn || ask.is_room;
 }
 
+bool asks_for_spot(Question question) {
+  return question == Question::kMarkSpot || question == Question::kForgetSpot ||
+         question == Question::kRenameSpot;
+}
+
 Expected<DeviceMessage> read_ask(const OrderedJson& json) {
   Members members(json);
   Ask ask;
@@ -136,6 +146,11 @@ Expected<DeviceMessage> read_ask(const OrderedJson& json) {
   const bool may_name_room = ask.question == Question::kDescribeRoom && members.has("room");
   if (asks_for_room(ask) || may_name_room) ask.subject = members.text("room");
   if (ask.question == Question::kInWords) ask.subject = members.text("text", kMaxWordsBytes);
+  const bool needs_spot = ask.question == Question::kRenameSpot;
+  if (needs_spot || (asks_for_spot(ask.question) && members.has("spot"))) {
+    ask.subject = members.text("spot");
+  }
+  if (needs_spot) ask.name = members.text("name");
   if (ask.question == Question::kNameThing && members.has("private")) {
     ask.is_private = members.yes_or_no("private");
   }
@@ -222,6 +237,8 @@ OrderedJson to_json(const Ask& ask) {
   const bool may_name_room = ask.question == Question::kDescribeRoom && !ask.subject.empty();
   if (asks_for_room(ask) || may_name_room) json["room"] = ask.subject;
   if (ask.question == Question::kInWords) json["text"] = ask.subject;
+  if (asks_for_spot(ask.question) && !ask.subject.empty()) json["spot"] = ask.subject;
+  if (ask.question == Question::kRenameSpot) json["name"] = ask.name;
   return json;
 }
 

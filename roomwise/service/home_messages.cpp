@@ -11,6 +11,7 @@ OrderedJson welcome_json(const Welcome& welcome, std::string_view type) {
           {"role", welcome.role},
           {"rooms", welcome.rooms},
           {"things", welcome.things},
+          {"spots", welcome.spots},
           {"sees_rooms", welcome.sees_rooms},
           {"sees_places", welcome.sees_places},
           {"max_frame_bytes", kMaxFrameBytes}};
@@ -92,6 +93,7 @@ Expected<HomeMessage> read_welcome(const OrderedJson& json) {
   welcome.role = members.text("role");
   welcome.rooms = members.texts("rooms");
   welcome.things = members.texts("things");
+  if (members.has("spots")) welcome.spots = members.texts("spots");
   welcome.sees_rooms = members.yes_or_no("sees_rooms");
   welcome.sees_places = members.yes_or_no("sees_places");
   return members.finish<HomeMessage>(std::move(welcome));

@@ -83,6 +83,11 @@ enum class Question {
   kForgetThing,  // that was taught
   kShareThing,   // with all people of the home
   kKeepThing,    // its owner's alone
+  kMarkSpot,     // where one stands is remembered
+  kTakeMeBack,   // is led to where that was last, or where one set out
+  kWhichSpots,
+  kForgetSpot,
+  kRenameSpot,
 };
 [[nodiscard]] std::string_view to_string(Question question);  // as the protocol calls it
 // What there is to say to a guide on the way.
@@ -94,11 +99,12 @@ struct Ask {
   Question question = Question::kWhereAmI;
   // The thing of kWayTo, kWhatIsOn and kNameThing to kKeepThing, the room of kNameRoom, kWhatIsIn
   // and kDescribeRoom (empty: where one stands), either of kWhereIs and kTakeMeTo; the words of
-  // kInWords.
+  // kInWords; the spot of kMarkSpot and kForgetSpot (empty: one without a name) and kRenameSpot.
   std::string subject;
   bool is_room = false;                // the subject of kWhereIs and kTakeMeTo
   GuideWish wish = GuideWish::kPause;  // of kGuide
   bool is_private = false;             // the thing of kNameThing: its owner's alone
+  std::string name = {};               // of kRenameSpot: the new one
 };
 
 // Those that are given take the place of the earlier ones.
@@ -160,8 +166,9 @@ struct Welcome {
   std::string role;
   std::vector<std::string> rooms;
   std::vector<std::string> things;
-  bool sees_rooms = false;   // rooms were learned
-  bool sees_places = false;  // there is a map to find places on
+  bool sees_rooms = false;              // rooms were learned
+  bool sees_places = false;             // there is a map to find places on
+  std::vector<std::string> spots = {};  // that were marked, as far as this device may know
 };
 
 struct FrameArrived {

@@ -81,6 +81,12 @@ TEST(Messages, QuestionsComeBackWithTheirSubject) {
     EXPECT_EQ(read_back<Ask>(Ask{13, 0, question, "my blue mug"}).subject, "my blue mug");
   }
   EXPECT_EQ(read_back<Ask>(Ask{14, 0, Question::kTeachThing, ""}).question, Question::kTeachThing);
+  EXPECT_EQ(read_back<Ask>(Ask{16, 0, Question::kMarkSpot, "my chair"}).subject, "my chair");
+  EXPECT_EQ(read_back<Ask>(Ask{16, 0, Question::kMarkSpot, ""}).subject, "");
+  EXPECT_EQ(read_back<Ask>(Ask{16, 0, Question::kTakeMeBack, ""}).question, Question::kTakeMeBack);
+  Ask renamed{17, 0, Question::kRenameSpot, "my chair"};
+  renamed.name = "my seat";
+  EXPECT_EQ(read_back<Ask>(renamed).name, "my seat");
   Ask named{15, 0, Question::kNameThing, "my blue mug"};
   EXPECT_FALSE(read_back<Ask>(named).is_private);
   named.is_private = true;
@@ -156,6 +162,7 @@ TEST(Messages, AreAsTheSchemaSays) {
   prompt.based_on_t_ms = 1;
   for (const std::string& written :
        {write(DeviceMessage(hello)), write(DeviceMessage(Ask{8, 1, Question::kWhereIs, "bed"})),
+        write(DeviceMessage(Ask{8, 1, Question::kMarkSpot, "my chair"})),
         write(DeviceMessage(SettingsChange{"de", Distances::kSteps, 0.6, true})),
         write(DeviceMessage(Quiet{true})), write(HomeMessage(Welcome{})),
         write_home_changed(Welcome{}), write(HomeMessage(FrameArrived{})), write(HomeMessage(seen)),
@@ -192,6 +199,8 @@ TEST(Messages, AnErrorNamesWhatIsWrong) {
               HasSubstr("at most 500 bytes"));
   EXPECT_THAT(error_of(R"({"type":"ask","id":1,"t":0,"question":"where_is"})"),
               HasSubstr("'thing' is missing"));
+  EXPECT_THAT(error_of(R"({"type":"ask","id":1,"t":0,"question":"rename_spot","spot":"a"})"),
+              HasSubstr("'name' is missing"));
   EXPECT_THAT(error_of(R"({"type":"settings","step_m":-3})"), HasSubstr("'step_m'"));
   EXPECT_THAT(error_of(R"({"type":"quiet","on":1})"), HasSubstr("'on' must be true or false"));
   EXPECT_THAT(

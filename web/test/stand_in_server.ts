@@ -197,6 +197,8 @@ function answerTo(message: Record<string, unknown>): Prompt {
       return makePrompt({
         answer_to, key: /take me/i.test(String(message['text'])) ? 'guide' : 'asked', message: 'asked', text: `You asked: ${String(message['text'])}.`,
       });
+    case 'mark_spot':
+      return makePrompt({ answer_to, key: 'spot', message: 'spot.marked', text: `${String(message['spot'] ?? 'This place')} is marked here.` });
     case 'name_room':
       return makePrompt({ answer_to, key: 'named', text: `This room is called ${String(message['room'])} now.` });
     default:

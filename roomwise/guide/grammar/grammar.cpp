@@ -11,10 +11,12 @@ namespace {
 
 constexpr std::size_t kMaxWaysOfOne = 4096;  // that a pattern stands for
 
-constexpr std::array<std::pair<std::string_view, Slot>, 4> kSlots{{{"{thing}", Slot::kThing},
+constexpr std::array<std::pair<std::string_view, Slot>, 6> kSlots{{{"{thing}", Slot::kThing},
                                                                    {"{room}", Slot::kRoom},
                                                                    {"{place}", Slot::kPlace},
-                                                                   {"{goal}", Slot::kGoal}}};
+                                                                   {"{goal}", Slot::kGoal},
+                                                                   {"{spot}", Slot::kSpot},
+                                                                   {"{new}", Slot::kNew}}};
 
 // Reads "where (is|are) [all] {place}" into all the texts that it stands for.
 class PatternReader {
@@ -113,6 +115,14 @@ Expected<void> add_patterns(QuestionType type, std::string_view text,
   return {};
 }
 
+std::set<std::string> word_set(const nlohmann::json& words) {
+  std::set<std::string> all;
+  for (const auto& word : words) {
+    for (std::string& folded : folded_words(word.get<std::string>())) all.insert(std::move(folded));
+  }
+  return all;
+}
+
 }  // namespace
 
 Expected<Grammar> Grammar::parse(const nlohmann::json& questions) {
@@ -120,17 +130,17 @@ Expected<Grammar> Grammar::parse(const nlohmann::json& questions) {
   std::map<std::string, std::vector<std::string>> patterns;
   try {
     questions.at("patterns").get_to(patterns);
-    for (const auto& word : questions.at("determiners")) {
-      for (std::string& folded : folded_words(word.get<std::string>())) {
-        grammar.determiners_.insert(std::move(folded));
-      }
-    }
+    grammar.determiners_ = word_set(questions.at("determiners"));
+    grammar.possessives_ = word_set(questions.at("possessives"));
     for (const auto& filler : questions.at("fillers")) {
       grammar.fillers_.push_back(folded_words(filler.get<std::string>()));
     }
     questions.at("endings").get_to(grammar.endings_);
   } catch (const nlohmann::json::exception& error) {
     return fail("questions: {}", error.what());
+  }
+  if (!std::ranges::includes(grammar.determiners_, grammar.possessives_)) {
+    return fail("questions: a possessive is no determiner; name it under both");
   }
   std::erase_if(grammar.fillers_, [](const auto& words) { return words.empty(); });
   std::ranges::stable_sort(grammar.fillers_, std::ranges::greater{},

@@ -19,6 +19,8 @@ enum class Slot {
   kRoom,
   kPlace,  // a thing, a room, or what else has a place: a door
   kGoal,   // what one may be led to: the same
+  kSpot,   // a place that somebody marked
+  kNew,    // a name that is given now: any words
 };
 
 // One way to ask: folded words, and where among them a name stands, if one does.
@@ -34,6 +36,7 @@ struct QuestionPattern {
 //   patterns     type -> ways to ask. "where is {place}": words and a slot for a name. "(a|b)": one
 //                of them; "[a|b]": one of them or none; both may hold each other.
 //   determiners  what may stand before a name and says nothing: articles, "my", "nearest".
+//   possessives  of these, what says that it is one's own: "my".
 //   fillers      what may stand anywhere and says nothing: "please".
 //   endings      what a name may end with besides: "s".
 class Grammar {
@@ -46,12 +49,15 @@ class Grammar {
   [[nodiscard]] bool is_determiner(const std::string& word) const {
     return determiners_.contains(word);
   }
+  [[nodiscard]] bool is_possessive(const std::string& word) const {
+    return possessives_.contains(word);
+  }
   [[nodiscard]] std::span<const std::string> endings() const { return endings_; }
   [[nodiscard]] std::vector<std::string> without_fillers(std::vector<std::string> words) const;
 
  private:
   std::vector<QuestionPattern> patterns_;
-  std::set<std::string> determiners_;
+  std::set<std::string> determiners_, possessives_;
   std::vector<std::vector<std::string>> fillers_;  // the longest first
   std::vector<std::string> endings_;
 };

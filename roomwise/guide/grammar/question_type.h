@@ -33,13 +33,17 @@ enum class QuestionType {
   kForgetThing,  // that was taught
   kShareThing,   // with all people of the home
   kKeepThing,    // its owner's alone
-  kYes,          // to "Did you mean ...?"
-  kNamed,        // a name alone
-  kCannotTell,   // what no picture and no map can answer
+  kMarkSpot,     // where one stands is to be remembered
+  kTakeMeBack,   // to where one was
+  kWhichSpots,
+  kForgetSpot,
+  kYes,         // to "Did you mean ...?"
+  kNamed,       // a name alone
+  kCannotTell,  // what no picture and no map can answer
 };
 
 // As catalogues call them.
-constexpr std::array<std::pair<std::string_view, QuestionType>, 27> kQuestionTypes{
+constexpr std::array<std::pair<std::string_view, QuestionType>, 31> kQuestionTypes{
     {{"where_am_i", QuestionType::kWhereAmI},
      {"around_me", QuestionType::kAroundMe},
      {"where_is", QuestionType::kWhereIs},
@@ -64,6 +68,11 @@ constexpr std::array<std::pair<std::string_view, QuestionType>, 27> kQuestionTyp
      {"named", QuestionType::kNamed},
      {"cannot_tell", QuestionType::kCannotTell},
      {"teach_thing", QuestionType::kTeachThing},
+     {"mark_spot", QuestionType::kMarkSpot},
+     {"take_me_back", QuestionType::kTakeMeBack},
+     {"which_spots", QuestionType::kWhichSpots},
+     // Before things: a spot is somebody's own.
+     {"forget_spot", QuestionType::kForgetSpot},
      {"forget_thing", QuestionType::kForgetThing},
      {"share_thing", QuestionType::kShareThing},
      {"keep_thing", QuestionType::kKeepThing}}};

@@ -10,12 +10,6 @@ namespace {
 
 constexpr std::size_t kMinStem = 3;  // letters that stay when an ending is taken off
 
-bool fits(Slot slot, Noun::Kind kind, bool is_goal) {
-  if (is_goal) return slot == Slot::kGoal || slot == Slot::kPlace;
-  return slot == Slot::kPlace || slot == Slot::kGoal ||
-         (slot == Slot::kThing) == (kind == Noun::Kind::kThing);
-}
-
 // "bedroom 2" -> "bedroom".
 std::string without_last_number(const std::string& name) {
   const std::size_t end = name.find_last_not_of("0123456789");
@@ -33,10 +27,18 @@ bool is_same_but_for_ending(const std::string& a, const std::string& b,
 
 }  // namespace
 
+bool NameIndex::fits(const Entry& entry, Slot slot) {
+  if (slot == Slot::kPlace || slot == Slot::kGoal) return true;
+  if (slot == Slot::kSpot) return entry.is_spot;
+  if (entry.is_goal) return false;
+  return slot == (entry.noun.kind == Noun::Kind::kThing ? Slot::kThing : Slot::kRoom);
+}
+
 NameIndex::NameIndex(const Phrasebook& phrases, const HomeNames& home) : phrases_(phrases) {
   for (const std::string& name : home.things) add_noun({Noun::Kind::kThing, name}, true, false);
   for (const std::string& name : home.rooms) add_noun({Noun::Kind::kRoom, name}, true, false);
   for (const std::string& name : home.goals) add_noun({Noun::Kind::kThing, name}, true, true);
+  for (const std::string& name : home.spots) add_spot(name);
   add_labels(home);
   for (const auto kind : {Noun::Kind::kThing, Noun::Kind::kRoom}) {
     for (const std::string& word : phrases.words(kind)) add_noun({kind, word}, false, false);
@@ -62,6 +64,12 @@ void NameIndex::add_parts(const std::vector<std::string>& words, const Noun& nou
       entries_.push_back({joined(part), noun, way, is_goal, true});
     }
   }
+}
+
+void NameIndex::add_spot(const std::string& name) {
+  const std::size_t first = entries_.size();
+  add(name, {Noun::Kind::kThing, name}, Way::kName, true, true);
+  for (std::size_t i = first; i < entries_.size(); ++i) entries_[i].is_spot = true;
 }
 
 void NameIndex::add_noun(const Noun& noun, bool is_of_home, bool is_goal) {
@@ -98,6 +106,16 @@ void NameIndex::add_labels(const HomeNames& home) {
   }
 }
 
+std::vector<std::string> NameIndex::new_name(std::span<const std::string> words) const {
+  const Grammar& grammar = phrases_.grammar();
+  std::vector<std::string> name = grammar.without_fillers({words.begin(), words.end()});
+  while (name.size() > 1 && grammar.is_determiner(name.front()) &&
+         !grammar.is_possessive(name.front())) {
+    name.erase(name.begin());
+  }
+  return name;
+}
+
 std::span<const std::string> NameIndex::without_determiners(
     std::span<const std::string> words) const {
   while (words.size() > 1 && phrases_.grammar().is_determiner(words.front())) {
@@ -123,11 +141,23 @@ Nouns NameIndex::nouns_of(std::vector<const Entry*> entries) const {
   return nouns;
 }
 
+Nouns NameIndex::own_spots(const std::string& key, Slot slot) const {
+  std::vector<const Entry*> found;
+  for (const Entry& entry : entries_) {
+    if (!entry.is_spot || !fits(entry, slot)) continue;
+    const std::vector<std::string> words = folded_words(entry.noun.name);
+    const bool is_own = phrases_.grammar().is_possessive(words.front());
+    const auto bare = without_determiners(words);
+    if (is_own && joined({bare.begin(), bare.end()}) == key) found.push_back(&entry);
+  }
+  return nouns_of(std::move(found));
+}
+
 Nouns NameIndex::exact(const std::string& key, Slot slot, bool is_of_home, Way least) const {
   std::vector<const Entry*> found;
   for (const Entry& entry : entries_) {
     const bool is_same = entry.key == key && entry.is_of_home == is_of_home && entry.way <= least;
-    if (is_same && fits(slot, entry.noun.kind, entry.is_goal)) found.push_back(&entry);
+    if (is_same && fits(entry, slot)) found.push_back(&entry);
   }
   return nouns_of(std::move(found));
 }
@@ -135,8 +165,7 @@ Nouns NameIndex::exact(const std::string& key, Slot slot, bool is_of_home, Way l
 Nouns NameIndex::with_endings(const std::string& key, Slot slot) const {
   std::vector<const Entry*> found;
   for (const Entry& entry : entries_) {
-    if (entry.is_of_home && entry.way <= Way::kLabel &&
-        fits(slot, entry.noun.kind, entry.is_goal) &&
+    if (entry.is_of_home && entry.way <= Way::kLabel && fits(entry, slot) &&
         is_same_but_for_ending(entry.key, key, phrases_.grammar().endings())) {
       found.push_back(&entry);
     }
@@ -149,7 +178,7 @@ Nouns NameIndex::nearest(const std::string& key, Slot slot) const {
   std::vector<const Entry*> found;
   for (const Entry& entry : entries_) {
     if (!entry.is_of_home || entry.way > Way::kLabel) continue;
-    if (!fits(slot, entry.noun.kind, entry.is_goal)) continue;
+    if (!fits(entry, slot)) continue;
     const int slips = slips_between(entry.key, key);
     if (slips > std::min(least, forgiven_slips(entry.key))) continue;
     if (slips < least) found.clear();
@@ -167,19 +196,26 @@ FoundName NameIndex::find(std::span<const std::string> words, Slot slot) const {
     if (!nouns.empty()) return {NameMatch::kKnown, std::move(nouns)};
   }
   const std::string key = joined({bare.begin(), bare.end()});
+  if (bare.size() < words.size() && phrases_.grammar().is_possessive(words.front())) {
+    if (Nouns nouns = own_spots(key, slot); !nouns.empty()) {
+      return {NameMatch::kKnown, std::move(nouns)};
+    }
+  }
   if (Nouns nouns = exact(key, slot, true, Way::kLabel); !nouns.empty()) {
     return {NameMatch::kKnown, std::move(nouns)};
   }
   if (Nouns nouns = with_endings(key, slot); !nouns.empty()) {
     return {NameMatch::kKnown, std::move(nouns)};
   }
-  if (Nouns nouns = exact(key, slot, true, Way::kPartOfOwn); !nouns.empty()) {
+  // What is forgotten by a part of its name might be another's.
+  const Way least = slot == Slot::kSpot ? Way::kLabel : Way::kPartOfOwn;
+  if (Nouns nouns = exact(key, slot, true, least); !nouns.empty()) {
     return {NameMatch::kKnown, std::move(nouns)};
   }
   if (Nouns nouns = exact(key, slot, false, Way::kLabel); !nouns.empty()) {
     return {NameMatch::kAbsent, {nouns.front()}};
   }
-  if (Nouns nouns = exact(key, slot, true, Way::kPart); !nouns.empty()) {
+  if (Nouns nouns = exact(key, slot, true, Way::kPart); slot != Slot::kSpot && !nouns.empty()) {
     return {NameMatch::kKnown, std::move(nouns)};
   }
   if (Nouns nouns = nearest(key, slot); !nouns.empty()) {

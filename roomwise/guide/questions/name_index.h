@@ -32,6 +32,9 @@ class NameIndex {
   [[nodiscard]] FoundName find(std::span<const std::string> words, Slot slot) const;
   // Whether a part of the words, not all of them, is a name of the home: "cup on the table".
   [[nodiscard]] bool has_name_inside(std::span<const std::string> words) const;
+  // A name that is given now: without articles and what says nothing, but "my chair" keeps its
+  // "my".
+  [[nodiscard]] std::vector<std::string> new_name(std::span<const std::string> words) const;
   // The words of a name without what stands before it and says nothing.
   [[nodiscard]] std::span<const std::string> without_determiners(
       std::span<const std::string> words) const;
@@ -47,6 +50,7 @@ class NameIndex {
     Way way = Way::kName;
     bool is_goal = false;     // and no thing
     bool is_of_home = false;  // else the language only knows the word
+    bool is_spot = false;     // a goal that somebody marked
   };
 
   void add(const std::string& name, const Noun& noun, Way way, bool is_of_home, bool is_goal);
@@ -54,6 +58,11 @@ class NameIndex {
   void add_noun(const Noun& noun, bool is_of_home, bool is_goal);
   void add_labels(const HomeNames& home);
   // `least`: the least exact way that counts.
+  void add_spot(const std::string& name);
+  [[nodiscard]] static bool fits(const Entry& entry, Slot slot);
+  // Of the spots that are called "my chair" those that "chair" means, in whatever case: "meinem
+  // Stuhl".
+  [[nodiscard]] Nouns own_spots(const std::string& key, Slot slot) const;
   [[nodiscard]] Nouns exact(const std::string& key, Slot slot, bool is_of_home, Way least) const;
   [[nodiscard]] Nouns with_endings(const std::string& key, Slot slot) const;
   [[nodiscard]] Nouns nearest(const std::string& key, Slot slot) const;

@@ -44,6 +44,7 @@ std::vector<Prompt> example_prompts(const HomeNames& home, const Wording& wordin
                                     TimestampNs now_ns) {
   Refusal refusal(wording, now_ns);
   refusal.say_examples(home);
+  if (!home.rooms.empty()) refusal.say("ask.examples_spot");
   return refusal.take();
 }
 

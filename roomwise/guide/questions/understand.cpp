@@ -65,6 +65,11 @@ std::optional<Reading> read_as(const QuestionPattern& pattern, std::span<const s
   if (!inside) return std::nullopt;
   Reading reading{&pattern, {NameMatch::kKnown, {}}, {}};
   if (!pattern.slot) return reading;
+  if (pattern.slot == Slot::kNew) {
+    reading.said = names.new_name(*inside);
+    if (reading.said.empty() || reading.said.size() > kMaxWordsOfAName) return std::nullopt;
+    return reading;
+  }
   reading.name = names.find(*inside, *pattern.slot);
   const auto said = names.without_determiners(*inside);
   reading.said.assign(said.begin(), said.end());
@@ -99,6 +104,11 @@ Noun noun_said(const std::vector<std::string>& words, const Spellings& spellings
 
 Understood meaning_of(Reading reading, const Spellings& spellings) {
   Understood meaning{.type = reading.pattern->type, .names = std::move(reading.name.nouns)};
+  if (reading.pattern->slot == Slot::kNew) {
+    meaning.outcome = Outcome::kQuestion;
+    meaning.names = {noun_said(reading.said, spellings)};
+    return meaning;
+  }
   if (meaning.type == QuestionType::kCannotTell) {
     return {.outcome = Outcome::kCannotTell, .type = meaning.type, .names = {}};
   }

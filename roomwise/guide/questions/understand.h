@@ -16,7 +16,8 @@ namespace roomwise::guide {
 struct HomeNames {
   std::vector<std::string> things;  // each once, by name
   std::vector<std::string> rooms;
-  std::vector<std::string> goals;  // what has a place besides, by the home's word
+  std::vector<std::string> goals;       // what has a place besides, by the home's word
+  std::vector<std::string> spots = {};  // that somebody marked, as they called them: "my chair"
   // What networks call things; null: nothing.
   const objects::ObjectVocabulary* vocabulary = nullptr;
 };

@@ -133,6 +133,7 @@ Expected<std::vector<StoredEdit>> stored_edits(const home::Home& home) {
   std::vector<StoredEdit> edits;
   ROOMWISE_TRY(auto rows, home.edits());
   for (home::Edit& row : rows) {
+    if (row.what == kSpotRow) continue;
     const auto kind = std::ranges::find(kEditKinds, std::string_view(row.what),
                                         &std::pair<EditKind, std::string_view>::second);
     if (kind == kEditKinds.end()) {

@@ -37,6 +37,10 @@ enum class EditKind {
 [[nodiscard]] std::string_view to_string(EditKind kind);
 [[nodiscard]] bool is_of_thing(EditKind kind);
 
+// As home::Edit::what of places that people mark (edits/marked_spots.h): kept with the changes,
+// and none of them.
+inline constexpr std::string_view kSpotRow = "spot";
+
 // Of a kind those members that it needs; the others are empty.
 struct EditChange {
   std::string name = {};  // a thing's new name; what it was called before is `old_name`
@@ -62,7 +66,8 @@ struct StoredEdit {
   [[nodiscard]] home::Edit row() const;
 };
 
-// As they were made. Fails where one is damaged, or another version of Roomwise made it.
+// As they were made, without spots. Fails where one is damaged, or another version of Roomwise made
+// it.
 [[nodiscard]] Expected<std::vector<StoredEdit>> stored_edits(const home::Home& home);
 
 // Calls a change's rooms as changes after it do: those that renamed or joined them.

@@ -12,6 +12,7 @@ import { localHearing } from './local_hearing';
 import { ownNotice, ownPrompt } from './own_prompt';
 import { Phone } from './phone';
 import { PromptPlayer } from './prompt_player';
+import { openSpots } from './spots_dialog';
 import { SaidLog } from './said_log';
 import { loadSettings, rememberPaired, saveSettings, wasPaired } from './settings';
 import { openSettings } from './settings_dialog';
@@ -125,10 +126,16 @@ function open(me: Me | null, cameraFailure: CameraFailure | null): void {
     quiet: () => phone.setQuiet(!phone.state.quiet),
     find: () => openChoice({
       title: text('find.title'), label: text('find.label'), go: text('find.go'), missing: text('find.missing'),
-    }, phone.state.things, (thing) => phone.ask({ question: 'where_is', thing })),
+    }, [...phone.state.spots, ...phone.state.things], (thing) => phone.ask({ question: 'where_is', thing })),
     take: () => openChoice({
       title: text('take.title'), label: text('take.label'), go: text('take.go'), missing: text('take.missing'),
-    }, [...phone.state.rooms, ...phone.state.things], (goal) => phone.takeMeTo(goal)),
+    }, [...phone.state.spots, ...phone.state.rooms, ...phone.state.things], (goal) => phone.takeMeTo(goal)),
+    spots: () => openSpots(phone.state.spots, {
+      mark: (spot) => phone.ask({ question: 'mark_spot', ...(spot === '' ? {} : { spot }) }),
+      back: () => phone.takeMeBack(),
+      rename: (spot, name) => phone.ask({ question: 'rename_spot', spot, name }),
+      forget: (spot) => phone.ask({ question: 'forget_spot', spot }),
+    }),
     askInWords: () => openWords(speak, ask),
     guide: (wish) => phone.ask({ question: 'guide', wish }),
     nameRoom: () => openChoice({

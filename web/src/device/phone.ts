@@ -19,7 +19,7 @@ import type { PromptPlayer } from './prompt_player';
 import type { Settings } from './settings';
 
 // After these the guide has nothing more to do, but for how high to reach.
-const kEndsOfGuidance = ['guide.there', 'guide.ended', 'guide.near_end', 'guide.not_running', 'where.unknown'];
+const kEndsOfGuidance = ['guide.there', 'guide.ended', 'guide.near_end', 'guide.not_running', 'where.unknown', 'spot.no_way_back'];
 
 // Whether somebody shows a thing to the camera, and whether enough of it was seen to name it.
 export type Teaching = 'no' | 'showing' | 'shown';
@@ -31,6 +31,7 @@ export interface PhoneState {
   home: string;
   rooms: string[];
   things: string[];
+  spots: string[]; // that were marked
   online: boolean;
   camera: 'off' | 'good' | 'dark' | 'covered' | 'blurred';
   recording: string | null;
@@ -44,7 +45,7 @@ export interface PhoneState {
 
 export class Phone {
   readonly state: PhoneState = {
-    home: '', rooms: [], things: [], online: false, camera: 'off', recording: null, pictures: 0, isWalking: false, waits: false, quiet: false,
+    home: '', rooms: [], things: [], spots: [], online: false, camera: 'off', recording: null, pictures: 0, isWalking: false, waits: false, quiet: false,
     led: false, teaching: 'no',
   };
   private readonly session: Session;
@@ -115,6 +116,12 @@ export class Phone {
   takeMeTo(goal: string): void {
     this.state.led = true;
     this.ask(this.state.rooms.includes(goal) ? { question: 'take_me_to', room: goal } : { question: 'take_me_to', thing: goal });
+    this.changed();
+  }
+
+  takeMeBack(): void {
+    this.state.led = true;
+    this.ask({ question: 'take_me_back' });
     this.changed();
   }
 
@@ -221,10 +228,11 @@ export class Phone {
     }
   }
 
-  private learnHome(message: Partial<Pick<Welcome, 'home' | 'rooms' | 'things'>>): void {
+  private learnHome(message: Partial<Pick<Welcome, 'home' | 'rooms' | 'things' | 'spots'>>): void {
     this.state.home = message.home ?? this.state.home;
     this.state.rooms = message.rooms ?? this.state.rooms;
     this.state.things = message.things ?? this.state.things;
+    this.state.spots = message.spots ?? this.state.spots;
   }
 
   private online(): void {

@@ -11,6 +11,7 @@ export interface ViewActions {
   aroundMe: () => void;
   find: () => void;
   take: () => void;
+  spots: () => void;
   askInWords: () => void;
   guide: (wish: GuideWish) => void;
   repeat: () => void;
@@ -69,6 +70,7 @@ export class PhoneView {
         h('div', { class: 'tools' },
           this.nameRoom,
           h('button', { type: 'button', class: 'tool take', onclick: actions.take }, text('phone.take')),
+          h('button', { type: 'button', class: 'tool spots', onclick: actions.spots }, text('phone.spots')),
           h('button', { type: 'button', class: 'tool', onclick: actions.askInWords }, text('phone.in_words')),
           speak,
           this.stop,

@@ -35,6 +35,7 @@ export interface Welcome {
   role: Role;
   rooms: string[];
   things: string[];
+  spots?: string[]; // that this device marked; a computer of before tells none
   sees_rooms: boolean;
   sees_places: boolean;
   max_frame_bytes: number;
@@ -158,6 +159,9 @@ export type Question =
   | { question: 'take_me_to'; room: string }
   | { question: 'guide'; wish: GuideWish }
   | { question: 'name_room'; room: string }
+  | { question: 'mark_spot' | 'forget_spot'; spot?: string }
+  | { question: 'rename_spot'; spot: string; name: string }
+  | { question: 'take_me_back' | 'which_spots' }
   | { question: 'teach_thing' | 'stop_teaching' }
   | { question: 'name_thing'; thing: string; private?: boolean };
 

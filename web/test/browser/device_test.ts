@@ -212,6 +212,41 @@ test('find: by typing and by the list; what is asked again is repeated', options
   await visit.close();
 }));
 
+test('places: one is marked with a name or without, gone back to, renamed, forgotten', options, () => withServer(async (server) => {
+  const visit = await openVisit(server, { role: 'device', size: kPhone, before: recordSpeech });
+  await start(visit, 'reader');
+  server.tell('device', { type: 'home', spots: ['my chair'] });
+  await visit.press('Places…');
+  await visit.assertAccessible('places');
+  await visit.tabTo('What is this place called?');
+  await visit.type('my desk');
+  await visit.page.keyboard.press('Enter');
+  await visit.hears('my desk is marked here.');
+  assert.equal(await visit.focused(), 'Places…', 'focus comes back');
+  await visit.page.keyboard.press('Enter');
+  await visit.press('Mark this place');
+  await visit.press('Places…');
+  await visit.press('Take me back');
+  assert.equal(await visit.page.$eval('.guide', (guide) => guide.checkVisibility()), true, 'is led');
+  await visit.press('Places…');
+  await visit.press('Rename my chair');
+  await visit.press('Rename');
+  await visit.sees('Type a name', '[role=alert]');
+  await visit.type('my seat');
+  await visit.page.keyboard.press('Enter');
+  await visit.press('Places…');
+  await visit.press('Forget my chair');
+  await visit.press('Take me…');
+  await visit.press('my chair');
+  const asked = (): unknown[] => server.newest('device').asked.map((one) => [one['question'], one['spot'] ?? one['thing'] ?? null, one['name'] ?? null]);
+  await visit.hears('You are in the kitchen.');
+  assert.deepEqual(asked(), [
+    ['mark_spot', 'my desk', null], ['mark_spot', null, null], ['take_me_back', null, null], ['rename_spot', 'my chair', 'my seat'],
+    ['forget_spot', 'my chair', null], ['take_me_to', 'my chair', null],
+  ]);
+  await visit.close();
+}));
+
 test('a question in one\'s own words, typed; whoever asks for a way is led', options, () => withServer(async (server) => {
   const visit = await openVisit(server, { role: 'device', size: kPhone, before: recordSpeech });
   await start(visit, 'reader');

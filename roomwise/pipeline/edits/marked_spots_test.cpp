@@ -1,0 +1,105 @@
+#include "roomwise/pipeline/edits/marked_spots.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "roomwise/pipeline/edits/undo_edit.h"
+#include "roomwise/pipeline/stored/stored_edits.h"
+#include "roomwise/pipeline/stored/stored_map.h"
+#include "roomwise/pipeline/testing/mapped_room.h"
+
+namespace roomwise::pipeline {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+class MarkedSpots : public testing::MappedRoom {
+ protected:
+  Expected<home::EditId> mark(const std::string& name, const std::string& owner = "3",
+                              const Eigen::Vector3d& where = {0.5, 0.1, 0.2}) {
+    const auto place = spot_place(home_->keyframes().value(), where);
+    return mark_spot(*home_, {0, name, owner, 1'700'000'000, place.value()});
+  }
+  std::vector<std::string> names() {
+    std::vector<std::string> names;
+    for (const MarkedSpot& one : marked_spots(*home_).value()) names.push_back(one.name);
+    return names;
+  }
+  Eigen::Vector3d where(const std::string& name) {
+    const auto spots = marked_spots(*home_).value();
+    const auto found = std::ranges::find(spots, name, &MarkedSpot::name);
+    return point_world(found->place, home_->keyframes().value()).value();
+  }
+};
+
+TEST_F(MarkedSpots, AreKeptWithTheirOwnerAndPlace) {
+  ASSERT_OK(mark("my chair"));
+  ASSERT_OK(mark("", "3"));
+  EXPECT_THAT(names(), ElementsAre("", "my chair"));
+  EXPECT_LT((where("my chair") - Eigen::Vector3d(0.5, 0.1, 0.2)).norm(), 1e-9);
+  const MarkedSpot spot = marked_spots(*home_)->back();
+  EXPECT_TRUE(spot.is_known_to("3"));
+  EXPECT_FALSE(spot.is_known_to("4"));
+  EXPECT_EQ(spot.marked_s, 1'700'000'000);
+}
+
+TEST_F(MarkedSpots, MarkedAgainStandElsewhereAndOthersKeepTheirs) {
+  ASSERT_OK(mark("my chair"));
+  ASSERT_OK(mark("my chair", "4"));
+  ASSERT_OK(mark("My Chair", "3", {1, 0, 0}));
+  EXPECT_THAT(names(), ElementsAre("My Chair", "my chair"));
+  EXPECT_LT((where("My Chair") - Eigen::Vector3d(1, 0, 0)).norm(), 1e-9);
+}
+
+TEST_F(MarkedSpots, MoveWithTheMap) {
+  ASSERT_OK(mark("my chair"));
+  const RigidTransform moved{Eigen::Quaterniond::Identity(), Eigen::Vector3d(0, 0, 2)};
+  std::map<home::KeyframeId, home::KeyframePose> poses;
+  for (const home::Keyframe& one : home_->keyframes().value()) {
+    poses[one.id] = {moved * one.pose.world_from_keyframe, 0};
+  }
+  ASSERT_OK(home_->replace_poses(poses));
+  EXPECT_LT((where("my chair") - Eigen::Vector3d(0.5, 0.1, 2.2)).norm(), 1e-9);
+}
+
+TEST_F(MarkedSpots, AreRenamedAndForgotten) {
+  const auto chair = mark("my chair");
+  ASSERT_OK(chair);
+  ASSERT_OK(mark("stairs"));
+  EXPECT_ERROR(rename_spot(*home_, *chair, "stairs"), "another place is called stairs");
+  EXPECT_ERROR(rename_spot(*home_, *chair, ""), "the name is empty");
+  ASSERT_OK(rename_spot(*home_, *chair, "my seat"));
+  EXPECT_THAT(names(), ElementsAre("my seat", "stairs"));
+  ASSERT_OK(forget_spot(*home_, *chair));
+  EXPECT_ERROR(forget_spot(*home_, *chair), "there is no spot");
+  EXPECT_THAT(names(), ElementsAre("stairs"));
+}
+
+TEST_F(MarkedSpots, AreNotCalledAsAThingOrARoom) {
+  EXPECT_ERROR(mark("chair"), "say whose or which it is");
+  ASSERT_OK(home_->replace_rooms(std::vector<rooms::Room>{{"nook", "study"}}));
+  EXPECT_ERROR(mark("nook"), "is a room of this home");
+  EXPECT_ERROR(mark("my\nchair"), "cannot be spoken");
+}
+
+TEST_F(MarkedSpots, AreNoChangesOfThingsOrRooms) {
+  const auto chair = mark("my chair");
+  ASSERT_OK(chair);
+  EXPECT_THAT(stored_edits(*home_).value(), IsEmpty());
+  EXPECT_ERROR(undo_edit(*home_, *chair), "");
+  EXPECT_THAT(marked_spots(*home_).value(), SizeIs(1));
+}
+
+TEST_F(MarkedSpots, LoseTheirPlaceWithTheOnlyWalkThatShowsIt) {
+  ASSERT_OK(mark("my chair"));
+  ASSERT_OK(forget_walk(*home_, home_->recordings()->front().id));
+  const auto spots = marked_spots(*home_);
+  ASSERT_OK(spots);
+  ASSERT_THAT(*spots, SizeIs(1));
+  EXPECT_EQ(point_world(spots->front().place, home_->keyframes().value()), std::nullopt);
+}
+
+}  // namespace
+}  // namespace roomwise::pipeline
