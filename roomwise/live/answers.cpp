@@ -287,6 +287,10 @@ std::optional<service::Question> question_of(guide::QuestionType type, bool is_r
       return Question::kWhichSpots;
     case QuestionType::kForgetSpot:
       return Question::kForgetSpot;
+    case QuestionType::kWhoIsHere:
+      return Question::kWhoIsHere;
+    case QuestionType::kIsItLight:
+      return Question::kIsItLight;
     case QuestionType::kNamed:  // a room is told of, a thing is looked for
       return is_room ? Question::kDescribeRoom : Question::kWhereIs;
     default:
@@ -436,6 +440,8 @@ std::vector<guide::Prompt> answer(const service::Ask& ask, const Situation& situ
     case service::Question::kWhichSpots:
     case service::Question::kForgetSpot:
     case service::Question::kRenameSpot:
+    case service::Question::kWhoIsHere:
+    case service::Question::kIsItLight:
       break;
     case service::Question::kTakeMeBack:  // there is no way back
       return {guide::spot_prompt(guide::SpotStep::kNoWayBack, "", wording, now_ns)};

@@ -66,6 +66,12 @@ bool is_of_spots(service::Question question) {
          question == service::Question::kWhichSpots;
 }
 
+// What the newest picture answers by itself: it is looked at for this alone, by whoever looks at
+// frames.
+bool is_of_picture(service::Question question) {
+  return question == service::Question::kWhoIsHere || question == service::Question::kIsItLight;
+}
+
 guide::TeachingStep step_of(service::Question question) {
   using service::Question;
   switch (question) {
@@ -239,7 +245,8 @@ void Device::hear(const Asked& asked) {
     }
     if (now.question != service::Question::kRepeat && !to_guide) {
       last_ask_ = now;
-      waits = newest_ || looking_;  // the frame in hand answers it
+      // The frame in hand answers it, or whoever looks at frames does.
+      waits = newest_ || looking_ || is_of_picture(now.question);
     }
     if (waits && waiting_.size() == kMaxWaiting) {
       pushed_out = waiting_.front().ask.id;
@@ -248,6 +255,7 @@ void Device::hear(const Asked& asked) {
     if (waits) waiting_.push_back({now, asked.came});
   }
   if (pushed_out) refuse(Error{"too many questions at once"}, pushed_out);
+  if (waits && is_of_picture(now.question)) host_.has_work(shared_from_this());
   if (!waits) hear_now({now, asked.came});
 }
 
@@ -339,6 +347,33 @@ void Device::mark_spot(const Asked& asked) {
   const bool is_name = marked.error().code == ErrorCode::kRefused;
   say_spot(is_name ? guide::SpotStep::kOtherName : guide::SpotStep::kBusy, ask.subject, ask,
            marked.error().message);
+}
+
+// ---- what the picture tells by itself ----
+
+void Device::answer_by_picture(const service::Ask& ask) {
+  std::shared_ptr<const FrameImages> images;
+  double taken_t_ms = 0;
+  {
+    const std::scoped_lock lock(mutex_);
+    if (last_result_ && ask.t_ms - last_result_->t_ms <= kMaxFrameAge_ms) {
+      images = last_result_->images;
+      taken_t_ms = last_result_->t_ms;
+    }
+  }
+  const guide::Wording wording = wording_now();
+  const TimestampNs now_ns = std::llround(std::max(ask.t_ms, taken_t_ms) * 1e6);
+  if (!images) {
+    const std::scoped_lock lock(mutex_);
+    return say({no_picture(settings_, ask.t_ms)}, ask.id, {});
+  }
+  if (ask.question == service::Question::kIsItLight) {
+    return say(guide::light_prompts(is_dark(images->color), wording, now_ns), ask.id, taken_t_ms);
+  }
+  const auto known = camera();
+  const auto people = host_.people_in(*images, known ? known->calibrated : std::nullopt);
+  if (!people) return say({guide::no_eyes_prompt(wording, now_ns)}, ask.id, {});
+  say(guide::people_prompts(*people, wording, now_ns), ask.id, taken_t_ms);
 }
 
 // ---- things that are taught ----
@@ -453,6 +488,10 @@ Expected<void> Device::teach(const CameraFrame& frame, Teaching& teaching) {
 // Answers by the last glance, if it is new enough.
 void Device::hear_now(const Asked& asked) {
   const service::Ask& ask = asked.ask;
+  if (is_of_picture(ask.question)) {
+    answer_by_picture(ask);
+    return host_.answered(ask.question, seconds_since(asked.came));
+  }
   if (ask.question == service::Question::kMarkSpot) {
     mark_spot(asked);
     return host_.answered(ask.question, seconds_since(asked.came));
@@ -545,10 +584,14 @@ bool Device::work() {
   std::optional<CameraFrame> frame;
   {
     const std::scoped_lock lock(mutex_);
-    if (looking_ || !newest_ || closed_) return false;
+    if (looking_ || closed_) return false;
     frame = std::move(newest_);
     newest_.reset();
-    looking_ = true;
+    looking_ = frame.has_value();
+  }
+  if (!frame) {
+    answer_waiting(false);
+    return false;
   }
   if (const auto shown = teaching()) {
     // Nobody walks meanwhile, and the thing hides the room.

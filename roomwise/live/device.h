@@ -11,6 +11,7 @@
 #include "roomwise/live/answers.h"
 #include "roomwise/live/frame_processor.h"
 #include "roomwise/live/led_walk.h"
+#include "roomwise/live/people.h"
 #include "roomwise/live/teaching.h"
 #include "roomwise/live/walk_recorder.h"
 #include "roomwise/service/identity.h"
@@ -66,6 +67,9 @@ class DeviceHost {
   [[nodiscard]] virtual Expected<void> change_spot(const service::Identity& who,
                                                    const std::string& name,
                                                    const std::optional<std::string>& new_name) = 0;
+  // The people in a picture of this device's; fails where nothing at hand knows people.
+  [[nodiscard]] virtual Expected<std::vector<guide::SeenPerson>> people_in(
+      const FrameImages& images, const std::optional<geometry::PinholeCamera>& camera) const = 0;
   // From there it is led somewhere: known until the computer closes the home, and never stored.
   virtual void sets_out(const service::Identity& who, const Eigen::Vector3d& place_gravity) = 0;
 };
@@ -83,7 +87,8 @@ class Device : public std::enable_shared_from_this<Device> {
   void on_closed();
 
   // ---- from the home ----
-  // Looks at the newest frame, if one waits, and answers what was asked. True where another frame
+  // Looks at the newest frame, if one waits, and answers what was asked; also what waits without a
+  // new one. True where another frame
   // came meanwhile: to be called again.
   bool work();
   // Tells of rooms or things that changed.
@@ -114,6 +119,7 @@ class Device : public std::enable_shared_from_this<Device> {
   void hear_of_own_things(const service::Ask& ask);
   void hear_of_spots(const service::Ask& ask);
   void mark_spot(const Asked& asked);
+  void answer_by_picture(const service::Ask& ask);
   void say_spot(guide::SpotStep step, const std::string& name, const service::Ask& ask,
                 const std::string& because = {});
   void begin_teaching(const service::Ask& ask);

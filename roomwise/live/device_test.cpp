@@ -82,6 +82,13 @@ class Host final : public DeviceHost {
     return fail_with(ErrorCode::kRefused, "not marked by this device");
   }
   void sets_out(const service::Identity&, const Eigen::Vector3d&) override {}
+  [[nodiscard]] Expected<std::vector<guide::SeenPerson>> people_in(
+      const FrameImages&, const std::optional<geometry::PinholeCamera>&) const override {
+    if (!people) return fail("no eyes");
+    return *people;
+  }
+
+  std::optional<std::vector<guide::SeenPerson>> people;
 
   std::vector<std::string> marked;
   std::vector<std::pair<std::string, std::size_t>> taught;
@@ -262,6 +269,26 @@ TEST_F(DeviceTest, WhatItMarkedIsListedRenamedAndForgotten) {
   EXPECT_EQ(answer({4, 0, service::Question::kInWords, "forget my chair"}).message,
             "own.forgotten");
   EXPECT_EQ(answer({5, 0, service::Question::kForgetSpot, "my desk"}).message, "spot.not_yours");
+}
+
+TEST_F(DeviceTest, WhoIsInThePictureIsAnsweredByWhoLooksAtFrames) {
+  const auto answer = [&](std::int64_t id, double t_ms, service::Question question) {
+    ask(id, t_ms, question);
+    EXPECT_THAT(wire->take<service::PromptMessage>(), IsEmpty()) << "not on the socket's thread";
+    (void)device->work();
+    return wire->take<service::PromptMessage>().front();
+  };
+  say(hello());
+  EXPECT_EQ(answer(1, 1000, service::Question::kWhoIsHere).message, "device.no_picture");
+  show(2000);
+  (void)device->work();
+  EXPECT_EQ(answer(2, 2100, service::Question::kWhoIsHere).message, "people.cannot");
+  host.people.emplace();
+  EXPECT_EQ(answer(3, 2100, service::Question::kWhoIsHere).text, "I see nobody in front of you.");
+  host.people->push_back({guide::SeenPerson::Side::kLeft, 2.0});
+  EXPECT_EQ(answer(4, 2100, service::Question::kWhoIsHere).message, "people.left_at");
+  EXPECT_EQ(answer(5, 2100, service::Question::kIsItLight).message, "light.dark");
+  EXPECT_EQ(answer(6, 9000, service::Question::kWhoIsHere).message, "device.no_picture");
 }
 
 TEST_F(DeviceTest, WithoutACameraNothingIsTaught) {

@@ -98,10 +98,12 @@ Expected<void> FrameProcessor::look_for_own_things(const FrameImages& images, co
 Expected<FrameResult> FrameProcessor::look(CameraFrame frame,
                                            const std::shared_ptr<const HomeView>& home) {
   if (!camera_) return fail("this device said in its hello that it has no camera");
-  ROOMWISE_TRY(const FrameImages images, images_of(frame, *camera_));
-  const image::ColorImage& color = images.color;
-  const std::optional<image::DepthImage>& depth = images.depth;
+  ROOMWISE_TRY(FrameImages read, images_of(frame, *camera_));
+  const auto images = std::make_shared<const FrameImages>(std::move(read));
+  const image::ColorImage& color = images->color;
+  const std::optional<image::DepthImage>& depth = images->depth;
   FrameResult result;
+  result.images = images;
   result.t_ms = frame.t_ms;
   result.has_depth = depth.has_value();
   ROOMWISE_TRY(const auto answer, locate(color, depth, *home, result));
@@ -112,7 +114,7 @@ Expected<FrameResult> FrameProcessor::look(CameraFrame frame,
     result.place->room = home->room_at(result.place->position_gravity());
   }
   ROOMWISE_TRY(result.decision, decide(color, frame.t_ms, answer, depth.has_value(), home));
-  ROOMWISE_CHECK_OK(look_for_own_things(images, *home, result));
+  ROOMWISE_CHECK_OK(look_for_own_things(*images, *home, result));
   if (depth) {
     ROOMWISE_TRY(result.obstacle_m, obstacle_ahead(*depth, *camera_->calibrated, result.place,
                                                    home->map && home->map->frame.has_floor));

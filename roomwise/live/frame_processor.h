@@ -41,6 +41,8 @@ struct FrameResult {
   std::optional<double> obstacle_m;      // straight ahead, by depth
   std::vector<SeenOwnThing> own_things;  // looked for once a second at most
   Bytes picture;                         // as the device sent it
+  // For questions about the picture itself; it goes with the next one and is never stored.
+  std::shared_ptr<const FrameImages> images;
 };
 
 // Looks at the frames of one device, one after the other, and remembers what it saw: the room is

@@ -172,6 +172,11 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
                                          const Eigen::Vector3d& place_gravity) override;
   [[nodiscard]] Expected<void> change_spot(const service::Identity& who, const std::string& name,
                                            const std::optional<std::string>& new_name) override;
+  [[nodiscard]] Expected<std::vector<guide::SeenPerson>> people_in(
+      const FrameImages& images,
+      const std::optional<geometry::PinholeCamera>& camera) const override {
+    return live::people_in(images, camera, finders_.in_pictures);
+  }
   void sets_out(const service::Identity& who, const Eigen::Vector3d& place_gravity) override;
   // Runs `change` on the home and shows what came of spots, and of nothing else.
   [[nodiscard]] Expected<void> change_spots(

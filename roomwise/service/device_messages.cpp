@@ -9,7 +9,7 @@ constexpr std::array<Word<DeviceKind>, 3> kKinds{{{"phone", DeviceKind::kPhone},
                                                   {"page", DeviceKind::kPage}}};
 constexpr std::array<Word<Distances>, 2> kDistances{
     {{"metres", Distances::kMetres}, {"steps", Distances::kSteps}}};
-constexpr std::array<Word<Question>, 28> kQuestions{{{"where_am_i", Question::kWhereAmI},
+constexpr std::array<Word<Question>, 30> kQuestions{{{"where_am_i", Question::kWhereAmI},
                                                      {"around_me", Question::kAroundMe},
                                                      {"where_is", Question::kWhereIs},
                                                      {"way_to", Question::kWayTo},
@@ -36,7 +36,9 @@ constexpr std::array<Word<Question>, 28> kQuestions{{{"where_am_i", Question::kW
                                                      {"take_me_back", Question::kTakeMeBack},
                                                      {"which_spots", Question::kWhichSpots},
                                                      {"forget_spot", Question::kForgetSpot},
-                                                     {"rename_spot", Question::kRenameSpot}}};
+                                                     {"rename_spot", Question::kRenameSpot},
+                                                     {"who_is_here", Question::kWhoIsHere},
+                                                     {"is_it_light", Question::kIsItLight}}};
 constexpr std::array<Word<GuideWish>, 6> kWishes{{{"pause", GuideWish::kPause},
                                                   {"resume", GuideWish::kResume},
                                                   {"how_far", GuideWish::kHowFar},

@@ -88,6 +88,8 @@ enum class Question {
   kWhichSpots,
   kForgetSpot,
   kRenameSpot,
+  kWhoIsHere,  // whether somebody is in the picture
+  kIsItLight,  // in the picture
 };
 [[nodiscard]] std::string_view to_string(Question question);  // as the protocol calls it
 // What there is to say to a guide on the way.

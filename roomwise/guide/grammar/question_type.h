@@ -37,13 +37,15 @@ enum class QuestionType {
   kTakeMeBack,   // to where one was
   kWhichSpots,
   kForgetSpot,
+  kWhoIsHere,  // whether somebody is in the picture
+  kIsItLight,  // in the picture
   kYes,         // to "Did you mean ...?"
   kNamed,       // a name alone
   kCannotTell,  // what no picture and no map can answer
 };
 
 // As catalogues call them.
-constexpr std::array<std::pair<std::string_view, QuestionType>, 31> kQuestionTypes{
+constexpr std::array<std::pair<std::string_view, QuestionType>, 33> kQuestionTypes{
     {{"where_am_i", QuestionType::kWhereAmI},
      {"around_me", QuestionType::kAroundMe},
      {"where_is", QuestionType::kWhereIs},
@@ -68,6 +70,8 @@ constexpr std::array<std::pair<std::string_view, QuestionType>, 31> kQuestionTyp
      {"named", QuestionType::kNamed},
      {"cannot_tell", QuestionType::kCannotTell},
      {"teach_thing", QuestionType::kTeachThing},
+     {"who_is_here", QuestionType::kWhoIsHere},
+     {"is_it_light", QuestionType::kIsItLight},
      {"mark_spot", QuestionType::kMarkSpot},
      {"take_me_back", QuestionType::kTakeMeBack},
      {"which_spots", QuestionType::kWhichSpots},

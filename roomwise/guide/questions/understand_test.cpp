@@ -83,7 +83,8 @@ TEST(UnderstandTest, QuestionsInEnglish) {
   EXPECT_EQ(english("What is on the table?"), "what_is_on table");
   EXPECT_EQ(english("what's on the table"), "what_is_on table");
   EXPECT_EQ(english("Is the window open?"), "cannot tell");
-  EXPECT_EQ(english("is somebody in the room"), "cannot tell");
+  EXPECT_EQ(english("is somebody in the room"), "who_is_here");
+  EXPECT_EQ(english("is somebody in the kitchen"), "cannot tell") << "the camera is here";
   EXPECT_EQ(english("Where am I?"), "where_am_i");
   EXPECT_EQ(english("please, can you tell me where the microwave is"), "where_is microwave");
   EXPECT_EQ(english("whats in the kitchen"), "what_is_in kitchen");
@@ -135,6 +136,58 @@ TEST(UnderstandTest, QuestionsInFrench) {
   EXPECT_EQ(french("Qu'y a-t-il sur la table ?"), "what_is_on table");
   EXPECT_EQ(french("La fenêtre est-elle ouverte ?"), "cannot tell");
   EXPECT_EQ(french("où est l'ordinateur"), "unknown: where_is computer");
+}
+
+// What people who cannot see ask of a home, each in the words of every language.
+TEST(UnderstandTest, WhatPeopleAskOfAHomeIsUnderstoodInEveryLanguage) {
+  const std::map<std::string, std::vector<std::string>> asked{
+      {"what_is_on table",
+       {"en:what is on this table", "en:what's lying on the table", "de:was ist auf diesem Tisch",
+        "de:was steht auf dem Tisch", "es:qué hay sobre esta mesa", "es:qué hay encima de la mesa",
+        "fr:qu'y a-t-il sur cette table", "fr:il y a quoi sur la table"}},
+      {"who_is_here",
+       {"en:is somebody in the room", "en:is anybody here", "en:am I alone",
+        "en:is there anyone else in this room", "de:ist jemand im Raum", "de:ist hier jemand",
+        "de:bin ich allein", "es:hay alguien en la habitación", "es:hay alguien aquí",
+        "es:estoy sola", "fr:y a-t-il quelqu'un dans la pièce", "fr:il y a quelqu'un",
+        "fr:suis-je seul"}},
+      {"is_it_light",
+       {"en:which light is on", "en:is the light on", "en:is it dark in here",
+        "de:welches Licht ist an", "de:brennt das Licht", "de:ist es hier dunkel",
+        "es:qué luz está encendida", "es:está encendida la luz", "es:está oscuro",
+        "fr:quelle lumière est allumée", "fr:la lumière est-elle allumée", "fr:fait-il sombre"}},
+      {"what_changed",
+       {"en:what changed here", "en:what has changed", "de:was hat sich hier verändert",
+        "de:was ist neu", "es:qué ha cambiado aquí", "es:qué ha cambiado",
+        "fr:qu'est-ce qui a changé ici", "fr:qu'est-ce qui a changé"}},
+      {"what_is_ahead",
+       {"en:how far is the wall", "en:what is ahead", "en:how far is it to the wall",
+        "de:wie weit ist die Wand", "de:was ist vor mir", "de:wie weit ist es bis zur Wand",
+        "es:a qué distancia está la pared", "es:qué hay delante", "es:cuánto falta hasta la pared",
+        "fr:à quelle distance est le mur", "fr:qu'y a-t-il devant moi",
+        "fr:quelle est la distance jusqu'au mur"}},
+      {"what_is_in kitchen",
+       {"en:what is in the kitchen", "de:was ist in der Küche", "es:qué hay en la cocina",
+        "fr:qu'y a-t-il dans la cuisine"}},
+      {"which_rooms",
+       {"en:which rooms are there", "de:welche Räume gibt es", "de:welche Zimmer gibt es hier",
+        "es:qué habitaciones hay", "fr:quelles pièces y a-t-il"}},
+      {"which_way",
+       {"en:which way do I face", "en:which way am I facing", "de:wohin schaue ich",
+        "de:in welche Richtung schaue ich", "es:hacia dónde miro", "es:en qué dirección miro",
+        "fr:dans quelle direction je regarde", "fr:vers où je regarde"}},
+      {"describe_room",
+       {"en:describe this room", "de:beschreibe diesen Raum", "es:describe esta habitación",
+        "fr:décris cette pièce"}},
+      {"cannot tell",
+       {"en:is the window open", "de:ist das Fenster offen", "es:está abierta la ventana",
+        "fr:la fenêtre est-elle ouverte"}},
+  };
+  for (const auto& [meaning, texts] : asked) {
+    for (const std::string& text : texts) {
+      EXPECT_EQ(told(hear(text.substr(3), text.substr(0, 2))), meaning) << text;
+    }
+  }
 }
 
 TEST(UnderstandTest, ThingsThatWereTaughtAreKnownByTheirNames) {
