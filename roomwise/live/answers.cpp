@@ -54,14 +54,15 @@ guide::Prompt where_am_i(const Situation& situation, const guide::Wording& wordi
 }
 
 // The way from where somebody stands to the nearest thing that they mean.
-std::vector<guide::Prompt> way_to(const std::string& asked, const Situation& situation,
+std::vector<guide::Prompt> way_to(const service::Ask& ask, const Situation& situation,
                                   const guide::Wording& wording, TimestampNs now_ns) {
   const HomeView& home = situation.home;
+  const std::string& asked = ask.subject;
+  const auto things = things_asked_for(ask, home);
   const guide::UserLocation location = standing_of(situation.result);
-  const auto meant =
-      guide::thing_meant(asked, home.things, home.concepts.vocabulary, wording.phrases());
+  const auto meant = guide::thing_meant(asked, things, home.concepts.vocabulary, wording.phrases());
   if (!meant) {  // says so
-    return guide::where_prompts(asked, location, home.things, {}, home.concepts.vocabulary, wording,
+    return guide::where_prompts(asked, location, things, {}, home.concepts.vocabulary, wording,
                                 now_ns, situation.today);
   }
   const guide::Pose* const pose = location.sure_pose();
@@ -69,7 +70,7 @@ std::vector<guide::Prompt> way_to(const std::string& asked, const Situation& sit
     return {guide::no_route_prompt(false, "no place on the map", wording, now_ns)};
   std::optional<guide::Route> shortest;
   std::string why = "its place is not known";
-  for (const guide::KnownThing& thing : home.things) {
+  for (const guide::KnownThing& thing : things) {
     if (thing.name != *meant || !thing.position_gravity || !home.map || !home.map->floor) continue;
     auto route = guide::find_route(*home.map->floor, pose->position_gravity,
                                    thing.position_gravity->head<2>(), {},
@@ -118,8 +119,9 @@ std::vector<guide::KnownThing> doors_asked_for(const std::string& asked, const H
   return doors;
 }
 
-std::vector<guide::Prompt> where_is(const std::string& asked, const Situation& situation,
+std::vector<guide::Prompt> where_is(const service::Ask& ask, const Situation& situation,
                                     const guide::Wording& wording, TimestampNs now_ns) {
+  const std::string& asked = ask.subject;
   const HomeView& home = situation.home;
   const guide::UserLocation location = standing_of(situation.result);
   if (const ViewedSpot* const spot = spot_called(asked, home)) {
@@ -127,7 +129,7 @@ std::vector<guide::Prompt> where_is(const std::string& asked, const Situation& s
                                 home.concepts.vocabulary, wording, now_ns, situation.today);
   }
   const auto doors = doors_asked_for(asked, home, location, wording.phrases());
-  return guide::where_prompts(asked, location, doors.empty() ? home.things : doors,
+  return guide::where_prompts(asked, location, doors.empty() ? things_asked_for(ask, home) : doors,
                               doorways_of(home), home.concepts.vocabulary, wording, now_ns,
                               situation.today);
 }
@@ -322,6 +324,7 @@ std::optional<service::Ask> ask_of(const guide::Understood& heard, const service
   ask.id = in_words.id;
   ask.t_ms = in_words.t_ms;
   if (!heard.names.empty()) ask.subject = heard.names.front().name;
+  if (!heard.rooms.empty()) ask.in_room = heard.rooms.front().name;
   if (const auto wish = wish_of(heard.type)) {
     ask.question = service::Question::kGuide;
     ask.wish = *wish;
@@ -345,6 +348,33 @@ bool means_something(const std::string& name, const HomeView& home, const guide:
   const guide::Phrasebook& phrases = wording.phrases();
   return guide::thing_meant(name, home.things, home.concepts.vocabulary, phrases).has_value() ||
          room_meant(name, home, phrases).has_value();
+}
+
+std::vector<guide::KnownThing> things_asked_for(const service::Ask& ask, const HomeView& home) {
+  std::vector<guide::KnownThing> things;
+  for (const guide::KnownThing& thing : home.things) {
+    if (ask.in_room.empty() || thing.room == ask.in_room) things.push_back(thing);
+  }
+  return things;
+}
+
+std::vector<std::string> rooms_to_choose(const service::Ask& ask, const HomeView& home,
+                                         const guide::UserLocation& location,
+                                         const guide::Wording& wording) {
+  constexpr std::size_t kMost = 4;  // more are no choice to remember: then it is the nearest
+  const bool is_of_thing = ask.question == service::Question::kTakeMeTo && !ask.is_room &&
+                           ask.in_room.empty() && spot_called(ask.subject, home) == nullptr;
+  if (!is_of_thing) return {};
+  const auto meant =
+      guide::thing_meant(ask.subject, home.things, home.concepts.vocabulary, wording.phrases());
+  std::set<std::string> rooms;
+  for (const guide::KnownThing& thing : home.things) {
+    if (thing.name != meant) continue;
+    if (!thing.room || thing.room == location.room) return {};
+    rooms.insert(*thing.room);
+  }
+  if (rooms.size() < 2 || rooms.size() > kMost) return {};
+  return {rooms.begin(), rooms.end()};
 }
 
 std::optional<std::string> way_back(const HomeView& home, std::int64_t now_s) {
@@ -412,15 +442,15 @@ std::vector<guide::Prompt> answer(const service::Ask& ask, const Situation& situ
                                    situation.today);
     case service::Question::kWhereIs:
       if (ask.is_room) return HomeAnswers(situation, wording, now_ns).to(ask);
-      return where_is(ask.subject, situation, wording, now_ns);
+      return where_is(ask, situation, wording, now_ns);
     case service::Question::kTakeMeTo:  // who cannot be led is told
       if (ask.is_room) return HomeAnswers(situation, wording, now_ns).to(ask);
       [[fallthrough]];
     case service::Question::kWayTo:
       if (spot_called(ask.subject, situation.home) != nullptr) {
-        return where_is(ask.subject, situation, wording, now_ns);
+        return where_is(ask, situation, wording, now_ns);
       }
-      return way_to(ask.subject, situation, wording, now_ns);
+      return way_to(ask, situation, wording, now_ns);
     case service::Question::kNameRoom:
       return {guide::named_prompt(ask.subject, wording, nanoseconds(situation.now_t_ms))};
     case service::Question::kGuide:

@@ -46,6 +46,16 @@ constexpr double kMaxSpotSigma_m = 0.3;
 // long ago. Nothing where none of these is known. `now_s`: since 1970.
 [[nodiscard]] std::optional<std::string> way_back(const HomeView& home, std::int64_t now_s);
 
+// The rooms of which one must be chosen before somebody can be led to a thing: several of its name
+// stand in different rooms, and none where they are. Empty: nothing to choose.
+[[nodiscard]] std::vector<std::string> rooms_to_choose(const service::Ask& ask,
+                                                       const HomeView& home,
+                                                       const guide::UserLocation& location,
+                                                       const guide::Wording& wording);
+// Things of the home but those in other rooms than the one that was named.
+[[nodiscard]] std::vector<guide::KnownThing> things_asked_for(const service::Ask& ask,
+                                                              const HomeView& home);
+
 // The names of the home's things in the language that is spoken, each once, in order; answer()
 // knows what is meant by them.
 [[nodiscard]] std::vector<std::string> names_of_things(const HomeView& home,

@@ -272,9 +272,13 @@ void Device::understand(const Asked& asked) {
     offered = std::exchange(offered_, {});
     if (in_words.t_ms > offered_until_t_ms_) offered = {};
   }
-  const guide::Understood heard =
+  guide::Understood heard =
       guide::in_answer_to(offered, guide::understand(in_words.subject, wording.phrases(), names));
-  if (const auto ask = ask_of(heard, in_words)) return hear({*ask, asked.came});
+  if (const auto ask = ask_of(heard, in_words)) {
+    auto rooms = rooms_to_choose(*ask, *view, location_now(in_words.t_ms), wording);
+    if (rooms.empty()) return hear({*ask, asked.came});
+    heard = guide::which_room(std::move(heard), std::move(rooms));
+  }
   const auto prompts =
       guide::refusal_prompts(heard, names, wording, std::llround(in_words.t_ms * 1e6));
   {
@@ -377,6 +381,12 @@ void Device::answer_by_picture(const service::Ask& ask) {
 }
 
 // ---- things that are taught ----
+
+guide::UserLocation Device::location_now(double t_ms) const {
+  const std::scoped_lock lock(mutex_);
+  const bool is_fresh = last_result_ && t_ms - last_result_->t_ms <= kMaxFrameAge_ms;
+  return standing_of(is_fresh ? &*last_result_ : nullptr);
+}
 
 guide::Wording Device::wording_now() const {
   const std::scoped_lock lock(mutex_);

@@ -127,6 +127,7 @@ class Device : public std::enable_shared_from_this<Device> {
   void say_step(guide::TeachingStep step, const std::string& name, double t_ms,
                 std::optional<std::int64_t> answer_to, const std::string& because = {});
   [[nodiscard]] guide::Wording wording_now() const;
+  [[nodiscard]] guide::UserLocation location_now(double t_ms) const;
   [[nodiscard]] std::shared_ptr<Teaching> teaching() const;
   [[nodiscard]] Expected<void> teach(const CameraFrame& frame, Teaching& teaching);
   // A question in one's own words.

@@ -237,6 +237,27 @@ TEST_F(DeviceTest, WhatItTaughtIsForgottenByAWordAndNothingElse) {
   EXPECT_EQ(prompts[2].message, "own.not_own");
 }
 
+TEST_F(DeviceTest, OfThingsInSeveralRoomsItAsksWhichOneIsMeant) {
+  const auto answer = [&](std::int64_t id, std::string words) {
+    ask(id, 1100, service::Question::kInWords, std::move(words));
+    return wire->take<service::PromptMessage>().front();
+  };
+  for (const char* room : {"hall", "kitchen"}) {
+    host.home->rooms.push_back({room, room});
+    guide::KnownThing& chair = host.home->things.emplace_back();
+    chair.name = "chair";
+    chair.room = room;
+  }
+  say(hello());
+  EXPECT_EQ(answer(1, "take me to the chair").text,
+            "Chair: in the hall and in the kitchen. Which one?");
+  EXPECT_EQ(answer(2, "the one in the kitchen").message, "route.no_place");
+  EXPECT_EQ(host.answers.back(), service::Question::kTakeMeTo);
+  EXPECT_THAT(answer(3, "where is the chair in the hall").text, HasSubstr("in the hall"));
+  host.home->things.back().room = "hall";
+  EXPECT_NE(answer(4, "take me to the chair").message, "ask.which_room") << "they stand together";
+}
+
 TEST_F(DeviceTest, NothingIsMarkedWhereNobodyKnowsWhereOneStands) {
   const auto answer = [&](std::int64_t id, service::Question question, std::string subject = "") {
     ask(id, 1100, question, std::move(subject));

@@ -77,7 +77,9 @@ std::optional<Goal> goal_of(const service::Ask& asked, const HomeView& home,
         guide::thing_meant(asked.subject, home.things, home.concepts.vocabulary, phrases);
     std::vector<Goal> goals;
     for (const guide::KnownThing& thing : home.things) {
-      if (meant && thing.name == *meant) goals.push_back(Goal::of(thing, situation.today));
+      const bool is_there = asked.in_room.empty() || thing.room == asked.in_room;
+      if (meant && thing.name == *meant && is_there)
+        goals.push_back(Goal::of(thing, situation.today));
     }
     if (auto goal = nearest(std::move(goals), map, location)) return goal;
   }

@@ -125,6 +125,13 @@ bool asks_for_thing(const Ask& ask) {
   }
 }
 
+// Where a thing is, of which there may be several.
+bool asks_for_place(const Ask& ask) {
+  return asks_for_thing(ask) &&
+         (ask.question == Question::kWhereIs || ask.question == Question::kWayTo ||
+          ask.question == Question::kTakeMeTo);
+}
+
 bool asks_for_room(const Ask& ask) {
   return ask.question == Question::kNameRoom || ask.question == Question::kWhatIsIn || ask.is_room;
 }
@@ -145,6 +152,7 @@ Expected<DeviceMessage> read_ask(const OrderedJson& json) {
     ask.is_room = members.has("room") && !members.has("thing");
   if (ask.question == Question::kGuide) ask.wish = members.one_of("wish", kWishes);
   if (asks_for_thing(ask)) ask.subject = members.text("thing");
+  if (asks_for_place(ask) && members.has("in")) ask.in_room = members.text("in");
   const bool may_name_room = ask.question == Question::kDescribeRoom && members.has("room");
   if (asks_for_room(ask) || may_name_room) ask.subject = members.text("room");
   if (ask.question == Question::kInWords) ask.subject = members.text("text", kMaxWordsBytes);
@@ -234,6 +242,7 @@ OrderedJson to_json(const Ask& ask) {
                    {"t", ask.t_ms},
                    {"question", word_of(kQuestions, ask.question)}};
   if (asks_for_thing(ask)) json["thing"] = ask.subject;
+  if (asks_for_place(ask) && !ask.in_room.empty()) json["in"] = ask.in_room;
   if (ask.is_private) json["private"] = true;
   if (ask.question == Question::kGuide) json["wish"] = word_of(kWishes, ask.wish);
   const bool may_name_room = ask.question == Question::kDescribeRoom && !ask.subject.empty();

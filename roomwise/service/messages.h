@@ -107,6 +107,7 @@ struct Ask {
   GuideWish wish = GuideWish::kPause;  // of kGuide
   bool is_private = false;             // the thing of kNameThing: its owner's alone
   std::string name = {};               // of kRenameSpot: the new one
+  std::string in_room = {};  // of kWhereIs, kWayTo and kTakeMeTo a thing: the one in this room
 };
 
 // Those that are given take the place of the earlier ones.

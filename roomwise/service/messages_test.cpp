@@ -87,6 +87,9 @@ TEST(Messages, QuestionsComeBackWithTheirSubject) {
   Ask renamed{17, 0, Question::kRenameSpot, "my chair"};
   renamed.name = "my seat";
   EXPECT_EQ(read_back<Ask>(renamed).name, "my seat");
+  Ask chair{18, 0, Question::kTakeMeTo, "chair"};
+  chair.in_room = "kitchen";
+  EXPECT_EQ(read_back<Ask>(chair).in_room, "kitchen");
   Ask named{15, 0, Question::kNameThing, "my blue mug"};
   EXPECT_FALSE(read_back<Ask>(named).is_private);
   named.is_private = true;

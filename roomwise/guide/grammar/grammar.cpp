@@ -132,6 +132,7 @@ Expected<Grammar> Grammar::parse(const nlohmann::json& questions) {
     questions.at("patterns").get_to(patterns);
     grammar.determiners_ = word_set(questions.at("determiners"));
     grammar.possessives_ = word_set(questions.at("possessives"));
+    grammar.inside_ = word_set(questions.at("inside"));
     for (const auto& filler : questions.at("fillers")) {
       grammar.fillers_.push_back(folded_words(filler.get<std::string>()));
     }

@@ -37,6 +37,7 @@ struct QuestionPattern {
 //                of them; "[a|b]": one of them or none; both may hold each other.
 //   determiners  what may stand before a name and says nothing: articles, "my", "nearest".
 //   possessives  of these, what says that it is one's own: "my".
+//   inside       what may stand between a thing's name and its room's: "the chair in the kitchen".
 //   fillers      what may stand anywhere and says nothing: "please".
 //   endings      what a name may end with besides: "s".
 class Grammar {
@@ -52,12 +53,13 @@ class Grammar {
   [[nodiscard]] bool is_possessive(const std::string& word) const {
     return possessives_.contains(word);
   }
+  [[nodiscard]] bool says_inside(const std::string& word) const { return inside_.contains(word); }
   [[nodiscard]] std::span<const std::string> endings() const { return endings_; }
   [[nodiscard]] std::vector<std::string> without_fillers(std::vector<std::string> words) const;
 
  private:
   std::vector<QuestionPattern> patterns_;
-  std::set<std::string> determiners_, possessives_;
+  std::set<std::string> determiners_, possessives_, inside_;
   std::vector<std::vector<std::string>> fillers_;  // the longest first
   std::vector<std::string> endings_;
 };

@@ -37,8 +37,8 @@ enum class QuestionType {
   kTakeMeBack,   // to where one was
   kWhichSpots,
   kForgetSpot,
-  kWhoIsHere,  // whether somebody is in the picture
-  kIsItLight,  // in the picture
+  kWhoIsHere,   // whether somebody is in the picture
+  kIsItLight,   // in the picture
   kYes,         // to "Did you mean ...?"
   kNamed,       // a name alone
   kCannotTell,  // what no picture and no map can answer

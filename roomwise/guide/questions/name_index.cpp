@@ -224,6 +224,20 @@ FoundName NameIndex::find(std::span<const std::string> words, Slot slot) const {
   return {};
 }
 
+FoundName NameIndex::find_in_room(std::span<const std::string> words) const {
+  for (std::size_t at = 1; at + 1 < words.size(); ++at) {
+    if (!phrases_.grammar().says_inside(words[at])) continue;
+    const FoundName room = find(words.subspan(at + 1), Slot::kRoom);
+    FoundName thing = find(words.first(at), Slot::kThing);
+    const bool is_both = room.match == NameMatch::kKnown && thing.match == NameMatch::kKnown &&
+                         room.nouns.size() == 1;
+    if (!is_both) continue;
+    thing.rooms = room.nouns;
+    return thing;
+  }
+  return {};
+}
+
 bool NameIndex::has_name_inside(std::span<const std::string> words) const {
   const auto is_name = [&](std::span<const std::string> part) {
     const std::string key = joined({part.begin(), part.end()});

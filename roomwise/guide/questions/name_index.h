@@ -19,7 +19,8 @@ enum class NameMatch {
 
 struct FoundName {
   NameMatch match = NameMatch::kUnknown;
-  Nouns nouns;  // of kKnown and kNear those that it may mean, of kAbsent the first
+  Nouns nouns;       // of kKnown and kNear those that it may mean, of kAbsent the first
+  Nouns rooms = {};  // the room that was named with it
 };
 
 // All that may be named in a question, for one home in one language.
@@ -30,6 +31,8 @@ class NameIndex {
 
   // `words`: folded, as they stand in the question, with articles.
   [[nodiscard]] FoundName find(std::span<const std::string> words, Slot slot) const;
+  // A thing with its room: "chair in the kitchen"; kUnknown where it is none of the home's.
+  [[nodiscard]] FoundName find_in_room(std::span<const std::string> words) const;
   // Whether a part of the words, not all of them, is a name of the home: "cup on the table".
   [[nodiscard]] bool has_name_inside(std::span<const std::string> words) const;
   // A name that is given now: without articles and what says nothing, but "my chair" keeps its

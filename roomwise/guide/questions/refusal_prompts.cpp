@@ -56,6 +56,9 @@ std::vector<Prompt> refusal_prompts(const Understood& heard, const HomeNames& ho
     case Outcome::kWhichOne:
       refusal.say("ask.which_one", {{"names", heard.names}});
       return refusal.take();
+    case Outcome::kWhichRoom:
+      refusal.say("ask.which_room", {{"thing", heard.names}, {"rooms", heard.rooms}});
+      return refusal.take();
     case Outcome::kDidYouMean:
       refusal.say("ask.did_you_mean", {{"name", heard.names}});
       return refusal.take();

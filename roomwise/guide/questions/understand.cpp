@@ -59,6 +59,12 @@ bool is_believed(const QuestionPattern& pattern, std::span<const std::string> sa
   return pattern.type == QuestionType::kCannotTell || !names.has_name_inside(said);
 }
 
+// Of questions whose answer can be the one in a room.
+bool asks_for_place(QuestionType type) {
+  return type == QuestionType::kWhereIs || type == QuestionType::kWayTo ||
+         type == QuestionType::kTakeMeTo;
+}
+
 std::optional<Reading> read_as(const QuestionPattern& pattern, std::span<const std::string> words,
                                const NameIndex& names, bool forgives) {
   const auto inside = words_in_slot(pattern, words, forgives);
@@ -71,6 +77,10 @@ std::optional<Reading> read_as(const QuestionPattern& pattern, std::span<const s
     return reading;
   }
   reading.name = names.find(*inside, *pattern.slot);
+  if (reading.name.match != NameMatch::kKnown && asks_for_place(pattern.type)) {
+    FoundName in_room = names.find_in_room(*inside);
+    if (in_room.match == NameMatch::kKnown) reading.name = std::move(in_room);
+  }
   const auto said = names.without_determiners(*inside);
   reading.said.assign(said.begin(), said.end());
   if (reading.name.match == NameMatch::kUnknown && !is_believed(pattern, said, names)) {
@@ -103,7 +113,9 @@ Noun noun_said(const std::vector<std::string>& words, const Spellings& spellings
 }
 
 Understood meaning_of(Reading reading, const Spellings& spellings) {
-  Understood meaning{.type = reading.pattern->type, .names = std::move(reading.name.nouns)};
+  Understood meaning{.type = reading.pattern->type,
+                     .names = std::move(reading.name.nouns),
+                     .rooms = std::move(reading.name.rooms)};
   if (reading.pattern->slot == Slot::kNew) {
     meaning.outcome = Outcome::kQuestion;
     meaning.names = {noun_said(reading.said, spellings)};
@@ -156,12 +168,30 @@ Understood understand(std::string_view text, const Phrasebook& phrases, const Ho
   return first ? meaning_of(*std::move(first), spellings) : Understood{};
 }
 
+Understood which_room(Understood question, std::vector<std::string> rooms) {
+  question.outcome = Outcome::kWhichRoom;
+  question.rooms = room_list(rooms);
+  return question;
+}
+
 Understood in_answer_to(const Understood& offer, Understood said) {
+  if (offer.outcome == Outcome::kWhichRoom && said.outcome == Outcome::kQuestion) {
+    // "The kitchen", "the one in the kitchen", or "in the kitchen", which asks what is in it else.
+    const bool names_room =
+        said.type == QuestionType::kNamed || said.type == QuestionType::kWhatIsIn;
+    const bool is_offered = names_room && said.names.size() == 1 &&
+                            std::ranges::any_of(offer.rooms, [&](const Noun& room) {
+                              return said.names.front().kind == Noun::Kind::kRoom &&
+                                     room.name == said.names.front().name;
+                            });
+    if (!is_offered) return said;
+    return {Outcome::kQuestion, offer.type, offer.names, said.names};
+  }
   const bool is_offer =
       offer.outcome == Outcome::kDidYouMean || offer.outcome == Outcome::kWhichOne;
   if (!is_offer || said.outcome != Outcome::kQuestion) return said;
   if (said.type == QuestionType::kYes && offer.outcome == Outcome::kDidYouMean) {
-    return {Outcome::kQuestion, offer.type, offer.names};
+    return {Outcome::kQuestion, offer.type, offer.names, offer.rooms};
   }
   if (said.type == QuestionType::kNamed) said.type = offer.type;
   return said;

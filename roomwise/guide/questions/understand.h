@@ -27,6 +27,7 @@ struct Understood {
   enum class Outcome {
     kQuestion,       // `names`: none, or what is asked for, as the home calls it
     kWhichOne,       // several of the home are called so: `names`
+    kWhichRoom,      // several things of that name stand in `rooms`; by which_room() alone
     kDidYouMean,     // the name is a slip away from the one of `names`
     kUnknownName,    // the home has nothing that is called so: `names`, a thing, as it was said
     kCannotTell,     // nothing that Roomwise knows can answer that
@@ -35,6 +36,8 @@ struct Understood {
   Outcome outcome = Outcome::kNotUnderstood;
   QuestionType type = QuestionType::kWhatCanIAsk;  // of all but the last two
   Nouns names = {};
+  // The room that was named with a thing: "the chair in the kitchen"; of kWhichRoom all of them.
+  Nouns rooms = {};
 };
 
 // Texts that are longer are not understood, bytes.
@@ -49,7 +52,10 @@ constexpr std::size_t kMaxQuestionBytes = 500;
 [[nodiscard]] Understood understand(std::string_view text, const Phrasebook& phrases,
                                     const HomeNames& home);
 
-// What is meant by "yes", or by a name alone, after an `offer` (kDidYouMean, kWhichOne); else
+// The question which of a thing's rooms is meant, for a question about it.
+[[nodiscard]] Understood which_room(Understood question, std::vector<std::string> rooms);
+// What is meant by "yes", or by a name alone, after an `offer` (kDidYouMean, kWhichOne; a room's
+// after kWhichRoom); else
 // `said` as it is.
 [[nodiscard]] Understood in_answer_to(const Understood& offer, Understood said);
 

@@ -51,6 +51,9 @@ std::string told(const Understood& heard) {
     case Outcome::kWhichOne:
       text = "which one: ";
       break;
+    case Outcome::kWhichRoom:
+      text = "which room: ";
+      break;
     case Outcome::kDidYouMean:
       text = "did you mean: ";
       break;
@@ -66,6 +69,7 @@ std::string told(const Understood& heard) {
             return one.second;
           })->first;
   for (const std::string& name : names_of(heard)) text += " " + name;
+  for (const Noun& room : heard.rooms) text += " in " + room.name;
   return text;
 }
 
@@ -241,6 +245,28 @@ TEST(UnderstandTest, SpotsAreGoalsAndForgottenByTheirNames) {
   EXPECT_EQ(said("what is on my chair", "en"), "what_is_on chair") << "a spot is no thing";
   EXPECT_EQ(said("Bring mich zu meinem Sessel", "de"), "take_me_to mein Sessel") << "its case";
   EXPECT_EQ(said("take me back to the reading corner", "en"), "take_me_to reading corner");
+}
+
+TEST(UnderstandTest, AThingIsNamedWithItsRoom) {
+  EXPECT_EQ(english("take me to the table in the kitchen"), "take_me_to table in kitchen");
+  EXPECT_EQ(english("where is the table in the kitchen"), "where_is table in kitchen");
+  EXPECT_EQ(german("Bring mich zum Tisch in der Küche"), "take_me_to table in kitchen");
+  EXPECT_EQ(told(hear("llévame a la mesa de la cocina", "es")), "take_me_to table in kitchen");
+  EXPECT_EQ(told(hear("emmène-moi à la table de la cuisine", "fr")), "take_me_to table in kitchen");
+  EXPECT_EQ(english("where is the table in the cellar"), "not understood");
+}
+
+TEST(UnderstandTest, OfThingsInSeveralRoomsARoomAnswersWhichOne) {
+  const Understood asked = which_room(hear("take me to the table"), {"kitchen", "living room"});
+  EXPECT_EQ(told(asked), "which room: take_me_to table in kitchen in living room");
+  for (const char* answer : {"kitchen", "in the kitchen", "the one in the kitchen"}) {
+    EXPECT_EQ(told(in_answer_to(asked, hear(answer))), "take_me_to table in kitchen") << answer;
+  }
+  EXPECT_EQ(told(in_answer_to(asked, hear("where am I"))), "where_am_i");
+  EXPECT_EQ(told(in_answer_to(asked, hear("the toilet"))), "named toilet") << "was not offered";
+  const Understood frage = which_room(hear("zum Tisch", "de"), {"kitchen", "living room"});
+  EXPECT_EQ(told(in_answer_to(frage, hear("der in der Küche", "de"))),
+            "take_me_to table in kitchen");
 }
 
 TEST(UnderstandTest, TheWayBackIsAskedForInEveryLanguage) {
