@@ -20,7 +20,8 @@ constexpr double kHand_m = 0.7;        // beside the way a hand finds what stand
 
 // What people hear, they do within a second and a half (see docs/guide.md).
 constexpr double kReaction_s = 1.0;
-constexpr double kSpoken_s = 2;  // a prompt of some words
+constexpr double kSpoken_s = 2;    // a prompt of some words
+constexpr double kMaxGap_s = 1.5;  // older places tell nothing of where somebody is now
 constexpr int kMaxTries = 4;
 constexpr double kPrecise_rad = 10 * kDegree_rad;  // where it was barred: a door's frame, mostly
 constexpr double kWalks_m_s = 0.3;                 // nobody turns on the spot so fast
@@ -86,7 +87,21 @@ std::string Guidance::distance(double distance_m) const {
 
 // What will be left when it has been heard: who walks goes on meanwhile.
 double Guidance::left_when_heard_m(double distance_m) const {
-  return distance_m - track_.speed_m_s().value_or(0) * (kSpoken_s + kReaction_s);
+  const double speed_m_s = track_.is_standing() ? 0 : pace_m_s_;
+  return distance_m - walked_since_pose_m() - speed_m_s * (kSpoken_s + kReaction_s);
+}
+
+// A place is as old as its picture: who walks has gone on since.
+double Guidance::walked_since_pose_m() const {
+  return track_.is_standing() ? 0 : pace_m_s_ * pose_age_s_;
+}
+
+// Who has just begun to walk seems slow for a second, and is not: how fast they were before tells
+// more. It fades, so that one wrong place is forgotten.
+void Guidance::keep_pace() {
+  constexpr double kFades = 0.99;  // with each look, some a second
+  const double speed_m_s = track_.speed_m_s().value_or(0);
+  if (speed_m_s > kWalks_m_s) pace_m_s_ = std::max(kFades * pace_m_s_, speed_m_s);
 }
 
 Prompt Guidance::stop(const std::string& message, TimestampNs now_ns) {
@@ -228,6 +243,8 @@ std::optional<Prompt> Guidance::update(const Walker& walker) {
   if (walker.pose && walker.pose->sigma_m <= UserLocation::kMaxSigma_m) {
     track_.add(*walker.pose, walker.pose_ns);
   }
+  keep_pace();
+  pose_age_s_ = std::min(track_.age_s(walker.now_ns), kMaxGap_s);
   room_ = walker.room;
   if (!room_ && track_.pose(walker.now_ns) != nullptr) {
     room_ = map_.room_at(track_.pose(walker.now_ns)->position_gravity);
@@ -342,6 +359,8 @@ Prompt Guidance::act(const Pose& pose, TimestampNs now_ns) {
   }
   state_ = State::kWalking;
   if (length_m < kSmallStep_m) return say({"guide.small_step"}, now_ns);
+  // Who is told how far the goal is from so near needs no second word of it.
+  if (is_last_leg() && length_m <= options_.announce_from_m) announced_ = true;
   return say(walk_phrase(distance(length_m), place_at_end(leg, is_last_leg())), now_ns);
 }
 
@@ -398,7 +417,7 @@ std::optional<Prompt> Guidance::walking(const Pose& pose, TimestampNs now_ns) {
 std::optional<Prompt> Guidance::at_leg_end(const Pose& pose, TimestampNs now_ns) {
   // The steps that were told end here: who takes more of them is stopped.
   if (is_last_leg()) {
-    const bool is_past = left_on_leg_m(pose) < -kLegEnd_m;
+    const bool is_past = left_on_leg_m(pose) - walked_since_pose_m() < -kLegEnd_m;
     if (is_past && !track_.is_standing()) return stop("guide.stop", now_ns);
     return std::nullopt;
   }
@@ -423,7 +442,7 @@ std::optional<Prompt> Guidance::corner(const Pose& pose, TimestampNs now_ns) {
   const double next = legs_[leg_ + 1].heading_rad();
   const bool has_turned = std::abs(turn_rad(pose.heading_rad, next)) < 25 * kDegree_rad;
   if (has_turned && !track_.may_turn()) return act(pose, now_ns);
-  const bool is_past = left_on_leg_m(pose) < -kPastEnd_m;
+  const bool is_past = left_on_leg_m(pose) - walked_since_pose_m() < -kPastEnd_m;
   if (!track_.is_standing() && is_past) return stop("guide.stop", now_ns);
   // Who was told of the turn before makes it by themselves; who stands still is told.
   const bool waits = track_.is_standing() && !track_.may_turn();
@@ -608,6 +627,22 @@ Prompt Guidance::end_of_way(const Pose& /*pose*/, TimestampNs now_ns) {
   return say({"guide.near_end"}, now_ns, Confidence::kUnsure);
 }
 
+// What stands between the end of the way and a goal that cannot be reached: the first thing on the
+// straight line, as broad as a hand; null: nothing that is known.
+const KnownThing* Guidance::thing_between(const Vector2d& from) const {
+  constexpr double kStep_m = 0.05, kHandsBreadth_m = 0.1;
+  const Vector2d towards = goal_.outline->nearest_to(from) - from;
+  for (double ahead_m = 0; ahead_m < towards.norm(); ahead_m += kStep_m) {
+    const Vector2d place = from + ahead_m * towards.normalized();
+    for (const KnownThing& thing : map_.things) {
+      const bool is_known = thing.position_gravity && thing.is_sure(map_.today);
+      if (!is_known || thing.name == goal_.noun.name) continue;
+      if (Goal::of(thing, map_.today).outline->distance_m(place) < kHandsBreadth_m) return &thing;
+    }
+  }
+  return nullptr;
+}
+
 // What is said after the first word of the end: how high to reach and what a helper noted, or what
 // is left.
 std::optional<Prompt> Guidance::finish(TimestampNs now_ns) {
@@ -620,12 +655,18 @@ std::optional<Prompt> Guidance::finish(TimestampNs now_ns) {
     if (!goal_.note.empty()) left.push_back({"where.note", {{"note", as_sentence(goal_.note)}}});
     return said < left.size() ? std::optional(say(left[said], now_ns)) : std::nullopt;
   }
-  if (said > 0) return std::nullopt;
+  if (said > 1) return std::nullopt;
+  const Pose* const pose = track_.pose(now_ns);
+  if (said == 1) {
+    const KnownThing* const thing =
+        pose != nullptr && goal_.outline ? thing_between(pose->position_gravity) : nullptr;
+    if (thing == nullptr) return std::nullopt;
+    return say({"guide.between", {{"thing", guide::thing(thing->name)}}}, now_ns);
+  }
   if (!plan_.rooms.empty()) {
     const auto phrase = rooms_phrase(goal_, plan_.rooms);
     return phrase ? std::optional(say(*phrase, now_ns)) : std::nullopt;
   }
-  const Pose* const pose = track_.pose(now_ns);
   if (pose == nullptr || !goal_.outline) return std::nullopt;
   const Bearing bearing = bearing_of(goal_.outline->nearest_to(pose->position_gravity), *pose);
   return say({"where.direction",

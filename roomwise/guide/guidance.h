@@ -107,7 +107,10 @@ class Guidance {
   [[nodiscard]] MaybePrompt off_the_way(const Pose& pose, TimestampNs now_ns);
   [[nodiscard]] MaybePrompt hazard(const Walker& walker);
   [[nodiscard]] MaybePrompt finish(TimestampNs now_ns);
+  [[nodiscard]] const KnownThing* thing_between(const Eigen::Vector2d& from) const;
   [[nodiscard]] double left_when_heard_m(double distance_m) const;
+  [[nodiscard]] double walked_since_pose_m() const;
+  void keep_pace();
   [[nodiscard]] Prompt arrive_or_stop(const Pose& pose, TimestampNs now_ns);
   [[nodiscard]] Prompt arrive(const Pose& pose, TimestampNs now_ns);
   [[nodiscard]] Prompt stop(const std::string& message, TimestampNs now_ns);
@@ -165,6 +168,8 @@ class Guidance {
   bool reminded_ = false;     // of what to do now
   bool passes_door_ = false;  // has not been told yet
   double turn_from_rad_ = 0;  // the heading when a turn was asked for
+  double pace_m_s_ = 0.5;     // at which they walk when they walk
+  double pose_age_s_ = 0;     // of the newest place that is believed
   double said_at_walked_m_ = 0;
   std::optional<TimestampNs> off_since_ns_;
   std::optional<Eigen::Vector2d> at_goal_by_;  // the first place that was at the goal

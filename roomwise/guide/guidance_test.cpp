@@ -119,7 +119,7 @@ TEST_F(GuidanceTest, ADoorThatOneWalksThroughIsAnnouncedAndPassed) {
   const auto said = hear(8, 0.6);
   ASSERT_EQ(said.size(), 3u);
   EXPECT_EQ(said[2], "You are there, in the kitchen.");
-  EXPECT_EQ(said[0], "In 4 steps: through the door.") << "when it has been heard";
+  EXPECT_EQ(said[0], "In 3 steps: through the door.") << "when it has been heard";
   EXPECT_THAT(said[1], StartsWith("Through the door, "));
   EXPECT_EQ(guidance_->state(), State::kArrived);
   EXPECT_THAT(hear(20), IsEmpty());
@@ -337,6 +337,36 @@ TEST_F(GuidanceTest, WhereNoSafeWayIsKnownItLeadsNearAndTellsTheRest) {
   EXPECT_THAT(hear(9),
               ElementsAre("I know the way no further.", "The bed is at 12 o'clock, 1 step."));
   EXPECT_EQ(guidance_->state(), State::kNearest);
+}
+
+TEST_F(GuidanceTest, WhatStandsBetweenTheWaysEndAndTheGoalIsSaid) {
+  grid_ = testing::two_rooms().fill({19, 1}, {40, 39}, FloorCell::kUnknown).grid();
+  KnownThing& shelf = things_.emplace_back();
+  shelf.name = "bookcase";
+  shelf.probability = 0.99;
+  shelf.position_gravity = Eigen::Vector3d(2.4, 3.4, 1);
+  shelf.box_keyframe.size_m = {0.3, 1, 2};
+  lead_to(bed_at({3.5, 3.4}, "bedroom"), {1.7, 3.45}, 0);
+  std::vector<std::string> said;
+  for (int i = 0; i < 60; ++i) {
+    for (const std::string& text : hear(0.5)) said.push_back(text);
+  }
+  EXPECT_EQ(said.back(), "The bookcase is in between.") << ::testing::PrintToString(said);
+}
+
+// A hand, a sleeve, or a bag before it.
+TEST_F(GuidanceTest, ACameraThatIsCoveredForFiveSecondsIsToldAndTheWayGoesOn) {
+  lead_to(bed_at({7.3, 0.8}, "kitchen"), {0.6, 3.45}, 0);
+  (void)hear(8);
+  (void)hear(1, 0.6);
+  is_seen_ = false;
+  const auto covered = hear(5, 0.3);
+  EXPECT_THAT(covered, ElementsAre("I lost where you are. Stop and turn slowly."));
+  is_seen_ = true;
+  const auto said = hear(6);
+  ASSERT_GE(said.size(), 2u);
+  EXPECT_EQ(said[0], "I know again where you are.");
+  EXPECT_NE(guidance_->state(), State::kLost);
 }
 
 TEST_F(GuidanceTest, PausesRepeatsAndEndsByRequest) {
