@@ -10,6 +10,10 @@ set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin)
 # time. Mixed -march flags change Eigen's alignment from one target to the next and corrupt memory.
 # -ffp-contract=off: the same seed gives the same bits whichever way the compiler would have fused.
 add_compile_options(-Wall -Wextra -Wconversion -Wshadow -Werror -ffp-contract=off)
+# Eigen asks this of the compiler, and fuses by itself where it is there, as on every arm64.
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(aarch64|arm64)$")
+  add_compile_options(-U__ARM_FEATURE_FMA)
+endif()
 if(CMAKE_BUILD_TYPE STREQUAL "Release")
   add_compile_options(-O3)
 endif()
@@ -70,6 +74,7 @@ endfunction()
 
 # roomwise_module(NAME [PRIVATE_MODULE] SOURCES a.cpp ... [LINKS target ...] [PRIVATE_LINKS target ...])
 # declares the library roomwise_NAME (alias Roomwise::NAME); a module of headers alone gives no SOURCES. A
+# part of a module that a small program takes alone is a target of its own, NAME_PART, which the module links. A
 # PRIVATE_MODULE is not installed: only programs and tests of Roomwise link it.
 function(roomwise_module name)
   cmake_parse_arguments(ARG "PRIVATE_MODULE" "" "SOURCES;LINKS;PRIVATE_LINKS" ${ARGN})

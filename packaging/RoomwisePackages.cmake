@@ -23,6 +23,14 @@ set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_COMPRESSION_TYPE xz)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
+if(CMAKE_CROSSCOMPILING)
+  # Which package has a library is asked of the books of the other architecture's Debian (arm64_root.sh), not of this
+  # machine's.
+  set(CPACK_DEBIAN_PACKAGE_ARCHITECTURE arm64)
+  set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS
+    ${ROOMWISE_ARM64_ROOT}/lib/aarch64-linux-gnu ${ROOMWISE_ARM64_ROOT}/usr/lib/aarch64-linux-gnu)
+  set(ROOMWISE_PACKAGE_BOOKS ${ROOMWISE_ARM64_ROOT}/var/lib/dpkg)
+endif()
 
 # In cpack's own process: the time in the packages, and what Debian wants elsewhere than cmake --install puts it.
 set(ROOMWISE_SOURCE_DIR ${PROJECT_SOURCE_DIR})
@@ -60,6 +68,18 @@ browser or a wearable computer is guided to things and rooms.
 .
 This package has the command line, a small network, the web pages and a service
 (systemd, not enabled by itself) that keeps a home open for devices in it.")
+
+roomwise_package(device roomwise-device
+  SECTION utils
+  RECOMMENDS "speech-dispatcher"
+  SUGGESTS "speech-dispatcher-espeak-ng"
+  DESCRIPTION "wearable's end of Roomwise: sends what a camera sees, speaks what is answered
+In a home that Roomwise has mapped, a small computer that is carried sends the
+pictures of its camera to the home's computer and says what comes back: in which
+room its wearer is, where things are, and the way to them.
+.
+This package has that alone, for small boards. It is also in the package
+roomwise, as roomwise device.")
 
 # find_package(Roomwise) looks for what its libraries link: libraries that the product is built with.
 file(STRINGS ${PROJECT_SOURCE_DIR}/cmake/packages.txt lines)

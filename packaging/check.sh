@@ -10,7 +10,7 @@ repository=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 folder=$(cd "${1:-$repository/build/release/packages}" && pwd)
 . "$repository/packaging/bare_debian.sh"
 
-readonly names=(libroomwise-dev python3-roomwise roomwise roomwise-lab)
+readonly names=(libroomwise-dev python3-roomwise roomwise roomwise-device roomwise-lab)
 unchecked=()
 heading() { printf '\n== %s\n' "$*"; }
 fail() { printf 'WRONG: %s\n' "$*" >&2; exit 1; }
@@ -36,6 +36,9 @@ check_contents() {
     ./usr/lib/cmake/Roomwise/RoomwiseConfig.cmake
   contains python3-roomwise ./usr/lib/python3/dist-packages/roomwise/__init__.py
   contains roomwise-lab ./usr/bin/roomwise-lab
+  contains roomwise-device ./usr/bin/roomwise-device
+  [[ ! $(field roomwise-device Depends) =~ libav|libopencv|libdnnl|libsqlite3 ]] ||
+    fail "roomwise-device needs what only homes need: $(field roomwise-device Depends)"
   [[ $(field roomwise Depends) == *libc6* ]] || fail "roomwise does not say which libraries it needs"
   right "packages, contents, control fields"
 }
@@ -109,6 +112,7 @@ use_program() {
   said=$(inside roomwise --version)
   [[ $said == *"$(field roomwise Version)"* ]] || fail "roomwise --version says $said"
   right "roomwise --version: $said"
+  inside roomwise-device --help >"$root/packages/help" || fail "roomwise-device does not start"
   as_service roomwise map /packages/tum_fr1_desk_9frames --camera fr1 --no-networks --home $home
   as_service roomwise check $home
   right "a recording mapped and its home checked, as the service's user"

@@ -3,7 +3,6 @@
 #include <iostream>
 #include <new>
 
-#include "own_kinds.h"
 #include "roomwise/base/file.h"
 #include "roomwise/base/simd.h"
 
@@ -96,27 +95,32 @@ void take_one_value_at_a_time(CLI::App& app) {
 
 }  // namespace
 
+void make_command(CLI::App& command, Context& context, const std::string& example,
+                  std::function<Expected<Answer>()> body) {
+  command.footer("Example:\n  " + example);
+  command.add_flag("--json", context.json, "Print the result as JSON");
+  command.add_option("--json-file", context.json_file, "Also write the result there, as JSON")
+      ->type_name("FILE");
+  command.add_option("--seed", context.seed, "Seed of everything random; same seed, same result")
+      ->type_name("N")
+      ->check(not_negative())
+      ->capture_default_str();
+  command.add_option("--threads", context.threads, "Threads to use (default: all processors)")
+      ->type_name("N")
+      ->check(CLI::Range(std::size_t{1}, kMaxThreads).description(""));
+  command
+      .add_option("--passphrase-file", context.passphrase_file,
+                  "File with the passphrase of a home whose pictures are protected")
+      ->type_name("FILE")
+      ->envname("ROOMWISE_PASSPHRASE_FILE");
+  command.callback([&context, body = std::move(body)] { context.chosen = body; });
+}
+
 CLI::App* add_command(CLI::App& parent, Context& context, const std::string& name,
                       const std::string& description, const std::string& example,
                       std::function<Expected<Answer>()> body) {
   CLI::App* command = parent.add_subcommand(name, description);
-  command->footer("Example:\n  " + example);
-  command->add_flag("--json", context.json, "Print the result as JSON");
-  command->add_option("--json-file", context.json_file, "Also write the result there, as JSON")
-      ->type_name("FILE");
-  command->add_option("--seed", context.seed, "Seed of everything random; same seed, same result")
-      ->type_name("N")
-      ->check(not_negative())
-      ->capture_default_str();
-  command->add_option("--threads", context.threads, "Threads to use (default: all processors)")
-      ->type_name("N")
-      ->check(CLI::Range(std::size_t{1}, kMaxThreads).description(""));
-  command
-      ->add_option("--passphrase-file", context.passphrase_file,
-                   "File with the passphrase of a home whose pictures are protected")
-      ->type_name("FILE")
-      ->envname("ROOMWISE_PASSPHRASE_FILE");
-  command->callback([&context, body = std::move(body)] { context.chosen = body; });
+  make_command(*command, context, example, std::move(body));
   return command;
 }
 
@@ -148,8 +152,9 @@ int run(CLI::App& app, Context& context, int argc, const char* const* argv) {
     return kUsage;
   }
   if (const auto simd = simd_of_environment(); !simd) return print_failure(simd.error().message);
-  if (const auto kinds = add_own_kinds(); !kinds) {
-    return print_failure(on_one_line(kinds.error().message));
+  if (context.prepare) {
+    if (const auto prepared = context.prepare(); !prepared)
+      return print_failure(on_one_line(prepared.error().message));
   }
   const Expected<Answer> answer = carry_out(context.chosen);
   context.progress.finish_line();

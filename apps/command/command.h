@@ -36,30 +36,41 @@ struct Context {
   std::size_t threads = ThreadPool::default_size();
   std::filesystem::path passphrase_file;  // of a protected home; empty: none was given
   TerminalProgress progress{interrupt_requested};
+  // What is done before any command, once the command line has been read; none: nothing.
+  std::function<Expected<void>()> prepare;
   // The body of the command on the command line; set while it is read, run afterwards.
   std::function<Expected<Answer>()> chosen;
 };
 
-// Declares the command NAME under `parent`, with the options that every command has (--json,
-// --json-file, --seed, --threads, --passphrase-file) and `example` at the foot of its --help. The
-// caller adds the command's own options to what is returned. `body` runs once the whole command
-// line has been read; its error becomes "roomwise: MESSAGE" on standard error and exit code 1.
+// Makes a command of `command`: gives it the options that every command has (--json, --json-file,
+// --seed, --threads, --passphrase-file) and `example` at the foot of its --help. The caller adds
+// the command's own options. `body` runs once the whole command line has been read; its error
+// becomes "roomwise: MESSAGE" on standard error and exit code 1.
+void make_command(CLI::App& command, Context& context, const std::string& example,
+                  std::function<Expected<Answer>()> body);
+
+// The same with options of the command's own, which live as long as `command`: gives them, for the
+// caller to tie them to the command line.
+template <typename Options>
+Options& make_command(CLI::App& command, Context& context, const std::string& example,
+                      Expected<Answer> (*body)(const Options&, Context&)) {
+  const auto options = std::make_shared<Options>();
+  make_command(command, context, example,
+               [options, body, &context] { return body(*options, context); });
+  return *options;
+}
+
+// Declares the command NAME under `parent`, and makes one of it.
 CLI::App* add_command(CLI::App& parent, Context& context, const std::string& name,
                       const std::string& description, const std::string& example,
                       std::function<Expected<Answer>()> body);
-
-// The same of a command with options of its own, which live as long as `parent`: declares it and
-// gives both, for the caller to tie the options to the command line.
 template <typename Options>
 std::pair<CLI::App*, Options&> add_command(CLI::App& parent, Context& context,
                                            const std::string& name, const std::string& description,
                                            const std::string& example,
                                            Expected<Answer> (*body)(const Options&, Context&)) {
-  const auto options = std::make_shared<Options>();
-  CLI::App* const command =
-      add_command(parent, context, name, description, example,
-                  [options, body, &context] { return body(*options, context); });
-  return {command, *options};
+  CLI::App* const command = parent.add_subcommand(name, description);
+  return {command, make_command(*command, context, example, body)};
 }
 
 // An option whose default --help shows, and what its value must be.

@@ -2,6 +2,7 @@
 
 #include "commands.h"
 #include "laboratory_program.h"
+#include "own_kinds.h"
 
 int main(int argc, char** argv) {
   using namespace roomwise::app;
@@ -17,6 +18,7 @@ int main(int argc, char** argv) {
       "Every command explains itself: roomwise-lab COMMAND --help");
 
   Context context;
+  context.prepare = add_own_kinds;
 
   add_simulate_command(app, context);
   add_simulate_odometry_command(app, context);

@@ -1,4 +1,5 @@
 #include "laboratory/training/trainer.h"
+#include "own_kinds.h"
 #include "train_command.h"
 
 int main(int argc, char** argv) {
@@ -7,6 +8,7 @@ int main(int argc, char** argv) {
   CLI::App app("The training of roomwise; see roomwise train --help.", "roomwise");
   app.require_subcommand(1);
   Context context;
+  context.prepare = add_own_kinds;
   declare_train_command(app, context);
   return run(app, context, argc, argv);
 }

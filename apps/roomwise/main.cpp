@@ -1,4 +1,5 @@
 #include "commands.h"
+#include "own_kinds.h"
 
 int main(int argc, char** argv) {
   using namespace roomwise::app;
@@ -12,6 +13,7 @@ int main(int argc, char** argv) {
       "Every command explains itself: roomwise COMMAND --help");
 
   Context context;
+  context.prepare = add_own_kinds;
 
   add_info_command(app, context);
   add_check_command(app, context);

@@ -16,29 +16,52 @@ void add_row(const Pixel* pixels, int first, int width, std::uint32_t sum_of_row
   }
 }
 
-#if defined(__x86_64__)
-// The same, eight columns at a time: each lane takes up those before it in three steps.
-__attribute__((target("avx2"))) void add_row_avx2(const std::uint16_t* pixels, int width,
-                                                  const std::uint32_t* above,
-                                                  std::uint32_t* __restrict below) {
-  using Pixels = std::uint16_t __attribute__((vector_size(16)));
+// The same, as many columns at a time as there are lanes: each lane takes up those before it, the
+// next one first, then the two before, then the four.
+[[gnu::always_inline]] inline void add_up_lanes(UInt8& sum) {
   const UInt8 zero{};
-  UInt8 sum_before{};
+  sum += __builtin_shufflevector(zero, sum, 0, 8, 9, 10, 11, 12, 13, 14);
+  sum += __builtin_shufflevector(zero, sum, 0, 0, 8, 9, 10, 11, 12, 13);
+  sum += __builtin_shufflevector(zero, sum, 0, 0, 0, 0, 8, 9, 10, 11);
+}
+[[gnu::always_inline]] inline void repeat_last_lane(const UInt8& sum, UInt8& last) {
+  last = __builtin_shufflevector(sum, sum, 7, 7, 7, 7, 7, 7, 7, 7);
+}
+[[gnu::always_inline]] inline void add_up_lanes(UInt4& sum) {
+  const UInt4 zero{};
+  sum += __builtin_shufflevector(zero, sum, 0, 4, 5, 6);
+  sum += __builtin_shufflevector(zero, sum, 0, 0, 4, 5);
+}
+[[gnu::always_inline]] inline void repeat_last_lane(const UInt4& sum, UInt4& last) {
+  last = __builtin_shufflevector(sum, sum, 3, 3, 3, 3);
+}
+template <Simd simd>
+[[gnu::always_inline]] inline void add_row_by_lanes(const std::uint16_t* pixels, int width,
+                                                    const std::uint32_t* above,
+                                                    std::uint32_t* __restrict below) {
+  using UInt = typename Lanes<simd>::UInt;
+  constexpr int kCount = Lanes<simd>::kCount;
+  UInt sum_before{};
   int x = 0;
-  for (; x + 8 <= width; x += 8) {
-    Pixels loaded;
-    UInt8 over;
+  for (; x + kCount <= width; x += kCount) {
+    typename Lanes<simd>::UShort loaded;
+    UInt over;
     load(pixels + x, loaded);
     load(above + x + 1, over);
-    UInt8 sum = __builtin_convertvector(loaded, UInt8);
-    sum += __builtin_shufflevector(zero, sum, 0, 8, 9, 10, 11, 12, 13, 14);
-    sum += __builtin_shufflevector(zero, sum, 0, 0, 8, 9, 10, 11, 12, 13);
-    sum += __builtin_shufflevector(zero, sum, 0, 0, 0, 0, 8, 9, 10, 11);
+    UInt sum = __builtin_convertvector(loaded, UInt);
+    add_up_lanes(sum);
     sum += sum_before;
-    sum_before = __builtin_shufflevector(sum, sum, 7, 7, 7, 7, 7, 7, 7, 7);
+    repeat_last_lane(sum, sum_before);
     store(over + sum, below + x + 1);
   }
   add_row(pixels, x, width, sum_before[0], above, below);
+}
+
+#if defined(__x86_64__)
+__attribute__((target("avx2"))) void add_row_avx2(const std::uint16_t* pixels, int width,
+                                                  const std::uint32_t* above,
+                                                  std::uint32_t* __restrict below) {
+  add_row_by_lanes<Simd::kAvx2>(pixels, width, above, below);
 }
 #endif
 
@@ -66,6 +89,11 @@ void IntegralImage::set_row(int y, std::span<const std::uint16_t> pixels,
 #if defined(__x86_64__)
   if (simd == Simd::kAvx2) {
     add_row_avx2(pixels.data(), width_, row(y), below);
+    return;
+  }
+#elif defined(__aarch64__)
+  if (simd == Simd::kNeon) {
+    add_row_by_lanes<Simd::kNeon>(pixels.data(), width_, row(y), below);
     return;
   }
 #endif

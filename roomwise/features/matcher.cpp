@@ -9,13 +9,24 @@
 
 #include "roomwise/features/quantized_descriptors.h"
 
+#if defined(__aarch64__)
+#include <arm_neon.h>
+#endif
+
 namespace roomwise::features {
 namespace {
 
 // Closeness orders neighbours: more is nearer. It is minus the squared distance of real
 // descriptors, in units of WholeDescriptors, and minus the Hamming distance of binary ones.
 constexpr std::int32_t kFar = std::numeric_limits<std::int32_t>::min();
-constexpr std::size_t kLanes = 8;
+constexpr std::size_t kLanes = 8;  // the most that are worked on at a time
+
+[[gnu::always_inline]] inline void count_lanes(Int8& lanes) {
+  lanes = Int8{0, 1, 2, 3, 4, 5, 6, 7};
+}
+[[gnu::always_inline]] inline void count_lanes(Int4& lanes) {
+  lanes = Int4{0, 1, 2, 3};
+}
 
 constexpr std::size_t to_whole_lanes(std::size_t count) {
   return (count + kLanes - 1) / kLanes * kLanes;
@@ -37,23 +48,27 @@ class NeighbourTable {
         train_nearest_(to_whole_lanes(trains), 0) {}
 
   // What fills a row up to whole lanes must be kFar.
+  template <Simd simd>
   [[gnu::always_inline]] inline void add_row(std::uint32_t query, const std::int32_t* closeness) {
+    using Int = typename Lanes<simd>::Int;
+    constexpr int kCount = Lanes<simd>::kCount;
     const auto here = static_cast<std::int32_t>(query);
-    Int8 first = Int8{} + kFar, second = first, where{}, train{0, 1, 2, 3, 4, 5, 6, 7};
-    for (std::size_t t = 0; t < train_closeness_.size(); t += kLanes, train += kLanes) {
-      Int8 now, best, best_query;
+    Int first = Int{} + kFar, second = first, where{}, train;
+    count_lanes(train);
+    for (std::size_t t = 0; t < train_closeness_.size(); t += kCount, train += kCount) {
+      Int now, best, best_query;
       load(closeness + t, now);
-      const Int8 lower = now > first ? first : now;
+      const Int lower = now > first ? first : now;
       second = lower > second ? lower : second;
       where = now > first ? train : where;
       first = now > first ? now : first;
       load(train_closeness_.data() + t, best);
       load(train_nearest_.data() + t, best_query);
-      store(now > best ? Int8{} + here : best_query, train_nearest_.data() + t);
+      store(now > best ? Int{} + here : best_query, train_nearest_.data() + t);
       store(now > best ? now : best, train_closeness_.data() + t);
     }
     Nearest& nearest = nearest_[query];
-    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+    for (int lane = 0; lane < kCount; ++lane) {
       const auto at = static_cast<std::uint32_t>(where[lane]);
       nearest.second_closeness = std::max(
           {nearest.second_closeness, second[lane], std::min(first[lane], nearest.closeness)});
@@ -79,9 +94,11 @@ class NeighbourTable {
   std::vector<std::int32_t> train_nearest_;
 };
 
+template <Simd simd>
 [[gnu::always_inline]] inline void compare_blocks(const QuantizedDescriptors& query,
                                                   const QuantizedDescriptors& train,
-                                                  BlockProducts multiply, NeighbourTable& table) {
+                                                  NeighbourTable& table) {
+  const BlockProducts multiply = block_products(simd);
   constexpr std::size_t kBlock = QuantizedDescriptors::kBlock;
   static_assert(kBlock % kLanes == 0);
   const std::size_t stride = train.blocks() * kBlock;
@@ -97,7 +114,7 @@ class NeighbourTable {
       for (std::size_t t = 0; t < stride; ++t)
         row[t] = 2 * row[t] - squared_length - train.squared_lengths()[t];
       std::fill(row + train.size(), row + stride, kFar);
-      table.add_row(static_cast<std::uint32_t>(q), row);
+      table.add_row<simd>(static_cast<std::uint32_t>(q), row);
     }
   }
 }
@@ -106,7 +123,7 @@ class NeighbourTable {
 __attribute__((target("avx2"))) void compare_blocks_avx2(const QuantizedDescriptors& query,
                                                          const QuantizedDescriptors& train,
                                                          NeighbourTable& table) {
-  compare_blocks(query, train, block_products(Simd::kAvx2), table);
+  compare_blocks<Simd::kAvx2>(query, train, table);
 }
 #endif
 
@@ -118,8 +135,13 @@ NeighbourTable compare(const QuantizedDescriptors& query, const QuantizedDescrip
     compare_blocks_avx2(query, train, table);
     return table;
   }
+#elif defined(__aarch64__)
+  if (simd == Simd::kNeon) {
+    compare_blocks<Simd::kNeon>(query, train, table);
+    return table;
+  }
 #endif
-  compare_blocks(query, train, block_products(Simd::kPortable), table);
+  compare_blocks<Simd::kPortable>(query, train, table);
   return table;
 }
 
@@ -140,6 +162,25 @@ Words to_words(const BinaryDescriptors& descriptors) {
   return words;
 }
 
+// Bits that differ.
+template <Simd simd>
+[[gnu::always_inline]] inline int distance_of_words(const std::uint64_t* a, const std::uint64_t* b,
+                                                    Eigen::Index count) {
+  int distance = 0;
+  Eigen::Index w = 0;
+#if defined(__aarch64__)
+  if constexpr (simd == Simd::kNeon) {
+    for (; w + 2 <= count; w += 2) {
+      const uint64x2_t differing = veorq_u64(vld1q_u64(a + w), vld1q_u64(b + w));
+      distance += vaddlvq_u8(vcntq_u8(vreinterpretq_u8_u64(differing)));
+    }
+  }
+#endif
+  for (; w < count; ++w) distance += std::popcount(a[w] ^ b[w]);
+  return distance;
+}
+
+template <Simd simd>
 [[gnu::always_inline]] inline void compare_words(const Words& query, const Words& train,
                                                  NeighbourTable& table) {
   std::vector<std::int32_t> closeness(to_whole_lanes(static_cast<std::size_t>(train.rows())), kFar);
@@ -147,11 +188,9 @@ Words to_words(const BinaryDescriptors& descriptors) {
     const std::uint64_t* a = query.data() + q * query.cols();
     for (Eigen::Index t = 0; t < train.rows(); ++t) {
       const std::uint64_t* b = train.data() + t * train.cols();
-      int distance = 0;
-      for (Eigen::Index w = 0; w < query.cols(); ++w) distance += std::popcount(a[w] ^ b[w]);
-      closeness[static_cast<std::size_t>(t)] = -distance;
+      closeness[static_cast<std::size_t>(t)] = -distance_of_words<simd>(a, b, query.cols());
     }
-    table.add_row(static_cast<std::uint32_t>(q), closeness.data());
+    table.add_row<simd>(static_cast<std::uint32_t>(q), closeness.data());
   }
 }
 
@@ -160,7 +199,7 @@ Words to_words(const BinaryDescriptors& descriptors) {
 __attribute__((target("avx2,popcnt"))) void compare_words_avx2(const Words& query,
                                                                const Words& train,
                                                                NeighbourTable& table) {
-  compare_words(query, train, table);
+  compare_words<Simd::kAvx2>(query, train, table);
 }
 #endif
 
@@ -172,8 +211,13 @@ NeighbourTable compare(const Words& query, const Words& train, [[maybe_unused]] 
     compare_words_avx2(query, train, table);
     return table;
   }
+#elif defined(__aarch64__)
+  if (simd == Simd::kNeon) {
+    compare_words<Simd::kNeon>(query, train, table);
+    return table;
+  }
 #endif
-  compare_words(query, train, table);
+  compare_words<Simd::kPortable>(query, train, table);
   return table;
 }
 

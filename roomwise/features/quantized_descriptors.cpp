@@ -6,6 +6,10 @@
 
 #if defined(__x86_64__)
 #include <immintrin.h>
+#elif defined(__aarch64__)
+#include <arm_neon.h>
+
+#include <utility>
 #endif
 
 namespace roomwise::features {
@@ -50,6 +54,35 @@ __attribute__((target("avx2"))) void multiply_blocks_avx2(const std::int16_t* a,
   for (std::size_t i = 0; i < kBlock; ++i)
     _mm256_storeu_si256(reinterpret_cast<__m256i*>(products + i * stride), sums[i]);
 }
+#elif defined(__aarch64__)
+// Adds the products of one descriptor of a, whose pair is at lane `pair` of a_pairs, with all of b.
+template <int pair>
+[[gnu::always_inline]] inline void add_products(int16x8_t a_pairs, const int16x8x2_t& b,
+                                                int32x4_t& low, int32x4_t& high) {
+  low = vmlal_laneq_s16(low, vget_low_s16(b.val[0]), a_pairs, 2 * pair);
+  low = vmlal_laneq_s16(low, vget_low_s16(b.val[1]), a_pairs, 2 * pair + 1);
+  high = vmlal_high_laneq_s16(high, b.val[0], a_pairs, 2 * pair);
+  high = vmlal_high_laneq_s16(high, b.val[1], a_pairs, 2 * pair + 1);
+}
+
+void multiply_blocks_neon(const std::int16_t* a, const std::int16_t* b, std::size_t pairs,
+                          std::int32_t* products, std::size_t stride) {
+  constexpr std::size_t kHalf = kBlock / 2;  // descriptors whose pairs fill a register
+  int32x4_t sums[kBlock][2] = {};            // NOLINT: std::array would lose their registers
+  for (std::size_t p = 0; p < pairs; ++p, a += 2 * kBlock, b += 2 * kBlock) {
+    const int16x8x2_t b_pairs = vld2q_s16(b);  // firsts and seconds apart
+    const int16x8_t first = vld1q_s16(a), second = vld1q_s16(a + kBlock);
+    [&]<int... i>(std::integer_sequence<int, i...>) __attribute__((always_inline)) {
+      (add_products<i>(first, b_pairs, sums[i][0], sums[i][1]), ...);
+      (add_products<i>(second, b_pairs, sums[kHalf + i][0], sums[kHalf + i][1]), ...);
+    }
+    (std::make_integer_sequence<int, kHalf>());
+  }
+  for (std::size_t i = 0; i < kBlock; ++i) {
+    vst1q_s32(products + i * stride, sums[i][0]);
+    vst1q_s32(products + i * stride + kHalf, sums[i][1]);
+  }
+}
 #endif
 
 }  // namespace
@@ -74,6 +107,8 @@ QuantizedDescriptors::QuantizedDescriptors(const RealDescriptors& descriptors,
 BlockProducts block_products([[maybe_unused]] Simd simd) {
 #if defined(__x86_64__)
   if (simd == Simd::kAvx2) return multiply_blocks_avx2;
+#elif defined(__aarch64__)
+  if (simd == Simd::kNeon) return multiply_blocks_neon;
 #endif
   return multiply_blocks;
 }

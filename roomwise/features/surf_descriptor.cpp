@@ -19,13 +19,23 @@ using Tables = SurfDescriptor::Tables;
 [[gnu::always_inline]] inline void absolute(const Float8& value, Float8& result) {
   result = (Float8)((Int8)value & 0x7fffffff);
 }
-[[gnu::always_inline]] inline float sum_of(const Float8& v) {
+[[gnu::always_inline]] inline void absolute(const Float4& value, Float4& result) {
+  result = (Float4)((Int4)value & 0x7fffffff);
+}
+// Eight numbers, in one vector or in two.
+[[gnu::always_inline]] inline float sum_of(const std::array<Float8, 1>& eight) {
+  const Float8& v = eight[0];
   return ((v[0] + v[4]) + (v[1] + v[5])) + ((v[2] + v[6]) + (v[3] + v[7]));
+}
+[[gnu::always_inline]] inline float sum_of(const std::array<Float4, 2>& eight) {
+  const Float4 v = eight[0] + eight[1];
+  return (v[0] + v[1]) + (v[2] + v[3]);
 }
 
 template <Simd simd>
-[[gnu::always_inline]] inline void gather(const std::uint32_t* from, const Int8& places,
-                                          UInt8& values) {
+[[gnu::always_inline]] inline void gather(const std::uint32_t* from,
+                                          const typename Lanes<simd>::Int& places,
+                                          typename Lanes<simd>::UInt& values) {
 #if defined(__x86_64__) && !defined(__clang__)
   if constexpr (simd == Simd::kAvx2) {
     // GCC's builtin, since the intrinsic cannot be taken into a template that is not AVX2's own.
@@ -34,15 +44,19 @@ template <Simd simd>
     return;
   }
 #endif
-  for (int i = 0; i < 8; ++i) values[i] = from[places[i]];
+  for (int i = 0; i < Lanes<simd>::kCount; ++i) values[i] = from[places[i]];
 }
 
-// Haar wavelets of side 2 * half px around the pixel corners nearest to eight places; zero where
+// Haar wavelets of side 2 * half px around the pixel corners nearest to some places; zero where
 // they leave the picture. A wavelet of even side is centred on a corner of pixels, and corner (c,
 // r) lies at (c - 1/2, r - 1/2) px, so rounding x + 1/2 moves the sample by no more than half a
 // pixel to either side, without a bias.
 template <Simd simd>
 class Haar {
+  using Float = typename Lanes<simd>::Float;
+  using Int = typename Lanes<simd>::Int;
+  using UInt = typename Lanes<simd>::UInt;
+
  public:
   [[gnu::always_inline]] Haar(const IntegralImage& integral, int half)
       : half_(half),
@@ -53,15 +67,15 @@ class Haar {
         middle_(integral.row(half)),
         bottom_(integral.row(2 * half)) {}
 
-  [[gnu::always_inline]] void at(const Float8& x, const Float8& y, Float8& dx, Float8& dy) const {
+  [[gnu::always_inline]] void at(const Float& x, const Float& y, Float& dx, Float& dy) const {
     // Cutting off the decimals rounds down what is positive; the rest lies outside either way.
-    const Int8 column = __builtin_convertvector(x + 1.0F, Int8);
-    const Int8 row = __builtin_convertvector(y + 1.0F, Int8);
-    const Int8 inside =
+    const Int column = __builtin_convertvector(x + 1.0F, Int);
+    const Int row = __builtin_convertvector(y + 1.0F, Int);
+    const Int inside =
         (column >= half_) & (row >= half_) & (column <= last_column_) & (row <= last_row_);
     // Of the wavelet's top left corner; any that can be read where there is none.
-    const Int8 place = ((row - half_) * stride_ + column - half_) & inside;
-    UInt8 top_left, top, top_right, left, right, bottom_left, bottom, bottom_right;
+    const Int place = ((row - half_) * stride_ + column - half_) & inside;
+    UInt top_left, top, top_right, left, right, bottom_left, bottom, bottom_right;
     gather<simd>(top_, place, top_left);
     gather<simd>(top_ + half_, place, top);
     gather<simd>(top_ + 2 * half_, place, top_right);
@@ -70,12 +84,12 @@ class Haar {
     gather<simd>(bottom_, place, bottom_left);
     gather<simd>(bottom_ + half_, place, bottom);
     gather<simd>(bottom_ + 2 * half_, place, bottom_right);
-    const UInt8 falling = bottom_right - top_left;
-    const UInt8 rising = top_right - bottom_left;
-    const UInt8 sum_dx = falling - rising + 2 * (top - bottom);
-    const UInt8 sum_dy = falling + rising + 2 * (left - right);
-    dx = __builtin_convertvector((Int8)sum_dx & inside, Float8);
-    dy = __builtin_convertvector((Int8)sum_dy & inside, Float8);
+    const UInt falling = bottom_right - top_left;
+    const UInt rising = top_right - bottom_left;
+    const UInt sum_dx = falling - rising + 2 * (top - bottom);
+    const UInt sum_dy = falling + rising + 2 * (left - right);
+    dx = __builtin_convertvector((Int)sum_dx & inside, Float);
+    dy = __builtin_convertvector((Int)sum_dy & inside, Float);
   }
 
  private:
@@ -95,20 +109,21 @@ constexpr int kSectorBins = kBins / 6;
 
 // The bins of gradients: their angle in bins, 0 to kBins. The arc tangent is a quadratic good to
 // 0.004 rad: enough to choose a bin.
-[[gnu::always_inline]] inline void find_bins(const Float8& dx, const Float8& dy, Int8& bins) {
-  Float8 x, y;
+template <typename Float, typename Int>
+[[gnu::always_inline]] inline void find_bins(const Float& dx, const Float& dy, Int& bins) {
+  Float x, y;
   absolute(dx, x);
   absolute(dy, y);
-  const Int8 steep = y > x;
-  const Float8 least = steep ? x : y;
-  const Float8 most = steep ? y : x;
-  const Float8 none = Float8{} + std::numeric_limits<float>::min();
-  const Float8 tangent = least / (most > none ? most : none);
-  const Float8 eighth = tangent * (0.5F + 0.1738F * (1 - tangent));  // 1/2 at the diagonal
-  const Float8 quarter = steep ? 1 - eighth : eighth;
-  const Float8 half = dx < 0 ? 2 - quarter : quarter;
-  const Float8 quarters = dy < 0 ? 4 - half : half;
-  bins = __builtin_convertvector(quarters * (kBins / 4.0F), Int8);
+  const Int steep = y > x;
+  const Float least = steep ? x : y;
+  const Float most = steep ? y : x;
+  const Float none = Float{} + std::numeric_limits<float>::min();
+  const Float tangent = least / (most > none ? most : none);
+  const Float eighth = tangent * (0.5F + 0.1738F * (1 - tangent));  // 1/2 at the diagonal
+  const Float quarter = steep ? 1 - eighth : eighth;
+  const Float half = dx < 0 ? 2 - quarter : quarter;
+  const Float quarters = dy < 0 ? 4 - half : half;
+  bins = __builtin_convertvector(quarters * (kBins / 4.0F), Int);
 }
 
 struct Gradient {
@@ -148,18 +163,19 @@ template <Simd simd>
                                               const Place& place) {
   const Haar<simd> haar(integral, half_side_px(4 * place.scale));
   std::array<Gradient, kBins + kSectorBins> bins{};
-  for (std::size_t i = 0; i < tables.disc_x.size(); i += 8) {
-    Float8 x, y, weight, dx, dy;
+  constexpr int kCount = Lanes<simd>::kCount;
+  for (std::size_t i = 0; i < tables.disc_x.size(); i += kCount) {
+    typename Lanes<simd>::Float x, y, weight, dx, dy;
     load(&tables.disc_x[i], x);
     load(&tables.disc_y[i], y);
     load(&tables.disc_weight[i], weight);
     haar.at(place.x_px + x * place.scale, place.y_px + y * place.scale, dx, dy);
     dx *= weight;
     dy *= weight;
-    Int8 bin;
+    typename Lanes<simd>::Int bin;
     find_bins(dx, dy, bin);
-    bin = bin == kBins ? Int8{} : bin;
-    for (int k = 0; k < 8; ++k) {
+    bin = bin == kBins ? decltype(bin){} : bin;
+    for (int k = 0; k < kCount; ++k) {
       Gradient& sum = bins[static_cast<std::size_t>(bin[k])];
       sum.dx += dx[k];
       sum.dy += dy[k];
@@ -169,16 +185,20 @@ template <Simd simd>
 }
 
 // dx, dy, |dx| and |dy| along a row of samples, or sums of rows.
-constexpr std::size_t kRowVectors = SurfDescriptor::kSide / 8;
-using SampleRow = std::array<std::array<Float8, 4>, kRowVectors>;
+template <typename Float>
+using SampleRow =
+    std::array<std::array<Float, 4>, sizeof(float) * SurfDescriptor::kSide / sizeof(Float)>;
 
 template <Simd simd>
 [[gnu::always_inline]] inline void describe_place(const Tables& tables,
                                                   const IntegralImage& integral, const Place& place,
                                                   float cos, float sin, float* values) {
+  using Float = typename Lanes<simd>::Float;
   constexpr int kSide = SurfDescriptor::kSide;
+  constexpr std::size_t kCount = Lanes<simd>::kCount, kOfEight = 8 / kCount;
   const Haar<simd> haar(integral, half_side_px(2 * place.scale));
-  std::array<SampleRow, SurfDescriptor::kSquares> sums{};  // over the rows of each row of squares
+  std::array<SampleRow<Float>, SurfDescriptor::kSquares>
+      sums{};  // over the rows of each row of squares
   const float cos_step = cos * place.scale, sin_step = sin * place.scale;
   for (int j = 0; j < kSide; ++j) {
     const float v = tables.offset[static_cast<std::size_t>(j)];
@@ -188,13 +208,13 @@ template <Simd simd>
     const int first = j < SurfDescriptor::kSquareSide
                           ? 0
                           : (j - SurfDescriptor::kSquareSide) / SurfDescriptor::kSquareStep + 1;
-    for (std::size_t i = 0; i < kRowVectors; ++i) {
-      Float8 u, window, dx, dy;
-      load(&tables.offset[8 * i], u);
-      load(&tables.window[8 * i], window);
+    for (std::size_t i = 0; i < sums[0].size(); ++i) {
+      Float u, window, dx, dy;
+      load(&tables.offset[kCount * i], u);
+      load(&tables.window[kCount * i], window);
       haar.at(x_row + cos_step * u, y_row + sin_step * u, dx, dy);
       window *= tables.window[static_cast<std::size_t>(j)];
-      std::array<Float8, 4> samples;
+      std::array<Float, 4> samples;
       samples[0] = window * (cos * dx + sin * dy);
       samples[1] = window * (cos * dy - sin * dx);
       absolute(samples[0], samples[2]);
@@ -206,14 +226,15 @@ template <Simd simd>
       }
     }
   }
-  for (const SampleRow& row : sums) {
+  for (const SampleRow<Float>& row : sums) {
     for (const auto& square : tables.square) {
       for (std::size_t c = 0; c < 4; ++c) {
-        Float8 sum{};
-        for (std::size_t i = 0; i < kRowVectors; ++i) {
-          Float8 weight;
-          load(&square[8 * i], weight);
-          sum += weight * row[i][c];
+        // Every eighth sample apart, however many a vector has.
+        std::array<Float, kOfEight> sum{};
+        for (std::size_t i = 0; i < row.size(); ++i) {
+          Float weight;
+          load(&square[kCount * i], weight);
+          sum[i % kOfEight] += weight * row[i][c];
         }
         *values++ = sum_of(sum);
       }
@@ -221,7 +242,7 @@ template <Simd simd>
   }
 }
 
-// The same code for two kinds of processor; without fused multiplications both give the same bits.
+// The same code for each kind of processor; without fused multiplications both give the same bits.
 struct DescriptorKernels {
   Gradient (*orient)(const Tables&, const IntegralImage&, const Place&);
   void (*describe)(const Tables&, const IntegralImage&, const Place&, float, float, float*);
@@ -249,11 +270,15 @@ __attribute__((target("avx2"))) void describe_avx2(const Tables& tables,
   describe_place<Simd::kAvx2>(tables, integral, place, cos, sin, values);
 }
 constexpr DescriptorKernels kAvx2Descriptor{orient_avx2, describe_avx2};
+#elif defined(__aarch64__)
+constexpr DescriptorKernels kNeonDescriptor{orient<Simd::kNeon>, describe_place<Simd::kNeon>};
 #endif
 
 const DescriptorKernels& descriptor_kernels([[maybe_unused]] Simd simd) {
 #if defined(__x86_64__)
   if (simd == Simd::kAvx2) return kAvx2Descriptor;
+#elif defined(__aarch64__)
+  if (simd == Simd::kNeon) return kNeonDescriptor;
 #endif
   return kPortableDescriptor;
 }

@@ -102,7 +102,8 @@ template <typename Pixel>
   }
 }
 
-// The same code for two kinds of processor; whole numbers give the same bits.
+// The same code for each kind of processor; whole numbers give the same bits. What the compiler
+// makes of it for any arm64 is NEON's already.
 struct PyramidKernels {
   void (*smooth_picture)(const image::GrayImage&, std::vector<std::uint16_t>&, WideImage&);
   void (*smooth)(const WideImage&, std::vector<std::uint16_t>&, WideImage&);

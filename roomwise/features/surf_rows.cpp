@@ -3,24 +3,40 @@
 namespace roomwise::features {
 namespace {
 
+template <Simd simd>
+constexpr int kCount = Lanes<simd>::kCount;
+template <Simd simd>
+using Float = typename Lanes<simd>::Float;
+template <Simd simd>
+using Int = typename Lanes<simd>::Int;
+template <Simd simd>
+using UInt = typename Lanes<simd>::UInt;
+
 // Columns 2 i of a row go to even[i], columns 2 i + 1 to odd[i].
+template <Simd simd>
 [[gnu::always_inline]] inline void split_row(const std::uint32_t* row, const Samples& samples,
                                              std::uint32_t* even, std::uint32_t* odd) {
-  for (int i = samples.first; i < samples.end; i += 8) {
-    UInt8 a, b;
+  for (int i = samples.first; i < samples.end; i += kCount<simd>) {
+    UInt<simd> a, b;
     load(row + 2 * i, a);
-    load(row + 2 * i + 8, b);
-    store(__builtin_shufflevector(a, b, 0, 2, 4, 6, 8, 10, 12, 14), even + i);
-    store(__builtin_shufflevector(a, b, 1, 3, 5, 7, 9, 11, 13, 15), odd + i);
+    load(row + 2 * i + kCount<simd>, b);
+    if constexpr (kCount<simd> == 8) {
+      store(__builtin_shufflevector(a, b, 0, 2, 4, 6, 8, 10, 12, 14), even + i);
+      store(__builtin_shufflevector(a, b, 1, 3, 5, 7, 9, 11, 13, 15), odd + i);
+    } else {
+      store(__builtin_shufflevector(a, b, 0, 2, 4, 6), even + i);
+      store(__builtin_shufflevector(a, b, 1, 3, 5, 7), odd + i);
+    }
   }
 }
 
+template <Simd simd>
 [[gnu::always_inline]] inline void difference_rows(const FilterRows& from, const Samples& samples,
                                                    const Differences& to) {
   const FilterRows rows = from;
   const Differences target = to;
-  for (int i = samples.first; i < samples.end; i += 8) {
-    UInt8 a, b, c, d;
+  for (int i = samples.first; i < samples.end; i += kCount<simd>) {
+    UInt<simd> a, b, c, d;
     load(rows.xx[0] + i, a);
     load(rows.xx[1] + i, b);
     store(b - a, target.xx + i);
@@ -28,7 +44,7 @@ namespace {
     load(rows.yy[1] + i, b);
     load(rows.yy[2] + i, c);
     load(rows.yy[3] + i, d);
-    const UInt8 middle = c - b;
+    const UInt<simd> middle = c - b;
     store(d - a - (middle + middle + middle), target.yy + i);
     load(rows.xy[0] + i, a);
     load(rows.xy[1] + i, b);
@@ -41,89 +57,98 @@ namespace {
 // responses[i] becomes the determinant of the Hessian at sample i. Sums are modulo 2^32, the
 // derivatives themselves fit: at most 2/9 of the filter's pixels times 255 * kUnits on either side
 // of zero.
+template <Simd simd>
 [[gnu::always_inline]] inline void respond_along_row(const FilterColumns& from, float per_area,
                                                      const Samples& samples, float* responses) {
   const FilterColumns columns = from;
   const float per_squared_area = per_area * per_area;
-  for (int i = samples.first; i < samples.end; i += 8) {
-    UInt8 a, b, c, d;
+  for (int i = samples.first; i < samples.end; i += kCount<simd>) {
+    UInt<simd> a, b, c, d;
     load(columns.xx[0] + i, a);
     load(columns.xx[1] + i, b);
     load(columns.xx[2] + i, c);
     load(columns.xx[3] + i, d);
-    const UInt8 middle = c - b;
-    const Float8 dxx = __builtin_convertvector((Int8)(d - a - (middle + middle + middle)), Float8);
+    const UInt<simd> middle = c - b;
+    const Float<simd> dxx =
+        __builtin_convertvector((Int<simd>)(d - a - (middle + middle + middle)), Float<simd>);
     load(columns.yy[0] + i, a);
     load(columns.yy[1] + i, b);
-    const Float8 dyy = __builtin_convertvector((Int8)(b - a), Float8);
+    const Float<simd> dyy = __builtin_convertvector((Int<simd>)(b - a), Float<simd>);
     load(columns.xy[0] + i, a);
     load(columns.xy[1] + i, b);
     load(columns.xy[2] + i, c);
     load(columns.xy[3] + i, d);
-    const Float8 dxy = __builtin_convertvector((Int8)((b - a) - (d - c)), Float8);
-    const Float8 determinant = (dxx * dyy - dxy * dxy) * per_squared_area;
+    const Float<simd> dxy = __builtin_convertvector((Int<simd>)((b - a) - (d - c)), Float<simd>);
+    const Float<simd> determinant = (dxx * dyy - dxy * dxy) * per_squared_area;
     store(determinant, responses + i);
   }
 }
 
-// The greatest of three rows at eight samples.
-[[gnu::always_inline]] inline void find_highest(const ThreeRows& rows, int x, Float8& highest) {
-  Float8 a, b, c;
+// The greatest of three rows at some samples.
+template <Simd simd>
+[[gnu::always_inline]] inline void find_highest(const ThreeRows& rows, int x,
+                                                Float<simd>& highest) {
+  Float<simd> a, b, c;
   load(rows[0] + x, a);
   load(rows[1] + x, b);
   load(rows[2] + x, c);
-  const Float8 ab = a > b ? a : b;
+  const Float<simd> ab = a > b ? a : b;
   highest = ab > c ? ab : c;
 }
 
-// Whether the responses at eight samples are at least the threshold and all of `columns`, the
+// Whether the responses at some samples are at least the threshold and all of `columns`, the
 // greatest of each column, to either side; marked by a number of ones or zeros only.
+template <Simd simd>
 [[gnu::always_inline]] inline void mark(const float* responses, const float* columns,
                                         float threshold, std::int32_t* marks) {
-  Float8 here, left, middle, right;
+  Float<simd> here, left, middle, right;
   load(responses, here);
   load(columns - 1, left);
   load(columns, middle);
   load(columns + 1, right);
-  const Int8 marked = (here >= threshold) & (here >= left) & (here >= middle) & (here >= right);
+  const Int<simd> marked =
+      (here >= threshold) & (here >= left) & (here >= middle) & (here >= right);
   store(marked, marks);
 }
 
 // Marks what may be maxima in the middle one of three rows.
+template <Simd simd>
 [[gnu::always_inline]] inline void mark_along_row(const LayerRows& rows, const Samples& samples,
                                                   float threshold, const MarkRows& to) {
-  for (int x = samples.first; x < samples.end; x += 8) {
-    Float8 finest, fine, coarse, coarsest;
-    find_highest(rows[0], x, finest);
-    find_highest(rows[1], x, fine);
-    find_highest(rows[2], x, coarse);
-    find_highest(rows[3], x, coarsest);
-    const Float8 both = fine > coarse ? fine : coarse;
-    const Float8 lower = finest > both ? finest : both;
-    const Float8 upper = coarsest > both ? coarsest : both;
+  for (int x = samples.first; x < samples.end; x += kCount<simd>) {
+    Float<simd> finest, fine, coarse, coarsest;
+    find_highest<simd>(rows[0], x, finest);
+    find_highest<simd>(rows[1], x, fine);
+    find_highest<simd>(rows[2], x, coarse);
+    find_highest<simd>(rows[3], x, coarsest);
+    const Float<simd> both = fine > coarse ? fine : coarse;
+    const Float<simd> lower = finest > both ? finest : both;
+    const Float<simd> upper = coarsest > both ? coarsest : both;
     store(lower, to.highest[0] + x);
     store(upper, to.highest[1] + x);
   }
-  for (int x = samples.first + 1; x < samples.end - 1; x += 8) {
-    mark(rows[1][1] + x, to.highest[0] + x, threshold, to.marks[0] + x);
-    mark(rows[2][1] + x, to.highest[1] + x, threshold, to.marks[1] + x);
+  for (int x = samples.first + 1; x < samples.end - 1; x += kCount<simd>) {
+    mark<simd>(rows[1][1] + x, to.highest[0] + x, threshold, to.marks[0] + x);
+    mark<simd>(rows[2][1] + x, to.highest[1] + x, threshold, to.marks[1] + x);
   }
 }
 
-#define ROOMWISE_KERNELS(name, target)                                                             \
+#define ROOMWISE_KERNELS(name, simd, target)                                                       \
   constexpr SurfRowKernels name {                                                                  \
     [](const std::uint32_t* row, const Samples& samples, std::uint32_t* even, std::uint32_t* odd)  \
-        target { split_row(row, samples, even, odd); },                                            \
+        target { split_row<simd>(row, samples, even, odd); },                                      \
         [](const FilterRows& rows, const Samples& samples, const Differences& to)                  \
-            target { difference_rows(rows, samples, to); },                                        \
+            target { difference_rows<simd>(rows, samples, to); },                                  \
         [](const FilterColumns& columns, float per_area, const Samples& samples, float* responses) \
-            target { respond_along_row(columns, per_area, samples, responses); },                  \
+            target { respond_along_row<simd>(columns, per_area, samples, responses); },            \
         [](const LayerRows& rows, const Samples& samples, float threshold, const MarkRows& to)     \
-            target { mark_along_row(rows, samples, threshold, to); }                               \
+            target { mark_along_row<simd>(rows, samples, threshold, to); }                         \
   }
-ROOMWISE_KERNELS(kPortableRows, );
+ROOMWISE_KERNELS(kPortableRows, Simd::kPortable, );
 #if defined(__x86_64__)
-ROOMWISE_KERNELS(kAvx2Rows, __attribute__((target("avx2"))));
+ROOMWISE_KERNELS(kAvx2Rows, Simd::kAvx2, __attribute__((target("avx2"))));
+#elif defined(__aarch64__)
+ROOMWISE_KERNELS(kNeonRows, Simd::kNeon, );
 #endif
 #undef ROOMWISE_KERNELS
 
@@ -132,6 +157,8 @@ ROOMWISE_KERNELS(kAvx2Rows, __attribute__((target("avx2"))));
 const SurfRowKernels& surf_row_kernels([[maybe_unused]] Simd simd) {
 #if defined(__x86_64__)
   if (simd == Simd::kAvx2) return kAvx2Rows;
+#elif defined(__aarch64__)
+  if (simd == Simd::kNeon) return kNeonRows;
 #endif
   return kPortableRows;
 }

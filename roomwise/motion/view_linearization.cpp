@@ -46,29 +46,51 @@ float huber_weight(float sigmas) {
 }
 
 // The sum of w j j^T over rows j = (derivatives by a twist, error, 0): hessian, gradient and
-// squares in one. Eight numbers are one or two registers.
-using Row8 = float __attribute__((vector_size(32)));
-
+// squares in one. Eight numbers are as many registers as the instructions need.
+template <Simd simd>
 class RowSums {
  public:
-  [[gnu::always_inline]] void add(float weight, const Row8& row) {
-    const Row8 weighted = weight * row;
-    for (int i = 0; i < 7; ++i) sums_[static_cast<std::size_t>(i)] += weighted[i] * row;
+  [[gnu::always_inline]] void add(float weight, const Eigen::Vector3f& by_turning,
+                                  const Eigen::Vector3f& by_moving, float error) {
+    Row row, weighted;
+    fill(row, by_turning, by_moving, error);
+    for (std::size_t k = 0; k < kParts; ++k) weighted[k] = weight * row[k];
+#pragma GCC unroll 7
+    for (std::size_t i = 0; i < sums_.size(); ++i) {
+      const float factor = weighted[i / kCount][i % kCount];
+      for (std::size_t k = 0; k < kParts; ++k) sums_[i][k] += factor * row[k];
+    }
   }
   void add_to(NormalEquations& equations) const {
     for (std::size_t i = 0; i < 6; ++i) {
       const auto row = static_cast<Eigen::Index>(i);
-      for (int k = 0; k < 6; ++k) equations.hessian(row, k) += static_cast<double>(sums_[i][k]);
-      equations.gradient[row] += static_cast<double>(sums_[i][6]);
+      const auto sum = [&](std::size_t k) {
+        return static_cast<double>(sums_[i][k / kCount][k % kCount]);
+      };
+      for (std::size_t k = 0; k < 6; ++k)
+        equations.hessian(row, static_cast<Eigen::Index>(k)) += sum(k);
+      equations.gradient[row] += sum(6);
     }
   }
 
  private:
-  std::array<Row8, 7> sums_{};
+  static constexpr std::size_t kCount = Lanes<simd>::kCount, kParts = 8 / kCount;
+  using Row = std::array<typename Lanes<simd>::Float, kParts>;
+  [[gnu::always_inline]] static void fill(Row& row, const Eigen::Vector3f& a,
+                                          const Eigen::Vector3f& b, float error) {
+    if constexpr (kParts == 1) {
+      row[0] = Float8{a.x(), a.y(), a.z(), b.x(), b.y(), b.z(), error, 0};
+    } else {
+      row[0] = Float4{a.x(), a.y(), a.z(), b.x()};
+      row[1] = Float4{b.y(), b.z(), error, 0};
+    }
+  }
+
+  std::array<Row, 7> sums_{};
 };
 
 // With `only_exposure` the rows of errors are left out, and with them most of the work.
-template <bool only_exposure>
+template <Simd simd, bool only_exposure>
 [[gnu::always_inline]] inline NormalEquations sum_rows(const std::vector<SurfacePoint>& points,
                                                        const PyramidLevel& current,
                                                        const RigidTransform& current_from_reference,
@@ -96,7 +118,7 @@ template <bool only_exposure>
   std::size_t pairs = 0, others = 0, measured = 0;
   constexpr std::size_t kBlock = 512;  // summed in float, then in double
   for (std::size_t first = 0; first < points.size(); first += kBlock) {
-    RowSums sums;
+    RowSums<simd> sums;
     float r = 0, c = 0, rr = 0, rc = 0, block_cost = 0, block_squares = 0;
     const std::size_t end = std::min(points.size(), first + kBlock);
     for (std::size_t i = first; i < end; ++i) {
@@ -124,10 +146,11 @@ template <bool only_exposure>
       const auto add = [&](const Eigen::Vector3f& by_point, float error)
           __attribute__((always_inline)) {
         const float weight = huber_weight(error);
-        sums.add(weight, Row8{p.y() * by_point.z() - p.z() * by_point.y(),
-                              p.z() * by_point.x() - p.x() * by_point.z(),
-                              p.x() * by_point.y() - p.y() * by_point.x(), by_point.x(),
-                              by_point.y(), by_point.z(), error, 0});
+        sums.add(weight,
+                 {p.y() * by_point.z() - p.z() * by_point.y(),
+                  p.z() * by_point.x() - p.x() * by_point.z(),
+                  p.x() * by_point.y() - p.y() * by_point.x()},
+                 by_point, error);
         block_cost += std::min(weight * error * error, kMaxCost);
         block_squares += error * error;
         ++measured;
@@ -192,8 +215,8 @@ __attribute__((target("avx2"))) NormalEquations sum_rows_avx2(
     const std::vector<SurfacePoint>& points, const PyramidLevel& current,
     const RigidTransform& current_from_reference, const Exposure& exposure,
     double max_correspondence_m, const ViewAlignmentOptions& options) {
-  return sum_rows<only_exposure>(points, current, current_from_reference, exposure,
-                                 max_correspondence_m, options);
+  return sum_rows<Simd::kAvx2, only_exposure>(points, current, current_from_reference, exposure,
+                                              max_correspondence_m, options);
 }
 #endif
 
@@ -208,9 +231,14 @@ NormalEquations sum_rows_quickly(const std::vector<SurfacePoint>& points,
     return sum_rows_avx2<only_exposure>(points, current, current_from_reference, exposure,
                                         max_correspondence_m, options);
   }
+#elif defined(__aarch64__)
+  if (process_simd() == Simd::kNeon) {
+    return sum_rows<Simd::kNeon, only_exposure>(points, current, current_from_reference, exposure,
+                                                max_correspondence_m, options);
+  }
 #endif
-  return sum_rows<only_exposure>(points, current, current_from_reference, exposure,
-                                 max_correspondence_m, options);
+  return sum_rows<Simd::kPortable, only_exposure>(points, current, current_from_reference, exposure,
+                                                  max_correspondence_m, options);
 }
 
 }  // namespace
