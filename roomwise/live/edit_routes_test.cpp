@@ -140,6 +140,34 @@ TEST_F(EditRoutes, ThePlanHasRoomsAsPolygonsAndTheDoorsBetween) {
   EXPECT_EQ(plan.at("doors")[0].at("rooms"), json({"bedroom", "kitchen"}));
 }
 
+TEST_F(EditRoutes, WhatTheWalksHaveNotShownIsToldOfEachRoom) {
+  const json coverage = ask("GET", "/api/coverage").body;
+  EXPECT_TRUE(coverage.at("floor_known"));
+  ASSERT_THAT(coverage.at("rooms"), SizeIs(2));
+  EXPECT_EQ(coverage.at("rooms")[1],
+            json({{"room", "kitchen"},
+                  {"pictures", 12},
+                  {"walks", {{{"walk", 1}, {"pictures", 12}, {"time", nullptr}}}}}));
+  const auto told = [&](const std::string& what, const json& room) {
+    json found;
+    for (const json& one : coverage.at("missing")) {
+      if (one.at("what") == what && one.at("room") == room) found = one;
+    }
+    return found;
+  };
+  EXPECT_EQ(told("second walk", "kitchen").at("walk"), 1);
+  EXPECT_EQ(told("more pictures", "bedroom").at("pictures"), 12);
+  EXPECT_GT(told("more pictures", "bedroom").at("wanted"), 12);
+}
+
+TEST_F(EditRoutes, WhatIsMissingIsToldAnewWhenARoomGotAnotherName) {
+  EXPECT_EQ(ask("GET", "/api/coverage").body.at("rooms")[0].at("room"), "bedroom");
+  ASSERT_EQ(ask("PUT", "/api/rooms/bedroom", {{"name", "attic"}}).status, 200);
+  EXPECT_EQ(ask("GET", "/api/coverage").body.at("rooms")[0].at("room"), "attic");
+  ASSERT_OK(live_->forget_home());
+  EXPECT_THAT(ask("GET", "/api/coverage").body.at("rooms"), IsEmpty());
+}
+
 TEST_F(EditRoutes, AThingIsRenamedNotedAndBothAreUndone) {
   EXPECT_EQ(ask("PUT", "/api/things/" + cup().dump(), {{"name", "mug"}}).status, 200);
   const json mug = thing("mug");

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "roomwise/image/codec.h"
+#include "roomwise/live/coverage_routes.h"
 #include "roomwise/live/edit_routes.h"
 #include "roomwise/live/home_json.h"
 #include "roomwise/live/photo_routes.h"
@@ -220,6 +221,7 @@ std::vector<service::Route> home_routes(LiveHome& home) {
   std::vector<service::Route> routes = looking_routes(home);
   std::ranges::move(changing_routes(home), std::back_inserter(routes));
   std::ranges::move(working_routes(home), std::back_inserter(routes));
+  std::ranges::move(coverage_routes(home), std::back_inserter(routes));
   std::ranges::move(edit_routes(home), std::back_inserter(routes));
   std::ranges::move(upload_routes(home), std::back_inserter(routes));
   std::ranges::move(photo_routes(home), std::back_inserter(routes));

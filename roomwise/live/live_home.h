@@ -20,6 +20,7 @@
 #include "roomwise/live/uploads.h"
 #include "roomwise/objects/proposals/object_finders.h"
 #include "roomwise/pipeline/edits/edit_things.h"
+#include "roomwise/pipeline/rooms/room_coverage.h"
 #include "roomwise/service/server.h"
 
 namespace roomwise::live {
@@ -91,6 +92,10 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
   [[nodiscard]] Expected<Bytes> keyframe_picture(home::KeyframeId id) const;
   // What one picture tells, with nothing known from before.
   [[nodiscard]] Expected<rooms::RoomDecision> test_picture(const Bytes& picture) const;
+
+  // What the walks have not shown yet. Looks at pictures that it has not looked at before, which
+  // takes a moment; fails where the map is not ready, or something is forgotten meanwhile.
+  [[nodiscard]] Expected<std::shared_ptr<const pipeline::RoomCoverage>> coverage();
 
   // ---- changing; each fails while a job writes the home, forgetting while any is at work, but
   // for the job "prepare", which stops for it ----
@@ -271,6 +276,13 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
   home::Home home_;
   mutable std::mutex reader_mutex_;
   home::Home reader_;  // for pictures
+
+  // Of coverage(): erasing waits until nothing is read, and has it stop.
+  std::mutex coverage_mutex_;
+  std::atomic<bool> coverage_stops_{false};
+  std::shared_ptr<const HomeView> covered_;  // what coverage_ is of
+  std::shared_ptr<const pipeline::RoomCoverage> coverage_;
+  pipeline::PictureTones tones_;
 
   mutable std::mutex view_mutex_;
   std::shared_ptr<const HomeView> view_;

@@ -94,7 +94,12 @@ Expected<void> LiveHome::forget_removed_rooms() {
 }
 
 Expected<void> LiveHome::erase_removed(home::Home& home) {
-  const std::scoped_lock lock(reader_mutex_);
+  coverage_stops_ = true;
+  const std::scoped_lock lock(reader_mutex_, coverage_mutex_);
+  coverage_stops_ = false;
+  covered_ = nullptr;  // it knows of what is gone
+  coverage_ = nullptr;
+  tones_.clear();
   return home.erase_removed();
 }
 

@@ -1,5 +1,5 @@
 // A home of four rooms that nobody lives in: what the computer would answer of it.
-import type { Home, Keyframe, Plan, Point, RoomRange, Thing } from '../src/shared/protocol';
+import type { Coverage, Home, Keyframe, Plan, Point, RoomRange, Thing } from '../src/shared/protocol';
 
 // Rooms as rectangles on the floor, metres: x, y, width, depth.
 const kRooms: Record<string, [number, number, number, number]> = {
@@ -44,6 +44,25 @@ export function makePlan(): Plan {
       { rooms: ['bathroom', 'corridor'], middle: [4, 1.5], width_m: 0.8 },
       { rooms: ['bedroom', 'corridor'], middle: [5.5, 1.5], width_m: 0.9 },
     ],
+  };
+}
+
+// One walk at noon, from whose middle the bedroom was seen; a corner of the bedroom and the kitchen's end are not known.
+export function makeCoverage(noon_s: number): Coverage {
+  const missing = (more: Partial<Coverage['missing'][0]>): Coverage['missing'][0] => (
+    { what: 'floor', room: null, walk: null, pictures: 0, wanted: null, floor: null, ...more });
+  return {
+    missing: [
+      missing({ what: 'names', walk: 1, pictures: 6 }),
+      missing({ what: 'pictures', room: 'bedroom', pictures: 0, wanted: 10 }),
+      missing({ what: 'more pictures', room: 'bathroom', pictures: 6, wanted: 30 }),
+      missing({ what: 'second walk', room: 'kitchen', walk: 1, pictures: 6 }),
+      missing({ room: 'kitchen', floor: { place: [2.6, 4.4], length_m: 0.9, unseen: true, beside: 'refrigerator' } }),
+      missing({ room: 'bedroom', floor: { place: [8.3, 4.4], length_m: 1.24, unseen: false, beside: null } }),
+    ],
+    rooms: ['bathroom', 'bedroom', 'corridor', 'kitchen'].map((room) => (
+      { room, pictures: room === 'bedroom' ? 0 : 6, walks: room === 'bedroom' ? [] : [{ walk: 1, pictures: 6, time: noon_s }] })),
+    floor_known: true,
   };
 }
 

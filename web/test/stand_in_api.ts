@@ -76,6 +76,12 @@ const kRoutes: [string, RegExp, Role | '-', Handler][] = [
     return edited(server, { what: 'remove thing', old_name: thing.name }, () => (server.state.home.things = before));
   }],
   ['GET', /^\/api\/map\/plan$/, 'helper', ({ server }) => server.state.plan],
+  ['GET', /^\/api\/coverage$/, 'helper', ({ server }) => {
+    if (!server.state.coverage) {
+      throw new Refusal(503, 'the map is being made; what is missing is told when it is ready');
+    }
+    return server.state.coverage;
+  }],
   ['GET', /^\/api\/edits$/, 'helper', ({ server }) => ({ edits: server.state.edits.map(({ undo: _, ...edit }) => edit).reverse() })],
   ['POST', /^\/api\/edits$/, 'helper', makeEdit],
   ['DELETE', /^\/api\/edits\/(\d+)$/, 'helper', ({ server, parts }) => {

@@ -2,8 +2,8 @@
 import { randomUUID } from 'node:crypto';
 
 import type { UploadState } from '../src/shared/upload';
-import type { Device, Edit, Job, Recognition, RecordingState, Role, Welcome } from '../src/shared/protocol';
-import { makeHome, makeKeyframes, makePlan } from './made_up_home';
+import type { Coverage, Device, Edit, Job, Recognition, RecordingState, Role, Welcome } from '../src/shared/protocol';
+import { makeCoverage, makeHome, makeKeyframes, makePlan } from './made_up_home';
 
 const kDay = 86_400;
 const kNoon = 1_760_000_000;
@@ -14,6 +14,7 @@ export class StandInState {
   home = makeHome();
   keyframes = makeKeyframes();
   plan = makePlan();
+  coverage: Coverage | null = makeCoverage(new Date(2026, 4, 3, 12, 30).getTime() / 1000); // null: the map is not ready
   edits: (Edit & { undo: () => void })[] = []; // the newest last
   job: Job | null = null;
   recording: RecordingState | null = null;

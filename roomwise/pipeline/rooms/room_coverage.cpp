@@ -15,11 +15,6 @@ namespace {
 
 // ---- light ----
 
-struct PictureTone {
-  double brightness = 0;     // mean, 0 to 1
-  double red_over_blue = 1;  // of the means
-};
-
 PictureTone tone_of(const image::ColorImage& picture) {
   constexpr int kStep_px = 8;  // a sample tells the mean as well
   double red = 0, green = 0, blue = 0, count = 0;
@@ -56,21 +51,43 @@ RoomLight light_of(const std::vector<PictureTone>& tones) {
   return {b, b_low, b_high, r, r_low, r_high};
 }
 
+// Of the key-frames that have a room those that are not known yet; what is not in the home any more
+// is known no more.
+Expected<void> look_at_tones(const home::Home& home, const std::vector<home::Keyframe>& named,
+                             PictureTones& known, RunContext& run) {
+  PictureTones tones;
+  std::vector<home::Keyframe> unknown;
+  for (const home::Keyframe& one : named) {
+    const auto found = known.find({one.id, one.timestamp_ns});
+    if (found == known.end()) {
+      unknown.push_back(one);
+    } else {
+      tones.insert(*found);
+    }
+  }
+  ROOMWISE_CHECK_OK(for_each_keyframe(
+      home, unknown, "looking at the light", run,
+      [](const home::Keyframe&, const DecodedImages& images) { return tone_of(images.color); },
+      [&](const home::Keyframe& one, PictureTone tone) -> Expected<void> {
+        tones[{one.id, one.timestamp_ns}] = tone;
+        return {};
+      }));
+  known = std::move(tones);
+  return {};
+}
+
 Expected<void> add_lights(const home::Home& home, const std::vector<home::Keyframe>& keyframes,
                           const KeyframeRooms& rooms, std::vector<RoomSeen>& seen,
-                          RunContext& run) {
+                          PictureTones& known, RunContext& run) {
   std::vector<home::Keyframe> named;
   for (const home::Keyframe& one : keyframes) {
     if (rooms.contains(one.id)) named.push_back(one);
   }
+  ROOMWISE_CHECK_OK(look_at_tones(home, named, known, run));
   std::map<std::pair<std::string, home::RecordingId>, std::vector<PictureTone>> tones;
-  ROOMWISE_CHECK_OK(for_each_keyframe(
-      home, named, "looking at the light", run,
-      [](const home::Keyframe&, const DecodedImages& images) { return tone_of(images.color); },
-      [&](const home::Keyframe& one, PictureTone tone) -> Expected<void> {
-        tones[{rooms.at(one.id), one.recording}].push_back(tone);
-        return {};
-      }));
+  for (const home::Keyframe& one : named) {
+    tones[{rooms.at(one.id), one.recording}].push_back(known.at({one.id, one.timestamp_ns}));
+  }
   for (RoomSeen& room : seen) {
     for (RoomOnWalk& walk : room.walks) walk.light = light_of(tones.at({room.room, walk.walk}));
   }
@@ -145,7 +162,7 @@ Expected<void> CoverageOptions::validate() const {
 }
 
 Expected<RoomCoverage> find_room_coverage(const home::Home& home, const CoverageOptions& options,
-                                          RunContext& run) {
+                                          RunContext& run, PictureTones& known) {
   ROOMWISE_CHECK_OK(options.validate());
   RoomCoverage coverage;
   ROOMWISE_TRY(coverage.walks, home.recordings());
@@ -165,7 +182,7 @@ Expected<RoomCoverage> find_room_coverage(const home::Home& home, const Coverage
   }
   coverage.rooms = rooms_by_walk(rooms, keyframes, room_of);
   if (!home.is_locked()) {
-    ROOMWISE_CHECK_OK(add_lights(home, keyframes, room_of, coverage.rooms, run));
+    ROOMWISE_CHECK_OK(add_lights(home, keyframes, room_of, coverage.rooms, known, run));
   }
   ROOMWISE_TRY(const auto layout, find_home_layout(home, run));
   coverage.knows_floor = layout.has_value();
@@ -173,6 +190,12 @@ Expected<RoomCoverage> find_room_coverage(const home::Home& home, const Coverage
     ROOMWISE_TRY(coverage.gaps, find_floor_gaps(home, *layout, keyframes, options.floor));
   }
   return coverage;
+}
+
+Expected<RoomCoverage> find_room_coverage(const home::Home& home, const CoverageOptions& options,
+                                          RunContext& run) {
+  PictureTones none;
+  return find_room_coverage(home, options, run, none);
 }
 
 std::string_view to_string(Missing what) {

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "roomwise/home/home.h"
@@ -25,6 +27,14 @@ struct RoomLight {
   // pictures.
   [[nodiscard]] bool differs_from(const RoomLight& other) const;
 };
+
+// How light one picture is.
+struct PictureTone {
+  double brightness = 0;     // mean, 0 to 1
+  double red_over_blue = 1;  // of the means
+};
+// By key-frame and its time: who keeps them looks at no picture twice.
+using PictureTones = std::map<std::pair<home::KeyframeId, TimestampNs>, PictureTone>;
 
 // A room as one walk saw it.
 struct RoomOnWalk {
@@ -59,8 +69,12 @@ struct RoomCoverage {
   bool knows_floor = false;                   // the map shows where the named rooms lie
 };
 
-// Looks at the home's key-frames, which takes a moment, and at its floor. Fails where an image
-// cannot be read, and when the user interrupts.
+// Looks at the home's key-frames but for those that are `known`, which takes a moment, and at its
+// floor; known is then what it looked at. Fails where an image cannot be read, and when the user
+// interrupts.
+[[nodiscard]] Expected<RoomCoverage> find_room_coverage(const home::Home& home,
+                                                        const CoverageOptions& options,
+                                                        RunContext& run, PictureTones& known);
 [[nodiscard]] Expected<RoomCoverage> find_room_coverage(const home::Home& home,
                                                         const CoverageOptions& options,
                                                         RunContext& run);

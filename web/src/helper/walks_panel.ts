@@ -5,6 +5,7 @@ import type { Me } from '../shared/protocol';
 import { text } from '../shared/texts';
 import type { Helper } from './actions';
 import { changesCard } from './changes_card';
+import { coverageCard } from './coverage_card';
 import { namingView } from './naming_view';
 import { recordCard } from './record_card';
 import { card, panel } from './shell';
@@ -37,7 +38,7 @@ export function walksPanel(helper: Helper, me: Me): HTMLElement {
   store.watch(['home'], show);
   return panel(text('nav.walks'),
     card(text('walks.name_rooms'), h('p', { class: 'hint' }, text('walks.explain')), choice.element, place),
-    changesCard(helper), recordCard(helper, me), uploadCard(helper));
+    changesCard(helper), coverageCard(helper), recordCard(helper, me), uploadCard(helper));
 }
 
 // Keeps what was chosen, where it is still there.

@@ -260,6 +260,30 @@ export interface Home {
   changes: { walk: number; since: number; things: ThingChange[] } | null; // of one walk: null
 }
 
+// Where floor goes on unseen, or was seen from afar.
+export interface FloorGap {
+  place: Point;
+  length_m: number;
+  unseen: boolean; // else: from afar
+  beside: string | null; // the thing that stands there
+}
+
+export interface Missing {
+  what: 'join' | 'names' | 'pictures' | 'more pictures' | 'second walk' | 'other light' | 'floor';
+  room: string | null;
+  walk: number | null;
+  pictures: number; // that there are
+  wanted: number | null; // that would do
+  floor: FloorGap | null;
+}
+
+// What the walks have not shown yet.
+export interface Coverage {
+  missing: Missing[];
+  rooms: { room: string; pictures: number; walks: { walk: number; pictures: number; time: number | null }[] }[];
+  floor_known: boolean;
+}
+
 export interface Keyframe {
   id: number;
   frame: number; // its index in the recording

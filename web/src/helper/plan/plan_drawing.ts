@@ -13,6 +13,7 @@ const [kMostHeight, kMostHeight_px] = [0.62, 640]; // of the window's
 export interface PlanDrawing {
   element: SVGSVGElement;
   span: Span;
+  pixel_m: number; // about what a pixel of the window is
   overlay: SVGGElement; // for what is being drawn on it
   pointOf: (event: MouseEvent) => Point;
 }
@@ -85,7 +86,7 @@ export function drawPlan(plan: Plan, home: Home | null, label: string): PlanDraw
   const overlay = svg('g', { class: 'drawing' }) as SVGGElement;
   element.append(...rooms, ...doors, ...roomLabels, ...things, overlay);
   return {
-    element, span, overlay,
+    element, span, pixel_m, overlay,
     pointOf: (event) => {
       const matrix = element.getScreenCTM();
       const point = new DOMPoint(event.clientX, event.clientY).matrixTransform(matrix?.inverse());
