@@ -63,8 +63,14 @@ function spaceView(helper: Helper): HTMLElement {
       const { makeView } = await import('../view3d/view3d');
       const view = makeView(stage, {
         keyframeChosen: (keyframe) => {
-          const room = helper.store.state.keyframes.find((one) => one.id === keyframe)?.room ?? null;
-          replaceChildren(picture, keyframePicture(keyframe, room));
+          const { home, keyframes } = helper.store.state;
+          const chosen = keyframes.find((one) => one.id === keyframe);
+          if (!chosen) {
+            return;
+          }
+          const began = Math.min(...keyframes.filter((one) => one.recording === chosen.recording).map((one) => one.time_s));
+          const walk = home?.recordings.find((one) => one.id === chosen.recording)?.name ?? '';
+          replaceChildren(picture, keyframePicture({ ...chosen, walk, time_s: chosen.time_s - began }));
           pictured = keyframe;
         },
         moved: () => refine(),

@@ -51,8 +51,7 @@ function wordsOf(job: Job): string {
     return [text(`job.${job.kind}_${job.state}`), sentence(job.text)].filter((part) => part !== '').join(' ');
   }
   const left = job.left_s === null ? '' : leftOf(job.left_s);
-  const what = text(`job.${job.kind}`) + (job.stage === '' ? '' : `: ${job.stage}`);
-  return [what, formatPercent(job.fraction), left].filter((part) => part !== '').join(', ');
+  return [text(`job.${job.kind}`), formatPercent(job.fraction), left].filter((part) => part !== '').join(', ');
 }
 
 // As the computer's words stand behind the page's own.

@@ -1,14 +1,16 @@
 // Pictures that the home remembers.
 import { h } from '../shared/dom';
 import type { Thing } from '../shared/protocol';
-import { text } from '../shared/texts';
+import { formatMoment, text } from '../shared/texts';
 
 export function keyframeAddress(id: number): string {
   return `/api/keyframes/${id}/picture`;
 }
 
-export function keyframePicture(id: number, room: string | null): HTMLElement {
-  const caption = room ? text('picture.of_room', { id, room }) : text('picture.of_no_room', { id });
+// `walk`: its name; `time_s`: since it began.
+export function keyframePicture({ id, walk, time_s, room }: { id: number; walk: string; time_s: number; room: string | null }): HTMLElement {
+  const values = { walk, time: formatMoment(time_s) };
+  const caption = room ? text('picture.of_room', { ...values, room }) : text('picture.of_no_room', values);
   return h('figure', {}, h('img', { src: keyframeAddress(id), alt: '' }), h('figcaption', {}, caption));
 }
 

@@ -31,18 +31,31 @@ function joined(ranges: RoomRange[]): RoomRange[] {
   return result;
 }
 
-// The frames that a key-frame stands for: from its own to the one before the next key-frame's.
+// The frames that a key-frame stands for: from its own to the one before the next key-frame's. To people it is a picture
+// of the walk, numbered from 1 on.
 export interface FrameSpan {
   keyframe: number;
   first: number;
   last: number;
+  time_s: number; // since the walk began
 }
 
-export function spansOf(keyframes: readonly { id: number; frame: number }[], frames: number): FrameSpan[] {
+export function spansOf(keyframes: readonly { id: number; frame: number; time_s: number }[], frames: number): FrameSpan[] {
   const sorted = [...keyframes].sort((a, b) => a.frame - b.frame);
-  return sorted.map(({ id, frame }, i) => ({
+  return sorted.map(({ id, frame, time_s }, i) => ({
     keyframe: id,
     first: i === 0 ? 0 : frame,
     last: (sorted[i + 1]?.frame ?? Math.max(frames, frame + 1)) - 1,
+    time_s: time_s - (sorted[0]?.time_s ?? 0),
   }));
+}
+
+// The first and the last picture, by their place in the row, that have frames of the range; null where none has.
+export function picturesOf(spans: readonly FrameSpan[], { first, last }: { first: number; last: number }): [number, number] | null {
+  const from = spans.findIndex((span) => span.last >= first);
+  let to = spans.length - 1;
+  while (to >= 0 && (spans[to] as FrameSpan).first > last) {
+    to -= 1;
+  }
+  return from < 0 || to < from ? null : [from, to];
 }

@@ -2,7 +2,7 @@ import assert from 'node:assert/strict';
 import { test } from 'node:test';
 
 import type { RoomRange } from '../shared/protocol';
-import { roomAt, spansOf, withRange, without } from './ranges';
+import { picturesOf, roomAt, spansOf, withRange, without } from './ranges';
 
 const range = (first: number, last: number, room: string): RoomRange => ({ first, last, room });
 const kWalk = [range(0, 9, 'corridor'), range(10, 19, 'kitchen'), range(30, 39, 'bedroom')];
@@ -44,9 +44,20 @@ test('each frame has at most one room, whatever is put in', () => {
   }
 });
 
+const kKeyframes = [{ id: 7, frame: 12, time_s: 105 }, { id: 5, frame: 2, time_s: 100 }, { id: 6, frame: 9, time_s: 103.5 }];
+
 test('key-frames share all frames of the walk among them', () => {
-  assert.deepEqual(spansOf([{ id: 7, frame: 12 }, { id: 5, frame: 2 }, { id: 6, frame: 9 }], 20), [
-    { keyframe: 5, first: 0, last: 8 }, { keyframe: 6, first: 9, last: 11 }, { keyframe: 7, first: 12, last: 19 },
+  assert.deepEqual(spansOf(kKeyframes, 20), [
+    { keyframe: 5, first: 0, last: 8, time_s: 0 }, { keyframe: 6, first: 9, last: 11, time_s: 3.5 },
+    { keyframe: 7, first: 12, last: 19, time_s: 5 },
   ]);
   assert.deepEqual(spansOf([], 20), []);
+});
+
+test('a range is told by the pictures that have frames of it', () => {
+  const spans = spansOf(kKeyframes, 20);
+  assert.deepEqual(picturesOf(spans, { first: 9, last: 19 }), [1, 2]);
+  assert.deepEqual(picturesOf(spans, { first: 3, last: 10 }), [0, 1]);
+  assert.equal(picturesOf(spans, { first: 20, last: 25 }), null);
+  assert.equal(picturesOf([], { first: 0, last: 5 }), null);
 });

@@ -19,7 +19,7 @@ function learnCard(helper: Helper): HTMLElement {
   helper.store.watch(['home'], () => {
     const learned = helper.store.state.home?.learned;
     state.textContent = learned
-      ? text('learn.learned', { pictures: formatNumber(learned.pictures), network: learned.network })
+      ? text('learn.learned', { pictures: formatNumber(learned.pictures) })
       : text('learn.not_yet');
   });
   const start = (): void => actOrSay(helper, () => request('POST', '/api/learn'), text('learn.started'));
@@ -60,7 +60,6 @@ function resultView(picture: File, answer: TestResult): HTMLElement {
   return h('div', { class: 'verdict' }, image,
     h('div', { class: 'form' },
       h('p', { class: 'verdict-words' }, verdictWords(answer.verdict, answer.room, answer.probability)),
-      h('p', { class: 'hint' }, answer.why),
       h('table', {},
         h('caption', {}, text('test.table')),
         h('thead', {}, h('tr', {}, h('th', { scope: 'col' }, text('test.room')), h('th', { scope: 'col' }, text('test.probability')))),
@@ -82,7 +81,6 @@ function recognitionView(one: Recognition): HTMLElement {
     h('img', { src: `/api/recognitions/${one.number}/picture`, alt: '', loading: 'lazy' }),
     h('div', {},
       h('p', { class: 'verdict-words' }, verdictWords(one.verdict, one.room, one.probability)),
-      h('p', { class: 'hint' }, one.why),
       h('p', { class: 'hint' }, `${one.name} · ${formatTime(one.time)}`)));
 }
 

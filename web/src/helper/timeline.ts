@@ -1,7 +1,7 @@
 // The pictures of a walk in a row. Arrow keys move, Shift with them (or Shift and a click) chooses several.
 import { h } from '../shared/dom';
 import type { Keyframe, RoomRange } from '../shared/protocol';
-import { text } from '../shared/texts';
+import { formatMoment, text } from '../shared/texts';
 import { keyframeAddress } from './pictures';
 import { roomAt, type FrameSpan } from './ranges';
 
@@ -17,7 +17,7 @@ export class Timeline {
   private anchor = 0;
   private head = 0;
 
-  // `chosen`: the frames from the first to the last chosen picture.
+  // `chosen`: the first and the last chosen picture, by their place in the row.
   constructor(private readonly chosen: (first: number, last: number) => void) {
     this.element.addEventListener('keydown', (event) => this.key(event));
     this.element.addEventListener('click', (event) => this.click(event));
@@ -32,20 +32,19 @@ export class Timeline {
       this.element.append(...spans.map((span) => option(span, keyframes.find(({ id }) => id === span.keyframe))));
     }
     const rooms = [...new Set(ranges.map((range) => range.room))].sort();
-    this.options().forEach((one, i) => label(one, this.spans[i] as FrameSpan, ranges, rooms));
+    this.options().forEach((one, i) => label(one, i, this.spans[i] as FrameSpan, ranges, rooms));
     this.mark();
   }
 
-  // Marks the pictures of these frames, as they were typed elsewhere.
+  // Marks these pictures, as they were typed elsewhere.
   select(first: number, last: number): void {
-    const inside = this.spans.flatMap((span, i) => (span.last >= first && span.first <= last ? [i] : []));
-    if (inside.length > 0) {
-      this.anchor = inside[0] as number;
-      this.head = inside[inside.length - 1] as number;
+    if (first >= 0 && last < this.spans.length && first <= last) {
+      this.anchor = first;
+      this.head = last;
       this.mark();
       // Not scrollIntoView: the page stays where somebody types.
-      const first = this.options()[this.anchor] as HTMLElement;
-      this.element.scrollLeft = first.offsetLeft - this.element.offsetLeft - kMargin;
+      const from = this.options()[this.anchor] as HTMLElement;
+      this.element.scrollLeft = from.offsetLeft - this.element.offsetLeft - kMargin;
     }
   }
 
@@ -75,7 +74,7 @@ export class Timeline {
     this.mark();
     this.options()[this.head]?.focus();
     const [from, to] = [Math.min(this.anchor, this.head), Math.max(this.anchor, this.head)];
-    this.chosen(this.spans[from]?.first ?? 0, this.spans[to]?.last ?? 0);
+    this.chosen(from, to);
   }
 
   private mark(): void {
@@ -98,10 +97,10 @@ function option(span: FrameSpan, keyframe: Keyframe | undefined): HTMLElement {
 }
 
 // Words and a stripe of one of six patterns; the words are what counts.
-function label(one: HTMLElement, span: FrameSpan, ranges: readonly RoomRange[], rooms: readonly string[]): void {
+function label(one: HTMLElement, place: number, span: FrameSpan, ranges: readonly RoomRange[], rooms: readonly string[]): void {
   const room = roomAt(ranges, span.first);
   const [number, name] = [...one.querySelectorAll('span')] as HTMLElement[];
-  (number as HTMLElement).textContent = text('walks.picture', { frame: span.first });
+  (number as HTMLElement).textContent = text('walks.picture', { number: place + 1, time: formatMoment(span.time_s) });
   (name as HTMLElement).textContent = room ?? text('walks.unnamed');
   one.className = room === null ? 'unnamed' : `stripe-${rooms.indexOf(room) % 6}`;
 }

@@ -82,6 +82,14 @@ export function formatPercent(value: number): string {
   return new Intl.NumberFormat(chosen, { style: 'percent' }).format(value);
 }
 
+// Of a walk: minutes and seconds from its beginning, "1:05".
+export function formatMoment(seconds: number): string {
+  const whole = Math.max(0, Math.floor(seconds));
+  const two = (value: number): string => String(value).padStart(2, '0');
+  const [hours, minutes] = [Math.floor(whole / 3600), Math.floor(whole / 60) % 60];
+  return hours > 0 ? `${hours}:${two(minutes)}:${two(whole % 60)}` : `${minutes}:${two(whole % 60)}`;
+}
+
 export function formatTime(seconds: number): string {
   const format = new Intl.DateTimeFormat(chosen, { dateStyle: 'medium', timeStyle: 'short' });
   return format.format(new Date(seconds * 1000));

@@ -5,7 +5,7 @@ import en from '../messages/en.json';
 import de from '../messages/de.json';
 import es from '../messages/es.json';
 import fr from '../messages/fr.json';
-import { counted, kLanguages, languageOf, setLanguage, text, type TextKey } from './texts';
+import { counted, formatMoment, kLanguages, languageOf, setLanguage, text, type TextKey } from './texts';
 
 test('every language has every text with the same values', () => {
   const values = (words: string): string[] => [...words.matchAll(/\{(\w+)\}/g)].map((found) => found[1] ?? '').sort();
@@ -33,4 +33,8 @@ test('things are counted by the rule of the language', () => {
   assert.equal(counted('home.rooms', 1_000_000), '1.000.000 habitaciones', 'CLDR calls that "many"');
   assert.equal(text('phone.find'), 'Buscar…');
   setLanguage('en');
+});
+
+test('a moment of a walk is told in minutes and seconds', () => {
+  assert.deepEqual([0, 65.9, 3605].map(formatMoment), ['0:00', '1:05', '1:00:05']);
 });

@@ -43,7 +43,7 @@ test('an export is handed in in pieces, over a busy computer, and mapped', optio
   await visit.hears('The connection is gone; it goes on as soon as it is back.');
   await heardOnce(visit, 'The file is there; the map is made now.');
   assert.ok(server.state.uploaded.equals(content));
-  await visit.sees('Making the map: unpacking', '.progress-words');
+  await visit.sees('Making the map', '.progress-words');
   tellJob(server, 'done', 1, '', 'map');
   await visit.hears('The map is made.');
   await visit.assertAccessible('handing in');

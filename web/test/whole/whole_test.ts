@@ -179,26 +179,29 @@ function recorded(): string {
 step('the rooms of the walk are named', async () => {
   const [corridor, bathroom] = rangesOf(roomsOf(recorded(), walk));
   assert.ok(corridor && bathroom);
+  const before = await told<{ keyframes: Keyframe[] }>(helper, '/api/map/keyframes');
+  const picturesBefore = (frame: number): number => before.keyframes.filter((one) => one.frame < frame).length;
   // The first by choosing pictures, the second by typing numbers.
   const begin = await helper.page.$eval('.timeline [role=option]', (one) => (one as HTMLElement).innerText.replace(/\s+/g, ' ').trim());
   await helper.tabTo(begin);
   await helper.page.keyboard.down('Shift');
-  while (Number(await valueOf('Last frame')) < corridor.last - 3) {
+  while (Number(await valueOf('Last picture')) < picturesBefore(corridor.last - 3)) {
     await helper.page.keyboard.press('ArrowRight');
   }
   await helper.page.keyboard.up('Shift');
-  const [first, last] = [await valueOf('First frame'), await valueOf('Last frame')];
+  const [first, last] = [await valueOf('First picture'), await valueOf('Last picture')];
   await helper.tabTo('Room');
   await helper.type(corridor.room);
   await helper.page.keyboard.press('Enter');
-  await heardOnce(helper, `Frames ${first} to ${last} are corridor now.`);
-  for (const [label, value] of [['First frame', bathroom.first], ['Last frame', bathroom.last], ['Room', bathroom.room]] as const) {
+  await heardOnce(helper, `Pictures ${first} to ${last} are corridor now.`);
+  const [from, to] = [picturesBefore(bathroom.first) + 1, before.keyframes.length];
+  for (const [label, value] of [['First picture', from], ['Last picture', to], ['Room', bathroom.room]] as const) {
     await helper.tabTo(label);
     await retype(helper, String(value));
   }
   await helper.page.keyboard.press('Enter');
-  await heardOnce(helper, `Frames ${bathroom.first} to ${bathroom.last} are bathroom now.`);
-  await helper.sees(`${bathroom.first} to ${bathroom.last}: bathroom`, '.ranges');
+  await heardOnce(helper, `Pictures ${from} to ${to} are bathroom now.`);
+  await helper.sees(`Pictures ${from} to ${to}, `, '.ranges');
   const { keyframes } = await told<{ keyframes: Keyframe[] }>(helper, '/api/map/keyframes');
   for (const keyframe of keyframes.filter(({ frame }) => frame >= bathroom.first)) {
     assert.equal(keyframe.room, 'bathroom', `the key-frame of frame ${keyframe.frame}`);
