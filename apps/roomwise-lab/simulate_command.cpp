@@ -20,6 +20,7 @@ using simulation::SimulationOptions;
 struct SimulateOptions {
   std::optional<std::uint64_t> home_seed;
   std::vector<std::string> rooms;
+  int storeys = 1;
   std::string scenario = "day";
   std::optional<std::uint64_t> scenario_seed, walk_seed;
   std::string camera;
@@ -75,8 +76,8 @@ Expected<void> switch_off(const std::vector<std::string>& effects, SensorOptions
 
 Expected<SimulationOptions> complete(const SimulateOptions& options, std::uint64_t seed) {
   SimulationOptions simulated = options.simulation;
-  if (options.home_seed || !options.rooms.empty()) {
-    simulation::HomeOptions home{options.home_seed.value_or(seed), {}};
+  if (options.home_seed || !options.rooms.empty() || options.storeys != 1) {
+    simulation::HomeOptions home{options.home_seed.value_or(seed), {}, options.storeys};
     for (const std::string& room : options.rooms) {
       ROOMWISE_TRY(const simulation::RoomKind kind, simulation::parse_room_kind(room));
       home.rooms.push_back(kind);
@@ -163,6 +164,8 @@ void add_simulate_command(CLI::App& app, Context& context) {
                    "The home's rooms, separated by commas: bedroom, kitchen, toilet, living-room, "
                    "dining-room, hall, study; default: 3 to 8 by the seed")
       ->delimiter(',');
+  add_setting(*command, "--storeys", options.storeys, "1, or 2 with a staircase between them",
+              CLI::Range(1, 2));
   command->add_flag("--bare-halls", simulated.bare_halls,
                     "Nothing stands or hangs in halls, and all there is painted plainly");
   add_setting(*command, "--scenario", options.scenario,

@@ -92,8 +92,40 @@ Json rooms_json(const HomeModel& home) {
                      {"kind", name_of(room.kind)},
                      {"min", point(room.interior.min)},
                      {"max", point(room.interior.max)}});
+    if (home.storeys.size() > 1) rooms.back()["storey"] = room.storey;
+    if (room.open_floor) {
+      rooms.back()["open_floor"] = {{"min", point(room.open_floor->min)},
+                                    {"max", point(room.open_floor->max)}};
+    }
   }
   return rooms;
+}
+
+Json storeys_json(const HomeModel& home) {
+  Json storeys = Json::array();
+  for (const Storey& storey : home.storeys) {
+    storeys.push_back({{"world_from_plan", point(storey.world_from_plan)}});
+  }
+  return storeys;
+}
+
+Json stairs_json(const HomeModel& home) {
+  Json all = Json::array();
+  for (const Staircase& stairs : home.stairs) {
+    Json rails = Json::array();
+    if (stairs.has_left_rail) rails.push_back("left");
+    if (stairs.has_right_rail) rails.push_back("right");
+    all.push_back(
+        {{"rooms", {home.rooms[stairs.lower_room].name, home.rooms[stairs.upper_room].name}},
+         {"foot", point(stairs.foot)},
+         {"up", point(stairs.up)},
+         {"width", rounded(stairs.width_m)},
+         {"steps", stairs.steps},
+         {"rise", rounded(stairs.rise_m)},
+         {"going", rounded(stairs.going_m)},
+         {"rails", std::move(rails)}});
+  }
+  return all;
 }
 
 Json doors_json(const HomeModel& home) {
@@ -149,6 +181,7 @@ class FloorPlanReader {
     json_.at("ceiling_height").get_to(plan_.ceiling_height_m);
     json_.at("wall_thickness").get_to(plan_.wall_thickness_m);
     ROOMWISE_CHECK_OK(read_rooms());
+    ROOMWISE_CHECK_OK(read_storeys());
     for (const Json& wall : json_.at("walls")) {
       plan_.walls.push_back({read_point<2>(wall.at("from")), read_point<2>(wall.at("to"))});
     }
@@ -168,7 +201,40 @@ class FloorPlanReader {
       json.at("name").get_to(room.name);
       ROOMWISE_TRY(room.kind, parse_room_kind(json.at("kind").get<std::string>()));
       room.interior = {read_point<2>(json.at("min")), read_point<2>(json.at("max"))};
+      room.storey = json.value("storey", std::size_t{0});
+      if (json.contains("open_floor")) {
+        const Json& open = json.at("open_floor");
+        room.open_floor = {read_point<2>(open.at("min")), read_point<2>(open.at("max"))};
+      }
       plan_.rooms.push_back(std::move(room));
+    }
+    return {};
+  }
+
+  // Truths that were written before homes had several have none.
+  Expected<void> read_storeys() {
+    if (!json_.contains("storeys")) return {};
+    plan_.storeys.clear();
+    for (const Json& json : json_.at("storeys")) {
+      plan_.storeys.push_back({read_point<3>(json.at("world_from_plan"))});
+    }
+    for (const Room& room : plan_.rooms) {
+      if (room.storey >= plan_.storeys.size()) return fail("'{}' is on no storey", room.name);
+    }
+    for (const Json& json : json_.at("stairs")) {
+      Staircase stairs;
+      ROOMWISE_TRY(stairs.lower_room, room_called(json.at("rooms").at(0)));
+      ROOMWISE_TRY(stairs.upper_room, room_called(json.at("rooms").at(1)));
+      stairs.foot = read_point<2>(json.at("foot"));
+      stairs.up = read_point<2>(json.at("up"));
+      json.at("width").get_to(stairs.width_m);
+      json.at("steps").get_to(stairs.steps);
+      json.at("rise").get_to(stairs.rise_m);
+      json.at("going").get_to(stairs.going_m);
+      for (const Json& rail : json.at("rails")) {
+        (rail == "left" ? stairs.has_left_rail : stairs.has_right_rail) = true;
+      }
+      plan_.stairs.push_back(stairs);
     }
     return {};
   }
@@ -332,15 +398,19 @@ Expected<void> write_floor_plan(const std::filesystem::path& path, const HomeMod
   for (const WallSegment& wall : walls_of(home)) {
     walls.push_back({{"from", point(wall.from)}, {"to", point(wall.to)}});
   }
-  const Json plan{{"home_seed", home.seed},
-                  {"scenario", name_of(home.scenario)},
-                  {"ceiling_height", rounded(home.ceiling_height_m)},
-                  {"wall_thickness", rounded(home.wall_thickness_m)},
-                  {"rooms", rooms_json(home)},
-                  {"walls", std::move(walls)},
-                  {"doors", doors_json(home)},
-                  {"windows", windows_json(home)},
-                  {"free_space", free_space_json(home)}};
+  Json plan{{"home_seed", home.seed},
+            {"scenario", name_of(home.scenario)},
+            {"ceiling_height", rounded(home.ceiling_height_m)},
+            {"wall_thickness", rounded(home.wall_thickness_m)},
+            {"rooms", rooms_json(home)},
+            {"walls", std::move(walls)},
+            {"doors", doors_json(home)},
+            {"windows", windows_json(home)},
+            {"free_space", free_space_json(home)}};
+  if (home.storeys.size() > 1) {
+    plan["storeys"] = storeys_json(home);
+    plan["stairs"] = stairs_json(home);
+  }
   return write_file(path, plan.dump(1) + "\n");
 }
 

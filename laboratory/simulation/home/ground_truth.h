@@ -78,6 +78,12 @@ class ObservationCounter {
 //    "windows": [{"center": [x, y], "along_x", "width", "bottom", "top", "room"}],
 //    "free_space": {"origin": [x, y], "cell": 0.05, "person_radius": 0.25,
 //                   "rows": ["..##", ...]}}   from low y; '.' where a person's middle may be
+// Of a home of several storeys, which are drawn side by side (a point of the world is one of the
+// plan and its storey's world_from_plan, from the lowest storey on), besides:
+//    "storeys": [{"world_from_plan": [x, y, z]}],  and of a room "storey", from 0, and "open_floor"
+//    "stairs": [{"rooms": [lower, upper], "foot": [x, y], "up": [x, y], "width", "steps", "rise",
+//                "going", "rails": ["left", "right"]}]   the foot: of the first riser; for who
+//                climbs
 struct WallSegment {
   Eigen::Vector2d from = Eigen::Vector2d::Zero(), to = Eigen::Vector2d::Zero();
 };
@@ -94,6 +100,8 @@ struct FloorPlanTruth {
   std::vector<Window> windows;
   double ceiling_height_m = 0, wall_thickness_m = 0;
   FreeSpaceTruth free_space;
+  std::vector<Storey> storeys{Storey{}};
+  std::vector<Staircase> stairs;
 };
 
 [[nodiscard]] std::vector<WallSegment> walls_of(const HomeModel& home);

@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <functional>
 #include <set>
 
 #include "laboratory/simulation/home/free_space.h"
 #include "laboratory/simulation/home/home_geometry.h"
+#include "laboratory/simulation/home/storeys.h"
 
 namespace roomwise::simulation {
 namespace {
@@ -166,7 +168,12 @@ std::vector<std::string> find_unreachable(const HomeModel& home) {
   const auto start = space.nearest_free(front != home.doors.end() ? front->opening.center : inside,
                                         kWalkingRadius);
   if (!start) return {"nobody can stand inside the front door"};
-  const std::vector<bool> reached = space.reachable_from(*start, kWalkingRadius);
+  std::vector<bool> reached = space.reachable_from(*start, kWalkingRadius);
+  for (const Staircase& stairs : home.stairs) {
+    const auto above = space.reachable_from(place_above(home, stairs), kWalkingRadius);
+    std::transform(reached.begin(), reached.end(), above.begin(), reached.begin(),
+                   std::logical_or<>());
+  }
 
   std::vector<int> cells(home.rooms.size());
   std::vector<bool> is_near(home.objects.size());

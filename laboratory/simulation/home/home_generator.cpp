@@ -9,6 +9,7 @@
 #include "laboratory/simulation/home/furnishing.h"
 #include "laboratory/simulation/home/home_geometry.h"
 #include "laboratory/simulation/home/scenario.h"
+#include "laboratory/simulation/home/storeys.h"
 
 namespace roomwise::simulation {
 namespace {
@@ -55,8 +56,15 @@ bool has_each_once(const HomeModel& home) {
 
 }  // namespace
 
+Expected<void> HomeOptions::validate() const {
+  if (storeys != 1 && storeys != 2) return fail("storeys is {}; expected 1 or 2", storeys);
+  return {};
+}
+
 Expected<HomeModel> generate_home(const HomeOptions& options,
                                   std::span<const FurnitureModel> models) {
+  ROOMWISE_CHECK_OK(options.validate());
+  if (options.storeys == 2) return generate_two_storeys(options, models);
   ROOMWISE_TRY(HomeModel home, plan_floor(options.seed, options.rooms));
   furnish(home, models);
   return apply_scenario(std::move(home), Scenario::kDay, options.seed, models);

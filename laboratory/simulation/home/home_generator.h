@@ -14,6 +14,9 @@ struct HomeOptions {
   std::uint64_t seed = 0;
   // The kinds of its rooms; a hall is added where none is named. Empty: 3 to 8, by the seed.
   std::vector<RoomKind> rooms;
+  int storeys = 1;  // 1 or 2: the rooms above are chosen by the seed
+
+  [[nodiscard]] Expected<void> validate() const;
 };
 
 // A furnished home by day. The same seed gives the same home. A kind of furniture that has no model

@@ -219,6 +219,11 @@ std::vector<Footprint> curtains_of(const Window& window, double wall_thickness_m
   return curtains;
 }
 
+Rectangle flight_of(const Staircase& stairs) {
+  const Eigen::Vector2d aside = stairs.width_m / 2 * Eigen::Vector2d(-stairs.up.y(), stairs.up.x());
+  return around(stairs.foot - aside, stairs.foot + stairs.run_m() * stairs.up + aside);
+}
+
 std::size_t room_at(const HomeModel& home, const Eigen::Vector2d& point) {
   std::size_t nearest = 0;
   double least = std::numeric_limits<double>::infinity();
@@ -251,6 +256,13 @@ std::vector<Footprint> obstacles_of(const HomeModel& home, double from_height_m,
   for (const PlacedObject& object : home.objects) add(footprint_of(object));
   for (const Window& window : home.windows) {
     for (const Footprint& curtain : curtains_of(window, home.wall_thickness_m)) add(curtain);
+  }
+  // Above the stairs one would fall; below, they stand in the way: both are walked on their own.
+  for (const Staircase& stairs : home.stairs) {
+    add(as_footprint(flight_of(stairs), 0, home.ceiling_height_m));
+  }
+  for (const Room& room : home.rooms) {
+    if (room.open_floor) add(as_footprint(*room.open_floor, 0, home.ceiling_height_m));
   }
   for (const Door& door : home.doors) {
     if (!door.other_room) continue;  // always shut: a part of the wall

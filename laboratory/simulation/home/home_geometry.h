@@ -72,6 +72,9 @@ constexpr double kDoorLeafThickness = 0.04;
 // What the curtains of a window take up in the room: the two halves, drawn aside; empty without.
 [[nodiscard]] std::vector<Footprint> curtains_of(const Window& window, double wall_thickness_m);
 
+// What the flight of stairs takes up on the lower storey.
+[[nodiscard]] Rectangle flight_of(const Staircase& stairs);
+
 // The room whose interior holds the point, or the nearest one.
 [[nodiscard]] std::size_t room_at(const HomeModel& home, const Eigen::Vector2d& point);
 

@@ -13,7 +13,9 @@
 // A made-up home as values: what stands where, of what it is made, what is lit. Made by
 // generate_home(), changed by apply_scenario(), drawn by the renderer, written as ground truth.
 //
-// World frame: z up, the floor is z = 0, lengths in metres. Walls run along x and y.
+// World frame: z up, the lowest floor is z = 0, lengths in metres. Walls run along x and y. A home
+// of several storeys is planned with them drawn side by side, each with its floor at z = 0 (the
+// plan frame); in_world() puts them above one another. Of one storey the two are the same.
 namespace roomwise::simulation {
 
 enum class RoomKind { kBedroom, kKitchen, kToilet, kLivingRoom, kDiningRoom, kHall, kStudy };
@@ -43,6 +45,10 @@ struct Room {
   // A tiled strip of wall (kitchen splashback, bathroom) up to this height; absent: none.
   std::optional<Finish> tiled_walls;
   double tiled_from_m = 0, tiled_to_m = 0;
+  std::size_t storey = 0;  // index into HomeModel::storeys
+  double floor_m = 0;      // in the world; 0 in a plan
+  // Where its floor or its ceiling is open for stairs.
+  std::optional<Rectangle> open_floor, open_ceiling;
 };
 
 // A hole in a wall: its middle on the wall's middle plane, and the direction of the wall.
@@ -52,6 +58,7 @@ struct WallOpening {
   double width_m = 0.9;
   double bottom_m = 0;  // above the floor; 0 for doors
   double top_m = 2.05;
+  double floor_m = 0;  // of its room, as Room::floor_m
 };
 
 struct Door {
@@ -106,12 +113,34 @@ struct PlacedObject {
   bool is_movable = false;               // chairs, bins, lamps: shifted when things are moved
 };
 
+struct Storey {
+  Eigen::Vector3d world_from_plan = Eigen::Vector3d::Zero();  // what moves it where it belongs
+};
+
+// A straight flight between two storeys, with a rail on its open sides.
+struct Staircase {
+  std::size_t lower_room = 0, upper_room = 0;      // index into HomeModel::rooms
+  Eigen::Vector2d foot = Eigen::Vector2d::Zero();  // middle of the first riser, lower storey's plan
+  Eigen::Vector2d up = Eigen::Vector2d::UnitX();   // the way that it climbs; unit length
+  double width_m = 1;
+  int steps = 16;  // risers; the last one ends on the upper floor
+  double rise_m = 0.18, going_m = 0.27;
+  bool has_left_rail = false, has_right_rail = false;  // for who climbs
+  Finish finish;
+
+  // Along the floor, from the first riser to the last.
+  [[nodiscard]] double run_m() const { return (steps - 1) * going_m; }
+  [[nodiscard]] double height_m() const { return steps * rise_m; }
+};
+
 struct HomeModel {
   std::uint64_t seed = 0;
   Scenario scenario = Scenario::kDay;
   double ceiling_height_m = 2.6;
   double wall_thickness_m = 0.12;
+  std::vector<Storey> storeys{Storey{}};
   std::vector<Room> rooms;
+  std::vector<Staircase> stairs;
   std::vector<Door> doors;
   std::vector<Window> windows;
   std::vector<WallPicture> pictures;

@@ -25,7 +25,8 @@ void cut_hole(std::vector<WallFace>& faces, const WallOpening& opening, double w
 }  // namespace
 
 OpeningAxes::OpeningAxes(const WallOpening& opening)
-    : center(static_cast<float>(opening.center.x()), static_cast<float>(opening.center.y()), 0),
+    : center(static_cast<float>(opening.center.x()), static_cast<float>(opening.center.y()),
+             static_cast<float>(opening.floor_m)),
       along(opening.along_x ? Eigen::Vector3f::UnitX() : Eigen::Vector3f::UnitY()),
       across(opening.along_x ? Eigen::Vector3f::UnitY() : Eigen::Vector3f::UnitX()) {}
 
@@ -33,12 +34,13 @@ std::vector<WallFace> wall_faces(const HomeModel& home, std::size_t room) {
   const Eigen::Vector2f low = home.rooms[room].interior.min.cast<float>();
   const Eigen::Vector2f high = home.rooms[room].interior.max.cast<float>();
   const Eigen::Vector2f size = high - low;
-  const Eigen::Vector3f corner(low.x(), low.y(), 0);
+  const auto floor = static_cast<float>(home.rooms[room].floor_m);
+  const Eigen::Vector3f corner(low.x(), low.y(), floor);
   const Eigen::Vector3f x = Eigen::Vector3f::UnitX(), y = Eigen::Vector3f::UnitY();
   std::vector<WallFace> faces{{corner, x, y, size.x(), {}},
-                              {Eigen::Vector3f(low.x(), high.y(), 0), x, -y, size.x(), {}},
+                              {Eigen::Vector3f(low.x(), high.y(), floor), x, -y, size.x(), {}},
                               {corner, y, x, size.y(), {}},
-                              {Eigen::Vector3f(high.x(), low.y(), 0), y, -x, size.y(), {}}};
+                              {Eigen::Vector3f(high.x(), low.y(), floor), y, -x, size.y(), {}}};
   for (const Door& door : home.doors) {
     if (door.room == room || door.other_room == room) {
       cut_hole(faces, door.opening, home.wall_thickness_m, true);

@@ -11,6 +11,7 @@
 #include "laboratory/simulation/home/bare_halls.h"
 #include "laboratory/simulation/home/ground_truth.h"
 #include "laboratory/simulation/home/scenario.h"
+#include "laboratory/simulation/home/storeys.h"
 #include "laboratory/simulation/recording/recording_folder.h"
 #include "roomwise/base/file.h"
 #include "roomwise/recording/trajectory_file.h"
@@ -132,8 +133,9 @@ Expected<SimulationSummary> simulate_recording(const SimulationOptions& options,
                                                ThreadPool& pool, Progress& progress,
                                                StageClock& clock) {
   ROOMWISE_CHECK_OK(options.validate());
-  ROOMWISE_TRY(const HomeModel home, make_home(options, catalogue));
-  ROOMWISE_TRY(const std::vector<WalkPose> walk, plan_walk(home, options.walk));
+  ROOMWISE_TRY(const HomeModel plan, make_home(options, catalogue));
+  ROOMWISE_TRY(const std::vector<WalkPose> walk, plan_walk(plan, options.walk));
+  const HomeModel home = in_world(plan);
   ROOMWISE_TRY(const Sensor sensor, Sensor::create(options.camera, options.sensor));
   // Before the long work, which a folder that cannot be written or is not empty would waste.
   const bool is_new = !std::filesystem::exists(folder);
@@ -166,7 +168,7 @@ Expected<SimulationSummary> simulate_recording(const SimulationOptions& options,
   ROOMWISE_CHECK_OK(recording::write_trajectory(folder / "groundtruth.txt", truth));
   ROOMWISE_CHECK_OK(write_objects_truth(
       folder / "objects.json", objects_truth(home, catalogue.models(), recorder.observations())));
-  ROOMWISE_CHECK_OK(write_floor_plan(folder / "floorplan.json", home));
+  ROOMWISE_CHECK_OK(write_floor_plan(folder / "floorplan.json", plan));
   ROOMWISE_TRY(const std::string credits, credits_of(home, catalogue));
   ROOMWISE_CHECK_OK(write_file(folder / "credits.txt", credits));
   ROOMWISE_CHECK_OK(recorded);

@@ -79,6 +79,7 @@ ordered_json to_json(const SimulationOptions& options) {
     std::vector<std::string> rooms;
     for (const RoomKind kind : options.home->rooms) rooms.emplace_back(name_of(kind));
     json["home"] = {{"seed", options.home->seed}, {"rooms", rooms}};
+    if (options.home->storeys != 1) json["home"]["storeys"] = options.home->storeys;
   }
   if (options.bare_halls) json["bare_halls"] = true;
   json["scenario"] = name_of(options.scenario);
@@ -97,7 +98,7 @@ ordered_json to_json(const SimulationOptions& options) {
 Expected<SimulationOptions> from_json(const ordered_json& json) {
   SimulationOptions options;
   if (const auto& home = json.at("home"); home != "reference") {
-    options.home = HomeOptions{home.at("seed"), {}};
+    options.home = HomeOptions{home.at("seed"), {}, home.value("storeys", 1)};
     for (const std::string name : home.at("rooms")) {
       ROOMWISE_TRY(const RoomKind kind, parse_room_kind(name));
       options.home->rooms.push_back(kind);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "laboratory/simulation/scene/color_math.h"
@@ -54,7 +55,8 @@ void Emitters::add_lights(const HomeModel& home) {
         static_cast<float>(light.lumens) * color_of_temperature(light.color_temperature_k);
     if (light.is_ceiling_panel) {
       emitter.kind = Emitter::Kind::kPanel;
-      emitter.center.z() = static_cast<float>(home.ceiling_height_m) - 0.033F;
+      const double ceiling_m = home.rooms[light.room].floor_m + home.ceiling_height_m;
+      emitter.center.z() = static_cast<float>(ceiling_m) - 0.033F;
       emitter.u = radius * Eigen::Vector3f::UnitX();
       emitter.v = radius * Eigen::Vector3f::UnitY();
       emitter.normal = -Eigen::Vector3f::UnitZ();
@@ -102,7 +104,16 @@ void Emitters::add_sun_spots(std::size_t room_count) {
 void Emitters::join_rooms(const HomeModel& home) {
   const Eigen::Vector2d grown = Eigen::Vector2d::Constant(home.wall_thickness_m + 0.01);
   for (const Room& room : home.rooms) {
-    areas_.push_back({{room.interior.min - grown, room.interior.max + grown}, {}, {}});
+    // Of one storey all; of several up to the middle of the slab, stair halls to the next landing.
+    const bool is_one = home.storeys.size() == 1;
+    const auto floor = static_cast<float>(room.floor_m);
+    const auto ceiling = static_cast<float>(room.floor_m + home.ceiling_height_m);
+    constexpr float kAll = std::numeric_limits<float>::infinity(), kHalfSlab = 0.13F;
+    areas_.push_back({{room.interior.min - grown, room.interior.max + grown},
+                      is_one ? -kAll : floor - kHalfSlab - (room.open_floor ? 0.2F : 0.0F),
+                      is_one ? kAll : ceiling + kHalfSlab + (room.open_ceiling ? 0.2F : 0.0F),
+                      {},
+                      {}});
   }
   const auto join = [&](std::size_t from, std::size_t to) {
     for (std::size_t i = 0; i < emitters_.size(); ++i) {
@@ -115,6 +126,10 @@ void Emitters::join_rooms(const HomeModel& home) {
     if (!door.other_room || (door.has_leaf && door.open_rad < 0.05)) continue;
     join(door.room, *door.other_room);
     join(*door.other_room, door.room);
+  }
+  for (const Staircase& stairs : home.stairs) {
+    join(stairs.lower_room, stairs.upper_room);
+    join(stairs.upper_room, stairs.lower_room);
   }
   for (Area& area : areas_) {
     for (auto* list : {&area.emitters, &area.sun_rooms}) {
@@ -148,7 +163,7 @@ void Emitters::visit_areas(const Eigen::Vector3f& point, const Visit& visit) con
   for (const Area& area : areas_) {
     const bool is_outside = (place.array() < area.rectangle.min.array()).any() ||
                             (place.array() > area.rectangle.max.array()).any();
-    if (!is_outside) visit(area);
+    if (!is_outside && point.z() >= area.from_m && point.z() <= area.to_m) visit(area);
   }
 }
 

@@ -53,6 +53,7 @@ class Emitters {
  private:
   struct Area {  // of a room, grown by half the walls
     Rectangle rectangle;
+    float from_m, to_m;  // heights
     std::vector<std::size_t> emitters, sun_rooms;
   };
   // Calls visit(room) for the rooms that a point lies in or between.

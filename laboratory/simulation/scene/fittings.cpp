@@ -8,6 +8,7 @@
 #include "laboratory/simulation/scene/color_math.h"
 #include "laboratory/simulation/scene/door_fittings.h"
 #include "laboratory/simulation/scene/noise.h"
+#include "laboratory/simulation/scene/stair_fittings.h"
 #include "laboratory/simulation/scene/window_fittings.h"
 
 namespace roomwise::simulation {
@@ -28,7 +29,9 @@ void add_skirting(Fittings& fittings, const HomeModel& home) {
       fittings.add_look(Appearance::plain(Eigen::Vector3f(0.72F, 0.71F, 0.68F), 0.03F, 40));
   for (std::size_t room = 0; room < home.rooms.size(); ++room) {
     // Where tiles reach the floor there is no board.
-    if (home.rooms[room].tiled_walls && home.rooms[room].tiled_from_m < 0.1) continue;
+    if (home.rooms[room].tiled_walls &&
+        home.rooms[room].tiled_from_m - home.rooms[room].floor_m < 0.1)
+      continue;
     for (const WallFace& face : wall_faces(home, room)) {
       std::vector<std::array<float, 2>> pieces{{0, face.length_m}};
       for (const WallFace::Hole& hole : face.holes) {
@@ -156,9 +159,11 @@ Fittings make_fittings(const HomeModel& home) {
                scramble(static_cast<std::uint32_t>(home.seed + 31 * window)));
   }
   for (const WallPicture& picture : home.pictures) add_picture(fittings, picture);
+  add_stair_rails(fittings, home);
   for (const Light& light : home.lights) {
     if (light.is_ceiling_panel) {
-      add_ceiling_panel(fittings, light, static_cast<float>(home.ceiling_height_m));
+      const double ceiling_m = home.rooms[light.room].floor_m + home.ceiling_height_m;
+      add_ceiling_panel(fittings, light, static_cast<float>(ceiling_m));
     }
   }
   return fittings;

@@ -16,9 +16,9 @@ WindowHole hole_of(const Window& window, double wall_thickness_m) {
   const Eigen::Vector3f across =
       opening.along_x ? Eigen::Vector3f::UnitY() : Eigen::Vector3f::UnitX();
   hole.inwards = window.outside_is_positive ? Eigen::Vector3f(-across) : across;
-  hole.center = Eigen::Vector3f(static_cast<float>(opening.center.x()),
-                                static_cast<float>(opening.center.y()),
-                                static_cast<float>((opening.bottom_m + opening.top_m) / 2)) +
+  hole.center = Eigen::Vector3f(
+                    static_cast<float>(opening.center.x()), static_cast<float>(opening.center.y()),
+                    static_cast<float>(opening.floor_m + (opening.bottom_m + opening.top_m) / 2)) +
                 static_cast<float>(side) * across;
   hole.half_width_m = static_cast<float>(opening.width_m / 2);
   hole.half_height_m = static_cast<float>((opening.top_m - opening.bottom_m) / 2);

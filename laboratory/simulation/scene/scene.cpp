@@ -7,6 +7,7 @@
 #include "laboratory/simulation/furniture/tessellation.h"
 #include "laboratory/simulation/home/openings.h"
 #include "laboratory/simulation/scene/fittings.h"
+#include "laboratory/simulation/scene/stair_fittings.h"
 
 namespace roomwise::simulation {
 namespace {
@@ -134,12 +135,30 @@ void Scene::add_shell(const HomeModel& home) {
   for (std::size_t room = 0; room < home.rooms.size(); ++room) {
     const Room& r = home.rooms[room];
     const Eigen::Vector3f corner(static_cast<float>(r.interior.min.x()),
-                                 static_cast<float>(r.interior.min.y()), 0);
+                                 static_cast<float>(r.interior.min.y()),
+                                 static_cast<float>(r.floor_m));
     const Eigen::Vector2f size = (r.interior.max - r.interior.min).cast<float>();
-    add_patch({corner, x, y, z, size.x(), size.y(), add_look(Appearance::finish(r.floor))}, {});
+    const auto hole_of = [&](const std::optional<Rectangle>& open) {
+      std::vector<std::array<float, 4>> holes;
+      if (!open) return holes;
+      // Up to walls it goes through the edge, as doors do.
+      const auto low = [&](int axis) {
+        const double from = open->min[axis] - r.interior.min[axis];
+        return from < 0.01 ? -1.0F : static_cast<float>(from);
+      };
+      const auto high = [&](int axis) {
+        const bool is_at_wall = open->max[axis] > r.interior.max[axis] - 0.01;
+        return is_at_wall ? size[axis] + 1
+                          : static_cast<float>(open->max[axis] - r.interior.min[axis]);
+      };
+      holes.push_back({low(0), high(0), low(1), high(1)});
+      return holes;
+    };
+    add_patch({corner, x, y, z, size.x(), size.y(), add_look(Appearance::finish(r.floor))},
+              hole_of(r.open_floor));
     add_patch({corner + height * z, x, y, -z, size.x(), size.y(),
                add_look(Appearance::finish(r.ceiling))},
-              {});
+              hole_of(r.open_ceiling));
     const std::uint32_t wall_look = add_look(Appearance::wall(r));
     for (const WallFace& face : wall_faces(home, room)) {
       std::vector<std::array<float, 4>> holes;
@@ -149,6 +168,11 @@ void Scene::add_shell(const HomeModel& home) {
       }
       add_patch({face.origin, face.along, z, face.normal, face.length_m, height, wall_look}, holes);
     }
+  }
+  for (const StairFace& face : stair_faces(home)) {
+    add_patch({face.origin, face.along, face.up, face.normal, face.width_m, face.height_m,
+               add_look(Appearance::finish(*face.finish))},
+              {});
   }
 }
 

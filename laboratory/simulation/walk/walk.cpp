@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "laboratory/simulation/home/home_geometry.h"
+#include "laboratory/simulation/home/storeys.h"
 #include "laboratory/simulation/walk/walk_motion.h"
 #include "laboratory/simulation/walk/walk_route.h"
 #include "roomwise/base/random.h"
@@ -72,8 +73,8 @@ class HandHeldCamera {
         state.place +
         jitter * (aside * (kSway * gait * std::sin(phase / 2) + shifts_[0].at(time_s)) +
                   ahead * shifts_[1].at(time_s));
-    const double height =
-        options_.camera_height_m + jitter * (kBob * gait * std::sin(phase) + shifts_[2].at(time_s));
+    const double height = state.floor_m + options_.camera_height_m +
+                          jitter * (kBob * gait * std::sin(phase) + shifts_[2].at(time_s));
     const double heading = state.heading_rad + jitter * turns_[0].at(time_s);
     const double down = state.down_rad + jitter * turns_[1].at(time_s);
     const double roll = jitter * turns_[2].at(time_s);
@@ -99,7 +100,8 @@ class HandHeldCamera {
     return {a.place + share * (b.place - a.place),
             a.heading_rad + share * (b.heading_rad - a.heading_rad),
             a.down_rad + share * (b.down_rad - a.down_rad),
-            a.speed_m_s + share * (b.speed_m_s - a.speed_m_s)};
+            a.speed_m_s + share * (b.speed_m_s - a.speed_m_s),
+            a.floor_m + share * (b.floor_m - a.floor_m)};
   }
 
   std::vector<BodyState> states_;
@@ -147,7 +149,8 @@ Expected<std::vector<WalkPose>> plan_walk(const HomeModel& home, const WalkOptio
     pose.world_from_camera = camera.pose_at(time_s);
     pose.world_from_camera_open = camera.pose_at(time_s - kShutter / 2);
     pose.world_from_camera_close = camera.pose_at(time_s + kShutter / 2);
-    pose.room = room_at(home, pose.world_from_camera.translation.head<2>());
+    const Eigen::Vector3d& camera_place = pose.world_from_camera.translation;
+    pose.room = room_at(home, camera_place.head<2>(), camera_place.z() - options.camera_height_m);
   }
   return poses;
 }

@@ -12,8 +12,7 @@ constexpr double kFastTurning = 2.6;          // rad/s
 constexpr double kFastTurningAcceleration = 10;
 constexpr double kMaxNodding = 0.5;  // rad/s
 constexpr double kNoddingAcceleration = 1.5;
-constexpr double kLookAhead = 0.7;     // m along the way
-constexpr double kWalkingDown = 0.17;  // rad below the horizon
+constexpr double kLookAhead = 0.7;  // m along the way
 
 // One angle that is steered to a goal with limited rate and acceleration.
 class Steering {
@@ -44,10 +43,10 @@ class Walker {
       : options_(options),
         place_(route.start),
         heading_(route.start_heading_rad),
-        down_(kWalkingDown) {
+        down_(kWalkingDown_rad) {
     note();
     for (const Leg& leg : route.legs) {
-      walk(leg.way);
+      walk(leg);
       for (const Gaze& gaze : leg.gazes) look(gaze);
     }
   }
@@ -55,9 +54,10 @@ class Walker {
   std::vector<BodyState> states() { return std::move(states_); }
 
  private:
-  void note() { states_.push_back({place_, heading_.value(), down_.value(), speed_}); }
+  void note() { states_.push_back({place_, heading_.value(), down_.value(), speed_, floor_m_}); }
 
-  void walk(const std::vector<Eigen::Vector2d>& way) {
+  void walk(const Leg& leg) {
+    const std::vector<Eigen::Vector2d>& way = leg.way;
     std::vector<double> along(way.size());
     for (std::size_t i = 1; i < way.size(); ++i) {
       along[i] = along[i - 1] + (way[i] - way[i - 1]).norm();
@@ -70,6 +70,15 @@ class Walker {
       return way[i - 1] +
              (way[i] - way[i - 1]) * (distance - along[i - 1]) / (along[i] - along[i - 1]);
     };
+    const auto floor_at = [&](double distance) {
+      if (leg.floor_m.empty()) return 0.0;
+      const auto next = std::ranges::upper_bound(along, distance);
+      if (next == along.end()) return leg.floor_m.back();
+      const auto i = static_cast<std::size_t>(next - along.begin());
+      if (i == 0) return leg.floor_m.front();
+      return std::lerp(leg.floor_m[i - 1], leg.floor_m[i],
+                       (distance - along[i - 1]) / (along[i] - along[i - 1]));
+    };
     constexpr double kThere = 0.005;
     double walked = 0;
     while (!along.empty() && walked < along.back() - kThere) {
@@ -78,7 +87,7 @@ class Walker {
       const double turn =
           ahead.norm() > 0.2 ? wrapped(std::atan2(ahead.y(), ahead.x()) - heading_.value()) : 0;
       heading_.step(heading_.value() + turn, options_.max_turning_rad_s, kTurningAcceleration);
-      down_.step(kWalkingDown, kMaxNodding, kNoddingAcceleration);
+      down_.step(leg.down_rad, kMaxNodding, kNoddingAcceleration);
       // Turns before setting off, slows down for corners and for the end.
       const double willing = std::max(0.05, std::cos(std::min(std::abs(turn) * 1.3, 1.55)));
       const double braking = std::sqrt(2 * kAcceleration * (along.back() - walked));
@@ -87,6 +96,7 @@ class Walker {
           std::clamp(wish - speed_, -2 * kAcceleration * kMotionStep, kAcceleration * kMotionStep);
       walked = std::min(along.back(), walked + speed_ * kMotionStep);
       place_ = at(walked);
+      floor_m_ = floor_at(walked);
       note();
     }
     speed_ = 0;
@@ -117,6 +127,7 @@ class Walker {
   Eigen::Vector2d place_;
   Steering heading_, down_;
   double speed_ = 0;
+  double floor_m_ = 0;
   std::vector<BodyState> states_;
 };
 

@@ -14,6 +14,7 @@ struct BodyState {
   double heading_rad = 0;  // not wrapped
   double down_rad = 0;
   double speed_m_s = 0;
+  double floor_m = 0;  // height of the feet
 };
 
 constexpr double kMotionStep = 0.01;  // seconds from one state to the next

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
 #include <optional>
 
 #include "laboratory/simulation/home/free_space.h"
 #include "laboratory/simulation/home/home_geometry.h"
+#include "laboratory/simulation/home/storeys.h"
 #include "laboratory/simulation/walk/viewpoints.h"
 
 namespace roomwise::simulation {
@@ -52,6 +54,7 @@ class RoutePlanner {
       const bool is_time = i + 1 == rooms.size() || random_.uniform() < 0.5;
       if (!has_shown_wall && is_time) has_shown_wall = look_at_bare_wall();
     }
+    ROOMWISE_CHECK_OK(go_over_stairs(rooms.front()));
     ROOMWISE_CHECK_OK(go_to(route_.start, "the start"));
     route_.legs.back().gazes.push_back({route_.start_heading_rad, 0.15, 0.6});
     return std::move(route_);
@@ -91,6 +94,10 @@ class RoutePlanner {
       if (door.other_room && door.room == room) next.push_back(*door.other_room);
       if (door.other_room == room) next.push_back(door.room);
     }
+    for (const Staircase& stairs : home_.stairs) {
+      if (stairs.lower_room == room) next.push_back(stairs.upper_room);
+      if (stairs.upper_room == room) next.push_back(stairs.lower_room);
+    }
     std::ranges::sort(next);
     std::shuffle(next.begin(), next.end(), random_);
     for (const std::size_t other : next) {
@@ -112,6 +119,13 @@ class RoutePlanner {
     if (!start) return fail("there is no place to stand in the {}", home_.rooms[room].name);
     route_.start = place_ = *start;
     reachable_ = space_.reachable_from(*start, kWalkingRadius);
+    for (const Staircase& stairs : home_.stairs) {
+      for (const Eigen::Vector2d& end : {place_below(stairs), place_above(home_, stairs)}) {
+        const auto around = space_.reachable_from(end, kWalkingRadius);
+        std::transform(reachable_.begin(), reachable_.end(), around.begin(), reachable_.begin(),
+                       std::logical_or<>());
+      }
+    }
     const Eigen::Vector2d ahead = center(home_.rooms[room].interior) - place_;
     route_.start_heading_rad = std::atan2(ahead.y(), ahead.x());
     return {};
@@ -128,6 +142,7 @@ class RoutePlanner {
     while (!views.empty()) {
       const auto next = std::ranges::min_element(
           views, {}, [&](const Viewpoint& view) { return (view.place - place_).norm(); });
+      ROOMWISE_CHECK_OK(go_over_stairs(room));
       ROOMWISE_CHECK_OK(go_to(next->place, home_.rooms[room].name));
       // All around, once in a room; in every third one quickly.
       look_at(*next, is_first, options_.fast_turns && turn % 3 == 1);
@@ -140,13 +155,54 @@ class RoutePlanner {
   Expected<void> go_to(const Eigen::Vector2d& goal, std::string_view name) {
     const auto way = space_.path(place_, goal, kWalkingRadius);
     if (!way) return fail("no way leads to the {}; open its door or make room", name);
-    route_.legs.push_back({smoothed(*way, space_), {}});
+    add_leg(smoothed(*way, space_));
     if (way->size() > 1) {
       const Eigen::Vector2d last =
           way->back() - (*way)[way->size() - std::min<std::size_t>(way->size(), 8)];
       heading_ = std::atan2(last.y(), last.x());
     }
     place_ = way->back();
+    return {};
+  }
+
+  // A way on the plan of the storey where one is.
+  void add_leg(std::vector<Eigen::Vector2d> way) {
+    const Eigen::Vector3d& from_plan = home_.storeys[storey()].world_from_plan;
+    for (Eigen::Vector2d& place : way) place += from_plan.head<2>();
+    Leg leg{std::move(way), {}, {}};
+    if (storey() > 0) leg.floor_m.assign(leg.way.size(), from_plan.z());
+    route_.legs.push_back(std::move(leg));
+  }
+
+  [[nodiscard]] std::size_t storey() const { return home_.rooms[room_at(home_, place_)].storey; }
+
+  // To the storey of a room, where that is another one.
+  Expected<void> go_over_stairs(std::size_t room) {
+    constexpr double kStairsDown_rad = 0.45;  // one looks at the steps
+    while (storey() != home_.rooms[room].storey) {
+      const bool is_up = home_.rooms[room].storey > storey();
+      const auto stairs = std::ranges::find_if(home_.stairs, [&](const Staircase& one) {
+        return home_.rooms[is_up ? one.lower_room : one.upper_room].storey == storey();
+      });
+      if (stairs == home_.stairs.end()) {
+        return fail("no stairs lead to the {}", home_.rooms[room].name);
+      }
+      const Eigen::Vector2d below = place_below(*stairs), above = place_above(home_, *stairs);
+      ROOMWISE_CHECK_OK(go_to(is_up ? below : above, "stairs"));
+      const Eigen::Vector2d ahead = is_up ? stairs->up : Eigen::Vector2d(-stairs->up);
+      heading_ = std::atan2(ahead.y(), ahead.x());
+      route_.legs.back().gazes.push_back({heading_, is_up ? 0.15 : kStairsDown_rad, 0.3});
+      StairsWay way = way_over(home_, *stairs);
+      if (!is_up) {
+        std::ranges::reverse(way.places);
+        std::ranges::reverse(way.floor_m);
+      }
+      // From where the last way ended, which is a cell's middle.
+      way.places.front() = route_.legs.back().way.back();
+      route_.legs.push_back(
+          {std::move(way.places), std::move(way.floor_m), {}, is_up ? 0.25 : kStairsDown_rad});
+      place_ = is_up ? above : below;
+    }
     return {};
   }
 

@@ -18,12 +18,17 @@ struct Gaze {
   bool is_fast = false;
 };
 
+constexpr double kWalkingDown_rad = 0.17;
+
 // A way to walk, then gazes at its end.
 struct Leg {
   std::vector<Eigen::Vector2d> way;  // close together; begins where the last one ended
+  std::vector<double> floor_m = {};  // at each of its places; empty: 0
   std::vector<Gaze> gazes;
+  double down_rad = kWalkingDown_rad;  // where one looks meanwhile, below the horizon
 };
 
+// In the world, also where a home is planned as several storeys.
 struct Route {
   Eigen::Vector2d start = Eigen::Vector2d::Zero();
   double start_heading_rad = 0;
