@@ -191,13 +191,44 @@ Expected<Answer> evaluate_floor(const HomeEvaluationOptions& options, Context& c
        {"tilt_deg", tilt_deg}}};
 }
 
+void add_stairs(const trials::LayoutEvaluation& result, Answer& answer) {
+  answer.text += fmt::format(
+      "storeys: {} of {}; stairs: {} found, {} true; {:.2f} m2 called free where one would fall\n",
+      result.found_storeys, result.storeys, result.found_stairs, result.stairs.size(),
+      result.open_floor_m2);
+  Json stairs = Json::array();
+  for (const trials::StairsError& one : result.stairs) {
+    answer.text += one.is_found ? fmt::format(
+                                      "stairs of {} steps: {} counted, foot {:.2f} m off, top "
+                                      "{:.2f} m, width {:+.2f} m, "
+                                      "heading {:.1f} degrees; rails {}\n",
+                                      one.steps, one.found_steps, one.foot_m, one.top_m,
+                                      one.width_m, one.heading_rad * 180 / std::numbers::pi,
+                                      one.are_rails_right ? "right" : "wrong")
+                                : fmt::format("stairs of {} steps: not found\n", one.steps);
+    stairs.push_back({{"found", one.is_found},
+                      {"steps", one.steps},
+                      {"found_steps", one.found_steps},
+                      {"foot_error_m", one.foot_m},
+                      {"top_error_m", one.top_m},
+                      {"width_error_m", one.width_m},
+                      {"heading_error_rad", one.heading_rad},
+                      {"rails_right", one.are_rails_right}});
+  }
+  answer.json["storeys"] = result.storeys;
+  answer.json["found_storeys"] = result.found_storeys;
+  answer.json["found_stairs"] = result.found_stairs;
+  answer.json["stairs"] = std::move(stairs);
+  answer.json["open_floor_m2"] = result.open_floor_m2;
+}
+
 Expected<Answer> evaluate_layout(const HomeEvaluationOptions& options, Context& context) {
   ROOMWISE_TRY(const home::Home home, open_home_read_only(options.home, context));
   CommandRun run(context);
   ROOMWISE_TRY(const trials::LayoutEvaluation result,
                trials::evaluate_layout(home, options.truth, run));
   const double door_m = evaluation::quantile(result.door_errors_m, 0.5);
-  return Answer{
+  Answer answer{
       fmt::format("floor: {:.1f} m2 in rooms, {:.1f} m2 of it given to the right one\n"
                   "doors: {} of {} found, median {:.2f} m off; {} doorways where no door is\n"
                   "things: {} of {} lie in their room\n",
@@ -211,6 +242,8 @@ Expected<Answer> evaluate_layout(const HomeEvaluationOptions& options, Context& 
        {"door_error_median_m", door_m},
        {"things", result.things},
        {"right_things", result.right_things}}};
+  if (result.storeys > 1 || result.found_storeys > 1) add_stairs(result, answer);
+  return answer;
 }
 
 // A command that measures a home against the recording that it was mapped from.

@@ -19,6 +19,7 @@ using trials::TrialSummary;
 
 struct GuidanceOptions {
   std::uint64_t home_seed = 0;
+  int storeys = 1;
   std::string scenario = "day";
   std::optional<std::uint64_t> scenario_seed;
   std::string guide = "session";
@@ -58,6 +59,8 @@ Json to_json(const TrialSummary& summary) {
           {"spl", summary.spl},
           {"path_over_shortest", summary.path_ratio},
           {"path_over_shortest_deviation", summary.path_ratio_deviation},
+          {"over_stairs", summary.over_stairs},
+          {"arrived_over_stairs", summary.arrived_over_stairs},
           {"seconds", summary.mean_s},
           {"walked_m", summary.walked_m},
           {"contacts_per_walk", summary.contacts_per_walk},
@@ -109,7 +112,7 @@ Expected<Answer> run(const GuidanceOptions& options, Context& context) {
   ROOMWISE_TRY(const trials::TrialOptions trial, complete(options, scenario, context.seed));
   ROOMWISE_TRY(const auto catalogue, simulation::FurnitureCatalogue::open(options.furniture));
   ROOMWISE_TRY(const simulation::HomeModel by_day,
-               simulation::generate_home({options.home_seed, {}}, catalogue));
+               simulation::generate_home({options.home_seed, {}, options.storeys}, catalogue));
   ROOMWISE_TRY(const trials::GuidedMap map,
                trials::map_truth(by_day, catalogue.models(), context.seed));
   const trials::WalkedHome home(simulation::apply_scenario(
@@ -155,6 +158,7 @@ void add_guidance_command(CLI::App& app, Context& context) {
       "Lead simulated people who veer and miscount through a simulated home by what they hear",
       "roomwise-lab guidance --home-seed 221 --goals 20 --seed 1 --report walks.html", run);
   add_setting(*command, "--home-seed", options.home_seed, "Which home");
+  add_setting(*command, "--storeys", options.storeys, "Of the home", CLI::Range(1, 2));
   add_setting(*command, "--goals", options.trial.goals.goals, "How many walks", positive());
   add_setting(*command, "--scenario", options.scenario,
               "How the home is when it is walked: day, evening, night, moved or moved-night; the "

@@ -115,6 +115,14 @@ Expected<Answer> export_octomap(const ExportOptions& options, Context& context) 
   return answer;
 }
 
+// my.yaml, my-storey-2.yaml, ...: the lowest storey has the name that was given.
+fs::path map_of_storey(const fs::path& output, std::size_t storey) {
+  if (storey == 0) return output;
+  fs::path path = output;
+  return path.replace_filename(
+      fmt::format("{}-storey-{}.yaml", output.stem().string(), storey + 1));
+}
+
 Expected<Answer> export_floor(const ExportOptions& options, Context& context) {
   fusion::FloorGridOptions floor = options.floor;
   floor.cell_m = options.cell_m;
@@ -122,20 +130,33 @@ Expected<Answer> export_floor(const ExportOptions& options, Context& context) {
   ROOMWISE_CHECK_OK(pipeline::validate_cell(options.cell_m, options.voxel_size_m));
   CommandRun run(context);
   ROOMWISE_TRY(const pipeline::GravityAlignedMap map, build_surface(options, context, run));
-  auto grid = pipeline::floor_grid_of(map, floor, run);
-  if (!grid) return Unexpected(std::move(grid).error().in(options.home.string()));
-  ROOMWISE_CHECK_OK(fusion::write_floor_map(options.output, *grid));
-  const fs::path picture = fusion::floor_map_picture(options.output);
-  const double free_m2 = grid->area_m2(fusion::FloorCell::kFree);
-  const double occupied_m2 = grid->area_m2(fusion::FloorCell::kOccupied);
-  Answer answer{fmt::format("wrote {:.1f} m2 of free floor, {:.1f} m2 occupied, to {} and {}\n",
-                            free_m2, occupied_m2, options.output.string(), picture.string()),
-                {{"free_m2", free_m2},
-                 {"occupied_m2", occupied_m2},
-                 {"columns", grid->columns()},
-                 {"rows", grid->rows()},
-                 {"output", options.output.string()},
-                 {"picture", picture.string()}}};
+  auto grids = pipeline::floor_grids_of(map, floor, run);
+  if (!grids) return Unexpected(std::move(grids).error().in(options.home.string()));
+  std::string text;
+  Json storeys = Json::array();
+  for (std::size_t i = 0; i < grids->size(); ++i) {
+    const fusion::FloorGrid& grid = (*grids)[i];
+    const fs::path output = map_of_storey(options.output, i);
+    ROOMWISE_CHECK_OK(fusion::write_floor_map(output, grid));
+    const fs::path picture = fusion::floor_map_picture(output);
+    const double free_m2 = grid.area_m2(fusion::FloorCell::kFree);
+    const double occupied_m2 = grid.area_m2(fusion::FloorCell::kOccupied);
+    text += fmt::format("wrote {:.1f} m2 of free floor, {:.1f} m2 occupied, to {} and {}\n",
+                        free_m2, occupied_m2, output.string(), picture.string());
+    storeys.push_back({{"free_m2", free_m2},
+                       {"occupied_m2", occupied_m2},
+                       {"columns", grid.columns()},
+                       {"rows", grid.rows()},
+                       {"output", output.string()},
+                       {"picture", picture.string()}});
+  }
+  Answer answer{std::move(text), storeys.front()};
+  if (grids->size() > 1) {
+    for (std::size_t i = 0; i < storeys.size(); ++i) {
+      storeys[i]["floor_m"] = map.frame.storeys.floor_m(i);
+    }
+    answer.json["storeys"] = std::move(storeys);
+  }
   add_frame(answer, map.frame);
   return answer;
 }

@@ -39,6 +39,7 @@ evaluation::FloorPlanView view_of(const pipeline::HomeLayout& home) {
     view.rooms.push_back({room.name, room.floor_m2, in_cells(room.middle_gravity)});
   }
   for (const rooms::Doorway& doorway : home.layout.doorways()) {
+    if (doorway.is_stairs) continue;
     view.doorways.push_back({in_cells(doorway.middle_gravity), doorway.is_walked});
   }
   return view;
@@ -48,6 +49,55 @@ std::string width_in_words(const rooms::Doorway& doorway) {
   std::string words = doorway.width_m > 0 ? fmt::format("{:.1f} m wide", doorway.width_m)
                                           : std::string("how wide was not seen");
   return doorway.is_walked ? words : words + ", nobody walked through";
+}
+
+std::string rails_in_words(const fusion::Staircase& stairs) {
+  if (stairs.has_left_rail && stairs.has_right_rail) return ", rails on both sides";
+  if (stairs.has_left_rail) return ", rail on the left";
+  return stairs.has_right_rail ? ", rail on the right" : "";
+}
+
+// Of a home of several storeys; else nothing is added.
+void add_storeys(const pipeline::HomeLayout& home, Answer& answer) {
+  const fusion::Storeys& storeys = home.frame.storeys;
+  if (!storeys.are_several()) return;
+  Json all = Json::array(), flights = Json::array();
+  for (std::size_t i = 0; i < storeys.count(); ++i) {
+    const fusion::Storey& storey = storeys.all()[i];
+    std::string rooms;
+    for (const rooms::RoomExtent& room : home.layout.rooms()) {
+      if (room.floor_m2 == 0 || storeys.at_plan(room.middle_gravity) != i) continue;
+      rooms += (rooms.empty() ? "" : ", ") + room.name;
+    }
+    answer.text += fmt::format("storey {}, {:.2f} m up: {}\n", i + 1, storey.floor_m, rooms);
+    all.push_back(
+        {{"floor_m", storey.floor_m},
+         {"plan_from_level_m", {storey.plan_from_gravity.x(), storey.plan_from_gravity.y()}}});
+  }
+  for (const fusion::Staircase& stairs : storeys.stairs()) {
+    const auto below = home.layout.room_at(stairs.below_plan);
+    const auto above = home.layout.room_at(stairs.above_plan);
+    answer.text += fmt::format(
+        "stairs from {} up to {}: {}{}{}\n",
+        below.value_or("storey " + std::to_string(stairs.lower + 1)),
+        above.value_or("storey " + std::to_string(stairs.lower + 2)),
+        stairs.steps > 0 ? fmt::format("{} steps", stairs.steps) : "steps were not counted",
+        stairs.width_m > 0 ? fmt::format(", {:.1f} m wide", stairs.width_m) : "",
+        rails_in_words(stairs));
+    flights.push_back(
+        {{"rooms", {below ? Json(*below) : Json(nullptr), above ? Json(*above) : Json(nullptr)}},
+         {"storeys", {stairs.lower, stairs.lower + 1}},
+         {"foot_m", {stairs.foot_gravity.x(), stairs.foot_gravity.y()}},
+         {"top_m", {stairs.top_gravity.x(), stairs.top_gravity.y()}},
+         {"up_rad", stairs.up_rad},
+         {"steps", stairs.steps},
+         {"height_m", stairs.height_m},
+         {"width_m", stairs.width_m},
+         {"left_rail", stairs.has_left_rail},
+         {"right_rail", stairs.has_right_rail}});
+  }
+  answer.json["storeys"] = std::move(all);
+  answer.json["stairs"] = std::move(flights);
 }
 
 Answer answer_of(const pipeline::HomeLayout& home) {
@@ -60,8 +110,12 @@ Answer answer_of(const pipeline::HomeLayout& home) {
          {"floor_m2", room.floor_m2},
          {"middle_m", {room.middle_gravity.x(), room.middle_gravity.y()}},
          {"neighbors", home.layout.neighbors(room.name)}});
+    if (home.frame.storeys.are_several()) {
+      answer.json["rooms"].back()["storey"] = home.frame.storeys.at_plan(room.middle_gravity);
+    }
   }
   for (const rooms::Doorway& doorway : home.layout.doorways()) {
+    if (doorway.is_stairs) continue;
     answer.text += fmt::format("{} to {}: {}, at {:.1f} {:.1f} m\n", doorway.rooms[0],
                                doorway.rooms[1], width_in_words(doorway),
                                doorway.middle_gravity.x(), doorway.middle_gravity.y());
@@ -71,6 +125,7 @@ Answer answer_of(const pipeline::HomeLayout& home) {
          {"width_m", doorway.width_m},
          {"walked", doorway.is_walked}});
   }
+  add_storeys(home, answer);
   answer.json["level_from_world"] = level_from_world_json(home.frame.gravity_from_world);
   return answer;
 }

@@ -26,16 +26,18 @@ evaluation::StandingRoom true_cells(const simulation::FreeSpaceTruth& truth) {
 }
 
 // What the map says of the middles of the truth's cells.
-evaluation::StandingRoom found_cells(const simulation::FreeSpaceTruth& truth,
-                                     const fusion::FloorGrid& grid,
+evaluation::StandingRoom found_cells(const simulation::FloorPlanTruth& plan,
+                                     const fusion::FloorGrid& grid, const fusion::Storeys& storeys,
                                      const geometry::RigidTransform& gravity_from_truth,
                                      int columns, int rows) {
+  const simulation::FreeSpaceTruth& truth = plan.free_space;
   evaluation::StandingRoom free(columns, rows);
   for (int row = 0; row < rows; ++row) {
     for (int column = 0; column < columns; ++column) {
       const Vector2d middle = truth.origin_m + truth.cell_m * Vector2d(column + 0.5, row + 0.5);
-      const Vector3d point_gravity = gravity_from_truth * Vector3d(middle.x(), middle.y(), 0);
-      free.at(column, row) = grid.fits(point_gravity.head<2>(), truth.person_radius_m) ? 1 : 0;
+      const Vector3d point_gravity = gravity_from_truth * plan.world_from_plan(middle);
+      const Vector3d point_plan = storeys.plan_from_gravity(point_gravity);
+      free.at(column, row) = grid.fits(point_plan.head<2>(), truth.person_radius_m) ? 1 : 0;
     }
   }
   return free;
@@ -61,8 +63,8 @@ Expected<FloorEvaluation> evaluate_floor(const home::Home& home,
       map.frame.gravity_from_world * truth_from_world.inverse();
 
   const evaluation::StandingRoom is_true = true_cells(truth);
-  const evaluation::StandingRoom is_found =
-      found_cells(truth, grid, gravity_from_truth, is_true.width(), is_true.height());
+  const evaluation::StandingRoom is_found = found_cells(
+      plan, grid, map.frame.storeys, gravity_from_truth, is_true.width(), is_true.height());
   FloorEvaluation result;
   ROOMWISE_TRY(result.error, evaluation::floor_error(is_true, is_found, truth.cell_m));
   const Vector2d middle =

@@ -119,6 +119,15 @@ struct FloorEvaluation {
                                                        const std::filesystem::path& recording,
                                                        pipeline::RunContext& run);
 
+// Stairs of the truth, and what the map says of them; found minus true.
+struct StairsError {
+  bool is_found = false;
+  int steps = 0, found_steps = 0;  // 0: not counted
+  double foot_m = 0, top_m = 0;    // of the first riser's and the last one's middle
+  double width_m = 0, heading_rad = 0;
+  bool are_rails_right = false;
+};
+
 // A home's layout against floorplan.json of the simulated recording that it was mapped from.
 struct LayoutEvaluation {
   double floor_m2 = 0;        // of the map's free floor that lies in a room of the truth
@@ -129,6 +138,9 @@ struct LayoutEvaluation {
   std::vector<double> door_errors_m;  // of found doors, from middle to middle
   std::size_t things = 0,
               right_things = 0;  // objects whose middle lies in their room by the layout
+  std::size_t storeys = 1, found_storeys = 1, found_stairs = 0;
+  std::vector<StairsError> stairs;  // of the truth
+  double open_floor_m2 = 0;         // called free, and one would fall there
 };
 
 // A door counts as found where a doorway of the same two rooms lies within a metre of it.

@@ -15,10 +15,11 @@ using Eigen::Vector2i;
 
 // What stands on one cell of the floor.
 struct Column {
-  int in_the_way = 0;  // vertices of the surface between step and person's height
-  int floor = 0;       // vertices of the floor
-  int empty = 0;       // cells seen empty between step and person's height
-  int empty_low = 0;   // of these, the low ones
+  int in_the_way = 0;   // vertices of the surface between step and person's height
+  int floor = 0;        // vertices of the floor
+  int empty = 0;        // cells seen empty between step and person's height
+  int empty_low = 0;    // of these, the low ones
+  int empty_below = 0;  // cells seen empty below the floor
 };
 
 // A single vertex may be a flaw of the map; what passes through a cell leaves several.
@@ -35,6 +36,7 @@ int cells_between(double low_m, double high_m, double cell_m) {
 FloorCell state_of(const Column& column, const FloorGridOptions& options) {
   if (column.in_the_way >= kFewestVertices) return FloorCell::kOccupied;
   if (column.floor > 0) return FloorCell::kFree;
+  if (options.marks_drops && column.empty_below > 0) return FloorCell::kOccupied;
   const auto is_seen = [&](int empty, double up_to_m) {
     return empty >= options.min_empty * cells_between(options.step_m, up_to_m, options.cell_m);
   };
@@ -125,8 +127,10 @@ Expected<FloorGrid> make_floor_grid(const TriangleMesh& mesh_gravity,
   }
   for (const OccupancyCell& cell : cells) {
     const double middle_m = (cell.cell.z() + 0.5) * options.cell_m;
-    if (cell.is_occupied || middle_m <= options.step_m) continue;
+    if (cell.is_occupied) continue;
     Column& column = column_at(cell.cell.head<2>());
+    column.empty_below += middle_m < -kFloorBelow_m && middle_m > -kLow_m ? 1 : 0;
+    if (middle_m <= options.step_m) continue;
     column.empty += middle_m <= options.person_height_m ? 1 : 0;
     column.empty_low += middle_m <= kLow_m ? 1 : 0;
   }

@@ -22,6 +22,9 @@ struct FloorGridOptions {
   // Where the floor itself was not seen, the space above it must have been seen empty: that share
   // of it, and of its lowest half metre, where a box would stand.
   double min_empty = 0.6;
+  // Of several storeys: where the floor was not seen and the space below it was seen empty, one
+  // would fall: occupied.
+  bool marks_drops = false;
 
   [[nodiscard]] Expected<void> validate() const;
 };

@@ -2,6 +2,7 @@
 
 #include <span>
 
+#include "roomwise/fusion/storeys.h"
 #include "roomwise/fusion/triangle_mesh.h"
 #include "roomwise/geometry/rigid_transform.h"
 
@@ -15,6 +16,22 @@ struct GravityAlignedFrame {
   bool has_floor = false;
   // Without level surfaces up is as devices feel it, or where none does the mean up of the cameras.
   bool has_up = false;
+  // Of a home of several; else z = 0 is the one floor, and the plan is this frame.
+  Storeys storeys = {};
+
+  // A point of the world on the plan, z over the floor of its storey.
+  [[nodiscard]] Eigen::Vector3d on_plan(const Eigen::Vector3d& point_world) const {
+    return storeys.plan_from_gravity(gravity_from_world * point_world);
+  }
+  [[nodiscard]] geometry::RigidTransform on_plan(
+      const geometry::RigidTransform& world_from_camera) const {
+    geometry::RigidTransform plan_from_camera = gravity_from_world * world_from_camera;
+    plan_from_camera.translation = storeys.plan_from_gravity(plan_from_camera.translation);
+    return plan_from_camera;
+  }
+  [[nodiscard]] Eigen::Vector3d world_from_plan(const Eigen::Vector3d& point_plan) const {
+    return gravity_from_world.inverse() * storeys.gravity_from_plan(point_plan);
+  }
 };
 
 // By the normals of the map's surface, which vote for the direction up (see UpDirectionEstimator),

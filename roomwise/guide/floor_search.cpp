@@ -20,6 +20,19 @@ std::size_t at(int index) {
 
 }  // namespace
 
+void FloorSearch::lead_over(std::span<const fusion::Staircase> stairs) {
+  constexpr double kNear_m = 0.6;  // a stride from where the map says that one stands
+  for (const fusion::Staircase& one : stairs) {
+    const auto anywhere = [](const Vector2d&) { return true; };
+    const auto below = nearest_free(one.below_plan, kNear_m, anywhere);
+    const auto above = nearest_free(one.above_plan, kNear_m, anywhere);
+    if (!below || !above) continue;
+    const double length_m = one.run_m + one.height_m;
+    links_.push_back({*below, *above, length_m});
+    links_.push_back({*above, *below, length_m});
+  }
+}
+
 std::optional<Vector2i> FloorSearch::nearest_free(
     const Vector2d& point, double farthest_m,
     const std::function<bool(const Vector2d&)>& is_wanted) const {
@@ -51,6 +64,9 @@ void FloorSearch::for_each_step(const Vector2i& cell, Take&& take) const {
       const double length_m = grid_.cell_m() * (dx != 0 && dy != 0 ? std::numbers::sqrt2 : 1);
       take(next, length_m * (1 + lacking_m / comfort_m_));
     }
+  }
+  for (const Link& link : links_) {
+    if (link.from == cell) take(link.to, link.length_m);
   }
 }
 

@@ -3,9 +3,11 @@
 #include <Eigen/Core>
 #include <functional>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "roomwise/fusion/floor_grid.h"
+#include "roomwise/fusion/storeys.h"
 #include "roomwise/guide/route.h"
 
 namespace roomwise::guide {
@@ -17,6 +19,10 @@ class FloorSearch {
   // The grid must outlive it.
   FloorSearch(const fusion::FloorGrid& grid, double person_radius_m, double comfort_m)
       : grid_(grid), person_radius_m_(person_radius_m), comfort_m_(comfort_m) {}
+
+  // Ways may lead over these stairs, where somebody of that radius can stand at both ends. They
+  // count as far as they are long along the floor and up.
+  void lead_over(std::span<const fusion::Staircase> stairs);
 
   // The cell where a person fits that is nearest to a point, of those that `is_wanted`.
   [[nodiscard]] std::optional<Eigen::Vector2i> nearest_free(
@@ -61,6 +67,11 @@ class FloorSearch {
   const fusion::FloorGrid& grid_;
   double person_radius_m_;
   double comfort_m_;
+  struct Link {
+    Eigen::Vector2i from, to;
+    double length_m;
+  };
+  std::vector<Link> links_;
 };
 
 }  // namespace roomwise::guide

@@ -72,9 +72,9 @@ Guidance::Guidance(const HomeMap& map, Goal goal, const Wording& wording,
 
 Prompt Guidance::say(const Phrase& phrase, TimestampNs now_ns, Confidence confidence,
                      double valid_s) {
-  Prompt prompt = make_prompt(wording_, "guide", phrase.message, phrase.values, confidence,
-                              guide::after(now_ns, valid_s),
-                              fmt::format("guidance, {:.1f} m planned", length_m(plan_.route)));
+  Prompt prompt = make_prompt(
+      wording_, "guide", phrase.message, phrase.values, confidence, guide::after(now_ns, valid_s),
+      fmt::format("guidance, {:.1f} m planned", length_m(plan_.route, known_stairs())));
   if (confidence == Confidence::kSure) prompt.sound = Sound::kNone;
   silent_from_ns_ = guide::after(now_ns, speaking_s(prompt.text));
   said_at_walked_m_ = track_.walked_m();
@@ -117,11 +117,14 @@ void Guidance::plan_from(const Pose& pose) {
   HomeMap map = map_;
   if (map.floor != nullptr) map.floor = &floor();
   plan_ = plan_way(map, {.pose = pose, .room = room_}, goal_, options_.plan);
-  legs_ = legs_of(plan_.route, doors_);
+  legs_ = legs_of(plan_.route, doors_, known_stairs());
   if (plan_.reach == Reach::kWhole) reach_out();
   leg_ = 0;
   // What is left of a leg that ends here is done.
-  while (leg_ + 1 < legs_.size() && (left_on_leg_m(pose) < kLegEnd_m || may_skip_leg(pose))) ++leg_;
+  while (leg_ + 1 < legs_.size() && !legs_[leg_].stairs &&
+         (left_on_leg_m(pose) < kLegEnd_m || may_skip_leg(pose))) {
+    ++leg_;
+  }
   passes_door_ = leg_ > 0 && legs_[leg_ - 1].ends_at_door;
   announced_ = false;
   reminded_ = false;
@@ -146,12 +149,14 @@ void Guidance::reach_out() {
 bool Guidance::may_skip_leg(const Pose& pose) const {
   const Vector2d& here = pose.position_gravity;
   if ((legs_[leg_].to - here).norm() > kHand_m || legs_[leg_].ends_at_door) return false;
+  if (is_next_leg_stairs()) return false;  // one begins them where they begin
   const double narrow_m = options_.plan.narrow_radius_m;
   return FloorSearch(floor(), narrow_m, narrow_m).is_clear(here, legs_[leg_ + 1].to, narrow_m);
 }
 
 double Guidance::left_on_leg_m(const Pose& pose) const {
   const Leg& leg = legs_[leg_];
+  if (leg.stairs) return leg.length_m;
   const Vector2d along = Vector2d(std::cos(leg.heading_rad()), std::sin(leg.heading_rad()));
   return (leg.to - pose.position_gravity).dot(along);
 }
@@ -159,7 +164,8 @@ double Guidance::left_on_leg_m(const Pose& pose) const {
 double Guidance::left_m(const Pose& pose) const {
   double left_m = 0;
   for (std::size_t i = leg_; i < legs_.size(); ++i) {
-    left_m += i == leg_ ? (legs_[i].to - pose.position_gravity).norm() : legs_[i].length_m;
+    left_m += i == leg_ && !legs_[i].stairs ? (legs_[i].to - pose.position_gravity).norm()
+                                            : legs_[i].length_m;
   }
   return left_m;
 }
@@ -168,13 +174,13 @@ double Guidance::left_m(const Pose& pose) const {
 double Guidance::bearing_error_rad(const Pose& pose) const {
   const Leg& leg = legs_[leg_];
   // So near to its end, its own direction says more than that of a point underfoot.
-  const bool is_near = (leg.to - pose.position_gravity).norm() < 2 * kLegEnd_m;
+  const bool is_near = leg.stairs || (leg.to - pose.position_gravity).norm() < 2 * kLegEnd_m;
   return turn_rad(pose.heading_rad,
                   is_near ? leg.heading_rad() : heading_to(pose.position_gravity, leg.to));
 }
 
 bool Guidance::goes_straight_on() const {
-  return !is_last_leg() &&
+  return !is_last_leg() && !is_next_leg_stairs() &&
          std::abs(turn_rad(legs_[leg_].heading_rad(), legs_[leg_ + 1].heading_rad())) < kNoTurn_rad;
 }
 
@@ -271,6 +277,8 @@ std::optional<Prompt> Guidance::update(const Walker& walker) {
       return corner(*pose, walker.now_ns);
     case State::kStopped:
       return stopped(*pose, walker.now_ns);
+    case State::kStairs:
+      return on_stairs(*pose, walker.now_ns);
     default:
       return std::nullopt;
   }
@@ -308,7 +316,7 @@ std::optional<Prompt> Guidance::begin(const Walker& walker) {
 
 // By what a hand finds first on the way, or else by the nearest thing.
 std::optional<Prompt> Guidance::where_one_stands(const Pose& pose, TimestampNs now_ns) {
-  if (legs_.empty()) return std::nullopt;
+  if (legs_.empty() || legs_[leg_].stairs) return std::nullopt;
   std::optional<Noun> place = place_at_end(legs_[leg_], is_last_leg());
   Vector2d at = legs_[leg_].to;
   if (!place || place->kind != Noun::Kind::kThing) {
@@ -342,7 +350,7 @@ Prompt Guidance::act(const Pose& pose, TimestampNs now_ns) {
   }
   const double turn = bearing_error_rad(pose);
   const Leg& leg = legs_[leg_];
-  const double length_m = (leg.to - pose.position_gravity).norm();
+  const double length_m = leg.stairs ? leg.length_m : (leg.to - pose.position_gravity).norm();
   const double enough_rad = tries_side_ ? kPrecise_rad : straight_enough_rad(length_m);
   if (tries_side_ && std::abs(turn) <= enough_rad) {
     // As it should be, and barred: there may be more room to one side.
@@ -356,6 +364,11 @@ Prompt Guidance::act(const Pose& pose, TimestampNs now_ns) {
     state_ = State::kTurning;
     turn_from_rad_ = pose.heading_rad;
     return say(turn_phrase(turn), now_ns);
+  }
+  if (leg.stairs) {
+    stairs_ = leg.stairs;
+    state_ = State::kStairs;
+    return say_stairs(now_ns);
   }
   state_ = State::kWalking;
   if (length_m < kSmallStep_m) return say({"guide.small_step"}, now_ns);
@@ -421,6 +434,8 @@ std::optional<Prompt> Guidance::at_leg_end(const Pose& pose, TimestampNs now_ns)
     if (is_past && !track_.is_standing()) return stop("guide.stop", now_ns);
     return std::nullopt;
   }
+  // Nobody walks into stairs that they have not been told of.
+  if (is_next_leg_stairs()) return stop("guide.stop", now_ns);
   if (goes_straight_on()) {
     const bool was_door = legs_[leg_].ends_at_door;
     ++leg_;
@@ -488,10 +503,14 @@ std::optional<Prompt> Guidance::keep_on_way(const Pose& pose, TimestampNs now_ns
 std::optional<Phrase> Guidance::next_phrase(const Pose& pose) const {
   if (legs_.empty()) return std::nullopt;
   const Leg& leg = legs_[leg_];
+  if (leg.stairs) return stairs_phrase(*leg.stairs, wording_.phrases());
   const std::string left = distance(left_when_heard_m((leg.to - pose.position_gravity).norm()));
   if (is_last_leg()) {
     if (plan_.reach == Reach::kNear) return Phrase{"guide.soon_end", {{"distance", left}}};
     return Phrase{"guide.soon_goal", {{"distance", left}, {"goal", Nouns{goal_.noun}}}};
+  }
+  if (is_next_leg_stairs()) {
+    return Phrase{stairs_message("stairs.soon", *legs_[leg_ + 1].stairs), {{"distance", left}}};
   }
   if (goes_straight_on()) {
     if (!leg.ends_at_door) return std::nullopt;
@@ -529,6 +548,55 @@ std::optional<Prompt> Guidance::stopped(const Pose& pose, TimestampNs now_ns) {
   return say({"guide.no_way_around"}, now_ns, Confidence::kUnsure);
 }
 
+// ---- stairs ----
+
+std::optional<Vector2d> Guidance::next_place() const {
+  if (legs_.empty()) return std::nullopt;
+  const Leg& leg = legs_[leg_];
+  if (!leg.stairs) return leg.to;
+  return Vector2d(leg.from + Vector2d(std::cos(leg.heading_rad()), std::sin(leg.heading_rad())));
+}
+
+std::span<const fusion::Staircase> Guidance::known_stairs() const {
+  return map_.storeys != nullptr ? std::span(map_.storeys->stairs())
+                                 : std::span<const fusion::Staircase>();
+}
+
+Prompt Guidance::say_stairs(TimestampNs now_ns) {
+  Prompt prompt = say(stairs_phrase(*stairs_, wording_.phrases()), now_ns);
+  prompt.sound = Sound::kAlert;
+  return prompt;
+}
+
+// Nothing is said on the steps. Who is beyond the last one hears it, stands, and is led on from
+// there; who turned back and left them is led anew.
+std::optional<Prompt> Guidance::on_stairs(const Pose& pose, TimestampNs now_ns) {
+  const fusion::Storeys& storeys = *map_.storeys;
+  const fusion::Staircase& stairs = stairs_->stairs;
+  const Vector2d& here = pose.position_gravity;
+  const std::size_t goal = stairs_->is_up ? stairs.lower + 1 : stairs.lower;
+  constexpr double kBehind_m = 0.1;  // both feet on the floor
+  if (storeys.at_plan(here) == goal && storeys.beyond_m(stairs, stairs_->is_up, here) > kBehind_m) {
+    const bool is_up = stairs_->is_up;
+    stairs_.reset();
+    state_ = State::kStopped;
+    return say({is_up ? "stairs.upstairs" : "stairs.downstairs"}, now_ns);
+  }
+  const Vector2d& begin = stairs_->is_up ? stairs.below_plan : stairs.above_plan;
+  constexpr double kLeft_m = 1.5;  // two strides from where one stood before them
+  const bool has_left = storeys.at_plan(here) != goal && storeys.stairs_at(here) == nullptr &&
+                        (here - begin).norm() > kLeft_m;
+  if (has_left) {
+    stairs_.reset();
+    return act(pose, now_ns);
+  }
+  if (!reminded_ && track_.is_standing() && silent_for_s(now_ns) > options_.remind_s) {
+    reminded_ = true;
+    return say_stairs(now_ns);
+  }
+  return std::nullopt;
+}
+
 std::optional<Prompt> Guidance::hazard(const Walker& walker) {
   if (!walker.obstacle_m || state_ != State::kWalking || legs_.empty()) return std::nullopt;
   if (hazard_ns_ && seconds_between(*hazard_ns_, walker.now_ns) < kSameHazard_s) {
@@ -538,6 +606,8 @@ std::optional<Prompt> Guidance::hazard(const Walker& walker) {
   const double left_m = (legs_[leg_].to - pose.position_gravity).norm();
   // The goal itself is no hazard.
   if (is_last_leg() && *walker.obstacle_m > left_m - kHand_m) return std::nullopt;
+  // Nor is the first step, before which one is stopped anyway.
+  if (is_next_leg_stairs() && *walker.obstacle_m > left_m - kLegEnd_m) return std::nullopt;
   hazard_ns_ = walker.now_ns;
   const bool is_door =
       legs_[leg_].ends_at_door && std::abs(*walker.obstacle_m - left_m) < kLegEnd_m;
@@ -567,7 +637,7 @@ std::optional<Prompt> Guidance::without_pose(const Walker& walker) {
     return prompt;
   }
   if (track_.pose(now_ns) != nullptr) {
-    state_ = begun_ == 0 ? State::kBeginning : State::kStopped;
+    state_ = begun_ == 0 ? State::kBeginning : stairs_ ? State::kStairs : State::kStopped;
     Prompt prompt = say({"guide.found"}, now_ns);
     prompt.sound = Sound::kBack;
     return prompt;
@@ -725,7 +795,9 @@ Prompt Guidance::request(GuidanceRequest request, TimestampNs now_ns) {
       return say({is_over() ? "guide.not_running" : "guide.paused"}, now_ns, Confidence::kSure,
                  kNoticeValid_s);
     case GuidanceRequest::kResume:
-      if (state_ == State::kPaused) state_ = begun_ > 0 ? State::kStopped : State::kBeginning;
+      if (state_ == State::kPaused) {
+        state_ = begun_ == 0 ? State::kBeginning : stairs_ ? State::kStairs : State::kStopped;
+      }
       return say({"guide.resumed"}, now_ns, Confidence::kSure, kNoticeValid_s);
     case GuidanceRequest::kRepeat:
       if (state_ == State::kPaused) return say({"guide.paused"}, now_ns);
@@ -736,6 +808,7 @@ Prompt Guidance::request(GuidanceRequest request, TimestampNs now_ns) {
                                            : end_of_way(*pose, now_ns);
       }
       if (pose == nullptr) state_ = State::kLost;
+      if (is_led && state_ == State::kStairs) return say_stairs(now_ns);
       return is_led ? act(*pose, now_ns) : no_place();
     case GuidanceRequest::kHowFar:
       if (!is_led) return no_place();
@@ -753,6 +826,7 @@ Prompt Guidance::request(GuidanceRequest request, TimestampNs now_ns) {
     case GuidanceRequest::kBlocked: {
       if (state_ == State::kPaused) return say({"guide.paused"}, now_ns);
       if (!is_led) return no_place();
+      if (state_ == State::kStairs) return say_stairs(now_ns);  // the steps themselves
       // What is in the way at the end of the way is the goal, or what it stands on.
       if (plan_.reach == Reach::kWhole && is_last_leg() && left_m(*pose) < 2 * kLegEnd_m) {
         return arrive(*pose, now_ns);

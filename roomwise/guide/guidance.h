@@ -2,6 +2,7 @@
 
 #include <deque>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -59,6 +60,7 @@ class Guidance {
     kWalking,
     kCorner,   // at a leg's end, where a turn was announced
     kStopped,  // was told to stop; is told what to do once they stand
+    kStairs,   // before stairs or on them; hears of the end
     kLost,     // nobody knows where the person is
     kPaused,
     kByRooms,  // only rooms are known
@@ -84,10 +86,8 @@ class Guidance {
   [[nodiscard]] const Goal& goal() const { return goal_; }
   // The way that is followed now.
   [[nodiscard]] const Plan& plan() const { return plan_; }
-  // Where the leg ends that is being walked.
-  [[nodiscard]] std::optional<Eigen::Vector2d> next_place() const {
-    return legs_.empty() ? std::nullopt : std::optional(legs_[leg_].to);
-  }
+  // Where the leg ends that is being walked; of stairs a place over their first step.
+  [[nodiscard]] std::optional<Eigen::Vector2d> next_place() const;
 
  private:
   using MaybePrompt = std::optional<Prompt>;
@@ -102,6 +102,12 @@ class Guidance {
   [[nodiscard]] MaybePrompt keep_on_way(const Pose& pose, TimestampNs now_ns);
   [[nodiscard]] MaybePrompt announce(const Pose& pose, TimestampNs now_ns);
   [[nodiscard]] MaybePrompt stopped(const Pose& pose, TimestampNs now_ns);
+  [[nodiscard]] MaybePrompt on_stairs(const Pose& pose, TimestampNs now_ns);
+  [[nodiscard]] Prompt say_stairs(TimestampNs now_ns);
+  [[nodiscard]] std::span<const fusion::Staircase> known_stairs() const;
+  [[nodiscard]] bool is_next_leg_stairs() const {
+    return leg_ + 1 < legs_.size() && legs_[leg_ + 1].stairs.has_value();
+  }
   [[nodiscard]] MaybePrompt without_pose(const Walker& walker);
   [[nodiscard]] MaybePrompt by_rooms(const Walker& walker);
   [[nodiscard]] MaybePrompt off_the_way(const Pose& pose, TimestampNs now_ns);
@@ -171,6 +177,7 @@ class Guidance {
   double pace_m_s_ = 0.5;     // at which they walk when they walk
   double pose_age_s_ = 0;     // of the newest place that is believed
   double said_at_walked_m_ = 0;
+  std::optional<StairsOnWay> stairs_;  // that are walked over now
   std::optional<TimestampNs> off_since_ns_;
   std::optional<Eigen::Vector2d> at_goal_by_;  // the first place that was at the goal
   std::optional<TimestampNs> corrected_ns_;

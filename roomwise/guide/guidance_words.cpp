@@ -52,6 +52,24 @@ Phrase soon_turn_phrase(double turn, const std::string& distance,
   return phrase;
 }
 
+Phrase stairs_phrase(const StairsOnWay& way, const Phrasebook& phrases) {
+  Phrase phrase{way.is_up ? "stairs.up" : "stairs.down"};
+  if (way.stairs.steps == 0) return phrase;
+  phrase.values["steps"] = phrases.count("stair", way.stairs.steps);
+  // Left and right are those of who walks.
+  const bool has_left = way.is_up ? way.stairs.has_left_rail : way.stairs.has_right_rail;
+  const bool has_right = way.is_up ? way.stairs.has_right_rail : way.stairs.has_left_rail;
+  phrase.message += has_left && has_right ? "_both"
+                    : has_left            ? "_left"
+                    : has_right           ? "_right"
+                                          : "_counted";
+  return phrase;
+}
+
+std::string stairs_message(const std::string& message, const StairsOnWay& way) {
+  return message + (way.is_up ? "_up" : "_down");
+}
+
 Phrase walk_phrase(const std::string& distance, const std::optional<Noun>& place) {
   if (!place) return {"guide.walk", {{"distance", distance}}};
   return {"guide.walk_to", {{"distance", distance}, {"place", list_of(*place)}}};

@@ -19,6 +19,10 @@ struct Phrase {
 // The same, announced: after so far, at a place where one is known.
 [[nodiscard]] Phrase soon_turn_phrase(double turn_rad, const std::string& distance,
                                       const std::optional<Noun>& place);
+// "Stairs up, 14 steps, rail on the right."
+[[nodiscard]] Phrase stairs_phrase(const StairsOnWay& way, const Phrasebook& phrases);
+// "stairs.soon" and stairs that one climbs: "stairs.soon_up".
+[[nodiscard]] std::string stairs_message(const std::string& message, const StairsOnWay& way);
 // "Straight on, 4 steps to the door."
 [[nodiscard]] Phrase walk_phrase(const std::string& distance, const std::optional<Noun>& place);
 // "Good. 3 steps to the door."

@@ -28,10 +28,15 @@ std::optional<Vector2d> door_on(const Vector2d& from, const Vector2d& to,
 }
 
 // A leg from each corner to the next, in parts where it leads through doors.
-std::vector<Leg> parts_of(const Route& route, std::span<const rooms::Doorway> doors) {
+std::vector<Leg> parts_of(const Route& route, std::span<const rooms::Doorway> doors,
+                          std::span<const fusion::Staircase> stairs) {
   std::vector<Leg> legs;
   for (std::size_t i = 1; i < route.size(); ++i) {
     Vector2d from = route[i - 1];
+    if (const auto over = stairs_between(from, route[i], stairs)) {
+      legs.push_back({from, route[i], over->stairs.run_m, false, over});
+      continue;
+    }
     std::vector<Vector2d> places;
     for (const rooms::Doorway& door : doors) {
       if (const auto place = door_on(from, route[i], door)) places.push_back(*place);
@@ -39,10 +44,10 @@ std::vector<Leg> parts_of(const Route& route, std::span<const rooms::Doorway> do
     std::ranges::sort(places, {},
                       [&](const Vector2d& place) { return (place - route[i - 1]).norm(); });
     for (const Vector2d& place : places) {
-      legs.push_back({from, place, (place - from).norm(), true});
+      legs.push_back({from, place, (place - from).norm(), true, {}});
       from = place;
     }
-    legs.push_back({from, route[i], (route[i] - from).norm(), false});
+    legs.push_back({from, route[i], (route[i] - from).norm(), false, {}});
   }
   return legs;
 }
@@ -50,17 +55,20 @@ std::vector<Leg> parts_of(const Route& route, std::span<const rooms::Doorway> do
 }  // namespace
 
 double Leg::heading_rad() const {
+  if (stairs) return stairs->heading_rad();
   return std::atan2(to.y() - from.y(), to.x() - from.x());
 }
 
-std::vector<Leg> legs_of(const Route& route, std::span<const rooms::Doorway> doors) {
+std::vector<Leg> legs_of(const Route& route, std::span<const rooms::Doorway> doors,
+                         std::span<const fusion::Staircase> stairs) {
   std::vector<Leg> result;
-  for (const Leg& leg : parts_of(route, doors)) {
-    if (!result.empty() && !result.back().ends_at_door) {
+  for (const Leg& leg : parts_of(route, doors, stairs)) {
+    const bool is_apart = leg.stairs || (!result.empty() && result.back().stairs);
+    if (!result.empty() && !result.back().ends_at_door && !is_apart) {
       Leg& last = result.back();
       const double turn = turn_rad(last.heading_rad(), leg.heading_rad());
       if (std::abs(turn) < kNoTurn_rad || std::min(last.length_m, leg.length_m) < kShortLeg_m) {
-        last = {last.from, leg.to, last.length_m + leg.length_m, leg.ends_at_door};
+        last = {last.from, leg.to, last.length_m + leg.length_m, leg.ends_at_door, {}};
         continue;
       }
     }

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <numbers>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -19,14 +20,16 @@ struct Leg {
   Eigen::Vector2d to = Eigen::Vector2d::Zero();
   double length_m = 0;  // along corners that are not spoken of
   bool ends_at_door = false;
+  std::optional<StairsOnWay> stairs = {};  // it leads over them, to another part of the plan
 
   // Counter-clockwise from x.
   [[nodiscard]] double heading_rad() const;
 };
 
 // The legs of a way: corners and doors end one. Corners that hardly turn, and legs shorter than a
-// step, are joined with what comes after them, unless there is a door between.
-[[nodiscard]] std::vector<Leg> legs_of(const Route& route, std::span<const rooms::Doorway> doors);
+// step, are joined with what comes after them, unless there is a door between. Stairs are a leg.
+[[nodiscard]] std::vector<Leg> legs_of(const Route& route, std::span<const rooms::Doorway> doors,
+                                       std::span<const fusion::Staircase> stairs = {});
 
 // Of the places where rooms meet those that a hand can find: a door's frame, an opening in a wall.
 // The border of two rooms that are open to each other is wider than any door.

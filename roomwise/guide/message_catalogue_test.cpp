@@ -44,6 +44,7 @@ Values some_values(const std::set<std::string>& names) {
       {"hour", "11"},
       {"count", "3"},
       {"distance", "12 steps"},
+      {"steps", "14 steps"},
       {"turn", "Turn slightly right"},
       {"code", "1 2 3, 4 5 6"},
       {"day", "25"},

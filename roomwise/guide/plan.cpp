@@ -74,7 +74,8 @@ class Planner {
   [[nodiscard]] std::optional<Plan> find(double radius_m,
                                          const FloorSearch::EndCost& end_cost) const {
     const RouteOptions& person = options_.room_for_a_person;
-    const FloorSearch search(*map_.floor, radius_m, std::max(radius_m, person.comfort_m));
+    FloorSearch search(*map_.floor, radius_m, std::max(radius_m, person.comfort_m));
+    if (map_.storeys != nullptr) search.lead_over(map_.storeys->stairs());
     const auto start = start_cell(search);
     if (!start) return std::nullopt;
     const std::vector<Vector2i> way = search.find(*start, end_cost);

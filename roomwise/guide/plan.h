@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "roomwise/fusion/floor_grid.h"
+#include "roomwise/fusion/storeys.h"
 #include "roomwise/guide/phrasebook.h"
 #include "roomwise/guide/places.h"
 #include "roomwise/guide/route.h"
@@ -21,6 +22,7 @@ struct HomeMap {
   const rooms::RoomLayout* layout = nullptr;
   std::span<const rooms::Doorway> doorways = {};  // where rooms meet: doors, and borders of others
   std::span<const KnownThing> things = {};
+  const fusion::Storeys* storeys = nullptr;  // null: one; else all lies on the plan (see Storeys)
   std::optional<CalendarTime> today = std::nullopt;  // a guide's; unknown: no belief ages
 
   [[nodiscard]] std::optional<std::string> room_at(const Eigen::Vector2d& point_gravity) const;

@@ -1,5 +1,7 @@
 #include "roomwise/guide/route.h"
 
+#include <numbers>
+
 #include "roomwise/guide/floor_search.h"
 
 namespace roomwise::guide {
@@ -32,11 +34,40 @@ double length_m(const Route& route) {
   return length_m;
 }
 
+double length_m(const Route& route, std::span<const fusion::Staircase> stairs) {
+  double whole_m = 0;
+  for (std::size_t i = 1; i < route.size(); ++i) {
+    const auto over = stairs_between(route[i - 1], route[i], stairs);
+    whole_m += over ? over->stairs.run_m : (route[i] - route[i - 1]).norm();
+  }
+  return whole_m;
+}
+
+double StairsOnWay::heading_rad() const {
+  return is_up ? stairs.up_rad : stairs.end_rad + std::numbers::pi;
+}
+
+std::optional<StairsOnWay> stairs_between(const Vector2d& from, const Vector2d& to,
+                                          std::span<const fusion::Staircase> stairs) {
+  constexpr double kNear_m = 0.7;  // a little more than FloorSearch::lead_over() takes
+  const auto is_near = [&](const Vector2d& a, const Vector2d& b) {
+    return (a - b).norm() <= kNear_m;
+  };
+  for (const fusion::Staircase& one : stairs) {
+    if (is_near(from, one.below_plan) && is_near(to, one.above_plan)) return StairsOnWay{one, true};
+    if (is_near(from, one.above_plan) && is_near(to, one.below_plan))
+      return StairsOnWay{one, false};
+  }
+  return std::nullopt;
+}
+
 Expected<Route> find_route(const FloorGrid& grid, const Vector2d& from, const Vector2d& to,
                            const RouteOptions& options, const rooms::RoomLayout* layout,
-                           const std::optional<std::string>& goal_room) {
+                           const std::optional<std::string>& goal_room,
+                           std::span<const fusion::Staircase> stairs) {
   ROOMWISE_CHECK_OK(options.validate());
-  const FloorSearch search(grid, options.person_radius_m, options.comfort_m);
+  FloorSearch search(grid, options.person_radius_m, options.comfort_m);
+  search.lead_over(stairs);
   const auto start =
       search.nearest_free(from, options.farthest_start_m, [](const Vector2d&) { return true; });
   if (!start) return fail("no free floor is known where the way begins");

@@ -2,11 +2,13 @@
 
 #include <Eigen/Core>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "roomwise/base/expected.h"
 #include "roomwise/fusion/floor_grid.h"
+#include "roomwise/fusion/storeys.h"
 #include "roomwise/rooms/layout/room_layout.h"
 
 namespace roomwise::guide {
@@ -23,6 +25,19 @@ struct RouteOptions {
 // Corners of a way along free floor, m in the gravity-aligned frame, the first where it begins.
 using Route = std::vector<Eigen::Vector2d>;
 [[nodiscard]] double length_m(const Route& route);
+// Over stairs, where the plan has a gap, along them.
+[[nodiscard]] double length_m(const Route& route, std::span<const fusion::Staircase> stairs);
+// Stairs that the way takes from one corner to the next; which way round.
+struct StairsOnWay {
+  fusion::Staircase stairs;
+  bool is_up = true;
+
+  // Of who begins to walk over them.
+  [[nodiscard]] double heading_rad() const;
+};
+[[nodiscard]] std::optional<StairsOnWay> stairs_between(const Eigen::Vector2d& from,
+                                                        const Eigen::Vector2d& to,
+                                                        std::span<const fusion::Staircase> stairs);
 
 // The shortest way for a person along floor that was seen free (places near obstacles count as
 // longer; FloorSearch), straightened where nothing is in the way. It ends on the free place
@@ -33,6 +48,7 @@ using Route = std::vector<Eigen::Vector2d>;
                                          const Eigen::Vector2d& to,
                                          const RouteOptions& options = {},
                                          const rooms::RoomLayout* layout = nullptr,
-                                         const std::optional<std::string>& goal_room = {});
+                                         const std::optional<std::string>& goal_room = {},
+                                         std::span<const fusion::Staircase> stairs = {});
 
 }  // namespace roomwise::guide

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "roomwise/guide/guidance_words.h"
 #include "roomwise/guide/legs.h"
 
 namespace roomwise::guide {
@@ -23,27 +24,35 @@ const char* turn_message(double turn_rad) {
 
 std::vector<Prompt> route_prompts(const Route& route, const Pose& pose, const Noun& goal,
                                   std::span<const rooms::Doorway> doorways, const Wording& wording,
-                                  TimestampNs now_ns) {
-  const double whole_m = length_m(route);
+                                  TimestampNs now_ns, std::span<const fusion::Staircase> stairs) {
+  const double whole_m = length_m(route, stairs);
   const auto made = [&](std::size_t part, const std::string& message, const Values& values) {
     return make_part(wording, "route", part, message, values, Confidence::kSure, now_ns,
                      kDirectionValid_s, fmt::format("a way of {:.1f} m along free floor", whole_m));
   };
   if (whole_m < kThere_m) return {made(0, "route.arrived", {{"goal", Nouns{goal}}})};
-  const std::vector<Leg> legs = legs_of(route, doorways);
+  const std::vector<Leg> legs = legs_of(route, doorways, stairs);
   std::vector<Prompt> prompts;
   double heading_rad = pose.heading_rad;
   for (std::size_t i = 0; i < std::min(legs.size(), kMaxLegs); ++i) {
     const Leg& leg = legs[i];
+    if (leg.stairs) {
+      const Phrase phrase = stairs_phrase(*leg.stairs, wording.phrases());
+      prompts.push_back(made(i, phrase.message, phrase.values));
+      heading_rad = leg.stairs->stairs.end_rad;
+      if (!leg.stairs->is_up) heading_rad = leg.heading_rad();
+      continue;
+    }
     const std::string turn =
         wording.phrases().text(turn_message(turn_rad(heading_rad, leg.heading_rad())));
     heading_rad = leg.heading_rad();
     const bool is_last = i + 1 == legs.size();
     prompts.push_back(made(
         i,
-        is_last            ? "route.step_goal"
-        : leg.ends_at_door ? "route.step_door"
-                           : "route.step",
+        is_last              ? "route.step_goal"
+        : legs[i + 1].stairs ? stairs_message("stairs.route", *legs[i + 1].stairs)
+        : leg.ends_at_door   ? "route.step_door"
+                             : "route.step",
         {{"turn", turn}, {"distance", wording.distance(leg.length_m)}, {"goal", Nouns{goal}}}));
   }
   return prompts;

@@ -68,22 +68,24 @@ std::vector<guide::Prompt> way_to(const service::Ask& ask, const Situation& situ
   const guide::Pose* const pose = location.sure_pose();
   if (pose == nullptr)
     return {guide::no_route_prompt(false, "no place on the map", wording, now_ns)};
+  const auto stairs =
+      home.map ? std::span(home.map->frame.storeys.stairs()) : std::span<const fusion::Staircase>();
   std::optional<guide::Route> shortest;
   std::string why = "its place is not known";
   for (const guide::KnownThing& thing : things) {
     if (thing.name != *meant || !thing.position_gravity || !home.map || !home.map->floor) continue;
     auto route = guide::find_route(*home.map->floor, pose->position_gravity,
                                    thing.position_gravity->head<2>(), {},
-                                   home.layout ? &*home.layout : nullptr, thing.room);
+                                   home.layout ? &*home.layout : nullptr, thing.room, stairs);
     if (!route) {
       why = route.error().message;
-    } else if (!shortest || guide::length_m(*route) < guide::length_m(*shortest)) {
+    } else if (!shortest || guide::length_m(*route, stairs) < guide::length_m(*shortest, stairs)) {
       shortest = *std::move(route);
     }
   }
   if (!shortest) return {guide::no_route_prompt(true, why, wording, now_ns)};
   return guide::route_prompts(*shortest, *pose, guide::thing(*meant).front(), doorways_of(home),
-                              wording, now_ns);
+                              wording, now_ns, stairs);
 }
 
 // The room of the home that somebody means: by its own name, or as it is called in their language.

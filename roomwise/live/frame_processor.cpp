@@ -15,8 +15,13 @@ constexpr double kForgetAfter_s = 60;
 Expected<std::optional<double>> obstacle_ahead(const image::DepthImage& depth,
                                                const geometry::PinholeCamera& camera,
                                                const std::optional<CameraPose>& place,
-                                               bool has_floor) {
+                                               const LiveMap* map) {
   guide::WalkingCorridor corridor;
+  const bool has_floor = map != nullptr && map->frame.has_floor;
+  // Over stairs each step would be one, and who climbs them knows.
+  if (place && has_floor && map->frame.storeys.stairs_at(place->position_gravity().head<2>())) {
+    return std::optional<double>();
+  }
   if (place) {
     corridor.up_camera = place->gravity_from_camera.rotation.inverse() * Eigen::Vector3d::UnitZ();
     if (has_floor) corridor.camera_height_m = place->position_gravity().z();
@@ -108,16 +113,15 @@ Expected<FrameResult> FrameProcessor::look(CameraFrame frame,
   result.has_depth = depth.has_value();
   ROOMWISE_TRY(const auto answer, locate(color, depth, *home, result));
   if (answer && answer->found()) {
-    result.place = CameraPose{home->map->frame.gravity_from_world * answer->world_from_camera,
-                              answer->position_sigma_m(),
-                              {}};
+    result.place = CameraPose{
+        home->map->frame.on_plan(answer->world_from_camera), answer->position_sigma_m(), {}};
     result.place->room = home->room_at(result.place->position_gravity());
   }
   ROOMWISE_TRY(result.decision, decide(color, frame.t_ms, answer, depth.has_value(), home));
   ROOMWISE_CHECK_OK(look_for_own_things(*images, *home, result));
   if (depth) {
-    ROOMWISE_TRY(result.obstacle_m, obstacle_ahead(*depth, *camera_->calibrated, result.place,
-                                                   home->map && home->map->frame.has_floor));
+    ROOMWISE_TRY(result.obstacle_m,
+                 obstacle_ahead(*depth, *camera_->calibrated, result.place, home->map.get()));
   }
   if (result.decision && result.decision->verdict != rooms::Verdict::kRoom) {
     result.more_to_see = pipeline::side_with_more_to_see(color);

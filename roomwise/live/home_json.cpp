@@ -89,6 +89,31 @@ Json changes_json(const HomeView& view) {
   return {{"walk", view.changes->walk}, {"since", view.changes->since}, {"things", things}};
 }
 
+// Of a home of several storeys.
+void add_storeys(const HomeView& view, Json& json) {
+  if (!view.map || !view.map->frame.storeys.are_several()) return;
+  const fusion::Storeys& storeys = view.map->frame.storeys;
+  Json all = Json::array(), flights = Json::array();
+  for (std::size_t i = 0; i < storeys.count(); ++i) {
+    const fusion::Storey& storey = storeys.all()[i];
+    all.push_back({{"from_x", i > 0 ? Json(storey.plan_from_x_m) : Json(nullptr)},
+                   {"plan_from_level", json_of(storey.plan_from_gravity)},
+                   {"floor_m", storey.floor_m}});
+  }
+  for (const fusion::Staircase& stairs : storeys.stairs()) {
+    const auto room_at = [&](const Eigen::Vector2d& place) {
+      return or_null(view.layout ? view.layout->room_at(place) : std::nullopt);
+    };
+    flights.push_back({{"rooms", {room_at(stairs.below_plan), room_at(stairs.above_plan)}},
+                       {"storeys", {stairs.lower, stairs.lower + 1}},
+                       {"steps", stairs.steps},
+                       {"left_rail", stairs.has_left_rail},
+                       {"right_rail", stairs.has_right_rail}});
+  }
+  json["storeys"] = std::move(all);
+  json["stairs"] = std::move(flights);
+}
+
 void put_float(float value, Bytes& bytes) {
   const auto bits = std::bit_cast<std::uint32_t>(value);
   for (unsigned i = 0; i < 4; ++i) bytes.push_back(static_cast<std::uint8_t>(bits >> (8 * i)));
@@ -117,6 +142,7 @@ Json home_json(const HomeView& view) {
   for (const rooms::Room& room : view.rooms) json["rooms"].push_back(room_json(room, view));
   if (view.layout) {
     for (const rooms::Doorway& doorway : view.layout->doorways()) {
+      if (doorway.is_stairs) continue;
       json["doorways"].push_back(
           {{"rooms", doorway.rooms}, {"middle", json_of(doorway.middle_gravity)}});
     }
@@ -124,6 +150,7 @@ Json home_json(const HomeView& view) {
   for (const guide::KnownThing& thing : view.things) json["things"].push_back(thing_json(thing));
   for (const ViewedWalk& walk : view.walks) json["recordings"].push_back(walk_json(walk));
   json["changes"] = changes_json(view);
+  add_storeys(view, json);
   return json;
 }
 
@@ -143,6 +170,7 @@ Json plan_json(const HomeView& view) {
       rooms.push_back({{"name", extents[i].name}, {"polygons", std::move(polygons)}});
     }
     for (const rooms::Doorway& door : view.layout->doorways()) {
+      if (door.is_stairs) continue;
       doors.push_back({{"rooms", door.rooms},
                        {"middle", json_of(door.middle_gravity)},
                        {"width_m", door.width_m}});

@@ -55,8 +55,8 @@ class ThingPlacer {
     const auto keyframe = seen.keyframe ? keyframes_.find(*seen.keyframe) : keyframes_.end();
     if (keyframe == keyframes_.end()) return thing;
     if (view_.map && seen.middle_keyframe) {
-      thing.position_gravity = view_.map->frame.gravity_from_world *
-                               (keyframe->second->pose.world_from_keyframe * *seen.middle_keyframe);
+      thing.position_gravity = view_.map->frame.on_plan(keyframe->second->pose.world_from_keyframe *
+                                                        *seen.middle_keyframe);
     }
     const auto by_place = pipeline::room_of_thing(thing.position_gravity, *seen.keyframe,
                                                   view_.layout ? &*view_.layout : nullptr, rooms_);
@@ -306,6 +306,7 @@ guide::HomeMap map_of(const HomeView& home, std::span<const rooms::Doorway> door
   guide::HomeMap map;
   if (home.map && home.map->floor) map.floor = &*home.map->floor;
   if (home.layout) map.layout = &*home.layout;
+  if (home.map) map.storeys = &home.map->frame.storeys;
   map.doorways = doorways;
   map.things = home.things;
   return map;

@@ -20,8 +20,12 @@ std::optional<Goal> nearest(std::vector<Goal> goals, const guide::HomeMap& map,
   double least_m = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; goals.size() > 1 && i < goals.size(); ++i) {
     const guide::Plan plan = guide::plan_way(map, location, goals[i]);
-    if (plan.reach != guide::Reach::kWhole || guide::length_m(plan.route) >= least_m) continue;
-    least_m = guide::length_m(plan.route);
+    if (plan.reach != guide::Reach::kWhole) continue;
+    const auto stairs = map.storeys != nullptr ? std::span(map.storeys->stairs())
+                                               : std::span<const fusion::Staircase>();
+    const double way_m = guide::length_m(plan.route, stairs);
+    if (way_m >= least_m) continue;
+    least_m = way_m;
     best = i;
   }
   return goals[best];

@@ -14,7 +14,7 @@ constexpr std::int64_t kBetweenWritings_s = 10;
 std::optional<std::pair<home::KeyframeId, Eigen::Vector3d>> beside_keyframe(
     const HomeView& view, const Eigen::Vector3d& place_gravity) {
   if (!view.map) return std::nullopt;
-  const Eigen::Vector3d world = view.map->frame.gravity_from_world.inverse() * place_gravity;
+  const Eigen::Vector3d world = view.map->frame.world_from_plan(place_gravity);
   const ViewedKeyframe* nearest = nullptr;
   const auto apart = [&](const ViewedKeyframe& one) {
     return (one.keyframe.pose.world_from_keyframe.translation - world).squaredNorm();

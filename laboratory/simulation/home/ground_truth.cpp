@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -356,6 +357,27 @@ Expected<std::vector<ObjectTruth>> read_objects_truth(const std::filesystem::pat
     for (const Json& object : json.at("objects")) objects.push_back(object_from(object));
     return objects;
   });
+}
+
+Eigen::Vector2d FloorPlanTruth::plan_from_world(const Eigen::Vector3d& place_world) const {
+  constexpr double kSag_m = 0.2;  // what was measured may lie a little lower than its floor
+  std::size_t storey = 0;
+  for (std::size_t i = 1; i < storeys.size(); ++i) {
+    if (place_world.z() > storeys[i].world_from_plan.z() - kSag_m) storey = i;
+  }
+  return (place_world - storeys[storey].world_from_plan).head<2>();
+}
+
+Eigen::Vector3d FloorPlanTruth::world_from_plan(const Eigen::Vector2d& place_plan) const {
+  std::size_t storey = 0;
+  double nearest_m = std::numeric_limits<double>::infinity();
+  for (const Room& room : rooms) {
+    const double distance_m = as_footprint(room.interior, 0, 0).distance_m(place_plan);
+    if (distance_m >= nearest_m) continue;
+    nearest_m = distance_m;
+    storey = room.storey;
+  }
+  return Eigen::Vector3d(place_plan.x(), place_plan.y(), 0) + storeys[storey].world_from_plan;
 }
 
 std::vector<WallSegment> walls_of(const HomeModel& home) {

@@ -102,6 +102,10 @@ struct FloorPlanTruth {
   FreeSpaceTruth free_space;
   std::vector<Storey> storeys{Storey{}};
   std::vector<Staircase> stairs;
+
+  // A place of the world on the plan, by its height; and a place of the plan on its floor.
+  [[nodiscard]] Eigen::Vector2d plan_from_world(const Eigen::Vector3d& place_world) const;
+  [[nodiscard]] Eigen::Vector3d world_from_plan(const Eigen::Vector2d& place_plan) const;
 };
 
 [[nodiscard]] std::vector<WallSegment> walls_of(const HomeModel& home);

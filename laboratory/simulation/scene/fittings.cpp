@@ -32,6 +32,7 @@ void add_skirting(Fittings& fittings, const HomeModel& home) {
     if (home.rooms[room].tiled_walls &&
         home.rooms[room].tiled_from_m - home.rooms[room].floor_m < 0.1)
       continue;
+    if (home.rooms[room].open_floor) continue;  // nor where there is no floor
     for (const WallFace& face : wall_faces(home, room)) {
       std::vector<std::array<float, 2>> pieces{{0, face.length_m}};
       for (const WallFace::Hole& hole : face.holes) {

@@ -168,12 +168,13 @@ class Walk {
  private:
   [[nodiscard]] std::vector<Prompt> list(double now_s) const {
     const guide::Goal& goal = record_.goal.goal;
-    const auto route = guide::find_route(map_.floor, state_.pose->position_gravity,
-                                         goal.outline->middle_gravity, {}, &map_.layout, goal.room);
+    const auto route =
+        guide::find_route(map_.floor, state_.pose->position_gravity, goal.outline->middle_gravity,
+                          {}, &map_.layout, goal.room, map_.storeys.stairs());
     const TimestampNs now_ns = nanoseconds(now_s);
     if (!route) return {guide::no_route_prompt(true, route.error().message, wording_, now_ns)};
     return guide::route_prompts(*route, *state_.pose, goal.noun, map_.layout.doorways(), wording_,
-                                now_ns);
+                                now_ns, map_.storeys.stairs());
   }
 
   void look(double now_s) {
@@ -290,6 +291,8 @@ TrialSummary summarise(std::span<const GuidedWalk> walks) {
   int contacts = 0, deviations = 0, lost = 0;
   for (const GuidedWalk& walk : walks) {
     summary.offered += walk.is_offered ? 1 : 0;
+    summary.over_stairs += walk.goal.is_over_stairs ? 1 : 0;
+    summary.arrived_over_stairs += walk.goal.is_over_stairs && walk.arrived() ? 1 : 0;
     summary.says_there_wrongly += walk.says_there && !walk.is_there ? 1 : 0;
     summary.walked_m += walk.walked_m;
     summary.prompts += walk.heard.size();

@@ -71,7 +71,8 @@ struct GuidedWalk {
 
 struct TrialSummary {
   std::size_t goals = 0, offered = 0, arrived = 0;
-  std::size_t says_there_wrongly = 0;  // told so, and is not
+  std::size_t over_stairs = 0, arrived_over_stairs = 0;  // of goals on another storey
+  std::size_t says_there_wrongly = 0;                    // told so, and is not
   double spl = 0;  // success weighted by path length: mean of arrived * shortest / max(both)
   // Of those who arrived: the path over the shortest one; mean, and standard deviation.
   double path_ratio = 0, path_ratio_deviation = 0;

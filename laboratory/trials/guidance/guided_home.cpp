@@ -1,10 +1,13 @@
 #include "laboratory/trials/guidance/guided_home.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "laboratory/simulation/home/ground_truth.h"
 #include "laboratory/simulation/home/home_geometry.h"
+#include "laboratory/simulation/home/storeys.h"
 #include "laboratory/simulation/walk/walk.h"
 #include "roomwise/base/random.h"
 #include "roomwise/guide/floor_search.h"
@@ -36,12 +39,22 @@ Expected<rooms::RoomLayout> layout_of(const HomeModel& home, const fusion::Floor
   simulation::WalkOptions options;
   options.seed = seed;
   ROOMWISE_TRY(const auto walk, simulation::plan_walk(home, options));
-  rooms::WalkedPath path;
+  const fusion::Storeys storeys = true_storeys(home);
+  std::vector<rooms::WalkedPath> walks(1);
+  std::optional<std::size_t> storey;
   for (const simulation::WalkPose& pose : walk) {
-    path.push_back({pose.world_from_camera.translation.head<2>(), home.rooms[pose.room].name});
+    const Eigen::Vector3d camera = storeys.plan_from_gravity(pose.world_from_camera.translation);
+    const Vector2d place = camera.head<2>();
+    if (storeys.stairs_at(place) != nullptr) continue;
+    if (storey && *storey != storeys.at_plan(place)) walks.emplace_back();
+    storey = storeys.at_plan(place);
+    walks.back().push_back({place, home.rooms[pose.room].name});
   }
-  const std::vector<rooms::WalkedPath> walks{path};
-  return rooms::RoomLayout::make(floor, walks);
+  ROOMWISE_TRY(rooms::RoomLayout layout, rooms::RoomLayout::make(floor, walks));
+  for (const fusion::Staircase& stairs : storeys.stairs()) {
+    layout.add_stairs(stairs.below_plan, stairs.above_plan);
+  }
+  return layout;
 }
 
 FreeSpace space_up_to(const HomeModel& home, double height_m) {
@@ -52,7 +65,8 @@ FreeSpace space_up_to(const HomeModel& home, double height_m) {
 // The shortest way from a place to where somebody is there; nothing where there is none.
 std::optional<double> shortest_way_m(const WalkedHome& home, const GuidedGoal& goal,
                                      const GoalOptions& options) {
-  const guide::FloorSearch search(home.floor, options.body_radius_m, options.body_radius_m);
+  guide::FloorSearch search(home.floor, options.body_radius_m, options.body_radius_m);
+  search.lead_over(home.storeys.stairs());
   const auto from =
       search.nearest_free(goal.start, home.floor.cell_m(), [](const Vector2d&) { return true; });
   if (!from) return std::nullopt;
@@ -60,7 +74,7 @@ std::optional<double> shortest_way_m(const WalkedHome& home, const GuidedGoal& g
     return is_there(home.model, goal, place, options) ? std::optional(0.0) : std::nullopt;
   });
   if (way.empty()) return std::nullopt;
-  return guide::length_m(search.straightened(way, options.body_radius_m));
+  return guide::length_m(search.straightened(way, options.body_radius_m), home.storeys.stairs());
 }
 
 class GoalChooser {
@@ -80,6 +94,10 @@ class GoalChooser {
       const auto shortest_m = shortest_way_m(home_, *goal, options_);
       if (!shortest_m || *shortest_m < options_.min_way_m) continue;
       goal->shortest_m = *shortest_m;
+      const Vector2d end = goal->outline
+                               ? goal->outline->middle_gravity
+                               : simulation::center(home_.model.rooms[*goal->room].interior);
+      goal->is_over_stairs = home_.storeys.at_plan(end) != home_.storeys.at_plan(goal->start);
       goals.push_back(*std::move(goal));
     }
     return goals;
@@ -202,10 +220,45 @@ fusion::FloorGrid grid_of(const FreeSpace& space) {
   return {space.origin(), FreeSpace::kCellSize, std::move(cells)};
 }
 
+fusion::Storeys true_storeys(const HomeModel& home) {
+  if (home.storeys.size() < 2) return {};
+  std::vector<fusion::Storey> storeys;
+  for (std::size_t i = 0; i < home.storeys.size(); ++i) {
+    const Eigen::Vector3d& world_from_plan = home.storeys[i].world_from_plan;
+    fusion::Storey& storey = storeys.emplace_back();
+    storey.floor_m = world_from_plan.z();
+    storey.plan_from_gravity = -world_from_plan.head<2>();
+    if (i == 0) continue;
+    double from_x = std::numeric_limits<double>::infinity();
+    for (const simulation::Room& room : home.rooms) {
+      if (room.storey == i) from_x = std::min(from_x, room.interior.min.x());
+    }
+    storey.plan_from_x_m = from_x - 1;  // in the gap between the plans
+  }
+  std::vector<fusion::Staircase> all;
+  for (const simulation::Staircase& one : home.stairs) {
+    fusion::Staircase& stairs = all.emplace_back();
+    stairs.lower = home.rooms[one.lower_room].storey;
+    stairs.below_plan = simulation::place_below(one);
+    stairs.above_plan = simulation::place_above(home, one);
+    stairs.foot_gravity = one.foot + home.storeys[stairs.lower].world_from_plan.head<2>();
+    stairs.top_gravity = stairs.foot_gravity + one.run_m() * one.up;
+    stairs.up_rad = stairs.end_rad = std::atan2(one.up.y(), one.up.x());
+    stairs.run_m = one.run_m();
+    stairs.height_m = one.height_m();
+    stairs.steps = one.steps;
+    stairs.width_m = one.width_m;
+    stairs.has_left_rail = one.has_left_rail;
+    stairs.has_right_rail = one.has_right_rail;
+  }
+  return fusion::Storeys(std::move(storeys), std::move(all));
+}
+
 WalkedHome::WalkedHome(const HomeModel& home)
     : model(home),
       floor(grid_of(FreeSpace::of(home))),
-      cane(grid_of(space_up_to(home, kCaneReachesUpTo_m))) {}
+      cane(grid_of(space_up_to(home, kCaneReachesUpTo_m))),
+      storeys(true_storeys(home)) {}
 
 Expected<GuidedMap> map_truth(const HomeModel& home,
                               std::span<const simulation::FurnitureModel> models,
@@ -213,6 +266,7 @@ Expected<GuidedMap> map_truth(const HomeModel& home,
   fusion::FloorGrid floor = grid_of(FreeSpace::of(home));
   ROOMWISE_TRY(rooms::RoomLayout layout, layout_of(home, floor, seed));
   GuidedMap map{std::move(floor), std::move(layout), {}, {}, std::nullopt};
+  map.storeys = true_storeys(home);
   const auto objects =
       simulation::objects_truth(home, models, simulation::ObservationCounter(home.objects.size()));
   for (std::size_t i = 0; i < objects.size(); ++i) {

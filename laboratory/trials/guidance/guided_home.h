@@ -22,9 +22,12 @@ struct GuidedMap {
   std::vector<std::string> object_of_thing;  // its name in the home: "chair 3"
   std::optional<guide::Outline> way_out;     // the front door
   std::optional<std::string> way_out_room = {};
+  fusion::Storeys storeys = {};
 
   // Borrows from this.
-  [[nodiscard]] guide::HomeMap view() const { return {&floor, &layout, layout.doorways(), things}; }
+  [[nodiscard]] guide::HomeMap view() const {
+    return {&floor, &layout, layout.doorways(), things, &storeys};
+  }
 };
 [[nodiscard]] Expected<GuidedMap> map_truth(const simulation::HomeModel& home,
                                             std::span<const simulation::FurnitureModel> models,
@@ -37,7 +40,11 @@ struct WalkedHome {
   simulation::HomeModel model;
   fusion::FloorGrid floor;  // of what a body runs into, between ankle and head
   fusion::FloorGrid cane;   // up to the hip: what hangs higher is not found
+  fusion::Storeys storeys;  // as they truly are
 };
+
+// Storeys and stairs of a home, which is planned as the map draws it: side by side.
+[[nodiscard]] fusion::Storeys true_storeys(const simulation::HomeModel& home);
 
 [[nodiscard]] fusion::FloorGrid grid_of(const simulation::FreeSpace& space);
 
@@ -51,7 +58,8 @@ struct GuidedGoal {
   // From the goal to the nearest place where a person can stand: beside it, or before what it
   // stands on or behind.
   double nearest_stand_m = 0;
-  double shortest_m = 0;  // from the start to the nearest place that counts as there
+  double shortest_m = 0;        // from the start to the nearest place that counts as there
+  bool is_over_stairs = false;  // it lies on another storey than the start
 };
 
 struct GoalOptions {

@@ -63,6 +63,12 @@ Instruction understand(const guide::Prompt& prompt, const guide::Wording& wordin
   if (is("guide.walk") || is("guide.more") || message == "guide.through") {
     return {Kind::kWalk, 0, metres_of(number(0), wording)};
   }
+  if (is("stairs.up_") || is("stairs.down_") || message == "stairs.up" ||
+      message == "stairs.down") {
+    return {Kind::kStairs};
+  }
+  if (is("stairs.soon_")) return {Kind::kWalk, 0, metres_of(number(0), wording)};
+  if (is("stairs.")) return {Kind::kStop};  // is told to have arrived on the other storey
   if (message == "guide.small_step") return {Kind::kWalk, 0, kSmallStep_m};
   if (message == "guide.soon_through") {
     return {Kind::kWalk, 0, metres_of(number(0), wording) + kThrough_m};

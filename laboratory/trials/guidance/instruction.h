@@ -17,6 +17,7 @@ struct Instruction {
     kWalk,        // straight on, then stand
     kSoon,        // walk so far, then turn
     kLookAround,  // stop and turn slowly
+    kStairs,      // over the stairs that one stands before, then stand
   };
   Kind kind = Kind::kNothing;
   double turn_rad = 0;    // positive to the left

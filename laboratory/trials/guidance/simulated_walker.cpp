@@ -22,7 +22,7 @@ constexpr double kCane_m = 0.9;
 constexpr double kHalfWidth_m = 0.2;
 constexpr double kTouch_m = 0.17;
 constexpr double kInside_m = 0.1;
-constexpr double kBlocked_m = 0.15;     // so much more was to be walked
+constexpr double kBlocked_m = 0.15;    // so much more was to be walked
 constexpr double kNoseToWall_m = 0.3;  // with the cane at it they stand so near
 
 Vector2d direction(double heading_rad) {
@@ -96,12 +96,18 @@ void SimulatedWalker::act(Instruction instruction) {
     instruction.turn_rad = -instruction.turn_rad;
   }
   is_blocked_ = false;
+  // Who is on stairs goes on to their end: there nobody turns.
+  if (climb_ && instruction.kind != Kind::kStop) return;
   switch (instruction.kind) {
     case Kind::kNothing:
       return;
     case Kind::kStop:
+      if (climb_) return;  // told of the end, which a foot finds by itself
       mode_ = Mode::kStand;
       turn_then_rad_.reset();
+      return;
+    case Kind::kStairs:
+      if (!climb_) begin_stairs();
       return;
     case Kind::kTurn:
       turn_then_rad_.reset();
@@ -147,7 +153,51 @@ void SimulatedWalker::step(double dt_s) {
     if (std::abs(turn_left_rad_) < 1e-9) mode_ = Mode::kStand;
   } else if (mode_ == Mode::kWalk) {
     walk(dt_s);
+  } else if (mode_ == Mode::kClimb) {
+    climb(dt_s);
   }
+}
+
+void SimulatedWalker::begin_stairs() {
+  constexpr double kBefore_m = 1.0;  // a cane finds the first step
+  constexpr double kFacing_rad = 45 * kDegree_rad;
+  for (const fusion::Staircase& stairs : home_.storeys.stairs()) {
+    for (const bool is_up : {true, false}) {
+      const Vector2d& begin = is_up ? stairs.below_plan : stairs.above_plan;
+      const double heading = is_up ? stairs.up_rad : stairs.end_rad + std::numbers::pi;
+      if ((begin - place_).norm() > kBefore_m) continue;
+      if (std::abs(guide::turn_rad(heading_rad_, heading)) > kFacing_rad) continue;
+      climb_ = Climb{stairs, is_up, 0};
+      mode_ = Mode::kClimb;
+      heading_rad_ = line_rad_ = heading;  // along the rail
+      return;
+    }
+  }
+}
+
+// From where one stands before them to where one stands behind them: on the plan the storey changes
+// where a camera at the chest comes over the upper floor.
+void SimulatedWalker::climb(double dt_s) {
+  constexpr double kCamera_m = 1.3;
+  const fusion::Storeys& storeys = home_.storeys;
+  const fusion::Staircase& stairs = climb_->stairs;
+  const Vector2d up = (stairs.top_gravity - stairs.foot_gravity) / stairs.run_m;
+  const double stand_m =
+      (stairs.below_plan - storeys.all()[stairs.lower].plan_from_gravity - stairs.foot_gravity)
+          .norm();
+  const double length_m = stairs.run_m + 2 * stand_m;
+  const double step_m = kCarefulSpeed_m_s * dt_s;
+  climb_->gone_m = std::min(length_m, climb_->gone_m + step_m);
+  walked_m_ += step_m;
+  const double along_m = (climb_->is_up ? climb_->gone_m : length_m - climb_->gone_m) - stand_m;
+  const double share = std::clamp(along_m / stairs.run_m, 0.0, 1.0);
+  Eigen::Vector3d camera;
+  camera << stairs.foot_gravity + along_m * up,
+      storeys.floor_m(stairs.lower) + share * stairs.height_m + kCamera_m;
+  place_ = storeys.plan_from_gravity(camera).head<2>();
+  if (climb_->gone_m < length_m) return;
+  climb_.reset();
+  mode_ = Mode::kStand;
 }
 
 void SimulatedWalker::walk(double dt_s) {

@@ -47,10 +47,13 @@ class SimulatedWalker {
   [[nodiscard]] bool take_is_blocked();
 
  private:
-  enum class Mode { kStand, kTurn, kWalk };
+  enum class Mode { kStand, kTurn, kWalk, kClimb };
   void act(Instruction instruction);
   void turn_by(double turn_rad, double rate_rad_s);
   void walk(double dt_s);
+  // Begins to walk over the stairs that are before them; stands where none are.
+  void begin_stairs();
+  void climb(double dt_s);
   void move(const Eigen::Vector2d& by);
   // How far the cane finds nothing, a body's width, to `reach_m`.
   [[nodiscard]] double free_ahead_m(double heading_rad, double reach_m) const;
@@ -76,6 +79,12 @@ class SimulatedWalker {
   double turn_left_rad_ = 0, turn_rate_rad_s_ = 0;
   double counted_m_ = 0;                 // still to walk, by their own count
   std::optional<double> turn_then_rad_;  // when that is done
+  struct Climb {
+    fusion::Staircase stairs;
+    bool is_up = true;
+    double gone_m = 0;
+  };
+  std::optional<Climb> climb_;
   double walked_m_ = 0;
   double idle_s_ = 0;
   int contacts_ = 0;

@@ -91,11 +91,10 @@ Expected<std::vector<home::EditPlace>> places_of(const home::Home& home,
                                                  const fusion::GravityAlignedFrame& frame,
                                                  std::span<const Vector2d> points_gravity) {
   ROOMWISE_TRY(const auto keyframes, home.keyframes());
-  const geometry::RigidTransform world_from_gravity = frame.gravity_from_world.inverse();
   std::vector<home::EditPlace> places;
   for (const Vector2d& point : points_gravity) {
     if (!point.allFinite()) return fail("a point is not made of finite numbers");
-    const Eigen::Vector3d world = world_from_gravity * Eigen::Vector3d(point.x(), point.y(), 0);
+    const Eigen::Vector3d world = frame.world_from_plan({point.x(), point.y(), 0});
     ROOMWISE_TRY(
         places.emplace_back(),
         place_in(keyframes, 0, {{Eigen::Quaterniond::Identity(), world}, Eigen::Vector3d::Zero()}));

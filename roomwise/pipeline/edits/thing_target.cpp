@@ -25,7 +25,7 @@ Expected<Eigen::Vector2d> middle_of_room(const home::Home& home,
   for (const auto& [id, name] : rooms) {
     const home::KeyframePose& pose = keyframes[id].pose;
     if (name != room || pose.component != 0) continue;
-    stood.push_back((frame.gravity_from_world * pose.world_from_keyframe.translation).head<2>());
+    stood.push_back(frame.on_plan(pose.world_from_keyframe.translation).head<2>());
   }
   if (stood.empty()) return fail("no walk shows where the room {} lies; give a place", room);
   return stood[stood.size() / 2];
@@ -33,7 +33,7 @@ Expected<Eigen::Vector2d> middle_of_room(const home::Home& home,
 
 double height_of(const fusion::GravityAlignedFrame& frame, const std::string& name,
                  const std::optional<Eigen::Vector3d>& before_world) {
-  if (before_world) return (frame.gravity_from_world * *before_world).z();
+  if (before_world) return frame.on_plan(*before_world).z();
   constexpr double kTable_m = 0.75;
   const objects::Kind* const kind = objects::find_kind(name);
   const double half_m = objects::usual_size_m(name).z() / 2;
@@ -64,9 +64,8 @@ Expected<ThingTarget> target_of(const home::Home& home, const fusion::GravityAli
     if (pose.component == 0) before_world = before->box_world(pose.world_from_keyframe).center();
   }
   const double height_m = where.height_m ? *where.height_m : height_of(frame, name, before_world);
-  return ThingTarget{
-      frame.gravity_from_world.inverse() * Eigen::Vector3d(point.x(), point.y(), height_m),
-      where.room};
+  return ThingTarget{frame.world_from_plan(Eigen::Vector3d(point.x(), point.y(), height_m)),
+                     where.room};
 }
 
 }  // namespace roomwise::pipeline

@@ -46,6 +46,11 @@ struct HomeContents {
   [[nodiscard]] const geometry::RigidTransform& gravity_from_world() const {
     return floor.frame.gravity_from_world;
   }
+  [[nodiscard]] const fusion::Storeys& storeys() const { return floor.frame.storeys; }
+  // A place of the layout in the gravity-aligned frame, on the floor of its storey.
+  [[nodiscard]] Eigen::Vector3d place_gravity(const Eigen::Vector2d& point_plan) const {
+    return storeys().gravity_from_plan({point_plan.x(), point_plan.y(), 0});
+  }
   // Parts of the map that no loop joined to its largest: key-frames and things in them.
   [[nodiscard]] std::size_t keyframes_apart() const;
   [[nodiscard]] std::size_t things_apart() const;

@@ -24,21 +24,27 @@ Json word_or_null(const std::string& word) {
   return word.empty() ? Json(nullptr) : Json(word);
 }
 
+// A place of the layout, in the level frame.
+Json floor_json(const Eigen::Vector2d& point_plan, const HomeContents& contents) {
+  return json_of(Eigen::Vector2d(contents.place_gravity(point_plan).head<2>()));
+}
+
 // A closed ring: its first corner is also its last.
-Json ring_json(const geometry::CellRing& ring, const fusion::FloorGrid& grid) {
+Json ring_json(const geometry::CellRing& ring, const HomeContents& contents) {
+  const fusion::FloorGrid& grid = *contents.floor.grid;
   Json corners = Json::array();
   for (std::size_t i = 0; i <= ring.size(); ++i) {
-    corners.push_back(json_of(
-        Eigen::Vector2d(grid.origin_m() + grid.cell_m() * ring[i % ring.size()].cast<double>())));
+    corners.push_back(floor_json(
+        grid.origin_m() + grid.cell_m() * ring[i % ring.size()].cast<double>(), contents));
   }
   return corners;
 }
 
-Json polygons_json(const geometry::CellSet& cells, const fusion::FloorGrid& grid) {
+Json polygons_json(const geometry::CellSet& cells, const HomeContents& contents) {
   Json polygons = Json::array();
   for (const geometry::CellPolygon& polygon : geometry::cell_outlines(cells)) {
-    Json rings = Json::array({ring_json(polygon.outer, grid)});
-    for (const geometry::CellRing& hole : polygon.holes) rings.push_back(ring_json(hole, grid));
+    Json rings = Json::array({ring_json(polygon.outer, contents)});
+    for (const geometry::CellRing& hole : polygon.holes) rings.push_back(ring_json(hole, contents));
     polygons.push_back(std::move(rings));
   }
   return polygons;
@@ -52,11 +58,14 @@ Json room_json(const rooms::Room& room, const HomeContents& contents) {
   const auto extent = std::ranges::find(extents, room.name, &rooms::RoomExtent::name);
   if (extent == extents.end() || extent->floor_m2 == 0) return json;
   json["floor_m2"] = extent->floor_m2;
-  json["middle_m"] = json_of(extent->middle_gravity);
+  json["middle_m"] = floor_json(extent->middle_gravity, contents);
   json["polygons"] = polygons_json(room_cells(*contents.floor.grid, *contents.layout,
                                               static_cast<std::size_t>(extent - extents.begin())),
-                                   *contents.floor.grid);
+                                   contents);
   json["neighbors"] = contents.layout->neighbors(room.name);
+  if (contents.storeys().are_several()) {
+    json["storey"] = contents.storeys().at_plan(extent->middle_gravity);
+  }
   return json;
 }
 
@@ -64,12 +73,45 @@ Json doors_json(const HomeContents& contents) {
   Json doors = Json::array();
   if (!contents.layout) return doors;
   for (const rooms::Doorway& door : contents.layout->doorways()) {
+    if (door.is_stairs) continue;
     doors.push_back({{"rooms", door.rooms},
-                     {"middle_m", json_of(door.middle_gravity)},
+                     {"middle_m", floor_json(door.middle_gravity, contents)},
                      {"width_m", door.width_m > 0 ? Json(door.width_m) : Json(nullptr)},
                      {"walked", door.is_walked}});
+    if (contents.storeys().are_several()) {
+      doors.back()["storey"] = contents.storeys().at_plan(door.middle_gravity);
+    }
   }
   return doors;
+}
+
+Json storeys_json(const fusion::Storeys& storeys) {
+  Json all = Json::array();
+  for (const fusion::Storey& storey : storeys.all()) all.push_back({{"floor_m", storey.floor_m}});
+  return all;
+}
+
+Json stairs_json(const HomeContents& contents) {
+  Json all = Json::array();
+  for (const fusion::Staircase& stairs : contents.storeys().stairs()) {
+    const auto room_at = [&](const Eigen::Vector2d& place) {
+      const auto room = contents.layout ? contents.layout->room_at(place) : std::nullopt;
+      return room ? Json(*room) : Json(nullptr);
+    };
+    Json rails = Json::array();
+    if (stairs.has_left_rail) rails.push_back("left");
+    if (stairs.has_right_rail) rails.push_back("right");
+    all.push_back({{"storeys", {stairs.lower, stairs.lower + 1}},
+                   {"rooms", {room_at(stairs.below_plan), room_at(stairs.above_plan)}},
+                   {"foot_m", json_of(stairs.foot_gravity)},
+                   {"top_m", json_of(stairs.top_gravity)},
+                   {"up_rad", stairs.up_rad},
+                   {"steps", stairs.steps > 0 ? Json(stairs.steps) : Json(nullptr)},
+                   {"height_m", stairs.height_m},
+                   {"width_m", stairs.width_m > 0 ? Json(stairs.width_m) : Json(nullptr)},
+                   {"rails", std::move(rails)}});
+  }
+  return all;
 }
 
 Json sighting_json(const std::optional<Sighting>& seen, const HomeContents& contents) {
@@ -155,6 +197,11 @@ std::string home_json(const HomeContents& contents) {
             {"doors", doors_json(contents)},
             {"things", Json::array()},
             {"walks", Json::array()}};
+  if (contents.storeys().are_several()) {
+    json["version"] = 2;
+    json["storeys"] = storeys_json(contents.storeys());
+    json["stairs"] = stairs_json(contents);
+  }
   for (const rooms::Room& room : contents.rooms) json["rooms"].push_back(room_json(room, contents));
   for (const ThingContent& thing : contents.things) {
     json["things"].push_back(thing_json(thing, contents));

@@ -135,7 +135,7 @@ class SceneGraphWriter {
       extent = Eigen::AlignedBox2d(contents_.layout->rooms()[room].middle_gravity);
     }
     geometry::OrientedBox box;
-    box.world_from_box.translation << extent.center(), 0;
+    box.world_from_box.translation = contents_.place_gravity(extent.center());
     box.size_m << extent.sizes(), 0;
     return box;
   }
@@ -146,8 +146,7 @@ class SceneGraphWriter {
       if (extents[i].floor_m2 == 0) continue;
       const std::uint64_t id = node_id('R', rooms_.size());
       rooms_[extents[i].name] = id;
-      Eigen::Vector3d middle;
-      middle << extents[i].middle_gravity, 0;
+      const Eigen::Vector3d middle = contents_.place_gravity(extents[i].middle_gravity);
       ordered_json attributes = semantic_attributes("RoomNodeAttributes", extents[i].name, middle,
                                                     box_json("AABB", floor_box(i)));
       attributes["semantic_class_probabilities"] = ordered_json::object();
@@ -168,8 +167,9 @@ class SceneGraphWriter {
     for (const rooms::Doorway& door : contents_.layout->doorways()) {
       const auto from = rooms_.find(door.rooms[0]), to = rooms_.find(door.rooms[1]);
       if (from == rooms_.end() || to == rooms_.end() || !joined.insert(door.rooms).second) continue;
+      const Eigen::Vector3d middle = contents_.place_gravity(door.middle_gravity);
       add_edge(from->second, to->second,
-               {{"door_m", {door.middle_gravity.x(), door.middle_gravity.y()}},
+               {{door.is_stairs ? "stairs_m" : "door_m", {middle.x(), middle.y()}},
                 {"width_m", door.width_m > 0 ? ordered_json(door.width_m) : ordered_json(nullptr)},
                 {"walked", door.is_walked}});
     }

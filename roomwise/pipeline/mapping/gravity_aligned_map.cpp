@@ -1,9 +1,87 @@
 #include "roomwise/pipeline/mapping/gravity_aligned_map.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "roomwise/pipeline/stored/keyframe_images.h"
 #include "roomwise/pipeline/stored/stored_map.h"
 
 namespace roomwise::pipeline {
+namespace {
+
+// Where the camera was at each frame of each walk, on the largest component.
+Expected<std::vector<fusion::CameraPath>> walked_paths(const home::Home& home,
+                                                       const fusion::GravityAlignedFrame& frame) {
+  ROOMWISE_TRY(const auto keyframes, home.keyframes());
+  ROOMWISE_TRY(const auto recordings, home.recordings());
+  std::vector<fusion::CameraPath> paths;
+  for (const home::StoredRecording& recording : recordings) {
+    ROOMWISE_TRY(const auto frames, home.frames(recording.id));
+    fusion::CameraPath& path = paths.emplace_back();
+    for (const home::Frame& one : frames) {
+      if (!one.place || one.place->keyframe >= keyframes.size()) continue;
+      const home::KeyframePose& pose = keyframes[one.place->keyframe].pose;
+      if (pose.component != 0) continue;
+      path.push_back(frame.gravity_from_world *
+                     (pose.world_from_keyframe * one.place->keyframe_from_camera.translation));
+    }
+  }
+  return paths;
+}
+
+// The storeys with their places on the plan; one where the walks show no more.
+fusion::Storeys storeys_of(const fusion::TriangleMesh& mesh_gravity,
+                           const std::vector<fusion::CameraPath>& paths) {
+  fusion::StoreysFound found = fusion::find_storeys(mesh_gravity, paths);
+  if (found.floors_m.size() < 2) return {};
+  constexpr double kSame_m = 0.1;  // the floor of the frame is one of them
+  if (std::abs(found.floors_m.front()) < kSame_m) found.floors_m.front() = 0;
+  float from_x = mesh_gravity.vertices.front().x(), to_x = from_x;
+  for (const Eigen::Vector3f& vertex : mesh_gravity.vertices) {
+    from_x = std::min(from_x, vertex.x());
+    to_x = std::max(to_x, vertex.x());
+  }
+  // Whole metres, which all usual cells divide, and two of them between storeys.
+  const double apart_m = std::ceil(static_cast<double>(to_x - from_x)) + 2;
+  std::vector<fusion::Storey> storeys;
+  for (std::size_t i = 0; i < found.floors_m.size(); ++i) {
+    fusion::Storey& storey = storeys.emplace_back();
+    storey.floor_m = found.floors_m[i];
+    storey.plan_from_gravity.x() = apart_m * static_cast<double>(i);
+    if (i > 0)
+      storey.plan_from_x_m = static_cast<double>(from_x) + storey.plan_from_gravity.x() - 1;
+  }
+  for (fusion::Staircase& stairs : found.stairs) {
+    stairs.below_plan += storeys[stairs.lower].plan_from_gravity;
+    stairs.above_plan += storeys[stairs.lower + 1].plan_from_gravity;
+  }
+  return fusion::Storeys(std::move(storeys), std::move(found.stairs));
+}
+
+// Each storey's grid where it is drawn on the plan.
+fusion::FloorGrid on_plan(const std::vector<fusion::FloorGrid>& grids,
+                          const fusion::Storeys& storeys) {
+  const fusion::FloorGrid& first = grids.front();
+  const fusion::FloorGrid& last = grids.back();
+  const double cell_m = first.cell_m();
+  const double width_m = last.origin_m().x() + last.columns() * cell_m +
+                         storeys.all().back().plan_from_gravity.x() - first.origin_m().x();
+  const int rows = std::ranges::max(grids, {}, &fusion::FloorGrid::rows).rows();
+  image::Image<fusion::FloorCell> cells(static_cast<int>(std::ceil(width_m / cell_m)), rows,
+                                        fusion::FloorCell::kUnknown);
+  for (int row = 0; row < rows; ++row) {
+    for (int column = 0; column < cells.width(); ++column) {
+      const Eigen::Vector2d middle =
+          first.origin_m() + cell_m * Eigen::Vector2d(column + 0.5, row + 0.5);
+      const std::size_t storey = storeys.at_plan(middle);
+      cells.at(column, row) =
+          grids[storey].at(Eigen::Vector2d(middle - storeys.all()[storey].plan_from_gravity));
+    }
+  }
+  return {first.origin_m(), cell_m, std::move(cells)};
+}
+
+}  // namespace
 
 Expected<GravityAlignedMap> build_gravity_aligned_map(const home::Home& home, double voxel_size_m,
                                                       RunContext& run) {
@@ -21,8 +99,11 @@ Expected<GravityAlignedMap> build_gravity_aligned_map(const home::Home& home, do
   ROOMWISE_TRY(const auto felt, stored_gravity(home, keyframes));
   std::vector<Eigen::Vector3d> gravity;
   for (const auto& [id, up_world] : felt) gravity.push_back(up_world);
-  const fusion::GravityAlignedFrame frame =
-      fusion::find_gravity_aligned_frame(mesh, cameras, gravity);
+  fusion::GravityAlignedFrame frame = fusion::find_gravity_aligned_frame(mesh, cameras, gravity);
+  if (frame.has_floor) {
+    ROOMWISE_TRY(const auto paths, walked_paths(home, frame));
+    frame.storeys = storeys_of(fusion::transformed(frame.gravity_from_world, mesh), paths);
+  }
   return GravityAlignedMap{std::move(dense), std::move(mesh), frame};
 }
 
@@ -44,16 +125,36 @@ Expected<std::vector<fusion::OccupancyCell>> occupancy_of(const GravityAlignedMa
                                  cell_m, run.pool);
 }
 
-Expected<fusion::FloorGrid> floor_grid_of(const GravityAlignedMap& map,
-                                          const fusion::FloorGridOptions& options,
-                                          RunContext& run) {
+Expected<std::vector<fusion::FloorGrid>> floor_grids_of(const GravityAlignedMap& map,
+                                                        const fusion::FloorGridOptions& options,
+                                                        RunContext& run) {
   ROOMWISE_CHECK_OK(options.validate());
   if (!map.frame.has_floor) {
     return fail("the map shows no floor; walk with the camera tilted down a little");
   }
-  ROOMWISE_TRY(const auto cells, occupancy_of(map, options.cell_m, run));
-  return fusion::make_floor_grid(fusion::transformed(map.frame.gravity_from_world, map.mesh_world),
-                                 cells, options);
+  ROOMWISE_CHECK_OK(validate_cell(options.cell_m, map.dense.field().voxel_size_m()));
+  fusion::FloorGridOptions of_storey = options;
+  of_storey.marks_drops = options.marks_drops || map.frame.storeys.are_several();
+  std::vector<fusion::FloorGrid> grids;
+  for (std::size_t i = 0; i < map.frame.storeys.count(); ++i) {
+    geometry::RigidTransform storey_from_world = map.frame.gravity_from_world;
+    storey_from_world.translation.z() -= map.frame.storeys.floor_m(i);
+    const auto cells = fusion::occupancy_cells(map.dense.field(), map.mesh_world, storey_from_world,
+                                               options.cell_m, run.pool);
+    ROOMWISE_TRY(fusion::FloorGrid grid,
+                 fusion::make_floor_grid(fusion::transformed(storey_from_world, map.mesh_world),
+                                         cells, of_storey));
+    grids.push_back(std::move(grid));
+  }
+  return grids;
+}
+
+Expected<fusion::FloorGrid> floor_grid_of(const GravityAlignedMap& map,
+                                          const fusion::FloorGridOptions& options,
+                                          RunContext& run) {
+  ROOMWISE_TRY(auto grids, floor_grids_of(map, options, run));
+  if (grids.size() == 1) return std::move(grids.front());
+  return on_plan(grids, map.frame.storeys);
 }
 
 }  // namespace roomwise::pipeline

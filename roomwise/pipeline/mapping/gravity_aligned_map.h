@@ -24,7 +24,11 @@ struct GravityAlignedMap {
 [[nodiscard]] Expected<void> validate_cell(double cell_m, double voxel_size_m);
 [[nodiscard]] Expected<std::vector<fusion::OccupancyCell>> occupancy_of(
     const GravityAlignedMap& map, double cell_m, RunContext& run);
-// Fails where the map shows no floor.
+// The floor of each storey, from the lowest on, all in the gravity-aligned frame's x and y. Fails
+// where the map shows no floor.
+[[nodiscard]] Expected<std::vector<fusion::FloorGrid>> floor_grids_of(
+    const GravityAlignedMap& map, const fusion::FloorGridOptions& options, RunContext& run);
+// The same as one, of several storeys on the plan (see Storeys).
 [[nodiscard]] Expected<fusion::FloorGrid> floor_grid_of(const GravityAlignedMap& map,
                                                         const fusion::FloorGridOptions& options,
                                                         RunContext& run);

@@ -13,7 +13,7 @@ using nlohmann::json;
 
 const std::string kName = "floor";
 // To be raised where fusing, the frame or the grid come out otherwise than before.
-constexpr std::uint64_t kMethod = 1;
+constexpr std::uint64_t kMethod = 2;
 
 // All that the floor follows from: which key-frames the map has, and where they are. Their images
 // and cameras never change.
@@ -26,6 +26,68 @@ Expected<std::string> floor_made_from(const home::Home& home) {
   made_from.add(kMethod);
   made_from.add(keyframes);
   return made_from.digest();
+}
+
+json point_json(const Eigen::Vector2d& point) {
+  return {point.x(), point.y()};
+}
+
+Eigen::Vector2d point_from(const json& value) {
+  const auto n = value.get<std::array<double, 2>>();
+  return {n[0], n[1]};
+}
+
+json storeys_json(const fusion::Storeys& storeys) {
+  json all = json::array(), flights = json::array();
+  for (const fusion::Storey& one : storeys.all()) {
+    all.push_back({{"floor_m", one.floor_m},
+                   {"plan_from_gravity", point_json(one.plan_from_gravity)},
+                   {"plan_from_x_m", one.plan_from_x_m}});
+  }
+  for (const fusion::Staircase& one : storeys.stairs()) {
+    flights.push_back({{"lower", one.lower},
+                       {"below_plan", point_json(one.below_plan)},
+                       {"above_plan", point_json(one.above_plan)},
+                       {"foot_gravity", point_json(one.foot_gravity)},
+                       {"top_gravity", point_json(one.top_gravity)},
+                       {"up_rad", one.up_rad},
+                       {"end_rad", one.end_rad},
+                       {"run_m", one.run_m},
+                       {"height_m", one.height_m},
+                       {"steps", one.steps},
+                       {"width_m", one.width_m},
+                       {"left_rail", one.has_left_rail},
+                       {"right_rail", one.has_right_rail}});
+  }
+  return {{"all", std::move(all)}, {"stairs", std::move(flights)}};
+}
+
+fusion::Storeys storeys_from(const json& value) {
+  std::vector<fusion::Storey> all;
+  for (const json& one : value.at("all")) {
+    all.push_back({one.at("floor_m").get<double>(), point_from(one.at("plan_from_gravity")),
+                   one.at("plan_from_x_m").get<double>()});
+  }
+  std::vector<fusion::Staircase> flights;
+  for (const json& one : value.at("stairs")) {
+    fusion::Staircase& stairs = flights.emplace_back();
+    one.at("lower").get_to(stairs.lower);
+    if (stairs.lower + 1 >= all.size())
+      throw json::other_error::create(501, "stairs lead nowhere", &value);
+    stairs.below_plan = point_from(one.at("below_plan"));
+    stairs.above_plan = point_from(one.at("above_plan"));
+    stairs.foot_gravity = point_from(one.at("foot_gravity"));
+    stairs.top_gravity = point_from(one.at("top_gravity"));
+    one.at("up_rad").get_to(stairs.up_rad);
+    one.at("end_rad").get_to(stairs.end_rad);
+    one.at("run_m").get_to(stairs.run_m);
+    one.at("height_m").get_to(stairs.height_m);
+    one.at("steps").get_to(stairs.steps);
+    one.at("width_m").get_to(stairs.width_m);
+    one.at("left_rail").get_to(stairs.has_left_rail);
+    one.at("right_rail").get_to(stairs.has_right_rail);
+  }
+  return fusion::Storeys(std::move(all), std::move(flights));
 }
 
 Bytes to_bytes(const HomeFloor& floor) {
@@ -46,6 +108,7 @@ Bytes to_bytes(const HomeFloor& floor) {
                      {"columns", floor.grid->columns()},
                      {"cells", json::binary(std::move(cells))}};
   }
+  if (floor.frame.storeys.are_several()) value["storeys"] = storeys_json(floor.frame.storeys);
   return json::to_cbor(value);
 }
 
@@ -76,6 +139,7 @@ std::optional<HomeFloor> from_bytes(const Bytes& bytes) {
                                       {n[0], n[1], n[2]}};
     value.at("has_floor").get_to(floor.frame.has_floor);
     value.at("has_up").get_to(floor.frame.has_up);
+    if (value.contains("storeys")) floor.frame.storeys = storeys_from(value.at("storeys"));
     if (value.contains("grid")) floor.grid = grid_from(value.at("grid"));
     return floor;
   } catch (const json::exception&) {

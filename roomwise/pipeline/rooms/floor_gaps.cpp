@@ -249,7 +249,7 @@ Expected<std::vector<FloorGap>> find_floor_gaps(const home::Home& home, const Ho
   for (const home::Keyframe& one : keyframes) {
     if (one.pose.component != 0) continue;
     const geometry::RigidTransform gravity_from_camera =
-        layout.frame.gravity_from_world * one.pose.world_from_keyframe;
+        layout.frame.on_plan(one.pose.world_from_keyframe);
     views.push_back({gravity_from_camera.inverse(), gravity_from_camera.translation,
                      &cameras.at(one.recording),
                      layout.layout.room_at(gravity_from_camera.translation.head<2>())});

@@ -16,7 +16,7 @@ std::optional<std::vector<Eigen::Vector2d>> points_on_floor(
   for (const home::EditPlace& place : edit.places) {
     const auto box = box_world(place, keyframes);
     if (!box || keyframes[*place.keyframe].pose.component != 0) return std::nullopt;
-    points.push_back((frame.gravity_from_world * box->center()).head<2>());
+    points.push_back(frame.on_plan(box->center()).head<2>());
   }
   return points;
 }
@@ -105,7 +105,9 @@ Expected<std::vector<FrameOnFloor>> frames_on_floor(const home::Home& home,
     const Eigen::Vector3d camera_gravity =
         frame.gravity_from_world *
         (pose.world_from_keyframe * one.place->keyframe_from_camera.translation);
-    on_floor.push_back({one.index, camera_gravity.head<2>()});
+    const Eigen::Vector3d camera_plan = frame.storeys.plan_from_gravity(camera_gravity);
+    if (frame.storeys.stairs_at(camera_plan.head<2>())) continue;  // over no floor
+    on_floor.push_back({one.index, camera_plan.head<2>()});
   }
   return on_floor;
 }
@@ -134,14 +136,22 @@ Expected<std::optional<rooms::RoomLayout>> find_room_layout(
   for (const home::StoredRecording& recording : recordings) {
     ROOMWISE_TRY(const recording::RoomLabels labels, home.room_ranges(recording.id));
     ROOMWISE_TRY(const auto frames, frames_on_floor(home, recording.id, frame));
-    rooms::WalkedPath& path = walks.emplace_back();
+    walks.emplace_back();
+    std::optional<std::size_t> storey;
     for (const FrameOnFloor& one : frames) {
+      // A path lies on one storey: between two there is no floor that it led over.
+      const std::size_t here = frame.storeys.at_plan(one.point_gravity);
+      if (storey && *storey != here) walks.emplace_back();
+      storey = here;
       const recording::RoomRange* const range = labels.find(one.index);
-      path.push_back({one.point_gravity, range != nullptr ? range->room : std::string()});
+      walks.back().push_back({one.point_gravity, range != nullptr ? range->room : std::string()});
     }
   }
   ROOMWISE_TRY(const auto edits, layout_edits(home, frame));
   ROOMWISE_TRY(rooms::RoomLayout layout, rooms::RoomLayout::make(grid, walks, options, edits));
+  for (const fusion::Staircase& stairs : frame.storeys.stairs()) {
+    layout.add_stairs(stairs.below_plan, stairs.above_plan);
+  }
   if (!layout.has_floor()) return std::nullopt;
   return layout;
 }

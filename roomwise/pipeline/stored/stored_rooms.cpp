@@ -22,7 +22,7 @@ std::optional<Eigen::Vector3d> middle_on_map(const objects::Instance& thing,
                                              const home::KeyframePose& pose,
                                              const fusion::GravityAlignedFrame& frame) {
   if (pose.component != 0) return std::nullopt;
-  return frame.gravity_from_world * thing.box_world(pose.world_from_keyframe).center();
+  return frame.on_plan(thing.box_world(pose.world_from_keyframe).center());
 }
 
 std::optional<std::string> room_of_thing(const std::optional<Eigen::Vector3d>& middle_gravity,

@@ -198,6 +198,14 @@ void RoomLayout::add_doors(std::span<const LayoutEdit> edits) {
   std::ranges::stable_sort(doorways_, {}, &Doorway::rooms);
 }
 
+void RoomLayout::add_stairs(const Vector2d& below_plan, const Vector2d& above_plan) {
+  const auto below = room_at(below_plan), above = room_at(above_plan);
+  if (!below || !above || below == above) return;
+  doorways_.push_back(
+      {{std::min(*below, *above), std::max(*below, *above)}, below_plan, 0, false, true});
+  std::ranges::stable_sort(doorways_, {}, &Doorway::rooms);
+}
+
 bool RoomLayout::has_floor() const {
   return std::ranges::any_of(rooms_, [](const RoomExtent& room) { return room.floor_m2 > 0; });
 }

@@ -34,6 +34,7 @@ struct Doorway {
   // Of the free floor there; 0: the map shows none, but the walk led through, or somebody says so.
   double width_m = 0;
   bool is_walked = false;  // the walk led through it, or somebody does who says so
+  bool is_stairs = false;  // they lead to the other room, on another storey; the middle is below
 
   [[nodiscard]] bool joins(const std::string& room) const {
     return rooms[0] == room || rooms[1] == room;
@@ -65,6 +66,9 @@ class RoomLayout {
                                                  std::span<const WalkedPath> walks,
                                                  const RoomLayoutOptions& options = {},
                                                  std::span<const LayoutEdit> edits = {});
+
+  // Stairs join the rooms in which these places lie; nothing where one lies in none.
+  void add_stairs(const Eigen::Vector2d& below_plan, const Eigen::Vector2d& above_plan);
 
   [[nodiscard]] const std::vector<RoomExtent>& rooms() const { return rooms_; }  // by name
   // Whether any walked place with a name lies on free floor; else nothing lies in a room.

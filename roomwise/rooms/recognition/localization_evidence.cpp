@@ -102,8 +102,7 @@ LocalizationEvidence evidence_of(const mapping::Localization& answer, bool has_d
     evidence.why = "the map has no rooms";
     return evidence;
   }
-  const Eigen::Vector3d camera_gravity =
-      frame.gravity_from_world * answer.world_from_camera.translation;
+  const Eigen::Vector3d camera_gravity = frame.on_plan(answer.world_from_camera.translation);
   const double sigma_m = std::hypot(answer.position_sigma_m(), kBoundarySigma_m, moved_sigma_m);
   const FloorShares shares = floor_shares(*layout, camera_gravity.head<2>(), sigma_m, rooms);
   evidence.why = place_in_words(shares.on_map);

@@ -258,6 +258,22 @@ export interface Home {
   recordings: Recording[];
   room_types: string[];
   changes: { walk: number; since: number; things: ThingChange[] } | null; // of one walk: null
+  storeys?: Storey[]; // of a home of several, from the lowest on; the plan draws them side by side
+  stairs?: Stairs[];
+}
+
+export interface Storey {
+  from_x: number | null; // where it begins on the plan; of the first null
+  plan_from_level: Point; // what is added to x and y of the level frame
+  floor_m: number; // height of its floor there
+}
+
+export interface Stairs {
+  rooms: [string | null, string | null]; // below and above
+  storeys: [number, number];
+  steps: number; // 0: they could not be counted
+  left_rail: boolean; // of who climbs
+  right_rail: boolean;
 }
 
 // Where floor goes on unseen, or was seen from afar.

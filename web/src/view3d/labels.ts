@@ -3,7 +3,8 @@
 import { Vector3, type Camera } from 'three';
 
 import { h } from '../shared/dom';
-import type { DeviceSeen, Home } from '../shared/protocol';
+import type { DeviceSeen, Home, Vector } from '../shared/protocol';
+import { levelOf } from '../shared/storeys';
 
 interface Label {
   element: HTMLElement;
@@ -16,10 +17,11 @@ export class Labels {
   private ofDevices: Label[] = [];
 
   setHome(home: Home): void {
+    const inSpace = (place: Vector): Vector => levelOf(home.storeys ?? [], place);
     this.ofHome = this.replace(this.ofHome, [
-      ...home.rooms.flatMap(({ name, middle }) => (middle ? [make('room-label', name, [...middle, 0.02])] : [])),
+      ...home.rooms.flatMap(({ name, middle }) => (middle ? [make('room-label', name, inSpace([...middle, 0.02]))] : [])),
       ...home.things.flatMap(({ name, position, size }) =>
-        (position ? [make('thing-label', name, [position[0], position[1], position[2] + size[2] / 2 + 0.08])] : [])),
+        (position ? [make('thing-label', name, inSpace([position[0], position[1], position[2] + size[2] / 2 + 0.08]))] : [])),
     ]);
   }
 

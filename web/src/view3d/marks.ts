@@ -4,7 +4,8 @@ import {
   Mesh, MeshBasicMaterial, Quaternion, Raycaster, RingGeometry, Vector2, Vector3, type Camera, type Group, type Object3D,
 } from 'three';
 
-import type { DeviceSeen, Doorway, Home, Keyframe, Thing } from '../shared/protocol';
+import type { DeviceSeen, Doorway, Home, Keyframe, Storey, Thing } from '../shared/protocol';
+import { levelOf } from '../shared/storeys';
 
 export interface Colours {
   accent: string;
@@ -22,28 +23,28 @@ export function schemeColours(): Colours {
 
 export function homeMarks(home: Home, { accent, ink }: Colours): Object3D[] {
   return [
-    ...home.things.flatMap((thing) => thingBox(thing, ink)),
-    ...home.doorways.flatMap((doorway) => doorwayMark(doorway, accent)),
+    ...home.things.flatMap((thing) => thingBox(thing, ink, home.storeys ?? [])),
+    ...home.doorways.flatMap((doorway) => doorwayMark(doorway, accent, home.storeys ?? [])),
   ];
 }
 
-function thingBox({ position, size }: Thing, colour: string): Object3D[] {
+function thingBox({ position, size }: Thing, colour: string, storeys: readonly Storey[]): Object3D[] {
   if (!position) {
     return [];
   }
   const box = new BoxGeometry(...size);
   const edges = new LineSegments(new EdgesGeometry(box), new LineBasicMaterial({ color: colour }));
   box.dispose();
-  edges.position.set(...position);
+  edges.position.set(...levelOf(storeys, position));
   return [edges];
 }
 
-function doorwayMark({ middle }: Doorway, colour: string): Object3D[] {
+function doorwayMark({ middle }: Doorway, colour: string, storeys: readonly Storey[]): Object3D[] {
   if (!middle) {
     return [];
   }
   const ring = new Mesh(new RingGeometry(0.22, 0.3, 32), new MeshBasicMaterial({ color: colour, side: DoubleSide }));
-  ring.position.set(middle[0], middle[1], 0.03);
+  ring.position.set(...levelOf(storeys, [middle[0], middle[1], 0.03]));
   return [ring];
 }
 

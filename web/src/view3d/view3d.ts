@@ -6,6 +6,7 @@ import type { DeviceSeen, Home, Keyframe } from '../shared/protocol';
 import { boundsOf, cloudFrom } from './cloud';
 import { drag } from './drag';
 import { Labels } from './labels';
+import { devicesInSpace } from '../shared/storeys';
 import { deviceMarks, homeMarks, keyframeMarks, keyframeUnder, schemeColours } from './marks';
 import { eyeOf, kHighest, moved, turned, zoomed, type Orbit } from './orbit';
 
@@ -114,8 +115,10 @@ export function makeView(stage: HTMLElement, events: ViewEvents): View3d {
     draw();
   });
 
+  let known: Home | null = null;
   return {
     setHome: (now, keyframes) => {
+      known = now;
       markHome = () => {
         const colours = schemeColours();
         refill(home, homeMarks(now, colours));
@@ -131,7 +134,7 @@ export function makeView(stage: HTMLElement, events: ViewEvents): View3d {
     setCloud: (bytes) => frame(showCloud(bytes, kPointSize.coarse)),
     refineCloud: (bytes) => void showCloud(bytes, kPointSize.fine),
     setSeen: (seen) => {
-      const placed = seen.filter((one) => one.online && one.seen?.position);
+      const placed = devicesInSpace(known, seen.filter((one) => one.online && one.seen?.position));
       if (placed.length === 0 && devices.children.length === 0) {
         return; // a phone that is nowhere on the map tells of itself four times a second
       }

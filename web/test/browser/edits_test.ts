@@ -21,6 +21,25 @@ test('the plan shows rooms, doors and things, with a legend, and says so in word
   await visit.close();
 }));
 
+test('of several storeys one is shown at a time, chosen by keyboard, and the stairs are told in words', options, () => withServer(async (server) => {
+  server.state.home = {
+    ...server.state.home,
+    storeys: [{ from_x: null, plan_from_level: [0, 0], floor_m: 0 }, { from_x: 4.9, plan_from_level: [20, 0], floor_m: 2.8 }],
+    stairs: [{ rooms: ['corridor', 'bedroom'], storeys: [0, 1], steps: 14, left_rail: false, right_rail: true }],
+  };
+  const visit = await openVisit(server, { role: 'helper', size: kDesktop });
+  await visit.go('/');
+  await visit.sees('Stairs from corridor up to bedroom, 14 steps, rail on the right', '.legend');
+  const names = (): Promise<(string | null)[]> => visit.page.$$eval('.plan .room-name', (all) => all.map((one) => one.textContent));
+  assert.deepEqual(await names(), ['corridor', 'kitchen', 'bathroom']);
+  await visit.tabTo('Storey 1: corridor, kitchen, bathroom');
+  await visit.page.keyboard.press('ArrowDown');
+  assert.deepEqual(await names(), ['bedroom']);
+  assert.equal(await visit.focused(), 'Storey 2: bedroom');
+  await visit.assertAccessible('the plan of a storey');
+  await visit.close();
+}));
+
 test('renaming a thing is undone by one button that says what it takes back', options, () => withServer(async (server) => {
   const visit = await openVisit(server, { role: 'helper' });
   await visit.go('/');

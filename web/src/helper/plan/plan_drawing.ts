@@ -33,7 +33,8 @@ export function toneOf(plan: Plan, room: string): number {
   return Math.max(0, plan.rooms.findIndex(({ name }) => name === room)) % kTones;
 }
 
-export function drawPlan(plan: Plan, home: Home | null, label: string): PlanDrawing {
+// `all`: the plan that it is a part of, by which rooms have their colours.
+export function drawPlan(plan: Plan, home: Home | null, label: string, all: Plan = plan): PlanDrawing {
   const span = spanOf(plan, home);
   const element = svg('svg', {
     class: 'plan', role: 'img', 'aria-label': label,
@@ -45,7 +46,7 @@ export function drawPlan(plan: Plan, home: Home | null, label: string): PlanDraw
     span.height / Math.min(kMostHeight * window.innerHeight, kMostHeight_px));
   const names: { at: Point; half: number; high: number }[] = [];
   const rooms = plan.rooms.map(({ name, polygons }) =>
-    svg('path', { class: `floor tone-${toneOf(plan, name)}`, d: pathOf(polygons), 'fill-rule': 'evenodd', 'data-room': name }));
+    svg('path', { class: `floor tone-${toneOf(all, name)}`, d: pathOf(polygons), 'fill-rule': 'evenodd', 'data-room': name }));
   const doors = plan.doors.map(({ middle: [x, y], rooms: between }) =>
     svg('g', { class: 'door', transform: `translate(${x} ${-y})` },
       svg('title', {}, text('plan.door', { a: between[0], b: between[1] })),
