@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "roomwise/base/testing/testing.h"
+#include "roomwise/home/testing/sample_home.h"
 #include "roomwise/pipeline/mapping/map_recording.h"
 #include "roomwise/pipeline/rooms/room_learning.h"
 #include "roomwise/pipeline/stored/stored_map.h"

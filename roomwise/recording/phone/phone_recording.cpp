@@ -11,7 +11,7 @@ namespace {
 using geometry::PinholeCamera;
 
 constexpr int kMaxSide_px = 640;
-constexpr int kJpegQuality = 95;
+constexpr int kResampledJpegQuality = 95;
 
 Expected<image::ColorImage> read_color_of(const PhoneListing& listing, std::size_t place) {
   if (listing.read_color) return listing.read_color(place);
@@ -109,7 +109,7 @@ Expected<Bytes> PhoneRecording::read_encoded(const PhonePicture& picture) const 
     return fail("{}: has {}x{} pixels, the recording's first picture {}x{}", picture.color.string(),
                 color.width(), color.height(), picture.camera.width, picture.camera.height);
   }
-  return image::encode_jpeg(as_seen_by(color, picture.camera, info().camera), kJpegQuality);
+  return image::encode_jpeg(as_seen_by(color, picture.camera, info().camera), kResampledJpegQuality);
 }
 
 Expected<image::DepthImage> PhoneRecording::read_depth(const PhonePicture& picture) const {

@@ -16,7 +16,17 @@ export class Camera implements PictureSource {
   private readonly picture = document.createElement('canvas');
   private readonly small = document.createElement('canvas');
 
-  constructor(private readonly video: HTMLVideoElement) {}
+  private shown = 0; // pictures, where the browser tells of each
+
+  constructor(private readonly video: HTMLVideoElement) {
+    if ('requestVideoFrameCallback' in video) {
+      const count = (): void => {
+        this.shown += 1;
+        video.requestVideoFrameCallback(count);
+      };
+      video.requestVideoFrameCallback(count);
+    }
+  }
 
   // Asks for leave where it was not given. What stands against it: no leave, or no camera that works.
   async start(): Promise<CameraFailure | null> {
@@ -77,8 +87,9 @@ export class Camera implements PictureSource {
     if (!this.track || this.track.muted || this.video.videoWidth === 0) {
       return null;
     }
-    // Chromium's clock of a stream runs on without pictures, but it counts them; others count none.
-    return this.video.getVideoPlaybackQuality().totalVideoFrames || this.video.currentTime;
+    // The clock of a stream runs on without pictures. Chromium counts them; others count none, but tell of each while the page is seen.
+    const counted = this.video.getVideoPlaybackQuality().totalVideoFrames || (document.hidden ? 0 : this.shown);
+    return counted || this.video.currentTime;
   }
 
   private get track(): MediaStreamTrack | null {

@@ -4,7 +4,7 @@ import { setTimeout } from 'node:timers/promises';
 
 import { tellRecording } from '../stand_in_api';
 import { makePrompt } from '../stand_in_server';
-import { closeBrowser, kDesktop, kPatience, kPhone, kWaiting, openVisit, skipReason, withServer, type Visit } from './harness';
+import { closeBrowser, kDesktop, kFakeLens, kPatience, kPhone, kWaiting, openVisit, skipReason, withServer, type Visit } from './harness';
 import { recordSpeech, speaks, spoken, voicesUsed, type Voice } from './person';
 
 after(closeBrowser);
@@ -14,6 +14,9 @@ const options = { skip: skipReason };
 function sceneCamera(): void {
   const world = window as unknown as { scene: string };
   world.scene = 'room';
+  if (!('mediaDevices' in navigator)) {
+    return; // the empty page before the first, in Firefox
+  }
   navigator.mediaDevices.getUserMedia = async () => {
     const canvas = document.createElement('canvas');
     [canvas.width, canvas.height] = [640, 480];
@@ -67,7 +70,9 @@ function understandsSpeech(): void {
 }
 
 function noCamera(): void {
-  navigator.mediaDevices.getUserMedia = () => Promise.reject(new Error('no camera'));
+  if ('mediaDevices' in navigator) {
+    navigator.mediaDevices.getUserMedia = () => Promise.reject(new Error('no camera'));
+  }
 }
 
 async function start(visit: Visit, voice: 'own' | 'reader'): Promise<void> {
@@ -181,7 +186,7 @@ test('what a sound tells, the hand feels', options, () => withServer(async (serv
   await feels([40, 60, 40, 60, 120]);
   await visit.press('Settings');
   await visit.tabTo('Vibration');
-  await visit.page.keyboard.press('Space');
+  await visit.page.keyboard.press(' ');
   await visit.page.keyboard.press('Escape');
   const isBefore = await visit.page.evaluate(() => (window as unknown as { felt: unknown[] }).felt.length);
   server.tell('device', makePrompt({ key: 'stairs', text: 'Stop! Stairs.', priority: 'hazard', sound: 'alert' }));
@@ -357,7 +362,7 @@ test('frames flow one by one, and a frame that is not acknowledged holds the nex
   const visit = await openVisit(server, { role: 'device', size: kPhone });
   await start(visit, 'reader');
   await until(() => server.newest('device').frames >= 3);
-  assert.deepEqual(server.newest('device').hello?.camera, { width: 640, height: 480, lens: 'fake_device_0' });
+  assert.deepEqual(server.newest('device').hello?.camera, { width: 640, height: 480, lens: kFakeLens });
   server.acknowledges = false;
   const client = server.newest('device');
   await visit.hears('The connection is lost.');

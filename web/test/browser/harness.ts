@@ -8,28 +8,56 @@ import puppeteer, { type Browser, type LaunchOptions, type Page, type Serialized
 import type { Role } from '../../src/shared/protocol';
 import { StandInServer } from '../stand_in_server';
 
-const kPlaces = ['/usr/bin/chromium', '/usr/bin/chromium-browser', '/usr/bin/google-chrome'];
+// ROOMWISE_BROWSER=firefox: the same tests in Firefox, by WebDriver BiDi.
+export const kIsFirefox = process.env['ROOMWISE_BROWSER'] === 'firefox';
+const kPlaces = kIsFirefox ? ['/usr/bin/firefox-esr', '/usr/bin/firefox']
+  : ['/usr/bin/chromium', '/usr/bin/chromium-browser', '/usr/bin/google-chrome'];
 export const kPages = process.env['ROOMWISE_WEB'] ?? '';
 export const kPhone = { width: 360, height: 740 };
 export const kDesktop = { width: 1280, height: 900 };
 export const kPatience = 120_000; // ms; on a busy machine
 const kTags = ['wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa', 'wcag22aa'];
 
-export function chromium(): string | null {
-  return [process.env['ROOMWISE_CHROMIUM'] ?? '', ...kPlaces].find((place) => place !== '' && existsSync(place)) ?? null;
+function program(): string | null {
+  const named = process.env[kIsFirefox ? 'ROOMWISE_FIREFOX' : 'ROOMWISE_CHROMIUM'] ?? '';
+  return [named, ...kPlaces].find((place) => place !== '' && existsSync(place)) ?? null;
 }
 
 // For `test(name, {skip: skipReason}, ...)`.
-export const skipReason: string | false = chromium() === null
-  && 'no chromium found: install it (apt-get install chromium), or name the program in ROOMWISE_CHROMIUM';
+export const skipReason: string | false = program() === null && (kIsFirefox
+  ? 'no firefox found: install it (apt-get install firefox-esr), or name the program in ROOMWISE_FIREFOX'
+  : 'no chromium found: install it (apt-get install chromium), or name the program in ROOMWISE_CHROMIUM');
+// As the browser calls its made-up camera.
+export const kFakeLens = kIsFirefox ? 'Default Video Device' : 'fake_device_0';
+// Of tests of what Firefox does not have, or does not tell.
+export function notInFirefox(why: string): string | false {
+  return skipReason || (kIsFirefox && `not in Firefox: ${why}`);
+}
+
+// A made-up camera and microphone, nobody asked for them; movements reduced.
+const kPreferences = {
+  'media.navigator.streams.fake': true, 'media.navigator.permission.disabled': true, 'media.autoplay.default': 0,
+  'ui.prefersReducedMotion': 1, 'intl.accept_languages': 'en-US', 'intl.locale.requested': 'en-US',
+};
 
 // By the clock and not by drawing, which a page in the background does not do.
 export const kWaiting = { polling: 100 } as const;
 
 export function launchBrowser(more: LaunchOptions = {}): Promise<Browser> {
+  if (kIsFirefox) {
+    return puppeteer.launch({
+      ...more,
+      browser: 'firefox',
+      executablePath: program() ?? '',
+      args: [],
+      extraPrefsFirefox: kPreferences,
+      timeout: kPatience,
+      protocolTimeout: 300_000,
+    });
+  }
   return puppeteer.launch({
     ...more,
-    executablePath: chromium() ?? '',
+    executablePath: program() ?? '',
     args: [
       '--no-sandbox', '--use-fake-device-for-media-stream', '--use-fake-ui-for-media-stream', '--disable-gpu',
       '--enable-unsafe-swiftshader', '--autoplay-policy=no-user-gesture-required', '--lang=en-US',
@@ -101,15 +129,25 @@ export class Visit {
 
   // Presses Tab until the control of this name has the focus.
   async tabTo(name: string, most = 160): Promise<void> {
-    await this.page.waitForFunction(
-      (wanted) => [...document.querySelectorAll<HTMLElement>('a, button, input, select, textarea, summary, [tabindex]')]
-        .some((one) => [one.getAttribute('aria-label'), (one as HTMLInputElement).labels?.[0]?.innerText, one.innerText]
-          .some((words) => (words ?? '').replace(/\s+/g, ' ').trim() === wanted)),
+    const place = await this.page.waitForFunction(
+      (wanted) => {
+        const found = [...document.querySelectorAll<HTMLElement>('a, button, input, select, textarea, summary, [tabindex]')]
+          .find((one) => [one.getAttribute('aria-label'), (one as HTMLInputElement).labels?.[0]?.innerText, one.innerText]
+            .some((words) => (words ?? '').replace(/\s+/g, ' ').trim() === wanted));
+        const here = document.activeElement ?? document.body;
+        return found && (found === here ? 'here' : here.compareDocumentPosition(found) & Node.DOCUMENT_POSITION_PRECEDING ? 'before' : 'behind');
+      },
       { ...kWaiting, timeout: kPatience }, name,
     ).catch(() => assert.fail(`there is no control '${name}' on the page`));
+    // In Firefox the way round from the last control to the first leads through its own, from which keys do not come back here.
+    const where = await place.jsonValue();
+    if (where === 'here') {
+      return;
+    }
+    const isBack = kIsFirefox && where === 'before';
     const passed: string[] = [];
     for (let i = 0; i < most; i += 1) {
-      await this.page.keyboard.press('Tab');
+      await (isBack ? this.tabBack() : this.page.keyboard.press('Tab'));
       const here = await this.focused();
       if (here === name) {
         return;
@@ -117,6 +155,12 @@ export class Visit {
       passed.push(here);
     }
     assert.fail(`Tab does not lead to '${name}'; it leads to ${JSON.stringify(passed)}`);
+  }
+
+  private async tabBack(): Promise<void> {
+    await this.page.keyboard.down('Shift');
+    await this.page.keyboard.press('Tab');
+    await this.page.keyboard.up('Shift');
   }
 
   // The name of what has the focus: of its aria-label, its label, or its own words.
@@ -129,8 +173,21 @@ export class Visit {
     });
   }
 
-  // All static texts of the accessibility tree.
+  // All static texts of the accessibility tree; of Firefox, which does not hand it out, all that is shown and not hidden from it.
   async accessibleTexts(): Promise<string[]> {
+    if (kIsFirefox) {
+      return this.page.evaluate(() => {
+        const walker = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+        const texts: string[] = [];
+        while (walker.nextNode()) {
+          const element = walker.currentNode.parentElement;
+          if (element?.checkVisibility({ visibilityProperty: true }) && !element.closest('[aria-hidden=true]')) {
+            texts.push(walker.currentNode.textContent ?? '');
+          }
+        }
+        return texts;
+      });
+    }
     const found: string[] = [];
     const walk = (node: SerializedAXNode | null | undefined): void => {
       if (node?.role === 'StaticText') {
@@ -203,10 +260,12 @@ export async function openPage(where: Browser, url: string, options: PageOptions
   page.setDefaultNavigationTimeout(kPatience);
   const visit = new Visit(page, url);
   await page.setViewport({ ...(options.size ?? kDesktop), hasTouch: options.size === kPhone });
-  await page.emulateMediaFeatures([
-    { name: 'prefers-color-scheme', value: options.dark ? 'dark' : 'light' },
-    { name: 'prefers-reduced-motion', value: 'reduce' },
-  ]);
+  if (!kIsFirefox) { // there it is light, and its preferences reduce movements
+    await page.emulateMediaFeatures([
+      { name: 'prefers-color-scheme', value: options.dark ? 'dark' : 'light' },
+      { name: 'prefers-reduced-motion', value: 'reduce' },
+    ]);
+  }
   await page.evaluateOnNewDocument(listenToLiveRegions);
   for (const run of [options.before ?? []].flat()) {
     await page.evaluateOnNewDocument(run);
@@ -230,13 +289,15 @@ async function guard(visit: Visit): Promise<void> {
       void request.abort();
     }
   });
-  page.on('pageerror', (error) => visit.failures.push(String(error)));
-  page.on('console', (message) => {
-    // A computer that is away, and refusals that a test asks for, are in the browser's log by themselves.
-    if (message.type() === 'error' && !/ERR_CONNECTION|WebSocket|status of (4\d\d|503)/.test(message.text())) {
-      visit.failures.push(message.text());
-    }
-  });
+  // A computer that is away, and refusals that a test asks for, are in the browser's log by themselves.
+  const usual = kIsFirefox ? /connection to the server at|connection to .* was interrupted|NetworkError/
+    : /ERR_CONNECTION|WebSocket|status of (4\d\d|503)/;
+  const failed = (words: string): void => void (usual.test(words) || visit.failures.push(words));
+  page.on('pageerror', (error) => failed(String(error)));
+  page.on('console', (message) => message.type() === 'error' && failed(message.text()));
+  if (kIsFirefox) {
+    return; // it does not count bytes
+  }
   const network = await page.createCDPSession();
   await network.send('Network.enable');
   network.on('Network.loadingFinished', (event) => (visit.bytes += event.encodedDataLength));

@@ -11,7 +11,7 @@ export async function goTo(visit: Visit, part: string, heading: string): Promise
 // Chooses all that a field holds, and types over it.
 export async function retype(visit: Visit, words: string): Promise<void> {
   await visit.page.keyboard.down('Control');
-  await visit.page.keyboard.press('KeyA');
+  await visit.page.keyboard.press('a');
   await visit.page.keyboard.up('Control');
   await visit.type(words);
 }

@@ -27,6 +27,9 @@ interface World {
 function turningCamera(): void {
   const world: World = { scene: 'room', turned: 0, drawn: 0, stopped: false };
   (window as unknown as { turning: World }).turning = world;
+  if (!('mediaDevices' in navigator)) {
+    return; // the empty page before the first, in Firefox
+  }
   navigator.mediaDevices.getUserMedia = async () => {
     const canvas = document.createElement('canvas');
     [canvas.width, canvas.height] = [640, 480];

@@ -255,7 +255,7 @@ step('the rooms are learned, and a picture is tried', async () => {
 async function openedChooser(): Promise<FileChooser> {
   for (let tries = 0; tries < 5; tries += 1) {
     const choosing = helper.page.waitForFileChooser({ timeout: 10_000 }).catch(() => null);
-    await helper.page.keyboard.press('Space');
+    await helper.page.keyboard.press(' ');
     const chooser = await choosing;
     if (chooser) {
       return chooser;
