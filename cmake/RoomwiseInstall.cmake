@@ -31,6 +31,7 @@ install(FILES
   ${CMAKE_CURRENT_LIST_DIR}/FindOneDNN.cmake
   ${CMAKE_CURRENT_LIST_DIR}/FindOpenCVModules.cmake
   ${CMAKE_CURRENT_LIST_DIR}/FindOpenNI2.cmake
+  ${CMAKE_CURRENT_LIST_DIR}/FindPQ.cmake
   ${CMAKE_CURRENT_LIST_DIR}/FindSodium.cmake
   ${CMAKE_CURRENT_LIST_DIR}/FindWebP.cmake
   ${CMAKE_CURRENT_LIST_DIR}/FindSpeechd.cmake

@@ -309,5 +309,135 @@ TEST(Serve, WhoMayWhatIsAsTheProtocolSays) {
   EXPECT_EQ(home.end(SIGTERM), 0);
 }
 
+// ---- a folder of homes ----
+
+// A folder with homes that hold nothing yet.
+void make_homes(const std::filesystem::path& folder, const std::vector<std::string>& names) {
+  std::filesystem::create_directory(folder);
+  for (const std::string& name : names) {
+    ServeProcess once(serve(folder / (name + ".home")));
+    EXPECT_EQ(once.end(SIGTERM), 0) << once.errors();
+  }
+}
+
+TEST(ServeHouse, AHomeWhoseProcessWasKilledIsAnsweredByAnother) {
+  const ScratchFolder folder;
+  const std::filesystem::path homes = folder / "homes";
+  make_homes(homes, {"flat-1", "flat-2"});
+  const auto serve_homes = [&](const std::vector<std::string>& more = {}) {
+    return ServeProcess(serve(homes, more));
+  };
+  ServeProcess first = serve_homes({"--pair", "device", "--home", "flat-1"});
+  ASSERT_NE(first.server.port, 0) << first.said() << first.errors();
+  ServeProcess second = serve_homes();
+  ASSERT_NE(second.server.port, 0) << second.said() << second.errors();
+  service::ServerAddress address = first.server;
+  address.base = "/homes/flat-1";
+  const auto paired = service::pair_with(address, first.code("device"), "belt");
+  ASSERT_OK(paired);
+  EXPECT_EQ(ask_for_the_bed(address, paired->credentials), "I know no bed here.");
+  service::ServerAddress neighbour = address;
+  neighbour.base = "/homes/flat-2";
+  EXPECT_THAT(ask_for_the_bed(neighbour, paired->credentials),
+              HasSubstr("does not know this device"));
+
+  service::ServerAddress elsewhere = second.server;
+  elsewhere.base = "/homes/flat-1";
+  service::testing::RawClient client(second.server.port);
+  ASSERT_TRUE(client.shake_hands());
+  const auto ask = [&] { return client.ask("GET", "/homes/flat-1/api/me").status; };
+  const auto connection = service::ServerConnection::open(address, paired->credentials);
+  ASSERT_OK(connection);  // so that the first does not hand the home over
+  EXPECT_EQ(ask(), 503);
+  EXPECT_EQ(first.end(SIGKILL), 128 + SIGKILL);
+  EXPECT_EQ(ask(), 401);
+  // The processes share the house's certificate, which the device knows.
+  EXPECT_EQ(ask_for_the_bed(elsewhere, paired->credentials), "I know no bed here.");
+  EXPECT_EQ(second.end(SIGTERM), 0);
+  EXPECT_THAT(second.errors(), HasSubstr("flat-1: opened"));
+}
+
+TEST(ServeHouse, StaffHaveAccountsWhoseDeedsAreKept) {
+  const ScratchFolder folder;
+  const std::filesystem::path homes = folder / "homes";
+  make_homes(homes, {"flat-1"});
+  const std::filesystem::path password = folder / "password";
+  std::ofstream(password) << "correct horse battery\n";
+  const auto accounts = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), "accounts");
+    return run_roomwise(arguments);
+  };
+  EXPECT_EQ(
+      accounts({"add", homes.string(), "anna", "--password-file", password.string()}).exit_code, 0);
+  EXPECT_EQ(accounts({"role", homes.string(), "anna", "flat-1", "helper"}).exit_code, 0);
+  EXPECT_THAT(accounts({"role", homes.string(), "anna", "flat-9", "helper"}).errors,
+              HasSubstr("there is no home 'flat-9'"));
+  EXPECT_EQ(accounts({"list", homes.string()}).output, "anna\n  flat-1: helper\n");
+
+  ServeProcess process(serve(homes));
+  ASSERT_NE(process.server.port, 0) << process.said() << process.errors();
+  const auto ask = [&](const std::string& method, const std::string& path,
+                       const std::string& headers, const std::string& body) {
+    service::testing::RawClient client(process.server.port);
+    EXPECT_TRUE(client.shake_hands());
+    return client.ask(method, path, headers, body);
+  };
+  EXPECT_EQ(ask("GET", "/", "", "").headers.at("location"), "/staff");
+  const auto in = ask("POST", "/api/staff/sign-in", "",
+                      R"({"name": "anna", "password": "correct horse battery"})");
+  ASSERT_EQ(in.status, 200) << in.body;
+  const std::string set = in.headers.at("set-cookie");
+  const std::string cookie = "Cookie: " + set.substr(0, set.find(';')) + "\r\n";
+  EXPECT_EQ(ask("GET", "/homes/flat-1/api/devices", cookie, "").status, 200);
+  EXPECT_EQ(ask("POST", "/homes/flat-1/api/codes", cookie, R"({"role": "device"})").status, 200);
+  const std::string token = "Authorization: Bearer " + std::string([&] {
+                              std::ifstream in_file(homes / "house.access/metrics-token");
+                              std::string text;
+                              in_file >> text;
+                              return text;
+                            }()) +
+                            "\r\n";
+  EXPECT_EQ(ask("GET", "/metrics", cookie, "").status, 401);
+  EXPECT_THAT(ask("GET", "/metrics", token, "").body, HasSubstr("roomwise_homes_open 0\n"));
+  EXPECT_EQ(accounts({"role", homes.string(), "anna", "flat-1", "none"}).exit_code, 0);
+  EXPECT_EQ(ask("GET", "/homes/flat-1/api/devices", cookie, "").status, 401);
+  EXPECT_EQ(process.end(SIGTERM), 0);
+  const std::string deeds = accounts({"audit", homes.string(), "--home", "flat-1"}).output;
+  EXPECT_THAT(deeds, HasSubstr("anna  flat-1  POST /api/codes: 200  127.0.0.1"));
+  EXPECT_THAT(deeds, HasSubstr("the computer's keeper  flat-1  role none in flat-1 anna: done"));
+}
+
+TEST(ServeHouse, TheProxysConfigurationIsOneThatHaproxyTakes) {
+  const std::string haproxy = "/usr/sbin/haproxy";
+  if (!std::filesystem::exists(haproxy)) GTEST_SKIP() << "haproxy is not installed";
+  const ScratchFolder folder;
+  const std::filesystem::path homes = folder / "homes";
+  std::filesystem::create_directory(homes);
+  ServeProcess process(serve(homes));
+  ASSERT_NE(process.server.port, 0) << process.said() << process.errors();
+  EXPECT_EQ(process.end(SIGTERM), 0);
+  std::ifstream in(std::string(ROOMWISE_SOURCES) + "/packaging/homes/haproxy.cfg");
+  std::string text((std::istreambuf_iterator<char>(in)), {});
+  const std::string there = "/var/lib/roomwise/homes";
+  for (std::size_t at = 0; (at = text.find(there, at)) != std::string::npos;) {
+    text.replace(at, there.size(), homes.string());
+  }
+  std::ofstream(folder / "haproxy.cfg") << text;
+  const ProgramResult checked =
+      run_program(haproxy, {"-c", "-f", (folder / "haproxy.cfg").string()});
+  EXPECT_EQ(checked.exit_code, 0) << checked.output << checked.errors;
+}
+
+TEST(ServeHouse, SaysWhatIsForOneHomeAlone) {
+  const ScratchFolder folder;
+  const std::string homes = (folder / "").string();
+  EXPECT_THAT(run_roomwise({"serve", homes, "--port", "0", "--pair", "device"}).errors,
+              HasSubstr("--home NAME"));
+  EXPECT_THAT(run_roomwise({"serve", homes, "--port", "0", "--speak", "text"}).errors,
+              HasSubstr("--speak is for one home"));
+  EXPECT_THAT(run_roomwise({"accounts", "list", homes + "/none"}).errors,
+              HasSubstr("is no folder of homes"));
+}
+
 }  // namespace
 }  // namespace roomwise::testing

@@ -5,6 +5,7 @@
 // Every command of the program, one file each.
 namespace roomwise::app {
 
+void add_accounts_commands(CLI::App& app, Context& context);
 void add_help_command(CLI::App& app, Context& context);
 void add_info_command(CLI::App& app, Context& context);
 void add_check_command(CLI::App& app, Context& context);

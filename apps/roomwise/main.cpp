@@ -35,6 +35,7 @@ int main(int argc, char** argv) {
   add_export_commands(app, context);
   add_report_command(app, context);
   add_serve_command(app, context);
+  add_accounts_commands(app, context);
   add_device_command(app, context);
   add_protect_command(app, context);
   add_networks_commands(app, context);

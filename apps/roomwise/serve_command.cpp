@@ -1,9 +1,4 @@
-#include <poll.h>
-#include <signal.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
@@ -22,55 +17,14 @@
 #include "roomwise/live/home_routes.h"
 #include "roomwise/service/access_routes.h"
 #include "roomwise/service/server_events.h"
+#include "serve_parts.h"
 
 namespace roomwise::app {
 namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
-  fs::path home;
-  std::string address = "127.0.0.1";
-  std::uint16_t port = 8443;
-  std::vector<std::string> names;
-  std::vector<std::string> allowed_hosts;
-  fs::path pages;
-  std::string pair;
-  std::string speak;
-  std::string language = "en";
-  NetworkOptions networks;
-};
-
-// The pages that come with Roomwise: ../share/roomwise/web of the program's.
-fs::path brought_pages() {
-  std::error_code error;
-  const fs::path program = fs::read_symlink("/proc/self/exe", error);
-  const fs::path pages = program.parent_path().parent_path() / "share/roomwise/web";
-  return fs::exists(pages / "index.html", error) ? pages : fs::path();
-}
-
-std::int64_t seconds_since_1970() {
-  return std::chrono::duration_cast<std::chrono::seconds>(
-             std::chrono::system_clock::now().time_since_epoch())
-      .count();
-}
-
-// Lines for the operator, each with its time, from any thread.
-class OperatorLog {
- public:
-  void write(std::string_view line) {
-    const std::scoped_lock lock(mutex_);
-    const std::time_t now = std::time(nullptr);
-    std::tm parts{};
-    localtime_r(&now, &parts);
-    std::array<char, 32> text{};
-    std::strftime(text.data(), text.size(), "%F %T", &parts);
-    std::cerr << text.data() << "  " << line << '\n';
-  }
-
- private:
-  std::mutex mutex_;
-};
+using Options = ServeOptions;
 
 // What a running server consists of, in the order in which it is made; it ends in the reverse.
 class HomeServer {
@@ -90,7 +44,7 @@ class HomeServer {
     ROOMWISE_TRY(all.home_, live::LiveHome::open(options.home, all.networks_, all.finders_, home));
     const fs::path access = service::access_folder(options.home);
     all.access_folder_ = access;
-    all.more_names_ = options.names;
+    all.options_ = options;
     const std::vector<std::string> names = all.names();
     service::ServerOptions server;
     ROOMWISE_TRY(server.certificate, service::own_certificate(access, names, seconds_since_1970()));
@@ -107,8 +61,6 @@ class HomeServer {
     server.session_threads = context.threads;
     server.pages = options.pages.empty() ? brought_pages() : options.pages;
     server.log = [&log = all.log_](std::string_view line) { log.write(line); };
-    all.host_ =
-        options.address == "0.0.0.0" || options.address == "::" ? own_name(names) : options.address;
     ROOMWISE_TRY(all.server_,
                  service::Server::open(std::move(server), service::Router(all.routes()),
                                        *all.access_, *all.home_));
@@ -121,11 +73,7 @@ class HomeServer {
   HomeServer(const HomeServer&) = delete;
   HomeServer& operator=(const HomeServer&) = delete;
 
-  [[nodiscard]] std::string address() const {
-    const bool is_v6 = host_.find(':') != std::string::npos;
-    return fmt::format("https://{}{}{}:{}", is_v6 ? "[" : "", host_, is_v6 ? "]" : "",
-                       server_->port());
-  }
+  [[nodiscard]] std::string address() const { return url_of(options_, server_->port()); }
   [[nodiscard]] service::Certificate certificate() const {
     const std::scoped_lock lock(certificate_mutex_);
     return certificate_;
@@ -159,22 +107,11 @@ class HomeServer {
     return load_networks(options.networks, &home, /*also_brought=*/true);
   }
 
-  [[nodiscard]] std::vector<std::string> names() const {
-    std::vector<std::string> names = service::host_names();
-    names.insert(names.end(), more_names_.begin(), more_names_.end());
-    return names;
-  }
+  [[nodiscard]] std::vector<std::string> names() const { return names_and(options_.names); }
 
   // What is wrong again a minute later is said once.
   void tell_once(const std::string& line) {
     if (std::exchange(told_, line) != line) log_.write(line);
-  }
-
-  // The name by which others in the network find this computer, if it has one.
-  static std::string own_name(const std::vector<std::string>& names) {
-    const auto local = std::ranges::find_if(
-        names, [](const std::string& name) { return name.ends_with(".local"); });
-    return local != names.end() ? *local : names.front();
   }
 
   std::vector<service::Route> routes() {
@@ -208,17 +145,16 @@ class HomeServer {
     return answer;
   }
 
+  Options options_;
   OperatorLog log_;
   pipeline::Networks networks_;
   objects::ObjectFinders finders_;
   std::unique_ptr<live::LiveHome> home_;
   std::unique_ptr<service::AccessRegister> access_;
   fs::path access_folder_;
-  std::vector<std::string> more_names_;
   mutable std::mutex certificate_mutex_;
   service::Certificate certificate_;
   std::string told_;
-  std::string host_;
   std::unique_ptr<service::Server> server_;
 };
 
@@ -266,42 +202,20 @@ class SpokenCodes {
 Expected<void> show_code(HomeServer& server, service::Role role, SpokenCodes* spoken) {
   const service::Now now = service::Now::read();
   ROOMWISE_TRY(const service::OpenCode made, server.access().make_code(role, now));
-  const std::string& code = made.digits;
-  const std::string address = server.address() + "/pair#" + made.secret;
-  ROOMWISE_TRY(const auto rows, qr_rows(address));
-  if (::isatty(STDOUT_FILENO) != 0) std::cout << qr_lines(rows);
-  std::cout << fmt::format("To pair a {}: code {} {}, within five minutes, at {}\n",
-                           to_string(role), code.substr(0, 3), code.substr(3), address);
+  ROOMWISE_CHECK_OK(print_code(made, role, server.address() + "/pair"));
   if (const double wait_s = server.access().digits_wait_s(now); wait_s > 0) {
     std::cout << fmt::format(
         "Somebody guesses at codes: the digits are heard in {:.0f} s only, the address at once\n",
         std::ceil(wait_s));
   }
   std::cout.flush();
-  if (spoken != nullptr) spoken->say(code);
+  if (spoken != nullptr) spoken->say(made.digits);
   return {};
 }
 
-// Whether Enter was pressed. Where there is nobody to type, it never was.
-class EnterKey {
- public:
-  // A program in the background that reads from its terminal would be stopped.
-  EnterKey() { ::signal(SIGTTIN, SIG_IGN); }
-  // Since the last call.
-  [[nodiscard]] bool take() {
-    pollfd input{STDIN_FILENO, POLLIN, 0};
-    if (at_end_ || ::poll(&input, 1, 0) != 1) return false;
-    std::array<char, 256> typed{};
-    const auto size = ::read(STDIN_FILENO, typed.data(), typed.size());
-    if (size <= 0) at_end_ = true;
-    return size > 0 && std::find(typed.begin(), typed.begin() + size, '\n') != typed.end();
-  }
-
- private:
-  bool at_end_ = false;
-};
-
 Expected<Answer> serve(const Options& options, Context& context) {
+  std::error_code none;
+  if (fs::is_directory(options.home, none)) return serve_house(options, context);
   catch_interrupts();  // before it says that it serves: whoever waits for that may end it at once
   cv::setNumThreads(1);
   std::optional<SpokenCodes> spoken;
@@ -363,7 +277,10 @@ void add_serve_command(CLI::App& app, Context& context) {
       app, context, "serve",
       "Open a home for devices and pages: pictures in, answers out (HTTPS on one port)",
       "roomwise serve my.home --address 0.0.0.0", serve);
-  command->add_option("HOME", options.home, "Home file; a new one is made where there is none")
+  command
+      ->add_option("HOME", options.home,
+                   "Home file; a new one is made where there is none. Or a folder of homes: "
+                   "NAME.home is then served at /homes/NAME/")
       ->required();
   add_setting(*command, "--address", options.address,
               "Address to listen on: this computer alone by default, 0.0.0.0 for the whole "
@@ -388,6 +305,24 @@ void add_serve_command(CLI::App& app, Context& context) {
                       "or wav:FILE; Enter makes and says a new one");
   add_setting(*command, "--language", options.language,
               "Language of what is said: en, de, es or fr");
+  command->add_option("--home", options.one,
+                      "Of a folder: the home whose codes are shown (--pair, Enter)");
+  add_setting(*command, "--open-homes", options.open_homes,
+              "Of a folder: so many homes are in memory at once; the one used least makes room",
+              positive());
+  add_setting(*command, "--close-after", options.close_after_s,
+              "Of a folder: seconds after which a home that nobody uses is closed", positive());
+  command->add_option("--proxy", options.proxies,
+                      "Of a folder: address of a proxy that says by X-Forwarded-For for whom it "
+                      "asks");
+  command->add_option("--public-address", options.public_address,
+                      "Of a folder: HOST:PORT by which others reach it, where that is a proxy's");
+  command->add_option("--passphrases", options.passphrases,
+                      "Of a folder: a folder with a file NAME for each home NAME that a passphrase "
+                      "protects");
+  command->add_option("--accounts", options.accounts,
+                      "Of a folder: postgresql://USER@HOST/DATABASE with the accounts of staff and "
+                      "who did what; default: a file in the folder");
   add_network_options(*command, options.networks);
 }
 

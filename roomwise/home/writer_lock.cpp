@@ -38,8 +38,9 @@ Expected<WriterLock> WriterLock::take(const std::filesystem::path& path) {
       ::close(std::exchange(lock.descriptor_, -1));
       if (error == EINTR) continue;
       if (error == EWOULDBLOCK) {
-        return fail("{}: in use by another process that writes it; end that one and try again",
-                    path.string());
+        return fail_with(ErrorCode::kRefused,
+                         "{}: in use by another process that writes it; end that one and try again",
+                         path.string());
       }
       return fail("{}: cannot be locked: {}", lock_path.string(), std::strerror(error));
     }

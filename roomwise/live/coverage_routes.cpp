@@ -60,8 +60,9 @@ Json coverage_json(const pipeline::RoomCoverage& coverage) {
 
 }  // namespace
 
-std::vector<service::Route> coverage_routes(LiveHome& home) {
-  return {{"GET", "/api/coverage", service::Role::kHelper, [&home](const auto&, const auto&) {
+std::vector<HomeRoute> coverage_routes() {
+  return {{"GET", "/api/coverage", service::Role::kHelper,
+           [](LiveHome& home, const auto&, const auto&) {
              const auto coverage = home.coverage();
              if (!coverage) return service::error_answer(503, coverage.error().message);
              return service::json_answer(coverage_json(**coverage));

@@ -2,12 +2,11 @@
 
 #include <vector>
 
-#include "roomwise/live/live_home.h"
-#include "roomwise/service/router.h"
+#include "roomwise/live/home_route.h"
 
 namespace roomwise::live {
 
-// What the walks have not shown yet, as docs/protocol.md has it. `home` must outlive them.
-[[nodiscard]] std::vector<service::Route> coverage_routes(LiveHome& home);
+// What the walks have not shown yet, as docs/protocol.md has it.
+[[nodiscard]] std::vector<HomeRoute> coverage_routes();
 
 }  // namespace roomwise::live

@@ -215,20 +215,23 @@ HttpAnswer undo_change(LiveHome& home, const Placeholders& values) {
 
 }  // namespace
 
-std::vector<service::Route> edit_routes(LiveHome& home) {
-  return {
-      {"GET", "/api/map/plan", Role::kHelper,
-       [&home](const auto&, const auto&) { return service::json_answer(plan_json(*home.view())); }},
-      {"POST", "/api/edits", Role::kHelper,
-       [&home](const HttpRequest& request, const auto&) { return make_change(home, request); }},
-      {"GET", "/api/edits", Role::kHelper,
-       [&home](const auto&, const auto&) {
-         return service::json_answer(edits_json(*home.view()));
-       }},
-      {"DELETE", "/api/edits/{id}", Role::kHelper,
-       [&home](const HttpRequest&, const Placeholders& values) {
-         return undo_change(home, values);
-       }}};
+std::vector<HomeRoute> edit_routes() {
+  return {{"GET", "/api/map/plan", Role::kHelper,
+           [](LiveHome& home, const auto&, const auto&) {
+             return service::json_answer(plan_json(*home.view()));
+           }},
+          {"POST", "/api/edits", Role::kHelper,
+           [](LiveHome& home, const HttpRequest& request, const auto&) {
+             return make_change(home, request);
+           }},
+          {"GET", "/api/edits", Role::kHelper,
+           [](LiveHome& home, const auto&, const auto&) {
+             return service::json_answer(edits_json(*home.view()));
+           }},
+          {"DELETE", "/api/edits/{id}", Role::kHelper,
+           [](LiveHome& home, const HttpRequest&, const Placeholders& values) {
+             return undo_change(home, values);
+           }}};
 }
 
 }  // namespace roomwise::live

@@ -2,13 +2,11 @@
 
 #include <vector>
 
-#include "roomwise/live/live_home.h"
-#include "roomwise/service/router.h"
+#include "roomwise/live/home_route.h"
 
 namespace roomwise::live {
 
-// The plan of the home, what helpers change of it, and taking that back (docs/protocol.md). `home`
-// must outlive them.
-[[nodiscard]] std::vector<service::Route> edit_routes(LiveHome& home);
+// The plan of the home, what helpers change of it, and taking that back (docs/protocol.md).
+[[nodiscard]] std::vector<HomeRoute> edit_routes();
 
 }  // namespace roomwise::live

@@ -46,12 +46,13 @@ HttpAnswer picture_answer(Bytes bytes) {
 // A handler whose path ends with a number.
 template <typename Handle>
 auto numbered(const char* placeholder, Handle handle) {
-  return [placeholder, handle](const HttpRequest& request, const Placeholders& values) {
+  return [placeholder, handle](LiveHome& home, const HttpRequest& request,
+                               const Placeholders& values) {
     const auto number = service::number_of<std::int64_t>(values.at(placeholder));
     if (!number || *number < 0) {
       return error_answer(404, fmt::format("'{}' is no number", values.at(placeholder)));
     }
-    return handle(request, *number);
+    return handle(home, request, *number);
   };
 }
 
@@ -96,8 +97,8 @@ std::optional<std::string> find(const std::map<std::string, std::string>& texts,
 }
 
 // A handler that sends one of the map's clouds.
-auto cloud_of(LiveHome& home, geometry::PointCloud MapClouds::*cloud) {
-  return [&home, cloud](const HttpRequest&, const Placeholders&) {
+auto cloud_of(geometry::PointCloud MapClouds::*cloud) {
+  return [cloud](LiveHome& home, const HttpRequest&, const Placeholders&) {
     const auto view = home.view();
     if (!view->map || !view->map->clouds)
       return error_answer(503, "the map is not ready yet; try again soon");
@@ -108,60 +109,64 @@ auto cloud_of(LiveHome& home, geometry::PointCloud MapClouds::*cloud) {
   };
 }
 
-std::vector<service::Route> looking_routes(LiveHome& home) {
+std::vector<HomeRoute> looking_routes() {
   return {{"GET", "/api/home", Role::kDevice,
-           [&home](const auto&, const auto&) { return json_answer(home_json(*home.view())); }},
+           [](LiveHome& home, const auto&, const auto&) {
+             return json_answer(home_json(*home.view()));
+           }},
           {"GET", "/api/map/keyframes", Role::kHelper,
-           [&home](const auto&, const auto&) { return json_answer(keyframes_json(*home.view())); }},
-          {"GET", "/api/map/cloud", Role::kHelper, cloud_of(home, &MapClouds::coarse)},
-          {"GET", "/api/map/cloud/fine", Role::kHelper, cloud_of(home, &MapClouds::fine)},
+           [](LiveHome& home, const auto&, const auto&) {
+             return json_answer(keyframes_json(*home.view()));
+           }},
+          {"GET", "/api/map/cloud", Role::kHelper, cloud_of(&MapClouds::coarse)},
+          {"GET", "/api/map/cloud/fine", Role::kHelper, cloud_of(&MapClouds::fine)},
           {"GET", "/api/keyframes/{id}/picture", Role::kHelper,
            numbered("id",
-                    [&home](const HttpRequest&, std::int64_t id) {
+                    [](LiveHome& home, const HttpRequest&, std::int64_t id) {
                       auto picture = home.keyframe_picture(static_cast<home::KeyframeId>(id));
                       if (!picture) return error_answer(404, picture.error().message);
                       return picture_answer(*std::move(picture));
                     })},
           {"POST", "/api/test", Role::kHelper,
-           [&home](const HttpRequest& request, const auto&) {
+           [](LiveHome& home, const HttpRequest& request, const auto&) {
              const auto decision = home.test_picture(request.body);
              return decision ? json_answer(decision_json(*decision)) : bad(decision.error());
            },
            kMaxPictureBytes},
           {"GET", "/api/recognitions", Role::kHelper,
-           [&home](const auto&, const auto&) {
+           [](LiveHome& home, const auto&, const auto&) {
              return json_answer(recognitions_json(home.recognitions().newest_first()));
            }},
           {"GET", "/api/recognitions/{number}/picture", Role::kHelper,
-           numbered("number", [&home](const HttpRequest&, std::int64_t number) {
+           numbered("number", [](LiveHome& home, const HttpRequest&, std::int64_t number) {
              auto picture = home.recognitions().picture(static_cast<std::uint64_t>(number));
              if (!picture) return error_answer(404, "this picture is not kept any more");
              return picture_answer(*std::move(picture));
            })}};
 }
 
-std::vector<service::Route> changing_routes(LiveHome& home) {
+std::vector<HomeRoute> changing_routes() {
   return {{"PUT", "/api/recordings/{id}/rooms", Role::kHelper,
            numbered("id",
-                    [&home](const HttpRequest& request, std::int64_t id) {
+                    [](LiveHome& home, const HttpRequest& request, std::int64_t id) {
                       auto ranges = read_ranges(request);
                       if (!ranges) return bad(ranges.error());
                       return done(home.name_rooms(id, *std::move(ranges), name_of(request)));
                     })},
           {"PUT", "/api/rooms/{name}", Role::kHelper,
-           [&home](const HttpRequest& request, const Placeholders& values) {
+           [](LiveHome& home, const HttpRequest& request, const Placeholders& values) {
              const auto texts = read_texts(request, {"name", "type"});
              if (!texts) return bad(texts.error());
              return done(home.change_room(values.at("name"), find(*texts, "name"),
                                           find(*texts, "type"), name_of(request)));
            }},
           {"DELETE", "/api/rooms/{name}", Role::kHelper,
-           [&home](const HttpRequest& request, const Placeholders& values) {
+           [](LiveHome& home, const HttpRequest& request, const Placeholders& values) {
              return done(home.forget_room(values.at("name"), name_of(request)));
            }},
           {"PUT", "/api/things/{id}", Role::kHelper,
            numbered("id",
-                    [&home](const HttpRequest& request, std::int64_t id) {
+                    [](LiveHome& home, const HttpRequest& request, std::int64_t id) {
                       const auto texts = read_texts(request, {"name"});
                       if (!texts) return bad(texts.error());
                       return done(home.rename_thing(id, find(*texts, "name").value_or(""),
@@ -169,13 +174,14 @@ std::vector<service::Route> changing_routes(LiveHome& home) {
                     })},
           {"DELETE", "/api/things/{id}", Role::kHelper,
            numbered("id",
-                    [&home](const HttpRequest& request, std::int64_t id) {
+                    [](LiveHome& home, const HttpRequest& request, std::int64_t id) {
                       return done(home.forget_thing(id, name_of(request)));
                     })},
           {"DELETE", "/api/recordings/{id}", Role::kHelper,
-           numbered("id", [&home](const HttpRequest&,
-                                  std::int64_t id) { return done(home.forget_walk(id)); })},
-          {"DELETE", "/api/home", Role::kHelper, [&home](const HttpRequest& request, const auto&) {
+           numbered("id", [](LiveHome& home, const HttpRequest&,
+                             std::int64_t id) { return done(home.forget_walk(id)); })},
+          {"DELETE", "/api/home", Role::kHelper,
+           [](LiveHome& home, const HttpRequest& request, const auto&) {
              const auto texts = read_texts(request, {"really"});
              if (!texts) return bad(texts.error());
              const std::string name = home.view()->name;
@@ -186,22 +192,22 @@ std::vector<service::Route> changing_routes(LiveHome& home) {
            }}};
 }
 
-std::vector<service::Route> working_routes(LiveHome& home) {
+std::vector<HomeRoute> working_routes() {
   return {{"POST", "/api/learn", Role::kHelper,
-           [&home](const auto&, const auto&) { return done(home.learn()); }},
+           [](LiveHome& home, const auto&, const auto&) { return done(home.learn()); }},
           {"GET", "/api/job", Role::kHelper,
-           [&home](const auto&, const auto&) {
+           [](LiveHome& home, const auto&, const auto&) {
              const auto state = home.jobs().state();
              if (!state) return json_answer({{"state", "none"}});
              return json_answer(Json::parse(write(service::HomeMessage(*state))));
            }},
           {"POST", "/api/job/stop", Role::kHelper,
-           [&home](const auto&, const auto&) {
+           [](LiveHome& home, const auto&, const auto&) {
              if (!home.jobs().stop()) return error_answer(409, "nothing is being done");
              return json_answer(Json::object());
            }},
           {"POST", "/api/recording", Role::kHelper,
-           [&home](const HttpRequest& request, const auto&) {
+           [](LiveHome& home, const HttpRequest& request, const auto&) {
              const auto parsed = service::json_of(request);
              if (!parsed) return bad(parsed.error());
              const service::OrderedJson json = *parsed;
@@ -212,19 +218,32 @@ std::vector<service::Route> working_routes(LiveHome& home) {
              return done(home.begin_recording(device, name));
            }},
           {"POST", "/api/recording/stop", Role::kHelper,
-           [&home](const auto&, const auto&) { return done(home.end_recording()); }}};
+           [](LiveHome& home, const auto&, const auto&) { return done(home.end_recording()); }}};
 }
 
 }  // namespace
 
+std::vector<HomeRoute> home_routes() {
+  std::vector<HomeRoute> routes = looking_routes();
+  std::ranges::move(changing_routes(), std::back_inserter(routes));
+  std::ranges::move(working_routes(), std::back_inserter(routes));
+  std::ranges::move(coverage_routes(), std::back_inserter(routes));
+  std::ranges::move(edit_routes(), std::back_inserter(routes));
+  std::ranges::move(upload_routes(), std::back_inserter(routes));
+  std::ranges::move(photo_routes(), std::back_inserter(routes));
+  return routes;
+}
+
 std::vector<service::Route> home_routes(LiveHome& home) {
-  std::vector<service::Route> routes = looking_routes(home);
-  std::ranges::move(changing_routes(home), std::back_inserter(routes));
-  std::ranges::move(working_routes(home), std::back_inserter(routes));
-  std::ranges::move(coverage_routes(home), std::back_inserter(routes));
-  std::ranges::move(edit_routes(home), std::back_inserter(routes));
-  std::ranges::move(upload_routes(home), std::back_inserter(routes));
-  std::ranges::move(photo_routes(home), std::back_inserter(routes));
+  std::vector<service::Route> routes;
+  for (HomeRoute& one : home_routes()) {
+    routes.push_back({std::move(one.method), std::move(one.pattern), one.role,
+                      [&home, handler = std::move(one.handler)](const HttpRequest& request,
+                                                                const Placeholders& values) {
+                        return handler(home, request, values);
+                      },
+                      one.max_body_bytes, one.is_audited});
+  }
   return routes;
 }
 

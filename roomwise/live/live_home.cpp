@@ -208,6 +208,14 @@ Expected<void> LiveHome::name_recorded_room(const Device& device, const std::str
   return fail("rooms are named while a walk is recorded, or on the helper's page");
 }
 
+bool LiveHome::is_at_work() const {
+  {
+    const std::scoped_lock lock(devices_mutex_);
+    if (recorder_) return true;
+  }
+  return jobs_->running();
+}
+
 // ---- what happened ----
 
 void LiveHome::watch_disk() {

@@ -76,6 +76,8 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
 
   // What happened since it was opened; how much of the disk is free is looked up.
   void write_metrics(service::MetricsText& text);
+  // Whether a job runs or a walk is recorded, which closing it would break off.
+  [[nodiscard]] bool is_at_work() const;
   // Tells in the log when the disk gets full; to be called now and then.
   void watch_disk();
 

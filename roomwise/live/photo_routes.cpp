@@ -31,17 +31,17 @@ HttpAnswer add_photo(LiveHome& home, const HttpRequest& request, const Placehold
 
 }  // namespace
 
-std::vector<service::Route> photo_routes(LiveHome& home) {
+std::vector<HomeRoute> photo_routes() {
   constexpr auto kHelper = service::Role::kHelper;
   return {{"GET", "/api/photos", kHelper,
-           [&home](const auto&, const auto&) { return list_photos(home); }},
+           [](LiveHome& home, const auto&, const auto&) { return list_photos(home); }},
           {"POST", "/api/rooms/{name}/photos", kHelper,
-           [&home](const HttpRequest& request, const Placeholders& values) {
+           [](LiveHome& home, const HttpRequest& request, const Placeholders& values) {
              return add_photo(home, request, values);
            },
            kMaxPhotoBytes},
           {"DELETE", "/api/rooms/{name}/photos", kHelper,
-           [&home](const HttpRequest&, const Placeholders& values) {
+           [](LiveHome& home, const HttpRequest&, const Placeholders& values) {
              const auto removed = home.photos().remove(values.at("name"));
              if (!removed) return service::error_answer(409, removed.error().message);
              return service::json_answer(nlohmann::json::object());

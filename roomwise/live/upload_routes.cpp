@@ -67,26 +67,27 @@ HttpAnswer done_or_why(const Expected<void>& outcome) {
 
 }  // namespace
 
-std::vector<service::Route> upload_routes(LiveHome& home) {
+std::vector<HomeRoute> upload_routes() {
   constexpr auto kHelper = service::Role::kHelper;
-  return {
-      {"GET", "/api/uploads", kHelper,
-       [&home](const auto&, const auto&) { return list_uploads(home); }},
-      {"POST", "/api/uploads", kHelper,
-       [&home](const HttpRequest& request, const auto&) { return begin_upload(home, request); }},
-      {"PUT", "/api/uploads/{id}/{offset}", kHelper,
-       [&home](const HttpRequest& request, const Placeholders& values) {
-         return put_chunk(home, request, values);
-       },
-       Uploads::kMaxChunkBytes},
-      {"POST", "/api/uploads/{id}/map", kHelper,
-       [&home](const HttpRequest&, const Placeholders& values) {
-         return done_or_why(home.map_upload(values.at("id")));
-       }},
-      {"DELETE", "/api/uploads/{id}", kHelper,
-       [&home](const HttpRequest&, const Placeholders& values) {
-         return done_or_why(home.uploads().remove(values.at("id")));
-       }}};
+  return {{"GET", "/api/uploads", kHelper,
+           [](LiveHome& home, const auto&, const auto&) { return list_uploads(home); }},
+          {"POST", "/api/uploads", kHelper,
+           [](LiveHome& home, const HttpRequest& request, const auto&) {
+             return begin_upload(home, request);
+           }},
+          {"PUT", "/api/uploads/{id}/{offset}", kHelper,
+           [](LiveHome& home, const HttpRequest& request, const Placeholders& values) {
+             return put_chunk(home, request, values);
+           },
+           Uploads::kMaxChunkBytes, /*is_audited=*/false},
+          {"POST", "/api/uploads/{id}/map", kHelper,
+           [](LiveHome& home, const HttpRequest&, const Placeholders& values) {
+             return done_or_why(home.map_upload(values.at("id")));
+           }},
+          {"DELETE", "/api/uploads/{id}", kHelper,
+           [](LiveHome& home, const HttpRequest&, const Placeholders& values) {
+             return done_or_why(home.uploads().remove(values.at("id")));
+           }}};
 }
 
 }  // namespace roomwise::live

@@ -2,13 +2,11 @@
 
 #include <vector>
 
-#include "roomwise/live/live_home.h"
-#include "roomwise/service/router.h"
+#include "roomwise/live/home_route.h"
 
 namespace roomwise::live {
 
-// The requests by which a recording is handed in as a file (docs/protocol.md); `home` must outlive
-// them.
-[[nodiscard]] std::vector<service::Route> upload_routes(LiveHome& home);
+// The requests by which a recording is handed in as a file (docs/protocol.md).
+[[nodiscard]] std::vector<HomeRoute> upload_routes();
 
 }  // namespace roomwise::live

@@ -63,11 +63,12 @@ Expected<std::unique_ptr<AccessRegister>> AccessRegister::open(const fs::path& f
   std::error_code error;
   fs::permissions(path, fs::perms::owner_read | fs::perms::owner_write, error);
   if (error) return fail("{}: cannot be made private: {}", path.string(), error.message());
+  ROOMWISE_TRY(home::WriterLock lock, home::WriterLock::take(path));
   ROOMWISE_TRY(home::Database database,
                home::Database::open(path, home::Database::Access::kReadWrite));
   ROOMWISE_CHECK_OK(database.run_script(kSchema));
   std::unique_ptr<AccessRegister> access(
-      new AccessRegister(std::move(database), std::move(fingerprint)));
+      new AccessRegister(std::move(lock), std::move(database), std::move(fingerprint)));
   ROOMWISE_CHECK_OK(access->load());
   return access;
 }
@@ -222,6 +223,11 @@ Expected<bool> AccessRegister::rename(std::int64_t device, const std::string& na
   ROOMWISE_CHECK_OK(database_.run("UPDATE devices SET name = ? WHERE device = ?", name, device));
   entry->device.who.name = name;
   return true;
+}
+
+bool AccessRegister::awaits_pairing(const Now& now) {
+  const std::scoped_lock lock(guard_mutex_);
+  return guard_.wait_s_of_any(now.steady_s) > 0 || !guard_.codes(now.steady_s).empty();
 }
 
 std::vector<PairedDevice> AccessRegister::devices() const {

@@ -14,6 +14,7 @@
 
 #include "roomwise/base/expected.h"
 #include "roomwise/home/database.h"
+#include "roomwise/home/writer_lock.h"
 #include "roomwise/service/identity.h"
 #include "roomwise/service/pairing_guard.h"
 
@@ -64,7 +65,8 @@ struct PairingRefusal {
 class AccessRegister {
  public:
   // Opens the register in `folder`, which is made where it is missing (readable by its owner only).
-  // `fingerprint`: of the computer's certificate, which proofs are bound to.
+  // `fingerprint`: of the computer's certificate, which proofs are bound to. ErrorCode::kRefused
+  // where another process has it open.
   [[nodiscard]] static Expected<std::unique_ptr<AccessRegister>> open(
       const std::filesystem::path& folder, std::string fingerprint);
 
@@ -91,6 +93,9 @@ class AccessRegister {
   // the name.
   [[nodiscard]] Expected<bool> rename(std::int64_t device, const std::string& name);
 
+  // Whether a code is open or somebody who guessed has to wait: both are forgotten with this.
+  [[nodiscard]] bool awaits_pairing(const Now& now);
+
   [[nodiscard]] std::vector<PairedDevice> devices() const;  // by number
   [[nodiscard]] const std::string& fingerprint() const { return fingerprint_; }
 
@@ -101,14 +106,17 @@ class AccessRegister {
     std::int64_t stored_seen_s;  // last_seen_s as the file has it
   };
 
-  AccessRegister(home::Database database, std::string fingerprint)
-      : fingerprint_(std::move(fingerprint)), database_(std::move(database)) {}
+  AccessRegister(home::WriterLock lock, home::Database database, std::string fingerprint)
+      : fingerprint_(std::move(fingerprint)),
+        lock_(std::move(lock)),
+        database_(std::move(database)) {}
   [[nodiscard]] Expected<void> load();
   [[nodiscard]] tl::expected<Pairing, PairingRefusal> redeem_secret(const PairingAttempt& attempt,
                                                                     const Now& now);
   [[nodiscard]] Expected<Pairing> add(Role role, const std::string& name, const Now& now);
 
   const std::string fingerprint_;
+  const home::WriterLock lock_;  // what is read once must not be changed by another process
   // A proof takes a while to check, during which devices that are paired must not wait: so codes
   // have a lock of their own. Where both are taken, this one is first.
   std::mutex guard_mutex_;

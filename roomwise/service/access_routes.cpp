@@ -1,6 +1,8 @@
 #include "roomwise/service/access_routes.h"
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <nlohmann/json.hpp>
 
 namespace roomwise::service {
@@ -25,7 +27,8 @@ HttpAnswer refusal_answer(const PairingRefusal& refusal) {
 
 // Pages have the token in a cookie that scripts cannot read. Browsers keep cookies for 400 days at
 // most; each pairing has to be renewed after that.
-constexpr auto kCookie = "roomwise={}; Path=/; Max-Age={}; Secure; HttpOnly; SameSite=Strict";
+// A home's cookie is sent to that home alone.
+constexpr auto kCookie = "roomwise={}; Path={}/; Max-Age={}; Secure; HttpOnly; SameSite=Strict";
 
 using Access = AccessRegister&;
 using Context = const AccessRoutesContext&;
@@ -53,8 +56,8 @@ HttpAnswer answer_pair(Access access, Context context, const HttpRequest& reques
     return json_answer(answer);
   }
   HttpAnswer with_cookie = json_answer(answer);
-  with_cookie.headers.emplace_back("Set-Cookie",
-                                   fmt::format(fmt::runtime(kCookie), pairing->token, 400 * 86400));
+  with_cookie.headers.emplace_back(
+      "Set-Cookie", fmt::format(fmt::runtime(kCookie), pairing->token, request.base, 400 * 86400));
   return with_cookie;
 }
 
@@ -75,7 +78,8 @@ HttpAnswer remove_device(Access access, Context context, std::int64_t device) {
 HttpAnswer answer_leave(Access access, Context context, const HttpRequest& request,
                         const Placeholders&) {
   HttpAnswer answer = remove_device(access, context, request.who->device);
-  answer.headers.emplace_back("Set-Cookie", fmt::format(fmt::runtime(kCookie), "", 0));
+  answer.headers.emplace_back("Set-Cookie",
+                              fmt::format(fmt::runtime(kCookie), "", request.base, 0));
   return answer;
 }
 
@@ -121,26 +125,20 @@ HttpAnswer answer_remove(Access access, Context context, const HttpRequest&,
                 : error_answer(404, "there is no such device");
 }
 
-std::optional<Authority> authority_of(Context context) {
-  return context.authority ? context.authority() : std::nullopt;
-}
-
 HttpAnswer no_authority() {
   return error_answer(404,
                       "this computer's certificate is from before there were authorities of homes");
 }
 
-HttpAnswer answer_authority(Access, Context context, const HttpRequest&, const Placeholders&) {
-  const auto authority = authority_of(context);
+HttpAnswer answer_authority(const std::optional<Authority>& authority, const HttpRequest& request) {
   if (!authority) return no_authority();
   return json_answer({{"name", authority->name},
                       {"fingerprint", fingerprint_with_colons(authority->fingerprint)},
                       {"ends", authority->ends_s},
-                      {"file", "/authority.crt"}});
+                      {"file", request.base + "/authority.crt"}});
 }
 
-HttpAnswer answer_authority_file(Access, Context context, const HttpRequest&, const Placeholders&) {
-  auto authority = authority_of(context);
+HttpAnswer answer_authority_file(std::optional<Authority> authority) {
   if (!authority) return no_authority();
   HttpAnswer answer;
   answer.content_type = "application/x-x509-ca-cert";  // so that phones offer to install it
@@ -182,9 +180,22 @@ std::vector<Route> access_routes(AccessRegister& access, AccessRoutesContext giv
   add("PUT", "/api/devices/{device}", Role::kHelper, answer_rename);
   add("DELETE", "/api/devices/{device}", Role::kHelper, answer_remove);
   add("POST", "/api/codes", Role::kHelper, answer_code);
-  add("GET", "/api/authority", std::nullopt, answer_authority);
-  add("GET", "/authority.crt", std::nullopt, answer_authority_file);
+  std::ranges::move(authority_routes(context->authority), std::back_inserter(routes));
   return routes;
+}
+
+std::vector<Route> authority_routes(std::function<std::optional<Authority>()> authority) {
+  if (!authority) authority = [] { return std::nullopt; };
+  return {{"GET", "/api/authority", std::nullopt,
+           [authority](const HttpRequest& request, const Placeholders&) {
+             return answer_authority(authority(), request);
+           },
+           0},
+          {"GET", "/authority.crt", std::nullopt,
+           [authority](const HttpRequest&, const Placeholders&) {
+             return answer_authority_file(authority());
+           },
+           0}};
 }
 
 }  // namespace roomwise::service

@@ -25,9 +25,12 @@ struct AccessRoutesContext {
   std::function<std::vector<std::string>(const std::string& text)> qr;
 };
 
+// GET /api/authority and /authority.crt: what to install so that browsers do not warn.
+[[nodiscard]] std::vector<Route> authority_routes(
+    std::function<std::optional<Authority>()> authority);
+
 // POST /api/pair, GET /api/me, POST /api/leave, GET /api/devices, DELETE /api/devices/{device},
-// POST /api/codes: who may connect; GET /api/authority and /authority.crt: what to install so that
-// browsers do not warn; as docs/protocol.md describes them.
+// POST /api/codes: who may connect; and authority_routes(); as docs/protocol.md describes them.
 [[nodiscard]] std::vector<Route> access_routes(AccessRegister& access, AccessRoutesContext context);
 
 }  // namespace roomwise::service

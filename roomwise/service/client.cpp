@@ -42,7 +42,7 @@ constexpr int kSendBufferBytes = 32 << 10;
 constexpr std::size_t kPieceBytes = std::size_t{8} << 10U;
 
 // The answer to a POST request.
-Expected<http::response<http::string_body>> post(TlsClient& client, const char* path,
+Expected<http::response<http::string_body>> post(TlsClient& client, const std::string& path,
                                                  const Json& json) {
   http::request<http::string_body> request(http::verb::post, path, 11);
   request.set(http::field::host, client.host());
@@ -64,6 +64,9 @@ Expected<PairedWith> read_pairing(const TlsClient& client,
                                   const http::response<http::string_body>& answer,
                                   const PairingProof& proof) {
   const Json json = Json::parse(answer.body(), nullptr, false);
+  if (answer.result() == http::status::service_unavailable) {
+    return fail("{} cannot pair just now; try again soon", client.name());
+  }
   if (answer.result() != http::status::ok) {
     const bool says_why =
         json.is_object() && json.contains("error") && json.at("error").is_string();
@@ -179,9 +182,19 @@ Expected<void> TlsClient::run_until(const std::optional<error_code>& result) {
 
 Expected<ServerAddress> parse_server_address(std::string_view text) {
   const auto bad = [&] {
-    return fail("'{}' is no address of a computer; expected HOST:PORT, for example flat.local:8443",
-                text);
+    return fail(
+        "'{}' is no address of a computer; expected HOST:PORT or HOST:PORT/homes/NAME, for "
+        "example flat.local:8443",
+        text);
   };
+  const std::string_view whole = text;
+  const std::size_t slash = std::min(whole.find('/'), whole.size());
+  std::string_view base = whole.substr(slash);
+  while (base.ends_with('/')) base.remove_suffix(1);
+  constexpr std::string_view kHomes = "/homes/";
+  const bool is_home = base.starts_with(kHomes) && base.find('/', kHomes.size()) == base.npos;
+  if (!base.empty() && (!is_home || base.find_first_of(" ?#%@") != base.npos)) return bad();
+  text = whole.substr(0, slash);
   const std::size_t colon = text.rfind(':');
   if (colon == std::string_view::npos) return bad();
   std::string_view host = text.substr(0, colon);
@@ -190,7 +203,7 @@ Expected<ServerAddress> parse_server_address(std::string_view text) {
   if (!port || *port == 0) return bad();
   if (host.starts_with('[') && host.ends_with(']')) host = host.substr(1, host.size() - 2);
   if (host.empty() || host.find_first_of(" /[]@") != std::string_view::npos) return bad();
-  return ServerAddress{std::string(host), *port};
+  return ServerAddress{std::string(host), *port, std::string(base)};
 }
 
 Expected<PairedWith> pair_with(const ServerAddress& server, const std::string& code,
@@ -206,7 +219,7 @@ Expected<PairedWith> pair_with(const ServerAddress& server, const std::string& c
   const bool is_secret = known.size() == kSecretLength;
   ROOMWISE_TRY(const PairingProof proof, is_secret ? make_secret_proof(known, fingerprint, nonce)
                                                    : make_pairing_proof(known, fingerprint, nonce));
-  ROOMWISE_TRY(const auto answer, post(client, "/api/pair",
+  ROOMWISE_TRY(const auto answer, post(client, server.base + "/api/pair",
                                        {{is_secret ? "secret_proof" : "proof", proof.device},
                                         {"nonce", nonce},
                                         {"name", name}}));
@@ -224,7 +237,10 @@ namespace {
 class WebSocketConnection final : public ServerConnection {
  public:
   WebSocketConnection(const ServerAddress& server, const ClientWait& wait)
-      : wait_(wait), client_(server, wait), work_(client_.io().get_executor()) {}
+      : wait_(wait),
+        client_(server, wait),
+        address_(server.base + "/api/socket"),
+        work_(client_.io().get_executor()) {}
 
   ~WebSocketConnection() override {
     if (!thread_.joinable()) return;
@@ -310,7 +326,7 @@ class WebSocketConnection final : public ServerConnection {
     const Expected<void> done = client_.step(
         [&](auto handler) {
           beast::get_lowest_layer(client_.stream()).expires_never();
-          socket_.async_handshake(answer, client_.host(), "/api/socket", std::move(handler));
+          socket_.async_handshake(answer, client_.host(), address_, std::move(handler));
         },
         "opens no WebSocket");
     beast::get_lowest_layer(client_.stream()).expires_never();
@@ -431,6 +447,7 @@ class WebSocketConnection final : public ServerConnection {
 
   ClientWait wait_;
   TlsClient client_;
+  const std::string address_;  // of the WebSocket, within the server
   websocket::stream<TlsClient::Stream&> socket_{client_.stream()};
   asio::executor_work_guard<asio::io_context::executor_type> work_;
   beast::flat_buffer buffer_;

@@ -18,8 +18,9 @@ namespace roomwise::service {
 struct ServerAddress {
   std::string host;  // name or address, without brackets
   std::uint16_t port = 0;
+  std::string base = {};  // "/homes/flat-7", where the computer serves many homes
 };
-// "flat.local:8443", "192.168.1.5:8443", "[fe80::1]:8443".
+// "flat.local:8443", "192.168.1.5:8443", "[fe80::1]:8443", "flat.local:8443/homes/flat-7".
 [[nodiscard]] Expected<ServerAddress> parse_server_address(std::string_view text);
 
 // What a device keeps of the computer that it is paired with.

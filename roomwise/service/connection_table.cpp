@@ -11,7 +11,9 @@ ConnectionTable::Verdict ConnectionTable::ask(const std::string& peer) {
   const auto unknown_there = [&](const Entry& entry) {
     return unknown(entry) && entry.peer == peer;
   };
-  if (count(unknown_there) >= limits_.unknown_per_peer) return make_room(unknown_there);
+  if (!proxies_.contains(peer) && count(unknown_there) >= limits_.unknown_per_peer) {
+    return make_room(unknown_there);
+  }
   if (count([](const Entry&) { return true; }) < limits_.connections) return {};
   return make_room(unknown);
 }
@@ -42,7 +44,7 @@ void ConnectionTable::remove(Number number) {
   changed_.notify_all();
 }
 
-bool ConnectionTable::identify(Number number, std::int64_t device) {
+bool ConnectionTable::identify(Number number, const DeviceOfHome& device) {
   const std::scoped_lock lock(mutex_);
   Entry& entry = entries_.at(number);
   const auto before = std::exchange(entry.device, device);
@@ -73,15 +75,17 @@ std::vector<std::shared_ptr<Connection>> ConnectionTable::all() const {
   return choose([](const Entry&) { return true; });
 }
 
-std::vector<std::shared_ptr<Connection>> ConnectionTable::of(std::int64_t device) const {
+std::vector<std::shared_ptr<Connection>> ConnectionTable::of(const DeviceOfHome& device) const {
   return choose([&](const Entry& entry) { return entry.device == device; });
 }
 
-std::set<std::int64_t> ConnectionTable::online() const {
+std::set<std::int64_t> ConnectionTable::online(const std::string& home) const {
   const std::scoped_lock lock(mutex_);
   std::set<std::int64_t> devices;
   for (const auto& [number, entry] : entries_) {
-    if (entry.socket && entry.device) devices.insert(*entry.device);
+    if (entry.socket && entry.device && entry.device->home == home) {
+      devices.insert(entry.device->device);
+    }
   }
   return devices;
 }

@@ -36,12 +36,23 @@ struct ConnectionLimits {
   std::size_t sockets_per_device = 2;  // the newest stay
 };
 
+// A device of a home. Homes number their devices each for itself.
+struct DeviceOfHome {
+  std::string home = {};  // empty where the server has one home
+  std::int64_t device = 0;
+
+  bool operator==(const DeviceOfHome&) const = default;
+};
+
 // Which connections are open, and whether there may be one more. Thread-safe.
 class ConnectionTable {
  public:
   using Number = std::uint64_t;
 
-  explicit ConnectionTable(const ConnectionLimits& limits) : limits_(limits) {}
+  // `proxies`: addresses from which many clients' connections come, so that their number tells
+  // nothing.
+  explicit ConnectionTable(const ConnectionLimits& limits, std::set<std::string> proxies = {})
+      : limits_(limits), proxies_(std::move(proxies)) {}
 
   // Why a new connection from there is refused; empty: it is not. Where the table is full, or the
   // address has enough of them, the oldest connection without a token is named in `cut` and no
@@ -57,13 +68,14 @@ class ConnectionTable {
   void remove(Number number);
 
   // Whose connection it is; false where the device has too many.
-  [[nodiscard]] bool identify(Number number, std::int64_t device);
+  [[nodiscard]] bool identify(Number number, const DeviceOfHome& device);
   // That a socket was opened; gives the device's older ones that are too many.
   [[nodiscard]] std::vector<std::shared_ptr<Connection>> open_socket(Number number);
 
   [[nodiscard]] std::vector<std::shared_ptr<Connection>> all() const;
-  [[nodiscard]] std::vector<std::shared_ptr<Connection>> of(std::int64_t device) const;
-  [[nodiscard]] std::set<std::int64_t> online() const;  // devices with a socket
+  [[nodiscard]] std::vector<std::shared_ptr<Connection>> of(const DeviceOfHome& device) const;
+  // The devices of the home that have a socket.
+  [[nodiscard]] std::set<std::int64_t> online(const std::string& home = {}) const;
   [[nodiscard]] std::size_t size() const;
   [[nodiscard]] std::size_t sockets() const;
 
@@ -75,7 +87,7 @@ class ConnectionTable {
   struct Entry {
     std::string peer;
     std::weak_ptr<Connection> connection;
-    std::optional<std::int64_t> device;
+    std::optional<DeviceOfHome> device;
     bool socket = false;
     bool leaving = false;  // was told to go and counts no more
   };
@@ -85,6 +97,7 @@ class ConnectionTable {
   [[nodiscard]] std::vector<std::shared_ptr<Connection>> choose(const Choice& chosen) const;
 
   ConnectionLimits limits_;
+  std::set<std::string> proxies_;
   mutable std::mutex mutex_;
   mutable std::condition_variable changed_;
   std::map<Number, Entry> entries_;  // the oldest first

@@ -15,7 +15,7 @@ TEST(ConnectionTableTest, ADeviceCannotTakeAllPlaces) {
   ConnectionTable table = table_for(/*connections=*/4, /*per_device=*/2);
   for (int i = 0; i < 4; ++i) {
     ASSERT_EQ(table.ask("10.0.0.1").refused, "");
-    EXPECT_EQ(table.identify(table.add("10.0.0.1"), 7), i < 2) << i;
+    EXPECT_EQ(table.identify(table.add("10.0.0.1"), {"", 7}), i < 2) << i;
   }
   EXPECT_EQ(table.ask("10.0.0.2").refused, "");
 }
@@ -37,7 +37,7 @@ TEST(ConnectionTableTest, AnAddressesNewestConnectionsWithoutATokenStay) {
     connections.push_back(std::make_shared<IdleConnection>());
     table.set(number, connections.back());
     if (i == 0) {
-      EXPECT_TRUE(table.identify(number, 3));
+      EXPECT_TRUE(table.identify(number, {"", 3}));
     }
   }
   EXPECT_EQ(table.ask("10.0.0.2").cut, nullptr);

@@ -21,6 +21,8 @@ struct HttpRequest {
   // As it came, without the query: begins with '/', may hold percent signs ("/api/rooms/a%20b"),
   // all of which can be decoded.
   std::string path;
+  // What stood before `path`, where one port serves many homes: "/homes/flat-7"; else empty.
+  std::string base = {};
   std::map<std::string, std::string> query;    // decoded
   std::map<std::string, std::string> headers;  // names in small letters
   Bytes body;

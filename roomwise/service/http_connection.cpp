@@ -69,7 +69,8 @@ class HttpConnection final : public Connection,
   HttpConnection(std::shared_ptr<TableEntry> entry, asio::ip::tcp::socket socket, std::string peer)
       : entry_(std::move(entry)),
         core_(entry_->core()),
-        peer_(std::move(peer)),
+        connected_(std::move(peer)),
+        peer_(connected_),
         stream_(std::move(socket), core_.tls) {}
 
   void start() {
@@ -127,9 +128,41 @@ class HttpConnection final : public Connection,
     if (const auto head = read_head_into(request_, parser_->get(), peer_); !head) {
       return answer_at_once(error_answer(400, head.error().message));
     }
+    if (core_.options.proxies.contains(connected_)) take_peer_from_proxy();
     expires_after(core_.options.limits.request_s);
     if (auto refusal = refuse_foreign(request_)) return answer_at_once(*std::move(refusal));
-    if (auto refusal = identify()) return answer_at_once(*std::move(refusal));
+    find_home();
+  }
+
+  // A proxy puts the address of who asks last.
+  void take_peer_from_proxy() {
+    const std::string_view all = request_.header("x-forwarded-for");
+    std::string_view last = all.substr(all.rfind(',') + 1);
+    last.remove_prefix(std::min(last.find_first_not_of(' '), last.size()));
+    peer_ = is_address(last) ? std::string(last) : connected_;
+    request_.peer = peer_;
+  }
+
+  // Whose home the request is for, and whom it is from.
+  void find_home() {
+    home_.reset();
+    if (core_.homes->arrives_at_once()) {
+      return on_arrival(core_.homes->arrive(request_, core_.now()));
+    }
+    const auto arrive = [this] { return core_.homes->arrive(request_, core_.now()); };
+    on_worker(arrive, [this](auto arrival) { on_arrival(std::move(arrival)); });
+  }
+
+  void on_arrival(std::variant<Arrival, HttpAnswer> outcome) {
+    if (auto* refusal = std::get_if<HttpAnswer>(&outcome)) {
+      return answer_at_once(std::move(*refusal));
+    }
+    auto& arrival = std::get<Arrival>(outcome);
+    home_ = std::move(arrival.home);
+    request_.who = std::move(arrival.who);
+    request_.base = std::move(arrival.base);
+    request_.path.erase(0, request_.base.size());
+    if (auto refusal = refuse_too_many()) return answer_at_once(*std::move(refusal));
     if (auto refusal = refuse_other_names()) return answer_at_once(*std::move(refusal));
     find_handler();
   }
@@ -149,16 +182,15 @@ class HttpConnection final : public Connection,
     if (error == http::error::end_of_stream) shut_down();
   }
 
-  // Whose request it is, and whether it is one too many.
-  std::optional<HttpAnswer> identify() {
+  std::optional<HttpAnswer> refuse_too_many() {
     const Now now = core_.now();
-    if (const auto token = token_of(request_)) request_.who = core_.access.identify(*token, now);
     const bool device = request_.who.has_value();
-    if (device && !core_.table.identify(entry_->number(), request_.who->device)) {
+    if (device && !core_.table.identify(entry_->number(), {home_->name(), request_.who->device})) {
       core_.events.refused("too many connections of one device", peer_, now.steady_s);
       return too_many("this device has too many connections");
     }
-    if (device ? core_.device_rate.take(fmt::format("{}", request_.who->device), now.steady_s)
+    if (device ? core_.device_rate.take(fmt::format("{} {}", home_->name(), request_.who->device),
+                                        now.steady_s)
                : core_.peer_rate.take(peer_, now.steady_s)) {
       return std::nullopt;
     }
@@ -184,17 +216,18 @@ class HttpConnection final : public Connection,
   }
 
   void find_handler() {
-    if (request_.method == "GET" && !core_.router.knows(request_.path) &&
+    if (request_.method == "GET" && !home_->router().knows(request_.path) &&
         !request_.path.starts_with("/api/")) {
       where_ = "a page";
       leave_body();
       return work([this] { return core_.pages.answer(request_); });
     }
-    auto found = core_.router.find(request_);
+    auto found = home_->router().find(request_);
     if (auto* refusal = std::get_if<HttpAnswer>(&found)) return answer_at_once(std::move(*refusal));
     match_ = std::get<RouteMatch>(std::move(found));
-    where_ = match_.route->pattern;
-    if (where_ == "/api/socket" && beast::websocket::is_upgrade(parser_->get())) return upgrade();
+    where_ = request_.base + match_.route->pattern;
+    if (match_.route->pattern == "/api/socket" && beast::websocket::is_upgrade(parser_->get()))
+      return upgrade();
     read_body();
   }
 
@@ -210,10 +243,17 @@ class HttpConnection final : public Connection,
                      [self = shared_from_this()](error_code error, std::size_t) {
                        if (error) return self->on_unreadable(error);
                        self->request_.body = std::move(self->parser_->get().body());
-                       self->work([connection = self.get()] {
-                         return connection->core_.router.answer(connection->request_);
-                       });
+                       self->work([connection = self.get()] { return connection->handle(); });
                      });
+  }
+
+  // On a worker.
+  HttpAnswer handle() {
+    HttpAnswer answer = home_->router().answer(request_);
+    if (request_.who && request_.method != "GET") {
+      home_->did(request_, *match_.route, answer.status);
+    }
+    return answer;
   }
 
   void say_continue() {
@@ -232,9 +272,21 @@ class HttpConnection final : public Connection,
     if (buffer_.size() > 0) {
       return answer_at_once(error_answer(400, "the client must wait until the WebSocket is open"));
     }
+    const auto prepare = [home = home_] { return home->sockets(); };
+    if (core_.homes->arrives_at_once()) return on_prepared(prepare());
+    on_worker(prepare, [this](auto sockets) { on_prepared(std::move(sockets)); });
+  }
+
+  void on_prepared(Expected<SocketHandler*> sockets) {
+    if (!sockets) {
+      HttpAnswer answer = error_answer(503, sockets.error().message);
+      answer.headers.emplace_back("Retry-After", "1");
+      return answer_at_once(std::move(answer));
+    }
     if (ending_) return shut_down();
     // From here on the stream is another's; this connection ends with this function.
-    serve_socket(std::move(entry_), std::move(stream_), parser_->release(), *request_.who, peer_);
+    serve_socket(std::move(entry_), std::move(stream_), parser_->release(),
+                 {std::move(home_), *sockets, *request_.who}, peer_);
   }
 
   // ---- answering ----
@@ -242,19 +294,25 @@ class HttpConnection final : public Connection,
   // Has a worker make the answer.
   template <typename Make>
   void work(Make make) {
+    on_worker(std::move(make), [this](HttpAnswer answer) { write(std::move(answer)); });
+  }
+
+  // Has a worker make something, with which it goes on here.
+  template <typename Make, typename GoOn>
+  void on_worker(Make make, GoOn go_on) {
     if (core_.waiting_requests >= core_.options.limits.waiting_requests) {
       core_.events.refused("too many requests at once", peer_, core_.now().steady_s);
       return answer_at_once(error_answer(503, "the computer is busy; try again soon"));
     }
     ++core_.waiting_requests;
     beast::get_lowest_layer(stream_).expires_never();
-    asio::post(core_.workers, [self = shared_from_this(), make]() mutable {
-      auto answer = std::make_shared<HttpAnswer>(make());
+    asio::post(core_.workers, [self = shared_from_this(), make, go_on]() mutable {
+      auto made = std::make_shared<decltype(make())>(make());
       ServerCore& core = self->core_;
       --core.waiting_requests;
-      asio::post(core.io, [self = std::move(self), answer = std::move(answer)] {
+      asio::post(core.io, [self = std::move(self), made = std::move(made), go_on] {
         self->expires_after(self->core_.options.limits.request_s);
-        self->write(std::move(*answer));
+        go_on(std::move(*made));
       });
     });
   }
@@ -275,6 +333,8 @@ class HttpConnection final : public Connection,
     core_.events.answered(answer.status, string_of(parser_->get().method_string()), where_, peer_,
                           core_.now().steady_s);
     where_ = "an unknown address";
+    match_ = {};
+    home_.reset();  // it may be closed now
     keep_alive_ = keep_alive_ && !ending_;
     make_response(std::move(answer));
     http::async_write(stream_, *response_,
@@ -337,12 +397,14 @@ class HttpConnection final : public Connection,
 
   std::shared_ptr<TableEntry> entry_;
   ServerCore& core_;
-  std::string peer_;
+  const std::string connected_;  // the address at the other end
+  std::string peer_;             // who asks: another where that is a proxy
   TlsStream stream_;
   beast::flat_buffer buffer_{std::size_t{1} << 16U};
   std::optional<Parser> parser_;
   std::optional<http::response<http::vector_body<std::uint8_t>>> response_;
   HttpRequest request_;
+  std::shared_ptr<ServedHome> home_;  // before what refers to it
   RouteMatch match_;
   std::string where_ = "an unknown address";  // for the log
   std::array<std::uint8_t, 4096> scratch_{};

@@ -37,8 +37,21 @@ std::uint64_t LatencyHistogram::at_most(std::size_t index) const {
 }
 
 void MetricsText::family(std::string_view name, std::string_view type, std::string_view help) {
-  name_ = fmt::format("roomwise_{}", name);
-  text_ += fmt::format("# HELP {0} {1}\n# TYPE {0} {2}\n", name_, help, type);
+  const std::string full = fmt::format("roomwise_{}", name);
+  const auto found = std::ranges::find(families_, full, &Family::name);
+  current_ = static_cast<std::size_t>(found - families_.begin());
+  if (found != families_.end()) return;
+  families_.push_back({full, fmt::format("# HELP {0} {1}\n# TYPE {0} {2}\n", full, help, type)});
+}
+
+void MetricsText::label_all(std::string_view name, std::string_view value) {
+  common_ = name.empty() ? "" : fmt::format("{}=\"{}\"", name, escaped(value));
+}
+
+std::string MetricsText::text() const {
+  std::string all;
+  for (const Family& family : families_) all += family.text;
+  return all;
 }
 
 void MetricsText::sample(const Labels& labels, double value) {
@@ -62,15 +75,13 @@ void MetricsText::histogram(const Labels& labels, const LatencyHistogram& histog
 }
 
 void MetricsText::line(std::string_view suffix, const Labels& labels, std::string_view value) {
-  text_ += name_;
-  text_ += suffix;
-  const char* before = "{";
+  std::string all = common_;
   for (const auto& [name, text] : labels) {
-    text_ += fmt::format("{}{}=\"{}\"", before, name, escaped(text));
-    before = ",";
+    all += fmt::format("{}{}=\"{}\"", all.empty() ? "" : ",", name, escaped(text));
   }
-  if (!labels.empty()) text_ += '}';
-  text_ += fmt::format(" {}\n", value);
+  Family& family = families_.at(current_);
+  family.text += fmt::format("{}{}{}{}{} {}\n", family.name, suffix, all.empty() ? "" : "{", all,
+                             all.empty() ? "" : "}", value);
 }
 
 }  // namespace roomwise::service

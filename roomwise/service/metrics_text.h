@@ -55,13 +55,23 @@ class MetricsText {
     sample({}, value);
   }
 
-  [[nodiscard]] const std::string& text() const { return text_; }
+  // Puts this label before those of each sample to come; no name: none any more. A family that is
+  // begun again goes on, so that those of several homes stand together.
+  void label_all(std::string_view name, std::string_view value);
+
+  [[nodiscard]] std::string text() const;
 
  private:
   void line(std::string_view suffix, const Labels& labels, std::string_view value);
 
-  std::string name_;
-  std::string text_;
+  struct Family {
+    std::string name;
+    std::string text;
+  };
+
+  std::vector<Family> families_;  // in the order in which they were begun first
+  std::size_t current_ = 0;
+  std::string common_;  // home="flat-7"
 };
 
 }  // namespace roomwise::service

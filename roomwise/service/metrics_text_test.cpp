@@ -42,5 +42,23 @@ TEST(MetricsTextTest, IsWhatPrometheusReads) {
             "roomwise_answer_seconds_count{question=\"repeat\"} 2\n");
 }
 
+TEST(MetricsTextTest, SamplesOfSeveralHomesStandInOneFamily) {
+  MetricsText text;
+  for (const char* home : {"a", "b"}) {
+    text.label_all("home", home);
+    text.single("frames", "counter", "Frames.", std::uint64_t{1});
+    text.family("jobs", "counter", "Jobs.");
+    text.sample({{"job", "map"}}, std::uint64_t{2});
+  }
+  text.label_all("", "");
+  text.single("homes", "gauge", "Homes.", std::uint64_t{2});
+  EXPECT_EQ(text.text(),
+            "# HELP roomwise_frames Frames.\n# TYPE roomwise_frames counter\n"
+            "roomwise_frames{home=\"a\"} 1\nroomwise_frames{home=\"b\"} 1\n"
+            "# HELP roomwise_jobs Jobs.\n# TYPE roomwise_jobs counter\n"
+            "roomwise_jobs{home=\"a\",job=\"map\"} 2\nroomwise_jobs{home=\"b\",job=\"map\"} 2\n"
+            "# HELP roomwise_homes Homes.\n# TYPE roomwise_homes gauge\nroomwise_homes 2\n");
+}
+
 }  // namespace
 }  // namespace roomwise::service

@@ -91,7 +91,15 @@ HttpAnswer PageFiles::answer(const HttpRequest& request) const {
     // Its own links are relative to the folder.
     HttpAnswer moved;
     moved.status = 308;
-    moved.headers = {{"Location", fmt::format("{}/", request.path)}};
+    moved.headers = {{"Location", fmt::format("{}{}/", request.base, request.path)}};
+    return moved;
+  }
+  if (file->filename() != "index.html" && path->ends_with('/')) {
+    // Likewise: of a file they are relative to the folder that it is in.
+    HttpAnswer moved;
+    moved.status = 308;
+    const std::size_t end = request.path.find_last_not_of('/') + 1;
+    moved.headers = {{"Location", request.base + request.path.substr(0, end)}};
     return moved;
   }
   Expected<Bytes> bytes = read_file(*file);

@@ -39,6 +39,12 @@ double PairingGuard::wait_s(const std::string& peer, double now_s) const {
   return std::max(own_s, wait_s(now_s));
 }
 
+double PairingGuard::wait_s_of_any(double now_s) const {
+  double most_s = wait_s(now_s);
+  for (const auto& [peer, guesses] : peers_) most_s = std::max(most_s, guesses.until_s - now_s);
+  return most_s;
+}
+
 std::vector<PairingGuard::Code> PairingGuard::codes(double now_s) {
   std::erase_if(codes_, [&](const Code& code) { return code.until_s <= now_s; });
   return codes_;

@@ -42,6 +42,8 @@ class PairingGuard {
   // How long nobody is heard any more, or (with a peer) that one is not; 0: guess.
   [[nodiscard]] double wait_s(double now_s) const;
   [[nodiscard]] double wait_s(const std::string& peer, double now_s) const;
+  // How long until nobody has to wait.
+  [[nodiscard]] double wait_s_of_any(double now_s) const;
   // The codes that can be redeemed now.
   [[nodiscard]] std::vector<Code> codes(double now_s);
   // What came of a guess.

@@ -25,6 +25,8 @@ struct Route {
   // Called on any of several threads at once.
   std::function<HttpAnswer(const HttpRequest&, const Placeholders&)> handler;
   std::size_t max_body_bytes = std::size_t{64} << 10U;
+  // Whether who keeps many homes is told that it was done: not of each piece of a file.
+  bool is_audited = true;
 };
 
 // A route that was found for a request, with what its placeholders stand for.

@@ -24,17 +24,9 @@ std::string address_text(asio::ip::address address) {
   return address.to_string();
 }
 
-// The socket's row of the table of routes: the router decides who may.
 Router with_socket(const Router& router, std::function<void(std::string_view)> log) {
   std::vector<Route> routes = router.routes();
-  routes.push_back({"GET", "/api/socket", Role::kDevice,
-                    [](const HttpRequest&, const Placeholders&) {
-                      HttpAnswer answer = error_answer(
-                          426, "this is a WebSocket: upgrade, with the subprotocol roomwise.1");
-                      answer.headers = {{"Upgrade", "websocket"}, {"Connection", "Upgrade"}};
-                      return answer;
-                    },
-                    0});
+  routes.push_back(socket_route());
   return Router(std::move(routes), std::move(log));
 }
 
@@ -53,17 +45,12 @@ Expected<void> prepare_tls(asio::ssl::context& tls, const Certificate& certifica
 
 }  // namespace
 
-ServerCore::ServerCore(ServerOptions options_, AllowedHosts hosts_, Router router_,
-                       PageFiles pages_, AccessRegister& access_, SocketHandler& sockets_)
+ServerCore::ServerCore(ServerOptions options_, AllowedHosts hosts_, PageFiles pages_)
     : options(std::move(options_)),
       hosts(std::move(hosts_)),
-      router(
-          with_socket(router_, [this](std::string_view line) { events.say(std::string(line)); })),
       pages(std::move(pages_)),
-      access(access_),
-      sockets(sockets_),
       events(options.log),
-      table(options.limits),
+      table(options.limits, options.proxies),
       peer_rate(options.limits.burst_per_peer, options.limits.rate_per_peer),
       device_rate(options.limits.burst_per_device, options.limits.rate_per_device),
       workers(std::max<std::size_t>(1, options.workers)),
@@ -130,8 +117,8 @@ class ListeningServer final : public Server {
     core_->events.say("stopped");
   }
 
-  void disconnect(std::int64_t device, std::string reason) override {
-    asio::post(core_->io, [core = core_, device, reason = std::move(reason)] {
+  void disconnect(DeviceOfHome device, std::string reason) override {
+    asio::post(core_->io, [core = core_, device = std::move(device), reason = std::move(reason)] {
       for (const auto& connection : core->table.of(device)) connection->end(reason);
     });
   }
@@ -150,7 +137,9 @@ class ListeningServer final : public Server {
     counts.open_sockets = core_->table.sockets();
     return counts;
   }
-  [[nodiscard]] std::set<std::int64_t> online() const override { return core_->table.online(); }
+  [[nodiscard]] std::set<std::int64_t> online(const std::string& home) const override {
+    return core_->table.online(home);
+  }
 
  private:
   void accept() {
@@ -197,18 +186,40 @@ class ListeningServer final : public Server {
   std::thread thread_;
 };
 
+Expected<std::shared_ptr<ServerCore>> make_core(ServerOptions options) {
+  ROOMWISE_TRY(PageFiles pages, PageFiles::open(options.pages));
+  ROOMWISE_TRY(AllowedHosts hosts, AllowedHosts::of(options.allowed_hosts));
+  for (const std::string& proxy : options.proxies) {
+    if (!is_address(proxy)) return fail("'{}' is no address of a proxy, as 192.168.1.7 is", proxy);
+  }
+  auto core = std::make_shared<ServerCore>(std::move(options), std::move(hosts), std::move(pages));
+  ROOMWISE_CHECK_OK(prepare_tls(core->tls, core->options.certificate));
+  return core;
+}
+
+Expected<std::unique_ptr<Server>> listening(std::shared_ptr<ServerCore> core) {
+  auto server = std::make_unique<ListeningServer>(std::move(core));
+  ROOMWISE_CHECK_OK(server->listen());
+  return server;
+}
+
 }  // namespace
 
 Expected<std::unique_ptr<Server>> Server::open(ServerOptions options, Router router,
                                                AccessRegister& access, SocketHandler& sockets) {
-  ROOMWISE_TRY(PageFiles pages, PageFiles::open(options.pages));
-  ROOMWISE_TRY(AllowedHosts hosts, AllowedHosts::of(options.allowed_hosts));
-  auto core = std::make_shared<ServerCore>(std::move(options), std::move(hosts), std::move(router),
-                                           std::move(pages), access, sockets);
-  ROOMWISE_CHECK_OK(prepare_tls(core->tls, core->options.certificate));
-  auto server = std::make_unique<ListeningServer>(std::move(core));
-  ROOMWISE_CHECK_OK(server->listen());
-  return server;
+  ROOMWISE_TRY(auto core, make_core(std::move(options)));
+  const auto log = [raw = core.get()](std::string_view line) {
+    raw->events.say(std::string(line));
+  };
+  core->own_homes = only_home(with_socket(router, log), access, sockets);
+  core->homes = core->own_homes.get();
+  return listening(std::move(core));
+}
+
+Expected<std::unique_ptr<Server>> Server::open(ServerOptions options, HomesAtPort& homes) {
+  ROOMWISE_TRY(auto core, make_core(std::move(options)));
+  core->homes = &homes;
+  return listening(std::move(core));
 }
 
 Expected<std::unique_ptr<Server>> Server::start(ServerOptions options, Router router,

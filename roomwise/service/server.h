@@ -17,6 +17,7 @@
 #include "roomwise/service/certificate.h"
 #include "roomwise/service/connection_table.h"
 #include "roomwise/service/router.h"
+#include "roomwise/service/served_home.h"
 
 namespace roomwise::service {
 
@@ -84,6 +85,9 @@ struct ServerOptions {
   Certificate certificate;
   // Names by which strangers may call it (AllowedHosts); addresses always are.
   std::vector<std::string> allowed_hosts;
+  // Addresses of proxies, which say by the header X-Forwarded-For for whom they ask. Of others that
+  // header counts nothing.
+  std::set<std::string> proxies;
   std::filesystem::path pages;  // folder of files for everyone; empty: none
   ServerLimits limits;
   std::size_t workers = 2;          // threads that answer requests
@@ -118,6 +122,9 @@ class Server {
   [[nodiscard]] static Expected<std::unique_ptr<Server>> open(ServerOptions options, Router router,
                                                               AccessRegister& access,
                                                               SocketHandler& sockets);
+  // The same in front of many homes, which must outlive it.
+  [[nodiscard]] static Expected<std::unique_ptr<Server>> open(ServerOptions options,
+                                                              HomesAtPort& homes);
   // Serves until stop(), which ends it for good. Once.
   virtual void serve() = 0;
   // Both, where no handler needs the server itself.
@@ -133,12 +140,16 @@ class Server {
 
   [[nodiscard]] virtual std::uint16_t port() const = 0;
   [[nodiscard]] virtual ServerCounts counts() const = 0;
-  // The devices that have a WebSocket open.
-  [[nodiscard]] virtual std::set<std::int64_t> online() const = 0;
+  // The devices of the home that have a WebSocket open; `home`: its ServedHome::name().
+  [[nodiscard]] virtual std::set<std::int64_t> online(const std::string& home) const = 0;
+  [[nodiscard]] std::set<std::int64_t> online() const { return online({}); }
   // Shows connections to come another certificate.
   virtual void use_certificate(Certificate certificate) = 0;
   // Closes all connections of a device: after its token was revoked.
-  virtual void disconnect(std::int64_t device, std::string reason) = 0;
+  virtual void disconnect(DeviceOfHome device, std::string reason) = 0;
+  void disconnect(std::int64_t device, std::string reason) {
+    disconnect(DeviceOfHome{{}, device}, std::move(reason));
+  }
 };
 
 }  // namespace roomwise::service

@@ -36,17 +36,15 @@ inline std::chrono::milliseconds milliseconds_of(double seconds) {
 // Connections share it, so that it outlives the last of them. One thread runs `io`; all that is
 // not said to be thread-safe belongs to it.
 struct ServerCore {
-  ServerCore(ServerOptions options, AllowedHosts hosts, Router router, PageFiles pages,
-             AccessRegister& access, SocketHandler& sockets);
+  ServerCore(ServerOptions options, AllowedHosts hosts, PageFiles pages);
 
   [[nodiscard]] Now now() const { return options.clock(); }
 
   const ServerOptions options;
   const AllowedHosts hosts;
-  const Router router;
   const PageFiles pages;
-  AccessRegister& access;
-  SocketHandler& sockets;
+  std::unique_ptr<HomesAtPort> own_homes;  // where there is one
+  HomesAtPort* homes = nullptr;            // set once, before anything is served
   ServerEvents events;
   ConnectionTable table;
   RateLimit peer_rate;
@@ -82,8 +80,15 @@ class TableEntry {
 void serve_http(const std::shared_ptr<ServerCore>& core, asio::ip::tcp::socket socket,
                 const std::string& peer);
 
+// Whose a WebSocket is, and who hears it: the home stays open as long as this is held.
+struct SocketOwner {
+  std::shared_ptr<ServedHome> home;
+  SocketHandler* sockets = nullptr;
+  Identity who;
+};
+
 // Goes on with a connection whose request asks for a WebSocket and may have one.
 void serve_socket(std::shared_ptr<TableEntry> entry, TlsStream stream, BeastRequest request,
-                  Identity who, std::string peer);
+                  SocketOwner owner, std::string peer);
 
 }  // namespace roomwise::service

@@ -51,11 +51,15 @@ class Outbox final : public SocketOut, public std::enable_shared_from_this<Outbo
 class SocketConnection final : public Connection,
                                public std::enable_shared_from_this<SocketConnection> {
  public:
-  SocketConnection(std::shared_ptr<TableEntry> entry, TlsStream stream, Identity who,
+  SocketConnection(std::shared_ptr<TableEntry> entry, TlsStream stream, SocketOwner owner,
                    std::string peer)
       : entry_(std::move(entry)),
         core_(entry_->core()),
-        who_(std::move(who)),
+        owner_(std::move(owner)),
+        who_(owner_.who),
+        known_as_(owner_.home->name().empty()
+                      ? fmt::format("device {}", who_.device)
+                      : fmt::format("{}: device {}", owner_.home->name(), who_.device)),
         peer_(std::move(peer)),
         stream_(std::move(stream)),
         buffer_(core_.options.limits.message_bytes),
@@ -125,13 +129,13 @@ class SocketConnection final : public Connection,
   void on_open() {
     open_ = true;
     core_.events.opened_socket();
-    core_.events.say(fmt::format("{}: device {} ({}) connected", peer_, who_.device, who_.name));
+    core_.events.say(fmt::format("{}: {} ({}) connected", peer_, known_as_, who_.name));
     for (const auto& older : core_.table.open_socket(entry_->number())) {
       older->end("this device has connected again");
     }
     await_hello();
     on_session([self = shared_from_this()] {
-      self->session_ = self->core_.sockets.connect(self->who_, self->out_);
+      self->session_ = self->owner_.sockets->connect(self->who_, self->out_);
       if (!self->session_) self->out_->close("unavailable");
     });
     flush();
@@ -156,7 +160,7 @@ class SocketConnection final : public Connection,
         call();
       } catch (const std::exception& exception) {
         self->core_.events.say(
-            fmt::format("device {}: its session failed: {}", self->who_.device, exception.what()));
+            fmt::format("{}: its session failed: {}", self->known_as_, exception.what()));
         self->out_->close("the computer made a mistake");
       }
       ServerCore& core = self->core_;
@@ -243,7 +247,7 @@ class SocketConnection final : public Connection,
     } else if (error == beast::error::timeout) {
       core_.events.refused("a client that is gone", peer_, core_.now().steady_s);
     }
-    core_.events.say(fmt::format("{}: device {} ({}) gone{}", peer_, who_.device, who_.name,
+    core_.events.say(fmt::format("{}: {} ({}) gone{}", peer_, known_as_, who_.name,
                                  end_reason_.empty() ? "" : ": " + end_reason_));
     if (!closing_) cut();
     asio::post(strand_, [self = shared_from_this()] {
@@ -251,7 +255,7 @@ class SocketConnection final : public Connection,
         if (self->session_) self->session_->on_closed();
       } catch (const std::exception& exception) {
         self->core_.events.say(
-            fmt::format("device {}: its session failed: {}", self->who_.device, exception.what()));
+            fmt::format("{}: its session failed: {}", self->known_as_, exception.what()));
       }
       self->session_.reset();
     });
@@ -259,7 +263,9 @@ class SocketConnection final : public Connection,
 
   std::shared_ptr<TableEntry> entry_;
   ServerCore& core_;
+  const SocketOwner owner_;  // before what it keeps open
   const Identity who_;
+  const std::string known_as_;  // in the log
   const std::string peer_;
   websocket::stream<TlsStream> stream_;
   beast::flat_buffer buffer_;
@@ -320,11 +326,11 @@ void Outbox::sent(std::size_t bytes) {
 }  // namespace
 
 void serve_socket(std::shared_ptr<TableEntry> entry, TlsStream stream, BeastRequest request,
-                  Identity who, std::string peer) {
+                  SocketOwner owner, std::string peer) {
   ServerCore& core = entry->core();
   const ConnectionTable::Number number = entry->number();
   auto connection = std::make_shared<SocketConnection>(std::move(entry), std::move(stream),
-                                                       std::move(who), std::move(peer));
+                                                       std::move(owner), std::move(peer));
   core.table.set(number, connection);
   connection->start(std::move(request));
 }

@@ -379,8 +379,14 @@ TEST(ServerAddressTest, IsHostAndPort) {
   EXPECT_EQ(parse_server_address("flat.local:8443")->host, "flat.local");
   EXPECT_EQ(parse_server_address("[fe80::1]:8443")->host, "fe80::1");
   EXPECT_EQ(parse_server_address("10.0.0.1:1")->port, 1);
+  EXPECT_EQ(parse_server_address("10.0.0.1:1")->base, "");
+  const auto one_of_many = parse_server_address("[::1]:8443/homes/flat-7/");
+  ASSERT_OK(one_of_many);
+  EXPECT_EQ(one_of_many->host, "::1");
+  EXPECT_EQ(one_of_many->base, "/homes/flat-7");
   for (const char* bad :
-       {"", "flat", "flat:", ":1", "flat:0", "flat:65536", "flat:1x", "https://flat:1", "a b:1"}) {
+       {"", "flat", "flat:", ":1", "flat:0", "flat:65536", "flat:1x", "https://flat:1", "a b:1",
+        "flat:1/homes", "flat:1/homes/", "flat:1/homes/a/b", "flat:1/else", "flat:1/homes/a?b"}) {
     EXPECT_ERROR(parse_server_address(bad), "HOST:PORT");
   }
 }

@@ -16,13 +16,13 @@ rmSync(out, { recursive: true, force: true });
 mkdirSync(out, { recursive: true });
 cpSync(join(web, 'static'), out, { recursive: true });
 // The pages differ in their code and style alone; the helper's is the one at "/".
-for (const [file, page] of [['index', 'helper'], ['device', 'device'], ['pair', 'pair']]) {
+for (const [file, page] of [['index', 'helper'], ['device', 'device'], ['pair', 'pair'], ['staff', 'staff']]) {
   writeFileSync(join(out, `${file}.html`), readFileSync(join(web, 'src/page.html'), 'utf8').replaceAll('PAGE', page));
 }
 cpSync(join(web, 'node_modules/three/LICENSE'), join(out, 'js/three-license.txt'));
 await build({
   ...common,
-  entryPoints: ['device', 'helper', 'pair'].map((page) => ({ in: join(web, `src/${page}/main.ts`), out: `js/${page}` })),
+  entryPoints: ['device', 'helper', 'pair', 'staff'].map((page) => ({ in: join(web, `src/${page}/main.ts`), out: `js/${page}` })),
   format: 'esm',
   splitting: true,
   chunkNames: 'js/part-[hash]',
@@ -31,7 +31,7 @@ await build({
 });
 await build({
   ...common,
-  entryPoints: ['device', 'helper', 'manual', 'pair'].map((page) => ({ in: join(web, `src/styles/${page}.css`), out: `css/${page}` })),
+  entryPoints: ['device', 'helper', 'manual', 'pair', 'staff'].map((page) => ({ in: join(web, `src/styles/${page}.css`), out: `css/${page}` })),
   outdir: out,
 });
 

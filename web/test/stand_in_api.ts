@@ -21,6 +21,7 @@ class Refusal extends Error {
   }
 }
 
+export const kStaffPassword = 'correct horse battery';
 export const kSecret = 'AbCdEfGhIjKlMnOpQr_-12';
 
 const kRoutes: [string, RegExp, Role | '-', Handler][] = [
@@ -28,6 +29,16 @@ const kRoutes: [string, RegExp, Role | '-', Handler][] = [
   ['POST', /^\/api\/pair$/, '-', pair],
   ['GET', /^\/api\/me$/, 'device', ({ role }) => ({ device: role === 'helper' ? 1 : 3, name: role === 'helper' ? 'Kitchen tablet' : "Anna's phone", role })],
   ['POST', /^\/api\/leave$/, 'device', ({ server }) => (server.state.unpairAll(), {})],
+  ['GET', /^\/api\/staff\/me$/, '-', ({ server }) => staffOf(server)],
+  ['POST', /^\/api\/staff\/sign-in$/, '-', ({ server, body }) => {
+    const { name, password } = json<{ name: string; password: string }>(body);
+    if (name !== 'anna' || password !== kStaffPassword) {
+      throw new Refusal(401, 'the name or the password is wrong');
+    }
+    server.state.staff = name;
+    return staffOf(server);
+  }],
+  ['POST', /^\/api\/staff\/sign-out$/, '-', ({ server }) => ((server.state.staff = null), {})],
   ['GET', /^\/api\/home$/, 'device', ({ server }) => server.state.home],
   ['DELETE', /^\/api\/home$/, 'helper', forgetHome],
   ['GET', /^\/api\/devices$/, 'helper', ({ server }) => ({ devices: server.state.devices })],
@@ -243,6 +254,13 @@ function changed(server: StandInServer): object {
   server.tell('helper', { ...members, type: 'home' });
   server.tell('device', { ...members, type: 'home' });
   return {};
+}
+
+function staffOf(server: StandInServer): object {
+  if (server.state.staff === null) {
+    throw new Refusal(401, 'sign in first');
+  }
+  return { name: server.state.staff, homes: [{ name: 'flat-1', role: 'helper' }, { name: 'flat-2', role: 'device' }] };
 }
 
 function pair({ server, body, response }: Call): object {

@@ -18,7 +18,7 @@ const kTypes: Record<string, string> = {
   '.html': 'text/html; charset=utf-8', '.js': 'text/javascript; charset=utf-8', '.css': 'text/css; charset=utf-8',
   '.svg': 'image/svg+xml', '.png': 'image/png', '.webmanifest': 'application/manifest+json', '.txt': 'text/plain',
 };
-const kPages: Record<string, string> = { '/': '/index.html', '/device': '/device.html', '/pair': '/pair.html' };
+const kPages: Record<string, string> = { '/': '/index.html', '/device': '/device.html', '/pair': '/pair.html', '/staff': '/staff.html' };
 
 export interface FrameHeader extends Partial<FrameAdditions> {
   t: number;

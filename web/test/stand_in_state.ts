@@ -10,6 +10,7 @@ const kNoon = 1_760_000_000;
 
 export class StandInState {
   readonly code = '314159';
+  staff: string | null = null; // who has signed in
   codeRole: Role = 'device';
   home = makeHome();
   keyframes = makeKeyframes();

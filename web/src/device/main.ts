@@ -1,5 +1,6 @@
 // The phone's page.
 import { ApiError, request } from '../shared/api';
+import { at } from '../shared/base';
 import { byId, h, replaceChildren } from '../shared/dom';
 import type { Language, Me, Sound } from '../shared/protocol';
 import { chooseLanguage, language, text } from '../shared/texts';
@@ -48,7 +49,7 @@ localVoice(language()); // some browsers look for their voices only when they ar
 
 if ('serviceWorker' in navigator) {
   // Refused where the certificate is not trusted: the page works without, only not while the computer is off.
-  navigator.serviceWorker.register('/service_worker.js').catch(() => undefined);
+  navigator.serviceWorker.register(at('/service_worker.js')).catch(() => undefined);
 }
 replaceChildren(page, startView(settings, () => void start()));
 
@@ -87,7 +88,7 @@ async function whoAmI(): Promise<Me | 'not paired' | null> {
 
 // Not without a word, where this device was paired before.
 function goToPairing(): void {
-  const go = (): void => location.assign('/pair');
+  const go = (): void => location.assign(at('/pair'));
   if (isLeaving) {
     return;
   }
@@ -202,5 +203,5 @@ async function leave(): Promise<void> {
   isLeaving = true;
   await request('POST', '/api/leave').catch(() => undefined);
   rememberPaired(window.localStorage, false);
-  location.assign('/pair');
+  location.assign(at('/pair'));
 }

@@ -1,4 +1,5 @@
 // What the person chose on this phone; kept by the browser, never sent but for what `hello` names.
+import { at } from '../shared/base';
 import type { Distances } from '../shared/protocol';
 
 export interface Settings {
@@ -17,7 +18,7 @@ export const kDefaults: Settings = {
 export const kRates = { least: 0.5, most: 3 };
 export const kSteps = { least: 0.3, most: 1.2 };
 const kStored = 'roomwise.settings';
-const kPaired = 'roomwise.paired';
+const kPaired = `roomwise.paired${at('')}`; // of this home
 
 export function loadSettings(storage: Storage): Settings {
   return settingsFrom(storage.getItem(kStored));

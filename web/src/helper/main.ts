@@ -1,6 +1,7 @@
 // The helper's page.
 import { Announcer } from '../shared/announcer';
 import { ApiError, messageOf, request, whenSilent } from '../shared/api';
+import { at } from '../shared/base';
 import { browserSession } from '../shared/browser_session';
 import { byId, h, replaceChildren } from '../shared/dom';
 import { kProtocolVersion, type Me } from '../shared/protocol';
@@ -22,13 +23,13 @@ async function begin(): Promise<void> {
   try {
     const me = await request<Me>('GET', '/api/me');
     if (me.role !== 'helper') {
-      location.replace('/device'); // a device's page
+      location.replace(at('/device')); // a device's page
       return;
     }
     await open(me);
   } catch (error) {
     if (error instanceof ApiError && error.status === 401) {
-      location.replace('/pair');
+      location.replace(at('/pair'));
     } else {
       showFailure(error);
     }

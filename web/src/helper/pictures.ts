@@ -1,10 +1,11 @@
 // Pictures that the home remembers.
+import { at } from '../shared/base';
 import { h } from '../shared/dom';
 import type { Thing } from '../shared/protocol';
 import { formatMoment, text } from '../shared/texts';
 
 export function keyframeAddress(id: number): string {
-  return `/api/keyframes/${id}/picture`;
+  return at(`/api/keyframes/${id}/picture`);
 }
 
 // `walk`: its name; `time_s`: since it began.

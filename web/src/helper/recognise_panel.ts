@@ -1,5 +1,6 @@
 // Learning the rooms, trying a picture, and what was recognised of late.
 import { messageOf, request } from '../shared/api';
+import { at } from '../shared/base';
 import { h, replaceChildren } from '../shared/dom';
 import { textField } from '../shared/forms';
 import type { Recognition, TestResult, Verdict } from '../shared/protocol';
@@ -78,7 +79,7 @@ function recognitionsCard(helper: Helper): HTMLElement {
 
 function recognitionView(one: Recognition): HTMLElement {
   return h('li', {},
-    h('img', { src: `/api/recognitions/${one.number}/picture`, alt: '', loading: 'lazy' }),
+    h('img', { src: at(`/api/recognitions/${one.number}/picture`), alt: '', loading: 'lazy' }),
     h('div', {},
       h('p', { class: 'verdict-words' }, verdictWords(one.verdict, one.room, one.probability)),
       h('p', { class: 'hint' }, `${one.name} · ${formatTime(one.time)}`)));

@@ -1,5 +1,6 @@
 // Recording a walk with a connected device.
 import { messageOf, request } from '../shared/api';
+import { at } from '../shared/base';
 import { h } from '../shared/dom';
 import { selectField, textField } from '../shared/forms';
 import type { Me } from '../shared/protocol';
@@ -57,7 +58,7 @@ export function recordCard(helper: Helper, me: Me): HTMLElement {
     }
   });
   return card(text('record.heading'), h('p', { class: 'hint' }, text('record.explain')), form,
-    h('p', {}, h('a', { href: '/device' }, text('record.with_this_phone'))), progress, jobView(helper, 'map', 'prepare'));
+    h('p', {}, h('a', { href: at('/device') }, text('record.with_this_phone'))), progress, jobView(helper, 'map', 'prepare'));
 }
 
 // "walk", "walk 2", "walk 3", ...

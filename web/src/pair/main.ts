@@ -1,6 +1,7 @@
 // The pairing page: six digits and a name. In their place a secret may come in the address, behind #, where no server
 // sees it.
 import { ApiError, messageOf, request } from '../shared/api';
+import { at } from '../shared/base';
 import { byId, h, replaceChildren } from '../shared/dom';
 import { textField } from '../shared/forms';
 import type { Role } from '../shared/protocol';
@@ -17,7 +18,7 @@ window.addEventListener('hashchange', () => location.reload());
 const secret = secretFrom(location.hash);
 const given = codeFrom(location.hash);
 if (secret || given) {
-  history.replaceState(null, '', '/pair'); // the code is not kept in the history
+  history.replaceState(null, '', at('/pair')); // the code is not kept in the history
 }
 const code = textField(text('pair.code'), {
   hint: text('pair.code_hint'),
@@ -61,7 +62,7 @@ async function pair(): Promise<void> {
   try {
     const body = { ...(secret ? { secret } : { code: digits }), name: name.value(), cookie: true };
     const { role } = await request<{ role: Role }>('POST', '/api/pair', body);
-    location.replace(role === 'helper' ? '/' : '/device');
+    location.replace(at(role === 'helper' ? '/' : '/device'));
   } catch (error) {
     const field = error instanceof ApiError ? fieldOf(error.status, error.message) : null;
     if (field && !(secret && field === 'code')) {

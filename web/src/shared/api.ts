@@ -1,4 +1,5 @@
 // Requests to the home's computer. Whatever goes wrong is an ApiError whose message can be shown.
+import { at } from './base';
 import { text } from './texts';
 
 export class ApiError extends Error {
@@ -36,7 +37,7 @@ async function send<Answer>(
   const answered = watchForSilence(givenUp);
   let refusal: ApiError;
   try {
-    const response = await fetch(path, init);
+    const response = await fetch(at(path), init);
     if (response.ok) {
       return await read(response);
     }
@@ -70,7 +71,7 @@ async function isThere(): Promise<boolean> {
   const late = new AbortController();
   const timer = setTimeout(() => late.abort(), kPatienceMs);
   try {
-    await fetch('/health', { cache: 'no-store', signal: late.signal });
+    await fetch(at('/health'), { cache: 'no-store', signal: late.signal });
     return true; // whatever it says
   } catch {
     return false;

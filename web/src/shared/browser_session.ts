@@ -1,4 +1,5 @@
 // The session over the browser's own socket and timers.
+import { at } from './base';
 import { kSubprotocol, type FromComputer, type Hello } from './protocol';
 import { Session, type Socket } from './session';
 
@@ -11,7 +12,7 @@ export interface SessionHandlers {
 
 export function browserSession(handlers: SessionHandlers): Session {
   const scheme = location.protocol === 'https:' ? 'wss' : 'ws';
-  const address = `${scheme}://${location.host}/api/socket`;
+  const address = `${scheme}://${location.host}${at('/api/socket')}`;
   const session = new Session({
     ...handlers,
     openSocket: () => new WebSocket(address, kSubprotocol) as Socket,
