@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <cstdlib>
 #include <fstream>
 #include <numeric>
 
@@ -13,6 +14,7 @@
 #include "roomwise/base/progress.h"
 #include "roomwise/base/random.h"
 #include "roomwise/base/scratch_file.h"
+#include "roomwise/base/simd.h"
 #include "roomwise/base/stage_clock.h"
 #include "roomwise/base/testing/testing.h"
 #include "roomwise/base/thread_pool.h"
@@ -171,6 +173,30 @@ TEST(StageClock, SumsCalls) {
   EXPECT_EQ(stages.at("features").calls, 2U);
   EXPECT_DOUBLE_EQ(stages.at("features").wall_s, 1.0);
   EXPECT_DOUBLE_EQ(stages.at("features").cpu_s, 0.5);
+}
+
+// What the environment's ROOMWISE_SIMD gives where it is `name`.
+Expected<Simd> simd_named(const char* name) {
+  const std::string before =
+      std::getenv("ROOMWISE_SIMD") == nullptr ? "" : std::getenv("ROOMWISE_SIMD");
+  ::setenv("ROOMWISE_SIMD", name, 1);
+  const Expected<Simd> simd = simd_of_environment();
+  ::setenv("ROOMWISE_SIMD", before.c_str(), 1);  // empty: as if it were not there
+  return simd;
+}
+
+TEST(Simd, IsTheBestOfTheProcessorUnlessTheEnvironmentNamesAnother) {
+  EXPECT_TRUE(is_supported(best_simd()));
+  EXPECT_EQ(simd_named("").value(), best_simd());
+  EXPECT_EQ(simd_named("portable").value(), Simd::kPortable);
+  EXPECT_THAT(simd_named("mmx").error().message, ::testing::HasSubstr("'mmx'; it can be"));
+}
+
+TEST(Simd, ThatThisProcessorLacksIsRefusedByItsName) {
+  // No processor has both.
+  ASSERT_FALSE(is_supported(Simd::kAvx2) && is_supported(Simd::kNeon));
+  const char* const lacking = is_supported(Simd::kNeon) ? "avx2" : "neon";
+  EXPECT_THAT(simd_named(lacking).error().message, ::testing::HasSubstr("lacks"));
 }
 
 TEST(File, WritesWholeOrNotAtAll) {
