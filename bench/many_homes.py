@@ -41,7 +41,7 @@ class Client:
 
     def __init__(self, port, authority):
         context = ssl.create_default_context(cafile=str(authority))
-        raw = socket.create_connection(("127.0.0.1", port), timeout=10)
+        raw = socket.create_connection(("127.0.0.1", port), timeout=60)
         raw.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         self.stream = context.wrap_socket(raw, server_hostname="localhost")
         self.read = self.stream.makefile("rb")
@@ -132,17 +132,18 @@ class Device(threading.Thread):
                 while not self.ending:
                     number += 1
                     began = time.monotonic()
-                    client.send({"type": "ask", "id": number, "t": began * 1000, "question": "which_rooms"})
+                    client.send({"type": "ask", "id": number, "t": began * 1000, "question": "what_is_in",
+                                 "room": f"room of {self.home}"})
                     while True:
                         message = client.receive()
                         tries = 0
-                        if message.get("home", self.home) != self.home:
-                            self.foreign.append(message)
+                        self.check(message)
                         if message["type"] == "error":
                             self.failures.append(message["text"])
                         if message.get("answer_to") == number:
                             break
-                    self.check(message)
+                    if self.home not in message.get("text", ""):
+                        self.failures.append(f"an answer without the home's room: {message.get('text')}")
                     now = time.monotonic()
                     self.answers.append((now, now - began))
                     time.sleep(self.pause_s)
@@ -153,12 +154,10 @@ class Device(threading.Thread):
                     tries += 1
 
     def check(self, message):
-        """A room of each home is called after it."""
-        if "room of" not in message.get("text", ""):
-            self.failures.append(f"an answer without the home's room: {message.get('text')}")
-        for other in re.findall(r"room of ([a-z0-9-]+)", message.get("text", "")):
-            if other != self.home:
-                self.foreign.append(message)
+        """A room of each home is called after it, and so is the home."""
+        others = set(re.findall(r"flat-[0-9]+", json.dumps(message))) - {self.home}
+        if others:
+            self.foreign.append(message)
 
 
 class Bench:
@@ -271,8 +270,7 @@ class Bench:
 
     def crossed(self, devices):
         """Every device against a home that is not its own, by each of these requests."""
-        let_in = 0
-        asked = 0
+        answers = {}
         client = Client(self.port, self.authority)
         for i, device in enumerate(devices):
             for step in (1, 7, len(self.names) // 2):
@@ -281,11 +279,16 @@ class Bench:
                     continue
                 for method, path in (("GET", "/api/home"), ("GET", "/api/me"), ("GET", "/api/devices"), ("POST", "/api/leave"),
                                      ("GET", "/api/socket"), ("GET", "/metrics")):
-                    status, _, _ = client.request(method, f"/homes/{other}{path}", {"Authorization": f"Bearer {device.token}"},
-                                                  {} if method == "POST" else None)
-                    asked += 1
-                    let_in += status != 401
-        return asked, let_in
+                    # All come from one address, of which strangers may ask 40 times a second.
+                    status = 429
+                    while status == 429:
+                        status, headers, _ = client.request(
+                            method, f"/homes/{other}{path}", {"Authorization": f"Bearer {device.token}"},
+                            {} if method == "POST" else None)
+                        if status == 429:
+                            time.sleep(0.5)
+                    answers[status] = answers.get(status, 0) + 1
+        return answers
 
     def owner(self, home):
         """The process that has the home: the one that does not say 503 when it is asked itself."""
@@ -351,7 +354,7 @@ def main():
         devices = bench.pair()
         result["opening a home, its first answer (ms)"] = quantiles_ms(bench.opened_s)
         result["code and pairing (ms)"] = quantiles_ms(bench.first_s)
-        result["crossed requests"], result["crossed let in"] = bench.crossed(devices)
+        result["crossed requests, by status"] = bench.crossed(devices)
         began = time.monotonic()
         for device in devices:
             device.start()
@@ -396,7 +399,7 @@ def main():
     finally:
         bench.end()
     print(json.dumps(result, indent=2, ensure_ascii=False))
-    return 1 if is_late or result["answers of another home"] or result["crossed let in"] else 0
+    return 1 if is_late or result["answers of another home"] or set(result["crossed requests, by status"]) != {401} else 0
 
 
 if __name__ == "__main__":

@@ -11,6 +11,7 @@
 #include "qr_code.h"
 #include "roomwise/home/writer_lock.h"
 #include "roomwise/live/house.h"
+#include "roomwise/pipeline/stored/network_precision_key.h"
 #include "roomwise/service/certificate.h"
 #include "roomwise/service/private_file.h"
 #include "roomwise/service/private_folder.h"
@@ -65,35 +66,32 @@ Expected<std::string> metrics_token(const fs::path& folder) {
   return token;
 }
 
-// Networks by what they are: homes that look by the same ones share them.
+// Homes that look by the same networks share them.
 class SharedNetworks {
  public:
-  SharedNetworks(NetworkOptions options, const Context& context)
-      : options_(std::move(options)), context_(context) {}
+  explicit SharedNetworks(NetworkOptions options) : options_(std::move(options)) {}
 
   // `open_options`: of that home.
   Expected<std::shared_ptr<const pipeline::Networks>> of(const fs::path& file,
                                                          const home::OpenOptions& open_options) {
-    // One after the other: each may take a lot of memory until it is known to be there already.
-    const std::scoped_lock lock(mutex_);
     ROOMWISE_TRY(const home::Home home, home::Home::open_read_only(file, open_options));
-    ROOMWISE_TRY(auto loaded, load_networks(options_, &home, /*also_brought=*/true));
-    std::string key;
-    for (const auto& one : loaded) {
-      key += one->name() + " " + one->fingerprint() + " " + one->preprocessing() + "\n";
+    ROOMWISE_TRY(const std::string key, pipeline::network_precision_key(home));
+    // One after the other: who waits for the same ones finds them.
+    const std::scoped_lock lock(mutex_);
+    last_ = known_[key].lock();
+    if (!last_) {
+      ROOMWISE_TRY(auto loaded, load_networks(options_, &home, /*also_brought=*/true));
+      last_ = std::make_shared<const pipeline::Networks>(std::move(loaded));
+      known_[key] = last_;
     }
-    std::weak_ptr<const pipeline::Networks>& known = known_[key];
-    if (auto shared = known.lock()) return shared;
-    auto shared = std::make_shared<const pipeline::Networks>(std::move(loaded));
-    known = shared;
-    return shared;
+    return last_;
   }
 
  private:
   const NetworkOptions options_;
-  const Context& context_;
   std::mutex mutex_;
-  std::map<std::string, std::weak_ptr<const pipeline::Networks>> known_;
+  std::map<std::string, std::weak_ptr<const pipeline::Networks>> known_;  // by what decides them
+  std::shared_ptr<const pipeline::Networks> last_;  // the next home is likely to look by them
 };
 
 // What a process that serves a house consists of, in the order in which it is made; it ends in the
@@ -162,7 +160,7 @@ class HouseServer {
       : options_(options),
         context_(context),
         own_folder_(house_folder(options.home)),
-        networks_(options.networks, context) {}
+        networks_(options.networks) {}
 
   [[nodiscard]] std::string pair_address(const std::string& home) const {
     return fmt::format("{}/homes/{}/pair", address(), home);

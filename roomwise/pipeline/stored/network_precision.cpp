@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "roomwise/network/vision/classifier_outputs.h"
+#include "roomwise/pipeline/stored/network_precision_key.h"
 
 namespace roomwise::pipeline {
 namespace {
@@ -19,8 +20,10 @@ constexpr std::array<std::pair<std::string_view, NetworkPrecision>, 3> kPrecisio
      {"float", NetworkPrecision::kFloat},
      {"eight-bits", NetworkPrecision::kEightBits}}};
 
+constexpr std::string_view kSetting = "precision of network ";
+
 std::string setting_of(const std::string& fingerprint) {
-  return "precision of network " + fingerprint;
+  return std::string(kSetting) + fingerprint;
 }
 
 bool may_be_in_eight_bits(const NetworkFile& file) {
@@ -87,6 +90,16 @@ Expected<std::optional<PrecisionCheck>> stored_precision_check(const home::Home&
                  network::parse_eight_bit_file(json.at("eight_bits").get<std::string>(), origin));
   }
   return check;
+}
+
+Expected<std::string> network_precision_key(const home::Home& home) {
+  ROOMWISE_TRY(const auto settings, home.settings());
+  ROOMWISE_TRY(const auto learned, home.room_classifier());
+  std::string key = learned ? learned->network_fingerprint : "";
+  for (const auto& [name, value] : settings) {
+    if (name.starts_with(kSetting)) key += "\n" + name + "\n" + value;
+  }
+  return key;
 }
 
 Expected<bool> needs_precision_check(const home::Home& home, const NetworkFile& file,
