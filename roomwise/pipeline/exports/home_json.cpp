@@ -85,13 +85,13 @@ Json doors_json(const HomeContents& contents) {
   return doors;
 }
 
-Json storeys_json(const fusion::Storeys& storeys) {
+Json storey_list_json(const fusion::Storeys& storeys) {
   Json all = Json::array();
   for (const fusion::Storey& storey : storeys.all()) all.push_back({{"floor_m", storey.floor_m}});
   return all;
 }
 
-Json stairs_json(const HomeContents& contents) {
+Json flights_json(const HomeContents& contents) {
   Json all = Json::array();
   for (const fusion::Staircase& stairs : contents.storeys().stairs()) {
     const auto room_at = [&](const Eigen::Vector2d& place) {
@@ -199,8 +199,8 @@ std::string home_json(const HomeContents& contents) {
             {"walks", Json::array()}};
   if (contents.storeys().are_several()) {
     json["version"] = 2;
-    json["storeys"] = storeys_json(contents.storeys());
-    json["stairs"] = stairs_json(contents);
+    json["storeys"] = storey_list_json(contents.storeys());
+    json["stairs"] = flights_json(contents);
   }
   for (const rooms::Room& room : contents.rooms) json["rooms"].push_back(room_json(room, contents));
   for (const ThingContent& thing : contents.things) {
