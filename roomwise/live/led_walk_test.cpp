@@ -123,7 +123,7 @@ TEST_F(LedWalkTest, LeadsToAPlaceThatSomebodyMarked) {
   const FrameResult first = picture_at({0, 0}, t_ms);
   const auto led = LedWalk::to(ask_for("my microwave"), home, at(first));
   ASSERT_TRUE(led);
-  EXPECT_THAT(led->begin(at(first)).text, StartsWith("To my microwave: about 3 steps"));
+  EXPECT_THAT(led->begin(at(first)).text, StartsWith("To my microwave: about 2 metres"));
   for (int i = 0; i < 20 && !led->is_over(); ++i) (void)walk(*led, 1, x_m < 1.9 ? 0.5 : 0);
   EXPECT_TRUE(led->is_over());
   EXPECT_NEAR(x_m, 2, 0.4);
