@@ -56,7 +56,7 @@ TEST_F(MarkedSpots, MarkedAgainStandElsewhereAndOthersKeepTheirs) {
 
 TEST_F(MarkedSpots, MoveWithTheMap) {
   ASSERT_OK(mark("my chair"));
-  const RigidTransform moved{Eigen::Quaterniond::Identity(), Eigen::Vector3d(0, 0, 2)};
+  const geometry::RigidTransform moved{Eigen::Quaterniond::Identity(), Eigen::Vector3d(0, 0, 2)};
   std::map<home::KeyframeId, home::KeyframePose> poses;
   const auto keyframes = home_->keyframes();
   for (const home::Keyframe& one : *keyframes) {
