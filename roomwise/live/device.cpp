@@ -302,7 +302,8 @@ void Device::hear_of_spots(const service::Ask& ask) {
   using service::Question;
   if (ask.question == Question::kWhichSpots) {
     std::vector<std::string> names;
-    for (const ViewedSpot& one : host_.view_for(who_)->spots) {
+    const auto view = host_.view_for(who_);
+    for (const ViewedSpot& one : view->spots) {
       if (!one.stored.name.empty()) names.push_back(one.stored.name);
     }
     const TimestampNs now_ns = std::llround(ask.t_ms * 1e6);

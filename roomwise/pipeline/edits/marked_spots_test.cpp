@@ -24,8 +24,8 @@ class MarkedSpots : public testing::MappedRoom {
   }
   std::vector<std::string> names() {
     std::vector<std::string> names;
-    const auto spots = marked_spots(*home_);
-    for (const MarkedSpot& one : *spots) names.push_back(one.name);
+    const auto spots = marked_spots(*home_).value();
+    for (const MarkedSpot& one : spots) names.push_back(one.name);
     return names;
   }
   Eigen::Vector3d where(const std::string& name) {
@@ -58,8 +58,8 @@ TEST_F(MarkedSpots, MoveWithTheMap) {
   ASSERT_OK(mark("my chair"));
   const geometry::RigidTransform moved{Eigen::Quaterniond::Identity(), Eigen::Vector3d(0, 0, 2)};
   std::map<home::KeyframeId, home::KeyframePose> poses;
-  const auto keyframes = home_->keyframes();
-  for (const home::Keyframe& one : *keyframes) {
+  const auto keyframes = home_->keyframes().value();
+  for (const home::Keyframe& one : keyframes) {
     poses[one.id] = {moved * one.pose.world_from_keyframe, 0};
   }
   ASSERT_OK(home_->replace_poses(poses));
