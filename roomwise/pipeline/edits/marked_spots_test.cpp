@@ -80,6 +80,7 @@ TEST_F(MarkedSpots, AreRenamedAndForgotten) {
 }
 
 TEST_F(MarkedSpots, AreNotCalledAsAThingOrARoom) {
+  ASSERT_OK(home_->replace_concepts(rooms::Concepts::standard()));
   EXPECT_ERROR(mark("chair"), "say whose or which it is");
   ASSERT_OK(home_->replace_rooms(std::vector<rooms::Room>{{"nook", "study"}}));
   EXPECT_ERROR(mark("nook"), "is a room of this home");
