@@ -40,17 +40,20 @@ class Bits {
 };
 
 struct Digests {
-  Bits pictures, features, points, views, places, edges, information, keyframes;
+  Bits pictures, keypoints, angles, descriptors, points, views, places, edges, information,
+      keyframes;
 };
 
 void add_measurements(const motion::MeasuredFeatures& found, const motion::RgbdPyramid& view,
                       Digests& digests) {
   for (const features::Keypoint& keypoint : found.features.keypoints) {
-    digests.features.add(keypoint.position_px.data(), 2);
-    digests.features.add(&keypoint.size_px, 3);  // and its angle and response
+    digests.keypoints.add(keypoint.position_px.data(), 2);
+    digests.keypoints.add(&keypoint.size_px, 1);
+    digests.keypoints.add(&keypoint.response, 1);
+    digests.angles.add(&keypoint.angle_rad, 1);
   }
   const auto& rows = std::get<features::RealDescriptors>(found.features.descriptors);
-  digests.features.add(rows.data(), static_cast<std::size_t>(rows.size()));
+  digests.descriptors.add(rows.data(), static_cast<std::size_t>(rows.size()));
   for (std::size_t i = 0; i < found.size(); ++i) {
     digests.points.add(found.pixels[i].data(), 2);
     digests.points.add(found.points[i].data(), 3);
@@ -101,7 +104,9 @@ Expected<void> digest(int argc, char** argv) {
   }
   ROOMWISE_CHECK_OK(add_map(mapper, digests));
   digests.pictures.print("pictures, decoded");
-  digests.features.print("features");
+  digests.keypoints.print("key-points");
+  digests.angles.print("angles of key-points");
+  digests.descriptors.print("descriptors");
   digests.points.print("points of features");
   digests.views.print("views");
   digests.places.print("places of frames");

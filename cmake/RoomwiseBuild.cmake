@@ -10,9 +10,11 @@ set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin)
 # time. Mixed -march flags change Eigen's alignment from one target to the next and corrupt memory.
 # -ffp-contract=off: the same seed gives the same bits whichever way the compiler would have fused.
 add_compile_options(-Wall -Wextra -Wconversion -Wshadow -Werror -ffp-contract=off)
-# Eigen asks this of the compiler, and fuses by itself where it is there, as on every arm64.
+# Eigen asks this of the compiler, and fuses by itself where it is there, as on every arm64; in large products even so.
+set(ROOMWISE_UNFUSED_EIGEN "")
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(aarch64|arm64)$")
   add_compile_options(-U__ARM_FEATURE_FMA)
+  set(ROOMWISE_UNFUSED_EIGEN ${PROJECT_SOURCE_DIR}/cmake/unfused_eigen.h)
 endif()
 if(CMAKE_BUILD_TYPE STREQUAL "Release")
   add_compile_options(-O3)
@@ -57,7 +59,7 @@ endfunction()
 function(add_shared_headers name headers)
   add_library(${name} OBJECT ${PROJECT_SOURCE_DIR}/cmake/shared_headers.cpp)
   target_link_libraries(${name} PRIVATE ${ARGN})
-  target_precompile_headers(${name} PRIVATE ${PROJECT_SOURCE_DIR}/cmake/${headers})
+  target_precompile_headers(${name} PRIVATE ${ROOMWISE_UNFUSED_EIGEN} ${PROJECT_SOURCE_DIR}/cmake/${headers})
 endfunction()
 
 # Most of what is left of a clean build is headers read and templates made anew for every source, so sources of
