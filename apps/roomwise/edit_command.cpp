@@ -11,6 +11,7 @@
 #include "roomwise/pipeline/edits/edit_rooms.h"
 #include "roomwise/pipeline/edits/thing_target.h"
 #include "roomwise/pipeline/edits/undo_edit.h"
+#include "roomwise/pipeline/edits/walk_edits.h"
 #include "roomwise/pipeline/rooms/home_layout.h"
 
 namespace roomwise::app {
@@ -254,13 +255,13 @@ Expected<Answer> forget(const EditOptions& options, Context& context) {
   ROOMWISE_TRY(home::Home home, open_home(options.home, context));
   ROOMWISE_TRY(const bool has_any, pipeline::has_removed_rooms(home));
   ROOMWISE_CHECK_OK(photos_of(options).forget_set_aside());
-  if (has_any) {
-    ROOMWISE_CHECK_OK(pipeline::forget_removed_rooms(home));
-    ROOMWISE_CHECK_OK(home.erase_removed());
-  }
-  return Answer{
-      has_any ? "what was removed is forgotten; no byte of it is left\n" : "no room was removed\n",
-      {{"forgotten", has_any}}};
+  if (has_any) ROOMWISE_CHECK_OK(pipeline::forget_removed_rooms(home));
+  ROOMWISE_CHECK_OK(pipeline::forget_taken_walks(home).map([](const auto&) {}));
+  ROOMWISE_TRY(const bool owes_erasing, home.owes_erasing());
+  if (owes_erasing) ROOMWISE_CHECK_OK(home.erase_removed());
+  return Answer{owes_erasing ? "what was removed is forgotten; no byte of it is left\n"
+                             : "nothing was removed\n",
+                {{"forgotten", owes_erasing}}};
 }
 
 class EditGroup {

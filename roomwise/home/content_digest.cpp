@@ -88,7 +88,8 @@ Expected<std::string> table_digest(const Database& database, const std::string& 
   };
   const auto pictures = std::ranges::find(kPictureColumns, table, &PictureColumn::table);
   const std::string rows_left_out =
-      table == "settings" ? fmt::format("key = '{}'", kProtectionSetting) : "FALSE";
+      table == "settings" ? fmt::format("key IN ('{}', '{}')", kProtectionSetting, kErasingSetting)
+                          : "FALSE";
   ROOMWISE_CHECK_OK(database.for_each(
       fmt::format("SELECT {}, {} FROM \"{}\" WHERE NOT ({})", columns,
                   pictures == kPictureColumns.end() ? "0" : pictures->id, table, rows_left_out),

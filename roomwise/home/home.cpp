@@ -237,16 +237,19 @@ Expected<void> Home::put_setting(std::string_view key, std::string_view value) {
   if (key == kProtectionSetting) {
     return fail("{}: '{}' is no setting of a map; use protect()", file(), key);
   }
+  if (key == kErasingSetting) {
+    return fail("{}: '{}' is no setting of a map; use owe_erasing()", file(), key);
+  }
   return database_.put("settings (key, value)", key, value);
 }
 
 Expected<std::map<std::string, std::string>> Home::settings() const {
   return collect<std::map<std::string, std::string>>(
-      database_, "SELECT key, value FROM settings WHERE key <> ?",
+      database_, "SELECT key, value FROM settings WHERE key NOT IN (?, ?)",
       [](const Statement& row) {
         return std::pair(row.column<std::string>(0), row.column<std::string>(1));
       },
-      kProtectionSetting);
+      kProtectionSetting, kErasingSetting);
 }
 
 Expected<void> Home::add_stage_timings(const std::map<std::string, StageClock::Stage>& stages) {
@@ -308,6 +311,15 @@ Expected<void> Home::copy_to(const std::filesystem::path& path) const {
   return copied;
 }
 
+Expected<void> Home::owe_erasing() {
+  return database_.put("settings (key, value)", kErasingSetting, std::string_view("1"));
+}
+
+Expected<bool> Home::owes_erasing() const {
+  return database_.get<bool>("SELECT EXISTS (SELECT 1 FROM settings WHERE key = ?)",
+                             kErasingSetting);
+}
+
 Expected<void> Home::erase_removed() {
   ROOMWISE_CHECK_OK(database_.run("VACUUM"));
   // The pages as they were lie in the log and in the main file until both are written over.
@@ -315,7 +327,7 @@ Expected<void> Home::erase_removed() {
   if (busy) {
     return fail("{}: another program reads the home; close it, then do this again", file());
   }
-  return {};
+  return database_.run("DELETE FROM settings WHERE key = ?", kErasingSetting);
 }
 
 }  // namespace roomwise::home

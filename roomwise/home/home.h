@@ -492,6 +492,11 @@ class Home {
   // Writes the file anew without what was removed, whose bytes stay in it until then, and empties
   // NAME-wal. Takes as long as copying the file. Fails while somebody else reads the home.
   [[nodiscard]] Expected<void> erase_removed();
+  // In the transaction that takes out what nobody shall find again: keeps in the home that
+  // erase_removed() is to follow, until that succeeds. So whoever opens the home next can do it
+  // where it failed, or the program was killed.
+  [[nodiscard]] Expected<void> owe_erasing();
+  [[nodiscard]] Expected<bool> owes_erasing() const;
 
   // ---- protection of the pictures ----
   [[nodiscard]] bool is_protected() const { return protected_; }

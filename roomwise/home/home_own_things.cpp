@@ -171,6 +171,7 @@ Expected<void> Home::remove_own_thing(OwnThingId id) {
   return change_own_thing(id, [&] {
     return atomically([&]() -> Expected<void> {
       ROOMWISE_CHECK_OK(database_.run("DELETE FROM own_things WHERE own_thing_id = ?", id));
+      ROOMWISE_CHECK_OK(owe_erasing());
       // What was worked out from its views is of it, too.
       return database_.run("DELETE FROM derived_data WHERE name = 'own_things'");
     });

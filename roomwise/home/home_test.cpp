@@ -2,6 +2,7 @@
 
 #include <limits>
 
+#include "roomwise/home/schema.h"
 #include "roomwise/home/testing/sample_home.h"
 
 namespace roomwise::home {
@@ -67,6 +68,28 @@ TEST_F(HomeTest, WhatWasRemovedIsErasedFromTheFiles) {
   ASSERT_OK(home_.erase_removed());
   EXPECT_FALSE(has_trace());
   EXPECT_OK(home_.verify());
+}
+
+TEST_F(HomeTest, OwesErasingUntilItHasSucceeded) {
+  commit_keyframes(2);
+  const std::string digest = home_.content_digest().value();
+  EXPECT_FALSE(home_.owes_erasing().value());
+  ASSERT_OK(home_.owe_erasing());
+  EXPECT_EQ(home_.content_digest().value(), digest);
+  EXPECT_TRUE(home_.settings()->empty()) << "it is no setting of the map";
+  EXPECT_ERROR(home_.put_setting(kErasingSetting, "1"), "no setting of a map");
+  {
+    const Home reader = Home::open_read_only(folder_ / "a.home").value();
+    Statement reading =
+        const_cast<Home&>(reader).database().prepare("SELECT keyframe_id FROM keyframes").value();
+    ASSERT_TRUE(reading.step().value());
+    EXPECT_ERROR(home_.erase_removed(), "another program reads the home");
+  }
+  { const Home closed = std::move(home_); }
+  Home again = Home::open(folder_ / "a.home").value();
+  EXPECT_TRUE(again.owes_erasing().value());
+  ASSERT_OK(again.erase_removed());
+  EXPECT_FALSE(again.owes_erasing().value());
 }
 
 TEST_F(HomeTest, KeepsWhatWasWorkedOutUntilItIsWorkedOutAnew) {

@@ -31,6 +31,9 @@ constexpr int kHomeVersion = 1;
 // The key of the setting that says how the home's pictures are protected (PictureCipher::wrap()).
 // It is no part of what the home holds: the pictures are the same.
 inline constexpr std::string_view kProtectionSetting = "picture_protection";
+// The key of the setting that is there while erasing is owed (Home::owe_erasing()); no part of what
+// the home holds either.
+inline constexpr std::string_view kErasingSetting = "erasing_owed";
 
 // Where pictures stand that a protected home seals, beside the number that they are bound to.
 struct PictureColumn {

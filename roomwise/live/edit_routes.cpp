@@ -5,6 +5,7 @@
 #include "roomwise/live/home_json.h"
 #include "roomwise/pipeline/edits/edit_rooms.h"
 #include "roomwise/pipeline/edits/thing_target.h"
+#include "roomwise/pipeline/edits/walk_edits.h"
 #include "roomwise/service/json_members.h"
 
 namespace roomwise::live {
@@ -174,6 +175,14 @@ Outcome add_door(const Asked& asked) {
   return pipeline::add_door(asked.home, asked.author, on, {room, other}, {at[0], at[1]});
 }
 
+// It goes for good when the home is closed, or by POST /api/erase.
+Outcome take_walk_away(const Asked& asked) {
+  Members members(asked.json);
+  ROOMWISE_TRY(const std::int64_t walk,
+               members.finish(members.whole("walk", 0, service::kMaxWhole)));
+  return pipeline::take_walk_away(asked.home, asked.author, walk);
+}
+
 // Changes of rooms that have files beside the home go by requests of their own.
 Outcome do_asked(const std::string& what, const Asked& asked) {
   constexpr std::array kChanges{
@@ -182,11 +191,11 @@ Outcome do_asked(const std::string& what, const Asked& asked) {
       std::pair{"merge things", &merge_things}, std::pair{"remove thing", &remove_thing},
       std::pair{"join rooms", &join_rooms},     std::pair{"divide room", &divide_room},
       std::pair{"move border", &move_border},   std::pair{"draw room", &draw_room},
-      std::pair{"add door", &add_door}};
+      std::pair{"add door", &add_door},         std::pair{"take walk away", &take_walk_away}};
   for (const auto& [name, change] : kChanges) {
     if (what == name) return change(asked);
   }
-  return fail("'what' must be a change of things or rooms; '{}' is none", what);
+  return fail("'what' must be a change of things, rooms or walks; '{}' is none", what);
 }
 
 HttpAnswer make_change(LiveHome& home, const HttpRequest& request) {

@@ -339,6 +339,40 @@ TEST_F(EditRoutes, HelpersWhoChangeThingsInOneMomentWaitForEachOther) {
   EXPECT_THAT(edits(), SizeIs(2 * kEach));
 }
 
+TEST_F(EditRoutes, AQuestionIsTriedFromAPlaceOfTheMap) {
+  const Answer asked =
+      ask("POST", "/api/ask",
+          {{"text", "where is the cup"}, {"place", {1.5, 2}}, {"heading_degrees", 0}});
+  EXPECT_EQ(asked.status, 200);
+  EXPECT_THAT(asked.body.at("said").at(0).get<std::string>(), HasSubstr("cup"));
+  EXPECT_THAT(asked.body.at("way"), IsEmpty());
+  EXPECT_EQ(ask("POST", "/api/ask", {{"text", 7}}).status, 400);
+  EXPECT_EQ(ask("POST", "/api/ask", {{"text", "hm"}, {"place", {1}}}).status, 400);
+  EXPECT_EQ(ask("POST", "/api/ask", {{"text", "hm"}, {"distances", "feet"}}).status, 400);
+  EXPECT_THAT(edits(), IsEmpty());
+}
+
+TEST_F(EditRoutes, AWalkIsTakenAwayBroughtBackAndErased) {
+  const json take{{"what", "take walk away"}, {"walk", 1}};
+  const json edit = ask("POST", "/api/edits", take).body.at("edit");
+  json home = ask("GET", "/api/home").body;
+  EXPECT_THAT(home.at("recordings"), IsEmpty());
+  EXPECT_EQ(home.at("to_erase").at("walks"),
+            json::array({{{"id", 1}, {"name", "walk"}, {"edit", edit}}}));
+  EXPECT_THAT(ask("GET", "/api/map/keyframes").body.at("keyframes"), IsEmpty());
+  EXPECT_EQ(ask("POST", "/api/edits", take).status, 409);
+  EXPECT_EQ(ask("DELETE", "/api/edits/" + edit.dump()).status, 200);
+  home = ask("GET", "/api/home").body;
+  EXPECT_THAT(home.at("recordings"), SizeIs(1));
+  EXPECT_EQ(home.at("recordings")[0].at("recorded"), nullptr) << "its stamps tell no date";
+  ASSERT_EQ(ask("POST", "/api/edits", take).status, 200);
+  EXPECT_EQ(ask("POST", "/api/erase").status, 200);
+  home = ask("GET", "/api/home").body;
+  EXPECT_EQ(home.at("to_erase"),
+            json({{"walks", json::array()}, {"rooms", json::array()}, {"owed", false}}));
+  EXPECT_THAT(live_->view()->walks, IsEmpty());
+}
+
 TEST_F(EditRoutes, BadInputIsToldAndChangesNothing) {
   const auto refused = [&](const json& body, int status, const std::string& why) {
     const Answer answer = ask("POST", "/api/edits", body);

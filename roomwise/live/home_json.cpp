@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 
+#include "roomwise/base/calendar_time.h"
 #include "roomwise/pipeline/rooms/room_outline.h"
 
 namespace roomwise::live {
@@ -55,7 +56,16 @@ Json thing_json(const guide::KnownThing& thing) {
           {"box", {box.left, box.top, box.right - box.left, box.bottom - box.top}}};
 }
 
-Json walk_json(const ViewedWalk& walk) {
+// When the walk began, in seconds since 1970; null where its stamps tell no date.
+Json recorded_json(const ViewedWalk& walk, const HomeView& view) {
+  const auto first =
+      std::ranges::find(view.keyframes, walk.stored.id,
+                        [](const ViewedKeyframe& one) { return one.keyframe.recording; });
+  if (first == view.keyframes.end() || !calendar_time(first->keyframe.timestamp_ns)) return nullptr;
+  return first->keyframe.timestamp_ns / 1'000'000'000;
+}
+
+Json walk_json(const ViewedWalk& walk, const HomeView& view) {
   const home::Recording& recording = walk.stored.recording;
   Json ranges = Json::array();
   for (const recording::RoomRange& range : walk.labels.ranges()) {
@@ -67,6 +77,7 @@ Json walk_json(const ViewedWalk& walk) {
           {"frames", walk.stored.next_frame_index},
           {"keyframes", walk.keyframes},
           {"finished", walk.stored.finished},
+          {"recorded", recorded_json(walk, view)},
           {"camera",
            {{"width", recording.camera.width},
             {"height", recording.camera.height},
@@ -79,6 +90,8 @@ Json walk_json(const ViewedWalk& walk) {
 
 Json changes_json(const HomeView& view) {
   if (!view.changes) return nullptr;
+  const auto taken = view.walks_taken_away();
+  if (taken.contains(view.changes->walk) || taken.contains(view.changes->since)) return nullptr;
   Json things = Json::array();
   for (const ViewedChange& one : view.changes->things) {
     things.push_back({{"what", one.what},
@@ -112,6 +125,20 @@ void add_storeys(const HomeView& view, Json& json) {
   }
   json["storeys"] = std::move(all);
   json["stairs"] = std::move(flights);
+}
+
+// What goes from the file when the home is closed, or when somebody says so.
+Json to_erase_json(const HomeView& view) {
+  Json walks = Json::array(), rooms = Json::array();
+  for (const ViewedEdit& one : view.edits) {
+    const pipeline::EditChange& change = one.edit.change;
+    if (change.walk) {
+      walks.push_back({{"id", *change.walk}, {"name", change.name}, {"edit", one.edit.id}});
+    } else if (one.edit.kind == pipeline::EditKind::kRemoveRoom) {
+      rooms.push_back({{"name", change.room}, {"edit", one.edit.id}});
+    }
+  }
+  return {{"walks", std::move(walks)}, {"rooms", std::move(rooms)}, {"owed", view.owes_erasing}};
 }
 
 void put_float(float value, Bytes& bytes) {
@@ -148,7 +175,11 @@ Json home_json(const HomeView& view) {
     }
   }
   for (const guide::KnownThing& thing : view.things) json["things"].push_back(thing_json(thing));
-  for (const ViewedWalk& walk : view.walks) json["recordings"].push_back(walk_json(walk));
+  const auto taken = view.walks_taken_away();
+  for (const ViewedWalk& walk : view.walks) {
+    if (!taken.contains(walk.stored.id)) json["recordings"].push_back(walk_json(walk, view));
+  }
+  json["to_erase"] = to_erase_json(view);
   json["changes"] = changes_json(view);
   add_storeys(view, json);
   return json;
@@ -203,9 +234,10 @@ Json edits_json(const HomeView& view) {
 Json keyframes_json(const HomeView& view) {
   Json keyframes = Json::array();
   if (view.map && !view.keyframes.empty()) {
+    const auto taken = view.walks_taken_away();
     const TimestampNs first_ns = view.keyframes.front().keyframe.timestamp_ns;
     for (const ViewedKeyframe& one : view.keyframes) {
-      if (!one.on_map) continue;
+      if (!one.on_map || taken.contains(one.keyframe.recording)) continue;
       const geometry::RigidTransform gravity_from_keyframe =
           view.map->frame.gravity_from_world * one.keyframe.pose.world_from_keyframe;
       const Eigen::Quaterniond& q = gravity_from_keyframe.rotation;

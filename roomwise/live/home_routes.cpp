@@ -7,6 +7,7 @@
 #include "roomwise/live/edit_routes.h"
 #include "roomwise/live/home_json.h"
 #include "roomwise/live/photo_routes.h"
+#include "roomwise/live/trial_routes.h"
 #include "roomwise/live/upload_routes.h"
 #include "roomwise/service/json_members.h"
 
@@ -180,6 +181,8 @@ std::vector<HomeRoute> changing_routes() {
           {"DELETE", "/api/recordings/{id}", Role::kHelper,
            numbered("id", [](LiveHome& home, const HttpRequest&,
                              std::int64_t id) { return done(home.forget_walk(id)); })},
+          {"POST", "/api/erase", Role::kHelper,
+           [](LiveHome& home, const auto&, const auto&) { return done(home.erase_now()); }},
           {"DELETE", "/api/home", Role::kHelper,
            [](LiveHome& home, const HttpRequest& request, const auto&) {
              const auto texts = read_texts(request, {"really"});
@@ -206,6 +209,8 @@ std::vector<HomeRoute> working_routes() {
              if (!home.jobs().stop()) return error_answer(409, "nothing is being done");
              return json_answer(Json::object());
            }},
+          {"POST", "/api/job/go_on", Role::kHelper,
+           [](LiveHome& home, const auto&, const auto&) { return done(home.go_on_mapping()); }},
           {"POST", "/api/recording", Role::kHelper,
            [](LiveHome& home, const HttpRequest& request, const auto&) {
              const auto parsed = service::json_of(request);
@@ -229,6 +234,7 @@ std::vector<HomeRoute> home_routes() {
   std::ranges::move(working_routes(), std::back_inserter(routes));
   std::ranges::move(coverage_routes(), std::back_inserter(routes));
   std::ranges::move(edit_routes(), std::back_inserter(routes));
+  std::ranges::move(trial_routes(), std::back_inserter(routes));
   std::ranges::move(upload_routes(), std::back_inserter(routes));
   std::ranges::move(photo_routes(), std::back_inserter(routes));
   return routes;

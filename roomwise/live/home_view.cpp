@@ -268,6 +268,14 @@ std::int64_t thing_id(const guide::KnownThing& thing) {
   return number_of(fmt::format("added {}", thing.added_by));
 }
 
+std::set<home::RecordingId> HomeView::walks_taken_away() const {
+  std::set<home::RecordingId> taken;
+  for (const ViewedEdit& one : edits) {
+    if (one.edit.change.walk) taken.insert(*one.edit.change.walk);
+  }
+  return taken;
+}
+
 std::optional<std::string> HomeView::room_at(const Eigen::Vector3d& point_gravity) const {
   if (!layout) return std::nullopt;
   return layout->room_at(point_gravity.head<2>());
@@ -317,6 +325,7 @@ Expected<std::shared_ptr<const HomeView>> view_home(
     std::shared_ptr<const pipeline::OwnThingWatch> own_thing_watch) {
   HomeView view;
   view.own_thing_watch = std::move(own_thing_watch);
+  ROOMWISE_TRY(view.owes_erasing, home.owes_erasing());
   view.name = std::filesystem::path(home.file()).stem().string();
   view.map = std::move(map);
   ROOMWISE_TRY(view.rooms, home.rooms());

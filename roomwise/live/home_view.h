@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -101,6 +102,10 @@ struct HomeView {
   std::shared_ptr<const pipeline::RoomRecognizer> recognizer;
   std::string why_no_recognizer;
 
+  // What was forgotten and could not be erased from the file yet.
+  bool owes_erasing = false;
+  // Walks that are not shown any more, though they are in the home until it is closed.
+  [[nodiscard]] std::set<home::RecordingId> walks_taken_away() const;
   // The room that a point lies in by the layout.
   [[nodiscard]] std::optional<std::string> room_at(const Eigen::Vector3d& point_gravity) const;
 };

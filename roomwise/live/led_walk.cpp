@@ -180,6 +180,11 @@ guide::Prompt LedWalk::hear(service::GuideWish wish, double now_t_ms) {
   return guidance_->request(request(), at(now_t_ms));
 }
 
+guide::Plan LedWalk::plan_from(const Situation& situation) const {
+  return guide::plan_way(map_on(today_, *home_, doorways_), standing_of(situation.result),
+                         guidance_->goal());
+}
+
 guide::Prompt LedWalk::repeat(double now_t_ms) {
   return guidance_->request(guide::GuidanceRequest::kRepeat, at(now_t_ms));
 }

@@ -25,6 +25,8 @@ class LedWalk {
                                                  const std::shared_ptr<const HomeView>& home);
   [[nodiscard]] guide::Prompt hear(service::GuideWish wish, double now_t_ms);
   [[nodiscard]] guide::Prompt repeat(double now_t_ms);
+  // The way from where somebody stands then, whatever has been walked.
+  [[nodiscard]] guide::Plan plan_from(const Situation& situation) const;
   [[nodiscard]] bool is_over() const { return guidance_->is_over(); }
   // What is in the way is then told by the guidance.
   [[nodiscard]] bool is_walking() const {

@@ -64,7 +64,10 @@ LiveHome::~LiveHome() {
   write_own_sightings(std::numeric_limits<std::int64_t>::max());
   if (lenses_) (void)lenses_->save();  // what is lost is learned anew
   if (recorder_) (void)recorder_->close();
-  if (photos_) (void)forget_removed_rooms();  // where it fails, the next one that opens does it
+  if (photos_) {
+    const std::scoped_lock lock(home_mutex_);
+    (void)forget_removed();  // where it fails, the next one that opens does it
+  }
 }
 
 Expected<std::unique_ptr<LiveHome>> LiveHome::open(const fs::path& file,
@@ -82,8 +85,15 @@ Expected<std::unique_ptr<LiveHome>> LiveHome::open(const fs::path& file,
   ROOMWISE_TRY(Uploads uploads, Uploads::open(live->uploads_folder(), {}));
   live->uploads_ = std::make_unique<Uploads>(std::move(uploads));
   live->photos_ = std::make_unique<RoomPhotos>(live->photos_folder());
-  ROOMWISE_CHECK_OK(live->forget_removed_rooms());
-  ROOMWISE_CHECK_OK(live->refresh(nullptr));
+  // Who only waits for another program to read the home need not do without it meanwhile.
+  {
+    const std::scoped_lock lock(live->home_mutex_);
+    if (const auto done = live->forget_removed(); !done) {
+      live->options_.log(
+          fmt::format("what was forgotten is not erased yet: {}", done.error().message));
+    }
+    ROOMWISE_CHECK_OK(live->refresh(nullptr));
+  }
   ROOMWISE_CHECK_OK(live->check_networks());
   live->jobs_ = std::make_unique<Jobs>(
       [raw = live.get()](const service::JobState& state) { raw->tell_helpers(state); },
@@ -241,6 +251,13 @@ std::shared_ptr<const HomeView> LiveHome::view() const {
 }
 
 Expected<Bytes> LiveHome::keyframe_picture(home::KeyframeId id) const {
+  const auto now = view();
+  const auto keyframe = std::ranges::find(
+      now->keyframes, id, [](const ViewedKeyframe& one) { return one.keyframe.id; });
+  if (keyframe != now->keyframes.end() &&
+      now->walks_taken_away().contains(keyframe->keyframe.recording)) {
+    return fail("the walk of this picture is taken away");
+  }
   const std::scoped_lock lock(reader_mutex_);
   ROOMWISE_TRY(home::KeyframeImages images, watched("a picture", reader_.images(id)));
   return std::move(images.color);
@@ -274,6 +291,7 @@ Expected<void> LiveHome::change(const std::function<Expected<void>(home::Home&)>
   const std::unique_lock lock(home_mutex_, std::try_to_lock);
   if (!lock.owns_lock()) return fail("the computer is busy; wait until it is done, or stop it");
   ROOMWISE_CHECK_OK(watched("a change", change(home_)));
+  make_up_for_erasing(home_);
   return refresh(view()->map);
 }
 

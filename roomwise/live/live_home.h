@@ -124,7 +124,11 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
   // Takes a change back.
   [[nodiscard]] Expected<void> undo(home::EditId id);
   // The recording, all that came from it, what was learned, and its folder if it was recorded here.
+  // To take it away with a way back: pipeline::take_walk_away() by edit().
   [[nodiscard]] Expected<void> forget_walk(home::RecordingId walk);
+  // All that is removed and could be undone until the home is closed, and what could not be erased
+  // before.
+  [[nodiscard]] Expected<void> erase_now();
   // Everything.
   [[nodiscard]] Expected<void> forget_home();
 
@@ -135,6 +139,8 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
   // Ends the recording, and with its last frame the map; where that was stopped, it is gone on
   // with.
   [[nodiscard]] Expected<void> end_recording();
+  // With the map of a walk whose mapping was stopped, or that waits (job "map").
+  [[nodiscard]] Expected<void> go_on_mapping();
   [[nodiscard]] Jobs& jobs() { return *jobs_; }
 
   // ---- photos of rooms, from which they can be learned without a walk ----
@@ -228,6 +234,8 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
   [[nodiscard]] Expected<void> change(const std::function<Expected<void>(home::Home&)>& change);
   // So that no byte of what was removed is left in the file.
   [[nodiscard]] Expected<void> erase_removed(home::Home& home);
+  // The same where it is owed; what fails again is told in the log, and stays owed.
+  void make_up_for_erasing(home::Home& home);
   // Makes the view anew. With home_mutex_ held.
   [[nodiscard]] Expected<void> refresh(std::shared_ptr<const LiveMap> map);
   [[nodiscard]] Expected<void> start_preparing();
@@ -238,8 +246,10 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
   [[nodiscard]] Expected<void> while_idle(const std::function<Expected<void>()>& forget);
   [[nodiscard]] Expected<void> erase_walk(home::RecordingId walk);
   [[nodiscard]] pipeline::EditAuthor author(const std::string& name) const;
-  // What could be undone until now: when the home is closed, or was.
-  [[nodiscard]] Expected<void> forget_removed_rooms();
+  // What could be undone until now: when the home is closed, or was. With home_mutex_ held.
+  [[nodiscard]] Expected<void> forget_removed();
+  // Before the walk goes from the home, so that it is not taken for one that waits to be mapped.
+  [[nodiscard]] Expected<void> remove_folder_of(const home::StoredRecording& walk) const;
   [[nodiscard]] Expected<void> start_mapping(const std::filesystem::path& folder);
   // All that waits to be mapped, one walk after the other.
   [[nodiscard]] Expected<void> start_mapping_what_waits();

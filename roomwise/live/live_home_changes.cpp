@@ -4,6 +4,7 @@
 #include "roomwise/live/remove_folder.h"
 #include "roomwise/pipeline/edits/edit_rooms.h"
 #include "roomwise/pipeline/edits/undo_edit.h"
+#include "roomwise/pipeline/edits/walk_edits.h"
 #include "roomwise/pipeline/rooms/room_contents.h"
 #include "roomwise/pipeline/stored/stored_map.h"
 
@@ -84,13 +85,48 @@ Expected<void> LiveHome::undo(home::EditId id) {
   });
 }
 
-Expected<void> LiveHome::forget_removed_rooms() {
+Expected<void> LiveHome::forget_removed() {
   ROOMWISE_CHECK_OK(photos_->forget_set_aside());
-  const std::scoped_lock lock(home_mutex_);
   ROOMWISE_TRY(const bool has_any, pipeline::has_removed_rooms(home_));
-  if (!has_any) return {};
-  ROOMWISE_CHECK_OK(pipeline::forget_removed_rooms(home_));
-  return erase_removed(home_);
+  if (has_any) ROOMWISE_CHECK_OK(pipeline::forget_removed_rooms(home_));
+  ROOMWISE_TRY(const auto edits, pipeline::stored_edits(home_));
+  const auto taken = pipeline::walks_taken_away(edits);
+  ROOMWISE_TRY(const auto recordings, home_.recordings());
+  for (const home::StoredRecording& walk : recordings) {
+    if (taken.contains(walk.id)) ROOMWISE_CHECK_OK(remove_folder_of(walk));
+  }
+  ROOMWISE_CHECK_OK(pipeline::forget_taken_walks(home_));
+  ROOMWISE_TRY(const bool owes_erasing, home_.owes_erasing());
+  return owes_erasing ? erase_removed(home_) : Expected<void>();
+}
+
+Expected<void> LiveHome::remove_folder_of(const home::StoredRecording& walk) const {
+  const fs::path folder = walk.recording.folder;
+  if (folder.parent_path() != walks_folder()) return {};
+  std::error_code error;
+  fs::remove_all(folder, error);
+  if (error) return fail("{}: could not be removed: {}", folder.string(), error.message());
+  return {};
+}
+
+Expected<void> LiveHome::erase_now() {
+  return while_idle([&]() -> Expected<void> {
+    const std::scoped_lock one_by_one(changes_mutex_);
+    const std::scoped_lock lock(home_mutex_);
+    recognitions_.clear();  // their pictures may show it
+    const Expected<void> done = watched("erasing", forget_removed());
+    const bool has_taken_walks = !view()->walks_taken_away().empty();
+    ROOMWISE_CHECK_OK(refresh(has_taken_walks ? nullptr : view()->map));  // the map was made of it
+    return done;
+  });
+}
+
+void LiveHome::make_up_for_erasing(home::Home& home) {
+  const auto owes_erasing = home.owes_erasing();
+  if (!owes_erasing || !*owes_erasing) return;
+  if (const auto erased = erase_removed(home); !erased) {
+    options_.log(fmt::format("what was forgotten is not erased yet: {}", erased.error().message));
+  }
 }
 
 Expected<void> LiveHome::erase_removed(home::Home& home) {
@@ -145,26 +181,24 @@ Expected<void> LiveHome::forget_walk(home::RecordingId walk) {
 }
 
 Expected<void> LiveHome::erase_walk(home::RecordingId walk) {
-  fs::path folder;
-  bool is_gone = false;
-  const Expected<void> forgotten = change([&](home::Home& home) -> Expected<void> {
+  return change([&](home::Home& home) -> Expected<void> {
     ROOMWISE_TRY(const auto recordings, home.recordings());
     const auto found = std::ranges::find(recordings, walk, &home::StoredRecording::id);
     if (found == recordings.end()) return fail("this home has no recording {}", walk);
-    folder = found->recording.folder;
+    ROOMWISE_TRY(const auto edits, pipeline::stored_edits(home));
+    if (!pipeline::walks_taken_away(edits).contains(walk)) {
+      // Whoever is killed from here on goes on with it when the home is opened next.
+      ROOMWISE_CHECK_OK(pipeline::take_walk_away(home, author({}), walk));
+    }
+    // Whatever becomes of its bytes in the home: its pictures go, since nobody can ask again.
+    const Expected<void> removed = remove_folder_of(*found);
     ROOMWISE_CHECK_OK(pipeline::forget_walk(home, walk));
-    is_gone = true;
     const Expected<void> erased = erase_removed(home);
     recognitions_.clear();                // before pages hear of it and look again
     ROOMWISE_CHECK_OK(refresh(nullptr));  // the map was made of it
-    return erased;
+    ROOMWISE_CHECK_OK(erased);
+    return removed;
   });
-  // Whatever became of its bytes in the home: its pictures go, since nobody can ask again.
-  std::error_code error;
-  if (is_gone && folder.parent_path() == walks_folder()) fs::remove_all(folder, error);
-  ROOMWISE_CHECK_OK(forgotten);
-  if (error) return fail("{}: could not be removed: {}", folder.string(), error.message());
-  return {};
 }
 
 Expected<void> LiveHome::forget_home() {
@@ -176,6 +210,7 @@ Expected<void> LiveHome::forget_home() {
     }();
     ROOMWISE_CHECK_OK(recordings);
     for (const home::StoredRecording& walk : *recordings) ROOMWISE_CHECK_OK(erase_walk(walk.id));
+    Expected<void> erased;
     ROOMWISE_CHECK_OK(change([&](home::Home& home) -> Expected<void> {
       ROOMWISE_CHECK_OK(home.atomically([&]() -> Expected<void> {
         ROOMWISE_TRY(const auto edits, home.edits());
@@ -183,6 +218,7 @@ Expected<void> LiveHome::forget_home() {
         ROOMWISE_TRY(const auto taught, home.own_things());
         for (const auto& thing : taught) ROOMWISE_CHECK_OK(home.remove_own_thing(thing.id));
         ROOMWISE_CHECK_OK(home.forget_learned_rooms());
+        ROOMWISE_CHECK_OK(home.owe_erasing());
         ROOMWISE_CHECK_OK(home.replace_instances({}));
         ROOMWISE_CHECK_OK(home.replace_paper_objects({}));
         ROOMWISE_CHECK_OK(pipeline::store_object_claims(home, {}));
@@ -193,13 +229,15 @@ Expected<void> LiveHome::forget_home() {
         own_sightings_.clear();
         set_out_.clear();
       }
-      return erase_removed(home);
+      erased = erase_removed(home);  // what is shown is without it all the same
+      return {};
     }));
     recognitions_.clear();
     ROOMWISE_CHECK_OK(lenses_->forget());
     ROOMWISE_CHECK_OK(uploads_->remove_all());
     ROOMWISE_CHECK_OK(photos_->remove_all());
-    return remove_folder(walks_folder());
+    ROOMWISE_CHECK_OK(remove_folder(walks_folder()));
+    return erased;
   });
 }
 

@@ -31,7 +31,10 @@ Expected<std::shared_ptr<const pipeline::RoomCoverage>> LiveHome::coverage() {
   pipeline::OwnRunContext run(options_.threads, progress);
   // By a reader of its own, so that pictures can be looked at meanwhile.
   ROOMWISE_TRY(const home::Home reader, home::Home::open_read_only(file_, options_.open));
-  auto found = watched("what is missing", pipeline::find_room_coverage(reader, {}, run, tones_));
+  pipeline::CoverageOptions options;
+  options.without = now->walks_taken_away();
+  auto found =
+      watched("what is missing", pipeline::find_room_coverage(reader, options, run, tones_));
   ROOMWISE_CHECK_OK(found);
   coverage_ = std::make_shared<const pipeline::RoomCoverage>(*std::move(found));
   covered_ = now;

@@ -80,14 +80,26 @@ Expected<std::string> LiveHome::learn_now(Progress& progress) {
     return pipeline::learn_rooms_from_photos(home_, photos, *network,
                                              {.variants = options_.augment}, run);
   };
+  pipeline::RoomLearning learning;
+  learning.variants = options_.augment;
+  learning.photos = photos;
+  const auto taken = view()->walks_taken_away();
+  if (!taken.empty()) {  // nothing more is learned of what is to be forgotten
+    for (const ViewedWalk& walk : view()->walks) {
+      const bool is_named = !walk.labels.ranges().empty();
+      if (is_named && !taken.contains(walk.stored.id)) learning.walks.push_back(walk.stored.id);
+    }
+    if (learning.walks.empty() && photos.empty()) {
+      return fail("no room of a walk that stays is named; name its rooms first");
+    }
+  }
+  const bool has_walk = taken.empty() ? !recordings.empty() : !learning.walks.empty();
   ROOMWISE_TRY(const auto report,
-               recordings.empty() ? learn_from_photos()
-                                  : pipeline::learn_rooms_from_keyframes(
-                                        home_, {}, {.variants = options_.augment, .photos = photos},
-                                        networks_, run));
+               has_walk ? pipeline::learn_rooms_from_keyframes(home_, {}, learning, networks_, run)
+                        : learn_from_photos());
   ROOMWISE_CHECK_OK(refresh(view()->map));
   return fmt::format(
-      "{} rooms learned; {} of {} pictures that were held out were named rightly",
+      "{} rooms learned; as a test, {} of {} pictures that were kept apart were named rightly",
       report.rooms.size(),
       std::llround(report.held_out_precision() * static_cast<double>(report.held_out)),
       report.held_out);
@@ -160,6 +172,15 @@ Expected<void> LiveHome::start_mapping_what_waits() {
   });
 }
 
+Expected<void> LiveHome::go_on_mapping() {
+  static_cast<void>(stop_preparing());  // it is gone on with afterwards
+  ROOMWISE_CHECK_OK(check_idle());
+  ROOMWISE_TRY(const auto waiting, waiting_walk());
+  if (waiting) return start_mapping_what_waits();
+  ROOMWISE_CHECK_OK(go_on_preparing());
+  return fail("no walk waits to be mapped");
+}
+
 Expected<std::string> LiveHome::map_folder(const fs::path& folder, Progress& progress) {
   ROOMWISE_TRY(const auto walk, recording::open_recording(folder));
   return map(folder, *walk, progress);
@@ -210,7 +231,7 @@ Expected<std::string> LiveHome::map(const fs::path& folder, recording::FrameSour
     ROOMWISE_CHECK_OK(refresh(nullptr));
   }
   ROOMWISE_CHECK_OK(prepare(progress));
-  std::string text = fmt::format("{} of {} frames have a place on the map; {} things found",
+  std::string text = fmt::format("{} of {} pictures have a place on the map; {} things found",
                                  summary.placed, summary.frames, summary.instances);
   if (!frames.damage().empty())
     text += fmt::format("; {} pictures cannot be read", frames.damage().size());

@@ -9,6 +9,7 @@
 
 #include "roomwise/image/codec.h"
 #include "roomwise/live/home_routes.h"
+#include "roomwise/pipeline/edits/walk_edits.h"
 #include "roomwise/pipeline/testing/synthetic_walk.h"
 #include "roomwise/recording/tum_writer.h"
 
@@ -114,7 +115,7 @@ class LiveHomeTest : public ::testing::Test {
     ASSERT_OK(home->end_recording());
     home->jobs().wait();
     ASSERT_EQ(home->jobs().state()->state, "done") << home->jobs().state()->text;
-    EXPECT_THAT(home->jobs().state()->text, HasSubstr(fmt::format("of {} frames", kFrames)));
+    EXPECT_THAT(home->jobs().state()->text, HasSubstr(fmt::format("of {} pictures", kFrames)));
     belt.session->on_closed();
   }
   void learn_two_rooms() {
@@ -281,6 +282,62 @@ TEST_F(LiveHomeTest, AForgottenWalkLeavesNothingInTheFiles) {
   EXPECT_THAT(bytes_of_home(), HasSubstr("kitchen"));
   ASSERT_OK(home->forget_home());
   EXPECT_THAT(home->view()->rooms, IsEmpty());
+}
+
+TEST_F(LiveHomeTest, WhatIsForgottenAndNotErasedIsErasedWhenTheHomeIsOpened) {
+  open();
+  home.reset();
+  ASSERT_OK(home::Home::open(file)->owe_erasing());  // as where the program was killed before
+  open();
+  EXPECT_FALSE(home::Home::open_read_only(file)->owes_erasing().value());
+}
+
+TEST_F(LiveHomeTest, AWalkThatIsTakenAwayComesBackUntilItIsErased) {
+  open();
+  record_the_walk();
+  const Bytes picture = home->keyframe_picture(0).value();
+  const std::string trace(picture.begin() + static_cast<std::ptrdiff_t>(picture.size() / 2),
+                          picture.begin() + static_cast<std::ptrdiff_t>(picture.size() / 2) + 64);
+  const auto take_away = [](home::Home& open, const HomeView&, const auto& author) {
+    return pipeline::take_walk_away(open, author, 1);
+  };
+  const home::EditId edit = home->edit("Anna", take_away).value();
+  EXPECT_ERROR(home->keyframe_picture(0), "is taken away");
+  EXPECT_THAT(home->view()->walks_taken_away(), ::testing::ElementsAre(1));
+  ASSERT_OK(home->undo(edit));
+  ASSERT_OK(home->keyframe_picture(0));
+
+  ASSERT_OK(home->edit("Anna", take_away));
+  ASSERT_THAT(bytes_of_home(), HasSubstr(trace)) << "it can come back";
+  ASSERT_OK(home->erase_now());
+  home->jobs().wait();
+  EXPECT_THAT(bytes_of_home(), Not(HasSubstr(trace)));
+  EXPECT_FALSE(std::filesystem::exists(folder / "flat.home.walks/first walk"));
+  EXPECT_THAT(home->view()->walks, IsEmpty());
+  EXPECT_THAT(home->view()->edits, IsEmpty());
+}
+
+TEST_F(LiveHomeTest, AWalkThatIsTakenAwayGoesWhenTheHomeIsClosedAndIsNotMappedAgain) {
+  open();
+  record_the_walk();
+  ASSERT_OK(home->edit("Anna", [](home::Home& open, const HomeView&, const auto& author) {
+    return pipeline::take_walk_away(open, author, 1);
+  }));
+  home.reset();
+  EXPECT_FALSE(std::filesystem::exists(folder / "flat.home.walks/first walk"));
+  open();
+  home->jobs().wait();
+  EXPECT_THAT(home->view()->walks, IsEmpty());
+}
+
+TEST_F(LiveHomeTest, ErasingThatIsOwedIsDoneWithTheNextChange) {
+  open();
+  record_the_walk();
+  ASSERT_OK(home->edit("Anna", [](home::Home& open, const HomeView&, const auto&) {
+    return open.owe_erasing().map([] { return home::EditId{}; });
+  }));
+  EXPECT_FALSE(home->view()->owes_erasing) << "done with the change itself";
+  EXPECT_FALSE(home::Home::open_read_only(folder / "flat.home")->owes_erasing().value());
 }
 
 TEST_F(LiveHomeTest, AFurtherWalkJoinsTheMapAndIsForgottenAlone) {
@@ -469,7 +526,9 @@ TEST_F(LiveHomeTest, AMapThatWasStoppedWhileItIsRecordedIsGoneOnWith) {
   EXPECT_TRUE(home->jobs().stop());
   home->jobs().wait();
   EXPECT_EQ(home->jobs().state()->state, "stopped");
+  EXPECT_ERROR(home->go_on_mapping(), "'walk' is being recorded");
   record_the_rest(belt);
+  EXPECT_ERROR(home->go_on_mapping(), "no walk waits");
 }
 
 // A phone's browser knows how it moved; mapping takes it, though the walk is mapped as it comes.

@@ -26,10 +26,11 @@ export function makeHome(): Home {
     ],
     things: kThings.map((thing) => ({ ...thing })),
     recordings: [{
-      id: 1, name: 'walk', frames: 96, keyframes: 24, finished: true, camera: null,
+      id: 1, name: 'walk', frames: 96, keyframes: 24, finished: true, recorded: new Date(2026, 4, 3, 12, 30).getTime() / 1000, camera: null,
       ranges: kRanges.map((range) => ({ ...range })),
     }],
     room_types: ['bathroom', 'bedroom', 'corridor', 'dining room', 'kitchen', 'living room', 'office'],
+    to_erase: { walks: [], rooms: [], owed: false },
     changes: null,
   };
 }

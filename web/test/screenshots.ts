@@ -59,7 +59,9 @@ async function helper(visit: Visit, shoot: (name: string) => Promise<void>, serv
   await visit.page.waitForSelector('.timeline img');
   tellRecording(server, 'recording', 17, 'evening');
   await visit.sees('17 pictures');
+  await visit.sees('3 kitchen', '.coverage');
   await shoot('walks');
+  await shootPart(visit, '.card:has(.coverage)', 'page-missing');
   await visit.page.click('a[href="#recognise"]');
   tellJob(server, 'running', 0.4, 'looking at pictures', 'learn');
   const file = join(folder, 'kitchen.png');
@@ -69,6 +71,8 @@ async function helper(visit: Visit, shoot: (name: string) => Promise<void>, serv
   await visit.press('Which room is it?');
   await visit.sees('How likely each room is');
   await shoot('recognise');
+  await askFromThePlan(visit);
+  await shootPart(visit, '.card:has(.picker)', 'page-ask');
   await visit.page.click('a[href="#devices"]');
   await shoot('devices');
   await visit.press('Show a code');
@@ -77,6 +81,31 @@ async function helper(visit: Visit, shoot: (name: string) => Promise<void>, serv
   await visit.page.keyboard.press('Escape');
   await visit.page.click('a[href="#forget"]');
   await shoot('forget');
+}
+
+async function askFromThePlan(visit: Visit): Promise<void> {
+  const { keyboard } = visit.page;
+  await visit.page.focus('.picker');
+  for (const key of ['ArrowRight', 'ArrowRight', 'ArrowDown', 'ArrowDown'] as const) {
+    await keyboard.press(key);
+  }
+  await keyboard.press('Enter');
+  await keyboard.down('Shift');
+  await keyboard.press('ArrowUp');
+  await keyboard.up('Shift');
+  await keyboard.press('Enter');
+  await visit.page.type('.card:has(.picker) input', 'Take me to the microwave');
+  await keyboard.press('Enter');
+  await visit.page.waitForSelector('.way');
+  await visit.page.evaluate(() => document.querySelector('.announcement')?.remove());
+}
+
+// A part of the page as the manual shows it: docs/pictures/NAME.png, of the large window by day.
+async function shootPart(visit: Visit, selector: string, name: string): Promise<void> {
+  const isManuals = await visit.page.evaluate((width) => window.innerWidth === width && matchMedia('(prefers-color-scheme: light)').matches, kDesktop.width);
+  if (isManuals) {
+    await (await visit.page.$(selector))?.screenshot({ path: join(folder, `${name}.png`) as `${string}.png` });
+  }
 }
 
 for (const [size, sizeName] of [[kPhone, 'small'], [kDesktop, 'large']] as const) {

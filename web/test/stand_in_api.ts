@@ -70,9 +70,18 @@ const kRoutes: [string, RegExp, Role | '-', Handler][] = [
   }],
   ['PUT', /^\/api\/rooms\/([^/]+)$/, 'helper', changeRoom],
   ['DELETE', /^\/api\/rooms\/([^/]+)$/, 'helper', ({ server, parts }) => {
-    server.state.home.rooms = server.state.home.rooms.filter((room) => room.name !== parts[0]);
-    server.state.home.recordings.forEach((one) => (one.ranges = one.ranges.filter((range) => range.room !== parts[0])));
-    return changed(server);
+    const { home } = server.state;
+    const name = parts[0] ?? '';
+    const [rooms, ranges] = [home.rooms, home.recordings.map((one) => one.ranges)];
+    home.rooms = rooms.filter((room) => room.name !== name);
+    home.recordings.forEach((one) => (one.ranges = one.ranges.filter((range) => range.room !== name)));
+    const { edit } = edited(server, { what: 'remove room', room: name }, () => {
+      home.rooms = rooms;
+      home.recordings.forEach((one, i) => (one.ranges = ranges[i] ?? []));
+      home.to_erase.rooms = home.to_erase.rooms.filter((one) => one.name !== name);
+    }) as { edit: number };
+    home.to_erase.rooms.push({ name, edit });
+    return {};
   }],
   ['PUT', /^\/api\/things\/(\d+)$/, 'helper', ({ server, parts, body }) => {
     const thing = thingOf(server, Number(parts[0]));
@@ -87,6 +96,14 @@ const kRoutes: [string, RegExp, Role | '-', Handler][] = [
     return edited(server, { what: 'remove thing', old_name: thing.name }, () => (server.state.home.things = before));
   }],
   ['GET', /^\/api\/map\/plan$/, 'helper', ({ server }) => server.state.plan],
+  ['POST', /^\/api\/ask$/, 'helper', ({ body }) => {
+    const { text, place } = json<{ text: string; place?: [number, number] }>(body);
+    const isWay = /take me/i.test(text) && place;
+    return {
+      said: isWay ? ['To the microwave, 6 metres.', 'Turn to 9 o\'clock.'] : [`You asked: ${text}.`],
+      way: isWay ? [place, [4, 1.4], [1.5, 1.2], [1, 3.8]] : [], goal: isWay ? [0.5, 4.1] : null,
+    };
+  }],
   ['GET', /^\/api\/coverage$/, 'helper', ({ server }) => {
     if (!server.state.coverage) {
       throw new Refusal(503, 'the map is being made; what is missing is told when it is ready');
@@ -112,6 +129,12 @@ const kRoutes: [string, RegExp, Role | '-', Handler][] = [
     return {};
   }],
   ['GET', /^\/api\/job$/, 'helper', ({ server }) => server.state.job ?? { state: 'none' }],
+  ['POST', /^\/api\/job\/go_on$/, 'helper', ({ server }) => (tellJob(server, 'running', 0.4, 'mapping', 'map'), {})],
+  ['POST', /^\/api\/erase$/, 'helper', ({ server }) => {
+    server.state.home.to_erase = { walks: [], rooms: [], owed: false };
+    server.state.edits = server.state.edits.filter(({ what }) => what !== 'take walk away' && what !== 'remove room');
+    return changed(server);
+  }],
   ['POST', /^\/api\/job\/stop$/, 'helper', ({ server }) => (tellJob(server, 'stopped', 0.4, 'stopped'), {})],
   ['POST', /^\/api\/test$/, 'helper', testPicture],
   ['GET', /^\/api\/recognitions$/, 'helper', ({ server }) => ({ recognitions: server.state.recognitions })],
@@ -171,6 +194,7 @@ function edited(server: StandInServer, edit: Partial<Edit>, undo: () => void): o
 interface AskedEdit extends Partial<Edit> {
   thing?: number;
   double?: number;
+  walk?: number;
   position?: [number, number];
   line?: [number, number][];
 }
@@ -198,6 +222,20 @@ function makeEdit({ server, body }: Call): object {
       const [kept, double] = [thingOf(server, asked.thing ?? -1), thingOf(server, asked.double ?? -1)];
       home.things = things.filter((one) => one !== double);
       return edited(server, { what: asked.what, old_name: kept.name, name: double.name }, () => (home.things = things));
+    }
+    case 'take walk away': {
+      const { recordings } = home;
+      const walk = recordings.find(({ id }) => id === asked.walk);
+      if (!walk) {
+        throw new Refusal(409, `this home has no walk ${asked.walk}`);
+      }
+      home.recordings = recordings.filter((one) => one !== walk);
+      const made = edited(server, { what: asked.what, name: walk.name }, () => {
+        home.recordings = recordings;
+        home.to_erase.walks = [];
+      }) as { edit: number };
+      home.to_erase.walks = [{ id: walk.id, name: walk.name, edit: made.edit }];
+      return made;
     }
     case 'divide room': {
       if (asked.line?.length !== 2) {

@@ -25,12 +25,14 @@ Expected<std::vector<StoredEdit>::const_iterator> find_edit(const home::Home& ho
 // A later change that says something of the same.
 const StoredEdit* later_change(std::span<const StoredEdit> edits, const StoredEdit& edit,
                                const HomeThings& things) {
+  if (edit.kind == EditKind::kTakeWalk) return nullptr;
   const auto about = [&](home::EditId id) {
     const auto found = things.about.find(id);
     return found != things.about.end() ? found->second : std::set<std::size_t>{};
   };
   const std::set<std::size_t> own = about(edit.id);
   for (auto later = edits.rbegin(); later != edits.rend() && later->id > edit.id; ++later) {
+    if (later->kind == EditKind::kTakeWalk) continue;
     if (is_of_thing(edit.kind) != is_of_thing(later->kind)) continue;
     if (!is_of_thing(edit.kind)) return &*later;
     const bool refers = later->change.thing == edit.id || later->change.double_of == edit.id;
@@ -81,7 +83,7 @@ Expected<StoredEdit> undo_edit(home::Home& home, home::EditId id) {
     if (edit.kind == EditKind::kRenameRoom) {
       // Also of walks that came since.
       ROOMWISE_CHECK_OK(change_room_name(home, edit.change.room, edit.change.old_name));
-    } else if (!is_of_thing(edit.kind)) {
+    } else if (is_of_room(edit.kind)) {
       ROOMWISE_CHECK_OK(restore_tables(home, edit.before));
     }
     return home.remove_edit(id);
@@ -108,6 +110,7 @@ Expected<void> forget_removed_rooms(home::Home& home) {
   return home.atomically([&]() -> Expected<void> {
     for (std::size_t i = 0; i <= earlier; ++i) {
       StoredEdit edit = edits[i];
+      if (edit.kind == EditKind::kTakeWalk) continue;
       EditChange now = edit.change;
       call_as_later(std::span(edits).subspan(i + 1), now);
       // Later changes stay, and call it otherwise themselves.
@@ -125,6 +128,7 @@ Expected<void> forget_removed_rooms(home::Home& home) {
       ROOMWISE_CHECK_OK(stays ? home.replace_edit(edit.row()) : home.remove_edit(edit.id));
     }
     ROOMWISE_CHECK_OK(forget_sightings(home, is_known));
+    ROOMWISE_CHECK_OK(home.owe_erasing());
     ROOMWISE_TRY(const auto record, home.room_classifier());
     if (!record) return {};
     const auto classifier = rooms::RoomClassifier::from_bytes(record->classifier);
@@ -161,6 +165,8 @@ std::string describe(const StoredEdit& edit) {
                                  : fmt::format("named rooms of the walk {}", change.name);
     case EditKind::kRemoveRoom:
       return fmt::format("removed room {}", change.room);
+    case EditKind::kTakeWalk:
+      return fmt::format("took the walk {} away", change.name);
     case EditKind::kJoinRooms:
       return fmt::format("joined room {} to {}", change.other_room, change.room);
     case EditKind::kDivideRoom:

@@ -166,7 +166,12 @@ Expected<RoomCoverage> find_room_coverage(const home::Home& home, const Coverage
   ROOMWISE_CHECK_OK(options.validate());
   RoomCoverage coverage;
   ROOMWISE_TRY(coverage.walks, home.recordings());
-  ROOMWISE_TRY(const auto keyframes, home.keyframes());
+  ROOMWISE_TRY(const auto all_keyframes, home.keyframes());
+  auto keyframes = all_keyframes;
+  std::erase_if(coverage.walks,
+                [&](const home::StoredRecording& one) { return options.without.contains(one.id); });
+  std::erase_if(keyframes,
+                [&](const home::Keyframe& one) { return options.without.contains(one.recording); });
   ROOMWISE_TRY(const auto rooms, home.rooms());
   ROOMWISE_TRY(const KeyframeRooms room_of, rooms_of_keyframes(home));
   for (const home::StoredRecording& walk : coverage.walks) {
@@ -187,7 +192,7 @@ Expected<RoomCoverage> find_room_coverage(const home::Home& home, const Coverage
   ROOMWISE_TRY(const auto layout, find_home_layout(home, run));
   coverage.knows_floor = layout.has_value();
   if (layout) {
-    ROOMWISE_TRY(coverage.gaps, find_floor_gaps(home, *layout, keyframes, options.floor));
+    ROOMWISE_TRY(coverage.gaps, find_floor_gaps(home, *layout, all_keyframes, options.floor));
   }
   return coverage;
 }

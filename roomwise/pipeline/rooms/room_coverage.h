@@ -2,6 +2,7 @@
 
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -56,6 +57,7 @@ struct RoomSeen {
 struct CoverageOptions {
   rooms::LearningOptions learning;  // how many pictures of a room learning needs
   FloorGapOptions floor;
+  std::set<home::RecordingId> without;  // walks whose pictures count for nothing
 
   [[nodiscard]] Expected<void> validate() const;
 };

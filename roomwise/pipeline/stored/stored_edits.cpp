@@ -9,7 +9,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::array<std::pair<EditKind, std::string_view>, 15> kEditKinds{
+constexpr std::array<std::pair<EditKind, std::string_view>, 16> kEditKinds{
     {{EditKind::kAddThing, "add thing"},
      {EditKind::kRenameThing, "rename thing"},
      {EditKind::kNote, "note"},
@@ -20,6 +20,7 @@ constexpr std::array<std::pair<EditKind, std::string_view>, 15> kEditKinds{
      {EditKind::kRoomType, "room type"},
      {EditKind::kNameFrames, "name frames"},
      {EditKind::kRemoveRoom, "remove room"},
+     {EditKind::kTakeWalk, "take walk away"},
      {EditKind::kJoinRooms, "join rooms"},
      {EditKind::kDivideRoom, "divide room"},
      {EditKind::kMoveBorder, "move border"},
@@ -44,6 +45,7 @@ std::string json_of(const EditChange& change) {
   for (const auto& [name, thing] : kThings) {
     if (change.*thing) written[name] = *(change.*thing);
   }
+  if (change.walk) written["walk"] = *change.walk;
   return written.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
@@ -56,6 +58,7 @@ std::optional<EditChange> change_of(const std::string& text) {
     for (const auto& [name, to] : kThings) {
       if (written.contains(name)) change.*to = written.at(name).get<home::EditId>();
     }
+    if (written.contains("walk")) change.walk = written.at("walk").get<home::RecordingId>();
   } catch (const Json::exception&) {
     return std::nullopt;
   }
@@ -117,6 +120,10 @@ std::string_view to_string(EditKind kind) {
 
 bool is_of_thing(EditKind kind) {
   return kind <= EditKind::kRemoveThing;
+}
+
+bool is_of_room(EditKind kind) {
+  return !is_of_thing(kind) && kind != EditKind::kTakeWalk;
 }
 
 home::Edit StoredEdit::row() const {
@@ -215,6 +222,11 @@ Expected<void> take_edits_off(home::Home& home, home::RecordingId walk) {
   std::ranges::copy_if(keyframes, std::back_inserter(left),
                        [&](const home::Keyframe& one) { return one.recording != walk; });
   for (home::Edit edit : edits) {
+    if (edit.what == to_string(EditKind::kTakeWalk)) {
+      const auto change = change_of(edit.change);
+      if (change && change->walk == walk) ROOMWISE_CHECK_OK(home.remove_edit(edit.id));
+      continue;
+    }
     ROOMWISE_TRY(bool is_changed, drop_names(home, walk, edit));
     for (home::EditPlace& place : edit.places) {
       const auto box = box_world(place, keyframes);

@@ -27,6 +27,7 @@ enum class EditKind {
   kRoomType,
   kNameFrames,
   kRemoveRoom,
+  kTakeWalk,  // a walk is not shown any more, and forgotten when the home is closed
   kJoinRooms,
   kDivideRoom,
   kMoveBorder,
@@ -36,6 +37,7 @@ enum class EditKind {
 // As home::Edit::what: "add thing", "rename thing", ...
 [[nodiscard]] std::string_view to_string(EditKind kind);
 [[nodiscard]] bool is_of_thing(EditKind kind);
+[[nodiscard]] bool is_of_room(EditKind kind);
 
 // As home::Edit::what of places that people mark (edits/marked_spots.h): kept with the changes,
 // and none of them.
@@ -51,6 +53,7 @@ struct EditChange {
   std::string type = {};        // of the room, from now on
   // Things that people added, by the change that did; others are known by their place.
   std::optional<home::EditId> thing = std::nullopt, double_of = std::nullopt;
+  std::optional<home::RecordingId> walk = std::nullopt;  // that is taken away
 };
 
 // A row of the home, read.

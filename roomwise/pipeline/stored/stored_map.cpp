@@ -134,6 +134,7 @@ Expected<void> forget_walk(home::Home& home, home::RecordingId walk) {
     ROOMWISE_CHECK_OK(home.forget_learned_rooms());
     ROOMWISE_CHECK_OK(take_edits_off(home, walk));
     ROOMWISE_CHECK_OK(home.remove_recording(walk));
+    ROOMWISE_CHECK_OK(home.owe_erasing());
     ROOMWISE_TRY(const auto keyframes, home.keyframes());
     ROOMWISE_TRY(const auto settings, stored_map_settings(home));
     if (keyframes.empty() || !settings) return {};

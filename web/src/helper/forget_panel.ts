@@ -1,9 +1,12 @@
-// Forgetting a room, a walk, or everything. What cannot be taken back is confirmed by typing the home's name.
+// Forgetting a room or a walk, with a way back until they are erased, or everything, which is confirmed by typing the
+// home's name.
 import { ApiError, messageOf, request } from '../shared/api';
 import { h } from '../shared/dom';
 import { selectField, textField, type Field } from '../shared/forms';
 import { text } from '../shared/texts';
 import { act, type Helper } from './actions';
+import { eraseCard } from './erase_card';
+import { takeWalkAway } from './walk_list';
 import { card, panel } from './shell';
 import { fill } from './walks_panel';
 
@@ -28,6 +31,7 @@ export function forgetPanel(helper: Helper): HTMLElement {
     helper.store.state.home?.recordings.find((one) => String(one.id) === id)?.name ?? id;
   return panel(text('nav.forget'),
     h('p', { class: 'lead' }, text('forget.lead')),
+    eraseCard(helper),
     forgetCard(helper, {
       heading: text('forget.room'), explain: text('forget.room_explain'), button: text('forget.room'), choice: room,
       run: (name) => request('DELETE', `/api/rooms/${encodeURIComponent(name)}`),
@@ -35,7 +39,7 @@ export function forgetPanel(helper: Helper): HTMLElement {
     }),
     forgetCard(helper, {
       heading: text('forget.walk'), explain: text('forget.walk_explain'), button: text('forget.walk'), choice: recording,
-      run: (id) => request('DELETE', `/api/recordings/${id}`),
+      run: (id) => takeWalkAway(Number(id)),
       done: (id) => text('forget.walk_done', { name: walkName(id) }),
     }),
     forgetCard(helper, {
@@ -50,11 +54,11 @@ function forgetCard(helper: Helper, options: Forgetting): HTMLElement {
   const home = (): string => helper.store.state.home?.name ?? '';
   const really = textField(text('forget.really'), { hint: text('forget.really_hint', { home: home() }) });
   const form = h('form', { novalidate: true, class: 'form columns' },
-    options.choice?.element, really.element,
+    options.choice?.element ?? really.element,
     h('div', { class: 'row' }, h('button', { type: 'submit', class: 'danger' }, options.button)));
   form.addEventListener('submit', (event) => {
     event.preventDefault();
-    forget().catch((error: unknown) => really.fail(messageOf(error)));
+    forget().catch((error: unknown) => (options.choice ?? really).fail(messageOf(error)));
   });
 
   async function forget(): Promise<void> {
@@ -65,7 +69,7 @@ function forgetCard(helper: Helper, options: Forgetting): HTMLElement {
       options.choice.fail(text('forget.nothing'));
       return;
     }
-    if (really.value() !== home()) {
+    if (!options.choice && really.value() !== home()) {
       throw new ApiError(0, text('forget.wrong_name', { home: home() }));
     }
     const done = options.done(choice);

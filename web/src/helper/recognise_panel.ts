@@ -10,9 +10,10 @@ import { jobView } from './job_view';
 import { photosCard } from './photos_card';
 import { rerender } from './rerender';
 import { card, panel } from './shell';
+import { trialCard } from './trial_card';
 
 export function recognisePanel(helper: Helper): HTMLElement {
-  return panel(text('nav.recognise'), photosCard(helper), learnCard(helper), testCard(helper), recognitionsCard(helper));
+  return panel(text('nav.recognise'), photosCard(helper), learnCard(helper), trialCard(helper), testCard(helper), recognitionsCard(helper));
 }
 
 function learnCard(helper: Helper): HTMLElement {

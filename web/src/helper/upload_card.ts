@@ -85,7 +85,8 @@ export function uploadCard(helper: Helper): HTMLElement {
 
   helper.store.watch(['job', 'online'], showWaiting);
   replaceChildren(waiting);
-  return card(text('upload.heading'), h('p', { class: 'hint' }, text('upload.explain')), form, bar, words, news, waiting);
+  return card(text('upload.heading'), h('p', { class: 'hint' }, text('upload.explain')),
+    h('p', { class: 'hint' }, text('upload.when')), form, bar, words, news, waiting);
 }
 
 const browserParts = {

@@ -10,6 +10,7 @@ import { namingView } from './naming_view';
 import { recordCard } from './record_card';
 import { card, panel } from './shell';
 import { uploadCard } from './upload_card';
+import { walkListCard } from './walk_list';
 
 export function walksPanel(helper: Helper, me: Me): HTMLElement {
   const { store } = helper;
@@ -38,7 +39,7 @@ export function walksPanel(helper: Helper, me: Me): HTMLElement {
   store.watch(['home'], show);
   return panel(text('nav.walks'),
     card(text('walks.name_rooms'), h('p', { class: 'hint' }, text('walks.explain')), choice.element, place),
-    changesCard(helper), coverageCard(helper), recordCard(helper, me), uploadCard(helper));
+    walkListCard(helper), changesCard(helper), coverageCard(helper), recordCard(helper, me), uploadCard(helper));
 }
 
 // Keeps what was chosen, where it is still there.

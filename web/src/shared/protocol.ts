@@ -203,7 +203,7 @@ export interface Thing {
 export interface Edit {
   edit: number;
   what: 'add thing' | 'rename thing' | 'note' | 'move thing' | 'merge things' | 'remove thing' | 'rename room' | 'room type'
-    | 'name frames' | 'remove room' | 'join rooms' | 'divide room' | 'move border' | 'draw room' | 'add door';
+    | 'name frames' | 'remove room' | 'take walk away' | 'join rooms' | 'divide room' | 'move border' | 'draw room' | 'add door';
   made: number; // seconds since 1970
   by: string;
   name: string;
@@ -237,8 +237,16 @@ export interface Recording {
   frames: number;
   keyframes: number;
   finished: boolean;
+  recorded: number | null; // seconds since 1970; null where that is not known
   camera: object | null;
   ranges: RoomRange[];
+}
+
+// What goes from the home's file when its computer is switched off, or at once where somebody says so.
+export interface ToErase {
+  walks: { id: number; name: string; edit: number }[]; // `edit`: that it was taken away, to be undone
+  rooms: { name: string; edit: number }[];
+  owed: boolean; // more was forgotten, and could not be erased
 }
 
 // What a walk found other than the walks before it.
@@ -257,6 +265,7 @@ export interface Home {
   things: Thing[];
   recordings: Recording[];
   room_types: string[];
+  to_erase: ToErase;
   changes: { walk: number; since: number; things: ThingChange[] } | null; // of one walk: null
   storeys?: Storey[]; // of a home of several, from the lowest on; the plan draws them side by side
   stairs?: Stairs[];
@@ -274,6 +283,13 @@ export interface Stairs {
   steps: number; // 0: they could not be counted
   left_rail: boolean; // of who climbs
   right_rail: boolean;
+}
+
+// What somebody would be told who asks from a place of the plan.
+export interface Trial {
+  said: string[];
+  way: Point[]; // empty: they would be led nowhere
+  goal: Point | null;
 }
 
 // Where floor goes on unseen, or was seen from afar.

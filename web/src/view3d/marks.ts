@@ -6,6 +6,7 @@ import {
 
 import type { DeviceSeen, Doorway, Home, Keyframe, Storey, Thing } from '../shared/protocol';
 import { levelOf } from '../shared/storeys';
+import { kWalkColours } from './walk_colours';
 
 export interface Colours {
   accent: string;
@@ -48,18 +49,23 @@ function doorwayMark({ middle }: Doorway, colour: string, storeys: readonly Stor
   return [ring];
 }
 
-// A line through the walk and a small pyramid a key-frame, its point at the camera.
-export function keyframeMarks(keyframes: readonly Keyframe[], { accent }: Colours): Object3D[] {
-  if (keyframes.length === 0) {
-    return [];
-  }
+// Of each walk a line through it and a small pyramid a key-frame, its point at the camera, in the walk's colour. `walks`:
+// their numbers, in order.
+export function keyframeMarks(keyframes: readonly Keyframe[], walks: readonly number[]): Object3D[] {
+  return walks.flatMap((walk, i) => {
+    const own = keyframes.filter(({ recording }) => recording === walk);
+    return own.length === 0 ? [] : walkMarks(own, kWalkColours[i % kWalkColours.length] as string);
+  });
+}
+
+function walkMarks(keyframes: readonly Keyframe[], color: string): Object3D[] {
   const line = new Line(
     new BufferGeometry().setFromPoints(keyframes.map(({ position }) => new Vector3(...position))),
-    new LineBasicMaterial({ color: accent }),
+    new LineBasicMaterial({ color }),
   );
   const cone = new ConeGeometry(kKeyframe_m, 1.5 * kKeyframe_m, 4);
   cone.rotateX(-Math.PI / 2); // a cone's point is +y; a camera looks along +z, so the point goes to -z
-  const cones = new InstancedMesh(cone, new MeshBasicMaterial({ color: accent }), keyframes.length);
+  const cones = new InstancedMesh(cone, new MeshBasicMaterial({ color }), keyframes.length);
   const size = new Vector3(1, 1, 1);
   keyframes.forEach(({ position, rotation_xyzw }, i) => {
     cones.setMatrixAt(i, new Matrix4().compose(new Vector3(...position), new Quaternion(...rotation_xyzw).normalize(), size));

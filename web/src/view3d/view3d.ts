@@ -122,7 +122,7 @@ export function makeView(stage: HTMLElement, events: ViewEvents): View3d {
       markHome = () => {
         const colours = schemeColours();
         refill(home, homeMarks(now, colours));
-        refill(walk, keyframeMarks(keyframes, colours));
+        refill(walk, keyframeMarks(keyframes, now.recordings.map(({ id }) => id)));
       };
       markHome();
       labels.setHome(now);

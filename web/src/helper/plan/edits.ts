@@ -30,6 +30,7 @@ const kWords: Record<Edit['what'], TextKey> = {
   'room type': 'edits.room_type',
   'name frames': 'edits.name_frames',
   'remove room': 'edits.remove_room',
+  'take walk away': 'edits.take_walk_away',
   'join rooms': 'edits.join_rooms',
   'divide room': 'edits.divide_room',
   'move border': 'edits.move_border',

@@ -1,0 +1,78 @@
+#include "roomwise/live/trial_question.h"
+
+#include <gmock/gmock.h>
+
+namespace roomwise::live {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+// A floor of 6 m by 4 m that is free, with a stove at its right end.
+std::shared_ptr<HomeView> home_with_stove() {
+  LiveMap map;
+  map.floor.emplace(Eigen::Vector2d(-1, -2), 0.05,
+                    image::Image<fusion::FloorCell>(120, 80, fusion::FloorCell::kFree));
+  auto home = std::make_shared<HomeView>();
+  home->map = std::make_shared<const LiveMap>(std::move(map));
+  guide::KnownThing stove;
+  stove.name = "stove";
+  stove.probability = 0.99;
+  stove.position_gravity = Eigen::Vector3d(4, 0, 0.5);
+  stove.box_keyframe.size_m = {0.5, 0.5, 0.9};
+  home->things = {stove};
+  return home;
+}
+
+TrialQuestion question(const std::string& text, std::optional<Eigen::Vector2d> place = {}) {
+  TrialQuestion asked;
+  asked.text = text;
+  asked.place = place;
+  return asked;
+}
+
+TEST(TrialQuestion, IsAnsweredFromThePlaceWhereOneWouldStand) {
+  const auto home = home_with_stove();
+  const TrialAnswer ahead = try_question(question("where is the stove", {{1, 0}}), home);
+  ASSERT_FALSE(ahead.prompts.empty());
+  EXPECT_THAT(ahead.prompts.front().text, HasSubstr("12 o'clock"));
+  EXPECT_THAT(ahead.way, IsEmpty());
+  TrialQuestion turned = question("where is the stove", {{1, 0}});
+  turned.heading_degrees = 90;
+  EXPECT_THAT(try_question(turned, home).prompts.front().text, HasSubstr("3 o'clock"));
+}
+
+TEST(TrialQuestion, ShowsTheWayOfWhoWouldBeLed) {
+  const TrialAnswer led =
+      try_question(question("take me to the stove", {{0, 0}}), home_with_stove());
+  ASSERT_THAT(led.prompts, SizeIs(1));
+  EXPECT_THAT(led.prompts.front().text, HasSubstr("stove"));
+  ASSERT_GE(led.way.size(), 2U);
+  EXPECT_LT((led.way.front() - Eigen::Vector2d(0, 0)).norm(), 0.1);
+  EXPECT_GT(led.way.back().x(), 2.5);
+  ASSERT_TRUE(led.goal);
+  EXPECT_NEAR(led.goal->x(), 3.75, 0.1) << "the stove's near side";
+}
+
+TEST(TrialQuestion, WithoutAPlaceOneIsToldWhatWhoShowsNoPictureIsTold) {
+  const TrialAnswer led = try_question(question("take me to the stove"), home_with_stove());
+  EXPECT_FALSE(led.prompts.empty());
+  EXPECT_THAT(led.way, IsEmpty());
+}
+
+TEST(TrialQuestion, SpeaksTheLanguageThatIsAskedFor) {
+  TrialQuestion asked = question("Wo ist der Herd?", {{1, 0}});
+  asked.settings.language = "de";
+  EXPECT_THAT(try_question(asked, home_with_stove()).prompts.front().text, HasSubstr("Herd"));
+}
+
+TEST(TrialQuestion, WhatIsNotUnderstoodOrWouldChangeTheHomeIsAnsweredByWhatCanBeAsked) {
+  const auto home = home_with_stove();
+  EXPECT_FALSE(try_question(question("bla bla bla"), home).prompts.empty());
+  EXPECT_FALSE(try_question(question("teach a thing"), home).prompts.empty());
+  EXPECT_FALSE(try_question(question(""), home).prompts.empty());
+}
+
+}  // namespace
+}  // namespace roomwise::live

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <set>
+#include <span>
+#include <vector>
+
+#include "roomwise/pipeline/edits/edit_things.h"
+#include "roomwise/pipeline/stored/stored_edits.h"
+
+// Taking walks away with a way back: until forget_taken_walks() undo_edit() brings one back.
+namespace roomwise::pipeline {
+
+// The walk stays in the home, and in its map; who shows walks leaves it out. Fails where there is
+// no such walk, or it is taken away already.
+[[nodiscard]] Expected<home::EditId> take_walk_away(home::Home& home, const EditAuthor& author,
+                                                    home::RecordingId walk);
+
+// Those that are taken away. `edits`: of the home.
+[[nodiscard]] std::set<home::RecordingId> walks_taken_away(std::span<const StoredEdit> edits);
+
+// forget_walk() of each of them; Home::erase_removed() is to follow. Returns what they were.
+[[nodiscard]] Expected<std::vector<home::StoredRecording>> forget_taken_walks(home::Home& home);
+
+}  // namespace roomwise::pipeline

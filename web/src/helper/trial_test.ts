@@ -1,0 +1,21 @@
+import assert from 'node:assert/strict';
+import { test } from 'node:test';
+
+import { makePlan } from '../../test/made_up_home';
+import type { Point } from '../shared/protocol';
+import { headingOf, roomsOnWay, wayWords } from './trial';
+
+const kWay: Point[] = [[4.5, 2.5], [4, 1.4], [1.5, 1.2], [1.5, 3]];
+
+test('a way is told by its length and the rooms through which it leads', () => {
+  assert.deepEqual(roomsOnWay(kWay, makePlan()), ['bathroom', 'corridor', 'kitchen']);
+  assert.equal(wayWords(kWay, makePlan()), 'The way that they would be led: 5.5 m, through bathroom, corridor, kitchen.');
+  assert.equal(wayWords([[90, 90], [91, 90]], makePlan()), 'The way that they would be led: 1 m.');
+  assert.deepEqual(roomsOnWay([], makePlan()), []);
+});
+
+test('who sets one point looks up, who sets two looks from the first to the second', () => {
+  assert.equal(headingOf([[1, 1]]), 90);
+  assert.equal(headingOf([[1, 1], [2, 1]]), 0);
+  assert.equal(headingOf([[1, 1], [1, 0]]), -90);
+});

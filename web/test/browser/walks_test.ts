@@ -1,0 +1,63 @@
+// Walks: listed, gone on with, forgotten with a way back, erased.
+import assert from 'node:assert/strict';
+import { after, test } from 'node:test';
+
+import { tellJob } from '../stand_in_api';
+import { closeBrowser, kDesktop, kPhone, openVisit, skipReason, withServer } from './harness';
+import { goTo, heardOnce } from './person';
+
+after(closeBrowser);
+const options = { skip: skipReason };
+
+for (const [size, name] of [[kDesktop, 'desktop'], [kPhone, 'phone'], [{ width: 320, height: 568 }, '320 px wide']] as const) {
+  test(`a walk is forgotten, taken back, forgotten again and erased: ${name}`, options, () => withServer(async (server) => {
+    const visit = await openVisit(server, { role: 'helper', size });
+    await visit.go('/#walks');
+    await visit.sees('recorded May 3, 2026, 12:30 PM · 96 pictures', '.walks');
+    await visit.assertAccessible('the walks');
+    await visit.assertReflows();
+    await visit.press('Forget walk');
+    await visit.sees('Forget the walk walk?', 'dialog');
+    await visit.press('Forget');
+    await heardOnce(visit, 'The walk walk is forgotten. It can be taken back until it is erased.');
+    await visit.sees('There is no walk yet.');
+    await goTo(visit, 'Forget', 'Forget');
+    await visit.sees("It goes for good when the home's computer is switched off");
+    await visit.assertAccessible('what is erased soon');
+    await visit.assertReflows();
+    await visit.press('Take back: The walk walk');
+    await heardOnce(visit, 'The walk walk is back.');
+    await visit.press('Forget a walk');
+    await visit.sees('The walk walk', '.ranges');
+    await visit.press('Erase now');
+    await visit.sees('It cannot be taken back.', 'dialog');
+    await visit.press('Erase now');
+    await heardOnce(visit, 'It is erased.');
+    assert.deepEqual(server.state.requests, [
+      'POST /api/edits {"what":"take walk away","walk":1}', 'DELETE /api/edits/1', 'POST /api/edits {"what":"take walk away","walk":1}', 'POST /api/erase',
+    ]);
+    assert.ok(!(await visit.accessibleTexts()).includes('What is erased soon'));
+    await visit.close();
+  }));
+}
+
+test('erasing that failed is told as long as it is owed', options, () => withServer(async (server) => {
+  server.state.home.to_erase.owed = true;
+  const visit = await openVisit(server, { role: 'helper' });
+  await visit.go('/#forget');
+  await visit.sees('could not be erased from the file yet');
+  await visit.assertAccessible('erasing that is owed');
+  await visit.close();
+}));
+
+test('a map that was stopped is gone on with by a button', options, () => withServer(async (server) => {
+  const visit = await openVisit(server, { role: 'helper' });
+  await visit.go('/#walks');
+  await visit.sees('96 pictures', '.walks');
+  assert.ok(!(await visit.accessibleTexts()).includes('Go on with the map'));
+  tellJob(server, 'stopped', 0.4, 'stopped', 'map');
+  await visit.press('Go on with the map');
+  await heardOnce(visit, 'The map is gone on with.');
+  assert.deepEqual(server.state.requests, ['POST /api/job/go_on']);
+  await visit.close();
+}));
