@@ -141,6 +141,15 @@ void AppearanceIndex::keep_only(std::span<const KeyframeId> kept) {
   recent_keyframes_ = 0;
 }
 
+void AppearanceIndex::renumber(std::span<const KeyframeId> numbers) {
+  for (Table& table : tables_) {
+    table.sorted = merged(table);
+    table.recent.clear();
+    for (Entry& entry : table.sorted) entry.id = static_cast<std::uint32_t>(numbers[entry.id]);
+  }
+  recent_keyframes_ = 0;
+}
+
 void AppearanceIndex::set_directions(Eigen::Index descriptor_size) {
   RandomStream random(seed_, {kStream});
   directions_ = Eigen::MatrixXf::NullaryExpr(

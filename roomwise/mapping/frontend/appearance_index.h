@@ -30,6 +30,8 @@ struct AppearanceIndexOptions {
 // of its bits. It needs no vocabulary learned elsewhere. All features must be of one kind.
 class AppearanceIndex {
  public:
+  // Indices of one seed hash alike, so one can go on from the other.
+  static constexpr std::uint64_t kUsualSeed = 1;
   explicit AppearanceIndex(std::uint64_t seed, const AppearanceIndexOptions& options = {});
 
   struct Hit {
@@ -48,6 +50,9 @@ class AppearanceIndex {
 
   // The index of some of its key-frames, ascending, which are numbered 0, 1, 2, ... from now on.
   void keep_only(std::span<const KeyframeId> kept);
+
+  // Of the key-frames that were 0, 1, 2, ... these are the numbers now, ascending.
+  void renumber(std::span<const KeyframeId> numbers);
 
   // The index as plain bytes and back; seed and options must be those that it was made with. Of
   // bytes that are none of an index `reader` is not whole afterwards, or nothing is found.

@@ -197,6 +197,36 @@ TEST(AppearanceIndexOptions, SaysWhichFieldIsWrong) {
   EXPECT_OK((AppearanceIndexOptions{.bits = 32}.validate()));
 }
 
+TEST(AppearanceIndex, OfSomeIsAsIfTheOthersHadNeverBeenAdded) {
+  constexpr std::uint64_t kKeyframes = 150;
+  AppearanceIndex all(1, {.features = 10, .bits = 4}), some(1, {.features = 10, .bits = 4});
+  std::vector<KeyframeId> kept;
+  for (std::uint64_t id = 0; id < kKeyframes; ++id) {
+    all.add(id, real_features(10, id));
+    if (id % 3 == 1) continue;
+    some.add(kept.size(), real_features(10, id));
+    kept.push_back(id);
+  }
+  all.keep_only(kept);
+  PlainWriter of_all, of_some;
+  all.write(of_all);
+  some.write(of_some);
+  EXPECT_EQ(of_all.take(), of_some.take()) << "full buckets, too";
+
+  all.renumber(kept);
+  const auto hits = all.find(real_features(10, 3), 0, kKeyframes, kKeyframes);
+  EXPECT_TRUE(std::ranges::all_of(hits, [](const auto& hit) { return hit.id % 3 != 1; }));
+}
+
+TEST(AppearanceIndex, LeavesOutWhatItIsAskedWithout) {
+  AppearanceIndex index(1);
+  for (std::uint64_t id = 0; id < 4; ++id) index.add(id, real_features(50, id % 2));
+  const std::vector<bool> left_out{false, true, false, false};
+  const auto hits = index.find(real_features(50, 1), 0, 4, 4, left_out);
+  ASSERT_FALSE(hits.empty());
+  EXPECT_EQ(hits.front().id, 3U);
+}
+
 TEST(AppearanceIndex, FindsTheSameHoweverManyWereMerged) {
   // More than wait to be merged, and enough that some buckets are shared by many.
   constexpr std::uint64_t kKeyframes = 150;

@@ -48,13 +48,20 @@ bool component_has_at_least(const KeyframeGraph& graph, KeyframeId keyframe, std
 
 Mapper::Mapper(const geometry::PinholeCamera& camera, const MapperOptions& options,
                WorkingSet working_set)
-    : camera_(camera), options_(options), store_(std::move(working_set)), index_(options.seed) {}
+    : camera_(camera), options_(options), store_(std::move(working_set)), index_(kIndexSeed) {}
 
 Expected<void> Mapper::restore_keyframe(Keyframe keyframe) {
   if (options_.loops.similar > 0)
     index_.add(keyframe.id, keyframe.measurements.features().features);
   keyframes_.push_back(keyframe);
   return store_.add(std::move(keyframe.measurements));
+}
+
+void Mapper::restore_stored(std::vector<KeyframeStamp> keyframes, AppearanceIndex index,
+                            MeasureStored measure) {
+  store_.add_stored(keyframes.size(), std::move(measure));
+  keyframes_ = std::move(keyframes);
+  if (options_.loops.similar > 0) index_ = std::move(index);
 }
 
 void Mapper::restore(std::span<const PoseGraphEdge> edges, std::span<const Frame> frames,

@@ -65,6 +65,12 @@ class Mapper {
   // the rest. Those from `first_keyframe` on, and the frames, are of the walk that goes on: none
   // where it is to begin. What was measured in each key-frame was so with its own camera.
   [[nodiscard]] Expected<void> restore_keyframe(Keyframe keyframe);
+  // The same of those of walks before this one, which come first, without measuring them: `index`
+  // is of what they look like, by id, and they are measured when they are compared with.
+  void restore_stored(std::vector<KeyframeStamp> keyframes, AppearanceIndex index,
+                      MeasureStored measure);
+  // What key-frames look like is indexed so, whatever the options' seed.
+  static constexpr std::uint64_t kIndexSeed = AppearanceIndex::kUsualSeed;
   void restore(std::span<const PoseGraphEdge> edges, std::span<const Frame> frames,
                KeyframeId first_keyframe = 0);
 

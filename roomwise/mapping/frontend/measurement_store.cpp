@@ -16,14 +16,24 @@ Expected<void> MeasurementStore::add(motion::FrameMeasurements measurements) {
   return make_room();
 }
 
+void MeasurementStore::add_stored(std::size_t count, MeasureStored measure) {
+  entries_.resize(entries_.size() + count);
+  measure_ = std::move(measure);
+}
+
 Expected<SharedMeasurements> MeasurementStore::get(KeyframeId id) {
   Entry& entry = entries_.at(id);
   if (entry.measurements) {
     used_.splice(used_.begin(), used_, entry.use);
     return entry.measurements;
   }
-  ROOMWISE_TRY(const Bytes bytes, scratch_->read(*entry.offset, entry.disk_bytes));
-  ROOMWISE_TRY(motion::FrameMeasurements measurements, motion::measurements_from_bytes(bytes));
+  const auto read = [&]() -> Expected<motion::FrameMeasurements> {
+    if (!entry.offset) return measure_(id);
+    ROOMWISE_TRY(const Bytes bytes, scratch_->read(*entry.offset, entry.disk_bytes));
+    return motion::measurements_from_bytes(bytes);
+  };
+  ROOMWISE_TRY(motion::FrameMeasurements measurements, read());
+  if (entry.memory_bytes == 0) entry.memory_bytes = motion::memory_bytes(measurements);
   const auto shared = std::make_shared<const motion::FrameMeasurements>(std::move(measurements));
   entry.measurements = shared;
   used_.push_front(id);

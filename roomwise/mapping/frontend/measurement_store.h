@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <list>
 #include <memory>
 #include <optional>
@@ -22,6 +23,9 @@ struct WorkingSet {
 
 using SharedMeasurements = std::shared_ptr<const motion::FrameMeasurements>;
 
+// Measures a key-frame that was stored, to the same bits each time.
+using MeasureStored = std::function<Expected<motion::FrameMeasurements>(KeyframeId)>;
+
 // The measurements of all key-frames: those used last in memory, the others on the disk, from where
 // they come back to the bit. (Reading them takes a hundredth of the time of measuring the stored
 // images anew.)
@@ -31,6 +35,8 @@ class MeasurementStore {
 
   // Of the next key-frame: the first is 0. Finds its features, if that was not done yet.
   [[nodiscard]] Expected<void> add(motion::FrameMeasurements measurements);
+  // So many key-frames that are there already, measured when they are asked for first.
+  void add_stored(std::size_t count, MeasureStored measure);
   // Of a key-frame that is there. What was asked for is used, and may push others out; the caller's
   // share stays good.
   [[nodiscard]] Expected<SharedMeasurements> get(KeyframeId id);
@@ -40,7 +46,7 @@ class MeasurementStore {
 
  private:
   struct Entry {
-    SharedMeasurements measurements;  // empty: on the disk
+    SharedMeasurements measurements;  // empty: on the disk, or not asked for yet
     std::size_t memory_bytes = 0;
     std::optional<std::uint64_t> offset;  // in the scratch file, once it was written there
     std::size_t disk_bytes = 0;
@@ -50,6 +56,7 @@ class MeasurementStore {
   [[nodiscard]] Expected<void> push_out(Entry& entry);
 
   WorkingSet options_;
+  MeasureStored measure_;
   std::vector<Entry> entries_;  // by key-frame id
   std::list<KeyframeId> used_;  // those in memory, the one used last first
   std::size_t bytes_ = 0;

@@ -79,6 +79,23 @@ TEST_F(MeasurementStoreTest, KeepsAllWithoutAFolder) {
   expect_all_there(store);
 }
 
+TEST_F(MeasurementStoreTest, MeasuresWhatWasStoredOnceAndWhenItIsAskedFor) {
+  MeasurementStore store({2 * one_, folder_.path()});
+  std::vector<KeyframeId> measured;
+  store.add_stored(3, [&](KeyframeId id) -> Expected<motion::FrameMeasurements> {
+    measured.push_back(id);
+    return measurements_of(id);
+  });
+  ASSERT_OK(store.add(measurements_of(3)));
+  EXPECT_THAT(measured, ::testing::IsEmpty());
+  ASSERT_OK(store.get(1));
+  EXPECT_THAT(measured, ::testing::ElementsAre(1U));
+  expect_all_there(store);
+  expect_all_there(store);
+  EXPECT_THAT(measured, ::testing::ElementsAre(1U, 0U, 2U));
+  EXPECT_LE(store.bytes_in_memory(), 2 * one_);
+}
+
 TEST_F(MeasurementStoreTest, NamesAFolderThatIsNotThere) {
   MeasurementStore store({one_, folder_ / "nowhere"});
   ASSERT_OK(store.add(measurements_of(0)));

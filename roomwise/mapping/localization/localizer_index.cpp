@@ -9,7 +9,7 @@ namespace {
 static_assert(std::is_trivially_copyable_v<geometry::PinholeCamera>);
 
 // Whatever is asked, features hash alike, so that one index serves all.
-constexpr std::uint64_t kIndexSeed = 1;
+constexpr std::uint64_t kIndexSeed = AppearanceIndex::kUsualSeed;
 
 }  // namespace
 

@@ -1,5 +1,6 @@
 #include "roomwise/pipeline/mapping/home_localizer.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "roomwise/pipeline/stored/keyframe_images.h"
@@ -98,14 +99,19 @@ Expected<HomeLocalizer> HomeLocalizer::create(const home::Home& home,
 
 Expected<void> keep_localizer_index(
     home::Home& home,
-    const std::function<Expected<mapping::SharedMeasurements>(home::KeyframeId)>& measured) {
+    const std::function<Expected<mapping::SharedMeasurements>(home::KeyframeId)>& measured,
+    std::optional<KeptLocalizerIndex> before) {
   ROOMWISE_TRY(const MapSettings settings, measuring_settings(home));
   ROOMWISE_TRY(const auto placed, map_keyframes(home));
   const std::string made_from = index_made_from(placed, settings);
   ROOMWISE_TRY(const auto kept, kept_index(home, made_from, placed.size()));
   if (kept) return {};
-  mapping::LocalizerIndex index;
-  for (const home::Keyframe& keyframe : placed) {
+  const bool goes_on =
+      before && before->keyframes.size() <= placed.size() &&
+      std::ranges::equal(before->keyframes, std::span(placed).first(before->keyframes.size()), {},
+                         {}, &home::Keyframe::id);
+  mapping::LocalizerIndex index = goes_on ? std::move(before->index) : mapping::LocalizerIndex();
+  for (const home::Keyframe& keyframe : std::span(placed).subspan(index.size())) {
     ROOMWISE_TRY(const auto measurements, measured(keyframe.id));
     index.add(*measurements);
   }

@@ -63,17 +63,21 @@ class HomeLocalizer {
   std::optional<home::DerivedData> new_index_;
 };
 
-// Keeps in the home what a HomeLocalizer begins with, unless it is there, whole and fresh.
-// `measured` gives what mapping took from a key-frame, with its view.
-[[nodiscard]] Expected<void> keep_localizer_index(
-    home::Home& home,
-    const std::function<Expected<mapping::SharedMeasurements>(home::KeyframeId)>& measured);
-
-// The index that the home keeps, if it is fresh, and which key-frames it is of.
+// A localiser's index, and the numbers of the key-frames that it is of.
 struct KeptLocalizerIndex {
   mapping::LocalizerIndex index;
   std::vector<home::KeyframeId> keyframes;
 };
+
+// Keeps in the home what a HomeLocalizer begins with, unless it is there, whole and fresh.
+// `measured` gives what mapping took from a key-frame, with its view.
+// `before`, if it is one of key-frames that the home still has, is gone on with.
+[[nodiscard]] Expected<void> keep_localizer_index(
+    home::Home& home,
+    const std::function<Expected<mapping::SharedMeasurements>(home::KeyframeId)>& measured,
+    std::optional<KeptLocalizerIndex> before = std::nullopt);
+
+// If the home keeps a fresh one.
 [[nodiscard]] Expected<std::optional<KeptLocalizerIndex>> take_localizer_index(
     const home::Home& home);
 // Keeps it without key-frames that the home had when it was taken and has no more.

@@ -12,10 +12,19 @@
 #include "roomwise/pipeline/stored/keyframe_images.h"
 #include "roomwise/pipeline/stored/mapper_storage.h"
 #include "roomwise/pipeline/stored/measured_frame_reader.h"
+#include "roomwise/pipeline/stored/stored_edits.h"
 #include "roomwise/pipeline/stored/stored_map.h"
 
 namespace roomwise::pipeline {
 namespace {
+
+// Takes a walk out of which nothing became. It may have been named already.
+Expected<void> drop_walk(home::Home& home, home::RecordingId walk) {
+  return home.atomically([&]() -> Expected<void> {
+    ROOMWISE_CHECK_OK(take_edits_off(home, walk));
+    return home.remove_recording(walk);
+  });
+}
 
 // The recording in the home: the unfinished one that is there, or a new one.
 Expected<home::StoredRecording> begin_or_resume(home::Home& home, const home::Recording& recording,
@@ -23,7 +32,7 @@ Expected<home::StoredRecording> begin_or_resume(home::Home& home, const home::Re
   ROOMWISE_TRY(auto stored, home.recordings());
   // A recording of which nothing was mapped begins anew, perhaps with the right camera now.
   if (!stored.empty() && !stored.back().finished && stored.back().next_frame_index == 0) {
-    ROOMWISE_CHECK_OK(home.remove_recording(stored.back().id));
+    ROOMWISE_CHECK_OK(drop_walk(home, stored.back().id));
     stored.pop_back();
   }
   ROOMWISE_TRY(const std::optional<MapSettings> own, stored_map_settings(home));
@@ -124,14 +133,18 @@ Expected<void> map_frames(recording::FrameSource& source, const home::Home& home
   return run.progress.check("mapping");
 }
 
-// What landmarks are found by, one key-frame after the other.
-Expected<std::vector<mapping::KeyframeFeatures>> landmark_features(const home::Home& home,
-                                                                   mapping::Mapper& mapper,
-                                                                   const MapSettings& settings) {
+// What landmarks are found by, one key-frame after the other, of those that are wanted.
+Expected<std::vector<mapping::KeyframeFeatures>> landmark_features(
+    const home::Home& home, mapping::Mapper& mapper, const MapSettings& settings,
+    const std::vector<bool>& wanted) {
   ROOMWISE_TRY(const auto cameras, recording_cameras(home));
   ROOMWISE_TRY(const auto keyframes, home.keyframes());
   std::vector<mapping::KeyframeFeatures> features;
   for (const home::Keyframe& keyframe : keyframes) {
+    if (!wanted[keyframe.id]) {
+      features.emplace_back().camera = cameras.at(keyframe.recording);
+      continue;
+    }
     ROOMWISE_TRY(const auto measurements, mapper.measurements(keyframe.id));
     features.push_back(mapping::keyframe_features(
         measurements->features(), cameras.at(keyframe.recording), settings.refinement.landmarks));
@@ -156,6 +169,13 @@ std::uint64_t count_components(std::span<const home::Keyframe> keyframes) {
   return components.size();
 }
 
+// The localiser's index of the map that the walk joins, where the home keeps it.
+Expected<std::optional<KeptLocalizerIndex>> index_before(const home::Home& home,
+                                                         const MapSettings& settings) {
+  if (settings.mapper.method == mapping::MappingMethod::kPaper) return std::nullopt;
+  return take_localizer_index(home);
+}
+
 // What a walk's map has come to once all its frames are stored, so that a run that was killed goes
 // on behind it: what comes before is not to be done twice, since it begins with the poses and
 // key-frames that it changes.
@@ -178,7 +198,9 @@ Expected<void> solve(home::Home& home, const MapSettings& settings, mapping::Map
                      home::RecordingId walk, RunContext& run, MapSummary& summary) {
   const auto timing = run.clock.measure("optimisation");
   return home.atomically([&]() -> Expected<void> {
-    const auto features = [&] { return landmark_features(home, mapper, settings); };
+    const auto features = [&](const std::vector<bool>& wanted) {
+      return landmark_features(home, mapper, settings, wanted);
+    };
     ROOMWISE_TRY(const SolvedMap solved, solve_stored_map(home, settings, features, run.progress));
     if (solved.refinement) {
       summary.landmarks = solved.refinement->landmarks;
@@ -210,7 +232,8 @@ Expected<void> cull_walk_before(home::Home& home, const MapSettings& settings, R
 // does, as it was when this run began to store.
 Expected<void> finish_map(home::Home& home, const MapSettings& settings, mapping::Mapper& mapper,
                           home::RecordingId walk, const objects::ObjectFinders& finders,
-                          RunContext& run, MapSummary& summary) {
+                          std::optional<KeptLocalizerIndex> before, RunContext& run,
+                          MapSummary& summary) {
   ROOMWISE_TRY(const MapStage stage, stage_of(home, walk));
   if (stage == MapStage::kCulled) return {};
   if (stage == MapStage::kStored)
@@ -224,8 +247,8 @@ Expected<void> finish_map(home::Home& home, const MapSettings& settings, mapping
   // A map of the paper's method holds no views: its localiser measures them when it is first used.
   if (settings.mapper.method != mapping::MappingMethod::kPaper) {
     const auto timing = run.clock.measure("localiser");
-    ROOMWISE_CHECK_OK(
-        keep_localizer_index(home, [&](home::KeyframeId id) { return mapper.measurements(id); }));
+    ROOMWISE_CHECK_OK(keep_localizer_index(
+        home, [&](home::KeyframeId id) { return mapper.measurements(id); }, std::move(before)));
   }
   return home.atomically([&]() -> Expected<void> {
     ROOMWISE_CHECK_OK(cull_walk_before(home, settings, run, summary));
@@ -255,7 +278,11 @@ Expected<MapSummary> map_recording(recording::FrameSource& source, const home::R
   const auto extractor = features::make_extractor(settings.features, settings.max_keypoints);
   const std::filesystem::path folder = std::filesystem::absolute(home.file()).parent_path();
   mapping::Mapper mapper(camera, settings.mapper, {run.working_set_bytes, folder});
-  ROOMWISE_CHECK_OK(restore_mapper(mapper, home, stored.id, *extractor, settings, run));
+  ROOMWISE_TRY(std::optional<KeptLocalizerIndex> index, index_before(home, settings));
+  std::optional<KnownAppearances> known;
+  if (index) known = {index->index.appearances(), index->keyframes};
+  ROOMWISE_CHECK_OK(
+      restore_mapper(mapper, home, stored.id, *extractor, settings, run, std::move(known)));
   ROOMWISE_TRY(MapWriter writer, MapWriter::create(home, stored.id, mapper));
   ROOMWISE_TRY(KeyframeObserver observer,
                KeyframeObserver::create(home, networks, finders.in_pictures, run));
@@ -275,18 +302,19 @@ Expected<MapSummary> map_recording(recording::FrameSource& source, const home::R
       return fail("{}; the {} key-frames before it are kept: resume the map to go on",
                   outcome.error().message, keyframes_of_walk());
     }
-    ROOMWISE_CHECK_OK(home.remove_recording(stored.id));
+    ROOMWISE_CHECK_OK(drop_walk(home, stored.id));
     return Unexpected(std::move(outcome).error());
   }
   const auto finish = [&]() -> Expected<void> {
     if (keyframes_of_walk() == 0) {
-      ROOMWISE_CHECK_OK(home.remove_recording(stored.id));
+      ROOMWISE_CHECK_OK(drop_walk(home, stored.id));
       return fail("{}: no frame has enough features to map; is the lens covered or the room dark?",
                   recording.name);
     }
     ROOMWISE_CHECK_OK(writer.write_rest());
     ROOMWISE_CHECK_OK(observer.observe_missing());
-    ROOMWISE_CHECK_OK(finish_map(home, settings, mapper, stored.id, finders, run, summary));
+    ROOMWISE_CHECK_OK(
+        finish_map(home, settings, mapper, stored.id, finders, std::move(index), run, summary));
     {
       ROOMWISE_TRY(const auto keyframes, home.keyframes());
       summary.components = count_components(keyframes);

@@ -24,6 +24,7 @@ namespace {
 
 using testing::ColorNetwork;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using testing::SyntheticWalk;
 
 // Finds a couch in the middle of every picture.
@@ -153,7 +154,9 @@ TEST_F(MapRecording, OptimisingAgainFindsTheSameMap) {
     StageClock clock;
     RunContext run{pool, silent_, clock};
     ASSERT_OK(solve_stored_map(
-        home, settings_, [&] { return stored_keyframe_features(home, settings_, run); }, silent_));
+        home, settings_,
+        [&](const std::vector<bool>&) { return stored_keyframe_features(home, settings_, run); },
+        silent_));
   }
   EXPECT_EQ(digest(folder_ / "a.home"), before) << "from features found again in stored images";
 }
@@ -371,7 +374,9 @@ TEST_F(MapRecording, InterruptedWhileLandmarksAreAdjustedMovesNothing) {
   StageClock clock;
   RunContext run{pool, again, clock};
   const auto solved = solve_stored_map(
-      home, settings_, [&] { return stored_keyframe_features(home, settings_, run); }, again);
+      home, settings_,
+      [&](const std::vector<bool>&) { return stored_keyframe_features(home, settings_, run); },
+      again);
   ASSERT_FALSE(solved.has_value());
   EXPECT_EQ(solved.error().code, ErrorCode::kInterrupted);
   EXPECT_EQ(digest(folder_ / "resumed.home"), digest(folder_ / "whole.home"));
@@ -544,6 +549,25 @@ TEST_F(MapFurtherWalks, WhoseFirstFrameIsDamagedAddNothing) {
   damaged.fail_at = 0;
   EXPECT_ERROR(map(home_, damaged, 2), "frame 0 is damaged");
   EXPECT_EQ(digest(home_), before);
+}
+
+TEST_F(MapFurtherWalks, OfWhichNothingWasMappedTakeTheirNamesAlong) {
+  {
+    home::Home home = *home::Home::open(home_);
+    const SyntheticWalk begun = further_walk(kFrames);
+    ASSERT_OK(home.add_recording({"begun", "made up", begun.info().camera, kFrames}));
+    home::Edit named;
+    named.what = "name frames";
+    named.change = R"({"name":"begun","room":"bath"})";
+    named.before = R"({"ranges":{"2":[[0,5,"hall",1]]}})";
+    ASSERT_OK(home.add_edit(named));
+  }
+  SyntheticWalk further = further_walk(kFrames);
+  ASSERT_OK(map(home_, further, 2));
+  const auto edits = home::Home::open_read_only(home_)->edits().value();
+  ASSERT_EQ(edits.size(), 1U);
+  EXPECT_THAT(edits[0].before, Not(HasSubstr("hall"))) << "the number is another walk's now";
+  EXPECT_THAT(edits[0].change, Not(HasSubstr("begun")));
 }
 
 TEST_F(MapFurtherWalks, TogetherTeachRoomsThatOneAloneDoesNotName) {

@@ -4,6 +4,8 @@
 #include <utility>
 
 #include "roomwise/image/codec.h"
+#include "roomwise/pipeline/stored/keyframe_images.h"
+#include "roomwise/pipeline/stored/measured_frame_reader.h"
 #include "roomwise/pipeline/stored/stored_keyframes.h"
 
 namespace roomwise::pipeline {
@@ -27,15 +29,45 @@ home::KeyframeId first_keyframe_of(std::span<const home::Keyframe> keyframes,
 Expected<void> restore_mapper(mapping::Mapper& mapper, const home::Home& home,
                               home::RecordingId recording,
                               const features::FeatureExtractor& extractor,
-                              const MapSettings& settings, RunContext& run) {
+                              const MapSettings& settings, RunContext& run,
+                              std::optional<KnownAppearances> known) {
   ROOMWISE_TRY(const auto stored, home.keyframes());
   const auto take = [&](mapping::Keyframe keyframe) {
     return mapper.restore_keyframe(std::move(keyframe));
   };
-  ROOMWISE_CHECK_OK(measure_each_keyframe(home, stored, extractor, settings, run, take));
+  const home::KeyframeId first = first_keyframe_of(stored, recording);
+  // The index hashes about the first key-frame.
+  const bool is_known = known && !known->keyframes.empty() && known->keyframes.front() == 0 &&
+                        known->keyframes.back() < first;
+  if (is_known) {
+    known->index.renumber(known->keyframes);
+    std::vector<home::Keyframe> unknown;
+    std::ranges::copy_if(std::span(stored).first(first), std::back_inserter(unknown),
+                         [&](const home::Keyframe& one) {
+                           return !std::ranges::binary_search(known->keyframes, one.id);
+                         });
+    const auto index = [&](const mapping::Keyframe& keyframe) -> Expected<void> {
+      known->index.add(keyframe.id, keyframe.measurements.features().features);
+      return {};
+    };
+    ROOMWISE_CHECK_OK(measure_each_keyframe(home, unknown, extractor, settings, run, index));
+    ROOMWISE_TRY(const auto cameras, recording_cameras(home));
+    mapper.restore_stored(
+        {stored.begin(), stored.begin() + static_cast<std::ptrdiff_t>(first)},
+        std::move(known->index),
+        [&home, &extractor, settings, cameras,
+         stored](home::KeyframeId id) -> Expected<motion::FrameMeasurements> {
+          const geometry::PinholeCamera& camera = cameras.at(stored[id].recording);
+          ROOMWISE_TRY(const home::KeyframeImages images, home.images(id));
+          ROOMWISE_TRY(const DecodedImages decoded, decode(images, camera));
+          return measure_frame(decoded.color, decoded.depth, camera, extractor, settings);
+        });
+  }
+  const auto rest = std::span(stored).subspan(is_known ? first : 0);
+  ROOMWISE_CHECK_OK(measure_each_keyframe(home, rest, extractor, settings, run, take));
   ROOMWISE_TRY(const auto edges, home.edges());
   ROOMWISE_TRY(const auto frames, home.frames(recording));
-  mapper.restore(edges, frames, first_keyframe_of(stored, recording));
+  mapper.restore(edges, frames, first);
   return {};
 }
 

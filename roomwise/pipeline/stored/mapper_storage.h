@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -19,12 +20,20 @@ namespace roomwise::pipeline {
 [[nodiscard]] home::KeyframeId first_keyframe_of(std::span<const home::Keyframe> keyframes,
                                                  home::RecordingId recording);
 
+// What key-frames look like, as it was indexed before.
+struct KnownAppearances {
+  mapping::AppearanceIndex index;           // of 0, 1, 2, ...
+  std::vector<home::KeyframeId> keyframes;  // which these are, ascending
+};
+
 // Gives the mapper of a walk, which begins or goes on, what the home holds of it and of the walks
-// before it.
+// before it. Of those before whose appearance is known no picture is read before it is compared
+// with; the home must outlive the mapper.
 [[nodiscard]] Expected<void> restore_mapper(mapping::Mapper& mapper, const home::Home& home,
                                             home::RecordingId recording,
                                             const features::FeatureExtractor& extractor,
-                                            const MapSettings& settings, RunContext& run);
+                                            const MapSettings& settings, RunContext& run,
+                                            std::optional<KnownAppearances> known = std::nullopt);
 
 // The images of a key-frame as a home keeps them. Nothing of them is lost: a resumed run finds its
 // features in them again.

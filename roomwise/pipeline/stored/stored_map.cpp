@@ -5,6 +5,7 @@
 #include "roomwise/mapping/backend/frame_poses.h"
 #include "roomwise/mapping/backend/frame_smoothing.h"
 #include "roomwise/mapping/backend/walk_joins.h"
+#include "roomwise/mapping/localization/localization.h"
 #include "roomwise/pipeline/stored/mapper_storage.h"
 
 namespace roomwise::pipeline {
@@ -61,6 +62,26 @@ std::vector<mapping::PoseGraphEdge> edges_to_join(std::span<const home::Keyframe
   return edges;
 }
 
+// By key-frame: whether landmarks are looked for in it. Of a walk that joins its own and those that
+// may show the same, as the localiser takes it; of a map that is solved anew all.
+std::vector<bool> keyframes_to_adjust(std::span<const home::Keyframe> keyframes,
+                                      const home::StoredRecording& last,
+                                      const mapping::MapSolution& solution) {
+  std::vector<bool> wanted(keyframes.size(), last.finished);
+  if (last.finished) return wanted;
+  const home::KeyframeId first = first_keyframe_of(keyframes, last.id);
+  const mapping::LocalizerOptions near;
+  const auto& poses = solution.world_from_keyframe;
+  for (home::KeyframeId id = 0; id < keyframes.size(); ++id) {
+    for (home::KeyframeId own = first; own < keyframes.size() && !wanted[id]; ++own) {
+      if (solution.component[own] != solution.component[id]) continue;
+      const geometry::RigidTransform apart = poses[own].inverse() * poses[id];
+      wanted[id] = apart.distance_m() <= near.place_m && apart.angle_rad() <= near.place_rad;
+    }
+  }
+  return wanted;
+}
+
 // By key-frame: its component, as it is stored; a walk that is not finished is a part of its own.
 std::vector<std::size_t> parts_of_map(std::span<const home::Keyframe> keyframes,
                                       std::span<const home::StoredRecording> recordings) {
@@ -95,7 +116,8 @@ std::vector<mapping::PlacedFrame> place_frames(
 
 Expected<SolvedMap> solve_stored_map(
     home::Home& home, const MapSettings& settings,
-    const std::function<Expected<std::vector<mapping::KeyframeFeatures>>()>& find_features,
+    const std::function<Expected<std::vector<mapping::KeyframeFeatures>>(
+        const std::vector<bool>& wanted)>& find_features,
     Progress& progress) {
   ROOMWISE_TRY(const auto keyframes, home.keyframes());
   ROOMWISE_TRY(const auto recordings, home.recordings());
@@ -112,7 +134,8 @@ Expected<SolvedMap> solve_stored_map(
   ROOMWISE_TRY(solved.solution, mapping::solve_map(keyframes.size(), edges, settings.solver));
   solved.solution.rejected_edges += measured.size() - edges.size();
   if (settings.adjusts_bundle() && !keyframes.empty()) {
-    ROOMWISE_TRY(const auto features, find_features());
+    ROOMWISE_TRY(const auto features,
+                 find_features(keyframes_to_adjust(keyframes, recordings.back(), solved.solution)));
     ROOMWISE_TRY(solved.refinement,
                  refine(home, keyframes, edges, solved.solution, features, settings, progress));
   }

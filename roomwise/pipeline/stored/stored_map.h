@@ -25,11 +25,15 @@ struct SolvedMap {
 };
 
 // Optimises the pose graph of all that is stored, adjusts the bundle where the settings say so, and
-// moves the key-frames; where the user interrupts, none is moved. `find_features` gives what
-// landmarks are found by, of all key-frames by id; it is asked only where they are needed.
+// moves the key-frames; where the user interrupts, none is moved. A walk that is not finished joins
+// what was solved before: the edges between earlier key-frames say where they are now, and
+// landmarks are looked for only in its key-frames and in those that may show the same.
+// `find_features` gives what landmarks are found by, of all key-frames by id, those that are not
+// wanted empty; it is asked only where they are needed.
 [[nodiscard]] Expected<SolvedMap> solve_stored_map(
     home::Home& home, const MapSettings& settings,
-    const std::function<Expected<std::vector<mapping::KeyframeFeatures>>()>& find_features,
+    const std::function<Expected<std::vector<mapping::KeyframeFeatures>>(
+        const std::vector<bool>& wanted)>& find_features,
     Progress& progress);
 
 // Takes a walk out of the home, and what was learned of rooms, for which it may have counted; the
