@@ -324,7 +324,7 @@ test('the home in three dimensions: drawn, turned, a key-frame shown, devices pl
     }
   }
   assert.ok(found, 'no click showed a key-frame');
-  await visit.sees('of the walk', '.shown-picture');
+  await visit.sees('Walk walk', '.shown-picture');
   await visit.close();
 }));
 

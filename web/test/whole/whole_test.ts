@@ -248,7 +248,7 @@ step('the rooms are learned, and a picture is tried', async () => {
   await chooser.accept([picturesIn(walk, 'toilet', 1)[0]!.color]);
   await helper.press('Which room is it?');
   await helper.sees('bathroom', '.result .verdict-words');
-  await helper.sees('looks like', '.result .hint');
+  await helper.sees('bathroom', '.result table');
 });
 
 // A browser opens its dialog only for a key that it takes for a person's, which it now and then does not at first.
@@ -264,7 +264,7 @@ async function openedChooser(): Promise<FileChooser> {
   return assert.fail('no dialog for choosing a file opens');
 }
 
-step('what the device sees is recognised, and why', async () => {
+step('what the device sees is recognised', async () => {
   const looking = device('--recording', standing(walk, picturesIn(walk, 'toilet', 1)[0]!, join(folder, 'looking')));
   await helper.sees('bathroom', '.recognitions .verdict-words');
   await helper.sees('Chest camera', '.recognitions');
