@@ -352,7 +352,7 @@ void add_room_changes(EditGroup& group) {
             change<set_room_type>, {"ROOM", "TYPE"});
   group.add("remove-room",
             "Take a room out; edit undo brings it back until edit forget, or until roomwise serve "
-            "opens or closes the home",
+            "HOME opens or closes the home",
             "den --home my.home", change<remove_room>, {"ROOM"});
   group.add("join-rooms", "Make two rooms one, which has the first one's name",
             "kitchen pantry --home my.home", change<join_rooms>, {"ROOM", "OTHER"});

@@ -175,7 +175,7 @@ Outcome add_door(const Asked& asked) {
   return pipeline::add_door(asked.home, asked.author, on, {room, other}, {at[0], at[1]});
 }
 
-// It goes for good when the home is closed, or by POST /api/erase.
+// It goes for good by POST /api/erase, or when `serve` ends.
 Outcome take_walk_away(const Asked& asked) {
   Members members(asked.json);
   ROOMWISE_TRY(const std::int64_t walk,

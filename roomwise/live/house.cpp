@@ -144,6 +144,7 @@ class House::Resident final : public service::ServedHome {
     ROOMWISE_TRY(networks_, all.networks(file));
     LiveHomeOptions options = all.home;
     ROOMWISE_TRY(options.open, all.open_options(name_));
+    options.erases_removed = false;  // it is opened and closed while people go on
     options.log = [this](std::string_view line) { house_.say(name_, line); };
     ROOMWISE_TRY(auto home, LiveHome::open(file, *networks_, house_.finders_, std::move(options)));
     {
@@ -213,6 +214,9 @@ House::House(fs::path folder, const objects::ObjectFinders& finders, HouseOption
 }
 
 House::~House() {
+  for (const auto& [name, one] : residents_) {
+    if (LiveHome* const home = one->live()) home->erase_when_closed();
+  }
   residents_.clear();
 }
 

@@ -56,7 +56,9 @@ struct HouseOptions {
 // A folder of homes behind one port: NAME.home is served under /homes/NAME/ as a home of its own
 // is under /. Each has its own devices, tokens, codes, uploads, jobs, lines in the log and figures.
 // A home is opened when somebody who may asks for it and closed when it is used least and nobody
-// has a socket or a request there, no job runs, no walk is recorded and no code waits. One process
+// has a socket or a request there, no job runs, no walk is recorded and no code waits; what was
+// removed there can still be brought back when it is open again, whatever LiveHomeOptions of all
+// say. One process
 // has a home at a time: another one answers 503, and takes it over within seconds of that one's
 // end, or when that one does not use it. Thread-safe.
 class House final : public service::HomesAtPort {
@@ -65,7 +67,8 @@ class House final : public service::HomesAtPort {
   [[nodiscard]] static Expected<std::unique_ptr<House>> open(std::filesystem::path folder,
                                                              const objects::ObjectFinders& finders,
                                                              HouseOptions options);
-  ~House() override;  // closes the homes
+  // Closes the homes, and erases what was removed in those that are open.
+  ~House() override;
   House(const House&) = delete;
   House& operator=(const House&) = delete;
 

@@ -6,6 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "roomwise/live/home_routes.h"
+#include "roomwise/pipeline/edits/edit_rooms.h"
+#include "roomwise/pipeline/edits/walk_edits.h"
 #include "roomwise/pipeline/rooms/room_learning.h"
 #include "roomwise/service/client.h"
 #include "roomwise/service/testing/testing_service.h"
@@ -26,6 +28,10 @@ using ::testing::Not;
 
 // A folder of homes and a process that serves it. Its clock stands still until it is told on.
 class ServedHouse {
+  std::mutex log_mutex_;  // first: the homes write to the log to their end
+  std::string log_;
+  std::string acts_;
+
  public:
   struct Options {
     std::size_t max_open = 8;
@@ -115,11 +121,6 @@ class ServedHouse {
   objects::ObjectFinders finders;
   std::unique_ptr<House> house;
   std::unique_ptr<service::Server> server;
-
- private:
-  std::mutex log_mutex_;
-  std::string log_;
-  std::string acts_;
 };
 
 class HouseTest : public ::testing::Test {
@@ -318,6 +319,53 @@ TEST_F(HouseTest, OneProcessHasAHomeUntilItEndsOrHasNoUseForIt) {
   EXPECT_EQ(asked(*second).status, 503);
   first.reset();
   EXPECT_EQ(asked(*second).status, 200);
+}
+
+TEST_F(HouseTest, WhatWasRemovedComesBackThoughTheHomeWasClosedUntilTheProcessEnds) {
+  const fs::path walk = folder_ / "flat-1.home.walks" / "monday";
+  const auto walks_left = [&] {
+    return home::Home::open_read_only(folder_ / "flat-1.home")->recordings()->size();
+  };
+  home::EditId removed = 0;
+  {
+    home::Home home = home::Home::open(folder_ / "flat-1.home").value();
+    geometry::PinholeCamera camera;
+    camera.width = 8;
+    camera.height = 6;
+    camera.fx = camera.fy = 5;
+    const auto id = home.add_recording({"monday", walk.string(), camera, 10}).value();
+    ASSERT_OK(home.commit(
+        {.recording = id, .keyframes = {}, .edges = {}, .frames = {}, .next_frame_index = 10}));
+    ASSERT_OK(home.finish_recording(id));
+    fs::create_directories(walk);
+    const pipeline::EditAuthor anna{"Anna", 1'700'000'000};
+    const auto labels = recording::RoomLabels::from_ranges({{0, 9, "kitchen", 1}}).value();
+    ASSERT_OK(pipeline::name_frames(home, anna, id, labels));
+    removed = pipeline::remove_room(home, anna, "kitchen").value();
+    ASSERT_OK(pipeline::take_walk_away(home, anna, id));
+  }
+  auto first = serve();
+  auto second = serve();
+  const std::string token = first->pair("flat-1", Role::kHelper);
+  EXPECT_EQ(first->open("flat-1", token), 200);
+  first->steady_s = first->steady_s + 601;
+  first->house->tidy();
+  EXPECT_THAT(first->house->open_homes(), IsEmpty());
+  EXPECT_EQ(first->open("flat-1", token), 200);
+  // Another process asks for it and has it.
+  EXPECT_EQ(second->ask("GET", "/homes/flat-1/api/home", bearer(token)).status, 503);
+  first->house->tidy();
+  const Answer home = second->ask("GET", "/homes/flat-1/api/home", bearer(token));
+  ASSERT_EQ(home.status, 200);
+  EXPECT_THAT(nlohmann::json::parse(home.body).at("to_erase").at("walks"), ::testing::SizeIs(1));
+  const std::string undo = fmt::format("/homes/flat-1/api/edits/{}", removed);
+  EXPECT_EQ(second->ask("DELETE", undo, bearer(token), "{}").status, 200);
+  first.reset();
+  EXPECT_TRUE(fs::exists(walk)) << "that process does not have the home";
+  EXPECT_EQ(walks_left(), 1U);
+  second.reset();
+  EXPECT_FALSE(fs::exists(walk));
+  EXPECT_EQ(walks_left(), 0U);
 }
 
 TEST_F(HouseTest, OnlyPlainFilesWithNamesForAddressesAreHomes) {

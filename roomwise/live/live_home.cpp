@@ -54,6 +54,7 @@ LiveHome::LiveHome(fs::path file, home::Home home, home::Home reader,
       networks_(networks),
       finders_(finders),
       options_(std::move(options)),
+      erases_when_closed_(options_.erases_removed),
       home_(std::move(home)),
       reader_(std::move(reader)),
       meters_(options_.log) {}
@@ -64,7 +65,7 @@ LiveHome::~LiveHome() {
   write_own_sightings(std::numeric_limits<std::int64_t>::max());
   if (lenses_) (void)lenses_->save();  // what is lost is learned anew
   if (recorder_) (void)recorder_->close();
-  if (photos_) {
+  if (photos_ && erases_when_closed_) {
     const std::scoped_lock lock(home_mutex_);
     (void)forget_removed();  // where it fails, the next one that opens does it
   }
@@ -88,10 +89,7 @@ Expected<std::unique_ptr<LiveHome>> LiveHome::open(const fs::path& file,
   // Who only waits for another program to read the home need not do without it meanwhile.
   {
     const std::scoped_lock lock(live->home_mutex_);
-    if (const auto done = live->forget_removed(); !done) {
-      live->options_.log(
-          fmt::format("what was forgotten is not erased yet: {}", done.error().message));
-    }
+    live->erase_what_waits();
     ROOMWISE_CHECK_OK(live->refresh(nullptr));
   }
   ROOMWISE_CHECK_OK(live->check_networks());

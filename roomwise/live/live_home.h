@@ -46,6 +46,8 @@ struct LiveHomeOptions {
   int augment = 2;                // variants of each picture that rooms are learned from
   std::uint64_t seed = 0;
   home::OpenOptions open = {};  // the passphrase of a protected home
+  // What is removed and could be undone is erased when the home is opened, and when it is closed.
+  bool erases_removed = true;
   // Seconds since 1970.
   std::function<std::int64_t()> clock = [] { return std::int64_t{0}; };
   // A line of each job and of what failed, never of what was asked; on any thread.
@@ -63,6 +65,9 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
       const std::filesystem::path& file, const pipeline::Networks& networks,
       const objects::ObjectFinders& finders, LiveHomeOptions options);
   ~LiveHome() override;  // stops the job in hand; closes the recording
+  // What is removed is erased when it is closed, whatever the options say; to be called by whoever
+  // closes it next.
+  void erase_when_closed() { erases_when_closed_ = true; }
   LiveHome(const LiveHome&) = delete;
   LiveHome& operator=(const LiveHome&) = delete;
 
@@ -110,8 +115,8 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
                                            const std::optional<std::string>& new_name,
                                            const std::optional<std::string>& new_type,
                                            const std::string& by = {});
-  // The room, and where it was on the walks. It can be undone until the home is closed; then its
-  // photos and what was learned of it go, and no byte of it is left.
+  // The room, and where it was on the walks. It can be undone until it is erased; then its photos
+  // and what was learned of it go, and no byte of it is left.
   [[nodiscard]] Expected<void> forget_room(const std::string& name, const std::string& by = {});
   // By thing_id().
   [[nodiscard]] Expected<void> rename_thing(std::int64_t id, const std::string& name,
@@ -126,8 +131,7 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
   // The recording, all that came from it, what was learned, and its folder if it was recorded here.
   // To take it away with a way back: pipeline::take_walk_away() by edit().
   [[nodiscard]] Expected<void> forget_walk(home::RecordingId walk);
-  // All that is removed and could be undone until the home is closed, and what could not be erased
-  // before.
+  // All that is removed and could be undone until now, and what could not be erased before.
   [[nodiscard]] Expected<void> erase_now();
   // Everything.
   [[nodiscard]] Expected<void> forget_home();
@@ -246,7 +250,10 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
   [[nodiscard]] Expected<void> while_idle(const std::function<Expected<void>()>& forget);
   [[nodiscard]] Expected<void> erase_walk(home::RecordingId walk);
   [[nodiscard]] pipeline::EditAuthor author(const std::string& name) const;
-  // What could be undone until now: when the home is closed, or was. With home_mutex_ held.
+  // What waits to be erased when the home is opened: what could be undone until now, as the options
+  // say, and what was forgotten and not erased.
+  void erase_what_waits();
+  // What could be undone until now. With home_mutex_ held.
   [[nodiscard]] Expected<void> forget_removed();
   // Before the walk goes from the home, so that it is not taken for one that waits to be mapped.
   [[nodiscard]] Expected<void> remove_folder_of(const home::StoredRecording& walk) const;
@@ -282,6 +289,7 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
   const pipeline::Networks& networks_;
   const objects::ObjectFinders& finders_;
   const LiveHomeOptions options_;
+  bool erases_when_closed_;
 
   std::mutex changes_mutex_;  // helpers' changes wait for each other, and not for jobs
   std::mutex home_mutex_;     // of home_; a job holds it as long as it writes

@@ -121,6 +121,13 @@ Expected<void> LiveHome::erase_now() {
   });
 }
 
+void LiveHome::erase_what_waits() {
+  if (!options_.erases_removed) return make_up_for_erasing(home_);
+  if (const auto done = forget_removed(); !done) {
+    options_.log(fmt::format("what was forgotten is not erased yet: {}", done.error().message));
+  }
+}
+
 void LiveHome::make_up_for_erasing(home::Home& home) {
   const auto owes_erasing = home.owes_erasing();
   if (!owes_erasing || !*owes_erasing) return;
