@@ -17,6 +17,8 @@ using ::testing::IsEmpty;
 using ::testing::Not;
 using ::testing::Pair;
 
+using namespace std::string_literals;
+
 constexpr auto kAnnasPassword = "correct horse battery";
 constexpr Now kNow{1000, 1'700'000'000};
 
@@ -116,6 +118,48 @@ TEST_P(AccountStoreTest, WrongPasswordsAreCountedByNameAndAddress) {
   const auto nobody = store_->sign_in("nobody", kAnnasPassword, "10.0.0.3", kNow);
   EXPECT_EQ(nobody.error().message,
             store_->sign_in("anna", "wrong password", "10.0.0.3", kNow).error().message);
+}
+
+TEST_P(AccountStoreTest, ANameThatIsNoneIsNobodysAndMeetsNoAccount) {
+  ASSERT_OK(store_->add("anna", kAnnasPassword));
+  const auto unknown = store_->sign_in("nobody", kAnnasPassword, "10.0.0.1", kNow).error();
+  for (const std::string& name : {"anna\0x1"s, "anna\0"s, "anna "s}) {
+    const auto refused = store_->sign_in(name, kAnnasPassword, "10.0.0.2", kNow);
+    ASSERT_FALSE(refused) << ::testing::PrintToString(name);
+    EXPECT_EQ(refused.error().status, unknown.status);
+    EXPECT_EQ(refused.error().message, unknown.message);
+  }
+  // They are one guesser's, however they are spelled.
+  EXPECT_EQ(store_->sign_in("anna\0x2"s, kAnnasPassword, "10.0.0.2", kNow).error().status, 429);
+  EXPECT_TRUE(store_->sign_in("anna", kAnnasPassword, "10.0.0.2", kNow));
+}
+
+TEST_P(AccountStoreTest, PostgresqlIsGivenNoTextWithAZero) {
+  if (!is_postgresql()) GTEST_SKIP() << "SQLite keeps it";
+  const auto link = open_postgresql_link(postgresql_->address());
+  ASSERT_OK(link);
+  EXPECT_ERROR((*link)->run("SELECT 1 WHERE 'anna' = $1", {"anna\0x1"s}), "zero byte");
+}
+
+TEST(PairingGuardTest, WhoInventsPeersEndsNobodysWait) {
+  PairingGuard guard;
+  for (int guess = 0; guess < 3; ++guess) guard.wrong("anna", 1000);
+  for (int peer = 0; peer < 3000; ++peer) guard.wrong(fmt::format("invented {}", peer), 1001);
+  EXPECT_EQ(guard.wait_s("anna", 1001), 29);
+  EXPECT_EQ(guard.wait_s("new", 1001), 0);
+  EXPECT_LE(guard.peers(), 1024u);
+}
+
+TEST(PairingGuardTest, NobodyNewIsHeardWhileAllOthersWait) {
+  PairingGuard guard;
+  for (int peer = 0; peer < 1024; ++peer) {
+    for (int guess = 0; guess < 3; ++guess) guard.wrong(fmt::format("{}", peer), 1000 + peer / 64);
+  }
+  EXPECT_EQ(guard.wait_s("new", 1020), 10);
+  guard.wrong("new", 1020);
+  EXPECT_EQ(guard.peers(), 1024u);
+  EXPECT_GT(guard.wait_s("0", 1020), 0);
+  EXPECT_EQ(guard.wait_s("new", 1030), 0);
 }
 
 TEST_P(AccountStoreTest, PasswordsAndTokensAreNotKept) {

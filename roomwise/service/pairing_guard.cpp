@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <utility>
 
 namespace roomwise::service {
 namespace {
@@ -35,8 +36,16 @@ double PairingGuard::wait_s(double now_s) const {
 
 double PairingGuard::wait_s(const std::string& peer, double now_s) const {
   const auto found = peers_.find(peer);
-  const double own_s = found == peers_.end() ? 0 : found->second.until_s - now_s;
+  const double own_s =
+      found == peers_.end() ? wait_for_room_s(now_s) : found->second.until_s - now_s;
   return std::max(own_s, wait_s(now_s));
+}
+
+double PairingGuard::wait_for_room_s(double now_s) const {
+  if (peers_.size() < kMaxPeers) return 0;
+  const auto first =
+      std::ranges::min_element(peers_, {}, [](const auto& entry) { return entry.second.until_s; });
+  return std::max(0.0, first->second.until_s - now_s);
 }
 
 double PairingGuard::wait_s_of_any(double now_s) const {
@@ -61,7 +70,7 @@ void PairingGuard::redeemed(std::string_view secret) {
 }
 
 void PairingGuard::wrong(const std::string& peer, double now_s) {
-  count(of(peer, now_s), kWrongOfPeer, now_s);
+  if (Guesses* const own = of(peer, now_s)) count(*own, kWrongOfPeer, now_s);
   // Where nothing can be guessed, guessing must not lock others out.
   const auto open = codes(now_s);
   if (std::ranges::all_of(open, [](const Code& code) { return code.digits.empty(); })) return;
@@ -79,12 +88,15 @@ void PairingGuard::count(Guesses& guesses, int most, double now_s) {
       now_s + std::min(kLongestWait_s, kFirstWait_s * std::exp2(std::min(guesses.waits++, 16)));
 }
 
-PairingGuard::Guesses& PairingGuard::of(const std::string& peer, double now_s) {
+PairingGuard::Guesses* PairingGuard::of(const std::string& peer, double now_s) {
   if (!peers_.contains(peer) && peers_.size() >= kMaxPeers) {
-    peers_.erase(std::ranges::min_element(peers_, {},
-                                          [](const auto& entry) { return entry.second.last_s; }));
+    // Whoever invents peers must not end the wait of one.
+    if (wait_for_room_s(now_s) > 0) return nullptr;
+    peers_.erase(std::ranges::min_element(peers_, {}, [&](const auto& entry) {
+      return std::pair(entry.second.until_s > now_s, entry.second.last_s);
+    }));
   }
-  return peers_.try_emplace(peer, Guesses{.last_s = now_s}).first->second;
+  return &peers_.try_emplace(peer, Guesses{.last_s = now_s}).first->second;
 }
 
 }  // namespace roomwise::service

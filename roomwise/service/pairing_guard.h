@@ -52,6 +52,7 @@ class PairingGuard {
   void redeemed(std::string_view secret);
   void wrong(const std::string& peer, double now_s);
 
+  // Bounded: who waits is kept until the wait is over, and nobody new is heard where all wait.
   [[nodiscard]] std::size_t peers() const { return peers_.size(); }
 
  private:
@@ -62,7 +63,9 @@ class PairingGuard {
     double last_s = 0;
   };
   static void count(Guesses& guesses, int most, double now_s);
-  Guesses& of(const std::string& peer, double now_s);
+  // The peer's, or nullptr where there is no room for one more.
+  [[nodiscard]] Guesses* of(const std::string& peer, double now_s);
+  [[nodiscard]] double wait_for_room_s(double now_s) const;
 
   std::vector<Code> codes_;
   Guesses all_;

@@ -3,6 +3,7 @@
 #ifdef ROOMWISE_POSTGRESQL
 #include <libpq-fe.h>
 
+#include <algorithm>
 #include <mutex>
 #endif
 
@@ -34,6 +35,11 @@ class PostgresqlLink final : public SqlLink {
 
   [[nodiscard]] Expected<std::vector<Row>> run(std::string_view sql,
                                                const std::vector<std::string>& values) override {
+    // The server would take a text for what is before the zero: another one.
+    if (std::ranges::any_of(
+            values, [](const auto& value) { return value.find('\0') != std::string::npos; })) {
+      return fail("PostgreSQL keeps no text with a zero byte in it");
+    }
     const std::scoped_lock lock(mutex_);
     // A server that was started anew has forgotten the connection: what was lost then is asked
     // again, once, since it was not carried out.
