@@ -21,14 +21,13 @@ struct SpotsOptions {
 
 const std::string kWithoutName = "(remember where I am)";
 
-// Where spots are in the gravity-aligned frame.
+// Where spots are on the plan.
 struct Places {
   std::vector<home::Keyframe> keyframes;
-  geometry::RigidTransform gravity_from_world = geometry::RigidTransform::identity();
+  fusion::GravityAlignedFrame frame = {};
 
   [[nodiscard]] std::optional<Eigen::Vector3d> of(const pipeline::MarkedSpot& spot) const {
-    const auto world = pipeline::point_world(spot.place, keyframes);
-    return world ? std::optional<Eigen::Vector3d>(gravity_from_world * *world) : std::nullopt;
+    return pipeline::point_on_plan(spot.place, keyframes, frame);
   }
 };
 
@@ -38,7 +37,7 @@ Expected<Places> find_places(const home::Home& home, Context& context) {
   if (places.keyframes.empty()) return places;
   CommandRun run(context);
   ROOMWISE_TRY(const pipeline::HomeFloor floor, pipeline::find_home_floor(home, run));
-  places.gravity_from_world = floor.frame.gravity_from_world;
+  places.frame = floor.frame;
   return places;
 }
 
@@ -89,27 +88,28 @@ Expected<Answer> list(const SpotsOptions& options, Context& context) {
   return answer;
 }
 
-// The point that the options tell, in the map's world.
-Expected<Eigen::Vector3d> point_of(const SpotsOptions& options, const Places& places) {
+// The place that the options tell.
+Expected<home::EditPlace> place_of(const SpotsOptions& options, const Places& places) {
   if (options.keyframe) {
     if (*options.keyframe >= places.keyframes.size()) {
       return fail("there is no key-frame {}; the home has {}", *options.keyframe,
                   places.keyframes.size());
     }
-    return places.keyframes[*options.keyframe].pose.world_from_keyframe.translation;
+    return pipeline::spot_place(
+        places.keyframes, places.keyframes[*options.keyframe].pose.world_from_keyframe.translation);
   }
   if (options.at.size() != 2) return fail("where? Give --at X Y or --keyframe N");
-  return places.gravity_from_world.inverse() * Eigen::Vector3d(options.at[0], options.at[1], 0);
+  return pipeline::spot_place_on_plan(places.keyframes, places.frame,
+                                      {options.at[0], options.at[1], 0});
 }
 
 Expected<Answer> mark(const SpotsOptions& options, Context& context) {
   ROOMWISE_TRY(home::Home home, open_home(options.home, context));
   ROOMWISE_TRY(const Places places, find_places(home, context));
   if (places.keyframes.empty()) return fail("{}: has no map yet; map a walk first", home.file());
-  ROOMWISE_TRY(const Eigen::Vector3d point, point_of(options, places));
   pipeline::MarkedSpot spot{
       .name = options.name, .owner = options.owner, .marked_s = unix_now_ns() / 1'000'000'000};
-  ROOMWISE_TRY(spot.place, pipeline::spot_place(places.keyframes, point));
+  ROOMWISE_TRY(spot.place, place_of(options, places));
   ROOMWISE_TRY(spot.id, pipeline::mark_spot(home, spot));
   return Answer{line_of(spot, places), {{"spot", json_of(spot, places)}}};
 }
@@ -159,8 +159,9 @@ void add_spots_commands(CLI::App& app, Context& context) {
         "roomwise spots mark \"my chair\" --at 1.5 -0.4 --home my.home", mark);
     command->add_option("NAME", options.name, "What it is called")->required();
     auto* at = command
-                   ->add_option("--at", options.at,
-                                "Where on the floor: x and y of the gravity-aligned frame, m")
+                   ->add_option(
+                       "--at", options.at,
+                       "Where on the floor: x and y of the plan, m; storeys lie side by side on it")
                    ->expected(2);
     command->add_option("--keyframe", options.keyframe, "Where this key-frame was taken")
         ->excludes(at);

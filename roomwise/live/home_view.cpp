@@ -289,9 +289,9 @@ ViewedSpot view_spot(const pipeline::MarkedSpot& spot, const std::string& name,
   viewed.thing.is_confirmed = true;  // somebody stood there
   std::vector<home::Keyframe> keyframes;
   for (const ViewedKeyframe& one : view.keyframes) keyframes.push_back(one.keyframe);
-  const auto world = pipeline::point_world(spot.place, keyframes);
-  if (!world || !view.map) return viewed;
-  viewed.thing.position_gravity = view.map->frame.gravity_from_world * *world;
+  if (!view.map) return viewed;
+  viewed.thing.position_gravity = pipeline::point_on_plan(spot.place, keyframes, view.map->frame);
+  if (!viewed.thing.position_gravity) return viewed;
   viewed.thing.room = view.room_at(*viewed.thing.position_gravity);
   return viewed;
 }

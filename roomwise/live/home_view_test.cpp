@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
+
 #include "roomwise/base/testing/testing.h"
 #include "roomwise/pipeline/edits/edit_things.h"
 #include "roomwise/pipeline/mapping/map_recording.h"
@@ -116,6 +118,25 @@ TEST_F(HomeViewOfWalks, TellsTheWalkMappedLastWhereStampsDoNotTellTheDate) {
   walk(kElsewhere);
   visit_that_misses_all(kStamp_ns);
   EXPECT_THAT(latest().gone, IsEmpty()) << "the made-up walks' clock tells no date";
+}
+
+TEST(HomeViewOfSpots, PutsThemOnThePlanOfTheirStorey) {
+  LiveMap map;
+  fusion::Storey upper;
+  upper.floor_m = 2.5;
+  upper.plan_from_gravity = {12, 0};
+  upper.plan_from_x_m = 6;
+  map.frame.storeys = fusion::Storeys({fusion::Storey{}, upper});
+  HomeView view;
+  view.map = std::make_shared<const LiveMap>(map);
+  ViewedKeyframe& upstairs = view.keyframes.emplace_back();
+  upstairs.keyframe.pose = {{Eigen::Quaterniond::Identity(), Eigen::Vector3d(1, 0, 4)}, 0};
+  pipeline::MarkedSpot spot;
+  spot.place =
+      pipeline::spot_place(std::array{upstairs.keyframe}, Eigen::Vector3d(1.5, 0.2, 3.5)).value();
+  const ViewedSpot viewed = view_spot(spot, "my chair", view);
+  ASSERT_TRUE(viewed.thing.position_gravity);
+  EXPECT_LT((*viewed.thing.position_gravity - Eigen::Vector3d(13.5, 0.2, 1)).norm(), 1e-9);
 }
 
 }  // namespace

@@ -8,12 +8,11 @@ namespace roomwise::live {
 namespace {
 
 // A place of the map beside the key-frame that is nearest.
-Expected<home::EditPlace> anchored(const HomeView& view, const Eigen::Vector3d& place_gravity) {
+Expected<home::EditPlace> anchored(const HomeView& view, const Eigen::Vector3d& place_plan) {
   if (!view.map) return fail("the map is not ready");
   std::vector<home::Keyframe> keyframes;
   for (const ViewedKeyframe& one : view.keyframes) keyframes.push_back(one.keyframe);
-  return pipeline::spot_place(keyframes,
-                              view.map->frame.gravity_from_world.inverse() * place_gravity);
+  return pipeline::spot_place_on_plan(keyframes, view.map->frame, place_plan);
 }
 
 // The device's own of that name; else, for a helper, the computer's.

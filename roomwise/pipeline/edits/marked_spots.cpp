@@ -78,6 +78,19 @@ std::optional<Eigen::Vector3d> point_world(const home::EditPlace& place,
   return point->center();
 }
 
+Expected<home::EditPlace> spot_place_on_plan(std::span<const home::Keyframe> keyframes,
+                                             const fusion::GravityAlignedFrame& frame,
+                                             const Eigen::Vector3d& point_plan) {
+  return spot_place(keyframes, frame.world_from_plan(point_plan));
+}
+
+std::optional<Eigen::Vector3d> point_on_plan(const home::EditPlace& place,
+                                             std::span<const home::Keyframe> keyframes,
+                                             const fusion::GravityAlignedFrame& frame) {
+  const auto world = point_world(place, keyframes);
+  return world ? std::optional<Eigen::Vector3d>(frame.on_plan(*world)) : std::nullopt;
+}
+
 Expected<void> check_spot_name(const home::Home& home, const std::string& name) {
   if (const auto valid = validate_spoken_name(name); !valid) {
     return fail_with(ErrorCode::kRefused, "{}", valid.error().message);

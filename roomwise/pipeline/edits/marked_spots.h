@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "roomwise/fusion/gravity_aligned_frame.h"
 #include "roomwise/home/home.h"
 
 // Places that people mark to come back to: "my chair". Each is a row beside what people changed by
@@ -41,6 +42,14 @@ constexpr std::size_t kMaxSpots = 200;  // of a home
 // largest component. `keyframes` of the home, which lie by id.
 [[nodiscard]] std::optional<Eigen::Vector3d> point_world(const home::EditPlace& place,
                                                          std::span<const home::Keyframe> keyframes);
+// The same on the plan, where people are placed: storeys lie side by side on it (fusion::Storeys).
+// The place that is kept does not change where the plan does.
+[[nodiscard]] Expected<home::EditPlace> spot_place_on_plan(
+    std::span<const home::Keyframe> keyframes, const fusion::GravityAlignedFrame& frame,
+    const Eigen::Vector3d& point_plan);
+[[nodiscard]] std::optional<Eigen::Vector3d> point_on_plan(
+    const home::EditPlace& place, std::span<const home::Keyframe> keyframes,
+    const fusion::GravityAlignedFrame& frame);
 
 // Fails (ErrorCode::kRefused), with what to do, where it cannot be spoken or means something else:
 // a room, a thing, one that was taught.

@@ -66,6 +66,43 @@ TEST_F(MarkedSpots, MoveWithTheMap) {
   EXPECT_LT((where("my chair") - Eigen::Vector3d(0.5, 0.1, 2.2)).norm(), 1e-9);
 }
 
+// The world's z points up; the upper storey is drawn `apart_m` beside the lower one.
+fusion::GravityAlignedFrame two_storeys(double apart_m) {
+  fusion::GravityAlignedFrame frame;
+  frame.gravity_from_world = {Eigen::Quaterniond::Identity(), Eigen::Vector3d(0, 0, 1)};
+  fusion::Storey upper;
+  upper.floor_m = 2.5;
+  upper.plan_from_gravity = {apart_m, 0};
+  upper.plan_from_x_m = apart_m / 2;
+  frame.storeys = fusion::Storeys({fusion::Storey{}, upper});
+  return frame;
+}
+
+TEST_F(MarkedSpots, StayOnTheirStoreyWhereverItIsDrawn) {
+  const auto keyframe = [](home::KeyframeId id, const Eigen::Vector3d& at_world) {
+    home::Keyframe one;
+    one.id = id;
+    one.pose = {{Eigen::Quaterniond::Identity(), at_world}, 0};
+    return one;
+  };
+  // Below, above the same place, and on the lower floor where the plan draws the upper one.
+  const std::vector<home::Keyframe> keyframes{keyframe(0, {1, 0, 0.5}), keyframe(1, {1, 0, 3}),
+                                              keyframe(2, {13, 0, 0.5})};
+  const auto frame = two_storeys(12);
+  const Eigen::Vector3d upstairs_plan(13.2, 0.1, 1.4);
+  const auto place = spot_place_on_plan(keyframes, frame, upstairs_plan);
+  ASSERT_OK(place);
+  EXPECT_EQ(place->keyframe, 1U) << "it hangs where somebody walked upstairs";
+  EXPECT_LT((*point_world(*place, keyframes) - Eigen::Vector3d(1.2, 0.1, 2.9)).norm(), 1e-9);
+  EXPECT_LT((*point_on_plan(*place, keyframes, frame) - upstairs_plan).norm(), 1e-9);
+  const auto wider = point_on_plan(*place, keyframes, two_storeys(20));
+  ASSERT_TRUE(wider);
+  EXPECT_LT((*wider - Eigen::Vector3d(21.2, 0.1, 1.4)).norm(), 1e-9)
+      << "a further walk made the plan wider";
+  const auto above = spot_place(keyframes, keyframes[1].pose.world_from_keyframe.translation);
+  EXPECT_NEAR(point_on_plan(*above, keyframes, frame)->x(), 13, 1e-9) << "marked by its key-frame";
+}
+
 TEST_F(MarkedSpots, AreRenamedAndForgotten) {
   const auto chair = mark("my chair");
   ASSERT_OK(chair);
