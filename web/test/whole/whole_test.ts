@@ -372,10 +372,12 @@ step('a room is forgotten, and with it what was learned', async () => {
   await goTo(helper, 'Forget', 'Forget');
   await assertFine(helper, 'forget');
   await helper.tabTo('Room');
-  await helper.tabTo("Type the home's name to confirm");
-  await helper.type(kHome);
-  await helper.page.keyboard.press('Enter');
+  await helper.press('Forget a room');
   await heardOnce(helper, 'The room bathroom is forgotten.');
+  await helper.press('Erase now');
+  await helper.sees('It cannot be taken back.', 'dialog');
+  await helper.press('Erase now');
+  await heardOnce(helper, 'It is erased.');
   await phone.press('Where am I');
   await speaks(phone, 'I have not learned any rooms yet.');
 });
