@@ -387,6 +387,18 @@ TEST_F(HomeCommandsTest, AFurtherWalkJoinsTheMapAndCanBeTakenOut) {
   EXPECT_EQ(result_of({"info", home, "--verify"}).at("recordings")[0].at("name"), "later");
 }
 
+TEST_F(HomeCommandsTest, AForgottenWalkGoesWithItsFolderWhereThatIsTheHomes) {
+  const std::string home = path("served.home"), own = path("served.home.walks/later");
+  std::filesystem::copy(path("my.home"), home);
+  std::filesystem::create_directories(path("served.home.walks"));
+  ASSERT_OK(testing::write_made_up_recording(own, kFrames, 12));
+  result_of({"map", own, "--no-networks", "--home", home});
+  result_of({"forget", "later", "--home", home});
+  EXPECT_FALSE(std::filesystem::exists(own)) << "else serve would map it again";
+  result_of({"forget", "walk", "--home", home});
+  EXPECT_TRUE(std::filesystem::exists(path("walk"))) << "that recording is not the home's";
+}
+
 TEST_F(HomeCommandsTest, NoCommandWritesOverAHome) {
   const std::string before = result_of({"info", path("my.home"), "--digest"}).dump();
   for (const std::vector<std::string>& command : std::vector<std::vector<std::string>>{

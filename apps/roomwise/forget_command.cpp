@@ -3,6 +3,7 @@
 
 #include "commands.h"
 #include "open_home.h"
+#include "roomwise/pipeline/edits/walk_edits.h"
 #include "roomwise/pipeline/stored/stored_map.h"
 
 namespace roomwise::app {
@@ -18,9 +19,10 @@ Expected<Answer> forget(const ForgetOptions& options, Context& context) {
   ROOMWISE_TRY(const auto recordings, home.recordings());
   if (options.walk.empty()) return fail("an empty name is no walk's");
   ROOMWISE_TRY(const home::RecordingId walk, find_walk(home, options.walk));
-  const std::string name =
-      std::ranges::find(recordings, walk, &home::StoredRecording::id)->recording.name;
+  const auto found = std::ranges::find(recordings, walk, &home::StoredRecording::id);
+  const std::string name = found->recording.name;
   ROOMWISE_TRY(const auto learned, home.room_classifier());
+  ROOMWISE_CHECK_OK(pipeline::remove_walk_folder(home, *found));
   ROOMWISE_CHECK_OK(pipeline::forget_walk(home, walk));
   ROOMWISE_CHECK_OK(home.erase_removed());
   ROOMWISE_TRY(const auto left, home.keyframes());

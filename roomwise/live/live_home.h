@@ -255,8 +255,6 @@ class LiveHome final : public service::SocketHandler, private DeviceHost {
   void erase_what_waits();
   // What could be undone until now. With home_mutex_ held.
   [[nodiscard]] Expected<void> forget_removed();
-  // Before the walk goes from the home, so that it is not taken for one that waits to be mapped.
-  [[nodiscard]] Expected<void> remove_folder_of(const home::StoredRecording& walk) const;
   [[nodiscard]] Expected<void> start_mapping(const std::filesystem::path& folder);
   // All that waits to be mapped, one walk after the other.
   [[nodiscard]] Expected<void> start_mapping_what_waits();

@@ -89,24 +89,9 @@ Expected<void> LiveHome::forget_removed() {
   ROOMWISE_CHECK_OK(photos_->forget_set_aside());
   ROOMWISE_TRY(const bool has_any, pipeline::has_removed_rooms(home_));
   if (has_any) ROOMWISE_CHECK_OK(pipeline::forget_removed_rooms(home_));
-  ROOMWISE_TRY(const auto edits, pipeline::stored_edits(home_));
-  const auto taken = pipeline::walks_taken_away(edits);
-  ROOMWISE_TRY(const auto recordings, home_.recordings());
-  for (const home::StoredRecording& walk : recordings) {
-    if (taken.contains(walk.id)) ROOMWISE_CHECK_OK(remove_folder_of(walk));
-  }
   ROOMWISE_CHECK_OK(pipeline::forget_taken_walks(home_));
   ROOMWISE_TRY(const bool owes_erasing, home_.owes_erasing());
   return owes_erasing ? erase_removed(home_) : Expected<void>();
-}
-
-Expected<void> LiveHome::remove_folder_of(const home::StoredRecording& walk) const {
-  const fs::path folder = walk.recording.folder;
-  if (folder.parent_path() != walks_folder()) return {};
-  std::error_code error;
-  fs::remove_all(folder, error);
-  if (error) return fail("{}: could not be removed: {}", folder.string(), error.message());
-  return {};
 }
 
 Expected<void> LiveHome::erase_now() {
@@ -198,7 +183,7 @@ Expected<void> LiveHome::erase_walk(home::RecordingId walk) {
       ROOMWISE_CHECK_OK(pipeline::take_walk_away(home, author({}), walk));
     }
     // Whatever becomes of its bytes in the home: its pictures go, since nobody can ask again.
-    const Expected<void> removed = remove_folder_of(*found);
+    const Expected<void> removed = pipeline::remove_walk_folder(home, *found);
     ROOMWISE_CHECK_OK(pipeline::forget_walk(home, walk));
     const Expected<void> erased = erase_removed(home);
     recognitions_.clear();                // before pages hear of it and look again

@@ -330,6 +330,27 @@ TEST_F(LiveHomeTest, AWalkThatIsTakenAwayGoesWhenTheHomeIsClosedAndIsNotMappedAg
   EXPECT_THAT(home->view()->walks, IsEmpty());
 }
 
+TEST_F(LiveHomeTest, AWalkThatIsForgottenWhileTheHomeIsClosedIsNotMappedAgain) {
+  LiveHomeOptions keeping;
+  keeping.erases_removed = false;
+  home = LiveHome::open(file, networks, finders, keeping).value();
+  record_the_walk();
+  ASSERT_OK(home->edit("Anna", [](home::Home& open, const HomeView&, const auto& author) {
+    return pipeline::take_walk_away(open, author, 1);
+  }));
+  home.reset();
+  EXPECT_TRUE(std::filesystem::exists(folder / "flat.home.walks/first walk"));
+  {
+    home::Home closed = home::Home::open(file).value();
+    ASSERT_OK(pipeline::forget_taken_walks(closed));  // as by `roomwise edit forget`
+    ASSERT_OK(closed.erase_removed());
+  }
+  EXPECT_FALSE(std::filesystem::exists(folder / "flat.home.walks/first walk"));
+  open();
+  home->jobs().wait();
+  EXPECT_THAT(home->view()->walks, IsEmpty());
+}
+
 TEST_F(LiveHomeTest, ErasingThatIsOwedIsDoneWithTheNextChange) {
   open();
   record_the_walk();

@@ -1,10 +1,35 @@
 #include "roomwise/pipeline/edits/walk_edits.h"
 
 #include <algorithm>
+#include <filesystem>
 
 #include "roomwise/pipeline/stored/stored_map.h"
 
 namespace roomwise::pipeline {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+fs::path resolved(const fs::path& path) {
+  std::error_code error;
+  const fs::path absolute = fs::absolute(path, error);
+  return fs::weakly_canonical(absolute, error);
+}
+
+// Its folder in the home's own; absent where it was recorded elsewhere.
+std::optional<fs::path> own_folder_of(const home::Home& home, const home::StoredRecording& walk) {
+  const fs::path own = std::string(home.file()) + ".walks";
+  const fs::path folder = fs::path(walk.recording.folder).lexically_normal();
+  if (!folder.has_filename()) return std::nullopt;
+  // Who serves a home by a relative name has its walks by relative names, of a folder that nobody
+  // knows any more.
+  const bool is_own = folder.is_absolute() ? resolved(folder.parent_path()) == resolved(own)
+                                           : folder.parent_path().filename() == own.filename();
+  return is_own ? std::optional(own / folder.filename()) : std::nullopt;
+}
+
+}  // namespace
 
 Expected<home::EditId> take_walk_away(home::Home& home, const EditAuthor& author,
                                       home::RecordingId walk) {
@@ -29,6 +54,15 @@ std::set<home::RecordingId> walks_taken_away(std::span<const StoredEdit> edits) 
   return walks;
 }
 
+Expected<void> remove_walk_folder(const home::Home& home, const home::StoredRecording& walk) {
+  const auto folder = own_folder_of(home, walk);
+  if (!folder) return {};
+  std::error_code error;
+  fs::remove_all(*folder, error);
+  if (error) return fail("{}: could not be removed: {}", folder->string(), error.message());
+  return {};
+}
+
 Expected<std::vector<home::StoredRecording>> forget_taken_walks(home::Home& home) {
   ROOMWISE_TRY(const auto edits, stored_edits(home));
   const std::set<home::RecordingId> walks = walks_taken_away(edits);
@@ -37,6 +71,7 @@ Expected<std::vector<home::StoredRecording>> forget_taken_walks(home::Home& home
     ROOMWISE_TRY(const auto recordings, home.recordings());
     const auto found = std::ranges::find(recordings, walk, &home::StoredRecording::id);
     if (found == recordings.end()) continue;
+    ROOMWISE_CHECK_OK(remove_walk_folder(home, *found));
     ROOMWISE_CHECK_OK(forget_walk(home, walk));
     forgotten.push_back(*found);
   }

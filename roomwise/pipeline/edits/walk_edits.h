@@ -18,7 +18,14 @@ namespace roomwise::pipeline {
 // Those that are taken away. `edits`: of the home.
 [[nodiscard]] std::set<home::RecordingId> walks_taken_away(std::span<const StoredEdit> edits);
 
-// forget_walk() of each of them; Home::erase_removed() is to follow. Returns what they were.
+// Removes the walk's frames, in the folder HOME.walks beside the home, where it was recorded there;
+// before the walk goes from the home, so that it is not taken for one that waits to be mapped. A
+// recording that lies elsewhere stays: it is whoever recorded it's.
+[[nodiscard]] Expected<void> remove_walk_folder(const home::Home& home,
+                                                const home::StoredRecording& walk);
+
+// remove_walk_folder() and forget_walk() of each of them; Home::erase_removed() is to follow.
+// Returns what they were.
 [[nodiscard]] Expected<std::vector<home::StoredRecording>> forget_taken_walks(home::Home& home);
 
 }  // namespace roomwise::pipeline

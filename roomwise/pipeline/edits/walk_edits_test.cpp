@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
+
 #include "roomwise/base/testing/testing.h"
 #include "roomwise/pipeline/edits/edit_rooms.h"
 #include "roomwise/pipeline/edits/undo_edit.h"
@@ -72,6 +74,36 @@ TEST_F(WalkEdits, ForgettingTakesTheWalksAndTheChangesThatTookThemAway) {
   EXPECT_THAT(walks(), ElementsAre("sunday"));
   EXPECT_THAT(stored_edits(*home_).value(), IsEmpty());
   EXPECT_TRUE(home_->owes_erasing().value());
+}
+
+TEST_F(WalkEdits, OnlyTheFolderInTheHomesOwnIsRemovedWithAWalk) {
+  namespace fs = std::filesystem;
+  const fs::path own = folder_ / "a.home.walks";
+  const auto make = [](const fs::path& folder) {
+    fs::create_directories(folder);
+    return folder.string();
+  };
+  const auto remove = [&](const std::string& folder) {
+    home::StoredRecording walk;
+    walk.recording.folder = folder;
+    return remove_walk_folder(*home_, walk);
+  };
+  make(own / "first");
+  make(own / "second");
+  make(own / "third");
+  const std::string elsewhere = make(folder_ / "other" / "a.home.walks" / "third");
+  ASSERT_OK(remove((own / "first").string()));
+  EXPECT_FALSE(fs::exists(own / "first"));
+  ASSERT_OK(remove("a.home.walks/second")) << "as of a home that was served by a relative name";
+  EXPECT_FALSE(fs::exists(own / "second"));
+  for (const std::string& other :
+       {elsewhere, own.string(), own.string() + "/", std::string(), std::string("third"),
+        std::string("a.home.walks/.."), std::string("a.home.walks/.")}) {
+    ASSERT_OK(remove(other));
+    EXPECT_TRUE(fs::exists(own / "third")) << other;
+  }
+  EXPECT_TRUE(fs::exists(elsewhere));
+  ASSERT_OK(remove((own / "nothing").string()));
 }
 
 TEST_F(WalkEdits, ChangesOfRoomsAndWalksAreUndoneInAnyOrder) {

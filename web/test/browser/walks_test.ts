@@ -22,7 +22,7 @@ for (const [size, name] of [[kDesktop, 'desktop'], [kPhone, 'phone'], [{ width: 
     await heardOnce(visit, 'The walk walk is forgotten. It can be taken back until it is erased.');
     await visit.sees('There is no walk yet.');
     await goTo(visit, 'Forget', 'Forget');
-    await visit.sees("It goes for good when the home's computer is switched off");
+    await visit.sees("It goes for good at once if you say so, else when the home's computer is switched off");
     await visit.assertAccessible('what is erased soon');
     await visit.assertReflows();
     await visit.press('Take back: The walk walk');
