@@ -184,10 +184,38 @@ Expected<std::vector<Account>> AccountStore::accounts() {
 
 // ---- staff ----
 
+std::int64_t AccountStore::begin_try(const std::string& peer, double now_s) {
+  // Each holds a worker meanwhile, and others need these.
+  constexpr std::size_t kTrying = 3;  // of which two wait
+  const std::scoped_lock lock(guard_mutex_);
+  if (trying_ >= kTrying) return 1;
+  if (!tries_.take(peer, now_s)) return static_cast<std::int64_t>(std::ceil(1 / kTriesEachSecond));
+  ++trying_;
+  return 0;
+}
+
+void AccountStore::end_try() {
+  const std::scoped_lock lock(guard_mutex_);
+  --trying_;
+}
+
 tl::expected<StaffSession, SignInRefusal> AccountStore::sign_in(const std::string& name,
                                                                 const std::string& password,
                                                                 const std::string& peer,
                                                                 const Now& now) {
+  if (const std::int64_t wait_s = begin_try(peer, now.steady_s); wait_s > 0) {
+    return tl::unexpected(
+        SignInRefusal{429, fmt::format("too many passwords are tried; wait {} s", wait_s), wait_s});
+  }
+  auto session = try_password(name, password, peer, now);
+  end_try();
+  return session;
+}
+
+tl::expected<StaffSession, SignInRefusal> AccountStore::try_password(const std::string& name,
+                                                                     const std::string& password,
+                                                                     const std::string& peer,
+                                                                     const Now& now) {
   const auto refuse = [](int status, std::string message, std::int64_t wait_s = 0) {
     return tl::unexpected(SignInRefusal{status, std::move(message), wait_s});
   };
@@ -210,12 +238,15 @@ tl::expected<StaffSession, SignInRefusal> AccountStore::sign_in(const std::strin
   if (!rows) return cannot(rows.error());
   const std::string& hash = rows->empty() ? nobodys_hash() : rows->front().at(1);
   const bool is_right = fits(hash, password) && !rows->empty();
-  const std::scoped_lock lock(guard_mutex_);
-  if (!is_right) {
-    guard_.wrong(guesser, now.steady_s);
-    return refuse(401, "the name or the password is wrong");
+  {
+    const std::scoped_lock lock(guard_mutex_);
+    if (!is_right) {
+      guard_.wrong(guesser, now.steady_s);
+      return refuse(401, "the name or the password is wrong");
+    }
+    guard_.right(guesser, "");
+    tries_.give_back(peer);
   }
-  guard_.right(guesser, "");
   StaffSession session;
   session.account = {number_in(rows->front().at(0)), name, {}};
   auto homes = homes_of(session.account.id);

@@ -12,6 +12,7 @@
 #include "roomwise/base/expected.h"
 #include "roomwise/service/identity.h"
 #include "roomwise/service/pairing_guard.h"
+#include "roomwise/service/rate_limit.h"
 #include "roomwise/service/sql_link.h"
 
 namespace roomwise::service {
@@ -45,12 +46,18 @@ struct StaffSession {
 
 // Why somebody could not sign in.
 struct SignInRefusal {
-  int status = 401;  // 401: name or password is wrong; 429: wait; 503: the accounts cannot be asked
+  int status = 401;  // 401: name or password is wrong; 429: wait, nothing was tried; 503: the
+                     // accounts cannot be asked
   std::string message;
   std::int64_t wait_s = 0;
 };
 
 inline constexpr std::int64_t kStaffSession_s = 12 * 3600;
+
+// Wrong passwords that an address may try: an office whose staff sign in at once has room, and
+// guessing takes a small part of a processor.
+inline constexpr double kTriesAtOnce = 20;
+inline constexpr double kTriesEachSecond = 0.5;
 
 // The accounts of an organisation's staff, and the log of who did what. Passwords are kept as
 // Argon2id of libsodium. Several processes may share one database. Thread-safe.
@@ -90,14 +97,23 @@ class AccountStore {
 
  private:
   explicit AccountStore(std::unique_ptr<SqlLink> link) : link_(std::move(link)) {}
+  // Whether a password from there may be tried now, and if not, for how long.
+  [[nodiscard]] std::int64_t begin_try(const std::string& peer, double now_s);
+  void end_try();
+  [[nodiscard]] tl::expected<StaffSession, SignInRefusal> try_password(const std::string& name,
+                                                                       const std::string& password,
+                                                                       const std::string& peer,
+                                                                       const Now& now);
   [[nodiscard]] Expected<std::optional<std::int64_t>> id_of(const std::string& name);
   [[nodiscard]] Expected<std::int64_t> known(const std::string& name);
   [[nodiscard]] Expected<std::map<std::string, Role>> homes_of(std::int64_t account);
 
   const std::unique_ptr<SqlLink> link_;
   std::mutex guard_mutex_;
-  PairingGuard guard_;        // of wrong passwords, by name and address
-  std::mutex hashing_mutex_;  // each takes 64 MiB: one after the other
+  PairingGuard guard_;                               // of wrong passwords, by name and address
+  RateLimit tries_{kTriesAtOnce, kTriesEachSecond};  // wrong ones by address, whatever the name
+  std::size_t trying_ = 0;                           // at work or waiting for hashing_mutex_
+  std::mutex hashing_mutex_;                         // each takes 64 MiB: one after the other
 };
 
 // A role, or "none".

@@ -2,7 +2,10 @@
 
 #include <gmock/gmock.h>
 
+#include <atomic>
+#include <future>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "roomwise/base/testing/testing.h"
 #include "roomwise/service/staff_routes.h"
@@ -132,6 +135,62 @@ TEST_P(AccountStoreTest, ANameThatIsNoneIsNobodysAndMeetsNoAccount) {
   // They are one guesser's, however they are spelled.
   EXPECT_EQ(store_->sign_in("anna\0x2"s, kAnnasPassword, "10.0.0.2", kNow).error().status, 429);
   EXPECT_TRUE(store_->sign_in("anna", kAnnasPassword, "10.0.0.2", kNow));
+}
+
+TEST_P(AccountStoreTest, AnAddressTriesFewPasswordsWhateverTheNames) {
+  ASSERT_OK(store_->add("anna", kAnnasPassword));
+  for (int tries = 0; tries < static_cast<int>(kTriesAtOnce); ++tries) {
+    const std::string name = fmt::format("nobody-{}", tries);
+    EXPECT_EQ(store_->sign_in(name, "wrong password", "10.0.0.1", kNow).error().status, 401);
+  }
+  const auto waits = store_->sign_in("one-more", "wrong password", "10.0.0.1", kNow);
+  EXPECT_EQ(waits.error().status, 429);
+  EXPECT_EQ(waits.error().wait_s, 2);
+  EXPECT_TRUE(store_->sign_in("anna", kAnnasPassword, "10.0.0.2", kNow));
+  // The right password costs nothing.
+  const Now later{kNow.steady_s + 2, kNow.unix_s};
+  EXPECT_TRUE(store_->sign_in("anna", kAnnasPassword, "10.0.0.1", later));
+  EXPECT_TRUE(store_->sign_in("anna", kAnnasPassword, "10.0.0.1", later));
+}
+
+// A database that answers when it is let.
+class HeldLink final : public SqlLink {
+ public:
+  explicit HeldLink(std::shared_future<void> let) : let_(std::move(let)) {}
+  [[nodiscard]] Expected<std::vector<Row>> run(std::string_view sql,
+                                               const std::vector<std::string>&) override {
+    if (sql.starts_with("SELECT")) let_.wait();
+    return std::vector<Row>{};
+  }
+  [[nodiscard]] std::string_view counting_key() const override { return ""; }
+
+ private:
+  const std::shared_future<void> let_;
+};
+
+TEST(AccountStoreAloneTest, WhereTwoWaitToBeHeardOneMoreIsSentAway) {
+  std::promise<void> let;
+  const auto store = AccountStore::open(std::make_unique<HeldLink>(let.get_future().share()));
+  ASSERT_OK(store);
+  std::promise<SignInRefusal> sent_away;
+  std::atomic<int> wrong = 0;
+  std::vector<std::jthread> many;
+  for (int one = 0; one < 4; ++one) {
+    many.emplace_back([&, peer = fmt::format("10.0.0.{}", one)] {
+      const auto refusal = (*store)->sign_in("anna", kAnnasPassword, peer, kNow).error();
+      if (refusal.status == 401) {
+        ++wrong;
+      } else {
+        sent_away.set_value(refusal);
+      }
+    });
+  }
+  const SignInRefusal refusal = sent_away.get_future().get();
+  EXPECT_EQ(refusal.status, 429);
+  EXPECT_EQ(refusal.wait_s, 1);
+  let.set_value();
+  many.clear();
+  EXPECT_EQ(wrong, 3);
 }
 
 TEST_P(AccountStoreTest, PostgresqlIsGivenNoTextWithAZero) {

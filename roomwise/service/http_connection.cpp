@@ -146,9 +146,16 @@ class HttpConnection final : public Connection,
   // Whose home the request is for, and whom it is from.
   void find_home() {
     home_.reset();
+    took_of_peer_ = false;
     if (core_.homes->arrives_at_once()) {
       return on_arrival(core_.homes->arrive(request_, core_.now()));
     }
+    // Finding it takes a worker, files and perhaps a database: not for whoever asks too often. Who
+    // turns out to be known is counted as a device alone.
+    if (!core_.peer_rate.take(peer_, core_.now().steady_s)) {
+      return answer_at_once(refused_too_many());
+    }
+    took_of_peer_ = true;
     const auto arrive = [this] { return core_.homes->arrive(request_, core_.now()); };
     on_worker(arrive, [this](auto arrival) { on_arrival(std::move(arrival)); });
   }
@@ -185,6 +192,9 @@ class HttpConnection final : public Connection,
   std::optional<HttpAnswer> refuse_too_many() {
     const Now now = core_.now();
     const bool device = request_.who.has_value();
+    const bool took_of_peer = std::exchange(took_of_peer_, false);
+    if (device && took_of_peer) core_.peer_rate.give_back(peer_);
+    if (!device && took_of_peer) return std::nullopt;
     if (device && !core_.table.identify(entry_->number(), {home_->name(), request_.who->device})) {
       core_.events.refused("too many connections of one device", peer_, now.steady_s);
       return too_many("this device has too many connections");
@@ -194,7 +204,11 @@ class HttpConnection final : public Connection,
                : core_.peer_rate.take(peer_, now.steady_s)) {
       return std::nullopt;
     }
-    core_.events.refused("too many requests", peer_, now.steady_s);
+    return refused_too_many();
+  }
+
+  HttpAnswer refused_too_many() {
+    core_.events.refused("too many requests", peer_, core_.now().steady_s);
     return too_many("too many requests; wait a second");
   }
 
@@ -412,6 +426,7 @@ class HttpConnection final : public Connection,
   std::uint64_t served_ = 0;
   bool keep_alive_ = false;
   bool is_head_ = false;
+  bool took_of_peer_ = false;  // this request was counted among its address's
   bool drain_ = false;
   bool idle_ = false;  // nobody waits for an answer
   bool ending_ = false;

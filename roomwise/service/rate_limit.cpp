@@ -24,4 +24,10 @@ bool RateLimit::take(const std::string& key, double now_s, double amount) {
   return true;
 }
 
+void RateLimit::give_back(const std::string& key, double amount) {
+  const auto found = buckets_.find(key);
+  if (found == buckets_.end()) return;
+  found->second.left = std::min(burst_, found->second.left + amount);
+}
+
 }  // namespace roomwise::service

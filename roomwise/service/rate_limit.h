@@ -14,6 +14,8 @@ class RateLimit {
 
   // Whether the key may do one more thing now, or `amount` of them.
   [[nodiscard]] bool take(const std::string& key, double now_s, double amount = 1);
+  // That the last one counts no more.
+  void give_back(const std::string& key, double amount = 1);
   [[nodiscard]] std::size_t keys() const { return buckets_.size(); }
 
  private:

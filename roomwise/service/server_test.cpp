@@ -4,6 +4,7 @@
 #include <signal.h>
 #include <sys/resource.h>
 
+#include <atomic>
 #include <nlohmann/json.hpp>
 
 #include "roomwise/service/testing/testing_service.h"
@@ -270,6 +271,49 @@ TEST(ServerTest, AnswersOnlySoManyRequestsASecond) {
   EXPECT_EQ(home.ask("GET", "/api/me", bearer(home.device.token)).status, 200);
   home.steady_s = home.steady_s + 1;
   EXPECT_EQ(client.ask("GET", "/health").status, 200);
+}
+
+// Homes of which one knows who says so.
+class NotingHomes final : public HomesAtPort {
+ public:
+  class Home final : public ServedHome {
+   public:
+    [[nodiscard]] const std::string& name() const override { return name_; }
+    [[nodiscard]] const Router& router() const override { return router_; }
+    [[nodiscard]] Expected<SocketHandler*> sockets() override { return fail("there is none"); }
+
+   private:
+    const std::string name_ = "flat-1";
+    const Router router_{{route("GET", "/api/me", Role::kDevice)}};
+  };
+  std::variant<Arrival, HttpAnswer> arrive(const HttpRequest& request, const Now&) override {
+    ++arrivals;
+    if (request.header("authorization").empty()) return error_answer(401, "nobody");
+    return Arrival{std::make_shared<Home>(), "", Identity{1, "Anna's phone", Role::kDevice}};
+  }
+  std::atomic<int> arrivals = 0;
+};
+
+TEST(ServerTest, WhoAsksTooOftenIsNotEvenLookedUp) {
+  const TestServer own;
+  NotingHomes homes;
+  ServerOptions options;
+  options.certificate = own.certificate;
+  options.clock = [] { return Now{1000, 1'700'000'000}; };
+  options.limits.burst_per_peer = 3;
+  const auto server = Server::open(std::move(options), homes);
+  ASSERT_OK(server);
+  (*server)->serve();
+  RawClient client((*server)->port());
+  ASSERT_TRUE(client.shake_hands());
+  // Who is known is counted for themselves.
+  for (int i = 0; i < 5; ++i) EXPECT_EQ(client.ask("GET", "/api/me", bearer("x")).status, 200);
+  RawClient stranger((*server)->port());
+  ASSERT_TRUE(stranger.shake_hands());
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(stranger.ask("GET", "/api/me").status, 401);
+  EXPECT_EQ(homes.arrivals, 8);
+  EXPECT_EQ(stranger.ask("GET", "/api/me").status, 429);
+  EXPECT_EQ(homes.arrivals, 8);
 }
 
 // The tests' process holds both ends of every connection.

@@ -36,8 +36,11 @@ class StaffDesk {
     if (!session) {
       const SignInRefusal& refusal = session.error();
       if (refusal.status == 503) return unavailable(refusal.message);
-      // What was typed in place of a name may be a password: it is not kept.
-      note({now.unix_s, "somebody", "", "signed in", "refused", request.peer});
+      // What was typed in place of a name may be a password: it is not kept. Whoever was told to
+      // wait tried nothing, and must not fill the log.
+      if (refusal.status == 401) {
+        note({now.unix_s, "somebody", "", "signed in", "refused", request.peer});
+      }
       HttpAnswer answer = error_answer(refusal.status, refusal.message);
       if (refusal.wait_s > 0) {
         answer.headers.emplace_back("Retry-After", fmt::format("{}", refusal.wait_s));
