@@ -308,5 +308,44 @@ TEST_P(AccountStoreTest, AServerThatWasStartedAnewIsAskedAgain) {
   EXPECT_OK(store_->accounts());
 }
 
+TEST_P(AccountStoreTest, WhatWritesReachesAServerThatWasStartedAnewOnce) {
+  if (!is_postgresql()) GTEST_SKIP() << "a file has no server";
+  ASSERT_TRUE(postgresql_->stop());
+  ASSERT_TRUE(postgresql_->start());
+  const AuditLine line{1'700'000'000, "anna", "flat-1", "POST /api/learn", "200", "10.0.0.1"};
+  EXPECT_OK(store_->note(line));
+  EXPECT_THAT(store_->audit(10).value(), ElementsAre(line));
+}
+
+TEST_P(AccountStoreTest, WhereTheConnectionBreaksWhatOnlyAsksIsAskedAgainAndWhatWritesIsNot) {
+  if (!is_postgresql()) GTEST_SKIP() << "a file has no server";
+  const auto link = open_postgresql_link(postgresql_->address());
+  ASSERT_OK(link);
+  ASSERT_OK((*link)->run("DROP TABLE IF EXISTS ended"));
+  ASSERT_OK((*link)->run("CREATE TABLE ended (number BIGINT, is_ended BOOLEAN)"));
+  ASSERT_OK((*link)->run("DROP SEQUENCE IF EXISTS tries"));
+  ASSERT_OK((*link)->run("CREATE SEQUENCE tries"));  // counts also what is not kept
+  const auto tries = [&] {
+    return (*link)->run("SELECT last_value FROM tries").value().at(0).at(0);
+  };
+  constexpr auto kBreaks = "SELECT nextval('tries'), pg_terminate_backend(pg_backend_pid())";
+  EXPECT_ERROR((*link)->run(fmt::format("INSERT INTO ended {}", kBreaks)),
+               "may have been carried out or not");
+  EXPECT_EQ(tries(), "1");
+  EXPECT_ERROR((*link)->run(kBreaks), "PostgreSQL");
+  EXPECT_EQ(tries(), "3");
+}
+
+TEST_P(AccountStoreTest, AStatementThatHangsIsGivenUp) {
+  if (!is_postgresql()) GTEST_SKIP() << "a file has no server";
+  const auto link = open_postgresql_link(postgresql_->address());
+  ASSERT_OK(link);
+  EXPECT_EQ((*link)->run("SHOW statement_timeout").value().at(0).at(0), "5s");
+  const auto told =
+      open_postgresql_link(postgresql_->address() + "&options=-c%20statement_timeout%3D7s");
+  ASSERT_OK(told);
+  EXPECT_EQ((*told)->run("SHOW statement_timeout").value().at(0).at(0), "7s");
+}
+
 }  // namespace
 }  // namespace roomwise::service

@@ -4,6 +4,7 @@
 #include <libpq-fe.h>
 
 #include <algorithm>
+#include <array>
 #include <mutex>
 #endif
 
@@ -41,8 +42,9 @@ class PostgresqlLink final : public SqlLink {
       return fail("PostgreSQL keeps no text with a zero byte in it");
     }
     const std::scoped_lock lock(mutex_);
-    // A server that was started anew has forgotten the connection: what was lost then is asked
-    // again, once, since it was not carried out.
+    // Where the connection breaks nobody knows whether a statement was carried out: what only asks
+    // is asked again, once; what writes is not, since it might be done twice.
+    const bool only_asks = sql.starts_with("SELECT");
     for (int tries = 0;; ++tries) {
       ROOMWISE_CHECK_OK(connect());
       const std::unique_ptr<PGresult, EndResult> result = ask(std::string(sql), values);
@@ -51,6 +53,9 @@ class PostgresqlLink final : public SqlLink {
       std::string why = one_line(PQerrorMessage(connection_.get()));
       const bool is_lost = PQstatus(connection_.get()) == CONNECTION_BAD;
       if (is_lost) connection_.reset();
+      if (is_lost && !only_asks) {
+        return fail("PostgreSQL: {}; it may have been carried out or not", why);
+      }
       if (!is_lost || tries > 0) return fail("PostgreSQL: {}", why);
     }
   }
@@ -60,11 +65,28 @@ class PostgresqlLink final : public SqlLink {
 
  private:
   Expected<void> connect() {
-    if (connection_) return {};
-    // Who signs in must not wait for a server that is away as long as the network may take.
-    const char* const names[] = {"dbname", "connect_timeout", "application_name", nullptr};
-    const char* const values[] = {address_.c_str(), "5", "roomwise", nullptr};
-    connection_.reset(PQconnectdbParams(names, values, /*expand_dbname=*/1));
+    if (connection_ && is_alive()) return {};
+    // Who signs in must not wait for a server that is away or hangs as long as the network may
+    // take. The address comes last, so that it may say otherwise.
+    constexpr std::array<std::array<const char*, 2>, 8> kSettings{{
+        {"application_name", "roomwise"},
+        {"connect_timeout", "5"},      // s
+        {"tcp_user_timeout", "5000"},  // ms until what was sent must have been received
+        {"keepalives", "1"},
+        {"keepalives_idle", "10"},  // s
+        {"keepalives_interval", "5"},
+        {"keepalives_count", "2"},
+        {"options", "-c statement_timeout=5000"},  // ms
+    }};
+    std::vector<const char*> names;
+    std::vector<const char*> values;
+    for (const auto& [name, value] : kSettings) {
+      names.push_back(name);
+      values.push_back(value);
+    }
+    names.insert(names.end(), {"dbname", nullptr});
+    values.insert(values.end(), {address_.c_str(), nullptr});
+    connection_.reset(PQconnectdbParams(names.data(), values.data(), /*expand_dbname=*/1));
     if (connection_ && PQstatus(connection_.get()) == CONNECTION_OK) {
       // What it says beside, of tables that are there already, say, is no news: errors are told.
       PQsetNoticeProcessor(
@@ -76,6 +98,12 @@ class PostgresqlLink final : public SqlLink {
     connection_.reset();
     return fail("PostgreSQL cannot be reached: {}; see to --accounts and that the server runs",
                 why);
+  }
+
+  // Whether the server has not closed it, as one that was started anew has: known without asking.
+  // The first look finds its last words, the second that nothing comes any more.
+  bool is_alive() {
+    return PQconsumeInput(connection_.get()) == 1 && PQconsumeInput(connection_.get()) == 1;
   }
 
   std::unique_ptr<PGresult, EndResult> ask(const std::string& sql,

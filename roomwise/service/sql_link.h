@@ -30,7 +30,9 @@ class SqlLink {
 [[nodiscard]] Expected<std::unique_ptr<SqlLink>> open_sqlite_link(
     const std::filesystem::path& file);
 
-// "postgresql://USER@HOST/DATABASE". A connection that is lost is made anew. Fails where Roomwise
+// "postgresql://USER@HOST/DATABASE". A connection that is lost is made anew; what
+// was being written then may have been carried out or not. A statement may take 5 s, unless the
+// address says otherwise. Fails where Roomwise
 // was built without libpq. Errors never show the address, which may hold a password.
 [[nodiscard]] Expected<std::unique_ptr<SqlLink>> open_postgresql_link(const std::string& address);
 [[nodiscard]] bool has_postgresql();
