@@ -46,14 +46,6 @@ Expected<home::EditId> take_walk_away(home::Home& home, const EditAuthor& author
   return home.add_edit(edit.row());
 }
 
-std::set<home::RecordingId> walks_taken_away(std::span<const StoredEdit> edits) {
-  std::set<home::RecordingId> walks;
-  for (const StoredEdit& edit : edits) {
-    if (edit.kind == EditKind::kTakeWalk && edit.change.walk) walks.insert(*edit.change.walk);
-  }
-  return walks;
-}
-
 Expected<void> remove_walk_folder(const home::Home& home, const home::StoredRecording& walk) {
   const auto folder = own_folder_of(home, walk);
   if (!folder) return {};

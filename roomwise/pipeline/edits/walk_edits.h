@@ -1,22 +1,18 @@
 #pragma once
 
-#include <set>
-#include <span>
 #include <vector>
 
 #include "roomwise/pipeline/edits/edit_things.h"
 #include "roomwise/pipeline/stored/stored_edits.h"
 
-// Taking walks away with a way back: until forget_taken_walks() undo_edit() brings one back.
+// Taking walks away with a way back (walks_taken_away() says which are): until forget_taken_walks()
+// undo_edit() brings one back.
 namespace roomwise::pipeline {
 
 // The walk stays in the home, and in its map; who shows walks leaves it out. Fails where there is
 // no such walk, or it is taken away already.
 [[nodiscard]] Expected<home::EditId> take_walk_away(home::Home& home, const EditAuthor& author,
                                                     home::RecordingId walk);
-
-// Those that are taken away. `edits`: of the home.
-[[nodiscard]] std::set<home::RecordingId> walks_taken_away(std::span<const StoredEdit> edits);
 
 // Removes the walk's frames, in the folder HOME.walks beside the home, where it was recorded there;
 // before the walk goes from the home, so that it is not taken for one that waits to be mapped. A

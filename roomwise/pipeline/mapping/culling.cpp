@@ -11,6 +11,7 @@
 #include "roomwise/pipeline/mapping/home_localizer.h"
 #include "roomwise/pipeline/objects/thing_history.h"
 #include "roomwise/pipeline/stored/keyframe_images.h"
+#include "roomwise/pipeline/stored/stored_edits.h"
 #include "roomwise/pipeline/stored/stored_map.h"
 #include "roomwise/pipeline/stored/stored_rooms.h"
 
@@ -67,7 +68,8 @@ Expected<std::vector<ChangedPlace>> changed_places(const home::Home& home,
   return places;
 }
 
-// Judges the key-frames of one walk. The localiser answers for the home as it was before the walk.
+// Judges the key-frames of one walk. The localiser answers for the home as it was before the walk,
+// without walks that are taken away, whose pictures go when they are erased.
 class KeyframeJudge {
  public:
   static Expected<KeyframeJudge> create(const home::Home& home, home::RecordingId walk,
@@ -83,8 +85,10 @@ class KeyframeJudge {
     for (ChangedPlace& place : changed) {
       if (place.walks.contains(walk)) judge.changed_.push_back(place.middle_world);
     }
+    ROOMWISE_TRY(const auto edits, stored_edits(home));
+    const std::set<home::RecordingId> taken = walks_taken_away(edits);
     for (const home::Keyframe& one : judge.placed_)
-      judge.left_out_.push_back(one.recording >= walk);
+      judge.left_out_.push_back(one.recording >= walk || taken.contains(one.recording));
     judge.walk_ = walk;
     return judge;
   }
@@ -216,7 +220,7 @@ class KeyframeJudge {
   mapping::LocalizerOptions limits_;
   std::vector<home::Keyframe> keyframes_;  // by id
   std::vector<home::Keyframe> placed_;     // of the map
-  std::vector<bool> left_out_;             // by place among those: of the walk, or of a later one
+  std::vector<bool> left_out_;  // by place among those: of the walk, a later one, or one taken away
   home::RecordingId walk_ = 0;
   std::map<home::RecordingId, geometry::PinholeCamera> cameras_;
   KeyframeRooms rooms_;

@@ -11,7 +11,9 @@
 
 // Key-frame culling: what walk after walk shows again, in the same light, need not be kept for
 // each. A walk is judged by those before it, so the first stays whole, and that a later one is
-// forgotten takes nothing from the home that was there before it.
+// forgotten takes nothing from the home that was there before it. That an earlier one is forgotten
+// takes what later ones were culled for; one that is taken away already (stored_edits.h) covers
+// nothing.
 namespace roomwise::pipeline {
 
 struct CullingOptions {
@@ -38,9 +40,9 @@ using CullingVerdicts = std::map<home::KeyframeId, CullingVerdict>;
 [[nodiscard]] std::vector<home::KeyframeId> redundant_of(const CullingVerdicts& verdicts);
 
 // What each key-frame of a walk on the map adds to what the walks before it show. Each is judged
-// for itself, by the home as it was before the walk, so that any number of them can go together.
-// Costs an answer of the localiser, or `covers`, a key-frame. Fails where the home has no such
-// walk, and when the user interrupts.
+// for itself, by the home as it was before the walk, without walks that are taken away, so that any
+// number of them can go together. Costs an answer of the localiser, or `covers`, a key-frame. Fails
+// where the home has no such walk, and when the user interrupts.
 [[nodiscard]] Expected<CullingVerdicts> judge_keyframes(const home::Home& home,
                                                         home::RecordingId walk,
                                                         const CullingOptions& options,

@@ -6,6 +6,8 @@
 #include <filesystem>
 
 #include "roomwise/base/testing/testing.h"
+#include "roomwise/pipeline/edits/undo_edit.h"
+#include "roomwise/pipeline/edits/walk_edits.h"
 #include "roomwise/pipeline/mapping/home_localizer.h"
 #include "roomwise/pipeline/mapping/map_recording.h"
 #include "roomwise/pipeline/stored/stored_map.h"
@@ -147,6 +149,18 @@ TEST_F(Culling, TheFirstWalkIsJudgedByNone) {
   const auto file = home_of_two("a.home");
   const home::Home home = *home::Home::open_read_only(file);
   for (const auto& [id, verdict] : judge(home, 1)) EXPECT_NE(verdict, CullingVerdict::kAddsNothing);
+}
+
+TEST_F(Culling, AWalkThatIsTakenAwayCoversNothing) {
+  const auto file = home_of_two("a.home");
+  home::Home home = *home::Home::open(file);
+  const auto redundant = redundant_of(judge(home, 2));
+  ASSERT_GT(redundant.size(), 5U);
+  const auto taken = take_walk_away(home, {"me", 1'700'000'000}, 1);
+  ASSERT_OK(taken);
+  EXPECT_TRUE(redundant_of(judge(home, 2)).empty()) << "erasing walk 1 would lose the place";
+  ASSERT_OK(undo_edit(home, *taken));
+  EXPECT_EQ(redundant_of(judge(home, 2)), redundant);
 }
 
 TEST_F(Culling, WhatSomethingHangsOnStays) {

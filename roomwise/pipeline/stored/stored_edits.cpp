@@ -158,6 +158,14 @@ Expected<std::vector<StoredEdit>> stored_edits(const home::Home& home) {
   return edits;
 }
 
+std::set<home::RecordingId> walks_taken_away(std::span<const StoredEdit> edits) {
+  std::set<home::RecordingId> walks;
+  for (const StoredEdit& edit : edits) {
+    if (edit.kind == EditKind::kTakeWalk && edit.change.walk) walks.insert(*edit.change.walk);
+  }
+  return walks;
+}
+
 void call_as_later(std::span<const StoredEdit> later, EditChange& change) {
   for (const StoredEdit& edit : later) {
     const bool is_renamed = edit.kind == EditKind::kRenameRoom;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -72,6 +73,9 @@ struct StoredEdit {
 // As they were made, without spots. Fails where one is damaged, or another version of Roomwise made
 // it.
 [[nodiscard]] Expected<std::vector<StoredEdit>> stored_edits(const home::Home& home);
+
+// Walks that are taken away. `edits`: of the home.
+[[nodiscard]] std::set<home::RecordingId> walks_taken_away(std::span<const StoredEdit> edits);
 
 // Calls a change's rooms as changes after it do: those that renamed or joined them.
 void call_as_later(std::span<const StoredEdit> later, EditChange& change);
