@@ -10,6 +10,7 @@
 #include "roomwise/pipeline/edits/walk_edits.h"
 #include "roomwise/pipeline/mapping/home_localizer.h"
 #include "roomwise/pipeline/mapping/map_recording.h"
+#include "roomwise/pipeline/rooms/room_coverage.h"
 #include "roomwise/pipeline/stored/stored_map.h"
 #include "roomwise/pipeline/testing/interrupted_at.h"
 #include "roomwise/pipeline/testing/synthetic_walk.h"
@@ -199,6 +200,31 @@ TEST_F(Culling, PicturesOfANamedRoomGiveWayToThoseOfTheSameRoomOnly) {
   EXPECT_TRUE(redundant_of(judge(home, 2)).empty());
   ASSERT_OK(home.replace_room_ranges(1, {{0, kFrames - 1, "bath", 1}}));
   EXPECT_EQ(redundant_of(judge(home, 2)), redundant);
+}
+
+TEST_F(Culling, AWalkHasSeenARoomWhereItsPicturesAreCulled) {
+  const auto file = home_of_two("a.home");
+  home::Home home = *home::Home::open(file);
+  const auto redundant = redundant_of(judge(home, 2));
+  ASSERT_FALSE(redundant.empty());
+  const std::uint64_t frame = home.keyframes().value()[redundant.front()].frame_index;
+  ASSERT_OK(home.replace_rooms(std::vector<rooms::Room>{{"bath", "bathroom"}}));
+  ASSERT_OK(home.replace_room_ranges(1, {{0, kFrames - 1, "bath", 1}}));
+  ASSERT_OK(home.replace_room_ranges(2, {{frame, frame, "bath", 1}}));
+  ASSERT_OK(cull_keyframes(home, redundant, settings_));
+  ThreadPool pool(2);
+  StageClock clock;
+  RunContext run{pool, silent_, clock};
+  const auto coverage = find_room_coverage(home, {}, run);
+  ASSERT_OK(coverage);
+  ASSERT_EQ(coverage->rooms.size(), 1U);
+  const RoomSeen& bath = coverage->rooms.front();
+  ASSERT_EQ(bath.walks.size(), 2U);
+  EXPECT_EQ(bath.walks[1].walk, 2);
+  EXPECT_EQ(bath.walks[1].pictures, 0U);
+  EXPECT_EQ(bath.by_several_lights(), false) << "it was culled for it showed the same";
+  for (const CoverageItem& item : missing_items(*coverage, {}))
+    EXPECT_NE(item.what, Missing::kSecondWalk) << "it was made";
 }
 
 TEST(CullingOptions, SaysWhichIsWrong) {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <span>
 #include <utility>
 
 #include "roomwise/pipeline/rooms/home_layout.h"
@@ -89,31 +90,53 @@ Expected<void> add_lights(const home::Home& home, const std::vector<home::Keyfra
     tones[{rooms.at(one.id), one.recording}].push_back(known.at({one.id, one.timestamp_ns}));
   }
   for (RoomSeen& room : seen) {
-    for (RoomOnWalk& walk : room.walks) walk.light = light_of(tones.at({room.room, walk.walk}));
+    for (RoomOnWalk& walk : room.walks) {
+      if (walk.pictures > 0) walk.light = light_of(tones.at({room.room, walk.walk}));
+    }
   }
   return {};
 }
 
 // ---- rooms and walks ----
 
-std::vector<RoomSeen> rooms_by_walk(const std::vector<rooms::Room>& rooms,
-                                    const std::vector<home::Keyframe>& keyframes,
-                                    const KeyframeRooms& room_of) {
+RoomOnWalk& walk_of(RoomSeen& room, home::RecordingId id, TimestampNs at_ns) {
+  auto walk = std::ranges::find(room.walks, id, &RoomOnWalk::walk);
+  if (walk == room.walks.end()) {
+    walk = room.walks.insert(room.walks.end(), {id, 0, at_ns, at_ns, std::nullopt});
+  }
+  walk->first_ns = std::min(walk->first_ns, at_ns);
+  walk->last_ns = std::max(walk->last_ns, at_ns);
+  return *walk;
+}
+
+// A walk saw a room by its placed frames, which culling keeps, also where none of its key-frames
+// is left there.
+Expected<std::vector<RoomSeen>> rooms_by_walk(const home::Home& home,
+                                              std::span<const home::StoredRecording> recordings,
+                                              const std::vector<home::Keyframe>& keyframes,
+                                              const KeyframeRooms& room_of) {
   std::vector<RoomSeen> seen;
+  ROOMWISE_TRY(const auto rooms, home.rooms());
   for (const rooms::Room& room : rooms) seen.push_back({room.name, {}});
+  const auto find_room = [&](const std::string& name) {
+    return std::ranges::find(seen, name, &RoomSeen::room);
+  };
+  for (const home::StoredRecording& recording : recordings) {
+    ROOMWISE_TRY(const auto labels, home.room_ranges(recording.id));
+    if (labels.ranges().empty()) continue;
+    ROOMWISE_TRY(const auto frames, home.frames(recording.id));
+    for (const scene::Frame& frame : frames) {
+      const recording::RoomRange* const range = frame.place ? labels.find(frame.index) : nullptr;
+      if (range == nullptr) continue;
+      const auto room = find_room(range->room);
+      if (room != seen.end()) walk_of(*room, recording.id, frame.timestamp_ns);
+    }
+  }
   for (const home::Keyframe& one : keyframes) {
     const auto named = room_of.find(one.id);
     if (named == room_of.end()) continue;
-    const auto room = std::ranges::find(seen, named->second, &RoomSeen::room);
-    if (room == seen.end()) continue;
-    auto& walks = room->walks;
-    auto walk = std::ranges::find(walks, one.recording, &RoomOnWalk::walk);
-    if (walk == walks.end()) {
-      walk = walks.insert(walks.end(),
-                          {one.recording, 0, one.timestamp_ns, one.timestamp_ns, std::nullopt});
-    }
-    ++walk->pictures;
-    walk->last_ns = std::max(walk->last_ns, one.timestamp_ns);
+    const auto room = find_room(named->second);
+    if (room != seen.end()) ++walk_of(*room, one.recording, one.timestamp_ns).pictures;
   }
   return seen;
 }
@@ -148,9 +171,10 @@ std::size_t RoomSeen::pictures() const {
 
 std::optional<bool> RoomSeen::by_several_lights() const {
   for (std::size_t a = 0; a < walks.size(); ++a) {
+    if (walks[a].pictures == 0) continue;  // culled: by the light of one that was kept
     if (!walks[a].light) return std::nullopt;
     for (std::size_t b = 0; b < a; ++b) {
-      if (walks[a].light->differs_from(*walks[b].light)) return true;
+      if (walks[b].light && walks[a].light->differs_from(*walks[b].light)) return true;
     }
   }
   return false;
@@ -172,7 +196,6 @@ Expected<RoomCoverage> find_room_coverage(const home::Home& home, const Coverage
                 [&](const home::StoredRecording& one) { return options.without.contains(one.id); });
   std::erase_if(keyframes,
                 [&](const home::Keyframe& one) { return options.without.contains(one.recording); });
-  ROOMWISE_TRY(const auto rooms, home.rooms());
   ROOMWISE_TRY(const KeyframeRooms room_of, rooms_of_keyframes(home));
   for (const home::StoredRecording& walk : coverage.walks) {
     const auto is_of_walk = [&](const home::Keyframe& one) { return one.recording == walk.id; };
@@ -185,7 +208,7 @@ Expected<RoomCoverage> find_room_coverage(const home::Home& home, const Coverage
           return is_of_walk(one) && !room_of.contains(one.id);
         })));
   }
-  coverage.rooms = rooms_by_walk(rooms, keyframes, room_of);
+  ROOMWISE_TRY(coverage.rooms, rooms_by_walk(home, coverage.walks, keyframes, room_of));
   if (!home.is_locked()) {
     ROOMWISE_CHECK_OK(add_lights(home, keyframes, room_of, coverage.rooms, known, run));
   }

@@ -40,9 +40,10 @@ using PictureTones = std::map<std::pair<home::KeyframeId, TimestampNs>, PictureT
 // A room as one walk saw it.
 struct RoomOnWalk {
   home::RecordingId walk = 0;
-  std::size_t pictures = 0;  // key-frames
+  std::size_t pictures =
+      0;  // key-frames that are kept; 0: others show in the same light what it did
   TimestampNs first_ns = 0, last_ns = 0;
-  std::optional<RoomLight> light;  // absent where the home's pictures are sealed
+  std::optional<RoomLight> light;  // absent where there are no pictures, or they are sealed
 };
 
 struct RoomSeen {

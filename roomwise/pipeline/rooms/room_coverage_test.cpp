@@ -42,6 +42,14 @@ TEST(RoomCoverages, ARoomOfTwoWalksByTwoLightsLacksNothing) {
   EXPECT_THAT(words(coverage), IsEmpty());
 }
 
+TEST(RoomCoverages, AWalkWhosePicturesWereCulledIsNotAskedForAgain) {
+  RoomCoverage coverage;
+  coverage.rooms = {
+      {"bath", {on_walk(1, 30, light(0.6, 0.1)), on_walk(2, 0)}},
+      {"hall", {on_walk(1, 30, light(0.6, 0.1)), on_walk(2, 0), on_walk(3, 9, light(0.3, 0.1))}}};
+  EXPECT_THAT(words(coverage), ElementsAre("bath: other light"));
+}
+
 TEST(RoomCoverages, SayWhatEachRoomLacks) {
   RoomCoverage coverage;
   coverage.rooms = {{"bath", {on_walk(1, 30, light(0.6, 0.1)), on_walk(2, 30, light(0.6, 0.1))}},
