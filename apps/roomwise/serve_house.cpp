@@ -136,14 +136,15 @@ class HouseServer {
     certificate_ = *std::move(now);
     server_->use_certificate(certificate_);
   }
-  // Ends WebSockets of staff who may not open the home any more, or have signed out elsewhere.
+  // Ends WebSockets of staff who may not open the home any more, or in another role, or have signed
+  // out elsewhere.
   void see_to_staff() {
     for (const std::string& home : house_->open_homes()) {
-      for (const std::int64_t device : server_->online(home)) {
+      for (const auto& [device, role] : server_->roles_online(home)) {
         if (device >= 0) continue;
-        const auto let_in = accounts_->is_let_in(-device, home, service::Now::read());
+        const auto role_now = accounts_->role_now(-device, home, service::Now::read());
         // Where the accounts are away, who is in stays.
-        if (!let_in || *let_in) continue;
+        if (!role_now || *role_now == role) continue;
         server_->disconnect(service::DeviceOfHome{home, device}, "this account may not any more");
       }
     }

@@ -284,14 +284,17 @@ Expected<void> AccountStore::sign_out(std::string_view token) {
   return {};
 }
 
-Expected<bool> AccountStore::is_let_in(std::int64_t account, const std::string& home,
-                                       const Now& now) {
-  ROOMWISE_TRY(const auto rows,
-               link_->run("SELECT 1 FROM roomwise_roles r JOIN roomwise_sessions s ON s.account = "
-                          "r.account WHERE r.account = $1 AND r.home = $2 AND s.until_s > $3 LIMIT "
-                          "1",
-                          {text_of(account), home, text_of(now.unix_s)}));
-  return !rows.empty();
+Expected<std::optional<Role>> AccountStore::role_now(std::int64_t account, const std::string& home,
+                                                     const Now& now) {
+  ROOMWISE_TRY(
+      const auto rows,
+      link_->run("SELECT r.role FROM roomwise_roles r JOIN roomwise_sessions s ON s.account = "
+                 "r.account WHERE r.account = $1 AND r.home = $2 AND s.until_s > $3 LIMIT "
+                 "1",
+                 {text_of(account), home, text_of(now.unix_s)}));
+  if (rows.empty()) return std::nullopt;
+  ROOMWISE_TRY(const Role role, role_in(rows.front().at(0)));
+  return role;
 }
 
 // ---- who did what ----

@@ -85,9 +85,9 @@ class AccountStore {
   // Whose token that is; nothing where it is nobody's, or over.
   [[nodiscard]] Expected<std::optional<Account>> who(std::string_view token, const Now& now);
   [[nodiscard]] Expected<void> sign_out(std::string_view token);
-  // Whether that account has a session and may still do that in the home.
-  [[nodiscard]] Expected<bool> is_let_in(std::int64_t account, const std::string& home,
-                                         const Now& now);
+  // What that account, which must have a session, may do in the home now; nothing: not open it.
+  [[nodiscard]] Expected<std::optional<Role>> role_now(std::int64_t account,
+                                                       const std::string& home, const Now& now);
 
   // ---- who did what ----
   [[nodiscard]] Expected<void> note(const AuditLine& line);

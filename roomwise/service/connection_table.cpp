@@ -44,14 +44,18 @@ void ConnectionTable::remove(Number number) {
   changed_.notify_all();
 }
 
-bool ConnectionTable::identify(Number number, const DeviceOfHome& device) {
+bool ConnectionTable::identify(Number number, const DeviceOfHome& device, Role role) {
   const std::scoped_lock lock(mutex_);
   Entry& entry = entries_.at(number);
   const auto before = std::exchange(entry.device, device);
   const bool may = count([&](const Entry& other) { return other.device == device; }) <=
                    limits_.connections_per_device;
   // One too many makes room like a connection without a token.
-  if (!may) entry.device = before;
+  if (may) {
+    entry.role = role;
+  } else {
+    entry.device = before;
+  }
   return may;
 }
 
@@ -80,11 +84,18 @@ std::vector<std::shared_ptr<Connection>> ConnectionTable::of(const DeviceOfHome&
 }
 
 std::set<std::int64_t> ConnectionTable::online(const std::string& home) const {
-  const std::scoped_lock lock(mutex_);
   std::set<std::int64_t> devices;
+  for (const auto& [device, role] : roles_online(home)) devices.insert(device);
+  return devices;
+}
+
+std::set<std::pair<std::int64_t, Role>> ConnectionTable::roles_online(
+    const std::string& home) const {
+  const std::scoped_lock lock(mutex_);
+  std::set<std::pair<std::int64_t, Role>> devices;
   for (const auto& [number, entry] : entries_) {
     if (entry.socket && entry.device && entry.device->home == home) {
-      devices.insert(entry.device->device);
+      devices.emplace(entry.device->device, entry.role);
     }
   }
   return devices;

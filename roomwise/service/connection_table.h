@@ -11,6 +11,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "roomwise/service/identity.h"
@@ -68,7 +69,7 @@ class ConnectionTable {
   void remove(Number number);
 
   // Whose connection it is; false where the device has too many.
-  [[nodiscard]] bool identify(Number number, const DeviceOfHome& device);
+  [[nodiscard]] bool identify(Number number, const DeviceOfHome& device, Role role = Role::kDevice);
   // That a socket was opened; gives the device's older ones that are too many.
   [[nodiscard]] std::vector<std::shared_ptr<Connection>> open_socket(Number number);
 
@@ -76,6 +77,9 @@ class ConnectionTable {
   [[nodiscard]] std::vector<std::shared_ptr<Connection>> of(const DeviceOfHome& device) const;
   // The devices of the home that have a socket.
   [[nodiscard]] std::set<std::int64_t> online(const std::string& home = {}) const;
+  // The same with the role in which each socket was opened.
+  [[nodiscard]] std::set<std::pair<std::int64_t, Role>> roles_online(
+      const std::string& home = {}) const;
   [[nodiscard]] std::size_t size() const;
   [[nodiscard]] std::size_t sockets() const;
 
@@ -88,6 +92,7 @@ class ConnectionTable {
     std::string peer;
     std::weak_ptr<Connection> connection;
     std::optional<DeviceOfHome> device;
+    Role role = Role::kDevice;  // of the device
     bool socket = false;
     bool leaving = false;  // was told to go and counts no more
   };

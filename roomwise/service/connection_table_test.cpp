@@ -46,5 +46,19 @@ TEST(ConnectionTableTest, AnAddressesNewestConnectionsWithoutATokenStay) {
   EXPECT_EQ(verdict.cut, connections[1]) << "the oldest without a token";
 }
 
+TEST(ConnectionTableTest, EachSocketIsKnownWithTheRoleInWhichItWasOpened) {
+  ConnectionTable table(ConnectionLimits{});
+  const DeviceOfHome anna{"flat-1", -1};
+  for (const Role role : {Role::kHelper, Role::kDevice}) {
+    const ConnectionTable::Number number = table.add("10.0.0.1");
+    ASSERT_TRUE(table.identify(number, anna, role));
+    EXPECT_TRUE(table.open_socket(number).empty());
+  }
+  EXPECT_EQ(table.roles_online("flat-1").size(), 2u);
+  EXPECT_TRUE(table.roles_online("flat-1").contains({-1, Role::kHelper}));
+  EXPECT_TRUE(table.roles_online("flat-2").empty());
+  EXPECT_EQ(table.online("flat-1").size(), 1u);
+}
+
 }  // namespace
 }  // namespace roomwise::service

@@ -195,7 +195,8 @@ class HttpConnection final : public Connection,
     const bool took_of_peer = std::exchange(took_of_peer_, false);
     if (device && took_of_peer) core_.peer_rate.give_back(peer_);
     if (!device && took_of_peer) return std::nullopt;
-    if (device && !core_.table.identify(entry_->number(), {home_->name(), request_.who->device})) {
+    if (device && !core_.table.identify(entry_->number(), {home_->name(), request_.who->device},
+                                        request_.who->role)) {
       core_.events.refused("too many connections of one device", peer_, now.steady_s);
       return too_many("this device has too many connections");
     }

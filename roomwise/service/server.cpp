@@ -140,6 +140,10 @@ class ListeningServer final : public Server {
   [[nodiscard]] std::set<std::int64_t> online(const std::string& home) const override {
     return core_->table.online(home);
   }
+  [[nodiscard]] std::set<std::pair<std::int64_t, Role>> roles_online(
+      const std::string& home) const override {
+    return core_->table.roles_online(home);
+  }
 
  private:
   void accept() {

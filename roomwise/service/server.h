@@ -143,6 +143,9 @@ class Server {
   // The devices of the home that have a WebSocket open; `home`: its ServedHome::name().
   [[nodiscard]] virtual std::set<std::int64_t> online(const std::string& home) const = 0;
   [[nodiscard]] std::set<std::int64_t> online() const { return online({}); }
+  // The same with the role in which each was opened.
+  [[nodiscard]] virtual std::set<std::pair<std::int64_t, Role>> roles_online(
+      const std::string& home) const = 0;
   // Shows connections to come another certificate.
   virtual void use_certificate(Certificate certificate) = 0;
   // Closes all connections of a device: after its token was revoked.
