@@ -66,6 +66,20 @@ bool is_of_home(std::string_view rest) {
   return rest.starts_with("/api/") || rest == "/metrics";
 }
 
+// To whom nobody is, a home that is not there and one that is answer alike.
+HttpAnswer answer_to_nobody() {
+  HttpAnswer answer = error_answer(401, "this needs a paired device: pair it with a code first");
+  answer.headers.emplace_back("WWW-Authenticate", "Bearer");
+  return answer;
+}
+
+bool is_for_everyone(const service::Router& router, std::string_view method,
+                     std::string_view path) {
+  return std::ranges::any_of(router.routes(), [&](const service::Route& route) {
+    return !route.role && route.method == method && route.pattern == path;
+  });
+}
+
 // By which a process that would like to have the home says so to the one that has it.
 fs::path wanted_file(const fs::path& home) {
   return service::access_folder(home) / "wanted";
@@ -276,11 +290,11 @@ std::variant<service::Arrival, HttpAnswer> House::arrive(const HttpRequest& requ
     moved.headers = {{"Location", path->base + "/"}};
     return moved;
   }
-  if (!is_of_home(path->rest)) return service::Arrival{door_, path->base};
+  const bool is_of_house =
+      !is_of_home(path->rest) || is_for_everyone(door_->router(), request.method, path->rest);
+  if (is_of_house) return service::Arrival{door_, path->base};
   // Whether there is such a home is nobody's affair: one that is not there has no devices.
-  if (!has(path->name)) {
-    return error_answer(401, "this needs a paired device: pair it with a code first");
-  }
+  if (!has(path->name)) return answer_to_nobody();
   auto resident = find(path->name);
   if (!resident && resident.error().code == ErrorCode::kRefused) {
     return later("another process has this home; try again soon", 1);
@@ -300,7 +314,10 @@ std::variant<service::Arrival, HttpAnswer> House::arrive(const HttpRequest& requ
     return later("the accounts cannot be asked now; try again soon", 5);
   }
   arrival.who = *std::move(known);
-  return arrival;
+  if (arrival.who || is_for_everyone((*resident)->router(), request.method, path->rest)) {
+    return arrival;
+  }
+  return answer_to_nobody();
 }
 
 Expected<std::shared_ptr<House::Resident>> House::find(const std::string& name) {

@@ -188,6 +188,25 @@ TEST_F(HouseTest, ATokenOfOneHomeIsNobodysInAnother) {
       EXPECT_THAT(status("flat-1", bearer(device)), AnyOf(200, 426));
     }
   }
+  // Whether a home is there is not to be had by asking what it lacks, or what is the house's.
+  for (const auto& [method, path] :
+       {std::pair("GET", "/api/authority"), std::pair("GET", "/api/nothing"),
+        std::pair("PUT", "/api/authority"), std::pair("PATCH", "/api/home"),
+        std::pair("GET", "/api/pair"), std::pair("GET", "/api/")}) {
+    SCOPED_TRACE(std::string(method) + " " + path);
+    const auto answer = [&](const std::string& home) {
+      return serving->ask(method, "/homes/" + home + path, "", *method == 'G' ? "" : "{}");
+    };
+    const Answer there = answer("flat-1");
+    const Answer not_there = answer("flat-9");
+    EXPECT_EQ(there.status, not_there.status);
+    EXPECT_EQ(there.body, not_there.body);
+    EXPECT_EQ(there.headers, not_there.headers);
+  }
+  EXPECT_EQ(serving->ask("GET", "/homes/flat-9/api/nothing").status, 401);
+  EXPECT_EQ(serving->ask("GET", "/homes/flat-1/api/nothing", bearer(helper)).status, 404);
+  EXPECT_EQ(serving->ask("GET", "/homes/flat-9/api/authority").body,
+            serving->ask("GET", "/api/authority").body);
   // Who was refused opened nothing.
   EXPECT_THAT(serving->house->open_homes(), ElementsAre("flat-1"));
   EXPECT_EQ(serving->ask("GET", "/homes/flat-1/api/home", bearer(helper)).status, 200);
