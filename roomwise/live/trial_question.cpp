@@ -36,13 +36,23 @@ FrameResult picture_at(const Eigen::Vector2d& place, double heading_degrees, con
   return result;
 }
 
-// Of a question that changes something, or goes on with what was begun, there is nothing to try.
+// Of a question that changes something, goes on with what was begun, is of the device's own spots
+// or looks at the picture itself there is nothing to try.
 bool can_be_tried(service::Question question) {
   using service::Question;
   constexpr std::array kOthers{
-      Question::kNameRoom,    Question::kTeachThing, Question::kNameThing, Question::kStopTeaching,
-      Question::kForgetThing, Question::kShareThing, Question::kKeepThing};
+      Question::kInWords,      Question::kNameRoom,    Question::kTeachThing, Question::kNameThing,
+      Question::kStopTeaching, Question::kForgetThing, Question::kShareThing, Question::kKeepThing,
+      Question::kMarkSpot,     Question::kWhichSpots,  Question::kForgetSpot, Question::kRenameSpot,
+      Question::kWhoIsHere,    Question::kIsItLight};
   return std::ranges::find(kOthers, question) == kOthers.end();
+}
+
+// What is led to: of "take me back" the place, where there is one.
+service::Ask goal_of(const service::Ask& ask, const HomeView& home, std::int64_t now_s) {
+  if (ask.question != service::Question::kTakeMeBack) return ask;
+  const auto back = way_back(home, now_s);
+  return back ? service::Ask{ask.id, ask.t_ms, service::Question::kTakeMeTo, *back} : ask;
 }
 
 }  // namespace
@@ -56,23 +66,31 @@ TrialAnswer try_question(const TrialQuestion& question,
   in_words.question = service::Question::kInWords;
   in_words.subject = question.text;
   const auto ask = ask_of(heard, in_words);
+  if (ask) return try_ask(*ask, question, home);
   TrialAnswer answered;
-  if (!ask || !can_be_tried(ask->question)) {
-    answered.prompts = ask ? guide::example_prompts(names, wording, 0)
-                           : guide::refusal_prompts(heard, names, wording, 0);
+  answered.prompts = guide::refusal_prompts(heard, names, wording, 0);
+  return answered;
+}
+
+TrialAnswer try_ask(const service::Ask& asked, const TrialQuestion& question,
+                    const std::shared_ptr<const HomeView>& home) {
+  TrialAnswer answered;
+  if (!can_be_tried(asked.question)) {
+    answered.prompts = guide::example_prompts(names_in(*home), wording_of(question.settings), 0);
     return answered;
   }
+  const service::Ask ask = goal_of(asked, *home, question.now_s);
   std::optional<FrameResult> picture;
   if (question.place) picture = picture_at(*question.place, question.heading_degrees, *home);
   const Situation situation{*home, picture ? &*picture : nullptr, question.settings, 0,
                             question.today};
   const bool wants_a_way =
-      ask->question == service::Question::kTakeMeTo || ask->question == service::Question::kWayTo;
-  const auto led = wants_a_way ? LedWalk::to(*ask, home, situation) : nullptr;
-  if (led && ask->question == service::Question::kTakeMeTo) {
+      ask.question == service::Question::kTakeMeTo || ask.question == service::Question::kWayTo;
+  const auto led = wants_a_way ? LedWalk::to(ask, home, situation) : nullptr;
+  if (led && ask.question == service::Question::kTakeMeTo) {
     answered.prompts = {led->begin(situation)};
   } else {
-    answered.prompts = answer(*ask, situation);
+    answered.prompts = answer(ask, situation);
   }
   if (led && question.place) {
     const guide::Plan plan = led->plan_from(situation);

@@ -16,6 +16,7 @@ struct TrialQuestion {
   double heading_degrees = 0;              // as they look, counter-clockwise from x
   service::SpeakingSettings settings;      // language and distances
   std::optional<CalendarTime> today = {};  // as far as it is known
+  std::int64_t now_s = 0;                  // since 1970: how long ago a spot was marked
 };
 
 struct TrialAnswer {
@@ -29,5 +30,9 @@ struct TrialAnswer {
 // done.
 [[nodiscard]] TrialAnswer try_question(const TrialQuestion& question,
                                        const std::shared_ptr<const HomeView>& home);
+// The same of what was understood already; `question.text` does not count. Something is always
+// said.
+[[nodiscard]] TrialAnswer try_ask(const service::Ask& ask, const TrialQuestion& question,
+                                  const std::shared_ptr<const HomeView>& home);
 
 }  // namespace roomwise::live

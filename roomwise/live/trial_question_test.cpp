@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include "roomwise/guide/spot_prompts.h"
+
 namespace roomwise::live {
 namespace {
 
@@ -72,6 +74,32 @@ TEST(TrialQuestion, WhatIsNotUnderstoodOrWouldChangeTheHomeIsAnsweredByWhatCanBe
   EXPECT_FALSE(try_question(question("bla bla bla"), home).prompts.empty());
   EXPECT_FALSE(try_question(question("teach a thing"), home).prompts.empty());
   EXPECT_FALSE(try_question(question(""), home).prompts.empty());
+}
+
+TEST(TrialQuestion, WhateverIsAskedSomethingIsSaid) {
+  const auto home = home_with_stove();
+  for (int i = 0; i <= static_cast<int>(service::Question::kIsItLight); ++i) {
+    service::Ask ask;
+    ask.question = static_cast<service::Question>(i);
+    ask.subject = "stove";
+    EXPECT_FALSE(try_ask(ask, question("", {{1, 0}}), home).prompts.empty())
+        << to_string(ask.question);
+    EXPECT_FALSE(try_ask(ask, question(""), home).prompts.empty()) << to_string(ask.question);
+  }
+}
+
+TEST(TrialQuestion, TakeMeBackLeadsToTheSpotAsOnTheDevice) {
+  const auto home = home_with_stove();
+  EXPECT_EQ(try_question(question("take me back", {{0, 0}}), home).prompts.front().message,
+            "spot.no_way_back");
+  ViewedSpot& start = home->spots.emplace_back();
+  start.thing.name = guide::kStartingPlace;
+  start.thing.probability = 1;
+  start.thing.position_gravity = Eigen::Vector3d(3, 0, 0);
+  const TrialAnswer led = try_question(question("take me back", {{0, 0}}), home);
+  EXPECT_THAT(led.prompts.front().text, HasSubstr("starting place"));
+  ASSERT_GE(led.way.size(), 2U);
+  EXPECT_GT(led.way.back().x(), 2);
 }
 
 }  // namespace

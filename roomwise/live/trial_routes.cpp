@@ -31,6 +31,7 @@ Expected<TrialQuestion> read_trial(const service::OrderedJson& json) {
     trial.heading_degrees = members.number("heading_degrees", -360, 360);
   }
   trial.today = calendar_time(unix_now_ns());
+  trial.now_s = unix_now_ns() / 1'000'000'000;
   return members.finish(std::move(trial));
 }
 
