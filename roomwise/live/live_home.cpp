@@ -278,6 +278,7 @@ Expected<void> LiveHome::refresh(std::shared_ptr<const LiveMap> map) {
   {
     const std::scoped_lock lock(view_mutex_);
     views_of_devices_.clear();
+    if (!view->map) set_out_.clear();  // key-frames of a map that is made anew have other numbers
     view_ = std::move(view);
   }
   for (const auto& device : all_devices()) device->home_changed();

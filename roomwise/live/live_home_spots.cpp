@@ -53,9 +53,11 @@ std::vector<ViewedSpot> LiveHome::spots_for(const service::Identity& who) const 
 }
 
 void LiveHome::sets_out(const service::Identity& who, const Eigen::Vector3d& place_gravity) {
-  const auto place = anchored(*view(), place_gravity);
+  const auto now = view();
+  const auto place = anchored(*now, place_gravity);
   if (!place) return;  // then nobody is led by the map either
   const std::scoped_lock lock(view_mutex_);
+  if (!view_->map) return;  // it is made anew meanwhile
   set_out_[who.device] = *place;
   views_of_devices_.erase(who.device);
 }

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "roomwise/guide/spot_prompts.h"
 #include "roomwise/image/codec.h"
 #include "roomwise/live/home_routes.h"
 #include "roomwise/pipeline/edits/walk_edits.h"
@@ -924,6 +925,22 @@ TEST_F(LiveHomeTest, APlaceIsMarkedLedToToldToItsOwnerAloneAndForgotten) {
   // This map shows no floor to walk on, and the guide says so.
   EXPECT_EQ(ask(anna, "take me to my throne").key, "guide");
   EXPECT_EQ(ask(anna, "take me back").key, "guide") << "to where she set out";
+  const auto knows_start = [&] {
+    const auto view = home->view_for({7, "client", service::Role::kDevice});
+    return std::ranges::any_of(
+        view->spots, [](const auto& one) { return one.thing.name == guide::kStartingPlace; });
+  };
+  EXPECT_TRUE(knows_start());
+  ASSERT_OK(home->edit("Anna", [](home::Home& changed, const HomeView&, const auto& author) {
+    return pipeline::take_walk_away(changed, author, 1);
+  }));
+  EXPECT_TRUE(knows_start()) << "the map is the same";
+  ASSERT_OK(home->undo(home->view()->edits.front().edit.id));
+  walk = pipeline::testing::SyntheticWalk(kFrames, 0.045, 0.2);
+  const Client belt = connect(9, service::Role::kDevice);
+  ASSERT_OK(home->begin_recording(9, "second walk"));
+  record_the_rest(belt);
+  EXPECT_FALSE(knows_start()) << "the map was made anew, and with it the key-frames' numbers";
   EXPECT_EQ(ask(anna, "remember where I am").message, "spot.marked_here");
   EXPECT_EQ(ask(ben, "forget my throne").message, "where.unknown");
   EXPECT_THAT(bytes_of_home(), HasSubstr("my throne"));
