@@ -108,7 +108,8 @@ test('a turn on the spot: dark, blurred and doubled photos are refused with the 
   await take('3 photos. That is enough for this room.');
   await visit.page.keyboard.press('Escape');
   await visit.sees('kitchen: 3 photos');
-  assert.equal(await visit.page.evaluate(() => (window as unknown as { turning: World }).turning.stopped), true, 'the camera is off');
+  // The camera is off; what plays it notices that when it draws next.
+  await visit.page.waitForFunction(() => (window as unknown as { turning: World }).turning.stopped, kWaiting);
   assert.equal(server.state.photos.get('kitchen'), 3);
   await visit.press('Learn now');
   await heardOnce(visit, 'Learning has started.');
