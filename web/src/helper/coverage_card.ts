@@ -2,10 +2,11 @@
 import { ApiError, messageOf, request } from '../shared/api';
 import { h, replaceChildren, type Child } from '../shared/dom';
 import type { Coverage } from '../shared/protocol';
+import { svg } from '../shared/svg';
 import { text } from '../shared/texts';
 import type { Helper } from './actions';
 import { tellCoverage, type CoverageGroup, type CoverageMark, type Sentence } from './coverage';
-import { drawPlan, svg, type PlanDrawing } from './plan/plan_drawing';
+import { drawPlan, type PlanDrawing } from './plan/plan_drawing';
 import { card } from './shell';
 
 export function coverageCard({ store }: Helper): HTMLElement {

@@ -2,6 +2,7 @@
 import { at } from '../shared/base';
 import { h } from '../shared/dom';
 import type { Thing } from '../shared/protocol';
+import { svg } from '../shared/svg';
 import { formatMoment, text } from '../shared/texts';
 
 export function keyframeAddress(id: number): string {
@@ -20,16 +21,9 @@ export function thingPicture(thing: Thing): HTMLElement {
   const image = h('img', { src: keyframeAddress(thing.keyframe), alt: text('picture.of_thing', { thing: thing.name }) });
   const frame = h('div', { class: 'boxed' }, image);
   image.addEventListener('load', () => {
-    const svg = document.createElementNS('http://www.w3.org/2000/svg', 'svg');
-    svg.setAttribute('viewBox', `0 0 ${image.naturalWidth} ${image.naturalHeight}`);
-    svg.setAttribute('aria-hidden', 'true');
     const [left, top, width, height] = thing.box;
-    for (const kind of ['under', 'over']) {
-      const box = document.createElementNS('http://www.w3.org/2000/svg', 'rect');
-      Object.entries({ x: left, y: top, width, height, class: kind }).forEach(([name, value]) => box.setAttribute(name, String(value)));
-      svg.append(box);
-    }
-    frame.append(svg);
+    frame.append(svg('svg', { viewBox: `0 0 ${image.naturalWidth} ${image.naturalHeight}`, 'aria-hidden': 'true' },
+      ...['under', 'over'].map((kind) => svg('rect', { x: left, y: top, width, height, class: kind }))));
   });
   return frame;
 }

@@ -1,4 +1,6 @@
 // A QR code from its rows of modules, '1' is dark: one path, with the four light modules that readers need around it.
+import { svg } from '../shared/svg';
+
 export const kQuiet = 4;
 
 export function qrPath(rows: readonly string[]): { side: number; path: string } {
@@ -13,15 +15,10 @@ export function qrPath(rows: readonly string[]): { side: number; path: string } 
 
 export function qrPicture(rows: readonly string[], label: string): SVGSVGElement {
   const { side, path } = qrPath(rows);
-  const make = (name: string, attributes: Record<string, string>): SVGElement => {
-    const element = document.createElementNS('http://www.w3.org/2000/svg', name);
-    Object.entries(attributes).forEach(([key, value]) => element.setAttribute(key, value));
-    return element;
-  };
-  const svg = make('svg', {
+  const element = svg('svg', {
     viewBox: `0 0 ${side} ${side}`, class: 'qr', role: 'img', 'aria-label': label, 'shape-rendering': 'crispEdges',
   });
   // Dark on light in every colour scheme: many readers know nothing else.
-  svg.append(make('rect', { width: String(side), height: String(side), fill: '#fff' }), make('path', { d: path, fill: '#000' }));
-  return svg as SVGSVGElement;
+  element.append(svg('rect', { width: side, height: side, fill: '#fff' }), svg('path', { d: path, fill: '#000' }));
+  return element as SVGSVGElement;
 }

@@ -2,11 +2,11 @@
 import { request } from '../shared/api';
 import { h, type Child } from '../shared/dom';
 import type { Recording } from '../shared/protocol';
+import { svg } from '../shared/svg';
 import { counted, formatTime, text } from '../shared/texts';
 import { kWalkColours } from '../view3d/walk_colours';
 import { act, actOrSay, type Helper } from './actions';
 import { openFormDialog } from './form_dialog';
-import { svg } from './plan/plan_drawing';
 import { rerender } from './rerender';
 import { card } from './shell';
 

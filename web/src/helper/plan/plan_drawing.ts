@@ -1,5 +1,6 @@
 // The plan as a drawing: rooms in colours with their names, doors, things. What it shows is told in words beside it.
 import type { Home, Plan, Point } from '../../shared/protocol';
+import { svg } from '../../shared/svg';
 import { text } from '../../shared/texts';
 import { labelPlace, pathOf, spanOf, type Span } from './plan_geometry';
 
@@ -16,13 +17,6 @@ export interface PlanDrawing {
   pixel_m: number; // about what a pixel of the window is
   overlay: SVGGElement; // for what is being drawn on it
   pointOf: (event: MouseEvent) => Point;
-}
-
-export function svg(tag: string, attributes: Record<string, string | number>, ...children: (Node | string)[]): SVGElement {
-  const element = document.createElementNS('http://www.w3.org/2000/svg', tag);
-  Object.entries(attributes).forEach(([name, value]) => element.setAttribute(name, String(value)));
-  element.append(...children);
-  return element;
 }
 
 function round(value: number): number {

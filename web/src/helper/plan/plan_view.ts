@@ -1,6 +1,7 @@
 // The plan of the home with its legend and what can be done to the home as a whole. All that the drawing shows and
 // offers is in the list beside it, too.
 import { h, replaceChildren } from '../../shared/dom';
+import { svg } from '../../shared/svg';
 import { counted, formatNumber, text } from '../../shared/texts';
 import type { Helper } from '../actions';
 import { radioField } from '../../shared/forms';
@@ -10,7 +11,7 @@ import { rerender } from '../rerender';
 import { openRoomActions } from './room_actions';
 import { addThing, addWayOut, openThingActions } from './thing_actions';
 import { drawNewRoom } from './room_actions';
-import { drawPlan, svg, toneOf } from './plan_drawing';
+import { drawPlan, toneOf } from './plan_drawing';
 
 export function planView(helper: Helper): HTMLElement {
   const { store } = helper;

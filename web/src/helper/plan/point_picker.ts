@@ -2,8 +2,9 @@
 // away. What the cross is over is said.
 import { h } from '../../shared/dom';
 import type { Home, Plan, Point } from '../../shared/protocol';
+import { svg } from '../../shared/svg';
 import { formatNumber, text } from '../../shared/texts';
-import { drawPlan, svg } from './plan_drawing';
+import { drawPlan } from './plan_drawing';
 import { roomAt } from './plan_geometry';
 
 const kStep_m = 0.1;
